@@ -1,0 +1,139 @@
+"""What a frame is made of. An effect returns a tuple of these; ``pipeline.execute`` runs them in order.
+
+Every command carries everything it needs and a ``label`` in the paper's words. Window coordinates are OpenGL's:
+origin lower left, y up. Images of textures and of ReadPixels have their bottom row first.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pipeline.enums import InternalFormat, PrimitiveType
+from pipeline.state import Color, ColorMask, PassState, Scissor
+from pipeline.textures import Texture
+
+
+def _frozen(array, dtype):
+    array = np.array(array, dtype=dtype, order="C")
+    array.setflags(write=False)
+    return array
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Vertex arrays of one primitive type (sections 2.6 to 2.8), checked by ``pipeline.validate``.
+
+    positions           float64 [n, 2..4], object coordinates; missing components are z = 0, w = 1
+    indices             int64 [k] into the vertices, or None: the vertices in order
+    counts              how many indices each strip, fan or polygon takes, or None: all of them are one
+    colors              float64 [n, 3..4], 1.0 = full intensity, or None: (1, 1, 1, 1)
+    secondary_colors    float64 [n, 3], or None: (0, 0, 0)
+    normals             float64 [n, 3], or None: (0, 0, 1)
+    texture_coordinates tuple of float64 [n, 1..4], one per coordinate set; missing components are
+                        t = 0, r = 0, q = 1
+    fog_coordinates     float64 [n], or None: 0
+
+    Arrays are copied and made read-only.
+    """
+
+    positions: np.ndarray
+    primitive: PrimitiveType = PrimitiveType.TRIANGLES
+    indices: np.ndarray | None = None
+    counts: tuple[int, ...] | None = None
+    colors: np.ndarray | None = None
+    secondary_colors: np.ndarray | None = None
+    normals: np.ndarray | None = None
+    texture_coordinates: tuple[np.ndarray, ...] = ()
+    fog_coordinates: np.ndarray | None = None
+
+    def __post_init__(self):
+        for name in ("positions", "colors", "secondary_colors", "normals", "fog_coordinates"):
+            value = getattr(self, name)
+            if value is not None:
+                object.__setattr__(self, name, _frozen(value, np.float64))
+        if self.indices is not None:
+            object.__setattr__(self, "indices", _frozen(self.indices, np.int64))
+        object.__setattr__(self, "texture_coordinates", tuple(_frozen(t, np.float64) for t in self.texture_coordinates))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Clear:
+    """Clear (section 4.2.3). None: that buffer is not cleared. ``depth`` in [0, 1], ``stencil`` 0..255."""
+
+    label: str
+    color: Color | None = None
+    depth: float | None = None
+    stencil: int | None = None
+    scissor: Scissor | None = None
+    color_mask: ColorMask = field(default_factory=ColorMask)
+    stencil_write_mask: int = 0xFF
+
+
+@dataclass(frozen=True, kw_only=True)
+class Draw:
+    """Draw a mesh in a state."""
+
+    label: str
+    mesh: Mesh
+    state: PassState
+
+
+@dataclass(frozen=True, kw_only=True)
+class TexImage:
+    """TexImage1D/2D (section 3.8.1): store ``image`` as the texture object ``texture``."""
+
+    label: str
+    texture: str
+    image: Texture
+
+
+@dataclass(frozen=True, kw_only=True)
+class CopyTexImage:
+    """CopyTexImage2D (section 3.8.2): define a 2D texture, level 0 only, from a framebuffer rectangle."""
+
+    label: str
+    texture: str
+    internal_format: InternalFormat = InternalFormat.RGBA8
+    x: int = 0
+    y: int = 0
+    width: int | None = None
+    height: int | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class CopyTexSubImage:
+    """CopyTexSubImage2D (section 3.8.2): replace a rectangle of level ``level`` of an existing texture.
+
+    ``face``: 0..5 in the order +x, -x, +y, -y, +z, -z for a cube map, else 0.
+    """
+
+    label: str
+    texture: str
+    x_offset: int = 0
+    y_offset: int = 0
+    x: int = 0
+    y: int = 0
+    width: int
+    height: int
+    level: int = 0
+    face: int = 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReadPixels:
+    """ReadPixels (section 4.3.2) into the result's ``pixels[name]``, bottom row first.
+
+    ``format``: RGBA, RGB, RED, GREEN, BLUE, ALPHA, LUMINANCE (R + G + B, clamped), LUMINANCE_ALPHA as uint8
+    [h, w(, c)]; DEPTH_COMPONENT as uint32 [h, w] in depth units; STENCIL_INDEX as uint8 [h, w].
+    """
+
+    label: str
+    name: str
+    format: str = "RGBA"
+    x: int = 0
+    y: int = 0
+    width: int | None = None
+    height: int | None = None
+
+
+Command = Clear | Draw | TexImage | CopyTexImage | CopyTexSubImage | ReadPixels

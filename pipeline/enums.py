@@ -1,0 +1,305 @@
+"""The tokens of OpenGL 1.2.1 and its extensions, without ``GL_`` and without vendor suffix.
+
+The integer values are this project's own codes: ``pipeline/pack.py`` writes them into the rows that kernels
+read, and each kernel module repeats, as plain integers, the codes it decides on (``tests/test_codes.py``
+checks that the two agree).
+
+Source: OpenGL 1.2.1 (Segal, Akeley 1999); NV_register_combiners; EXT_texture_cube_map; NV_texgen_reflection;
+EXT_stencil_wrap; EXT_blend_minmax; EXT_blend_subtract; EXT_texture_lod_bias.
+"""
+
+from enum import IntEnum
+
+
+class PrimitiveType(IntEnum):
+    """What Begin takes (section 2.6.1). Points and lines are not drawn yet."""
+
+    TRIANGLES = 0
+    TRIANGLE_STRIP = 1
+    TRIANGLE_FAN = 2
+    QUADS = 3
+    QUAD_STRIP = 4
+    POLYGON = 5
+
+
+class ComparisonFunction(IntEnum):
+    """Alpha, stencil and depth functions (section 4.1)."""
+
+    NEVER = 0
+    LESS = 1
+    EQUAL = 2
+    LEQUAL = 3
+    GREATER = 4
+    NOTEQUAL = 5
+    GEQUAL = 6
+    ALWAYS = 7
+
+
+class StencilOperation(IntEnum):
+    """Section 4.1.4 and EXT_stencil_wrap."""
+
+    KEEP = 0
+    ZERO = 1
+    REPLACE = 2
+    INCR = 3
+    DECR = 4
+    INVERT = 5
+    INCR_WRAP = 6
+    DECR_WRAP = 7
+
+
+class BlendFactor(IntEnum):
+    """Tables 4.1 and 4.2. Which of them a machine takes as source and as destination is checked by validate."""
+
+    ZERO = 0
+    ONE = 1
+    SRC_COLOR = 2
+    ONE_MINUS_SRC_COLOR = 3
+    DST_COLOR = 4
+    ONE_MINUS_DST_COLOR = 5
+    SRC_ALPHA = 6
+    ONE_MINUS_SRC_ALPHA = 7
+    DST_ALPHA = 8
+    ONE_MINUS_DST_ALPHA = 9
+    SRC_ALPHA_SATURATE = 10
+    CONSTANT_COLOR = 11
+    ONE_MINUS_CONSTANT_COLOR = 12
+    CONSTANT_ALPHA = 13
+    ONE_MINUS_CONSTANT_ALPHA = 14
+
+
+class BlendEquation(IntEnum):
+    """Section 4.1.6 (imaging subset), EXT_blend_minmax, EXT_blend_subtract."""
+
+    FUNC_ADD = 0
+    FUNC_SUBTRACT = 1
+    FUNC_REVERSE_SUBTRACT = 2
+    MIN = 3
+    MAX = 4
+
+
+class LogicOperation(IntEnum):
+    """Table 4.3, in its order: the value's bits are the truth table."""
+
+    CLEAR = 0
+    AND = 1
+    AND_REVERSE = 2
+    COPY = 3
+    AND_INVERTED = 4
+    NOOP = 5
+    XOR = 6
+    OR = 7
+    NOR = 8
+    EQUIV = 9
+    INVERT = 10
+    OR_REVERSE = 11
+    COPY_INVERTED = 12
+    OR_INVERTED = 13
+    NAND = 14
+    SET = 15
+
+
+class Face(IntEnum):
+    """Section 3.5.1."""
+
+    FRONT = 0
+    BACK = 1
+    FRONT_AND_BACK = 2
+
+
+class FrontFace(IntEnum):
+    """Section 3.5.1: the winding, in window coordinates with y up, of a front-facing polygon."""
+
+    CCW = 0
+    CW = 1
+
+
+class ShadeModel(IntEnum):
+    """Section 2.13.7."""
+
+    SMOOTH = 0
+    FLAT = 1
+
+
+class ProvokingVertex(IntEnum):
+    """Which vertex gives a flat-shaded primitive its colour: OpenGL 1.2.1 table 2.12 (LAST), or the first."""
+
+    LAST = 0
+    FIRST = 1
+
+
+class TextureTarget(IntEnum):
+    """Section 3.8 and EXT_texture_cube_map."""
+
+    TEXTURE_1D = 0
+    TEXTURE_2D = 1
+    TEXTURE_CUBE_MAP = 2
+
+
+class InternalFormat(IntEnum):
+    """Sized internal formats, table 3.16: base format and resolution of each component."""
+
+    ALPHA4 = 0
+    ALPHA8 = 1
+    LUMINANCE4 = 2
+    LUMINANCE8 = 3
+    LUMINANCE4_ALPHA4 = 4
+    LUMINANCE6_ALPHA2 = 5
+    LUMINANCE8_ALPHA8 = 6
+    INTENSITY4 = 7
+    INTENSITY8 = 8
+    R3_G3_B2 = 9
+    RGB4 = 10
+    RGB5 = 11
+    R5_G6_B5 = 12
+    RGB8 = 13
+    RGBA2 = 14
+    RGBA4 = 15
+    RGB5_A1 = 16
+    RGBA8 = 17
+
+
+class BaseFormat(IntEnum):
+    """Base internal formats, table 3.15."""
+
+    ALPHA = 0
+    LUMINANCE = 1
+    LUMINANCE_ALPHA = 2
+    INTENSITY = 3
+    RGB = 4
+    RGBA = 5
+
+
+class TextureFilter(IntEnum):
+    """Section 3.8.5; the magnification filter takes the first two."""
+
+    NEAREST = 0
+    LINEAR = 1
+    NEAREST_MIPMAP_NEAREST = 2
+    LINEAR_MIPMAP_NEAREST = 3
+    NEAREST_MIPMAP_LINEAR = 4
+    LINEAR_MIPMAP_LINEAR = 5
+
+
+class WrapMode(IntEnum):
+    """Section 3.8.4, SGIS_texture_edge_clamp, ARB_texture_border_clamp, ARB_texture_mirrored_repeat."""
+
+    REPEAT = 0
+    CLAMP = 1
+    CLAMP_TO_EDGE = 2
+    CLAMP_TO_BORDER = 3
+    MIRRORED_REPEAT = 4
+
+
+class TexGenMode(IntEnum):
+    """Section 2.10.4, EXT_texture_cube_map, NV_texgen_reflection. NONE: generation disabled."""
+
+    NONE = 0
+    OBJECT_LINEAR = 1
+    EYE_LINEAR = 2
+    SPHERE_MAP = 3
+    NORMAL_MAP = 4
+    REFLECTION_MAP = 5
+
+
+class FogMode(IntEnum):
+    """Section 3.10."""
+
+    LINEAR = 0
+    EXP = 1
+    EXP2 = 2
+
+
+class FogCoordinateSource(IntEnum):
+    """EXT_fog_coord: the eye-space distance |z_e|, or the vertices' own fog coordinate."""
+
+    FRAGMENT_DEPTH = 0
+    FOG_COORDINATE = 1
+
+
+class ColorMaterialParameter(IntEnum):
+    """Section 2.13.3."""
+
+    AMBIENT_AND_DIFFUSE = 0
+    AMBIENT = 1
+    DIFFUSE = 2
+    SPECULAR = 3
+    EMISSION = 4
+
+
+class Register(IntEnum):
+    """Combiner registers, table NV_register_combiners.1, and the final combiner's two pseudo-registers."""
+
+    ZERO = 0
+    CONSTANT_COLOR0 = 1
+    CONSTANT_COLOR1 = 2
+    FOG = 3
+    PRIMARY_COLOR = 4
+    SECONDARY_COLOR = 5
+    SPARE0 = 6
+    SPARE1 = 7
+    TEXTURE0 = 8
+    TEXTURE1 = 9
+    TEXTURE2 = 10
+    TEXTURE3 = 11
+    E_TIMES_F = 12
+    SPARE0_PLUS_SECONDARY_COLOR = 13
+    DISCARD = 14
+
+
+class Mapping(IntEnum):
+    """Input mappings, table NV_register_combiners.4."""
+
+    UNSIGNED_IDENTITY = 0
+    UNSIGNED_INVERT = 1
+    EXPAND_NORMAL = 2
+    EXPAND_NEGATE = 3
+    HALF_BIAS_NORMAL = 4
+    HALF_BIAS_NEGATE = 5
+    SIGNED_IDENTITY = 6
+    SIGNED_NEGATE = 7
+
+
+class ComponentUsage(IntEnum):
+    """Which components of a register a combiner variable takes (section 3.8.12.2 of NV_register_combiners)."""
+
+    RGB = 0
+    ALPHA = 1
+    BLUE = 2
+
+
+class CombinerScale(IntEnum):
+    """Output scale of a general combiner portion."""
+
+    NONE = 0
+    SCALE_BY_TWO = 1
+    SCALE_BY_FOUR = 2
+    SCALE_BY_ONE_HALF = 3
+
+
+class CombinerBias(IntEnum):
+    """Output bias of a general combiner portion."""
+
+    NONE = 0
+    BIAS_BY_NEGATIVE_ONE_HALF = 1
+
+
+class ProductRounding(IntEnum):
+    """Where a general combiner brings the /255 scale back: once after the sum, or after every product."""
+
+    JOINT = 0
+    PER_PRODUCT = 1
+
+
+class WindowOrigin(IntEnum):
+    """Where the device counts rows from before snapping (a profile field)."""
+
+    UPPER_LEFT = 0
+    LOWER_LEFT = 1
+
+
+class MagnificationThreshold(IntEnum):
+    """The lambda up to which a texture is magnified: 0 always (the chip), or OpenGL's c of section 3.8.6."""
+
+    ZERO = 0
+    OPENGL_C = 1

@@ -1,0 +1,105 @@
+"""What a machine can do and how wide its numbers are.
+
+One literal per machine in ``pipeline/profiles/``; every field is required and every field has an evidence tag
+in ``evidence``. Code asks what a machine can do, never which machine it is.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+
+from pipeline.enums import (
+    BlendEquation,
+    BlendFactor,
+    InternalFormat,
+    MagnificationThreshold,
+    ProductRounding,
+    StencilOperation,
+    TexGenMode,
+    TextureTarget,
+    WindowOrigin,
+    WrapMode,
+)
+
+EVIDENCE_TAGS = ("Source:", "Measured:", "Inferred:", "Assumed:")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Profile:
+    """A machine.
+
+    Limits
+        ``max_texture_units`` (MAX_TEXTURE_UNITS_ARB), ``max_general_combiners`` (MAX_GENERAL_COMBINERS_NV; 0:
+        no register combiners), ``per_stage_constants`` (NV_register_combiners2), ``max_texture_size``,
+        ``max_cube_map_texture_size`` (texels along an edge), ``power_of_two_textures`` (texture edges must be
+        powers of two), ``max_lod_bias`` (levels), ``max_lights``, ``max_clip_planes``, ``max_viewport``
+        (pixels along an edge), ``depth_bits`` (the widths a depth buffer may have), ``stencil_bits``,
+        ``max_shininess``.
+    Sets
+        ``texture_targets``, ``internal_formats``, ``wrap_modes``, ``texgen_modes``, ``blend_factors_source``,
+        ``blend_factors_destination``, ``blend_equations``, ``stencil_operations``.
+    Switches
+        ``logic_op``, ``fog_coordinate``, ``separate_specular_color``, ``color_sum``.
+    Arithmetic
+        ``exact``: float64 without limits (the ideal machine; the fields below then do not matter).
+        ``expand_half``: what an 8-bit EXPAND mapping takes as one half, 128 or 127.5. ``product_rounding``,
+        ``round_before_scale``, ``clamp_low`` (-256 or -255): general combiner. ``color_mantissa_bits``:
+        significant bits that a float vertex colour keeps on its way to a byte. ``subpixel_bits``: of a snapped
+        window coordinate. ``guard_band``: pixels around the screen that need no clipping.
+        ``device_origin``: where rows are counted from before snapping.
+        ``magnification_threshold``: the lambda up to which the magnification filter is taken.
+    """
+
+    name: str
+    description: str
+    exact: bool
+
+    max_texture_units: int
+    max_general_combiners: int
+    per_stage_constants: bool
+    max_texture_size: int
+    max_cube_map_texture_size: int
+    power_of_two_textures: bool
+    max_lod_bias: float
+    max_lights: int
+    max_clip_planes: int
+    max_viewport: int
+    max_shininess: float
+    depth_bits: tuple[int, ...]
+    stencil_bits: int
+
+    texture_targets: frozenset[TextureTarget]
+    internal_formats: frozenset[InternalFormat]
+    wrap_modes: frozenset[WrapMode]
+    texgen_modes: frozenset[TexGenMode]
+    blend_factors_source: frozenset[BlendFactor]
+    blend_factors_destination: frozenset[BlendFactor]
+    blend_equations: frozenset[BlendEquation]
+    stencil_operations: frozenset[StencilOperation]
+
+    logic_op: bool
+    fog_coordinate: bool
+    separate_specular_color: bool
+    color_sum: bool
+
+    expand_half: float
+    product_rounding: ProductRounding
+    round_before_scale: bool
+    clamp_low: int
+    color_mantissa_bits: int
+    subpixel_bits: int
+    guard_band: int
+    device_origin: WindowOrigin
+    magnification_threshold: MagnificationThreshold
+
+    evidence: Mapping[str, str]
+
+    def __post_init__(self):
+        named = {f.name for f in fields(self)} - {"name", "description", "evidence"}
+        missing, unknown = named - set(self.evidence), set(self.evidence) - named
+        if missing or unknown:
+            raise ValueError(
+                f"{self.name}: every field needs an evidence tag; missing {sorted(missing)}, unknown {sorted(unknown)}"
+            )
+        for field, tag in self.evidence.items():
+            if not tag.startswith(EVIDENCE_TAGS):
+                raise ValueError(f"{self.name}.{field}: evidence must start with one of {', '.join(EVIDENCE_TAGS)}")

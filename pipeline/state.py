@@ -1,0 +1,361 @@
+"""Pass state: frozen dataclasses in the words of the OpenGL 1.2.1 specification, grouped by its sections.
+
+Nothing is "current": a Draw carries a whole ``PassState``. Every default is the OpenGL initial value. Change a
+state with ``dataclasses.replace``; equal states compare equal. What a machine cannot hold is refused by
+``pipeline.validate``, not here; what no machine could mean (three outputs to one register) is refused there too.
+
+Colours are RGBA tuples of floats; 1.0 is full intensity. Matrices are 4x4 tuples of rows, applied to column
+vectors (``clip = projection @ modelview @ object``).
+"""
+
+from dataclasses import dataclass, field
+
+from pipeline.enums import (
+    BlendEquation,
+    BlendFactor,
+    ColorMaterialParameter,
+    CombinerBias,
+    CombinerScale,
+    ComparisonFunction,
+    ComponentUsage,
+    Face,
+    FogCoordinateSource,
+    FogMode,
+    FrontFace,
+    LogicOperation,
+    Mapping,
+    ProvokingVertex,
+    Register,
+    ShadeModel,
+    StencilOperation,
+    TexGenMode,
+    TextureFilter,
+    WrapMode,
+)
+
+Color = tuple[float, float, float, float]
+Vector4 = tuple[float, float, float, float]
+Matrix = tuple[Vector4, Vector4, Vector4, Vector4]
+
+IDENTITY: Matrix = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+
+
+# ---------------------------------------------------------------------------------- vertices (chapter 2)
+
+
+@dataclass(frozen=True, slots=True)
+class Viewport:
+    """Section 2.10.1. Width and height None: the whole framebuffer."""
+
+    x: int = 0
+    y: int = 0
+    width: int | None = None
+    height: int | None = None
+    near: float = 0.0
+    far: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class TexGen:
+    """Texture coordinate generation for one coordinate (section 2.10.4).
+
+    ``plane`` is the object plane, or the eye plane already in eye coordinates (OpenGL transforms it by the
+    inverse modelview matrix when it is specified; here the caller does).
+    """
+
+    mode: TexGenMode = TexGenMode.NONE
+    plane: Vector4 = (0.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Material:
+    """Table 2.8."""
+
+    ambient: Color = (0.2, 0.2, 0.2, 1.0)
+    diffuse: Color = (0.8, 0.8, 0.8, 1.0)
+    specular: Color = (0.0, 0.0, 0.0, 1.0)
+    emission: Color = (0.0, 0.0, 0.0, 1.0)
+    shininess: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Light:
+    """Table 2.8; position and spot direction in eye coordinates. position[3] == 0: directional."""
+
+    ambient: Color = (0.0, 0.0, 0.0, 1.0)
+    diffuse: Color = (1.0, 1.0, 1.0, 1.0)
+    specular: Color = (1.0, 1.0, 1.0, 1.0)
+    position: Vector4 = (0.0, 0.0, 1.0, 0.0)
+    spot_direction: tuple[float, float, float] = (0.0, 0.0, -1.0)
+    spot_exponent: float = 0.0
+    spot_cutoff: float = 180.0
+    constant_attenuation: float = 1.0
+    linear_attenuation: float = 0.0
+    quadratic_attenuation: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class ColorMaterial:
+    """Section 2.13.3: which material parameters follow the vertex colour, on which face."""
+
+    face: Face = Face.FRONT_AND_BACK
+    parameter: ColorMaterialParameter = ColorMaterialParameter.AMBIENT_AND_DIFFUSE
+
+
+@dataclass(frozen=True, slots=True)
+class Lighting:
+    """Section 2.13.1. ``lights`` holds the enabled lights only. None in PassState: lighting disabled."""
+
+    lights: tuple[Light, ...] = ()
+    front: Material = Material()
+    back: Material = Material()
+    model_ambient: Color = (0.2, 0.2, 0.2, 1.0)
+    local_viewer: bool = False
+    two_side: bool = False
+    separate_specular_color: bool = False
+    color_material: ColorMaterial | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class VertexState:
+    """Transformation, lighting and clipping (sections 2.10 to 2.13).
+
+    ``clip_planes``: the enabled user planes, in eye coordinates. ``normalize``: NORMALIZE enabled;
+    ``rescale_normal``: RESCALE_NORMAL enabled.
+    """
+
+    modelview: Matrix = IDENTITY
+    projection: Matrix = IDENTITY
+    viewport: Viewport = Viewport()
+    normalize: bool = False
+    rescale_normal: bool = False
+    lighting: Lighting | None = None
+    clip_planes: tuple[Vector4, ...] = ()
+
+
+# --------------------------------------------------------------------------- rasterization (chapter 3)
+
+
+@dataclass(frozen=True, slots=True)
+class PolygonState:
+    """Section 3.5: culling, facing and depth offset, and section 2.13.7's shade model."""
+
+    cull_face: Face | None = None
+    front_face: FrontFace = FrontFace.CCW
+    offset_fill: bool = False
+    offset_factor: float = 0.0
+    offset_units: float = 0.0
+    shade_model: ShadeModel = ShadeModel.SMOOTH
+    provoking_vertex: ProvokingVertex = ProvokingVertex.LAST
+
+
+@dataclass(frozen=True, slots=True)
+class Sampler:
+    """Texture parameters (table 3.17): how a texture image is sampled."""
+
+    min_filter: TextureFilter = TextureFilter.NEAREST_MIPMAP_LINEAR
+    mag_filter: TextureFilter = TextureFilter.LINEAR
+    wrap_s: WrapMode = WrapMode.REPEAT
+    wrap_t: WrapMode = WrapMode.REPEAT
+    border_color: Color = (0.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class TextureUnit:
+    """One texture unit: which texture object it reads, how, and where its coordinates come from.
+
+    ``texture``: the name under which the scene or a CopyTexImage command stored it. ``lod_bias`` is
+    EXT_texture_lod_bias's per-unit bias. ``coordinates``: which of the mesh's texture coordinate sets feeds
+    the unit. ``gen``: generation for s, t, r, q.
+    """
+
+    texture: str
+    sampler: Sampler = Sampler()
+    lod_bias: float = 0.0
+    coordinates: int = 0
+    gen: tuple[TexGen, TexGen, TexGen, TexGen] = (TexGen(), TexGen(), TexGen(), TexGen())
+    matrix: Matrix = IDENTITY
+
+
+@dataclass(frozen=True, slots=True)
+class CombinerInput:
+    """A combiner variable: register, mapping, component usage."""
+
+    register: Register = Register.ZERO
+    mapping: Mapping = Mapping.UNSIGNED_IDENTITY
+    usage: ComponentUsage = ComponentUsage.RGB
+
+
+_ONE_RGB = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT)
+_ZERO_ALPHA = CombinerInput(Register.ZERO, usage=ComponentUsage.ALPHA)
+
+
+@dataclass(frozen=True, slots=True)
+class RGBPortion:
+    """RGB portion of a general combiner. Defaults: table NV_register_combiners.5, with the outputs the
+    extension initialises (AB and CD discarded, the sum into SPARE0).
+    """
+
+    a: CombinerInput = CombinerInput(Register.PRIMARY_COLOR)
+    b: CombinerInput = _ONE_RGB
+    c: CombinerInput = CombinerInput()
+    d: CombinerInput = CombinerInput()
+    ab_output: Register = Register.DISCARD
+    cd_output: Register = Register.DISCARD
+    sum_output: Register = Register.SPARE0
+    scale: CombinerScale = CombinerScale.NONE
+    bias: CombinerBias = CombinerBias.NONE
+    ab_dot_product: bool = False
+    cd_dot_product: bool = False
+    mux_sum: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class AlphaPortion:
+    """Alpha portion of a general combiner; component usage ALPHA or BLUE."""
+
+    a: CombinerInput = CombinerInput(Register.PRIMARY_COLOR, usage=ComponentUsage.ALPHA)
+    b: CombinerInput = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, ComponentUsage.ALPHA)
+    c: CombinerInput = _ZERO_ALPHA
+    d: CombinerInput = _ZERO_ALPHA
+    ab_output: Register = Register.DISCARD
+    cd_output: Register = Register.DISCARD
+    sum_output: Register = Register.SPARE0
+    scale: CombinerScale = CombinerScale.NONE
+    bias: CombinerBias = CombinerBias.NONE
+    mux_sum: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class GeneralCombiner:
+    """One general combiner stage. ``constant_color0/1``: per-stage constants (NV_register_combiners2) where
+    the profile has them; None: the program's own.
+    """
+
+    rgb: RGBPortion = RGBPortion()
+    alpha: AlphaPortion = AlphaPortion()
+    constant_color0: Color | None = None
+    constant_color1: Color | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class FinalCombiner:
+    """Final combiner, table NV_register_combiners.6. Mappings UNSIGNED_IDENTITY and UNSIGNED_INVERT only."""
+
+    a: CombinerInput = CombinerInput(Register.FOG, usage=ComponentUsage.ALPHA)
+    b: CombinerInput = CombinerInput(Register.SPARE0_PLUS_SECONDARY_COLOR)
+    c: CombinerInput = CombinerInput(Register.FOG)
+    d: CombinerInput = CombinerInput()
+    e: CombinerInput = CombinerInput()
+    f: CombinerInput = CombinerInput()
+    g: CombinerInput = CombinerInput(Register.SPARE0, usage=ComponentUsage.ALPHA)
+
+
+@dataclass(frozen=True, slots=True)
+class RegisterCombiners:
+    """The whole of NV_register_combiners: one to eight general combiners (as the profile allows) and the final."""
+
+    general: tuple[GeneralCombiner, ...] = (GeneralCombiner(),)
+    final: FinalCombiner = FinalCombiner()
+    constant_color0: Color = (0.0, 0.0, 0.0, 0.0)
+    constant_color1: Color = (0.0, 0.0, 0.0, 0.0)
+    color_sum_clamp: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Fog:
+    """Section 3.10. None in PassState: fog disabled (the FOG register is then the color with factor one)."""
+
+    mode: FogMode = FogMode.EXP
+    density: float = 1.0
+    start: float = 0.0
+    end: float = 1.0
+    color: Color = (0.0, 0.0, 0.0, 0.0)
+    coordinate_source: FogCoordinateSource = FogCoordinateSource.FRAGMENT_DEPTH
+
+
+# --------------------------------------------------------------- per-fragment operations (chapter 4)
+
+
+@dataclass(frozen=True, slots=True)
+class Scissor:
+    """Section 4.1.2, in window coordinates (y up). None in PassState: disabled."""
+
+    x: int
+    y: int
+    width: int
+    height: int
+
+
+@dataclass(frozen=True, slots=True)
+class AlphaTest:
+    """Section 4.1.3. None in PassState: disabled."""
+
+    function: ComparisonFunction = ComparisonFunction.ALWAYS
+    reference: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class StencilTest:
+    """Section 4.1.4. None in PassState: disabled."""
+
+    function: ComparisonFunction = ComparisonFunction.ALWAYS
+    reference: int = 0
+    mask: int = 0xFF
+    fail: StencilOperation = StencilOperation.KEEP
+    depth_fail: StencilOperation = StencilOperation.KEEP
+    depth_pass: StencilOperation = StencilOperation.KEEP
+    write_mask: int = 0xFF
+
+
+@dataclass(frozen=True, slots=True)
+class DepthTest:
+    """Section 4.1.5. None in PassState: disabled (and then depth is not written either)."""
+
+    function: ComparisonFunction = ComparisonFunction.LESS
+    write: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Blending:
+    """Section 4.1.6. None in PassState: disabled."""
+
+    source: BlendFactor = BlendFactor.ONE
+    destination: BlendFactor = BlendFactor.ZERO
+    equation: BlendEquation = BlendEquation.FUNC_ADD
+    color: Color = (0.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class ColorMask:
+    """Section 4.2.2."""
+
+    red: bool = True
+    green: bool = True
+    blue: bool = True
+    alpha: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class PassState:
+    """Everything that a Draw needs to know.
+
+    ``texture_units``: unit i reads ``texture_units[i]``; None: the unit is disabled.
+    ``register_combiners`` None: NV_register_combiners disabled; the fragment is then its primary colour, plus
+    the secondary colour if ``color_sum``, then fog.
+    ``logic_op`` None: disabled.
+    """
+
+    vertex: VertexState = VertexState()
+    polygon: PolygonState = PolygonState()
+    texture_units: tuple[TextureUnit | None, ...] = ()
+    register_combiners: RegisterCombiners | None = None
+    color_sum: bool = False
+    fog: Fog | None = None
+    scissor: Scissor | None = None
+    alpha_test: AlphaTest | None = None
+    stencil_test: StencilTest | None = None
+    depth_test: DepthTest | None = None
+    blending: Blending | None = None
+    logic_op: LogicOperation | None = None
+    color_mask: ColorMask = field(default_factory=ColorMask)

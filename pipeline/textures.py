@@ -1,0 +1,216 @@
+"""Texture images: texels at the internal format's resolution, expanded to the bytes that registers read.
+
+A texture keeps, per level, ``uint8[faces, height, width, 4]``: what a combiner's texture register receives from
+one texel, RGBA. An internal format's own components are quantised to its bits and widened to a byte by bit
+replication (Measured: Texture_format captures, distinct levels), and the base format decides where they go
+(Source: NV_register_combiners table 2). Rows run bottom first, as TexImage2D reads them.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.enums import BaseFormat, InternalFormat, TextureTarget
+
+# Component resolutions in the order of the base format's components.  Source: OpenGL 1.2.1 table 3.16.
+COMPONENT_BITS = {
+    InternalFormat.ALPHA4: (4,),
+    InternalFormat.ALPHA8: (8,),
+    InternalFormat.LUMINANCE4: (4,),
+    InternalFormat.LUMINANCE8: (8,),
+    InternalFormat.LUMINANCE4_ALPHA4: (4, 4),
+    InternalFormat.LUMINANCE6_ALPHA2: (6, 2),
+    InternalFormat.LUMINANCE8_ALPHA8: (8, 8),
+    InternalFormat.INTENSITY4: (4,),
+    InternalFormat.INTENSITY8: (8,),
+    InternalFormat.R3_G3_B2: (3, 3, 2),
+    InternalFormat.RGB4: (4, 4, 4),
+    InternalFormat.RGB5: (5, 5, 5),
+    InternalFormat.R5_G6_B5: (5, 6, 5),
+    InternalFormat.RGB8: (8, 8, 8),
+    InternalFormat.RGBA2: (2, 2, 2, 2),
+    InternalFormat.RGBA4: (4, 4, 4, 4),
+    InternalFormat.RGB5_A1: (5, 5, 5, 1),
+    InternalFormat.RGBA8: (8, 8, 8, 8),
+}
+
+BASE_FORMAT = {
+    f: (
+        BaseFormat.LUMINANCE_ALPHA
+        if f.name.startswith("LUMINANCE") and "ALPHA" in f.name
+        else BaseFormat.LUMINANCE
+        if f.name.startswith("LUMINANCE")
+        else BaseFormat.ALPHA
+        if f.name.startswith("ALPHA")
+        else BaseFormat.INTENSITY
+        if f.name.startswith("INTENSITY")
+        else BaseFormat.RGBA
+        if len(COMPONENT_BITS[f]) == 4
+        else BaseFormat.RGB
+    )
+    for f in InternalFormat
+}
+
+# Which RGBA components of an image a base format keeps.  Source: OpenGL 1.2.1 table 3.15.
+KEPT = {
+    BaseFormat.ALPHA: (3,),
+    BaseFormat.LUMINANCE: (0,),
+    BaseFormat.LUMINANCE_ALPHA: (0, 3),
+    BaseFormat.INTENSITY: (0,),
+    BaseFormat.RGB: (0, 1, 2),
+    BaseFormat.RGBA: (0, 1, 2, 3),
+}
+
+# Where a base format's components go in a texture register: an index into them, or the constant 0 or 1.
+# Source: NV_register_combiners table 2.
+REGISTER_COMPONENTS = {
+    BaseFormat.ALPHA: ("0", "0", "0", 0),
+    BaseFormat.LUMINANCE: (0, 0, 0, "1"),
+    BaseFormat.LUMINANCE_ALPHA: (0, 0, 0, 1),
+    BaseFormat.INTENSITY: (0, 0, 0, 0),
+    BaseFormat.RGB: (0, 1, 2, "1"),
+    BaseFormat.RGBA: (0, 1, 2, 3),
+}
+
+
+def widen_to_byte(component, bits):
+    """An n-bit component (0 .. 2**bits - 1) as a byte, by bit replication.
+
+    Measured: Texture_format captures for 4, 5 and 6 bits; 1, 2 and 3 bits Inferred from them.
+    """
+    shift, value = 8 - bits, component << (8 - bits)
+    while shift > 0:
+        value |= value >> bits
+        bits *= 2
+        shift = 8 - bits
+    return value & 0xFF
+
+
+def register_components(components, base, one):
+    """Base-format components [..., c] to register components [..., 4]; ``one`` is full intensity."""
+    out = np.empty((*components.shape[:-1], 4), components.dtype)
+    for k, what in enumerate(REGISTER_COMPONENTS[base]):
+        out[..., k] = components[..., what] if isinstance(what, int) else (one if what == "1" else 0)
+    return out
+
+
+def store_texels(rgba, internal_format):
+    """RGBA in [0, 1] or bytes, [..., 4], to register bytes uint8 [..., 4] at the format's resolution.
+
+    Conversion to n bits rounds to nearest (Source: OpenGL 1.2.1 section 2.13.9).
+    """
+    kept = rgba[..., list(KEPT[BASE_FORMAT[internal_format]])]
+    unit = kept / 255.0 if kept.dtype == np.uint8 else np.clip(kept, 0.0, 1.0)
+    components = np.empty(kept.shape, np.uint8)
+    for k, bits in enumerate(COMPONENT_BITS[internal_format]):
+        quantised = np.floor(unit[..., k] * (2**bits - 1) + 0.5).astype(np.int64)
+        components[..., k] = widen_to_byte(quantised, bits)
+    return register_components(components, BASE_FORMAT[internal_format], np.uint8(255))
+
+
+@dataclass(frozen=True, eq=False)
+class Texture:
+    """A texture object's images.
+
+    levels  tuple of uint8 [faces, height, width, 4], level 0 first: register bytes, bottom row first
+    ideal   the same shapes in float64 before any quantisation, or None: the ideal evaluator then reads the
+            stored bytes divided by 255
+    """
+
+    target: TextureTarget
+    internal_format: InternalFormat
+    levels: tuple[np.ndarray, ...]
+    ideal: tuple[np.ndarray, ...] | None = None
+
+    @property
+    def width(self):
+        """Texels along s of level 0."""
+        return self.levels[0].shape[2]
+
+    @property
+    def height(self):
+        """Texels along t of level 0."""
+        return self.levels[0].shape[1]
+
+
+def _as_rgba(image, what):
+    image = np.asarray(image)
+    if image.dtype != np.uint8:
+        image = image.astype(np.float64)
+        if not np.isfinite(image).all():
+            raise ValueError(f"{what} holds NaN or infinity; texels must be finite numbers in [0, 1], or bytes.")
+    if image.ndim < 3 or image.shape[-1] not in (1, 2, 3, 4):
+        raise ValueError(
+            f"{what} has shape {image.shape}; give [height, width, components] with 1 to 4 components "
+            "(L, LA, RGB or RGBA)."
+        )
+    if 0 in image.shape:
+        raise ValueError(f"{what} is {image.shape[-2]}x{image.shape[-3]} texels; a texture needs at least 1x1.")
+    one = np.uint8(255) if image.dtype == np.uint8 else 1.0
+    c = image.shape[-1]
+    out = np.full((*image.shape[:-1], 4), one, image.dtype)
+    out[..., :3] = image[..., :3] if c >= 3 else image[..., :1]
+    if c in (2, 4):
+        out[..., 3] = image[..., c - 1]
+    return out
+
+
+def halve(level):
+    """The next mipmap level of uint8 or float64 [faces, h, w, 4] by boxes of 2x2 (or 2x1, 1x2) texels.
+
+    Bytes: (a + b + c + d + 2) >> 2, as the arithmetic's rule for generated mipmaps says; an edge of one texel
+    counts it twice.
+    """
+    h, w = level.shape[1:3]
+    if h % 2 and h > 1 or w % 2 and w > 1:
+        raise ValueError(f"Mipmaps of a {w}x{h} level need even edges; give a texture whose edges are powers of two.")
+    rows = (level[:, 0::2], level[:, 1::2]) if h > 1 else (level, level)
+    corners = [r[:, :, k::2] if w > 1 else r for r in rows for k in (0, 1)]
+    if level.dtype == np.uint8:
+        return ((sum(c.astype(np.uint16) for c in corners) + 2) >> 2).astype(np.uint8)
+    return sum(corners) / 4
+
+
+def _build(target, faces, internal_format, mipmaps):
+    base = store_texels(faces, internal_format)
+    source = None
+    if faces.dtype != np.uint8:
+        exact = faces[..., list(KEPT[BASE_FORMAT[internal_format]])]
+        source = register_components(exact, BASE_FORMAT[internal_format], 1.0)
+    levels, sources = [base], [source]
+    while mipmaps and max(levels[-1].shape[1:3]) > 1:
+        levels.append(halve(levels[-1]))
+        sources.append(None if source is None else halve(sources[-1]))
+    for array in (*levels, *(s for s in sources if s is not None)):
+        array.setflags(write=False)
+    return Texture(target, internal_format, tuple(levels), None if source is None else tuple(sources))
+
+
+def texture_1d(image, internal_format=InternalFormat.RGBA8, *, mipmaps=False):
+    """A 1D texture from [width, 1..4 components], bytes or floats in [0, 1]."""
+    row = np.asarray(image)
+    if row.ndim != 2:
+        raise ValueError(f"A 1D texture's image has shape {row.shape}; give [width, components].")
+    return _build(TextureTarget.TEXTURE_1D, _as_rgba(row[None], "The image")[None], internal_format, mipmaps)
+
+
+def texture_2d(image, internal_format=InternalFormat.RGBA8, *, mipmaps=False):
+    """A 2D texture from [height, width, 1..4 components], bytes or floats in [0, 1], bottom row first.
+
+    Floats are kept as the ideal evaluator's source (unclamped) beside the quantised texels.
+    Raises ValueError for zero sizes, NaN, or another shape.
+    """
+    rgba = _as_rgba(image, "The image")
+    if rgba.ndim != 3:
+        raise ValueError(f"A 2D texture's image has shape {rgba.shape}; give [height, width, components].")
+    return _build(TextureTarget.TEXTURE_2D, rgba[None], internal_format, mipmaps)
+
+
+def texture_cube_map(faces, internal_format=InternalFormat.RGBA8, *, mipmaps=False):
+    """A cube map from [6, size, size, components], faces +x, -x, +y, -y, +z, -z; rows as EXT_texture_cube_map
+    orders t (row 0 is t = 0).
+    """
+    rgba = _as_rgba(faces, "The cube map")
+    if rgba.ndim != 4 or rgba.shape[0] != 6 or rgba.shape[1] != rgba.shape[2]:
+        raise ValueError(f"A cube map has shape {rgba.shape[:-1]}; give six square faces [6, size, size, components].")
+    return _build(TextureTarget.TEXTURE_CUBE_MAP, rgba, internal_format, mipmaps)
