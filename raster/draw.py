@@ -1,0 +1,350 @@
+"""Drawing triangles band by band of rows: coverage, batches of fragments, and the order of the stages.
+
+Triangles come in draw order; their fragments fill a batch of columns row by row; a full batch is shaded (interpolation,
+texture units, combiners: pure functions of columns) and written (per-fragment operations). A fragment's value
+depends on its triangle and pixel alone, so neither bands nor the batch size can change a bit.
+"""
+
+import numpy as np
+from numba import float64, int32, int64
+
+from raster import rows as R
+from raster.bins import BAND_HEIGHT
+from raster.combine import copy_plane, fill_plane, final_combiner, general_combiner
+from raster.interpolate import (
+    color_weights,
+    emit_depth,
+    emit_weights,
+    full_weights,
+    iterate_color,
+    iterate_coordinate,
+    iterate_fog,
+    tie_bias,
+)
+from raster.kernel import kernel, separate_function
+from raster.level_of_detail import level_of_detail
+from raster.per_fragment import per_fragment
+from raster.sample import TAU, cube_faces, divide_by_q, sample_unit
+
+NARROW = 16  # pixels: boxes up to this wide are searched pixel by pixel, wider ones by division
+
+
+@kernel
+def row_span(n0, n1, n2, step0, step1, step2, first, last):
+    """The pixels [from, to) of a row, first..last, where all three biased edge functions are >= 0.
+
+    n0, n1, n2: biased values at pixel ``first``; the functions are linear and the span convex.
+    """
+    if last - first < NARROW:
+        start = first
+        while start <= last and (n0 | n1 | n2) < 0:
+            n0, n1, n2 = n0 + step0, n1 + step1, n2 + step2
+            start += 1
+        end = start
+        while end <= last and (n0 | n1 | n2) >= 0:
+            n0, n1, n2 = n0 + step0, n1 + step1, n2 + step2
+            end += 1
+        return start, end
+    start, end = first, last + 1
+    for k in range(3):
+        n = n0 if k == 0 else (n1 if k == 1 else n2)
+        step = step0 if k == 0 else (step1 if k == 1 else step2)
+        if step > 0:
+            if n < 0:
+                start = max(start, first + (-n + step - 1) // step)
+        elif n < 0:
+            return first, first
+        elif step < 0:
+            end = min(end, first + n // (-step) + 1)
+    return start, max(start, end)
+
+
+@kernel
+def unbound_texture(registers, unit, count):
+    """The register of a disabled unit: (0, 0, 0, 255). Measured: unbound textures (combiner captures)."""
+    for c in range(4):
+        fill_plane(registers[(R.TEXTURE0 + unit) * 4 + c], count, int32(255 if c == 3 else 0))
+
+
+@kernel(
+    "void(i8[::1],i4[:,:,::1],i4[:,::1],i2[:,::1],i4[::1],i8,i4[::1],i4[::1],i4[::1],i8,i4[:,::1],i4[::1],i4[::1],"
+    "f8[::1],u1[:,:,::1],f8[:,:,::1],f8[::1],f8[::1],u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],i8[:,::1],"
+    "i4[::1],i4[::1],i4[::1],i8,f8[::1],f8[::1],f8[::1],f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i4[:,::1],i2[:,::1])"
+)
+def shade(
+    draw,
+    program,
+    final,
+    constants,
+    arithmetic,
+    count,
+    starts,
+    owners,
+    backs,
+    segments,
+    triangles,
+    x,
+    y,
+    inverse_w,
+    colors,
+    coordinates,
+    fog,
+    fog_thresholds,
+    texels0,
+    texels1,
+    texels2,
+    texels3,
+    levels,
+    units,
+    run_starts,
+    run_x,
+    run_y,
+    runs,
+    e0,
+    e1,
+    e2,
+    floats,
+    ints,
+    packed,
+    registers,
+    products,
+    results,
+):
+    """Fragment colours of a batch, into ``results`` planes 0..3: interpolation, texture units, combiners."""
+    separate_function()
+    w0, w2, residual = ints[11], ints[12], ints[13]
+    b0, b2 = floats[8], floats[9]
+    if draw[R.NEEDS_COLOR_WEIGHTS]:
+        color_weights(e0, e1, e2, count, w0, w2, residual)
+    if draw[R.NEEDS_WEIGHTS]:
+        full_weights(e0, e1, e2, count, b0, b2)
+    flat = draw[R.FLAT]
+    if draw[R.DIRECT]:
+        for c in range(4):
+            iterate_color(starts, owners, backs, segments, triangles, colors, c, flat, w0, w2, results[c])
+        return
+    if draw[R.NEEDS_PRIMARY]:
+        for c in range(4):
+            plane = registers[R.PRIMARY * 4 + c]
+            iterate_color(starts, owners, backs, segments, triangles, colors, c, flat, w0, w2, plane)
+    if draw[R.NEEDS_SECONDARY]:
+        for c in range(3):
+            plane = registers[R.SECONDARY * 4 + c]
+            iterate_color(starts, owners, backs, segments, triangles, colors, 4 + c, flat, w0, w2, plane)
+        fill_plane(registers[R.SECONDARY * 4 + 3], count, int32(0))
+    if draw[R.NEEDS_FOG]:
+        if draw[R.FOG_ENABLED]:
+            factor = registers[R.FOG * 4 + 3]
+            iterate_fog(starts, owners, segments, triangles, fog, b0, b2, fog_thresholds, draw[R.FOG_RISING], factor)
+    if draw[R.WRITES_TEXTURE]:
+        for u in range(4):
+            unbound_texture(registers, u, count)
+    for u in range(draw[R.UNITS]):
+        row = units[u]
+        if not row[R.ENABLED]:
+            continue
+        iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 0, b0, b2, floats[0])
+        iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 1, b0, b2, floats[1])
+        if not (row[R.MAG_LINEAR] and row[R.MIN_LINEAR]) and row[R.TARGET] != 2:
+            tie_bias(starts, owners, segments, triangles, coordinates, u, 0, residual, TAU, floats[2])
+            tie_bias(starts, owners, segments, triangles, coordinates, u, 1, residual, TAU, floats[3])
+        if row[R.TARGET] == 2:
+            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 2, b0, b2, floats[4])
+            cube_faces(floats[0], floats[1], floats[4], count, ints[0], floats[5], floats[6])
+            floats[0, :count] = floats[5, :count]
+            floats[1, :count] = floats[6, :count]
+        elif row[R.PROJECTIVE]:
+            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 3, b0, b2, floats[4])
+            divide_by_q(floats[0], floats[4], count)
+            divide_by_q(floats[1], floats[4], count)
+        if row[R.MIPMAP] != 0 or row[R.MAG_LINEAR] != row[R.MIN_LINEAR]:
+            level_of_detail(
+                run_starts, run_x, run_y, ints[14], runs, triangles, x, y, inverse_w, coordinates, u, row, levels[u], ints[15]
+            )
+        texels = texels0 if u == 0 else (texels1 if u == 1 else (texels2 if u == 2 else texels3))
+        planes = registers[(R.TEXTURE0 + u) * 4 : (R.TEXTURE0 + u) * 4 + 4]
+        sample_unit(texels, levels[u], row, count, ints[15], floats, ints, packed, planes)
+    for c in range(3):
+        fill_plane(registers[R.SPARE0 * 4 + c], count, int32(0))
+    copy_plane(registers[R.TEXTURE0 * 4 + 3], registers[R.SPARE0 * 4 + 3], count)
+    for c in range(4):
+        fill_plane(registers[R.SPARE1 * 4 + c], count, int32(0))
+    for stage in range(draw[R.STAGES]):
+        if draw[R.STAGE_CONSTANTS]:
+            for c in range(8):
+                fill_plane(registers[R.CONSTANT0 * 4 + c], count, int32(constants[stage, c]))
+        general_combiner(registers, program[stage], count, arithmetic, products, results)
+    if draw[R.STAGE_CONSTANTS]:
+        for c in range(8):
+            fill_plane(registers[R.CONSTANT0 * 4 + c], count, int32(constants[draw[R.STAGES], c]))
+    uses_ef, uses_sum = draw[R.USES_E_TIMES_F], draw[R.USES_SPARE0_PLUS_SECONDARY]
+    final_combiner(registers, final, count, uses_ef, uses_sum, draw[R.COLOR_SUM_CLAMP], results)
+
+
+@kernel(
+    "i8(i8[::1],f8[::1],i4[:,:,::1],i4[:,::1],i2[:,::1],i4[::1],i4[:,::1],i4[:,::1],i4[::1],i4[::1],f8[::1],f8[::1],"
+    "u1[:,:,::1],f8[:,:,::1],f8[::1],f8[::1],u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],i8[:,::1],"
+    "i4[::1],i4[::1],i8,i8,i8,u4[:,::1],u4[:,::1],u1[:,::1],i4[:,::1])"
+)
+def draw_bands(
+    draw,
+    draw_float,
+    program,
+    final,
+    constants,
+    arithmetic,
+    factors,
+    triangles,
+    x,
+    y,
+    z,
+    inverse_w,
+    colors,
+    coordinates,
+    fog,
+    fog_thresholds,
+    texels0,
+    texels1,
+    texels2,
+    texels3,
+    levels,
+    units,
+    order,
+    ends,
+    first_band,
+    band_step,
+    batch,
+    color,
+    depth_buffer,
+    stencil,
+    record,
+):
+    """Draw bands first_band, first_band + band_step, ... of the framebuffer.
+
+    Rows are laid out as ``raster.rows`` says. ``order`` and ``ends`` are what ``raster.bins.fill_bins`` leaves: the
+    triangles of band b are ``order[ends[b - 1]:ends[b]]``. ``record`` int32[n, 4] takes (triangle, x, y, passed) of
+    every fragment while it has room (n = 0: nothing is recorded). Returns the number of fragments drawn.
+    """
+    e0, e1, e2 = np.empty(batch, np.float64), np.empty(batch, np.float64), np.empty(batch, np.float64)
+    depth = np.empty(batch, np.int32)
+    floats = np.empty((10, batch), np.float64)
+    ints = np.empty((16, batch), np.int32)
+    packed = np.empty((7, batch), np.uint32)
+    registers = np.zeros((R.REGISTERS * 4, batch), np.int16)
+    products, results = np.empty((9, batch), np.int32), np.empty((12, batch), np.int16)
+    colors_packed, alive = np.empty(batch, np.uint32), np.empty(batch, np.uint8)
+    starts, owners, backs = np.empty(batch + 1, np.int32), np.empty(batch, np.int32), np.empty(batch, np.int32)
+    run_starts, run_x, run_y = np.empty(batch + 1, np.int32), np.empty(batch, np.int32), np.empty(batch, np.int32)
+    for c in range(8):
+        fill_plane(registers[R.CONSTANT0 * 4 + c], batch, int32(constants[0, c]))
+    for c in range(3):
+        fill_plane(registers[R.FOG * 4 + c], batch, int32(draw[R.FOG_RED + c]))
+    fill_plane(registers[R.FOG * 4 + 3], batch, int32(255))
+    for u in range(4):
+        unbound_texture(registers, u, batch)
+
+    needs_weights = draw[R.NEEDS_WEIGHTS] or draw[R.NEEDS_COLOR_WEIGHTS]
+    needs_depth, needs_color = draw[R.NEEDS_DEPTH], draw[R.NEEDS_COLOR]
+    depth_max = int32(draw[R.DEPTH_MAX])
+    recorded = int64(0)
+    for band in range(first_band, ends.shape[0], band_step):
+        begin = int64(ends[band - 1]) if band > 0 else int64(0)
+        members = int64(ends[band]) - begin
+        if members == 0:
+            continue
+        top, bottom = max(band * BAND_HEIGHT, draw[R.Y0]), min((band + 1) * BAND_HEIGHT, draw[R.Y1])
+        position, segments, runs = int64(0), int64(0), int64(0)
+        for k in range(members + 1):
+            finished = k == members
+            t = order[begin + k] if not finished else order[begin]
+            v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+            x0, y0, x1, y1, x2, y2 = int64(x[v0]), int64(y[v0]), int64(x[v1]), int64(y[v1]), int64(x[v2]), int64(y[v2])
+            first_row = max((min(y0, min(y1, y2)) + 7) >> 4, top)
+            last_row = min((max(y0, max(y1, y2)) - 8) >> 4, bottom - 1)
+            left = max((min(x0, min(x1, x2)) + 7) >> 4, draw[R.X0])
+            right = min((max(x0, max(x1, x2)) - 8) >> 4, draw[R.X1] - 1)
+            if finished:
+                last_row = first_row  # one turn of the row loop, to flush
+            # Edge functions n1 and n2 step by these from pixel to pixel and row to row; n0 is the rest of the area.
+            area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
+            sign = int64(-1) if area < 0 else int64(1)
+            signed_area, area = area, area * sign
+            right1, down1 = (y2 - y0) * 16 * sign, -(x2 - x0) * 16 * sign
+            right2, down2 = -(y1 - y0) * 16 * sign, (x1 - x0) * 16 * sign
+            right0, down0 = -(right1 + right2), -(down1 + down2)
+            sx, sy = left * 16 + 8, first_row * 16 + 8
+            n1 = ((sx - x0) * (y2 - y0) - (x2 - x0) * (sy - y0)) * sign
+            n2 = ((x1 - x0) * (sy - y0) - (sx - x0) * (y1 - y0)) * sign
+            n0 = area - n1 - n2
+            # The interior lies to the right of a left edge and below a top edge: there a value of 0 is inside.
+            tie0 = int64(0) if right0 > 0 or (right0 == 0 and down0 > 0) else int64(-1)
+            tie1 = int64(0) if right1 > 0 or (right1 == 0 and down1 > 0) else int64(-1)
+            tie2 = int64(0) if right2 > 0 or (right2 == 0 and down2 > 0) else int64(-1)
+            iw0, iw1, iw2 = inverse_w[v0], inverse_w[v1], inverse_w[v2]
+            if iw0 == iw1 and iw1 == iw2:
+                iw0 = iw1 = iw2 = 1.0
+            back = int32(1) if draw[R.BACK_SIGN] == sign else int32(0)
+            inverse_area, z1, z01, z21, offset = 0.0, 0.0, 0.0, 0.0, int32(0)
+            if needs_depth and not finished:
+                inverse_area = 1.0 / float64(area)
+                za, z1, zb = z[v0] * draw_float[R.DEPTH_SCALE], z[v1] * draw_float[R.DEPTH_SCALE], z[v2] * draw_float[R.DEPTH_SCALE]
+                z01, z21 = za - z1, zb - z1
+                if draw[R.POLYGON_OFFSET]:
+                    dx = ((z1 - za) * float64(y2 - y0) - (zb - za) * float64(y1 - y0)) * 16.0 / float64(signed_area)
+                    dy = ((zb - za) * float64(x1 - x0) - (z1 - za) * float64(x2 - x0)) * 16.0 / float64(signed_area)
+                    amount = draw_float[R.OFFSET_UNITS] + draw_float[R.OFFSET_FACTOR] * max(abs(dx), abs(dy))
+                    offset = int32(min(max(amount, -(2.0**30)), 2.0**30))
+            for row in range(first_row, last_row + 1):
+                start, end = left, left
+                if not finished:
+                    start, end = row_span(n0 + tie0, n1 + tie1, n2 + tie2, right0, right1, right2, left, right)
+                while start < end or (finished and position > 0):
+                    if start < end:
+                        n = min(end - start, batch - position)
+                        if segments == 0 or owners[segments - 1] != t:
+                            owners[segments], starts[segments], backs[segments] = t, int32(position), back
+                            segments += 1
+                        run_starts[runs], run_x[runs], run_y[runs] = int32(position), int32(start), int32(row)
+                        ints[14, runs] = t
+                        runs += 1
+                        ahead = start - left
+                        m0, m2 = float64(n0 + ahead * right0), float64(n2 + ahead * right2)
+                        if needs_weights:
+                            m1 = float64(n1 + ahead * right1)
+                            s0, s1, s2 = float64(right0), float64(right1), float64(right2)
+                            emit_weights(e0, e1, e2, position, n, m0, m1, m2, s0, s1, s2, iw0, iw1, iw2)
+                        if needs_depth:
+                            tie = draw_float[R.DEPTH_TIE]
+                            s0, s2 = float64(right0), float64(right2)
+                            emit_depth(depth, position, n, m0, m2, s0, s2, inverse_area, z1, z01, z21, tie, offset, depth_max)
+                        position += n
+                        start += n
+                    if position == batch or finished:
+                        starts[segments], run_starts[runs] = int32(position), int32(position)
+                        if needs_color:
+                            shade(
+                                draw, program, final, constants, arithmetic, position, starts, owners, backs, segments,
+                                triangles, x, y, inverse_w, colors, coordinates, fog, fog_thresholds,
+                                texels0, texels1, texels2, texels3, levels, units, run_starts, run_x, run_y, runs,
+                                e0, e1, e2, floats, ints, packed, registers, products, results,
+                            )  # fmt: skip
+                        per_fragment(
+                            draw, position, run_starts, run_x, run_y, runs, results, colors_packed, depth, alive, factors,
+                            color, depth_buffer, stencil,
+                        )  # fmt: skip
+                        if record.shape[0] > 0:
+                            for run in range(runs):
+                                for i in range(run_starts[run], run_starts[run + 1]):
+                                    if recorded < record.shape[0]:
+                                        record[recorded, 0] = ints[14, run]
+                                        record[recorded, 1] = run_x[run] + i - run_starts[run]
+                                        record[recorded, 2] = run_y[run]
+                                        record[recorded, 3] = alive[i]
+                                    recorded += 1
+                        else:
+                            recorded += position
+                        position, segments, runs = int64(0), int64(0), int64(0)
+                n0 += down0
+                n1 += down1
+                n2 += down2
+    return recorded

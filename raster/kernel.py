@@ -1,0 +1,125 @@
+"""The one decorator every kernel wears, and the two promises a loop kernel can make to the compiler.
+
+Numba's on-disk cache watches only the file a kernel is written in, not the kernels it calls in other files, so
+an edit could go unnoticed. The cache folder is therefore named after a digest of every source in ``raster/``
+(and of the settings that change the code but not the sources).
+"""
+
+import hashlib
+import os
+import tempfile
+from pathlib import Path
+
+import numba
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+
+_SOURCES = Path(__file__).parent
+
+
+def _digest():
+    digest = hashlib.sha256(numba.__version__.encode())
+    for path in sorted(_SOURCES.glob("*.py")):
+        digest.update(path.name.encode())
+        digest.update(path.read_bytes())
+    digest.update(repr((numba.config.BOUNDSCHECK, numba.config.OPT)).encode())
+    return digest.hexdigest()[:16]
+
+
+def _writable(folder):
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
+
+
+def _cache_folder():
+    """The first folder that can be written: the user's choice, beside the sources, the user's cache, temporary."""
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fixedpipe"
+    for base in (chosen and Path(chosen), _SOURCES.parent / ".cache", user):
+        if base and _writable(base / "kernels" / _digest()):
+            return base / "kernels" / _digest()
+    return Path(tempfile.mkdtemp(prefix="fixedpipe-kernels-"))
+
+
+CACHE_FOLDER = _cache_folder()
+numba.config.CACHE_DIR = str(CACHE_FOLDER)
+
+
+def kernel(*signature):
+    """Compile to machine code: ``@kernel`` or ``@kernel("signature")``.
+
+    No ``fastmath``: it would let LLVM reorder sums and fuse multiply-adds, and either changes bits. ``numpy``
+    error model: a division by zero gives infinity instead of raising. ``nogil``: bands run in threads.
+    """
+    compile_ = numba.njit(
+        *([signature[0]] if signature and not callable(signature[0]) else []),
+        cache=True,
+        fastmath=False,
+        error_model="numpy",
+        nogil=True,
+    )
+    return compile_(signature[0]) if signature and callable(signature[0]) else compile_
+
+
+def is_cold():
+    """Whether the kernels of these sources have never been compiled on this machine."""
+    return not any(CACHE_FOLDER.rglob("*.nbc"))
+
+
+@intrinsic
+def separate_loop(typing_context):
+    """Promise, as a kernel's first statement: no two of its array arguments overlap; keep it a function.
+
+    Without the promise LLVM gives up on loops over many arrays; without the second part every caller would
+    compile the loop again.
+    """
+
+    def codegen(context, builder, signature, args):
+        function = builder.function
+        function.attributes.add("noinline")
+        for argument in function.args[2:]:  # 0 and 1: return value and exception
+            if isinstance(argument.type, ir.PointerType):
+                argument.add_attribute("noalias")
+        return context.get_dummy_value()
+
+    return types.void(), codegen
+
+
+@intrinsic
+def separate_function(typing_context):
+    """Promise, as a kernel's first statement: keep it a function of its own (compile time)."""
+
+    def codegen(context, builder, signature, args):
+        builder.function.attributes.add("noinline")
+        return context.get_dummy_value()
+
+    return types.void(), codegen
+
+
+@intrinsic
+def bits_of(typing_context, value):
+    """The bit pattern of a float64 as int64."""
+    if value != types.float64:
+        raise TypeError("bits_of takes a float64")
+
+    def codegen(context, builder, signature, args):
+        return builder.bitcast(args[0], ir.IntType(64))
+
+    return types.int64(types.float64), codegen
+
+
+@intrinsic
+def float_of(typing_context, value):
+    """The float64 with the bit pattern of an int64."""
+    if value != types.int64:
+        raise TypeError("float_of takes an int64")
+
+    def codegen(context, builder, signature, args):
+        return builder.bitcast(args[0], ir.DoubleType())
+
+    return types.float64(types.int64), codegen

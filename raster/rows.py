@@ -1,0 +1,97 @@
+"""Layout of the rows that ``pipeline/pack.py`` writes and kernels read. Every entry is an integer unless it says so.
+
+A state is packed so that two states that cannot differ in their result give equal rows: what is disabled is zero.
+"""
+
+# ------------------------------------------------------------------ draw: int64[DRAW_SIZE]
+(
+    X0,  # device pixels, half open: the screen cut by the scissor box
+    Y0,
+    X1,
+    Y1,
+    CULL_POSITIVE,  # cull triangles whose area is positive
+    CULL_NEGATIVE,
+    BACK_SIGN,  # 0: all front; 1: A > 0 takes the back colour; -1: A < 0 does
+    FLAT,  # 1: the provoking vertex's colour for the whole primitive
+    DEPTH_MAX,  # 2**bits - 1
+    POLYGON_OFFSET,
+    NEEDS_COLOR,  # 0: no colour is written and no alpha test looks at it
+    NEEDS_PRIMARY,
+    NEEDS_SECONDARY,
+    NEEDS_FOG,
+    NEEDS_COLOR_WEIGHTS,  # 8-bit weights: colours that vary, or the tie rule of nearest filters
+    NEEDS_WEIGHTS,  # full-precision weights
+    NEEDS_DEPTH,
+    UNITS,
+    DIRECT,  # 1: the fragment is its primary colour, no combiners
+    STAGES,
+    COLOR_SUM_CLAMP,
+    USES_E_TIMES_F,
+    USES_SPARE0_PLUS_SECONDARY,
+    WRITES_TEXTURE,  # 1: a stage writes the register of a disabled unit, which each batch must find unset
+    STAGE_CONSTANTS,  # 1: constants change from stage to stage
+    FOG_ENABLED,
+    FOG_RISING,  # 1: the factor grows with the coordinate
+    FOG_RED,
+    FOG_GREEN,
+    FOG_BLUE,
+    ALPHA_TEST,
+    ALPHA_FUNCTION,
+    ALPHA_REFERENCE,
+    STENCIL_TEST,
+    STENCIL_FUNCTION,
+    STENCIL_REFERENCE,
+    STENCIL_MASK,
+    STENCIL_WRITE_MASK,
+    STENCIL_FAIL,  # three operations of STENCIL_OPERATION_SIZE entries
+) = range(39)
+STENCIL_OPERATION_SIZE = 5  # and, xor, add, low, high: clamp(((s & and) ^ xor) + add, low, high) & 255
+STENCIL_DEPTH_FAIL = STENCIL_FAIL + STENCIL_OPERATION_SIZE
+STENCIL_DEPTH_PASS = STENCIL_DEPTH_FAIL + STENCIL_OPERATION_SIZE
+DEPTH_FUNCTION = STENCIL_DEPTH_PASS + STENCIL_OPERATION_SIZE
+DEPTH_WRITE = DEPTH_FUNCTION + 1
+BLEND = DEPTH_WRITE + 1  # 0: replace; 1: the general equation; 2: ONE, ONE, FUNC_ADD; 3: logic operation
+BLEND_EQUATION = BLEND + 1
+LOGIC_OPERATION = BLEND_EQUATION + 1
+COLOR_MASK = LOGIC_OPERATION + 1  # 32 bits, as stored
+DRAW_SIZE = COLOR_MASK + 1
+
+# ---------------------------- blend factors: int32[2, 4 * FACTOR_SIZE]: source, destination; red, green, blue, alpha
+# masks of S, D, As, Ad and the saturate term; a constant byte; xor (255: one minus)
+FACTOR_SIZE = 7
+
+# ------------------------------------------------------------ draw: float64[DRAW_FLOAT_SIZE]
+DEPTH_SCALE, DEPTH_TIE, OFFSET_FACTOR, OFFSET_UNITS, DRAW_FLOAT_SIZE = range(5)
+
+# ------------------------------------------- general combiner portions: int32[stages, 2, PORTION_SIZE]
+# Four inputs of INPUT_SIZE entries: register, usage (0 RGB, 1 ALPHA, 2 BLUE), and the mapping as
+# min(max(x, low) * factor + addend, 255).
+INPUT_SIZE = 5
+AB_OUTPUT, CD_OUTPUT, SUM_OUTPUT, AB_DOT, CD_DOT, MUX, BIAS, SCALE, PORTION_SIZE = range(4 * INPUT_SIZE, 4 * INPUT_SIZE + 9)
+
+# -------------------------------------- final combiner: int32[7, FINAL_SIZE]: register, usage, invert
+FINAL_SIZE = 3
+
+# --------------------------------------------------------------- units: int64[units, UNIT_SIZE]
+(
+    ENABLED,
+    TARGET,  # 0 1D, 1 2D, 2 cube map
+    LEVELS,
+    WRAP_S,
+    WRAP_T,
+    MAG_LINEAR,
+    MIN_LINEAR,  # within a level
+    MIPMAP,  # 0 level 0 only, 1 nearest level, 2 linear between two levels
+    LOD_BIAS,  # 8 fraction bits
+    THRESHOLD,  # lambda up to which the texture is magnified, 8 fraction bits
+    BORDER,  # packed RGBA
+    PROJECTIVE,  # 1: divide by q
+    UNIT_SIZE,
+) = range(13)
+
+# ------------------------------------------- texture levels: int32[units, MAX_LEVELS, 3]: offset, width, height
+MAX_LEVELS = 16
+
+# Registers, four planes each (red, green, blue, alpha): the codes of pipeline.enums.Register.
+ZERO, CONSTANT0, CONSTANT1, FOG, PRIMARY, SECONDARY, SPARE0, SPARE1, TEXTURE0 = range(9)
+E_TIMES_F, SPARE0_PLUS_SECONDARY, REGISTERS = 12, 13, 14
