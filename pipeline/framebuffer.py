@@ -1,0 +1,126 @@
+"""The framebuffer: colour, depth and stencil, top row first, and what reads and writes whole rectangles of it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.enums import TextureTarget
+from pipeline.textures import Texture, store_texels
+
+
+def to_byte(value):
+    """``floor(255 c + 1/2)`` of c clamped to [0, 1]. Source: OpenGL 1.2.1 section 2.13.9."""
+    return int(np.floor(255.0 * min(max(value, 0.0), 1.0) + 0.5))
+
+
+@dataclass(eq=False)
+class Framebuffer:
+    """color uint8 [h, w, 4] RGBA; depth uint32 [h, w], 0 .. 2**depth_bits - 1; stencil uint8 [h, w]. Top row first.
+
+    A new one holds zero colour, the farthest depth and stencil zero.
+    """
+
+    color: np.ndarray
+    depth: np.ndarray
+    stencil: np.ndarray
+    depth_bits: int
+
+    @classmethod
+    def new(cls, width, height, depth_bits=24):
+        """An empty framebuffer of ``width`` x ``height`` pixels."""
+        return cls(
+            np.zeros((height, width, 4), np.uint8),
+            np.full((height, width), 2**depth_bits - 1, np.uint32),
+            np.zeros((height, width), np.uint8),
+            depth_bits,
+        )
+
+    @property
+    def width(self):
+        """Pixels in a row."""
+        return self.color.shape[1]
+
+    @property
+    def height(self):
+        """Rows."""
+        return self.color.shape[0]
+
+    def image(self):
+        """A copy of the colours for saving: uint8 [h, w, 4], top row first."""
+        return self.color.copy()
+
+    def _rows(self, x, y, width, height):
+        """Slices of a window rectangle (origin lower left, y up) in rows from the top."""
+        return slice(self.height - y - height, self.height - y), slice(x, x + width)
+
+    def clear(self, command):
+        """Section 4.2.3: through the scissor box and the masks."""
+        box = command.scissor
+        where = (slice(None), slice(None))
+        if box is not None:
+            left, right = max(box.x, 0), min(box.x + box.width, self.width)
+            low, high = max(box.y, 0), min(box.y + box.height, self.height)
+            where = self._rows(left, low, max(right - left, 0), max(high - low, 0))
+        if command.color is not None:
+            mask = command.color_mask
+            for channel, on in enumerate((mask.red, mask.green, mask.blue, mask.alpha)):
+                if on:
+                    self.color[(*where, channel)] = to_byte(command.color[channel])
+        if command.depth is not None:
+            depth = min(max(command.depth, 0.0), 1.0)
+            self.depth[where] = int(np.floor(depth * (2**self.depth_bits - 1) + 0.5))
+        if command.stencil is not None:
+            keep = 0xFF & ~command.stencil_write_mask
+            self.stencil[where] = (self.stencil[where] & keep) | (command.stencil & command.stencil_write_mask)
+
+    def rectangle(self, x, y, width, height):
+        """Colours of a window rectangle, uint8 [h, w, 4], bottom row first."""
+        return self.color[self._rows(x, y, width, height)][::-1]
+
+    def read(self, command):
+        """Section 4.3.2: see ``pipeline.commands.ReadPixels`` for the formats."""
+        width = self.width - command.x if command.width is None else command.width
+        height = self.height - command.y if command.height is None else command.height
+        rows = self._rows(command.x, command.y, width, height)
+        if command.format == "DEPTH_COMPONENT":
+            return self.depth[rows][::-1].copy()
+        if command.format == "STENCIL_INDEX":
+            return self.stencil[rows][::-1].copy()
+        rgba = self.rectangle(command.x, command.y, width, height)
+        return READ_FORMATS[command.format](rgba).copy()
+
+
+def _luminance(rgba):
+    return np.minimum(rgba[..., :3].astype(np.uint16).sum(-1), 255).astype(np.uint8)
+
+
+# Source: OpenGL 1.2.1 section 4.3.2, conversion of RGBA to luminance: R + G + B, clamped.
+READ_FORMATS = {
+    "RGBA": lambda rgba: rgba,
+    "RGB": lambda rgba: rgba[..., :3],
+    "RED": lambda rgba: rgba[..., 0],
+    "GREEN": lambda rgba: rgba[..., 1],
+    "BLUE": lambda rgba: rgba[..., 2],
+    "ALPHA": lambda rgba: rgba[..., 3],
+    "LUMINANCE": _luminance,
+    "LUMINANCE_ALPHA": lambda rgba: np.stack([_luminance(rgba), rgba[..., 3]], -1),
+}
+
+
+def copied_texture(framebuffer, command):
+    """CopyTexImage2D: the texture that a framebuffer rectangle defines."""
+    width = framebuffer.width - command.x if command.width is None else command.width
+    height = framebuffer.height - command.y if command.height is None else command.height
+    texels = store_texels(framebuffer.rectangle(command.x, command.y, width, height), command.internal_format)
+    return Texture(TextureTarget.TEXTURE_2D, command.internal_format, (texels[None],))
+
+
+def replaced_texture(framebuffer, command, texture):
+    """CopyTexSubImage2D: the texture with a rectangle of one level replaced."""
+    rgba = framebuffer.rectangle(command.x, command.y, command.width, command.height)
+    level = texture.levels[command.level].copy()
+    rows = slice(command.y_offset, command.y_offset + command.height)
+    columns = slice(command.x_offset, command.x_offset + command.width)
+    level[command.face, rows, columns] = store_texels(rgba, texture.internal_format)
+    levels = (*texture.levels[: command.level], level, *texture.levels[command.level + 1 :])
+    return Texture(texture.target, texture.internal_format, levels)

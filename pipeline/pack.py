@@ -1,0 +1,393 @@
+"""Turn validated state into the rows that kernels read (``raster/rows.py``). Nothing else builds those rows.
+
+What is disabled packs to zero and what cannot matter is not asked for, so two states that cannot differ in their
+result give equal rows, and kernels do no work whose result nobody reads.
+"""
+
+from dataclasses import dataclass
+from decimal import Decimal, localcontext
+from functools import lru_cache
+
+import numpy as np
+
+from pipeline.enums import (
+    BlendEquation,
+    BlendFactor,
+    CombinerBias,
+    ComparisonFunction,
+    ComponentUsage,
+    Face,
+    FogMode,
+    FrontFace,
+    LogicOperation,
+    MagnificationThreshold,
+    Mapping,
+    ProductRounding,
+    Register,
+    ShadeModel,
+    StencilOperation,
+    TextureFilter,
+)
+from pipeline.framebuffer import to_byte
+from pipeline.state import (
+    CombinerInput,
+    FinalCombiner,
+    GeneralCombiner,
+    PassState,
+    RegisterCombiners,
+)
+from pipeline.textures import BASE_FORMAT, KEPT, register_components
+from raster import rows as R
+
+
+@dataclass(frozen=True, eq=False)
+class PackedState:
+    """The rows of one pass: see ``raster/rows.py`` for their layout."""
+
+    draw: np.ndarray
+    draw_float: np.ndarray
+    program: np.ndarray
+    final: np.ndarray
+    constants: np.ndarray
+    arithmetic: np.ndarray
+    factors: np.ndarray
+    units: np.ndarray
+    fog_thresholds: np.ndarray
+
+
+# The mappings as min(max(x, low) * factor + addend, 255); the addends of the EXPAND pair depend on expand_half.
+# Source: NV_register_combiners table 4; Inferred: the halves (docs/numbers.md, section 8).
+def _mapping(mapping, expand_half):
+    one = 256 if expand_half == 128 else 255
+    return {
+        Mapping.UNSIGNED_IDENTITY: (0, 1, 0),
+        Mapping.UNSIGNED_INVERT: (0, -1, 255),
+        Mapping.EXPAND_NORMAL: (0, 2, -one),
+        Mapping.EXPAND_NEGATE: (0, -2, one),
+        Mapping.HALF_BIAS_NORMAL: (0, 1, -128),
+        Mapping.HALF_BIAS_NEGATE: (0, -1, 128),
+        Mapping.SIGNED_IDENTITY: (-256, 1, 0),
+        Mapping.SIGNED_NEGATE: (-256, -1, 0),
+    }[mapping]
+
+
+def _pack_portion(portion, alpha, expand_half):
+    row = []
+    for variable in (portion.a, portion.b, portion.c, portion.d):
+        row += [variable.register, variable.usage, *_mapping(variable.mapping, expand_half)]
+    outputs = [portion.ab_output, portion.cd_output, portion.sum_output]
+    row += [-1 if register == Register.DISCARD else int(register) for register in outputs]
+    row += [0, 0] if alpha else [portion.ab_dot_product, portion.cd_dot_product]
+    bias = -128 if portion.bias == CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF else 0
+    return [*row, portion.mux_sum, bias, portion.scale]
+
+
+def _color_bytes(color):
+    return [to_byte(component) for component in color]
+
+
+# What register combiners compute when they are disabled: the fragment's colour with color sum and fog.
+_PRIMARY = CombinerInput(Register.PRIMARY_COLOR)
+_PLAIN = FinalCombiner(b=_PRIMARY, g=CombinerInput(Register.PRIMARY_COLOR, usage=ComponentUsage.ALPHA))
+WITH_FOG = RegisterCombiners(general=(), final=_PLAIN)
+WITH_COLOR_SUM = RegisterCombiners(general=(GeneralCombiner(),))  # the initial state of the extension
+
+
+def _has_color_sum(state):
+    lighting = state.vertex.lighting
+    return state.color_sum or (lighting is not None and lighting.separate_specular_color)
+
+
+def _program(state):
+    """The combiner program of a pass, or None where the fragment is its primary colour."""
+    if state.register_combiners is not None:
+        return state.register_combiners
+    if _has_color_sum(state):
+        return WITH_COLOR_SUM
+    return WITH_FOG if state.fog is not None else None
+
+
+def _registers_read(program):
+    """Registers that some input of the program names, with what the pseudo-registers stand for."""
+    inputs = []
+    for stage in program.general:
+        for portion in (stage.rgb, stage.alpha):
+            if any(r != Register.DISCARD for r in (portion.ab_output, portion.cd_output, portion.sum_output)):
+                inputs += [portion.a, portion.b, portion.c, portion.d]
+    final = program.final
+    inputs += [final.a, final.b, final.c, final.d, final.g]
+    used = {i.register for i in inputs}
+    if Register.E_TIMES_F in used:
+        used |= {final.e.register, final.f.register}
+    if Register.SPARE0_PLUS_SECONDARY_COLOR in used:
+        used |= {Register.SPARE0, Register.SECONDARY_COLOR}
+    return used
+
+
+def _pack_combiners(state, profile, draw):
+    program = _program(state)
+    if program is None:
+        draw[R.DIRECT] = 1
+        zero = np.zeros
+        return zero((0, 2, R.PORTION_SIZE), np.int32), zero((7, R.FINAL_SIZE), np.int32), zero((1, 8), np.int16), set()
+    expand_half = profile.expand_half
+    stages = [
+        [_pack_portion(stage.rgb, False, expand_half), _pack_portion(stage.alpha, True, expand_half)]
+        for stage in program.general
+    ]
+    final = program.final
+    inputs = (final.a, final.b, final.c, final.d, final.e, final.f, final.g)
+    packed_final = [[i.register, i.usage, i.mapping == Mapping.UNSIGNED_INVERT] for i in inputs]
+    own = [_color_bytes(program.constant_color0), _color_bytes(program.constant_color1)]
+    constants = [
+        [
+            *(own[0] if stage.constant_color0 is None else _color_bytes(stage.constant_color0)),
+            *(own[1] if stage.constant_color1 is None else _color_bytes(stage.constant_color1)),
+        ]
+        for stage in program.general
+    ]
+    constants.append([*own[0], *own[1]])  # the final combiner's
+    used = _registers_read(program)
+    draw[R.STAGES] = len(stages)
+    draw[R.COLOR_SUM_CLAMP] = program.color_sum_clamp
+    draw[R.USES_E_TIMES_F] = Register.E_TIMES_F in used
+    draw[R.USES_SPARE0_PLUS_SECONDARY] = Register.SPARE0_PLUS_SECONDARY_COLOR in used
+    written = {
+        register
+        for stage in program.general
+        for portion in (stage.rgb, stage.alpha)
+        for register in (portion.ab_output, portion.cd_output, portion.sum_output)
+    }
+    draw[R.WRITES_TEXTURE] = any(Register.TEXTURE0 <= register <= Register.TEXTURE3 for register in written)
+    draw[R.STAGE_CONSTANTS] = any(row != constants[0] for row in constants)
+    return (
+        np.array(stages, np.int32).reshape(len(stages), 2, R.PORTION_SIZE),
+        np.array(packed_final, np.int32),
+        np.array(constants, np.int16),
+        used,
+    )
+
+
+@lru_cache(maxsize=64)
+def fog_thresholds(fog):
+    """float64 [255]: the coordinates at which 255 f crosses k - 1/2, k = 1..255 (docs/numbers.md, section 9).
+
+    Correctly rounded from 40 decimal digits, so they are the same bits on every machine.
+    """
+    out = np.empty(255, np.float64)
+    with localcontext() as context:
+        context.prec = 40
+        for k in range(1, 256):
+            if fog.mode == FogMode.LINEAR:
+                out[k - 1] = fog.end - ((k - 0.5) / 255.0) * (fog.end - fog.start)
+                continue
+            exponent = -((Decimal(2 * k - 1) / Decimal(510)).ln())
+            if fog.mode == FogMode.EXP2:
+                exponent = exponent.sqrt()
+            out[k - 1] = float(exponent / Decimal(fog.density)) if fog.density else np.inf
+    out.setflags(write=False)
+    return out
+
+
+_NO_FOG = np.zeros(255, np.float64)
+
+
+def _pack_stencil_operation(operation, reference):
+    return {
+        StencilOperation.KEEP: (255, 0, 0, 0, 255),
+        StencilOperation.ZERO: (0, 0, 0, 0, 255),
+        StencilOperation.REPLACE: (0, reference, 0, 0, 255),
+        StencilOperation.INCR: (255, 0, 1, 0, 255),
+        StencilOperation.DECR: (255, 0, -1, 0, 255),
+        StencilOperation.INVERT: (255, 255, 0, 0, 255),
+        StencilOperation.INCR_WRAP: (255, 0, 1, -1, 256),
+        StencilOperation.DECR_WRAP: (255, 0, -1, -1, 256),
+    }[operation]
+
+
+def _pack_tests(state, framebuffer, draw, draw_float):
+    if state.alpha_test is not None and state.alpha_test.function != ComparisonFunction.ALWAYS:
+        draw[R.ALPHA_TEST] = 1
+        draw[R.ALPHA_FUNCTION] = state.alpha_test.function
+        draw[R.ALPHA_REFERENCE] = to_byte(state.alpha_test.reference)
+    stencil = state.stencil_test
+    if stencil is not None:
+        reference = min(max(stencil.reference, 0), 255)
+        draw[R.STENCIL_TEST] = 1
+        draw[R.STENCIL_FUNCTION] = stencil.function
+        draw[R.STENCIL_REFERENCE] = reference
+        draw[R.STENCIL_MASK] = stencil.mask & 0xFF
+        draw[R.STENCIL_WRITE_MASK] = stencil.write_mask & 0xFF
+        for at, operation in (
+            (R.STENCIL_FAIL, stencil.fail),
+            (R.STENCIL_DEPTH_FAIL, stencil.depth_fail),
+            (R.STENCIL_DEPTH_PASS, stencil.depth_pass),
+        ):
+            draw[at : at + R.STENCIL_OPERATION_SIZE] = _pack_stencil_operation(operation, reference)
+    draw[R.DEPTH_MAX] = 2**framebuffer.depth_bits - 1
+    draw_float[R.DEPTH_SCALE] = 2**framebuffer.depth_bits - 1
+    draw_float[R.DEPTH_TIE] = 2.0 ** (framebuffer.depth_bits - 47)
+    depth = state.depth_test
+    if depth is not None and (depth.function != ComparisonFunction.ALWAYS or depth.write):
+        draw[R.NEEDS_DEPTH] = 1
+        draw[R.DEPTH_FUNCTION] = depth.function
+        draw[R.DEPTH_WRITE] = depth.write
+        polygon = state.polygon
+        if polygon.offset_fill and (polygon.offset_factor or polygon.offset_units):
+            draw[R.POLYGON_OFFSET] = 1
+            draw_float[R.OFFSET_FACTOR] = polygon.offset_factor
+            draw_float[R.OFFSET_UNITS] = polygon.offset_units
+
+
+# A blend factor's terms: masks of S, D, As, Ad and the saturate term, whether it is the constant, one minus.
+_FACTOR_TERMS = {
+    BlendFactor.ZERO: ((0, 0, 0, 0, 0), None, 0),
+    BlendFactor.ONE: ((0, 0, 0, 0, 0), None, 255),
+    BlendFactor.SRC_COLOR: ((255, 0, 0, 0, 0), None, 0),
+    BlendFactor.ONE_MINUS_SRC_COLOR: ((255, 0, 0, 0, 0), None, 255),
+    BlendFactor.DST_COLOR: ((0, 255, 0, 0, 0), None, 0),
+    BlendFactor.ONE_MINUS_DST_COLOR: ((0, 255, 0, 0, 0), None, 255),
+    BlendFactor.SRC_ALPHA: ((0, 0, 255, 0, 0), None, 0),
+    BlendFactor.ONE_MINUS_SRC_ALPHA: ((0, 0, 255, 0, 0), None, 255),
+    BlendFactor.DST_ALPHA: ((0, 0, 0, 255, 0), None, 0),
+    BlendFactor.ONE_MINUS_DST_ALPHA: ((0, 0, 0, 255, 0), None, 255),
+    BlendFactor.SRC_ALPHA_SATURATE: ((0, 0, 0, 0, 255), None, 0),
+    BlendFactor.CONSTANT_COLOR: ((0, 0, 0, 0, 0), "color", 0),
+    BlendFactor.ONE_MINUS_CONSTANT_COLOR: ((0, 0, 0, 0, 0), "color", 255),
+    BlendFactor.CONSTANT_ALPHA: ((0, 0, 0, 0, 0), "alpha", 0),
+    BlendFactor.ONE_MINUS_CONSTANT_ALPHA: ((0, 0, 0, 0, 0), "alpha", 255),
+}
+
+
+def _pack_factor(factor, color):
+    masks, constant, xor = _FACTOR_TERMS[factor]
+    row = []
+    for channel in range(4):
+        term = 0 if constant is None else color[channel if constant == "color" else 3]
+        row += [*masks, term, xor]
+    return row
+
+
+def _pack_writing(state, draw):
+    factors = np.zeros((2, 4 * R.FACTOR_SIZE), np.int32)
+    mask = state.color_mask
+    for channel, on in enumerate((mask.red, mask.green, mask.blue, mask.alpha)):
+        draw[R.COLOR_MASK] |= (0xFF if on else 0) << (8 * channel)
+    if state.logic_op is not None:
+        if state.logic_op != LogicOperation.COPY:
+            draw[R.BLEND], draw[R.LOGIC_OPERATION] = 3, state.logic_op
+        return factors
+    blending = state.blending
+    if blending is None:
+        return factors
+    source, destination, equation = blending.source, blending.destination, blending.equation
+    if equation == BlendEquation.FUNC_ADD and source == BlendFactor.ONE:
+        if destination == BlendFactor.ZERO:
+            return factors
+        if destination == BlendFactor.ONE:
+            draw[R.BLEND] = 2
+            return factors
+    draw[R.BLEND], draw[R.BLEND_EQUATION] = 1, equation
+    color = _color_bytes(blending.color)
+    factors[0], factors[1] = _pack_factor(source, color), _pack_factor(destination, color)
+    return factors
+
+
+def border_texel(color, internal_format):
+    """The packed register bytes of a border colour: through the texture's base format."""
+    rgba = np.array(_color_bytes(color), np.uint8)
+    r, g, b, a = register_components(rgba[list(KEPT[BASE_FORMAT[internal_format]])], BASE_FORMAT[internal_format], 255)
+    return int(r) | int(g) << 8 | int(b) << 16 | int(a) << 24
+
+
+def _pack_units(state, profile, textures, primitives, used):
+    units = np.zeros((max(len(state.texture_units), 1), R.UNIT_SIZE), np.int64)
+    for i, unit in enumerate(state.texture_units):
+        # SPARE0's alpha begins as texture 0's alpha.
+        needed = Register.TEXTURE0 + i in used or (i == 0 and Register.SPARE0 in used)
+        if unit is None or not needed:
+            continue
+        texture, sampler = textures[unit.texture], unit.sampler
+        mag_linear = sampler.mag_filter == TextureFilter.LINEAR
+        minification = sampler.min_filter
+        mipmap = 0 if minification < 2 else (1 if minification < 4 else 2)
+        if len(texture.levels) == 1 or mipmap == 0:
+            mipmap = 0
+        linear = minification in (
+            TextureFilter.LINEAR,
+            TextureFilter.LINEAR_MIPMAP_NEAREST,
+            TextureFilter.LINEAR_MIPMAP_LINEAR,
+        )
+        row = units[i]
+        row[R.ENABLED], row[R.TARGET], row[R.LEVELS] = 1, texture.target, len(texture.levels)
+        row[R.WRAP_S], row[R.WRAP_T] = sampler.wrap_s, sampler.wrap_t
+        row[R.MAG_LINEAR], row[R.MIN_LINEAR], row[R.MIPMAP] = mag_linear, linear, mipmap
+        row[R.LOD_BIAS] = int(256 * unit.lod_bias)  # Assumed: truncation (docs/numbers.md, section 7)
+        if (
+            profile.magnification_threshold == MagnificationThreshold.OPENGL_C
+            and mag_linear
+            and minification in (TextureFilter.NEAREST_MIPMAP_NEAREST, TextureFilter.NEAREST_MIPMAP_LINEAR)
+        ):
+            row[R.THRESHOLD] = 128
+        row[R.BORDER] = border_texel(sampler.border_color, texture.internal_format)
+        row[R.PROJECTIVE] = bool((primitives.coordinates[:, i, 3] != 1.0).any())
+    return units
+
+
+def _pack_facing(state, two_side, draw):
+    polygon = state.polygon
+    # With y down, a positive area is clockwise as seen with y up.
+    front = -1 if polygon.front_face == FrontFace.CCW else 1
+    culled = polygon.cull_face
+    draw[R.CULL_POSITIVE] = culled == Face.FRONT_AND_BACK or culled == (Face.FRONT if front > 0 else Face.BACK)
+    draw[R.CULL_NEGATIVE] = culled == Face.FRONT_AND_BACK or culled == (Face.FRONT if front < 0 else Face.BACK)
+    draw[R.BACK_SIGN] = -front if two_side else 0
+
+
+def scissor_box(state, framebuffer):
+    """(x0, y0, x1, y1) in device pixels, half open: the screen cut by the scissor box."""
+    width, height = framebuffer.width, framebuffer.height
+    box = state.scissor
+    if box is None:
+        return 0, 0, width, height
+    x0, x1 = max(box.x, 0), min(box.x + box.width, width)
+    y0, y1 = max(height - box.y - box.height, 0), min(height - box.y, height)
+    return x0, y0, max(x0, x1), max(y0, y1)
+
+
+def pack(state: PassState, profile, framebuffer, textures, primitives):
+    """Rows of a validated pass. ``textures`` maps names to Texture; ``primitives`` say what varies."""
+    draw = np.zeros(R.DRAW_SIZE, np.int64)
+    draw_float = np.zeros(R.DRAW_FLOAT_SIZE, np.float64)
+    draw[R.X0], draw[R.Y0], draw[R.X1], draw[R.Y1] = scissor_box(state, framebuffer)
+    _pack_facing(state, primitives.two_side, draw)
+    _pack_tests(state, framebuffer, draw, draw_float)
+    factors = _pack_writing(state, draw)
+    draw[R.NEEDS_COLOR] = draw[R.COLOR_MASK] != 0 or draw[R.ALPHA_TEST]
+    program, final, constants, used = _pack_combiners(state, profile, draw)
+    units = _pack_units(state, profile, textures, primitives, used)
+    draw[R.UNITS] = len(state.texture_units)
+    thresholds = _NO_FOG
+    if Register.FOG in used:
+        draw[R.NEEDS_FOG] = 1
+        if state.fog is not None:
+            draw[R.FOG_ENABLED] = 1
+            draw[R.FOG_RISING] = state.fog.mode == FogMode.LINEAR and state.fog.start > state.fog.end
+            thresholds = fog_thresholds(state.fog)
+    if state.fog is not None:
+        draw[R.FOG_RED : R.FOG_BLUE + 1] = _color_bytes(state.fog.color)[:3]
+    draw[R.NEEDS_PRIMARY] = Register.PRIMARY_COLOR in used
+    draw[R.NEEDS_SECONDARY] = Register.SECONDARY_COLOR in used
+    colors = primitives.colors
+    constant_color = len(colors) == 0 or bool((colors.view(np.uint64) == colors.view(np.uint64)[:1]).all())
+    draw[R.FLAT] = state.polygon.shade_model == ShadeModel.FLAT or constant_color
+    if draw[R.NEEDS_COLOR]:
+        nearest = (units[:, R.ENABLED] != 0) & (units[:, R.TARGET] != 2)
+        nearest &= (units[:, R.MAG_LINEAR] == 0) | (units[:, R.MIN_LINEAR] == 0)
+        reads_color = draw[R.DIRECT] or draw[R.NEEDS_PRIMARY] or draw[R.NEEDS_SECONDARY]
+        draw[R.NEEDS_COLOR_WEIGHTS] = (reads_color and not draw[R.FLAT]) or nearest.any()
+        draw[R.NEEDS_WEIGHTS] = (units[:, R.ENABLED] != 0).any() or draw[R.FOG_ENABLED]
+    arithmetic = np.array(
+        [profile.product_rounding == ProductRounding.PER_PRODUCT, profile.round_before_scale, profile.clamp_low], np.int32
+    )
+    return PackedState(draw, draw_float, program, final, constants, arithmetic, factors, units, thresholds)

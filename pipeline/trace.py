@@ -1,0 +1,46 @@
+"""A trace: what the framebuffer held after each command, as pictures."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """The framebuffer after one command.
+
+    label    the command's label; kind: its type's name
+    color    uint8 [h, w, 4], depth uint32 [h, w], stencil uint8 [h, w]; top row first
+    depth_bits
+    """
+
+    label: str
+    kind: str
+    color: np.ndarray
+    depth: np.ndarray
+    stencil: np.ndarray
+    depth_bits: int
+
+    def pictures(self):
+        """{"color": RGB, "alpha": grey, "depth": grey, "stencil": grey}, uint8, for saving.
+
+        Depth shows its full range as 0..255; the stencil's values are shown as they are.
+        """
+        return {
+            "color": self.color[..., :3].copy(),
+            "alpha": self.color[..., 3].copy(),
+            "depth": (self.depth >> (self.depth_bits - 8)).astype(np.uint8),
+            "stencil": self.stencil.copy(),
+        }
+
+
+def snapshot(command, framebuffer):
+    """Copy the framebuffer."""
+    return Snapshot(
+        command.label,
+        type(command).__name__,
+        framebuffer.color.copy(),
+        framebuffer.depth.copy(),
+        framebuffer.stencil.copy(),
+        framebuffer.depth_bits,
+    )
