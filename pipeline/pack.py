@@ -368,13 +368,10 @@ def pack(state: PassState, profile, framebuffer, textures, primitives):
     units = _pack_units(state, profile, textures, primitives, used)
     draw[R.UNITS] = len(state.texture_units)
     thresholds = _NO_FOG
-    if Register.FOG in used:
-        draw[R.NEEDS_FOG] = 1
-        if state.fog is not None:
-            draw[R.FOG_ENABLED] = 1
-            draw[R.FOG_RISING] = state.fog.mode == FogMode.LINEAR and state.fog.start > state.fog.end
-            thresholds = fog_thresholds(state.fog)
-    if state.fog is not None:
+    if Register.FOG in used and state.fog is not None:
+        draw[R.FOG_ENABLED] = 1
+        draw[R.FOG_RISING] = state.fog.mode == FogMode.LINEAR and state.fog.start > state.fog.end
+        thresholds = fog_thresholds(state.fog)
         draw[R.FOG_RED : R.FOG_BLUE + 1] = _color_bytes(state.fog.color)[:3]
     draw[R.NEEDS_PRIMARY] = Register.PRIMARY_COLOR in used
     draw[R.NEEDS_SECONDARY] = Register.SECONDARY_COLOR in used

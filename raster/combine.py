@@ -4,7 +4,7 @@ Registers are planes ``int16[REGISTERS * 4, batch]`` (red, green, blue, alpha of
 Each loop below does one thing to whole planes; ``general_combiner`` and ``final_combiner`` decide which.
 """
 
-from numba import int16, int32
+from numba import int16, int32, uint64
 
 from raster import rows as R
 from raster.fixed import clamp, divide_255
@@ -17,104 +17,129 @@ def map_input(x, low, factor, addend):
     return min(int32(int32(max(int32(x), low) * factor) + addend), int32(255))
 
 
-@kernel("void(i2[::1],i2[::1],i8,i4[::1],i4[::1],i4[::1],i8)")
-def multiply(a, b, count, map_a, map_b, out, per_product):
-    """``a b``, exact, or rounded by 255 at once; inputs mapped."""
+@kernel
+def scaled(value, scale):
+    """Times one, two, four (scale 0, 1, 2), or one half as (x + 1) >> 1 (scale 3)."""
+    return int32(int32(value + int32(1)) >> int32(1)) if scale == 3 else int32(value << scale)
+
+
+@kernel("void(i2[:,::1],i8,i8,i8,i4[::1],i8,i8,i4[:,::1],i8,i8)")
+def multiply(registers, a, b, count, row, input_a, input_b, products, out, per_product):
+    """Product of planes a and b, mapped as the portion's inputs say; exact, or rounded by 255 at once."""
     separate_loop()
-    la, fa, aa = map_a[2], map_a[3], map_a[4]
-    lb, fb, ab = map_b[2], map_b[3], map_b[4]
+    pa, pb, po = uint64(a), uint64(b), uint64(out)
+    la, fa, aa = row[input_a + 2], row[input_a + 3], row[input_a + 4]
+    lb, fb, ab = row[input_b + 2], row[input_b + 3], row[input_b + 4]
     if per_product:
         for i in range(count):
-            out[i] = divide_255(int32(map_input(a[i], la, fa, aa) * map_input(b[i], lb, fb, ab)))
+            x, y = map_input(registers[pa, i], la, fa, aa), map_input(registers[pb, i], lb, fb, ab)
+            products[po, i] = divide_255(int32(x * y))
     else:
         for i in range(count):
-            out[i] = int32(map_input(a[i], la, fa, aa) * map_input(b[i], lb, fb, ab))
+            x, y = map_input(registers[pa, i], la, fa, aa), map_input(registers[pb, i], lb, fb, ab)
+            products[po, i] = int32(x * y)
 
 
-@kernel("void(i4[::1],i4[::1],i4[::1],i8)")
-def sum_of_three(a, b, c, count):
-    """A dot product from its three products, into all three."""
+@kernel("void(i4[:,::1],i8,i8)")
+def sum_of_three(products, first, count):
+    """A dot product from its three products, into the first of them."""
     separate_loop()
+    p0, p1, p2 = uint64(first), uint64(first + 1), uint64(first + 2)
     for i in range(count):
-        total = int32(int32(a[i] + b[i]) + c[i])
-        a[i] = total
-        b[i] = total
-        c[i] = total
+        products[p0, i] = int32(int32(products[p0, i] + products[p1, i]) + products[p2, i])
 
 
-@kernel("void(i4[::1],i4[::1],i8,i4[::1])")
-def add(a, b, count, out):
+@kernel("void(i4[:,::1],i8,i8,i8,i4[:,::1])")
+def add(products, ab, cd, count, total):
     """AB + CD, before rounding."""
     separate_loop()
+    pa, pc = uint64(ab), uint64(cd)
     for i in range(count):
-        out[i] = int32(a[i] + b[i])
+        total[0, i] = int32(products[pa, i] + products[pc, i])
 
 
-@kernel("void(i4[::1],i4[::1],i2[::1],i8,i4[::1])")
-def mux(ab, cd, selector, count, out):
-    """CD where the selector (SPARE0 alpha, clamped to a byte) has its most significant bit set, else AB.
+@kernel("void(i4[:,::1],i8,i8,i2[:,::1],i8,i4[:,::1])")
+def mux(products, ab, cd, registers, count, total):
+    """CD where SPARE0's alpha, clamped to a byte, has its most significant bit set, else AB.
 
     Measured: the selecting bit (combiner captures).
     """
     separate_loop()
+    pa, pc = uint64(ab), uint64(cd)
     for i in range(count):
-        out[i] = cd[i] if selector[i] >= int16(128) else ab[i]
+        selected = registers[R.SPARE0 * 4 + 3, i] >= int16(128)
+        total[0, i] = products[pc, i] if selected else products[pa, i]
 
 
-@kernel("void(i4[::1],i8,i4,i4,i4,i8,i2[::1])")
-def finish(x, count, bias, scale, low, rounding, out):
+@kernel("void(i4[:,::1],i8,i8,i4,i4,i4,i8,i2[:,::1],i8)")
+def finish(products, source, count, bias, scale, low, rounding, results, out):
     """Rounding, bias, scale, clamp. ``rounding``: 0 the value is rounded already, 1 before, 2 after the scale.
 
     Measured: bias before scale, saturation, one half of values >= 0 (combiner captures); low: a profile field.
     """
     separate_loop()
     high = int32(255)
-    if rounding == 2 and scale != 0:
-        if scale == 3:
-            for i in range(count):  # rn(x/2 / 255), ties upwards: floor((x + 255) / 510)
-                half = int32(int32(x[i] + int32(255 + 510 * 4096)) // int32(510))
-                out[i] = int16(clamp(int32(half - int32(4096)), low, high))
-        else:
-            factor = int32(int32(1) << scale)
-            for i in range(count):
-                value = int32(divide_255(int32(x[i] * factor)) + int32(bias * factor))
-                out[i] = int16(clamp(value, low, high))
-        return
-    if scale == 3:
+    p, r = uint64(source), uint64(out)
+    if rounding == 2 and scale == 3:
+        for i in range(count):  # rn(x/2 / 255), ties upwards: floor((x + 255) / 510)
+            half = int32(int32(products[p, i] + int32(255 + 510 * 4096)) // int32(510))
+            results[r, i] = int16(clamp(int32(half - int32(4096)), low, high))
+    elif rounding == 2:
+        factor = int32(int32(1) << scale)
         for i in range(count):
-            value = x[i] if rounding == 0 else divide_255(x[i])
-            out[i] = int16(clamp(int32(int32(value + int32(bias + 1)) >> int32(1)), low, high))
+            value = int32(divide_255(int32(products[p, i] * factor)) + int32(bias * factor))
+            results[r, i] = int16(clamp(value, low, high))
+    elif rounding == 0:
+        for i in range(count):
+            results[r, i] = int16(clamp(scaled(int32(products[p, i] + bias), scale), low, high))
     else:
         for i in range(count):
-            value = x[i] if rounding == 0 else divide_255(x[i])
-            out[i] = int16(clamp(int32(int32(value + bias) << scale), low, high))
+            results[r, i] = int16(clamp(scaled(int32(divide_255(products[p, i]) + bias), scale), low, high))
 
 
-@kernel("void(i2[::1],i2[::1],i8)")
-def copy_plane(source, target, count):
-    """Copy a plane."""
+@kernel("void(i2[:,::1],i8,i8,i8,i8,i8,i4[::1],i4,i2[:,::1],i8)")
+def sum_of_products(registers, a, b, c, d, count, row, low, results, out):
+    """``finish(A B + C D)`` in one loop: the commonest portion (JOINT rounding before the scale, no mux, no dot)."""
     separate_loop()
+    pa, pb, pc, pd, po = uint64(a), uint64(b), uint64(c), uint64(d), uint64(out)
+    n = R.INPUT_SIZE
+    la, fa, aa, lb, fb, ab = row[2], row[3], row[4], row[n + 2], row[n + 3], row[n + 4]
+    lc, fc, ac, ld, fd, ad = row[2 * n + 2], row[2 * n + 3], row[2 * n + 4], row[3 * n + 2], row[3 * n + 3], row[3 * n + 4]
+    bias, scale = row[R.BIAS], row[R.SCALE]
     for i in range(count):
-        target[i] = source[i]
+        one = int32(map_input(registers[pa, i], la, fa, aa) * map_input(registers[pb, i], lb, fb, ab))
+        two = int32(map_input(registers[pc, i], lc, fc, ac) * map_input(registers[pd, i], ld, fd, ad))
+        value = scaled(int32(divide_255(int32(one + two)) + bias), scale)
+        results[po, i] = int16(clamp(value, low, int32(255)))
 
 
-@kernel("void(i2[::1],i8,i4)")
-def fill_plane(plane, count, value):
+@kernel("void(i2[:,::1],i8,i2[:,::1],i8,i8)")
+def copy_plane(source, s, target, t, count):
+    """Copy plane s of one array to plane t of another array, or to another plane of the same one."""
+    separate_loop()
+    ps, pt = uint64(s), uint64(t)
+    for i in range(count):
+        target[pt, i] = source[ps, i]
+
+
+@kernel("void(i2[:,::1],i8,i8,i4)")
+def fill_plane(planes, p, count, value):
     """Fill a plane."""
     separate_loop()
+    at = uint64(p)
     for i in range(count):
-        plane[i] = int16(value)
+        planes[at, i] = int16(value)
 
 
 @kernel
-def plane_of(row, channel):
-    """Which plane a variable reads for a channel: its own, alpha (usage 1) or blue (usage 2)."""
-    usage = row[1]
-    return row[0] * 4 + (channel if usage == 0 else (3 if usage == 1 else 2))
+def plane_of(row, at, channel):
+    """Which plane the input at row[at] reads for a channel: its own, alpha (usage 1) or blue (usage 2)."""
+    usage = row[at + 1]
+    return row[at] * 4 + (channel if usage == 0 else (3 if usage == 1 else 2))
 
 
-@kernel("void(i2[:,::1],i8,i8,i8,i4[::1],i4[::1],i4[:,::1],i2[:,::1])")
-def combine_portion(registers, first, last, count, row, arithmetic, products, results):
+@kernel("void(i2[:,::1],i8,i8,i8,i4[::1],i4[::1],i4[:,::1],i4[:,::1],i2[:,::1])")
+def combine_portion(registers, first, last, count, row, arithmetic, products, total, results):
     """One portion of a general combiner, ``row`` int32[PORTION_SIZE], over channels first..last-1.
 
     The outputs AB, CD and sum go to planes 0.., 4.. and 8.. of ``results``.
@@ -123,125 +148,134 @@ def combine_portion(registers, first, last, count, row, arithmetic, products, re
     per_product, low = arithmetic[0], arithmetic[2]
     rounding = 0 if per_product else (1 if arithmetic[1] else 2)
     bias, scale = row[R.BIAS], row[R.SCALE]
-    needs_ab = row[R.AB_OUTPUT] >= 0 or row[R.SUM_OUTPUT] >= 0
-    needs_cd = row[R.CD_OUTPUT] >= 0 or row[R.SUM_OUTPUT] >= 0
-    a, b = row[0 : R.INPUT_SIZE], row[R.INPUT_SIZE : 2 * R.INPUT_SIZE]
-    c, d = row[2 * R.INPUT_SIZE : 3 * R.INPUT_SIZE], row[3 * R.INPUT_SIZE : 4 * R.INPUT_SIZE]
-    for channel in range(first, last):
-        if needs_ab:
-            pa, pb = registers[plane_of(a, channel)], registers[plane_of(b, channel)]
-            multiply(pa, pb, count, a, b, products[channel], per_product)
-        if needs_cd:
-            pc, pd = registers[plane_of(c, channel)], registers[plane_of(d, channel)]
-            multiply(pc, pd, count, c, d, products[4 + channel], per_product)
-    if needs_ab and row[R.AB_DOT]:
-        sum_of_three(products[0], products[1], products[2], count)
-    if needs_cd and row[R.CD_DOT]:
-        sum_of_three(products[4], products[5], products[6], count)
-    for channel in range(first, last):
-        if row[R.AB_OUTPUT] >= 0:
-            finish(products[channel], count, bias, scale, low, rounding, results[channel])
-        if row[R.CD_OUTPUT] >= 0:
-            finish(products[4 + channel], count, bias, scale, low, rounding, results[4 + channel])
-        if row[R.SUM_OUTPUT] >= 0:
-            if row[R.MUX]:
-                mux(products[channel], products[4 + channel], registers[R.SPARE0 * 4 + 3], count, products[8])
+    ab_dot, cd_dot = row[R.AB_DOT] != 0, row[R.CD_DOT] != 0
+    ab_out, cd_out, sum_out = row[R.AB_OUTPUT] >= 0, row[R.CD_OUTPUT] >= 0, row[R.SUM_OUTPUT] >= 0
+    a, b, c, d = 0, R.INPUT_SIZE, 2 * R.INPUT_SIZE, 3 * R.INPUT_SIZE
+    if sum_out and not (ab_out or cd_out or ab_dot or cd_dot or row[R.MUX]) and rounding == 1:
+        for k in range(first, last):
+            pa, pb, pc, pd = plane_of(row, a, k), plane_of(row, b, k), plane_of(row, c, k), plane_of(row, d, k)
+            sum_of_products(registers, pa, pb, pc, pd, count, row, low, results, 8 + k)
+        return
+    for k in range(first, last):
+        if ab_out or sum_out:
+            multiply(registers, plane_of(row, a, k), plane_of(row, b, k), count, row, a, b, products, k, per_product)
+        if cd_out or sum_out:
+            multiply(registers, plane_of(row, c, k), plane_of(row, d, k), count, row, c, d, products, 4 + k, per_product)
+    if ab_dot and (ab_out or sum_out):
+        sum_of_three(products, 0, count)
+    if cd_dot and (cd_out or sum_out):
+        sum_of_three(products, 4, count)
+    for k in range(first, last):
+        ab, cd = 0 if ab_dot else k, 4 if cd_dot else 4 + k
+        if ab_out:
+            if ab_dot and k > first:
+                copy_plane(results, 0, results, k, count)
             else:
-                add(products[channel], products[4 + channel], count, products[8])
-            finish(products[8], count, bias, scale, low, rounding, results[8 + channel])
+                finish(products, ab, count, bias, scale, low, rounding, results, k)
+        if cd_out:
+            if cd_dot and k > first:
+                copy_plane(results, 4, results, 4 + k, count)
+            else:
+                finish(products, cd, count, bias, scale, low, rounding, results, 4 + k)
+        if sum_out:
+            if row[R.MUX]:
+                mux(products, ab, cd, registers, count, total)
+            else:
+                add(products, ab, cd, count, total)
+            finish(total, 0, count, bias, scale, low, rounding, results, 8 + k)
 
 
-@kernel("void(i2[:,::1],i4[:,::1],i8,i4[::1],i4[:,::1],i2[:,::1])")
-def general_combiner(registers, stage, count, arithmetic, products, results):
+@kernel("void(i2[:,::1],i4[:,::1],i8,i4[::1],i4[:,::1],i4[:,::1],i2[:,::1])")
+def general_combiner(registers, stage, count, arithmetic, products, total, results):
     """One general combiner stage, in place: every output is written after every input is read.
 
     registers   int16[REGISTERS * 4, batch]
     stage       int32[2, PORTION_SIZE], RGB and alpha portion
     arithmetic  int32[3]: per product, round before scale, clamp low
-    products    int32[9, batch] and results int16[12, batch]: scratch
+    products int32[8, batch], total int32[1, batch], results int16[12, batch]: scratch
     """
     separate_function()
-    combine_portion(registers, 0, 3, count, stage[0], arithmetic, products, results)
-    combine_portion(registers, 3, 4, count, stage[1], arithmetic, products, results)
+    combine_portion(registers, 0, 3, count, stage[0], arithmetic, products, total, results)
+    combine_portion(registers, 3, 4, count, stage[1], arithmetic, products, total, results)
     for output in range(3):
         rgb, alpha = stage[0, R.AB_OUTPUT + output], stage[1, R.AB_OUTPUT + output]
         if rgb >= 0:
-            for channel in range(3):
-                copy_plane(results[4 * output + channel], registers[rgb * 4 + channel], count)
+            for k in range(3):
+                copy_plane(results, 4 * output + k, registers, rgb * 4 + k, count)
         if alpha >= 0:
-            copy_plane(results[4 * output + 3], registers[alpha * 4 + 3], count)
+            copy_plane(results, 4 * output + 3, registers, alpha * 4 + 3, count)
 
 
 @kernel
 def map_final(x, invert):
     """UNSIGNED_IDENTITY or UNSIGNED_INVERT in the final combiner."""
     positive = max(int32(x), int32(0))
-    return int32(max(int32(int32(255) - positive), int32(0))) if invert else positive
+    return max(int32(int32(255) - positive), int32(0)) if invert else positive
 
 
-@kernel("void(i2[::1],i2[::1],i8,i8,i8,i2[::1])")
-def multiply_e_f(e, f, count, invert_e, invert_f, out):
+@kernel("void(i2[:,::1],i8,i8,i8,i8,i8,i2[:,::1],i8)")
+def multiply_e_f(registers, e, f, count, invert_e, invert_f, out, plane):
     """E F, rounded. Measured: 136923 of 136923 pixels (combiner captures)."""
     separate_loop()
+    pe, pf, po = uint64(e), uint64(f), uint64(plane)
     for i in range(count):
-        out[i] = int16(divide_255(int32(map_final(e[i], invert_e) * map_final(f[i], invert_f))))
+        out[po, i] = int16(divide_255(int32(map_final(registers[pe, i], invert_e) * map_final(registers[pf, i], invert_f))))
 
 
-@kernel("void(i2[::1],i2[::1],i8,i8,i2[::1])")
-def sum_colors(spare0, secondary, count, clamped, out):
+@kernel("void(i2[:,::1],i8,i8,i8,i2[:,::1],i8)")
+def sum_colors(registers, channel, count, clamped, out, plane):
     """SPARE0 + SECONDARY: an integer sum, at most 255 with the color sum clamp. Measured: combiner captures."""
     separate_loop()
+    spare0, secondary, po = uint64(R.SPARE0 * 4 + channel), uint64(R.SECONDARY * 4 + channel), uint64(plane)
     limit = int32(255) if clamped else int32(510)
     for i in range(count):
-        total = int32(max(int32(spare0[i]), int32(0)) + max(int32(secondary[i]), int32(0)))
-        out[i] = int16(min(total, limit))
+        total = int32(max(int32(registers[spare0, i]), int32(0)) + max(int32(registers[secondary, i]), int32(0)))
+        out[po, i] = int16(min(total, limit))
 
 
-@kernel("void(i2[::1],i2[::1],i2[::1],i2[::1],i8,i8,i8,i8,i8,i2[::1])")
-def final_rgb(a, b, c, d, count, invert_a, invert_b, invert_c, invert_d, out):
+@kernel("void(i2[:,::1],i8,i8,i8,i8,i8,i4[:,::1],i2[:,::1],i8)")
+def final_rgb(registers, a, b, c, d, count, final, out, plane):
     """clamp(rn(A B + (255 - A) C) + D, 0, 255)."""
     separate_loop()
+    pa, pb, pc, pd, po = uint64(a), uint64(b), uint64(c), uint64(d), uint64(plane)
+    invert_a, invert_b, invert_c, invert_d = final[0, 2], final[1, 2], final[2, 2], final[3, 2]
     for i in range(count):
-        ma = map_final(a[i], invert_a)
-        mixed = int32(int32(ma * map_final(b[i], invert_b)) + int32(int32(int32(255) - ma) * map_final(c[i], invert_c)))
-        out[i] = int16(min(int32(divide_255(mixed) + map_final(d[i], invert_d)), int32(255)))
+        ma = map_final(registers[pa, i], invert_a)
+        ab = int32(ma * map_final(registers[pb, i], invert_b))
+        rest = int32(int32(int32(255) - ma) * map_final(registers[pc, i], invert_c))
+        total = int32(divide_255(int32(ab + rest)) + map_final(registers[pd, i], invert_d))
+        out[po, i] = int16(min(total, int32(255)))
 
 
-@kernel("void(i2[::1],i8,i8,i2[::1])")
-def final_alpha(g, count, invert_g, out):
+@kernel("void(i2[:,::1],i8,i8,i8,i2[:,::1],i8)")
+def final_alpha(registers, g, count, invert_g, out, plane):
     """G, mapped."""
     separate_loop()
+    pg, po = uint64(g), uint64(plane)
     for i in range(count):
-        out[i] = int16(map_final(g[i], invert_g))
+        out[po, i] = int16(map_final(registers[pg, i], invert_g))
 
 
 @kernel("void(i2[:,::1],i4[:,::1],i8,i8,i8,i8,i2[:,::1])")
 def final_combiner(registers, final, count, uses_e_times_f, uses_sum, sum_clamp, out):
-    """The final combiner: ``final`` int32[7, FINAL_SIZE], result int16[4, batch], 0..255."""
+    """The final combiner: ``final`` int32[7, FINAL_SIZE], result int16[12, batch] (planes 0..3), 0..255.
+
+    The pseudo-registers are worked out in planes 4..11 of ``out`` and copied to their registers.
+    """
     separate_function()
-    for channel in range(3):
+    for k in range(3):
         if uses_sum:
-            sum_colors(
-                registers[R.SPARE0 * 4 + channel],
-                registers[R.SECONDARY * 4 + channel],
-                count,
-                sum_clamp,
-                registers[R.SPARE0_PLUS_SECONDARY * 4 + channel],
-            )
+            sum_colors(registers, k, count, sum_clamp, out, 4 + k)
         if uses_e_times_f:
-            e, f = plane_of(final[4], channel), plane_of(final[5], channel)
-            multiply_e_f(registers[e], registers[f], count, final[4, 2], final[5, 2], registers[R.E_TIMES_F * 4 + channel])
-    for channel in range(3):
-        final_rgb(
-            registers[plane_of(final[0], channel)],
-            registers[plane_of(final[1], channel)],
-            registers[plane_of(final[2], channel)],
-            registers[plane_of(final[3], channel)],
-            count,
-            final[0, 2],
-            final[1, 2],
-            final[2, 2],
-            final[3, 2],
-            out[channel],
-        )
-    final_alpha(registers[plane_of(final[6], 3)], count, final[6, 2], out[3])
+            e, f = plane_of(final[4], 0, k), plane_of(final[5], 0, k)
+            multiply_e_f(registers, e, f, count, final[4, 2], final[5, 2], out, 8 + k)
+    for k in range(3):
+        if uses_sum:
+            copy_plane(out, 4 + k, registers, R.SPARE0_PLUS_SECONDARY * 4 + k, count)
+        if uses_e_times_f:
+            copy_plane(out, 8 + k, registers, R.E_TIMES_F * 4 + k, count)
+    for k in range(3):
+        a, b = plane_of(final[0], 0, k), plane_of(final[1], 0, k)
+        c, d = plane_of(final[2], 0, k), plane_of(final[3], 0, k)
+        final_rgb(registers, a, b, c, d, count, final, out, k)
+    final_alpha(registers, plane_of(final[6], 0, 3), count, final[6, 2], out, 3)

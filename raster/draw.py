@@ -63,13 +63,13 @@ def row_span(n0, n1, n2, step0, step1, step2, first, last):
 def unbound_texture(registers, unit, count):
     """The register of a disabled unit: (0, 0, 0, 255). Measured: unbound textures (combiner captures)."""
     for c in range(4):
-        fill_plane(registers[(R.TEXTURE0 + unit) * 4 + c], count, int32(255 if c == 3 else 0))
+        fill_plane(registers, (R.TEXTURE0 + unit) * 4 + c, count, int32(255 if c == 3 else 0))
 
 
 @kernel(
     "void(i8[::1],i4[:,:,::1],i4[:,::1],i2[:,::1],i4[::1],i8,i4[::1],i4[::1],i4[::1],i8,i4[:,::1],i4[::1],i4[::1],"
     "f8[::1],u1[:,:,::1],f8[:,:,::1],f8[::1],f8[::1],u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],i8[:,::1],"
-    "i4[::1],i4[::1],i4[::1],i8,f8[::1],f8[::1],f8[::1],f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i4[:,::1],i2[:,::1])"
+    "i4[::1],i4[::1],i4[::1],i8,f8[::1],f8[::1],f8[::1],f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i4[:,::1],i4[:,::1],i2[:,::1])"
 )
 def shade(
     draw,
@@ -108,6 +108,7 @@ def shade(
     packed,
     registers,
     products,
+    total,
     results,
 ):
     """Fragment colours of a batch, into ``results`` planes 0..3: interpolation, texture units, combiners."""
@@ -121,21 +122,20 @@ def shade(
     flat = draw[R.FLAT]
     if draw[R.DIRECT]:
         for c in range(4):
-            iterate_color(starts, owners, backs, segments, triangles, colors, c, flat, w0, w2, results[c])
+            iterate_color(starts, owners, backs, segments, triangles, colors, c, flat, w0, w2, results, c)
         return
     if draw[R.NEEDS_PRIMARY]:
         for c in range(4):
-            plane = registers[R.PRIMARY * 4 + c]
-            iterate_color(starts, owners, backs, segments, triangles, colors, c, flat, w0, w2, plane)
+            plane = R.PRIMARY * 4 + c
+            iterate_color(starts, owners, backs, segments, triangles, colors, c, flat, w0, w2, registers, plane)
     if draw[R.NEEDS_SECONDARY]:
         for c in range(3):
-            plane = registers[R.SECONDARY * 4 + c]
-            iterate_color(starts, owners, backs, segments, triangles, colors, 4 + c, flat, w0, w2, plane)
-        fill_plane(registers[R.SECONDARY * 4 + 3], count, int32(0))
-    if draw[R.NEEDS_FOG]:
-        if draw[R.FOG_ENABLED]:
-            factor = registers[R.FOG * 4 + 3]
-            iterate_fog(starts, owners, segments, triangles, fog, b0, b2, fog_thresholds, draw[R.FOG_RISING], factor)
+            plane = R.SECONDARY * 4 + c
+            iterate_color(starts, owners, backs, segments, triangles, colors, 4 + c, flat, w0, w2, registers, plane)
+        fill_plane(registers, R.SECONDARY * 4 + 3, count, int32(0))
+    if draw[R.FOG_ENABLED]:
+        rising, plane = draw[R.FOG_RISING], R.FOG * 4 + 3
+        iterate_fog(starts, owners, segments, triangles, fog, b0, b2, fog_thresholds, rising, registers, plane)
     if draw[R.WRITES_TEXTURE]:
         for u in range(4):
             unbound_texture(registers, u, count)
@@ -162,21 +162,21 @@ def shade(
                 run_starts, run_x, run_y, ints[14], runs, triangles, x, y, inverse_w, coordinates, u, row, levels[u], ints[15]
             )
         texels = texels0 if u == 0 else (texels1 if u == 1 else (texels2 if u == 2 else texels3))
-        planes = registers[(R.TEXTURE0 + u) * 4 : (R.TEXTURE0 + u) * 4 + 4]
-        sample_unit(texels, levels[u], row, count, ints[15], floats, ints, packed, planes)
+        plane = (R.TEXTURE0 + u) * 4
+        sample_unit(texels, levels[u], row, count, ints[15], floats, ints, packed, registers, plane)
     for c in range(3):
-        fill_plane(registers[R.SPARE0 * 4 + c], count, int32(0))
-    copy_plane(registers[R.TEXTURE0 * 4 + 3], registers[R.SPARE0 * 4 + 3], count)
+        fill_plane(registers, R.SPARE0 * 4 + c, count, int32(0))
+    copy_plane(registers, R.TEXTURE0 * 4 + 3, registers, R.SPARE0 * 4 + 3, count)
     for c in range(4):
-        fill_plane(registers[R.SPARE1 * 4 + c], count, int32(0))
+        fill_plane(registers, R.SPARE1 * 4 + c, count, int32(0))
     for stage in range(draw[R.STAGES]):
         if draw[R.STAGE_CONSTANTS]:
             for c in range(8):
-                fill_plane(registers[R.CONSTANT0 * 4 + c], count, int32(constants[stage, c]))
-        general_combiner(registers, program[stage], count, arithmetic, products, results)
+                fill_plane(registers, R.CONSTANT0 * 4 + c, count, int32(constants[stage, c]))
+        general_combiner(registers, program[stage], count, arithmetic, products, total, results)
     if draw[R.STAGE_CONSTANTS]:
         for c in range(8):
-            fill_plane(registers[R.CONSTANT0 * 4 + c], count, int32(constants[draw[R.STAGES], c]))
+            fill_plane(registers, R.CONSTANT0 * 4 + c, count, int32(constants[draw[R.STAGES], c]))
     uses_ef, uses_sum = draw[R.USES_E_TIMES_F], draw[R.USES_SPARE0_PLUS_SECONDARY]
     final_combiner(registers, final, count, uses_ef, uses_sum, draw[R.COLOR_SUM_CLAMP], results)
 
@@ -231,15 +231,16 @@ def draw_bands(
     ints = np.empty((16, batch), np.int32)
     packed = np.empty((7, batch), np.uint32)
     registers = np.zeros((R.REGISTERS * 4, batch), np.int16)
-    products, results = np.empty((9, batch), np.int32), np.empty((12, batch), np.int16)
+    products, total = np.empty((8, batch), np.int32), np.empty((1, batch), np.int32)
+    results = np.empty((12, batch), np.int16)
     colors_packed, alive = np.empty(batch, np.uint32), np.empty(batch, np.uint8)
     starts, owners, backs = np.empty(batch + 1, np.int32), np.empty(batch, np.int32), np.empty(batch, np.int32)
     run_starts, run_x, run_y = np.empty(batch + 1, np.int32), np.empty(batch, np.int32), np.empty(batch, np.int32)
     for c in range(8):
-        fill_plane(registers[R.CONSTANT0 * 4 + c], batch, int32(constants[0, c]))
+        fill_plane(registers, R.CONSTANT0 * 4 + c, batch, int32(constants[0, c]))
     for c in range(3):
-        fill_plane(registers[R.FOG * 4 + c], batch, int32(draw[R.FOG_RED + c]))
-    fill_plane(registers[R.FOG * 4 + 3], batch, int32(255))
+        fill_plane(registers, R.FOG * 4 + c, batch, int32(draw[R.FOG_RED + c]))
+    fill_plane(registers, R.FOG * 4 + 3, batch, int32(255))
     for u in range(4):
         unbound_texture(registers, u, batch)
 
@@ -326,7 +327,7 @@ def draw_bands(
                                 draw, program, final, constants, arithmetic, position, starts, owners, backs, segments,
                                 triangles, x, y, inverse_w, colors, coordinates, fog, fog_thresholds,
                                 texels0, texels1, texels2, texels3, levels, units, run_starts, run_x, run_y, runs,
-                                e0, e1, e2, floats, ints, packed, registers, products, results,
+                                e0, e1, e2, floats, ints, packed, registers, products, total, results,
                             )  # fmt: skip
                         per_fragment(
                             draw, position, run_starts, run_x, run_y, runs, results, colors_packed, depth, alive, factors,

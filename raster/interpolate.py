@@ -1,12 +1,13 @@
 """Weights of a fragment inside its triangle, and everything iterated with them (docs/numbers.md, sections 4 to 6).
 
-A batch's fragments are columns. ``e0, e1, e2`` are the edge functions times 1/w (float64). A segment is a run of
+Loops index with unsigned integers: NumPy's negative indices would cost every access a comparison and keep LLVM from
+vectorising. A batch's fragments are columns. ``e0, e1, e2`` are the edge functions times 1/w (float64). A segment is a run of
 consecutive fragments of one triangle: ``starts`` int32[segments + 1], ``owners`` int32[segments] (triangle),
 ``backs`` int32[segments] (1: the back colour).
 """
 
 import numpy as np
-from numba import float64, int16, int32
+from numba import float64, int16, int32, uint64
 
 from raster.fixed import below_24, truncate_24
 from raster.kernel import kernel, separate_loop
@@ -16,23 +17,25 @@ from raster.kernel import kernel, separate_loop
 def emit_weights(e0, e1, e2, position, count, n0, n1, n2, step0, step1, step2, iw0, iw1, iw2):
     """Edge functions of ``count`` pixels to the right of the one with n0, n1, n2, times the vertices' 1/w."""
     separate_loop()
+    at = uint64(position)
     for i in range(count):
         k = float64(int32(i))
-        e0[position + i] = (n0 + k * step0) * iw0
-        e1[position + i] = (n1 + k * step1) * iw1
-        e2[position + i] = (n2 + k * step2) * iw2
+        e0[at + uint64(i)] = (n0 + k * step0) * iw0
+        e1[at + uint64(i)] = (n1 + k * step1) * iw1
+        e2[at + uint64(i)] = (n2 + k * step2) * iw2
 
 
 @kernel("void(i4[::1],i8,i8,f8,f8,f8,f8,f8,f8,f8,f8,f8,i4,i4)")
 def emit_depth(depth, position, count, n0, n2, step0, step2, inverse_area, z1, z01, z21, tie, offset, maximum):
     """Depth units of ``count`` pixels: floor of the plane, plus the polygon offset, clamped."""
     separate_loop()
+    at = uint64(position)
     for i in range(count):
         k = float64(int32(i))
         a0 = (n0 + k * step0) * inverse_area
         a2 = (n2 + k * step2) * inverse_area
         z = (z1 + a0 * z01) + a2 * z21
-        depth[position + i] = min(max(int32(int32(np.floor(z + tie)) + offset), int32(0)), maximum)
+        depth[at + uint64(i)] = min(max(int32(int32(np.floor(z + tie)) + offset), int32(0)), maximum)
 
 
 @kernel("void(f8[::1],f8[::1],f8[::1],i8,f8[::1],f8[::1])")
@@ -69,31 +72,34 @@ def color_weights(e0, e1, e2, count, w0, w2, residual):
         residual[i] = int32(0) if first else (int32(2) if last else int32(1))
 
 
-@kernel("void(i4[::1],i4[::1],i4[::1],i8,i4[:,::1],u1[:,:,::1],i8,i8,i4[::1],i4[::1],i2[::1])")
-def iterate_color(starts, owners, backs, segments, triangles, colors, channel, flat, w0, w2, out):
-    """One colour channel: ``(w0 c0 + w1 c1 + w2 c2 + 128) >> 8``, or the provoking vertex's.
+@kernel("void(i4[::1],i4[::1],i4[::1],i8,i4[:,::1],u1[:,:,::1],i8,i8,i4[::1],i4[::1],i2[:,::1],i8)")
+def iterate_color(starts, owners, backs, segments, triangles, colors, channel, flat, w0, w2, out, plane):
+    """One colour channel into a plane of ``out``: ``(w0 c0 + w1 c1 + w2 c2 + 128) >> 8``, or the provoking vertex's.
 
     Measured: over a million pixels (3D_primitive, Texture_perspective captures).
     """
     separate_loop()
+    p = uint64(plane)
     for s in range(segments):
         t = owners[s]
         side = backs[s]
+        at, count = uint64(starts[s]), starts[s + 1] - starts[s]
         c0 = int32(colors[triangles[t, 0], side, channel])
         c1 = int32(colors[triangles[t, 1], side, channel])
         c2 = int32(colors[triangles[t, 2], side, channel])
         if flat:
             c0 = c1 = c2 = int32(colors[triangles[t, 3], side, channel])
         if c0 == c1 and c1 == c2:  # the weights sum to 256: the sum below is then exactly c0
-            for i in range(starts[s], starts[s + 1]):
-                out[i] = int16(c0)
+            for i in range(count):
+                out[p, at + uint64(i)] = int16(c0)
         else:
             d0 = int32(c0 - c1)
             d2 = int32(c2 - c1)
             base = int32(int32(c1 * int32(256)) + int32(128))
-            for i in range(starts[s], starts[s + 1]):
-                total = int32(base + int32(int32(w0[i] * d0) + int32(w2[i] * d2)))
-                out[i] = int16(total >> int32(8))
+            for i in range(count):
+                k = at + uint64(i)
+                total = int32(base + int32(int32(w0[k] * d0) + int32(w2[k] * d2)))
+                out[p, k] = int16(total >> int32(8))
 
 
 @kernel("void(i4[::1],i4[::1],i8,i4[:,::1],f8[:,:,::1],i8,i8,f8[::1],f8[::1],f8[::1])")
@@ -105,8 +111,10 @@ def iterate_coordinate(starts, owners, segments, triangles, coordinates, unit, c
         v1 = coordinates[triangles[t, 1], unit, component]
         d0 = coordinates[triangles[t, 0], unit, component] - v1
         d2 = coordinates[triangles[t, 2], unit, component] - v1
-        for i in range(starts[s], starts[s + 1]):
-            out[i] = (v1 + b0[i] * d0) + b2[i] * d2
+        at = uint64(starts[s])
+        for i in range(starts[s + 1] - starts[s]):
+            k = at + uint64(i)
+            out[k] = (v1 + b0[k] * d0) + b2[k] * d2
 
 
 @kernel("void(i4[::1],i4[::1],i8,i4[:,::1],f8[:,:,::1],i8,i8,i4[::1],f8,f8[::1])")
@@ -124,13 +132,15 @@ def tie_bias(starts, owners, segments, triangles, coordinates, unit, component, 
         bias0 = tau if -d2 >= 0.0 else -tau
         bias1 = tau if -d0 - d2 >= 0.0 else -tau
         bias2 = tau if -d0 >= 0.0 else -tau
-        for i in range(starts[s], starts[s + 1]):
-            out[i] = bias0 if residual[i] == int32(0) else (bias1 if residual[i] == int32(1) else bias2)
+        at = uint64(starts[s])
+        for i in range(starts[s + 1] - starts[s]):
+            r = residual[at + uint64(i)]
+            out[at + uint64(i)] = bias0 if r == int32(0) else (bias1 if r == int32(1) else bias2)
 
 
-@kernel("void(i4[::1],i4[::1],i8,i4[:,::1],f8[::1],f8[::1],f8[::1],f8[::1],i8,i2[::1])")
-def iterate_fog(starts, owners, segments, triangles, fog, b0, b2, thresholds, rising, out):
-    """The fog factor's byte: how many of the 255 thresholds (falling with k, or rising) the coordinate keeps."""
+@kernel("void(i4[::1],i4[::1],i8,i4[:,::1],f8[::1],f8[::1],f8[::1],f8[::1],i8,i2[:,::1],i8)")
+def iterate_fog(starts, owners, segments, triangles, fog, b0, b2, thresholds, rising, out, plane):
+    """The fog factor's byte into a plane of ``out``: how many of the 255 thresholds (falling with k, or rising) the coordinate keeps."""
     separate_loop()
     for s in range(segments):
         t = owners[s]
@@ -147,4 +157,4 @@ def iterate_fog(starts, owners, segments, triangles, fog, b0, b2, thresholds, ri
                     low = middle
                 else:
                     high = middle - 1
-            out[i] = int16(low)
+            out[plane, i] = int16(low)

@@ -4,10 +4,10 @@ Fragments lie in columns; a run is a piece of one row of one triangle, so its pi
 may be vectorised; runs follow each other in draw order. Colour is ``uint32[height, width]``, red in the low byte.
 """
 
-from numba import int32, uint8, uint32
+from numba import int32, uint8, uint32, uint64
 
 from raster import rows as R
-from raster.fixed import clamp, divide_255
+from raster.fixed import divide_255
 from raster.kernel import kernel, separate_function, separate_loop
 
 
@@ -15,7 +15,7 @@ from raster.kernel import kernel, separate_function, separate_loop
 def passes(function, value, reference):
     """``value FUNC reference``. The function's code has one bit each for less (1), equal (2), greater (4)."""
     relation = int32(1) if value < reference else (int32(2) if value == reference else int32(4))
-    return (function & relation) != int32(0)
+    return int32(function & relation) != int32(0)
 
 
 @kernel("void(i2[::1],i8,i4,i4,u1[::1])")
@@ -27,18 +27,21 @@ def alpha_test(alpha, count, function, reference, alive):
 
 
 @kernel
-def stencil_result(stored, operation, xor, addend, low, high):
+def stencil_result(stored, mask, xor, addend, low, high):
     """A stencil operation as coefficients: clamp(((s & and) ^ xor) + add, low, high), wrapped to 8 bits."""
-    return int32(clamp(int32(int32(int32(stored & operation) ^ xor) + addend), low, high) & int32(255))
+    value = int32(int32(int32(stored & mask) ^ xor) + addend)
+    return int32(min(max(value, low), high) & int32(255))
 
 
-@kernel("void(u1[::1],i8,i8,u1[::1],i8,i4[::1],u4[::1],i8[::1])")
-def stencil_run(stencil, x, count, alive, start, depth, depth_row, draw):
+@kernel("void(u1[:,::1],u4[:,::1],i8,i8,i8,u1[::1],i8,i4[::1],i8[::1])")
+def stencil_run(stencil, depth_buffer, y, x, count, alive, start, depth, draw):
     """Stencil test, then depth test, of one run; ``alive`` in and out."""
     separate_loop()
+    row, at, here = uint64(y), uint64(x), uint64(start)
     function, mask = int32(draw[R.STENCIL_FUNCTION]), int32(draw[R.STENCIL_MASK])
-    reference = int32(draw[R.STENCIL_REFERENCE]) & mask
-    write, keep = int32(draw[R.STENCIL_WRITE_MASK]), int32(255) & ~int32(draw[R.STENCIL_WRITE_MASK])
+    reference = int32(int32(draw[R.STENCIL_REFERENCE]) & mask)
+    write = int32(draw[R.STENCIL_WRITE_MASK])
+    keep = int32(int32(255) - write)
     depth_function = int32(draw[R.DEPTH_FUNCTION])
     needs_depth, depth_write = draw[R.NEEDS_DEPTH], draw[R.DEPTH_WRITE]
     f, z, p = R.STENCIL_FAIL, R.STENCIL_DEPTH_FAIL, R.STENCIL_DEPTH_PASS
@@ -46,34 +49,37 @@ def stencil_run(stencil, x, count, alive, start, depth, depth_row, draw):
     za, zx, zd, zl, zh = int32(draw[z]), int32(draw[z + 1]), int32(draw[z + 2]), int32(draw[z + 3]), int32(draw[z + 4])
     pa, px, pd, pl, ph = int32(draw[p]), int32(draw[p + 1]), int32(draw[p + 2]), int32(draw[p + 3]), int32(draw[p + 4])
     for i in range(count):
-        stored = int32(stencil[x + i])
-        living = alive[start + i] != uint8(0)
-        stencil_passes = passes(function, reference, int32(stored & mask))
-        depth_passes = True
+        k = uint64(i)
+        stored = int32(stencil[row, at + k])
+        living = int32(alive[here + k])
+        stencil_passes = int32(living & int32(passes(function, reference, int32(stored & mask))))
+        both = stencil_passes
         if needs_depth:
-            value, old = uint32(depth[start + i]), depth_row[x + i]
-            depth_passes = passes(depth_function, value, old)
+            value, old = depth[here + k], int32(depth_buffer[row, at + k])
+            both = int32(stencil_passes & int32(passes(depth_function, value, old)))
             if depth_write:
-                depth_row[x + i] = value if living & stencil_passes & depth_passes else old
+                depth_buffer[row, at + k] = uint32(value if both else old)
         failed = stencil_result(stored, fa, fx, fd, fl, fh)
         behind = stencil_result(stored, za, zx, zd, zl, zh)
         passed = stencil_result(stored, pa, px, pd, pl, ph)
-        result = (passed if depth_passes else behind) if stencil_passes else failed
+        result = passed if both else (behind if stencil_passes else failed)
         result = int32(int32(result & write) | int32(stored & keep))
-        stencil[x + i] = uint8(result) if living else uint8(stored)
-        alive[start + i] = uint8(living & stencil_passes & depth_passes)
+        stencil[row, at + k] = uint8(result if living else stored)
+        alive[here + k] = uint8(both)
 
 
-@kernel("void(u4[::1],i8,i8,u1[::1],i8,i4[::1],i4,i8)")
-def depth_run(depth_row, x, count, alive, start, depth, function, write):
+@kernel("void(u4[:,::1],i8,i8,i8,u1[::1],i8,i4[::1],i4,i8)")
+def depth_run(depth_buffer, y, x, count, alive, start, depth, function, write):
     """Depth test of one run without stencil; ``alive`` in and out. Measured: Depth_buffer captures."""
     separate_loop()
+    row, at, here = uint64(y), uint64(x), uint64(start)
     for i in range(count):
-        value, old = uint32(depth[start + i]), depth_row[x + i]
-        passed = (alive[start + i] != uint8(0)) & passes(function, value, old)
-        alive[start + i] = uint8(passed)
+        k = uint64(i)
+        value, old = depth[here + k], int32(depth_buffer[row, at + k])
+        passed = int32(int32(alive[here + k]) & int32(passes(function, value, old)))
+        alive[here + k] = uint8(passed)
         if write:
-            depth_row[x + i] = value if passed else old
+            depth_buffer[row, at + k] = uint32(value if passed else old)
 
 
 @kernel("void(i2[:,::1],i8,u4[::1])")
@@ -101,11 +107,13 @@ def saturating_add(s, d):
 @kernel
 def logic(operation, s, d):
     """Table 4.3: the operation's bits are the results for (s, d) = (1, 1), (1, 0), (0, 1), (0, 0)."""
-    m0 = uint32(0) - uint32(operation & 1)
-    m1 = uint32(0) - uint32((operation >> 1) & 1)
-    m2 = uint32(0) - uint32((operation >> 2) & 1)
-    m3 = uint32(0) - uint32((operation >> 3) & 1)
-    return uint32((s & d & m0) | (s & ~d & m1) | (~s & d & m2) | (~s & ~d & m3))
+    m0 = uint32(uint32(0) - uint32(operation & 1))
+    m1 = uint32(uint32(0) - uint32((operation >> 1) & 1))
+    m2 = uint32(uint32(0) - uint32((operation >> 2) & 1))
+    m3 = uint32(uint32(0) - uint32((operation >> 3) & 1))
+    not_s, not_d = uint32(~s), uint32(~d)
+    both = uint32(uint32(uint32(s & d) & m0) | uint32(uint32(s & not_d) & m1))
+    return uint32(both | uint32(uint32(uint32(not_s & d) & m2) | uint32(uint32(not_s & not_d) & m3)))
 
 
 @kernel
@@ -114,9 +122,10 @@ def blend_factor(row, at, s, d, sa, da, saturate):
 
     row[at..]: masks for S, D, As, Ad, the saturate term; a constant byte; xor 255 for ONE_MINUS.
     """
-    value = int32(s & row[at]) | int32(d & row[at + 1]) | int32(sa & row[at + 2]) | int32(da & row[at + 3])
-    value |= int32(saturate & row[at + 4]) | row[at + 5]
-    return int32(value ^ row[at + 6])
+    colors = int32(int32(s & row[at]) | int32(d & row[at + 1]))
+    alphas = int32(int32(sa & row[at + 2]) | int32(da & row[at + 3]))
+    rest = int32(int32(saturate & row[at + 4]) | row[at + 5])
+    return int32(int32(int32(colors | alphas) | rest) ^ row[at + 6])
 
 
 @kernel
@@ -135,45 +144,80 @@ def blend_equation(equation, s, fs, d, fd):
     return min(divide_255(max(total, int32(0))), int32(255))
 
 
-@kernel("void(u4[::1],i8,i8,u4[::1],u1[::1],i8,i4[::1],i4[::1],i8,u4)")
-def blend_run(row, x, count, source, alive, start, fs, fd, equation, mask):
-    """Blend one run into a framebuffer row. fs, fd int32[28]: the factors of red, green, blue and alpha."""
+@kernel
+def byte_of(packed, shift):
+    """One byte of a packed colour."""
+    return int32(uint32(packed >> uint32(shift)) & uint32(255))
+
+
+@kernel
+def merge(packed, old, mask, living):
+    """What to store: ``packed`` through the color mask where the fragment lives, else ``old``."""
+    masked = uint32(uint32(packed & mask) | uint32(old & uint32(~mask)))
+    return masked if living != uint8(0) else old
+
+
+@kernel("void(u4[:,::1],i8,i8,i8,u4[::1],u1[::1],i8,i4[:,::1],i8,u4)")
+def blend_run(color, y, x, count, source, alive, start, factors, equation, mask):
+    """Blend one run into the framebuffer. factors int32[2, 4 * FACTOR_SIZE]: source, destination."""
     separate_loop()
+    row, at, here = uint64(y), uint64(x), uint64(start)
+    fs, fd = factors[0], factors[1]
     for i in range(count):
-        s, d = source[start + i], row[x + i]
-        sr, sg, sb, sa = int32(s & uint32(255)), int32((s >> uint32(8)) & uint32(255)), int32((s >> uint32(16)) & uint32(255)), int32(s >> uint32(24))
-        dr, dg, db, da = int32(d & uint32(255)), int32((d >> uint32(8)) & uint32(255)), int32((d >> uint32(16)) & uint32(255)), int32(d >> uint32(24))
-        saturate = min(sa, int32(int32(255) - da))
-        r = blend_equation(equation, sr, blend_factor(fs, 0, sr, dr, sa, da, saturate), dr, blend_factor(fd, 0, sr, dr, sa, da, saturate))
-        g = blend_equation(equation, sg, blend_factor(fs, 7, sg, dg, sa, da, saturate), dg, blend_factor(fd, 7, sg, dg, sa, da, saturate))
-        b = blend_equation(equation, sb, blend_factor(fs, 14, sb, db, sa, da, saturate), db, blend_factor(fd, 14, sb, db, sa, da, saturate))
-        a = blend_equation(equation, sa, blend_factor(fs, 21, sa, da, sa, da, int32(255)), da, blend_factor(fd, 21, sa, da, sa, da, int32(255)))
-        packed = uint32(uint32(r) | uint32(uint32(g) << uint32(8)) | uint32(uint32(b) << uint32(16)) | uint32(uint32(a) << uint32(24)))
-        packed = uint32((packed & mask) | (d & ~mask))
-        row[x + i] = packed if alive[start + i] != uint8(0) else d
+        s, d = source[here + uint64(i)], color[row, at + uint64(i)]
+        sr, sg, sb, sa = byte_of(s, 0), byte_of(s, 8), byte_of(s, 16), byte_of(s, 24)
+        dr, dg, db, da = byte_of(d, 0), byte_of(d, 8), byte_of(d, 16), byte_of(d, 24)
+        low = min(sa, int32(int32(255) - da))
+        fr, er = blend_factor(fs, 0, sr, dr, sa, da, low), blend_factor(fd, 0, sr, dr, sa, da, low)
+        fg, eg = blend_factor(fs, 7, sg, dg, sa, da, low), blend_factor(fd, 7, sg, dg, sa, da, low)
+        fb, eb = blend_factor(fs, 14, sb, db, sa, da, low), blend_factor(fd, 14, sb, db, sa, da, low)
+        one = int32(255)
+        fa, ea = blend_factor(fs, 21, sa, da, sa, da, one), blend_factor(fd, 21, sa, da, sa, da, one)
+        r, g = uint32(blend_equation(equation, sr, fr, dr, er)), uint32(blend_equation(equation, sg, fg, dg, eg))
+        b, a = uint32(blend_equation(equation, sb, fb, db, eb)), uint32(blend_equation(equation, sa, fa, da, ea))
+        packed = uint32(uint32(r | uint32(g << uint32(8))) | uint32(uint32(b << uint32(16)) | uint32(a << uint32(24))))
+        color[row, at + uint64(i)] = merge(packed, d, mask, alive[here + uint64(i)])
 
 
-@kernel("void(u4[::1],i8,i8,u4[::1],u1[::1],i8,i8,i8,u4)")
-def write_run(row, x, count, source, alive, start, mode, operation, mask):
-    """Write one run into a framebuffer row: mode 0 replace, 2 saturating add, 3 logic operation."""
+@kernel("void(u4[:,::1],i8,i8,i8,u4[::1],u1[::1],i8,u4)")
+def write_run(color, y, x, count, source, alive, start, mask):
+    """Replace one run of the framebuffer."""
     separate_loop()
+    row, at, here = uint64(y), uint64(x), uint64(start)
     for i in range(count):
-        s, d = source[start + i], row[x + i]
-        result = s
-        if mode == 2:
-            result = saturating_add(s, d)
-        elif mode == 3:
-            result = logic(operation, s, d)
-        result = uint32((result & mask) | (d & ~mask))
-        row[x + i] = result if alive[start + i] != uint8(0) else d
+        old = color[row, at + uint64(i)]
+        color[row, at + uint64(i)] = merge(source[here + uint64(i)], old, mask, alive[here + uint64(i)])
 
 
-@kernel("void(u4[::1],i8,i8,u4[::1],i8)")
-def store_run(row, x, count, source, start):
+@kernel("void(u4[:,::1],i8,i8,i8,u4[::1],u1[::1],i8,u4)")
+def add_run(color, y, x, count, source, alive, start, mask):
+    """Blending with ONE, ONE, FUNC_ADD."""
+    separate_loop()
+    row, at, here = uint64(y), uint64(x), uint64(start)
+    for i in range(count):
+        old = color[row, at + uint64(i)]
+        total = saturating_add(source[here + uint64(i)], old)
+        color[row, at + uint64(i)] = merge(total, old, mask, alive[here + uint64(i)])
+
+
+@kernel("void(u4[:,::1],i8,i8,i8,u4[::1],u1[::1],i8,i8,u4)")
+def logic_run(color, y, x, count, source, alive, start, operation, mask):
+    """Logic operation."""
+    separate_loop()
+    row, at, here = uint64(y), uint64(x), uint64(start)
+    for i in range(count):
+        old = color[row, at + uint64(i)]
+        result = logic(operation, source[here + uint64(i)], old)
+        color[row, at + uint64(i)] = merge(result, old, mask, alive[here + uint64(i)])
+
+
+@kernel("void(u4[:,::1],i8,i8,i8,u4[::1],i8)")
+def store_run(color, y, x, count, source, start):
     """Write one run in which every fragment lives, unmasked."""
     separate_loop()
+    row, at, here = uint64(y), uint64(x), uint64(start)
     for i in range(count):
-        row[x + i] = source[start + i]
+        color[row, at + uint64(i)] = source[here + uint64(i)]
 
 
 @kernel("void(u1[::1],i8)")
@@ -210,16 +254,19 @@ def per_fragment(
         start, x, y = run_starts[k], run_x[k], run_y[k]
         n = run_starts[k + 1] - start
         if draw[R.STENCIL_TEST]:
-            stencil_run(stencil[y], x, n, alive, start, depth, depth_buffer[y], draw)
+            stencil_run(stencil, depth_buffer, y, x, n, alive, start, depth, draw)
             tested = True
         elif draw[R.NEEDS_DEPTH]:
-            depth_run(depth_buffer[y], x, n, alive, start, depth, int32(draw[R.DEPTH_FUNCTION]), draw[R.DEPTH_WRITE])
+            depth_run(depth_buffer, y, x, n, alive, start, depth, int32(draw[R.DEPTH_FUNCTION]), draw[R.DEPTH_WRITE])
             tested = True
         if writes:
             if mode == 1:
-                blend_run(color[y], x, n, packed, alive, start, factors[0], factors[1], draw[R.BLEND_EQUATION], mask)
-            elif mode == 0 and not tested and mask == uint32(0xFFFFFFFF):
-                store_run(color[y], x, n, packed, start)
+                blend_run(color, y, x, n, packed, alive, start, factors, draw[R.BLEND_EQUATION], mask)
+            elif mode == 2:
+                add_run(color, y, x, n, packed, alive, start, mask)
+            elif mode == 3:
+                logic_run(color, y, x, n, packed, alive, start, draw[R.LOGIC_OPERATION], mask)
+            elif tested or mask != uint32(0xFFFFFFFF):
+                write_run(color, y, x, n, packed, alive, start, mask)
             else:
-                write_run(color[y], x, n, packed, alive, start, mode, draw[R.LOGIC_OPERATION], mask)
-
+                store_run(color, y, x, n, packed, start)

@@ -18,7 +18,6 @@ A state is packed so that two states that cannot differ in their result give equ
     NEEDS_COLOR,  # 0: no colour is written and no alpha test looks at it
     NEEDS_PRIMARY,
     NEEDS_SECONDARY,
-    NEEDS_FOG,
     NEEDS_COLOR_WEIGHTS,  # 8-bit weights: colours that vary, or the tie rule of nearest filters
     NEEDS_WEIGHTS,  # full-precision weights
     NEEDS_DEPTH,
@@ -44,7 +43,7 @@ A state is packed so that two states that cannot differ in their result give equ
     STENCIL_MASK,
     STENCIL_WRITE_MASK,
     STENCIL_FAIL,  # three operations of STENCIL_OPERATION_SIZE entries
-) = range(39)
+) = range(38)
 STENCIL_OPERATION_SIZE = 5  # and, xor, add, low, high: clamp(((s & and) ^ xor) + add, low, high) & 255
 STENCIL_DEPTH_FAIL = STENCIL_FAIL + STENCIL_OPERATION_SIZE
 STENCIL_DEPTH_PASS = STENCIL_DEPTH_FAIL + STENCIL_OPERATION_SIZE

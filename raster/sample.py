@@ -6,7 +6,7 @@ of a level is a column too. A nearest filter is a linear one with a fraction of 
 """
 
 import numpy as np
-from numba import float64, int16, int32, int64, uint32
+from numba import float64, int16, int32, int64, uint32, uint64
 
 from raster import rows as R
 from raster.kernel import bits_of, float_of, kernel, separate_function, separate_loop
@@ -178,15 +178,36 @@ def wrap_axis(mode, texel, size, count, linear, first, second, fraction):
         wrap_clamp(texel, size, count, linear, 1, 0.0, 0, first, second, fraction)
 
 
+@kernel("void(u4[::1],i4[::1],i4[::1],i8,i4[::1],i4[::1],u4[::1])")
+def fetch_nearest(texels, base, width, count, column, row, out):
+    """Packed texels at (column, row)."""
+    separate_loop()
+    for i in range(count):
+        out[i] = texels[uint32(int32(base[i] + int32(row[i] * width[i])) + column[i])]
+
+
+@kernel("void(u4[::1],i4[::1],i4[::1],i8,i4[::1],i4[::1],i4[::1],i4[::1],u4[::1],u4[::1],u4[::1],u4[::1])")
+def fetch_linear(texels, base, width, count, i0, i1, j0, j1, p00, p10, p01, p11):
+    """The four packed texels of a linear filter."""
+    separate_function()
+    for i in range(count):
+        lower = int32(base[i] + int32(j0[i] * width[i]))
+        upper = int32(base[i] + int32(j1[i] * width[i]))
+        p00[i] = texels[uint32(lower + i0[i])]
+        p10[i] = texels[uint32(lower + i1[i])]
+        p01[i] = texels[uint32(upper + i0[i])]
+        p11[i] = texels[uint32(upper + i1[i])]
+
+
 @kernel("void(u4[::1],i4[::1],i4[::1],i8,i4[::1],i4[::1],u4,u4[::1])")
-def fetch(texels, base, width, count, column, row, border, out):
+def fetch_bordered(texels, base, width, count, column, row, border, out):
     """Packed texels at (column, row); -1 in either reads the border colour."""
     separate_function()
     for i in range(count):
         if column[i] < 0 or row[i] < 0:
             out[i] = border
         else:
-            out[i] = texels[base[i] + row[i] * width[i] + column[i]]
+            out[i] = texels[uint32(int32(base[i] + int32(row[i] * width[i])) + column[i])]
 
 
 @kernel
@@ -230,16 +251,17 @@ def choose_magnified(minified, magnified, lod, threshold, count):
         minified[i] = magnified[i] if lod[i] <= threshold else minified[i]
 
 
-@kernel("void(u4[::1],i8,i2[::1],i2[::1],i2[::1],i2[::1])")
-def unpack(packed, count, red, green, blue, alpha):
-    """Packed texels to register planes."""
+@kernel("void(u4[::1],i8,i2[:,::1],i8)")
+def unpack(packed, count, registers, plane):
+    """Packed texels to four register planes from ``plane`` on."""
     separate_loop()
+    red, green, blue, alpha = uint64(plane), uint64(plane + 1), uint64(plane + 2), uint64(plane + 3)
     for i in range(count):
         p = packed[i]
-        red[i] = int16(p & uint32(255))
-        green[i] = int16(uint32(p >> uint32(8)) & uint32(255))
-        blue[i] = int16(uint32(p >> uint32(16)) & uint32(255))
-        alpha[i] = int16(p >> uint32(24))
+        registers[red, i] = int16(p & uint32(255))
+        registers[green, i] = int16(uint32(p >> uint32(8)) & uint32(255))
+        registers[blue, i] = int16(uint32(p >> uint32(16)) & uint32(255))
+        registers[alpha, i] = int16(p >> uint32(24))
 
 
 @kernel("void(i4[::1],i4,i4,i4,i8,i4[::1])")
@@ -265,8 +287,8 @@ def level_sizes(levels, level, face, cube, count, base, width, s_size, t_size):
     """Where each fragment's level begins (its face for a cube map), and its size."""
     separate_function()
     for i in range(count):
-        k = level[i]
-        base[i] = levels[k, 0] + (face[i] * levels[k, 1] * levels[k, 2] if cube else 0)
+        k = uint32(level[i])
+        base[i] = int32(levels[k, 0] + int32(int32(face[i] * levels[k, 1]) * levels[k, 2])) if cube else levels[k, 0]
         width[i] = levels[k, 1]
         s_size[i] = float64(levels[k, 1])
         t_size[i] = float64(levels[k, 2])
@@ -288,78 +310,80 @@ def fill_int(column, count, value):
         column[i] = value
 
 
-@kernel("void(u4[::1],i4[:,::1],i8[::1],i8,i8,i4[::1],f8[:,::1],i4[:,::1],u4[:,::1],u4[::1])")
-def sample_level(texels, levels, unit, count, linear, level, floats, ints, packed, out):
-    """One filtered texel per fragment from its level, packed.
+@kernel("void(u4[::1],i4[:,::1],i8[::1],i8,i8,i8,f8[:,::1],i4[:,::1],u4[:,::1],u4[::1])")
+def sample_level(texels, levels, unit, count, linear, many, floats, ints, packed, out):
+    """One filtered texel per fragment, packed: from level 0, or (``many``) from each fragment's level.
 
     floats: rows 0, 1 the coordinates (s, t; or a cube face's doubled ones), 2, 3 nearest filters' tie biases,
-    4..7 scratch. ints: row 0 the cube face, 1..8 scratch. packed: rows 0..3 scratch.
+    4..7 scratch. ints: row 0 the cube face, 9 the level, 1..8 scratch. packed: rows 0..3 scratch.
     """
     separate_function()
-    cube = unit[R.TARGET] == 2
+    cube, flat = unit[R.TARGET] == 2, unit[R.TARGET] == 0
     base, width, i0, i1, a, j0, j1, b = ints[1], ints[2], ints[3], ints[4], ints[5], ints[6], ints[7], ints[8]
     s_size, t_size, texel, bias = floats[4], floats[5], floats[6], floats[7]
-    level_sizes(levels, level, ints[0], cube, count, base, width, s_size, t_size)
+    if many or cube:
+        level_sizes(levels, ints[9], ints[0], cube, count, base, width, s_size, t_size)
+    else:
+        fill_int(base, count, levels[0, 0])
+        fill_int(width, count, levels[0, 1])
+        fill_float(s_size, count, float64(levels[0, 1]))
+        fill_float(t_size, count, float64(levels[0, 2]))
     scale = 0.5 if cube else 1.0
-    border = uint32(unit[R.BORDER])
-    if linear or cube:
-        fill_float(bias, count, TAU)
-        texel_coordinates(floats[0], s_size, scale, bias, count, texel)
-    else:
-        texel_coordinates(floats[0], s_size, scale, floats[2], count, texel)
+    tied = not linear and not cube
+    fill_float(bias, count, TAU)
+    texel_coordinates(floats[0], s_size, scale, floats[2] if tied else bias, count, texel)
     wrap_axis(2 if cube else unit[R.WRAP_S], texel, s_size, count, linear, i0, i1, a)
-    if unit[R.TARGET] == 0:
+    if flat:
         fill_int(j0, count, int32(0))
-        fetch(texels, base, width, count, i0, j0, border, packed[0])
-        if not linear:
-            out[:count] = packed[0, :count]
-            return
-        fetch(texels, base, width, count, i1, j0, border, packed[1])
+        fill_int(j1, count, int32(0))
         fill_int(b, count, int32(0))
-        filter_linear(packed[0], packed[1], packed[0], packed[1], a, b, count, out)
-        return
-    if linear or cube:
-        texel_coordinates(floats[1], t_size, scale, bias, count, texel)
     else:
-        texel_coordinates(floats[1], t_size, scale, floats[3], count, texel)
-    wrap_axis(2 if cube else unit[R.WRAP_T], texel, t_size, count, linear, j0, j1, b)
+        texel_coordinates(floats[1], t_size, scale, floats[3] if tied else bias, count, texel)
+        wrap_axis(2 if cube else unit[R.WRAP_T], texel, t_size, count, linear, j0, j1, b)
+    s_border = unit[R.WRAP_S] == 3 or (linear and unit[R.WRAP_S] == 1)
+    t_border = not flat and (unit[R.WRAP_T] == 3 or (linear and unit[R.WRAP_T] == 1))
+    bordered = (s_border or t_border) and not cube
+    border = uint32(unit[R.BORDER])
     if not linear:
-        fetch(texels, base, width, count, i0, j0, border, out)
+        if bordered:
+            fetch_bordered(texels, base, width, count, i0, j0, border, out)
+        else:
+            fetch_nearest(texels, base, width, count, i0, j0, out)
         return
-    fetch(texels, base, width, count, i0, j0, border, packed[0])
-    fetch(texels, base, width, count, i1, j0, border, packed[1])
-    fetch(texels, base, width, count, i0, j1, border, packed[2])
-    fetch(texels, base, width, count, i1, j1, border, packed[3])
+    if bordered:
+        fetch_bordered(texels, base, width, count, i0, j0, border, packed[0])
+        fetch_bordered(texels, base, width, count, i1, j0, border, packed[1])
+        fetch_bordered(texels, base, width, count, i0, j1, border, packed[2])
+        fetch_bordered(texels, base, width, count, i1, j1, border, packed[3])
+    else:
+        fetch_linear(texels, base, width, count, i0, i1, j0, j1, packed[0], packed[1], packed[2], packed[3])
     filter_linear(packed[0], packed[1], packed[2], packed[3], a, b, count, out)
 
 
-@kernel("void(u4[::1],i4[:,::1],i8[::1],i8,i4[::1],f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1])")
-def sample_unit(texels, levels, unit, count, lod, floats, ints, packed, registers):
-    """Filter a texture unit's fragments into the four planes of ``registers`` (int16[4, batch]).
+@kernel("void(u4[::1],i4[:,::1],i8[::1],i8,i4[::1],f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i8)")
+def sample_unit(texels, levels, unit, count, lod, floats, ints, packed, registers, plane):
+    """Filter a texture unit's fragments into four planes of ``registers`` (int16[., batch]) from ``plane`` on.
 
     unit: int64[UNIT_SIZE] (rows.py); lod: lambda of each fragment with its bias, when the filters need it;
-    floats, ints, packed: columns as ``sample_level`` says, with packed rows 4..6 and ints rows 9, 10 used here.
+    floats, ints, packed: columns as ``sample_level`` says, with packed rows 4..6 and ints row 10 used here.
     """
     separate_function()
-    level, fraction = ints[9], ints[10]
-    count_levels = int32(unit[R.LEVELS])
+    levels_count = int32(unit[R.LEVELS])
     result = packed[4]
-    if unit[R.MIPMAP] == 0 and unit[R.MAG_LINEAR] == unit[R.MIN_LINEAR]:
-        fill_int(level, count, int32(0))
-        sample_level(texels, levels, unit, count, unit[R.MAG_LINEAR], level, floats, ints, packed, result)
+    mipmap, mag_linear, min_linear = unit[R.MIPMAP], unit[R.MAG_LINEAR], unit[R.MIN_LINEAR]
+    if mipmap == 0 and mag_linear == min_linear:
+        fill_int(ints[9], count, int32(0))
+        sample_level(texels, levels, unit, count, mag_linear, 0, floats, ints, packed, result)
     else:
-        if unit[R.MIPMAP] == 0:
-            fill_int(level, count, int32(0))
-        else:
-            rounding = int32(127) if unit[R.MIPMAP] == 1 else int32(0)
-            select_level(lod, count_levels, rounding, int32(0), count, level)
-        sample_level(texels, levels, unit, count, unit[R.MIN_LINEAR], level, floats, ints, packed, result)
-        if unit[R.MIPMAP] == 2:
-            select_level(lod, count_levels, int32(0), int32(1), count, level)
-            sample_level(texels, levels, unit, count, unit[R.MIN_LINEAR], level, floats, ints, packed, packed[5])
-            level_fraction(lod, count_levels, count, fraction)
-            blend_levels(result, packed[5], fraction, count)
-        fill_int(level, count, int32(0))
-        sample_level(texels, levels, unit, count, unit[R.MAG_LINEAR], level, floats, ints, packed, packed[6])
+        rounding = int32(127) if mipmap == 1 else int32(0)
+        select_level(lod, levels_count if mipmap else int32(1), rounding, int32(0), count, ints[9])
+        sample_level(texels, levels, unit, count, min_linear, 1, floats, ints, packed, result)
+        if mipmap == 2:
+            select_level(lod, levels_count, int32(0), int32(1), count, ints[9])
+            sample_level(texels, levels, unit, count, min_linear, 1, floats, ints, packed, packed[5])
+            level_fraction(lod, levels_count, count, ints[10])
+            blend_levels(result, packed[5], ints[10], count)
+        fill_int(ints[9], count, int32(0))
+        sample_level(texels, levels, unit, count, mag_linear, 0, floats, ints, packed, packed[6])
         choose_magnified(result, packed[6], lod, int32(unit[R.THRESHOLD]), count)
-    unpack(result, count, registers[0], registers[1], registers[2], registers[3])
+    unpack(result, count, registers, plane)
