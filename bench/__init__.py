@@ -1,0 +1,1 @@
+"""How fast the machine draws, measured beside another renderer: ``python -m bench``."""

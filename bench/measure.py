@@ -1,0 +1,114 @@
+"""Rates of the scenes: ours and a peer's, taken in turn so that a disturbance meets both."""
+
+import statistics
+import time
+from dataclasses import dataclass
+
+from bench.scenes import Scene
+from pipeline.profiles import GEFORCE_256
+
+TURNS = 9
+TURN_SECONDS = 0.15
+WARM_SECONDS = 0.3
+# Between turns, so that a party's threads have gone to sleep before the other one is timed.
+REST_SECONDS = 0.01
+
+
+class Ours:
+    """The emulated GeForce 256 as a party to a measurement: whole frames through ``pipeline.execute``."""
+
+    name = "ours"
+
+    def __init__(self, threads):
+        self._threads = threads
+
+    def prepare(self, scene, size):
+        """Make ``scene`` at ``size`` x ``size`` pixels the one that is drawn, with its textures in place."""
+        # numba is imported with it, which takes longer than everything that needs no drawing.
+        from pipeline.execute import Machine
+
+        self._machine = Machine(GEFORCE_256, size, size, threads=self._threads)
+        self._machine.run(scene.textures())
+        self._frame = scene.frame(size, scene.layers)
+        self._picture = scene.frame(size, scene.picture_layers)
+
+    def turn(self, frames):
+        """Seconds that ``frames`` measured frames took."""
+        start = time.perf_counter()
+        for _ in range(frames):
+            self._machine.run(self._frame)
+        return time.perf_counter() - start
+
+    def picture(self):
+        """{"color": uint8 [h, w, 4], "depth": uint32 [h, w], "stencil": uint8 [h, w]}, top row first."""
+        self._machine.run(self._picture)
+        framebuffer = self._machine.framebuffer
+        return {name: getattr(framebuffer, name).copy() for name in ("color", "depth", "stencil")}
+
+
+@dataclass(frozen=True)
+class Row:
+    """A scene's result: rates in ``scene.unit``, medians over the turns; ``peer`` None: not measured.
+
+    ``spread``: the larger of the parties' (median / best - 1); above a tenth something disturbed the run.
+    """
+
+    scene: Scene
+    size: int
+    threads: int
+    ours: float
+    peer: float | None
+    spread: float
+
+    @property
+    def ratio(self):
+        """Our rate over the peer's, or None."""
+        return None if self.peer is None else self.ours / self.peer
+
+    def as_json(self):
+        """The row as the objects of ``--json`` hold it; three decimals."""
+        rounded = {
+            name: None if value is None else round(value, 3)
+            for name, value in (("ours", self.ours), ("peer", self.peer), ("ratio", self.ratio))
+        }
+        return {
+            "scene": self.scene.name,
+            "size": self.size,
+            "threads": self.threads,
+            "unit": self.scene.unit,
+            **rounded,
+            "goal": self.scene.goal,
+        }
+
+
+def _warm(party, warm_seconds, turn_seconds):
+    """Draw unmeasured, the first frame alone because it compiles; how many frames fill a turn."""
+    party.turn(1)
+    frames, spent = 0, 0.0
+    while spent < warm_seconds or frames == 0:
+        spent += party.turn(1)
+        frames += 1
+    return max(1, round(turn_seconds * frames / spent))
+
+
+def take_turns(parties, turns=TURNS, turn_seconds=TURN_SECONDS, warm_seconds=WARM_SECONDS):
+    """Seconds per frame of each party, one number a turn: a list of ``turns`` numbers for each party.
+
+    A turn begins with a frame that is not measured, which wakes the party's threads.
+    """
+    frames = [_warm(party, warm_seconds, turn_seconds) for party in parties]
+    seconds = [[] for _ in parties]
+    for _ in range(turns):
+        for party, count, taken in zip(parties, frames, seconds, strict=True):
+            time.sleep(REST_SECONDS)
+            party.turn(1)
+            taken.append(party.turn(count) / count)
+    return seconds
+
+
+def summarize(scene, size, threads, seconds):
+    """The Row of ``take_turns``'s lists, ours first."""
+    work = scene.work(size) / 1e6
+    rates = [work / statistics.median(taken) for taken in seconds]
+    spread = max(statistics.median(taken) / min(taken) - 1 for taken in seconds)
+    return Row(scene, size, threads, rates[0], rates[1] if len(rates) > 1 else None, spread)

@@ -1,0 +1,1 @@
+"""Other renderers that the scenes are measured against."""
