@@ -63,9 +63,13 @@ class Framebuffer:
             where = self._rows(left, low, max(right - left, 0), max(high - low, 0))
         if command.color is not None:
             mask = command.color_mask
-            for channel, on in enumerate((mask.red, mask.green, mask.blue, mask.alpha)):
-                if on:
-                    self.color[(*where, channel)] = to_byte(command.color[channel])
+            written = (mask.red, mask.green, mask.blue, mask.alpha)
+            value = np.array([to_byte(c) for c in command.color], np.uint8)
+            if all(written):  # whole pixels at once
+                self.color.view(np.uint32)[(*where, 0)] = value.view(np.uint32)[0]
+            else:
+                for channel in np.flatnonzero(written):
+                    self.color[(*where, channel)] = value[channel]
         if command.depth is not None:
             depth = min(max(command.depth, 0.0), 1.0)
             self.depth[where] = int(np.floor(depth * (2**self.depth_bits - 1) + 0.5))

@@ -4,7 +4,7 @@ What is disabled packs to zero and what cannot matter is not asked for, so two s
 result give equal rows, and kernels do no work whose result nobody reads.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal, localcontext
 from functools import lru_cache
 
@@ -71,8 +71,23 @@ def _mapping(mapping, expand_half):
     }[mapping]
 
 
+_ZERO_MAPPINGS = frozenset({Mapping.UNSIGNED_IDENTITY, Mapping.SIGNED_IDENTITY, Mapping.SIGNED_NEGATE})
+
+
+def _is_zero(variable):
+    return variable.register == Register.ZERO and variable.mapping in _ZERO_MAPPINGS
+
+
+def _normalized(portion):
+    """The same portion with its sum written as AB where CD is zero: equal values, half the work."""
+    plain = not portion.mux_sum and portion.cd_output == Register.DISCARD and portion.ab_output == Register.DISCARD
+    if plain and (_is_zero(portion.c) or _is_zero(portion.d)):
+        return replace(portion, ab_output=portion.sum_output, sum_output=Register.DISCARD)
+    return portion
+
+
 def _pack_portion(portion, alpha, expand_half):
-    row = []
+    portion, row = _normalized(portion), []
     for variable in (portion.a, portion.b, portion.c, portion.d):
         row += [variable.register, variable.usage, *_mapping(variable.mapping, expand_half)]
     outputs = [portion.ab_output, portion.cd_output, portion.sum_output]
@@ -371,7 +386,7 @@ def pack(state: PassState, profile, framebuffer, textures, primitives):
     if Register.FOG in used and state.fog is not None:
         draw[R.FOG_ENABLED] = 1
         draw[R.FOG_RISING] = state.fog.mode == FogMode.LINEAR and state.fog.start > state.fog.end
-        thresholds = fog_thresholds(state.fog)
+        thresholds = fog_thresholds(state.fog).copy()  # kernels take writable arrays
         draw[R.FOG_RED : R.FOG_BLUE + 1] = _color_bytes(state.fog.color)[:3]
     draw[R.NEEDS_PRIMARY] = Register.PRIMARY_COLOR in used
     draw[R.NEEDS_SECONDARY] = Register.SECONDARY_COLOR in used

@@ -97,6 +97,19 @@ def finish(products, source, count, bias, scale, low, rounding, results, out):
             results[r, i] = int16(clamp(scaled(int32(divide_255(products[p, i]) + bias), scale), low, high))
 
 
+@kernel("void(i2[:,::1],i8,i8,i8,i4[::1],i4,i2[:,::1],i8)")
+def one_product(registers, a, b, count, row, low, results, out):
+    """``finish(A B)`` in one loop (JOINT rounding before the scale)."""
+    separate_loop()
+    pa, pb, po, n = uint64(a), uint64(b), uint64(out), R.INPUT_SIZE
+    la, fa, aa, lb, fb, ab = row[2], row[3], row[4], row[n + 2], row[n + 3], row[n + 4]
+    bias, scale = row[R.BIAS], row[R.SCALE]
+    for i in range(count):
+        product = int32(map_input(registers[pa, i], la, fa, aa) * map_input(registers[pb, i], lb, fb, ab))
+        value = scaled(int32(divide_255(product) + bias), scale)
+        results[po, i] = int16(clamp(value, low, int32(255)))
+
+
 @kernel("void(i2[:,::1],i8,i8,i8,i8,i8,i4[::1],i4,i2[:,::1],i8)")
 def sum_of_products(registers, a, b, c, d, count, row, low, results, out):
     """``finish(A B + C D)`` in one loop: the commonest portion (JOINT rounding before the scale, no mux, no dot)."""
@@ -151,6 +164,10 @@ def combine_portion(registers, first, last, count, row, arithmetic, products, to
     ab_dot, cd_dot = row[R.AB_DOT] != 0, row[R.CD_DOT] != 0
     ab_out, cd_out, sum_out = row[R.AB_OUTPUT] >= 0, row[R.CD_OUTPUT] >= 0, row[R.SUM_OUTPUT] >= 0
     a, b, c, d = 0, R.INPUT_SIZE, 2 * R.INPUT_SIZE, 3 * R.INPUT_SIZE
+    if ab_out and not (cd_out or sum_out or ab_dot) and rounding == 1:
+        for k in range(first, last):
+            one_product(registers, plane_of(row, a, k), plane_of(row, b, k), count, row, low, results, k)
+        return
     if sum_out and not (ab_out or cd_out or ab_dot or cd_dot or row[R.MUX]) and rounding == 1:
         for k in range(first, last):
             pa, pb, pc, pd = plane_of(row, a, k), plane_of(row, b, k), plane_of(row, c, k), plane_of(row, d, k)

@@ -113,29 +113,27 @@ def shade(
 ):
     """Fragment colours of a batch, into ``results`` planes 0..3: interpolation, texture units, combiners."""
     separate_function()
-    w0, w2, residual = ints[11], ints[12], ints[13]
-    b0, b2 = floats[8], floats[9]
     if draw[R.NEEDS_COLOR_WEIGHTS]:
-        color_weights(e0, e1, e2, count, w0, w2, residual)
+        color_weights(e0, e1, e2, count, ints)
     if draw[R.NEEDS_WEIGHTS]:
-        full_weights(e0, e1, e2, count, b0, b2)
+        full_weights(e0, e1, e2, count, floats)
     flat = draw[R.FLAT]
     if draw[R.DIRECT]:
         for c in range(4):
-            iterate_color(starts, owners, backs, segments, triangles, colors, c, flat, w0, w2, results, c)
+            iterate_color(starts, owners, backs, segments, triangles, colors, c, flat, ints, results, c)
         return
     if draw[R.NEEDS_PRIMARY]:
         for c in range(4):
             plane = R.PRIMARY * 4 + c
-            iterate_color(starts, owners, backs, segments, triangles, colors, c, flat, w0, w2, registers, plane)
+            iterate_color(starts, owners, backs, segments, triangles, colors, c, flat, ints, registers, plane)
     if draw[R.NEEDS_SECONDARY]:
         for c in range(3):
             plane = R.SECONDARY * 4 + c
-            iterate_color(starts, owners, backs, segments, triangles, colors, 4 + c, flat, w0, w2, registers, plane)
+            iterate_color(starts, owners, backs, segments, triangles, colors, 4 + c, flat, ints, registers, plane)
         fill_plane(registers, R.SECONDARY * 4 + 3, count, int32(0))
     if draw[R.FOG_ENABLED]:
         rising, plane = draw[R.FOG_RISING], R.FOG * 4 + 3
-        iterate_fog(starts, owners, segments, triangles, fog, b0, b2, fog_thresholds, rising, registers, plane)
+        iterate_fog(starts, owners, segments, triangles, fog, floats, fog_thresholds, rising, registers, plane)
     if draw[R.WRITES_TEXTURE]:
         for u in range(4):
             unbound_texture(registers, u, count)
@@ -143,27 +141,23 @@ def shade(
         row = units[u]
         if not row[R.ENABLED]:
             continue
-        iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 0, b0, b2, floats[0])
-        iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 1, b0, b2, floats[1])
+        iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 0, floats, R.S)
+        iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 1, floats, R.T)
         if not (row[R.MAG_LINEAR] and row[R.MIN_LINEAR]) and row[R.TARGET] != 2:
-            tie_bias(starts, owners, segments, triangles, coordinates, u, 0, residual, TAU, floats[2])
-            tie_bias(starts, owners, segments, triangles, coordinates, u, 1, residual, TAU, floats[3])
+            tie_bias(starts, owners, segments, triangles, coordinates, u, 0, ints, TAU, floats, R.TIE_S)
+            tie_bias(starts, owners, segments, triangles, coordinates, u, 1, ints, TAU, floats, R.TIE_T)
         if row[R.TARGET] == 2:
-            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 2, b0, b2, floats[4])
-            cube_faces(floats[0], floats[1], floats[4], count, ints[0], floats[5], floats[6])
-            floats[0, :count] = floats[5, :count]
-            floats[1, :count] = floats[6, :count]
+            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 2, floats, R.EXTRA)
+            cube_faces(floats, count, ints)
         elif row[R.PROJECTIVE]:
-            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 3, b0, b2, floats[4])
-            divide_by_q(floats[0], floats[4], count)
-            divide_by_q(floats[1], floats[4], count)
+            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 3, floats, R.EXTRA)
+            divide_by_q(floats, count)
         if row[R.MIPMAP] != 0 or row[R.MAG_LINEAR] != row[R.MIN_LINEAR]:
             level_of_detail(
-                run_starts, run_x, run_y, ints[14], runs, triangles, x, y, inverse_w, coordinates, u, row, levels[u], ints[15]
+                run_starts, run_x, run_y, runs, triangles, x, y, inverse_w, coordinates, u, row, levels[u], ints
             )
         texels = texels0 if u == 0 else (texels1 if u == 1 else (texels2 if u == 2 else texels3))
-        plane = (R.TEXTURE0 + u) * 4
-        sample_unit(texels, levels[u], row, count, ints[15], floats, ints, packed, registers, plane)
+        sample_unit(texels, levels[u], row, count, floats, ints, packed, registers, (R.TEXTURE0 + u) * 4)
     for c in range(3):
         fill_plane(registers, R.SPARE0 * 4 + c, count, int32(0))
     copy_plane(registers, R.TEXTURE0 * 4 + 3, registers, R.SPARE0 * 4 + 3, count)
@@ -227,9 +221,9 @@ def draw_bands(
     """
     e0, e1, e2 = np.empty(batch, np.float64), np.empty(batch, np.float64), np.empty(batch, np.float64)
     depth = np.empty(batch, np.int32)
-    floats = np.empty((10, batch), np.float64)
-    ints = np.empty((16, batch), np.int32)
-    packed = np.empty((7, batch), np.uint32)
+    floats = np.empty((R.FLOAT_COLUMNS, batch), np.float64)
+    ints = np.empty((R.INT_COLUMNS, batch), np.int32)
+    packed = np.empty((R.PACKED_COLUMNS, batch), np.uint32)
     registers = np.zeros((R.REGISTERS * 4, batch), np.int16)
     products, total = np.empty((8, batch), np.int32), np.empty((1, batch), np.int32)
     results = np.empty((12, batch), np.int16)
@@ -306,7 +300,7 @@ def draw_bands(
                             owners[segments], starts[segments], backs[segments] = t, int32(position), back
                             segments += 1
                         run_starts[runs], run_x[runs], run_y[runs] = int32(position), int32(start), int32(row)
-                        ints[14, runs] = t
+                        ints[R.OWNER, runs] = t
                         runs += 1
                         ahead = start - left
                         m0, m2 = float64(n0 + ahead * right0), float64(n2 + ahead * right2)
@@ -337,7 +331,7 @@ def draw_bands(
                             for run in range(runs):
                                 for i in range(run_starts[run], run_starts[run + 1]):
                                     if recorded < record.shape[0]:
-                                        record[recorded, 0] = ints[14, run]
+                                        record[recorded, 0] = ints[R.OWNER, run]
                                         record[recorded, 1] = run_x[run] + i - run_starts[run]
                                         record[recorded, 2] = run_y[run]
                                         record[recorded, 3] = alive[i]

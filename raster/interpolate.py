@@ -9,6 +9,7 @@ consecutive fragments of one triangle: ``starts`` int32[segments + 1], ``owners`
 import numpy as np
 from numba import float64, int16, int32, uint64
 
+from raster import rows as R
 from raster.fixed import below_24, truncate_24
 from raster.kernel import kernel, separate_loop
 
@@ -38,19 +39,19 @@ def emit_depth(depth, position, count, n0, n2, step0, step2, inverse_area, z1, z
         depth[at + uint64(i)] = min(max(int32(int32(np.floor(z + tie)) + offset), int32(0)), maximum)
 
 
-@kernel("void(f8[::1],f8[::1],f8[::1],i8,f8[::1],f8[::1])")
-def full_weights(e0, e1, e2, count, b0, b2):
-    """Perspective-correct weights of vertices 0 and 2."""
+@kernel("void(f8[::1],f8[::1],f8[::1],i8,f8[:,::1])")
+def full_weights(e0, e1, e2, count, floats):
+    """Perspective-correct weights of vertices 0 and 2, into B0 and B2."""
     separate_loop()
     for i in range(count):
         inverse = 1.0 / ((e0[i] + e1[i]) + e2[i])
-        b0[i] = e0[i] * inverse
-        b2[i] = e2[i] * inverse
+        floats[R.B0, i] = e0[i] * inverse
+        floats[R.B2, i] = e2[i] * inverse
 
 
-@kernel("void(f8[::1],f8[::1],f8[::1],i8,i4[::1],i4[::1],i4[::1])")
-def color_weights(e0, e1, e2, count, w0, w2, residual):
-    """8-bit weights of vertices 0 and 2, and which vertex takes the residue.
+@kernel("void(f8[::1],f8[::1],f8[::1],i8,i4[:,::1])")
+def color_weights(e0, e1, e2, count, ints):
+    """8-bit weights W0 and W2 of vertices 0 and 2, and which vertex takes the residue (RESIDUAL).
 
     Measured: 153600 of 153600 and 28618 of 28618 pixels (Depth_buffer M00ffff, Line_width Fill captures).
     """
@@ -67,13 +68,13 @@ def color_weights(e0, e1, e2, count, w0, w2, residual):
         last = (c2 >= c0) & ((c2 > c1) | ((c2 == c1) & (c0 == c1)))
         p0 = (1.0 - q1) - q2 if first else q0
         p2 = (1.0 - q0) - q1 if last else q2
-        w0[i] = int32(p0 * 256.0)  # not negative: truncation is floor
-        w2[i] = int32(p2 * 256.0)
-        residual[i] = int32(0) if first else (int32(2) if last else int32(1))
+        ints[R.W0, i] = int32(p0 * 256.0)  # not negative: truncation is floor
+        ints[R.W2, i] = int32(p2 * 256.0)
+        ints[R.RESIDUAL, i] = int32(0) if first else (int32(2) if last else int32(1))
 
 
-@kernel("void(i4[::1],i4[::1],i4[::1],i8,i4[:,::1],u1[:,:,::1],i8,i8,i4[::1],i4[::1],i2[:,::1],i8)")
-def iterate_color(starts, owners, backs, segments, triangles, colors, channel, flat, w0, w2, out, plane):
+@kernel("void(i4[::1],i4[::1],i4[::1],i8,i4[:,::1],u1[:,:,::1],i8,i8,i4[:,::1],i2[:,::1],i8)")
+def iterate_color(starts, owners, backs, segments, triangles, colors, channel, flat, ints, out, plane):
     """One colour channel into a plane of ``out``: ``(w0 c0 + w1 c1 + w2 c2 + 128) >> 8``, or the provoking vertex's.
 
     Measured: over a million pixels (3D_primitive, Texture_perspective captures).
@@ -98,14 +99,15 @@ def iterate_color(starts, owners, backs, segments, triangles, colors, channel, f
             base = int32(int32(c1 * int32(256)) + int32(128))
             for i in range(count):
                 k = at + uint64(i)
-                total = int32(base + int32(int32(w0[k] * d0) + int32(w2[k] * d2)))
+                total = int32(base + int32(int32(ints[R.W0, k] * d0) + int32(ints[R.W2, k] * d2)))
                 out[p, k] = int16(total >> int32(8))
 
 
-@kernel("void(i4[::1],i4[::1],i8,i4[:,::1],f8[:,:,::1],i8,i8,f8[::1],f8[::1],f8[::1])")
-def iterate_coordinate(starts, owners, segments, triangles, coordinates, unit, component, b0, b2, out):
-    """One texture coordinate, float64 columns: ``(v1 + b0 (v0 - v1)) + b2 (v2 - v1)``."""
+@kernel("void(i4[::1],i4[::1],i8,i4[:,::1],f8[:,:,::1],i8,i8,f8[:,::1],i8)")
+def iterate_coordinate(starts, owners, segments, triangles, coordinates, unit, component, floats, column):
+    """One texture coordinate into a column: ``(v1 + b0 (v0 - v1)) + b2 (v2 - v1)``."""
     separate_loop()
+    p = uint64(column)
     for s in range(segments):
         t = owners[s]
         v1 = coordinates[triangles[t, 1], unit, component]
@@ -114,16 +116,17 @@ def iterate_coordinate(starts, owners, segments, triangles, coordinates, unit, c
         at = uint64(starts[s])
         for i in range(starts[s + 1] - starts[s]):
             k = at + uint64(i)
-            out[k] = (v1 + b0[k] * d0) + b2[k] * d2
+            floats[p, k] = (v1 + floats[R.B0, k] * d0) + floats[R.B2, k] * d2
 
 
-@kernel("void(i4[::1],i4[::1],i8,i4[:,::1],f8[:,:,::1],i8,i8,i4[::1],f8,f8[::1])")
-def tie_bias(starts, owners, segments, triangles, coordinates, unit, component, residual, tau, out):
+@kernel("void(i4[::1],i4[::1],i8,i4[:,::1],f8[:,:,::1],i8,i8,i4[:,::1],f8,f8[:,::1],i8)")
+def tie_bias(starts, owners, segments, triangles, coordinates, unit, component, ints, tau, floats, column):
     """Which side of an exact texel boundary a nearest filter takes, as a bias of plus or minus ``tau`` texels.
 
     Measured: 7790 of 7790 and 6660 of 6661 ties (checkerboards of Lighting_control and Specular_back).
     """
     separate_loop()
+    p = uint64(column)
     for s in range(segments):
         t = owners[s]
         v1 = coordinates[triangles[t, 1], unit, component]
@@ -134,12 +137,12 @@ def tie_bias(starts, owners, segments, triangles, coordinates, unit, component, 
         bias2 = tau if -d0 >= 0.0 else -tau
         at = uint64(starts[s])
         for i in range(starts[s + 1] - starts[s]):
-            r = residual[at + uint64(i)]
-            out[at + uint64(i)] = bias0 if r == int32(0) else (bias1 if r == int32(1) else bias2)
+            r = ints[R.RESIDUAL, at + uint64(i)]
+            floats[p, at + uint64(i)] = bias0 if r == int32(0) else (bias1 if r == int32(1) else bias2)
 
 
-@kernel("void(i4[::1],i4[::1],i8,i4[:,::1],f8[::1],f8[::1],f8[::1],f8[::1],i8,i2[:,::1],i8)")
-def iterate_fog(starts, owners, segments, triangles, fog, b0, b2, thresholds, rising, out, plane):
+@kernel("void(i4[::1],i4[::1],i8,i4[:,::1],f8[::1],f8[:,::1],f8[::1],i8,i2[:,::1],i8)")
+def iterate_fog(starts, owners, segments, triangles, fog, floats, thresholds, rising, out, plane):
     """The fog factor's byte into a plane of ``out``: how many of the 255 thresholds (falling with k, or rising) the coordinate keeps."""
     separate_loop()
     for s in range(segments):
@@ -148,7 +151,7 @@ def iterate_fog(starts, owners, segments, triangles, fog, b0, b2, thresholds, ri
         d0 = fog[triangles[t, 0]] - v1
         d2 = fog[triangles[t, 2]] - v1
         for i in range(starts[s], starts[s + 1]):
-            c = (v1 + b0[i] * d0) + b2[i] * d2
+            c = (v1 + floats[R.B0, i] * d0) + floats[R.B2, i] * d2
             low, high = 0, 255  # thresholds[k - 1] is T_k; the first `low` hold, those from `high` on do not
             while low < high:
                 middle = (low + high + 1) >> 1

@@ -81,20 +81,19 @@ def block_lambda(v0, v1, v2, x, y, inverse_w, coordinates, unit, row, width, hei
 
 
 @kernel(
-    "void(i4[::1],i4[::1],i4[::1],i4[::1],i8,i4[:,::1],i4[::1],i4[::1],f8[::1],f8[:,:,::1],i8,i8[::1],"
-    "i4[:,::1],i4[::1])"
+    "void(i4[::1],i4[::1],i4[::1],i8,i4[:,::1],i4[::1],i4[::1],f8[::1],f8[:,:,::1],i8,i8[::1],i4[:,::1],i4[:,::1])"
 )
 def level_of_detail(
-    run_starts, run_x, run_y, run_owners, runs, triangles, x, y, inverse_w, coordinates, unit, row, levels, out
+    run_starts, run_x, run_y, runs, triangles, x, y, inverse_w, coordinates, unit, row, levels, ints
 ):
-    """Lambda plus bias of every fragment, 8 fraction bits. Runs: consecutive pixels of one row of one triangle.
+    """Lambda plus bias of every fragment, 8 fraction bits, into LOD. Runs (triangles in OWNER): consecutive pixels of one row of one triangle.
 
     Measured: one value per 2x2 block (Texture_anisotropy), axis steps (LODBias 61440 of 61440).
     """
     separate_function()
     width, height = float64(levels[0, 1]), float64(levels[0, 2])
     for k in range(runs):
-        t = run_owners[k]
+        t = ints[R.OWNER, k]
         v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
         block, value = int64(-1), int32(0)
         px = int64(run_x[k])
@@ -103,5 +102,5 @@ def level_of_detail(
             if px & ~1 != block:
                 block = px & ~1
                 value = block_lambda(v0, v1, v2, x, y, inverse_w, coordinates, unit, row, width, height, block, by)
-            out[i] = int32(value + int32(row[R.LOD_BIAS]))
+            ints[R.LOD, i] = int32(value + int32(row[R.LOD_BIAS]))
             px += 1

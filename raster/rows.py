@@ -94,3 +94,12 @@ MAX_LEVELS = 16
 # Registers, four planes each (red, green, blue, alpha): the codes of pipeline.enums.Register.
 ZERO, CONSTANT0, CONSTANT1, FOG, PRIMARY, SECONDARY, SPARE0, SPARE1, TEXTURE0 = range(9)
 E_TIMES_F, SPARE0_PLUS_SECONDARY, REGISTERS = 12, 13, 14
+
+# Scratch columns of a batch.  floats float64[FLOAT_COLUMNS, batch]: texture coordinates (for a cube map, of its face,
+# doubled), tie biases of nearest filters, sizes of each fragment's level, texel coordinates, weights of vertices 0, 2.
+S, T, TIE_S, TIE_T, S_SIZE, T_SIZE, TEXEL, EXTRA, B0, B2, FLOAT_COLUMNS = range(11)
+# ints int32[INT_COLUMNS, batch]: cube face; where the level begins and its width; neighbouring columns and rows with
+# their fractions; level, fraction between levels, lambda; colour weights and residual vertex; a run's triangle.
+FACE, BASE, WIDTH, I0, I1, I_FRACTION, J0, J1, J_FRACTION, LEVEL, FRACTION, LOD, W0, W2, RESIDUAL, OWNER, INT_COLUMNS = range(17)
+# packed uint32[PACKED_COLUMNS, batch]: the four texels of a linear filter; filtered texels.
+P00, P10, P01, P11, TEXEL_0, TEXEL_1, MAGNIFIED, PACKED_COLUMNS = range(8)

@@ -76,70 +76,79 @@ def on_face(face, s, t, r):
     return -s, -t, -r
 
 
-@kernel("void(f8[::1],f8[::1],f8[::1],i8,i4[::1],f8[::1],f8[::1])")
-def cube_faces(s, t, r, count, face, u, v):
-    """The face of each direction and (sc/|ma| + 1)/2, (tc/|ma| + 1)/2 times two (texel coordinate over size/2)."""
+@kernel("void(f8[:,::1],i8,i4[:,::1])")
+def cube_faces(floats, count, ints):
+    """From s, t (S, T) and r (EXTRA): the FACE of each direction, and in S and T (sc/|ma| + 1, tc/|ma| + 1)."""
     separate_loop()
     for i in range(count):
-        f = major_axis(s[i], t[i], r[i])
-        sc, tc, ma = on_face(f, s[i], t[i], r[i])
-        face[i] = int32(f)
-        u[i] = sc / ma + 1.0 if ma > 0.0 else 1.0
-        v[i] = tc / ma + 1.0 if ma > 0.0 else 1.0
+        s, t, r = floats[R.S, i], floats[R.T, i], floats[R.EXTRA, i]
+        face = major_axis(s, t, r)
+        sc, tc, ma = on_face(face, s, t, r)
+        ints[R.FACE, i] = int32(face)
+        floats[R.S, i] = sc / ma + 1.0 if ma > 0.0 else 1.0
+        floats[R.T, i] = tc / ma + 1.0 if ma > 0.0 else 1.0
 
 
-@kernel("void(f8[::1],f8[::1],i8)")
-def divide_by_q(coordinate, q, count):
-    """Projective coordinates, in place; a q of zero counts as one."""
+@kernel("void(f8[:,::1],i8)")
+def divide_by_q(floats, count):
+    """Projective coordinates: S and T by q (EXTRA); a q of zero counts as one."""
     separate_loop()
     for i in range(count):
-        coordinate[i] = coordinate[i] / (q[i] if q[i] != 0.0 else 1.0)
+        q = floats[R.EXTRA, i] if floats[R.EXTRA, i] != 0.0 else 1.0
+        floats[R.S, i] = floats[R.S, i] / q
+        floats[R.T, i] = floats[R.T, i] / q
 
 
-@kernel("void(f8[::1],f8[::1],f8,f8[::1],i8,f8[::1])")
-def texel_coordinates(coordinate, size, scale, bias, count, out):
-    """T = s * (scale * size) + bias; scale is 1, or 1/2 for the doubled coordinates of a cube face."""
+@kernel("void(f8[:,::1],i8,i8,i8,f8,i8)")
+def texel_coordinates(floats, axis, size, tie, scale, count):
+    """TEXEL = coordinate * (scale * size) + bias, for columns ``axis`` and ``size``.
+
+    ``scale``: 1, or 1/2 for a cube face's doubled coordinates. ``tie``: the column of biases, or -1 for TAU.
+    """
     separate_loop()
-    for i in range(count):
-        out[i] = coordinate[i] * (scale * size[i]) + bias[i]
+    pa, ps, pt = uint64(axis), uint64(size), uint64(max(tie, 0))
+    if tie < 0:
+        for i in range(count):
+            floats[R.TEXEL, i] = floats[pa, i] * (scale * floats[ps, i]) + TAU
+    else:
+        for i in range(count):
+            floats[R.TEXEL, i] = floats[pa, i] * (scale * floats[ps, i]) + floats[pt, i]
 
 
-@kernel("void(f8[::1],f8[::1],i8,i8,i4[::1],i4[::1],i4[::1])")
-def wrap_repeat(texel, size, count, linear, first, second, fraction):
-    """REPEAT: two neighbouring texels and the 8-bit fraction between them."""
+@kernel("void(f8[:,::1],i8,i8,i8,i4[:,::1],i8)")
+def wrap_repeat(floats, size, count, linear, ints, first):
+    """REPEAT of TEXEL: two neighbouring texels and the 8-bit fraction between them, into columns from ``first`` on."""
     separate_loop()
+    ps, p0, p1, pf = uint64(size), uint64(first), uint64(first + 1), uint64(first + 2)
     if linear:
         for i in range(count):
-            n = size[i]
-            t = texel[i] - n * np.floor(texel[i] * (1.0 / n))
+            n, t = floats[ps, i], floats[R.TEXEL, i]
+            t = t - n * np.floor(t * (1.0 / n))
             t = t if t > 0.0 else 0.0  # also where t is not a number
             t = t if t < n else n
             f = int32(np.floor((t - 0.5) * 256.0))
             last = int32(int32(n) - int32(1))
             k = int32(f >> int32(8))
-            fraction[i] = int32(f & int32(255))
-            first[i] = last if k < int32(0) else k
-            second[i] = int32(0) if k >= last else int32(k + int32(1))
+            ints[pf, i] = int32(f & int32(255))
+            ints[p0, i] = last if k < int32(0) else k
+            ints[p1, i] = int32(0) if k >= last else int32(k + int32(1))
     else:
         for i in range(count):
-            n = size[i]
-            t = texel[i] - n * np.floor(texel[i] * (1.0 / n))
+            n, t = floats[ps, i], floats[R.TEXEL, i]
+            t = t - n * np.floor(t * (1.0 / n))
             t = t if t > 0.0 else 0.0
             t = t if t < n else n
             k = int32(t)
-            k = int32(0) if k >= int32(n) else k
-            fraction[i] = int32(0)
-            first[i] = k
-            second[i] = k
+            ints[p0, i] = int32(0) if k >= int32(n) else k
 
 
-@kernel("void(f8[::1],f8[::1],i8,i8,i8,f8,i8,i4[::1],i4[::1],i4[::1])")
-def wrap_clamp(texel, size, count, linear, mirrored, margin, border, first, second, fraction):
+@kernel("void(f8[:,::1],i8,i8,i8,i8,f8,i8,i4[:,::1],i8)")
+def wrap_clamp(floats, size, count, linear, mirrored, margin, border, ints, first):
     """The other wrap modes: T limited to [-margin, size + margin]; outside texels are clamped or -1 (border)."""
     separate_loop()
+    ps, p0, p1, pf = uint64(size), uint64(first), uint64(first + 1), uint64(first + 2)
     for i in range(count):
-        n = size[i]
-        t = texel[i]
+        n, t = floats[ps, i], floats[R.TEXEL, i]
         if mirrored:
             t = t - (2.0 * n) * np.floor(t * (1.0 / (2.0 * n)))
             t = 2.0 * n - t if t > n else t
@@ -150,64 +159,67 @@ def wrap_clamp(texel, size, count, linear, mirrored, margin, border, first, seco
             f = int32(np.floor((t - 0.5) * 256.0))
             a = int32(f >> int32(8))
             b = int32(a + int32(1))
-            fraction[i] = int32(f & int32(255))
+            ints[pf, i] = int32(f & int32(255))
         else:
             a = int32(np.floor(t))
             b = a
-            fraction[i] = int32(0)
         if border:
-            first[i] = a if a >= int32(0) and a <= last else int32(-1)
-            second[i] = b if b >= int32(0) and b <= last else int32(-1)
+            ints[p0, i] = a if (a >= int32(0)) & (a <= last) else int32(-1)
+            ints[p1, i] = b if (b >= int32(0)) & (b <= last) else int32(-1)
         else:
-            first[i] = min(max(a, int32(0)), last)
-            second[i] = min(max(b, int32(0)), last)
+            ints[p0, i] = min(max(a, int32(0)), last)
+            ints[p1, i] = min(max(b, int32(0)), last)
 
 
 @kernel
-def wrap_axis(mode, texel, size, count, linear, first, second, fraction):
+def wrap_axis(mode, floats, size, count, linear, ints, first):
     """Choose the loop of a wrap mode (codes of pipeline.enums.WrapMode)."""
     if mode == 0:
-        wrap_repeat(texel, size, count, linear, first, second, fraction)
+        wrap_repeat(floats, size, count, linear, ints, first)
     elif mode == 1:
-        wrap_clamp(texel, size, count, linear, 0, 0.0, linear, first, second, fraction)
+        wrap_clamp(floats, size, count, linear, 0, 0.0, linear, ints, first)
     elif mode == 2:
-        wrap_clamp(texel, size, count, linear, 0, -0.5, 0, first, second, fraction)
+        wrap_clamp(floats, size, count, linear, 0, -0.5, 0, ints, first)
     elif mode == 3:
-        wrap_clamp(texel, size, count, linear, 0, 0.5, 1, first, second, fraction)
+        wrap_clamp(floats, size, count, linear, 0, 0.5, 1, ints, first)
     else:
-        wrap_clamp(texel, size, count, linear, 1, 0.0, 0, first, second, fraction)
+        wrap_clamp(floats, size, count, linear, 1, 0.0, 0, ints, first)
 
 
-@kernel("void(u4[::1],i4[::1],i4[::1],i8,i4[::1],i4[::1],u4[::1])")
-def fetch_nearest(texels, base, width, count, column, row, out):
-    """Packed texels at (column, row)."""
+@kernel("void(u4[::1],i4[:,::1],i8,u4[:,::1],i8)")
+def fetch_nearest(texels, ints, count, packed, out):
+    """The texel at (I0, J0)."""
     separate_loop()
+    po = uint64(out)
     for i in range(count):
-        out[i] = texels[uint32(int32(base[i] + int32(row[i] * width[i])) + column[i])]
+        row = int32(ints[R.BASE, i] + int32(ints[R.J0, i] * ints[R.WIDTH, i]))
+        packed[po, i] = texels[uint32(row + ints[R.I0, i])]
 
 
-@kernel("void(u4[::1],i4[::1],i4[::1],i8,i4[::1],i4[::1],i4[::1],i4[::1],u4[::1],u4[::1],u4[::1],u4[::1])")
-def fetch_linear(texels, base, width, count, i0, i1, j0, j1, p00, p10, p01, p11):
-    """The four packed texels of a linear filter."""
+@kernel("void(u4[::1],i4[:,::1],i8,u4[:,::1])")
+def fetch_linear(texels, ints, count, packed):
+    """The four texels of a linear filter into P00, P10, P01, P11."""
     separate_function()
     for i in range(count):
-        lower = int32(base[i] + int32(j0[i] * width[i]))
-        upper = int32(base[i] + int32(j1[i] * width[i]))
-        p00[i] = texels[uint32(lower + i0[i])]
-        p10[i] = texels[uint32(lower + i1[i])]
-        p01[i] = texels[uint32(upper + i0[i])]
-        p11[i] = texels[uint32(upper + i1[i])]
+        lower = int32(ints[R.BASE, i] + int32(ints[R.J0, i] * ints[R.WIDTH, i]))
+        upper = int32(ints[R.BASE, i] + int32(ints[R.J1, i] * ints[R.WIDTH, i]))
+        packed[R.P00, i] = texels[uint32(lower + ints[R.I0, i])]
+        packed[R.P10, i] = texels[uint32(lower + ints[R.I1, i])]
+        packed[R.P01, i] = texels[uint32(upper + ints[R.I0, i])]
+        packed[R.P11, i] = texels[uint32(upper + ints[R.I1, i])]
 
 
-@kernel("void(u4[::1],i4[::1],i4[::1],i8,i4[::1],i4[::1],u4,u4[::1])")
-def fetch_bordered(texels, base, width, count, column, row, border, out):
-    """Packed texels at (column, row); -1 in either reads the border colour."""
+@kernel("void(u4[::1],i4[:,::1],i8,i8,i8,u4,u4[:,::1],i8)")
+def fetch_bordered(texels, ints, count, column, row, border, packed, out):
+    """The texel at columns (column, row) of ``ints``; -1 in either reads the border colour."""
     separate_function()
+    pc, pr, po = uint64(column), uint64(row), uint64(out)
     for i in range(count):
-        if column[i] < 0 or row[i] < 0:
-            out[i] = border
+        x, y = ints[pc, i], ints[pr, i]
+        if x < 0 or y < 0:
+            packed[po, i] = border
         else:
-            out[i] = texels[uint32(int32(base[i] + int32(row[i] * width[i])) + column[i])]
+            packed[po, i] = texels[uint32(int32(ints[R.BASE, i] + int32(y * ints[R.WIDTH, i])) + x)]
 
 
 @kernel
@@ -227,163 +239,165 @@ def lerp_packed(p, q, weight):
     return uint32(even | odd)
 
 
-@kernel("void(u4[::1],u4[::1],u4[::1],u4[::1],i4[::1],i4[::1],i8,u4[::1])")
-def filter_linear(p00, p10, p01, p11, a, b, count, out):
+@kernel("void(u4[:,::1],i4[:,::1],i8,i8)")
+def filter_linear(packed, ints, count, out):
     """Both rows horizontally, each rounded to bytes, then vertically."""
     separate_loop()
+    po = uint64(out)
     for i in range(count):
-        out[i] = lerp_packed(lerp_packed(p00[i], p10[i], a[i]), lerp_packed(p01[i], p11[i], a[i]), b[i])
+        a, b = ints[R.I_FRACTION, i], ints[R.J_FRACTION, i]
+        lower = lerp_packed(packed[R.P00, i], packed[R.P10, i], a)
+        upper = lerp_packed(packed[R.P01, i], packed[R.P11, i], a)
+        packed[po, i] = lerp_packed(lower, upper, b)
 
 
-@kernel("void(u4[::1],u4[::1],i4[::1],i8)")
-def blend_levels(first, second, fraction, count):
-    """Between two mipmap levels, each already bytes, into ``first``. Measured: 61440 of 61440 pixels (LODBias)."""
+@kernel("void(u4[:,::1],i4[:,::1],i8)")
+def blend_levels(packed, ints, count):
+    """Between two mipmap levels, each already bytes, into TEXEL_0. Measured: 61440 of 61440 pixels (LODBias)."""
     separate_loop()
     for i in range(count):
-        first[i] = lerp_packed(first[i], second[i], fraction[i])
+        packed[R.TEXEL_0, i] = lerp_packed(packed[R.TEXEL_0, i], packed[R.TEXEL_1, i], ints[R.FRACTION, i])
 
 
-@kernel("void(u4[::1],u4[::1],i4[::1],i4,i8)")
-def choose_magnified(minified, magnified, lod, threshold, count):
-    """Take the magnified texel where lambda is not above the threshold, into ``minified``."""
+@kernel("void(u4[:,::1],i4[:,::1],i4,i8)")
+def choose_magnified(packed, ints, threshold, count):
+    """Take the magnified texel where lambda is not above the threshold, into TEXEL_0."""
     separate_loop()
     for i in range(count):
-        minified[i] = magnified[i] if lod[i] <= threshold else minified[i]
+        if ints[R.LOD, i] <= threshold:
+            packed[R.TEXEL_0, i] = packed[R.MAGNIFIED, i]
 
 
-@kernel("void(u4[::1],i8,i2[:,::1],i8)")
-def unpack(packed, count, registers, plane):
-    """Packed texels to four register planes from ``plane`` on."""
+@kernel("void(u4[:,::1],i8,i8,i2[:,::1],i8)")
+def unpack(packed, source, count, registers, plane):
+    """A packed column to four register planes from ``plane`` on."""
     separate_loop()
-    red, green, blue, alpha = uint64(plane), uint64(plane + 1), uint64(plane + 2), uint64(plane + 3)
+    ps, red, green, blue, alpha = uint64(source), uint64(plane), uint64(plane + 1), uint64(plane + 2), uint64(plane + 3)
     for i in range(count):
-        p = packed[i]
+        p = packed[ps, i]
         registers[red, i] = int16(p & uint32(255))
         registers[green, i] = int16(uint32(p >> uint32(8)) & uint32(255))
         registers[blue, i] = int16(uint32(p >> uint32(16)) & uint32(255))
         registers[alpha, i] = int16(p >> uint32(24))
 
 
-@kernel("void(i4[::1],i4,i4,i4,i8,i4[::1])")
-def select_level(lod, levels, rounding, step, count, out):
-    """Level of each fragment: (clamp(lambda) + rounding) >> 8, plus ``step``, at most the last."""
+@kernel("void(i4[:,::1],i4,i4,i4,i8)")
+def select_level(ints, levels, rounding, step, count):
+    """LEVEL of each fragment: (clamp(lambda) + rounding) >> 8, plus ``step``, at most the last."""
     separate_loop()
+    last = int32(levels - int32(1))
     for i in range(count):
-        clamped = min(max(lod[i], int32(0)), int32(int32(levels - int32(1)) * int32(256)))
+        clamped = min(max(ints[R.LOD, i], int32(0)), int32(last * int32(256)))
         level = int32(int32(clamped + rounding) >> int32(8))
-        out[i] = min(int32(level + step), int32(levels - int32(1)))
+        ints[R.LEVEL, i] = min(int32(level + step), last)
 
 
-@kernel("void(i4[::1],i4,i8,i4[::1])")
-def level_fraction(lod, levels, count, out):
-    """The 8-bit position of lambda between two levels."""
+@kernel("void(i4[:,::1],i4,i8)")
+def level_fraction(ints, levels, count):
+    """FRACTION: the 8-bit position of lambda between two levels."""
     separate_loop()
     for i in range(count):
-        out[i] = int32(min(max(lod[i], int32(0)), int32(int32(levels - int32(1)) * int32(256))) & int32(255))
+        clamped = min(max(ints[R.LOD, i], int32(0)), int32(int32(levels - int32(1)) * int32(256)))
+        ints[R.FRACTION, i] = int32(clamped & int32(255))
 
 
-@kernel("void(i4[:,::1],i4[::1],i4[::1],i8,i8,i4[::1],i4[::1],f8[::1],f8[::1])")
-def level_sizes(levels, level, face, cube, count, base, width, s_size, t_size):
-    """Where each fragment's level begins (its face for a cube map), and its size."""
+@kernel("void(i4[:,::1],i4[:,::1],i8,i8,f8[:,::1])")
+def level_sizes(levels, ints, cube, count, floats):
+    """BASE (of the FACE for a cube map), WIDTH, S_SIZE and T_SIZE of each fragment's LEVEL."""
     separate_function()
     for i in range(count):
-        k = uint32(level[i])
-        base[i] = int32(levels[k, 0] + int32(int32(face[i] * levels[k, 1]) * levels[k, 2])) if cube else levels[k, 0]
-        width[i] = levels[k, 1]
-        s_size[i] = float64(levels[k, 1])
-        t_size[i] = float64(levels[k, 2])
+        k = uint32(ints[R.LEVEL, i])
+        area = int32(levels[k, 1] * levels[k, 2])
+        ints[R.BASE, i] = int32(levels[k, 0] + int32(ints[R.FACE, i] * area)) if cube else levels[k, 0]
+        ints[R.WIDTH, i] = levels[k, 1]
+        floats[R.S_SIZE, i] = float64(levels[k, 1])
+        floats[R.T_SIZE, i] = float64(levels[k, 2])
 
 
-@kernel("void(f8[::1],i8,f8)")
-def fill_float(column, count, value):
-    """Fill a float64 column."""
+@kernel("void(i4[:,::1],i4[:,::1],i8,f8[:,::1])")
+def base_sizes(levels, ints, count, floats):
+    """BASE, WIDTH, S_SIZE and T_SIZE where every fragment reads level 0."""
     separate_loop()
+    base, width, s_size, t_size = levels[0, 0], levels[0, 1], float64(levels[0, 1]), float64(levels[0, 2])
     for i in range(count):
-        column[i] = value
+        ints[R.BASE, i] = base
+        ints[R.WIDTH, i] = width
+        floats[R.S_SIZE, i] = s_size
+        floats[R.T_SIZE, i] = t_size
 
 
-@kernel("void(i4[::1],i8,i4)")
-def fill_int(column, count, value):
-    """Fill an int32 column."""
+@kernel("void(i4[:,::1],i8,i8,i4)")
+def fill_int(ints, column, count, value):
+    """Fill a column."""
     separate_loop()
+    p = uint64(column)
     for i in range(count):
-        column[i] = value
+        ints[p, i] = value
 
 
-@kernel("void(u4[::1],i4[:,::1],i8[::1],i8,i8,i8,f8[:,::1],i4[:,::1],u4[:,::1],u4[::1])")
+@kernel("void(u4[::1],i4[:,::1],i8[::1],i8,i8,i8,f8[:,::1],i4[:,::1],u4[:,::1],i8)")
 def sample_level(texels, levels, unit, count, linear, many, floats, ints, packed, out):
-    """One filtered texel per fragment, packed: from level 0, or (``many``) from each fragment's level.
-
-    floats: rows 0, 1 the coordinates (s, t; or a cube face's doubled ones), 2, 3 nearest filters' tie biases,
-    4..7 scratch. ints: row 0 the cube face, 9 the level, 1..8 scratch. packed: rows 0..3 scratch.
-    """
+    """One filtered texel per fragment into a packed column: from level 0, or (``many``) from each fragment's LEVEL."""
     separate_function()
     cube, flat = unit[R.TARGET] == 2, unit[R.TARGET] == 0
-    base, width, i0, i1, a, j0, j1, b = ints[1], ints[2], ints[3], ints[4], ints[5], ints[6], ints[7], ints[8]
-    s_size, t_size, texel, bias = floats[4], floats[5], floats[6], floats[7]
     if many or cube:
-        level_sizes(levels, ints[9], ints[0], cube, count, base, width, s_size, t_size)
+        level_sizes(levels, ints, cube, count, floats)
     else:
-        fill_int(base, count, levels[0, 0])
-        fill_int(width, count, levels[0, 1])
-        fill_float(s_size, count, float64(levels[0, 1]))
-        fill_float(t_size, count, float64(levels[0, 2]))
+        base_sizes(levels, ints, count, floats)
     scale = 0.5 if cube else 1.0
     tied = not linear and not cube
-    fill_float(bias, count, TAU)
-    texel_coordinates(floats[0], s_size, scale, floats[2] if tied else bias, count, texel)
-    wrap_axis(2 if cube else unit[R.WRAP_S], texel, s_size, count, linear, i0, i1, a)
+    wrap_s, wrap_t = (int64(2), int64(2)) if cube else (unit[R.WRAP_S], unit[R.WRAP_T])
+    texel_coordinates(floats, R.S, R.S_SIZE, R.TIE_S if tied else -1, scale, count)
+    wrap_axis(wrap_s, floats, R.S_SIZE, count, linear, ints, R.I0)
     if flat:
-        fill_int(j0, count, int32(0))
-        fill_int(j1, count, int32(0))
-        fill_int(b, count, int32(0))
+        fill_int(ints, R.J0, count, int32(0))
+        fill_int(ints, R.J1, count, int32(0))
+        fill_int(ints, R.J_FRACTION, count, int32(0))
     else:
-        texel_coordinates(floats[1], t_size, scale, floats[3] if tied else bias, count, texel)
-        wrap_axis(2 if cube else unit[R.WRAP_T], texel, t_size, count, linear, j0, j1, b)
-    s_border = unit[R.WRAP_S] == 3 or (linear and unit[R.WRAP_S] == 1)
-    t_border = not flat and (unit[R.WRAP_T] == 3 or (linear and unit[R.WRAP_T] == 1))
-    bordered = (s_border or t_border) and not cube
+        texel_coordinates(floats, R.T, R.T_SIZE, R.TIE_T if tied else -1, scale, count)
+        wrap_axis(wrap_t, floats, R.T_SIZE, count, linear, ints, R.J0)
+    s_border = wrap_s == 3 or (linear and wrap_s == 1)
+    t_border = not flat and (wrap_t == 3 or (linear and wrap_t == 1))
+    bordered = s_border or t_border
     border = uint32(unit[R.BORDER])
     if not linear:
         if bordered:
-            fetch_bordered(texels, base, width, count, i0, j0, border, out)
+            fetch_bordered(texels, ints, count, R.I0, R.J0, border, packed, out)
         else:
-            fetch_nearest(texels, base, width, count, i0, j0, out)
+            fetch_nearest(texels, ints, count, packed, out)
         return
     if bordered:
-        fetch_bordered(texels, base, width, count, i0, j0, border, packed[0])
-        fetch_bordered(texels, base, width, count, i1, j0, border, packed[1])
-        fetch_bordered(texels, base, width, count, i0, j1, border, packed[2])
-        fetch_bordered(texels, base, width, count, i1, j1, border, packed[3])
+        fetch_bordered(texels, ints, count, R.I0, R.J0, border, packed, R.P00)
+        fetch_bordered(texels, ints, count, R.I1, R.J0, border, packed, R.P10)
+        fetch_bordered(texels, ints, count, R.I0, R.J1, border, packed, R.P01)
+        fetch_bordered(texels, ints, count, R.I1, R.J1, border, packed, R.P11)
     else:
-        fetch_linear(texels, base, width, count, i0, i1, j0, j1, packed[0], packed[1], packed[2], packed[3])
-    filter_linear(packed[0], packed[1], packed[2], packed[3], a, b, count, out)
+        fetch_linear(texels, ints, count, packed)
+    filter_linear(packed, ints, count, out)
 
 
-@kernel("void(u4[::1],i4[:,::1],i8[::1],i8,i4[::1],f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i8)")
-def sample_unit(texels, levels, unit, count, lod, floats, ints, packed, registers, plane):
+@kernel("void(u4[::1],i4[:,::1],i8[::1],i8,f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i8)")
+def sample_unit(texels, levels, unit, count, floats, ints, packed, registers, plane):
     """Filter a texture unit's fragments into four planes of ``registers`` (int16[., batch]) from ``plane`` on.
 
-    unit: int64[UNIT_SIZE] (rows.py); lod: lambda of each fragment with its bias, when the filters need it;
-    floats, ints, packed: columns as ``sample_level`` says, with packed rows 4..6 and ints row 10 used here.
+    unit: int64[UNIT_SIZE]; floats, ints, packed: scratch columns (rows.py), with S and T, the FACE for a cube map,
+    TIE_S and TIE_T for nearest filters and LOD for filters that need it filled in.
     """
     separate_function()
     levels_count = int32(unit[R.LEVELS])
-    result = packed[4]
     mipmap, mag_linear, min_linear = unit[R.MIPMAP], unit[R.MAG_LINEAR], unit[R.MIN_LINEAR]
+    fill_int(ints, R.LEVEL, count, int32(0))
     if mipmap == 0 and mag_linear == min_linear:
-        fill_int(ints[9], count, int32(0))
-        sample_level(texels, levels, unit, count, mag_linear, 0, floats, ints, packed, result)
+        sample_level(texels, levels, unit, count, mag_linear, 0, floats, ints, packed, R.TEXEL_0)
     else:
-        rounding = int32(127) if mipmap == 1 else int32(0)
-        select_level(lod, levels_count if mipmap else int32(1), rounding, int32(0), count, ints[9])
-        sample_level(texels, levels, unit, count, min_linear, 1, floats, ints, packed, result)
+        sample_level(texels, levels, unit, count, mag_linear, 0, floats, ints, packed, R.MAGNIFIED)
+        if mipmap != 0:
+            select_level(ints, levels_count, int32(127) if mipmap == 1 else int32(0), int32(0), count)
+        sample_level(texels, levels, unit, count, min_linear, 1, floats, ints, packed, R.TEXEL_0)
         if mipmap == 2:
-            select_level(lod, levels_count, int32(0), int32(1), count, ints[9])
-            sample_level(texels, levels, unit, count, min_linear, 1, floats, ints, packed, packed[5])
-            level_fraction(lod, levels_count, count, ints[10])
-            blend_levels(result, packed[5], ints[10], count)
-        fill_int(ints[9], count, int32(0))
-        sample_level(texels, levels, unit, count, mag_linear, 0, floats, ints, packed, packed[6])
-        choose_magnified(result, packed[6], lod, int32(unit[R.THRESHOLD]), count)
-    unpack(result, count, registers, plane)
+            select_level(ints, levels_count, int32(0), int32(1), count)
+            sample_level(texels, levels, unit, count, min_linear, 1, floats, ints, packed, R.TEXEL_1)
+            level_fraction(ints, levels_count, count)
+            blend_levels(packed, ints, count)
+        choose_magnified(packed, ints, int32(unit[R.THRESHOLD]), count)
+    unpack(packed, R.TEXEL_0, count, registers, plane)

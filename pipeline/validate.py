@@ -1,0 +1,993 @@
+"""What a machine refuses, and why: every command is checked before any is executed.
+
+``validate`` walks the commands in order, knows which textures exist when each is reached, and raises
+``UnsupportedState`` at the first thing that the profile could not hold or that no machine could mean. Every
+sentence names the command, what was given, what the machine allows, and what to do about it.
+
+Source: the errors of OpenGL 1.2.1, NV_register_combiners and 2, EXT_texture_cube_map, NV_texgen_reflection,
+EXT_texture_lod_bias, EXT_stencil_wrap, EXT_fog_coord. Where OpenGL clamps silently (clear colours, constant
+colours, alpha and stencil references) so do the stages that follow, and nothing is refused; where it calls
+the result undefined (pixels read outside the framebuffer, an incomplete texture) this module refuses.
+"""
+
+import math
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from functools import cache
+from numbers import Integral, Real
+from types import NoneType, UnionType
+from typing import NamedTuple, get_args, get_origin
+from weakref import WeakSet
+
+import numpy as np
+
+from pipeline.commands import (
+    Clear,
+    CopyTexImage,
+    CopyTexSubImage,
+    Draw,
+    Mesh,
+    ReadPixels,
+    TexImage,
+)
+from pipeline.enums import (
+    CombinerBias,
+    CombinerScale,
+    ComponentUsage,
+    FogCoordinateSource,
+    FogMode,
+    InternalFormat,
+    Mapping,
+    PrimitiveType,
+    Register,
+    TexGenMode,
+    TextureFilter,
+    TextureTarget,
+)
+from pipeline.framebuffer import READ_FORMATS
+from pipeline.textures import Texture
+from pipeline.vertex import invert_upper_left, needs_normals
+
+_READ_FORMATS = (*READ_FORMATS, "DEPTH_COMPONENT", "STENCIL_INDEX")
+
+
+class UnsupportedState(ValueError):  # noqa: N818 (it names what was asked for)
+    """A command that the machine could not execute; the message is a sentence that says what to do."""
+
+
+# ------------------------------------------------------------------------------- types of state fields
+
+
+class _Wrong(NamedTuple):
+    """What is wrong with a value: the fields that lead to it, and the sentence's predicate."""
+
+    path: str
+    predicate: str
+
+    def below(self, field):
+        return _Wrong(field + self.path, self.predicate)
+
+
+def _shown(value):
+    text = repr(value)
+    return text if len(text) <= 80 else text[:77] + "..."
+
+
+def _enum_check(kind):
+    example = f"{kind.__name__}.{next(iter(kind)).name}"
+
+    def check(value):
+        if isinstance(value, kind):
+            return None
+        if isinstance(value, str) and value.upper() in kind.__members__:
+            return _Wrong("", f"is the string {value!r}; give the member {kind.__name__}.{value.upper()}")
+        return _Wrong("", f"is {_shown(value)}; it takes a member of {kind.__name__}, {example} for instance")
+
+    return check
+
+
+def _check_bool(value):
+    if isinstance(value, bool | np.bool_):
+        return None
+    return _Wrong("", f"is {_shown(value)}; it is a switch: give True or False")
+
+
+def _check_int(value):
+    if isinstance(value, Integral) and not isinstance(value, bool):
+        if -(2**31) <= value < 2**31:
+            return None
+        return _Wrong("", f"is {value}; OpenGL's integers have 32 bits: give one from -2**31 to 2**31 - 1")
+    return _Wrong("", f"is {_shown(value)}; give an integer")
+
+
+def _check_float(value):
+    if type(value) is float and math.isfinite(value):
+        return None
+    if isinstance(value, Real) and not isinstance(value, bool):
+        try:
+            finite = math.isfinite(value)
+        except OverflowError:  # an integer beyond every float
+            finite = False
+        return None if finite else _Wrong("", f"is {_shown(value)}; give a finite number")
+    return _Wrong("", f"is {_shown(value)}; give a number")
+
+
+def _check_str(value):
+    if not isinstance(value, str):
+        return _Wrong("", f"is {_shown(value)}; give a string")
+    return None if value.strip() else _Wrong("", "is empty; give it a name")
+
+
+def _fixed_tuple_check(kinds):
+    checks = [_type_check(kind) for kind in kinds]
+    n, all_floats = len(kinds), all(kind is float for kind in kinds)
+
+    def check(value):
+        if not isinstance(value, tuple):
+            return _Wrong("", f"is {_shown(value)}; give a tuple of {n}")
+        if len(value) != n:
+            return _Wrong("", f"has {len(value)} elements; give {n}")
+        if all_floats and all(type(v) is float for v in value) and math.isfinite(sum(value)):
+            return None
+        for i, v in enumerate(value):
+            if wrong := checks[i](v):
+                return wrong.below(f"[{i}]")
+        return None
+
+    return check
+
+
+def _long_tuple_check(kind):
+    check_one = _type_check(kind)
+
+    def check(value):
+        if not isinstance(value, tuple):
+            return _Wrong("", f"is {_shown(value)}; give a tuple")
+        for i, v in enumerate(value):
+            if wrong := check_one(v):
+                return wrong.below(f"[{i}]")
+        return None
+
+    return check
+
+
+def _dataclass_check(kind):
+    checks = [(f.name, _type_check(f.type)) for f in fields(kind)]
+
+    def check(value):
+        if not isinstance(value, kind):
+            return _Wrong("", f"is {_shown(value)}; give a value of type {kind.__name__}")
+        for name, check_field in checks:
+            if wrong := check_field(getattr(value, name)):
+                return wrong.below(f".{name}")
+        return None
+
+    return check
+
+
+def _optional_check(kind):
+    check_present = _type_check(kind)
+
+    def check(value):
+        return None if value is None else check_present(value)
+
+    return check
+
+
+_LEAVES = {bool: _check_bool, int: _check_int, float: _check_float, str: _check_str}
+
+
+@cache
+def _type_check(annotation):
+    """A function from a value to None, or to what is wrong with it, made once for each annotation."""
+    if annotation in _LEAVES:
+        return _LEAVES[annotation]
+    if get_origin(annotation) is UnionType:
+        (present,) = (a for a in get_args(annotation) if a is not NoneType)
+        return _optional_check(present)
+    if get_origin(annotation) is tuple:
+        inner = get_args(annotation)
+        return _long_tuple_check(inner[0]) if inner[-1] is Ellipsis else _fixed_tuple_check(inner)
+    if issubclass(annotation, Enum):
+        return _enum_check(annotation)
+    if is_dataclass(annotation) and annotation not in (Mesh, Texture):
+        return _dataclass_check(annotation)
+
+    def check(value):
+        if isinstance(value, annotation):
+            return None
+        return _Wrong("", f"is {_shown(value)}; give a value of type {annotation.__name__}")
+
+    return check
+
+
+# ----------------------------------------------------------------- rules of NV_register_combiners alone
+
+READ_ONLY_REGISTERS = frozenset(
+    {Register.ZERO, Register.CONSTANT_COLOR0, Register.CONSTANT_COLOR1, Register.FOG}
+)
+PSEUDO_REGISTERS = frozenset({Register.E_TIMES_F, Register.SPARE0_PLUS_SECONDARY_COLOR})
+_FINAL_MAPPINGS = frozenset({Mapping.UNSIGNED_IDENTITY, Mapping.UNSIGNED_INVERT})
+
+
+def _general_input_problem(place, alpha_portion, given):
+    if given.register is Register.DISCARD:
+        return f"{place} reads DISCARD, which is an output only; read a register or ZERO."
+    if given.register in PSEUDO_REGISTERS:
+        return (
+            f"{place} reads {given.register.name}, which exists only in the final combiner; use it there, "
+            "or compute it here from its parts."
+        )
+    if alpha_portion and given.usage is ComponentUsage.RGB:
+        return f"{place} takes RGB; an alpha portion takes ALPHA or BLUE. Choose one of the two."
+    if not alpha_portion and given.usage is ComponentUsage.BLUE:
+        return (
+            f"{place} takes BLUE; an RGB portion takes RGB or ALPHA. Copy blue to a register's alpha in an "
+            "earlier alpha portion, then take ALPHA."
+        )
+    if given.register is Register.FOG and given.usage is ComponentUsage.ALPHA:
+        return (
+            f"{place} takes the ALPHA of FOG; the fog factor is available only in the final combiner. Use "
+            "it there."
+        )
+    return None
+
+
+def _output_problem(place, register):
+    if register in READ_ONLY_REGISTERS:
+        return (
+            f"{place} writes {register.name}, which is read only; write a color, texture or spare register."
+        )
+    if register in PSEUDO_REGISTERS:
+        return (
+            f"{place} writes {register.name}, which the final combiner computes; write SPARE0 or SPARE1 "
+            "instead."
+        )
+    return None
+
+
+def _general_problems(number, name, portion):
+    path, alpha_portion = ("general", number, name), name == "alpha"
+    place = f"General combiner {number}, {'alpha' if alpha_portion else 'RGB'} portion"
+    for variable in "abcd":
+        problem = _general_input_problem(
+            f"{place}, variable {variable.upper()}", alpha_portion, getattr(portion, variable)
+        )
+        if problem:
+            yield (*path, variable), problem
+    written = {}
+    for output, words in (
+        ("ab_output", "AB output"),
+        ("cd_output", "CD output"),
+        ("sum_output", "sum output"),
+    ):
+        register = getattr(portion, output)
+        if problem := _output_problem(f"{place}, {words},", register):
+            yield (*path, output), problem
+        if register in written:
+            yield (
+                (*path, output),
+                f"{place}: the {written[register]} and the {words} both write {register.name}; outputs need "
+                "different registers. Send one of them elsewhere, or to DISCARD.",
+            )
+        if register is not Register.DISCARD:
+            written[register] = words
+    if portion.bias is not CombinerBias.NONE and portion.scale in (
+        CombinerScale.SCALE_BY_FOUR,
+        CombinerScale.SCALE_BY_ONE_HALF,
+    ):
+        yield (
+            (*path, "scale"),
+            f"{place}: {portion.bias.name} with {portion.scale.name}; the bias goes with no scale or with "
+            "SCALE_BY_TWO. Drop the bias, or scale in the next general combiner.",
+        )
+
+
+def _final_input_problem(variable, given):
+    place = f"Final combiner, variable {variable.upper()},"
+    if given.register is Register.DISCARD:
+        return f"{place} reads DISCARD, which is an output only; read a register or ZERO."
+    if given.mapping not in _FINAL_MAPPINGS:
+        return (
+            f"{place} is mapped by {given.mapping.name}; the final combiner has UNSIGNED_IDENTITY and "
+            "UNSIGNED_INVERT. Map it in a general combiner."
+        )
+    if given.register in PSEUDO_REGISTERS:
+        if variable in "efg":
+            return (
+                f"{place} reads {given.register.name}; E, F and G read registers only. Move it to B, C or D."
+            )
+        if variable == "a" and given.register is Register.SPARE0_PLUS_SECONDARY_COLOR:
+            return f"{place} reads SPARE0_PLUS_SECONDARY_COLOR, which B, C and D take; move it there."
+        if given.usage is not ComponentUsage.RGB:
+            return f"{place} takes {given.usage.name} of {given.register.name}, which has RGB only; take RGB."
+    if variable == "g" and given.usage is ComponentUsage.RGB:
+        return f"{place} takes RGB; the alpha output takes ALPHA or BLUE. Choose one of the two."
+    if variable != "g" and given.usage is ComponentUsage.BLUE:
+        return f"{place} takes BLUE, which only G may; take RGB or ALPHA."
+    return None
+
+
+def combiner_problems(combiners):
+    """What every machine with register combiners refuses in ``combiners``, apart from their number.
+
+    Yields (path, sentence). A path leads to the offender: ("general", stage, "rgb" or "alpha", field) or
+    ("final", variable). Fields must have the types that ``pipeline.state`` says.
+    Source: NV_register_combiners, Errors.
+    """
+    for number, stage in enumerate(combiners.general):
+        yield from _general_problems(number, "rgb", stage.rgb)
+        yield from _general_problems(number, "alpha", stage.alpha)
+    for variable in "abcdefg":
+        if problem := _final_input_problem(variable, getattr(combiners.final, variable)):
+            yield ("final", variable), problem
+
+
+_TEXTURE_REGISTERS = (Register.TEXTURE0, Register.TEXTURE1, Register.TEXTURE2, Register.TEXTURE3)
+
+
+def _registers_named(combiners):
+    for number, stage in enumerate(combiners.general):
+        for portion in (stage.rgb, stage.alpha):
+            for register in (
+                *(getattr(portion, variable).register for variable in "abcd"),
+                portion.ab_output,
+                portion.cd_output,
+                portion.sum_output,
+            ):
+                yield f"General combiner {number}", register
+    for variable in "abcdefg":
+        yield "The final combiner", getattr(combiners.final, variable).register
+
+
+# ------------------------------------------------------------------------------------ meshes, textures
+
+_checked_meshes = WeakSet()
+_checked_textures = WeakSet()
+
+_MESH_ARRAYS = (
+    ("positions", (2, 4)),
+    ("colors", (3, 4)),
+    ("secondary_colors", (3, 3)),
+    ("normals", (3, 3)),
+)
+
+
+def _array_problem(name, array, vertices, low, high):
+    """What is wrong with a vertex array [vertices, low..high], or None."""
+    components = str(low) if low == high else f"{low} to {high}"
+    if array.ndim != 2 or not low <= array.shape[1] <= high:
+        return f"{name} has shape {array.shape}; give [vertices, {components}]."
+    if len(array) != vertices:
+        return f"{name} has {len(array)} vertices but positions has {vertices}; give one row for each vertex."
+    return _finite_problem(name, array)
+
+
+def _finite_problem(name, array):
+    finite = np.isfinite(array)
+    if finite.all():
+        return None
+    bad = np.argwhere(~finite)[0]
+    value = array[tuple(bad)]
+    return (
+        f"{name} of vertex {bad[0]} holds {value}; the machine has no meaning for it. Give finite numbers, "
+        "and drop vertices that have none."
+    )
+
+
+def _mesh_problem(mesh):
+    if wrong := _type_check(PrimitiveType)(mesh.primitive):
+        return f"the mesh's primitive {wrong.predicate}."
+    vertices = len(mesh.positions) if mesh.positions.ndim else 0
+    for name, (low, high) in _MESH_ARRAYS:
+        array = getattr(mesh, name)
+        if array is not None and (
+            problem := _array_problem(f"the mesh's {name}", array, vertices, low, high)
+        ):
+            return problem
+    for i, array in enumerate(mesh.texture_coordinates):
+        if problem := _array_problem(f"the mesh's texture coordinate set {i}", array, vertices, 1, 4):
+            return problem
+    fog = mesh.fog_coordinates
+    if fog is not None:
+        if fog.ndim != 1:
+            return f"the mesh's fog_coordinates has shape {fog.shape}; give [vertices]."
+        if problem := _array_problem("the mesh's fog_coordinates", fog[:, None], vertices, 1, 1):
+            return problem
+    drawn = vertices
+    if mesh.indices is not None:
+        if mesh.indices.ndim != 1:
+            return f"the mesh's indices has shape {mesh.indices.shape}; give one list of vertex numbers."
+        drawn = len(mesh.indices)
+        if drawn and not 0 <= mesh.indices.min() <= mesh.indices.max() < vertices:
+            at = int(np.argmax((mesh.indices < 0) | (mesh.indices >= vertices)))
+            return (
+                f"index {at} of the mesh is vertex {mesh.indices[at]}, but it has {vertices} vertices; give "
+                f"numbers from 0 to {vertices - 1}."
+            )
+    return _counts_problem(mesh.counts, drawn)
+
+
+def _counts_problem(counts, drawn):
+    if counts is None:
+        return None
+    try:
+        given = [int(c) for c in counts if not _check_int(c)]
+        wrong = len(given) != len(counts)
+    except TypeError:
+        wrong = True
+    if wrong or any(c < 0 for c in given):
+        return f"the mesh's counts is {_shown(counts)}; give a tuple of integers, none negative."
+    if sum(given) != drawn:
+        return (
+            f"the mesh's counts add up to {sum(given)} but it draws {drawn} vertices; give counts that take "
+            "every vertex exactly once."
+        )
+    return None
+
+
+def complete_levels(width, height):
+    """How many levels a complete mipmap of a width x height texture has (OpenGL 1.2.1, section 3.8.5)."""
+    return max(width, height).bit_length()
+
+
+def _texture_problem(image):
+    """What no machine could hold in a Texture, or None."""
+    for name, kind in (("target", TextureTarget), ("internal_format", InternalFormat)):
+        if wrong := _type_check(kind)(getattr(image, name)):
+            return f"the texture's {name} {wrong.predicate}."
+    if not isinstance(image.levels, tuple) or not image.levels:
+        return "the texture has no level 0; make textures with texture_1d, texture_2d or texture_cube_map."
+    faces = 6 if image.target is TextureTarget.TEXTURE_CUBE_MAP else 1
+    for level, array in enumerate(image.levels):
+        if (
+            not isinstance(array, np.ndarray)
+            or array.dtype != np.uint8
+            or array.ndim != 4
+            or array.shape[3] != 4
+        ):
+            return (
+                f"level {level} of the texture is not uint8 [faces, height, width, 4]; make textures with "
+                "texture_2d."
+            )
+        if array.shape[0] != faces:
+            given = _count(array.shape[0], "face")
+            return f"level {level} of a {image.target.name} has {given}; it takes {faces}."
+        height, width = array.shape[1:3]
+        if not height or not width:
+            return f"level {level} of the texture is {width}x{height} texels; a texture needs at least 1x1."
+        expected = (max(1, image.height >> level), max(1, image.width >> level))
+        if (height, width) != expected:
+            return (
+                f"level {level} of a {image.width}x{image.height} texture is {width}x{height}; it takes "
+                f"{expected[1]}x{expected[0]}. Build the levels with mipmaps=True."
+            )
+    if len(image.levels) > complete_levels(image.width, image.height):
+        return (
+            f"the texture has {len(image.levels)} levels but a {image.width}x{image.height} image ends at "
+            "1x1 before."
+        )
+    if image.target is TextureTarget.TEXTURE_CUBE_MAP and image.width != image.height:
+        return f"the cube map's faces are {image.width}x{image.height}; they must be square."
+    if image.target is TextureTarget.TEXTURE_1D and image.height != 1:
+        return f"the 1D texture is {image.height} texels high; give one row, or use texture_2d."
+    if image.ideal is not None:
+        if [a.shape for a in image.ideal] != [a.shape for a in image.levels]:
+            return "the texture's ideal levels do not have its levels' shapes; give the same, or None."
+        if not all(np.isfinite(a).all() for a in image.ideal):
+            return "the texture's ideal levels hold NaN or infinity; give finite texels."
+    return None
+
+
+class _Known(NamedTuple):
+    """What validation remembers of a texture object: (width, height) of every level."""
+
+    target: TextureTarget
+    sizes: tuple[tuple[int, int], ...]
+
+    @classmethod
+    def of(cls, image):
+        return cls(image.target, tuple((level.shape[2], level.shape[1]) for level in image.levels))
+
+
+def _known(texture):
+    return _Known(texture.target, tuple((level.shape[2], level.shape[1]) for level in texture.levels))
+
+
+# -------------------------------------------------------------------------------------------- the walk
+
+
+class _Walk:
+    """One pass over the commands; ``where`` is the command at hand."""
+
+    def __init__(self, profile, width, height, textures):
+        self.profile, self.width, self.height = profile, width, height
+        self.where = ""
+        self.textures = {name: _Known.of(image) for name, image in textures.items()}
+        self.read = set()
+        # States share parts (dataclasses.replace keeps them) and stay alive during the walk, so what was once
+        # found right need not be looked at again.
+        self.seen = set()
+
+    def refuse(self, sentence):
+        raise UnsupportedState(f"{self.where}: {sentence}")
+
+    def first_time(self, value, *beside):
+        """Whether the walk meets this state (beside these hashable values) for the first time."""
+        key = (id(value), *beside)
+        if key in self.seen:
+            return False
+        self.seen.add(key)
+        return True
+
+    def check_types(self, value, name):
+        if wrong := _type_check(type(value))(value):
+            self.refuse(f"{name}{wrong.path} {wrong.predicate}.".lstrip("."))
+
+    def command(self, command):
+        self.check_types(command, "")
+        _HANDLERS[type(command)](self, command)
+
+    # ------------------------------------------------------------------------------ whole commands
+
+    def clear(self, command):
+        if command.depth is not None and not 0 <= command.depth <= 1:
+            self.refuse(
+                f"the clear depth is {command.depth}; depths run from 0 (near) to 1 (far). Give one of these."
+            )
+        if command.stencil is not None:
+            self.stencil_buffer("clears the stencil buffer")
+            self.stencil_value("the clear value of the stencil buffer", command.stencil)
+        self.stencil_value("stencil_write_mask", command.stencil_write_mask)
+        if command.scissor is not None:
+            self.scissor(command.scissor)
+
+    def draw(self, command):
+        mesh, state = command.mesh, command.state
+        if mesh not in _checked_meshes:
+            if problem := _mesh_problem(mesh):
+                self.refuse(problem)
+            _checked_meshes.add(mesh)
+        if self.first_time(state.vertex):
+            self.vertex(state.vertex)
+        self.texture_units(state, mesh)
+        self.normals(state)
+        combiners = state.register_combiners
+        if combiners is not None and self.first_time(combiners):
+            self.register_combiners(combiners)
+        if state.color_sum and not self.profile.color_sum:
+            self.refuse(f"{self.profile.name} has no color sum; add the secondary color in a second pass.")
+        if state.fog is not None:
+            self.fog(state.fog)
+        if state.scissor is not None:
+            self.scissor(state.scissor)
+        if state.stencil_test is not None:
+            self.stencil_test(state.stencil_test)
+        if state.blending is not None:
+            self.blending(state.blending)
+        if state.logic_op is not None and not self.profile.logic_op:
+            self.refuse(f"{self.profile.name} has no logic operations on colors; use blending.")
+
+    def tex_image(self, command):
+        image = command.image
+        if image not in _checked_textures:
+            if problem := _texture_problem(image):
+                self.refuse(problem)
+            _checked_textures.add(image)
+        self.texture_storage(image.target, image.internal_format, image.width, image.height)
+        self.textures[command.texture] = _known(image)
+
+    def copy_tex_image(self, command):
+        width, height = self.framebuffer_rectangle(command)
+        self.texture_storage(TextureTarget.TEXTURE_2D, command.internal_format, width, height)
+        self.textures[command.texture] = _Known(TextureTarget.TEXTURE_2D, ((width, height),))
+
+    def copy_tex_sub_image(self, command):
+        known = self.known_texture(command.texture)
+        if known.target is TextureTarget.TEXTURE_1D:
+            self.refuse(
+                f"{command.texture!r} is a TEXTURE_1D; CopyTexSubImage2D replaces texels of 2D textures and "
+                "cube maps."
+            )
+        if not 0 <= command.level < len(known.sizes):
+            self.refuse(
+                f"level {command.level} of {command.texture!r} does not exist; it has {len(known.sizes)}. "
+                f"Give a level from 0 to {len(known.sizes) - 1}."
+            )
+        faces = 6 if known.target is TextureTarget.TEXTURE_CUBE_MAP else 1
+        if not 0 <= command.face < faces:
+            self.refuse(
+                f"face {command.face} of {command.texture!r} does not exist; a {known.target.name} has "
+                f"{'faces 0 to 5' if faces == 6 else 'face 0 only'}."
+            )
+        width, height = self.framebuffer_rectangle(command)
+        self.rectangle(
+            f"level {command.level} of {command.texture!r}",
+            (command.x_offset, command.y_offset, width, height),
+            *known.sizes[command.level],
+        )
+
+    def read_pixels(self, command):
+        if command.format not in _READ_FORMATS:
+            self.refuse(
+                f"ReadPixels knows no format {command.format!r}; give one of {', '.join(_READ_FORMATS)}."
+            )
+        if command.format == "STENCIL_INDEX":
+            self.stencil_buffer("reads the stencil buffer")
+        if command.name in self.read:
+            self.refuse(
+                f"an earlier ReadPixels already has the name {command.name!r}; give this one another."
+            )
+        self.read.add(command.name)
+        self.framebuffer_rectangle(command)
+
+    # ---------------------------------------------------------------------- rectangles and textures
+
+    def rectangle(self, what, rectangle, width, height):
+        x, y, w, h = rectangle
+        if w < 0 or h < 0:
+            self.refuse(f"the rectangle is {w}x{h}; give sizes that are not negative.")
+        if x < 0 or y < 0 or x + w > width or y + h > height:
+            self.refuse(
+                f"the rectangle {w}x{h} at ({x}, {y}) reaches outside {what}, which is {width}x{height}; "
+                "move it inside."
+            )
+
+    def framebuffer_rectangle(self, command):
+        width = self.width - command.x if command.width is None else command.width
+        height = self.height - command.y if command.height is None else command.height
+        self.rectangle("the framebuffer", (command.x, command.y, width, height), self.width, self.height)
+        return width, height
+
+    def texture_storage(self, target, internal_format, width, height):
+        profile = self.profile
+        if target not in profile.texture_targets:
+            self.refuse(f"{profile.name} has no {target.name}; it has {_names(profile.texture_targets)}.")
+        if internal_format not in profile.internal_formats:
+            self.refuse(
+                f"{profile.name} does not store {internal_format.name}; it stores "
+                f"{_names(profile.internal_formats)}."
+            )
+        if width < 1 or height < 1:
+            self.refuse(f"the texture is {width}x{height} texels; a texture needs at least 1x1.")
+        cube = target is TextureTarget.TEXTURE_CUBE_MAP
+        limit = profile.max_cube_map_texture_size if cube else profile.max_texture_size
+        if max(width, height) > limit:
+            self.refuse(
+                f"the texture is {width}x{height}; {profile.name} holds "
+                f"{'cube map faces' if cube else 'textures'} up to {limit}x{limit}. Scale it down or split "
+                "it."
+            )
+        if profile.power_of_two_textures and (width & (width - 1) or height & (height - 1)):
+            self.refuse(
+                f"the texture is {width}x{height}; {profile.name} takes edges that are powers of two. Scale "
+                f"it to {_power_of_two(width)}x{_power_of_two(height)}, or pad it."
+            )
+
+    def known_texture(self, name):
+        if name not in self.textures:
+            defined = ", ".join(repr(n) for n in self.textures) or "none"
+            self.refuse(
+                f"there is no texture {name!r} yet (defined so far: {defined}); put a TexImage or "
+                "CopyTexImage before."
+            )
+        return self.textures[name]
+
+    def texture_units(self, state, mesh):
+        units, allowed = state.texture_units, self.profile.max_texture_units
+        if len(units) > allowed:
+            self.refuse(
+                f"{self.profile.name} has {_count(allowed, 'texture unit')}; this pass has {len(units)}. "
+                "Split the pass or choose a profile with more."
+            )
+        enabled = [(i, unit) for i, unit in enumerate(units) if unit is not None]
+        if not enabled:
+            return
+        if state.register_combiners is None:
+            self.refuse(
+                f"texture unit {enabled[0][0]} is enabled without register combiners; texture environments "
+                "are not available. Set register_combiners (MODULATE is AB = TEXTURE0 * PRIMARY_COLOR)."
+            )
+        for i, unit in enabled:
+            known = self.known_texture(unit.texture)
+            self.unit_coordinates(i, unit, known, mesh)
+            if self.first_time(unit, known):
+                self.sampler(i, unit, known)
+
+    def unit_coordinates(self, number, unit, known, mesh):
+        sets = len(mesh.texture_coordinates)
+        if unit.coordinates < 0:
+            self.refuse(f"texture unit {number} takes coordinate set {unit.coordinates}; sets count from 0.")
+        if unit.coordinates >= sets:
+            needed = {TextureTarget.TEXTURE_1D: 1, TextureTarget.TEXTURE_2D: 2}.get(known.target, 3)
+            if any(gen.mode is TexGenMode.NONE for gen in unit.gen[:needed]):
+                self.refuse(
+                    f"texture unit {number} takes coordinate set {unit.coordinates}, but the mesh has "
+                    f"{_count(sets, 'set')}; give the mesh coordinates or generate "
+                    f"{', '.join('str'[:needed])}."
+                )
+
+    def sampler(self, number, unit, known):
+        profile, sampler, place = self.profile, unit.sampler, f"texture unit {number}"
+        if sampler.mag_filter not in (TextureFilter.NEAREST, TextureFilter.LINEAR):
+            self.refuse(
+                f"{place} magnifies with {sampler.mag_filter.name}; a magnification filter is NEAREST or "
+                "LINEAR."
+            )
+        for name in ("wrap_s", "wrap_t"):
+            if getattr(sampler, name) not in profile.wrap_modes:
+                self.refuse(
+                    f"{profile.name} has no {getattr(sampler, name).name}, which {place} asks for {name}; "
+                    f"it has {_names(profile.wrap_modes)}."
+                )
+        width, height = known.sizes[0]
+        mipmapped = sampler.min_filter not in (TextureFilter.NEAREST, TextureFilter.LINEAR)
+        if mipmapped and len(known.sizes) != complete_levels(width, height):
+            self.refuse(
+                f"{place} minifies with {sampler.min_filter.name}, but {unit.texture!r} ({width}x{height}) "
+                f"has {_count(len(known.sizes), 'level')} of {complete_levels(width, height)}; build it "
+                "with mipmaps=True, or set min_filter to LINEAR or NEAREST."
+            )
+        if abs(unit.lod_bias) > profile.max_lod_bias:
+            self.refuse(
+                f"{place} has the level-of-detail bias {unit.lod_bias}; {profile.name} takes "
+                f"-{profile.max_lod_bias} to {profile.max_lod_bias}."
+            )
+        for coordinate, gen in zip("strq", unit.gen, strict=True):
+            if gen.mode is TexGenMode.NONE:
+                continue
+            if gen.mode not in profile.texgen_modes:
+                self.refuse(
+                    f"{profile.name} cannot generate {coordinate} by {gen.mode.name}; it has "
+                    f"{_names(profile.texgen_modes)}."
+                )
+            if coordinate not in _GENERATED_BY.get(gen.mode, "strq"):
+                self.refuse(
+                    f"{place} generates {coordinate} by {gen.mode.name}, which makes "
+                    f"{', '.join(_GENERATED_BY[gen.mode])} only; use OBJECT_LINEAR or EYE_LINEAR for it, or "
+                    "NONE."
+                )
+
+    # ------------------------------------------------------------------------------------- vertices
+
+    def vertex(self, vertex):
+        self.viewport(vertex.viewport)
+        if len(vertex.clip_planes) > self.profile.max_clip_planes:
+            self.refuse(
+                f"{self.profile.name} has {_count(self.profile.max_clip_planes, 'clip plane')}; this pass "
+                f"enables {len(vertex.clip_planes)}. Clip the mesh, or draw it in parts."
+            )
+        if vertex.lighting is not None:
+            self.lighting(vertex.lighting)
+
+    def normals(self, state):
+        if needs_normals(state) and self.first_time(state.vertex, "normals"):
+            try:
+                invert_upper_left(state.vertex.modelview)
+            except ValueError as error:
+                self.refuse(f"{error}.")
+
+    def viewport(self, viewport):
+        profile = self.profile
+        width = self.width if viewport.width is None else viewport.width
+        height = self.height if viewport.height is None else viewport.height
+        if width < 0 or height < 0:
+            self.refuse(f"the viewport is {width}x{height}; give sizes that are not negative.")
+        if max(width, height) > profile.max_viewport:
+            self.refuse(
+                f"the viewport is {width}x{height}; {profile.name} takes up to "
+                f"{profile.max_viewport}x{profile.max_viewport}."
+            )
+        for name in ("near", "far"):
+            if not 0 <= getattr(viewport, name) <= 1:
+                self.refuse(
+                    f"the depth range's {name} is {getattr(viewport, name)}; give a number from 0 to 1."
+                )
+
+    def lighting(self, lighting):
+        profile = self.profile
+        if len(lighting.lights) > profile.max_lights:
+            self.refuse(
+                f"{profile.name} has {_count(profile.max_lights, 'light')}; this pass enables "
+                f"{len(lighting.lights)}. Add the others in a second pass with blending ONE, ONE."
+            )
+        if lighting.separate_specular_color and not profile.separate_specular_color:
+            self.refuse(f"{profile.name} has no SEPARATE_SPECULAR_COLOR; use single color, or a second pass.")
+        for face in ("front", "back"):
+            shininess = getattr(lighting, face).shininess
+            if not 0 <= shininess <= profile.max_shininess:
+                self.refuse(
+                    f"the {face} material's shininess is {shininess}; {profile.name} takes 0 to "
+                    f"{profile.max_shininess}."
+                )
+        for i, light in enumerate(lighting.lights):
+            if not 0 <= light.spot_exponent <= profile.max_shininess:
+                self.refuse(
+                    f"light {i}'s spot exponent is {light.spot_exponent}; {profile.name} takes 0 to "
+                    f"{profile.max_shininess}."
+                )
+            if not (0 <= light.spot_cutoff <= 90 or light.spot_cutoff == 180):
+                self.refuse(
+                    f"light {i}'s spot cutoff is {light.spot_cutoff} degrees; give 0 to 90, or 180 for no "
+                    "spot."
+                )
+            attenuation = (light.constant_attenuation, light.linear_attenuation, light.quadratic_attenuation)
+            if min(attenuation) < 0:
+                self.refuse(f"light {i}'s attenuation is {attenuation}; attenuations are not negative.")
+            if light.position[3] != 0 and max(attenuation) == 0:
+                self.refuse(
+                    f"light {i}'s attenuations are all zero, which divides by zero; give a constant "
+                    "attenuation."
+                )
+
+    # ----------------------------------------------------------------------------------- fragments
+
+    def register_combiners(self, combiners):
+        profile, stages = self.profile, len(combiners.general)
+        if profile.max_general_combiners == 0:
+            self.refuse(f"{profile.name} has no register combiners; choose a profile that has them.")
+        if stages == 0:
+            self.refuse(
+                "register combiners need at least one general combiner; this pass has none. Add "
+                "GeneralCombiner()."
+            )
+        if stages > profile.max_general_combiners:
+            self.refuse(
+                f"{profile.name} has {_count(profile.max_general_combiners, 'general combiner')}; this pass "
+                f"uses {stages}. Split the pass or choose a profile with more."
+            )
+        for number, stage in enumerate(combiners.general):
+            own = stage.constant_color0 is not None or stage.constant_color1 is not None
+            if own and not profile.per_stage_constants:
+                self.refuse(
+                    f"general combiner {number} has its own constant colors; {profile.name} has two for all "
+                    "stages together. Set constant_color0 and constant_color1 of the RegisterCombiners, or "
+                    "choose a profile with per-stage constants."
+                )
+        for _, sentence in combiner_problems(combiners):
+            self.refuse(sentence)
+        for place, register in _registers_named(combiners):
+            if (
+                register in _TEXTURE_REGISTERS
+                and _TEXTURE_REGISTERS.index(register) >= profile.max_texture_units
+            ):
+                self.refuse(
+                    f"{place} names {register.name}; {profile.name} has "
+                    f"{_count(profile.max_texture_units, 'texture unit')}, so that register does not exist. "
+                    "Use a spare register, or choose a profile with more."
+                )
+
+    def fog(self, fog):
+        if fog.density < 0:
+            self.refuse(f"the fog density is {fog.density}; densities are not negative.")
+        if fog.mode is FogMode.LINEAR and fog.start == fog.end:
+            self.refuse(
+                f"linear fog starts and ends at {fog.start}, which divides by zero; move one of them."
+            )
+        if fog.coordinate_source is FogCoordinateSource.FOG_COORDINATE and not self.profile.fog_coordinate:
+            self.refuse(f"{self.profile.name} has no FOG_COORDINATE; use FRAGMENT_DEPTH.")
+
+    def scissor(self, scissor):
+        if scissor.width < 0 or scissor.height < 0:
+            self.refuse(
+                f"the scissor box is {scissor.width}x{scissor.height}; give sizes that are not negative."
+            )
+
+    def stencil_buffer(self, what):
+        if self.profile.stencil_bits == 0:
+            self.refuse(f"it {what}, and {self.profile.name} has none; choose a profile that has one.")
+
+    def stencil_value(self, what, value):
+        if not 0 <= value <= 0xFF:
+            self.refuse(f"{what} is {value}; a stencil value has 8 bits: give 0 to 255.")
+
+    def stencil_test(self, test):
+        self.stencil_buffer("tests the stencil buffer")
+        self.stencil_value("the stencil mask", test.mask)
+        self.stencil_value("the stencil write_mask", test.write_mask)
+        for name in ("fail", "depth_fail", "depth_pass"):
+            operation = getattr(test, name)
+            if operation not in self.profile.stencil_operations:
+                self.refuse(
+                    f"{self.profile.name} has no stencil operation {operation.name} ({name}); it has "
+                    f"{_names(self.profile.stencil_operations)}."
+                )
+
+    def blending(self, blending):
+        profile = self.profile
+        for side, factors in (
+            ("source", profile.blend_factors_source),
+            ("destination", profile.blend_factors_destination),
+        ):
+            factor = getattr(blending, side)
+            if factor not in factors:
+                self.refuse(
+                    f"{profile.name} does not take {factor.name} as its {side} blend factor; it takes "
+                    f"{_names(factors)}."
+                )
+        if blending.equation not in profile.blend_equations:
+            self.refuse(
+                f"{profile.name} has no blend equation {blending.equation.name}; it has "
+                f"{_names(profile.blend_equations)}."
+            )
+
+
+# Source: OpenGL 1.2.1 section 2.10.4 (SPHERE_MAP for s and t); NV_texgen_reflection (the other two, not q).
+_GENERATED_BY = {
+    TexGenMode.SPHERE_MAP: "st",
+    TexGenMode.NORMAL_MAP: "str",
+    TexGenMode.REFLECTION_MAP: "str",
+}
+
+_HANDLERS = {
+    Clear: _Walk.clear,
+    Draw: _Walk.draw,
+    TexImage: _Walk.tex_image,
+    CopyTexImage: _Walk.copy_tex_image,
+    CopyTexSubImage: _Walk.copy_tex_sub_image,
+    ReadPixels: _Walk.read_pixels,
+}
+
+
+def _names(members):
+    return ", ".join(m.name for m in sorted(members)) or "none"
+
+
+def _count(number, noun):
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+def _power_of_two(edge):
+    """The power of two nearest to edge."""
+    above = 1 << (edge - 1).bit_length()
+    return above if above - edge <= edge - above // 2 else above // 2
+
+
+def _check_framebuffer(profile, width, height, depth_bits):
+    for name, edge in (("width", width), ("height", height)):
+        if wrong := _check_int(edge):
+            raise UnsupportedState(f"The framebuffer's {name} {wrong.predicate}.")
+    if width < 1 or height < 1:
+        raise UnsupportedState(f"The framebuffer is {width}x{height}; give at least 1x1.")
+    # Source: OpenGL 1.2.1 section 2.10.1: the largest viewport covers whatever can be displayed.
+    if max(width, height) > profile.max_viewport:
+        raise UnsupportedState(
+            f"The framebuffer is {width}x{height}; {profile.name} draws up to "
+            f"{profile.max_viewport}x{profile.max_viewport}. Draw it in tiles."
+        )
+    if depth_bits not in profile.depth_bits:
+        widths = " or ".join(str(b) for b in profile.depth_bits)
+        raise UnsupportedState(f"A depth buffer of {depth_bits} bits; {profile.name} has {widths}.")
+
+
+def validate(commands, profile, width, height, depth_bits=24, textures=None):
+    """Refuse what the machine could not execute; return None if it can execute everything.
+
+    commands       iterable of commands, in order
+    profile        the machine
+    width, height  of the framebuffer, pixels
+    depth_bits     of the depth buffer
+    textures       {name: Texture} that the machine holds already, or None
+
+    Raises UnsupportedState (a ValueError) whose message names the command, what was given, what the machine
+    allows, and what to do. Meshes and textures are looked at once in their life.
+    """
+    _check_framebuffer(profile, width, height, depth_bits)
+    if type(commands) in _HANDLERS:
+        raise UnsupportedState(
+            f"A frame is a tuple of commands; this is one {type(commands).__name__}. Write (command,)."
+        )
+    walk = _Walk(profile, width, height, textures or {})
+    for name, texture in (textures or {}).items():
+        walk.textures[name] = _known(texture)
+    commands = tuple(commands)
+    for number, command in enumerate(commands):
+        walk.where = f"Command {number}"
+        if type(command) not in _HANDLERS:
+            walk.refuse(
+                f"{_shown(command)} is no command; a frame is made of "
+                f"{', '.join(kind.__name__ for kind in _HANDLERS)}."
+            )
+        if isinstance(command.label, str):
+            walk.where = f'Command {number}, "{command.label}"'
+        walk.command(command)
