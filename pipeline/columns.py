@@ -1,0 +1,86 @@
+"""Arithmetic on vertex columns: one float64 array per component, or one np.float64 where all vertices agree.
+
+Only +, -, *, / and the square root are used, which IEEE 754 makes exact on every machine, each in the order
+that docs/numbers.md section 2 gives. Matrix products of NumPy are never used: they fuse and reorder.
+Python floats stay out of the columns, because they raise where IEEE 754 says infinity.
+"""
+
+import numpy as np
+
+Column = np.ndarray | np.float64
+
+ZERO = np.float64(0.0)
+ONE = np.float64(1.0)
+
+
+def columns_of(array, defaults):
+    """Split float64 [n, c] into len(defaults) columns; a component that the array lacks takes its default."""
+    columns = [np.float64(default) for default in defaults]
+    for component in range(0 if array is None else array.shape[1]):
+        columns[component] = np.ascontiguousarray(array[:, component])
+    return columns
+
+
+def weighted_sum(coefficients, columns):
+    """Sum coefficient * column in order; terms with a coefficient of 0 are left out, no terms give 0."""
+    total = None
+    for coefficient, column in zip(coefficients, columns, strict=True):
+        if coefficient == 0:
+            continue
+        term = column if coefficient == 1 else column * np.float64(coefficient)
+        total = term if total is None else total + term
+    return ZERO if total is None else total
+
+
+def transform(matrix, columns):
+    """Matrix times column vector: one weighted sum for each row."""
+    return [weighted_sum(row, columns) for row in matrix]
+
+
+def dot(a, b):
+    """(a0 b0 + a1 b1) + a2 b2."""
+    return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
+
+
+def length(v):
+    """sqrt((x x + y y) + z z)."""
+    return np.sqrt(dot(v, v))
+
+
+def normalize(v, length_of_v=None):
+    """Divide v by its length; a vector of length 0 stays as it is."""
+    size = length(v) if length_of_v is None else length_of_v
+    divisor = np.where(size == 0, ONE, size)
+    return [component / divisor for component in v]
+
+
+def positive(column):
+    """The larger of the column and 0; a NaN becomes 0."""
+    return np.fmax(column, ZERO)
+
+
+def power(base, exponent):
+    """Raise base >= 0 to a finite exponent >= 0, the same bits on every processor; 0 to the power 0 is 1.
+
+    Write the exponent in binary. The factors base^1, base^2, base^4, ... come from repeated squaring, the
+    factors base^(1/2), base^(1/4), ... from repeated square roots; the result is the product of the factors
+    whose digit is 1, the whole part's from the lowest digit up, then the fraction's from the highest down.
+
+    Up to an exponent of 128 the relative error is below 1e-13 where the result is a normal number: squaring
+    doubles an error and a square root halves it, so all errors add up to some 130 roundings of 2^-53, 2e-14.
+    """
+    result = None
+    factor, whole = base, int(exponent)
+    while whole:
+        if whole & 1:
+            result = factor if result is None else result * factor
+        whole >>= 1
+        if whole:
+            factor = factor * factor
+    factor, fraction = base, exponent - int(exponent)
+    while fraction:
+        factor, fraction = np.sqrt(factor), fraction * 2
+        if fraction >= 1:
+            result = factor if result is None else result * factor
+            fraction -= 1
+    return ONE if result is None else result

@@ -1,0 +1,282 @@
+"""The fixed-function vertex stage (OpenGL 1.2.1, chapter 2): vertex arrays in, window triangles out.
+
+docs/numbers.md sections 1 and 2 fix every operation and its order; this module is that text on columns.
+"""
+
+import numpy as np
+
+from pipeline.assembly import assemble
+from pipeline.clip import clip, clip_planes
+from pipeline.columns import ONE, ZERO, columns_of, dot, length, normalize, positive, transform, weighted_sum
+from pipeline.enums import FogCoordinateSource, TexGenMode, WindowOrigin
+from pipeline.lighting import light_vertices
+from pipeline.primitives import WindowPrimitives
+
+_NORMAL_MODES = frozenset({TexGenMode.SPHERE_MAP, TexGenMode.NORMAL_MAP, TexGenMode.REFLECTION_MAP})
+_REFLECTION_MODES = frozenset({TexGenMode.SPHERE_MAP, TexGenMode.REFLECTION_MAP})
+_FLOAT64_MANTISSA_BITS = 53
+
+
+def process(mesh, state, profile, width, height):
+    """Transform, light, clip, project and snap a mesh.
+
+    Parameters
+    ----------
+    mesh : pipeline.commands.Mesh
+        Object coordinates; checked by ``pipeline.validate``.
+    state : pipeline.state.PassState
+    profile : pipeline.profile.Profile
+        Read are ``subpixel_bits``, ``guard_band``, ``device_origin``, ``color_mantissa_bits``, ``exact``: an
+        exact profile's colours stay float64, neither clamped nor rounded.
+    width, height : int
+        The framebuffer's size in pixels.
+
+    Returns
+    -------
+    pipeline.primitives.WindowPrimitives
+
+    Raises
+    ------
+    ValueError
+        If normals are needed and the modelview matrix has no inverse.
+
+    Notes
+    -----
+    A vertex outside a clipping plane keeps its place in the columns, where no triangle names it.
+    Source: OpenGL 1.2.1 sections 2.6 to 2.13; EXT_texture_cube_map; NV_texgen_reflection; EXT_fog_coord.
+    """
+    # Huge finite input may overflow to infinity and on to NaN. Such a triangle is dropped and counted below,
+    # and colours and integers are made from clamped values only, so no warning is due.
+    with np.errstate(all="ignore"):
+        return _process(mesh, state, profile, width, height)
+
+
+def _process(mesh, state, profile, width, height):
+    vertex = state.vertex
+    position = columns_of(mesh.positions, (0.0, 0.0, 0.0, 1.0))
+    eye = transform(vertex.modelview, position)
+    normal = _eye_normal(mesh, vertex) if needs_normals(state) else None
+    front, back = _vertex_colors(mesh, vertex, eye, normal, profile.exact)
+    two_side = back is not front
+    half_size, center = _viewport(vertex.viewport, width, height)
+
+    columns = [
+        *transform(vertex.projection, eye),
+        *(eye if vertex.clip_planes else ()),
+        *front,
+        *(back if two_side else ()),
+        _fog_coordinate(mesh, state, eye),
+        *_texture_coordinates(mesh, state, position, eye, normal),
+    ]
+    planes = clip_planes(vertex.clip_planes, half_size, center, (width, height), profile.guard_band)
+    triangles = assemble(mesh, state.polygon.provoking_vertex)
+    triangles, columns, origin, dropped = clip(triangles, columns, len(mesh.positions), planes)
+    count = max((len(column) for column in columns if column.ndim), default=len(mesh.positions))
+
+    first_color = 8 if vertex.clip_planes else 4
+    fog = first_color + (14 if two_side else 7)
+    x, y, z, inverse_w = _window_coordinates(columns[:4], vertex.viewport, half_size, center)
+    drawable = (inverse_w > 0) & np.isfinite(inverse_w) & np.isfinite(x) & np.isfinite(y) & np.isfinite(z)
+    if not np.all(drawable):
+        drawable = np.broadcast_to(drawable, count)
+        lost = np.unique(origin[~drawable[triangles[:, :3]].all(axis=1)])
+        triangles = triangles[~np.isin(origin, lost)]
+        dropped += len(lost)
+    if profile.device_origin == WindowOrigin.UPPER_LEFT:
+        y = _snap(height - y, height, profile)
+    else:
+        y = (height << profile.subpixel_bits) - _snap(y, height, profile)
+    bits = profile.color_mantissa_bits if vertex.lighting is None else _FLOAT64_MANTISSA_BITS
+    return WindowPrimitives(
+        x=_filled(count, _snap(x, width, profile), np.int32),
+        y=_filled(count, y, np.int32),
+        z=_filled(count, np.fmin(positive(z), ONE)),
+        inverse_w=_filled(count, np.where(drawable, inverse_w, ONE)),
+        colors=_colors(count, columns[first_color:fog], None if profile.exact else bits),
+        coordinates=_stacked(count, columns[fog + 1 :]),
+        fog=_filled(count, columns[fog]),
+        triangles=triangles,
+        dropped=dropped,
+        two_side=two_side,
+    )
+
+
+def needs_normals(state):
+    """Whether the state reads the vertices' normals: lights, or a texture coordinate generated from them."""
+    lighting = state.vertex.lighting
+    lit = lighting is not None and len(lighting.lights) > 0
+    return lit or not _NORMAL_MODES.isdisjoint(_texgen_modes(state))
+
+
+def invert_upper_left(matrix):
+    """Inverse of the upper left 3x3 of a 4x4 matrix, as 3 rows of np.float64, by cofactors (docs/numbers.md).
+
+    Raises ValueError if there is none: the determinant is zero, or float64 cannot hold it.
+    """
+    m = [[np.float64(matrix[row][column]) for column in range(3)] for row in range(3)]
+    with np.errstate(all="ignore"):
+        cofactor = [
+            [
+                m[(i + 1) % 3][(j + 1) % 3] * m[(i + 2) % 3][(j + 2) % 3]
+                - m[(i + 1) % 3][(j + 2) % 3] * m[(i + 2) % 3][(j + 1) % 3]
+                for j in range(3)
+            ]
+            for i in range(3)
+        ]
+        determinant = (m[0][0] * cofactor[0][0] + m[0][1] * cofactor[0][1]) + m[0][2] * cofactor[0][2]
+        if determinant == 0 or not np.isfinite(determinant):
+            raise ValueError(
+                f"the modelview matrix has no inverse (its upper left 3x3 has the determinant {determinant}) "
+                f"to transform normals for lighting or for the texgen modes SPHERE_MAP, NORMAL_MAP and "
+                f"REFLECTION_MAP: use an invertible matrix, or disable them"
+            )
+        return [[cofactor[i][j] / determinant for i in range(3)] for j in range(3)]
+
+
+def _texgen_modes(state):
+    return {gen.mode for unit in state.texture_units if unit is not None for gen in unit.gen}
+
+
+def _eye_normal(mesh, vertex):
+    """Section 2.10.3."""
+    inverse = invert_upper_left(vertex.modelview)
+    normal = columns_of(mesh.normals, (0.0, 0.0, 1.0))
+    normal = [weighted_sum([inverse[row][j] for row in range(3)], normal) for j in range(3)]
+    if vertex.rescale_normal:
+        factor = ONE / length(inverse[2])
+        normal = [component * factor for component in normal]
+    if vertex.normalize:
+        normal = normalize(normal)
+    return normal
+
+
+def _vertex_colors(mesh, vertex, eye, normal, exact):
+    """Front and back colours, 7 columns each; one list if they are the same.
+
+    They are clamped to [0, 1] (section 2.13.6) unless the machine is exact.
+    """
+    color = columns_of(mesh.colors, (1.0, 1.0, 1.0, 1.0))
+    if vertex.lighting is None:
+        front = back = color + columns_of(mesh.secondary_colors, (0.0, 0.0, 0.0))
+    else:
+        front, back = light_vertices(vertex.lighting, eye, normal, color)
+    if exact:
+        return front, back
+    clamped = [np.fmin(positive(column), ONE) for column in front]
+    return clamped, clamped if back is front else [np.fmin(positive(column), ONE) for column in back]
+
+
+def _texture_coordinates(mesh, state, position, eye, normal):
+    """s, t, r, q of unit 0, then of unit 1, ...; a disabled unit has (0, 0, 0, 1)."""
+    modes = _texgen_modes(state)
+    reflection = _reflection(eye, normal) if not _REFLECTION_MODES.isdisjoint(modes) else None
+    sphere = _sphere_map(reflection) if TexGenMode.SPHERE_MAP in modes else None
+    result = []
+    for unit in state.texture_units:
+        if unit is None:
+            result += [ZERO, ZERO, ZERO, ONE]
+            continue
+        given = unit.coordinates < len(mesh.texture_coordinates)
+        array = mesh.texture_coordinates[unit.coordinates] if given else None
+        coordinates = columns_of(array, (0.0, 0.0, 0.0, 1.0))
+        for axis, gen in enumerate(unit.gen):
+            if gen.mode == TexGenMode.OBJECT_LINEAR:
+                coordinates[axis] = weighted_sum(gen.plane, position)
+            elif gen.mode == TexGenMode.EYE_LINEAR:
+                coordinates[axis] = weighted_sum(gen.plane, eye)
+            elif gen.mode == TexGenMode.SPHERE_MAP:
+                coordinates[axis] = sphere[axis]
+            elif gen.mode == TexGenMode.NORMAL_MAP:
+                coordinates[axis] = normal[axis]
+            elif gen.mode == TexGenMode.REFLECTION_MAP:
+                coordinates[axis] = reflection[axis]
+        result += transform(unit.matrix, coordinates)
+    return result
+
+
+def _reflection(eye, normal):
+    """The reflection vector of section 2.10.4."""
+    u = normalize(eye[:3])
+    twice = dot(normal, u) * np.float64(2.0)
+    return [u[axis] - normal[axis] * twice for axis in range(3)]
+
+
+def _sphere_map(reflection):
+    """S and t of a sphere map; both are 1/2 where m is 0, in the direction that the map does not hold."""
+    m = length([reflection[0], reflection[1], reflection[2] + ONE]) * np.float64(2.0)
+    divisor = np.where(m == 0, ONE, m)
+    return [reflection[axis] / divisor + np.float64(0.5) for axis in range(2)]
+
+
+def _fog_coordinate(mesh, state, eye):
+    if state.fog is None:
+        return ZERO
+    if state.fog.coordinate_source == FogCoordinateSource.FRAGMENT_DEPTH:
+        return np.abs(eye[2])
+    return ZERO if mesh.fog_coordinates is None else mesh.fog_coordinates
+
+
+def _viewport(viewport, width, height):
+    """Half the viewport's size and its middle, (x, y), in window coordinates with y up."""
+    size = (
+        width if viewport.width is None else viewport.width,
+        height if viewport.height is None else viewport.height,
+    )
+    half_size = [np.float64(extent * 0.5) for extent in size]
+    return half_size, [np.float64(viewport.x) + half_size[0], np.float64(viewport.y) + half_size[1]]
+
+
+def _snap(device, extent, profile):
+    """Truncate toward zero to the subpixel grid, after clamping (and a NaN) to the guard band."""
+    low, high = np.float64(-profile.guard_band), np.float64(extent + profile.guard_band)
+    steps = np.float64(1 << profile.subpixel_bits)
+    return np.trunc(np.fmin(np.fmax(device, low), high) * steps)
+
+
+def _window_coordinates(clip_coordinates, viewport, half_size, center):
+    """Section 2.10.1: window x, y (up), z as they come, and 1 / w."""
+    x, y, z, w = clip_coordinates
+    near, far = np.float64(viewport.near), np.float64(viewport.far)
+    return (
+        (x / w) * half_size[0] + center[0],
+        (y / w) * half_size[1] + center[1],
+        (z / w) * ((far - near) * np.float64(0.5)) + (far + near) * np.float64(0.5),
+        ONE / w,
+    )
+
+
+def _colors(count, columns, significant_bits):
+    """Front and back colours [count, 2, 8] of 7 columns (both sides the same) or 14.
+
+    significant_bits: how many bits of a colour's mantissa are kept, the rest truncated, on its way from
+    [0, 1] to a byte (section 2.13.9); None: the colours stay float64.
+    """
+    result = np.zeros((count, 2, 8), dtype=np.float64 if significant_bits is None else np.uint8)
+    for index, column in enumerate(columns):
+        if significant_bits is not None:
+            column = _color_byte(column, significant_bits)
+        result[:, index // 7, index % 7] = column
+    if len(columns) == 7:
+        result[:, 1] = result[:, 0]
+    return result
+
+
+def _color_byte(column, significant_bits):
+    mask = np.int64(-1 << (_FLOAT64_MANTISSA_BITS - significant_bits))
+    kept = (column.view(np.int64) & mask).view(np.float64)
+    return np.floor(kept * np.float64(255.0) + np.float64(0.5))
+
+
+def _filled(count, column, dtype=np.float64):
+    """One C-contiguous array of count elements."""
+    result = np.empty(count, dtype=dtype)
+    result[:] = column
+    return result
+
+
+def _stacked(count, columns):
+    """float64 [count, units, 4] of four columns for each unit."""
+    result = np.empty((count, len(columns) // 4, 4))
+    for index, column in enumerate(columns):
+        result[:, index // 4, index % 4] = column
+    return result
