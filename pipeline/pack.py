@@ -129,6 +129,8 @@ def _registers_read(program):
         for portion in (stage.rgb, stage.alpha):
             if any(r != Register.DISCARD for r in (portion.ab_output, portion.cd_output, portion.sum_output)):
                 inputs += [portion.a, portion.b, portion.c, portion.d]
+            if portion.mux_sum and portion.sum_output != Register.DISCARD:
+                inputs.append(CombinerInput(Register.SPARE0))  # its alpha selects
     final = program.final
     inputs += [final.a, final.b, final.c, final.d, final.g]
     used = {i.register for i in inputs}

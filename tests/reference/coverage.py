@@ -1,0 +1,106 @@
+"""Which pixels a triangle draws: edge functions in exact integers, culling, facing."""
+
+from dataclasses import dataclass
+
+from pipeline.enums import Face, FrontFace
+
+SUBPIXELS = 16  # Measured: 4 fraction bits of window coordinates (TopLeftRaster)
+
+
+@dataclass(frozen=True)
+class Triangle:
+    """A triangle in device coordinates, 1/16 pixel, y down.
+
+    ``vertices``: three (X, Y). ``area``: the signed doubled area. ``edges``: the vertex pair that each edge
+    function n0, n1, n2 belongs to, in the direction that has the interior on its positive side.
+    """
+
+    vertices: tuple
+    area: int
+    edges: tuple
+
+
+def edge_function(a, b, p):
+    """Twice the signed area of (a, b, p), in 1/256 square pixel. Source: OpenGL 1.2.1 section 3.5.1."""
+    return (b[0] - a[0]) * (p[1] - a[1]) - (p[0] - a[0]) * (b[1] - a[1])
+
+
+def make_triangle(v0, v1, v2):
+    """Edges turned so that the inside is positive whatever the winding. Source: docs/numbers.md section 3."""
+    area = edge_function(v0, v1, v2)
+    edges = ((v1, v2), (v2, v0), (v0, v1))
+    if area < 0:
+        edges = tuple((b, a) for a, b in edges)
+    return Triangle((v0, v1, v2), area, edges)
+
+
+def sample_point(px, py):
+    """Where a pixel is sampled: its center. Source: OpenGL 1.2.1 section 3.5.1."""
+    return SUBPIXELS * px + SUBPIXELS // 2, SUBPIXELS * py + SUBPIXELS // 2
+
+
+def edge_values(triangle, px, py):
+    """(n0, n1, n2) of a pixel, inside or not; their sum is the area without its sign.
+
+    Source: OpenGL 1.2.1 section 3.5.1, the numerators of the barycentric coordinates.
+    """
+    p = sample_point(px, py)
+    return tuple(edge_function(a, b, p) for a, b in triangle.edges)
+
+
+def owns_its_points(a, b):
+    """Whether pixels exactly on the edge a to b are inside: left edges go up, top edges go right.
+
+    Measured: TopLeftRaster, 294000 of 294000 pixels.
+    """
+    left = b[1] < a[1]
+    top = b[1] == a[1] and b[0] > a[0]
+    return left or top
+
+
+def covers(triangle, px, py):
+    """Whether the triangle draws the pixel. Measured: TopLeftRaster, 294000 of 294000 pixels."""
+    if triangle.area == 0:
+        return False
+    return all(
+        n > 0 or (n == 0 and owns_its_points(a, b))
+        for n, (a, b) in zip(edge_values(triangle, px, py), triangle.edges, strict=True)
+    )
+
+
+def is_front_facing(triangle, front_face):
+    """With y down a negative area is counter-clockwise seen with y up. Source: OpenGL 1.2.1 section 3.5.1."""
+    counter_clockwise = triangle.area < 0
+    return counter_clockwise == (front_face == FrontFace.CCW)
+
+
+def is_culled(front_facing, cull_face):
+    """Source: OpenGL 1.2.1 section 3.5.1."""
+    if cull_face is None:
+        return False
+    if cull_face == Face.FRONT_AND_BACK:
+        return True
+    return front_facing == (cull_face == Face.FRONT)
+
+
+def scissor_rows_and_columns(scissor, width, height):
+    """(columns, rows) that may be drawn, rows counted from the top; the screen itself is a scissor.
+
+    Source: OpenGL 1.2.1 section 4.1.2; Measured: tex_diff_pers captures (no clipping at the sides).
+    """
+    if scissor is None:
+        return range(width), range(height)
+    left, right = max(0, scissor.x), min(width, scissor.x + scissor.width)
+    bottom, top = max(0, scissor.y), min(height, scissor.y + scissor.height)
+    return range(left, max(left, right)), range(height - top, max(height - top, height - bottom))
+
+
+def fragments(triangle, columns, rows):
+    """The pixels that the triangle draws, row by row from the top. Source: OpenGL 1.2.1 section 3.5.1."""
+    xs, ys = zip(*triangle.vertices, strict=True)
+    for py in range(max(rows.start, min(ys) // SUBPIXELS), min(rows.stop, max(ys) // SUBPIXELS + 1)):
+        for px in range(
+            max(columns.start, min(xs) // SUBPIXELS), min(columns.stop, max(xs) // SUBPIXELS + 1)
+        ):
+            if covers(triangle, px, py):
+                yield px, py

@@ -1,0 +1,79 @@
+"""What a fragment takes from its triangle's vertices: 8-bit weights for colors, float64 for the rest."""
+
+import math
+from dataclasses import dataclass
+
+from tests.reference import fixed
+
+WEIGHT_BITS = 24  # Measured: significant bits of the weights (Depth_buffer, Line_width)
+
+
+@dataclass(frozen=True)
+class Weights:
+    """One fragment's weights.
+
+    ``b0``, ``b2``: float64 barycentric coordinates. ``color``: three integers that sum to 256.
+    ``residual``: the vertex whose weight is one minus the others'.
+    """
+
+    b0: float
+    b2: float
+    color: tuple
+    residual: int
+
+
+def perspective_terms(n, inverse_w):
+    """Edge values times 1/w, or alone where the three 1/w are equal. Source: OpenGL 1.2.1 equation 3.4."""
+    if inverse_w[0] == inverse_w[1] == inverse_w[2]:
+        return tuple(float(n_i) * 1.0 for n_i in n)
+    return tuple(float(n_i) * w for n_i, w in zip(n, inverse_w, strict=True))
+
+
+def denominator(e):
+    """Source: OpenGL 1.2.1 equation 3.4."""
+    return (e[0] + e[1]) + e[2]
+
+
+def residual_vertex(q):
+    """The vertex of the highest class, where class counts the reached ones of 1/4 and 1/2.
+
+    Measured: exact ties of the weights (30105600 pixels in 196 captures).
+    """
+    classes = [(q_i >= 0.5) + (q_i >= 0.25) for q_i in q]
+    highest = tuple(i for i in range(3) if classes[i] == max(classes))
+    return {(0, 1): 0, (0, 2): 2, (1, 2): 1, (0, 1, 2): 2}.get(highest, highest[0])
+
+
+def color_weights(e, inverse):
+    """Three integers that sum to 256, and the vertex of section 4's rule.
+
+    Measured: 153600 of 153600 and 28618 of 28618 pixels; in perspective at most 3 in 200120 are open.
+    """
+    low_inverse = fixed.largest_below(inverse, WEIGHT_BITS)
+    q = [fixed.keep_significant_bits(e_i * low_inverse, WEIGHT_BITS) for e_i in e]
+    residual = residual_vertex(q)
+    if residual == 0:
+        q[0] = (1.0 - q[1]) - q[2]
+    elif residual == 2:
+        q[2] = (1.0 - q[0]) - q[1]
+    w0, w2 = math.floor(256.0 * q[0]), math.floor(256.0 * q[2])
+    return (w0, 256 - w0 - w2, w2), residual
+
+
+def weights(n, inverse_w):
+    """All weights of a pixel from its edge values. Source: docs/numbers.md section 4."""
+    e = perspective_terms(n, inverse_w)
+    d = denominator(e)
+    inverse = 1.0 / d
+    color, residual = color_weights(e, inverse)
+    return Weights(e[0] * inverse, e[2] * inverse, color, residual)
+
+
+def iterate_color_channel(w, c):
+    """A byte from three vertex bytes. Measured: 153600 of 153600 pixels."""
+    return (w[0] * c[0] + w[1] * c[1] + w[2] * c[2] + 128) >> 8
+
+
+def iterate(v, b0, b2):
+    """Any other value from three vertices. Source: OpenGL 1.2.1 equation 3.4, in docs/numbers.md's order."""
+    return (v[1] + b0 * (v[0] - v[1])) + b2 * (v[2] - v[1])

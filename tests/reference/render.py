@@ -1,0 +1,128 @@
+"""A draw call, whole: triangles to pixels, one fragment at a time, in draw order."""
+
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+
+from pipeline.enums import ShadeModel
+from tests.reference import combine, coverage, depth, fixed, fog, interpolate, per_fragment, sample
+
+
+@dataclass
+class Target:
+    """A framebuffer as nested lists, top row first: RGBA bytes, depth units, stencil."""
+
+    width: int
+    height: int
+    depth_bits: int
+    color: list = field(default_factory=list)
+    depth: list = field(default_factory=list)
+    stencil: list = field(default_factory=list)
+
+    def __post_init__(self):
+        """Zero color, the farthest depth, stencil zero. Assumed: OpenGL leaves a new buffer undefined."""
+        if not self.color:
+            self.color = [[[0, 0, 0, 0] for _ in range(self.width)] for _ in range(self.height)]
+            self.depth = [[depth.full_scale(self.depth_bits)] * self.width for _ in range(self.height)]
+            self.stencil = [[0] * self.width for _ in range(self.height)]
+
+
+def plain(columns):
+    """An array or nested sequence as lists of Python numbers. Assumed: nothing, the container changes."""
+    return columns.tolist() if hasattr(columns, "tolist") else columns
+
+
+def plain_texture(texture):
+    """A texture whose levels are nested lists. Assumed: nothing, only the container changes."""
+    return SimpleNamespace(
+        target=texture.target,
+        internal_format=texture.internal_format,
+        levels=[plain(level) for level in texture.levels],
+    )
+
+
+def vertex_colors(primitives, vertices, provoking, back, polygon):
+    """Three vertices' eight color bytes. Source: OpenGL 1.2.1 sections 2.13.1 (two sides), 2.13.7 (flat)."""
+    side = 1 if back and primitives.two_side else 0
+    if polygon.shade_model == ShadeModel.FLAT:
+        vertices = [provoking] * 3
+    return [primitives.colors[v][side] for v in vertices]
+
+
+def shade(primary, secondary, fog_coordinate, texels, state, profile):
+    """A fragment's color after texturing: the register combiners, or color sum and fog.
+
+    Source: NV_register_combiners section 3.8.12; OpenGL 1.2.1 sections 3.9, 3.10.
+    """
+    fog_color = fixed.color_to_bytes(state.fog.color) if state.fog else [0, 0, 0, 0]
+    factor = fog.fog_factor(fog_coordinate, state.fog) if state.fog else 255
+    if state.register_combiners is not None:
+        registers = combine.initial_registers(primary, secondary, texels, [*fog_color[:3], factor])
+        return combine.combine(state.register_combiners, registers, profile)
+    color = list(primary)
+    lighting = state.vertex.lighting
+    if state.color_sum or (lighting is not None and lighting.separate_specular_color):
+        color = fog.add_secondary(color, secondary)
+    return fog.blend_with_fog(color, fog_color, factor) if state.fog else color
+
+
+def draw_triangle(target, primitives, corners, state, textures, profile):
+    """One triangle. ``corners``: three vertices and the provoking one. Source: OpenGL 1.2.1 chapters 3, 4."""
+    *vertices, provoking = corners
+    triangle = coverage.make_triangle(*((primitives.x[v], primitives.y[v]) for v in vertices))
+    if triangle.area == 0:
+        return
+    front = coverage.is_front_facing(triangle, state.polygon.front_face)
+    if coverage.is_culled(front, state.polygon.cull_face):
+        return
+    window_z = [primitives.z[v] for v in vertices]
+    inverse_w = tuple(primitives.inverse_w[v] for v in vertices)
+    colors = vertex_colors(primitives, vertices, provoking, not front, state.polygon)
+    units = [
+        sample.TexturedTriangle(triangle, inverse_w, tuple(primitives.coordinates[v][i] for v in vertices))
+        for i in range(len(state.texture_units))
+    ]
+    offset = 0
+    if state.polygon.offset_fill:
+        offset = depth.polygon_offset(
+            triangle.vertices,
+            triangle.area,
+            window_z,
+            target.depth_bits,
+            state.polygon.offset_factor,
+            state.polygon.offset_units,
+        )
+    columns, rows = coverage.scissor_rows_and_columns(state.scissor, target.width, target.height)
+    for px, py in coverage.fragments(triangle, columns, rows):
+        n = coverage.edge_values(triangle, px, py)
+        weights = interpolate.weights(n, inverse_w)
+        color = [interpolate.iterate_color_channel(weights.color, [c[k] for c in colors]) for k in range(8)]
+        texels = [
+            [0, 0, 0, 255]
+            if unit is None
+            else sample.sample_texture(
+                units[i], px, py, weights, textures[unit.texture], unit.sampler, unit.lod_bias, profile
+            )
+            for i, unit in enumerate(state.texture_units)
+        ]
+        fog_coordinate = interpolate.iterate([primitives.fog[v] for v in vertices], weights.b0, weights.b2)
+        shaded = shade(color[:4], color[4:7], fog_coordinate, texels, state, profile)
+        z = depth.fragment_depth(n, abs(triangle.area), window_z, target.depth_bits, offset)
+        per_fragment.write_fragment(target, px, py, shaded, z, state)
+
+
+def draw(target, primitives, state, textures, profile):
+    """Draw window primitives into the target, in order. ``textures``: name to texture, for the enabled units.
+
+    Source: OpenGL 1.2.1 section 2.1 (fragments of a primitive are drawn before the next primitive's).
+    """
+    columns = SimpleNamespace(
+        two_side=primitives.two_side,
+        **{
+            name: plain(getattr(primitives, name))
+            for name in ("x", "y", "z", "inverse_w", "colors", "coordinates", "fog", "triangles")
+        },
+    )
+    names = {unit.texture for unit in state.texture_units if unit is not None}
+    used = {name: plain_texture(textures[name]) for name in names}
+    for corners in columns.triangles:
+        draw_triangle(target, columns, corners, state, used, profile)

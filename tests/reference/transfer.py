@@ -1,0 +1,61 @@
+"""Whole rectangles: Clear, copies into textures, ReadPixels. Rectangles count rows from the bottom."""
+
+from tests.reference import coverage, fixed, per_fragment, texel_formats
+from tests.reference.depth import depth_to_units
+
+
+def clear(target, command):
+    """Source: OpenGL 1.2.1 section 4.2.3, through scissor and masks."""
+    columns, rows = coverage.scissor_rows_and_columns(command.scissor, target.width, target.height)
+    for py in rows:
+        for px in columns:
+            if command.color is not None:
+                color, stored = fixed.color_to_bytes(command.color), target.color[py][px]
+                target.color[py][px] = per_fragment.masked_color(color, stored, command.color_mask)
+            if command.depth is not None:
+                target.depth[py][px] = depth_to_units(command.depth, target.depth_bits)
+            if command.stencil is not None:
+                target.stencil[py][px] = per_fragment.write_stencil(
+                    target.stencil[py][px], command.stencil, command.stencil_write_mask
+                )
+
+
+def rectangle(rows, x, y, width, height):
+    """A part of a buffer, bottom row first. Source: OpenGL 1.2.1 section 4.3.2 (order of pixels)."""
+    total = len(rows)
+    return [[rows[total - 1 - j][i] for i in range(x, x + width)] for j in range(y, y + height)]
+
+
+def copy_texels(target, internal_format, x, y, width, height):
+    """Register bytes of the texels that CopyTexImage or CopyTexSubImage defines, bottom row first.
+
+    Source: OpenGL 1.2.1 section 3.8.2; the conversion is TexImage2D's.
+    """
+    pixels = rectangle(target.color, x, y, width, height)
+    return [[texel_formats.store_texel(pixel, internal_format) for pixel in row] for row in pixels]
+
+
+def convert_pixel(rgba, pixel_format):
+    """Source: OpenGL 1.2.1 section 4.3.2 (conversion to L is R + G + B, clamped)."""
+    red, green, blue, alpha = rgba
+    luminance = min(255, red + green + blue)
+    return {
+        "RGBA": [red, green, blue, alpha],
+        "RGB": [red, green, blue],
+        "RED": red,
+        "GREEN": green,
+        "BLUE": blue,
+        "ALPHA": alpha,
+        "LUMINANCE": luminance,
+        "LUMINANCE_ALPHA": [luminance, alpha],
+    }[pixel_format]
+
+
+def read_pixels(target, pixel_format, x, y, width, height):
+    """Source: OpenGL 1.2.1 section 4.3.2; depth in the buffer's own units."""
+    if pixel_format == "DEPTH_COMPONENT":
+        return rectangle(target.depth, x, y, width, height)
+    if pixel_format == "STENCIL_INDEX":
+        return rectangle(target.stencil, x, y, width, height)
+    pixels = rectangle(target.color, x, y, width, height)
+    return [[convert_pixel(pixel, pixel_format) for pixel in row] for row in pixels]

@@ -1,0 +1,63 @@
+"""Run a frame's commands through the executable specification, with the pipeline's vertex stage before it."""
+
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+
+from pipeline import vertex
+from pipeline.commands import Clear, CopyTexImage, CopyTexSubImage, Draw, ReadPixels, TexImage
+from pipeline.enums import TextureTarget
+from tests.reference import render, transfer
+
+
+@dataclass
+class ReferenceFrame:
+    """What the commands gave: a render.Target, textures as nested lists, what ReadPixels read."""
+
+    target: render.Target
+    textures: dict = field(default_factory=dict)
+    pixels: dict = field(default_factory=dict)
+
+
+def run_reference(commands, profile, width, height, depth_bits):
+    """Every command in order; returns a ReferenceFrame."""
+    frame = ReferenceFrame(render.Target(width, height, depth_bits))
+    for command in commands:
+        _run(frame, command, profile)
+    return frame
+
+
+def _size(frame, command):
+    """A rectangle's width and height; None takes what is left of the framebuffer."""
+    width = frame.target.width - command.x if command.width is None else command.width
+    height = frame.target.height - command.y if command.height is None else command.height
+    return width, height
+
+
+def _run(frame, command, profile):
+    target, textures = frame.target, frame.textures
+    match command:
+        case Clear():
+            transfer.clear(target, command)
+        case TexImage():
+            textures[command.texture] = render.plain_texture(command.image)
+        case Draw():
+            primitives = vertex.process(command.mesh, command.state, profile, target.width, target.height)
+            render.draw(target, primitives, command.state, textures, profile)
+        case CopyTexImage():
+            size = _size(frame, command)
+            texels = transfer.copy_texels(target, command.internal_format, command.x, command.y, *size)
+            textures[command.texture] = SimpleNamespace(
+                target=TextureTarget.TEXTURE_2D, internal_format=command.internal_format, levels=[[texels]]
+            )
+        case CopyTexSubImage():
+            texture = textures[command.texture]
+            size = (command.width, command.height)
+            texels = transfer.copy_texels(target, texture.internal_format, command.x, command.y, *size)
+            rows = texture.levels[command.level][command.face]
+            for j, row in enumerate(texels):
+                rows[command.y_offset + j][command.x_offset : command.x_offset + command.width] = row
+        case ReadPixels():
+            size = _size(frame, command)
+            frame.pixels[command.name] = transfer.read_pixels(
+                target, command.format, command.x, command.y, *size
+            )

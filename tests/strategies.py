@@ -1,0 +1,392 @@
+"""Hypothesis strategies of whole frames that a GeForce 256 can draw: states, textures, meshes.
+
+Structure is drawn by Hypothesis, so that it shrinks; bulk data (texels, vertices) comes from a drawn seed.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from hypothesis import strategies as st
+
+from pipeline.commands import Clear, CopyTexImage, CopyTexSubImage, Draw, Mesh, ReadPixels, TexImage
+from pipeline.enums import (
+    BlendEquation,
+    ComparisonFunction,
+    Face,
+    FogCoordinateSource,
+    FogMode,
+    FrontFace,
+    InternalFormat,
+    LogicOperation,
+    PrimitiveType,
+    ProvokingVertex,
+    ShadeModel,
+    StencilOperation,
+    TextureFilter,
+    TextureTarget,
+    WrapMode,
+)
+from pipeline.profiles import GEFORCE_256
+from pipeline.state import (
+    IDENTITY,
+    AlphaTest,
+    Blending,
+    ColorMask,
+    DepthTest,
+    Fog,
+    Light,
+    Lighting,
+    PassState,
+    PolygonState,
+    Sampler,
+    Scissor,
+    StencilTest,
+    TextureUnit,
+    VertexState,
+    Viewport,
+)
+from pipeline.textures import texture_1d, texture_2d, texture_cube_map
+from tests.combiner_strategies import colors, register_combiners
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+def maybe(strategy):
+    """None half of the time."""
+    return st.none() | strategy
+
+
+# --------------------------------------------------------------------------------------------------- textures
+
+
+@dataclass(frozen=True)
+class NamedTexture:
+    """A texture object with its name."""
+
+    name: str
+    image: object
+
+
+def _noise(seed, shape):
+    """Random bytes in which 0 and 255 are frequent."""
+    random = np.random.default_rng(seed)
+    image = random.integers(0, 256, shape)
+    extreme = random.random(shape) < 0.25
+    return np.where(extreme, random.choice([0, 255], shape), image).astype(np.uint8)
+
+
+@st.composite
+def textures(draw, name):
+    """Small textures of every target and internal format, with or without mipmaps."""
+    target = draw(st.sampled_from(TextureTarget))
+    internal_format = draw(st.sampled_from(InternalFormat))
+    seed, mipmaps = draw(seeds), draw(st.sampled_from((True, True, False)))
+    width, height = (1 << draw(st.integers(0, 3)) for _ in range(2))
+    if target is TextureTarget.TEXTURE_1D:
+        image = texture_1d(_noise(seed, (width, 4)), internal_format, mipmaps=mipmaps)
+    elif target is TextureTarget.TEXTURE_2D:
+        image = texture_2d(_noise(seed, (height, width, 4)), internal_format, mipmaps=mipmaps)
+    else:
+        image = texture_cube_map(_noise(seed, (6, width, width, 4)), internal_format, mipmaps=mipmaps)
+    return NamedTexture(name, image)
+
+
+_UNMIPMAPPED = (TextureFilter.NEAREST, TextureFilter.LINEAR)
+
+
+@st.composite
+def texture_units(draw, texture):
+    """A unit that reads the texture with any filter, wrap mode, bias and border color it may have."""
+    image = texture.image
+    complete = len(image.levels) == max(image.width, image.height).bit_length()
+    sampler = Sampler(
+        min_filter=draw(st.sampled_from(TextureFilter if complete else _UNMIPMAPPED)),
+        mag_filter=draw(st.sampled_from(_UNMIPMAPPED)),
+        wrap_s=draw(st.sampled_from(WrapMode)),
+        wrap_t=draw(st.sampled_from(WrapMode)),
+        border_color=draw(colors),
+    )
+    scale = draw(st.sampled_from((1.0, 1.0, 0.25, 7.0)))
+    matrix = tuple(tuple(scale * v for v in row) if i < 2 else row for i, row in enumerate(IDENTITY))
+    bias = draw(st.just(0.0) | st.floats(-GEFORCE_256.max_lod_bias, GEFORCE_256.max_lod_bias))
+    return TextureUnit(
+        texture.name, sampler, lod_bias=bias, coordinates=draw(st.integers(0, 1)), matrix=matrix
+    )
+
+
+# ----------------------------------------------------------------------------------------------------- states
+
+_factors_source = st.sampled_from(sorted(GEFORCE_256.blend_factors_source))
+_factors_destination = st.sampled_from(sorted(GEFORCE_256.blend_factors_destination))
+_bytes = st.integers(0, 255)
+_functions = st.sampled_from(ComparisonFunction)
+_operations = st.sampled_from(StencilOperation)
+
+alpha_tests = st.builds(AlphaTest, _functions, _bytes.map(lambda b: b / 255.0) | st.floats(-0.5, 1.5))
+stencil_tests = st.builds(
+    StencilTest,
+    function=_functions,
+    reference=st.integers(-5, 300),
+    mask=st.just(255) | _bytes,
+    fail=_operations,
+    depth_fail=_operations,
+    depth_pass=_operations,
+    write_mask=st.just(255) | _bytes,
+)
+depth_tests = st.builds(DepthTest, _functions, st.booleans())
+blendings = st.builds(
+    Blending,
+    source=_factors_source,
+    destination=_factors_destination,
+    equation=st.sampled_from(BlendEquation),
+    color=colors,
+)
+color_masks = st.just(ColorMask()) | st.builds(
+    ColorMask, st.booleans(), st.booleans(), st.booleans(), st.booleans()
+)
+polygons = st.builds(
+    PolygonState,
+    cull_face=st.sampled_from((None, None, None, None, None, *Face)),
+    front_face=st.sampled_from(FrontFace),
+    offset_fill=st.booleans(),
+    offset_factor=st.floats(-4.0, 4.0),
+    offset_units=st.sampled_from((0.0, 1.0, -3.5, 1e9, -1e12)) | st.floats(-1e4, 1e4),
+    shade_model=st.sampled_from(ShadeModel),
+    provoking_vertex=st.sampled_from(ProvokingVertex),
+)
+_distances = st.sampled_from((0.0, 1.0, 2.0, -1.0)) | st.floats(-4.0, 4.0)
+fogs = st.builds(
+    Fog,
+    mode=st.sampled_from(FogMode),
+    density=st.sampled_from((0.0, 1.0)) | st.floats(0.0, 5.0),
+    start=_distances,
+    end=_distances,
+    color=colors,
+    coordinate_source=st.sampled_from(FogCoordinateSource),
+).filter(lambda fog: fog.start != fog.end)
+lightings = st.builds(
+    Lighting,
+    lights=st.just((Light(position=(0.3, 0.2, 1.0, 0.0)),)),
+    model_ambient=colors,
+    two_side=st.booleans(),
+    separate_specular_color=st.booleans(),
+)
+
+
+def scissors(width, height):
+    """Boxes that may reach over the screen's border, or miss it."""
+    return st.builds(
+        Scissor,
+        st.integers(-3, width),
+        st.integers(-3, height),
+        st.just(width) | st.integers(0, width + 5),
+        st.just(height) | st.integers(0, height + 5),
+    )
+
+
+def viewports(width, height):
+    """The whole framebuffer, or another rectangle, also with another depth range."""
+    whole = st.just(Viewport())
+    return (
+        whole
+        | whole
+        | st.builds(
+            Viewport,
+            st.integers(-5, 5),
+            st.integers(-5, 5),
+            st.integers(1, 2 * width),
+            st.integers(1, 2 * height),
+            st.floats(0.0, 1.0),
+            st.floats(0.0, 1.0),
+        )
+    )
+
+
+@st.composite
+def pass_states(draw, width, height, available, max_stages=2, per_stage_constants=False):
+    """Whole pass states; ``available`` are the textures that the units may read."""
+    vertex = VertexState(
+        viewport=draw(viewports(width, height)), lighting=draw(st.none() | st.none() | lightings)
+    )
+    combiners = None
+    if draw(st.integers(0, 7)) > 0:  # without them there are no textures: keep that rare
+        combiners = draw(register_combiners(max_stages, 2, per_stage_constants))
+    units = ()
+    if combiners is not None:
+        units = tuple(draw(st.none() | texture_units(draw(st.sampled_from(available)))) for _ in range(2))
+    return PassState(
+        vertex=vertex,
+        polygon=draw(polygons),
+        texture_units=units,
+        register_combiners=combiners,
+        color_sum=draw(st.booleans()),
+        fog=draw(maybe(fogs)),
+        scissor=draw(st.none() | st.none() | st.none() | scissors(width, height)),
+        alpha_test=draw(st.none() | st.none() | alpha_tests),
+        stencil_test=draw(maybe(stencil_tests)),
+        depth_test=draw(maybe(depth_tests)),
+        blending=draw(maybe(blendings)),
+        logic_op=draw(st.none() | st.none() | st.sampled_from(LogicOperation)),
+        color_mask=draw(color_masks),
+    )
+
+
+# ----------------------------------------------------------------------------------------------------- meshes
+
+
+def _positions(random, kind, count, width, height):
+    """Clip coordinates [count, 4] on and around the screen, far outside it, behind the eye."""
+    pixels = random.uniform(-0.5, 1.5, (count, 2)) * (width, height)
+    if kind == "grid":
+        pixels = np.round(pixels * 2.0) / 2.0
+    elif kind == "huge":
+        pixels = random.uniform(-1.0, 1.0, (count, 2)) * random.choice([20.0, 500.0, 30000.0], (count, 1))
+    elif kind == "degenerate":
+        pixels[:, 1] = pixels[:, 0] * height / width
+    w = np.ones(count)
+    if kind in ("perspective", "near"):
+        w = np.exp(random.uniform(-2.0, 2.0, count))
+    z = random.uniform(-1.0, 1.0, count)
+    if kind == "near":
+        z = random.uniform(-1.6, 1.6, count)
+        w = np.where(random.random(count) < 0.3, -w, w)
+    if kind == "grid":
+        z = np.round(z * 4.0) / 4.0
+    x, y = (2.0 * pixels / (width, height) - 1.0).T
+    return np.stack([x * w, y * w, z * w, w], -1)
+
+
+def _texture_coordinates(random, kind, count):
+    """(s, t, r, q): near the texture, repeated many times, on texel boundaries; q other than one for some."""
+    coordinates = random.uniform(-1.5, 1.5, (count, 4))
+    if kind == "large":
+        coordinates *= 40.0
+    elif kind == "grid":
+        coordinates = np.round(coordinates * 8.0) / 8.0
+    elif kind == "constant":
+        coordinates[:] = coordinates[:1]
+    if kind != "projective":
+        coordinates[:, 3] = 1.0
+    return coordinates
+
+
+@st.composite
+def meshes(draw, width, height):
+    """Triangles that share edges and vertices, on and across the screen's border and the near plane."""
+    kind = draw(
+        st.sampled_from(("any", "grid", "perspective", "near", "any", "perspective", "huge", "degenerate"))
+    )
+    coordinate_kinds = st.sampled_from(("any", "large", "grid", "constant", "projective"))
+    random = np.random.default_rng(draw(seeds))
+    primitive = draw(st.sampled_from(PrimitiveType))
+    count, indexed = draw(st.integers(3, 9)), draw(st.booleans())
+    colors = (
+        random.choice([0.0, 0.25, 0.5, 1.0], (count, 4)) if draw(st.booleans()) else random.random((count, 4))
+    )
+    if draw(st.integers(0, 3)) == 0:
+        colors[:] = colors[:1]
+    normals = random.uniform(-1.0, 1.0, (count, 3))
+    positions = _positions(random, kind, count, width, height)
+    if draw(st.sampled_from((True, True, False))):  # the first triangle covers most of the screen
+        corners = np.array([[-1.0, -1.0], [3.0, -1.0], [-1.0, 3.0]])[random.permutation(3)]
+        positions[:3, :2] = (corners + random.uniform(-0.2, 0.2, (3, 2))) * positions[:3, 3:]
+    return Mesh(
+        positions,
+        primitive,
+        indices=np.append([0, 1, 2], random.integers(0, count, draw(st.integers(0, 9)))) if indexed else None,
+        colors=colors,
+        secondary_colors=random.random((count, 3)),
+        normals=normals,
+        texture_coordinates=tuple(
+            _texture_coordinates(random, draw(coordinate_kinds), count) for _ in range(2)
+        ),
+        fog_coordinates=random.uniform(-2.0, 4.0, count),
+    )
+
+
+# ----------------------------------------------------------------------------------------------------- frames
+
+
+def _clears(width, height):
+    return st.builds(
+        Clear,
+        label=st.just("clear"),
+        color=maybe(colors),
+        depth=maybe(st.floats(0.0, 1.0)),
+        stencil=maybe(_bytes),
+        scissor=st.none() | st.none() | scissors(width, height),
+        color_mask=color_masks,
+        stencil_write_mask=st.just(255) | _bytes,
+    )
+
+
+@st.composite
+def _copies(draw, width, height):
+    """CopyTexImage of a rectangle with edges that are powers of two."""
+    w, h = (1 << draw(st.integers(0, 2)) for _ in range(2))
+    x, y = draw(st.integers(0, width - w)), draw(st.integers(0, height - h))
+    internal_format = draw(st.sampled_from(InternalFormat))
+    return CopyTexImage(
+        label="copy", texture="copied", internal_format=internal_format, x=x, y=y, width=w, height=h
+    )
+
+
+@st.composite
+def _replacements(draw, width, height, texture):
+    """CopyTexSubImage of a rectangle inside any level and face of a texture."""
+    level = draw(st.integers(0, len(texture.image.levels) - 1))
+    faces, rows, columns = texture.image.levels[level].shape[:3]
+    w, h = draw(st.integers(0, min(columns, width))), draw(st.integers(0, min(rows, height)))
+    return CopyTexSubImage(
+        label="replace",
+        texture=texture.name,
+        x_offset=draw(st.integers(0, columns - w)),
+        y_offset=draw(st.integers(0, rows - h)),
+        x=draw(st.integers(0, width - w)),
+        y=draw(st.integers(0, height - h)),
+        width=w,
+        height=h,
+        level=level,
+        face=draw(st.integers(0, faces - 1)),
+    )
+
+
+_COLOR_FORMATS = ("RGBA", "RGB", "RED", "GREEN", "BLUE", "ALPHA", "LUMINANCE", "LUMINANCE_ALPHA")
+_READ_FORMATS = (*_COLOR_FORMATS, "DEPTH_COMPONENT", "STENCIL_INDEX")
+
+
+@st.composite
+def _reads(draw, width, height):
+    x, y = draw(st.integers(0, width - 1)), draw(st.integers(0, height - 1))
+    return ReadPixels(
+        label="read",
+        name="read",
+        format=draw(st.sampled_from(_READ_FORMATS)),
+        x=x,
+        y=y,
+        width=draw(st.integers(0, width - x)),
+        height=draw(st.integers(0, height - y)),
+    )
+
+
+@st.composite
+def frames(draw, width, height, max_stages=2, per_stage_constants=False):
+    """Two textures, Clear, a Draw, copies into textures, a second Draw over the first, ReadPixels."""
+    first, second = draw(textures("first")), draw(textures("second"))
+    available = [first, second]
+
+    def one_draw(label):
+        state = draw(pass_states(width, height, available, max_stages, per_stage_constants))
+        return Draw(label=label, mesh=draw(meshes(width, height)), state=state)
+
+    commands = [TexImage(label=t.name, texture=t.name, image=t.image) for t in available]
+    commands += [draw(_clears(width, height)), one_draw("first draw")]
+    if draw(st.booleans()):
+        copy = draw(_copies(width, height))
+        commands.append(copy)
+        shape = (copy.height, copy.width, 4)
+        available.append(NamedTexture("copied", texture_2d(np.zeros(shape, np.uint8), copy.internal_format)))
+    if second.image.target is not TextureTarget.TEXTURE_1D and draw(st.booleans()):
+        commands.append(draw(_replacements(width, height, second)))
+    commands += [one_draw("second draw"), draw(_reads(width, height))]
+    return tuple(commands)

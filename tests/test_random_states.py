@@ -1,0 +1,131 @@
+"""Whole random frames: the machine equals the executable specification, whatever its batches and threads."""
+
+import hashlib
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pipeline.commands import Draw, Mesh, TexImage
+from pipeline.enums import (
+    ComponentUsage,
+    MagnificationThreshold,
+    Mapping,
+    ProductRounding,
+    Register,
+    TextureFilter,
+)
+from pipeline.execute import execute
+from pipeline.profiles import GEFORCE_256
+from pipeline.state import (
+    CombinerInput,
+    FinalCombiner,
+    GeneralCombiner,
+    PassState,
+    RegisterCombiners,
+    RGBPortion,
+    Sampler,
+    TextureUnit,
+)
+from pipeline.textures import texture_2d
+from tests.run_reference import run_reference
+from tests.strategies import frames
+
+WIDTH, HEIGHT = 12, 10
+
+# A machine that no one built: every arithmetic field that a profile has, with eight general combiners.
+machines = st.builds(
+    lambda **fields: replace(GEFORCE_256, max_general_combiners=8, per_stage_constants=True, **fields),
+    expand_half=st.sampled_from((128, 127.5)),
+    product_rounding=st.sampled_from(ProductRounding),
+    round_before_scale=st.booleans(),
+    clamp_low=st.sampled_from((-256, -255)),
+    magnification_threshold=st.sampled_from(MagnificationThreshold),
+)
+
+
+def assert_equal_to_reference(commands, profile, depth_bits, batch):
+    result = execute(commands, profile, WIDTH, HEIGHT, depth_bits=depth_bits, threads=1, batch=batch)
+    expected = run_reference(commands, profile, WIDTH, HEIGHT, depth_bits)
+    for name in ("stencil", "depth", "color"):
+        np.testing.assert_array_equal(
+            getattr(result.framebuffer, name), np.array(getattr(expected.target, name)), err_msg=name
+        )
+    for name, texture in expected.textures.items():
+        for level, texels in zip(result.textures[name].levels, texture.levels, strict=True):
+            np.testing.assert_array_equal(level, np.array(texels), err_msg=name)
+    for name, pixels in expected.pixels.items():
+        got = result.pixels[name]
+        np.testing.assert_array_equal(got, np.array(pixels).reshape(got.shape), err_msg=name)
+
+
+batches = st.sampled_from((16, 17, 64, 256))
+depths = st.sampled_from(GEFORCE_256.depth_bits)
+
+
+@settings(max_examples=250)
+@given(frames(WIDTH, HEIGHT), depths, batches)
+def test_the_machine_equals_the_specification(commands, depth_bits, batch):
+    assert_equal_to_reference(commands, GEFORCE_256, depth_bits, batch)
+
+
+@settings(max_examples=100)
+@given(frames(WIDTH, HEIGHT, 8, True), machines, depths, batches)
+def test_other_machines_equal_the_specification(commands, profile, depth_bits, batch):
+    assert_equal_to_reference(commands, profile, depth_bits, batch)
+
+
+@pytest.mark.slow
+@settings(max_examples=3000)
+@given(frames(WIDTH, HEIGHT), depths, batches)
+def test_thousands_of_states_equal_the_specification(commands, depth_bits, batch):
+    assert_equal_to_reference(commands, GEFORCE_256, depth_bits, batch)
+
+
+@pytest.mark.slow
+@settings(max_examples=1000)
+@given(frames(WIDTH, HEIGHT, 8, True), machines, depths, batches)
+def test_thousands_of_other_machines_equal_the_specification(commands, profile, depth_bits, batch):
+    assert_equal_to_reference(commands, profile, depth_bits, batch)
+
+
+def test_the_mux_reads_texture_0_though_no_input_names_it():
+    one = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT)
+    mux = RGBPortion(
+        b=one, c=CombinerInput(Register.CONSTANT_COLOR0), d=one, sum_output=Register.SPARE1, mux_sum=True
+    )
+    final = FinalCombiner(
+        a=CombinerInput(),
+        b=CombinerInput(),
+        c=CombinerInput(Register.SPARE1),
+        g=CombinerInput(Register.PRIMARY_COLOR, usage=ComponentUsage.ALPHA),
+    )
+    combiners = RegisterCombiners((GeneralCombiner(mux),), final, constant_color0=(0.0, 1.0, 0.0, 0.0))
+    nearest = Sampler(TextureFilter.NEAREST, TextureFilter.NEAREST)
+    state = PassState(texture_units=(TextureUnit("mask", nearest),), register_combiners=combiners)
+    corners = np.array([[-1.0, -1.0], [3.0, -1.0], [-1.0, 3.0]])
+    mask = texture_2d(np.array([[[9, 9, 9, 0], [9, 9, 9, 255]]], np.uint8))
+    commands = (
+        TexImage(label="mask", texture="mask", image=mask),
+        Draw(label="select", mesh=Mesh(corners, texture_coordinates=(corners,)), state=state),
+    )
+    assert_equal_to_reference(commands, GEFORCE_256, 24, 256)
+
+
+def digest(framebuffer):
+    buffers = (framebuffer.color, framebuffer.depth, framebuffer.stencil)
+    return hashlib.sha256(b"".join(np.ascontiguousarray(b).tobytes() for b in buffers)).hexdigest()
+
+
+@settings(max_examples=15)
+@given(frames(160, 130), depths)
+def test_neither_threads_nor_batches_change_a_bit(commands, depth_bits):
+    digests = {
+        digest(
+            execute(commands, GEFORCE_256, 160, 130, depth_bits=depth_bits, threads=t, batch=b).framebuffer
+        )
+        for t, b in ((1, 256), (2, 256), (3, 16), (1, 1000))
+    }
+    assert len(digests) == 1
