@@ -490,10 +490,6 @@ class _Known(NamedTuple):
         return cls(image.target, tuple((level.shape[2], level.shape[1]) for level in image.levels))
 
 
-def _known(texture):
-    return _Known(texture.target, tuple((level.shape[2], level.shape[1]) for level in texture.levels))
-
-
 # -------------------------------------------------------------------------------------------- the walk
 
 
@@ -520,12 +516,9 @@ class _Walk:
         self.seen.add(key)
         return True
 
-    def check_types(self, value, name):
-        if wrong := _type_check(type(value))(value):
-            self.refuse(f"{name}{wrong.path} {wrong.predicate}.".lstrip("."))
-
     def command(self, command):
-        self.check_types(command, "")
+        if wrong := _type_check(type(command))(command):
+            self.refuse(f"{wrong.path.lstrip('.')} {wrong.predicate}.")
         _HANDLERS[type(command)](self, command)
 
     # ------------------------------------------------------------------------------ whole commands
@@ -575,7 +568,7 @@ class _Walk:
                 self.refuse(problem)
             _checked_textures.add(image)
         self.texture_storage(image.target, image.internal_format, image.width, image.height)
-        self.textures[command.texture] = _known(image)
+        self.textures[command.texture] = _Known.of(image)
 
     def copy_tex_image(self, command):
         width, height = self.framebuffer_rectangle(command)
@@ -978,8 +971,6 @@ def validate(commands, profile, width, height, depth_bits=24, textures=None):
             f"A frame is a tuple of commands; this is one {type(commands).__name__}. Write (command,)."
         )
     walk = _Walk(profile, width, height, textures or {})
-    for name, texture in (textures or {}).items():
-        walk.textures[name] = _known(texture)
     commands = tuple(commands)
     for number, command in enumerate(commands):
         walk.where = f"Command {number}"

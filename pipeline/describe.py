@@ -1,0 +1,392 @@
+"""A pass sequence in words: each command, what differs from the initial state, combiners as equations.
+
+The words are OpenGL's: tokens where OpenGL has one (TEXTURE_MIN_FILTER LINEAR), registers as the ``!!RC1.0``
+notation calls them. Equations leave out what cannot contribute: factors of one, products with zero, discarded
+outputs. ``.`` is a dot product, ``1 - x`` is UNSIGNED_INVERT, 1/2 is the machine's half.
+"""
+
+from dataclasses import MISSING, fields, is_dataclass
+from enum import Enum
+
+from pipeline.combiner_text import REGISTER_NAMES, format_input
+from pipeline.commands import Clear, CopyTexImage, CopyTexSubImage, Draw, ReadPixels, TexImage
+from pipeline.enums import CombinerBias, CombinerScale, ComponentUsage, Mapping, Register
+from pipeline.state import (
+    AlphaTest,
+    Blending,
+    ColorMask,
+    ColorMaterial,
+    DepthTest,
+    Fog,
+    Light,
+    Lighting,
+    PassState,
+    PolygonState,
+    RegisterCombiners,
+    Sampler,
+    StencilTest,
+    TexGen,
+    TextureUnit,
+    VertexState,
+    Viewport,
+)
+
+# What a field is called; a field that is not here is called by its own name, spelled with spaces.
+_WORDS = {
+    (VertexState, "modelview"): "MODELVIEW matrix",
+    (VertexState, "projection"): "PROJECTION matrix",
+    (VertexState, "normalize"): "NORMALIZE",
+    (VertexState, "rescale_normal"): "RESCALE_NORMAL",
+    (VertexState, "lighting"): "LIGHTING enabled",
+    (VertexState, "clip_planes"): "CLIP_PLANE",
+    (Viewport, "near"): "depth range near",
+    (Viewport, "far"): "depth range far",
+    (Lighting, "lights"): "LIGHT",
+    (Lighting, "front"): "FRONT material",
+    (Lighting, "back"): "BACK material",
+    (Lighting, "model_ambient"): "LIGHT_MODEL_AMBIENT",
+    (Lighting, "local_viewer"): "LIGHT_MODEL_LOCAL_VIEWER",
+    (Lighting, "two_side"): "LIGHT_MODEL_TWO_SIDE",
+    (Lighting, "separate_specular_color"): "SEPARATE_SPECULAR_COLOR",
+    (Lighting, "color_material"): "COLOR_MATERIAL enabled",
+    (PolygonState, "cull_face"): "CULL_FACE",
+    (PolygonState, "front_face"): "front face",
+    (PolygonState, "offset_fill"): "POLYGON_OFFSET_FILL",
+    (PolygonState, "offset_factor"): "POLYGON_OFFSET_FACTOR",
+    (PolygonState, "offset_units"): "POLYGON_OFFSET_UNITS",
+    (PolygonState, "shade_model"): "SHADE_MODEL",
+    (TextureUnit, "lod_bias"): "TEXTURE_LOD_BIAS",
+    (TextureUnit, "coordinates"): "coordinate set",
+    (TextureUnit, "gen"): "TEXTURE_GEN",
+    (TextureUnit, "matrix"): "TEXTURE matrix",
+    (Sampler, "min_filter"): "TEXTURE_MIN_FILTER",
+    (Sampler, "mag_filter"): "TEXTURE_MAG_FILTER",
+    (Sampler, "wrap_s"): "TEXTURE_WRAP_S",
+    (Sampler, "wrap_t"): "TEXTURE_WRAP_T",
+    (Sampler, "border_color"): "TEXTURE_BORDER_COLOR",
+    (PassState, "texture_units"): "texture unit",
+    (PassState, "color_sum"): "COLOR_SUM",
+    (PassState, "fog"): "FOG enabled",
+    (PassState, "scissor"): "SCISSOR_TEST enabled",
+    (PassState, "alpha_test"): "ALPHA_TEST enabled",
+    (PassState, "stencil_test"): "STENCIL_TEST enabled",
+    (PassState, "depth_test"): "DEPTH_TEST enabled",
+    (PassState, "blending"): "BLEND enabled",
+    (PassState, "logic_op"): "COLOR_LOGIC_OP",
+    (DepthTest, "write"): "depth writes",
+    (Fog, "coordinate_source"): "FOG_COORDINATE_SOURCE",
+}
+
+# Fields that say what an enabled test or operation does, shown even at their initial value.
+_ALWAYS = {
+    AlphaTest: ("function", "reference"),
+    StencilTest: ("function", "reference"),
+    DepthTest: ("function",),
+    Blending: ("source", "destination"),
+    Fog: ("mode",),
+    ColorMaterial: ("face", "parameter"),
+    Light: ("position",),
+    TexGen: ("mode",),
+}
+
+
+# ------------------------------------------------------------------------------------------- values
+
+
+def _number(value):
+    short = f"{value + 0.0:g}"  # minus zero shows as 0
+    return short if float(short) == value else repr(float(value))
+
+
+def _value(value):
+    if isinstance(value, bool):
+        return "enabled" if value else "disabled"
+    if isinstance(value, Enum):
+        return value.name
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(value, tuple) and value and isinstance(value[0], tuple):
+        return "[" + " | ".join(" ".join(_number(v) for v in row) for row in value) + "]"
+    if isinstance(value, tuple):
+        return f"({', '.join(_number(v) for v in value)})"
+    return "whole framebuffer" if value is None else _number(value)
+
+
+def _initial(field):
+    if field.default is not MISSING:
+        return field.default
+    return field.default_factory() if field.default_factory is not MISSING else MISSING
+
+
+def _differences(value, initial=None):
+    """Lines for the fields of a state that differ from ``initial``, or from its own defaults.
+
+    Simple fields share the first line, which may be empty; parts follow, indented.
+    """
+    simple, parts = [], []
+    for field in fields(value):
+        given = getattr(value, field.name)
+        usual = _initial(field) if initial is None else getattr(initial, field.name)
+        if given == usual and field.name not in _ALWAYS.get(type(value), ()):
+            continue
+        word = _WORDS.get((type(value), field.name), field.name.replace("_", " "))
+        if isinstance(given, RegisterCombiners):
+            parts += _combiner_lines(given)
+        elif isinstance(given, ColorMask):
+            parts.append(f"color mask {_mask(given)}")
+        elif isinstance(given, tuple) and any(is_dataclass(g) for g in given):
+            parts += _numbered(word, given)
+        elif field.name == "clip_planes":
+            parts += [f"{word}{i} {_value(plane)}" for i, plane in enumerate(given)]
+        elif is_dataclass(given):
+            parts += _titled(word, _differences(given, usual if is_dataclass(usual) else None))
+        elif given is None:
+            simple.append(f"{word} disabled")
+        else:
+            simple.append(f"{word} {_value(given)}")
+    return [", ".join(simple), *parts]
+
+
+def _numbered(word, parts):
+    lines = []
+    for i, part in enumerate(parts):
+        if isinstance(part, TexGen):
+            if part != TexGen():
+                lines += _titled(f"{word}_{'STRQ'[i]}", _differences(part))
+        elif part is not None:
+            lines += _titled(f"{word} {i}", _differences(part))
+    return lines
+
+
+def _titled(title, lines):
+    first, *rest = lines
+    return [f"{title}: {first}" if first else title, *("  " + line for line in rest)]
+
+
+def _mask(mask):
+    written = [f.name for f in fields(mask) if getattr(mask, f.name)]
+    return "writes " + (", ".join(written) or "nothing")
+
+
+# ---------------------------------------------------------------------------------- combiner equations
+
+_ZERO_MAPPINGS = (Mapping.UNSIGNED_IDENTITY, Mapping.SIGNED_IDENTITY, Mapping.SIGNED_NEGATE)
+_SCALE_WORDS = {
+    CombinerScale.SCALE_BY_TWO: "2",
+    CombinerScale.SCALE_BY_FOUR: "4",
+    CombinerScale.SCALE_BY_ONE_HALF: "1/2",
+}
+
+
+def _term(given, plain):
+    """One variable of an equation; alpha and blue carry their suffix."""
+    if given.register is Register.ZERO and given.mapping in _ZERO_MAPPINGS:
+        return "0"
+    if given.mapping is Mapping.UNSIGNED_INVERT:
+        if given.register is Register.ZERO:
+            return "1"
+        return f"(1 - {_name(given)})"
+    return format_input(given, ComponentUsage.RGB, plain)
+
+
+def _name(given):
+    return format_input(
+        type(given)(given.register, Mapping.UNSIGNED_IDENTITY, given.usage),
+        ComponentUsage.RGB,
+        Mapping.UNSIGNED_IDENTITY,
+    )
+
+
+def _product(a, b, dot=False):
+    if "0" in (a, b):
+        return "0"
+    if dot:
+        return f"{a} . {b}"
+    if a == "1":
+        return b
+    return a if b == "1" else f"{a} * {b}"
+
+
+def _sum(*terms):
+    kept = [term for term in terms if term != "0"]
+    if not kept:
+        return "0"
+    if len(kept) > 1:
+        kept = [f"({term})" if " . " in term else term for term in kept]
+    return kept[0] + "".join(f" - {t[1:]}" if t.startswith("-") else f" + {t}" for t in kept[1:])
+
+
+def _grouped(expression):
+    return f"({expression})" if " " in expression else expression
+
+
+def _scaled(expression, portion):
+    if portion.bias is CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF:
+        expression = "-1/2" if expression == "0" else f"{expression} - 1/2"
+    if expression == "0" or portion.scale is CombinerScale.NONE:
+        return expression
+    return f"{_SCALE_WORDS[portion.scale]} * {_grouped(expression)}"
+
+
+def _portion_line(title, portion, suffix):
+    a, b, c, d = (
+        _term(given, Mapping.SIGNED_IDENTITY) for given in (portion.a, portion.b, portion.c, portion.d)
+    )
+    ab = _product(a, b, getattr(portion, "ab_dot_product", False))
+    cd = _product(c, d, getattr(portion, "cd_dot_product", False))
+    total = f"(spare0.a < 1/2 ? {ab} : {cd})" if portion.mux_sum else _sum(ab, cd)
+    written = [
+        f"{REGISTER_NAMES[output]}{suffix} = {_scaled(expression, portion)}"
+        for output, expression in (
+            (portion.ab_output, ab),
+            (portion.cd_output, cd),
+            (portion.sum_output, total),
+        )
+        if output is not Register.DISCARD
+    ]
+    return [f"{title}: {'; '.join(written)}"] if written else []
+
+
+def _final_lines(final):
+    a, b, c, d, e, f, g = (
+        _term(getattr(final, variable), Mapping.UNSIGNED_IDENTITY) for variable in "abcdefg"
+    )
+    lines = []
+    if Register.E_TIMES_F in (given.register for given in (final.a, final.b, final.c, final.d)):
+        lines.append(f"final: final_product = {_product(e, f)}")
+    complement = {"0": "1", "1": "0"}.get(a)
+    if complement is None:
+        inverted = final.a.mapping is Mapping.UNSIGNED_INVERT
+        complement = _name(final.a) if inverted else f"(1 - {a})"
+    rgb = _sum(_product(a, b), _product(complement, c), d)
+    return [*lines, f"final.rgb: out.rgb = {rgb}", f"final.alpha: out.a = {g}"]
+
+
+def _combiner_lines(combiners):
+    initial, lines = RegisterCombiners(), ["REGISTER_COMBINERS enabled"]
+    for name in ("constant_color0", "constant_color1"):
+        if getattr(combiners, name) != getattr(initial, name):
+            lines.append(f"  {_constant(name)} = {_value(getattr(combiners, name))}")
+    for number, stage in enumerate(combiners.general):
+        own = [
+            f"  GC{number}: {_constant(name)} = {_value(getattr(stage, name))}"
+            for name in ("constant_color0", "constant_color1")
+            if getattr(stage, name) is not None
+        ]
+        written = [
+            *_portion_line(f"  GC{number}.rgb", stage.rgb, ""),
+            *_portion_line(f"  GC{number}.alpha", stage.alpha, ".a"),
+        ]
+        lines += own + (written or [f"  GC{number}: writes nothing"])
+    if not combiners.color_sum_clamp:
+        lines.append("  COLOR_SUM_CLAMP disabled")
+    return lines + [f"  {line}" for line in _final_lines(combiners.final)]
+
+
+def _constant(field):
+    return field.replace("constant_color", "const")
+
+
+# ------------------------------------------------------------------------------------------ commands
+
+
+def _clear(command):
+    cleared = [
+        f"{what} to {_value(getattr(command, what))}"
+        for what in ("color", "depth", "stencil")
+        if getattr(command, what) is not None
+    ]
+    lines = ["clears " + (", ".join(cleared) or "nothing")]
+    if command.scissor is not None:
+        lines += _titled("SCISSOR_TEST enabled", _differences(command.scissor))
+    if command.color_mask != ColorMask():
+        lines.append(f"color mask {_mask(command.color_mask)}")
+    if command.stencil_write_mask != 0xFF:
+        lines.append(f"stencil write mask {command.stencil_write_mask}")
+    return lines
+
+
+def _mesh(mesh):
+    text = f"{mesh.primitive.name}, {_count(len(mesh.positions), 'vertex', 'vertices')}"
+    if mesh.indices is not None:
+        text += f", {_count(len(mesh.indices), 'index', 'indices')}"
+    if mesh.counts is not None:
+        text += f" in {_count(len(mesh.counts), 'run', 'runs')}"
+    arrays = [
+        name.replace("_", " ")
+        for name in ("colors", "secondary_colors", "normals", "fog_coordinates")
+        if getattr(mesh, name) is not None
+    ]
+    if mesh.texture_coordinates:
+        arrays.append(
+            _count(len(mesh.texture_coordinates), "texture coordinate set", "texture coordinate sets")
+        )
+    return f"draws {text}" + (f"; with {', '.join(arrays)}" if arrays else "")
+
+
+def _count(number, one, many):
+    return f"{number} {one if number == 1 else many}"
+
+
+def _draw(command):
+    first, *rest = _differences(command.state)
+    return [_mesh(command.mesh), *([first] if first else []), *rest]
+
+
+def _tex_image(command):
+    image = command.image
+    levels = _count(len(image.levels), "level", "levels")
+    size = f"{image.width}x{image.height}"
+    return [
+        f'texture "{command.texture}": {image.target.name}, {image.internal_format.name}, {size}, {levels}'
+    ]
+
+
+def _rectangle(command):
+    if (command.x, command.y, command.width, command.height) == (0, 0, None, None):
+        return "the whole framebuffer"
+    width = "all columns" if command.width is None else _count(command.width, "column", "columns")
+    height = "all rows" if command.height is None else _count(command.height, "row", "rows")
+    return f"the framebuffer from ({command.x}, {command.y}), {width} and {height}"
+
+
+def _copy_tex_image(command):
+    return [
+        f'texture "{command.texture}": TEXTURE_2D, {command.internal_format.name}, from {_rectangle(command)}'
+    ]
+
+
+def _copy_tex_sub_image(command):
+    place = f"({command.x_offset}, {command.y_offset})"
+    if command.level:
+        place += f" of level {command.level}"
+    if command.face:
+        place += f" of face {command.face}"
+    return [f'texture "{command.texture}" at {place}: from {_rectangle(command)}']
+
+
+def _read_pixels(command):
+    return [f'"{command.name}": {command.format} of {_rectangle(command)}']
+
+
+_DESCRIPTIONS = {
+    Clear: _clear,
+    Draw: _draw,
+    TexImage: _tex_image,
+    CopyTexImage: _copy_tex_image,
+    CopyTexSubImage: _copy_tex_sub_image,
+    ReadPixels: _read_pixels,
+}
+
+
+def describe(commands):
+    """The commands as text: a numbered block for each, its label, and what differs from the initial state.
+
+    Commands are numbered from 0, as ``pipeline.validate`` numbers them in its sentences.
+    """
+    blocks = []
+    for number, command in enumerate(commands):
+        lines = _DESCRIPTIONS[type(command)](command)
+        title = f'{number}. {type(command).__name__} "{command.label}"'
+        blocks.append("\n".join([title, *(f"   {line}" for line in lines)]) + "\n")
+    return "\n".join(blocks)
