@@ -1,0 +1,864 @@
+"""The IDEAL evaluator: the same passes in float64, with no rounding and no clamp but the algorithm's own.
+
+What stays, what goes, and why: docs/decisions/0001-ideal-evaluator.md. Only coverage is the machine's: the
+fragments are those of the snapped vertices.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pipeline.commands import Clear, CopyTexImage, CopyTexSubImage, Draw, ReadPixels, TexImage
+from pipeline.enums import (
+    BlendEquation,
+    BlendFactor,
+    CombinerBias,
+    CombinerScale,
+    ComparisonFunction,
+    ComponentUsage,
+    FogMode,
+    FrontFace,
+    Mapping,
+    Register,
+    ShadeModel,
+    StencilOperation,
+    TextureFilter,
+    TextureTarget,
+    WrapMode,
+)
+from pipeline.execute import rasterize
+from pipeline.profiles import IDEAL
+from pipeline.textures import Texture, texture_2d
+from pipeline.validate import validate
+from pipeline.vertex import process
+
+# Fragments shaded at a time: bounds the columns' memory to some tens of megabytes, and changes no value.
+_CHUNK = 1 << 16
+
+# A nearest filter's shift off an exact texel boundary.  Source: docs/numbers.md, section 6.
+_TAU = 2.0**-24
+
+_MIPMAPPED = {
+    # minification filter: (linear within a level, linear between levels)
+    TextureFilter.NEAREST_MIPMAP_NEAREST: (False, False),
+    TextureFilter.LINEAR_MIPMAP_NEAREST: (True, False),
+    TextureFilter.NEAREST_MIPMAP_LINEAR: (False, True),
+    TextureFilter.LINEAR_MIPMAP_LINEAR: (True, True),
+}
+
+# Component and sign of sc and tc for the faces +x, -x, +y, -y, +z, -z.
+# Source: EXT_texture_cube_map, section 3.8.6.
+_SC_COMPONENT, _SC_SIGN = np.array([2, 2, 0, 0, 0, 0]), np.array([-1.0, 1.0, 1.0, 1.0, 1.0, -1.0])
+_TC_COMPONENT, _TC_SIGN = np.array([1, 1, 2, 2, 1, 1]), np.array([-1.0, -1.0, 1.0, -1.0, -1.0, -1.0])
+
+_SCALE = {
+    CombinerScale.NONE: 1.0,
+    CombinerScale.SCALE_BY_TWO: 2.0,
+    CombinerScale.SCALE_BY_FOUR: 4.0,
+    CombinerScale.SCALE_BY_ONE_HALF: 0.5,
+}
+
+_COLOR_COMPONENTS = {
+    "RGBA": [0, 1, 2, 3],
+    "RGB": [0, 1, 2],
+    "RED": 0,
+    "GREEN": 1,
+    "BLUE": 2,
+    "ALPHA": 3,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class IdealResult:
+    """What a frame leaves behind on the ideal machine. Arrays of the framebuffer have their top row first.
+
+    color     float64 [h, w, 4], 1.0 = full intensity, not clamped: additive passes may exceed 1
+    depth     float64 [h, w], window depth in [0, 1]
+    stencil   uint8 [h, w]
+    textures  name to Texture, every one with its ``ideal`` levels
+    pixels    name to array, of ReadPixels, bottom row first: colours, depths float64; stencil uint8
+    """
+
+    color: np.ndarray
+    depth: np.ndarray
+    stencil: np.ndarray
+    textures: dict[str, Texture]
+    pixels: dict[str, np.ndarray]
+
+    def image(self):
+        """uint8 [h, w, 4]: the colours clamped to [0, 1] and rounded to the nearest byte."""
+        return to_bytes(self.color)
+
+
+def to_bytes(values):
+    """Reals to bytes: clamped to [0, 1], then the nearest of 0..255 (halves up), as OpenGL 1.2.1 converts."""
+    return np.floor(np.clip(values, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
+
+
+# ------------------------------------------------------------------------------------------ interpolation
+
+
+@dataclass(frozen=True, eq=False)
+class Weights:
+    """Barycentric weights of fragments, from the exact edge functions of the snapped vertices.
+
+    vertices       int64 [k, 3]
+    affine         float64 [k, 3], n_i / A: for window depth
+    perspective    float64 [k, 3], (n_i / w_i) / sum: for every other iterated value
+    dx, dy         float64 [k, 3], derivatives of ``perspective`` per pixel to the right and down
+    tie_vertex     int64 [k], 0..2, which vertex decides at exact texel boundaries
+    front          bool [k], front-facing
+    depth_slope    float64 [k], max(|dz/dx|, |dz/dy|) of window depth per pixel
+    """
+
+    vertices: np.ndarray
+    affine: np.ndarray
+    perspective: np.ndarray
+    dx: np.ndarray
+    dy: np.ndarray
+    tie_vertex: np.ndarray
+    front: np.ndarray
+    depth_slope: np.ndarray
+
+
+def weigh(primitives, front_face, triangle, x, y):
+    """The Weights of the fragments (triangle, x, y), int [k] each, of ``primitives``.
+
+    Source: docs/numbers.md, sections 3 to 5; derivatives by the quotient rule.
+    """
+    vertices = primitives.triangles[triangle, :3].astype(np.int64)
+    corner_x, corner_y = primitives.x[vertices].astype(np.int64), primitives.y[vertices].astype(np.int64)
+    sample_x, sample_y = 16 * x.astype(np.int64) + 8, 16 * y.astype(np.int64) + 8
+    x10, x20 = corner_x[:, 1] - corner_x[:, 0], corner_x[:, 2] - corner_x[:, 0]
+    y10, y20 = corner_y[:, 1] - corner_y[:, 0], corner_y[:, 2] - corner_y[:, 0]
+    px, py = sample_x - corner_x[:, 0], sample_y - corner_y[:, 0]
+    area = x10 * y20 - x20 * y10
+    sign = np.where(area < 0, -1, 1)
+    n1, n2 = sign * (px * y20 - x20 * py), sign * (x10 * py - px * y10)
+    size = np.abs(area)
+    n = np.stack([size - n1 - n2, n1, n2], axis=1).astype(np.float64)
+    # Steps of n over one pixel, 16 subpixels.
+    step_x = 16.0 * np.stack([y10 - y20, y20, -y10], axis=1) * sign[:, None]
+    step_y = 16.0 * np.stack([x20 - x10, -x20, x10], axis=1) * sign[:, None]
+
+    inverse_w = primitives.inverse_w[vertices]
+    equal = (inverse_w[:, 0] == inverse_w[:, 1]) & (inverse_w[:, 1] == inverse_w[:, 2])
+    inverse_w = np.where(equal[:, None], 1.0, inverse_w)
+    e = n * inverse_w
+    total = e.sum(axis=1, keepdims=True)
+    perspective = e / total
+
+    def derivative(step):
+        de = step * inverse_w
+        return (de - perspective * de.sum(axis=1, keepdims=True)) / total
+
+    z = primitives.z[vertices]
+    z10, z20 = z[:, 1] - z[:, 0], z[:, 2] - z[:, 0]
+    slope_x = (z10 * y20 - z20 * y10) * 16.0 / area
+    slope_y = (z20 * x10 - z10 * x20) * 16.0 / area
+    return Weights(
+        vertices,
+        n / size[:, None],
+        perspective,
+        derivative(step_x),
+        derivative(step_y),
+        _tie_vertex(e, total),
+        (area < 0) == (front_face is FrontFace.CCW),
+        np.maximum(np.abs(slope_x), np.abs(slope_y)),
+    )
+
+
+def _tie_vertex(e, total):
+    """Vertex r of docs/numbers.md, section 4, in real numbers: q_i is a shade below e_i / D, hence the >."""
+    heavy = (2.0 * e > total).astype(np.int64) + (4.0 * e > total)
+    c0, c1, c2 = heavy.T
+    return np.where((c0 > c2) & (c0 >= c1), 0, np.where((c1 > c0) & (c1 >= c2), 1, 2))
+
+
+def iterate(weights, values):
+    """Values [k, 3, ...] at a triangle's vertices, weighted by ``weights`` [k, 3] that sum to one."""
+    shape = (-1,) + (1,) * (values.ndim - 2)
+    w0, w2 = weights[:, 0].reshape(shape), weights[:, 2].reshape(shape)
+    return (values[:, 1] + w0 * (values[:, 0] - values[:, 1])) + w2 * (values[:, 2] - values[:, 1])
+
+
+def _change(step, values):
+    """A derivative of an iterated value: ``step`` [k, 3] sums to zero."""
+    return step[:, :1] * (values[:, 0] - values[:, 1]) + step[:, 2:] * (values[:, 2] - values[:, 1])
+
+
+# --------------------------------------------------------------------------------------------- textures
+
+
+@dataclass(frozen=True, eq=False)
+class TextureCoordinates:
+    """Where fragments read a texture image.
+
+    position  float64 [k, 2], 1.0 = the whole image
+    face      int64 [k], 0 unless a cube map
+    tie       float64 [k, 2], +tau or -tau texel: the side that a nearest filter takes at an exact boundary
+    dx, dy    float64 [k, 2], derivatives of ``position`` per pixel
+    """
+
+    position: np.ndarray
+    face: np.ndarray
+    tie: np.ndarray
+    dx: np.ndarray
+    dy: np.ndarray
+
+
+def place(target, weights, corners):
+    """TextureCoordinates of fragments whose triangles have s, t, r, q ``corners``, float64 [k, 3, 4]."""
+    strq = iterate(weights.perspective, corners)
+    dx, dy = _change(weights.dx, corners), _change(weights.dy, corners)
+    if target is TextureTarget.TEXTURE_CUBE_MAP:
+        return project_on_cube(strq[:, :3], dx[:, :3], dy[:, :3])
+    q = np.where(strq[:, 3:] == 0.0, 1.0, strq[:, 3:])
+    position = strq[:, :2] / q
+    first, last = corners[:, 0, :2] - corners[:, 1, :2], corners[:, 2, :2] - corners[:, 1, :2]
+    r = weights.tie_vertex[:, None]
+    lean = np.where(r == 0, -last, np.where(r == 1, -first - last, -first))
+    return TextureCoordinates(
+        position,
+        np.zeros(len(position), np.int64),
+        np.where(lean >= 0.0, _TAU, -_TAU),
+        (dx[:, :2] - position * dx[:, 3:]) / q,
+        (dy[:, :2] - position * dy[:, 3:]) / q,
+    )
+
+
+def project_on_cube(direction, dx, dy):
+    """TextureCoordinates of directions [k, 3] with their derivatives: the face of the largest magnitude, x
+    before y before z. Source: EXT_texture_cube_map, section 3.8.6.
+    """
+    rows = np.arange(len(direction))
+    axis = np.argmax(np.abs(direction), axis=1)
+    major = direction[rows, axis]
+    face = 2 * axis + (major < 0.0)
+    magnitude = np.where(major == 0.0, 1.0, np.abs(major))[:, None]
+    sign = np.where(major < 0.0, -1.0, 1.0)[:, None]
+
+    def on_face(vector):
+        return np.stack(
+            [
+                _SC_SIGN[face] * vector[rows, _SC_COMPONENT[face]],
+                _TC_SIGN[face] * vector[rows, _TC_COMPONENT[face]],
+            ],
+            axis=1,
+        )
+
+    ratio = on_face(direction) / magnitude
+
+    def derivative(step):
+        return 0.5 * (on_face(step) - ratio * sign * step[rows, axis][:, None]) / magnitude
+
+    return TextureCoordinates(
+        (ratio + 1.0) * 0.5, face, np.full((len(rows), 2), _TAU), derivative(dx), derivative(dy)
+    )
+
+
+def level_of_detail(coordinates, width, height, lod_bias):
+    """Lambda, float64 [k], of section 3.8.5 from the true derivatives at each fragment, plus the bias.
+
+    The machine takes one lambda, of 8 fraction bits, per 2x2 block. Not finite: the largest.
+    """
+    size = np.array([width, height], np.float64)
+    across, down = coordinates.dx * size, coordinates.dy * size
+    squared = np.maximum((across**2).sum(axis=1), (down**2).sum(axis=1))
+    lod = np.full(len(squared), -np.inf)
+    np.log2(squared, out=lod, where=squared > 0.0)
+    return np.where(np.isnan(squared), np.inf, 0.5 * lod) + lod_bias
+
+
+def _along(texel, size, wrap, linear):
+    """Indices along an axis, a list of (index, reads border), and the fraction from first to second."""
+    texel = np.where(np.isfinite(texel), texel, 0.0)
+    if wrap is WrapMode.REPEAT:
+        texel = np.mod(texel, size)
+    elif wrap is WrapMode.MIRRORED_REPEAT:
+        texel = np.mod(texel, 2.0 * size)
+        texel = np.minimum(texel, 2.0 * size - texel)
+    elif wrap is WrapMode.CLAMP:
+        texel = np.clip(texel, 0.0, size)
+    elif wrap is WrapMode.CLAMP_TO_EDGE:
+        texel = np.clip(texel, 0.5, size - 0.5)
+    else:
+        texel = np.clip(texel, -0.5, size + 0.5)
+    below = np.floor(texel - 0.5) if linear else np.floor(texel)
+    first = below.astype(np.int64)
+    bordered = wrap is WrapMode.CLAMP_TO_BORDER or (wrap is WrapMode.CLAMP and linear)
+    indices = []
+    for index in (first, first + 1) if linear else (first,):
+        outside = (index < 0) | (index >= size)
+        inside = np.mod(index, size) if wrap is WrapMode.REPEAT else np.clip(index, 0, size - 1)
+        indices.append((inside, outside & bordered))
+    return indices, texel - 0.5 - below
+
+
+def sample_level(level, coordinates, sampler, border, linear, one_dimensional):
+    """One level, float64 [faces, h, w, 4], filtered at ``coordinates`` with real fractions: float64 [k, 4].
+
+    ``border`` float64 [4]. Source: OpenGL 1.2.1 sections 3.8.4 to 3.8.6; docs/numbers.md, section 6.
+    """
+    height, width = level.shape[1:3]
+    texels = coordinates.position * np.array([width, height], np.float64)
+    if not linear:
+        texels = texels + coordinates.tie
+    columns, across = _along(texels[:, 0], width, sampler.wrap_s, linear)
+    if one_dimensional:
+        rows, up = [(np.zeros(len(texels), np.int64), np.zeros(len(texels), bool))], None
+    else:
+        rows, up = _along(texels[:, 1], height, sampler.wrap_t, linear)
+
+    def filtered_row(row, row_outside):
+        taps = []
+        for column, column_outside in columns:
+            tap = level[coordinates.face, row, column]
+            tap[row_outside | column_outside] = border
+            taps.append(tap)
+        return taps[0] if len(taps) == 1 else taps[0] + (taps[1] - taps[0]) * across[:, None]
+
+    lines = [filtered_row(*row) for row in rows]
+    return lines[0] if len(lines) == 1 else lines[0] + (lines[1] - lines[0]) * up[:, None]
+
+
+def _select(coordinates, chosen):
+    return TextureCoordinates(
+        *(getattr(coordinates, name)[chosen] for name in ("position", "face", "tie", "dx", "dy"))
+    )
+
+
+def sample(texture, unit, coordinates):
+    """What a texture register receives, float64 [k, 4], from ``texture.ideal`` with a real lambda."""
+    sampler = unit.sampler
+    if texture.target is TextureTarget.TEXTURE_CUBE_MAP:
+        sampler = replace(sampler, wrap_s=WrapMode.CLAMP_TO_EDGE, wrap_t=WrapMode.CLAMP_TO_EDGE)
+    one_dimensional = texture.target is TextureTarget.TEXTURE_1D
+    # The border colour passes through the base format like a texel.  Source: OpenGL 1.2.1, section 3.8.4.
+    border_texel = texture_2d(np.array([[sampler.border_color]], np.float64), texture.internal_format)
+    border, levels = border_texel.ideal[0][0, 0, 0], texture.ideal
+
+    def at_level(level, chosen, linear):
+        where = _select(coordinates, chosen)
+        return sample_level(levels[level], where, sampler, border, linear, one_dimensional)
+
+    out = np.zeros((len(coordinates.face), 4))
+    if sampler.min_filter is sampler.mag_filter:
+        minified = np.zeros(len(out), bool)
+    else:
+        if one_dimensional:
+            s_alone = np.array([1.0, 0.0])
+            coordinates = replace(coordinates, dx=coordinates.dx * s_alone, dy=coordinates.dy * s_alone)
+        lod = level_of_detail(coordinates, texture.width, texture.height, unit.lod_bias)
+        minified = lod > 0.0
+    magnified = ~minified
+    out[magnified] = at_level(0, magnified, sampler.mag_filter is TextureFilter.LINEAR)
+    if not minified.any():
+        return out
+    if sampler.min_filter not in _MIPMAPPED:
+        out[minified] = at_level(0, minified, sampler.min_filter is TextureFilter.LINEAR)
+        return out
+    linear, between = _MIPMAPPED[sampler.min_filter]
+    last = len(levels) - 1
+    lod = np.clip(np.where(minified, lod, 0.0), 0.0, last)
+    if between:
+        lower = np.floor(lod)
+        share = lod - lower
+    else:
+        # Source: OpenGL 1.2.1 section 3.8.5, equation 3.19.
+        lower, share = np.ceil(lod + 0.5) - 1.0, np.zeros(len(lod))
+    lower = np.minimum(lower.astype(np.int64), last)
+    upper = np.minimum(lower + 1, last)
+    for level in range(last + 1):
+        weight = np.where(lower == level, 1.0 - share, 0.0) + np.where(upper == level, share, 0.0)
+        chosen = minified & (weight > 0.0)
+        if chosen.any():
+            out[chosen] += weight[chosen, None] * at_level(level, chosen, linear)
+    return out
+
+
+# ------------------------------------------------------------------------------------------- combiners
+
+
+def mapped(mapping, x):
+    """An input mapping in real numbers. Source: NV_register_combiners, table 4.
+
+    The mappings called unsigned yield nothing negative; none of the others has an upper clamp.
+    """
+    if mapping is Mapping.SIGNED_IDENTITY:
+        return x
+    if mapping is Mapping.SIGNED_NEGATE:
+        return -x
+    x = np.maximum(0.0, x)
+    return {
+        Mapping.UNSIGNED_IDENTITY: lambda: x,
+        Mapping.UNSIGNED_INVERT: lambda: np.maximum(0.0, 1.0 - x),
+        Mapping.EXPAND_NORMAL: lambda: 2.0 * x - 1.0,
+        Mapping.EXPAND_NEGATE: lambda: 1.0 - 2.0 * x,
+        Mapping.HALF_BIAS_NORMAL: lambda: x - 0.5,
+        Mapping.HALF_BIAS_NEGATE: lambda: 0.5 - x,
+    }[mapping]()
+
+
+def _variable(variable, registers, alpha):
+    """A combiner variable's value: [k, 3] in an RGB portion, [k, 1] in an alpha portion."""
+    register = registers[variable.register]
+    if variable.usage is ComponentUsage.RGB:
+        value = register[:, :3]
+    elif variable.usage is ComponentUsage.ALPHA:
+        value = register[:, 3:]
+    else:
+        value = register[:, 2:3]
+    return mapped(variable.mapping, value if alpha else np.broadcast_to(value, (len(value), 3)))
+
+
+def _portion(portion, registers, alpha):
+    """The three outputs of a portion, as (register, value) pairs; discarded ones left out."""
+    a, b, c, d = (_variable(v, registers, alpha) for v in (portion.a, portion.b, portion.c, portion.d))
+    ab, cd = a * b, c * d
+    if not alpha and portion.ab_dot_product:
+        ab = np.broadcast_to(ab.sum(axis=1, keepdims=True), ab.shape)
+    if not alpha and portion.cd_dot_product:
+        cd = np.broadcast_to(cd.sum(axis=1, keepdims=True), cd.shape)
+    # Source: NV_register_combiners, section 3.8.12.2: CD where SPARE0's alpha is 1/2 or more.
+    total = np.where(registers[Register.SPARE0][:, 3:] >= 0.5, cd, ab) if portion.mux_sum else ab + cd
+    bias = -0.5 if portion.bias is CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF else 0.0
+    outputs = ((portion.ab_output, ab), (portion.cd_output, cd), (portion.sum_output, total))
+    scale = _SCALE[portion.scale]
+    return [(to, (value + bias) * scale) for to, value in outputs if to is not Register.DISCARD]
+
+
+def _constant(color, count):
+    return np.broadcast_to(np.array(color, np.float64), (count, 4))
+
+
+def combine(combiners, registers):
+    """General combiners and final combiner: float64 [k, 4], clamped to [0, 1] at the very end.
+
+    ``registers``: Register to float64 [k, 4], everything but the constants and ZERO. Nothing is clamped
+    between the stages; the final combiner's A, being the weight of a blend, stays in [0, 1].
+    """
+    count = len(registers[Register.PRIMARY_COLOR])
+    registers = dict(registers)
+    registers[Register.ZERO] = np.zeros((count, 4))
+    program = {
+        Register.CONSTANT_COLOR0: _constant(combiners.constant_color0, count),
+        Register.CONSTANT_COLOR1: _constant(combiners.constant_color1, count),
+    }
+    for stage in combiners.general:
+        registers.update(program)
+        if stage.constant_color0 is not None:
+            registers[Register.CONSTANT_COLOR0] = _constant(stage.constant_color0, count)
+        if stage.constant_color1 is not None:
+            registers[Register.CONSTANT_COLOR1] = _constant(stage.constant_color1, count)
+        rgb, alpha = _portion(stage.rgb, registers, False), _portion(stage.alpha, registers, True)
+        for to, value in rgb:
+            registers[to] = np.concatenate([value, registers[to][:, 3:]], axis=1)
+        for to, value in alpha:
+            registers[to] = np.concatenate([registers[to][:, :3], value], axis=1)
+    registers.update(program)
+    return _final(combiners.final, registers, count)
+
+
+def _final(final, registers, count):
+    nothing = np.zeros((count, 1))
+    product = _variable(final.e, registers, False) * _variable(final.f, registers, False)
+    total = np.maximum(0.0, registers[Register.SPARE0][:, :3]) + np.maximum(
+        0.0, registers[Register.SECONDARY_COLOR][:, :3]
+    )
+    registers[Register.E_TIMES_F] = np.concatenate([product, nothing], axis=1)
+    registers[Register.SPARE0_PLUS_SECONDARY_COLOR] = np.concatenate([total, nothing], axis=1)
+    a, b, c, d = (_variable(v, registers, False) for v in (final.a, final.b, final.c, final.d))
+    a = np.minimum(a, 1.0)
+    rgb = a * b + (1.0 - a) * c + d
+    return np.clip(np.concatenate([rgb, _variable(final.g, registers, True)], axis=1), 0.0, 1.0)
+
+
+# ------------------------------------------------------------------------------------------------- fog
+
+
+def fog_factor(fog, coordinate):
+    """F of section 3.10, float64, in [0, 1] by its definition; the machine has 256 steps of it."""
+    if fog.mode is FogMode.EXP:
+        factor = np.exp(-fog.density * coordinate)
+    elif fog.mode is FogMode.EXP2:
+        factor = np.exp(-((fog.density * coordinate) ** 2))
+    else:
+        factor = (fog.end - coordinate) / (fog.end - fog.start)
+    return np.clip(factor, 0.0, 1.0)
+
+
+def _without_combiners(state, primary, secondary, fog):
+    """Color sum (section 3.9) and fog (section 3.10): float64 [k, 4], clamped to [0, 1] at the end only."""
+    rgb = primary[:, :3]
+    lighting = state.vertex.lighting
+    if state.color_sum or (lighting is not None and lighting.separate_specular_color):
+        rgb = rgb + secondary[:, :3]
+    if state.fog is not None:
+        rgb = fog[:, 3:] * rgb + (1.0 - fog[:, 3:]) * fog[:, :3]
+    return np.clip(np.concatenate([rgb, primary[:, 3:]], axis=1), 0.0, 1.0)
+
+
+# --------------------------------------------------------------------------------- a fragment's colour
+
+
+def shade(state, textures, primitives, triangle, weights):
+    """Colours of fragments before the per-fragment operations, float64 [k, 4] in [0, 1].
+
+    ``textures``: name to Texture with ideal levels. ``triangle`` int [k]; ``weights``: those of ``weigh``.
+    """
+    count = len(triangle)
+    side = (~weights.front & primitives.two_side).astype(np.int64)
+    if state.polygon.shade_model is ShadeModel.FLAT:
+        colors = primitives.colors[primitives.triangles[triangle, 3], side]
+    else:
+        colors = iterate(weights.perspective, primitives.colors[weights.vertices, side[:, None]])
+    primary, secondary = colors[:, :4], np.concatenate([colors[:, 4:7], np.zeros((count, 1))], axis=1)
+    fog = np.zeros((count, 4))
+    fog[:, 3] = 1.0
+    if state.fog is not None:
+        fog[:, :3] = state.fog.color[:3]
+        fog[:, 3] = fog_factor(state.fog, iterate(weights.perspective, primitives.fog[weights.vertices]))
+    if state.register_combiners is None:
+        return _without_combiners(state, primary, secondary, fog)
+    registers = {
+        Register.FOG: fog,
+        Register.PRIMARY_COLOR: primary,
+        Register.SECONDARY_COLOR: secondary,
+        Register.SPARE1: np.zeros((count, 4)),
+    }
+    # A disabled unit's register is opaque black.  Source: docs/numbers.md, section 7.
+    for i in range(4):
+        unit = state.texture_units[i] if i < len(state.texture_units) else None
+        if unit is None:
+            registers[Register.TEXTURE0 + i] = _constant((0.0, 0.0, 0.0, 1.0), count)
+            continue
+        texture = textures[unit.texture]
+        coordinates = place(texture.target, weights, primitives.coordinates[weights.vertices, i])
+        registers[Register.TEXTURE0 + i] = sample(texture, unit, coordinates)
+    registers[Register.SPARE0] = np.zeros((count, 4))
+    registers[Register.SPARE0][:, 3] = registers[Register.TEXTURE0][:, 3]
+    return combine(state.register_combiners, registers)
+
+
+# ----------------------------------------------------------------------------- per-fragment operations
+
+
+def compare(function, a, b):
+    """``a FUNC b``, bool, elementwise (section 4.1)."""
+    return {
+        ComparisonFunction.NEVER: lambda: np.zeros(np.broadcast(a, b).shape, bool),
+        ComparisonFunction.LESS: lambda: a < b,
+        ComparisonFunction.EQUAL: lambda: a == b,
+        ComparisonFunction.LEQUAL: lambda: a <= b,
+        ComparisonFunction.GREATER: lambda: a > b,
+        ComparisonFunction.NOTEQUAL: lambda: a != b,
+        ComparisonFunction.GEQUAL: lambda: a >= b,
+        ComparisonFunction.ALWAYS: lambda: np.ones(np.broadcast(a, b).shape, bool),
+    }[function]()
+
+
+def _stencil_operation(operation, stored, reference):
+    return {
+        StencilOperation.KEEP: lambda: stored,
+        StencilOperation.ZERO: lambda: np.zeros_like(stored),
+        StencilOperation.REPLACE: lambda: np.full_like(stored, reference),
+        StencilOperation.INCR: lambda: np.minimum(stored + 1, 255),
+        StencilOperation.DECR: lambda: np.maximum(stored - 1, 0),
+        StencilOperation.INVERT: lambda: 255 - stored,
+        StencilOperation.INCR_WRAP: lambda: (stored + 1) & 255,
+        StencilOperation.DECR_WRAP: lambda: (stored - 1) & 255,
+    }[operation]()
+
+
+def blend_factor(factor, source, destination, constant):
+    """A factor of tables 4.1 and 4.2, float64 broadcastable to [k, 4], of unclamped colours."""
+    one = np.ones((1, 4))
+
+    def saturate():
+        room = np.minimum(source[:, 3:], 1.0 - destination[:, 3:])
+        return np.concatenate([room, room, room, np.ones_like(room)], axis=1)
+
+    return {
+        BlendFactor.ZERO: lambda: 0.0 * one,
+        BlendFactor.ONE: lambda: one,
+        BlendFactor.SRC_COLOR: lambda: source,
+        BlendFactor.ONE_MINUS_SRC_COLOR: lambda: 1.0 - source,
+        BlendFactor.DST_COLOR: lambda: destination,
+        BlendFactor.ONE_MINUS_DST_COLOR: lambda: 1.0 - destination,
+        BlendFactor.SRC_ALPHA: lambda: source[:, 3:],
+        BlendFactor.ONE_MINUS_SRC_ALPHA: lambda: 1.0 - source[:, 3:],
+        BlendFactor.DST_ALPHA: lambda: destination[:, 3:],
+        BlendFactor.ONE_MINUS_DST_ALPHA: lambda: 1.0 - destination[:, 3:],
+        BlendFactor.SRC_ALPHA_SATURATE: saturate,
+        BlendFactor.CONSTANT_COLOR: lambda: constant,
+        BlendFactor.ONE_MINUS_CONSTANT_COLOR: lambda: 1.0 - constant,
+        BlendFactor.CONSTANT_ALPHA: lambda: constant[3:],
+        BlendFactor.ONE_MINUS_CONSTANT_ALPHA: lambda: 1.0 - constant[3:],
+    }[factor]()
+
+
+def blend(blending, source, destination):
+    """Section 4.1.6 on float64 [k, 4] colours, without a clamp of the result."""
+    if blending.equation is BlendEquation.MIN:
+        return np.minimum(source, destination)
+    if blending.equation is BlendEquation.MAX:
+        return np.maximum(source, destination)
+    constant = np.array(blending.color, np.float64)
+    s = source * blend_factor(blending.source, source, destination, constant)
+    d = destination * blend_factor(blending.destination, source, destination, constant)
+    if blending.equation is BlendEquation.FUNC_ADD:
+        return s + d
+    return s - d if blending.equation is BlendEquation.FUNC_SUBTRACT else d - s
+
+
+def apply_logic_operation(operation, source, destination):
+    """Table 4.3 on the bytes nearest to the colours: bits have no meaning in the real numbers."""
+    s, d = to_bytes(source), to_bytes(destination)
+    out = np.zeros_like(s)
+    for bit, minterm in enumerate((s & d, s & ~d, ~s & d, ~s & ~d)):
+        if operation >> bit & 1:
+            out |= minterm
+    return out / 255.0
+
+
+class _Buffers:
+    """The framebuffer while a frame runs: top row first; fragments address it by flat index."""
+
+    def __init__(self, width, height):
+        # The machine's framebuffer starts the same way.
+        self.color = np.zeros((height, width, 4))
+        self.depth = np.ones((height, width))
+        self.stencil = np.zeros((height, width), np.uint8)
+
+    def box_of(self, command):
+        """X, y, width, height of a CopyTexImage or ReadPixels; None: as far as the framebuffer reaches."""
+        height, width = self.depth.shape
+        return (
+            command.x,
+            command.y,
+            width - command.x if command.width is None else command.width,
+            height - command.y if command.height is None else command.height,
+        )
+
+    def rows(self, plane, x, y, width, height):
+        """A window rectangle (y up) of a buffer, bottom row first; a view."""
+        return plane[::-1][y : y + height, x : x + width]
+
+
+def _write_color(state, buffers, pixel, source):
+    """Blending or logic operation, then the color mask; each pixel occurs once."""
+    color = buffers.color.reshape(-1, 4)
+    destination = color[pixel]
+    if state.logic_op is not None:
+        source = apply_logic_operation(state.logic_op, source, destination)
+    elif state.blending is not None:
+        source = blend(state.blending, source, destination)
+    color[pixel] = np.where(_mask(state.color_mask), source, destination)
+
+
+def _mask(color_mask):
+    return np.array([color_mask.red, color_mask.green, color_mask.blue, color_mask.alpha])
+
+
+def _test_and_write(state, buffers, pixel, source, z):
+    """Alpha, stencil and depth test on reals, then the writes; each pixel occurs once."""
+    if state.alpha_test is not None:
+        keep = compare(state.alpha_test.function, source[:, 3], state.alpha_test.reference)
+        pixel, source, z = pixel[keep], source[keep], z[keep]
+    depth = buffers.depth.reshape(-1)
+    closer = np.ones(len(pixel), bool)
+    if state.depth_test is not None:
+        closer = compare(state.depth_test.function, z, depth[pixel])
+    passed = closer
+    test = state.stencil_test
+    if test is not None:
+        stencil = buffers.stencil.reshape(-1)
+        stored = stencil[pixel].astype(np.int64)
+        reference = min(max(test.reference, 0), 255)
+        agreed = compare(test.function, np.int64(reference & test.mask), stored & test.mask)
+        new = np.where(
+            agreed,
+            np.where(
+                closer,
+                _stencil_operation(test.depth_pass, stored, reference),
+                _stencil_operation(test.depth_fail, stored, reference),
+            ),
+            _stencil_operation(test.fail, stored, reference),
+        )
+        stencil[pixel] = (stored & ~test.write_mask) | (new & test.write_mask)
+        passed = agreed & closer
+    pixel, source, z = pixel[passed], source[passed], z[passed]
+    if state.depth_test is not None and state.depth_test.write:
+        depth[pixel] = z
+    _write_color(state, buffers, pixel, source)
+
+
+def in_order(pixel):
+    """Index arrays of fragments that can be written at once: at most one fragment of a pixel in each.
+
+    The first holds every pixel's first fragment, the second every pixel's second, and so on.
+    """
+    by_pixel = np.argsort(pixel, kind="stable")
+    position = np.arange(len(pixel))
+    first = np.ones(len(pixel), bool)
+    first[1:] = pixel[by_pixel][1:] != pixel[by_pixel][:-1]
+    occurrence = np.empty(len(pixel), np.int64)
+    occurrence[by_pixel] = position - np.maximum.accumulate(np.where(first, position, 0))
+    by_occurrence = np.argsort(occurrence, kind="stable")
+    ends = np.cumsum(np.bincount(occurrence)) if len(pixel) else []
+    return np.split(by_occurrence, ends[:-1]) if len(pixel) else []
+
+
+# -------------------------------------------------------------------------------------------- commands
+
+
+def _draw(command, buffers, textures, width, height, depth_bits, record):
+    state = command.state
+    primitives = process(command.mesh, state, IDEAL, width, height)
+    if record is None:
+        # Coverage has no use for colours, and its kernels take bytes.
+        uncolored = replace(primitives, colors=np.zeros(primitives.colors.shape, np.uint8))
+        fragments = rasterize(uncolored, state.polygon, state.scissor, width, height)
+        triangle, x, y = fragments.triangle, fragments.x, fragments.y
+    else:
+        passed = np.asarray(record.passed, bool)
+        triangle, x, y = record.triangle[passed], record.x[passed], record.y[passed]
+        if len(triangle) and triangle.max() >= len(primitives.triangles):
+            raise ValueError(
+                f"{command.label}: the guide drew triangle {int(triangle.max())}, but this mesh gives "
+                f"{len(primitives.triangles)} triangles; guide a frame by the same meshes in the same views."
+            )
+    color, z = np.empty((len(triangle), 4)), np.empty(len(triangle))
+    # Derivatives of projections that blow up are looked at afterwards, as not finite.
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        for start in range(0, len(triangle), _CHUNK):
+            part = slice(start, start + _CHUNK)
+            weights = weigh(primitives, state.polygon.front_face, triangle[part], x[part], y[part])
+            color[part] = shade(state, textures, primitives, triangle[part], weights)
+            z[part] = _window_depth(state.polygon, primitives, weights, depth_bits)
+    pixel = y.astype(np.int64) * width + x
+    for once in in_order(pixel):
+        if record is None:
+            _test_and_write(state, buffers, pixel[once], color[once], z[once])
+        else:
+            _write_color(state, buffers, pixel[once], color[once])
+
+
+def _window_depth(polygon, primitives, weights, depth_bits):
+    """Window depth in [0, 1], with an exact polygon offset whose unit is the depth buffer's smallest step."""
+    z = iterate(weights.affine, primitives.z[weights.vertices])
+    if polygon.offset_fill:
+        z = z + polygon.offset_units / (2**depth_bits - 1) + polygon.offset_factor * weights.depth_slope
+    return np.clip(z, 0.0, 1.0)
+
+
+def _clear(command, buffers):
+    height, width = buffers.depth.shape
+    s = command.scissor
+    x0, y0, x1, y1 = (0, 0, width, height) if s is None else (s.x, s.y, s.x + s.width, s.y + s.height)
+    x0, y0, x1, y1 = max(x0, 0), max(y0, 0), max(min(x1, width), 0), max(min(y1, height), 0)
+    box = (x0, y0, max(x1 - x0, 0), max(y1 - y0, 0))
+    if command.color is not None:
+        buffers.rows(buffers.color, *box)[..., _mask(command.color_mask)] = np.array(command.color)[
+            _mask(command.color_mask)
+        ]
+    if command.depth is not None:
+        buffers.rows(buffers.depth, *box)[...] = command.depth
+    if command.stencil is not None:
+        kept = buffers.rows(buffers.stencil, *box)
+        kept[...] = (kept & ~np.uint8(command.stencil_write_mask)) | np.uint8(
+            command.stencil & command.stencil_write_mask
+        )
+
+
+def _with_ideal(texture):
+    if texture.ideal is not None:
+        return texture
+    return replace(texture, ideal=tuple(level / 255.0 for level in texture.levels))
+
+
+def _copy_into(command, texture, region):
+    """A texture with one rectangle of one level replaced by framebuffer colours."""
+    patch = texture_2d(region, texture.internal_format)
+    levels, ideal = list(texture.levels), list(texture.ideal)
+    for images, new in ((levels, patch.levels[0]), (ideal, patch.ideal[0])):
+        image = images[command.level].copy()
+        rows = slice(command.y_offset, command.y_offset + command.height)
+        image[command.face, rows, command.x_offset : command.x_offset + command.width] = new[0]
+        image.setflags(write=False)
+        images[command.level] = image
+    return replace(texture, levels=tuple(levels), ideal=tuple(ideal))
+
+
+def _read_pixels(command, buffers, guide):
+    box = buffers.box_of(command)
+    if command.format == "STENCIL_INDEX":
+        return guide.pixels[command.name] if guide else buffers.rows(buffers.stencil, *box).copy()
+    if command.format == "DEPTH_COMPONENT":
+        if guide:
+            return guide.pixels[command.name] / (2.0**guide.framebuffer.depth_bits - 1.0)
+        return buffers.rows(buffers.depth, *box).copy()
+    color = buffers.rows(buffers.color, *box)
+    luminance = color[..., :3].sum(axis=-1)
+    if command.format == "LUMINANCE":
+        return luminance
+    if command.format == "LUMINANCE_ALPHA":
+        return np.stack([luminance, color[..., 3]], axis=-1)
+    return color[..., _COLOR_COMPONENTS[command.format]].copy()
+
+
+def _check_guide(guide, commands, width, height):
+    draws = sum(isinstance(c, Draw) for c in commands)
+    if draws and not guide.records:
+        raise ValueError("The guide holds no fragments; run it as execute(..., record=True).")
+    if len(guide.records) != draws:
+        raise ValueError(
+            f"The guide drew {len(guide.records)} times and these commands draw {draws} times; guide a frame "
+            "by the machine's run of the same passes."
+        )
+    shape = guide.framebuffer.depth.shape
+    if shape != (height, width):
+        raise ValueError(
+            f"The guide's framebuffer is {shape[1]}x{shape[0]} pixels and this one {width}x{height}; give "
+            "both runs the same size."
+        )
+
+
+def execute_ideal(commands, width, height, *, guide=None, depth_bits=24):
+    """Run ``commands`` in float64 on a framebuffer of width x height pixels: an IdealResult.
+
+    guide       None (free mode): the ideal makes its own alpha, stencil and depth tests. A Result of
+                ``execute(..., record=True)`` of the corresponding commands (guided mode): colours are
+                evaluated for exactly the fragments that the machine wrote, and depth and stencil are the
+                machine's, so that the difference of the two pictures is arithmetic alone.
+    depth_bits  the depth buffer whose smallest step is the unit of polygon offset (free mode)
+
+    Raises UnsupportedState or ValueError as ``validate`` does, and ValueError where the guide does not fit.
+    """
+    commands = tuple(commands)
+    validate(commands, IDEAL, width, height, depth_bits=depth_bits)
+    if guide is not None:
+        _check_guide(guide, commands, width, height)
+    buffers, textures, pixels = _Buffers(width, height), {}, {}
+    records = iter(()) if guide is None else iter(guide.records)
+    for command in commands:
+        if isinstance(command, Clear):
+            _clear(command, buffers)
+        elif isinstance(command, Draw):
+            _draw(command, buffers, textures, width, height, depth_bits, next(records, None))
+        elif isinstance(command, TexImage):
+            textures[command.texture] = _with_ideal(command.image)
+        elif isinstance(command, CopyTexImage):
+            region = buffers.rows(buffers.color, *buffers.box_of(command))
+            textures[command.texture] = texture_2d(region, command.internal_format)
+        elif isinstance(command, CopyTexSubImage):
+            region = buffers.rows(buffers.color, command.x, command.y, command.width, command.height)
+            textures[command.texture] = _copy_into(command, textures[command.texture], region)
+        elif isinstance(command, ReadPixels):
+            pixels[command.name] = _read_pixels(command, buffers, guide)
+    depth, stencil = buffers.depth, buffers.stencil
+    if guide is not None:
+        depth = guide.framebuffer.depth / (2.0**guide.framebuffer.depth_bits - 1.0)
+        stencil = guide.framebuffer.stencil.copy()
+    return IdealResult(buffers.color, depth, stencil, textures, pixels)
