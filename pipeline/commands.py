@@ -1,7 +1,7 @@
 """What a frame is made of. An effect returns a tuple of these; ``pipeline.execute`` runs them in order.
 
-Every command carries everything it needs and a ``label`` in the paper's words. Window coordinates are OpenGL's:
-origin lower left, y up. Images of textures and of ReadPixels have their bottom row first.
+Every command carries everything it needs and a ``label`` in the paper's words. Window coordinates are
+OpenGL's: origin lower left, y up. Images of textures and of ReadPixels have their bottom row first.
 """
 
 from dataclasses import dataclass, field
@@ -53,7 +53,9 @@ class Mesh:
                 object.__setattr__(self, name, _frozen(value, np.float64))
         if self.indices is not None:
             object.__setattr__(self, "indices", _frozen(self.indices, np.int64))
-        object.__setattr__(self, "texture_coordinates", tuple(_frozen(t, np.float64) for t in self.texture_coordinates))
+        object.__setattr__(
+            self, "texture_coordinates", tuple(_frozen(t, np.float64) for t in self.texture_coordinates)
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

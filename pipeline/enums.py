@@ -49,7 +49,7 @@ class StencilOperation(IntEnum):
 
 
 class BlendFactor(IntEnum):
-    """Tables 4.1 and 4.2. Which of them a machine takes as source and as destination is checked by validate."""
+    """Tables 4.1 and 4.2. Which of them a machine takes where is for validate to check."""
 
     ZERO = 0
     ONE = 1
@@ -261,7 +261,7 @@ class Mapping(IntEnum):
 
 
 class ComponentUsage(IntEnum):
-    """Which components of a register a combiner variable takes (section 3.8.12.2 of NV_register_combiners)."""
+    """Which components of a register a variable takes (NV_register_combiners, section 3.8.12.2)."""
 
     RGB = 0
     ALPHA = 1

@@ -28,8 +28,8 @@ _PARALLEL_FROM = 1 << 14  # pixels of the scissor box: below this a second threa
 
 @dataclass(frozen=True, eq=False)
 class Fragments:
-    """Fragments as columns, all int32 [n]: triangle number, device pixel x and y (y down), and 1 where the fragment
-    passed the per-fragment tests (0 where not; coverage alone says 1).
+    """Fragments as columns, all int32 [n]: triangle number, device pixel x and y (y down), and 1 where the
+    fragment passed the per-fragment tests (0 where not; coverage alone says 1).
 
     Per pixel they are in draw order.
     """
@@ -68,7 +68,9 @@ class Result:
 
 @dataclass(frozen=True, eq=False)
 class _Texels:
-    """A texture as kernels read it: every level behind the other, packed; and int32 [MAX_LEVELS, 3] where and how big."""
+    """A texture as kernels read it: every level behind the other, packed; and int32 [MAX_LEVELS, 3] where and
+    how big.
+    """
 
     packed: np.ndarray
     levels: np.ndarray
@@ -84,7 +86,9 @@ def _texels(texture):
         for k, level in enumerate(texture.levels):
             levels[k] = offset, level.shape[2], level.shape[1]
             offset += level[..., 0].size
-        packed = np.concatenate([np.ascontiguousarray(level).view(np.uint32).ravel() for level in texture.levels])
+        packed = np.concatenate(
+            [np.ascontiguousarray(level).view(np.uint32).ravel() for level in texture.levels]
+        )
         found = _texels_of[texture] = _Texels(packed, levels)
     return found
 
@@ -107,7 +111,8 @@ class Machine:
     depth_bits : int
         One of ``profile.depth_bits``.
     threads : int or None
-        Threads that share a Draw's bands of rows; None: one per processor. The bits are the same for any number.
+        Threads that share a Draw's bands of rows; None: one per processor. The bits are the same for any
+        number.
     batch : int
         Fragments shaded together, 16 to 4096. The bits are the same for any number.
     """
@@ -122,9 +127,13 @@ class Machine:
 
     def __post_init__(self):
         if self.profile.exact:
-            raise ValueError(f"The {self.profile.name} profile has no hardware; evaluate it with execute_ideal.")
+            raise ValueError(
+                f"The {self.profile.name} profile has no hardware; evaluate it with execute_ideal."
+            )
         if self.threads is not None and self.threads < 1:
-            raise ValueError(f"{self.threads} threads cannot draw; give 1 or more, or None for one per processor.")
+            raise ValueError(
+                f"{self.threads} threads cannot draw; give 1 or more, or None for one per processor."
+            )
         if not 16 <= self.batch <= 4096:
             raise ValueError(f"A batch of {self.batch} fragments is out of range; give 16 to 4096.")
         validate((), self.profile, self.width, self.height, self.depth_bits)
@@ -163,14 +172,24 @@ class Machine:
             if trace:
                 snapshots.append(snapshot(command, self.framebuffer))
         textures = dict(self.textures)
-        return Result(self.framebuffer, textures, pixels, fragments, dropped, tuple(snapshots), tuple(records))
+        return Result(
+            self.framebuffer, textures, pixels, fragments, dropped, tuple(snapshots), tuple(records)
+        )
 
     def _draw(self, command, record):
         state = command.state
         primitives = vertex.process(command.mesh, state, self.profile, self.width, self.height)
         packed = pack.pack(state, self.profile, self.framebuffer, self.textures, primitives)
         return _rasterize(
-            self.framebuffer, primitives, packed, state, self.textures, self.batch, self._threads, self._pool, record
+            self.framebuffer,
+            primitives,
+            packed,
+            state,
+            self.textures,
+            self.batch,
+            self._threads,
+            self._pool,
+            record,
         )
 
 
@@ -229,7 +248,9 @@ def _fragments(rows):
     return Fragments(*(np.ascontiguousarray(rows[:, k]) for k in range(4)))
 
 
-def execute(commands, profile, width, height, *, depth_bits=24, threads=None, batch=BATCH, trace=False, record=False):
+def execute(
+    commands, profile, width, height, *, depth_bits=24, threads=None, batch=BATCH, trace=False, record=False
+):
     """Run ``commands`` on a new machine. Returns a Result; see ``Machine`` for the parameters.
 
     Raises ``pipeline.validate.UnsupportedState`` for what the profile cannot hold and ValueError for what no
@@ -242,7 +263,8 @@ def execute(commands, profile, width, height, *, depth_bits=24, threads=None, ba
 def rasterize(primitives, polygon, scissor, width, height):
     """Coverage alone: the Fragments of window primitives, culled and scissored, per pixel in draw order.
 
-    ``polygon``: a PolygonState; ``scissor``: a Scissor or None; ``width``, ``height`` of the framebuffer, pixels.
+    ``polygon``: a PolygonState; ``scissor``: a Scissor or None; ``width``, ``height`` of the framebuffer,
+    pixels.
     """
     nothing = ColorMask(False, False, False, False)
     state = PassState(polygon=replace(polygon, offset_fill=False), scissor=scissor, color_mask=nothing)

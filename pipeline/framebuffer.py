@@ -1,4 +1,6 @@
-"""The framebuffer: colour, depth and stencil, top row first, and what reads and writes whole rectangles of it."""
+"""The framebuffer: colour, depth and stencil, top row first, and what reads and writes whole rectangles of
+it.
+"""
 
 from dataclasses import dataclass
 
@@ -15,7 +17,8 @@ def to_byte(value):
 
 @dataclass(eq=False)
 class Framebuffer:
-    """color uint8 [h, w, 4] RGBA; depth uint32 [h, w], 0 .. 2**depth_bits - 1; stencil uint8 [h, w]. Top row first.
+    """color uint8 [h, w, 4] RGBA; depth uint32 [h, w], 0 .. 2**depth_bits - 1; stencil uint8 [h, w]. Top row
+    first.
 
     A new one holds zero colour, the farthest depth and stencil zero.
     """
@@ -75,7 +78,9 @@ class Framebuffer:
             self.depth[where] = int(np.floor(depth * (2**self.depth_bits - 1) + 0.5))
         if command.stencil is not None:
             keep = 0xFF & ~command.stencil_write_mask
-            self.stencil[where] = (self.stencil[where] & keep) | (command.stencil & command.stencil_write_mask)
+            self.stencil[where] = (self.stencil[where] & keep) | (
+                command.stencil & command.stencil_write_mask
+            )
 
     def rectangle(self, x, y, width, height):
         """Colours of a window rectangle, uint8 [h, w, 4], bottom row first."""

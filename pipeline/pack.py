@@ -1,7 +1,7 @@
 """Turn validated state into the rows that kernels read (``raster/rows.py``). Nothing else builds those rows.
 
-What is disabled packs to zero and what cannot matter is not asked for, so two states that cannot differ in their
-result give equal rows, and kernels do no work whose result nobody reads.
+What is disabled packs to zero and what cannot matter is not asked for, so two states that cannot differ in
+their result give equal rows, and kernels do no work whose result nobody reads.
 """
 
 from dataclasses import dataclass, replace
@@ -55,8 +55,8 @@ class PackedState:
     fog_thresholds: np.ndarray
 
 
-# The mappings as min(max(x, low) * factor + addend, 255); the addends of the EXPAND pair depend on expand_half.
-# Source: NV_register_combiners table 4; Inferred: the halves (docs/numbers.md, section 8).
+# The mappings as min(max(x, low) * factor + addend, 255); the addends of the EXPAND pair depend on
+# expand_half. Source: NV_register_combiners table 4; Inferred: the halves (docs/numbers.md, section 8).
 def _mapping(mapping, expand_half):
     one = 256 if expand_half == 128 else 255
     return {
@@ -80,7 +80,11 @@ def _is_zero(variable):
 
 def _normalized(portion):
     """The same portion with its sum written as AB where CD is zero: equal values, half the work."""
-    plain = not portion.mux_sum and portion.cd_output == Register.DISCARD and portion.ab_output == Register.DISCARD
+    plain = (
+        not portion.mux_sum
+        and portion.cd_output == Register.DISCARD
+        and portion.ab_output == Register.DISCARD
+    )
     if plain and (_is_zero(portion.c) or _is_zero(portion.d)):
         return replace(portion, ab_output=portion.sum_output, sum_output=Register.DISCARD)
     return portion
@@ -146,7 +150,12 @@ def _pack_combiners(state, profile, draw):
     if program is None:
         draw[R.DIRECT] = 1
         zero = np.zeros
-        return zero((0, 2, R.PORTION_SIZE), np.int32), zero((7, R.FINAL_SIZE), np.int32), zero((1, 8), np.int16), set()
+        return (
+            zero((0, 2, R.PORTION_SIZE), np.int32),
+            zero((7, R.FINAL_SIZE), np.int32),
+            zero((1, 8), np.int16),
+            set(),
+        )
     expand_half = profile.expand_half
     stages = [
         [_pack_portion(stage.rgb, False, expand_half), _pack_portion(stage.alpha, True, expand_half)]
@@ -313,7 +322,9 @@ def _pack_writing(state, draw):
 def border_texel(color, internal_format):
     """The packed register bytes of a border colour: through the texture's base format."""
     rgba = np.array(_color_bytes(color), np.uint8)
-    r, g, b, a = register_components(rgba[list(KEPT[BASE_FORMAT[internal_format]])], BASE_FORMAT[internal_format], 255)
+    r, g, b, a = register_components(
+        rgba[list(KEPT[BASE_FORMAT[internal_format]])], BASE_FORMAT[internal_format], 255
+    )
     return int(r) | int(g) << 8 | int(b) << 16 | int(a) << 24
 
 
@@ -356,8 +367,12 @@ def _pack_facing(state, two_side, draw):
     # With y down, a positive area is clockwise as seen with y up.
     front = -1 if polygon.front_face == FrontFace.CCW else 1
     culled = polygon.cull_face
-    draw[R.CULL_POSITIVE] = culled == Face.FRONT_AND_BACK or culled == (Face.FRONT if front > 0 else Face.BACK)
-    draw[R.CULL_NEGATIVE] = culled == Face.FRONT_AND_BACK or culled == (Face.FRONT if front < 0 else Face.BACK)
+    draw[R.CULL_POSITIVE] = culled == Face.FRONT_AND_BACK or culled == (
+        Face.FRONT if front > 0 else Face.BACK
+    )
+    draw[R.CULL_NEGATIVE] = culled == Face.FRONT_AND_BACK or culled == (
+        Face.FRONT if front < 0 else Face.BACK
+    )
     draw[R.BACK_SIGN] = -front if two_side else 0
 
 
@@ -402,6 +417,11 @@ def pack(state: PassState, profile, framebuffer, textures, primitives):
         draw[R.NEEDS_COLOR_WEIGHTS] = (reads_color and not draw[R.FLAT]) or nearest.any()
         draw[R.NEEDS_WEIGHTS] = (units[:, R.ENABLED] != 0).any() or draw[R.FOG_ENABLED]
     arithmetic = np.array(
-        [profile.product_rounding == ProductRounding.PER_PRODUCT, profile.round_before_scale, profile.clamp_low], np.int32
+        [
+            profile.product_rounding == ProductRounding.PER_PRODUCT,
+            profile.round_before_scale,
+            profile.clamp_low,
+        ],
+        np.int32,
     )
     return PackedState(draw, draw_float, program, final, constants, arithmetic, factors, units, thresholds)

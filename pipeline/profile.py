@@ -43,10 +43,10 @@ class Profile:
         ``exact``: float64 without limits (the ideal machine; the fields below then do not matter).
         ``expand_half``: what an 8-bit EXPAND mapping takes as one half, 128 or 127.5. ``product_rounding``,
         ``round_before_scale``, ``clamp_low`` (-256 or -255): general combiner. ``color_mantissa_bits``:
-        significant bits that a float vertex colour keeps on its way to a byte. ``subpixel_bits``: of a snapped
-        window coordinate. ``guard_band``: pixels around the screen that need no clipping.
-        ``device_origin``: where rows are counted from before snapping.
-        ``magnification_threshold``: the lambda up to which the magnification filter is taken.
+        significant bits that a float vertex colour keeps on its way to a byte. ``subpixel_bits``: of a
+        snapped window coordinate. ``guard_band``: pixels around the screen that need no clipping.
+        ``device_origin``: where rows are counted from before snapping. ``magnification_threshold``: the
+        lambda up to which the magnification filter is taken.
     """
 
     name: str
@@ -98,8 +98,11 @@ class Profile:
         missing, unknown = named - set(self.evidence), set(self.evidence) - named
         if missing or unknown:
             raise ValueError(
-                f"{self.name}: every field needs an evidence tag; missing {sorted(missing)}, unknown {sorted(unknown)}"
+                f"{self.name}: every field needs an evidence tag; missing {sorted(missing)}, "
+                f"unknown {sorted(unknown)}"
             )
         for field, tag in self.evidence.items():
             if not tag.startswith(EVIDENCE_TAGS):
-                raise ValueError(f"{self.name}.{field}: evidence must start with one of {', '.join(EVIDENCE_TAGS)}")
+                raise ValueError(
+                    f"{self.name}.{field}: evidence must start with one of {', '.join(EVIDENCE_TAGS)}"
+                )

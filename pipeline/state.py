@@ -1,8 +1,9 @@
 """Pass state: frozen dataclasses in the words of the OpenGL 1.2.1 specification, grouped by its sections.
 
-Nothing is "current": a Draw carries a whole ``PassState``. Every default is the OpenGL initial value. Change a
-state with ``dataclasses.replace``; equal states compare equal. What a machine cannot hold is refused by
-``pipeline.validate``, not here; what no machine could mean (three outputs to one register) is refused there too.
+Nothing is "current": a Draw carries a whole ``PassState``. Every default is the OpenGL initial value. Change
+a state with ``dataclasses.replace``; equal states compare equal. What a machine cannot hold is refused by
+``pipeline.validate``, not here; what no machine could mean (three outputs to one register) is refused there
+too.
 
 Colours are RGBA tuples of floats; 1.0 is full intensity. Matrices are 4x4 tuples of rows, applied to column
 vectors (``clip = projection @ modelview @ object``).
@@ -253,7 +254,9 @@ class FinalCombiner:
 
 @dataclass(frozen=True, slots=True)
 class RegisterCombiners:
-    """The whole of NV_register_combiners: one to eight general combiners (as the profile allows) and the final."""
+    """The whole of NV_register_combiners: one to eight general combiners (as the profile allows) and the
+    final.
+    """
 
     general: tuple[GeneralCombiner, ...] = (GeneralCombiner(),)
     final: FinalCombiner = FinalCombiner()

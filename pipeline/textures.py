@@ -1,9 +1,9 @@
 """Texture images: texels at the internal format's resolution, expanded to the bytes that registers read.
 
-A texture keeps, per level, ``uint8[faces, height, width, 4]``: what a combiner's texture register receives from
-one texel, RGBA. An internal format's own components are quantised to its bits and widened to a byte by bit
-replication (Measured: Texture_format captures, distinct levels), and the base format decides where they go
-(Source: NV_register_combiners table 2). Rows run bottom first, as TexImage2D reads them.
+A texture keeps, per level, ``uint8[faces, height, width, 4]``: what a combiner's texture register receives
+from one texel, RGBA. An internal format's own components are quantised to its bits and widened to a byte by
+bit replication (Measured: Texture_format captures, distinct levels), and the base format decides where they
+go (Source: NV_register_combiners table 2). Rows run bottom first, as TexImage2D reads them.
 """
 
 from dataclasses import dataclass
@@ -138,14 +138,18 @@ def _as_rgba(image, what):
     if image.dtype != np.uint8:
         image = image.astype(np.float64)
         if not np.isfinite(image).all():
-            raise ValueError(f"{what} holds NaN or infinity; texels must be finite numbers in [0, 1], or bytes.")
+            raise ValueError(
+                f"{what} holds NaN or infinity; texels must be finite numbers in [0, 1], or bytes."
+            )
     if image.ndim < 3 or image.shape[-1] not in (1, 2, 3, 4):
         raise ValueError(
             f"{what} has shape {image.shape}; give [height, width, components] with 1 to 4 components "
             "(L, LA, RGB or RGBA)."
         )
     if 0 in image.shape:
-        raise ValueError(f"{what} is {image.shape[-2]}x{image.shape[-3]} texels; a texture needs at least 1x1.")
+        raise ValueError(
+            f"{what} is {image.shape[-2]}x{image.shape[-3]} texels; a texture needs at least 1x1."
+        )
     one = np.uint8(255) if image.dtype == np.uint8 else 1.0
     c = image.shape[-1]
     out = np.full((*image.shape[:-1], 4), one, image.dtype)
@@ -162,8 +166,10 @@ def halve(level):
     counts it twice.
     """
     h, w = level.shape[1:3]
-    if h % 2 and h > 1 or w % 2 and w > 1:
-        raise ValueError(f"Mipmaps of a {w}x{h} level need even edges; give a texture whose edges are powers of two.")
+    if (h % 2 and h > 1) or (w % 2 and w > 1):
+        raise ValueError(
+            f"Mipmaps of a {w}x{h} level need even edges; give a texture whose edges are powers of two."
+        )
     rows = (level[:, 0::2], level[:, 1::2]) if h > 1 else (level, level)
     corners = [r[:, :, k::2] if w > 1 else r for r in rows for k in (0, 1)]
     if level.dtype == np.uint8:
@@ -212,5 +218,7 @@ def texture_cube_map(faces, internal_format=InternalFormat.RGBA8, *, mipmaps=Fal
     """
     rgba = _as_rgba(faces, "The cube map")
     if rgba.ndim != 4 or rgba.shape[0] != 6 or rgba.shape[1] != rgba.shape[2]:
-        raise ValueError(f"A cube map has shape {rgba.shape[:-1]}; give six square faces [6, size, size, components].")
+        raise ValueError(
+            f"A cube map has shape {rgba.shape[:-1]}; give six square faces [6, size, size, components]."
+        )
     return _build(TextureTarget.TEXTURE_CUBE_MAP, rgba, internal_format, mipmaps)

@@ -27,7 +27,7 @@ def sane(triangles, t, vertices, inverse_w):
 
 @kernel
 def band_range(triangles, t, x, y, draw):
-    """First and last band (screen rows >> BAND_SHIFT) that a triangle's samples can touch; first > last: none."""
+    """First and last band that a triangle's samples can touch; first > last: none."""
     v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
     y0, y1, y2 = int64(y[v0]), int64(y[v1]), int64(y[v2])
     top = max((min(y0, min(y1, y2)) + 7) >> 4, draw[R.Y0])
@@ -47,8 +47,8 @@ def band_range(triangles, t, x, y, draw):
 def count_bins(triangles, x, y, inverse_w, draw, counts, spans):
     """Bands of every triangle into ``spans`` int32[triangles, 2] and triangles per band into ``counts``.
 
-    Culling, empty areas and what lies outside the scissor box end here. Returns how many triangles were dropped
-    because a position was not usable.
+    Culling, empty areas and what lies outside the scissor box end here. Returns how many triangles were
+    dropped because a position was not usable.
     """
     dropped = int64(0)
     for band in range(counts.shape[0]):
@@ -68,7 +68,9 @@ def count_bins(triangles, x, y, inverse_w, draw, counts, spans):
 
 @kernel("void(i4[:,::1],i4[::1],i4[::1])")
 def fill_bins(spans, ends, order):
-    """Triangle numbers of every band, in draw order. ``ends`` int32[bands]: where each band begins; moved to its end."""
+    """Triangle numbers of every band, in draw order. ``ends`` int32[bands]: where each band begins; moved to
+    its end.
+    """
     for t in range(spans.shape[0]):
         for band in range(spans[t, 0], spans[t, 1] + 1):
             order[ends[band]] = int32(t)

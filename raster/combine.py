@@ -1,7 +1,8 @@
 """Register combiners over a batch (NV_register_combiners, section 3.8.12; docs/numbers.md, section 8).
 
-Registers are planes ``int16[REGISTERS * 4, batch]`` (red, green, blue, alpha of each register), -256..255, 255 = 1.0.
-Each loop below does one thing to whole planes; ``general_combiner`` and ``final_combiner`` decide which.
+Registers are planes ``int16[REGISTERS * 4, batch]`` (red, green, blue, alpha of each register), -256..255,
+255 = 1.0. Each loop below does one thing to whole planes; ``general_combiner`` and ``final_combiner`` decide
+which.
 """
 
 from numba import int16, int32, uint64
@@ -73,9 +74,11 @@ def mux(products, ab, cd, registers, count, total):
 
 @kernel("void(i4[:,::1],i8,i8,i4,i4,i4,i8,i2[:,::1],i8)")
 def finish(products, source, count, bias, scale, low, rounding, results, out):
-    """Rounding, bias, scale, clamp. ``rounding``: 0 the value is rounded already, 1 before, 2 after the scale.
+    """Rounding, bias, scale, clamp. ``rounding``: 0 the value is rounded already, 1 before, 2 after the
+    scale.
 
-    Measured: bias before scale, saturation, one half of values >= 0 (combiner captures); low: a profile field.
+    Measured: bias before scale, saturation, one half of values >= 0 (combiner captures); low: a profile
+    field.
     """
     separate_loop()
     high = int32(255)
@@ -112,12 +115,19 @@ def one_product(registers, a, b, count, row, low, results, out):
 
 @kernel("void(i2[:,::1],i8,i8,i8,i8,i8,i4[::1],i4,i2[:,::1],i8)")
 def sum_of_products(registers, a, b, c, d, count, row, low, results, out):
-    """``finish(A B + C D)`` in one loop: the commonest portion (JOINT rounding before the scale, no mux, no dot)."""
+    """``finish(A B + C D)`` in one loop: JOINT rounding before the scale, no mux, no dot product."""
     separate_loop()
     pa, pb, pc, pd, po = uint64(a), uint64(b), uint64(c), uint64(d), uint64(out)
     n = R.INPUT_SIZE
     la, fa, aa, lb, fb, ab = row[2], row[3], row[4], row[n + 2], row[n + 3], row[n + 4]
-    lc, fc, ac, ld, fd, ad = row[2 * n + 2], row[2 * n + 3], row[2 * n + 4], row[3 * n + 2], row[3 * n + 3], row[3 * n + 4]
+    lc, fc, ac, ld, fd, ad = (
+        row[2 * n + 2],
+        row[2 * n + 3],
+        row[2 * n + 4],
+        row[3 * n + 2],
+        row[3 * n + 3],
+        row[3 * n + 4],
+    )
     bias, scale = row[R.BIAS], row[R.SCALE]
     for i in range(count):
         one = int32(map_input(registers[pa, i], la, fa, aa) * map_input(registers[pb, i], lb, fb, ab))
@@ -170,14 +180,41 @@ def combine_portion(registers, first, last, count, row, arithmetic, products, to
         return
     if sum_out and not (ab_out or cd_out or ab_dot or cd_dot or row[R.MUX]) and rounding == 1:
         for k in range(first, last):
-            pa, pb, pc, pd = plane_of(row, a, k), plane_of(row, b, k), plane_of(row, c, k), plane_of(row, d, k)
+            pa, pb, pc, pd = (
+                plane_of(row, a, k),
+                plane_of(row, b, k),
+                plane_of(row, c, k),
+                plane_of(row, d, k),
+            )
             sum_of_products(registers, pa, pb, pc, pd, count, row, low, results, 8 + k)
         return
     for k in range(first, last):
         if ab_out or sum_out:
-            multiply(registers, plane_of(row, a, k), plane_of(row, b, k), count, row, a, b, products, k, per_product)
+            multiply(
+                registers,
+                plane_of(row, a, k),
+                plane_of(row, b, k),
+                count,
+                row,
+                a,
+                b,
+                products,
+                k,
+                per_product,
+            )
         if cd_out or sum_out:
-            multiply(registers, plane_of(row, c, k), plane_of(row, d, k), count, row, c, d, products, 4 + k, per_product)
+            multiply(
+                registers,
+                plane_of(row, c, k),
+                plane_of(row, d, k),
+                count,
+                row,
+                c,
+                d,
+                products,
+                4 + k,
+                per_product,
+            )
     if ab_dot and (ab_out or sum_out):
         sum_of_three(products, 0, count)
     if cd_dot and (cd_out or sum_out):
@@ -236,17 +273,21 @@ def multiply_e_f(registers, e, f, count, invert_e, invert_f, out, plane):
     separate_loop()
     pe, pf, po = uint64(e), uint64(f), uint64(plane)
     for i in range(count):
-        out[po, i] = int16(divide_255(int32(map_final(registers[pe, i], invert_e) * map_final(registers[pf, i], invert_f))))
+        out[po, i] = int16(
+            divide_255(int32(map_final(registers[pe, i], invert_e) * map_final(registers[pf, i], invert_f)))
+        )
 
 
 @kernel("void(i2[:,::1],i8,i8,i8,i2[:,::1],i8)")
 def sum_colors(registers, channel, count, clamped, out, plane):
-    """SPARE0 + SECONDARY: an integer sum, at most 255 with the color sum clamp. Measured: combiner captures."""
+    """SPARE0 + SECONDARY: an integer sum, clamped with the color sum clamp. Measured: combiner captures."""
     separate_loop()
     spare0, secondary, po = uint64(R.SPARE0 * 4 + channel), uint64(R.SECONDARY * 4 + channel), uint64(plane)
     limit = int32(255) if clamped else int32(510)
     for i in range(count):
-        total = int32(max(int32(registers[spare0, i]), int32(0)) + max(int32(registers[secondary, i]), int32(0)))
+        total = int32(
+            max(int32(registers[spare0, i]), int32(0)) + max(int32(registers[secondary, i]), int32(0))
+        )
         out[po, i] = int16(min(total, limit))
 
 

@@ -1,8 +1,9 @@
 """Drawing triangles band by band of rows: coverage, batches of fragments, and the order of the stages.
 
-Triangles come in draw order; their fragments fill a batch of columns row by row; a full batch is shaded (interpolation,
-texture units, combiners: pure functions of columns) and written (per-fragment operations). A fragment's value
-depends on its triangle and pixel alone, so neither bands nor the batch size can change a bit.
+Triangles come in draw order; their fragments fill a batch of columns row by row; a full batch is shaded
+(interpolation, texture units, combiners: pure functions of columns) and written (per-fragment operations). A
+fragment's value depends on its triangle and pixel alone, so neither bands nor the batch size can change a
+bit.
 """
 
 import numpy as np
@@ -129,11 +130,15 @@ def shade(
     if draw[R.NEEDS_SECONDARY]:
         for c in range(3):
             plane = R.SECONDARY * 4 + c
-            iterate_color(starts, owners, backs, segments, triangles, colors, 4 + c, flat, ints, registers, plane)
+            iterate_color(
+                starts, owners, backs, segments, triangles, colors, 4 + c, flat, ints, registers, plane
+            )
         fill_plane(registers, R.SECONDARY * 4 + 3, count, int32(0))
     if draw[R.FOG_ENABLED]:
         rising, plane = draw[R.FOG_RISING], R.FOG * 4 + 3
-        iterate_fog(starts, owners, segments, triangles, fog, floats, fog_thresholds, rising, registers, plane)
+        iterate_fog(
+            starts, owners, segments, triangles, fog, floats, fog_thresholds, rising, registers, plane
+        )
     if draw[R.WRITES_TEXTURE]:
         for u in range(4):
             unbound_texture(registers, u, count)
@@ -154,7 +159,19 @@ def shade(
             divide_by_q(floats, count)
         if row[R.MIPMAP] != 0 or row[R.MAG_LINEAR] != row[R.MIN_LINEAR]:
             level_of_detail(
-                run_starts, run_x, run_y, runs, triangles, x, y, inverse_w, coordinates, u, row, levels[u], ints
+                run_starts,
+                run_x,
+                run_y,
+                runs,
+                triangles,
+                x,
+                y,
+                inverse_w,
+                coordinates,
+                u,
+                row,
+                levels[u],
+                ints,
             )
         texels = texels0 if u == 0 else (texels1 if u == 1 else (texels2 if u == 2 else texels3))
         sample_unit(texels, levels[u], row, count, floats, ints, packed, registers, (R.TEXTURE0 + u) * 4)
@@ -173,6 +190,20 @@ def shade(
             fill_plane(registers, R.CONSTANT0 * 4 + c, count, int32(constants[draw[R.STAGES], c]))
     uses_ef, uses_sum = draw[R.USES_E_TIMES_F], draw[R.USES_SPARE0_PLUS_SECONDARY]
     final_combiner(registers, final, count, uses_ef, uses_sum, draw[R.COLOR_SUM_CLAMP], results)
+
+
+@kernel("void(i4[:,::1],i8,i4[::1],i4[::1],i4[::1],i8,i4[:,::1],u1[::1])")
+def record_batch(record, recorded, run_starts, run_x, run_y, runs, ints, alive):
+    """(triangle, x, y, passed) of a batch's fragments into rows of ``record`` while it has room."""
+    separate_function()
+    for run in range(runs):
+        for i in range(run_starts[run], run_starts[run + 1]):
+            row = recorded + i
+            if row < record.shape[0]:
+                record[row, 0] = ints[R.OWNER, run]
+                record[row, 1] = run_x[run] + int32(i - run_starts[run])
+                record[row, 2] = run_y[run]
+                record[row, 3] = int32(alive[i])
 
 
 @kernel(
@@ -215,9 +246,10 @@ def draw_bands(
 ):
     """Draw bands first_band, first_band + band_step, ... of the framebuffer.
 
-    Rows are laid out as ``raster.rows`` says. ``order`` and ``ends`` are what ``raster.bins.fill_bins`` leaves: the
-    triangles of band b are ``order[ends[b - 1]:ends[b]]``. ``record`` int32[n, 4] takes (triangle, x, y, passed) of
-    every fragment while it has room (n = 0: nothing is recorded). Returns the number of fragments drawn.
+    Rows are laid out as ``raster.rows`` says. ``order`` and ``ends`` are what ``raster.bins.fill_bins``
+    leaves: the triangles of band b are ``order[ends[b - 1]:ends[b]]``. ``record`` int32[n, 4] takes
+    (triangle, x, y, passed) of every fragment while it has room (n = 0: nothing is recorded). Returns the
+    number of fragments drawn.
     """
     e0, e1, e2 = np.empty(batch, np.float64), np.empty(batch, np.float64), np.empty(batch, np.float64)
     depth = np.empty(batch, np.int32)
@@ -228,8 +260,16 @@ def draw_bands(
     products, total = np.empty((8, batch), np.int32), np.empty((1, batch), np.int32)
     results = np.empty((12, batch), np.int16)
     colors_packed, alive = np.empty(batch, np.uint32), np.empty(batch, np.uint8)
-    starts, owners, backs = np.empty(batch + 1, np.int32), np.empty(batch, np.int32), np.empty(batch, np.int32)
-    run_starts, run_x, run_y = np.empty(batch + 1, np.int32), np.empty(batch, np.int32), np.empty(batch, np.int32)
+    starts, owners, backs = (
+        np.empty(batch + 1, np.int32),
+        np.empty(batch, np.int32),
+        np.empty(batch, np.int32),
+    )
+    run_starts, run_x, run_y = (
+        np.empty(batch + 1, np.int32),
+        np.empty(batch, np.int32),
+        np.empty(batch, np.int32),
+    )
     for c in range(8):
         fill_plane(registers, R.CONSTANT0 * 4 + c, batch, int32(constants[0, c]))
     for c in range(3):
@@ -253,14 +293,22 @@ def draw_bands(
             finished = k == members
             t = order[begin + k] if not finished else order[begin]
             v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
-            x0, y0, x1, y1, x2, y2 = int64(x[v0]), int64(y[v0]), int64(x[v1]), int64(y[v1]), int64(x[v2]), int64(y[v2])
+            x0, y0, x1, y1, x2, y2 = (
+                int64(x[v0]),
+                int64(y[v0]),
+                int64(x[v1]),
+                int64(y[v1]),
+                int64(x[v2]),
+                int64(y[v2]),
+            )
             first_row = max((min(y0, min(y1, y2)) + 7) >> 4, top)
             last_row = min((max(y0, max(y1, y2)) - 8) >> 4, bottom - 1)
             left = max((min(x0, min(x1, x2)) + 7) >> 4, draw[R.X0])
             right = min((max(x0, max(x1, x2)) - 8) >> 4, draw[R.X1] - 1)
             if finished:
                 last_row = first_row  # one turn of the row loop, to flush
-            # Edge functions n1 and n2 step by these from pixel to pixel and row to row; n0 is the rest of the area.
+            # Edge functions n1 and n2 step by these from pixel to pixel and row to row; n0 is the rest of the
+            # area.
             area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
             sign = int64(-1) if area < 0 else int64(1)
             signed_area, area = area, area * sign
@@ -271,7 +319,8 @@ def draw_bands(
             n1 = ((sx - x0) * (y2 - y0) - (x2 - x0) * (sy - y0)) * sign
             n2 = ((x1 - x0) * (sy - y0) - (sx - x0) * (y1 - y0)) * sign
             n0 = area - n1 - n2
-            # The interior lies to the right of a left edge and below a top edge: there a value of 0 is inside.
+            # The interior lies to the right of a left edge and below a top edge: there a value of 0 is
+            # inside.
             tie0 = int64(0) if right0 > 0 or (right0 == 0 and down0 > 0) else int64(-1)
             tie1 = int64(0) if right1 > 0 or (right1 == 0 and down1 > 0) else int64(-1)
             tie2 = int64(0) if right2 > 0 or (right2 == 0 and down2 > 0) else int64(-1)
@@ -282,17 +331,31 @@ def draw_bands(
             inverse_area, z1, z01, z21, offset = 0.0, 0.0, 0.0, 0.0, int32(0)
             if needs_depth and not finished:
                 inverse_area = 1.0 / float64(area)
-                za, z1, zb = z[v0] * draw_float[R.DEPTH_SCALE], z[v1] * draw_float[R.DEPTH_SCALE], z[v2] * draw_float[R.DEPTH_SCALE]
+                za, z1, zb = (
+                    z[v0] * draw_float[R.DEPTH_SCALE],
+                    z[v1] * draw_float[R.DEPTH_SCALE],
+                    z[v2] * draw_float[R.DEPTH_SCALE],
+                )
                 z01, z21 = za - z1, zb - z1
                 if draw[R.POLYGON_OFFSET]:
-                    dx = ((z1 - za) * float64(y2 - y0) - (zb - za) * float64(y1 - y0)) * 16.0 / float64(signed_area)
-                    dy = ((zb - za) * float64(x1 - x0) - (z1 - za) * float64(x2 - x0)) * 16.0 / float64(signed_area)
+                    dx = (
+                        ((z1 - za) * float64(y2 - y0) - (zb - za) * float64(y1 - y0))
+                        * 16.0
+                        / float64(signed_area)
+                    )
+                    dy = (
+                        ((zb - za) * float64(x1 - x0) - (z1 - za) * float64(x2 - x0))
+                        * 16.0
+                        / float64(signed_area)
+                    )
                     amount = draw_float[R.OFFSET_UNITS] + draw_float[R.OFFSET_FACTOR] * max(abs(dx), abs(dy))
                     offset = int32(min(max(amount, -(2.0**30)), 2.0**30))
             for row in range(first_row, last_row + 1):
                 start, end = left, left
                 if not finished:
-                    start, end = row_span(n0 + tie0, n1 + tie1, n2 + tie2, right0, right1, right2, left, right)
+                    start, end = row_span(
+                        n0 + tie0, n1 + tie1, n2 + tie2, right0, right1, right2, left, right
+                    )
                 while start < end or (finished and position > 0):
                     if start < end:
                         n = min(end - start, batch - position)
@@ -311,33 +374,40 @@ def draw_bands(
                         if needs_depth:
                             tie = draw_float[R.DEPTH_TIE]
                             s0, s2 = float64(right0), float64(right2)
-                            emit_depth(depth, position, n, m0, m2, s0, s2, inverse_area, z1, z01, z21, tie, offset, depth_max)
+                            emit_depth(
+                                depth,
+                                position,
+                                n,
+                                m0,
+                                m2,
+                                s0,
+                                s2,
+                                inverse_area,
+                                z1,
+                                z01,
+                                z21,
+                                tie,
+                                offset,
+                                depth_max,
+                            )
                         position += n
                         start += n
                     if position == batch or finished:
                         starts[segments], run_starts[runs] = int32(position), int32(position)
                         if needs_color:
                             shade(
-                                draw, program, final, constants, arithmetic, position, starts, owners, backs, segments,
-                                triangles, x, y, inverse_w, colors, coordinates, fog, fog_thresholds,
-                                texels0, texels1, texels2, texels3, levels, units, run_starts, run_x, run_y, runs,
-                                e0, e1, e2, floats, ints, packed, registers, products, total, results,
+                                draw, program, final, constants, arithmetic, position, starts, owners, backs,
+                                segments, triangles, x, y, inverse_w, colors, coordinates, fog,
+                                fog_thresholds,
+                                texels0, texels1, texels2, texels3, levels, units, run_starts, run_x, run_y,
+                                runs, e0, e1, e2, floats, ints, packed, registers, products, total, results,
                             )  # fmt: skip
                         per_fragment(
-                            draw, position, run_starts, run_x, run_y, runs, results, colors_packed, depth, alive, factors,
-                            color, depth_buffer, stencil,
+                            draw, position, run_starts, run_x, run_y, runs, results, colors_packed, depth,
+                            alive, factors, color, depth_buffer, stencil,
                         )  # fmt: skip
-                        if record.shape[0] > 0:
-                            for run in range(runs):
-                                for i in range(run_starts[run], run_starts[run + 1]):
-                                    if recorded < record.shape[0]:
-                                        record[recorded, 0] = ints[R.OWNER, run]
-                                        record[recorded, 1] = run_x[run] + i - run_starts[run]
-                                        record[recorded, 2] = run_y[run]
-                                        record[recorded, 3] = alive[i]
-                                    recorded += 1
-                        else:
-                            recorded += position
+                        record_batch(record, recorded, run_starts, run_x, run_y, runs, ints, alive)
+                        recorded += position
                         position, segments, runs = int64(0), int64(0), int64(0)
                 n0 += down0
                 n1 += down1

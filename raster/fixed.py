@@ -1,6 +1,7 @@
 """Number formats: the few scalar rules that narrow, round or truncate. Inlined into the loops that call them.
 
-Values are widened to int32 or float64 when loaded; only these functions and explicit casts make them narrower.
+Values are widened to int32 or float64 when loaded; only these functions and explicit casts make them
+narrower.
 """
 
 from numba import int32, int64
@@ -14,11 +15,13 @@ _LOW_29 = int64(-1 << 29)  # keeps sign, exponent and 23 mantissa bits: 24 signi
 def divide_255(n):
     """``rn(n) = floor(n/255 + 1/2)`` of an int32, |n| <= 2**21 (two dot products, times four, stay below).
 
-    Inferred: rounding to nearest, from the NV2A's final combiner and blender (docs/numbers.md, section 8). With
-    u = n + 128 + 255*8192 the division is ``(u + ((u + (u >> 8)) >> 8)) >> 8``, exact for u up to 2**23.
+    Inferred: rounding to nearest, from the NV2A's final combiner and blender (docs/numbers.md, section 8).
+    With u = n + 128 + 255*8192 the division is ``(u + ((u + (u >> 8)) >> 8)) >> 8``, exact for u up to 2**23.
     """
     u = int32(n + int32(128 + 255 * 8192))
-    return int32(int32(int32(u + int32(int32(u + int32(u >> int32(8))) >> int32(8))) >> int32(8)) - int32(8192))
+    return int32(
+        int32(int32(u + int32(int32(u + int32(u >> int32(8))) >> int32(8))) >> int32(8)) - int32(8192)
+    )
 
 
 @kernel

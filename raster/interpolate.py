@@ -1,9 +1,10 @@
-"""Weights of a fragment inside its triangle, and everything iterated with them (docs/numbers.md, sections 4 to 6).
+"""Weights of a fragment inside its triangle, and everything iterated with them (docs/numbers.md, sections 4
+to 6).
 
-Loops index with unsigned integers: NumPy's negative indices would cost every access a comparison and keep LLVM from
-vectorising. A batch's fragments are columns. ``e0, e1, e2`` are the edge functions times 1/w (float64). A segment is a run of
-consecutive fragments of one triangle: ``starts`` int32[segments + 1], ``owners`` int32[segments] (triangle),
-``backs`` int32[segments] (1: the back colour).
+Loops index with unsigned integers: NumPy's negative indices would cost every access a comparison and keep
+LLVM from vectorising. A batch's fragments are columns. ``e0, e1, e2`` are the edge functions times 1/w
+(float64). A segment is a run of consecutive fragments of one triangle: ``starts`` int32[segments + 1],
+``owners`` int32[segments] (triangle), ``backs`` int32[segments] (1: the back colour).
 """
 
 import numpy as np
@@ -27,7 +28,9 @@ def emit_weights(e0, e1, e2, position, count, n0, n1, n2, step0, step1, step2, i
 
 
 @kernel("void(i4[::1],i8,i8,f8,f8,f8,f8,f8,f8,f8,f8,f8,i4,i4)")
-def emit_depth(depth, position, count, n0, n2, step0, step2, inverse_area, z1, z01, z21, tie, offset, maximum):
+def emit_depth(
+    depth, position, count, n0, n2, step0, step2, inverse_area, z1, z01, z21, tie, offset, maximum
+):
     """Depth units of ``count`` pixels: floor of the plane, plus the polygon offset, clamped."""
     separate_loop()
     at = uint64(position)
@@ -75,7 +78,8 @@ def color_weights(e0, e1, e2, count, ints):
 
 @kernel("void(i4[::1],i4[::1],i4[::1],i8,i4[:,::1],u1[:,:,::1],i8,i8,i4[:,::1],i2[:,::1],i8)")
 def iterate_color(starts, owners, backs, segments, triangles, colors, channel, flat, ints, out, plane):
-    """One colour channel into a plane of ``out``: ``(w0 c0 + w1 c1 + w2 c2 + 128) >> 8``, or the provoking vertex's.
+    """One colour channel into a plane of ``out``: ``(w0 c0 + w1 c1 + w2 c2 + 128) >> 8``, or the provoking
+    vertex's.
 
     Measured: over a million pixels (3D_primitive, Texture_perspective captures).
     """
@@ -121,7 +125,8 @@ def iterate_coordinate(starts, owners, segments, triangles, coordinates, unit, c
 
 @kernel("void(i4[::1],i4[::1],i8,i4[:,::1],f8[:,:,::1],i8,i8,i4[:,::1],f8,f8[:,::1],i8)")
 def tie_bias(starts, owners, segments, triangles, coordinates, unit, component, ints, tau, floats, column):
-    """Which side of an exact texel boundary a nearest filter takes, as a bias of plus or minus ``tau`` texels.
+    """Which side of an exact texel boundary a nearest filter takes, as a bias of plus or minus ``tau``
+    texels.
 
     Measured: 7790 of 7790 and 6660 of 6661 ties (checkerboards of Lighting_control and Specular_back).
     """
@@ -143,7 +148,9 @@ def tie_bias(starts, owners, segments, triangles, coordinates, unit, component, 
 
 @kernel("void(i4[::1],i4[::1],i8,i4[:,::1],f8[::1],f8[:,::1],f8[::1],i8,i2[:,::1],i8)")
 def iterate_fog(starts, owners, segments, triangles, fog, floats, thresholds, rising, out, plane):
-    """The fog factor's byte into a plane of ``out``: how many of the 255 thresholds (falling with k, or rising) the coordinate keeps."""
+    """The fog factor's byte into a plane of ``out``: how many of the 255 thresholds (falling with k, or
+    rising) the coordinate keeps.
+    """
     separate_loop()
     for s in range(segments):
         t = owners[s]

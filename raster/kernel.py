@@ -1,8 +1,8 @@
 """The one decorator every kernel wears, and the two promises a loop kernel can make to the compiler.
 
-Numba's on-disk cache watches only the file a kernel is written in, not the kernels it calls in other files, so
-an edit could go unnoticed. The cache folder is therefore named after a digest of every source in ``raster/``
-(and of the settings that change the code but not the sources).
+Numba's on-disk cache watches only the file a kernel is written in, not the kernels it calls in other files,
+so an edit could go unnoticed. The cache folder is therefore named after a digest of every source in
+``raster/`` (and of the settings that change the code but not the sources).
 """
 
 import hashlib
@@ -37,7 +37,9 @@ def _writable(folder):
 
 
 def _cache_folder():
-    """The first folder that can be written: the user's choice, beside the sources, the user's cache, temporary."""
+    """The first folder that can be written: the user's choice, beside the sources, the user's cache,
+    temporary.
+    """
     chosen = os.environ.get("NUMBA_CACHE_DIR")
     user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fixedpipe"
     for base in (chosen and Path(chosen), _SOURCES.parent / ".cache", user):

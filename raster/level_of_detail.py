@@ -10,7 +10,9 @@ from raster.sample import FAR, log2_q7, major_axis, on_face
 
 @kernel
 def edge_functions(x0, y0, x1, y1, x2, y2, px, py):
-    """Area and the edge functions n0, n2 of pixel (px, py)'s sample, int64, in 1/256 square pixel, made positive."""
+    """Area and the edge functions n0, n2 of pixel (px, py)'s sample, int64, in 1/256 square pixel, made
+    positive.
+    """
     sx, sy = px * 16 + 8, py * 16 + 8
     area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
     n1 = (sx - x0) * (y2 - y0) - (x2 - x0) * (sy - y0)
@@ -24,7 +26,14 @@ def edge_functions(x0, y0, x1, y1, x2, y2, px, py):
 def coordinates_at(v0, v1, v2, x, y, inverse_w, coordinates, unit, projective, px, py):
     """(whether D > 0, s, t, r) of a pixel, inside the triangle or not; s and t divided by q if projective."""
     n0, n1, n2 = edge_functions(
-        int64(x[v0]), int64(y[v0]), int64(x[v1]), int64(y[v1]), int64(x[v2]), int64(y[v2]), int64(px), int64(py)
+        int64(x[v0]),
+        int64(y[v0]),
+        int64(x[v1]),
+        int64(y[v1]),
+        int64(x[v2]),
+        int64(y[v2]),
+        int64(px),
+        int64(py),
     )
     w0, w1, w2 = inverse_w[v0], inverse_w[v1], inverse_w[v2]
     if w0 == w1 and w1 == w2:
@@ -50,9 +59,15 @@ def coordinates_at(v0, v1, v2, x, y, inverse_w, coordinates, unit, projective, p
 @kernel
 def block_lambda(v0, v1, v2, x, y, inverse_w, coordinates, unit, row, width, height, bx, by):
     """Lambda with 8 fraction bits, without bias, of the block whose origin is (bx, by)."""
-    ok0, s0, t0, r0 = coordinates_at(v0, v1, v2, x, y, inverse_w, coordinates, unit, row[R.PROJECTIVE], bx, by)
-    ok1, s1, t1, r1 = coordinates_at(v0, v1, v2, x, y, inverse_w, coordinates, unit, row[R.PROJECTIVE], bx + 1, by)
-    ok2, s2, t2, r2 = coordinates_at(v0, v1, v2, x, y, inverse_w, coordinates, unit, row[R.PROJECTIVE], bx, by + 1)
+    ok0, s0, t0, r0 = coordinates_at(
+        v0, v1, v2, x, y, inverse_w, coordinates, unit, row[R.PROJECTIVE], bx, by
+    )
+    ok1, s1, t1, r1 = coordinates_at(
+        v0, v1, v2, x, y, inverse_w, coordinates, unit, row[R.PROJECTIVE], bx + 1, by
+    )
+    ok2, s2, t2, r2 = coordinates_at(
+        v0, v1, v2, x, y, inverse_w, coordinates, unit, row[R.PROJECTIVE], bx, by + 1
+    )
     if not (ok0 and ok1 and ok2):
         return FAR
     if row[R.TARGET] == 2:
@@ -86,7 +101,8 @@ def block_lambda(v0, v1, v2, x, y, inverse_w, coordinates, unit, row, width, hei
 def level_of_detail(
     run_starts, run_x, run_y, runs, triangles, x, y, inverse_w, coordinates, unit, row, levels, ints
 ):
-    """Lambda plus bias of every fragment, 8 fraction bits, into LOD. Runs (triangles in OWNER): consecutive pixels of one row of one triangle.
+    """Lambda plus bias of every fragment, 8 fraction bits, into LOD. Runs (triangles in OWNER): consecutive
+    pixels of one row of one triangle.
 
     Measured: one value per 2x2 block (Texture_anisotropy), axis steps (LODBias 61440 of 61440).
     """
@@ -101,6 +117,8 @@ def level_of_detail(
         for i in range(run_starts[k], run_starts[k + 1]):
             if px & ~1 != block:
                 block = px & ~1
-                value = block_lambda(v0, v1, v2, x, y, inverse_w, coordinates, unit, row, width, height, block, by)
+                value = block_lambda(
+                    v0, v1, v2, x, y, inverse_w, coordinates, unit, row, width, height, block, by
+                )
             ints[R.LOD, i] = int32(value + int32(row[R.LOD_BIAS]))
             px += 1

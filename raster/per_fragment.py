@@ -1,7 +1,8 @@
 """Per-fragment operations in OpenGL's order: the only kernels that write to a framebuffer.
 
-Fragments lie in columns; a run is a piece of one row of one triangle, so its pixels are distinct and a loop over it
-may be vectorised; runs follow each other in draw order. Colour is ``uint32[height, width]``, red in the low byte.
+Fragments lie in columns; a run is a piece of one row of one triangle, so its pixels are distinct and a loop
+over it may be vectorised; runs follow each other in draw order. Colour is ``uint32[height, width]``, red in
+the low byte.
 """
 
 from numba import int32, uint8, uint32, uint64
@@ -45,9 +46,27 @@ def stencil_run(stencil, depth_buffer, y, x, count, alive, start, depth, draw):
     depth_function = int32(draw[R.DEPTH_FUNCTION])
     needs_depth, depth_write = draw[R.NEEDS_DEPTH], draw[R.DEPTH_WRITE]
     f, z, p = R.STENCIL_FAIL, R.STENCIL_DEPTH_FAIL, R.STENCIL_DEPTH_PASS
-    fa, fx, fd, fl, fh = int32(draw[f]), int32(draw[f + 1]), int32(draw[f + 2]), int32(draw[f + 3]), int32(draw[f + 4])
-    za, zx, zd, zl, zh = int32(draw[z]), int32(draw[z + 1]), int32(draw[z + 2]), int32(draw[z + 3]), int32(draw[z + 4])
-    pa, px, pd, pl, ph = int32(draw[p]), int32(draw[p + 1]), int32(draw[p + 2]), int32(draw[p + 3]), int32(draw[p + 4])
+    fa, fx, fd, fl, fh = (
+        int32(draw[f]),
+        int32(draw[f + 1]),
+        int32(draw[f + 2]),
+        int32(draw[f + 3]),
+        int32(draw[f + 4]),
+    )
+    za, zx, zd, zl, zh = (
+        int32(draw[z]),
+        int32(draw[z + 1]),
+        int32(draw[z + 2]),
+        int32(draw[z + 3]),
+        int32(draw[z + 4]),
+    )
+    pa, px, pd, pl, ph = (
+        int32(draw[p]),
+        int32(draw[p + 1]),
+        int32(draw[p + 2]),
+        int32(draw[p + 3]),
+        int32(draw[p + 4]),
+    )
     for i in range(count):
         k = uint64(i)
         stored = int32(stencil[row, at + k])
@@ -130,7 +149,9 @@ def blend_factor(row, at, s, d, sa, da, saturate):
 
 @kernel
 def blend_equation(equation, s, fs, d, fd):
-    """Section 4.1.6 on bytes: one rounding after the sum. Measured: 176504832 of 176504832 pixels (Blend captures)."""
+    """Section 4.1.6 on bytes: one rounding after the sum. Measured: 176504832 of 176504832 pixels (Blend
+    captures).
+    """
     if equation == 3:
         return min(s, d)
     if equation == 4:
@@ -173,9 +194,17 @@ def blend_run(color, y, x, count, source, alive, start, factors, equation, mask)
         fb, eb = blend_factor(fs, 14, sb, db, sa, da, low), blend_factor(fd, 14, sb, db, sa, da, low)
         one = int32(255)
         fa, ea = blend_factor(fs, 21, sa, da, sa, da, one), blend_factor(fd, 21, sa, da, sa, da, one)
-        r, g = uint32(blend_equation(equation, sr, fr, dr, er)), uint32(blend_equation(equation, sg, fg, dg, eg))
-        b, a = uint32(blend_equation(equation, sb, fb, db, eb)), uint32(blend_equation(equation, sa, fa, da, ea))
-        packed = uint32(uint32(r | uint32(g << uint32(8))) | uint32(uint32(b << uint32(16)) | uint32(a << uint32(24))))
+        r, g = (
+            uint32(blend_equation(equation, sr, fr, dr, er)),
+            uint32(blend_equation(equation, sg, fg, dg, eg)),
+        )
+        b, a = (
+            uint32(blend_equation(equation, sb, fb, db, eb)),
+            uint32(blend_equation(equation, sa, fa, da, ea)),
+        )
+        packed = uint32(
+            uint32(r | uint32(g << uint32(8))) | uint32(uint32(b << uint32(16)) | uint32(a << uint32(24)))
+        )
         color[row, at + uint64(i)] = merge(packed, d, mask, alive[here + uint64(i)])
 
 
@@ -233,12 +262,26 @@ def all_alive(alive, count):
     "u4[:,::1],u4[:,::1],u1[:,::1])"
 )
 def per_fragment(
-    draw, count, run_starts, run_x, run_y, runs, colors, packed, depth, alive, factors, color, depth_buffer, stencil
+    draw,
+    count,
+    run_starts,
+    run_x,
+    run_y,
+    runs,
+    colors,
+    packed,
+    depth,
+    alive,
+    factors,
+    color,
+    depth_buffer,
+    stencil,
 ):
     """Alpha, stencil and depth test, blending or logic operation, and masks, of a batch.
 
-    colors int16[4, batch] (0..255), depth int32[batch]; scratch: packed uint32[batch], alive uint8[batch], which
-    afterwards says which fragments passed; factors int32[2, 28]: the blend factors of source and destination.
+    colors int16[4, batch] (0..255), depth int32[batch]; scratch: packed uint32[batch], alive uint8[batch],
+    which afterwards says which fragments passed; factors int32[2, 28]: the blend factors of source and
+    destination.
     """
     separate_function()
     all_alive(alive, count)
@@ -257,7 +300,9 @@ def per_fragment(
             stencil_run(stencil, depth_buffer, y, x, n, alive, start, depth, draw)
             tested = True
         elif draw[R.NEEDS_DEPTH]:
-            depth_run(depth_buffer, y, x, n, alive, start, depth, int32(draw[R.DEPTH_FUNCTION]), draw[R.DEPTH_WRITE])
+            depth_run(
+                depth_buffer, y, x, n, alive, start, depth, int32(draw[R.DEPTH_FUNCTION]), draw[R.DEPTH_WRITE]
+            )
             tested = True
         if writes:
             if mode == 1:

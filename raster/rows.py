@@ -1,6 +1,8 @@
-"""Layout of the rows that ``pipeline/pack.py`` writes and kernels read. Every entry is an integer unless it says so.
+"""Layout of the rows that ``pipeline/pack.py`` writes and kernels read. Every entry is an integer unless it
+says so.
 
-A state is packed so that two states that cannot differ in their result give equal rows: what is disabled is zero.
+A state is packed so that two states that cannot differ in their result give equal rows: what is disabled is
+zero.
 """
 
 # ------------------------------------------------------------------ draw: int64[DRAW_SIZE]
@@ -55,8 +57,8 @@ LOGIC_OPERATION = BLEND_EQUATION + 1
 COLOR_MASK = LOGIC_OPERATION + 1  # 32 bits, as stored
 DRAW_SIZE = COLOR_MASK + 1
 
-# ---------------------------- blend factors: int32[2, 4 * FACTOR_SIZE]: source, destination; red, green, blue, alpha
-# masks of S, D, As, Ad and the saturate term; a constant byte; xor (255: one minus)
+# ---------------------------- blend factors: int32[2, 4 * FACTOR_SIZE]: source, destination; red, green,
+# blue, alpha masks of S, D, As, Ad and the saturate term; a constant byte; xor (255: one minus)
 FACTOR_SIZE = 7
 
 # ------------------------------------------------------------ draw: float64[DRAW_FLOAT_SIZE]
@@ -66,7 +68,9 @@ DEPTH_SCALE, DEPTH_TIE, OFFSET_FACTOR, OFFSET_UNITS, DRAW_FLOAT_SIZE = range(5)
 # Four inputs of INPUT_SIZE entries: register, usage (0 RGB, 1 ALPHA, 2 BLUE), and the mapping as
 # min(max(x, low) * factor + addend, 255).
 INPUT_SIZE = 5
-AB_OUTPUT, CD_OUTPUT, SUM_OUTPUT, AB_DOT, CD_DOT, MUX, BIAS, SCALE, PORTION_SIZE = range(4 * INPUT_SIZE, 4 * INPUT_SIZE + 9)
+AB_OUTPUT, CD_OUTPUT, SUM_OUTPUT, AB_DOT, CD_DOT, MUX, BIAS, SCALE, PORTION_SIZE = range(
+    4 * INPUT_SIZE, 4 * INPUT_SIZE + 9
+)
 
 # -------------------------------------- final combiner: int32[7, FINAL_SIZE]: register, usage, invert
 FINAL_SIZE = 3
@@ -88,18 +92,41 @@ FINAL_SIZE = 3
     UNIT_SIZE,
 ) = range(13)
 
-# ------------------------------------------- texture levels: int32[units, MAX_LEVELS, 3]: offset, width, height
+# ------------------------------------------- texture levels: int32[units, MAX_LEVELS, 3]: offset, width,
+# height
 MAX_LEVELS = 16
 
 # Registers, four planes each (red, green, blue, alpha): the codes of pipeline.enums.Register.
 ZERO, CONSTANT0, CONSTANT1, FOG, PRIMARY, SECONDARY, SPARE0, SPARE1, TEXTURE0 = range(9)
 E_TIMES_F, SPARE0_PLUS_SECONDARY, REGISTERS = 12, 13, 14
 
-# Scratch columns of a batch.  floats float64[FLOAT_COLUMNS, batch]: texture coordinates (for a cube map, of its face,
-# doubled), tie biases of nearest filters, sizes of each fragment's level, texel coordinates, weights of vertices 0, 2.
+# Scratch columns of a batch.  floats float64[FLOAT_COLUMNS, batch]: texture coordinates (for a cube map, of
+# its face, doubled), tie biases of nearest filters, sizes of each fragment's level, texel coordinates,
+# weights of
+# vertices 0, 2.
 S, T, TIE_S, TIE_T, S_SIZE, T_SIZE, TEXEL, EXTRA, B0, B2, FLOAT_COLUMNS = range(11)
-# ints int32[INT_COLUMNS, batch]: cube face; where the level begins and its width; neighbouring columns and rows with
-# their fractions; level, fraction between levels, lambda; colour weights and residual vertex; a run's triangle.
-FACE, BASE, WIDTH, I0, I1, I_FRACTION, J0, J1, J_FRACTION, LEVEL, FRACTION, LOD, W0, W2, RESIDUAL, OWNER, INT_COLUMNS = range(17)
+# ints int32[INT_COLUMNS, batch]: cube face; where the level begins and its width; neighbouring columns and
+# rows with their fractions; level, fraction between levels, lambda; colour weights and residual vertex; a
+# run's
+# triangle.
+(
+    FACE,
+    BASE,
+    WIDTH,
+    I0,
+    I1,
+    I_FRACTION,
+    J0,
+    J1,
+    J_FRACTION,
+    LEVEL,
+    FRACTION,
+    LOD,
+    W0,
+    W2,
+    RESIDUAL,
+    OWNER,
+    INT_COLUMNS,
+) = range(17)
 # packed uint32[PACKED_COLUMNS, batch]: the four texels of a linear filter; filtered texels.
 P00, P10, P01, P11, TEXEL_0, TEXEL_1, MAGNIFIED, PACKED_COLUMNS = range(8)

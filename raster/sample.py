@@ -1,8 +1,8 @@
 """Texture sampling over a batch (docs/numbers.md, sections 6 and 7).
 
-A texture's levels lie one behind another in one ``uint32`` array of packed register bytes (red in the low byte),
-rows bottom first; a cube map's level holds its six faces in order. Every fragment has its own level, so the size
-of a level is a column too. A nearest filter is a linear one with a fraction of zero.
+A texture's levels lie one behind another in one ``uint32`` array of packed register bytes (red in the low
+byte), rows bottom first; a cube map's level holds its six faces in order. Every fragment has its own level,
+so the size of a level is a column too. A nearest filter is a linear one with a fraction of zero.
 """
 
 import numpy as np
@@ -52,7 +52,7 @@ def log2_q7(x):
 
 @kernel
 def major_axis(s, t, r):
-    """Which face a cube map direction selects: 0..5 for +x, -x, +y, -y, +z, -z; x before y before z when equal."""
+    """A direction's face, 0..5 for +x, -x, +y, -y, +z, -z; x before y before z when equal."""
     if abs(s) >= abs(t) and abs(s) >= abs(r):
         return 0 if s >= 0.0 else 1
     if abs(t) >= abs(r):
@@ -62,7 +62,7 @@ def major_axis(s, t, r):
 
 @kernel
 def on_face(face, s, t, r):
-    """(sc, tc, ma) of EXT_texture_cube_map's table for a face; ma is not positive when the face is not the major."""
+    """(sc, tc, ma) of EXT_texture_cube_map's table; ma <= 0 where the face is not the major one."""
     if face == 0:
         return -r, -t, s
     if face == 1:
@@ -78,7 +78,7 @@ def on_face(face, s, t, r):
 
 @kernel("void(f8[:,::1],i8,i4[:,::1])")
 def cube_faces(floats, count, ints):
-    """From s, t (S, T) and r (EXTRA): the FACE of each direction, and in S and T (sc/|ma| + 1, tc/|ma| + 1)."""
+    """From s, t (S, T) and r (EXTRA): each direction's FACE, and in S and T sc/|ma| + 1 and tc/|ma| + 1."""
     separate_loop()
     for i in range(count):
         s, t, r = floats[R.S, i], floats[R.T, i], floats[R.EXTRA, i]
@@ -117,7 +117,7 @@ def texel_coordinates(floats, axis, size, tie, scale, count):
 
 @kernel("void(f8[:,::1],i8,i8,i8,i4[:,::1],i8)")
 def wrap_repeat(floats, size, count, linear, ints, first):
-    """REPEAT of TEXEL: two neighbouring texels and the 8-bit fraction between them, into columns from ``first`` on."""
+    """REPEAT of TEXEL: two neighbours and the 8-bit fraction between them, from column ``first``."""
     separate_loop()
     ps, p0, p1, pf = uint64(size), uint64(first), uint64(first + 1), uint64(first + 2)
     if linear:
@@ -144,7 +144,7 @@ def wrap_repeat(floats, size, count, linear, ints, first):
 
 @kernel("void(f8[:,::1],i8,i8,i8,i8,f8,i8,i4[:,::1],i8)")
 def wrap_clamp(floats, size, count, linear, mirrored, margin, border, ints, first):
-    """The other wrap modes: T limited to [-margin, size + margin]; outside texels are clamped or -1 (border)."""
+    """The other wrap modes: T limited to [-margin, size + margin]; texels outside are clamped or -1."""
     separate_loop()
     ps, p0, p1, pf = uint64(size), uint64(first), uint64(first + 1), uint64(first + 2)
     for i in range(count):
@@ -253,7 +253,7 @@ def filter_linear(packed, ints, count, out):
 
 @kernel("void(u4[:,::1],i4[:,::1],i8)")
 def blend_levels(packed, ints, count):
-    """Between two mipmap levels, each already bytes, into TEXEL_0. Measured: 61440 of 61440 pixels (LODBias)."""
+    """Between two mipmap levels, into TEXEL_0. Measured: 61440 of 61440 pixels (LODBias)."""
     separate_loop()
     for i in range(count):
         packed[R.TEXEL_0, i] = lerp_packed(packed[R.TEXEL_0, i], packed[R.TEXEL_1, i], ints[R.FRACTION, i])
@@ -272,7 +272,13 @@ def choose_magnified(packed, ints, threshold, count):
 def unpack(packed, source, count, registers, plane):
     """A packed column to four register planes from ``plane`` on."""
     separate_loop()
-    ps, red, green, blue, alpha = uint64(source), uint64(plane), uint64(plane + 1), uint64(plane + 2), uint64(plane + 3)
+    ps, red, green, blue, alpha = (
+        uint64(source),
+        uint64(plane),
+        uint64(plane + 1),
+        uint64(plane + 2),
+        uint64(plane + 3),
+    )
     for i in range(count):
         p = packed[ps, i]
         registers[red, i] = int16(p & uint32(255))
@@ -337,7 +343,7 @@ def fill_int(ints, column, count, value):
 
 @kernel("void(u4[::1],i4[:,::1],i8[::1],i8,i8,i8,f8[:,::1],i4[:,::1],u4[:,::1],i8)")
 def sample_level(texels, levels, unit, count, linear, many, floats, ints, packed, out):
-    """One filtered texel per fragment into a packed column: from level 0, or (``many``) from each fragment's LEVEL."""
+    """One filtered texel per fragment into a packed column: from level 0, or (``many``) from its LEVEL."""
     separate_function()
     cube, flat = unit[R.TARGET] == 2, unit[R.TARGET] == 0
     if many or cube:
@@ -378,10 +384,11 @@ def sample_level(texels, levels, unit, count, linear, many, floats, ints, packed
 
 @kernel("void(u4[::1],i4[:,::1],i8[::1],i8,f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i8)")
 def sample_unit(texels, levels, unit, count, floats, ints, packed, registers, plane):
-    """Filter a texture unit's fragments into four planes of ``registers`` (int16[., batch]) from ``plane`` on.
+    """Filter a texture unit's fragments into four planes of ``registers`` (int16[., batch]) from ``plane``
+    on.
 
-    unit: int64[UNIT_SIZE]; floats, ints, packed: scratch columns (rows.py), with S and T, the FACE for a cube map,
-    TIE_S and TIE_T for nearest filters and LOD for filters that need it filled in.
+    unit: int64[UNIT_SIZE]; floats, ints, packed: scratch columns (rows.py), with S and T, the FACE for a cube
+    map, TIE_S and TIE_T for nearest filters and LOD for filters that need it filled in.
     """
     separate_function()
     levels_count = int32(unit[R.LEVELS])

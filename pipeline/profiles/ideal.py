@@ -27,5 +27,7 @@ IDEAL = replace(
     texture_targets=frozenset(TextureTarget),
     blend_factors_source=frozenset(BlendFactor),
     blend_factors_destination=frozenset(BlendFactor),
-    evidence={f.name: _UNLIMITED for f in fields(Profile) if f.name not in ("name", "description", "evidence")},
+    evidence={
+        f.name: _UNLIMITED for f in fields(Profile) if f.name not in ("name", "description", "evidence")
+    },
 )

@@ -1,0 +1,47 @@
+"""Digests of pictures: the bits of a figure on a machine, small enough to keep beside the code.
+
+An accepted digest is a JSON file: the figure's id, the profile's key, the panels' edge and the framebuffer's
+size in pixels, and the SHA-256 of shape and bytes. ``tests/accept.py`` alone writes one.
+"""
+
+import hashlib
+import json
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+GOLDEN_SIZE = 256  # edge of a panel, pixels: small enough for every test run, large enough for every feature
+
+
+def digest(color):
+    """SHA-256, in hexadecimal, of a framebuffer's shape and colour bytes: uint8 [h, w, 4], top row first."""
+    color = np.ascontiguousarray(color)
+    if color.dtype != np.uint8:
+        raise ValueError(f"A digest is of bytes; this picture holds {color.dtype}.")
+    shape = "x".join(map(str, color.shape))
+    return hashlib.sha256(f"{shape}\n".encode() + color.tobytes()).hexdigest()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Golden:
+    """An accepted digest."""
+
+    figure: str
+    profile: str
+    size: int
+    width: int
+    height: int
+    sha256: str
+
+
+def to_text(golden):
+    """A Golden as the text of its JSON file."""
+    return json.dumps(asdict(golden), indent=2) + "\n"
+
+
+def from_text(text):
+    """The Golden of a JSON file's text. Raises ValueError when the text is not one."""
+    try:
+        return Golden(**json.loads(text))
+    except (json.JSONDecodeError, TypeError) as error:
+        raise ValueError(f"This is not an accepted digest ({error}); write it with `make accept`.") from error
