@@ -1,0 +1,128 @@
+"""K10, the diffuse bump-mapping pass, and K14, dot-product bump mapping with a Blinn-Phong highlight.
+
+K10: (n.l)+ per fragment from a normal map and a light vector per vertex, times a colour. It is the first of
+the paper's two passes; destination alpha keeps the gate min(1, 4 (n.l)+), by which a later specular pass can
+be multiplied so that it stays on the lit side (Eq. 1 itself is even in h and has no such term: erratum
+E004.1).
+K14: K10, then (n.h)^8 by squaring three times.
+
+Source: Kautz, Seidel 2000, sections 2, 3 and 6 (K10, K14 of the catalogue; pass sequences A-K07 and A-H43);
+Kilgard 2000, section 4.
+"""
+
+from effects.encode import encode_vertex_color
+from effects.passes import (
+    ADD_GATED,
+    FIRST_PASS,
+    LATER_PASS,
+    NO_ALPHA,
+    NO_RGB,
+    OPAQUE,
+    ZERO,
+    alpha_of,
+    draw,
+    expand,
+    opaque,
+    unit,
+)
+from effects.vectors import normalize
+from pipeline.enums import CombinerScale, ComponentUsage, Register
+from pipeline.state import (
+    AlphaPortion,
+    CombinerInput,
+    FinalCombiner,
+    GeneralCombiner,
+    RegisterCombiners,
+    RGBPortion,
+)
+
+
+def light_vectors(surface, light):
+    """Unit light vectors at the vertices, in the local frames: float64 [n, 3]."""
+    return surface.to_local(light.light_vectors(surface.positions))
+
+
+def half_vectors(surface, view, light):
+    """Unit halfway vectors at the vertices, in the local frames: float64 [n, 3]."""
+    between = light.light_vectors(surface.positions) + view.view_vectors(surface.positions)
+    return surface.to_local(normalize(between))
+
+
+def diffuse_combiners(color, ambient=(0.0, 0.0, 0.0), light_register=Register.PRIMARY_COLOR):
+    """General combiners: dot product, gate; final combiner: (n.l)+ color + ambient, alpha = the gate."""
+    dot_product = RGBPortion(
+        a=expand(Register.TEXTURE0),
+        b=expand(light_register),
+        ab_dot_product=True,
+        ab_output=Register.SPARE0,
+        sum_output=Register.DISCARD,
+    )
+    gate = AlphaPortion(
+        a=CombinerInput(Register.SPARE0, usage=ComponentUsage.BLUE),
+        b=OPAQUE,
+        ab_output=Register.SPARE0,
+        sum_output=Register.DISCARD,
+        scale=CombinerScale.SCALE_BY_FOUR,
+    )
+    final = FinalCombiner(
+        a=CombinerInput(Register.SPARE0),
+        b=CombinerInput(Register.CONSTANT_COLOR0),
+        c=ZERO,
+        d=CombinerInput(Register.CONSTANT_COLOR1),
+        g=alpha_of(Register.SPARE0),
+    )
+    return RegisterCombiners(
+        general=(GeneralCombiner(dot_product, NO_ALPHA), GeneralCombiner(NO_RGB, gate)),
+        final=final,
+        constant_color0=opaque(color),
+        constant_color1=opaque(ambient),
+    )
+
+
+def diffuse_pass(surface, normal_map, view, light, profile, *, color, ambient=(0.0, 0.0, 0.0)):
+    """K10: one draw. ``normal_map``: the name of a texture with normals for EXPAND_NORMAL; colours RGB in
+    [0, 1].
+    """
+    vectors = encode_vertex_color(light_vectors(surface, light), profile)
+    combiners = diffuse_combiners(color, ambient)
+    mesh = surface.mesh(colors=vectors)
+    return (draw("diffuse pass: (n.l)+", mesh, view, combiners, (unit(normal_map),), depth_test=FIRST_PASS),)
+
+
+def blinn_phong_combiners():
+    """General combiners: n.h, then its square; final combiner: squared twice more by E times F."""
+    dot_product = RGBPortion(
+        a=expand(Register.TEXTURE0),
+        b=expand(Register.PRIMARY_COLOR),
+        ab_dot_product=True,
+        ab_output=Register.SPARE0,
+        sum_output=Register.DISCARD,
+    )
+    spare0 = CombinerInput(Register.SPARE0)
+    square = RGBPortion(a=spare0, b=spare0, ab_output=Register.SPARE0, sum_output=Register.DISCARD)
+    power4 = CombinerInput(Register.E_TIMES_F)
+    final = FinalCombiner(a=power4, b=power4, c=ZERO, d=ZERO, e=spare0, f=spare0, g=OPAQUE)
+    return RegisterCombiners(
+        general=(GeneralCombiner(dot_product, NO_ALPHA), GeneralCombiner(square, NO_ALPHA)), final=final
+    )
+
+
+def blinn_phong_pass(surface, normal_map, view, light, profile):
+    """K14's specular pass: (n.h)^8 of a white light, multiplied by the gate in destination alpha and
+    added.
+    """
+    vectors = encode_vertex_color(half_vectors(surface, view, light), profile)
+    mesh = surface.mesh(colors=vectors)
+    label = "specular pass: (h.n)^8"
+    units = (unit(normal_map),)
+    return (
+        draw(label, mesh, view, blinn_phong_combiners(), units, depth_test=LATER_PASS, blending=ADD_GATED),
+    )
+
+
+def commands(surface, normal_map, view, light, profile, *, color, ambient=(0.0, 0.0, 0.0)):
+    """K14: the diffuse and the specular pass."""
+    return (
+        *diffuse_pass(surface, normal_map, view, light, profile, color=color, ambient=ambient),
+        *blinn_phong_pass(surface, normal_map, view, light, profile),
+    )

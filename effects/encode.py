@@ -1,0 +1,59 @@
+"""How vectors and factors are stored in textures and vertex colours so that the combiners read them back.
+
+EXPAND_NORMAL maps a stored byte x to 2x - 256 on a machine whose half is 128, so zero is stored as 128 and
+the vector component v as ``128 + 127.5 v``. With the half at 127.5 (the extension's real-number reading, 2x -
+255) it is ``127.5 + 127.5 v``. The exact machine stores ``v/2 + 1/2`` unrounded.
+
+Source: NV_register_combiners, table 4 (EXPAND_NORMAL); normal maps of the time put zero at 128.
+"""
+
+import numpy as np
+
+
+def encode_expand(vectors, profile):
+    """Vector components in [-1, 1] as what EXPAND_NORMAL reads back.
+
+    Returns
+    -------
+    array
+        uint8 of the same shape, components outside [-1, 1] clamped; for an exact profile float64, not
+        clamped.
+    """
+    vectors = np.asarray(vectors, np.float64)
+    if profile.exact:
+        return vectors * 0.5 + 0.5
+    return np.clip(np.floor(profile.expand_half + 127.5 * vectors + 0.5), 0, 255).astype(np.uint8)
+
+
+def decode_expand(stored, profile):
+    """What EXPAND_NORMAL makes of stored values, as float64 with 1.0 = 255: the inverse of
+    ``encode_expand``.
+    """
+    if profile.exact:
+        return 2.0 * np.asarray(stored, np.float64) - 1.0
+    return (2.0 * np.asarray(stored, np.float64) - 2.0 * profile.expand_half) / 255.0
+
+
+def encode_factor(values, profile):
+    """Factors in [0, 1] (k_s, a colour) as bytes, rounded to nearest; for an exact profile unchanged."""
+    values = np.asarray(values, np.float64)
+    if profile.exact:
+        return values
+    return np.floor(255.0 * np.clip(values, 0.0, 1.0) + 0.5).astype(np.uint8)
+
+
+def encode_vertex_color(vectors, profile):
+    """Vectors [n, 3] as the primary colour of n vertices, for EXPAND_NORMAL: float64 [n, 3].
+
+    On a machine the floats are bytes divided by 255, which its conversion of vertex colours turns back into
+    the same bytes (Measured: a float colour keeps 14 significant bits, then rounds).
+    """
+    stored = encode_expand(vectors, profile)
+    return stored if profile.exact else stored / 255.0
+
+
+def encode_rgba(vectors, alpha, profile):
+    """A texture image [h, w, 4]: vectors for EXPAND_NORMAL in RGB, a factor in [0, 1] in alpha."""
+    rgb = encode_expand(vectors, profile)
+    a = np.broadcast_to(encode_factor(alpha, profile), rgb.shape[:-1])
+    return np.concatenate([rgb, a[..., None]], axis=-1)

@@ -1,0 +1,201 @@
+"""K21, material textures: what a surface does to light, per texel, and how it is stored for the combiners.
+
+A material is authored as a local frame and the parameters of the anisotropic Blinn-Phong model per texel.
+Stored are the tangent divided by alpha_x and the binormal divided by alpha_y, both scaled by 0.25 so that
+components stay in [-1, 1] for alpha >= 0.25, and encoded for EXPAND_NORMAL; alpha holds k_s.
+
+Source: Kautz, Seidel 2000, sections 4 and 4.1 (K21 of the catalogue; limits: its artefact P10; k_s in the
+alpha of the tangent texture: its pass sequence A-K07).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from effects.encode import encode_rgba
+from effects.height_fields import frames, value_noise
+from effects.vectors import cosine, cross, dot, normalize, sine
+from pipeline.commands import TexImage
+from pipeline.textures import texture_2d
+
+# The machine multiplies by four after the dot product, so the textures hold a quarter.
+STORAGE_SCALE = 0.25
+# With this scale a vector divided by alpha fits [-1, 1] only for alpha >= 0.25.
+SMALLEST_ALPHA = 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class Material:
+    """Local frame and reflectance per texel, bottom row first.
+
+    normals, tangents, binormals  float64 [rows, columns, 3], orthonormal, in the surface's frame (t, b, n)
+    alpha_x, alpha_y              float64 [rows, columns], in (0, 1]: the smaller, the narrower along t or b
+    k_s                           float64 [rows, columns], in [0, 1]
+    """
+
+    normals: np.ndarray
+    tangents: np.ndarray
+    binormals: np.ndarray
+    alpha_x: np.ndarray
+    alpha_y: np.ndarray
+    k_s: np.ndarray
+
+    def __post_init__(self):
+        shape = self.normals.shape[:2]
+        for name in ("alpha_x", "alpha_y", "k_s"):
+            value = np.asarray(getattr(self, name), np.float64)
+            object.__setattr__(self, name, np.ascontiguousarray(np.broadcast_to(value, shape)))
+        for name in ("alpha_x", "alpha_y"):
+            value = getattr(self, name)
+            if not (value > 0.0).all() or not (value <= 1.0).all():
+                raise ValueError(
+                    f"{name} ranges over {value.min():g}..{value.max():g}; give values greater than 0 and at "
+                    "most 1."
+                )
+
+    @property
+    def scaled_tangents(self):
+        """T / alpha_x with the alpha that the storage allows: what Eq. 1 takes."""
+        return self.tangents / np.maximum(self.alpha_x, SMALLEST_ALPHA)[..., None]
+
+    @property
+    def scaled_binormals(self):
+        """B / alpha_y with the alpha that the storage allows."""
+        return self.binormals / np.maximum(self.alpha_y, SMALLEST_ALPHA)[..., None]
+
+    def tangent_texture(self, profile):
+        """T': RGB = t / (4 alpha_x) for EXPAND_NORMAL, alpha = k_s."""
+        return texture_2d(encode_rgba(STORAGE_SCALE * self.scaled_tangents, self.k_s, profile))
+
+    def binormal_texture(self, profile):
+        """B': RGB = b / (4 alpha_y) for EXPAND_NORMAL, alpha = 1."""
+        return texture_2d(encode_rgba(STORAGE_SCALE * self.scaled_binormals, 1.0, profile))
+
+    def normal_texture(self, profile):
+        """The normal map: RGB = n for EXPAND_NORMAL, alpha = k_s, which serves as gloss map."""
+        return texture_2d(encode_rgba(self.normals, self.k_s, profile))
+
+
+@dataclass(frozen=True)
+class MaterialNames:
+    """The names of a material's three texture objects."""
+
+    normal: str
+    tangent: str
+    binormal: str
+
+
+def load(material, name, profile):
+    """Commands that load the three material textures once, and their names."""
+    names = MaterialNames(f"{name} n", f"{name} t/ax", f"{name} b/ay")
+    commands = (
+        TexImage(
+            label=f"load normal map of {name}", texture=names.normal, image=material.normal_texture(profile)
+        ),
+        TexImage(
+            label=f"load material texture of {name}: tangent / (4 alpha_x), k_s",
+            texture=names.tangent,
+            image=material.tangent_texture(profile),
+        ),
+        TexImage(
+            label=f"load material texture of {name}: binormal / (4 alpha_y)",
+            texture=names.binormal,
+            image=material.binormal_texture(profile),
+        ),
+    )
+    return commands, names
+
+
+def from_slopes(slope_s, slope_t, alpha_x, alpha_y, k_s=1.0):
+    """A bumpy surface whose tangents follow s: normals, tangents and binormals from a height field's
+    slopes.
+    """
+    return Material(*frames(slope_s, slope_t), alpha_x, alpha_y, k_s)
+
+
+def _turned(angles, slope_s, slope_t, alpha_x, alpha_y, k_s):
+    """Tangents at ``angles`` (radians from the s axis) laid on the slopes."""
+    normals, _, _ = frames(slope_s, slope_t)
+    flat = np.stack([cosine(angles), sine(angles), np.zeros(angles.shape)], axis=-1)
+    tangents = normalize(flat - dot(flat, normals)[..., None] * normals)
+    return Material(normals, tangents, cross(normals, tangents), alpha_x, alpha_y, k_s)
+
+
+def isotropic(columns, rows, alpha, k_s=1.0):
+    """A smooth surface with alpha_x = alpha_y."""
+    zero = np.zeros((rows, columns))
+    return from_slopes(zero, zero, alpha, alpha, k_s)
+
+
+def brushed(columns, rows, along, *, alpha_x, alpha_y, spread, depth=0.0, k_s=(0.7, 1.0), seed=1):
+    """A surface brushed along 's' or 't': tangents follow the strokes within +-``spread`` degrees.
+
+    ``depth``: the largest slope across the strokes. ``k_s``: its range over the strokes. Strokes are one
+    texel wide and a sixteenth of the texture long. Every amount is a multiple of 1/256 of its range.
+    """
+    if along not in ("s", "t"):
+        raise ValueError(f"The brushing runs along {along!r}; give 's' or 't'.")
+
+    def strokes(cells, seed):
+        size = (columns, rows) if along == "s" else (rows, columns)
+        # As many lattice cells across the strokes as texels: every row of texels is a row of strokes.
+        noise = value_noise(*size, cells, size[1], seed)
+        noise = np.floor(noise * 256.0 + 0.5) / 256.0
+        return noise if along == "s" else noise.T
+
+    angles = np.radians(spread * strokes(16, seed)) + (0.0 if along == "s" else np.pi / 2)
+    across = depth * strokes(16, seed + 1)
+    zero = np.zeros(across.shape)
+    slope = (zero, across) if along == "s" else (across, zero)
+    gloss = k_s[0] + (k_s[1] - k_s[0]) * (0.5 + 0.5 * strokes(24, seed + 2))
+    return _turned(angles, *slope, alpha_x, alpha_y, gloss)
+
+
+@dataclass(frozen=True, eq=False)
+class ScratchedMaterial:
+    """A scratched material and where its scratches are.
+
+    ``along_s``, ``along_t``: bool [rows, columns]: the texels of the scratches along either axis, crossings
+    in neither. ``scratched``: the texels of any scratch.
+    """
+
+    material: Material
+    along_s: np.ndarray
+    along_t: np.ndarray
+    scratched: np.ndarray
+
+
+def scratched(size, count, *, alpha_x, alpha_y, alpha, k_s, k_s_scratch, slope, seed):
+    """A square of isotropic ``alpha`` and ``k_s`` with ``count`` straight scratches along each axis.
+
+    A scratch is a groove two texels wide whose sides slope by ``slope``; its tangents run along it, with
+    alpha_x and alpha_y. Where two scratches cross, the surface reflects widely along both: alpha_x = alpha_y
+    = ``alpha_y``.
+    ``k_s_scratch``: lowest and highest k_s of a scratch. Positions, lengths and k_s come from seeded
+    integers.
+    """
+    random = np.random.Generator(np.random.PCG64(seed))
+    on = np.zeros((2, size, size), bool)
+    side_slopes, gloss = np.zeros((2, size, size)), np.full((size, size), float(k_s))
+    for k in range(2 * count):
+        length = int(random.integers(size // 5, size))
+        start = int(random.integers(-size // 8, size - length // 2))
+        row = int(random.integers(2, size - 3))
+        brightness = k_s_scratch[0] + (k_s_scratch[1] - k_s_scratch[0]) * int(random.integers(0, 17)) / 16.0
+        run = slice(max(start, 0), min(start + length, size))
+        for side in (0, 1):
+            at = (row + side, run) if k % 2 == 0 else (run, row + side)
+            on[k % 2][at] = True
+            side_slopes[k % 2][at] = (2 * side - 1) * slope
+            gloss[at] = np.maximum(gloss[at], brightness)
+    crossing = on[0] & on[1]
+    along_s, along_t = on[0] & ~crossing, on[1] & ~crossing
+    material = _turned(
+        np.where(along_t, np.pi / 2, 0.0),
+        np.where(along_t, side_slopes[1], 0.0),
+        np.where(along_s, side_slopes[0], 0.0),
+        np.where(crossing, alpha_y, np.where(along_s | along_t, alpha_x, alpha)),
+        np.where(on.any(axis=0), alpha_y, alpha),
+        gloss,
+    )
+    return ScratchedMaterial(material, along_s, along_t, on.any(axis=0))

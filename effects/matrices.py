@@ -1,0 +1,72 @@
+"""Projection and viewing matrices as tuples of rows (OpenGL 1.2.1 section 2.10.2; GLU's perspective and
+look-at).
+
+Sines, cosines and the numbers derived from them are rounded so that they have the same bits everywhere.
+"""
+
+import math
+
+import numpy as np
+
+from effects.vectors import cosine, cross, dot, sine, unit_vector
+
+
+def _rows(array):
+    return tuple(tuple(float(v) for v in row) for row in array)
+
+
+def orthographic(left, right, bottom, top, near=-1.0, far=1.0):
+    """Ortho of OpenGL 1.2.1 section 2.10.2: the box becomes the view volume; near and far are distances."""
+    return _rows(
+        (
+            (2.0 / (right - left), 0, 0, -(right + left) / (right - left)),
+            (0, 2.0 / (top - bottom), 0, -(top + bottom) / (top - bottom)),
+            (0, 0, -2.0 / (far - near), -(far + near) / (far - near)),
+            (0, 0, 0, 1),
+        )
+    )
+
+
+def perspective(field_of_view, aspect, near, far):
+    """A perspective projection: vertical field of view in degrees, aspect = width / height, plane
+    distances.
+    """
+    half = math.radians(field_of_view) / 2
+    f = float(cosine(half) / sine(half))
+    return _rows(
+        (
+            (f / aspect, 0, 0, 0),
+            (0, f, 0, 0),
+            (0, 0, (far + near) / (near - far), 2.0 * far * near / (near - far)),
+            (0, 0, -1, 0),
+        )
+    )
+
+
+def look_at(eye, center, up=(0.0, 1.0, 0.0)):
+    """The viewing matrix of an eye that looks at ``center``. Raises ValueError when ``up`` lies along the
+    view.
+    """
+    eye, center = np.asarray(eye, np.float64), np.asarray(center, np.float64)
+    forward = unit_vector(center - eye, "The direction from the eye to the centre")
+    side = unit_vector(cross(forward, np.asarray(up, np.float64)), "The view direction x the up vector")
+    above = cross(side, forward)
+    rows = [(*axis, -float(dot(axis, eye))) for axis in (side, above, -forward)]
+    return _rows((*rows, (0, 0, 0, 1)))
+
+
+def rotation(axis, degrees):
+    """A 3x3 rotation about a coordinate axis 'x', 'y' or 'z', counter-clockwise seen from its tip: float64
+    array.
+    """
+    i = "xyz".index(axis)
+    c, s = float(cosine(math.radians(degrees))), float(sine(math.radians(degrees)))
+    j, k = (i + 1) % 3, (i + 2) % 3
+    out = np.eye(3)
+    out[j, j], out[j, k], out[k, j], out[k, k] = c, -s, s, c
+    return out
+
+
+def rotate(matrix, vectors):
+    """A 3x3 matrix applied to vectors [..., 3], in a fixed order of operations."""
+    return np.stack([dot(vectors, row) for row in matrix], axis=-1)

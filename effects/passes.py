@@ -1,0 +1,125 @@
+"""What the techniques' passes have in common: depth functions, texture units, and drawing a stored
+picture.
+"""
+
+from pipeline.commands import Draw, TexImage
+from pipeline.enums import (
+    BlendFactor,
+    ComparisonFunction,
+    ComponentUsage,
+    Mapping,
+    Register,
+    TextureFilter,
+    WrapMode,
+)
+from pipeline.state import (
+    AlphaPortion,
+    Blending,
+    CombinerInput,
+    DepthTest,
+    FinalCombiner,
+    GeneralCombiner,
+    PassState,
+    RegisterCombiners,
+    RGBPortion,
+    Sampler,
+    TextureUnit,
+    VertexState,
+    Viewport,
+)
+from pipeline.textures import texture_2d
+
+FIRST_PASS = DepthTest(ComparisonFunction.LESS, write=True)
+LATER_PASS = DepthTest(ComparisonFunction.EQUAL, write=False)
+ADD = Blending(BlendFactor.ONE, BlendFactor.ONE)
+# The first pass leaves the gate (n.l)+ in destination alpha; what is added is multiplied by it.
+ADD_GATED = Blending(BlendFactor.DST_ALPHA, BlendFactor.ONE)
+
+REPEATED = Sampler(TextureFilter.LINEAR, TextureFilter.LINEAR, WrapMode.REPEAT, WrapMode.REPEAT)
+NEAREST = Sampler(
+    TextureFilter.NEAREST, TextureFilter.NEAREST, WrapMode.CLAMP_TO_EDGE, WrapMode.CLAMP_TO_EDGE
+)
+EDGE = Sampler(TextureFilter.LINEAR, TextureFilter.LINEAR, WrapMode.CLAMP_TO_EDGE, WrapMode.CLAMP_TO_EDGE)
+
+
+NO_RGB = RGBPortion(a=CombinerInput(), sum_output=Register.DISCARD)
+NO_ALPHA = AlphaPortion(a=CombinerInput(usage=ComponentUsage.ALPHA), sum_output=Register.DISCARD)
+ZERO = CombinerInput()
+ONE = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT)
+OPAQUE = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, ComponentUsage.ALPHA)
+
+
+def expand(register):
+    """A register as a vector: EXPAND_NORMAL of its RGB."""
+    return CombinerInput(register, Mapping.EXPAND_NORMAL)
+
+
+def alpha_of(register):
+    """A register's alpha, replicated where RGB is asked for."""
+    return CombinerInput(register, usage=ComponentUsage.ALPHA)
+
+
+def opaque(color):
+    """RGB in [0, 1] as a combiner constant with alpha one."""
+    return (float(color[0]), float(color[1]), float(color[2]), 1.0)
+
+
+def draw(label, mesh, view, combiners, units=(), *, depth_test=LATER_PASS, blending=None):
+    """One pass over a mesh in a view; back-facing triangles are left to the depth test."""
+    state = PassState(
+        vertex=view.vertex,
+        texture_units=tuple(units),
+        register_combiners=combiners,
+        scissor=view.panel.scissor,
+        depth_test=depth_test,
+        blending=blending,
+    )
+    return Draw(label=label, mesh=mesh, state=state)
+
+
+def unit(texture, sampler=REPEATED, coordinates=0):
+    """A texture unit that reads ``texture`` with one of the mesh's coordinate sets."""
+    return TextureUnit(texture, sampler, coordinates=coordinates)
+
+
+def show(picture, panel, name, surface):
+    """Commands that show a picture on a panel, one texel per pixel: how a software renderer's image is
+    displayed.
+
+    ``picture``: [height, width, 3] of the panel's size, bottom row first, bytes or floats. ``surface``: a
+    rectangle (``meshes.plane``) of half width and half height one. The texture's edges are the next powers
+    of two.
+    """
+    height, width = picture.shape[:2]
+    if (width, height) != (panel.width, panel.height):
+        raise ValueError(
+            f"The picture is {width}x{height}; the panel needs {panel.width}x{panel.height} pixels."
+        )
+    columns, rows = (1 << (edge - 1).bit_length() for edge in (width, height))
+    image = picture.dtype.type(0) * picture[:1, :1]
+    image = image.repeat(rows, axis=0).repeat(columns, axis=1)
+    image[:height, :width] = picture
+    combiners = RegisterCombiners(
+        general=(GeneralCombiner(NO_RGB, NO_ALPHA),),
+        final=FinalCombiner(
+            a=ZERO,
+            b=ZERO,
+            c=ZERO,
+            d=CombinerInput(Register.TEXTURE0),
+            g=OPAQUE,
+        ),
+    )
+    scaled = surface.with_repeats(width / columns, height / rows)
+    return (
+        TexImage(label=f"load {name}", texture=name, image=texture_2d(image)),
+        Draw(
+            label=f"show {name}",
+            mesh=scaled.mesh(),
+            state=PassState(
+                vertex=VertexState(viewport=Viewport(panel.x, panel.y, panel.width, panel.height)),
+                texture_units=(unit(name, NEAREST),),
+                register_combiners=combiners,
+                scissor=panel.scissor,
+            ),
+        ),
+    )
