@@ -261,6 +261,22 @@ def test_huge_and_tiny_numbers_give_the_bits_of_the_specification_and_no_warning
 
 
 @settings(max_examples=150)
+@given(
+    lightings.filter(lambda lighting: lighting.lights),
+    arrays(ordinary, 3, 3),
+    arrays(intensity, 3, 4),
+    st.booleans(),
+)
+def test_random_lighting_gives_the_bits_of_the_specification(lighting, normals, vertex_colors, normalize):
+    mesh = Mesh(
+        [[-1.0, 0.5, 0.0], [1.0, 0.25, -1.0], [0.0, -0.5, 1.0]], normals=normals, colors=vertex_colors
+    )
+    vertex = VertexState(modelview=TURNED, projection=PERSPECTIVE, lighting=lighting, normalize=normalize)
+    primitives = assert_equals_the_specification(mesh, PassState(vertex=vertex))
+    assert len(primitives.triangles) == 1
+
+
+@settings(max_examples=150)
 @given(meshes(st.floats(-4, 4, width=32)), states(), st.sampled_from([0, 3, 8192]))
 def test_triangles_through_every_plane_give_the_bits_of_the_specification(mesh, state, guard_band):
     vertex = replace(state.vertex, modelview=TURNED, projection=PERSPECTIVE)
@@ -525,13 +541,22 @@ def test_a_local_viewer_sees_the_highlight_on_the_mirror_direction():
 
 
 def test_specular_light_does_not_reach_faces_turned_away_from_the_light():
-    """The half vector still is in front of the normal (1, 0, 0), the light is behind it."""
+    """The half vector is in front of the normal (1, 0, 0) in both cases, the second light is behind it."""
     material = Material(specular=(1.0, 1.0, 1.0, 1.0), shininess=1)
-    light = Light(position=(-0.1, 0.0, 1.0, 1.0), diffuse=BLACK)
-    lighting = Lighting((light,), material, model_ambient=BLACK, local_viewer=True)
-    front, _ = lit(lighting, [[-1.0, 0.0, 0.0], [0.0, 0.0, -1e-3]], [[1.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
-    assert front[0, 0] > 0.5
-    assert front[1, 0] == 0.0
+    for light_x, is_lit in ((-0.9, True), (-1.1, False)):
+        light = Light(position=(light_x, 0.0, 1.0, 1.0), diffuse=BLACK)
+        lighting = Lighting((light,), material, model_ambient=BLACK, local_viewer=True)
+        front, _ = lit(lighting, [[-1.0, 0.0, 0.0]], [[1.0, 0.0, 0.0]])
+        assert (front[0, 0] > 0.5) == is_lit
+        assert (front[0, 0] == 0.0) != is_lit
+
+
+def test_a_vertex_on_the_edge_of_the_cone_is_lit():
+    """A cutoff of 0 leaves the axis alone."""
+    light = Light(position=(0, 0, 1, 1), spot_cutoff=0.0)
+    lighting = Lighting((light,), Material(diffuse=(1.0, 1.0, 1.0, 1.0)), model_ambient=BLACK)
+    front, _ = lit(lighting, [[0, 0, 0], [0.01, 0, 0]], [[0, 0, 1], [0, 0, 1]])
+    assert front[:, 0].tolist() == [1.0, 0.0]
 
 
 def test_the_back_is_lit_with_the_negated_normal_and_the_back_material():
@@ -770,3 +795,26 @@ def test_triangles_without_a_finite_window_position_are_dropped_and_counted():
     got = one_triangle(positions, PassState(vertex=VertexState(modelview=large, projection=IDENTITY)))
     assert got.triangles.tolist() == [[0, 1, 2, 2]]
     assert got.dropped == 1
+
+
+def test_an_infinite_clip_w_is_dropped_once_with_and_without_clipped_neighbours():
+    infinite_w = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1e300))
+    state = PassState(vertex=VertexState(projection=infinite_w))
+    lost = [[0.0, 0.0, 0.0, 1e10], [1.0, 0.0, 0.0, 1e-300], [0.0, 1.0, 0.0, 1e-300]]
+    crossing = [[0.0, 0.0, -2.0, 1e-300], [1.0, 0.0, 0.0, 1e-300], [0.0, 1.0, 0.0, 1e-300]]
+    for positions, triangles in ((lost, 0), (lost + crossing, 2)):
+        got = assert_equals_the_specification(Mesh(positions), state)
+        assert (len(got.triangles), got.dropped) == (triangles, 1)
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_an_overflow_along_one_axis_of_a_clipped_edge_drops_the_triangle(axis):
+    """The edge's t is 0 because its denominator overflows, and 0 times the overflowing difference is NaN.
+
+    A framebuffer of one pixel without a guard band keeps every other number finite.
+    """
+    inside, outside = [0.0, 0.0, 0.0, 1.2e308], [0.0, 0.0, -1.7e308, 1e308]
+    inside[axis], outside[axis] = 1e308, -1e308
+    profile = replace(GEFORCE_256, guard_band=0)
+    got = process(Mesh([inside, outside, inside]), PassState(), profile, 1, 1)
+    assert (len(got.triangles), got.dropped) == (0, 1)

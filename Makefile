@@ -1,0 +1,50 @@
+# Everything a checkout can do. A virtual environment in .venv is made on first use.
+
+PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11; do \
+	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$p; exit; }; done; echo python3)
+BIN := .venv/bin
+READY := .venv/.ready
+OUT ?= out
+
+.PHONY: help setup figures test test-all check bench accept clean
+
+help:
+	@echo "make figures            render every figure into $(OUT)/ with a gallery, $(OUT)/index.html"
+	@echo "make test               prove it: everything that takes seconds (make test-all: minutes as well)"
+	@echo "make check              style: ruff check, ruff format --check"
+	@echo "make bench              measure; BENCH='--peer llvmpipe' compares with Mesa"
+	@echo "make accept FIGURE=ID   accept a figure's digest after the reference agrees and you looked at it"
+	@echo "make setup | clean      make or remove what is made here"
+
+setup: $(READY)
+
+$(READY): pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; v = sys.version_info; sys.exit(v < (3, 11) and "fixedpipe needs Python 3.11 or newer; \
+	$(PYTHON) is %d.%d. Install a newer one, or name it: make PYTHON=/path/to/python3.11" % v[:2])'
+	@[ -x $(BIN)/python ] || { echo "making a virtual environment in .venv"; $(PYTHON) -m venv .venv; }
+	@echo "installing the pinned packages of constraints.txt"
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev,bench]'
+	@touch $@
+
+figures: $(READY)
+	$(BIN)/fixedpipe figures --out $(OUT)
+
+test: $(READY)
+	$(BIN)/python -m pytest -m "not slow" -rs
+
+test-all: $(READY)
+	$(BIN)/python -m pytest -rs
+
+check: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+bench: $(READY)
+	$(BIN)/python -m bench $(BENCH)
+
+accept: $(READY)
+	@[ -n "$(FIGURE)" ] || { echo "Say which figure: make accept FIGURE=ID (fixedpipe figures --list names them)."; exit 2; }
+	$(BIN)/python -m tests.accept $(FIGURE) $(if $(filter yes,$(LOOKED)),--looked)
+
+clean:
+	rm -rf .cache .hypothesis .pytest_cache .ruff_cache build dist $(OUT) *.egg-info

@@ -1,0 +1,44 @@
+"""``fixedpipe``: one subcommand per file, imported when it is asked for, so that ``--help`` is quick."""
+
+import importlib
+
+import click
+
+_COMMANDS = ("figures", "passes", "bump", "profiles")
+
+_WELCOME = """\
+fixedpipe emulates the graphics hardware of 1997-2001, bit for bit.
+
+What to do next:
+  fixedpipe figures             render every figure into ./out, with a gallery: out/index.html
+  fixedpipe figures --list      which figures there are
+  fixedpipe passes F004-4       how one is made, pass by pass
+  fixedpipe bump sample:gravel --mesh torus --material gold --light 1,2,3 --out gravel.png
+                                bump-map a mesh with a photograph
+  fixedpipe profiles            which machines there are, and how each of their numbers is known
+  fixedpipe --help              all commands and options"""
+
+
+class LazyGroup(click.Group):
+    """A group that imports a subcommand's module when the subcommand is looked up."""
+
+    def list_commands(self, ctx):
+        """The subcommands in the order in which a newcomer needs them."""
+        return list(_COMMANDS)
+
+    def get_command(self, ctx, cmd_name):
+        """The subcommand of that name, or None."""
+        if cmd_name not in _COMMANDS:
+            return None
+        return getattr(importlib.import_module(f"effects.cli.{cmd_name}"), cmd_name)
+
+
+@click.group(
+    cls=LazyGroup, invoke_without_command=True, context_settings={"help_option_names": ["-h", "--help"]}
+)
+@click.version_option(package_name="fixedpipe", message="%(prog)s %(version)s")
+@click.pass_context
+def main(context):
+    """The graphics hardware of 1997-2001, emulated bit for bit: figures of papers, pictures of your own."""
+    if context.invoked_subcommand is None:
+        click.echo(_WELCOME)

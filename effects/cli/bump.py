@@ -1,0 +1,95 @@
+"""``fixedpipe bump``: a photograph or an elevation model as bumps on a mesh."""
+
+import math
+
+import click
+
+from effects.cli.options import profile_option, threads_option
+
+_MESHES = "plane, sphere, torus, or an OBJ file."
+_MATERIALS = "gold, steel, brushed, stone or plastic."
+
+
+@click.command(short_help="Bump-map a mesh with a photograph.")
+@click.argument("photo")
+@click.option(
+    "--mesh", "mesh_name", metavar="plane|sphere|torus|FILE.obj", default="sphere", show_default=True
+)
+@click.option(
+    "--material", "material_name", metavar="NAME", default="stone", show_default=True, help="gold, steel, …"
+)
+@click.option("--light", metavar="X,Y,Z", default="-1,1,1", show_default=True, help="Direction to the light.")
+@click.option("--out", metavar="FILE.png", required=True, help="The picture.")
+@click.option(
+    "--size", type=click.IntRange(min=1), metavar="N", default=512, show_default=True, help="Pixels an edge."
+)
+@profile_option
+@click.option("--height-scale", type=float, help="Lowest to highest, in widths of the photograph.")
+@click.option("--alpha-x", type=float, help="Sharpness along the tangents, 0.25 to 1.")
+@click.option("--alpha-y", type=float, help="Sharpness across the tangents, 0.25 to 1.")
+@click.option("--map-size", type=int, help="Texels along the edges of the material textures.")
+@threads_option
+def bump(
+    photo,
+    mesh_name,
+    material_name,
+    light,
+    out,
+    size,
+    profile,
+    height_scale,
+    alpha_x,
+    alpha_y,
+    map_size,
+    threads,
+):
+    """Bump-map a mesh with PHOTO: a PNG, TIFF or NPY file, or a sample.
+
+    Samples: sample:gravel, sample:brick, sample:grass, sample:coins, sample:moon (photographs) and
+    sample:jacksboro (an elevation model). Light is high, dark is low. The light's +x is right, +y up, +z
+    towards you.
+    """
+    from dataclasses import replace
+
+    from effects.bump import commands, material, mesh
+    from effects.cli.compiling import announce_compiling
+    from effects.cli.files import png, read_picture, read_text, writable_file, write_whole
+    from effects.cli.refusal import Refusal, choose, refusals
+    from effects.meshes import read_obj
+    from pipeline.profiles import PROFILES
+
+    machine = choose("profile", profile, PROFILES)
+    path = writable_file(out)
+    if path.suffix.lower() != ".png":
+        raise Refusal(f"The picture is written as PNG; name it {path.with_suffix('.png')} instead of {path}.")
+    direction = _vector(light)
+    changed = {"relief": height_scale, "alpha_x": alpha_x, "alpha_y": alpha_y}
+    with refusals():
+        parameters = replace(material(material_name), **{k: v for k, v in changed.items() if v is not None})
+        is_file = mesh_name.lower().endswith(".obj")
+        surface = read_obj(read_text(mesh_name), mesh_name) if is_file else mesh(mesh_name)
+        frame = commands(
+            read_picture(photo), surface, parameters, direction, machine, size, size, map_size=map_size
+        )
+
+        announce_compiling()
+        from pipeline.execute import execute
+
+        result = execute(frame, machine, size, size, threads=threads)
+    write_whole(path, png(result.image()))
+    if result.dropped:
+        click.echo(f"{result.dropped} triangles were left out: the camera is inside them.", err=True)
+    click.echo(f"{path}: {result.fragments} fragments on the {machine.name}")
+
+
+def _vector(text):
+    """Three finite numbers, not all zero, from ``x,y,z``. Raises Refusal."""
+    from effects.cli.refusal import Refusal
+
+    try:
+        vector = tuple(float(c) for c in text.split(","))
+    except ValueError:
+        vector = ()
+    if len(vector) != 3 or not all(map(math.isfinite, vector)) or not any(vector):
+        raise Refusal(f"The light's direction is {text!r}; give three numbers, not all zero, as 1,2,3.")
+    return vector

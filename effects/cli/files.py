@@ -1,0 +1,123 @@
+"""Files of the command line: pictures and elevation arrays read, results written whole or not at all."""
+
+import importlib.util
+import io
+import os
+import tempfile
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+
+from effects.cli.refusal import Refusal
+
+# Pictures inside the wheels of the extra `samples`; nothing is downloaded. Package, path, array of an NPZ.
+SAMPLES = {
+    "gravel": ("skimage", "data/gravel.png", None),
+    "brick": ("skimage", "data/brick.png", None),
+    "grass": ("skimage", "data/grass.png", None),
+    "coins": ("skimage", "data/coins.png", None),
+    "moon": ("skimage", "data/moon.png", None),
+    "jacksboro": ("matplotlib", "mpl-data/sample_data/jacksboro_fault_dem.npz", "elevation"),
+}
+
+
+def _sample_path(name):
+    from effects.cli.refusal import choose
+
+    package, path, array = choose("sample", name, SAMPLES)
+    found = importlib.util.find_spec(package)
+    whole = Path(found.origin).parent / path if found else None
+    if whole is None or not whole.is_file():
+        raise Refusal(f"The sample {name!r} needs the extra `samples`: pip install 'fixedpipe[samples]'.")
+    return whole, array
+
+
+def read_picture(name):
+    """A photograph or an elevation array, top row first: [rows, columns] or [rows, columns, components].
+
+    ``name``: a PNG, TIFF or other image file, a NumPy array (.npy), or ``sample:`` and a name of ``SAMPLES``.
+    Raises Refusal for anything that cannot be read whole.
+    """
+    if name.startswith("sample:"):
+        path, array = _sample_path(name.removeprefix("sample:"))
+        if array:
+            with np.load(path, allow_pickle=False) as arrays:
+                return arrays[array]
+    else:
+        path = Path(name)
+    if not path.is_file():
+        raise Refusal(f"There is no file {name}. Give a PNG, TIFF or NPY file, or sample:gravel.")
+    try:
+        if path.suffix.lower() == ".npy":
+            picture = np.load(path, allow_pickle=False)
+        else:
+            import imageio.v3 as imageio
+
+            picture = np.asarray(imageio.imread(path, plugin="pillow", index=0))
+    # A decoder fed arbitrary bytes raises whatever it stumbles over: struct.error, SyntaxError, EOFError.
+    except Exception as error:
+        reason = str(error).split("\n")[0].rstrip(".")
+        raise Refusal(f"{name} cannot be read ({reason}). Give a whole PNG, TIFF or NPY file.") from error
+    if picture.dtype.kind not in "biuf":
+        raise Refusal(f"{name} holds values of type {picture.dtype}; give an array of numbers.")
+    return picture
+
+
+def read_text(name):
+    """The text of a file. Raises Refusal when there is none, or when it is not text."""
+    try:
+        return Path(name).read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise Refusal(f"{name} is not a text file ({error.reason} at byte {error.start}).") from error
+    except OSError as error:
+        raise Refusal(f"{name} cannot be read: {error.strerror}.") from error
+
+
+def writable_folder(folder):
+    """The folder as a path, made if need be. Raises Refusal when nothing can be written there."""
+    folder = Path(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return folder
+    except OSError as error:
+        raise Refusal(f"The folder {folder} cannot be written to: {error.strerror}.") from error
+
+
+def writable_file(name):
+    """The file as a path, its folder made if need be. Raises Refusal when it cannot be written."""
+    path = Path(name)
+    if path.is_dir():
+        raise Refusal(f"{path} is a folder; name a file in it.")
+    writable_folder(path.parent)
+    return path
+
+
+def write_whole(path, data):
+    """Write bytes under a temporary name, then rename: at no moment is there half a file under ``path``."""
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        # mkstemp makes a file for its owner alone; give it what an ordinary new file gets.
+        mask = os.umask(0)
+        os.umask(mask)
+        Path(temporary).chmod(0o666 & ~mask)
+        Path(temporary).replace(path)
+    except OSError as error:
+        with suppress(OSError):
+            Path(temporary).unlink()
+        raise Refusal(f"{path} cannot be written: {error.strerror}.") from error
+
+
+def png(image):
+    """A picture as the bytes of a PNG file: uint8 [h, w, 4], top row first; alpha is left out.
+
+    A framebuffer's alpha holds whatever a pass kept there (a gate, a factor) and is no transparency.
+    """
+    from PIL import Image
+
+    buffer = io.BytesIO()
+    Image.fromarray(np.ascontiguousarray(image[..., :3])).save(buffer, "PNG")
+    return buffer.getvalue()

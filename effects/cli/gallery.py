@@ -1,0 +1,91 @@
+"""The gallery: one page that shows every figure of a folder, without scripts or anything from elsewhere."""
+
+import json
+from html import escape
+
+from effects.cli.refusal import Refusal
+
+_STYLE = """
+:root { color-scheme: light dark; --ink: #1c1e21; --paper: #fbfaf8; --quiet: #676c73; --line: #dddad4;
+  --bad: #b3261e; --good: #2c6e49; }
+@media (prefers-color-scheme: dark) { :root { --ink: #e4e2dd; --paper: #17181a; --quiet: #9a9fa6;
+  --line: #33363a; --bad: #f2938c; --good: #7fc49b; } }
+* { box-sizing: border-box; }
+body { margin: 0 auto; max-width: 88rem; padding: 2rem clamp(1rem, 4vw, 3rem) 4rem; background: var(--paper);
+  color: var(--ink); font: 1rem/1.55 Georgia, "Times New Roman", serif; }
+h1 { font-size: 1.7rem; font-weight: normal; margin: 0 0 .2rem; }
+h2 { font-size: 1.25rem; font-weight: normal; margin: 0 0 .5rem; }
+h2 span, .quiet, figcaption, th { color: var(--quiet); }
+section { border-top: 1px solid var(--line); margin-top: 2.5rem; padding-top: 1.5rem; }
+p { margin: .4rem 0; max-width: 48rem; }
+.pictures { display: grid; gap: 1rem; grid-template-columns: repeat(auto-fit, minmax(min(100%, 24rem), 1fr));
+  margin: 1.2rem 0; }
+figure { margin: 0; }
+img { display: block; width: 100%; height: auto; background: #808080; }
+figcaption, .quiet, table { font: .84rem/1.5 system-ui, sans-serif; }
+figcaption { padding-top: .35rem; }
+.table { overflow-x: auto; }
+table { border-collapse: collapse; width: 100%; }
+th, td { border-bottom: 1px solid var(--line); padding: .3rem .9rem .3rem 0; text-align: left;
+  vertical-align: top; }
+td.number { font-variant-numeric: tabular-nums; white-space: nowrap; }
+.ok { color: var(--good); } .failed { color: var(--bad); font-weight: bold; }
+a { color: inherit; }
+"""
+
+
+def _checks_table(checks):
+    if not checks:
+        return ""
+    rows = "".join(
+        f'<tr><td class="{"ok" if c["passed"] else "failed"}">{"ok" if c["passed"] else "failed"}</td>'
+        f"<td>{escape(c['name'])}</td><td>{escape(c['on'])}</td>"
+        f'<td class="number">{c["value"]:.4g} {escape(c["relation"])} {c["bound"]:.4g}</td>'
+        f"<td>{escape(c['reason'])}</td></tr>"
+        for c in checks
+    )
+    head = "".join(f"<th>{h}</th>" for h in ("", "check", "on the", "value and bound", "why this bound"))
+    return f'<div class="table"><table><tr>{head}</tr>{rows}</table></div>'
+
+
+def _section(record):
+    figure_id = escape(record["id"])
+    pictures = "".join(
+        f'<figure><a href="{escape(p["file"])}"><img src="{escape(p["file"])}" loading="lazy" '
+        f'width="{record["width"]}" height="{record["height"]}" alt="{figure_id}, {escape(name)}"></a>'
+        f"<figcaption><b>{escape(name)}</b>: {escape(p['caption'])}</figcaption></figure>"
+        for name, p in record["pictures"].items()
+    )
+    return (
+        f'<section id="{figure_id}"><h2><span>{figure_id}</span> {escape(record["title"])}</h2>'
+        f"<p>{escape(record['caption'])}</p><p><b>Must be seen:</b> {escape(record['must_see'])}</p>"
+        f'<div class="pictures">{pictures}</div>'
+        f'<p class="quiet">Source: {escape(record["source"])} ({escape(", ".join(record["techniques"]))}). '
+        f"Machine: {escape(record['profile'])}; RMS difference "
+        f"from the ideal {record['difference_rms']:.4f}; "
+        f"largest {record['difference_max']:.3f} (1 = full intensity). "
+        f'<a href="{figure_id}.json">All numbers (JSON)</a></p>'
+        f"{_checks_table(record['checks'])}</section>"
+    )
+
+
+def gallery(folder, figures):
+    """The page, as text, of the figures whose JSON files (of ``effects.cli.rendering``) lie in ``folder``.
+
+    ``figures``: the ids in the page's order. Raises Refusal for a JSON file that is not a figure's.
+    """
+    sections = []
+    for figure_id in figures:
+        path = folder / f"{figure_id}.json"
+        if path.is_file():
+            try:
+                sections.append(_section(json.loads(path.read_text())))
+            except (ValueError, KeyError, TypeError) as error:
+                raise Refusal(f"{path} is not what fixedpipe wrote; delete it and render again.") from error
+    return (
+        '<!doctype html><html lang="en"><head><meta charset="utf-8"><title>fixedpipe: figures</title>'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<style>{_STYLE}</style></head><body><h1>Figures</h1>"
+        '<p class="quiet">Each three times: the machine, the ideal, and their difference made visible.</p>'
+        f"{''.join(sections)}</body></html>\n"
+    )

@@ -1,0 +1,34 @@
+"""How the command line says no: one sentence on the error stream and exit status 2."""
+
+import difflib
+from contextlib import contextmanager
+
+import click
+
+
+class Refusal(click.ClickException):
+    """What was asked for cannot be done; the message is one sentence that says why and what to do."""
+
+    exit_code = 2
+
+    def show(self, file=None):
+        """Print the sentence."""
+        click.echo(f"fixedpipe: {self.format_message()}", file=file, err=True)
+
+
+@contextmanager
+def refusals():
+    """Turn a ValueError, which carries a sentence, into a Refusal."""
+    try:
+        yield
+    except ValueError as error:
+        raise Refusal(str(error)) from error
+
+
+def choose(what, name, known):
+    """``known[name]``, or a Refusal that names what there is and what was probably meant."""
+    if name in known:
+        return known[name]
+    close = difflib.get_close_matches(name, known, 1, 0.6)
+    meant = f"; did you mean {close[0]}?" if close else "."
+    raise Refusal(f"There is no {what} {name!r}. There are: {', '.join(known)}{meant}")

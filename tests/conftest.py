@@ -1,0 +1,62 @@
+"""Settings of the whole suite: reproducible Hypothesis runs, and tests that need the folder of captures."""
+
+import os
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, settings
+
+SHARED = Path(__file__).resolve().parents[2] / "shared"
+
+# Derandomised: the same examples everywhere, so a failure on one machine is a failure on all.
+# `pytest --hypothesis-profile=default` searches at random.
+settings.register_profile(
+    "fixedpipe",
+    derandomize=True,
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow],
+    print_blob=True,
+)
+settings.load_profile("fixedpipe")
+
+
+@pytest.fixture(scope="session")
+def shared():
+    """The folder `shared` beside the checkout; a test that asks for it is marked `needs_shared`."""
+    return SHARED
+
+
+def pytest_collection_modifyitems(items):
+    """Skip what needs the folder `shared` where there is none."""
+    if not SHARED.is_dir():
+        for item in items:
+            if item.get_closest_marker("needs_shared"):
+                item.add_marker(pytest.mark.skip(reason="no folder `shared` beside the checkout"))
+
+
+class SkipsOfShared:
+    """Counts skipped tests marked `needs_shared` and fails the run that must not have any."""
+
+    def __init__(self):
+        self.skipped = []
+
+    def pytest_runtest_logreport(self, report):
+        if report.skipped and "needs_shared" in report.keywords:
+            self.skipped.append(report.nodeid)
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_sessionfinish(self, session):
+        if self.skipped and session.exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED):
+            session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+    def pytest_terminal_summary(self, terminalreporter):
+        for nodeid in self.skipped:
+            terminalreporter.write_line(
+                f"FAILED: {nodeid} was skipped; FIXEDPIPE_REQUIRE_SHARED=1 forbids it."
+            )
+
+
+def pytest_configure(config):
+    """Arm the check where a run must use the folder `shared`."""
+    if os.environ.get("FIXEDPIPE_REQUIRE_SHARED") == "1":
+        config.pluginmanager.register(SkipsOfShared(), "skips-of-shared")

@@ -1,0 +1,82 @@
+"""Figures keep their bits; a digest is accepted only with the specification's and a person's agreement."""
+
+import json
+
+import numpy as np
+import pytest
+
+from effects.figures import FIGURES
+from pipeline.golden import digest, from_text
+from tests import accept
+
+ACCEPTED = sorted(path.stem for path in accept.GOLDEN.glob("*.json"))
+
+
+@pytest.mark.parametrize("figure_id", ACCEPTED)
+def test_a_figure_keeps_its_accepted_bits(figure_id):
+    figure = FIGURES[figure_id]
+    assert accept.golden_of(figure, accept.render(figure)) == from_text(
+        accept.golden_path(figure_id).read_text()
+    )
+
+
+@pytest.mark.parametrize("figure_id", FIGURES)
+def test_a_small_picture_of_a_figure_equals_the_specification(figure_id):
+    assert accept.differences_from_reference(FIGURES[figure_id], size=24) == 0
+
+
+def test_a_digest_depends_on_every_bit_and_on_the_shape():
+    color = np.zeros((4, 6, 4), np.uint8)
+    changed = color.copy()
+    changed[3, 5, 3] = 1
+    assert len({digest(color), digest(changed), digest(color.reshape(6, 4, 4))}) == 3
+    assert digest(np.asfortranarray(changed)) == digest(changed)
+
+
+def test_a_digest_of_anything_but_bytes_is_refused():
+    with pytest.raises(ValueError, match="holds float64"):
+        digest(np.zeros((1, 1, 4)))
+
+
+@pytest.mark.parametrize("text", ["", "[]", '{"figure": "F004-2"}'])
+def test_a_damaged_digest_file_is_refused_in_a_sentence(text):
+    with pytest.raises(ValueError, match="not an accepted digest"):
+        from_text(text)
+
+
+@pytest.fixture
+def elsewhere(monkeypatch, tmp_path):
+    """Acceptance that writes to a temporary folder and renders pictures of 16 pixels."""
+    for name in ("GOLDEN", "PICTURES"):
+        monkeypatch.setattr(accept, name, tmp_path)
+    monkeypatch.setattr(accept, "GOLDEN_SIZE", 16)
+    monkeypatch.setattr(accept, "REFERENCE_SIZE", 8)
+    return tmp_path
+
+
+def test_a_digest_is_accepted_only_after_the_picture_was_looked_at(elsewhere, capsys):
+    assert accept.main(["F004-2"]) == 1
+    assert FIGURES["F004-2"].must_see in capsys.readouterr().out
+    assert not (elsewhere / "F004-2.json").exists()
+    assert accept.main(["F004-2", "--looked"]) == 0
+    assert json.loads((elsewhere / "F004-2.json").read_text())["size"] == 16
+    assert accept.main(["F004-2"]) == 0
+
+
+def test_a_digest_is_refused_when_the_specification_disagrees(elsewhere, monkeypatch, capsys):
+    run_reference = accept.run_reference
+
+    def wrong_by_one_bit(*arguments):
+        frame = run_reference(*arguments)
+        frame.target.color[0][0][0] ^= 1
+        return frame
+
+    monkeypatch.setattr(accept, "run_reference", wrong_by_one_bit)
+    assert accept.main(["F004-2", "--looked"]) == 1
+    assert "1 values differ" in capsys.readouterr().err
+    assert not (elsewhere / "F004-2.json").exists()
+
+
+def test_an_unknown_figure_is_refused_with_the_names_there_are(capsys):
+    assert accept.main(["F004-9"]) == 2
+    assert "F004-2" in capsys.readouterr().err

@@ -1,0 +1,135 @@
+"""The project's rules: which layer may import which, where numbers come from, what a figure must have."""
+
+import ast
+import re
+import subprocess
+import sys
+from dataclasses import fields
+from pathlib import Path
+
+import pytest
+
+from effects.figures import FIGURES
+from pipeline.profile import EVIDENCE_TAGS, Profile
+from pipeline.profiles import GEFORCE_256, IDEAL, PROFILES
+from pipeline.validate import validate
+
+ROOT = Path(__file__).parents[1]
+STANDARD = set(sys.stdlib_module_names)
+
+# What a folder may import besides the standard library; an entry with a dot allows that module alone.
+MAY_IMPORT = {
+    "raster": {"raster", "numba", "llvmlite", "numpy"},
+    "pipeline": {"pipeline", "raster", "numpy"},
+    "effects/cli": {"effects", "pipeline", "raster.kernel", "numpy", "click", "rich", "PIL", "imageio"},
+    "effects": {"effects", "pipeline", "numpy"},
+    "tests/reference": {
+        "tests.reference",
+        "pipeline.enums",
+        "pipeline.state",
+        "pipeline.profile",
+        "pipeline.profiles",
+    },
+}
+SOURCES = [
+    (folder, path)
+    for folder in MAY_IMPORT
+    for path in sorted((ROOT / folder).rglob("*.py"))
+    if not (folder == "effects" and "cli" in path.relative_to(ROOT).parts)
+]
+
+
+def imported_modules(tree):
+    """Dotted names of everything a module imports, at its top or inside a function."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, "imports are absolute here"
+            for alias in node.names:
+                yield f"{node.module}.{alias.name}"
+
+
+def is_allowed(module, allowed):
+    return module.split(".")[0] in STANDARD or any(module == a or module.startswith(a + ".") for a in allowed)
+
+
+@pytest.mark.parametrize(("folder", "path"), SOURCES, ids=lambda p: str(p).removeprefix(f"{ROOT}/"))
+def test_a_module_imports_only_what_its_layer_may(folder, path):
+    refused = [
+        m for m in imported_modules(ast.parse(path.read_text())) if not is_allowed(m, MAY_IMPORT[folder])
+    ]
+    assert not refused, f"{path.name} must not import {', '.join(refused)}"
+
+
+def test_the_import_rule_refuses_what_it_should():
+    tree = ast.parse("import numpy as np\nfrom raster import combine\ndef f():\n    import effects.figures\n")
+    refused = [m for m in imported_modules(tree) if not is_allowed(m, MAY_IMPORT["tests/reference"])]
+    assert refused == ["numpy", "raster.combine", "effects.figures"]
+
+
+def test_the_reference_runs_without_numpy_numba_or_kernels():
+    modules = [
+        f"tests.reference.{p.stem}"
+        for p in (ROOT / "tests" / "reference").glob("*.py")
+        if p.stem != "__init__"
+    ]
+    absent = "[m for m in ('numpy', 'numba', 'raster') if m in sys.modules]"
+    code = f"import sys, {', '.join(modules)}; print({absent})"
+    run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "[]"
+
+
+def test_only_one_module_knows_the_compiler():
+    compiler = re.compile(r"\b(njit|numba\.jit|@jit|vectorize|guvectorize|cfunc|stencil\()")
+    for folder in ("raster", "pipeline", "effects"):
+        for path in sorted((ROOT / folder).rglob("*.py")):
+            if path != ROOT / "raster" / "kernel.py":
+                assert not compiler.search(path.read_text()), f"{path}: use @kernel from raster/kernel.py"
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_every_field_of_a_profile_says_where_its_value_comes_from(name):
+    profile = PROFILES[name]
+    for field in fields(Profile):
+        if field.name not in ("name", "description", "evidence"):
+            tag, _, what = profile.evidence[field.name].partition(" ")
+            assert tag in EVIDENCE_TAGS, f"{name}.{field.name}"
+            assert len(what) > 8, f"{name}.{field.name}: the tag needs a reason"
+
+
+REFERENCE_FUNCTIONS = [
+    (path.stem, node)
+    for path in sorted((ROOT / "tests" / "reference").glob("*.py"))
+    for node in ast.walk(ast.parse(path.read_text()))
+    if isinstance(node, ast.FunctionDef)
+]
+
+
+@pytest.mark.parametrize(("module", "node"), REFERENCE_FUNCTIONS, ids=lambda x: getattr(x, "name", x))
+def test_every_reference_function_names_its_source(module, node):
+    text = ast.get_docstring(node) or ""
+    assert any(tag in text for tag in EVIDENCE_TAGS), f"{module}.{node.name} needs its source"
+
+
+def bibliography_keys():
+    return set(
+        re.findall(r"^@\w+\{([^,\s]+),", (ROOT / "docs" / "bibliography.bib").read_text(), re.MULTILINE)
+    )
+
+
+@pytest.mark.parametrize("figure_id", FIGURES)
+def test_every_figure_names_a_paper_of_the_bibliography(figure_id):
+    assert FIGURES[figure_id].source in bibliography_keys()
+
+
+@pytest.mark.parametrize("profile", [GEFORCE_256, IDEAL], ids=lambda p: p.name)
+@pytest.mark.parametrize("figure_id", FIGURES)
+def test_every_command_of_every_figure_is_one_its_machine_can_hold(figure_id, profile):
+    figure = FIGURES[figure_id]
+    validate(figure.commands(profile, 32), profile, *figure.dimensions(32))
+
+
+def test_every_figure_has_an_accepted_digest_and_every_digest_a_figure():
+    accepted = {path.stem for path in (ROOT / "tests" / "golden").glob("*.json")}
+    assert accepted == set(FIGURES)
