@@ -185,8 +185,6 @@ def wrap_coordinate(t, mode, size):
     elif mode == WrapMode.MIRRORED_REPEAT:
         t = t - 2.0 * n * fixed.floor_float(t * (1.0 / (2.0 * n)))
         t = 2.0 * n - t if t > n else t
-    if t != t:
-        t = 0.0
     low, high = {
         WrapMode.REPEAT: (0.0, n),
         WrapMode.MIRRORED_REPEAT: (0.0, n),
@@ -194,7 +192,7 @@ def wrap_coordinate(t, mode, size):
         WrapMode.CLAMP_TO_EDGE: (0.5, n - 0.5),
         WrapMode.CLAMP_TO_BORDER: (-0.5, n + 0.5),
     }[mode]
-    return fixed.clamp(t, low, high)
+    return fixed.clamp(t, low, high) if t == t else low  # not a number: the range's lower end
 
 
 def wrap_index(i, mode, size, *, linear):
