@@ -13,7 +13,17 @@ from pipeline.state import Color, ColorMask, PassState, Scissor
 from pipeline.textures import Texture
 
 
-def _frozen(array, dtype):
+def _frozen(values, dtype, name):
+    """A read-only copy. Raises ValueError for what is no array of numbers."""
+    try:
+        array = np.asarray(values)
+    except ValueError as error:
+        raise ValueError(
+            f"The mesh's {name} have rows of different lengths; give as many in each."
+        ) from error
+    if array.dtype.kind not in ("biu" if dtype is np.int64 and array.size else "biuf"):
+        wanted = "whole numbers" if dtype is np.int64 else "numbers"
+        raise ValueError(f"The mesh's {name} are of type {array.dtype}; give {wanted}.")
     array = np.array(array, dtype=dtype, order="C")
     array.setflags(write=False)
     return array
@@ -33,7 +43,7 @@ class Mesh:
                         t = 0, r = 0, q = 1
     fog_coordinates     float64 [n], or None: 0
 
-    Arrays are copied and made read-only.
+    Arrays are copied and made read-only. Raises ValueError for what is no array of (whole) numbers.
     """
 
     positions: np.ndarray
@@ -50,12 +60,11 @@ class Mesh:
         for name in ("positions", "colors", "secondary_colors", "normals", "fog_coordinates"):
             value = getattr(self, name)
             if value is not None:
-                object.__setattr__(self, name, _frozen(value, np.float64))
+                object.__setattr__(self, name, _frozen(value, np.float64, name))
         if self.indices is not None:
-            object.__setattr__(self, "indices", _frozen(self.indices, np.int64))
-        object.__setattr__(
-            self, "texture_coordinates", tuple(_frozen(t, np.float64) for t in self.texture_coordinates)
-        )
+            object.__setattr__(self, "indices", _frozen(self.indices, np.int64, "indices"))
+        coordinates = (_frozen(t, np.float64, "texture_coordinates") for t in self.texture_coordinates)
+        object.__setattr__(self, "texture_coordinates", tuple(coordinates))
 
 
 @dataclass(frozen=True, kw_only=True)

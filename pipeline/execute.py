@@ -1,9 +1,11 @@
 """Run a frame's commands on a machine: validate, pack, and drive the kernels one command at a time."""
 
 import os
+import threading
 import weakref
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass, field, replace
+from numbers import Integral
 
 import numpy as np
 
@@ -102,6 +104,8 @@ def default_threads():
 class Machine:
     """A machine with its framebuffer and texture objects, which persist from run to run.
 
+    Several Python threads may share one: a run waits until the one before it has ended.
+
     Parameters
     ----------
     profile : Profile
@@ -130,16 +134,18 @@ class Machine:
             raise ValueError(
                 f"The {self.profile.name} profile has no hardware; evaluate it with execute_ideal."
             )
-        if self.threads is not None and self.threads < 1:
+        if self.threads is not None and not (isinstance(self.threads, Integral) and self.threads >= 1):
             raise ValueError(
                 f"{self.threads} threads cannot draw; give 1 or more, or None for one per processor."
             )
-        if not 16 <= self.batch <= 4096:
+        if not (isinstance(self.batch, Integral) and 16 <= self.batch <= 4096):
             raise ValueError(f"A batch of {self.batch} fragments is out of range; give 16 to 4096.")
         validate((), self.profile, self.width, self.height, self.depth_bits)
         self.framebuffer = Framebuffer.new(self.width, self.height, self.depth_bits)
-        self._threads = self.threads or default_threads()
-        self._pool = ThreadPoolExecutor(self._threads - 1, "fixedpipe") if self._threads > 1 else None
+        bands = -(-self.height // BAND_HEIGHT)
+        self._threads = min(self.threads or default_threads(), bands)
+        self._pool = self._process = None
+        self._running = threading.Lock()
 
     def run(self, commands, *, trace=False, record=False):
         """Validate and run ``commands``; returns a Result.
@@ -148,6 +154,10 @@ class Machine:
         Raises ``pipeline.validate.UnsupportedState`` or ValueError, before anything is drawn.
         """
         commands = tuple(commands)
+        with self._running:
+            return self._run(commands, trace, record)
+
+    def _run(self, commands, trace, record):
         validate(commands, self.profile, self.width, self.height, self.depth_bits, textures=self.textures)
         pixels, snapshots, records = {}, [], []
         fragments = dropped = 0
@@ -188,9 +198,15 @@ class Machine:
             self.textures,
             self.batch,
             self._threads,
-            self._pool,
+            self._workers,
             record,
         )
+
+    def _workers(self):
+        """The pool of threads beside the caller's, made when first needed: a forked process has none."""
+        if self._pool is None or self._process != os.getpid():
+            self._pool, self._process = ThreadPoolExecutor(self._threads - 1, "fixedpipe"), os.getpid()
+        return self._pool
 
 
 def _bins(primitives, draw, height):
@@ -206,8 +222,11 @@ def _bins(primitives, draw, height):
     return order, ends, int(dropped)
 
 
-def _rasterize(framebuffer, primitives, packed, state, textures, batch, threads, pool, record):
-    """Run the kernels over a Draw's triangles; returns (fragments, dropped, Fragments or None)."""
+def _rasterize(framebuffer, primitives, packed, state, textures, batch, threads, workers, record):
+    """Run the kernels over a Draw's triangles; returns (fragments, dropped, Fragments or None).
+
+    ``workers`` gives the pool of the threads beside this one; it is not asked where one thread is enough.
+    """
     draw, p = packed.draw, primitives
     empty = len(p.triangles) == 0 or draw[R.X0] >= draw[R.X1] or draw[R.Y0] >= draw[R.Y1]
     order, ends, dropped = (None, None, 0) if empty else _bins(p, draw, framebuffer.height)
@@ -239,9 +258,12 @@ def _rasterize(framebuffer, primitives, packed, state, textures, batch, threads,
         return count, dropped + p.dropped, _fragments(recording[:count])
     area = (draw[R.X1] - draw[R.X0]) * (draw[R.Y1] - draw[R.Y0])
     threads = threads if area >= _PARALLEL_FROM else 1
-    waiting = [pool.submit(bands, k, threads, _NO_RECORD) for k in range(1, threads)]
-    count = bands(0, threads, _NO_RECORD)
-    return count + sum(w.result() for w in waiting), dropped + p.dropped, None
+    others = [workers().submit(bands, k, threads, _NO_RECORD) for k in range(1, threads)]
+    try:
+        count = bands(0, threads, _NO_RECORD)
+    finally:
+        wait(others)  # however this ends, nothing draws on behind the caller's back
+    return count + sum(other.result() for other in others), dropped + p.dropped, None
 
 
 def _fragments(rows):
@@ -263,8 +285,9 @@ def execute(
 def rasterize(primitives, polygon, scissor, width, height):
     """Coverage alone: the Fragments of window primitives, culled and scissored, per pixel in draw order.
 
-    ``polygon``: a PolygonState; ``scissor``: a Scissor or None; ``width``, ``height`` of the framebuffer,
-    pixels.
+    ``primitives``: as ``pipeline.vertex.process`` makes them, contiguous columns of one length; they are not
+    checked again. ``polygon``: a PolygonState; ``scissor``: a Scissor or None; ``width``, ``height`` of the
+    framebuffer, pixels.
     """
     nothing = ColorMask(False, False, False, False)
     state = PassState(polygon=replace(polygon, offset_fill=False), scissor=scissor, color_mask=nothing)

@@ -121,6 +121,7 @@ def copied_texture(framebuffer, command):
     width = framebuffer.width - command.x if command.width is None else command.width
     height = framebuffer.height - command.y if command.height is None else command.height
     texels = store_texels(framebuffer.rectangle(command.x, command.y, width, height), command.internal_format)
+    texels.setflags(write=False)
     return Texture(TextureTarget.TEXTURE_2D, command.internal_format, (texels[None],))
 
 
@@ -131,5 +132,6 @@ def replaced_texture(framebuffer, command, texture):
     rows = slice(command.y_offset, command.y_offset + command.height)
     columns = slice(command.x_offset, command.x_offset + command.width)
     level[command.face, rows, columns] = store_texels(rgba, texture.internal_format)
+    level.setflags(write=False)
     levels = (*texture.levels[: command.level], level, *texture.levels[command.level + 1 :])
     return Texture(texture.target, texture.internal_format, levels)

@@ -27,6 +27,7 @@ from pipeline.enums import (
     ShadeModel,
     StencilOperation,
     TextureFilter,
+    TextureTarget,
 )
 from pipeline.framebuffer import to_byte
 from pipeline.state import (
@@ -358,7 +359,8 @@ def _pack_units(state, profile, textures, primitives, used):
         ):
             row[R.THRESHOLD] = 128
         row[R.BORDER] = border_texel(sampler.border_color, texture.internal_format)
-        row[R.PROJECTIVE] = bool((primitives.coordinates[:, i, 3] != 1.0).any())
+        divided = texture.target != TextureTarget.TEXTURE_CUBE_MAP  # a cube map reads a direction as it is
+        row[R.PROJECTIVE] = divided and (primitives.coordinates[:, i, 3] != 1.0).any()
     return units
 
 

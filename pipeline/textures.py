@@ -7,6 +7,7 @@ go (Source: NV_register_combiners table 2). Rows run bottom first, as TexImage2D
 """
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -94,18 +95,44 @@ def register_components(components, base, one):
     return out
 
 
+def _quantised(unit, bits):
+    """Components in [0, 1] at n bits, as bytes."""
+    return widen_to_byte(np.floor(unit * (2**bits - 1) + 0.5).astype(np.uint8), bits)
+
+
+@cache
+def _quantised_bytes(bits):
+    """``_quantised`` of every byte, uint8 [256]."""
+    return _quantised(np.arange(256) / 255.0, bits)
+
+
 def store_texels(rgba, internal_format):
     """RGBA in [0, 1] or bytes, [..., 4], to register bytes uint8 [..., 4] at the format's resolution.
 
     Conversion to n bits rounds to nearest (Source: OpenGL 1.2.1 section 2.13.9).
     """
-    kept = rgba[..., list(KEPT[BASE_FORMAT[internal_format]])]
-    unit = kept / 255.0 if kept.dtype == np.uint8 else np.clip(kept, 0.0, 1.0)
-    components = np.empty(kept.shape, np.uint8)
-    for k, bits in enumerate(COMPONENT_BITS[internal_format]):
-        quantised = np.floor(unit[..., k] * (2**bits - 1) + 0.5).astype(np.int64)
-        components[..., k] = widen_to_byte(quantised, bits)
-    return register_components(components, BASE_FORMAT[internal_format], np.uint8(255))
+    base = BASE_FORMAT[internal_format]
+    components = np.empty((*rgba.shape[:-1], len(KEPT[base])), np.uint8)
+    for k, (kept, bits) in enumerate(zip(KEPT[base], COMPONENT_BITS[internal_format], strict=True)):
+        given = rgba[..., kept]
+        if given.dtype == np.uint8:
+            components[..., k] = _quantised_bytes(bits)[given]
+        else:
+            components[..., k] = _quantised(np.clip(given, 0.0, 1.0), bits)
+    return register_components(components, base, np.uint8(255))
+
+
+def _frozen_levels(levels):
+    """The levels, read-only: writable arrays are copied. What is no tuple of arrays, validate refuses."""
+    if not isinstance(levels, tuple):
+        return levels
+    frozen = []
+    for level in levels:
+        if isinstance(level, np.ndarray) and level.flags.writeable:
+            level = level.copy()
+            level.setflags(write=False)
+        frozen.append(level)
+    return tuple(frozen)
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,12 +142,18 @@ class Texture:
     levels  tuple of uint8 [faces, height, width, 4], level 0 first: register bytes, bottom row first
     ideal   the same shapes in float64 before any quantisation, or None: the ideal evaluator then reads the
             stored bytes divided by 255
+
+    Writable arrays are copied and made read-only: what is made from a texture is kept as long as it lives.
     """
 
     target: TextureTarget
     internal_format: InternalFormat
     levels: tuple[np.ndarray, ...]
     ideal: tuple[np.ndarray, ...] | None = None
+
+    def __post_init__(self):
+        for name in ("levels", "ideal"):
+            object.__setattr__(self, name, _frozen_levels(getattr(self, name)))
 
     @property
     def width(self):
@@ -181,8 +214,8 @@ def _build(target, faces, internal_format, mipmaps):
     base = store_texels(faces, internal_format)
     source = None
     if faces.dtype != np.uint8:
-        exact = faces[..., list(KEPT[BASE_FORMAT[internal_format]])]
-        source = register_components(exact, BASE_FORMAT[internal_format], 1.0)
+        base_format = BASE_FORMAT[internal_format]
+        source = register_components(faces[..., list(KEPT[base_format])], base_format, 1.0)
     levels, sources = [base], [source]
     while mipmaps and max(levels[-1].shape[1:3]) > 1:
         levels.append(halve(levels[-1]))

@@ -498,8 +498,10 @@ class _Walk:
 
     def __init__(self, profile, width, height, textures):
         self.profile, self.width, self.height = profile, width, height
-        self.where = ""
-        self.textures = {name: _Known.of(image) for name, image in textures.items()}
+        self.textures = {}
+        for name, image in textures.items():
+            self.where = f"Texture {name!r}, which the machine holds"
+            self.store(name, image)
         self.read = set()
         # States share parts (dataclasses.replace keeps them) and stay alive during the walk, so what was once
         # found right need not be looked at again.
@@ -562,13 +564,17 @@ class _Walk:
             self.refuse(f"{self.profile.name} has no logic operations on colors; use blending.")
 
     def tex_image(self, command):
-        image = command.image
+        self.store(command.texture, command.image)
+
+    def store(self, name, image):
+        if wrong := _type_check(Texture)(image):
+            self.refuse(f"it {wrong.predicate}.")
         if image not in _checked_textures:
             if problem := _texture_problem(image):
                 self.refuse(problem)
             _checked_textures.add(image)
         self.texture_storage(image.target, image.internal_format, image.width, image.height)
-        self.textures[command.texture] = _Known.of(image)
+        self.textures[name] = _Known.of(image)
 
     def copy_tex_image(self, command):
         width, height = self.framebuffer_rectangle(command)
@@ -937,8 +943,8 @@ def _power_of_two(edge):
 
 
 def _check_framebuffer(profile, width, height, depth_bits):
-    for name, edge in (("width", width), ("height", height)):
-        if wrong := _check_int(edge):
+    for name, number in (("width", width), ("height", height), ("depth_bits", depth_bits)):
+        if wrong := _check_int(number):
             raise UnsupportedState(f"The framebuffer's {name} {wrong.predicate}.")
     if width < 1 or height < 1:
         raise UnsupportedState(f"The framebuffer is {width}x{height}; give at least 1x1.")

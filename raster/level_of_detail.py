@@ -87,9 +87,10 @@ def block_lambda(v0, v1, v2, x, y, inverse_w, coordinates, unit, row, width, hei
         if row[R.TARGET] == 0:
             t0 = t1 = t2 = 0.0
     dsx, dtx, dsy, dty = s1 - s0, t1 - t0, s2 - s0, t2 - t0
-    rho2 = max(dsx * dsx + dtx * dtx, dsy * dsy + dty * dty)
-    if not rho2 < np.inf:  # infinite, or not a number
+    dx2, dy2 = dsx * dsx + dtx * dtx, dsy * dsy + dty * dty
+    if not (dx2 < np.inf and dy2 < np.inf):  # infinite, or not a number, which max may lose
         return FAR
+    rho2 = max(dx2, dy2)
     if rho2 == 0.0:
         return int32(-FAR)
     return log2_q7(rho2)

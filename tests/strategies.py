@@ -12,6 +12,7 @@ from pipeline.commands import Clear, CopyTexImage, CopyTexSubImage, Draw, Mesh, 
 from pipeline.enums import (
     BlendEquation,
     ComparisonFunction,
+    ComponentUsage,
     Face,
     FogCoordinateSource,
     FogMode,
@@ -20,6 +21,7 @@ from pipeline.enums import (
     LogicOperation,
     PrimitiveType,
     ProvokingVertex,
+    Register,
     ShadeModel,
     StencilOperation,
     TextureFilter,
@@ -32,12 +34,15 @@ from pipeline.state import (
     AlphaTest,
     Blending,
     ColorMask,
+    CombinerInput,
     DepthTest,
+    FinalCombiner,
     Fog,
     Light,
     Lighting,
     PassState,
     PolygonState,
+    RegisterCombiners,
     Sampler,
     Scissor,
     StencilTest,
@@ -108,7 +113,8 @@ def texture_units(draw, texture):
     )
     scale = draw(st.sampled_from((1.0, 1.0, 0.25, 7.0)))
     matrix = tuple(tuple(scale * v for v in row) if i < 2 else row for i, row in enumerate(IDENTITY))
-    bias = draw(st.just(0.0) | st.floats(-GEFORCE_256.max_lod_bias, GEFORCE_256.max_lod_bias))
+    limit = GEFORCE_256.max_lod_bias
+    bias = draw(st.sampled_from((0.0, 0.0, 0.5, -0.5)) | st.floats(-limit, limit))
     return TextureUnit(
         texture.name, sampler, lod_bias=bias, coordinates=draw(st.integers(0, 1)), matrix=matrix
     )
@@ -234,6 +240,9 @@ def pass_states(draw, width, height, available, max_stages=2, per_stage_constant
 # ----------------------------------------------------------------------------------------------------- meshes
 
 
+_COORDINATES = ("any", "aligned", "large", "grid", "constant", "projective", "zero")
+
+
 def _positions(random, kind, count, width, height):
     """Clip coordinates [count, 4] on and around the screen, far outside it, behind the eye."""
     pixels = random.uniform(-0.5, 1.5, (count, 2)) * (width, height)
@@ -256,8 +265,12 @@ def _positions(random, kind, count, width, height):
     return np.stack([x * w, y * w, z * w, w], -1)
 
 
-def _texture_coordinates(random, kind, count):
-    """(s, t, r, q): near the texture, repeated many times, on texel boundaries; q other than one for some."""
+def _texture_coordinates(random, kind, positions, width, height):
+    """(s, t, r, q): near the texture, repeated many times, on texel boundaries; q other than one for some.
+
+    "aligned": so many texels a pixel along both axes, where lambda and texels have their ties.
+    """
+    count = len(positions)
     coordinates = random.uniform(-1.5, 1.5, (count, 4))
     if kind == "large":
         coordinates *= 40.0
@@ -265,7 +278,13 @@ def _texture_coordinates(random, kind, count):
         coordinates = np.round(coordinates * 8.0) / 8.0
     elif kind == "constant":
         coordinates[:] = coordinates[:1]
-    if kind != "projective":
+    elif kind == "aligned":
+        texels = random.choice([0.25, 0.5, 1.0, 2.0, 4.0, 2.0**0.5, 8.0**0.5], 2)
+        pixels = (positions[:, :2] / positions[:, 3:] + 1.0) * (width / 2, height / 2)
+        coordinates[:, :2] = pixels * texels / random.choice([1, 2, 4, 8])
+    if kind == "zero":
+        coordinates[:, 3] = random.choice([0.0, 1.0], count, p=[0.8, 0.2])
+    elif kind != "projective":
         coordinates[:, 3] = 1.0
     return coordinates
 
@@ -276,7 +295,6 @@ def meshes(draw, width, height):
     kind = draw(
         st.sampled_from(("any", "grid", "perspective", "near", "any", "perspective", "huge", "degenerate"))
     )
-    coordinate_kinds = st.sampled_from(("any", "large", "grid", "constant", "projective"))
     random = np.random.default_rng(draw(seeds))
     primitive = draw(st.sampled_from(PrimitiveType))
     count, indexed = draw(st.integers(3, 9)), draw(st.booleans())
@@ -289,7 +307,8 @@ def meshes(draw, width, height):
     positions = _positions(random, kind, count, width, height)
     if draw(st.sampled_from((True, True, False))):  # the first triangle covers most of the screen
         corners = np.array([[-1.0, -1.0], [3.0, -1.0], [-1.0, 3.0]])[random.permutation(3)]
-        positions[:3, :2] = (corners + random.uniform(-0.2, 0.2, (3, 2))) * positions[:3, 3:]
+        moved = 0.0 if kind == "grid" else random.uniform(-0.2, 0.2, (3, 2))
+        positions[:3, :2] = (corners + moved) * positions[:3, 3:]
     return Mesh(
         positions,
         primitive,
@@ -298,7 +317,8 @@ def meshes(draw, width, height):
         secondary_colors=random.random((count, 3)),
         normals=normals,
         texture_coordinates=tuple(
-            _texture_coordinates(random, draw(coordinate_kinds), count) for _ in range(2)
+            _texture_coordinates(random, draw(st.sampled_from(_COORDINATES)), positions, width, height)
+            for _ in range(2)
         ),
         fog_coordinates=random.uniform(-2.0, 4.0, count),
     )
@@ -348,6 +368,48 @@ def _replacements(draw, width, height, texture):
         height=h,
         level=level,
         face=draw(st.integers(0, faces - 1)),
+    )
+
+
+SHOW_TEXTURE = RegisterCombiners(
+    final=FinalCombiner(
+        a=CombinerInput(),
+        b=CombinerInput(),
+        c=CombinerInput(Register.TEXTURE0),
+        g=CombinerInput(Register.TEXTURE0, usage=ComponentUsage.ALPHA),
+    )
+)
+
+
+def textured_frame(seed, width, height):
+    """A texture under any sampler on a random mesh, shown as it is: every choice is equally frequent."""
+    random = np.random.default_rng(seed)
+    sizes, mipmaps = 1 << random.integers(0, 5, 2), random.random() < 0.8
+    internal_format = InternalFormat(random.integers(len(InternalFormat)))
+    target = TextureTarget(random.integers(len(TextureTarget)))
+    texels = random.integers(0, 256, (6, *sizes, 4), np.uint8)
+    if target is TextureTarget.TEXTURE_1D:
+        image = texture_1d(texels[0, 0], internal_format, mipmaps=mipmaps)
+    elif target is TextureTarget.TEXTURE_2D:
+        image = texture_2d(texels[0], internal_format, mipmaps=mipmaps)
+    else:
+        image = texture_cube_map(texels[:, : sizes.min(), : sizes.min()], internal_format, mipmaps=mipmaps)
+    sampler = Sampler(
+        min_filter=TextureFilter(random.integers(6 if mipmaps else 2)),
+        mag_filter=TextureFilter(random.integers(2)),
+        wrap_s=WrapMode(random.integers(len(WrapMode))),
+        wrap_t=WrapMode(random.integers(len(WrapMode))),
+        border_color=tuple(random.random(4).tolist()),
+    )
+    bias = float(random.choice([0.0, 0.5, -0.5, 1.5, random.uniform(-4.0, 4.0)]))
+    positions = _positions(random, random.choice(["any", "grid", "perspective", "near"]), 6, width, height)
+    coordinates = _texture_coordinates(random, random.choice(_COORDINATES), positions, width, height)
+    mesh = Mesh(positions, PrimitiveType.TRIANGLE_STRIP, texture_coordinates=(coordinates,))
+    unit = TextureUnit("texture", sampler, lod_bias=bias)
+    state = PassState(texture_units=(unit,), register_combiners=SHOW_TEXTURE)
+    return (
+        TexImage(label="texture", texture="texture", image=image),
+        Draw(label="show the texture", mesh=mesh, state=state),
     )
 
 

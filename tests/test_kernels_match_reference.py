@@ -71,6 +71,7 @@ from tests.reference import (
     texel_formats,
 )
 from tests.run_reference import run_reference
+from tests.strategies import SHOW_TEXTURE
 
 MACHINES = [
     replace(
@@ -393,14 +394,6 @@ SCREEN = Mesh(
     texture_coordinates=(np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]),),
 )
 NEAREST = Sampler(TextureFilter.NEAREST, TextureFilter.NEAREST)
-PASS_TEXTURE = RegisterCombiners(
-    final=FinalCombiner(
-        a=CombinerInput(),
-        b=CombinerInput(),
-        c=CombinerInput(Register.TEXTURE0),
-        g=CombinerInput(Register.TEXTURE0, usage=ComponentUsage.ALPHA),
-    )
-)
 
 
 def drawn_over(source, destination, depth_buffer=None, stencil=None, **state):
@@ -413,7 +406,7 @@ def drawn_over(source, destination, depth_buffer=None, stencil=None, **state):
     if stencil is not None:
         machine.framebuffer.stencil[:] = stencil
     pass_state = PassState(
-        texture_units=(TextureUnit("source", NEAREST),), register_combiners=PASS_TEXTURE, **state
+        texture_units=(TextureUnit("source", NEAREST),), register_combiners=SHOW_TEXTURE, **state
     )
     machine.run(
         (
@@ -463,8 +456,8 @@ def test_every_blend_factor_over_all_pairs_of_bytes(side, factor):
 @pytest.mark.parametrize("equation", BlendEquation)
 @pytest.mark.parametrize("source_factor", sorted(GEFORCE_256.blend_factors_source))
 def test_every_pair_of_blend_factors(source_factor, equation):
-    source, destination = (image[::5, ::3] for image in colors_of_all_pairs())
-    source, destination = source[:32, :64], destination[:32, :64]
+    some, more = np.linspace(0, 255, 32).astype(int), np.linspace(0, 255, 64).astype(int)
+    source, destination = (image[np.ix_(some, more)] for image in colors_of_all_pairs())
     for destination_factor in sorted(GEFORCE_256.blend_factors_destination):
         blending = Blending(source_factor, destination_factor, equation, CONSTANT)
         got = drawn_over(source, destination, blending=blending).color
@@ -709,7 +702,7 @@ def test_wrap_modes_are_alike_on_and_around_every_step(mode, size, texture_filte
     )
     image = texture_1d(np.random.default_rng(size).integers(0, 256, (size, 4), np.uint8))
     sampler = Sampler(texture_filter, texture_filter, mode, mode, border_color=CONSTANT)
-    state = PassState(texture_units=(TextureUnit("row", sampler),), register_combiners=PASS_TEXTURE)
+    state = PassState(texture_units=(TextureUnit("row", sampler),), register_combiners=SHOW_TEXTURE)
     coordinates = np.repeat(texel / size, 4)[:, None]
     commands = (
         TexImage(label="row", texture="row", image=image),
@@ -719,6 +712,32 @@ def test_wrap_modes_are_alike_on_and_around_every_step(mode, size, texture_filte
     machine.run(commands)
     expected = run_reference(commands, GEFORCE_256, len(texel), 1, 24)
     assert machine.framebuffer.color.tolist() == expected.target.color
+
+
+@pytest.mark.parametrize("magnification", [TextureFilter.NEAREST, TextureFilter.LINEAR])
+@pytest.mark.parametrize("minification", list(TextureFilter)[2:])
+def test_every_lambda_reads_the_same_levels(minification, magnification):
+    # One texel a pixel, so that lambda is the bias (or 1/256 less, where the iteration rounds down).
+    random = np.random.default_rng(5)
+    image = texture_2d(random.integers(0, 256, (8, 8, 4), np.uint8), mipmaps=True)
+    corners = np.array([[-1.0, -1.0], [3.0, -1.0], [-1.0, 3.0]])
+    mesh = Mesh(corners, texture_coordinates=((corners + 1.0) * (4 / 16, 2 / 16),))
+    sampler = Sampler(minification, magnification)
+    near_halves = {k + d for k in range(-256, 1024, 128) for d in (-2, -1, 0, 1, 2)}
+    for step in sorted(near_halves | set(range(-1024, 1025, 41))):
+        unit = TextureUnit("pyramid", sampler, lod_bias=step / 256)
+        commands = (
+            TexImage(label="pyramid", texture="pyramid", image=image),
+            Draw(
+                label="one texel a pixel",
+                mesh=mesh,
+                state=PassState(texture_units=(unit,), register_combiners=SHOW_TEXTURE),
+            ),
+        )
+        machine = Machine(GEFORCE_256, 4, 2, threads=1)
+        machine.run(commands)
+        expected = run_reference(commands, GEFORCE_256, 4, 2, 24)
+        assert machine.framebuffer.color.tolist() == expected.target.color, step
 
 
 def test_cube_map_directions_select_the_same_faces():

@@ -31,9 +31,9 @@ from pipeline.state import (
 )
 from pipeline.textures import texture_2d
 from tests.run_reference import run_reference
-from tests.strategies import frames
+from tests.strategies import frames, seeds, textured_frame
 
-WIDTH, HEIGHT = 12, 10
+WIDTH, HEIGHT = 16, 8  # powers of two: vertices on pixel centers and corners stay there exactly
 
 # A machine that no one built: every arithmetic field that a profile has, with eight general combiners.
 machines = st.builds(
@@ -75,6 +75,19 @@ def test_the_machine_equals_the_specification(commands, depth_bits, batch):
 @given(frames(WIDTH, HEIGHT, 8, True), machines, depths, batches)
 def test_other_machines_equal_the_specification(commands, profile, depth_bits, batch):
     assert_equal_to_reference(commands, profile, depth_bits, batch)
+
+
+@settings(max_examples=300)
+@given(seeds, batches)
+def test_every_sampler_on_any_mesh_equals_the_specification(seed, batch):
+    assert_equal_to_reference(textured_frame(seed, WIDTH, HEIGHT), GEFORCE_256, 24, batch)
+
+
+@pytest.mark.slow
+@settings(max_examples=5000)
+@given(seeds, batches)
+def test_thousands_of_samplers_equal_the_specification(seed, batch):
+    assert_equal_to_reference(textured_frame(seed, WIDTH, HEIGHT), GEFORCE_256, 24, batch)
 
 
 @pytest.mark.slow

@@ -961,3 +961,24 @@ def test_every_state_that_the_extension_allows_is_accepted(combiners):
 @given(register_combiners(max_stages=8, units=4, per_stage_constants=True))
 def test_every_wide_state_that_the_extension_allows_is_accepted_by_the_ideal_machine(combiners):
     check(draw(register_combiners=combiners), profile=IDEAL)
+
+
+@pytest.mark.parametrize(
+    ("arrays", "sentence"),
+    [
+        ({"positions": [[1.0, 2.0], [3.0]]}, "positions have rows of different lengths"),
+        ({"positions": "abc"}, "positions are of type <U3; give numbers"),
+        ({"positions": [[None, 0.0]]}, "positions are of type object; give numbers"),
+        ({"positions": TRIANGLE * 1j}, "positions are of type complex128; give numbers"),
+        ({"positions": TRIANGLE, "indices": [0, 1.5, 2]}, "indices are of type float64; give whole numbers"),
+        ({"positions": TRIANGLE, "colors": [["red"]] * 3}, "colors are of type <U3; give numbers"),
+        ({"positions": TRIANGLE, "texture_coordinates": ("st",)}, "texture_coordinates are of type <U2"),
+    ],
+)
+def test_vertex_arrays_that_are_no_numbers_are_refused_when_the_mesh_is_made(arrays, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        Mesh(**arrays)
+
+
+def test_a_mesh_may_have_no_indices_in_its_list():
+    assert Mesh(TRIANGLE, indices=[]).indices.shape == (0,)

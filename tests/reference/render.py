@@ -6,6 +6,9 @@ from types import SimpleNamespace
 from pipeline.enums import ShadeModel
 from tests.reference import combine, coverage, depth, fixed, fog, interpolate, per_fragment, sample
 
+# Assumed: no real scene has such a 1/w; beyond it the products of docs/numbers.md section 4 would overflow.
+SMALLEST_INVERSE_W, LARGEST_INVERSE_W = 2.0**-400, 2.0**400
+
 
 @dataclass
 class Target:
@@ -76,6 +79,8 @@ def draw_triangle(target, primitives, corners, state, textures, profile):
         return
     window_z = [primitives.z[v] for v in vertices]
     inverse_w = tuple(primitives.inverse_w[v] for v in vertices)
+    if min(inverse_w) < SMALLEST_INVERSE_W or max(inverse_w) > LARGEST_INVERSE_W:
+        return
     colors = vertex_colors(primitives, vertices, provoking, not front, state.polygon)
     units = [
         sample.TexturedTriangle(triangle, inverse_w, tuple(primitives.coordinates[v][i] for v in vertices))
