@@ -21,9 +21,9 @@ from effects.views import Light, Panel, perspective_view
 class MaterialParameters:
     """A homogeneous material under the bumps.
 
-    ``alpha_x``, ``alpha_y`` in [0.25, 1]: sharpness along and across the tangents. ``diffuse``,
-    ``specular``: RGB in [0, 1]. ``k_s`` in [0, 1]. ``relief``: the largest-to-lowest height in units of the
-    height field's width.
+    ``alpha_x``, ``alpha_y`` in [0.25, 1]: how wide the highlight is along and across the tangents.
+    ``diffuse``, ``specular``: RGB in [0, 1]. ``k_s`` in [0, 1]. ``relief``: from the lowest to the highest
+    point, in units of the height field's width.
     """
 
     alpha_x: float
@@ -51,15 +51,15 @@ MATERIALS = {
     "plastic": MaterialParameters(0.27, 0.27, (0.62, 0.08, 0.07), (1.0, 1.0, 1.0), 0.55, 0.04),
 }
 
-# Width to height of the square of texture on each mesh, so that bumps are as deep along s as along t: how
-# often the height field repeats along s and t.
-_REPEATS = {"plane": (1, 1), "sphere": (4, 2), "torus": (5, 2)}
+# How often the height field repeats along s and t: so that a repeat is about as wide as high on the mesh.
+_REPEATS = {"plane": (1, 1), "sphere": (2, 1), "torus": (2, 1)}
 MESHES = tuple(_REPEATS)
 
 
 def mesh(name):
     """One of the built-in meshes by name, with the texture repeated so that bumps are about as wide as high.
 
+    On the round ones the height field's edges meet at the sides, where they are seen least, and not in front.
     Raises ValueError for an unknown name.
     """
     if name not in _REPEATS:
@@ -70,7 +70,10 @@ def mesh(name):
         surface = meshes.sphere(96, 48)
     else:
         surface = meshes.torus(96, 48).rotated(rotation("x", 40.0))
-    return surface.with_repeats(*_REPEATS[name])
+    surface = surface.with_repeats(*_REPEATS[name])
+    if name == "plane":
+        return surface
+    return replace(surface, texture_coordinates=surface.texture_coordinates + np.array([0.5, 0.0]))
 
 
 def material(name):
@@ -144,7 +147,7 @@ def commands(
     width,
     height,
     *,
-    background=(0.10, 0.11, 0.13),
+    background=(0.07, 0.075, 0.09),
     map_size=None,
     eye=(0.0, 1.0, 3.6),
 ):

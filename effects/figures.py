@@ -88,15 +88,12 @@ _FIGURES = (
         title="Rings from interpolating tangents before they are used",
         caption=(
             "Domes with a crease at their rim, in the anisotropic Blinn-Phong model. Left: evaluated at the "
-            "texels "
-            "and interpolated afterwards, in float. Right: register combiners, which interpolate tangents "
-            "and "
-            "binormals first."
+            "texels and interpolated afterwards, in float. Right: register combiners, which interpolate "
+            "tangents and binormals first."
         ),
         must_see=(
             "The highlights on the domes are alike left and right; only on the right do bright rings follow "
-            "the "
-            "rims on the side of the light."
+            "the rims on the side of the light."
         ),
         source="KautzSeidel2000",
         techniques=("K07", "K10", "K16"),
@@ -106,8 +103,8 @@ _FIGURES = (
             "alpha_x": 0.25,
             "alpha_y": 1.0,
             "domes": 2,
-            "extent": 0.94,
-            "diffuse": (0.30, 0.34, 0.42),
+            "extent": 0.9,
+            "diffuse": (0.36, 0.40, 0.50),
             "ambient": (0.04, 0.045, 0.06),
             "specular": (0.9, 0.9, 0.85),
             "background": BACKGROUND,
@@ -120,13 +117,11 @@ _FIGURES = (
         title="One square with scratches along both axes, three lights",
         caption=(
             "A single square whose material textures hold scratches along both axes, lit from +x (left), "
-            "from +y "
-            "(middle) and from the top (right)."
+            "from +y (middle) and from the top (right)."
         ),
         must_see=(
             "Lit from one side, only the scratches across the light's direction are seen; lit from the top, "
-            "both "
-            "sets are."
+            "both sets are."
         ),
         source="KautzSeidel2000",
         techniques=("K07", "K10", "K21"),
@@ -135,9 +130,9 @@ _FIGURES = (
             "seed": 7,
             "count": 30,
             "elevation": 20.0,
-            "extent": 0.94,
-            "diffuse": (0.20, 0.23, 0.28),
-            "ambient": (0.04, 0.045, 0.055),
+            "extent": 0.9,
+            "diffuse": (0.28, 0.32, 0.38),
+            "ambient": (0.05, 0.055, 0.07),
             "specular": (1.0, 0.97, 0.90),
             "background": BACKGROUND,
         },
@@ -151,9 +146,8 @@ _FIGURES = (
             "A sphere brushed along its meridians and one brushed along its parallels, 2500 triangles each."
         ),
         must_see=(
-            "The highlight of either sphere is drawn out across its strokes; the two highlights lie at "
-            "right angles, "
-            "and single strokes are seen in both."
+            "The highlight of either sphere is drawn out across its strokes; the two highlights lie at right "
+            "angles, and single strokes are seen in both."
         ),
         source="KautzSeidel2000",
         techniques=("K07", "K10", "K21"),
@@ -164,16 +158,16 @@ _FIGURES = (
             "map_columns": 512,
             "map_rows": 256,
             "spread": 8.0,
-            "depth": 0.12,
-            "k_s": (0.6, 1.0),
+            "depth": 0.25,
+            "k_s": (0.5, 1.0),
             "alpha_x": 0.25,
             "alpha_y": 1.0,
             "tilt": 6.0,
             "light": (0.40, 0.30, 0.87),
             "radius": 0.92,
-            "diffuse": (0.30, 0.30, 0.32),
+            "diffuse": (0.30, 0.33, 0.40),
             "ambient": (0.03, 0.03, 0.04),
-            "specular": (0.85, 0.82, 0.76),
+            "specular": (0.85, 0.85, 0.82),
             "background": BACKGROUND,
         },
         scene=scenes.brushed_spheres_scene,
@@ -192,11 +186,12 @@ _FIGURES = (
         techniques=("K02", "K14"),
         columns=2,
         parameters={
-            "depth": 0.06,
+            "cells": 12,
+            "depth": 0.25,
             "dull": 0.1,
             "polished": 1.0,
-            "light": (0.4, 0.5, 0.77),
-            "diffuse": (0.16, 0.28, 0.30),
+            "light": (0.6, 0.5, 0.5),
+            "diffuse": (0.12, 0.22, 0.24),
             "ambient": (0.02, 0.03, 0.04),
             "background": BACKGROUND,
         },
@@ -207,9 +202,8 @@ _FIGURES = (
         id="K11",
         title="Local and global frame",
         caption=(
-            "A sphere brushed along its parallels, its material textures in the local frame (left) and "
-            "baked in world "
-            "coordinates (right)."
+            "A sphere brushed along its parallels, its material textures in the local frame (left) and baked "
+            "in world coordinates (right)."
         ),
         must_see="The same picture twice.",
         source="KautzSeidel2000",
@@ -235,12 +229,10 @@ _FIGURES = (
         title="Normalization cube map",
         caption=(
             "A single bumpy square under a light close above it. Left: light and halfway vectors as vertex "
-            "colours, "
-            "which lose length in the middle. Right: vectors from the normalization cube map."
+            "colours, which lose length in the middle. Right: vectors from the normalization cube map."
         ),
         must_see=(
-            "On the right a bright pool of light below the lamp; on the left the square is dull and flat "
-            "there."
+            "On the right a bright pool of light below the lamp; on the left the square is dull there."
         ),
         source="KautzSeidel2000",
         techniques=("K12", "K07", "K10"),
@@ -248,7 +240,8 @@ _FIGURES = (
         parameters={
             "cube_map_size": 64,
             "light": (0.0, 0.0, 0.7),
-            "depth": 0.03,
+            "cells": 10,
+            "depth": 0.15,
             "alpha_x": 0.4,
             "alpha_y": 0.4,
             "diffuse": (0.55, 0.42, 0.28),
@@ -273,10 +266,11 @@ _FIGURES = (
         techniques=("K14", "K10"),
         columns=1,
         parameters={
-            "depth": 0.09,
+            "cells": 6,
+            "depth": 0.8,
             "tilt": 50.0,
-            "light": (0.5, 0.6, 0.62),
-            "diffuse": (0.34, 0.24, 0.16),
+            "light": (0.6, 0.6, 0.5),
+            "diffuse": (0.42, 0.28, 0.17),
             "ambient": (0.04, 0.03, 0.03),
             "background": BACKGROUND,
         },

@@ -151,6 +151,10 @@ def torus(around=64, across=32, radius=0.7, tube_radius=0.3):
     )
 
 
+# Assumed: no mesh is larger; the fourth power of a length, by which areas are compared, stays in float64.
+_LARGEST = 1e30
+
+
 def _obj_floats(fields, least, most, where, what):
     if not least <= len(fields):
         raise ValueError(f"{where}: {what} needs at least {least} numbers, found {len(fields)}.")
@@ -158,8 +162,10 @@ def _obj_floats(fields, least, most, where, what):
         values = [float(f) for f in fields[:most]]
     except ValueError:
         raise ValueError(f"{where}: {what} must be numbers, found {' '.join(fields)!r}.") from None
-    if not all(math.isfinite(v) for v in values):
-        raise ValueError(f"{where}: {what} must be finite numbers, found {' '.join(fields)!r}.")
+    if not all(abs(v) <= _LARGEST for v in values):
+        raise ValueError(
+            f"{where}: {what} must be finite numbers of at most {_LARGEST:g}, found {' '.join(fields)!r}."
+        )
     return values
 
 

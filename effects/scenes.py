@@ -151,11 +151,9 @@ def brushed_spheres_scene(
     return tuple(out)
 
 
-def _relief(size, depth, seed=5):
-    """Slopes of a pebbled surface: three octaves of value noise, smoothed."""
-    heights = sum(
-        height_fields.value_noise(size, size, cells, cells, seed + cells) / cells for cells in (6, 12, 24)
-    )
+def _pebbled(size, cells, depth, seed=5):
+    """Slopes of a bed of ``cells`` x ``cells`` pebbles; half balls with ``depth`` 1, flatter with less."""
+    heights = height_fields.pebbles(size, size, cells, seed)
     return height_fields.slopes(height_fields.smooth(heights, 2) * depth)
 
 
@@ -164,28 +162,28 @@ def _checkered_gloss(size, cells, dull, polished):
     return np.where((cell[:, None] + cell[None, :]) % 2 == 0, polished, dull)
 
 
-def dot_product_scene(profile, size, *, depth, tilt, light, diffuse, ambient, background):
+def dot_product_scene(profile, size, *, cells, depth, tilt, light, diffuse, ambient, background):
     """K14: a pebbled torus under a white light."""
     (panel,) = row_of_panels(1, size)
-    surface = meshes.torus(96, 48).with_repeats(6, 2).rotated(rotation("x", tilt))
-    material = material_textures.from_slopes(*_relief(256, depth), 1.0, 1.0)
+    surface = meshes.torus(96, 48).with_repeats(5, 2).rotated(rotation("x", tilt))
+    material = material_textures.from_slopes(*_pebbled(256, cells, depth), 1.0, 1.0)
     view = orthographic_view(panel, half_height=1.1)
     loading, names = material_textures.load(material, "pebbles", profile)
     return (
         panel.clear(background),
-        *loading,
+        loading[0],  # the normal map; the other two material textures are not read
         *diffuse_bump.commands(
             surface, names.normal, view, Light(light), profile, color=diffuse, ambient=ambient
         ),
     )
 
 
-def gloss_scene(profile, size, *, depth, dull, polished, light, diffuse, ambient, background):
+def gloss_scene(profile, size, *, cells, depth, dull, polished, light, diffuse, ambient, background):
     """K02: a bumpy sphere with the same exponent everywhere; left k_s = 1, right k_s from a checkered gloss
     map.
     """
     surface, out = meshes.sphere().with_repeats(4, 2), []
-    slope_s, slope_t = _relief(256, depth)
+    slope_s, slope_t = _pebbled(256, cells, depth)
     gloss = {"constant": 1.0, "checkered": _checkered_gloss(256, 4, dull, polished)}
     for panel, (name, k_s) in zip(row_of_panels(2, size), gloss.items(), strict=True):
         material = material_textures.from_slopes(slope_s, slope_t, 1.0, 1.0, k_s)
@@ -194,7 +192,7 @@ def gloss_scene(profile, size, *, depth, dull, polished, light, diffuse, ambient
         passes = gloss_map.commands(
             surface, names.normal, view, Light(light), profile, color=diffuse, ambient=ambient
         )
-        out += (panel.clear(background), *loading, *passes)
+        out += (panel.clear(background), loading[0], *passes)
     return tuple(out)
 
 
@@ -231,12 +229,13 @@ def frames_scene(
 
 
 def normalization_scene(
-    profile, size, *, cube_map_size, light, depth, alpha_x, alpha_y, diffuse, ambient, specular, background
-):
+    profile, size, *, cube_map_size, light, cells, depth, alpha_x, alpha_y,
+    diffuse, ambient, specular, background,
+):  # fmt: skip
     """K12: a single square under a close light; left vectors as vertex colours, right from the cube map."""
     left, right = row_of_panels(2, size)
     surface = meshes.plane()
-    material = material_textures.from_slopes(*_relief(256, depth), alpha_x, alpha_y, 0.8)
+    material = material_textures.from_slopes(*_pebbled(256, cells, depth), alpha_x, alpha_y, 0.8)
     near = Light(light, point=True)
     loading, names = material_textures.load(material, "pebbles", profile)
     views = [orthographic_view(panel, half_height=1.06) for panel in (left, right)]

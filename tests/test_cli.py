@@ -12,6 +12,7 @@ import pytest
 from click.testing import CliRunner
 from PIL import Image
 
+from effects.bump import MATERIALS, MESHES
 from effects.cli import files, main
 from effects.cli.gallery import gallery
 from effects.cli.refusal import Refusal
@@ -198,6 +199,46 @@ def test_an_output_folder_that_is_a_file_is_refused(tmp_path):
     assert "cannot be written to" in refusal_of("figures", "K12", "--out", tmp_path / "taken")
 
 
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("taken/o.png", "taken cannot be written to"),
+        (f"{'n' * 300}.png", "too long"),
+        ("a\0b.png", "null byte"),
+    ],
+)
+def test_a_picture_that_cannot_be_written_is_refused_before_it_is_drawn(photo, tmp_path, name, words):
+    (tmp_path / "taken").write_text("a file")
+    assert words in refusal_of(*bump(photo, tmp_path / name))
+    assert {path.name for path in tmp_path.iterdir()} == {"hills.png", "taken"}
+
+
+@pytest.mark.parametrize("size", ["0", "-5", "x", "1.5"])
+def test_a_size_that_is_no_positive_number_ends_with_status_2(photo, tmp_path, size):
+    for command in (("figures", "K14", "--out", tmp_path / "out"), bump(photo, tmp_path / "out.png")):
+        result = run(*command, "--size", size)
+        assert result.exit_code == 2
+        assert "--size" in result.stderr
+    assert run("figures", "K14", "--threads", "0", "--out", tmp_path / "out").exit_code == 2
+    assert [path.name for path in tmp_path.iterdir()] == ["hills.png"]
+
+
+def test_no_figure_is_drawn_when_one_of_them_is_too_large(tmp_path):
+    sentence = refusal_of("figures", "K14", "F004-3", "--size", 700, "--out", tmp_path / "out")
+    assert "F004-3" in sentence and "--size 682 or less" in sentence
+    assert list((tmp_path / "out").iterdir()) == []
+
+
+def test_an_interrupted_file_is_not_left_behind(tmp_path, monkeypatch):
+    def interrupted(*arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Path, "chmod", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        files.write_whole(tmp_path / "picture.png", b"half")
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.skipif(
     not hasattr(os, "geteuid") or os.geteuid() == 0, reason="the superuser may write everywhere"
 )
@@ -235,8 +276,27 @@ def test_passes_names_every_command_of_a_figure():
         assert command.label in result.stdout
 
 
+def test_passes_keep_each_command_s_framebuffer_as_pictures(tmp_path):
+    result = run("passes", "F004-4", "--trace", tmp_path / "trace", "--size", 24)
+    assert result.exit_code == 0, result.output
+    figure = FIGURES["F004-4"]
+    commands = figure.commands(GEFORCE_256, 24)
+    buffers = ("color", "alpha", "depth", "stencil")
+    names = {f"{n:02d}-{type(c).__name__}-{b}.png" for n, c in enumerate(commands) for b in buffers}
+    assert {path.name for path in (tmp_path / "trace").iterdir()} == names
+    framebuffer = execute(commands, GEFORCE_256, *figure.dimensions(24)).framebuffer
+    last = f"{len(commands) - 1:02d}-{type(commands[-1]).__name__}"
+    color, alpha, depth, stencil = (np.array(Image.open(tmp_path / f"trace/{last}-{b}.png")) for b in buffers)
+    np.testing.assert_array_equal(color, framebuffer.color[..., :3])
+    np.testing.assert_array_equal(alpha, framebuffer.color[..., 3])
+    np.testing.assert_array_equal(depth, framebuffer.depth >> 16)
+    np.testing.assert_array_equal(stencil, framebuffer.stencil)
+    assert len(np.unique(depth)) > 2
+
+
 def test_passes_of_an_unknown_figure_are_refused_with_the_likely_one():
-    assert "did you mean F004-3?" in refusal_of("passes", "F004-33")
+    assert "Did you mean F004-3?" in refusal_of("passes", "F004-33")
+    assert "Did you mean F004-3?" in refusal_of("passes", "f004-3")
 
 
 def test_profiles_shows_every_field_of_every_machine_with_its_tag():
@@ -247,11 +307,28 @@ def test_profiles_shows_every_field_of_every_machine_with_its_tag():
         assert profile.description in result.stdout
     for field in Profile.__dataclass_fields__.keys() - {"name", "description", "evidence"}:
         assert result.stdout.count(field) >= len(PROFILES)
+    # Evidence that is the same for every value of a machine is said once.
     tags = sum(result.stdout.count(tag) for tag in EVIDENCE_TAGS)
-    assert tags >= sum(len(profile.evidence) for profile in PROFILES.values())
+    said = [set(profile.evidence.values()) for profile in PROFILES.values()]
+    assert tags >= sum(
+        len(profile.evidence) if len(values) > 1 else 1
+        for profile, values in zip(PROFILES.values(), said, strict=True)
+    )
+    assert all(
+        text in " ".join(result.stdout.split()) for values in said if len(values) == 1 for text in values
+    )
 
 
 # --------------------------------------------------------------------------------------------------- bump
+
+
+def test_polygons_and_negative_indices_of_an_obj_file_are_read(photo, tmp_path):
+    made = []
+    for face in ("f 1 2 3 4 5", "f -5 -4 -3 -2 -1"):
+        (tmp_path / "mesh.obj").write_text(f"v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv 0 2 0\nv -1 1 0\n{face}\n")
+        assert run(*bump(photo, tmp_path / "out.png", "--mesh", tmp_path / "mesh.obj")).exit_code == 0
+        made.append((tmp_path / "out.png").read_bytes())
+    assert made[0] == made[1]
 
 
 def test_a_photograph_becomes_a_picture(photo, tmp_path):
@@ -275,6 +352,31 @@ def test_png_tiff_and_npy_of_the_same_heights_give_the_same_picture(photo, tmp_p
     assert made[0] == made[1] == made[2]
 
 
+@pytest.mark.parametrize("kind", ["1", "P", "LA", "RGB", "RGBA", "CMYK", "I;16"])
+def test_every_kind_of_picture_is_read(photo, tmp_path, kind):
+    grey = Image.open(photo)
+    picture = (
+        Image.fromarray(np.asarray(grey).astype(np.uint16) * 257) if kind == "I;16" else grey.convert(kind)
+    )
+    path = tmp_path / ("picture.tiff" if kind in ("CMYK", "I;16") else "picture.png")
+    picture.save(path)
+    result = run(*bump(path, tmp_path / "out.png"))
+    assert result.exit_code == 0, result.output
+    assert result.stderr == ""
+    if kind not in ("1", "P"):
+        assert run(*bump(photo, tmp_path / "grey.png")).exit_code == 0
+        assert (tmp_path / "out.png").read_bytes() == (tmp_path / "grey.png").read_bytes()
+
+
+def test_heights_of_any_magnitude_are_scaled_alike(photo, tmp_path):
+    heights, made = np.asarray(Image.open(photo)).astype(np.float64) - 120.0, []
+    for factor in (1.0, 2.0**1016, 2.0**-1040):
+        np.save(tmp_path / "hills.npy", heights * factor)
+        assert run(*bump(tmp_path / "hills.npy", tmp_path / "out.png")).exit_code == 0
+        made.append((tmp_path / "out.png").read_bytes())
+    assert made[0] == made[1] == made[2]
+
+
 @pytest.mark.parametrize("sample", files.SAMPLES)
 def test_every_sample_is_read_from_an_installed_package(sample):
     pytest.importorskip(files.SAMPLES[sample][0])
@@ -285,6 +387,12 @@ def test_every_sample_is_read_from_an_installed_package(sample):
 def test_an_obj_file_is_a_mesh(photo, tmp_path):
     (tmp_path / "mesh.obj").write_text("v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n")
     assert run(*bump(photo, tmp_path / "out.png", "--mesh", tmp_path / "mesh.obj")).exit_code == 0
+
+
+def test_the_help_of_bump_names_every_mesh_material_and_sample():
+    text = " ".join(run("bump", "--help").stdout.split())
+    for name in (*MESHES, *MATERIALS, *(f"sample:{sample}" for sample in files.SAMPLES)):
+        assert name in text
 
 
 def test_material_parameters_change_the_picture(photo, tmp_path):
@@ -332,6 +440,28 @@ def truncated_array(path, photo):
     path.write_bytes(path.read_bytes()[:-100])
 
 
+def truncated_jpeg(path, photo):
+    Image.open(photo).save(path)
+    path.write_bytes(path.read_bytes()[:300])
+
+
+def truncated_tiff(path, photo):
+    Image.open(photo).save(path)
+    path.write_bytes(path.read_bytes()[:100])
+
+
+def array_of_complex(path, photo):
+    np.save(path, np.ones((4, 4), complex))
+
+
+def array_of_seven_components(path, photo):
+    np.save(path, np.ones((4, 4, 7)))
+
+
+def folder(path, photo):
+    path.mkdir()
+
+
 def constant(path, photo):
     np.save(path, np.full((4, 4), 7.0))
 
@@ -352,6 +482,11 @@ def constant(path, photo):
         ("a.npy", array_of_one_axis, "shape (5,)"),
         ("a.npy", array_without_rows, "shape (0, 4)"),
         ("a.npy", constant, "two different heights"),
+        ("a.jpg", truncated_jpeg, "cannot be read"),
+        ("a.tiff", truncated_tiff, "cannot be read"),
+        ("a.npy", array_of_complex, "array of numbers"),
+        ("a.npy", array_of_seven_components, "shape (4, 4, 7)"),
+        ("a.png", folder, "is no file"),
     ],
 )
 def test_a_picture_that_cannot_be_used_is_refused(photo, tmp_path, name, spoil, words):
@@ -370,6 +505,11 @@ OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
         (OBJ + "f 1 2\n", "line 4: a face has 2 corners"),
         ("v 0 0 nan\n", "line 1: a vertex must be finite"),
         ("v 0 zero 0\n", "line 1: a vertex must be numbers"),
+        ("v 0 -1e300 0\n", "line 1: a vertex must be finite numbers of at most 1e+30"),
+        ("v 0 0 0\nvt 1e300 0\n", "line 2: a texture coordinate must be finite numbers of at most 1e+30"),
+        (OBJ + "f 1 2 99999999999999999999\n", "line 4: vertex index 99999999999999999999 does not exist"),
+        (OBJ + "f -1 -2 -4\n", "line 4: vertex index -4 does not exist"),
+        (OBJ + "f 0 1 2\n", "line 4: vertex index 0 does not exist"),
         (OBJ, "has no faces"),
         ("v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n", "no triangle with an area"),
     ],

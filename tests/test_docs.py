@@ -4,7 +4,15 @@ import doctest
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
+from click.testing import CliRunner
+from PIL import Image
+
+from effects.cli import main
+from effects.figures import FIGURES
+from pipeline.execute import execute
+from pipeline.profiles import GEFORCE_256
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
@@ -14,6 +22,29 @@ def test_the_readme_example_gives_what_it_says():
     results = doctest.testfile(str(ROOT / "README.md"), module_relative=False)
     assert results.attempted >= 5
     assert results.failed == 0
+
+
+def picture_of_the_readme(name):
+    """The pixels of a picture that the README shows, [h, w, 3]."""
+    path = f"docs/images/{name}.png"
+    assert f'src="{path}"' in (ROOT / "README.md").read_text()
+    return np.asarray(Image.open(ROOT / path))
+
+
+def test_the_readme_bump_command_draws_the_readme_picture(tmp_path):
+    pytest.importorskip("skimage")
+    (command,) = re.findall(r"fixedpipe (bump .*) --out gravel.png", (ROOT / "README.md").read_text())
+    out = tmp_path / "gravel.png"
+    result = CliRunner().invoke(main, [*command.split(), "--out", str(out)])
+    assert result.exit_code == 0, result.output
+    np.testing.assert_array_equal(np.asarray(Image.open(out)), picture_of_the_readme("gravel-sphere"))
+
+
+def test_the_readme_shows_the_figure_as_it_is_drawn_now():
+    figure = FIGURES["F004-4"]
+    commands = figure.commands(GEFORCE_256, 384)
+    image = execute(commands, GEFORCE_256, *figure.dimensions(384)).framebuffer.color[..., :3]
+    np.testing.assert_array_equal(image, picture_of_the_readme("F004-4"))
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))

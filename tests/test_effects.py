@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from effects import (
+    acceptance,
     anisotropic_blinn_phong,
     brdfs,
     bump,
@@ -214,6 +215,41 @@ def test_noise_repeats_without_a_seam_and_is_not_constant():
     assert np.abs(noise[:, 0] - noise[:, -1]).max() <= inner
     assert noise.std() > 0.3
     assert np.abs(noise).max() <= 1.0
+
+
+def test_a_bed_of_pebbles_is_stones_beside_stones_and_repeats_without_a_seam():
+    heights = height_fields.pebbles(96, 96, 6, seed=5) * 6
+    # The highest half ball is 0.5 to 0.7 of a cell high. Discs of 0.6 cells, one a cell, would cover 1.13 of
+    # the field if none overlapped; as they lie, less than a tenth of the ground shows.
+    assert 0.5 <= heights.max() <= 0.7
+    assert 0.0 < (heights == 0.0).mean() < 0.15
+    for axis in (0, 1):
+        across = np.abs(heights - np.roll(heights, 1, axis)).mean(axis=1 - axis)
+        assert across[0] <= across[1:].max()
+    assert not np.array_equal(heights, height_fields.pebbles(96, 96, 6, seed=6) * 6)
+
+
+@pytest.mark.parametrize("cells", [0, -2, 5])
+def test_a_bed_of_pebbles_that_could_not_repeat_is_refused(cells):
+    with pytest.raises(ValueError, match=f"{cells} x {cells} pebbles; give an even number from 2 on"):
+        height_fields.pebbles(16, 16, cells, seed=1)
+
+
+def test_pebbles_that_are_lost_in_a_glare_fail_the_check_of_their_figure():
+    renderer = Renderer(GEFORCE_256, execute, execute_ideal)
+    figure = FIGURES["K14"]
+    flattened = replace(figure, parameters={**figure.parameters, "depth": 0.1})
+    glare, _ = flattened.checks(renderer)
+    assert not glare.passed
+    assert all(check.passed for check in figure.checks(renderer))
+
+
+def test_the_longest_row_is_counted_within_one_row_of_the_picture():
+    mask = np.array([[True, True, False, True], [True, False, False, False], [False, True, True, True]])
+    assert acceptance.longest_row(mask) == 3
+    assert acceptance.longest_row(~mask) == 3
+    assert acceptance.longest_row(np.zeros((2, 5), bool)) == 0
+    assert acceptance.longest_row(np.ones((2, 5), bool)) == 5
 
 
 # --------------------------------------------------------------------------------------- material textures

@@ -6,17 +6,24 @@ import click
 
 from effects.cli.options import profile_option, threads_option
 
-_MESHES = "plane, sphere, torus, or an OBJ file."
-_MATERIALS = "gold, steel, brushed, stone or plastic."
-
 
 @click.command(short_help="Bump-map a mesh with a photograph.")
 @click.argument("photo")
 @click.option(
-    "--mesh", "mesh_name", metavar="plane|sphere|torus|FILE.obj", default="sphere", show_default=True
+    "--mesh",
+    "mesh_name",
+    metavar="NAME",
+    default="sphere",
+    show_default=True,
+    help="plane, sphere, torus, or an OBJ file.",
 )
 @click.option(
-    "--material", "material_name", metavar="NAME", default="stone", show_default=True, help="gold, steel, …"
+    "--material",
+    "material_name",
+    metavar="NAME",
+    default="stone",
+    show_default=True,
+    help="gold, steel, brushed, stone or plastic.",
 )
 @click.option("--light", metavar="X,Y,Z", default="-1,1,1", show_default=True, help="Direction to the light.")
 @click.option("--out", metavar="FILE.png", required=True, help="The picture.")
@@ -24,10 +31,17 @@ _MATERIALS = "gold, steel, brushed, stone or plastic."
     "--size", type=click.IntRange(min=1), metavar="N", default=512, show_default=True, help="Pixels an edge."
 )
 @profile_option
-@click.option("--height-scale", type=float, help="Lowest to highest, in widths of the photograph.")
-@click.option("--alpha-x", type=float, help="Sharpness along the tangents, 0.25 to 1.")
-@click.option("--alpha-y", type=float, help="Sharpness across the tangents, 0.25 to 1.")
-@click.option("--map-size", type=int, help="Texels along the edges of the material textures.")
+@click.option(
+    "--height-scale",
+    type=click.FloatRange(0.0, 1.0),
+    metavar="H",
+    help="Lowest to highest, in widths of the photograph. Without it the material's.",
+)
+@click.option(
+    "--alpha-x", type=float, metavar="A", help="Width of the highlight along the tangents, 0.25 to 1."
+)
+@click.option("--alpha-y", type=float, metavar="A", help="Width of the highlight across them, 0.25 to 1.")
+@click.option("--map-size", type=int, metavar="N", help="Texels an edge of the textures, a power of two.")
 @threads_option
 def bump(
     photo,
@@ -54,7 +68,7 @@ def bump(
     from effects.bump import commands, material, mesh
     from effects.cli.compiling import announce_compiling
     from effects.cli.files import png, read_picture, read_text, writable_file, write_whole
-    from effects.cli.refusal import Refusal, choose, refusals
+    from effects.cli.refusal import Refusal, check_size, choose, refusals
     from effects.meshes import read_obj
     from pipeline.profiles import PROFILES
 
@@ -62,6 +76,7 @@ def bump(
     path = writable_file(out)
     if path.suffix.lower() != ".png":
         raise Refusal(f"The picture is written as PNG; name it {path.with_suffix('.png')} instead of {path}.")
+    check_size("The picture", 1, size, machine)
     direction = _vector(light)
     changed = {"relief": height_scale, "alpha_x": alpha_x, "alpha_y": alpha_y}
     with refusals():

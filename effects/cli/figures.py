@@ -27,7 +27,7 @@ def figures(figure_ids, list_only, check, out, profile, size, threads, json_file
     """
     from effects.cli.compiling import announce_compiling
     from effects.cli.files import writable_file, writable_folder, write_whole
-    from effects.cli.refusal import choose
+    from effects.cli.refusal import check_size, choose
     from effects.figures import FIGURES
     from pipeline.profiles import PROFILES
 
@@ -39,6 +39,8 @@ def figures(figure_ids, list_only, check, out, profile, size, threads, json_file
     machine = choose("profile", profile, PROFILES)
     folder = writable_folder(out)
     json_path = writable_file(json_file) if json_file else None
+    for figure in chosen:
+        check_size(figure.id, figure.columns, size or figure.size, machine)
 
     announce_compiling()
     from effects.cli.gallery import gallery

@@ -21,6 +21,9 @@ SAMPLES = {
     "jacksboro": ("matplotlib", "mpl-data/sample_data/jacksboro_fault_dem.npz", "elevation"),
 }
 
+# Modes of files whose components are not red, green, blue or grey.
+_OTHER_COLORS = ("CMYK", "YCbCr", "LAB", "HSV")
+
 
 def _sample_path(name):
     from effects.cli.refusal import choose
@@ -47,17 +50,21 @@ def read_picture(name):
     else:
         path = Path(name)
     if not path.is_file():
-        raise Refusal(f"There is no file {name}. Give a PNG, TIFF or NPY file, or sample:gravel.")
+        problem = f"{name} is no file" if name and path.exists() else f"There is no file {name!r}"
+        raise Refusal(f"{problem}. Give a PNG, TIFF or NPY file, or sample:gravel.")
     try:
         if path.suffix.lower() == ".npy":
             picture = np.load(path, allow_pickle=False)
         else:
             import imageio.v3 as imageio
 
-            picture = np.asarray(imageio.imread(path, plugin="pillow", index=0))
+            with imageio.imopen(path, "r", plugin="pillow") as file:
+                mode = file.metadata(index=0)["mode"]
+                picture = np.asarray(file.read(index=0, mode="RGB" if mode in _OTHER_COLORS else None))
     # A decoder fed arbitrary bytes raises whatever it stumbles over: struct.error, SyntaxError, EOFError.
     except Exception as error:
-        reason = str(error).split("\n")[0].rstrip(".")
+        # imageio wraps the decoder's own words.
+        reason = str(error.__cause__ or error).split("\n")[0].rstrip(".")
         raise Refusal(f"{name} cannot be read ({reason}). Give a whole PNG, TIFF or NPY file.") from error
     if picture.dtype.kind not in "biuf":
         raise Refusal(f"{name} holds values of type {picture.dtype}; give an array of numbers.")
@@ -72,6 +79,8 @@ def read_text(name):
         raise Refusal(f"{name} is not a text file ({error.reason} at byte {error.start}).") from error
     except OSError as error:
         raise Refusal(f"{name} cannot be read: {error.strerror}.") from error
+    except ValueError as error:
+        raise Refusal(f"{name!r} cannot be read: {error}.") from error
 
 
 def writable_folder(folder):
@@ -83,41 +92,64 @@ def writable_folder(folder):
             return folder
     except OSError as error:
         raise Refusal(f"The folder {folder} cannot be written to: {error.strerror}.") from error
+    except ValueError as error:
+        raise Refusal(f"{str(folder)!r} is no name of a folder: {error}.") from error
 
 
 def writable_file(name):
     """The file as a path, its folder made if need be. Raises Refusal when it cannot be written."""
     path = Path(name)
-    if path.is_dir():
-        raise Refusal(f"{path} is a folder; name a file in it.")
     writable_folder(path.parent)
+    try:
+        if path.is_dir():
+            raise Refusal(f"{path} is a folder; name a file in it.")
+        handle, probe = _temporary_beside(path)
+        os.close(handle)
+        probe.unlink()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise Refusal(f"{str(path)!r} cannot be written: {reason}.") from error
     return path
 
 
-def write_whole(path, data):
-    """Write bytes under a temporary name, then rename: at no moment is there half a file under ``path``."""
+def _temporary_beside(path):
+    """An open handle of a new file in the folder of ``path``, hidden and named after it, and its path."""
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    return handle, Path(temporary)
+
+
+def write_whole(path, data):
+    """Write bytes under a temporary name, then rename: at no moment is there half a file under ``path``.
+
+    Raises Refusal when it cannot be written. Whatever interrupts it, the temporary file goes.
+    """
+    temporary = None
     try:
+        handle, temporary = _temporary_beside(path)
         with os.fdopen(handle, "wb") as file:
             file.write(data)
         # mkstemp makes a file for its owner alone; give it what an ordinary new file gets.
         mask = os.umask(0)
         os.umask(mask)
-        Path(temporary).chmod(0o666 & ~mask)
-        Path(temporary).replace(path)
-    except OSError as error:
-        with suppress(OSError):
-            Path(temporary).unlink()
-        raise Refusal(f"{path} cannot be written: {error.strerror}.") from error
+        temporary.chmod(0o666 & ~mask)
+        temporary.replace(path)
+    except BaseException as error:
+        if temporary:
+            with suppress(OSError):
+                temporary.unlink()
+        if isinstance(error, OSError):
+            raise Refusal(f"{path} cannot be written: {error.strerror}.") from error
+        raise
 
 
 def png(image):
-    """A picture as the bytes of a PNG file: uint8 [h, w, 4], top row first; alpha is left out.
+    """A picture as the bytes of a PNG file: uint8 [h, w, 3 or 4], or grey [h, w]; alpha is left out.
 
     A framebuffer's alpha holds whatever a pass kept there (a gate, a factor) and is no transparency.
     """
     from PIL import Image
 
     buffer = io.BytesIO()
-    Image.fromarray(np.ascontiguousarray(image[..., :3])).save(buffer, "PNG")
+    picture = image if image.ndim == 2 else image[..., :3]
+    Image.fromarray(np.ascontiguousarray(picture)).save(buffer, "PNG")
     return buffer.getvalue()

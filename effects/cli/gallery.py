@@ -18,14 +18,17 @@ h2 { font-size: 1.25rem; font-weight: normal; margin: 0 0 .5rem; }
 h2 span, .quiet, figcaption, th { color: var(--quiet); }
 section { border-top: 1px solid var(--line); margin-top: 2.5rem; padding-top: 1.5rem; }
 p { margin: .4rem 0; max-width: 48rem; }
-.pictures { display: grid; gap: 1rem; grid-template-columns: repeat(auto-fit, minmax(min(100%, 24rem), 1fr));
+.pictures { display: grid; gap: 1rem; grid-template-columns: repeat(auto-fit, minmax(min(100%, 20rem), 1fr));
   margin: 1.2rem 0; }
+.row { grid-template-columns: repeat(auto-fit, minmax(min(100%, 26rem), 1fr)); max-width: 64rem; }
+.row figure:first-child { grid-column: 1 / -1; }
 figure { margin: 0; }
-img { display: block; width: 100%; height: auto; background: #808080; }
+img { display: block; max-width: 100%; height: auto; background: #808080; }
 figcaption, .quiet, table { font: .84rem/1.5 system-ui, sans-serif; }
 figcaption { padding-top: .35rem; }
+summary { cursor: pointer; font: .84rem/1.5 system-ui, sans-serif; margin: .6rem 0; }
 .table { overflow-x: auto; }
-table { border-collapse: collapse; width: 100%; }
+table { border-collapse: collapse; width: 100%; min-width: 44rem; }
 th, td { border-bottom: 1px solid var(--line); padding: .3rem .9rem .3rem 0; text-align: left;
   vertical-align: top; }
 td.number { font-variant-numeric: tabular-nums; white-space: nowrap; }
@@ -45,7 +48,16 @@ def _checks_table(checks):
         for c in checks
     )
     head = "".join(f"<th>{h}</th>" for h in ("", "check", "on the", "value and bound", "why this bound"))
-    return f'<div class="table"><table><tr>{head}</tr>{rows}</table></div>'
+    failed = sum(not c["passed"] for c in checks)
+    summary = (
+        f'<span class="failed">{failed} of {len(checks)} acceptance checks failed</span>'
+        if failed
+        else f'<span class="ok">{len(checks)} acceptance checks passed</span>'
+    )
+    return (
+        f"<details{' open' * bool(failed)}><summary>{summary}</summary>"
+        f'<div class="table"><table><tr>{head}</tr>{rows}</table></div></details>'
+    )
 
 
 def _section(record):
@@ -59,7 +71,7 @@ def _section(record):
     return (
         f'<section id="{figure_id}"><h2><span>{figure_id}</span> {escape(record["title"])}</h2>'
         f"<p>{escape(record['caption'])}</p><p><b>Must be seen:</b> {escape(record['must_see'])}</p>"
-        f'<div class="pictures">{pictures}</div>'
+        f'<div class="pictures{" row" * (record["width"] > record["height"])}">{pictures}</div>'
         f'<p class="quiet">Source: {escape(record["source"])} ({escape(", ".join(record["techniques"]))}). '
         f"Machine: {escape(record['profile'])}; RMS difference "
         f"from the ideal {record['difference_rms']:.4f}; "
@@ -74,12 +86,13 @@ def gallery(folder, figures):
 
     ``figures``: the ids in the page's order. Raises Refusal for a JSON file that is not a figure's.
     """
-    sections = []
+    sections, links = [], []
     for figure_id in figures:
         path = folder / f"{figure_id}.json"
         if path.is_file():
             try:
                 sections.append(_section(json.loads(path.read_text())))
+                links.append(f'<a href="#{escape(figure_id)}">{escape(figure_id)}</a>')
             except (ValueError, KeyError, TypeError) as error:
                 raise Refusal(f"{path} is not what fixedpipe wrote; delete it and render again.") from error
     return (
@@ -87,5 +100,6 @@ def gallery(folder, figures):
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<style>{_STYLE}</style></head><body><h1>Figures</h1>"
         '<p class="quiet">Each three times: the machine, the ideal, and their difference made visible.</p>'
+        f'<p class="quiet">{" · ".join(links)}</p>'
         f"{''.join(sections)}</body></html>\n"
     )

@@ -32,6 +32,7 @@ def profiles(names):
     """
     from dataclasses import fields
 
+    from rich import box
     from rich.console import Console
     from rich.table import Table
 
@@ -42,13 +43,17 @@ def profiles(names):
     chosen = {name: choose("profile", name, PROFILES) for name in names} or PROFILES
     console = Console(soft_wrap=False, highlight=False)
     for name, profile in chosen.items():
-        table = Table(title=f"{name}: {profile.description}", title_justify="left", show_lines=False)
+        console.print(f"{name}: {profile.description}", style="bold")
+        said = set(profile.evidence.values())
+        if len(said) == 1:
+            console.print(f"All values: {said.pop()}.")
+        table = Table(box=box.SIMPLE, pad_edge=False)
         table.add_column("what", no_wrap=True)
         table.add_column("value", ratio=3, overflow="fold")
-        table.add_column("evidence", ratio=4, overflow="fold")
+        if len(said) > 1:
+            table.add_column("evidence", ratio=4, overflow="fold")
         for field in fields(Profile):
             if field.name not in ("name", "description", "evidence"):
-                table.add_row(
-                    field.name, _value_text(getattr(profile, field.name)), profile.evidence[field.name]
-                )
+                row = field.name, _value_text(getattr(profile, field.name)), profile.evidence[field.name]
+                table.add_row(*row[: len(table.columns)])
         console.print(table)

@@ -25,10 +25,21 @@ def refusals():
         raise Refusal(str(error)) from error
 
 
+def check_size(what, columns, size, profile):
+    """Raise Refusal when a row of ``columns`` panels of ``size`` pixels is larger than the machine draws."""
+    largest = profile.max_viewport
+    if columns * size > largest:
+        raise Refusal(
+            f"{what} with --size {size} is {columns * size}x{size} pixels; the {profile.name} draws up to "
+            f"{largest}x{largest}. Give --size {largest // columns} or less."
+        )
+
+
 def choose(what, name, known):
     """``known[name]``, or a Refusal that names what there is and what was probably meant."""
     if name in known:
         return known[name]
-    close = difflib.get_close_matches(name, known, 1, 0.6)
-    meant = f"; did you mean {close[0]}?" if close else "."
-    raise Refusal(f"There is no {what} {name!r}. There are: {', '.join(known)}{meant}")
+    as_written = {key.casefold(): key for key in known}
+    close = [as_written[key] for key in difflib.get_close_matches(name.casefold(), as_written, 1, 0.6)]
+    meant = f" Did you mean {close[0]}?" if close else ""
+    raise Refusal(f"There is no {what} {name!r}.{meant} There are: {', '.join(known)}.")
