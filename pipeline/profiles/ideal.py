@@ -1,4 +1,7 @@
-"""No machine at all: float64 everywhere and no limits. ``pipeline.ideal`` evaluates passes on it."""
+"""No machine at all: float64 everywhere, and limits only where a state could not say more.
+
+``pipeline.ideal`` evaluates passes on it.
+"""
 
 from dataclasses import fields, replace
 
@@ -6,12 +9,12 @@ from pipeline.enums import BlendFactor, TextureTarget
 from pipeline.profile import Profile
 from pipeline.profiles.geforce_256 import GEFORCE_256
 
-_UNLIMITED = "Assumed: nothing; the ideal machine has no limits by definition"
+_BY_DEFINITION = "Assumed: nothing; limits are what a state can say, or far beyond any machine of the time"
 
 IDEAL = replace(
     GEFORCE_256,
     name="ideal",
-    description="float64, no limits: what the algorithm itself gives",
+    description="float64 throughout: what the algorithm itself gives",
     exact=True,
     max_texture_units=4,
     max_general_combiners=8,
@@ -28,6 +31,6 @@ IDEAL = replace(
     blend_factors_source=frozenset(BlendFactor),
     blend_factors_destination=frozenset(BlendFactor),
     evidence={
-        f.name: _UNLIMITED for f in fields(Profile) if f.name not in ("name", "description", "evidence")
+        f.name: _BY_DEFINITION for f in fields(Profile) if f.name not in ("name", "description", "evidence")
     },
 )
