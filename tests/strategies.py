@@ -381,12 +381,18 @@ SHOW_TEXTURE = RegisterCombiners(
 )
 
 
+def _one_of(random, choices):
+    """One of a sequence or of an enumeration's members."""
+    choices = list(choices)
+    return choices[random.integers(len(choices))]
+
+
 def textured_frame(seed, width, height):
     """A texture under any sampler on a random mesh, shown as it is: every choice is equally frequent."""
     random = np.random.default_rng(seed)
     sizes, mipmaps = 1 << random.integers(0, 5, 2), random.random() < 0.8
-    internal_format = InternalFormat(random.integers(len(InternalFormat)))
-    target = TextureTarget(random.integers(len(TextureTarget)))
+    internal_format = _one_of(random, InternalFormat)
+    target = _one_of(random, TextureTarget)
     texels = random.integers(0, 256, (6, *sizes, 4), np.uint8)
     if target is TextureTarget.TEXTURE_1D:
         image = texture_1d(texels[0, 0], internal_format, mipmaps=mipmaps)
@@ -395,15 +401,15 @@ def textured_frame(seed, width, height):
     else:
         image = texture_cube_map(texels[:, : sizes.min(), : sizes.min()], internal_format, mipmaps=mipmaps)
     sampler = Sampler(
-        min_filter=TextureFilter(random.integers(6 if mipmaps else 2)),
-        mag_filter=TextureFilter(random.integers(2)),
-        wrap_s=WrapMode(random.integers(len(WrapMode))),
-        wrap_t=WrapMode(random.integers(len(WrapMode))),
+        min_filter=_one_of(random, TextureFilter if mipmaps else _UNMIPMAPPED),
+        mag_filter=_one_of(random, _UNMIPMAPPED),
+        wrap_s=_one_of(random, WrapMode),
+        wrap_t=_one_of(random, WrapMode),
         border_color=tuple(random.random(4).tolist()),
     )
     bias = float(random.choice([0.0, 0.5, -0.5, 1.5, random.uniform(-4.0, 4.0)]))
-    positions = _positions(random, random.choice(["any", "grid", "perspective", "near"]), 6, width, height)
-    coordinates = _texture_coordinates(random, random.choice(_COORDINATES), positions, width, height)
+    positions = _positions(random, _one_of(random, ("any", "grid", "perspective", "near")), 6, width, height)
+    coordinates = _texture_coordinates(random, _one_of(random, _COORDINATES), positions, width, height)
     mesh = Mesh(positions, PrimitiveType.TRIANGLE_STRIP, texture_coordinates=(coordinates,))
     unit = TextureUnit("texture", sampler, lod_bias=bias)
     state = PassState(texture_units=(unit,), register_combiners=SHOW_TEXTURE)
@@ -411,6 +417,45 @@ def textured_frame(seed, width, height):
         TexImage(label="texture", texture="texture", image=image),
         Draw(label="show the texture", mesh=mesh, state=state),
     )
+
+
+def shaded_frame(seed, width, height):
+    """Facing, shading, lighting, fog, depth and offset without textures: every choice is equally frequent."""
+    random = np.random.default_rng(seed)
+    kind = _one_of(random, ("any", "grid", "perspective", "near"))
+    mesh = Mesh(
+        _positions(random, kind, 7, width, height),
+        _one_of(random, PrimitiveType),
+        colors=random.random((7, 4)),
+        secondary_colors=random.random((7, 3)),
+        normals=random.uniform(-1.0, 1.0, (7, 3)),
+        fog_coordinates=random.uniform(-1.0, 2.0, 7),
+    )
+    light = Light(position=(*random.uniform(-1.0, 1.0, 3).tolist(), 0.0))
+    lighting = Lighting(
+        lights=(light,), two_side=bool(random.integers(2)), separate_specular_color=bool(random.integers(2))
+    )
+    fog = Fog(
+        mode=_one_of(random, FogMode),
+        color=tuple(random.random(4).tolist()),
+        coordinate_source=_one_of(random, FogCoordinateSource),
+    )
+    state = PassState(
+        vertex=VertexState(lighting=_one_of(random, (None, lighting, lighting))),
+        polygon=PolygonState(
+            cull_face=_one_of(random, (None, None, Face.FRONT, Face.BACK)),
+            front_face=_one_of(random, FrontFace),
+            offset_fill=bool(random.integers(2)),
+            offset_factor=random.uniform(-2.0, 2.0),
+            offset_units=random.uniform(-100.0, 100.0),
+            shade_model=_one_of(random, ShadeModel),
+            provoking_vertex=_one_of(random, ProvokingVertex),
+        ),
+        color_sum=bool(random.integers(2)),
+        fog=_one_of(random, (None, fog)),
+        depth_test=DepthTest(_one_of(random, (ComparisonFunction.LESS, ComparisonFunction.ALWAYS))),
+    )
+    return (Draw(label="shade", mesh=mesh, state=state),)
 
 
 _COLOR_FORMATS = ("RGBA", "RGB", "RED", "GREEN", "BLUE", "ALPHA", "LUMINANCE", "LUMINANCE_ALPHA")

@@ -7,6 +7,7 @@ is given its own operands by a texture and by the contents of the framebuffer.
 import math
 from dataclasses import replace
 from fractions import Fraction
+from itertools import permutations
 
 import numpy as np
 import pytest
@@ -396,6 +397,9 @@ SCREEN = Mesh(
 NEAREST = Sampler(TextureFilter.NEAREST, TextureFilter.NEAREST)
 
 
+REPLACE = StencilTest(reference=1, depth_pass=StencilOperation.REPLACE)
+
+
 def drawn_over(source, destination, depth_buffer=None, stencil=None, **state):
     """The framebuffer after ``source`` uint8 [h, w, 4] is drawn over ``destination``, pixel over pixel."""
     height, width = source.shape[:2]
@@ -779,6 +783,25 @@ def test_color_weights_of_random_edge_values_in_perspective(seed, size):
     inverse_w = np.exp(random.uniform(-3.0, 3.0, 3))
     expected = [interpolate.weights(row, inverse_w.tolist()) for row in n.tolist()]
     assert kernel_color_weights(n, inverse_w) == [(w.color, w.residual) for w in expected]
+
+
+@pytest.mark.parametrize("pixels", [3, 5, 15, 17, 51])
+@pytest.mark.parametrize("bits", [16, 24])
+def test_depths_that_are_integers_are_not_rounded_down(bits, pixels):
+    # 2^16 - 1 and 2^24 - 1 are multiples of these widths, so the depth grows by one integer from pixel to
+    # pixel, and is one at every pixel center, whichever vertex comes first.
+    step = (2**bits - 1) // pixels
+    size = 64
+    corners = 2.0 * (np.array([[0.0, 0.0], [pixels, 0.0], [0.0, 40.0]]) + 0.5) / size - 1.0
+    positions = np.column_stack([corners, [-1.0, 1.0, -1.0]])
+    for order in permutations(range(3)):
+        machine = Machine(GEFORCE_256, size, size, depth_bits=bits, threads=1)
+        state = PassState(depth_test=DepthTest(ComparisonFunction.ALWAYS), stencil_test=REPLACE)
+        machine.run((Draw(label="slope", mesh=Mesh(positions[list(order)]), state=state),))
+        drawn = machine.framebuffer.stencil != 0
+        expected = np.broadcast_to(step * np.arange(size), (size, size))
+        assert drawn.sum() > pixels
+        np.testing.assert_array_equal(machine.framebuffer.depth[drawn], expected[drawn])
 
 
 # ------------------------------------------------------------------------------------------------------- fog

@@ -31,7 +31,7 @@ from pipeline.state import (
 )
 from pipeline.textures import texture_2d
 from tests.run_reference import run_reference
-from tests.strategies import frames, seeds, textured_frame
+from tests.strategies import frames, seeds, shaded_frame, textured_frame
 
 WIDTH, HEIGHT = 16, 8  # powers of two: vertices on pixel centers and corners stay there exactly
 
@@ -81,6 +81,12 @@ def test_other_machines_equal_the_specification(commands, profile, depth_bits, b
 @given(seeds, batches)
 def test_every_sampler_on_any_mesh_equals_the_specification(seed, batch):
     assert_equal_to_reference(textured_frame(seed, WIDTH, HEIGHT), GEFORCE_256, 24, batch)
+
+
+@settings(max_examples=300)
+@given(seeds, depths, batches)
+def test_every_shading_of_any_mesh_equals_the_specification(seed, depth_bits, batch):
+    assert_equal_to_reference(shaded_frame(seed, WIDTH, HEIGHT), GEFORCE_256, depth_bits, batch)
 
 
 @pytest.mark.slow
