@@ -52,6 +52,12 @@ def full_weights(e0, e1, e2, count, floats):
         floats[R.B2, i] = e2[i] * inverse
 
 
+@kernel
+def weight_class(q):
+    """(q >= 1/2) + (q >= 1/4), as a float: comparisons stay in the lanes of q."""
+    return 2.0 if q >= 0.5 else (1.0 if q >= 0.25 else 0.0)
+
+
 @kernel("void(f8[::1],f8[::1],f8[::1],i8,i4[:,::1])")
 def color_weights(e0, e1, e2, count, ints):
     """8-bit weights W0 and W2 of vertices 0 and 2, and which vertex takes the residue (RESIDUAL).
@@ -64,9 +70,7 @@ def color_weights(e0, e1, e2, count, ints):
         q0 = truncate_24(e0[i] * reciprocal)
         q1 = truncate_24(e1[i] * reciprocal)
         q2 = truncate_24(e2[i] * reciprocal)
-        c0 = int32(int32(q0 >= 0.5) + int32(q0 >= 0.25))
-        c1 = int32(int32(q1 >= 0.5) + int32(q1 >= 0.25))
-        c2 = int32(int32(q2 >= 0.5) + int32(q2 >= 0.25))
+        c0, c1, c2 = weight_class(q0), weight_class(q1), weight_class(q2)
         first = (c0 >= c1) & (c0 > c2)
         last = (c2 >= c0) & ((c2 > c1) | ((c2 == c1) & (c0 == c1)))
         p0 = (1.0 - q1) - q2 if first else q0

@@ -52,20 +52,18 @@ CACHE_FOLDER = _cache_folder()
 numba.config.CACHE_DIR = str(CACHE_FOLDER)
 
 
-def kernel(*signature):
+def kernel(signature=None, *, allocates=False):
     """Compile to machine code: ``@kernel`` or ``@kernel("signature")``.
 
     No ``fastmath``: it would let LLVM reorder sums and fuse multiply-adds, and either changes bits. ``numpy``
     error model: a division by zero gives infinity instead of raising. ``nogil``: bands run in threads.
+    Only a kernel that makes arrays (``allocates``) counts references: the others borrow what they are given,
+    and the atomic counting of every slice would cost a batch more than its arithmetic.
     """
-    compile_ = numba.njit(
-        *([signature[0]] if signature and not callable(signature[0]) else []),
-        cache=True,
-        fastmath=False,
-        error_model="numpy",
-        nogil=True,
-    )
-    return compile_(signature[0]) if signature and callable(signature[0]) else compile_
+    options = {"cache": True, "fastmath": False, "error_model": "numpy", "nogil": True, "_nrt": allocates}
+    if callable(signature):
+        return numba.njit(signature, **options)
+    return numba.njit(signature, **options) if signature else numba.njit(**options)
 
 
 def is_cold():
