@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pipeline.enums import InternalFormat, PrimitiveType
+from pipeline.enums import InternalFormat, PrimitiveType, TextureTarget
 from pipeline.state import Color, ColorMask, PassState, Scissor
 from pipeline.textures import Texture
 
@@ -100,22 +100,31 @@ class TexImage:
 
 @dataclass(frozen=True, kw_only=True)
 class CopyTexImage:
-    """CopyTexImage2D (section 3.8.2): define a 2D texture, level 0 only, from a framebuffer rectangle."""
+    """CopyTexImage1D/2D (section 3.8.2): define a texture from a framebuffer rectangle.
+
+    A 1D texture takes a rectangle of one row.
+
+    Level 0 is defined; with ``generate_mipmap`` (SGIS_generate_mipmap) every smaller level from it.
+    A cube map is defined by a TexImage and filled face by face with CopyTexSubImage.
+    """
 
     label: str
     texture: str
+    target: TextureTarget = TextureTarget.TEXTURE_2D
     internal_format: InternalFormat = InternalFormat.RGBA8
     x: int = 0
     y: int = 0
     width: int | None = None
     height: int | None = None
+    generate_mipmap: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
 class CopyTexSubImage:
-    """CopyTexSubImage2D (section 3.8.2): replace a rectangle of level ``level`` of an existing texture.
+    """CopyTexSubImage1D/2D (section 3.8.2): replace a rectangle of level ``level`` of an existing texture.
 
-    ``face``: 0..5 in the order +x, -x, +y, -y, +z, -z for a cube map, else 0.
+    ``face``: 0..5 in the order +x, -x, +y, -y, +z, -z for a cube map, else 0. With ``generate_mipmap``
+    (SGIS_generate_mipmap; level 0 only) every smaller level is made again from level 0.
     """
 
     label: str
@@ -128,6 +137,7 @@ class CopyTexSubImage:
     height: int
     level: int = 0
     face: int = 0
+    generate_mipmap: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -351,9 +351,12 @@ def _rectangle(command):
 
 
 def _copy_tex_image(command):
-    return [
-        f'texture "{command.texture}": TEXTURE_2D, {command.internal_format.name}, from {_rectangle(command)}'
-    ]
+    stored = f"{command.target.name}, {command.internal_format.name}"
+    return [f'texture "{command.texture}": {stored}, from {_rectangle(command)}{_generated(command)}']
+
+
+def _generated(command):
+    return ", mipmaps generated" if command.generate_mipmap else ""
 
 
 def _copy_tex_sub_image(command):
@@ -362,7 +365,7 @@ def _copy_tex_sub_image(command):
         place += f" of level {command.level}"
     if command.face:
         place += f" of face {command.face}"
-    return [f'texture "{command.texture}" at {place}: from {_rectangle(command)}']
+    return [f'texture "{command.texture}" at {place}: from {_rectangle(command)}{_generated(command)}']
 
 
 def _read_pixels(command):

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.enums import TextureTarget
-from pipeline.textures import Texture, store_texels
+from pipeline.textures import Texture, pyramid, store_texels
 
 
 def to_byte(value):
@@ -117,21 +116,25 @@ READ_FORMATS = {
 
 
 def copied_texture(framebuffer, command):
-    """CopyTexImage2D: the texture that a framebuffer rectangle defines."""
+    """CopyTexImage1D/2D: the texture that a framebuffer rectangle defines."""
     width = framebuffer.width - command.x if command.width is None else command.width
     height = framebuffer.height - command.y if command.height is None else command.height
     texels = store_texels(framebuffer.rectangle(command.x, command.y, width, height), command.internal_format)
     texels.setflags(write=False)
-    return Texture(TextureTarget.TEXTURE_2D, command.internal_format, (texels[None],))
+    levels = pyramid(texels[None]) if command.generate_mipmap else (texels[None],)
+    return Texture(command.target, command.internal_format, levels)
 
 
 def replaced_texture(framebuffer, command, texture):
-    """CopyTexSubImage2D: the texture with a rectangle of one level replaced."""
+    """CopyTexSubImage1D/2D: the texture with a rectangle of one level replaced."""
     rgba = framebuffer.rectangle(command.x, command.y, command.width, command.height)
     level = texture.levels[command.level].copy()
     rows = slice(command.y_offset, command.y_offset + command.height)
     columns = slice(command.x_offset, command.x_offset + command.width)
     level[command.face, rows, columns] = store_texels(rgba, texture.internal_format)
     level.setflags(write=False)
-    levels = (*texture.levels[: command.level], level, *texture.levels[command.level + 1 :])
+    if command.generate_mipmap:
+        levels = pyramid(level)
+    else:
+        levels = (*texture.levels[: command.level], level, *texture.levels[command.level + 1 :])
     return Texture(texture.target, texture.internal_format, levels)

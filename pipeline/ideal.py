@@ -28,7 +28,7 @@ from pipeline.enums import (
 )
 from pipeline.execute import rasterize
 from pipeline.profiles import IDEAL
-from pipeline.textures import Texture, texture_2d
+from pipeline.textures import Texture, pyramid, texture_2d
 from pipeline.validate import validate
 from pipeline.vertex import process
 
@@ -788,6 +788,8 @@ def _copy_into(command, texture, region):
         image[command.face, rows, command.x_offset : command.x_offset + command.width] = new[0]
         image.setflags(write=False)
         images[command.level] = image
+        if command.generate_mipmap:
+            images[:] = pyramid(image)
     return replace(texture, levels=tuple(levels), ideal=tuple(ideal))
 
 
@@ -851,7 +853,8 @@ def execute_ideal(commands, width, height, *, guide=None, depth_bits=24):
             textures[command.texture] = _with_ideal(command.image)
         elif isinstance(command, CopyTexImage):
             region = buffers.rows(buffers.color, *buffers.box_of(command))
-            textures[command.texture] = texture_2d(region, command.internal_format)
+            copied = texture_2d(region, command.internal_format, mipmaps=command.generate_mipmap)
+            textures[command.texture] = replace(copied, target=command.target)
         elif isinstance(command, CopyTexSubImage):
             region = buffers.rows(buffers.color, command.x, command.y, command.width, command.height)
             textures[command.texture] = _copy_into(command, textures[command.texture], region)

@@ -210,19 +210,25 @@ def halve(level):
     return sum(corners) / 4
 
 
+def pyramid(base):
+    """Every mipmap level from level 0 down to one texel: a tuple, each by ``halve``, read-only."""
+    levels = [base]
+    while max(levels[-1].shape[1:3]) > 1:
+        levels.append(halve(levels[-1]))
+    for level in levels:
+        level.setflags(write=False)
+    return tuple(levels)
+
+
 def _build(target, faces, internal_format, mipmaps):
     base = store_texels(faces, internal_format)
     source = None
     if faces.dtype != np.uint8:
         base_format = BASE_FORMAT[internal_format]
         source = register_components(faces[..., list(KEPT[base_format])], base_format, 1.0)
-    levels, sources = [base], [source]
-    while mipmaps and max(levels[-1].shape[1:3]) > 1:
-        levels.append(halve(levels[-1]))
-        sources.append(None if source is None else halve(sources[-1]))
-    for array in (*levels, *(s for s in sources if s is not None)):
-        array.setflags(write=False)
-    return Texture(target, internal_format, tuple(levels), None if source is None else tuple(sources))
+    if not mipmaps:
+        return Texture(target, internal_format, (base,), None if source is None else (source,))
+    return Texture(target, internal_format, pyramid(base), None if source is None else pyramid(source))
 
 
 def texture_1d(image, internal_format=InternalFormat.RGBA8, *, mipmaps=False):

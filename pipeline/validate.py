@@ -578,16 +578,35 @@ class _Walk:
 
     def copy_tex_image(self, command):
         width, height = self.framebuffer_rectangle(command)
-        self.texture_storage(TextureTarget.TEXTURE_2D, command.internal_format, width, height)
-        self.textures[command.texture] = _Known(TextureTarget.TEXTURE_2D, ((width, height),))
+        if command.target is TextureTarget.TEXTURE_CUBE_MAP:
+            self.refuse(
+                "CopyTexImage defines 1D and 2D textures; define a cube map with TexImage and fill its "
+                "faces with CopyTexSubImage."
+            )
+        if command.target is TextureTarget.TEXTURE_1D and height != 1:
+            self.refuse(f"a TEXTURE_1D has one row of texels; this rectangle has {height}. Give height 1.")
+        self.texture_storage(command.target, command.internal_format, width, height)
+        sizes = self.mipmap_sizes(width, height) if command.generate_mipmap else ((width, height),)
+        self.textures[command.texture] = _Known(command.target, sizes)
+
+    def mipmap_sizes(self, width, height):
+        """Sizes of every level that generation makes from level 0."""
+        if width & (width - 1) or height & (height - 1):
+            self.refuse(
+                f"mipmaps cannot be generated of {width}x{height} texels; give edges that are powers of two."
+            )
+        levels = max(width, height).bit_length()
+        return tuple((max(1, width >> k), max(1, height >> k)) for k in range(levels))
 
     def copy_tex_sub_image(self, command):
         known = self.known_texture(command.texture)
-        if known.target is TextureTarget.TEXTURE_1D:
-            self.refuse(
-                f"{command.texture!r} is a TEXTURE_1D; CopyTexSubImage2D replaces texels of 2D textures and "
-                "cube maps."
-            )
+        if command.generate_mipmap:
+            if command.level != 0:
+                self.refuse(
+                    f"mipmaps are generated from level 0, not from level {command.level}; copy into level "
+                    "0, or set generate_mipmap to False."
+                )
+            self.textures[command.texture] = _Known(known.target, self.mipmap_sizes(*known.sizes[0]))
         if not 0 <= command.level < len(known.sizes):
             self.refuse(
                 f"level {command.level} of {command.texture!r} does not exist; it has {len(known.sizes)}. "

@@ -5,8 +5,7 @@ from types import SimpleNamespace
 
 from pipeline import vertex
 from pipeline.commands import Clear, CopyTexImage, CopyTexSubImage, Draw, ReadPixels, TexImage
-from pipeline.enums import TextureTarget
-from tests.reference import render, transfer
+from tests.reference import render, texel_formats, transfer
 
 
 @dataclass
@@ -46,8 +45,11 @@ def _run(frame, command, profile):
         case CopyTexImage():
             size = _size(frame, command)
             texels = transfer.copy_texels(target, command.internal_format, command.x, command.y, *size)
+            levels = [[texels]]
+            while command.generate_mipmap and max(len(levels[-1][0]), len(levels[-1][0][0])) > 1:
+                levels.append([texel_formats.next_level(levels[-1][0])])
             textures[command.texture] = SimpleNamespace(
-                target=TextureTarget.TEXTURE_2D, internal_format=command.internal_format, levels=[[texels]]
+                target=command.target, internal_format=command.internal_format, levels=levels
             )
         case CopyTexSubImage():
             texture = textures[command.texture]
@@ -56,6 +58,10 @@ def _run(frame, command, profile):
             rows = texture.levels[command.level][command.face]
             for j, row in enumerate(texels):
                 rows[command.y_offset + j][command.x_offset : command.x_offset + command.width] = row
+            if command.generate_mipmap:
+                del texture.levels[1:]
+                while max(len(texture.levels[-1][0]), len(texture.levels[-1][0][0])) > 1:
+                    texture.levels.append([texel_formats.next_level(face) for face in texture.levels[-1]])
         case ReadPixels():
             size = _size(frame, command)
             frame.pixels[command.name] = transfer.read_pixels(

@@ -345,9 +345,16 @@ def _copies(draw, width, height):
     """CopyTexImage of a rectangle with edges that are powers of two."""
     w, h = (1 << draw(st.integers(0, 2)) for _ in range(2))
     x, y = draw(st.integers(0, width - w)), draw(st.integers(0, height - h))
-    internal_format = draw(st.sampled_from(InternalFormat))
     return CopyTexImage(
-        label="copy", texture="copied", internal_format=internal_format, x=x, y=y, width=w, height=h
+        label="copy",
+        texture="copied",
+        target=TextureTarget.TEXTURE_1D if h == 1 and draw(st.booleans()) else TextureTarget.TEXTURE_2D,
+        internal_format=draw(st.sampled_from(InternalFormat)),
+        x=x,
+        y=y,
+        width=w,
+        height=h,
+        generate_mipmap=draw(st.booleans()),
     )
 
 
@@ -368,6 +375,7 @@ def _replacements(draw, width, height, texture):
         height=h,
         level=level,
         face=draw(st.integers(0, faces - 1)),
+        generate_mipmap=level == 0 and draw(st.booleans()),
     )
 
 

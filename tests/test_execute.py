@@ -231,6 +231,39 @@ def test_a_copy_reads_what_was_just_drawn(threads):
     assert len(np.unique(expected.reshape(-1, 4), axis=0)) > 10
 
 
+def test_copies_generate_their_mipmaps():
+    draw = triangles(9)
+    whole = CopyTexImage(label="copy", texture="t", width=8, height=4, generate_mipmap=True)
+    part = CopyTexSubImage(label="part", texture="t", x=9, y=3, width=5, height=2, generate_mipmap=True)
+    stale = replace(part, generate_mipmap=False)
+    copied, updated, kept = (run(draw, whole, *more).textures["t"] for more in ((), (part,), (stale,)))
+    assert [level.shape for level in copied.levels] == [
+        (1, 4, 8, 4),
+        (1, 2, 4, 4),
+        (1, 1, 2, 4),
+        (1, 1, 1, 4),
+    ]
+    for texture in (copied, updated):
+        for larger, smaller in zip(texture.levels, texture.levels[1:], strict=False):
+            h, w = smaller.shape[1:3]
+            rows = larger[0].astype(int).reshape(h, larger.shape[1] // h, w, larger.shape[2] // w, 4)
+            boxes = rows.shape[1] * rows.shape[3]
+            np.testing.assert_array_equal(smaller[0], (rows.sum((1, 3)) * (4 // boxes) + 2) // 4)
+    assert (updated.levels[0] != copied.levels[0]).any()
+    assert (updated.levels[1] != copied.levels[1]).any()
+    np.testing.assert_array_equal(kept.levels[0], updated.levels[0])
+    np.testing.assert_array_equal(kept.levels[1], copied.levels[1])
+
+
+def test_a_row_copied_as_a_1d_texture_is_sampled_along_s():
+    row = CopyTexImage(label="row", texture="t", target=TextureTarget.TEXTURE_1D, y=5, width=16, height=1)
+    result = run(triangles(9), row)
+    assert result.textures["t"].target is TextureTarget.TEXTURE_1D
+    np.testing.assert_array_equal(
+        result.textures["t"].levels[0][0, 0], result.framebuffer.color[::-1][5, :16]
+    )
+
+
 def solid(n, width=4, height=4, mipmaps=False):
     return texture_2d(np.full((height, width, 4), n, np.uint8), mipmaps=mipmaps)
 

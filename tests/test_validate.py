@@ -742,10 +742,30 @@ REFUSED = {
         ["faces 0 to 5"],
         (CUBE, sub(texture="cube")),
     ),
-    "a partial copy into a 1D texture": (
+    "a partial copy of two rows into a 1D texture": (
+        (LINE, sub(texture="line", height=2)),
+        ["1x2 at (0, 0) reaches outside level 0 of 'line'"],
         (LINE, sub(texture="line")),
-        ["'line' is a TEXTURE_1D", "2D textures and cube maps"],
-        (CUBE, sub(texture="cube")),
+    ),
+    "a copy of two rows as a 1D texture": (
+        copy(target=TextureTarget.TEXTURE_1D, width=4, height=2),
+        ["a TEXTURE_1D has one row", "this rectangle has 2"],
+        copy(target=TextureTarget.TEXTURE_1D, width=4, height=1),
+    ),
+    "a copy as a cube map": (
+        copy(target=TextureTarget.TEXTURE_CUBE_MAP, width=4, height=4),
+        ["CopyTexImage defines 1D and 2D textures", "CopyTexSubImage"],
+        copy(width=4, height=4),
+    ),
+    "mipmaps generated from a smaller level": (
+        (MIPMAPPED, sub(level=1, generate_mipmap=True)),
+        ["generated from level 0, not from level 1"],
+        (MIPMAPPED, sub(generate_mipmap=True)),
+    ),
+    "a level beyond those that were generated": (
+        (copy(width=4, height=2, generate_mipmap=True), sub(texture="copied", level=3)),
+        ["level 3 of 'copied' does not exist", "0 to 2"],
+        (copy(width=4, height=2, generate_mipmap=True), sub(texture="copied", level=2)),
     ),
 }
 
