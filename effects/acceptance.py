@@ -1,9 +1,9 @@
 """Acceptance checks of the figures, as code: what must be seen, measured.
 
 A check renders what it needs, on the machine or on the ideal, and compares one number with one bound. Bounds
-are the catalogue's where it computed or proposed them; others were measured at the first correct picture and
-frozen with a third of slack. The mathematics is asserted on the free ideal; the machine has bounds of its
-own.
+are the catalogue's (docs/reading-guide.md) where it computed or proposed them; others were measured at the
+first correct picture and frozen with about a third of slack. The mathematics is asserted on the free ideal;
+the machine has bounds of its own.
 """
 
 import math
@@ -97,8 +97,8 @@ def ring_energy(image, map_size, alpha_x, alpha_y):
 def domes_checks(figure, renderer):
     """The rings' energies, their brightness, and that they come from interpolation and not from 8 bits."""
     size, alphas, out = 512, {"alpha_x": 0.25, "alpha_y": 0.25}, []
-    measured = {32: (0.2574, 7e-4), 64: (0.115, 1e-4), 128: (0.058, 1e-4)}
-    for map_size, (expected, software_bound) in measured.items():
+    catalogued = {32: (0.2574, 7e-4), 64: (0.115, 1e-4), 128: (0.058, 1e-4)}
+    for map_size, (expected, software_bound) in catalogued.items():
         parameters = {**_HIGHLIGHT_ONLY, **alphas, "map_size": map_size}
         ideal = renderer.ideal(scenes.domes_scene, 2, size, **parameters)[..., 0]
         machine = renderer.machine(scenes.domes_scene, 2, size, **parameters)[..., 0]
@@ -154,8 +154,7 @@ def domes_checks(figure, renderer):
                 0.05,
                 "machine",
                 "the catalogue's acceptance: 8-bit textures must not change the energy by more than 5 %; "
-                "here with the "
-                "9-bit combiners included",
+                "here with the 9-bit combiners included",
             ),
         ]
     return tuple(out)
@@ -187,8 +186,7 @@ def scratches_checks(figure, renderer):
     reasons = {
         "ideal": "the catalogue's acceptance",
         "machine": "the catalogue's acceptance; the contrast is a mean over thousands of pixels, in which "
-        "rounding to "
-        "bytes averages out",
+        "rounding to bytes averages out",
     }
     for on in ("ideal", "machine"):
         image = getattr(renderer, on)(scenes.scratches_scene, 3, size, **figure.parameters).mean(axis=-1)
@@ -272,8 +270,7 @@ def brushed_spheres_checks(figure, renderer):
         )
         across = (
             "highlights lie across the strokes, at 90 degrees to meridians and parallels; the sphere's "
-            "curvature and "
-            "the tilt of its axis turn them by a few degrees"
+            "curvature and the tilt of its axis turn them by a few degrees"
         )
         out += [
             Check(
@@ -365,8 +362,7 @@ def gloss_checks(figure, renderer):
 
 _POWER_8 = (
     "8-bit normals and vectors leave n.h within about one byte, which the eighth power multiplies by eight "
-    "near one; "
-    "measured at the first correct picture, with at most a third of slack"
+    "near one; measured at the first correct picture, with at most a third of slack"
 )
 
 

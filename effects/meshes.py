@@ -203,8 +203,7 @@ def _spherical_coordinates(points):
     step = 2.0**20
     s = np.floor((np.arctan2(direction[..., 0], direction[..., 2]) / (2 * math.pi) + 0.5) * step + 0.5) / step
     t = np.floor((np.arcsin(np.clip(direction[..., 1], -1, 1)) / math.pi + 0.5) * step + 0.5) / step
-    # A triangle across the seam keeps its corners together: those left of the seam move one period to the
-    # right.
+    # A triangle across the seam keeps its corners together: those left of it move one period to the right.
     s = np.where(s.max(axis=1, keepdims=True) - s > 0.5, s + 1.0, s)
     return np.stack([s, t], axis=-1)
 

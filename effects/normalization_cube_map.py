@@ -44,8 +44,8 @@ from pipeline.textures import texture_cube_map
 NAME = "normalization cube map"
 # white * (1 - destination): the subtraction from one, without a blend equation.
 INVERT_DESTINATION = Blending(BlendFactor.ONE_MINUS_DST_COLOR, BlendFactor.ZERO)
-# (.)+ of the framebuffer. A framebuffer of bytes never falls below zero and would not need it; the exact one
-# does.
+# (.)+ of the framebuffer. A framebuffer of bytes never falls below zero and would not need it; the exact
+# framebuffer does.
 AT_LEAST_ZERO = Blending(BlendFactor.ONE, BlendFactor.ONE, BlendEquation.MAX)
 MULTIPLY_DESTINATION = Blending(BlendFactor.DST_COLOR, BlendFactor.ZERO)
 

@@ -22,10 +22,11 @@ from raster import rows as R
 from raster.bins import BAND_HEIGHT, count_bins, fill_bins
 from raster.draw import draw_bands
 
-BATCH = 2048  # fragments shaded together; any size gives the same bits
+BATCH = 2048  # fragments shaded together; any size gives the same bits. Measured: docs/decisions, page 0002
 _NO_RECORD = np.zeros((0, 4), np.int32)
 _NO_TEXELS = np.zeros(1, np.uint32)
-_PARALLEL_FROM = 1 << 14  # pixels of the scissor box: below this a second thread costs more than it saves
+# Pixels of the scissor box: below this a second thread costs more than it saves (docs/decisions, page 0002).
+_PARALLEL_FROM = 1 << 14
 
 
 @dataclass(frozen=True, eq=False)

@@ -84,7 +84,9 @@ def finish(products, source, count, bias, scale, low, rounding, results, out):
     high = int32(255)
     p, r = uint64(source), uint64(out)
     if rounding == 2 and scale == 3:
-        for i in range(count):  # rn(x/2 / 255), ties upwards: floor((x + 255) / 510)
+        # rn(x/2 / 255), ties upwards: floor((x + 255) / 510); 4096 is added and taken off again, so that the
+        # dividend is not negative.
+        for i in range(count):
             half = int32(int32(products[p, i] + int32(255 + 510 * 4096)) // int32(510))
             results[r, i] = int16(clamp(int32(half - int32(4096)), low, high))
     elif rounding == 2:

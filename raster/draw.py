@@ -308,8 +308,8 @@ def draw_bands(
             right = min((max(x0, max(x1, x2)) - 8) >> 4, draw[R.X1] - 1)
             if finished:
                 last_row = first_row  # one turn of the row loop, to flush
-            # Edge functions n1 and n2 step by these from pixel to pixel and row to row; n0 is the rest of the
-            # area.
+            # Edge functions n1 and n2 step by these from pixel to pixel and row to row; the rest of the area
+            # is n0.
             area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
             sign = int64(-1) if area < 0 else int64(1)
             signed_area, area = area, area * sign
@@ -320,8 +320,8 @@ def draw_bands(
             n1 = ((sx - x0) * (y2 - y0) - (x2 - x0) * (sy - y0)) * sign
             n2 = ((x1 - x0) * (sy - y0) - (sx - x0) * (y1 - y0)) * sign
             n0 = area - n1 - n2
-            # The interior lies to the right of a left edge and below a top edge: there a value of 0 is
-            # inside.
+            # The interior lies to the right of a left edge and below a top edge: a value of 0 is inside
+            # there.
             tie0 = int64(0) if right0 > 0 or (right0 == 0 and down0 > 0) else int64(-1)
             tie1 = int64(0) if right1 > 0 or (right1 == 0 and down1 > 0) else int64(-1)
             tie2 = int64(0) if right2 > 0 or (right2 == 0 and down2 > 0) else int64(-1)

@@ -92,23 +92,20 @@ FINAL_SIZE = 3
     UNIT_SIZE,
 ) = range(13)
 
-# ------------------------------------------- texture levels: int32[units, MAX_LEVELS, 3]: offset, width,
-# height
-MAX_LEVELS = 16
+# ------------------------------ texture levels: int32[units, MAX_LEVELS, 3]: offset, width, height
+MAX_LEVELS = 16  # the ideal profile's largest texture, 2**14 texels an edge, has 15
 
 # Registers, four planes each (red, green, blue, alpha): the codes of pipeline.enums.Register.
 ZERO, CONSTANT0, CONSTANT1, FOG, PRIMARY, SECONDARY, SPARE0, SPARE1, TEXTURE0 = range(9)
 E_TIMES_F, SPARE0_PLUS_SECONDARY, REGISTERS = 12, 13, 14
 
-# Scratch columns of a batch.  floats float64[FLOAT_COLUMNS, batch]: texture coordinates (for a cube map, of
-# its face, doubled), tie biases of nearest filters, sizes of each fragment's level, texel coordinates,
-# weights of
-# vertices 0, 2.
+# Scratch columns of a batch. floats float64[FLOAT_COLUMNS, batch]: texture coordinates (for a cube map, of
+# its face, doubled), tie biases of nearest filters, sizes of each fragment's level, a texel coordinate, r or
+# q, weights of vertices 0 and 2.
 S, T, TIE_S, TIE_T, S_SIZE, T_SIZE, TEXEL, EXTRA, B0, B2, FLOAT_COLUMNS = range(11)
 # ints int32[INT_COLUMNS, batch]: cube face; where the level begins and its width; neighbouring columns and
-# rows with their fractions; level, fraction between levels, lambda; colour weights and residual vertex; a
-# run's
-# triangle.
+# rows with their fractions; level, fraction between levels, lambda; colour weights and residual vertex; the
+# triangle of a run.
 (
     FACE,
     BASE,

@@ -1,6 +1,7 @@
 """Coverage: triangles that share edges draw every pixel between them exactly once."""
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -84,6 +85,15 @@ def window_triangles(points):
         dropped=0,
         two_side=False,
     )
+
+
+@pytest.mark.parametrize("place", [0, 1, 2, 3], ids=["first", "second", "third", "provoking"])
+@pytest.mark.parametrize("vertex", [-1, 3])
+def test_a_triangle_that_names_a_vertex_out_of_range_is_not_drawn(place, vertex):
+    primitives = window_triangles(np.array([[0, 0], [0, 128], [128, 0]]))
+    assert len(rasterize(primitives, PolygonState(), None, 8, 8).x) > 0
+    primitives.triangles[0, place] = vertex
+    assert len(rasterize(primitives, PolygonState(), None, 8, 8).x) == 0
 
 
 @settings(max_examples=300)

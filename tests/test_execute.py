@@ -65,7 +65,6 @@ SHOW_TEXTURE = RegisterCombiners(
     )
 )
 NEAREST = Sampler(TextureFilter.NEAREST, TextureFilter.NEAREST)
-NOT_DRAWN = np.array([9, 9, 9, 9], np.uint8)
 
 
 def color_of(n):
@@ -750,6 +749,24 @@ def test_extreme_positions_do_draw_where_they_should():
 def test_a_triangle_with_an_extraordinary_w_is_dropped_and_counted(w):
     result = run(STORE_NOISE, with_positions(in_perspective(w, w, w)))
     assert (result.fragments, result.dropped) == (0, 1)
+
+
+@pytest.mark.parametrize("w", [0.3, 17.0, 23.0, 47.0])
+def test_a_triangle_of_one_w_takes_the_levels_of_an_affine_one(w):
+    # Two texels a pixel: lambda is exactly one. Biased by -127/256 it still reads level 1, and the next lower
+    # lambda, which weights rounded at another scale would give, level 0.
+    sampler = Sampler(TextureFilter.NEAREST_MIPMAP_NEAREST, TextureFilter.NEAREST)
+    unit = TextureUnit("t", sampler, lod_bias=-127 / 256)
+
+    def picture(positions):
+        draw = with_positions(positions, (BIG + 1.0) / 2.0)
+        draw = replace(draw, state=replace(draw.state, texture_units=(unit,)))
+        return run(STORE_NOISE, draw, size=(2, 4)).framebuffer.color
+
+    in_space = np.concatenate([BIG * w, np.zeros((3, 1)), np.full((3, 1), w)], axis=-1)
+    level_1 = NOISE.levels[1][0, ::-1]  # a texel a pixel
+    np.testing.assert_array_equal(picture(BIG), level_1)
+    np.testing.assert_array_equal(picture(in_space), level_1)
 
 
 @pytest.mark.parametrize("value", [1e38, 1e300, -1e300, 1.7e308, 5e-324, -5e-324, -0.0])

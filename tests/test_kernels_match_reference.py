@@ -27,6 +27,7 @@ from pipeline.enums import (
     FogMode,
     InternalFormat,
     LogicOperation,
+    MagnificationThreshold,
     Mapping,
     PrimitiveType,
     ProductRounding,
@@ -718,10 +719,12 @@ def test_wrap_modes_are_alike_on_and_around_every_step(mode, size, texture_filte
     assert machine.framebuffer.color.tolist() == expected.target.color
 
 
+@pytest.mark.parametrize("threshold", MagnificationThreshold)
 @pytest.mark.parametrize("magnification", [TextureFilter.NEAREST, TextureFilter.LINEAR])
 @pytest.mark.parametrize("minification", list(TextureFilter)[2:])
-def test_every_lambda_reads_the_same_levels(minification, magnification):
+def test_every_lambda_reads_the_same_levels(minification, magnification, threshold):
     # One texel a pixel, so that lambda is the bias (or 1/256 less, where the iteration rounds down).
+    profile = replace(GEFORCE_256, magnification_threshold=threshold)
     random = np.random.default_rng(5)
     image = texture_2d(random.integers(0, 256, (8, 8, 4), np.uint8), mipmaps=True)
     corners = np.array([[-1.0, -1.0], [3.0, -1.0], [-1.0, 3.0]])
@@ -738,9 +741,9 @@ def test_every_lambda_reads_the_same_levels(minification, magnification):
                 state=PassState(texture_units=(unit,), register_combiners=SHOW_TEXTURE),
             ),
         )
-        machine = Machine(GEFORCE_256, 4, 2, threads=1)
+        machine = Machine(profile, 4, 2, threads=1)
         machine.run(commands)
-        expected = run_reference(commands, GEFORCE_256, 4, 2, 24)
+        expected = run_reference(commands, profile, 4, 2, 24)
         assert machine.framebuffer.color.tolist() == expected.target.color, step
 
 

@@ -21,7 +21,7 @@ STANDARD = set(sys.stdlib_module_names)
 MAY_IMPORT = {
     "raster": {"raster", "numba", "llvmlite", "numpy"},
     "pipeline": {"pipeline", "raster", "numpy"},
-    "effects/cli": {"effects", "pipeline", "raster.kernel", "numpy", "click", "rich", "PIL", "imageio"},
+    "effects/cli": {"effects", "pipeline", "numpy", "click", "rich", "PIL", "imageio"},
     "effects": {"effects", "pipeline", "numpy"},
     "tests/reference": {
         "tests.reference",

@@ -133,6 +133,20 @@ def test_the_mux_reads_texture_0_though_no_input_names_it():
     assert_equal_to_reference(commands, GEFORCE_256, 24, 256)
 
 
+def test_the_final_combiner_has_its_own_constants_beside_a_single_stage_s():
+    profile = replace(GEFORCE_256, per_stage_constants=True)
+    final = FinalCombiner(
+        a=CombinerInput(), b=CombinerInput(), c=CombinerInput(Register.CONSTANT_COLOR0), d=CombinerInput()
+    )
+    stage = GeneralCombiner(constant_color0=(1.0, 0.0, 0.0, 0.0))
+    combiners = RegisterCombiners((stage,), final, constant_color0=(0.0, 1.0, 0.0, 0.0))
+    corners = np.array([[-1.0, -1.0], [3.0, -1.0], [-1.0, 3.0]])
+    state = PassState(register_combiners=combiners)
+    commands = (Draw(label="constant", mesh=Mesh(corners), state=state),)
+    assert execute(commands, profile, 4, 4).framebuffer.color[0, 0, :3].tolist() == [0, 255, 0]
+    assert_equal_to_reference(commands, profile, 24, 256)
+
+
 def digest(framebuffer):
     buffers = (framebuffer.color, framebuffer.depth, framebuffer.stencil)
     return hashlib.sha256(b"".join(np.ascontiguousarray(b).tobytes() for b in buffers)).hexdigest()
