@@ -22,6 +22,15 @@ class PrimitiveType(IntEnum):
     POLYGON = 5
 
 
+class VertexStage(IntEnum):
+    """What turns vertices into window coordinates: chapter 2's transformation, or a vertex program whose
+    results the mesh holds.
+    """
+
+    FIXED_FUNCTION = 0
+    PROGRAM_RESULTS = 1
+
+
 class ComparisonFunction(IntEnum):
     """Alpha, stencil and depth functions (section 4.1)."""
 

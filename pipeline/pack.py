@@ -28,6 +28,7 @@ from pipeline.enums import (
     StencilOperation,
     TextureFilter,
     TextureTarget,
+    VertexStage,
 )
 from pipeline.framebuffer import to_byte
 from pipeline.state import (
@@ -252,7 +253,8 @@ def _pack_tests(state, framebuffer, draw, draw_float):
         ):
             draw[at : at + R.STENCIL_OPERATION_SIZE] = _pack_stencil_operation(operation, reference)
     draw[R.DEPTH_MAX] = 2**framebuffer.depth_bits - 1
-    draw_float[R.DEPTH_SCALE] = 2**framebuffer.depth_bits - 1
+    programmed = state.vertex.stage == VertexStage.PROGRAM_RESULTS  # whose z is in depth units already
+    draw_float[R.DEPTH_SCALE] = 1.0 if programmed else 2**framebuffer.depth_bits - 1
     draw_float[R.DEPTH_TIE] = 2.0 ** (framebuffer.depth_bits - 47)
     depth = state.depth_test
     if depth is not None and (depth.function != ComparisonFunction.ALWAYS or depth.write):

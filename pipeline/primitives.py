@@ -10,7 +10,7 @@ class WindowPrimitives:
     """Triangles after transformation, lighting, clipping, projection, viewport and snapping.
 
     x, y           int32 [n], device window coordinates, 1/16 pixel, y down from the framebuffer's top row
-    z              float64 [n], window depth in [0, 1]
+    z              float64 [n], window depth in [0, 1]; a vertex program's, in depth-buffer units
     inverse_w      float64 [n], 1 / clip w, positive
     colors         uint8 [n, 2, 8]: front and back colour; red, green, blue, alpha of the primary colour, then
                    red, green, blue of the secondary and a zero; float64, not clamped, if the profile is exact

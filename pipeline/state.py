@@ -31,6 +31,7 @@ from pipeline.enums import (
     StencilOperation,
     TexGenMode,
     TextureFilter,
+    VertexStage,
     WrapMode,
 )
 
@@ -123,6 +124,11 @@ class VertexState:
 
     ``clip_planes``: the enabled user planes, in eye coordinates. ``normalize``: NORMALIZE enabled;
     ``rescale_normal``: RESCALE_NORMAL enabled.
+
+    ``stage`` PROGRAM_RESULTS: the mesh holds what a vertex program wrote (NV_vertex_program's o[HPOS] after
+    the viewport, o[COL0], o[TEX0] ...): positions are window x and y (y up), z in depth-buffer units and clip
+    w; colours, texture and fog coordinates reach rasterization as they are. No matrix, viewport, lighting,
+    clipping or texture coordinate generation takes part; the other fields must keep their defaults.
     """
 
     modelview: Matrix = IDENTITY
@@ -132,6 +138,7 @@ class VertexState:
     rescale_normal: bool = False
     lighting: Lighting | None = None
     clip_planes: tuple[Vector4, ...] = ()
+    stage: VertexStage = VertexStage.FIXED_FUNCTION
 
 
 # --------------------------------------------------------------------------- rasterization (chapter 3)

@@ -43,8 +43,10 @@ from pipeline.enums import (
     TexGenMode,
     TextureFilter,
     TextureTarget,
+    VertexStage,
 )
 from pipeline.framebuffer import READ_FORMATS
+from pipeline.state import VertexState
 from pipeline.textures import Texture
 from pipeline.vertex import invert_upper_left, needs_normals
 
@@ -769,6 +771,14 @@ class _Walk:
     # ------------------------------------------------------------------------------------- vertices
 
     def vertex(self, vertex):
+        if vertex.stage == VertexStage.PROGRAM_RESULTS:
+            plain = VertexState(stage=VertexStage.PROGRAM_RESULTS)
+            for field in fields(vertex):
+                if getattr(vertex, field.name) != getattr(plain, field.name):
+                    self.refuse(
+                        f"vertex.{field.name} is set, but the vertex stage is PROGRAM_RESULTS: the mesh "
+                        "holds window coordinates and final colors; choose FIXED_FUNCTION, or leave it unset."
+                    )
         self.viewport(vertex.viewport)
         if len(vertex.clip_planes) > self.profile.max_clip_planes:
             self.refuse(

@@ -8,7 +8,7 @@ import numpy as np
 from pipeline.assembly import assemble
 from pipeline.clip import clip, clip_planes
 from pipeline.columns import ONE, ZERO, columns_of, dot, length, normalize, positive, transform, weighted_sum
-from pipeline.enums import FogCoordinateSource, TexGenMode, WindowOrigin
+from pipeline.enums import FogCoordinateSource, TexGenMode, VertexStage, WindowOrigin
 from pipeline.lighting import light_vertices
 from pipeline.primitives import WindowPrimitives
 
@@ -54,6 +54,7 @@ def process(mesh, state, profile, width, height):
 def _process(mesh, state, profile, width, height):
     vertex = state.vertex
     position = columns_of(mesh.positions, (0.0, 0.0, 0.0, 1.0))
+    programmed = vertex.stage == VertexStage.PROGRAM_RESULTS
     eye = transform(vertex.modelview, position)
     normal = _eye_normal(mesh, vertex) if needs_normals(state) else None
     front, back = _vertex_colors(mesh, vertex, eye, normal, profile.exact)
@@ -68,14 +69,20 @@ def _process(mesh, state, profile, width, height):
         _fog_coordinate(mesh, state, eye),
         *_texture_coordinates(mesh, state, position, eye, normal),
     ]
-    planes = clip_planes(vertex.clip_planes, half_size, center, (width, height), profile.guard_band)
     triangles = assemble(mesh, state.polygon.provoking_vertex)
-    triangles, columns, origin, dropped = clip(triangles, columns, len(mesh.positions), planes)
+    if programmed:
+        origin, dropped = np.arange(len(triangles)), 0
+    else:
+        planes = clip_planes(vertex.clip_planes, half_size, center, (width, height), profile.guard_band)
+        triangles, columns, origin, dropped = clip(triangles, columns, len(mesh.positions), planes)
     count = max((len(column) for column in columns if column.ndim), default=len(mesh.positions))
 
     first_color = 8 if vertex.clip_planes else 4
     fog = first_color + (14 if two_side else 7)
-    x, y, z, inverse_w = _window_coordinates(columns[:4], vertex.viewport, half_size, center)
+    if programmed:
+        x, y, z, inverse_w = *position[:3], ONE / position[3]
+    else:
+        x, y, z, inverse_w = _window_coordinates(columns[:4], vertex.viewport, half_size, center)
     drawable = (inverse_w > 0) & np.isfinite(inverse_w) & np.isfinite(x) & np.isfinite(y) & np.isfinite(z)
     if not np.all(drawable):
         drawable = np.broadcast_to(drawable, count)
@@ -90,7 +97,7 @@ def _process(mesh, state, profile, width, height):
     return WindowPrimitives(
         x=_filled(count, _snap(x, width, profile), np.int32),
         y=_filled(count, y, np.int32),
-        z=_filled(count, np.fmin(positive(z), ONE)),
+        z=_filled(count, z if programmed else np.fmin(positive(z), ONE)),
         inverse_w=_filled(count, np.where(drawable, inverse_w, ONE)),
         colors=_colors(count, columns[first_color:fog], None if profile.exact else bits),
         coordinates=_stacked(count, columns[fog + 1 :]),

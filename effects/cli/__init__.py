@@ -4,7 +4,7 @@ import importlib
 
 import click
 
-_COMMANDS = ("figures", "passes", "bump", "profiles")
+_COMMANDS = ("figures", "passes", "bump", "profiles", "conformance")
 
 _WELCOME = """\
 fixedpipe emulates the graphics hardware of 1997-2001, bit for bit.
@@ -16,6 +16,7 @@ What to do next:
   fixedpipe bump sample:gravel --mesh torus --material gold --light 1,2,3 --out gravel.png
                                 bump-map a mesh with a photograph
   fixedpipe profiles            which machines there are, and how each of their numbers is known
+  fixedpipe conformance DIR     redraw captures of a real NV2A and count the pixels that agree
   fixedpipe --help              all commands and options"""
 
 

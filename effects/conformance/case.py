@@ -1,0 +1,65 @@
+"""A case: what a capture's program drew, and which pixels of it the chip alone decides."""
+
+from dataclasses import dataclass
+from enum import IntEnum
+from pathlib import Path
+
+import numpy as np
+
+from pipeline.commands import Command
+
+WIDTH, HEIGHT = 640, 480  # pixels of every capture
+
+Box = tuple[int, int, int, int]  # device pixels, half open: left, top, right, bottom; row 0 is the top one
+
+
+class Shows(IntEnum):
+    """Which buffer a capture holds: the colours, or the depth buffer's words read as colours."""
+
+    COLOR = 0
+    ZETA = 1
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Exclusion:
+    """Pixels that are not compared: bool [HEIGHT, WIDTH], found from the geometry alone, and why."""
+
+    pixels: np.ndarray
+    reason: str
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Case:
+    """What a program drew, and where to compare.
+
+    commands     the frame, on a 640x480 window
+    region       boxes that are compared; text, which the processor drew over the picture, never is
+    exclusions   pixels inside them whose rule is not decidable; at most 0.1 % of the region
+    shows        which buffer the capture holds
+    depth_bits   of the window's depth buffer
+    explanation  one line on why pixels differ, where some are known to; empty: all agree
+    """
+
+    commands: tuple[Command, ...]
+    region: tuple[Box, ...] = ((0, 0, WIDTH, HEIGHT),)
+    exclusions: tuple[Exclusion, ...] = ()
+    shows: Shows = Shows.COLOR
+    depth_bits: int = 24
+    explanation: str = ""
+
+
+class MissingInput(ValueError):  # noqa: N818 (it names what is missing)
+    """A case needs a texture or mesh file that is not there; the message says where it comes from."""
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """The folder of textures and meshes that some cases read (resources of nxdk_pgraph_tests), or None."""
+
+    folder: Path | None
+
+    def path(self, name):
+        """The file of that name. Raises MissingInput."""
+        if self.folder is None or not (self.folder / name).is_file():
+            raise MissingInput(f"needs the file {name} of nxdk_pgraph_tests' resources; see --inputs")
+        return self.folder / name

@@ -1,0 +1,100 @@
+"""Redraw cases through the ordinary pipeline and count the pixels that agree with the captures."""
+
+from dataclasses import dataclass
+from importlib import import_module
+from pkgutil import iter_modules
+
+import numpy as np
+
+from effects.conformance import suites
+from effects.conformance.case import HEIGHT, WIDTH, MissingInput, Shows
+from pipeline.execute import execute
+from pipeline.profiles import NV2A
+
+TEXT = (255, 255, 255, 0)  # what the processor wrote over the picture
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Comparison:
+    """One capture beside its redrawing. ``ours`` None: the case is not covered, and ``note`` says why.
+
+    ``theirs``, ``ours`` uint8 [HEIGHT, WIDTH, 4]; ``compared``, ``equal`` bool [HEIGHT, WIDTH].
+    """
+
+    suite: str
+    name: str
+    theirs: np.ndarray
+    ours: np.ndarray | None = None
+    compared: np.ndarray | None = None
+    equal: np.ndarray | None = None
+    note: str = ""
+
+    @property
+    def covered(self):
+        """Whether the case was redrawn."""
+        return self.ours is not None
+
+    @property
+    def pixels_compared(self):
+        """How many pixels were compared."""
+        return int(self.compared.sum()) if self.covered else 0
+
+    @property
+    def pixels_equal(self):
+        """How many of them agree in all four components."""
+        return int((self.equal & self.compared).sum()) if self.covered else 0
+
+    @property
+    def exact(self):
+        """Whether every compared pixel agrees."""
+        return self.covered and self.pixels_compared > 0 and self.pixels_equal == self.pixels_compared
+
+
+def known_suites():
+    """Module of every suite, by the name of its captures' folder."""
+    modules = (import_module(f"{suites.__name__}.{m.name}") for m in iter_modules(suites.__path__))
+    return {module.SUITE: module for module in modules}
+
+
+def region_of(case):
+    """Bool [HEIGHT, WIDTH]: the pixels that a case compares, before text is left out."""
+    region = np.zeros((HEIGHT, WIDTH), bool)
+    for left, top, right, bottom in case.region:
+        region[top:bottom, left:right] = True
+    for exclusion in case.exclusions:
+        region &= ~exclusion.pixels
+    return region
+
+
+def zeta_colors(framebuffer):
+    """The depth buffer as the captures show it: 16-bit words as R5G6B5, depth and stencil as A8R8G8B8."""
+    depth, out = framebuffer.depth, np.empty((*framebuffer.depth.shape, 4), np.uint8)
+    if framebuffer.depth_bits == 16:
+        for channel, (shift, bits) in enumerate(((11, 5), (5, 6), (0, 5))):
+            field = (depth >> shift) & (2**bits - 1)
+            out[..., channel] = (field << (8 - bits)) | (field >> (2 * bits - 8))
+        out[..., 3] = 255
+        return out
+    out[..., 3], out[..., 0], out[..., 1] = depth >> 16, (depth >> 8) & 255, depth & 255
+    out[..., 2] = framebuffer.stencil
+    return out
+
+
+def compare(suite, module, name, theirs, inputs, threads=None):
+    """Redraw one case and compare it with its capture ``theirs``, uint8 [HEIGHT, WIDTH, 4]."""
+    given = {"suite": suite, "name": name, "theirs": theirs}
+    try:
+        case = module.case(name, inputs) if module is not None else None
+    except MissingInput as missing:
+        return Comparison(**given, note=str(missing))
+    if case is None:
+        note = "the suite has no such case" if module is not None else "the suite is not covered"
+        return Comparison(**given, note=note)
+    framebuffer = execute(
+        case.commands, NV2A, WIDTH, HEIGHT, depth_bits=case.depth_bits, threads=threads
+    ).framebuffer
+    ours = framebuffer.image() if case.shows == Shows.COLOR else zeta_colors(framebuffer)
+    compared = region_of(case) & (theirs != TEXT).any(-1)
+    return Comparison(
+        **given, ours=ours, compared=compared, equal=(ours == theirs).all(-1), note=case.explanation
+    )

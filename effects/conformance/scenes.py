@@ -1,0 +1,172 @@
+"""What the suites' programs share: their conventions, matrices, default state and backgrounds, as state.
+
+Source: the public programs that drew the captures, nxdk_pgraph_tests with pbkitplusplus (test host, suite
+defaults). Vertices are in device pixels there, y down; depth in the buffer's units.
+"""
+
+import numpy as np
+
+from effects.conformance.case import HEIGHT, WIDTH
+from pipeline.commands import Clear, Draw, Mesh, TexImage
+from pipeline.enums import (
+    BlendFactor,
+    ComponentUsage,
+    PrimitiveType,
+    Register,
+    TextureFilter,
+    VertexStage,
+    WrapMode,
+)
+from pipeline.state import (
+    IDENTITY,
+    AlphaPortion,
+    Blending,
+    CombinerInput,
+    FinalCombiner,
+    GeneralCombiner,
+    PassState,
+    RegisterCombiners,
+    RGBPortion,
+    Sampler,
+    TextureUnit,
+    VertexState,
+)
+from pipeline.textures import texture_2d
+
+PROGRAM_RESULTS = VertexState(stage=VertexStage.PROGRAM_RESULTS)
+BLENDED = Blending(BlendFactor.SRC_ALPHA, BlendFactor.ONE_MINUS_SRC_ALPHA)  # every program's default
+
+NEAREST = Sampler(
+    TextureFilter.NEAREST, TextureFilter.NEAREST, WrapMode.CLAMP_TO_EDGE, WrapMode.CLAMP_TO_EDGE
+)
+
+# The XDK's default view: 45 degrees, 4:3, the eye at z = -7. Source: SetXDKDefaultViewportAndFixedFunction-
+# Matrices: the composite matrix's rows for x, y and w (times w), and the viewport's offset.
+XDK_SCALE, XDK_OFFSET, XDK_EYE = 579.411194, 0.53125, 7.0
+
+
+def argb(word):
+    """A colour of 0xAARRGGBB as RGBA floats."""
+    return tuple(((word >> shift) & 255) / 255.0 for shift in (16, 8, 0, 24))
+
+
+def abgr(word):
+    """A vertex colour of 0xAABBGGRR (a 4-byte vertex attribute) as RGBA floats."""
+    return tuple(((word >> shift) & 255) / 255.0 for shift in (0, 8, 16, 24))
+
+
+def shows(register):
+    """Combiners whose result is one register, colour and alpha."""
+    return RegisterCombiners(
+        general=(
+            GeneralCombiner(
+                rgb=RGBPortion(a=CombinerInput(register)),
+                alpha=AlphaPortion(a=CombinerInput(register, usage=ComponentUsage.ALPHA)),
+            ),
+        ),
+        final=FinalCombiner(
+            a=CombinerInput(),
+            b=CombinerInput(),
+            c=CombinerInput(),
+            d=CombinerInput(Register.SPARE0),
+        ),
+    )
+
+
+SHOWS_PRIMARY = shows(Register.PRIMARY_COLOR)
+SHOWS_TEXTURE0 = shows(Register.TEXTURE0)
+DEFAULT = PassState(vertex=PROGRAM_RESULTS, register_combiners=SHOWS_PRIMARY, blending=BLENDED)
+
+
+def single(values):
+    """Numbers as the chip reads them, in single precision."""
+    return np.asarray(values, np.float32).astype(np.float64)
+
+
+def window_mesh(positions, primitive=PrimitiveType.QUADS, **arrays):
+    """A mesh whose positions are device pixels (x right, y down), z in depth units and clip w, as a vertex
+    program's results.
+
+    ``positions`` [n, 2..4]; single precision, as the chip reads them. Other arrays as in Mesh.
+    """
+    positions = single(positions)
+    positions[:, 1] = HEIGHT - positions[:, 1]
+    return Mesh(positions, primitive, **arrays)
+
+
+def rectangle(left, top, right, bottom, z=0.0):
+    """Four corners of a quad in the programs' order: upper left, upper right, lower right, lower left."""
+    return [(left, top, z), (right, top, z), (right, bottom, z), (left, bottom, z)]
+
+
+def projection_of(composite, offset=(0.0, 0.0), depth_maximum=16777215.0):
+    """OpenGL's projection matrix for one that gives device pixels and depth units times w.
+
+    ``composite``: four rows for column vectors; ``offset``: the viewport's, pixels. With the default viewport
+    of the 640x480 window and the depth range 0 to 1 it reaches the same window coordinates.
+    """
+    x, y, z, w = (np.array(row, np.float64) for row in composite)
+    rows = (
+        (x + offset[0] * w) / (WIDTH / 2) - w,
+        w - (y + offset[1] * w) / (HEIGHT / 2),
+        2.0 * z / depth_maximum - w,
+        w,
+    )
+    return tuple(tuple(float(v) for v in row) for row in rows)
+
+
+def xdk_vertex(modelview=IDENTITY, near=1.0, far=200.0, depth_maximum=16777215.0, offset=XDK_OFFSET):
+    """The XDK's default fixed-function view as vertex state; ``modelview`` is applied before the eye moves.
+
+    ``near``, ``far``: the view volume's planes, eye distances.
+    """
+    scale = depth_maximum * far / (far - near)
+    composite = (
+        (XDK_SCALE, 0.0, WIDTH / 2, WIDTH / 2 * XDK_EYE),
+        (0.0, -XDK_SCALE, HEIGHT / 2, HEIGHT / 2 * XDK_EYE),
+        (0.0, 0.0, scale, scale * (XDK_EYE - near)),
+        (0.0, 0.0, 1.0, XDK_EYE),
+    )
+    return VertexState(
+        modelview=modelview, projection=projection_of(composite, (offset, offset), depth_maximum)
+    )
+
+
+def clear(word, depth=None, stencil=None):
+    """The frame's first command: the colour 0xAARRGGBB, the farthest depth and stencil zero by default."""
+    return Clear(
+        label="background",
+        color=argb(word),
+        depth=1.0 if depth is None else depth,
+        stencil=0 if stencil is None else stencil,
+    )
+
+
+def checkerboard(first, second, cell, size=256):
+    """uint8 [size, size, 4]: squares of ``cell`` texels, the first (0xAARRGGBB) at texel (0, 0)."""
+    at = np.arange(size) // cell
+    odd = (at[:, None] + at[None, :]) % 2 == 1
+    colors = np.array([[round(255 * c) for c in argb(word)] for word in (first, second)], np.uint8)
+    return colors[odd.astype(int)]
+
+
+def background(first=0xFF333333, second=0xFF444444, cell=None, size=256):
+    """Commands that stretch a checkerboard over the whole screen (DrawCheckerboardUnproject).
+
+    Texture row 0 is the top row. Measured: the quad's corners (0.5, 0.5) to (640.5, 480.5), split from upper
+    left to lower right (Lighting_control FF_0x000000).
+    """
+    image = checkerboard(first, second, size // 32 if cell is None else cell, size)
+    state = PassState(
+        vertex=PROGRAM_RESULTS,
+        texture_units=(TextureUnit("checkerboard", NEAREST),),
+        register_combiners=SHOWS_TEXTURE0,
+    )
+    corners = window_mesh(
+        rectangle(0.5, 0.5, WIDTH + 0.5, HEIGHT + 0.5),
+        texture_coordinates=(np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]),),
+    )
+    return (
+        TexImage(label="checkerboard", texture="checkerboard", image=texture_2d(image)),
+        Draw(label="background", mesh=corners, state=state),
+    )
