@@ -1,52 +1,150 @@
 """``fixedpipe conformance``: redraw captures of a real chip and count the pixels that agree."""
 
+import json
 import os
+import sys
+from contextlib import contextmanager
+from itertools import groupby
 from pathlib import Path
 
 import click
 
-from effects.cli.options import threads_option
-
 _HOW = (
-    "Give the folder of captures: clone https://github.com/abaire/nxdk_pgraph_tests_golden_results and give "
-    "its folder `results`, or set FIXEDPIPE_CAPTURES to it."
+    "Clone https://github.com/abaire/nxdk_pgraph_tests_golden_results and give its folder `results`, "
+    "or set FIXEDPIPE_CAPTURES to it."
 )
 
 
 @click.command(short_help="Redraw captures of a real NV2A and count equal pixels.")
 @click.argument("folder", required=False)
-@click.option("--suite", multiple=True, metavar="NAME", help="Only this suite; several may be given.")
-@click.option("--case", "pattern", metavar="TEXT", help="Only cases whose name contains TEXT.")
-@click.option("--inputs", metavar="DIR", help="Textures and meshes that some cases read.")
-@threads_option
-def conformance(folder, suite, pattern, inputs, threads):
-    """Redraw every capture in FOLDER that a suite covers and print pixels equal / compared."""
-    import numpy as np
-    from PIL import Image
+@click.option("--suite", "suites", multiple=True, metavar="NAME", help="Only this suite; repeat for several.")
+@click.option("--case", "text", metavar="TEXT", default="", help="Only cases with TEXT in their name.")
+@click.option("--list", "list_only", is_flag=True, help="Name the suites that can be redrawn and end.")
+@click.option("--inputs", metavar="DIR", help="Textures and meshes of some cases (or FIXEDPIPE_INPUTS).")
+@click.option("--json", "json_file", metavar="FILE", help="Write the results as a JSON list as well.")
+@click.option("--html", "html_file", metavar="FILE", help="Write a page that shows every difference.")
+@click.option(
+    "--threads", type=click.IntRange(min=1), metavar="N", help="Cases at a time; any number, the same bits."
+)
+def conformance(folder, suites, text, list_only, inputs, json_file, html_file, threads):
+    """Redraw the captures in FOLDER (or FIXEDPIPE_CAPTURES) on the NV2A; print pixels equal / compared.
 
-    from effects.cli.refusal import Refusal
+    FOLDER holds SUITE/CASE.png, 640x480: the folder `results` of nxdk_pgraph_tests_golden_results. Text in
+    the pictures is not compared. Exit status 1: a case could not be redrawn because of an error.
+    """
+    from effects.cli.captures import find_captures
+    from effects.cli.compiling import announce_compiling
+    from effects.cli.files import writable_file, write_whole
+
+    if list_only:
+        _list_suites()
+        return
+    folder = _folder_of_captures(folder)
+    inputs = _folder_of_inputs(inputs, folder)
+    captures = find_captures(folder, suites, text)
+    json_path, html_path = (writable_file(name) if name else None for name in (json_file, html_file))
+
+    announce_compiling()
+    from effects.cli.conformance_page import Page
     from effects.conformance.case import Inputs
-    from effects.conformance.redraw import compare, known_suites
+    from effects.conformance.run import Totals, compare_all
+
+    page, records, total, failed = Page() if html_path else None, [], Totals(), 0
+    with _progress(len(captures)) as step:
+        comparisons = compare_all(captures, Inputs(inputs), threads)
+        for suite, cases in groupby(comparisons, lambda c: c.suite):
+            of_suite = Totals()
+            for case in cases:
+                click.echo(_line(case))
+                of_suite, failed = of_suite + Totals.of(case), failed + case.failed
+                records.append(record_of(case))
+                if page:
+                    page.add(case)
+                step(f"{case.suite}/{case.name}")
+            click.echo(f"{suite}: {of_suite}\n")
+            total = total + of_suite
+    if json_path:
+        write_whole(json_path, (json.dumps(records, indent=1) + "\n").encode())
+    if html_path:
+        write_whole(html_path, page.text(total).encode())
+        click.echo(f"open {html_path}", err=True)
+    if failed:
+        click.echo(f"{failed} case{'s' * (failed != 1)} ended with an error.", err=True)
+    click.echo(str(total))
+    sys.exit(1 if failed else 0)
+
+
+def _line(case):
+    """What is said of one case: its pixels, and why if not all agree."""
+    if not case.covered:
+        said = f"{'error' if case.failed else 'not covered'}: {case.note}"
+    else:
+        said = f"{case.pixels_equal} / {case.pixels_compared}"
+        if case.note and not case.exact:
+            said += f"  {case.note}"
+    return f"{case.suite}/{case.name}: {said}"
+
+
+def record_of(case):
+    """A Comparison as an object of the JSON list."""
+    return {
+        "suite": case.suite,
+        "case": case.name,
+        "covered": case.covered,
+        "pixels_equal": case.pixels_equal,
+        "pixels_compared": case.pixels_compared,
+        "exact": case.exact,
+        "note": case.note,
+    }
+
+
+def _list_suites():
+    from effects.conformance.redraw import known_suites
+
+    for suite, module in sorted(known_suites().items()):
+        names = module.names()
+        click.echo(f"{suite:32s} {len(names):5d} cases: {names[0]}{' …' * (len(names) > 1)}")
+
+
+def _folder_of_captures(folder):
+    """The folder given, or the environment's; Refusal where it is none."""
+    from effects.cli.refusal import Refusal
 
     folder = folder or os.environ.get("FIXEDPIPE_CAPTURES")
-    if not folder or not Path(folder).is_dir():
-        raise Refusal(f"There is no folder {folder!r}. {_HOW}" if folder else _HOW)
-    folder = Path(folder)
-    beside = Path(inputs) if inputs else folder.parents[1] / "inputs"
-    modules = known_suites()
-    exact = covered = total = equal = compared = 0
-    for path in sorted(folder.glob("*/*.png")):
-        if (suite and path.parent.name not in suite) or (pattern and pattern not in path.stem):
-            continue
-        theirs = np.array(Image.open(path).convert("RGBA"))
-        found = compare(
-            path.parent.name, modules.get(path.parent.name), path.stem, theirs,
-            Inputs(beside if beside.is_dir() else None), threads,
-        )  # fmt: skip
-        total, covered, exact = total + 1, covered + found.covered, exact + found.exact
-        equal, compared = equal + found.pixels_equal, compared + found.pixels_compared
-        state = f"{found.pixels_equal} / {found.pixels_compared}" if found.covered else "not covered"
-        click.echo(f"{found.suite}/{found.name}: {state}{'  ' + found.note if found.note else ''}")
-    click.echo(
-        f"exact: {exact} of {covered} cases; pixels: {equal} of {compared}; not covered: {total - covered}"
-    )
+    if not folder:
+        raise Refusal(f"No captures were given. {_HOW}")
+    try:
+        if Path(folder).is_dir():
+            return Path(folder)
+    except ValueError:  # a null character
+        pass
+    raise Refusal(f"There is no folder {folder!r}. {_HOW}")
+
+
+def _folder_of_inputs(inputs, folder):
+    """Where textures and meshes lie: as given, the environment's, or beside the captures; None: nowhere."""
+    from effects.cli.refusal import Refusal
+
+    given = inputs or os.environ.get("FIXEDPIPE_INPUTS")
+    if given and not Path(given).is_dir():
+        raise Refusal(f"There is no folder {given!r}. Give the textures and meshes of nxdk_pgraph_tests.")
+    found = Path(given) if given else folder.resolve() / ".." / ".." / "inputs"
+    return found if found.is_dir() else None
+
+
+@contextmanager
+def _progress(cases):
+    """A function that names the case just compared on a terminal's progress bar; silent elsewhere."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    console = Console(stderr=True, highlight=False)
+    if not console.is_terminal:
+        yield lambda text: None
+        return
+    columns = BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}")
+    # Lines go above the bar only where both are on the terminal; piped ones must stay in the pipe.
+    above = sys.stdout.isatty()
+    with Progress(*columns, console=console, transient=True, redirect_stdout=above) as progress:
+        task = progress.add_task("", total=cases)
+        yield lambda text: progress.update(task, description=text, advance=1)

@@ -9,6 +9,7 @@ import numpy as np
 from pipeline.commands import Command
 
 WIDTH, HEIGHT = 640, 480  # pixels of every capture
+MOST_EXCLUDED = 0.001  # of a case's region
 
 Box = tuple[int, int, int, int]  # device pixels, half open: left, top, right, bottom; row 0 is the top one
 
@@ -30,11 +31,11 @@ class Exclusion:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Case:
-    """What a program drew, and where to compare.
+    """What a program drew, and where to compare. Raises ValueError for a region that cannot be compared.
 
     commands     the frame, on a 640x480 window
     region       boxes that are compared; text, which the processor drew over the picture, never is
-    exclusions   pixels inside them whose rule is not decidable; at most 0.1 % of the region
+    exclusions   pixels inside them whose rule is not decidable; at most MOST_EXCLUDED of the region
     shows        which buffer the capture holds
     depth_bits   of the window's depth buffer
     explanation  one line on why pixels differ, where some are known to; empty: all agree
@@ -46,6 +47,34 @@ class Case:
     shows: Shows = Shows.COLOR
     depth_bits: int = 24
     explanation: str = ""
+
+    def __post_init__(self):
+        for left, top, right, bottom in self.region:
+            if not (0 <= left < right <= WIDTH and 0 <= top < bottom <= HEIGHT):
+                raise ValueError(
+                    f"The box {left}, {top}, {right}, {bottom} is no part of a {WIDTH}x{HEIGHT} picture."
+                )
+        if "\n" in self.explanation:
+            raise ValueError("An explanation is one line.")
+        region, compared = int(self._inside().sum()), int(self.compared().sum())
+        if region - compared > MOST_EXCLUDED * region:
+            raise ValueError(
+                f"{region - compared} of the region's {region} pixels are excluded; at most "
+                f"{MOST_EXCLUDED:.1%} may be."
+            )
+
+    def _inside(self):
+        pixels = np.zeros((HEIGHT, WIDTH), bool)
+        for left, top, right, bottom in self.region:
+            pixels[top:bottom, left:right] = True
+        return pixels
+
+    def compared(self):
+        """Bool [HEIGHT, WIDTH]: the pixels inside the region and no exclusion; text is not yet left out."""
+        pixels = self._inside()
+        for exclusion in self.exclusions:
+            pixels &= ~exclusion.pixels
+        return pixels
 
 
 class MissingInput(ValueError):  # noqa: N818 (it names what is missing)

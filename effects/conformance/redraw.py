@@ -18,7 +18,8 @@ TEXT = (255, 255, 255, 0)  # what the processor wrote over the picture
 class Comparison:
     """One capture beside its redrawing. ``ours`` None: the case is not covered, and ``note`` says why.
 
-    ``theirs``, ``ours`` uint8 [HEIGHT, WIDTH, 4]; ``compared``, ``equal`` bool [HEIGHT, WIDTH].
+    ``theirs``, ``ours`` uint8 [HEIGHT, WIDTH, 4]; ``compared``, ``equal`` bool [HEIGHT, WIDTH]. ``failed``:
+    it should be covered, but something went wrong. A covered case's note is its explanation.
     """
 
     suite: str
@@ -28,6 +29,7 @@ class Comparison:
     compared: np.ndarray | None = None
     equal: np.ndarray | None = None
     note: str = ""
+    failed: bool = False
 
     @property
     def covered(self):
@@ -54,16 +56,6 @@ def known_suites():
     """Module of every suite, by the name of its captures' folder."""
     modules = (import_module(f"{suites.__name__}.{m.name}") for m in iter_modules(suites.__path__))
     return {module.SUITE: module for module in modules}
-
-
-def region_of(case):
-    """Bool [HEIGHT, WIDTH]: the pixels that a case compares, before text is left out."""
-    region = np.zeros((HEIGHT, WIDTH), bool)
-    for left, top, right, bottom in case.region:
-        region[top:bottom, left:right] = True
-    for exclusion in case.exclusions:
-        region &= ~exclusion.pixels
-    return region
 
 
 def zeta_colors(framebuffer):
@@ -94,7 +86,7 @@ def compare(suite, module, name, theirs, inputs, threads=None):
         case.commands, NV2A, WIDTH, HEIGHT, depth_bits=case.depth_bits, threads=threads
     ).framebuffer
     ours = framebuffer.image() if case.shows == Shows.COLOR else zeta_colors(framebuffer)
-    compared = region_of(case) & (theirs != TEXT).any(-1)
+    compared = case.compared() & (theirs != TEXT).any(-1)
     return Comparison(
         **given, ours=ours, compared=compared, equal=(ours == theirs).all(-1), note=case.explanation
     )
