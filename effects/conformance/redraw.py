@@ -59,12 +59,16 @@ def known_suites():
 
 
 def zeta_colors(framebuffer):
-    """The depth buffer as the captures show it: 16-bit words as R5G6B5, depth and stencil as A8R8G8B8."""
+    """The depth buffer as the captures show it: 16-bit words as R5G6B5, depth and stencil as A8R8G8B8.
+
+    5 bits become a byte by ``floor(255 v / 31)``; of 6 bits the upper and lower three do, each by
+    ``floor(255 v / 63)``, as SDL's tables do, with which the programs wrote the files. Measured: all of the
+    32 and 64 values (DepthFmt_z16 captures).
+    """
     depth, out = framebuffer.depth, np.empty((*framebuffer.depth.shape, 4), np.uint8)
     if framebuffer.depth_bits == 16:
-        for channel, (shift, bits) in enumerate(((11, 5), (5, 6), (0, 5))):
-            field = (depth >> shift) & (2**bits - 1)
-            out[..., channel] = (field << (8 - bits)) | (field >> (2 * bits - 8))
+        out[..., 0], out[..., 2] = (depth >> 11) * 255 // 31, (depth & 31) * 255 // 31
+        out[..., 1] = ((depth >> 5) & 56) * 255 // 63 + ((depth >> 5) & 7) * 255 // 63
         out[..., 3] = 255
         return out
     out[..., 3], out[..., 0], out[..., 1] = depth >> 16, (depth >> 8) & 255, depth & 255

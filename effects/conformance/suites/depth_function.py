@@ -1,0 +1,68 @@
+"""Depth_function: quads behind, at and in front of a strip, under every depth function.
+
+Source: src/tests/depth_function_tests.cpp of nxdk_pgraph_tests.
+"""
+
+from dataclasses import replace
+
+from effects.conformance import scenes
+from effects.conformance.case import Case
+from pipeline.commands import Draw
+from pipeline.enums import ComparisonFunction
+from pipeline.state import DepthTest
+
+SUITE = "Depth_function"
+
+# The depths of world z -1, 0 and 1 in the XDK's view (eye distance 7, planes 1 and 200), depth units.
+FRONT, SAME, BEHIND = (0xFFFFFF * 200 / 199 * (1 - 1 / (scenes.XDK_EYE + z)) for z in (-1, 0, 1))
+BACKDROP = 0xFFAAAAAA  # colours are 0xAABBGGRR
+SWATCHES = (  # colour, how far below the strip's upper edge, height, depth
+    (0xFF3333FF, 4, 20, BEHIND),
+    (0xFFFF3333, 36, 24, SAME),
+    (0xFF33FF33, 68, 24, FRONT),
+)
+FUNCTIONS = (
+    ComparisonFunction.ALWAYS,
+    ComparisonFunction.NEVER,
+    ComparisonFunction.LESS,
+    ComparisonFunction.EQUAL,
+    ComparisonFunction.LEQUAL,
+    ComparisonFunction.GREATER,
+    ComparisonFunction.NOTEQUAL,
+    ComparisonFunction.GEQUAL,
+)
+# Upper edges of the strips' rows; the chip ignores the codes that the lower two rows set, which are none of a
+# depth function's, and keeps the function set before: the column's, and ALWAYS.
+ROWS = ((64, FUNCTIONS), (200, FUNCTIONS), (320, (ComparisonFunction.ALWAYS,) * len(FUNCTIONS)))
+
+
+def names():
+    """The suite's one case."""
+    return ["DepthFunc"]
+
+
+def _quad(color, left, top, right, bottom, z, function):
+    # The XDK's viewport offset, 17/32 pixel, snaps to half a pixel.
+    corners = scenes.rectangle(left + 0.5, top + 0.5, right + 0.5, bottom + 0.5, z)
+    mesh = scenes.window_mesh(corners, colors=scenes.single([scenes.abgr(color)] * 4))
+    return Draw(
+        label=f"a quad through {function.name}",
+        mesh=mesh,
+        state=replace(scenes.DEFAULT, depth_test=DepthTest(function)),
+    )
+
+
+def case(name, inputs):
+    """The case of that name, or None."""
+    del inputs
+    if name not in names():
+        return None
+    commands = [scenes.clear(0xFF000000)]
+    for top, functions in ROWS:
+        for column, function in enumerate(functions):
+            x = 32 + 40 * column
+            commands.append(_quad(BACKDROP, x + 4, top, x + 32, top + 96, SAME, ComparisonFunction.ALWAYS))
+            for color, down, height, z in SWATCHES:
+                y = top + down
+                commands.append(_quad(color, x, y, x + 24, y + height, z, function))
+    return Case(commands=tuple(commands))
