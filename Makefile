@@ -5,15 +5,21 @@ PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11; do \
 BIN := .venv/bin
 READY := .venv/.ready
 OUT ?= out
+CAPTURES := $(abspath ../shared/silicon/golden/results)
+ifneq ($(wildcard $(CAPTURES)),)
+export FIXEDPIPE_CAPTURES ?= $(CAPTURES)
+endif
 
-.PHONY: help setup figures test test-all check bench accept clean
+.PHONY: help setup figures conformance test test-all check bench accept accept-conformance clean
 
 help:
 	@echo "make figures            render every figure into $(OUT)/ with a gallery, $(OUT)/index.html"
+	@echo "make conformance        redraw the captures of FIXEDPIPE_CAPTURES; $(OUT)/conformance.html shows the rest"
 	@echo "make test               prove it: everything that takes seconds (make test-all: minutes as well)"
 	@echo "make check              style: ruff check, ruff format --check"
 	@echo "make bench              measure; BENCH='--peer llvmpipe' compares with Mesa"
 	@echo "make accept FIGURE=ID   accept a figure's digest after the reference agrees and you looked at it"
+	@echo "make accept-conformance accept how many pixels agree with the captures (WORSE=yes: fewer too)"
 	@echo "make setup | clean      make or remove what is made here"
 
 setup: $(READY)
@@ -28,6 +34,9 @@ $(READY): pyproject.toml constraints.txt
 
 figures: $(READY)
 	$(BIN)/fixedpipe figures --out $(OUT)
+
+conformance: $(READY)
+	$(BIN)/fixedpipe conformance --html $(OUT)/conformance.html --json $(OUT)/conformance.json
 
 test: $(READY)
 	$(BIN)/python -m pytest -m "not slow" -rs
@@ -45,6 +54,9 @@ bench: $(READY)
 accept: $(READY)
 	@[ -n "$(FIGURE)" ] || { echo "Say which figure: make accept FIGURE=ID (fixedpipe figures --list names them)."; exit 2; }
 	$(BIN)/python -m tests.accept $(FIGURE) $(if $(filter yes,$(LOOKED)),--looked)
+
+accept-conformance: $(READY)
+	$(BIN)/python -m tests.accept_conformance $(if $(filter yes,$(WORSE)),--worse)
 
 clean:
 	rm -rf .cache .hypothesis .pytest_cache .ruff_cache build dist $(OUT) *.egg-info

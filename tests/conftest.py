@@ -7,6 +7,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 SHARED = Path(__file__).resolve().parents[2] / "shared"
+CAPTURES = Path(os.environ.get("FIXEDPIPE_CAPTURES") or SHARED / "silicon" / "golden" / "results")
 
 # Derandomised: the same examples everywhere, so a failure on one machine is a failure on all.
 # `pytest --hypothesis-profile=default` searches at random.
@@ -26,12 +27,22 @@ def shared():
     return SHARED
 
 
+@pytest.fixture(scope="session")
+def captures():
+    """The folder of captures, SUITE/CASE.png; a test that asks for it is marked `needs_shared`."""
+    return CAPTURES
+
+
 def pytest_collection_modifyitems(items):
-    """Skip what needs the folder `shared` where there is none."""
-    if not SHARED.is_dir():
-        for item in items:
-            if item.get_closest_marker("needs_shared"):
-                item.add_marker(pytest.mark.skip(reason="no folder `shared` beside the checkout"))
+    """Skip what needs captures, or the folder `shared`, where there are none."""
+    for item in items:
+        if item.get_closest_marker("needs_shared"):
+            if "captures" in item.fixturenames:
+                there, reason = CAPTURES.is_dir(), "no captures: FIXEDPIPE_CAPTURES names no folder"
+            else:
+                there, reason = SHARED.is_dir(), "no folder `shared` beside the checkout"
+            if not there:
+                item.add_marker(pytest.mark.skip(reason=reason))
 
 
 class SkipsOfShared:

@@ -4,8 +4,6 @@ The GeForce 256 infers these rules from that chip. The capture (folder ``shared/
 checkout) comes from the public golden results of nxdk_pgraph_tests; the geometry below is that program's.
 """
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from PIL import Image
@@ -16,7 +14,6 @@ from pipeline.execute import execute
 from pipeline.profiles import GEFORCE_256
 from pipeline.state import DepthTest, PassState
 
-CAPTURES = Path(__file__).parents[2] / "shared" / "silicon" / "golden" / "results"
 WIDTH, HEIGHT = 640, 480
 LEFT, TOP, RIGHT, BOTTOM = 128.0, 40.0, 512.0, 440.0
 FARTHEST = 0xFFFF
@@ -71,10 +68,10 @@ def quad_mesh():
 
 
 @pytest.mark.needs_shared
-def test_every_pixel_of_a_depth_capture_is_the_chip_s():
-    path = CAPTURES / "Depth_buffer" / "DepthFmt_z16_Cn_FZn_M00ffff.png"
+def test_every_pixel_of_a_depth_capture_is_the_chip_s(captures):
+    path = captures / "Depth_buffer" / "DepthFmt_z16_Cn_FZn_M00ffff.png"
     if not path.exists():
-        pytest.skip(f"needs the captures: {path.relative_to(CAPTURES.parents[3])} is not beside the checkout")
+        pytest.skip(f"the folder of captures has no {path.relative_to(captures)}")
     capture = np.array(Image.open(path).convert("RGBA"))
     state = PassState(depth_test=DepthTest(ComparisonFunction.LESS))
     commands = (

@@ -1,6 +1,6 @@
 """A folder of captures: SUITE/CASE.png, found, checked before anything is drawn, and read."""
 
-from effects.cli.refusal import Refusal
+from effects.cli.refusal import Refusal, choose
 from effects.conformance.case import HEIGHT, WIDTH
 
 
@@ -59,10 +59,8 @@ def find_captures(folder, suites=(), text=""):
         raise Refusal(
             f"{folder} holds no captures (SUITE/CASE.png); give the folder `results` of the captures."
         )
-    missing = set(suites) - {suite for suite, _ in found}
-    if missing:
-        known = ", ".join(dict.fromkeys(suite for suite, _ in found))
-        raise Refusal(f"{folder} holds no suite {', '.join(sorted(missing))}. It holds: {known}.")
+    for suite in suites:
+        choose("suite", suite, dict(found))
     chosen = [(s, path) for s, path in found if (not suites or s in suites) and text in path.stem]
     if not chosen:
         raise Refusal(f"No case in {folder} has a name with {text!r} in it.")

@@ -1,0 +1,99 @@
+"""Accept how many pixels agree with the captures: ``make accept-conformance``, ``WORSE=yes`` if fewer do.
+
+``tests/conformance/accepted.txt`` has a line for every capture, as ``fixedpipe conformance`` prints it but
+without a reason. Fewer equal pixels than accepted fail a test; more should be accepted, so that they stay.
+"""
+
+import argparse
+import os
+import re
+import sys
+from pathlib import Path
+
+from effects.cli.captures import find_captures
+from effects.cli.files import write_whole
+from effects.conformance.case import Inputs
+from effects.conformance.run import compare_all
+from tests.conftest import CAPTURES
+
+ACCEPTED = Path(__file__).parent / "conformance" / "accepted.txt"
+_INPUTS = Path(os.environ.get("FIXEDPIPE_INPUTS") or CAPTURES.resolve() / ".." / ".." / "inputs")
+INPUTS = Inputs(_INPUTS if _INPUTS.is_dir() else None)
+
+# A case's pixels, equal and compared, by its name SUITE/CASE; None: not covered.
+Counts = dict[str, tuple[int, int] | None]
+
+
+def to_text(counts: Counts):
+    return "".join(
+        f"{name}: {'not covered' if c is None else f'{c[0]} / {c[1]}'}\n"
+        for name, c in sorted(counts.items())
+    )
+
+
+def from_text(text) -> Counts:
+    found = {}
+    for line in text.splitlines():
+        name, equal, compared = re.fullmatch(r"(\S+): (?:not covered|(\d+) / (\d+))", line).groups()
+        found[name] = None if equal is None else (int(equal), int(compared))
+    return found
+
+
+def count(captures, inputs):
+    """Redraw the captures: their Counts, and the notes of those that ended with an error, by name."""
+    counts, errors = {}, {}
+    for c in compare_all(captures, inputs):
+        name = f"{c.suite}/{c.name}"
+        counts[name] = (c.pixels_equal, c.pixels_compared) if c.covered else None
+        if c.failed:
+            errors[name] = c.note
+    return counts, errors
+
+
+def changes(accepted: Counts, found: Counts):
+    """What got worse and what got better, two lists of sentences, over the cases of ``accepted``."""
+    worse, better = [], []
+    for name, before in accepted.items():
+        now = found.get(name)
+        if now == before:
+            continue
+        said = f"{name}: {_words(before)}, now {_words(now)}"
+        lost = before and (now is None or now[0] < before[0] or now[1] < before[1])
+        no_longer_exact = before and now and before[0] == before[1] and now[0] < now[1]
+        (worse if lost or no_longer_exact else better).append(said)
+    return worse, better
+
+
+def _words(counts):
+    return "not covered" if counts is None else f"{counts[0]} of {counts[1]} pixels equal"
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(description="Accept how many pixels agree with the captures.")
+    parser.add_argument("--worse", action="store_true", help="accept fewer equal pixels too")
+    options = parser.parse_args(arguments)
+    if not CAPTURES.is_dir():
+        print(f"There is no folder {CAPTURES}; set FIXEDPIPE_CAPTURES.", file=sys.stderr)
+        return 2
+    found, errors = count(find_captures(CAPTURES), INPUTS)
+    for name, note in errors.items():
+        print(f"{name}: error: {note}", file=sys.stderr)
+    if errors:
+        return 1
+    before = from_text(ACCEPTED.read_text()) if ACCEPTED.is_file() else {}
+    worse, better = changes(before | dict.fromkeys(found.keys() - before.keys()), found)
+    for kind, said in (("worse", worse), ("better", better)):
+        for sentence in said:
+            print(f"{kind}: {sentence}")
+    if worse and not options.worse:
+        print(f"{len(worse)} got worse. If that is right: make accept-conformance WORSE=yes", file=sys.stderr)
+        return 1
+    write_whole(ACCEPTED, to_text(found).encode())
+    print(f"Accepted: {len(better)} better, {len(worse)} worse, {len(found)} captures in all.")
+    if worse:
+        print("Say why in CHANGELOG.md, in a line that begins `Bits:`.")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
