@@ -12,6 +12,16 @@ from pipeline.enums import InternalFormat, PrimitiveType, TextureTarget
 from pipeline.state import Color, ColorMask, PassState, Scissor
 from pipeline.textures import Texture
 
+_ARRAYS = (
+    "positions",
+    "colors",
+    "secondary_colors",
+    "normals",
+    "fog_coordinates",
+    "back_colors",
+    "back_secondary_colors",
+)
+
 
 def _frozen(values, dtype, name):
     """A read-only copy. Raises ValueError for what is no array of numbers."""
@@ -37,11 +47,13 @@ class Mesh:
     indices             int64 [k] into the vertices, or None: the vertices in order
     counts              how many indices each strip, fan or polygon takes, or None: all of them are one
     colors              float64 [n, 3..4], 1.0 = full intensity, or None: (1, 1, 1, 1)
-    secondary_colors    float64 [n, 3], or None: (0, 0, 0)
+    secondary_colors    float64 [n, 3..4], or None: (0, 0, 0); without a fourth component alpha is 0
     normals             float64 [n, 3], or None: (0, 0, 1)
     texture_coordinates tuple of float64 [n, 1..4], one per coordinate set; missing components are
                         t = 0, r = 0, q = 1
     fog_coordinates     float64 [n], or None: 0
+    back_colors, back_secondary_colors  the same for faces seen from behind, where a vertex program wrote them
+                        (NV_vertex_program's o[BFC0], o[BFC1]) and the state takes them; None: (0, 0, 0, 1)
 
     Arrays are copied and made read-only. Raises ValueError for what is no array of (whole) numbers.
     """
@@ -55,9 +67,11 @@ class Mesh:
     normals: np.ndarray | None = None
     texture_coordinates: tuple[np.ndarray, ...] = ()
     fog_coordinates: np.ndarray | None = None
+    back_colors: np.ndarray | None = None
+    back_secondary_colors: np.ndarray | None = None
 
     def __post_init__(self):
-        for name in ("positions", "colors", "secondary_colors", "normals", "fog_coordinates"):
+        for name in _ARRAYS:
             value = getattr(self, name)
             if value is not None:
                 object.__setattr__(self, name, _frozen(value, np.float64, name))

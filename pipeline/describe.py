@@ -314,7 +314,14 @@ def _mesh(mesh):
         text += f" in {_count(len(mesh.counts), 'run', 'runs')}"
     arrays = [
         name.replace("_", " ")
-        for name in ("colors", "secondary_colors", "normals", "fog_coordinates")
+        for name in (
+            "colors",
+            "secondary_colors",
+            "back_colors",
+            "back_secondary_colors",
+            "normals",
+            "fog_coordinates",
+        )
         if getattr(mesh, name) is not None
     ]
     if mesh.texture_coordinates:

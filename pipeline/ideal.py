@@ -513,7 +513,7 @@ def shade(state, textures, primitives, triangle, weights):
         colors = primitives.colors[primitives.triangles[triangle, 3], side]
     else:
         colors = iterate(weights.perspective, primitives.colors[weights.vertices, side[:, None]])
-    primary, secondary = colors[:, :4], np.concatenate([colors[:, 4:7], np.zeros((count, 1))], axis=1)
+    primary, secondary = colors[:, :4], colors[:, 4:]
     fog = np.zeros((count, 4))
     fog[:, 3] = 1.0
     if state.fog is not None:

@@ -60,8 +60,8 @@ def light_vertices(lighting, eye, normal, color):
     """Light every vertex.
 
     eye: eye coordinates, 4 columns; normal: eye coordinates, 3 columns, or None without lights; color: the
-    vertex colour, 4 columns. Returns two lists, front and back, of 7 columns each: red, green, blue and alpha
-    of the primary colour, then red, green and blue of the secondary, not clamped yet. Without two-sided
+    vertex colour, 4 columns. Returns two lists, front and back, of 8 columns each: red, green, blue and alpha
+    of the primary colour, then of the secondary (its alpha is 0), not clamped yet. Without two-sided
     lighting both are the same list.
     """
     front = _surface_material(lighting, lighting.front, Face.FRONT, color)
@@ -142,4 +142,4 @@ def _lit_colors(lighting, material, illuminations, sign):
                 else:
                     term = term + shine
             primary[c] = primary[c] + illumination.strength * term
-    return [*primary, material.diffuse[3], *secondary]
+    return [*primary, material.diffuse[3], *secondary, ZERO]

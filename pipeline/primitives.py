@@ -13,7 +13,7 @@ class WindowPrimitives:
     z              float64 [n], window depth in [0, 1]; a vertex program's, in depth-buffer units
     inverse_w      float64 [n], 1 / clip w, positive
     colors         uint8 [n, 2, 8]: front and back colour; red, green, blue, alpha of the primary colour, then
-                   red, green, blue of the secondary and a zero; float64, not clamped, if the profile is exact
+                   of the secondary; float64, not clamped, if the profile is exact
     coordinates    float64 [n, units, 4]: s, t, r, q of each texture unit, after generation and matrix
     fog            float64 [n]: fog coordinate
     triangles      int32 [k, 4]: three vertices in the order of docs/numbers.md and the provoking vertex

@@ -128,7 +128,8 @@ class VertexState:
     ``stage`` PROGRAM_RESULTS: the mesh holds what a vertex program wrote (NV_vertex_program's o[HPOS] after
     the viewport, o[COL0], o[TEX0] ...): positions are window x and y (y up), z in depth-buffer units and clip
     w; colours, texture and fog coordinates reach rasterization as they are. No matrix, viewport, lighting,
-    clipping or texture coordinate generation takes part; the other fields must keep their defaults.
+    clipping or texture coordinate generation takes part; the other fields must keep their defaults, but for
+    ``two_side`` (VERTEX_PROGRAM_TWO_SIDE): back-facing triangles take the mesh's back colours.
     """
 
     modelview: Matrix = IDENTITY
@@ -139,6 +140,7 @@ class VertexState:
     lighting: Lighting | None = None
     clip_planes: tuple[Vector4, ...] = ()
     stage: VertexStage = VertexStage.FIXED_FUNCTION
+    two_side: bool = False
 
 
 # --------------------------------------------------------------------------- rasterization (chapter 3)

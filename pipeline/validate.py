@@ -350,7 +350,9 @@ _checked_textures = WeakSet()
 _MESH_ARRAYS = (
     ("positions", (2, 4)),
     ("colors", (3, 4)),
-    ("secondary_colors", (3, 3)),
+    ("secondary_colors", (3, 4)),
+    ("back_colors", (3, 4)),
+    ("back_secondary_colors", (3, 4)),
     ("normals", (3, 3)),
 )
 
@@ -772,13 +774,18 @@ class _Walk:
 
     def vertex(self, vertex):
         if vertex.stage == VertexStage.PROGRAM_RESULTS:
-            plain = VertexState(stage=VertexStage.PROGRAM_RESULTS)
+            plain = VertexState(stage=VertexStage.PROGRAM_RESULTS, two_side=vertex.two_side)
             for field in fields(vertex):
                 if getattr(vertex, field.name) != getattr(plain, field.name):
                     self.refuse(
                         f"vertex.{field.name} is set, but the vertex stage is PROGRAM_RESULTS: the mesh "
                         "holds window coordinates and final colors; choose FIXED_FUNCTION, or leave it unset."
                     )
+        elif vertex.two_side:
+            self.refuse(
+                "vertex.two_side is VERTEX_PROGRAM_TWO_SIDE, but the vertex stage is FIXED_FUNCTION; set "
+                "lighting.two_side, or leave it unset."
+            )
         self.viewport(vertex.viewport)
         if len(vertex.clip_planes) > self.profile.max_clip_planes:
             self.refuse(

@@ -78,7 +78,7 @@ def _process(mesh, state, profile, width, height):
     count = max((len(column) for column in columns if column.ndim), default=len(mesh.positions))
 
     first_color = 8 if vertex.clip_planes else 4
-    fog = first_color + (14 if two_side else 7)
+    fog = first_color + (16 if two_side else 8)
     if programmed:
         x, y, z, inverse_w = *position[:3], ONE / position[3]
     else:
@@ -158,13 +158,16 @@ def _eye_normal(mesh, vertex):
 
 
 def _vertex_colors(mesh, vertex, eye, normal, exact):
-    """Front and back colours, 7 columns each; one list if they are the same.
+    """Front and back colours, 8 columns each; one list if they are the same.
 
     They are clamped to [0, 1] (section 2.13.6) unless the machine is exact.
     """
     color = columns_of(mesh.colors, (1.0, 1.0, 1.0, 1.0))
     if vertex.lighting is None:
-        front = back = color + columns_of(mesh.secondary_colors, (0.0, 0.0, 0.0))
+        front = back = color + columns_of(mesh.secondary_colors, (0.0, 0.0, 0.0, 0.0))
+        if vertex.two_side:
+            black = (0.0, 0.0, 0.0, 1.0)
+            back = columns_of(mesh.back_colors, black) + columns_of(mesh.back_secondary_colors, black)
     else:
         front, back = light_vertices(vertex.lighting, eye, normal, color)
     if exact:
@@ -253,7 +256,7 @@ def _window_coordinates(clip_coordinates, viewport, half_size, center):
 
 
 def _colors(count, columns, significant_bits):
-    """Front and back colours [count, 2, 8] of 7 columns (both sides the same) or 14.
+    """Front and back colours [count, 2, 8] of 8 columns (both sides the same) or 16.
 
     significant_bits: how many bits of a colour's mantissa are kept, the rest truncated, on its way from
     [0, 1] to a byte (section 2.13.9); None: the colours stay float64.
@@ -262,8 +265,8 @@ def _colors(count, columns, significant_bits):
     for index, column in enumerate(columns):
         if significant_bits is not None:
             column = _color_byte(column, significant_bits)
-        result[:, index // 7, index % 7] = column
-    if len(columns) == 7:
+        result[:, index // 8, index % 8] = column
+    if len(columns) == 8:
         result[:, 1] = result[:, 0]
     return result
 

@@ -128,12 +128,11 @@ def shade(
             plane = R.PRIMARY * 4 + c
             iterate_color(starts, owners, backs, segments, triangles, colors, c, flat, ints, registers, plane)
     if draw[R.NEEDS_SECONDARY]:
-        for c in range(3):
+        for c in range(4):
             plane = R.SECONDARY * 4 + c
             iterate_color(
                 starts, owners, backs, segments, triangles, colors, 4 + c, flat, ints, registers, plane
             )
-        fill_plane(registers, R.SECONDARY * 4 + 3, count, int32(0))
     if draw[R.FOG_ENABLED]:
         rising, plane = draw[R.FOG_RISING], R.FOG * 4 + 3
         iterate_fog(

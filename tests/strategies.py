@@ -314,7 +314,7 @@ def meshes(draw, width, height):
         primitive,
         indices=np.append([0, 1, 2], random.integers(0, count, draw(st.integers(0, 9)))) if indexed else None,
         colors=colors,
-        secondary_colors=random.random((count, 3)),
+        secondary_colors=random.random((count, 4)),
         normals=normals,
         texture_coordinates=tuple(
             _texture_coordinates(random, draw(st.sampled_from(_COORDINATES)), positions, width, height)
@@ -435,7 +435,7 @@ def shaded_frame(seed, width, height):
         _positions(random, kind, 7, width, height),
         _one_of(random, PrimitiveType),
         colors=random.random((7, 4)),
-        secondary_colors=random.random((7, 3)),
+        secondary_colors=random.random((7, 4)),
         normals=random.uniform(-1.0, 1.0, (7, 3)),
         fog_coordinates=random.uniform(-1.0, 2.0, 7),
     )

@@ -25,6 +25,7 @@ from pipeline.enums import (
     TexGenMode,
     TextureFilter,
     TextureTarget,
+    VertexStage,
     WrapMode,
 )
 from pipeline.profile import Profile
@@ -285,10 +286,15 @@ REFUSED = {
         ["normals has 2 vertices but positions has 3"],
         draw(Mesh(TRIANGLE, normals=TRIANGLE)),
     ),
-    "secondary colors with alpha": (
-        draw(Mesh(TRIANGLE, secondary_colors=np.zeros((3, 4)))),
-        ["secondary_colors has shape (3, 4)", "[vertices, 3]"],
+    "secondary colors without blue": (
+        draw(Mesh(TRIANGLE, secondary_colors=np.zeros((3, 2)))),
+        ["secondary_colors has shape (3, 2)", "[vertices, 3 to 4]"],
         draw(Mesh(TRIANGLE, secondary_colors=TRIANGLE)),
+    ),
+    "two sides of a program in the fixed-function stage": (
+        draw(vertex=VertexState(two_side=True)),
+        ["vertex.two_side is VERTEX_PROGRAM_TWO_SIDE", "FIXED_FUNCTION", "lighting.two_side"],
+        draw(vertex=VertexState(two_side=True, stage=VertexStage.PROGRAM_RESULTS)),
     ),
     "an index beyond the vertices": (
         draw(Mesh(TRIANGLE, indices=[0, 1, 3])),

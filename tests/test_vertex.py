@@ -19,6 +19,7 @@ from pipeline.enums import (
     PrimitiveType,
     ProvokingVertex,
     TexGenMode,
+    VertexStage,
     WindowOrigin,
 )
 from pipeline.lighting import cosine_of_degrees
@@ -136,7 +137,9 @@ def meshes(draw, element=ordinary):
         indices=indices,
         counts=counts,
         colors=draw(st.none() | arrays(intensity, n, draw(st.integers(3, 4)))),
-        secondary_colors=draw(st.none() | arrays(intensity, n, 3)),
+        secondary_colors=draw(st.none() | arrays(intensity, n, draw(st.integers(3, 4)))),
+        back_colors=draw(st.none() | arrays(intensity, n, draw(st.integers(3, 4)))),
+        back_secondary_colors=draw(st.none() | arrays(intensity, n, draw(st.integers(3, 4)))),
         normals=draw(st.none() | arrays(element, n, 3)),
         texture_coordinates=tuple(
             draw(arrays(element, n, draw(st.integers(1, 4)))) for _ in range(given_sets)
@@ -282,6 +285,28 @@ def test_triangles_through_every_plane_give_the_bits_of_the_specification(mesh, 
     vertex = replace(state.vertex, modelview=TURNED, projection=PERSPECTIVE)
     profile = replace(GEFORCE_256, guard_band=guard_band)
     assert_equals_the_specification(mesh, replace(state, vertex=vertex), profile)
+
+
+@settings(max_examples=50)
+@given(meshes(), st.booleans())
+def test_program_results_give_the_bits_of_the_specification(mesh, two_side):
+    """Positions are window coordinates, so only the colours are compared here."""
+    state = PassState(vertex=VertexState(stage=VertexStage.PROGRAM_RESULTS, two_side=two_side))
+    got = process(mesh, state, GEFORCE_256, WIDTH, HEIGHT)
+    for i, colors in enumerate(got.colors.tolist()):
+        vertex = reference.process_vertex(mesh, i, state)
+        assert colors == [reference.color_bytes(side, False, GEFORCE_256) for side in vertex.colors]
+
+
+def test_a_program_s_back_colours_are_taken_with_two_sides_and_are_opaque_black_if_absent():
+    program = VertexState(stage=VertexStage.PROGRAM_RESULTS, two_side=True)
+    mesh = Mesh(np.zeros((3, 2)), back_secondary_colors=np.ones((3, 4)))
+    for state, expected in (
+        (program, [[255] * 4 + [0] * 4, [0, 0, 0, 255] + [255] * 4]),
+        (replace(program, two_side=False), [[255] * 4 + [0] * 4] * 2),
+    ):
+        got = process(mesh, PassState(vertex=state), GEFORCE_256, WIDTH, HEIGHT)
+        assert got.colors[0].tolist() == expected
 
 
 # --------------------------------------------------------------------------------- primitive assembly

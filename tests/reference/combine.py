@@ -167,6 +167,7 @@ def final_combiner(registers, final, color_sum_clamp):
 def initial_registers(primary, secondary, textures, fog):
     """The register file of the first stage, without its constants.
 
+    A secondary color of three components has alpha 0.
     Source: NV_register_combiners table 1; Assumed: zero where it says undefined; Measured: a disabled texture
     unit's register is (0, 0, 0, 255).
     """
@@ -175,7 +176,7 @@ def initial_registers(primary, secondary, textures, fog):
         Register.ZERO: [0, 0, 0, 0],
         Register.FOG: list(fog),
         Register.PRIMARY_COLOR: list(primary),
-        Register.SECONDARY_COLOR: [*secondary[:3], 0],
+        Register.SECONDARY_COLOR: [*secondary, 0][:4],
         Register.SPARE0: [0, 0, 0, textures[0][3]],
         Register.SPARE1: [0, 0, 0, 0],
         Register.TEXTURE0: textures[0],

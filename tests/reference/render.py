@@ -110,7 +110,7 @@ def draw_triangle(target, primitives, corners, state, textures, profile):
             for i, unit in enumerate(state.texture_units)
         ]
         fog_coordinate = interpolate.iterate([primitives.fog[v] for v in vertices], weights.b0, weights.b2)
-        shaded = shade(color[:4], color[4:7], fog_coordinate, texels, state, profile)
+        shaded = shade(color[:4], color[4:], fog_coordinate, texels, state, profile)
         z = depth.fragment_depth(n, abs(triangle.area), window_z, target.depth_bits, offset)
         per_fragment.write_fragment(target, px, py, shaded, z, state)
 

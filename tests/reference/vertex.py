@@ -17,8 +17,8 @@ from pipeline.enums import (
 )
 from tests.reference import fixed
 
-# What a vertex is on its way to the window; colors: front and back, seven components each (primary RGBA,
-# secondary RGB); coordinates: s, t, r, q of every unit.
+# What a vertex is on its way to the window; colors: front and back, eight components each (primary RGBA,
+# secondary RGBA); coordinates: s, t, r, q of every unit.
 Vertex = namedtuple("Vertex", "clip eye colors coordinates fog")
 WindowVertex = namedtuple("WindowVertex", "x y z inverse_w colors coordinates fog")
 
@@ -242,7 +242,7 @@ def spotlight(light, direction):
 
 
 def light_vertex(lighting, side, eye, normal, color):
-    """Primary RGBA and secondary RGB of one face, not clamped. Source: OpenGL 1.2.1 section 2.13.1."""
+    """Primary RGBA and secondary RGBA of one face, not clamped. Source: OpenGL 1.2.1 section 2.13.1."""
     face_material = lighting.front if side == Face.FRONT else lighting.back
     material, follows = material_colors(face_material, side, lighting.color_material, color)
     v = [divide(component, eye[3]) for component in eye[:3]]
@@ -270,13 +270,17 @@ def light_vertex(lighting, side, eye, normal, color):
                 else:
                     term = term + shine
             primary[c] = primary[c] + strength * term
-    return [*primary, material["diffuse"][3], *secondary]
+    return [*primary, material["diffuse"][3], *secondary, 0.0]
 
 
-def vertex_colors(lighting, eye, normal, color, secondary):
-    """Front and back colors, clamped. Source: OpenGL 1.2.1 sections 2.13.1, 2.13.6; EXT_secondary_color."""
+def vertex_colors(vertex_state, eye, normal, given, given_back):
+    """Front and back colors, clamped.
+
+    Source: OpenGL 1.2.1 sections 2.13.1, 2.13.6; EXT_secondary_color; NV_vertex_program (two sides).
+    """
+    lighting, color = vertex_state.lighting, given[:4]
     if lighting is None:
-        front = back = [*color, *secondary]
+        front, back = given, given_back if vertex_state.two_side else given
     else:
         front = light_vertex(lighting, Face.FRONT, eye, normal, color)
         back = light_vertex(lighting, Face.BACK, eye, normal, color) if lighting.two_side else front
@@ -284,13 +288,13 @@ def vertex_colors(lighting, eye, normal, color, secondary):
 
 
 def color_bytes(color, lit, profile):
-    """Eight bytes of seven components in [0, 1].
+    """Eight bytes of eight components in [0, 1].
 
     Measured: a colour of the vertex array keeps 14 significant bits on its way, a lit colour all (NV2A).
     """
     if not lit:
         color = [fixed.keep_significant_bits(c, profile.color_mantissa_bits) for c in color]
-    return [*(math.floor(255.0 * c + 0.5) for c in color), 0]
+    return [math.floor(255.0 * c + 0.5) for c in color]
 
 
 # ---------------------------------------------------------------------------------- texture coordinates
@@ -443,18 +447,24 @@ def padded(values, defaults):
     return [*values, *defaults[len(values) :]]
 
 
+def given_color(array, i, default):
+    """Vertex i's color of an array that may be absent. Source: OpenGL 1.2.1 section 2.7."""
+    return padded([] if array is None else array[i].tolist(), default)
+
+
 def process_vertex(mesh, i, state):
     """Vertex i up to clip coordinates. Source: OpenGL 1.2.1 figure 2.6 (section 2.10)."""
     vertex_state = state.vertex
     position = padded(mesh.positions[i].tolist(), (0.0, 0.0, 0.0, 1.0))
     eye = transform(vertex_state.modelview, position)
-    given = (0.0, 0.0, 1.0) if mesh.normals is None else mesh.normals[i].tolist()
+    given_normal = (0.0, 0.0, 1.0) if mesh.normals is None else mesh.normals[i].tolist()
     from_normal = (TexGenMode.SPHERE_MAP, TexGenMode.NORMAL_MAP, TexGenMode.REFLECTION_MAP)
     lit = vertex_state.lighting is not None and vertex_state.lighting.lights
     needed = lit or any(gen.mode in from_normal for unit in state.texture_units if unit for gen in unit.gen)
-    normal = eye_normal(given, vertex_state) if needed else None
-    color = padded([] if mesh.colors is None else mesh.colors[i].tolist(), (1.0, 1.0, 1.0, 1.0))
-    secondary = [0.0, 0.0, 0.0] if mesh.secondary_colors is None else mesh.secondary_colors[i].tolist()
+    normal = eye_normal(given_normal, vertex_state) if needed else None
+    white, black, clear = (1.0, 1.0, 1.0, 1.0), (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0, 0.0)
+    given = given_color(mesh.colors, i, white) + given_color(mesh.secondary_colors, i, clear)
+    back = given_color(mesh.back_colors, i, black) + given_color(mesh.back_secondary_colors, i, black)
     sets = [texture_set[i].tolist() for texture_set in mesh.texture_coordinates]
     fog = 0.0
     if state.fog is not None:
@@ -463,7 +473,7 @@ def process_vertex(mesh, i, state):
     return Vertex(
         transform(vertex_state.projection, eye),
         eye,
-        vertex_colors(vertex_state.lighting, eye, normal, color, secondary),
+        vertex_colors(vertex_state, eye, normal, given, back),
         [unit_coordinates(unit, sets, position, eye, normal) for unit in state.texture_units],
         fog,
     )
