@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pipeline.enums import InternalFormat, PrimitiveType, TextureTarget
+from pipeline.enums import ColorFormat, InternalFormat, PrimitiveType, TextureTarget, WindowOrigin
 from pipeline.state import Color, ColorMask, PassState, Scissor
 from pipeline.textures import Texture
 
@@ -171,4 +171,36 @@ class ReadPixels:
     height: int | None = None
 
 
-Command = Clear | Draw | TexImage | CopyTexImage | CopyTexSubImage | ReadPixels
+@dataclass(frozen=True, kw_only=True)
+class MakeCurrent:
+    """WGL_ARB_pbuffer: the commands that follow draw to and read from ``surface``; None: the window again.
+
+    The first MakeCurrent that names a pbuffer makes it: zero colour, the farthest depth, stencil zero. Later
+    ones say its size and formats again, and find what it holds. A frame begins with the window.
+    """
+
+    label: str
+    surface: str | None = None
+    width: int | None = None
+    height: int | None = None
+    color_format: ColorFormat = ColorFormat.A8R8G8B8
+    depth_bits: int = 24
+
+
+@dataclass(frozen=True, kw_only=True)
+class BindTexImage:
+    """WGL_ARB_render_texture: define ``texture`` as the colours that ``surface`` holds now.
+
+    The pbuffer's bits are read as ``internal_format``, which is as wide. ``origin`` LOWER_LEFT: the bottom
+    row has t = 0, as in OpenGL; UPPER_LEFT: the top row does, which is the first in the chip's memory.
+    """
+
+    label: str
+    texture: str
+    surface: str
+    target: TextureTarget = TextureTarget.TEXTURE_2D
+    internal_format: InternalFormat = InternalFormat.RGBA8
+    origin: WindowOrigin = WindowOrigin.LOWER_LEFT
+
+
+Command = Clear | Draw | TexImage | CopyTexImage | CopyTexSubImage | ReadPixels | MakeCurrent | BindTexImage

@@ -9,8 +9,17 @@ from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 
 from pipeline.combiner_text import REGISTER_NAMES, format_input
-from pipeline.commands import Clear, CopyTexImage, CopyTexSubImage, Draw, ReadPixels, TexImage
-from pipeline.enums import CombinerBias, CombinerScale, ComponentUsage, Mapping, Register
+from pipeline.commands import (
+    BindTexImage,
+    Clear,
+    CopyTexImage,
+    CopyTexSubImage,
+    Draw,
+    MakeCurrent,
+    ReadPixels,
+    TexImage,
+)
+from pipeline.enums import CombinerBias, CombinerScale, ComponentUsage, Mapping, Register, WindowOrigin
 from pipeline.state import (
     AlphaTest,
     Blending,
@@ -379,6 +388,19 @@ def _read_pixels(command):
     return [f'"{command.name}": {command.format} of {_rectangle(command)}']
 
 
+def _make_current(command):
+    if command.surface is None:
+        return ["the window"]
+    size, formats = f"{command.width}x{command.height}", f"{command.color_format.name}, depth"
+    return [f'pbuffer "{command.surface}": {size}, {formats} {command.depth_bits} bits']
+
+
+def _bind_tex_image(command):
+    stored = f"{command.target.name}, {command.internal_format.name}"
+    first = "top" if command.origin is WindowOrigin.UPPER_LEFT else "bottom"
+    return [f'texture "{command.texture}": {stored}, from pbuffer "{command.surface}", {first} row first']
+
+
 _DESCRIPTIONS = {
     Clear: _clear,
     Draw: _draw,
@@ -386,6 +408,8 @@ _DESCRIPTIONS = {
     CopyTexImage: _copy_tex_image,
     CopyTexSubImage: _copy_tex_sub_image,
     ReadPixels: _read_pixels,
+    MakeCurrent: _make_current,
+    BindTexImage: _bind_tex_image,
 }
 
 

@@ -307,6 +307,24 @@ class WindowOrigin(IntEnum):
     LOWER_LEFT = 1
 
 
+class ColorFormat(IntEnum):
+    """How a pbuffer keeps colours: the chip's surface formats, components from the word's high bits down.
+
+    An X component is padding, stored as zeros (Z) or ones (O). Source: nv_objects.h, SURFACE_FORMAT_COLOR.
+    """
+
+    A8R8G8B8 = 0
+    X8R8G8B8_Z8R8G8B8 = 1
+    X8R8G8B8_O8R8G8B8 = 2
+    X1A7R8G8B8_Z1A7R8G8B8 = 3
+    X1A7R8G8B8_O1A7R8G8B8 = 4
+    R5G6B5 = 5
+    X1R5G5B5_Z1R5G5B5 = 6
+    X1R5G5B5_O1R5G5B5 = 7
+    G8B8 = 8
+    B8 = 9
+
+
 class MagnificationThreshold(IntEnum):
     """The lambda up to which a texture is magnified: 0 always (the chip), or OpenGL's c of section 3.8.6."""
 

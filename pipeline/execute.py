@@ -10,8 +10,17 @@ from numbers import Integral
 import numpy as np
 
 from pipeline import pack, vertex
-from pipeline.commands import Clear, CopyTexImage, CopyTexSubImage, Draw, ReadPixels, TexImage
-from pipeline.framebuffer import Framebuffer, copied_texture, replaced_texture
+from pipeline.commands import (
+    BindTexImage,
+    Clear,
+    CopyTexImage,
+    CopyTexSubImage,
+    Draw,
+    MakeCurrent,
+    ReadPixels,
+    TexImage,
+)
+from pipeline.framebuffer import Framebuffer, bound_texture, copied_texture, replaced_texture
 from pipeline.profile import Profile
 from pipeline.profiles import GEFORCE_256
 from pipeline.state import ColorMask, PassState
@@ -47,7 +56,8 @@ class Fragments:
 class Result:
     """What running commands gave.
 
-    framebuffer   the machine's framebuffer (the same object in every Result of one Machine)
+    framebuffer   the window's framebuffer (the same object in every Result of one Machine)
+    surfaces      the pbuffers' framebuffers by name (the same objects likewise)
     textures      texture objects by name, as they are afterwards
     pixels        what each ReadPixels read, by its name
     fragments     how many fragments the Draws made
@@ -57,6 +67,7 @@ class Result:
     """
 
     framebuffer: Framebuffer
+    surfaces: dict[str, Framebuffer]
     textures: dict[str, Texture]
     pixels: dict[str, np.ndarray]
     fragments: int
@@ -103,7 +114,7 @@ def default_threads():
 
 @dataclass(eq=False)
 class Machine:
-    """A machine with its framebuffer and texture objects, which persist from run to run.
+    """A machine with its framebuffer, pbuffers and texture objects, which persist from run to run.
 
     Several Python threads may share one: a run waits until the one before it has ended.
 
@@ -129,6 +140,7 @@ class Machine:
     threads: int | None = None
     batch: int = BATCH
     textures: dict[str, Texture] = field(default_factory=dict)
+    surfaces: dict[str, Framebuffer] = field(default_factory=dict)
 
     def __post_init__(self):
         if self.profile.exact:
@@ -146,6 +158,7 @@ class Machine:
         bands = -(-self.height // BAND_HEIGHT)
         self._threads = min(self.threads or default_threads(), bands)
         self._pool = self._process = None
+        self._current = self.framebuffer
         self._running = threading.Lock()
 
     def run(self, commands, *, trace=False, record=False):
@@ -159,13 +172,16 @@ class Machine:
             return self._run(commands, trace, record)
 
     def _run(self, commands, trace, record):
-        validate(commands, self.profile, self.width, self.height, self.depth_bits, textures=self.textures)
+        validate(
+            commands, self.profile, self.width, self.height, self.depth_bits, self.textures, self.surfaces
+        )
+        self._current = self.framebuffer
         pixels, snapshots, records = {}, [], []
         fragments = dropped = 0
         for command in commands:
             match command:
                 case Clear():
-                    self.framebuffer.clear(command)
+                    self._current.clear(command)
                 case Draw():
                     drawn, lost, recorded = self._draw(command, record)
                     fragments, dropped = fragments + drawn, dropped + lost
@@ -174,25 +190,45 @@ class Machine:
                 case TexImage():
                     self.textures[command.texture] = command.image
                 case CopyTexImage():
-                    self.textures[command.texture] = copied_texture(self.framebuffer, command)
+                    self.textures[command.texture] = copied_texture(self._current, command)
                 case CopyTexSubImage():
                     texture = self.textures[command.texture]
-                    self.textures[command.texture] = replaced_texture(self.framebuffer, command, texture)
+                    self.textures[command.texture] = replaced_texture(self._current, command, texture)
                 case ReadPixels():
-                    pixels[command.name] = self.framebuffer.read(command)
+                    pixels[command.name] = self._current.read(command)
+                case MakeCurrent():
+                    self._current = self._surface(command)
+                case BindTexImage():
+                    self.textures[command.texture] = bound_texture(self.surfaces[command.surface], command)
             if trace:
-                snapshots.append(snapshot(command, self.framebuffer))
-        textures = dict(self.textures)
+                snapshots.append(snapshot(command, self._current))
         return Result(
-            self.framebuffer, textures, pixels, fragments, dropped, tuple(snapshots), tuple(records)
+            self.framebuffer,
+            dict(self.surfaces),
+            dict(self.textures),
+            pixels,
+            fragments,
+            dropped,
+            tuple(snapshots),
+            tuple(records),
         )
 
+    def _surface(self, command):
+        """The framebuffer that a MakeCurrent names, made when it is named first."""
+        if command.surface is None:
+            return self.framebuffer
+        if command.surface not in self.surfaces:
+            self.surfaces[command.surface] = Framebuffer.new(
+                command.width, command.height, command.depth_bits, command.color_format
+            )
+        return self.surfaces[command.surface]
+
     def _draw(self, command, record):
-        state = command.state
-        primitives = vertex.process(command.mesh, state, self.profile, self.width, self.height)
-        packed = pack.pack(state, self.profile, self.framebuffer, self.textures, primitives)
+        state, target = command.state, self._current
+        primitives = vertex.process(command.mesh, state, self.profile, target.width, target.height)
+        packed = pack.pack(state, self.profile, target, self.textures, primitives)
         return _rasterize(
-            self.framebuffer,
+            target,
             primitives,
             packed,
             state,

@@ -6,7 +6,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.textures import Texture, pyramid, store_texels
+from pipeline.enums import ColorFormat, InternalFormat, WindowOrigin
+from pipeline.textures import (
+    BASE_FORMAT,
+    COMPONENT_BITS,
+    KEPT,
+    Texture,
+    pyramid,
+    register_components,
+    store_texels,
+    widen_to_byte,
+)
 
 
 def to_byte(value):
@@ -19,22 +29,25 @@ class Framebuffer:
     """color uint8 [h, w, 4] RGBA; depth uint32 [h, w], 0 .. 2**depth_bits - 1; stencil uint8 [h, w]. Top row
     first.
 
-    A new one holds zero colour, the farthest depth and stencil zero.
+    A new one holds zero colour, the farthest depth and stencil zero. A component narrower than a byte has its
+    bits at the top of one, zeros below.
     """
 
     color: np.ndarray
     depth: np.ndarray
     stencil: np.ndarray
     depth_bits: int
+    color_format: ColorFormat = ColorFormat.A8R8G8B8
 
     @classmethod
-    def new(cls, width, height, depth_bits=24):
+    def new(cls, width, height, depth_bits=24, color_format=ColorFormat.A8R8G8B8):
         """An empty framebuffer of ``width`` x ``height`` pixels."""
         return cls(
             np.zeros((height, width, 4), np.uint8),
             np.full((height, width), 2**depth_bits - 1, np.uint32),
             np.zeros((height, width), np.uint8),
             depth_bits,
+            color_format,
         )
 
     @property
@@ -138,3 +151,21 @@ def replaced_texture(framebuffer, command, texture):
     else:
         levels = (*texture.levels[: command.level], level, *texture.levels[command.level + 1 :])
     return Texture(texture.target, texture.internal_format, levels)
+
+
+# Which internal formats read a surface's words: those of its width and components.
+# Source: WGL_ARB_render_texture (BIND_TO_TEXTURE_RGB_ARB and RGBA_ARB).
+READABLE_AS = {
+    ColorFormat.A8R8G8B8: (InternalFormat.RGBA8, InternalFormat.RGB8),
+}
+
+
+def bound_texture(framebuffer, command):
+    """BindTexImage: the texture that a pbuffer's colours are."""
+    rgba = framebuffer.color if command.origin == WindowOrigin.UPPER_LEFT else framebuffer.color[::-1]
+    base, bits = BASE_FORMAT[command.internal_format], COMPONENT_BITS[command.internal_format]
+    components = np.stack(
+        [widen_to_byte(rgba[..., kept] >> (8 - b), b) for kept, b in zip(KEPT[base], bits, strict=True)], -1
+    )
+    texels = register_components(components, base, np.uint8(255))
+    return Texture(command.target, command.internal_format, (texels[None],))

@@ -10,6 +10,7 @@ from dataclasses import dataclass, fields
 from pipeline.enums import (
     BlendEquation,
     BlendFactor,
+    ColorFormat,
     InternalFormat,
     MagnificationThreshold,
     ProductRounding,
@@ -36,7 +37,8 @@ class Profile:
         ``max_shininess``.
     Sets
         ``texture_targets``, ``internal_formats``, ``wrap_modes``, ``texgen_modes``, ``blend_factors_source``,
-        ``blend_factors_destination``, ``blend_equations``, ``stencil_operations``.
+        ``blend_factors_destination``, ``blend_equations``, ``stencil_operations``, ``surface_formats`` (of
+        pbuffers' colours; none: no pbuffers).
     Switches
         ``logic_op``, ``fog_coordinate``, ``separate_specular_color``, ``color_sum``.
     Arithmetic
@@ -75,6 +77,7 @@ class Profile:
     blend_factors_destination: frozenset[BlendFactor]
     blend_equations: frozenset[BlendEquation]
     stencil_operations: frozenset[StencilOperation]
+    surface_formats: frozenset[ColorFormat]
 
     logic_op: bool
     fog_coordinate: bool

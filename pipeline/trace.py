@@ -7,7 +7,7 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """The framebuffer after one command.
+    """The framebuffer, or the current pbuffer, after one command.
 
     label    the command's label; kind: its type's name
     color    uint8 [h, w, 4], depth uint32 [h, w], stencil uint8 [h, w]; top row first

@@ -22,15 +22,18 @@ from weakref import WeakSet
 import numpy as np
 
 from pipeline.commands import (
+    BindTexImage,
     Clear,
     CopyTexImage,
     CopyTexSubImage,
     Draw,
+    MakeCurrent,
     Mesh,
     ReadPixels,
     TexImage,
 )
 from pipeline.enums import (
+    ColorFormat,
     CombinerBias,
     CombinerScale,
     ComponentUsage,
@@ -45,7 +48,7 @@ from pipeline.enums import (
     TextureTarget,
     VertexStage,
 )
-from pipeline.framebuffer import READ_FORMATS
+from pipeline.framebuffer import READ_FORMATS, READABLE_AS
 from pipeline.state import VertexState
 from pipeline.textures import Texture
 from pipeline.vertex import invert_upper_left, needs_normals
@@ -483,6 +486,18 @@ def _texture_problem(image):
     return None
 
 
+class _Surface(NamedTuple):
+    """What validation remembers of a pbuffer: everything that it keeps from its first MakeCurrent on."""
+
+    width: int
+    height: int
+    color_format: ColorFormat
+    depth_bits: int
+
+    def __str__(self):
+        return f"{self.width}x{self.height} {self.color_format.name} with {self.depth_bits} bits of depth"
+
+
 class _Known(NamedTuple):
     """What validation remembers of a texture object: (width, height) of every level."""
 
@@ -500,8 +515,12 @@ class _Known(NamedTuple):
 class _Walk:
     """One pass over the commands; ``where`` is the command at hand."""
 
-    def __init__(self, profile, width, height, textures):
+    def __init__(self, profile, width, height, textures, surfaces):
         self.profile, self.width, self.height = profile, width, height
+        self.window = width, height
+        self.surfaces = {
+            name: _Surface(f.width, f.height, f.color_format, f.depth_bits) for name, f in surfaces.items()
+        }
         self.textures = {}
         for name, image in textures.items():
             self.where = f"Texture {name!r}, which the machine holds"
@@ -642,6 +661,53 @@ class _Walk:
             )
         self.read.add(command.name)
         self.framebuffer_rectangle(command)
+
+    def make_current(self, command):
+        name = command.surface
+        if name is None:
+            if command.width is not None or command.height is not None:
+                self.refuse("the window has its size; give width and height to pbuffers only.")
+            self.width, self.height = self.window
+            return
+        if not self.profile.surface_formats:
+            self.refuse(f"{self.profile.name} has no pbuffers; draw to the window and use CopyTexImage.")
+        if command.color_format not in self.profile.surface_formats:
+            self.refuse(
+                f"{self.profile.name} has no surface format {command.color_format.name}; it has "
+                f"{_names(self.profile.surface_formats)}."
+            )
+        if command.width is None or command.height is None:
+            self.refuse(f"pbuffer {name!r} has no width or no height; give both.")
+        asked = _Surface(command.width, command.height, command.color_format, command.depth_bits)
+        made = self.surfaces.setdefault(name, asked)
+        if made != asked:
+            self.refuse(
+                f"pbuffer {name!r} is {made} since it was made, and this asks for {asked}; give the same, "
+                "or another name."
+            )
+        _check_framebuffer(
+            self.profile, command.width, command.height, command.depth_bits, self.where + ": the pbuffer"
+        )
+        self.width, self.height = command.width, command.height
+
+    def bind_tex_image(self, command):
+        if command.surface not in self.surfaces:
+            made = ", ".join(repr(n) for n in self.surfaces) or "none"
+            self.refuse(
+                f"there is no pbuffer {command.surface!r} yet (made so far: {made}); put a MakeCurrent "
+                "before."
+            )
+        surface = self.surfaces[command.surface]
+        formats = READABLE_AS[surface.color_format]
+        if command.internal_format not in formats:
+            self.refuse(
+                f"{command.internal_format.name} does not read the words of {surface.color_format.name}; "
+                f"give {_names(formats)}."
+            )
+        if command.target is not TextureTarget.TEXTURE_2D:
+            self.refuse(f"a pbuffer becomes a 2D texture, not a {command.target.name}; give TEXTURE_2D.")
+        self.texture_storage(command.target, command.internal_format, surface.width, surface.height)
+        self.textures[command.texture] = _Known(command.target, ((surface.width, surface.height),))
 
     # ---------------------------------------------------------------------- rectangles and textures
 
@@ -961,6 +1027,8 @@ _HANDLERS = {
     CopyTexImage: _Walk.copy_tex_image,
     CopyTexSubImage: _Walk.copy_tex_sub_image,
     ReadPixels: _Walk.read_pixels,
+    MakeCurrent: _Walk.make_current,
+    BindTexImage: _Walk.bind_tex_image,
 }
 
 
@@ -978,24 +1046,24 @@ def _power_of_two(edge):
     return above if above - edge <= edge - above // 2 else above // 2
 
 
-def _check_framebuffer(profile, width, height, depth_bits):
+def _check_framebuffer(profile, width, height, depth_bits, what="The framebuffer"):
     for name, number in (("width", width), ("height", height), ("depth_bits", depth_bits)):
         if wrong := _check_int(number):
-            raise UnsupportedState(f"The framebuffer's {name} {wrong.predicate}.")
+            raise UnsupportedState(f"{what}'s {name} {wrong.predicate}.")
     if width < 1 or height < 1:
-        raise UnsupportedState(f"The framebuffer is {width}x{height}; give at least 1x1.")
+        raise UnsupportedState(f"{what} is {width}x{height}; give at least 1x1.")
     # Source: OpenGL 1.2.1 section 2.10.1: the largest viewport covers whatever can be displayed.
     if max(width, height) > profile.max_viewport:
         raise UnsupportedState(
-            f"The framebuffer is {width}x{height}; {profile.name} draws up to "
+            f"{what} is {width}x{height}; {profile.name} draws up to "
             f"{profile.max_viewport}x{profile.max_viewport}. Draw it in tiles."
         )
     if depth_bits not in profile.depth_bits:
         widths = " or ".join(str(b) for b in profile.depth_bits)
-        raise UnsupportedState(f"A depth buffer of {depth_bits} bits; {profile.name} has {widths}.")
+        raise UnsupportedState(f"{what} has {depth_bits} bits of depth; {profile.name} has {widths}.")
 
 
-def validate(commands, profile, width, height, depth_bits=24, textures=None):
+def validate(commands, profile, width, height, depth_bits=24, textures=None, surfaces=None):
     """Refuse what the machine could not execute; return None if it can execute everything.
 
     commands       iterable of commands, in order
@@ -1003,6 +1071,7 @@ def validate(commands, profile, width, height, depth_bits=24, textures=None):
     width, height  of the framebuffer, pixels
     depth_bits     of the depth buffer
     textures       {name: Texture} that the machine holds already, or None
+    surfaces       {name: Framebuffer}, its pbuffers, or None
 
     Raises UnsupportedState (a ValueError) whose message names the command, what was given, what the machine
     allows, and what to do. Meshes and textures are looked at once in their life.
@@ -1012,7 +1081,7 @@ def validate(commands, profile, width, height, depth_bits=24, textures=None):
         raise UnsupportedState(
             f"A frame is a tuple of commands; this is one {type(commands).__name__}. Write (command,)."
         )
-    walk = _Walk(profile, width, height, textures or {})
+    walk = _Walk(profile, width, height, textures or {}, surfaces or {})
     commands = tuple(commands)
     for number, command in enumerate(commands):
         walk.where = f"Command {number}"

@@ -4,22 +4,37 @@ from dataclasses import dataclass, field
 from types import SimpleNamespace
 
 from pipeline import vertex
-from pipeline.commands import Clear, CopyTexImage, CopyTexSubImage, Draw, ReadPixels, TexImage
+from pipeline.commands import (
+    BindTexImage,
+    Clear,
+    CopyTexImage,
+    CopyTexSubImage,
+    Draw,
+    MakeCurrent,
+    ReadPixels,
+    TexImage,
+)
+from pipeline.enums import WindowOrigin
 from tests.reference import render, texel_formats, transfer
 
 
 @dataclass
 class ReferenceFrame:
-    """What the commands gave: a render.Target, textures as nested lists, what ReadPixels read."""
+    """What the commands gave: the window and the pbuffers as render.Targets, textures as nested lists, what
+    ReadPixels read. ``current``: which of the targets commands draw to.
+    """
 
     target: render.Target
+    current: render.Target
+    surfaces: dict = field(default_factory=dict)
     textures: dict = field(default_factory=dict)
     pixels: dict = field(default_factory=dict)
 
 
 def run_reference(commands, profile, width, height, depth_bits):
     """Every command in order; returns a ReferenceFrame."""
-    frame = ReferenceFrame(render.Target(width, height, depth_bits))
+    window = render.Target(width, height, depth_bits)
+    frame = ReferenceFrame(window, window)
     for command in commands:
         _run(frame, command, profile)
     return frame
@@ -27,13 +42,13 @@ def run_reference(commands, profile, width, height, depth_bits):
 
 def _size(frame, command):
     """A rectangle's width and height; None takes what is left of the framebuffer."""
-    width = frame.target.width - command.x if command.width is None else command.width
-    height = frame.target.height - command.y if command.height is None else command.height
+    width = frame.current.width - command.x if command.width is None else command.width
+    height = frame.current.height - command.y if command.height is None else command.height
     return width, height
 
 
 def _run(frame, command, profile):
-    target, textures = frame.target, frame.textures
+    target, textures = frame.current, frame.textures
     match command:
         case Clear():
             transfer.clear(target, command)
@@ -66,4 +81,19 @@ def _run(frame, command, profile):
             size = _size(frame, command)
             frame.pixels[command.name] = transfer.read_pixels(
                 target, command.format, command.x, command.y, *size
+            )
+        case MakeCurrent(surface=None):
+            frame.current = frame.target
+        case MakeCurrent():
+            if command.surface not in frame.surfaces:
+                frame.surfaces[command.surface] = render.Target(
+                    command.width, command.height, command.depth_bits, command.color_format
+                )
+            frame.current = frame.surfaces[command.surface]
+        case BindTexImage():
+            rows = transfer.texels_of(frame.surfaces[command.surface], command.internal_format)
+            textures[command.texture] = SimpleNamespace(
+                target=command.target,
+                internal_format=command.internal_format,
+                levels=[[rows if command.origin == WindowOrigin.UPPER_LEFT else rows[::-1]]],
             )

@@ -864,7 +864,7 @@ LACKING = {
 def test_every_limit_set_and_switch_of_a_profile_is_checked():
     names = [f.name for f in fields(Profile)]
     limits = set(names[names.index("max_texture_units") : names.index("expand_half")])
-    with_tests_of_their_own = {"per_stage_constants", "max_viewport", "depth_bits"}
+    with_tests_of_their_own = {"per_stage_constants", "max_viewport", "depth_bits", "surface_formats"}
     assert set(LACKING) | with_tests_of_their_own == limits
 
 
@@ -891,7 +891,7 @@ def test_a_machine_without_a_stencil_buffer_neither_clears_nor_reads_it():
         (8, -1, 24, "8x-1; give at least"),
         (8.0, 8, 24, "width is 8.0; give an integer"),
         (2049, 8, 24, "up to 2048x2048. Draw it in tiles"),
-        (8, 8, 32, "depth buffer of 32 bits; GeForce 256 has 16 or 24"),
+        (8, 8, 32, "32 bits of depth; GeForce 256 has 16 or 24"),
     ],
 )
 def test_a_framebuffer_that_cannot_be_is_refused(width, height, depth_bits, words):

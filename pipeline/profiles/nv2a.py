@@ -5,7 +5,7 @@ Thousands of framebuffer captures exist; ``fixedpipe conformance`` redraws them 
 
 from dataclasses import replace
 
-from pipeline.enums import BlendFactor
+from pipeline.enums import BlendFactor, ColorFormat
 from pipeline.profiles.geforce_256 import GEFORCE_256
 
 _MEASURED = {
@@ -25,6 +25,7 @@ _MEASURED = {
     "blend_factors_destination": "Measured: all of them, in 1673 captures (Blend_tests)",
     "blend_equations": "Measured: 1673 captures (Blend_tests)",
     "stencil_operations": "Measured: Stencil captures",
+    "surface_formats": "Source: nv_objects.h, SET_SURFACE_FORMAT_COLOR",
     "expand_half": "Inferred: the output half is 128 (CombinerOps capture); no capture uses EXPAND",
     "product_rounding": "Inferred: from the blender: one rounding after the sum (Blend_tests captures)",
     "round_before_scale": "Measured: bias before scale (CombinerOps capture)",
@@ -48,5 +49,6 @@ NV2A = replace(
     max_viewport=4096,
     blend_factors_source=frozenset(BlendFactor),
     blend_factors_destination=frozenset(BlendFactor),
+    surface_formats=frozenset({ColorFormat.A8R8G8B8}),
     evidence={**GEFORCE_256.evidence, **_MEASURED},
 )

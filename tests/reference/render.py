@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 
-from pipeline.enums import ShadeModel
+from pipeline.enums import ColorFormat, ShadeModel
 from tests.reference import combine, coverage, depth, fixed, fog, interpolate, per_fragment, sample
 
 # Assumed: no real scene has such a 1/w; beyond it the products of docs/numbers.md section 4 would overflow.
@@ -17,6 +17,7 @@ class Target:
     width: int
     height: int
     depth_bits: int
+    color_format: ColorFormat = ColorFormat.A8R8G8B8
     color: list = field(default_factory=list)
     depth: list = field(default_factory=list)
     stencil: list = field(default_factory=list)

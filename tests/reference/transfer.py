@@ -35,6 +35,21 @@ def copy_texels(target, internal_format, x, y, width, height):
     return [[texel_formats.store_texel(pixel, internal_format) for pixel in row] for row in pixels]
 
 
+def texels_of(target, internal_format):
+    """Register bytes of a pbuffer's pixels read as texels, top row first: the words' bits, widened.
+
+    Source: WGL_ARB_render_texture; Measured: bits are replicated as in any texel (Texture_format captures).
+    """
+    base, *bits = texel_formats.FORMATS[internal_format.name]
+    texels = []
+    for row in target.color:
+        kept = [texel_formats.kept_components(pixel, base) for pixel in row]
+        words = [[c >> (8 - b) for c, b in zip(pixel, bits, strict=True)] for pixel in kept]
+        widened = [[texel_formats.replicate(c, b) for c, b in zip(w, bits, strict=True)] for w in words]
+        texels.append([texel_formats.register_components(components, base) for components in widened])
+    return texels
+
+
 def convert_pixel(rgba, pixel_format):
     """Source: OpenGL 1.2.1 section 4.3.2 (conversion to L is R + G + B, clamped)."""
     red, green, blue, alpha = rgba

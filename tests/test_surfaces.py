@@ -1,0 +1,144 @@
+"""Pbuffers: MakeCurrent, BindTexImage, and what each colour format keeps."""
+
+import numpy as np
+import pytest
+
+from pipeline.commands import BindTexImage, Clear, Draw, MakeCurrent, Mesh, ReadPixels
+from pipeline.describe import describe
+from pipeline.enums import (
+    ColorFormat,
+    InternalFormat,
+    PrimitiveType,
+    TextureTarget,
+    WindowOrigin,
+)
+from pipeline.execute import Machine, execute
+from pipeline.profiles import GEFORCE_256, IDEAL, NV2A
+from pipeline.state import PassState
+from pipeline.validate import UnsupportedState, validate
+from tests.run_reference import run_reference
+
+WIDTH, HEIGHT = 12, 8
+GRADIENT = Mesh(
+    [[-1, -1], [1, -1], [1, 1], [-1, 1]],
+    PrimitiveType.QUADS,
+    colors=[[0, 0, 0, 0], [1, 0, 0, 0.4], [1, 1, 0.5, 1], [0, 1, 0.9, 0.7]],
+)
+
+
+def pbuffer(name="p", width=4, height=8, **fields):
+    return MakeCurrent(label="pbuffer", surface=name, width=width, height=height, **fields)
+
+
+WINDOW = MakeCurrent(label="window")
+
+
+def bind(name="p", **fields):
+    return BindTexImage(label="bind", texture="t", surface=name, **fields)
+
+
+def assert_equal_to_reference(commands, depth_bits=24):
+    result = execute(commands, NV2A, WIDTH, HEIGHT, depth_bits=depth_bits, threads=1)
+    expected = run_reference(commands, NV2A, WIDTH, HEIGHT, depth_bits)
+    pairs = [(result.framebuffer, expected.target)]
+    assert result.surfaces.keys() == expected.surfaces.keys()
+    pairs += [(result.surfaces[name], expected.surfaces[name]) for name in expected.surfaces]
+    for machine, target in pairs:
+        for name in ("color", "depth", "stencil"):
+            np.testing.assert_array_equal(getattr(machine, name), np.array(getattr(target, name)))
+    for name, texture in expected.textures.items():
+        np.testing.assert_array_equal(result.textures[name].levels[0], np.array(texture.levels[0]))
+    return result
+
+
+def test_a_pbuffer_is_drawn_to_and_read_and_the_window_stays():
+    commands = (
+        Clear(label="window", color=(0.1, 0.2, 0.3, 0.4)),
+        pbuffer(depth_bits=16),
+        Clear(label="pbuffer", color=(1.0, 0.0, 0.0, 1.0), depth=0.5),
+        Draw(label="gradient", mesh=GRADIENT, state=PassState()),
+        ReadPixels(label="read", name="pbuffer"),
+        WINDOW,
+        ReadPixels(label="read", name="window"),
+    )
+    result = assert_equal_to_reference(commands)
+    assert (result.framebuffer.color == (26, 51, 77, 102)).all()
+    assert result.pixels["window"].shape == (8, 12, 4)
+    np.testing.assert_array_equal(result.pixels["pbuffer"], result.surfaces["p"].color[::-1])
+    assert (result.surfaces["p"].depth == 32768).all()
+
+
+@pytest.mark.parametrize("origin", WindowOrigin)
+def test_the_origin_says_which_row_has_t_zero(origin):
+    commands = (pbuffer(), Draw(label="gradient", mesh=GRADIENT, state=PassState()), bind(origin=origin))
+    result = assert_equal_to_reference(commands)
+    rows = result.textures["t"].levels[0][0]
+    top_first = result.surfaces["p"].color
+    np.testing.assert_array_equal(rows, top_first if origin == WindowOrigin.UPPER_LEFT else top_first[::-1])
+    assert (rows[0] != rows[-1]).any()
+
+
+def test_a_texture_format_without_alpha_reads_full_alpha():
+    commands = (
+        pbuffer(),
+        Draw(label="gradient", mesh=GRADIENT, state=PassState()),
+        bind(internal_format=InternalFormat.RGB8),
+    )
+    texels = assert_equal_to_reference(commands).textures["t"].levels[0]
+    assert (texels[..., 3] == 255).all()
+
+
+def test_pbuffers_keep_their_contents_from_run_to_run_and_every_run_begins_with_the_window():
+    machine = Machine(NV2A, WIDTH, HEIGHT)
+    machine.run((pbuffer(), Clear(label="c", color=(1.0, 1.0, 1.0, 1.0))))
+    result = machine.run((Clear(label="c", color=(0.2, 0.2, 0.2, 0.2)), bind()))
+    assert (result.textures["t"].levels[0] == 255).all()
+    assert (result.framebuffer.color == 51).all()
+
+
+def test_a_trace_shows_the_surface_that_is_current():
+    trace = execute((pbuffer(), WINDOW), NV2A, WIDTH, HEIGHT, trace=True).trace
+    assert [snapshot.color.shape for snapshot in trace] == [(8, 4, 4), (8, 12, 4)]
+
+
+def test_the_commands_in_words():
+    words = describe((pbuffer(depth_bits=16), bind(origin=WindowOrigin.UPPER_LEFT), WINDOW))
+    assert 'pbuffer "p": 4x8, A8R8G8B8, depth 16 bits' in words
+    assert 'texture "t": TEXTURE_2D, RGBA8, from pbuffer "p", top row first' in words
+    assert "the window" in words
+
+
+@pytest.mark.parametrize(
+    ("commands", "sentences"),
+    [
+        ((pbuffer(width=None),), ["'p' has no width or no height", "give both"]),
+        ((pbuffer(width=0),), ["the pbuffer is 0x8", "at least 1x1"]),
+        ((pbuffer(depth_bits=13),), ["the pbuffer has 13 bits of depth", "NV2A has 16 or 24"]),
+        ((pbuffer(), pbuffer(width=8)), ["is 4x8 A8R8G8B8", "asks for 8x8", "another name"]),
+        ((MakeCurrent(label="w", width=4),), ["the window has its size", "pbuffers only"]),
+        ((bind(),), ["no pbuffer 'p' yet", "put a MakeCurrent before"]),
+        (
+            (pbuffer(), bind(internal_format=InternalFormat.RGB5)),
+            ["RGB5 does not read the words of A8R8G8B8", "RGB8, RGBA8"],
+        ),
+        ((pbuffer(), bind(target=TextureTarget.TEXTURE_1D)), ["becomes a 2D texture", "TEXTURE_2D"]),
+        ((pbuffer(width=5), bind()), ["5x8", "powers of two"]),
+        ((pbuffer(), ReadPixels(label="r", name="r", width=5)), ["outside the framebuffer, which is 4x8"]),
+    ],
+)
+def test_what_a_machine_refuses(commands, sentences):
+    with pytest.raises(UnsupportedState) as refusal:
+        validate(commands, NV2A, WIDTH, HEIGHT)
+    for sentence in sentences:
+        assert sentence in str(refusal.value)
+
+
+@pytest.mark.parametrize("profile", [GEFORCE_256, IDEAL])
+def test_machines_without_pbuffers_refuse_them(profile):
+    with pytest.raises(UnsupportedState, match="has no pbuffers; draw to the window and use CopyTexImage"):
+        validate((pbuffer(),), profile, WIDTH, HEIGHT)
+
+
+def test_a_format_that_a_machine_lacks_is_refused():
+    with pytest.raises(UnsupportedState, match="has no surface format B8; it has A8R8G8B8"):
+        validate((pbuffer(color_format=ColorFormat.B8),), NV2A, WIDTH, HEIGHT)
