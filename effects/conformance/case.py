@@ -81,6 +81,10 @@ class MissingInput(ValueError):  # noqa: N818 (it names what is missing)
     """A case needs a texture or mesh file that is not there; the message says where it comes from."""
 
 
+# Names under which a file of the resources may lie as well.
+_ALSO_CALLED = {"water.png": "water_bump_map.png", "bumpimg.png": "bump_map_test_image.png"}
+
+
 @dataclass(frozen=True)
 class Inputs:
     """The folder of textures and meshes that some cases read (resources of nxdk_pgraph_tests), or None."""
@@ -88,7 +92,17 @@ class Inputs:
     folder: Path | None
 
     def path(self, name):
-        """The file of that name. Raises MissingInput."""
-        if self.folder is None or not (self.folder / name).is_file():
-            raise MissingInput(f"needs the file {name} of nxdk_pgraph_tests' resources; see --inputs")
-        return self.folder / name
+        """The file of that name in the folder or in a folder of it. Raises MissingInput."""
+        if self.folder is not None:
+            for wanted in (name, _ALSO_CALLED.get(name, name)):
+                for path in (self.folder / wanted, *sorted(self.folder.glob(f"*/{wanted}"))):
+                    if path.is_file():
+                        return path
+        raise MissingInput(f"needs the file {name} of nxdk_pgraph_tests' resources; see --inputs")
+
+    def picture(self, name):
+        """The pixels of a PNG file, uint8 [rows, columns, 4], top row first. Raises MissingInput."""
+        from PIL import Image
+
+        with Image.open(self.path(name)) as image:
+            return np.array(image.convert("RGBA"))
