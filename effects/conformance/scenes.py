@@ -115,20 +115,25 @@ def projection_of(composite, offset=(0.0, 0.0), depth_maximum=16777215.0):
     return tuple(tuple(float(v) for v in row) for row in rows)
 
 
-def xdk_vertex(modelview=IDENTITY, near=1.0, far=200.0, depth_maximum=16777215.0, offset=XDK_OFFSET):
-    """The XDK's default fixed-function view as vertex state; ``modelview`` is applied before the eye moves.
+def xdk_vertex(model=IDENTITY, near=1.0, far=200.0, depth_maximum=16777215.0, offset=XDK_OFFSET):
+    """The XDK's default fixed-function view as vertex state: eye coordinates have z forwards.
 
-    ``near``, ``far``: the view volume's planes, eye distances.
+    ``model``: applied before the view, which moves the eye; ``near``, ``far``: eye distances of the view
+    volume's planes.
     """
     scale = depth_maximum * far / (far - near)
     composite = (
-        (XDK_SCALE, 0.0, WIDTH / 2, WIDTH / 2 * XDK_EYE),
-        (0.0, -XDK_SCALE, HEIGHT / 2, HEIGHT / 2 * XDK_EYE),
-        (0.0, 0.0, scale, scale * (XDK_EYE - near)),
-        (0.0, 0.0, 1.0, XDK_EYE),
+        (XDK_SCALE, 0.0, WIDTH / 2, 0.0),
+        (0.0, -XDK_SCALE, HEIGHT / 2, 0.0),
+        (0.0, 0.0, scale, -scale * near),
+        (0.0, 0.0, 1.0, 0.0),
     )
+    view = np.eye(4)
+    view[2, 3] = XDK_EYE
+    modelview = (view @ np.array(model)).tolist()
     return VertexState(
-        modelview=modelview, projection=projection_of(composite, (offset, offset), depth_maximum)
+        modelview=tuple(tuple(row) for row in modelview),
+        projection=projection_of(composite, (offset, offset), depth_maximum),
     )
 
 
