@@ -138,15 +138,19 @@ class ProvokingVertex(IntEnum):
 
 
 class TextureTarget(IntEnum):
-    """Section 3.8 and EXT_texture_cube_map."""
+    """Section 3.8, EXT_texture_cube_map and NV_texture_rectangle."""
 
     TEXTURE_1D = 0
     TEXTURE_2D = 1
     TEXTURE_CUBE_MAP = 2
+    TEXTURE_3D = 3
+    TEXTURE_RECTANGLE = 4
 
 
 class InternalFormat(IntEnum):
-    """Sized internal formats, table 3.16: base format and resolution of each component."""
+    """Sized internal formats, table 3.16: base format and resolution of each component; and those of
+    extensions, which only ``pipeline.texel_words`` makes.
+    """
 
     ALPHA4 = 0
     ALPHA8 = 1
@@ -166,6 +170,54 @@ class InternalFormat(IntEnum):
     RGBA4 = 15
     RGB5_A1 = 16
     RGBA8 = 17
+    COLOR_INDEX8 = 18  # EXT_paletted_texture
+    COMPRESSED_RGBA_S3TC_DXT1 = 19  # EXT_texture_compression_s3tc
+    COMPRESSED_RGBA_S3TC_DXT3 = 20
+    COMPRESSED_RGBA_S3TC_DXT5 = 21
+    YCBCR = 22  # MESA_ycbcr_texture
+    HILO16 = 23  # NV_texture_shader: HI in alpha and red, LO in green and blue, high bytes first
+    DEPTH_COMPONENT16 = 24  # ARB_depth_texture
+    DEPTH_COMPONENT24 = 25
+    DEPTH_COMPONENT16_FLOAT = 26  # the NV2A's own, from here on
+    DEPTH_COMPONENT24_FLOAT = 27
+    R6_G5_B5 = 28
+    GREEN8_BLUE8 = 29  # blue in red too, green in alpha too
+    RED8_BLUE8 = 30  # blue in green too, red in alpha too
+    WHITE_ALPHA8 = 31  # red, green, blue 255
+    LUMINANCE16 = 32  # red 255, the high byte in green, the low byte in blue, alpha 255
+
+
+class TexelWord(IntEnum):
+    """How a texel lies in memory, highest bits first: TexImage's format and type in one (EXT_bgra and the
+    packed pixels of OpenGL 1.2, MESA_ycbcr_texture), as Direct3D and the NV2A name them.
+
+    YUY2 and UYVY: words of 16 bits; the even word of a pair holds U (Cb), the odd one V (Cr).
+    """
+
+    A8R8G8B8 = 0
+    X8R8G8B8 = 1
+    A8B8G8R8 = 2
+    B8G8R8A8 = 3
+    R8G8B8A8 = 4
+    A1R5G5B5 = 5
+    X1R5G5B5 = 6
+    A4R4G4B4 = 7
+    R5G6B5 = 8
+    R6G5B5 = 9
+    G8B8 = 10
+    R8B8 = 11
+    A8Y8 = 12
+    Y8 = 13
+    AY8 = 14
+    A8 = 15
+    Y16 = 16
+    R16B16 = 17
+    YUY2 = 18
+    UYVY = 19
+    X8_Y24_FIXED = 20
+    X8_Y24_FLOAT = 21
+    Y16_FIXED = 22
+    Y16_FLOAT = 23
 
 
 class BaseFormat(IntEnum):

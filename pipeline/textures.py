@@ -13,7 +13,8 @@ import numpy as np
 
 from pipeline.enums import BaseFormat, InternalFormat, TextureTarget
 
-# Component resolutions in the order of the base format's components.  Source: OpenGL 1.2.1 table 3.16.
+# Component resolutions in the order of the base format's components, of the formats that store an image's
+# components. Source: OpenGL 1.2.1 table 3.16.
 COMPONENT_BITS = {
     InternalFormat.ALPHA4: (4,),
     InternalFormat.ALPHA8: (8,),
@@ -35,22 +36,23 @@ COMPONENT_BITS = {
     InternalFormat.RGBA8: (8, 8, 8, 8),
 }
 
-BASE_FORMAT = {
-    f: (
-        BaseFormat.LUMINANCE_ALPHA
-        if f.name.startswith("LUMINANCE") and "ALPHA" in f.name
-        else BaseFormat.LUMINANCE
-        if f.name.startswith("LUMINANCE")
-        else BaseFormat.ALPHA
-        if f.name.startswith("ALPHA")
-        else BaseFormat.INTENSITY
-        if f.name.startswith("INTENSITY")
-        else BaseFormat.RGBA
-        if len(COMPONENT_BITS[f]) == 4
-        else BaseFormat.RGB
-    )
-    for f in InternalFormat
-}
+
+def _base_format(internal_format):
+    if internal_format not in COMPONENT_BITS:
+        return BaseFormat.RGBA
+    name = internal_format.name
+    if name.startswith("LUMINANCE"):
+        return BaseFormat.LUMINANCE_ALPHA if "ALPHA" in name else BaseFormat.LUMINANCE
+    if name.startswith("ALPHA"):
+        return BaseFormat.ALPHA
+    if name.startswith("INTENSITY"):
+        return BaseFormat.INTENSITY
+    return BaseFormat.RGBA if len(COMPONENT_BITS[internal_format]) == 4 else BaseFormat.RGB
+
+
+# Formats that are only made from words count as RGBA: nothing but a border colour asks.
+# Source: OpenGL 1.2.1 table 3.16. Assumed: a border colour reaches the registers whole with the others.
+BASE_FORMAT = {f: _base_format(f) for f in InternalFormat}
 
 # Which RGBA components of an image a base format keeps.  Source: OpenGL 1.2.1 table 3.15.
 KEPT = {
@@ -109,8 +111,14 @@ def _quantised_bytes(bits):
 def store_texels(rgba, internal_format):
     """RGBA in [0, 1] or bytes, [..., 4], to register bytes uint8 [..., 4] at the format's resolution.
 
-    Conversion to n bits rounds to nearest (Source: OpenGL 1.2.1 section 2.13.9).
+    Conversion to n bits rounds to nearest (Source: OpenGL 1.2.1 section 2.13.9). Raises ValueError for a
+    format that holds no such components.
     """
+    if internal_format not in COMPONENT_BITS:
+        raise ValueError(
+            f"{internal_format.name} is not made from RGBA components; see pipeline.texel_words, or give one "
+            f"of {', '.join(f.name for f in COMPONENT_BITS)}."
+        )
     base = BASE_FORMAT[internal_format]
     components = np.empty((*rgba.shape[:-1], len(KEPT[base])), np.uint8)
     for k, (kept, bits) in enumerate(zip(KEPT[base], COMPONENT_BITS[internal_format], strict=True)):
@@ -139,7 +147,9 @@ def _frozen_levels(levels):
 class Texture:
     """A texture object's images.
 
-    levels  tuple of uint8 [faces, height, width, 4], level 0 first: register bytes, bottom row first
+    levels  tuple of uint8 [faces, height, width, 4], level 0 first: register bytes, bottom row first. The
+            faces are a cube map's six or a 3D texture's layers. A depth component's four bytes are its depth
+            units, lowest byte first; a HILO16's are HI in alpha and red, LO in green and blue.
     ideal   the same shapes in float64 before any quantisation, or None: the ideal evaluator then reads the
             stored bytes divided by 255
 
@@ -164,6 +174,11 @@ class Texture:
     def height(self):
         """Texels along t of level 0."""
         return self.levels[0].shape[1]
+
+    @property
+    def depth(self):
+        """Texels along r of level 0: 1 but for 3D textures."""
+        return self.levels[0].shape[0] if self.target is TextureTarget.TEXTURE_3D else 1
 
 
 def _as_rgba(image, what):

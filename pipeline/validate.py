@@ -50,7 +50,7 @@ from pipeline.enums import (
 )
 from pipeline.framebuffer import READ_FORMATS, READABLE_AS
 from pipeline.state import VertexState
-from pipeline.textures import Texture
+from pipeline.textures import COMPONENT_BITS, Texture
 from pipeline.vertex import invert_upper_left, needs_normals
 
 _READ_FORMATS = (*READ_FORMATS, "DEPTH_COMPONENT", "STENCIL_INDEX")
@@ -438,6 +438,19 @@ def complete_levels(width, height):
     return max(width, height).bit_length()
 
 
+_PARTS = {
+    TextureTarget.TEXTURE_CUBE_MAP: ("cube map", "faces"),
+    TextureTarget.TEXTURE_3D: ("3D texture", "layers"),
+}
+
+
+def _faces(image, level):
+    """How many images level ``level`` of a texture has: faces or layers."""
+    if image.target is TextureTarget.TEXTURE_3D:
+        return max(1, image.depth >> level)
+    return 6 if image.target is TextureTarget.TEXTURE_CUBE_MAP else 1
+
+
 def _texture_problem(image):
     """What no machine could hold in a Texture, or None."""
     for name, kind in (("target", TextureTarget), ("internal_format", InternalFormat)):
@@ -445,7 +458,6 @@ def _texture_problem(image):
             return f"the texture's {name} {wrong.predicate}."
     if not isinstance(image.levels, tuple) or not image.levels:
         return "the texture has no level 0; make textures with texture_1d, texture_2d or texture_cube_map."
-    faces = 6 if image.target is TextureTarget.TEXTURE_CUBE_MAP else 1
     for level, array in enumerate(image.levels):
         if (
             not isinstance(array, np.ndarray)
@@ -457,8 +469,9 @@ def _texture_problem(image):
                 f"level {level} of the texture is not uint8 [faces, height, width, 4]; make textures with "
                 "texture_2d."
             )
+        faces = _faces(image, level)
         if array.shape[0] != faces:
-            given = _count(array.shape[0], "face")
+            given = _count(array.shape[0], _PARTS.get(image.target, ("", "faces"))[1].removesuffix("s"))
             return f"level {level} of a {image.target.name} has {given}; it takes {faces}."
         height, width = array.shape[1:3]
         if not height or not width:
@@ -469,7 +482,7 @@ def _texture_problem(image):
                 f"level {level} of a {image.width}x{image.height} texture is {width}x{height}; it takes "
                 f"{expected[1]}x{expected[0]}. Build the levels with mipmaps=True."
             )
-    if len(image.levels) > complete_levels(image.width, image.height):
+    if len(image.levels) > complete_levels(image.width, max(image.height, image.depth)):
         return (
             f"the texture has {len(image.levels)} levels but a {image.width}x{image.height} image ends at "
             "1x1 before."
@@ -499,14 +512,19 @@ class _Surface(NamedTuple):
 
 
 class _Known(NamedTuple):
-    """What validation remembers of a texture object: (width, height) of every level."""
+    """What validation remembers of a texture object: (width, height) of every level, and how many faces or
+    layers it has.
+    """
 
     target: TextureTarget
+    internal_format: InternalFormat
     sizes: tuple[tuple[int, int], ...]
+    faces: tuple[int, ...]
 
     @classmethod
     def of(cls, image):
-        return cls(image.target, tuple((level.shape[2], level.shape[1]) for level in image.levels))
+        sizes = tuple((level.shape[2], level.shape[1]) for level in image.levels)
+        return cls(image.target, image.internal_format, sizes, tuple(len(level) for level in image.levels))
 
 
 # -------------------------------------------------------------------------------------------- the walk
@@ -601,16 +619,26 @@ class _Walk:
 
     def copy_tex_image(self, command):
         width, height = self.framebuffer_rectangle(command)
-        if command.target is TextureTarget.TEXTURE_CUBE_MAP:
+        self.copied_format(command.internal_format)
+        if command.target in (TextureTarget.TEXTURE_CUBE_MAP, TextureTarget.TEXTURE_3D):
+            what, parts = _PARTS[command.target]
             self.refuse(
-                "CopyTexImage defines 1D and 2D textures; define a cube map with TexImage and fill its "
-                "faces with CopyTexSubImage."
+                f"CopyTexImage defines 1D and 2D textures; define a {what} with TexImage and fill its "
+                f"{parts} with CopyTexSubImage."
             )
         if command.target is TextureTarget.TEXTURE_1D and height != 1:
             self.refuse(f"a TEXTURE_1D has one row of texels; this rectangle has {height}. Give height 1.")
         self.texture_storage(command.target, command.internal_format, width, height)
         sizes = self.mipmap_sizes(width, height) if command.generate_mipmap else ((width, height),)
-        self.textures[command.texture] = _Known(command.target, sizes)
+        faces = (1,) * len(sizes)
+        self.textures[command.texture] = _Known(command.target, command.internal_format, sizes, faces)
+
+    def copied_format(self, internal_format):
+        if internal_format not in COMPONENT_BITS:
+            self.refuse(
+                f"{internal_format.name} cannot be copied from a framebuffer; define it with TexImage, or "
+                f"copy to one of {_names(COMPONENT_BITS)}."
+            )
 
     def mipmap_sizes(self, width, height):
         """Sizes of every level that generation makes from level 0."""
@@ -623,23 +651,28 @@ class _Walk:
 
     def copy_tex_sub_image(self, command):
         known = self.known_texture(command.texture)
+        self.copied_format(known.internal_format)
         if command.generate_mipmap:
+            if known.target is TextureTarget.TEXTURE_3D:
+                self.refuse("mipmaps of a 3D texture are not generated; give its levels with TexImage.")
             if command.level != 0:
                 self.refuse(
                     f"mipmaps are generated from level 0, not from level {command.level}; copy into level "
                     "0, or set generate_mipmap to False."
                 )
-            self.textures[command.texture] = _Known(known.target, self.mipmap_sizes(*known.sizes[0]))
+            sizes = self.mipmap_sizes(*known.sizes[0])
+            faces = known.faces[:1] * len(sizes)
+            self.textures[command.texture] = _Known(known.target, known.internal_format, sizes, faces)
         if not 0 <= command.level < len(known.sizes):
             self.refuse(
                 f"level {command.level} of {command.texture!r} does not exist; it has {len(known.sizes)}. "
                 f"Give a level from 0 to {len(known.sizes) - 1}."
             )
-        faces = 6 if known.target is TextureTarget.TEXTURE_CUBE_MAP else 1
+        faces = known.faces[command.level]
         if not 0 <= command.face < faces:
             self.refuse(
                 f"face {command.face} of {command.texture!r} does not exist; a {known.target.name} has "
-                f"{'faces 0 to 5' if faces == 6 else 'face 0 only'}."
+                f"{f'faces 0 to {faces - 1}' if faces > 1 else 'face 0 only'}."
             )
         width, height = self.framebuffer_rectangle(command)
         self.rectangle(
@@ -707,7 +740,8 @@ class _Walk:
         if command.target is not TextureTarget.TEXTURE_2D:
             self.refuse(f"a pbuffer becomes a 2D texture, not a {command.target.name}; give TEXTURE_2D.")
         self.texture_storage(command.target, command.internal_format, surface.width, surface.height)
-        self.textures[command.texture] = _Known(command.target, ((surface.width, surface.height),))
+        size = (surface.width, surface.height)
+        self.textures[command.texture] = _Known(command.target, command.internal_format, (size,), (1,))
 
     # ---------------------------------------------------------------------- rectangles and textures
 

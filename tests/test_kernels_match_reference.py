@@ -25,7 +25,6 @@ from pipeline.enums import (
     ComponentUsage,
     FogCoordinateSource,
     FogMode,
-    InternalFormat,
     LogicOperation,
     MagnificationThreshold,
     Mapping,
@@ -55,7 +54,7 @@ from pipeline.state import (
     StencilTest,
     TextureUnit,
 )
-from pipeline.textures import halve, store_texels, texture_1d, texture_2d, widen_to_byte
+from pipeline.textures import COMPONENT_BITS, halve, store_texels, texture_1d, texture_2d, widen_to_byte
 from raster import rows
 from raster.combine import final_combiner, general_combiner
 from raster.fixed import below_24, divide_255, truncate_24
@@ -630,7 +629,7 @@ def test_stencil_functions_over_all_references(function):
 # ------------------------------------------------------------------------------------------- texture formats
 
 
-@pytest.mark.parametrize("internal_format", InternalFormat)
+@pytest.mark.parametrize("internal_format", COMPONENT_BITS)
 def test_every_byte_is_stored_alike_in_every_format(internal_format):
     v = np.arange(256, dtype=np.uint8)
     image = np.stack([v, v[::-1], v ^ 0xAA, np.roll(v, 77)], -1)
@@ -638,7 +637,7 @@ def test_every_byte_is_stored_alike_in_every_format(internal_format):
     assert stored.tolist() == [texel_formats.store_texel(texel, internal_format) for texel in image.tolist()]
 
 
-@pytest.mark.parametrize("internal_format", InternalFormat)
+@pytest.mark.parametrize("internal_format", COMPONENT_BITS)
 def test_floats_are_stored_alike_in_every_format(internal_format):
     # Around every rounding boundary of every width: (k + 1/2) / (2^b - 1).
     edges = {(k + 0.5) / (2**b - 1) for b in range(1, 9) for k in range(-1, 2**b)}

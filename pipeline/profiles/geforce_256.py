@@ -3,7 +3,6 @@
 from pipeline.enums import (
     BlendEquation,
     BlendFactor,
-    InternalFormat,
     MagnificationThreshold,
     ProductRounding,
     StencilOperation,
@@ -13,6 +12,7 @@ from pipeline.enums import (
     WrapMode,
 )
 from pipeline.profile import Profile
+from pipeline.textures import COMPONENT_BITS
 
 _SOURCE_FACTORS = frozenset(BlendFactor) - {BlendFactor.SRC_COLOR, BlendFactor.ONE_MINUS_SRC_COLOR}
 _DESTINATION_FACTORS = frozenset(BlendFactor) - {
@@ -20,6 +20,7 @@ _DESTINATION_FACTORS = frozenset(BlendFactor) - {
     BlendFactor.ONE_MINUS_DST_COLOR,
     BlendFactor.SRC_ALPHA_SATURATE,
 }
+_TEXTURE_TARGETS = frozenset(TextureTarget) - {TextureTarget.TEXTURE_3D, TextureTarget.TEXTURE_RECTANGLE}
 
 GEFORCE_256 = Profile(
     name="GeForce 256",
@@ -38,8 +39,8 @@ GEFORCE_256 = Profile(
     max_shininess=128.0,
     depth_bits=(16, 24),
     stencil_bits=8,
-    texture_targets=frozenset(TextureTarget),
-    internal_formats=frozenset(InternalFormat),
+    texture_targets=_TEXTURE_TARGETS,
+    internal_formats=frozenset(COMPONENT_BITS),
     wrap_modes=frozenset(WrapMode),
     texgen_modes=frozenset(TexGenMode),
     blend_factors_source=_SOURCE_FACTORS,

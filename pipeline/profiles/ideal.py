@@ -5,7 +5,7 @@
 
 from dataclasses import fields, replace
 
-from pipeline.enums import BlendFactor, TextureTarget
+from pipeline.enums import BlendFactor
 from pipeline.profile import Profile
 from pipeline.profiles.geforce_256 import GEFORCE_256
 
@@ -27,7 +27,6 @@ IDEAL = replace(
     max_clip_planes=64,
     max_viewport=1 << 13,
     expand_half=127.5,
-    texture_targets=frozenset(TextureTarget),
     blend_factors_source=frozenset(BlendFactor),
     blend_factors_destination=frozenset(BlendFactor),
     evidence={

@@ -5,7 +5,7 @@ Thousands of framebuffer captures exist; ``fixedpipe conformance`` redraws them 
 
 from dataclasses import replace
 
-from pipeline.enums import BlendFactor, ColorFormat
+from pipeline.enums import BlendFactor, ColorFormat, InternalFormat, TextureTarget
 from pipeline.profiles.geforce_256 import GEFORCE_256
 
 _MEASURED = {
@@ -21,6 +21,8 @@ _MEASURED = {
     "depth_bits": "Measured: 16- and 24-bit fixed formats (Depth_buffer captures)",
     "stencil_bits": "Measured: 24-bit depth, 8-bit stencil (Stencil captures)",
     "wrap_modes": "Measured: five wrap modes, 78720 of 78720 pixels (Texture_border captures)",
+    "texture_targets": "Measured: 3D and unnormalised coordinates (Volume_texture, Texture_format captures)",
+    "internal_formats": "Measured: Texture_format, Volume_texture and Texture_DXT captures",
     "blend_factors_source": "Measured: all of them, in 1673 captures (Blend_tests)",
     "blend_factors_destination": "Measured: all of them, in 1673 captures (Blend_tests)",
     "blend_equations": "Measured: 1673 captures (Blend_tests)",
@@ -47,6 +49,8 @@ NV2A = replace(
     max_cube_map_texture_size=4096,
     max_lod_bias=16.0,
     max_viewport=4096,
+    texture_targets=frozenset(TextureTarget),
+    internal_formats=frozenset(InternalFormat),
     blend_factors_source=frozenset(BlendFactor),
     blend_factors_destination=frozenset(BlendFactor),
     surface_formats=frozenset({ColorFormat.A8R8G8B8}),
