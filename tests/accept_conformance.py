@@ -2,6 +2,7 @@
 
 ``tests/conformance/accepted.txt`` has a line for every capture, as ``fixedpipe conformance`` prints it but
 without a reason. Fewer equal pixels than accepted fail a test; more should be accepted, so that they stay.
+README.md and docs/silicon.md get their numbers from it.
 """
 
 import argparse
@@ -13,10 +14,11 @@ from pathlib import Path
 from effects.cli.captures import find_captures
 from effects.cli.files import write_whole
 from effects.conformance.case import Inputs
-from effects.conformance.run import compare_all
+from effects.conformance.run import Totals, compare_all
 from tests.conftest import CAPTURES
 
 ACCEPTED = Path(__file__).parent / "conformance" / "accepted.txt"
+DOCUMENTS = tuple(Path(__file__).parents[1] / page for page in ("README.md", "docs/silicon.md"))
 _INPUTS = Path(os.environ.get("FIXEDPIPE_INPUTS") or CAPTURES.resolve() / ".." / ".." / "inputs")
 INPUTS = Inputs(_INPUTS if _INPUTS.is_dir() else None)
 
@@ -68,6 +70,38 @@ def _words(counts):
     return "not covered" if counts is None else f"{counts[0]} of {counts[1]} pixels equal"
 
 
+def totals(counts: Counts):
+    """The Totals of every suite, by its name, and of all."""
+    of_suite, whole = {}, Totals()
+    for name, c in sorted(counts.items()):
+        equal, compared = c or (0, 0)
+        one = Totals(
+            int(c is not None and equal == compared), int(c is not None), equal, compared, int(not c)
+        )
+        suite = name.split("/")[0]
+        of_suite[suite] = of_suite.get(suite, Totals()) + one
+        whole += one
+    return of_suite, whole
+
+
+def table(counts: Counts):
+    """The table of docs/silicon.md."""
+    of_suite, whole = totals(counts)
+    rows = [*of_suite.items(), ("**all**", whole)]
+    return "| suite | exact cases | equal pixels | not covered |\n|---|---|---|---|\n" + "".join(
+        f"| {suite} | {t.exact} of {t.cases} | {t.pixels_equal} of {t.pixels_compared} | {t.not_covered} |\n"
+        for suite, t in rows
+    )
+
+
+def with_results(text, counts: Counts):
+    """A document with the table and the last line of the command as they follow from the counts."""
+    begin, end = "<!-- begin table -->\n", "<!-- end table -->"
+    text = re.sub(f"(?<={begin}).*(?={end})", lambda _: table(counts), text, flags=re.DOTALL)
+    line = r"exact: \d+ of \d+ cases; pixels: \d+ of \d+; not covered: \d+"
+    return re.sub(line, str(totals(counts)[1]), text)
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(description="Accept how many pixels agree with the captures.")
     parser.add_argument("--worse", action="store_true", help="accept fewer equal pixels too")
@@ -89,6 +123,8 @@ def main(arguments=None):
         print(f"{len(worse)} got worse. If that is right: make accept-conformance WORSE=yes", file=sys.stderr)
         return 1
     write_whole(ACCEPTED, to_text(found).encode())
+    for page in DOCUMENTS:
+        write_whole(page, with_results(page.read_text(), found).encode())
     print(f"Accepted: {len(better)} better, {len(worse)} worse, {len(found)} captures in all.")
     if worse:
         print("Say why in CHANGELOG.md, in a line that begins `Bits:`.")

@@ -20,7 +20,18 @@ from effects.conformance.run import compare_all
 from pipeline.commands import Clear
 from pipeline.profiles import NV2A
 from pipeline.validate import validate
-from tests.accept_conformance import ACCEPTED, INPUTS, changes, count, from_text, to_text
+from tests.accept_conformance import (
+    ACCEPTED,
+    DOCUMENTS,
+    INPUTS,
+    changes,
+    count,
+    from_text,
+    table,
+    to_text,
+    totals,
+    with_results,
+)
 
 SUITES = redraw.known_suites()
 MOST = 40  # cases of a suite that are built here; some have more than a thousand
@@ -432,3 +443,21 @@ def test_accepted_counts_can_be_written_and_read():
     assert to_text(counts) == "S/a: 8 / 9\nS/b: not covered\n"
     assert from_text(to_text(counts)) == counts
     assert to_text(from_text(ACCEPTED.read_text())) == ACCEPTED.read_text()
+
+
+@pytest.mark.parametrize("page", DOCUMENTS, ids=lambda p: p.name)
+def test_the_documents_say_what_was_accepted(page):
+    accepted = from_text(ACCEPTED.read_text())
+    assert str(totals(accepted)[1]) in page.read_text() or table(accepted) in page.read_text()
+    assert with_results(page.read_text(), accepted) == page.read_text()
+
+
+def test_a_suite_s_totals_are_its_cases_sums():
+    counts = {"S/a": (9, 9), "S/b": (8, 9), "S/c": None, "T/a": (1, 1)}
+    of_suite, whole = totals(counts)
+    assert str(of_suite["S"]) == "exact: 1 of 2 cases; pixels: 17 of 18; not covered: 1"
+    assert str(whole) == "exact: 2 of 3 cases; pixels: 18 of 19; not covered: 1"
+    text = f"<!-- begin table -->\nold\n<!-- end table -->\n{run.Totals()}\n"
+    assert with_results(text, counts) == (
+        f"<!-- begin table -->\n{table(counts)}<!-- end table -->\n{whole}\n"
+    )

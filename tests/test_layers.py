@@ -11,7 +11,7 @@ import pytest
 
 from effects.figures import FIGURES
 from pipeline.profile import EVIDENCE_TAGS, Profile
-from pipeline.profiles import GEFORCE_256, IDEAL, PROFILES
+from pipeline.profiles import PROFILES
 from pipeline.validate import validate
 
 ROOT = Path(__file__).parents[1]
@@ -124,7 +124,7 @@ def test_every_figure_names_a_paper_of_the_bibliography(figure_id):
     assert FIGURES[figure_id].source in bibliography_keys()
 
 
-@pytest.mark.parametrize("profile", [GEFORCE_256, IDEAL], ids=lambda p: p.name)
+@pytest.mark.parametrize("profile", PROFILES.values(), ids=lambda p: p.name)
 @pytest.mark.parametrize("figure_id", FIGURES)
 def test_every_command_of_every_figure_is_one_its_machine_can_hold(figure_id, profile):
     figure = FIGURES[figure_id]
