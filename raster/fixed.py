@@ -8,6 +8,7 @@ from numba import int32, int64
 
 from raster.kernel import bits_of, float_of, kernel
 
+_FRACTION = int64((1 << 52) - 1)  # a float64's mantissa without its leading one: 0 in a power of two
 _LOW_29 = int64(-1 << 29)  # keeps sign, exponent and 23 mantissa bits: 24 significant bits
 
 
@@ -31,12 +32,20 @@ def clamp(value, low, high):
 
 
 @kernel
-def below_24(value):
-    """The largest float with 24 significant bits strictly below a positive float64.
+def is_power_of_two(value):
+    """Whether a positive float64 is 2**k."""
+    return (bits_of(value) & _FRACTION) == int64(0)
 
-    Measured: the reciprocal of the area in colour weights (Depth_buffer captures).
+
+@kernel
+def reciprocal_24(inverse):
+    """1/D truncated to 24 significant bits, from ``inverse``, the float64 nearest to it: a power of two is
+    exact, anything else lies below.
+
+    Measured: the reciprocal of the area in colour weights (Depth_buffer captures; Alpha_func captures for
+    areas that are powers of two, 64522 of 64522 pixels).
     """
-    return float_of((bits_of(value) - int64(1)) & _LOW_29)
+    return float_of((bits_of(inverse) - int64(0 if is_power_of_two(inverse) else 1)) & _LOW_29)
 
 
 @kernel

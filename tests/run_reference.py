@@ -87,7 +87,7 @@ def _run(frame, command, profile):
         case MakeCurrent():
             if command.surface not in frame.surfaces:
                 frame.surfaces[command.surface] = render.Target(
-                    command.width, command.height, command.depth_bits, command.color_format
+                    command.width, command.height, command.depth_bits, color_format=command.color_format
                 )
             frame.current = frame.surfaces[command.surface]
         case BindTexImage():

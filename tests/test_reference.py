@@ -92,8 +92,9 @@ def test_mantissas_are_cut_never_rounded():
 
 
 def test_the_largest_float_below_is_strictly_below():
-    assert fixed.largest_below(0.25, 24) == 0.25 - 2.0**-26
-    assert fixed.largest_below(1.0 / 3.0, 24) == math.floor(2**25 / 3.0) / 2**25
+    assert fixed.reciprocal(0.25, 24) == 0.25
+    assert fixed.reciprocal(0.375, 24) == 0.375 - 2.0**-25
+    assert fixed.reciprocal(1.0 / 3.0, 24) == math.floor(2**25 / 3.0) / 2**25
 
 
 # --------------------------------------------------------------------------------------------------- coverage
@@ -159,9 +160,15 @@ def test_the_scissor_box_counts_from_below():
 
 
 def test_exact_ties_of_the_weights_follow_the_low_reciprocal():
-    # q1 = q2 = 1/4 - 2^-26, q0 = 1 - q1 - q2: floor(256 q0) = 128, floor(256 q2) = 63, the middle takes 65.
-    w = interpolate.weights((2, 1, 1), (1.0, 1.0, 1.0))
+    # 1/12 is cut, so q1 = q2 fall below 1/4 and q0 = 1 - q1 - q2 rises above 1/2: floor(256 q0) = 128,
+    # floor(256 q2) = 63, the middle takes 65.
+    w = interpolate.weights((6, 3, 3), (1.0, 1.0, 1.0))
     assert (w.color, w.residual, w.b0, w.b2) == ((128, 65, 63), 0, 0.5, 0.25)
+
+
+def test_exact_ties_in_an_area_that_is_a_power_of_two_are_exact():
+    w = interpolate.weights((2, 1, 1), (1.0, 1.0, 1.0))
+    assert (w.color, w.residual, w.b0, w.b2) == ((128, 64, 64), 3, 0.5, 0.25)
 
 
 def test_the_residual_vertex_follows_the_classes():
@@ -419,17 +426,21 @@ def test_opengls_threshold_keeps_a_linear_magnifier_half_a_level_longer():
 
 def test_nearest_texels_are_floored_and_exact_boundaries_follow_the_tie_rule():
     # One texel per pixel: T at pixel 2 is 2.5, texel 2. Shifted by half a texel T is 3 exactly; the weight of
-    # vertex 0 is the largest at pixel (2, 2), so the sum for s is v1 - v2 = 8 >= 0: texel 3. With vertices 1
-    # and 2 exchanged it is -8 < 0: texel 2.
+    # vertex 0 is the largest at pixel (2, 2), so the sum for s is v1 - v2 = 12 >= 0: texel 3. With vertices 1
+    # and 2 exchanged it is -12 < 0: texel 2; where the area is a power of two, texel 3 again.
     image = texture(*[[10 * i for i in range(8)]] * 8)
     nearest = Sampler(min_filter=TextureFilter.NEAREST, mag_filter=TextureFilter.NEAREST)
     assert sampled(screen_aligned(1.0, 8), 2, 2, image, nearest)[0] == 20
-    corners = ((0, 0), (1024, 0), (0, 1024))
     half = 0.5 / 8
-    st = [(half, 0.0, 0.0, 1.0), (8.0 + half, 0.0, 0.0, 1.0), (half, 8.0, 0.0, 1.0)]
-    assert sampled(textured(corners, st), 2, 2, image, nearest)[0] == 30
-    exchanged = textured((corners[0], corners[2], corners[1]), (st[0], st[2], st[1]))
-    assert sampled(exchanged, 2, 2, image, nearest)[0] == 20
+
+    def shifted(edge, order):
+        corners = ((0, 0), (16 * edge, 0), (0, 16 * edge))
+        st = [(half, 0.0, 0.0, 1.0), (edge / 8 + half, 0.0, 0.0, 1.0), (half, edge / 8, 0.0, 1.0)]
+        return textured([corners[i] for i in order], [st[i] for i in order])
+
+    assert sampled(shifted(96, (0, 1, 2)), 2, 2, image, nearest)[0] == 30
+    assert sampled(shifted(96, (0, 2, 1)), 2, 2, image, nearest)[0] == 20
+    assert sampled(shifted(64, (0, 2, 1)), 2, 2, image, nearest)[0] == 30
 
 
 # ---------------------------------------------------------------------------------------------------- combine

@@ -57,12 +57,19 @@ def keep_significant_bits(value, bits):
     return from_pattern(to_pattern(value) >> dropped << dropped)
 
 
-def largest_below(value, bits):
-    """The largest float of ``bits`` significant bits strictly below a positive value.
+def is_power_of_two(value):
+    """Whether a positive float64 is 2^k. Source: IEEE 754."""
+    return math.frexp(value)[0] == 0.5
 
-    Measured: the reciprocal with which NV2A forms its weights (153600 and 28618 pixels).
+
+def reciprocal(inverse, bits):
+    """1/D cut to ``bits`` significant bits, from the float64 nearest to it: below it, exact where D is 2^k.
+
+    Measured: the reciprocal with which NV2A forms its weights (153600, 28618 and 64522 pixels).
     """
-    return keep_significant_bits(from_pattern(to_pattern(value) - 1), bits)
+    if is_power_of_two(inverse):
+        return inverse
+    return keep_significant_bits(from_pattern(to_pattern(inverse) - 1), bits)
 
 
 def floor_float(value):

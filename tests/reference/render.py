@@ -17,10 +17,10 @@ class Target:
     width: int
     height: int
     depth_bits: int
-    color_format: ColorFormat = ColorFormat.A8R8G8B8
     color: list = field(default_factory=list)
     depth: list = field(default_factory=list)
     stencil: list = field(default_factory=list)
+    color_format: ColorFormat = ColorFormat.A8R8G8B8
 
     def __post_init__(self):
         """Zero color, the farthest depth, stencil zero. Assumed: OpenGL leaves a new buffer undefined."""
