@@ -1,7 +1,10 @@
 """Captures of a real chip: every suite's cases are sound, the command says what is so, nothing got worse."""
 
 import json
+import os
 import re
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -362,6 +365,28 @@ def test_what_is_no_folder_of_captures_is_refused(tmp_path, monkeypatch):
 def test_a_result_that_cannot_be_written_is_refused_first(suites, tmp_path, option):
     save(tmp_path, "Plain", "Red")
     assert "is a folder" in refusal(tmp_path, option, tmp_path / "Plain")
+
+
+@pytest.mark.parametrize("piped", [True, False])
+def test_the_progress_bar_keeps_out_of_the_lines(tmp_path, piped):
+    pty = pytest.importorskip("pty", reason="no terminals here")
+    save(tmp_path, "Unheard_of", "Red")
+    mine, its = pty.openpty()
+    done = subprocess.run(
+        [sys.executable, "-m", "effects.cli", "conformance", str(tmp_path)],
+        stdout=subprocess.PIPE if piped else its,
+        stderr=its,
+        cwd=ACCEPTED.parents[2],
+        env=os.environ | {"TERM": "xterm", "COLUMNS": "100"},
+        check=True,
+    )
+    os.close(its)
+    on_terminal = os.read(mine, 1 << 16).decode()
+    os.close(mine)
+    lines = done.stdout.decode().splitlines() if piped else re.split(r"\r\n|\r|\x1b\[2K", on_terminal)
+    assert "Unheard_of/Red: not covered: the suite is not covered" in lines
+    assert [line for line in lines if line][-1] == "exact: 0 of 0 cases; pixels: 0 of 0; not covered: 1"
+    assert "1/1" in on_terminal
 
 
 @pytest.mark.parametrize("threads", [1, 2, 7])

@@ -50,18 +50,18 @@ def conformance(folder, suites, text, list_only, inputs, json_file, html_file, t
     from effects.conformance.run import Totals, compare_all
 
     page, records, total, failed = Page() if html_path else None, [], Totals(), 0
-    with _progress(len(captures)) as step:
+    with _progress(len(captures)) as (say, step):
         comparisons = compare_all(captures, Inputs(inputs), threads)
         for suite, cases in groupby(comparisons, lambda c: c.suite):
             of_suite = Totals()
             for case in cases:
-                click.echo(_line(case))
+                say(_line(case))
                 of_suite, failed = of_suite + Totals.of(case), failed + case.failed
                 records.append(record_of(case))
                 if page:
                     page.add(case)
                 step(f"{case.suite}/{case.name}")
-            click.echo(f"{suite}: {of_suite}\n")
+            say(f"{suite}: {of_suite}\n")
             total = total + of_suite
     if json_path:
         write_whole(json_path, (json.dumps(records, indent=1) + "\n").encode())
@@ -134,17 +134,21 @@ def _folder_of_inputs(inputs, folder):
 
 @contextmanager
 def _progress(cases):
-    """A function that names the case just compared on a terminal's progress bar; silent elsewhere."""
+    """Two functions: print a line; name the case just compared, on a terminal's progress bar."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     console = Console(stderr=True, highlight=False)
     if not console.is_terminal:
-        yield lambda text: None
+        yield click.echo, lambda text: None
         return
     columns = BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}")
-    # Lines go above the bar only where both are on the terminal; piped ones must stay in the pipe.
-    above = sys.stdout.isatty()
-    with Progress(*columns, console=console, transient=True, redirect_stdout=above) as progress:
+    with Progress(*columns, console=console, transient=True, redirect_stdout=False) as progress:
         task = progress.add_task("", total=cases)
-        yield lambda text: progress.update(task, description=text, advance=1)
+
+        def above_the_bar(line):
+            console.print(line, markup=False, soft_wrap=True)
+
+        # What is piped stays in the pipe; what goes to the same terminal must not run into the bar.
+        say = above_the_bar if sys.stdout.isatty() else click.echo
+        yield say, lambda text: progress.update(task, description=text, advance=1)
