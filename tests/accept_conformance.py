@@ -14,6 +14,7 @@ from pathlib import Path
 from effects.cli.captures import find_captures
 from effects.cli.files import write_whole
 from effects.conformance.case import Inputs
+from effects.conformance.redraw import known_suites
 from effects.conformance.run import Totals, compare_all
 from tests.conftest import CAPTURES
 
@@ -44,7 +45,7 @@ def from_text(text) -> Counts:
 def count(captures, inputs):
     """Redraw the captures: their Counts, and the notes of those that ended with an error, by name."""
     counts, errors = {}, {}
-    for c in compare_all(captures, inputs):
+    for c in compare_all(captures, known_suites(), inputs):
         name = f"{c.suite}/{c.name}"
         counts[name] = (c.pixels_equal, c.pixels_compared) if c.covered else None
         if c.failed:

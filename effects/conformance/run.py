@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from effects.conformance.redraw import Comparison, compare, known_suites
+from effects.conformance.redraw import Comparison, compare
 from pipeline.execute import default_threads
 
 
@@ -30,13 +30,13 @@ def _compare(capture, module, inputs):
         return Comparison(suite=capture.suite, name=capture.name, theirs=theirs, failed=True, note=note)
 
 
-def compare_all(captures, inputs, threads=None):
+def compare_all(captures, modules, inputs, threads=None):
     """Yield the Comparison of every Capture, in their order.
 
-    ``inputs``: an Inputs. ``threads``: cases at a time; None: one per processor. The bits are the same for
+    ``modules``: of the suites, by name (``known_suites()``). ``inputs``: an Inputs. ``threads``: cases at a time; None: one per processor. The bits are the same for
     any number. What ``read`` raises is raised here; what a case raises is its Comparison's note.
     """
-    modules, pending = known_suites(), deque()
+    pending = deque()
     threads = threads or default_threads()
     with ThreadPoolExecutor(threads, "fixedpipe-case") as pool:
         try:
