@@ -132,7 +132,8 @@ def _section(suite, rows, pictures, totals):
     return (
         f'<section id="{escape(suite)}"><h2>{escape(suite)}</h2>'
         f'<p class="quiet">{escape(str(totals))}</p>'
-        f'<details{" open" * (totals.exact == totals.cases > 0)}><summary>all cases</summary><div class="table"><table>'
+        f"<details{' open' * (totals.exact == totals.cases > 0)}><summary>all cases</summary>"
+        '<div class="table"><table>'
         f"<tr><th>case</th><th>pixels equal / compared</th><th></th></tr>{''.join(rows)}</table></div>"
         f"</details>{''.join(pictures)}</section>"
     )

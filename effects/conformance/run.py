@@ -33,8 +33,9 @@ def _compare(capture, module, inputs):
 def compare_all(captures, modules, inputs, threads=None):
     """Yield the Comparison of every Capture, in their order.
 
-    ``modules``: of the suites, by name (``known_suites()``). ``inputs``: an Inputs. ``threads``: cases at a time; None: one per processor. The bits are the same for
-    any number. What ``read`` raises is raised here; what a case raises is its Comparison's note.
+    ``modules``: of the suites, by name (``known_suites()``). ``inputs``: an Inputs. ``threads``: cases at a
+    time; None: one per processor. The bits are the same for any number. What ``read`` raises is raised here;
+    what a case raises is its Comparison's note.
     """
     pending = deque()
     threads = threads or default_threads()
