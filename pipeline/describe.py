@@ -73,7 +73,10 @@ _WORDS = {
     (Sampler, "wrap_s"): "TEXTURE_WRAP_S",
     (Sampler, "wrap_t"): "TEXTURE_WRAP_T",
     (Sampler, "border_color"): "TEXTURE_BORDER_COLOR",
+    (Sampler, "compare_mode"): "TEXTURE_COMPARE_MODE",
+    (Sampler, "compare_function"): "TEXTURE_COMPARE_FUNC",
     (PassState, "texture_units"): "texture unit",
+    (PassState, "texture_shader"): "TEXTURE_SHADER stage",
     (PassState, "color_sum"): "COLOR_SUM",
     (PassState, "fog"): "FOG enabled",
     (PassState, "scissor"): "SCISSOR_TEST enabled",
@@ -117,7 +120,7 @@ def _value(value):
     if isinstance(value, tuple) and value and isinstance(value[0], tuple):
         return "[" + " | ".join(" ".join(_number(v) for v in row) for row in value) + "]"
     if isinstance(value, tuple):
-        return f"({', '.join(_number(v) for v in value)})"
+        return f"({', '.join(_value(v) for v in value)})"
     return "whole framebuffer" if value is None else _number(value)
 
 

@@ -5,7 +5,7 @@ read, and each kernel module repeats, as plain integers, the codes it decides on
 checks that the two agree).
 
 Source: OpenGL 1.2.1 (Segal, Akeley 1999); NV_register_combiners; EXT_texture_cube_map; NV_texgen_reflection;
-EXT_stencil_wrap; EXT_blend_minmax; EXT_blend_subtract; EXT_texture_lod_bias.
+EXT_stencil_wrap; EXT_blend_minmax; EXT_blend_subtract; EXT_texture_lod_bias; NV_texture_shader; ARB_shadow.
 """
 
 from enum import IntEnum
@@ -382,3 +382,61 @@ class MagnificationThreshold(IntEnum):
 
     ZERO = 0
     OPENGL_C = 1
+
+
+class TextureShaderOperation(IntEnum):
+    """SHADER_OPERATION: NV_texture_shader, NV_texture_shader2 and, last, the NV2A's own."""
+
+    NONE = 0
+    TEXTURE_1D = 1
+    TEXTURE_2D = 2
+    TEXTURE_RECTANGLE = 3
+    TEXTURE_CUBE_MAP = 4
+    TEXTURE_3D = 5
+    PASS_THROUGH = 6
+    CULL_FRAGMENT = 7
+    OFFSET_TEXTURE_2D = 8
+    OFFSET_TEXTURE_2D_SCALE = 9
+    OFFSET_TEXTURE_RECTANGLE = 10
+    OFFSET_TEXTURE_RECTANGLE_SCALE = 11
+    DEPENDENT_AR_TEXTURE_2D = 12
+    DEPENDENT_GB_TEXTURE_2D = 13
+    DOT_PRODUCT = 14
+    DOT_PRODUCT_TEXTURE_2D = 15
+    DOT_PRODUCT_TEXTURE_RECTANGLE = 16
+    DOT_PRODUCT_TEXTURE_3D = 17
+    DOT_PRODUCT_TEXTURE_CUBE_MAP = 18
+    DOT_PRODUCT_REFLECT_CUBE_MAP = 19
+    DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP = 20
+    DOT_PRODUCT_DIFFUSE_CUBE_MAP = 21
+    DOT_PRODUCT_DEPTH_REPLACE = 22
+
+
+class DotProductMapping(IntEnum):
+    """How a dot product reads the previous stage's texel, as the NV2A's SET_DOT_RGBMAPPING numbers them.
+
+    The first two are RGBA_UNSIGNED_DOT_PRODUCT_MAPPING's; the HILO mappings read two words of 16 bits: alpha
+    and red, green and blue.
+    """
+
+    UNSIGNED_IDENTITY = 0
+    EXPAND_NORMAL = 1
+    SIGNED_ODD = 2
+    SIGNED_IDENTITY = 3
+    UNSIGNED_HILO = 4
+    SIGNED_HILO_HEMISPHERE = 7
+
+
+class CullMode(IntEnum):
+    """CULL_MODES (NV_texture_shader): which coordinates a CULL_FRAGMENT stage keeps."""
+
+    GEQUAL = 0
+    LESS = 1
+
+
+class TextureCompareMode(IntEnum):
+    """TEXTURE_COMPARE_MODE (ARB_shadow), and what the NV2A's two-dimensional stages compare instead of r."""
+
+    NONE = 0
+    COMPARE_R_TO_TEXTURE = 1
+    COMPARE_ZERO_TO_TEXTURE = 2

@@ -271,7 +271,7 @@ def _rasterize(framebuffer, primitives, packed, state, textures, batch, threads,
         return 0, dropped + p.dropped, _fragments(_NO_RECORD) if record else None
     texels, levels = [_NO_TEXELS] * 4, np.ones((len(packed.units), R.MAX_LEVELS, 3), np.int32)
     for i, unit in enumerate(state.texture_units):
-        if unit is not None and packed.units[i, R.ENABLED]:
+        if unit is not None and packed.units[i, R.ENABLED] and unit.texture is not None:
             found = _texels(textures[unit.texture])
             texels[i], levels[i] = found.packed, found.levels
     color = framebuffer.color.view(np.uint32)[..., 0]

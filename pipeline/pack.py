@@ -27,6 +27,7 @@ from pipeline.enums import (
     ShadeModel,
     StencilOperation,
     TextureFilter,
+    TextureShaderOperation,
     TextureTarget,
     VertexStage,
 )
@@ -37,6 +38,7 @@ from pipeline.state import (
     GeneralCombiner,
     PassState,
     RegisterCombiners,
+    TextureShaderStage,
 )
 from pipeline.textures import BASE_FORMAT, KEPT, register_components
 from raster import rows as R
@@ -331,13 +333,73 @@ def border_texel(color, internal_format):
     return int(r) | int(g) << 8 | int(b) << 16 | int(a) << 24
 
 
-def _pack_units(state, profile, textures, primitives, used):
+# A texture shader stage that samples the unit's own texture, as a unit without texture shaders does.
+CONVENTIONAL = frozenset(
+    {
+        TextureShaderOperation.TEXTURE_1D,
+        TextureShaderOperation.TEXTURE_2D,
+        TextureShaderOperation.TEXTURE_RECTANGLE,
+        TextureShaderOperation.TEXTURE_CUBE_MAP,
+        TextureShaderOperation.TEXTURE_3D,
+    }
+)
+WITHOUT_TEXTURE = frozenset(
+    {
+        TextureShaderOperation.PASS_THROUGH,
+        TextureShaderOperation.CULL_FRAGMENT,
+        TextureShaderOperation.DOT_PRODUCT,
+        TextureShaderOperation.DOT_PRODUCT_DEPTH_REPLACE,
+    }
+)
+_DISCARDING = frozenset(
+    {TextureShaderOperation.CULL_FRAGMENT, TextureShaderOperation.DOT_PRODUCT_DEPTH_REPLACE}
+)
+
+
+def _pattern(value):
+    """The bit pattern of a float64."""
+    return np.float64(value).view(np.int64)
+
+
+def _pack_shader_stage(stage, row):
+    if stage.operation not in CONVENTIONAL:
+        row[R.OPERATION] = stage.operation
+    row[R.PREVIOUS], row[R.MAPPING] = stage.previous_texture_input, stage.dot_product_mapping
+    row[R.CULL_MODES] = sum(int(mode) << k for k, mode in enumerate(stage.cull_modes))
+    row[R.OFFSET_MATRIX : R.OFFSET_MATRIX + 4] = [_pattern(a) for a in stage.offset_texture_matrix]
+    row[R.OFFSET_SCALE], row[R.OFFSET_BIAS] = (
+        _pattern(stage.offset_texture_scale),
+        _pattern(stage.offset_texture_bias),
+    )
+    row[R.CONSTANT_EYE : R.CONSTANT_EYE + 3] = [_pattern(e) for e in stage.constant_eye]
+
+
+def shader_stages(state):
+    """A texture shader stage for every texture unit, or None: texture shaders are disabled."""
+    if state.texture_shader is None:
+        return None
+    missing = len(state.texture_units) - len(state.texture_shader)
+    return (*state.texture_shader, *(TextureShaderStage(),) * missing)
+
+
+def _pack_units(state, profile, textures, primitives, used, draw):
     units = np.zeros((max(len(state.texture_units), 1), R.UNIT_SIZE), np.int64)
+    stages = shader_stages(state)
     for i, unit in enumerate(state.texture_units):
         # SPARE0's alpha begins as texture 0's alpha.
         needed = Register.TEXTURE0 + i in used or (i == 0 and Register.SPARE0 in used)
+        stage = None if stages is None else stages[i]
+        if stage is not None:
+            needed = stage.operation != TextureShaderOperation.NONE  # a later stage may need it
         if unit is None or not needed:
             continue
+        if stage is not None:
+            draw[R.TEXTURE_SHADER] = 1
+            draw[R.DISCARDS] |= stage.operation in _DISCARDING
+            _pack_shader_stage(stage, units[i])
+            if stage.operation in WITHOUT_TEXTURE:
+                units[i, R.ENABLED] = 1
+                continue
         texture, sampler = textures[unit.texture], unit.sampler
         mag_linear = sampler.mag_filter == TextureFilter.LINEAR
         minification = sampler.min_filter
@@ -401,7 +463,8 @@ def pack(state: PassState, profile, framebuffer, textures, primitives):
     factors = _pack_writing(state, draw)
     draw[R.NEEDS_COLOR] = draw[R.COLOR_MASK] != 0 or draw[R.ALPHA_TEST]
     program, final, constants, used = _pack_combiners(state, profile, draw)
-    units = _pack_units(state, profile, textures, primitives, used)
+    units = _pack_units(state, profile, textures, primitives, used, draw)
+    draw[R.NEEDS_COLOR] |= draw[R.DISCARDS]
     draw[R.UNITS] = len(state.texture_units)
     thresholds = _NO_FOG
     if Register.FOG in used and state.fog is not None:

@@ -11,11 +11,14 @@ from pipeline.enums import (
     BlendEquation,
     BlendFactor,
     ColorFormat,
+    DotProductMapping,
     InternalFormat,
     MagnificationThreshold,
     ProductRounding,
     StencilOperation,
     TexGenMode,
+    TextureCompareMode,
+    TextureShaderOperation,
     TextureTarget,
     WindowOrigin,
     WrapMode,
@@ -38,9 +41,12 @@ class Profile:
     Sets
         ``texture_targets``, ``internal_formats``, ``wrap_modes``, ``texgen_modes``, ``blend_factors_source``,
         ``blend_factors_destination``, ``blend_equations``, ``stencil_operations``, ``surface_formats`` (of
-        pbuffers' colours; none: no pbuffers).
+        pbuffers' colours; none: no pbuffers), ``texture_shader_operations`` (none: no texture shaders),
+        ``dot_product_mappings``, ``texture_compare_modes``.
     Switches
-        ``logic_op``, ``fog_coordinate``, ``separate_specular_color``, ``color_sum``.
+        ``logic_op``, ``fog_coordinate``, ``separate_specular_color``, ``color_sum``,
+        ``depth_units_in_coordinates`` (depths that come from texture coordinates, those that a depth texture
+        is compared with and those of DOT_PRODUCT_DEPTH_REPLACE, are in depth-buffer units, not in [0, 1]).
     Arithmetic
         ``exact``: float64 without limits (the ideal machine; the fields below then do not matter).
         ``expand_half``: what an 8-bit EXPAND mapping takes as one half, 128 or 127.5. ``product_rounding``,
@@ -78,11 +84,15 @@ class Profile:
     blend_equations: frozenset[BlendEquation]
     stencil_operations: frozenset[StencilOperation]
     surface_formats: frozenset[ColorFormat]
+    texture_shader_operations: frozenset[TextureShaderOperation]
+    dot_product_mappings: frozenset[DotProductMapping]
+    texture_compare_modes: frozenset[TextureCompareMode]
 
     logic_op: bool
     fog_coordinate: bool
     separate_specular_color: bool
     color_sum: bool
+    depth_units_in_coordinates: bool
 
     expand_half: float
     product_rounding: ProductRounding

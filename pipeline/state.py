@@ -19,6 +19,8 @@ from pipeline.enums import (
     CombinerScale,
     ComparisonFunction,
     ComponentUsage,
+    CullMode,
+    DotProductMapping,
     Face,
     FogCoordinateSource,
     FogMode,
@@ -30,7 +32,9 @@ from pipeline.enums import (
     ShadeModel,
     StencilOperation,
     TexGenMode,
+    TextureCompareMode,
     TextureFilter,
+    TextureShaderOperation,
     VertexStage,
     WrapMode,
 )
@@ -161,30 +165,55 @@ class PolygonState:
 
 @dataclass(frozen=True, slots=True)
 class Sampler:
-    """Texture parameters (table 3.17): how a texture image is sampled."""
+    """Texture parameters (table 3.17): how a texture image is sampled.
+
+    ``compare_mode``, ``compare_function`` (ARB_shadow, EXT_shadow_funcs): of a depth texture; every texel
+    read becomes one where "reference function texel" holds and zero elsewhere, and these are filtered.
+    """
 
     min_filter: TextureFilter = TextureFilter.NEAREST_MIPMAP_LINEAR
     mag_filter: TextureFilter = TextureFilter.LINEAR
     wrap_s: WrapMode = WrapMode.REPEAT
     wrap_t: WrapMode = WrapMode.REPEAT
     border_color: Color = (0.0, 0.0, 0.0, 0.0)
+    compare_mode: TextureCompareMode = TextureCompareMode.NONE
+    compare_function: ComparisonFunction = ComparisonFunction.LEQUAL
 
 
 @dataclass(frozen=True, slots=True)
 class TextureUnit:
     """One texture unit: which texture object it reads, how, and where its coordinates come from.
 
-    ``texture``: the name under which the scene or a CopyTexImage command stored it. ``lod_bias`` is
+    ``texture``: the name under which the scene or a CopyTexImage command stored it; None where the unit's
+    texture shader stage reads none. ``lod_bias`` is
     EXT_texture_lod_bias's per-unit bias. ``coordinates``: which of the mesh's texture coordinate sets feeds
     the unit. ``gen``: generation for s, t, r, q.
     """
 
-    texture: str
+    texture: str | None
     sampler: Sampler = Sampler()
     lod_bias: float = 0.0
     coordinates: int = 0
     gen: tuple[TexGen, TexGen, TexGen, TexGen] = (TexGen(), TexGen(), TexGen(), TexGen())
     matrix: Matrix = IDENTITY
+
+
+@dataclass(frozen=True, slots=True)
+class TextureShaderStage:
+    """NV_texture_shader: what a texture unit does with its coordinates and with earlier stages' texels.
+
+    ``previous_texture_input``: the unit whose texel offsets, addresses or is multiplied.
+    ``offset_texture_matrix``: (a1, a2, a3, a4), by columns. ``constant_eye``: CONST_EYE.
+    """
+
+    operation: TextureShaderOperation = TextureShaderOperation.NONE
+    previous_texture_input: int = 0
+    cull_modes: tuple[CullMode, CullMode, CullMode, CullMode] = (CullMode.GEQUAL,) * 4
+    offset_texture_matrix: Vector4 = (1.0, 0.0, 0.0, 1.0)
+    offset_texture_scale: float = 1.0
+    offset_texture_bias: float = 0.0
+    dot_product_mapping: DotProductMapping = DotProductMapping.UNSIGNED_IDENTITY
+    constant_eye: tuple[float, float, float] = (0.0, 0.0, -1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -356,6 +385,8 @@ class PassState:
     ``register_combiners`` None: NV_register_combiners disabled; the fragment is then its primary colour, plus
     the secondary colour if ``color_sum``, then fog.
     ``logic_op`` None: disabled.
+    ``texture_shader``: stage i is texture unit i's, NONE where there are fewer; None: TEXTURE_SHADER is
+    disabled, and each enabled unit samples its texture.
     """
 
     vertex: VertexState = VertexState()
@@ -371,3 +402,4 @@ class PassState:
     blending: Blending | None = None
     logic_op: LogicOperation | None = None
     color_mask: ColorMask = field(default_factory=ColorMask)
+    texture_shader: tuple[TextureShaderStage, ...] | None = None

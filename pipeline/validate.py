@@ -5,9 +5,10 @@
 sentence names the command, what was given, what the machine allows, and what to do about it.
 
 Source: the errors of OpenGL 1.2.1, NV_register_combiners and 2, EXT_texture_cube_map, NV_texgen_reflection,
-EXT_texture_lod_bias, EXT_stencil_wrap, EXT_fog_coord. Where OpenGL clamps silently (clear colours, constant
-colours, alpha and stencil references) so do the stages that follow, and nothing is refused; where it calls
-the result undefined (pixels read outside the framebuffer, an incomplete texture) this module refuses.
+EXT_texture_lod_bias, EXT_stencil_wrap, EXT_fog_coord, NV_texture_shader. Where OpenGL
+clamps silently (clear colours, constant colours, alpha and stencil references) so do the stages that follow,
+and nothing is refused; where it calls the result undefined (pixels read outside the framebuffer, an
+incomplete texture) this module refuses.
 """
 
 import math
@@ -45,10 +46,12 @@ from pipeline.enums import (
     Register,
     TexGenMode,
     TextureFilter,
+    TextureShaderOperation,
     TextureTarget,
     VertexStage,
 )
 from pipeline.framebuffer import READ_FORMATS, READABLE_AS
+from pipeline.pack import WITHOUT_TEXTURE, shader_stages
 from pipeline.state import VertexState
 from pipeline.textures import COMPONENT_BITS, Texture
 from pipeline.vertex import invert_upper_left, needs_normals
@@ -204,6 +207,87 @@ def _type_check(annotation):
         return _Wrong("", f"is {_shown(value)}; give a value of type {annotation.__name__}")
 
     return check
+
+
+# --------------------------------------------------------------------- rules of NV_texture_shader alone
+
+_OP = TextureShaderOperation
+_OF_TARGET = {
+    _OP.TEXTURE_1D: TextureTarget.TEXTURE_1D,
+    _OP.TEXTURE_2D: TextureTarget.TEXTURE_2D,
+    _OP.TEXTURE_CUBE_MAP: TextureTarget.TEXTURE_CUBE_MAP,
+}
+# Operations that make coordinates, and how many of the unit's own they take.  Source: table 3.C.
+_DEPENDENT = {
+    _OP.OFFSET_TEXTURE_2D: 2,
+    _OP.OFFSET_TEXTURE_2D_SCALE: 2,
+    _OP.OFFSET_TEXTURE_RECTANGLE: 2,
+    _OP.OFFSET_TEXTURE_RECTANGLE_SCALE: 2,
+    _OP.DEPENDENT_AR_TEXTURE_2D: 0,
+    _OP.DEPENDENT_GB_TEXTURE_2D: 0,
+    _OP.DOT_PRODUCT_TEXTURE_2D: 3,
+    _OP.DOT_PRODUCT_TEXTURE_RECTANGLE: 3,
+    _OP.DOT_PRODUCT_TEXTURE_3D: 3,
+    _OP.DOT_PRODUCT_TEXTURE_CUBE_MAP: 3,
+    _OP.DOT_PRODUCT_REFLECT_CUBE_MAP: 3,
+    _OP.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP: 3,
+    _OP.DOT_PRODUCT_DIFFUSE_CUBE_MAP: 3,
+}
+# Which textures they read.  Source: table 3.B; Measured: cube maps as volumes, and 2D textures as cube maps
+# (DotSTR3D and Texture_2D_as_cubemap captures).
+_ACCESSIBLE = {
+    operation: (
+        (TextureTarget.TEXTURE_CUBE_MAP, TextureTarget.TEXTURE_2D)
+        if operation.name.endswith(("CUBE_MAP", "3D"))
+        else (TextureTarget.TEXTURE_2D,)
+    )
+    for operation in _DEPENDENT
+}
+_REFLECTING = (_OP.DOT_PRODUCT_REFLECT_CUBE_MAP, _OP.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP)
+_WITHOUT_RESULT = (_OP.NONE, _OP.CULL_FRAGMENT, _OP.DOT_PRODUCT, _OP.DOT_PRODUCT_DEPTH_REPLACE)
+
+
+def _stage_problem(i, stages):
+    """What is inconsistent about texture shader stage ``i``, or None.
+
+    Source: NV_texture_shader, table 3.A.
+    """
+    operations = [stage.operation for stage in stages]
+    operation, previous = operations[i], stages[i].previous_texture_input
+    dotted = operation.name.startswith("DOT_PRODUCT")
+    if (dotted or operation in _DEPENDENT) and (
+        not 0 <= previous < i or operations[previous] in _WITHOUT_RESULT
+    ):
+        given = operations[previous].name if 0 <= previous < len(stages) else "no stage"
+        return (
+            f"texture shader stage {i} ({operation.name}) reads stage {previous} ({given}); give "
+            "previous_texture_input an earlier stage that results in a color or a texel."
+        )
+    if not dotted or operation is _OP.DOT_PRODUCT:
+        return None
+    before = 1 if operation.name.endswith(("2D", "RECTANGLE", "REPLACE", "DIFFUSE_CUBE_MAP")) else 2
+    for k in range(1, before + 1):
+        allowed = (_OP.DOT_PRODUCT,)
+        if k == 1 and operation in _REFLECTING:
+            allowed = (_OP.DOT_PRODUCT, _OP.DOT_PRODUCT_DIFFUSE_CUBE_MAP)
+        if i < k or operations[i - k] not in allowed:
+            return (
+                f"texture shader stage {i} is {operation.name}; the stage {k} before it must be "
+                f"{' or '.join(a.name for a in allowed)}."
+            )
+    if operation is _OP.DOT_PRODUCT_DIFFUSE_CUBE_MAP and (
+        i + 1 >= len(stages) or operations[i + 1] not in _REFLECTING
+    ):
+        return (
+            f"texture shader stage {i} is DOT_PRODUCT_DIFFUSE_CUBE_MAP; the stage after it must be "
+            f"{' or '.join(a.name for a in _REFLECTING)}."
+        )
+    if operation is _OP.DOT_PRODUCT_DEPTH_REPLACE and operation in operations[:i]:
+        return (
+            f"texture shader stage {i} is a second DOT_PRODUCT_DEPTH_REPLACE; a fragment has one depth, so "
+            "leave one of them out."
+        )
+    return None
 
 
 # ----------------------------------------------------------------- rules of NV_register_combiners alone
@@ -810,24 +894,86 @@ class _Walk:
                 f"texture unit {enabled[0][0]} is enabled without register combiners; texture environments "
                 "are not available. Set register_combiners (MODULATE is AB = TEXTURE0 * PRIMARY_COLOR)."
             )
+        stages = self.texture_shader(state)
         for i, unit in enabled:
+            operation = None if stages is None else stages[i].operation
+            if operation in WITHOUT_TEXTURE or operation is TextureShaderOperation.NONE:
+                self.unit_coordinates(i, unit, 0 if operation is TextureShaderOperation.NONE else 3, mesh)
+                continue
+            if unit.texture is None:
+                self.refuse(f"texture unit {i} names no texture to sample; give one, or disable the unit.")
             known = self.known_texture(unit.texture)
-            self.unit_coordinates(i, unit, known, mesh)
+            needed = {TextureTarget.TEXTURE_1D: 1, TextureTarget.TEXTURE_2D: 2}.get(known.target, 3)
+            if operation in _DEPENDENT:
+                needed = _DEPENDENT[operation]
+                self.dependent_access(i, unit, known, operation)
+            elif operation in _OF_TARGET and known.target is not _OF_TARGET[operation]:
+                self.refuse(
+                    f"texture shader stage {i} is {operation.name}, but {unit.texture!r} is a "
+                    f"{known.target.name}; give the operation of its target."
+                )
+            self.unit_coordinates(i, unit, needed, mesh)
             if self.first_time(unit, known):
                 self.sampler(i, unit, known)
 
-    def unit_coordinates(self, number, unit, known, mesh):
+    def texture_shader(self, state):
+        """The stages of every unit, checked, or None."""
+        if state.texture_shader is None:
+            return None
+        profile, units = self.profile, len(state.texture_units)
+        if not profile.texture_shader_operations:
+            self.refuse(f"{profile.name} has no texture shaders; leave texture_shader None.")
+        if len(state.texture_shader) > units:
+            self.refuse(
+                f"there are {len(state.texture_shader)} texture shader stages, but "
+                f"{_count(units, 'texture unit')}; give each stage a unit."
+            )
+        stages = shader_stages(state)
+        for i, stage in enumerate(stages):
+            if stage.operation is TextureShaderOperation.NONE:
+                continue
+            if stage.operation not in profile.texture_shader_operations:
+                self.refuse(
+                    f"{profile.name} has no {stage.operation.name} (texture shader stage {i}); it has "
+                    f"{_names(profile.texture_shader_operations)}."
+                )
+            if stage.dot_product_mapping not in profile.dot_product_mappings:
+                self.refuse(
+                    f"{profile.name} has no dot product mapping {stage.dot_product_mapping.name} (texture "
+                    f"shader stage {i}); it has {_names(profile.dot_product_mappings)}."
+                )
+            if state.texture_units[i] is None:
+                self.refuse(
+                    f"texture shader stage {i} is {stage.operation.name}, but texture unit {i} is disabled; "
+                    "enable it (with no texture where the operation reads none)."
+                )
+            if problem := _stage_problem(i, stages):
+                self.refuse(problem)
+        return stages
+
+    def dependent_access(self, number, unit, known, operation):
+        filters = unit.sampler.min_filter, unit.sampler.mag_filter
+        if filters[0] is not filters[1]:
+            self.refuse(
+                f"texture unit {number} minifies with {filters[0].name}, magnifies with {filters[1].name}; "
+                f"{operation.name} makes coordinates that have no level of detail here; set both to "
+                "NEAREST or both to LINEAR."
+            )
+        if known.target not in _ACCESSIBLE[operation]:
+            self.refuse(
+                f"texture shader stage {number} is {operation.name}, but {unit.texture!r} is a "
+                f"{known.target.name}; give it a {' or '.join(t.name for t in _ACCESSIBLE[operation])}."
+            )
+
+    def unit_coordinates(self, number, unit, needed, mesh):
         sets = len(mesh.texture_coordinates)
         if unit.coordinates < 0:
             self.refuse(f"texture unit {number} takes coordinate set {unit.coordinates}; sets count from 0.")
-        if unit.coordinates >= sets:
-            needed = {TextureTarget.TEXTURE_1D: 1, TextureTarget.TEXTURE_2D: 2}.get(known.target, 3)
-            if any(gen.mode is TexGenMode.NONE for gen in unit.gen[:needed]):
-                self.refuse(
-                    f"texture unit {number} takes coordinate set {unit.coordinates}, but the mesh has "
-                    f"{_count(sets, 'set')}; give the mesh coordinates or generate "
-                    f"{', '.join('str'[:needed])}."
-                )
+        if unit.coordinates >= sets and any(gen.mode is TexGenMode.NONE for gen in unit.gen[:needed]):
+            self.refuse(
+                f"texture unit {number} takes coordinate set {unit.coordinates}, but the mesh has "
+                f"{_count(sets, 'set')}; give the mesh coordinates or generate {', '.join('str'[:needed])}."
+            )
 
     def sampler(self, number, unit, known):
         profile, sampler, place = self.profile, unit.sampler, f"texture unit {number}"
@@ -842,6 +988,11 @@ class _Walk:
                     f"{profile.name} has no {getattr(sampler, name).name}, which {place} asks for {name}; "
                     f"it has {_names(profile.wrap_modes)}."
                 )
+        if sampler.compare_mode not in profile.texture_compare_modes:
+            self.refuse(
+                f"{profile.name} has no {sampler.compare_mode.name}, which {place} asks for compare_mode; it "
+                f"has {_names(profile.texture_compare_modes)}."
+            )
         width, height = known.sizes[0]
         mipmapped = sampler.min_filter not in (TextureFilter.NEAREST, TextureFilter.LINEAR)
         if mipmapped and len(known.sizes) != complete_levels(width, height):

@@ -22,10 +22,20 @@ from raster.interpolate import (
     iterate_fog,
     tie_bias,
 )
-from raster.kernel import kernel, separate_function
+from raster.kernel import float_of, kernel, separate_function
 from raster.level_of_detail import level_of_detail
-from raster.per_fragment import per_fragment
-from raster.sample import TAU, cube_faces, divide_by_q, sample_unit
+from raster.per_fragment import all_alive, per_fragment
+from raster.sample import TAU, cube_faces, divide_by_q, sample_unit, unpack
+from raster.texture_shader import (
+    DOT_PRODUCT_3D,
+    OFFSET_2D_SCALE,
+    OFFSET_RECTANGLE_SCALE,
+    copy_texel,
+    dependent_ties,
+    flat_face,
+    scale_texel,
+    shader_stage,
+)
 
 NARROW = 16  # pixels: boxes up to this wide are searched pixel by pixel, wider ones by division
 
@@ -70,7 +80,7 @@ def unbound_texture(registers, unit, count):
 @kernel(
     "void(i8[::1],i4[:,:,::1],i4[:,::1],i2[:,::1],i4[::1],i8,i4[::1],i4[::1],i4[::1],i8,i4[:,::1],i4[::1],i4[::1],"
     "f8[::1],u1[:,:,::1],f8[:,:,::1],f8[::1],f8[::1],u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],i8[:,::1],"
-    "i4[::1],i4[::1],i4[::1],i8,f8[::1],f8[::1],f8[::1],f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i4[:,::1],i4[:,::1],i2[:,::1])"
+    "i4[::1],i4[::1],i4[::1],i8,f8[::1],f8[::1],f8[::1],f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i4[:,::1],i4[:,::1],i2[:,::1],i4[::1],u1[::1])"
 )
 def shade(
     draw,
@@ -111,9 +121,16 @@ def shade(
     products,
     total,
     results,
+    depth,
+    alive,
 ):
-    """Fragment colours of a batch, into ``results`` planes 0..3: interpolation, texture units, combiners."""
+    """Fragment colours of a batch, into ``results`` planes 0..3: interpolation, texture units, combiners.
+
+    A texture shader may change ``depth`` and ``alive``.
+    """
     separate_function()
+    if draw[R.DISCARDS]:
+        all_alive(alive, count)
     if draw[R.NEEDS_COLOR_WEIGHTS]:
         color_weights(e0, e1, e2, count, ints)
     if draw[R.NEEDS_WEIGHTS]:
@@ -145,17 +162,30 @@ def shade(
         row = units[u]
         if not row[R.ENABLED]:
             continue
-        iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 0, floats, R.S)
-        iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 1, floats, R.T)
-        if not (row[R.MAG_LINEAR] and row[R.MIN_LINEAR]) and row[R.TARGET] != 2:
-            tie_bias(starts, owners, segments, triangles, coordinates, u, 0, ints, TAU, floats, R.TIE_S)
-            tie_bias(starts, owners, segments, triangles, coordinates, u, 1, ints, TAU, floats, R.TIE_T)
+        if row[R.OPERATION]:
+            maximum = int32(draw[R.DEPTH_MAX])
+            if not shader_stage(
+                u, units, starts, owners, segments, triangles, coordinates, count, floats, packed, registers,
+                depth, alive, maximum,
+            ):  # fmt: skip
+                continue
+            dependent_ties(floats, count)
+        else:
+            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 0, floats, R.S)
+            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 1, floats, R.T)
+            if not (row[R.MAG_LINEAR] and row[R.MIN_LINEAR]) and row[R.TARGET] != 2:
+                tie_bias(starts, owners, segments, triangles, coordinates, u, 0, ints, TAU, floats, R.TIE_S)
+                tie_bias(starts, owners, segments, triangles, coordinates, u, 1, ints, TAU, floats, R.TIE_T)
+            if row[R.TARGET] == 2:
+                iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 2, floats, R.EXTRA)
+            elif row[R.PROJECTIVE]:
+                iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 3, floats, R.EXTRA)
+                divide_by_q(floats, count)
         if row[R.TARGET] == 2:
-            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 2, floats, R.EXTRA)
-            cube_faces(floats, count, ints)
-        elif row[R.PROJECTIVE]:
-            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 3, floats, R.EXTRA)
-            divide_by_q(floats, count)
+            if row[R.OPERATION] == DOT_PRODUCT_3D:
+                flat_face(floats, count, ints)
+            else:
+                cube_faces(floats, count, ints)
         if row[R.MIPMAP] != 0 or row[R.MAG_LINEAR] != row[R.MIN_LINEAR]:
             level_of_detail(
                 run_starts,
@@ -174,6 +204,12 @@ def shade(
             )
         texels = texels0 if u == 0 else (texels1 if u == 1 else (texels2 if u == 2 else texels3))
         sample_unit(texels, levels[u], row, count, floats, ints, packed, registers, (R.TEXTURE0 + u) * 4)
+        if draw[R.TEXTURE_SHADER]:
+            if row[R.OPERATION] == OFFSET_2D_SCALE or row[R.OPERATION] == OFFSET_RECTANGLE_SCALE:
+                scale, bias = float_of(row[R.OFFSET_SCALE]), float_of(row[R.OFFSET_BIAS])
+                scale_texel(packed, R.STAGE0 + row[R.PREVIOUS], count, scale, bias)
+                unpack(packed, R.TEXEL_0, count, registers, (R.TEXTURE0 + u) * 4)
+            copy_texel(packed, R.TEXEL_0, R.STAGE0 + u, count)
     for c in range(3):
         fill_plane(registers, R.SPARE0 * 4 + c, count, int32(0))
     copy_plane(registers, R.TEXTURE0 * 4 + 3, registers, R.SPARE0 * 4 + 3, count)
@@ -401,6 +437,7 @@ def draw_bands(
                                 fog_thresholds,
                                 texels0, texels1, texels2, texels3, levels, units, run_starts, run_x, run_y,
                                 runs, e0, e1, e2, floats, ints, packed, registers, products, total, results,
+                                depth, alive,
                             )  # fmt: skip
                         per_fragment(
                             draw, position, run_starts, run_x, run_y, runs, results, colors_packed, depth,

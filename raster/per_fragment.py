@@ -24,7 +24,7 @@ def alpha_test(alpha, count, function, reference, alive):
     """Section 4.1.3, on bytes. Measured: alpha test captures."""
     separate_loop()
     for i in range(count):
-        alive[i] = uint8(passes(function, int32(alpha[i]), reference))
+        alive[i] = uint8(alive[i] & uint8(passes(function, int32(alpha[i]), reference)))
 
 
 @kernel
@@ -279,15 +279,16 @@ def per_fragment(
 ):
     """Alpha, stencil and depth test, blending or logic operation, and masks, of a batch.
 
-    colors int16[4, batch] (0..255), depth int32[batch]; scratch: packed uint32[batch], alive uint8[batch],
-    which afterwards says which fragments passed; factors int32[2, 28]: the blend factors of source and
-    destination.
+    colors int16[4, batch] (0..255), depth int32[batch]; scratch: packed uint32[batch]; alive uint8[batch]:
+    what shading left where it DISCARDS, afterwards which fragments passed. factors int32[2, 28]: the blend
+    factors of source and destination.
     """
     separate_function()
-    all_alive(alive, count)
+    if not draw[R.DISCARDS]:
+        all_alive(alive, count)
     if draw[R.ALPHA_TEST]:
         alpha_test(colors[3], count, int32(draw[R.ALPHA_FUNCTION]), int32(draw[R.ALPHA_REFERENCE]), alive)
-    tested = draw[R.ALPHA_TEST] != 0
+    tested = draw[R.ALPHA_TEST] != 0 or draw[R.DISCARDS] != 0
     writes = draw[R.NEEDS_COLOR] and draw[R.COLOR_MASK] != 0
     if writes:
         pack_colors(colors, count, packed)

@@ -55,7 +55,9 @@ BLEND = DEPTH_WRITE + 1  # 0: replace; 1: the general equation; 2: ONE, ONE, FUN
 BLEND_EQUATION = BLEND + 1
 LOGIC_OPERATION = BLEND_EQUATION + 1
 COLOR_MASK = LOGIC_OPERATION + 1  # 32 bits, as stored
-DRAW_SIZE = COLOR_MASK + 1
+TEXTURE_SHADER = COLOR_MASK + 1  # 1: stages read earlier stages' texels
+DISCARDS = TEXTURE_SHADER + 1  # 1: shading may discard fragments
+DRAW_SIZE = DISCARDS + 1
 
 # ---------------------------- blend factors: int32[2, 4 * FACTOR_SIZE]: source, destination; red, green,
 # blue, alpha masks of S, D, As, Ad and the saturate term; a constant byte; xor (255: one minus)
@@ -89,8 +91,19 @@ FINAL_SIZE = 3
     THRESHOLD,  # lambda up to which the texture is magnified, 8 fraction bits
     BORDER,  # packed RGBA
     PROJECTIVE,  # 1: divide by q
-    UNIT_SIZE,
-) = range(13)
+    OPERATION,  # pipeline.enums.TextureShaderOperation; 0: the unit samples its texture
+    PREVIOUS,  # previous texture input
+    MAPPING,  # pipeline.enums.DotProductMapping
+    CULL_MODES,  # bit k: coordinate k must be less than zero, else not less
+    COMPARE,  # pipeline.enums.TextureCompareMode
+    COMPARE_FUNCTION,
+    OFFSET_MATRIX,  # four entries; these and the following are bit patterns of float64
+) = range(19)
+OFFSET_SCALE = OFFSET_MATRIX + 4
+OFFSET_BIAS = OFFSET_SCALE + 1
+CONSTANT_EYE = OFFSET_BIAS + 1  # three entries
+REFERENCE_SCALE = CONSTANT_EYE + 3  # of a shadow comparison's r
+UNIT_SIZE = REFERENCE_SCALE + 1
 
 # ------------------------------ texture levels: int32[units, MAX_LEVELS, 3]: offset, width, height
 MAX_LEVELS = 16  # the ideal profile's largest texture, 2**14 texels an edge, has 15
@@ -102,7 +115,21 @@ E_TIMES_F, SPARE0_PLUS_SECONDARY, REGISTERS = 12, 13, 14
 # Scratch columns of a batch. floats float64[FLOAT_COLUMNS, batch]: texture coordinates (for a cube map, of
 # its face, doubled), tie biases of nearest filters, sizes of each fragment's level, a texel coordinate, r or
 # q, weights of vertices 0 and 2.
-S, T, TIE_S, TIE_T, S_SIZE, T_SIZE, TEXEL, EXTRA, B0, B2, FLOAT_COLUMNS = range(11)
+(
+    S,
+    T,
+    TIE_S,
+    TIE_T,
+    S_SIZE,
+    T_SIZE,
+    TEXEL,
+    EXTRA,
+    B0,
+    B2,
+    COORDINATE0,  # four coordinates of a texture shader stage
+) = range(11)
+DOT0 = COORDINATE0 + 4  # the stages' dot products
+FLOAT_COLUMNS = DOT0 + 4
 # ints int32[INT_COLUMNS, batch]: cube face; where the level begins and its width; neighbouring columns and
 # rows with their fractions; level, fraction between levels, lambda; colour weights and residual vertex; the
 # triangle of a run.
@@ -125,5 +152,7 @@ S, T, TIE_S, TIE_T, S_SIZE, T_SIZE, TEXEL, EXTRA, B0, B2, FLOAT_COLUMNS = range(
     OWNER,
     INT_COLUMNS,
 ) = range(17)
-# packed uint32[PACKED_COLUMNS, batch]: the four texels of a linear filter; filtered texels.
-P00, P10, P01, P11, TEXEL_0, TEXEL_1, MAGNIFIED, PACKED_COLUMNS = range(8)
+# packed uint32[PACKED_COLUMNS, batch]: the four texels of a linear filter; filtered texels; the texel of each
+# texture shader stage.
+P00, P10, P01, P11, TEXEL_0, TEXEL_1, MAGNIFIED, STAGE0 = range(8)
+PACKED_COLUMNS = STAGE0 + 4

@@ -36,6 +36,7 @@ from pipeline.state import (
     Scissor,
     StencilTest,
     TexGen,
+    TextureShaderStage,
     TextureUnit,
     VertexState,
 )
@@ -145,6 +146,7 @@ FULL = PassState(
     depth_test=DepthTest(),
     blending=Blending(),
     logic_op=LogicOperation.AND,
+    texture_shader=(TextureShaderStage(),),
 )
 
 

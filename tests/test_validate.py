@@ -23,6 +23,7 @@ from pipeline.enums import (
     Register,
     StencilOperation,
     TexGenMode,
+    TextureCompareMode,
     TextureFilter,
     TextureTarget,
     VertexStage,
@@ -825,6 +826,11 @@ LACKING = {
         textured(sampler=Sampler(wrap_s=WrapMode.CLAMP)),
         "no REPEAT, which texture unit 0 asks for wrap_t; it has CLAMP",
     ),
+    "texture_compare_modes": (
+        frozenset({TextureCompareMode.NONE}),
+        textured(sampler=Sampler(compare_mode=TextureCompareMode.COMPARE_R_TO_TEXTURE)),
+        "no COMPARE_R_TO_TEXTURE, which texture unit 0 asks for compare_mode; it has NONE",
+    ),
     "texgen_modes": (
         frozenset({TexGenMode.OBJECT_LINEAR}),
         generated(TexGenMode.EYE_LINEAR),
@@ -865,6 +871,8 @@ def test_every_limit_set_and_switch_of_a_profile_is_checked():
     names = [f.name for f in fields(Profile)]
     limits = set(names[names.index("max_texture_units") : names.index("expand_half")])
     with_tests_of_their_own = {"per_stage_constants", "max_viewport", "depth_bits", "surface_formats"}
+    with_tests_of_their_own |= {"texture_shader_operations", "dot_product_mappings"}
+    with_tests_of_their_own |= {"depth_units_in_coordinates"}  # nothing lacks it
     assert set(LACKING) | with_tests_of_their_own == limits
 
 

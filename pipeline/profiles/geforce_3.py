@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+from pipeline.enums import TextureCompareMode
 from pipeline.profiles.nv2a import NV2A
 
 
@@ -16,5 +17,11 @@ GEFORCE_3 = replace(
     NV2A,
     name="GeForce 3",
     description="NVIDIA NV20, 2001: texture shaders, eight general combiners, four texture units",
-    evidence={field: _inferred(evidence) for field, evidence in NV2A.evidence.items()},
+    texture_compare_modes=frozenset({TextureCompareMode.NONE, TextureCompareMode.COMPARE_R_TO_TEXTURE}),
+    depth_units_in_coordinates=False,
+    evidence={
+        **{field: _inferred(evidence) for field, evidence in NV2A.evidence.items()},
+        "texture_compare_modes": "Source: ARB_shadow",
+        "depth_units_in_coordinates": "Source: ARB_shadow, NV_texture_shader (DOT_PRODUCT_DEPTH_REPLACE)",
+    },
 )

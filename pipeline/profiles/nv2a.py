@@ -5,7 +5,15 @@ Thousands of framebuffer captures exist; ``fixedpipe conformance`` redraws them 
 
 from dataclasses import replace
 
-from pipeline.enums import BlendFactor, ColorFormat, InternalFormat, TextureTarget
+from pipeline.enums import (
+    BlendFactor,
+    ColorFormat,
+    DotProductMapping,
+    InternalFormat,
+    TextureCompareMode,
+    TextureShaderOperation,
+    TextureTarget,
+)
 from pipeline.profiles.geforce_256 import GEFORCE_256
 
 _MEASURED = {
@@ -27,6 +35,10 @@ _MEASURED = {
     "blend_factors_destination": "Measured: all of them, in 1673 captures (Blend_tests)",
     "blend_equations": "Measured: 1673 captures (Blend_tests)",
     "stencil_operations": "Measured: Stencil captures",
+    "texture_shader_operations": "Measured: Pixel_shader and Texture_cubemap captures; rectangles Inferred",
+    "dot_product_mappings": "Measured: six mappings, 56909 pixels each (DotSTRCube captures)",
+    "texture_compare_modes": "Measured: 8150016 of 8150016 pixels of each (Texture_shadow_comparator)",
+    "depth_units_in_coordinates": "Measured: Texture_shadow_comparator and DotZW captures",
     "surface_formats": "Source: nv_objects.h, SET_SURFACE_FORMAT_COLOR",
     "expand_half": "Inferred: the output half is 128 (CombinerOps capture); no capture uses EXPAND",
     "product_rounding": "Inferred: from the blender: one rounding after the sum (Blend_tests captures)",
@@ -53,6 +65,10 @@ NV2A = replace(
     internal_formats=frozenset(InternalFormat),
     blend_factors_source=frozenset(BlendFactor),
     blend_factors_destination=frozenset(BlendFactor),
+    texture_shader_operations=frozenset(TextureShaderOperation),
+    dot_product_mappings=frozenset(DotProductMapping),
+    texture_compare_modes=frozenset(TextureCompareMode),
+    depth_units_in_coordinates=True,
     surface_formats=frozenset({ColorFormat.A8R8G8B8}),
     evidence={**GEFORCE_256.evidence, **_MEASURED},
 )
