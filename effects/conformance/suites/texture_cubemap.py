@@ -60,7 +60,7 @@ CORNERS = np.array(
 # Where each face lies in the normal map: its left and top edge; each is a quarter of it wide and high.
 NORMAL_MAP = np.array(
     [
-        (left + dx, top / 8 + dy)
+        (left + dx, top + dy)
         for left, top in (
             (0.25, 0.375),
             (0.75, 0.375),
