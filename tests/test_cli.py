@@ -65,12 +65,14 @@ def test_without_arguments_it_says_what_to_do_next():
 
 def test_help_names_every_subcommand():
     result = run("--help")
-    for name in ("figures", "passes", "bump", "profiles"):
+    for name in ("figures", "passes", "bump", "profiles", "conformance"):
         assert name in result.stdout
         assert run(name, "--help").exit_code == 0
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["figures", "--help"], ["bump", "--help"], []])
+@pytest.mark.parametrize(
+    "arguments", [["--help"], ["figures", "--help"], ["bump", "--help"], ["conformance", "--help"], []]
+)
 def test_help_imports_no_array_library_and_no_compiler(arguments):
     code = (
         "import sys\nfrom effects.cli import main\n"

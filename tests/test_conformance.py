@@ -37,7 +37,7 @@ from tests.accept_conformance import (
 )
 
 SUITES = redraw.known_suites()
-MOST = 40  # cases of a suite that are built here; some have more than a thousand
+MOST = 100  # cases of a suite that are built here; some have more than a thousand
 
 RED, BLUE, TEXT = (255, 0, 0, 255), (0, 0, 255, 255), (255, 255, 255, 0)
 
