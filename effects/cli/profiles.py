@@ -4,8 +4,10 @@ import click
 
 
 def _value_text(value):
-    """A profile's value in words; a set that holds all its enumeration's members says so."""
+    """A profile's value in words; a set that holds all its enumeration's members, or none, says so."""
     if isinstance(value, frozenset):
+        if not value:
+            return "none"
         members = sorted(value)
         kind = type(members[0])
         missing = [m.name for m in kind if m not in value]
