@@ -9,6 +9,7 @@ import argparse
 import os
 import re
 import sys
+from datetime import date
 from pathlib import Path
 
 from effects.cli.captures import find_captures
@@ -125,7 +126,8 @@ def main(arguments=None):
         return 1
     write_whole(ACCEPTED, to_text(found).encode())
     for page in DOCUMENTS:
-        write_whole(page, with_results(page.read_text(), found).encode())
+        text = re.sub(r"(?<=accepted on )[\d-]+", date.today().isoformat(), page.read_text())
+        write_whole(page, with_results(text, found).encode())
     print(f"Accepted: {len(better)} better, {len(worse)} worse, {len(found)} captures in all.")
     if worse:
         print("Say why in CHANGELOG.md, in a line that begins `Bits:`.")
