@@ -106,7 +106,7 @@ class Weights:
     affine         float64 [k, 3], n_i / A: for window depth
     perspective    float64 [k, 3], (n_i / w_i) / sum: for every other iterated value
     dx, dy         float64 [k, 3], derivatives of ``perspective`` per pixel to the right and down
-    tie_vertex     int64 [k], 0..2, which vertex decides at exact texel boundaries
+    tie_vertex     int64 [k], which vertex decides at exact texel boundaries; 3: none
     front          bool [k], front-facing
     depth_slope    float64 [k], max(|dz/dx|, |dz/dy|) of window depth per pixel
     """
@@ -169,10 +169,14 @@ def weigh(primitives, front_face, triangle, x, y):
 
 
 def _tie_vertex(e, total):
-    """Vertex r of docs/numbers.md, section 4, in real numbers: q_i is a shade below e_i / D, hence the >."""
+    """Vertex r of docs/numbers.md, section 4, in real numbers: q_i is a shade below e_i / D, hence the >.
+
+    3 where D is a power of two: nothing is below then.
+    """
     heavy = (2.0 * e > total).astype(np.int64) + (4.0 * e > total)
     c0, c1, c2 = heavy.T
-    return np.where((c0 > c2) & (c0 >= c1), 0, np.where((c1 > c0) & (c1 >= c2), 1, 2))
+    r = np.where((c0 > c2) & (c0 >= c1), 0, np.where((c1 > c0) & (c1 >= c2), 1, 2))
+    return np.where(np.frexp(total[:, 0])[0] == 0.5, 3, r)
 
 
 def iterate(weights, values):
@@ -217,7 +221,7 @@ def place(target, weights, corners):
     position = strq[:, :2] / q
     first, last = corners[:, 0, :2] - corners[:, 1, :2], corners[:, 2, :2] - corners[:, 1, :2]
     r = weights.tie_vertex[:, None]
-    lean = np.where(r == 0, -last, np.where(r == 1, -first - last, -first))
+    lean = np.select([r == 0, r == 1, r == 2], [-last, -first - last, -first], 0.0)
     return TextureCoordinates(
         position,
         np.zeros(len(position), np.int64),

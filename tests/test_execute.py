@@ -482,7 +482,7 @@ def test_a_result_can_be_kept_while_the_machine_goes_on():
         ({"batch": 4097}, "A batch of 4097"),
         ({"batch": 64.5}, "A batch of 64.5"),
         ({"depth_bits": 24.0}, "depth_bits is 24.0"),
-        ({"depth_bits": 32}, "32 bits; GeForce 256 has 16 or 24"),
+        ({"depth_bits": 32}, "32 bits of depth; GeForce 256 has 16 or 24"),
         ({"width": 0}, "0x8; give at least 1x1"),
         ({"width": 2049}, "2049x8"),
         ({"profile": IDEAL}, "execute_ideal"),

@@ -600,18 +600,22 @@ def test_a_cube_map_of_directions_returns_the_direction():
     np.testing.assert_allclose(2 * got[:, :3] - 1, directions, atol=NOISE)
 
 
-def test_exact_texel_boundaries_fall_where_the_machines_fall():
-    # 16 texels on 8 pixels: every sample lies exactly between two texels, in both triangles of the quad.
+@pytest.mark.parametrize("pixels", [8, 12])  # triangles whose areas are powers of two, and others
+def test_exact_texel_boundaries_fall_where_the_machines_fall(pixels):
+    # Two texels on a pixel: every sample lies exactly between two texels, in both triangles of the quad.
     rng = np.random.default_rng(1)
     texture = texture_2d(rng.integers(0, 256, (16, 16, 3)).astype(np.uint8), InternalFormat.RGB8)
-    state = PassState(texture_units=(TextureUnit("t", NEAREST),), register_combiners=TEXTURE0_ALONE)
+    repeat = replace(NEAREST, wrap_s=WrapMode.REPEAT, wrap_t=WrapMode.REPEAT)
+    state = PassState(texture_units=(TextureUnit("t", repeat),), register_combiners=TEXTURE0_ALONE)
     for mirrored in (UNIT_SQUARE[0], [[1, 0], [0, 0], [0, 1], [1, 1]], [[0, 1], [1, 1], [1, 0], [0, 0]]):
+        coordinates = np.multiply(mirrored, pixels / 8)
         frame = (
             TexImage(label="t", texture="t", image=texture),
-            Draw(label="d", mesh=quad(texture_coordinates=(mirrored,)), state=state),
+            Draw(label="d", mesh=quad(texture_coordinates=(coordinates,)), state=state),
         )
-        machine = execute(frame, GEFORCE_256, 8, 8)
-        np.testing.assert_array_equal(execute_ideal(frame, 8, 8).image(), machine.framebuffer.image())
+        machine = execute(frame, GEFORCE_256, pixels, pixels)
+        ideal_image = execute_ideal(frame, pixels, pixels).image()
+        np.testing.assert_array_equal(ideal_image, machine.framebuffer.image())
 
 
 # -------------------------------------------------------------------------------- interpolation, depth
