@@ -121,9 +121,10 @@ def _row(c):
 
 
 def _inexact(c):
-    differ = f"{c.pixels_compared - c.pixels_equal} of {c.pixels_compared} pixels differ."
+    differ = f"{c.pixels_compared - c.pixels_equal} of {c.pixels_compared} pixels differ"
+    why = f": {escape(c.note)}" if c.note else ""
     return (
-        f'<div class="case"><h3>{escape(c.name)}</h3><p class="quiet">{differ} {escape(c.note)}</p>'
+        f'<div class="case"><h3>{escape(c.name)}</h3><p class="quiet">{differ}{why}.</p>'
         f"{_pictures(c)}</div>"
     )
 
