@@ -38,7 +38,7 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if item.get_closest_marker("needs_shared"):
             if "captures" in item.fixturenames:
-                there, reason = CAPTURES.is_dir(), "no captures: FIXEDPIPE_CAPTURES names no folder"
+                there, reason = CAPTURES.is_dir(), "no captures: set FIXEDPIPE_CAPTURES to their folder"
             else:
                 there, reason = SHARED.is_dir(), "no folder `shared` beside the checkout"
             if not there:
