@@ -19,7 +19,15 @@ from pipeline.commands import (
     ReadPixels,
     TexImage,
 )
-from pipeline.enums import CombinerBias, CombinerScale, ComponentUsage, Mapping, Register, WindowOrigin
+from pipeline.enums import (
+    CombinerBias,
+    CombinerScale,
+    ComponentUsage,
+    Mapping,
+    MuxSelect,
+    Register,
+    WindowOrigin,
+)
 from pipeline.state import (
     AlphaTest,
     Blending,
@@ -240,13 +248,13 @@ def _scaled(expression, portion):
     return f"{_SCALE_WORDS[portion.scale]} * {_grouped(expression)}"
 
 
-def _portion_line(title, portion, suffix):
+def _portion_line(title, portion, suffix, selector):
     a, b, c, d = (
         _term(given, Mapping.SIGNED_IDENTITY) for given in (portion.a, portion.b, portion.c, portion.d)
     )
     ab = _product(a, b, getattr(portion, "ab_dot_product", False))
     cd = _product(c, d, getattr(portion, "cd_dot_product", False))
-    total = f"(spare0.a < 1/2 ? {ab} : {cd})" if portion.mux_sum else _sum(ab, cd)
+    total = f"({selector} ? {ab} : {cd})" if portion.mux_sum else _sum(ab, cd)
     written = [
         f"{REGISTER_NAMES[output]}{suffix} = {_scaled(expression, portion)}"
         for output, expression in (
@@ -255,6 +263,18 @@ def _portion_line(title, portion, suffix):
             (portion.sum_output, total),
         )
         if output is not Register.DISCARD
+    ]
+    return [f"{title}: {'; '.join(written)}"] if written else []
+
+
+def _blue_to_alpha_line(title, portion):
+    written = [
+        f"{REGISTER_NAMES[output]}.a = {REGISTER_NAMES[output]}.b"
+        for output, copied in (
+            (portion.ab_output, portion.ab_blue_to_alpha),
+            (portion.cd_output, portion.cd_blue_to_alpha),
+        )
+        if copied and output is not Register.DISCARD
     ]
     return [f"{title}: {'; '.join(written)}"] if written else []
 
@@ -279,6 +299,7 @@ def _combiner_lines(combiners):
     for name in ("constant_color0", "constant_color1"):
         if getattr(combiners, name) != getattr(initial, name):
             lines.append(f"  {_constant(name)} = {_value(getattr(combiners, name))}")
+    selector = "spare0.a is even" if combiners.mux_select is MuxSelect.LSB else "spare0.a < 1/2"
     for number, stage in enumerate(combiners.general):
         own = [
             f"  GC{number}: {_constant(name)} = {_value(getattr(stage, name))}"
@@ -286,12 +307,16 @@ def _combiner_lines(combiners):
             if getattr(stage, name) is not None
         ]
         written = [
-            *_portion_line(f"  GC{number}.rgb", stage.rgb, ""),
-            *_portion_line(f"  GC{number}.alpha", stage.alpha, ".a"),
+            *_portion_line(f"  GC{number}.rgb", stage.rgb, "", selector),
+            *_blue_to_alpha_line(f"  GC{number}.rgb", stage.rgb),
+            *_portion_line(f"  GC{number}.alpha", stage.alpha, ".a", selector),
         ]
         lines += own + (written or [f"  GC{number}: writes nothing"])
     if not combiners.color_sum_clamp:
         lines.append("  COLOR_SUM_CLAMP disabled")
+    for field, name in (("invert_spare0", "spare0"), ("invert_secondary_color", "col1")):
+        if getattr(combiners, field):
+            lines.append(f"  color_sum takes 1 - {name}")
     return lines + [f"  {line}" for line in _final_lines(combiners.final)]
 
 

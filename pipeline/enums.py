@@ -78,13 +78,15 @@ class BlendFactor(IntEnum):
 
 
 class BlendEquation(IntEnum):
-    """Section 4.1.6 (imaging subset), EXT_blend_minmax, EXT_blend_subtract."""
+    """Section 4.1.6 (imaging subset), EXT_blend_minmax, EXT_blend_subtract; the signed two: the NV2A."""
 
     FUNC_ADD = 0
     FUNC_SUBTRACT = 1
     FUNC_REVERSE_SUBTRACT = 2
     MIN = 3
     MAX = 4
+    FUNC_ADD_SIGNED = 5
+    FUNC_REVERSE_SUBTRACT_SIGNED = 6
 
 
 class LogicOperation(IntEnum):
@@ -345,6 +347,13 @@ class CombinerBias(IntEnum):
     BIAS_BY_NEGATIVE_ONE_HALF = 1
 
 
+class MuxSelect(IntEnum):
+    """Which bit of SPARE0's alpha selects a mux: NV_register_combiners' most significant, or the lowest."""
+
+    MSB = 0
+    LSB = 1
+
+
 class ProductRounding(IntEnum):
     """Where a general combiner brings the /255 scale back: once after the sum, or after every product."""
 
@@ -373,8 +382,6 @@ class ColorFormat(IntEnum):
     R5G6B5 = 5
     X1R5G5B5_Z1R5G5B5 = 6
     X1R5G5B5_O1R5G5B5 = 7
-    G8B8 = 8
-    B8 = 9
 
 
 class MagnificationThreshold(IntEnum):

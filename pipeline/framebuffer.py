@@ -18,6 +18,30 @@ from pipeline.textures import (
     widen_to_byte,
 )
 
+# A surface's 32-bit words, red in the low byte, each component at the top of its byte: the bits that it
+# keeps, those that are always one, and its alpha as a factor: 0 the byte, 1 always 255, 2 seven bits,
+# replicated.
+# Measured: Blend_surface captures (16 of 16 pictures of 16384 pixels; DstAlpha pictures).
+SURFACE_WORDS = {
+    ColorFormat.A8R8G8B8: (0xFFFFFFFF, 0, 0),
+    ColorFormat.X8R8G8B8_Z8R8G8B8: (0x00FFFFFF, 0, 1),
+    ColorFormat.X8R8G8B8_O8R8G8B8: (0x00FFFFFF, 0xFF000000, 1),
+    ColorFormat.X1A7R8G8B8_Z1A7R8G8B8: (0x7FFFFFFF, 0, 2),
+    ColorFormat.X1A7R8G8B8_O1A7R8G8B8: (0x7FFFFFFF, 0x80000000, 2),
+    ColorFormat.R5G6B5: (0x00F8FCF8, 0, 1),
+    ColorFormat.X1R5G5B5_Z1R5G5B5: (0x00F8F8F8, 0, 1),
+    ColorFormat.X1R5G5B5_O1R5G5B5: (0x00F8F8F8, 0x80000000, 1),
+}
+
+
+def surface_bytes(rgba, color_format):
+    """A colour as a surface stores it: uint8 [4] to uint8 [4], components at the top of their bytes."""
+    keep, pad, alpha = SURFACE_WORDS[color_format]
+    word = int(rgba.view(np.uint32)[0])
+    if alpha == 2:
+        word = (word & 0x00FFFFFF) | ((word >> 1) & 0x7F000000)
+    return np.array([(word & keep) | pad], np.uint32).view(np.uint8)
+
 
 def to_byte(value):
     """``floor(255 c + 1/2)`` of c clamped to [0, 1]. Source: OpenGL 1.2.1 section 2.13.9."""
@@ -79,7 +103,7 @@ class Framebuffer:
         if command.color is not None:
             mask = command.color_mask
             written = (mask.red, mask.green, mask.blue, mask.alpha)
-            value = np.array([to_byte(c) for c in command.color], np.uint8)
+            value = surface_bytes(np.array([to_byte(c) for c in command.color], np.uint8), self.color_format)
             if all(written):  # whole pixels at once
                 self.color.view(np.uint32)[(*where, 0)] = value.view(np.uint32)[0]
             else:
@@ -156,7 +180,19 @@ def replaced_texture(framebuffer, command, texture):
 # Which internal formats read a surface's words: those of its width and components.
 # Source: WGL_ARB_render_texture (BIND_TO_TEXTURE_RGB_ARB and RGBA_ARB).
 READABLE_AS = {
-    ColorFormat.A8R8G8B8: (InternalFormat.RGBA8, InternalFormat.RGB8),
+    **dict.fromkeys(
+        (
+            ColorFormat.A8R8G8B8,
+            ColorFormat.X8R8G8B8_Z8R8G8B8,
+            ColorFormat.X8R8G8B8_O8R8G8B8,
+            ColorFormat.X1A7R8G8B8_Z1A7R8G8B8,
+            ColorFormat.X1A7R8G8B8_O1A7R8G8B8,
+        ),
+        (InternalFormat.RGBA8, InternalFormat.RGB8),
+    ),
+    ColorFormat.R5G6B5: (InternalFormat.R5_G6_B5,),
+    ColorFormat.X1R5G5B5_Z1R5G5B5: (InternalFormat.RGB5, InternalFormat.RGB5_A1),
+    ColorFormat.X1R5G5B5_O1R5G5B5: (InternalFormat.RGB5, InternalFormat.RGB5_A1),
 }
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from pipeline.enums import (
     BlendEquation,
     BlendFactor,
+    ColorFormat,
     CombinerBias,
     ComparisonFunction,
     ComponentUsage,
@@ -22,6 +23,7 @@ from pipeline.enums import (
     LogicOperation,
     MagnificationThreshold,
     Mapping,
+    MuxSelect,
     ProductRounding,
     Register,
     ShadeModel,
@@ -31,7 +33,7 @@ from pipeline.enums import (
     TextureTarget,
     VertexStage,
 )
-from pipeline.framebuffer import to_byte
+from pipeline.framebuffer import SURFACE_WORDS, to_byte
 from pipeline.state import (
     CombinerInput,
     FinalCombiner,
@@ -94,7 +96,16 @@ def _normalized(portion):
     return portion
 
 
-def _pack_portion(portion, alpha, expand_half):
+def _blue_to_alpha(portion):
+    """For the AB and the CD output: whether its blue goes to its register's alpha."""
+    return [
+        portion.ab_blue_to_alpha and portion.ab_output != Register.DISCARD,
+        portion.cd_blue_to_alpha and portion.cd_output != Register.DISCARD,
+    ]
+
+
+def _pack_portion(portion, alpha, expand_half, mux_select):
+    blue = [0, 0] if alpha else _blue_to_alpha(portion)
     portion, row = _normalized(portion), []
     for variable in (portion.a, portion.b, portion.c, portion.d):
         row += [variable.register, variable.usage, *_mapping(variable.mapping, expand_half)]
@@ -102,7 +113,8 @@ def _pack_portion(portion, alpha, expand_half):
     row += [-1 if register == Register.DISCARD else int(register) for register in outputs]
     row += [0, 0] if alpha else [portion.ab_dot_product, portion.cd_dot_product]
     bias = -128 if portion.bias == CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF else 0
-    return [*row, portion.mux_sum, bias, portion.scale]
+    mux = (1 if mux_select == MuxSelect.LSB else 128) if portion.mux_sum else 0
+    return [*row, mux, bias, portion.scale, *blue]
 
 
 def _color_bytes(color):
@@ -160,9 +172,9 @@ def _pack_combiners(state, profile, draw):
             zero((1, 8), np.int16),
             set(),
         )
-    expand_half = profile.expand_half
+    half, select = profile.expand_half, program.mux_select
     stages = [
-        [_pack_portion(stage.rgb, False, expand_half), _pack_portion(stage.alpha, True, expand_half)]
+        [_pack_portion(stage.rgb, False, half, select), _pack_portion(stage.alpha, True, half, select)]
         for stage in program.general
     ]
     final = program.final
@@ -179,7 +191,8 @@ def _pack_combiners(state, profile, draw):
     constants.append([*own[0], *own[1]])  # the final combiner's
     used = _registers_read(program)
     draw[R.STAGES] = len(stages)
-    draw[R.COLOR_SUM_CLAMP] = program.color_sum_clamp
+    inverted = 2 * program.invert_spare0 + 4 * program.invert_secondary_color
+    draw[R.COLOR_SUM] = program.color_sum_clamp + inverted
     draw[R.USES_E_TIMES_F] = Register.E_TIMES_F in used
     draw[R.USES_SPARE0_PLUS_SECONDARY] = Register.SPARE0_PLUS_SECONDARY_COLOR in used
     written = {
@@ -299,11 +312,13 @@ def _pack_factor(factor, color):
     return row
 
 
-def _pack_writing(state, draw):
+def _pack_writing(state, framebuffer, draw):
     factors = np.zeros((2, 4 * R.FACTOR_SIZE), np.int32)
     mask = state.color_mask
     for channel, on in enumerate((mask.red, mask.green, mask.blue, mask.alpha)):
         draw[R.COLOR_MASK] |= (0xFF if on else 0) << (8 * channel)
+    draw[R.SURFACE] = framebuffer.color_format != ColorFormat.A8R8G8B8
+    draw[R.SURFACE_KEEP], draw[R.SURFACE_PAD], draw[R.SURFACE_ALPHA] = SURFACE_WORDS[framebuffer.color_format]
     if state.logic_op is not None:
         if state.logic_op != LogicOperation.COPY:
             draw[R.BLEND], draw[R.LOGIC_OPERATION] = 3, state.logic_op
@@ -315,7 +330,7 @@ def _pack_writing(state, draw):
     if equation == BlendEquation.FUNC_ADD and source == BlendFactor.ONE:
         if destination == BlendFactor.ZERO:
             return factors
-        if destination == BlendFactor.ONE:
+        if destination == BlendFactor.ONE and not draw[R.SURFACE]:
             draw[R.BLEND] = 2
             return factors
     draw[R.BLEND], draw[R.BLEND_EQUATION] = 1, equation
@@ -460,7 +475,7 @@ def pack(state: PassState, profile, framebuffer, textures, primitives):
     draw[R.X0], draw[R.Y0], draw[R.X1], draw[R.Y1] = scissor_box(state, framebuffer)
     _pack_facing(state, primitives.two_side, draw)
     _pack_tests(state, framebuffer, draw, draw_float)
-    factors = _pack_writing(state, draw)
+    factors = _pack_writing(state, framebuffer, draw)
     draw[R.NEEDS_COLOR] = draw[R.COLOR_MASK] != 0 or draw[R.ALPHA_TEST]
     program, final, constants, used = _pack_combiners(state, profile, draw)
     units = _pack_units(state, profile, textures, primitives, used, draw)

@@ -27,6 +27,7 @@ from pipeline.enums import (
     FrontFace,
     LogicOperation,
     Mapping,
+    MuxSelect,
     ProvokingVertex,
     Register,
     ShadeModel,
@@ -233,6 +234,8 @@ _ZERO_ALPHA = CombinerInput(Register.ZERO, usage=ComponentUsage.ALPHA)
 class RGBPortion:
     """RGB portion of a general combiner. Defaults: table NV_register_combiners.5, with the outputs the
     extension initialises (AB and CD discarded, the sum into SPARE0).
+
+    ``ab_blue_to_alpha``, ``cd_blue_to_alpha`` (NV2A): the output's blue goes to its register's alpha as well.
     """
 
     a: CombinerInput = CombinerInput(Register.PRIMARY_COLOR)
@@ -247,6 +250,8 @@ class RGBPortion:
     ab_dot_product: bool = False
     cd_dot_product: bool = False
     mux_sum: bool = False
+    ab_blue_to_alpha: bool = False
+    cd_blue_to_alpha: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -294,6 +299,9 @@ class FinalCombiner:
 class RegisterCombiners:
     """The whole of NV_register_combiners: one to eight general combiners (as the profile allows) and the
     final.
+
+    ``mux_select``, and ``invert_spare0``, ``invert_secondary_color``: one minus that term of
+    SPARE0_PLUS_SECONDARY_COLOR (NV2A).
     """
 
     general: tuple[GeneralCombiner, ...] = (GeneralCombiner(),)
@@ -301,6 +309,9 @@ class RegisterCombiners:
     constant_color0: Color = (0.0, 0.0, 0.0, 0.0)
     constant_color1: Color = (0.0, 0.0, 0.0, 0.0)
     color_sum_clamp: bool = True
+    mux_select: MuxSelect = MuxSelect.MSB
+    invert_spare0: bool = False
+    invert_secondary_color: bool = False
 
 
 @dataclass(frozen=True, slots=True)

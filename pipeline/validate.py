@@ -42,6 +42,7 @@ from pipeline.enums import (
     FogMode,
     InternalFormat,
     Mapping,
+    MuxSelect,
     PrimitiveType,
     Register,
     TexGenMode,
@@ -372,6 +373,19 @@ def _general_problems(number, name, portion):
         )
 
 
+def _blue_to_alpha_problems(number, stage):
+    """An alpha that blue and the alpha portion would both write."""
+    alpha = {stage.alpha.ab_output, stage.alpha.cd_output, stage.alpha.sum_output} - {Register.DISCARD}
+    for name in ("ab", "cd"):
+        register = getattr(stage.rgb, f"{name}_output")
+        if getattr(stage.rgb, f"{name}_blue_to_alpha") and register in alpha:
+            yield (
+                ("general", number, "rgb", f"{name}_blue_to_alpha"),
+                f"General combiner {number}: the {name.upper()} output's blue and the alpha portion both "
+                f"write {register.name}'s alpha. Send one of them elsewhere.",
+            )
+
+
 def _final_input_problem(variable, given):
     place = f"Final combiner, variable {variable.upper()},"
     if given.register is Register.DISCARD:
@@ -407,9 +421,21 @@ def combiner_problems(combiners):
     for number, stage in enumerate(combiners.general):
         yield from _general_problems(number, "rgb", stage.rgb)
         yield from _general_problems(number, "alpha", stage.alpha)
+        yield from _blue_to_alpha_problems(number, stage)
     for variable in "abcdefg":
         if problem := _final_input_problem(variable, getattr(combiners.final, variable)):
             yield ("final", variable), problem
+
+
+def _nv2a_flag(combiners):
+    """The first of the NV2A's own flags that the combiners set, in words, or None."""
+    if combiners.mux_select is not MuxSelect.MSB:
+        return "mux selection by the lowest bit (mux_select)"
+    if combiners.invert_spare0 or combiners.invert_secondary_color:
+        return "inverted terms of the color sum (invert_spare0, invert_secondary_color)"
+    if any(stage.rgb.ab_blue_to_alpha or stage.rgb.cd_blue_to_alpha for stage in combiners.general):
+        return "outputs of blue to alpha (ab_blue_to_alpha, cd_blue_to_alpha)"
+    return None
 
 
 _TEXTURE_REGISTERS = (Register.TEXTURE0, Register.TEXTURE1, Register.TEXTURE2, Register.TEXTURE3)
@@ -1130,6 +1156,8 @@ class _Walk:
                     "stages together. Set constant_color0 and constant_color1 of the RegisterCombiners, or "
                     "choose a profile with per-stage constants."
                 )
+        if not profile.combiner_flags and (flag := _nv2a_flag(combiners)):
+            self.refuse(f"{profile.name} has no {flag}; leave it at its default, or choose the NV2A profile.")
         for _, sentence in combiner_problems(combiners):
             self.refuse(sentence)
         for place, register in _registers_named(combiners):

@@ -59,16 +59,16 @@ def add(products, ab, cd, count, total):
         total[0, i] = int32(products[pa, i] + products[pc, i])
 
 
-@kernel("void(i4[:,::1],i8,i8,i2[:,::1],i8,i4[:,::1])")
-def mux(products, ab, cd, registers, count, total):
-    """CD where SPARE0's alpha, clamped to a byte, has its most significant bit set, else AB.
+@kernel("void(i4[:,::1],i8,i8,i2[:,::1],i8,i4[:,::1],i4)")
+def mux(products, ab, cd, registers, count, total, bit):
+    """CD where SPARE0's alpha, clamped to a byte, has ``bit`` set (its highest, or its lowest), else AB.
 
     Measured: the selecting bit (combiner captures).
     """
     separate_loop()
     pa, pc = uint64(ab), uint64(cd)
     for i in range(count):
-        selected = registers[R.SPARE0 * 4 + 3, i] >= int16(128)
+        selected = (max(int32(registers[R.SPARE0 * 4 + 3, i]), int32(0)) & bit) != int32(0)
         total[0, i] = products[pc, i] if selected else products[pa, i]
 
 
@@ -235,7 +235,7 @@ def combine_portion(registers, first, last, count, row, arithmetic, products, to
                 finish(products, cd, count, bias, scale, low, rounding, results, 4 + k)
         if sum_out:
             if row[R.MUX]:
-                mux(products, ab, cd, registers, count, total)
+                mux(products, ab, cd, registers, count, total, row[R.MUX])
             else:
                 add(products, ab, cd, count, total)
             finish(total, 0, count, bias, scale, low, rounding, results, 8 + k)
@@ -258,6 +258,8 @@ def general_combiner(registers, stage, count, arithmetic, products, total, resul
         if rgb >= 0:
             for k in range(3):
                 copy_plane(results, 4 * output + k, registers, rgb * 4 + k, count)
+            if output < 2 and stage[0, R.AB_BLUE + output]:
+                copy_plane(results, 4 * output + 2, registers, rgb * 4 + 3, count)
         if alpha >= 0:
             copy_plane(results, 4 * output + 3, registers, alpha * 4 + 3, count)
 
@@ -281,14 +283,19 @@ def multiply_e_f(registers, e, f, count, invert_e, invert_f, out, plane):
 
 
 @kernel("void(i2[:,::1],i8,i8,i8,i2[:,::1],i8)")
-def sum_colors(registers, channel, count, clamped, out, plane):
-    """SPARE0 + SECONDARY: an integer sum, clamped with the color sum clamp. Measured: combiner captures."""
+def sum_colors(registers, channel, count, flags, out, plane):
+    """SPARE0 + SECONDARY, or one minus either: an integer sum, clamped with the color sum clamp.
+
+    Measured: combiner captures.
+    """
     separate_loop()
     spare0, secondary, po = uint64(R.SPARE0 * 4 + channel), uint64(R.SECONDARY * 4 + channel), uint64(plane)
-    limit = int32(255) if clamped else int32(510)
+    limit = int32(255) if flags & 1 else int32(510)
+    invert_spare0, invert_secondary = int32((flags >> 1) & 1), int32((flags >> 2) & 1)
     for i in range(count):
         total = int32(
-            max(int32(registers[spare0, i]), int32(0)) + max(int32(registers[secondary, i]), int32(0))
+            map_final(registers[spare0, i], invert_spare0)
+            + map_final(registers[secondary, i], invert_secondary)
         )
         out[po, i] = int16(min(total, limit))
 
@@ -317,7 +324,7 @@ def final_alpha(registers, g, count, invert_g, out, plane):
 
 
 @kernel("void(i2[:,::1],i4[:,::1],i8,i8,i8,i8,i2[:,::1])")
-def final_combiner(registers, final, count, uses_e_times_f, uses_sum, sum_clamp, out):
+def final_combiner(registers, final, count, uses_e_times_f, uses_sum, color_sum, out):
     """The final combiner: ``final`` int32[7, FINAL_SIZE], result int16[12, batch] (planes 0..3), 0..255.
 
     The pseudo-registers are worked out in planes 4..11 of ``out`` and copied to their registers.
@@ -325,7 +332,7 @@ def final_combiner(registers, final, count, uses_e_times_f, uses_sum, sum_clamp,
     separate_function()
     for k in range(3):
         if uses_sum:
-            sum_colors(registers, k, count, sum_clamp, out, 4 + k)
+            sum_colors(registers, k, count, color_sum, out, 4 + k)
         if uses_e_times_f:
             e, f = plane_of(final[4], 0, k), plane_of(final[5], 0, k)
             multiply_e_f(registers, e, f, count, final[4, 2], final[5, 2], out, 8 + k)

@@ -224,7 +224,7 @@ def shade(
         for c in range(8):
             fill_plane(registers, R.CONSTANT0 * 4 + c, count, int32(constants[draw[R.STAGES], c]))
     uses_ef, uses_sum = draw[R.USES_E_TIMES_F], draw[R.USES_SPARE0_PLUS_SECONDARY]
-    final_combiner(registers, final, count, uses_ef, uses_sum, draw[R.COLOR_SUM_CLAMP], results)
+    final_combiner(registers, final, count, uses_ef, uses_sum, draw[R.COLOR_SUM], results)
 
 
 @kernel("void(i4[:,::1],i8,i4[::1],i4[::1],i4[::1],i8,i4[:,::1],u1[::1])")

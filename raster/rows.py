@@ -26,7 +26,7 @@ zero.
     UNITS,
     DIRECT,  # 1: the fragment is its primary colour, no combiners
     STAGES,
-    COLOR_SUM_CLAMP,
+    COLOR_SUM,  # bits: 1 clamp, 2 one minus SPARE0, 4 one minus the secondary colour
     USES_E_TIMES_F,
     USES_SPARE0_PLUS_SECONDARY,
     WRITES_TEXTURE,  # 1: a stage writes the register of a disabled unit, which each batch must find unset
@@ -57,7 +57,11 @@ LOGIC_OPERATION = BLEND_EQUATION + 1
 COLOR_MASK = LOGIC_OPERATION + 1  # 32 bits, as stored
 TEXTURE_SHADER = COLOR_MASK + 1  # 1: stages read earlier stages' texels
 DISCARDS = TEXTURE_SHADER + 1  # 1: shading may discard fragments
-DRAW_SIZE = DISCARDS + 1
+SURFACE = DISCARDS + 1  # 0: four bytes; 1: through the three that follow
+SURFACE_KEEP = SURFACE + 1  # 32 bits, as stored: those that the surface's format keeps
+SURFACE_PAD = SURFACE_KEEP + 1  # 32 bits: those that are always one
+SURFACE_ALPHA = SURFACE_PAD + 1  # as a factor: 0 the stored byte, 1 always 255, 2 its lower seven bits
+DRAW_SIZE = SURFACE_ALPHA + 1
 
 # ---------------------------- blend factors: int32[2, 4 * FACTOR_SIZE]: source, destination; red, green,
 # blue, alpha masks of S, D, As, Ad and the saturate term; a constant byte; xor (255: one minus)
@@ -70,9 +74,19 @@ DEPTH_SCALE, DEPTH_TIE, OFFSET_FACTOR, OFFSET_UNITS, DRAW_FLOAT_SIZE = range(5)
 # Four inputs of INPUT_SIZE entries: register, usage (0 RGB, 1 ALPHA, 2 BLUE), and the mapping as
 # min(max(x, low) * factor + addend, 255).
 INPUT_SIZE = 5
-AB_OUTPUT, CD_OUTPUT, SUM_OUTPUT, AB_DOT, CD_DOT, MUX, BIAS, SCALE, PORTION_SIZE = range(
-    4 * INPUT_SIZE, 4 * INPUT_SIZE + 9
-)
+(
+    AB_OUTPUT,
+    CD_OUTPUT,
+    SUM_OUTPUT,
+    AB_DOT,
+    CD_DOT,
+    MUX,  # the bit of SPARE0's alpha that selects, 128 or 1; 0: a sum
+    BIAS,
+    SCALE,
+    AB_BLUE,  # 1: blue goes to the output's alpha as well
+    CD_BLUE,
+    PORTION_SIZE,
+) = range(4 * INPUT_SIZE, 4 * INPUT_SIZE + 11)
 
 # -------------------------------------- final combiner: int32[7, FINAL_SIZE]: register, usage, invert
 FINAL_SIZE = 3

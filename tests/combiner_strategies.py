@@ -1,8 +1,10 @@
 """Hypothesis strategies of register combiners that NV_register_combiners allows."""
 
+from dataclasses import replace
+
 from hypothesis import strategies as st
 
-from pipeline.enums import CombinerBias, CombinerScale, ComponentUsage, Mapping, Register
+from pipeline.enums import CombinerBias, CombinerScale, ComponentUsage, Mapping, MuxSelect, Register
 from pipeline.state import (
     AlphaPortion,
     CombinerInput,
@@ -40,7 +42,7 @@ def _general_inputs(draw, units, usages):
 
 
 @st.composite
-def _portions(draw, kind, units):
+def _portions(draw, kind, units, flags=False):
     usages = (ComponentUsage.RGB if kind is RGBPortion else ComponentUsage.BLUE, ComponentUsage.ALPHA)
     inputs = _general_inputs(units, usages)
     outputs = draw(st.permutations(_writable(units)))[:3]
@@ -50,6 +52,8 @@ def _portions(draw, kind, units):
     dots = {}
     if kind is RGBPortion:
         dots = {"ab_dot_product": draw(st.booleans()), "cd_dot_product": draw(st.booleans())}
+        if flags:
+            dots |= {"ab_blue_to_alpha": draw(st.booleans()), "cd_blue_to_alpha": draw(st.booleans())}
     return kind(
         a=draw(inputs),
         b=draw(inputs),
@@ -65,16 +69,29 @@ def _portions(draw, kind, units):
     )
 
 
-def general_combiners(units=2, per_stage_constants=False):
-    """General combiner stages that read and write the texture registers of ``units`` texture units."""
+def _without_two_alphas(stage):
+    """The stage without a blue to alpha that its alpha portion would write as well."""
+    written = {stage.alpha.ab_output, stage.alpha.cd_output, stage.alpha.sum_output}
+    rgb = replace(
+        stage.rgb,
+        ab_blue_to_alpha=stage.rgb.ab_blue_to_alpha and stage.rgb.ab_output not in written,
+        cd_blue_to_alpha=stage.rgb.cd_blue_to_alpha and stage.rgb.cd_output not in written,
+    )
+    return replace(stage, rgb=rgb)
+
+
+def general_combiners(units=2, per_stage_constants=False, flags=False):
+    """General combiner stages that read and write the texture registers of ``units`` texture units; with
+    ``flags`` also blue to alpha.
+    """
     own = st.none() | colors if per_stage_constants else st.none()
     return st.builds(
         GeneralCombiner,
-        rgb=_portions(RGBPortion, units),
+        rgb=_portions(RGBPortion, units, flags),
         alpha=_portions(AlphaPortion, units),
         constant_color0=own,
         constant_color1=own,
-    )
+    ).map(_without_two_alphas)
 
 
 @st.composite
@@ -103,9 +120,18 @@ def final_combiners(units=2):
     return st.builds(FinalCombiner, **rgb, g=_final_inputs(units, "g"))
 
 
-def register_combiners(max_stages=2, units=2, per_stage_constants=False):
-    """Whole register combiners of one to ``max_stages`` stages on a machine with ``units`` texture units."""
-    stage = general_combiners(units, per_stage_constants)
+def register_combiners(max_stages=2, units=2, per_stage_constants=False, flags=False):
+    """Whole register combiners of one to ``max_stages`` stages on a machine with ``units`` texture units;
+    ``flags``: with the NV2A's own.
+    """
+    stage = general_combiners(units, per_stage_constants, flags)
+    own = {}
+    if flags:
+        own = {
+            "mux_select": st.sampled_from(MuxSelect),
+            "invert_spare0": st.booleans(),
+            "invert_secondary_color": st.booleans(),
+        }
     return st.builds(
         RegisterCombiners,
         general=st.lists(stage, min_size=1, max_size=max_stages).map(tuple),
@@ -113,4 +139,5 @@ def register_combiners(max_stages=2, units=2, per_stage_constants=False):
         constant_color0=colors,
         constant_color1=colors,
         color_sum_clamp=st.booleans(),
+        **own,
     )

@@ -8,9 +8,19 @@ from dataclasses import dataclass
 import numpy as np
 from hypothesis import strategies as st
 
-from pipeline.commands import Clear, CopyTexImage, CopyTexSubImage, Draw, Mesh, ReadPixels, TexImage
+from pipeline.commands import (
+    BindTexImage,
+    Clear,
+    CopyTexImage,
+    CopyTexSubImage,
+    Draw,
+    MakeCurrent,
+    Mesh,
+    ReadPixels,
+    TexImage,
+)
 from pipeline.enums import (
-    BlendEquation,
+    ColorFormat,
     ComparisonFunction,
     ComponentUsage,
     Face,
@@ -25,9 +35,11 @@ from pipeline.enums import (
     StencilOperation,
     TextureFilter,
     TextureTarget,
+    WindowOrigin,
     WrapMode,
 )
-from pipeline.profiles import GEFORCE_256
+from pipeline.framebuffer import READABLE_AS
+from pipeline.profiles import GEFORCE_256, NV2A
 from pipeline.state import (
     IDENTITY,
     AlphaTest,
@@ -139,13 +151,20 @@ stencil_tests = st.builds(
     write_mask=st.just(255) | _bytes,
 )
 depth_tests = st.builds(DepthTest, _functions, st.booleans())
-blendings = st.builds(
-    Blending,
-    source=_factors_source,
-    destination=_factors_destination,
-    equation=st.sampled_from(BlendEquation),
-    color=colors,
-)
+
+
+def blendings(nv2a=False):
+    """Factors, equations and constants of the GeForce 256, or of the NV2A."""
+    profile = NV2A if nv2a else GEFORCE_256
+    return st.builds(
+        Blending,
+        source=_factors_source,
+        destination=_factors_destination,
+        equation=st.sampled_from(sorted(profile.blend_equations)),
+        color=colors,
+    )
+
+
 color_masks = st.just(ColorMask()) | st.builds(
     ColorMask, st.booleans(), st.booleans(), st.booleans(), st.booleans()
 )
@@ -208,14 +227,14 @@ def viewports(width, height):
 
 
 @st.composite
-def pass_states(draw, width, height, available, max_stages=2, per_stage_constants=False):
+def pass_states(draw, width, height, available, max_stages=2, nv2a=False):
     """Whole pass states; ``available`` are the textures that the units may read."""
     vertex = VertexState(
         viewport=draw(viewports(width, height)), lighting=draw(st.none() | st.none() | lightings)
     )
     combiners = None
     if draw(st.integers(0, 7)) > 0:  # without them there are no textures: keep that rare
-        combiners = draw(register_combiners(max_stages, 2, per_stage_constants))
+        combiners = draw(register_combiners(max_stages, 2, nv2a, nv2a))
     units = ()
     if combiners is not None:
         units = tuple(draw(st.none() | texture_units(draw(st.sampled_from(available)))) for _ in range(2))
@@ -230,7 +249,7 @@ def pass_states(draw, width, height, available, max_stages=2, per_stage_constant
         alpha_test=draw(st.none() | st.none() | alpha_tests),
         stencil_test=draw(maybe(stencil_tests)),
         depth_test=draw(maybe(depth_tests)),
-        blending=draw(maybe(blendings)),
+        blending=draw(maybe(blendings(nv2a))),
         logic_op=draw(st.none() | st.none() | st.sampled_from(LogicOperation)),
         color_mask=draw(color_masks),
     )
@@ -484,22 +503,56 @@ def _reads(draw, width, height):
 
 
 @st.composite
-def frames(draw, width, height, max_stages=2, per_stage_constants=False):
+def _pbuffers(draw, width, height):
+    return MakeCurrent(
+        label="pbuffer",
+        surface="pbuffer",
+        width=width,
+        height=height,
+        color_format=draw(st.sampled_from(ColorFormat)),
+        depth_bits=draw(st.sampled_from((16, 24))),
+    )
+
+
+@st.composite
+def _bound(draw, surface):
+    return BindTexImage(
+        label="bind",
+        texture="bound",
+        surface=surface.surface,
+        internal_format=draw(st.sampled_from(READABLE_AS[surface.color_format])),
+        origin=draw(st.sampled_from(WindowOrigin)),
+    )
+
+
+def solid_texture(width, height, internal_format):
+    """A black texture of that size and format."""
+    return texture_2d(np.zeros((height, width, 4), np.uint8), internal_format)
+
+
+@st.composite
+def frames(draw, width, height, max_stages=2, nv2a=False):
     """Two textures, Clear, a Draw, copies into textures, a second Draw over the first, ReadPixels."""
     first, second = draw(textures("first")), draw(textures("second"))
     available = [first, second]
 
     def one_draw(label):
-        state = draw(pass_states(width, height, available, max_stages, per_stage_constants))
+        state = draw(pass_states(width, height, available, max_stages, nv2a))
         return Draw(label=label, mesh=draw(meshes(width, height)), state=state)
 
     commands = [TexImage(label=t.name, texture=t.name, image=t.image) for t in available]
+    surface = draw(_pbuffers(width, height)) if nv2a and draw(st.booleans()) else None
+    commands += [surface] if surface else []
     commands += [draw(_clears(width, height)), one_draw("first draw")]
+    if surface:
+        commands.append(draw(_bound(surface)))
+        available.append(NamedTexture("bound", solid_texture(width, height, commands[-1].internal_format)))
+        commands += draw(st.sampled_from(([], [MakeCurrent(label="window")])))
     if draw(st.booleans()):
         copy = draw(_copies(width, height))
         commands.append(copy)
-        shape = (copy.height, copy.width, 4)
-        available.append(NamedTexture("copied", texture_2d(np.zeros(shape, np.uint8), copy.internal_format)))
+        image = solid_texture(copy.width, copy.height, copy.internal_format)
+        available.append(NamedTexture("copied", image))
     if second.image.target is not TextureTarget.TEXTURE_1D and draw(st.booleans()):
         commands.append(draw(_replacements(width, height, second)))
     commands += [one_draw("second draw"), draw(_reads(width, height))]

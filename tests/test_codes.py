@@ -96,6 +96,8 @@ def test_logic_operations(operation, result):
         (BlendEquation.FUNC_REVERSE_SUBTRACT, 0),
         (BlendEquation.MIN, 50),
         (BlendEquation.MAX, 100),
+        (BlendEquation.FUNC_ADD_SIGNED, 150),
+        (BlendEquation.FUNC_REVERSE_SUBTRACT_SIGNED, 0),
     ],
 )
 def test_blend_equations(equation, result):

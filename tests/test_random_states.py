@@ -18,7 +18,7 @@ from pipeline.enums import (
     TextureFilter,
 )
 from pipeline.execute import execute
-from pipeline.profiles import GEFORCE_256
+from pipeline.profiles import GEFORCE_256, NV2A
 from pipeline.state import (
     CombinerInput,
     FinalCombiner,
@@ -37,7 +37,15 @@ WIDTH, HEIGHT = 16, 8  # powers of two: vertices on pixel centers and corners st
 
 # A machine that no one built: every arithmetic field that a profile has, with eight general combiners.
 machines = st.builds(
-    lambda **fields: replace(GEFORCE_256, max_general_combiners=8, per_stage_constants=True, **fields),
+    lambda **fields: replace(
+        GEFORCE_256,
+        max_general_combiners=8,
+        per_stage_constants=True,
+        combiner_flags=True,
+        blend_equations=NV2A.blend_equations,
+        surface_formats=NV2A.surface_formats,
+        **fields,
+    ),
     expand_half=st.sampled_from((128, 127.5)),
     product_rounding=st.sampled_from(ProductRounding),
     round_before_scale=st.booleans(),
@@ -49,10 +57,14 @@ machines = st.builds(
 def assert_equal_to_reference(commands, profile, depth_bits, batch):
     result = execute(commands, profile, WIDTH, HEIGHT, depth_bits=depth_bits, threads=1, batch=batch)
     expected = run_reference(commands, profile, WIDTH, HEIGHT, depth_bits)
-    for name in ("stencil", "depth", "color"):
-        np.testing.assert_array_equal(
-            getattr(result.framebuffer, name), np.array(getattr(expected.target, name)), err_msg=name
-        )
+    assert result.surfaces.keys() == expected.surfaces.keys()
+    targets = [(result.framebuffer, expected.target)]
+    targets += [(result.surfaces[name], expected.surfaces[name]) for name in expected.surfaces]
+    for machine, target in targets:
+        for name in ("stencil", "depth", "color"):
+            np.testing.assert_array_equal(
+                getattr(machine, name), np.array(getattr(target, name)), err_msg=name
+            )
     for name, texture in expected.textures.items():
         for level, texels in zip(result.textures[name].levels, texture.levels, strict=True):
             np.testing.assert_array_equal(level, np.array(texels), err_msg=name)

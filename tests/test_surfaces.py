@@ -1,24 +1,31 @@
 """Pbuffers: MakeCurrent, BindTexImage, and what each colour format keeps."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from pipeline.commands import BindTexImage, Clear, Draw, MakeCurrent, Mesh, ReadPixels
 from pipeline.describe import describe
 from pipeline.enums import (
+    BlendEquation,
+    BlendFactor,
     ColorFormat,
     InternalFormat,
+    LogicOperation,
     PrimitiveType,
     TextureTarget,
     WindowOrigin,
 )
 from pipeline.execute import Machine, execute
+from pipeline.framebuffer import READABLE_AS
 from pipeline.profiles import GEFORCE_256, IDEAL, NV2A
-from pipeline.state import PassState
+from pipeline.state import Blending, ColorMask, PassState
 from pipeline.validate import UnsupportedState, validate
 from tests.run_reference import run_reference
 
 WIDTH, HEIGHT = 12, 8
+SQUARE = Mesh([[-1, -1], [1, -1], [1, 1], [-1, 1]], PrimitiveType.QUADS)
 GRADIENT = Mesh(
     [[-1, -1], [1, -1], [1, 1], [-1, 1]],
     PrimitiveType.QUADS,
@@ -140,5 +147,49 @@ def test_machines_without_pbuffers_refuse_them(profile):
 
 
 def test_a_format_that_a_machine_lacks_is_refused():
-    with pytest.raises(UnsupportedState, match="has no surface format B8; it has A8R8G8B8"):
-        validate((pbuffer(color_format=ColorFormat.B8),), NV2A, WIDTH, HEIGHT)
+    profile = replace(NV2A, surface_formats=frozenset({ColorFormat.A8R8G8B8}))
+    with pytest.raises(UnsupportedState, match="has no surface format R5G6B5; it has A8R8G8B8"):
+        validate((pbuffer(color_format=ColorFormat.R5G6B5),), profile, WIDTH, HEIGHT)
+
+
+@pytest.mark.parametrize("color_format", ColorFormat)
+def test_a_surface_keeps_its_formats_bits(color_format):
+    color = (0.1, 0.3, 0.7, 0.5)  # bytes 26, 77, 179, 128
+    result = assert_equal_to_reference((pbuffer(color_format=color_format), Clear(label="c", color=color)))
+    stored = {
+        ColorFormat.A8R8G8B8: [26, 77, 179, 128],
+        ColorFormat.X8R8G8B8_Z8R8G8B8: [26, 77, 179, 0],
+        ColorFormat.X8R8G8B8_O8R8G8B8: [26, 77, 179, 255],
+        ColorFormat.X1A7R8G8B8_Z1A7R8G8B8: [26, 77, 179, 64],
+        ColorFormat.X1A7R8G8B8_O1A7R8G8B8: [26, 77, 179, 192],
+        ColorFormat.R5G6B5: [24, 76, 176, 0],
+        ColorFormat.X1R5G5B5_Z1R5G5B5: [24, 72, 176, 0],
+        ColorFormat.X1R5G5B5_O1R5G5B5: [24, 72, 176, 128],
+    }[color_format]
+    assert (result.surfaces["p"].color == stored).all()
+    # White times the destination's alpha: 255 without alpha, 129 from seven bits of 128.
+    factor = {128: 128, 64: 129, 192: 129}.get(stored[3] if "A" in color_format.name else 0, 255)
+    white = PassState(blending=Blending(BlendFactor.DST_ALPHA, BlendFactor.ZERO))
+    square = Draw(label="white", mesh=SQUARE, state=white)
+    commands = (pbuffer(color_format=color_format), Clear(label="c", color=color), square)
+    red = assert_equal_to_reference(commands).surfaces["p"].color[..., 0]
+    assert (red == factor & (0xF8 if "5" in color_format.name else 0xFF)).all()
+
+
+@pytest.mark.parametrize("color_format", ColorFormat)
+@pytest.mark.parametrize("state", [
+    PassState(),
+    PassState(blending=Blending(BlendFactor.ONE, BlendFactor.ONE)),
+    PassState(blending=Blending(BlendFactor.SRC_ALPHA, BlendFactor.DST_ALPHA)),
+    PassState(blending=Blending(equation=BlendEquation.FUNC_REVERSE_SUBTRACT_SIGNED)),
+    PassState(logic_op=LogicOperation.NAND),
+    PassState(color_mask=ColorMask(red=False, alpha=False)),
+])  # fmt: skip
+def test_every_way_to_write_a_surface_equals_the_specification(color_format, state):
+    draws = [Draw(label="gradient", mesh=GRADIENT, state=state) for _ in range(2)]
+    background = Clear(label="c", color=(0.1, 0.3, 0.7, 0.5))
+    formats = READABLE_AS[color_format]
+    for internal_format in formats:
+        assert_equal_to_reference(
+            (pbuffer(color_format=color_format), background, *draws, bind(internal_format=internal_format))
+        )

@@ -50,7 +50,7 @@ def difference_picture(comparison, wide=False):
     c = comparison
     out = c.ours[..., :3] // 5
     out[~c.compared] = _OUTSIDE
-    out[(c.theirs == TEXT).all(-1)] = _TEXT
+    out[(c.theirs == TEXT).all(-1) & ~c.compared] = _TEXT
     apart = np.abs(c.ours.astype(np.int16) - c.theirs).max(-1) * c.compared
     for least, color, _ in _STEPS:
         at = apart >= least
@@ -124,8 +124,7 @@ def _inexact(c):
     differ = f"{c.pixels_compared - c.pixels_equal} of {c.pixels_compared} pixels differ"
     why = f": {escape(c.note)}" if c.note else ""
     return (
-        f'<div class="case"><h3>{escape(c.name)}</h3><p class="quiet">{differ}{why}.</p>'
-        f"{_pictures(c)}</div>"
+        f'<div class="case"><h3>{escape(c.name)}</h3><p class="quiet">{differ}{why}.</p>{_pictures(c)}</div>'
     )
 
 

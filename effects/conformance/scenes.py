@@ -4,6 +4,8 @@ Source: the public programs that drew the captures, nxdk_pgraph_tests with pbkit
 defaults). Vertices are in device pixels there, y down; depth in the buffer's units.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from effects.conformance.case import HEIGHT, WIDTH
@@ -83,20 +85,41 @@ def single(values):
     return np.asarray(values, np.float32).astype(np.float64)
 
 
-def window_mesh(positions, primitive=PrimitiveType.QUADS, **arrays):
+def window_mesh(positions, primitive=PrimitiveType.QUADS, height=HEIGHT, **arrays):
     """A mesh whose positions are device pixels (x right, y down), z in depth units and clip w, as a vertex
     program's results.
 
-    ``positions`` [n, 2..4]; single precision, as the chip reads them. Other arrays as in Mesh.
+    ``positions`` [n, 2..4]; single precision, as the chip reads them. ``height``: of the surface drawn to,
+    pixels. Other arrays as in Mesh.
     """
     positions = single(positions)
-    positions[:, 1] = HEIGHT - positions[:, 1]
+    positions[:, 1] = height - positions[:, 1]
     return Mesh(positions, primitive, **arrays)
 
 
 def rectangle(left, top, right, bottom, z=0.0):
     """Four corners of a quad in the programs' order: upper left, upper right, lower right, lower left."""
     return [(left, top, z), (right, top, z), (right, bottom, z), (left, bottom, z)]
+
+
+UNIT_SQUARE = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])  # a quad's texture coordinates
+
+
+def quad(label, corners, color, state=DEFAULT, height=HEIGHT):
+    """A quad of one colour, RGBA; ``corners`` as ``rectangle`` gives them."""
+    return Draw(
+        label=label, mesh=window_mesh(corners, height=height, colors=single([color] * 4)), state=state
+    )
+
+
+def textured_quad(label, corners, texture, state=DEFAULT, height=HEIGHT):
+    """A quad that shows the whole of a 2D texture, its first row on top, nearest texels."""
+    state = replace(state, register_combiners=SHOWS_TEXTURE0, texture_units=(TextureUnit(texture, NEAREST),))
+    return Draw(
+        label=label,
+        mesh=window_mesh(corners, height=height, texture_coordinates=(UNIT_SQUARE,)),
+        state=state,
+    )
 
 
 def projection_of(composite, offset=(0.0, 0.0), depth_maximum=16777215.0):

@@ -23,6 +23,11 @@ _DESTINATION_FACTORS = frozenset(BlendFactor) - {
 }
 _TEXTURE_TARGETS = frozenset(TextureTarget) - {TextureTarget.TEXTURE_3D, TextureTarget.TEXTURE_RECTANGLE}
 
+_EQUATIONS = frozenset(BlendEquation) - {
+    BlendEquation.FUNC_ADD_SIGNED,
+    BlendEquation.FUNC_REVERSE_SUBTRACT_SIGNED,
+}
+
 GEFORCE_256 = Profile(
     name="GeForce 256",
     description="NVIDIA NV10, 1999: register combiners, two texture units, cube maps",
@@ -46,7 +51,7 @@ GEFORCE_256 = Profile(
     texgen_modes=frozenset(TexGenMode),
     blend_factors_source=_SOURCE_FACTORS,
     blend_factors_destination=_DESTINATION_FACTORS,
-    blend_equations=frozenset(BlendEquation),
+    blend_equations=_EQUATIONS,
     stencil_operations=frozenset(StencilOperation),
     surface_formats=frozenset(),
     texture_shader_operations=frozenset(),
@@ -57,6 +62,7 @@ GEFORCE_256 = Profile(
     separate_specular_color=True,
     color_sum=True,
     depth_units_in_coordinates=False,
+    combiner_flags=False,
     expand_half=128,
     product_rounding=ProductRounding.JOINT,
     round_before_scale=True,
@@ -98,6 +104,7 @@ GEFORCE_256 = Profile(
         "fog_coordinate": "Source: EXT_fog_coord",
         "separate_specular_color": "Source: OpenGL 1.2.1 section 2.13.1",
         "color_sum": "Source: OpenGL 1.2.1 section 3.9; EXT_secondary_color",
+        "combiner_flags": "Source: NV_register_combiners, which names none of them",
         "expand_half": "Inferred: the NV2A's output half is 128, and normal maps of the time put zero at 128",
         "product_rounding": "Inferred: from the NV2A's blender: one rounding after the sum (Blend captures)",
         "round_before_scale": "Inferred: from the NV2A's order of bias and scale (Combiner captures)",

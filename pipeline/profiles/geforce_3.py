@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from pipeline.enums import TextureCompareMode
+from pipeline.profiles.geforce_256 import GEFORCE_256
 from pipeline.profiles.nv2a import NV2A
 
 
@@ -17,11 +18,15 @@ GEFORCE_3 = replace(
     NV2A,
     name="GeForce 3",
     description="NVIDIA NV20, 2001: texture shaders, eight general combiners, four texture units",
+    blend_equations=GEFORCE_256.blend_equations,
     texture_compare_modes=frozenset({TextureCompareMode.NONE, TextureCompareMode.COMPARE_R_TO_TEXTURE}),
     depth_units_in_coordinates=False,
+    combiner_flags=GEFORCE_256.combiner_flags,
     evidence={
         **{field: _inferred(evidence) for field, evidence in NV2A.evidence.items()},
+        "blend_equations": GEFORCE_256.evidence["blend_equations"],
         "texture_compare_modes": "Source: ARB_shadow",
         "depth_units_in_coordinates": "Source: ARB_shadow, NV_texture_shader (DOT_PRODUCT_DEPTH_REPLACE)",
+        "combiner_flags": "Source: NV_register_combiners2, which names none of them",
     },
 )

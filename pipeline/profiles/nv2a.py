@@ -6,6 +6,7 @@ Thousands of framebuffer captures exist; ``fixedpipe conformance`` redraws them 
 from dataclasses import replace
 
 from pipeline.enums import (
+    BlendEquation,
     BlendFactor,
     ColorFormat,
     DotProductMapping,
@@ -40,6 +41,7 @@ _MEASURED = {
     "texture_compare_modes": "Measured: 8150016 of 8150016 pixels of each (Texture_shadow_comparator)",
     "depth_units_in_coordinates": "Measured: Texture_shadow_comparator and DotZW captures",
     "surface_formats": "Source: nv_objects.h, SET_SURFACE_FORMAT_COLOR",
+    "combiner_flags": "Measured: 110441 of 110441 pixels (Combiner captures)",
     "expand_half": "Inferred: the output half is 128 (CombinerOps capture); no capture uses EXPAND",
     "product_rounding": "Inferred: from the blender: one rounding after the sum (Blend_tests captures)",
     "round_before_scale": "Measured: bias before scale (CombinerOps capture)",
@@ -69,6 +71,8 @@ NV2A = replace(
     dot_product_mappings=frozenset(DotProductMapping),
     texture_compare_modes=frozenset(TextureCompareMode),
     depth_units_in_coordinates=True,
-    surface_formats=frozenset({ColorFormat.A8R8G8B8}),
+    blend_equations=frozenset(BlendEquation),
+    surface_formats=frozenset(ColorFormat),
+    combiner_flags=True,
     evidence={**GEFORCE_256.evidence, **_MEASURED},
 )

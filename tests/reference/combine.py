@@ -1,6 +1,14 @@
 """Register combiners: NV_register_combiners on 9-bit signed integers, one fragment at a time."""
 
-from pipeline.enums import CombinerBias, CombinerScale, ComponentUsage, Mapping, ProductRounding, Register
+from pipeline.enums import (
+    CombinerBias,
+    CombinerScale,
+    ComponentUsage,
+    Mapping,
+    MuxSelect,
+    ProductRounding,
+    Register,
+)
 from tests.reference import fixed
 
 ONE = 255
@@ -79,12 +87,13 @@ def combiner_output(products, scale, bias, profile):
     return fixed.clamp(total, profile.clamp_low, ONE)
 
 
-def mux_takes_cd(spare0_alpha):
-    """Measured: SPARE0's alpha, clamped to a byte, has its most significant bit set."""
-    return fixed.clamp(spare0_alpha, 0, ONE) >= HALF
+def mux_takes_cd(spare0_alpha, select=MuxSelect.MSB):
+    """Measured: SPARE0's alpha, clamped to a byte, has its most significant, or its lowest, bit set."""
+    byte = fixed.clamp(spare0_alpha, 0, ONE)
+    return byte >= HALF if select == MuxSelect.MSB else byte % 2 == 1
 
 
-def portion_outputs(registers, portion, components, dot_products, profile):
+def portion_outputs(registers, portion, components, dot_products, profile, mux_select=MuxSelect.MSB):
     """{component: (AB, CD, sum or mux)} of one portion; all inputs are read before anything is written.
 
     Source: NV_register_combiners section 3.8.12.2.
@@ -102,7 +111,7 @@ def portion_outputs(registers, portion, components, dot_products, profile):
     for k in components:
         together = ab[k] + cd[k]
         if portion.mux_sum:
-            together = cd[k] if mux_takes_cd(registers[Register.SPARE0][3]) else ab[k]
+            together = cd[k] if mux_takes_cd(registers[Register.SPARE0][3], mux_select) else ab[k]
         outputs[k] = tuple(
             combiner_output(products, portion.scale, portion.bias, profile)
             for products in (ab[k], cd[k], together)
@@ -110,13 +119,17 @@ def portion_outputs(registers, portion, components, dot_products, profile):
     return outputs
 
 
-def general_combiner(registers, stage, profile):
-    """The registers after one general combiner. Source: NV_register_combiners section 3.8.12.2."""
+def general_combiner(registers, stage, profile, mux_select=MuxSelect.MSB):
+    """The registers after one general combiner.
+
+    Source: NV_register_combiners section 3.8.12.2; Measured: an output's blue in its register's alpha.
+    """
     written = {register: list(value) for register, value in registers.items()}
     rgb, alpha = stage.rgb, stage.alpha
+    dots = (rgb.ab_dot_product, rgb.cd_dot_product)
     halves = (
-        (rgb, portion_outputs(registers, rgb, (0, 1, 2), (rgb.ab_dot_product, rgb.cd_dot_product), profile)),
-        (alpha, portion_outputs(registers, alpha, (3,), (False, False), profile)),
+        (rgb, portion_outputs(registers, rgb, (0, 1, 2), dots, profile, mux_select)),
+        (alpha, portion_outputs(registers, alpha, (3,), (False, False), profile, mux_select)),
     )
     for portion, outputs in halves:
         destinations = (portion.ab_output, portion.cd_output, portion.sum_output)
@@ -124,16 +137,22 @@ def general_combiner(registers, stage, profile):
             for register, value in zip(destinations, values, strict=True):
                 if register != Register.DISCARD:
                     written[register][k] = value
+    for register, copied in ((rgb.ab_output, rgb.ab_blue_to_alpha), (rgb.cd_output, rgb.cd_blue_to_alpha)):
+        if copied and register != Register.DISCARD:
+            written[register][3] = written[register][2]
     return written
 
 
-def spare0_plus_secondary(registers, color_sum_clamp):
+def spare0_plus_secondary(registers, color_sum_clamp, inverted=(False, False)):
     """The final combiner's pseudo-register; without the clamp it keeps up to 510.
 
-    Source: NV_register_combiners section 3.8.12.3; Measured: kept above 255 without the clamp.
+    ``inverted``: one minus SPARE0, one minus the secondary color.
+    Source: NV_register_combiners section 3.8.12.3; Measured: kept above 255 without the clamp, inversion
+    before the sum.
     """
     spare0, secondary = registers[Register.SPARE0], registers[Register.SECONDARY_COLOR]
-    sums = [max(0, spare0[k]) + max(0, secondary[k]) for k in range(3)]
+    first, second = (Mapping.UNSIGNED_INVERT if i else Mapping.UNSIGNED_IDENTITY for i in inverted)
+    sums = [map_final_input(spare0[k], first) + map_final_input(secondary[k], second) for k in range(3)]
     return [min(ONE, s) if color_sum_clamp else s for s in sums] + [0]
 
 
@@ -147,13 +166,13 @@ def read_final_component(registers, variable, k):
     return map_final_input(registers[variable.register][used_component(variable.usage, k)], variable.mapping)
 
 
-def final_combiner(registers, final, color_sum_clamp):
+def final_combiner(registers, final, color_sum_clamp, inverted=(False, False)):
     """The fragment's color, four bytes.
 
     Measured: its parts (136923 pixels); Inferred: the joint rounding of the blend of B and C.
     """
     file = dict(registers)
-    file[Register.SPARE0_PLUS_SECONDARY_COLOR] = spare0_plus_secondary(registers, color_sum_clamp)
+    file[Register.SPARE0_PLUS_SECONDARY_COLOR] = spare0_plus_secondary(registers, color_sum_clamp, inverted)
     factors = [[read_final_component(file, v, k) for v in (final.e, final.f)] for k in range(3)]
     file[Register.E_TIMES_F] = [fixed.divide_by_255(e * f) for e, f in factors] + [0]
     color = []
@@ -197,7 +216,8 @@ def combine(combiners, registers, profile):
         own = (stage.constant_color0, stage.constant_color1)
         for name, color, common in zip(names, own, program, strict=True):
             registers[name] = fixed.color_to_bytes(common if color is None else color)
-        registers = general_combiner(registers, stage, profile)
+        registers = general_combiner(registers, stage, profile, combiners.mux_select)
     for name, color in zip(names, program, strict=True):
         registers[name] = fixed.color_to_bytes(color)
-    return final_combiner(registers, combiners.final, combiners.color_sum_clamp)
+    inverted = (combiners.invert_spare0, combiners.invert_secondary_color)
+    return final_combiner(registers, combiners.final, combiners.color_sum_clamp, inverted)

@@ -1,6 +1,6 @@
 """Whole rectangles: Clear, copies into textures, ReadPixels. Rectangles count rows from the bottom."""
 
-from tests.reference import coverage, fixed, per_fragment, texel_formats
+from tests.reference import coverage, fixed, per_fragment, surface, texel_formats
 from tests.reference.depth import depth_to_units
 
 
@@ -10,7 +10,8 @@ def clear(target, command):
     for py in rows:
         for px in columns:
             if command.color is not None:
-                color, stored = fixed.color_to_bytes(command.color), target.color[py][px]
+                color = surface.to_surface(fixed.color_to_bytes(command.color), target.color_format)
+                stored = target.color[py][px]
                 target.color[py][px] = per_fragment.masked_color(color, stored, command.color_mask)
             if command.depth is not None:
                 target.depth[py][px] = depth_to_units(command.depth, target.depth_bits)
