@@ -46,8 +46,8 @@ class Profile:
     Switches
         ``logic_op``, ``fog_coordinate``, ``separate_specular_color``, ``color_sum``,
         ``depth_units_in_coordinates`` (depths that come from texture coordinates, those that a depth texture
-        is compared with and those of DOT_PRODUCT_DEPTH_REPLACE, are in depth-buffer units, not in [0, 1]), ``combiner_flags``
-        (muxes by the lowest bit, blue to alpha, inverted terms of the color sum).
+        is compared with and those of DOT_PRODUCT_DEPTH_REPLACE, are in depth-buffer units, not in [0, 1]),
+        ``combiner_flags`` (muxes by the lowest bit, blue to alpha, inverted terms of the color sum).
     Arithmetic
         ``exact``: float64 without limits (the ideal machine; the fields below then do not matter).
         ``expand_half``: what an 8-bit EXPAND mapping takes as one half, 128 or 127.5. ``product_rounding``,
