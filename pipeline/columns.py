@@ -13,6 +13,11 @@ ZERO = np.float64(0.0)
 ONE = np.float64(1.0)
 
 
+def keep_significant_bits(column, bits):
+    """Truncate toward zero to so many significant bits: the others of a float64's 53 become zero."""
+    return (column.view(np.int64) & np.int64(-1 << (53 - bits))).view(np.float64)
+
+
 def columns_of(array, defaults):
     """Split float64 [n, c] into len(defaults) columns; a component that the array lacks takes its default."""
     columns = [np.float64(default) for default in defaults]

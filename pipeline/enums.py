@@ -280,6 +280,25 @@ class FogCoordinateSource(IntEnum):
     FOG_COORDINATE = 1
 
 
+class FogGeneration(IntEnum):
+    """Where the NV2A's fog coordinate comes from (its SET_FOG_GEN_MODE)."""
+
+    SECONDARY_ALPHA = 0
+    RADIAL = 1
+    PLANAR = 2
+    ABSOLUTE_PLANAR = 3
+    FOG_COORDINATE = 4
+
+
+class FogArithmetic(IntEnum):
+    """How a machine computes the fog factor (a profile field): the function of the iterated coordinate,
+    rounded to nearest, or the NV2A's table.
+    """
+
+    ROUNDED = 0
+    TABLE = 1
+
+
 class ColorMaterialParameter(IntEnum):
     """Section 2.13.3."""
 

@@ -18,6 +18,7 @@ from pipeline.enums import (
     ComparisonFunction,
     ComponentUsage,
     Face,
+    FogArithmetic,
     FogMode,
     FrontFace,
     LogicOperation,
@@ -33,6 +34,7 @@ from pipeline.enums import (
     TextureTarget,
     VertexStage,
 )
+from pipeline.fog import table
 from pipeline.framebuffer import SURFACE_WORDS, to_byte
 from pipeline.state import (
     CombinerInput,
@@ -484,8 +486,12 @@ def pack(state: PassState, profile, framebuffer, textures, primitives):
     thresholds = _NO_FOG
     if Register.FOG in used and state.fog is not None:
         draw[R.FOG_ENABLED] = 1
-        draw[R.FOG_RISING] = state.fog.mode == FogMode.LINEAR and state.fog.start > state.fog.end
-        thresholds = fog_thresholds(state.fog).copy()  # kernels take writable arrays
+        if profile.fog_arithmetic == FogArithmetic.TABLE:
+            draw[R.FOG_ENABLED] = 2
+            thresholds = table(state.fog.mode).copy()  # kernels take writable arrays
+        else:
+            draw[R.FOG_RISING] = state.fog.mode == FogMode.LINEAR and state.fog.start > state.fog.end
+            thresholds = fog_thresholds(state.fog).copy()
         draw[R.FOG_RED : R.FOG_BLUE + 1] = _color_bytes(state.fog.color)[:3]
     draw[R.NEEDS_PRIMARY] = Register.PRIMARY_COLOR in used
     draw[R.NEEDS_SECONDARY] = Register.SECONDARY_COLOR in used

@@ -12,6 +12,7 @@ from pipeline.enums import (
     BlendFactor,
     ColorFormat,
     DotProductMapping,
+    FogArithmetic,
     InternalFormat,
     MagnificationThreshold,
     ProductRounding,
@@ -45,6 +46,7 @@ class Profile:
         ``dot_product_mappings``, ``texture_compare_modes``.
     Switches
         ``logic_op``, ``fog_coordinate``, ``separate_specular_color``, ``color_sum``,
+        ``fog_registers`` (FogRegisters),
         ``depth_units_in_coordinates`` (depths that come from texture coordinates, those that a depth texture
         is compared with and those of DOT_PRODUCT_DEPTH_REPLACE, are in depth-buffer units, not in [0, 1]),
         ``combiner_flags`` (muxes by the lowest bit, blue to alpha, inverted terms of the color sum).
@@ -55,7 +57,7 @@ class Profile:
         significant bits that a float vertex colour keeps on its way to a byte. ``subpixel_bits``: of a
         snapped window coordinate. ``guard_band``: pixels around the screen that need no clipping.
         ``device_origin``: where rows are counted from before snapping. ``magnification_threshold``: the
-        lambda up to which the magnification filter is taken.
+        lambda up to which the magnification filter is taken. ``fog_arithmetic``: how the factor is computed.
     """
 
     name: str
@@ -93,6 +95,7 @@ class Profile:
     fog_coordinate: bool
     separate_specular_color: bool
     color_sum: bool
+    fog_registers: bool
     depth_units_in_coordinates: bool
     combiner_flags: bool
 
@@ -105,6 +108,7 @@ class Profile:
     guard_band: int
     device_origin: WindowOrigin
     magnification_threshold: MagnificationThreshold
+    fog_arithmetic: FogArithmetic
 
     evidence: Mapping[str, str]
 

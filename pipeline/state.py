@@ -23,6 +23,7 @@ from pipeline.enums import (
     DotProductMapping,
     Face,
     FogCoordinateSource,
+    FogGeneration,
     FogMode,
     FrontFace,
     LogicOperation,
@@ -315,8 +316,27 @@ class RegisterCombiners:
 
 
 @dataclass(frozen=True, slots=True)
+class FogRegisters:
+    """The NV2A's own fog parameters: the factor is a function of ``multiplier * coordinate + bias``.
+
+    LINEAR fog is that sum minus 1; EXP fog is 2^(16 x) and EXP2 fog 2^(-32 x^2) of the sum minus 1.5, x.
+    ``plane``: of PLANAR and ABSOLUTE_PLANAR generation, in eye coordinates. ``absolute``: the coordinate's
+    magnitude (the modes with _ABS). After a vertex program the coordinate is the vertices' own.
+    """
+
+    bias: float = 1.0
+    multiplier: float = 0.0
+    generation: FogGeneration = FogGeneration.PLANAR
+    plane: Vector4 = (0.0, 0.0, 1.0, 0.0)
+    absolute: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Fog:
-    """Section 3.10. None in PassState: fog disabled (the FOG register is then the color with factor one)."""
+    """Section 3.10. None in PassState: fog disabled (the FOG register is then the color with factor one).
+
+    ``registers``: take the place of ``density``, ``start``, ``end`` and ``coordinate_source``.
+    """
 
     mode: FogMode = FogMode.EXP
     density: float = 1.0
@@ -324,6 +344,7 @@ class Fog:
     end: float = 1.0
     color: Color = (0.0, 0.0, 0.0, 0.0)
     coordinate_source: FogCoordinateSource = FogCoordinateSource.FRAGMENT_DEPTH
+    registers: FogRegisters | None = None
 
 
 # --------------------------------------------------------------- per-fragment operations (chapter 4)

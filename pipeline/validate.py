@@ -1178,6 +1178,11 @@ class _Walk:
             self.refuse(
                 f"linear fog starts and ends at {fog.start}, which divides by zero; move one of them."
             )
+        if fog.registers is not None and not self.profile.fog_registers:
+            self.refuse(
+                f"{self.profile.name} has no FogRegisters; give density, or start and end, and leave "
+                "fog.registers unset."
+            )
         if fog.coordinate_source is FogCoordinateSource.FOG_COORDINATE and not self.profile.fog_coordinate:
             self.refuse(f"{self.profile.name} has no FOG_COORDINATE; use FRAGMENT_DEPTH.")
 

@@ -7,8 +7,27 @@ import numpy as np
 
 from pipeline.assembly import assemble
 from pipeline.clip import clip, clip_planes
-from pipeline.columns import ONE, ZERO, columns_of, dot, length, normalize, positive, transform, weighted_sum
-from pipeline.enums import FogCoordinateSource, TexGenMode, VertexStage, WindowOrigin
+from pipeline.columns import (
+    ONE,
+    ZERO,
+    columns_of,
+    dot,
+    keep_significant_bits,
+    length,
+    normalize,
+    positive,
+    transform,
+    weighted_sum,
+)
+from pipeline.enums import (
+    FogArithmetic,
+    FogCoordinateSource,
+    FogGeneration,
+    TexGenMode,
+    VertexStage,
+    WindowOrigin,
+)
+from pipeline.fog import vertex_value
 from pipeline.lighting import light_vertices
 from pipeline.primitives import WindowPrimitives
 
@@ -66,7 +85,7 @@ def _process(mesh, state, profile, width, height):
         *(eye if vertex.clip_planes else ()),
         *front,
         *(back if two_side else ()),
-        _fog_coordinate(mesh, state, eye),
+        _fog(mesh, state, eye, profile),
         *_texture_coordinates(mesh, state, position, eye, normal),
     ]
     triangles = assemble(mesh, state.polygon.provoking_vertex)
@@ -218,12 +237,32 @@ def _sphere_map(reflection):
     return [reflection[axis] / divisor + np.float64(0.5) for axis in range(2)]
 
 
-def _fog_coordinate(mesh, state, eye):
+def _fog(mesh, state, eye, profile):
+    """What is iterated for fog: the coordinate, or what the machine computes from it."""
     if state.fog is None:
         return ZERO
-    if state.fog.coordinate_source == FogCoordinateSource.FRAGMENT_DEPTH:
-        return np.abs(eye[2])
-    return ZERO if mesh.fog_coordinates is None else mesh.fog_coordinates
+    coordinate = _fog_coordinate(mesh, state, eye)
+    return (
+        vertex_value(state.fog, coordinate) if profile.fog_arithmetic == FogArithmetic.TABLE else coordinate
+    )
+
+
+def _fog_coordinate(mesh, state, eye):
+    fog, registers = state.fog, state.fog.registers
+    own = ZERO if mesh.fog_coordinates is None else mesh.fog_coordinates
+    if registers is None:
+        return np.abs(eye[2]) if fog.coordinate_source == FogCoordinateSource.FRAGMENT_DEPTH else own
+    generation = registers.generation
+    if state.vertex.stage == VertexStage.PROGRAM_RESULTS or generation == FogGeneration.FOG_COORDINATE:
+        coordinate = own
+    elif generation == FogGeneration.SECONDARY_ALPHA:
+        coordinate = columns_of(mesh.secondary_colors, (0.0, 0.0, 0.0, 0.0))[3]
+    elif generation == FogGeneration.RADIAL:
+        coordinate = length(eye[:3])
+    else:
+        coordinate = weighted_sum(registers.plane, eye)
+    absolute = registers.absolute or generation == FogGeneration.ABSOLUTE_PLANAR
+    return np.abs(coordinate) if absolute else coordinate
 
 
 def _viewport(viewport, width, height):
@@ -272,8 +311,7 @@ def _colors(count, columns, significant_bits):
 
 
 def _color_byte(column, significant_bits):
-    mask = np.int64(-1 << (_FLOAT64_MANTISSA_BITS - significant_bits))
-    kept = (column.view(np.int64) & mask).view(np.float64)
+    kept = keep_significant_bits(column, significant_bits)
     return np.floor(kept * np.float64(255.0) + np.float64(0.5))
 
 

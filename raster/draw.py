@@ -20,6 +20,7 @@ from raster.interpolate import (
     iterate_color,
     iterate_coordinate,
     iterate_fog,
+    iterate_fog_table,
     tie_bias,
 )
 from raster.kernel import float_of, kernel, separate_function
@@ -152,9 +153,14 @@ def shade(
             )
     if draw[R.FOG_ENABLED]:
         rising, plane = draw[R.FOG_RISING], R.FOG * 4 + 3
-        iterate_fog(
-            starts, owners, segments, triangles, fog, floats, fog_thresholds, rising, registers, plane
-        )
+        if draw[R.FOG_ENABLED] == 2:
+            iterate_fog_table(
+                starts, owners, segments, triangles, fog, floats, fog_thresholds, registers, plane
+            )
+        else:
+            iterate_fog(
+                starts, owners, segments, triangles, fog, floats, fog_thresholds, rising, registers, plane
+            )
     if draw[R.WRITES_TEXTURE]:
         for u in range(4):
             unbound_texture(registers, u, count)

@@ -178,3 +178,20 @@ def iterate_fog(starts, owners, segments, triangles, fog, floats, thresholds, ri
                 else:
                     high = middle - 1
             out[plane, i] = int16(low)
+
+
+@kernel("void(i4[::1],i4[::1],i8,i4[:,::1],f8[::1],f8[:,::1],f8[::1],i2[:,::1],i8)")
+def iterate_fog_table(starts, owners, segments, triangles, fog, floats, table, out, plane):
+    """The fog factor's byte into a plane of ``out``: the entry of a table of 8193 at floor(4096 v).
+
+    Measured: 374 of 374 squares and all pixels of 6 captures (FogGen, Fog, Fog_vsh).
+    """
+    for s in range(segments):
+        t = owners[s]
+        v1 = fog[triangles[t, 1]]
+        d0 = fog[triangles[t, 0]] - v1
+        d2 = fog[triangles[t, 2]] - v1
+        for i in range(starts[s], starts[s + 1]):
+            v = (v1 + floats[R.B0, i] * d0) + floats[R.B2, i] * d2
+            step = min(max(np.floor(v * 4096.0), 0.0), 8192.0)
+            out[plane, i] = int16(table[int32(step)])

@@ -31,7 +31,7 @@ zero.
     USES_SPARE0_PLUS_SECONDARY,
     WRITES_TEXTURE,  # 1: a stage writes the register of a disabled unit, which each batch must find unset
     STAGE_CONSTANTS,  # 1: constants change from stage to stage
-    FOG_ENABLED,
+    FOG_ENABLED,  # 1: by 255 thresholds; 2: by a table of floor(4096 v)
     FOG_RISING,  # 1: the factor grows with the coordinate
     FOG_RED,
     FOG_GREEN,

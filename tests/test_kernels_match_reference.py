@@ -24,6 +24,7 @@ from pipeline.enums import (
     ComparisonFunction,
     ComponentUsage,
     FogCoordinateSource,
+    FogGeneration,
     FogMode,
     LogicOperation,
     MagnificationThreshold,
@@ -47,6 +48,7 @@ from pipeline.state import (
     DepthTest,
     FinalCombiner,
     Fog,
+    FogRegisters,
     GeneralCombiner,
     PassState,
     RegisterCombiners,
@@ -842,7 +844,7 @@ def test_fog_thresholds_are_alike(state):
     )
 
 
-def fog_columns(state, distances):
+def fog_columns(state, distances, profile=GEFORCE_256):
     """The fog factor of a row of pixels at each distance, drawn by the machine."""
     mesh = pixel_quads(len(distances), fog_coordinates=np.repeat(np.array(distances), 4))
     final = FinalCombiner(
@@ -851,7 +853,7 @@ def fog_columns(state, distances):
         c=CombinerInput(Register.FOG, usage=ComponentUsage.ALPHA),
         d=CombinerInput(),
     )
-    machine = Machine(GEFORCE_256, len(distances), 1, threads=1)
+    machine = Machine(profile, len(distances), 1, threads=1)
     fogged = PassState(fog=state, register_combiners=RegisterCombiners(final=final))
     machine.run((Draw(label="fog", mesh=mesh, state=fogged),))
     return machine.framebuffer.color[0, :, 0].tolist()
@@ -876,4 +878,15 @@ def test_every_fog_factor_begins_at_its_threshold(state):
         f(t, d) for t in limits for f, d in ((max, t), (math.nextafter, 99.0), (math.nextafter, -99.0))
     ]
     distances += [-1e30, 0.0, 1e30]
-    assert fog_columns(state, distances) == [fog.fog_factor(c, state) for c in distances]
+    assert fog_columns(state, distances) == [fog.fog_factor(c, state, GEFORCE_256) for c in distances]
+
+
+@pytest.mark.parametrize("mode", FogMode)
+def test_every_step_of_table_fog_is_the_specification_s(mode):
+    own = FogRegisters(bias=1.0, multiplier=1.0, generation=FogGeneration.FOG_COORDINATE)
+    state = Fog(mode, registers=own)
+    steps = np.arange(-4, 4100)  # of 1/4096: the iterated value is 1 + the coordinate
+    for distances in np.array_split(np.concatenate([steps, steps + 0.5]) / 4096.0, 5):
+        values = [fog.vertex_value(state, c) for c in distances.tolist()]
+        assert fog_columns(state, distances, NV2A) == [fog.fog_factor(v, state, NV2A) for v in values]
+    assert fog_columns(state, [-3e38, 3e38], NV2A) == [0, 255]

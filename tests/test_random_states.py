@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from pipeline.commands import Draw, Mesh, TexImage
 from pipeline.enums import (
     ComponentUsage,
+    FogArithmetic,
     MagnificationThreshold,
     Mapping,
     ProductRounding,
@@ -51,6 +52,7 @@ machines = st.builds(
     round_before_scale=st.booleans(),
     clamp_low=st.sampled_from((-256, -255)),
     magnification_threshold=st.sampled_from(MagnificationThreshold),
+    fog_arithmetic=st.sampled_from(FogArithmetic),
 )
 
 

@@ -650,17 +650,17 @@ def test_the_final_blend_is_rounded_once():
 def test_linear_fog_rounds_to_nearest_and_is_clamped():
     state = Fog(FogMode.LINEAR, start=0.0, end=1.0)
     distances = (-1.0, 0.0, 0.5, math.nextafter(0.5, 1.0), 1.0, 2.0)
-    assert [fog.fog_factor(c, state) for c in distances] == [255, 255, 128, 127, 0, 0]
+    assert [fog.fog_factor(c, state, GEFORCE_256) for c in distances] == [255, 255, 128, 127, 0, 0]
     rising = Fog(FogMode.LINEAR, start=1.0, end=0.0)
-    assert [fog.fog_factor(c, rising) for c in (0.0, 0.5, below(0.5), 1.0)] == [0, 128, 127, 255]
+    assert [fog.fog_factor(c, rising, GEFORCE_256) for c in (0.0, 0.5, below(0.5), 1.0)] == [0, 128, 127, 255]
 
 
 def test_exponential_fog_rounds_to_nearest():
     # 255/e = 93.8, 255/e^2 = 34.51.
-    assert [fog.fog_factor(c, Fog(FogMode.EXP)) for c in (0.0, 1.0, 2.0)] == [255, 94, 35]
-    assert [fog.fog_factor(c, Fog(FogMode.EXP2)) for c in (0.0, 1.0, 2.0)] == [255, 94, 5]
-    assert fog.fog_factor(1.0, Fog(FogMode.EXP, density=2.0)) == 35
-    assert fog.fog_factor(1e300, Fog(FogMode.EXP, density=0.0)) == 255
+    assert [fog.fog_factor(c, Fog(FogMode.EXP), GEFORCE_256) for c in (0.0, 1.0, 2.0)] == [255, 94, 35]
+    assert [fog.fog_factor(c, Fog(FogMode.EXP2), GEFORCE_256) for c in (0.0, 1.0, 2.0)] == [255, 94, 5]
+    assert fog.fog_factor(1.0, Fog(FogMode.EXP, density=2.0), GEFORCE_256) == 35
+    assert fog.fog_factor(1e300, Fog(FogMode.EXP, density=0.0), GEFORCE_256) == 255
 
 
 def test_thresholds_of_exponential_fog_fall():

@@ -39,6 +39,7 @@ from pipeline.state import (
     DepthTest,
     FinalCombiner,
     Fog,
+    FogRegisters,
     GeneralCombiner,
     Light,
     Lighting,
@@ -658,6 +659,11 @@ REFUSED = {
         ["fog density is -1.0"],
         draw(fog=Fog(density=0.0)),
     ),
+    "registers of fog that the machine has not": (
+        draw(fog=Fog(registers=FogRegisters())),
+        ["no FogRegisters", "density"],
+        draw(fog=Fog()),
+    ),
     "linear fog of no length": (
         draw(fog=Fog(mode=FogMode.LINEAR, start=2.0, end=2.0)),
         ["starts and ends at 2.0", "divides by zero"],
@@ -862,6 +868,7 @@ LACKING = {
         draw(fog=Fog(coordinate_source=FogCoordinateSource.FOG_COORDINATE)),
         "no FOG_COORDINATE; use FRAGMENT_DEPTH",
     ),
+    "fog_registers": (False, draw(fog=Fog(registers=FogRegisters())), "has no FogRegisters"),
     "separate_specular_color": (False, lit(separate_specular_color=True), "no SEPARATE_SPECULAR_COLOR"),
     "color_sum": (False, draw(color_sum=True), "no color sum"),
 }

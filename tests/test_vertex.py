@@ -15,7 +15,10 @@ from pipeline.commands import Mesh
 from pipeline.enums import (
     ColorMaterialParameter,
     Face,
+    FogArithmetic,
     FogCoordinateSource,
+    FogGeneration,
+    FogMode,
     PrimitiveType,
     ProvokingVertex,
     TexGenMode,
@@ -28,6 +31,7 @@ from pipeline.state import (
     IDENTITY,
     ColorMaterial,
     Fog,
+    FogRegisters,
     Light,
     Lighting,
     Material,
@@ -148,6 +152,25 @@ def meshes(draw, element=ordinary):
     )
 
 
+def fogs(element=ordinary):
+    registers = st.builds(
+        FogRegisters,
+        bias=element,
+        multiplier=element,
+        generation=st.sampled_from(FogGeneration),
+        plane=tuples(element, 4),
+        absolute=st.booleans(),
+    )
+    return st.builds(
+        Fog,
+        mode=st.sampled_from(FogMode),
+        density=st.floats(0.0, 4.0),
+        start=st.floats(-3.0, -1.0),
+        coordinate_source=st.sampled_from(FogCoordinateSource),
+        registers=st.none() | registers,
+    )
+
+
 def matrices(element=ordinary):
     return st.one_of(
         st.sampled_from([IDENTITY, PERSPECTIVE, TURNED, SQUASHED]), tuples(tuples(element, 4), 4)
@@ -235,7 +258,7 @@ def states(element=ordinary):
         ),
         polygon=st.builds(PolygonState, provoking_vertex=st.sampled_from(ProvokingVertex)),
         texture_units=st.lists(units(element), max_size=2).map(tuple),
-        fog=st.none() | st.builds(Fog, coordinate_source=st.sampled_from(FogCoordinateSource)),
+        fog=st.none() | fogs(element),
     )
 
 
@@ -279,6 +302,13 @@ def test_random_lighting_gives_the_bits_of_the_specification(lighting, normals, 
     assert len(primitives.triangles) == 1
 
 
+@settings(max_examples=200)
+@given(meshes(), states().filter(lambda state: state.fog is not None))
+def test_table_fog_gives_the_bits_of_the_specification(mesh, state):
+    assume(has_inverse(state.vertex.modelview))
+    assert_equals_the_specification(mesh, state, replace(GEFORCE_256, fog_arithmetic=FogArithmetic.TABLE))
+
+
 @settings(max_examples=150)
 @given(meshes(st.floats(-4, 4, width=32)), states(), st.sampled_from([0, 3, 8192]))
 def test_triangles_through_every_plane_give_the_bits_of_the_specification(mesh, state, guard_band):
@@ -294,7 +324,7 @@ def test_program_results_give_the_bits_of_the_specification(mesh, two_side):
     state = PassState(vertex=VertexState(stage=VertexStage.PROGRAM_RESULTS, two_side=two_side))
     got = process(mesh, state, GEFORCE_256, WIDTH, HEIGHT)
     for i, colors in enumerate(got.colors.tolist()):
-        vertex = reference.process_vertex(mesh, i, state)
+        vertex = reference.process_vertex(mesh, i, state, GEFORCE_256)
         assert colors == [reference.color_bytes(side, False, GEFORCE_256) for side in vertex.colors]
 
 

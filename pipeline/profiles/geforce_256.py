@@ -3,6 +3,7 @@
 from pipeline.enums import (
     BlendEquation,
     BlendFactor,
+    FogArithmetic,
     MagnificationThreshold,
     ProductRounding,
     StencilOperation,
@@ -61,6 +62,7 @@ GEFORCE_256 = Profile(
     fog_coordinate=True,
     separate_specular_color=True,
     color_sum=True,
+    fog_registers=False,
     depth_units_in_coordinates=False,
     combiner_flags=False,
     expand_half=128,
@@ -72,6 +74,7 @@ GEFORCE_256 = Profile(
     guard_band=8192,
     device_origin=WindowOrigin.UPPER_LEFT,
     magnification_threshold=MagnificationThreshold.ZERO,
+    fog_arithmetic=FogArithmetic.ROUNDED,
     evidence={
         "exact": "Source: NV_register_combiners, Issues: NV10 computes in 9-bit signed fixed point",
         "max_texture_units": "Source: Kautz, Seidel 2000, section 5 (limited to two textures)",
@@ -105,6 +108,7 @@ GEFORCE_256 = Profile(
         "separate_specular_color": "Source: OpenGL 1.2.1 section 2.13.1",
         "color_sum": "Source: OpenGL 1.2.1 section 3.9; EXT_secondary_color",
         "combiner_flags": "Source: NV_register_combiners, which names none of them",
+        "fog_registers": "Source: OpenGL 1.2.1 section 3.10 has no such parameters",
         "expand_half": "Inferred: the NV2A's output half is 128, and normal maps of the time put zero at 128",
         "product_rounding": "Inferred: from the NV2A's blender: one rounding after the sum (Blend captures)",
         "round_before_scale": "Inferred: from the NV2A's order of bias and scale (Combiner captures)",
@@ -114,5 +118,6 @@ GEFORCE_256 = Profile(
         "guard_band": "Inferred: from the NV2A's off-screen vertices, unclipped (tex_diff_pers captures)",
         "device_origin": "Inferred: from the NV2A (TopLeftRaster capture)",
         "magnification_threshold": "Inferred: from the NV2A, 61440 of 61440 pixels (LODBias capture)",
+        "fog_arithmetic": "Assumed: rounding to nearest; a capture of a smooth fog would settle it",
     },
 )

@@ -10,6 +10,7 @@ from pipeline.enums import (
     BlendFactor,
     ColorFormat,
     DotProductMapping,
+    FogArithmetic,
     InternalFormat,
     TextureCompareMode,
     TextureShaderOperation,
@@ -50,6 +51,8 @@ _MEASURED = {
     "guard_band": "Measured: off-screen vertices stay unclipped (tex_diff_pers captures); its width Assumed",
     "device_origin": "Measured: TopLeftRaster capture",
     "magnification_threshold": "Measured: 61440 of 61440 pixels (LODBias capture)",
+    "fog_registers": "Measured: bias, multiplier, PLANAR (Fog captures); other generations Assumed",
+    "fog_arithmetic": "Measured: 6 of 6 captures (Fog, Fog_vsh), 374 of 374 squares (FogGen)",
 }
 
 NV2A = replace(
@@ -74,5 +77,7 @@ NV2A = replace(
     blend_equations=frozenset(BlendEquation),
     surface_formats=frozenset(ColorFormat),
     combiner_flags=True,
+    fog_registers=True,
+    fog_arithmetic=FogArithmetic.TABLE,
     evidence={**GEFORCE_256.evidence, **_MEASURED},
 )

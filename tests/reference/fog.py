@@ -1,10 +1,13 @@
-"""Fog: a byte by comparison with 255 thresholds; and the color sum and fog of fragments without combiners."""
+"""Fog: a byte by comparison with 255 thresholds, or by NV2A's table; and fragments without combiners."""
 
+import math
+import struct
 from decimal import Decimal, localcontext
 from functools import cache
 
-from pipeline.enums import FogMode
+from pipeline.enums import FogArithmetic, FogMode
 from tests.reference import fixed
+from tests.reference.fixed import clamp
 
 
 def exponential_threshold(k, mode, density):
@@ -32,12 +35,70 @@ def thresholds(mode, density, start, end):
     return tuple(exponential_threshold(k, mode, density) for k in range(1, 256))
 
 
-def fog_factor(coordinate, fog):
-    """The factor as a byte. Measured: FogGen, its width; Assumed: rounding to nearest."""
+def fog_factor(coordinate, fog, profile):
+    """The factor as a byte. Measured: FogGen, its width; Assumed: rounding to nearest (ROUNDED)."""
+    if profile.fog_arithmetic == FogArithmetic.TABLE:
+        return table_factor(coordinate, fog.mode)
     limits = thresholds(fog.mode, fog.density, fog.start, fog.end)
     if fog.mode == FogMode.LINEAR and fog.start > fog.end:
         return sum(coordinate >= t for t in limits)
     return sum(coordinate <= t for t in limits)
+
+
+def truncated(value, mode):
+    """The float that fog keeps of another. Measured: 14 significant bits of EXP and EXP2 (Fog captures)."""
+    return fixed.keep_significant_bits(value, 24 if mode == FogMode.LINEAR else 14)
+
+
+def single(value):
+    """The nearest number of single precision. Source: IEEE 754."""
+    return struct.unpack("<f", struct.pack("<f", value))[0]
+
+
+def line(fog):
+    """Bias and multiplier. Measured: Fog captures; Inferred: the driver's, from OpenGL's parameters."""
+    if fog.registers is not None:
+        return single(fog.registers.bias), single(fog.registers.multiplier)
+    if fog.mode == FogMode.LINEAR:
+        multiplier = -1.0 / (fog.end - fog.start)
+        return single(1.0 - fog.end * multiplier), single(multiplier)
+    ln_256 = 5.545177444479562
+    divisor = 2.0 * (ln_256 if fog.mode == FogMode.EXP else math.sqrt(ln_256))
+    return 1.5, single(-fog.density / divisor)
+
+
+def vertex_value(fog, coordinate):
+    """What NV2A iterates. Measured: 27 vertices (Fog, Fog_vsh captures); Assumed: 2^127 for infinity."""
+    bias, multiplier = (truncated(value, fog.mode) for value in line(fog))
+    product = truncated(truncated(coordinate, fog.mode) * multiplier, fog.mode)
+    value = truncated(product + bias, fog.mode)
+    value = value if value < 2.0**127 else 2.0**127
+    return value if value > -(2.0**127) else -(2.0**127)
+
+
+@cache
+def nodes(mode):
+    """Bytes between which the table's lines run. Measured: Fog and Fog_vsh captures, 27 of the 33."""
+    with localcontext() as context:
+        context.prec = 40
+        powers = [Decimal(j) / 4 if mode == FogMode.EXP else Decimal(j * j) / 128 for j in range(33)]
+        return tuple(int(255 * Decimal(2) ** -power + Decimal("0.5")) for power in powers)
+
+
+def table_factor(value, mode):
+    """NV2A's factor of an iterated value, by 1/4096.
+
+    Measured: FogGen_VS-linear-fog_x, 374 of 374 squares; Fog and Fog_vsh captures.
+    """
+    step = math.floor(clamp(value * 4096.0, 0.0, 8192.0))
+    if mode == FogMode.LINEAR:
+        return min(clamp(step - 4095, 0, 4096) * 255 >> 12, 255)
+    x = 6144 - step
+    if x >= 2048:
+        return 0
+    node, fraction = divmod(max(x, 0), 64)
+    low, high = nodes(mode)[node : node + 2]
+    return (low * (64 - fraction) + high * fraction + 32) // 64
 
 
 def add_secondary(color, secondary):

@@ -58,7 +58,7 @@ def shade(primary, secondary, fog_coordinate, texels, state, profile):
     Source: NV_register_combiners section 3.8.12; OpenGL 1.2.1 sections 3.9, 3.10.
     """
     fog_color = fixed.color_to_bytes(state.fog.color) if state.fog else [0, 0, 0, 0]
-    factor = fog.fog_factor(fog_coordinate, state.fog) if state.fog else 255
+    factor = fog.fog_factor(fog_coordinate, state.fog, profile) if state.fog else 255
     if state.register_combiners is not None:
         registers = combine.initial_registers(primary, secondary, texels, [*fog_color[:3], factor])
         return combine.combine(state.register_combiners, registers, profile)

@@ -9,13 +9,16 @@ from fractions import Fraction
 from pipeline.enums import (
     ColorMaterialParameter,
     Face,
+    FogArithmetic,
     FogCoordinateSource,
+    FogGeneration,
     PrimitiveType,
     ProvokingVertex,
     TexGenMode,
+    VertexStage,
     WindowOrigin,
 )
-from tests.reference import fixed
+from tests.reference import fixed, fog
 
 # What a vertex is on its way to the window; colors: front and back, eight components each (primary RGBA,
 # secondary RGBA); coordinates: s, t, r, q of every unit.
@@ -452,7 +455,36 @@ def given_color(array, i, default):
     return padded([] if array is None else array[i].tolist(), default)
 
 
-def process_vertex(mesh, i, state):
+def fog_of_vertex(mesh, i, state, eye, profile):
+    """What is iterated for fog: the coordinate, or NV2A's line. Source: OpenGL 1.2.1 section 3.10."""
+    if state.fog is None:
+        return 0.0
+    coordinate = fog_coordinate(mesh, i, state, eye)
+    if profile.fog_arithmetic == FogArithmetic.TABLE:
+        return fog.vertex_value(state.fog, coordinate)
+    return coordinate
+
+
+def fog_coordinate(mesh, i, state, eye):
+    """Source: EXT_fog_coord; Measured: PLANAR (NV2A, Fog captures); Assumed: the other generations."""
+    own = 0.0 if mesh.fog_coordinates is None else float(mesh.fog_coordinates[i])
+    registers = state.fog.registers
+    if registers is None:
+        return own if state.fog.coordinate_source == FogCoordinateSource.FOG_COORDINATE else abs(eye[2])
+    kind = registers.generation
+    if state.vertex.stage == VertexStage.PROGRAM_RESULTS or kind == FogGeneration.FOG_COORDINATE:
+        coordinate = own
+    elif kind == FogGeneration.SECONDARY_ALPHA:
+        given = [] if mesh.secondary_colors is None else mesh.secondary_colors[i].tolist()
+        coordinate = padded(given, (0.0, 0.0, 0.0, 0.0))[3]
+    elif kind == FogGeneration.RADIAL:
+        coordinate = length(eye[:3])
+    else:
+        coordinate = weighted_sum(registers.plane, eye)
+    return abs(coordinate) if registers.absolute or kind == FogGeneration.ABSOLUTE_PLANAR else coordinate
+
+
+def process_vertex(mesh, i, state, profile):
     """Vertex i up to clip coordinates. Source: OpenGL 1.2.1 figure 2.6 (section 2.10)."""
     vertex_state = state.vertex
     position = padded(mesh.positions[i].tolist(), (0.0, 0.0, 0.0, 1.0))
@@ -466,16 +498,12 @@ def process_vertex(mesh, i, state):
     given = given_color(mesh.colors, i, white) + given_color(mesh.secondary_colors, i, clear)
     back = given_color(mesh.back_colors, i, black) + given_color(mesh.back_secondary_colors, i, black)
     sets = [texture_set[i].tolist() for texture_set in mesh.texture_coordinates]
-    fog = 0.0
-    if state.fog is not None:
-        own = 0.0 if mesh.fog_coordinates is None else float(mesh.fog_coordinates[i])
-        fog = own if state.fog.coordinate_source == FogCoordinateSource.FOG_COORDINATE else abs(eye[2])
     return Vertex(
         transform(vertex_state.projection, eye),
         eye,
         vertex_colors(vertex_state, eye, normal, given, back),
         [unit_coordinates(unit, sets, position, eye, normal) for unit in state.texture_units],
-        fog,
+        fog_of_vertex(mesh, i, state, eye, profile),
     )
 
 
@@ -484,7 +512,7 @@ def process(mesh, state, profile, width, height):
     result = Assembled()
     lit = state.vertex.lighting is not None
     distances = clip_distances(state.vertex, profile, width, height)
-    vertices = [process_vertex(mesh, i, state) for i in range(len(mesh.positions))]
+    vertices = [process_vertex(mesh, i, state, profile) for i in range(len(mesh.positions))]
     for *corners, provoking in assemble(mesh, state.polygon.provoking_vertex):
         triangle = [vertices[corner] for corner in corners]
         if not all(math.isfinite(c) for v in triangle for c in v.clip):

@@ -1,0 +1,112 @@
+"""Fog_gen: small squares whose fog coordinate comes from every source, in every fog mode.
+
+Source: src/tests/fog_gen_tests.cpp of nxdk_pgraph_tests.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from effects.conformance import scenes
+from effects.conformance.case import HEIGHT, WIDTH, Case
+from effects.conformance.suites import fog
+from pipeline.commands import Draw, Mesh
+from pipeline.enums import FogGeneration, FogMode, PrimitiveType
+from pipeline.state import Fog, FogRegisters
+
+SUITE = "Fog_gen"
+
+GENERATIONS = {
+    "spec_alpha": FogGeneration.SECONDARY_ALPHA,
+    "radial": FogGeneration.RADIAL,
+    "planar": FogGeneration.PLANAR,
+    "abs_planar": FogGeneration.ABSOLUTE_PLANAR,
+    "fog_x": FogGeneration.FOG_COORDINATE,
+}
+START, END = 0.0, 200.0
+PLANE = (0.0, 0.0, 2.0, 0.0)
+SPECULAR_ALPHA = (0.0, 1.0, 0.75, 0.25)  # upper left, upper right, lower right, lower left
+SIZE, SPACING, LEFT, TOP = 22.0, 24.0, 48.0, 70.0
+
+
+def names():
+    """Every case of the suite."""
+    return [
+        f"FogGen_{stage}-{mode}-{generation}"
+        for stage in ("VS", "FF")
+        for generation in GENERATIONS
+        for mode in fog.MODES
+    ]
+
+
+def _squares():
+    """Every square's left and top edge, depth on the left, and fog coordinate, in single precision."""
+    left, top, z, coordinate = LEFT, TOP, -6.0, np.float32(50.0)
+    while top < HEIGHT - SIZE:
+        yield left, top, z, float(coordinate)
+        left += SPACING
+        if left >= WIDTH - (LEFT + SIZE):
+            left, top = LEFT, top + SPACING
+        z, coordinate = z + 0.5, coordinate - np.float32(0.2)
+
+
+def _mesh(programmed):
+    corners, coordinates = [], []
+    for left, top, z, coordinate in _squares():
+        for x, y, depth in (
+            (left, top, z),
+            (left + SIZE, top, z + 1),
+            (left + SIZE, top + SIZE, z + 1),
+            (left, top + SIZE, z),
+        ):
+            w = depth + scenes.XDK_EYE
+            scale = 1.0 if programmed else scenes.XDK_SCALE / w
+            corners.append(
+                (x, y, 0.0, w)
+                if programmed
+                else ((x - WIDTH / 2) / scale, (HEIGHT / 2 - y) / scale, depth, 1.0)
+            )
+        coordinates += [coordinate] * 4
+    secondary = np.zeros((len(corners), 4))
+    secondary[:, 3] = np.tile(SPECULAR_ALPHA, len(corners) // 4)
+    arrays = {
+        "colors": np.tile((0.0, 0.0, 1.0, 1.0), (len(corners), 1)),
+        "secondary_colors": secondary,
+        "fog_coordinates": np.array(coordinates),
+    }
+    if programmed:
+        return scenes.window_mesh(corners, **arrays)
+    return Mesh(scenes.single(corners), PrimitiveType.QUADS, **arrays)
+
+
+def _registers(mode, absolute, generation):
+    if generation != FogGeneration.SECONDARY_ALPHA:
+        bias, multiplier = fog.bias_and_multiplier(mode, START, END)
+    else:
+        bias, multiplier = {
+            FogMode.LINEAR: (0.0, 2.0),
+            FogMode.EXP: (0.5, 1 / 16),
+            FogMode.EXP2: (0.5, float(np.sqrt(np.float32(1 / 32)))),
+        }[mode]
+    return FogRegisters(bias, multiplier, generation, PLANE, absolute)
+
+
+def case(name, inputs):
+    """The case of that name, or None."""
+    del inputs
+    if name not in names():
+        return None
+    stage, mode, generation = name.removeprefix("FogGen_").split("-")
+    (mode, absolute), programmed = fog.MODES[mode], stage == "VS"
+    state = replace(
+        scenes.DEFAULT,
+        vertex=scenes.PROGRAM_RESULTS if programmed else scenes.xdk_vertex(),
+        register_combiners=fog.combined(),
+        fog=Fog(
+            mode,
+            color=scenes.argb(0xDDFF0000),
+            registers=_registers(mode, absolute, GENERATIONS[generation]),
+        ),
+    )
+    draw = Draw(label="squares", mesh=_mesh(programmed), state=state)
+    return Case(commands=(scenes.clear(0xFF232623), draw))

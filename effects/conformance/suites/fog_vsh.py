@@ -1,0 +1,39 @@
+"""Fog_vsh: the triangles of the suite Fog through a vertex program, whose fog coordinate is w.
+
+Source: src/tests/fog_tests.cpp of nxdk_pgraph_tests (FogCustomShaderTests).
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from effects.conformance import scenes
+from effects.conformance.case import Case
+from effects.conformance.suites import fog
+from effects.conformance.vertex_programs import perspective
+from pipeline.commands import Draw
+from pipeline.enums import PrimitiveType
+
+SUITE = "Fog_vsh"
+
+
+def names():
+    """Every case of the suite."""
+    return fog.names()
+
+
+def triangles(coordinates=None, **state):
+    """The Draw of the four triangles with these fog coordinates, [12], or w."""
+    window = perspective(np.array(fog.TRIANGLES).reshape(-1, 3))
+    coordinates = window[:, 3] if coordinates is None else coordinates
+    mesh = scenes.window_mesh(window, PrimitiveType.TRIANGLES, fog_coordinates=coordinates)
+    return Draw(label="triangles", mesh=mesh, state=replace(scenes.DEFAULT, **state))
+
+
+def case(name, inputs):
+    """The case of that name, or None."""
+    del inputs
+    if name not in names():
+        return None
+    draw = triangles(register_combiners=fog.combined(), fog=fog.fog_of(fog.mode_of(name)))
+    return Case(commands=(scenes.clear(0xFF303030), draw))
