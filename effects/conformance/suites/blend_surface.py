@@ -11,20 +11,20 @@ from effects.conformance import scenes
 from effects.conformance.case import Case
 from pipeline.commands import BindTexImage, MakeCurrent, TexImage
 from pipeline.enums import BlendFactor, ColorFormat, InternalFormat, TexelWord, WindowOrigin
-from pipeline.state import Blending
+from pipeline.state import Blending, ColorMask
 from pipeline.texel_words import texture_of_words
 
 SUITE = "Blend_surface"
 
 SURFACES = {  # and what their words are read as
-    "X_Z1RGB5": (ColorFormat.X1R5G5B5_Z1R5G5B5, InternalFormat.RGB5),
-    "X_O1RGB5": (ColorFormat.X1R5G5B5_O1R5G5B5, InternalFormat.RGB5),
+    "X_Z1RGB5": (ColorFormat.X1R5G5B5_Z1R5G5B5, InternalFormat.RGB5_A1),
+    "X_O1RGB5": (ColorFormat.X1R5G5B5_O1R5G5B5, InternalFormat.RGB5_A1),
     "R5G6B5": (ColorFormat.R5G6B5, InternalFormat.R5_G6_B5),
-    "X_ZRGB8": (ColorFormat.X8R8G8B8_Z8R8G8B8, InternalFormat.RGB8),
-    "X_ORGB8": (ColorFormat.X8R8G8B8_O8R8G8B8, InternalFormat.RGB8),
-    "XA_Z1A7RGB8": (ColorFormat.X1A7R8G8B8_Z1A7R8G8B8, InternalFormat.RGB8),
-    "XA_O1A7RGB8": (ColorFormat.X1A7R8G8B8_O1A7R8G8B8, InternalFormat.RGB8),
-    "ARGB8": (ColorFormat.A8R8G8B8, InternalFormat.RGB8),
+    "X_ZRGB8": (ColorFormat.X8R8G8B8_Z8R8G8B8, InternalFormat.RGBA8),
+    "X_ORGB8": (ColorFormat.X8R8G8B8_O8R8G8B8, InternalFormat.RGBA8),
+    "XA_Z1A7RGB8": (ColorFormat.X1A7R8G8B8_Z1A7R8G8B8, InternalFormat.RGBA8),
+    "XA_O1A7RGB8": (ColorFormat.X1A7R8G8B8_O1A7R8G8B8, InternalFormat.RGBA8),
+    "ARGB8": (ColorFormat.A8R8G8B8, InternalFormat.RGBA8),
 }
 BLENDINGS = {
     "Add_SrcA_1-SrcA": Blending(BlendFactor.SRC_ALPHA, BlendFactor.ONE_MINUS_SRC_ALPHA),
@@ -55,7 +55,8 @@ UNBLENDED = replace(scenes.DEFAULT, blending=None)
 
 def names():
     """Every case of the suite."""
-    return [f"{s}_{b}" for s in SURFACES for b in BLENDINGS] + [f"DstAlpha_{s}" for s in SURFACES]
+    blended = [f"{s}_{b}" for s in SURFACES for b in BLENDINGS]
+    return blended + [f"DstAlpha_{s}" for s in SURFACES] + list(SURFACES)
 
 
 def _ramps():
@@ -84,48 +85,63 @@ def _nibbles():
     return parts[0] << 12 | parts[1] << 8 | parts[2] << 4 | parts[3]
 
 
-def _quad_corners(left, top, size):
+def _corners(left, top, size):
     """The XDK's viewport offset, 17/32 pixel, snaps to half a pixel."""
     return scenes.rectangle(left + 0.5, top + 0.5, left + size + 0.5, top + size + 0.5)
 
 
-def _textures(word):
+def _words(word):
     """The pattern, a square of one faint grey, and one whose highest bits are zero."""
-    wide = word in (TexelWord.A8B8G8R8, TexelWord.X8R8G8B8)
-    solid = np.full((SMALL, SMALL), 0x44444444 if wide else 0x4444)
+    wide = word in (TexelWord.A8R8G8B8, TexelWord.A8B8G8R8, TexelWord.X8R8G8B8)
+    grey = np.full((SMALL, SMALL), 0x44444444 if wide else 0x4444)
     zero = np.full((SMALL, SMALL), 0x00FFFF55 if wide else 0x0FF5)
-    images = {"pattern": _ramps() if wide else _nibbles(), "grey": solid, "zero": zero}
-    return [TexImage(label=n, texture=n, image=texture_of_words((i,), word)) for n, i in images.items()]
+    return {"pattern": _ramps() if wide else _nibbles(), "grey": grey, "zero": zero}
 
 
-def _blended(surface, blending, word):
-    """Draws on the surface."""
-
-    def textured(texture, left, top, size):
-        state = replace(scenes.DEFAULT, blending=blending)
-        return scenes.textured_quad(texture, _quad_corners(left, top, size), texture, state, SIZE)
-
+def _blended(blending, word, squares=True):
+    """Draws on the surface: the pattern four times, and the squares in the corners once and four times."""
     far = SIZE - SMALL
+    boxes = [("pattern", 12 * k, 12 * k, HALF) for k in range(1, 5)]
+    if squares:
+        boxes += [("grey", 0, 0, SMALL), *[("grey", far, 0, SMALL)] * 4]
+        boxes += [("zero", 0, far, SMALL), *[("zero", far, far, SMALL)] * 4]
+    state = replace(scenes.DEFAULT, blending=blending)
     return (
-        *_textures(word),
-        surface,
-        scenes.quad("background", _quad_corners(0, 0, SIZE), (0.1, 0.1, 0.1, 0.7), UNBLENDED, SIZE),
-        *(textured("pattern", 12 * k, 12 * k, HALF) for k in range(1, 5)),
-        textured("grey", 0, 0, SMALL),
-        *[textured("grey", far, 0, SMALL)] * 4,
-        textured("zero", 0, far, SMALL),
-        *[textured("zero", far, far, SMALL)] * 4,
+        *(
+            TexImage(label=texture, texture=texture, image=texture_of_words((image,), word))
+            for texture, image in _words(word).items()
+        ),
+        scenes.quad("background", _corners(0, 0, SIZE), (0.1, 0.1, 0.1, 0.7), UNBLENDED, SIZE),
+        *(scenes.textured_quad(t, _corners(x, y, size), t, state, SIZE) for t, x, y, size in boxes),
     )
 
 
-def _times_alpha(surface, word):
+def _times_alpha(word):
     """White times the destination's alpha on a background."""
     state = replace(scenes.DEFAULT, blending=Blending(BlendFactor.DST_ALPHA, BlendFactor.ZERO))
-    corners = _quad_corners(0, 0, SIZE)
+    corners = _corners(0, 0, SIZE)
     return (
-        surface,
         scenes.quad("background", corners, scenes.abgr(word), UNBLENDED, SIZE),
         scenes.quad("white", corners, scenes.abgr(0x22FFFFFF), state, SIZE),
+    )
+
+
+def _shown(surface, draws, left, top, color_mask):
+    """The draws on a surface, and the surface on the window."""
+    color_format, internal_format = SURFACES[surface]
+    state = replace(UNBLENDED, color_mask=color_mask)
+    return (
+        MakeCurrent(label="surface", surface="surface", width=SIZE, height=SIZE, color_format=color_format),
+        *draws,
+        BindTexImage(
+            label="surface",
+            texture="shown",
+            surface="surface",
+            internal_format=internal_format,
+            origin=WindowOrigin.UPPER_LEFT,
+        ),
+        MakeCurrent(label="window"),
+        scenes.textured_quad("shown", _corners(left, top, SIZE), "shown", state),
     )
 
 
@@ -134,29 +150,18 @@ def case(name, inputs):
     del inputs
     if name not in names():
         return None
-    alpha = name.startswith("DstAlpha_")
-    key = name.removeprefix("DstAlpha_") if alpha else name.split("_Add")[0]
-    color_format, internal_format = SURFACES[key]
-    surface = MakeCurrent(
-        label="surface", surface="surface", width=SIZE, height=SIZE, color_format=color_format
-    )
+    if name in SURFACES:  # the program's first version
+        draws = _blended(BLENDINGS["Add_SrcA_1-SrcA"], TexelWord.A8R8G8B8, squares=False)
+        return Case(commands=(scenes.clear(0xFF050505), *_shown(name, draws, 256, 176, ColorMask())))
+    if name.startswith("DstAlpha_"):
+        surface, height = name.removeprefix("DstAlpha_"), 160
+        pictures = [_times_alpha(word) for word in BACKGROUNDS]
+    else:
+        surface, height = name.split("_Add")[0], 144
+        blending = BLENDINGS[name.removeprefix(f"{surface}_")]
+        pictures = [_blended(blending, word) for word in WORDS]
     commands = [scenes.clear(0xFF555555)]
-    for k, what in enumerate(BACKGROUNDS if alpha else WORDS):
-        left, top = 32 + 144 * (k % 4), 92 + (160 if alpha else 144) * (k // 4)
-        drawn = (
-            _times_alpha(surface, what) if alpha else _blended(surface, BLENDINGS[name[len(key) + 1 :]], what)
-        )
-        shown = scenes.textured_quad("shown", _quad_corners(left, top, SIZE), "shown", UNBLENDED)
-        commands += (
-            *drawn,
-            BindTexImage(
-                label="surface",
-                texture="shown",
-                surface="surface",
-                internal_format=internal_format,
-                origin=WindowOrigin.UPPER_LEFT,
-            ),
-            MakeCurrent(label="window"),
-            shown,
-        )
+    for k, draws in enumerate(pictures):
+        left, top = 32 + 144 * (k % 4), 92 + height * (k // 4)
+        commands += _shown(surface, draws, left, top, ColorMask(alpha=False))  # the alpha shown is one
     return Case(commands=tuple(commands))
