@@ -378,8 +378,10 @@ def _pattern(value):
     return np.float64(value).view(np.int64)
 
 
-def _pack_shader_stage(stage, row):
-    if stage.operation not in CONVENTIONAL:
+def _pack_shader_stage(stage, target, profile, maximum, row):
+    foreign = stage.operation == TextureShaderOperation.TEXTURE_CUBE_MAP
+    foreign &= target != TextureTarget.TEXTURE_CUBE_MAP
+    if stage.operation not in CONVENTIONAL or foreign:
         row[R.OPERATION] = stage.operation
     row[R.PREVIOUS], row[R.MAPPING] = stage.previous_texture_input, stage.dot_product_mapping
     row[R.CULL_MODES] = sum(int(mode) << k for k, mode in enumerate(stage.cull_modes))
@@ -389,6 +391,7 @@ def _pack_shader_stage(stage, row):
         _pattern(stage.offset_texture_bias),
     )
     row[R.CONSTANT_EYE : R.CONSTANT_EYE + 3] = [_pattern(e) for e in stage.constant_eye]
+    row[R.COORDINATE_DEPTH] = _pattern(1.0 if profile.depth_units_in_coordinates else maximum)
 
 
 def shader_stages(state):
@@ -413,7 +416,8 @@ def _pack_units(state, profile, textures, primitives, used, draw):
         if stage is not None:
             draw[R.TEXTURE_SHADER] = 1
             draw[R.DISCARDS] |= stage.operation in _DISCARDING
-            _pack_shader_stage(stage, units[i])
+            target = None if unit.texture is None else textures[unit.texture].target
+            _pack_shader_stage(stage, target, profile, draw[R.DEPTH_MAX], units[i])
             if stage.operation in WITHOUT_TEXTURE:
                 units[i, R.ENABLED] = 1
                 continue

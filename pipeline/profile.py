@@ -49,7 +49,8 @@ class Profile:
         ``fog_registers`` (FogRegisters),
         ``depth_units_in_coordinates`` (depths that come from texture coordinates, those that a depth texture
         is compared with and those of DOT_PRODUCT_DEPTH_REPLACE, are in depth-buffer units, not in [0, 1]),
-        ``combiner_flags`` (muxes by the lowest bit, blue to alpha, inverted terms of the color sum).
+        ``combiner_flags`` (muxes by the lowest bit, blue to alpha, inverted terms of the color sum),
+        ``foreign_texture_targets`` (texture shaders read cube maps as volumes and 2D textures as either).
     Arithmetic
         ``exact``: float64 without limits (the ideal machine; the fields below then do not matter).
         ``expand_half``: what an 8-bit EXPAND mapping takes as one half, 128 or 127.5. ``product_rounding``,
@@ -98,6 +99,7 @@ class Profile:
     fog_registers: bool
     depth_units_in_coordinates: bool
     combiner_flags: bool
+    foreign_texture_targets: bool
 
     expand_half: float
     product_rounding: ProductRounding

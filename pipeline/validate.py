@@ -213,11 +213,6 @@ def _type_check(annotation):
 # --------------------------------------------------------------------- rules of NV_texture_shader alone
 
 _OP = TextureShaderOperation
-_OF_TARGET = {
-    _OP.TEXTURE_1D: TextureTarget.TEXTURE_1D,
-    _OP.TEXTURE_2D: TextureTarget.TEXTURE_2D,
-    _OP.TEXTURE_CUBE_MAP: TextureTarget.TEXTURE_CUBE_MAP,
-}
 # Operations that make coordinates, and how many of the unit's own they take.  Source: table 3.C.
 _DEPENDENT = {
     _OP.OFFSET_TEXTURE_2D: 2,
@@ -234,15 +229,28 @@ _DEPENDENT = {
     _OP.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP: 3,
     _OP.DOT_PRODUCT_DIFFUSE_CUBE_MAP: 3,
 }
-# Which textures they read.  Source: table 3.B; Measured: cube maps as volumes, and 2D textures as cube maps
-# (DotSTR3D and Texture_2D_as_cubemap captures).
-_ACCESSIBLE = {
-    operation: (
-        (TextureTarget.TEXTURE_CUBE_MAP, TextureTarget.TEXTURE_2D)
-        if operation.name.endswith(("CUBE_MAP", "3D"))
-        else (TextureTarget.TEXTURE_2D,)
-    )
-    for operation in _DEPENDENT
+# Which textures operations read: the one of table 3.B first, then others that the chip reads all the same.
+# Measured: cube maps as volumes, 2D textures as cube maps (DotSTR3D and Texture_2D_as_cubemap captures).
+_2D, _CUBE = TextureTarget.TEXTURE_2D, TextureTarget.TEXTURE_CUBE_MAP
+_OF_TARGET = {
+    _OP.TEXTURE_1D: (TextureTarget.TEXTURE_1D,),
+    _OP.TEXTURE_2D: (_2D,),
+    _OP.TEXTURE_RECTANGLE: (TextureTarget.TEXTURE_RECTANGLE,),
+    _OP.TEXTURE_CUBE_MAP: (_CUBE, _2D),
+    _OP.TEXTURE_3D: (TextureTarget.TEXTURE_3D,),
+    _OP.OFFSET_TEXTURE_2D: (_2D,),
+    _OP.OFFSET_TEXTURE_2D_SCALE: (_2D,),
+    _OP.OFFSET_TEXTURE_RECTANGLE: (TextureTarget.TEXTURE_RECTANGLE,),
+    _OP.OFFSET_TEXTURE_RECTANGLE_SCALE: (TextureTarget.TEXTURE_RECTANGLE,),
+    _OP.DEPENDENT_AR_TEXTURE_2D: (_2D,),
+    _OP.DEPENDENT_GB_TEXTURE_2D: (_2D,),
+    _OP.DOT_PRODUCT_TEXTURE_2D: (_2D,),
+    _OP.DOT_PRODUCT_TEXTURE_RECTANGLE: (TextureTarget.TEXTURE_RECTANGLE,),
+    _OP.DOT_PRODUCT_TEXTURE_3D: (TextureTarget.TEXTURE_3D, _CUBE, _2D),
+    _OP.DOT_PRODUCT_TEXTURE_CUBE_MAP: (_CUBE, _2D),
+    _OP.DOT_PRODUCT_REFLECT_CUBE_MAP: (_CUBE, _2D),
+    _OP.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP: (_CUBE, _2D),
+    _OP.DOT_PRODUCT_DIFFUSE_CUBE_MAP: (_CUBE, _2D),
 }
 _REFLECTING = (_OP.DOT_PRODUCT_REFLECT_CUBE_MAP, _OP.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP)
 _WITHOUT_RESULT = (_OP.NONE, _OP.CULL_FRAGMENT, _OP.DOT_PRODUCT, _OP.DOT_PRODUCT_DEPTH_REPLACE)
@@ -933,7 +941,7 @@ class _Walk:
             if operation in _DEPENDENT:
                 needed = _DEPENDENT[operation]
                 self.dependent_access(i, unit, known, operation)
-            elif operation in _OF_TARGET and known.target is not _OF_TARGET[operation]:
+            elif operation in _OF_TARGET and known.target not in self.accessible(operation):
                 self.refuse(
                     f"texture shader stage {i} is {operation.name}, but {unit.texture!r} is a "
                     f"{known.target.name}; give the operation of its target."
@@ -977,6 +985,11 @@ class _Walk:
                 self.refuse(problem)
         return stages
 
+    def accessible(self, operation):
+        """The targets of textures that an operation reads here."""
+        targets = _OF_TARGET[operation]
+        return targets if self.profile.foreign_texture_targets else targets[:1]
+
     def dependent_access(self, number, unit, known, operation):
         filters = unit.sampler.min_filter, unit.sampler.mag_filter
         if filters[0] is not filters[1]:
@@ -985,10 +998,11 @@ class _Walk:
                 f"{operation.name} makes coordinates that have no level of detail here; set both to "
                 "NEAREST or both to LINEAR."
             )
-        if known.target not in _ACCESSIBLE[operation]:
+        targets = self.accessible(operation)
+        if known.target not in targets:
             self.refuse(
                 f"texture shader stage {number} is {operation.name}, but {unit.texture!r} is a "
-                f"{known.target.name}; give it a {' or '.join(t.name for t in _ACCESSIBLE[operation])}."
+                f"{known.target.name}; give it a {' or '.join(t.name for t in targets)}."
             )
 
     def unit_coordinates(self, number, unit, needed, mesh):

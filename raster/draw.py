@@ -28,11 +28,14 @@ from raster.level_of_detail import level_of_detail
 from raster.per_fragment import all_alive, per_fragment
 from raster.sample import TAU, cube_faces, divide_by_q, sample_unit, unpack
 from raster.texture_shader import (
+    CUBE_MAP,
     DOT_PRODUCT_3D,
+    DOT_PRODUCT_CUBE_MAP,
     OFFSET_2D_SCALE,
     OFFSET_RECTANGLE_SCALE,
     copy_texel,
     dependent_ties,
+    face_planes,
     flat_face,
     scale_texel,
     shader_stage,
@@ -192,6 +195,8 @@ def shade(
                 flat_face(floats, count, ints)
             else:
                 cube_faces(floats, count, ints)
+        elif row[R.OPERATION] == CUBE_MAP or row[R.OPERATION] >= DOT_PRODUCT_CUBE_MAP:
+            face_planes(floats, count)
         if row[R.MIPMAP] != 0 or row[R.MAG_LINEAR] != row[R.MIN_LINEAR]:
             level_of_detail(
                 run_starts,

@@ -116,8 +116,8 @@ FINAL_SIZE = 3
 OFFSET_SCALE = OFFSET_MATRIX + 4
 OFFSET_BIAS = OFFSET_SCALE + 1
 CONSTANT_EYE = OFFSET_BIAS + 1  # three entries
-REFERENCE_SCALE = CONSTANT_EYE + 3  # of a shadow comparison's r
-UNIT_SIZE = REFERENCE_SCALE + 1
+COORDINATE_DEPTH = CONSTANT_EYE + 3  # depth units for one unit of a coordinate that is a depth
+UNIT_SIZE = COORDINATE_DEPTH + 1
 
 # ------------------------------ texture levels: int32[units, MAX_LEVELS, 3]: offset, width, height
 MAX_LEVELS = 16  # the ideal profile's largest texture, 2**14 texels an edge, has 15

@@ -879,6 +879,7 @@ def test_every_limit_set_and_switch_of_a_profile_is_checked():
     limits = set(names[names.index("max_texture_units") : names.index("expand_half")])
     with_tests_of_their_own = {"per_stage_constants", "max_viewport", "depth_bits", "surface_formats"}
     with_tests_of_their_own |= {"texture_shader_operations", "dot_product_mappings", "combiner_flags"}
+    with_tests_of_their_own |= {"foreign_texture_targets"}
     with_tests_of_their_own |= {"depth_units_in_coordinates"}  # nothing lacks it
     assert set(LACKING) | with_tests_of_their_own == limits
 

@@ -22,10 +22,12 @@ GEFORCE_3 = replace(
     texture_compare_modes=frozenset({TextureCompareMode.NONE, TextureCompareMode.COMPARE_R_TO_TEXTURE}),
     depth_units_in_coordinates=False,
     combiner_flags=GEFORCE_256.combiner_flags,
+    foreign_texture_targets=False,
     evidence={
         **{field: _inferred(evidence) for field, evidence in NV2A.evidence.items()},
         "blend_equations": GEFORCE_256.evidence["blend_equations"],
         "texture_compare_modes": "Source: ARB_shadow",
+        "foreign_texture_targets": "Source: NV_texture_shader, table 3.B (inconsistent)",
         "depth_units_in_coordinates": "Source: ARB_shadow, NV_texture_shader (DOT_PRODUCT_DEPTH_REPLACE)",
         "combiner_flags": "Source: NV_register_combiners2, which names none of them",
     },

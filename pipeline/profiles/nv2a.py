@@ -40,6 +40,7 @@ _MEASURED = {
     "texture_shader_operations": "Measured: Pixel_shader and Texture_cubemap captures; rectangles Inferred",
     "dot_product_mappings": "Measured: six mappings, 56909 pixels each (DotSTRCube captures)",
     "texture_compare_modes": "Measured: 8150016 of 8150016 pixels of each (Texture_shadow_comparator)",
+    "foreign_texture_targets": "Measured: 56909 pixels each (DotSTR3D, Texture_2D_as_cubemap captures)",
     "depth_units_in_coordinates": "Measured: Texture_shadow_comparator and DotZW captures",
     "surface_formats": "Source: nv_objects.h, SET_SURFACE_FORMAT_COLOR",
     "combiner_flags": "Measured: 110441 of 110441 pixels (Combiner captures)",
@@ -79,5 +80,6 @@ NV2A = replace(
     combiner_flags=True,
     fog_registers=True,
     fog_arithmetic=FogArithmetic.TABLE,
+    foreign_texture_targets=True,
     evidence={**GEFORCE_256.evidence, **_MEASURED},
 )

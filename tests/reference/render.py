@@ -3,8 +3,18 @@
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 
-from pipeline.enums import ColorFormat, ShadeModel
-from tests.reference import combine, coverage, depth, fixed, fog, interpolate, per_fragment, sample
+from pipeline.enums import ShadeModel, TextureShaderOperation, TextureTarget
+from tests.reference import (
+    combine,
+    coverage,
+    depth,
+    fixed,
+    fog,
+    interpolate,
+    per_fragment,
+    sample,
+    texture_shader,
+)
 
 # Assumed: no real scene has such a 1/w; beyond it the products of docs/numbers.md section 4 would overflow.
 SMALLEST_INVERSE_W, LARGEST_INVERSE_W = 2.0**-400, 2.0**400
@@ -69,6 +79,30 @@ def shade(primary, secondary, fog_coordinate, texels, state, profile):
     return fog.blend_with_fog(color, fog_color, factor) if state.fog else color
 
 
+class Access:
+    """A fragment's texture accesses: at a unit's own coordinates, or at those that a texture shader made.
+
+    Source: OpenGL 1.2.1 section 3.8; NV_texture_shader.
+    """
+
+    def __init__(self, state, triangles, pixel, weights, textures, profile):
+        self.state, self.triangles, self.pixel = state, triangles, pixel
+        self.weights, self.textures, self.profile = weights, textures, profile
+
+    def __call__(self, i, made, operation):
+        """Unit i's texel, four bytes."""
+        unit = self.state.texture_units[i]
+        texture = self.textures[unit.texture]
+        foreign = texture.target != TextureTarget.TEXTURE_CUBE_MAP
+        if foreign and operation == TextureShaderOperation.TEXTURE_CUBE_MAP:
+            made = sample.iterate_coordinates(self.triangles[i].coordinates, self.weights.b0, self.weights.b2)
+        if made is not None:
+            return texture_shader.sample_made(made, texture, unit.sampler, operation)
+        return sample.sample_texture(
+            self.triangles[i], *self.pixel, self.weights, texture, unit.sampler, unit.lod_bias, self.profile
+        )
+
+
 def draw_triangle(target, primitives, corners, state, textures, profile):
     """One triangle. ``corners``: three vertices and the provoking one. Source: OpenGL 1.2.1 chapters 3, 4."""
     *vertices, provoking = corners
@@ -102,18 +136,23 @@ def draw_triangle(target, primitives, corners, state, textures, profile):
         n = coverage.edge_values(triangle, px, py)
         weights = interpolate.weights(n, inverse_w)
         color = [interpolate.iterate_color_channel(weights.color, [c[k] for c in colors]) for k in range(8)]
-        texels = [
-            [0, 0, 0, 255]
-            if unit is None
-            else sample.sample_texture(
-                units[i], px, py, weights, textures[unit.texture], unit.sampler, unit.lod_bias, profile
-            )
-            for i, unit in enumerate(state.texture_units)
-        ]
+        z = depth.fragment_depth(n, abs(triangle.area), window_z, target.depth_bits, offset)
+        access = Access(state, units, (px, py), weights, textures, profile)
+        alive = True
+        if state.texture_shader is None:
+            texels = [
+                [0, 0, 0, 255] if unit is None else access(i, None, None)
+                for i, unit in enumerate(state.texture_units)
+            ]
+        else:
+            full = depth.full_scale(target.depth_bits)
+            stages = texture_shader.Stages(state, units, weights, access, full, profile)
+            texels, alive, new_depth = stages.run()
+            z = z if new_depth is None else new_depth
         fog_coordinate = interpolate.iterate([primitives.fog[v] for v in vertices], weights.b0, weights.b2)
         shaded = shade(color[:4], color[4:], fog_coordinate, texels, state, profile)
-        z = depth.fragment_depth(n, abs(triangle.area), window_z, target.depth_bits, offset)
-        per_fragment.write_fragment(target, px, py, shaded, z, state)
+        if alive:
+            per_fragment.write_fragment(target, px, py, shaded, z, state)
 
 
 def draw(target, primitives, state, textures, profile):
@@ -128,7 +167,7 @@ def draw(target, primitives, state, textures, profile):
             for name in ("x", "y", "z", "inverse_w", "colors", "coordinates", "fog", "triangles")
         },
     )
-    names = {unit.texture for unit in state.texture_units if unit is not None}
+    names = {unit.texture for unit in state.texture_units if unit is not None} - {None}
     used = {name: plain_texture(textures[name]) for name in names}
     for corners in columns.triangles:
         draw_triangle(target, columns, corners, state, used, profile)

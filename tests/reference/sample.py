@@ -77,7 +77,7 @@ def face_coordinates(strq, face, size):
     """(T_s, T_t) on a face. Measured: nearest filters, 56909 of 56909 pixels."""
     sc, tc, major = face_components(strq, face)
     if major == 0.0:
-        return float(size) / 2.0, float(size) / 2.0
+        return 0.0, 0.0  # Measured: 70 of 70 pixels (DotReflectSpec_1_-1to1)
     return (sc / abs(major) + 1.0) * (0.5 * float(size)), (tc / abs(major) + 1.0) * (0.5 * float(size))
 
 
@@ -253,20 +253,24 @@ def sample_linear(texture, level, face, t, modes, border):
     return [fixed.lerp_q8(rows[0][k], rows[1][k], b) for k in range(4)]
 
 
-def sample_level(triangle, strq, residual, texture, sampler, level, filter_mode):
-    """One level, filtered to bytes. Source: OpenGL 1.2.1 sections 3.8.4 to 3.8.6."""
+def sample_level(triangle, strq, residual, texture, sampler, level, filter_mode, *, flat=False):
+    """One level, filtered to bytes. Source: OpenGL 1.2.1 sections 3.8.4 to 3.8.6.
+
+    ``triangle`` None: a texture shader made the coordinates. ``flat``: s and t, t downwards, on a cube map's
+    first face.
+    """
     nearest = filter_mode in NEAREST_IN_LEVEL
     height, width = level_size(texture, level)
     if texture.target == TextureTarget.TEXTURE_CUBE_MAP:
-        face = cube_map_face(strq)
-        t = [v + TAU for v in face_coordinates(strq, face, width)]
+        face = 0 if flat else cube_map_face(strq)
+        t = [v + TAU for v in face_coordinates((1.0, strq[1], -strq[0]) if flat else strq, face, width)]
         modes = (WrapMode.CLAMP_TO_EDGE, WrapMode.CLAMP_TO_EDGE)
     else:
         face, modes, t = 0, (sampler.wrap_s, sampler.wrap_t), []
-        for k, (coordinate, size) in enumerate(
-            zip(divide_by_q(strq, triangle.coordinates), (width, height), strict=True)
-        ):
-            bias = tie_bias([vertex[k] for vertex in triangle.coordinates], residual) if nearest else TAU
+        st = strq[:2] if triangle is None else divide_by_q(strq, triangle.coordinates)
+        for k, (coordinate, size) in enumerate(zip(st, (width, height), strict=True)):
+            tied = nearest and triangle is not None
+            bias = tie_bias([vertex[k] for vertex in triangle.coordinates], residual) if tied else TAU
             t.append(coordinate * float(size) + bias)
     if texture.target == TextureTarget.TEXTURE_1D:
         t[1], modes = 0.0, (modes[0], WrapMode.REPEAT)

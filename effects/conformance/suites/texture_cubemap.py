@@ -29,11 +29,12 @@ MAPPINGS = {
     "HiLo_1": DotProductMapping.UNSIGNED_HILO,
     "HiLoHemi": DotProductMapping.SIGNED_HILO_HEMISPHERE,
 }
+_ROOT = "the hemisphere mapping's square root: its last bits on the chip are not known"
 EXPLANATIONS = {
-    "DotReflectSpec_1_-1to1": "some reflection vectors are zero, and their face is not known",
-    "DotReflectConst_1_HiLoHemi": "directions beside a texel edge: the chip computes with fewer bits",
-    "DotReflectSpecConst_HiLoHemi": "directions beside a texel edge: the chip computes with fewer bits",
-    "DotSTRCube_HiLoHemi": "directions beside a texel edge: the chip computes with fewer bits",
+    "DotReflectConst_1_HiLoHemi": _ROOT,
+    "DotReflectSpecConst_HiLoHemi": _ROOT,
+    "DotSTRCube_HiLoHemi": _ROOT,
+    "DotReflectSpec_1_-1to1": "one direction beside a texel edge",
 }
 SIZE = 64
 # +x, -x, +y, -y, +z, -z: a checkerboard's colours (0xAABBGGRR), and the channels of a gradient (0xBBGGRR).
@@ -114,10 +115,15 @@ def eye_to_window(depth_maximum=65535.0, near=1.0, far=200.0):
     )
 
 
+def checkerboard(first, second, cell):
+    """uint8 [SIZE, SIZE, 4]: squares of two colours 0xAABBGGRR, the first at texel (0, 0)."""
+    at = np.arange(SIZE) // cell
+    return _bytes(np.where((at[:, None] + at[None]) & 1, second, first))
+
+
 def checkerboard_faces():
     """uint8 [6, SIZE, SIZE, 4]."""
-    odd = (np.arange(SIZE) // 4)[:, None] + (np.arange(SIZE) // 4)[None] & 1
-    return np.stack([_bytes(np.array(colors)[odd]) for colors in CHECKERS])
+    return np.stack([checkerboard(*colors, 4) for colors in CHECKERS])
 
 
 def gradient_faces():
@@ -211,11 +217,12 @@ def dots(last, mapping, constant_eye=(0.0, 0.0, -1.0), second=Operation.DOT_PROD
     )
 
 
-def _unit(texture, number):
+def unit(texture, number):
+    """A texture unit with its own coordinate set and nearest filters."""
     return TextureUnit(texture, scenes.NEAREST, coordinates=number)
 
 
-def _eye_vectors(model):
+def eye_vectors(model):
     """float64 [24, 3]: from the eye to every corner, normalised."""
     away = (np.c_[CORNERS, np.ones(24)] @ model)[:, :3] - (0.0, 0.0, -scenes.XDK_EYE)
     return away / np.linalg.norm(away, axis=1)[:, None]
@@ -226,7 +233,7 @@ def case(name, inputs):
     if name not in names():
         return None
     if name.startswith("Cubemap"):
-        units = (None, None, None, _unit("cube", 3))
+        units = (None, None, None, unit("cube", 3))
         images = [TexImage(label="cube map", texture="cube", image=texture_cube_map(checkerboard_faces()))]
         meshes = [cube(model_matrix(*place), [CORNERS] * 4) for place in CUBES]  # a cube map reads no q
         return Case(commands=_frame(0xFE121212, images, meshes, state_of(Register.TEXTURE3, units, None)))
@@ -252,13 +259,13 @@ def case(name, inputs):
     eye = np.eye(3)[int(axis)] if axis else np.array((0.0, 0.0, -7.0))
     stages = dots(last, mapping, tuple(eye.tolist()), second)
     register = Register.TEXTURE2 if diffuse else Register.TEXTURE3
-    units = (_unit("normals", 0), _unit(None, 1), _unit("diffuse" if diffuse else None, 2), _unit("cube", 3))
+    units = (unit("normals", 0), unit(None, 1), unit("diffuse" if diffuse else None, 2), unit("cube", 3))
     meshes = []
     for place in CUBES:
         model = model_matrix(*place)
         eyes = np.ones((24, 3))
         if kind == "DotSTRCube":
-            eyes = _eye_vectors(model)
+            eyes = eye_vectors(model)
         elif kind == "DotSTR3D":
             eyes = np.zeros((24, 3))
         elif axis and kind == "DotReflectSpec":

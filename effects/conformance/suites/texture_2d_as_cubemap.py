@@ -1,0 +1,74 @@
+"""Texture_2D_as_cubemap: Texture_cubemap's cubes with two-dimensional textures where cube maps are meant.
+
+Source: src/tests/texture_2d_as_cubemap_tests.cpp of nxdk_pgraph_tests.
+"""
+
+import numpy as np
+
+from effects.conformance import scenes
+from effects.conformance.case import Case
+from effects.conformance.suites import texture_cubemap as cubes
+from pipeline.commands import Draw, TexImage
+from pipeline.enums import DotProductMapping, Register
+from pipeline.enums import TextureShaderOperation as Operation
+from pipeline.state import TextureShaderStage
+from pipeline.textures import texture_2d
+
+SUITE = "Texture_2D_as_cubemap"
+
+BACKGROUNDS = {"Cubemap_Bad2D": 0xFE121212, "DotSTR3D_Bad2D": 0xFE141414}  # the others: 0xFE131313
+LAST = {
+    "DotSTRCube_Bad2D": Operation.DOT_PRODUCT_TEXTURE_CUBE_MAP,
+    "DotSTR3D_Bad2D": Operation.DOT_PRODUCT_TEXTURE_3D,
+    "DotReflectSpec_Bad2D": Operation.DOT_PRODUCT_REFLECT_CUBE_MAP,
+    "DotReflectSpecConst_Bad2D": Operation.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP,
+    "DotReflectDiffuse_Bad2D": Operation.DOT_PRODUCT_REFLECT_CUBE_MAP,
+}
+
+
+def names():
+    """Every case of the suite."""
+    return ["Cubemap_Bad2D", *LAST]
+
+
+def _images(inputs):
+    checkers = cubes.checkerboard(0xFF44FFFF, 0xFFAA9933, 2)
+    normals = cubes.normal_map(inputs.path("cube_normals_object_space.png"))
+    return [
+        TexImage(label="normal map", texture="normals", image=texture_2d(normals)),
+        TexImage(label="diffuse", texture="diffuse", image=texture_2d(cubes.radial_gradient(0xFFFFFF, True))),
+        TexImage(label="checkerboard", texture="checkers", image=texture_2d(checkers)),
+    ]
+
+
+def case(name, inputs):
+    """The case of that name, or None."""
+    if name not in names():
+        return None
+    if name == "Cubemap_Bad2D":
+        units = (None, None, None, cubes.unit("checkers", 3))
+        stages = (TextureShaderStage(),) * 3 + (TextureShaderStage(Operation.TEXTURE_CUBE_MAP),)
+        meshes = [cubes.cube(cubes.model_matrix(*place), [cubes.CORNERS] * 4) for place in cubes.CUBES]
+        register = Register.TEXTURE3
+    else:
+        diffuse = name == "DotReflectDiffuse_Bad2D"
+        second = Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP if diffuse else Operation.DOT_PRODUCT
+        stages = cubes.dots(LAST[name], DotProductMapping.EXPAND_NORMAL, (0.0, 0.0, -7.0), second)
+        units = (
+            cubes.unit("normals", 0),
+            cubes.unit(None, 1),
+            cubes.unit("diffuse" if diffuse else None, 2),
+            cubes.unit("checkers", 3),
+        )
+        register = Register.TEXTURE2 if diffuse else Register.TEXTURE3
+        meshes = []
+        for place in cubes.CUBES:
+            model = cubes.model_matrix(*place)
+            eyes = {
+                "DotSTR3D_Bad2D": np.zeros((24, 3)),
+                "DotSTRCube_Bad2D": cubes.eye_vectors(model),
+            }.get(name, np.ones((24, 3)))
+            meshes.append(cubes.cube(model, cubes.dot_coordinates(model, eyes)))
+    state = cubes.state_of(register, units, stages)
+    draws = [Draw(label=f"cube {k}", mesh=mesh, state=state) for k, mesh in enumerate(meshes)]
+    return Case(commands=(scenes.clear(BACKGROUNDS.get(name, 0xFE131313)), *_images(inputs), *draws))

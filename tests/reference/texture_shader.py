@@ -1,0 +1,171 @@
+"""Texture shader stages, one fragment at a time: docs/numbers.md section 11."""
+
+from math import floor, sqrt
+
+from pipeline.enums import CullMode, DotProductMapping, TextureTarget
+from pipeline.enums import TextureShaderOperation as Operation
+from pipeline.state import TextureShaderStage
+from tests.reference import sample
+from tests.reference.fixed import clamp
+
+CONVENTIONAL = (
+    Operation.TEXTURE_1D,
+    Operation.TEXTURE_2D,
+    Operation.TEXTURE_RECTANGLE,
+    Operation.TEXTURE_CUBE_MAP,
+    Operation.TEXTURE_3D,
+)
+WITH_OFFSET = (
+    Operation.OFFSET_TEXTURE_2D,
+    Operation.OFFSET_TEXTURE_2D_SCALE,
+    Operation.OFFSET_TEXTURE_RECTANGLE,
+    Operation.OFFSET_TEXTURE_RECTANGLE_SCALE,
+)
+WITH_SCALE = (Operation.OFFSET_TEXTURE_2D_SCALE, Operation.OFFSET_TEXTURE_RECTANGLE_SCALE)
+
+
+def signed(value, bits=8):
+    """Two's complement. Source: NV_texture_shader (signed components)."""
+    return value - (1 << bits) if value >= 1 << (bits - 1) else value
+
+
+def real_byte(value):
+    """A texture shader's real number as a byte. Measured: 98304 of 98304 (BumpEnvMapLuminance)."""
+    value = clamp(value, 0.0, 1.0) if value == value else 0.0
+    return min(((floor(value * 4096.0) + 1) * 255) >> 12, 255)
+
+
+def mapped(texel, mapping):
+    """A texel as the vector of a dot product. Measured: 56909 pixels for each mapping (DotSTRCube)."""
+    red, green, blue, alpha = texel
+    if mapping in (DotProductMapping.UNSIGNED_HILO, DotProductMapping.SIGNED_HILO_HEMISPHERE):
+        high, low = alpha * 256 + red, green * 256 + blue
+        if mapping == DotProductMapping.UNSIGNED_HILO:
+            return high / 65535.0, low / 65535.0, 1.0
+        x, y = signed(high, 16) / 32767.0, signed(low, 16) / 32767.0
+        rest = (1.0 - x * x) - y * y
+        return x, y, sqrt(rest) if rest > 0.0 else 0.0
+    rule = {
+        DotProductMapping.UNSIGNED_IDENTITY: lambda v: v / 255.0,
+        DotProductMapping.EXPAND_NORMAL: lambda v: (v - 128.0) / 127.0,
+        DotProductMapping.SIGNED_ODD: lambda v: (2.0 * signed(v) + 1.0) / 255.0,
+        DotProductMapping.SIGNED_IDENTITY: lambda v: signed(v) / 127.0,
+    }[mapping]
+    return tuple(rule(component) for component in (red, green, blue))
+
+
+def dot(a, b):
+    """``(a0 b0 + a1 b1) + a2 b2``. Source: docs/numbers.md section 11."""
+    return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
+
+
+def reflected(normal, eye):
+    """``2 n (n e) - e (n n)``. Source: NV_texture_shader section 3.8.13.1.18, times n n."""
+    twice, square = 2.0 * dot(normal, eye), dot(normal, normal)
+    return tuple(n * twice - e * square for n, e in zip(normal, eye, strict=True))
+
+
+def kept(strq, modes):
+    """Whether a CULL_FRAGMENT stage keeps the fragment. Measured: 65518 of 65536 (ClipPlane)."""
+    return all((value < 0.0) == (mode == CullMode.LESS) for value, mode in zip(strq, modes, strict=True))
+
+
+def scaled(texel, magnitude, stage):
+    """A texel times a magnitude byte, scaled and biased. Measured: 98304 of 98304 (BumpEnvMapLuminance)."""
+    factor = magnitude / 255.0 * stage.offset_texture_scale + stage.offset_texture_bias
+    return [*(real_byte(component * factor / 255.0) for component in texel[:3]), texel[3]]
+
+
+class Stages:
+    """The stages of one fragment: ``run`` gives the units' texels, whether it lives, and its new depth.
+
+    Source: NV_texture_shader section 3.8.13.1.
+    """
+
+    def __init__(self, state, units, weights, access, depth_max, profile):
+        """``access(i, strq or None, operation)``: a unit's texel, at its own coordinates where None."""
+        given = state.texture_shader
+        self.stages = (*given, *(TextureShaderStage(),) * (len(units) - len(given)))
+        self.units, self.weights, self.access = units, weights, access
+        self.depth_max = depth_max
+        self.depth_scale = 1.0 if profile.depth_units_in_coordinates else float(depth_max)
+        self.texels, self.alive, self.depth = [], True, None
+
+    def coordinates(self, i):
+        """(s, t, r, q) of unit i. Source: docs/numbers.md section 4."""
+        return sample.iterate_coordinates(self.units[i].coordinates, self.weights.b0, self.weights.b2)
+
+    def dot_product(self, i):
+        """Unit i's dot product. Source: NV_texture_shader section 3.8.13.1.14."""
+        stage = self.stages[i]
+        return dot(
+            self.coordinates(i), mapped(self.texels[stage.previous_texture_input], stage.dot_product_mapping)
+        )
+
+    def made_coordinates(self, i):
+        """(s, t, r) of an access that has made coordinates. Source: NV_texture_shader, table 3.C."""
+        stage = self.stages[i]
+        operation = stage.operation
+        previous = self.texels[stage.previous_texture_input]
+        if operation in WITH_OFFSET:
+            s, t, _, _ = self.coordinates(i)
+            ds, dt = signed(previous[2]) / 128.0, signed(previous[1]) / 128.0
+            a1, a2, a3, a4 = stage.offset_texture_matrix
+            return (s + a1 * ds) + a3 * dt, (t + a2 * ds) + a4 * dt, 0.0
+        if operation == Operation.DEPENDENT_AR_TEXTURE_2D:
+            return previous[3] / 255.0, previous[0] / 255.0, 0.0
+        if operation == Operation.DEPENDENT_GB_TEXTURE_2D:
+            return previous[1] / 255.0, previous[2] / 255.0, 0.0
+        if operation in (Operation.DOT_PRODUCT_TEXTURE_2D, Operation.DOT_PRODUCT_TEXTURE_RECTANGLE):
+            return self.dot_product(i - 1), self.dot_product(i), 0.0
+        if operation == Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP:
+            return tuple(self.dot_product(k) for k in (i - 1, i, i + 1))
+        normal = tuple(self.dot_product(k) for k in (i - 2, i - 1, i))
+        if operation == Operation.DOT_PRODUCT_REFLECT_CUBE_MAP:
+            return reflected(normal, tuple(self.coordinates(k)[3] for k in (i - 2, i - 1, i)))
+        if operation == Operation.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP:
+            return reflected(normal, stage.constant_eye)
+        return normal
+
+    def replace_depth(self, i):
+        """Source: NV_texture_shader section 3.8.13.1.21; Measured: floor, 65399 of 65536 (DotZW)."""
+        numerator, denominator = self.dot_product(i - 1), self.dot_product(i)
+        z = numerator / denominator * self.depth_scale if denominator else float("nan")
+        self.alive &= 0.0 <= z <= self.depth_max
+        self.depth = floor(z) if self.alive else 0
+
+    def run(self):
+        """Every stage in order. Source: NV_texture_shader, table 3.D (results of stages without a texel)."""
+        for i, stage in enumerate(self.stages):
+            operation, texel = stage.operation, [0, 0, 0, 0]
+            if operation == Operation.NONE or self.units[i] is None:
+                texel = [0, 0, 0, 255]  # Measured: disabled units
+            elif operation in CONVENTIONAL:
+                texel = self.access(i, None, operation)
+            elif operation == Operation.PASS_THROUGH:
+                texel = [real_byte(component) for component in self.coordinates(i)]
+            elif operation == Operation.CULL_FRAGMENT:
+                self.alive &= kept(self.coordinates(i), stage.cull_modes)
+            elif operation == Operation.DOT_PRODUCT_DEPTH_REPLACE:
+                self.replace_depth(i)
+            elif operation != Operation.DOT_PRODUCT:
+                texel = self.access(i, self.made_coordinates(i), operation)
+                if operation in WITH_SCALE:
+                    texel = scaled(texel, self.texels[stage.previous_texture_input][0], stage)
+            self.texels.append(texel)
+        return self.texels, self.alive, self.depth
+
+
+def on_any_face(strq):
+    """(s, t) of a cube map's access to a 2D texture. Measured: 113818 of 113818 (Texture_2D_as_cubemap)."""
+    sc, tc, major = sample.face_components(strq, sample.cube_map_face(strq))
+    return (sc / major, -tc / major) if major > 0.0 else (0.0, 0.0)
+
+
+def sample_made(strq, texture, sampler, operation):
+    """A texel at made coordinates: level 0. Measured: a cube map read as a volume (DotSTR3D)."""
+    cube_map = texture.target == TextureTarget.TEXTURE_CUBE_MAP
+    if operation.name.endswith("CUBE_MAP") and not cube_map:
+        strq = (*on_any_face(strq), 0.0)
+    flat = cube_map and operation == Operation.DOT_PRODUCT_TEXTURE_3D
+    return sample.sample_level(None, (*strq[:3], 1.0), 1, texture, sampler, 0, sampler.mag_filter, flat=flat)
