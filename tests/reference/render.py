@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 
-from pipeline.enums import ShadeModel, TextureShaderOperation, TextureTarget
+from pipeline.enums import ColorFormat, ShadeModel, TextureShaderOperation, TextureTarget
 from tests.reference import (
     combine,
     coverage,
