@@ -24,6 +24,7 @@ from pipeline.framebuffer import Framebuffer, bound_texture, copied_texture, rep
 from pipeline.profile import Profile
 from pipeline.profiles import GEFORCE_256
 from pipeline.state import ColorMask, PassState
+from pipeline.texel_words import stored_texture
 from pipeline.textures import Texture
 from pipeline.trace import Snapshot, snapshot
 from pipeline.validate import validate
@@ -93,9 +94,10 @@ class _Texels:
 _texels_of = weakref.WeakKeyDictionary()
 
 
-def _texels(texture):
-    found = _texels_of.get(texture)
-    if found is None:
+def _texels(texture, signed):
+    """``signed``: bits that are inverted in every texel, so that filters see s + 128 for a signed byte s."""
+    found = _texels_of.setdefault(texture, {})
+    if signed not in found:
         levels, offset = np.ones((R.MAX_LEVELS, 3), np.int32), 0
         for k, level in enumerate(texture.levels):
             levels[k] = offset, level.shape[2], level.shape[1]
@@ -103,8 +105,8 @@ def _texels(texture):
         packed = np.concatenate(
             [np.ascontiguousarray(level).view(np.uint32).ravel() for level in texture.levels]
         )
-        found = _texels_of[texture] = _Texels(packed, levels)
-    return found
+        found[signed] = _Texels(packed ^ np.uint32(signed), levels)
+    return found[signed]
 
 
 def default_threads():
@@ -188,7 +190,7 @@ class Machine:
                     if record:
                         records.append(recorded)
                 case TexImage():
-                    self.textures[command.texture] = command.image
+                    self.textures[command.texture] = stored_texture(command.image, self.profile)
                 case CopyTexImage():
                     self.textures[command.texture] = copied_texture(self._current, command)
                 case CopyTexSubImage():
@@ -272,7 +274,7 @@ def _rasterize(framebuffer, primitives, packed, state, textures, batch, threads,
     texels, levels = [_NO_TEXELS] * 4, np.ones((len(packed.units), R.MAX_LEVELS, 3), np.int32)
     for i, unit in enumerate(state.texture_units):
         if unit is not None and packed.units[i, R.ENABLED] and unit.texture is not None:
-            found = _texels(textures[unit.texture])
+            found = _texels(textures[unit.texture], int(packed.units[i, R.SIGNED]))
             texels[i], levels[i] = found.packed, found.levels
     color = framebuffer.color.view(np.uint32)[..., 0]
 

@@ -346,6 +346,8 @@ def sample(texture, unit, coordinates):
         where = _select(coordinates, chosen)
         return sample_level(levels[level], where, sampler, border, linear, one_dimensional)
 
+    levels = levels[: sampler.max_level + 1]
+
     out = np.zeros((len(coordinates.face), 4))
     if sampler.min_filter is sampler.mag_filter:
         minified = np.zeros(len(out), bool)
@@ -354,6 +356,7 @@ def sample(texture, unit, coordinates):
             s_alone = np.array([1.0, 0.0])
             coordinates = replace(coordinates, dx=coordinates.dx * s_alone, dy=coordinates.dy * s_alone)
         lod = level_of_detail(coordinates, texture.width, texture.height, unit.lod_bias)
+        lod = np.clip(lod, sampler.min_lod, sampler.max_lod)
         minified = lod > 0.0
     magnified = ~minified
     out[magnified] = at_level(0, magnified, sampler.mag_filter is TextureFilter.LINEAR)

@@ -350,6 +350,12 @@ def border_texel(color, internal_format):
     return int(r) | int(g) << 8 | int(b) << 16 | int(a) << 24
 
 
+def signed_bits(signed):
+    """SignedComponents as the bits that tell s + 128 from s in a packed texel."""
+    flags = (signed.red, signed.green, signed.blue, signed.alpha)
+    return sum(0x80 << (8 * channel) for channel, flag in enumerate(flags) if flag)
+
+
 # A texture shader stage that samples the unit's own texture, as a unit without texture shaders does.
 CONVENTIONAL = frozenset(
     {
@@ -425,7 +431,8 @@ def _pack_units(state, profile, textures, primitives, used, draw):
         mag_linear = sampler.mag_filter == TextureFilter.LINEAR
         minification = sampler.min_filter
         mipmap = 0 if minification < 2 else (1 if minification < 4 else 2)
-        if len(texture.levels) == 1 or mipmap == 0:
+        levels = min(len(texture.levels), sampler.max_level + 1)
+        if levels == 1:
             mipmap = 0
         linear = minification in (
             TextureFilter.LINEAR,
@@ -433,17 +440,21 @@ def _pack_units(state, profile, textures, primitives, used, draw):
             TextureFilter.LINEAR_MIPMAP_LINEAR,
         )
         row = units[i]
-        row[R.ENABLED], row[R.TARGET], row[R.LEVELS] = 1, texture.target, len(texture.levels)
+        row[R.ENABLED], row[R.TARGET], row[R.LEVELS] = 1, texture.target, levels
         row[R.WRAP_S], row[R.WRAP_T] = sampler.wrap_s, sampler.wrap_t
+        if texture.target == TextureTarget.TEXTURE_3D:
+            row[R.WRAP_R], row[R.LAYERS] = sampler.wrap_r, texture.depth
         row[R.MAG_LINEAR], row[R.MIN_LINEAR], row[R.MIPMAP] = mag_linear, linear, mipmap
         row[R.LOD_BIAS] = int(256 * unit.lod_bias)  # Assumed: truncation (docs/numbers.md, section 7)
+        row[R.MIN_LOD], row[R.MAX_LOD] = int(256 * sampler.min_lod), int(256 * sampler.max_lod)
         if (
             profile.magnification_threshold == MagnificationThreshold.OPENGL_C
             and mag_linear
             and minification in (TextureFilter.NEAREST_MIPMAP_NEAREST, TextureFilter.NEAREST_MIPMAP_LINEAR)
         ):
             row[R.THRESHOLD] = 128
-        row[R.BORDER] = border_texel(sampler.border_color, texture.internal_format)
+        row[R.SIGNED] = signed_bits(sampler.signed_components)
+        row[R.BORDER] = border_texel(sampler.border_color, texture.internal_format) ^ int(row[R.SIGNED])
         divided = texture.target != TextureTarget.TEXTURE_CUBE_MAP  # a cube map reads a direction as it is
         row[R.PROJECTIVE] = divided and (primitives.coordinates[:, i, 3] != 1.0).any()
     return units

@@ -35,7 +35,8 @@ class Profile:
     Limits
         ``max_texture_units`` (MAX_TEXTURE_UNITS_ARB), ``max_general_combiners`` (MAX_GENERAL_COMBINERS_NV; 0:
         no register combiners), ``per_stage_constants`` (NV_register_combiners2), ``max_texture_size``,
-        ``max_cube_map_texture_size`` (texels along an edge), ``power_of_two_textures`` (texture edges must be
+        ``max_cube_map_texture_size``, ``max_3d_texture_size`` (texels along an edge),
+        ``power_of_two_textures`` (texture edges must be
         powers of two), ``max_lod_bias`` (levels), ``max_lights``, ``max_clip_planes``, ``max_viewport``
         (pixels along an edge), ``depth_bits`` (the widths a depth buffer may have), ``stencil_bits``,
         ``max_shininess``.
@@ -50,7 +51,9 @@ class Profile:
         ``depth_units_in_coordinates`` (depths that come from texture coordinates, those that a depth texture
         is compared with and those of DOT_PRODUCT_DEPTH_REPLACE, are in depth-buffer units, not in [0, 1]),
         ``combiner_flags`` (muxes by the lowest bit, blue to alpha, inverted terms of the color sum),
-        ``foreign_texture_targets`` (texture shaders read cube maps as volumes and 2D textures as either).
+        ``foreign_texture_targets`` (texture shaders read cube maps as volumes and 2D textures as either),
+        ``signed_components`` (of any texture), ``cylinder_wrap``, ``perspective_hint``
+        (PERSPECTIVE_CORRECTION_HINT is followed).
     Arithmetic
         ``exact``: float64 without limits (the ideal machine; the fields below then do not matter).
         ``expand_half``: what an 8-bit EXPAND mapping takes as one half, 128 or 127.5. ``product_rounding``,
@@ -59,6 +62,7 @@ class Profile:
         snapped window coordinate. ``guard_band``: pixels around the screen that need no clipping.
         ``device_origin``: where rows are counted from before snapping. ``magnification_threshold``: the
         lambda up to which the magnification filter is taken. ``fog_arithmetic``: how the factor is computed.
+        ``dithered_s3tc_dxt1``: DXT1's colours are ordered-dithered to 5, 6 and 5 bits when they are decoded.
     """
 
     name: str
@@ -70,6 +74,7 @@ class Profile:
     per_stage_constants: bool
     max_texture_size: int
     max_cube_map_texture_size: int
+    max_3d_texture_size: int
     power_of_two_textures: bool
     max_lod_bias: float
     max_lights: int
@@ -100,6 +105,9 @@ class Profile:
     depth_units_in_coordinates: bool
     combiner_flags: bool
     foreign_texture_targets: bool
+    signed_components: bool
+    cylinder_wrap: bool
+    perspective_hint: bool
 
     expand_half: float
     product_rounding: ProductRounding
@@ -111,6 +119,7 @@ class Profile:
     device_origin: WindowOrigin
     magnification_threshold: MagnificationThreshold
     fog_arithmetic: FogArithmetic
+    dithered_s3tc_dxt1: bool
 
     evidence: Mapping[str, str]
 

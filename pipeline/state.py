@@ -166,8 +166,20 @@ class PolygonState:
 
 
 @dataclass(frozen=True, slots=True)
+class SignedComponents:
+    """Which components of a texture's texels are two's complement bytes, s/127 (NV_texture_shader's signed
+    formats, which the NV2A lets any texture be).
+    """
+
+    red: bool = False
+    green: bool = False
+    blue: bool = False
+    alpha: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Sampler:
-    """Texture parameters (table 3.17): how a texture image is sampled.
+    """Texture parameters (table 3.17): how a texture image is sampled. Level 0 is the base level.
 
     ``compare_mode``, ``compare_function`` (ARB_shadow, EXT_shadow_funcs): of a depth texture; every texel
     read becomes one where "reference function texel" holds and zero elsewhere, and these are filtered.
@@ -180,6 +192,11 @@ class Sampler:
     border_color: Color = (0.0, 0.0, 0.0, 0.0)
     compare_mode: TextureCompareMode = TextureCompareMode.NONE
     compare_function: ComparisonFunction = ComparisonFunction.LEQUAL
+    wrap_r: WrapMode = WrapMode.REPEAT
+    min_lod: float = -1000.0
+    max_lod: float = 1000.0
+    max_level: int = 1000
+    signed_components: SignedComponents = SignedComponents()
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,7 +206,9 @@ class TextureUnit:
     ``texture``: the name under which the scene or a CopyTexImage command stored it; None where the unit's
     texture shader stage reads none. ``lod_bias`` is
     EXT_texture_lod_bias's per-unit bias. ``coordinates``: which of the mesh's texture coordinate sets feeds
-    the unit. ``gen``: generation for s, t, r, q.
+    the unit. ``gen``: generation for s, t, r, q. ``cylinder_wrap``: for s, t, r, q whether a triangle's
+    coordinates are brought within one half of each other before they are iterated (Direct3D's texture
+    wrapping).
     """
 
     texture: str | None
@@ -198,6 +217,7 @@ class TextureUnit:
     coordinates: int = 0
     gen: tuple[TexGen, TexGen, TexGen, TexGen] = (TexGen(), TexGen(), TexGen(), TexGen())
     matrix: Matrix = IDENTITY
+    cylinder_wrap: tuple[bool, bool, bool, bool] = (False, False, False, False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -416,6 +436,8 @@ class PassState:
     ``texture_units``: unit i reads ``texture_units[i]``; None: the unit is disabled.
     ``register_combiners`` None: NV_register_combiners disabled; the fragment is then its primary colour, plus
     the secondary colour if ``color_sum``, then fog.
+    ``perspective_correction`` False: Hint(PERSPECTIVE_CORRECTION_HINT, FASTEST), where a machine follows it:
+    colours and coordinates are linear on the screen.
     ``logic_op`` None: disabled.
     ``texture_shader``: stage i is texture unit i's, NONE where there are fewer; None: TEXTURE_SHADER is
     disabled, and each enabled unit samples its texture.
@@ -435,3 +457,4 @@ class PassState:
     logic_op: LogicOperation | None = None
     color_mask: ColorMask = field(default_factory=ColorMask)
     texture_shader: tuple[TextureShaderStage, ...] | None = None
+    perspective_correction: bool = True

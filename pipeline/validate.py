@@ -50,10 +50,11 @@ from pipeline.enums import (
     TextureShaderOperation,
     TextureTarget,
     VertexStage,
+    WrapMode,
 )
 from pipeline.framebuffer import READ_FORMATS, READABLE_AS
 from pipeline.pack import WITHOUT_TEXTURE, shader_stages
-from pipeline.state import VertexState
+from pipeline.state import SignedComponents, VertexState
 from pipeline.textures import COMPONENT_BITS, Texture
 from pipeline.vertex import invert_upper_left, needs_normals
 
@@ -560,6 +561,7 @@ _PARTS = {
     TextureTarget.TEXTURE_CUBE_MAP: ("cube map", "faces"),
     TextureTarget.TEXTURE_3D: ("3D texture", "layers"),
 }
+_LOD_LIMIT = 1000.0  # the initial limits of table 3.17
 
 
 def _faces(image, level):
@@ -607,6 +609,8 @@ def _texture_problem(image):
         )
     if image.target is TextureTarget.TEXTURE_CUBE_MAP and image.width != image.height:
         return f"the cube map's faces are {image.width}x{image.height}; they must be square."
+    if image.target is TextureTarget.TEXTURE_RECTANGLE and len(image.levels) > 1:
+        return f"the TEXTURE_RECTANGLE has {len(image.levels)} levels; it has level 0 alone."
     if image.target is TextureTarget.TEXTURE_1D and image.height != 1:
         return f"the 1D texture is {image.height} texels high; give one row, or use texture_2d."
     if image.ideal is not None:
@@ -711,6 +715,11 @@ class _Walk:
             self.register_combiners(combiners)
         if state.color_sum and not self.profile.color_sum:
             self.refuse(f"{self.profile.name} has no color sum; add the secondary color in a second pass.")
+        if not state.perspective_correction and not self.profile.perspective_hint:
+            self.refuse(
+                f"{self.profile.name} always corrects for perspective; leave perspective_correction on, or "
+                "give every vertex the same w."
+            )
         if state.fog is not None:
             self.fog(state.fog)
         if state.scissor is not None:
@@ -732,7 +741,7 @@ class _Walk:
             if problem := _texture_problem(image):
                 self.refuse(problem)
             _checked_textures.add(image)
-        self.texture_storage(image.target, image.internal_format, image.width, image.height)
+        self.texture_storage(image.target, image.internal_format, image.width, image.height, image.depth)
         self.textures[name] = _Known.of(image)
 
     def copy_tex_image(self, command):
@@ -879,7 +888,7 @@ class _Walk:
         self.rectangle("the framebuffer", (command.x, command.y, width, height), self.width, self.height)
         return width, height
 
-    def texture_storage(self, target, internal_format, width, height):
+    def texture_storage(self, target, internal_format, width, height, layers=1):
         profile = self.profile
         if target not in profile.texture_targets:
             self.refuse(f"{profile.name} has no {target.name}; it has {_names(profile.texture_targets)}.")
@@ -890,15 +899,25 @@ class _Walk:
             )
         if width < 1 or height < 1:
             self.refuse(f"the texture is {width}x{height} texels; a texture needs at least 1x1.")
-        cube = target is TextureTarget.TEXTURE_CUBE_MAP
-        limit = profile.max_cube_map_texture_size if cube else profile.max_texture_size
-        if max(width, height) > limit:
+        what, limit = {
+            TextureTarget.TEXTURE_CUBE_MAP: ("cube map faces", profile.max_cube_map_texture_size),
+            TextureTarget.TEXTURE_3D: ("3D textures", profile.max_3d_texture_size),
+        }.get(target, ("textures", profile.max_texture_size))
+        if max(width, height, layers) > limit:
             self.refuse(
-                f"the texture is {width}x{height}; {profile.name} holds "
-                f"{'cube map faces' if cube else 'textures'} up to {limit}x{limit}. Scale it down or split "
-                "it."
+                f"the texture is {width}x{height}; {profile.name} holds {what} up to {limit}x{limit}. Scale "
+                "it down or split it."
+                if layers == 1
+                else f"the texture is {width}x{height}x{layers}; {profile.name} holds {what} up to {limit} "
+                "texels an edge. Scale it down or split it."
             )
-        if profile.power_of_two_textures and (width & (width - 1) or height & (height - 1)):
+        two = profile.power_of_two_textures and target is not TextureTarget.TEXTURE_RECTANGLE
+        if two and layers & (layers - 1):
+            self.refuse(
+                f"the texture has {layers} layers; {profile.name} takes edges that are powers of two. Give "
+                f"{_power_of_two(layers)}."
+            )
+        if two and (width & (width - 1) or height & (height - 1)):
             self.refuse(
                 f"the texture is {width}x{height}; {profile.name} takes edges that are powers of two. Scale "
                 f"it to {_power_of_two(width)}x{_power_of_two(height)}, or pad it."
@@ -1015,6 +1034,20 @@ class _Walk:
                 f"{_count(sets, 'set')}; give the mesh coordinates or generate {', '.join('str'[:needed])}."
             )
 
+    def rectangle_sampler(self, place, sampler, mipmapped):
+        if mipmapped:
+            self.refuse(
+                f"{place} minifies a TEXTURE_RECTANGLE with {sampler.min_filter.name}; rectangles have no "
+                "mipmaps. Give NEAREST or LINEAR."
+            )
+        for name in ("wrap_s", "wrap_t"):
+            mode = getattr(sampler, name)
+            if mode in (WrapMode.REPEAT, WrapMode.MIRRORED_REPEAT):
+                self.refuse(
+                    f"{place} asks for {name} {mode.name} of a TEXTURE_RECTANGLE, whose coordinates count "
+                    "texels; give CLAMP, CLAMP_TO_EDGE or CLAMP_TO_BORDER."
+                )
+
     def sampler(self, number, unit, known):
         profile, sampler, place = self.profile, unit.sampler, f"texture unit {number}"
         if sampler.mag_filter not in (TextureFilter.NEAREST, TextureFilter.LINEAR):
@@ -1022,7 +1055,7 @@ class _Walk:
                 f"{place} magnifies with {sampler.mag_filter.name}; a magnification filter is NEAREST or "
                 "LINEAR."
             )
-        for name in ("wrap_s", "wrap_t"):
+        for name in ("wrap_s", "wrap_t", "wrap_r"):
             if getattr(sampler, name) not in profile.wrap_modes:
                 self.refuse(
                     f"{profile.name} has no {getattr(sampler, name).name}, which {place} asks for {name}; "
@@ -1035,11 +1068,29 @@ class _Walk:
             )
         width, height = known.sizes[0]
         mipmapped = sampler.min_filter not in (TextureFilter.NEAREST, TextureFilter.LINEAR)
-        if mipmapped and len(known.sizes) != complete_levels(width, height):
+        layers = known.faces[0] if known.target is TextureTarget.TEXTURE_3D else 1
+        complete = complete_levels(width, max(height, layers))
+        if sampler.max_level < 0:
+            self.refuse(f"{place} has the maximum level {sampler.max_level}; levels count from 0.")
+        if mipmapped and len(known.sizes) < min(complete, sampler.max_level + 1):
             self.refuse(
                 f"{place} minifies with {sampler.min_filter.name}, but {unit.texture!r} ({width}x{height}) "
-                f"has {_count(len(known.sizes), 'level')} of {complete_levels(width, height)}; build it "
-                "with mipmaps=True, or set min_filter to LINEAR or NEAREST."
+                f"has {_count(len(known.sizes), 'level')} of {complete}; build it with mipmaps=True, set "
+                f"max_level to {len(known.sizes) - 1}, or set min_filter to LINEAR or NEAREST."
+            )
+        if abs(sampler.min_lod) > _LOD_LIMIT or abs(sampler.max_lod) > _LOD_LIMIT:
+            self.refuse(
+                f"{place} limits the level of detail to {sampler.min_lod} .. {sampler.max_lod}; give limits "
+                f"from -{_LOD_LIMIT:g} to {_LOD_LIMIT:g}."
+            )
+        if known.target is TextureTarget.TEXTURE_RECTANGLE:
+            self.rectangle_sampler(place, sampler, mipmapped)
+        if sampler.signed_components != SignedComponents() and not profile.signed_components:
+            self.refuse(f"{profile.name} has no signed texels; bias them and use EXPAND_NORMAL mappings.")
+        if any(unit.cylinder_wrap) and not profile.cylinder_wrap:
+            self.refuse(
+                f"{profile.name} does not wrap texture coordinates; give the triangles that cross the seam "
+                "vertices of their own."
             )
         if abs(unit.lod_bias) > profile.max_lod_bias:
             self.refuse(

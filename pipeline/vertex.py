@@ -3,6 +3,8 @@
 docs/numbers.md sections 1 and 2 fix every operation and its order; this module is that text on columns.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from pipeline.assembly import assemble
@@ -26,6 +28,7 @@ from pipeline.enums import (
     TexGenMode,
     VertexStage,
     WindowOrigin,
+    WrapMode,
 )
 from pipeline.fog import vertex_value
 from pipeline.lighting import light_vertices
@@ -113,7 +116,9 @@ def _process(mesh, state, profile, width, height):
     else:
         y = (height << profile.subpixel_bits) - _snap(y, height, profile)
     bits = profile.color_mantissa_bits if vertex.lighting is None else _FLOAT64_MANTISSA_BITS
-    return WindowPrimitives(
+    if not state.perspective_correction:
+        inverse_w = ONE
+    primitives = WindowPrimitives(
         x=_filled(count, _snap(x, width, profile), np.int32),
         y=_filled(count, y, np.int32),
         z=_filled(count, z if programmed else np.fmin(positive(z), ONE)),
@@ -125,6 +130,34 @@ def _process(mesh, state, profile, width, height):
         dropped=dropped,
         two_side=two_side,
     )
+    wraps = any(unit is not None and any(unit.cylinder_wrap) for unit in state.texture_units)
+    return _cylinder_wrapped(primitives, state) if wraps else primitives
+
+
+def _wrap_modes(sampler):
+    return sampler.wrap_s, sampler.wrap_t, sampler.wrap_r
+
+
+def _cylinder_wrapped(primitives, state):
+    """The same triangles, none sharing a vertex, with the coordinates that ``cylinder_wrap`` names brought
+    within one half of the first vertex's, by whole numbers, where they repeat.
+
+    Measured: s under REPEAT is, t under MIRRORED_REPEAT is not (CylinderWrapping capture).
+    """
+    corners = primitives.triangles.reshape(-1)
+    separate = {
+        name: getattr(primitives, name)[corners]
+        for name in ("x", "y", "z", "inverse_w", "colors", "coordinates", "fog")
+    }
+    coordinates = separate["coordinates"].reshape(-1, 4, *separate["coordinates"].shape[1:])
+    for number, unit in enumerate(state.texture_units):
+        for axis, mode in enumerate(() if unit is None else _wrap_modes(unit.sampler)):
+            if not unit.cylinder_wrap[axis] or mode != WrapMode.REPEAT:
+                continue
+            value = coordinates[:, :, number, axis]
+            value -= np.ceil((value - value[:, :1]) - np.float64(0.5))
+    triangles = np.arange(len(corners), dtype=np.int32).reshape(-1, 4)
+    return replace(primitives, triangles=triangles, **separate)
 
 
 def needs_normals(state):

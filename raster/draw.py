@@ -7,7 +7,7 @@ bit.
 """
 
 import numpy as np
-from numba import float64, int32, int64
+from numba import float64, int32, int64, uint32
 
 from raster import rows as R
 from raster.bins import BAND_HEIGHT
@@ -33,6 +33,7 @@ from raster.texture_shader import (
     DOT_PRODUCT_CUBE_MAP,
     OFFSET_2D_SCALE,
     OFFSET_RECTANGLE_SCALE,
+    copy_column,
     copy_texel,
     dependent_ties,
     face_planes,
@@ -179,17 +180,29 @@ def shade(
             ):  # fmt: skip
                 continue
             dependent_ties(floats, count)
+            if row[R.TARGET] == 3:
+                copy_column(floats, R.EXTRA, R.P, count)
         else:
             iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 0, floats, R.S)
             iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 1, floats, R.T)
-            if not (row[R.MAG_LINEAR] and row[R.MIN_LINEAR]) and row[R.TARGET] != 2:
+            nearest = not (row[R.MAG_LINEAR] and row[R.MIN_LINEAR])
+            if nearest and row[R.TARGET] != 2:
                 tie_bias(starts, owners, segments, triangles, coordinates, u, 0, ints, TAU, floats, R.TIE_S)
                 tie_bias(starts, owners, segments, triangles, coordinates, u, 1, ints, TAU, floats, R.TIE_T)
+            if row[R.TARGET] == 3:
+                iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 2, floats, R.P)
+                if nearest:
+                    tie_bias(
+                        starts, owners, segments, triangles, coordinates, u, 2, ints, TAU, floats, R.TIE_P
+                    )
             if row[R.TARGET] == 2:
                 iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 2, floats, R.EXTRA)
             elif row[R.PROJECTIVE]:
                 iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 3, floats, R.EXTRA)
-                divide_by_q(floats, count)
+                divide_by_q(floats, R.S, count)
+                divide_by_q(floats, R.T, count)
+                if row[R.TARGET] == 3:
+                    divide_by_q(floats, R.P, count)
         if row[R.TARGET] == 2:
             if row[R.OPERATION] == DOT_PRODUCT_3D:
                 flat_face(floats, count, ints)
@@ -220,7 +233,7 @@ def shade(
                 scale, bias = float_of(row[R.OFFSET_SCALE]), float_of(row[R.OFFSET_BIAS])
                 scale_texel(packed, R.STAGE0 + row[R.PREVIOUS], count, scale, bias)
                 unpack(packed, R.TEXEL_0, count, registers, (R.TEXTURE0 + u) * 4)
-            copy_texel(packed, R.TEXEL_0, R.STAGE0 + u, count)
+            copy_texel(packed, R.TEXEL_0, R.STAGE0 + u, uint32(row[R.SIGNED]), count)
     for c in range(3):
         fill_plane(registers, R.SPARE0 * 4 + c, count, int32(0))
     copy_plane(registers, R.TEXTURE0 * 4 + 3, registers, R.SPARE0 * 4 + 3, count)

@@ -24,7 +24,7 @@ def edge_functions(x0, y0, x1, y1, x2, y2, px, py):
 
 @kernel
 def coordinates_at(v0, v1, v2, x, y, inverse_w, coordinates, unit, projective, px, py):
-    """(whether D > 0, s, t, r) of a pixel, inside the triangle or not; s and t divided by q if projective."""
+    """(whether D > 0, s, t, r) of a pixel, inside the triangle or not; divided by q if projective."""
     n0, n1, n2 = edge_functions(
         int64(x[v0]),
         int64(y[v0]),
@@ -52,12 +52,12 @@ def coordinates_at(v0, v1, v2, x, y, inverse_w, coordinates, unit, projective, p
         q1 = coordinates[v1, unit, 3]
         q = (q1 + b0 * (coordinates[v0, unit, 3] - q1)) + b2 * (coordinates[v2, unit, 3] - q1)
         q = q if q != 0.0 else 1.0
-        s, t = s / q, t / q
+        s, t, r = s / q, t / q, r / q
     return True, s, t, r
 
 
 @kernel
-def block_lambda(v0, v1, v2, x, y, inverse_w, coordinates, unit, row, width, height, bx, by):
+def block_lambda(v0, v1, v2, x, y, inverse_w, coordinates, unit, row, width, height, depth, bx, by):
     """Lambda with 8 fraction bits, without bias, of the block whose origin is (bx, by)."""
     ok0, s0, t0, r0 = coordinates_at(
         v0, v1, v2, x, y, inverse_w, coordinates, unit, row[R.PROJECTIVE], bx, by
@@ -88,6 +88,9 @@ def block_lambda(v0, v1, v2, x, y, inverse_w, coordinates, unit, row, width, hei
             t0 = t1 = t2 = 0.0
     dsx, dtx, dsy, dty = s1 - s0, t1 - t0, s2 - s0, t2 - t0
     dx2, dy2 = dsx * dsx + dtx * dtx, dsy * dsy + dty * dty
+    if row[R.TARGET] == 3:
+        drx, dry = r1 * depth - r0 * depth, r2 * depth - r0 * depth
+        dx2, dy2 = dx2 + drx * drx, dy2 + dry * dry
     if not (dx2 < np.inf and dy2 < np.inf):  # infinite, or not a number, which max may lose
         return FAR
     rho2 = max(dx2, dy2)
@@ -102,13 +105,16 @@ def block_lambda(v0, v1, v2, x, y, inverse_w, coordinates, unit, row, width, hei
 def level_of_detail(
     run_starts, run_x, run_y, runs, triangles, x, y, inverse_w, coordinates, unit, row, levels, ints
 ):
-    """Lambda plus bias of every fragment, 8 fraction bits, into LOD. Runs (triangles in OWNER): consecutive
-    pixels of one row of one triangle.
+    """Lambda plus bias of every fragment, limited, 8 fraction bits, into LOD. Runs (triangles in OWNER):
+    consecutive pixels of one row of one triangle.
 
     Measured: one value per 2x2 block (Texture_anisotropy), axis steps (LODBias 61440 of 61440).
     """
     separate_function()
-    width, height = float64(levels[0, 1]), float64(levels[0, 2])
+    width, height, depth = float64(levels[0, 1]), float64(levels[0, 2]), float64(row[R.LAYERS])
+    if row[R.TARGET] == 4:  # coordinates that count texels already
+        width = height = 1.0
+    bias, low, high = int32(row[R.LOD_BIAS]), int32(row[R.MIN_LOD]), int32(row[R.MAX_LOD])
     for k in range(runs):
         t = ints[R.OWNER, k]
         v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
@@ -119,7 +125,7 @@ def level_of_detail(
             if px & ~1 != block:
                 block = px & ~1
                 value = block_lambda(
-                    v0, v1, v2, x, y, inverse_w, coordinates, unit, row, width, height, block, by
+                    v0, v1, v2, x, y, inverse_w, coordinates, unit, row, width, height, depth, block, by
                 )
-            ints[R.LOD, i] = int32(value + int32(row[R.LOD_BIAS]))
+            ints[R.LOD, i] = min(max(int32(value + bias), low), high)
             px += 1

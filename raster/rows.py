@@ -94,7 +94,7 @@ FINAL_SIZE = 3
 # --------------------------------------------------------------- units: int64[units, UNIT_SIZE]
 (
     ENABLED,
-    TARGET,  # 0 1D, 1 2D, 2 cube map
+    TARGET,  # 0 1D, 1 2D, 2 cube map, 3 3D, 4 rectangle
     LEVELS,
     WRAP_S,
     WRAP_T,
@@ -105,6 +105,11 @@ FINAL_SIZE = 3
     THRESHOLD,  # lambda up to which the texture is magnified, 8 fraction bits
     BORDER,  # packed RGBA
     PROJECTIVE,  # 1: divide by q
+    WRAP_R,
+    LAYERS,  # of level 0 of a 3D texture
+    MIN_LOD,  # 8 fraction bits, as MAX_LOD
+    MAX_LOD,
+    SIGNED,  # packed: 0x80 in each signed component, whose texels and border come with that bit inverted
     OPERATION,  # pipeline.enums.TextureShaderOperation; 0: the unit samples its texture
     PREVIOUS,  # previous texture input
     MAPPING,  # pipeline.enums.DotProductMapping
@@ -112,7 +117,7 @@ FINAL_SIZE = 3
     COMPARE,  # pipeline.enums.TextureCompareMode
     COMPARE_FUNCTION,
     OFFSET_MATRIX,  # four entries; these and the following are bit patterns of float64
-) = range(19)
+) = range(24)
 OFFSET_SCALE = OFFSET_MATRIX + 4
 OFFSET_BIAS = OFFSET_SCALE + 1
 CONSTANT_EYE = OFFSET_BIAS + 1  # three entries
@@ -127,8 +132,8 @@ ZERO, CONSTANT0, CONSTANT1, FOG, PRIMARY, SECONDARY, SPARE0, SPARE1, TEXTURE0 = 
 E_TIMES_F, SPARE0_PLUS_SECONDARY, REGISTERS = 12, 13, 14
 
 # Scratch columns of a batch. floats float64[FLOAT_COLUMNS, batch]: texture coordinates (for a cube map, of
-# its face, doubled), tie biases of nearest filters, sizes of each fragment's level, a texel coordinate, r or
-# q, weights of vertices 0 and 2.
+# its face, doubled), tie biases of nearest filters, sizes of each fragment's level, a texel coordinate, a
+# cube map's r or q, weights of vertices 0 and 2; a 3D texture's r with its tie bias and size.
 (
     S,
     T,
@@ -140,13 +145,16 @@ E_TIMES_F, SPARE0_PLUS_SECONDARY, REGISTERS = 12, 13, 14
     EXTRA,
     B0,
     B2,
+    P,
+    TIE_P,
+    P_SIZE,
     COORDINATE0,  # four coordinates of a texture shader stage
-) = range(11)
+) = range(14)
 DOT0 = COORDINATE0 + 4  # the stages' dot products
 FLOAT_COLUMNS = DOT0 + 4
 # ints int32[INT_COLUMNS, batch]: cube face; where the level begins and its width; neighbouring columns and
 # rows with their fractions; level, fraction between levels, lambda; colour weights and residual vertex; the
-# triangle of a run.
+# triangle of a run; neighbouring layers with their fraction.
 (
     FACE,
     BASE,
@@ -164,9 +172,12 @@ FLOAT_COLUMNS = DOT0 + 4
     W2,
     RESIDUAL,
     OWNER,
+    K0,
+    K1,
+    K_FRACTION,
     INT_COLUMNS,
-) = range(17)
-# packed uint32[PACKED_COLUMNS, batch]: the four texels of a linear filter; filtered texels; the texel of each
-# texture shader stage.
-P00, P10, P01, P11, TEXEL_0, TEXEL_1, MAGNIFIED, STAGE0 = range(8)
+) = range(20)
+# packed uint32[PACKED_COLUMNS, batch]: the four texels of a linear filter; filtered texels, the upper layer's
+# among them; the texel of each texture shader stage.
+P00, P10, P01, P11, TEXEL_0, TEXEL_1, MAGNIFIED, LAYER_1, STAGE0 = range(9)
 PACKED_COLUMNS = STAGE0 + 4

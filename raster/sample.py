@@ -93,25 +93,29 @@ def cube_faces(floats, count, ints):
         floats[R.T, i] = tc / ma + 1.0 if ma > 0.0 else 0.0
 
 
-@kernel("void(f8[:,::1],i8)")
-def divide_by_q(floats, count):
-    """Projective coordinates: S and T by q (EXTRA); a q of zero counts as one."""
+@kernel("void(f8[:,::1],i8,i8)")
+def divide_by_q(floats, axis, count):
+    """A projective coordinate, column ``axis``, by q (EXTRA); a q of zero counts as one."""
     separate_loop()
+    pa = uint64(axis)
     for i in range(count):
         q = floats[R.EXTRA, i] if floats[R.EXTRA, i] != 0.0 else 1.0
-        floats[R.S, i] = floats[R.S, i] / q
-        floats[R.T, i] = floats[R.T, i] / q
+        floats[pa, i] = floats[pa, i] / q
 
 
 @kernel("void(f8[:,::1],i8,i8,i8,f8,i8)")
 def texel_coordinates(floats, axis, size, tie, scale, count):
     """TEXEL = coordinate * (scale * size) + bias, for columns ``axis`` and ``size``.
 
-    ``scale``: 1, or 1/2 for a cube face's doubled coordinates. ``tie``: the column of biases, or -1 for TAU.
+    ``scale``: 1, or 1/2 for a cube face's doubled coordinates, or 0 for coordinates that count texels
+    already. ``tie``: the column of biases, or -1 for TAU.
     """
     separate_loop()
     pa, ps, pt = uint64(axis), uint64(size), uint64(max(tie, 0))
-    if tie < 0:
+    if scale == 0.0:
+        for i in range(count):
+            floats[R.TEXEL, i] = floats[pa, i] + (TAU if tie < 0 else floats[pt, i])
+    elif tie < 0:
         for i in range(count):
             floats[R.TEXEL, i] = floats[pa, i] * (scale * floats[ps, i]) + TAU
     else:
@@ -255,12 +259,15 @@ def filter_linear(packed, ints, count, out):
         packed[po, i] = lerp_packed(lower, upper, b)
 
 
-@kernel("void(u4[:,::1],i4[:,::1],i8)")
-def blend_levels(packed, ints, count):
-    """Between two mipmap levels, into TEXEL_0. Measured: 61440 of 61440 pixels (LODBias)."""
+@kernel("void(u4[:,::1],i4[:,::1],i8,i8,i8,i8)")
+def blend(packed, ints, first, second, fraction, count):
+    """From column ``first`` to ``second`` by the 8-bit column ``fraction``, into ``first``: between mipmap
+    levels (Measured: 61440 of 61440 pixels, LODBias) or layers.
+    """
     separate_loop()
+    p0, p1, pf = uint64(first), uint64(second), uint64(fraction)
     for i in range(count):
-        packed[R.TEXEL_0, i] = lerp_packed(packed[R.TEXEL_0, i], packed[R.TEXEL_1, i], ints[R.FRACTION, i])
+        packed[p0, i] = lerp_packed(packed[p0, i], packed[p1, i], ints[pf, i])
 
 
 @kernel("void(u4[:,::1],i4[:,::1],i4,i8)")
@@ -289,6 +296,23 @@ def unpack(packed, source, count, registers, plane):
         registers[green, i] = int16(uint32(p >> uint32(8)) & uint32(255))
         registers[blue, i] = int16(uint32(p >> uint32(16)) & uint32(255))
         registers[alpha, i] = int16(p >> uint32(24))
+
+
+@kernel("void(u4[:,::1],i8,u4,i8,i2[:,::1],i8)")
+def unpack_signed(packed, source, signed, count, registers, plane):
+    """As ``unpack``, where ``signed`` has 0x80 in components whose bytes are s + 128: these become 2 s.
+
+    Measured: 732800 of 732800 pixels (Texture_signed_component_tests).
+    """
+    separate_loop()
+    ps = uint64(source)
+    for c in range(4):
+        shift, pc = uint32(8 * c), uint64(plane + c)
+        twice = uint32(uint32(signed >> shift) & uint32(128)) != uint32(0)
+        factor, less = int32(2 if twice else 1), int32(256 if twice else 0)
+        for i in range(count):
+            byte = int32(uint32(packed[ps, i] >> shift) & uint32(255))
+            registers[pc, i] = int16(int32(byte * factor) - less)
 
 
 @kernel("void(i4[:,::1],i4,i4,i4,i8)")
@@ -324,6 +348,39 @@ def level_sizes(levels, ints, cube, count, floats):
         floats[R.T_SIZE, i] = float64(levels[k, 2])
 
 
+@kernel("void(i4[:,::1],i4[:,::1],i4,i8,f8[:,::1])")
+def layer_sizes(levels, ints, layers, count, floats):
+    """WIDTH and the three sizes of each fragment's LEVEL of a 3D texture with ``layers`` at level 0."""
+    separate_function()
+    for i in range(count):
+        k = ints[R.LEVEL, i]
+        ints[R.WIDTH, i] = levels[uint32(k), 1]
+        floats[R.S_SIZE, i] = float64(levels[uint32(k), 1])
+        floats[R.T_SIZE, i] = float64(levels[uint32(k), 2])
+        floats[R.P_SIZE, i] = float64(max(int32(layers >> k), int32(1)))
+
+
+@kernel("void(i4[:,::1],i4[:,::1],i8,i8)")
+def layer_base(levels, ints, layer, count):
+    """BASE of the layer in column ``layer``; the first layer's where that is -1, the border."""
+    separate_function()
+    pl = uint64(layer)
+    for i in range(count):
+        k = uint32(ints[R.LEVEL, i])
+        n = max(ints[pl, i], int32(0))
+        ints[R.BASE, i] = int32(levels[k, 0] + int32(n * int32(levels[k, 1] * levels[k, 2])))
+
+
+@kernel("void(i4[:,::1],i8,u4,i8,u4[:,::1],i8)")
+def border_layer(ints, layer, border, count, packed, out):
+    """The border colour where column ``layer`` is -1."""
+    separate_loop()
+    pl, po = uint64(layer), uint64(out)
+    for i in range(count):
+        if ints[pl, i] < int32(0):
+            packed[po, i] = border
+
+
 @kernel("void(i4[:,::1],i4[:,::1],i8,f8[:,::1])")
 def base_sizes(levels, ints, count, floats):
     """BASE, WIDTH, S_SIZE and T_SIZE where every fragment reads level 0."""
@@ -345,31 +402,10 @@ def fill_int(ints, column, count, value):
         ints[p, i] = value
 
 
-@kernel("void(u4[::1],i4[:,::1],i8[::1],i8,i8,i8,f8[:,::1],i4[:,::1],u4[:,::1],i8)")
-def sample_level(texels, levels, unit, count, linear, many, floats, ints, packed, out):
-    """One filtered texel per fragment into a packed column: from level 0, or (``many``) from its LEVEL."""
+@kernel("void(u4[::1],i4[:,::1],i8,i8,u4,i8,u4[:,::1],i8)")
+def fetch_and_filter(texels, ints, linear, bordered, border, count, packed, out):
+    """The texel at (I0, J0), or the linear filter of the four at I0, I1, J0, J1, into a packed column."""
     separate_function()
-    cube, flat = unit[R.TARGET] == 2, unit[R.TARGET] == 0
-    if many or cube:
-        level_sizes(levels, ints, cube, count, floats)
-    else:
-        base_sizes(levels, ints, count, floats)
-    scale = 0.5 if cube else 1.0
-    tied = not linear and not cube
-    wrap_s, wrap_t = (int64(2), int64(2)) if cube else (unit[R.WRAP_S], unit[R.WRAP_T])
-    texel_coordinates(floats, R.S, R.S_SIZE, R.TIE_S if tied else -1, scale, count)
-    wrap_axis(wrap_s, floats, R.S_SIZE, count, linear, ints, R.I0)
-    if flat:
-        fill_int(ints, R.J0, count, int32(0))
-        fill_int(ints, R.J1, count, int32(0))
-        fill_int(ints, R.J_FRACTION, count, int32(0))
-    else:
-        texel_coordinates(floats, R.T, R.T_SIZE, R.TIE_T if tied else -1, scale, count)
-        wrap_axis(wrap_t, floats, R.T_SIZE, count, linear, ints, R.J0)
-    s_border = wrap_s == 3 or (linear and wrap_s == 1)
-    t_border = not flat and (wrap_t == 3 or (linear and wrap_t == 1))
-    bordered = s_border or t_border
-    border = uint32(unit[R.BORDER])
     if not linear:
         if bordered:
             fetch_bordered(texels, ints, count, R.I0, R.J0, border, packed, out)
@@ -386,13 +422,61 @@ def sample_level(texels, levels, unit, count, linear, many, floats, ints, packed
     filter_linear(packed, ints, count, out)
 
 
+@kernel
+def reads_border(mode, linear):
+    """Whether a wrap mode can read the border colour."""
+    return mode == 3 or (linear and mode == 1)
+
+
+@kernel("void(u4[::1],i4[:,::1],i8[::1],i8,i8,i8,f8[:,::1],i4[:,::1],u4[:,::1],i8)")
+def sample_level(texels, levels, unit, count, linear, many, floats, ints, packed, out):
+    """One filtered texel per fragment into a packed column: from level 0, or (``many``) from its LEVEL."""
+    separate_function()
+    target = unit[R.TARGET]
+    flat, cube, layered = target == 0, target == 2, target == 3
+    if layered:
+        layer_sizes(levels, ints, int32(unit[R.LAYERS]), count, floats)
+    elif many or cube:
+        level_sizes(levels, ints, cube, count, floats)
+    else:
+        base_sizes(levels, ints, count, floats)
+    scale = 0.5 if cube else (0.0 if target == 4 else 1.0)
+    tied = not linear and not cube
+    wrap_s, wrap_t = (int64(2), int64(2)) if cube else (unit[R.WRAP_S], unit[R.WRAP_T])
+    texel_coordinates(floats, R.S, R.S_SIZE, R.TIE_S if tied else -1, scale, count)
+    wrap_axis(wrap_s, floats, R.S_SIZE, count, linear, ints, R.I0)
+    if flat:
+        fill_int(ints, R.J0, count, int32(0))
+        fill_int(ints, R.J1, count, int32(0))
+        fill_int(ints, R.J_FRACTION, count, int32(0))
+    else:
+        texel_coordinates(floats, R.T, R.T_SIZE, R.TIE_T if tied else -1, scale, count)
+        wrap_axis(wrap_t, floats, R.T_SIZE, count, linear, ints, R.J0)
+    bordered = reads_border(wrap_s, linear) or (not flat and reads_border(wrap_t, linear))
+    border = uint32(unit[R.BORDER])
+    if not layered:
+        fetch_and_filter(texels, ints, linear, bordered, border, count, packed, out)
+        return
+    wrap_r = unit[R.WRAP_R]
+    texel_coordinates(floats, R.P, R.P_SIZE, R.TIE_P if tied else -1, scale, count)
+    wrap_axis(wrap_r, floats, R.P_SIZE, count, linear, ints, R.K0)
+    for k in range(2 if linear else 1):
+        layer, column = (R.K1, R.LAYER_1) if k == 1 else (R.K0, out)
+        layer_base(levels, ints, layer, count)
+        fetch_and_filter(texels, ints, linear, bordered, border, count, packed, column)
+        if reads_border(wrap_r, linear):
+            border_layer(ints, layer, border, count, packed, column)
+    if linear:
+        blend(packed, ints, out, R.LAYER_1, R.K_FRACTION, count)
+
+
 @kernel("void(u4[::1],i4[:,::1],i8[::1],i8,f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i8)")
 def sample_unit(texels, levels, unit, count, floats, ints, packed, registers, plane):
     """Filter a texture unit's fragments into four planes of ``registers`` (int16[., batch]) from ``plane``
     on.
 
-    unit: int64[UNIT_SIZE]; floats, ints, packed: scratch columns (rows.py), with S and T, the FACE for a cube
-    map, TIE_S and TIE_T for nearest filters and LOD for filters that need it filled in.
+    unit: int64[UNIT_SIZE]; floats, ints, packed: scratch columns (rows.py), with S and T (P of a 3D texture),
+    the FACE for a cube map, TIE_S, TIE_T and TIE_P for nearest filters and LOD for filters that need it.
     """
     separate_function()
     levels_count = int32(unit[R.LEVELS])
@@ -409,6 +493,9 @@ def sample_unit(texels, levels, unit, count, floats, ints, packed, registers, pl
             select_level(ints, levels_count, int32(0), int32(1), count)
             sample_level(texels, levels, unit, count, min_linear, 1, floats, ints, packed, R.TEXEL_1)
             level_fraction(ints, levels_count, count)
-            blend_levels(packed, ints, count)
+            blend(packed, ints, R.TEXEL_0, R.TEXEL_1, R.FRACTION, count)
         choose_magnified(packed, ints, int32(unit[R.THRESHOLD]), count)
-    unpack(packed, R.TEXEL_0, count, registers, plane)
+    if unit[R.SIGNED]:
+        unpack_signed(packed, R.TEXEL_0, uint32(unit[R.SIGNED]), count, registers, plane)
+    else:
+        unpack(packed, R.TEXEL_0, count, registers, plane)

@@ -234,15 +234,16 @@ def dependent_ties(floats, count):
     """Tie biases of coordinates that no vertex has. Assumed: exact boundaries take the upper texel."""
     fill_column(floats, R.TIE_S, TAU, count)
     fill_column(floats, R.TIE_T, TAU, count)
+    fill_column(floats, R.TIE_P, TAU, count)
 
 
-@kernel("void(u4[:,::1],i8,i8,i8)")
-def copy_texel(packed, source, target, count):
-    """Copy a packed column."""
+@kernel("void(u4[:,::1],i8,i8,u4,i8)")
+def copy_texel(packed, source, target, inverted, count):
+    """Copy a packed column with some bits inverted: those that made signed bytes s into s + 128."""
     separate_loop()
     ps, pt = uint64(source), uint64(target)
     for i in range(count):
-        packed[pt, i] = packed[ps, i]
+        packed[pt, i] = packed[ps, i] ^ inverted
 
 
 @kernel("void(u4[:,::1],i8,i8)")

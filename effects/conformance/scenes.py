@@ -122,6 +122,14 @@ def textured_quad(label, corners, texture, state=DEFAULT, height=HEIGHT):
     )
 
 
+def unprojected_rectangle(left, top, right, bottom, z=0.0):
+    """A quad's corners whose device pixels the programs turn into points of the XDK's view, and the chip back.
+
+    Measured: they come back half a pixel further, the viewport's offset snapped (DrawCheckerboardUnproject).
+    """
+    return rectangle(left + 0.5, top + 0.5, right + 0.5, bottom + 0.5, z)
+
+
 def projection_of(composite, offset=(0.0, 0.0), depth_maximum=16777215.0):
     """OpenGL's projection matrix for one that gives device pixels and depth units times w.
 

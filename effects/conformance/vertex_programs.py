@@ -20,17 +20,18 @@ def toward_zero(values):
     return np.where(np.abs(nearest) > np.abs(values), lower, nearest).astype(np.float64)
 
 
-def perspective(points, depth_maximum=16777215.0):
+def perspective(points, depth_maximum=16777215.0, eye=EYE_DISTANCE, far=FAR):
     """Window positions [n, 4] (device x and y, depth units, w) of ``points`` [n, 3] in the default view.
 
-    The default view: 45 degrees, 4:3, the eye at z = -7. Source: PerspectiveVertexShader: the view matrix,
-    then projection and viewport as one matrix, then a division by w.
+    The default view: 45 degrees, 4:3, the eye at z = -7; ``eye`` and ``far`` say otherwise. Source:
+    PerspectiveVertexShader: the view matrix, then projection and viewport as one matrix, then a division by
+    w.
     """
     x, y, z = single(points).T
     y_scale = single(1.0 / np.tan(single(np.pi / 8)))
     x_scale = single(y_scale / single(WIDTH / HEIGHT))
-    depth_scale = single(single(FAR / (FAR - NEAR)) * depth_maximum)
-    w = toward_zero(z + EYE_DISTANCE)
+    depth_scale = single(single(far / (far - NEAR)) * depth_maximum)
+    w = toward_zero(z + eye)
     reciprocal = toward_zero(1.0 / w)
     window = (
         toward_zero(toward_zero(x * single(x_scale * WIDTH / 2)) + toward_zero(w * (WIDTH / 2))),

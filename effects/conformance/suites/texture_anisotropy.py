@@ -1,0 +1,56 @@
+"""Texture_anisotropy: a checkerboard floor that runs to the horizon, under growing anisotropy.
+
+Source: src/tests/texture_anisotropy_tests.cpp of nxdk_pgraph_tests.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from effects.conformance import scenes
+from effects.conformance.case import Case
+from pipeline.commands import Draw, Mesh, TexImage
+from pipeline.enums import PrimitiveType, WrapMode
+from pipeline.state import TextureUnit
+from pipeline.textures import texture_2d
+
+SUITE = "Texture_anisotropy"
+
+SIZE, CELL, REPEATS = 128, 4, 32.0
+HALF, FLOOR, FAR, NEAR = 4.0, -1.5, 200.0, 0.0
+
+
+def names():
+    """Every case of the suite."""
+    return [f"Anisotropy-{taps}" for taps in (1, 2, 4, 8)]
+
+
+def case(name, inputs):
+    """The case of that name, or None."""
+    del inputs
+    if name not in names():
+        return None
+    sampler = replace(
+        scenes.NEAREST,
+        wrap_s=WrapMode.REPEAT,
+        wrap_t=WrapMode.REPEAT,
+    )
+    mesh = Mesh(
+        scenes.single([(-HALF, FLOOR, FAR), (HALF, FLOOR, FAR), (HALF, FLOOR, NEAR), (-HALF, FLOOR, NEAR)]),
+        PrimitiveType.QUADS,
+        texture_coordinates=(np.array([(0.0, 0.0), (1.0, 0.0), (1.0, REPEATS), (0.0, REPEATS)]),),
+    )
+    state = replace(
+        scenes.DEFAULT,
+        vertex=scenes.xdk_vertex(far=2 * FAR),  # the floor reaches beyond the view, and is not clipped
+        texture_units=(TextureUnit("checkerboard", sampler),),
+        register_combiners=scenes.SHOWS_TEXTURE0,
+    )
+    board = texture_2d(scenes.checkerboard(0xFFFFFF00, 0xFF663333, CELL, SIZE))
+    return Case(
+        commands=(
+            scenes.clear(0xFE202020),
+            TexImage(label="checkerboard", texture="checkerboard", image=board),
+            Draw(label="floor", mesh=mesh, state=state),
+        )
+    )

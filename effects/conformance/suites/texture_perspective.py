@@ -1,0 +1,68 @@
+"""Texture_perspective: one quad whose vertices have other w, textured or coloured, with and without correction
+for perspective.
+
+Source: src/tests/texture_perspective_tests.cpp of nxdk_pgraph_tests.
+"""
+
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+
+from effects.conformance import scenes
+from effects.conformance.case import Case
+from pipeline.commands import Draw, Mesh, TexImage
+from pipeline.enums import PrimitiveType, TextureTarget
+from pipeline.state import TextureUnit
+from pipeline.textures import texture_2d
+
+SUITE = "Texture_perspective"
+
+SIZE, EDGE = 256, 1.75
+# x and y, w where the quad is textured, w where it is coloured, s and t, colour.
+CORNERS = {
+    "ul": ((-EDGE, EDGE), 0.3, 0.3, (0, 0), (1, 0, 0)),
+    "ur": ((EDGE, EDGE), 1.0, 1.0, (SIZE, 0), (0, 1, 0)),
+    "lr": ((EDGE, -EDGE), 3.0, 0.3, (SIZE, SIZE), (0, 0, 1)),
+    "ll": ((-EDGE, -EDGE), 1.0, 1.0, (0, SIZE), (1, 1, 1)),
+}
+SHAPES = {
+    "quad": (PrimitiveType.QUADS, ("ul", "ur", "lr", "ll")),
+    "bitri": (PrimitiveType.TRIANGLES, ("ul", "ur", "ll", "lr", "ll", "ur")),
+}
+
+
+def names():
+    """Every case of the suite."""
+    return [f"tex_{kind}_pers_{on}_{shape}" for kind, on, shape in product(("tex", "diff"), "ny", SHAPES)]
+
+
+def case(name, inputs):
+    """The case of that name, or None."""
+    del inputs
+    if name not in names():
+        return None
+    _, kind, _, on, shape = name.split("_")
+    textured = kind == "tex"
+    primitive, order = SHAPES[shape]
+    corners = [CORNERS[corner] for corner in order]
+    positions = [(*xy, 0.0, w if textured else w_colored) for xy, w, w_colored, _, _ in corners]
+    mesh = Mesh(
+        scenes.single(positions),
+        primitive,
+        colors=None if textured else np.array([color for *_, color in corners], np.float64),
+        texture_coordinates=(np.array([st for *_, st, _ in corners], np.float64),),
+    )
+    state = replace(scenes.DEFAULT, vertex=scenes.xdk_vertex(), perspective_correction=on == "y")
+    commands = [scenes.clear(0xFE251135)]
+    if textured:
+        board = replace(
+            texture_2d(scenes.checkerboard(0xFF00FFFF, 0xFF000000, 8)), target=TextureTarget.TEXTURE_RECTANGLE
+        )
+        commands.append(TexImage(label="checkerboard", texture="checkerboard", image=board))
+        state = replace(
+            state,
+            texture_units=(TextureUnit("checkerboard", scenes.NEAREST),),
+            register_combiners=scenes.SHOWS_TEXTURE0,
+        )
+    return Case(commands=(*commands, Draw(label=shape, mesh=mesh, state=state)))

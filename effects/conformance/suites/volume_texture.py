@@ -1,0 +1,80 @@
+"""Volume_texture: seven quads through the four layers of a 3D texture, in every swizzled format.
+
+Source: src/tests/volume_texture_tests.cpp of nxdk_pgraph_tests.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from effects.conformance import scenes, texture_memory
+from effects.conformance.case import Case
+from effects.conformance.suites.texture_format import palette
+from pipeline.commands import Draw, Mesh, TexImage
+from pipeline.enums import PrimitiveType, TextureTarget, WrapMode
+from pipeline.state import TextureUnit
+from pipeline.texel_words import paletted_texture
+
+SUITE = "Volume_texture"
+
+SIZE, LAYERS, QUADS = 256, 4, 7
+LEFT, RIGHT, TOP, BOTTOM, SPACING = -2.75, 2.75, 1.75, -1.75, 0.1
+WIDTH, HEIGHT = (RIGHT - LEFT) / 3 - 2 * SPACING, (TOP - BOTTOM) / 3 - 2 * SPACING
+PLACES = ((0, 0), (1, 0), (2, 0), (1, 1), (0, 2), (1, 2), (2, 2))  # column and row of each quad
+KEPT = ((1, 1, 1, 1), (0, 0, 1, 1), (1, 0, 0, 1), (0, 1, 0, 1))  # the components that each layer shows
+PALETTED = "SZ_Index8"
+FORMATS = {entry.name: entry for entry in texture_memory.FORMATS if not entry.linear}
+
+
+def names():
+    """Every case of the suite but the depth formats, which compare, and DXT1, whose program writes no blocks."""
+    return [*FORMATS, PALETTED]
+
+
+def texture(name):
+    """The 3D texture: a gradient in other components on every layer, or runs of a palette's quarters."""
+    if name == PALETTED:
+        rows = np.arange(SIZE) % 64 + np.arange(LAYERS)[:, None] * 64
+        indices = np.repeat(rows[..., None], SIZE, 2)
+        return paletted_texture(indices, palette(256), TextureTarget.TEXTURE_3D)
+    gradient = texture_memory.gradient(SIZE, SIZE)
+    layers = np.stack([gradient * np.array(kept, np.uint8) for kept in KEPT])
+    return texture_memory.volume_of(layers, FORMATS[name])
+
+
+def mesh():
+    """Two triangles for each quad; r rises from quad to quad, and is one on the last."""
+    positions, coordinates, r = [], [], np.float32(0)
+    for number, (column, row) in enumerate(PLACES):
+        left, top = LEFT + column * (WIDTH + SPACING), TOP - row * (HEIGHT + SPACING)
+        layer = 1.0 if number == QUADS - 1 else float(r)
+        for s, t in ((0, 0), (1, 0), (1, 1), (0, 0), (1, 1), (0, 1)):
+            positions.append((left + s * WIDTH, top - t * HEIGHT, 0.0))
+            coordinates.append((s, t, layer))
+        r += np.float32(1 / QUADS)
+    return Mesh(
+        scenes.single(positions),
+        PrimitiveType.TRIANGLES,
+        texture_coordinates=(np.array(coordinates, np.float64),),
+    )
+
+
+def case(name, inputs):
+    """The case of that name, or None."""
+    del inputs
+    if name not in names():
+        return None
+    sampler = replace(scenes.NEAREST, wrap_r=WrapMode.CLAMP_TO_EDGE)
+    state = replace(
+        scenes.DEFAULT,
+        vertex=scenes.xdk_vertex(),
+        texture_units=(TextureUnit("volume", sampler),),
+        register_combiners=scenes.SHOWS_TEXTURE0,
+    )
+    return Case(
+        commands=(
+            scenes.clear(0xFE202020),
+            TexImage(label=name, texture="volume", image=texture(name)),
+            Draw(label="quads", mesh=mesh(), state=state),
+        )
+    )
