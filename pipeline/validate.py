@@ -1068,6 +1068,8 @@ class _Walk:
             )
         width, height = known.sizes[0]
         mipmapped = sampler.min_filter not in (TextureFilter.NEAREST, TextureFilter.LINEAR)
+        if known.target is TextureTarget.TEXTURE_RECTANGLE:
+            self.rectangle_sampler(place, sampler, mipmapped)
         layers = known.faces[0] if known.target is TextureTarget.TEXTURE_3D else 1
         complete = complete_levels(width, max(height, layers))
         if sampler.max_level < 0:
@@ -1083,8 +1085,6 @@ class _Walk:
                 f"{place} limits the level of detail to {sampler.min_lod} .. {sampler.max_lod}; give limits "
                 f"from -{_LOD_LIMIT:g} to {_LOD_LIMIT:g}."
             )
-        if known.target is TextureTarget.TEXTURE_RECTANGLE:
-            self.rectangle_sampler(place, sampler, mipmapped)
         if sampler.signed_components != SignedComponents() and not profile.signed_components:
             self.refuse(f"{profile.name} has no signed texels; bias them and use EXPAND_NORMAL mappings.")
         if any(unit.cylinder_wrap) and not profile.cylinder_wrap:

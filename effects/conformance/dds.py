@@ -11,7 +11,7 @@ from pipeline.texel_words import compressed_texture
 
 
 def read_texture(path, mipmaps=True):
-    """The 2D texture of a DDS file: all its levels, or the first. Raises ValueError for another kind of file."""
+    """The 2D texture of a DDS file, all its levels or the first. Raises ValueError for other files."""
     data = path.read_bytes()
     letters = data[84:88].decode("latin-1")
     formats = {f"DXT{n}": InternalFormat[f"COMPRESSED_RGBA_S3TC_DXT{n}"] for n in (1, 3, 5)}

@@ -123,7 +123,7 @@ def textured_quad(label, corners, texture, state=DEFAULT, height=HEIGHT):
 
 
 def unprojected_rectangle(left, top, right, bottom, z=0.0):
-    """A quad's corners whose device pixels the programs turn into points of the XDK's view, and the chip back.
+    """A quad's corners, of which the program makes points of the XDK's view, and the chip pixels again.
 
     Measured: they come back half a pixel further, the viewport's offset snapped (DrawCheckerboardUnproject).
     """

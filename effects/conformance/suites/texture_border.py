@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from effects.conformance import scenes
-from effects.conformance.case import HEIGHT, WIDTH, Case
+from effects.conformance.case import Case
 from pipeline.commands import Draw, Mesh, TexImage
 from pipeline.enums import PrimitiveType, TexelWord, TextureFilter, WrapMode
 from pipeline.state import TextureUnit
@@ -94,4 +94,12 @@ def case(name, inputs):
             register_combiners=scenes.SHOWS_TEXTURE0,
         )
         commands.append(Draw(label=mode.name, mesh=_tiles(panel), state=state))
-    return Case(commands=tuple(commands))
+    if name != "2D":
+        return Case(commands=tuple(commands))
+    left, right = (round(scenes.WIDTH / 2 + side * 65) for side in (-1, 1))  # of the panel with border texels
+    rest = (
+        (0, 0, scenes.WIDTH, 250),
+        (0, 250, left, scenes.HEIGHT),
+        (right, 250, scenes.WIDTH, scenes.HEIGHT),
+    )
+    return Case(commands=tuple(commands), region=rest)

@@ -1,5 +1,5 @@
-"""Texture_perspective: one quad whose vertices have other w, textured or coloured, with and without correction
-for perspective.
+"""Texture_perspective: one quad whose vertices have other w, textured or coloured, with correction for
+perspective or without.
 
 Source: src/tests/texture_perspective_tests.cpp of nxdk_pgraph_tests.
 """

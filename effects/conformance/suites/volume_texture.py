@@ -27,7 +27,7 @@ FORMATS = {entry.name: entry for entry in texture_memory.FORMATS if not entry.li
 
 
 def names():
-    """Every case of the suite but the depth formats, which compare, and DXT1, whose program writes no blocks."""
+    """Every case of the suite but the depth formats and DXT1, of which the program writes no layers."""
     return [*FORMATS, PALETTED]
 
 
