@@ -1,8 +1,10 @@
-"""Primitive assembly (section 2.6.1): vertex arrays become triangles, each with its provoking vertex."""
+"""Primitive assembly (section 2.6.1): vertex arrays become triangles, lines or points."""
 
 import numpy as np
 
 from pipeline.enums import PrimitiveType, ProvokingVertex
+
+_FLAGGED = frozenset({PrimitiveType.TRIANGLES, PrimitiveType.QUADS, PrimitiveType.POLYGON})
 
 
 def split(primitive, counts, provoking):
@@ -50,11 +52,62 @@ def split(primitive, counts, provoking):
     return np.stack(columns, axis=1), run
 
 
+def split_lines(primitive, counts, provoking):
+    """Rows of LINES, LINE_STRIP or LINE_LOOP, or of POINTS, as ``split`` gives triangles: a line's second
+    vertex, then its first, twice; a point's vertex. A line's last vertex provokes, or its first.
+    """
+    counts = np.asarray(counts, dtype=np.int64)
+    lines_in = {
+        PrimitiveType.POINTS: counts,
+        PrimitiveType.LINES: counts // 2,
+        PrimitiveType.LINE_STRIP: np.maximum(counts - 1, 0),
+        PrimitiveType.LINE_LOOP: np.where(counts > 1, counts, 0),
+    }[primitive]
+    run = np.repeat(np.arange(len(counts)), lines_in)
+    start = (np.cumsum(counts) - counts)[run]
+    i = np.arange(len(run)) - (np.cumsum(lines_in) - lines_in)[run]
+    if primitive == PrimitiveType.POINTS:
+        first = second = start + i
+    elif primitive == PrimitiveType.LINES:
+        first, second = start + 2 * i, start + 2 * i + 1
+    else:
+        first, second = start + i, start + (i + 1) % counts[run]
+    return np.stack([second, first, first, first if provoking == ProvokingVertex.FIRST else second], axis=1)
+
+
+def boundary_edges(mesh):
+    """uint8 [k]: which edges of each triangle that ``assemble`` gives are edges of a primitive with its edge
+    flag set (section 2.6.2): 1 from the second vertex to the third, 2 from the third to the first, 4 from the
+    first to the second.
+    """
+    stream = len(mesh.positions) if mesh.indices is None else len(mesh.indices)
+    counts = np.array([stream] if mesh.counts is None else mesh.counts)
+    triangles, run = split(mesh.primitive, counts, ProvokingVertex.LAST)
+    odd = np.arange(len(triangles)) & 1
+    edges = np.full(len(triangles), 7)
+    if mesh.primitive == PrimitiveType.QUADS:
+        edges = np.where(odd, 1 | 2, 1 | 4)
+    elif mesh.primitive == PrimitiveType.QUAD_STRIP:
+        edges = np.where(odd, 1 | 2, 2 | 4)
+    elif mesh.primitive == PrimitiveType.POLYGON:
+        begins, ends = np.diff(run, prepend=-1) != 0, np.diff(run, append=-1) != 0
+        edges = 1 | np.where(ends, 2, 0) | np.where(begins, 4, 0)
+    if mesh.edge_flags is not None and mesh.primitive in _FLAGGED:
+        flags = mesh.edge_flags if mesh.indices is None else mesh.edge_flags[mesh.indices]
+        edges = edges & (flags[triangles[:, [1, 2, 0]]] @ [1, 2, 4])
+    return edges.astype(np.uint8)
+
+
 def assemble(mesh, provoking):
-    """Triangles of a mesh as int32 [k, 4]: three vertex numbers and the provoking vertex's."""
+    """Triangles of a mesh, or rows of its lines or points, as int32 [k, 4]: three vertex numbers and the
+    provoking vertex's.
+    """
     stream = len(mesh.positions) if mesh.indices is None else len(mesh.indices)
     counts = [stream] if mesh.counts is None else mesh.counts
-    triangles, _ = split(mesh.primitive, counts, provoking)
+    if mesh.primitive >= PrimitiveType.POINTS:
+        triangles = split_lines(mesh.primitive, counts, provoking)
+    else:
+        triangles, _ = split(mesh.primitive, counts, provoking)
     if mesh.indices is not None:
         triangles = mesh.indices[triangles]
     return triangles.astype(np.int32)

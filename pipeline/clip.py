@@ -99,6 +99,42 @@ def clip(triangles, columns, vertex_count, planes):
     return triangles[order], columns, origin[order], int(np.count_nonzero(~finite))
 
 
+def clip_lines(rows, columns, vertex_count, planes):
+    """Clip lines, or points, as ``clip`` clips triangles; rows as ``pipeline.assembly.split_lines`` gives.
+
+    A point outside a plane is discarded. A line's end outside a plane moves to the intersection, computed
+    from the other end as a triangle's is.
+    """
+    ends = rows[:, [1, 0]].astype(np.int64)  # the first vertex, then the second
+    finite = np.ones(len(rows), dtype=bool)
+    for column in columns[CLIP]:
+        finite &= np.broadcast_to(np.isfinite(column), vertex_count)[ends].all(axis=1)
+    values = [np.stack([np.broadcast_to(c, vertex_count)[ends[:, k]] for c in columns]) for k in (0, 1)]
+    hidden, moved = ~finite, np.zeros(ends.shape, dtype=bool)
+    for plane in planes:
+        distances = [plane(values[0]), plane(values[1])]
+        outside = [~(d >= 0) for d in distances]
+        hidden |= outside[0] & outside[1]
+        for k in (0, 1):
+            crossing = np.flatnonzero(outside[k] & ~outside[1 - k] & ~hidden)
+            inside, beyond = values[1 - k][:, crossing], values[k][:, crossing]
+            t = distances[1 - k] / (distances[1 - k] - distances[k])
+            values[k][:, crossing] = inside + t[crossing] * (beyond - inside)
+            moved[crossing, k] = True
+    kept = ~hidden
+    moved &= kept[:, None]
+    which = np.flatnonzero(moved.ravel())  # new vertices, line by line
+    ends.ravel()[which] = vertex_count + np.arange(len(which))
+    new = np.stack(values, axis=2).reshape(len(columns), -1)[:, which]
+    rows = np.column_stack([ends[:, 1], ends[:, 0], ends[:, 0], rows[:, 3]]).astype(np.int32)
+    if len(which):
+        columns = [
+            np.concatenate([np.broadcast_to(column, vertex_count), added])
+            for column, added in zip(columns, new, strict=True)
+        ]
+    return rows[kept], columns, np.flatnonzero(kept), int(np.count_nonzero(~finite))
+
+
 def _clip_polygons(values, polygon, plane, needed):
     """Clip polygons against one plane, those alone that need it.
 

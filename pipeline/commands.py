@@ -20,6 +20,7 @@ _ARRAYS = (
     "fog_coordinates",
     "back_colors",
     "back_secondary_colors",
+    "point_sizes",
 )
 
 
@@ -31,8 +32,8 @@ def _frozen(values, dtype, name):
         raise ValueError(
             f"The mesh's {name} have rows of different lengths; give as many in each."
         ) from error
-    if array.dtype.kind not in ("biu" if dtype is np.int64 and array.size else "biuf"):
-        wanted = "whole numbers" if dtype is np.int64 else "numbers"
+    if array.dtype.kind not in ("biu" if dtype is not np.float64 and array.size else "biuf"):
+        wanted = "numbers" if dtype is np.float64 else "whole numbers"
         raise ValueError(f"The mesh's {name} are of type {array.dtype}; give {wanted}.")
     array = np.array(array, dtype=dtype, order="C")
     array.setflags(write=False)
@@ -54,6 +55,10 @@ class Mesh:
     fog_coordinates     float64 [n], or None: 0
     back_colors, back_secondary_colors  the same for faces seen from behind, where a vertex program wrote them
                         (NV_vertex_program's o[BFC0], o[BFC1]) and the state takes them; None: (0, 0, 0, 1)
+    point_sizes         float64 [n], pixels, where a vertex program wrote them (o[PSIZ]) and the state takes
+                        them; None: 1
+    edge_flags          bool [n] (section 2.6.2): whether the edge that begins at a vertex is a boundary, for
+                        TRIANGLES, QUADS and POLYGON drawn as points or lines; None: all are
 
     Arrays are copied and made read-only. Raises ValueError for what is no array of (whole) numbers.
     """
@@ -69,12 +74,16 @@ class Mesh:
     fog_coordinates: np.ndarray | None = None
     back_colors: np.ndarray | None = None
     back_secondary_colors: np.ndarray | None = None
+    point_sizes: np.ndarray | None = None
+    edge_flags: np.ndarray | None = None
 
     def __post_init__(self):
         for name in _ARRAYS:
             value = getattr(self, name)
             if value is not None:
                 object.__setattr__(self, name, _frozen(value, np.float64, name))
+        if self.edge_flags is not None:
+            object.__setattr__(self, "edge_flags", _frozen(self.edge_flags, np.bool_, "edge_flags"))
         if self.indices is not None:
             object.__setattr__(self, "indices", _frozen(self.indices, np.int64, "indices"))
         coordinates = (_frozen(t, np.float64, "texture_coordinates") for t in self.texture_coordinates)

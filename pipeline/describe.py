@@ -37,7 +37,10 @@ from pipeline.state import (
     Fog,
     Light,
     Lighting,
+    LineState,
     PassState,
+    PointParameters,
+    PointState,
     PolygonState,
     RegisterCombiners,
     Sampler,
@@ -46,6 +49,7 @@ from pipeline.state import (
     TextureUnit,
     VertexState,
     Viewport,
+    WindowClip,
 )
 
 # What a field is called; a field that is not here is called by its own name, spelled with spaces.
@@ -72,6 +76,19 @@ _WORDS = {
     (PolygonState, "offset_factor"): "POLYGON_OFFSET_FACTOR",
     (PolygonState, "offset_units"): "POLYGON_OFFSET_UNITS",
     (PolygonState, "shade_model"): "SHADE_MODEL",
+    (PolygonState, "front_mode"): "front POLYGON_MODE",
+    (PolygonState, "back_mode"): "back POLYGON_MODE",
+    (PolygonState, "offset_line"): "POLYGON_OFFSET_LINE",
+    (PolygonState, "offset_point"): "POLYGON_OFFSET_POINT",
+    (PolygonState, "stipple"): "POLYGON_STIPPLE",
+    (PointState, "size"): "POINT_SIZE",
+    (PointState, "sprite"): "POINT_SPRITE",
+    (PointState, "parameters"): "point parameters",
+    (PointState, "program_size"): "VERTEX_PROGRAM_POINT_SIZE",
+    (PointParameters, "attenuation"): "POINT_DISTANCE_ATTENUATION",
+    (LineState, "width"): "LINE_WIDTH",
+    (TextureUnit, "coord_replace"): "COORD_REPLACE",
+    (WindowClip, "rectangles"): "rectangle",
     (TextureUnit, "lod_bias"): "TEXTURE_LOD_BIAS",
     (TextureUnit, "coordinates"): "coordinate set",
     (TextureUnit, "gen"): "TEXTURE_GEN",
@@ -130,6 +147,8 @@ def _value(value):
         return value.name
     if isinstance(value, str):
         return f'"{value}"'
+    if isinstance(value, bytes):
+        return value.hex(" ", 4)
     if isinstance(value, tuple) and value and isinstance(value[0], tuple):
         return "[" + " | ".join(" ".join(_number(v) for v in row) for row in value) + "]"
     if isinstance(value, tuple):

@@ -12,7 +12,7 @@ from enum import IntEnum
 
 
 class PrimitiveType(IntEnum):
-    """What Begin takes (section 2.6.1). Points and lines are not drawn yet."""
+    """What Begin takes (section 2.6.1)."""
 
     TRIANGLES = 0
     TRIANGLE_STRIP = 1
@@ -20,6 +20,10 @@ class PrimitiveType(IntEnum):
     QUADS = 3
     QUAD_STRIP = 4
     POLYGON = 5
+    POINTS = 6
+    LINES = 7
+    LINE_STRIP = 8
+    LINE_LOOP = 9
 
 
 class VertexStage(IntEnum):
@@ -123,6 +127,25 @@ class FrontFace(IntEnum):
 
     CCW = 0
     CW = 1
+
+
+class PolygonMode(IntEnum):
+    """Section 3.5.4: what of a polygon is drawn, its vertices, its boundary edges or its interior."""
+
+    POINT = 0
+    LINE = 1
+    FILL = 2
+
+
+class LineRasterization(IntEnum):
+    """Which pixels a line draws: one for each step along its longer axis (section 3.4.1), or those inside the
+    rectangle that has the line in its middle (section 3.4.3's, without antialiasing).
+
+    The NV2A's SET_SMOOTHING_CONTROL chooses: 0xFFFF0000 and 0xFFFF0001.
+    """
+
+    STEPS = 0
+    RECTANGLE = 1
 
 
 class ShadeModel(IntEnum):

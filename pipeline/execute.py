@@ -41,7 +41,7 @@ _PARALLEL_FROM = 1 << 14
 
 @dataclass(frozen=True, eq=False)
 class Fragments:
-    """Fragments as columns, all int32 [n]: triangle number, device pixel x and y (y down), and 1 where the
+    """Fragments as columns, all int32 [n]: primitive number, device pixel x and y (y down), and 1 where the
     fragment passed the per-fragment tests (0 where not; coverage alone says 1).
 
     Per pixel they are in draw order.
@@ -253,7 +253,7 @@ def _bins(primitives, draw, height):
     bands = -(-height // BAND_HEIGHT)
     counts, spans = np.empty(bands, np.int32), np.empty((len(primitives.triangles), 2), np.int32)
     p = primitives
-    dropped = count_bins(p.triangles, p.x, p.y, p.inverse_w, draw, counts, spans)
+    dropped = count_bins(p.triangles, p.strokes, p.x, p.y, p.inverse_w, draw, counts, spans)
     ends = np.zeros(bands, np.int32)
     ends[1:] = np.cumsum(counts)[:-1]
     order = np.empty(int(counts.sum()), np.int32)
@@ -281,8 +281,8 @@ def _rasterize(framebuffer, primitives, packed, state, textures, batch, threads,
     def bands(first, step, recording):
         return draw_bands(
             draw, packed.draw_float, packed.program, packed.final, packed.constants, packed.arithmetic,
-            packed.factors, p.triangles, p.x, p.y, p.z, p.inverse_w, p.colors, p.coordinates, p.fog,
-            packed.fog_thresholds, *texels, levels, packed.units, order, ends, first, step, batch,
+            packed.factors, p.triangles, p.strokes, p.x, p.y, p.z, p.inverse_w, p.colors, p.coordinates,
+            p.fog, packed.fog_thresholds, *texels, levels, packed.units, order, ends, first, step, batch,
             color, framebuffer.depth, framebuffer.stencil, recording,
         )  # fmt: skip
 

@@ -21,6 +21,7 @@ from pipeline.enums import (
     FogArithmetic,
     FogMode,
     FrontFace,
+    LineRasterization,
     LogicOperation,
     MagnificationThreshold,
     Mapping,
@@ -279,8 +280,9 @@ def _pack_tests(state, framebuffer, draw, draw_float):
         draw[R.DEPTH_FUNCTION] = depth.function
         draw[R.DEPTH_WRITE] = depth.write
         polygon = state.polygon
-        if polygon.offset_fill and (polygon.offset_factor or polygon.offset_units):
-            draw[R.POLYGON_OFFSET] = 1
+        if polygon.offset_factor or polygon.offset_units:
+            draw[R.POLYGON_OFFSET] = polygon.offset_fill
+            draw[R.OFFSET_LINE], draw[R.OFFSET_POINT] = polygon.offset_line, polygon.offset_point
             draw_float[R.OFFSET_FACTOR] = polygon.offset_factor
             draw_float[R.OFFSET_UNITS] = polygon.offset_units
 
@@ -474,6 +476,33 @@ def _pack_facing(state, two_side, draw):
     draw[R.BACK_SIGN] = -front if two_side else 0
 
 
+def _pack_strokes(state, primitives, draw):
+    draw[R.STROKES] = len(primitives.strokes) > 0
+    draw[R.LINE_WIDTH] = eighths(state.line.width)
+    draw[R.LINE_STEPS] = state.line.rasterization == LineRasterization.STEPS
+
+
+def eighths(size):
+    """A line's width or a point's size in 1/8 pixel, as the chip is given it. Assumed: truncated."""
+    return int(8.0 * size)
+
+
+def _pack_holes(state, framebuffer, draw):
+    """What stipple and window clip leave, in device pixels."""
+    height = framebuffer.height
+    if state.polygon.stipple is not None:
+        draw[R.STIPPLE] = 1
+        words = np.frombuffer(state.polygon.stipple, ">u4")
+        draw[R.STIPPLE_WORD : R.STIPPLE_WORD + 32] = words[(height - 1 - np.arange(32)) % 32]
+    clip = state.window_clip
+    if clip is not None:
+        draw[R.WINDOW_CLIP] = 2 if clip.exclusive else 1
+        draw[R.CLIP_RECTANGLES] = len(clip.rectangles)
+        for k, box in enumerate(clip.rectangles):
+            top, at = height - box.y - box.height, R.CLIP_RECTANGLE + 4 * k
+            draw[at : at + 4] = box.x, top, box.x + box.width, top + box.height
+
+
 def scissor_box(state, framebuffer):
     """(x0, y0, x1, y1) in device pixels, half open: the screen cut by the scissor box."""
     width, height = framebuffer.width, framebuffer.height
@@ -491,6 +520,8 @@ def pack(state: PassState, profile, framebuffer, textures, primitives):
     draw_float = np.zeros(R.DRAW_FLOAT_SIZE, np.float64)
     draw[R.X0], draw[R.Y0], draw[R.X1], draw[R.Y1] = scissor_box(state, framebuffer)
     _pack_facing(state, primitives.two_side, draw)
+    _pack_strokes(state, primitives, draw)
+    _pack_holes(state, framebuffer, draw)
     _pack_tests(state, framebuffer, draw, draw_float)
     factors = _pack_writing(state, framebuffer, draw)
     draw[R.NEEDS_COLOR] = draw[R.COLOR_MASK] != 0 or draw[R.ALPHA_TEST]

@@ -1,13 +1,18 @@
-"""What the vertex stage hands to rasterization: triangles in window coordinates, as columns."""
+"""What the vertex stage hands to rasterization: triangles, lines and points in window coordinates."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 
+def no_strokes():
+    """The ``strokes`` of primitives that are all triangles."""
+    return np.zeros((0, 5), np.int32)
+
+
 @dataclass(frozen=True, eq=False)
 class WindowPrimitives:
-    """Triangles after transformation, lighting, clipping, projection, viewport and snapping.
+    """Primitives after transformation, lighting, clipping, projection, viewport and snapping.
 
     x, y           int32 [n], device window coordinates, 1/16 pixel, y down from the framebuffer's top row
     z              float64 [n], window depth in [0, 1]; a vertex program's, in depth-buffer units
@@ -19,6 +24,11 @@ class WindowPrimitives:
     triangles      int32 [k, 4]: three vertices in the order of docs/numbers.md and the provoking vertex
     dropped        primitives dropped because a position was not finite after projection, or w was 0
     two_side       whether back-facing triangles take the back colour
+    strokes        int32 [k, 5], or [0, 5] where all are triangles: what each row of ``triangles`` is
+                   (raster.rows: TRIANGLE, LINE or POINT), whether it takes the back colour, and the three
+                   vertices of the polygon that it came from, -1 if none. A line's row is its second vertex,
+                   then its first, twice. A point's row is three corners of its square: upper right, upper
+                   left, lower left.
     """
 
     x: np.ndarray
@@ -31,3 +41,4 @@ class WindowPrimitives:
     triangles: np.ndarray
     dropped: int
     two_side: bool
+    strokes: np.ndarray = field(default_factory=no_strokes)

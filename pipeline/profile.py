@@ -39,15 +39,17 @@ class Profile:
         ``power_of_two_textures`` (texture edges must be
         powers of two), ``max_lod_bias`` (levels), ``max_lights``, ``max_clip_planes``, ``max_viewport``
         (pixels along an edge), ``depth_bits`` (the widths a depth buffer may have), ``stencil_bits``,
-        ``max_shininess``.
+        ``max_shininess``, ``max_point_size`` and ``max_line_width`` (pixels), ``max_window_rectangles`` (of a
+        WindowClip; 0: none).
     Sets
         ``texture_targets``, ``internal_formats``, ``wrap_modes``, ``texgen_modes``, ``blend_factors_source``,
         ``blend_factors_destination``, ``blend_equations``, ``stencil_operations``, ``surface_formats`` (of
         pbuffers' colours; none: no pbuffers), ``texture_shader_operations`` (none: no texture shaders),
-        ``dot_product_mappings``, ``texture_compare_modes``.
+        ``dot_product_mappings``, ``texture_compare_modes``, ``point_sprite_units`` (texture units whose
+        coordinates point sprites may replace).
     Switches
         ``logic_op``, ``fog_coordinate``, ``separate_specular_color``, ``color_sum``,
-        ``fog_registers`` (FogRegisters),
+        ``fog_registers`` (FogRegisters), ``point_parameters``,
         ``depth_units_in_coordinates`` (depths that come from texture coordinates, those that a depth texture
         is compared with and those of DOT_PRODUCT_DEPTH_REPLACE, are in depth-buffer units, not in [0, 1]),
         ``combiner_flags`` (muxes by the lowest bit, blue to alpha, inverted terms of the color sum),
@@ -81,6 +83,9 @@ class Profile:
     max_clip_planes: int
     max_viewport: int
     max_shininess: float
+    max_point_size: float
+    max_line_width: float
+    max_window_rectangles: int
     depth_bits: tuple[int, ...]
     stencil_bits: int
 
@@ -96,6 +101,7 @@ class Profile:
     texture_shader_operations: frozenset[TextureShaderOperation]
     dot_product_mappings: frozenset[DotProductMapping]
     texture_compare_modes: frozenset[TextureCompareMode]
+    point_sprite_units: frozenset[int]
 
     logic_op: bool
     fog_coordinate: bool
@@ -108,6 +114,7 @@ class Profile:
     signed_components: bool
     cylinder_wrap: bool
     perspective_hint: bool
+    point_parameters: bool
 
     expand_half: float
     product_rounding: ProductRounding

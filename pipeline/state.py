@@ -26,9 +26,11 @@ from pipeline.enums import (
     FogGeneration,
     FogMode,
     FrontFace,
+    LineRasterization,
     LogicOperation,
     Mapping,
     MuxSelect,
+    PolygonMode,
     ProvokingVertex,
     Register,
     ShadeModel,
@@ -153,8 +155,52 @@ class VertexState:
 
 
 @dataclass(frozen=True, slots=True)
+class PointParameters:
+    """Point sizes that shrink with distance: ``(1 / sqrt(a + b d + c d^2) + bias) * range + minimum``.
+
+    d is the vertex's distance from the eye, (a, b, c) the ``attenuation``; the term in parentheses is clamped
+    to [0, 1]. This is how the NV2A is programmed (SET_POINT_PARAMS); EXT_point_parameters' sizes from m to M
+    of a point of size s are range M - m, minimum m, bias -m / (M - m), and its attenuation times
+    ((M - m) / s)^2. ``PointState.size`` then takes no part.
+    """
+
+    attenuation: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    bias: float = 0.0
+    range: float = 0.0
+    minimum: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class PointState:
+    """Section 3.3, EXT_point_parameters, NV_point_sprite.
+
+    ``sprite`` (POINT_SPRITE_NV): units with ``coord_replace`` take coordinates that run over the point.
+    ``parameters`` None: every point has ``size``. ``program_size`` (VERTEX_PROGRAM_POINT_SIZE_NV): sizes come
+    from the mesh, where a vertex program wrote them.
+    """
+
+    size: float = 1.0
+    sprite: bool = False
+    parameters: PointParameters | None = None
+    program_size: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class LineState:
+    """Section 3.4. Lines are not antialiased."""
+
+    width: float = 1.0
+    rasterization: LineRasterization = LineRasterization.STEPS
+
+
+@dataclass(frozen=True, slots=True)
 class PolygonState:
-    """Section 3.5: culling, facing and depth offset, and section 2.13.7's shade model."""
+    """Section 3.5: culling, facing, polygon mode, stipple and depth offset, and section 2.13.7's shade model.
+
+    ``stipple``: what PolygonStipple takes, 32 rows of 4 bytes, bottom row first, the leftmost pixel in the
+    highest bit of a row's first byte, repeated over the window; None: disabled. It takes no part where
+    polygons are drawn as points or lines.
+    """
 
     cull_face: Face | None = None
     front_face: FrontFace = FrontFace.CCW
@@ -163,6 +209,11 @@ class PolygonState:
     offset_units: float = 0.0
     shade_model: ShadeModel = ShadeModel.SMOOTH
     provoking_vertex: ProvokingVertex = ProvokingVertex.LAST
+    front_mode: PolygonMode = PolygonMode.FILL
+    back_mode: PolygonMode = PolygonMode.FILL
+    offset_line: bool = False
+    offset_point: bool = False
+    stipple: bytes | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,7 +259,7 @@ class TextureUnit:
     EXT_texture_lod_bias's per-unit bias. ``coordinates``: which of the mesh's texture coordinate sets feeds
     the unit. ``gen``: generation for s, t, r, q. ``cylinder_wrap``: for s, t, r, q whether a triangle's
     coordinates are brought within one half of each other before they are iterated (Direct3D's texture
-    wrapping).
+    wrapping). ``coord_replace``: NV_point_sprite's.
     """
 
     texture: str | None
@@ -218,6 +269,7 @@ class TextureUnit:
     gen: tuple[TexGen, TexGen, TexGen, TexGen] = (TexGen(), TexGen(), TexGen(), TexGen())
     matrix: Matrix = IDENTITY
     cylinder_wrap: tuple[bool, bool, bool, bool] = (False, False, False, False)
+    coord_replace: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -381,6 +433,18 @@ class Scissor:
 
 
 @dataclass(frozen=True, slots=True)
+class WindowClip:
+    """The NV2A's window clip rectangles (later EXT_window_rectangles), in window coordinates.
+
+    A fragment is kept inside any of the rectangles, or, ``exclusive``, outside all of them. None in
+    PassState: disabled.
+    """
+
+    rectangles: tuple[Scissor, ...]
+    exclusive: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class AlphaTest:
     """Section 4.1.3. None in PassState: disabled."""
 
@@ -458,3 +522,6 @@ class PassState:
     color_mask: ColorMask = field(default_factory=ColorMask)
     texture_shader: tuple[TextureShaderStage, ...] | None = None
     perspective_correction: bool = True
+    point: PointState = PointState()
+    line: LineState = LineState()
+    window_clip: WindowClip | None = None

@@ -5,10 +5,10 @@
 sentence names the command, what was given, what the machine allows, and what to do about it.
 
 Source: the errors of OpenGL 1.2.1, NV_register_combiners and 2, EXT_texture_cube_map, NV_texgen_reflection,
-EXT_texture_lod_bias, EXT_stencil_wrap, EXT_fog_coord, NV_texture_shader. Where OpenGL
-clamps silently (clear colours, constant colours, alpha and stencil references) so do the stages that follow,
-and nothing is refused; where it calls the result undefined (pixels read outside the framebuffer, an
-incomplete texture) this module refuses.
+EXT_texture_lod_bias, EXT_stencil_wrap, EXT_fog_coord, NV_texture_shader, EXT_point_parameters,
+NV_point_sprite. Where OpenGL clamps silently (clear colours, constant colours, alpha and stencil references)
+so do the stages that follow, and nothing is refused; where it calls the result undefined (pixels read outside
+the framebuffer, an incomplete texture) this module refuses.
 """
 
 import math
@@ -43,6 +43,7 @@ from pipeline.enums import (
     InternalFormat,
     Mapping,
     MuxSelect,
+    PolygonMode,
     PrimitiveType,
     Register,
     TexGenMode,
@@ -184,7 +185,17 @@ def _optional_check(kind):
     return check
 
 
-_LEAVES = {bool: _check_bool, int: _check_int, float: _check_float, str: _check_str}
+def _check_bytes(value):
+    return None if isinstance(value, bytes) else _Wrong("", f"is {_shown(value)}; give bytes")
+
+
+_LEAVES = {
+    bool: _check_bool,
+    int: _check_int,
+    float: _check_float,
+    str: _check_str,
+    bytes: _check_bytes,
+}
 
 
 @cache
@@ -505,6 +516,14 @@ def _mesh_problem(mesh):
     if wrong := _type_check(PrimitiveType)(mesh.primitive):
         return f"the mesh's primitive {wrong.predicate}."
     vertices = len(mesh.positions) if mesh.positions.ndim else 0
+    for name in ("fog_coordinates", "point_sizes", "edge_flags"):
+        array = getattr(mesh, name)
+        if array is not None and array.ndim != 1:
+            return f"the mesh's {name} has shape {array.shape}; give [vertices]."
+        if array is not None and (
+            problem := _array_problem(f"the mesh's {name}", array[:, None], vertices, 1, 1)
+        ):
+            return problem
     for name, (low, high) in _MESH_ARRAYS:
         array = getattr(mesh, name)
         if array is not None and (
@@ -513,12 +532,6 @@ def _mesh_problem(mesh):
             return problem
     for i, array in enumerate(mesh.texture_coordinates):
         if problem := _array_problem(f"the mesh's texture coordinate set {i}", array, vertices, 1, 4):
-            return problem
-    fog = mesh.fog_coordinates
-    if fog is not None:
-        if fog.ndim != 1:
-            return f"the mesh's fog_coordinates has shape {fog.shape}; give [vertices]."
-        if problem := _array_problem("the mesh's fog_coordinates", fog[:, None], vertices, 1, 1):
             return problem
     drawn = vertices
     if mesh.indices is not None:
@@ -724,6 +737,13 @@ class _Walk:
             self.fog(state.fog)
         if state.scissor is not None:
             self.scissor(state.scissor)
+        self.points_and_lines(state, mesh)
+        if state.polygon.stipple is not None and len(state.polygon.stipple) != 128:
+            self.refuse(
+                f"polygon.stipple has {len(state.polygon.stipple)} bytes; give 32 rows of 4, 128 in all."
+            )
+        if state.window_clip is not None:
+            self.window_clip(state.window_clip)
         if state.stencil_test is not None:
             self.stencil_test(state.stencil_test)
         if state.blending is not None:
@@ -1256,6 +1276,51 @@ class _Walk:
             self.refuse(
                 f"the scissor box is {scissor.width}x{scissor.height}; give sizes that are not negative."
             )
+
+    def points_and_lines(self, state, mesh):
+        profile, point, polygon = self.profile, state.point, state.polygon
+        filled = PolygonMode.FILL == polygon.front_mode == polygon.back_mode and polygon.stipple is None
+        if profile.exact and not (filled and mesh.primitive < PrimitiveType.POINTS):
+            self.refuse(
+                f"the {profile.name} evaluates filled polygons without stipple only; draw triangles in "
+                "polygon mode FILL, or choose a machine."
+            )
+        for what, size, most in (
+            ("the point size", point.size, profile.max_point_size),
+            ("the line width", state.line.width, profile.max_line_width),
+        ):
+            if not 0 <= size <= most:
+                self.refuse(f"{what} is {size}; {profile.name} draws sizes from 0 to {most} pixels.")
+        if point.parameters is not None and not profile.point_parameters:
+            self.refuse(f"{profile.name} has no point parameters; give the points one size.")
+        if point.parameters is not None and min(point.parameters.attenuation) < 0:
+            self.refuse("point.parameters.attenuation has a negative term; give terms that are not negative.")
+        programmed = state.vertex.stage == VertexStage.PROGRAM_RESULTS
+        if (point.parameters is not None) if programmed else point.program_size:
+            given, other = ("parameters", "program_size") if programmed else ("program_size", "parameters")
+            self.refuse(
+                f"point.{given} takes no part where the vertex stage is {state.vertex.stage.name}; use "
+                f"point.{other}."
+            )
+        replaced = [i for i, u in enumerate(state.texture_units) if u is not None and u.coord_replace]
+        if wrong := [i for i in replaced if i not in profile.point_sprite_units]:
+            allowed = ", ".join(map(str, sorted(profile.point_sprite_units))) or "none"
+            self.refuse(
+                f"texture unit {wrong[0]} has coord_replace; point sprites of {profile.name} replace the "
+                f"coordinates of units: {allowed}. Use another unit, or texture coordinates of the mesh."
+            )
+        if point.sprite and not profile.point_sprite_units:
+            self.refuse(f"{profile.name} has no point sprites; draw quads.")
+
+    def window_clip(self, clip):
+        most = self.profile.max_window_rectangles
+        if not 0 < len(clip.rectangles) <= most:
+            self.refuse(
+                f"the window clip has {_count(len(clip.rectangles), 'rectangle')}; {self.profile.name} takes "
+                + (f"1 to {most}." if most else "none: use the scissor box or the stencil buffer.")
+            )
+        for rectangle in clip.rectangles:
+            self.scissor(rectangle)
 
     def stencil_buffer(self, what):
         if self.profile.stencil_bits == 0:

@@ -1,4 +1,4 @@
-"""The fixed-function vertex stage (OpenGL 1.2.1, chapter 2): vertex arrays in, window triangles out.
+"""The fixed-function vertex stage (OpenGL 1.2.1, chapter 2): vertex arrays in, window primitives out.
 
 docs/numbers.md sections 1 and 2 fix every operation and its order; this module is that text on columns.
 """
@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.assembly import assemble
-from pipeline.clip import clip, clip_planes
+from pipeline.assembly import assemble, boundary_edges
+from pipeline.clip import clip, clip_lines, clip_planes
 from pipeline.columns import (
     ONE,
     ZERO,
@@ -25,6 +25,8 @@ from pipeline.enums import (
     FogArithmetic,
     FogCoordinateSource,
     FogGeneration,
+    PolygonMode,
+    PrimitiveType,
     TexGenMode,
     VertexStage,
     WindowOrigin,
@@ -33,6 +35,8 @@ from pipeline.enums import (
 from pipeline.fog import vertex_value
 from pipeline.lighting import light_vertices
 from pipeline.primitives import WindowPrimitives
+from pipeline.strokes import draws_points, outlined, point_sizes, sprite_units, with_squares, with_strokes
+from raster.rows import LINE, POINT
 
 _NORMAL_MODES = frozenset({TexGenMode.SPHERE_MAP, TexGenMode.NORMAL_MAP, TexGenMode.REFLECTION_MAP})
 _REFLECTION_MODES = frozenset({TexGenMode.SPHERE_MAP, TexGenMode.REFLECTION_MAP})
@@ -90,26 +94,30 @@ def _process(mesh, state, profile, width, height):
         *(back if two_side else ()),
         _fog(mesh, state, eye, profile),
         *_texture_coordinates(mesh, state, position, eye, normal),
+        point_sizes(mesh, state, profile, eye) if draws_points(mesh, state.polygon) else ONE,
     ]
     triangles = assemble(mesh, state.polygon.provoking_vertex)
+    polygons = mesh.primitive < PrimitiveType.POINTS
     if programmed:
         origin, dropped = np.arange(len(triangles)), 0
     else:
         planes = clip_planes(vertex.clip_planes, half_size, center, (width, height), profile.guard_band)
-        triangles, columns, origin, dropped = clip(triangles, columns, len(mesh.positions), planes)
+        clipped = (clip if polygons else clip_lines)(triangles, columns, len(mesh.positions), planes)
+        triangles, columns, origin, dropped = clipped
     count = max((len(column) for column in columns if column.ndim), default=len(mesh.positions))
 
     first_color = 8 if vertex.clip_planes else 4
     fog = first_color + (16 if two_side else 8)
     if programmed:
-        x, y, z, inverse_w = *position[:3], ONE / position[3]
+        x, y, z, inverse_w = *position[:3], _program_reciprocal(position[3])
     else:
         x, y, z, inverse_w = _window_coordinates(columns[:4], vertex.viewport, half_size, center)
     drawable = (inverse_w > 0) & np.isfinite(inverse_w) & np.isfinite(x) & np.isfinite(y) & np.isfinite(z)
     if not np.all(drawable):
         drawable = np.broadcast_to(drawable, count)
         lost = np.unique(origin[~drawable[triangles[:, :3]].all(axis=1)])
-        triangles = triangles[~np.isin(origin, lost)]
+        kept = ~np.isin(origin, lost)
+        triangles, origin = triangles[kept], origin[kept]
         dropped += len(lost)
     if profile.device_origin == WindowOrigin.UPPER_LEFT:
         y = _snap(height - y, height, profile)
@@ -124,14 +132,18 @@ def _process(mesh, state, profile, width, height):
         z=_filled(count, z if programmed else np.fmin(positive(z), ONE)),
         inverse_w=_filled(count, np.where(drawable, inverse_w, ONE)),
         colors=_colors(count, columns[first_color:fog], None if profile.exact else bits),
-        coordinates=_stacked(count, columns[fog + 1 :]),
+        coordinates=_stacked(count, columns[fog + 1 : -1]),
         fog=_filled(count, columns[fog]),
         triangles=triangles,
         dropped=dropped,
         two_side=two_side,
     )
     wraps = any(unit is not None and any(unit.cylinder_wrap) for unit in state.texture_units)
-    return _cylinder_wrapped(primitives, state) if wraps else primitives
+    sizes = columns[-1]
+    if wraps:
+        primitives = _cylinder_wrapped(primitives, state)
+        sizes = np.broadcast_to(sizes, count)[triangles.reshape(-1)]
+    return _with_strokes(primitives, mesh, state, triangles, origin, sizes)
 
 
 def _wrap_modes(sampler):
@@ -158,6 +170,44 @@ def _cylinder_wrapped(primitives, state):
             value -= np.ceil((value - value[:, :1]) - np.float64(0.5))
     triangles = np.arange(len(corners), dtype=np.int32).reshape(-1, 4)
     return replace(primitives, triangles=triangles, **separate)
+
+
+def _with_strokes(primitives, mesh, state, clipped, origin, sizes):
+    """The same primitives with their lines and points made.
+
+    clipped int32 [k, 4]: the rows as clipping left them; origin int64 [k]: what it made them of; sizes: of
+    points, a column.
+    """
+    if mesh.primitive == PrimitiveType.POINTS:
+        primitives = with_strokes(primitives, POINT)
+    elif mesh.primitive > PrimitiveType.POINTS:
+        return with_strokes(primitives, LINE)
+    elif (state.polygon.front_mode, state.polygon.back_mode) == (PolygonMode.FILL, PolygonMode.FILL):
+        return primitives
+    else:
+        boundary = _boundary(mesh, clipped, origin)
+        rows, strokes = outlined(primitives.triangles, boundary, primitives.x, primitives.y, state.polygon)
+        primitives = replace(primitives, triangles=rows, strokes=strokes)
+    if not (primitives.strokes[:, 0] == POINT).any():
+        return primitives
+    return with_squares(primitives, sizes, sprite_units(state))
+
+
+def _boundary(mesh, triangles, origin):
+    """Which edges of each triangle bound a polygon; what clipping left of one is outlined whole."""
+    boundary = boundary_edges(mesh)[origin]
+    clipped = np.isin(origin, origin[(triangles[:, :3] >= len(mesh.positions)).any(axis=1)])
+    begins, ends = np.diff(origin, prepend=-1) != 0, np.diff(origin, append=-1) != 0
+    return np.where(clipped, 1 | np.where(ends, 2, 0) | np.where(begins, 4, 0), boundary)
+
+
+def _program_reciprocal(w):
+    """1/w of what a vertex program wrote. Of w from 0 to infinity it is clamped as RCC clamps: an infinite w
+    weighs next to nothing, a w of 0 more than all else. Source: NV_vertex_program1_1; Measured: Front_face.
+    """
+    reciprocal = ONE / w
+    clamped = np.fmin(np.fmax(reciprocal, np.float64(2.0**-64)), np.float64(2.0**64))
+    return np.where(w >= 0, clamped, reciprocal)
 
 
 def needs_normals(state):

@@ -1,9 +1,9 @@
-"""Drawing triangles band by band of rows: coverage, batches of fragments, and the order of the stages.
+"""Drawing primitives band by band of rows: coverage, batches of fragments, and the order of the stages.
 
-Triangles come in draw order; their fragments fill a batch of columns row by row; a full batch is shaded
-(interpolation, texture units, combiners: pure functions of columns) and written (per-fragment operations). A
-fragment's value depends on its triangle and pixel alone, so neither bands nor the batch size can change a
-bit.
+Triangles, lines and points come in draw order; their fragments fill a batch of columns row by row; a full
+batch is shaded (interpolation, texture units, combiners: pure functions of columns) and written (per-fragment
+operations). A fragment's value depends on its primitive and pixel alone, so neither bands nor the batch size
+can change a bit.
 """
 
 import numpy as np
@@ -27,6 +27,7 @@ from raster.kernel import float_of, kernel, separate_function
 from raster.level_of_detail import level_of_detail
 from raster.per_fragment import all_alive, per_fragment
 from raster.sample import TAU, cube_faces, divide_by_q, sample_unit, unpack
+from raster.strokes import along_line, open_run, stroke_bounds, stroke_margin
 from raster.texture_shader import (
     CUBE_MAP,
     DOT_PRODUCT_3D,
@@ -76,6 +77,44 @@ def row_span(n0, n1, n2, step0, step1, step2, first, last):
 
 
 @kernel
+def stroke_span(draw, kind, x0, y0, x1, y1, x2, y2, row, first, last):
+    """The pixels [from, to) of a row, first..last, that a line or a point draws: its bounds are linear."""
+    sx, sy = first * 16 + 8, row * 16 + 8
+    b0, b1, b2, b3 = stroke_bounds(draw, kind, x0, y0, x1, y1, x2, y2, sx, sy)
+    c0, c1, c2, c3 = stroke_bounds(draw, kind, x0, y0, x1, y1, x2, y2, sx + 16, sy)
+    start, end = row_span(b0, b1, b2, c0 - b0, c1 - b1, c2 - b2, first, last)
+    other_start, other_end = row_span(b3, b3, b3, c3 - b3, c3 - b3, c3 - b3, first, last)
+    start = max(start, other_start)
+    return start, max(start, min(end, other_end))
+
+
+@kernel
+def stroke_offset(draw, kind):
+    """Whether polygons drawn as such strokes are offset in depth."""
+    return draw[R.OFFSET_LINE] if kind == R.LINE else draw[R.OFFSET_POINT]
+
+
+@kernel
+def polygon_offset(draw_float, v0, v1, v2, x, y, z):
+    """A polygon's depth offset in depth units; one without an area has no slope.
+
+    Measured: Depth offsets of axis-aligned slopes (W_buffering captures).
+    """
+    x0, y0, x1, y1 = int64(x[v0]), int64(y[v0]), int64(x[v1]), int64(y[v1])
+    x2, y2 = int64(x[v2]), int64(y[v2])
+    scale = draw_float[R.DEPTH_SCALE]
+    za, z1, zb = z[v0] * scale, z[v1] * scale, z[v2] * scale
+    area = float64((x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0))
+    slope = 0.0
+    if area != 0.0:
+        dx = ((z1 - za) * float64(y2 - y0) - (zb - za) * float64(y1 - y0)) * 16.0 / area
+        dy = ((zb - za) * float64(x1 - x0) - (z1 - za) * float64(x2 - x0)) * 16.0 / area
+        slope = max(abs(dx), abs(dy))
+    amount = draw_float[R.OFFSET_UNITS] + draw_float[R.OFFSET_FACTOR] * slope
+    return int32(min(max(amount, -(2.0**30)), 2.0**30))
+
+
+@kernel
 def unbound_texture(registers, unit, count):
     """The register of a disabled unit: (0, 0, 0, 255). Measured: unbound textures (combiner captures)."""
     for c in range(4):
@@ -83,7 +122,7 @@ def unbound_texture(registers, unit, count):
 
 
 @kernel(
-    "void(i8[::1],i4[:,:,::1],i4[:,::1],i2[:,::1],i4[::1],i8,i4[::1],i4[::1],i4[::1],i8,i4[:,::1],i4[::1],i4[::1],"
+    "void(i8[::1],i4[:,:,::1],i4[:,::1],i2[:,::1],i4[::1],i8,i4[::1],i4[::1],i4[::1],i8,i4[:,::1],i4[:,::1],i4[::1],i4[::1],"
     "f8[::1],u1[:,:,::1],f8[:,:,::1],f8[::1],f8[::1],u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],i8[:,::1],"
     "i4[::1],i4[::1],i4[::1],i8,f8[::1],f8[::1],f8[::1],f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i4[:,::1],i4[:,::1],i2[:,::1],i4[::1],u1[::1])"
 )
@@ -99,6 +138,7 @@ def shade(
     backs,
     segments,
     triangles,
+    strokes,
     x,
     y,
     inverse_w,
@@ -212,11 +252,13 @@ def shade(
             face_planes(floats, count)
         if row[R.MIPMAP] != 0 or row[R.MAG_LINEAR] != row[R.MIN_LINEAR]:
             level_of_detail(
+                draw,
                 run_starts,
                 run_x,
                 run_y,
                 runs,
                 triangles,
+                strokes,
                 x,
                 y,
                 inverse_w,
@@ -253,7 +295,7 @@ def shade(
 
 @kernel("void(i4[:,::1],i8,i4[::1],i4[::1],i4[::1],i8,i4[:,::1],u1[::1])")
 def record_batch(record, recorded, run_starts, run_x, run_y, runs, ints, alive):
-    """(triangle, x, y, passed) of a batch's fragments into rows of ``record`` while it has room."""
+    """(primitive, x, y, passed) of a batch's fragments into rows of ``record`` while it has room."""
     separate_function()
     for run in range(runs):
         for i in range(run_starts[run], run_starts[run + 1]):
@@ -266,7 +308,7 @@ def record_batch(record, recorded, run_starts, run_x, run_y, runs, ints, alive):
 
 
 @kernel(
-    "i8(i8[::1],f8[::1],i4[:,:,::1],i4[:,::1],i2[:,::1],i4[::1],i4[:,::1],i4[:,::1],i4[::1],i4[::1],f8[::1],f8[::1],"
+    "i8(i8[::1],f8[::1],i4[:,:,::1],i4[:,::1],i2[:,::1],i4[::1],i4[:,::1],i4[:,::1],i4[:,::1],i4[::1],i4[::1],f8[::1],f8[::1],"
     "u1[:,:,::1],f8[:,:,::1],f8[::1],f8[::1],u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],i8[:,::1],"
     "i4[::1],i4[::1],i8,i8,i8,u4[:,::1],u4[:,::1],u1[:,::1],i4[:,::1])",
     allocates=True,
@@ -280,6 +322,7 @@ def draw_bands(
     arithmetic,
     factors,
     triangles,
+    strokes,
     x,
     y,
     z,
@@ -307,8 +350,8 @@ def draw_bands(
     """Draw bands first_band, first_band + band_step, ... of the framebuffer.
 
     Rows are laid out as ``raster.rows`` says. ``order`` and ``ends`` are what ``raster.bins.fill_bins``
-    leaves: the triangles of band b are ``order[ends[b - 1]:ends[b]]``. ``record`` int32[n, 4] takes
-    (triangle, x, y, passed) of every fragment while it has room (n = 0: nothing is recorded). Returns the
+    leaves: the primitives of band b are ``order[ends[b - 1]:ends[b]]``. ``record`` int32[n, 4] takes
+    (primitive, x, y, passed) of every fragment while it has room (n = 0: nothing is recorded). Returns the
     number of fragments drawn.
     """
     e0, e1, e2 = np.empty(batch, np.float64), np.empty(batch, np.float64), np.empty(batch, np.float64)
@@ -341,6 +384,8 @@ def draw_bands(
     needs_weights = draw[R.NEEDS_WEIGHTS] or draw[R.NEEDS_COLOR_WEIGHTS]
     needs_depth, needs_color = draw[R.NEEDS_DEPTH], draw[R.NEEDS_COLOR]
     depth_max = int32(draw[R.DEPTH_MAX])
+    has_strokes, has_offset = draw[R.STROKES], draw[R.POLYGON_OFFSET]
+    holes = draw[R.WINDOW_CLIP] != 0 or draw[R.STIPPLE] != 0
     recorded = int64(0)
     for band in range(first_band, ends.shape[0], band_step):
         begin = int64(ends[band - 1]) if band > 0 else int64(0)
@@ -361,17 +406,21 @@ def draw_bands(
                 int64(x[v2]),
                 int64(y[v2]),
             )
-            first_row = max((min(y0, min(y1, y2)) + 7) >> 4, top)
-            last_row = min((max(y0, max(y1, y2)) - 8) >> 4, bottom - 1)
-            left = max((min(x0, min(x1, x2)) + 7) >> 4, draw[R.X0])
-            right = min((max(x0, max(x1, x2)) - 8) >> 4, draw[R.X1] - 1)
+            kind, margin = int64(R.TRIANGLE), int64(0)
+            if has_strokes and not finished:
+                kind = int64(strokes[t, 0])
+                margin = stroke_margin(draw, kind) if kind != R.TRIANGLE else int64(0)
+            first_row = max((min(y0, min(y1, y2)) - margin + 7) >> 4, top)
+            last_row = min((max(y0, max(y1, y2)) + margin - 8) >> 4, bottom - 1)
+            left = max((min(x0, min(x1, x2)) - margin + 7) >> 4, draw[R.X0])
+            right = min((max(x0, max(x1, x2)) + margin - 8) >> 4, draw[R.X1] - 1)
             if finished:
                 last_row = first_row  # one turn of the row loop, to flush
             # Edge functions n1 and n2 step by these from pixel to pixel and row to row; the rest of the area
             # is n0.
             area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
             sign = int64(-1) if area < 0 else int64(1)
-            signed_area, area = area, area * sign
+            area *= sign
             right1, down1 = (y2 - y0) * 16 * sign, -(x2 - x0) * 16 * sign
             right2, down2 = -(y1 - y0) * 16 * sign, (x1 - x0) * 16 * sign
             right0, down0 = -(right1 + right2), -(down1 + down2)
@@ -379,6 +428,13 @@ def draw_bands(
             n1 = ((sx - x0) * (y2 - y0) - (x2 - x0) * (sy - y0)) * sign
             n2 = ((x1 - x0) * (sy - y0) - (sx - x0) * (y1 - y0)) * sign
             n0 = area - n1 - n2
+            if kind == R.LINE:
+                n0, n2 = along_line(draw, x0, y0, x1, y1, sx, sy)
+                ahead0, _ = along_line(draw, x0, y0, x1, y1, sx + 16, sy)
+                below0, _ = along_line(draw, x0, y0, x1, y1, sx, sy + 16)
+                area, n1 = n0 + n2, int64(0)
+                right0, down0 = ahead0 - n0, below0 - n0
+                right1, down1, right2, down2 = int64(0), int64(0), -right0, -down0
             # The interior lies to the right of a left edge and below a top edge: a value of 0 is inside
             # there.
             tie0 = int64(0) if right0 > 0 or (right0 == 0 and down0 > 0) else int64(-1)
@@ -388,6 +444,8 @@ def draw_bands(
             if iw0 == iw1 and iw1 == iw2:
                 iw0 = iw1 = iw2 = 1.0
             back = int32(1) if draw[R.BACK_SIGN] == sign else int32(0)
+            if kind != R.TRIANGLE:
+                back = strokes[t, 1]
             inverse_area, z1, z01, z21, offset = 0.0, 0.0, 0.0, 0.0, int32(0)
             if needs_depth and not finished:
                 inverse_area = 1.0 / float64(area)
@@ -397,28 +455,25 @@ def draw_bands(
                     z[v2] * draw_float[R.DEPTH_SCALE],
                 )
                 z01, z21 = za - z1, zb - z1
-                if draw[R.POLYGON_OFFSET]:
-                    dx = (
-                        ((z1 - za) * float64(y2 - y0) - (zb - za) * float64(y1 - y0))
-                        * 16.0
-                        / float64(signed_area)
-                    )
-                    dy = (
-                        ((zb - za) * float64(x1 - x0) - (z1 - za) * float64(x2 - x0))
-                        * 16.0
-                        / float64(signed_area)
-                    )
-                    amount = draw_float[R.OFFSET_UNITS] + draw_float[R.OFFSET_FACTOR] * max(abs(dx), abs(dy))
-                    offset = int32(min(max(amount, -(2.0**30)), 2.0**30))
+                if has_offset and kind == R.TRIANGLE:
+                    offset = polygon_offset(draw_float, v0, v1, v2, x, y, z)
+                elif kind != R.TRIANGLE and strokes[t, 2] >= 0 and stroke_offset(draw, kind):
+                    a0, a1, a2 = strokes[t, 2], strokes[t, 3], strokes[t, 4]
+                    offset = polygon_offset(draw_float, a0, a1, a2, x, y, z)
             for row in range(first_row, last_row + 1):
                 start, end = left, left
-                if not finished:
+                if not finished and kind == R.TRIANGLE:
                     start, end = row_span(
                         n0 + tie0, n1 + tie1, n2 + tie2, right0, right1, right2, left, right
                     )
+                elif not finished:
+                    start, end = stroke_span(draw, kind, x0, y0, x1, y1, x2, y2, row, left, right)
                 while start < end or (finished and position > 0):
+                    stop = end
+                    if holes and start < end:
+                        start, stop = open_run(draw, kind, row, start, end)
                     if start < end:
-                        n = min(end - start, batch - position)
+                        n = min(stop - start, batch - position)
                         if segments == 0 or owners[segments - 1] != t:
                             owners[segments], starts[segments], backs[segments] = t, int32(position), back
                             segments += 1
@@ -457,7 +512,7 @@ def draw_bands(
                         if needs_color:
                             shade(
                                 draw, program, final, constants, arithmetic, position, starts, owners, backs,
-                                segments, triangles, x, y, inverse_w, colors, coordinates, fog,
+                                segments, triangles, strokes, x, y, inverse_w, colors, coordinates, fog,
                                 fog_thresholds,
                                 texels0, texels1, texels2, texels3, levels, units, run_starts, run_x, run_y,
                                 runs, e0, e1, e2, floats, ints, packed, registers, products, total, results,

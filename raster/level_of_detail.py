@@ -6,6 +6,7 @@ from numba import float64, int32, int64
 from raster import rows as R
 from raster.kernel import kernel, separate_function
 from raster.sample import FAR, log2_q7, major_axis, on_face
+from raster.strokes import along_line
 
 
 @kernel
@@ -23,18 +24,14 @@ def edge_functions(x0, y0, x1, y1, x2, y2, px, py):
 
 
 @kernel
-def coordinates_at(v0, v1, v2, x, y, inverse_w, coordinates, unit, projective, px, py):
-    """(whether D > 0, s, t, r) of a pixel, inside the triangle or not; divided by q if projective."""
-    n0, n1, n2 = edge_functions(
-        int64(x[v0]),
-        int64(y[v0]),
-        int64(x[v1]),
-        int64(y[v1]),
-        int64(x[v2]),
-        int64(y[v2]),
-        int64(px),
-        int64(py),
-    )
+def coordinates_at(draw, kind, v0, v1, v2, x, y, inverse_w, coordinates, unit, projective, px, py):
+    """(whether D > 0, s, t, r) of a pixel, inside or not; divided by q if projective."""
+    x0, y0, x1, y1 = int64(x[v0]), int64(y[v0]), int64(x[v1]), int64(y[v1])
+    if kind == R.LINE:
+        n0, n2 = along_line(draw, x0, y0, x1, y1, int64(px) * 16 + 8, int64(py) * 16 + 8)
+        n1 = int64(0)
+    else:
+        n0, n1, n2 = edge_functions(x0, y0, x1, y1, int64(x[v2]), int64(y[v2]), int64(px), int64(py))
     w0, w1, w2 = inverse_w[v0], inverse_w[v1], inverse_w[v2]
     if w0 == w1 and w1 == w2:
         w0 = w1 = w2 = 1.0
@@ -57,16 +54,18 @@ def coordinates_at(v0, v1, v2, x, y, inverse_w, coordinates, unit, projective, p
 
 
 @kernel
-def block_lambda(v0, v1, v2, x, y, inverse_w, coordinates, unit, row, width, height, depth, bx, by):
+def block_lambda(
+    draw, kind, v0, v1, v2, x, y, inverse_w, coordinates, unit, row, width, height, depth, bx, by
+):
     """Lambda with 8 fraction bits, without bias, of the block whose origin is (bx, by)."""
     ok0, s0, t0, r0 = coordinates_at(
-        v0, v1, v2, x, y, inverse_w, coordinates, unit, row[R.PROJECTIVE], bx, by
+        draw, kind, v0, v1, v2, x, y, inverse_w, coordinates, unit, row[R.PROJECTIVE], bx, by
     )
     ok1, s1, t1, r1 = coordinates_at(
-        v0, v1, v2, x, y, inverse_w, coordinates, unit, row[R.PROJECTIVE], bx + 1, by
+        draw, kind, v0, v1, v2, x, y, inverse_w, coordinates, unit, row[R.PROJECTIVE], bx + 1, by
     )
     ok2, s2, t2, r2 = coordinates_at(
-        v0, v1, v2, x, y, inverse_w, coordinates, unit, row[R.PROJECTIVE], bx, by + 1
+        draw, kind, v0, v1, v2, x, y, inverse_w, coordinates, unit, row[R.PROJECTIVE], bx, by + 1
     )
     if not (ok0 and ok1 and ok2):
         return FAR
@@ -100,13 +99,28 @@ def block_lambda(v0, v1, v2, x, y, inverse_w, coordinates, unit, row, width, hei
 
 
 @kernel(
-    "void(i4[::1],i4[::1],i4[::1],i8,i4[:,::1],i4[::1],i4[::1],f8[::1],f8[:,:,::1],i8,i8[::1],i4[:,::1],i4[:,::1])"
+    "void(i8[::1],i4[::1],i4[::1],i4[::1],i8,i4[:,::1],i4[:,::1],i4[::1],i4[::1],f8[::1],f8[:,:,::1],i8,i8[::1],"
+    "i4[:,::1],i4[:,::1])"
 )
 def level_of_detail(
-    run_starts, run_x, run_y, runs, triangles, x, y, inverse_w, coordinates, unit, row, levels, ints
+    draw,
+    run_starts,
+    run_x,
+    run_y,
+    runs,
+    triangles,
+    strokes,
+    x,
+    y,
+    inverse_w,
+    coordinates,
+    unit,
+    row,
+    levels,
+    ints,
 ):
-    """Lambda plus bias of every fragment, limited, 8 fraction bits, into LOD. Runs (triangles in OWNER):
-    consecutive pixels of one row of one triangle.
+    """Lambda plus bias of every fragment, limited, 8 fraction bits, into LOD. Runs (primitives in OWNER):
+    consecutive pixels of one row of one primitive.
 
     Measured: one value per 2x2 block (Texture_anisotropy), axis steps (LODBias 61440 of 61440).
     """
@@ -117,6 +131,7 @@ def level_of_detail(
     bias, low, high = int32(row[R.LOD_BIAS]), int32(row[R.MIN_LOD]), int32(row[R.MAX_LOD])
     for k in range(runs):
         t = ints[R.OWNER, k]
+        kind = int64(strokes[t, 0]) if draw[R.STROKES] else int64(R.TRIANGLE)
         v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
         block, value = int64(-1), int32(0)
         px = int64(run_x[k])
@@ -125,7 +140,22 @@ def level_of_detail(
             if px & ~1 != block:
                 block = px & ~1
                 value = block_lambda(
-                    v0, v1, v2, x, y, inverse_w, coordinates, unit, row, width, height, depth, block, by
+                    draw,
+                    kind,
+                    v0,
+                    v1,
+                    v2,
+                    x,
+                    y,
+                    inverse_w,
+                    coordinates,
+                    unit,
+                    row,
+                    width,
+                    height,
+                    depth,
+                    block,
+                    by,
                 )
             ints[R.LOD, i] = min(max(int32(value + bias), low), high)
             px += 1

@@ -61,7 +61,21 @@ SURFACE = DISCARDS + 1  # 0: four bytes; 1: through the three that follow
 SURFACE_KEEP = SURFACE + 1  # 32 bits, as stored: those that the surface's format keeps
 SURFACE_PAD = SURFACE_KEEP + 1  # 32 bits: those that are always one
 SURFACE_ALPHA = SURFACE_PAD + 1  # as a factor: 0 the stored byte, 1 always 255, 2 its lower seven bits
-DRAW_SIZE = SURFACE_ALPHA + 1
+STROKES = SURFACE_ALPHA + 1  # 1: some primitives are no triangles
+LINE_WIDTH = STROKES + 1  # 1/8 pixel
+LINE_STEPS = LINE_WIDTH + 1  # 1: one pixel for each step along the longer axis
+OFFSET_LINE = LINE_STEPS + 1  # polygon offset, of polygons drawn as lines and as points
+OFFSET_POINT = OFFSET_LINE + 1
+STIPPLE = OFFSET_POINT + 1
+STIPPLE_WORD = STIPPLE + 1  # 32 words, device row 0 first, the leftmost pixel in the highest bit
+WINDOW_CLIP = STIPPLE_WORD + 32  # 0: none; 1: inside any of the rectangles; 2: outside all
+CLIP_RECTANGLES = WINDOW_CLIP + 1
+CLIP_RECTANGLE = CLIP_RECTANGLES + 1  # left, top, right, bottom of each in device pixels, half open
+MAX_CLIP_RECTANGLES = 8
+DRAW_SIZE = CLIP_RECTANGLE + 4 * MAX_CLIP_RECTANGLES
+
+# -------- strokes: int32[primitives, 5], or int32[0, 5]: kind, takes the back colour, three source vertices
+TRIANGLE, LINE, POINT = range(3)
 
 # ---------------------------- blend factors: int32[2, 4 * FACTOR_SIZE]: source, destination; red, green,
 # blue, alpha masks of S, D, As, Ad and the saturate term; a constant byte; xor (255: one minus)

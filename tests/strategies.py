@@ -65,6 +65,7 @@ from pipeline.textures import COMPONENT_BITS, texture_1d, texture_2d, texture_cu
 from tests.combiner_strategies import colors, register_combiners
 
 seeds = st.integers(0, 2**32 - 1)
+POLYGONS = tuple(p for p in PrimitiveType if p < PrimitiveType.POINTS)
 
 
 def maybe(strategy):
@@ -314,7 +315,7 @@ def meshes(draw, width, height):
         st.sampled_from(("any", "grid", "perspective", "near", "any", "perspective", "huge", "degenerate"))
     )
     random = np.random.default_rng(draw(seeds))
-    primitive = draw(st.sampled_from(PrimitiveType))
+    primitive = draw(st.sampled_from(POLYGONS))
     count, indexed = draw(st.integers(3, 9)), draw(st.booleans())
     colors = (
         random.choice([0.0, 0.25, 0.5, 1.0], (count, 4)) if draw(st.booleans()) else random.random((count, 4))
@@ -451,7 +452,7 @@ def shaded_frame(seed, width, height):
     kind = _one_of(random, ("any", "grid", "perspective", "near"))
     mesh = Mesh(
         _positions(random, kind, 7, width, height),
-        _one_of(random, PrimitiveType),
+        _one_of(random, POLYGONS),
         colors=random.random((7, 4)),
         secondary_colors=random.random((7, 4)),
         normals=random.uniform(-1.0, 1.0, (7, 3)),

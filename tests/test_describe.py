@@ -30,6 +30,8 @@ from pipeline.state import (
     Light,
     Lighting,
     PassState,
+    PointParameters,
+    PointState,
     PolygonState,
     RegisterCombiners,
     Sampler,
@@ -39,6 +41,7 @@ from pipeline.state import (
     TextureShaderStage,
     TextureUnit,
     VertexState,
+    WindowClip,
 )
 from pipeline.textures import texture_2d
 from tests.combiner_strategies import register_combiners
@@ -137,7 +140,7 @@ FULL = PassState(
         lighting=Lighting(lights=(Light(),), color_material=ColorMaterial()),
         clip_planes=((1.0, 0.0, 0.0, 0.0),),
     ),
-    polygon=PolygonState(cull_face=Face.FRONT),
+    polygon=PolygonState(cull_face=Face.FRONT, stipple=bytes(128)),
     texture_units=(TextureUnit("a"),),
     fog=Fog(),
     scissor=Scissor(0, 0, 8, 8),
@@ -147,6 +150,8 @@ FULL = PassState(
     blending=Blending(),
     logic_op=LogicOperation.AND,
     texture_shader=(TextureShaderStage(),),
+    point=PointState(parameters=PointParameters()),
+    window_clip=WindowClip((Scissor(0, 0, 8, 8),)),
 )
 
 
@@ -163,6 +168,8 @@ def another(value):
         return value + 0.0123456789
     if isinstance(value, str):
         return value + "b"
+    if isinstance(value, bytes):
+        return b"\xab" + value[1:]
     return (another(value[0]), *value[1:])
 
 
@@ -200,8 +207,8 @@ def said(text, value):
         return 0
     if hasattr(value, "name"):
         return len(re.findall(rf"\b{value.name}\b", text))
-    if isinstance(value, str):
-        return text.count(value)
+    if isinstance(value, str | bytes):
+        return text.count(value if isinstance(value, str) else value.hex(" ", 4))
     return sum(float(number) == value for number in re.findall(r"-?\d+\.?\d*(?:e-?\d+)?", text))
 
 

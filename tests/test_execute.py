@@ -51,6 +51,7 @@ from pipeline.state import (
 from pipeline.textures import Texture, texture_1d, texture_2d, texture_cube_map
 from pipeline.validate import UnsupportedState
 from tests.run_reference import run_reference
+from tests.strategies import POLYGONS
 
 WIDTH, HEIGHT = 20, 14
 PARALLEL = 160  # pixels along the edges of a framebuffer that is large enough for several threads
@@ -853,7 +854,7 @@ def test_viewports_larger_than_the_screen_or_beside_it(viewport):
     assert_like_the_reference((STORE_NOISE, draw), WIDTH, HEIGHT)
 
 
-@pytest.mark.parametrize("primitive", PrimitiveType)
+@pytest.mark.parametrize("primitive", POLYGONS)
 @pytest.mark.parametrize("count", [0, 1, 2, 3])
 def test_meshes_with_few_or_no_vertices(primitive, count):
     result = run(Draw(label="d", mesh=Mesh(CORNERS[:count], primitive), state=PassState()))
@@ -985,7 +986,7 @@ ordinary_or_not = st.one_of(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0), signed)
 @given(
     st.lists(st.tuples(*[ordinary_or_not] * 3, st.floats(0.01, 3.0) | signed), min_size=3, max_size=6),
     st.lists(st.tuples(*[ordinary_or_not] * 4), min_size=6, max_size=6),
-    st.sampled_from(PrimitiveType),
+    st.sampled_from(POLYGONS),
     st.sampled_from(TextureFilter),
     st.sampled_from(WrapMode),
     st.sampled_from([16, 24]),

@@ -19,6 +19,7 @@ from pipeline.enums import (
     InternalFormat,
     LogicOperation,
     Mapping,
+    PolygonMode,
     PrimitiveType,
     Register,
     StencilOperation,
@@ -43,8 +44,11 @@ from pipeline.state import (
     GeneralCombiner,
     Light,
     Lighting,
+    LineState,
     Material,
     PassState,
+    PointParameters,
+    PointState,
     PolygonState,
     RegisterCombiners,
     RGBPortion,
@@ -55,6 +59,7 @@ from pipeline.state import (
     TextureUnit,
     VertexState,
     Viewport,
+    WindowClip,
 )
 from pipeline.textures import Texture, texture_1d, texture_2d, texture_cube_map
 from pipeline.validate import UnsupportedState, validate
@@ -811,6 +816,23 @@ LACKING = {
     "max_lod_bias": (0.0, textured(lod_bias=0.5), "-0.0 to 0.0"),
     "max_lights": (1, lit(Light(), back=Material(shininess=200.0)), "shininess is 200.0"),
     "max_shininess": (64.0, lit(front=Material(shininess=65.0)), "0 to 64.0"),
+    "max_point_size": (2.0, draw(point=PointState(size=2.5)), "the point size is 2.5; .* from 0 to 2.0"),
+    "max_line_width": (2.0, draw(line=LineState(width=2.5)), "the line width is 2.5; .* from 0 to 2.0"),
+    "max_window_rectangles": (
+        1,
+        draw(window_clip=WindowClip((Scissor(0, 0, 1, 1),) * 2)),
+        "has 2 rectangles; GeForce 256 takes 1 to 1",
+    ),
+    "point_sprite_units": (
+        frozenset({1}),
+        textured(coord_replace=True),
+        "texture unit 0 has coord_replace; point sprites of GeForce 256 replace the coordinates of units: 1",
+    ),
+    "point_parameters": (
+        False,
+        draw(point=PointState(parameters=PointParameters())),
+        "GeForce 256 has no point parameters",
+    ),
     "max_clip_planes": (
         0,
         draw(vertex=VertexState(clip_planes=((0.0, 0.0, 0.0, 1.0),))),
@@ -1030,3 +1052,36 @@ def test_vertex_arrays_that_are_no_numbers_are_refused_when_the_mesh_is_made(arr
 
 def test_a_mesh_may_have_no_indices_in_its_list():
     assert Mesh(TRIANGLE, indices=[]).indices.shape == (0,)
+
+
+@pytest.mark.parametrize(
+    ("state", "words"),
+    [
+        (PassState(polygon=PolygonState(stipple=bytes(127))), "has 127 bytes; give 32 rows of 4"),
+        (
+            PassState(point=PointState(program_size=True)),
+            "point.program_size takes no part .* FIXED_FUNCTION",
+        ),
+        (PassState(point=PointState(sprite=True)), "GeForce 256 has no point sprites"),
+        (PassState(line=LineState(width=-1.0)), "the line width is -1.0"),
+    ],
+)
+def test_points_lines_and_stipple(state, words):
+    with pytest.raises(UnsupportedState, match=words):
+        check(Draw(label="pass", mesh=MESH, state=state))
+
+
+def test_the_ideal_draws_filled_polygons_only():
+    line = PolygonState(front_mode=PolygonMode.LINE)
+    for mesh, state in (
+        (replace(MESH, primitive=PrimitiveType.LINES), PassState()),
+        (MESH, PassState(polygon=line)),
+    ):
+        with pytest.raises(UnsupportedState, match="filled polygons without stipple only"):
+            validate((Draw(label="pass", mesh=mesh, state=state),), IDEAL, 8, 8, 24)
+
+
+@pytest.mark.parametrize("name", ["point_sizes", "edge_flags", "fog_coordinates"])
+def test_vertex_columns_have_one_value_for_each_vertex(name):
+    with pytest.raises(UnsupportedState, match=f"{name} has 2 vertices but positions has 3"):
+        check(draw(replace(MESH, **{name: np.ones(2, bool if name == "edge_flags" else float)})))

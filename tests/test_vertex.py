@@ -44,6 +44,7 @@ from pipeline.state import (
 )
 from pipeline.vertex import process
 from tests.reference import vertex as reference
+from tests.strategies import POLYGONS
 
 WIDTH, HEIGHT = 64, 48
 PERSPECTIVE = ((1.5, 0.0, 0.0, 0.0), (0.0, 2.0, 0.0, 0.0), (0.0, 0.0, -1.25, -2.25), (0.0, 0.0, -1.0, 0.0))
@@ -137,7 +138,7 @@ def meshes(draw, element=ordinary):
     given_sets = draw(st.integers(0, 2))
     return Mesh(
         draw(arrays(element, n, draw(st.integers(2, 4)))),
-        primitive=draw(st.sampled_from(PrimitiveType)),
+        primitive=draw(st.sampled_from(POLYGONS)),
         indices=indices,
         counts=counts,
         colors=draw(st.none() | arrays(intensity, n, draw(st.integers(3, 4)))),
@@ -375,7 +376,7 @@ def test_each_run_of_counts_is_a_primitive_of_its_own():
     assert got == [[5, 4, 3, 3], [3, 4, 2, 2], [0, 1, 2, 2]]
 
 
-@pytest.mark.parametrize("primitive", PrimitiveType)
+@pytest.mark.parametrize("primitive", POLYGONS)
 @pytest.mark.parametrize("n", range(3))
 def test_incomplete_primitives_draw_nothing(primitive, n):
     got = process(Mesh(np.zeros((n, 3)), primitive), PassState(), GEFORCE_256, WIDTH, HEIGHT)

@@ -13,6 +13,7 @@ from pipeline.commands import Clear, Draw, Mesh, TexImage
 from pipeline.enums import (
     BlendFactor,
     ComponentUsage,
+    LineRasterization,
     PrimitiveType,
     Register,
     TextureFilter,
@@ -26,6 +27,7 @@ from pipeline.state import (
     CombinerInput,
     FinalCombiner,
     GeneralCombiner,
+    LineState,
     PassState,
     RegisterCombiners,
     RGBPortion,
@@ -77,7 +79,10 @@ def shows(register):
 
 SHOWS_PRIMARY = shows(Register.PRIMARY_COLOR)
 SHOWS_TEXTURE0 = shows(Register.TEXTURE0)
-DEFAULT = PassState(vertex=PROGRAM_RESULTS, register_combiners=SHOWS_PRIMARY, blending=BLENDED)
+RECTANGLES = LineState(rasterization=LineRasterization.RECTANGLE)
+DEFAULT = PassState(
+    vertex=PROGRAM_RESULTS, register_combiners=SHOWS_PRIMARY, blending=BLENDED, line=RECTANGLES
+)
 
 
 def single(values):

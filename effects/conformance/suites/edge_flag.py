@@ -1,0 +1,59 @@
+"""Edge_flag: every primitive as outlines, with edge flags set and cleared, and three with flags of their own.
+
+Source: src/tests/edge_flag_tests.cpp of nxdk_pgraph_tests.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from effects.conformance import scenes, shapes
+from effects.conformance.case import Case
+from pipeline.commands import Draw
+from pipeline.enums import Face, FrontFace, PolygonMode, PrimitiveType
+from pipeline.state import PolygonState
+
+SUITE = "Edge_flag"
+
+LEFT, TOP = 160.0, 48.0
+# Shapes whose flags change within them: those of odd, or of even, vertices are set.
+OWN = (
+    (
+        PrimitiveType.TRIANGLES,
+        (
+            (365.185925, 35.0), (349.778838, 22.523717), (410.0, 19.0),
+            (344.0, 48.0), (404.0, 37.0), (332.0, 103.0),
+        ),
+        1,
+    ),
+    (
+        PrimitiveType.POLYGON,
+        ((320.0, 232.0), (340.0, 142.1), (361.0, 120.0), (405.0, 169.3), (419.0, 230.5)),
+        0,
+    ),
+    (PrimitiveType.QUADS, ((100.0, 350.0), (160.0, 340.0), (158.5, 425.4), (112.75, 407.5)), 0),
+)  # fmt: skip
+
+
+def names():
+    """Every case of the suite."""
+    return ["Enabled", "Disabled"]
+
+
+def case(name, inputs):
+    """The case of that name, or None."""
+    del inputs
+    if name not in names():
+        return None
+    line = PolygonMode.LINE
+    polygon = PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW, front_mode=line, back_mode=line)
+    state = replace(scenes.DEFAULT, polygon=polygon)
+    drawn = [(shape, np.full(len(shape[1]), name == "Enabled")) for shape in shapes.SHAPES]
+    for primitive, vertices, parity in OWN:
+        flags = (np.arange(len(vertices)) % 2 == parity) | (name == "Enabled")
+        drawn.append(((primitive, vertices), flags))
+    draws = [
+        Draw(label=shape[0].name, mesh=shapes.mesh(shape, LEFT, TOP, edge_flags=flags), state=state)
+        for shape, flags in drawn
+    ]
+    return Case(commands=(scenes.clear(0xFF303234), *draws))

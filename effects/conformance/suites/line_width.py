@@ -1,0 +1,58 @@
+"""Line_width: every primitive, filled and as outlines, under every line width.
+
+Source: src/tests/line_width_tests.cpp of nxdk_pgraph_tests. Widths are in 1/8 pixel; the register holds nine
+bits, and a wider value leaves the width of one pixel that was there before.
+"""
+
+from dataclasses import replace
+
+from effects.conformance import scenes, shapes
+from effects.conformance.case import Case
+from pipeline.commands import Draw
+from pipeline.enums import Face, FrontFace, PolygonMode
+from pipeline.state import PolygonState
+
+SUITE = "Line_width"
+
+ONE, HIGHEST, MINUS_ONE = 8, 0x1FF, 0xFFFFFFFF
+WIDTHS = sorted(
+    {
+        *range(0, 16),
+        *range(3 * ONE, 16 * ONE, ONE),
+        *range(16 * ONE, 57 * ONE, 8 * ONE),
+        *range(57 * ONE, 65 * ONE, ONE),
+        *range(63 * ONE, 65 * ONE),
+    }
+)
+LEFT, TOP = 160.0, 48.0
+
+
+def _name(mode, width):
+    return f"{mode}_FFFFFFFF" if width == MINUS_ONE else f"{mode}_{width >> 3:04d}.{width & 7}"
+
+
+_CASES = {_name("Line", width): (PolygonMode.LINE, width) for width in (*WIDTHS, MINUS_ONE)} | {
+    _name("Fill", width): (PolygonMode.FILL, width) for width in (0, ONE, 32 * ONE)
+}
+
+
+def names():
+    """Every case of the suite."""
+    return list(_CASES)
+
+
+def case(name, inputs):
+    """The case of that name, or None."""
+    del inputs
+    if name not in _CASES:
+        return None
+    mode, width = _CASES[name]
+    state = replace(
+        scenes.DEFAULT,
+        polygon=PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW, front_mode=mode, back_mode=mode),
+        line=replace(scenes.RECTANGLES, width=(width if width <= HIGHEST else ONE) / 8),
+    )
+    draws = [
+        Draw(label=shape[0].name, mesh=shapes.mesh(shape, LEFT, TOP), state=state) for shape in shapes.SHAPES
+    ]
+    return Case(commands=(scenes.clear(0xFF202224), *draws))

@@ -1,0 +1,108 @@
+"""3D_primitive: one picture of each primitive, by each way of handing vertices over.
+
+Source: src/tests/three_d_primitive_tests.cpp of nxdk_pgraph_tests. The ways draw the same picture. The names
+with -ls and -ps (line and polygon smoothing) draw to a surface of two samples a pixel; see ``names``.
+"""
+
+from dataclasses import replace
+
+from effects.conformance import scenes
+from effects.conformance.case import Case
+from pipeline.commands import Draw, Mesh
+from pipeline.enums import ComparisonFunction, Face, FrontFace, LineRasterization, PrimitiveType
+from pipeline.state import DepthTest, LineState, PolygonState
+
+SUITE = "3D_primitive"
+
+WAYS = ("", "-inlinebuf", "-inlinearrays", "-inlineelements")
+LEFT, RIGHT, TOP, BOTTOM = -2.75, 2.75, 1.75, -1.75
+FRONT, BACK = 1.0, 5.0
+
+
+def _grey(value):
+    return (value, value, value)
+
+
+# x, y, z and colour of every vertex.
+LINES = (
+    (LEFT, TOP, FRONT, _grey(0.75)), (RIGHT, TOP, FRONT, _grey(1.0)),
+    (-2.0, 1.0, FRONT, (1.0, 0.0, 0.0)), (2.0, 0.0, BACK, (1.0, 0.0, 0.0)),
+    (1.5, 0.5, BACK, (0.0, 1.0, 0.0)), (-1.5, 0.75, BACK, (0.0, 1.0, 0.0)),
+    (RIGHT, 0.25, FRONT, _grey(1.0)), (1.75, 1.25, FRONT, _grey(0.15)),
+    (LEFT, 1.0, FRONT, (0.25, 0.25, 1.0)), (LEFT, -1.0, FRONT, (0.65, 0.65, 1.0)),
+    (LEFT, BOTTOM, BACK, (0.0, 1.0, 1.0)), (RIGHT, BOTTOM, BACK, (0.5, 0.5, 1.0)),
+)  # fmt: skip
+TRIANGLES = (
+    (LEFT, TOP, FRONT, _grey(0.25)), (0.0, TOP, FRONT, _grey(0.55)), (LEFT, 0.0, FRONT, _grey(0.75)),
+    (RIGHT, TOP, FRONT, (0.8, 0.25, 0.1)), (0.1, BOTTOM, BACK, (0.1, 0.85, 0.1)),
+    (0.25, 0.0, FRONT, (0.1, 0.25, 0.9)), (-0.4, BOTTOM, BACK, (0.8, 0.25, 0.9)),
+    (-1.4, -1.4, BACK, (0.1, 0.85, 0.9)), (0.0, 0.0, BACK, (0.85, 0.95, 0.1)),
+)  # fmt: skip
+TRIANGLE_STRIP = (
+    (LEFT, 0.0, FRONT, (1.0, 0.0, 0.0)), (-2.25, TOP, FRONT, (0.0, 1.0, 0.0)),
+    (-2.0, BOTTOM, FRONT, (0.0, 0.0, 1.0)), (-1.3, 1.6, 1.15, (0.25, 0.0, 0.8)),
+    (0.0, -1.5, 1.3, (0.75, 0.0, 0.25)), (0.4, 1.0, 1.7, _grey(0.33)), (1.4, -0.6, BACK, _grey(0.7)),
+    (RIGHT, TOP, BACK, (0.5, 0.5, 0.6)),
+)  # fmt: skip
+TRIANGLE_FAN = (
+    (0.0, -0.75, FRONT, _grey(1.0)), (-2.25, BOTTOM, FRONT, (0.0, 0.0, 1.0)),
+    (-2.0, TOP, FRONT, (0.0, 1.0, 0.0)), (-0.6, 0.65, 1.15, (0.25, 0.0, 0.8)),
+    (0.0, 1.5, 1.3, (0.75, 0.0, 0.25)), (0.4, 1.0, 1.7, _grey(0.33)), (2.4, 0.6, BACK, _grey(0.7)),
+    (RIGHT, BOTTOM, BACK, (0.5, 0.5, 0.6)),
+)  # fmt: skip
+QUADS = (
+    (LEFT, TOP, FRONT, _grey(1.0)), (-0.6, 1.6, 1.7, (0.5, 0.5, 0.6)),
+    (-1.35, -0.6, 1.7, _grey(0.7)), (-2.4, BOTTOM, 1.7, _grey(0.33)),
+    (0.06, -0.09, FRONT, (1.0, 0.0, 1.0)), (1.9, -0.25, FRONT, (0.1, 0.3, 0.6)),
+    (2.62, -1.03, FRONT, (1.0, 1.0, 0.0)), (1.25, -1.65, FRONT, (0.0, 1.0, 1.0)),
+    (-1.25, 1.3, BACK, _grey(0.25)), (0.3, 1.25, BACK, (0.1, 0.3, 0.1)),
+    (2.62, -0.03, BACK, _grey(0.65)), (-1.0, -1.0, BACK, _grey(0.45)),
+)  # fmt: skip
+QUAD_STRIP = (
+    (LEFT, BOTTOM, FRONT, _grey(0.33)), (LEFT, TOP, FRONT, _grey(1.0)),
+    (0.0, -1.35, FRONT, (0.7, 0.1, 0.0)), (0.0, 1.0, FRONT, (0.0, 0.9, 0.2)),
+    (RIGHT, BOTTOM, FRONT, _grey(0.33)), (RIGHT, TOP, FRONT, (0.0, 0.7, 0.9)),
+)  # fmt: skip
+POLYGON = (
+    (LEFT, BOTTOM, FRONT, _grey(0.33)), (-1.4, 1.1, FRONT, (0.7, 0.1, 0.0)),
+    (-0.3, TOP, FRONT, (0.1, 0.7, 0.5)), (2.0, 0.3, FRONT, (0.0, 0.9, 0.2)),
+    (RIGHT, -1.5, FRONT, _grey(0.7)),
+)  # fmt: skip
+SHAPES = {
+    "Points": (PrimitiveType.POINTS, LINES),
+    "Lines": (PrimitiveType.LINES, LINES),
+    "LineLoop": (PrimitiveType.LINE_LOOP, LINES),
+    "LineStrip": (PrimitiveType.LINE_STRIP, LINES),
+    "Triangles": (PrimitiveType.TRIANGLES, TRIANGLES),
+    "TriStrip": (PrimitiveType.TRIANGLE_STRIP, TRIANGLE_STRIP),
+    "TriFan": (PrimitiveType.TRIANGLE_FAN, TRIANGLE_FAN),
+    "Quads": (PrimitiveType.QUADS, QUADS),
+    "QuadStrip": (PrimitiveType.QUAD_STRIP, QUAD_STRIP),
+    "Polygon": (PrimitiveType.POLYGON, POLYGON),
+}
+
+
+def names():
+    """Every case of the suite that is drawn without smoothing."""
+    return [shape + way for shape in SHAPES for way in WAYS]
+
+
+def case(name, inputs):
+    """The case of that name, or None."""
+    del inputs
+    if name not in names():
+        return None
+    primitive, vertices = SHAPES[name.split("-")[0]]
+    mesh = Mesh(
+        scenes.single([vertex[:3] for vertex in vertices]),
+        primitive,
+        colors=scenes.single([vertex[3] for vertex in vertices]),
+    )
+    state = replace(
+        scenes.DEFAULT,
+        vertex=scenes.xdk_vertex(depth_maximum=65535.0),
+        polygon=PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW),
+        line=LineState(rasterization=LineRasterization.STEPS),
+        depth_test=DepthTest(ComparisonFunction.LESS),
+    )
+    return Case(commands=(scenes.clear(0xFF303030), Draw(label=name, mesh=mesh, state=state)), depth_bits=16)

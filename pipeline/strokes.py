@@ -1,0 +1,114 @@
+"""Points and lines on their way to rasterization: sizes, outlines of polygons, and the squares of points.
+
+docs/numbers.md section 11 fixes the rules. A row is one of ``WindowPrimitives.triangles``; ``raster.rows``
+has the codes of its kinds.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.columns import ONE, columns_of, length, positive, weighted_sum
+from pipeline.enums import Face, FrontFace, PolygonMode, PrimitiveType, VertexStage
+from raster.rows import LINE, POINT, TRIANGLE
+
+LINE_PRIMITIVES = frozenset({PrimitiveType.LINES, PrimitiveType.LINE_STRIP, PrimitiveType.LINE_LOOP})
+_EDGES = ((1, 2), (2, 0), (0, 1))  # in the order in which a triangle's outline is drawn
+_SIZE_BITS = 7  # significant bits of what a point size's inverse square root reads
+
+_SMALLEST = 1 / 8  # pixels: a size of 0 draws what this draws
+_NO_SOURCE = (0, -1, -1, -1)
+
+
+def draws_points(mesh, polygon):
+    """Whether a mesh may be drawn as points."""
+    modes = polygon.front_mode, polygon.back_mode
+    return mesh.primitive == PrimitiveType.POINTS or PolygonMode.POINT in modes
+
+
+def point_sizes(mesh, state, profile, eye):
+    """The size of every vertex's point in pixels: a column.
+
+    Measured: Point_params Scale_0_0_1_FF, 192 of 192 points; the inverse square root reads 7 significant bits
+    (5 to 8 give the same points).
+    """
+    point = state.point
+    if state.vertex.stage == VertexStage.PROGRAM_RESULTS:
+        written = point.program_size and mesh.point_sizes is not None
+        default = 1.0 if point.program_size else point.size
+        (size,) = columns_of(mesh.point_sizes[:, None] if written else None, (default,))
+    elif point.parameters is None:
+        size = np.float64(point.size)
+    else:
+        given, d = point.parameters, length(eye[:3])
+        under = weighted_sum(given.attenuation, (ONE, d, d * d))
+        mask = np.int64(-1 << (53 - _SIZE_BITS))
+        under = (np.asarray(positive(under)).view(np.int64) & mask).view(np.float64)
+        factor = np.fmin(positive(ONE / np.sqrt(under) + np.float64(given.bias)), ONE)
+        size = factor * np.float64(given.range) + np.float64(given.minimum)
+    return np.fmin(np.fmax(size, np.float64(_SMALLEST)), np.float64(profile.max_point_size))
+
+
+def outlined(triangles, boundary, x, y, polygon):
+    """Rows and their strokes of triangles in the modes of their faces; those that are culled are left out.
+
+    triangles int32 [k, 4]; boundary uint8 [k]: bit j for the edge ``_EDGES[j]``; x, y int32 [n]. A triangle
+    without area faces as a counter-clockwise one does. Measured: Front_face FrontFace_LM captures.
+    """
+    corner_x, corner_y = x[triangles[:, :3]].astype(np.int64), y[triangles[:, :3]].astype(np.int64)
+    (x0, x1, x2), (y0, y1, y2) = corner_x.T, corner_y.T
+    counter_clockwise = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0) <= 0
+    front = counter_clockwise == (polygon.front_face == FrontFace.CCW)
+    mode = np.where(front, polygon.front_mode, polygon.back_mode)
+    culled = {None: front & False, Face.FRONT: front, Face.BACK: ~front}.get(polygon.cull_face, front | True)
+
+    rows = np.repeat(triangles[:, None], 3, axis=1)
+    drawn = np.zeros((len(triangles), 3), bool)
+    drawn[:, 0] = mode == PolygonMode.FILL  # the kernels cull these
+    for j, (start, end) in enumerate(_EDGES):
+        outline = (mode != PolygonMode.FILL) & ~culled
+        drawn[:, j] |= outline & ((boundary >> j) & 1 != 0)
+        first = triangles[:, start]
+        second = np.where(mode == PolygonMode.LINE, triangles[:, end], first)
+        rows[outline, j, :3] = np.stack([second, first, first], axis=1)[outline]
+    kinds = np.choose(mode, [POINT, LINE, TRIANGLE])
+    strokes = np.column_stack([kinds, ~front, triangles[:, :3]])[:, None].repeat(3, axis=1)
+    return rows[drawn], strokes[drawn].astype(np.int32)
+
+
+def with_strokes(primitives, kind):
+    """The same primitives, whose rows are all lines or all points."""
+    strokes = np.array([(kind, *_NO_SOURCE)], np.int32).repeat(len(primitives.triangles), axis=0)
+    return replace(primitives, strokes=strokes)
+
+
+def with_squares(primitives, sizes, units):
+    """The same primitives, in which a point's row names three corners of its square.
+
+    sizes: a column, pixels. units: the state's texture units; where sprites replace a unit's coordinates, s
+    runs from left to right and t from top to bottom. Measured: Point_sprite AlphaTest.
+    """
+    points = np.flatnonzero(primitives.strokes[:, 0] == POINT)
+    at = primitives.triangles[points, 0].repeat(3)  # upper right, upper left, lower left
+    half = np.broadcast_to(np.trunc(sizes * np.float64(8.0)), len(primitives.x))[at].astype(np.int32)
+    corner = np.tile([0, 1, 2], len(points))
+    grown = {
+        name: np.concatenate([getattr(primitives, name), getattr(primitives, name)[at]])
+        for name in ("x", "y", "z", "inverse_w", "colors", "coordinates", "fog")
+    }
+    first = len(primitives.x)
+    grown["x"][first:] += np.where(corner == 0, half, -half)
+    grown["y"][first:] += np.where(corner == 2, half, -half)
+    for i in units:
+        s, t, r, q = corner == 0, corner == 2, corner < 0, corner >= 0
+        grown["coordinates"][first:, i] = np.stack([s, t, r, q], axis=1)
+    triangles = primitives.triangles.copy()
+    triangles[points, :3] = (first + np.arange(3 * len(points))).reshape(-1, 3)
+    return replace(primitives, triangles=triangles, **grown)
+
+
+def sprite_units(state):
+    """The texture units whose coordinates point sprites replace."""
+    if not state.point.sprite:
+        return []
+    return [i for i, unit in enumerate(state.texture_units) if unit is not None and unit.coord_replace]
