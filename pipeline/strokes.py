@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.columns import ONE, columns_of, length, positive, weighted_sum
+from pipeline.columns import ONE, columns_of, keep_significant_bits, length, positive, weighted_sum
 from pipeline.enums import Face, FrontFace, PolygonMode, PrimitiveType, VertexStage
 from raster.rows import LINE, POINT, TRIANGLE
 
@@ -42,8 +42,7 @@ def point_sizes(mesh, state, profile, eye):
     else:
         given, d = point.parameters, length(eye[:3])
         under = weighted_sum(given.attenuation, (ONE, d, d * d))
-        mask = np.int64(-1 << (53 - _SIZE_BITS))
-        under = (np.asarray(positive(under)).view(np.int64) & mask).view(np.float64)
+        under = keep_significant_bits(np.asarray(positive(under)), _SIZE_BITS)
         factor = np.fmin(positive(ONE / np.sqrt(under) + np.float64(given.bias)), ONE)
         size = factor * np.float64(given.range) + np.float64(given.minimum)
     return np.fmin(np.fmax(size, np.float64(_SMALLEST)), np.float64(profile.max_point_size))
