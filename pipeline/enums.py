@@ -35,6 +35,29 @@ class VertexStage(IntEnum):
     PROGRAM_RESULTS = 1
 
 
+class SecondaryColor(IntEnum):
+    """What a machine with a lighting unit hands on as the secondary colour."""
+
+    FROM_VERTEX = 0  # as the vertex stage left it, with its alpha
+    OPAQUE = 1  # its alpha is 1
+    DISABLED = 2  # (0, 0, 0, 1); lighting then adds its specular terms to the primary colour
+
+
+class ColorSource(IntEnum):
+    """Where a lighting unit takes a material's colour from: the material, or one of the vertex's colours."""
+
+    MATERIAL = 0
+    PRIMARY = 1
+    SECONDARY = 2
+
+
+class LightingArithmetic(IntEnum):
+    """How a machine computes lighting: OpenGL's equations, or the NV10's lighting unit."""
+
+    EQUATIONS = 0
+    LIGHTING_UNIT = 1
+
+
 class ComparisonFunction(IntEnum):
     """Alpha, stencil and depth functions (section 4.1)."""
 

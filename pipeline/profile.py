@@ -14,6 +14,7 @@ from pipeline.enums import (
     DotProductMapping,
     FogArithmetic,
     InternalFormat,
+    LightingArithmetic,
     MagnificationThreshold,
     ProductRounding,
     StencilOperation,
@@ -65,6 +66,7 @@ class Profile:
         ``device_origin``: where rows are counted from before snapping. ``magnification_threshold``: the
         lambda up to which the magnification filter is taken. ``fog_arithmetic``: how the factor is computed.
         ``dithered_s3tc_dxt1``: DXT1's colours are ordered-dithered to 5, 6 and 5 bits when they are decoded.
+        ``lighting``: OpenGL's equations in float64, or a lighting unit's short floats and rational functions.
     """
 
     name: str
@@ -127,6 +129,7 @@ class Profile:
     magnification_threshold: MagnificationThreshold
     fog_arithmetic: FogArithmetic
     dithered_s3tc_dxt1: bool
+    lighting: LightingArithmetic
 
     evidence: Mapping[str, str]
 

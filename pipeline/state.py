@@ -15,6 +15,7 @@ from pipeline.enums import (
     BlendEquation,
     BlendFactor,
     ColorMaterialParameter,
+    ColorSource,
     CombinerBias,
     CombinerScale,
     ComparisonFunction,
@@ -33,6 +34,7 @@ from pipeline.enums import (
     PolygonMode,
     ProvokingVertex,
     Register,
+    SecondaryColor,
     ShadeModel,
     StencilOperation,
     TexGenMode,
@@ -79,18 +81,38 @@ class TexGen:
 
 @dataclass(frozen=True, slots=True)
 class Material:
-    """Table 2.8."""
+    """Table 2.8. ``specular_coefficients``: on a lighting unit, (a, b, c) of two rational functions
+    (x + a)/(b x + c) that stand for x to the power ``shininess``, of the half vector's cosine where it is
+    given and of the cosine's square elsewhere; None: the powers themselves.
+    """
 
     ambient: Color = (0.2, 0.2, 0.2, 1.0)
     diffuse: Color = (0.8, 0.8, 0.8, 1.0)
     specular: Color = (0.0, 0.0, 0.0, 1.0)
     emission: Color = (0.0, 0.0, 0.0, 1.0)
     shininess: float = 0.0
+    specular_coefficients: tuple[float, float, float, float, float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Spot:
+    """A lighting unit's spotlight: x = axis . (unit vector to the light, 1), at most 1, lights with
+    (x + a)/(b x + c), where that is positive. ``coefficients``: a, b, c.
+    """
+
+    axis: Vector4
+    coefficients: tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
 class Light:
-    """Table 2.8; position and spot direction in eye coordinates. position[3] == 0: directional."""
+    """Table 2.8; position and spot direction in eye coordinates. position[3] == 0: directional.
+
+    For a lighting unit alone: ``range``: the light does not reach farther; ``half_vector``: of a directional
+    light, which then takes the position's x, y, z and this vector as they are, however long; ``spot``: a
+    cone, instead of spot direction, exponent and cutoff; ``back_*``: the light's colours for back faces,
+    None: the same.
+    """
 
     ambient: Color = (0.0, 0.0, 0.0, 1.0)
     diffuse: Color = (1.0, 1.0, 1.0, 1.0)
@@ -102,6 +124,12 @@ class Light:
     constant_attenuation: float = 1.0
     linear_attenuation: float = 0.0
     quadratic_attenuation: float = 0.0
+    range: float | None = None
+    half_vector: tuple[float, float, float] | None = None
+    spot: Spot | None = None
+    back_ambient: Color | None = None
+    back_diffuse: Color | None = None
+    back_specular: Color | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,8 +141,23 @@ class ColorMaterial:
 
 
 @dataclass(frozen=True, slots=True)
+class ColorSources:
+    """A lighting unit's colour material: where each colour of a face's material comes from."""
+
+    emission: ColorSource = ColorSource.MATERIAL
+    ambient: ColorSource = ColorSource.MATERIAL
+    diffuse: ColorSource = ColorSource.MATERIAL
+    specular: ColorSource = ColorSource.MATERIAL
+
+
+@dataclass(frozen=True, slots=True)
 class Lighting:
-    """Section 2.13.1. ``lights`` holds the enabled lights only. None in PassState: lighting disabled."""
+    """Section 2.13.1. ``lights`` holds the enabled lights only. None in PassState: lighting disabled.
+
+    For a lighting unit alone: ``front_sources``, ``back_sources``: instead of ``color_material``;
+    ``back_model_ambient``: for back faces, None: the same; ``viewer_direction``: towards a viewer that is not
+    local.
+    """
 
     lights: tuple[Light, ...] = ()
     front: Material = Material()
@@ -124,6 +167,10 @@ class Lighting:
     two_side: bool = False
     separate_specular_color: bool = False
     color_material: ColorMaterial | None = None
+    front_sources: ColorSources | None = None
+    back_sources: ColorSources | None = None
+    back_model_ambient: Color | None = None
+    viewer_direction: tuple[float, float, float] = (0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,6 +185,8 @@ class VertexState:
     w; colours, texture and fog coordinates reach rasterization as they are. No matrix, viewport, lighting,
     clipping or texture coordinate generation takes part; the other fields must keep their defaults, but for
     ``two_side`` (VERTEX_PROGRAM_TWO_SIDE): back-facing triangles take the mesh's back colours.
+
+    ``secondary_color``: on a machine with a lighting unit, of both stages.
     """
 
     modelview: Matrix = IDENTITY
@@ -149,6 +198,7 @@ class VertexState:
     clip_planes: tuple[Vector4, ...] = ()
     stage: VertexStage = VertexStage.FIXED_FUNCTION
     two_side: bool = False
+    secondary_color: SecondaryColor = SecondaryColor.FROM_VERTEX
 
 
 # --------------------------------------------------------------------------- rasterization (chapter 3)

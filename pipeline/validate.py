@@ -41,6 +41,7 @@ from pipeline.enums import (
     FogCoordinateSource,
     FogMode,
     InternalFormat,
+    LightingArithmetic,
     Mapping,
     MuxSelect,
     PolygonMode,
@@ -55,7 +56,7 @@ from pipeline.enums import (
 )
 from pipeline.framebuffer import READ_FORMATS, READABLE_AS
 from pipeline.pack import WITHOUT_TEXTURE, shader_stages
-from pipeline.state import SignedComponents, VertexState
+from pipeline.state import Light, Lighting, Material, SignedComponents, VertexState
 from pipeline.textures import COMPONENT_BITS, Texture
 from pipeline.vertex import invert_upper_left, needs_normals
 
@@ -1136,7 +1137,11 @@ class _Walk:
 
     def vertex(self, vertex):
         if vertex.stage == VertexStage.PROGRAM_RESULTS:
-            plain = VertexState(stage=VertexStage.PROGRAM_RESULTS, two_side=vertex.two_side)
+            plain = VertexState(
+                stage=VertexStage.PROGRAM_RESULTS,
+                two_side=vertex.two_side,
+                secondary_color=vertex.secondary_color,
+            )
             for field in fields(vertex):
                 if getattr(vertex, field.name) != getattr(plain, field.name):
                     self.refuse(
@@ -1148,6 +1153,7 @@ class _Walk:
                 "vertex.two_side is VERTEX_PROGRAM_TWO_SIDE, but the vertex stage is FIXED_FUNCTION; set "
                 "lighting.two_side, or leave it unset."
             )
+        self.unit_only("vertex", vertex, VertexState(), ("secondary_color",))
         self.viewport(vertex.viewport)
         if len(vertex.clip_planes) > self.profile.max_clip_planes:
             self.refuse(
@@ -1156,6 +1162,18 @@ class _Walk:
             )
         if vertex.lighting is not None:
             self.lighting(vertex.lighting)
+
+    def unit_only(self, path, given, plain, names):
+        """Refuse fields of ``given`` that only a lighting unit has, where they are not as in ``plain``."""
+        if self.profile.lighting is LightingArithmetic.LIGHTING_UNIT:
+            return
+        for name in names:
+            if getattr(given, name) != getattr(plain, name):
+                self.refuse(
+                    f"{path}.{name} is {_shown(getattr(given, name))}; {self.profile.name} computes lighting "
+                    "by OpenGL's equations, which have no such thing. Leave it unset, or choose a profile "
+                    "with a lighting unit."
+                )
 
     def normals(self, state):
         if needs_normals(state) and self.first_time(state.vertex, "normals"):
@@ -1190,14 +1208,32 @@ class _Walk:
             )
         if lighting.separate_specular_color and not profile.separate_specular_color:
             self.refuse(f"{profile.name} has no SEPARATE_SPECULAR_COLOR; use single color, or a second pass.")
+        unit = ("front_sources", "back_sources", "back_model_ambient", "viewer_direction")
+        self.unit_only("lighting", lighting, Lighting(), unit)
         for face in ("front", "back"):
+            self.unit_only(
+                f"lighting.{face}", getattr(lighting, face), Material(), ("specular_coefficients",)
+            )
             shininess = getattr(lighting, face).shininess
             if not 0 <= shininess <= profile.max_shininess:
                 self.refuse(
                     f"the {face} material's shininess is {shininess}; {profile.name} takes 0 to "
                     f"{profile.max_shininess}."
                 )
+        has_unit = profile.lighting is LightingArithmetic.LIGHTING_UNIT
         for i, light in enumerate(lighting.lights):
+            unit = ("range", "half_vector", "spot", "back_ambient", "back_diffuse", "back_specular")
+            self.unit_only(f"light {i}", light, Light(), unit)
+            directional = light.position[3] == 0
+            for name in ("range", "spot") if directional else ("half_vector",):
+                if getattr(light, name) is not None:
+                    kind = "directional" if directional else "positional"
+                    self.refuse(f"light {i} is {kind}, and such a light has no {name}; leave it None.")
+            if has_unit and light.spot_cutoff != 180:
+                self.refuse(
+                    f"light {i}'s spot cutoff is {light.spot_cutoff} degrees; {profile.name}'s lighting unit "
+                    "takes a cone as the light's spot. Set that, and leave the cutoff at 180."
+                )
             if not 0 <= light.spot_exponent <= profile.max_shininess:
                 self.refuse(
                     f"light {i}'s spot exponent is {light.spot_exponent}; {profile.name} takes 0 to "
@@ -1211,7 +1247,7 @@ class _Walk:
             attenuation = (light.constant_attenuation, light.linear_attenuation, light.quadratic_attenuation)
             if min(attenuation) < 0:
                 self.refuse(f"light {i}'s attenuation is {attenuation}; attenuations are not negative.")
-            if light.position[3] != 0 and max(attenuation) == 0:
+            if light.position[3] != 0 and max(attenuation) == 0 and not has_unit:
                 self.refuse(
                     f"light {i}'s attenuations are all zero, which divides by zero; give a constant "
                     "attenuation."

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from pipeline import lighting_unit
 from pipeline.assembly import assemble, boundary_edges
 from pipeline.clip import clip, clip_lines, clip_planes
 from pipeline.columns import (
@@ -25,8 +26,10 @@ from pipeline.enums import (
     FogArithmetic,
     FogCoordinateSource,
     FogGeneration,
+    LightingArithmetic,
     PolygonMode,
     PrimitiveType,
+    SecondaryColor,
     TexGenMode,
     VertexStage,
     WindowOrigin,
@@ -83,7 +86,7 @@ def _process(mesh, state, profile, width, height):
     programmed = vertex.stage == VertexStage.PROGRAM_RESULTS
     eye = transform(vertex.modelview, position)
     normal = _eye_normal(mesh, vertex) if needs_normals(state) else None
-    front, back = _vertex_colors(mesh, vertex, eye, normal, profile.exact)
+    front, back = _vertex_colors(mesh, vertex, position, eye, normal, profile)
     two_side = back is not front
     half_size, center = _viewport(vertex.viewport, width, height)
 
@@ -123,7 +126,8 @@ def _process(mesh, state, profile, width, height):
         y = _snap(height - y, height, profile)
     else:
         y = (height << profile.subpixel_bits) - _snap(y, height, profile)
-    bits = profile.color_mantissa_bits if vertex.lighting is None else _FLOAT64_MANTISSA_BITS
+    exact_colors = vertex.lighting is not None and profile.lighting == LightingArithmetic.EQUATIONS
+    bits = _FLOAT64_MANTISSA_BITS if exact_colors else profile.color_mantissa_bits
     if not state.perspective_correction:
         inverse_w = ONE
     primitives = WindowPrimitives(
@@ -259,20 +263,29 @@ def _eye_normal(mesh, vertex):
     return normal
 
 
-def _vertex_colors(mesh, vertex, eye, normal, exact):
+def _vertex_colors(mesh, vertex, position, eye, normal, profile):
     """Front and back colours, 8 columns each; one list if they are the same.
 
     They are clamped to [0, 1] (section 2.13.6) unless the machine is exact.
     """
     color = columns_of(mesh.colors, (1.0, 1.0, 1.0, 1.0))
+    secondary = columns_of(mesh.secondary_colors, (0.0, 0.0, 0.0, 0.0))
     if vertex.lighting is None:
-        front = back = color + columns_of(mesh.secondary_colors, (0.0, 0.0, 0.0, 0.0))
+        front = back = color + secondary
         if vertex.two_side:
             black = (0.0, 0.0, 0.0, 1.0)
             back = columns_of(mesh.back_colors, black) + columns_of(mesh.back_secondary_colors, black)
+    elif profile.lighting == LightingArithmetic.LIGHTING_UNIT:
+        inverse = invert_upper_left(vertex.modelview) if vertex.lighting.lights else None
+        given = columns_of(mesh.normals, (0.0, 0.0, 1.0))
+        front, back = lighting_unit.light_vertices(vertex, inverse, position, given, color, secondary)
     else:
         front, back = light_vertices(vertex.lighting, eye, normal, color)
-    if exact:
+    if vertex.secondary_color != SecondaryColor.FROM_VERTEX:
+        both = back is front
+        front = lighting_unit.secondary_output(front, vertex.secondary_color)
+        back = front if both else lighting_unit.secondary_output(back, vertex.secondary_color)
+    if profile.exact:
         return front, back
     clamped = [np.fmin(positive(column), ONE) for column in front]
     return clamped, clamped if back is front else [np.fmin(positive(column), ONE) for column in back]

@@ -17,11 +17,13 @@ from pipeline.enums import (
     FogCoordinateSource,
     FogMode,
     InternalFormat,
+    LightingArithmetic,
     LogicOperation,
     Mapping,
     PolygonMode,
     PrimitiveType,
     Register,
+    SecondaryColor,
     StencilOperation,
     TexGenMode,
     TextureCompareMode,
@@ -54,6 +56,7 @@ from pipeline.state import (
     RGBPortion,
     Sampler,
     Scissor,
+    Spot,
     StencilTest,
     TexGen,
     TextureUnit,
@@ -297,6 +300,26 @@ REFUSED = {
         draw(Mesh(TRIANGLE, secondary_colors=np.zeros((3, 2)))),
         ["secondary_colors has shape (3, 2)", "[vertices, 3 to 4]"],
         draw(Mesh(TRIANGLE, secondary_colors=TRIANGLE)),
+    ),
+    "a light's range without a lighting unit": (
+        lit(Light(position=(0.0, 0.0, 1.0, 1.0), range=2.0)),
+        ["light 0.range is 2.0", "OpenGL's equations", "profile with a lighting unit"],
+        lit(Light(position=(0.0, 0.0, 1.0, 1.0))),
+    ),
+    "specular coefficients without a lighting unit": (
+        lit(front=Material(specular_coefficients=(0.0,) * 6)),
+        ["lighting.front.specular_coefficients", "OpenGL's equations"],
+        lit(front=Material()),
+    ),
+    "a secondary colour that is not handed on, without a lighting unit": (
+        draw(vertex=VertexState(secondary_color=SecondaryColor.DISABLED)),
+        ["vertex.secondary_color", "OpenGL's equations"],
+        draw(vertex=VertexState()),
+    ),
+    "a viewer's direction without a lighting unit": (
+        lit(viewer_direction=(0.0, 0.0, -1.0)),
+        ["lighting.viewer_direction is (0.0, 0.0, -1.0)"],
+        lit(),
     ),
     "two sides of a program in the fixed-function stage": (
         draw(vertex=VertexState(two_side=True)),
@@ -1085,3 +1108,31 @@ def test_the_ideal_draws_filled_polygons_only():
 def test_vertex_columns_have_one_value_for_each_vertex(name):
     with pytest.raises(UnsupportedState, match=f"{name} has 2 vertices but positions has 3"):
         check(draw(replace(MESH, **{name: np.ones(2, bool if name == "edge_flags" else float)})))
+
+
+UNIT = replace(GEFORCE_256, lighting=LightingArithmetic.LIGHTING_UNIT)
+CONE = Spot((0.0, 0.0, -1.0, 0.0), (0.0, 1.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("light", "words"),
+    [
+        (Light(range=2.0), ["light 0 is directional", "no range"]),
+        (Light(spot=CONE), ["light 0 is directional", "no spot"]),
+        (
+            Light(position=(0.0, 0.0, 1.0, 1.0), half_vector=(0.0, 0.0, 1.0)),
+            ["light 0 is positional", "no half_vector"],
+        ),
+        (Light(position=(0.0, 0.0, 1.0, 1.0), spot_cutoff=30.0), ["spot cutoff is 30.0", "light's spot"]),
+    ],
+)
+def test_a_lighting_unit_refuses_a_light_that_it_cannot_hold(light, words):
+    with pytest.raises(UnsupportedState) as refused:
+        check(lit(light), profile=UNIT)
+    assert all(word in str(refused.value) for word in words), str(refused.value)
+
+
+def test_a_lighting_unit_takes_what_equations_refuse():
+    """No attenuation at all is defined there: 1/0 is infinity."""
+    light = Light(position=(0.0, 0.0, 1.0, 1.0), constant_attenuation=0.0, range=1.0, spot=CONE)
+    check(lit(light, viewer_direction=(0.0, 0.0, -1.0)), profile=UNIT)

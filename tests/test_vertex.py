@@ -14,13 +14,16 @@ from pipeline.columns import power
 from pipeline.commands import Mesh
 from pipeline.enums import (
     ColorMaterialParameter,
+    ColorSource,
     Face,
     FogArithmetic,
     FogCoordinateSource,
     FogGeneration,
     FogMode,
+    LightingArithmetic,
     PrimitiveType,
     ProvokingVertex,
+    SecondaryColor,
     TexGenMode,
     VertexStage,
     WindowOrigin,
@@ -30,6 +33,7 @@ from pipeline.profiles import GEFORCE_256, IDEAL
 from pipeline.state import (
     IDENTITY,
     ColorMaterial,
+    ColorSources,
     Fog,
     FogRegisters,
     Light,
@@ -37,6 +41,7 @@ from pipeline.state import (
     Material,
     PassState,
     PolygonState,
+    Spot,
     TexGen,
     TextureUnit,
     VertexState,
@@ -211,6 +216,40 @@ lightings = st.builds(
     color_material=st.none()
     | st.builds(ColorMaterial, st.sampled_from(Face), st.sampled_from(ColorMaterialParameter)),
 )
+register = st.one_of(st.sampled_from([0.0, 1.0, 0.5, -0.7, 0.2, 1.9999]), st.floats(-4, 4, width=32))
+unit_lights = st.builds(
+    replace,
+    lights.map(lambda light: replace(light, spot_cutoff=180.0)),
+    back_ambient=st.none() | colors(),
+    back_specular=st.none() | colors(),
+).flatmap(
+    lambda light: st.builds(
+        replace,
+        st.just(light),
+        **(
+            {"half_vector": st.none() | tuples(register, 3)}
+            if light.position[3] == 0
+            else {
+                "range": st.none() | st.floats(0, 4, width=32),
+                "spot": st.none() | st.builds(Spot, tuples(register, 4), tuples(register, 3)),
+            }
+        ),
+    )
+)
+unit_materials = st.builds(replace, materials, specular_coefficients=st.none() | tuples(register, 6))
+sources = st.none() | st.builds(ColorSources, *[st.sampled_from(ColorSource)] * 4)
+unit_lightings = st.builds(
+    replace,
+    lightings,
+    lights=st.lists(unit_lights, max_size=3).map(tuple),
+    front=unit_materials,
+    back=unit_materials,
+    front_sources=sources,
+    back_sources=sources,
+    back_model_ambient=st.none() | colors(),
+    viewer_direction=st.sampled_from([(0.0, 0.0, 1.0), (0.0, 0.0, 0.0), (0.6, 0.0, -0.8)]),
+)
+UNIT = replace(GEFORCE_256, lighting=LightingArithmetic.LIGHTING_UNIT)
 LINEAR = [TexGenMode.NONE, TexGenMode.OBJECT_LINEAR, TexGenMode.EYE_LINEAR]
 VECTOR = [*LINEAR, TexGenMode.NORMAL_MAP, TexGenMode.REFLECTION_MAP]
 
@@ -316,6 +355,38 @@ def test_triangles_through_every_plane_give_the_bits_of_the_specification(mesh, 
     vertex = replace(state.vertex, modelview=TURNED, projection=PERSPECTIVE)
     profile = replace(GEFORCE_256, guard_band=guard_band)
     assert_equals_the_specification(mesh, replace(state, vertex=vertex), profile)
+
+
+@settings(max_examples=200)
+@given(
+    unit_lightings,
+    meshes(),
+    st.sampled_from([IDENTITY, TURNED, SQUASHED]),
+    st.booleans(),
+    st.booleans(),
+    st.sampled_from(SecondaryColor),
+)
+def test_the_lighting_unit_gives_the_bits_of_the_specification(
+    lighting, mesh, modelview, normalize, rescale, secondary
+):
+    state = VertexState(
+        modelview=modelview,
+        normalize=normalize,
+        rescale_normal=rescale,
+        lighting=lighting,
+        secondary_color=secondary,
+    )
+    assert_equals_the_specification(mesh, PassState(vertex=state), UNIT)
+
+
+@settings(max_examples=100)
+@given(unit_lightings, meshes(huge), matrices(huge))
+def test_huge_and_tiny_numbers_in_the_lighting_unit_give_the_bits_of_the_specification(
+    lighting, mesh, modelview
+):
+    assume(has_inverse(modelview))
+    state = VertexState(modelview=modelview, lighting=lighting)
+    assert_equals_the_specification(mesh, PassState(vertex=state), UNIT)
 
 
 @settings(max_examples=50)
@@ -462,6 +533,29 @@ def test_vertex_colours_become_the_bytes_that_silicon_shows(value, byte):
     """Measured: NV2A, captures Point_params, Material_alpha, Stencil."""
     got = one_triangle(np.zeros((3, 2)), colors=np.full((3, 3), value))
     assert got.colors[0].tolist() == [[byte, byte, byte, 255, 0, 0, 0, 0]] * 2
+
+
+@pytest.mark.parametrize(
+    ("nz", "white", "grey"), [(0.70711, 180, 126), (0.31623, 81, 56), (0.97014, 247, 173), (1.0, 255, 179)]
+)
+def test_the_lighting_unit_gives_the_bytes_that_silicon_shows(nz, white, grey):
+    """Measured: NV2A, captures Lighting_normals/Nz_*."""
+    normals = np.tile([math.sqrt(1 - nz * nz), 0.0, nz], (3, 1))
+    light = Light(diffuse=(1.0, 0.7, 0.0, 1.0))
+    lighting = Lighting((light,), Material(diffuse=(1.0,) * 4), model_ambient=(0.0, 0.0, 0.0, 1.0))
+    got = one_triangle(
+        np.zeros((3, 2)), PassState(vertex=VertexState(lighting=lighting)), UNIT, normals=normals
+    )
+    assert got.colors[0, 0, :3].tolist() == [white, grey, 0]
+
+
+def test_the_lighting_unit_s_light_ends_at_its_range():
+    """Measured: NV2A, capture Lighting_range/Point: a vertex at the range is lit, one beyond it is not."""
+    light = Light(position=(0.0, 0.0, 2.0, 1.0), range=2.0, ambient=(1.0,) * 4)
+    lighting = Lighting((light,), model_ambient=(0.0, 0.0, 0.0, 1.0))
+    state = PassState(vertex=VertexState(lighting=lighting))
+    got = one_triangle([[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.0, 0.0, -0.5]], state, UNIT)
+    assert (got.colors[:, 0, 0] > 0).tolist() == [True, False, False]
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ from pipeline.enums import (
     BlendEquation,
     BlendFactor,
     FogArithmetic,
+    LightingArithmetic,
     MagnificationThreshold,
     ProductRounding,
     StencilOperation,
@@ -86,6 +87,7 @@ GEFORCE_256 = Profile(
     magnification_threshold=MagnificationThreshold.ZERO,
     fog_arithmetic=FogArithmetic.ROUNDED,
     dithered_s3tc_dxt1=False,
+    lighting=LightingArithmetic.EQUATIONS,
     evidence={
         "exact": "Source: NV_register_combiners, Issues: NV10 computes in 9-bit signed fixed point",
         "max_texture_units": "Source: Kautz, Seidel 2000, section 5 (limited to two textures)",
@@ -141,5 +143,7 @@ GEFORCE_256 = Profile(
         "dithered_s3tc_dxt1": "Assumed: its formats here include no S3TC",
         "magnification_threshold": "Inferred: from the NV2A, 61440 of 61440 pixels (LODBias capture)",
         "fog_arithmetic": "Assumed: rounding to nearest; a capture of a smooth fog would settle it",
+        "lighting": "Assumed: exact, so that lighting shows what a paper's equations give; envytools models "
+        "the NV10's own unit, LIGHTING_UNIT",
     },
 )

@@ -12,6 +12,7 @@ from pipeline.enums import (
     DotProductMapping,
     FogArithmetic,
     InternalFormat,
+    LightingArithmetic,
     TextureCompareMode,
     TextureShaderOperation,
     TextureTarget,
@@ -64,6 +65,7 @@ _MEASURED = {
     "magnification_threshold": "Measured: 61440 of 61440 pixels (LODBias capture)",
     "fog_registers": "Measured: bias, multiplier, PLANAR (Fog captures); other generations Assumed",
     "fog_arithmetic": "Measured: 6 of 6 captures (Fog, Fog_vsh), 374 of 374 squares (FogGen)",
+    "lighting": "Measured: the NV10's unit as envytools models it (Lighting_*, Material_alpha captures)",
 }
 
 NV2A = replace(
@@ -99,5 +101,6 @@ NV2A = replace(
     fog_registers=True,
     fog_arithmetic=FogArithmetic.TABLE,
     foreign_texture_targets=True,
+    lighting=LightingArithmetic.LIGHTING_UNIT,
     evidence={**GEFORCE_256.evidence, **_MEASURED},
 )

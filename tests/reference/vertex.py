@@ -12,13 +12,14 @@ from pipeline.enums import (
     FogArithmetic,
     FogCoordinateSource,
     FogGeneration,
+    LightingArithmetic,
     PrimitiveType,
     ProvokingVertex,
     TexGenMode,
     VertexStage,
     WindowOrigin,
 )
-from tests.reference import fixed, fog
+from tests.reference import fixed, fog, lighting_unit
 
 # What a vertex is on its way to the window; colors: front and back, eight components each (primary RGBA,
 # secondary RGBA); coordinates: s, t, r, q of every unit.
@@ -276,7 +277,17 @@ def light_vertex(lighting, side, eye, normal, color):
     return [*primary, material["diffuse"][3], *secondary, 0.0]
 
 
-def vertex_colors(vertex_state, eye, normal, given, given_back):
+def unit_colors(vertex_state, position, normal, given):
+    """Both faces' colors by a machine's lighting unit. Source: tests/reference/lighting_unit.py."""
+    inverse = inverse_3x3(vertex_state.modelview) if vertex_state.lighting.lights else None
+    sides = (Face.FRONT, Face.BACK) if vertex_state.lighting.two_side else (Face.FRONT, Face.FRONT)
+    return [
+        lighting_unit.light_vertex(vertex_state, side, inverse, position, normal, given[:4], given[4:], power)
+        for side in sides
+    ]
+
+
+def vertex_colors(vertex_state, profile, position, eye, normal, object_normal, given, given_back):
     """Front and back colors, clamped.
 
     Source: OpenGL 1.2.1 sections 2.13.1, 2.13.6; EXT_secondary_color; NV_vertex_program (two sides).
@@ -284,16 +295,24 @@ def vertex_colors(vertex_state, eye, normal, given, given_back):
     lighting, color = vertex_state.lighting, given[:4]
     if lighting is None:
         front, back = given, given_back if vertex_state.two_side else given
+    elif profile.lighting == LightingArithmetic.LIGHTING_UNIT:
+        front, back = unit_colors(vertex_state, position, object_normal, given)
     else:
         front = light_vertex(lighting, Face.FRONT, eye, normal, color)
         back = light_vertex(lighting, Face.BACK, eye, normal, color) if lighting.two_side else front
-    return [clamp_color(c) for c in front], [clamp_color(c) for c in back]
+    sides = [lighting_unit.secondary_output(side, vertex_state.secondary_color) for side in (front, back)]
+    return tuple([clamp_color(c) for c in side] for side in sides)
+
+
+def exactly_lit(state, profile):
+    """Whether lighting is OpenGL's equations, which keep all bits. Source: OpenGL 1.2.1 section 2.13.9."""
+    return state.vertex.lighting is not None and profile.lighting == LightingArithmetic.EQUATIONS
 
 
 def color_bytes(color, lit, profile):
     """Eight bytes of eight components in [0, 1].
 
-    Measured: a colour of the vertex array keeps 14 significant bits on its way, a lit colour all (NV2A).
+    Measured: a colour of the vertex array or of a lighting unit keeps 14 significant bits (NV2A).
     """
     if not lit:
         color = [fixed.keep_significant_bits(c, profile.color_mantissa_bits) for c in color]
@@ -436,7 +455,7 @@ def to_window(v, state, profile, width, height):
         snapped_y,
         clamp_color(window_z),
         inverse_w,
-        [color_bytes(side, state.vertex.lighting is not None, profile) for side in v.colors],
+        [color_bytes(side, exactly_lit(state, profile), profile) for side in v.colors],
         v.coordinates,
         v.fog,
     )
@@ -501,7 +520,7 @@ def process_vertex(mesh, i, state, profile):
     return Vertex(
         transform(vertex_state.projection, eye),
         eye,
-        vertex_colors(vertex_state, eye, normal, given, back),
+        vertex_colors(vertex_state, profile, position, eye, normal, given_normal, given, back),
         [unit_coordinates(unit, sets, position, eye, normal) for unit in state.texture_units],
         fog_of_vertex(mesh, i, state, eye, profile),
     )
@@ -510,7 +529,7 @@ def process_vertex(mesh, i, state, profile):
 def process(mesh, state, profile, width, height):
     """All triangles of a mesh in window coordinates. Source: OpenGL 1.2.1 chapter 2."""
     result = Assembled()
-    lit = state.vertex.lighting is not None
+    lit = exactly_lit(state, profile)
     distances = clip_distances(state.vertex, profile, width, height)
     vertices = [process_vertex(mesh, i, state, profile) for i in range(len(mesh.positions))]
     for *corners, provoking in assemble(mesh, state.polygon.provoking_vertex):

@@ -1,0 +1,187 @@
+"""What the lighting suites share: models, the default view with eye coordinates, lights as their programs set
+them, and combiners that add both vertex colours.
+
+Source: nxdk_pgraph_tests and pbkitplusplus: src/light.cpp, src/models/ (the .mesh files' layout),
+NV2AState::SetXDKDefaultViewportAndFixedFunctionMatrices. Eye coordinates have the viewer at the origin, z
+growing into the screen.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from effects.conformance import scenes
+from effects.conformance.case import HEIGHT, WIDTH
+from effects.conformance.scenes import single
+from pipeline.columns import columns_of
+from pipeline.commands import Mesh
+from pipeline.enums import ComponentUsage, Register
+from pipeline.lighting_unit import light_vertices
+from pipeline.state import (
+    AlphaPortion,
+    CombinerInput,
+    GeneralCombiner,
+    Light,
+    RegisterCombiners,
+    RGBPortion,
+    Spot,
+    VertexState,
+)
+from pipeline.vertex import invert_upper_left
+
+MODELS = ("cone", "cylinder", "sphere", "suzanne", "torus")
+GRID = "flat_mesh_grid"
+BLACK, WHITE = (0.0, 0.0, 0.0, 1.0), (1.0, 1.0, 1.0, 1.0)
+MECH_ASSAULT = (-0.838916, -2.887156, 3.048239, -0.706496, -2.507095, 2.800600)
+COEFFICIENTS = {  # of the SpecParams cases, by the names that they have there
+    "MechAssault": MECH_ASSAULT,
+    "NinjaGaidenBlack": (-0.932112, -3.097628, 3.165516, -0.869210, -2.935466, 3.066255),
+    "AllZero": (0.0,) * 6,
+    "InvMechAssault": tuple(-c for c in MECH_ASSAULT),
+    "Pow0_1": (-0.0, 0.9, 0.1, -0.0, 0.95, 0.05),
+    "Pow1_0": (-0.0, -0.494592, 1.49459, -0.000244, 0.500122, 0.499634),
+    "Pow2_0": (-0.170208, -0.855843, 1.68563, -0.0, -0.494592, 1.49459),
+    "Pow4_0": (-0.421539, -1.70592, 2.28438, -0.170208, -0.855842, 1.68563),
+    "Pow8_0": (-0.64766, -2.36199, 2.71433, -0.421539, -1.70592, 2.28438),
+    "Pow16_0": (-0.803673, -2.7813, 2.97762, -0.64766, -2.36199, 2.71433),
+    "Pow24_0": (-0.863702, -2.92701, 3.06331, -0.747554, -2.6184, 2.87085),
+}
+EYE_DISTANCE = scenes.XDK_EYE
+TOWARDS_VIEWER = (0.0, 0.0, -1.0)
+EYE_DIRECTION = (0.0, 0.0, 0.0)
+
+VIEW = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, EYE_DISTANCE), (0.0, 0.0, 0.0, 1.0))
+
+
+def view(depth_maximum=16777215.0, near=1.0, far=200.0):
+    """The default view as vertex state whose modelview matrix ends in eye coordinates."""
+    depth = depth_maximum * far / (far - near)
+    composite = (
+        (scenes.XDK_SCALE, 0.0, WIDTH / 2, 0.0),
+        (0.0, -scenes.XDK_SCALE, HEIGHT / 2, 0.0),
+        (0.0, 0.0, depth, -depth * near),
+        (0.0, 0.0, 1.0, 0.0),
+    )
+    offset = (scenes.XDK_OFFSET, scenes.XDK_OFFSET)
+    return VertexState(modelview=VIEW, projection=scenes.projection_of(composite, offset, depth_maximum))
+
+
+def sum_of_colors():
+    """Combiners whose result is primary plus secondary colour, alpha too."""
+    primary, secondary = Register.PRIMARY_COLOR, Register.SECONDARY_COLOR
+    one = scenes.shows(primary).general[0].rgb.b
+    alpha = ComponentUsage.ALPHA
+    stage = GeneralCombiner(
+        rgb=RGBPortion(c=CombinerInput(secondary), d=one),
+        alpha=AlphaPortion(
+            c=CombinerInput(secondary, usage=alpha), d=CombinerInput(one.register, one.mapping, alpha)
+        ),
+    )
+    return RegisterCombiners(general=(stage,), final=scenes.SHOWS_PRIMARY.final)
+
+
+@dataclass(frozen=True)
+class Model:
+    """Vertices of a .mesh file: positions and normals, float64 [n, 3], three for each triangle."""
+
+    positions: np.ndarray
+    normals: np.ndarray
+
+    def mesh(self, color=None, secondary=None, **arrays):
+        """The triangles with one colour for all vertices."""
+        count = len(self.positions)
+        given = {"colors": color, "secondary_colors": secondary, **arrays}
+        arrays = {name: np.tile(single(v), (count, 1)) for name, v in given.items() if v is not None}
+        return Mesh(self.positions, normals=self.normals, **arrays)
+
+
+def model(inputs, name):
+    """Read a model's .mesh: a vertex count, then two arrays, each led by its number of floats."""
+    file = f"light_control_test_mesh_{name}.mesh" if name in MODELS else f"{name}.mesh"
+    data = inputs.path(file).read_bytes()
+    size = int(np.frombuffer(data, "<u4", 1, 4)[0])
+    positions = np.frombuffer(data, "<f4", size, 8).reshape(-1, 3)
+    normals = np.frombuffer(data, "<f4", size, 12 + 4 * size).reshape(-1, 3)
+    return Model(positions.astype(np.float64), normals.astype(np.float64))
+
+
+def unit(vector):
+    """The vector divided by its length, in single precision."""
+    v = single(vector)
+    return tuple(single(v / np.sqrt(v @ v)).tolist())
+
+
+def color(rgb):
+    """A colour register's red, green and blue, as RGBA."""
+    return (*single(rgb).tolist(), 1.0)
+
+
+def colors(ambient=(0.0, 0.0, 0.0), diffuse=(1.0, 1.0, 1.0), specular=(0.0, 0.0, 0.0)):
+    """A light's three colours, as keyword arguments."""
+    return {"ambient": color(ambient), "diffuse": color(diffuse), "specular": color(specular)}
+
+
+def directional(direction, **given):
+    """DirectionalLight: shines along ``direction``, which it takes as long as it is; the half vector is the
+    unit vector of direction plus the viewer's.
+    """
+    d = single(direction)
+    half = unit(d - TOWARDS_VIEWER)
+    position = (*(-d).tolist(), 0.0)
+    return Light(position=position, half_vector=tuple(-c for c in half), **given)
+
+
+def point(position, light_range, attenuation, **given):
+    """PointLight at a world position."""
+    x, y, z = position
+    constant, linear, quadratic = single(attenuation).tolist()
+    return Light(
+        position=(x, y, z + EYE_DISTANCE, 1.0),
+        range=light_range,
+        constant_attenuation=constant,
+        linear_attenuation=linear,
+        quadratic_attenuation=quadratic,
+        **given,
+    )
+
+
+def spotlight(position, direction, light_range, cone, attenuation, falloff, **given):
+    """Spotlight at a world position; ``cone``: degrees of the outer and the inner cone, ``falloff``: its
+    coefficients. None where the cones are equal: the program's axis is then not finite.
+
+    Source: Spotlight::Commit: the axis is scaled so that the factor runs from 0 to 1 between the cones.
+    """
+    outer, inner = (single(np.cos(single(0.5 * single(angle * single(np.pi / 180))))) for angle in cone)
+    if outer == inner:
+        return None
+    scale = single(-1.0 / single(inner - outer))
+    axis = (*single(scale * np.array(unit(direction))).tolist(), float(single(outer * scale)))
+    light = point(position, light_range, attenuation, **given)
+    return replace(light, spot=Spot(axis, tuple(single(falloff).tolist())))
+
+
+def unproject(x, y, z):
+    """World position [3] of a device pixel at world depth ``z`` in the default view."""
+    w = z + EYE_DISTANCE
+    world = ((x - WIDTH / 2) * w / scenes.XDK_SCALE, (HEIGHT / 2 - y) * w / scenes.XDK_SCALE, z)
+    return single(world)
+
+
+def lit_colors(vertex, points, normals, sides):
+    """What the chip's lighting unit puts in the place of a vertex program's colours: (primary, secondary),
+    each [n, 4], for every side given in ``sides``, whose colours are the vertices' own.
+
+    Measured: ControlFlagsNoLight captures; where specular colour is not separate, each side keeps its own
+    secondary colour.
+    """
+    position = columns_of(single(points), (0.0, 0.0, 0.0, 1.0))
+    normal = columns_of(single(normals), (0.0, 0.0, 1.0))
+    own = [[columns_of(single(array), WHITE) for array in side] for side in sides]
+    inverse = invert_upper_left(vertex.modelview)
+    lit = light_vertices(vertex, inverse, position, normal, *own[0])
+    result = []
+    for side, (_, secondary) in zip(lit[: len(sides)], own, strict=True):
+        given = side[4:] if vertex.lighting.separate_specular_color else [*secondary[:3], side[7]]
+        shape = np.zeros(len(points))
+        result.append(tuple(np.stack([c + shape for c in colors], axis=1) for colors in (side[:4], given)))
+    return result

@@ -1,0 +1,111 @@
+"""Material_alpha: where a lit colour's alpha comes from: the material, or one of the vertex's colours.
+
+Source: src/tests/material_alpha_tests.cpp of nxdk_pgraph_tests. A name ends in the material's alpha, the hex
+word of a float.
+"""
+
+import struct
+from dataclasses import replace
+
+import numpy as np
+
+from effects.conformance import lit_scenes, scenes
+from effects.conformance.case import HEIGHT, WIDTH, Case
+from pipeline.commands import Draw, Mesh
+from pipeline.enums import ColorSource, Face, FrontFace, SecondaryColor
+from pipeline.state import ColorSources, Light, Lighting, Material, PolygonState, VertexState
+
+SUITE = "Material_alpha"
+
+SOURCES = {
+    "Mat": ColorSource.MATERIAL,
+    "VDiffuse": ColorSource.PRIMARY,
+    "VSpec": ColorSource.SECONDARY,
+}
+ALPHAS = (-1.0, 0.0, 0.05, 0.25, 0.5, 0.75, 1.0, 2.0)
+COEFFICIENTS = (-0.965589, -3.148144, 3.182554, -0.932112, -3.097628, 3.165516)
+COLORS = lit_scenes.colors(diffuse=(0xEE / 255, 0xBB / 255, 0xAA / 255))
+SCENE_AMBIENT = lit_scenes.color((0.0, 0.014517, 0.0))
+
+LEFT, RIGHT, TOP, BOTTOM = -WIDTH // 4, WIDTH // 4, -HEIGHT // 3, HEIGHT // 3
+CORNERS = ("ul", "ur", "lr", "ul", "lr", "ll")  # two triangles
+QUADS = (  # left, right, z, z of the normals, (diffuse, specular) of every corner
+    (
+        LEFT + 10, 10, 10.0, (-1.0, -1.0, -1.0, 1.0, 1.0, 1.0),
+        {
+            "ul": ((0.4, 0.1, 0.1, 0.25), (0.0, 1.0, 0.0, 0.5)),
+            "ll": ((0.0, 1.0, 0.0, 1.0), (1.0, 0.0, 0.0, 0.1)),
+            "lr": ((0.0, 0.0, 1.0, 1.0), (1.0, 1.0, 0.0, 0.5)),
+            "ur": ((0.5, 0.5, 0.5, 1.0), (0.0, 1.0, 1.0, 0.75)),
+        },
+    ),
+    (
+        -10, RIGHT - 10, 9.75, (1.0, 1.0, 1.0, 1.0, 1.0, 1.0),
+        {
+            "ul": ((1.0, 1.0, 0.0, 1.0), (1.0, 0.0, 0.0, 0.25)),
+            "ll": ((0.5, 0.5, 0.5, 1.0), (0.3, 0.3, 1.0, 1.0)),
+            "lr": ((1.0, 0.0, 0.0, 0.75), (0.95, 0.5, 0.8, 0.05)),
+            "ur": ((0.0, 0.3, 0.8, 0.15), (0.9, 0.9, 0.4, 0.33)),
+        },
+    ),
+)  # fmt: skip
+
+
+def _name(source, alpha):
+    return f"MatA_S{source}_A{struct.unpack('<I', struct.pack('<f', alpha))[0]:X}"
+
+
+def names():
+    """Every case of the suite."""
+    return [_name(source, alpha) for source in SOURCES for alpha in ALPHAS]
+
+
+def _mesh():
+    positions, normals, diffuse, specular = [], [], [], []
+    for left, right, z, up, colors in QUADS:
+        at = {
+            "ul": (left, TOP + 4),
+            "ur": (right, TOP + 4),
+            "lr": (right, BOTTOM - 10),
+            "ll": (left, BOTTOM - 10),
+        }
+        positions += [(*at[corner], z) for corner in CORNERS]
+        normals += [(0.0, 0.0, n) for n in up]
+        diffuse += [colors[corner][0] for corner in CORNERS]
+        specular += [colors[corner][1] for corner in CORNERS]
+    return Mesh(
+        scenes.single(positions),
+        normals=scenes.single(normals),
+        colors=scenes.single(diffuse),
+        secondary_colors=scenes.single(specular),
+    )
+
+
+def case(name, inputs):
+    """The case of that name, or None."""
+    del inputs
+    chosen = {_name(source, alpha): (source, alpha) for source in SOURCES for alpha in ALPHAS}
+    if name not in chosen:
+        return None
+    source, alpha = chosen[name]
+    white = lit_scenes.WHITE
+    lighting = Lighting(
+        lights=(Light(position=(0.0, 0.0, 1.0, 0.0), half_vector=(0.0, 0.0, 0.0), **COLORS),),
+        front=Material(white, (1.0, 1.0, 1.0, alpha), white, specular_coefficients=COEFFICIENTS),
+        model_ambient=SCENE_AMBIENT,
+        local_viewer=True,
+        separate_specular_color=True,
+        front_sources=ColorSources(diffuse=SOURCES[source]),
+        viewer_direction=lit_scenes.EYE_DIRECTION,
+    )
+    state = replace(
+        scenes.DEFAULT,
+        vertex=VertexState(projection=PROJECTION, lighting=lighting, secondary_color=SecondaryColor.OPAQUE),
+        polygon=PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW),
+    )
+    return Case(commands=(scenes.clear(0xFF303030), Draw(label="two quads", mesh=_mesh(), state=state)))
+
+
+# Both matrices are the unit matrix, so device pixels come from the viewport's offset alone: the middle of the
+# screen.
+PROJECTION = scenes.projection_of(np.eye(4).tolist(), (WIDTH / 2, HEIGHT / 2))

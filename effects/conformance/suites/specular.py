@@ -1,0 +1,129 @@
+"""Specular: the secondary colour under every light control, specular coefficients, and normals of other
+lengths than 1.
+
+Source: src/tests/specular_tests.cpp of nxdk_pgraph_tests. ControlFlags: 16 quads, of which the first and
+third row show the secondary and the others the primary colour; the upper two rows have no secondary colour.
+FF: the fixed-function stage, VS: a vertex program that hands on the vertex's colours.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from effects.conformance import control_flags, lit_scenes, scenes
+from effects.conformance.case import HEIGHT, WIDTH, Case
+from pipeline.commands import Draw, Mesh
+from pipeline.enums import ComponentUsage, Face, FrontFace, Mapping, PrimitiveType, Register, SecondaryColor
+from pipeline.state import AlphaPortion, CombinerInput, Lighting, Material, PolygonState
+
+SUITE = "Specular"
+
+CLEAR_FLAGS, CLEAR_PARAMETERS, DARK, BLACK, LIGHT = 0xFE323232, 0xFE313131, 0xFF202020, 0xFF000000, 0xFF909090
+NORMAL_LENGTHS = (0.972, 0.973, 1.0, 1.008, 1.009)
+POWER_125 = (-0.972162, -3.206372, 3.23421, -0.945147, -3.140267, 3.195119)
+SEGMENTS, RADIUS = 64, 128.0
+COLORS = lit_scenes.colors((0.0, 0.0, 0.05), (0.25, 0.0, 0.0), (0.0, 0.2, 0.4))
+VERTEX_DIFFUSE, VERTEX_SPECULAR = (0.0, 0.0, 0.0, 0.75), (0.0, 0.4, 0.0, 0.25)
+ALONG = (1.0, 0.0, 1.0)
+WHITE = lit_scenes.WHITE
+
+# Colour and normal of a quad's corners: upper left, upper right, lower right, lower left.
+TILT, TOWARDS = 0.099014754297667, -0.990147542976674
+CORNERS = control_flags.Corners(
+    primary=((0.0, 0.0, 0.5, 1.0), (0.0, 0.0, 0.75, 1.0), (0.0, 0.0, 1.0, 1.0), (0.0, 0.0, 0.25, 1.0)),
+    secondary=((1.0, 0.0, 0.0, 0.15), (1.0, 0.0, 0.0, 0.75), (0.0, 1.0, 0.0, 1.0), (0.0, 1.0, 0.0, 0.2)),
+    normals=((-TILT, -TILT, TOWARDS), (TILT, -TILT, TOWARDS), (TILT, TILT, TOWARDS), (-TILT, TILT, TOWARDS)),
+)
+
+
+def names():
+    """Every case of the suite."""
+    return [
+        *control_flags.NAMES,
+        *(f"SpecParams_FF_{name}" for name in lit_scenes.COEFFICIENTS),
+        *(f"NonUnitNormal_{length:.3f}" for length in NORMAL_LENGTHS),
+    ]
+
+
+def _lighting(coefficients, lights, ambient=0.031373, alpha=0.75, **given):
+    return Lighting(
+        lights=lights,
+        front=Material(WHITE, (1.0, 1.0, 1.0, alpha), WHITE, specular_coefficients=coefficients),
+        model_ambient=lit_scenes.color((ambient,) * 3),
+        viewer_direction=lit_scenes.EYE_DIRECTION,
+        **given,
+    )
+
+
+def _control_flags(name):
+    light = (lit_scenes.directional(ALONG, **COLORS),)
+    lighting = _lighting(lit_scenes.COEFFICIENTS["Pow16_0"], light)
+    draws = control_flags.draws(name, CORNERS, lighting)
+    return Case(
+        commands=(scenes.clear(CLEAR_FLAGS), *scenes.background(DARK, BLACK, 14), *draws),
+        explanation=control_flags.explanation(name),
+    )
+
+
+def _parameters(coefficients, inputs):
+    point = lit_scenes.point((1.5, 1.0, -2.5), 4.0, (0.025, 0.15, 0.02), **COLORS)
+    lights = (lit_scenes.directional(ALONG, **COLORS), point)
+    lighting = _lighting(coefficients, lights, ambient=0.1, separate_specular_color=True)
+    vertex = replace(lit_scenes.view(), lighting=lighting, secondary_color=SecondaryColor.OPAQUE)
+    state = replace(
+        scenes.DEFAULT,
+        vertex=vertex,
+        register_combiners=scenes.shows(Register.SECONDARY_COLOR),
+        polygon=PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW),
+    )
+    draws = [
+        Draw(
+            label=model,
+            mesh=lit_scenes.model(inputs, model).mesh(VERTEX_DIFFUSE, VERTEX_SPECULAR),
+            state=state,
+        )
+        for model in lit_scenes.MODELS
+    ]
+    return Case(commands=(scenes.clear(CLEAR_PARAMETERS), *scenes.background(DARK, BLACK, 20), *draws))
+
+
+def _fan(length):
+    """A disc in the middle of the screen, normals bent towards its rim."""
+    angles = scenes.single(np.arange(SEGMENTS + 1) % SEGMENTS * scenes.single(2 * np.pi / SEGMENTS))
+    rim = zip(WIDTH / 2 + RADIUS * np.cos(angles), HEIGHT / 2 + RADIUS * np.sin(angles), strict=True)
+    positions = [lit_scenes.unproject(x, y, 0.0) for x, y in [(WIDTH / 2, HEIGHT / 2), *rim]]
+    normals = [(0.0, 0.0, -1.0)] + [lit_scenes.unit((-x, -y, -3.0)) for x, y, _ in positions[1:]]
+    return Mesh(
+        np.array(positions),
+        PrimitiveType.TRIANGLE_FAN,
+        normals=scenes.single(scenes.single(normals) * scenes.single(length)),
+    )
+
+
+def _normals(length):
+    light = lit_scenes.directional((0.0, 0.0, 1.0), **lit_scenes.colors(specular=(1.0, 1.0, 1.0)))
+    lighting = _lighting(
+        POWER_125, (light,), ambient=0.0, alpha=1.0, local_viewer=True, separate_specular_color=True
+    )
+    shown = scenes.shows(Register.SECONDARY_COLOR)
+    one = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, ComponentUsage.ALPHA)
+    opaque = replace(shown, general=(replace(shown.general[0], alpha=AlphaPortion(a=one)),))
+    state = replace(
+        scenes.DEFAULT,
+        vertex=replace(lit_scenes.view(), lighting=lighting),
+        register_combiners=opaque,
+        polygon=PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW),
+    )
+    draw = Draw(label="disc", mesh=_fan(length), state=state)
+    return Case(commands=(scenes.clear(CLEAR_FLAGS), *scenes.background(DARK, LIGHT, 14), draw))
+
+
+def case(name, inputs):
+    """The case of that name, or None."""
+    if name not in names():
+        return None
+    if name.startswith("ControlFlags"):
+        return _control_flags(name)
+    if name.startswith("SpecParams"):
+        return _parameters(lit_scenes.COEFFICIENTS[name.removeprefix("SpecParams_FF_")], inputs)
+    return _normals(float(name.removeprefix("NonUnitNormal_")))

@@ -1,0 +1,101 @@
+"""Specular_back: the secondary colour of back faces under every light control, and their coefficients.
+
+Source: src/tests/specular_back_tests.cpp of nxdk_pgraph_tests. As Specular, with two-sided lighting; front
+faces are culled, and all faces are turned to show their back.
+"""
+
+from dataclasses import replace
+
+from effects.conformance import control_flags, lit_scenes, scenes
+from effects.conformance.case import Case
+from pipeline.commands import Draw
+from pipeline.enums import Face, FrontFace, Register, SecondaryColor
+from pipeline.state import Lighting, Material, PolygonState
+
+SUITE = "Specular_back"
+
+CLEAR_FLAGS, CLEAR_PARAMETERS, DARK, BLACK, LIGHT = 0xFE323232, 0xFE313131, 0xFF202020, 0xFF000000, 0xFF909090
+WHITE = lit_scenes.WHITE
+ALONG = (1.0, 0.0, 1.0)
+POLYGON = PolygonState(cull_face=Face.FRONT, front_face=FrontFace.CCW)
+BACK_COLORS = ((0.05, 0.05, 0.0), (0.7, 0.0, 0.0), (0.0, 0.75, 0.0))  # ambient, diffuse, specular
+POINT_BACK_COLORS = ((0.05, 0.05, 0.0), (0.9, 0.0, 0.0), (0.0, 0.9, 0.0))
+
+CORNERS = control_flags.Corners(
+    primary=((0.0, 1.0, 0.5, 1.0),) * 4,
+    secondary=((0.0, 0.0, 1.0, 0.33),) * 4,
+    normals=tuple(
+        lit_scenes.unit(n)
+        for n in ((-0.1, 0.05, 0.85), (0.1, 0.05, 0.85), (0.1, -0.05, 0.85), (-0.1, -0.05, 0.85))
+    ),
+    back_primary=((0.5, 0.0, 0.0, 1.0), (0.75, 0.0, 0.0, 1.0), (1.0, 0.0, 0.0, 1.0), (0.25, 0.0, 0.0, 1.0)),
+    back_secondary=((1.0, 0.0, 0.0, 0.15), (1.0, 0.0, 0.0, 0.75), (0.0, 1.0, 0.0, 1.0), (0.0, 1.0, 0.0, 0.2)),
+)
+
+
+def names():
+    """Every case of the suite."""
+    return [*control_flags.NAMES, *(f"SpecParams_FF_{name}" for name in lit_scenes.COEFFICIENTS)]
+
+
+def _back(ambient, diffuse, specular):
+    colors = (lit_scenes.color(c) for c in (ambient, diffuse, specular))
+    return dict(zip(("back_ambient", "back_diffuse", "back_specular"), colors, strict=True))
+
+
+def _lighting(coefficients, lights, ambient, **given):
+    """Coefficients for the back; the front's are zero, so that using them would show."""
+    front = Material(WHITE, (1.0, 1.0, 1.0, 0.15), WHITE, specular_coefficients=(0.0,) * 6)
+    return Lighting(
+        lights=lights,
+        front=front,
+        back=replace(front, diffuse=(1.0, 1.0, 1.0, 0.75), specular_coefficients=coefficients),
+        model_ambient=lit_scenes.color((ambient,) * 3),
+        back_model_ambient=lit_scenes.BLACK,
+        two_side=True,
+        viewer_direction=lit_scenes.EYE_DIRECTION,
+        **given,
+    )
+
+
+def _control_flags(name):
+    front = lit_scenes.colors((0.0, 0.0, 0.1), (0.0, 0.0, 0.2), (0.0, 0.0, 0.7))
+    light = lit_scenes.directional(ALONG, **front, **_back(*BACK_COLORS))
+    lighting = _lighting(lit_scenes.COEFFICIENTS["Pow16_0"], (light,), 0.031373)
+    draws = control_flags.draws(name, CORNERS, lighting, POLYGON)
+    return Case(
+        commands=(scenes.clear(CLEAR_FLAGS), *scenes.background(LIGHT, DARK, 14), *draws),
+        explanation=control_flags.explanation(name),
+    )
+
+
+def _parameters(coefficients, inputs):
+    front = lit_scenes.colors(*((0.0, 0.0, 1.0),) * 3)
+    lights = (
+        lit_scenes.directional(ALONG, **front, **_back(*BACK_COLORS)),
+        lit_scenes.point((1.5, 1.0, -2.5), 4.0, (0.025, 0.15, 0.02), **front, **_back(*POINT_BACK_COLORS)),
+    )
+    lighting = _lighting(coefficients, lights, 0.1, separate_specular_color=True)
+    vertex = replace(lit_scenes.view(), lighting=lighting, secondary_color=SecondaryColor.OPAQUE)
+    state = replace(
+        scenes.DEFAULT,
+        vertex=vertex,
+        register_combiners=scenes.shows(Register.SECONDARY_COLOR),
+        polygon=POLYGON,
+    )
+    draws = []
+    for name in lit_scenes.MODELS:
+        model = lit_scenes.model(inputs, name)
+        mirrored = replace(model, normals=model.normals * (1.0, 1.0, -1.0))
+        mesh = mirrored.mesh((1.0, 0.0, 1.0, 0.75), (1.0, 0.0, 1.0, 0.15))
+        draws.append(Draw(label=name, mesh=mesh, state=state))
+    return Case(commands=(scenes.clear(CLEAR_PARAMETERS), *scenes.background(DARK, BLACK, 20), *draws))
+
+
+def case(name, inputs):
+    """The case of that name, or None."""
+    if name not in names():
+        return None
+    if name.startswith("ControlFlags"):
+        return _control_flags(name)
+    return _parameters(lit_scenes.COEFFICIENTS[name.removeprefix("SpecParams_FF_")], inputs)
