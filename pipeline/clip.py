@@ -14,6 +14,7 @@ from pipeline.enums import PrimitiveType, ProvokingVertex
 
 CLIP = slice(0, 4)
 EYE = slice(4, 8)
+_NEAREST_W = 2.0**-100  # where nothing is clipped at the near plane: w stays positive
 
 
 def _near(v):
@@ -22,6 +23,10 @@ def _near(v):
 
 def _far(v):
     return v[3] - v[2]
+
+
+def _eye(v):
+    return v[3] - _NEAREST_W
 
 
 def _user(plane, v):
@@ -36,15 +41,17 @@ def _high(axis, half, reach, v):
     return reach * v[3] - v[axis] * half
 
 
-def clip_planes(user_planes, half_size, center, size, guard_band):
+def clip_planes(user_planes, half_size, center, size, guard_band, depth_clamp):
     """Distances from the clipping planes, in the order in which they clip.
 
     half_size and center, (x, y), are half the viewport's size and its middle in window coordinates; size is
     the framebuffer's (width, height); guard_band is in pixels around the framebuffer. Each distance is a
     function of a list of columns that starts with clip coordinates, and with eye coordinates after them if
-    there are user planes. A vertex is inside when its distance is >= 0.
+    there are user planes. A vertex is inside when its distance is >= 0. With ``depth_clamp`` the plane of
+    the eye takes the place of the near and far planes.
     """
-    planes = [_near, _far, *(partial(_user, plane) for plane in user_planes)]
+    depth_planes = [_eye] if depth_clamp else [_near, _far]
+    planes = [*depth_planes, *(partial(_user, plane) for plane in user_planes)]
     for axis in (0, 1):
         low = np.float64(center[axis] + guard_band)
         high = np.float64((size[axis] + guard_band) - center[axis])

@@ -23,6 +23,7 @@ from pipeline.enums import (
     CombinerBias,
     CombinerScale,
     ComponentUsage,
+    DepthFormat,
     Mapping,
     MuxSelect,
     Register,
@@ -444,7 +445,8 @@ def _make_current(command):
     if command.surface is None:
         return ["the window"]
     size, formats = f"{command.width}x{command.height}", f"{command.color_format.name}, depth"
-    return [f'pbuffer "{command.surface}": {size}, {formats} {command.depth_bits} bits']
+    depth = f"{command.depth_bits} bits" if command.depth_bits > 0 else DepthFormat(command.depth_bits).name
+    return [f'pbuffer "{command.surface}": {size}, {formats} {depth}']
 
 
 def _bind_tex_image(command):

@@ -71,6 +71,19 @@ class ComparisonFunction(IntEnum):
     ALWAYS = 7
 
 
+class DepthFormat(IntEnum):
+    """What a depth buffer's words are. A fixed format's code is its width, a float format's minus its width.
+
+    The floats have no sign; 16 bits are 4 of exponent and 12 of fraction, up to 511.9375, 24 bits are 8 and
+    16, up to almost 2**128. Their words grow with the depth, as a fixed format's do.
+    """
+
+    FIXED_16 = 16
+    FIXED_24 = 24
+    FLOAT_16 = -16
+    FLOAT_24 = -24
+
+
 class StencilOperation(IntEnum):
     """Section 4.1.4 and EXT_stencil_wrap."""
 

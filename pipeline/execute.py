@@ -126,8 +126,8 @@ class Machine:
         Not an exact one: ``pipeline.ideal`` evaluates those.
     width, height : int
         Framebuffer size in pixels.
-    depth_bits : int
-        One of ``profile.depth_bits``.
+    depth_bits : int or DepthFormat
+        One of ``profile.depth_bits``: a fixed format's width, or a format.
     threads : int or None
         Threads that share a Draw's bands of rows; None: one per processor. The bits are the same for any
         number.
@@ -281,9 +281,9 @@ def _rasterize(framebuffer, primitives, packed, state, textures, batch, threads,
     def bands(first, step, recording):
         return draw_bands(
             draw, packed.draw_float, packed.program, packed.final, packed.constants, packed.arithmetic,
-            packed.factors, p.triangles, p.strokes, p.x, p.y, p.z, p.inverse_w, p.colors, p.coordinates,
-            p.fog, packed.fog_thresholds, *texels, levels, packed.units, order, ends, first, step, batch,
-            color, framebuffer.depth, framebuffer.stencil, recording,
+            packed.factors, p.triangles, p.strokes, p.x, p.y, packed.depths, p.inverse_w, p.colors,
+            p.coordinates, p.fog, packed.fog_thresholds, *texels, levels, packed.units, order, ends,
+            first, step, batch, color, framebuffer.depth, framebuffer.stencil, recording,
         )  # fmt: skip
 
     if record:

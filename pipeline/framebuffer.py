@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.enums import ColorFormat, InternalFormat, WindowOrigin
+from pipeline.enums import ColorFormat, DepthFormat, InternalFormat, WindowOrigin
 from pipeline.textures import (
     BASE_FORMAT,
     COMPONENT_BITS,
@@ -60,7 +60,7 @@ class Framebuffer:
     color: np.ndarray
     depth: np.ndarray
     stencil: np.ndarray
-    depth_bits: int
+    depth_format: DepthFormat
     color_format: ColorFormat = ColorFormat.A8R8G8B8
 
     @classmethod
@@ -68,11 +68,16 @@ class Framebuffer:
         """An empty framebuffer of ``width`` x ``height`` pixels."""
         return cls(
             np.zeros((height, width, 4), np.uint8),
-            np.full((height, width), 2**depth_bits - 1, np.uint32),
+            np.full((height, width), 2 ** abs(depth_bits) - 1, np.uint32),
             np.zeros((height, width), np.uint8),
-            depth_bits,
+            DepthFormat(depth_bits),
             color_format,
         )
+
+    @property
+    def depth_bits(self):
+        """How wide a word of the depth buffer is."""
+        return abs(self.depth_format)
 
     @property
     def width(self):

@@ -17,6 +17,7 @@ from pipeline.enums import (
     CombinerBias,
     ComparisonFunction,
     ComponentUsage,
+    DepthFormat,
     Face,
     FogArithmetic,
     FogMode,
@@ -62,6 +63,7 @@ class PackedState:
     factors: np.ndarray
     units: np.ndarray
     fog_thresholds: np.ndarray
+    depths: np.ndarray  # float64 [n]: every vertex's depth in depth units, a single
 
 
 # The mappings as min(max(x, low) * factor + addend, 255); the addends of the EXPAND pair depend on
@@ -251,6 +253,64 @@ def _pack_stencil_operation(operation, reference):
     }[operation]
 
 
+# The depth of a format's largest word, and the code by which kernels know the format.
+FARTHEST = {
+    DepthFormat.FIXED_16: 65535.0,
+    DepthFormat.FIXED_24: 16777215.0,
+    DepthFormat.FLOAT_16: 511.9375,
+    DepthFormat.FLOAT_24: (2.0 - 2.0**-16) * 2.0**127,
+}
+_DEPTH_ROWS = {  # code, largest word
+    DepthFormat.FIXED_16: (0, 0xFFFF),
+    DepthFormat.FIXED_24: (0, 0xFFFFFF),
+    DepthFormat.FLOAT_16: (1, 0xFFFF),
+    DepthFormat.FLOAT_24: (2, 0xFEFFFF),
+}
+
+
+def _pack_depth(state, framebuffer, draw, draw_float):
+    depth_format, test, polygon = framebuffer.depth_format, state.depth_test, state.polygon
+    draw[R.DEPTH_FORMAT], draw[R.DEPTH_MAX] = _DEPTH_ROWS[depth_format]
+    draw_float[R.DEPTH_HIGH] = FARTHEST[depth_format]
+    limits = state.depth_clamp
+    if limits is not None:
+        draw_float[R.DEPTH_LOW] = limits.minimum
+        if limits.maximum is not None:
+            draw_float[R.DEPTH_HIGH] = limits.maximum
+        draw[R.DEPTH_CULL] = limits.cull
+    tests = test is not None and (test.function != ComparisonFunction.ALWAYS or test.write)
+    if not (tests or draw[R.DEPTH_CULL]):
+        return
+    draw[R.NEEDS_DEPTH] = 1
+    draw[R.DEPTH_FUNCTION] = test.function if tests else ComparisonFunction.ALWAYS
+    draw[R.DEPTH_WRITE] = tests and test.write
+    draw[R.W_BUFFERING] = state.w_buffering
+    if polygon.offset_factor or polygon.offset_units:
+        draw[R.POLYGON_OFFSET] = polygon.offset_fill
+        draw[R.OFFSET_LINE], draw[R.OFFSET_POINT] = polygon.offset_line, polygon.offset_point
+        draw_float[R.OFFSET_FACTOR] = polygon.offset_factor
+        draw_float[R.OFFSET_UNITS] = polygon.offset_units
+
+
+def _single(depths):
+    """Depths as the chip has them: single precision, nothing between 0 and its smallest normal number.
+
+    Measured: vertices below 2**-126 have depth 0 (DepthFmt_z24 FZy captures); Assumed: to nearest.
+    """
+    largest = float(np.finfo(np.float32).max)
+    single = np.clip(depths, -largest, largest).astype(np.float32).astype(np.float64)
+    return np.where(np.abs(single) < 2.0**-126, 0.0, single)
+
+
+def _depths(state, framebuffer, primitives):
+    """Every vertex's depth in depth units: clip w, a vertex program's z, or window z times the farthest."""
+    if state.w_buffering:
+        return _single(1.0 / primitives.inverse_w)
+    if state.vertex.stage == VertexStage.PROGRAM_RESULTS:
+        return _single(primitives.z)
+    return _single(primitives.z * FARTHEST[framebuffer.depth_format])
+
+
 def _pack_tests(state, framebuffer, draw, draw_float):
     if state.alpha_test is not None and state.alpha_test.function != ComparisonFunction.ALWAYS:
         draw[R.ALPHA_TEST] = 1
@@ -270,21 +330,7 @@ def _pack_tests(state, framebuffer, draw, draw_float):
             (R.STENCIL_DEPTH_PASS, stencil.depth_pass),
         ):
             draw[at : at + R.STENCIL_OPERATION_SIZE] = _pack_stencil_operation(operation, reference)
-    draw[R.DEPTH_MAX] = 2**framebuffer.depth_bits - 1
-    programmed = state.vertex.stage == VertexStage.PROGRAM_RESULTS  # whose z is in depth units already
-    draw_float[R.DEPTH_SCALE] = 1.0 if programmed else 2**framebuffer.depth_bits - 1
-    draw_float[R.DEPTH_TIE] = 2.0 ** (framebuffer.depth_bits - 47)
-    depth = state.depth_test
-    if depth is not None and (depth.function != ComparisonFunction.ALWAYS or depth.write):
-        draw[R.NEEDS_DEPTH] = 1
-        draw[R.DEPTH_FUNCTION] = depth.function
-        draw[R.DEPTH_WRITE] = depth.write
-        polygon = state.polygon
-        if polygon.offset_factor or polygon.offset_units:
-            draw[R.POLYGON_OFFSET] = polygon.offset_fill
-            draw[R.OFFSET_LINE], draw[R.OFFSET_POINT] = polygon.offset_line, polygon.offset_point
-            draw_float[R.OFFSET_FACTOR] = polygon.offset_factor
-            draw_float[R.OFFSET_UNITS] = polygon.offset_units
+    _pack_depth(state, framebuffer, draw, draw_float)
 
 
 # A blend factor's terms: masks of S, D, As, Ad and the saturate term, whether it is the constant, one minus.
@@ -558,4 +604,7 @@ def pack(state: PassState, profile, framebuffer, textures, primitives):
         ],
         np.int32,
     )
-    return PackedState(draw, draw_float, program, final, constants, arithmetic, factors, units, thresholds)
+    depths = _depths(state, framebuffer, primitives) if draw[R.NEEDS_DEPTH] else primitives.z
+    return PackedState(
+        draw, draw_float, program, final, constants, arithmetic, factors, units, thresholds, depths
+    )

@@ -39,9 +39,9 @@ class Profile:
         ``max_cube_map_texture_size``, ``max_3d_texture_size`` (texels along an edge),
         ``power_of_two_textures`` (texture edges must be
         powers of two), ``max_lod_bias`` (levels), ``max_lights``, ``max_clip_planes``, ``max_viewport``
-        (pixels along an edge), ``depth_bits`` (the widths a depth buffer may have), ``stencil_bits``,
-        ``max_shininess``, ``max_point_size`` and ``max_line_width`` (pixels), ``max_window_rectangles`` (of a
-        WindowClip; 0: none).
+        (pixels along an edge), ``depth_bits`` (the DepthFormats a depth buffer may have; a fixed format is
+        its width), ``stencil_bits``, ``max_shininess``, ``max_point_size`` and ``max_line_width`` (pixels),
+        ``max_window_rectangles`` (of a WindowClip; 0: none).
     Sets
         ``texture_targets``, ``internal_formats``, ``wrap_modes``, ``texgen_modes``, ``blend_factors_source``,
         ``blend_factors_destination``, ``blend_equations``, ``stencil_operations``, ``surface_formats`` (of
@@ -56,7 +56,8 @@ class Profile:
         ``combiner_flags`` (muxes by the lowest bit, blue to alpha, inverted terms of the color sum),
         ``foreign_texture_targets`` (texture shaders read cube maps as volumes and 2D textures as either),
         ``signed_components`` (of any texture), ``cylinder_wrap``, ``perspective_hint``
-        (PERSPECTIVE_CORRECTION_HINT is followed).
+        (PERSPECTIVE_CORRECTION_HINT is followed),
+        ``depth_clamp`` (NV_depth_clamp), ``w_buffering`` (clip w as depth).
     Arithmetic
         ``exact``: float64 without limits (the ideal machine; the fields below then do not matter).
         ``expand_half``: what an 8-bit EXPAND mapping takes as one half, 128 or 127.5. ``product_rounding``,
@@ -117,6 +118,8 @@ class Profile:
     cylinder_wrap: bool
     perspective_hint: bool
     point_parameters: bool
+    depth_clamp: bool
+    w_buffering: bool
 
     expand_half: float
     product_rounding: ProductRounding

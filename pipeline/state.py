@@ -524,6 +524,20 @@ class DepthTest:
 
 
 @dataclass(frozen=True, slots=True)
+class DepthClamp:
+    """NV_depth_clamp, with the NV2A's limits. None in PassState: disabled.
+
+    Nothing is clipped at the near and far planes; instead every fragment's depth is clamped to ``minimum``
+    and ``maximum``, or, with ``cull``, the fragment ends where its depth lies outside. The limits are in
+    depth units (the values of a float format; clip w with W buffering); ``maximum`` None: the farthest.
+    """
+
+    minimum: float = 0.0
+    maximum: float | None = None
+    cull: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Blending:
     """Section 4.1.6. None in PassState: disabled."""
 
@@ -555,6 +569,7 @@ class PassState:
     ``logic_op`` None: disabled.
     ``texture_shader``: stage i is texture unit i's, NONE where there are fewer; None: TEXTURE_SHADER is
     disabled, and each enabled unit samples its texture.
+    ``w_buffering``: a fragment's depth is its clip w, in depth units, instead of its window z.
     """
 
     vertex: VertexState = VertexState()
@@ -575,3 +590,5 @@ class PassState:
     point: PointState = PointState()
     line: LineState = LineState()
     window_clip: WindowClip | None = None
+    depth_clamp: DepthClamp | None = None
+    w_buffering: bool = False

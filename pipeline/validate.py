@@ -38,6 +38,7 @@ from pipeline.enums import (
     CombinerBias,
     CombinerScale,
     ComponentUsage,
+    DepthFormat,
     FogCoordinateSource,
     FogMode,
     InternalFormat,
@@ -644,7 +645,8 @@ class _Surface(NamedTuple):
     depth_bits: int
 
     def __str__(self):
-        return f"{self.width}x{self.height} {self.color_format.name} with {self.depth_bits} bits of depth"
+        depth = _depth_words(self.depth_bits)
+        return f"{self.width}x{self.height} {self.color_format.name} with {depth}"
 
 
 class _Known(NamedTuple):
@@ -751,6 +753,10 @@ class _Walk:
             self.blending(state.blending)
         if state.logic_op is not None and not self.profile.logic_op:
             self.refuse(f"{self.profile.name} has no logic operations on colors; use blending.")
+        if state.depth_clamp is not None:
+            self.depth_clamp(state.depth_clamp)
+        if state.w_buffering and not self.profile.w_buffering:
+            self.refuse(f"{self.profile.name} has no W buffering; leave w_buffering False.")
 
     def tex_image(self, command):
         self.store(command.texture, command.image)
@@ -1358,6 +1364,15 @@ class _Walk:
         for rectangle in clip.rectangles:
             self.scissor(rectangle)
 
+    def depth_clamp(self, limits):
+        if not self.profile.depth_clamp:
+            self.refuse(f"{self.profile.name} has no DEPTH_CLAMP; leave depth_clamp None.")
+        if limits.maximum is not None and limits.maximum < limits.minimum:
+            self.refuse(
+                f"the depth limits run from {limits.minimum} to {limits.maximum}; give a maximum that is not "
+                "below the minimum."
+            )
+
     def stencil_buffer(self, what):
         if self.profile.stencil_bits == 0:
             self.refuse(f"it {what}, and {self.profile.name} has none; choose a profile that has one.")
@@ -1443,8 +1458,14 @@ def _check_framebuffer(profile, width, height, depth_bits, what="The framebuffer
             f"{profile.max_viewport}x{profile.max_viewport}. Draw it in tiles."
         )
     if depth_bits not in profile.depth_bits:
-        widths = " or ".join(str(b) for b in profile.depth_bits)
-        raise UnsupportedState(f"{what} has {depth_bits} bits of depth; {profile.name} has {widths}.")
+        formats = " or ".join(str(b) if b > 0 else DepthFormat(b).name for b in profile.depth_bits)
+        raise UnsupportedState(f"{what} has {_depth_words(depth_bits)}; {profile.name} has {formats}.")
+
+
+def _depth_words(depth_bits):
+    if depth_bits in (DepthFormat.FLOAT_16, DepthFormat.FLOAT_24):
+        return f"{DepthFormat(depth_bits).name} depths"
+    return f"{int(depth_bits)} bits of depth"
 
 
 def validate(commands, profile, width, height, depth_bits=24, textures=None, surfaces=None):

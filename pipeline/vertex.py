@@ -104,7 +104,9 @@ def _process(mesh, state, profile, width, height):
     if programmed:
         origin, dropped = np.arange(len(triangles)), 0
     else:
-        planes = clip_planes(vertex.clip_planes, half_size, center, (width, height), profile.guard_band)
+        clamped = state.depth_clamp is not None
+        size = width, height
+        planes = clip_planes(vertex.clip_planes, half_size, center, size, profile.guard_band, clamped)
         clipped = (clip if polygons else clip_lines)(triangles, columns, len(mesh.positions), planes)
         triangles, columns, origin, dropped = clipped
     count = max((len(column) for column in columns if column.ndim), default=len(mesh.positions))
@@ -133,7 +135,7 @@ def _process(mesh, state, profile, width, height):
     primitives = WindowPrimitives(
         x=_filled(count, _snap(x, width, profile), np.int32),
         y=_filled(count, y, np.int32),
-        z=_filled(count, z if programmed else np.fmin(positive(z), ONE)),
+        z=_filled(count, z if programmed or state.depth_clamp is not None else np.fmin(positive(z), ONE)),
         inverse_w=_filled(count, np.where(drawable, inverse_w, ONE)),
         colors=_colors(count, columns[first_color:fog], None if profile.exact else bits),
         coordinates=_stacked(count, columns[fog + 1 : -1]),

@@ -14,6 +14,7 @@ from raster.bins import BAND_HEIGHT
 from raster.combine import copy_plane, fill_plane, final_combiner, general_combiner
 from raster.interpolate import (
     color_weights,
+    depth_words,
     emit_depth,
     emit_weights,
     full_weights,
@@ -95,23 +96,27 @@ def stroke_offset(draw, kind):
 
 
 @kernel
-def polygon_offset(draw_float, v0, v1, v2, x, y, z):
-    """A polygon's depth offset in depth units; one without an area has no slope.
+def polygon_offset(draw, draw_float, v0, v1, v2, x, y, z, inverse_w):
+    """(what a polygon adds to its depths, what times their squares); one without an area has no slope.
 
-    Measured: Depth offsets of axis-aligned slopes (W_buffering captures).
+    Measured: whole numbers in fixed formats, for axis-aligned slopes (W_buffering captures).
     """
     x0, y0, x1, y1 = int64(x[v0]), int64(y[v0]), int64(x[v1]), int64(y[v1])
     x2, y2 = int64(x[v2]), int64(y[v2])
-    scale = draw_float[R.DEPTH_SCALE]
-    za, z1, zb = z[v0] * scale, z[v1] * scale, z[v2] * scale
     area = float64((x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0))
-    slope = 0.0
+    linear = inverse_w if draw[R.W_BUFFERING] else z  # depth, or 1 over it: what is linear on the screen
+    steep = 0.0
     if area != 0.0:
-        dx = ((z1 - za) * float64(y2 - y0) - (zb - za) * float64(y1 - y0)) * 16.0 / area
-        dy = ((zb - za) * float64(x1 - x0) - (z1 - za) * float64(x2 - x0)) * 16.0 / area
-        slope = max(abs(dx), abs(dy))
-    amount = draw_float[R.OFFSET_UNITS] + draw_float[R.OFFSET_FACTOR] * slope
-    return int32(min(max(amount, -(2.0**30)), 2.0**30))
+        d1, d2 = linear[v1] - linear[v0], linear[v2] - linear[v0]
+        dx = (d1 * float64(y2 - y0) - d2 * float64(y1 - y0)) * 16.0 / area
+        dy = (d2 * float64(x1 - x0) - d1 * float64(x2 - x0)) * 16.0 / area
+        steep = draw_float[R.OFFSET_FACTOR] * max(abs(dx), abs(dy))
+    if draw[R.W_BUFFERING]:
+        return draw_float[R.OFFSET_UNITS], min(max(steep, -(2.0**128)), 2.0**128)
+    offset = min(max(draw_float[R.OFFSET_UNITS] + steep, -(2.0**128)), 2.0**128)
+    if draw[R.DEPTH_FORMAT] == 0:
+        offset = float64(int64(min(max(offset, -(2.0**30)), 2.0**30)))
+    return offset, 0.0
 
 
 @kernel
@@ -383,7 +388,6 @@ def draw_bands(
 
     needs_weights = draw[R.NEEDS_WEIGHTS] or draw[R.NEEDS_COLOR_WEIGHTS]
     needs_depth, needs_color = draw[R.NEEDS_DEPTH], draw[R.NEEDS_COLOR]
-    depth_max = int32(draw[R.DEPTH_MAX])
     has_strokes, has_offset = draw[R.STROKES], draw[R.POLYGON_OFFSET]
     holes = draw[R.WINDOW_CLIP] != 0 or draw[R.STIPPLE] != 0
     recorded = int64(0)
@@ -446,20 +450,17 @@ def draw_bands(
             back = int32(1) if draw[R.BACK_SIGN] == sign else int32(0)
             if kind != R.TRIANGLE:
                 back = strokes[t, 1]
-            inverse_area, z1, z01, z21, offset = 0.0, 0.0, 0.0, 0.0, int32(0)
+            z0, z1, z2, offset, slope = 0.0, 0.0, 0.0, 0.0, 0.0
+            zw0, zw1, zw2 = 1.0, 1.0, 1.0
             if needs_depth and not finished:
-                inverse_area = 1.0 / float64(area)
-                za, z1, zb = (
-                    z[v0] * draw_float[R.DEPTH_SCALE],
-                    z[v1] * draw_float[R.DEPTH_SCALE],
-                    z[v2] * draw_float[R.DEPTH_SCALE],
-                )
-                z01, z21 = za - z1, zb - z1
+                z0, z1, z2 = z[v0], z[v1], z[v2]
+                if draw[R.W_BUFFERING]:
+                    zw0, zw1, zw2 = inverse_w[v0], inverse_w[v1], inverse_w[v2]
                 if has_offset and kind == R.TRIANGLE:
-                    offset = polygon_offset(draw_float, v0, v1, v2, x, y, z)
+                    offset, slope = polygon_offset(draw, draw_float, v0, v1, v2, x, y, z, inverse_w)
                 elif kind != R.TRIANGLE and strokes[t, 2] >= 0 and stroke_offset(draw, kind):
                     a0, a1, a2 = strokes[t, 2], strokes[t, 3], strokes[t, 4]
-                    offset = polygon_offset(draw_float, a0, a1, a2, x, y, z)
+                    offset, slope = polygon_offset(draw, draw_float, a0, a1, a2, x, y, z, inverse_w)
             for row in range(first_row, last_row + 1):
                 start, end = left, left
                 if not finished and kind == R.TRIANGLE:
@@ -481,34 +482,22 @@ def draw_bands(
                         ints[R.OWNER, runs] = t
                         runs += 1
                         ahead = start - left
-                        m0, m2 = float64(n0 + ahead * right0), float64(n2 + ahead * right2)
+                        m0, m1 = float64(n0 + ahead * right0), float64(n1 + ahead * right1)
+                        m2 = float64(n2 + ahead * right2)
+                        s0, s1, s2 = float64(right0), float64(right1), float64(right2)
                         if needs_weights:
-                            m1 = float64(n1 + ahead * right1)
-                            s0, s1, s2 = float64(right0), float64(right1), float64(right2)
                             emit_weights(e0, e1, e2, position, n, m0, m1, m2, s0, s1, s2, iw0, iw1, iw2)
                         if needs_depth:
-                            tie = draw_float[R.DEPTH_TIE]
-                            s0, s2 = float64(right0), float64(right2)
                             emit_depth(
-                                depth,
-                                position,
-                                n,
-                                m0,
-                                m2,
-                                s0,
-                                s2,
-                                inverse_area,
-                                z1,
-                                z01,
-                                z21,
-                                tie,
-                                offset,
-                                depth_max,
-                            )
+                                floats, position, n, m0, m1, m2, s0, s1, s2, zw0, zw1, zw2, z0, z1, z2,
+                                offset, slope,
+                            )  # fmt: skip
                         position += n
                         start += n
                     if position == batch or finished:
                         starts[segments], run_starts[runs] = int32(position), int32(position)
+                        if needs_depth:
+                            depth_words(floats, position, draw, draw_float, depth)
                         if needs_color:
                             shade(
                                 draw, program, final, constants, arithmetic, position, starts, owners, backs,

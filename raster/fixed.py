@@ -8,6 +8,8 @@ from numba import int32, int64
 
 from raster.kernel import bits_of, float_of, kernel
 
+_LOW_24 = int64(-1 << 24)  # 29 significant bits
+_EXPONENT = int64(0x7FF << 52)
 _FRACTION = int64((1 << 52) - 1)  # a float64's mantissa without its leading one: 0 in a power of two
 _LOW_29 = int64(-1 << 29)  # keeps sign, exponent and 23 mantissa bits: 24 significant bits
 
@@ -52,3 +54,20 @@ def reciprocal_24(inverse):
 def truncate_24(value):
     """A float64 truncated to 24 significant bits. Measured: colour weights (Depth_buffer captures)."""
     return float_of(bits_of(value) & _LOW_29)
+
+
+@kernel
+def power_below(value):
+    """The largest power of two that is not above a float64 (0 for 0): its exponent alone."""
+    return float_of(bits_of(value) & _EXPONENT)
+
+
+@kernel
+def reciprocal_29(inverse):
+    """1/D to 29 significant bits, from ``inverse``, the float64 nearest to it: a power of two is exact,
+    anything else is lessened by 2**21 units of the float64 and truncated.
+
+    Measured: 90676 of 90676 and 887880 of 887880 pixels (DepthFmt_z24, ZBuf24D_FloorQuad captures), which
+    allow for 1.4 to 4.3 million units; simply truncated, 28 bits lose 32 pixels and 29 bits 34.
+    """
+    return float_of((bits_of(inverse) - int64(0 if is_power_of_two(inverse) else 1 << 21)) & _LOW_24)

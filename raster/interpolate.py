@@ -8,11 +8,13 @@ LLVM from vectorising. A batch's fragments are columns. ``e0, e1, e2`` are the e
 """
 
 import numpy as np
-from numba import float64, int16, int32, uint64
+from numba import float64, int16, int32, int64, uint64
 
 from raster import rows as R
-from raster.fixed import is_power_of_two, reciprocal_24, truncate_24
-from raster.kernel import kernel, separate_loop
+from raster.fixed import is_power_of_two, power_below, reciprocal_24, reciprocal_29, truncate_24
+from raster.kernel import bits_of, kernel, separate_loop
+
+_TINY = 2.0**-256  # far below any depth: where all terms are 0, their unit is not
 
 
 @kernel("void(f8[::1],f8[::1],f8[::1],i8,i8,f8,f8,f8,f8,f8,f8,f8,f8,f8)")
@@ -27,19 +29,81 @@ def emit_weights(e0, e1, e2, position, count, n0, n1, n2, step0, step1, step2, i
         e2[at + uint64(i)] = (n2 + k * step2) * iw2
 
 
-@kernel("void(i4[::1],i8,i8,f8,f8,f8,f8,f8,f8,f8,f8,f8,i4,i4)")
+@kernel
+def depth_difference(z, base):
+    """The difference to 24 significant bits; 0 where it is below a single's smallest normal number.
+
+    Measured: 12 squares of a 24-bit float buffer take one vertex's depth (DepthFmt_z24 FZy captures).
+    """
+    difference = truncate_24(z - base)
+    return difference if abs(difference) >= 2.0**-126 else 0.0
+
+
+@kernel(
+    "void(f8[:,::1],i8,i8,f8,f8,f8,f8,f8,f8,f8,f8,f8,f8,f8,f8,f8,f8)",
+)
 def emit_depth(
-    depth, position, count, n0, n2, step0, step2, inverse_area, z1, z01, z21, tie, offset, maximum
+    floats, position, count, n0, n1, n2, step0, step1, step2, iw0, iw1, iw2, z0, z1, z2, offset, slope
 ):
-    """Depth units of ``count`` pixels: floor of the plane, plus the polygon offset, clamped."""
+    """Depths of ``count`` pixels to the right of the one with n0, n1, n2, into the column DEPTH.
+
+    z0, z1, z2: the vertices' depths (or clip w), singles; iw0, iw1, iw2: 1, or 1/w where depth is w.
+    ``offset`` is added, and ``slope`` times the depth's square. docs/numbers.md, section 5.
+    """
     separate_loop()
-    at = uint64(position)
+    at, row = uint64(position), uint64(R.DEPTH)
+    d10, d20 = depth_difference(z1, z0), depth_difference(z2, z0)
+    d01, d21 = depth_difference(z0, z1), depth_difference(z2, z1)
+    d02, d12 = depth_difference(z0, z2), depth_difference(z1, z2)
     for i in range(count):
         k = float64(int32(i))
-        a0 = (n0 + k * step0) * inverse_area
-        a2 = (n2 + k * step2) * inverse_area
-        z = (z1 + a0 * z01) + a2 * z21
-        depth[at + uint64(i)] = min(max(int32(int32(np.floor(z + tie)) + offset), int32(0)), maximum)
+        e0 = truncate_24(truncate_24(n0 + k * step0) * iw0)
+        e1 = truncate_24(truncate_24(n1 + k * step1) * iw1)
+        e2 = truncate_24(truncate_24(n2 + k * step2) * iw2)
+        reciprocal = reciprocal_29(1.0 / ((e0 + e1) + e2))
+        q0 = truncate_24(e0 * reciprocal)
+        q1 = truncate_24(e1 * reciprocal)
+        q2 = truncate_24(e2 * reciprocal)
+        p0, p1, p2 = power_below(e0), power_below(e1), power_below(e2)
+        first = (p0 > p1) & (p0 >= p2)
+        last = (p2 > p1) & (p2 > p0)
+        base = z0 if first else (z2 if last else z1)
+        a = (q1 if first else q0) * (d10 if first else (d02 if last else d01))
+        b = (q1 if last else q2) * (d20 if first else (d12 if last else d21))
+        unit = power_below(max(max(abs(base), _TINY), max(abs(a), abs(b)))) * 2.0**-28
+        scale = 1.0 / unit
+        z = (base + float64(int32(a * scale)) * unit) + float64(int32(b * scale)) * unit
+        floats[row, at + uint64(i)] = z + (offset + slope * (z * z))
+
+
+@kernel("void(f8[:,::1],i8,i8[::1],f8[::1],i4[::1])")
+def depth_words(floats, count, draw, draw_float, depth):
+    """Depths of a batch as the depth buffer's words: limited, then floor, or the upper bits of a float.
+
+    A fragment outside limits that cull gets the word -1. Measured: DepthFmt captures, all four formats.
+    """
+    separate_loop()
+    row = uint64(R.DEPTH)
+    low, high, cull = draw_float[R.DEPTH_LOW], draw_float[R.DEPTH_HIGH], draw[R.DEPTH_CULL] != 0
+    number_format, largest = draw[R.DEPTH_FORMAT], int32(draw[R.DEPTH_MAX])
+    if number_format == 0:
+        top = float64(largest)
+        for i in range(count):
+            z = floats[row, uint64(i)]
+            word = int32(min(max(min(max(z, low), high), 0.0), top))  # not negative: truncation is floor
+            depth[uint64(i)] = int32(-1) if cull & ((z < low) | (z > high)) else word
+        return
+    # A float's upper bits, its exponent moved to the format's: 4 bits that count from 2**-7 and 12 of
+    # fraction, or 8 from 2**-127 and 16. Exponent 0 holds nothing but 0.
+    shift = int64(40 if number_format == 1 else 36)
+    zero = int64((1023 - 7) << 12 if number_format == 1 else (1023 - 127) << 16)
+    smallest = int32(1 << 12 if number_format == 1 else 1 << 16)
+    for i in range(count):
+        z = floats[row, uint64(i)]
+        bits = bits_of(min(max(min(max(z, low), high), 0.0), 2.0**128))
+        word = int32(max((bits >> shift) - zero, int64(0)))
+        word = min(word, largest) if word >= smallest else int32(0)
+        depth[uint64(i)] = int32(-1) if cull & ((z < low) | (z > high)) else word
 
 
 @kernel("void(f8[::1],f8[::1],f8[::1],i8,f8[:,::1])")

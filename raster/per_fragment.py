@@ -27,6 +27,14 @@ def alpha_test(alpha, count, function, reference, alive):
         alive[i] = uint8(alive[i] & uint8(passes(function, int32(alpha[i]), reference)))
 
 
+@kernel("void(i4[::1],i8,u1[::1])")
+def depth_limits(depth, count, alive):
+    """A fragment whose depth lies outside the limits ends. Measured: DepthFmt_z24 FZy captures."""
+    separate_loop()
+    for i in range(count):
+        alive[i] = uint8(alive[i] & uint8(depth[i] >= int32(0)))
+
+
 @kernel
 def stencil_result(stored, mask, xor, addend, low, high):
     """A stencil operation as coefficients: clamp(((s & and) ^ xor) + add, low, high), wrapped to 8 bits."""
@@ -336,16 +344,18 @@ def per_fragment(
 ):
     """Alpha, stencil and depth test, blending or logic operation, and masks, of a batch.
 
-    colors int16[4, batch] (0..255), depth int32[batch]; scratch: packed uint32[batch]; alive uint8[batch]:
-    what shading left where it DISCARDS, afterwards which fragments passed. factors int32[2, 28]: the blend
-    factors of source and destination.
+    colors int16[4, batch] (0..255), depth int32[batch] (-1: outside its limits); scratch: packed
+    uint32[batch]; alive uint8[batch]: what shading left where it DISCARDS, afterwards which fragments passed.
+    factors int32[2, 28]: the blend factors of source and destination.
     """
     separate_function()
     if not draw[R.DISCARDS]:
         all_alive(alive, count)
     if draw[R.ALPHA_TEST]:
         alpha_test(colors[3], count, int32(draw[R.ALPHA_FUNCTION]), int32(draw[R.ALPHA_REFERENCE]), alive)
-    tested = draw[R.ALPHA_TEST] != 0 or draw[R.DISCARDS] != 0
+    if draw[R.DEPTH_CULL]:
+        depth_limits(depth, count, alive)
+    tested = draw[R.ALPHA_TEST] != 0 or draw[R.DISCARDS] != 0 or draw[R.DEPTH_CULL] != 0
     writes = draw[R.NEEDS_COLOR] and draw[R.COLOR_MASK] != 0
     if writes:
         pack_colors(colors, count, packed)

@@ -15,7 +15,10 @@ zero.
     CULL_NEGATIVE,
     BACK_SIGN,  # 0: all front; 1: A > 0 takes the back colour; -1: A < 0 does
     FLAT,  # 1: the provoking vertex's colour for the whole primitive
-    DEPTH_MAX,  # 2**bits - 1
+    DEPTH_FORMAT,  # 0: fixed; 1: a 16-bit float; 2: a 24-bit float
+    DEPTH_MAX,  # fixed: 2**bits - 1
+    DEPTH_CULL,  # 1: a depth outside its limits ends the fragment; 0: it is clamped
+    W_BUFFERING,
     POLYGON_OFFSET,
     NEEDS_COLOR,  # 0: no colour is written and no alpha test looks at it
     NEEDS_PRIMARY,
@@ -45,7 +48,7 @@ zero.
     STENCIL_MASK,
     STENCIL_WRITE_MASK,
     STENCIL_FAIL,  # three operations of STENCIL_OPERATION_SIZE entries
-) = range(38)
+) = range(41)
 STENCIL_OPERATION_SIZE = 5  # and, xor, add, low, high: clamp(((s & and) ^ xor) + add, low, high) & 255
 STENCIL_DEPTH_FAIL = STENCIL_FAIL + STENCIL_OPERATION_SIZE
 STENCIL_DEPTH_PASS = STENCIL_DEPTH_FAIL + STENCIL_OPERATION_SIZE
@@ -82,7 +85,7 @@ TRIANGLE, LINE, POINT = range(3)
 FACTOR_SIZE = 7
 
 # ------------------------------------------------------------ draw: float64[DRAW_FLOAT_SIZE]
-DEPTH_SCALE, DEPTH_TIE, OFFSET_FACTOR, OFFSET_UNITS, DRAW_FLOAT_SIZE = range(5)
+DEPTH_LOW, DEPTH_HIGH, OFFSET_FACTOR, OFFSET_UNITS, DRAW_FLOAT_SIZE = range(5)
 
 # ------------------------------------------- general combiner portions: int32[stages, 2, PORTION_SIZE]
 # Four inputs of INPUT_SIZE entries: register, usage (0 RGB, 1 ALPHA, 2 BLUE), and the mapping as
@@ -147,7 +150,8 @@ E_TIMES_F, SPARE0_PLUS_SECONDARY, REGISTERS = 12, 13, 14
 
 # Scratch columns of a batch. floats float64[FLOAT_COLUMNS, batch]: texture coordinates (for a cube map, of
 # its face, doubled), tie biases of nearest filters, sizes of each fragment's level, a texel coordinate, a
-# cube map's r or q, weights of vertices 0 and 2; a 3D texture's r with its tie bias and size.
+# cube map's r or q, weights of vertices 0 and 2, depth before it is a word; a 3D texture's r with its tie
+# bias and size.
 (
     S,
     T,
@@ -165,7 +169,8 @@ E_TIMES_F, SPARE0_PLUS_SECONDARY, REGISTERS = 12, 13, 14
     COORDINATE0,  # four coordinates of a texture shader stage
 ) = range(14)
 DOT0 = COORDINATE0 + 4  # the stages' dot products
-FLOAT_COLUMNS = DOT0 + 4
+DEPTH = DOT0 + 4
+FLOAT_COLUMNS = DEPTH + 1
 # ints int32[INT_COLUMNS, batch]: cube face; where the level begins and its width; neighbouring columns and
 # rows with their fractions; level, fraction between levels, lambda; colour weights and residual vertex; the
 # triangle of a run; neighbouring layers with their fraction.

@@ -7,7 +7,6 @@ is given its own operands by a texture and by the contents of the framebuffer.
 import math
 from dataclasses import replace
 from fractions import Fraction
-from itertools import permutations
 
 import numpy as np
 import pytest
@@ -23,6 +22,7 @@ from pipeline.enums import (
     CombinerScale,
     ComparisonFunction,
     ComponentUsage,
+    DepthFormat,
     FogCoordinateSource,
     FogGeneration,
     FogMode,
@@ -45,6 +45,7 @@ from pipeline.state import (
     AlphaTest,
     Blending,
     CombinerInput,
+    DepthClamp,
     DepthTest,
     FinalCombiner,
     Fog,
@@ -60,8 +61,8 @@ from pipeline.state import (
 from pipeline.textures import COMPONENT_BITS, halve, store_texels, texture_1d, texture_2d, widen_to_byte
 from raster import rows
 from raster.combine import final_combiner, general_combiner
-from raster.fixed import divide_255, reciprocal_24, truncate_24
-from raster.interpolate import color_weights
+from raster.fixed import divide_255, reciprocal_24, reciprocal_29, truncate_24
+from raster.interpolate import color_weights, depth_words, emit_depth
 from raster.sample import POWERS_OF_TWO, lerp_packed, log2_q7, major_axis, on_face
 from tests.combiner_strategies import final_combiners, general_combiners
 from tests.reference import (
@@ -75,7 +76,7 @@ from tests.reference import (
     texel_formats,
 )
 from tests.run_reference import run_reference
-from tests.strategies import SHOW_TEXTURE
+from tests.strategies import SHOW_TEXTURE, seeds
 
 MACHINES = [
     replace(
@@ -114,6 +115,8 @@ def test_mantissas_are_cut_alike(value):
     assert reciprocal_24(value) == fixed.reciprocal(value, 24)
     power = math.ldexp(1.0, math.frexp(value)[1])
     assert reciprocal_24(power) == fixed.reciprocal(power, 24) == power
+    assert reciprocal_29(value) == fixed.low_reciprocal(value)
+    assert reciprocal_29(power) == fixed.low_reciprocal(power) == power
 
 
 def test_colors_become_bytes_alike():
@@ -580,7 +583,7 @@ def test_alpha_functions_over_all_alphas_and_references(function):
 @pytest.mark.parametrize("function", ComparisonFunction)
 def test_depth_functions_around_equality(function):
     # Depth 2^23 in the middle of a 24-bit buffer; the stored depths lie around it and at the ends.
-    units = depth.fragment_depth((1, 1, 1), 3, (0.5, 0.5, 0.5), 24, 0)
+    units = depth.word(depth.single(0.5 * 16777215.0), DepthFormat.FIXED_24, None)
     stored = [0, 1, units - 1, units, units + 1, 2**24 - 2, 2**24 - 1, units]
     source = np.full((1, 8, 4), 200, np.uint8)
     for write in (True, False):
@@ -806,23 +809,58 @@ def test_color_weights_of_random_edge_values_in_perspective(seed, size):
     assert kernel_color_weights(n, inverse_w) == [(w.color, w.residual) for w in expected]
 
 
-@pytest.mark.parametrize("pixels", [3, 5, 15, 17, 51])
-@pytest.mark.parametrize("bits", [16, 24])
-def test_depths_that_are_integers_are_not_rounded_down(bits, pixels):
-    # 2^16 - 1 and 2^24 - 1 are multiples of these widths, so the depth grows by one integer from pixel to
-    # pixel, and is one at every pixel center, whichever vertex comes first.
-    step = (2**bits - 1) // pixels
-    size = 64
-    corners = 2.0 * (np.array([[0.0, 0.0], [pixels, 0.0], [0.0, 40.0]]) + 0.5) / size - 1.0
-    positions = np.column_stack([corners, [-1.0, 1.0, -1.0]])
-    for order in permutations(range(3)):
-        machine = Machine(GEFORCE_256, size, size, depth_bits=bits, threads=1)
-        state = PassState(depth_test=DepthTest(ComparisonFunction.ALWAYS), stencil_test=REPLACE)
-        machine.run((Draw(label="slope", mesh=Mesh(positions[list(order)]), state=state),))
-        drawn = machine.framebuffer.stencil != 0
-        expected = np.broadcast_to(step * np.arange(size), (size, size))
-        assert drawn.sum() > pixels
-        np.testing.assert_array_equal(machine.framebuffer.depth[drawn], expected[drawn])
+NO_PRIMITIVES = WindowPrimitives(
+    x=np.zeros(0, np.int32),
+    y=np.zeros(0, np.int32),
+    z=np.zeros(0),
+    inverse_w=np.zeros(0),
+    colors=np.zeros((0, 2, 8), np.uint8),
+    coordinates=np.zeros((0, 0, 4)),
+    fog=np.zeros(0),
+    triangles=np.zeros((0, 4), np.int32),
+    dropped=0,
+    two_side=False,
+)
+
+
+def kernel_depths(n, inverse_w, z, offset, slope):
+    """Depths that the kernel gives a row of one pixel for each row of edge values n."""
+    floats = np.zeros((rows.FLOAT_COLUMNS, 4))
+    values = []
+    for edges in n.tolist():
+        emit_depth(floats, 1, 1, *map(float, edges), 0.0, 0.0, 0.0, *inverse_w, *z, offset, slope)
+        values.append(floats[rows.DEPTH, 1])
+    return values
+
+
+@pytest.mark.parametrize("scale", [2.0**-130, 2.0**-120, 1.0, 2.0**24, 2.0**120])
+@given(seed=seeds)
+def test_depths_equal_the_specification(scale, seed):
+    random = np.random.default_rng(seed)
+    n = random.integers(0, 2 ** random.integers(1, 38), (40, 3))
+    n[:, 0] += 1
+    inverse_w = [1.0] * 3 if seed % 2 else np.exp(random.uniform(-3.0, 3.0, 3)).tolist()
+    z = [depth.single(v) for v in (scale * random.choice([0.0, 0.5, 1.0, -1.0, random.random()], 3)).tolist()]
+    expected = [depth.iterate(row, inverse_w, z) for row in n.tolist()]
+    assert kernel_depths(n, inverse_w, z, 0.0, 0.0) == expected
+    assert kernel_depths(n, inverse_w, z, 3.0, 0.5) == [v + (3.0 + 0.5 * (v * v)) for v in expected]
+
+
+@given(seed=seeds)
+def test_depth_words_equal_the_specification(seed):
+    random = np.random.default_rng(seed)
+    exponents = random.uniform(-140.0, 130.0, 64) if seed % 2 else random.uniform(-10.0, 26.0, 64)
+    values = 2.0**exponents * random.choice([1.0, -1.0, 0.0], 64, p=[0.8, 0.1, 0.1])
+    low, high = np.sort(random.choice(values, 2)).tolist()
+    for depth_format in DepthFormat:
+        for limits in (None, DepthClamp(), DepthClamp(low, high), DepthClamp(low, high, True)):
+            state = PassState(depth_test=DepthTest(), depth_clamp=limits)
+            packed = pack.pack(state, NV2A, Framebuffer.new(4, 4, depth_format), {}, NO_PRIMITIVES)
+            floats, words = np.zeros((rows.FLOAT_COLUMNS, 64)), np.zeros(64, np.int32)
+            floats[rows.DEPTH] = values
+            depth_words(floats, 64, packed.draw, packed.draw_float, words)
+            expected = [depth.word(v, depth_format, limits) for v in values.tolist()]
+            assert words.tolist() == [-1 if word is None else word for word in expected]
 
 
 # ------------------------------------------------------------------------------------------------------- fog

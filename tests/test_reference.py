@@ -14,6 +14,7 @@ from pipeline.enums import (
     CombinerScale,
     ComparisonFunction,
     ComponentUsage,
+    DepthFormat,
     Face,
     FogMode,
     FrontFace,
@@ -36,6 +37,7 @@ from pipeline.state import (
     Blending,
     ColorMask,
     CombinerInput,
+    DepthClamp,
     DepthTest,
     FinalCombiner,
     Fog,
@@ -199,24 +201,68 @@ def test_other_values_are_iterated_from_the_middle_vertex():
 # ------------------------------------------------------------------------------------------------------ depth
 
 
-def test_depth_is_the_floor_of_the_plane():
-    assert depth.fragment_depth((2, 1, 1), 4, (0.0, 0.5, 1.0), 16, 0) == 24575
-    assert depth.fragment_depth((2, 1, 1), 4, (1.0, 1.0, 1.0), 24, 0) == 2**24 - 1
-    assert depth.fragment_depth((1, 1, 1), 3, (1.0, 1.0, 1.0), 16, 0) == 65535
+ONES = (1.0, 1.0, 1.0)
 
 
-def test_the_offset_is_added_after_the_floor_and_the_sum_is_clamped():
-    assert depth.fragment_depth((2, 1, 1), 4, (0.0, 0.5, 1.0), 16, -5) == 24570
-    assert depth.fragment_depth((2, 1, 1), 4, (0.0, 0.5, 1.0), 16, -(2**30)) == 0
-    assert depth.fragment_depth((2, 1, 1), 4, (0.0, 0.5, 1.0), 16, 2**30) == 65535
+def test_depth_is_iterated_from_the_vertex_of_the_largest_exponent():
+    assert depth.iterate((2, 1, 1), ONES, (0.0, 32767.5, 65535.0)) == 24575.625
+    assert depth.iterate((1, 1, 1), ONES, (7.0, 7.0, 7.0)) == 7.0
+    # A third is low by less than 2^-24 of itself: the base vertex takes what the others lack.
+    assert depth.iterate((1, 1, 1), ONES, (3.0, 0.0, 0.0)) < 1.0
+    assert depth.iterate((1, 1, 1), ONES, (0.0, 3.0, 0.0)) > 1.0
+    assert [depth.base_vertex(e) for e in ((1, 1, 1), (2, 3, 2), (3, 1, 2), (1.9, 1, 2), (0, 0, 1))] == [
+        1,
+        1,
+        0,
+        2,
+        2,
+    ]
 
 
-def test_polygon_offset_takes_the_steeper_axis_and_truncates():
-    vertices, area = ((0, 0), (160, 0), (0, 160)), 25600
-    assert depth.polygon_offset(vertices, area, (0.0, 0.5, 0.0), 16, 2.0, 3.5) == 6557
-    assert depth.polygon_offset(vertices, area, (0.0, 0.25, -0.5), 16, 1.0, 0.0) == 3276
-    assert depth.polygon_offset(vertices, area, (0.0, 0.5, 0.0), 16, -1.0, 0.0) == -3276
-    assert depth.polygon_offset(vertices, area, (0.0, 0.5, 0.0), 16, 1e20, 0.0) == 2**30
+def test_a_product_keeps_the_bits_that_a_sum_of_29_bits_has_room_for():
+    # 2^23 + 1/4 * (2^-4 + 2^-6): of the product's 2^-6 + 2^-8 a sum of 2^23 keeps the bits down to 2^-5.
+    near, far = 2.0**23, 2.0**23 + 1.0
+    assert depth.iterate((3, 0, 1), ONES, (near, 0.0, far)) == 2.0**23 + 0.25
+    assert depth.iterate((63, 0, 1), ONES, (near, 0.0, far)) == near  # 2^-6 is gone
+    assert depth.iterate((31, 0, 1), ONES, (near, 0.0, far)) == near + 2.0**-5
+
+
+def test_differences_below_the_smallest_normal_single_are_none():
+    small, step = 2.0**-125, 2.0**-127
+    assert depth.iterate((3, 0, 1), ONES, (small, 0.0, small + step)) == small
+    assert depth.iterate((3, 0, 1), ONES, (small, 0.0, small + 2 * step)) == small + step / 2
+
+
+def test_words_of_every_depth_format():
+    assert [depth.word(z, DepthFormat.FIXED_16, None) for z in (-1.0, 0.99, 7.0, 1e9)] == [0, 0, 7, 65535]
+    assert [depth.word(z, DepthFormat.FLOAT_16, None) for z in (0.0, 2.0**-7, 2.0**-6, 1.0, 1e9)] == [
+        0, 0, 0x1000, 0x7000, 0xFFFF,
+    ]  # fmt: skip
+    assert [depth.word(z, DepthFormat.FLOAT_24, None) for z in (2.0**-127, 2.0**-126, 1.5, 1e39)] == [
+        0, 0x10000, 0x7F8000, 0xFEFFFF,
+    ]  # fmt: skip
+
+
+def test_limits_clamp_or_end_a_fragment():
+    clamp, cull = DepthClamp(9.5, 16.5), DepthClamp(9.5, 16.5, cull=True)
+    assert [depth.word(z, DepthFormat.FIXED_24, clamp) for z in (9.4, 12.9, 20.0)] == [9, 12, 16]
+    assert [depth.word(z, DepthFormat.FIXED_24, cull) for z in (9.4, 9.5, 16.5, 16.6)] == [None, 9, 16, None]
+
+
+def test_polygon_offset_takes_the_steeper_axis_and_truncates_in_fixed_formats():
+    triangle = coverage.make_triangle((0, 0), (160, 0), (0, 160))
+    state = PassState(polygon=PolygonState(offset_fill=True, offset_factor=2.0, offset_units=3.5))
+
+    def offset(z, depth_format=DepthFormat.FIXED_16, **polygon):
+        changed = replace(state, polygon=replace(state.polygon, **polygon))
+        return depth.primitive_offset(triangle, z, ONES, changed, depth_format)
+
+    assert offset((0.0, 32767.5, 0.0)) == (6557.0, 0.0)
+    assert offset((0.0, 16383.75, -32767.5), offset_factor=1.0, offset_units=0.0) == (3276.0, 0.0)
+    assert offset((0.0, 32767.5, 0.0), offset_factor=-1.0, offset_units=0.0) == (-3276.0, 0.0)
+    assert offset((0.0, 32767.5, 0.0), offset_factor=1e20) == (2.0**30, 0.0)
+    assert offset((0.0, 1.0, 0.0), DepthFormat.FLOAT_16) == (3.7, 0.0)
+    assert offset((0.0, 1.0, 0.0), offset_fill=False) == (0.0, 0.0)
 
 
 def test_clear_depths_are_rounded_to_nearest():

@@ -39,6 +39,7 @@ from pipeline.state import (
     AlphaTest,
     Blending,
     CombinerInput,
+    DepthClamp,
     DepthTest,
     FinalCombiner,
     Fog,
@@ -916,6 +917,8 @@ LACKING = {
     "fog_registers": (False, draw(fog=Fog(registers=FogRegisters())), "has no FogRegisters"),
     "separate_specular_color": (False, lit(separate_specular_color=True), "no SEPARATE_SPECULAR_COLOR"),
     "color_sum": (False, draw(color_sum=True), "no color sum"),
+    "depth_clamp": (False, draw(depth_clamp=DepthClamp()), "no DEPTH_CLAMP; leave depth_clamp None"),
+    "w_buffering": (False, draw(w_buffering=True), "no W buffering"),
 }
 
 

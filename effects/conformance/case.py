@@ -37,7 +37,7 @@ class Case:
     region       boxes that are compared; text, which the processor drew over the picture, never is
     exclusions   pixels inside them whose rule is not decidable; at most MOST_EXCLUDED of the region
     shows        which buffer the capture holds
-    depth_bits   of the window's depth buffer
+    depth_bits   of the window's depth buffer, or its DepthFormat
     explanation  one line on why pixels differ, where some are known to; empty: all agree
     """
 

@@ -149,8 +149,10 @@ def masked_color(color, stored, color_mask):
 def write_fragment(target, px, py, color, depth, state):
     """Everything after the combiners for one fragment; returns whether it passed every test.
 
-    Source: OpenGL 1.2.1 section 4.1.
+    ``depth`` None: it lies outside the limits. Source: OpenGL 1.2.1 section 4.1.
     """
+    if depth is None:
+        return False
     if not alpha_test_passes(color[3], state.alpha_test):
         return False
     stored = target.stencil[py][px]

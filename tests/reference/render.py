@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 
-from pipeline.enums import ColorFormat, ShadeModel, TextureShaderOperation, TextureTarget
+from pipeline.enums import ColorFormat, ShadeModel, TextureShaderOperation, TextureTarget, VertexStage
 from tests.reference import (
     combine,
     coverage,
@@ -112,7 +112,6 @@ def draw_triangle(target, primitives, corners, state, textures, profile):
     front = coverage.is_front_facing(triangle, state.polygon.front_face)
     if coverage.is_culled(front, state.polygon.cull_face):
         return
-    window_z = [primitives.z[v] for v in vertices]
     inverse_w = tuple(primitives.inverse_w[v] for v in vertices)
     if min(inverse_w) < SMALLEST_INVERSE_W or max(inverse_w) > LARGEST_INVERSE_W:
         return
@@ -121,22 +120,17 @@ def draw_triangle(target, primitives, corners, state, textures, profile):
         sample.TexturedTriangle(triangle, inverse_w, tuple(primitives.coordinates[v][i] for v in vertices))
         for i in range(len(state.texture_units))
     ]
-    offset = 0
-    if state.polygon.offset_fill:
-        offset = depth.polygon_offset(
-            triangle.vertices,
-            triangle.area,
-            window_z,
-            target.depth_bits,
-            state.polygon.offset_factor,
-            state.polygon.offset_units,
-        )
+    programmed = state.vertex.stage == VertexStage.PROGRAM_RESULTS
+    depths = depth.vertex_depths(primitives, vertices, state, target.depth_bits, programmed)
+    depth_w = inverse_w if state.w_buffering else (1.0, 1.0, 1.0)
+    offset, slope = depth.primitive_offset(triangle, depths, inverse_w, state, target.depth_bits)
     columns, rows = coverage.scissor_rows_and_columns(state.scissor, target.width, target.height)
     for px, py in coverage.fragments(triangle, columns, rows):
         n = coverage.edge_values(triangle, px, py)
         weights = interpolate.weights(n, inverse_w)
         color = [interpolate.iterate_color_channel(weights.color, [c[k] for c in colors]) for k in range(8)]
-        z = depth.fragment_depth(n, abs(triangle.area), window_z, target.depth_bits, offset)
+        z = depth.iterate(n, depth_w, depths)
+        z = depth.word(z + (offset + slope * (z * z)), target.depth_bits, state.depth_clamp)
         access = Access(state, units, (px, py), weights, textures, profile)
         alive = True
         if state.texture_shader is None:

@@ -21,6 +21,8 @@ from pipeline.enums import (
 )
 from tests.reference import fixed, fog, lighting_unit
 
+NEAREST_W = 2.0**-100  # Assumed: any small number; without a near plane w stays positive
+
 # What a vertex is on its way to the window; colors: front and back, eight components each (primary RGBA,
 # secondary RGBA); coordinates: s, t, r, q of every unit.
 Vertex = namedtuple("Vertex", "clip eye colors coordinates fog")
@@ -363,16 +365,17 @@ def unit_coordinates(unit, sets, position, eye, normal):
 # --------------------------------------------------------------------------------------------- clipping
 
 
-def clip_distances(vertex_state, profile, width, height):
+def clip_distances(vertex_state, profile, width, height, depth_clamp):
     """Distance functions of a vertex, in clipping order.
 
-    Source: OpenGL 1.2.1 section 2.11; Measured: the sides of the view volume do not clip (NV2A).
+    Source: OpenGL 1.2.1 section 2.11; Measured: the sides of the view volume do not clip (NV2A). With
+    NV_depth_clamp the eye's plane takes the place of near and far.
     """
     (half_x, half_y), (center_x, center_y) = viewport_frame(vertex_state.viewport, width, height)
     guard = profile.guard_band
+    near_and_far = [lambda v: v.clip[2] + v.clip[3], lambda v: v.clip[3] - v.clip[2]]
     return [
-        lambda v: v.clip[2] + v.clip[3],
-        lambda v: v.clip[3] - v.clip[2],
+        *([lambda v: v.clip[3] - NEAREST_W] if depth_clamp else near_and_far),
         *((lambda v, plane=plane: weighted_sum(plane, v.eye)) for plane in vertex_state.clip_planes),
         lambda v: v.clip[0] * half_x + (center_x + guard) * v.clip[3],
         lambda v: ((width + guard) - center_x) * v.clip[3] - v.clip[0] * half_x,
@@ -453,7 +456,7 @@ def to_window(v, state, profile, width, height):
     return WindowVertex(
         snap(window_x, width, profile),
         snapped_y,
-        clamp_color(window_z),
+        window_z if state.depth_clamp is not None else clamp_color(window_z),
         inverse_w,
         [color_bytes(side, exactly_lit(state, profile), profile) for side in v.colors],
         v.coordinates,
@@ -530,7 +533,7 @@ def process(mesh, state, profile, width, height):
     """All triangles of a mesh in window coordinates. Source: OpenGL 1.2.1 chapter 2."""
     result = Assembled()
     lit = exactly_lit(state, profile)
-    distances = clip_distances(state.vertex, profile, width, height)
+    distances = clip_distances(state.vertex, profile, width, height, state.depth_clamp is not None)
     vertices = [process_vertex(mesh, i, state, profile) for i in range(len(mesh.positions))]
     for *corners, provoking in assemble(mesh, state.polygon.provoking_vertex):
         triangle = [vertices[corner] for corner in corners]

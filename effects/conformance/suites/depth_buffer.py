@@ -11,32 +11,50 @@ import numpy as np
 from effects.conformance import scenes
 from effects.conformance.case import Case, Shows
 from pipeline.commands import Draw
-from pipeline.enums import ComparisonFunction
-from pipeline.state import DepthTest
+from pipeline.enums import ComparisonFunction, DepthFormat
+from pipeline.state import DepthClamp, DepthTest
 
 SUITE = "Depth_buffer"
+single = np.float32
 
-FORMATS = {("z16", "n"): (16, 0xFFFF), ("z24", "n"): (24, 0xFFFFFF)}  # bits, the farthest word
+FORMATS = {  # the name's parts: format, the farthest word
+    ("z16", "n"): (DepthFormat.FIXED_16, 0xFFFF),
+    ("z24", "n"): (DepthFormat.FIXED_24, 0xFFFFFF),
+    ("z16", "y"): (DepthFormat.FLOAT_16, 0xFFFF),
+    ("z24", "y"): (DepthFormat.FLOAT_24, 0xFEFFFF),
+}
+FARTHEST_FLOAT = float(single(1e30))  # the library's limit for 24-bit floats; nearer than the farthest word
 CUT_OFFS = 48
 LEFT, TOP, RIGHT, BOTTOM = 128, 40, 512, 440
 SQUARE, STEP = 8, 12  # pixels: a small quad's edge, and from one to the next
 COLUMNS, ROWS = (RIGHT - LEFT - SQUARE) // STEP, (BOTTOM - TOP - SQUARE) // STEP
 
-single = np.float32
-
 
 def _cases():
-    for (width, is_float), (bits, farthest) in FORMATS.items():
+    for (width, is_float), (depth_format, farthest) in FORMATS.items():
         for compressed in "ny":
             for k in range(CUT_OFFS + 1):
                 cut_off = farthest - k * (farthest // CUT_OFFS)
                 name = f"DepthFmt_{width}_C{compressed}_FZ{is_float}_M{cut_off:06x}"
-                yield name, bits, farthest, cut_off
+                yield name, depth_format, farthest, cut_off
 
 
 def names():
     """Every case of the suite: colours, and with _ZB the depth buffer."""
     return [name + shows for name, *_ in _cases() for shows in ("", "_ZB")]
+
+
+def _decoded(bits):
+    """The single of that bit pattern."""
+    return float(np.array([bits], np.uint32).view(single)[0])
+
+
+DEPTH_OF = {  # depth units of a word
+    DepthFormat.FIXED_16: float,
+    DepthFormat.FIXED_24: float,
+    DepthFormat.FLOAT_16: lambda word: _decoded((word << 11) + 0x3C000000) if word else 0.0,
+    DepthFormat.FLOAT_24: lambda word: _decoded(word << 7),
+}
 
 
 def _squares(farthest):
@@ -86,13 +104,19 @@ def case(name, inputs):
     found = {known: rest for known, *rest in _cases()}.get(name.removesuffix("_ZB"))
     if found is None:
         return None
-    bits, farthest, cut_off = found
-    state = replace(scenes.DEFAULT, depth_test=DepthTest(ComparisonFunction.LESS))
+    depth_format, farthest, cut_off = found
+    state = replace(
+        scenes.DEFAULT,
+        depth_test=DepthTest(ComparisonFunction.LESS),
+        depth_clamp=DepthClamp(
+            maximum=FARTHEST_FLOAT if depth_format == DepthFormat.FLOAT_24 else None, cull=True
+        ),
+    )
     return Case(
         commands=(
-            scenes.clear(0xFF000000, depth=cut_off / farthest),
-            Draw(label="slopes", mesh=_mesh(farthest, float), state=state),
+            scenes.clear(0xFF000000, depth=cut_off / (2 ** abs(depth_format) - 1)),
+            Draw(label="slopes", mesh=_mesh(farthest, DEPTH_OF[depth_format]), state=state),
         ),
-        depth_bits=bits,
+        depth_bits=depth_format,
         shows=Shows.ZETA if name.endswith("_ZB") else Shows.COLOR,
     )
