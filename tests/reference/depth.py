@@ -48,7 +48,8 @@ def single(value):
 def vertex_depths(primitives, vertices, state, depth_format, programmed):
     """The three vertices' depths in depth units.
 
-    Source: OpenGL 1.2.1 section 2.10.1, NV_depth_buffer_float; with W buffering clip w (Measured: Depth_Clamp captures).
+    Source: OpenGL 1.2.1 section 2.10.1, NV_depth_buffer_float; with W buffering clip w (Measured: Depth_Clamp
+    captures).
     """
     if state.w_buffering:
         return [single(1.0 / primitives.inverse_w[v]) for v in vertices]
