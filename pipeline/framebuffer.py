@@ -10,8 +10,10 @@ from pipeline.enums import ColorFormat, DepthFormat, InternalFormat, WindowOrigi
 from pipeline.textures import (
     BASE_FORMAT,
     COMPONENT_BITS,
+    DEPTH_TEXELS,
     KEPT,
     Texture,
+    depth_texels,
     pyramid,
     register_components,
     store_texels,
@@ -161,7 +163,14 @@ def copied_texture(framebuffer, command):
     """CopyTexImage1D/2D: the texture that a framebuffer rectangle defines."""
     width = framebuffer.width - command.x if command.width is None else command.width
     height = framebuffer.height - command.y if command.height is None else command.height
-    texels = store_texels(framebuffer.rectangle(command.x, command.y, width, height), command.internal_format)
+    if command.internal_format in DEPTH_TEXELS:
+        bottom = framebuffer.height - command.y
+        texels = depth_texels(
+            framebuffer.depth[bottom - height : bottom, command.x : command.x + width][::-1]
+        )
+    else:
+        rgba = framebuffer.rectangle(command.x, command.y, width, height)
+        texels = store_texels(rgba, command.internal_format)
     texels.setflags(write=False)
     levels = pyramid(texels[None]) if command.generate_mipmap else (texels[None],)
     return Texture(command.target, command.internal_format, levels)

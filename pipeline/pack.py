@@ -31,6 +31,7 @@ from pipeline.enums import (
     Register,
     ShadeModel,
     StencilOperation,
+    TextureCompareMode,
     TextureFilter,
     TextureShaderOperation,
     TextureTarget,
@@ -46,7 +47,7 @@ from pipeline.state import (
     RegisterCombiners,
     TextureShaderStage,
 )
-from pipeline.textures import BASE_FORMAT, KEPT, register_components
+from pipeline.textures import BASE_FORMAT, DEPTH_TEXELS, KEPT, register_components
 from raster import rows as R
 
 
@@ -459,6 +460,14 @@ def shader_stages(state):
     return (*state.texture_shader, *(TextureShaderStage(),) * missing)
 
 
+def _pack_comparison(sampler, internal_format, profile, row):
+    """A depth texture's entries. Its border is refused (``pipeline.validate``)."""
+    row[R.COMPARE], row[R.COMPARE_FUNCTION] = sampler.compare_mode, sampler.compare_function
+    row[R.DEPTH_TEXEL_MAX], row[R.DEPTH_TEXEL_MANTISSA] = DEPTH_TEXELS[internal_format]
+    units = profile.depth_units_in_coordinates
+    row[R.COORDINATE_DEPTH] = _pattern(1.0 if units else row[R.DEPTH_TEXEL_MAX])
+
+
 def _pack_units(state, profile, textures, primitives, used, draw):
     units = np.zeros((max(len(state.texture_units), 1), R.UNIT_SIZE), np.int64)
     stages = shader_stages(state)
@@ -505,7 +514,10 @@ def _pack_units(state, profile, textures, primitives, used, draw):
         ):
             row[R.THRESHOLD] = 128
         row[R.SIGNED] = signed_bits(sampler.signed_components)
-        row[R.BORDER] = border_texel(sampler.border_color, texture.internal_format) ^ int(row[R.SIGNED])
+        if sampler.compare_mode != TextureCompareMode.NONE:
+            _pack_comparison(sampler, texture.internal_format, profile, row)
+        else:
+            row[R.BORDER] = border_texel(sampler.border_color, texture.internal_format) ^ int(row[R.SIGNED])
         divided = texture.target != TextureTarget.TEXTURE_CUBE_MAP  # a cube map reads a direction as it is
         row[R.PROJECTIVE] = divided and (primitives.coordinates[:, i, 3] != 1.0).any()
     return units

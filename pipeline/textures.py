@@ -54,6 +54,15 @@ def _base_format(internal_format):
 # Source: OpenGL 1.2.1 table 3.16. Assumed: a border colour reaches the registers whole with the others.
 BASE_FORMAT = {f: _base_format(f) for f in InternalFormat}
 
+# Depth textures: the largest word, and the bits of a float's mantissa (0: an integer).
+# Source: ARB_depth_texture; Measured: e4m12, 400 of 400 depths (Depth_buffer captures); Inferred: e8m16.
+DEPTH_TEXELS = {
+    InternalFormat.DEPTH_COMPONENT16: (0xFFFF, 0),
+    InternalFormat.DEPTH_COMPONENT24: (0xFFFFFF, 0),
+    InternalFormat.DEPTH_COMPONENT16_FLOAT: (0xFFFF, 12),
+    InternalFormat.DEPTH_COMPONENT24_FLOAT: (0xFEFFFF, 16),
+}
+
 # Which RGBA components of an image a base format keeps.  Source: OpenGL 1.2.1 table 3.15.
 KEPT = {
     BaseFormat.ALPHA: (3,),
@@ -128,6 +137,11 @@ def store_texels(rgba, internal_format):
         else:
             components[..., k] = _quantised(np.clip(given, 0.0, 1.0), bits)
     return register_components(components, base, np.uint8(255))
+
+
+def depth_texels(words):
+    """Depth-buffer words [h, w] as the four bytes of depth texels, lowest byte first."""
+    return np.ascontiguousarray(words.astype("<u4")).view(np.uint8).reshape(*words.shape, 4)
 
 
 def _frozen_levels(levels):

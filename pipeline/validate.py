@@ -49,6 +49,7 @@ from pipeline.enums import (
     PrimitiveType,
     Register,
     TexGenMode,
+    TextureCompareMode,
     TextureFilter,
     TextureShaderOperation,
     TextureTarget,
@@ -58,7 +59,7 @@ from pipeline.enums import (
 from pipeline.framebuffer import READ_FORMATS, READABLE_AS
 from pipeline.pack import WITHOUT_TEXTURE, shader_stages
 from pipeline.state import Light, Lighting, Material, SignedComponents, VertexState
-from pipeline.textures import COMPONENT_BITS, Texture
+from pipeline.textures import COMPONENT_BITS, DEPTH_TEXELS, Texture
 from pipeline.vertex import invert_upper_left, needs_normals
 
 _READ_FORMATS = (*READ_FORMATS, "DEPTH_COMPONENT", "STENCIL_INDEX")
@@ -788,7 +789,7 @@ class _Walk:
         self.textures[command.texture] = _Known(command.target, command.internal_format, sizes, faces)
 
     def copied_format(self, internal_format):
-        if internal_format not in COMPONENT_BITS:
+        if internal_format not in COMPONENT_BITS and internal_format not in DEPTH_TEXELS:
             self.refuse(
                 f"{internal_format.name} cannot be copied from a framebuffer; define it with TexImage, or "
                 f"copy to one of {_names(COMPONENT_BITS)}."
@@ -1092,6 +1093,18 @@ class _Walk:
             self.refuse(
                 f"{profile.name} has no {sampler.compare_mode.name}, which {place} asks for compare_mode; it "
                 f"has {_names(profile.texture_compare_modes)}."
+            )
+        deep = known.internal_format in DEPTH_TEXELS
+        compares = sampler.compare_mode is not TextureCompareMode.NONE
+        if deep is not compares:
+            self.refuse(
+                f"{place} reads {unit.texture!r}, {known.internal_format.name}, with compare_mode "
+                f"{sampler.compare_mode.name}; depth textures are read by comparing, and only they can be."
+            )
+        if compares and {sampler.wrap_s, sampler.wrap_t} & {WrapMode.CLAMP, WrapMode.CLAMP_TO_BORDER}:
+            self.refuse(
+                f"{place} compares and may read its border colour, which is no depth; use CLAMP_TO_EDGE or "
+                "REPEAT."
             )
         width, height = known.sizes[0]
         mipmapped = sampler.min_filter not in (TextureFilter.NEAREST, TextureFilter.LINEAR)

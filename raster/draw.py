@@ -29,6 +29,7 @@ from raster.level_of_detail import level_of_detail
 from raster.per_fragment import all_alive, per_fragment
 from raster.sample import TAU, cube_faces, divide_by_q, sample_unit, unpack
 from raster.strokes import along_line, open_run, stroke_bounds, stroke_margin
+from raster.shadow import shadow_reference
 from raster.texture_shader import (
     CUBE_MAP,
     DOT_PRODUCT_3D,
@@ -39,6 +40,7 @@ from raster.texture_shader import (
     copy_texel,
     dependent_ties,
     face_planes,
+    fill_column,
     flat_face,
     scale_texel,
     shader_stage,
@@ -255,6 +257,18 @@ def shade(
                 cube_faces(floats, count, ints)
         elif row[R.OPERATION] == CUBE_MAP or row[R.OPERATION] >= DOT_PRODUCT_CUBE_MAP:
             face_planes(floats, count)
+        if row[R.COMPARE]:
+            divided = row[R.PROJECTIVE] and not row[R.OPERATION]
+            if row[R.COMPARE] == 2:
+                fill_column(floats, R.COORDINATE0, 0.0, count)
+            else:
+                iterate_coordinate(
+                    starts, owners, segments, triangles, coordinates, u, 2, floats, R.COORDINATE0
+                )
+            shadow_reference(
+                floats, R.COORDINATE0, divided, count, float_of(row[R.COORDINATE_DEPTH]),
+                row[R.DEPTH_TEXEL_MANTISSA], int32(row[R.DEPTH_TEXEL_MAX]), ints,
+            )  # fmt: skip
         if row[R.MIPMAP] != 0 or row[R.MAG_LINEAR] != row[R.MIN_LINEAR]:
             level_of_detail(
                 draw,

@@ -133,8 +133,10 @@ FINAL_SIZE = 3
     CULL_MODES,  # bit k: coordinate k must be less than zero, else not less
     COMPARE,  # pipeline.enums.TextureCompareMode
     COMPARE_FUNCTION,
+    DEPTH_TEXEL_MAX,  # the largest depth word of a compared texture
+    DEPTH_TEXEL_MANTISSA,  # mantissa bits of its depths; 0: integers
     OFFSET_MATRIX,  # four entries; these and the following are bit patterns of float64
-) = range(24)
+) = range(26)
 OFFSET_SCALE = OFFSET_MATRIX + 4
 OFFSET_BIAS = OFFSET_SCALE + 1
 CONSTANT_EYE = OFFSET_BIAS + 1  # three entries
@@ -173,7 +175,8 @@ DEPTH = DOT0 + 4
 FLOAT_COLUMNS = DEPTH + 1
 # ints int32[INT_COLUMNS, batch]: cube face; where the level begins and its width; neighbouring columns and
 # rows with their fractions; level, fraction between levels, lambda; colour weights and residual vertex; the
-# triangle of a run; neighbouring layers with their fraction.
+# triangle of a run; neighbouring layers with their fraction; the depth word that
+# texels are compared with.
 (
     FACE,
     BASE,
@@ -194,8 +197,9 @@ FLOAT_COLUMNS = DEPTH + 1
     K0,
     K1,
     K_FRACTION,
+    REFERENCE,
     INT_COLUMNS,
-) = range(20)
+) = range(21)
 # packed uint32[PACKED_COLUMNS, batch]: the four texels of a linear filter; filtered texels, the upper layer's
 # among them; the texel of each texture shader stage.
 P00, P10, P01, P11, TEXEL_0, TEXEL_1, MAGNIFIED, LAYER_1, STAGE0 = range(9)

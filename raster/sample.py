@@ -10,6 +10,7 @@ from numba import float64, int16, int32, int64, uint32, uint64
 
 from raster import rows as R
 from raster.kernel import bits_of, float_of, kernel, separate_function, separate_loop
+from raster.shadow import compare_texels
 
 TAU = 2.0**-24  # texels: the bias that decides exact ties (docs/numbers.md, section 6)
 
@@ -402,15 +403,20 @@ def fill_int(ints, column, count, value):
         ints[p, i] = value
 
 
-@kernel("void(u4[::1],i4[:,::1],i8,i8,u4,i8,u4[:,::1],i8)")
-def fetch_and_filter(texels, ints, linear, bordered, border, count, packed, out):
-    """The texel at (I0, J0), or the linear filter of the four at I0, I1, J0, J1, into a packed column."""
+@kernel("void(u4[::1],i4[:,::1],i8,i8,u4,i8,i8,u4[:,::1],i8)")
+def fetch_and_filter(texels, ints, linear, bordered, border, function, count, packed, out):
+    """The texel at (I0, J0), or the linear filter of the four at I0, I1, J0, J1, into a packed column.
+
+    ``function``: of a shadow comparison, or -1.
+    """
     separate_function()
     if not linear:
         if bordered:
             fetch_bordered(texels, ints, count, R.I0, R.J0, border, packed, out)
         else:
             fetch_nearest(texels, ints, count, packed, out)
+        if function >= 0:
+            compare_texels(packed, out, ints, int32(function), count)
         return
     if bordered:
         fetch_bordered(texels, ints, count, R.I0, R.J0, border, packed, R.P00)
@@ -419,6 +425,9 @@ def fetch_and_filter(texels, ints, linear, bordered, border, count, packed, out)
         fetch_bordered(texels, ints, count, R.I1, R.J1, border, packed, R.P11)
     else:
         fetch_linear(texels, ints, count, packed)
+    if function >= 0:
+        for column in (R.P00, R.P10, R.P01, R.P11):
+            compare_texels(packed, column, ints, int32(function), count)
     filter_linear(packed, ints, count, out)
 
 
@@ -455,7 +464,8 @@ def sample_level(texels, levels, unit, count, linear, many, floats, ints, packed
     bordered = reads_border(wrap_s, linear) or (not flat and reads_border(wrap_t, linear))
     border = uint32(unit[R.BORDER])
     if not layered:
-        fetch_and_filter(texels, ints, linear, bordered, border, count, packed, out)
+        function = unit[R.COMPARE_FUNCTION] if unit[R.COMPARE] else int64(-1)
+        fetch_and_filter(texels, ints, linear, bordered, border, function, count, packed, out)
         return
     wrap_r = unit[R.WRAP_R]
     texel_coordinates(floats, R.P, R.P_SIZE, R.TIE_P if tied else -1, scale, count)
@@ -463,7 +473,7 @@ def sample_level(texels, levels, unit, count, linear, many, floats, ints, packed
     for k in range(2 if linear else 1):
         layer, column = (R.K1, R.LAYER_1) if k == 1 else (R.K0, out)
         layer_base(levels, ints, layer, count)
-        fetch_and_filter(texels, ints, linear, bordered, border, count, packed, column)
+        fetch_and_filter(texels, ints, linear, bordered, border, -1, count, packed, column)
         if reads_border(wrap_r, linear):
             border_layer(ints, layer, border, count, packed, column)
     if linear:
