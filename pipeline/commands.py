@@ -198,7 +198,8 @@ class MakeCurrent:
 
 @dataclass(frozen=True, kw_only=True)
 class BindTexImage:
-    """WGL_ARB_render_texture: define ``texture`` as the colours that ``surface`` holds now.
+    """WGL_ARB_render_texture: define ``texture`` as the colours that ``surface`` holds now; with a depth
+    format (WGL_NV_render_depth_texture) as its depths.
 
     The pbuffer's bits are read as ``internal_format``, which is as wide. ``origin`` LOWER_LEFT: the bottom
     row has t = 0, as in OpenGL; UPPER_LEFT: the top row does, which is the first in the chip's memory.

@@ -163,14 +163,7 @@ def copied_texture(framebuffer, command):
     """CopyTexImage1D/2D: the texture that a framebuffer rectangle defines."""
     width = framebuffer.width - command.x if command.width is None else command.width
     height = framebuffer.height - command.y if command.height is None else command.height
-    if command.internal_format in DEPTH_TEXELS:
-        bottom = framebuffer.height - command.y
-        texels = depth_texels(
-            framebuffer.depth[bottom - height : bottom, command.x : command.x + width][::-1]
-        )
-    else:
-        rgba = framebuffer.rectangle(command.x, command.y, width, height)
-        texels = store_texels(rgba, command.internal_format)
+    texels = store_texels(framebuffer.rectangle(command.x, command.y, width, height), command.internal_format)
     texels.setflags(write=False)
     levels = pyramid(texels[None]) if command.generate_mipmap else (texels[None],)
     return Texture(command.target, command.internal_format, levels)
@@ -210,9 +203,23 @@ READABLE_AS = {
 }
 
 
+# Which depth format reads a surface's depth words. Source: WGL_NV_render_depth_texture.
+DEPTH_READABLE_AS = {
+    16: InternalFormat.DEPTH_COMPONENT16,
+    24: InternalFormat.DEPTH_COMPONENT24,
+    -16: InternalFormat.DEPTH_COMPONENT16_FLOAT,
+    -24: InternalFormat.DEPTH_COMPONENT24_FLOAT,
+}
+
+
 def bound_texture(framebuffer, command):
-    """BindTexImage: the texture that a pbuffer's colours are."""
-    rgba = framebuffer.color if command.origin == WindowOrigin.UPPER_LEFT else framebuffer.color[::-1]
+    """BindTexImage: the texture that a pbuffer's colours, or depths, are."""
+    rows = slice(None, None, 1 if command.origin == WindowOrigin.UPPER_LEFT else -1)
+    if command.internal_format in DEPTH_TEXELS:
+        return Texture(
+            command.target, command.internal_format, (depth_texels(framebuffer.depth[rows])[None],)
+        )
+    rgba = framebuffer.color[rows]
     base, bits = BASE_FORMAT[command.internal_format], COMPONENT_BITS[command.internal_format]
     components = np.stack(
         [widen_to_byte(rgba[..., kept] >> (8 - b), b) for kept, b in zip(KEPT[base], bits, strict=True)], -1

@@ -56,7 +56,7 @@ from pipeline.enums import (
     VertexStage,
     WrapMode,
 )
-from pipeline.framebuffer import READ_FORMATS, READABLE_AS
+from pipeline.framebuffer import DEPTH_READABLE_AS, READ_FORMATS, READABLE_AS
 from pipeline.pack import WITHOUT_TEXTURE, shader_stages
 from pipeline.state import Light, Lighting, Material, SignedComponents, VertexState
 from pipeline.textures import COMPONENT_BITS, DEPTH_TEXELS, Texture
@@ -789,7 +789,7 @@ class _Walk:
         self.textures[command.texture] = _Known(command.target, command.internal_format, sizes, faces)
 
     def copied_format(self, internal_format):
-        if internal_format not in COMPONENT_BITS and internal_format not in DEPTH_TEXELS:
+        if internal_format not in COMPONENT_BITS:
             self.refuse(
                 f"{internal_format.name} cannot be copied from a framebuffer; define it with TexImage, or "
                 f"copy to one of {_names(COMPONENT_BITS)}."
@@ -886,13 +886,13 @@ class _Walk:
                 "before."
             )
         surface = self.surfaces[command.surface]
-        formats = READABLE_AS[surface.color_format]
+        formats = (*READABLE_AS[surface.color_format], DEPTH_READABLE_AS[surface.depth_bits])
         if command.internal_format not in formats:
             self.refuse(
-                f"{command.internal_format.name} does not read the words of {surface.color_format.name}; "
-                f"give {_names(formats)}."
+                f"{command.internal_format.name} does not read the words of {surface.color_format.name} with "
+                f"{surface.depth_bits} bits of depth; give {_names(formats)}."
             )
-        if command.target is not TextureTarget.TEXTURE_2D:
+        if command.target not in (TextureTarget.TEXTURE_2D, TextureTarget.TEXTURE_RECTANGLE):
             self.refuse(f"a pbuffer becomes a 2D texture, not a {command.target.name}; give TEXTURE_2D.")
         self.texture_storage(command.target, command.internal_format, surface.width, surface.height)
         size = (surface.width, surface.height)

@@ -12,8 +12,8 @@ from raster.per_fragment import passes
 def depth_word(value, mantissa_bits, maximum):
     """A depth in units as the integer that a buffer stores: cut, and limited to 0..``maximum``.
 
-    ``mantissa_bits``: 0 for fixed formats; of floats the mantissa's, whose exponents are biased by 7 (12 bits)
-    or 127. Measured: 48 captures of fixed depths (Texture_shadow_comparator).
+    ``mantissa_bits``: 0 for fixed formats; of floats the mantissa's, whose exponents are biased by 7 (12
+    bits) or 127. Measured: 48 captures of fixed depths (Texture_shadow_comparator).
     """
     if not value > 0.0:  # also where it is not a number
         return int32(0)

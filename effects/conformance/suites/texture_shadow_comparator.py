@@ -1,8 +1,8 @@
 """Texture_shadow_comparator: a depth texture compared with one depth by every function.
 
-Names: the projective stage of the chip (2: zero is compared, 3: r), R for words written to memory, F and P for
-depths drawn by the fixed function and by a vertex program, the depth format, the depths' range, the one that is
-compared, the function. Source: src/tests/texture_shadow_comparator_tests.cpp of nxdk_pgraph_tests.
+Names: the projective stage of the chip (2: zero is compared, 3: r), R for words written to memory, F and P
+for depths drawn by the fixed function and by a vertex program, the depth format, the depths' range, the one
+that is compared, the function. Source: src/tests/texture_shadow_comparator_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
@@ -10,20 +10,21 @@ from functools import cache
 
 import numpy as np
 
-from effects.conformance import scenes
+from effects.conformance import scenes, vertex_programs
 from effects.conformance.case import HEIGHT, WIDTH, Case
-from pipeline.commands import Clear, CopyTexImage, Draw, TexImage
+from effects.conformance.vertex_programs import toward_zero
+from pipeline.commands import BindTexImage, Draw, MakeCurrent, TexImage
 from pipeline.enums import (
     ComparisonFunction,
-    DepthFormat,
     InternalFormat,
     PrimitiveType,
     Register,
     TexelWord,
     TextureCompareMode,
     TextureTarget,
+    WindowOrigin,
 )
-from pipeline.state import DepthTest, TextureUnit
+from pipeline.state import CombinerInput, DepthTest, GeneralCombiner, RGBPortion, TextureUnit
 from pipeline.texel_words import texture_of_words
 
 SUITE = "Texture_shadow_comparator"
@@ -54,15 +55,19 @@ DRAWN = (  # how, depth format, nearest and farthest eye-space z (less 7), the o
     *(("FP", "24", NEAR, FAR, 10.65), ("F", "24", 10.0, 20.0, 11.47), ("P", "24", 10.0, 20.0, 11.45)),
 )
 DEPTHS = {  # the buffer, its texture, its largest depth
-    "16": (DepthFormat.FIXED_16, InternalFormat.DEPTH_COMPONENT16, 65535.0),
-    "16f": (DepthFormat.FLOAT_16, InternalFormat.DEPTH_COMPONENT16_FLOAT, 511.9375),
-    "24": (DepthFormat.FIXED_24, InternalFormat.DEPTH_COMPONENT24, 16777215.0),
+    "16": (16, InternalFormat.DEPTH_COMPONENT16, 65535.0),
+    "16f": (16, InternalFormat.DEPTH_COMPONENT16_FLOAT, 511.9375),
+    "24": (24, InternalFormat.DEPTH_COMPONENT24, 16777215.0),
 }
 SQUARES = 15  # along each edge of the written texture
 BOX_WIDTH, BOX_HEIGHT, BOX_STEP = 21, 64, 63  # seven boxes in the middle, and from one to the next
 BOX_LEFT, BOX_TOP = WIDTH // 2 - BOX_STEP * 3 + BOX_WIDTH // 2, HEIGHT // 2 - BOX_WIDTH // 2
 MARKERS = (0xFFFFAA00, 0xFFFF7700, 0xFFCC5500, 0xFF00FF00, 0xFF00AACC, 0xFF005577, 0xFF002266)
 EPSILON = 0.0125
+SHOWS_RESULT = replace(
+    scenes.SHOWS_TEXTURE0,
+    general=(GeneralCombiner(rgb=RGBPortion(a=CombinerInput(Register.TEXTURE0))),),  # alpha: the primary's
+)
 
 
 @cache
@@ -72,7 +77,12 @@ def _cases():
         for function in FUNCTIONS:
             for raw in RAW:
                 bits, low, high, reference = raw
-                found[f"{stage}R{bits}_{low:X}-{high:X}_{reference:X}_{function}"] = ("R", stage, function, raw)
+                found[f"{stage}R{bits}_{low:X}-{high:X}_{reference:X}_{function}"] = (
+                    "R",
+                    stage,
+                    function,
+                    raw,
+                )
             for hows, depth, low, high, reference in DRAWN:
                 for how in hows:
                     name = f"{stage}{how}{depth}_{low:.2f}-{high:.2f}_{reference:.4f}_{function}"
@@ -94,8 +104,8 @@ def written_words(bits, low, high, reference):
     for row in range(SQUARES):
         for column in range(SQUARES):
             at = left + column * width
-            # The program writes these without the shift that it gives to the others.
-            words[row * height : (row + 1) * height, at : at + width] = int(value) & (2 ** (bits + shift) - 1)
+            # The program writes these without the shift of the others.
+            words[row * height :][:height, at : at + width] = int(value) & (2 ** (bits + shift) - 1)
             value = value + step
     for k, depth in enumerate((0, 1, reference - 1, reference, reference + 1, high - 1, high)):
         at = BOX_LEFT + k * BOX_STEP
@@ -104,9 +114,7 @@ def written_words(bits, low, high, reference):
 
 
 def _unit(stage, function):
-    sampler = replace(
-        scenes.NEAREST, compare_mode=STAGES[stage], compare_function=FUNCTIONS[function]
-    )
+    sampler = replace(scenes.NEAREST, compare_mode=STAGES[stage], compare_function=FUNCTIONS[function])
     return TextureUnit("depths", sampler)
 
 
@@ -125,14 +133,13 @@ def _markers(nudge):
     return Draw(label="markers", mesh=mesh, state=scenes.DEFAULT)
 
 
-def _compared(corners, unit, reference, flipped):
-    """A quad that shows the comparison; ``flipped``: the texture's first row is the lowest."""
-    top, bottom = (HEIGHT, 0.0) if flipped else (0.0, HEIGHT)
-    coordinates = [(s, t, reference, 1.0) for s, t in ((0, top), (WIDTH, top), (WIDTH, bottom), (0, bottom))]
+def _compared(corners, unit, reference):
+    """A quad that shows the comparison of the whole texture."""
+    coordinates = [(s * WIDTH, t * HEIGHT, reference, 1.0) for s, t in scenes.UNIT_SQUARE]
     mesh = scenes.window_mesh(corners, texture_coordinates=(scenes.single(coordinates),))
     state = replace(
         scenes.DEFAULT,
-        register_combiners=scenes.shows_opaque(Register.TEXTURE0),
+        register_combiners=SHOWS_RESULT,
         texture_units=(unit,),
     )
     return Draw(label="compared", mesh=mesh, state=state)
@@ -146,25 +153,36 @@ def _raw(stage, function, bits, low, high, reference):
     return (
         scenes.clear(0xFE112233),
         TexImage(label="depths", texture="depths", image=image),
-        _compared(corners, _unit(stage, function), reference, False),
+        _compared(corners, _unit(stage, function), reference),
         _markers(0.0),
     )
 
 
-def _depth_of(z, largest):
-    """Depth units of an eye-space z in the XDK's default view."""
-    scale = largest * 200.0 / 199.0
-    return float(scenes.single(scale * (z + 6.0) / (z + scenes.XDK_EYE)))
+def _projected(z, largest):
+    """Depth units of z in the XDK's default view: through one matrix in single precision, toward zero.
+
+    Measured: the fixed function at the near plane draws 24-bit depths above zero (2F24_-6.00-193.00_10.6500);
+    the depths to be compared, which captures print, are 0xF35B40 and 0xF2B592 (3F24), 0xED66 (3F16).
+    """
+    scale = scenes.single(scenes.single(200.0 / 199.0) * largest)
+    offset = scenes.single(scenes.single(scale * scenes.XDK_EYE) - scale)
+    depth = toward_zero(toward_zero(scale * scenes.single(z)) + offset)
+    return float(toward_zero(depth * toward_zero(1.0 / scenes.single(z + scenes.XDK_EYE))))
+
+
+def _programmed(z, largest):
+    """Depth units of z as the vertex program computes them."""
+    return float(vertex_programs.perspective([(0.0, 0.0, z)], depth_maximum=largest)[0, 2])
 
 
 def _drawn(how, stage, function, depth, low, high, reference):
-    _, texture, largest = DEPTHS[depth]
-    nudge = 0.5 if how == "F" else 0.0
+    buffer, texture, largest = DEPTHS[depth]
+    nudge, depth_of = (0.5, _projected) if how == "F" else (0.0, _programmed)
     left, top = WIDTH * 0.00125 + nudge, HEIGHT * 0.0125 + nudge
     right, bottom = WIDTH - WIDTH * 0.00125 + nudge, HEIGHT - HEIGHT * 0.0125 + nudge
 
     def corners(left, top, right, bottom, above, below):
-        depths = [_depth_of(z, largest) for z in (above, above, below, below)]
+        depths = [depth_of(z, largest) for z in (above, above, below, below)]
         places = scenes.rectangle(left, top, right, bottom)
         eyes = [z + scenes.XDK_EYE for z in (above, above, below, below)]
         return [(x, y, z, w) for (x, y, _), z, w in zip(places, depths, eyes, strict=True)]
@@ -177,16 +195,20 @@ def _drawn(how, stage, function, depth, low, high, reference):
     state = replace(scenes.DEFAULT, depth_test=DepthTest(ComparisonFunction.ALWAYS))
     shown = scenes.rectangle(left, HEIGHT * 0.2 + nudge, right, HEIGHT * 0.8 + nudge)
     return (
+        MakeCurrent(label="memory", surface="depths", width=WIDTH, height=HEIGHT, depth_bits=buffer),
         scenes.clear(0xFE332211),
         Draw(label="depths", mesh=scenes.window_mesh(quads), state=state),
-        CopyTexImage(
+        MakeCurrent(label="window"),
+        scenes.clear(0xFE443333),
+        BindTexImage(
             label="depths",
             texture="depths",
+            surface="depths",
             target=TextureTarget.TEXTURE_RECTANGLE,
             internal_format=texture,
+            origin=WindowOrigin.UPPER_LEFT,
         ),
-        Clear(label="background", color=scenes.argb(0xFE443333)),
-        _compared(shown, _unit(stage, function), _depth_of(reference, largest), True),
+        _compared(shown, _unit(stage, function), _projected(reference, largest)),
         _markers(nudge),
     )
 
@@ -199,5 +221,4 @@ def case(name, inputs):
     how, stage, function, parameters = _cases()[name]
     if how == "R":
         return Case(commands=_raw(stage, function, *parameters))
-    depth = DEPTHS[parameters[0]][0]
-    return Case(commands=_drawn(how, stage, function, *parameters), depth_bits=depth)
+    return Case(commands=_drawn(how, stage, function, *parameters))
