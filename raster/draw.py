@@ -28,8 +28,8 @@ from raster.kernel import float_of, kernel, separate_function
 from raster.level_of_detail import level_of_detail
 from raster.per_fragment import all_alive, per_fragment
 from raster.sample import TAU, cube_faces, divide_by_q, sample_unit, unpack
-from raster.strokes import along_line, open_run, stroke_bounds, stroke_margin
 from raster.shadow import shadow_reference
+from raster.strokes import along_line, open_run, stroke_bounds, stroke_margin
 from raster.texture_shader import (
     CUBE_MAP,
     DOT_PRODUCT_3D,

@@ -96,7 +96,7 @@ def names():
 
 
 def written_words(bits, low, high, reference):
-    """int64 [HEIGHT, WIDTH]: squares of growing depth, and the seven boxes; depths of 24 bits above a byte."""
+    """int64 [HEIGHT, WIDTH]: squares of growing depth, the seven boxes; 24-bit depths lie above a byte."""
     value, step = np.float32(low), np.float32(high) / np.float32(SQUARES * SQUARES)
     width, height = WIDTH // SQUARES, HEIGHT // SQUARES
     left, shift = (WIDTH - width * SQUARES) // 2, 0 if bits == 16 else 8
