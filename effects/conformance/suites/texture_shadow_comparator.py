@@ -16,6 +16,7 @@ from effects.conformance.vertex_programs import toward_zero
 from pipeline.commands import BindTexImage, Draw, MakeCurrent, TexImage
 from pipeline.enums import (
     ComparisonFunction,
+    DepthFormat,
     InternalFormat,
     PrimitiveType,
     Register,
@@ -55,9 +56,9 @@ DRAWN = (  # how, depth format, nearest and farthest eye-space z (less 7), the o
     *(("FP", "24", NEAR, FAR, 10.65), ("F", "24", 10.0, 20.0, 11.47), ("P", "24", 10.0, 20.0, 11.45)),
 )
 DEPTHS = {  # the buffer, its texture, its largest depth
-    "16": (16, InternalFormat.DEPTH_COMPONENT16, 65535.0),
-    "16f": (16, InternalFormat.DEPTH_COMPONENT16_FLOAT, 511.9375),
-    "24": (24, InternalFormat.DEPTH_COMPONENT24, 16777215.0),
+    "16": (DepthFormat.FIXED_16, InternalFormat.DEPTH_COMPONENT16, 65535.0),
+    "16f": (DepthFormat.FLOAT_16, InternalFormat.DEPTH_COMPONENT16_FLOAT, 511.9375),
+    "24": (DepthFormat.FIXED_24, InternalFormat.DEPTH_COMPONENT24, 16777215.0),
 }
 SQUARES = 15  # along each edge of the written texture
 BOX_WIDTH, BOX_HEIGHT, BOX_STEP = 21, 64, 63  # seven boxes in the middle, and from one to the next
