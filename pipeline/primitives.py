@@ -28,8 +28,8 @@ class WindowPrimitives:
     strokes        int32 [k, 5], or [0, 5] where all are triangles: what each row of ``triangles`` is
                    (raster.rows: TRIANGLE, LINE or POINT), whether it takes the back colour, and the three
                    vertices of the polygon that it came from, -1 if none. A line's row is its second vertex,
-                   then its first, twice. A point's row is three corners of its square: upper right, upper
-                   left, lower left.
+                   then its first, twice. A point's row is three corners of its square: lower left, lower
+                   right, upper right.
     """
 
     x: np.ndarray

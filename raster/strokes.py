@@ -2,7 +2,7 @@
 
 Integers only, in 1/16 pixel. A line's row of ``triangles`` is its second vertex, then its first, twice: with
 n0 how far along a pixel lies, n1 = 0 and n2 the rest, everything is iterated as in a triangle. A point's row
-is the upper right, upper left and lower left corner of its square, whose edge functions serve the same way.
+is the lower left, lower right and upper right corner of its square, whose edge functions serve the same way.
 """
 
 from numba import int64
@@ -80,9 +80,9 @@ def point_bounds(x0, y0, x1, y1, x2, y2, sx, sy):
     the point a sample lies comes from a reciprocal that is exact only there.
     Measured: Point_size PointSmoothOff_01_FF, 208 of 208 points.
     """
-    right = int64(-1) if power_of_two(x0 - x1) else int64(0)
-    bottom = int64(-1) if power_of_two(y2 - y1) else int64(0)
-    return sx - x1, x0 - sx + right, sy - y1, y2 - sy + bottom
+    right = int64(-1) if power_of_two(x1 - x0) else int64(0)
+    bottom = int64(-1) if power_of_two(y1 - y2) else int64(0)
+    return sx - x0, x1 - sx + right, sy - y2, y1 - sy + bottom
 
 
 @kernel

@@ -135,6 +135,14 @@ def unprojected_rectangle(left, top, right, bottom, z=0.0):
     return rectangle(left + 0.5, top + 0.5, right + 0.5, bottom + 0.5, z)
 
 
+def unprojected(x, y, z):
+    """The point (x, y, z) of the XDK's view, of a given z, that the chip puts at pixel (x, y), further by the
+    viewport's offset.
+    """
+    w = z + XDK_EYE
+    return (x - WIDTH / 2) / XDK_SCALE * w, (HEIGHT / 2 - y) / XDK_SCALE * w, z
+
+
 def projection_of(composite, offset=(0.0, 0.0), depth_maximum=16777215.0):
     """OpenGL's projection matrix for one that gives device pixels and depth units times w.
 

@@ -1,0 +1,90 @@
+"""Point_size: points of every size, one after the other.
+
+Source: src/tests/point_size_tests.cpp of nxdk_pgraph_tests. Sizes are in 1/8 pixel; the register holds nine
+bits, and a wider value leaves the size that was there before. SmoothOn makes point sprites, which no texture
+changes here. FF: the fixed-function vertex stage, whose points come back where they were put (unprojected),
+but for the viewport's offset; VS: a vertex program that passes window coordinates on.
+"""
+
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+
+from effects.conformance import scenes
+from effects.conformance.case import HEIGHT, WIDTH, Case
+from pipeline.commands import Draw
+from pipeline.enums import PrimitiveType
+from pipeline.state import PointState
+
+SUITE = "Point_size"
+
+HIGHEST = 0x1FF
+STAGES = {"FF": scenes.XDK_OFFSET, "VS": 0.0}  # how far from its pixel coordinates a point lands
+STEPS = (1, 4, 8, 16)
+LARGEST = 64.0  # pixels
+GREY, GREEN, WHITE, RED, YELLOW = 0xFFBBBBBB, 0xFF00BB00, 0xFFFFFFFF, 0xFF0000FF, 0xFF00FFFF
+
+
+def names():
+    """Every case of the suite."""
+    given = product(("On", "Off"), STEPS, STAGES)
+    sweeps = (f"PointSmooth{on}_{step:02d}_{stage}" for on, step, stage in given)
+    return [*sweeps, "LargestPointSize_FF", "LargestPointSize_VS", "VSPointSize"]
+
+
+def _point(x, y, color, eighths, offset):
+    mesh = scenes.window_mesh(
+        [(x + offset, y + offset, 0.0)], PrimitiveType.POINTS, colors=scenes.single([color])
+    )
+    state = replace(scenes.DEFAULT, point=PointState(size=min(eighths, HIGHEST) / 8))
+    return Draw(label=f"{eighths / 8} pixels", mesh=mesh, state=state)
+
+
+def _sweep(step, offset):
+    """Points in rows; red grows from row to row, blue along a row, each by a tenth."""
+    spacing = (64, 64) if step > 1 else (40, 30)
+    draws, eighths, red = [], 0, np.float32(0.1)
+    for y in range(100, HEIGHT, spacing[1]):
+        blue = np.float32(0.1)
+        for x in range(20, WIDTH, spacing[0]):
+            draws.append(_point(x, y, (red, 0.65, blue, 1.0), min(eighths, HIGHEST // step * step), offset))
+            eighths, blue = eighths + step, np.float32(blue + np.float32(0.1))
+        red = np.float32(red + np.float32(0.1))
+    return draws
+
+
+def _largest(offset):
+    """Two rows: a point, a square of 64 pixels with two rulers, on it a point of a size beyond nine bits."""
+    x, y = np.floor((WIDTH - LARGEST) / 3), np.floor((HEIGHT - LARGEST) / 3)
+    draws = []
+    for row, eighths in ((1, 8), (2, HIGHEST)):
+        middle, left, top = y * row, 2 * x - LARGEST / 2, y * row - LARGEST / 2
+        draws.append(_point(x, middle, scenes.abgr(GREY), eighths, offset))
+        for box in (
+            (left, top, left + LARGEST, top + LARGEST),
+            (left - 4, top, left - 2, top + LARGEST),
+            (left, top - 4, left + LARGEST, top - 2),
+        ):
+            corners = scenes.rectangle(*(v + offset for v in box))
+            draws.append(scenes.quad("ruler", corners, scenes.abgr(GREEN)))
+        draws.append(_point(2 * x, middle, scenes.abgr(WHITE), eighths, offset))
+    return draws
+
+
+def case(name, inputs):
+    """The case of that name, or None."""
+    del inputs
+    if name not in names():
+        return None
+    if name == "VSPointSize":  # the sizes that the program's vertices carry take no part
+        draws = [
+            _point(x, y, scenes.abgr(color), eighths, 0.0)
+            for y, eighths in ((210.0, 240), (320.0, 80))
+            for x, color in ((128.0, RED), (400.0, YELLOW))
+        ]
+        return Case(commands=(scenes.clear(0xFF444444), *draws))
+    offset = STAGES[name[-2:]]
+    if name.startswith("Largest"):
+        return Case(commands=(scenes.clear(0xFF444444), *_largest(offset)))
+    return Case(commands=(scenes.clear(0xFF222322), *_sweep(int(name.split("_")[1]), offset)))
