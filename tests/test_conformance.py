@@ -257,12 +257,13 @@ def test_a_missing_input_is_a_reason_and_no_error(suites, tmp_path):
     assert "Needy/Red: not covered: needs the file nowhere.dds" in result.stdout
 
 
-def test_an_input_may_lie_in_a_folder_of_the_resources_under_its_other_name(tmp_path):
-    (tmp_path / "pixel_shader").mkdir()
-    path = tmp_path / "pixel_shader" / "water_bump_map.png"
+@pytest.mark.parametrize("file", ["pixel_shader/water_bump_map.png", "water_bump_map.png", "water.png"])
+def test_an_input_may_lie_in_a_folder_of_the_resources_or_under_its_other_name(tmp_path, file):
+    path = tmp_path / file
+    path.parent.mkdir(exist_ok=True)
     Image.new("RGB", (3, 2), (1, 2, 3)).save(path)
-    assert Inputs(tmp_path).path("water.png") == path
-    assert Inputs(tmp_path).picture("water.png").tolist() == [[[1, 2, 3, 255]] * 3] * 2
+    assert Inputs(tmp_path).path("water_bump_map.png") == path
+    assert Inputs(tmp_path).picture("water_bump_map.png").tolist() == [[[1, 2, 3, 255]] * 3] * 2
     with pytest.raises(MissingInput, match=r"needs the file other.png"):
         Inputs(tmp_path).path("other.png")
 

@@ -15,10 +15,13 @@ Box = tuple[int, int, int, int]  # device pixels, half open: left, top, right, b
 
 
 class Shows(IntEnum):
-    """Which buffer a capture holds: the colours, or the depth buffer's words read as colours."""
+    """Which buffer a capture holds: the colours, or the depth words read as colours, by the processor
+    or (16 bits, as R5G6B5) by a texture that the program then drew.
+    """
 
     COLOR = 0
     ZETA = 1
+    ZETA_TEXTURE = 2
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -81,8 +84,8 @@ class MissingInput(ValueError):  # noqa: N818 (it names what is missing)
     """A case needs a texture or mesh file that is not there; the message says where it comes from."""
 
 
-# Names under which a file of the resources may lie as well.
-_ALSO_CALLED = {"water.png": "water_bump_map.png", "bumpimg.png": "bump_map_test_image.png"}
+# Other names under which a file of the resources may lie.
+_ALSO_CALLED = {"water_bump_map.png": "water.png", "bump_map_test_image.png": "bumpimg.png"}
 
 
 @dataclass(frozen=True)
@@ -94,7 +97,7 @@ class Inputs:
     def path(self, name):
         """The file of that name in the folder or in a folder of it. Raises MissingInput."""
         if self.folder is not None:
-            for wanted in (name, _ALSO_CALLED.get(name, name)):
+            for wanted in dict.fromkeys((name, _ALSO_CALLED.get(name, name))):
                 for path in (self.folder / wanted, *sorted(self.folder.glob(f"*/{wanted}"))):
                     if path.is_file():
                         return path

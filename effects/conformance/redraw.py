@@ -8,8 +8,11 @@ import numpy as np
 
 from effects.conformance import suites
 from effects.conformance.case import HEIGHT, WIDTH, MissingInput, Shows
+from pipeline.enums import TexelWord
 from pipeline.execute import execute
+from pipeline.framebuffer import Framebuffer
 from pipeline.profiles import NV2A
+from pipeline.texel_words import texels_of_words
 
 TEXT = (255, 255, 255, 0)  # what the processor wrote over the picture
 
@@ -89,9 +92,13 @@ def compare(suite, module, name, theirs, inputs, threads=None):
     framebuffer = execute(
         case.commands, NV2A, WIDTH, HEIGHT, depth_bits=case.depth_bits, threads=threads
     ).framebuffer
-    ours = framebuffer.image() if case.shows == Shows.COLOR else zeta_colors(framebuffer)
+    ours = {
+        Shows.COLOR: Framebuffer.image,
+        Shows.ZETA: zeta_colors,
+        Shows.ZETA_TEXTURE: lambda b: texels_of_words(b.depth, TexelWord.R5G6B5),
+    }[case.shows](framebuffer)
     compared = case.compared()
-    if case.shows == Shows.COLOR:  # nothing writes over a depth buffer
+    if case.shows != Shows.ZETA:  # nothing writes over a depth buffer
         compared &= (theirs != TEXT).any(-1)
     return Comparison(
         **given, ours=ours, compared=compared, equal=(ours == theirs).all(-1), note=case.explanation

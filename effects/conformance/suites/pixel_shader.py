@@ -1,6 +1,6 @@
 """Pixel_shader: one quad, or a table of quads, for each texture shader operation.
 
-Source: src/tests/pixel_shader_tests.cpp of nxdk_pgraph_tests. Most cases read two pictures of its resources.
+Source: src/tests/pixel_shader_tests.cpp of nxdk_pgraph_tests. Four cases read two pictures of its resources.
 """
 
 from dataclasses import replace
@@ -9,11 +9,11 @@ from itertools import product
 import numpy as np
 
 from effects.conformance import scenes
-from effects.conformance.case import Case, MissingInput
+from effects.conformance.case import Case, Shows
 from pipeline.commands import Draw, TexImage
-from pipeline.enums import CullMode, Register
+from pipeline.enums import ComparisonFunction, CullMode, Register, TextureTarget
 from pipeline.enums import TextureShaderOperation as Operation
-from pipeline.state import TextureShaderStage, TextureUnit
+from pipeline.state import DepthTest, TextureShaderStage, TextureUnit
 from pipeline.textures import texture_2d
 
 SUITE = "Pixel_shader"
@@ -22,7 +22,24 @@ DEPENDENT = {
     "StageDependentAlphaRed": Operation.DEPENDENT_AR_TEXTURE_2D,
     "StageDependentGreenBlue": Operation.DEPENDENT_GB_TEXTURE_2D,
 }
-WITH_PICTURES = ("BumpEnvMap", "BumpEnvMapLuminance", "DotST", "DotZW")
+BUMPS, IMAGE = "water_bump_map.png", "bump_map_test_image.png"
+# BumpEnvMap: matrices as SET_TEXTURE_SET_BUMP_ENV_MAT takes them: s by ds, t by ds, t by dt, s by dt.
+MATRICES = (
+    (-1.0, 0.0, 1.0, 0.0),
+    (1.0, 1.0, 1.0, 1.0),
+    (0.0, 0.2, 0.0, 0.75),
+    (0.5, -0.5, 0.5, -0.5),
+    (0.3, 0.5, 0.7, 1.0),
+    (0.0, 1.0, -1.0, 0.0),
+    (0.0, 0.0, 1.0, 1.0),
+    (0.5, 0.8, 0.0, 0.0),
+)
+JITTERS, SCALES, BIASES = (0.0, 0.5), (0.0, 1.0, 2.0), (0.0, 0.25, 0.75, 1.0)  # BumpEnvMapLuminance
+POINTS = ((-1, 1, 4), (1, 1, 7), (1, -2, 6), (-1, -2, 4))  # DotST: what the eye and the light look at
+EYE, LIGHT = (0.0, 0.0, -7.0), (-1.5, 5.0, 0.0)
+# DotZW: two rows of a matrix at each corner.
+NUMERATORS = ((1000, 1000, 1000), (100, 100, 40000), (10, 100, 1000), (100, 100, 100))
+DENOMINATORS = ((0.1, 0.1, 0.1), (1, 1, 0), (1, 0, 0), (0, 0, 1))
 LEFT, TOP, SIZE = 192.0, 112.0, 256.0  # a quad in the middle
 PASSED = [(0.0, 0.0, 1.0, 0.25), (0.0, 1.0, 0.0, 0.5), (1.0, 0.0, 0.0, 0.75), (1.0, 1.0, 0.4, 0.33)]
 # ClipPlane: each quad's colour (0xAABBGGRR) and its corners' coordinates; the first quad is not discarded.
@@ -41,7 +58,7 @@ PLANES = (
 
 def names():
     """Every case of the suite."""
-    return ["Passthru", "ClipPlane", *WITH_PICTURES, *DEPENDENT]
+    return ["Passthru", "ClipPlane", "BumpEnvMap", "BumpEnvMapLuminance", "DotST", "DotZW", *DEPENDENT]
 
 
 def screen_quad(left, top, size, coordinates, **arrays):
@@ -129,13 +146,103 @@ def _dependent(operation):
     )
 
 
+def _rectangle(name, inputs):
+    image = replace(texture_2d(inputs.picture(name)), target=TextureTarget.TEXTURE_RECTANGLE)
+    return TexImage(label=name, texture=name, image=image)
+
+
+def _texels(width=128.0, height=128.0):
+    return scenes.UNIT_SQUARE * (width, height)
+
+
+def _bump_env(inputs, luminance):
+    size, background = (64.0 if luminance else 128.0), scenes.clear(0xFF222222)
+    commands = [background, _rectangle(BUMPS, inputs), _rectangle(IMAGE, inputs)]
+    plain = (TextureShaderStage(Operation.TEXTURE_RECTANGLE),)
+    for top, name in ((64.0, IMAGE), (64.0 + size + 16.0, BUMPS)):
+        frame = screen_quad(6.0, top - 2.0, size + 4.0, (), colors=np.ones((4, 4)))
+        commands.append(Draw(label="a white frame", mesh=frame, state=scenes.DEFAULT))
+        mesh = screen_quad(8.0, top, size, (_texels(),))
+        state = _state(Register.TEXTURE0, (_unit(name),), plain)
+        commands.append(Draw(label=name, mesh=mesh, state=state))
+    for left, top, operation, fields in _jittered() if luminance else _turned():
+        (s_ds, t_ds, t_dt, s_dt), scale, bias = fields
+        offset = TextureShaderStage(
+            operation,
+            offset_texture_matrix=(s_ds, t_ds, s_dt, t_dt),
+            offset_texture_scale=scale,
+            offset_texture_bias=bias,
+        )
+        state = _state(Register.TEXTURE1, (_unit(BUMPS), _unit(IMAGE, 1)), (*plain, offset))
+        mesh = screen_quad(left, top, size, (_texels(), _texels()))
+        commands.append(Draw(label="offset", mesh=mesh, state=state))
+    return Case(commands=tuple(commands))
+
+
+def _turned():
+    """BumpEnvMap's quads: three to a row."""
+    for number, matrix in enumerate(MATRICES):
+        left, top = 152.0 + 144 * (number % 3), 64.0 + 144 * (number // 3)
+        yield left, top, Operation.OFFSET_TEXTURE_RECTANGLE, (matrix, 1.0, 0.0)
+
+
+def _jittered():
+    """BumpEnvMapLuminance's quads: a column for each scale, a row for each bias, twice."""
+    for group, jitter in enumerate(JITTERS):
+        for (column, scale), (row, bias) in product(enumerate(SCALES), enumerate(BIASES)):
+            left, top = 88.0 + 280 * group + 80 * column, 96.0 + 80 * row
+            yield left, top, Operation.OFFSET_TEXTURE_RECTANGLE_SCALE, ((jitter,) * 4, scale, bias)
+
+
+def _directions(points):
+    """float64 [4, 3] each: from the eye to the points, and from them to the light, normalised."""
+    away, towards = np.subtract(points, EYE), np.subtract(LIGHT, points)
+    return [v / np.linalg.norm(v, axis=1)[:, None] for v in (away, towards)]
+
+
+def _dots(last, register, coordinates, units, images, **state):
+    """A quad in the middle whose stages 1 and 2 multiply the bump map's texels by ``coordinates``."""
+    stages = tuple(map(TextureShaderStage, (Operation.TEXTURE_RECTANGLE, Operation.DOT_PRODUCT, last)))
+    mesh = screen_quad(LEFT, TOP, SIZE, (_texels(), *coordinates))
+    state = replace(_state(register, units, stages), **state)
+    return (scenes.clear(0xFF222222), *images, Draw(label=last.name, mesh=mesh, state=state))
+
+
+def _dot_st(inputs):
+    image = TexImage(label=IMAGE, texture=IMAGE, image=texture_2d(inputs.picture(IMAGE)))
+    units, images = (_unit(BUMPS), _unit(None, 1), _unit(IMAGE, 2)), (_rectangle(BUMPS, inputs), image)
+    last = Operation.DOT_PRODUCT_TEXTURE_2D
+    return Case(commands=_dots(last, Register.TEXTURE2, _directions(POINTS), units, images))
+
+
+def _dot_zw(inputs):
+    """The program shows the depths as colours, in the quad."""
+    units = (_unit(BUMPS), _unit(None, 1), _unit(None, 2))
+    commands = _dots(
+        Operation.DOT_PRODUCT_DEPTH_REPLACE,
+        Register.TEXTURE0,
+        (NUMERATORS, DENOMINATORS),
+        units,
+        (_rectangle(BUMPS, inputs),),
+        depth_test=DepthTest(ComparisonFunction.ALWAYS),
+    )
+    box = tuple(int(edge) for edge in (LEFT, TOP, LEFT + SIZE, TOP + SIZE))
+    return Case(
+        commands=commands,
+        region=(box,),
+        shows=Shows.ZETA_TEXTURE,
+        depth_bits=16,
+        explanation="quotients within 3e-7 of a whole number: the chip's rounding of dot products is not known",
+    )
+
+
 def case(name, inputs):
     """The case of that name, or None."""
-    if name in WITH_PICTURES:
-        for picture in ("water_bump_map.png", "bump_map_test_image.png"):
-            inputs.path(f"pixel_shader/{picture}")
-        raise MissingInput("its two pictures were not at hand when this suite was written")
     if name in DEPENDENT:
         return Case(commands=_dependent(DEPENDENT[name]))
+    if name.startswith("BumpEnvMap") and name in names():
+        return _bump_env(inputs, name.endswith("Luminance"))
+    if name in ("DotST", "DotZW"):
+        return _dot_st(inputs) if name == "DotST" else _dot_zw(inputs)
     commands = {"Passthru": _passthru, "ClipPlane": _clip_plane}.get(name)
     return Case(commands=commands()) if commands else None
