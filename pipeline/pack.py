@@ -35,7 +35,6 @@ from pipeline.enums import (
     TextureFilter,
     TextureShaderOperation,
     TextureTarget,
-    VertexStage,
 )
 from pipeline.fog import table
 from pipeline.framebuffer import SURFACE_WORDS, to_byte
@@ -304,13 +303,13 @@ def _single(depths):
 
 
 def _depths(state, framebuffer, primitives):
-    """Every vertex's depth in depth units: clip w, a vertex program's z, or window z, which a fixed format's
+    """Every vertex's depth in depth units: clip w, z in these units, or window z, which a fixed format's
     farthest scales. Source: NV_depth_buffer_float (floats hold window z itself).
     """
     if state.w_buffering:
         return _single(1.0 / primitives.inverse_w)
     is_float = framebuffer.depth_format < 0
-    if is_float or state.vertex.stage == VertexStage.PROGRAM_RESULTS:
+    if is_float or state.vertex.depth_units:
         return _single(primitives.z)
     return _single(primitives.z * FARTHEST[framebuffer.depth_format])
 

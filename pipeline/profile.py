@@ -50,7 +50,7 @@ class Profile:
         coordinates point sprites may replace).
     Switches
         ``logic_op``, ``fog_coordinate``, ``separate_specular_color``, ``color_sum``,
-        ``fog_registers`` (FogRegisters), ``point_parameters``,
+        ``fog_registers`` (FogRegisters), ``composite_matrix`` (Composite), ``point_parameters``,
         ``depth_units_in_coordinates`` (depths that come from texture coordinates, those that a depth texture
         is compared with and those of DOT_PRODUCT_DEPTH_REPLACE, are in depth-buffer units, not in [0, 1]),
         ``combiner_flags`` (muxes by the lowest bit, blue to alpha, inverted terms of the color sum),
@@ -111,6 +111,7 @@ class Profile:
     separate_specular_color: bool
     color_sum: bool
     fog_registers: bool
+    composite_matrix: bool
     depth_units_in_coordinates: bool
     combiner_flags: bool
     foreign_texture_targets: bool

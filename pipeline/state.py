@@ -174,11 +174,26 @@ class Lighting:
 
 
 @dataclass(frozen=True, slots=True)
+class Composite:
+    """The NV2A's own transformation (SET_COMPOSITE_MATRIX, SET_VIEWPORT_OFFSET).
+
+    ``matrix``: object coordinates to device pixels (y down) and depth units, each times w. ``offset``: added
+    to device x, y and depth after the division.
+    """
+
+    matrix: Matrix = IDENTITY
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
 class VertexState:
     """Transformation, lighting and clipping (sections 2.10 to 2.13).
 
     ``clip_planes``: the enabled user planes, in eye coordinates. ``normalize``: NORMALIZE enabled;
     ``rescale_normal``: RESCALE_NORMAL enabled.
+
+    ``composite``: takes the place of ``projection`` and ``viewport``; the modelview matrix still gives eye
+    coordinates.
 
     ``stage`` PROGRAM_RESULTS: the mesh holds what a vertex program wrote (NV_vertex_program's o[HPOS] after
     the viewport, o[COL0], o[TEX0] ...): positions are window x and y (y up), z in depth-buffer units and clip
@@ -199,6 +214,12 @@ class VertexState:
     stage: VertexStage = VertexStage.FIXED_FUNCTION
     two_side: bool = False
     secondary_color: SecondaryColor = SecondaryColor.FROM_VERTEX
+    composite: Composite | None = None
+
+    @property
+    def depth_units(self):
+        """Whether window z is in depth-buffer units, not in [0, 1]."""
+        return self.stage == VertexStage.PROGRAM_RESULTS or self.composite is not None
 
 
 # --------------------------------------------------------------------------- rasterization (chapter 3)

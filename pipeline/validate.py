@@ -1173,6 +1173,8 @@ class _Walk:
                 "lighting.two_side, or leave it unset."
             )
         self.unit_only("vertex", vertex, VertexState(), ("secondary_color",))
+        if vertex.composite is not None:
+            self.composite(vertex)
         self.viewport(vertex.viewport)
         if len(vertex.clip_planes) > self.profile.max_clip_planes:
             self.refuse(
@@ -1192,6 +1194,19 @@ class _Walk:
                     f"{path}.{name} is {_shown(getattr(given, name))}; {self.profile.name} computes lighting "
                     "by OpenGL's equations, which have no such thing. Leave it unset, or choose a profile "
                     "with a lighting unit."
+                )
+
+    def composite(self, vertex):
+        if not self.profile.composite_matrix:
+            self.refuse(
+                f"{self.profile.name} has no Composite; give the projection matrix and the viewport instead."
+            )
+        plain = VertexState()
+        for name in ("projection", "viewport"):
+            if getattr(vertex, name) != getattr(plain, name):
+                self.refuse(
+                    f"vertex.{name} is set beside vertex.composite, which takes its place; leave one of them "
+                    "unset."
                 )
 
     def normals(self, state):

@@ -12,6 +12,7 @@ from pipeline.assembly import assemble, boundary_edges
 from pipeline.clip import clip, clip_lines, clip_planes
 from pipeline.columns import (
     ONE,
+    SINGLE_BITS,
     ZERO,
     columns_of,
     dot,
@@ -20,6 +21,7 @@ from pipeline.columns import (
     normalize,
     positive,
     transform,
+    transform_single,
     weighted_sum,
 )
 from pipeline.enums import (
@@ -88,10 +90,17 @@ def _process(mesh, state, profile, width, height):
     normal = _eye_normal(mesh, vertex) if needs_normals(state) else None
     front, back = _vertex_colors(mesh, vertex, position, eye, normal, profile)
     two_side = back is not front
-    half_size, center = _viewport(vertex.viewport, width, height)
+    composite = vertex.composite
+    if composite is None:
+        half_size, center = _viewport(vertex.viewport, width, height)
+        clip_coordinates = transform(vertex.projection, eye)
+    else:
+        offset = [np.float64(np.float32(component)) for component in composite.offset]
+        half_size, center = [ONE, ONE], offset[:2]
+        clip_coordinates = transform_single(composite.matrix, position)
 
     columns = [
-        *transform(vertex.projection, eye),
+        *clip_coordinates,
         *(eye if vertex.clip_planes else ()),
         *front,
         *(back if two_side else ()),
@@ -104,7 +113,7 @@ def _process(mesh, state, profile, width, height):
     if programmed:
         origin, dropped = np.arange(len(triangles)), 0
     else:
-        clamped = state.depth_clamp is not None
+        clamped = state.depth_clamp is not None or composite is not None
         size = width, height
         planes = clip_planes(vertex.clip_planes, half_size, center, size, profile.guard_band, clamped)
         clipped = (clip if polygons else clip_lines)(triangles, columns, len(mesh.positions), planes)
@@ -115,6 +124,8 @@ def _process(mesh, state, profile, width, height):
     fog = first_color + (16 if two_side else 8)
     if programmed:
         x, y, z, inverse_w = *position[:3], _program_reciprocal(position[3])
+    elif composite is not None:
+        x, y, z, inverse_w = _composite_coordinates(columns[:4], offset, height)
     else:
         x, y, z, inverse_w = _window_coordinates(columns[:4], vertex.viewport, half_size, center)
     drawable = (inverse_w > 0) & np.isfinite(inverse_w) & np.isfinite(x) & np.isfinite(y) & np.isfinite(z)
@@ -124,6 +135,7 @@ def _process(mesh, state, profile, width, height):
         kept = ~np.isin(origin, lost)
         triangles, origin = triangles[kept], origin[kept]
         dropped += len(lost)
+    unclamped = vertex.depth_units or state.depth_clamp is not None
     if profile.device_origin == WindowOrigin.UPPER_LEFT:
         y = _snap(height - y, height, profile)
     else:
@@ -135,7 +147,7 @@ def _process(mesh, state, profile, width, height):
     primitives = WindowPrimitives(
         x=_filled(count, _snap(x, width, profile), np.int32),
         y=_filled(count, y, np.int32),
-        z=_filled(count, z if programmed or state.depth_clamp is not None else np.fmin(positive(z), ONE)),
+        z=_filled(count, z if unclamped else np.fmin(positive(z), ONE)),
         inverse_w=_filled(count, np.where(drawable, inverse_w, ONE)),
         colors=_colors(count, columns[first_color:fog], None if profile.exact else bits),
         coordinates=_stacked(count, columns[fog + 1 : -1]),
@@ -390,6 +402,15 @@ def _window_coordinates(clip_coordinates, viewport, half_size, center):
         (z / w) * ((far - near) * np.float64(0.5)) + (far + near) * np.float64(0.5),
         ONE / w,
     )
+
+
+def _composite_coordinates(clip_coordinates, offset, height):
+    """Window x, y (up), depth units and 1 / w; reciprocal, product and sum in single precision, truncated."""
+    *coordinates, w = clip_coordinates
+    reciprocal = keep_significant_bits(ONE / w, SINGLE_BITS)
+    quotients = [keep_significant_bits(column * reciprocal, SINGLE_BITS) for column in coordinates]
+    x, y, z = (keep_significant_bits(q + o, SINGLE_BITS) for q, o in zip(quotients, offset, strict=True))
+    return x, height - y, z, ONE / w
 
 
 def _colors(count, columns, significant_bits):

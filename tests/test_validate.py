@@ -33,12 +33,13 @@ from pipeline.enums import (
     WrapMode,
 )
 from pipeline.profile import Profile
-from pipeline.profiles import GEFORCE_256, IDEAL
+from pipeline.profiles import GEFORCE_256, IDEAL, NV2A
 from pipeline.state import (
     AlphaPortion,
     AlphaTest,
     Blending,
     CombinerInput,
+    Composite,
     DepthClamp,
     DepthTest,
     FinalCombiner,
@@ -688,6 +689,11 @@ REFUSED = {
         ["fog density is -1.0"],
         draw(fog=Fog(density=0.0)),
     ),
+    "a composite matrix that the machine has not": (
+        draw(vertex=VertexState(composite=Composite())),
+        ["no Composite", "projection matrix"],
+        draw(),
+    ),
     "registers of fog that the machine has not": (
         draw(fog=Fog(registers=FogRegisters())),
         ["no FogRegisters", "density"],
@@ -914,6 +920,7 @@ LACKING = {
         draw(fog=Fog(coordinate_source=FogCoordinateSource.FOG_COORDINATE)),
         "no FOG_COORDINATE; use FRAGMENT_DEPTH",
     ),
+    "composite_matrix": (False, draw(vertex=VertexState(composite=Composite())), "has no Composite"),
     "fog_registers": (False, draw(fog=Fog(registers=FogRegisters())), "has no FogRegisters"),
     "separate_specular_color": (False, lit(separate_specular_color=True), "no SEPARATE_SPECULAR_COLOR"),
     "color_sum": (False, draw(color_sum=True), "no color sum"),
@@ -943,6 +950,15 @@ def test_a_machine_that_lacks_it_refuses_it(field):
     value, commands, words = LACKING[field]
     with pytest.raises(UnsupportedState, match=words):
         check(*as_tuple(commands), profile=without(**{field: value}))
+
+
+@pytest.mark.parametrize("field", ["projection", "viewport"])
+def test_a_composite_matrix_leaves_projection_and_viewport_alone(field):
+    other = {"projection": ((2.0, 0.0, 0.0, 0.0), *VertexState().projection[1:]), "viewport": Viewport(x=1)}
+    composite = Composite(offset=(0.5, 0.5, 0.0))
+    check(draw(vertex=VertexState(composite=composite)), profile=NV2A)
+    with pytest.raises(UnsupportedState, match=f"vertex.{field} is set beside vertex.composite"):
+        check(draw(vertex=VertexState(composite=composite, **{field: other[field]})), profile=NV2A)
 
 
 def test_a_machine_without_a_stencil_buffer_neither_clears_nor_reads_it():

@@ -34,6 +34,7 @@ from pipeline.state import (
     IDENTITY,
     ColorMaterial,
     ColorSources,
+    Composite,
     Fog,
     FogRegisters,
     Light,
@@ -295,6 +296,7 @@ def states(element=ordinary):
             rescale_normal=st.booleans(),
             lighting=st.none() | lightings,
             clip_planes=st.lists(tuples(element, 4), max_size=2).map(tuple),
+            composite=st.none() | st.builds(Composite, matrices(element), tuples(element, 3)),
         ),
         polygon=st.builds(PolygonState, provoking_vertex=st.sampled_from(ProvokingVertex)),
         texture_units=st.lists(units(element), max_size=2).map(tuple),
@@ -387,6 +389,24 @@ def test_huge_and_tiny_numbers_in_the_lighting_unit_give_the_bits_of_the_specifi
     assume(has_inverse(modelview))
     state = VertexState(modelview=modelview, lighting=lighting)
     assert_equals_the_specification(mesh, PassState(vertex=state), UNIT)
+
+
+@settings(max_examples=200)
+@given(meshes(st.floats(-4, 4, width=32)), tuples(st.floats(-40, 40), 3), st.sampled_from([0, 3, 8192]))
+def test_composite_matrices_give_the_bits_of_the_specification(mesh, offset, guard_band):
+    """What is seen lies on both sides of the screen's edges and of depth 0."""
+    matrix = ((40.0, 3.0, 30.0, 60.0), (0.0, -40.0, 20.0, 50.0), (0.1, 0.0, 90.0, 9.0), (0.0, 0.0, 0.7, 2.0))
+    state = PassState(vertex=VertexState(composite=Composite(matrix, offset)))
+    assert_equals_the_specification(mesh, state, replace(GEFORCE_256, guard_band=guard_band))
+
+
+def test_a_composite_matrix_is_applied_in_single_precision_toward_zero():
+    third = ((1 / 3, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 5.0, 2.0**40), (0.0, 0.0, 0.0, 3.0))
+    state = PassState(vertex=VertexState(composite=Composite(third, (0.5, 0.0, 0.0))))
+    got = one_triangle([[90.0, 30.0, 0.0], [270.0, 30.0, 1.0], [90.0, 120.0, 0.0]], state)
+    assert got.x.tolist() == [167, 487, 167]  # a reciprocal of 3 just below 1/3: 10.5 and 30.5 become less
+    assert got.y.tolist() == [159, 159, 639]
+    assert got.z.tolist() == [11184810 * 2.0**15] * 3  # of 2^40/3
 
 
 @settings(max_examples=50)

@@ -25,6 +25,7 @@ from pipeline.state import (
     AlphaPortion,
     Blending,
     CombinerInput,
+    Composite,
     FinalCombiner,
     GeneralCombiner,
     LineState,
@@ -143,42 +144,33 @@ def unprojected(x, y, z):
     return (x - WIDTH / 2) / XDK_SCALE * w, (HEIGHT / 2 - y) / XDK_SCALE * w, z
 
 
-def projection_of(composite, offset=(0.0, 0.0), depth_maximum=16777215.0):
-    """OpenGL's projection matrix for one that gives device pixels and depth units times w.
-
-    ``composite``: four rows for column vectors; ``offset``: the viewport's, pixels. With the default viewport
-    of the 640x480 window and the depth range 0 to 1 it reaches the same window coordinates.
-    """
-    x, y, z, w = (np.array(row, np.float64) for row in composite)
-    rows = (
-        (x + offset[0] * w) / (WIDTH / 2) - w,
-        w - (y + offset[1] * w) / (HEIGHT / 2),
-        2.0 * z / depth_maximum - w,
-        w,
-    )
-    return tuple(tuple(float(v) for v in row) for row in rows)
-
-
 def xdk_vertex(model=IDENTITY, near=1.0, far=200.0, depth_maximum=16777215.0, offset=XDK_OFFSET):
     """The XDK's default fixed-function view as vertex state: eye coordinates have z forwards.
 
     ``model``: applied before the view, which moves the eye; ``near``, ``far``: eye distances of the view
-    volume's planes.
+    volume's planes; ``offset``: the viewport's in x and y, device pixels.
     """
     scale = depth_maximum * far / (far - near)
-    composite = (
-        (XDK_SCALE, 0.0, WIDTH / 2, 0.0),
-        (0.0, -XDK_SCALE, HEIGHT / 2, 0.0),
-        (0.0, 0.0, scale, -scale * near),
-        (0.0, 0.0, 1.0, 0.0),
+    projection = np.array(
+        [
+            (XDK_SCALE, 0.0, WIDTH / 2, 0.0),
+            (0.0, -XDK_SCALE, HEIGHT / 2, 0.0),
+            (0.0, 0.0, scale, -scale * near),
+            (0.0, 0.0, 1.0, 0.0),
+        ]
     )
     view = np.eye(4)
     view[2, 3] = XDK_EYE
-    modelview = (view @ np.array(model)).tolist()
+    modelview = view @ np.array(model)
     return VertexState(
-        modelview=tuple(tuple(row) for row in modelview),
-        projection=projection_of(composite, (offset, offset), depth_maximum),
+        modelview=rows_of(modelview),
+        composite=Composite(rows_of(projection @ modelview), (offset, offset, 0.0)),
     )
+
+
+def rows_of(matrix):
+    """A 4x4 array as a state's matrix."""
+    return tuple(tuple(row) for row in np.asarray(matrix).tolist())
 
 
 def clear(word, depth=None, stencil=None):

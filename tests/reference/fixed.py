@@ -48,6 +48,14 @@ def from_pattern(pattern):
     return struct.unpack("<d", struct.pack("<Q", pattern))[0]
 
 
+def to_single(value):
+    """The nearest number of single precision, infinite beyond. Source: IEEE 754."""
+    try:
+        return struct.unpack("<f", struct.pack("<f", value))[0]
+    except OverflowError:
+        return math.copysign(math.inf, value)
+
+
 def keep_significant_bits(value, bits):
     """A float64 whose magnitude is cut to ``bits`` significant bits.
 

@@ -1,7 +1,6 @@
 """Fog: a byte by comparison with 255 thresholds, or by NV2A's table; and fragments without combiners."""
 
 import math
-import struct
 from decimal import Decimal, localcontext
 from functools import cache
 
@@ -50,26 +49,30 @@ def truncated(value, mode):
     return fixed.keep_significant_bits(value, 24 if mode == FogMode.LINEAR else 14)
 
 
-def single(value):
-    """The nearest number of single precision. Source: IEEE 754."""
-    return struct.unpack("<f", struct.pack("<f", value))[0]
+def rounded(value, mode):
+    """The nearest number that fog's registers hold. Measured: 14 significant bits (Fog captures)."""
+    bits = 24 if mode == FogMode.LINEAR else 14
+    mantissa, exponent = math.frexp(value)
+    return math.ldexp(round(mantissa * 2**bits), exponent - bits)
 
 
 def line(fog):
     """Bias and multiplier. Measured: Fog captures; Inferred: the driver's, from OpenGL's parameters."""
     if fog.registers is not None:
-        return single(fog.registers.bias), single(fog.registers.multiplier)
-    if fog.mode == FogMode.LINEAR:
+        bias, multiplier = fog.registers.bias, fog.registers.multiplier
+    elif fog.mode == FogMode.LINEAR:
         multiplier = -1.0 / (fog.end - fog.start)
-        return single(1.0 - fog.end * multiplier), single(multiplier)
-    ln_256 = 5.545177444479562
-    divisor = 2.0 * (ln_256 if fog.mode == FogMode.EXP else math.sqrt(ln_256))
-    return 1.5, single(-fog.density / divisor)
+        bias = 1.0 - fog.end * multiplier
+    else:
+        ln_256 = 5.545177444479562
+        divisor = 2.0 * (ln_256 if fog.mode == FogMode.EXP else math.sqrt(ln_256))
+        bias, multiplier = 1.5, -fog.density / divisor
+    return rounded(bias, fog.mode), rounded(multiplier, fog.mode)
 
 
 def vertex_value(fog, coordinate):
-    """What NV2A iterates. Measured: 27 vertices (Fog, Fog_vsh captures); Assumed: 2^127 for infinity."""
-    bias, multiplier = (truncated(value, fog.mode) for value in line(fog))
+    """What NV2A iterates. Measured: 18 vertices (Fog, Fog_vsh captures); Assumed: 2^127 for infinity."""
+    bias, multiplier = line(fog)
     product = truncated(truncated(coordinate, fog.mode) * multiplier, fog.mode)
     value = truncated(product + bias, fog.mode)
     value = value if value < 2.0**127 else 2.0**127

@@ -63,6 +63,19 @@ def transform(matrix, vector):
     return [weighted_sum(row, vector) for row in matrix]
 
 
+def transform_single(matrix, vector):
+    """Matrix times vector in single precision. Measured: products and sums toward zero (NV2A, Viewport)."""
+    result = []
+    for row in matrix:
+        row = [fixed.to_single(c) for c in row]
+        terms = [fixed.keep_significant_bits(v * c, 24) for c, v in zip(row, vector, strict=True) if c != 0]
+        total = terms[0] if terms else 0.0
+        for term in terms[1:]:
+            total = fixed.keep_significant_bits(total + term, 24)
+        result.append(total)
+    return result
+
+
 def dot(a, b):
     """Dot product of two directions. Source: OpenGL 1.2.1 section 2.13.1."""
     return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
@@ -368,12 +381,17 @@ def unit_coordinates(unit, sets, position, eye, normal):
 def clip_distances(vertex_state, profile, width, height, depth_clamp):
     """Distance functions of a vertex, in clipping order.
 
-    Source: OpenGL 1.2.1 section 2.11; Measured: the sides of the view volume do not clip (NV2A). With
-    NV_depth_clamp the eye's plane takes the place of near and far.
+    Source: OpenGL 1.2.1 section 2.11; Measured: the sides of the view volume do not clip, nor do near and far
+    with a composite matrix (NV2A, Fog captures). With NV_depth_clamp the eye's plane takes their place.
     """
-    (half_x, half_y), (center_x, center_y) = viewport_frame(vertex_state.viewport, width, height)
     guard = profile.guard_band
     near_and_far = [lambda v: v.clip[2] + v.clip[3], lambda v: v.clip[3] - v.clip[2]]
+    if vertex_state.composite is None:
+        (half_x, half_y), (center_x, center_y) = viewport_frame(vertex_state.viewport, width, height)
+    else:
+        half_x = half_y = 1.0
+        center_x, center_y = (fixed.to_single(offset) for offset in vertex_state.composite.offset[:2])
+        depth_clamp = True
     return [
         *([lambda v: v.clip[3] - NEAREST_W] if depth_clamp else near_and_far),
         *((lambda v, plane=plane: weighted_sum(plane, v.eye)) for plane in vertex_state.clip_planes),
@@ -437,9 +455,22 @@ def snap(device, extent, profile):
     return math.trunc(min(device, float(extent + profile.guard_band)) * float(2**profile.subpixel_bits))
 
 
-def to_window(v, state, profile, width, height):
-    """A WindowVertex, or None if it has no finite window position. Source: OpenGL 1.2.1 section 2.10.1."""
-    viewport = state.vertex.viewport
+def composite_to_window(v, composite, height):
+    """Window x, y (up), depth units and 1/w.
+
+    Measured: single precision toward zero (NV2A, Viewport captures, 1832971 of 1833172 pixels).
+    """
+    *coordinates, w = v.clip
+    reciprocal = fixed.keep_significant_bits(divide(1.0, w), 24)
+    x, y, z = (
+        fixed.keep_significant_bits(fixed.keep_significant_bits(c * reciprocal, 24) + fixed.to_single(o), 24)
+        for c, o in zip(coordinates, composite.offset, strict=True)
+    )
+    return x, height - y, z, divide(1.0, w)
+
+
+def viewport_to_window(v, viewport, width, height):
+    """Window x, y and z, and 1/w. Source: OpenGL 1.2.1 section 2.10.1."""
     half, center = viewport_frame(viewport, width, height)
     x, y, z, w = v.clip
     window_x = divide(x, w) * half[0] + center[0]
@@ -447,6 +478,15 @@ def to_window(v, state, profile, width, height):
     near, far = float(viewport.near), float(viewport.far)
     window_z = divide(z, w) * ((far - near) * 0.5) + (far + near) * 0.5
     inverse_w = divide(1.0, w)
+    return window_x, window_y, window_z, inverse_w
+
+
+def to_window(v, state, profile, width, height):
+    """A WindowVertex, or None if it has no finite window position. Source: OpenGL 1.2.1 section 2.10.1."""
+    if state.vertex.composite is not None:
+        window_x, window_y, window_z, inverse_w = composite_to_window(v, state.vertex.composite, height)
+    else:
+        window_x, window_y, window_z, inverse_w = viewport_to_window(v, state.vertex.viewport, width, height)
     if not inverse_w > 0 or not all(map(math.isfinite, (window_x, window_y, window_z, inverse_w))):
         return None
     if profile.device_origin == WindowOrigin.UPPER_LEFT:
@@ -456,7 +496,7 @@ def to_window(v, state, profile, width, height):
     return WindowVertex(
         snap(window_x, width, profile),
         snapped_y,
-        window_z if state.depth_clamp is not None else clamp_color(window_z),
+        window_z if state.vertex.depth_units or state.depth_clamp else clamp_color(window_z),
         inverse_w,
         [color_bytes(side, exactly_lit(state, profile), profile) for side in v.colors],
         v.coordinates,
@@ -506,6 +546,13 @@ def fog_coordinate(mesh, i, state, eye):
     return abs(coordinate) if registers.absolute or kind == FogGeneration.ABSOLUTE_PLANAR else coordinate
 
 
+def clip_coordinates(vertex_state, position, eye):
+    """x, y, z and w before the division. Source: OpenGL 1.2.1 section 2.10; Measured: NV2A's composite."""
+    if vertex_state.composite is not None:
+        return transform_single(vertex_state.composite.matrix, position)
+    return transform(vertex_state.projection, eye)
+
+
 def process_vertex(mesh, i, state, profile):
     """Vertex i up to clip coordinates. Source: OpenGL 1.2.1 figure 2.6 (section 2.10)."""
     vertex_state = state.vertex
@@ -521,7 +568,7 @@ def process_vertex(mesh, i, state, profile):
     back = given_color(mesh.back_colors, i, black) + given_color(mesh.back_secondary_colors, i, black)
     sets = [texture_set[i].tolist() for texture_set in mesh.texture_coordinates]
     return Vertex(
-        transform(vertex_state.projection, eye),
+        clip_coordinates(vertex_state, position, eye),
         eye,
         vertex_colors(vertex_state, profile, position, eye, normal, given_normal, given, back),
         [unit_coordinates(unit, sets, position, eye, normal) for unit in state.texture_units],

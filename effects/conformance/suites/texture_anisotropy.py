@@ -42,7 +42,7 @@ def case(name, inputs):
     )
     state = replace(
         scenes.DEFAULT,
-        vertex=scenes.xdk_vertex(far=2 * FAR),  # the floor reaches beyond the view, and is not clipped
+        vertex=scenes.xdk_vertex(),
         texture_units=(TextureUnit("checkerboard", sampler),),
         register_combiners=scenes.SHOWS_TEXTURE0,
     )

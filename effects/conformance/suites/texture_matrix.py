@@ -6,7 +6,7 @@ Source: src/tests/texture_matrix_tests.cpp of nxdk_pgraph_tests.
 import numpy as np
 
 from effects.conformance.case import Case
-from effects.conformance.scenes import single
+from effects.conformance.scenes import rows_of, single
 from effects.conformance.suites import texgen
 from pipeline.enums import TexGenMode
 from pipeline.state import IDENTITY
@@ -61,8 +61,7 @@ def commands(mode, name):
 
     Measured: a row of the matrix, as the program writes it, times (s, t, r, q) is a coordinate (11 captures).
     """
-    matrix = single(MATRICES[name])
-    return texgen.commands(1.0, mode, tuple(tuple(row) for row in matrix.tolist()))
+    return texgen.commands(1.0, mode, rows_of(single(MATRICES[name])))
 
 
 def case(name, inputs):

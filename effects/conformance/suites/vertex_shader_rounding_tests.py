@@ -3,12 +3,15 @@
 Source: src/tests/vertex_shader_rounding_tests.cpp of nxdk_pgraph_tests.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from effects.conformance import scenes
 from effects.conformance.case import HEIGHT, WIDTH, Case
-from pipeline.commands import Draw
+from pipeline.commands import Draw, Mesh
 from pipeline.enums import PrimitiveType
+from pipeline.state import Composite, VertexState
 
 SUITE = "Vertex_shader_rounding_tests"
 
@@ -24,7 +27,7 @@ RASTER_COLOR, RASTER_BACKGROUND = 0xFF337788, 0xFF202224
 
 def names():
     """Every case of the suite that needs no surface but the window."""
-    return [*GEOMETRY, *ADJACENT, "TopLeftRaster"]
+    return [*GEOMETRY, *ADJACENT, "TopLeftRaster", "TopLeftRaster_Fixed"]
 
 
 def _quad(label, corners, word):
@@ -119,12 +122,20 @@ def _raster_rows():
         yield (left, top), (left + 60, top), (left + 60, 1.0), (left, 1.0)
 
 
-def _raster():
+def _raster(fixed_function):
+    state = (
+        replace(scenes.DEFAULT, vertex=VertexState(composite=Composite()))
+        if fixed_function
+        else scenes.DEFAULT
+    )
     for number, corners in enumerate((*_raster_columns(), *_raster_rows())):
         primitive = PrimitiveType.QUADS if len(corners) == 4 else PrimitiveType.TRIANGLES
         colors = np.tile(scenes.argb(RASTER_COLOR), (len(corners), 1))
-        mesh = scenes.window_mesh(corners, primitive, colors=colors)
-        yield Draw(label=f"sliver {number}", mesh=mesh, state=scenes.DEFAULT)
+        if fixed_function:
+            mesh = Mesh(scenes.single(corners), primitive, colors=colors)
+        else:
+            mesh = scenes.window_mesh(corners, primitive, colors=colors)
+        yield Draw(label=f"sliver {number}", mesh=mesh, state=state)
 
 
 def case(name, inputs):
@@ -134,6 +145,6 @@ def case(name, inputs):
         return Case(commands=_geometry(GEOMETRY[name]))
     if name in ADJACENT:
         return Case(commands=_adjacent(ADJACENT[name]))
-    if name == "TopLeftRaster":
-        return Case(commands=(scenes.clear(RASTER_BACKGROUND), *_raster()))
+    if name in ("TopLeftRaster", "TopLeftRaster_Fixed"):
+        return Case(commands=(scenes.clear(RASTER_BACKGROUND), *_raster(name.endswith("_Fixed"))))
     return None

@@ -1,0 +1,91 @@
+"""Viewport: a checkered rectangle, half of its squares through a vertex program, half through the
+fixed-function stage, whose viewport offset moves them.
+
+Source: src/tests/viewport_tests.cpp of nxdk_pgraph_tests.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from effects.conformance import scenes
+from effects.conformance.case import HEIGHT, WIDTH, Case
+from effects.conformance.vertex_programs import perspective
+from pipeline.commands import Draw, Mesh
+from pipeline.enums import PrimitiveType
+
+SUITE = "Viewport"
+
+# The viewport's offset in x and y, and its scale in x, which the fixed-function stage does not read.
+OFFSETS = {
+    0.0: (0.0, 0.531250, 0.5625, -0.531250, -0.4375, 1.0, -1.0),
+    2.0: (0.0, 0.531250, -0.531250, 1.0, -1.0),
+}
+CASES = {
+    f"{offset:.3f}_{offset:.3f}-{scale:.3f}_0.000": offset
+    for scale, offsets in OFFSETS.items()
+    for offset in offsets
+}
+LEFT, TOP, SIZE = WIDTH / 2 - 200, HEIGHT / 2 - 100, 100.0
+BOTTOM_Z, TOP_Z = 0.0, 10.0
+GREY, PROGRAMMED, FIXED = 0xFFE0E0E0, 0xFF001199, 0xFF0033BB  # 0xAABBGGRR
+ON_AN_EDGE = (
+    "squares' edges lie on a boundary of the snapping grid, up to the last bit of the unknown vertices"
+)
+
+
+def names():
+    """Every case of the suite."""
+    return list(CASES)
+
+
+def _unprojected(left, top, width, height, z=(TOP_Z, BOTTOM_Z)):
+    """World positions [4, 3] that the default view shows at a rectangle's corners.
+
+    Inferred: exact but for single precision; the program's own arithmetic errs more than the captures allow.
+    """
+    points = []
+    for x, y, depth in (
+        (left, top, z[0]),
+        (left + width, top, z[0]),
+        (left + width, top + height, z[1]),
+        (left, top + height, z[1]),
+    ):
+        scale = (depth + scenes.XDK_EYE) / float(scenes.single(scenes.XDK_SCALE))
+        points.append(((x - WIDTH / 2) * scale, (HEIGHT / 2 - y) * scale, depth))
+    return scenes.single(points)
+
+
+def _draws(offset):
+    square = np.arange(8)
+    boxes = [(LEFT + SIZE * (i % 4), TOP + SIZE * (i // 4), SIZE, SIZE) for i in square]
+    programmed = (square + square // 4) % 2 == 0
+    background = _unprojected(LEFT, TOP, 4 * SIZE, 2 * SIZE, (TOP_Z + 0.0001, BOTTOM_Z + 0.0001))
+    yield Draw(
+        label="background",
+        mesh=scenes.window_mesh(perspective(background), colors=np.tile(scenes.abgr(GREY), (4, 1))),
+        state=scenes.DEFAULT,
+    )
+    colors = np.tile(scenes.abgr(PROGRAMMED), (16, 1))
+    points = np.concatenate([_unprojected(*boxes[i]) for i in square[programmed]])
+    yield Draw(
+        label="squares of the vertex program",
+        mesh=scenes.window_mesh(perspective(points), colors=colors),
+        state=scenes.DEFAULT,
+    )
+    colors = np.tile(scenes.abgr(FIXED), (16, 1))
+    points = np.concatenate([_unprojected(*boxes[i]) for i in square[~programmed]])
+    yield Draw(
+        label="squares of the fixed-function stage",
+        mesh=Mesh(points, PrimitiveType.QUADS, colors=colors),
+        state=replace(scenes.DEFAULT, vertex=scenes.xdk_vertex(offset=offset)),
+    )
+
+
+def case(name, inputs):
+    """The case of that name, or None."""
+    del inputs
+    if name not in CASES:
+        return None
+    explanation = ON_AN_EDGE if CASES[name] in (0.5625, -0.4375) else ""
+    return Case(commands=(scenes.clear(0xFE404040), *_draws(CASES[name])), explanation=explanation)
