@@ -25,7 +25,6 @@ from pipeline.state import (
     RegisterCombiners,
     RGBPortion,
     Spot,
-    VertexState,
 )
 from pipeline.vertex import invert_upper_left
 
@@ -50,20 +49,10 @@ EYE_DISTANCE = scenes.XDK_EYE
 TOWARDS_VIEWER = (0.0, 0.0, -1.0)
 EYE_DIRECTION = (0.0, 0.0, 0.0)
 
-VIEW = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, EYE_DISTANCE), (0.0, 0.0, 0.0, 1.0))
-
 
 def view(depth_maximum=16777215.0, near=1.0, far=200.0):
     """The default view as vertex state whose modelview matrix ends in eye coordinates."""
-    depth = depth_maximum * far / (far - near)
-    composite = (
-        (scenes.XDK_SCALE, 0.0, WIDTH / 2, 0.0),
-        (0.0, -scenes.XDK_SCALE, HEIGHT / 2, 0.0),
-        (0.0, 0.0, depth, -depth * near),
-        (0.0, 0.0, 1.0, 0.0),
-    )
-    offset = (scenes.XDK_OFFSET, scenes.XDK_OFFSET)
-    return VertexState(modelview=VIEW, projection=scenes.projection_of(composite, offset, depth_maximum))
+    return scenes.xdk_vertex(near=near, far=far, depth_maximum=depth_maximum)
 
 
 def sum_of_colors():

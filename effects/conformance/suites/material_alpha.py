@@ -7,13 +7,20 @@ word of a float.
 import struct
 from dataclasses import replace
 
-import numpy as np
-
 from effects.conformance import lit_scenes, scenes
 from effects.conformance.case import HEIGHT, WIDTH, Case
 from pipeline.commands import Draw, Mesh
 from pipeline.enums import ColorSource, Face, FrontFace, SecondaryColor
-from pipeline.state import ColorSources, Light, Lighting, Material, PolygonState, VertexState
+from pipeline.state import (
+    IDENTITY,
+    ColorSources,
+    Composite,
+    Light,
+    Lighting,
+    Material,
+    PolygonState,
+    VertexState,
+)
 
 SUITE = "Material_alpha"
 
@@ -100,7 +107,7 @@ def case(name, inputs):
     )
     state = replace(
         scenes.DEFAULT,
-        vertex=VertexState(projection=PROJECTION, lighting=lighting, secondary_color=SecondaryColor.OPAQUE),
+        vertex=VertexState(composite=COMPOSITE, lighting=lighting, secondary_color=SecondaryColor.OPAQUE),
         polygon=PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW),
     )
     return Case(commands=(scenes.clear(0xFF303030), Draw(label="two quads", mesh=_mesh(), state=state)))
@@ -108,4 +115,4 @@ def case(name, inputs):
 
 # Both matrices are the unit matrix, so device pixels come from the viewport's offset alone: the middle of the
 # screen.
-PROJECTION = scenes.projection_of(np.eye(4).tolist(), (WIDTH / 2, HEIGHT / 2))
+COMPOSITE = Composite(IDENTITY, (WIDTH / 2, HEIGHT / 2, 0.0))
