@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 
-from pipeline.enums import ColorFormat, ShadeModel, TextureShaderOperation, TextureTarget, VertexStage
+from pipeline.enums import ColorFormat, ShadeModel, TextureShaderOperation, TextureTarget
 from tests.reference import (
     combine,
     coverage,
@@ -120,8 +120,8 @@ def draw_triangle(target, primitives, corners, state, textures, profile):
         sample.TexturedTriangle(triangle, inverse_w, tuple(primitives.coordinates[v][i] for v in vertices))
         for i in range(len(state.texture_units))
     ]
-    programmed = state.vertex.stage == VertexStage.PROGRAM_RESULTS
-    depths = depth.vertex_depths(primitives, vertices, state, target.depth_bits, programmed)
+    in_units = state.vertex.depth_units
+    depths = depth.vertex_depths(primitives, vertices, state, target.depth_bits, in_units)
     depth_w = inverse_w if state.w_buffering else (1.0, 1.0, 1.0)
     offset, slope = depth.primitive_offset(triangle, depths, inverse_w, state, target.depth_bits)
     columns, rows = coverage.scissor_rows_and_columns(state.scissor, target.width, target.height)

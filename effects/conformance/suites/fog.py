@@ -11,7 +11,7 @@ from effects.conformance import scenes
 from effects.conformance.case import Case
 from pipeline.commands import Draw, Mesh
 from pipeline.enums import ComponentUsage, FogMode, PrimitiveType, Register
-from pipeline.state import CombinerInput, Fog, FogRegisters
+from pipeline.state import CombinerInput, DepthClamp, Fog, FogRegisters
 
 SUITE = "Fog"
 
@@ -88,5 +88,6 @@ def case(name, inputs):
         vertex=scenes.xdk_vertex(near=START, far=END),
         register_combiners=combined(),
         fog=fog_of(mode_of(name)),
+        depth_clamp=DepthClamp(cull=True),
     )
     return Case(commands=(scenes.clear(0xFF303030), Draw(label="triangles", mesh=mesh, state=state)))
