@@ -232,7 +232,7 @@ def _dot_zw(inputs):
         region=(box,),
         shows=Shows.ZETA_TEXTURE,
         depth_bits=16,
-        explanation="quotients within 3e-7 of a whole number: the chip's rounding of dot products is not known",
+        explanation="quotients within 3e-7 of a whole number: the dot products' rounding is not known",
     )
 
 
