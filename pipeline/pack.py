@@ -387,6 +387,8 @@ def _pack_writing(state, framebuffer, draw):
             draw[R.BLEND] = 2
             return factors
     draw[R.BLEND], draw[R.BLEND_EQUATION] = 1, equation
+    if equation in (BlendEquation.FUNC_ADD_SIGNED, BlendEquation.FUNC_REVERSE_SUBTRACT_SIGNED):
+        draw[R.SURFACE] = 1
     color = _color_bytes(blending.color)
     factors[0], factors[1] = _pack_factor(source, color), _pack_factor(destination, color)
     return factors

@@ -15,7 +15,7 @@ from pipeline.enums import (
 )
 from raster import rows
 from raster.combine import plane_of, scaled
-from raster.per_fragment import blend_equation, logic, passes
+from raster.per_fragment import any_equation, logic, passes
 from raster.sample import wrap_axis
 
 
@@ -102,7 +102,7 @@ def test_logic_operations(operation, result):
 )
 def test_blend_equations(equation, result):
     one = np.int32(255)
-    assert blend_equation(int(equation), np.int32(100), one, np.int32(50), one) == result
+    assert any_equation(int(equation), np.int32(100), one, np.int32(50), one) == result
 
 
 @pytest.mark.parametrize(
