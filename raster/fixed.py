@@ -40,19 +40,11 @@ def is_power_of_two(value):
 
 
 @kernel
-def reciprocal_24(inverse):
-    """1/D truncated to 24 significant bits, from ``inverse``, the float64 nearest to it: a power of two is
-    exact, anything else lies below.
-
-    Measured: the reciprocal of the area in colour weights (Depth_buffer captures; Alpha_func captures for
-    areas that are powers of two, 64522 of 64522 pixels).
-    """
-    return float_of((bits_of(inverse) - int64(0 if is_power_of_two(inverse) else 1)) & _LOW_29)
-
-
-@kernel
 def truncate_24(value):
-    """A float64 truncated to 24 significant bits. Measured: colour weights (Depth_buffer captures)."""
+    """A float64 truncated to 24 significant bits.
+
+    Measured: colour weights and the reciprocal of their sum (Depth_buffer and Alpha_func captures).
+    """
     return float_of(bits_of(value) & _LOW_29)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numba import float64, int16, int32, int64, uint64
 
 from raster import rows as R
-from raster.fixed import is_power_of_two, power_below, reciprocal_24, reciprocal_29, truncate_24
+from raster.fixed import power_below, reciprocal_29, truncate_24
 from raster.kernel import bits_of, kernel, separate_loop
 
 _TINY = 2.0**-256  # far below any depth: where all terms are 0, their unit is not
@@ -133,7 +133,7 @@ def color_weights(e0, e1, e2, count, ints):
     separate_loop()
     for i in range(count):
         inverse = 1.0 / ((e0[i] + e1[i]) + e2[i])
-        reciprocal = reciprocal_24(inverse)
+        reciprocal = truncate_24(inverse)
         q0 = truncate_24(e0[i] * reciprocal)
         q1 = truncate_24(e1[i] * reciprocal)
         q2 = truncate_24(e2[i] * reciprocal)
@@ -145,7 +145,7 @@ def color_weights(e0, e1, e2, count, ints):
         ints[R.W0, i] = int32(p0 * 256.0)  # not negative: truncation is floor
         ints[R.W2, i] = int32(p2 * 256.0)
         residual = int32(0) if first else (int32(2) if last else int32(1))
-        ints[R.RESIDUAL, i] = int32(3) if is_power_of_two(inverse) else residual
+        ints[R.RESIDUAL, i] = int32(3) if reciprocal == inverse else residual
 
 
 @kernel("void(i4[::1],i4[::1],i4[::1],i8,i4[:,::1],u1[:,:,::1],i8,i8,i4[:,::1],i2[:,::1],i8)")

@@ -70,16 +70,6 @@ def is_power_of_two(value):
     return math.frexp(value)[0] == 0.5
 
 
-def reciprocal(inverse, bits):
-    """1/D cut to ``bits`` significant bits, from the float64 nearest to it: below it, exact where D is 2^k.
-
-    Measured: the reciprocal with which NV2A forms its weights (153600, 28618 and 64522 pixels).
-    """
-    if is_power_of_two(inverse):
-        return inverse
-    return keep_significant_bits(from_pattern(to_pattern(inverse) - 1), bits)
-
-
 def round_significant_bits(value, bits):
     """A float64 to the nearest of ``bits`` significant bits, ties to even. Source: IEEE 754."""
     mantissa, exponent = math.frexp(value)
