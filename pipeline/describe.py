@@ -114,6 +114,8 @@ _WORDS = {
     (PassState, "alpha_test"): "ALPHA_TEST enabled",
     (PassState, "stencil_test"): "STENCIL_TEST enabled",
     (PassState, "depth_test"): "DEPTH_TEST enabled",
+    (PassState, "depth_clamp"): "DEPTH_CLAMP enabled",
+    (PassState, "w_buffering"): "W buffering",
     (PassState, "blending"): "BLEND enabled",
     (PassState, "logic_op"): "COLOR_LOGIC_OP",
     (DepthTest, "write"): "depth writes",

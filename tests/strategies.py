@@ -46,6 +46,7 @@ from pipeline.state import (
     Blending,
     ColorMask,
     CombinerInput,
+    DepthClamp,
     DepthTest,
     FinalCombiner,
     Fog,
@@ -227,6 +228,15 @@ def viewports(width, height):
     )
 
 
+_limits = st.sampled_from((0.0, 0.25, 1.0, 2.5, 300.0, 40000.0, 2.0**23, 2.0**25))
+depth_clamps = st.builds(
+    lambda limits, maximum, cull: DepthClamp(min(limits), max(limits) if maximum else None, cull),
+    st.tuples(_limits, _limits),
+    st.booleans(),
+    st.booleans(),
+)
+
+
 @st.composite
 def pass_states(draw, width, height, available, max_stages=2, nv2a=False):
     """Whole pass states; ``available`` are the textures that the units may read."""
@@ -253,6 +263,8 @@ def pass_states(draw, width, height, available, max_stages=2, nv2a=False):
         blending=draw(maybe(blendings(nv2a))),
         logic_op=draw(st.none() | st.none() | st.sampled_from(LogicOperation)),
         color_mask=draw(color_masks),
+        depth_clamp=draw(maybe(depth_clamps)) if nv2a else None,
+        w_buffering=nv2a and draw(st.booleans()),
     )
 
 

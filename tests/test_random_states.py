@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from pipeline.commands import Draw, Mesh, TexImage
 from pipeline.enums import (
     ComponentUsage,
+    DepthFormat,
     FogArithmetic,
     MagnificationThreshold,
     Mapping,
@@ -45,6 +46,9 @@ machines = st.builds(
         combiner_flags=True,
         blend_equations=NV2A.blend_equations,
         surface_formats=NV2A.surface_formats,
+        depth_bits=NV2A.depth_bits,
+        depth_clamp=True,
+        w_buffering=True,
         **fields,
     ),
     expand_half=st.sampled_from((128, 127.5)),
@@ -77,6 +81,7 @@ def assert_equal_to_reference(commands, profile, depth_bits, batch):
 
 batches = st.sampled_from((16, 17, 64, 256))
 depths = st.sampled_from(GEFORCE_256.depth_bits)
+depth_formats = st.sampled_from(DepthFormat)
 
 
 @settings(max_examples=250)
@@ -86,7 +91,7 @@ def test_the_machine_equals_the_specification(commands, depth_bits, batch):
 
 
 @settings(max_examples=100)
-@given(frames(WIDTH, HEIGHT, 8, True), machines, depths, batches)
+@given(frames(WIDTH, HEIGHT, 8, True), machines, depth_formats, batches)
 def test_other_machines_equal_the_specification(commands, profile, depth_bits, batch):
     assert_equal_to_reference(commands, profile, depth_bits, batch)
 
@@ -119,7 +124,7 @@ def test_thousands_of_states_equal_the_specification(commands, depth_bits, batch
 
 @pytest.mark.slow
 @settings(max_examples=1000)
-@given(frames(WIDTH, HEIGHT, 8, True), machines, depths, batches)
+@given(frames(WIDTH, HEIGHT, 8, True), machines, depth_formats, batches)
 def test_thousands_of_other_machines_equal_the_specification(commands, profile, depth_bits, batch):
     assert_equal_to_reference(commands, profile, depth_bits, batch)
 
