@@ -103,7 +103,7 @@ REFERENCE_FUNCTIONS = [
     (path.stem, node)
     for path in sorted((ROOT / "tests" / "reference").glob("*.py"))
     for node in ast.walk(ast.parse(path.read_text()))
-    if isinstance(node, ast.FunctionDef)
+    if isinstance(node, ast.FunctionDef) and node.name != "__init__"
 ]
 
 

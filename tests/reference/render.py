@@ -90,7 +90,7 @@ class Access:
         self.weights, self.textures, self.profile = weights, textures, profile
 
     def __call__(self, i, made, operation):
-        """Unit i's texel, four bytes."""
+        """Unit i's texel, four bytes. Source: docs/numbers.md sections 6, 7 and 11."""
         unit = self.state.texture_units[i]
         texture = self.textures[unit.texture]
         foreign = texture.target != TextureTarget.TEXTURE_CUBE_MAP
