@@ -34,6 +34,7 @@ from raster.texture_shader import (
     CUBE_MAP,
     DOT_PRODUCT_3D,
     DOT_PRODUCT_CUBE_MAP,
+    OFFSET_2D,
     OFFSET_2D_SCALE,
     OFFSET_RECTANGLE_SCALE,
     copy_column,
@@ -226,7 +227,11 @@ def shade(
                 depth, alive, maximum,
             ):  # fmt: skip
                 continue
-            dependent_ties(floats, count)
+            if OFFSET_2D <= row[R.OPERATION] <= OFFSET_RECTANGLE_SCALE:
+                tie_bias(starts, owners, segments, triangles, coordinates, u, 0, ints, TAU, floats, R.TIE_S)
+                tie_bias(starts, owners, segments, triangles, coordinates, u, 1, ints, TAU, floats, R.TIE_T)
+            else:
+                dependent_ties(floats, count)
             if row[R.TARGET] == 3:
                 copy_column(floats, R.EXTRA, R.P, count)
         else:

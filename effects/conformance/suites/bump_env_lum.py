@@ -1,0 +1,55 @@
+"""Bump_env_lum: a bump texture in every format offsets a checkerboard and scales its luminance.
+
+Source: src/tests/bump_env_lum_tests.cpp of nxdk_pgraph_tests.
+"""
+
+from effects.conformance import bump_quads, scenes
+from pipeline.enums import Register
+from pipeline.enums import TextureShaderOperation as Operation
+from pipeline.state import SignedComponents, TextureShaderStage
+
+SUITE = "Bump_env_lum"
+
+FORMATS = bump_quads.formats(without=())
+VARIED = ("R6G5B5", "X8R8G8B8")
+CASES = {
+    **{f"BumpEnvLum_{name}": (name, False, False) for name in FORMATS},
+    **{
+        f"BumpEnvLum_{ending}": (name, *switches)
+        for name in VARIED
+        for ending, switches in bump_quads.variants(name).items()
+    },
+}
+COLORS = (0x7F014500, 0x80034500, 0x7F014500, 0x80034500)
+CROSSED = (0x00017F00, 0x00017F00, 0xFF038000, 0xFF038000)
+MATRIX, TURNED = (0.3, 0.0, 5.0, 0.0), (0.0, -0.1, 0.0, 0.3)  # a1, a2, a3, a4
+
+
+def names():
+    """Every case of the suite."""
+    return list(CASES)
+
+
+def _signs(column, row):
+    return SignedComponents(red=column, green=row, blue=column)
+
+
+def case(name, inputs):
+    """The case of that name, or None."""
+    del inputs
+    if name not in CASES:
+        return None
+    form, crossed, turned = CASES[name]
+    image, linear = bump_quads.texture_of(CROSSED if crossed else COLORS, FORMATS[form])
+    stages = (
+        TextureShaderStage(Operation.TEXTURE_RECTANGLE if linear else Operation.TEXTURE_2D),
+        TextureShaderStage(
+            Operation.OFFSET_TEXTURE_2D_SCALE,
+            offset_texture_matrix=TURNED if turned else MATRIX,
+            offset_texture_scale=0.7,
+            offset_texture_bias=0.3,
+        ),
+    )
+    return bump_quads.case_of(
+        image, linear, stages, Register.TEXTURE1, _signs, (0x7F0000FE, 0x7F202122), (scenes.UNIT_SQUARE,)
+    )

@@ -1,0 +1,79 @@
+"""Bump_map: a bump texture in every format offsets a checkerboard; 16-bit ones address it by dot products.
+
+Source: src/tests/bump_map_tests.cpp of nxdk_pgraph_tests.
+"""
+
+import numpy as np
+
+from effects.conformance import bump_quads, scenes
+from pipeline.enums import DotProductMapping, Register, TexelWord
+from pipeline.enums import TextureShaderOperation as Operation
+from pipeline.state import SignedComponents, TextureShaderStage
+from pipeline.texel_words import texture_of_words
+
+SUITE = "Bump_map"
+
+FORMATS = bump_quads.formats(without=("R16B16",))
+HILO = {"BumpMap_R16B16": False, "BumpMap_R16B16_B": True}  # crossed on blue
+CASES = {
+    **{f"BumpMap_{name}": (name, False, False) for name in FORMATS},
+    **{f"BumpMap_{e}": ("G8B8", *switches) for e, switches in bump_quads.variants("G8B8").items()},
+}
+COLORS = (0x007F4500, 0x00804500, 0x007F4500, 0x00804500)
+CROSSED = (0x00457F00, 0x00457F00, 0x00458000, 0x00458000)
+MATRIX, TURNED = (0.3, 0.0, 0.5, 0.0), (0.0, -0.1, 0.0, 0.3)  # a1, a2, a3, a4
+WORDS = (0x02000100, 0x02000300, 0xFF000100, 0xFF000300)  # HI and LO, 16 bits each
+CROSSED_WORDS = (0x02000300, 0x0200FF00, 0x00000300, 0x0000FF00)
+CHECKERS = (0xFF0000FE, 0x7F202122)
+
+
+def names():
+    """Every case of the suite."""
+    return [*CASES, *HILO]
+
+
+def _hilo(crossed):
+    at = (np.arange(bump_quads.SIZE) >= 2).astype(int)
+    words = np.array(CROSSED_WORDS if crossed else WORDS)[at[:, None] * 2 + at[None]]
+    dot = {"dot_product_mapping": DotProductMapping.UNSIGNED_HILO}
+    stages = (
+        TextureShaderStage(Operation.TEXTURE_2D),
+        TextureShaderStage(Operation.DOT_PRODUCT, **dot),
+        TextureShaderStage(Operation.DOT_PRODUCT_TEXTURE_2D, **dot),
+    )
+    rows = [np.zeros((4, 3)), np.zeros((4, 3))]
+    rows[0][:, 0], rows[1][:, 1] = 10.0, 15.0
+    rows[0][:, 2], rows[1][:, 2] = scenes.UNIT_SQUARE.T
+    return bump_quads.case_of(
+        texture_of_words(words, TexelWord.R16B16),
+        False,
+        stages,
+        Register.TEXTURE2,
+        lambda column, row: SignedComponents(green=column, alpha=row),
+        CHECKERS,
+        rows,
+    )
+
+
+def case(name, inputs):
+    """The case of that name, or None."""
+    del inputs
+    if name in HILO:
+        return _hilo(HILO[name])
+    if name not in CASES:
+        return None
+    form, crossed, turned = CASES[name]
+    image, linear = bump_quads.texture_of(CROSSED if crossed else COLORS, FORMATS[form])
+    stages = (
+        TextureShaderStage(Operation.TEXTURE_RECTANGLE if linear else Operation.TEXTURE_2D),
+        TextureShaderStage(Operation.OFFSET_TEXTURE_2D, offset_texture_matrix=TURNED if turned else MATRIX),
+    )
+    return bump_quads.case_of(
+        image,
+        linear,
+        stages,
+        Register.TEXTURE1,
+        lambda column, row: SignedComponents(green=row, blue=column),
+        CHECKERS,
+        (scenes.UNIT_SQUARE,),
+    )
