@@ -22,6 +22,7 @@ from pipeline.enums import (
     FogArithmetic,
     FogMode,
     FrontFace,
+    InternalFormat,
     LineRasterization,
     LogicOperation,
     MagnificationThreshold,
@@ -514,6 +515,7 @@ def _pack_units(state, profile, textures, primitives, used, draw):
             and minification in (TextureFilter.NEAREST_MIPMAP_NEAREST, TextureFilter.NEAREST_MIPMAP_LINEAR)
         ):
             row[R.THRESHOLD] = 128
+        row[R.HILO] = texture.internal_format == InternalFormat.HILO16
         row[R.SIGNED] = signed_bits(sampler.signed_components)
         if sampler.compare_mode != TextureCompareMode.NONE:
             _pack_comparison(sampler, texture.internal_format, profile, row)

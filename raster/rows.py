@@ -133,10 +133,11 @@ FINAL_SIZE = 3
     CULL_MODES,  # bit k: coordinate k must be less than zero, else not less
     COMPARE,  # pipeline.enums.TextureCompareMode
     COMPARE_FUNCTION,
+    HILO,  # 1: texels are two words of 16 bits, alpha and red, green and blue
     DEPTH_TEXEL_MAX,  # the largest depth word of a compared texture
     DEPTH_TEXEL_MANTISSA,  # mantissa bits of its depths; 0: integers
     OFFSET_MATRIX,  # four entries; these and the following are bit patterns of float64
-) = range(26)
+) = range(27)
 OFFSET_SCALE = OFFSET_MATRIX + 4
 OFFSET_BIAS = OFFSET_SCALE + 1
 CONSTANT_EYE = OFFSET_BIAS + 1  # three entries

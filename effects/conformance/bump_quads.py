@@ -82,6 +82,11 @@ def case_of(image, linear, stages, register, signs, checkers, coordinates):
     return Case(commands=tuple(commands))
 
 
+def single_matrix(matrix):
+    """An offset matrix (a1, a2, a3, a4) as the chip reads it, in single precision."""
+    return tuple(scenes.single(matrix).tolist())
+
+
 def formats(without):
     """Every format of the programs' table but depths, palettes and those in ``without``, by its case name."""
     found = {entry.case_name: entry for entry in texture_memory.FORMATS if entry.case_name not in without}

@@ -22,7 +22,7 @@ CASES = {
 }
 COLORS = (0x7F014500, 0x80034500, 0x7F014500, 0x80034500)
 CROSSED = (0x00017F00, 0x00017F00, 0xFF038000, 0xFF038000)
-MATRIX, TURNED = (0.3, 0.0, 5.0, 0.0), (0.0, -0.1, 0.0, 0.3)  # a1, a2, a3, a4
+MATRIX, TURNED = (0.3, 0.0, 5.0, 0.0), (0.0, -0.1, 0.0, 0.3)  # columns
 
 
 def names():
@@ -45,7 +45,7 @@ def case(name, inputs):
         TextureShaderStage(Operation.TEXTURE_RECTANGLE if linear else Operation.TEXTURE_2D),
         TextureShaderStage(
             Operation.OFFSET_TEXTURE_2D_SCALE,
-            offset_texture_matrix=TURNED if turned else MATRIX,
+            offset_texture_matrix=bump_quads.single_matrix(TURNED if turned else MATRIX),
             offset_texture_scale=0.7,
             offset_texture_bias=0.3,
         ),

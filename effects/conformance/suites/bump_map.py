@@ -21,7 +21,7 @@ CASES = {
 }
 COLORS = (0x007F4500, 0x00804500, 0x007F4500, 0x00804500)
 CROSSED = (0x00457F00, 0x00457F00, 0x00458000, 0x00458000)
-MATRIX, TURNED = (0.3, 0.0, 0.5, 0.0), (0.0, -0.1, 0.0, 0.3)  # a1, a2, a3, a4
+MATRIX, TURNED = (0.3, 0.0, 0.5, 0.0), (0.0, -0.1, 0.0, 0.3)  # columns
 WORDS = (0x02000100, 0x02000300, 0xFF000100, 0xFF000300)  # HI and LO, 16 bits each
 CROSSED_WORDS = (0x02000300, 0x0200FF00, 0x00000300, 0x0000FF00)
 CHECKERS = (0xFF0000FE, 0x7F202122)
@@ -66,7 +66,10 @@ def case(name, inputs):
     image, linear = bump_quads.texture_of(CROSSED if crossed else COLORS, FORMATS[form])
     stages = (
         TextureShaderStage(Operation.TEXTURE_RECTANGLE if linear else Operation.TEXTURE_2D),
-        TextureShaderStage(Operation.OFFSET_TEXTURE_2D, offset_texture_matrix=TURNED if turned else MATRIX),
+        TextureShaderStage(
+            Operation.OFFSET_TEXTURE_2D,
+            offset_texture_matrix=bump_quads.single_matrix(TURNED if turned else MATRIX),
+        ),
     )
     return bump_quads.case_of(
         image,
