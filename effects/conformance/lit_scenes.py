@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from effects.conformance import scenes
+from effects.conformance import scenes, vertex_programs
 from effects.conformance.case import HEIGHT, WIDTH
 from effects.conformance.scenes import single
 from pipeline.columns import columns_of
@@ -174,3 +174,9 @@ def lit_colors(vertex, points, normals, sides):
         shape = np.zeros(len(points))
         result.append(tuple(np.stack([c + shape for c in colors], axis=1) for colors in (side[:4], given)))
     return result
+
+
+def program_background():
+    """Corners of the background under a vertex program in the default view: without the viewport's offset."""
+    places = scenes.rectangle(0, 0, WIDTH, HEIGHT)
+    return vertex_programs.perspective(np.array([unproject(x, y, 1.0) for x, y, _ in places]))

@@ -191,11 +191,11 @@ def checkerboard(first, second, cell, size=256):
     return colors[odd.astype(int)]
 
 
-def background(first=0xFF333333, second=0xFF444444, cell=None, size=256):
+def background(first=0xFF333333, second=0xFF444444, cell=None, size=256, corners=None):
     """Commands that stretch a checkerboard over the whole screen (DrawCheckerboardUnproject).
 
-    Texture row 0 is the top row. Measured: the quad's corners (0.5, 0.5) to (640.5, 480.5), split from upper
-    left to lower right (Lighting_control FF_0x000000).
+    Texture row 0 is the top row. ``corners``: device positions as in ``rectangle``. Measured: (0.5, 0.5) to
+    (640.5, 480.5), split from upper left to lower right (Lighting_control FF_0x000000).
     """
     image = checkerboard(first, second, size // 32 if cell is None else cell, size)
     state = PassState(
@@ -204,7 +204,7 @@ def background(first=0xFF333333, second=0xFF444444, cell=None, size=256):
         register_combiners=SHOWS_TEXTURE0,
     )
     corners = window_mesh(
-        rectangle(0.5, 0.5, WIDTH + 0.5, HEIGHT + 0.5),
+        rectangle(0.5, 0.5, WIDTH + 0.5, HEIGHT + 0.5) if corners is None else corners,
         texture_coordinates=(np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]),),
     )
     return (

@@ -8,6 +8,7 @@ import numpy as np
 
 from effects.conformance.case import HEIGHT, WIDTH
 from effects.conformance.scenes import single
+from pipeline.chip_floats import TRANSFORM_BITS, product, total, transform_dot, transform_inverse_root
 
 EYE_DISTANCE, NEAR, FAR = 7.0, 1.0, 200.0
 
@@ -41,3 +42,52 @@ def perspective(points, depth_maximum=16777215.0, eye=EYE_DISTANCE, far=FAR, off
     )
     x, y, z = (toward_zero(v * reciprocal) for v in window)
     return np.stack([toward_zero(x + offset), toward_zero(y + offset), z, w], axis=1)
+    return np.stack([*(toward_zero(v * reciprocal) for v in window), w], axis=1)
+
+
+# ------------------------------------------------------------------------------------------ instructions
+
+# Slopes of 32 pieces of 2^x and of log2(x); the pieces' starts follow. Source: envytools (nvhw/xf.c).
+EXPONENTIAL_SLOPES = (
+    359, 366, 375, 383, 391, 400, 409, 417, 427, 436, 445, 455, 466, 475, 486, 497,
+    507, 518, 530, 542, 553, 565, 578, 591, 603, 617, 629, 645, 657, 673, 689, 699,
+)  # fmt: skip
+LOGARITHM_SLOPES = (
+    11702, 11271, 10966, 10650, 10361, 10106, 9800, 9574, 9337, 9112, 8898, 8693, 8499, 8310, 8133, 7962,
+    7796, 7641, 7488, 7343, 7202, 7070, 6939, 6814, 6692, 6578, 6464, 6356, 6251, 6147, 6058, 5930,
+)  # fmt: skip
+
+
+def dp3(a, b):
+    """DP3 of two vectors of three columns."""
+    return transform_dot(a, b)
+
+
+def mul(a, b):
+    """MUL of two columns."""
+    return product(a, b, TRANSFORM_BITS)
+
+
+def add(a, b):
+    """ADD of two columns."""
+    return total((a, b), TRANSFORM_BITS)
+
+
+def normalized(v):
+    """DP3, RSQ and MUL: a vector of three columns made a unit vector."""
+    root = transform_inverse_root(dp3(v, v))
+    return [mul(c, root) for c in v]
+
+
+def lit_power(base, exponent):
+    """LIT's z for base columns > 0 and an exponent from 0 to 127: 2^(exponent log2(base)), by two tables."""
+    mantissa, power = np.frexp(np.where(base > 0, base, 1.0))
+    fraction = np.ldexp(mantissa, 24).astype(np.int64) - (1 << 23)
+    piece, rest = fraction >> 18, fraction >> 10 & 255
+    starts = np.concatenate([[0], np.cumsum(LOGARITHM_SLOPES)])
+    logarithm = starts[piece] * 256 + np.array(LOGARITHM_SLOPES)[piece] * rest + ((power - 1) << 26)
+    scaled = logarithm * int(exponent * 8192) >> 26
+    piece, rest = scaled >> 8 & 31, scaled & 255
+    starts = np.concatenate([[0], np.cumsum(EXPONENTIAL_SLOPES)])
+    fraction = starts[piece] * 256 + np.array(EXPONENTIAL_SLOPES)[piece] * rest
+    return np.where(base > 0, np.ldexp((fraction << 1) + (1 << 23), (scaled >> 13) - 23), 0.0)

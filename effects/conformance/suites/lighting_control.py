@@ -8,10 +8,12 @@ program that lights by itself (src/shaders/fixed_function_approximation_shader.v
 from dataclasses import replace
 from itertools import product
 
-from effects.conformance import lit_scenes, scenes
+import numpy as np
+
+from effects.conformance import lit_scenes, scenes, vertex_programs
 from effects.conformance.case import Case
 from pipeline.commands import Draw
-from pipeline.enums import Face, FrontFace, SecondaryColor
+from pipeline.enums import Face, FrontFace, PrimitiveType, SecondaryColor
 from pipeline.state import Lighting, Material, PolygonState
 
 SUITE = "Lighting_control"
@@ -19,6 +21,7 @@ SUITE = "Lighting_control"
 SEPARATE_SPECULAR, LOCAL_EYE, ALPHA = 0x000001, 0x010000, 0x020000
 SCENE_AMBIENT = lit_scenes.color((0.031373, 0.031373, 0.031373))
 MATERIAL_ALPHA = 0.4
+SHININESS = 10.5
 VERTEX_DIFFUSE, VERTEX_SPECULAR = (0.0, 0.0, 0.0, 0.75), (0.0, 0.4, 0.0, 0.25)
 COLORS = lit_scenes.colors((0.0, 0.0, 0.05), (0.25, 0.0, 0.0), (0.0, 0.2, 0.4))
 
@@ -56,6 +59,30 @@ def lighting(control):
     )
 
 
+def _program_results(model):
+    """What the program writes: it lights by the directional light and both lights' ambient colour."""
+    normal = vertex_programs.normalized([scenes.single(c) for c in model.normals.T])
+    towards = vertex_programs.normalized([np.float64(c) for c in (-1.0, 0.0, -1.0)])
+    ambient, diffuse, specular = (COLORS[name][:3] for name in ("ambient", "diffuse", "specular"))
+    facing = np.maximum(vertex_programs.dp3(normal, towards), 0.0)
+    viewed = [*towards[:2], vertex_programs.add(towards[2], np.float64(-1.0))]
+    half = vertex_programs.normalized(viewed)
+    shine = vertex_programs.lit_power(vertex_programs.dp3(normal, half), SHININESS)
+    primary, secondary = [], []
+    for c in range(3):
+        lit = vertex_programs.mul(np.float64(diffuse[c]), facing)
+        lit = vertex_programs.add(lit, np.float64(SCENE_AMBIENT[c]))
+        primary.append(vertex_programs.add(lit, np.float64(scenes.single(2 * ambient[c]))))
+        secondary.append(vertex_programs.mul(np.float64(specular[c]), shine))
+    count = len(model.positions)
+    return scenes.window_mesh(
+        vertex_programs.perspective(model.positions),
+        PrimitiveType.TRIANGLES,
+        colors=np.stack([*primary, np.zeros(count)], axis=1),
+        secondary_colors=np.stack([*secondary, np.full(count, VERTEX_SPECULAR[3])], axis=1),
+    )
+
+
 def case(name, inputs):
     """The case of that name, or None."""
     if name not in names():
@@ -65,20 +92,19 @@ def case(name, inputs):
         secondary = SecondaryColor.DISABLED
     else:
         secondary = SecondaryColor.FROM_VERTEX if control & ALPHA else SecondaryColor.OPAQUE
+    program = name.startswith("VS")
+    vertex = scenes.PROGRAM_RESULTS if program else replace(lit_scenes.view(), lighting=lighting(control))
     state = replace(
         scenes.DEFAULT,
-        vertex=replace(lit_scenes.view(), lighting=lighting(control), secondary_color=secondary),
+        vertex=replace(vertex, secondary_color=secondary),
         register_combiners=lit_scenes.sum_of_colors(),
         polygon=PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW),
     )
-    draws = [
-        Draw(
-            label=model,
-            mesh=lit_scenes.model(inputs, model).mesh(VERTEX_DIFFUSE, VERTEX_SPECULAR),
-            state=state,
-        )
-        for model in lit_scenes.MODELS
-    ]
-    return Case(
-        commands=(scenes.clear(0xFF232623), *scenes.background(0xFF202020, 0xFF000000, 24), *draws),
-    )
+    draws = []
+    for model_name in lit_scenes.MODELS:
+        model = lit_scenes.model(inputs, model_name)
+        mesh = _program_results(model) if program else model.mesh(VERTEX_DIFFUSE, VERTEX_SPECULAR)
+        draws.append(Draw(label=model_name, mesh=mesh, state=state))
+    corners = lit_scenes.program_background() if program else None
+    background = scenes.background(0xFF202020, 0xFF000000, 24, corners=corners)
+    return Case(commands=(scenes.clear(0xFF232623), *background, *draws))

@@ -59,8 +59,10 @@ def _control_flags(name):
     light = (lit_scenes.directional(ALONG, **COLORS),)
     lighting = _lighting(lit_scenes.COEFFICIENTS["Pow16_0"], light)
     draws = control_flags.draws(name, CORNERS, lighting)
+    corners = lit_scenes.program_background() if name.endswith("VS") else None
+    background = scenes.background(DARK, BLACK, 14, corners=corners)
     return Case(
-        commands=(scenes.clear(CLEAR_FLAGS), *scenes.background(DARK, BLACK, 14), *draws),
+        commands=(scenes.clear(CLEAR_FLAGS), *background, *draws),
         explanation=control_flags.explanation(name),
     )
 

@@ -63,8 +63,10 @@ def _control_flags(name):
     light = lit_scenes.directional(ALONG, **front, **_back(*BACK_COLORS))
     lighting = _lighting(lit_scenes.COEFFICIENTS["Pow16_0"], (light,), 0.031373)
     draws = control_flags.draws(name, CORNERS, lighting, POLYGON)
+    corners = lit_scenes.program_background() if name.endswith("VS") else None
+    background = scenes.background(LIGHT, DARK, 14, corners=corners)
     return Case(
-        commands=(scenes.clear(CLEAR_FLAGS), *scenes.background(LIGHT, DARK, 14), *draws),
+        commands=(scenes.clear(CLEAR_FLAGS), *background, *draws),
         explanation=control_flags.explanation(name),
     )
 
