@@ -42,7 +42,6 @@ def perspective(points, depth_maximum=16777215.0, eye=EYE_DISTANCE, far=FAR, off
     )
     x, y, z = (toward_zero(v * reciprocal) for v in window)
     return np.stack([toward_zero(x + offset), toward_zero(y + offset), z, w], axis=1)
-    return np.stack([*(toward_zero(v * reciprocal) for v in window), w], axis=1)
 
 
 # ------------------------------------------------------------------------------------------ instructions

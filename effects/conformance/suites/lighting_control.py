@@ -60,7 +60,9 @@ def lighting(control):
 
 
 def _program_results(model):
-    """What the program writes: it lights by the directional light and both lights' ambient colour."""
+    """What the program writes: it lights by the directional light and both lights' ambient colour. It adds
+    three-component constants, whose last one also makes the alpha.
+    """
     normal = vertex_programs.normalized([scenes.single(c) for c in model.normals.T])
     towards = vertex_programs.normalized([np.float64(c) for c in (-1.0, 0.0, -1.0)])
     ambient, diffuse, specular = (COLORS[name][:3] for name in ("ambient", "diffuse", "specular"))
@@ -78,7 +80,7 @@ def _program_results(model):
     return scenes.window_mesh(
         vertex_programs.perspective(model.positions),
         PrimitiveType.TRIANGLES,
-        colors=np.stack([*primary, np.zeros(count)], axis=1),
+        colors=np.stack([*primary, primary[2]], axis=1),
         secondary_colors=np.stack([*secondary, np.full(count, VERTEX_SPECULAR[3])], axis=1),
     )
 
