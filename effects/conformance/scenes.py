@@ -48,6 +48,7 @@ NEAREST = Sampler(
 # The XDK's default view: 45 degrees, 4:3, the eye at z = -7. Source: SetXDKDefaultViewportAndFixedFunction-
 # Matrices: the composite matrix's rows for x, y and w (times w), and the viewport's offset.
 XDK_SCALE, XDK_OFFSET, XDK_EYE = 579.411194, 0.53125, 7.0
+XDK_VIEW = (*IDENTITY[:2], (0.0, 0.0, 1.0, XDK_EYE), IDENTITY[3])
 
 
 def argb(word):
@@ -144,11 +145,13 @@ def unprojected(x, y, z):
     return (x - WIDTH / 2) / XDK_SCALE * w, (HEIGHT / 2 - y) / XDK_SCALE * w, z
 
 
-def xdk_vertex(model=IDENTITY, near=1.0, far=200.0, depth_maximum=16777215.0, offset=XDK_OFFSET):
+def xdk_vertex(
+    model=IDENTITY, near=1.0, far=200.0, depth_maximum=16777215.0, offset=XDK_OFFSET, view=XDK_VIEW
+):
     """The XDK's default fixed-function view as vertex state: eye coordinates have z forwards.
 
-    ``model``: applied before the view, which moves the eye; ``near``, ``far``: eye distances of the view
-    volume's planes; ``offset``: the viewport's in x and y, device pixels.
+    ``model``: applied before ``view``, which by default moves the eye to z = -7; ``near``, ``far``: eye
+    distances of the view volume's planes; ``offset``: the viewport's in x and y, device pixels.
     """
     scale = depth_maximum * far / (far - near)
     projection = np.array(
@@ -159,9 +162,7 @@ def xdk_vertex(model=IDENTITY, near=1.0, far=200.0, depth_maximum=16777215.0, of
             (0.0, 0.0, 1.0, 0.0),
         ]
     )
-    view = np.eye(4)
-    view[2, 3] = XDK_EYE
-    modelview = view @ np.array(model)
+    modelview = np.array(view) @ np.array(model)
     return VertexState(
         modelview=rows_of(modelview),
         composite=Composite(rows_of(projection @ modelview), (offset, offset, 0.0)),

@@ -139,7 +139,7 @@ def names():
     return [name + shows for name, _ in _cases() for shows in ("", "_ZB")]
 
 
-def _fixed_function(depth_format, farthest):
+def _fixed_function(farthest):
     """The view from 50 above the floor, a little downwards, as vertex state, and the floor."""
     eye, at = np.array([0.0, 50.0, -7.0]), np.array([0.0, 47.0, 0.0])
     z = (at - eye) / np.linalg.norm(at - eye)
@@ -147,21 +147,14 @@ def _fixed_function(depth_format, farthest):
     view = np.eye(4)
     view[:3, :3] = x, np.cross(z, x), z
     view[:3, 3] = -view[:3, :3] @ eye
-    vertex = scenes.xdk_vertex(depth_maximum=farthest)
-    *rows, depth, w = np.array(vertex.projection)
-    if (
-        depth_format < 0
-    ):  # a float: window depth is not scaled, but the program scales it as for a fixed format
-        depth = (depth + w) * farthest - w
-    matrices = {"modelview": view, "projection": np.array([*rows, depth, w])}
-    matrices = {name: tuple(map(tuple, matrix.tolist())) for name, matrix in matrices.items()}
     points = [
         (-15000.0, 0.0, 30000.0),
         (15000.0, 0.0, 30000.0),
         (15000.0, 0.0, -10.0),
         (-15000.0, 0.0, -10.0),
     ]
-    return replace(vertex, **matrices), Mesh(points, QUADS, texture_coordinates=(COORDINATES * 100.0,))
+    vertex = scenes.xdk_vertex(depth_maximum=farthest, view=view)
+    return vertex, Mesh(points, QUADS, texture_coordinates=(COORDINATES * 100.0,))
 
 
 def _lines(pixels, depth_format, left, top):
@@ -195,7 +188,7 @@ def case(name, inputs):
     vertex = scenes.PROGRAM_RESULTS
     mesh = scenes.window_mesh(positions, primitive_type, texture_coordinates=(coordinates,))
     if not program:
-        vertex, mesh = _fixed_function(depth_format, farthest)
+        vertex, mesh = _fixed_function(farthest)
     repeat = replace(scenes.NEAREST, wrap_s=WrapMode.REPEAT, wrap_t=WrapMode.REPEAT)
     state = replace(
         scenes.DEFAULT,
