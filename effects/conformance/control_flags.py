@@ -25,6 +25,7 @@ ROWS = (  # whether there is a secondary colour, which colour is shown
     (True, Register.SECONDARY_COLOR),
     (True, Register.PRIMARY_COLOR),
 )
+NEAR_DEPTH = 1.0  # the depth at which the quads stand, depth units
 _ARRAYS = ("colors", "secondary_colors", "back_colors", "back_secondary_colors")
 
 
@@ -70,7 +71,7 @@ def _fixed_function(name, corners, lighting, secondary, places):
 
 def _program(name, corners, lighting, secondary, places):
     """The same of a vertex program, whose colours the lighting unit replaces where lighting is enabled."""
-    points = np.array([lit_scenes.unproject(x, y, 1.0 - lit_scenes.EYE_DISTANCE) for x, y in places])
+    points = np.array([vertex_programs.unproject(x, y, NEAR_DEPTH) for x, y in places])
     window = vertex_programs.perspective(points)
     mesh = scenes.window_mesh(window, PrimitiveType.QUADS)
     vertex = replace(scenes.PROGRAM_RESULTS, two_side=lighting.two_side, secondary_color=secondary)

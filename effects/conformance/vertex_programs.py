@@ -44,6 +44,60 @@ def perspective(points, depth_maximum=16777215.0, eye=EYE_DISTANCE, far=FAR, off
     return np.stack([toward_zero(x + offset), toward_zero(y + offset), z, w], axis=1)
 
 
+# ------------------------------------------------------------------------------------------- projection
+
+
+def _determinant(m):
+    """Along the first row, in the number type of the matrix."""
+    if len(m) == 1:
+        return m[0][0]
+    minors = (_determinant(np.delete(m[1:], column, axis=1)) for column in range(len(m)))
+    terms = [m[0][column] * minor for column, minor in enumerate(minors)]
+    total = terms[0]
+    for column, term in enumerate(terms[1:], 1):
+        total = total - term if column % 2 else total + term
+    return total
+
+
+def _times(vector, matrix):
+    """Row vector times matrix in single precision, term by term."""
+    terms = [vector[k] * matrix[k] for k in range(4)]
+    return ((terms[0] + terms[1]) + terms[2]) + terms[3]
+
+
+def _unprojection(z_maximum=16777215.0):
+    """The inverse of the default view's matrix for row vectors, in single precision and by cofactors.
+
+    The viewport's depth range is -1 to 1 there. Source: MatrixInvert of xbox_math3d and
+    CalculateViewportMatrix of ProjectionVertexShader. Measured: Specular/ControlFlagsLightDisable_VS,
+    300970 of 300970.
+    """
+    f = np.float32
+    y_scale = f(1) / f(np.tan(f(np.pi / 8)))
+    depth = f(FAR) / (f(FAR) - f(NEAR))
+    projection, viewport, view = np.zeros((4, 4), f), np.eye(4, dtype=f), np.eye(4, dtype=f)
+    projection[0, 0], projection[1, 1] = y_scale / f(WIDTH / HEIGHT), y_scale
+    projection[2, 2:] = depth, 1
+    projection[3, 2] = -depth * f(NEAR)
+    viewport[0, 0], viewport[1, 1], viewport[2, 2] = WIDTH / 2, -HEIGHT / 2, f(z_maximum) / f(2)
+    viewport[3, :3] = WIDTH / 2, HEIGHT / 2, f(z_maximum) / f(2)
+    view[3, 2] = EYE_DISTANCE
+    screen = np.array([_times(row, viewport) for row in projection])
+    composite = np.array([_times(row, screen) for row in view])
+    adjoint = np.empty((4, 4), f)
+    for row in range(4):
+        for column in range(4):
+            minor = np.delete(np.delete(composite, row, axis=0), column, axis=1)
+            adjoint[column, row] = f((-1) ** (row + column)) * _determinant(minor)
+    return adjoint * (f(1) / _determinant(composite))
+
+
+def unproject(x, y, z):
+    """World position [3] of a device pixel at the depth ``z``, in depth units."""
+    world = _times(np.array([x, y, z, 1], np.float32), _unprojection())
+    return (world[:3] / world[3]).astype(np.float64)
+
+
 # ------------------------------------------------------------------------------------------ instructions
 
 # Slopes of 32 pieces of 2^x and of log2(x); the pieces' starts follow. Source: envytools (nvhw/xf.c).
