@@ -609,11 +609,11 @@ def pack(state: PassState, profile, framebuffer, textures, primitives):
     constant_color = len(colors) == 0 or bool((colors.view(np.uint64) == colors.view(np.uint64)[:1]).all())
     draw[R.FLAT] = state.polygon.shade_model == ShadeModel.FLAT or constant_color
     if draw[R.NEEDS_COLOR]:
-        nearest = (units[:, R.ENABLED] != 0) & (units[:, R.TARGET] != 2)
-        nearest &= (units[:, R.MAG_LINEAR] == 0) | (units[:, R.MIN_LINEAR] == 0)
+        textured = (units[:, R.ENABLED] != 0).any()
         reads_color = draw[R.DIRECT] or draw[R.NEEDS_PRIMARY] or draw[R.NEEDS_SECONDARY]
-        draw[R.NEEDS_COLOR_WEIGHTS] = (reads_color and not draw[R.FLAT]) or nearest.any()
-        draw[R.NEEDS_WEIGHTS] = (units[:, R.ENABLED] != 0).any() or draw[R.FOG_ENABLED]
+        draw[R.NEEDS_COLOR_WEIGHTS] = reads_color and not draw[R.FLAT]
+        draw[R.NEEDS_ITERATION_WEIGHTS] = draw[R.NEEDS_COLOR_WEIGHTS] or textured
+        draw[R.NEEDS_WEIGHTS] = draw[R.FOG_ENABLED]
     arithmetic = np.array(
         [
             profile.product_rounding == ProductRounding.PER_PRODUCT,

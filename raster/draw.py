@@ -22,24 +22,22 @@ from raster.interpolate import (
     iterate_coordinate,
     iterate_fog,
     iterate_fog_table,
-    tie_bias,
+    iteration_weights,
 )
 from raster.kernel import float_of, kernel, separate_function
 from raster.level_of_detail import level_of_detail
 from raster.per_fragment import all_alive, per_fragment
-from raster.sample import TAU, cube_faces, divide_by_q, sample_unit, unpack
+from raster.sample import cube_faces, divide_by_q, sample_unit, unpack
 from raster.shadow import shadow_reference
 from raster.strokes import along_line, open_run, stroke_bounds, stroke_margin
 from raster.texture_shader import (
     CUBE_MAP,
     DOT_PRODUCT_3D,
     DOT_PRODUCT_CUBE_MAP,
-    OFFSET_2D,
     OFFSET_2D_SCALE,
     OFFSET_RECTANGLE_SCALE,
     copy_column,
     copy_texel,
-    dependent_ties,
     face_planes,
     fill_column,
     flat_face,
@@ -184,8 +182,10 @@ def shade(
     separate_function()
     if draw[R.DISCARDS]:
         all_alive(alive, count)
+    if draw[R.NEEDS_ITERATION_WEIGHTS]:
+        iteration_weights(e0, e1, e2, count, floats)
     if draw[R.NEEDS_COLOR_WEIGHTS]:
-        color_weights(e0, e1, e2, count, ints)
+        color_weights(floats, count, ints)
     if draw[R.NEEDS_WEIGHTS]:
         full_weights(e0, e1, e2, count, floats)
     flat = draw[R.FLAT]
@@ -227,26 +227,13 @@ def shade(
                 depth, alive, maximum,
             ):  # fmt: skip
                 continue
-            if OFFSET_2D <= row[R.OPERATION] <= OFFSET_RECTANGLE_SCALE:
-                tie_bias(starts, owners, segments, triangles, coordinates, u, 0, ints, TAU, floats, R.TIE_S)
-                tie_bias(starts, owners, segments, triangles, coordinates, u, 1, ints, TAU, floats, R.TIE_T)
-            else:
-                dependent_ties(floats, count)
             if row[R.TARGET] == 3:
                 copy_column(floats, R.EXTRA, R.P, count)
         else:
             iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 0, floats, R.S)
             iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 1, floats, R.T)
-            nearest = not (row[R.MAG_LINEAR] and row[R.MIN_LINEAR])
-            if nearest and row[R.TARGET] != 2:
-                tie_bias(starts, owners, segments, triangles, coordinates, u, 0, ints, TAU, floats, R.TIE_S)
-                tie_bias(starts, owners, segments, triangles, coordinates, u, 1, ints, TAU, floats, R.TIE_T)
             if row[R.TARGET] == 3:
                 iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 2, floats, R.P)
-                if nearest:
-                    tie_bias(
-                        starts, owners, segments, triangles, coordinates, u, 2, ints, TAU, floats, R.TIE_P
-                    )
             if row[R.TARGET] == 2:
                 iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 2, floats, R.EXTRA)
             elif row[R.PROJECTIVE]:
@@ -405,7 +392,7 @@ def draw_bands(
     for u in range(4):
         unbound_texture(registers, u, batch)
 
-    needs_weights = draw[R.NEEDS_WEIGHTS] or draw[R.NEEDS_COLOR_WEIGHTS]
+    needs_weights = draw[R.NEEDS_WEIGHTS] or draw[R.NEEDS_ITERATION_WEIGHTS]
     needs_depth, needs_color = draw[R.NEEDS_DEPTH], draw[R.NEEDS_COLOR]
     has_strokes, has_offset = draw[R.STROKES], draw[R.POLYGON_OFFSET]
     holes = draw[R.WINDOW_CLIP] != 0 or draw[R.STIPPLE] != 0

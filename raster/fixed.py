@@ -63,3 +63,15 @@ def reciprocal_29(inverse):
     allow for 1.4 to 4.3 million units; simply truncated, 28 bits lose 32 pixels and 29 bits 34.
     """
     return float_of((bits_of(inverse) - int64(0 if is_power_of_two(inverse) else 1 << 21)) & _LOW_24)
+
+
+SMALLEST = 2.0**-100  # of the largest term of a sum: below it nothing is told from zero
+
+
+@kernel
+def step_24(value):
+    """(2**(e - 23), 2**(23 - e)) for a positive float64 in [2**e, 2**(e + 1)), at least SMALLEST: the last of
+    24 bits, and how many of it make one.
+    """
+    exponent = bits_of(value) & _EXPONENT
+    return float_of(exponent - int64(23 << 52)), float_of(int64(2069 << 52) - exponent)

@@ -23,7 +23,8 @@ zero.
     NEEDS_COLOR,  # 0: no colour is written and no alpha test looks at it
     NEEDS_PRIMARY,
     NEEDS_SECONDARY,
-    NEEDS_COLOR_WEIGHTS,  # 8-bit weights: colours that vary, or the tie rule of nearest filters
+    NEEDS_COLOR_WEIGHTS,  # 8-bit weights: colours that vary
+    NEEDS_ITERATION_WEIGHTS,  # weights with 24 significant bits: those, or texture coordinates
     NEEDS_WEIGHTS,  # full-precision weights
     NEEDS_DEPTH,
     UNITS,
@@ -48,7 +49,7 @@ zero.
     STENCIL_MASK,
     STENCIL_WRITE_MASK,
     STENCIL_FAIL,  # three operations of STENCIL_OPERATION_SIZE entries
-) = range(41)
+) = range(42)
 STENCIL_OPERATION_SIZE = 5  # and, xor, add, low, high: clamp(((s & and) ^ xor) + add, low, high) & 255
 STENCIL_DEPTH_FAIL = STENCIL_FAIL + STENCIL_OPERATION_SIZE
 STENCIL_DEPTH_PASS = STENCIL_DEPTH_FAIL + STENCIL_OPERATION_SIZE
@@ -152,14 +153,14 @@ ZERO, CONSTANT0, CONSTANT1, FOG, PRIMARY, SECONDARY, SPARE0, SPARE1, TEXTURE0 = 
 E_TIMES_F, SPARE0_PLUS_SECONDARY, REGISTERS = 12, 13, 14
 
 # Scratch columns of a batch. floats float64[FLOAT_COLUMNS, batch]: texture coordinates (for a cube map, of
-# its face, doubled), tie biases of nearest filters, sizes of each fragment's level, a texel coordinate, a
-# cube map's r or q, weights of vertices 0 and 2, depth before it is a word; a 3D texture's r with its tie
-# bias and size.
+# its face, doubled), weights of vertices 0 and 2 with 24 significant bits, sizes of each fragment's level, a
+# texel coordinate, a cube map's r or q, weights of vertices 0 and 2, depth before it is a word; a 3D
+# texture's r with its size.
 (
     S,
     T,
-    TIE_S,
-    TIE_T,
+    Q0,
+    Q2,
     S_SIZE,
     T_SIZE,
     TEXEL,
@@ -167,17 +168,15 @@ E_TIMES_F, SPARE0_PLUS_SECONDARY, REGISTERS = 12, 13, 14
     B0,
     B2,
     P,
-    TIE_P,
     P_SIZE,
     COORDINATE0,  # four coordinates of a texture shader stage
-) = range(14)
+) = range(13)
 DOT0 = COORDINATE0 + 4  # the stages' dot products
 DEPTH = DOT0 + 4
 FLOAT_COLUMNS = DEPTH + 1
 # ints int32[INT_COLUMNS, batch]: cube face; where the level begins and its width; neighbouring columns and
-# rows with their fractions; level, fraction between levels, lambda; colour weights and residual vertex; the
-# triangle of a run; neighbouring layers with their fraction; the depth word that
-# texels are compared with.
+# rows with their fractions; level, fraction between levels, lambda; colour weights; the triangle of a run;
+# neighbouring layers with their fraction; the depth word that texels are compared with.
 (
     FACE,
     BASE,
@@ -193,14 +192,13 @@ FLOAT_COLUMNS = DEPTH + 1
     LOD,
     W0,
     W2,
-    RESIDUAL,
     OWNER,
     K0,
     K1,
     K_FRACTION,
     REFERENCE,
     INT_COLUMNS,
-) = range(21)
+) = range(20)
 # packed uint32[PACKED_COLUMNS, batch]: the four texels of a linear filter; filtered texels, the upper layer's
 # among them; the texel of each texture shader stage.
 P00, P10, P01, P11, TEXEL_0, TEXEL_1, MAGNIFIED, LAYER_1, STAGE0 = range(9)

@@ -10,7 +10,7 @@ from numba import float64, int32, uint8, uint32, uint64
 from raster import rows as R
 from raster.interpolate import iterate_coordinate
 from raster.kernel import float_of, kernel, separate_function, separate_loop
-from raster.sample import TAU, major_axis, on_face, unpack
+from raster.sample import major_axis, on_face, unpack
 
 CUBE_MAP, PASS_THROUGH, CULL_FRAGMENT = 4, 6, 7
 OFFSET_2D, OFFSET_2D_SCALE, OFFSET_RECTANGLE, OFFSET_RECTANGLE_SCALE = 8, 9, 10, 11
@@ -227,14 +227,6 @@ def face_planes(floats, count):
         sc, tc, ma = on_face(major_axis(s, t, r), s, t, r)
         floats[R.S, i] = sc / ma if ma > 0.0 else 0.0
         floats[R.T, i] = -tc / ma if ma > 0.0 else 0.0
-
-
-@kernel("void(f8[:,::1],i8)")
-def dependent_ties(floats, count):
-    """Tie biases of coordinates that no vertex has. Assumed: exact boundaries take the upper texel."""
-    fill_column(floats, R.TIE_S, TAU, count)
-    fill_column(floats, R.TIE_T, TAU, count)
-    fill_column(floats, R.TIE_P, TAU, count)
 
 
 @kernel("void(u4[:,::1],i8,i8,u4,i8)")

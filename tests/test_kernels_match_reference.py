@@ -62,7 +62,7 @@ from pipeline.textures import COMPONENT_BITS, halve, store_texels, texture_1d, t
 from raster import rows
 from raster.combine import final_combiner, general_combiner
 from raster.fixed import divide_255, reciprocal_29, truncate_24
-from raster.interpolate import color_weights, depth_words, emit_depth
+from raster.interpolate import color_weights, depth_words, emit_depth, iteration_weights
 from raster.sample import POWERS_OF_TWO, lerp_packed, log2_q7, major_axis, on_face
 from tests.combiner_strategies import final_combiners, general_combiners
 from tests.reference import (
@@ -779,21 +779,21 @@ def test_cube_map_directions_select_the_same_faces():
 
 
 def kernel_color_weights(n, inverse_w):
-    """((w0, w1, w2), residual vertex) of each row of edge values."""
+    """((w0, w1, w2), q0, q2) of each row of edge values."""
     columns = [np.ascontiguousarray(c) for c in (np.array(n, np.float64) * inverse_w).T]
     count = len(n)
+    floats = np.empty((rows.FLOAT_COLUMNS, count))
     ints = np.empty((rows.INT_COLUMNS, count), np.int32)
-    color_weights(*columns, count, ints)
-    w0, w2, residual = ints[rows.W0], ints[rows.W2], ints[rows.RESIDUAL]
-    return [
-        ((a, 256 - a - b, b), r) for a, b, r in zip(w0.tolist(), w2.tolist(), residual.tolist(), strict=True)
-    ]
+    iteration_weights(*columns, count, floats)
+    color_weights(floats, count, ints)
+    columns = (ints[rows.W0], ints[rows.W2], floats[rows.Q0], floats[rows.Q2])
+    return [((a, 256 - a - b, b), p, q) for a, b, p, q in zip(*(c.tolist() for c in columns), strict=True)]
 
 
 def test_color_weights_of_all_small_edge_values():
     n = [(a, b, c) for a in range(25) for b in range(25) for c in range(25) if a + b + c]
     expected = [interpolate.weights(row, (1.0, 1.0, 1.0)) for row in n]
-    assert kernel_color_weights(n, 1.0) == [(w.color, w.residual) for w in expected]
+    assert kernel_color_weights(n, 1.0) == [(w.color, w.q0, w.q2) for w in expected]
 
 
 @settings(max_examples=100)
@@ -804,7 +804,7 @@ def test_color_weights_of_random_edge_values_in_perspective(seed, size):
     n[:, 0] += 1
     inverse_w = np.exp(random.uniform(-3.0, 3.0, 3))
     expected = [interpolate.weights(row, inverse_w.tolist()) for row in n.tolist()]
-    assert kernel_color_weights(n, inverse_w) == [(w.color, w.residual) for w in expected]
+    assert kernel_color_weights(n, inverse_w) == [(w.color, w.q0, w.q2) for w in expected]
 
 
 NO_PRIMITIVES = WindowPrimitives(

@@ -161,12 +161,13 @@ def test_exact_ties_of_the_weights_follow_the_low_reciprocal():
     # 1/12 is cut, so q1 = q2 fall below 1/4 and q0 = 1 - q1 - q2 rises above 1/2: floor(256 q0) = 128,
     # floor(256 q2) = 63, the middle takes 65.
     w = interpolate.weights((6, 3, 3), (1.0, 1.0, 1.0))
-    assert (w.color, w.residual, w.b0, w.b2) == ((128, 65, 63), 0, 0.5, 0.25)
+    assert (w.color, w.b0, w.b2) == ((128, 65, 63), 0.5, 0.25)
+    assert w.q0 > 0.5 and 0.25 - 2.0**-24 < w.q2 < 0.25
 
 
 def test_exact_ties_in_an_area_that_is_a_power_of_two_are_exact():
     w = interpolate.weights((2, 1, 1), (1.0, 1.0, 1.0))
-    assert (w.color, w.residual, w.b0, w.b2) == ((128, 64, 64), 3, 0.5, 0.25)
+    assert (w.color, w.q0, w.q2, w.b0, w.b2) == ((128, 64, 64), 0.5, 0.25, 0.5, 0.25)
 
 
 def test_the_residual_vertex_follows_the_classes():
@@ -337,12 +338,26 @@ def test_cube_map_directions_select_faces_and_texels(direction, face, point):
     assert sample.face_coordinates((*direction, 9.0), face, 8) == point
 
 
-def test_the_tie_bias_follows_the_vertices():
-    assert sample.tie_bias((0.0, 1.0, 1.0), 0) == sample.TAU
-    assert sample.tie_bias((0.0, 0.0, 1.0), 0) == -sample.TAU
-    assert sample.tie_bias((0.0, 1.0, 3.0), 1) == -sample.TAU
-    assert sample.tie_bias((1.0, 0.0, 0.0), 2) == -sample.TAU
-    assert sample.tie_bias((0.0, 1.0, 0.0), 2) == sample.TAU
+def iterated(v, n):
+    """The coordinate where the edge values are n, between vertices with the coordinate v."""
+    return interpolate.iterate_coordinate(v, interpolate.weights(n, (1.0, 1.0, 1.0)))
+
+
+def test_ties_of_texture_coordinates_fall_to_the_side_of_their_terms():
+    # 1/3 and 1/12 are cut: what is added to v1 falls short of the tie, what is taken from it too.
+    assert iterated((0.0, 0.0, 1.0), (2, 0, 1)) < 1 / 3 < iterated((1.0, 1.0, 0.0), (1, 0, 2))
+    assert iterated((0.0, 1.0, 1.0), (3, 6, 3)) == 0.75  # from above: cut to the 24 bits of 1
+    assert iterated((1.0, 0.0, 0.0), (3, 6, 3)) < 0.25
+    assert iterated((0.0, 0.0, 1.0), (2, 1, 1)) == 0.25  # an area that is a power of two
+
+
+def test_every_term_of_a_coordinate_is_cut_to_the_bits_of_the_largest():
+    ulp = 2.0**-23
+    weights = interpolate.Weights(0.0, 0.0, 0.5, 0.25, (128, 64, 64))
+    assert interpolate.iterate_coordinate((1.0 + ulp, 1.0, 1.0), weights) == 1.0
+    assert interpolate.iterate_coordinate((1.0 + 3 * ulp, 1.0, 1.0 + 3 * ulp), weights) == 1.0 + ulp
+    assert interpolate.iterate_coordinate((0.0, 0.0, 0.0), weights) == 0.0
+    assert interpolate.iterate_coordinate((1e300, 1e300, 1e300), weights) == pytest.approx(1e300, rel=ulp)
 
 
 def test_lambda_is_floored_at_eight_fraction_bits():

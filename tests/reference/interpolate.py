@@ -12,14 +12,15 @@ WEIGHT_BITS = 24  # Measured: significant bits of the weights (Depth_buffer, Lin
 class Weights:
     """One fragment's weights.
 
-    ``b0``, ``b2``: float64 barycentric coordinates. ``color``: three integers that sum to 256.
-    ``residual``: the vertex whose weight is one minus the others'; 3: none, all three are exact.
+    ``b0``, ``b2``: float64 barycentric coordinates; ``q0``, ``q2``: with 24 significant bits. ``color``:
+    three integers that sum to 256.
     """
 
     b0: float
     b2: float
+    q0: float
+    q2: float
     color: tuple
-    residual: int
 
 
 def perspective_terms(n, inverse_w):
@@ -44,11 +45,11 @@ def residual_vertex(q):
     return {(0, 1): 0, (0, 2): 2, (1, 2): 1, (0, 1, 2): 2}.get(highest, highest[0])
 
 
-def color_weights(e, inverse):
-    """Three integers that sum to 256, and the vertex of section 4's rule.
+def iteration_weights(e, inverse):
+    """The weights of vertices 0 and 2, cut to 24 bits; the residual vertex's is what the others leave of one.
 
-    Measured: 153600 of 153600, 28618 of 28618 and 64522 of 64522 pixels; in perspective at most 3 in 200120
-    are open.
+    Measured: as colors' weights 153600 of 153600, 28618 of 28618 and 64522 of 64522 pixels; in perspective at
+    most 3 in 200120 are open.
     """
     low_inverse = fixed.keep_significant_bits(inverse, WEIGHT_BITS)
     q = [fixed.keep_significant_bits(e_i * low_inverse, WEIGHT_BITS) for e_i in e]
@@ -57,8 +58,7 @@ def color_weights(e, inverse):
         q[0] = (1.0 - q[1]) - q[2]
     elif residual == 2:
         q[2] = (1.0 - q[0]) - q[1]
-    w0, w2 = math.floor(256.0 * q[0]), math.floor(256.0 * q[2])
-    return (w0, 256 - w0 - w2, w2), 3 if low_inverse == inverse else residual
+    return q[0], q[2]
 
 
 def weights(n, inverse_w):
@@ -66,8 +66,23 @@ def weights(n, inverse_w):
     e = perspective_terms(n, inverse_w)
     d = denominator(e)
     inverse = 1.0 / d
-    color, residual = color_weights(e, inverse)
-    return Weights(e[0] * inverse, e[2] * inverse, color, residual)
+    q0, q2 = iteration_weights(e, inverse)
+    w0, w2 = math.floor(256.0 * q0), math.floor(256.0 * q2)
+    return Weights(e[0] * inverse, e[2] * inverse, q0, q2, (w0, 256 - w0 - w2, w2))
+
+
+def iterate_coordinate(v, weights):
+    """A texture coordinate from three vertices: three terms, each cut to the 24 bits of the largest.
+
+    Measured: 48768 of 48768 and 41199 of 41199 pixels (CylinderWrapping, Anisotropy-1); Assumed: terms below
+    2^-100 of each other and of one are nothing.
+    """
+    terms = (v[1], weights.q0 * (v[0] - v[1]), weights.q2 * (v[2] - v[1]))
+    if not all(math.isfinite(term) for term in terms):
+        return math.nan
+    exponent = math.frexp(max(2.0**-100, *(abs(term) for term in terms)))[1]
+    total = sum(math.trunc(math.ldexp(term, WEIGHT_BITS - exponent)) for term in terms)
+    return math.ldexp(float(total), exponent - WEIGHT_BITS)
 
 
 def iterate_color_channel(w, c):

@@ -95,7 +95,7 @@ class Access:
         texture = self.textures[unit.texture]
         foreign = texture.target != TextureTarget.TEXTURE_CUBE_MAP
         if foreign and operation == TextureShaderOperation.TEXTURE_CUBE_MAP:
-            made = sample.iterate_coordinates(self.triangles[i].coordinates, self.weights.b0, self.weights.b2)
+            made = sample.iterate_coordinates(self.triangles[i].coordinates, self.weights)
         if made is not None:
             return texture_shader.sample_made(made, texture, unit.sampler, operation)
         return sample.sample_texture(

@@ -44,9 +44,21 @@ class TexturedTriangle:
 # ------------------------------------------------------------------------------------------------ coordinates
 
 
-def iterate_coordinates(coordinates, b0, b2):
-    """(s, t, r, q) of a fragment. Source: OpenGL 1.2.1 equation 3.4."""
+def iterate_coordinates(coordinates, weights):
+    """(s, t, r, q) of a fragment. Measured: CylinderWrapping, Anisotropy-1."""
+    return tuple(
+        interpolate.iterate_coordinate([vertex[k] for vertex in coordinates], weights) for k in range(4)
+    )
+
+
+def exact_coordinates(coordinates, b0, b2):
+    """(s, t, r, q) of a point of a footprint. Source: OpenGL 1.2.1 equation 3.4."""
     return tuple(interpolate.iterate([vertex[k] for vertex in coordinates], b0, b2) for k in range(4))
+
+
+def has_unit_q(coordinates):
+    """Whether q is one at every vertex. Source: OpenGL 1.2.1 section 3.8 (nothing is then divided)."""
+    return all(vertex[3] == 1.0 for vertex in coordinates)
 
 
 def divide_by_q(strq, coordinates):
@@ -55,7 +67,7 @@ def divide_by_q(strq, coordinates):
     Source: OpenGL 1.2.1 section 3.8; Assumed: the value where q is 0.
     """
     s, t, _, q = strq
-    if all(vertex[3] == 1.0 for vertex in coordinates):
+    if has_unit_q(coordinates):
         return s, t
     divisor = 1.0 if q == 0.0 else q
     return s / divisor, t / divisor
@@ -79,15 +91,6 @@ def face_coordinates(strq, face, size):
     if major == 0.0:
         return 0.0, 0.0  # Measured: 70 of 70 pixels (DotReflectSpec_1_-1to1)
     return (sc / abs(major) + 1.0) * (0.5 * float(size)), (tc / abs(major) + 1.0) * (0.5 * float(size))
-
-
-def tie_bias(v, residual):
-    """+TAU or -TAU for a nearest filter: which way an exact texel boundary falls.
-
-    Measured: 7790 of 7790 ties, 131072 of 131072 with exact weights. ``v``: the coordinate at the vertices.
-    """
-    terms = {0: -(v[2] - v[1]), 1: (-(v[0] - v[1])) - (v[2] - v[1]), 2: -(v[0] - v[1]), 3: 0.0}
-    return TAU if terms[residual] >= 0.0 else -TAU
 
 
 # -------------------------------------------------------------------------------------------- level of detail
@@ -122,7 +125,7 @@ def footprint_point(triangle, px, py, texture, face):
     if d <= 0.0:
         return None
     inverse = 1.0 / d
-    strq = iterate_coordinates(triangle.coordinates, e[0] * inverse, e[2] * inverse)
+    strq = exact_coordinates(triangle.coordinates, e[0] * inverse, e[2] * inverse)
     height, width = level_size(texture, 0)
     if texture.target == TextureTarget.TEXTURE_CUBE_MAP:
         if face is None:
@@ -184,10 +187,9 @@ def wrap_coordinate(t, mode, size):
         t = t - n * fixed.floor_float(t * (1.0 / n))
     elif mode == WrapMode.MIRRORED_REPEAT:
         t = t - 2.0 * n * fixed.floor_float(t * (1.0 / (2.0 * n)))
-        t = 2.0 * n - t if t > n else t
     low, high = {
         WrapMode.REPEAT: (0.0, n),
-        WrapMode.MIRRORED_REPEAT: (0.0, n),
+        WrapMode.MIRRORED_REPEAT: (0.0, 2.0 * n),
         WrapMode.CLAMP: (0.0, n),
         WrapMode.CLAMP_TO_EDGE: (0.5, n - 0.5),
         WrapMode.CLAMP_TO_BORDER: (-0.5, n + 0.5),
@@ -204,6 +206,9 @@ def wrap_index(i, mode, size, *, linear):
         return i
     if mode == WrapMode.REPEAT:
         return i % size
+    if mode == WrapMode.MIRRORED_REPEAT:  # Measured: nearest, 48768 of 48768 pixels (CylinderWrapping)
+        i %= 2 * size
+        return min(i, 2 * size - 1 - i)
     if mode == WrapMode.CLAMP_TO_BORDER or (mode == WrapMode.CLAMP and linear):
         return None
     return fixed.clamp(i, 0, size - 1)
@@ -253,7 +258,7 @@ def sample_linear(texture, level, face, t, modes, border):
     return [fixed.lerp_q8(rows[0][k], rows[1][k], b) for k in range(4)]
 
 
-def sample_level(triangle, strq, residual, texture, sampler, level, filter_mode, *, flat=False):
+def sample_level(triangle, strq, texture, sampler, level, filter_mode, *, flat=False):
     """One level, filtered to bytes. Source: OpenGL 1.2.1 sections 3.8.4 to 3.8.6.
 
     ``triangle`` None: a texture shader made the coordinates. ``flat``: s and t, t downwards, on a cube map's
@@ -268,10 +273,9 @@ def sample_level(triangle, strq, residual, texture, sampler, level, filter_mode,
     else:
         face, modes, t = 0, (sampler.wrap_s, sampler.wrap_t), []
         st = strq[:2] if triangle is None else divide_by_q(strq, triangle.coordinates)
-        for k, (coordinate, size) in enumerate(zip(st, (width, height), strict=True)):
-            tied = nearest and triangle is not None
-            bias = tie_bias([vertex[k] for vertex in triangle.coordinates], residual) if tied else TAU
-            t.append(coordinate * float(size) + bias)
+        computed = triangle is None or not has_unit_q(triangle.coordinates)
+        for coordinate, size in zip(st, (width, height), strict=True):
+            t.append(coordinate * float(size) + (TAU if computed else 0.0))
     if texture.target == TextureTarget.TEXTURE_1D:
         t[1], modes = 0.0, (modes[0], WrapMode.REPEAT)
     t = [wrap_coordinate(v, mode, size) for v, mode, size in zip(t, modes, (width, height), strict=True)]
@@ -285,8 +289,8 @@ def sample_texture(triangle, px, py, weights, texture, sampler, bias, profile):
 
     Source: OpenGL 1.2.1 sections 3.8.5, 3.8.6; Measured: the choice at lambda <= 0, trilinear (LODBias).
     """
-    strq = iterate_coordinates(triangle.coordinates, weights.b0, weights.b2)
-    level = partial(sample_level, triangle, strq, weights.residual, texture, sampler)
+    strq = iterate_coordinates(triangle.coordinates, weights)
+    level = partial(sample_level, triangle, strq, texture, sampler)
     minification = sampler.min_filter
     if minification == sampler.mag_filter:
         return level(0, minification)

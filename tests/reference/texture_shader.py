@@ -93,7 +93,7 @@ class Stages:
 
     def coordinates(self, i):
         """(s, t, r, q) of unit i. Source: docs/numbers.md section 4."""
-        return sample.iterate_coordinates(self.units[i].coordinates, self.weights.b0, self.weights.b2)
+        return sample.iterate_coordinates(self.units[i].coordinates, self.weights)
 
     def dot_product(self, i):
         """Unit i's dot product. Source: NV_texture_shader section 3.8.13.1.14."""
@@ -168,4 +168,4 @@ def sample_made(strq, texture, sampler, operation):
     if operation.name.endswith("CUBE_MAP") and not cube_map:
         strq = (*on_any_face(strq), 0.0)
     flat = cube_map and operation == Operation.DOT_PRODUCT_TEXTURE_3D
-    return sample.sample_level(None, (*strq[:3], 1.0), 1, texture, sampler, 0, sampler.mag_filter, flat=flat)
+    return sample.sample_level(None, (*strq[:3], 1.0), texture, sampler, 0, sampler.mag_filter, flat=flat)
