@@ -503,7 +503,8 @@ def sample_level(texels, levels, unit, count, linear, many, floats, ints, packed
     else:
         base_sizes(levels, ints, count, floats)
     scale = 0.5 if cube else (0.0 if target == 4 else 1.0)
-    computed = cube or unit[R.PROJECTIVE] or unit[R.OPERATION]  # and not iterated alone
+    operation = unit[R.OPERATION]  # of a texture shader; 8 to 11 offset iterated coordinates
+    computed = cube or unit[R.PROJECTIVE] or not (operation == 0 or 8 <= operation <= 11)
     bias = TAU if computed else 0.0
     wrap_s, wrap_t = (int64(2), int64(2)) if cube else (unit[R.WRAP_S], unit[R.WRAP_T])
     texel_coordinates(floats, R.S, R.S_SIZE, bias, scale, count)

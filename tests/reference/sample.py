@@ -258,11 +258,11 @@ def sample_linear(texture, level, face, t, modes, border):
     return [fixed.lerp_q8(rows[0][k], rows[1][k], b) for k in range(4)]
 
 
-def sample_level(triangle, strq, texture, sampler, level, filter_mode, *, flat=False):
+def sample_level(triangle, strq, texture, sampler, level, filter_mode, *, flat=False, offset=False):
     """One level, filtered to bytes. Source: OpenGL 1.2.1 sections 3.8.4 to 3.8.6.
 
-    ``triangle`` None: a texture shader made the coordinates. ``flat``: s and t, t downwards, on a cube map's
-    first face.
+    ``triangle`` None: a texture shader made the coordinates; ``offset``: by moving iterated ones. ``flat``: s
+    and t, t downwards, on a cube map's first face.
     """
     nearest = filter_mode in NEAREST_IN_LEVEL
     height, width = level_size(texture, level)
@@ -273,7 +273,7 @@ def sample_level(triangle, strq, texture, sampler, level, filter_mode, *, flat=F
     else:
         face, modes, t = 0, (sampler.wrap_s, sampler.wrap_t), []
         st = strq[:2] if triangle is None else divide_by_q(strq, triangle.coordinates)
-        computed = triangle is None or not has_unit_q(triangle.coordinates)
+        computed = not offset if triangle is None else not has_unit_q(triangle.coordinates)
         for coordinate, size in zip(st, (width, height), strict=True):
             t.append(coordinate * float(size) + (TAU if computed else 0.0))
     if texture.target == TextureTarget.TEXTURE_1D:

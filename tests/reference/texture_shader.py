@@ -168,4 +168,6 @@ def sample_made(strq, texture, sampler, operation):
     if operation.name.endswith("CUBE_MAP") and not cube_map:
         strq = (*on_any_face(strq), 0.0)
     flat = cube_map and operation == Operation.DOT_PRODUCT_TEXTURE_3D
-    return sample.sample_level(None, (*strq[:3], 1.0), texture, sampler, 0, sampler.mag_filter, flat=flat)
+    offset = operation.name.startswith("OFFSET")
+    strq = (*strq[:3], 1.0)
+    return sample.sample_level(None, strq, texture, sampler, 0, sampler.mag_filter, flat=flat, offset=offset)
