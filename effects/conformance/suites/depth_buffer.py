@@ -105,13 +105,8 @@ def case(name, inputs):
     if found is None:
         return None
     depth_format, farthest, cut_off = found
-    state = replace(
-        scenes.DEFAULT,
-        depth_test=DepthTest(ComparisonFunction.LESS),
-        depth_clamp=DepthClamp(
-            maximum=FARTHEST_FLOAT if depth_format == DepthFormat.FLOAT_24 else None, cull=True
-        ),
-    )
+    limits = DepthClamp(maximum=FARTHEST_FLOAT, cull=True) if depth_format == DepthFormat.FLOAT_24 else None
+    state = replace(scenes.DEFAULT, depth_test=DepthTest(ComparisonFunction.LESS), depth_clamp=limits)
     return Case(
         commands=(
             scenes.clear(0xFF000000, depth=cut_off / (2 ** abs(depth_format) - 1)),
