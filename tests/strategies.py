@@ -27,7 +27,9 @@ from pipeline.enums import (
     FogCoordinateSource,
     FogMode,
     FrontFace,
+    LineRasterization,
     LogicOperation,
+    PolygonMode,
     PrimitiveType,
     ProvokingVertex,
     Register,
@@ -50,17 +52,23 @@ from pipeline.state import (
     DepthTest,
     FinalCombiner,
     Fog,
+    GeneralCombiner,
     Light,
     Lighting,
+    LineState,
     PassState,
+    PointParameters,
+    PointState,
     PolygonState,
     RegisterCombiners,
+    RGBPortion,
     Sampler,
     Scissor,
     StencilTest,
     TextureUnit,
     VertexState,
     Viewport,
+    WindowClip,
 )
 from pipeline.textures import COMPONENT_BITS, texture_1d, texture_2d, texture_cube_map
 from tests.combiner_strategies import colors, register_combiners
@@ -495,6 +503,71 @@ def shaded_frame(seed, width, height):
         depth_test=DepthTest(_one_of(random, (ComparisonFunction.LESS, ComparisonFunction.ALWAYS))),
     )
     return (Draw(label="shade", mesh=mesh, state=state),)
+
+
+def stroked_frame(seed, width, height):
+    """Points, lines and outlines of any size on a textured sprite unit, for the NV2A."""
+    random = np.random.default_rng(seed)
+    count = 8
+    kind = _one_of(random, ("any", "grid", "perspective", "near"))
+    positions = _positions(random, kind, count, width, height)
+    coordinates = _texture_coordinates(random, _one_of(random, _COORDINATES), positions, width, height)
+    mesh = Mesh(
+        positions,
+        _one_of(random, PrimitiveType),
+        colors=random.random((count, 4)),
+        texture_coordinates=(coordinates,),
+        fog_coordinates=random.uniform(-1.0, 2.0, count),
+        edge_flags=_one_of(random, (None, random.random(count) < 0.7)),
+    )
+    texels = random.integers(0, 256, (4, 8, 4), np.uint8)
+    sampler = Sampler(_one_of(random, TextureFilter), _one_of(random, _UNMIPMAPPED))
+    unit = TextureUnit("texture", sampler, coord_replace=bool(random.integers(2)))
+    product = GeneralCombiner(
+        rgb=RGBPortion(a=CombinerInput(Register.PRIMARY_COLOR), b=CombinerInput(Register.TEXTURE3))
+    )
+    parameters = PointParameters(
+        tuple(random.choice([0.0, 0.25, 1.0], 3).tolist()),
+        random.uniform(-0.5, 0.5),
+        random.uniform(0.0, 9.0),
+        0.5,
+    )
+    box = Scissor(*random.integers(-2, 6, 2).tolist(), *random.integers(0, 9, 2).tolist())
+    state = PassState(
+        polygon=PolygonState(
+            cull_face=_one_of(random, (None, None, *Face)),
+            front_face=_one_of(random, FrontFace),
+            offset_fill=bool(random.integers(2)),
+            offset_line=bool(random.integers(2)),
+            offset_point=bool(random.integers(2)),
+            offset_factor=random.uniform(-2.0, 2.0),
+            offset_units=random.uniform(-100.0, 100.0),
+            shade_model=_one_of(random, ShadeModel),
+            provoking_vertex=_one_of(random, ProvokingVertex),
+            front_mode=_one_of(random, PolygonMode),
+            back_mode=_one_of(random, PolygonMode),
+            stipple=_one_of(random, (None, random.integers(0, 256, 128, np.uint8).tobytes())),
+        ),
+        texture_units=(None, None, None, unit),
+        register_combiners=RegisterCombiners(general=(product,)),
+        fog=_one_of(random, (None, Fog(mode=FogMode.LINEAR))),
+        depth_test=DepthTest(_one_of(random, (ComparisonFunction.LESS, ComparisonFunction.ALWAYS))),
+        point=PointState(
+            size=float(_one_of(random, (0.0, 1.0, 2.0, 3.5, random.uniform(0.0, 12.0)))),
+            sprite=bool(random.integers(2)),
+            parameters=_one_of(random, (None, parameters)),
+        ),
+        line=LineState(
+            width=float(_one_of(random, (0.0, 1.0, 1.0, 3.0, random.uniform(0.0, 6.0)))),
+            rasterization=_one_of(random, LineRasterization),
+        ),
+        window_clip=_one_of(random, (None, None, WindowClip((box, Scissor(1, 1, 3, 3)), bool(seed % 2)))),
+    )
+    image = texture_2d(texels, mipmaps=True)
+    return (
+        TexImage(label="texture", texture="texture", image=image),
+        Draw(label="strokes", mesh=mesh, state=state),
+    )
 
 
 _COLOR_FORMATS = ("RGBA", "RGB", "RED", "GREEN", "BLUE", "ALPHA", "LUMINANCE", "LUMINANCE_ALPHA")

@@ -33,7 +33,7 @@ from pipeline.state import (
 )
 from pipeline.textures import texture_2d
 from tests.run_reference import run_reference
-from tests.strategies import frames, seeds, shaded_frame, textured_frame
+from tests.strategies import frames, seeds, shaded_frame, stroked_frame, textured_frame
 
 WIDTH, HEIGHT = 16, 8  # powers of two: vertices on pixel centers and corners stay there exactly
 
@@ -106,6 +106,12 @@ def test_every_sampler_on_any_mesh_equals_the_specification(seed, batch):
 @given(seeds, depths, batches)
 def test_every_shading_of_any_mesh_equals_the_specification(seed, depth_bits, batch):
     assert_equal_to_reference(shaded_frame(seed, WIDTH, HEIGHT), GEFORCE_256, depth_bits, batch)
+
+
+@settings(max_examples=300)
+@given(seeds, depths, batches)
+def test_every_point_line_and_outline_equals_the_specification(seed, depth_bits, batch):
+    assert_equal_to_reference(stroked_frame(seed, WIDTH, HEIGHT), NV2A, depth_bits, batch)
 
 
 @pytest.mark.slow

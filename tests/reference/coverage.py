@@ -40,10 +40,12 @@ def sample_point(px, py):
 
 
 def edge_values(triangle, px, py):
-    """(n0, n1, n2) of a pixel, inside or not; their sum is the area without its sign.
+    """(n0, n1, n2) of a pixel, inside or not; their sum is the area without its sign. A line has its own.
 
     Source: OpenGL 1.2.1 section 3.5.1, the numerators of the barycentric coordinates.
     """
+    if not isinstance(triangle, Triangle):
+        return triangle.values(px, py)
     p = sample_point(px, py)
     return tuple(edge_function(a, b, p) for a, b in triangle.edges)
 

@@ -64,6 +64,8 @@ def polygon_offset(vertices, area, values, factor):
     Measured: for slopes along an axis; Inferred: the maximum norm of others, one of the two that
     OpenGL 1.2.1 allows (equation 3.6).
     """
+    if area == 0:  # a polygon that is drawn as lines or points; Assumed: it has no slope
+        return 0.0
     (x0, y0), (x1, y1), (x2, y2) = vertices
     v0, v1, v2 = values
     along_x = ((v1 - v0) * float(y2 - y0) - (v2 - v0) * float(y1 - y0)) * 16.0 / float(area)

@@ -1,6 +1,9 @@
-"""A draw call, whole: triangles to pixels, one fragment at a time, in draw order."""
+"""A draw call, whole: triangles, lines and points to pixels, one fragment at a time, in draw order."""
 
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass, field, replace
+from functools import partial
+from itertools import product
 from types import SimpleNamespace
 
 from pipeline.enums import ColorFormat, ShadeModel, TextureShaderOperation, TextureTarget
@@ -13,8 +16,10 @@ from tests.reference import (
     interpolate,
     per_fragment,
     sample,
+    strokes,
     texture_shader,
 )
+from tests.reference.strokes import LINE, POINT, TRIANGLE
 
 # Assumed: no real scene has such a 1/w; beyond it the products of docs/numbers.md section 4 would overflow.
 SMALLEST_INVERSE_W, LARGEST_INVERSE_W = 2.0**-400, 2.0**400
@@ -103,30 +108,71 @@ class Access:
         )
 
 
-def draw_triangle(target, primitives, corners, state, textures, profile):
-    """One triangle. ``corners``: three vertices and the provoking one. Source: OpenGL 1.2.1 chapters 3, 4."""
+def triangle_of(primitives, vertices):
+    """The triangle of three vertices. Source: OpenGL 1.2.1 section 3.5.1."""
+    return coverage.make_triangle(*((primitives.x[v], primitives.y[v]) for v in vertices))
+
+
+def offset_of(primitives, vertices, state, depth_format, enabled):
+    """The depth offset of the polygon that a row is, or came from. Source: OpenGL 1.2.1 section 3.5.5."""
+    if not enabled:
+        return 0.0, 0.0
+    state = replace(state, polygon=replace(state.polygon, offset_fill=True))
+    programmed = state.vertex.stage == VertexStage.PROGRAM_RESULTS
+    depths = depth.vertex_depths(primitives, vertices, state, depth_format, programmed)
+    inverse_w = tuple(primitives.inverse_w[v] for v in vertices)
+    triangle = triangle_of(primitives, vertices)
+    return depth.primitive_offset(triangle, depths, inverse_w, state, depth_format)
+
+
+def shape_of(primitives, vertices, kind, state):
+    """(what has a row's edge values, whether it draws a pixel). Source: docs/numbers.md sections 3, 11."""
+    if kind == LINE:
+        b, a = ((primitives.x[v], primitives.y[v]) for v in vertices[:2])
+        line = strokes.Line(a, b, math.floor(8 * state.line.width), state.line.rasterization)
+        return line, line.covers
+    triangle = triangle_of(primitives, vertices)
+    if kind == POINT:
+        return triangle, partial(strokes.point_covers, triangle.vertices)
+    return triangle, partial(coverage.covers, triangle)
+
+
+def draw_primitive(target, primitives, corners, stroke, state, textures, profile):
+    """One row of ``triangles``, ``corners``, and of ``strokes``, ``stroke`` (None: a triangle).
+
+    Source: OpenGL 1.2.1 chapters 3, 4.
+    """
     *vertices, provoking = corners
-    triangle = coverage.make_triangle(*((primitives.x[v], primitives.y[v]) for v in vertices))
-    if triangle.area == 0:
-        return
-    front = coverage.is_front_facing(triangle, state.polygon.front_face)
-    if coverage.is_culled(front, state.polygon.cull_face):
-        return
+    kind, back, *source = (TRIANGLE, False, -1, -1, -1) if stroke is None else stroke
+    shape, covers = shape_of(primitives, vertices, kind, state)
+    polygon = state.polygon
+    if kind == TRIANGLE:
+        if shape.area == 0:
+            return
+        front = coverage.is_front_facing(shape, polygon.front_face)
+        if coverage.is_culled(front, polygon.cull_face):
+            return
+        back, source = not front, vertices
+    enabled = {TRIANGLE: polygon.offset_fill, LINE: polygon.offset_line, POINT: polygon.offset_point}[kind]
     inverse_w = tuple(primitives.inverse_w[v] for v in vertices)
     if min(inverse_w) < SMALLEST_INVERSE_W or max(inverse_w) > LARGEST_INVERSE_W:
         return
-    colors = vertex_colors(primitives, vertices, provoking, not front, state.polygon)
+    colors = vertex_colors(primitives, vertices, provoking, back, state.polygon)
     units = [
-        sample.TexturedTriangle(triangle, inverse_w, tuple(primitives.coordinates[v][i] for v in vertices))
+        sample.TexturedTriangle(shape, inverse_w, tuple(primitives.coordinates[v][i] for v in vertices))
         for i in range(len(state.texture_units))
     ]
     in_units = state.vertex.depth_units
     depths = depth.vertex_depths(primitives, vertices, state, target.depth_bits, in_units)
     depth_w = inverse_w if state.w_buffering else (1.0, 1.0, 1.0)
-    offset, slope = depth.primitive_offset(triangle, depths, inverse_w, state, target.depth_bits)
+    offset, slope = offset_of(primitives, source, state, target.depth_bits, enabled and source[0] >= 0)
     columns, rows = coverage.scissor_rows_and_columns(state.scissor, target.width, target.height)
-    for px, py in coverage.fragments(triangle, columns, rows):
-        n = coverage.edge_values(triangle, px, py)
+    for px, py in product(columns, rows):
+        if not covers(px, py) or strokes.clipped_away(state.window_clip, px, py, target.height):
+            continue
+        if kind == TRIANGLE and strokes.stippled_away(polygon.stipple, px, py, target.height):
+            continue
+        n = coverage.edge_values(shape, px, py)
         weights = interpolate.weights(n, inverse_w)
         color = [interpolate.iterate_color_channel(weights.color, [c[k] for c in colors]) for k in range(8)]
         z = depth.iterate(n, depth_w, depths)
@@ -158,10 +204,11 @@ def draw(target, primitives, state, textures, profile):
         two_side=primitives.two_side,
         **{
             name: plain(getattr(primitives, name))
-            for name in ("x", "y", "z", "inverse_w", "colors", "coordinates", "fog", "triangles")
+            for name in ("x", "y", "z", "inverse_w", "colors", "coordinates", "fog", "triangles", "strokes")
         },
     )
     names = {unit.texture for unit in state.texture_units if unit is not None} - {None}
     used = {name: plain_texture(textures[name]) for name in names}
-    for corners in columns.triangles:
-        draw_triangle(target, columns, corners, state, used, profile)
+    for i, corners in enumerate(columns.triangles):
+        stroke = columns.strokes[i] if columns.strokes else None
+        draw_primitive(target, columns, corners, stroke, state, used, profile)
