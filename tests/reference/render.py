@@ -118,8 +118,8 @@ def offset_of(primitives, vertices, state, depth_format, enabled):
     if not enabled:
         return 0.0, 0.0
     state = replace(state, polygon=replace(state.polygon, offset_fill=True))
-    programmed = state.vertex.stage == VertexStage.PROGRAM_RESULTS
-    depths = depth.vertex_depths(primitives, vertices, state, depth_format, programmed)
+    in_units = state.vertex.depth_units
+    depths = depth.vertex_depths(primitives, vertices, state, depth_format, in_units)
     inverse_w = tuple(primitives.inverse_w[v] for v in vertices)
     triangle = triangle_of(primitives, vertices)
     return depth.primitive_offset(triangle, depths, inverse_w, state, depth_format)
