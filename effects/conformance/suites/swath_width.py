@@ -1,0 +1,124 @@
+"""Swath_width: lines, polygons, points and a texture on a surface of two samples a pixel, then on the window.
+
+Source: src/tests/swath_width_tests.cpp of nxdk_pgraph_tests. Measured: the swath's width changes nothing. The
+surface (CENTER_CORNER_2) is twice as wide as the window, with two samples for each pixel, and a linear filter
+averages them. Measured: colours and texels are those of the pixel's centre in both samples. The machine has
+one sample, at the centre; where the other one, in the corner, is covered and the centre is not, or the other
+way round, pixels differ.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from effects.conformance import scenes
+from effects.conformance.case import HEIGHT, WIDTH, Case
+from pipeline.commands import BindTexImage, Draw, MakeCurrent, TexImage
+from pipeline.enums import Face, FrontFace, PrimitiveType, TextureTarget, WindowOrigin
+from pipeline.state import PolygonState, TextureUnit
+from pipeline.textures import texture_2d
+
+SUITE = "Swath_width"
+
+WIDTHS = ("00", "01", "02", "03", "04", "0F")
+SURFACE = "samples"
+BACKGROUND = (0x3322AAAA, 0x33AA22AA)
+TOP = 65.0
+# x, y and colour of the vertices.
+SHAPES = (
+    (
+        PrimitiveType.LINE_LOOP,
+        (
+            (10, TOP, 0xCF0000FF), (100, TOP - 10, 0xFF00FFFF), (300, TOP, 0xFFFFFF00),
+            (600, TOP + 10, 0xFFFFFFFF), (200, TOP + 30, 0x6FFFFFFF),
+        ),
+    ),
+    *(
+        (
+            primitive,
+            (
+                (20, top, 0xCF0000FF), (120, top - 10, 0xFF00FFFF), (80, top + 10, 0xFFFFFF00),
+                (280, top, 0xFFFFFFFF),
+            ),
+        )
+        for primitive, top in ((PrimitiveType.TRIANGLE_STRIP, TOP + 50), (PrimitiveType.POINTS, TOP + 100))
+    ),
+    (
+        PrimitiveType.POLYGON,
+        (
+            (20, TOP + 150, 0xCF0000FF), (120, TOP + 140, 0xFF00FFFF), (280, TOP + 162, 0xFFFFFFFF),
+            (580, TOP + 195, 0xFFFF00FF), (80, TOP + 180, 0xFFFFFF00),
+        ),
+    ),
+)  # fmt: skip
+DIAMOND = 256 * 1.4  # pixels, its diagonals
+
+
+def names():
+    """Every case of the suite."""
+    return [f"SwathWidth{width}" for width in WIDTHS]
+
+
+def _surface():
+    """Commands that draw the scene on the surface."""
+    state = replace(scenes.DEFAULT, polygon=PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW))
+    squares = [
+        corner
+        for x in range(0, WIDTH, 32)
+        for y in range(0, HEIGHT, 64)
+        if (x // 32 + y // 64) % 2 == 1
+        for corner in scenes.rectangle(x, y, x + 32, y + 64)
+    ]
+    colors = np.array([scenes.argb(BACKGROUND[1])] * len(squares))
+    draws = [
+        scenes.clear(BACKGROUND[0]),
+        Draw(
+            label="background",
+            mesh=scenes.window_mesh(squares, colors=colors),
+            state=replace(state, blending=None),
+        ),
+    ]
+    for primitive, vertices in SHAPES:
+        positions = np.array([(x, y) for x, y, _ in vertices], float)
+        colors = np.array([scenes.abgr(color) for *_, color in vertices])
+        mesh = scenes.window_mesh(positions, primitive, colors=colors)
+        draws.append(Draw(label=primitive.name, mesh=mesh, state=state))
+    x, y, half = WIDTH / 2, HEIGHT / 2, DIAMOND / 2
+    corners = [(x, y - half, 0.0), (x + half, y, 0.0), (x, y + half, 0.0), (x - half, y, 0.0)]
+    draws.append(scenes.textured_quad("diamond", corners, "checkerboard", state))
+    return (
+        MakeCurrent(label=SURFACE, surface=SURFACE, width=WIDTH, height=HEIGHT),
+        *draws,
+        BindTexImage(
+            label=SURFACE,
+            texture=SURFACE,
+            surface=SURFACE,
+            target=TextureTarget.TEXTURE_RECTANGLE,
+            origin=WindowOrigin.UPPER_LEFT,
+        ),
+    )
+
+
+def case(name, inputs):
+    """The case of that name, or None."""
+    del inputs
+    if name not in names():
+        return None
+    small = scenes.checkerboard(0x33FFFFFF, 0xD0000000, 16)
+    texels = np.array([(0, 0), (WIDTH, 0), (WIDTH, HEIGHT), (0, HEIGHT)])
+    state = replace(
+        scenes.DEFAULT,
+        texture_units=(TextureUnit(SURFACE, scenes.NEAREST),),
+        register_combiners=scenes.SHOWS_TEXTURE0,
+    )
+    window = scenes.window_mesh(scenes.rectangle(0, 0, WIDTH, HEIGHT), texture_coordinates=(texels,))
+    return Case(
+        commands=(
+            scenes.clear(0xFF222322),
+            TexImage(label="checkerboard", texture="checkerboard", image=texture_2d(small)),
+            *_surface(),
+            MakeCurrent(label="window"),
+            Draw(label="shown", mesh=window, state=state),
+        ),
+        explanation="edges: the second sample of each pixel, in its corner, is not covered by this machine",
+    )
