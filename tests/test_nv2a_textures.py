@@ -6,11 +6,15 @@ import numpy as np
 import pytest
 
 from pipeline.commands import CopyTexImage, CopyTexSubImage, Draw, Mesh, TexImage
-from pipeline.enums import InternalFormat, TexelWord, TextureFilter, TextureTarget, WrapMode
+from pipeline.enums import InternalFormat, PrimitiveType, TexelWord, TextureFilter, TextureTarget, WrapMode
+from pipeline.execute import execute
 from pipeline.profiles import GEFORCE_256, NV2A
 from pipeline.state import PassState, RegisterCombiners, Sampler, SignedComponents, TextureUnit
 from pipeline.texel_words import texture_of_words
+from pipeline.textures import texture_2d
 from pipeline.validate import UnsupportedState, validate
+from tests.run_reference import run_reference
+from tests.strategies import SHOW_TEXTURE
 
 NEAREST = Sampler(
     TextureFilter.NEAREST, TextureFilter.NEAREST, WrapMode.CLAMP_TO_EDGE, WrapMode.CLAMP_TO_EDGE
@@ -151,3 +155,100 @@ def test_it_is_refused_in_a_sentence_and_its_neighbour_is_accepted(profile, refu
     with pytest.raises(UnsupportedState, match=sentence):
         validate(refused, profile, 4, 4)
     validate(accepted, profile, 4, 4)
+
+
+# ------------------------------------------------------------------------- kernels and the specification
+
+
+def random_frame(seed, width, height):
+    """A triangle strip with any texture that the NV2A has and the GeForce 256 has not, under any sampler."""
+    random = np.random.default_rng(seed)
+    target = (TextureTarget.TEXTURE_3D, TextureTarget.TEXTURE_RECTANGLE, TextureTarget.TEXTURE_2D)[seed % 3]
+    edges = 1 << random.integers(0, 4, 3)
+    levels = int(edges.max()).bit_length()
+    if target is TextureTarget.TEXTURE_RECTANGLE:
+        edges, levels = random.integers(1, 9, 3), 1
+    if target is not TextureTarget.TEXTURE_3D:
+        edges[0] = 1
+    sizes = [np.maximum(1, edges >> k) for k in range(levels)]
+    words = [random.integers(0, 2**32, size) for size in sizes]
+    if target is TextureTarget.TEXTURE_2D:
+        levels = int(edges.max()).bit_length()
+        words = words[:levels]
+    image = texture_of_words(words, TexelWord.A8R8G8B8, target)
+    rectangular = target is TextureTarget.TEXTURE_RECTANGLE
+    filters = list(TextureFilter)[:2] if rectangular else list(TextureFilter)
+    modes = (
+        [WrapMode.CLAMP, WrapMode.CLAMP_TO_EDGE, WrapMode.CLAMP_TO_BORDER] if rectangular else list(WrapMode)
+    )
+    wraps = [modes[random.integers(len(modes))] for _ in range(2)]
+    low, high = np.sort(random.uniform(-1.0, 4.0, 2)).tolist()
+    sampler = Sampler(
+        filters[random.integers(len(filters))],
+        filters[random.integers(2)],
+        *wraps,
+        wrap_r=list(WrapMode)[random.integers(len(WrapMode))],
+        border_color=tuple(random.random(4).tolist()),
+        min_lod=low if seed % 2 else -1000.0,
+        max_lod=high if seed % 2 else 1000.0,
+        max_level=int(random.integers(0, levels)) if seed % 5 == 0 else 1000,
+        signed_components=SignedComponents(*(bool(b) for b in random.integers(0, 2, 4))),
+    )
+    coordinates = random.uniform(-1.5, 2.5, (6, 4)) * (10.0 if rectangular else 1.0)
+    if seed % 4:
+        coordinates[:, 3] = 1.0
+    if seed % 7 == 0:
+        coordinates = np.round(coordinates * 4.0) / 4.0
+    w = np.exp(random.uniform(-1.0, 1.0, (6, 1)))
+    positions = np.concatenate([random.uniform(-1.2, 1.2, (6, 2)) * w, np.zeros((6, 1)), w], -1)
+    mesh = Mesh(positions, PrimitiveType.TRIANGLE_STRIP, texture_coordinates=(coordinates,))
+    unit = TextureUnit(
+        "texture",
+        sampler,
+        lod_bias=float(random.uniform(-2.0, 2.0)),
+        cylinder_wrap=tuple(bool(b) for b in random.integers(0, 2, 4)),
+    )
+    state = PassState(
+        texture_units=(unit,),
+        register_combiners=SHOW_TEXTURE,
+        perspective_correction=bool(random.integers(2)),
+    )
+    return (
+        TexImage(label="store", texture="texture", image=image),
+        Draw(label="show", mesh=mesh, state=state),
+    )
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_kernels_equal_the_specification(seed):
+    commands = random_frame(seed, 12, 10)
+    machine = execute(commands, NV2A, 12, 10).framebuffer
+    assert machine.color.tolist() == run_reference(commands, NV2A, 12, 10, 24).target.color
+
+
+def test_a_signed_texel_is_twice_its_number_in_a_register():
+    for byte, register in ((0x7F, 254), (0x40, 128), (0x01, 2), (0x00, 0), (0xFF, 0), (0x80, 0)):
+        image = texture_2d(np.full((1, 1, 4), byte, np.uint8))
+        sampler = replace(NEAREST, signed_components=SignedComponents(red=True, alpha=True))
+        store, draw = shown(image, sampler)
+        draw = replace(draw, state=replace(draw.state, register_combiners=SHOW_TEXTURE))
+        color = execute((store, draw), NV2A, 1, 1).framebuffer.color[0, 0]
+        assert color.tolist() == [register, byte, byte, register]
+
+
+def test_cylinder_wrapping_takes_the_short_way_round_where_the_texture_repeats():
+    row = np.zeros((1, 8, 4), np.uint8)
+    row[0, :, 0] = np.arange(8)
+    positions = np.array([(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)])
+    coordinates = np.array([(0.9375, 0.0), (0.0625, 0.0)] * 2)
+    mesh = Mesh(positions, PrimitiveType.TRIANGLE_STRIP, texture_coordinates=(coordinates,))
+    drawn = {}
+    for mode in (WrapMode.REPEAT, WrapMode.MIRRORED_REPEAT):
+        unit = TextureUnit("row", replace(NEAREST, wrap_s=mode), cylinder_wrap=(True, False, False, False))
+        state = PassState(texture_units=(unit,), register_combiners=SHOW_TEXTURE)
+        commands = (
+            TexImage(label="row", texture="row", image=texture_2d(row)),
+            Draw(label="seam", mesh=mesh, state=state),
+        )
+        drawn[mode] = execute(commands, NV2A, 4, 2).framebuffer.color[0, :, 0].tolist()
+    assert drawn == {WrapMode.REPEAT: [7, 7, 0, 0], WrapMode.MIRRORED_REPEAT: [6, 4, 3, 1]}

@@ -62,15 +62,15 @@ def has_unit_q(coordinates):
 
 
 def divide_by_q(strq, coordinates):
-    """(s, t), divided by q unless q is one at every vertex; where q is 0, by 1.
+    """(s, t, r), divided by q unless q is one at every vertex; where q is 0, by 1.
 
     Source: OpenGL 1.2.1 section 3.8; Assumed: the value where q is 0.
     """
-    s, t, _, q = strq
+    *str_, q = strq
     if has_unit_q(coordinates):
-        return s, t
+        return tuple(str_)
     divisor = 1.0 if q == 0.0 else q
-    return s / divisor, t / divisor
+    return tuple(coordinate / divisor for coordinate in str_)
 
 
 def cube_map_face(strq):
@@ -126,15 +126,15 @@ def footprint_point(triangle, px, py, texture, face):
         return None
     inverse = 1.0 / d
     strq = exact_coordinates(triangle.coordinates, e[0] * inverse, e[2] * inverse)
-    height, width = level_size(texture, 0)
     if texture.target == TextureTarget.TEXTURE_CUBE_MAP:
         if face is None:
             face = cube_map_face(strq)
         if not face_components(strq, face)[2] > 0.0:
             return None
-        return (*face_coordinates(strq, face, width), face)
-    s, t = divide_by_q(strq, triangle.coordinates)
-    return s * float(width), 0.0 if texture.target == TextureTarget.TEXTURE_1D else t * float(height), face
+        return (*face_coordinates(strq, face, level_size(texture, 0)[1]), face)
+    sizes = texel_scales(texture, 0)
+    str_ = divide_by_q(strq, triangle.coordinates)
+    return (*(coordinate * scale for coordinate, scale in zip(str_, sizes, strict=True)), face)
 
 
 def squared_scale_factor(triangle, px, py, texture):
@@ -146,14 +146,14 @@ def squared_scale_factor(triangle, px, py, texture):
     origin = footprint_point(triangle, x, y, texture, None)
     if origin is None:
         return None
-    right = footprint_point(triangle, x + 1, y, texture, origin[2])
-    below = footprint_point(triangle, x, y + 1, texture, origin[2])
+    right = footprint_point(triangle, x + 1, y, texture, origin[-1])
+    below = footprint_point(triangle, x, y + 1, texture, origin[-1])
     if right is None or below is None:
         return None
     lengths = []
     for point in (right, below):
-        ds, dt = point[0] - origin[0], point[1] - origin[1]
-        lengths.append(ds * ds + dt * dt)
+        steps = [a - b for a, b in zip(point[:-1], origin[:-1], strict=True)]
+        lengths.append(sum(step * step for step in steps))
     return max(lengths) if all(isfinite(length) for length in lengths) else None
 
 
@@ -220,19 +220,49 @@ def level_size(texture, level):
     return len(rows), len(rows[0])
 
 
-def fetch(texture, level, face, i, j, border):
+def texel_scales(texture, level):
+    """What s, t and r are multiplied by to count texels; 0 for what the target has not.
+
+    Source: OpenGL 1.2.1 section 3.8.5; NV_texture_rectangle (coordinates that count texels already).
+    """
+    height, width = level_size(texture, level)
+    return {
+        TextureTarget.TEXTURE_1D: (float(width), 0.0, 0.0),
+        TextureTarget.TEXTURE_3D: (float(width), float(height), float(len(texture.levels[level]))),
+        TextureTarget.TEXTURE_RECTANGLE: (1.0, 1.0, 0.0),
+    }.get(texture.target, (float(width), float(height), 0.0))
+
+
+def signed_flags(sampler):
+    """Which of red, green, blue and alpha are two's complement. Source: NV_texture_shader."""
+    signed = sampler.signed_components
+    return signed.red, signed.green, signed.blue, signed.alpha
+
+
+def as_signed(texel, sampler):
+    """A texel whose signed components are numbers from -128 to 127. Source: NV_texture_shader."""
+    flags = signed_flags(sampler)
+    return [b - 256 if flag and b > 127 else b for b, flag in zip(texel, flags, strict=True)]
+
+
+def to_register(texel, sampler):
+    """Signed components are doubled. Measured: 732800 of 732800 pixels (Texture_signed_component_tests)."""
+    return [2 * c if flag else c for c, flag in zip(texel, signed_flags(sampler), strict=True)]
+
+
+def fetch(texture, level, face, i, j, border, sampler):
     """One texel, or the border where an index is None. Source: OpenGL 1.2.1 section 3.8.5."""
-    if i is None or j is None:
+    if face is None or i is None or j is None:
         return border
-    return texture.levels[level][face][j][i]
+    return as_signed(texture.levels[level][face][j][i], sampler)
 
 
-def sample_nearest(texture, level, face, t, modes, border):
+def sample_nearest(texture, level, face, t, modes, border, sampler):
     """Source: OpenGL 1.2.1 section 3.8.5; Measured: floor."""
     height, width = level_size(texture, level)
     i = wrap_index(floor(t[0]), modes[0], width, linear=False)
     j = wrap_index(floor(t[1]), modes[1], height, linear=False)
-    return list(fetch(texture, level, face, i, j, border))
+    return list(fetch(texture, level, face, i, j, border, sampler))
 
 
 def linear_position(t):
@@ -241,7 +271,7 @@ def linear_position(t):
     return position_q8 >> 8, position_q8 & 255
 
 
-def sample_linear(texture, level, face, t, modes, border):
+def sample_linear(texture, level, face, t, modes, border, sampler):
     """Rows first, each to bytes, then between the rows. Measured: 349524 of 349524 pixels."""
     height, width = level_size(texture, level)
     i, a = linear_position(t[0])
@@ -253,7 +283,7 @@ def sample_linear(texture, level, face, t, modes, border):
         lines = [wrap_index(k, modes[1], height, linear=True) for k in (j, j + 1)]
     rows = []
     for line in lines:
-        p, q = (fetch(texture, level, face, column, line, border) for column in columns)
+        p, q = (fetch(texture, level, face, column, line, border, sampler) for column in columns)
         rows.append([fixed.lerp_q8(p[k], q[k], a) for k in range(4)])
     return [fixed.lerp_q8(rows[0][k], rows[1][k], b) for k in range(4)]
 
@@ -271,35 +301,73 @@ def sample_level(triangle, strq, texture, sampler, level, filter_mode, *, flat=F
         t = [v + TAU for v in face_coordinates((1.0, strq[1], -strq[0]) if flat else strq, face, width)]
         modes = (WrapMode.CLAMP_TO_EDGE, WrapMode.CLAMP_TO_EDGE)
     else:
-        face, modes, t = 0, (sampler.wrap_s, sampler.wrap_t), []
-        st = strq[:2] if triangle is None else divide_by_q(strq, triangle.coordinates)
+        face, modes = 0, (sampler.wrap_s, sampler.wrap_t)
+        str_ = strq[:3] if triangle is None else divide_by_q(strq, triangle.coordinates)
         computed = not offset if triangle is None else not has_unit_q(triangle.coordinates)
-        for coordinate, size in zip(st, (width, height), strict=True):
-            t.append(coordinate * float(size) + (TAU if computed else 0.0))
+        bias = TAU if computed else 0.0
+        *t, third = (c * scale + bias for c, scale in zip(str_, texel_scales(texture, level), strict=True))
     if texture.target == TextureTarget.TEXTURE_1D:
         t[1], modes = 0.0, (modes[0], WrapMode.REPEAT)
     t = [wrap_coordinate(v, mode, size) for v, mode, size in zip(t, modes, (width, height), strict=True)]
     border = texel_formats.border_texel(sampler.border_color, texture.internal_format)
+    border = as_signed(border, sampler)
     read = sample_nearest if nearest else sample_linear
-    return read(texture, level, face, t, modes, border)
+    if texture.target != TextureTarget.TEXTURE_3D:
+        return read(texture, level, face, t, modes, border, sampler)
+    layers = len(texture.levels[level])
+    third = wrap_coordinate(third, sampler.wrap_r, layers)
+    k, fraction = (floor(third), 0) if nearest else linear_position(third)
+    found = [
+        read(
+            texture,
+            level,
+            wrap_index(n, sampler.wrap_r, layers, linear=not nearest),
+            t,
+            modes,
+            border,
+            sampler,
+        )
+        for n in ((k,) if nearest else (k, k + 1))
+    ]
+    return [fixed.lerp_q8(p, q, fraction) for p, q in zip(found[0], found[-1], strict=True)]
 
 
 def sample_texture(triangle, px, py, weights, texture, sampler, bias, profile):
-    """What a texture unit's register receives for one fragment, four bytes.
+    """What a texture unit's register receives for one fragment, four numbers.
+
+    Source: OpenGL 1.2.1 sections 3.8.5, 3.8.6.
+    """
+    strq = iterate_coordinates(triangle.coordinates, weights)
+    return to_register(
+        sample_levels(
+            partial(sample_level, triangle, strq, texture, sampler),
+            triangle,
+            px,
+            py,
+            texture,
+            sampler,
+            bias,
+            profile,
+        ),
+        sampler,
+    )
+
+
+def sample_levels(level, triangle, px, py, texture, sampler, bias, profile):
+    """The level that lambda asks for, or two of them blended; ``level(number, filter)`` filters one.
 
     Source: OpenGL 1.2.1 sections 3.8.5, 3.8.6; Measured: the choice at lambda <= 0, trilinear (LODBias).
     """
-    strq = iterate_coordinates(triangle.coordinates, weights)
-    level = partial(sample_level, triangle, strq, texture, sampler)
     minification = sampler.min_filter
     if minification == sampler.mag_filter:
         return level(0, minification)
     lod = level_of_detail(triangle, px, py, texture, bias)
+    lod = fixed.clamp(lod, trunc(256.0 * sampler.min_lod), trunc(256.0 * sampler.max_lod))
     if lod <= magnification_threshold(sampler, profile):
         return level(0, sampler.mag_filter)
     if minification in (TextureFilter.NEAREST, TextureFilter.LINEAR):
         return level(0, minification)
-    last = len(texture.levels) - 1
+    last = min(len(texture.levels) - 1, sampler.max_level)
     lod = fixed.clamp(lod, 0, 256 * last)
     if minification in (TextureFilter.NEAREST_MIPMAP_NEAREST, TextureFilter.LINEAR_MIPMAP_NEAREST):
         return level((lod + 127) >> 8, minification)

@@ -31,8 +31,8 @@ FORMATS = {
 
 
 def base_format(internal_format):
-    """Source: OpenGL 1.2.1 table 3.16."""
-    return FORMATS[internal_format.name][0]
+    """Source: OpenGL 1.2.1 table 3.16; Assumed: formats of words alone hold four components."""
+    return FORMATS.get(internal_format.name, (BaseFormat.RGBA,))[0]
 
 
 def quantise_byte(byte, bits):

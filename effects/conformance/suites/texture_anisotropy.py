@@ -47,10 +47,14 @@ def case(name, inputs):
         register_combiners=scenes.SHOWS_TEXTURE0,
     )
     board = texture_2d(scenes.checkerboard(0xFFFFFF00, 0xFF663333, CELL, SIZE))
+    one_tap = name == "Anisotropy-1"
     return Case(
         commands=(
             scenes.clear(0xFE202020),
             TexImage(label="checkerboard", texture="checkerboard", image=board),
             Draw(label="floor", mesh=mesh, state=state),
-        )
+        ),
+        explanation=""
+        if one_tap
+        else "anisotropic filtering is not emulated: the floor is drawn with one tap",
     )

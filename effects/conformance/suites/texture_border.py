@@ -96,7 +96,8 @@ def case(name, inputs):
         commands.append(Draw(label=mode.name, mesh=_tiles(panel), state=state))
     if name != "2D":
         return Case(commands=tuple(commands))
-    left, right = (round(scenes.WIDTH / 2 + side * 65) for side in (-1, 1))  # of the panel with border texels
+    # The panel whose texture has border texels is left out: no texture here has them.
+    left, right = (round(scenes.WIDTH / 2 + side * 65) for side in (-1, 1))
     rest = (
         (0, 0, scenes.WIDTH, 250),
         (0, 250, left, scenes.HEIGHT),
