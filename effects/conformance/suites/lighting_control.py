@@ -109,4 +109,7 @@ def case(name, inputs):
         draws.append(Draw(label=model_name, mesh=mesh, state=state))
     corners = lit_scenes.program_background() if program else None
     background = scenes.background(0xFF202020, 0xFF000000, 24, corners=corners)
-    return Case(commands=(scenes.clear(0xFF232623), *background, *draws))
+    return Case(
+        commands=(scenes.clear(0xFF232623), *background, *draws),
+        explanation="" if program else lit_scenes.HALF_VECTORS,
+    )
