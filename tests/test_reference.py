@@ -41,6 +41,7 @@ from pipeline.state import (
     DepthTest,
     FinalCombiner,
     Fog,
+    FogRegisters,
     GeneralCombiner,
     PassState,
     PolygonState,
@@ -718,6 +719,15 @@ def test_exponential_fog_rounds_to_nearest():
     assert [fog.fog_factor(c, Fog(FogMode.EXP2), GEFORCE_256) for c in (0.0, 1.0, 2.0)] == [255, 94, 5]
     assert fog.fog_factor(1.0, Fog(FogMode.EXP, density=2.0), GEFORCE_256) == 35
     assert fog.fog_factor(1e300, Fog(FogMode.EXP, density=0.0), GEFORCE_256) == 255
+
+
+def test_table_fog_s_registers_are_rounded_to_their_bits_and_zero_keeps_its_sign():
+    fourteen, zero = (
+        fog.line(Fog(FogMode.EXP, registers=FogRegisters(bias=b, multiplier=-0.0)))
+        for b in (1 + 3 * 2.0**-14, -0.0)
+    )
+    assert fourteen == (1 + 2.0**-12, 0.0)  # 1 + 1.5 * 2^-13: a tie, to the even side
+    assert [math.copysign(1.0, value) for value in zero] == [-1.0, -1.0]
 
 
 def test_thresholds_of_exponential_fog_fall():

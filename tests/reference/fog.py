@@ -51,6 +51,8 @@ def truncated(value, mode):
 
 def rounded(value, mode):
     """The nearest number that fog's registers hold. Measured: 14 significant bits (Fog captures)."""
+    if value == 0:
+        return value  # with its sign
     bits = 24 if mode == FogMode.LINEAR else 14
     mantissa, exponent = math.frexp(value)
     return math.ldexp(round(mantissa * 2**bits), exponent - bits)
