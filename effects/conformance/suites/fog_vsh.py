@@ -36,4 +36,4 @@ def case(name, inputs):
     if name not in names():
         return None
     draw = triangles(register_combiners=fog.combined(), fog=fog.fog_of(fog.mode_of(name)))
-    return Case(commands=(scenes.clear(0xFF303030), draw))
+    return Case(commands=(scenes.clear(0xFF303030), draw), explanation=fog.explanation(name))

@@ -20,4 +20,5 @@ def case(name, inputs):
     if name not in names():
         return None
     mode, matrix = name.split("_")
-    return Case(commands=texture_matrix.commands(texgen.MODES[mode], matrix))
+    commands = texture_matrix.commands(texgen.MODES[mode], matrix)
+    return Case(commands=commands, explanation=texture_matrix.explanation(matrix))
