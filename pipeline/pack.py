@@ -517,6 +517,8 @@ def _pack_units(state, profile, textures, primitives, used, draw):
             row[R.THRESHOLD] = 128
         row[R.HILO] = texture.internal_format == InternalFormat.HILO16
         row[R.SIGNED] = signed_bits(sampler.signed_components)
+        if row[R.HILO]:  # words have the signs of their high bytes (Measured: BumpEnvLum_R16B16)
+            row[R.SIGNED] &= 0x80008000
         if sampler.compare_mode != TextureCompareMode.NONE:
             _pack_comparison(sampler, texture.internal_format, profile, row)
         else:

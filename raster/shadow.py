@@ -1,4 +1,4 @@
-"""Comparing depth texels with a reference before they are filtered (docs/numbers.md, section 11)."""
+"""Comparing depth texels with a reference before they are filtered (docs/numbers.md, section 12)."""
 
 import numpy as np
 from numba import float64, int32, uint32, uint64

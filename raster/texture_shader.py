@@ -1,4 +1,4 @@
-"""Texture shader stages: coordinates made from earlier stages' texels (docs/numbers.md, section 11).
+"""Texture shader stages: coordinates made from earlier stages' texels (docs/numbers.md, section 12).
 
 A stage's filtered texel, packed, is kept in column STAGE0 + unit, before it becomes a register; dot products
 stay in DOT0 + unit. Codes are those of pipeline.enums.

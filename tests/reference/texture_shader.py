@@ -1,4 +1,4 @@
-"""Texture shader stages, one fragment at a time: docs/numbers.md section 11."""
+"""Texture shader stages, one fragment at a time: docs/numbers.md section 12."""
 
 from math import floor, sqrt
 
@@ -55,7 +55,7 @@ def mapped(texel, mapping):
 
 
 def dot(a, b):
-    """``(a0 b0 + a1 b1) + a2 b2``. Source: docs/numbers.md section 11."""
+    """``(a0 b0 + a1 b1) + a2 b2``. Source: docs/numbers.md section 12."""
     return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
 
 

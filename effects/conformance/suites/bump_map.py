@@ -3,6 +3,8 @@
 Source: src/tests/bump_map_tests.cpp of nxdk_pgraph_tests.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from effects.conformance import bump_quads, scenes
@@ -25,6 +27,12 @@ MATRIX, TURNED = (0.3, 0.0, 0.5, 0.0), (0.0, -0.1, 0.0, 0.3)  # columns
 WORDS = (0x02000100, 0x02000300, 0xFF000100, 0xFF000300)  # HI and LO, 16 bits each
 CROSSED_WORDS = (0x02000300, 0x0200FF00, 0x00000300, 0x0000FF00)
 CHECKERS = (0xFF0000FE, 0x7F202122)
+
+
+EXPLANATIONS = {
+    "BumpMap_R16B16_B": "signed 16-bit texels: how the chip filters a negative word is not known",
+    "BumpMap_G8B8_B_R90": "offsets that end on a texel edge: the chip's coordinates have 24 bits",
+}
 
 
 def names():
@@ -59,7 +67,7 @@ def case(name, inputs):
     """The case of that name, or None."""
     del inputs
     if name in HILO:
-        return _hilo(HILO[name])
+        return replace(_hilo(HILO[name]), explanation=EXPLANATIONS.get(name, ""))
     if name not in CASES:
         return None
     form, crossed, turned = CASES[name]
@@ -71,7 +79,7 @@ def case(name, inputs):
             offset_texture_matrix=bump_quads.single_matrix(TURNED if turned else MATRIX),
         ),
     )
-    return bump_quads.case_of(
+    found = bump_quads.case_of(
         image,
         linear,
         stages,
@@ -80,3 +88,4 @@ def case(name, inputs):
         CHECKERS,
         (scenes.UNIT_SQUARE,),
     )
+    return replace(found, explanation=EXPLANATIONS.get(name, ""))
