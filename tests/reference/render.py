@@ -6,7 +6,7 @@ from functools import partial
 from itertools import product
 from types import SimpleNamespace
 
-from pipeline.enums import ColorFormat, ShadeModel, TextureShaderOperation, TextureTarget
+from pipeline.enums import ColorFormat, ShadeModel, TextureCompareMode, TextureShaderOperation, TextureTarget
 from tests.reference import (
     combine,
     coverage,
@@ -16,6 +16,7 @@ from tests.reference import (
     interpolate,
     per_fragment,
     sample,
+    shadow,
     strokes,
     texture_shader,
 )
@@ -95,12 +96,19 @@ class Access:
         self.weights, self.textures, self.profile = weights, textures, profile
 
     def __call__(self, i, made, operation):
-        """Unit i's texel, four bytes. Source: docs/numbers.md sections 6, 7 and 11."""
+        """Unit i's texel, four bytes. Source: docs/numbers.md sections 6, 7 and 12."""
         unit = self.state.texture_units[i]
         texture = self.textures[unit.texture]
         foreign = texture.target != TextureTarget.TEXTURE_CUBE_MAP
         if foreign and operation == TextureShaderOperation.TEXTURE_CUBE_MAP:
             made = sample.iterate_coordinates(self.triangles[i].coordinates, self.weights)
+        triangle = self.triangles[i]
+        if unit.sampler.compare_mode != TextureCompareMode.NONE:
+            own = sample.iterate_coordinates(triangle.coordinates, self.weights)
+            divided = made is None and any(vertex[3] != 1.0 for vertex in triangle.coordinates)
+            mode, depth_format = unit.sampler.compare_mode, texture.internal_format
+            word = shadow.reference_word(own, divided, depth_format, mode, self.profile)
+            texture = shadow.compared(texture, unit.sampler.compare_function, word)
         if made is not None:
             return texture_shader.sample_made(made, texture, unit.sampler, operation)
         return sample.sample_texture(

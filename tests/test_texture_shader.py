@@ -1,0 +1,195 @@
+"""Texture shaders and depth textures: kernels equal the specification; what is inconsistent is refused."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.commands import Clear, Draw, Mesh, TexImage
+from pipeline.enums import (
+    ComparisonFunction,
+    CullMode,
+    DotProductMapping,
+    PrimitiveType,
+    Register,
+    TexelWord,
+    TextureCompareMode,
+    TextureFilter,
+    VertexStage,
+    WrapMode,
+)
+from pipeline.enums import TextureShaderOperation as Operation
+from pipeline.execute import execute
+from pipeline.profiles import GEFORCE_3, GEFORCE_256, NV2A
+from pipeline.state import (
+    CombinerInput,
+    DepthTest,
+    FinalCombiner,
+    PassState,
+    RegisterCombiners,
+    RGBPortion,
+    Sampler,
+    TextureShaderStage,
+    TextureUnit,
+    VertexState,
+)
+from pipeline.texel_words import texture_of_words
+from pipeline.textures import texture_2d, texture_cube_map
+from pipeline.validate import UnsupportedState, validate
+from tests.run_reference import run_reference
+
+WIDTH, HEIGHT = 16, 8
+DOT, REFLECT = Operation.DOT_PRODUCT, Operation.DOT_PRODUCT_REFLECT_CUBE_MAP
+CONSTANT = Operation.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP
+CHAINS = {  # the operations of four stages, and the targets of the textures they read
+    "pass through": ((Operation.PASS_THROUGH,), ""),
+    "cull": ((Operation.TEXTURE_2D, Operation.CULL_FRAGMENT), "2"),
+    "offset": ((Operation.TEXTURE_2D, Operation.OFFSET_TEXTURE_2D), "22"),
+    "scale": ((Operation.TEXTURE_2D, Operation.OFFSET_TEXTURE_2D_SCALE), "22"),
+    "alpha red": ((Operation.TEXTURE_2D, Operation.DEPENDENT_AR_TEXTURE_2D), "22"),
+    "green blue": ((Operation.PASS_THROUGH, Operation.DEPENDENT_GB_TEXTURE_2D), " 2"),
+    "plane": ((Operation.TEXTURE_2D, DOT, Operation.DOT_PRODUCT_TEXTURE_2D), "2 2"),
+    "depth": ((Operation.TEXTURE_2D, DOT, Operation.DOT_PRODUCT_DEPTH_REPLACE), "2"),
+    "cube": ((Operation.TEXTURE_2D, DOT, DOT, Operation.DOT_PRODUCT_TEXTURE_CUBE_MAP), "2  c"),
+    "volume": ((Operation.TEXTURE_2D, DOT, DOT, Operation.DOT_PRODUCT_TEXTURE_3D), "2  c"),
+    "reflect": ((Operation.TEXTURE_2D, DOT, DOT, REFLECT), "2  c"),
+    "flat": ((Operation.TEXTURE_2D, DOT, DOT, REFLECT), "2  2"),
+    "diffuse": ((Operation.TEXTURE_2D, DOT, Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP, CONSTANT), "2 cc"),
+    "2D as cube map": ((Operation.TEXTURE_CUBE_MAP,), "2"),
+}
+
+
+def pick(random, members):
+    """One member of an enumeration."""
+    return list(members)[random.integers(len(members))]
+
+
+def shows(register):
+    """Combiners that show a texture register, alpha included."""
+    rgb = RGBPortion(a=CombinerInput(register))
+    final = FinalCombiner(
+        a=CombinerInput(), b=CombinerInput(), c=CombinerInput(), d=CombinerInput(Register.SPARE0)
+    )
+    general = replace(RegisterCombiners().general[0], rgb=rgb)
+    return RegisterCombiners(general=(general,), final=final)
+
+
+def frame(operations, targets, random, filtered=TextureFilter.NEAREST):
+    """A few random triangles through the stages."""
+    unit_count, commands = len(operations), [Clear(label="clear", color=(0.0, 0.0, 0.0, 0.0), depth=1.0)]
+    commands.append(
+        TexImage(label="2", texture="2", image=texture_2d(random.integers(0, 256, (4, 4, 4), np.uint8)))
+    )
+    faces = random.integers(0, 256, (6, 4, 4, 4), np.uint8)
+    commands.append(TexImage(label="c", texture="c", image=texture_cube_map(faces)))
+    sampler = Sampler(filtered, filtered, pick(random, WrapMode), pick(random, WrapMode))
+    stages = tuple(
+        TextureShaderStage(
+            operation,
+            cull_modes=tuple(pick(random, CullMode) for _ in range(4)),
+            offset_texture_matrix=tuple(random.uniform(-1, 1, 4).tolist()),
+            offset_texture_scale=float(random.uniform(-1, 2)),
+            offset_texture_bias=float(random.uniform(-1, 1)),
+            dot_product_mapping=pick(random, DotProductMapping),
+            constant_eye=tuple(random.uniform(-1, 1, 3).tolist()),
+        )
+        for operation in operations
+    )
+    units = tuple(
+        TextureUnit(targets[k] if targets[k : k + 1].strip() else None, sampler, coordinates=k)
+        for k in range(unit_count)
+    )
+    vertices = 9
+    positions = np.column_stack([random.uniform(0, WIDTH, vertices), random.uniform(0, HEIGHT, vertices)])
+    scale = 1000.0 if Operation.DOT_PRODUCT_DEPTH_REPLACE in operations else 1.0
+    sets = [random.integers(-4, 5, (vertices, 4)) / 2.0 for _ in range(unit_count)]
+    sets[-2 if unit_count > 1 else 0] *= scale
+    mesh = Mesh(
+        np.column_stack([positions, np.zeros(vertices), random.choice([1.0, 2.0], vertices)]),
+        PrimitiveType.TRIANGLES,
+        texture_coordinates=tuple(sets),
+    )
+    for unit in range(unit_count):
+        state = PassState(
+            vertex=VertexState(stage=VertexStage.PROGRAM_RESULTS),
+            register_combiners=shows(Register(Register.TEXTURE0 + unit)),
+            texture_units=units,
+            texture_shader=stages,
+            depth_test=DepthTest(ComparisonFunction.ALWAYS),
+        )
+        commands.append(Draw(label=f"unit {unit}", mesh=mesh, state=state))
+    return tuple(commands)
+
+
+def assert_equal_to_reference(commands, profile, batch):
+    result = execute(commands, profile, WIDTH, HEIGHT, depth_bits=24, threads=1, batch=batch)
+    target = run_reference(commands, profile, WIDTH, HEIGHT, 24).target
+    assert np.array_equal(result.framebuffer.color, np.array(target.color))
+    assert np.array_equal(result.framebuffer.depth, np.array(target.depth))
+
+
+@pytest.mark.parametrize("name", CHAINS)
+@pytest.mark.parametrize("filtered", [TextureFilter.NEAREST, TextureFilter.LINEAR])
+def test_every_operation_equals_the_specification(name, filtered):
+    for seed in range(4):
+        commands = frame(*CHAINS[name], np.random.default_rng(seed), filtered)
+        assert_equal_to_reference(commands, NV2A, 16 << seed)
+
+
+@pytest.mark.parametrize("filtered", [TextureFilter.NEAREST, TextureFilter.LINEAR])
+@pytest.mark.parametrize("mode", list(TextureCompareMode)[1:])
+@pytest.mark.parametrize("kind", [TexelWord.Y16_FIXED, TexelWord.Y16_FLOAT, TexelWord.X8_Y24_FIXED])
+@pytest.mark.parametrize("profile", [NV2A, GEFORCE_3])
+def test_depth_textures_are_compared_alike(filtered, mode, kind, profile):
+    if mode not in profile.texture_compare_modes:
+        return
+    random = np.random.default_rng(kind)
+    words = random.integers(0, 1 << 12, (4, 4)) << (8 if kind == TexelWord.X8_Y24_FIXED else 0)
+    for function in ComparisonFunction:
+        sampler = Sampler(filtered, filtered, compare_mode=mode, compare_function=function)
+        scale = 1.0 if profile.depth_units_in_coordinates else 2.0**-16
+        sets = np.column_stack([random.uniform(-1, 2, (6, 2)), random.uniform(0, 4096, 6) * scale])
+        mesh = Mesh(
+            np.column_stack([random.uniform(0, WIDTH, 6), random.uniform(0, HEIGHT, 6), np.zeros(6)]),
+            texture_coordinates=(np.column_stack([sets, random.choice([1.0, 2.0], 6)]),),
+        )
+        state = PassState(
+            vertex=VertexState(stage=VertexStage.PROGRAM_RESULTS),
+            register_combiners=shows(Register.TEXTURE0),
+            texture_units=(TextureUnit("depths", sampler),),
+        )
+        image = texture_of_words(words, kind)
+        commands = (
+            TexImage(label="depths", texture="depths", image=image),
+            Draw(label="compared", mesh=mesh, state=state),
+        )
+        assert_equal_to_reference(commands, profile, 64)
+
+
+def refused(operations, targets, words, profile=NV2A, **changes):
+    commands = list(frame(operations, targets, np.random.default_rng(0)))
+    stages = tuple(replace(stage, **changes) for stage in commands[-1].state.texture_shader)
+    commands[-1] = replace(commands[-1], state=replace(commands[-1].state, texture_shader=stages))
+    with pytest.raises(UnsupportedState, match=words):
+        validate(commands[:3] + commands[-1:], profile, WIDTH, HEIGHT, 24)
+
+
+def test_what_is_inconsistent_is_refused():
+    two, offset = Operation.TEXTURE_2D, Operation.OFFSET_TEXTURE_2D
+    refused((two, offset), "22", "has no texture shaders", GEFORCE_256_WITH_UNITS)
+    refused((two, offset), "22", "reads stage 1", previous_texture_input=1)
+    refused((Operation.CULL_FRAGMENT, offset), " 2", "an earlier stage that results in a color or a texel")
+    refused((two, Operation.DOT_PRODUCT_TEXTURE_2D), "22", "the stage 1 before it must be DOT_PRODUCT")
+    refused((two, DOT, REFLECT), "2 c", "the stage 2 before it must be DOT_PRODUCT")
+    refused((two, DOT, Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP), "2 c", "the stage after it must be")
+    refused((Operation.TEXTURE_CUBE_MAP,), "2", "is a TEXTURE_2D", GEFORCE_3)
+    refused((Operation.TEXTURE_1D,), "2", "is a TEXTURE_2D")
+    few = replace(NV2A, texture_shader_operations=frozenset({two}))
+    refused((two, offset), "22", "has no OFFSET_TEXTURE_2D .*; it has TEXTURE_2D", few)
+    identity = frozenset({DotProductMapping.UNSIGNED_IDENTITY})
+    narrow = replace(NV2A, dot_product_mappings=identity)
+    expanded = {"dot_product_mapping": DotProductMapping.EXPAND_NORMAL}
+    refused((two, DOT), "2", "no dot product mapping EXPAND_NORMAL", narrow, **expanded)
+
+
+GEFORCE_256_WITH_UNITS = replace(GEFORCE_256, max_texture_units=4)
