@@ -47,12 +47,16 @@ def reference_word(strq, projective, internal_format, mode, profile):
     return depth_word(r * units, internal_format)
 
 
+def comparison(texel, function, reference):
+    """A depth texel's four bytes to a register's. Measured: 38 of 38 (Texture_shadow_comparator)."""
+    word = sum(byte << (8 * k) for k, byte in enumerate(texel))
+    return [255 if HOLDS[function](reference, word) else 0] * 4
+
+
 def compared(texture, function, reference):
     """A texture of comparisons. Source: ARB_shadow; Measured: 255 in all four components, or 0."""
-
-    def texel(parts):
-        word = sum(byte << (8 * k) for k, byte in enumerate(parts))
-        return [255 if HOLDS[function](reference, word) else 0] * 4
-
-    levels = [[[[texel(p) for p in row] for row in face] for face in level] for level in texture.levels]
+    levels = [
+        [[[comparison(p, function, reference) for p in row] for row in face] for face in level]
+        for level in texture.levels
+    ]
     return SimpleNamespace(target=texture.target, internal_format=InternalFormat.RGBA8, levels=levels)
