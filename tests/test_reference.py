@@ -921,6 +921,7 @@ def quad(colors, z=0.5, **changes):
         "coordinates": [[[0.0, 0.0, 0.0, 1.0]]] * 4,
         "fog": [0.0] * 4,
         "triangles": [[0, 1, 2, 2], [0, 2, 3, 3]],
+        "strokes": [],
         "two_side": False,
     }
     return SimpleNamespace(**{**columns, **changes})
