@@ -299,7 +299,7 @@ def _single(depths):
     Measured: vertices below 2**-126 have depth 0 (DepthFmt_z24 FZy captures); Assumed: to nearest.
     """
     largest = float(np.finfo(np.float32).max)
-    single = np.clip(depths, -largest, largest).astype(np.float32).astype(np.float64)
+    single = np.fmin(np.fmax(depths, -largest), largest).astype(np.float32).astype(np.float64)
     return np.where(np.abs(single) < 2.0**-126, 0.0, single)
 
 
@@ -307,12 +307,13 @@ def _depths(state, framebuffer, primitives):
     """Every vertex's depth in depth units: clip w, z in these units, or window z, which a fixed format's
     farthest scales. Source: NV_depth_buffer_float (floats hold window z itself).
     """
-    if state.w_buffering:
-        return _single(1.0 / primitives.inverse_w)
-    is_float = framebuffer.depth_format < 0
-    if is_float or state.vertex.depth_units:
-        return _single(primitives.z)
-    return _single(primitives.z * FARTHEST[framebuffer.depth_format])
+    with np.errstate(all="ignore"):  # what overflows is limited; what is no number becomes one
+        if state.w_buffering:
+            return _single(1.0 / primitives.inverse_w)
+        is_float = framebuffer.depth_format < 0
+        if is_float or state.vertex.depth_units:
+            return _single(primitives.z)
+        return _single(primitives.z * FARTHEST[framebuffer.depth_format])
 
 
 def _pack_tests(state, framebuffer, draw, draw_float):
