@@ -105,6 +105,7 @@ _WORDS = {
     (Sampler, "min_lod"): "TEXTURE_MIN_LOD",
     (Sampler, "max_lod"): "TEXTURE_MAX_LOD",
     (Sampler, "max_level"): "TEXTURE_MAX_LEVEL",
+    (Sampler, "max_anisotropy"): "TEXTURE_MAX_ANISOTROPY",
     (PassState, "perspective_correction"): "perspective correction",
     (PassState, "texture_units"): "texture unit",
     (PassState, "texture_shader"): "TEXTURE_SHADER stage",

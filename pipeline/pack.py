@@ -510,6 +510,8 @@ def _pack_units(state, profile, textures, primitives, used, draw):
         row[R.MAG_LINEAR], row[R.MIN_LINEAR], row[R.MIPMAP] = mag_linear, linear, mipmap
         row[R.LOD_BIAS] = int(256 * unit.lod_bias)  # Assumed: truncation (docs/numbers.md, section 7)
         row[R.MIN_LOD], row[R.MAX_LOD] = int(256 * sampler.min_lod), int(256 * sampler.max_lod)
+        if sampler.max_anisotropy > 1:
+            row[R.ANISOTROPY] = np.float64(sampler.max_anisotropy).view(np.int64)
         if (
             profile.magnification_threshold == MagnificationThreshold.OPENGL_C
             and mag_linear

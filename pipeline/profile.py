@@ -38,7 +38,8 @@ class Profile:
         no register combiners), ``per_stage_constants`` (NV_register_combiners2), ``max_texture_size``,
         ``max_cube_map_texture_size``, ``max_3d_texture_size`` (texels along an edge),
         ``power_of_two_textures`` (texture edges must be
-        powers of two), ``max_lod_bias`` (levels), ``max_lights``, ``max_clip_planes``, ``max_viewport``
+        powers of two), ``max_lod_bias`` (levels), ``max_anisotropy``, ``max_lights``, ``max_clip_planes``,
+        ``max_viewport``
         (pixels along an edge), ``depth_bits`` (the DepthFormats a depth buffer may have; a fixed format is
         its width), ``stencil_bits``, ``max_shininess``, ``max_point_size`` and ``max_line_width`` (pixels),
         ``max_window_rectangles`` (of a WindowClip; 0: none).
@@ -82,6 +83,7 @@ class Profile:
     max_3d_texture_size: int
     power_of_two_textures: bool
     max_lod_bias: float
+    max_anisotropy: float
     max_lights: int
     max_clip_planes: int
     max_viewport: int

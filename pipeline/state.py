@@ -305,6 +305,7 @@ class Sampler:
 
     ``compare_mode``, ``compare_function`` (ARB_shadow, EXT_shadow_funcs): of a depth texture; every texel
     read becomes one where "reference function texel" holds and zero elsewhere, and these are filtered.
+    ``max_anisotropy``: EXT_texture_filter_anisotropic's.
     """
 
     min_filter: TextureFilter = TextureFilter.NEAREST_MIPMAP_LINEAR
@@ -319,6 +320,7 @@ class Sampler:
     max_lod: float = 1000.0
     max_level: int = 1000
     signed_components: SignedComponents = SignedComponents()
+    max_anisotropy: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)

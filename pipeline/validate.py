@@ -1125,6 +1125,19 @@ class _Walk:
                 f"{place} limits the level of detail to {sampler.min_lod} .. {sampler.max_lod}; give limits "
                 f"from -{_LOD_LIMIT:g} to {_LOD_LIMIT:g}."
             )
+        if not 1 <= sampler.max_anisotropy <= profile.max_anisotropy:
+            self.refuse(
+                f"{place} has the maximum anisotropy {sampler.max_anisotropy:g}; {profile.name} takes 1 to "
+                f"{profile.max_anisotropy:g}."
+            )
+        if sampler.max_anisotropy > 1 and (
+            known.target not in (TextureTarget.TEXTURE_2D, TextureTarget.TEXTURE_RECTANGLE)
+            or known.internal_format is InternalFormat.HILO16
+        ):
+            self.refuse(
+                f"{place} filters {unit.texture!r} anisotropically; how is known of 2D and rectangle "
+                "textures of bytes alone: set max_anisotropy to 1."
+            )
         if sampler.signed_components != SignedComponents() and not profile.signed_components:
             self.refuse(f"{profile.name} has no signed texels; bias them and use EXPAND_NORMAL mappings.")
         if any(unit.cylinder_wrap) and not profile.cylinder_wrap:

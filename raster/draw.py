@@ -10,6 +10,7 @@ import numpy as np
 from numba import float64, int32, int64, uint32
 
 from raster import rows as R
+from raster.anisotropic import filter_along, footprints
 from raster.bins import BAND_HEIGHT
 from raster.combine import copy_plane, fill_plane, final_combiner, general_combiner
 from raster.interpolate import (
@@ -27,7 +28,7 @@ from raster.interpolate import (
 from raster.kernel import float_of, kernel, separate_function
 from raster.level_of_detail import level_of_detail
 from raster.per_fragment import all_alive, per_fragment
-from raster.sample import cube_faces, divide_by_q, sample_unit, unpack
+from raster.sample import cube_faces, divide_by_q, filter_unit, unpack, unpack_unit
 from raster.shadow import shadow_reference
 from raster.strokes import along_line, open_run, stroke_bounds, stroke_margin
 from raster.texture_shader import (
@@ -261,26 +262,21 @@ def shade(
                 floats, R.COORDINATE0, divided, count, float_of(row[R.COORDINATE_DEPTH]),
                 row[R.DEPTH_TEXEL_MANTISSA], int32(row[R.DEPTH_TEXEL_MAX]), ints,
             )  # fmt: skip
-        if row[R.MIPMAP] != 0 or row[R.MAG_LINEAR] != row[R.MIN_LINEAR]:
-            level_of_detail(
-                draw,
-                run_starts,
-                run_x,
-                run_y,
-                runs,
-                triangles,
-                strokes,
-                x,
-                y,
-                inverse_w,
-                coordinates,
-                u,
-                row,
-                levels[u],
-                ints,
-            )
         texels = texels0 if u == 0 else (texels1 if u == 1 else (texels2 if u == 2 else texels3))
-        sample_unit(texels, levels[u], row, count, floats, ints, packed, registers, (R.TEXTURE0 + u) * 4)
+        if row[R.ANISOTROPY]:
+            footprints(
+                draw, run_starts, run_x, run_y, runs, triangles, strokes, x, y, inverse_w, coordinates, u,
+                row, levels[u], floats, ints,
+            )  # fmt: skip
+            filter_along(texels, levels[u], row, count, floats, ints, packed)
+        else:
+            if row[R.MIPMAP] != 0 or row[R.MAG_LINEAR] != row[R.MIN_LINEAR]:
+                level_of_detail(
+                    draw, run_starts, run_x, run_y, runs, triangles, strokes, x, y, inverse_w, coordinates, u,
+                    row, levels[u], ints,
+                )  # fmt: skip
+            filter_unit(texels, levels[u], row, count, floats, ints, packed)
+        unpack_unit(row, count, packed, registers, (R.TEXTURE0 + u) * 4)
         if draw[R.TEXTURE_SHADER]:
             if row[R.OPERATION] == OFFSET_2D_SCALE or row[R.OPERATION] == OFFSET_RECTANGLE_SCALE:
                 scale, bias = float_of(row[R.OFFSET_SCALE]), float_of(row[R.OFFSET_BIAS])

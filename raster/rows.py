@@ -137,8 +137,9 @@ FINAL_SIZE = 3
     HILO,  # 1: texels are two words of 16 bits, alpha and red, green and blue
     DEPTH_TEXEL_MAX,  # the largest depth word of a compared texture
     DEPTH_TEXEL_MANTISSA,  # mantissa bits of its depths; 0: integers
+    ANISOTROPY,  # the largest ratio, a float64's bit pattern; 0: isotropic
     OFFSET_MATRIX,  # four entries; these and the following are bit patterns of float64
-) = range(27)
+) = range(28)
 OFFSET_SCALE = OFFSET_MATRIX + 4
 OFFSET_BIAS = OFFSET_SCALE + 1
 CONSTANT_EYE = OFFSET_BIAS + 1  # three entries
@@ -173,7 +174,9 @@ E_TIMES_F, SPARE0_PLUS_SECONDARY, REGISTERS = 12, 13, 14
 ) = range(13)
 DOT0 = COORDINATE0 + 4  # the stages' dot products
 DEPTH = DOT0 + 4
-FLOAT_COLUMNS = DEPTH + 1
+# Anisotropic filters: a fragment's own S and T, its footprint's longer side, and how much longer that is.
+CENTER_S, CENTER_T, ALONG_S, ALONG_T, RATIO = range(DEPTH + 1, DEPTH + 6)
+FLOAT_COLUMNS = RATIO + 1
 # ints int32[INT_COLUMNS, batch]: cube face; where the level begins and its width; neighbouring columns and
 # rows with their fractions; level, fraction between levels, lambda; colour weights; the triangle of a run;
 # neighbouring layers with their fraction; the depth word that texels are compared with.
@@ -202,4 +205,5 @@ FLOAT_COLUMNS = DEPTH + 1
 # packed uint32[PACKED_COLUMNS, batch]: the four texels of a linear filter; filtered texels, the upper layer's
 # among them; the texel of each texture shader stage.
 P00, P10, P01, P11, TEXEL_0, TEXEL_1, MAGNIFIED, LAYER_1, STAGE0 = range(9)
-PACKED_COLUMNS = STAGE0 + 4
+SUM_EVEN, SUM_ODD = STAGE0 + 4, STAGE0 + 5  # an anisotropic filter's sums of bytes 0 and 2, and 1 and 3
+PACKED_COLUMNS = SUM_ODD + 1

@@ -535,10 +535,9 @@ def sample_level(texels, levels, unit, count, linear, many, floats, ints, packed
         blend(packed, ints, out, R.LAYER_1, R.K_FRACTION, count)
 
 
-@kernel("void(u4[::1],i4[:,::1],i8[::1],i8,f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i8)")
-def sample_unit(texels, levels, unit, count, floats, ints, packed, registers, plane):
-    """Filter a texture unit's fragments into four planes of ``registers`` (int16[., batch]) from ``plane``
-    on.
+@kernel("void(u4[::1],i4[:,::1],i8[::1],i8,f8[:,::1],i4[:,::1],u4[:,::1])")
+def filter_unit(texels, levels, unit, count, floats, ints, packed):
+    """Filter a texture unit's fragments into TEXEL_0.
 
     unit: int64[UNIT_SIZE]; floats, ints, packed: scratch columns (rows.py), with S and T (P of a 3D texture),
     the FACE for a cube map and LOD for filters that need it filled in.
@@ -560,6 +559,11 @@ def sample_unit(texels, levels, unit, count, floats, ints, packed, registers, pl
             level_fraction(ints, levels_count, count)
             blend(packed, ints, R.TEXEL_0, R.TEXEL_1, R.FRACTION, count)
         choose_magnified(packed, ints, int32(unit[R.THRESHOLD]), count)
+
+
+@kernel("void(i8[::1],i8,u4[:,::1],i2[:,::1],i8)")
+def unpack_unit(unit, count, packed, registers, plane):
+    """TEXEL_0 to four planes of ``registers`` (int16[., batch]) from ``plane`` on."""
     if unit[R.SIGNED]:
         unpack_signed(packed, R.TEXEL_0, uint32(unit[R.SIGNED]), count, registers, plane)
     else:

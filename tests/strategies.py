@@ -453,6 +453,7 @@ def textured_frame(seed, width, height):
         wrap_s=_one_of(random, WrapMode),
         wrap_t=_one_of(random, WrapMode),
         border_color=tuple(random.random(4).tolist()),
+        max_anisotropy=2.0 if target is TextureTarget.TEXTURE_2D and random.random() < 0.25 else 1.0,
     )
     bias = float(random.choice([0.0, 0.5, -0.5, 1.5, random.uniform(-4.0, 4.0)]))
     positions = _positions(random, _one_of(random, ("any", "grid", "perspective", "near")), 6, width, height)

@@ -23,6 +23,7 @@ IDEAL = replace(
     max_cube_map_texture_size=1 << 14,
     power_of_two_textures=False,
     max_lod_bias=16.0,
+    max_anisotropy=1.0,
     max_lights=64,
     max_clip_planes=64,
     max_viewport=1 << 13,
