@@ -44,14 +44,18 @@ def from_text(text) -> Counts:
 
 
 def count(captures, inputs):
-    """Redraw the captures: their Counts, and the notes of those that ended with an error, by name."""
-    counts, errors = {}, {}
+    """Redraw the captures: their Counts, the notes of those that ended with an error, by name, and the names
+    of those that are not exact and do not say why.
+    """
+    counts, errors, unexplained = {}, {}, []
     for c in compare_all(captures, known_suites(), inputs):
         name = f"{c.suite}/{c.name}"
         counts[name] = (c.pixels_equal, c.pixels_compared) if c.covered else None
         if c.failed:
             errors[name] = c.note
-    return counts, errors
+        if c.covered and not (c.exact or c.note):
+            unexplained.append(name)
+    return counts, errors, unexplained
 
 
 def changes(accepted: Counts, found: Counts):
@@ -111,10 +115,12 @@ def main(arguments=None):
     if not CAPTURES.is_dir():
         print(f"There is no folder {CAPTURES}; set FIXEDPIPE_CAPTURES.", file=sys.stderr)
         return 2
-    found, errors = count(find_captures(CAPTURES), INPUTS)
+    found, errors, unexplained = count(find_captures(CAPTURES), INPUTS)
     for name, note in errors.items():
         print(f"{name}: error: {note}", file=sys.stderr)
-    if errors:
+    for name in unexplained:
+        print(f"{name}: some pixels differ; say why in the case's explanation", file=sys.stderr)
+    if errors or unexplained:
         return 1
     before = from_text(ACCEPTED.read_text()) if ACCEPTED.is_file() else {}
     worse, better = changes(before | dict.fromkeys(found.keys() - before.keys()), found)

@@ -423,8 +423,9 @@ def test_a_difference_is_seen_and_what_is_not_compared_is_told_apart():
 def test_no_case_agrees_with_fewer_pixels_than_accepted(captures, capfd):
     accepted = from_text(ACCEPTED.read_text())
     chosen = [c for c in find_captures(captures) if f"{c.suite}/{c.name}" in accepted]
-    found, errors = count(chosen, INPUTS)
+    found, errors, unexplained = count(chosen, INPUTS)
     assert not errors
+    assert not unexplained, "what differs must say why"
     worse, better = changes(accepted, found)
     if better:
         with capfd.disabled():
