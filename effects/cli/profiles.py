@@ -10,6 +10,8 @@ def _value_text(value):
             return "none"
         members = sorted(value)
         kind = type(members[0])
+        if kind is int:
+            return ", ".join(map(str, members))
         missing = [m.name for m in kind if m not in value]
         if not missing:
             return f"all {len(members)}: {', '.join(m.name for m in members)}"
