@@ -69,7 +69,7 @@ _MEASURED = {
     "magnification_threshold": "Measured: 61440 of 61440 pixels (LODBias capture)",
     "composite_matrix": "Measured: Viewport, TopLeftRaster_Fixed captures",
     "fog_registers": "Measured: bias, multiplier, PLANAR (Fog captures); other generations Assumed",
-    "fog_arithmetic": "Measured: 6 of 6 captures (Fog, Fog_vsh), 374 of 374 squares (FogGen)",
+    "fog_arithmetic": "Measured: all but 1 pixel in each of 2 captures (Fog, Fog_vsh, FogGen)",
     "lighting": "Measured: the NV10's unit as envytools models it (Lighting_*, Material_alpha captures)",
 }
 
