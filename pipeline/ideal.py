@@ -106,7 +106,7 @@ class Weights:
     affine         float64 [k, 3], n_i / A: for window depth
     perspective    float64 [k, 3], (n_i / w_i) / sum: for every other iterated value
     dx, dy         float64 [k, 3], derivatives of ``perspective`` per pixel to the right and down
-    tie_vertex     int64 [k], which vertex decides at exact texel boundaries; 3: none
+    machine        float64 [k, 2], the machines' weights q0 and q2, which decide at exact texel boundaries
     front          bool [k], front-facing
     depth_slope    float64 [k], max(|dz/dx|, |dz/dy|) of window depth per pixel
     """
@@ -116,7 +116,7 @@ class Weights:
     perspective: np.ndarray
     dx: np.ndarray
     dy: np.ndarray
-    tie_vertex: np.ndarray
+    machine: np.ndarray
     front: np.ndarray
     depth_slope: np.ndarray
 
@@ -162,21 +162,38 @@ def weigh(primitives, front_face, triangle, x, y):
         perspective,
         derivative(step_x),
         derivative(step_y),
-        _tie_vertex(e, total),
+        _machine_weights(e, total),
         (area < 0) == (front_face is FrontFace.CCW),
         np.maximum(np.abs(slope_x), np.abs(slope_y)),
     )
 
 
-def _tie_vertex(e, total):
-    """Vertex r of docs/numbers.md, section 4, in real numbers: q_i is a shade below e_i / D, hence the >.
+def _cut_24(values):
+    """Float64 cut to 24 significant bits."""
+    return (np.ascontiguousarray(values).view(np.int64) & -(1 << 29)).view(np.float64)
 
-    3 where D is a power of two: nothing is below then.
+
+def _machine_weights(e, total):
+    """q0 and q2 of docs/numbers.md, section 4: float64 [k, 2]."""
+    q = _cut_24(e * _cut_24(1.0 / total))
+    c0, c1, c2 = ((q >= 0.5).astype(np.int64) + (q >= 0.25)).T
+    q0, q1, q2 = q.T
+    first = (c0 > c2) & (c0 >= c1)
+    last = ~first & ~((c1 > c0) & (c1 >= c2))
+    return np.stack([np.where(first, (1.0 - q1) - q2, q0), np.where(last, (1.0 - q0) - q1, q2)], axis=1)
+
+
+def _lean(weights, corners, position):
+    """By how much the machines' s and t (docs/numbers.md, section 6) lie beside ``position``, float64 [k, 2];
+    0 where they divide by q.
     """
-    heavy = (2.0 * e > total).astype(np.int64) + (4.0 * e > total)
-    c0, c1, c2 = heavy.T
-    r = np.where((c0 > c2) & (c0 >= c1), 0, np.where((c1 > c0) & (c1 >= c2), 1, 2))
-    return np.where(np.frexp(total[:, 0])[0] == 0.5, 3, r)
+    v0, v1, v2 = (corners[:, k, :2] for k in range(3))
+    q0, q2 = (weights.machine[:, k, None] for k in range(2))
+    terms = np.stack([v1, q0 * (v0 - v1), q2 * (v2 - v1)])
+    unit = np.ldexp(1.0, np.frexp(np.maximum(np.abs(terms).max(axis=0), 2.0**-100))[1] - 24)
+    lean = (np.trunc(terms / unit) * unit).sum(axis=0) - position
+    near = (np.abs(lean) < unit / 2) | ~(corners[:, :, 3] == 1.0).all(axis=1)[:, None]
+    return np.where(near, 0.0, lean)
 
 
 def iterate(weights, values):
@@ -219,13 +236,10 @@ def place(target, weights, corners):
         return project_on_cube(strq[:, :3], dx[:, :3], dy[:, :3])
     q = np.where(strq[:, 3:] == 0.0, 1.0, strq[:, 3:])
     position = strq[:, :2] / q
-    first, last = corners[:, 0, :2] - corners[:, 1, :2], corners[:, 2, :2] - corners[:, 1, :2]
-    r = weights.tie_vertex[:, None]
-    lean = np.select([r == 0, r == 1, r == 2], [-last, -first - last, -first], 0.0)
     return TextureCoordinates(
         position,
         np.zeros(len(position), np.int64),
-        np.where(lean >= 0.0, _TAU, -_TAU),
+        np.where(_lean(weights, corners, position) >= 0.0, _TAU, -_TAU),
         (dx[:, :2] - position * dx[:, 3:]) / q,
         (dy[:, :2] - position * dy[:, 3:]) / q,
     )
