@@ -9,25 +9,44 @@ import numpy as np
 
 from effects.conformance import scenes
 from effects.conformance.case import HEIGHT, WIDTH, Case
-from pipeline.commands import Draw, Mesh
-from pipeline.enums import PrimitiveType
-from pipeline.state import Composite, VertexState
+from effects.conformance.vertex_programs import perspective
+from pipeline.commands import BindTexImage, Draw, MakeCurrent, Mesh, TexImage
+from pipeline.enums import ComponentUsage, PrimitiveType, Register, TextureTarget, WindowOrigin
+from pipeline.state import CombinerInput, Composite, TextureUnit, VertexState
+from pipeline.textures import texture_2d
 
 SUITE = "Vertex_shader_rounding_tests"
 
 BIASES = (0.0, 0.001, 0.4999, 0.5, 0.5624, 0.5625, 0.5626, 0.999, 1.0)  # pixels
 GEOMETRY = {f"Geometry_{bias:.4f}": bias for bias in BIASES}
 ADJACENT = {f"AdjacentGeometry_{bias:.4f}": bias for bias in BIASES}
+PROJECTED = {f"ProjAdjacentGeometry_{bias:.4f}": bias for bias in BIASES}
+SUBSCREEN = {f"GeometrySubscreen_{bias:.4f}": bias for bias in BIASES}
+SUPERSCREEN = {f"GeometrySuperscreen_{bias:.4f}": bias for bias in BIASES}
+COMPOSITING = {f"Compositing_{z}": float(z) for z in (-4, -2, 2)}
 
 MAGENTA, GREEN, GREY = 0xFFFF00FF, 0xFF009900, 0xFFE0E0E0  # 0xAABBGGRR
+TARGET_COLOR = 0xFF887733  # 0xAABBGGRR, of RenderTarget's quad
+
+LEFT, TOP, SQUARE = WIDTH / 2 - 200, HEIGHT / 2 - 100, 100.0  # the rows of squares, device pixels
+NEAR_Z, FAR_Z, BEHIND = 0.0, 10.0, 0.0001  # of the projected ones: left and right, and the rectangle behind
+
+SHOWN = ((248, 168, 128, 128), (392, 168, 128, 32), (248, 312, 32, 128), (392, 312, 16, 64))  # x, y, size
+LARGE = 1024  # edge of the surface that is larger than the screen, pixels
+PASSES, HALF = 4, 127 / 255  # of Compositing, and the factor of alpha in each. Source: 0.5, cut to a byte
+
+ON_AN_EDGE = (
+    "the squares' edges lie on a boundary of the snapping grid, up to the unknown vertices' last bits"
+)
 
 # What the combiners put out where TopLeftRaster draws: 0xAARRGGBB.
 RASTER_COLOR, RASTER_BACKGROUND = 0xFF337788, 0xFF202224
 
 
 def names():
-    """Every case of the suite that needs no surface but the window."""
-    return [*GEOMETRY, *ADJACENT, "TopLeftRaster", "TopLeftRaster_Fixed"]
+    """Every case of the suite."""
+    biased = (*GEOMETRY, *ADJACENT, *PROJECTED, *SUBSCREEN, *SUPERSCREEN)
+    return [*biased, *COMPOSITING, "RenderTarget", "TopLeftRaster", "TopLeftRaster_Fixed"]
 
 
 def _quad(label, corners, word):
@@ -45,20 +64,171 @@ def _geometry(bias):
     )
 
 
+def _squares():
+    """Upper left corners of two rows of four squares."""
+    return [(LEFT + SQUARE * i, TOP + SQUARE * j) for j in range(2) for i in range(4)]
+
+
 def _adjacent(bias):
     """A grey rectangle, and over it two rows of four green squares that share their edges, all moved."""
-    left, top, size = WIDTH / 2 - 200, HEIGHT / 2 - 100, 100.0
     squares = [
-        _quad(
+        _quad("square", np.add(scenes.rectangle(x, y, x + SQUARE, y + SQUARE), (bias, bias, 0.0)), GREEN)
+        for x, y in _squares()
+    ]
+    corners = scenes.rectangle(LEFT, TOP, LEFT + 4 * SQUARE, TOP + 2 * SQUARE)
+    return (scenes.clear(0xFE404040), _quad("background", corners, GREY), *squares)
+
+
+def _projected_quad(label, left, top, right, bottom, z_left, z_right, word):
+    """A quad of a perspective vertex program, whose right edge lies deeper than its left one."""
+    points = [
+        scenes.unprojected(x, y, z)
+        for x, y, z in (
+            (left, top, z_left),
+            (right, top, z_right),
+            (right, bottom, z_right),
+            (left, bottom, z_left),
+        )
+    ]
+    return _quad(label, perspective(scenes.single(points)), word)
+
+
+def _projected(bias):
+    """The same through a perspective vertex program; only the squares of the first column are slanted."""
+    right, bottom = LEFT + 4 * SQUARE, TOP + 2 * SQUARE
+    squares = [
+        _projected_quad(
             "square",
-            np.add(scenes.rectangle(x, y, x + size, y + size), (bias, bias, 0.0)),
+            *(x + bias, y + bias, x + SQUARE + bias, y + SQUARE + bias),
+            NEAR_Z if x == LEFT else FAR_Z,
+            FAR_Z,
             GREEN,
         )
-        for y in (top, top + size)
-        for x in left + size * np.arange(4)
+        for x, y in _squares()
     ]
-    background = _quad("background", scenes.rectangle(left, top, left + 4 * size, top + 2 * size), GREY)
+    depths = (NEAR_Z + BEHIND, FAR_Z + BEHIND)
+    background = _projected_quad("background", LEFT, TOP, right, bottom, *depths, GREY)
     return (scenes.clear(0xFE404040), background, *squares)
+
+
+# ---------------------------------------------------------------------------------- surfaces and textures
+
+
+def _surface_quad(label, box, word, height):
+    left, top, right, bottom = box
+    return scenes.quad(label, scenes.rectangle(left, top, right, bottom), scenes.abgr(word), height=height)
+
+
+def _bound(surface):
+    """The surface as a texture of that name, whose coordinates are texels, the first row on top."""
+    return BindTexImage(
+        label=surface,
+        texture=surface,
+        surface=surface,
+        target=TextureTarget.TEXTURE_RECTANGLE,
+        origin=WindowOrigin.UPPER_LEFT,
+    )
+
+
+def _textured(label, texture, mesh, vertex=scenes.PROGRAM_RESULTS, **state):
+    state = {"register_combiners": scenes.SHOWS_TEXTURE0} | state
+    units = (TextureUnit(texture, scenes.NEAREST),)
+    return Draw(
+        label=label, mesh=mesh, state=replace(scenes.DEFAULT, vertex=vertex, texture_units=units, **state)
+    )
+
+
+def _texels(left, top, right, bottom):
+    return np.array([(left, top), (right, top), (right, bottom), (left, bottom)], np.float64)
+
+
+def _facing(z, texels):
+    """A square of edge 3.5 that faces the eye at the depth ``z``."""
+    corners = scenes.single(
+        [(x, y, z) for x, y in ((-1.75, 1.75), (1.75, 1.75), (1.75, -1.75), (-1.75, -1.75))]
+    )
+    return Mesh(corners, PrimitiveType.QUADS, texture_coordinates=(texels,))
+
+
+def _shown(surface, left, top, width, height):
+    """The window with the surface's upper left part on it."""
+    corners = scenes.rectangle(left, top, left + width, top + height)
+    mesh = scenes.window_mesh(corners, texture_coordinates=(_texels(0, 0, width, height),))
+    return _bound(surface), MakeCurrent(label="window"), _textured(surface, surface, mesh)
+
+
+def _subscreen(bias):
+    """Magenta surfaces smaller than the screen, and on each a moved green rectangle of its size."""
+    yield scenes.clear(0xFE414041)
+    for left, top, width, height in SHOWN:
+        name = f"{width}x{height}"
+        yield MakeCurrent(label=name, surface=name, width=width, height=height)
+        yield _surface_quad("magenta", (0, 0, width, height), MAGENTA, height)
+        yield _surface_quad("green", (bias, bias, width + bias, height + bias), GREEN, height)
+        yield from _shown(name, left, top, width, height)
+
+
+def _superscreen(bias):
+    """The same on one surface larger than the screen.
+
+    The program writes as many magenta pixels as the rectangle has, in the order of memory: some rows. The
+    others hold what was drawn before. Inferred: green, of the case with the next smaller bias, which is drawn
+    just before and covers the column that this one lets through.
+    """
+    yield scenes.clear(0xFE414041)
+    name = "large surface"
+    for number, (left, top, width, height) in enumerate(SHOWN):
+        yield MakeCurrent(label=name, surface=name, width=LARGE, height=LARGE)
+        if number == 0:
+            yield _surface_quad("case before", (0, 0, width, height), GREEN, LARGE)
+        yield _surface_quad("magenta", (0, 0, LARGE, width * height // LARGE), MAGENTA, LARGE)
+        yield _surface_quad("green", (bias, bias, width + bias, height + bias), GREEN, LARGE)
+        yield from _shown(name, left, top, width, height)
+
+
+def _compositing(z):
+    """A checkerboard on a surface, whose left half is blended with itself, alpha halved, four times."""
+    image = np.zeros((HEIGHT, WIDTH, 4), np.uint8)
+    left, top = (WIDTH - 256) // 2, (HEIGHT - 256) // 2
+    image[top : top + 256, left : left + 256] = scenes.checkerboard(0xFF00FFFF, 0xFF000000, 8)
+    image = replace(texture_2d(image), target=TextureTarget.TEXTURE_RECTANGLE)
+    name, whole = "composited", _texels(0, 0, WIDTH, HEIGHT)
+    mesh = scenes.window_mesh(scenes.rectangle(0, 0, WIDTH, HEIGHT), texture_coordinates=(whole,))
+    half = scenes.window_mesh(
+        scenes.rectangle(0, 0, WIDTH // 2, HEIGHT), texture_coordinates=(_texels(0, 0, WIDTH // 2, HEIGHT),)
+    )
+    (combiner,) = scenes.SHOWS_TEXTURE0.general
+    factor = CombinerInput(Register.CONSTANT_COLOR1, usage=ComponentUsage.ALPHA)
+    combiner = replace(
+        combiner, alpha=replace(combiner.alpha, b=factor), constant_color1=(0.0, 0.0, 0.0, HALF)
+    )
+    halved = replace(scenes.SHOWS_TEXTURE0, general=(combiner,))
+    yield scenes.clear(0xFE202020)
+    yield TexImage(label="checkerboard", texture="checkerboard", image=image)
+    yield MakeCurrent(label=name, surface=name, width=WIDTH, height=HEIGHT)
+    yield _textured("checkerboard", "checkerboard", mesh, blending=None)
+    for _ in range(PASSES):
+        yield _bound(name)
+        yield _textured("pass", name, half, register_combiners=halved)
+    yield _bound(name)
+    yield MakeCurrent(label="window")
+    yield _textured("shown", name, _facing(z, whole), scenes.xdk_vertex())
+
+
+def _render_target():
+    """A surface, filled by a vertex program that adds the XDK's viewport offset, on a square."""
+    name, edge, offset = "render target", 128, scenes.XDK_OFFSET
+    yield scenes.clear(0xFE202020)
+    yield MakeCurrent(label=name, surface=name, width=edge, height=edge)
+    yield _surface_quad("magenta", (0, 0, edge, edge), MAGENTA, edge)
+    yield _surface_quad("fills", (offset, offset, WIDTH + offset, HEIGHT + offset), TARGET_COLOR, edge)
+    yield _bound(name)
+    yield MakeCurrent(label="window")
+    mesh = _facing(0.1, _texels(0, 0, WIDTH, HEIGHT))  # more than the texture, whose last texels go on
+    yield _textured("shown", name, mesh, scenes.xdk_vertex())
+
+
+# ------------------------------------------------------------------------------------------- TopLeftRaster
 
 
 def _below(x):
@@ -145,6 +315,18 @@ def case(name, inputs):
         return Case(commands=_geometry(GEOMETRY[name]))
     if name in ADJACENT:
         return Case(commands=_adjacent(ADJACENT[name]))
+    if name in PROJECTED:
+        on_an_edge = abs(PROJECTED[name] - 0.5625) < 0.0002
+        return Case(commands=_projected(PROJECTED[name]), explanation=ON_AN_EDGE if on_an_edge else "")
+    for cases, commands in (
+        (SUBSCREEN, _subscreen),
+        (SUPERSCREEN, _superscreen),
+        (COMPOSITING, _compositing),
+    ):
+        if name in cases:
+            return Case(commands=tuple(commands(cases[name])))
+    if name == "RenderTarget":
+        return Case(commands=tuple(_render_target()))
     if name in ("TopLeftRaster", "TopLeftRaster_Fixed"):
         return Case(commands=(scenes.clear(RASTER_BACKGROUND), *_raster(name.endswith("_Fixed"))))
     return None
