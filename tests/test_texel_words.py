@@ -4,12 +4,16 @@ import numpy as np
 import pytest
 
 from pipeline.enums import InternalFormat, TexelWord, TextureTarget
+from pipeline.profiles import IDEAL, NV2A
 from pipeline.texel_words import (
     compressed_texture,
+    compressed_volume,
     paletted_texture,
+    stored_texture,
     texels_of_words,
     texture_of_words,
 )
+from pipeline.textures import Texture
 from tests.reference import texel_words
 
 RANDOM = np.random.default_rng(5)
@@ -92,3 +96,42 @@ def test_small_levels_fill_a_block_and_missing_bytes_are_refused():
     assert [level.shape[1:3] for level in texture.levels] == [(8, 8), (4, 4), (2, 2), (1, 1)]
     with pytest.raises(ValueError, match="level 3"):
         compressed_texture(data[:-1], S3TC["DXT1"], 8, 8, 4)
+
+
+@pytest.mark.parametrize("name", S3TC)
+@pytest.mark.parametrize("depth", [1, 2, 4, 8, 6])
+def test_a_volume_s_blocks_lie_together_by_four_layers(name, depth):
+    size, rows, columns = 8 if name == "DXT1" else 16, 2, 3
+    blocks = RANDOM.integers(0, 256, (depth * rows * columns, size), np.uint8)
+    texture = compressed_volume(blocks.tobytes(), S3TC[name], 12, 8, depth)
+    assert texture.levels[0].shape == (depth, 8, 12, 4)
+    for layer, row, column in np.ndindex(depth, rows, columns):
+        square = texture.levels[0][layer, 4 * row : 4 * row + 4, 4 * column : 4 * column + 4]
+        block = blocks[texel_words.place_of_block(layer, row, column, rows, columns, depth)]
+        assert square.reshape(16, 4).tolist() == texel_words.texels_of_block(block.tolist(), name)
+    with pytest.raises(ValueError, match=f"12x8x{depth}"):
+        compressed_volume(blocks.tobytes()[:-1], S3TC[name], 12, 8, depth)
+
+
+def dithered(level):
+    """Texels [layers, rows, columns, 4] through the specification."""
+    return [
+        [[texel_words.dithered(p, x, y) for x, p in enumerate(row)] for y, row in enumerate(face)]
+        for face in level.tolist()
+    ]
+
+
+def test_every_colour_is_dithered_alike_at_every_place():
+    """Layers of one value each, and a square that is repeated beyond its edge."""
+    level = np.broadcast_to(np.arange(256, dtype=np.uint8)[:, None, None, None], (256, 5, 6, 4))
+    texture = Texture(TextureTarget.TEXTURE_3D, S3TC["DXT1"], (level,))
+    assert stored_texture(texture, NV2A).levels[0].tolist() == dithered(level)
+
+
+@pytest.mark.parametrize("name", S3TC)
+def test_random_blocks_are_dithered_alike_where_the_machine_does(name):
+    data = RANDOM.integers(0, 256, (16 + 4 + 1 + 1 + 1) * (8 if name == "DXT1" else 16), np.uint8)
+    texture = compressed_texture(data.tobytes(), S3TC[name], 16, 16, 5)
+    assert stored_texture(texture, IDEAL) is texture
+    for level, stored in zip(texture.levels, stored_texture(texture, NV2A).levels, strict=True):
+        assert stored.tolist() == (dithered(level) if name == "DXT1" else level.tolist())

@@ -71,8 +71,8 @@ def _entries(linear, names):
         yield Format(name, word, linear, not by_hand, sdl.get(word, word if word in _PACKED else None))
 
 
-# Source: kTextureFormats, but for palettes, S3TC and depths. Formats that need a conversion by hand are
-# R8G8B8A8 to SDL.
+# Source: kTextureFormats, but for palettes and S3TC; depths follow. Formats that need a conversion by hand
+# are R8G8B8A8 to SDL.
 FORMATS = (
     *_entries(
         False,
@@ -84,6 +84,16 @@ FORMATS = (
         "A8B8G8R8 R8G8B8A8 A8R8G8B8 X8R8G8B8 B8G8R8A8 R5G6B5 A1R5G5B5 X1R5G5B5 A4R4G4B4 G8B8 R16B16 Y16 YUY2 "
         "UYVY Y8 A8 AY8",
     ),
+)
+# The swizzled ones, which the programs fill as R8G8B8A8 where they do not write words.
+DEPTHS = tuple(
+    Format(f"D_{name}", word, sdl_word=TexelWord.R8G8B8A8)
+    for name, word in (
+        ("X8Y24_FIXED", TexelWord.X8_Y24_FIXED),
+        ("X8Y24_FLOAT", TexelWord.X8_Y24_FLOAT),
+        ("Y16_FIXED", TexelWord.Y16_FIXED),
+        ("Y16_FLOAT", TexelWord.Y16_FLOAT),
+    )
 )
 
 
@@ -211,6 +221,19 @@ def texture_of(rgba, entry):
     return texture_of_words(
         read_as(words, entry.sdl_word, entry.word, not entry.linear), entry.word, entry.target
     )
+
+
+def dxt1_blocks(rgba):
+    """The programs' own DXT1: bytes [rows / 4, columns / 4, 8], the colour of each block's first texel.
+
+    A block is wholly opaque, or transparent where the alpha of that texel is below 125.
+    """
+    first = rgba[::4, ::4]
+    blocks = np.zeros((*first.shape[:2], 8), np.uint8)
+    color = packed_words(first, TexelWord.R5G6B5)
+    blocks[..., 2], blocks[..., 3] = color & 255, color >> 8
+    blocks[..., 4:] = np.where(first[..., 3:] >= 125, 0x55, 0xFF)  # all texels the second colour, or none
+    return blocks
 
 
 def volume_of(layers, entry):

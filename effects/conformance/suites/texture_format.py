@@ -1,6 +1,9 @@
 """Texture_format: a colour gradient in every texture format, on a square that a little more than fits it.
 
-Source: src/tests/texture_format_tests.cpp of nxdk_pgraph_tests.
+XAlpha: textures of one word each, whose unused bits are not alpha: unblended and blended, and their alpha as
+grey. Not named: DepthFmt cases; they compare a pattern of depths, and no version of the library that could be
+read has the function that makes it (GenerateRadialDepthPattern). Source:
+src/tests/texture_format_tests.cpp of nxdk_pgraph_tests, src/texture_stage.cpp of pbkitplusplus.
 """
 
 from dataclasses import replace
@@ -8,11 +11,19 @@ from dataclasses import replace
 import numpy as np
 
 from effects.conformance import scenes, texture_memory, vertex_programs
-from effects.conformance.case import Case
+from effects.conformance.case import HEIGHT, WIDTH, Case
 from pipeline.commands import Draw, TexImage
-from pipeline.enums import PrimitiveType
-from pipeline.state import TextureUnit
-from pipeline.texel_words import paletted_texture
+from pipeline.enums import (
+    ComponentUsage,
+    InternalFormat,
+    Mapping,
+    PrimitiveType,
+    Register,
+    TexelWord,
+    TextureTarget,
+)
+from pipeline.state import AlphaPortion, CombinerInput, GeneralCombiner, RGBPortion, TextureUnit
+from pipeline.texel_words import compressed_texture, paletted_texture, texture_of_words
 
 SUITE = "Texture_format"
 
@@ -20,11 +31,24 @@ SIZE, HALF, DEPTH, EYE = 256, 0.75, 0.1, 2.25
 PALETTES = (256, 128, 64, 32)
 FORMATS = {f"TexFmt_{entry.case_name}": entry for entry in texture_memory.FORMATS}
 PALETTED = {f"TexFmt_SZ_Index8_p{size}": size for size in PALETTES}
+COMPRESSED = "TexFmt_DXT1"
+
+X_ALPHA = {
+    f"XAlpha_{entry.case_name}": entry
+    for entry in texture_memory.FORMATS
+    if entry.word in (TexelWord.X8R8G8B8, TexelWord.X1R5G5B5) or entry.case_name == "A8R8G8B8_L"
+}
+X_ALPHA_WORDS = {  # by a word's bytes
+    4: (0x00DACABA, 0x011B2B3B, 0x7F3C2C1C, 0x804D5D6D, 0xFE0ECE3E, 0xFF8F9FAF),
+    2: (0x03E0, 0x83E0, 0x03FF, 0x83FF, 0x7FFF, 0xFFFF),
+}
+PLAIN = 64  # texels along an edge of such a texture
+LEFT, STEP, WIDE, HIGH, TOPS = 30.0, 100.0, 80.0, 75.0, (200.0, 325.0)  # pixels
 
 
 def names():
-    """Every case of the suite."""
-    return [*FORMATS, *PALETTED]
+    """Every case of the suite but DepthFmt."""
+    return [*FORMATS, COMPRESSED, *PALETTED, *X_ALPHA]
 
 
 def palette(size):
@@ -50,13 +74,71 @@ def square():
     return vertex_programs.perspective(points, eye=EYE, depth_maximum=0x7FFF, far=10.0), at[:, 2:]
 
 
+def _opaque(register, usage=None):
+    """Combiners that show one register's colour, or its alpha, and an alpha of one."""
+    general = GeneralCombiner(
+        rgb=RGBPortion(a=CombinerInput(register, usage=usage) if usage else CombinerInput(register)),
+        alpha=AlphaPortion(a=CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, ComponentUsage.ALPHA)),
+    )
+    return replace(scenes.SHOWS_TEXTURE0, general=(general,))
+
+
+def _textured(label, corners, texture, coordinates, combiners, blending=None):
+    state = replace(
+        scenes.DEFAULT,
+        texture_units=(TextureUnit(texture, scenes.NEAREST),),
+        register_combiners=combiners,
+        blending=blending,
+    )
+    mesh = scenes.window_mesh(scenes.rectangle(*corners), texture_coordinates=(coordinates,))
+    return Draw(label=label, mesh=mesh, state=state)
+
+
+def x_alpha(entry):
+    """Commands of an XAlpha case: for every word two halves above, unblended and blended, its alpha below.
+
+    The program draws the first word's halves while its combiners still show the background's unit 1, which is
+    off by then.
+    """
+    checkers = texture_memory.packed_words(scenes.checkerboard(0xFF202020, 0xFF707070, 8), TexelWord.A8B8G8R8)
+    background = texture_of_words(checkers, TexelWord.A8B8G8R8, TextureTarget.TEXTURE_RECTANGLE)
+    corners, texels = (0, 0, WIDTH, HEIGHT), scenes.UNIT_SQUARE * SIZE
+    commands = [
+        scenes.clear(0xFF220022),
+        TexImage(label="checkerboard", texture="checkerboard", image=background),
+        _textured("background", corners, "checkerboard", texels, _opaque(Register.TEXTURE0)),
+    ]
+    scale = PLAIN if entry.linear else 1
+    for i, word in enumerate(X_ALPHA_WORDS[texture_memory.WORD_BYTES[entry.word]]):
+        texture, left = f"{word:X}", LEFT + i * STEP
+        image = texture_of_words(np.full((PLAIN, PLAIN), word), entry.word, entry.target)
+        commands.append(TexImage(label=texture, texture=texture, image=image))
+        combiners = scenes.SHOWS_TEXTURE0 if i else _opaque(Register.TEXTURE1)
+        for half, blending in enumerate((None, scenes.BLENDED)):
+            at = left + half * WIDE / 2
+            corners = (at, TOPS[0], at + WIDE / 2, TOPS[0] + HIGH)
+            coordinates = (scenes.UNIT_SQUARE * (0.5, 1) + (half / 2, 0)) * scale
+            label = "blended" if blending else "unblended"
+            commands.append(_textured(label, corners, texture, coordinates, combiners, blending))
+        corners = (left, TOPS[1], left + WIDE, TOPS[1] + HIGH)
+        alpha = _opaque(Register.TEXTURE0, ComponentUsage.ALPHA)
+        commands.append(_textured("alpha", corners, texture, scenes.UNIT_SQUARE * scale, alpha))
+    return tuple(commands)
+
+
 def case(name, inputs):
     """The case of that name, or None."""
     del inputs
+    if name in X_ALPHA:
+        return Case(commands=x_alpha(X_ALPHA[name]))
     if name in FORMATS:
         entry = FORMATS[name]
         texture = texture_memory.texture_of(texture_memory.gradient(SIZE, SIZE), entry)
         scale = SIZE if entry.linear else 1
+    elif name == COMPRESSED:
+        blocks = texture_memory.dxt1_blocks(texture_memory.gradient(SIZE, SIZE)).tobytes()
+        texture = compressed_texture(blocks, InternalFormat.COMPRESSED_RGBA_S3TC_DXT1, SIZE, SIZE)
+        scale = 1
     elif name in PALETTED:
         texture, scale = paletted_texture(indices(PALETTED[name]), palette(PALETTED[name])), 1
     else:

@@ -1,6 +1,8 @@
-"""Volume_texture: seven quads through the four layers of a 3D texture, in every swizzled format.
+"""Volume_texture: seven quads through the four layers of a 3D texture, in every swizzled format and DXT1.
 
-Source: src/tests/volume_texture_tests.cpp of nxdk_pgraph_tests.
+The program converts layers with SDL alone: of depth formats and DXT1 the chip reads bytes of R8G8B8A8 layers.
+Depths are compared, and the program's default function is NEVER. Source:
+src/tests/volume_texture_tests.cpp of nxdk_pgraph_tests, src/texture_stage.cpp of pbkitplusplus.
 """
 
 from dataclasses import replace
@@ -11,9 +13,17 @@ from effects.conformance import scenes, texture_memory
 from effects.conformance.case import Case
 from effects.conformance.suites.texture_format import palette
 from pipeline.commands import Draw, Mesh, TexImage
-from pipeline.enums import PrimitiveType, TextureTarget, WrapMode
+from pipeline.enums import (
+    ComparisonFunction,
+    InternalFormat,
+    PrimitiveType,
+    TexelWord,
+    TextureCompareMode,
+    TextureTarget,
+    WrapMode,
+)
 from pipeline.state import TextureUnit
-from pipeline.texel_words import paletted_texture
+from pipeline.texel_words import compressed_volume, paletted_texture
 
 SUITE = "Volume_texture"
 
@@ -22,13 +32,14 @@ LEFT, RIGHT, TOP, BOTTOM, SPACING = -2.75, 2.75, 1.75, -1.75, 0.1
 WIDTH, HEIGHT = (RIGHT - LEFT) / 3 - 2 * SPACING, (TOP - BOTTOM) / 3 - 2 * SPACING
 PLACES = ((0, 0), (1, 0), (2, 0), (1, 1), (0, 2), (1, 2), (2, 2))  # column and row of each quad
 KEPT = ((1, 1, 1, 1), (0, 0, 1, 1), (1, 0, 0, 1), (0, 1, 0, 1))  # the components that each layer shows
-PALETTED = "SZ_Index8"
-FORMATS = {entry.name: entry for entry in texture_memory.FORMATS if not entry.linear}
+PALETTED, COMPRESSED = "SZ_Index8", "DXT1"
+DEPTHS = {entry.name: entry for entry in texture_memory.DEPTHS}
+FORMATS = {entry.name: entry for entry in texture_memory.FORMATS if not entry.linear} | DEPTHS
 
 
 def names():
-    """Every case of the suite but the depth formats and DXT1, of which the program writes no layers."""
-    return [*FORMATS, PALETTED]
+    """Every case of the suite."""
+    return [*FORMATS, COMPRESSED, PALETTED]
 
 
 def texture(name):
@@ -39,6 +50,10 @@ def texture(name):
         return paletted_texture(indices, palette(256), TextureTarget.TEXTURE_3D)
     gradient = texture_memory.gradient(SIZE, SIZE)
     layers = np.stack([gradient * np.array(kept, np.uint8) for kept in KEPT])
+    if name == COMPRESSED:
+        words = texture_memory.packed_words(layers, TexelWord.R8G8B8A8).astype("<u4")
+        dxt1 = InternalFormat.COMPRESSED_RGBA_S3TC_DXT1
+        return compressed_volume(words.tobytes(), dxt1, SIZE, SIZE, LAYERS)
     return texture_memory.volume_of(layers, FORMATS[name])
 
 
@@ -65,6 +80,12 @@ def case(name, inputs):
     if name not in names():
         return None
     sampler = replace(scenes.NEAREST, wrap_r=WrapMode.CLAMP_TO_EDGE)
+    if name in DEPTHS:
+        sampler = replace(
+            sampler,
+            compare_mode=TextureCompareMode.COMPARE_R_TO_TEXTURE,
+            compare_function=ComparisonFunction.NEVER,
+        )
     state = replace(
         scenes.DEFAULT,
         vertex=scenes.xdk_vertex(),
