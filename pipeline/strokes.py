@@ -30,7 +30,7 @@ def point_sizes(mesh, state, profile, eye):
     """The size of every vertex's point in pixels: a column.
 
     Measured: Point_params Scale_0_0_1_FF, 192 of 192 points; the inverse square root reads 7 significant bits
-    (5 to 8 give the same points).
+    (6 to 9 give the same points).
     """
     point = state.point
     if state.vertex.stage == VertexStage.PROGRAM_RESULTS:
