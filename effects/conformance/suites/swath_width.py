@@ -1,10 +1,10 @@
 """Swath_width: lines, polygons, points and a texture on a surface of two samples a pixel, then on the window.
 
-Source: src/tests/swath_width_tests.cpp of nxdk_pgraph_tests. Measured: the swath's width changes nothing. The
-surface (CENTER_CORNER_2) is twice as wide as the window, with two samples for each pixel, and a linear filter
-averages them. Measured: colours and texels are those of the pixel's centre in both samples. The machine has
-one sample, at the centre; where the other one, in the corner, is covered and the centre is not, or the other
-way round, pixels differ.
+Source: src/tests/swath_width_tests.cpp of nxdk_pgraph_tests: the surface (CENTER_CORNER_2) is twice as wide
+as the window, with two samples for each pixel, and a linear filter averages them. Measured: the swath's width
+changes nothing (SwathWidth00 and 02 differ in their texts alone). Inferred: both samples have the colours and
+texels of the pixel's centre; the captures suggest it, no more. The machine has one sample, at the centre;
+where the other one, in the corner, is covered and the centre is not, or the other way round, pixels differ.
 """
 
 from dataclasses import replace
