@@ -315,9 +315,9 @@ def texture(*rows, target=TextureTarget.TEXTURE_2D, faces=1):
 
 def test_q_divides_unless_it_is_one_everywhere():
     ones = [(0.0, 0.0, 0.0, 1.0)] * 3
-    assert sample.divide_by_q((3.0, 5.0, 0.0, 2.0), ones) == (3.0, 5.0)
-    assert sample.divide_by_q((3.0, 5.0, 0.0, 2.0), [*ones[:2], (0.0, 0.0, 0.0, 2.0)]) == (1.5, 2.5)
-    assert sample.divide_by_q((3.0, 5.0, 0.0, 0.0), [*ones[:2], (0.0, 0.0, 0.0, 2.0)]) == (3.0, 5.0)
+    assert sample.divide_by_q((3.0, 5.0, 7.0, 2.0), ones) == (3.0, 5.0, 7.0)
+    assert sample.divide_by_q((3.0, 5.0, 7.0, 2.0), [*ones[:2], (0.0, 0.0, 0.0, 2.0)]) == (1.5, 2.5, 3.5)
+    assert sample.divide_by_q((3.0, 5.0, 7.0, 0.0), [*ones[:2], (0.0, 0.0, 0.0, 2.0)]) == (3.0, 5.0, 7.0)
 
 
 @pytest.mark.parametrize(
@@ -331,7 +331,7 @@ def test_q_divides_unless_it_is_one_everywhere():
         ((0.5, 0.25, -1.0), 5, (2.0, 3.0)),
         ((1.0, 1.0, -1.0), 0, (8.0, 0.0)),
         ((0.0, 2.0, 2.0), 2, (4.0, 8.0)),
-        ((0.0, 0.0, 0.0), 0, (4.0, 4.0)),
+        ((0.0, 0.0, 0.0), 0, (0.0, 0.0)),  # the first texel of +x, not the middle
     ],
 )
 def test_cube_map_directions_select_faces_and_texels(direction, face, point):
@@ -347,8 +347,8 @@ def iterated(v, n):
 def test_ties_of_texture_coordinates_fall_to_the_side_of_their_terms():
     # 1/3 and 1/12 are cut: what is added to v1 falls short of the tie, what is taken from it too.
     assert iterated((0.0, 0.0, 1.0), (2, 0, 1)) < 1 / 3 < iterated((1.0, 1.0, 0.0), (1, 0, 2))
-    assert iterated((0.0, 1.0, 1.0), (3, 6, 3)) == 0.75  # from above: cut to the 24 bits of 1
-    assert iterated((1.0, 0.0, 0.0), (3, 6, 3)) < 0.25
+    assert iterated((0.0, 1.0, 1.0), (3, 6, 3)) == 0.75 + 2.0**-23  # what is taken is cut to the 24 bits of 1
+    assert iterated((1.0, 0.0, 0.0), (3, 6, 3)) == 0.25 - 2.0**-26  # what is added keeps its own
     assert iterated((0.0, 0.0, 1.0), (2, 1, 1)) == 0.25  # an area that is a power of two
 
 
@@ -373,7 +373,7 @@ def test_lambda_is_floored_at_eight_fraction_bits():
 def test_coordinates_wrap_in_texel_units():
     wrap = sample.wrap_coordinate
     assert [wrap(t, WrapMode.REPEAT, 4) for t in (-1.0, 5.5, 4.0)] == [3.0, 1.5, 0.0]
-    assert [wrap(t, WrapMode.MIRRORED_REPEAT, 4) for t in (-1.0, 5.5, 4.0, 9.0)] == [1.0, 2.5, 4.0, 1.0]
+    assert [wrap(t, WrapMode.MIRRORED_REPEAT, 4) for t in (-1.0, 5.5, 4.0, 9.0)] == [7.0, 5.5, 4.0, 1.0]
     assert [wrap(t, WrapMode.CLAMP, 4) for t in (-1.0, 2.5, 9.0)] == [0.0, 2.5, 4.0]
     assert [wrap(t, WrapMode.CLAMP_TO_EDGE, 4) for t in (-1.0, 2.5, 9.0)] == [0.5, 2.5, 3.5]
     assert [wrap(t, WrapMode.CLAMP_TO_BORDER, 4) for t in (-1.0, 2.5, 9.0)] == [-0.5, 2.5, 4.5]
@@ -382,7 +382,7 @@ def test_coordinates_wrap_in_texel_units():
 def test_indices_outside_are_wrapped_clamped_or_border():
     index = sample.wrap_index
     assert [index(i, WrapMode.REPEAT, 4, linear=True) for i in (-1, 3, 4)] == [3, 3, 0]
-    assert [index(i, WrapMode.MIRRORED_REPEAT, 4, linear=True) for i in (-1, 3, 4)] == [0, 3, 3]
+    assert [index(i, WrapMode.MIRRORED_REPEAT, 4, linear=True) for i in (-1, 3, 4, 7, 8)] == [0, 3, 3, 0, 0]
     assert [index(i, WrapMode.CLAMP_TO_EDGE, 4, linear=True) for i in (-1, 3, 4)] == [0, 3, 3]
     assert [index(i, WrapMode.CLAMP, 4, linear=True) for i in (-1, 3, 4)] == [None, 3, None]
     assert [index(i, WrapMode.CLAMP, 4, linear=False) for i in (-1, 3, 4)] == [0, 3, 3]
@@ -393,20 +393,22 @@ def test_linear_filters_round_rows_first():
     # In the middle of four texels: rows give 1 (1/2 up) and 2 (3/2 up), together 2 (3/2 up). Columns first
     # would give 1, 1 and 1.
     edge = (WrapMode.CLAMP_TO_EDGE,) * 2
-    assert sample.sample_linear(texture([0, 1], [2, 1]), 0, 0, (1.0, 1.0), edge, [9] * 4) == [2] * 4
+    assert (
+        sample.sample_linear(texture([0, 1], [2, 1]), 0, 0, (1.0, 1.0), edge, [9] * 4, Sampler()) == [2] * 4
+    )
 
 
 def test_linear_filters_blend_with_the_border():
     modes = (WrapMode.CLAMP, WrapMode.CLAMP_TO_EDGE)
     gray = texture([100, 200], [100, 200])
-    assert sample.sample_linear(gray, 0, 0, (0.0, 0.5), modes, [0] * 4) == [50] * 4
-    assert sample.sample_linear(gray, 0, 0, (2.0, 0.5), modes, [0] * 4) == [100] * 4
+    assert sample.sample_linear(gray, 0, 0, (0.0, 0.5), modes, [0] * 4, Sampler()) == [50] * 4
+    assert sample.sample_linear(gray, 0, 0, (2.0, 0.5), modes, [0] * 4, Sampler()) == [100] * 4
 
 
 def test_one_dimensional_textures_read_their_row():
     row = texture([100, 200], target=TextureTarget.TEXTURE_1D)
     modes = (WrapMode.CLAMP_TO_EDGE, WrapMode.CLAMP_TO_BORDER)
-    assert sample.sample_linear(row, 0, 0, (1.0, 77.0), modes, [0] * 4) == [150] * 4
+    assert sample.sample_linear(row, 0, 0, (1.0, 77.0), modes, [0] * 4, Sampler()) == [150] * 4
 
 
 def textured(corners, coordinates, inverse_w=(1.0, 1.0, 1.0)):
