@@ -1,6 +1,7 @@
 """Texgen: texture coordinates generated from positions and normals, on a rectangle that faces the eye.
 
-Source: src/tests/texgen_tests.cpp of nxdk_pgraph_tests.
+Source: src/tests/texgen_tests.cpp of nxdk_pgraph_tests. SphereMap and ReflectionMap for an infinite viewer
+are not here: in the machine, these maps have the eye at its place (SET_TEXGEN_VIEW_MODEL LOCAL_VIEWER).
 """
 
 from dataclasses import replace
@@ -10,8 +11,23 @@ import numpy as np
 from effects.conformance import scenes
 from effects.conformance.case import Case
 from pipeline.commands import Draw, Mesh, TexImage
-from pipeline.enums import ComponentUsage, Mapping, PrimitiveType, Register, TexGenMode
-from pipeline.state import IDENTITY, CombinerInput, TexGen, TextureUnit
+from pipeline.enums import (
+    ComponentUsage,
+    Mapping,
+    PrimitiveType,
+    Register,
+    TexGenMode,
+)
+from pipeline.enums import TextureShaderOperation as Operation
+from pipeline.state import (
+    IDENTITY,
+    CombinerInput,
+    GeneralCombiner,
+    RGBPortion,
+    TexGen,
+    TextureShaderStage,
+    TextureUnit,
+)
 from pipeline.textures import texture_2d
 
 SUITE = "Texgen"
@@ -26,12 +42,26 @@ MODES = {
 }
 
 _OPAQUE = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, ComponentUsage.ALPHA)
+_ONE = replace(_OPAQUE, usage=ComponentUsage.RGB)
 _SHOWS_OPAQUE = replace(scenes.SHOWS_TEXTURE0, final=replace(scenes.SHOWS_TEXTURE0.final, g=_OPAQUE))
+
+# The combiner of what is passed through: texture 1 plus the coordinates that unit 0 passes, as signed.
+_SUM = GeneralCombiner(
+    rgb=RGBPortion(
+        a=CombinerInput(Register.TEXTURE1),
+        b=_ONE,
+        c=CombinerInput(Register.TEXTURE0, Mapping.SIGNED_IDENTITY),
+        d=_ONE,
+    )
+)
+
+INFINITE_VIEWER = "_InfiniteViewer"
+WITHOUT_A_VIEWER = ("Disabled", "EyeLinear", "ObjectLinear")  # modes that do not ask where the viewer is
 
 
 def names():
-    """Every case of the suite."""
-    return [mode for mode in MODES if mode != "SphereMap"]
+    """Every case of the suite that the machine can draw."""
+    return [*MODES, *(mode + INFINITE_VIEWER for mode in WITHOUT_A_VIEWER)]
 
 
 def gradient(width=256, height=128):
@@ -42,8 +72,11 @@ def gradient(width=256, height=128):
     return np.stack([y, x, 255 - y, (x + y) & 255], -1).astype(np.uint8)
 
 
-def commands(top, mode, matrix=IDENTITY):
+def commands(top, mode, matrix=IDENTITY, passed_through=False):
     """The frame: the gradient on a rectangle, with s, t and r generated, through a texture matrix.
+
+    ``passed_through``: the coordinates as colours instead, added to a grey texture. Assumed: the vertices,
+    which have no coordinates for it, have (0, 0, 0, 1) there, as the chip begins with.
 
     The rectangle is 5.5 wide and 3.5 high, at z = 0; ``top`` is its upper edge's y. Its vertices have no
     normals. Measured: the chip then takes (0, 0, 0) (NormalMap_Arbitrary capture, all pixels).
@@ -66,8 +99,20 @@ def commands(top, mode, matrix=IDENTITY):
         texture_units=(TextureUnit("gradient", scenes.NEAREST, gen=tuple(planes), matrix=matrix),),
         register_combiners=_SHOWS_OPAQUE,
     )
+    board = scenes.checkerboard(0xFF606060, 0xFF909090, 8)[:128]
+    if passed_through:
+        state = replace(
+            state,
+            texture_units=(*state.texture_units, TextureUnit("checkerboard", scenes.NEAREST)),
+            texture_shader=(
+                TextureShaderStage(Operation.PASS_THROUGH),
+                TextureShaderStage(Operation.TEXTURE_2D),
+            ),
+            register_combiners=replace(_SHOWS_OPAQUE, general=(_SUM,)),
+        )
     return (
         scenes.clear(0xFE202020),
+        TexImage(label="checkerboard", texture="checkerboard", image=texture_2d(board)),
         TexImage(label="gradient", texture="gradient", image=texture_2d(gradient())),
         Draw(label="rectangle", mesh=mesh, state=state),
     )
@@ -78,4 +123,4 @@ def case(name, inputs):
     del inputs
     if name not in names():
         return None
-    return Case(commands=commands(1.75, MODES[name]))
+    return Case(commands=commands(1.75, MODES[name.removesuffix(INFINITE_VIEWER)]))

@@ -49,7 +49,8 @@ MATRICES = {  # as the program writes them, row by row
     "RotateZ": _turned(2),
     "Arbitrary": np.array([(0.7089392, 0, 0.515, 0), (0, 1.2603364, 0.49, 0), (0, 0, 0, 0), (0, 0, 1, 0)]),
 }
-
+# Of the suite with generated coordinates alone; MatrixOff has a matrix that is not enabled.
+LATER_MATRICES = {"MatrixOff": np.array(IDENTITY), "Negate": np.diag([-1.0, -1.0, 1.0, 1.0])}
 
 ON_TEXEL_EDGES = (
     "pixels within 2e-4 texel of an edge: in how many bits the chip divides by a varying q is not known"
@@ -66,12 +67,13 @@ def names():
     return list(MATRICES)
 
 
-def commands(mode, name):
-    """The frame of a texgen mode and a matrix's name.
+def commands(mode, name, passed_through=False):
+    """The frame of a texgen mode and a matrix's name; ``passed_through`` as in Texgen's.
 
     Measured: a row of the matrix, as the program writes it, times (s, t, r, q) is a coordinate (11 captures).
     """
-    return texgen.commands(1.0, mode, rows_of(single(MATRICES[name])))
+    matrix = (MATRICES | LATER_MATRICES)[name]
+    return texgen.commands(1.0, mode, rows_of(single(matrix)), passed_through)
 
 
 def case(name, inputs):
