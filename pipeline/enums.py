@@ -495,6 +495,7 @@ class TextureShaderOperation(IntEnum):
     DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP = 20
     DOT_PRODUCT_DIFFUSE_CUBE_MAP = 21
     DOT_PRODUCT_DEPTH_REPLACE = 22
+    BRDF_TEXTURE_3D = 23  # PS_TEXTUREMODES_BRDF
 
 
 class DotProductMapping(IntEnum):

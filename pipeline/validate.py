@@ -243,6 +243,7 @@ _DEPENDENT = {
     _OP.DOT_PRODUCT_REFLECT_CUBE_MAP: 3,
     _OP.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP: 3,
     _OP.DOT_PRODUCT_DIFFUSE_CUBE_MAP: 3,
+    _OP.BRDF_TEXTURE_3D: 0,
 }
 # Which textures operations read: the one of table 3.B first, then others that the chip reads all the same.
 # Measured: cube maps as volumes, 2D textures as cube maps (DotSTR3D and Texture_2D_as_cubemap captures).
@@ -266,6 +267,7 @@ _OF_TARGET = {
     _OP.DOT_PRODUCT_REFLECT_CUBE_MAP: (_CUBE, _2D),
     _OP.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP: (_CUBE, _2D),
     _OP.DOT_PRODUCT_DIFFUSE_CUBE_MAP: (_CUBE, _2D),
+    _OP.BRDF_TEXTURE_3D: (TextureTarget.TEXTURE_3D,),
 }
 _REFLECTING = (_OP.DOT_PRODUCT_REFLECT_CUBE_MAP, _OP.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP)
 _WITHOUT_RESULT = (_OP.NONE, _OP.CULL_FRAGMENT, _OP.DOT_PRODUCT, _OP.DOT_PRODUCT_DEPTH_REPLACE)
@@ -278,6 +280,13 @@ def _stage_problem(i, stages):
     """
     operations = [stage.operation for stage in stages]
     operation, previous = operations[i], stages[i].previous_texture_input
+    if operation is _OP.BRDF_TEXTURE_3D:
+        if i < 2 or any(operations[k] in _WITHOUT_RESULT for k in (i - 2, i - 1)):
+            return (
+                f"texture shader stage {i} is BRDF_TEXTURE_3D; it reads the eye's and the light's directions "
+                "of the two stages before it, which must result in a color or a texel."
+            )
+        return None
     dotted = operation.name.startswith("DOT_PRODUCT")
     if (dotted or operation in _DEPENDENT) and (
         not 0 <= previous < i or operations[previous] in _WITHOUT_RESULT

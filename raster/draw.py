@@ -33,6 +33,7 @@ from raster.shadow import shadow_reference
 from raster.strokes import along_line, open_run, stroke_bounds, stroke_margin
 from raster.texture_shader import (
     CUBE_MAP,
+    DIFFUSE,
     DOT_PRODUCT_3D,
     DOT_PRODUCT_CUBE_MAP,
     OFFSET_2D_SCALE,
@@ -248,7 +249,7 @@ def shade(
                 flat_face(floats, count, ints)
             else:
                 cube_faces(floats, count, ints)
-        elif row[R.OPERATION] == CUBE_MAP or row[R.OPERATION] >= DOT_PRODUCT_CUBE_MAP:
+        elif row[R.OPERATION] == CUBE_MAP or DOT_PRODUCT_CUBE_MAP <= row[R.OPERATION] <= DIFFUSE:
             face_planes(floats, count)
         if row[R.COMPARE]:
             divided = row[R.PROJECTIVE] and not row[R.OPERATION]

@@ -16,7 +16,7 @@ CUBE_MAP, PASS_THROUGH, CULL_FRAGMENT = 4, 6, 7
 OFFSET_2D, OFFSET_2D_SCALE, OFFSET_RECTANGLE, OFFSET_RECTANGLE_SCALE = 8, 9, 10, 11
 DEPENDENT_AR, DEPENDENT_GB = 12, 13
 DOT_PRODUCT, DOT_PRODUCT_2D, DOT_PRODUCT_RECTANGLE, DOT_PRODUCT_3D, DOT_PRODUCT_CUBE_MAP = 14, 15, 16, 17, 18
-REFLECT, CONST_EYE_REFLECT, DIFFUSE, DEPTH_REPLACE = 19, 20, 21, 22
+REFLECT, CONST_EYE_REFLECT, DIFFUSE, DEPTH_REPLACE, BRDF = 19, 20, 21, 22, 23
 
 
 @kernel
@@ -148,6 +148,26 @@ def dot_products(floats, packed, previous, mapping, count, out):
             y = mapped_component(green, mapping)
             z = mapped_component(blue, mapping)
         floats[po, i] = (floats[R.S, i] * x + floats[R.T, i] * y) + floats[R.EXTRA, i] * z
+
+
+@kernel("void(f8[:,::1],u4[:,::1],i8,i8,i8)")
+def brdf_coordinates(floats, packed, eye, light, count):
+    """(S, T, EXTRA) from two texels of directions, HI theta and LO phi: eye's theta, light's theta, and
+    light's phi less eye's.
+
+    Measured: 614 of 614 pixels (Texture_BRDF capture). Assumed: the divisors, 65535 and 65536 (a whole turn).
+    """
+    separate_loop()
+    pe, pl = uint64(eye), uint64(light)
+    for i in range(count):
+        e, k = packed[pe, i], packed[pl, i]
+        eye_theta = uint32(uint32(e >> uint32(24)) << uint32(8)) | uint32(e & uint32(255))
+        light_theta = uint32(uint32(k >> uint32(24)) << uint32(8)) | uint32(k & uint32(255))
+        eye_phi = uint32(e & uint32(0xFF00)) | uint32(uint32(e >> uint32(16)) & uint32(255))
+        light_phi = uint32(k & uint32(0xFF00)) | uint32(uint32(k >> uint32(16)) & uint32(255))
+        floats[R.S, i] = float64(eye_theta) / 65535.0
+        floats[R.T, i] = float64(light_theta) / 65535.0
+        floats[R.EXTRA, i] = (float64(light_phi) - float64(eye_phi)) / 65536.0
 
 
 @kernel("void(f8[:,::1],i8,i8,i8)")
@@ -288,6 +308,9 @@ def shader_stage(
         for k in range(3):
             column = (R.S, R.T, R.EXTRA)[k]
             iterate_coordinate(starts, owners, segments, triangles, coordinates, u, k, floats, column)
+        return 1
+    if operation == BRDF:
+        brdf_coordinates(floats, packed, R.STAGE0 + u - 2, R.STAGE0 + u - 1, count)
         return 1
     if operation <= CULL_FRAGMENT:
         for k in range(4):

@@ -15,6 +15,7 @@ from pipeline.enums import (
     TexelWord,
     TextureCompareMode,
     TextureFilter,
+    TextureTarget,
     VertexStage,
     WrapMode,
 )
@@ -41,6 +42,7 @@ from tests.run_reference import run_reference
 WIDTH, HEIGHT = 16, 8
 DOT, REFLECT = Operation.DOT_PRODUCT, Operation.DOT_PRODUCT_REFLECT_CUBE_MAP
 CONSTANT = Operation.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP
+BRDF = Operation.BRDF_TEXTURE_3D
 CHAINS = {  # the operations of four stages, and the targets of the textures they read
     "pass through": ((Operation.PASS_THROUGH,), ""),
     "cull": ((Operation.TEXTURE_2D, Operation.CULL_FRAGMENT), "2"),
@@ -56,6 +58,8 @@ CHAINS = {  # the operations of four stages, and the targets of the textures the
     "flat": ((Operation.TEXTURE_2D, DOT, DOT, REFLECT), "2  2"),
     "diffuse": ((Operation.TEXTURE_2D, DOT, Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP, CONSTANT), "2 cc"),
     "2D as cube map": ((Operation.TEXTURE_CUBE_MAP,), "2"),
+    "brdf": ((Operation.TEXTURE_CUBE_MAP, Operation.TEXTURE_CUBE_MAP, BRDF), "cc3"),
+    "brdf of 2D": ((Operation.NONE, Operation.TEXTURE_2D, Operation.PASS_THROUGH, BRDF), "22 3"),
 }
 
 
@@ -82,7 +86,12 @@ def frame(operations, targets, random, filtered=TextureFilter.NEAREST):
     )
     faces = random.integers(0, 256, (6, 4, 4, 4), np.uint8)
     commands.append(TexImage(label="c", texture="c", image=texture_cube_map(faces)))
-    sampler = Sampler(filtered, filtered, pick(random, WrapMode), pick(random, WrapMode))
+    if "3" in targets:
+        words = random.integers(0, 1 << 32, (8, 4, 4))
+        volume = texture_of_words(words, TexelWord.A8R8G8B8, TextureTarget.TEXTURE_3D)
+        commands.append(TexImage(label="3", texture="3", image=volume))
+    sampler = Sampler(filtered, filtered, *(pick(random, WrapMode) for _ in range(2)))
+    sampler = replace(sampler, wrap_r=pick(random, WrapMode))
     stages = tuple(
         TextureShaderStage(
             operation,
@@ -171,7 +180,8 @@ def refused(operations, targets, words, profile=NV2A, **changes):
     stages = tuple(replace(stage, **changes) for stage in commands[-1].state.texture_shader)
     commands[-1] = replace(commands[-1], state=replace(commands[-1].state, texture_shader=stages))
     with pytest.raises(UnsupportedState, match=words):
-        validate(commands[:3] + commands[-1:], profile, WIDTH, HEIGHT, 24)
+        images = 4 if "3" in targets else 3
+        validate(commands[:images] + commands[-1:], profile, WIDTH, HEIGHT, 24)
 
 
 def test_what_is_inconsistent_is_refused():
@@ -183,6 +193,10 @@ def test_what_is_inconsistent_is_refused():
     refused((two, DOT, REFLECT), "2 c", "the stage 2 before it must be DOT_PRODUCT")
     refused((two, DOT, Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP), "2 c", "the stage after it must be")
     refused((Operation.TEXTURE_CUBE_MAP,), "2", "is a TEXTURE_2D", GEFORCE_3)
+    refused((two, BRDF), "23", "the two stages before it")
+    refused((two, Operation.CULL_FRAGMENT, BRDF), "2 3", "the two stages before it")
+    refused((two, two, BRDF), "22c", "give it a TEXTURE_3D")
+    refused((two, two, BRDF), "223", "has no BRDF_TEXTURE_3D", GEFORCE_3)
     refused((Operation.TEXTURE_1D,), "2", "is a TEXTURE_2D")
     few = replace(NV2A, texture_shader_operations=frozenset({two}))
     refused((two, offset), "22", "has no OFFSET_TEXTURE_2D .*; it has TEXTURE_2D", few)

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from pipeline.enums import TextureCompareMode
+from pipeline.enums import TextureCompareMode, TextureShaderOperation
 from pipeline.profiles.geforce_256 import GEFORCE_256
 from pipeline.profiles.nv2a import NV2A
 
@@ -20,12 +20,14 @@ GEFORCE_3 = replace(
     description="NVIDIA NV20, 2001: texture shaders, eight general combiners, four texture units",
     blend_equations=GEFORCE_256.blend_equations,
     texture_compare_modes=frozenset({TextureCompareMode.NONE, TextureCompareMode.COMPARE_R_TO_TEXTURE}),
+    texture_shader_operations=frozenset(TextureShaderOperation) - {TextureShaderOperation.BRDF_TEXTURE_3D},
     depth_units_in_coordinates=False,
     combiner_flags=GEFORCE_256.combiner_flags,
     foreign_texture_targets=False,
     evidence={
         **{field: _inferred(evidence) for field, evidence in NV2A.evidence.items()},
         "blend_equations": GEFORCE_256.evidence["blend_equations"],
+        "texture_shader_operations": "Source: NV_texture_shader, NV_texture_shader2",
         "texture_compare_modes": "Source: ARB_shadow",
         "foreign_texture_targets": "Source: NV_texture_shader, table 3.B (inconsistent)",
         "depth_units_in_coordinates": "Source: ARB_shadow, NV_texture_shader (DOT_PRODUCT_DEPTH_REPLACE)",

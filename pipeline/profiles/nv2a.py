@@ -48,7 +48,7 @@ _MEASURED = {
     "blend_factors_destination": "Measured: all of them, in 1673 captures (Blend_tests)",
     "blend_equations": "Measured: 1673 captures (Blend_tests)",
     "stencil_operations": "Measured: Stencil captures",
-    "texture_shader_operations": "Measured: Pixel_shader and Texture_cubemap captures; rectangles Inferred",
+    "texture_shader_operations": "Measured: Pixel_shader, Texture_cubemap, Texture_BRDF; rectangles Inferred",
     "dot_product_mappings": "Measured: six mappings, 56909 pixels each (DotSTRCube captures)",
     "texture_compare_modes": "Measured: 8150016 of 8150016 pixels of each (Texture_shadow_comparator)",
     "foreign_texture_targets": "Measured: 56909 pixels each (DotSTR3D, Texture_2D_as_cubemap captures)",

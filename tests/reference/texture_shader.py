@@ -59,6 +59,12 @@ def dot(a, b):
     return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
 
 
+def spherical(texel):
+    """(theta, phi), words of 16 bits, of a texel that is a direction. Source: docs/numbers.md section 12."""
+    red, green, blue, alpha = texel
+    return alpha * 256 + red, green * 256 + blue
+
+
 def reflected(normal, eye):
     """``2 n (n e) - e (n n)``. Source: NV_texture_shader section 3.8.13.1.18, times n n."""
     twice, square = 2.0 * dot(normal, eye), dot(normal, normal)
@@ -116,6 +122,9 @@ class Stages:
             return previous[3] / 255.0, previous[0] / 255.0, 0.0
         if operation == Operation.DEPENDENT_GB_TEXTURE_2D:
             return previous[1] / 255.0, previous[2] / 255.0, 0.0
+        if operation == Operation.BRDF_TEXTURE_3D:
+            eye, light = spherical(self.texels[i - 2]), spherical(self.texels[i - 1])
+            return eye[0] / 65535.0, light[0] / 65535.0, (light[1] - eye[1]) / 65536.0
         if operation in (Operation.DOT_PRODUCT_TEXTURE_2D, Operation.DOT_PRODUCT_TEXTURE_RECTANGLE):
             return self.dot_product(i - 1), self.dot_product(i), 0.0
         if operation == Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP:
