@@ -6,15 +6,14 @@ Source: src/tests/depth_function_tests.cpp of nxdk_pgraph_tests.
 from dataclasses import replace
 
 from effects.conformance import scenes
-from effects.conformance.case import Case
-from pipeline.commands import Draw
-from pipeline.enums import ComparisonFunction
+from effects.conformance.case import Case, Shows
+from pipeline.commands import Draw, Mesh
+from pipeline.enums import ComparisonFunction, PrimitiveType
 from pipeline.state import DepthTest
 
 SUITE = "Depth_function"
 
-# The depths of world z -1, 0 and 1 in the XDK's view (eye distance 7, planes 1 and 200), depth units.
-FRONT, SAME, BEHIND = (0xFFFFFF * 200 / 199 * (1 - 1 / (scenes.XDK_EYE + z)) for z in (-1, 0, 1))
+FRONT, SAME, BEHIND = -1.0, 0.0, 1.0  # z in the XDK's view
 BACKDROP = 0xFFAAAAAA  # colours are 0xAABBGGRR
 SWATCHES = (  # colour, how far below the strip's upper edge, height, depth
     (0xFF3333FF, 4, 20, BEHIND),
@@ -37,18 +36,17 @@ ROWS = ((64, FUNCTIONS), (200, FUNCTIONS), (320, (ComparisonFunction.ALWAYS,) * 
 
 
 def names():
-    """The suite's one case."""
-    return ["DepthFunc"]
+    """The suite's one case: colours, and with _ZB the depth buffer."""
+    return ["DepthFunc", "DepthFunc_ZB"]
 
 
 def _quad(color, left, top, right, bottom, z, function):
-    # The XDK's viewport offset, 17/32 pixel, snaps to half a pixel.
-    corners = scenes.rectangle(left + 0.5, top + 0.5, right + 0.5, bottom + 0.5, z)
-    mesh = scenes.window_mesh(corners, colors=scenes.single([scenes.abgr(color)] * 4))
+    corners = [scenes.unprojected(*corner) for corner in scenes.rectangle(left, top, right, bottom, z)]
+    mesh = Mesh(scenes.single(corners), PrimitiveType.QUADS, colors=scenes.single([scenes.abgr(color)] * 4))
     return Draw(
         label=f"a quad through {function.name}",
         mesh=mesh,
-        state=replace(scenes.DEFAULT, depth_test=DepthTest(function)),
+        state=replace(scenes.DEFAULT, vertex=scenes.xdk_vertex(), depth_test=DepthTest(function)),
     )
 
 
@@ -65,4 +63,4 @@ def case(name, inputs):
             for color, down, height, z in SWATCHES:
                 y = top + down
                 commands.append(_quad(color, x, y, x + 24, y + height, z, function))
-    return Case(commands=tuple(commands))
+    return Case(commands=tuple(commands), shows=Shows.ZETA if name.endswith("_ZB") else Shows.COLOR)
