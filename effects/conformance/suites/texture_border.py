@@ -1,6 +1,7 @@
 """Texture_border: a small texture under every wrap mode, on panels of three by three tiles.
 
-Source: src/tests/texture_border_tests.cpp of nxdk_pgraph_tests.
+Not named: cases (2D_BorderTex_SZ, 3D and cube maps) whose textures have border texels, which the machine has
+not. Source: src/tests/texture_border_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
