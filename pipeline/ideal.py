@@ -35,7 +35,8 @@ from pipeline.vertex import process
 # Fragments shaded at a time: bounds the columns' memory to some tens of megabytes, and changes no value.
 _CHUNK = 1 << 16
 
-# A nearest filter's shift off an exact texel boundary.  Source: docs/numbers.md, section 6.
+# Texels: a nearest filter's shift off an exact texel boundary, and what the machines add to coordinates that
+# they divided.  Source: docs/numbers.md, section 6.
 _TAU = 2.0**-24
 
 _MIPMAPPED = {
@@ -183,24 +184,20 @@ def _machine_weights(e, total):
     return np.stack([np.where(first, (1.0 - q1) - q2, q0), np.where(last, (1.0 - q0) - q1, q2)], axis=1)
 
 
-def _lean(weights, corners, position):
-    """By how much the machines' s and t (docs/numbers.md, section 6) lie beside ``position``, float64 [k, 2];
-    0 where they divide by q.
-    """
-    v0, v1, v2 = (corners[:, k, :2] for k in range(3))
-    q0, q2 = (weights.machine[:, k, None] for k in range(2))
-    terms = np.stack([v1, q0 * (v0 - v1), q2 * (v2 - v1)])
-    unit = np.ldexp(1.0, np.frexp(np.maximum(np.abs(terms).max(axis=0), 2.0**-100))[1] - 24)
-    lean = (np.trunc(terms / unit) * unit).sum(axis=0) - position
-    near = (np.abs(lean) < unit / 2) | ~(corners[:, :, 3] == 1.0).all(axis=1)[:, None]
-    return np.where(near, 0.0, lean)
-
-
 def iterate(weights, values):
     """Values [k, 3, ...] at a triangle's vertices, weighted by ``weights`` [k, 3] that sum to one."""
     shape = (-1,) + (1,) * (values.ndim - 2)
     w0, w2 = weights[:, 0].reshape(shape), weights[:, 2].reshape(shape)
     return (values[:, 1] + w0 * (values[:, 0] - values[:, 1])) + w2 * (values[:, 2] - values[:, 1])
+
+
+def _iterate_as_machines(weights, corners):
+    """S, t, r, q by docs/numbers.md, section 6, and the unit to which their terms are cut: float64 [k, 4]."""
+    v0, v1, v2 = (corners[:, k] for k in range(3))
+    q0, q2 = (weights.machine[:, k, None] for k in range(2))
+    terms = np.stack([v1, q0 * (v0 - v1), q2 * (v2 - v1)])
+    unit = np.ldexp(1.0, np.frexp(np.maximum(np.abs(terms).max(axis=0), 2.0**-100))[1] - 24)
+    return (np.trunc(terms / unit) * unit).sum(axis=0), unit
 
 
 def _change(step, values):
@@ -217,13 +214,15 @@ class TextureCoordinates:
 
     position  float64 [k, 2], 1.0 = the whole image
     face      int64 [k], 0 unless a cube map
-    tie       float64 [k, 2], +tau or -tau texel: the side that a nearest filter takes at an exact boundary
+    slip      float64 [k, 2], by how much the machines' coordinates lie beside ``position``, their bias aside
+    bias      float64 [k, 1], texels that the machines add to coordinates that they divided: tau or 0
     dx, dy    float64 [k, 2], derivatives of ``position`` per pixel
     """
 
     position: np.ndarray
     face: np.ndarray
-    tie: np.ndarray
+    slip: np.ndarray
+    bias: np.ndarray
     dx: np.ndarray
     dy: np.ndarray
 
@@ -232,17 +231,41 @@ def place(target, weights, corners):
     """TextureCoordinates of fragments whose triangles have s, t, r, q ``corners``, float64 [k, 3, 4]."""
     strq = iterate(weights.perspective, corners)
     dx, dy = _change(weights.dx, corners), _change(weights.dy, corners)
+    machine, unit = _iterate_as_machines(weights, corners)
     if target is TextureTarget.TEXTURE_CUBE_MAP:
-        return project_on_cube(strq[:, :3], dx[:, :3], dy[:, :3])
+        on_cube = project_on_cube(strq[:, :3], dx[:, :3], dy[:, :3])
+        return replace(on_cube, slip=_place_on_face(machine[:, :3], on_cube.face) - on_cube.position)
     q = np.where(strq[:, 3:] == 0.0, 1.0, strq[:, 3:])
     position = strq[:, :2] / q
+    divided = (corners[:, :, 3] != 1.0).any(axis=1)[:, None]
+    slip = machine[:, :2] / np.where(machine[:, 3:] == 0.0, 1.0, machine[:, 3:]) - position
+    # Undivided coordinates lie at least a unit off an exact boundary, or on it but for the noise of float64.
+    slip = np.where(~divided & (np.abs(slip) < unit[:, :2] / 2), 0.0, slip)
     return TextureCoordinates(
         position,
         np.zeros(len(position), np.int64),
-        np.where(_lean(weights, corners, position) >= 0.0, _TAU, -_TAU),
+        slip,
+        np.where(divided, _TAU, 0.0),
         (dx[:, :2] - position * dx[:, 3:]) / q,
         (dy[:, :2] - position * dy[:, 3:]) / q,
     )
+
+
+def _on_face(vector, face):
+    """Sc and tc, float64 [k, 2], of vectors [k, 3] on their faces [k]."""
+    rows = np.arange(len(vector))
+    sc, tc = vector[rows, _SC_COMPONENT[face]], vector[rows, _TC_COMPONENT[face]]
+    return np.stack([_SC_SIGN[face] * sc, _TC_SIGN[face] * tc], axis=1)
+
+
+def _place_on_face(direction, face):
+    """Places, float64 [k, 2], of directions [k, 3] on given faces; 0 where the major axis is.
+
+    Source: EXT_texture_cube_map, section 3.8.6; docs/numbers.md, section 6 (the 0).
+    """
+    magnitude = np.abs(direction[np.arange(len(direction)), face // 2])[:, None]
+    ratio = _on_face(direction, face) / np.where(magnitude == 0.0, 1.0, magnitude)
+    return np.where(magnitude == 0.0, 0.0, (ratio + 1.0) * 0.5)
 
 
 def project_on_cube(direction, dx, dy):
@@ -256,22 +279,18 @@ def project_on_cube(direction, dx, dy):
     magnitude = np.where(major == 0.0, 1.0, np.abs(major))[:, None]
     sign = np.where(major < 0.0, -1.0, 1.0)[:, None]
 
-    def on_face(vector):
-        return np.stack(
-            [
-                _SC_SIGN[face] * vector[rows, _SC_COMPONENT[face]],
-                _TC_SIGN[face] * vector[rows, _TC_COMPONENT[face]],
-            ],
-            axis=1,
-        )
-
-    ratio = on_face(direction) / magnitude
+    ratio = _on_face(direction, face) / magnitude
 
     def derivative(step):
-        return 0.5 * (on_face(step) - ratio * sign * step[rows, axis][:, None]) / magnitude
+        return 0.5 * (_on_face(step, face) - ratio * sign * step[rows, axis][:, None]) / magnitude
 
     return TextureCoordinates(
-        (ratio + 1.0) * 0.5, face, np.full((len(rows), 2), _TAU), derivative(dx), derivative(dy)
+        _place_on_face(direction, face),
+        face,
+        np.zeros((len(rows), 2)),
+        np.full((len(rows), 1), _TAU),
+        derivative(dx),
+        derivative(dy),
     )
 
 
@@ -321,7 +340,8 @@ def sample_level(level, coordinates, sampler, border, linear, one_dimensional):
     height, width = level.shape[1:3]
     texels = coordinates.position * np.array([width, height], np.float64)
     if not linear:
-        texels = texels + coordinates.tie
+        slip = coordinates.slip * np.array([width, height], np.float64) + coordinates.bias
+        texels = texels + np.where(slip >= 0.0, _TAU, -_TAU)
     columns, across = _along(texels[:, 0], width, sampler.wrap_s, linear)
     if one_dimensional:
         rows, up = [(np.zeros(len(texels), np.int64), np.zeros(len(texels), bool))], None
@@ -342,7 +362,7 @@ def sample_level(level, coordinates, sampler, border, linear, one_dimensional):
 
 def _select(coordinates, chosen):
     return TextureCoordinates(
-        *(getattr(coordinates, name)[chosen] for name in ("position", "face", "tie", "dx", "dy"))
+        *(getattr(coordinates, name)[chosen] for name in ("position", "face", "slip", "bias", "dx", "dy"))
     )
 
 

@@ -396,7 +396,9 @@ def scalar_sample(image, s, t, sampler, linear):
 
 def at_positions(position):
     zeros = np.zeros_like(position)
-    return ideal.TextureCoordinates(position, np.zeros(len(position), np.int64), zeros, zeros, zeros)
+    return ideal.TextureCoordinates(
+        position, np.zeros(len(position), np.int64), zeros, zeros[:, :1], zeros, zeros
+    )
 
 
 @pytest.mark.parametrize("linear", [False, True])
@@ -575,6 +577,8 @@ def test_a_direction_selects_the_face_and_place_of_the_cube_map_table():
         face, position = scalar_cube(direction)
         assert got.face[k] == face
         np.testing.assert_allclose(got.position[k], position, atol=NOISE)
+    nothing = ideal.project_on_cube(np.zeros((1, 3)), np.zeros((1, 3)), np.zeros((1, 3)))
+    assert nothing.face[0] == 0 and (nothing.position == 0.0).all()  # the first texel of +x
 
 
 def test_a_cube_map_of_directions_returns_the_direction():
@@ -600,15 +604,17 @@ def test_a_cube_map_of_directions_returns_the_direction():
     np.testing.assert_allclose(2 * got[:, :3] - 1, directions, atol=NOISE)
 
 
+@pytest.mark.parametrize("q", [1, 2, 3, -2])  # undivided coordinates, and divided ones
 @pytest.mark.parametrize("pixels", [8, 12])  # triangles whose areas are powers of two, and others
-def test_exact_texel_boundaries_fall_where_the_machines_fall(pixels):
+def test_exact_texel_boundaries_fall_where_the_machines_fall(pixels, q):
     # Two texels on a pixel: every sample lies exactly between two texels, in both triangles of the quad.
     rng = np.random.default_rng(1)
     texture = texture_2d(rng.integers(0, 256, (16, 16, 3)).astype(np.uint8), InternalFormat.RGB8)
     repeat = replace(NEAREST, wrap_s=WrapMode.REPEAT, wrap_t=WrapMode.REPEAT)
     state = PassState(texture_units=(TextureUnit("t", repeat),), register_combiners=TEXTURE0_ALONE)
     for mirrored in (UNIT_SQUARE[0], [[1, 0], [0, 0], [0, 1], [1, 1]], [[0, 1], [1, 1], [1, 0], [0, 0]]):
-        coordinates = np.multiply(mirrored, pixels / 8)
+        coordinates = np.full((4, 4), float(q))
+        coordinates[:, :2] = np.multiply(mirrored, q * pixels / 8)
         frame = (
             TexImage(label="t", texture="t", image=texture),
             Draw(label="d", mesh=quad(texture_coordinates=(coordinates,)), state=state),
