@@ -103,6 +103,7 @@ def dithered(texel, x, y):
     """A DXT1 texel at (x, y) as the NV2A holds it: the highest level that is not too far above each colour.
 
     Levels outside the bytes become bytes; the darkest colours become 0, and 255 stays what it is.
+    Measured: 2048 of 2048 texels (docs/numbers.md section 7).
     """
     out = list(texel)
     for channel, (rows, step, above) in enumerate(DITHER):
