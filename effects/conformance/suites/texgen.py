@@ -55,6 +55,8 @@ _SUM = GeneralCombiner(
     )
 )
 
+CHECKERS = (0x60FF6060, 0x90FF9090)  # the program's words 0xFF606060, 0xFF909090, which are R8G8B8A8 there
+
 INFINITE_VIEWER = "_InfiniteViewer"
 WITHOUT_A_VIEWER = ("Disabled", "EyeLinear", "ObjectLinear")  # modes that do not ask where the viewer is
 
@@ -75,8 +77,8 @@ def gradient(width=256, height=128):
 def commands(top, mode, matrix=IDENTITY, passed_through=False):
     """The frame: the gradient on a rectangle, with s, t and r generated, through a texture matrix.
 
-    ``passed_through``: the coordinates as colours instead, added to a grey texture. Assumed: the vertices,
-    which have no coordinates for it, have (0, 0, 0, 1) there, as the chip begins with.
+    ``passed_through``: the coordinates as colours instead, added to texel (0, 0) of a checkerboard, as the
+    vertices have no coordinates for it. Source: test_suite.cpp, which sets these to zeros for every suite.
 
     The rectangle is 5.5 wide and 3.5 high, at z = 0; ``top`` is its upper edge's y. Its vertices have no
     normals. Measured: the chip then takes (0, 0, 0) (NormalMap_Arbitrary capture, all pixels).
@@ -99,11 +101,13 @@ def commands(top, mode, matrix=IDENTITY, passed_through=False):
         texture_units=(TextureUnit("gradient", scenes.NEAREST, gen=tuple(planes), matrix=matrix),),
         register_combiners=_SHOWS_OPAQUE,
     )
-    board = scenes.checkerboard(0xFF606060, 0xFF909090, 8)[:128]
+    board = scenes.checkerboard(*CHECKERS, 8)[:128]
     if passed_through:
+        sets = (*mesh.texture_coordinates, np.zeros((len(order), 2)))
+        mesh = replace(mesh, texture_coordinates=sets)
         state = replace(
             state,
-            texture_units=(*state.texture_units, TextureUnit("checkerboard", scenes.NEAREST)),
+            texture_units=(*state.texture_units, TextureUnit("checkerboard", scenes.NEAREST, coordinates=1)),
             texture_shader=(
                 TextureShaderStage(Operation.PASS_THROUGH),
                 TextureShaderStage(Operation.TEXTURE_2D),
