@@ -1,6 +1,8 @@
 """Combiner: register combiners of constants and flat colours.
 
-Source: src/tests/combiner_tests.cpp of nxdk_pgraph_tests.
+Source: src/tests/combiner_tests.cpp of nxdk_pgraph_tests, in several versions: SpecularR0SumFlags took Flags'
+place. Not here yet, though the machine could draw them: SignedToUnsignedMapping, TextureDestination and
+SignedPassThroughPipeline, which read textures.
 """
 
 from dataclasses import replace
@@ -249,20 +251,183 @@ def _unbound_tex_sampler():
     return commands
 
 
+# Output operations of a general combiner.
+HALF = CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF
+IDENTITY, LEFT_1, LEFT_2 = {}, {"scale": CombinerScale.SCALE_BY_TWO}, {"scale": CombinerScale.SCALE_BY_FOUR}
+RIGHT_1, BIAS = {"scale": CombinerScale.SCALE_BY_ONE_HALF}, {"bias": HALF}
+LEFT_1_BIAS = LEFT_1 | BIAS
+
+
+def _grey(value):
+    return (value, value, value, 1.0)
+
+
+def _split(x, row, program, *expected):
+    """A box whose left half a program draws; the right one has the colour that the test's author expected."""
+    left, top = x, 25 + 25 * row
+    shown = _stage(_rgb(CONSTANT0, ab=R0), constant0=(*(expected * 3)[:3], 1.0))
+    return (
+        _box(program, left, top, left + 23, top + 16),
+        _box(_program((shown,), _shows(R0)), left + 23, top, left + 46, top + 16),
+    )
+
+
+def _specular_r0_sum_flags():
+    # The row; SPARE0, whether negated; SECONDARY; whether each is inverted; A, D; expected, and if clamped.
+    rows = (
+        (2, 1.0, False, 1.0, False, False, 0.5, 0.0, 1.0, 0.5),
+        (3, 0.75, False, 0.75, False, False, 0.5, 0.0, 0.75, 0.5),
+        (6, 0.75, False, 0.25, True, False, 0.5, 0.0, 0.25, 0.25),
+        (7, 0.25, False, 0.75, False, True, 0.5, 0.0, 0.25, 0.25),
+        (8, 0.75, False, 0.75, True, True, 0.5, 0.0, 0.25, 0.25),
+        (9, 0.25, False, 0.25, True, True, 0.5, 0.0, 0.75, 0.5),
+        (12, 0.3, True, 0.5, False, False, 1.0, 0.0, 0.5, 0.5),
+        (13, 0.5, True, 0.2, False, False, 1.0, 0.5, 0.7, 0.7),
+        (14, 0.5, True, 0.0, False, False, 1.0, 0.5, 0.5, 0.5),
+        (15, 0.3, True, 0.0, True, False, 0.5, 0.0, 0.5, 0.5),
+    )
+    commands = [scenes.clear(0xFF331133)]
+    for row, r0, negated, v1, invert_r0, invert_v1, a, d, *expected in rows:
+        first = replace(CONSTANT0, mapping=Mapping.SIGNED_NEGATE) if negated else CONSTANT0
+        stage = _stage(_rgb(first, c=CONSTANT1, ab=R0, cd=SECONDARY), None, _grey(r0), _grey(v1))
+        for clamp, x in ((False, 260), (True, 400)):
+            combiners = RegisterCombiners(
+                (stage,),
+                _final(CONSTANT1, a=CONSTANT0, b=CombinerInput(SUM)),
+                constant_color0=_constant(*_grey(a)),
+                constant_color1=_constant(*_grey(d)),
+                color_sum_clamp=clamp,
+                invert_spare0=invert_r0,
+                invert_secondary_color=invert_v1,
+            )
+            program = replace(scenes.DEFAULT, register_combiners=combiners)
+            commands += _split(x, row, program, expected[clamp])
+    return commands
+
+
+def _specular_r0_sum():
+    operations = (  # the operation on both terms, SPARE0 before and after
+        (LEFT_1, 0.25, 0.5, lambda x: 2 * x),
+        (LEFT_2, 0.25, 1.0, lambda x: 4 * x),
+        (RIGHT_1, 0.5, 0.25, lambda x: x / 2),
+        (BIAS, 0.75, 0.25, lambda x: x - np.float32(0.5)),
+        (LEFT_1_BIAS, 0.75, 0.5, lambda x: (x - np.float32(0.5)) * 2),
+    )
+    commands = [scenes.clear(0xFF333322)]
+    for top, secondary in ((2, (0.0, 0.0, 0.0)), (9, (0.1, 0.5, 0.8))):
+        for row, (operation, value, after, operated) in enumerate(operations, top):
+            first = _stage(_rgb(CONSTANT0, ab=R0), constant0=_grey(value))
+            rgb = _rgb(CombinerInput(R0), c=CONSTANT1, ab=R0, cd=SECONDARY, **operation)
+            stages = (first, _stage(rgb, constant1=(*secondary, 1.0)))
+            added = np.clip(operated(np.array(secondary, np.float32)), np.float32(0), np.float32(1))
+            expected = np.minimum(np.float32(after) + added, np.float32(1)).tolist()
+            commands += _split(260, row, _program(stages, _shows(R0)), after)
+            commands += _split(380, row, _program(stages, _shows(SUM)), *expected)
+    return commands
+
+
+def _input_mappings():
+    mappings = (  # and what a value becomes
+        (Mapping.UNSIGNED_IDENTITY, lambda x: max(0.0, x)),
+        (Mapping.UNSIGNED_INVERT, lambda x: 1.0 - max(0.0, x)),
+        (Mapping.EXPAND_NORMAL, lambda x: 2.0 * max(0.0, x) - 1.0),
+        (Mapping.EXPAND_NEGATE, lambda x: 1.0 - 2.0 * max(0.0, x)),
+        (Mapping.HALF_BIAS_NORMAL, lambda x: max(0.0, x) - 0.5),
+        (Mapping.HALF_BIAS_NEGATE, lambda x: 0.5 - max(0.0, x)),
+        (Mapping.SIGNED_IDENTITY, lambda x: x),
+        (Mapping.SIGNED_NEGATE, lambda x: -x),
+    )
+    commands = [scenes.clear(0xFF113333)]
+    for row, (mapping, mapped) in enumerate(mappings, 3):
+        for x, value in ((240, 0.7), (400, -0.4)):
+            given = replace(CONSTANT0, mapping=Mapping.SIGNED_NEGATE) if value < 0 else CONSTANT0
+            first = _stage(_rgb(given, ab=R1), constant0=_grey(abs(value)))
+            rgb = _rgb(CombinerInput(R1, mapping), CONSTANT0, CONSTANT1, total=R0)
+            program = _program((first, _stage(rgb, None, _grey(0.5), _grey(0.5))), _shows(R0))
+            commands += _split(x, row, program, float(np.float32(mapped(value) * 0.5 + 0.5)))
+    return commands
+
+
+def _shift_clamping():
+    sums = (  # row, column, each term, operation, expected
+        (2, 0, 0.75, IDENTITY, 1.0),
+        (2, 1, 0.75, RIGHT_1, 0.75),
+        (2, 2, 0.75, BIAS, 1.0),
+        (2, 3, 0.75, LEFT_1, 1.0),
+        (2, 4, 0.75, LEFT_2, 1.0),
+        (4, 0, 0.625, BIAS, 0.75),
+        (4, 1, 0.625, LEFT_1_BIAS, 1.0),
+        (4, 2, 0.375, LEFT_1_BIAS, 0.5),
+        (4, 3, 0.25, LEFT_1_BIAS, 0.0),
+        (4, 4, 0.125, LEFT_1_BIAS, 0.0),
+    )
+    saturated = ((0.6, LEFT_1), (0.8, LEFT_1), (0.3, LEFT_2), (0.6, LEFT_2))
+    commands = [scenes.clear(0xFF222222)]
+    for row, column, value, operation, expected in sums:
+        rgb = _rgb(CONSTANT0, c=CONSTANT1, total=R0, **operation)
+        stage = _stage(rgb, None, _grey(value), _grey(value))
+        commands += _split(260 + 70 * column, row, _program((stage,), _shows(R0)), expected)
+    for column, (value, operation) in enumerate(saturated):
+        stage = _stage(_rgb(CONSTANT0, ab=R0, **operation), constant0=_grey(value))
+        commands += _split(260 + 70 * column, 7, _program((stage,), _shows(R0)), 1.0)
+    return commands
+
+
+def _signed_combiner_ops():
+    boxes = (
+        (230, 80, 0.125, IDENTITY),
+        (230, 152, 0.125, LEFT_1),
+        (230, 224, 0.125, LEFT_2),
+        (540, 80, 0.125, RIGHT_1),
+        (540, 152, 0.125, BIAS),
+        (540, 224, 0.375, LEFT_2),
+    )
+    commands = [*scenes.background(0xFF001100, 0xFF001111)]
+    for left, top, value, operation in boxes:
+        negated, signed = Mapping.SIGNED_NEGATE, Mapping.SIGNED_IDENTITY
+        first = _stage(
+            _rgb(replace(CONSTANT0, mapping=negated), ab=R1, **operation),
+            _alpha_portion(replace(_alpha(Register.CONSTANT_COLOR0), mapping=negated), R1, **operation),
+            (value,) * 4,
+        )
+        second = _stage(
+            _rgb(CONSTANT1, c=CombinerInput(R1, signed), total=R0),
+            AlphaPortion(
+                _alpha(Register.CONSTANT_COLOR1),
+                ONE_ALPHA,
+                replace(_alpha(R1), mapping=signed),
+                ONE_ALPHA,
+                sum_output=R0,
+            ),
+            constant1=(0.75,) * 4,
+        )
+        right = left + 36
+        commands += (
+            _box(_program((first, second), _shows(R0)), left, top, right, top + 36),
+            _box(_program((first, second), _final(_alpha(R0))), right + 4, top, right + 22, top + 36),
+        )
+    return commands
+
+
 CASES = {
     "AlphaFromBlue": _alpha_from_blue,
     "ColorAlphaIndependence": _color_alpha_independence,
     "CombinerOps": _combiner_ops,
     "Flags": _flags,
     "Independence": _independence,
+    "InputMappings": _input_mappings,
     "Mux": _mux,
+    "ShiftClamping": _shift_clamping,
+    "SignedCombinerOps": _signed_combiner_ops,
     "SpecialInputs": _special_inputs,
+    "SpecularR0Sum": _specular_r0_sum,
+    "SpecularR0SumFlags": _specular_r0_sum_flags,
     "UnboundTexSampler": _unbound_tex_sampler,
 }
 
 
 def names():
-    """Every case of the suite."""
+    """Every case of the suite that is built."""
     return list(CASES)
 
 
