@@ -1,8 +1,8 @@
 """Combiner: register combiners of constants and flat colours.
 
 Source: src/tests/combiner_tests.cpp of nxdk_pgraph_tests, in several versions: SpecularR0SumFlags took Flags'
-place. Not here yet, though the machine could draw them: SignedToUnsignedMapping, TextureDestination and
-SignedPassThroughPipeline, which read textures.
+place. Not here yet, though the machine could draw them: SignedToUnsignedMapping and
+SignedPassThroughPipeline, which read signed textures.
 """
 
 from dataclasses import replace
@@ -11,7 +11,7 @@ import numpy as np
 
 from effects.conformance import scenes
 from effects.conformance.case import Case
-from pipeline.commands import Draw, Mesh
+from pipeline.commands import Draw, Mesh, TexImage
 from pipeline.enums import (
     CombinerBias,
     CombinerScale,
@@ -28,7 +28,9 @@ from pipeline.state import (
     GeneralCombiner,
     RegisterCombiners,
     RGBPortion,
+    TextureUnit,
 )
+from pipeline.textures import texture_2d
 
 SUITE = "Combiner"
 
@@ -241,6 +243,52 @@ def _special_inputs():
     return (*scenes.background(), *(_box(p, x, y, x + 64, y + 64) for x, y, p in boxes))
 
 
+def _texture_destination():
+    """On the left of each pair a stage writes a texture register, on the right it discards the result."""
+    tex0, tex1 = Register.TEXTURE0, Register.TEXTURE1
+    green, half = (0.0, 1.0, 0.0, 1.0), _alpha(Register.CONSTANT_COLOR0)
+    reads0, reads1 = (_stage(_rgb(CombinerInput(r), ab=R0)) for r in (tex0, tex1))
+    reads_alpha = _stage(_rgb(_alpha(tex0), ab=R0))
+    rest = replace(half, mapping=Mapping.UNSIGNED_INVERT)
+    adds_blue = _stage(
+        _rgb(CONSTANT0, c=ONE, d=CombinerInput(tex0), total=R0), constant0=(0.0, 0.0, 0.5, 0.0)
+    )
+
+    def stages(destination):
+        writes = _stage(_rgb(CONSTANT0, ab=destination), constant0=green)
+        blends = _stage(
+            _rgb(CombinerInput(tex0), half, CONSTANT0, half, total=destination),
+            constant0=(0.0, 1.0, 0.0, 0.5),
+        )
+        mixes = _stage(
+            _rgb(CombinerInput(tex0), half, CombinerInput(R0), rest, total=destination),
+            constant0=(0.0, 0.0, 0.0, 0.5),
+        )
+        alpha = _stage(_rgb(CONSTANT0), _alpha_portion(half, destination), (0.0, 0.0, 0.0, 0.25))
+        scratch = tex1 if destination == tex0 else DISCARD
+        yellow = _stage(_rgb(CONSTANT0, ab=scratch), constant0=(1.0, 1.0, 0.0, 1.0))
+        return (
+            ((writes, reads0), R0),
+            ((blends, reads0), R0),
+            ((_stage(_rgb(CONSTANT0, ab=R0), constant0=green), mixes, adds_blue), R0),
+            ((writes,), tex0),
+            ((alpha, reads_alpha), R0),
+            ((yellow, reads1), R0),
+        )
+
+    board = scenes.checkerboard(0xFFFF0000, 0xFF000011, 8, 64)
+    units = (TextureUnit("checkerboard", scenes.NEAREST),)
+    yield from scenes.background(0xFF001100, 0xFF001111)
+    yield TexImage(label="red and blue", texture="checkerboard", image=texture_2d(board))
+    for left, destination in ((350, tex0), (440, DISCARD)):
+        for row, (program, shown) in enumerate(stages(destination)):
+            top = 98 + 50 * row
+            corners = scenes.rectangle(left + 0.5, top + 0.5, left + 50.5, top + 22.5)
+            mesh = scenes.window_mesh(corners, texture_coordinates=(scenes.UNIT_SQUARE,))
+            state = replace(_program(program, _shows(shown)), texture_units=units)
+            yield Draw(label="quad", mesh=mesh, state=state)
+
+
 def _unbound_tex_sampler():
     commands = [scenes.clear(0xFF6A6A6A)]
     for unit in range(4):
@@ -422,6 +470,7 @@ CASES = {
     "SpecialInputs": _special_inputs,
     "SpecularR0Sum": _specular_r0_sum,
     "SpecularR0SumFlags": _specular_r0_sum_flags,
+    "TextureDestination": _texture_destination,
     "UnboundTexSampler": _unbound_tex_sampler,
 }
 
