@@ -74,10 +74,10 @@ def square():
     return vertex_programs.perspective(points, eye=EYE, depth_maximum=0x7FFF, far=10.0), at[:, 2:]
 
 
-def _opaque(register, usage=None):
+def _opaque(register, usage=ComponentUsage.RGB):
     """Combiners that show one register's colour, or its alpha, and an alpha of one."""
     general = GeneralCombiner(
-        rgb=RGBPortion(a=CombinerInput(register, usage=usage) if usage else CombinerInput(register)),
+        rgb=RGBPortion(a=CombinerInput(register, usage=usage)),
         alpha=AlphaPortion(a=CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, ComponentUsage.ALPHA)),
     )
     return replace(scenes.SHOWS_TEXTURE0, general=(general,))
