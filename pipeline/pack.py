@@ -327,8 +327,8 @@ def _pack_tests(state, framebuffer, draw, draw_float):
         draw[R.STENCIL_TEST] = 1
         draw[R.STENCIL_FUNCTION] = stencil.function
         draw[R.STENCIL_REFERENCE] = reference
-        draw[R.STENCIL_MASK] = stencil.mask & 0xFF
-        draw[R.STENCIL_WRITE_MASK] = stencil.write_mask & 0xFF
+        draw[R.STENCIL_MASK] = int(stencil.mask)
+        draw[R.STENCIL_WRITE_MASK] = int(stencil.write_mask)
         for at, operation in (
             (R.STENCIL_FAIL, stencil.fail),
             (R.STENCIL_DEPTH_FAIL, stencil.depth_fail),
@@ -508,8 +508,8 @@ def _pack_units(state, profile, textures, primitives, used, draw):
         if texture.target == TextureTarget.TEXTURE_3D:
             row[R.WRAP_R], row[R.LAYERS] = sampler.wrap_r, texture.depth
         row[R.MAG_LINEAR], row[R.MIN_LINEAR], row[R.MIPMAP] = mag_linear, linear, mipmap
-        row[R.LOD_BIAS] = int(256 * unit.lod_bias)  # Assumed: truncation (docs/numbers.md, section 7)
-        row[R.MIN_LOD], row[R.MAX_LOD] = int(256 * sampler.min_lod), int(256 * sampler.max_lod)
+        row[R.LOD_BIAS] = int(256 * float(unit.lod_bias))  # Assumed: truncation (docs/numbers.md, section 7)
+        row[R.MIN_LOD], row[R.MAX_LOD] = (int(256 * float(lod)) for lod in (sampler.min_lod, sampler.max_lod))
         if sampler.max_anisotropy > 1:
             row[R.ANISOTROPY] = np.float64(sampler.max_anisotropy).view(np.int64)
         if (
@@ -568,8 +568,13 @@ def _pack_holes(state, framebuffer, draw):
         draw[R.WINDOW_CLIP] = 2 if clip.exclusive else 1
         draw[R.CLIP_RECTANGLES] = len(clip.rectangles)
         for k, box in enumerate(clip.rectangles):
-            top, at = height - box.y - box.height, R.CLIP_RECTANGLE + 4 * k
-            draw[at : at + 4] = box.x, top, box.x + box.width, top + box.height
+            draw[R.CLIP_RECTANGLE + 4 * k :][:4] = _device_edges(box, height)
+
+
+def _device_edges(box, height):
+    """A window rectangle's left, top, right and bottom in device pixels."""
+    x, y, across, up = int(box.x), int(box.y), int(box.width), int(box.height)
+    return x, height - y - up, x + across, height - y
 
 
 def scissor_box(state, framebuffer):
@@ -578,8 +583,9 @@ def scissor_box(state, framebuffer):
     box = state.scissor
     if box is None:
         return 0, 0, width, height
-    x0, x1 = max(box.x, 0), min(box.x + box.width, width)
-    y0, y1 = max(height - box.y - box.height, 0), min(height - box.y, height)
+    left, top, right, bottom = _device_edges(box, height)
+    x0, x1 = max(left, 0), min(right, width)
+    y0, y1 = max(top, 0), min(bottom, height)
     return x0, y0, max(x0, x1), max(y0, y1)
 
 

@@ -685,7 +685,7 @@ class _Walk:
         self.profile, self.width, self.height = profile, width, height
         self.window = width, height
         self.surfaces = {
-            name: _Surface(f.width, f.height, f.color_format, f.depth_bits) for name, f in surfaces.items()
+            name: _Surface(f.width, f.height, f.color_format, f.depth_format) for name, f in surfaces.items()
         }
         self.textures = {}
         for name, image in textures.items():
@@ -899,7 +899,7 @@ class _Walk:
         if command.internal_format not in formats:
             self.refuse(
                 f"{command.internal_format.name} does not read the words of {surface.color_format.name} with "
-                f"{surface.depth_bits} bits of depth; give {_names(formats)}."
+                f"{_depth_words(surface.depth_bits)}; give {_names(formats)}."
             )
         if command.target not in (TextureTarget.TEXTURE_2D, TextureTarget.TEXTURE_RECTANGLE):
             self.refuse(f"a pbuffer becomes a 2D texture, not a {command.target.name}; give TEXTURE_2D.")
@@ -976,6 +976,7 @@ class _Walk:
                 f"{self.profile.name} has {_count(allowed, 'texture unit')}; this pass has {len(units)}. "
                 "Split the pass or choose a profile with more."
             )
+        stages = self.texture_shader(state)
         enabled = [(i, unit) for i, unit in enumerate(units) if unit is not None]
         if not enabled:
             return
@@ -984,10 +985,11 @@ class _Walk:
                 f"texture unit {enabled[0][0]} is enabled without register combiners; texture environments "
                 "are not available. Set register_combiners (MODULATE is AB = TEXTURE0 * PRIMARY_COLOR)."
             )
-        stages = self.texture_shader(state)
         for i, unit in enabled:
             operation = None if stages is None else stages[i].operation
             if operation in WITHOUT_TEXTURE or operation is TextureShaderOperation.NONE:
+                if unit.texture is not None:
+                    self.known_texture(unit.texture)
                 self.unit_coordinates(i, unit, 0 if operation is TextureShaderOperation.NONE else 3, mesh)
                 continue
             if unit.texture is None:
@@ -1062,6 +1064,7 @@ class _Walk:
             )
 
     def unit_coordinates(self, number, unit, needed, mesh):
+        self.generation(number, unit)
         sets = len(mesh.texture_coordinates)
         if unit.coordinates < 0:
             self.refuse(f"texture unit {number} takes coordinate set {unit.coordinates}; sets count from 0.")
@@ -1070,6 +1073,28 @@ class _Walk:
                 f"texture unit {number} takes coordinate set {unit.coordinates}, but the mesh has "
                 f"{_count(sets, 'set')}; give the mesh coordinates or generate {', '.join('str'[:needed])}."
             )
+
+    def generation(self, number, unit):
+        profile, place = self.profile, f"texture unit {number}"
+        if any(unit.cylinder_wrap) and not profile.cylinder_wrap:
+            self.refuse(
+                f"{profile.name} does not wrap texture coordinates; give the triangles that cross the seam "
+                "vertices of their own."
+            )
+        for coordinate, gen in zip("strq", unit.gen, strict=True):
+            if gen.mode is TexGenMode.NONE:
+                continue
+            if gen.mode not in profile.texgen_modes:
+                self.refuse(
+                    f"{profile.name} cannot generate {coordinate} by {gen.mode.name}; it has "
+                    f"{_names(profile.texgen_modes)}."
+                )
+            if coordinate not in _GENERATED_BY.get(gen.mode, "strq"):
+                self.refuse(
+                    f"{place} generates {coordinate} by {gen.mode.name}, which makes "
+                    f"{', '.join(_GENERATED_BY[gen.mode])} only; use OBJECT_LINEAR or EYE_LINEAR for it, or "
+                    "NONE."
+                )
 
     def rectangle_sampler(self, place, sampler, mipmapped):
         if mipmapped:
@@ -1149,30 +1174,11 @@ class _Walk:
             )
         if sampler.signed_components != SignedComponents() and not profile.signed_components:
             self.refuse(f"{profile.name} has no signed texels; bias them and use EXPAND_NORMAL mappings.")
-        if any(unit.cylinder_wrap) and not profile.cylinder_wrap:
-            self.refuse(
-                f"{profile.name} does not wrap texture coordinates; give the triangles that cross the seam "
-                "vertices of their own."
-            )
         if abs(unit.lod_bias) > profile.max_lod_bias:
             self.refuse(
                 f"{place} has the level-of-detail bias {unit.lod_bias}; {profile.name} takes "
                 f"-{profile.max_lod_bias} to {profile.max_lod_bias}."
             )
-        for coordinate, gen in zip("strq", unit.gen, strict=True):
-            if gen.mode is TexGenMode.NONE:
-                continue
-            if gen.mode not in profile.texgen_modes:
-                self.refuse(
-                    f"{profile.name} cannot generate {coordinate} by {gen.mode.name}; it has "
-                    f"{_names(profile.texgen_modes)}."
-                )
-            if coordinate not in _GENERATED_BY.get(gen.mode, "strq"):
-                self.refuse(
-                    f"{place} generates {coordinate} by {gen.mode.name}, which makes "
-                    f"{', '.join(_GENERATED_BY[gen.mode])} only; use OBJECT_LINEAR or EYE_LINEAR for it, or "
-                    "NONE."
-                )
 
     # ------------------------------------------------------------------------------------- vertices
 

@@ -11,6 +11,8 @@ from pipeline.enums import (
     BlendEquation,
     BlendFactor,
     ColorFormat,
+    ComparisonFunction,
+    DepthFormat,
     InternalFormat,
     LogicOperation,
     PrimitiveType,
@@ -20,7 +22,7 @@ from pipeline.enums import (
 from pipeline.execute import Machine, execute
 from pipeline.framebuffer import READABLE_AS
 from pipeline.profiles import GEFORCE_256, IDEAL, NV2A
-from pipeline.state import Blending, ColorMask, PassState
+from pipeline.state import Blending, ColorMask, PassState, Scissor, StencilTest, WindowClip
 from pipeline.validate import UnsupportedState, validate
 from tests.run_reference import run_reference
 
@@ -193,3 +195,23 @@ def test_every_way_to_write_a_surface_equals_the_specification(color_format, sta
         assert_equal_to_reference(
             (pbuffer(color_format=color_format), background, *draws, bind(internal_format=internal_format))
         )
+
+
+def test_a_pbuffer_of_float_depths_keeps_them_from_run_to_run():
+    machine = Machine(NV2A, WIDTH, HEIGHT, threads=1)
+    current = pbuffer(depth_bits=DepthFormat.FLOAT_24)
+    machine.run((current, Clear(label="clear", depth=0.5)))
+    again = machine.run((current, bind(internal_format=InternalFormat.DEPTH_COMPONENT24_FLOAT)))
+    assert again.textures["t"].internal_format == InternalFormat.DEPTH_COMPONENT24_FLOAT
+    assert again.surfaces["p"].depth_format == DepthFormat.FLOAT_24
+
+
+def test_small_numpy_integers_count_as_the_integers_they_are():
+    box = Scissor(*np.array([1, 2, 200, 200], np.uint8))
+    state = PassState(
+        scissor=box,
+        window_clip=WindowClip((box,)),
+        stencil_test=StencilTest(ComparisonFunction.ALWAYS, mask=np.int8(1), write_mask=np.int8(1)),
+    )
+    drawn = execute((Draw(label="d", mesh=SQUARE, state=state),), NV2A, WIDTH, HEIGHT, threads=1)
+    assert drawn.fragments == (WIDTH - 1) * (HEIGHT - 2)

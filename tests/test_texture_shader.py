@@ -13,6 +13,7 @@ from pipeline.enums import (
     PrimitiveType,
     Register,
     TexelWord,
+    TexGenMode,
     TextureCompareMode,
     TextureFilter,
     TextureTarget,
@@ -30,6 +31,7 @@ from pipeline.state import (
     RegisterCombiners,
     RGBPortion,
     Sampler,
+    TexGen,
     TextureShaderStage,
     TextureUnit,
     VertexState,
@@ -204,6 +206,26 @@ def test_what_is_inconsistent_is_refused():
     narrow = replace(NV2A, dot_product_mappings=identity)
     expanded = {"dot_product_mapping": DotProductMapping.EXPAND_NORMAL}
     refused((two, DOT), "2", "no dot product mapping EXPAND_NORMAL", narrow, **expanded)
+
+
+def test_texture_shaders_without_units_are_refused():
+    for profile, words in ((GEFORCE_256, "has no texture shaders"), (NV2A, "give each stage a unit")):
+        state = PassState(texture_shader=(TextureShaderStage(Operation.TEXTURE_2D),))
+        draw = Draw(label="d", mesh=Mesh(np.zeros((3, 3))), state=state)
+        with pytest.raises(UnsupportedState, match=words):
+            validate((draw,), profile, WIDTH, HEIGHT)
+
+
+def test_a_unit_whose_stage_reads_no_texture_is_checked_all_the_same():
+    commands = frame(*CHAINS["pass through"], np.random.default_rng(0))
+    unit, state = TextureUnit("missing"), commands[-1].state
+    named = replace(commands[-1], state=replace(state, texture_units=(unit,)))
+    with pytest.raises(UnsupportedState, match="no texture 'missing' yet"):
+        validate((named,), NV2A, WIDTH, HEIGHT)
+    sphere = (TexGen(), TexGen(), TexGen(TexGenMode.SPHERE_MAP), TexGen())
+    generated = replace(named, state=replace(state, texture_units=(TextureUnit(None, gen=sphere),)))
+    with pytest.raises(UnsupportedState, match="generates r by SPHERE_MAP"):
+        validate((generated,), NV2A, WIDTH, HEIGHT)
 
 
 GEFORCE_256_WITH_UNITS = replace(GEFORCE_256, max_texture_units=4)
