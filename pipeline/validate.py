@@ -1184,6 +1184,11 @@ class _Walk:
 
     def vertex(self, vertex):
         if vertex.stage == VertexStage.PROGRAM_RESULTS:
+            if self.profile.exact:
+                self.refuse(
+                    f"the vertex stage is PROGRAM_RESULTS, whose depths are a buffer's words; "
+                    f"{self.profile.name} has no such buffer: choose FIXED_FUNCTION, or a machine."
+                )
             plain = VertexState(
                 stage=VertexStage.PROGRAM_RESULTS,
                 two_side=vertex.two_side,

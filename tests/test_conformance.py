@@ -348,6 +348,13 @@ def test_a_spoilt_capture_is_refused_before_anything_is_drawn(suites, tmp_path, 
     assert sorted(p.name for p in tmp_path.iterdir()) == ["Plain"]
 
 
+def test_one_file_for_two_results_is_refused(suites, tmp_path):
+    save(tmp_path, "Plain", "Blue")
+    both = tmp_path / "out"
+    assert "a file of its own" in refusal(tmp_path, "--json", both, "--html", both)
+    assert not both.exists()
+
+
 def test_what_is_no_folder_of_captures_is_refused(tmp_path, monkeypatch):
     assert "FIXEDPIPE_CAPTURES" in refusal()
     assert "There is no folder" in refusal(tmp_path / "nowhere")

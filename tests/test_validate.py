@@ -1064,6 +1064,12 @@ def test_the_ideal_machine_takes_what_the_geforce_refuses():
     )
 
 
+def test_the_ideal_machine_has_no_buffer_for_a_vertex_program_s_depths():
+    command = draw(vertex=VertexState(stage=VertexStage.PROGRAM_RESULTS))
+    with pytest.raises(UnsupportedState, match="ideal has no such buffer: choose FIXED_FUNCTION"):
+        check(command, profile=IDEAL)
+
+
 @settings(max_examples=60)
 @given(register_combiners(max_stages=2, units=2))
 def test_every_state_that_the_extension_allows_is_accepted(combiners):

@@ -35,6 +35,7 @@ def conformance(folder, suites, text, list_only, inputs, json_file, html_file, t
     from effects.cli.captures import find_captures
     from effects.cli.compiling import announce_compiling
     from effects.cli.files import writable_file, write_whole
+    from effects.cli.refusal import Refusal
 
     if list_only:
         _list_suites()
@@ -42,6 +43,8 @@ def conformance(folder, suites, text, list_only, inputs, json_file, html_file, t
     folder = _folder_of_captures(folder)
     inputs = _folder_of_inputs(inputs, folder)
     captures = find_captures(folder, suites, text)
+    if json_file and html_file and Path(json_file).resolve() == Path(html_file).resolve():
+        raise Refusal(f"--json and --html both name {json_file}; give each a file of its own.")
     json_path, html_path = (writable_file(name) if name else None for name in (json_file, html_file))
 
     announce_compiling()
