@@ -52,6 +52,10 @@ def emit_depth(
     """
     separate_loop()
     at, row = uint64(position), uint64(R.DEPTH)
+    if z0 == z1 and z1 == z2:  # differences of zero: whatever the weights, the sum below is the base
+        for i in range(count):
+            floats[row, at + uint64(i)] = z0 + (offset + slope * (z0 * z0))
+        return
     d10, d20 = depth_difference(z1, z0), depth_difference(z2, z0)
     d01, d21 = depth_difference(z0, z1), depth_difference(z2, z1)
     d02, d12 = depth_difference(z0, z2), depth_difference(z1, z2)
