@@ -1,0 +1,407 @@
+"""Short vectors of numbers as values in kernels: the one place that knows how they become machine code.
+
+A ``Vector`` is so many lanes of one element type; Numba keeps it in registers like a number. Every operation
+lowers to LLVM's own vector instructions, which exist for any number of lanes: LLVM splits or widens them to
+what the processor has, so the same source gives the same bits with AVX-512, AVX2, SSE2 or NEON. Nothing here
+reorders, fuses or approximates.
+
+``a + b`` and the like take two vectors of one type, or a vector and a number that becomes its element type
+and fills every lane. Integers wrap. ``>>`` keeps the sign (``shift_right`` does not); shifting by the
+element's width or more is undefined, as is converting a float that the integer cannot hold: callers see to
+it. Comparisons give masks for ``select``.
+
+Vectors are loaded from and stored to one-dimensional arrays, at any index. No index is checked, unless
+Numba's bounds checking is on: then leaving an array raises IndexError.
+"""
+
+import operator
+
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils, config
+from numba.core.extending import lower_builtin, models, register_model, type_callable
+from numba.extending import intrinsic
+
+_ELEMENTS = {
+    types.boolean: ir.IntType(1),
+    types.uint8: ir.IntType(8),
+    types.int16: ir.IntType(16),
+    types.int32: ir.IntType(32),
+    types.int64: ir.IntType(64),
+    types.float64: ir.DoubleType(),
+}
+_LETTERS = {types.int16: "i16", types.int32: "i32", types.int64: "i64", types.float64: "f64"}
+
+
+class Vector(types.Type):
+    """``lanes`` numbers of the Numba type ``element``."""
+
+    def __init__(self, element, lanes):
+        self.element, self.lanes = element, lanes
+        super().__init__(name=f"Vector({element}, {lanes})")
+
+    @property
+    def key(self):
+        """What tells two types apart."""
+        return self.element, self.lanes
+
+    @property
+    def ir(self):
+        """The LLVM type."""
+        return ir.VectorType(_ELEMENTS[self.element], self.lanes)
+
+    @property
+    def suffix(self):
+        """How LLVM's intrinsics name the type."""
+        return f"v{self.lanes}{_LETTERS[self.element]}"
+
+    def of(self, element):
+        """The type of as many lanes of another element."""
+        return Vector(element, self.lanes)
+
+
+@register_model(Vector)
+class _VectorModel(models.PrimitiveModel):
+    def __init__(self, manager, vector):
+        super().__init__(manager, vector, vector.ir)
+
+
+# The types that kernels use, by element and lanes.
+U8X16 = Vector(types.uint8, 16)
+I16X16, I16X32 = Vector(types.int16, 16), Vector(types.int16, 32)
+I32X8, I32X16, I32X32 = Vector(types.int32, 8), Vector(types.int32, 16), Vector(types.int32, 32)
+I64X8, I64X16 = Vector(types.int64, 8), Vector(types.int64, 16)
+F64X8, F64X16 = Vector(types.float64, 8), Vector(types.float64, 16)
+
+
+def _all(vector, value):
+    """A constant in every lane."""
+    return ir.Constant(vector.ir, [value] * vector.lanes)
+
+
+def _splat(builder, vector, value):
+    undefined = ir.Constant(vector.ir, ir.Undefined)
+    first = builder.insert_element(undefined, value, ir.Constant(ir.IntType(32), 0))
+    zeros = ir.Constant(ir.VectorType(ir.IntType(32), vector.lanes), [0] * vector.lanes)
+    return builder.shuffle_vector(first, undefined, zeros)
+
+
+def _call(builder, name, result, args):
+    function = ir.FunctionType(result, [a.type for a in args])
+    return builder.call(cgutils.get_or_insert_function(builder.module, function, name), args)
+
+
+# ------------------------------------------------------------------------------------------- operators
+
+
+def _operands(context, builder, signature, args):
+    """Both operands as vectors of the vector operand's type."""
+    vector = next(t for t in signature.args if isinstance(t, Vector))
+    values = []
+    for given, value in zip(signature.args, args, strict=True):
+        if not isinstance(given, Vector):
+            value = _splat(builder, vector, context.cast(builder, value, given, vector.element))
+        values.append(value)
+    return vector, values
+
+
+def _binary(operation, emit, result=None):
+    @type_callable(operation)
+    def type_of(context):
+        def typer(a, b):
+            vector = a if isinstance(a, Vector) else b
+            if not isinstance(vector, Vector):
+                return None
+            if not all(t == vector or isinstance(t, types.Number) for t in (a, b)):
+                return None
+            return vector if result is None else vector.of(result)
+
+        return typer
+
+    def lower(context, builder, signature, args):
+        vector, values = _operands(context, builder, signature, args)
+        return emit(builder, vector, *values)
+
+    for pair in ((Vector, Vector), (Vector, types.Number), (types.Number, Vector)):
+        lower_builtin(operation, *pair)(lower)
+
+
+def _arithmetic(operation, integer, real):
+    def emit(builder, vector, a, b):
+        return getattr(builder, real if vector.element == types.float64 else integer)(a, b)
+
+    _binary(operation, emit)
+
+
+def _comparison(operation, symbol):
+    def emit(builder, vector, a, b):
+        compare = builder.fcmp_ordered if vector.element == types.float64 else builder.icmp_signed
+        return compare(symbol, a, b)
+
+    _binary(operation, emit, types.boolean)
+
+
+_arithmetic(operator.add, "add", "fadd")
+_arithmetic(operator.sub, "sub", "fsub")
+_arithmetic(operator.mul, "mul", "fmul")
+_arithmetic(operator.truediv, None, "fdiv")
+_arithmetic(operator.and_, "and_", None)
+_arithmetic(operator.or_, "or_", None)
+_arithmetic(operator.xor, "xor", None)
+_arithmetic(operator.lshift, "shl", None)
+_arithmetic(operator.rshift, "ashr", None)
+for _operation, _symbol in (
+    (operator.lt, "<"),
+    (operator.le, "<="),
+    (operator.gt, ">"),
+    (operator.ge, ">="),
+    (operator.eq, "=="),
+    (operator.ne, "!="),
+):
+    _comparison(_operation, _symbol)
+
+
+@intrinsic
+def shift_right(typing_context, a, count):
+    """``a >> count`` with zeros from the left; ``count``: a number for all lanes."""
+
+    def codegen(context, builder, signature, args):
+        amount = context.cast(builder, args[1], signature.args[1], a.element)
+        return builder.lshr(args[0], _splat(builder, a, amount))
+
+    return a(a, count), codegen
+
+
+def _extreme(symbol, doc):
+    @intrinsic
+    def extreme(typing_context, a, b):
+        if not (isinstance(a, Vector) and (a == b or isinstance(b, types.Number))):
+            raise TypeError(f"two vectors of one type, or a vector and a number, not {a} and {b}")
+
+        def codegen(context, builder, signature, args):
+            vector, (x, y) = _operands(context, builder, signature, args)
+            compare = builder.fcmp_ordered if vector.element == types.float64 else builder.icmp_signed
+            return builder.select(compare(symbol, x, y), x, y)
+
+        return a(a, b), codegen
+
+    extreme.__doc__ = doc
+    return extreme
+
+
+minimum = _extreme("<", "The smaller of each two lanes; the second where one is not a number.")
+maximum = _extreme(">", "The larger of each two lanes; the second where one is not a number.")
+
+
+@intrinsic
+def select(typing_context, mask, a, b):
+    """``a`` where the mask is set, else ``b``."""
+
+    def codegen(context, builder, signature, args):
+        return builder.select(*args)
+
+    return a(mask, a, a), codegen
+
+
+@intrinsic
+def any_lane(typing_context, mask):
+    """Whether a mask is set in any lane."""
+
+    def codegen(context, builder, signature, args):
+        bits = ir.IntType(mask.lanes)
+        return builder.icmp_unsigned("!=", builder.bitcast(args[0], bits), ir.Constant(bits, 0))
+
+    return types.boolean(mask), codegen
+
+
+@intrinsic
+def mask_bits(typing_context, mask):
+    """A mask of up to 63 lanes as an int64, lane 0 in the lowest bit."""
+
+    def codegen(context, builder, signature, args):
+        return builder.zext(builder.bitcast(args[0], ir.IntType(mask.lanes)), ir.IntType(64))
+
+    return types.int64(mask), codegen
+
+
+@intrinsic
+def lowest_bit(typing_context, bits):
+    """The number of zeros below the lowest set bit of an int64; 64 for 0."""
+
+    def codegen(context, builder, signature, args):
+        return _call(builder, "llvm.cttz.i64", ir.IntType(64), [args[0], ir.Constant(ir.IntType(1), 0)])
+
+    return types.int64(types.int64), codegen
+
+
+@intrinsic
+def count_bits(typing_context, bits):
+    """How many bits of an int64 are set."""
+
+    def codegen(context, builder, signature, args):
+        return _call(builder, "llvm.ctpop.i64", ir.IntType(64), [args[0]])
+
+    return types.int64(types.int64), codegen
+
+
+def _unary(name, integer=None):
+    @intrinsic
+    def unary(typing_context, a):
+        def codegen(context, builder, signature, args):
+            return _call(builder, f"llvm.{name}.{a.suffix}", a.ir, args)
+
+        return a(a), codegen
+
+    return unary
+
+
+truncated = _unary("trunc")  # toward zero, still a float
+floored = _unary("floor")
+absolute = _unary("fabs")
+
+
+# ------------------------------------------------------------------------------- making and converting
+
+
+def _maker(vector, doc):
+    @intrinsic
+    def make(typing_context, value):
+        def codegen(context, builder, signature, args):
+            return _splat(builder, vector, args[0])
+
+        return vector(vector.element), codegen
+
+    make.__doc__ = doc
+    return make
+
+
+i16x16 = _maker(I16X16, "A number in all lanes, as the following.")
+i16x32 = _maker(I16X32, "")
+i32x8 = _maker(I32X8, "")
+i32x16 = _maker(I32X16, "")
+i32x32 = _maker(I32X32, "")
+i64x8 = _maker(I64X8, "")
+i64x16 = _maker(I64X16, "")
+f64x8 = _maker(F64X8, "")
+f64x16 = _maker(F64X16, "")
+
+
+def _ramp(vector, doc):
+    @intrinsic
+    def ramp(typing_context):
+        def codegen(context, builder, signature, args):
+            return ir.Constant(vector.ir, list(range(vector.lanes)))
+
+        return vector(), codegen
+
+    ramp.__doc__ = doc
+    return ramp
+
+
+ramp_i32x16 = _ramp(I32X16, "0, 1, 2, ..., as the following.")
+ramp_f64x8 = _ramp(F64X8, "")
+ramp_f64x16 = _ramp(F64X16, "")
+
+
+def _converter(element, emit, doc):
+    @intrinsic
+    def convert(typing_context, a):
+        result = a.of(element)
+
+        def codegen(context, builder, signature, args):
+            return getattr(builder, emit)(args[0], result.ir)
+
+        return result(a), codegen
+
+    convert.__doc__ = doc
+    return convert
+
+
+to_int32 = _converter(types.int32, "fptosi", "A float's integer part; undefined beyond int32.")
+to_float64 = _converter(types.float64, "sitofp", "An integer as a float64.")
+narrow_i32 = _converter(types.int32, "trunc", "The lower 32 bits.")
+narrow_i16 = _converter(types.int16, "trunc", "The lower 16 bits.")
+narrow_u8 = _converter(types.uint8, "trunc", "The lower 8 bits.")
+widen_i32 = _converter(types.int32, "sext", "The same integer in 32 bits.")
+widen_i64 = _converter(types.int64, "sext", "The same integer in 64 bits.")
+widen_unsigned_i16 = _converter(types.int16, "zext", "The bits as an unsigned integer in 16 bits.")
+widen_unsigned_i32 = _converter(types.int32, "zext", "The bits as an unsigned integer in 32 bits.")
+bits_of_lanes = _converter(types.int64, "bitcast", "The bit patterns of float64 lanes.")
+floats_of_lanes = _converter(types.float64, "bitcast", "The float64 with each bit pattern.")
+
+
+# ---------------------------------------------------------------------------------- loading and storing
+
+
+def _address(context, builder, array, value, index, vector):
+    """Pointer to ``lanes`` elements of a one-dimensional array from ``index`` on."""
+    struct = context.make_array(array)(context, builder, value)
+    if config.BOUNDSCHECK:
+        size = cgutils.unpack_tuple(builder, struct.shape, 1)[0]
+        end = builder.add(index, ir.Constant(index.type, vector.lanes))
+        outside = builder.or_(
+            builder.icmp_signed("<", index, ir.Constant(index.type, 0)), builder.icmp_signed(">", end, size)
+        )
+        with builder.if_then(outside, likely=False):
+            context.call_conv.return_user_exc(builder, IndexError, ("a vector leaves its array",))
+    return builder.bitcast(builder.gep(struct.data, [index]), vector.ir.as_pointer())
+
+
+def _check(array, vector):
+    ok = isinstance(array, types.Array) and array.ndim == 1 and array.layout == "C"
+    if not (ok and array.dtype.bitwidth == vector.element.bitwidth):
+        raise TypeError(f"a contiguous array of {vector.element} with one dimension, not {array}")
+
+
+def _loader(vector):
+    @intrinsic
+    def load(typing_context, array, index):
+        """The lanes from ``array[index]`` on."""
+        _check(array, vector)
+
+        def codegen(context, builder, signature, args):
+            pointer = _address(context, builder, array, args[0], args[1], vector)
+            loaded = builder.load(pointer)
+            loaded.align = vector.element.bitwidth // 8
+            return loaded
+
+        return vector(array, types.int64), codegen
+
+    return load
+
+
+load_u8x16 = _loader(U8X16)
+load_i16x16, load_i16x32 = _loader(I16X16), _loader(I16X32)
+load_i32x8, load_i32x16, load_i32x32 = _loader(I32X8), _loader(I32X16), _loader(I32X32)
+load_f64x8, load_f64x16 = _loader(F64X8), _loader(F64X16)
+
+
+@intrinsic
+def store(typing_context, array, index, value):
+    """Lanes to ``array[index]`` and what follows."""
+    _check(array, value)
+
+    def codegen(context, builder, signature, args):
+        pointer = _address(context, builder, array, args[0], args[1], value)
+        stored = builder.store(args[2], pointer)
+        stored.align = value.element.bitwidth // 8
+        return context.get_dummy_value()
+
+    return types.void(array, types.int64, value), codegen
+
+
+@intrinsic
+def store_where(typing_context, array, index, value, mask):
+    """Those lanes that a mask names, to ``array[index]`` and what follows."""
+    _check(array, value)
+
+    def codegen(context, builder, signature, args):
+        struct = context.make_array(array)(context, builder, args[0])
+        pointer = builder.bitcast(builder.gep(struct.data, [args[1]]), value.ir.as_pointer())
+        alignment = ir.Constant(ir.IntType(32), value.element.bitwidth // 8)
+        letters = _ELEMENTS[value.element].intrinsic_name
+        name = f"llvm.masked.store.v{value.lanes}{letters}.p0"
+        _call(builder, name, ir.VoidType(), [args[2], pointer, alignment, args[3]])
+        return context.get_dummy_value()
+
+    return types.void(array, types.int64, value, mask), codegen
