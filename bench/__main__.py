@@ -13,7 +13,7 @@ from bench.peers.llvmpipe import Llvmpipe, PeerError
 from bench.scenes import SCENES
 
 PEERS = {"llvmpipe": Llvmpipe}
-_HEADINGS = ("scene", "size", "threads", "unit", "ours", "peer", "ratio", "goal", "spread")
+_HEADINGS = ("scene", "size", "threads", "unit", "ours", "aim", "peer", "ratio", "goal", "spread")
 
 
 def _arguments(arguments):
@@ -50,7 +50,7 @@ def _arguments(arguments):
 
 
 def _line(cells):
-    widths = (5, 5, 7, 12, 8, 8, 6, 5, 6)
+    widths = (5, 5, 7, 12, 8, 5, 8, 6, 5, 6)
     left = ("scene", "unit")
     return "  ".join(
         f"{cell:<{width}}" if heading in left else f"{cell:>{width}}"
@@ -59,9 +59,21 @@ def _line(cells):
 
 
 def _cells(row):
-    peer, ratio = ("-", "-") if row.peer is None else (f"{row.peer:.1f}", f"{row.ratio:.2f}")
-    rates = (row.scene.unit, f"{row.ours:.1f}", peer, ratio, f"{row.scene.goal:.2f}", f"{row.spread:.0%}")
-    return (row.scene.name, row.size, row.threads, *rates)
+    scene = row.scene
+    cells = (
+        scene.unit,
+        f"{row.ours:.1f}",
+        _number(scene.aim, "g"),
+        _number(row.peer, ".1f"),
+        _number(row.ratio, ".2f"),
+        _number(scene.goal, ".2f"),
+        f"{row.spread:.0%}",
+    )
+    return (scene.name, row.size, row.threads, *cells)
+
+
+def _number(value, form):
+    return "-" if value is None else format(value, form)
 
 
 def _compare(parties, scenes, options):
@@ -96,7 +108,7 @@ def _measure(parties, scenes, options):
             party.prepare(scene, size)
         rows.append(summarize(scene, size, options.threads, take_turns(parties)))
         print(_line(_cells(rows[-1])), flush=True)
-    below = [row.scene.name for row in rows if row.ratio is not None and row.ratio < row.scene.goal]
+    below = [row.scene.name for row in rows if row.is_below]
     if below:
         print(f"Below the goal: {', '.join(below)}.")
     if options.json:

@@ -5,7 +5,6 @@ import time
 from dataclasses import dataclass
 
 from bench.scenes import Scene
-from pipeline.profiles import GEFORCE_256
 
 TURNS = 9
 TURN_SECONDS = 0.15
@@ -15,7 +14,7 @@ REST_SECONDS = 0.01
 
 
 class Ours:
-    """The emulated GeForce 256 as a party to a measurement: whole frames through ``pipeline.execute``."""
+    """The emulated machine as a party to a measurement: whole frames through ``pipeline.execute``."""
 
     name = "ours"
 
@@ -27,7 +26,7 @@ class Ours:
         # numba is imported with it, which takes longer than everything that needs no drawing.
         from pipeline.execute import Machine
 
-        self._machine = Machine(GEFORCE_256, size, size, threads=self._threads)
+        self._machine = Machine(scene.profile, size, size, threads=self._threads)
         self._machine.run(scene.textures())
         self._frame = scene.frame(size, scene.layers)
         self._picture = scene.frame(size, scene.picture_layers)
@@ -65,6 +64,11 @@ class Row:
         """Our rate over the peer's, or None."""
         return None if self.peer is None else self.ours / self.peer
 
+    @property
+    def is_below(self):
+        """Whether a ratio is asked for, was measured, and is not reached."""
+        return None not in (self.ratio, self.scene.goal) and self.ratio < self.scene.goal
+
     def as_json(self):
         """The row as the objects of ``--json`` hold it; three decimals."""
         rounded = {
@@ -78,6 +82,8 @@ class Row:
             "unit": self.scene.unit,
             **rounded,
             "goal": self.scene.goal,
+            "aim": self.scene.aim,
+            "spread": round(self.spread, 3),
         }
 
 

@@ -1,29 +1,32 @@
-"""The measured scenes: one Draw each, on the GeForce 256, and what another renderer needs to draw the same.
+"""The measured scenes: one Draw each on a machine, and what another renderer needs to draw the same.
 
 A scene is a mesh and a ``PassState``. A peer translates the state; only the register combiners have no
 counterpart elsewhere, so a scene also names the texture environments (OpenGL 1.2.1 table 3.22,
 ARB_texture_env_dot3) that its combiner program computes.
 """
 
-import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
-import numpy as np
-
-from pipeline.commands import Clear, Draw, Mesh, TexImage
+from bench import shadow
+from bench.meshes import look_at, perspective, quad, torus
+from bench.textures import TEXTURES
+from pipeline.commands import Clear, Draw, TexImage
 from pipeline.enums import (
     BlendFactor,
     ComparisonFunction,
     ComponentUsage,
     Face,
     Mapping,
-    PrimitiveType,
     Register,
     StencilOperation,
+    TextureCompareMode,
     TextureFilter,
+    WrapMode,
 )
+from pipeline.profile import Profile
+from pipeline.profiles import GEFORCE_3, GEFORCE_256
 from pipeline.state import (
     AlphaPortion,
     Blending,
@@ -41,52 +44,23 @@ from pipeline.state import (
     TextureUnit,
     VertexState,
 )
-from pipeline.textures import texture_2d
 
 CLEAR_COLOR = (0.1, 0.15, 0.2, 1.0)
 
 
-# ------------------------------------------------------------------------------------------ textures
-
-
-@cache
-def color_texture(n=512):
-    """RGBA8 waves, a checkerboard of 16 texels and noise of ±16 levels; ``n`` texels along an edge."""
-    row, column = np.mgrid[0:n, 0:n]
-    rgb = np.stack(
-        [
-            127 + 100 * np.sin(column / 9) * np.cos(row / 13),
-            127 + 100 * np.cos(column / 17 + row / 5),
-            (column // 16 + row // 16) % 2 * 160.0 + 40,
-        ],
-        axis=-1,
-    )
-    rgb += np.random.default_rng(1).integers(-16, 17, (n, n, 3))
-    image = np.full((n, n, 4), 255, np.uint8)
-    image[..., :3] = np.clip(rgb, 0, 255)
-    return texture_2d(image)
-
-
-@cache
-def normal_texture(n=512):
-    """RGBA8 normals of a wavy surface: zero at 128, one at 255; alpha 255; ``n`` texels along an edge."""
-    row, column = np.mgrid[0:n, 0:n]
-    normal = np.empty((n, n, 3))
-    normal[..., 0] = -0.6 * np.cos(column / 11) * np.cos(row / 19)
-    normal[..., 1] = -0.6 * np.sin(column / 7 + row / 23)
-    normal[..., 2] = 1.0
-    normal /= np.sqrt((normal * normal).sum(-1, keepdims=True))
-    image = np.full((n, n, 4), 255, np.uint8)
-    image[..., :3] = np.rint(128 + 127 * normal)
-    return texture_2d(image)
-
-
-TEXTURES = {"color": color_texture, "normals": normal_texture}
+_LINEAR = Sampler(min_filter=TextureFilter.LINEAR, mag_filter=TextureFilter.LINEAR)
+_TRILINEAR = replace(_LINEAR, min_filter=TextureFilter.LINEAR_MIPMAP_LINEAR)
+_COMPARING = replace(
+    _LINEAR,
+    wrap_s=WrapMode.CLAMP_TO_EDGE,
+    wrap_t=WrapMode.CLAMP_TO_EDGE,
+    compare_mode=TextureCompareMode.COMPARE_R_TO_TEXTURE,
+    compare_function=ComparisonFunction.LEQUAL,
+)
 
 
 def _unit(texture, coordinates=0):
-    linear = Sampler(min_filter=TextureFilter.LINEAR, mag_filter=TextureFilter.LINEAR)
-    return TextureUnit(texture, linear, coordinates=coordinates)
+    return TextureUnit(texture, _LINEAR, coordinates=coordinates)
 
 
 # --------------------------------------------------------------------------- register combiners
@@ -134,69 +108,10 @@ MODULATE = RegisterCombiners((_modulate(Register.TEXTURE0, Register.PRIMARY_COLO
 BUMP = RegisterCombiners((_DOT3, _modulate(Register.SPARE0, Register.TEXTURE1)), _SPARE0)
 
 
-# ------------------------------------------------------------------------------------------ meshes
-
-# Light vectors as colours, lower left, lower right, upper left, upper right. Scenes without a bump map show
-# them as Gouraud colours.
-_LIGHTS = ((0.3, 0.3, 0.9, 1.0), (0.8, 0.3, 0.85, 1.0), (0.3, 0.8, 0.85, 1.0), (0.7, 0.7, 0.9, 1.0))
-
-
-def quad(w_far=1.0, z=0.0, scale=1.0, colors=_LIGHTS, units=0):
-    """A strip of two triangles over the whole screen, in clip coordinates.
-
-    w runs from 1 at the bottom to ``w_far`` at the top; z/w is ``z``. s and t are affine in clip x and y, so
-    that both triangles carry one perspective mapping, ``scale`` repeats of the texture along an affine edge.
-    """
-    corners = np.array([(-1, -1, 1, 1), (1, -1, 1, 1), (-1, 1, 1, 1), (1, 1, 1, 1)], np.float64)
-    corners[:, 2] = z
-    corners[2:] *= w_far
-    repeats = scale if w_far == 1.0 else 0.75 * scale
-    st = (corners[:, :2] + 1) / 2 * repeats
-    return Mesh(corners, PrimitiveType.TRIANGLE_STRIP, colors=colors, texture_coordinates=(st,) * units)
-
-
-@cache
-def torus(around=200, across=200, major=1.0, minor=0.45):
-    """A torus of 2 · ``around`` · ``across`` indexed triangles with (s, t) repeating 4 and 2 times."""
-    u, v = np.meshgrid(
-        np.linspace(0, 2 * np.pi, around + 1), np.linspace(0, 2 * np.pi, across + 1), indexing="ij"
-    )
-    radius = major + minor * np.cos(v)
-    positions = np.stack([np.cos(u) * radius, np.sin(u) * radius, minor * np.sin(v)], axis=-1)
-    st = np.stack([u / (2 * np.pi) * 4, v / (2 * np.pi) * 2], axis=-1)
-    first = (np.arange(around)[:, None] * (across + 1) + np.arange(across)).ravel()
-    next_u, next_v, opposite = first + across + 1, first + 1, first + across + 2
-    triangles = np.stack([first, next_u, next_v, next_v, next_u, opposite], axis=-1)
-    return Mesh(positions.reshape(-1, 3), indices=triangles.ravel(), texture_coordinates=(st.reshape(-1, 2),))
-
-
-def perspective(degrees, near, far):
-    """Make gluPerspective's matrix for a square viewport, as rows."""
-    f = 1 / math.tan(math.radians(degrees) / 2)
-    depth = near - far
-    return (
-        (f, 0.0, 0.0, 0.0),
-        (0.0, f, 0.0, 0.0),
-        (0.0, 0.0, (far + near) / depth, 2 * far * near / depth),
-        (0.0, 0.0, -1.0, 0.0),
-    )
-
-
-def look_at(eye, target, up=(0.0, 0.0, 1.0)):
-    """Make gluLookAt's matrix, as rows."""
-    eye = np.asarray(eye, np.float64)
-    forward = np.asarray(target) - eye
-    forward /= np.linalg.norm(forward)
-    side = np.cross(forward, up)
-    side /= np.linalg.norm(side)
-    rows = [side, np.cross(side, forward), -forward]
-    return (*((*map(float, row), float(-row @ eye)) for row in rows), (0.0, 0.0, 0.0, 1.0))
-
-
 # ------------------------------------------------------------------------------------------ scenes
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Scene:
     """One measured scene.
 
@@ -206,10 +121,15 @@ class Scene:
     size             the framebuffer's edge, in pixels, unless asked otherwise
     layers           how often a measured frame draws it after its one Clear
     picture_layers   how often the picture for the comparison draws it
+    profile          the machine that draws it
     unit             "Mfragments/s" or "Mtriangles/s"
-    goal             the least ratio of our rate to the peer's that is asked for
+    covers           whether a layer makes one fragment for every pixel; else they are counted by drawing
+    goal             the least ratio of our rate to the peer's that is asked for, or None
+    aim              the rate that is asked for, in ``unit``, or None
     levels           by how much a colour component may differ from the peer's picture, in levels of 255
-    outside          which share of the pixels may differ by more, at the scene's own size
+    outside          which share of the pixels may differ by more
+    snapped          whether snapping moves its vertices, which are at the screen's corners otherwise: then
+                     ``levels`` and ``outside`` hold for the scene's own size and for larger ones
     """
 
     name: str
@@ -220,9 +140,13 @@ class Scene:
     size: int = 1024
     layers: int = 8
     picture_layers: int = 1
+    profile: Profile = GEFORCE_256
     unit: str = "Mfragments/s"
-    goal: float = 0.5
+    covers: bool = True
+    goal: float | None = None
+    aim: float | None = None
     outside: float = 0.0
+    snapped: bool = False
 
     def textures(self):
         """The TexImage commands that the scene's Draw needs before it."""
@@ -234,11 +158,29 @@ class Scene:
         clear = Clear(label="clear", color=CLEAR_COLOR, depth=1.0, stencil=0)
         return (clear, *(self.draw(size),) * layers)
 
+    def fragments(self, size):
+        """Fragments that a layer makes, whether or not they pass the tests."""
+        return size * size if self.covers else _count_fragments(self, size)
+
+    def triangles(self, size):
+        """Triangles that a layer submits."""
+        mesh = self.draw(size).mesh
+        return 2 if mesh.indices is None else len(mesh.indices) // 3
+
     def work(self, size):
-        """Fragments (every layer covers the screen) or triangles of a measured frame."""
-        if self.unit == "Mtriangles/s":
-            return self.layers * len(self.draw(size).mesh.indices) // 3
-        return self.layers * size * size
+        """Fragments or triangles of a measured frame, whichever ``unit`` counts."""
+        counted = self.triangles if self.unit == "Mtriangles/s" else self.fragments
+        return self.layers * counted(size)
+
+
+@cache
+def _count_fragments(scene, size):
+    # numba is imported with it, which a peer's process has no use for.
+    from pipeline.execute import execute
+
+    draw = scene.draw(size)
+    untested = replace(draw, state=replace(draw.state, depth_test=None))
+    return execute((*scene.textures(), untested), scene.profile, size, size).fragments
 
 
 def _flat(size):
@@ -275,6 +217,12 @@ def _bumped_and_added(size):
     return Draw(label="bump, added", mesh=quad(w_far=2.0, scale=size / 512, z=0.25, units=2), state=state)
 
 
+def _minified(size):
+    unit = TextureUnit("color, mipmapped", _TRILINEAR)
+    state = PassState(texture_units=(unit,), register_combiners=MODULATE)
+    return Draw(label="minify", mesh=quad(w_far=2.5, scale=size / 512 * 5, units=1), state=state)
+
+
 def _torus(cull_face):
     vertex = VertexState(look_at((0.9, -2.2, 2.6), (0, 0, 0)), perspective(45, 1.0, 10.0))
     state = PassState(
@@ -296,8 +244,28 @@ def _counted(size):
     return Draw(label="count", mesh=quad(w_far=2.0, z=0.25, colors=None), state=state)
 
 
+def _shadowed(mesh):
+    unit = TextureUnit("shadow map", _COMPARING, gen=shadow.coordinate_generation())
+    state = PassState(
+        vertex=VertexState(**shadow.VIEW),
+        texture_units=(unit,),
+        register_combiners=MODULATE,
+        depth_test=DepthTest(ComparisonFunction.LEQUAL),
+    )
+    return lambda size: Draw(label="shadow", mesh=mesh(), state=state)
+
+
 _ONE, _TWO = ("MODULATE",), ("DOT3", "MODULATE")
-_TORUS = {"size": 512, "layers": 1, "unit": "Mtriangles/s", "outside": 0.005}
+_TORUS = {
+    "size": 512,
+    "layers": 1,
+    "unit": "Mtriangles/s",
+    "covers": False,
+    "outside": 0.005,
+    "snapped": True,
+}
+_SHADOW = {"profile": GEFORCE_3, "goal": 1.5, "snapped": True}
+_SHADOW_VIEW = {**_SHADOW, "layers": 1, "covers": False, "outside": 0.001}
 
 # How far the pictures may be apart (levels), for a peer that computes in floats and rounds at the end:
 # a2  two colour weights, each up to 1/256 of half the range low, and three roundings to a byte: 2
@@ -307,17 +275,26 @@ _TORUS = {"size": 512, "layers": 1, "unit": "Mtriangles/s", "outside": 0.005}
 #     (2 + 1 + 4 + 1) * 1.74 = 14; one each for the second texture and the product: 16
 # e   vertices snap to 1/16 pixel here and to 1/256 there, so edges shift, and texels where the texture is
 #     minified: a share of the pixels (Measured: 0.28 % at 512 x 512, less when larger) may exceed 32
+# f3  b's 4; and the floor shifts by up to 1/16 pixel, which is 0.02 of the map's texels where a shadow's edge
+#     lies, times 255: 5 more
+# f2  f3's, but along the balls' edges and where a ball's own shadow begins: a share of the pixels (Measured:
+#     0.04 % at 1024 x 1024)
+# h   b's 4, which mixing two levels does not enlarge; one for the fraction of lambda in steps of 1/256, one
+#     for the mixture's byte, two where lambda itself differs by the hundredth of a level: 8
 SCENES = {
     scene.name: scene
     for scene in (
-        Scene("a", "flat quad", _flat, (), 0),
-        Scene("a2", "Gouraud quad", _gouraud, (), 2),
-        Scene("b", "one bilinear texture, MODULATE, affine", _textured, _ONE, 4),
-        Scene("b2", "one bilinear texture, MODULATE, perspective", _textured_in_perspective, _ONE, 4),
-        Scene("c", "DOT3(texture 0, primary) x texture 1", _bumped, _TWO, 16),
-        Scene("d", "c, depth test, additive blend", _bumped_and_added, _TWO, 16),
+        Scene("a", "flat quad", _flat, (), 0, goal=2.0, aim=1000),
+        Scene("a2", "Gouraud quad", _gouraud, (), 2, goal=1.5, aim=900),
+        Scene("b", "one bilinear texture, MODULATE, affine", _textured, _ONE, 4, goal=2.2, aim=400),
+        Scene("b2", "b in perspective", _textured_in_perspective, _ONE, 4, goal=2.2, aim=400),
+        Scene("c", "DOT3(texture 0, primary) x texture 1", _bumped, _TWO, 16, goal=1.8, aim=240),
+        Scene("d", "c, depth test, additive blend", _bumped_and_added, _TWO, 16, goal=1.6, aim=200),
         Scene("e", "torus, textured, depth test", _torus(None), _ONE, 32, **_TORUS),
-        Scene("e2", "e, back faces culled", _torus(Face.BACK), _ONE, 32, **_TORUS),
-        Scene("g", "stencil increments", _counted, (), 0, layers=100, picture_layers=100),
+        Scene("e2", "e, back faces culled", _torus(Face.BACK), _ONE, 32, goal=1.7, aim=15, **_TORUS),
+        Scene("f2", "shadow-mapped view", _shadowed(shadow.balls_on_floor), _ONE, 9, **_SHADOW_VIEW),
+        Scene("f3", "shadow comparison, floor only", _shadowed(shadow.floor), _ONE, 9, **_SHADOW),
+        Scene("g", "stencil increments", _counted, (), 0, layers=100, picture_layers=100, goal=2.0),
+        Scene("h", "trilinear minification", _minified, _ONE, 8, goal=2.0, aim=200),
     )
 }

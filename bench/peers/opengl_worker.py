@@ -20,8 +20,17 @@ OpenGL.ERROR_LOGGING = False
 
 from OpenGL import GL  # noqa: E402  the two switches above are read when this is imported
 
-from bench.scenes import CLEAR_COLOR, SCENES, TEXTURES  # noqa: E402
-from pipeline.state import IDENTITY, ColorMask, PassState  # noqa: E402
+from bench.scenes import CLEAR_COLOR, SCENES  # noqa: E402
+from bench.textures import TEXTURES  # noqa: E402
+from pipeline.enums import InternalFormat, TexGenMode, TextureCompareMode  # noqa: E402
+from pipeline.state import (  # noqa: E402
+    IDENTITY,
+    ColorMask,
+    PassState,
+    Sampler,
+    TexGen,
+    TextureUnit,
+)
 
 # Source: EGL 1.5 registry, EGL_MESA_platform_surfaceless.
 _PLATFORM_SURFACELESS, _OPENGL_API = 0x31DD, 0x30A2
@@ -62,8 +71,46 @@ def untranslated(state):
     )
 
 
+def untranslated_unit(unit):
+    """What is left of a TextureUnit when everything that ``Stage`` translates is at its default.
+
+    Of the coordinates' generation OBJECT_LINEAR is.
+    """
+    default = Sampler()
+    names = ("min_filter", "mag_filter", "wrap_s", "wrap_t", "compare_mode", "compare_function")
+    kept = (TexGen() if gen.mode is TexGenMode.OBJECT_LINEAR else gen for gen in unit.gen)
+    return replace(
+        unit,
+        texture=None,
+        sampler=replace(unit.sampler, **{name: getattr(default, name) for name in names}),
+        coordinates=0,
+        gen=tuple(kept),
+    )
+
+
 def _token(member):
     return getattr(GL, f"GL_{member.name}")
+
+
+def _upload_level(internal_format, level, texels):
+    """``texels``: uint8 [h, w, 4] of RGBA8 or DEPTH_COMPONENT24."""
+    height, width = texels.shape[:2]
+    pixel_format, pixel_type = GL.GL_RGBA, GL.GL_UNSIGNED_BYTE
+    if internal_format is InternalFormat.DEPTH_COMPONENT24:
+        pixel_format, pixel_type = GL.GL_DEPTH_COMPONENT, GL.GL_UNSIGNED_INT
+        words = np.ascontiguousarray(texels).view("<u4")
+        texels = words << 8 | words >> 16  # the same fraction of 2^32 - 1
+    GL.glTexImage2D(
+        GL.GL_TEXTURE_2D,
+        level,
+        _token(internal_format),
+        width,
+        height,
+        0,
+        pixel_format,
+        pixel_type,
+        texels.tobytes(),
+    )
 
 
 class Stage:
@@ -84,7 +131,8 @@ class Stage:
         if GL.glCheckFramebufferStatus(GL.GL_FRAMEBUFFER) != GL.GL_FRAMEBUFFER_COMPLETE:
             raise OSError("the framebuffer object is incomplete")
         draw = scene.draw(size)
-        if untranslated(draw.state) != PassState():
+        left = [untranslated_unit(unit) for unit in draw.state.texture_units]
+        if untranslated(draw.state) != PassState() or any(unit != TextureUnit(None) for unit in left):
             raise ValueError(f"scene {scene.name} sets state that this worker does not translate")
         GL.glPushAttrib(GL.GL_ALL_ATTRIB_BITS)
         GL.glViewport(0, 0, size, size)
@@ -136,12 +184,21 @@ class Stage:
         GL.glTexParameteri(target, GL.GL_TEXTURE_MIN_FILTER, _token(sampler.min_filter))
         GL.glTexParameteri(target, GL.GL_TEXTURE_WRAP_S, _token(sampler.wrap_s))
         GL.glTexParameteri(target, GL.GL_TEXTURE_WRAP_T, _token(sampler.wrap_t))
-        texels = TEXTURES[unit.texture]().levels[0][0]
-        height, width = texels.shape[:2]
-        GL.glTexImage2D(
-            target, 0, GL.GL_RGBA8, width, height, 0, GL.GL_RGBA, GL.GL_UNSIGNED_BYTE, texels.tobytes()
-        )
+        if sampler.compare_mode is not TextureCompareMode.NONE:
+            GL.glTexParameteri(target, GL.GL_TEXTURE_COMPARE_MODE, _token(sampler.compare_mode))
+            GL.glTexParameteri(target, GL.GL_TEXTURE_COMPARE_FUNC, _token(sampler.compare_function))
+            # Ours gives the comparison's result in all four components.
+            GL.glTexParameteri(target, GL.GL_DEPTH_TEXTURE_MODE, GL.GL_INTENSITY)
+        image = TEXTURES[unit.texture]()
+        for level, (texels,) in enumerate(image.levels):
+            _upload_level(image.internal_format, level, texels)
         GL.glEnable(target)
+        for name, gen in zip("STRQ", unit.gen, strict=True):
+            if gen.mode is TexGenMode.OBJECT_LINEAR:
+                coordinate = getattr(GL, f"GL_{name}")
+                GL.glTexGeni(coordinate, GL.GL_TEXTURE_GEN_MODE, GL.GL_OBJECT_LINEAR)
+                GL.glTexGenfv(coordinate, GL.GL_OBJECT_PLANE, gen.plane)
+                GL.glEnable(getattr(GL, f"GL_TEXTURE_GEN_{name}"))
         settings = [(GL.GL_TEXTURE_ENV_MODE, GL.GL_MODULATE)]
         if environment == "DOT3":
             settings = [
@@ -169,6 +226,8 @@ class Stage:
             GL.glColorPointer(4, GL.GL_FLOAT, 0, offset)
             GL.glEnableClientState(GL.GL_COLOR_ARRAY)
         for number, unit in enumerate(state.texture_units):
+            if all(gen.mode is not TexGenMode.NONE for gen in unit.gen):
+                continue
             coordinates = mesh.texture_coordinates[unit.coordinates]
             GL.glClientActiveTexture(GL.GL_TEXTURE0 + number)
             self._buffer(GL.GL_ARRAY_BUFFER, coordinates, np.float32)

@@ -1,0 +1,49 @@
+"""The textures that the scenes read, as both parties load them."""
+
+from functools import cache, partial
+
+import numpy as np
+
+from bench.shadow import shadow_map
+from pipeline.textures import texture_2d
+
+
+@cache
+def color_texture(n=512, *, mipmaps=False):
+    """RGBA8 waves, a checkerboard of 16 texels and noise of ±16 levels; ``n`` texels along an edge."""
+    row, column = np.mgrid[0:n, 0:n]
+    rgb = np.stack(
+        [
+            127 + 100 * np.sin(column / 9) * np.cos(row / 13),
+            127 + 100 * np.cos(column / 17 + row / 5),
+            (column // 16 + row // 16) % 2 * 160.0 + 40,
+        ],
+        axis=-1,
+    )
+    rgb += np.random.default_rng(1).integers(-16, 17, (n, n, 3))
+    image = np.full((n, n, 4), 255, np.uint8)
+    image[..., :3] = np.clip(rgb, 0, 255)
+    return texture_2d(image, mipmaps=mipmaps)
+
+
+@cache
+def normal_texture(n=512):
+    """RGBA8 normals of a wavy surface: zero at 128, one at 255; alpha 255; ``n`` texels along an edge."""
+    row, column = np.mgrid[0:n, 0:n]
+    normal = np.empty((n, n, 3))
+    normal[..., 0] = -0.6 * np.cos(column / 11) * np.cos(row / 19)
+    normal[..., 1] = -0.6 * np.sin(column / 7 + row / 23)
+    normal[..., 2] = 1.0
+    normal /= np.sqrt((normal * normal).sum(-1, keepdims=True))
+    image = np.full((n, n, 4), 255, np.uint8)
+    image[..., :3] = np.rint(128 + 127 * normal)
+    return texture_2d(image)
+
+
+# Texture object -> its images.
+TEXTURES = {
+    "color": color_texture,
+    "color, mipmapped": partial(color_texture, mipmaps=True),
+    "normals": normal_texture,
+    "shadow map": shadow_map,
+}
