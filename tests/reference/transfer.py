@@ -40,7 +40,10 @@ def texels_of(target, internal_format):
     """Register bytes of a pbuffer's pixels read as texels, top row first: the words' bits, widened.
 
     Source: WGL_ARB_render_texture; Measured: bits are replicated as in any texel (Texture_format captures).
+    A depth format reads the depth words, the lowest byte first. Source: WGL_NV_render_depth_texture.
     """
+    if internal_format.name.startswith("DEPTH_COMPONENT"):
+        return [[[word >> shift & 255 for shift in (0, 8, 16, 24)] for word in row] for row in target.depth]
     base, *bits = texel_formats.FORMATS[internal_format.name]
     texels = []
     for row in target.color:
