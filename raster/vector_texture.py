@@ -1,0 +1,208 @@
+"""Texture sampling by vectors: the texels of raster/sample.py, fetched four at a time.
+
+A texture's levels are stored once more as row pairs: every row has its first texel again at its end, and
+every texel its upper neighbour beside it (the last row's is the first row), so that one load of 128 bits
+brings the whole footprint of a linear filter. A neighbour that a wrap mode does not mean has weight 0.
+
+A coordinate F counts 1/256 texels of a level: floor(256 u size). A linear filter reads column
+(F - 128) >> 8 with the fraction (F - 128) & 255, a nearest one column F >> 8 with none. Whatever is in F,
+a texel inside the level is read.
+
+Filtering goes through ``located``, int32[LOCATED, batch + SLACK]: where each fragment's footprint begins and
+how it is weighted. Units whose coordinates, sizes, filters and wrap modes agree can share it.
+"""
+
+import numpy as np
+from numba import int16, int32, uint64
+
+from raster import rows as R
+from raster.kernel import kernel, separate_function, separate_loop
+from raster.vector import (
+    even_lanes,
+    halves_of_lanes,
+    i16x32,
+    load_each,
+    load_i16x32,
+    load_i32x16,
+    load_quads,
+    maximum,
+    minimum,
+    odd_lanes,
+    shift_right,
+    store,
+)
+
+# Rows of ``located``: the footprint's first element in the row pairs and its weights, the fraction across in
+# the low 16 bits and the one upwards above; both again for a second level; the fraction between them.
+FIRST, WEIGHTS, UPPER_FIRST, UPPER_WEIGHTS, BETWEEN, LOCATED = range(6)
+
+_LOWEST, _HIGHEST = -(1 << 31), (1 << 31) - 1
+
+
+# ---------------------------------------------------------------------------------------------- row pairs
+
+
+@kernel("void(u4[::1],i8,i8,i8,i8,u4[::1],i8)")
+def _pair_rows(texels, offset, width, height, faces, pairs, pair_offset):
+    """One level, each of its ``faces`` on its own."""
+    separate_loop()
+    for row in range(faces * height):
+        last = (row + 1) % height == 0
+        lower = uint64(offset + row * width)
+        upper = uint64(offset + (row + 1 - (height if last else 0)) * width)
+        at = uint64(pair_offset + row * (width + 1) * 2)
+        for x in range(width):
+            pairs[at + uint64(2 * x)] = texels[lower + uint64(x)]
+            pairs[at + uint64(2 * x + 1)] = texels[upper + uint64(x)]
+        pairs[at + uint64(2 * width)] = texels[lower]
+        pairs[at + uint64(2 * width + 1)] = texels[upper]
+
+
+def row_pairs(texels, levels, count, faces=1):
+    """A texture's ``count`` levels as row pairs: (pairs uint32[.], levels int32[MAX_LEVELS, 3]).
+
+    texels: uint32[.], packed; levels: int32[MAX_LEVELS, 3], each level's offset in ``texels``, width and
+    height; ``faces``: images of each level, one behind another. The levels returned have their offsets in
+    ``pairs``. Twice the texels' memory and two elements more for each row.
+    """
+    found = np.array(levels, np.int32)
+    found[:count, 0] = 0
+    sizes = 2 * faces * (found[:count, 1].astype(np.int64) + 1) * found[:count, 2]
+    found[1:count, 0] = np.cumsum(sizes)[:-1]
+    pairs = np.empty(int(sizes.sum()), np.uint32)
+    for k in range(count):
+        offset, width, height = (int(v) for v in levels[k])
+        _pair_rows(texels, offset, width, height, faces, pairs, int(found[k, 0]))
+    return pairs, found
+
+
+# ------------------------------------------------------------------------------------------------ locating
+
+
+@kernel
+def _limits(mode, half, size):
+    """(lowest, highest, mask): F is limited to the first two, then the column to the mask's bits."""
+    if mode == 0 and size & (size - 1) == 0:
+        return int32(_LOWEST), int32(_HIGHEST), int32(size - 1)
+    if mode == 0:
+        return half, int32(256 * size - 1 + half), int32(-1)
+    return half, int32(256 * size - 128), int32(-1)
+
+
+@kernel("void(i4[:,::1],i8[::1],i4[::1],i4[::1],i8,i4[:,::1])")
+def locate(levels, unit, f_s, f_t, count, located):
+    """FIRST and WEIGHTS of fragments that all read level 0.
+
+    levels: of the row pairs; unit: int64[UNIT_SIZE], with one filter and REPEAT, CLAMP_TO_EDGE or, for a
+    nearest filter, CLAMP on either axis; f_s, f_t: F across and upwards. A 1D texture has one row, and any
+    ``f_t``. An axis that repeats and whose size is no power of two has its F in 128..256 size + 127
+    (nearest: 0..256 size - 1).
+    """
+    separate_loop()
+    linear = unit[R.MAG_LINEAR] != 0
+    half, fraction = int32(128 if linear else 0), int32(255 if linear else 0)
+    low_s, high_s, mask_s = _limits(unit[R.WRAP_S], half, levels[0, 1])
+    low_t, high_t, mask_t = _limits(unit[R.WRAP_T], half, levels[0, 2])
+    mask_s = int32(mask_s * int32(2))
+    base, stride = levels[0, 0], int32(int32(levels[0, 1] + int32(1)) * int32(2))
+    first, weights = located[FIRST], located[WEIGHTS]
+    for at in range(0, count, 16):
+        s = minimum(maximum(load_i32x16(f_s, at), low_s), high_s) - half
+        t = minimum(maximum(load_i32x16(f_t, at), low_t), high_t) - half
+        column, row = (s >> int32(7)) & mask_s, (t >> int32(8)) & mask_t
+        store(first, at, row * stride + column + base)
+        store(weights, at, (s & fraction) | ((t & fraction) << int32(16)))
+
+
+# ------------------------------------------------------------------------------------ fetching, filtering
+
+
+@kernel
+def _lerp(p, q, weight):
+    """(p (256 - w) + q w + 128) >> 8 in 16-bit lanes without sign: at most 255 * 256 + 128 < 65536."""
+    return shift_right(p * (i16x32(int16(256)) - weight) + q * weight + int16(128), int16(8))
+
+
+@kernel
+def _doubled(weight):
+    """A number of up to 16 bits in 32-bit lanes, in both halves of each."""
+    return halves_of_lanes(weight | (weight << int32(16)))
+
+
+@kernel
+def _footprint(pairs, first, weights, at):
+    """The filtered texels of sixteen fragments: red and blue in 16-bit lanes, green and alpha."""
+    p00, p01, p10, p11 = load_quads(pairs, first, at)
+    lower_left, upper_left = halves_of_lanes(p00), halves_of_lanes(p01)
+    lower_right, upper_right = halves_of_lanes(p10), halves_of_lanes(p11)
+    both = load_i32x16(weights, at)
+    across, upwards = _doubled(both & int32(0xFFFF)), _doubled(both >> int32(16))
+    byte, eight = int16(255), int16(8)
+    lower = _lerp(lower_left & byte, lower_right & byte, across)
+    upper = _lerp(upper_left & byte, upper_right & byte, across)
+    even = _lerp(lower, upper, upwards)
+    lower = _lerp(shift_right(lower_left, eight), shift_right(lower_right, eight), across)
+    upper = _lerp(shift_right(upper_left, eight), shift_right(upper_right, eight), across)
+    return even, _lerp(lower, upper, upwards)
+
+
+@kernel
+def _store_planes(even0, odd0, even1, odd1, registers, plane, at):
+    """Twice sixteen texels as ``_footprint`` gives them, to four planes."""
+    store(registers[plane], at, even_lanes(even0, even1))
+    store(registers[plane + 1], at, even_lanes(odd0, odd1))
+    store(registers[plane + 2], at, odd_lanes(even0, even1))
+    store(registers[plane + 3], at, odd_lanes(odd0, odd1))
+
+
+@kernel("void(u4[::1],i4[:,::1],i8,i2[:,::1],i8)")
+def fetch_linear(pairs, located, count, registers, plane):
+    """Filtered texels into four planes from ``plane`` on."""
+    separate_loop()
+    first, weights = located[FIRST], located[WEIGHTS]
+    for at in range(0, count, 32):
+        even0, odd0 = _footprint(pairs, first, weights, at)
+        even1, odd1 = _footprint(pairs, first, weights, at + 16)
+        _store_planes(even0, odd0, even1, odd1, registers, plane, at)
+
+
+@kernel("void(u4[::1],i4[:,::1],i8,i2[:,::1],i8)")
+def fetch_nearest(pairs, located, count, registers, plane):
+    """Texels into four planes from ``plane`` on."""
+    separate_loop()
+    first, byte, eight = located[FIRST], int16(255), int16(8)
+    for at in range(0, count, 32):
+        p, q = halves_of_lanes(load_each(pairs, first, at)), halves_of_lanes(load_each(pairs, first, at + 16))
+        odd0, odd1 = shift_right(p, eight), shift_right(q, eight)
+        _store_planes(p & byte, odd0, q & byte, odd1, registers, plane, at)
+
+
+@kernel("void(i8,i8,i2[:,::1],i8)")
+def make_signed(signed, count, registers, plane):
+    """Bytes s + 128 become 2 s in the planes whose component ``signed`` (packed) marks with 0x80."""
+    separate_function()
+    for c in range(4):
+        if (signed >> (8 * c)) & 128:
+            values = registers[plane + c]
+            for at in range(0, count, 32):
+                store(values, at, (load_i16x32(values, at) << int16(1)) - int16(256))
+
+
+@kernel("void(u4[::1],i8[::1],i4[:,::1],i8,i2[:,::1],i8)")
+def filter_located(pairs, unit, located, count, registers, plane):
+    """What ``locate`` found, filtered into the unit's four register planes from ``plane`` on."""
+    separate_function()
+    if unit[R.MAG_LINEAR]:
+        fetch_linear(pairs, located, count, registers, plane)
+    else:
+        fetch_nearest(pairs, located, count, registers, plane)
+    if unit[R.SIGNED]:
+        make_signed(unit[R.SIGNED], count, registers, plane)
+
+
+@kernel("void(u4[::1],i4[:,::1],i8[::1],i4[::1],i4[::1],i8,i4[:,::1],i2[:,::1],i8)")
+def filter_2d(pairs, levels, unit, f_s, f_t, count, located, registers, plane):
+    """A unit that reads one level of a 1D, 2D or rectangle texture with one filter: into four planes."""
+    separate_function()
+    locate(levels, unit, f_s, f_t, count, located)
+    filter_located(pairs, unit, located, count, registers, plane)
