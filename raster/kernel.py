@@ -123,3 +123,14 @@ def float_of(typing_context, value):
         return builder.bitcast(args[0], ir.DoubleType())
 
     return types.float64(types.int64), codegen
+
+
+@intrinsic
+def next_of(typing_context, counter):
+    """Take the number in ``counter`` int64[1] and leave the next one; threads never take the same."""
+
+    def codegen(context, builder, signature, args):
+        data = context.make_array(counter)(context, builder, args[0]).data
+        return builder.atomic_rmw("add", data, ir.Constant(ir.IntType(64), 1), "seq_cst")
+
+    return types.int64(counter), codegen

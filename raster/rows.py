@@ -207,3 +207,61 @@ FLOAT_COLUMNS = RATIO + 1
 P00, P10, P01, P11, TEXEL_0, TEXEL_1, MAGNIFIED, LAYER_1, STAGE0 = range(9)
 SUM_EVEN, SUM_ODD = STAGE0 + 4, STAGE0 + 5  # an anisotropic filter's sums of bytes 0 and 2, and 1 and 3
 PACKED_COLUMNS = SUM_ODD + 1
+
+# ------------------------------------------------------------------- the vector engine (raster/frame.py)
+SLACK = 32  # elements of every column behind a batch: vectors may reach so far
+
+# More columns of floats: what fragments of mixed segments carry of their triangle: edge functions; 1/w of the
+# vertices, or in the first the reciprocal of the area; depths of the vertices, their differences, the
+# reciprocal of the area for depths, polygon offset; of each texture unit, for s and for t, the coordinate of
+# vertex 1 and how far vertices 0 and 2 are from it.
+N0, N1, N2, INVERSE_W0, INVERSE_W1, INVERSE_W2 = range(FLOAT_COLUMNS, FLOAT_COLUMNS + 6)
+Z0, Z1, Z2, Z10, Z20, Z21, Z_RECIPROCAL, Z_OFFSET, TERMS = range(INVERSE_W2 + 1, INVERSE_W2 + 10)
+VECTOR_FLOAT_COLUMNS = TERMS + 6 * 4
+# More columns of ints: floor(256 u size) of s and t of each unit; the pixel, y * width + x, of each fragment
+# of a mixed segment; depth words.
+FIXED0 = INT_COLUMNS
+PIXEL, DEPTH_WORD, VECTOR_INT_COLUMNS = range(FIXED0 + 2 * 4, FIXED0 + 2 * 4 + 3)
+# More planes behind the registers: base and two differences of each colour channel in mixed segments.
+COLOR_TERMS = REGISTERS * 4
+VECTOR_PLANES = COLOR_TERMS + 3 * 8
+# More columns of packed: the fragments' colours.
+SHADED, VECTOR_PACKED_COLUMNS = PACKED_COLUMNS, PACKED_COLUMNS + 1
+# lists int32[LISTS, batch + SLACK]: segments and runs of a batch. A run with RUN_Y -1 is a mixed segment.
+STARTS, OWNERS, BACKS, RUN_STARTS, RUN_X, RUN_Y, LISTS = range(7)
+
+# jobs int64[n, JOB_SIZE]: what a queued command is. A Clear: device pixels, half open; buffers (1 colour, 2
+# depth, 4 stencil), values and masks as stored. A Draw: addresses of its arrays, in the order of
+# ``frame.fill_draw``'s arguments but for the texels, their lengths, and how it is drawn.
+(
+    JOB_KIND,  # 0: Clear; 1: Draw
+    JOB_X0,
+    JOB_Y0,
+    JOB_X1,
+    JOB_Y1,
+    JOB_BUFFERS,
+    JOB_COLOR,
+    JOB_COLOR_MASK,
+    JOB_DEPTH,
+    JOB_STENCIL,
+    JOB_STENCIL_MASK,
+    JOB_MIXES,  # 1: small triangles share segments
+    JOB_PERSPECTIVE,  # 1: some 1/w differ
+    JOB_SOLID,  # 1: all fragments of a triangle are of one colour
+    JOB_VERTICES,
+    JOB_PRIMITIVES,
+    JOB_UNITS,  # of the coordinates
+    JOB_ROWS,  # of the units' table
+    JOB_MEMBERS,
+    JOB_BANDS,
+    JOB_STAGES,
+    JOB_CONSTANTS,
+    JOB_UNIT_PATH,  # of each unit: 0 disabled, 1 by vectors, 2 by the portable kernels
+) = range(23)
+JOB_LOG2_S = JOB_UNIT_PATH + 4
+JOB_LOG2_T = JOB_LOG2_S + 4
+JOB_COORDINATES_OF = JOB_LOG2_T + 4  # the first unit with the same texel coordinates
+JOB_TEXELS = JOB_COORDINATES_OF + 4
+JOB_TEXEL_COUNT = JOB_TEXELS + 4
+JOB_ADDRESS = JOB_TEXEL_COUNT + 4
+JOB_SIZE = JOB_ADDRESS + 18

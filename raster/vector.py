@@ -315,6 +315,7 @@ def _ramp(vector, doc):
 
 
 ramp_i32x16 = _ramp(I32X16, "0, 1, 2, ..., as the following.")
+ramp_i32x8 = _ramp(I32X8, "")
 ramp_f64x8 = _ramp(F64X8, "")
 ramp_f64x16 = _ramp(F64X16, "")
 

@@ -1,0 +1,616 @@
+"""The vector engine: every queued Clear and Draw of a frame, band by band of rows.
+
+A frame's commands wait in a table of jobs, each a row of numbers and addresses (``raster.rows``, JOB_KIND and
+what follows). Each thread takes the next band that nobody has and runs all jobs on its rows, in order, so a
+band stays in the processor's nearest memory from the first Clear to the last Draw, and no pixel is ever two
+threads'. A Draw that ``fill_draw`` refuses is the portable engine's (``raster.draw``), whose bits these are.
+"""
+
+import numpy as np
+from numba import float64, int16, int32, int64, uint8, uint32
+
+from raster import rows as R
+from raster.bins import BAND_HEIGHT
+from raster.combine import copy_plane, fill_plane, final_combiner, general_combiner
+from raster.draw import polygon_offset, row_span, sample_unit, unbound_texture
+from raster.fixed import truncate_24
+from raster.kernel import kernel, next_of, separate_function, separate_loop
+from raster.per_fragment import pack_colors, per_fragment
+from raster.sample import fetch_and_filter, unpack_unit
+from raster.records import (
+    bytes_at,
+    float_tables_at,
+    floats_at,
+    integers_at,
+    long_table_at,
+    longs_at,
+    table_at,
+    tables_at,
+    texels_at,
+    words_at,
+)
+from raster.vector import (
+    count_bits,
+    f64x8,
+    f64x16,
+    i32x8,
+    i32x16,
+    lowest_bit,
+    mask_bits,
+    ramp_f64x8,
+    ramp_i32x8,
+    ramp_i32x16,
+    store,
+    to_float64,
+    to_int32,
+    widen_i32,
+)
+from raster.vector_interpolate import (
+    LARGEST_COORDINATE,
+    LARGEST_REPEATED,
+    iterate_colors,
+    iterate_packed,
+    iterate_texels,
+    mixed_depth,
+    mixed_weights,
+    run_depth,
+    run_weights,
+    spread,
+    spread_colors,
+    spread_coordinates,
+    spread_depth,
+)
+
+SMALL = 8  # pixels: triangles whose box is not larger share segments
+
+
+def scratch(batch):
+    """Arrays that ``draw_frame`` works in, for one thread: a tuple, made once for many frames."""
+    columns = batch + R.SLACK
+    return (
+        np.zeros((R.VECTOR_FLOAT_COLUMNS, columns), np.float64),
+        np.zeros((R.VECTOR_INT_COLUMNS, columns), np.int32),
+        np.zeros((R.VECTOR_PACKED_COLUMNS, columns), np.uint32),
+        np.zeros((R.VECTOR_PLANES, columns), np.int16),
+        np.zeros((8, columns), np.int32),
+        np.zeros((12, columns), np.int16),
+        np.zeros(columns, np.uint8),
+        np.zeros((R.LISTS, columns), np.int32),
+    )
+
+
+@kernel("void(i8[:,::1],i8,i8,i8,i8,i8,i8,i8,i8,i8,i8,i8)")
+def fill_clear(jobs, k, x0, y0, x1, y1, buffers, color, color_mask, depth, stencil, stencil_mask):
+    """Row k of ``jobs``: clear device pixels [x0, x1) x [y0, y1).
+
+    ``buffers``: 1 colour, 2 depth, 4 stencil; ``color`` packed, ``depth`` a word, ``stencil`` a byte; masks as
+    stored.
+    """
+    job = jobs[k]
+    job[R.JOB_KIND] = 0
+    job[R.JOB_X0], job[R.JOB_Y0], job[R.JOB_X1], job[R.JOB_Y1] = x0, y0, x1, y1
+    job[R.JOB_BUFFERS], job[R.JOB_COLOR], job[R.JOB_COLOR_MASK] = buffers, color, color_mask
+    job[R.JOB_DEPTH], job[R.JOB_STENCIL], job[R.JOB_STENCIL_MASK] = depth, stencil, stencil_mask
+
+
+@kernel
+def is_power(n):
+    """Whether a positive integer is a power of two."""
+    return (n & (n - 1)) == 0
+
+
+@kernel
+def log2_of(n):
+    """The logarithm of a power of two."""
+    k = int64(0)
+    while (int64(1) << k) < n:
+        k += 1
+    return k
+
+
+@kernel
+def moderate(coordinates, unit):
+    """Whether every s and t of a unit is a number of ordinary size."""
+    for v in range(coordinates.shape[0]):
+        for c in range(2):
+            if not abs(coordinates[v, unit, c]) <= LARGEST_COORDINATE:
+                return False
+    return True
+
+
+@kernel
+def same_coordinates(coordinates, one, other):
+    """Whether two units have the same s and t at every vertex."""
+    for v in range(coordinates.shape[0]):
+        for c in range(2):
+            if coordinates[v, one, c] != coordinates[v, other, c]:
+                return False
+    return True
+
+
+@kernel
+def unit_path(draw, row, levels, coordinates, unit):
+    """How a unit is sampled: 0 not at all; 1 by vectors (``vector_texture``); 2 as the portable engine does."""
+    if not row[R.ENABLED]:
+        return int64(0)
+    plain = row[R.TARGET] <= 1 and not row[R.PROJECTIVE] and not row[R.COMPARE] and not row[R.HILO]
+    plain = plain and not row[R.ANISOTROPY] and not row[R.OPERATION]
+    plain = plain and row[R.MIPMAP] == 0 and row[R.MAG_LINEAR] == row[R.MIN_LINEAR]
+    width, height = int64(levels[0, 1]), int64(levels[0, 2])
+    largest = int64(1) << LARGEST_REPEATED
+    plain = plain and is_power(width) and is_power(height) and width <= largest and height <= largest
+    for axis in range(2):
+        wrap = row[R.WRAP_S] if axis == 0 else row[R.WRAP_T]
+        plain = plain and (wrap == 0 or wrap == 2 or (wrap == 1 and not row[R.MAG_LINEAR]))
+    return int64(1) if plain and moderate(coordinates, unit) else int64(2)
+
+
+@kernel(
+    "b1(i8[:,::1],i8,i8[::1],f8[::1],i4[:,:,::1],i4[:,::1],i2[:,::1],i4[::1],i4[:,::1],i4[:,::1],i4[::1],i4[::1],"
+    "f8[::1],f8[::1],u1[:,:,::1],f8[:,:,::1],u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],i8[:,::1],i4[::1],i4[::1])"
+)
+def fill_draw(
+    jobs, k, draw, draw_float, program, final, constants, arithmetic, factors, triangles, x, y, z, inverse_w,
+    colors, coordinates, texels0, texels1, texels2, texels3, levels, units, order, ends,
+):  # fmt: skip
+    """Row k of ``jobs`` from a Draw's arrays, which must outlive it; False if the vector engine does not cover
+    the Draw.
+    """
+    unusual = (
+        draw[R.STROKES] | draw[R.STIPPLE] | draw[R.WINDOW_CLIP] | draw[R.W_BUFFERING] | draw[R.DEPTH_FORMAT]
+    ) | (draw[R.DEPTH_CULL] | draw[R.FOG_ENABLED] | draw[R.TEXTURE_SHADER] | draw[R.DISCARDS])
+    if unusual or draw[R.NEEDS_WEIGHTS]:
+        return False
+    job = jobs[k]
+    job[R.JOB_KIND] = 1
+    for u in range(4):
+        job[R.JOB_UNIT_PATH + u] = 0
+    generic = False
+    if draw[R.NEEDS_COLOR]:
+        for u in range(draw[R.UNITS]):
+            path = unit_path(draw, units[u], levels[u], coordinates, u)
+            job[R.JOB_UNIT_PATH + u] = path
+            generic = generic or path == 2
+            if path == 1:
+                job[R.JOB_LOG2_S + u] = log2_of(int64(levels[u, 0, 1]))
+                job[R.JOB_LOG2_T + u] = log2_of(int64(levels[u, 0, 2]))
+                job[R.JOB_COORDINATES_OF + u] = u
+                for other in range(u):
+                    same = job[R.JOB_UNIT_PATH + other] == 1
+                    same = same and job[R.JOB_LOG2_S + other] == job[R.JOB_LOG2_S + u]
+                    same = same and job[R.JOB_LOG2_T + other] == job[R.JOB_LOG2_T + u]
+                    for field in (R.WRAP_S, R.WRAP_T, R.MAG_LINEAR, R.TARGET):
+                        same = same and units[other, field] == units[u, field]
+                    if same and same_coordinates(coordinates, other, u):
+                        job[R.JOB_COORDINATES_OF + u] = other
+                        break
+    job[R.JOB_MIXES] = not generic
+    perspective = False
+    for v in range(inverse_w.shape[0]):
+        if inverse_w[v] != inverse_w[0]:
+            perspective = True
+            break
+    job[R.JOB_PERSPECTIVE] = perspective
+    constant = not draw[R.NEEDS_COLOR] or (draw[R.DIRECT] and draw[R.FLAT])
+    job[R.JOB_SOLID] = constant and not draw[R.ALPHA_TEST]
+    job[R.JOB_VERTICES], job[R.JOB_PRIMITIVES] = x.shape[0], triangles.shape[0]
+    job[R.JOB_UNITS], job[R.JOB_MEMBERS] = coordinates.shape[1], order.shape[0]
+    job[R.JOB_ROWS], job[R.JOB_BANDS] = units.shape[0], ends.shape[0]
+    job[R.JOB_STAGES], job[R.JOB_CONSTANTS] = program.shape[0], constants.shape[0]
+    job[R.JOB_ADDRESS] = draw.ctypes.data
+    job[R.JOB_ADDRESS + 1] = draw_float.ctypes.data
+    job[R.JOB_ADDRESS + 2] = program.ctypes.data
+    job[R.JOB_ADDRESS + 3] = final.ctypes.data
+    job[R.JOB_ADDRESS + 4] = constants.ctypes.data
+    job[R.JOB_ADDRESS + 5] = arithmetic.ctypes.data
+    job[R.JOB_ADDRESS + 6] = factors.ctypes.data
+    job[R.JOB_ADDRESS + 7] = triangles.ctypes.data
+    job[R.JOB_ADDRESS + 8] = x.ctypes.data
+    job[R.JOB_ADDRESS + 9] = y.ctypes.data
+    job[R.JOB_ADDRESS + 10] = z.ctypes.data
+    job[R.JOB_ADDRESS + 11] = inverse_w.ctypes.data
+    job[R.JOB_ADDRESS + 12] = colors.ctypes.data
+    job[R.JOB_ADDRESS + 13] = coordinates.ctypes.data
+    job[R.JOB_ADDRESS + 14] = levels.ctypes.data
+    job[R.JOB_ADDRESS + 15] = units.ctypes.data
+    job[R.JOB_ADDRESS + 16] = order.ctypes.data
+    job[R.JOB_ADDRESS + 17] = ends.ctypes.data
+    job[R.JOB_TEXELS] = texels0.ctypes.data
+    job[R.JOB_TEXELS + 1] = texels1.ctypes.data
+    job[R.JOB_TEXELS + 2] = texels2.ctypes.data
+    job[R.JOB_TEXELS + 3] = texels3.ctypes.data
+    job[R.JOB_TEXEL_COUNT] = texels0.shape[0]
+    job[R.JOB_TEXEL_COUNT + 1] = texels1.shape[0]
+    job[R.JOB_TEXEL_COUNT + 2] = texels2.shape[0]
+    job[R.JOB_TEXEL_COUNT + 3] = texels3.shape[0]
+    return True
+
+
+@kernel("void(u4[::1],i8,i8,u4,u4)")
+def clear_words(row, start, end, word, mask):
+    """Words [start, end) of a row, through a mask."""
+    separate_loop()
+    if mask == uint32(0xFFFFFFFF):
+        for i in range(start, end):
+            row[i] = word
+    else:
+        for i in range(start, end):
+            row[i] = uint32(uint32(row[i] & uint32(~mask)) | uint32(word & mask))
+
+
+@kernel("void(u1[::1],i8,i8,u1,u1)")
+def clear_bytes(row, start, end, value, mask):
+    """Bytes [start, end) of a row, through a mask."""
+    separate_loop()
+    for i in range(start, end):
+        row[i] = uint8(uint8(row[i] & uint8(~mask)) | uint8(value & mask))
+
+
+@kernel("void(i8[::1],i8,u4[:,::1],u4[:,::1],u1[:,::1])")
+def clear_band(job, band, color, depth_buffer, stencil):
+    """A Clear's part of one band."""
+    separate_function()
+    x0, x1, buffers = job[R.JOB_X0], job[R.JOB_X1], job[R.JOB_BUFFERS]
+    top, bottom = max(band * BAND_HEIGHT, job[R.JOB_Y0]), min((band + 1) * BAND_HEIGHT, job[R.JOB_Y1])
+    for y in range(top, bottom):
+        if buffers & 1:
+            clear_words(color[y], x0, x1, uint32(job[R.JOB_COLOR]), uint32(job[R.JOB_COLOR_MASK]))
+        if buffers & 2:
+            clear_words(depth_buffer[y], x0, x1, uint32(job[R.JOB_DEPTH]), uint32(0xFFFFFFFF))
+        if buffers & 4:
+            clear_bytes(stencil[y], x0, x1, uint8(job[R.JOB_STENCIL]), uint8(job[R.JOB_STENCIL_MASK]))
+
+
+@kernel("void(i4[::1],i8,i8,i4)")
+def fill_pixels(pixels, position, count, first):
+    """The pixel numbers of a run."""
+    separate_loop()
+    for i in range(0, count, 16):
+        store(pixels, position + i, ramp_i32x16() + int32(first + int32(i)))
+
+
+@kernel("void(u4[::1],i4[:,::1],i8[::1],i4[::1],i4[::1],i8,i4[:,::1],u4[:,::1],i2[:,::1],i8)")
+def filter_slowly(texels, levels, row, f_s, f_t, count, ints, packed, planes, plane):
+    """Interim."""
+    separate_function()
+    w, h = int64(levels[0, 1]), int64(levels[0, 2])
+    linear = row[R.MAG_LINEAR]
+    for axis in range(2):
+        n = w if axis == 0 else h
+        wrap = row[R.WRAP_S] if axis == 0 else row[R.WRAP_T]
+        for i in range(count):
+            f = int64(f_s[i] if axis == 0 else f_t[i])
+            if axis == 1 and row[R.TARGET] == 0:
+                f = int64(128)
+            g = f - 128 if linear else f
+            if wrap == 0:
+                g = g & (256 * n - 1)
+                a, b = g >> 8, ((g >> 8) + 1) & (n - 1)
+            else:
+                g = min(max(g, 0), (n - 1) * 256 if linear else 256 * n - 1)
+                a, b = g >> 8, min((g >> 8) + 1, n - 1)
+            ints[R.I0 + 3 * axis, i] = int32(a)
+            ints[R.I1 + 3 * axis, i] = int32(b)
+            ints[R.I_FRACTION + 3 * axis, i] = int32(g & 255)
+    for i in range(count):
+        ints[R.BASE, i] = levels[0, 0]
+        ints[R.WIDTH, i] = levels[0, 1]
+    fetch_and_filter(texels, ints, linear, False, uint32(0), -1, count, packed, R.TEXEL_0)
+    unpack_unit(row, count, packed, planes, plane)
+
+
+SHADE_SIGNATURE = (
+    "void(i8[::1],i8[::1],i4[:,:,::1],i4[:,::1],i2[:,::1],i4[::1],i4[:,::1],i4[:,::1],i4[::1],i4[::1],f8[::1],"
+    "u1[:,:,::1],f8[:,:,::1],u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],i8[:,::1],i8,i8,i8,u4[:,::1],u4[:,::1],"
+    "u1[:,::1],f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i4[:,::1],i2[:,::1],u1[::1],i4[:,::1])"
+)
+
+
+@kernel(SHADE_SIGNATURE)
+def finish_batch(
+    job, draw, program, final, constants, arithmetic, factors, triangles, x, y, inverse_w, colors, coordinates,
+    texels0, texels1, texels2, texels3, levels, units, count, segments, runs, color, depth_buffer, stencil,
+    floats, ints, packed, planes, products, results, alive, lists,
+):  # fmt: skip
+    """Shade a batch whose weights and depth words are there, and write it."""
+    separate_function()
+    lists[R.STARTS, segments], lists[R.RUN_STARTS, runs] = int32(count), int32(count)
+    flat, terms = draw[R.FLAT], planes[R.COLOR_TERMS :]
+    if draw[R.NEEDS_COLOR]:
+        if draw[R.DIRECT]:
+            iterate_colors(lists, segments, triangles, colors, 0, flat, floats, terms, results, 0)
+        else:
+            if draw[R.NEEDS_PRIMARY]:
+                iterate_colors(
+                    lists, segments, triangles, colors, 0, flat, floats, terms, planes, R.PRIMARY * 4
+                )
+            if draw[R.NEEDS_SECONDARY]:
+                iterate_colors(
+                    lists, segments, triangles, colors, 4, flat, floats, terms[12:], planes, R.SECONDARY * 4
+                )
+            if draw[R.WRITES_TEXTURE]:
+                for u in range(4):
+                    unbound_texture(planes, u, count)
+            for u in range(draw[R.UNITS]):
+                texels = texels0 if u == 0 else (texels1 if u == 1 else (texels2 if u == 2 else texels3))
+                path = job[R.JOB_UNIT_PATH + u]
+                row = units[u]
+                if path == 1:
+                    source = job[R.JOB_COORDINATES_OF + u]
+                    s_column, t_column = ints[R.FIXED0 + 2 * source], ints[R.FIXED0 + 2 * source + 1]
+                    if source == u:
+                        linear = row[R.MAG_LINEAR]
+                        iterate_texels(
+                            lists, segments, triangles, coordinates, u, 0, job[R.JOB_LOG2_S + u],
+                            row[R.WRAP_S] == 0, linear, floats, s_column,
+                        )  # fmt: skip
+                        iterate_texels(
+                            lists, segments, triangles, coordinates, u, 1, job[R.JOB_LOG2_T + u],
+                            row[R.WRAP_T] == 0, linear, floats, t_column,
+                        )  # fmt: skip
+                    filter_slowly(
+                        texels, levels[u], row, s_column, t_column, count, ints, packed, planes,
+                        (R.TEXTURE0 + u) * 4,
+                    )  # fmt: skip
+                elif path == 2:
+                    sample_unit(
+                        draw, u, units, count, lists[R.STARTS], lists[R.OWNERS], segments, triangles, triangles,
+                        x, y, inverse_w, coordinates, texels, levels[u], lists[R.RUN_STARTS], lists[R.RUN_X],
+                        lists[R.RUN_Y], runs, floats, ints, packed, planes, ints[R.DEPTH_WORD], alive,
+                    )  # fmt: skip
+            for c in range(3):
+                fill_plane(planes, R.SPARE0 * 4 + c, count, int32(0))
+            copy_plane(planes, R.TEXTURE0 * 4 + 3, planes, R.SPARE0 * 4 + 3, count)
+            for c in range(4):
+                fill_plane(planes, R.SPARE1 * 4 + c, count, int32(0))
+            for stage in range(draw[R.STAGES]):
+                if draw[R.STAGE_CONSTANTS]:
+                    for c in range(8):
+                        fill_plane(planes, R.CONSTANT0 * 4 + c, count, int32(constants[stage, c]))
+                general_combiner(planes, program[stage], count, arithmetic, products, products, results)
+            if draw[R.STAGE_CONSTANTS]:
+                for c in range(8):
+                    fill_plane(planes, R.CONSTANT0 * 4 + c, count, int32(constants[draw[R.STAGES], c]))
+            uses_ef, uses_sum = draw[R.USES_E_TIMES_F], draw[R.USES_SPARE0_PLUS_SECONDARY]
+            final_combiner(planes, final, count, uses_ef, uses_sum, draw[R.COLOR_SUM], results)
+    per_fragment(
+        draw, count, lists[R.RUN_STARTS], lists[R.RUN_X], lists[R.RUN_Y], runs, results, packed[R.SHADED],
+        ints[R.DEPTH_WORD], alive, factors, color, depth_buffer, stencil,
+    )  # fmt: skip
+
+
+@kernel
+def edge_tie(right, down):
+    """What an edge function may fall short of 0: the interior lies right of a left edge, below a top one."""
+    return int64(0) if right > 0 or (right == 0 and down > 0) else int64(-1)
+
+
+@kernel(
+    "i8(i8[::1],i8[::1],f8[::1],i4[:,:,::1],i4[:,::1],i2[:,::1],i4[::1],i4[:,::1],i4[:,::1],i4[::1],i4[::1],"
+    "f8[::1],f8[::1],u1[:,:,::1],f8[:,:,::1],u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],i8[:,::1],i4[::1],i8,i8,"
+    "u4[:,::1],u4[:,::1],u1[:,::1],f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i4[:,::1],i2[:,::1],u1[::1],i4[:,::1])"
+)
+def draw_band(
+    job, draw, draw_float, program, final, constants, arithmetic, factors, triangles, x, y, z, inverse_w,
+    colors, coordinates, texels0, texels1, texels2, texels3, levels, units, members, band, batch, color,
+    depth_buffer, stencil, floats, ints, packed, planes, products, results, alive, lists,
+):  # fmt: skip
+    """The rows of ``band`` of a Draw whose triangles there are ``members``; returns how many fragments."""
+    separate_function()
+    needs_depth, has_offset = draw[R.NEEDS_DEPTH], draw[R.POLYGON_OFFSET]
+    needs_weights, needs_color = draw[R.NEEDS_ITERATION_WEIGHTS], draw[R.NEEDS_COLOR]
+    mixes, perspective = job[R.JOB_MIXES], job[R.JOB_PERSPECTIVE]
+    primary = needs_color and (draw[R.DIRECT] or draw[R.NEEDS_PRIMARY] or draw[R.NEEDS_SECONDARY])
+    flat, top_word = draw[R.FLAT], float64(draw[R.DEPTH_MAX])
+    width = int64(color.shape[1])
+    top, bottom = max(band * BAND_HEIGHT, draw[R.Y0]), min((band + 1) * BAND_HEIGHT, draw[R.Y1])
+    x_first, x_last = draw[R.X0], draw[R.X1] - 1
+    if needs_color and not draw[R.DIRECT]:
+        for c in range(8):
+            fill_plane(planes, R.CONSTANT0 * 4 + c, batch, int32(constants[0, c]))
+        for c in range(4):
+            fill_plane(planes, R.FOG * 4 + c, batch, int32(draw[R.FOG_RED + c] if c < 3 else 255))
+            fill_plane(planes, R.ZERO * 4 + c, batch, int32(0))
+        for u in range(4):
+            unbound_texture(planes, u, batch)
+    fragments, position, segments, runs = int64(0), int64(0), int64(0), int64(0)
+    mixed_from = int64(-1)  # where the open mixed segment began
+    for k in range(members.shape[0] + 1):
+        finished = k == members.shape[0]
+        t = members[k] if not finished else members[0]
+        v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        x0, y0, x1, y1 = int64(x[v0]), int64(y[v0]), int64(x[v1]), int64(y[v1])
+        x2, y2 = int64(x[v2]), int64(y[v2])
+        first_row = max((min(y0, min(y1, y2)) + 7) >> 4, top)
+        last_row = min((max(y0, max(y1, y2)) - 8) >> 4, bottom - 1)
+        left = max((min(x0, min(x1, x2)) + 7) >> 4, x_first)
+        right = min((max(x0, max(x1, x2)) - 8) >> 4, x_last)
+        small = mixes and not finished and right - left < SMALL and last_row - first_row < SMALL
+        # Room for a small triangle's box; anything else closes an open mixed segment.
+        full = position + SMALL * SMALL > batch if small else finished
+        if mixed_from >= 0 and (full or not small):
+            if needs_weights:
+                mixed_weights(floats, mixed_from, position, perspective)
+            if needs_depth:
+                mixed_depth(floats, ints[R.DEPTH_WORD], mixed_from, position, top_word)
+            mixed_from = int64(-1)
+        if full and position > 0:
+            finish_batch(
+                job, draw, program, final, constants, arithmetic, factors, triangles, x, y, inverse_w, colors,
+                coordinates, texels0, texels1, texels2, texels3, levels, units, position, segments, runs, color,
+                depth_buffer, stencil, floats, ints, packed, planes, products, results, alive, lists,
+            )  # fmt: skip
+            fragments += position
+            position, segments, runs = int64(0), int64(0), int64(0)
+        if finished:
+            break
+        area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
+        sign = int64(-1) if area < 0 else int64(1)
+        area *= sign
+        right1, down1 = (y2 - y0) * 16 * sign, -(x2 - x0) * 16 * sign
+        right2, down2 = -(y1 - y0) * 16 * sign, (x1 - x0) * 16 * sign
+        right0, down0 = -(right1 + right2), -(down1 + down2)
+        sx, sy = left * 16 + 8, first_row * 16 + 8
+        n1 = ((sx - x0) * (y2 - y0) - (x2 - x0) * (sy - y0)) * sign
+        n2 = ((x1 - x0) * (sy - y0) - (sx - x0) * (y1 - y0)) * sign
+        n0 = area - n1 - n2
+        tie0, tie1, tie2 = edge_tie(right0, down0), edge_tie(right1, down1), edge_tie(right2, down2)
+        iw0, iw1, iw2 = inverse_w[v0], inverse_w[v1], inverse_w[v2]
+        if iw0 == iw1 and iw1 == iw2:
+            iw0 = iw1 = iw2 = 1.0
+        back = int32(1) if draw[R.BACK_SIGN] == sign else int32(0)
+        z0, z1, z2, offset, slope = 0.0, 0.0, 0.0, 0.0, 0.0
+        if needs_depth:
+            z0, z1, z2 = z[v0], z[v1], z[v2]
+            if has_offset:
+                offset, slope = polygon_offset(draw, draw_float, v0, v1, v2, x, y, z, inverse_w)
+        s0, s1, s2 = float64(right0), float64(right1), float64(right2)
+        if small:
+            begin = position
+            step0, step1, step2 = ramp_f64x8() * s0, ramp_f64x8() * s1, ramp_f64x8() * s2
+            # Two rows of eight pixels at a time: lane 8 is the next row's first pixel.
+            lane = ramp_i32x16()
+            along, below = lane & 7, lane >> 3
+            c0 = along * int32(right0) + below * int32(down0) + int32(n0 + tie0)
+            c1 = along * int32(right1) + below * int32(down1) + int32(n1 + tie1)
+            c2 = along * int32(right2) + below * int32(down2) + int32(n2 + tie2)
+            columns = (int64(1) << (right - left + 1)) - 1
+            for row in range(first_row, last_row + 1, 2):
+                mask = mask_bits((c0 | c1 | c2) >= int32(0))
+                c0, c1, c2 = c0 + int32(2 * down0), c1 + int32(2 * down1), c2 + int32(2 * down2)
+                for half in range(2 if row < last_row else 1):
+                    bits = (mask >> (8 * half)) & columns
+                    if bits == 0:
+                        continue
+                    start, n = lowest_bit(bits), count_bits(bits)
+                    m0 = float64(n0 + start * right0 + (row + half - first_row) * down0)
+                    m1 = float64(n1 + start * right1 + (row + half - first_row) * down1)
+                    m2 = float64(n2 + start * right2 + (row + half - first_row) * down2)
+                    store(floats[R.N0], position, step0 + m0)
+                    store(floats[R.N1], position, step1 + m1)
+                    store(floats[R.N2], position, step2 + m2)
+                    at = (row + half) * width + left + start
+                    store(ints[R.PIXEL], position, ramp_i32x8() + int32(at))
+                    lists[R.RUN_STARTS, runs], lists[R.RUN_X, runs] = int32(position), int32(left + start)
+                    lists[R.RUN_Y, runs] = int32(row + half)
+                    ints[R.OWNER, runs] = t
+                    runs += 1
+                    position += n
+            n = position - begin
+            if n == 0:
+                continue
+            if mixed_from < 0:
+                mixed_from = begin
+                lists[R.STARTS, segments], lists[R.OWNERS, segments] = int32(begin), int32(-1)
+                segments += 1
+            if needs_weights:
+                if perspective:
+                    spread(floats[R.INVERSE_W0], begin, n, iw0)
+                    spread(floats[R.INVERSE_W1], begin, n, iw1)
+                    spread(floats[R.INVERSE_W2], begin, n, iw2)
+                else:
+                    spread(floats[R.INVERSE_W0], begin, n, truncate_24(1.0 / float64(area)))
+            if needs_depth:
+                spread_depth(floats, begin, n, z0, z1, z2, float64(area), offset)
+            if primary:
+                provoking = triangles[t, 3]
+                spread_colors(planes[R.COLOR_TERMS :], begin, n, colors, v0, v1, v2, provoking, back, flat)
+            for u in range(draw[R.UNITS]):
+                if job[R.JOB_UNIT_PATH + u] == 1 and job[R.JOB_COORDINATES_OF + u] == u:
+                    spread_coordinates(floats, begin, n, coordinates, u, v0, v1, v2)
+            continue
+        for row in range(first_row, last_row + 1):
+            start, end = row_span(n0 + tie0, n1 + tie1, n2 + tie2, right0, right1, right2, left, right)
+            while start < end:
+                n = min(end - start, batch - position)
+                if segments == 0 or lists[R.OWNERS, segments - 1] != t:
+                    lists[R.STARTS, segments], lists[R.OWNERS, segments] = int32(position), t
+                    lists[R.BACKS, segments] = back
+                    segments += 1
+                lists[R.RUN_STARTS, runs], lists[R.RUN_X, runs] = int32(position), int32(start)
+                lists[R.RUN_Y, runs] = int32(row)
+                ints[R.OWNER, runs] = t
+                runs += 1
+                ahead = start - left
+                m0, m1 = float64(n0 + ahead * right0), float64(n1 + ahead * right1)
+                m2 = float64(n2 + ahead * right2)
+                if needs_weights:
+                    run_weights(floats, position, n, m0, m1, m2, s0, s1, s2, iw0, iw1, iw2)
+                if needs_depth:
+                    run_depth(
+                        ints[R.DEPTH_WORD], position, n, m0, m1, m2, s0, s1, s2, z0, z1, z2, offset, top_word
+                    )
+                if mixes:
+                    fill_pixels(ints[R.PIXEL], position, n, int32(row * width + start))
+                position += n
+                start += n
+                if position == batch:
+                    finish_batch(
+                        job, draw, program, final, constants, arithmetic, factors, triangles, x, y, inverse_w,
+                        colors, coordinates, texels0, texels1, texels2, texels3, levels, units, position,
+                        segments, runs, color, depth_buffer, stencil, floats, ints, packed, planes, products,
+                        results, alive, lists,
+                    )  # fmt: skip
+                    fragments += position
+                    position, segments, runs = int64(0), int64(0), int64(0)
+            n0 += down0
+            n1 += down1
+            n2 += down2
+    return fragments
+
+
+@kernel(
+    "i8(i8[:,::1],i8,i8[::1],i8,u4[:,::1],u4[:,::1],u1[:,::1],f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i4[:,::1],"
+    "i2[:,::1],u1[::1],i4[:,::1])"
+)
+def draw_frame(
+    jobs, count, counter, batch, color, depth_buffer, stencil, floats, ints, packed, planes, products, results,
+    alive, lists,
+):  # fmt: skip
+    """Run the first ``count`` jobs on every band that ``counter`` int64[1] still gives.
+
+    Threads that share a frame call this with one counter, which began at 0, and each its own ``scratch``
+    arrays (from ``floats`` on) of at least ``batch`` columns. Returns how many fragments this call drew.
+    """
+    fragments = int64(0)
+    bands = (int64(color.shape[0]) + BAND_HEIGHT - 1) // BAND_HEIGHT
+    band = next_of(counter)
+    while band < bands:
+        for k in range(count):
+            job = jobs[k]
+            if job[R.JOB_KIND] == 0:
+                clear_band(job, band, color, depth_buffer, stencil)
+                continue
+            vertices, units = job[R.JOB_VERTICES], job[R.JOB_UNITS]
+            ends = integers_at(job[R.JOB_ADDRESS + 17], (job[R.JOB_BANDS],))
+            begin, end = int64(ends[band - 1]) if band > 0 else int64(0), int64(ends[band])
+            if begin == end:
+                continue
+            fragments += draw_band(
+                job,
+                longs_at(job[R.JOB_ADDRESS], (int64(R.DRAW_SIZE),)),
+                floats_at(job[R.JOB_ADDRESS + 1], (int64(R.DRAW_FLOAT_SIZE),)),
+                tables_at(job[R.JOB_ADDRESS + 2], (job[R.JOB_STAGES], int64(2), int64(R.PORTION_SIZE))),
+                table_at(job[R.JOB_ADDRESS + 3], (int64(7), int64(R.FINAL_SIZE))),
+                words_at(job[R.JOB_ADDRESS + 4], (job[R.JOB_CONSTANTS], int64(8))),
+                integers_at(job[R.JOB_ADDRESS + 5], (int64(3),)),
+                table_at(job[R.JOB_ADDRESS + 6], (int64(2), int64(4 * R.FACTOR_SIZE))),
+                table_at(job[R.JOB_ADDRESS + 7], (job[R.JOB_PRIMITIVES], int64(4))),
+                integers_at(job[R.JOB_ADDRESS + 8], (vertices,)),
+                integers_at(job[R.JOB_ADDRESS + 9], (vertices,)),
+                floats_at(job[R.JOB_ADDRESS + 10], (vertices,)),
+                floats_at(job[R.JOB_ADDRESS + 11], (vertices,)),
+                bytes_at(job[R.JOB_ADDRESS + 12], (vertices, int64(2), int64(8))),
+                float_tables_at(job[R.JOB_ADDRESS + 13], (vertices, units, int64(4))),
+                texels_at(job[R.JOB_TEXELS], (job[R.JOB_TEXEL_COUNT],)),
+                texels_at(job[R.JOB_TEXELS + 1], (job[R.JOB_TEXEL_COUNT + 1],)),
+                texels_at(job[R.JOB_TEXELS + 2], (job[R.JOB_TEXEL_COUNT + 2],)),
+                texels_at(job[R.JOB_TEXELS + 3], (job[R.JOB_TEXEL_COUNT + 3],)),
+                tables_at(job[R.JOB_ADDRESS + 14], (job[R.JOB_ROWS], int64(R.MAX_LEVELS), int64(3))),
+                long_table_at(job[R.JOB_ADDRESS + 15], (job[R.JOB_ROWS], int64(R.UNIT_SIZE))),
+                integers_at(job[R.JOB_ADDRESS + 16], (job[R.JOB_MEMBERS],))[begin:end],
+                band, batch, color, depth_buffer, stencil, floats, ints, packed, planes, products, results,
+                alive, lists,
+            )  # fmt: skip
+        band = next_of(counter)
+    return fragments
