@@ -241,6 +241,19 @@ def fog_thresholds(fog):
 _NO_FOG = np.zeros(255, np.float64)
 
 
+def _pack_fog(state, profile, used, draw):
+    """Fog's entries; returns its thresholds or table, or zeros."""
+    if Register.FOG not in used or state.fog is None:
+        return _NO_FOG
+    draw[R.FOG_RED : R.FOG_BLUE + 1] = _color_bytes(state.fog.color)[:3]
+    if profile.fog_arithmetic == FogArithmetic.TABLE:
+        draw[R.FOG_ENABLED] = 2
+        return table(state.fog.mode).copy()  # kernels take writable arrays
+    draw[R.FOG_ENABLED] = 1
+    draw[R.FOG_RISING] = state.fog.mode == FogMode.LINEAR and state.fog.start > state.fog.end
+    return fog_thresholds(state.fog).copy()
+
+
 def _pack_stencil_operation(operation, reference):
     return {
         StencilOperation.KEEP: (255, 0, 0, 0, 255),
@@ -293,17 +306,19 @@ def _pack_depth(state, framebuffer, draw, draw_float):
         draw_float[R.OFFSET_UNITS] = polygon.offset_units
 
 
+_LARGEST = float(np.finfo(np.float32).max)
+
+
 def _single(depths):
     """Depths as the chip has them: single precision, nothing between 0 and its smallest normal number.
 
     Measured: vertices below 2**-126 have depth 0 (DepthFmt_z24 FZy captures); Assumed: to nearest.
     """
-    largest = float(np.finfo(np.float32).max)
-    single = np.fmin(np.fmax(depths, -largest), largest).astype(np.float32).astype(np.float64)
+    single = np.fmin(np.fmax(depths, -_LARGEST), _LARGEST).astype(np.float32).astype(np.float64)
     return np.where(np.abs(single) < 2.0**-126, 0.0, single)
 
 
-def _depths(state, framebuffer, primitives):
+def depth_units(state, framebuffer, primitives):
     """Every vertex's depth in depth units: clip w, z in these units, or window z, which a fixed format's
     farthest scales. Source: NV_depth_buffer_float (floats hold window z itself).
     """
@@ -471,8 +486,9 @@ def _pack_comparison(sampler, internal_format, profile, row):
     row[R.COORDINATE_DEPTH] = _pattern(1.0 if units else row[R.DEPTH_TEXEL_MAX])
 
 
-def _pack_units(state, profile, textures, primitives, used, draw):
-    units = np.zeros((max(len(state.texture_units), 1), R.UNIT_SIZE), np.int64)
+def _pack_units(state, profile, textures, used, draw):
+    """The units' rows, and the numbers of those whose coordinates are divided by q where it varies."""
+    units, divided = np.zeros((max(len(state.texture_units), 1), R.UNIT_SIZE), np.int64), []
     stages = shader_stages(state)
     for i, unit in enumerate(state.texture_units):
         # SPARE0's alpha begins as texture 0's alpha.
@@ -526,12 +542,13 @@ def _pack_units(state, profile, textures, primitives, used, draw):
             _pack_comparison(sampler, texture.internal_format, profile, row)
         else:
             row[R.BORDER] = border_texel(sampler.border_color, texture.internal_format) ^ int(row[R.SIGNED])
-        divided = texture.target != TextureTarget.TEXTURE_CUBE_MAP  # a cube map reads a direction as it is
-        row[R.PROJECTIVE] = divided and (primitives.coordinates[:, i, 3] != 1.0).any()
-    return units
+        if texture.target != TextureTarget.TEXTURE_CUBE_MAP:  # which reads a direction as it is
+            divided.append(i)
+    return units, divided
 
 
-def _pack_facing(state, two_side, draw):
+def _pack_facing(state, draw):
+    """Culling; returns the sign of a polygon's area that is its back."""
     polygon = state.polygon
     # With y down, a positive area is clockwise as seen with y up.
     front = -1 if polygon.front_face == FrontFace.CCW else 1
@@ -542,13 +559,7 @@ def _pack_facing(state, two_side, draw):
     draw[R.CULL_NEGATIVE] = culled == Face.FRONT_AND_BACK or culled == (
         Face.FRONT if front < 0 else Face.BACK
     )
-    draw[R.BACK_SIGN] = -front if two_side else 0
-
-
-def _pack_strokes(state, primitives, draw):
-    draw[R.STROKES] = len(primitives.strokes) > 0
-    draw[R.LINE_WIDTH] = eighths(state.line.width)
-    draw[R.LINE_STEPS] = state.line.rasterization == LineRasterization.STEPS
+    return -front
 
 
 def eighths(size):
@@ -590,50 +601,122 @@ def scissor_box(state, framebuffer):
 
 
 def pack(state: PassState, profile, framebuffer, textures, primitives):
-    """Rows of a validated pass. ``textures`` maps names to Texture; ``primitives`` say what varies."""
-    draw = np.zeros(R.DRAW_SIZE, np.int64)
-    draw_float = np.zeros(R.DRAW_FLOAT_SIZE, np.float64)
-    draw[R.X0], draw[R.Y0], draw[R.X1], draw[R.Y1] = scissor_box(state, framebuffer)
-    _pack_facing(state, primitives.two_side, draw)
-    _pack_strokes(state, primitives, draw)
-    _pack_holes(state, framebuffer, draw)
-    _pack_tests(state, framebuffer, draw, draw_float)
-    factors = _pack_writing(state, framebuffer, draw)
-    draw[R.NEEDS_COLOR] = draw[R.COLOR_MASK] != 0 or draw[R.ALPHA_TEST]
-    program, final, constants, used = _pack_combiners(state, profile, draw)
-    units = _pack_units(state, profile, textures, primitives, used, draw)
-    draw[R.NEEDS_COLOR] |= draw[R.DISCARDS]
-    draw[R.UNITS] = len(state.texture_units)
-    thresholds = _NO_FOG
-    if Register.FOG in used and state.fog is not None:
-        draw[R.FOG_ENABLED] = 1
-        if profile.fog_arithmetic == FogArithmetic.TABLE:
-            draw[R.FOG_ENABLED] = 2
-            thresholds = table(state.fog.mode).copy()  # kernels take writable arrays
-        else:
-            draw[R.FOG_RISING] = state.fog.mode == FogMode.LINEAR and state.fog.start > state.fog.end
-            thresholds = fog_thresholds(state.fog).copy()
-        draw[R.FOG_RED : R.FOG_BLUE + 1] = _color_bytes(state.fog.color)[:3]
-    draw[R.NEEDS_PRIMARY] = Register.PRIMARY_COLOR in used
-    draw[R.NEEDS_SECONDARY] = Register.SECONDARY_COLOR in used
-    colors = primitives.colors
-    constant_color = len(colors) == 0 or bool((colors.view(np.uint64) == colors.view(np.uint64)[:1]).all())
-    draw[R.FLAT] = state.polygon.shade_model == ShadeModel.FLAT or constant_color
-    if draw[R.NEEDS_COLOR]:
-        textured = (units[:, R.ENABLED] != 0).any()
-        reads_color = draw[R.DIRECT] or draw[R.NEEDS_PRIMARY] or draw[R.NEEDS_SECONDARY]
-        draw[R.NEEDS_COLOR_WEIGHTS] = reads_color and not draw[R.FLAT]
-        draw[R.NEEDS_ITERATION_WEIGHTS] = draw[R.NEEDS_COLOR_WEIGHTS] or textured
-        draw[R.NEEDS_WEIGHTS] = draw[R.FOG_ENABLED]
-    arithmetic = np.array(
-        [
-            profile.product_rounding == ProductRounding.PER_PRODUCT,
-            profile.round_before_scale,
-            profile.clamp_low,
-        ],
-        np.int32,
+    """Rows of a validated pass. ``textures`` maps names to Texture; ``primitives`` say what varies.
+
+    Rows are shared by all that pack the same: they are not written to.
+    """
+    rows = _rows_of(state, profile, framebuffer, textures)
+    flat = rows.reads_color and (rows.flat or constant_colors(primitives))
+    varies = (
+        primitives.two_side,
+        len(primitives.strokes) > 0,
+        flat,
+        *[varying_q(primitives, unit) for unit in rows.divided],
     )
-    depths = _depths(state, framebuffer, primitives) if draw[R.NEEDS_DEPTH] else primitives.z
-    return PackedState(
-        draw, draw_float, program, final, constants, arithmetic, factors, units, thresholds, depths
+    draw, units = rows.varied.get(varies) or rows.vary(varies)
+    depths = depth_units(state, framebuffer, primitives) if rows.needs_depth else primitives.z
+    return PackedState(draw, rows.draw_float, *rows.shared, units, rows.fog_thresholds, depths)
+
+
+def constant_colors(primitives):
+    """Whether every vertex has the first one's colours."""
+    words = primitives.colors.reshape(-1).view(np.uint64).reshape(-1, 2)
+    return bool((words[:_FEW] == words[:1]).all() and (words[_FEW:] == words[:1]).all())
+
+
+def varying_q(primitives, unit):
+    """Whether some vertex has a texture coordinate q other than 1."""
+    q = primitives.coordinates[:, unit, 3]
+    return bool((q[:_FEW] != 1.0).any() or (q[_FEW:] != 1.0).any())
+
+
+_FEW = 64  # vertices that are looked at first: mostly one of them already varies
+
+
+def _rows_of(state, profile, framebuffer, textures):
+    """The rows of a pass as far as no vertex matters, kept for the next time.
+
+    Found by identity, for equal states may differ in bits (0.0 and -0.0); what is kept holds state and
+    profile, so that no other object has theirs.
+    """
+    height, width, _ = framebuffer.color.shape
+    key = (
+        id(state),
+        id(profile),
+        width,
+        height,
+        framebuffer.depth_format,
+        framebuffer.color_format,
+        *[_kind(textures, unit) for unit in state.texture_units],
     )
+    rows = _rows.get(key)
+    if rows is None:
+        if len(_rows) >= _MOST_ROWS:
+            _rows.clear()
+        rows = _rows[key] = _StateRows(state, profile, framebuffer, textures)
+    return rows
+
+
+_rows, _MOST_ROWS = {}, 1024
+
+
+def _kind(textures, unit):
+    """What rows know of a unit's texture."""
+    if unit is None or unit.texture is None:
+        return None
+    texture = textures[unit.texture]
+    return texture.target, texture.internal_format, len(texture.levels), texture.depth
+
+
+class _StateRows:
+    """The rows of a pass as far as no vertex matters, and those that do for each way in which they vary."""
+
+    def __init__(self, state, profile, framebuffer, textures):
+        self.held = state, profile
+        draw = np.zeros(R.DRAW_SIZE, np.int64)
+        self.draw_float = np.zeros(R.DRAW_FLOAT_SIZE, np.float64)
+        draw[R.X0], draw[R.Y0], draw[R.X1], draw[R.Y1] = scissor_box(state, framebuffer)
+        self.back_sign = _pack_facing(state, draw)
+        draw[R.LINE_WIDTH] = eighths(state.line.width)
+        draw[R.LINE_STEPS] = state.line.rasterization == LineRasterization.STEPS
+        _pack_holes(state, framebuffer, draw)
+        _pack_tests(state, framebuffer, draw, self.draw_float)
+        factors = _pack_writing(state, framebuffer, draw)
+        draw[R.NEEDS_COLOR] = draw[R.COLOR_MASK] != 0 or draw[R.ALPHA_TEST]
+        program, final, constants, used = _pack_combiners(state, profile, draw)
+        self.units, self.divided = _pack_units(state, profile, textures, used, draw)
+        draw[R.NEEDS_COLOR] |= draw[R.DISCARDS]
+        draw[R.UNITS] = len(state.texture_units)
+        self.fog_thresholds = _pack_fog(state, profile, used, draw)
+        draw[R.NEEDS_PRIMARY] = Register.PRIMARY_COLOR in used
+        draw[R.NEEDS_SECONDARY] = Register.SECONDARY_COLOR in used
+        self.flat = state.polygon.shade_model == ShadeModel.FLAT
+        self.reads_color = bool(
+            draw[R.NEEDS_COLOR] and (draw[R.DIRECT] or draw[R.NEEDS_PRIMARY] or draw[R.NEEDS_SECONDARY])
+        )
+        self.textured = bool((self.units[:, R.ENABLED] != 0).any())
+        self.needs_depth = bool(draw[R.NEEDS_DEPTH])
+        arithmetic = np.array(
+            [
+                profile.product_rounding == ProductRounding.PER_PRODUCT,
+                profile.round_before_scale,
+                profile.clamp_low,
+            ],
+            np.int32,
+        )
+        self.draw, self.shared = draw, (program, final, constants, arithmetic, factors)
+        self.varied = {}
+
+    def vary(self, varies):
+        """(draw, units) for primitives that are two-sided, hold strokes, have one colour, and vary in q."""
+        two_side, strokes, flat, *projective = varies
+        draw, units = self.draw.copy(), self.units.copy()
+        draw[R.BACK_SIGN] = self.back_sign if two_side else 0
+        draw[R.STROKES], draw[R.FLAT] = strokes, flat
+        units[self.divided, R.PROJECTIVE] = projective
+        if draw[R.NEEDS_COLOR]:
+            draw[R.NEEDS_COLOR_WEIGHTS] = self.reads_color and not flat
+            draw[R.NEEDS_ITERATION_WEIGHTS] = draw[R.NEEDS_COLOR_WEIGHTS] or self.textured
+            draw[R.NEEDS_WEIGHTS] = draw[R.FOG_ENABLED]
+        self.varied[varies] = draw, units
+        return draw, units

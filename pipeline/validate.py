@@ -18,7 +18,7 @@ from functools import cache
 from numbers import Integral, Real
 from types import NoneType, UnionType
 from typing import NamedTuple, get_args, get_origin
-from weakref import WeakSet
+from weakref import WeakKeyDictionary, WeakSet
 
 import numpy as np
 
@@ -58,7 +58,15 @@ from pipeline.enums import (
 )
 from pipeline.framebuffer import DEPTH_READABLE_AS, READ_FORMATS, READABLE_AS
 from pipeline.pack import WITHOUT_TEXTURE, shader_stages
-from pipeline.state import Light, Lighting, Material, SignedComponents, VertexState
+from pipeline.state import (
+    Light,
+    Lighting,
+    Material,
+    RegisterCombiners,
+    SignedComponents,
+    TextureUnit,
+    VertexState,
+)
 from pipeline.textures import COMPONENT_BITS, DEPTH_TEXELS, Texture
 from pipeline.vertex import invert_upper_left, needs_normals
 
@@ -67,6 +75,31 @@ _READ_FORMATS = (*READ_FORMATS, "DEPTH_COMPONENT", "STENCIL_INDEX")
 
 class UnsupportedState(ValueError):  # noqa: N818 (it names what was asked for)
     """A command that the machine could not execute; the message is a sentence that says what to do."""
+
+
+# ----------------------------------------------------------------------------- what was found right before
+
+
+class _Remembered(dict):
+    """Objects that were found right, by their identity and what else the finding depends on.
+
+    By identity, because equal states may differ in what is checked (1, 1.0 and True are equal). An object is
+    held as long as it is remembered, so its identity is nobody else's; all are forgotten when there are
+    ``most``.
+    """
+
+    def __init__(self, most=4096):
+        super().__init__()
+        self.most = most
+
+    def add(self, value, *beside, finding=True):
+        if len(self) >= self.most:
+            self.clear()
+        self[(id(value), *beside) if beside else id(value)] = value, finding
+
+
+# Parts that many states share, because dataclasses.replace keeps them.
+_SHARED_PARTS = (VertexState, TextureUnit, RegisterCombiners)
 
 
 # ------------------------------------------------------------------------------- types of state fields
@@ -176,7 +209,22 @@ def _dataclass_check(kind):
                 return wrong.below(f".{name}")
         return None
 
-    return check
+    return _remembering(check) if kind in _SHARED_PARTS else check
+
+
+def _remembering(check):
+    """The same check, which looks at an object once."""
+    right = _Remembered()
+
+    def check_once(value):
+        if id(value) in right:
+            return None
+        if wrong := check(value):
+            return wrong
+        right.add(value)
+        return None
+
+    return check_once
 
 
 def _optional_check(kind):
@@ -678,11 +726,41 @@ class _Known(NamedTuple):
 # -------------------------------------------------------------------------------------------- the walk
 
 
+class _Taken:
+    """What a profile was found to take: parts of states, whole states with what they were drawn beside, and
+    texture objects as what validation remembers of them.
+    """
+
+    def __init__(self):
+        self.parts, self.states, self.textures = _Remembered(), _Remembered(), WeakKeyDictionary()
+
+
+_taken = _Remembered(16)
+
+
+def _taken_by(profile):
+    _, found = _taken.get(id(profile), (None, None))
+    if found is None:
+        found = _Taken()
+        _taken.add(profile, finding=found)
+    return found
+
+
+class _Beside(NamedTuple):
+    """What a Draw's state was checked beside."""
+
+    names: tuple[str, ...]
+    textures: tuple[_Known | None, ...]
+    coordinate_sets: int
+    primitive: PrimitiveType
+
+
 class _Walk:
     """One pass over the commands; ``where`` is the command at hand."""
 
     def __init__(self, profile, width, height, textures, surfaces):
         self.profile, self.width, self.height = profile, width, height
+        self.taken = _taken_by(profile)
         self.window = width, height
         self.surfaces = {
             name: _Surface(f.width, f.height, f.color_format, f.depth_format) for name, f in surfaces.items()
@@ -692,20 +770,37 @@ class _Walk:
             self.where = f"Texture {name!r}, which the machine holds"
             self.store(name, image)
         self.read = set()
-        # States share parts (dataclasses.replace keeps them) and stay alive during the walk, so what was once
-        # found right need not be looked at again.
-        self.seen = set()
 
     def refuse(self, sentence):
         raise UnsupportedState(f"{self.where}: {sentence}")
 
-    def first_time(self, value, *beside):
-        """Whether the walk meets this state (beside these hashable values) for the first time."""
-        key = (id(value), *beside)
-        if key in self.seen:
+    def once(self, check, value, *beside):
+        """``check(value, *beside)``, unless this machine was found to take the value beside these hashable
+        ones.
+        """
+        key = (id(value), check.__name__, *beside)
+        if key not in self.taken.parts:
+            check(value, *beside)
+            self.taken.parts.add(value, *key[1:])
+
+    def takes(self, command):
+        """Whether the command is known to be right here: a Clear that was checked before, or a Draw of a
+        state that was, with the same textures.
+        """
+        kind = type(command)
+        if kind is Clear:
+            return id(command) in self.taken.states
+        if kind is not Draw or type(command.label) is not str or not command.label.strip():
             return False
-        self.seen.add(key)
-        return True
+        found = self.taken.states.get(id(command.state))
+        return found is not None and found[1] == self.beside(command.mesh, found[1].names)
+
+    def beside(self, mesh, names):
+        """What the finding on a state that names these textures depends on; None for a mesh not checked."""
+        if mesh not in _checked_meshes:
+            return None
+        textures = tuple([self.textures.get(name) for name in names])
+        return _Beside(names, textures, len(mesh.texture_coordinates), mesh.primitive)
 
     def command(self, command):
         if wrong := _type_check(type(command))(command):
@@ -725,6 +820,7 @@ class _Walk:
         self.stencil_value("stencil_write_mask", command.stencil_write_mask)
         if command.scissor is not None:
             self.scissor(command.scissor)
+        self.taken.states.add(command)
 
     def draw(self, command):
         mesh, state = command.mesh, command.state
@@ -732,13 +828,12 @@ class _Walk:
             if problem := _mesh_problem(mesh):
                 self.refuse(problem)
             _checked_meshes.add(mesh)
-        if self.first_time(state.vertex):
-            self.vertex(state.vertex)
+        self.once(self.vertex, state.vertex)
         self.texture_units(state, mesh)
         self.normals(state)
         combiners = state.register_combiners
-        if combiners is not None and self.first_time(combiners):
-            self.register_combiners(combiners)
+        if combiners is not None:
+            self.once(self.register_combiners, combiners)
         if state.color_sum and not self.profile.color_sum:
             self.refuse(f"{self.profile.name} has no color sum; add the secondary color in a second pass.")
         if not state.perspective_correction and not self.profile.perspective_hint:
@@ -767,6 +862,8 @@ class _Walk:
             self.depth_clamp(state.depth_clamp)
         if state.w_buffering and not self.profile.w_buffering:
             self.refuse(f"{self.profile.name} has no W buffering; leave w_buffering False.")
+        names = tuple(u.texture for u in state.texture_units if u is not None and u.texture is not None)
+        self.taken.states.add(state, finding=self.beside(mesh, names))
 
     def tex_image(self, command):
         self.store(command.texture, command.image)
@@ -774,12 +871,15 @@ class _Walk:
     def store(self, name, image):
         if wrong := _type_check(Texture)(image):
             self.refuse(f"it {wrong.predicate}.")
+        if known := self.taken.textures.get(image):
+            self.textures[name] = known
+            return
         if image not in _checked_textures:
             if problem := _texture_problem(image):
                 self.refuse(problem)
             _checked_textures.add(image)
         self.texture_storage(image.target, image.internal_format, image.width, image.height, image.depth)
-        self.textures[name] = _Known.of(image)
+        self.textures[name] = self.taken.textures[image] = _Known.of(image)
 
     def copy_tex_image(self, command):
         width, height = self.framebuffer_rectangle(command)
@@ -1005,8 +1105,7 @@ class _Walk:
                     f"{known.target.name}; give the operation of its target."
                 )
             self.unit_coordinates(i, unit, needed, mesh)
-            if self.first_time(unit, known):
-                self.sampler(i, unit, known)
+            self.once(self.sampler, unit, known, i)
 
     def texture_shader(self, state):
         """The stages of every unit, checked, or None."""
@@ -1110,7 +1209,7 @@ class _Walk:
                     "texels; give CLAMP, CLAMP_TO_EDGE or CLAMP_TO_BORDER."
                 )
 
-    def sampler(self, number, unit, known):
+    def sampler(self, unit, known, number):
         profile, sampler, place = self.profile, unit.sampler, f"texture unit {number}"
         if sampler.mag_filter not in (TextureFilter.NEAREST, TextureFilter.LINEAR):
             self.refuse(
@@ -1243,11 +1342,14 @@ class _Walk:
                 )
 
     def normals(self, state):
-        if needs_normals(state) and self.first_time(state.vertex, "normals"):
-            try:
-                invert_upper_left(state.vertex.modelview)
-            except ValueError as error:
-                self.refuse(f"{error}.")
+        if needs_normals(state):
+            self.once(self.inverse, state.vertex)
+
+    def inverse(self, vertex):
+        try:
+            invert_upper_left(vertex.modelview)
+        except ValueError as error:
+            self.refuse(f"{error}.")
 
     def viewport(self, viewport):
         profile = self.profile
@@ -1540,7 +1642,8 @@ def validate(commands, profile, width, height, depth_bits=24, textures=None, sur
     surfaces       {name: Framebuffer}, its pbuffers, or None
 
     Raises UnsupportedState (a ValueError) whose message names the command, what was given, what the machine
-    allows, and what to do. Meshes and textures are looked at once in their life.
+    allows, and what to do. Meshes and textures are looked at once in their life; so are states, as long as
+    they are remembered (``_Remembered``).
     """
     _check_framebuffer(profile, width, height, depth_bits)
     if type(commands) in _HANDLERS:
@@ -1550,6 +1653,8 @@ def validate(commands, profile, width, height, depth_bits=24, textures=None, sur
     walk = _Walk(profile, width, height, textures or {}, surfaces or {})
     commands = tuple(commands)
     for number, command in enumerate(commands):
+        if walk.takes(command):
+            continue
         walk.where = f"Command {number}"
         if type(command) not in _HANDLERS:
             walk.refuse(

@@ -6,6 +6,7 @@ import threading
 import time
 import warnings
 from concurrent.futures import ThreadPoolExecutor
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +16,16 @@ from hypothesis import strategies as st
 
 from pipeline import execute as execute_module
 from pipeline import vertex
-from pipeline.commands import Clear, CopyTexImage, CopyTexSubImage, Draw, Mesh, ReadPixels, TexImage
+from pipeline.commands import (
+    Clear,
+    CopyTexImage,
+    CopyTexSubImage,
+    Draw,
+    MakeCurrent,
+    Mesh,
+    ReadPixels,
+    TexImage,
+)
 from pipeline.enums import (
     BlendFactor,
     ComparisonFunction,
@@ -31,7 +41,7 @@ from pipeline.enums import (
 )
 from pipeline.execute import Machine, execute, rasterize
 from pipeline.primitives import WindowPrimitives
-from pipeline.profiles import GEFORCE_256, IDEAL
+from pipeline.profiles import GEFORCE_256, IDEAL, NV2A
 from pipeline.state import (
     Blending,
     ColorMask,
@@ -463,6 +473,72 @@ def test_a_refused_frame_leaves_everything_as_it_was():
     for old, now in zip(before, buffers(machine.framebuffer), strict=True):
         np.testing.assert_array_equal(old, now)
     assert machine.textures == names
+
+
+def test_what_is_kept_of_a_state_does_not_reach_where_it_does_not_hold():
+    """One state, packed for other vertices, textures, depths and surfaces: as if it had been a new one."""
+    depth_test = DepthTest(ComparisonFunction.LEQUAL)
+    draw = textured("t", Sampler(TextureFilter.LINEAR, TextureFilter.LINEAR), depth_test=depth_test)
+    state = replace(
+        draw.state,
+        register_combiners=replace(
+            SHOW_TEXTURE, final=replace(SHOW_TEXTURE.final, d=CombinerInput(Register.PRIMARY_COLOR))
+        ),
+        polygon=PolygonState(offset_fill=True, offset_units=2.0),
+    )
+    q = np.array([[0.0, 0.0, 0.0, 1.0], [2.0, 0.0, 0.0, 2.0], [0.0, 1.0, 0.0, 0.5]])
+    meshes = (
+        draw.mesh,
+        replace(draw.mesh, colors=np.eye(3) / 3),
+        replace(draw.mesh, texture_coordinates=(q,)),
+        replace(draw.mesh, positions=CORNERS / 2),
+        replace(draw.mesh, primitive=PrimitiveType.POINTS),
+    )
+    images = (
+        texture_2d(np.random.default_rng(3).integers(0, 256, (8, 8, 4)).astype(np.uint8), mipmaps=True),
+        texture_1d(np.arange(64, dtype=np.uint8).reshape(16, 4)),
+        texture_cube_map(np.random.default_rng(4).integers(0, 256, (6, 4, 4, 4)).astype(np.uint8)),
+    )
+    pictures = set()
+    for _ in range(2):
+        for size in ((WIDTH, HEIGHT), (WIDTH + 3, HEIGHT), (WIDTH, HEIGHT + 3)):
+            for depth_bits in (16, 24):
+                for image in images:
+                    store = TexImage(label="t", texture="t", image=image)
+                    # Every command twice: within a run more is kept.
+                    commands = (store, *[Draw(label="d", mesh=m, state=state) for m in meshes]) * 2
+                    fresh = (store, *[Draw(label="d", mesh=m, state=deepcopy(state)) for m in meshes]) * 2
+                    kept = run(*commands, size=size, depth_bits=depth_bits, trace=True).trace
+                    made = run(*fresh, size=size, depth_bits=depth_bits, trace=True).trace
+                    for a, b in zip(kept, made, strict=True):
+                        assert_same_buffers(a, b)
+                        pictures.add(b"".join(b.tobytes() for b in buffers(a)))
+    assert len(pictures) > 60
+
+
+def test_a_draw_that_is_repeated_finds_the_texture_and_the_surface_that_are_there():
+    """What a run keeps of a Draw for its repetition ends with another texture of the name, or surface."""
+    show, seen = textured("t"), []
+    commands = []
+    for n in (11, 22, 11):
+        commands += [TexImage(label="t", texture="t", image=solid(n)), show, show]
+        commands.append(ReadPixels(label="r", name=str(len(commands))))
+    pbuffer = MakeCurrent(label="p", surface="p", width=5, height=9)
+    commands += [pbuffer, show, ReadPixels(label="r", name="p")]
+    commands += [
+        CopyTexImage(label="c", texture="t", width=4, height=4),
+        TexImage(label="t", texture="t", image=solid(33)),
+        show,
+        ReadPixels(label="r", name="q"),
+        MakeCurrent(label="w"),
+        ReadPixels(label="r", name="w"),
+    ]
+    result = execute(commands, NV2A, WIDTH, HEIGHT)
+    for name, pixels in result.pixels.items():
+        assert (pixels == pixels.reshape(-1)[0]).all(), name
+        seen.append(int(pixels.reshape(-1)[0]))
+    assert seen == [11, 22, 11, 11, 33, 11]
+    assert result.fragments == 6 * WIDTH * HEIGHT + 2 * 5 * 9
 
 
 def test_a_result_can_be_kept_while_the_machine_goes_on():

@@ -67,7 +67,7 @@ from pipeline.state import (
     WindowClip,
 )
 from pipeline.textures import Texture, texture_1d, texture_2d, texture_cube_map
-from pipeline.validate import UnsupportedState, validate
+from pipeline.validate import UnsupportedState, _Remembered, _taken_by, validate
 from tests.combiner_strategies import register_combiners
 
 NAN, INF = math.nan, math.inf
@@ -1019,6 +1019,54 @@ def test_a_bad_mesh_is_refused_every_time():
     for _ in range(2):
         with pytest.raises(UnsupportedState, match="vertex 0 holds nan"):
             check(bad)
+
+
+def test_what_was_found_right_is_refused_where_it_is_not():
+    """Findings are kept; they hold for these objects, this machine, these textures and this kind of mesh."""
+    store_, pass_ = textured()
+    check(store_, pass_)
+    check(store_, pass_)
+    refusals = [
+        ({"commands": (pass_,)}, "no texture 'checker'"),
+        ({"commands": (store_, copy(texture="checker"), pass_)}, "1 level of 7"),
+        ({"commands": (store_, replace(pass_, mesh=Mesh(TRIANGLE)))}, "the mesh has 0 sets"),
+        ({"commands": (store_, replace(pass_, mesh=Mesh(TRIANGLE * NAN)))}, "vertex 0 holds nan"),
+        ({"commands": (store_, replace(pass_, mesh=None))}, "mesh is None"),
+        ({"commands": (store_, replace(pass_, label=""))}, "label is empty"),
+        ({"commands": (store_, replace(pass_, label=7))}, "label is 7"),
+        ({"commands": (store_, pass_), "profile": replace(GEFORCE_256, max_texture_units=0)}, "0 texture"),
+        ({"commands": (store_, pass_), "profile": replace(GEFORCE_256, max_texture_size=2)}, "up to 2x2"),
+    ]
+    for options, words in refusals * 2:
+        with pytest.raises(UnsupportedState, match=words):
+            check(*options["commands"], profile=options.get("profile", GEFORCE_256))
+    points = draw(replace(MESH, primitive=PrimitiveType.POINTS))
+    check(replace(points, mesh=MESH), profile=IDEAL)
+    with pytest.raises(UnsupportedState, match="filled polygons"):
+        check(points, profile=IDEAL)
+
+
+def test_equal_states_are_not_the_same_state():
+    right = draw(depth_test=DepthTest(write=True))
+    wrong = draw(depth_test=DepthTest(write=1))
+    assert right == wrong
+    clear, odd = Clear(label="c", stencil=1), Clear(label="c", stencil=True)
+    assert clear == odd
+    for command, twin, words in ((right, wrong, "write is 1;"), (clear, odd, "stencil is True")):
+        check(command)
+        with pytest.raises(UnsupportedState, match=words):
+            check(command, twin)
+
+
+def test_findings_on_more_states_than_are_kept_stay_right(monkeypatch):
+    monkeypatch.setattr("pipeline.validate._taken", _Remembered(1))
+    good = [draw(depth_test=DepthTest(), fog=Fog(density=k / 8)) for k in range(40)]
+    monkeypatch.setattr(_taken_by(GEFORCE_256).states, "most", 8)
+    for _ in range(2):
+        check(*good)
+        with pytest.raises(UnsupportedState, match=r"the fog density is -1\.0"):
+            check(*good, draw(fog=Fog(density=-1.0)))
+    assert len(_taken_by(GEFORCE_256).states) <= 8
 
 
 def test_a_cube_map_needs_three_generated_coordinates():
