@@ -7,7 +7,7 @@ threads'. A Draw that ``fill_draw`` refuses is the portable engine's (``raster.d
 """
 
 import numpy as np
-from numba import float64, int16, int32, int64, uint8, uint32
+from numba import float64, int32, int64, uint8, uint32
 
 from raster import rows as R
 from raster.bins import BAND_HEIGHT
@@ -15,8 +15,7 @@ from raster.combine import copy_plane, fill_plane, final_combiner, general_combi
 from raster.draw import polygon_offset, row_span, sample_unit, unbound_texture
 from raster.fixed import truncate_24
 from raster.kernel import kernel, next_of, separate_function, separate_loop
-from raster.per_fragment import pack_colors, per_fragment
-from raster.sample import fetch_and_filter, unpack_unit
+from raster.per_fragment import per_fragment
 from raster.records import (
     bytes_at,
     float_tables_at,
@@ -31,25 +30,17 @@ from raster.records import (
 )
 from raster.vector import (
     count_bits,
-    f64x8,
-    f64x16,
-    i32x8,
-    i32x16,
     lowest_bit,
     mask_bits,
     ramp_f64x8,
     ramp_i32x8,
     ramp_i32x16,
     store,
-    to_float64,
-    to_int32,
-    widen_i32,
 )
 from raster.vector_interpolate import (
     LARGEST_COORDINATE,
     LARGEST_REPEATED,
     iterate_colors,
-    iterate_packed,
     iterate_texels,
     mixed_depth,
     mixed_weights,
@@ -60,6 +51,7 @@ from raster.vector_interpolate import (
     spread_coordinates,
     spread_depth,
 )
+from raster.vector_texture import LOCATED, filter_located, locate
 
 SMALL = 8  # pixels: triangles whose box is not larger share segments
 
@@ -76,6 +68,7 @@ def scratch(batch):
         np.zeros((12, columns), np.int16),
         np.zeros(columns, np.uint8),
         np.zeros((R.LISTS, columns), np.int32),
+        np.zeros((4, LOCATED, columns), np.int32),
     )
 
 
@@ -147,11 +140,13 @@ def unit_path(draw, row, levels, coordinates, unit):
 
 @kernel(
     "b1(i8[:,::1],i8,i8[::1],f8[::1],i4[:,:,::1],i4[:,::1],i2[:,::1],i4[::1],i4[:,::1],i4[:,::1],i4[::1],i4[::1],"
-    "f8[::1],f8[::1],u1[:,:,::1],f8[:,:,::1],u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],i8[:,::1],i4[::1],i4[::1])"
+    "f8[::1],f8[::1],u1[:,:,::1],f8[:,:,::1],u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],"
+    "u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],i8[:,::1],i4[::1],i4[::1])"
 )
 def fill_draw(
     jobs, k, draw, draw_float, program, final, constants, arithmetic, factors, triangles, x, y, z, inverse_w,
-    colors, coordinates, texels0, texels1, texels2, texels3, levels, units, order, ends,
+    colors, coordinates, texels0, texels1, texels2, texels3, levels,
+    pairs0, pairs1, pairs2, pairs3, pair_levels, units, order, ends,
 ):  # fmt: skip
     """Row k of ``jobs`` from a Draw's arrays, which must outlive it; False if the vector engine does not cover
     the Draw.
@@ -215,6 +210,7 @@ def fill_draw(
     job[R.JOB_ADDRESS + 15] = units.ctypes.data
     job[R.JOB_ADDRESS + 16] = order.ctypes.data
     job[R.JOB_ADDRESS + 17] = ends.ctypes.data
+    job[R.JOB_ADDRESS + 18] = pair_levels.ctypes.data
     job[R.JOB_TEXELS] = texels0.ctypes.data
     job[R.JOB_TEXELS + 1] = texels1.ctypes.data
     job[R.JOB_TEXELS + 2] = texels2.ctypes.data
@@ -223,6 +219,14 @@ def fill_draw(
     job[R.JOB_TEXEL_COUNT + 1] = texels1.shape[0]
     job[R.JOB_TEXEL_COUNT + 2] = texels2.shape[0]
     job[R.JOB_TEXEL_COUNT + 3] = texels3.shape[0]
+    job[R.JOB_PAIRS] = pairs0.ctypes.data
+    job[R.JOB_PAIRS + 1] = pairs1.ctypes.data
+    job[R.JOB_PAIRS + 2] = pairs2.ctypes.data
+    job[R.JOB_PAIRS + 3] = pairs3.ctypes.data
+    job[R.JOB_PAIR_COUNT] = pairs0.shape[0]
+    job[R.JOB_PAIR_COUNT + 1] = pairs1.shape[0]
+    job[R.JOB_PAIR_COUNT + 2] = pairs2.shape[0]
+    job[R.JOB_PAIR_COUNT + 3] = pairs3.shape[0]
     return True
 
 
@@ -269,48 +273,20 @@ def fill_pixels(pixels, position, count, first):
         store(pixels, position + i, ramp_i32x16() + int32(first + int32(i)))
 
 
-@kernel("void(u4[::1],i4[:,::1],i8[::1],i4[::1],i4[::1],i8,i4[:,::1],u4[:,::1],i2[:,::1],i8)")
-def filter_slowly(texels, levels, row, f_s, f_t, count, ints, packed, planes, plane):
-    """Interim."""
-    separate_function()
-    w, h = int64(levels[0, 1]), int64(levels[0, 2])
-    linear = row[R.MAG_LINEAR]
-    for axis in range(2):
-        n = w if axis == 0 else h
-        wrap = row[R.WRAP_S] if axis == 0 else row[R.WRAP_T]
-        for i in range(count):
-            f = int64(f_s[i] if axis == 0 else f_t[i])
-            if axis == 1 and row[R.TARGET] == 0:
-                f = int64(128)
-            g = f - 128 if linear else f
-            if wrap == 0:
-                g = g & (256 * n - 1)
-                a, b = g >> 8, ((g >> 8) + 1) & (n - 1)
-            else:
-                g = min(max(g, 0), (n - 1) * 256 if linear else 256 * n - 1)
-                a, b = g >> 8, min((g >> 8) + 1, n - 1)
-            ints[R.I0 + 3 * axis, i] = int32(a)
-            ints[R.I1 + 3 * axis, i] = int32(b)
-            ints[R.I_FRACTION + 3 * axis, i] = int32(g & 255)
-    for i in range(count):
-        ints[R.BASE, i] = levels[0, 0]
-        ints[R.WIDTH, i] = levels[0, 1]
-    fetch_and_filter(texels, ints, linear, False, uint32(0), -1, count, packed, R.TEXEL_0)
-    unpack_unit(row, count, packed, planes, plane)
-
-
 SHADE_SIGNATURE = (
     "void(i8[::1],i8[::1],i4[:,:,::1],i4[:,::1],i2[:,::1],i4[::1],i4[:,::1],i4[:,::1],i4[::1],i4[::1],f8[::1],"
-    "u1[:,:,::1],f8[:,:,::1],u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],i8[:,::1],i8,i8,i8,u4[:,::1],u4[:,::1],"
-    "u1[:,::1],f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i4[:,::1],i2[:,::1],u1[::1],i4[:,::1])"
+    "u1[:,:,::1],f8[:,:,::1],u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],"
+    "u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],i8[:,::1],i8,i8,i8,u4[:,::1],u4[:,::1],"
+    "u1[:,::1],f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i4[:,::1],i2[:,::1],u1[::1],i4[:,::1],i4[:,:,::1])"
 )
 
 
 @kernel(SHADE_SIGNATURE)
 def finish_batch(
     job, draw, program, final, constants, arithmetic, factors, triangles, x, y, inverse_w, colors, coordinates,
-    texels0, texels1, texels2, texels3, levels, units, count, segments, runs, color, depth_buffer, stencil,
-    floats, ints, packed, planes, products, results, alive, lists,
+    texels0, texels1, texels2, texels3, levels,
+    pairs0, pairs1, pairs2, pairs3, pair_levels, units, count, segments, runs, color, depth_buffer, stencil,
+    floats, ints, packed, planes, products, results, alive, lists, located,
 ):  # fmt: skip
     """Shade a batch whose weights and depth words are there, and write it."""
     separate_function()
@@ -348,10 +324,9 @@ def finish_batch(
                             lists, segments, triangles, coordinates, u, 1, job[R.JOB_LOG2_T + u],
                             row[R.WRAP_T] == 0, linear, floats, t_column,
                         )  # fmt: skip
-                    filter_slowly(
-                        texels, levels[u], row, s_column, t_column, count, ints, packed, planes,
-                        (R.TEXTURE0 + u) * 4,
-                    )  # fmt: skip
+                        locate(pair_levels[u], row, s_column, t_column, count, located[u])
+                    pairs = pairs0 if u == 0 else (pairs1 if u == 1 else (pairs2 if u == 2 else pairs3))
+                    filter_located(pairs, row, located[source], count, planes, (R.TEXTURE0 + u) * 4)
                 elif path == 2:
                     sample_unit(
                         draw, u, units, count, lists[R.STARTS], lists[R.OWNERS], segments, triangles, triangles,
@@ -387,13 +362,15 @@ def edge_tie(right, down):
 
 @kernel(
     "i8(i8[::1],i8[::1],f8[::1],i4[:,:,::1],i4[:,::1],i2[:,::1],i4[::1],i4[:,::1],i4[:,::1],i4[::1],i4[::1],"
-    "f8[::1],f8[::1],u1[:,:,::1],f8[:,:,::1],u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],i8[:,::1],i4[::1],i8,i8,"
-    "u4[:,::1],u4[:,::1],u1[:,::1],f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i4[:,::1],i2[:,::1],u1[::1],i4[:,::1])"
+    "f8[::1],f8[::1],u1[:,:,::1],f8[:,:,::1],u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],"
+    "u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],i8[:,::1],i4[::1],i8,i8,"
+    "u4[:,::1],u4[:,::1],u1[:,::1],f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i4[:,::1],i2[:,::1],u1[::1],i4[:,::1],i4[:,:,::1])"
 )
 def draw_band(
     job, draw, draw_float, program, final, constants, arithmetic, factors, triangles, x, y, z, inverse_w,
-    colors, coordinates, texels0, texels1, texels2, texels3, levels, units, members, band, batch, color,
-    depth_buffer, stencil, floats, ints, packed, planes, products, results, alive, lists,
+    colors, coordinates, texels0, texels1, texels2, texels3, levels,
+    pairs0, pairs1, pairs2, pairs3, pair_levels, units, members, band, batch, color,
+    depth_buffer, stencil, floats, ints, packed, planes, products, results, alive, lists, located,
 ):  # fmt: skip
     """The rows of ``band`` of a Draw whose triangles there are ``members``; returns how many fragments."""
     separate_function()
@@ -437,8 +414,9 @@ def draw_band(
         if full and position > 0:
             finish_batch(
                 job, draw, program, final, constants, arithmetic, factors, triangles, x, y, inverse_w, colors,
-                coordinates, texels0, texels1, texels2, texels3, levels, units, position, segments, runs, color,
-                depth_buffer, stencil, floats, ints, packed, planes, products, results, alive, lists,
+                coordinates, texels0, texels1, texels2, texels3, levels,
+    pairs0, pairs1, pairs2, pairs3, pair_levels, units, position, segments, runs, color,
+                depth_buffer, stencil, floats, ints, packed, planes, products, results, alive, lists, located,
             )  # fmt: skip
             fragments += position
             position, segments, runs = int64(0), int64(0), int64(0)
@@ -547,9 +525,10 @@ def draw_band(
                 if position == batch:
                     finish_batch(
                         job, draw, program, final, constants, arithmetic, factors, triangles, x, y, inverse_w,
-                        colors, coordinates, texels0, texels1, texels2, texels3, levels, units, position,
+                        colors, coordinates, texels0, texels1, texels2, texels3, levels,
+    pairs0, pairs1, pairs2, pairs3, pair_levels, units, position,
                         segments, runs, color, depth_buffer, stencil, floats, ints, packed, planes, products,
-                        results, alive, lists,
+                        results, alive, lists, located,
                     )  # fmt: skip
                     fragments += position
                     position, segments, runs = int64(0), int64(0), int64(0)
@@ -561,11 +540,11 @@ def draw_band(
 
 @kernel(
     "i8(i8[:,::1],i8,i8[::1],i8,u4[:,::1],u4[:,::1],u1[:,::1],f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i4[:,::1],"
-    "i2[:,::1],u1[::1],i4[:,::1])"
+    "i2[:,::1],u1[::1],i4[:,::1],i4[:,:,::1])"
 )
 def draw_frame(
     jobs, count, counter, batch, color, depth_buffer, stencil, floats, ints, packed, planes, products, results,
-    alive, lists,
+    alive, lists, located,
 ):  # fmt: skip
     """Run the first ``count`` jobs on every band that ``counter`` int64[1] still gives.
 
@@ -607,10 +586,15 @@ def draw_frame(
                 texels_at(job[R.JOB_TEXELS + 2], (job[R.JOB_TEXEL_COUNT + 2],)),
                 texels_at(job[R.JOB_TEXELS + 3], (job[R.JOB_TEXEL_COUNT + 3],)),
                 tables_at(job[R.JOB_ADDRESS + 14], (job[R.JOB_ROWS], int64(R.MAX_LEVELS), int64(3))),
+                texels_at(job[R.JOB_PAIRS], (job[R.JOB_PAIR_COUNT],)),
+                texels_at(job[R.JOB_PAIRS + 1], (job[R.JOB_PAIR_COUNT + 1],)),
+                texels_at(job[R.JOB_PAIRS + 2], (job[R.JOB_PAIR_COUNT + 2],)),
+                texels_at(job[R.JOB_PAIRS + 3], (job[R.JOB_PAIR_COUNT + 3],)),
+                tables_at(job[R.JOB_ADDRESS + 18], (job[R.JOB_ROWS], int64(R.MAX_LEVELS), int64(3))),
                 long_table_at(job[R.JOB_ADDRESS + 15], (job[R.JOB_ROWS], int64(R.UNIT_SIZE))),
                 integers_at(job[R.JOB_ADDRESS + 16], (job[R.JOB_MEMBERS],))[begin:end],
                 band, batch, color, depth_buffer, stencil, floats, ints, packed, planes, products, results,
-                alive, lists,
+                alive, lists, located,
             )  # fmt: skip
         band = next_of(counter)
     return fragments

@@ -13,7 +13,7 @@ import numpy as np
 from numba import float64, int16, int32, int64
 
 from raster import rows as R
-from raster.fixed import SMALLEST, is_power_of_two, reciprocal_29, step_24, truncate_24
+from raster.fixed import SMALLEST, reciprocal_29, step_24, truncate_24
 from raster.interpolate import depth_difference
 from raster.kernel import kernel, separate_function, separate_loop
 from raster.vector import (
