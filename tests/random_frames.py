@@ -846,6 +846,10 @@ class _Maker:
             positions = np.column_stack([x * w, y * w, z * w, w])
         named = [unit.coordinates for unit in state.texture_units if unit is not None]
         sets = self.coordinate_sets(pixels, count, max([self.sets - 1, *named]) + 1)
+        fog = self.random.uniform(-2.0, 4.0, count) if state.fog or self.chance(0.1) else None
+        if not self.plain and self.chance(0.06):  # ends of float64, which no scene has
+            for array in (positions, *sets, fog):
+                self.sprinkle(array)
         back = self.colors(count) if state.vertex.two_side else None
         return Mesh(
             positions,
@@ -856,10 +860,17 @@ class _Maker:
             secondary_colors=self.colors(count) if self.chance(0.4) else None,
             normals=self.random.uniform(-1.0, 1.0, (count, 3)) if state.vertex.lighting else None,
             texture_coordinates=sets,
-            fog_coordinates=self.random.uniform(-2.0, 4.0, count) if state.fog or self.chance(0.1) else None,
+            fog_coordinates=fog,
             back_colors=back,
             edge_flags=self.random.random(count) < 0.7 if self.chance(0.1) else None,
         )
+
+    def sprinkle(self, array):
+        """Put numbers of no sensible size into a few places of an array, or of none."""
+        if array is not None and self.chance(0.5):
+            extreme = (1e38, -1e38, 1e300, -1.7e308, 1e-308, 5e-324, -0.0, 2.0**31, -(2.0**63), 8192.0)
+            places = self.random.integers(0, array.size, self.whole(1, 4))
+            array.reshape(-1)[places] = self.random.choice(extreme, len(places))
 
     def shape(self):
         kinds = (
