@@ -271,6 +271,40 @@ def _unary(name, integer=None):
     return unary
 
 
+@intrinsic
+def minimum_unsigned(typing_context, a, b):
+    """The smaller of each two lanes, both taken as unsigned; ``b``: a vector, or a number for all lanes."""
+
+    def codegen(context, builder, signature, args):
+        _, (x, y) = _operands(context, builder, signature, args)
+        return builder.select(builder.icmp_unsigned("<", x, y), x, y)
+
+    return a(a, b), codegen
+
+
+@intrinsic
+def add_saturated(typing_context, a, b):
+    """``a + b`` of unsigned lanes; what exceeds the element is its largest number."""
+
+    def codegen(context, builder, signature, args):
+        return _call(builder, f"llvm.uadd.sat.{a.suffix}", a.ir, args)
+
+    return a(a, a), codegen
+
+
+@intrinsic
+def join_i32(typing_context, low, high):
+    """32 bits a lane from two vectors of 16: ``low | high << 16``."""
+    result = low.of(types.int32)
+
+    def codegen(context, builder, signature, args):
+        order = [k // 2 + (k % 2) * low.lanes for k in range(2 * low.lanes)]
+        mask = ir.Constant(ir.VectorType(ir.IntType(32), 2 * low.lanes), order)
+        return builder.bitcast(builder.shuffle_vector(*args, mask), result.ir)
+
+    return result(low, low), codegen
+
+
 truncated = _unary("trunc")  # toward zero, still a float
 floored = _unary("floor")
 absolute = _unary("fabs")

@@ -1,0 +1,289 @@
+"""Register combiners over a batch as explicit vectors: the operations that ``pipeline/combiner_plan.py``
+planned, one by one (docs/numbers.md, section 8).
+
+An operation is one loop: it reads planes of ``int16[PLANES, batch + slack]``, maps them, computes, and writes
+one plane. Planes 0..REGISTERS * 4 - 1 are the registers of ``raster/rows.py``; an operation writes to none
+that holds a color, the fog or a texel, so that what was interpolated and sampled stays as it was. Unsigned
+inputs, by far the most frequent, are multiplied in 16 bits, 32 fragments at a time; what is rare is left to
+the loops of ``raster/combine.py``.
+"""
+
+from numba import int16, int32, int64, uint64
+
+from raster import combine as portable
+from raster import rows as R
+from raster.kernel import kernel, separate_function, separate_loop
+from raster.vector import (
+    add_saturated,
+    i16x32,
+    join_i32,
+    load_i16x32,
+    maximum,
+    minimum,
+    minimum_unsigned,
+    narrow_i16,
+    shift_right,
+    store,
+    widen_i32,
+)
+
+# What a row of a plan does.
+(
+    MODULATE,  # A B of bytes
+    ADD_BYTES,  # A B + C D of bytes, at most one; bias, scale, clamp
+    ADD_SIGNED,  # A B + C D of any inputs; bias, scale, clamp
+    DOT_PRODUCT,  # A B + C D + E F of any inputs; bias, scale, clamp
+    LERP,  # A B + (1 - A) C + D of bytes, at most one
+    PACK,  # A, B, C, D as red, green, blue, alpha of the packed color
+    MULTIPLY,  # A B to scratch plane TARGET, rounded if ROUNDING is 0
+    SUM_OF_THREE,  # scratch planes TARGET.. to the first of them
+    SUM_OF_TWO,  # scratch planes TARGET and SECOND to the total
+    SELECT,  # either of them to the total, by bit MUX of A, which is SPARE0's alpha
+    FINISH,  # scratch plane SECOND to plane TARGET: rounding, bias, scale, clamp
+) = range(11)
+# A plan: int32[operations, OPERATION_SIZE]. Up to six operands A..F in the layout of a portion's inputs:
+# plane, unused, and the mapping min(max(x, low) * factor + addend, HIGHEST); a constant has the factor 0.
+(OPERATION, TARGET, SECOND, ROUNDING, BIAS, SCALE, LOWEST, HIGHEST, MUX, OPERANDS) = range(10)
+OPERATION_SIZE = OPERANDS + 6 * R.INPUT_SIZE
+TOTAL = 8  # the scratch plane of a sum
+
+SPARE_PLANES = 24
+PLANES = R.REGISTERS * 4 + SPARE_PLANES
+SCRATCH_PLANES = 9
+
+
+@kernel
+def plane(row, k):
+    """The plane that operand k reads."""
+    return uint64(row[OPERANDS + R.INPUT_SIZE * k])
+
+
+@kernel
+def mapping(row, k):
+    """Low, factor and addend of operand k, in all lanes."""
+    at = OPERANDS + R.INPUT_SIZE * k
+    return i16x32(int16(row[at + 2])), i16x32(int16(row[at + 3])), i16x32(int16(row[at + 4]))
+
+
+@kernel
+def mapped(x, low, factor, addend):
+    """A mapping of 32 lanes."""
+    return minimum(maximum(x, low) * factor + addend, 255)
+
+
+@kernel
+def divide_bytes(n):
+    """rn(n / 255) of unsigned 16-bit lanes up to 255 * 255: ``(u + (u >> 8)) >> 8`` with u = n + 128, which
+    is exact and needs no seventeenth bit up to 65152.
+    """
+    u = n + 128
+    return shift_right(u + shift_right(u, 8), 8)
+
+
+_OFFSET = 8192  # raster.fixed.divide_255 adds it so that it divides positive numbers only
+
+
+@kernel
+def divide_sum(n):
+    """``raster.fixed.divide_255`` of 32-bit lanes, in 16 bits and without its last subtraction."""
+    u = n + int32(128 + 255 * _OFFSET)
+    return narrow_i16(shift_right(u + shift_right(u + shift_right(u, 8), 8), 8))
+
+
+@kernel
+def ending(row, offset):
+    """What ``ended`` needs of an operation: addend, the shifts of its scale, and the clamp."""
+    half = int32(1) if row[SCALE] == 3 else int32(0)
+    left = int32(0) if row[SCALE] == 3 else row[SCALE]
+    return (
+        i16x32(int16(row[BIAS] + half - offset)),
+        i16x32(int16(left)),
+        i16x32(int16(half)),
+        i16x32(int16(row[LOWEST])),
+        i16x32(int16(row[HIGHEST])),
+    )
+
+
+@kernel
+def ended(value, addend, left, right, low, high):
+    """Bias, scale and clamp of rounded 16-bit lanes; one half of x is (x + 1) >> 1."""
+    return maximum(minimum(((value + addend) << left) >> right, high), low)
+
+
+@kernel("void(i2[:,::1],i4[::1],i8)")
+def modulate(registers, row, count):
+    """MODULATE."""
+    separate_loop()
+    a, b, out = registers[plane(row, 0)], registers[plane(row, 1)], registers[uint64(row[TARGET])]
+    la, fa, aa = mapping(row, 0)
+    lb, fb, ab = mapping(row, 1)
+    for i in range(0, count, 32):
+        x, y = mapped(load_i16x32(a, i), la, fa, aa), mapped(load_i16x32(b, i), lb, fb, ab)
+        store(out, i, divide_bytes(x * y))
+
+
+@kernel("void(i2[:,::1],i4[::1],i8)")
+def add_bytes(registers, row, count):
+    """ADD_BYTES: what exceeds 255 * 255 gives the same after the clamp, and is cut off in the sum."""
+    separate_loop()
+    a, b, c, d = (
+        registers[plane(row, 0)],
+        registers[plane(row, 1)],
+        registers[plane(row, 2)],
+        registers[plane(row, 3)],
+    )
+    out = registers[uint64(row[TARGET])]
+    la, fa, aa = mapping(row, 0)
+    lb, fb, ab = mapping(row, 1)
+    lc, fc, ac = mapping(row, 2)
+    ld, fd, ad = mapping(row, 3)
+    addend, left, right, low, high = ending(row, int32(0))
+    for i in range(0, count, 32):
+        x, y = mapped(load_i16x32(a, i), la, fa, aa), mapped(load_i16x32(b, i), lb, fb, ab)
+        z, w = mapped(load_i16x32(c, i), lc, fc, ac), mapped(load_i16x32(d, i), ld, fd, ad)
+        total = minimum_unsigned(add_saturated(x * y, z * w), 255 * 255)
+        store(out, i, ended(divide_bytes(total), addend, left, right, low, high))
+
+
+@kernel("void(i2[:,::1],i4[::1],i8)")
+def add_signed(registers, row, count):
+    """ADD_SIGNED. Inputs reach HIGHEST where that is more than 255: sums of two colors that nobody clamps."""
+    separate_loop()
+    a, b, c, d = (
+        registers[plane(row, 0)],
+        registers[plane(row, 1)],
+        registers[plane(row, 2)],
+        registers[plane(row, 3)],
+    )
+    out = registers[uint64(row[TARGET])]
+    la, fa, aa = mapping(row, 0)
+    lb, fb, ab = mapping(row, 1)
+    lc, fc, ac = mapping(row, 2)
+    ld, fd, ad = mapping(row, 3)
+    addend, left, right, low, high = ending(row, int32(_OFFSET))
+    for i in range(0, count, 32):
+        x = minimum(maximum(load_i16x32(a, i), la) * fa + aa, high)
+        y = minimum(maximum(load_i16x32(b, i), lb) * fb + ab, high)
+        z = minimum(maximum(load_i16x32(c, i), lc) * fc + ac, high)
+        w = minimum(maximum(load_i16x32(d, i), ld) * fd + ad, high)
+        total = widen_i32(x) * widen_i32(y) + widen_i32(z) * widen_i32(w)
+        store(out, i, ended(divide_sum(total), addend, left, right, low, high))
+
+
+@kernel("void(i2[:,::1],i4[::1],i8)")
+def dot_product(registers, row, count):
+    """DOT_PRODUCT."""
+    separate_loop()
+    a, b, c = registers[plane(row, 0)], registers[plane(row, 1)], registers[plane(row, 2)]
+    d, e, f = registers[plane(row, 3)], registers[plane(row, 4)], registers[plane(row, 5)]
+    out = registers[uint64(row[TARGET])]
+    la, fa, aa = mapping(row, 0)
+    lb, fb, ab = mapping(row, 1)
+    lc, fc, ac = mapping(row, 2)
+    ld, fd, ad = mapping(row, 3)
+    le, fe, ae = mapping(row, 4)
+    lf, ff, af = mapping(row, 5)
+    addend, left, right, low, high = ending(row, int32(_OFFSET))
+    for i in range(0, count, 32):
+        x0, y0 = mapped(load_i16x32(a, i), la, fa, aa), mapped(load_i16x32(b, i), lb, fb, ab)
+        x1, y1 = mapped(load_i16x32(c, i), lc, fc, ac), mapped(load_i16x32(d, i), ld, fd, ad)
+        x2, y2 = mapped(load_i16x32(e, i), le, fe, ae), mapped(load_i16x32(f, i), lf, ff, af)
+        total = widen_i32(x0) * widen_i32(y0) + widen_i32(x1) * widen_i32(y1) + widen_i32(x2) * widen_i32(y2)
+        store(out, i, ended(divide_sum(total), addend, left, right, low, high))
+
+
+@kernel("void(i2[:,::1],i4[::1],i8)")
+def lerp(registers, row, count):
+    """LERP: the final combiner's equation."""
+    separate_loop()
+    a, b, c, d = (
+        registers[plane(row, 0)],
+        registers[plane(row, 1)],
+        registers[plane(row, 2)],
+        registers[plane(row, 3)],
+    )
+    out = registers[uint64(row[TARGET])]
+    la, fa, aa = mapping(row, 0)
+    lb, fb, ab = mapping(row, 1)
+    lc, fc, ac = mapping(row, 2)
+    ld, fd, ad = mapping(row, 3)
+    for i in range(0, count, 32):
+        x, y = mapped(load_i16x32(a, i), la, fa, aa), mapped(load_i16x32(b, i), lb, fb, ab)
+        z, w = mapped(load_i16x32(c, i), lc, fc, ac), mapped(load_i16x32(d, i), ld, fd, ad)
+        store(out, i, minimum(divide_bytes(x * y + (255 - x) * z) + w, 255))
+
+
+@kernel("void(i2[:,::1],i4[::1],i8,u4[::1])")
+def pack(registers, row, count, packed):
+    """PACK."""
+    separate_loop()
+    a, b, c, d = (
+        registers[plane(row, 0)],
+        registers[plane(row, 1)],
+        registers[plane(row, 2)],
+        registers[plane(row, 3)],
+    )
+    la, fa, aa = mapping(row, 0)
+    lb, fb, ab = mapping(row, 1)
+    lc, fc, ac = mapping(row, 2)
+    ld, fd, ad = mapping(row, 3)
+    for i in range(0, count, 32):
+        red, green = mapped(load_i16x32(a, i), la, fa, aa), mapped(load_i16x32(b, i), lb, fb, ab)
+        blue, alpha = mapped(load_i16x32(c, i), lc, fc, ac), mapped(load_i16x32(d, i), ld, fd, ad)
+        store(packed, i, join_i32(red | (green << 8), blue | (alpha << 8)))
+
+
+@kernel("void(i2[:,::1],i4[::1],i8,i4[:,::1])")
+def compute_rarely(registers, row, count, scratch):
+    """The last five operations, as ``raster/combine.py`` has them."""
+    separate_function()
+    operation, target, second = row[OPERATION], int64(row[TARGET]), int64(row[SECOND])
+    a, b = OPERANDS, OPERANDS + R.INPUT_SIZE
+    if operation == MULTIPLY:
+        rounded = int64(1 if row[ROUNDING] == 0 else 0)
+        portable.multiply(registers, row[a], row[b], count, row, a, b, scratch, target, rounded)
+    elif operation == SUM_OF_THREE:
+        portable.sum_of_three(scratch, target, count)
+    elif operation == SUM_OF_TWO:
+        portable.add(scratch, target, second, count, scratch[TOTAL:])
+    elif operation == SELECT:
+        alpha = int64(R.SPARE0 * 4 + 3)
+        portable.copy_plane(registers, row[a], registers, alpha, count)
+        portable.mux(scratch, target, second, registers, count, scratch[TOTAL:], row[MUX])
+    else:
+        portable.finish(
+            scratch, second, count, row[BIAS], row[SCALE], row[LOWEST], row[ROUNDING], registers, target
+        )
+
+
+@kernel("void(i2[:,::1],i4[:,::1],i8,i4[:,::1],u4[::1])")
+def combine(registers, plan, count, scratch, packed):
+    """Run a plan over the ``count`` fragments of a batch: general combiners and the final combiner.
+
+    registers  int16[PLANES, batch + slack]: in, the planes that the plan reads (the colors, the fog factor
+               and the texels; constants are part of the plan); out, those that hold no such thing are
+               undefined
+    plan       int32[operations, OPERATION_SIZE] (``pipeline.combiner_plan.plan_combiners``)
+    scratch    int32[SCRATCH_PLANES, batch + slack]
+    packed     uint32[batch + slack]: out, the fragments' colors, red in the low byte
+
+    Works on whole vectors of 32 fragments, so up to 31 past ``count`` are computed as well.
+    """
+    separate_function()
+    for k in range(plan.shape[0]):
+        row = plan[k]
+        operation = row[OPERATION]
+        if operation == MODULATE:
+            modulate(registers, row, count)
+        elif operation == ADD_BYTES:
+            add_bytes(registers, row, count)
+        elif operation == ADD_SIGNED:
+            add_signed(registers, row, count)
+        elif operation == DOT_PRODUCT:
+            dot_product(registers, row, count)
+        elif operation == LERP:
+            lerp(registers, row, count)
+        elif operation == PACK:
+            pack(registers, row, count, packed)
+        else:
+            compute_rarely(registers, row, count, scratch)
