@@ -1,4 +1,4 @@
-"""``python -m bench [SCENE ...] [--peer llvmpipe]``: how fast scenes are drawn, in a table and as JSON."""
+"""``python -m bench [NAME ...] [--peer llvmpipe]``: how fast it draws, in tables and as JSON."""
 
 import argparse
 import contextlib
@@ -7,37 +7,45 @@ import os
 import sys
 from pathlib import Path
 
-from bench import pictures
+from bench import growth, pictures, roofline
+from bench.figures import FIGURES
 from bench.measure import Ours, summarize, take_turns
 from bench.peers.llvmpipe import Llvmpipe, PeerError
 from bench.scenes import SCENES
 
 PEERS = {"llvmpipe": Llvmpipe}
-_HEADINGS = ("scene", "size", "threads", "unit", "ours", "aim", "peer", "ratio", "goal", "spread")
+ROOFLINE, GROWTH = "roofline", "growth"
+NAMES = (*SCENES, *FIGURES, ROOFLINE, GROWTH)
 
 
 def _arguments(arguments):
-    listing = "\n".join(f"  {scene.name:4}{scene.title}" for scene in SCENES.values())
+    titles = {entry.name: entry.title for entry in (*SCENES.values(), *FIGURES.values())}
+    titles |= {ROOFLINE: "memory bandwidth, and what it allows the scenes", GROWTH: "cost by size"}
+    listing = "\n".join(f"  {name:10}{title}" for name, title in titles.items())
     parser = argparse.ArgumentParser(
         prog="python -m bench",
-        description="Measure how fast the GeForce 256 is emulated, beside another renderer.",
-        epilog=f"scenes:\n{listing}",
+        description="Measure how fast the hardware is emulated, beside another renderer.",
+        epilog=f"names:\n{listing}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument(
-        "scenes", nargs="*", metavar="SCENE", help="what to draw; everything when none is named"
-    )
+    parser.add_argument("names", nargs="*", metavar="NAME", help="what to measure; everything when none is")
     parser.add_argument("--peer", choices=sorted(PEERS), help="take turns with this renderer")
     parser.add_argument("--threads", type=int, default=2, help="threads for both (2)")
-    parser.add_argument("--size", type=int, help="framebuffer edge in pixels (1024; 512 for e and e2)")
-    parser.add_argument("--json", metavar="FILE", help="also write the table as a list of objects")
     parser.add_argument(
-        "--images", metavar="DIR", help="save the pictures and compare them, measuring nothing"
+        "--size", type=int, help="the scenes' framebuffer edge in pixels (1024; 512 for e, e2)"
+    )
+    parser.add_argument("--json", metavar="FILE", help="also write everything as one object")
+    parser.add_argument(
+        "--images", metavar="DIR", help="save the scenes' pictures and compare them, measuring nothing"
     )
     options = parser.parse_args(arguments)
-    unknown = [name for name in options.scenes if name not in SCENES]
+    unknown = [name for name in options.names if name not in NAMES]
     if unknown:
-        parser.error(f"there is no scene {', '.join(unknown)}; the scenes are {', '.join(SCENES)}.")
+        parser.error(f"there is no {', '.join(unknown)}; the names are {', '.join(NAMES)}.")
+    options.names = options.names or list(SCENES if options.images else NAMES)
+    other = [name for name in options.names if name not in SCENES]
+    if options.images and other:
+        parser.error(f"{', '.join(other)} has no picture; with --images name scenes: {', '.join(SCENES)}.")
     if options.threads < 1:
         parser.error(f"--threads is {options.threads}; give 1 or more.")
     if options.size is not None and not 1 <= options.size <= 2048:
@@ -49,31 +57,26 @@ def _arguments(arguments):
     return options
 
 
-def _line(cells):
-    widths = (5, 5, 7, 12, 8, 5, 8, 6, 5, 6)
-    left = ("scene", "unit")
-    return "  ".join(
-        f"{cell:<{width}}" if heading in left else f"{cell:>{width}}"
-        for heading, cell, width in zip(_HEADINGS, cells, widths, strict=True)
-    )
+class _Table:
+    """A table printed row by row: columns of (heading, width), to the left where the width is negative."""
 
+    def __init__(self, title, *columns):
+        self._widths = [width for _, width in columns]
+        print(f"\n{title}")
+        self.row(*(heading for heading, _ in columns))
 
-def _cells(row):
-    scene = row.scene
-    cells = (
-        scene.unit,
-        f"{row.ours:.1f}",
-        _number(scene.aim, "g"),
-        _number(row.peer, ".1f"),
-        _number(row.ratio, ".2f"),
-        _number(scene.goal, ".2f"),
-        f"{row.spread:.0%}",
-    )
-    return (scene.name, row.size, row.threads, *cells)
+    def row(self, *cells):
+        """Print a row; None is shown as a dash."""
+        shown = ("-" if cell is None else str(cell) for cell in cells)
+        line = "  ".join(
+            f"{cell:<{-width}}" if width < 0 else f"{cell:>{width}}"
+            for cell, width in zip(shown, self._widths, strict=True)
+        )
+        print(line.rstrip(), flush=True)
 
 
 def _number(value, form):
-    return "-" if value is None else format(value, form)
+    return None if value is None else format(value, form)
 
 
 def _compare(parties, scenes, options):
@@ -99,20 +102,185 @@ def _compare(parties, scenes, options):
     return same
 
 
-def _measure(parties, scenes, options):
-    print(_line(_HEADINGS))
+def _measure_scenes(parties, scenes, options):
+    """The scenes' Rows, printed."""
+    table = _Table(
+        "Scenes",
+        ("scene", -5),
+        ("size", 5),
+        ("threads", 7),
+        ("unit", -12),
+        ("ours", 8),
+        ("aim", 5),
+        ("peer", 8),
+        ("ratio", 6),
+        ("goal", 5),
+        ("spread", 6),
+    )
     rows = []
     for scene in scenes:
         size = options.size or scene.size
         for party in parties:
             party.prepare(scene, size)
-        rows.append(summarize(scene, size, options.threads, take_turns(parties)))
-        print(_line(_cells(rows[-1])), flush=True)
+        row = summarize(scene, size, options.threads, take_turns(parties))
+        rows.append(row)
+        table.row(
+            scene.name,
+            size,
+            options.threads,
+            scene.unit,
+            f"{row.ours:.1f}",
+            _number(scene.aim, "g"),
+            _number(row.peer, ".1f"),
+            _number(row.ratio, ".2f"),
+            _number(scene.goal, ".2f"),
+            f"{row.spread:.0%}",
+        )
     below = [row.scene.name for row in rows if row.is_below]
     if below:
         print(f"Below the goal: {', '.join(below)}.")
+    return rows
+
+
+def _measure_figures(figures, options):
+    """The figures as the objects of ``--json``, printed."""
+    table = _Table("Figures", ("name", -8), ("", -48), ("measured", 10), ("goal", 8), ("unit", -9), ("", -7))
+    found = []
+    for figure in figures:
+        try:
+            measured = figure.measure(options.threads)
+        except OSError as problem:
+            print(f"{figure.name} was not measured: {problem}", file=sys.stderr)
+            continue
+        met = figure.is_met(measured.value)
+        goal = f"{'≤' if figure.most else '≥'} {figure.goal:g}"
+        verdict = "reached" if met else "MISSED"
+        table.row(figure.name, figure.title, f"{measured.value:.4g}", goal, figure.unit, verdict)
+        for name, value in measured.details.items():
+            table.row("", name, f"{value:.4g}", "", figure.unit, "")
+        found.append(
+            {
+                "figure": figure.name,
+                "title": figure.title,
+                "unit": figure.unit,
+                "measured": float(f"{measured.value:.4g}"),
+                "goal": figure.goal,
+                "relation": "at most" if figure.most else "at least",
+                "reached": met,
+                "details": {name: float(f"{value:.4g}") for name, value in measured.details.items()},
+            }
+        )
+    return found
+
+
+def _measure_roofline(rows, options):
+    """Bandwidths, and every scene's traffic with the bound that follows, printed; ``--json``'s object.
+
+    ``rows``: the scenes that were measured, whose share of the bound is told.
+    """
+    measured = roofline.measure_bandwidths(options.threads)
+    table = _Table("Bandwidth", ("access", -14), ("MiB", 5), ("threads", 7), ("GB/s", 6))
+    for found in measured:
+        table.row(found.access, found.bytes >> 20, found.threads, f"{found.rate / 1e9:.1f}")
+    rates = {(b.bytes, b.access): b.rate for b in measured if b.threads == options.threads}
+    bounds = {
+        where: (rates[size, "write"], rates[size, "read and write"])
+        for where, size in (("cache", roofline.IN_CACHE), ("memory", roofline.OUT_OF_CACHE))
+    }
+    parts = ("clear", "color", "depth", "stencil", "texture", "geometry")
+    table = _Table(
+        "Roofline: bytes a fragment (e, e2: a triangle) moves; the rates that bandwidth alone allows",
+        ("scene", -5),
+        *((part, 8) for part in parts),
+        ("bytes", 7),
+        ("cache", 8),
+        ("memory", 8),
+        ("ours", 8),
+        ("of cache", 8),
+        ("unit", -12),
+    )
+    ours = {row.scene.name: row for row in rows}
+    lines = []
+    for scene in SCENES.values():
+        row = ours.get(scene.name)
+        moved = roofline.traffic(scene, row.size if row else options.size or scene.size)
+        bound = {where: moved.bound(*rate) / 1e6 for where, rate in bounds.items()}
+        share = row.ours / bound["cache"] if row else None
+        table.row(
+            scene.name,
+            *(f"{getattr(moved, part):.1f}" for part in parts),
+            f"{moved.total:.1f}",
+            f"{bound['cache']:.1f}",
+            f"{bound['memory']:.1f}",
+            _number(row and row.ours, ".1f"),
+            _number(share, ".1%"),
+            scene.unit,
+        )
+        lines.append(
+            {
+                "scene": scene.name,
+                "unit": scene.unit,
+                "bytes": {part: round(getattr(moved, part), 3) for part in parts},
+                "cache_bound": round(bound["cache"], 1),
+                "memory_bound": round(bound["memory"], 1),
+                "ours": row and round(row.ours, 3),
+                "share_of_cache_bound": share and round(share, 4),
+            }
+        )
+    bandwidth = [
+        {"access": b.access, "bytes": b.bytes, "threads": b.threads, "gigabytes_per_second": b.rate / 1e9}
+        for b in measured
+    ]
+    return {"bandwidth": bandwidth, "scenes": lines}
+
+
+def _measure_growth(options):
+    """Every curve's points by its name, printed; ``--json``'s object."""
+    found = {}
+    for curve in growth.CURVES.values():
+        table = _Table(
+            f"Growth: {curve.title}",
+            (curve.name, 9),
+            ("rate", 8),
+            ("unit", -12),
+            ("ms a frame", 10),
+            ("ns each", 8),
+        )
+        found[curve.name] = []
+        for point in growth.measure(curve, options.threads):
+            table.row(
+                point.number,
+                f"{point.rate:.2f}",
+                point.unit,
+                f"{point.milliseconds:.3f}",
+                f"{1e3 / point.rate:.2f}",
+            )
+            found[curve.name].append(
+                {
+                    curve.name: point.number,
+                    "unit": point.unit,
+                    "rate": round(point.rate, 3),
+                    "milliseconds": round(point.milliseconds, 4),
+                }
+            )
+    return found
+
+
+def _measure(parties, options):
+    chosen = dict.fromkeys(options.names)
+    scenes = [SCENES[name] for name in chosen if name in SCENES]
+    rows = _measure_scenes(parties, scenes, options) if scenes else []
+    figures = [FIGURES[name] for name in chosen if name in FIGURES]
+    everything = {
+        "threads": options.threads,
+        "peer": parties[1].description if len(parties) > 1 else None,
+        "scenes": [row.as_json() for row in rows],
+        "figures": _measure_figures(figures, options) if figures else [],
+        "roofline": _measure_roofline(rows, options) if ROOFLINE in chosen else None,
+        "growth": _measure_growth(options) if GROWTH in chosen else None,
+    }
     if options.json:
-        Path(options.json).write_text(json.dumps([row.as_json() for row in rows], indent=2) + "\n")
+        Path(options.json).write_text(json.dumps(everything, indent=2) + "\n")
 
 
 def main(arguments=None):
@@ -121,7 +289,6 @@ def main(arguments=None):
     1: the pictures differ more than expected, or the peer failed after it had started.
     """
     options = _arguments(arguments)
-    scenes = [SCENES[name] for name in options.scenes or SCENES]
     with contextlib.ExitStack() as stack:
         parties = [Ours(options.threads)]
         if options.peer:
@@ -132,8 +299,8 @@ def main(arguments=None):
                 print(f"Without {options.peer}: {problem}", file=sys.stderr)
         try:
             if options.images:
-                return 0 if _compare(parties, scenes, options) else 1
-            _measure(parties, scenes, options)
+                return 0 if _compare(parties, [SCENES[name] for name in options.names], options) else 1
+            _measure(parties, options)
         except PeerError as problem:
             print(problem, file=sys.stderr)
             return 1

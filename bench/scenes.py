@@ -105,7 +105,15 @@ _SPARE0 = FinalCombiner(
 )
 
 MODULATE = RegisterCombiners((_modulate(Register.TEXTURE0, Register.PRIMARY_COLOR),), _SPARE0)
-BUMP = RegisterCombiners((_DOT3, _modulate(Register.SPARE0, Register.TEXTURE1)), _SPARE0)
+
+
+def bump(stages):
+    """Scene c's program with ``stages`` general combiners: DOT3, then texture 1 as often as there is room."""
+    by_texture1 = _modulate(Register.SPARE0, Register.TEXTURE1)
+    return RegisterCombiners((_DOT3, *(by_texture1,) * (stages - 1)), _SPARE0)
+
+
+BUMP = bump(2)
 
 
 # ------------------------------------------------------------------------------------------ scenes

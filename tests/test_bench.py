@@ -4,16 +4,20 @@ import ctypes
 import importlib.util
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from bench import __main__ as command_line
-from bench import measure, pictures
+from bench import figures, growth, largest_frame, measure, pictures, roofline
 from bench.meshes import torus
 from bench.peers import llvmpipe
-from bench.scenes import BUMP, MODULATE, SCENES
+from bench.scenes import BUMP, MODULATE, SCENES, bump
 from bench.shadow import balls_on_floor, shadow_map
+from effects.figures import FIGURES
+from pipeline.commands import Draw, TexImage
+from pipeline.execute import Machine
 from pipeline.profiles import GEFORCE_256
 from pipeline.validate import validate
 
@@ -187,21 +191,25 @@ def test_ours_is_measured_where_the_peer_is_missing(monkeypatch, capsys, tmp_pat
     shown = capsys.readouterr()
     assert shown.err.startswith("Without llvmpipe: PyOpenGL is not installed")
     assert [line.split()[:2] for line in shown.out.splitlines()] == [
+        [],
+        ["Scenes"],
         ["scene", "size"],
         ["a", "1000"],
         ["g", "1000"],
     ]
-    rows = json.loads(file.read_text())
-    assert [(row["scene"], row["ours"], row["peer"]) for row in rows] == [
+    found = json.loads(file.read_text())
+    assert [(row["scene"], row["ours"], row["peer"]) for row in found.pop("scenes")] == [
         ("a", 16.0, None),
         ("g", 200.0, None),
     ]
+    assert found == {"threads": 2, "peer": None, "figures": [], "roofline": None, "growth": None}
 
 
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["a", "x1"], "there is no scene x1; the scenes are a, a2"),
+        (["a", "x1"], "there is no x1; the names are a, a2"),
+        (["a", "cold", "--images", "."], "cold has no picture; with --images name scenes: a, a2"),
         (["--threads", "0"], "--threads is 0; give 1 or more"),
         (["--size", "4096"], "--size is 4096; give 1 to 2048 pixels"),
         (["--json", "/no/such/folder/rates.json"], "/no/such/folder is not a folder that you may write to"),
@@ -236,6 +244,240 @@ def test_a_picture_is_as_expected_only_within_the_scenes_levels_and_share():
     assert not one.as_expected(SCENES["a"])
     assert not replace(one, beyond=2).as_expected(SCENES["e"])
     assert not replace(one, stencil=1).as_expected(SCENES["e"])
+
+
+# ------------------------------------------------------------------------------------------- figures
+
+
+# Issue "Faster than the chip it emulates": the rows of its table that are no scenes.
+def test_the_figures_goals_are_the_issues():
+    assert {f.name: (f.goal, f.unit, f.most) for f in figures.FIGURES.values()} == {
+        "passes": (60, "µs", True),
+        "frames": (300, "frames/s", False),
+        "cold": (25, "s", True),
+        "cached": (1.2, "s", True),
+        "scaling": (1.8, "times", False),
+        "memory": (400, "MB", True),
+    }
+
+
+def test_a_goal_is_the_most_or_the_least():
+    assert figures.FIGURES["cold"].is_met(25)
+    assert not figures.FIGURES["cold"].is_met(25.1)
+    assert figures.FIGURES["scaling"].is_met(1.8)
+    assert not figures.FIGURES["scaling"].is_met(1.79)
+
+
+def test_the_many_passes_are_64_states_over_one_mesh_and_draw_next_to_nothing():
+    commands = FIGURES["F004-4"].commands(GEFORCE_256, 512)
+    machine = Machine(GEFORCE_256, 512, 512, threads=1)
+    machine.run(command for command in commands if isinstance(command, TexImage))
+    passes = figures.many_passes(commands, 0)
+    assert len(passes) == 64
+    assert len({draw.mesh for draw in passes}) == 1
+    states = {draw.state for draw in (*passes, *figures.many_passes(commands, 1))}
+    assert len(states) == 128
+    # The state's own way to the framebuffer: both textures and both general combiners of the paper's pass.
+    (own,) = {replace(s, register_combiners=None, scissor=None) for s in states}
+    specular = [command for command in commands if isinstance(command, Draw)][1].state
+    assert own == replace(specular, register_combiners=None, scissor=None)
+    assert len(own.texture_units) == 2
+    # The sphere's front and its back, behind one pixel.
+    assert machine.run(passes).fragments == 2 * 64
+
+
+def test_a_module_that_fails_is_an_error_with_what_it_printed():
+    with pytest.raises(OSError, match=r"python -m bench\.no_such ended with 1: .*No module named"):
+        figures._run_module("bench.no_such")
+
+
+def test_a_module_is_given_the_environment_and_its_output_read():
+    seconds, output = figures._run_module("site", PYTHONUSERBASE="/some/base")
+    assert "USER_BASE: '/some/base'" in output
+    assert seconds > 0
+
+
+@pytest.mark.parametrize(
+    ("value", "verdict"), [(24.96, "24.96      ≤ 25  s          reached"), (26.0, "MISSED")]
+)
+def test_a_figure_is_printed_with_its_verdict(value, verdict, monkeypatch, capsys, tmp_path):
+    cold = replace(figures.FIGURES["cold"], measure=lambda threads: figures.Measured(value, {"best": 1.0}))
+    monkeypatch.setitem(command_line.FIGURES, "cold", cold)
+    assert command_line.main(["cold", "--json", str(tmp_path / "figures.json")]) == 0
+    assert verdict in capsys.readouterr().out
+    (found,) = json.loads((tmp_path / "figures.json").read_text())["figures"]
+    assert found == {
+        "figure": "cold",
+        "title": cold.title,
+        "unit": "s",
+        "measured": value,
+        "goal": 25,
+        "relation": "at most",
+        "reached": value <= 25,
+        "details": {"best": 1.0},
+    }
+
+
+def test_what_this_machine_cannot_tell_is_said_and_left_out(monkeypatch, capsys, tmp_path):
+    def refuse(threads):
+        raise OSError("no /proc")
+
+    memory = replace(figures.FIGURES["memory"], measure=refuse)
+    monkeypatch.setitem(command_line.FIGURES, "memory", memory)
+    assert command_line.main(["memory", "--json", str(tmp_path / "figures.json")]) == 0
+    assert capsys.readouterr().err == "memory was not measured: no /proc\n"
+    assert json.loads((tmp_path / "figures.json").read_text())["figures"] == []
+
+
+def test_the_largest_frame_reads_textures_of_its_own_edge(monkeypatch):
+    machines = []
+
+    class Watched(Machine):
+        def __post_init__(self):
+            super().__post_init__()
+            machines.append(self)
+
+    monkeypatch.setattr(largest_frame, "Machine", Watched)
+    largest_frame.draw(1, edge=1024)
+    (machine,) = machines
+    assert (machine.width, machine.height) == (1024, 1024)
+    assert {(t.width, t.height) for t in machine.textures.values()} == {(1024, 1024)}
+    assert len(machine.textures) == 2
+    assert machine.framebuffer.color.any()
+    assert largest_frame.EDGE == 2048
+
+
+def test_the_peak_is_read_in_bytes(tmp_path):
+    status = tmp_path / "status"
+    status.write_text("VmPeak:\t 9 kB\nVmHWM:\t    2048 kB\nVmRSS:\t 7 kB\n")
+    assert largest_frame.peak_resident_bytes(status) == 2048 * 1024
+    status.write_text("VmPeak:\t 9 kB\n")
+    with pytest.raises(OSError, match="has no VmHWM"):
+        largest_frame.peak_resident_bytes(status)
+
+
+# ------------------------------------------------------------------------------------------ roofline
+
+
+def _bytes(name, size=64):
+    moved = roofline.traffic(SCENES[name], size)
+    return moved.color, moved.depth, moved.stencil, moved.texture
+
+
+def test_a_fragment_moves_what_its_state_reads_and_writes():
+    assert _bytes("a") == (4, 0, 0, 0)
+    assert _bytes("b") == (4, 0, 0, 16)
+    assert _bytes("c") == (4, 0, 0, 32)
+    assert _bytes("d") == (8, 8, 0, 32)  # blending reads the colour, the test the depth
+    assert _bytes("f3") == (4, 8, 0, 16)
+    assert _bytes("g") == (0, 4, 2, 0)  # depth is compared, not written; no colour at all
+    assert _bytes("h") == (4, 0, 0, 32)
+
+
+def test_a_triangle_moves_what_its_fragments_do_and_its_vertices():
+    scene = SCENES["e2"]
+    fragments = scene.fragments(512) / 80_000
+    moved = roofline.traffic(scene, 512)
+    assert moved.texture == pytest.approx(16 * fragments)
+    assert moved.depth == pytest.approx(8 * fragments)
+    assert moved.clear == pytest.approx(9 * 512**2 / 80_000)
+    # Three positions and two coordinates of eight bytes a vertex, three indices of eight bytes a triangle.
+    assert moved.geometry == pytest.approx(5 * 8 * 201**2 / 80_000 + 3 * 8)
+    assert moved.written == pytest.approx(moved.clear + moved.color)
+
+
+def test_every_layer_takes_its_share_of_the_clear():
+    assert roofline.traffic(SCENES["a"], 64).clear == 9 / 8
+    assert roofline.traffic(SCENES["g"], 64).clear == 9 / 100
+
+
+def test_the_bound_is_the_time_that_each_kind_of_access_takes():
+    moved = roofline.Traffic(
+        clear=1.0, color=4.0, depth=8.0, stencil=0.0, texture=16.0, geometry=1.0, written=5.0
+    )
+    assert moved.total == 30.0
+    assert moved.bound(write=10.0, update=50.0) == pytest.approx(1 / (5 / 10 + 25 / 50))
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("access", roofline.ACCESSES)
+def test_a_bandwidth_counts_every_byte_that_is_touched(access, threads, monkeypatch):
+    touched = []
+    touch, count = roofline.ACCESSES[access]
+    monkeypatch.setitem(roofline.ACCESSES, access, (lambda a: (touch(a), touched.append(a.nbytes)), count))
+    ticks = iter(range(1000))
+    monkeypatch.setattr(roofline, "time", SimpleNamespace(perf_counter=lambda: float(next(ticks))))
+    # A second to touch every array once, three seconds asked for: three times each.
+    found = roofline.measure_bandwidth(access, 1 << 12, threads, seconds=3.0 / threads, times=1)
+    assert sum(touched) == (1 + 3) << 12
+    assert found.bytes == 1 << 12
+    assert 0 < found.rate <= count * 3 << 12
+
+
+def test_the_roofline_tells_every_scene_and_the_share_of_what_was_measured(monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr(
+        roofline,
+        "measure_bandwidth",
+        lambda access, size, threads: roofline.Bandwidth(access, size, threads, 1e9 * threads),
+    )
+    monkeypatch.setattr(measure.Ours, "prepare", lambda self, scene, size: None)
+    monkeypatch.setattr(command_line, "take_turns", lambda parties: [[0.5] for _ in parties])
+    file = tmp_path / "roofline.json"
+    assert command_line.main(["a", "roofline", "--size", "64", "--json", str(file)]) == 0
+    found = json.loads(file.read_text())["roofline"]
+    assert [(b["bytes"], b["access"], b["threads"]) for b in found["bandwidth"]] == [
+        (size, access, threads)
+        for size in (4 << 20, 256 << 20)
+        for access in ("write", "read and write")
+        for threads in (1, 2)
+    ]
+    assert [line["scene"] for line in found["scenes"]] == list(SCENES)
+    first, second = found["scenes"][:2]
+    # Colour, its eighth of the Clear, and eight numbers a vertex of the quad's four.
+    assert first["cache_bound"] == round(2e9 / (4 + 9 / 8 + 4 * 8 * 8 / 64**2) / 1e6, 1)
+    assert first["ours"] == pytest.approx(8 * 64**2 / 0.5 / 1e6, abs=1e-3)
+    assert first["share_of_cache_bound"] == pytest.approx(first["ours"] / first["cache_bound"], abs=1e-4)
+    assert (second["ours"], second["share_of_cache_bound"]) == (None, None)
+
+
+# -------------------------------------------------------------------------------------------- growth
+
+
+@pytest.mark.parametrize("name", growth.CURVES)
+def test_a_curves_machine_can_draw_every_point(name):
+    for _, scene, size in growth.CURVES[name].points():
+        validate((*scene.textures(), *scene.frame(size, 1)), scene.profile, size, size)
+
+
+def test_the_curves_run_from_the_smallest_to_the_largest():
+    points = {name: list(curve.points()) for name, curve in growth.CURVES.items()}
+    assert [number for number, _, _ in points["edge"]] == [256, 512, 1024, 2048, 4096]
+    assert [number for number, _, _ in points["stages"]] == list(range(1, 9))
+    triangles = [number for number, _, _ in points["triangles"]]
+    assert (triangles[0], triangles[-1]) == (10**3, 10**6)
+    assert triangles == sorted(triangles)
+    assert triangles == [scene.triangles(size) for _, scene, size in points["triangles"]]
+
+
+def test_stages_grow_by_the_second_of_scene_c():
+    programs = [s.draw(64).state.register_combiners for _, s, _ in growth.CURVES["stages"].points()]
+    assert [len(program.general) for program in programs] == list(range(1, 9))
+    assert programs[1] == BUMP
+    assert programs[7].general[:2] == BUMP.general
+    assert set(programs[7].general[2:]) == {BUMP.general[1]}
+    assert bump(1).general == BUMP.general[:1]
+
+
+def test_a_point_is_the_median_of_its_frames(monkeypatch, capsys):
+    prepared = []
+    monkeypatch.setattr(measure.Ours, "prepare", lambda self, scene, size: prepared.append(size))
+    monkeypatch.setattr(growth, "take_turns", lambda parties, **_: [[0.5, 2.0, 1.0]])
+    (first, *_, last) = growth.measure(growth.CURVES["edge"], 2)
+    assert prepared == [256, 512, 1024, 2048, 4096]
+    assert first == growth.Point(256, 8 * 256**2 / 1e6, "Mfragments/s", 1000.0)
+    assert last.number == 4096
+    assert command_line.main(["growth"]) == 0
+    assert "Growth: scene c, framebuffer edge in pixels" in capsys.readouterr().out
 
 
 @pytest.fixture(scope="module")
