@@ -875,7 +875,7 @@ class _Maker:
     def shape(self):
         kinds = (
             self.screen, self.screen, self.large, self.any, self.any, self.lattice, self.lattice,
-            self.slivers, self.tiny, self.fan, self.far, self.degenerate, self.strip,
+            self.exact, self.slivers, self.tiny, self.fan, self.far, self.degenerate, self.strip,
         )  # fmt: skip
         if not self.plain:
             kinds += (self.listed, self.strokes)
@@ -977,6 +977,18 @@ class _Maker:
         if primitive is PrimitiveType.POLYGON:
             return _Shape(closed[:-1], primitive)
         return _Shape(np.concatenate([center, closed]), primitive)
+
+    def exact(self):
+        """Triangles whose weights are 1/4, 1/2 and the like at pixel centres, of areas that are no powers of
+        two: what a cut-off bit takes away shows.
+        """
+        count = self.whole(1, 4)
+        corner = np.floor(self.somewhere(count)) + self.one_of((0.5, 0.0))
+        legs = self.random.choice([3, 5, 6, 7, 9, 10, 12, 14, 20, 24, 40, 48], (count, 2))
+        legs = legs * self.random.choice([-1, 1], (count, 2))
+        along, up = legs * [1, 0], legs * [0, 1] + self.whole(0, 1) * (legs[:, :1] // 2) * [1, 0]
+        corners = np.stack([corner, corner + along, corner + up], 1)
+        return _Shape(corners[:, self.random.permutation(3)].reshape(-1, 2))
 
     def far(self):
         """Vertices far outside the screen, on this and that side of the guard band."""
