@@ -186,9 +186,7 @@ def _count_fragments(scene, size):
     # numba is imported with it, which a peer's process has no use for.
     from pipeline.execute import execute
 
-    draw = scene.draw(size)
-    untested = replace(draw, state=replace(draw.state, depth_test=None))
-    return execute((*scene.textures(), untested), scene.profile, size, size).fragments
+    return execute((*scene.textures(), scene.draw(size)), scene.profile, size, size).fragments
 
 
 def _flat(size):

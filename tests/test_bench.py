@@ -119,6 +119,9 @@ def test_fragments_are_counted_before_the_depth_test():
     # The floor fills the view, and the balls are drawn over it.
     assert 1.05 * 64**2 < SCENES["f2"].fragments(64) < 1.5 * 64**2
     assert SCENES["e2"].fragments(64) < SCENES["e"].fragments(64)
+    draw = SCENES["e"].draw(64)
+    untested = replace(draw, state=replace(draw.state, depth_test=None))
+    assert SCENES["e"].fragments(64) == replace(SCENES["e"], draw=lambda size: untested).fragments(64)
 
 
 class _Scripted:
