@@ -7,10 +7,9 @@ can change a bit.
 """
 
 import numpy as np
-from numba import float64, int32, int64, uint32
+from numba import float64, int32, int64
 
 from raster import rows as R
-from raster.anisotropic import filter_along, footprints
 from raster.bins import BAND_HEIGHT
 from raster.combine import copy_plane, fill_plane, final_combiner, general_combiner
 from raster.interpolate import (
@@ -20,64 +19,15 @@ from raster.interpolate import (
     emit_weights,
     full_weights,
     iterate_color,
-    iterate_coordinate,
     iterate_fog,
     iterate_fog_table,
     iteration_weights,
 )
-from raster.kernel import float_of, kernel, separate_function
-from raster.level_of_detail import level_of_detail
+from raster.kernel import kernel, separate_function
 from raster.per_fragment import all_alive, per_fragment
-from raster.sample import cube_faces, divide_by_q, filter_unit, unpack, unpack_unit
-from raster.shadow import shadow_reference
 from raster.strokes import along_line, open_run, stroke_bounds, stroke_margin
-from raster.texture_shader import (
-    CUBE_MAP,
-    DIFFUSE,
-    DOT_PRODUCT_3D,
-    DOT_PRODUCT_CUBE_MAP,
-    OFFSET_2D_SCALE,
-    OFFSET_RECTANGLE_SCALE,
-    copy_column,
-    copy_texel,
-    face_planes,
-    fill_column,
-    flat_face,
-    scale_texel,
-    shader_stage,
-)
-
-NARROW = 16  # pixels: boxes up to this wide are searched pixel by pixel, wider ones by division
-
-
-@kernel
-def row_span(n0, n1, n2, step0, step1, step2, first, last):
-    """The pixels [from, to) of a row, first..last, where all three biased edge functions are >= 0.
-
-    n0, n1, n2: biased values at pixel ``first``; the functions are linear and the span convex.
-    """
-    if last - first < NARROW:
-        start = first
-        while start <= last and (n0 | n1 | n2) < 0:
-            n0, n1, n2 = n0 + step0, n1 + step1, n2 + step2
-            start += 1
-        end = start
-        while end <= last and (n0 | n1 | n2) >= 0:
-            n0, n1, n2 = n0 + step0, n1 + step1, n2 + step2
-            end += 1
-        return start, end
-    start, end = first, last + 1
-    for k in range(3):
-        n = n0 if k == 0 else (n1 if k == 1 else n2)
-        step = step0 if k == 0 else (step1 if k == 1 else step2)
-        if step > 0:
-            if n < 0:
-                start = max(start, first + (-n + step - 1) // step)
-        elif n < 0:
-            return first, first
-        elif step < 0:
-            end = min(end, first + n // (-step) + 1)
-    return start, max(start, end)
+from raster.triangle import polygon_offset, row_span
+from raster.unit import sample_unit, unbound_texture
 
 
 @kernel
@@ -96,111 +46,6 @@ def stroke_span(draw, kind, x0, y0, x1, y1, x2, y2, row, first, last):
 def stroke_offset(draw, kind):
     """Whether polygons drawn as such strokes are offset in depth."""
     return draw[R.OFFSET_LINE] if kind == R.LINE else draw[R.OFFSET_POINT]
-
-
-@kernel
-def polygon_offset(draw, draw_float, v0, v1, v2, x, y, z, inverse_w):
-    """(what a polygon adds to its depths, what times their squares); one without an area has no slope.
-
-    Measured: whole numbers in fixed formats, for axis-aligned slopes (W_buffering captures).
-    """
-    x0, y0, x1, y1 = int64(x[v0]), int64(y[v0]), int64(x[v1]), int64(y[v1])
-    x2, y2 = int64(x[v2]), int64(y[v2])
-    area = float64((x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0))
-    linear = inverse_w if draw[R.W_BUFFERING] else z  # depth, or 1 over it: what is linear on the screen
-    steep = 0.0
-    if area != 0.0:
-        d1, d2 = linear[v1] - linear[v0], linear[v2] - linear[v0]
-        dx = (d1 * float64(y2 - y0) - d2 * float64(y1 - y0)) * 16.0 / area
-        dy = (d2 * float64(x1 - x0) - d1 * float64(x2 - x0)) * 16.0 / area
-        steep = draw_float[R.OFFSET_FACTOR] * max(abs(dx), abs(dy))
-    if draw[R.W_BUFFERING]:
-        return draw_float[R.OFFSET_UNITS], min(max(steep, -(2.0**128)), 2.0**128)
-    offset = min(max(draw_float[R.OFFSET_UNITS] + steep, -(2.0**128)), 2.0**128)
-    if draw[R.DEPTH_FORMAT] == 0:
-        offset = float64(int64(min(max(offset, -(2.0**30)), 2.0**30)))
-    return offset, 0.0
-
-
-@kernel
-def unbound_texture(registers, unit, count):
-    """The register of a disabled unit: (0, 0, 0, 255). Measured: unbound textures (combiner captures)."""
-    for c in range(4):
-        fill_plane(registers, (R.TEXTURE0 + unit) * 4 + c, count, int32(255 if c == 3 else 0))
-
-
-@kernel(
-    "void(i8[::1],i8,i8[:,::1],i8,i4[::1],i4[::1],i8,i4[:,::1],i4[:,::1],i4[::1],i4[::1],f8[::1],f8[:,:,::1],"
-    "u4[::1],i4[:,::1],i4[::1],i4[::1],i4[::1],i8,f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i4[::1],u1[::1])"
-)
-def sample_unit(
-    draw, u, units, count, starts, owners, segments, triangles, strokes, x, y, inverse_w, coordinates,
-    texels, levels, run_starts, run_x, run_y, runs, floats, ints, packed, registers, depth, alive,
-):  # fmt: skip
-    """Texture unit ``u`` of a batch into its register: coordinates, texture shader stage, filter."""
-    separate_function()
-    row = units[u]
-    if not row[R.ENABLED]:
-        return
-    if row[R.OPERATION]:
-        maximum = int32(draw[R.DEPTH_MAX])
-        if not shader_stage(
-            u, units, starts, owners, segments, triangles, coordinates, count, floats, packed, registers,
-            depth, alive, maximum,
-        ):  # fmt: skip
-            return
-        if row[R.TARGET] == 3:
-            copy_column(floats, R.EXTRA, R.P, count)
-    else:
-        iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 0, floats, R.S)
-        iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 1, floats, R.T)
-        if row[R.TARGET] == 3:
-            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 2, floats, R.P)
-        if row[R.TARGET] == 2:
-            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 2, floats, R.EXTRA)
-        elif row[R.PROJECTIVE]:
-            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 3, floats, R.EXTRA)
-            divide_by_q(floats, R.S, count)
-            divide_by_q(floats, R.T, count)
-            if row[R.TARGET] == 3:
-                divide_by_q(floats, R.P, count)
-    if row[R.TARGET] == 2:
-        if row[R.OPERATION] == DOT_PRODUCT_3D:
-            flat_face(floats, count, ints)
-        else:
-            cube_faces(floats, count, ints)
-    elif row[R.OPERATION] == CUBE_MAP or DOT_PRODUCT_CUBE_MAP <= row[R.OPERATION] <= DIFFUSE:
-        face_planes(floats, count)
-    if row[R.COMPARE]:
-        divided = row[R.PROJECTIVE] and not row[R.OPERATION]
-        if row[R.COMPARE] == 2:
-            fill_column(floats, R.COORDINATE0, 0.0, count)
-        else:
-            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 2, floats, R.COORDINATE0)
-        shadow_reference(
-            floats, R.COORDINATE0, divided, count, float_of(row[R.COORDINATE_DEPTH]),
-            row[R.DEPTH_TEXEL_MANTISSA], int32(row[R.DEPTH_TEXEL_MAX]), ints,
-        )  # fmt: skip
-    if row[R.ANISOTROPY]:
-        footprints(
-            draw, run_starts, run_x, run_y, runs, triangles, strokes, x, y, inverse_w, coordinates, u,
-            row, levels, floats, ints,
-        )  # fmt: skip
-        filter_along(texels, levels, row, count, floats, ints, packed)
-    else:
-        if row[R.MIPMAP] != 0 or row[R.MAG_LINEAR] != row[R.MIN_LINEAR]:
-            level_of_detail(
-                draw, run_starts, run_x, run_y, runs, triangles, strokes, x, y, inverse_w, coordinates, u,
-                row, levels, ints,
-            )  # fmt: skip
-        filter_unit(texels, levels, row, count, floats, ints, packed)
-    unpack_unit(row, count, packed, registers, (R.TEXTURE0 + u) * 4)
-    if draw[R.TEXTURE_SHADER]:
-        if row[R.OPERATION] == OFFSET_2D_SCALE or row[R.OPERATION] == OFFSET_RECTANGLE_SCALE:
-            scale, bias = float_of(row[R.OFFSET_SCALE]), float_of(row[R.OFFSET_BIAS])
-            scale_texel(packed, R.STAGE0 + row[R.PREVIOUS], count, scale, bias)
-            unpack(packed, R.TEXEL_0, count, registers, (R.TEXTURE0 + u) * 4)
-        copy_texel(packed, R.TEXEL_0, R.STAGE0 + u, uint32(row[R.SIGNED]), count)
 
 
 @kernel(

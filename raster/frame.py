@@ -6,13 +6,14 @@ band stays in the processor's nearest memory from the first Clear to the last Dr
 threads'. A Draw that ``fill_draw`` refuses is the portable engine's (``raster.draw``), whose bits these are.
 """
 
+from typing import NamedTuple
+
 import numpy as np
-from numba import float64, int32, int64, uint8, uint32
+from numba import float64, int16, int32, int64, typeof, types, uint8, uint32, void
 
 from raster import rows as R
 from raster.bins import BAND_HEIGHT
 from raster.combine import copy_plane, fill_plane, final_combiner, general_combiner
-from raster.draw import polygon_offset, row_span, sample_unit, unbound_texture
 from raster.fixed import truncate_24
 from raster.kernel import kernel, next_of, separate_function, separate_loop
 from raster.per_fragment import per_fragment
@@ -28,6 +29,8 @@ from raster.records import (
     texels_at,
     words_at,
 )
+from raster.triangle import polygon_offset, row_span
+from raster.unit import sample_unit, unbound_texture
 from raster.vector import (
     count_bits,
     lowest_bit,
@@ -56,28 +59,94 @@ from raster.vector_texture import LOCATED, filter_located, locate
 SMALL = 8  # pixels: triangles whose box is not larger share segments
 
 
+class Scratch(NamedTuple):
+    """Columns that a thread draws in, each ``batch + rows.SLACK`` long (``rows``: which is what)."""
+
+    floats: np.ndarray
+    ints: np.ndarray
+    packed: np.ndarray
+    planes: np.ndarray
+    products: np.ndarray
+    results: np.ndarray
+    alive: np.ndarray
+    lists: np.ndarray
+    located: np.ndarray
+
+
 def scratch(batch):
-    """Arrays that ``draw_frame`` works in, for one thread: a tuple, made once for many frames."""
+    """A thread's Scratch, made once for many frames."""
     columns = batch + R.SLACK
-    return (
-        np.zeros((R.VECTOR_FLOAT_COLUMNS, columns), np.float64),
-        np.zeros((R.VECTOR_INT_COLUMNS, columns), np.int32),
-        np.zeros((R.VECTOR_PACKED_COLUMNS, columns), np.uint32),
-        np.zeros((R.VECTOR_PLANES, columns), np.int16),
-        np.zeros((8, columns), np.int32),
-        np.zeros((12, columns), np.int16),
-        np.zeros(columns, np.uint8),
-        np.zeros((R.LISTS, columns), np.int32),
-        np.zeros((4, LOCATED, columns), np.int32),
+    return Scratch(
+        floats=np.zeros((R.VECTOR_FLOAT_COLUMNS, columns), np.float64),
+        ints=np.zeros((R.VECTOR_INT_COLUMNS, columns), np.int32),
+        packed=np.zeros((R.VECTOR_PACKED_COLUMNS, columns), np.uint32),
+        planes=np.zeros((R.VECTOR_PLANES, columns), np.int16),
+        products=np.zeros((8, columns), np.int32),
+        results=np.zeros((12, columns), np.int16),
+        alive=np.zeros(columns, np.uint8),
+        lists=np.zeros((R.LISTS, columns), np.int32),
+        located=np.zeros((4, LOCATED, columns), np.int32),
     )
+
+
+class Buffers(NamedTuple):
+    """A framebuffer: colours packed, depth words, stencil, each [height, width]."""
+
+    color: np.ndarray
+    depth: np.ndarray
+    stencil: np.ndarray
+
+
+class Pass(NamedTuple):
+    """A Draw's arrays (``rows``: what is in them)."""
+
+    draw: np.ndarray
+    draw_float: np.ndarray
+    program: np.ndarray
+    final: np.ndarray
+    constants: np.ndarray
+    arithmetic: np.ndarray
+    factors: np.ndarray
+    triangles: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    z: np.ndarray
+    inverse_w: np.ndarray
+    colors: np.ndarray
+    coordinates: np.ndarray
+    texels0: np.ndarray
+    texels1: np.ndarray
+    texels2: np.ndarray
+    texels3: np.ndarray
+    levels: np.ndarray
+    pairs0: np.ndarray
+    pairs1: np.ndarray
+    pairs2: np.ndarray
+    pairs3: np.ndarray
+    pair_levels: np.ndarray
+    units: np.ndarray
+
+
+_JOB, _JOBS = int64[::1], int64[:, ::1]
+_SCRATCH = typeof(scratch(0))
+_BUFFERS = types.NamedTuple((uint32[:, ::1], uint32[:, ::1], uint8[:, ::1]), Buffers)
+_FOUR_TEXTURES = (uint32[::1],) * 4
+_PASS = types.NamedTuple(
+    (
+        int64[::1], float64[::1], int32[:, :, ::1], int32[:, ::1], int16[:, ::1], int32[::1], int32[:, ::1],
+        int32[:, ::1], int32[::1], int32[::1], float64[::1], float64[::1], uint8[:, :, ::1],
+        float64[:, :, ::1], *_FOUR_TEXTURES, int32[:, :, ::1], *_FOUR_TEXTURES, int32[:, :, ::1], int64[:, ::1],
+    ),
+    Pass,
+)  # fmt: skip
 
 
 @kernel("void(i8[:,::1],i8,i8,i8,i8,i8,i8,i8,i8,i8,i8,i8)")
 def fill_clear(jobs, k, x0, y0, x1, y1, buffers, color, color_mask, depth, stencil, stencil_mask):
     """Row k of ``jobs``: clear device pixels [x0, x1) x [y0, y1).
 
-    ``buffers``: 1 colour, 2 depth, 4 stencil; ``color`` packed, ``depth`` a word, ``stencil`` a byte; masks as
-    stored.
+    ``buffers``: 1 colour, 2 depth, 4 stencil; ``color`` packed, ``depth`` a word, ``stencil`` a byte; masks
+    as stored.
     """
     job = jobs[k]
     job[R.JOB_KIND] = 0
@@ -123,7 +192,7 @@ def same_coordinates(coordinates, one, other):
 
 @kernel
 def unit_path(draw, row, levels, coordinates, unit):
-    """How a unit is sampled: 0 not at all; 1 by vectors (``vector_texture``); 2 as the portable engine does."""
+    """How a unit is sampled: 0 not at all; 1 by vectors (``vector_texture``); 2 by the portable kernels."""
     if not row[R.ENABLED]:
         return int64(0)
     plain = row[R.TARGET] <= 1 and not row[R.PROJECTIVE] and not row[R.COMPARE] and not row[R.HILO]
@@ -148,8 +217,8 @@ def fill_draw(
     colors, coordinates, texels0, texels1, texels2, texels3, levels,
     pairs0, pairs1, pairs2, pairs3, pair_levels, units, order, ends,
 ):  # fmt: skip
-    """Row k of ``jobs`` from a Draw's arrays, which must outlive it; False if the vector engine does not cover
-    the Draw.
+    """Row k of ``jobs`` from a Draw's arrays, which must outlive it; False where the vector engine does not
+    cover the Draw.
     """
     unusual = (
         draw[R.STROKES] | draw[R.STIPPLE] | draw[R.WINDOW_CLIP] | draw[R.W_BUFFERING] | draw[R.DEPTH_FORMAT]
@@ -273,23 +342,13 @@ def fill_pixels(pixels, position, count, first):
         store(pixels, position + i, ramp_i32x16() + int32(first + int32(i)))
 
 
-SHADE_SIGNATURE = (
-    "void(i8[::1],i8[::1],i4[:,:,::1],i4[:,::1],i2[:,::1],i4[::1],i4[:,::1],i4[:,::1],i4[::1],i4[::1],f8[::1],"
-    "u1[:,:,::1],f8[:,:,::1],u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],"
-    "u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],i8[:,::1],i8,i8,i8,u4[:,::1],u4[:,::1],"
-    "u1[:,::1],f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i4[:,::1],i2[:,::1],u1[::1],i4[:,::1],i4[:,:,::1])"
-)
-
-
-@kernel(SHADE_SIGNATURE)
-def finish_batch(
-    job, draw, program, final, constants, arithmetic, factors, triangles, x, y, inverse_w, colors, coordinates,
-    texels0, texels1, texels2, texels3, levels,
-    pairs0, pairs1, pairs2, pairs3, pair_levels, units, count, segments, runs, color, depth_buffer, stencil,
-    floats, ints, packed, planes, products, results, alive, lists, located,
-):  # fmt: skip
+@kernel(void(_JOB, _PASS, int64, int64, int64, _BUFFERS, _SCRATCH))
+def finish_batch(job, p, count, segments, runs, buffers, scratch):
     """Shade a batch whose weights and depth words are there, and write it."""
     separate_function()
+    draw, triangles, colors, coordinates, units = p.draw, p.triangles, p.colors, p.coordinates, p.units
+    floats, ints, packed, planes = scratch.floats, scratch.ints, scratch.packed, scratch.planes
+    results, lists, located = scratch.results, scratch.lists, scratch.located
     lists[R.STARTS, segments], lists[R.RUN_STARTS, runs] = int32(count), int32(count)
     flat, terms = draw[R.FLAT], planes[R.COLOR_TERMS :]
     if draw[R.NEEDS_COLOR]:
@@ -308,7 +367,6 @@ def finish_batch(
                 for u in range(4):
                     unbound_texture(planes, u, count)
             for u in range(draw[R.UNITS]):
-                texels = texels0 if u == 0 else (texels1 if u == 1 else (texels2 if u == 2 else texels3))
                 path = job[R.JOB_UNIT_PATH + u]
                 row = units[u]
                 if path == 1:
@@ -324,14 +382,18 @@ def finish_batch(
                             lists, segments, triangles, coordinates, u, 1, job[R.JOB_LOG2_T + u],
                             row[R.WRAP_T] == 0, linear, floats, t_column,
                         )  # fmt: skip
-                        locate(pair_levels[u], row, s_column, t_column, count, located[u])
-                    pairs = pairs0 if u == 0 else (pairs1 if u == 1 else (pairs2 if u == 2 else pairs3))
+                        locate(p.pair_levels[u], row, s_column, t_column, count, located[u])
+                    first, second = (p.pairs0 if u == 0 else p.pairs1), (p.pairs2 if u == 2 else p.pairs3)
+                    pairs = first if u < 2 else second
                     filter_located(pairs, row, located[source], count, planes, (R.TEXTURE0 + u) * 4)
                 elif path == 2:
+                    first, second = (p.texels0 if u == 0 else p.texels1), (p.texels2 if u == 2 else p.texels3)
+                    texels = first if u < 2 else second
                     sample_unit(
-                        draw, u, units, count, lists[R.STARTS], lists[R.OWNERS], segments, triangles, triangles,
-                        x, y, inverse_w, coordinates, texels, levels[u], lists[R.RUN_STARTS], lists[R.RUN_X],
-                        lists[R.RUN_Y], runs, floats, ints, packed, planes, ints[R.DEPTH_WORD], alive,
+                        draw, u, units, count, lists[R.STARTS], lists[R.OWNERS], segments, triangles,
+                        triangles, p.x, p.y, p.inverse_w, coordinates, texels, p.levels[u],
+                        lists[R.RUN_STARTS], lists[R.RUN_X], lists[R.RUN_Y], runs, floats, ints, packed,
+                        planes, ints[R.DEPTH_WORD], scratch.alive,
                     )  # fmt: skip
             for c in range(3):
                 fill_plane(planes, R.SPARE0 * 4 + c, count, int32(0))
@@ -341,16 +403,18 @@ def finish_batch(
             for stage in range(draw[R.STAGES]):
                 if draw[R.STAGE_CONSTANTS]:
                     for c in range(8):
-                        fill_plane(planes, R.CONSTANT0 * 4 + c, count, int32(constants[stage, c]))
-                general_combiner(planes, program[stage], count, arithmetic, products, products, results)
+                        fill_plane(planes, R.CONSTANT0 * 4 + c, count, int32(p.constants[stage, c]))
+                general_combiner(
+                    planes, p.program[stage], count, p.arithmetic, scratch.products, scratch.products, results
+                )
             if draw[R.STAGE_CONSTANTS]:
                 for c in range(8):
-                    fill_plane(planes, R.CONSTANT0 * 4 + c, count, int32(constants[draw[R.STAGES], c]))
+                    fill_plane(planes, R.CONSTANT0 * 4 + c, count, int32(p.constants[draw[R.STAGES], c]))
             uses_ef, uses_sum = draw[R.USES_E_TIMES_F], draw[R.USES_SPARE0_PLUS_SECONDARY]
-            final_combiner(planes, final, count, uses_ef, uses_sum, draw[R.COLOR_SUM], results)
+            final_combiner(planes, p.final, count, uses_ef, uses_sum, draw[R.COLOR_SUM], results)
     per_fragment(
         draw, count, lists[R.RUN_STARTS], lists[R.RUN_X], lists[R.RUN_Y], runs, results, packed[R.SHADED],
-        ints[R.DEPTH_WORD], alive, factors, color, depth_buffer, stencil,
+        ints[R.DEPTH_WORD], scratch.alive, p.factors, buffers.color, buffers.depth, buffers.stencil,
     )  # fmt: skip
 
 
@@ -360,31 +424,25 @@ def edge_tie(right, down):
     return int64(0) if right > 0 or (right == 0 and down > 0) else int64(-1)
 
 
-@kernel(
-    "i8(i8[::1],i8[::1],f8[::1],i4[:,:,::1],i4[:,::1],i2[:,::1],i4[::1],i4[:,::1],i4[:,::1],i4[::1],i4[::1],"
-    "f8[::1],f8[::1],u1[:,:,::1],f8[:,:,::1],u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],"
-    "u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],i8[:,::1],i4[::1],i8,i8,"
-    "u4[:,::1],u4[:,::1],u1[:,::1],f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i4[:,::1],i2[:,::1],u1[::1],i4[:,::1],i4[:,:,::1])"
-)
-def draw_band(
-    job, draw, draw_float, program, final, constants, arithmetic, factors, triangles, x, y, z, inverse_w,
-    colors, coordinates, texels0, texels1, texels2, texels3, levels,
-    pairs0, pairs1, pairs2, pairs3, pair_levels, units, members, band, batch, color,
-    depth_buffer, stencil, floats, ints, packed, planes, products, results, alive, lists, located,
-):  # fmt: skip
+@kernel(int64(_JOB, _PASS, int32[::1], int64, int64, _BUFFERS, _SCRATCH))
+def draw_band(job, p, members, band, batch, buffers, scratch):
     """The rows of ``band`` of a Draw whose triangles there are ``members``; returns how many fragments."""
     separate_function()
+    draw = p.draw
+    triangles, x, y, z, inverse_w = p.triangles, p.x, p.y, p.z, p.inverse_w
+    colors, coordinates = p.colors, p.coordinates
+    floats, ints, planes, lists = scratch.floats, scratch.ints, scratch.planes, scratch.lists
     needs_depth, has_offset = draw[R.NEEDS_DEPTH], draw[R.POLYGON_OFFSET]
     needs_weights, needs_color = draw[R.NEEDS_ITERATION_WEIGHTS], draw[R.NEEDS_COLOR]
     mixes, perspective = job[R.JOB_MIXES], job[R.JOB_PERSPECTIVE]
     primary = needs_color and (draw[R.DIRECT] or draw[R.NEEDS_PRIMARY] or draw[R.NEEDS_SECONDARY])
     flat, top_word = draw[R.FLAT], float64(draw[R.DEPTH_MAX])
-    width = int64(color.shape[1])
+    width = int64(buffers.color.shape[1])
     top, bottom = max(band * BAND_HEIGHT, draw[R.Y0]), min((band + 1) * BAND_HEIGHT, draw[R.Y1])
     x_first, x_last = draw[R.X0], draw[R.X1] - 1
     if needs_color and not draw[R.DIRECT]:
         for c in range(8):
-            fill_plane(planes, R.CONSTANT0 * 4 + c, batch, int32(constants[0, c]))
+            fill_plane(planes, R.CONSTANT0 * 4 + c, batch, int32(p.constants[0, c]))
         for c in range(4):
             fill_plane(planes, R.FOG * 4 + c, batch, int32(draw[R.FOG_RED + c] if c < 3 else 255))
             fill_plane(planes, R.ZERO * 4 + c, batch, int32(0))
@@ -412,12 +470,7 @@ def draw_band(
                 mixed_depth(floats, ints[R.DEPTH_WORD], mixed_from, position, top_word)
             mixed_from = int64(-1)
         if full and position > 0:
-            finish_batch(
-                job, draw, program, final, constants, arithmetic, factors, triangles, x, y, inverse_w, colors,
-                coordinates, texels0, texels1, texels2, texels3, levels,
-    pairs0, pairs1, pairs2, pairs3, pair_levels, units, position, segments, runs, color,
-                depth_buffer, stencil, floats, ints, packed, planes, products, results, alive, lists, located,
-            )  # fmt: skip
+            finish_batch(job, p, position, segments, runs, buffers, scratch)
             fragments += position
             position, segments, runs = int64(0), int64(0), int64(0)
         if finished:
@@ -437,11 +490,11 @@ def draw_band(
         if iw0 == iw1 and iw1 == iw2:
             iw0 = iw1 = iw2 = 1.0
         back = int32(1) if draw[R.BACK_SIGN] == sign else int32(0)
-        z0, z1, z2, offset, slope = 0.0, 0.0, 0.0, 0.0, 0.0
+        z0, z1, z2, offset = 0.0, 0.0, 0.0, 0.0
         if needs_depth:
             z0, z1, z2 = z[v0], z[v1], z[v2]
             if has_offset:
-                offset, slope = polygon_offset(draw, draw_float, v0, v1, v2, x, y, z, inverse_w)
+                offset, _ = polygon_offset(draw, p.draw_float, v0, v1, v2, x, y, z, inverse_w)
         s0, s1, s2 = float64(right0), float64(right1), float64(right2)
         if small:
             begin = position
@@ -523,13 +576,7 @@ def draw_band(
                 position += n
                 start += n
                 if position == batch:
-                    finish_batch(
-                        job, draw, program, final, constants, arithmetic, factors, triangles, x, y, inverse_w,
-                        colors, coordinates, texels0, texels1, texels2, texels3, levels,
-    pairs0, pairs1, pairs2, pairs3, pair_levels, units, position,
-                        segments, runs, color, depth_buffer, stencil, floats, ints, packed, planes, products,
-                        results, alive, lists, located,
-                    )  # fmt: skip
+                    finish_batch(job, p, position, segments, runs, buffers, scratch)
                     fragments += position
                     position, segments, runs = int64(0), int64(0), int64(0)
             n0 += down0
@@ -538,35 +585,28 @@ def draw_band(
     return fragments
 
 
-@kernel(
-    "i8(i8[:,::1],i8,i8[::1],i8,u4[:,::1],u4[:,::1],u1[:,::1],f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i4[:,::1],"
-    "i2[:,::1],u1[::1],i4[:,::1],i4[:,:,::1])"
-)
-def draw_frame(
-    jobs, count, counter, batch, color, depth_buffer, stencil, floats, ints, packed, planes, products, results,
-    alive, lists, located,
-):  # fmt: skip
+@kernel(int64(_JOBS, int64, int64[::1], int64, _BUFFERS, _SCRATCH))
+def draw_frame(jobs, count, counter, batch, buffers, scratch):
     """Run the first ``count`` jobs on every band that ``counter`` int64[1] still gives.
 
-    Threads that share a frame call this with one counter, which began at 0, and each its own ``scratch``
-    arrays (from ``floats`` on) of at least ``batch`` columns. Returns how many fragments this call drew.
+    Threads that share a frame call this with one counter, which began at 0, and each its own Scratch of at
+    least ``batch`` columns. Returns how many fragments this call drew.
     """
     fragments = int64(0)
-    bands = (int64(color.shape[0]) + BAND_HEIGHT - 1) // BAND_HEIGHT
+    bands = (int64(buffers.color.shape[0]) + BAND_HEIGHT - 1) // BAND_HEIGHT
     band = next_of(counter)
     while band < bands:
         for k in range(count):
             job = jobs[k]
             if job[R.JOB_KIND] == 0:
-                clear_band(job, band, color, depth_buffer, stencil)
+                clear_band(job, band, buffers.color, buffers.depth, buffers.stencil)
                 continue
             vertices, units = job[R.JOB_VERTICES], job[R.JOB_UNITS]
             ends = integers_at(job[R.JOB_ADDRESS + 17], (job[R.JOB_BANDS],))
             begin, end = int64(ends[band - 1]) if band > 0 else int64(0), int64(ends[band])
             if begin == end:
                 continue
-            fragments += draw_band(
-                job,
+            arrays = Pass(
                 longs_at(job[R.JOB_ADDRESS], (int64(R.DRAW_SIZE),)),
                 floats_at(job[R.JOB_ADDRESS + 1], (int64(R.DRAW_FLOAT_SIZE),)),
                 tables_at(job[R.JOB_ADDRESS + 2], (job[R.JOB_STAGES], int64(2), int64(R.PORTION_SIZE))),
@@ -592,9 +632,8 @@ def draw_frame(
                 texels_at(job[R.JOB_PAIRS + 3], (job[R.JOB_PAIR_COUNT + 3],)),
                 tables_at(job[R.JOB_ADDRESS + 18], (job[R.JOB_ROWS], int64(R.MAX_LEVELS), int64(3))),
                 long_table_at(job[R.JOB_ADDRESS + 15], (job[R.JOB_ROWS], int64(R.UNIT_SIZE))),
-                integers_at(job[R.JOB_ADDRESS + 16], (job[R.JOB_MEMBERS],))[begin:end],
-                band, batch, color, depth_buffer, stencil, floats, ints, packed, planes, products, results,
-                alive, lists, located,
-            )  # fmt: skip
+            )
+            order = integers_at(job[R.JOB_ADDRESS + 16], (job[R.JOB_MEMBERS],))
+            fragments += draw_band(job, arrays, order[begin:end], band, batch, buffers, scratch)
         band = next_of(counter)
     return fragments

@@ -6,6 +6,7 @@ so an edit could go unnoticed. The cache folder is therefore named after a diges
 """
 
 import hashlib
+import inspect
 import os
 import tempfile
 from pathlib import Path
@@ -61,9 +62,9 @@ def kernel(signature=None, *, allocates=False):
     and the atomic counting of every slice would cost a batch more than its arithmetic.
     """
     options = {"cache": True, "fastmath": False, "error_model": "numpy", "nogil": True, "_nrt": allocates}
-    if callable(signature):
+    if inspect.isfunction(signature):
         return numba.njit(signature, **options)
-    return numba.njit(signature, **options) if signature else numba.njit(**options)
+    return numba.njit(**options) if signature is None else numba.njit(signature, **options)
 
 
 def is_cold():
