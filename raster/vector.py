@@ -135,8 +135,10 @@ def _arithmetic(operation, integer, real):
 
 def _comparison(operation, symbol):
     def emit(builder, vector, a, b):
-        compare = builder.fcmp_ordered if vector.element == types.float64 else builder.icmp_signed
-        return compare(symbol, a, b)
+        if vector.element != types.float64:
+            return builder.icmp_signed(symbol, a, b)
+        # What is not a number differs from everything and compares with nothing, as in Python.
+        return (builder.fcmp_unordered if symbol == "!=" else builder.fcmp_ordered)(symbol, a, b)
 
     _binary(operation, emit, types.boolean)
 
@@ -500,6 +502,27 @@ even_lanes = _every_second(0, "Lanes 0, 2, 4, ... of one vector, then of another
 odd_lanes = _every_second(1, "Lanes 1, 3, 5, ... of one vector, then of another.")
 
 
+@intrinsic
+def twice(typing_context, a):
+    """Every lane two times."""
+    result = Vector(a.element, 2 * a.lanes)
+
+    def codegen(context, builder, signature, args):
+        return _shuffle(builder, args[0], args[0], [k // 2 for k in range(2 * a.lanes)])
+
+    return result(a), codegen
+
+
+@intrinsic
+def next_lanes(typing_context, a):
+    """Each lane's successor; the last lane's is itself."""
+
+    def codegen(context, builder, signature, args):
+        return _shuffle(builder, args[0], args[0], [*range(1, a.lanes), a.lanes - 1])
+
+    return a(a), codegen
+
+
 def _index(context, builder, array, args, at, lane):
     """An element of an int32 array as an int64 that is not negative."""
     struct = context.make_array(array)(context, builder, args)
@@ -513,29 +536,37 @@ def _checked_array(context, builder, array, value, at, vector):
     return context.make_array(array)(context, builder, value).data
 
 
-@intrinsic
-def load_each(typing_context, array, indices, at):
-    """Sixteen 32-bit elements, at the indices (int32, not negative) from ``indices[at]`` on."""
-    _check(array, I32X16)
-    _check(indices, I32X16)
+def _each_loader(vector):
+    single = Vector(vector.element, 1)
 
-    def codegen(context, builder, signature, args):
-        _checked_array(context, builder, indices, args[1], args[2], I32X16)
-        single = Vector(types.int32, 1)
-        found = ir.Constant(I32X16.ir, ir.Undefined)
-        for lane in range(16):
-            index = _index(context, builder, indices, args[1], args[2], lane)
-            element = builder.load(_address(context, builder, array, args[0], index, single))
-            element = builder.extract_element(element, ir.Constant(ir.IntType(32), 0))
-            found = builder.insert_element(found, element, ir.Constant(ir.IntType(32), lane))
-        return found
+    @intrinsic
+    def load_each(typing_context, array, indices, at):
+        """The elements at the indices (int32, not negative) from ``indices[at]`` on."""
+        _check(array, vector)
+        places = vector.of(types.int32)
+        _check(indices, places)
 
-    return I32X16(array, indices, types.int64), codegen
+        def codegen(context, builder, signature, args):
+            _checked_array(context, builder, indices, args[1], args[2], places)
+            found = ir.Constant(vector.ir, ir.Undefined)
+            for lane in range(vector.lanes):
+                index = _index(context, builder, indices, args[1], args[2], lane)
+                element = builder.load(_address(context, builder, array, args[0], index, single))
+                element = builder.extract_element(element, ir.Constant(ir.IntType(32), 0))
+                found = builder.insert_element(found, element, ir.Constant(ir.IntType(32), lane))
+            return found
+
+        return vector(array, indices, types.int64), codegen
+
+    return load_each
+
+
+load_each_i32x16, load_each_i64x8 = _each_loader(I32X16), _each_loader(I64X8)
 
 
 @intrinsic
 def load_quads(typing_context, array, indices, at):
-    """Four consecutive 32-bit elements at each of sixteen indices (as ``load_each``): four vectors, of the
+    """Four consecutive 32-bit elements at each of sixteen indices (as ``load_each_i32x16``): vectors of the
     first elements, the second, the third and the fourth.
 
     Sixteen loads of 128 bits and a transposition in those lanes: less than half the time of 64 loads, or of

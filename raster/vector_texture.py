@@ -13,7 +13,7 @@ how it is weighted. Units whose coordinates, sizes, filters and wrap modes agree
 """
 
 import numpy as np
-from numba import int16, int32, uint64
+from numba import int16, int32, int64, uint64
 
 from raster import rows as R
 from raster.kernel import kernel, separate_function, separate_loop
@@ -21,14 +21,19 @@ from raster.vector import (
     even_lanes,
     halves_of_lanes,
     i16x32,
-    load_each,
+    i32x16,
+    largest_lane,
+    load_each_i32x16,
     load_i16x32,
     load_i32x16,
     load_quads,
+    lowest_bit,
     maximum,
     minimum,
     odd_lanes,
+    select,
     shift_right,
+    smallest_lane,
     store,
 )
 
@@ -80,6 +85,12 @@ def row_pairs(texels, levels, count, faces=1):
 
 
 @kernel
+def _rounded(count):
+    """To whole vectors of 32: fetching reads as many, and must find places in this texture there too."""
+    return (count + 31) & ~31
+
+
+@kernel
 def _limits(mode, half, size):
     """(lowest, highest, mask): F is limited to the first two, then the column to the mask's bits."""
     if mode == 0 and size & (size - 1) == 0:
@@ -106,12 +117,76 @@ def locate(levels, unit, f_s, f_t, count, located):
     mask_s = int32(mask_s * int32(2))
     base, stride = levels[0, 0], int32(int32(levels[0, 1] + int32(1)) * int32(2))
     first, weights = located[FIRST], located[WEIGHTS]
-    for at in range(0, count, 16):
+    for at in range(0, _rounded(count), 16):
         s = minimum(maximum(load_i32x16(f_s, at), low_s), high_s) - half
         t = minimum(maximum(load_i32x16(f_t, at), low_t), high_t) - half
         column, row = (s >> int32(7)) & mask_s, (t >> int32(8)) & mask_t
         store(first, at, row * stride + column + base)
         store(weights, at, (s & fraction) | ((t & fraction) << int32(16)))
+
+
+@kernel
+def _level_of(lod, threshold, top, rounding, step, last):
+    """The level that a fragment reads whose lambda is ``lod``."""
+    if lod <= threshold:
+        return min(step, last)
+    return min(int32(int32(int32(min(max(lod, int32(0)), top)) + rounding) >> int32(8)) + step, last)
+
+
+@kernel("i4(i4[:,::1],i8[::1],i4[::1],i4[::1],i4[::1],i4,i8,i8,i4[:,::1])")
+def locate_levels(levels, unit, f_s, f_t, lod, step, halve, count, located):
+    """FIRST, WEIGHTS and BETWEEN of fragments that have a level each; returns the largest lambda.
+
+    As ``locate``, but the unit may have any filters, and sizes are powers of two. lod: lambda with 8 fraction
+    bits; ``step``: 0, or 1 for UPPER_FIRST and UPPER_WEIGHTS of the level above; ``halve``: F are level 0's,
+    else each of its fragment's level.
+    """
+    separate_loop()
+    last, mipmap = int32(unit[R.LEVELS] - 1), unit[R.MIPMAP]
+    threshold, rounding = int32(unit[R.THRESHOLD]), int32(127 if mipmap == 1 else 0)
+    top = int32(last * int32(256)) if mipmap else int32(0)
+    smallest, largest = i32x16(int32(_HIGHEST)), i32x16(int32(_LOWEST))
+    for at in range(0, _rounded(count), 16):
+        value = load_i32x16(lod, at)
+        smallest, largest = minimum(smallest, value), maximum(largest, value)
+    highest = largest_lane(largest)
+    low_level = _level_of(smallest_lane(smallest), threshold, top, rounding, step, last)
+    high_level = _level_of(highest, threshold, top, rounding, step, last)
+
+    width, height = levels[0, 1], levels[0, 2]
+    bits_s, bits_t = int32(lowest_bit(int64(width))), int32(lowest_bit(int64(height)))
+    repeat_s, repeat_t = unit[R.WRAP_S] == 0, unit[R.WRAP_T] == 0
+    # Beyond these nothing is limited: either the axis repeats, or the level's own limits are narrower.
+    below_s, above_s = int32(_LOWEST if repeat_s else _HIGHEST), int32(_HIGHEST if repeat_s else _LOWEST)
+    below_t, above_t = int32(_LOWEST if repeat_t else _HIGHEST), int32(_HIGHEST if repeat_t else _LOWEST)
+    mag_half, min_half = int32(128 * unit[R.MAG_LINEAR]), int32(128 * unit[R.MIN_LINEAR])
+    mag_fraction, min_fraction = int32(255 * unit[R.MAG_LINEAR]), int32(255 * unit[R.MIN_LINEAR])
+    first, weights, between = located[2 * step + FIRST], located[2 * step + WEIGHTS], located[BETWEEN]
+    one, zero = int32(1), i32x16(int32(0))
+    for at in range(0, _rounded(count), 16):
+        value = load_i32x16(lod, at)
+        magnified = value <= threshold
+        value = select(magnified, zero, minimum(maximum(value, int32(0)), top))
+        half = select(magnified, i32x16(mag_half), i32x16(min_half))
+        fraction = select(magnified, i32x16(mag_fraction), i32x16(min_fraction))
+        level = minimum(((value + rounding) >> int32(8)) + step, last)
+        base = i32x16(levels[low_level, 0])
+        for k in range(low_level + 1, high_level + 1):
+            base = select(level >= int32(k), i32x16(levels[k, 0]), base)
+        shift_s, shift_t = minimum(level, bits_s), minimum(level, bits_t)
+        size_s, size_t = i32x16(width) >> shift_s, i32x16(height) >> shift_t
+        s, t = load_i32x16(f_s, at), load_i32x16(f_t, at)
+        if halve:
+            s, t = s >> shift_s, t >> shift_t
+        s = maximum(s, minimum(half, below_s))
+        t = maximum(t, minimum(half, below_t))
+        s = minimum(s, maximum((size_s << int32(8)) - int32(128), above_s)) - half
+        t = minimum(t, maximum((size_t << int32(8)) - int32(128), above_t)) - half
+        column, row = (s >> int32(8)) & (size_s - one), (t >> int32(8)) & (size_t - one)
+        store(first, at, ((row * (size_s + one) + column) << one) + base)
+        store(weights, at, (s & fraction) | ((t & fraction) << int32(16)))
+        store(between, at, value & int32(255))
+    return highest
 
 
 # ------------------------------------------------------------------------------------ fetching, filtering
@@ -172,9 +247,27 @@ def fetch_nearest(pairs, located, count, registers, plane):
     separate_loop()
     first, byte, eight = located[FIRST], int16(255), int16(8)
     for at in range(0, count, 32):
-        p, q = halves_of_lanes(load_each(pairs, first, at)), halves_of_lanes(load_each(pairs, first, at + 16))
+        p = halves_of_lanes(load_each_i32x16(pairs, first, at))
+        q = halves_of_lanes(load_each_i32x16(pairs, first, at + 16))
         odd0, odd1 = shift_right(p, eight), shift_right(q, eight)
         _store_planes(p & byte, odd0, q & byte, odd1, registers, plane, at)
+
+
+@kernel("void(u4[::1],i4[:,::1],i8,i2[:,::1],i8)")
+def fetch_blended(pairs, located, count, registers, plane):
+    """Filtered texels of two levels, each rounded to bytes, blended, into four planes from ``plane`` on."""
+    separate_loop()
+    between = located[BETWEEN]
+    for at in range(0, count, 32):
+        even0, odd0 = _footprint(pairs, located[FIRST], located[WEIGHTS], at)
+        even1, odd1 = _footprint(pairs, located[UPPER_FIRST], located[UPPER_WEIGHTS], at)
+        weight = _doubled(load_i32x16(between, at))
+        even2, odd2 = _lerp(even0, even1, weight), _lerp(odd0, odd1, weight)
+        even0, odd0 = _footprint(pairs, located[FIRST], located[WEIGHTS], at + 16)
+        even1, odd1 = _footprint(pairs, located[UPPER_FIRST], located[UPPER_WEIGHTS], at + 16)
+        weight = _doubled(load_i32x16(between, at + 16))
+        even0, odd0 = _lerp(even0, even1, weight), _lerp(odd0, odd1, weight)
+        _store_planes(even2, odd2, even0, odd0, registers, plane, at)
 
 
 @kernel("void(i8,i8,i2[:,::1],i8)")
@@ -206,3 +299,19 @@ def filter_2d(pairs, levels, unit, f_s, f_t, count, located, registers, plane):
     separate_function()
     locate(levels, unit, f_s, f_t, count, located)
     filter_located(pairs, unit, located, count, registers, plane)
+
+
+@kernel("void(u4[::1],i4[:,::1],i8[::1],i4[::1],i4[::1],i4[::1],i8,i4[:,::1],i2[:,::1],i8)")
+def filter_mipmapped(pairs, levels, unit, f_s, f_t, lod, count, located, registers, plane):
+    """As ``filter_2d``, of a unit that looks at lambda (``lod``, 8 fraction bits) for its filter or level."""
+    separate_function()
+    highest = locate_levels(levels, unit, f_s, f_t, lod, int32(0), 1, count, located)
+    if unit[R.MIPMAP] == 2 and highest > max(unit[R.THRESHOLD], 0):
+        locate_levels(levels, unit, f_s, f_t, lod, int32(1), 1, count, located)
+        fetch_blended(pairs, located, count, registers, plane)
+    elif unit[R.MAG_LINEAR] or unit[R.MIN_LINEAR]:
+        fetch_linear(pairs, located, count, registers, plane)
+    else:
+        fetch_nearest(pairs, located, count, registers, plane)
+    if unit[R.SIGNED]:
+        make_signed(unit[R.SIGNED], count, registers, plane)

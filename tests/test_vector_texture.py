@@ -207,3 +207,53 @@ def test_one_level_is_filtered_as_the_specification_says(filter_mode, wrap):
     unit = unit_row(WRAP_S=int(wrap), WRAP_T=int(wrap), MAG_LINEAR=linear, MIN_LINEAR=linear)
     f_s, f_t = fixed(s * 16, wrap == WrapMode.REPEAT), fixed(t * 8, wrap == WrapMode.REPEAT)
     assert (np.array(expected) == filtered(pairs, pair_levels, unit, f_s, f_t, count=60).T).all()
+
+
+@pytest.mark.parametrize("size", [(1, 1), (16, 4), (2, 64), (256, 256)])
+@pytest.mark.parametrize("mipmap", [0, 1, 2])
+def test_levels_are_chosen_and_blended_as_the_portable_kernels_do(size, mipmap):
+    rng = np.random.default_rng(6)
+    count = max(size).bit_length()
+    texels, levels = random_texture(rng, *size, count)
+    pairs, pair_levels = vt.row_pairs(texels, levels, count)
+    modes = (REPEAT, CLAMP_TO_EDGE)
+    for wrap_s, wrap_t, mag, minify, threshold in product(modes, modes, (0, 1), (0, 1), (0, 128)):
+        for used in {1, count}:
+            unit = unit_row(
+                WRAP_S=wrap_s,
+                WRAP_T=wrap_t,
+                MAG_LINEAR=mag,
+                MIN_LINEAR=minify,
+                MIPMAP=mipmap,
+                THRESHOLD=threshold,
+                LEVELS=used,
+            )
+            s, t = random_coordinates(rng, size[0]), random_coordinates(rng, size[1])
+            lod = rng.integers(-300, 256 * count + 600, COUNT + SLACK).astype(np.int32)
+            near = rng.integers(-2, 3, COUNT + SLACK) + rng.choice([0, 127, 128, 256, 384], COUNT + SLACK)
+            lod = np.where(rng.random(lod.size) < 0.3, near, lod).astype(np.int32)
+            lod[:2] = -(1 << 20), 1 << 20
+            lod = lod if rng.random() < 0.8 else np.full_like(lod, -5)
+            f_s, f_t = fixed(s * size[0], wrap_s == REPEAT), fixed(t * size[1], wrap_t == REPEAT)
+            registers = scratch()[-1]
+            located = np.zeros((vt.LOCATED, COUNT + SLACK), np.int32)
+            vt.filter_mipmapped(pairs, pair_levels, unit, f_s, f_t, lod, COUNT, located, registers, PLANE)
+            found = registers[PLANE : PLANE + 4, :COUNT]
+            assert (found == portable(texels, levels, unit, s, t, lod=lod)).all()
+
+
+def test_any_coordinate_and_any_lambda_read_texels_of_the_texture():
+    rng = np.random.default_rng(7)
+    texels, levels = random_texture(rng, 64, 16, count=7)
+    pairs, pair_levels = vt.row_pairs(texels, levels, 7)
+    pairs_before, guard = pairs.copy(), np.full(COUNT + SLACK, 2**31 - 1, np.int32)
+    for mipmap, wrap in product((0, 1, 2), (REPEAT, CLAMP_TO_EDGE)):
+        unit = unit_row(WRAP_S=wrap, WRAP_T=wrap, MAG_LINEAR=0, MIN_LINEAR=1, MIPMAP=mipmap, LEVELS=7)
+        for f in (guard, -guard - 1, rng.integers(-(2**31), 2**31, guard.size).astype(np.int32)):
+            for lod in (guard, -guard - 1, rng.integers(-(2**31), 2**31, guard.size).astype(np.int32)):
+                located = np.full((vt.LOCATED, COUNT + SLACK), -1, np.int32)
+                vt.filter_mipmapped(pairs, pair_levels, unit, f, f, lod, COUNT, located, scratch()[-1], PLANE)
+                for row in (vt.FIRST, vt.UPPER_FIRST):
+                    first = located[row, :COUNT]
+                    assert (first[first != -1] >= 0).all() and (first <= pairs.size - 4).all()
+    assert (pairs == pairs_before).all()
