@@ -9,11 +9,10 @@ threads'. A Draw that ``fill_draw`` refuses is the portable engine's (``raster.d
 from typing import NamedTuple
 
 import numpy as np
-from numba import float64, int16, int32, int64, typeof, types, uint8, uint32, void
+from numba import float64, int32, int64, typeof, types, uint8, uint32, void
 
 from raster import rows as R
 from raster.bins import BAND_HEIGHT
-from raster.combine import copy_plane, fill_plane, final_combiner, general_combiner
 from raster.fixed import truncate_24
 from raster.kernel import kernel, next_of, separate_function, separate_loop
 from raster.per_fragment import per_fragment
@@ -27,10 +26,10 @@ from raster.records import (
     table_at,
     tables_at,
     texels_at,
-    words_at,
 )
+from raster.sample import unpack
 from raster.triangle import polygon_offset, row_span
-from raster.unit import sample_unit, unbound_texture
+from raster.unit import sample_unit
 from raster.vector import (
     count_bits,
     lowest_bit,
@@ -40,10 +39,12 @@ from raster.vector import (
     ramp_i32x16,
     store,
 )
+from raster.vector_combine import OPERATION_SIZE, SCRATCH_PLANES, combine
 from raster.vector_interpolate import (
     LARGEST_COORDINATE,
     LARGEST_REPEATED,
     iterate_colors,
+    iterate_packed,
     iterate_texels,
     mixed_depth,
     mixed_weights,
@@ -81,7 +82,7 @@ def scratch(batch):
         ints=np.zeros((R.VECTOR_INT_COLUMNS, columns), np.int32),
         packed=np.zeros((R.VECTOR_PACKED_COLUMNS, columns), np.uint32),
         planes=np.zeros((R.VECTOR_PLANES, columns), np.int16),
-        products=np.zeros((8, columns), np.int32),
+        products=np.zeros((SCRATCH_PLANES, columns), np.int32),
         results=np.zeros((12, columns), np.int16),
         alive=np.zeros(columns, np.uint8),
         lists=np.zeros((R.LISTS, columns), np.int32),
@@ -102,10 +103,7 @@ class Pass(NamedTuple):
 
     draw: np.ndarray
     draw_float: np.ndarray
-    program: np.ndarray
-    final: np.ndarray
-    constants: np.ndarray
-    arithmetic: np.ndarray
+    plan: np.ndarray
     factors: np.ndarray
     triangles: np.ndarray
     x: np.ndarray
@@ -133,9 +131,10 @@ _BUFFERS = types.NamedTuple((uint32[:, ::1], uint32[:, ::1], uint8[:, ::1]), Buf
 _FOUR_TEXTURES = (uint32[::1],) * 4
 _PASS = types.NamedTuple(
     (
-        int64[::1], float64[::1], int32[:, :, ::1], int32[:, ::1], int16[:, ::1], int32[::1], int32[:, ::1],
-        int32[:, ::1], int32[::1], int32[::1], float64[::1], float64[::1], uint8[:, :, ::1],
-        float64[:, :, ::1], *_FOUR_TEXTURES, int32[:, :, ::1], *_FOUR_TEXTURES, int32[:, :, ::1], int64[:, ::1],
+        int64[::1], float64[::1], int32[:, ::1], int32[:, ::1], int32[:, ::1], int32[::1], int32[::1],
+        float64[::1], float64[::1], uint8[:, :, ::1], float64[:, :, ::1], *_FOUR_TEXTURES, int32[:, :, ::1],
+        *_FOUR_TEXTURES,
+        int32[:, :, ::1], int64[:, ::1],
     ),
     Pass,
 )  # fmt: skip
@@ -208,14 +207,13 @@ def unit_path(draw, row, levels, coordinates, unit):
 
 
 @kernel(
-    "b1(i8[:,::1],i8,i8[::1],f8[::1],i4[:,:,::1],i4[:,::1],i2[:,::1],i4[::1],i4[:,::1],i4[:,::1],i4[::1],i4[::1],"
+    "b1(i8[:,::1],i8,i8[::1],f8[::1],i4[:,::1],i4[:,::1],i4[:,::1],i4[::1],i4[::1],"
     "f8[::1],f8[::1],u1[:,:,::1],f8[:,:,::1],u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],"
     "u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],i8[:,::1],i4[::1],i4[::1])"
 )
 def fill_draw(
-    jobs, k, draw, draw_float, program, final, constants, arithmetic, factors, triangles, x, y, z, inverse_w,
-    colors, coordinates, texels0, texels1, texels2, texels3, levels,
-    pairs0, pairs1, pairs2, pairs3, pair_levels, units, order, ends,
+    jobs, k, draw, draw_float, plan, factors, triangles, x, y, z, inverse_w, colors, coordinates, texels0,
+    texels1, texels2, texels3, levels, pairs0, pairs1, pairs2, pairs3, pair_levels, units, order, ends,
 ):  # fmt: skip
     """Row k of ``jobs`` from a Draw's arrays, which must outlive it; False where the vector engine does not
     cover the Draw.
@@ -260,26 +258,23 @@ def fill_draw(
     job[R.JOB_VERTICES], job[R.JOB_PRIMITIVES] = x.shape[0], triangles.shape[0]
     job[R.JOB_UNITS], job[R.JOB_MEMBERS] = coordinates.shape[1], order.shape[0]
     job[R.JOB_ROWS], job[R.JOB_BANDS] = units.shape[0], ends.shape[0]
-    job[R.JOB_STAGES], job[R.JOB_CONSTANTS] = program.shape[0], constants.shape[0]
+    job[R.JOB_OPERATIONS] = plan.shape[0]
     job[R.JOB_ADDRESS] = draw.ctypes.data
     job[R.JOB_ADDRESS + 1] = draw_float.ctypes.data
-    job[R.JOB_ADDRESS + 2] = program.ctypes.data
-    job[R.JOB_ADDRESS + 3] = final.ctypes.data
-    job[R.JOB_ADDRESS + 4] = constants.ctypes.data
-    job[R.JOB_ADDRESS + 5] = arithmetic.ctypes.data
-    job[R.JOB_ADDRESS + 6] = factors.ctypes.data
-    job[R.JOB_ADDRESS + 7] = triangles.ctypes.data
-    job[R.JOB_ADDRESS + 8] = x.ctypes.data
-    job[R.JOB_ADDRESS + 9] = y.ctypes.data
-    job[R.JOB_ADDRESS + 10] = z.ctypes.data
-    job[R.JOB_ADDRESS + 11] = inverse_w.ctypes.data
-    job[R.JOB_ADDRESS + 12] = colors.ctypes.data
-    job[R.JOB_ADDRESS + 13] = coordinates.ctypes.data
-    job[R.JOB_ADDRESS + 14] = levels.ctypes.data
-    job[R.JOB_ADDRESS + 15] = units.ctypes.data
-    job[R.JOB_ADDRESS + 16] = order.ctypes.data
-    job[R.JOB_ADDRESS + 17] = ends.ctypes.data
-    job[R.JOB_ADDRESS + 18] = pair_levels.ctypes.data
+    job[R.JOB_ADDRESS + 2] = plan.ctypes.data
+    job[R.JOB_ADDRESS + 3] = factors.ctypes.data
+    job[R.JOB_ADDRESS + 4] = triangles.ctypes.data
+    job[R.JOB_ADDRESS + 5] = x.ctypes.data
+    job[R.JOB_ADDRESS + 6] = y.ctypes.data
+    job[R.JOB_ADDRESS + 7] = z.ctypes.data
+    job[R.JOB_ADDRESS + 8] = inverse_w.ctypes.data
+    job[R.JOB_ADDRESS + 9] = colors.ctypes.data
+    job[R.JOB_ADDRESS + 10] = coordinates.ctypes.data
+    job[R.JOB_ADDRESS + 11] = levels.ctypes.data
+    job[R.JOB_ADDRESS + 12] = pair_levels.ctypes.data
+    job[R.JOB_ADDRESS + 13] = units.ctypes.data
+    job[R.JOB_ADDRESS + 14] = order.ctypes.data
+    job[R.JOB_ADDRESS + 15] = ends.ctypes.data
     job[R.JOB_TEXELS] = texels0.ctypes.data
     job[R.JOB_TEXELS + 1] = texels1.ctypes.data
     job[R.JOB_TEXELS + 2] = texels2.ctypes.data
@@ -353,7 +348,7 @@ def finish_batch(job, p, count, segments, runs, buffers, scratch):
     flat, terms = draw[R.FLAT], planes[R.COLOR_TERMS :]
     if draw[R.NEEDS_COLOR]:
         if draw[R.DIRECT]:
-            iterate_colors(lists, segments, triangles, colors, 0, flat, floats, terms, results, 0)
+            iterate_packed(lists, segments, triangles, colors, flat, floats, terms, packed[R.SHADED])
         else:
             if draw[R.NEEDS_PRIMARY]:
                 iterate_colors(
@@ -363,9 +358,6 @@ def finish_batch(job, p, count, segments, runs, buffers, scratch):
                 iterate_colors(
                     lists, segments, triangles, colors, 4, flat, floats, terms[12:], planes, R.SECONDARY * 4
                 )
-            if draw[R.WRITES_TEXTURE]:
-                for u in range(4):
-                    unbound_texture(planes, u, count)
             for u in range(draw[R.UNITS]):
                 path = job[R.JOB_UNIT_PATH + u]
                 row = units[u]
@@ -395,23 +387,8 @@ def finish_batch(job, p, count, segments, runs, buffers, scratch):
                         lists[R.RUN_STARTS], lists[R.RUN_X], lists[R.RUN_Y], runs, floats, ints, packed,
                         planes, ints[R.DEPTH_WORD], scratch.alive,
                     )  # fmt: skip
-            for c in range(3):
-                fill_plane(planes, R.SPARE0 * 4 + c, count, int32(0))
-            copy_plane(planes, R.TEXTURE0 * 4 + 3, planes, R.SPARE0 * 4 + 3, count)
-            for c in range(4):
-                fill_plane(planes, R.SPARE1 * 4 + c, count, int32(0))
-            for stage in range(draw[R.STAGES]):
-                if draw[R.STAGE_CONSTANTS]:
-                    for c in range(8):
-                        fill_plane(planes, R.CONSTANT0 * 4 + c, count, int32(p.constants[stage, c]))
-                general_combiner(
-                    planes, p.program[stage], count, p.arithmetic, scratch.products, scratch.products, results
-                )
-            if draw[R.STAGE_CONSTANTS]:
-                for c in range(8):
-                    fill_plane(planes, R.CONSTANT0 * 4 + c, count, int32(p.constants[draw[R.STAGES], c]))
-            uses_ef, uses_sum = draw[R.USES_E_TIMES_F], draw[R.USES_SPARE0_PLUS_SECONDARY]
-            final_combiner(planes, p.final, count, uses_ef, uses_sum, draw[R.COLOR_SUM], results)
+            combine(planes, p.plan, count, scratch.products, packed[R.SHADED])
+    unpack(packed, R.SHADED, count, results, 0)
     per_fragment(
         draw, count, lists[R.RUN_STARTS], lists[R.RUN_X], lists[R.RUN_Y], runs, results, packed[R.SHADED],
         ints[R.DEPTH_WORD], scratch.alive, p.factors, buffers.color, buffers.depth, buffers.stencil,
@@ -440,14 +417,6 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
     width = int64(buffers.color.shape[1])
     top, bottom = max(band * BAND_HEIGHT, draw[R.Y0]), min((band + 1) * BAND_HEIGHT, draw[R.Y1])
     x_first, x_last = draw[R.X0], draw[R.X1] - 1
-    if needs_color and not draw[R.DIRECT]:
-        for c in range(8):
-            fill_plane(planes, R.CONSTANT0 * 4 + c, batch, int32(p.constants[0, c]))
-        for c in range(4):
-            fill_plane(planes, R.FOG * 4 + c, batch, int32(draw[R.FOG_RED + c] if c < 3 else 255))
-            fill_plane(planes, R.ZERO * 4 + c, batch, int32(0))
-        for u in range(4):
-            unbound_texture(planes, u, batch)
     fragments, position, segments, runs = int64(0), int64(0), int64(0), int64(0)
     mixed_from = int64(-1)  # where the open mixed segment began
     for k in range(members.shape[0] + 1):
@@ -602,38 +571,35 @@ def draw_frame(jobs, count, counter, batch, buffers, scratch):
                 clear_band(job, band, buffers.color, buffers.depth, buffers.stencil)
                 continue
             vertices, units = job[R.JOB_VERTICES], job[R.JOB_UNITS]
-            ends = integers_at(job[R.JOB_ADDRESS + 17], (job[R.JOB_BANDS],))
+            ends = integers_at(job[R.JOB_ADDRESS + 15], (job[R.JOB_BANDS],))
             begin, end = int64(ends[band - 1]) if band > 0 else int64(0), int64(ends[band])
             if begin == end:
                 continue
             arrays = Pass(
                 longs_at(job[R.JOB_ADDRESS], (int64(R.DRAW_SIZE),)),
                 floats_at(job[R.JOB_ADDRESS + 1], (int64(R.DRAW_FLOAT_SIZE),)),
-                tables_at(job[R.JOB_ADDRESS + 2], (job[R.JOB_STAGES], int64(2), int64(R.PORTION_SIZE))),
-                table_at(job[R.JOB_ADDRESS + 3], (int64(7), int64(R.FINAL_SIZE))),
-                words_at(job[R.JOB_ADDRESS + 4], (job[R.JOB_CONSTANTS], int64(8))),
-                integers_at(job[R.JOB_ADDRESS + 5], (int64(3),)),
-                table_at(job[R.JOB_ADDRESS + 6], (int64(2), int64(4 * R.FACTOR_SIZE))),
-                table_at(job[R.JOB_ADDRESS + 7], (job[R.JOB_PRIMITIVES], int64(4))),
-                integers_at(job[R.JOB_ADDRESS + 8], (vertices,)),
-                integers_at(job[R.JOB_ADDRESS + 9], (vertices,)),
-                floats_at(job[R.JOB_ADDRESS + 10], (vertices,)),
-                floats_at(job[R.JOB_ADDRESS + 11], (vertices,)),
-                bytes_at(job[R.JOB_ADDRESS + 12], (vertices, int64(2), int64(8))),
-                float_tables_at(job[R.JOB_ADDRESS + 13], (vertices, units, int64(4))),
+                table_at(job[R.JOB_ADDRESS + 2], (job[R.JOB_OPERATIONS], int64(OPERATION_SIZE))),
+                table_at(job[R.JOB_ADDRESS + 3], (int64(2), int64(4 * R.FACTOR_SIZE))),
+                table_at(job[R.JOB_ADDRESS + 4], (job[R.JOB_PRIMITIVES], int64(4))),
+                integers_at(job[R.JOB_ADDRESS + 5], (vertices,)),
+                integers_at(job[R.JOB_ADDRESS + 6], (vertices,)),
+                floats_at(job[R.JOB_ADDRESS + 7], (vertices,)),
+                floats_at(job[R.JOB_ADDRESS + 8], (vertices,)),
+                bytes_at(job[R.JOB_ADDRESS + 9], (vertices, int64(2), int64(8))),
+                float_tables_at(job[R.JOB_ADDRESS + 10], (vertices, units, int64(4))),
                 texels_at(job[R.JOB_TEXELS], (job[R.JOB_TEXEL_COUNT],)),
                 texels_at(job[R.JOB_TEXELS + 1], (job[R.JOB_TEXEL_COUNT + 1],)),
                 texels_at(job[R.JOB_TEXELS + 2], (job[R.JOB_TEXEL_COUNT + 2],)),
                 texels_at(job[R.JOB_TEXELS + 3], (job[R.JOB_TEXEL_COUNT + 3],)),
-                tables_at(job[R.JOB_ADDRESS + 14], (job[R.JOB_ROWS], int64(R.MAX_LEVELS), int64(3))),
+                tables_at(job[R.JOB_ADDRESS + 11], (job[R.JOB_ROWS], int64(R.MAX_LEVELS), int64(3))),
                 texels_at(job[R.JOB_PAIRS], (job[R.JOB_PAIR_COUNT],)),
                 texels_at(job[R.JOB_PAIRS + 1], (job[R.JOB_PAIR_COUNT + 1],)),
                 texels_at(job[R.JOB_PAIRS + 2], (job[R.JOB_PAIR_COUNT + 2],)),
                 texels_at(job[R.JOB_PAIRS + 3], (job[R.JOB_PAIR_COUNT + 3],)),
-                tables_at(job[R.JOB_ADDRESS + 18], (job[R.JOB_ROWS], int64(R.MAX_LEVELS), int64(3))),
-                long_table_at(job[R.JOB_ADDRESS + 15], (job[R.JOB_ROWS], int64(R.UNIT_SIZE))),
+                tables_at(job[R.JOB_ADDRESS + 12], (job[R.JOB_ROWS], int64(R.MAX_LEVELS), int64(3))),
+                long_table_at(job[R.JOB_ADDRESS + 13], (job[R.JOB_ROWS], int64(R.UNIT_SIZE))),
             )
-            order = integers_at(job[R.JOB_ADDRESS + 16], (job[R.JOB_MEMBERS],))
+            order = integers_at(job[R.JOB_ADDRESS + 14], (job[R.JOB_MEMBERS],))
             fragments += draw_band(job, arrays, order[begin:end], band, batch, buffers, scratch)
         band = next_of(counter)
     return fragments

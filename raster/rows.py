@@ -223,7 +223,8 @@ VECTOR_FLOAT_COLUMNS = TERMS + 6 * 4
 FIXED0 = INT_COLUMNS
 PIXEL, DEPTH_WORD, VECTOR_INT_COLUMNS = range(FIXED0 + 2 * 4, FIXED0 + 2 * 4 + 3)
 # More planes behind the registers: base and two differences of each colour channel in mixed segments.
-COLOR_TERMS = REGISTERS * 4
+SPARE_PLANES = 24  # for what combiners compute
+COLOR_TERMS = REGISTERS * 4 + SPARE_PLANES
 VECTOR_PLANES = COLOR_TERMS + 3 * 8
 # More columns of packed: the fragments' colours.
 SHADED, VECTOR_PACKED_COLUMNS = PACKED_COLUMNS, PACKED_COLUMNS + 1
@@ -254,10 +255,9 @@ STARTS, OWNERS, BACKS, RUN_STARTS, RUN_X, RUN_Y, LISTS = range(7)
     JOB_ROWS,  # of the units' table
     JOB_MEMBERS,
     JOB_BANDS,
-    JOB_STAGES,
-    JOB_CONSTANTS,
+    JOB_OPERATIONS,  # of the combiner plan
     JOB_UNIT_PATH,  # of each unit: 0 disabled, 1 by vectors, 2 by the portable kernels
-) = range(23)
+) = range(22)
 JOB_LOG2_S = JOB_UNIT_PATH + 4
 JOB_LOG2_T = JOB_LOG2_S + 4
 JOB_COORDINATES_OF = JOB_LOG2_T + 4  # the first unit with the same texel coordinates
@@ -266,4 +266,4 @@ JOB_TEXEL_COUNT = JOB_TEXELS + 4
 JOB_PAIRS = JOB_TEXEL_COUNT + 4  # textures as row pairs
 JOB_PAIR_COUNT = JOB_PAIRS + 4
 JOB_ADDRESS = JOB_PAIR_COUNT + 4
-JOB_SIZE = JOB_ADDRESS + 19
+JOB_SIZE = JOB_ADDRESS + 16

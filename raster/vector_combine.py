@@ -47,8 +47,7 @@ from raster.vector import (
 OPERATION_SIZE = OPERANDS + 6 * R.INPUT_SIZE
 TOTAL = 8  # the scratch plane of a sum
 
-SPARE_PLANES = 24
-PLANES = R.REGISTERS * 4 + SPARE_PLANES
+PLANES = R.REGISTERS * 4 + R.SPARE_PLANES
 SCRATCH_PLANES = 9
 
 
