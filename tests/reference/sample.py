@@ -404,8 +404,8 @@ def sample_texture(triangle, px, py, weights, texture, sampler, bias, profile):
 
 
 def limited(lod, sampler):
-    """Lambda between the sampler's limits. Source: SGIS_texture_lod."""
-    return fixed.clamp(lod, trunc(256.0 * sampler.min_lod), trunc(256.0 * sampler.max_lod))
+    """Lambda between the sampler's limits. Source: SGIS_texture_lod; Assumed: crossed, the upper one holds."""
+    return min(max(lod, trunc(256.0 * sampler.min_lod)), trunc(256.0 * sampler.max_lod))
 
 
 def sample_levels(level, triangle, px, py, texture, sampler, bias, profile):
