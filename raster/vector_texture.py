@@ -22,6 +22,7 @@ from raster.vector import (
     halves_of_lanes,
     i16x32,
     i32x16,
+    lanes_of_halves,
     largest_lane,
     load_each_i32x16,
     load_i16x32,
@@ -110,10 +111,10 @@ def locate(levels, unit, f_s, f_t, count, located):
     (nearest: 0..256 size - 1).
     """
     separate_loop()
-    linear = unit[R.MAG_LINEAR] != 0
+    linear, cube = unit[R.MAG_LINEAR] != 0, unit[R.TARGET] == 2
     half, fraction = int32(128 if linear else 0), int32(255 if linear else 0)
-    low_s, high_s, mask_s = _limits(unit[R.WRAP_S], half, levels[0, 1])
-    low_t, high_t, mask_t = _limits(unit[R.WRAP_T], half, levels[0, 2])
+    low_s, high_s, mask_s = _limits(2 if cube else unit[R.WRAP_S], half, levels[0, 1])
+    low_t, high_t, mask_t = _limits(2 if cube else unit[R.WRAP_T], half, levels[0, 2])
     mask_s = int32(mask_s * int32(2))
     base, stride = levels[0, 0], int32(int32(levels[0, 1] + int32(1)) * int32(2))
     first, weights = located[FIRST], located[WEIGHTS]
@@ -187,6 +188,17 @@ def locate_levels(levels, unit, f_s, f_t, lod, step, halve, count, located):
         store(weights, at, (s & fraction) | ((t & fraction) << int32(16)))
         store(between, at, value & int32(255))
     return highest
+
+
+@kernel("void(i4[:,::1],i4[::1],i8,i4[:,::1])")
+def move_to_faces(levels, face, count, located):
+    """FIRST from a cube map's first face to each fragment's (0..5; others are limited to these)."""
+    separate_loop()
+    area = int32(int32(int32(levels[0, 1] + int32(1)) * levels[0, 2]) * int32(2))
+    first = located[FIRST]
+    for at in range(0, _rounded(count), 16):
+        number = minimum(maximum(load_i32x16(face, at), int32(0)), int32(5))
+        store(first, at, load_i32x16(first, at) + number * area)
 
 
 # ------------------------------------------------------------------------------------ fetching, filtering
@@ -268,6 +280,57 @@ def fetch_blended(pairs, located, count, registers, plane):
         weight = _doubled(load_i32x16(between, at + 16))
         even0, odd0 = _lerp(even0, even1, weight), _lerp(odd0, odd1, weight)
         _store_planes(even2, odd2, even0, odd0, registers, plane, at)
+
+
+@kernel
+def _compared(texel, reference, less, equal, greater):
+    """What a comparison makes of depth words."""
+    return select(reference < texel, less, select(reference == texel, equal, greater))
+
+
+@kernel
+def _compared_footprint(pairs, first, weights, references, at, lower, upper):
+    """The filtered comparisons of sixteen fragments in 32-bit lanes. ``lower``, ``upper``: what less, equal
+    and greater make of the lower two texels, in the lower halves of lanes, and of the upper two.
+    """
+    p00, p01, p10, p11 = load_quads(pairs, first, at)
+    reference, both = load_i32x16(references, at), load_i32x16(weights, at)
+    left = _compared(p00, reference, *lower) | _compared(p01, reference, *upper)
+    right = _compared(p10, reference, *lower) | _compared(p11, reference, *upper)
+    across = _doubled(both & int32(0xFFFF))
+    rows = lanes_of_halves(_lerp(halves_of_lanes(left), halves_of_lanes(right), across))
+    above = halves_of_lanes(rows >> int32(16))
+    return _lerp(halves_of_lanes(rows & int32(0xFFFF)), above, halves_of_lanes(both >> int32(16)))
+
+
+@kernel
+def _outcomes(function, value):
+    """Lanes of ``value`` for each of less, equal and greater that ``function`` has, of zero for others."""
+    return (
+        i32x16(value if function & 1 else int32(0)),
+        i32x16(value if function & 2 else int32(0)),
+        i32x16(value if function & 4 else int32(0)),
+    )
+
+
+@kernel("void(u4[::1],i4[:,::1],i4[::1],i8,i8,i2[:,::1],i8)")
+def fetch_compared(pairs, located, references, function, count, registers, plane):
+    """Texels that are depth words, each replaced by 255 where "reference FUNC texel" holds and else by 0,
+    then filtered: into four planes from ``plane`` on.
+
+    references: int32, depth words; ``function``: its bits are less (1), equal (2) and greater (4).
+    """
+    separate_loop()
+    first, weights = located[FIRST], located[WEIGHTS]
+    lower, upper = _outcomes(function, int32(255)), _outcomes(function, int32(255 << 16))
+    for at in range(0, count, 32):
+        low = _compared_footprint(pairs, first, weights, references, at, lower, upper)
+        high = _compared_footprint(pairs, first, weights, references, at + 16, lower, upper)
+        value = even_lanes(low, high)
+        store(registers[plane], at, value)
+        store(registers[plane + 1], at, value)
+        store(registers[plane + 2], at, value)
+        store(registers[plane + 3], at, value)
 
 
 @kernel("void(i8,i8,i2[:,::1],i8)")

@@ -8,7 +8,8 @@ import pytest
 from pipeline.enums import InternalFormat, TextureFilter, TextureTarget, WrapMode
 from pipeline.state import Sampler
 from pipeline.textures import Texture
-from raster import rows, sample
+from raster import rows, sample, shadow
+from raster import vector_coordinates as vc
 from raster import vector_texture as vt
 from tests.reference import sample as reference
 from tests.reference.render import plain_texture
@@ -67,12 +68,12 @@ def random_coordinates(rng, size, count=COUNT):
     return np.where(rng.random(count) < 0.5, anywhere, ties)
 
 
-def portable(texels, levels, unit, s, t, count=COUNT, lod=None):
-    """The four planes that the portable kernels make."""
+def portable(texels, levels, unit, s, t, count=COUNT, **columns):
+    """The four planes that the portable kernels make; ``columns``: of ints, by name."""
     floats, ints, packed, registers = scratch(count)
     floats[rows.S, :count], floats[rows.T, :count] = s, t
-    if lod is not None:
-        ints[rows.LOD] = lod
+    for name, column in columns.items():
+        ints[getattr(rows, name)] = column
     sample.filter_unit(texels, levels, unit, count, floats, ints, packed)
     sample.unpack_unit(unit, count, packed, registers, PLANE)
     return registers[PLANE : PLANE + 4, :count]
@@ -239,7 +240,7 @@ def test_levels_are_chosen_and_blended_as_the_portable_kernels_do(size, mipmap):
             located = np.zeros((vt.LOCATED, COUNT + SLACK), np.int32)
             vt.filter_mipmapped(pairs, pair_levels, unit, f_s, f_t, lod, COUNT, located, registers, PLANE)
             found = registers[PLANE : PLANE + 4, :COUNT]
-            assert (found == portable(texels, levels, unit, s, t, lod=lod)).all()
+            assert (found == portable(texels, levels, unit, s, t, LOD=lod)).all()
 
 
 def test_any_coordinate_and_any_lambda_read_texels_of_the_texture():
@@ -257,3 +258,144 @@ def test_any_coordinate_and_any_lambda_read_texels_of_the_texture():
                     first = located[row, :COUNT]
                     assert (first[first != -1] >= 0).all() and (first <= pairs.size - 4).all()
     assert (pairs == pairs_before).all()
+
+
+STRANGE = [np.nan, np.inf, -np.inf, 1e300, -1e300, 1e-320, -1e-320, 0.0, -0.0, -1e-17, 2.0**40 + 0.5]
+
+
+def random_floats(rng, size, count=COUNT):
+    """Coordinates of all kinds: anywhere, beside texels' borders and centres less TAU, and strange ones."""
+    anywhere = rng.uniform(-4, 5, count)
+    ties = (rng.integers(-3 * size * 512, 3 * size * 512, count) / 512.0 - sample.TAU) / size
+    found = np.where(rng.random(count) < 0.5, anywhere, np.nextafter(ties, rng.choice([-9, 0, 9], count)))
+    found = np.where(rng.random(count) < 0.1, rng.choice(STRANGE, count), found)
+    return np.concatenate([found, np.zeros(SLACK)])
+
+
+def located_floats(pair_levels, unit, s, t, scale):
+    """Where ``fixed_from_floats`` and ``locate`` find the fragments of computed coordinates."""
+    fixed = np.zeros((2, s.size), np.int32)
+    for k, column, wrap in ((0, s, rows.WRAP_S), (1, t, rows.WRAP_T)):
+        mode = CLAMP_TO_EDGE if unit[rows.TARGET] == 2 else unit[wrap]
+        size = float(pair_levels[0, 1 + k])
+        vc.fixed_from_floats(column, fixed[k], size, sample.TAU, scale, mode, unit[rows.MAG_LINEAR], COUNT)
+    located = np.zeros((vt.LOCATED, s.size), np.int32)
+    vt.locate(pair_levels, unit, fixed[0], fixed[1], COUNT, located)
+    return located
+
+
+@pytest.mark.parametrize("size", [(1, 1), (4, 1), (16, 64), (512, 512), (5, 3), (640, 479)])
+@pytest.mark.parametrize("linear", [NEAREST, LINEAR])
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_computed_coordinates_read_what_the_portable_kernels_read(size, linear):
+    rng = np.random.default_rng(8)
+    texels, levels = random_texture(rng, *size)
+    pairs, pair_levels = vt.row_pairs(texels, levels, 1)
+    modes = [REPEAT, CLAMP_TO_EDGE] if linear else [REPEAT, CLAMP, CLAMP_TO_EDGE]
+    for wrap_s, wrap_t, target in product(modes, modes, (1, 4)):
+        unit = unit_row(
+            TARGET=target, PROJECTIVE=1, WRAP_S=wrap_s, WRAP_T=wrap_t, MAG_LINEAR=linear, MIN_LINEAR=linear
+        )
+        scales = np.array(size) if target == 4 else np.ones(2)
+        s, t = (random_floats(rng, n) * scale for n, scale in zip(size, scales, strict=True))
+        located = located_floats(pair_levels, unit, s, t, 0.0 if target == 4 else 1.0)
+        registers = scratch()[-1]
+        vt.filter_located(pairs, unit, located, COUNT, registers, PLANE)
+        expected = portable(texels, levels, unit, s[:COUNT], t[:COUNT])
+        assert (registers[PLANE : PLANE + 4, :COUNT] == expected).all()
+
+
+def random_directions(rng):
+    """Three columns, many of them with ties, zeros and what is not a number."""
+    columns = rng.uniform(-1, 1, (3, COUNT + SLACK))
+    columns = np.where(
+        rng.random(columns.shape) < 0.3, rng.choice([-1.0, 0.0, -0.0, 1.0], columns.shape), columns
+    )
+    return np.where(rng.random(columns.shape) < 0.05, rng.choice(STRANGE, columns.shape), columns)
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_projections_and_directions_have_the_bits_of_the_portable_kernels():
+    rng = np.random.default_rng(9)
+    for _ in range(8):
+        s, t, r = random_directions(rng)
+        floats, ints, _, _ = scratch()
+        floats[rows.S], floats[rows.EXTRA] = s, r
+        sample.divide_by_q(floats, rows.S, COUNT)
+        divided = s.copy()
+        vc.divide_by_q(divided, r, COUNT)
+        assert (divided.view(np.int64) == floats[rows.S].view(np.int64))[:COUNT].all()
+        floats[rows.S], floats[rows.T], floats[rows.EXTRA] = s, t, r
+        sample.cube_faces(floats, COUNT, ints)
+        face = np.zeros(COUNT + SLACK, np.int32)
+        vc.cube_faces(s, t, r, face, COUNT)
+        assert (face == ints[rows.FACE])[:COUNT].all()
+        assert np.array_equal(s[:COUNT], floats[rows.S, :COUNT], equal_nan=True)
+        assert np.array_equal(t[:COUNT], floats[rows.T, :COUNT], equal_nan=True)
+        assert set(face[:COUNT]) == set(range(6))
+
+
+@pytest.mark.parametrize("linear", [NEAREST, LINEAR])
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_cube_maps_are_filtered_within_the_face_that_the_direction_meets(linear):
+    rng = np.random.default_rng(10)
+    for n in (1, 16, 12):
+        texels, levels = random_texture(rng, n, n, faces=6)
+        pairs, pair_levels = vt.row_pairs(texels, levels, 1, faces=6)
+        unit = unit_row(TARGET=2, WRAP_S=REPEAT, WRAP_T=REPEAT, MAG_LINEAR=linear, MIN_LINEAR=linear)
+        s, t, r = random_directions(rng)
+        face = np.zeros(COUNT + SLACK, np.int32)
+        vc.cube_faces(s, t, r, face, COUNT)
+        located = located_floats(pair_levels, unit, s, t, 0.5)
+        vt.move_to_faces(pair_levels, face, COUNT, located)
+        registers = scratch()[-1]
+        vt.filter_located(pairs, unit, located, COUNT, registers, PLANE)
+        expected = portable(texels, levels, unit, s[:COUNT], t[:COUNT], FACE=face)
+        assert (registers[PLANE : PLANE + 4, :COUNT] == expected).all()
+
+
+def test_a_face_that_a_cube_map_has_not_is_limited():
+    rng = np.random.default_rng(11)
+    texels, levels = random_texture(rng, 4, 4, faces=6)
+    pairs, pair_levels = vt.row_pairs(texels, levels, 1, faces=6)
+    for face in (-(2**31), -1, 6, 2**31 - 1):
+        located = np.zeros((vt.LOCATED, COUNT + SLACK), np.int32)
+        column = np.full(COUNT + SLACK, face, np.int32)
+        vt.move_to_faces(pair_levels, column, COUNT, located)
+        assert (located[vt.FIRST, :COUNT] == (0 if face < 0 else 5) * pairs.size // 6).all()
+
+
+@pytest.mark.parametrize(
+    ("mantissa", "largest"), [(0, 2**16 - 1), (0, 2**24 - 1), (12, 2**16 - 1), (16, 2**24 - 1)]
+)
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_depth_words_are_those_of_the_portable_kernel(mantissa, largest):
+    rng = np.random.default_rng(12)
+    values = rng.uniform(-0.2, 1.3, COUNT + SLACK)
+    values = np.where(rng.random(values.size) < 0.3, np.exp2(rng.uniform(-140, 140, values.size)), values)
+    values = np.where(rng.random(values.size) < 0.2, rng.choice(STRANGE, values.size), values)
+    for scale in (1.0, float(largest), 2.0**20):
+        floats, ints, _, _ = scratch()
+        floats[rows.P] = values
+        shadow.shadow_reference(floats, rows.P, 0, COUNT, scale, mantissa, largest, ints)
+        words = np.zeros(COUNT + SLACK, np.int32)
+        vc.depth_words(values, words, scale, mantissa, largest, COUNT)
+        assert (words[:COUNT] == ints[rows.REFERENCE, :COUNT]).all()
+
+
+@pytest.mark.parametrize("linear", [NEAREST, LINEAR])
+@pytest.mark.parametrize("function", range(8))
+def test_texels_are_compared_before_they_are_filtered(linear, function):
+    rng = np.random.default_rng(13)
+    texels, levels = random_texture(rng, 16, 8)
+    texels = texels & np.uint32(3)  # often equal
+    pairs, pair_levels = vt.row_pairs(texels, levels, 1)
+    unit = unit_row(MAG_LINEAR=linear, MIN_LINEAR=linear, COMPARE=1, COMPARE_FUNCTION=function)
+    s, t = random_coordinates(rng, 16), random_coordinates(rng, 8)
+    words = rng.integers(-1, 5, COUNT + SLACK).astype(np.int32)
+    located = np.zeros((vt.LOCATED, COUNT + SLACK), np.int32)
+    vt.locate(pair_levels, unit, fixed(s * 16, repeat=True), fixed(t * 8, repeat=True), COUNT, located)
+    registers = scratch()[-1]
+    vt.fetch_compared(pairs, located, words, function, COUNT, registers, PLANE)
+    found = registers[PLANE : PLANE + 4, :COUNT]
+    assert (found == portable(texels, levels, unit, s, t, REFERENCE=words)).all()
