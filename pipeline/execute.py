@@ -3,13 +3,15 @@
 import os
 import threading
 import weakref
-from concurrent.futures import ThreadPoolExecutor, wait
+from collections import Counter
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from numbers import Integral
 
 import numpy as np
 
 from pipeline import pack, vertex
+from pipeline.combiner_plan import plan_combiners
 from pipeline.commands import (
     BindTexImage,
     Clear,
@@ -20,23 +22,32 @@ from pipeline.commands import (
     ReadPixels,
     TexImage,
 )
+from pipeline.enums import TextureTarget
 from pipeline.framebuffer import Framebuffer, bound_texture, copied_texture, replaced_texture
+from pipeline.primitives import WindowPrimitives
 from pipeline.profile import Profile
 from pipeline.profiles import GEFORCE_256
 from pipeline.state import ColorMask, PassState
 from pipeline.texel_words import stored_texture
 from pipeline.textures import Texture
+from pipeline.threads import Threads
 from pipeline.trace import Snapshot, snapshot
 from pipeline.validate import validate
 from raster import rows as R
 from raster.bins import BAND_HEIGHT, count_bins, fill_bins
-from raster.draw import draw_bands
+from raster.frame import Buffers, draw_frame, fill_clear, fill_draw, scratch
+from raster.vector_texture import row_pairs
 
 BATCH = 2048  # fragments shaded together; any size gives the same bits. Measured: docs/decisions, page 0002
 _NO_RECORD = np.zeros((0, 4), np.int32)
 _NO_TEXELS = np.zeros(1, np.uint32)
-# Pixels of the scissor box: below this a second thread costs more than it saves (docs/decisions, page 0002).
+_NO_LEVELS = np.ones((1, R.MAX_LEVELS, 3), np.int32)
+# Pixels of the scissor boxes of all that waits: below this a second thread costs more than it saves
+# (docs/decisions, page 0002).
 _PARALLEL_FROM = 1 << 14
+# Bytes of vertices that wait to be drawn, or are kept for a repetition: enough for any figure's frame.
+_MOST_BYTES = 1 << 27
+ENGINES = (None, "portable")
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,14 +92,25 @@ class Result:
         return self.framebuffer.image()
 
 
-@dataclass(frozen=True, eq=False)
 class _Texels:
-    """A texture as kernels read it: every level behind the other, packed; and int32 [MAX_LEVELS, 3] where and
-    how big.
+    """A texture as kernels read it: every level behind the other, packed; and int32 [1, MAX_LEVELS, 3] where
+    and how big.
     """
 
-    packed: np.ndarray
-    levels: np.ndarray
+    def __init__(self, texture, signed):
+        self.levels, offset = np.ones((1, R.MAX_LEVELS, 3), np.int32), 0
+        for k, level in enumerate(texture.levels):
+            self.levels[0, k] = offset, level.shape[2], level.shape[1]
+            offset += level[..., 0].size
+        images = [np.ascontiguousarray(level).view(np.uint32).ravel() for level in texture.levels]
+        self.packed = np.concatenate(images) ^ np.uint32(signed)
+        self._images = len(images), texture.levels[0].shape[0]
+
+    @cached_property
+    def pairs(self):
+        """The same as row pairs (``raster.vector_texture``), and their levels."""
+        pairs, levels = row_pairs(self.packed, self.levels[0], *self._images)
+        return pairs, levels[None]
 
 
 _texels_of = weakref.WeakKeyDictionary()
@@ -96,16 +118,11 @@ _texels_of = weakref.WeakKeyDictionary()
 
 def _texels(texture, signed):
     """``signed``: bits that are inverted in every texel, so that filters see s + 128 for a signed byte s."""
-    found = _texels_of.setdefault(texture, {})
+    found = _texels_of.get(texture)
+    if found is None:
+        found = _texels_of.setdefault(texture, {})
     if signed not in found:
-        levels, offset = np.ones((R.MAX_LEVELS, 3), np.int32), 0
-        for k, level in enumerate(texture.levels):
-            levels[k] = offset, level.shape[2], level.shape[1]
-            offset += level[..., 0].size
-        packed = np.concatenate(
-            [np.ascontiguousarray(level).view(np.uint32).ravel() for level in texture.levels]
-        )
-        found[signed] = _Texels(packed ^ np.uint32(signed), levels)
+        found[signed] = _Texels(texture, signed)
     return found[signed]
 
 
@@ -133,6 +150,9 @@ class Machine:
         number.
     batch : int
         Fragments shaded together, 16 to 4096. The bits are the same for any number.
+    engine : str or None
+        None: each Draw by the fastest kernels that cover it. "portable": every Draw by those that cover all.
+        The bits are the same.
     """
 
     profile: Profile
@@ -143,6 +163,7 @@ class Machine:
     batch: int = BATCH
     textures: dict[str, Texture] = field(default_factory=dict)
     surfaces: dict[str, Framebuffer] = field(default_factory=dict)
+    engine: str | None = None
 
     def __post_init__(self):
         if self.profile.exact:
@@ -155,11 +176,15 @@ class Machine:
             )
         if not (isinstance(self.batch, Integral) and 16 <= self.batch <= 4096):
             raise ValueError(f"A batch of {self.batch} fragments is out of range; give 16 to 4096.")
+        if self.engine not in ENGINES:
+            raise ValueError(
+                f'There is no engine {self.engine!r}; give "portable", or None for the fastest that covers a '
+                "Draw."
+            )
         validate((), self.profile, self.width, self.height, self.depth_bits)
         self.framebuffer = Framebuffer.new(self.width, self.height, self.depth_bits)
         bands = -(-self.height // BAND_HEIGHT)
-        self._threads = min(self.threads or default_threads(), bands)
-        self._pool = self._process = None
+        self._queue = _Queue(min(self.threads or default_threads(), bands), self.batch)
         self._current = self.framebuffer
         self._running = threading.Lock()
 
@@ -178,42 +203,61 @@ class Machine:
             commands, self.profile, self.width, self.height, self.depth_bits, self.textures, self.surfaces
         )
         self._current = self.framebuffer
+        queue, repeated = self._queue, _Repeated(commands)
         pixels, snapshots, records = {}, [], []
-        fragments = dropped = 0
-        for command in commands:
-            match command:
-                case Clear():
-                    self._current.clear(command)
-                case Draw():
-                    drawn, lost, recorded = self._draw(command, record)
-                    fragments, dropped = fragments + drawn, dropped + lost
+        queue.fragments = dropped = 0
+        try:
+            for command in commands:
+                kind = type(command)
+                if kind is Draw:
+                    draw = repeated.get(command, self._current, self.textures)
+                    if draw is None:
+                        draw = self._prepared(command)
+                        repeated.keep(command, self._current, draw)
+                    dropped += draw.dropped
                     if record:
-                        records.append(recorded)
-                case TexImage():
-                    self.textures[command.texture] = stored_texture(command.image, self.profile)
-                case CopyTexImage():
-                    self.textures[command.texture] = copied_texture(self._current, command)
-                case CopyTexSubImage():
-                    texture = self.textures[command.texture]
-                    self.textures[command.texture] = replaced_texture(self._current, command, texture)
-                case ReadPixels():
-                    pixels[command.name] = self._current.read(command)
-                case MakeCurrent():
-                    self._current = self._surface(command)
-                case BindTexImage():
-                    self.textures[command.texture] = bound_texture(self.surfaces[command.surface], command)
-            if trace:
-                snapshots.append(snapshot(command, self._current))
+                        queue.flush()
+                        records.append(_recorded(draw, self._current, self.batch))
+                        queue.fragments += len(records[-1].x)
+                    else:
+                        queue.draw(draw, self._current, self.engine)
+                elif kind is Clear:
+                    queue.clear(command, self._current, self.engine)
+                else:
+                    queue.flush()
+                    self._transfer(command, pixels)
+                if trace:
+                    queue.flush()
+                    snapshots.append(snapshot(command, self._current))
+        finally:  # what was reached before an error is drawn
+            queue.flush()
         return Result(
             self.framebuffer,
             dict(self.surfaces),
             dict(self.textures),
             pixels,
-            fragments,
+            queue.fragments,
             dropped,
             tuple(snapshots),
             tuple(records),
         )
+
+    def _transfer(self, command, pixels):
+        """What is neither Clear nor Draw; nothing waits in the queue."""
+        match command:
+            case TexImage():
+                self.textures[command.texture] = stored_texture(command.image, self.profile)
+            case CopyTexImage():
+                self.textures[command.texture] = copied_texture(self._current, command)
+            case CopyTexSubImage():
+                texture = self.textures[command.texture]
+                self.textures[command.texture] = replaced_texture(self._current, command, texture)
+            case ReadPixels():
+                pixels[command.name] = self._current.read(command)
+            case MakeCurrent():
+                self._current = self._surface(command)
+            case BindTexImage():
+                self.textures[command.texture] = bound_texture(self.surfaces[command.surface], command)
 
     def _surface(self, command):
         """The framebuffer that a MakeCurrent names, made when it is named first."""
@@ -225,27 +269,11 @@ class Machine:
             )
         return self.surfaces[command.surface]
 
-    def _draw(self, command, record):
+    def _prepared(self, command):
         state, target = command.state, self._current
         primitives = vertex.process(command.mesh, state, self.profile, target.width, target.height)
         packed = pack.pack(state, self.profile, target, self.textures, primitives)
-        return _rasterize(
-            target,
-            primitives,
-            packed,
-            state,
-            self.textures,
-            self.batch,
-            self._threads,
-            self._workers,
-            record,
-        )
-
-    def _workers(self):
-        """The pool of threads beside the caller's, made when first needed: a forked process has none."""
-        if self._pool is None or self._process != os.getpid():
-            self._pool, self._process = ThreadPoolExecutor(self._threads - 1, "fixedpipe"), os.getpid()
-        return self._pool
+        return _prepare(target, primitives, packed, state, self.textures)
 
 
 def _bins(primitives, draw, height):
@@ -261,48 +289,226 @@ def _bins(primitives, draw, height):
     return order, ends, int(dropped)
 
 
-def _rasterize(framebuffer, primitives, packed, state, textures, batch, threads, workers, record):
-    """Run the kernels over a Draw's triangles; returns (fragments, dropped, Fragments or None).
+@dataclass(eq=False, slots=True)
+class _Prepared:
+    """A Draw up to its fragments.
 
-    ``workers`` gives the pool of the threads beside this one; it is not asked where one thread is enough.
+    bound    (name, Texture) of each texture that it reads
+    area     pixels of the scissor box; 0: nothing is left to draw, and what follows is not there
+    size     bytes of vertices
+    texels   of each unit: its _Texels, or None; ``levels`` int32 [units, MAX_LEVELS, 3]
+    order    primitives sorted into bands; ``ends``: where each band's end (``raster.bins``)
+    job      a row of the vector engine's table; False: it is the portable engine's; None: not asked yet
+    beside   arrays that only this row names
     """
-    draw, p = packed.draw, primitives
-    empty = len(p.triangles) == 0 or draw[R.X0] >= draw[R.X1] or draw[R.Y0] >= draw[R.Y1]
-    order, ends, dropped = (None, None, 0) if empty else _bins(p, draw, framebuffer.height)
-    if empty or len(order) == 0:
-        return 0, dropped + p.dropped, _fragments(_NO_RECORD) if record else None
-    texels, levels = [_NO_TEXELS] * 4, np.ones((len(packed.units), R.MAX_LEVELS, 3), np.int32)
-    for i, unit in enumerate(state.texture_units):
-        if unit is not None and packed.units[i, R.ENABLED] and unit.texture is not None:
-            found = _texels(textures[unit.texture], int(packed.units[i, R.SIGNED]))
-            texels[i], levels[i] = found.packed, found.levels
-    color = framebuffer.color.view(np.uint32)[..., 0]
 
-    def bands(first, step, recording):
+    dropped: int
+    bound: tuple
+    area: int = 0
+    size: int = 0
+    primitives: WindowPrimitives | None = None
+    packed: pack.PackedState | None = None
+    texels: tuple = ()
+    levels: np.ndarray | None = None
+    order: np.ndarray | None = None
+    ends: np.ndarray | None = None
+    job: object = None
+    beside: tuple = ()
+
+    def bands(self, first, step, batch, buffers, record):
+        """Draw bands ``first``, ``first + step``, ... by the portable engine: how many fragments."""
+        from raster.draw import draw_bands  # which a frame may do without, and its compilation
+
+        p, packed = self.primitives, self.packed
         return draw_bands(
-            draw, packed.draw_float, packed.program, packed.final, packed.constants, packed.arithmetic,
+            packed.draw, packed.draw_float, packed.program, packed.final, packed.constants, packed.arithmetic,
             packed.factors, p.triangles, p.strokes, p.x, p.y, packed.depths, p.inverse_w, p.colors,
-            p.coordinates, p.fog, packed.fog_thresholds, *texels, levels, packed.units, order, ends,
-            first, step, batch, color, framebuffer.depth, framebuffer.stencil, recording,
+            p.coordinates, p.fog, packed.fog_thresholds, *self.packed_texels(), self.levels, packed.units,
+            self.order, self.ends, first, step, batch, *buffers, record,
         )  # fmt: skip
 
-    if record:
-        recording = np.empty((1 << 16, 4), np.int32)
-        saved = framebuffer.color.copy(), framebuffer.depth.copy(), framebuffer.stencil.copy()
-        count = bands(0, 1, recording)
-        if count > len(recording):  # it did not fit: once more, from the same framebuffer
-            framebuffer.color[:], framebuffer.depth[:], framebuffer.stencil[:] = saved
-            recording = np.empty((count, 4), np.int32)
-            bands(0, 1, recording)
-        return count, dropped + p.dropped, _fragments(recording[:count])
-    area = (draw[R.X1] - draw[R.X0]) * (draw[R.Y1] - draw[R.Y0])
-    threads = threads if area >= _PARALLEL_FROM else 1
-    others = [workers().submit(bands, k, threads, _NO_RECORD) for k in range(1, threads)]
-    try:
-        count = bands(0, threads, _NO_RECORD)
-    finally:
-        wait(others)  # however this ends, nothing draws on behind the caller's back
-    return count + sum(other.result() for other in others), dropped + p.dropped, None
+    def packed_texels(self):
+        """The texels of four units."""
+        return _four([_NO_TEXELS if texels is None else texels.packed for texels in self.texels])
+
+    def fill_job(self):
+        """Make ``job``."""
+        p, packed, units = self.primitives, self.packed, self.packed.units
+        if (plan := packed.derived.get("plan")) is None:
+            plan = packed.derived["plan"] = plan_combiners(
+                packed.draw, packed.program, packed.final, packed.constants, packed.arithmetic, units
+            ).rows
+        pairs, levels = [_NO_TEXELS] * len(units), [_NO_LEVELS] * len(units)
+        for i, texels in enumerate(self.texels):
+            if texels is not None and units[i, R.TARGET] != TextureTarget.TEXTURE_3D:
+                pairs[i], levels[i] = texels.pairs
+        pair_levels = _stacked(levels)
+        job = np.zeros((1, R.JOB_SIZE), np.int64)
+        covered = fill_draw(
+            job, 0, packed.draw, packed.draw_float, plan, packed.factors, p.triangles, p.x, p.y,
+            packed.depths, p.inverse_w, p.colors, p.coordinates, *self.packed_texels(), self.levels,
+            *_four(pairs), pair_levels, units, self.order, self.ends,
+        )  # fmt: skip
+        self.job, self.beside = job[0] if covered else False, (pairs, pair_levels)
+
+
+def _prepare(framebuffer, primitives, packed, state, textures):
+    """Sort primitives into bands and bring together what kernels take."""
+    draw, p = packed.draw, primitives
+    area = int((draw[R.X1] - draw[R.X0]) * (draw[R.Y1] - draw[R.Y0]))
+    empty = len(p.triangles) == 0 or area == 0
+    order, ends, dropped = (None, None, 0) if empty else _bins(p, draw, framebuffer.height)
+    named = [unit.texture for unit in state.texture_units if unit is not None and unit.texture is not None]
+    bound = tuple([(name, textures[name]) for name in named])
+    if empty or len(order) == 0:
+        return _Prepared(dropped + p.dropped, bound)
+    texels = [None] * len(packed.units)
+    for i, unit in enumerate(state.texture_units):
+        if unit is not None and packed.units[i, R.ENABLED] and unit.texture is not None:
+            texels[i] = _texels(textures[unit.texture], int(packed.units[i, R.SIGNED]))
+    levels = _stacked([_NO_LEVELS if t is None else t.levels for t in texels])
+    size = p.colors.nbytes + p.coordinates.nbytes + 40 * len(p.x) + 16 * len(p.triangles) + 4 * len(order)
+    return _Prepared(dropped + p.dropped, bound, area, size, p, packed, tuple(texels), levels, order, ends)
+
+
+def _four(texels):
+    """Texels of each unit, and none of those that are not there."""
+    return texels + [_NO_TEXELS] * (4 - len(texels))
+
+
+def _stacked(levels):
+    """Levels int32 [1, MAX_LEVELS, 3] of each unit as one array."""
+    return levels[0] if len(levels) == 1 else np.concatenate(levels)
+
+
+class _Repeated:
+    """Draws that the same run draws again: they are prepared once for as long as their textures stay."""
+
+    def __init__(self, commands):
+        self._left = Counter([id(command) for command in commands if type(command) is Draw])
+        self._kept, self._size = {}, 0
+
+    def get(self, command, surface, textures):
+        """The prepared Draw, or None."""
+        found = self._kept.get((id(command), id(surface)))
+        if found is None or not all([textures[name] is texture for name, texture in found.bound]):
+            return None
+        self._left[id(command)] -= 1
+        if not self._left[id(command)]:
+            del self._kept[id(command), id(surface)]
+            self._size -= found.size
+        return found
+
+    def keep(self, command, surface, draw):
+        """Keep a prepared Draw where it comes again."""
+        self._left[id(command)] -= 1
+        key = id(command), id(surface)
+        if (stale := self._kept.pop(key, None)) is not None:
+            self._size -= stale.size
+        if self._left[id(command)] > 0 and self._size + draw.size <= _MOST_BYTES:
+            self._kept[key] = draw
+            self._size += draw.size
+
+
+class _Queue:
+    """Clears and Draws that wait to be drawn into one framebuffer, all by one engine."""
+
+    def __init__(self, threads, batch):
+        self.fragments = 0
+        self._threads, self._batch = Threads(threads), batch
+        self._jobs, self._counter = np.zeros((64, R.JOB_SIZE), np.int64), np.zeros(1, np.int64)
+        self._scratch = {}
+        self._empty()
+
+    def _empty(self):
+        self._target, self._count, self._draws, self._area, self._size = None, 0, [], 0, 0
+
+    def draw(self, draw, target, engine):
+        """A prepared Draw."""
+        if draw.area == 0:
+            return
+        if engine == "portable":
+            draw.job = False
+        elif draw.job is None:
+            draw.fill_job()
+        if draw.job is False:
+            if self._count:
+                self.flush()
+        else:
+            if self._draws and not self._count:
+                self.flush()
+            self._job(target)[:] = draw.job
+        self._target = target
+        self._draws.append(draw)
+        self._area += draw.area
+        self._size += draw.size
+        if self._size > _MOST_BYTES:
+            self.flush()
+
+    def clear(self, command, target, engine):
+        """A Clear."""
+        if engine == "portable" or (self._draws and not self._count):
+            self.flush()
+            target.clear(command)
+            return
+        box, buffers, *words = target.clear_words(command)
+        fill_clear(self._job(target)[None], 0, *box, buffers, *words)
+        self._area += (box[2] - box[0]) * (box[3] - box[1])
+
+    def _job(self, target):
+        """The table's next row."""
+        if self._count == len(self._jobs):
+            self._jobs = np.concatenate([self._jobs, np.zeros_like(self._jobs)])
+        self._target = target
+        self._count += 1
+        return self._jobs[self._count - 1]
+
+    def flush(self):
+        """Draw what waits. Each thread draws its own bands of rows, of all that waits."""
+        if not (self._count or self._draws):
+            return
+        target, count, draws, area = self._target, self._count, self._draws, self._area
+        self._empty()
+        threads = self._threads.count if area >= _PARALLEL_FROM else 1
+        buffers = _buffers(target)
+        if count:
+            self._counter[0] = 0
+
+            def share(number):
+                scratch = self._scratch_of(number)
+                return draw_frame(self._jobs, count, self._counter, self._batch, buffers, scratch)
+
+        else:
+
+            def share(number):
+                return sum([d.bands(number, threads, self._batch, buffers, _NO_RECORD) for d in draws])
+
+        self.fragments += share(0) if threads == 1 else self._threads.run(share)
+
+    def _scratch_of(self, number):
+        if number not in self._scratch:
+            self._scratch[number] = scratch(self._batch)
+        return self._scratch[number]
+
+
+def _buffers(framebuffer):
+    """A framebuffer's arrays as kernels take them."""
+    return Buffers(framebuffer.color.view(np.uint32)[..., 0], framebuffer.depth, framebuffer.stencil)
+
+
+def _recorded(draw, framebuffer, batch):
+    """Draw a prepared Draw, by the portable engine, and return its Fragments."""
+    if draw.area == 0:
+        return _fragments(_NO_RECORD)
+    recording, buffers = np.empty((1 << 16, 4), np.int32), _buffers(framebuffer)
+    saved = [buffer.copy() for buffer in buffers]
+    count = draw.bands(0, 1, batch, buffers, recording)
+    if count > len(recording):  # it did not fit: once more, from the same framebuffer
+        for buffer, before in zip(buffers, saved, strict=True):
+            buffer[:] = before
+        recording = np.empty((count, 4), np.int32)
+        draw.bands(0, 1, batch, buffers, recording)
+    return _fragments(recording[:count])
 
 
 def _fragments(rows):
@@ -310,14 +516,25 @@ def _fragments(rows):
 
 
 def execute(
-    commands, profile, width, height, *, depth_bits=24, threads=None, batch=BATCH, trace=False, record=False
+    commands,
+    profile,
+    width,
+    height,
+    *,
+    depth_bits=24,
+    threads=None,
+    batch=BATCH,
+    trace=False,
+    record=False,
+    engine=None,
 ):
     """Run ``commands`` on a new machine. Returns a Result; see ``Machine`` for the parameters.
 
     Raises ``pipeline.validate.UnsupportedState`` for what the profile cannot hold and ValueError for what no
     machine could mean, each before anything is drawn.
     """
-    machine = Machine(profile, width, height, depth_bits, threads, BATCH if batch is None else batch)
+    batch = BATCH if batch is None else batch
+    machine = Machine(profile, width, height, depth_bits, threads, batch, engine=engine)
     return machine.run(commands, trace=trace, record=record)
 
 
@@ -332,4 +549,4 @@ def rasterize(primitives, polygon, scissor, width, height):
     state = PassState(polygon=replace(polygon, offset_fill=False), scissor=scissor, color_mask=nothing)
     framebuffer = Framebuffer.new(width, height)
     packed = pack.pack(state, GEFORCE_256, framebuffer, {}, primitives)
-    return _rasterize(framebuffer, primitives, packed, state, {}, BATCH, 1, None, True)[2]
+    return _recorded(_prepare(framebuffer, primitives, packed, state, {}), framebuffer, BATCH)

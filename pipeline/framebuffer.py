@@ -36,18 +36,25 @@ SURFACE_WORDS = {
 }
 
 
-def surface_bytes(rgba, color_format):
-    """A colour as a surface stores it: uint8 [4] to uint8 [4], components at the top of their bytes."""
+def surface_word(rgba, color_format):
+    """A colour as a surface stores it, a word with red in the low byte. ``rgba``: four bytes."""
     keep, pad, alpha = SURFACE_WORDS[color_format]
-    word = int(rgba.view(np.uint32)[0])
-    if alpha == 2:
-        word = (word & 0x00FFFFFF) | ((word >> 1) & 0x7F000000)
-    return np.array([(word & keep) | pad], np.uint32).view(np.uint8)
+    red, green, blue, a = rgba
+    word = red | green << 8 | blue << 16 | (a >> 1 if alpha == 2 else a) << 24
+    return (word & keep) | pad
+
+
+def _write(words, value, mask, all_bits):
+    """``value`` where ``mask`` has a bit into an array of words or bytes."""
+    if mask == all_bits:
+        words[...] = value
+    elif mask:
+        words[...] = (words & (all_bits & ~mask)) | (value & mask)
 
 
 def to_byte(value):
     """``floor(255 c + 1/2)`` of c clamped to [0, 1]. Source: OpenGL 1.2.1 section 2.13.9."""
-    return int(np.floor(255.0 * min(max(value, 0.0), 1.0) + 0.5))
+    return int(255.0 * min(max(value, 0.0), 1.0) + 0.5)
 
 
 @dataclass(eq=False)
@@ -99,31 +106,42 @@ class Framebuffer:
         """Slices of a window rectangle (origin lower left, y up) in rows from the top."""
         return slice(self.height - y - height, self.height - y), slice(x, x + width)
 
+    def clear_words(self, command):
+        """What a Clear (section 4.2.3) writes: (x0, y0, x1, y1) in device pixels, half open; which buffers (1
+        colour, 2 depth, 4 stencil); the colour's word and its mask, the depth's word, the stencil's byte and
+        its mask. ``command``: a Clear.
+        """
+        height, width, _ = self.color.shape
+        left, top, right, bottom = 0, 0, width, height
+        if (box := command.scissor) is not None:
+            left, right = max(box.x, 0), min(box.x + box.width, width)
+            top, bottom = max(height - box.y - box.height, 0), min(height - box.y, height)
+            right, bottom = max(left, right), max(top, bottom)
+        buffers, color, color_mask, depth = 0, 0, 0, 0
+        if command.color is not None:
+            buffers, mask = 1, command.color_mask
+            color = surface_word([to_byte(c) for c in command.color], self.color_format)
+            for channel, on in enumerate((mask.red, mask.green, mask.blue, mask.alpha)):
+                color_mask |= 0xFF << (8 * channel) if on else 0
+        if command.depth is not None:
+            buffers |= 2
+            depth = int(min(max(command.depth, 0.0), 1.0) * (2**self.depth_bits - 1) + 0.5)
+        if command.stencil is not None:
+            buffers |= 4
+        stencil = 0 if command.stencil is None else int(command.stencil)
+        box = int(left), int(top), int(right), int(bottom)
+        return box, buffers, color, color_mask, depth, stencil, int(command.stencil_write_mask)
+
     def clear(self, command):
         """Section 4.2.3: through the scissor box and the masks."""
-        box = command.scissor
-        where = (slice(None), slice(None))
-        if box is not None:
-            left, right = max(box.x, 0), min(box.x + box.width, self.width)
-            low, high = max(box.y, 0), min(box.y + box.height, self.height)
-            where = self._rows(left, low, max(right - left, 0), max(high - low, 0))
-        if command.color is not None:
-            mask = command.color_mask
-            written = (mask.red, mask.green, mask.blue, mask.alpha)
-            value = surface_bytes(np.array([to_byte(c) for c in command.color], np.uint8), self.color_format)
-            if all(written):  # whole pixels at once
-                self.color.view(np.uint32)[(*where, 0)] = value.view(np.uint32)[0]
-            else:
-                for channel in np.flatnonzero(written):
-                    self.color[(*where, channel)] = value[channel]
-        if command.depth is not None:
-            depth = min(max(command.depth, 0.0), 1.0)
-            self.depth[where] = int(np.floor(depth * (2**self.depth_bits - 1) + 0.5))
-        if command.stencil is not None:
-            keep = 0xFF & ~command.stencil_write_mask
-            self.stencil[where] = (self.stencil[where] & keep) | (
-                command.stencil & command.stencil_write_mask
-            )
+        (x0, y0, x1, y1), buffers, color, color_mask, depth, stencil, mask = self.clear_words(command)
+        where = slice(y0, y1), slice(x0, x1)
+        if buffers & 1:
+            _write(self.color.view(np.uint32)[..., 0][where], color, color_mask, 0xFFFFFFFF)
+        if buffers & 2:
+            self.depth[where] = depth
+        if buffers & 4:
+            _write(self.stencil[where], stencil, mask, 0xFF)
 
     def rectangle(self, x, y, width, height):
         """Colours of a window rectangle, uint8 [h, w, 4], bottom row first."""

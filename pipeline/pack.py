@@ -65,6 +65,7 @@ class PackedState:
     units: np.ndarray
     fog_thresholds: np.ndarray
     depths: np.ndarray  # float64 [n]: every vertex's depth in depth units, a single
+    derived: dict  # what others make of these rows, which is kept with them
 
 
 # The mappings as min(max(x, low) * factor + addend, 255); the addends of the EXPAND pair depend on
@@ -613,9 +614,9 @@ def pack(state: PassState, profile, framebuffer, textures, primitives):
         flat,
         *[varying_q(primitives, unit) for unit in rows.divided],
     )
-    draw, units = rows.varied.get(varies) or rows.vary(varies)
+    draw, units, derived = rows.varied.get(varies) or rows.vary(varies)
     depths = depth_units(state, framebuffer, primitives) if rows.needs_depth else primitives.z
-    return PackedState(draw, rows.draw_float, *rows.shared, units, rows.fog_thresholds, depths)
+    return PackedState(draw, rows.draw_float, *rows.shared, units, rows.fog_thresholds, depths, derived)
 
 
 def constant_colors(primitives):
@@ -708,7 +709,9 @@ class _StateRows:
         self.varied = {}
 
     def vary(self, varies):
-        """(draw, units) for primitives that are two-sided, hold strokes, have one colour, and vary in q."""
+        """(draw, units, what is derived) for primitives that are two-sided, hold strokes, have one colour and
+        vary in q, or not.
+        """
         two_side, strokes, flat, *projective = varies
         draw, units = self.draw.copy(), self.units.copy()
         draw[R.BACK_SIGN] = self.back_sign if two_side else 0
@@ -718,5 +721,5 @@ class _StateRows:
             draw[R.NEEDS_COLOR_WEIGHTS] = self.reads_color and not flat
             draw[R.NEEDS_ITERATION_WEIGHTS] = draw[R.NEEDS_COLOR_WEIGHTS] or self.textured
             draw[R.NEEDS_WEIGHTS] = draw[R.FOG_ENABLED]
-        self.varied[varies] = draw, units
-        return draw, units
+        self.varied[varies] = made = draw, units, {}
+        return made

@@ -5,6 +5,7 @@ import os
 import threading
 import time
 import warnings
+import weakref
 from concurrent.futures import ThreadPoolExecutor
 from copy import deepcopy
 from dataclasses import replace
@@ -39,7 +40,7 @@ from pipeline.enums import (
     TextureTarget,
     WrapMode,
 )
-from pipeline.execute import Machine, execute, rasterize
+from pipeline.execute import ENGINES, Machine, execute, rasterize
 from pipeline.primitives import WindowPrimitives
 from pipeline.profiles import GEFORCE_256, IDEAL, NV2A
 from pipeline.state import (
@@ -48,6 +49,7 @@ from pipeline.state import (
     CombinerInput,
     DepthTest,
     FinalCombiner,
+    Fog,
     PassState,
     PolygonState,
     RegisterCombiners,
@@ -59,7 +61,9 @@ from pipeline.state import (
     Viewport,
 )
 from pipeline.textures import Texture, texture_1d, texture_2d, texture_cube_map
+from pipeline.threads import Threads
 from pipeline.validate import UnsupportedState
+from raster import draw as draw_module
 from tests.run_reference import run_reference
 from tests.strategies import POLYGONS
 
@@ -600,7 +604,7 @@ def test_machines_in_several_python_threads_draw_what_one_draws():
 
 
 def test_runs_of_one_machine_from_several_threads_follow_each_other(monkeypatch):
-    machine = Machine(GEFORCE_256, WIDTH, HEIGHT, threads=1)
+    machine = Machine(GEFORCE_256, WIDTH, HEIGHT, threads=1, engine="portable")
     clear = machine.framebuffer.clear
 
     def slow_clear(command):
@@ -679,16 +683,20 @@ def test_a_machine_draws_on_in_a_forked_process():
     assert os.waitstatus_to_exitcode(status) == 0
 
 
-def test_an_exception_in_a_drawing_thread_reaches_the_caller(monkeypatch):
-    machine = Machine(GEFORCE_256, PARALLEL, PARALLEL, threads=2)
-    draw_bands = execute_module.draw_bands
+KERNELS = [("portable", (draw_module, "draw_bands")), (None, (execute_module, "draw_frame"))]
+
+
+@pytest.mark.parametrize(("engine", "kernel"), KERNELS)
+def test_an_exception_in_a_drawing_thread_reaches_the_caller(monkeypatch, engine, kernel):
+    machine = Machine(GEFORCE_256, PARALLEL, PARALLEL, threads=2, engine=engine)
+    draw = getattr(*kernel)
 
     def failing(*arguments):
         if threading.current_thread().name.startswith("fixedpipe"):
             raise MemoryError("no room for a batch")
-        return draw_bands(*arguments)
+        return draw(*arguments)
 
-    monkeypatch.setattr(execute_module, "draw_bands", failing)
+    monkeypatch.setattr(*kernel, failing)
     with pytest.raises(MemoryError, match="no room"):
         machine.run((flood(7),))
     monkeypatch.undo()
@@ -696,8 +704,9 @@ def test_an_exception_in_a_drawing_thread_reaches_the_caller(monkeypatch):
     assert_same_buffers(machine.framebuffer, run(*scene(2), size=(PARALLEL, PARALLEL)).framebuffer)
 
 
-def test_when_a_run_fails_no_thread_draws_on(monkeypatch):
-    machine = Machine(GEFORCE_256, PARALLEL, PARALLEL, threads=2)
+@pytest.mark.parametrize(("engine", "kernel"), KERNELS)
+def test_when_a_run_fails_no_thread_draws_on(monkeypatch, engine, kernel):
+    machine = Machine(GEFORCE_256, PARALLEL, PARALLEL, threads=2, engine=engine)
     finished = []
 
     def failing(*arguments):
@@ -707,10 +716,126 @@ def test_when_a_run_fails_no_thread_draws_on(monkeypatch):
         finished.append(True)
         return 0
 
-    monkeypatch.setattr(execute_module, "draw_bands", failing)
+    monkeypatch.setattr(*kernel, failing)
     with pytest.raises(MemoryError, match="no room"):
         machine.run((flood(7),))
     assert finished == [True]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_what_comes_before_an_error_is_drawn(monkeypatch, engine):
+    machine = Machine(GEFORCE_256, WIDTH, HEIGHT, engine=engine)
+    process = vertex.process
+
+    def failing(mesh, *others):
+        if len(mesh.positions) > 3:
+            raise MemoryError("no room for vertices")
+        return process(mesh, *others)
+
+    monkeypatch.setattr(execute_module.vertex, "process", failing)
+    with pytest.raises(MemoryError, match="no room for vertices"):
+        machine.run((Clear(label="c", depth=0.5), flood(30), triangles(2), flood(90)))
+    monkeypatch.undo()
+    expected = run(Clear(label="c", depth=0.5), flood(30)).framebuffer
+    assert_same_buffers(machine.framebuffer, expected)
+    machine.run((triangles(9),))  # and nothing of the failed run waits
+    twin = Machine(GEFORCE_256, WIDTH, HEIGHT)
+    twin.run((Clear(label="c", depth=0.5), flood(30), triangles(9)))
+    assert_same_buffers(machine.framebuffer, twin.framebuffer)
+
+
+# ------------------------------------------------------------------------------- the queue and the engines
+
+
+def fogged(draw):
+    """The same Draw with fog, which not every engine covers."""
+    return replace(draw, state=replace(draw.state, fog=Fog(color=color_of(60), density=0.4)))
+
+
+def long_frame():
+    """More commands than a queue begins with room for, of every kind that it takes, in turn."""
+    clear = Clear(label="c", color=color_of(60), stencil=1, scissor=Scissor(20, 30, 90, 40))
+    masked = Clear(
+        label="m",
+        color=color_of(200),
+        depth=0.25,
+        stencil=0xFF,
+        scissor=Scissor(-5, 70, 100, 500),
+        color_mask=ColorMask(True, False, False, True),
+        stencil_write_mask=0x3C,
+    )
+    counted = flood(3, stencil_test=StencilTest(depth_pass=StencilOperation.INCR), blending=ADDED)
+    read = [ReadPixels(label="r", name=f"r{k}", format=f) for k, f in enumerate(("RGBA", "STENCIL_INDEX"))]
+    commands = [Clear(label="all", color=color_of(9), depth=1.0, stencil=7), triangles(8)]
+    for k in range(30):
+        commands += [clear, triangles(5, seed=k), masked, counted, counted]
+        if k % 7 == 3:
+            commands += [fogged(triangles(4, seed=k)), fogged(flood(7, blending=ADDED)), clear]
+        if k % 11 == 5:
+            copy = CopyTexImage(label="copy", texture="t", x=16, y=32, width=128, height=64)
+            commands += [copy, textured("t", scissor=Scissor(0, 0, 128, 100))]
+        if k % 14 == 7:
+            commands.append(read.pop())
+    return tuple(commands)
+
+
+ADDED = Blending(BlendFactor.ONE, BlendFactor.ONE)
+
+
+def test_a_queue_draws_what_one_command_after_the_other_draws(monkeypatch):
+    commands, size = long_frame(), (PARALLEL, PARALLEL)
+    one_by_one = run(*commands, size=size, threads=1, engine="portable", trace=True)
+    ways = [{"engine": e, "threads": t} for e in ENGINES for t in (1, 2, 5)]
+    results = [run(*commands, size=size, **way) for way in ways]
+    results.append(run(*commands, size=size, trace=True))
+    for before, after in zip(one_by_one.trace, results[-1].trace, strict=True):
+        assert_same_buffers(before, after)
+    monkeypatch.setattr(execute_module, "_MOST_BYTES", 2000)  # some meshes are more: drawn at once, not kept
+    results += [run(*commands, size=size, **way) for way in ways[::2]]
+    for result in results:
+        assert_same_buffers(result.framebuffer, one_by_one.framebuffer)
+        assert (result.fragments, result.dropped) == (one_by_one.fragments, one_by_one.dropped)
+        for name, pixels in one_by_one.pixels.items():
+            np.testing.assert_array_equal(result.pixels[name], pixels)
+
+
+def test_an_engine_that_there_is_not_is_refused():
+    for engine in ("vector", "Portable", "", 1):
+        with pytest.raises(ValueError, match=f'no engine {engine!r}; give "portable"'):
+            run(flood(3), engine=engine)
+
+
+def test_threads_add_up_and_raise_what_their_shares_raise():
+    threads = Threads(4)
+    for _ in range(50):
+        assert threads.run(lambda k: 10**k) == 1111
+    ended = []
+
+    def failing(k):
+        time.sleep(0.01 * k)
+        ended.append(k)
+        raise ValueError(f"share {k}")
+
+    for share, first in ((failing, 0), (lambda k: failing(k) if k == 2 else k, 2)):
+        ended.clear()
+        with pytest.raises(ValueError, match=f"share {first}"):
+            threads.run(share)
+        assert ended == ([0, 1, 2, 3] if first == 0 else [2])
+    assert threads.run(lambda k: k) == 6  # and they go on
+
+
+def test_threads_keep_nothing_of_what_they_did():
+    class Kept:
+        pass
+
+    threads, kept = Threads(2), Kept()
+    alive = weakref.ref(kept)
+    threads.run(lambda k, kept=kept: k)
+    del kept
+    deadline = time.monotonic() + 10.0
+    while alive() is not None and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert alive() is None
 
 
 # ----------------------------------------------------------------------------------------------------- arrays
