@@ -607,7 +607,7 @@ def pack(state: PassState, profile, framebuffer, textures, primitives):
     Rows are shared by all that pack the same: they are not written to.
     """
     rows = _rows_of(state, profile, framebuffer, textures)
-    flat = rows.reads_color and (rows.flat or constant_colors(primitives))
+    flat = rows.reads_color and (rows.flat or 2 * constant_colors(primitives))
     varies = (
         primitives.two_side,
         len(primitives.strokes) > 0,

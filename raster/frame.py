@@ -6,12 +6,10 @@ band stays in the processor's nearest memory from the first Clear to the last Dr
 threads'. A Draw that ``fill_draw`` refuses is the portable engine's (``raster.draw``), whose bits these are.
 """
 
-from typing import NamedTuple
-
-import numpy as np
-from numba import float64, int32, int64, typeof, types, uint8, uint32, void
+from numba import float64, int16, int32, int64, uint8, uint32, void
 
 from raster import rows as R
+from raster.arrays import BUFFERS, JOB, JOBS, PASS, SCRATCH, Pass
 from raster.bins import BAND_HEIGHT
 from raster.fixed import truncate_24
 from raster.kernel import kernel, next_of, separate_function, separate_loop
@@ -29,9 +27,10 @@ from raster.records import (
 )
 from raster.sample import unpack
 from raster.triangle import polygon_offset, row_span
-from raster.unit import sample_unit
 from raster.vector import (
     count_bits,
+    i16x16,
+    i32x16,
     lowest_bit,
     mask_bits,
     ramp_f64x8,
@@ -39,13 +38,10 @@ from raster.vector import (
     ramp_i32x16,
     store,
 )
-from raster.vector_combine import OPERATION_SIZE, SCRATCH_PLANES, combine
+from raster.vector_combine import OPERATION_SIZE, combine
 from raster.vector_interpolate import (
-    LARGEST_COORDINATE,
-    LARGEST_REPEATED,
     iterate_colors,
     iterate_packed,
-    iterate_texels,
     mixed_depth,
     mixed_weights,
     run_depth,
@@ -55,89 +51,9 @@ from raster.vector_interpolate import (
     spread_coordinates,
     spread_depth,
 )
-from raster.vector_texture import LOCATED, filter_located, locate
+from raster.vector_unit import plan_units, sample
 
 SMALL = 8  # pixels: triangles whose box is not larger share segments
-
-
-class Scratch(NamedTuple):
-    """Columns that a thread draws in, each ``batch + rows.SLACK`` long (``rows``: which is what)."""
-
-    floats: np.ndarray
-    ints: np.ndarray
-    packed: np.ndarray
-    planes: np.ndarray
-    products: np.ndarray
-    results: np.ndarray
-    alive: np.ndarray
-    lists: np.ndarray
-    located: np.ndarray
-
-
-def scratch(batch):
-    """A thread's Scratch, made once for many frames."""
-    columns = batch + R.SLACK
-    return Scratch(
-        floats=np.zeros((R.VECTOR_FLOAT_COLUMNS, columns), np.float64),
-        ints=np.zeros((R.VECTOR_INT_COLUMNS, columns), np.int32),
-        packed=np.zeros((R.VECTOR_PACKED_COLUMNS, columns), np.uint32),
-        planes=np.zeros((R.VECTOR_PLANES, columns), np.int16),
-        products=np.zeros((SCRATCH_PLANES, columns), np.int32),
-        results=np.zeros((12, columns), np.int16),
-        alive=np.zeros(columns, np.uint8),
-        lists=np.zeros((R.LISTS, columns), np.int32),
-        located=np.zeros((4, LOCATED, columns), np.int32),
-    )
-
-
-class Buffers(NamedTuple):
-    """A framebuffer: colours packed, depth words, stencil, each [height, width]."""
-
-    color: np.ndarray
-    depth: np.ndarray
-    stencil: np.ndarray
-
-
-class Pass(NamedTuple):
-    """A Draw's arrays (``rows``: what is in them)."""
-
-    draw: np.ndarray
-    draw_float: np.ndarray
-    plan: np.ndarray
-    factors: np.ndarray
-    triangles: np.ndarray
-    x: np.ndarray
-    y: np.ndarray
-    z: np.ndarray
-    inverse_w: np.ndarray
-    colors: np.ndarray
-    coordinates: np.ndarray
-    texels0: np.ndarray
-    texels1: np.ndarray
-    texels2: np.ndarray
-    texels3: np.ndarray
-    levels: np.ndarray
-    pairs0: np.ndarray
-    pairs1: np.ndarray
-    pairs2: np.ndarray
-    pairs3: np.ndarray
-    pair_levels: np.ndarray
-    units: np.ndarray
-
-
-_JOB, _JOBS = int64[::1], int64[:, ::1]
-_SCRATCH = typeof(scratch(0))
-_BUFFERS = types.NamedTuple((uint32[:, ::1], uint32[:, ::1], uint8[:, ::1]), Buffers)
-_FOUR_TEXTURES = (uint32[::1],) * 4
-_PASS = types.NamedTuple(
-    (
-        int64[::1], float64[::1], int32[:, ::1], int32[:, ::1], int32[:, ::1], int32[::1], int32[::1],
-        float64[::1], float64[::1], uint8[:, :, ::1], float64[:, :, ::1], *_FOUR_TEXTURES, int32[:, :, ::1],
-        *_FOUR_TEXTURES,
-        int32[:, :, ::1], int64[:, ::1],
-    ),
-    Pass,
-)  # fmt: skip
 
 
 @kernel("void(i8[:,::1],i8,i8,i8,i8,i8,i8,i8,i8,i8,i8,i8)")
@@ -152,58 +68,6 @@ def fill_clear(jobs, k, x0, y0, x1, y1, buffers, color, color_mask, depth, stenc
     job[R.JOB_X0], job[R.JOB_Y0], job[R.JOB_X1], job[R.JOB_Y1] = x0, y0, x1, y1
     job[R.JOB_BUFFERS], job[R.JOB_COLOR], job[R.JOB_COLOR_MASK] = buffers, color, color_mask
     job[R.JOB_DEPTH], job[R.JOB_STENCIL], job[R.JOB_STENCIL_MASK] = depth, stencil, stencil_mask
-
-
-@kernel
-def is_power(n):
-    """Whether a positive integer is a power of two."""
-    return (n & (n - 1)) == 0
-
-
-@kernel
-def log2_of(n):
-    """The logarithm of a power of two."""
-    k = int64(0)
-    while (int64(1) << k) < n:
-        k += 1
-    return k
-
-
-@kernel
-def moderate(coordinates, unit):
-    """Whether every s and t of a unit is a number of ordinary size."""
-    for v in range(coordinates.shape[0]):
-        for c in range(2):
-            if not abs(coordinates[v, unit, c]) <= LARGEST_COORDINATE:
-                return False
-    return True
-
-
-@kernel
-def same_coordinates(coordinates, one, other):
-    """Whether two units have the same s and t at every vertex."""
-    for v in range(coordinates.shape[0]):
-        for c in range(2):
-            if coordinates[v, one, c] != coordinates[v, other, c]:
-                return False
-    return True
-
-
-@kernel
-def unit_path(draw, row, levels, coordinates, unit):
-    """How a unit is sampled: 0 not at all; 1 by vectors (``vector_texture``); 2 by the portable kernels."""
-    if not row[R.ENABLED]:
-        return int64(0)
-    plain = row[R.TARGET] <= 1 and not row[R.PROJECTIVE] and not row[R.COMPARE] and not row[R.HILO]
-    plain = plain and not row[R.ANISOTROPY] and not row[R.OPERATION]
-    plain = plain and row[R.MIPMAP] == 0 and row[R.MAG_LINEAR] == row[R.MIN_LINEAR]
-    width, height = int64(levels[0, 1]), int64(levels[0, 2])
-    largest = int64(1) << LARGEST_REPEATED
-    plain = plain and is_power(width) and is_power(height) and width <= largest and height <= largest
-    for axis in range(2):
-        wrap = row[R.WRAP_S] if axis == 0 else row[R.WRAP_T]
-        plain = plain and (wrap == 0 or wrap == 2 or (wrap == 1 and not row[R.MAG_LINEAR]))
-    return int64(1) if plain and moderate(coordinates, unit) else int64(2)
 
 
 @kernel(
@@ -225,27 +89,7 @@ def fill_draw(
         return False
     job = jobs[k]
     job[R.JOB_KIND] = 1
-    for u in range(4):
-        job[R.JOB_UNIT_PATH + u] = 0
-    generic = False
-    if draw[R.NEEDS_COLOR]:
-        for u in range(draw[R.UNITS]):
-            path = unit_path(draw, units[u], levels[u], coordinates, u)
-            job[R.JOB_UNIT_PATH + u] = path
-            generic = generic or path == 2
-            if path == 1:
-                job[R.JOB_LOG2_S + u] = log2_of(int64(levels[u, 0, 1]))
-                job[R.JOB_LOG2_T + u] = log2_of(int64(levels[u, 0, 2]))
-                job[R.JOB_COORDINATES_OF + u] = u
-                for other in range(u):
-                    same = job[R.JOB_UNIT_PATH + other] == 1
-                    same = same and job[R.JOB_LOG2_S + other] == job[R.JOB_LOG2_S + u]
-                    same = same and job[R.JOB_LOG2_T + other] == job[R.JOB_LOG2_T + u]
-                    for field in (R.WRAP_S, R.WRAP_T, R.MAG_LINEAR, R.TARGET):
-                        same = same and units[other, field] == units[u, field]
-                    if same and same_coordinates(coordinates, other, u):
-                        job[R.JOB_COORDINATES_OF + u] = other
-                        break
+    generic = plan_units(job, draw, units, levels, coordinates)
     job[R.JOB_MIXES] = not generic
     perspective = False
     for v in range(inverse_w.shape[0]):
@@ -253,8 +97,7 @@ def fill_draw(
             perspective = True
             break
     job[R.JOB_PERSPECTIVE] = perspective
-    constant = not draw[R.NEEDS_COLOR] or (draw[R.DIRECT] and draw[R.FLAT])
-    job[R.JOB_SOLID] = constant and not draw[R.ALPHA_TEST]
+    job[R.JOB_ONE_COLOR] = draw[R.FLAT] == 2 and draw[R.BACK_SIGN] == 0
     job[R.JOB_VERTICES], job[R.JOB_PRIMITIVES] = x.shape[0], triangles.shape[0]
     job[R.JOB_UNITS], job[R.JOB_MEMBERS] = coordinates.shape[1], order.shape[0]
     job[R.JOB_ROWS], job[R.JOB_BANDS] = units.shape[0], ends.shape[0]
@@ -337,56 +180,31 @@ def fill_pixels(pixels, position, count, first):
         store(pixels, position + i, ramp_i32x16() + int32(first + int32(i)))
 
 
-@kernel(void(_JOB, _PASS, int64, int64, int64, _BUFFERS, _SCRATCH))
+@kernel(void(JOB, PASS, int64, int64, int64, BUFFERS, SCRATCH))
 def finish_batch(job, p, count, segments, runs, buffers, scratch):
     """Shade a batch whose weights and depth words are there, and write it."""
     separate_function()
-    draw, triangles, colors, coordinates, units = p.draw, p.triangles, p.colors, p.coordinates, p.units
+    draw, triangles, colors = p.draw, p.triangles, p.colors
     floats, ints, packed, planes = scratch.floats, scratch.ints, scratch.packed, scratch.planes
-    results, lists, located = scratch.results, scratch.lists, scratch.located
+    results, lists = scratch.results, scratch.lists
     lists[R.STARTS, segments], lists[R.RUN_STARTS, runs] = int32(count), int32(count)
     flat, terms = draw[R.FLAT], planes[R.COLOR_TERMS :]
     if draw[R.NEEDS_COLOR]:
+        varies = not job[R.JOB_ONE_COLOR]
         if draw[R.DIRECT]:
-            iterate_packed(lists, segments, triangles, colors, flat, floats, terms, packed[R.SHADED])
+            if varies:
+                iterate_packed(lists, segments, triangles, colors, flat, floats, terms, packed[R.SHADED])
         else:
-            if draw[R.NEEDS_PRIMARY]:
+            if draw[R.NEEDS_PRIMARY] and varies:
                 iterate_colors(
                     lists, segments, triangles, colors, 0, flat, floats, terms, planes, R.PRIMARY * 4
                 )
-            if draw[R.NEEDS_SECONDARY]:
+            if draw[R.NEEDS_SECONDARY] and varies:
                 iterate_colors(
                     lists, segments, triangles, colors, 4, flat, floats, terms[12:], planes, R.SECONDARY * 4
                 )
             for u in range(draw[R.UNITS]):
-                path = job[R.JOB_UNIT_PATH + u]
-                row = units[u]
-                if path == 1:
-                    source = job[R.JOB_COORDINATES_OF + u]
-                    s_column, t_column = ints[R.FIXED0 + 2 * source], ints[R.FIXED0 + 2 * source + 1]
-                    if source == u:
-                        linear = row[R.MAG_LINEAR]
-                        iterate_texels(
-                            lists, segments, triangles, coordinates, u, 0, job[R.JOB_LOG2_S + u],
-                            row[R.WRAP_S] == 0, linear, floats, s_column,
-                        )  # fmt: skip
-                        iterate_texels(
-                            lists, segments, triangles, coordinates, u, 1, job[R.JOB_LOG2_T + u],
-                            row[R.WRAP_T] == 0, linear, floats, t_column,
-                        )  # fmt: skip
-                        locate(p.pair_levels[u], row, s_column, t_column, count, located[u])
-                    first, second = (p.pairs0 if u == 0 else p.pairs1), (p.pairs2 if u == 2 else p.pairs3)
-                    pairs = first if u < 2 else second
-                    filter_located(pairs, row, located[source], count, planes, (R.TEXTURE0 + u) * 4)
-                elif path == 2:
-                    first, second = (p.texels0 if u == 0 else p.texels1), (p.texels2 if u == 2 else p.texels3)
-                    texels = first if u < 2 else second
-                    sample_unit(
-                        draw, u, units, count, lists[R.STARTS], lists[R.OWNERS], segments, triangles,
-                        triangles, p.x, p.y, p.inverse_w, coordinates, texels, p.levels[u],
-                        lists[R.RUN_STARTS], lists[R.RUN_X], lists[R.RUN_Y], runs, floats, ints, packed,
-                        planes, ints[R.DEPTH_WORD], scratch.alive,
-                    )  # fmt: skip
+                sample(job, p, u, count, segments, runs, scratch)
             combine(planes, p.plan, count, scratch.products, packed[R.SHADED])
     unpack(packed, R.SHADED, count, results, 0)
     per_fragment(
@@ -401,7 +219,22 @@ def edge_tie(right, down):
     return int64(0) if right > 0 or (right == 0 and down > 0) else int64(-1)
 
 
-@kernel(int64(_JOB, _PASS, int32[::1], int64, int64, _BUFFERS, _SCRATCH))
+@kernel("void(u1[::1],i2[:,::1],u4[::1])")
+def one_color(color, planes, shaded):
+    """The colours of a whole Draw: primary and secondary in their planes, and the primary one packed."""
+    separate_loop()
+    for c in range(4):
+        primary, secondary = planes[R.PRIMARY * 4 + c], planes[R.SECONDARY * 4 + c]
+        for i in range(0, primary.shape[0], 16):
+            store(primary, i, i16x16(int16(color[c])))
+            store(secondary, i, i16x16(int16(color[4 + c])))
+    low = uint32(uint32(color[0]) | uint32(uint32(color[1]) << uint32(8)))
+    high = uint32(uint32(uint32(color[2]) << uint32(16)) | uint32(uint32(color[3]) << uint32(24)))
+    for i in range(0, shaded.shape[0], 16):
+        store(shaded, i, i32x16(int32(low | high)))
+
+
+@kernel(int64(JOB, PASS, int32[::1], int64, int64, BUFFERS, SCRATCH))
 def draw_band(job, p, members, band, batch, buffers, scratch):
     """The rows of ``band`` of a Draw whose triangles there are ``members``; returns how many fragments."""
     separate_function()
@@ -412,7 +245,10 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
     needs_depth, has_offset = draw[R.NEEDS_DEPTH], draw[R.POLYGON_OFFSET]
     needs_weights, needs_color = draw[R.NEEDS_ITERATION_WEIGHTS], draw[R.NEEDS_COLOR]
     mixes, perspective = job[R.JOB_MIXES], job[R.JOB_PERSPECTIVE]
-    primary = needs_color and (draw[R.DIRECT] or draw[R.NEEDS_PRIMARY] or draw[R.NEEDS_SECONDARY])
+    varies = needs_color and (draw[R.DIRECT] or draw[R.NEEDS_PRIMARY] or draw[R.NEEDS_SECONDARY])
+    if varies and job[R.JOB_ONE_COLOR]:
+        varies = False
+        one_color(colors[triangles[members[0], 3], 0], planes, scratch.packed[R.SHADED])
     flat, top_word = draw[R.FLAT], float64(draw[R.DEPTH_MAX])
     width = int64(buffers.color.shape[1])
     top, bottom = max(band * BAND_HEIGHT, draw[R.Y0]), min((band + 1) * BAND_HEIGHT, draw[R.Y1])
@@ -512,12 +348,13 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
                     spread(floats[R.INVERSE_W0], begin, n, truncate_24(1.0 / float64(area)))
             if needs_depth:
                 spread_depth(floats, begin, n, z0, z1, z2, float64(area), offset)
-            if primary:
+            if varies:
                 provoking = triangles[t, 3]
                 spread_colors(planes[R.COLOR_TERMS :], begin, n, colors, v0, v1, v2, provoking, back, flat)
             for u in range(draw[R.UNITS]):
-                if job[R.JOB_UNIT_PATH + u] == 1 and job[R.JOB_COORDINATES_OF + u] == u:
-                    spread_coordinates(floats, begin, n, coordinates, u, v0, v1, v2)
+                components = job[R.JOB_COMPONENTS + u]
+                if components:
+                    spread_coordinates(floats, begin, n, coordinates, u, components, v0, v1, v2)
             continue
         for row in range(first_row, last_row + 1):
             start, end = row_span(n0 + tie0, n1 + tie1, n2 + tie2, right0, right1, right2, left, right)
@@ -554,7 +391,7 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
     return fragments
 
 
-@kernel(int64(_JOBS, int64, int64[::1], int64, _BUFFERS, _SCRATCH))
+@kernel(int64(JOBS, int64, int64[::1], int64, BUFFERS, SCRATCH))
 def draw_frame(jobs, count, counter, batch, buffers, scratch):
     """Run the first ``count`` jobs on every band that ``counter`` int64[1] still gives.
 

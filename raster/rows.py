@@ -14,7 +14,7 @@ zero.
     CULL_POSITIVE,  # cull triangles whose area is positive
     CULL_NEGATIVE,
     BACK_SIGN,  # 0: all front; 1: A > 0 takes the back colour; -1: A < 0 does
-    FLAT,  # 1: the provoking vertex's colour for the whole primitive
+    FLAT,  # 1: the provoking vertex's colour for the whole primitive; 2: all vertices have the same
     DEPTH_FORMAT,  # 0: fixed; 1: a 16-bit float; 2: a 24-bit float
     DEPTH_MAX,  # fixed: 2**bits - 1
     DEPTH_CULL,  # 1: a depth outside its limits ends the fragment; 0: it is clamped
@@ -213,11 +213,11 @@ SLACK = 32  # elements of every column behind a batch: vectors may reach so far
 
 # More columns of floats: what fragments of mixed segments carry of their triangle: edge functions; 1/w of the
 # vertices, or in the first the reciprocal of the area; depths of the vertices, their differences, the
-# reciprocal of the area for depths, polygon offset; of each texture unit, for s and for t, the coordinate of
-# vertex 1 and how far vertices 0 and 2 are from it.
+# reciprocal of the area for depths, polygon offset; of each texture unit, for s, t, r and q, the coordinate
+# of vertex 1 and how far vertices 0 and 2 are from it.
 N0, N1, N2, INVERSE_W0, INVERSE_W1, INVERSE_W2 = range(FLOAT_COLUMNS, FLOAT_COLUMNS + 6)
 Z0, Z1, Z2, Z10, Z20, Z21, Z_RECIPROCAL, Z_OFFSET, TERMS = range(INVERSE_W2 + 1, INVERSE_W2 + 10)
-VECTOR_FLOAT_COLUMNS = TERMS + 6 * 4
+VECTOR_FLOAT_COLUMNS = TERMS + 12 * 4
 # More columns of ints: floor(256 u size) of s and t of each unit; the pixel, y * width + x, of each fragment
 # of a mixed segment; depth words.
 FIXED0 = INT_COLUMNS
@@ -248,7 +248,7 @@ STARTS, OWNERS, BACKS, RUN_STARTS, RUN_X, RUN_Y, LISTS = range(7)
     JOB_STENCIL_MASK,
     JOB_MIXES,  # 1: small triangles share segments
     JOB_PERSPECTIVE,  # 1: some 1/w differ
-    JOB_SOLID,  # 1: all fragments of a triangle are of one colour
+    JOB_ONE_COLOR,  # 1: no vertex has colours of its own
     JOB_VERTICES,
     JOB_PRIMITIVES,
     JOB_UNITS,  # of the coordinates
@@ -256,12 +256,13 @@ STARTS, OWNERS, BACKS, RUN_STARTS, RUN_X, RUN_Y, LISTS = range(7)
     JOB_MEMBERS,
     JOB_BANDS,
     JOB_OPERATIONS,  # of the combiner plan
-    JOB_UNIT_PATH,  # of each unit: 0 disabled, 1 by vectors, 2 by the portable kernels
+    JOB_UNIT_PATH,  # of each unit: raster/vector_unit.py
 ) = range(22)
 JOB_LOG2_S = JOB_UNIT_PATH + 4
 JOB_LOG2_T = JOB_LOG2_S + 4
 JOB_COORDINATES_OF = JOB_LOG2_T + 4  # the first unit with the same texel coordinates
-JOB_TEXELS = JOB_COORDINATES_OF + 4
+JOB_COMPONENTS = JOB_COORDINATES_OF + 4  # coordinates that it iterates, bits 1, 2, 4, 8 for s, t, r, q
+JOB_TEXELS = JOB_COMPONENTS + 4
 JOB_TEXEL_COUNT = JOB_TEXELS + 4
 JOB_PAIRS = JOB_TEXEL_COUNT + 4  # textures as row pairs
 JOB_PAIR_COUNT = JOB_PAIRS + 4

@@ -47,6 +47,7 @@ _TINY = 2.0**-256  # as raster.interpolate
 EXACT_FROM = 2.0**-30  # a coordinate whose largest term is not below this wraps without rounding
 LARGEST_COORDINATE = 512.0  # then 256 times the largest texture, twice, is an int32
 LARGEST_REPEATED = 11  # log2 of the largest texture
+LARGEST_FLOAT = 2.0**100  # of any coordinate: none of its terms overflows
 _FIXED = 8  # fraction bits of a texel coordinate
 
 
@@ -359,8 +360,11 @@ def texel_steps(q0, q2, v1, d0, d2, to_fixed):
 
 
 @kernel
-def exact_steps(q0, q2, v1, d0, d2, size, repeat, linear):
-    """As ``texel_steps``, of one fragment, where wrapping rounds: the portable kernels' every operation."""
+def exact_steps(q0, q2, v1, d0, d2, size, repeat):
+    """As ``texel_steps``, of one fragment, where wrapping rounds: the portable kernels' every operation.
+
+    A linear filter's texel coordinate is a nearest one's as well.
+    """
     p0, p2 = q0 * d0, q2 * d2
     step, steps = step_24(max(max(abs(v1), max(abs(p0), abs(p2))), SMALLEST))
     total = (np.trunc(v1 * steps) + np.trunc(p0 * steps)) + np.trunc(p2 * steps)
@@ -369,20 +373,16 @@ def exact_steps(q0, q2, v1, d0, d2, size, repeat, linear):
         t = t - size * np.floor(t * (1.0 / size))
         t = t if t > 0.0 else 0.0
         t = t if t < size else size
-        if not linear:
-            return int32(int32(t) * int32(256))
     return int32(int32(np.floor((t - 0.5) * 256.0)) + int32(128))
 
 
-@kernel("void(i4[:,::1],i8,i4[:,::1],f8[:,:,::1],i8,i8,i8,i8,i8,f8[:,::1],i4[::1])")
-def iterate_texels(
-    lists, segments, triangles, coordinates, unit, component, log2_size, repeat, linear, floats, out
-):
+@kernel("void(i4[:,::1],i8,i4[:,::1],f8[:,:,::1],i8,i8,i8,i8,f8[:,::1],i4[::1])")
+def iterate_texels(lists, segments, triangles, coordinates, unit, component, log2_size, repeat, floats, out):
     """floor(256 u size) of one texture coordinate (0: s, 1: t) into a column of int32."""
     separate_loop()
     starts, owners = lists[R.STARTS], lists[R.OWNERS]
     q0, q2 = floats[R.Q0], floats[R.Q2]
-    first = R.TERMS + 6 * unit + 3 * component
+    first = R.TERMS + 12 * unit + 3 * component
     base, from0, from2 = floats[first], floats[first + 1], floats[first + 2]
     to_fixed, size = int64((log2_size + _FIXED - 23) << 52), float64(int64(1) << log2_size)
     for s in range(segments):
@@ -395,7 +395,7 @@ def iterate_texels(
                 store(out, i, fixed)
                 if any_lane((largest < EXACT_FROM) & (largest > 0.0)):
                     for k in range(i, min(i + 16, end)):
-                        out[k] = exact_steps(q0[k], q2[k], base[k], from0[k], from2[k], size, repeat, linear)
+                        out[k] = exact_steps(q0[k], q2[k], base[k], from0[k], from2[k], size, repeat)
             continue
         c1 = coordinates[triangles[t, 1], unit, component]
         c0 = coordinates[triangles[t, 0], unit, component] - c1
@@ -406,15 +406,53 @@ def iterate_texels(
             store(out, i, fixed)
             if any_lane((largest < EXACT_FROM) & (largest > 0.0)):
                 for k in range(i, min(i + 16, end)):
-                    out[k] = exact_steps(q0[k], q2[k], c1, c0, c2, size, repeat, linear)
+                    out[k] = exact_steps(q0[k], q2[k], c1, c0, c2, size, repeat)
 
 
-@kernel("void(f8[:,::1],i8,i8,f8[:,:,::1],i8,i4,i4,i4)")
-def spread_coordinates(floats, position, count, coordinates, unit, i0, i1, i2):
-    """A small triangle's numbers for the mixed segments of ``iterate_texels``."""
+@kernel
+def float_sum(q0, q2, v1, d0, d2):
+    """A coordinate itself (``interpolate.iterate_coordinate``)."""
+    p0, p2 = q0 * d0, q2 * d2
+    largest = maximum(maximum(maximum(absolute(p0), absolute(p2)), absolute(v1)), SMALLEST)
+    exponent = bits_of_lanes(largest) & _EXPONENT
+    steps = floats_of_lanes(int64(2069 << 52) - exponent)
+    total = (truncated(v1 * steps) + truncated(p0 * steps)) + truncated(p2 * steps)
+    return total * floats_of_lanes(exponent - int64(23 << 52))
+
+
+@kernel("void(i4[:,::1],i8,i4[:,::1],f8[:,:,::1],i8,i8,f8[:,::1],f8[::1])")
+def iterate_floats(lists, segments, triangles, coordinates, unit, component, floats, out):
+    """One texture coordinate (0 to 3: s, t, r, q) into a column of float64."""
     separate_function()
-    for component in range(2):
-        at = R.TERMS + 6 * unit + 3 * component
+    starts, owners = lists[R.STARTS], lists[R.OWNERS]
+    q0, q2 = floats[R.Q0], floats[R.Q2]
+    first = R.TERMS + 12 * unit + 3 * component
+    base, from0, from2 = floats[first], floats[first + 1], floats[first + 2]
+    for s in range(segments):
+        t, begin, end = owners[s], int64(starts[s]), int64(starts[s + 1])
+        if t < 0:
+            for i in range(begin, end, 16):
+                v1, d0, d2 = load_f64x16(base, i), load_f64x16(from0, i), load_f64x16(from2, i)
+                store(out, i, float_sum(load_f64x16(q0, i), load_f64x16(q2, i), v1, d0, d2))
+            continue
+        c1 = coordinates[triangles[t, 1], unit, component]
+        v1 = f64x16(c1)
+        d0 = f64x16(coordinates[triangles[t, 0], unit, component] - c1)
+        d2 = f64x16(coordinates[triangles[t, 2], unit, component] - c1)
+        for i in range(begin, end, 16):
+            store(out, i, float_sum(load_f64x16(q0, i), load_f64x16(q2, i), v1, d0, d2))
+
+
+@kernel("void(f8[:,::1],i8,i8,f8[:,:,::1],i8,i8,i4,i4,i4)")
+def spread_coordinates(floats, position, count, coordinates, unit, components, i0, i1, i2):
+    """A small triangle's numbers for the mixed segments of ``iterate_texels`` and ``iterate_floats``;
+    ``components``: bits 1, 2, 4, 8 for s, t, r, q.
+    """
+    separate_function()
+    for component in range(4):
+        if not (components >> component) & 1:
+            continue
+        at = R.TERMS + 12 * unit + 3 * component
         v1 = coordinates[i1, unit, component]
         spread(floats[at], position, count, v1)
         spread(floats[at + 1], position, count, coordinates[i0, unit, component] - v1)

@@ -1,0 +1,218 @@
+"""Texture units of the vector engine: how each is sampled, and sampling a batch so."""
+
+from numba import float64, int32, int64, void
+
+from raster import rows as R
+from raster.arrays import JOB, PASS, SCRATCH
+from raster.kernel import float_of, kernel, separate_function
+from raster.sample import TAU
+from raster.unit import sample_unit
+from raster.vector_coordinates import cube_faces, depth_words, divide_by_q, fixed_from_floats
+from raster.vector_interpolate import (
+    LARGEST_COORDINATE,
+    LARGEST_FLOAT,
+    LARGEST_REPEATED,
+    iterate_floats,
+    iterate_texels,
+)
+from raster.vector_level_of_detail import level_of_detail
+from raster.vector_texture import (
+    fetch_compared,
+    filter_located,
+    filter_mipmapped,
+    locate,
+    move_to_faces,
+)
+
+# How a unit is sampled (rows.JOB_UNIT_PATH): not at all; from one level, by coordinates that are counted in
+# texels as they are iterated; by the portable kernels; the first, by lambda; by computed coordinates (a cube
+# map's, divided by q, compared as depths, or of any size).
+DISABLED, ITERATED, PORTABLE, MIPMAPPED, COMPUTED = range(5)
+
+
+@kernel
+def is_power(n):
+    """Whether a positive integer is a power of two."""
+    return (n & (n - 1)) == 0
+
+
+@kernel
+def log2_of(n):
+    """The logarithm of a power of two."""
+    k = int64(0)
+    while (int64(1) << k) < n:
+        k += 1
+    return k
+
+
+@kernel
+def within(coordinates, unit, components, largest):
+    """Whether the first coordinates of a unit are numbers up to ``largest``."""
+    for v in range(coordinates.shape[0]):
+        for c in range(components):
+            if not abs(coordinates[v, unit, c]) <= largest:
+                return False
+    return True
+
+
+@kernel
+def same_coordinates(coordinates, one, other):
+    """Whether two units have the same s and t at every vertex."""
+    for v in range(coordinates.shape[0]):
+        for c in range(2):
+            if coordinates[v, one, c] != coordinates[v, other, c]:
+                return False
+    return True
+
+
+@kernel
+def unit_path(row, levels, coordinates, unit):
+    """How a unit is sampled."""
+    if not row[R.ENABLED]:
+        return int64(DISABLED)
+    target = row[R.TARGET]
+    if target == 3 or row[R.HILO] or row[R.ANISOTROPY] or row[R.OPERATION]:
+        return int64(PORTABLE)
+    nearest = not row[R.MAG_LINEAR] and not row[R.MIN_LINEAR]
+    for axis in range(2):
+        wrap = row[R.WRAP_S] if axis == 0 else row[R.WRAP_T]
+        if target != 2 and not (wrap == 0 or wrap == 2 or (wrap == 1 and nearest)):
+            return int64(PORTABLE)
+    one_level = row[R.MIPMAP] == 0 and row[R.MAG_LINEAR] == row[R.MIN_LINEAR]
+    width, height = int64(levels[0, 1]), int64(levels[0, 2])
+    largest = int64(1) << LARGEST_REPEATED
+    plain = target <= 1 and not row[R.PROJECTIVE] and not row[R.COMPARE]
+    plain = plain and is_power(width) and is_power(height) and width <= largest and height <= largest
+    if plain and within(coordinates, unit, 2, LARGEST_COORDINATE):
+        return int64(ITERATED) if one_level else int64(MIPMAPPED)
+    if one_level and within(coordinates, unit, 4, LARGEST_FLOAT):
+        return int64(COMPUTED)
+    return int64(PORTABLE)
+
+
+@kernel
+def components_of(row, path):
+    """Which coordinates a unit iterates: bits 1, 2, 4, 8 for s, t, r, q."""
+    if path != COMPUTED:
+        return int64(3)
+    third = int64(4) if row[R.TARGET] == 2 or row[R.COMPARE] == 1 else int64(0)
+    return int64(3) | third | (int64(8) if row[R.PROJECTIVE] else int64(0))
+
+
+@kernel("b1(i8[::1],i8[::1],i8[:,::1],i4[:,:,::1],f8[:,:,::1])")
+def plan_units(job, draw, units, levels, coordinates):
+    """Fill in how a Draw's units are sampled; whether one of them is sampled by the portable kernels."""
+    separate_function()
+    portable = False
+    for u in range(4):
+        job[R.JOB_UNIT_PATH + u] = job[R.JOB_COMPONENTS + u] = 0
+    if not draw[R.NEEDS_COLOR]:
+        return portable
+    for u in range(draw[R.UNITS]):
+        path = unit_path(units[u], levels[u], coordinates, u)
+        job[R.JOB_UNIT_PATH + u] = path
+        portable = portable or path == PORTABLE
+        if path in (DISABLED, PORTABLE):
+            continue
+        job[R.JOB_COMPONENTS + u] = components_of(units[u], path)
+        if path == COMPUTED:
+            continue
+        job[R.JOB_LOG2_S + u] = log2_of(int64(levels[u, 0, 1]))
+        job[R.JOB_LOG2_T + u] = log2_of(int64(levels[u, 0, 2]))
+        job[R.JOB_COORDINATES_OF + u] = u
+        for other in range(u):
+            same = job[R.JOB_UNIT_PATH + other] == path
+            same = same and job[R.JOB_LOG2_S + other] == job[R.JOB_LOG2_S + u]
+            same = same and job[R.JOB_LOG2_T + other] == job[R.JOB_LOG2_T + u]
+            for field in (R.WRAP_S, R.WRAP_T, R.MAG_LINEAR, R.TARGET):
+                same = same and units[other, field] == units[u, field]
+            if same and same_coordinates(coordinates, other, u):
+                job[R.JOB_COORDINATES_OF + u], job[R.JOB_COMPONENTS + u] = other, 0
+                break
+    return portable
+
+
+@kernel(void(JOB, PASS, int64, int64, int64, SCRATCH))
+def sample_computed(job, p, u, count, segments, scratch):
+    """A unit whose coordinates are computed from the iterated ones."""
+    separate_function()
+    row, levels, floats, ints = p.units[u], p.pair_levels[u], scratch.floats, scratch.ints
+    located, f_s, f_t = scratch.located[u], ints[R.FIXED0 + 2 * u], ints[R.FIXED0 + 2 * u + 1]
+    s, t, extra, r = floats[R.S], floats[R.T], floats[R.EXTRA], floats[R.COORDINATE0]
+    cube, compared, projective = row[R.TARGET] == 2, row[R.COMPARE] != 0, row[R.PROJECTIVE] != 0
+    iterate_floats(scratch.lists, segments, p.triangles, p.coordinates, u, 0, floats, s)
+    iterate_floats(scratch.lists, segments, p.triangles, p.coordinates, u, 1, floats, t)
+    if cube:
+        iterate_floats(scratch.lists, segments, p.triangles, p.coordinates, u, 2, floats, extra)
+        cube_faces(s, t, extra, ints[R.FACE], count)
+    elif projective:
+        iterate_floats(scratch.lists, segments, p.triangles, p.coordinates, u, 3, floats, extra)
+        divide_by_q(s, extra, count)
+        divide_by_q(t, extra, count)
+    if compared:
+        if row[R.COMPARE] == 1:
+            iterate_floats(scratch.lists, segments, p.triangles, p.coordinates, u, 2, floats, r)
+            if projective:
+                divide_by_q(r, extra, count)
+        else:
+            r[:count] = 0.0
+        scale, mantissa = float_of(row[R.COORDINATE_DEPTH]), row[R.DEPTH_TEXEL_MANTISSA]
+        depth_words(r, ints[R.REFERENCE], scale, mantissa, int32(row[R.DEPTH_TEXEL_MAX]), count)
+    bias = TAU if cube or projective else 0.0
+    scale = 0.5 if cube else (0.0 if row[R.TARGET] == 4 else 1.0)
+    wrap_s, wrap_t = (int64(2), int64(2)) if cube else (row[R.WRAP_S], row[R.WRAP_T])
+    linear = row[R.MAG_LINEAR]
+    fixed_from_floats(s, f_s, float64(levels[0, 1]), bias, scale, wrap_s, linear, count)
+    fixed_from_floats(t, f_t, float64(levels[0, 2]), bias, scale, wrap_t, linear, count)
+    locate(levels, row, f_s, f_t, count, located)
+    if cube:
+        move_to_faces(levels, ints[R.FACE], count, located)
+    first, second = (p.pairs0 if u == 0 else p.pairs1), (p.pairs2 if u == 2 else p.pairs3)
+    pairs = first if u < 2 else second
+    plane = (R.TEXTURE0 + u) * 4
+    if compared:
+        function = row[R.COMPARE_FUNCTION]
+        fetch_compared(pairs, located, ints[R.REFERENCE], function, count, scratch.planes, plane)
+    else:
+        filter_located(pairs, row, located, count, scratch.planes, plane)
+
+
+@kernel(void(JOB, PASS, int64, int64, int64, int64, SCRATCH))
+def sample(job, p, u, count, segments, runs, scratch):
+    """Texture unit ``u`` of a batch into its register's planes."""
+    separate_function()
+    path, row, lists = job[R.JOB_UNIT_PATH + u], p.units[u], scratch.lists
+    floats, ints, planes, plane = scratch.floats, scratch.ints, scratch.planes, (R.TEXTURE0 + u) * 4
+    if path == DISABLED:
+        return
+    if path == COMPUTED:
+        sample_computed(job, p, u, count, segments, scratch)
+        return
+    if path == PORTABLE:
+        first, second = (p.texels0 if u == 0 else p.texels1), (p.texels2 if u == 2 else p.texels3)
+        texels = first if u < 2 else second
+        sample_unit(
+            p.draw, u, p.units, count, lists[R.STARTS], lists[R.OWNERS], segments, p.triangles, p.triangles,
+            p.x, p.y, p.inverse_w, p.coordinates, texels, p.levels[u], lists[R.RUN_STARTS], lists[R.RUN_X],
+            lists[R.RUN_Y], runs, floats, ints, scratch.packed, planes, ints[R.DEPTH_WORD], scratch.alive,
+        )  # fmt: skip
+        return
+    source, levels = job[R.JOB_COORDINATES_OF + u], p.pair_levels[u]
+    f_s, f_t = ints[R.FIXED0 + 2 * source], ints[R.FIXED0 + 2 * source + 1]
+    if source == u:
+        repeat_s, repeat_t = row[R.WRAP_S] == 0, row[R.WRAP_T] == 0
+        log2_s, log2_t = job[R.JOB_LOG2_S + u], job[R.JOB_LOG2_T + u]
+        iterate_texels(lists, segments, p.triangles, p.coordinates, u, 0, log2_s, repeat_s, floats, f_s)
+        iterate_texels(lists, segments, p.triangles, p.coordinates, u, 1, log2_t, repeat_t, floats, f_t)
+        if path == ITERATED:
+            locate(levels, row, f_s, f_t, count, scratch.located[u])
+    first, second = (p.pairs0 if u == 0 else p.pairs1), (p.pairs2 if u == 2 else p.pairs3)
+    pairs = first if u < 2 else second
+    if path == ITERATED:
+        filter_located(pairs, row, scratch.located[source], count, planes, plane)
+        return
+    level_of_detail(
+        p.draw, lists[R.RUN_STARTS], lists[R.RUN_X], lists[R.RUN_Y], runs, p.triangles, p.triangles, p.x, p.y,
+        p.inverse_w, p.coordinates, u, row, p.levels[u], ints, floats[R.TEXEL], ints[R.LEVEL],
+    )  # fmt: skip
+    filter_mipmapped(pairs, levels, row, f_s, f_t, ints[R.LOD], count, scratch.located[u], planes, plane)
