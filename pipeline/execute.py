@@ -34,8 +34,9 @@ from pipeline.threads import Threads
 from pipeline.trace import Snapshot, snapshot
 from pipeline.validate import validate
 from raster import rows as R
+from raster.arrays import Buffers, scratch
 from raster.bins import BAND_HEIGHT, count_bins, fill_bins
-from raster.frame import Buffers, draw_frame, fill_clear, fill_draw, scratch
+from raster.frame import draw_frame, fill_clear, fill_draw
 from raster.vector_texture import row_pairs
 
 BATCH = 2048  # fragments shaded together; any size gives the same bits. Measured: docs/decisions, page 0002

@@ -244,7 +244,7 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
     floats, ints, planes, lists = scratch.floats, scratch.ints, scratch.planes, scratch.lists
     needs_depth, has_offset = draw[R.NEEDS_DEPTH], draw[R.POLYGON_OFFSET]
     needs_weights, needs_color = draw[R.NEEDS_ITERATION_WEIGHTS], draw[R.NEEDS_COLOR]
-    mixes, perspective = job[R.JOB_MIXES], job[R.JOB_PERSPECTIVE]
+    mixes, perspective = job[R.JOB_MIXES] and batch >= SMALL * SMALL, job[R.JOB_PERSPECTIVE]
     varies = needs_color and (draw[R.DIRECT] or draw[R.NEEDS_PRIMARY] or draw[R.NEEDS_SECONDARY])
     if varies and job[R.JOB_ONE_COLOR]:
         varies = False
