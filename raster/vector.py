@@ -30,7 +30,13 @@ _ELEMENTS = {
     types.int64: ir.IntType(64),
     types.float64: ir.DoubleType(),
 }
-_LETTERS = {types.int16: "i16", types.int32: "i32", types.int64: "i64", types.float64: "f64"}
+_LETTERS = {
+    types.uint8: "i8",
+    types.int16: "i16",
+    types.int32: "i32",
+    types.int64: "i64",
+    types.float64: "f64",
+}
 
 
 class Vector(types.Type):
@@ -67,8 +73,8 @@ class _VectorModel(models.PrimitiveModel):
 
 
 # The types that kernels use, by element and lanes.
-U8X16 = Vector(types.uint8, 16)
-I16X16, I16X32 = Vector(types.int16, 16), Vector(types.int16, 32)
+U8X4, U8X16, U8X32 = (Vector(types.uint8, lanes) for lanes in (4, 16, 32))
+I16X4, I16X16, I16X32 = (Vector(types.int16, lanes) for lanes in (4, 16, 32))
 I32X8, I32X16, I32X32 = Vector(types.int32, 8), Vector(types.int32, 16), Vector(types.int32, 32)
 I64X8, I64X16 = Vector(types.int64, 8), Vector(types.int64, 16)
 F64X8, F64X16 = Vector(types.float64, 8), Vector(types.float64, 16)
@@ -274,6 +280,16 @@ def _unary(name, integer=None):
 
 
 @intrinsic
+def below(typing_context, a, b):
+    """Where ``a < b``, both taken as unsigned; ``b``: a vector, or a number for all lanes."""
+
+    def codegen(context, builder, signature, args):
+        return builder.icmp_unsigned("<", *_operands(context, builder, signature, args)[1])
+
+    return a.of(types.boolean)(a, b), codegen
+
+
+@intrinsic
 def minimum_unsigned(typing_context, a, b):
     """The smaller of each two lanes, both taken as unsigned; ``b``: a vector, or a number for all lanes."""
 
@@ -284,14 +300,20 @@ def minimum_unsigned(typing_context, a, b):
     return a(a, b), codegen
 
 
-@intrinsic
-def add_saturated(typing_context, a, b):
-    """``a + b`` of unsigned lanes; what exceeds the element is its largest number."""
+def _saturated(name, doc):
+    @intrinsic
+    def saturated(typing_context, a, b):
+        def codegen(context, builder, signature, args):
+            return _call(builder, f"llvm.{name}.sat.{a.suffix}", a.ir, args)
 
-    def codegen(context, builder, signature, args):
-        return _call(builder, f"llvm.uadd.sat.{a.suffix}", a.ir, args)
+        return a(a, a), codegen
 
-    return a(a, a), codegen
+    saturated.__doc__ = doc
+    return saturated
+
+
+add_saturated = _saturated("uadd", "``a + b`` of unsigned lanes; what exceeds the element is its largest.")
+subtract_saturated = _saturated("usub", "``a - b`` of unsigned lanes; what is less than zero is zero.")
 
 
 @intrinsic
@@ -327,7 +349,8 @@ def _maker(vector, doc):
     return make
 
 
-i16x16 = _maker(I16X16, "A number in all lanes, as the following.")
+i16x4 = _maker(I16X4, "A number in all lanes, as the following.")
+i16x16 = _maker(I16X16, "")
 i16x32 = _maker(I16X32, "")
 i32x8 = _maker(I32X8, "")
 i32x16 = _maker(I32X16, "")
@@ -397,6 +420,45 @@ halves_of_lanes = _regrouped(types.int16, 2, "Twice as many 16-bit lanes, lower 
 lanes_of_halves = _regrouped(
     types.int32, 0.5, "Half as many 32-bit lanes, as ``halves_of_lanes`` splits them."
 )
+
+
+def _reinterpreter(element, factor, doc):
+    @intrinsic
+    def reinterpret(typing_context, a):
+        result = Vector(element, int(a.lanes * factor))
+
+        def codegen(context, builder, signature, args):
+            return builder.bitcast(args[0], result.ir)
+
+        return result(a), codegen
+
+    reinterpret.__doc__ = doc
+    return reinterpret
+
+
+halves_of_lanes = _reinterpreter(types.int16, 2, "The lower, then the upper 16 bits of each 32-bit lane.")
+lanes_of_halves = _reinterpreter(types.int32, 1 / 2, "The 32-bit lanes that ``halves_of_lanes`` took apart.")
+bytes_of_lanes = _reinterpreter(types.uint8, 4, "The four bytes of each 32-bit lane, the lowest first.")
+lanes_of_bytes = _reinterpreter(types.int32, 1 / 4, "The 32-bit lanes that ``bytes_of_lanes`` took apart.")
+
+
+def _scalar_reinterpreter(source, target, doc):
+    @intrinsic
+    def reinterpret(typing_context, a):
+        def codegen(context, builder, signature, args):
+            return builder.bitcast(args[0], context.get_value_type(target))
+
+        return target(source), codegen
+
+    reinterpret.__doc__ = doc
+    return reinterpret
+
+
+bytes_of = _scalar_reinterpreter(types.uint32, U8X4, "The four bytes of a uint32, the lowest first.")
+packed_of = _scalar_reinterpreter(U8X4, types.uint32, "The uint32 that ``bytes_of`` took apart.")
+quarters_of = _scalar_reinterpreter(types.int64, I16X4, "The 16-bit quarters of an int64, the lowest first.")
+
+
 bits_of_lanes = _converter(types.int64, "bitcast", "The bit patterns of float64 lanes.")
 floats_of_lanes = _converter(types.float64, "bitcast", "The float64 with each bit pattern.")
 
@@ -441,7 +503,7 @@ def _loader(vector):
     return load
 
 
-load_u8x16 = _loader(U8X16)
+load_u8x16, load_u8x32 = _loader(U8X16), _loader(U8X32)
 load_i16x16, load_i16x32 = _loader(I16X16), _loader(I16X32)
 load_i32x8, load_i32x16, load_i32x32 = _loader(I32X8), _loader(I32X16), _loader(I32X32)
 load_f64x8, load_f64x16 = _loader(F64X8), _loader(F64X16)
@@ -459,6 +521,20 @@ def store(typing_context, array, index, value):
         return context.get_dummy_value()
 
     return types.void(array, types.int64, value), codegen
+
+
+@intrinsic
+def load_i32x16_where(typing_context, array, index, mask):
+    """Those lanes from ``array[index]`` on that a mask names; zeros, and nothing is read, in the others."""
+    _check(array, I32X16)
+
+    def codegen(context, builder, signature, args):
+        struct = context.make_array(array)(context, builder, args[0])
+        pointer = builder.bitcast(builder.gep(struct.data, [args[1]]), I32X16.ir.as_pointer())
+        alignment, zeros = ir.Constant(ir.IntType(32), 4), _all(I32X16, 0)
+        return _call(builder, "llvm.masked.load.v16i32.p0", I32X16.ir, [pointer, alignment, args[2], zeros])
+
+    return I32X16(array, types.int64, mask), codegen
 
 
 @intrinsic

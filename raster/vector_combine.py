@@ -8,6 +8,7 @@ inputs, by far the most frequent, are multiplied in 16 bits, 32 fragments at a t
 the loops of ``raster/combine.py``.
 """
 
+import numpy as np
 from numba import int16, int32, int64, uint64
 
 from raster import combine as portable
@@ -49,6 +50,10 @@ TOTAL = 8  # the scratch plane of a sum
 
 PLANES = R.REGISTERS * 4 + R.SPARE_PLANES
 SCRATCH_PLANES = 9
+
+
+# Operands' numbers. Typed: a helper is compiled again for every literal that it is called with.
+_A, _B, _C, _D, _E, _F = (np.int64(k) for k in range(6))
 
 
 @kernel
@@ -113,9 +118,9 @@ def ended(value, addend, left, right, low, high):
 def modulate(registers, row, count):
     """MODULATE."""
     separate_loop()
-    a, b, out = registers[plane(row, 0)], registers[plane(row, 1)], registers[uint64(row[TARGET])]
-    la, fa, aa = mapping(row, 0)
-    lb, fb, ab = mapping(row, 1)
+    a, b, out = registers[plane(row, _A)], registers[plane(row, _B)], registers[uint64(row[TARGET])]
+    la, fa, aa = mapping(row, _A)
+    lb, fb, ab = mapping(row, _B)
     for i in range(0, count, 32):
         x, y = mapped(load_i16x32(a, i), la, fa, aa), mapped(load_i16x32(b, i), lb, fb, ab)
         store(out, i, divide_bytes(x * y))
@@ -126,16 +131,16 @@ def add_bytes(registers, row, count):
     """ADD_BYTES: what exceeds 255 * 255 gives the same after the clamp, and is cut off in the sum."""
     separate_loop()
     a, b, c, d = (
-        registers[plane(row, 0)],
-        registers[plane(row, 1)],
-        registers[plane(row, 2)],
-        registers[plane(row, 3)],
+        registers[plane(row, _A)],
+        registers[plane(row, _B)],
+        registers[plane(row, _C)],
+        registers[plane(row, _D)],
     )
     out = registers[uint64(row[TARGET])]
-    la, fa, aa = mapping(row, 0)
-    lb, fb, ab = mapping(row, 1)
-    lc, fc, ac = mapping(row, 2)
-    ld, fd, ad = mapping(row, 3)
+    la, fa, aa = mapping(row, _A)
+    lb, fb, ab = mapping(row, _B)
+    lc, fc, ac = mapping(row, _C)
+    ld, fd, ad = mapping(row, _D)
     addend, left, right, low, high = ending(row, int32(0))
     for i in range(0, count, 32):
         x, y = mapped(load_i16x32(a, i), la, fa, aa), mapped(load_i16x32(b, i), lb, fb, ab)
@@ -149,16 +154,16 @@ def add_signed(registers, row, count):
     """ADD_SIGNED. Inputs reach HIGHEST where that is more than 255: sums of two colors that nobody clamps."""
     separate_loop()
     a, b, c, d = (
-        registers[plane(row, 0)],
-        registers[plane(row, 1)],
-        registers[plane(row, 2)],
-        registers[plane(row, 3)],
+        registers[plane(row, _A)],
+        registers[plane(row, _B)],
+        registers[plane(row, _C)],
+        registers[plane(row, _D)],
     )
     out = registers[uint64(row[TARGET])]
-    la, fa, aa = mapping(row, 0)
-    lb, fb, ab = mapping(row, 1)
-    lc, fc, ac = mapping(row, 2)
-    ld, fd, ad = mapping(row, 3)
+    la, fa, aa = mapping(row, _A)
+    lb, fb, ab = mapping(row, _B)
+    lc, fc, ac = mapping(row, _C)
+    ld, fd, ad = mapping(row, _D)
     addend, left, right, low, high = ending(row, int32(_OFFSET))
     for i in range(0, count, 32):
         x = minimum(maximum(load_i16x32(a, i), la) * fa + aa, high)
@@ -173,15 +178,15 @@ def add_signed(registers, row, count):
 def dot_product(registers, row, count):
     """DOT_PRODUCT."""
     separate_loop()
-    a, b, c = registers[plane(row, 0)], registers[plane(row, 1)], registers[plane(row, 2)]
-    d, e, f = registers[plane(row, 3)], registers[plane(row, 4)], registers[plane(row, 5)]
+    a, b, c = registers[plane(row, _A)], registers[plane(row, _B)], registers[plane(row, _C)]
+    d, e, f = registers[plane(row, _D)], registers[plane(row, _E)], registers[plane(row, _F)]
     out = registers[uint64(row[TARGET])]
-    la, fa, aa = mapping(row, 0)
-    lb, fb, ab = mapping(row, 1)
-    lc, fc, ac = mapping(row, 2)
-    ld, fd, ad = mapping(row, 3)
-    le, fe, ae = mapping(row, 4)
-    lf, ff, af = mapping(row, 5)
+    la, fa, aa = mapping(row, _A)
+    lb, fb, ab = mapping(row, _B)
+    lc, fc, ac = mapping(row, _C)
+    ld, fd, ad = mapping(row, _D)
+    le, fe, ae = mapping(row, _E)
+    lf, ff, af = mapping(row, _F)
     addend, left, right, low, high = ending(row, int32(_OFFSET))
     for i in range(0, count, 32):
         x0, y0 = mapped(load_i16x32(a, i), la, fa, aa), mapped(load_i16x32(b, i), lb, fb, ab)
@@ -196,16 +201,16 @@ def lerp(registers, row, count):
     """LERP: the final combiner's equation."""
     separate_loop()
     a, b, c, d = (
-        registers[plane(row, 0)],
-        registers[plane(row, 1)],
-        registers[plane(row, 2)],
-        registers[plane(row, 3)],
+        registers[plane(row, _A)],
+        registers[plane(row, _B)],
+        registers[plane(row, _C)],
+        registers[plane(row, _D)],
     )
     out = registers[uint64(row[TARGET])]
-    la, fa, aa = mapping(row, 0)
-    lb, fb, ab = mapping(row, 1)
-    lc, fc, ac = mapping(row, 2)
-    ld, fd, ad = mapping(row, 3)
+    la, fa, aa = mapping(row, _A)
+    lb, fb, ab = mapping(row, _B)
+    lc, fc, ac = mapping(row, _C)
+    ld, fd, ad = mapping(row, _D)
     for i in range(0, count, 32):
         x, y = mapped(load_i16x32(a, i), la, fa, aa), mapped(load_i16x32(b, i), lb, fb, ab)
         z, w = mapped(load_i16x32(c, i), lc, fc, ac), mapped(load_i16x32(d, i), ld, fd, ad)
@@ -217,42 +222,19 @@ def pack(registers, row, count, packed):
     """PACK."""
     separate_loop()
     a, b, c, d = (
-        registers[plane(row, 0)],
-        registers[plane(row, 1)],
-        registers[plane(row, 2)],
-        registers[plane(row, 3)],
+        registers[plane(row, _A)],
+        registers[plane(row, _B)],
+        registers[plane(row, _C)],
+        registers[plane(row, _D)],
     )
-    la, fa, aa = mapping(row, 0)
-    lb, fb, ab = mapping(row, 1)
-    lc, fc, ac = mapping(row, 2)
-    ld, fd, ad = mapping(row, 3)
+    la, fa, aa = mapping(row, _A)
+    lb, fb, ab = mapping(row, _B)
+    lc, fc, ac = mapping(row, _C)
+    ld, fd, ad = mapping(row, _D)
     for i in range(0, count, 32):
         red, green = mapped(load_i16x32(a, i), la, fa, aa), mapped(load_i16x32(b, i), lb, fb, ab)
         blue, alpha = mapped(load_i16x32(c, i), lc, fc, ac), mapped(load_i16x32(d, i), ld, fd, ad)
         store(packed, i, join_i32(red | (green << 8), blue | (alpha << 8)))
-
-
-@kernel("void(i2[:,::1],i4[::1],i8,i4[:,::1])")
-def compute_rarely(registers, row, count, scratch):
-    """The last five operations, as ``raster/combine.py`` has them."""
-    separate_function()
-    operation, target, second = row[OPERATION], int64(row[TARGET]), int64(row[SECOND])
-    a, b = OPERANDS, OPERANDS + R.INPUT_SIZE
-    if operation == MULTIPLY:
-        rounded = int64(1 if row[ROUNDING] == 0 else 0)
-        portable.multiply(registers, row[a], row[b], count, row, a, b, scratch, target, rounded)
-    elif operation == SUM_OF_THREE:
-        portable.sum_of_three(scratch, target, count)
-    elif operation == SUM_OF_TWO:
-        portable.add(scratch, target, second, count, scratch[TOTAL:])
-    elif operation == SELECT:
-        alpha = int64(R.SPARE0 * 4 + 3)
-        portable.copy_plane(registers, row[a], registers, alpha, count)
-        portable.mux(scratch, target, second, registers, count, scratch[TOTAL:], row[MUX])
-    else:
-        portable.finish(
-            scratch, second, count, row[BIAS], row[SCALE], row[LOWEST], row[ROUNDING], registers, target
-        )
 
 
 @kernel("void(i2[:,::1],i4[:,::1],i8,i4[:,::1],u4[::1])")
@@ -284,5 +266,19 @@ def combine(registers, plan, count, scratch, packed):
             lerp(registers, row, count)
         elif operation == PACK:
             pack(registers, row, count, packed)
+        elif operation == MULTIPLY:
+            a, b = OPERANDS, OPERANDS + R.INPUT_SIZE
+            rounded = int64(1 if row[ROUNDING] == 0 else 0)
+            portable.multiply(registers, row[a], row[b], count, row, a, b, scratch, row[TARGET], rounded)
+        elif operation == SUM_OF_THREE:
+            portable.sum_of_three(scratch, row[TARGET], count)
+        elif operation == SUM_OF_TWO:
+            portable.add(scratch, row[TARGET], row[SECOND], count, scratch[TOTAL:])
+        elif operation == SELECT:
+            portable.copy_plane(registers, row[OPERANDS], registers, R.SPARE0 * 4 + 3, count)
+            portable.mux(scratch, row[TARGET], row[SECOND], registers, count, scratch[TOTAL:], row[MUX])
         else:
-            compute_rarely(registers, row, count, scratch)
+            bias, scale, lowest, rounding = row[BIAS], row[SCALE], row[LOWEST], row[ROUNDING]
+            portable.finish(
+                scratch, row[SECOND], count, bias, scale, lowest, rounding, registers, row[TARGET]
+            )
