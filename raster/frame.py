@@ -54,6 +54,9 @@ from raster.vector_interpolate import (
 from raster.vector_unit import plan_units, sample
 
 SMALL = 8  # pixels: triangles whose box is not larger share segments
+# 1/16 pixel: what shows of a larger triangle may be as small, but its edge functions need more than 32 bits,
+# and its area more than the 24 of ``mixed_depth``.
+LARGEST_SMALL = 2048
 
 
 @kernel("void(i8[:,::1],i8,i8,i8,i8,i8,i8,i8,i8,i8,i8,i8)")
@@ -85,7 +88,8 @@ def fill_draw(
     unusual = (
         draw[R.STROKES] | draw[R.STIPPLE] | draw[R.WINDOW_CLIP] | draw[R.W_BUFFERING] | draw[R.DEPTH_FORMAT]
     ) | (draw[R.DEPTH_CULL] | draw[R.FOG_ENABLED] | draw[R.TEXTURE_SHADER] | draw[R.DISCARDS])
-    if unusual or draw[R.NEEDS_WEIGHTS]:
+    clamps = draw_float[R.DEPTH_LOW] != 0.0 or draw_float[R.DEPTH_HIGH] != float64(draw[R.DEPTH_MAX])
+    if unusual or draw[R.NEEDS_WEIGHTS] or (draw[R.NEEDS_DEPTH] and clamps):
         return False
     job = jobs[k]
     job[R.JOB_KIND] = 1
@@ -266,6 +270,8 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
         left = max((min(x0, min(x1, x2)) + 7) >> 4, x_first)
         right = min((max(x0, max(x1, x2)) - 8) >> 4, x_last)
         small = mixes and not finished and right - left < SMALL and last_row - first_row < SMALL
+        small = small and max(x0, max(x1, x2)) - min(x0, min(x1, x2)) < LARGEST_SMALL
+        small = small and max(y0, max(y1, y2)) - min(y0, min(y1, y2)) < LARGEST_SMALL
         # Room for a small triangle's box; anything else closes an open mixed segment.
         full = position + SMALL * SMALL > batch if small else finished
         if mixed_from >= 0 and (full or not small):

@@ -404,7 +404,7 @@ def sample_texture(triangle, px, py, weights, texture, sampler, bias, profile):
 
 
 def limited(lod, sampler):
-    """Lambda between the sampler's limits. Source: SGIS_texture_lod; Assumed: crossed, the upper one holds."""
+    """Lambda between the sampler's limits. Source: SGIS_texture_lod; Assumed: the upper if crossed."""
     return min(max(lod, trunc(256.0 * sampler.min_lod)), trunc(256.0 * sampler.max_lod))
 
 

@@ -1,0 +1,41 @@
+"""Both engines and the specification draw the same where a fast path ends: what the fuzz once found."""
+
+import numpy as np
+import pytest
+
+from pipeline.commands import Draw, Mesh
+from pipeline.enums import ComparisonFunction, VertexStage
+from pipeline.profiles import NV2A
+from pipeline.state import DepthClamp, DepthTest, PassState, VertexState
+from tests import fuzz
+from tests.random_frames import Frame
+
+PROGRAMMED = VertexState(stage=VertexStage.PROGRAM_RESULTS)
+DEPTH = DepthTest(ComparisonFunction.LESS)
+
+
+def assert_all_equal(commands, width, height, depth_bits=24):
+    frame = Frame(0, NV2A, width, height, depth_bits, tuple(commands), small=True)
+    ways = (fuzz.Way(), fuzz.Way("portable"), fuzz.Way(threads=2, batch=100), fuzz.Way(reference=True))
+    fuzz.compare(frame, ways)
+
+
+@pytest.mark.parametrize("reach", [20, 130, 300, 3000, 8000])
+def test_a_large_triangle_of_which_little_is_on_the_screen(reach):
+    random = np.random.default_rng(reach)
+    for _ in range(4):
+        corners = random.uniform(-reach, reach, (30, 2))
+        positions = np.column_stack([corners, random.uniform(0.0, 2.0**24, 30), np.ones(30)])
+        mesh = Mesh(positions, colors=random.random((30, 4)))
+        state = PassState(vertex=PROGRAMMED, depth_test=DEPTH)
+        assert_all_equal([Draw(label="far", mesh=mesh, state=state)], 6, 5)
+
+
+@pytest.mark.parametrize("limits", [(2.0**25, None), (0.25, 300.0), (1.0, 2.0**23), (0.0, 2.0**25)])
+@pytest.mark.parametrize("cull", [False, True])
+def test_depths_are_limited(limits, cull):
+    random = np.random.default_rng(1)
+    positions = np.column_stack([random.uniform(-4, 20, (12, 2)), random.uniform(0, 1000, 12), np.ones(12)])
+    state = PassState(vertex=PROGRAMMED, depth_test=DEPTH, depth_clamp=DepthClamp(*limits, cull))
+    mesh = Mesh(positions, colors=random.random((12, 4)))
+    assert_all_equal([Draw(label="limited", mesh=mesh, state=state)], 16, 12)
