@@ -607,31 +607,16 @@ def pack(state: PassState, profile, framebuffer, textures, primitives):
     Rows are shared by all that pack the same: they are not written to.
     """
     rows = _rows_of(state, profile, framebuffer, textures)
-    flat = rows.reads_color and (rows.flat or 2 * constant_colors(primitives))
+    flat = rows.reads_color and (rows.flat or 2 * primitives.constant_color)
     varies = (
         primitives.two_side,
         len(primitives.strokes) > 0,
         flat,
-        *[varying_q(primitives, unit) for unit in rows.divided],
+        *[primitives.projective[unit] for unit in rows.divided],
     )
     draw, units, derived = rows.varied.get(varies) or rows.vary(varies)
     depths = depth_units(state, framebuffer, primitives) if rows.needs_depth else primitives.z
     return PackedState(draw, rows.draw_float, *rows.shared, units, rows.fog_thresholds, depths, derived)
-
-
-def constant_colors(primitives):
-    """Whether every vertex has the first one's colours."""
-    words = primitives.colors.reshape(-1).view(np.uint64).reshape(-1, 2)
-    return bool((words[:_FEW] == words[:1]).all() and (words[_FEW:] == words[:1]).all())
-
-
-def varying_q(primitives, unit):
-    """Whether some vertex has a texture coordinate q other than 1."""
-    q = primitives.coordinates[:, unit, 3]
-    return bool((q[:_FEW] != 1.0).any() or (q[_FEW:] != 1.0).any())
-
-
-_FEW = 64  # vertices that are looked at first: mostly one of them already varies
 
 
 def _rows_of(state, profile, framebuffer, textures):

@@ -1,13 +1,26 @@
 """What the vertex stage hands to rasterization: triangles, lines and points in window coordinates."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
+
+from raster.vertices import W_LARGEST, W_SMALLEST
+
+_FARTHEST = 2**30
+_FEW = 64  # vertices
 
 
 def no_strokes():
     """The ``strokes`` of primitives that are all triangles."""
     return np.zeros((0, 5), np.int32)
+
+
+def is_constant(colors):
+    """Whether all vertices have the same ``colors``."""
+    words = colors.view(np.uint64)
+    # Mostly one of the first already varies.
+    return all((some == words[:1]).all() for some in (words[:_FEW], words[_FEW:]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +43,8 @@ class WindowPrimitives:
                    vertices of the polygon that it came from, -1 if none. A line's row is its second vertex,
                    then its first, twice. A point's row is three corners of its square: lower left, lower
                    right, upper right.
+
+    Arrays may belong to several primitives, and to what is kept of a mesh: read them only.
     """
 
     x: np.ndarray
@@ -43,3 +58,32 @@ class WindowPrimitives:
     dropped: int
     two_side: bool
     strokes: np.ndarray = field(default_factory=no_strokes)
+
+    # What follows from the columns is computed when it is asked for, unless ``knowing`` has said it.
+
+    @cached_property
+    def constant_color(self):
+        """Whether all vertices have the same colours."""
+        return is_constant(self.colors)
+
+    @cached_property
+    def projective(self):
+        """For each texture unit whether some vertex's q is not 1."""
+        return tuple((self.coordinates[:, :, 3] != 1.0).any(axis=0).tolist())
+
+    @property
+    def orderly(self):
+        """Whether every row names vertices that exist, every 1/w is positive and ordinary, and no two
+        positions lie 2**31 or more apart. Not remembered: what could be written outside its arrays asks.
+        """
+        if "known_orderly" in self.__dict__:
+            return self.known_orderly
+        named, w = self.triangles, self.inverse_w
+        in_range = named.size == 0 or (named.min() >= 0 and named.max() < len(self.x))
+        near = all(((column > -_FARTHEST) & (column < _FARTHEST)).all() for column in (self.x, self.y))
+        return bool(in_range and near and ((w >= W_SMALLEST) & (w <= W_LARGEST)).all())
+
+    def knowing(self, *, orderly, **known):
+        """The same primitives, with ``orderly`` and these of ``constant_color`` and ``projective`` known."""
+        self.__dict__.update(known, known_orderly=orderly)
+        return self

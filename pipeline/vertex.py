@@ -39,9 +39,11 @@ from pipeline.enums import (
 )
 from pipeline.fog import vertex_value
 from pipeline.lighting import light_vertices
-from pipeline.primitives import WindowPrimitives
+from pipeline.primitives import WindowPrimitives, is_constant
 from pipeline.strokes import draws_points, outlined, point_sizes, sprite_units, with_squares, with_strokes
+from pipeline.vertex_plan import mesh_columns, plan_of
 from raster.rows import LINE, POINT
+from raster.vertices import CHUNK, CLIPPED, FIRST_PROJECTIVE, UNUSUAL_W, transform_vertices
 
 _NORMAL_MODES = frozenset({TexGenMode.SPHERE_MAP, TexGenMode.NORMAL_MAP, TexGenMode.REFLECTION_MAP})
 _REFLECTION_MODES = frozenset({TexGenMode.SPHERE_MAP, TexGenMode.REFLECTION_MAP})
@@ -76,13 +78,86 @@ def process(mesh, state, profile, width, height):
     A vertex outside a clipping plane keeps its place in the columns, where no triangle names it.
     Source: OpenGL 1.2.1 sections 2.6 to 2.13; EXT_texture_cube_map; NV_texgen_reflection; EXT_fog_coord.
     """
+    columns = mesh_columns(mesh)
+    plan = plan_of(mesh, columns, state, profile, width, height, _viewport)
     # Huge finite input may overflow to infinity and on to NaN. Such a triangle is dropped and counted below,
     # and colours and integers are made from clamped values only, so no warning is due.
     with np.errstate(all="ignore"):
-        return _process(mesh, state, profile, width, height)
+        primitives = None if plan is None else _unclipped(mesh, columns, plan, state, profile)
+        return process_columns(mesh, state, profile, width, height) if primitives is None else primitives
 
 
-def _process(mesh, state, profile, width, height):
+def _unclipped(mesh, columns, plan, state, profile):
+    """The primitives of a mesh that no clipping plane touches, a kernel's work but for lighting, fog and
+    coordinates generated from normals; None if a plane does touch it.
+    """
+    count = len(mesh.positions)
+    x, y = np.empty(count, np.int32), np.empty(count, np.int32)
+    z, inverse_w = np.empty(count), np.empty(count)
+    coordinates = np.empty((count, plan.units, 4))
+    eye = np.empty((4 if plan.keeps_eye else 0, count))
+    found = transform_vertices(
+        plan.given, plan.sums, plan.coefficients, plan.results, plan.parameters, x, y, z, inverse_w,
+        coordinates, eye, np.empty((plan.rows, CHUNK)),
+    )  # fmt: skip
+    if found & CLIPPED:
+        return None
+    known = {"orderly": not found & UNUSUAL_W}
+    if plan.units:
+        known["projective"] = tuple(bool(found >> FIRST_PROJECTIVE + unit & 1) for unit in range(plan.units))
+    elif plan.coordinates is not None:
+        coordinates, known["projective"] = plan.coordinates
+    fog, lit, two_side = columns.no_fog, state.vertex.lighting is not None, state.vertex.two_side
+    if plan.keeps_eye:
+        position = columns_of(mesh.positions, (0.0, 0.0, 0.0, 1.0))
+        normal = _eye_normal(mesh, state.vertex) if needs_normals(state) else None
+        if lit:
+            front, back = _vertex_colors(mesh, state.vertex, position, eye, normal, profile)
+            two_side = back is not front
+            both = [*front, *back] if two_side else front
+            colors = _colors(count, both, _color_bits(state.vertex, profile))
+        if state.fog is not None:
+            fog = _filled(count, _fog(mesh, state, eye, profile))
+        if "projective" not in known:
+            coordinates = _stacked(count, _texture_coordinates(mesh, state, position, eye, normal))
+    if not lit:
+        colors, known["constant_color"] = _given_colors(mesh, columns, state.vertex, profile)
+    return WindowPrimitives(
+        x=x,
+        y=y,
+        z=z,
+        inverse_w=inverse_w,
+        colors=colors,
+        coordinates=coordinates,
+        fog=fog,
+        triangles=plan.triangles,
+        dropped=0,
+        two_side=two_side,
+    ).knowing(**known)
+
+
+def _given_colors(mesh, columns, vertex, profile):
+    """Colours of vertices without lighting, as WindowPrimitives has them, and whether all are equal."""
+    bits = _color_bits(vertex, profile)
+    key = vertex.two_side, vertex.secondary_color, bits
+    if key not in columns.colors:
+        front, back = _vertex_colors(mesh, vertex, None, None, None, profile)
+        both = [*front, *back] if vertex.two_side else front
+        colors = _colors(len(mesh.positions), both, bits)
+        columns.colors[key] = colors, is_constant(colors)
+    return columns.colors[key]
+
+
+def _color_bits(vertex, profile):
+    """How many bits of a colour's mantissa are kept on its way to a byte; None: it stays float64."""
+    if profile.exact:
+        return None
+    exact = vertex.lighting is not None and profile.lighting == LightingArithmetic.EQUATIONS
+    return _FLOAT64_MANTISSA_BITS if exact else profile.color_mantissa_bits
+
+
+def process_columns(mesh, state, profile, width, height):
+    """``process`` for any mesh and state, column by column."""
     vertex = state.vertex
     position = columns_of(mesh.positions, (0.0, 0.0, 0.0, 1.0))
     programmed = vertex.stage == VertexStage.PROGRAM_RESULTS
@@ -140,8 +215,6 @@ def _process(mesh, state, profile, width, height):
         y = _snap(height - y, height, profile)
     else:
         y = (height << profile.subpixel_bits) - _snap(y, height, profile)
-    exact_colors = vertex.lighting is not None and profile.lighting == LightingArithmetic.EQUATIONS
-    bits = _FLOAT64_MANTISSA_BITS if exact_colors else profile.color_mantissa_bits
     if not state.perspective_correction:
         inverse_w = ONE
     primitives = WindowPrimitives(
@@ -149,7 +222,7 @@ def _process(mesh, state, profile, width, height):
         y=_filled(count, y, np.int32),
         z=_filled(count, z if unclamped else np.fmin(positive(z), ONE)),
         inverse_w=_filled(count, np.where(drawable, inverse_w, ONE)),
-        colors=_colors(count, columns[first_color:fog], None if profile.exact else bits),
+        colors=_colors(count, columns[first_color:fog], _color_bits(vertex, profile)),
         coordinates=_stacked(count, columns[fog + 1 : -1]),
         fog=_filled(count, columns[fog]),
         triangles=triangles,
