@@ -35,7 +35,7 @@ from pipeline.trace import Snapshot, snapshot
 from pipeline.validate import validate
 from raster import rows as R
 from raster.arrays import Buffers, scratch
-from raster.bins import BAND_HEIGHT, count_bins, fill_bins
+from raster.bins import BAND_HEIGHT, CHUNK, count_bins, fill_bins, sort_triangles
 from raster.frame import draw_frame, fill_clear, fill_draw
 from raster.vector_texture import row_pairs
 
@@ -280,8 +280,15 @@ class Machine:
 def _bins(primitives, draw, height):
     """(triangle numbers of every band behind one another, where each band's end, dropped triangles)."""
     bands = -(-height // BAND_HEIGHT)
-    counts, spans = np.empty(bands, np.int32), np.empty((len(primitives.triangles), 2), np.int32)
-    p = primitives
+    p, count = primitives, len(primitives.triangles)
+    if p.orderly and not len(p.strokes):
+        order, needed = np.empty(0, np.int32), 2 * count + 4 * bands
+        while needed > len(order):
+            order, ends = np.empty(needed, np.int32), np.empty(bands, np.int32)
+            scratch = np.empty(len(p.x), np.int64), np.empty((4, CHUNK), np.int64), np.empty(count, np.int64)
+            needed = sort_triangles(p.triangles, p.x, p.y, draw, *scratch, ends, order)
+        return order[:needed], ends, 0
+    counts, spans = np.empty(bands, np.int32), np.empty((count, 2), np.int32)
     dropped = count_bins(p.triangles, p.strokes, p.x, p.y, p.inverse_w, draw, counts, spans)
     ends = np.zeros(bands, np.int32)
     ends[1:] = np.cumsum(counts)[:-1]
