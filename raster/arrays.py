@@ -1,4 +1,4 @@
-"""The arrays that the vector engine's kernels hand on together, as tuples: a thread's, a framebuffer's, a Draw's."""
+"""Arrays that the vector engine's kernels take together: a thread's, a framebuffer's, a Draw's."""
 
 from typing import NamedTuple
 
@@ -18,7 +18,6 @@ class Scratch(NamedTuple):
     packed: np.ndarray
     planes: np.ndarray
     products: np.ndarray
-    results: np.ndarray
     alive: np.ndarray
     lists: np.ndarray
     located: np.ndarray
@@ -33,7 +32,6 @@ def scratch(batch):
         packed=np.zeros((R.VECTOR_PACKED_COLUMNS, columns), np.uint32),
         planes=np.zeros((R.VECTOR_PLANES, columns), np.int16),
         products=np.zeros((SCRATCH_PLANES, columns), np.int32),
-        results=np.zeros((12, columns), np.int16),
         alive=np.zeros(columns, np.uint8),
         lists=np.zeros((R.LISTS, columns), np.int32),
         located=np.zeros((4, LOCATED, columns), np.int32),

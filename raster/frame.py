@@ -13,7 +13,6 @@ from raster.arrays import BUFFERS, JOB, JOBS, PASS, SCRATCH, Pass
 from raster.bins import BAND_HEIGHT
 from raster.fixed import truncate_24
 from raster.kernel import kernel, next_of, separate_function, separate_loop
-from raster.per_fragment import per_fragment
 from raster.records import (
     bytes_at,
     float_tables_at,
@@ -25,12 +24,10 @@ from raster.records import (
     tables_at,
     texels_at,
 )
-from raster.sample import unpack
 from raster.triangle import polygon_offset, row_span
 from raster.vector import (
     count_bits,
     i16x16,
-    i32x16,
     lowest_bit,
     mask_bits,
     ramp_f64x8,
@@ -39,6 +36,7 @@ from raster.vector import (
     store,
 )
 from raster.vector_combine import OPERATION_SIZE, combine
+from raster.vector_fragments import write_fragments
 from raster.vector_interpolate import (
     iterate_colors,
     iterate_packed,
@@ -51,7 +49,7 @@ from raster.vector_interpolate import (
     spread_coordinates,
     spread_depth,
 )
-from raster.vector_unit import plan_units, sample
+from raster.vector_unit import MIPMAPPED, plan_units, sample
 
 SMALL = 8  # pixels: triangles whose box is not larger share segments
 # 1/16 pixel: what shows of a larger triangle may be as small, but its edge functions need more than 32 bits,
@@ -88,13 +86,16 @@ def fill_draw(
     unusual = (
         draw[R.STROKES] | draw[R.STIPPLE] | draw[R.WINDOW_CLIP] | draw[R.W_BUFFERING] | draw[R.DEPTH_FORMAT]
     ) | (draw[R.DEPTH_CULL] | draw[R.FOG_ENABLED] | draw[R.TEXTURE_SHADER] | draw[R.DISCARDS])
-    clamps = draw_float[R.DEPTH_LOW] != 0.0 or draw_float[R.DEPTH_HIGH] != float64(draw[R.DEPTH_MAX])
-    if unusual or draw[R.NEEDS_WEIGHTS] or (draw[R.NEEDS_DEPTH] and clamps):
+    if unusual or draw[R.NEEDS_WEIGHTS]:
         return False
     job = jobs[k]
     job[R.JOB_KIND] = 1
     generic = plan_units(job, draw, units, levels, coordinates)
     job[R.JOB_MIXES] = not generic
+    job[R.JOB_ROW_RUNS] = generic
+    for u in range(4):
+        if job[R.JOB_UNIT_PATH + u] == MIPMAPPED:
+            job[R.JOB_ROW_RUNS] = 1
     perspective = False
     for v in range(inverse_w.shape[0]):
         if inverse_w[v] != inverse_w[0]:
@@ -176,44 +177,57 @@ def clear_band(job, band, color, depth_buffer, stencil):
             clear_bytes(stencil[y], x0, x1, uint8(job[R.JOB_STENCIL]), uint8(job[R.JOB_STENCIL_MASK]))
 
 
-@kernel("void(i4[::1],i8,i8,i4)")
-def fill_pixels(pixels, position, count, first):
-    """The pixel numbers of a run."""
+@kernel
+def packed_color(color):
+    """Four bytes as a packed colour."""
+    low = uint32(uint32(color[0]) | uint32(uint32(color[1]) << uint32(8)))
+    high = uint32(uint32(color[2]) | uint32(uint32(color[3]) << uint32(8)))
+    return uint32(low | uint32(high << uint32(16)))
+
+
+@kernel("void(u1[::1],i2[:,::1])")
+def one_color(color, planes):
+    """The primary and secondary colour of a whole Draw, in their planes."""
     separate_loop()
-    for i in range(0, count, 16):
-        store(pixels, position + i, ramp_i32x16() + int32(first + int32(i)))
+    for c in range(4):
+        primary, secondary = planes[R.PRIMARY * 4 + c], planes[R.SECONDARY * 4 + c]
+        for i in range(0, primary.shape[0], 16):
+            store(primary, i, i16x16(int16(color[c])))
+            store(secondary, i, i16x16(int16(color[4 + c])))
 
 
-@kernel(void(JOB, PASS, int64, int64, int64, BUFFERS, SCRATCH))
-def finish_batch(job, p, count, segments, runs, buffers, scratch):
-    """Shade a batch whose weights and depth words are there, and write it."""
+@kernel(void(JOB, PASS, int32, int64, int64, int64, int64, int64, BUFFERS, SCRATCH))
+def finish_batch(job, p, first, count, length, segments, runs, solid, buffers, scratch):
+    """Shade a batch whose weights and depth words are there, and write it.
+
+    first: a triangle, whose colours are all triangles' where the job has JOB_ONE_COLOR; ``count``: fragments
+    in columns; ``length``: of all runs together, which is another number where ``solid``
+    (``vector_fragments.write_fragments``).
+    """
     separate_function()
     draw, triangles, colors = p.draw, p.triangles, p.colors
     floats, ints, packed, planes = scratch.floats, scratch.ints, scratch.packed, scratch.planes
-    results, lists = scratch.results, scratch.lists
-    lists[R.STARTS, segments], lists[R.RUN_STARTS, runs] = int32(count), int32(count)
-    flat, terms = draw[R.FLAT], planes[R.COLOR_TERMS :]
-    if draw[R.NEEDS_COLOR]:
-        varies = not job[R.JOB_ONE_COLOR]
-        if draw[R.DIRECT]:
-            if varies:
-                iterate_packed(lists, segments, triangles, colors, flat, floats, terms, packed[R.SHADED])
+    lists = scratch.lists
+    lists[R.STARTS, segments], lists[R.RUN_STARTS, runs] = int32(count), int32(length)
+    flat, terms, varies = draw[R.FLAT], planes[R.COLOR_TERMS :], not job[R.JOB_ONE_COLOR]
+    if draw[R.NEEDS_COLOR] and draw[R.DIRECT]:
+        if varies:
+            iterate_packed(lists, segments, triangles, colors, flat, floats, terms, packed[R.SHADED])
         else:
-            if draw[R.NEEDS_PRIMARY] and varies:
-                iterate_colors(
-                    lists, segments, triangles, colors, 0, flat, floats, terms, planes, R.PRIMARY * 4
-                )
-            if draw[R.NEEDS_SECONDARY] and varies:
-                iterate_colors(
-                    lists, segments, triangles, colors, 4, flat, floats, terms[12:], planes, R.SECONDARY * 4
-                )
-            for u in range(draw[R.UNITS]):
-                sample(job, p, u, count, segments, runs, scratch)
-            combine(planes, p.plan, count, scratch.products, packed[R.SHADED])
-    unpack(packed, R.SHADED, count, results, 0)
-    per_fragment(
-        draw, count, lists[R.RUN_STARTS], lists[R.RUN_X], lists[R.RUN_Y], runs, results, packed[R.SHADED],
-        ints[R.DEPTH_WORD], scratch.alive, p.factors, buffers.color, buffers.depth, buffers.stencil,
+            packed[R.SHADED, : 1 if solid else count] = packed_color(colors[triangles[first, 3], 0])
+    elif draw[R.NEEDS_COLOR]:
+        if draw[R.NEEDS_PRIMARY] and varies:
+            iterate_colors(lists, segments, triangles, colors, 0, flat, floats, terms, planes, R.PRIMARY * 4)
+        if draw[R.NEEDS_SECONDARY] and varies:
+            second, plane = terms[12:], R.SECONDARY * 4
+            iterate_colors(lists, segments, triangles, colors, 4, flat, floats, second, planes, plane)
+        for u in range(draw[R.UNITS]):
+            sample(job, p, u, count, segments, runs, scratch)
+        combine(planes, p.plan, count, scratch.products, packed[R.SHADED])
+    write_fragments(
+        draw, count, lists[R.RUN_STARTS], lists[R.RUN_X], lists[R.RUN_Y], runs, solid, packed[R.SHADED],
+        ints[R.PIXEL], ints[R.DEPTH_WORD], scratch.alive, p.factors, buffers.color, buffers.depth,
+        buffers.stencil,
     )  # fmt: skip
 
 
@@ -223,24 +237,14 @@ def edge_tie(right, down):
     return int64(0) if right > 0 or (right == 0 and down > 0) else int64(-1)
 
 
-@kernel("void(u1[::1],i2[:,::1],u4[::1])")
-def one_color(color, planes, shaded):
-    """The colours of a whole Draw: primary and secondary in their planes, and the primary one packed."""
-    separate_loop()
-    for c in range(4):
-        primary, secondary = planes[R.PRIMARY * 4 + c], planes[R.SECONDARY * 4 + c]
-        for i in range(0, primary.shape[0], 16):
-            store(primary, i, i16x16(int16(color[c])))
-            store(secondary, i, i16x16(int16(color[4 + c])))
-    low = uint32(uint32(color[0]) | uint32(uint32(color[1]) << uint32(8)))
-    high = uint32(uint32(uint32(color[2]) << uint32(16)) | uint32(uint32(color[3]) << uint32(24)))
-    for i in range(0, shaded.shape[0], 16):
-        store(shaded, i, i32x16(int32(low | high)))
-
-
 @kernel(int64(JOB, PASS, int32[::1], int64, int64, BUFFERS, SCRATCH))
 def draw_band(job, p, members, band, batch, buffers, scratch):
-    """The rows of ``band`` of a Draw whose triangles there are ``members``; returns how many fragments."""
+    """The rows of ``band`` of a Draw whose triangles there are ``members``; returns how many fragments.
+
+    Fragments fill a batch of columns. Triangles whose box is small share a mixed segment; others are segments
+    of their own, row by row. Where one colour and one depth word are all that fragments have, runs alone are
+    kept, and no columns (a solid batch).
+    """
     separate_function()
     draw = p.draw
     triangles, x, y, z, inverse_w = p.triangles, p.x, p.y, p.z, p.inverse_w
@@ -249,15 +253,21 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
     needs_depth, has_offset = draw[R.NEEDS_DEPTH], draw[R.POLYGON_OFFSET]
     needs_weights, needs_color = draw[R.NEEDS_ITERATION_WEIGHTS], draw[R.NEEDS_COLOR]
     mixes, perspective = job[R.JOB_MIXES] and batch >= SMALL * SMALL, job[R.JOB_PERSPECTIVE]
+    row_runs = job[R.JOB_ROW_RUNS]
     varies = needs_color and (draw[R.DIRECT] or draw[R.NEEDS_PRIMARY] or draw[R.NEEDS_SECONDARY])
     if varies and job[R.JOB_ONE_COLOR]:
         varies = False
-        one_color(colors[triangles[members[0], 3], 0], planes, scratch.packed[R.SHADED])
-    flat, top_word = draw[R.FLAT], float64(draw[R.DEPTH_MAX])
+        one_color(colors[triangles[members[0], 3], 0], planes)
+    solid_state = not needs_color or (draw[R.DIRECT] and job[R.JOB_ONE_COLOR])
+    flat, farthest = draw[R.FLAT], float64(draw[R.DEPTH_MAX])
+    low = min(max(p.draw_float[R.DEPTH_LOW], 0.0), farthest)
+    high = min(max(p.draw_float[R.DEPTH_HIGH], 0.0), farthest)
     width = int64(buffers.color.shape[1])
     top, bottom = max(band * BAND_HEIGHT, draw[R.Y0]), min((band + 1) * BAND_HEIGHT, draw[R.Y1])
     x_first, x_last = draw[R.X0], draw[R.X1] - 1
-    fragments, position, segments, runs = int64(0), int64(0), int64(0), int64(0)
+    # Of the batch: fragments, the longest run, segments, runs; whether it is solid, and its depth word.
+    fragments, position, longest, segments, runs = int64(0), int64(0), int64(0), int64(0), int64(0)
+    solid, solid_word = False, int32(0)
     mixed_from = int64(-1)  # where the open mixed segment began
     for k in range(members.shape[0] + 1):
         finished = k == members.shape[0]
@@ -265,25 +275,39 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
         v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
         x0, y0, x1, y1 = int64(x[v0]), int64(y[v0]), int64(x[v1]), int64(y[v1])
         x2, y2 = int64(x[v2]), int64(y[v2])
-        first_row = max((min(y0, min(y1, y2)) + 7) >> 4, top)
-        last_row = min((max(y0, max(y1, y2)) - 8) >> 4, bottom - 1)
-        left = max((min(x0, min(x1, x2)) + 7) >> 4, x_first)
-        right = min((max(x0, max(x1, x2)) - 8) >> 4, x_last)
-        small = mixes and not finished and right - left < SMALL and last_row - first_row < SMALL
-        small = small and max(x0, max(x1, x2)) - min(x0, min(x1, x2)) < LARGEST_SMALL
-        small = small and max(y0, max(y1, y2)) - min(y0, min(y1, y2)) < LARGEST_SMALL
-        # Room for a small triangle's box; anything else closes an open mixed segment.
-        full = position + SMALL * SMALL > batch if small else finished
+        x_least, x_most = min(x0, min(x1, x2)), max(x0, max(x1, x2))
+        y_least, y_most = min(y0, min(y1, y2)), max(y0, max(y1, y2))
+        first_row, last_row = max((y_least + 7) >> 4, top), min((y_most - 8) >> 4, bottom - 1)
+        left, right = max((x_least + 7) >> 4, x_first), min((x_most - 8) >> 4, x_last)
+        z0, z1, z2, offset = 0.0, 0.0, 0.0, 0.0
+        if needs_depth:
+            z0, z1, z2 = z[v0], z[v1], z[v2]
+            if has_offset:
+                offset, _ = polygon_offset(draw, p.draw_float, v0, v1, v2, x, y, z, inverse_w)
+        plain = solid_state and z0 == z1 and z1 == z2
+        word = int32(min(max(z0 + offset, low), high)) if plain else int32(0)
+        small = mixes and not (finished or plain) and right - left < SMALL and last_row - first_row < SMALL
+        small = small and x_most - x_least < LARGEST_SMALL and y_most - y_least < LARGEST_SMALL
+        full = finished or plain != solid
+        if small:  # room for its box
+            full = full or position + SMALL * SMALL > batch
+        elif plain:
+            full = full or word != solid_word
+        # Anything but a small triangle closes an open mixed segment.
         if mixed_from >= 0 and (full or not small):
             if needs_weights:
                 mixed_weights(floats, mixed_from, position, perspective)
             if needs_depth:
-                mixed_depth(floats, ints[R.DEPTH_WORD], mixed_from, position, top_word)
+                mixed_depth(floats, ints[R.DEPTH_WORD], mixed_from, position, low, high)
             mixed_from = int64(-1)
-        if full and position > 0:
-            finish_batch(job, p, position, segments, runs, buffers, scratch)
-            fragments += position
-            position, segments, runs = int64(0), int64(0), int64(0)
+        if full:
+            if position > 0:
+                count = longest if solid else position
+                finish_batch(job, p, t, count, position, segments, runs, solid, buffers, scratch)
+                fragments += position
+            position, longest, segments, runs = int64(0), int64(0), int64(0), int64(0)
+            solid, solid_word = plain, word
+            ints[R.DEPTH_WORD, 0] = word
         if finished:
             break
         area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
@@ -301,11 +325,6 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
         if iw0 == iw1 and iw1 == iw2:
             iw0 = iw1 = iw2 = 1.0
         back = int32(1) if draw[R.BACK_SIGN] == sign else int32(0)
-        z0, z1, z2, offset = 0.0, 0.0, 0.0, 0.0
-        if needs_depth:
-            z0, z1, z2 = z[v0], z[v1], z[v2]
-            if has_offset:
-                offset, _ = polygon_offset(draw, p.draw_float, v0, v1, v2, x, y, z, inverse_w)
         s0, s1, s2 = float64(right0), float64(right1), float64(right2)
         if small:
             begin = position
@@ -333,10 +352,11 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
                     store(floats[R.N2], position, step2 + m2)
                     at = (row + half) * width + left + start
                     store(ints[R.PIXEL], position, ramp_i32x8() + int32(at))
-                    lists[R.RUN_STARTS, runs], lists[R.RUN_X, runs] = int32(position), int32(left + start)
-                    lists[R.RUN_Y, runs] = int32(row + half)
-                    ints[R.OWNER, runs] = t
-                    runs += 1
+                    if row_runs:
+                        lists[R.RUN_STARTS, runs], lists[R.RUN_X, runs] = int32(position), int32(left + start)
+                        lists[R.RUN_Y, runs] = int32(row + half)
+                        ints[R.OWNER, runs] = t
+                        runs += 1
                     position += n
             n = position - begin
             if n == 0:
@@ -345,6 +365,9 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
                 mixed_from = begin
                 lists[R.STARTS, segments], lists[R.OWNERS, segments] = int32(begin), int32(-1)
                 segments += 1
+                if not row_runs:
+                    lists[R.RUN_STARTS, runs], lists[R.RUN_Y, runs] = int32(begin), int32(-1)
+                    runs += 1
             if needs_weights:
                 if perspective:
                     spread(floats[R.INVERSE_W0], begin, n, iw0)
@@ -365,32 +388,34 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
         for row in range(first_row, last_row + 1):
             start, end = row_span(n0 + tie0, n1 + tie1, n2 + tie2, right0, right1, right2, left, right)
             while start < end:
-                n = min(end - start, batch - position)
-                if segments == 0 or lists[R.OWNERS, segments - 1] != t:
-                    lists[R.STARTS, segments], lists[R.OWNERS, segments] = int32(position), t
-                    lists[R.BACKS, segments] = back
-                    segments += 1
+                n = min(end - start, batch if solid else batch - position)
                 lists[R.RUN_STARTS, runs], lists[R.RUN_X, runs] = int32(position), int32(start)
                 lists[R.RUN_Y, runs] = int32(row)
                 ints[R.OWNER, runs] = t
                 runs += 1
-                ahead = start - left
-                m0, m1 = float64(n0 + ahead * right0), float64(n1 + ahead * right1)
-                m2 = float64(n2 + ahead * right2)
-                if needs_weights:
-                    run_weights(floats, position, n, m0, m1, m2, s0, s1, s2, iw0, iw1, iw2)
-                if needs_depth:
-                    run_depth(
-                        ints[R.DEPTH_WORD], position, n, m0, m1, m2, s0, s1, s2, z0, z1, z2, offset, top_word
-                    )
-                if mixes:
-                    fill_pixels(ints[R.PIXEL], position, n, int32(row * width + start))
+                if not solid:
+                    if segments == 0 or lists[R.OWNERS, segments - 1] != t:
+                        lists[R.STARTS, segments], lists[R.OWNERS, segments] = int32(position), t
+                        lists[R.BACKS, segments] = back
+                        segments += 1
+                    ahead = start - left
+                    m0, m1 = float64(n0 + ahead * right0), float64(n1 + ahead * right1)
+                    m2 = float64(n2 + ahead * right2)
+                    if needs_weights:
+                        run_weights(floats, position, n, m0, m1, m2, s0, s1, s2, iw0, iw1, iw2)
+                    if needs_depth:
+                        run_depth(
+                            ints[R.DEPTH_WORD], position, n, m0, m1, m2, s0, s1, s2, z0, z1, z2, offset, low,
+                            high,
+                        )  # fmt: skip
                 position += n
+                longest = max(longest, n)
                 start += n
-                if position == batch:
-                    finish_batch(job, p, position, segments, runs, buffers, scratch)
+                if (runs if solid else position) >= batch:
+                    count = longest if solid else position
+                    finish_batch(job, p, t, count, position, segments, runs, solid, buffers, scratch)
                     fragments += position
-                    position, segments, runs = int64(0), int64(0), int64(0)
+                    position, longest, segments, runs = int64(0), int64(0), int64(0), int64(0)
             n0 += down0
             n1 += down1
             n2 += down2

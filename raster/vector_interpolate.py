@@ -146,17 +146,17 @@ def depth_of(e0, e1, e2, reciprocal, z0, z1, z2, z10, z20, z21):
 
 
 @kernel
-def fixed_depth(z, offset, top):
+def fixed_depth(z, offset, low, high):
     """A fixed depth buffer's word: limited, then its floor."""
-    return to_int32(minimum(maximum(z + offset, 0.0), top))
+    return to_int32(minimum(maximum(z + offset, low), high))
 
 
-@kernel("void(i4[::1],i8,i8,f8,f8,f8,f8,f8,f8,f8,f8,f8,f8,f8)")
-def run_depth(words, position, count, n0, n1, n2, right0, right1, right2, z0, z1, z2, offset, top):
+@kernel("void(i4[::1],i8,i8,f8,f8,f8,f8,f8,f8,f8,f8,f8,f8,f8,f8)")
+def run_depth(words, position, count, n0, n1, n2, right0, right1, right2, z0, z1, z2, offset, low, high):
     """Depth words of ``count`` pixels to the right of the one whose edge functions are n0, n1, n2."""
     separate_loop()
     if z0 == z1 and z1 == z2:  # differences of zero: whatever the weights, the depth is the base
-        word = fixed_depth(f64x16(z0), offset, top)
+        word = fixed_depth(f64x16(z0), offset, low, high)
         for i in range(0, count, 16):
             store(words, position + i, word)
         return
@@ -171,7 +171,7 @@ def run_depth(words, position, count, n0, n1, n2, right0, right1, right2, z0, z1
         reciprocal = f64x16(reciprocal_29(1.0 / area))
         for i in range(0, count, 16):
             z = depth_of(a0, a1, a2, reciprocal, v0, v1, v2, v10, v20, v21)
-            store(words, position + i, fixed_depth(z, offset, top))
+            store(words, position + i, fixed_depth(z, offset, low, high))
             a0, a1, a2 = a0 + step0, a1 + step1, a2 + step2
         return
     for i in range(0, count, 16):
@@ -180,12 +180,12 @@ def run_depth(words, position, count, n0, n1, n2, right0, right1, right2, z0, z1
         exact = (inverse & _FRACTION) == int64(0)
         lessened = select(exact, inverse, inverse - int64(1 << 21)) & _LOW_24
         z = depth_of(e0, e1, e2, floats_of_lanes(lessened), v0, v1, v2, v10, v20, v21)
-        store(words, position + i, fixed_depth(z, offset, top))
+        store(words, position + i, fixed_depth(z, offset, low, high))
         a0, a1, a2 = a0 + step0, a1 + step1, a2 + step2
 
 
-@kernel("void(f8[:,::1],i4[::1],i8,i8,f8)")
-def mixed_depth(floats, words, start, end, top):
+@kernel("void(f8[:,::1],i4[::1],i8,i8,f8,f8)")
+def mixed_depth(floats, words, start, end, low, high):
     """Depth words of fragments that carry their triangle's numbers; areas below 2**24."""
     separate_loop()
     n0, n1, n2, reciprocal = floats[R.N0], floats[R.N1], floats[R.N2], floats[R.Z_RECIPROCAL]
@@ -197,7 +197,7 @@ def mixed_depth(floats, words, start, end, top):
             load_f64x16(z0, i), load_f64x16(z1, i), load_f64x16(z2, i),
             load_f64x16(z10, i), load_f64x16(z20, i), load_f64x16(z21, i),
         )  # fmt: skip
-        store(words, i, fixed_depth(z, load_f64x16(offset, i), top))
+        store(words, i, fixed_depth(z, load_f64x16(offset, i), low, high))
 
 
 @kernel
