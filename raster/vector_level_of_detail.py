@@ -13,6 +13,7 @@ from raster.sample import FAR, POWERS_OF_TWO
 from raster.vector import (
     bits_of_lanes,
     f64x8,
+    i32x8,
     i64x8,
     load_each_i64x8,
     load_f64x8,
@@ -116,16 +117,21 @@ def _scale_factors(
         found = select(ok0 & ok1 & ok2 & finite, maximum(dx2, dy2), f64x8(np.inf))
         store(rho2, at, found)
         store(cells, at, narrow_i32(bits_of_lanes(found) >> int64(44)) & int32(255))
+    store(cells, (blocks + 7) & ~7, i32x8(int32(0)))  # a later run may read one vector further
 
 
 @kernel
-def lambdas(rho2, cells, blocks, row, lod, start, odd):
-    """LOD of a run's fragments from ``start`` on, the first in its block's second column if ``odd``."""
+def lambdas(rho2, cells, first, blocks, row, lod, start, odd):
+    """LOD of a run's fragments from ``start`` on, the first in its block's second column if ``odd``.
+
+    ``first``: where ``blocks`` squared scale factors begin; as many as fill vectors are read, with ``cells``
+    in range.
+    """
     bias, low, high = int32(row[R.LOD_BIAS]), int32(row[R.MIN_LOD]), int32(row[R.MAX_LOD])
     for at in range(0, blocks, 8):
-        value = load_f64x8(rho2, at)
+        value = load_f64x8(rho2, first + at)
         bits = bits_of_lanes(value)
-        part = load_each_i64x8(CELLS, cells, at)
+        part = load_each_i64x8(CELLS, cells, first + at)
         logarithm = (((bits & int64(_MANTISSA)) + part) >> int64(52)) + (
             (bits >> int64(52)) - int64(1023)
         ) * int64(128)
@@ -163,7 +169,7 @@ def level_of_detail(
 ):
     """As raster.level_of_detail.level_of_detail. Cube maps, 3D textures, and draws with lines go there.
 
-    rho2, cells: scratch of at least half a batch and 8 more; what lies in LOD past the last run's end, up to
+    rho2, cells: scratch of at least half a batch and 24 more; what lies in LOD past the last run's end, up to
     15 fragments, is lost.
     """
     separate_function()
@@ -191,14 +197,22 @@ def level_of_detail(
         width = height = 1.0
     sizes, modes = (width, height), (row[R.TARGET] == 0, row[R.PROJECTIVE] != 0)
     lod = ints[R.LOD]
+    # A block's value serves both of its rows. One block more is computed at either end of a run where that
+    # costs no further vector, or a small part: the next row's run often reaches there.
+    last_owner, last_y, from_x, to_x = int64(-1), int64(0), int64(0), int64(0)
     for k in range(runs):
-        owner = ints[R.OWNER, k]
+        owner = int64(ints[R.OWNER, k])
         v0, v1, v2 = triangles[owner, 0], triangles[owner, 1], triangles[owner, 2]
         start, end = int64(run_starts[k]), int64(run_starts[k + 1])
         px, py = int64(run_x[k]), int64(run_y[k]) & ~1
         odd = px & 1
         blocks = (end - start + odd + 1) >> 1
-        _scale_factors(
-            x, y, (v0, v1, v2), inverse_w, coordinates, unit, sizes, modes, px - odd, py, blocks, rho2, cells
-        )
-        lambdas(rho2, cells, blocks, row, lod, start, odd)
+        begin = px - odd
+        if owner != last_owner or py != last_y or begin < from_x or begin + 2 * blocks > to_x:
+            more = 1 if blocks >= 32 or 0 < blocks & 7 < 7 else 0
+            last_owner, last_y, from_x, to_x = owner, py, begin - 2 * more, begin + 2 * (blocks + more)
+            _scale_factors(
+                x, y, (v0, v1, v2), inverse_w, coordinates, unit, sizes, modes, from_x, py, blocks + 2 * more,
+                rho2, cells,
+            )  # fmt: skip
+        lambdas(rho2, cells, (begin - from_x) >> 1, blocks, row, lod, start, odd)
