@@ -134,13 +134,12 @@ def _level_of(lod, threshold, top, rounding, step, last):
     return min(int32(int32(int32(min(max(lod, int32(0)), top)) + rounding) >> int32(8)) + step, last)
 
 
-@kernel("i4(i4[:,::1],i8[::1],i4[::1],i4[::1],i4[::1],i4,i8,i8,i4[:,::1])")
-def locate_levels(levels, unit, f_s, f_t, lod, step, halve, count, located):
+@kernel("i4(i4[:,::1],i8[::1],i4[::1],i4[::1],i4[::1],i4,i8,i4[:,::1])")
+def locate_levels(levels, unit, f_s, f_t, lod, step, count, located):
     """FIRST, WEIGHTS and BETWEEN of fragments that have a level each; returns the largest lambda.
 
     As ``locate``, but the unit may have any filters, and sizes are powers of two. lod: lambda with 8 fraction
-    bits; ``step``: 0, or 1 for UPPER_FIRST and UPPER_WEIGHTS of the level above; ``halve``: F are level 0's,
-    else each of its fragment's level.
+    bits; ``step``: 0, or 1 for UPPER_FIRST and UPPER_WEIGHTS of the level above. F are level 0's.
     """
     separate_loop()
     last, mipmap = int32(unit[R.LEVELS] - 1), unit[R.MIPMAP]
@@ -176,11 +175,8 @@ def locate_levels(levels, unit, f_s, f_t, lod, step, halve, count, located):
             base = select(level >= int32(k), i32x16(levels[k, 0]), base)
         shift_s, shift_t = minimum(level, bits_s), minimum(level, bits_t)
         size_s, size_t = i32x16(width) >> shift_s, i32x16(height) >> shift_t
-        s, t = load_i32x16(f_s, at), load_i32x16(f_t, at)
-        if halve:
-            s, t = s >> shift_s, t >> shift_t
-        s = maximum(s, minimum(half, below_s))
-        t = maximum(t, minimum(half, below_t))
+        s = maximum(load_i32x16(f_s, at) >> shift_s, minimum(half, below_s))
+        t = maximum(load_i32x16(f_t, at) >> shift_t, minimum(half, below_t))
         s = minimum(s, maximum((size_s << int32(8)) - int32(128), above_s)) - half
         t = minimum(t, maximum((size_t << int32(8)) - int32(128), above_t)) - half
         column, row = (s >> int32(8)) & (size_s - one), (t >> int32(8)) & (size_t - one)
@@ -356,21 +352,13 @@ def filter_located(pairs, unit, located, count, registers, plane):
         make_signed(unit[R.SIGNED], count, registers, plane)
 
 
-@kernel("void(u4[::1],i4[:,::1],i8[::1],i4[::1],i4[::1],i8,i4[:,::1],i2[:,::1],i8)")
-def filter_2d(pairs, levels, unit, f_s, f_t, count, located, registers, plane):
-    """A unit that reads one level of a 1D, 2D or rectangle texture with one filter: into four planes."""
-    separate_function()
-    locate(levels, unit, f_s, f_t, count, located)
-    filter_located(pairs, unit, located, count, registers, plane)
-
-
 @kernel("void(u4[::1],i4[:,::1],i8[::1],i4[::1],i4[::1],i4[::1],i8,i4[:,::1],i2[:,::1],i8)")
 def filter_mipmapped(pairs, levels, unit, f_s, f_t, lod, count, located, registers, plane):
-    """As ``filter_2d``, of a unit that looks at lambda (``lod``, 8 fraction bits) for its filter or level."""
+    """A unit that looks at lambda (``lod``, 8 fraction bits) for its filter or level, into four planes."""
     separate_function()
-    highest = locate_levels(levels, unit, f_s, f_t, lod, int32(0), 1, count, located)
+    highest = locate_levels(levels, unit, f_s, f_t, lod, int32(0), count, located)
     if unit[R.MIPMAP] == 2 and highest > max(unit[R.THRESHOLD], 0):
-        locate_levels(levels, unit, f_s, f_t, lod, int32(1), 1, count, located)
+        locate_levels(levels, unit, f_s, f_t, lod, int32(1), count, located)
         fetch_blended(pairs, located, count, registers, plane)
     elif unit[R.MAG_LINEAR] or unit[R.MIN_LINEAR]:
         fetch_linear(pairs, located, count, registers, plane)

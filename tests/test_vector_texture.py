@@ -80,10 +80,11 @@ def portable(texels, levels, unit, s, t, count=COUNT, **columns):
 
 
 def filtered(pairs, levels, unit, f_s, f_t, count=COUNT):
-    """The four planes of ``filter_2d``; nothing but those planes changes."""
+    """The four planes of ``locate`` and ``filter_located``; nothing but those planes changes."""
     registers = scratch(count)[-1]
     located = np.zeros((vt.LOCATED, count + SLACK), np.int32)
-    vt.filter_2d(pairs, levels, unit, f_s, f_t, count, located, registers, PLANE)
+    vt.locate(levels, unit, f_s, f_t, count, located)
+    vt.filter_located(pairs, unit, located, count, registers, PLANE)
     others = np.delete(registers, range(PLANE, PLANE + 4), axis=0)
     assert (others == -77).all()
     return registers[PLANE : PLANE + 4, :count]
@@ -143,7 +144,7 @@ def test_a_1d_texture_has_one_row_whatever_t_is(linear):
 
 
 def model(texels, level, unit, f_s, f_t):
-    """``filter_2d`` in plain integers, for any F."""
+    """``filtered`` in plain integers, for any F."""
     offset, width, height = (int(v) for v in level)
     image = texels[offset : offset + width * height].reshape(height, width)
     half = 128 if unit[rows.MAG_LINEAR] else 0
