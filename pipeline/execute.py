@@ -1,4 +1,9 @@
-"""Run a frame's commands on a machine: validate, pack, and drive the kernels one command at a time."""
+"""Run a frame's commands on a machine: validate, prepare, queue, and drive the kernels.
+
+Clears and Draws wait in a queue until something reads what they draw. Then every thread takes bands of rows
+and runs all that waits on each (``raster.frame``); what those kernels do not cover is drawn by others
+(``raster.draw``), Draw after Draw.
+"""
 
 import os
 import threading
@@ -38,10 +43,12 @@ from raster.arrays import Buffers, scratch
 from raster.bins import BAND_HEIGHT, CHUNK, count_bins, fill_bins, sort_triangles
 from raster.frame import draw_frame, fill_clear, fill_draw
 from raster.vector_texture import row_pairs
+from raster.vector_unit import DISABLED, PORTABLE
 
 BATCH = 2048  # fragments shaded together; any size gives the same bits. Measured: docs/decisions, page 0002
 _NO_RECORD = np.zeros((0, 4), np.int32)
 _NO_TEXELS = np.zeros(1, np.uint32)
+_NO_FOUR = [_NO_TEXELS] * 4
 _NO_LEVELS = np.ones((1, R.MAX_LEVELS, 3), np.int32)
 # Pixels of the scissor boxes of all that waits: below this a second thread costs more than it saves
 # (docs/decisions, page 0002).
@@ -94,8 +101,8 @@ class Result:
 
 
 class _Texels:
-    """A texture as kernels read it: every level behind the other, packed; and int32 [1, MAX_LEVELS, 3] where
-    and how big.
+    """A texture as kernels read it. ``levels`` int32 [1, MAX_LEVELS, 3]: where each level begins in
+    ``packed``, its width and height.
     """
 
     def __init__(self, texture, signed):
@@ -103,15 +110,35 @@ class _Texels:
         for k, level in enumerate(texture.levels):
             self.levels[0, k] = offset, level.shape[2], level.shape[1]
             offset += level[..., 0].size
-        images = [np.ascontiguousarray(level).view(np.uint32).ravel() for level in texture.levels]
-        self.packed = np.concatenate(images) ^ np.uint32(signed)
-        self._images = len(images), texture.levels[0].shape[0]
+        self._images, self._signed = texture.levels, signed
+        self._volume = texture.target == TextureTarget.TEXTURE_3D
+
+    @cached_property
+    def packed(self):
+        """Every level behind the other, a word for each texel: the texture's own memory where it is that."""
+        images = [np.ascontiguousarray(image).view(np.uint32).ravel() for image in self._images]
+        if len(images) == 1 and not self._signed:
+            return np.asarray(_Unlocked(images[0]))
+        return np.concatenate(images) ^ np.uint32(self._signed)
 
     @cached_property
     def pairs(self):
-        """The same as row pairs (``raster.vector_texture``), and their levels."""
-        pairs, levels = row_pairs(self.packed, self.levels[0], *self._images)
+        """The same as row pairs (``raster.vector_texture``) and their levels; of a volume none."""
+        if self._volume:
+            return _NO_TEXELS, _NO_LEVELS
+        pairs, levels = row_pairs(self.packed, self.levels[0], len(self._images), len(self._images[0]))
+        if len(self._images) > 1 or self._signed:
+            self.__dict__.pop("packed", None)  # mostly nobody asks for both
         return pairs, levels[None]
+
+
+class _Unlocked:
+    """An array's memory for kernels, which take writable arrays alone, though they write to no texel."""
+
+    def __init__(self, array):
+        self._array = array
+        place, _ = array.__array_interface__["data"]
+        self.__array_interface__ = {**array.__array_interface__, "data": (place, False)}
 
 
 _texels_of = weakref.WeakKeyDictionary()
@@ -274,7 +301,7 @@ class Machine:
         state, target = command.state, self._current
         primitives = vertex.process(command.mesh, state, self.profile, target.width, target.height)
         packed = pack.pack(state, self.profile, target, self.textures, primitives)
-        return _prepare(target, primitives, packed, state, self.textures)
+        return _prepare(target, primitives, packed, self.textures)
 
 
 def _bins(primitives, draw, height):
@@ -304,7 +331,7 @@ class _Prepared:
     bound    (name, Texture) of each texture that it reads
     area     pixels of the scissor box; 0: nothing is left to draw, and what follows is not there
     size     bytes of vertices
-    texels   of each unit: its _Texels, or None; ``levels`` int32 [units, MAX_LEVELS, 3]
+    texels   of four units: their _Texels, or None; ``levels`` int32 [units, MAX_LEVELS, 3]
     order    primitives sorted into bands; ``ends``: where each band's end (``raster.bins``)
     job      a row of the vector engine's table; False: it is the portable engine's; None: not asked yet
     beside   arrays that only this row names
@@ -316,72 +343,75 @@ class _Prepared:
     size: int = 0
     primitives: WindowPrimitives | None = None
     packed: pack.PackedState | None = None
-    texels: tuple = ()
+    texels: list | None = None
     levels: np.ndarray | None = None
     order: np.ndarray | None = None
     ends: np.ndarray | None = None
     job: object = None
-    beside: tuple = ()
+    beside: object = None
 
     def bands(self, first, step, batch, buffers, record):
         """Draw bands ``first``, ``first + step``, ... by the portable engine: how many fragments."""
         from raster.draw import draw_bands  # which a frame may do without, and its compilation
 
         p, packed = self.primitives, self.packed
+        texels = [_NO_TEXELS if texels is None else texels.packed for texels in self.texels]
         return draw_bands(
             packed.draw, packed.draw_float, packed.program, packed.final, packed.constants, packed.arithmetic,
             packed.factors, p.triangles, p.strokes, p.x, p.y, packed.depths, p.inverse_w, p.colors,
-            p.coordinates, p.fog, packed.fog_thresholds, *self.packed_texels(), self.levels, packed.units,
+            p.coordinates, p.fog, packed.fog_thresholds, *texels, self.levels, packed.units,
             self.order, self.ends, first, step, batch, *buffers, record,
         )  # fmt: skip
 
-    def packed_texels(self):
-        """The texels of four units."""
-        return _four([_NO_TEXELS if texels is None else texels.packed for texels in self.texels])
-
     def fill_job(self):
         """Make ``job``."""
-        p, packed, units = self.primitives, self.packed, self.packed.units
+        job = np.zeros((1, R.JOB_SIZE), np.int64)
+        if not self._fill(job, _NO_FOUR, _NO_FOUR, self.levels):
+            self.job = False
+            return
+        self.job = job[0]
+        paths = job[0, R.JOB_UNIT_PATH : R.JOB_UNIT_PATH + 4].tolist()
+        if paths == [DISABLED] * 4:
+            return
+        # How a unit is sampled is known now, and so what of its texture is needed.
+        texels, pairs, levels = [_NO_TEXELS] * 4, [_NO_TEXELS] * 4, [_NO_LEVELS] * len(self.levels)
+        for i, (path, read) in enumerate(zip(paths, self.texels, strict=True)):
+            if read is not None and path == PORTABLE:
+                texels[i] = read.packed
+            elif read is not None and path != DISABLED:
+                pairs[i], levels[i] = read.pairs
+        self.beside = texels, pairs, _stacked(levels)
+        self._fill(job, *self.beside)
+
+    def _fill(self, job, texels, pairs, pair_levels):
+        p, packed = self.primitives, self.packed
         if (plan := packed.derived.get("plan")) is None:
             plan = packed.derived["plan"] = plan_combiners(
-                packed.draw, packed.program, packed.final, packed.constants, packed.arithmetic, units
+                packed.draw, packed.program, packed.final, packed.constants, packed.arithmetic, packed.units
             ).rows
-        pairs, levels = [_NO_TEXELS] * len(units), [_NO_LEVELS] * len(units)
-        for i, texels in enumerate(self.texels):
-            if texels is not None and units[i, R.TARGET] != TextureTarget.TEXTURE_3D:
-                pairs[i], levels[i] = texels.pairs
-        pair_levels = _stacked(levels)
-        job = np.zeros((1, R.JOB_SIZE), np.int64)
-        covered = fill_draw(
+        return fill_draw(
             job, 0, packed.draw, packed.draw_float, plan, packed.factors, p.triangles, p.x, p.y,
-            packed.depths, p.inverse_w, p.colors, p.coordinates, *self.packed_texels(), self.levels,
-            *_four(pairs), pair_levels, units, self.order, self.ends,
+            packed.depths, p.inverse_w, p.colors, p.coordinates, *texels, self.levels, *pairs, pair_levels,
+            packed.units, self.order, self.ends,
         )  # fmt: skip
-        self.job, self.beside = job[0] if covered else False, (pairs, pair_levels)
 
 
-def _prepare(framebuffer, primitives, packed, state, textures):
+def _prepare(framebuffer, primitives, packed, textures):
     """Sort primitives into bands and bring together what kernels take."""
-    draw, p = packed.draw, primitives
-    area = int((draw[R.X1] - draw[R.X0]) * (draw[R.Y1] - draw[R.Y0]))
-    empty = len(p.triangles) == 0 or area == 0
-    order, ends, dropped = (None, None, 0) if empty else _bins(p, draw, framebuffer.height)
-    named = [unit.texture for unit in state.texture_units if unit is not None and unit.texture is not None]
-    bound = tuple([(name, textures[name]) for name in named])
+    p = primitives
+    empty = len(p.triangles) == 0 or packed.area == 0
+    order, ends, dropped = (None, None, 0) if empty else _bins(p, packed.draw, framebuffer.height)
+    bound = tuple([(name, textures[name]) for _, name, _ in packed.reads])
     if empty or len(order) == 0:
         return _Prepared(dropped + p.dropped, bound)
-    texels = [None] * len(packed.units)
-    for i, unit in enumerate(state.texture_units):
-        if unit is not None and packed.units[i, R.ENABLED] and unit.texture is not None:
-            texels[i] = _texels(textures[unit.texture], int(packed.units[i, R.SIGNED]))
-    levels = _stacked([_NO_LEVELS if t is None else t.levels for t in texels])
+    texels, levels = [None] * 4, [_NO_LEVELS] * len(packed.units)
+    for i, name, signed in packed.reads:
+        texels[i] = _texels(textures[name], signed)
+        levels[i] = texels[i].levels
     size = p.colors.nbytes + p.coordinates.nbytes + 40 * len(p.x) + 16 * len(p.triangles) + 4 * len(order)
-    return _Prepared(dropped + p.dropped, bound, area, size, p, packed, tuple(texels), levels, order, ends)
-
-
-def _four(texels):
-    """Texels of each unit, and none of those that are not there."""
-    return texels + [_NO_TEXELS] * (4 - len(texels))
+    return _Prepared(
+        dropped + p.dropped, bound, packed.area, size, p, packed, texels, _stacked(levels), order, ends
+    )
 
 
 def _stacked(levels):
@@ -557,4 +587,4 @@ def rasterize(primitives, polygon, scissor, width, height):
     state = PassState(polygon=replace(polygon, offset_fill=False), scissor=scissor, color_mask=nothing)
     framebuffer = Framebuffer.new(width, height)
     packed = pack.pack(state, GEFORCE_256, framebuffer, {}, primitives)
-    return _recorded(_prepare(framebuffer, primitives, packed, state, {}), framebuffer, BATCH)
+    return _recorded(_prepare(framebuffer, primitives, packed, {}), framebuffer, BATCH)

@@ -4,9 +4,10 @@ What is disabled packs to zero and what cannot matter is not asked for, so two s
 their result give equal rows, and kernels do no work whose result nobody reads.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from decimal import Decimal, localcontext
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -51,8 +52,7 @@ from pipeline.textures import BASE_FORMAT, DEPTH_TEXELS, KEPT, register_componen
 from raster import rows as R
 
 
-@dataclass(frozen=True, eq=False)
-class PackedState:
+class PackedState(NamedTuple):
     """The rows of one pass: see ``raster/rows.py`` for their layout."""
 
     draw: np.ndarray
@@ -65,6 +65,8 @@ class PackedState:
     units: np.ndarray
     fog_thresholds: np.ndarray
     depths: np.ndarray  # float64 [n]: every vertex's depth in depth units, a single
+    reads: tuple  # of each unit that reads a texture: its number, the texture's name, the bits inverted
+    area: int  # pixels of the scissor box
     derived: dict  # what others make of these rows, which is kept with them
 
 
@@ -315,6 +317,12 @@ def _single(depths):
 
     Measured: vertices below 2**-126 have depth 0 (DepthFmt_z24 FZy captures); Assumed: to nearest.
     """
+    low, high = depths.min(initial=_LARGEST), depths.max(initial=0.0)
+    if low >= 0.0 and high <= _LARGEST:  # the rule: positive, of ordinary size, and numbers
+        single = depths.astype(np.float32).astype(np.float64)
+        if low < 2.0**-125:
+            single[single < 2.0**-126] = 0.0
+        return single
     single = np.fmin(np.fmax(depths, -_LARGEST), _LARGEST).astype(np.float32).astype(np.float64)
     return np.where(np.abs(single) < 2.0**-126, 0.0, single)
 
@@ -616,7 +624,10 @@ def pack(state: PassState, profile, framebuffer, textures, primitives):
     )
     draw, units, derived = rows.varied.get(varies) or rows.vary(varies)
     depths = depth_units(state, framebuffer, primitives) if rows.needs_depth else primitives.z
-    return PackedState(draw, rows.draw_float, *rows.shared, units, rows.fog_thresholds, depths, derived)
+    shared = rows.shared
+    return PackedState(
+        draw, rows.draw_float, *shared, units, rows.fog_thresholds, depths, rows.reads, rows.area, derived
+    )
 
 
 def _rows_of(state, profile, framebuffer, textures):
@@ -682,6 +693,12 @@ class _StateRows:
         )
         self.textured = bool((self.units[:, R.ENABLED] != 0).any())
         self.needs_depth = bool(draw[R.NEEDS_DEPTH])
+        self.area = int((draw[R.X1] - draw[R.X0]) * (draw[R.Y1] - draw[R.Y0]))
+        self.reads = tuple(
+            (i, unit.texture, int(self.units[i, R.SIGNED]))
+            for i, unit in enumerate(state.texture_units)
+            if unit is not None and unit.texture is not None and self.units[i, R.ENABLED]
+        )
         arithmetic = np.array(
             [
                 profile.product_rounding == ProductRounding.PER_PRODUCT,

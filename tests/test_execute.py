@@ -886,6 +886,21 @@ def test_levels_that_lie_anyhow_in_memory_are_read_as_they_are():
     assert len(np.unique(frames[0].color.reshape(-1, 4), axis=0)) == 32
 
 
+def test_a_texture_of_one_level_is_drawn_from_its_own_memory():
+    image = solid(50, 8, 8)
+    texels = execute_module._texels(image, 0)
+    assert np.shares_memory(texels.packed, image.levels[0])
+    assert texels.packed.flags.writeable  # as kernels ask for
+    for other in (execute_module._texels(image, 0x80), execute_module._texels(solid(50, mipmaps=True), 0)):
+        assert not np.shares_memory(other.packed, image.levels[0])
+    packed, alive = texels.packed, weakref.ref(image)
+    before = packed.copy()
+    del image, texels, other
+    gc.collect()
+    assert alive() is None  # nothing that is kept of a texture keeps it
+    np.testing.assert_array_equal(packed, before)
+
+
 # --------------------------------------------------------------------------------------------------- extremes
 
 
