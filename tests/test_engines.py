@@ -3,12 +3,14 @@
 import numpy as np
 import pytest
 
-from pipeline.commands import Draw, Mesh
-from pipeline.enums import ComparisonFunction, VertexStage
+from pipeline.commands import Draw, Mesh, TexImage
+from pipeline.enums import ComparisonFunction, TextureFilter, VertexStage, WrapMode
 from pipeline.profiles import NV2A
-from pipeline.state import DepthClamp, DepthTest, PassState, VertexState
+from pipeline.state import DepthClamp, DepthTest, PassState, Sampler, TextureUnit, VertexState
+from pipeline.textures import texture_2d
 from tests import fuzz
 from tests.random_frames import Frame
+from tests.strategies import SHOW_TEXTURE
 
 PROGRAMMED = VertexState(stage=VertexStage.PROGRAM_RESULTS)
 DEPTH = DepthTest(ComparisonFunction.LESS)
@@ -39,3 +41,20 @@ def test_depths_are_limited(limits, cull):
     state = PassState(vertex=PROGRAMMED, depth_test=DEPTH, depth_clamp=DepthClamp(*limits, cull))
     mesh = Mesh(positions, colors=random.random((12, 4)))
     assert_all_equal([Draw(label="limited", mesh=mesh, state=state)], 16, 12)
+
+
+def test_one_vertex_s_q_divides_every_triangle_s_coordinates():
+    sampler = Sampler(TextureFilter.NEAREST, TextureFilter.NEAREST, *(WrapMode.CLAMP_TO_BORDER,) * 2)
+    state = PassState(
+        vertex=PROGRAMMED, texture_units=(TextureUnit("t", sampler),), register_combiners=SHOW_TEXTURE
+    )
+    corners = np.array([[0, 0, 0, 1], [20, 0, 0, 1], [0, 20, 0, 1]] * 2, np.float64)
+    coordinates = np.tile(
+        [-1e-19, 0.25, 0.0, 1.0], (6, 1)
+    )  # beside a texel's edge, where a quotient is lifted
+    coordinates[5, 3] = 2.0
+    mesh = Mesh(corners, indices=[0, 1, 2], texture_coordinates=(coordinates,))
+    image = texture_2d(np.full((4, 4, 4), 77, np.uint8))
+    assert_all_equal(
+        [TexImage(label="t", texture="t", image=image), Draw(label="draw", mesh=mesh, state=state)], 8, 6
+    )

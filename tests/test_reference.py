@@ -315,9 +315,11 @@ def texture(*rows, target=TextureTarget.TEXTURE_2D, faces=1):
 
 def test_q_divides_unless_it_is_one_everywhere():
     ones = [(0.0, 0.0, 0.0, 1.0)] * 3
-    assert sample.divide_by_q((3.0, 5.0, 7.0, 2.0), ones) == (3.0, 5.0, 7.0)
-    assert sample.divide_by_q((3.0, 5.0, 7.0, 2.0), [*ones[:2], (0.0, 0.0, 0.0, 2.0)]) == (1.5, 2.5, 3.5)
-    assert sample.divide_by_q((3.0, 5.0, 7.0, 0.0), [*ones[:2], (0.0, 0.0, 0.0, 2.0)]) == (3.0, 5.0, 7.0)
+    assert sample.has_unit_q(ones)
+    assert not sample.has_unit_q([*ones[:2], (0.0, 0.0, 0.0, 2.0)])
+    assert sample.divide_by_q((3.0, 5.0, 7.0, 2.0), False) == (3.0, 5.0, 7.0)
+    assert sample.divide_by_q((3.0, 5.0, 7.0, 2.0), True) == (1.5, 2.5, 3.5)
+    assert sample.divide_by_q((3.0, 5.0, 7.0, 0.0), True) == (3.0, 5.0, 7.0)
 
 
 @pytest.mark.parametrize(
@@ -412,7 +414,8 @@ def test_one_dimensional_textures_read_their_row():
 
 
 def textured(corners, coordinates, inverse_w=(1.0, 1.0, 1.0)):
-    return sample.TexturedTriangle(coverage.make_triangle(*corners), inverse_w, tuple(coordinates))
+    divided = not sample.has_unit_q(coordinates)
+    return sample.TexturedTriangle(coverage.make_triangle(*corners), inverse_w, tuple(coordinates), divided)
 
 
 def screen_aligned(texels_per_pixel, size):

@@ -105,7 +105,7 @@ class Access:
         triangle = self.triangles[i]
         if unit.sampler.compare_mode != TextureCompareMode.NONE:
             own = sample.iterate_coordinates(triangle.coordinates, self.weights)
-            divided = made is None and any(vertex[3] != 1.0 for vertex in triangle.coordinates)
+            divided = made is None and triangle.divided
             mode, depth_format = unit.sampler.compare_mode, texture.internal_format
             word = shadow.reference_word(own, divided, depth_format, mode, self.profile)
             texture = shadow.compared(texture, unit.sampler.compare_function, word)
@@ -167,7 +167,9 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
         return
     colors = vertex_colors(primitives, vertices, provoking, back, state.polygon)
     units = [
-        sample.TexturedTriangle(shape, inverse_w, tuple(primitives.coordinates[v][i] for v in vertices))
+        sample.TexturedTriangle(
+            shape, inverse_w, tuple(primitives.coordinates[v][i] for v in vertices), primitives.divided[i]
+        )
         for i in range(len(state.texture_units))
     ]
     in_units = state.vertex.depth_units
@@ -215,6 +217,10 @@ def draw(target, primitives, state, textures, profile):
             for name in ("x", "y", "z", "inverse_w", "colors", "coordinates", "fog", "triangles", "strokes")
         },
     )
+    columns.divided = [
+        not sample.has_unit_q([vertex[i] for vertex in columns.coordinates])
+        for i in range(len(state.texture_units))
+    ]
     names = {unit.texture for unit in state.texture_units if unit is not None} - {None}
     used = {name: plain_texture(textures[name]) for name in names}
     for i, corners in enumerate(columns.triangles):

@@ -34,11 +34,14 @@ NEAREST_IN_LEVEL = (
 
 @dataclass(frozen=True)
 class TexturedTriangle:
-    """What sampling needs of a triangle: its edges, 1/w and (s, t, r, q) of its three vertices."""
+    """What sampling needs of a triangle: its edges, 1/w and (s, t, r, q) of its three vertices; whether they
+    are divided by q, which all of the mesh's vertices decide.
+    """
 
     edges: coverage.Triangle
     inverse_w: tuple
     coordinates: tuple
+    divided: bool
 
 
 # ------------------------------------------------------------------------------------------------ coordinates
@@ -57,17 +60,17 @@ def exact_coordinates(coordinates, b0, b2):
 
 
 def has_unit_q(coordinates):
-    """Whether q is one at every vertex. Source: OpenGL 1.2.1 section 3.8 (nothing is then divided)."""
+    """Whether q is one at every vertex of a mesh. Source: OpenGL 1.2.1 section 3.8 (nothing is divided)."""
     return all(vertex[3] == 1.0 for vertex in coordinates)
 
 
-def divide_by_q(strq, coordinates):
-    """(s, t, r), divided by q unless q is one at every vertex; where q is 0, by 1.
+def divide_by_q(strq, divided):
+    """(s, t, r), ``divided`` by q or not; where q is 0, by 1.
 
     Source: OpenGL 1.2.1 section 3.8; Assumed: the value where q is 0.
     """
     *str_, q = strq
-    if has_unit_q(coordinates):
+    if not divided:
         return tuple(str_)
     divisor = 1.0 if q == 0.0 else q
     return tuple(coordinate / divisor for coordinate in str_)
@@ -133,7 +136,7 @@ def footprint_point(triangle, px, py, texture, face):
             return None
         return (*face_coordinates(strq, face, level_size(texture, 0)[1]), face)
     sizes = texel_scales(texture, 0)
-    str_ = divide_by_q(strq, triangle.coordinates)
+    str_ = divide_by_q(strq, triangle.divided)
     return (*(coordinate * scale for coordinate, scale in zip(str_, sizes, strict=True)), face)
 
 
@@ -302,8 +305,8 @@ def sample_level(triangle, strq, texture, sampler, level, filter_mode, *, flat=F
         modes = (WrapMode.CLAMP_TO_EDGE, WrapMode.CLAMP_TO_EDGE)
     else:
         face, modes = 0, (sampler.wrap_s, sampler.wrap_t)
-        str_ = strq[:3] if triangle is None else divide_by_q(strq, triangle.coordinates)
-        computed = not offset if triangle is None else not has_unit_q(triangle.coordinates)
+        str_ = strq[:3] if triangle is None else divide_by_q(strq, triangle.divided)
+        computed = not offset if triangle is None else triangle.divided
         bias = TAU if computed else 0.0
         *t, third = (c * scale + bias for c, scale in zip(str_, texel_scales(texture, level), strict=True))
     if texture.target == TextureTarget.TEXTURE_1D:
@@ -347,7 +350,7 @@ def block_footprint(triangle, px, py, texture, maximum):
         if d <= 0.0:
             return 0.0, 0.0, 1.0, LARGEST_LAMBDA
         strq = exact_coordinates(triangle.coordinates, e[0] * (1.0 / d), e[2] * (1.0 / d))
-        points.append(divide_by_q(strq, triangle.coordinates)[:2])
+        points.append(divide_by_q(strq, triangle.divided)[:2])
     steps = [(s - points[0][0], t - points[0][1]) for s, t in points[1:]]
     squares = [(s * width) * (s * width) + (t * height) * (t * height) for s, t in steps]
     if not all(isfinite(square) for square in squares):
@@ -379,7 +382,7 @@ def taps(ratio):
 
 def sample_along(triangle, strq, px, py, texture, sampler, bias, profile):
     """An anisotropically filtered texel. Source: docs/numbers.md section 7; Measured: as ``taps``."""
-    s, t, _ = divide_by_q(strq, triangle.coordinates)
+    s, t, _ = divide_by_q(strq, triangle.divided)
     along_s, along_t, ratio, lod = block_footprint(triangle, px, py, texture, sampler.max_anisotropy)
     lod = limited(lod + trunc(256.0 * bias), sampler)
     total = [128] * 4
