@@ -43,14 +43,15 @@ def test_the_smallest_number_of_lanes_holds_infinity_and_zero():
 
 def random_runs(rng, triangles):
     """(starts, x, y, owner column) of a full batch's runs: mostly short ones, some long; often several in
-    successive rows of one triangle, as if along its edges.
+    successive rows of one triangle, as if along its edges, or of its neighbour.
     """
     lengths, columns, lines, owners = [], [], [], []
     while sum(lengths) < BATCH:
         longest = rng.choice([1, 3, 16, 17, 64, 200, 1024])
         if lengths and rng.random() < 0.7:
             column, line = columns[-1] + rng.integers(-3, 4), lines[-1] + rng.choice([0, 1, 1, 1])
-            length, owner = max(lengths[-1] + rng.integers(-6, 7), 1), owners[-1]
+            length = max(lengths[-1] + rng.integers(-6, 7), 1)
+            owner = owners[-1] if rng.random() < 0.7 else rng.integers(0, triangles)
         else:
             column, line = rng.integers(0, 1000, 2)
             length, owner = rng.integers(1, longest + 1), rng.integers(0, triangles)
