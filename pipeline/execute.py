@@ -43,7 +43,7 @@ from raster.arrays import Buffers, scratch
 from raster.bins import BAND_HEIGHT, CHUNK, count_bins, fill_bins, sort_triangles
 from raster.frame import draw_frame, fill_clear, fill_draw
 from raster.vector_texture import row_pairs
-from raster.vector_unit import DISABLED, PORTABLE
+from raster.vector_unit import DISABLED
 
 BATCH = 2048  # fragments shaded together; any size gives the same bits. Measured: docs/decisions, page 0002
 _NO_RECORD = np.zeros((0, 4), np.int32)
@@ -366,24 +366,21 @@ class _Prepared:
     def fill_job(self):
         """Make ``job``."""
         job = np.zeros((1, R.JOB_SIZE), np.int64)
-        if not self._fill(job, _NO_FOUR, _NO_FOUR, self.levels):
+        if not self._fill(job, _NO_FOUR, self.levels):
             self.job = False
             return
         self.job = job[0]
+        # How a unit is sampled is known now, and so which textures are needed as row pairs.
         paths = job[0, R.JOB_UNIT_PATH : R.JOB_UNIT_PATH + 4].tolist()
-        if paths == [DISABLED] * 4:
-            return
-        # How a unit is sampled is known now, and so what of its texture is needed.
-        texels, pairs, levels = [_NO_TEXELS] * 4, [_NO_TEXELS] * 4, [_NO_LEVELS] * len(self.levels)
-        for i, (path, read) in enumerate(zip(paths, self.texels, strict=True)):
-            if read is not None and path == PORTABLE:
-                texels[i] = read.packed
-            elif read is not None and path != DISABLED:
-                pairs[i], levels[i] = read.pairs
-        self.beside = texels, pairs, _stacked(levels)
-        self._fill(job, *self.beside)
+        if paths != [DISABLED] * 4:
+            pairs, levels = [_NO_TEXELS] * 4, [_NO_LEVELS] * len(self.levels)
+            for i, (path, read) in enumerate(zip(paths, self.texels, strict=True)):
+                if path != DISABLED:
+                    pairs[i], levels[i] = read.pairs
+            self.beside = pairs, _stacked(levels)
+            self._fill(job, *self.beside)
 
-    def _fill(self, job, texels, pairs, pair_levels):
+    def _fill(self, job, pairs, levels):
         p, packed = self.primitives, self.packed
         if (plan := packed.derived.get("plan")) is None:
             plan = packed.derived["plan"] = plan_combiners(
@@ -391,8 +388,8 @@ class _Prepared:
             ).rows
         return fill_draw(
             job, 0, packed.draw, packed.draw_float, plan, packed.factors, p.triangles, p.x, p.y,
-            packed.depths, p.inverse_w, p.colors, p.coordinates, *texels, self.levels, *pairs, pair_levels,
-            packed.units, self.order, self.ends,
+            packed.depths, p.inverse_w, p.colors, p.coordinates, *pairs, levels, packed.units, self.order,
+            self.ends,
         )  # fmt: skip
 
 

@@ -60,16 +60,11 @@ class Pass(NamedTuple):
     inverse_w: np.ndarray
     colors: np.ndarray
     coordinates: np.ndarray
-    texels0: np.ndarray
-    texels1: np.ndarray
-    texels2: np.ndarray
-    texels3: np.ndarray
-    levels: np.ndarray
     pairs0: np.ndarray
     pairs1: np.ndarray
     pairs2: np.ndarray
     pairs3: np.ndarray
-    pair_levels: np.ndarray
+    levels: np.ndarray
     units: np.ndarray
 
 
@@ -81,8 +76,7 @@ BUFFERS = types.NamedTuple((_u32[:, ::1], _u32[:, ::1], _u8[:, ::1]), Buffers)
 PASS = types.NamedTuple(
     (
         _i64[::1], _f64[::1], _i32[:, ::1], _i32[:, ::1], _i32[:, ::1], _i32[::1], _i32[::1], _f64[::1],
-        _f64[::1], _u8[:, :, ::1], _f64[:, :, ::1], *_FOUR_TEXTURES, _i32[:, :, ::1], *_FOUR_TEXTURES,
-        _i32[:, :, ::1], _i64[:, ::1],
+        _f64[::1], _u8[:, :, ::1], _f64[:, :, ::1], *_FOUR_TEXTURES, _i32[:, :, ::1], _i64[:, ::1],
     ),
     Pass,
 )  # fmt: skip

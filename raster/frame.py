@@ -73,12 +73,11 @@ def fill_clear(jobs, k, x0, y0, x1, y1, buffers, color, color_mask, depth, stenc
 
 @kernel(
     "b1(i8[:,::1],i8,i8[::1],f8[::1],i4[:,::1],i4[:,::1],i4[:,::1],i4[::1],i4[::1],"
-    "f8[::1],f8[::1],u1[:,:,::1],f8[:,:,::1],u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],"
-    "u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],i8[:,::1],i4[::1],i4[::1])"
+    "f8[::1],f8[::1],u1[:,:,::1],f8[:,:,::1],u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],i8[:,::1],i4[::1],i4[::1])"
 )
 def fill_draw(
-    jobs, k, draw, draw_float, plan, factors, triangles, x, y, z, inverse_w, colors, coordinates, texels0,
-    texels1, texels2, texels3, levels, pairs0, pairs1, pairs2, pairs3, pair_levels, units, order, ends,
+    jobs, k, draw, draw_float, plan, factors, triangles, x, y, z, inverse_w, colors, coordinates, pairs0,
+    pairs1, pairs2, pairs3, levels, units, order, ends,
 ):  # fmt: skip
     """Row k of ``jobs`` from a Draw's arrays, which must outlive it; False where the vector engine does not
     cover the Draw.
@@ -90,9 +89,9 @@ def fill_draw(
         return False
     job = jobs[k]
     job[R.JOB_KIND] = 1
-    generic = plan_units(job, draw, units, levels, coordinates)
-    job[R.JOB_MIXES] = not generic
-    job[R.JOB_ROW_RUNS] = generic
+    if not plan_units(job, draw, units, levels, coordinates):
+        return False
+    job[R.JOB_ROW_RUNS] = 0
     for u in range(4):
         if job[R.JOB_UNIT_PATH + u] == MIPMAPPED:
             job[R.JOB_ROW_RUNS] = 1
@@ -119,18 +118,9 @@ def fill_draw(
     job[R.JOB_ADDRESS + 9] = colors.ctypes.data
     job[R.JOB_ADDRESS + 10] = coordinates.ctypes.data
     job[R.JOB_ADDRESS + 11] = levels.ctypes.data
-    job[R.JOB_ADDRESS + 12] = pair_levels.ctypes.data
-    job[R.JOB_ADDRESS + 13] = units.ctypes.data
-    job[R.JOB_ADDRESS + 14] = order.ctypes.data
-    job[R.JOB_ADDRESS + 15] = ends.ctypes.data
-    job[R.JOB_TEXELS] = texels0.ctypes.data
-    job[R.JOB_TEXELS + 1] = texels1.ctypes.data
-    job[R.JOB_TEXELS + 2] = texels2.ctypes.data
-    job[R.JOB_TEXELS + 3] = texels3.ctypes.data
-    job[R.JOB_TEXEL_COUNT] = texels0.shape[0]
-    job[R.JOB_TEXEL_COUNT + 1] = texels1.shape[0]
-    job[R.JOB_TEXEL_COUNT + 2] = texels2.shape[0]
-    job[R.JOB_TEXEL_COUNT + 3] = texels3.shape[0]
+    job[R.JOB_ADDRESS + 12] = units.ctypes.data
+    job[R.JOB_ADDRESS + 13] = order.ctypes.data
+    job[R.JOB_ADDRESS + 14] = ends.ctypes.data
     job[R.JOB_PAIRS] = pairs0.ctypes.data
     job[R.JOB_PAIRS + 1] = pairs1.ctypes.data
     job[R.JOB_PAIRS + 2] = pairs2.ctypes.data
@@ -252,7 +242,7 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
     floats, ints, planes, lists = scratch.floats, scratch.ints, scratch.planes, scratch.lists
     needs_depth, has_offset = draw[R.NEEDS_DEPTH], draw[R.POLYGON_OFFSET]
     needs_weights, needs_color = draw[R.NEEDS_ITERATION_WEIGHTS], draw[R.NEEDS_COLOR]
-    mixes, perspective = job[R.JOB_MIXES] and batch >= SMALL * SMALL, job[R.JOB_PERSPECTIVE]
+    mixes, perspective = batch >= SMALL * SMALL, job[R.JOB_PERSPECTIVE]
     row_runs = job[R.JOB_ROW_RUNS]
     varies = needs_color and (draw[R.DIRECT] or draw[R.NEEDS_PRIMARY] or draw[R.NEEDS_SECONDARY])
     if varies and job[R.JOB_ONE_COLOR]:
@@ -439,7 +429,7 @@ def draw_frame(jobs, count, counter, batch, buffers, scratch):
                 clear_band(job, band, buffers.color, buffers.depth, buffers.stencil)
                 continue
             vertices, units = job[R.JOB_VERTICES], job[R.JOB_UNITS]
-            ends = integers_at(job[R.JOB_ADDRESS + 15], (job[R.JOB_BANDS],))
+            ends = integers_at(job[R.JOB_ADDRESS + 14], (job[R.JOB_BANDS],))
             begin, end = int64(ends[band - 1]) if band > 0 else int64(0), int64(ends[band])
             if begin == end:
                 continue
@@ -455,19 +445,14 @@ def draw_frame(jobs, count, counter, batch, buffers, scratch):
                 floats_at(job[R.JOB_ADDRESS + 8], (vertices,)),
                 bytes_at(job[R.JOB_ADDRESS + 9], (vertices, int64(2), int64(8))),
                 float_tables_at(job[R.JOB_ADDRESS + 10], (vertices, units, int64(4))),
-                texels_at(job[R.JOB_TEXELS], (job[R.JOB_TEXEL_COUNT],)),
-                texels_at(job[R.JOB_TEXELS + 1], (job[R.JOB_TEXEL_COUNT + 1],)),
-                texels_at(job[R.JOB_TEXELS + 2], (job[R.JOB_TEXEL_COUNT + 2],)),
-                texels_at(job[R.JOB_TEXELS + 3], (job[R.JOB_TEXEL_COUNT + 3],)),
-                tables_at(job[R.JOB_ADDRESS + 11], (job[R.JOB_ROWS], int64(R.MAX_LEVELS), int64(3))),
                 texels_at(job[R.JOB_PAIRS], (job[R.JOB_PAIR_COUNT],)),
                 texels_at(job[R.JOB_PAIRS + 1], (job[R.JOB_PAIR_COUNT + 1],)),
                 texels_at(job[R.JOB_PAIRS + 2], (job[R.JOB_PAIR_COUNT + 2],)),
                 texels_at(job[R.JOB_PAIRS + 3], (job[R.JOB_PAIR_COUNT + 3],)),
-                tables_at(job[R.JOB_ADDRESS + 12], (job[R.JOB_ROWS], int64(R.MAX_LEVELS), int64(3))),
-                long_table_at(job[R.JOB_ADDRESS + 13], (job[R.JOB_ROWS], int64(R.UNIT_SIZE))),
+                tables_at(job[R.JOB_ADDRESS + 11], (job[R.JOB_ROWS], int64(R.MAX_LEVELS), int64(3))),
+                long_table_at(job[R.JOB_ADDRESS + 12], (job[R.JOB_ROWS], int64(R.UNIT_SIZE))),
             )
-            order = integers_at(job[R.JOB_ADDRESS + 14], (job[R.JOB_MEMBERS],))
+            order = integers_at(job[R.JOB_ADDRESS + 13], (job[R.JOB_MEMBERS],))
             fragments += draw_band(job, arrays, order[begin:end], band, batch, buffers, scratch)
         band = next_of(counter)
     return fragments

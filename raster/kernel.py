@@ -9,6 +9,7 @@ import hashlib
 import inspect
 import os
 import tempfile
+import threading
 from pathlib import Path
 
 import numba
@@ -64,7 +65,46 @@ def kernel(signature=None, *, allocates=False):
     options = {"cache": True, "fastmath": False, "error_model": "numpy", "nogil": True, "_nrt": allocates}
     if inspect.isfunction(signature):
         return numba.njit(signature, **options)
-    return numba.njit(**options) if signature is None else numba.njit(signature, **options)
+
+    def decorate(function):
+        dispatcher = numba.njit(function, **options)
+        return dispatcher if signature is None else _compiled_when_called(dispatcher, signature)
+
+    return decorate
+
+
+_compiling = threading.RLock()
+
+
+def _compiled_when_called(dispatcher, signature):
+    """A kernel of one signature that is compiled, or read from the cache, when Python or another kernel's
+    compilation first calls it: what is only called by kernels that the cache has is never looked at.
+    """
+
+    def compiled():
+        with _compiling:
+            if "get_call_template" in vars(dispatcher):
+                del dispatcher.get_call_template, dispatcher._compile_for_args
+                dispatcher.compile(signature)
+                dispatcher.disable_compile()
+
+    def get_call_template(args, keywords):
+        compiled()
+        return dispatcher.get_call_template(args, keywords)
+
+    def compile_for_args(*args):
+        """The entry point, as Numba asks for it when no compiled kernel takes the arguments of a call."""
+        compiled()
+        (found,) = dispatcher.overloads.values()
+        given = [dispatcher.typeof_pyval(a) for a in args]
+        converts = dispatcher.typingctx.can_convert
+        wanted = found.signature.args
+        if len(given) != len(wanted) or None in map(converts, given, wanted):
+            raise TypeError(f"{dispatcher.py_func.__name__} takes {wanted}, not {tuple(given)}.")
+        return found.entry_point
+
+    dispatcher.get_call_template, dispatcher._compile_for_args = get_call_template, compile_for_args
+    return dispatcher
 
 
 def is_cold():

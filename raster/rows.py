@@ -233,7 +233,7 @@ STARTS, OWNERS, BACKS, RUN_STARTS, RUN_X, RUN_Y, LISTS = range(7)
 
 # jobs int64[n, JOB_SIZE]: what a queued command is. A Clear: device pixels, half open; buffers (1 colour, 2
 # depth, 4 stencil), values and masks as stored. A Draw: addresses of its arrays, in the order of
-# ``frame.fill_draw``'s arguments but for the texels, their lengths, and how it is drawn.
+# ``frame.fill_draw``'s arguments but for the textures, their lengths, and how it is drawn.
 (
     JOB_KIND,  # 0: Clear; 1: Draw
     JOB_X0,
@@ -246,7 +246,6 @@ STARTS, OWNERS, BACKS, RUN_STARTS, RUN_X, RUN_Y, LISTS = range(7)
     JOB_DEPTH,
     JOB_STENCIL,
     JOB_STENCIL_MASK,
-    JOB_MIXES,  # 1: small triangles share segments
     JOB_ROW_RUNS,  # 1: every row of a small triangle is a run (lambda needs them)
     JOB_PERSPECTIVE,  # 1: some 1/w differ
     JOB_ONE_COLOR,  # 1: no vertex has colours of its own
@@ -258,14 +257,12 @@ STARTS, OWNERS, BACKS, RUN_STARTS, RUN_X, RUN_Y, LISTS = range(7)
     JOB_BANDS,
     JOB_OPERATIONS,  # of the combiner plan
     JOB_UNIT_PATH,  # of each unit: raster/vector_unit.py
-) = range(23)
+) = range(22)
 JOB_LOG2_S = JOB_UNIT_PATH + 4
 JOB_LOG2_T = JOB_LOG2_S + 4
 JOB_COORDINATES_OF = JOB_LOG2_T + 4  # the first unit with the same texel coordinates
 JOB_COMPONENTS = JOB_COORDINATES_OF + 4  # coordinates that it iterates, bits 1, 2, 4, 8 for s, t, r, q
-JOB_TEXELS = JOB_COMPONENTS + 4
-JOB_TEXEL_COUNT = JOB_TEXELS + 4
-JOB_PAIRS = JOB_TEXEL_COUNT + 4  # textures as row pairs
+JOB_PAIRS = JOB_COMPONENTS + 4  # textures as row pairs
 JOB_PAIR_COUNT = JOB_PAIRS + 4
 JOB_ADDRESS = JOB_PAIR_COUNT + 4
-JOB_SIZE = JOB_ADDRESS + 16
+JOB_SIZE = JOB_ADDRESS + 15

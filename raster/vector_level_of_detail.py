@@ -8,7 +8,6 @@ from numba import float64, int32, int64
 
 from raster import rows as R
 from raster.kernel import kernel, separate_function
-from raster.level_of_detail import level_of_detail as portable_level_of_detail
 from raster.sample import FAR, POWERS_OF_TWO
 from raster.vector import (
     bits_of_lanes,
@@ -145,17 +144,15 @@ def lambdas(rho2, cells, first, blocks, row, lod, start, odd):
 
 
 @kernel(
-    "void(i8[::1],i4[::1],i4[::1],i4[::1],i8,i4[:,::1],i4[:,::1],i4[::1],i4[::1],f8[::1],f8[:,:,::1],i8,i8[::1],"
+    "void(i4[::1],i4[::1],i4[::1],i8,i4[:,::1],i4[::1],i4[::1],f8[::1],f8[:,:,::1],i8,i8[::1],"
     "i4[:,::1],i4[:,::1],f8[::1],i4[::1])"
 )
 def level_of_detail(
-    draw,
     run_starts,
     run_x,
     run_y,
     runs,
     triangles,
-    strokes,
     x,
     y,
     inverse_w,
@@ -167,31 +164,12 @@ def level_of_detail(
     rho2,
     cells,
 ):
-    """As raster.level_of_detail.level_of_detail. Cube maps, 3D textures, and draws with lines go there.
+    """As raster.level_of_detail.level_of_detail, of triangles; no cube maps and no 3D textures.
 
     rho2, cells: scratch of at least half a batch and 24 more; what lies in LOD past the last run's end, up to
     15 fragments, is lost.
     """
     separate_function()
-    if row[R.TARGET] == 2 or row[R.TARGET] == 3 or draw[R.STROKES]:
-        portable_level_of_detail(
-            draw,
-            run_starts,
-            run_x,
-            run_y,
-            runs,
-            triangles,
-            strokes,
-            x,
-            y,
-            inverse_w,
-            coordinates,
-            unit,
-            row,
-            levels,
-            ints,
-        )
-        return
     width, height = float64(levels[0, 1]), float64(levels[0, 2])
     if row[R.TARGET] == 4:  # coordinates that count texels already
         width = height = 1.0

@@ -6,7 +6,6 @@ from raster import rows as R
 from raster.arrays import JOB, PASS, SCRATCH
 from raster.kernel import float_of, kernel, separate_function
 from raster.sample import TAU
-from raster.unit import sample_unit
 from raster.vector_coordinates import cube_faces, depth_words, divide_by_q, fixed_from_floats
 from raster.vector_interpolate import (
     LARGEST_COORDINATE,
@@ -25,9 +24,9 @@ from raster.vector_texture import (
 )
 
 # How a unit is sampled (rows.JOB_UNIT_PATH): not at all; from one level, by coordinates that are counted in
-# texels as they are iterated; by the portable kernels; the first, by lambda; by computed coordinates (a cube
-# map's, divided by q, compared as depths, or of any size).
-DISABLED, ITERATED, PORTABLE, MIPMAPPED, COMPUTED = range(5)
+# texels as they are iterated; the same, by lambda; by computed coordinates (a cube map's, divided by q,
+# compared as depths, or of any size); by the portable engine only.
+DISABLED, ITERATED, MIPMAPPED, COMPUTED, PORTABLE = range(5)
 
 
 @kernel
@@ -101,18 +100,18 @@ def components_of(row, path):
 
 @kernel("b1(i8[::1],i8[::1],i8[:,::1],i4[:,:,::1],f8[:,:,::1])")
 def plan_units(job, draw, units, levels, coordinates):
-    """Fill in how a Draw's units are sampled; whether one of them is sampled by the portable kernels."""
+    """Fill in how a Draw's units are sampled; False where one of them is the portable engine's."""
     separate_function()
-    portable = False
     for u in range(4):
         job[R.JOB_UNIT_PATH + u] = job[R.JOB_COMPONENTS + u] = 0
     if not draw[R.NEEDS_COLOR]:
-        return portable
+        return True
     for u in range(draw[R.UNITS]):
         path = unit_path(units[u], levels[u], coordinates, u)
         job[R.JOB_UNIT_PATH + u] = path
-        portable = portable or path == PORTABLE
-        if path in (DISABLED, PORTABLE):
+        if path == PORTABLE:
+            return False
+        if path == DISABLED:
             continue
         job[R.JOB_COMPONENTS + u] = components_of(units[u], path)
         if path == COMPUTED:
@@ -129,14 +128,14 @@ def plan_units(job, draw, units, levels, coordinates):
             if same and same_coordinates(coordinates, other, u):
                 job[R.JOB_COORDINATES_OF + u], job[R.JOB_COMPONENTS + u] = other, 0
                 break
-    return portable
+    return True
 
 
 @kernel(void(JOB, PASS, int64, int64, int64, SCRATCH))
 def sample_computed(job, p, u, count, segments, scratch):
     """A unit whose coordinates are computed from the iterated ones."""
     separate_function()
-    row, levels, floats, ints = p.units[u], p.pair_levels[u], scratch.floats, scratch.ints
+    row, levels, floats, ints = p.units[u], p.levels[u], scratch.floats, scratch.ints
     located, f_s, f_t = scratch.located[u], ints[R.FIXED0 + 2 * u], ints[R.FIXED0 + 2 * u + 1]
     s, t, extra, r = floats[R.S], floats[R.T], floats[R.EXTRA], floats[R.COORDINATE0]
     cube, compared, projective = row[R.TARGET] == 2, row[R.COMPARE] != 0, row[R.PROJECTIVE] != 0
@@ -188,16 +187,7 @@ def sample(job, p, u, count, segments, runs, scratch):
     if path == COMPUTED:
         sample_computed(job, p, u, count, segments, scratch)
         return
-    if path == PORTABLE:
-        first, second = (p.texels0 if u == 0 else p.texels1), (p.texels2 if u == 2 else p.texels3)
-        texels = first if u < 2 else second
-        sample_unit(
-            p.draw, u, p.units, count, lists[R.STARTS], lists[R.OWNERS], segments, p.triangles, p.triangles,
-            p.x, p.y, p.inverse_w, p.coordinates, texels, p.levels[u], lists[R.RUN_STARTS], lists[R.RUN_X],
-            lists[R.RUN_Y], runs, floats, ints, scratch.packed, planes, ints[R.DEPTH_WORD], scratch.alive,
-        )  # fmt: skip
-        return
-    source, levels = job[R.JOB_COORDINATES_OF + u], p.pair_levels[u]
+    source, levels = job[R.JOB_COORDINATES_OF + u], p.levels[u]
     f_s, f_t = ints[R.FIXED0 + 2 * source], ints[R.FIXED0 + 2 * source + 1]
     if source == u:
         repeat_s, repeat_t = row[R.WRAP_S] == 0, row[R.WRAP_T] == 0
@@ -212,7 +202,7 @@ def sample(job, p, u, count, segments, runs, scratch):
         filter_located(pairs, row, scratch.located[source], count, planes, plane)
         return
     level_of_detail(
-        p.draw, lists[R.RUN_STARTS], lists[R.RUN_X], lists[R.RUN_Y], runs, p.triangles, p.triangles, p.x, p.y,
-        p.inverse_w, p.coordinates, u, row, p.levels[u], ints, floats[R.TEXEL], ints[R.LEVEL],
+        lists[R.RUN_STARTS], lists[R.RUN_X], lists[R.RUN_Y], runs, p.triangles, p.x, p.y, p.inverse_w,
+        p.coordinates, u, row, levels, ints, floats[R.TEXEL], ints[R.LEVEL],
     )  # fmt: skip
     filter_mipmapped(pairs, levels, row, f_s, f_t, ints[R.LOD], count, scratch.located[u], planes, plane)
