@@ -509,7 +509,7 @@ class _Queue:
         if count:
             self._counter[0] = 0
 
-            def share(number):
+            def share(number, _kept=draws):  # the arrays that the table names live as long as this
                 scratch = self._scratch_of(number)
                 return draw_frame(self._jobs, count, self._counter, self._batch, buffers, scratch)
 

@@ -42,24 +42,24 @@ class Threads:
         However it ends, all of them have ended. Raises what a share raised, the caller's first.
         """
         self._start()
-        ended = SimpleQueue()
-        for number, inbox in enumerate(self._inboxes, 1):
-            inbox.put((share, number, ended))
-        raised, total = [], 0
+        ended, handed, raised, total = SimpleQueue(), 0, [], 0
         try:
+            for number, inbox in enumerate(self._inboxes, 1):
+                inbox.put((share, number, ended))
+                handed = number
             total = share(0)
         except BaseException as error:
             raised.append(error)
-        for _ in self._inboxes:
-            outcome = None
-            while outcome is None:
-                try:
-                    outcome = ended.get()
-                except KeyboardInterrupt as error:  # not before nothing draws on behind the caller's back
-                    raised.append(error)
-            total += outcome[0]
-            if outcome[1] is not None:
-                raised.append(outcome[1])
+        while handed:
+            try:
+                outcome, error = ended.get()
+            except KeyboardInterrupt as interrupt:  # not before nothing draws on behind the caller's back
+                raised.append(interrupt)
+                continue
+            handed -= 1
+            total += outcome
+            if error is not None:
+                raised.append(error)
         if raised:
             raise raised[0]
         return total

@@ -436,10 +436,11 @@ def test_clear_and_draw_reach_the_scissor_box_alone(box, mask):
         color_mask=mask,
         stencil_write_mask=0b11110000,
     )
-    result = run(first, clear)
-    np.testing.assert_array_equal(result.framebuffer.color, expected)
-    np.testing.assert_array_equal(result.framebuffer.depth, np.where(inside, 2**23, 2**24 - 1))
-    np.testing.assert_array_equal(result.framebuffer.stencil, np.where(inside, 0b01101010, 0b10101010))
+    for engine in ENGINES:
+        result = run(first, clear, engine=engine)
+        np.testing.assert_array_equal(result.framebuffer.color, expected)
+        np.testing.assert_array_equal(result.framebuffer.depth, np.where(inside, 2**23, 2**24 - 1))
+        np.testing.assert_array_equal(result.framebuffer.stencil, np.where(inside, 0b01101010, 0b10101010))
     # A vertex colour keeps 14 significant bits: 200.3 / 255 truncates to 200, where 200 / 255 might not.
     mesh = Mesh(CORNERS, colors=[[(n + 0.3) / 255 for n in range(200, 204)]] * 3)
     draw = Draw(label="draw", mesh=mesh, state=PassState(scissor=box, color_mask=mask))
