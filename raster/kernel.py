@@ -9,12 +9,12 @@ import hashlib
 import inspect
 import os
 import tempfile
-import threading
 from pathlib import Path
 
 import numba
 from llvmlite import ir
 from numba import types
+from numba.core.compiler_lock import global_compiler_lock
 from numba.extending import intrinsic
 
 _SOURCES = Path(__file__).parent
@@ -73,24 +73,20 @@ def kernel(signature=None, *, allocates=False):
     return decorate
 
 
-_compiling = threading.RLock()
-
-
 def _compiled_when_called(dispatcher, signature):
     """A kernel of one signature that is compiled, or read from the cache, when Python or another kernel's
     compilation first calls it: what is only called by kernels that the cache has is never looked at.
     """
 
     def compiled():
-        with _compiling:
-            if "get_call_template" in vars(dispatcher):
-                del dispatcher.get_call_template, dispatcher._compile_for_args
+        with global_compiler_lock:
+            if not dispatcher.overloads:
                 dispatcher.compile(signature)
                 dispatcher.disable_compile()
 
     def get_call_template(args, keywords):
         compiled()
-        return dispatcher.get_call_template(args, keywords)
+        return type(dispatcher).get_call_template(dispatcher, args, keywords)
 
     def compile_for_args(*args):
         """The entry point, as Numba asks for it when no compiled kernel takes the arguments of a call."""
