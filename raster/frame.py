@@ -51,7 +51,7 @@ from raster.vector_interpolate import (
 )
 from raster.vector_unit import MIPMAPPED, plan_units, sample
 
-SMALL = 8  # pixels: triangles whose box is not larger share segments
+SMALL = 16  # pixels: triangles whose box is not wider share segments
 # 1/16 pixel: what shows of a larger triangle may be as small, but its edge functions need more than 32 bits,
 # and its area more than the 24 of ``mixed_depth``.
 LARGEST_SMALL = 2048
@@ -242,7 +242,7 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
     floats, ints, planes, lists = scratch.floats, scratch.ints, scratch.planes, scratch.lists
     needs_depth, has_offset = draw[R.NEEDS_DEPTH], draw[R.POLYGON_OFFSET]
     needs_weights, needs_color = draw[R.NEEDS_ITERATION_WEIGHTS], draw[R.NEEDS_COLOR]
-    mixes, perspective = batch >= SMALL * SMALL, job[R.JOB_PERSPECTIVE]
+    mixes, perspective = batch >= SMALL * BAND_HEIGHT, job[R.JOB_PERSPECTIVE]
     row_runs = job[R.JOB_ROW_RUNS]
     varies = needs_color and (draw[R.DIRECT] or draw[R.NEEDS_PRIMARY] or draw[R.NEEDS_SECONDARY])
     if varies and job[R.JOB_ONE_COLOR]:
@@ -276,11 +276,11 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
                 offset, _ = polygon_offset(draw, p.draw_float, v0, v1, v2, x, y, z, inverse_w)
         plain = solid_state and z0 == z1 and z1 == z2
         word = int32(min(max(z0 + offset, low), high)) if plain else int32(0)
-        small = mixes and not (finished or plain) and right - left < SMALL and last_row - first_row < SMALL
+        small = mixes and not (finished or plain) and right - left < SMALL
         small = small and x_most - x_least < LARGEST_SMALL and y_most - y_least < LARGEST_SMALL
         full = finished or plain != solid
         if small:  # room for its box
-            full = full or position + SMALL * SMALL > batch
+            full = full or position + (right - left + 1) * (last_row - first_row + 1) > batch
         elif plain:
             full = full or word != solid_word
         # Anything but a small triangle closes an open mixed segment.
@@ -319,35 +319,49 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
         if small:
             begin = position
             step0, step1, step2 = ramp_f64x8() * s0, ramp_f64x8() * s1, ramp_f64x8() * s2
-            # Two rows of eight pixels at a time: lane 8 is the next row's first pixel.
+            # Sixteen pixels at a time: one row, or where eight are enough two, lane 8 beginning the second.
+            wide = right - left >= 8
+            bits_of_row = int64(16 if wide else 8)
             lane = ramp_i32x16()
-            along, below = lane & 7, lane >> 3
+            along = lane if wide else lane & 7
+            below = lane ^ lane if wide else lane >> 3
             c0 = along * int32(right0) + below * int32(down0) + int32(n0 + tie0)
             c1 = along * int32(right1) + below * int32(down1) + int32(n1 + tie1)
             c2 = along * int32(right2) + below * int32(down2) + int32(n2 + tie2)
+            rows_at_once = int64(1 if wide else 2)
             columns = (int64(1) << (right - left + 1)) - 1
-            for row in range(first_row, last_row + 1, 2):
-                mask = mask_bits((c0 | c1 | c2) >= int32(0))
-                c0, c1, c2 = c0 + int32(2 * down0), c1 + int32(2 * down1), c2 + int32(2 * down2)
-                for half in range(2 if row < last_row else 1):
-                    bits = (mask >> (8 * half)) & columns
-                    if bits == 0:
-                        continue
-                    start, n = lowest_bit(bits), count_bits(bits)
-                    m0 = float64(n0 + start * right0 + (row + half - first_row) * down0)
-                    m1 = float64(n1 + start * right1 + (row + half - first_row) * down1)
-                    m2 = float64(n2 + start * right2 + (row + half - first_row) * down2)
-                    store(floats[R.N0], position, step0 + m0)
-                    store(floats[R.N1], position, step1 + m1)
-                    store(floats[R.N2], position, step2 + m2)
-                    at = (row + half) * width + left + start
-                    store(ints[R.PIXEL], position, ramp_i32x8() + int32(at))
-                    if row_runs:
-                        lists[R.RUN_STARTS, runs], lists[R.RUN_X, runs] = int32(position), int32(left + start)
-                        lists[R.RUN_Y, runs] = int32(row + half)
-                        ints[R.OWNER, runs] = t
-                        runs += 1
-                    position += n
+            mask = int64(0)
+            for row in range(last_row - first_row + 1):
+                if wide or row & 1 == 0:
+                    mask = mask_bits((c0 | c1 | c2) >= int32(0))
+                    c0 = c0 + int32(rows_at_once * down0)
+                    c1 = c1 + int32(rows_at_once * down1)
+                    c2 = c2 + int32(rows_at_once * down2)
+                else:
+                    mask >>= bits_of_row
+                bits = mask & columns
+                if bits == 0:
+                    continue
+                start, n = lowest_bit(bits), count_bits(bits)
+                m0 = float64(n0 + start * right0 + row * down0)
+                m1 = float64(n1 + start * right1 + row * down1)
+                m2 = float64(n2 + start * right2 + row * down2)
+                at = (first_row + row) * width + left + start
+                store(floats[R.N0], position, step0 + m0)
+                store(floats[R.N1], position, step1 + m1)
+                store(floats[R.N2], position, step2 + m2)
+                store(ints[R.PIXEL], position, ramp_i32x8() + int32(at))
+                if n > 8:
+                    store(floats[R.N0], position + 8, step0 + (m0 + 8.0 * s0))
+                    store(floats[R.N1], position + 8, step1 + (m1 + 8.0 * s1))
+                    store(floats[R.N2], position + 8, step2 + (m2 + 8.0 * s2))
+                    store(ints[R.PIXEL], position + 8, ramp_i32x8() + int32(at + 8))
+                if row_runs:
+                    lists[R.RUN_STARTS, runs], lists[R.RUN_X, runs] = int32(position), int32(left + start)
+                    lists[R.RUN_Y, runs] = int32(first_row + row)
+                    ints[R.OWNER, runs] = t
+                    runs += 1
+                position += n
             n = position - begin
             if n == 0:
                 continue
