@@ -17,6 +17,11 @@ EYE = slice(4, 8)
 _NEAREST_W = 2.0**-100  # where nothing is clipped at the near plane: w stays positive
 
 
+def _everywhere(column, count):
+    """A column as an array. NumPy's broadcast_to costs more than what is done with a short one."""
+    return column if column.ndim else np.broadcast_to(column, count)
+
+
 def _near(v):
     return v[2] + v[3]
 
@@ -74,19 +79,19 @@ def clip(triangles, columns, vertex_count, planes):
     for plane in planes:
         inside = plane(columns) >= 0
         if not np.all(inside):
-            violated.append((plane, ~np.broadcast_to(inside, vertex_count)[corners]))
+            violated.append((plane, ~_everywhere(inside, vertex_count)[corners]))
     if not violated:
         return triangles, columns, origin, 0
 
     touched = np.any([outside.any(axis=1) for _, outside in violated], axis=0)
     finite = np.ones(len(triangles), dtype=bool)
     for column in columns[CLIP]:
-        finite &= np.broadcast_to(np.isfinite(column), vertex_count)[corners].all(axis=1)
+        finite &= _everywhere(np.isfinite(column), vertex_count)[corners].all(axis=1)
     hidden = np.any([outside.all(axis=1) for _, outside in violated], axis=0)
     chosen = np.flatnonzero(touched & finite & ~hidden)
 
     # One row for each attribute, one column for each polygon vertex: plane distances read it like columns.
-    values = np.stack([np.broadcast_to(column, vertex_count)[corners[chosen].ravel()] for column in columns])
+    values = np.stack([_everywhere(column, vertex_count)[corners[chosen].ravel()] for column in columns])
     polygon = np.repeat(np.arange(len(chosen)), 3)
     for plane, outside in violated:
         values, polygon = _clip_polygons(values, polygon, plane, outside[chosen].any(axis=1))
@@ -100,7 +105,7 @@ def clip(triangles, columns, vertex_count, planes):
     origin = np.concatenate([origin[kept], chosen[fan_polygon]])
     order = np.argsort(origin, kind="stable")
     columns = [
-        np.concatenate([np.broadcast_to(column, vertex_count), new])
+        np.concatenate([_everywhere(column, vertex_count), new])
         for column, new in zip(columns, values, strict=True)
     ]
     return triangles[order], columns, origin[order], int(np.count_nonzero(~finite))
@@ -115,8 +120,8 @@ def clip_lines(rows, columns, vertex_count, planes):
     ends = rows[:, [1, 0]].astype(np.int64)  # the first vertex, then the second
     finite = np.ones(len(rows), dtype=bool)
     for column in columns[CLIP]:
-        finite &= np.broadcast_to(np.isfinite(column), vertex_count)[ends].all(axis=1)
-    values = [np.stack([np.broadcast_to(c, vertex_count)[ends[:, k]] for c in columns]) for k in (0, 1)]
+        finite &= _everywhere(np.isfinite(column), vertex_count)[ends].all(axis=1)
+    values = [np.stack([_everywhere(c, vertex_count)[ends[:, k]] for c in columns]) for k in (0, 1)]
     hidden, moved = ~finite, np.zeros(ends.shape, dtype=bool)
     for plane in planes:
         distances = [plane(values[0]), plane(values[1])]
@@ -136,7 +141,7 @@ def clip_lines(rows, columns, vertex_count, planes):
     rows = np.column_stack([ends[:, 1], ends[:, 0], ends[:, 0], rows[:, 3]]).astype(np.int32)
     if len(which):
         columns = [
-            np.concatenate([np.broadcast_to(column, vertex_count), added])
+            np.concatenate([_everywhere(column, vertex_count), added])
             for column, added in zip(columns, new, strict=True)
         ]
     return rows[kept], columns, np.flatnonzero(kept), int(np.count_nonzero(~finite))

@@ -50,6 +50,7 @@ from pipeline.state import (
 )
 from pipeline.textures import BASE_FORMAT, DEPTH_TEXELS, KEPT, register_components
 from raster import rows as R
+from raster.vertices import single_depths
 
 
 class PackedState(NamedTuple):
@@ -309,22 +310,15 @@ def _pack_depth(state, framebuffer, draw, draw_float):
         draw_float[R.OFFSET_UNITS] = polygon.offset_units
 
 
-_LARGEST = float(np.finfo(np.float32).max)
-
-
-def _single(depths):
-    """Depths as the chip has them: single precision, nothing between 0 and its smallest normal number.
+def _single(depths, scale=1.0):
+    """Depths times ``scale`` as the chip has them: single precision, nothing between 0 and the least normal
+    number.
 
     Measured: vertices below 2**-126 have depth 0 (DepthFmt_z24 FZy captures); Assumed: to nearest.
     """
-    low, high = depths.min(initial=_LARGEST), depths.max(initial=0.0)
-    if low >= 0.0 and high <= _LARGEST:  # the rule: positive, of ordinary size, and numbers
-        single = depths.astype(np.float32).astype(np.float64)
-        if low < 2.0**-125:
-            single[single < 2.0**-126] = 0.0
-        return single
-    single = np.fmin(np.fmax(depths, -_LARGEST), _LARGEST).astype(np.float32).astype(np.float64)
-    return np.where(np.abs(single) < 2.0**-126, 0.0, single)
+    single = np.empty(len(depths))
+    single_depths(depths, scale, single)
+    return single
 
 
 def depth_units(state, framebuffer, primitives):
@@ -337,7 +331,7 @@ def depth_units(state, framebuffer, primitives):
         is_float = framebuffer.depth_format < 0
         if is_float or state.vertex.depth_units:
             return _single(primitives.z)
-        return _single(primitives.z * FARTHEST[framebuffer.depth_format])
+        return _single(primitives.z, FARTHEST[framebuffer.depth_format])
 
 
 def _pack_tests(state, framebuffer, draw, draw_float):

@@ -3,7 +3,7 @@
 docs/numbers.md sections 1 and 2 fix every operation and its order; this module is that text on columns.
 """
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 
@@ -48,6 +48,7 @@ from raster.vertices import CHUNK, CLIPPED, FIRST_PROJECTIVE, UNUSUAL_W, transfo
 _NORMAL_MODES = frozenset({TexGenMode.SPHERE_MAP, TexGenMode.NORMAL_MAP, TexGenMode.REFLECTION_MAP})
 _REFLECTION_MODES = frozenset({TexGenMode.SPHERE_MAP, TexGenMode.REFLECTION_MAP})
 _FLOAT64_MANTISSA_BITS = 53
+_COLUMNS = ("x", "y", "z", "inverse_w", "colors", "coordinates", "fog")  # of WindowPrimitives
 
 
 def process(mesh, state, profile, width, height):
@@ -83,13 +84,13 @@ def process(mesh, state, profile, width, height):
     # Huge finite input may overflow to infinity and on to NaN. Such a triangle is dropped and counted below,
     # and colours and integers are made from clamped values only, so no warning is due.
     with np.errstate(all="ignore"):
-        primitives = None if plan is None else _unclipped(mesh, columns, plan, state, profile)
+        primitives = None if plan is None else _planned(mesh, columns, plan, state, profile, width, height)
         return process_columns(mesh, state, profile, width, height) if primitives is None else primitives
 
 
-def _unclipped(mesh, columns, plan, state, profile):
-    """The primitives of a mesh that no clipping plane touches, a kernel's work but for lighting, fog and
-    coordinates generated from normals; None if a plane does touch it.
+def _planned(mesh, columns, plan, state, profile, width, height):
+    """What a kernel computes, with lighting, fog and coordinates generated from normals column by column;
+    None if every triangle has to be clipped.
     """
     count = len(mesh.positions)
     x, y = np.empty(count, np.int32), np.empty(count, np.int32)
@@ -100,8 +101,13 @@ def _unclipped(mesh, columns, plan, state, profile):
         plan.given, plan.sums, plan.coefficients, plan.results, plan.parameters, x, y, z, inverse_w,
         coordinates, eye, np.empty((plan.rows, CHUNK)),
     )  # fmt: skip
+    touched = None
     if found & CLIPPED:
-        return None
+        outside = inverse_w == 0
+        touched = outside[plan.triangles[:, :3]].any(axis=1)
+        if touched.all():
+            return None
+        inverse_w[outside] = ONE
     known = {"orderly": not found & UNUSUAL_W}
     if plan.units:
         known["projective"] = tuple(bool(found >> FIRST_PROJECTIVE + unit & 1) for unit in range(plan.units))
@@ -122,7 +128,7 @@ def _unclipped(mesh, columns, plan, state, profile):
             coordinates = _stacked(count, _texture_coordinates(mesh, state, position, eye, normal))
     if not lit:
         colors, known["constant_color"] = _given_colors(mesh, columns, state.vertex, profile)
-    return WindowPrimitives(
+    primitives = WindowPrimitives(
         x=x,
         y=y,
         z=z,
@@ -133,7 +139,39 @@ def _unclipped(mesh, columns, plan, state, profile):
         triangles=plan.triangles,
         dropped=0,
         two_side=two_side,
-    ).knowing(**known)
+    )
+    if touched is None or not touched.any():
+        return primitives.knowing(**known)
+    vertices, rows = np.unique(plan.triangles[touched], return_inverse=True)
+    rows = rows.reshape(-1, 4).astype(np.int32)
+    part, origin, *_ = _process(_selected(mesh, vertices), rows, state, profile, width, height)
+    joined = _joined(primitives, part, vertices, touched, origin)
+    return joined.knowing(orderly=known["orderly"] and part.orderly)
+
+
+def _selected(mesh, vertices):
+    """A Mesh of some of a mesh's vertices."""
+    arrays = {f.name: getattr(mesh, f.name) for f in fields(mesh) if f.name not in ("indices", "edge_flags")}
+    arrays = {name: array[vertices] for name, array in arrays.items() if isinstance(array, np.ndarray)}
+    sets = tuple(array[vertices] for array in mesh.texture_coordinates)
+    return replace(mesh, indices=None, counts=None, edge_flags=None, texture_coordinates=sets, **arrays)
+
+
+def _joined(primitives, part, vertices, touched, origin):
+    """The triangles of ``primitives``, but in place of those that are ``touched`` the triangles of ``part``.
+
+    vertices: which of the primitives' the part began with; behind them are those that clipping added. origin:
+    which of the touched triangles each of the part's came from.
+    """
+    begun, count = len(vertices), len(primitives.x)
+    columns = {
+        name: np.concatenate([getattr(primitives, name), getattr(part, name)[begun:]]) for name in _COLUMNS
+    }
+    numbers = np.concatenate([vertices, np.arange(count, count + len(part.x) - begun)]).astype(np.int32)
+    others = np.flatnonzero(~touched)
+    triangles = np.concatenate([primitives.triangles[others], numbers[part.triangles]])
+    order = np.argsort(np.concatenate([others, np.flatnonzero(touched)[origin]]), kind="stable")
+    return replace(primitives, triangles=triangles[order], dropped=part.dropped, **columns)
 
 
 def _given_colors(mesh, columns, vertex, profile):
@@ -158,6 +196,15 @@ def _color_bits(vertex, profile):
 
 def process_columns(mesh, state, profile, width, height):
     """``process`` for any mesh and state, column by column."""
+    triangles = assemble(mesh, state.polygon.provoking_vertex)
+    primitives, origin, triangles, sizes = _process(mesh, triangles, state, profile, width, height)
+    return _with_strokes(primitives, mesh, state, triangles, origin, sizes)
+
+
+def _process(mesh, triangles, state, profile, width, height):
+    """The primitives of a mesh, without strokes; which of ``triangles``, its rows, each came from; the rows
+    as clipping left them; and the sizes of points, a column.
+    """
     vertex = state.vertex
     position = columns_of(mesh.positions, (0.0, 0.0, 0.0, 1.0))
     programmed = vertex.stage == VertexStage.PROGRAM_RESULTS
@@ -183,7 +230,6 @@ def process_columns(mesh, state, profile, width, height):
         *_texture_coordinates(mesh, state, position, eye, normal),
         point_sizes(mesh, state, profile, eye) if draws_points(mesh, state.polygon) else ONE,
     ]
-    triangles = assemble(mesh, state.polygon.provoking_vertex)
     polygons = mesh.primitive < PrimitiveType.POINTS
     if programmed:
         origin, dropped = np.arange(len(triangles)), 0
@@ -234,7 +280,7 @@ def process_columns(mesh, state, profile, width, height):
     if wraps:
         primitives = _cylinder_wrapped(primitives, state)
         sizes = np.broadcast_to(sizes, count)[triangles.reshape(-1)]
-    return _with_strokes(primitives, mesh, state, triangles, origin, sizes)
+    return primitives, origin, triangles, sizes
 
 
 def _wrap_modes(sampler):
@@ -248,10 +294,7 @@ def _cylinder_wrapped(primitives, state):
     Measured: s under REPEAT is, t under MIRRORED_REPEAT is not (CylinderWrapping capture).
     """
     corners = primitives.triangles.reshape(-1)
-    separate = {
-        name: getattr(primitives, name)[corners]
-        for name in ("x", "y", "z", "inverse_w", "colors", "coordinates", "fog")
-    }
+    separate = {name: getattr(primitives, name)[corners] for name in _COLUMNS}
     coordinates = separate["coordinates"].reshape(-1, 4, *separate["coordinates"].shape[1:])
     for number, unit in enumerate(state.texture_units):
         for axis, mode in enumerate(() if unit is None else _wrap_modes(unit.sampler)):

@@ -1,10 +1,10 @@
 """Vertices to window coordinates: sums of columns, then the division by w, the viewport and snapping.
 
 docs/numbers.md section 2 fixes the operations and their order. ``pipeline.vertex`` does the same in NumPy,
-column by column, for every mesh; this is for those that no clipping plane touches, which are nearly all.
+column by column, for every mesh; this is for vertices inside every clipping plane, which nearly all are.
 """
 
-from numba import int32, int64
+from numba import float32, float64, int32, int64
 
 from raster.kernel import kernel, separate_loop
 
@@ -41,6 +41,7 @@ CLIPPED, UNUSUAL_W, FIRST_PROJECTIVE = 1, 2, 2
 # 1/w beyond these would overflow the weights' products; such a triangle is dropped and counted.
 W_SMALLEST, W_LARGEST = 2.0**-400, 2.0**400
 _INFINITY = float("inf")
+_LARGEST_SINGLE, _SMALLEST_SINGLE = (2.0 - 2.0**-23) * 2.0**127, 2.0**-126
 
 
 @kernel
@@ -73,7 +74,7 @@ def _sum_4(out, a, b, c, d, c0, c1, c2, c3):
 
 @kernel
 def _project(clip_x, clip_y, clip_z, clip_w, parameters, x, y, z, inverse_w):
-    """Window coordinates of a chunk; returns the bits CLIPPED, which makes them void, and UNUSUAL_W."""
+    """Window coordinates of a chunk; returns the bits CLIPPED and UNUSUAL_W."""
     separate_loop()
     half_x, half_y = parameters[HALF_X], parameters[HALF_Y]
     center_x, center_y = parameters[CENTER_X], parameters[CENTER_Y]
@@ -99,7 +100,8 @@ def _project(clip_x, clip_y, clip_z, clip_w, parameters, x, y, z, inverse_w):
         inside &= (abs(xw) < _INFINITY) & (abs(yw) < _INFINITY) & (abs(zw) < _INFINITY)
         clipped |= int64(0) if inside else int64(CLIPPED)
         w = w if perspective else 1.0
-        unusual |= int64(0) if (w >= W_SMALLEST) & (w <= W_LARGEST) else int64(UNUSUAL_W)
+        ordinary = ((w >= W_SMALLEST) & (w <= W_LARGEST)) | (not inside)
+        unusual |= int64(0) if ordinary else int64(UNUSUAL_W)
         yw = height - yw if upper_left else yw
         xw = xw if xw > lowest else lowest
         yw = yw if yw > lowest else lowest
@@ -110,7 +112,7 @@ def _project(clip_x, clip_y, clip_z, clip_w, parameters, x, y, z, inverse_w):
         y[i] = row if upper_left else bottom - row
         zw = zw if zw > 0.0 else 0.0
         z[i] = zw if zw < 1.0 else 1.0
-        inverse_w[i] = w
+        inverse_w[i] = w if inside else 0.0
     return clipped | unusual
 
 
@@ -153,9 +155,9 @@ def transform_vertices(
     kept          float64[j, n]: columns that the caller asks for
     columns       float64[rows, CHUNK]: scratch
 
-    Returns bits: CLIPPED if a vertex lies outside a clipping plane or has no usable window coordinates, and
-    then nothing else counts; UNUSUAL_W if a 1/w is too large or too small to be drawn; from FIRST_PROJECTIVE
-    on, one for each unit some of whose q are not 1.
+    Returns bits: CLIPPED if some vertices lie outside a clipping plane or have no usable window coordinates:
+    their ``inverse_w`` is 0; UNUSUAL_W if the 1/w of another is too large or too small to be drawn; from
+    FIRST_PROJECTIVE on, one for each unit some of whose q are not 1.
     """
     vertices, units = x.shape[0], coordinates.shape[1]
     for i in range(CHUNK):
@@ -181,8 +183,6 @@ def transform_vertices(
             columns[results[0]], columns[results[1]], columns[results[2]], columns[results[3]], parameters,
             x[first:last], y[first:last], z[first:last], inverse_w[first:last],
         )  # fmt: skip
-        if bits & CLIPPED:
-            return bits
         for unit in range(units):
             r = results[4 + 4 * unit : 8 + 4 * unit]
             projective = _interleave(
@@ -192,3 +192,17 @@ def transform_vertices(
         for k in range(kept.shape[0]):
             _copy(kept[k, first:last], columns[results[4 + 4 * units + k], :n])
     return bits
+
+
+@kernel("void(f8[::1],f8,f8[::1])")
+def single_depths(depths, scale, out):
+    """``depths * scale`` in single precision, rounded to nearest: what is too large is the largest, what is
+    below the smallest normal number is 0, what is no number is the lowest.
+    """
+    separate_loop()
+    for i in range(out.shape[0]):
+        depth = depths[i] * scale
+        depth = depth if depth > -_LARGEST_SINGLE else -_LARGEST_SINGLE
+        depth = depth if depth < _LARGEST_SINGLE else _LARGEST_SINGLE
+        single = float64(float32(depth))
+        out[i] = 0.0 if abs(single) < _SMALLEST_SINGLE else single
