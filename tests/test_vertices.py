@@ -67,6 +67,7 @@ def is_by_kernel(primitives):
 def assert_equal_triangles(got, expected):
     """The same triangles, whatever places their vertices have."""
     assert (got.dropped, got.two_side, len(got.strokes)) == (expected.dropped, expected.two_side, 0)
+    assert (got.inverse_w > 0).all()  # of vertices that no triangle names as well
     for name in ("x", "y", "z", "inverse_w", "colors", "coordinates", "fog"):
         a, b = getattr(got, name), getattr(expected, name)
         assert (a.dtype, a.shape[1:], a.flags.c_contiguous) == (b.dtype, b.shape[1:], True), name
