@@ -132,24 +132,24 @@ def fill_draw(
     return True
 
 
-@kernel("void(u4[::1],i8,i8,u4,u4)")
-def clear_words(row, start, end, word, mask):
-    """Words [start, end) of a row, through a mask."""
+@kernel("void(u4[::1],u4,u4)")
+def clear_words(words, value, mask):
+    """Words to a value, through a mask."""
     separate_loop()
     if mask == uint32(0xFFFFFFFF):
-        for i in range(start, end):
-            row[i] = word
+        for i in range(words.shape[0]):
+            words[i] = value
     else:
-        for i in range(start, end):
-            row[i] = uint32(uint32(row[i] & uint32(~mask)) | uint32(word & mask))
+        for i in range(words.shape[0]):
+            words[i] = uint32(uint32(words[i] & uint32(~mask)) | uint32(value & mask))
 
 
-@kernel("void(u1[::1],i8,i8,u1,u1)")
-def clear_bytes(row, start, end, value, mask):
-    """Bytes [start, end) of a row, through a mask."""
+@kernel("void(u1[::1],u1,u1)")
+def clear_bytes(bytes_, value, mask):
+    """Bytes to a value, through a mask."""
     separate_loop()
-    for i in range(start, end):
-        row[i] = uint8(uint8(row[i] & uint8(~mask)) | uint8(value & mask))
+    for i in range(bytes_.shape[0]):
+        bytes_[i] = uint8(uint8(bytes_[i] & uint8(~mask)) | uint8(value & mask))
 
 
 @kernel("void(i8[::1],i8,u4[:,::1],u4[:,::1],u1[:,::1])")
@@ -160,11 +160,11 @@ def clear_band(job, band, color, depth_buffer, stencil):
     top, bottom = max(band * BAND_HEIGHT, job[R.JOB_Y0]), min((band + 1) * BAND_HEIGHT, job[R.JOB_Y1])
     for y in range(top, bottom):
         if buffers & 1:
-            clear_words(color[y], x0, x1, uint32(job[R.JOB_COLOR]), uint32(job[R.JOB_COLOR_MASK]))
+            clear_words(color[y, x0:x1], uint32(job[R.JOB_COLOR]), uint32(job[R.JOB_COLOR_MASK]))
         if buffers & 2:
-            clear_words(depth_buffer[y], x0, x1, uint32(job[R.JOB_DEPTH]), uint32(0xFFFFFFFF))
+            clear_words(depth_buffer[y, x0:x1], uint32(job[R.JOB_DEPTH]), uint32(0xFFFFFFFF))
         if buffers & 4:
-            clear_bytes(stencil[y], x0, x1, uint8(job[R.JOB_STENCIL]), uint8(job[R.JOB_STENCIL_MASK]))
+            clear_bytes(stencil[y, x0:x1], uint8(job[R.JOB_STENCIL]), uint8(job[R.JOB_STENCIL_MASK]))
 
 
 @kernel

@@ -223,6 +223,17 @@ def any_lane(typing_context, mask):
 
 
 @intrinsic
+def all_lanes(typing_context, mask):
+    """Whether a mask is set in every lane."""
+
+    def codegen(context, builder, signature, args):
+        bits = ir.IntType(mask.lanes)
+        return builder.icmp_unsigned("==", builder.bitcast(args[0], bits), ir.Constant(bits, -1))
+
+    return types.boolean(mask), codegen
+
+
+@intrinsic
 def mask_bits(typing_context, mask):
     """A mask of up to 63 lanes as an int64, lane 0 in the lowest bit."""
 

@@ -18,6 +18,7 @@ from raster.interpolate import depth_difference
 from raster.kernel import kernel, separate_function, separate_loop
 from raster.vector import (
     absolute,
+    all_lanes,
     any_lane,
     bits_of_lanes,
     f64x8,
@@ -74,6 +75,13 @@ def rest_to_largest(q0, q1, q2):
     """Weights of vertices 0 and 2, where the vertex with the largest one takes what the others leave
     (``interpolate.iteration_weights``).
     """
+    # Most vectors lie wholly beside one vertex, whose weight is above one half: no need to compare classes.
+    if all_lanes(q1 > 0.5):
+        return q0, q2
+    if all_lanes(q0 > 0.5):
+        return (1.0 - q1) - q2, q2
+    if all_lanes(q2 > 0.5):
+        return q0, (1.0 - q0) - q1
     c0, c1, c2 = weight_class(q0), weight_class(q1), weight_class(q2)
     first = (c0 >= c1) & (c0 > c2)
     last = (c2 >= c0) & ((c2 > c1) | ((c2 == c1) & (c0 == c1)))
@@ -346,17 +354,35 @@ def spread_colors(terms, position, count, colors, i0, i1, i2, provoking, side, f
 
 
 @kernel
-def texel_steps(q0, q2, v1, d0, d2, to_fixed):
-    """(the largest term, floor(256 u size)) of a coordinate u (``interpolate.iterate_coordinate``).
-
-    to_fixed: the exponent, in a float64's place, by which 24 bits of the largest term and 256 size differ.
+def terms_of(q0, q2, v1, d0, d2):
+    """(the largest, each at the 24 bits from the largest's highest, their sum) of a coordinate's terms, in
+    ``interpolate.iterate_coordinate``'s units.
     """
     p0, p2 = q0 * d0, q2 * d2
-    largest = maximum(maximum(absolute(p0), absolute(p2)), absolute(v1))
+    largest = maximum(maximum(maximum(absolute(p0), absolute(p2)), absolute(v1)), SMALLEST)
     exponent = bits_of_lanes(largest) & _EXPONENT
     steps = floats_of_lanes(int64(2069 << 52) - exponent)
     total = (truncated(v1 * steps) + truncated(p0 * steps)) + truncated(p2 * steps)
-    return largest, to_int32(floored(total * floats_of_lanes(exponent + to_fixed)))
+    return largest, exponent, total
+
+
+@kernel
+def term_of(q, d):
+    """The same where vertices 1 and either 0 or 2 have the coordinate zero: one term is left."""
+    p = q * d
+    largest = maximum(absolute(p), SMALLEST)
+    exponent = bits_of_lanes(largest) & _EXPONENT
+    return largest, exponent, truncated(p * floats_of_lanes(int64(2069 << 52) - exponent))
+
+
+@kernel
+def texels_of(largest, exponent, total, to_fixed):
+    """(whether wrapping rounds, floor(256 u size)) of a coordinate u.
+
+    to_fixed: the exponent, in a float64's place, by which 24 bits of the largest term and 256 size differ.
+    """
+    rounds = any_lane((largest < EXACT_FROM) & (total != 0.0))
+    return rounds, to_int32(floored(total * floats_of_lanes(exponent + to_fixed)))
 
 
 @kernel
@@ -391,9 +417,9 @@ def iterate_texels(lists, segments, triangles, coordinates, unit, component, log
             for i in range(begin, end, 16):
                 v1, d0, d2 = load_f64x16(base, i), load_f64x16(from0, i), load_f64x16(from2, i)
                 w0, w2 = load_f64x16(q0, i), load_f64x16(q2, i)
-                largest, fixed = texel_steps(w0, w2, v1, d0, d2, to_fixed)
+                rounds, fixed = texels_of(*terms_of(w0, w2, v1, d0, d2), to_fixed)
                 store(out, i, fixed)
-                if any_lane((largest < EXACT_FROM) & (largest > 0.0)):
+                if rounds:
                     for k in range(i, min(i + 16, end)):
                         out[k] = exact_steps(q0[k], q2[k], base[k], from0[k], from2[k], size, repeat)
             continue
@@ -401,22 +427,23 @@ def iterate_texels(lists, segments, triangles, coordinates, unit, component, log
         c0 = coordinates[triangles[t, 0], unit, component] - c1
         c2 = coordinates[triangles[t, 2], unit, component] - c1
         v1, d0, d2 = f64x16(c1), f64x16(c0), f64x16(c2)
+        one_term, only0 = c1 == 0.0 and (c0 == 0.0 or c2 == 0.0), c2 == 0.0
         for i in range(begin, end, 16):
-            largest, fixed = texel_steps(load_f64x16(q0, i), load_f64x16(q2, i), v1, d0, d2, to_fixed)
+            if one_term:
+                q, d = (load_f64x16(q0, i), d0) if only0 else (load_f64x16(q2, i), d2)
+                rounds, fixed = texels_of(*term_of(q, d), to_fixed)
+            else:
+                terms = terms_of(load_f64x16(q0, i), load_f64x16(q2, i), v1, d0, d2)
+                rounds, fixed = texels_of(*terms, to_fixed)
             store(out, i, fixed)
-            if any_lane((largest < EXACT_FROM) & (largest > 0.0)):
+            if rounds:
                 for k in range(i, min(i + 16, end)):
                     out[k] = exact_steps(q0[k], q2[k], c1, c0, c2, size, repeat)
 
 
 @kernel
-def float_sum(q0, q2, v1, d0, d2):
-    """A coordinate itself (``interpolate.iterate_coordinate``)."""
-    p0, p2 = q0 * d0, q2 * d2
-    largest = maximum(maximum(maximum(absolute(p0), absolute(p2)), absolute(v1)), SMALLEST)
-    exponent = bits_of_lanes(largest) & _EXPONENT
-    steps = floats_of_lanes(int64(2069 << 52) - exponent)
-    total = (truncated(v1 * steps) + truncated(p0 * steps)) + truncated(p2 * steps)
+def float_of_terms(largest, exponent, total):
+    """A coordinate itself."""
     return total * floats_of_lanes(exponent - int64(23 << 52))
 
 
@@ -433,14 +460,26 @@ def iterate_floats(lists, segments, triangles, coordinates, unit, component, flo
         if t < 0:
             for i in range(begin, end, 16):
                 v1, d0, d2 = load_f64x16(base, i), load_f64x16(from0, i), load_f64x16(from2, i)
-                store(out, i, float_sum(load_f64x16(q0, i), load_f64x16(q2, i), v1, d0, d2))
+                terms = terms_of(load_f64x16(q0, i), load_f64x16(q2, i), v1, d0, d2)
+                store(out, i, float_of_terms(*terms))
             continue
         c1 = coordinates[triangles[t, 1], unit, component]
-        v1 = f64x16(c1)
-        d0 = f64x16(coordinates[triangles[t, 0], unit, component] - c1)
-        d2 = f64x16(coordinates[triangles[t, 2], unit, component] - c1)
+        c0 = coordinates[triangles[t, 0], unit, component] - c1
+        c2 = coordinates[triangles[t, 2], unit, component] - c1
+        v1, d0, d2 = f64x16(c1), f64x16(c0), f64x16(c2)
+        if c0 == 0.0 and c2 == 0.0:
+            value = float_of_terms(*terms_of(d0, d2, v1, d0, d2))
+            for i in range(begin, end, 16):
+                store(out, i, value)
+            continue
+        one_term, only0 = c1 == 0.0 and (c0 == 0.0 or c2 == 0.0), c2 == 0.0
         for i in range(begin, end, 16):
-            store(out, i, float_sum(load_f64x16(q0, i), load_f64x16(q2, i), v1, d0, d2))
+            if one_term:
+                q, d = (load_f64x16(q0, i), d0) if only0 else (load_f64x16(q2, i), d2)
+                store(out, i, float_of_terms(*term_of(q, d)))
+            else:
+                terms = terms_of(load_f64x16(q0, i), load_f64x16(q2, i), v1, d0, d2)
+                store(out, i, float_of_terms(*terms))
 
 
 @kernel("void(f8[:,::1],i8,i8,f8[:,:,::1],i8,i8,i4,i4,i4)")
