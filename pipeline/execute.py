@@ -356,12 +356,15 @@ class _Prepared:
 
         p, packed = self.primitives, self.packed
         texels = [_NO_TEXELS if texels is None else texels.packed for texels in self.texels]
-        return draw_bands(
+        count = draw_bands(
             packed.draw, packed.draw_float, packed.program, packed.final, packed.constants, packed.arithmetic,
             packed.factors, p.triangles, p.strokes, p.x, p.y, packed.depths, p.inverse_w, p.colors,
             p.coordinates, p.fog, packed.fog_thresholds, *texels, self.levels, packed.units,
             self.order, self.ends, first, step, batch, *buffers, record,
         )  # fmt: skip
+        if count < 0:
+            raise ValueError("A pass's rows would lead outside an array; take them from pipeline.pack.pack.")
+        return count
 
     def fill_job(self):
         """Make ``job``."""

@@ -53,13 +53,19 @@ def count_bins(triangles, strokes, x, y, inverse_w, draw, counts, spans):
     """Bands of every primitive into ``spans`` int32[primitives, 2] and primitives per band into ``counts``.
 
     Culling, empty areas and what lies outside the scissor box end here. Returns how many primitives were
-    dropped because a position was not usable.
+    dropped because a position was not usable: all of them where the box reaches over the bands, or where
+    strokes are missing (``raster.check``).
     """
     dropped = int64(0)
+    usable = draw[R.Y0] >= 0 and 0 <= draw[R.Y1] <= counts.shape[0] << BAND_SHIFT
+    usable = usable and (not draw[R.STROKES] or strokes.shape[0] >= triangles.shape[0])
     for band in range(counts.shape[0]):
         counts[band] = 0
     for t in range(triangles.shape[0]):
         spans[t, 0], spans[t, 1] = int32(1), int32(0)
+        if not usable:
+            dropped += 1
+            continue
         if not sane(triangles, t, x.shape[0], inverse_w):
             dropped += 1
             continue
@@ -164,7 +170,8 @@ def sort_triangles(triangles, x, y, draw, points, corners, left, ends, order):
     """
     positive, negative = draw[R.CULL_POSITIVE] == 0, draw[R.CULL_NEGATIVE] == 0
     x_first, x_last = int32(draw[R.X0]), int32(draw[R.X1] - 1)
-    y_first, y_last = int32(draw[R.Y0]), int32(draw[R.Y1] - 1)
+    y_first = int32(max(draw[R.Y0], 0))
+    y_last = int32(min(max(draw[R.Y1], 0), ends.shape[0] << BAND_SHIFT) - 1)
     a, b, c, bands = corners[0], corners[1], corners[2], corners[3]
     _join(x, y, points)
     count = uint64(0)

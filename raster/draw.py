@@ -11,6 +11,7 @@ from numba import float64, int32, int64
 
 from raster import rows as R
 from raster.bins import BAND_HEIGHT
+from raster.check import usable
 from raster.combine import copy_plane, fill_plane, final_combiner, general_combiner
 from raster.interpolate import (
     color_weights,
@@ -219,8 +220,15 @@ def draw_bands(
     Rows are laid out as ``raster.rows`` says. ``order`` and ``ends`` are what ``raster.bins.fill_bins``
     leaves: the primitives of band b are ``order[ends[b - 1]:ends[b]]``. ``record`` int32[n, 4] takes
     (primitive, x, y, passed) of every fragment while it has room (n = 0: nothing is recorded). Returns the
-    number of fragments drawn.
+    number of fragments drawn; -1, and nothing is drawn, where rows or columns would lead a kernel outside an
+    array (``raster.check``).
     """
+    if batch < 16 or band_step < 1 or not usable(
+        draw, draw_float, program, final, constants, factors, triangles, strokes, x.shape[0], inverse_w,
+        colors, coordinates, fog_thresholds, texels0.shape[0], texels1.shape[0], texels2.shape[0],
+        texels3.shape[0], levels, units, color.shape[0], color.shape[1],
+    ):  # fmt: skip
+        return int64(-1)
     e0, e1, e2 = np.empty(batch, np.float64), np.empty(batch, np.float64), np.empty(batch, np.float64)
     depth = np.empty(batch, np.int32)
     floats = np.empty((R.FLOAT_COLUMNS, batch), np.float64)

@@ -11,6 +11,7 @@ from numba import float64, int16, int32, int64, uint8, uint32, void
 from raster import rows as R
 from raster.arrays import BUFFERS, JOB, JOBS, PASS, SCRATCH, Pass
 from raster.bins import BAND_HEIGHT
+from raster.check import usable_job, usable_levels
 from raster.fixed import truncate_24
 from raster.kernel import kernel, next_of, separate_function, separate_loop
 from raster.records import (
@@ -49,7 +50,7 @@ from raster.vector_interpolate import (
     spread_coordinates,
     spread_depth,
 )
-from raster.vector_unit import MIPMAPPED, plan_units, sample
+from raster.vector_unit import DISABLED, MIPMAPPED, plan_units, sample
 
 SMALL = 16  # pixels: triangles whose box is not wider share segments
 # 1/16 pixel: what shows of a larger triangle may be as small, but its edge functions need more than 32 bits,
@@ -80,8 +81,12 @@ def fill_draw(
     pairs1, pairs2, pairs3, levels, units, order, ends,
 ):  # fmt: skip
     """Row k of ``jobs`` from a Draw's arrays, which must outlive it; False where the vector engine does not
-    cover the Draw.
+    cover the Draw, or where its arrays would lead a kernel outside of them (``raster.check``).
     """
+    if not usable_job(
+        draw, draw_float, plan, factors, triangles, x.shape[0], inverse_w, colors, coordinates, levels, units
+    ):
+        return False
     unusual = (
         draw[R.STROKES] | draw[R.STIPPLE] | draw[R.WINDOW_CLIP] | draw[R.W_BUFFERING] | draw[R.DEPTH_FORMAT]
     ) | (draw[R.DEPTH_CULL] | draw[R.FOG_ENABLED] | draw[R.TEXTURE_SHADER] | draw[R.DISCARDS])
@@ -101,6 +106,13 @@ def fill_draw(
             perspective = True
             break
     job[R.JOB_PERSPECTIVE] = perspective
+    for edge in range(4):
+        job[R.JOB_X0 + edge] = draw[R.X0 + edge]
+    sizes = (pairs0.shape[0], pairs1.shape[0], pairs2.shape[0], pairs3.shape[0])
+    job[R.JOB_USABLE] = 1
+    for u in range(draw[R.UNITS]):
+        if job[R.JOB_UNIT_PATH + u] != DISABLED and not usable_levels(units[u], levels[u], sizes[u], True):
+            job[R.JOB_USABLE] = 0
     job[R.JOB_ONE_COLOR] = draw[R.FLAT] == 2 and draw[R.BACK_SIGN] == 0
     job[R.JOB_VERTICES], job[R.JOB_PRIMITIVES] = x.shape[0], triangles.shape[0]
     job[R.JOB_UNITS], job[R.JOB_MEMBERS] = coordinates.shape[1], order.shape[0]
@@ -130,6 +142,14 @@ def fill_draw(
     job[R.JOB_PAIR_COUNT + 2] = pairs2.shape[0]
     job[R.JOB_PAIR_COUNT + 3] = pairs3.shape[0]
     return True
+
+
+@kernel
+def fits(job, height, width, bands):
+    """Whether a job's pixels and bands are the framebuffer's, and its textures there."""
+    inside = 0 <= job[R.JOB_X0] <= width and 0 <= job[R.JOB_X1] <= width
+    inside = inside and 0 <= job[R.JOB_Y0] <= height and 0 <= job[R.JOB_Y1] <= height
+    return inside and (job[R.JOB_KIND] == 0 or (job[R.JOB_USABLE] != 0 and job[R.JOB_BANDS] >= bands))
 
 
 @kernel("void(u4[::1],u4,u4)")
@@ -431,14 +451,18 @@ def draw_frame(jobs, count, counter, batch, buffers, scratch):
     """Run the first ``count`` jobs on every band that ``counter`` int64[1] still gives.
 
     Threads that share a frame call this with one counter, which began at 0, and each its own Scratch of at
-    least ``batch`` columns. Returns how many fragments this call drew.
+    least ``batch`` columns. Returns how many fragments this call drew. A job that is larger than the
+    framebuffer, or whose textures are not there, is left out.
     """
     fragments = int64(0)
-    bands = (int64(buffers.color.shape[0]) + BAND_HEIGHT - 1) // BAND_HEIGHT
+    height, width = buffers.color.shape
+    bands = (int64(height) + BAND_HEIGHT - 1) // BAND_HEIGHT
     band = next_of(counter)
     while band < bands:
         for k in range(count):
             job = jobs[k]
+            if not fits(job, height, width, bands):
+                continue
             if job[R.JOB_KIND] == 0:
                 clear_band(job, band, buffers.color, buffers.depth, buffers.stencil)
                 continue

@@ -247,6 +247,7 @@ STARTS, OWNERS, BACKS, RUN_STARTS, RUN_X, RUN_Y, LISTS = range(7)
     JOB_STENCIL,
     JOB_STENCIL_MASK,
     JOB_ROW_RUNS,  # 1: every row of a small triangle is a run (lambda needs them)
+    JOB_USABLE,  # 1: what the units read lies inside their row pairs
     JOB_PERSPECTIVE,  # 1: some 1/w differ
     JOB_ONE_COLOR,  # 1: no vertex has colours of its own
     JOB_VERTICES,
@@ -257,7 +258,7 @@ STARTS, OWNERS, BACKS, RUN_STARTS, RUN_X, RUN_Y, LISTS = range(7)
     JOB_BANDS,
     JOB_OPERATIONS,  # of the combiner plan
     JOB_UNIT_PATH,  # of each unit: raster/vector_unit.py
-) = range(22)
+) = range(23)
 JOB_LOG2_S = JOB_UNIT_PATH + 4
 JOB_LOG2_T = JOB_LOG2_S + 4
 JOB_COORDINATES_OF = JOB_LOG2_T + 4  # the first unit with the same texel coordinates

@@ -205,6 +205,9 @@ def check(frame):
         compare(frame, ways)
     except Mismatch as mismatch:
         raise shrunk(mismatch) from None
+    except Exception as error:
+        error.add_note(f"while drawing seed {frame.seed}; again: python -m tests.fuzz --seed {frame.seed}")
+        raise
     return int(frame.small)
 
 
