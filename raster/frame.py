@@ -49,13 +49,16 @@ from raster.vector_interpolate import (
     spread_colors,
     spread_coordinates,
     spread_depth,
+    triangle_depth,
+    triangle_weights,
 )
 from raster.vector_unit import DISABLED, MIPMAPPED, plan_units, sample
 
-SMALL = 16  # pixels: triangles whose box is not wider share segments
+SMALL = 32  # pixels: triangles whose box is not wider share segments
 # 1/16 pixel: what shows of a larger triangle may be as small, but its edge functions need more than 32 bits,
 # and its area more than the 24 of ``mixed_depth``.
 LARGEST_SMALL = 2048
+ALONE = 32  # fragments: from here on a triangle is a segment of its own
 
 
 @kernel("void(i8[:,::1],i8,i8,i8,i8,i8,i8,i8,i8,i8,i8,i8)")
@@ -247,6 +250,17 @@ def edge_tie(right, down):
     return int64(0) if right > 0 or (right == 0 and down > 0) else int64(-1)
 
 
+@kernel
+def close_mixed(job, draw, floats, ints, start, end, low, high):
+    """Weights and depth words of the mixed segment that began at ``start`` (-1: none is open); -1."""
+    if start >= 0:
+        if draw[R.NEEDS_ITERATION_WEIGHTS]:
+            mixed_weights(floats, start, end, job[R.JOB_PERSPECTIVE])
+        if draw[R.NEEDS_DEPTH]:
+            mixed_depth(floats, ints[R.DEPTH_WORD], start, end, low, high)
+    return int64(-1)
+
+
 @kernel(int64(JOB, PASS, int32[::1], int64, int64, BUFFERS, SCRATCH))
 def draw_band(job, p, members, band, batch, buffers, scratch):
     """The rows of ``band`` of a Draw whose triangles there are ``members``; returns how many fragments.
@@ -268,6 +282,7 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
     if varies and job[R.JOB_ONE_COLOR]:
         varies = False
         one_color(colors[triangles[members[0], 3], 0], planes)
+    channels = int64(8 if draw[R.NEEDS_SECONDARY] else 4)
     solid_state = not needs_color or (draw[R.DIRECT] and job[R.JOB_ONE_COLOR])
     flat, farthest = draw[R.FLAT], float64(draw[R.DEPTH_MAX])
     low = min(max(p.draw_float[R.DEPTH_LOW], 0.0), farthest)
@@ -304,12 +319,8 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
         elif plain:
             full = full or word != solid_word
         # Anything but a small triangle closes an open mixed segment.
-        if mixed_from >= 0 and (full or not small):
-            if needs_weights:
-                mixed_weights(floats, mixed_from, position, perspective)
-            if needs_depth:
-                mixed_depth(floats, ints[R.DEPTH_WORD], mixed_from, position, low, high)
-            mixed_from = int64(-1)
+        if full or not small:
+            mixed_from = close_mixed(job, draw, floats, ints, mixed_from, position, low, high)
         if full:
             if position > 0:
                 count = longest if solid else position
@@ -339,9 +350,9 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
         if small:
             begin = position
             step0, step1, step2 = ramp_f64x8() * s0, ramp_f64x8() * s1, ramp_f64x8() * s2
-            # Sixteen pixels at a time: one row, or where eight are enough two, lane 8 beginning the second.
-            wide = right - left >= 8
-            bits_of_row = int64(16 if wide else 8)
+            # Sixteen pixels at a time: half a row, one, or where eight are enough two, lane 8 beginning the
+            # second.
+            wide, wider = right - left >= 8, right - left >= 16
             lane = ramp_i32x16()
             along = lane if wide else lane & 7
             below = lane ^ lane if wide else lane >> 3
@@ -354,11 +365,14 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
             for row in range(last_row - first_row + 1):
                 if wide or row & 1 == 0:
                     mask = mask_bits((c0 | c1 | c2) >= int32(0))
+                    if wider:
+                        d0, d1, d2 = c0 + int32(16 * right0), c1 + int32(16 * right1), c2 + int32(16 * right2)
+                        mask |= mask_bits((d0 | d1 | d2) >= int32(0)) << int64(16)
                     c0 = c0 + int32(rows_at_once * down0)
                     c1 = c1 + int32(rows_at_once * down1)
                     c2 = c2 + int32(rows_at_once * down2)
                 else:
-                    mask >>= bits_of_row
+                    mask >>= int64(8)
                 bits = mask & columns
                 if bits == 0:
                     continue
@@ -371,11 +385,11 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
                 store(floats[R.N1], position, step1 + m1)
                 store(floats[R.N2], position, step2 + m2)
                 store(ints[R.PIXEL], position, ramp_i32x8() + int32(at))
-                if n > 8:
-                    store(floats[R.N0], position + 8, step0 + (m0 + 8.0 * s0))
-                    store(floats[R.N1], position + 8, step1 + (m1 + 8.0 * s1))
-                    store(floats[R.N2], position + 8, step2 + (m2 + 8.0 * s2))
-                    store(ints[R.PIXEL], position + 8, ramp_i32x8() + int32(at + 8))
+                for done in range(8, n, 8):
+                    store(floats[R.N0], position + done, step0 + (m0 + float64(done) * s0))
+                    store(floats[R.N1], position + done, step1 + (m1 + float64(done) * s1))
+                    store(floats[R.N2], position + done, step2 + (m2 + float64(done) * s2))
+                    store(ints[R.PIXEL], position + done, ramp_i32x8() + int32(at + done))
                 if row_runs:
                     lists[R.RUN_STARTS, runs], lists[R.RUN_X, runs] = int32(position), int32(left + start)
                     lists[R.RUN_Y, runs] = int32(first_row + row)
@@ -385,13 +399,25 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
             n = position - begin
             if n == 0:
                 continue
+            if not row_runs and (runs == 0 or lists[R.RUN_Y, runs - 1] >= 0):
+                lists[R.RUN_STARTS, runs], lists[R.RUN_Y, runs] = int32(begin), int32(-1)
+                runs += 1
+            if n >= ALONE:
+                mixed_from = close_mixed(job, draw, floats, ints, mixed_from, begin, low, high)
+                lists[R.STARTS, segments], lists[R.OWNERS, segments] = int32(begin), t
+                lists[R.BACKS, segments] = back
+                segments += 1
+                doubled = float64(area)
+                if needs_weights:
+                    triangle_weights(floats, begin, n, iw0, iw1, iw2, doubled)
+                if needs_depth:
+                    words = ints[R.DEPTH_WORD]
+                    triangle_depth(floats, words, begin, n, z0, z1, z2, doubled, offset, low, high)
+                continue
             if mixed_from < 0:
                 mixed_from = begin
                 lists[R.STARTS, segments], lists[R.OWNERS, segments] = int32(begin), int32(-1)
                 segments += 1
-                if not row_runs:
-                    lists[R.RUN_STARTS, runs], lists[R.RUN_Y, runs] = int32(begin), int32(-1)
-                    runs += 1
             if needs_weights:
                 if perspective:
                     spread(floats[R.INVERSE_W0], begin, n, iw0)
@@ -402,8 +428,8 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
             if needs_depth:
                 spread_depth(floats, begin, n, z0, z1, z2, float64(area), offset)
             if varies:
-                provoking = triangles[t, 3]
-                spread_colors(planes[R.COLOR_TERMS :], begin, n, colors, v0, v1, v2, provoking, back, flat)
+                terms, provoking = planes[R.COLOR_TERMS :], triangles[t, 3]
+                spread_colors(terms, begin, n, colors, channels, v0, v1, v2, provoking, back, flat)
             for u in range(draw[R.UNITS]):
                 components = job[R.JOB_COMPONENTS + u]
                 if components:

@@ -610,6 +610,22 @@ def next_lanes(typing_context, a):
     return a(a), codegen
 
 
+@intrinsic
+def distinct_lanes(typing_context, a):
+    """Whether no two lanes hold the same integer."""
+
+    def codegen(context, builder, signature, args):
+        equal = None
+        for distance in range(1, a.lanes // 2 + 1):
+            order = [(lane + distance) % a.lanes for lane in range(a.lanes)]
+            found = builder.icmp_signed("==", args[0], _shuffle(builder, args[0], args[0], order))
+            equal = found if equal is None else builder.or_(equal, found)
+        bits = ir.IntType(a.lanes)
+        return builder.icmp_unsigned("==", builder.bitcast(equal, bits), ir.Constant(bits, 0))
+
+    return types.boolean(a), codegen
+
+
 def _index(context, builder, array, args, at, lane):
     """An element of an int32 array as an int64 that is not negative."""
     struct = context.make_array(array)(context, builder, args)

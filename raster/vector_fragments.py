@@ -16,11 +16,13 @@ from raster.vector import (
     below,
     bytes_of,
     bytes_of_lanes,
+    distinct_lanes,
     halves_of_lanes,
     i16x4,
     i32x16,
     lanes_of_bytes,
     lanes_of_halves,
+    load_each_i32x16,
     load_i32x16,
     load_i32x16_where,
     load_i32x32,
@@ -313,8 +315,8 @@ def scatter_add(color, pixel, start, end, source, alive, mask):
 
 
 @kernel("void(u4[::1],i4[::1],i8,i8,u4[::1],u1[::1],i4[:,::1],u4)")
-def scatter_blend(color, pixel, start, end, source, alive, factors, mask):
-    """``portable.blend_run`` with FUNC_ADD of living fragments start..end-1, in order."""
+def scatter_blend_few(color, pixel, start, end, source, alive, factors, mask):
+    """``scatter_blend`` one by one: where pixels meet, or for less than a vector of them."""
     separate_loop()
     of_source, of_destination = terms_of_four(factors[0]), terms_of_four(factors[1])
     top = quarters_of(int64(255) << 48)  # alpha's saturate term is one
@@ -327,6 +329,31 @@ def scatter_blend(color, pixel, start, end, source, alive, factors, mask):
         least = i16x4(int16(min(sa, int32(255 - da)))) | top
         result = blend_lanes(of_source, of_destination, s, d, i16x4(int16(sa)), i16x4(int16(da)), least)
         color[at] = portable.merge(packed_of(narrow_u8(result)), old, mask, alive[k])
+
+
+@kernel("void(u4[::1],i4[::1],i8,i8,u4[::1],u1[::1],i4[:,::1],u4)")
+def scatter_blend(color, pixel, start, end, source, alive, factors, mask):
+    """``portable.blend_run`` with FUNC_ADD of living fragments start..end-1, in order.
+
+    Sixteen at a time where no two of them have one pixel; ``source`` is then overwritten.
+    """
+    separate_loop()
+    even_source, odd_source = terms_of_two(factors[0], int64(0)), terms_of_two(factors[0], int64(1))
+    even_destination, odd_destination = terms_of_two(factors[1], int64(0)), terms_of_two(factors[1], int64(1))
+    whole = start + ((end - start) & ~15)
+    for i in range(start, whole, 16):
+        if not distinct_lanes(load_i32x16(pixel, i)):
+            scatter_blend_few(color, pixel, i, i + 16, source, alive, factors, mask)
+            continue
+        s, d = load_i32x16(source, i), load_each_i32x16(color, pixel, i)
+        result = blend_colors(s, d, even_source, even_destination, odd_source, odd_destination)
+        store(source, i, d ^ ((d ^ result) & int32(mask)))
+        for j in range(i, i + 16):
+            k = uint64(j)
+            at = uint64(pixel[k])
+            color[at] = source[k] if alive[k] else color[at]
+    if whole < end:
+        scatter_blend_few(color, pixel, whole, end, source, alive, factors, mask)
 
 
 # ------------------------------------------------------------------------------------------------- a batch

@@ -114,6 +114,24 @@ def run_weights(floats, position, count, n0, n1, n2, right0, right1, right2, iw0
         a0, a1, a2 = a0 + step0, a1 + step1, a2 + step2
 
 
+@kernel("void(f8[:,::1],i8,i8,f8,f8,f8,f8)")
+def triangle_weights(floats, position, count, iw0, iw1, iw2, area):
+    """Q0 and Q2 of a triangle's fragments, which carry their edge functions in columns."""
+    separate_loop()
+    n0, n1, n2 = floats[R.N0], floats[R.N1], floats[R.N2]
+    out0, out2 = floats[R.Q0], floats[R.Q2]
+    perspective = not (iw0 == 1.0 and iw1 == 1.0 and iw2 == 1.0)
+    reciprocal = f64x16(truncate_24(1.0 / area))
+    for i in range(position, position + count, 16):
+        e0, e1, e2 = load_f64x16(n0, i), load_f64x16(n1, i), load_f64x16(n2, i)
+        if perspective:
+            e0, e1, e2 = e0 * iw0, e1 * iw1, e2 * iw2
+            reciprocal = keep_24(1.0 / ((e0 + e1) + e2))
+        w0, w2 = rest_to_largest(keep_24(e0 * reciprocal), keep_24(e1 * reciprocal), keep_24(e2 * reciprocal))
+        store(out0, i, w0)
+        store(out2, i, w2)
+
+
 @kernel("void(f8[:,::1],i8,i8,i8)")
 def mixed_weights(floats, start, end, perspective):
     """Q0 and Q2 of fragments that carry their edge functions and 1/w, or the area's reciprocal."""
@@ -190,6 +208,21 @@ def run_depth(words, position, count, n0, n1, n2, right0, right1, right2, z0, z1
         z = depth_of(e0, e1, e2, floats_of_lanes(lessened), v0, v1, v2, v10, v20, v21)
         store(words, position + i, fixed_depth(z, offset, low, high))
         a0, a1, a2 = a0 + step0, a1 + step1, a2 + step2
+
+
+@kernel("void(f8[:,::1],i4[::1],i8,i8,f8,f8,f8,f8,f8,f8,f8)")
+def triangle_depth(floats, words, position, count, z0, z1, z2, area, offset, low, high):
+    """Depth words of a triangle's fragments, which carry their edge functions; its area is below 2**24."""
+    separate_loop()
+    n0, n1, n2 = floats[R.N0], floats[R.N1], floats[R.N2]
+    reciprocal = f64x16(reciprocal_29(1.0 / area))
+    v0, v1, v2 = f64x16(z0), f64x16(z1), f64x16(z2)
+    v10, v20 = f64x16(depth_difference(z1, z0)), f64x16(depth_difference(z2, z0))
+    v21 = f64x16(depth_difference(z2, z1))
+    for i in range(position, position + count, 16):
+        e0, e1, e2 = load_f64x16(n0, i), load_f64x16(n1, i), load_f64x16(n2, i)
+        z = depth_of(e0, e1, e2, reciprocal, v0, v1, v2, v10, v20, v21)
+        store(words, i, fixed_depth(z, offset, low, high))
 
 
 @kernel("void(f8[:,::1],i4[::1],i8,i8,f8,f8)")
@@ -336,15 +369,15 @@ def iterate_packed(lists, segments, triangles, colors, flat, floats, terms, out)
             store(out, i, widen_unsigned_i32(low) | (widen_unsigned_i32(upper) << 16))
 
 
-@kernel("void(i2[:,::1],i8,i8,u1[:,:,::1],i4,i4,i4,i4,i4,i8)")
-def spread_colors(terms, position, count, colors, i0, i1, i2, provoking, side, flat):
-    """A small triangle's numbers for the mixed segments of ``iterate_colors``: four channels, and the
-    secondary colour's four from plane 12 on.
+@kernel("void(i2[:,::1],i8,i8,u1[:,:,::1],i8,i4,i4,i4,i4,i4,i8)")
+def spread_colors(terms, position, count, colors, channels, i0, i1, i2, provoking, side, flat):
+    """A small triangle's numbers for the mixed segments of ``iterate_colors``: of four channels, or of eight
+    with the secondary colour's from plane 12 on.
     """
     separate_function()
     if flat:
         i0 = i1 = i2 = provoking
-    for c in range(8):
+    for c in range(channels):
         base, d0, d2 = color_terms(colors, i0, i1, i2, side, c)
         for i in range(position, position + count, 16):
             store(terms[3 * c], i, i16x16(base))
