@@ -214,7 +214,7 @@ class _Maker:
     def machine(self):
         """One that was built, or one that no one built, with every arithmetic that a profile has."""
         machine = self.one_of((GEFORCE_256, GEFORCE_256, GEFORCE_3, NV2A, NV2A))
-        if self.chance(0.8):
+        if self.chance(0.7):
             return machine
         return replace(
             machine,
@@ -525,6 +525,24 @@ class _Maker:
             matrix=matrix,
         )
 
+    def kind(self, name):
+        """What a sampler must know of a texture."""
+        texture = self.textures[name]
+        complete = len(texture.levels) == max(texture.width, texture.height, texture.depth).bit_length()
+        return texture.target, texture.internal_format in DEPTH_TEXELS, complete
+
+    def unit_after(self, units):
+        """A unit, or none, or one that shares coordinates and sampler with the unit before it."""
+        if self.chance(0.12):
+            return None
+        unit, before = self.unit(self.sets), units[-1] if units else None
+        if before is None or self.chance(0.7):
+            return unit
+        if self.kind(before.texture) != self.kind(unit.texture):
+            unit = replace(unit, texture=before.texture)
+        changed = replace(before, texture=unit.texture)
+        return replace(changed, lod_bias=unit.lod_bias) if self.chance(0.3) else changed
+
     # -------------------------------------------------------------------------------- combiners
 
     def general_input(self, usages, units):
@@ -560,7 +578,7 @@ class _Maker:
             *kept,
             scale=scale,
             bias=bias,
-            mux_sum=self.chance(0.15),
+            mux_sum=self.chance(0.25),
             **flags,
         )
 
@@ -778,7 +796,9 @@ class _Maker:
         self.sets = self.whole(1, 3)
         if self.chance(0.85):
             count = self.whole(0, most) if self.textures else 0
-            units = tuple(None if self.chance(0.12) else self.unit(self.sets) for _ in range(count))
+            units = ()
+            for _ in range(count):
+                units += (self.unit_after(units),)
             combiners = self.register_combiners(max(count, 1))
             if units and not plain and profile.texture_shader_operations and self.chance(0.06):
                 stages = self.stages(units)
