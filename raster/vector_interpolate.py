@@ -152,6 +152,16 @@ def mixed_weights(floats, start, end, perspective):
 
 
 @kernel
+def depth_sum(base, a, b):
+    """A vertex's depth and what the two others add to it, at 29 bits from the largest's highest."""
+    largest = maximum(maximum(absolute(base), _TINY), maximum(absolute(a), absolute(b)))
+    exponent = bits_of_lanes(largest) & _EXPONENT
+    unit = floats_of_lanes(exponent - int64(28 << 52))
+    scale = floats_of_lanes(int64(2074 << 52) - exponent)  # 1 / unit
+    return (base + truncated(a * scale) * unit) + truncated(b * scale) * unit
+
+
+@kernel
 def depth_of(e0, e1, e2, reciprocal, z0, z1, z2, z10, z20, z21):
     """``interpolate.emit_depth`` for edge functions of 24 significant bits and their sum's reciprocal of 29.
 
@@ -161,14 +171,17 @@ def depth_of(e0, e1, e2, reciprocal, z0, z1, z2, z10, z20, z21):
     p0, p1, p2 = power_of(e0), power_of(e1), power_of(e2)
     first = (p0 > p1) & (p0 >= p2)
     last = (p2 > p1) & (p2 > p0)
+    # Most vectors lie wholly beside one vertex.
+    if all_lanes(first):
+        return depth_sum(z0, q1 * z10, q2 * z20)
+    if all_lanes(last):
+        return depth_sum(z2, 0.0 - q0 * z20, 0.0 - q1 * z21)
+    if not any_lane(first | last):
+        return depth_sum(z1, 0.0 - q0 * z10, q2 * z21)
     base = select(first, z0, select(last, z2, z1))
     a = select(first, q1, q0) * select(first, z10, select(last, 0.0 - z20, 0.0 - z10))
     b = select(last, q1, q2) * select(first, z20, select(last, 0.0 - z21, z21))
-    largest = maximum(maximum(absolute(base), _TINY), maximum(absolute(a), absolute(b)))
-    exponent = bits_of_lanes(largest) & _EXPONENT
-    unit = floats_of_lanes(exponent - int64(28 << 52))
-    scale = floats_of_lanes(int64(2074 << 52) - exponent)  # 1 / unit
-    return (base + truncated(a * scale) * unit) + truncated(b * scale) * unit
+    return depth_sum(base, a, b)
 
 
 @kernel
