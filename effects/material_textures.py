@@ -9,6 +9,7 @@ alpha of the tangent texture: its pass sequence A-K07).
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -127,11 +128,13 @@ def isotropic(columns, rows, alpha, k_s=1.0):
     return from_slopes(zero, zero, alpha, alpha, k_s)
 
 
+@lru_cache(maxsize=2)
 def brushed(columns, rows, along, *, alpha_x, alpha_y, spread, depth=0.0, k_s=(0.7, 1.0), seed=1):
     """A surface brushed along 's' or 't': tangents follow the strokes within +-``spread`` degrees.
 
     ``depth``: the largest slope across the strokes. ``k_s``: its range over the strokes. Strokes are one
     texel wide and a sixteenth of the texture long. Every amount is a multiple of 1/256 of its range.
+    The last two are kept, for a figure is made for a machine and for the ideal: arrays are read-only.
     """
     if along not in ("s", "t"):
         raise ValueError(f"The brushing runs along {along!r}; give 's' or 't'.")
@@ -148,7 +151,10 @@ def brushed(columns, rows, along, *, alpha_x, alpha_y, spread, depth=0.0, k_s=(0
     zero = np.zeros(across.shape)
     slope = (zero, across) if along == "s" else (across, zero)
     gloss = k_s[0] + (k_s[1] - k_s[0]) * (0.5 + 0.5 * strokes(24, seed + 2))
-    return _turned(angles, *slope, alpha_x, alpha_y, gloss)
+    material = _turned(angles, *slope, alpha_x, alpha_y, gloss)
+    for array in vars(material).values():
+        array.setflags(write=False)
+    return material
 
 
 @dataclass(frozen=True, eq=False)

@@ -231,6 +231,8 @@ class Machine:
             commands, self.profile, self.width, self.height, self.depth_bits, self.textures, self.surfaces
         )
         self._current = self.framebuffer
+        # The engine that records draws alone, Clears as well: the other is then neither compiled nor read.
+        engine = "portable" if record else self.engine
         queue, repeated = self._queue, _Repeated(commands)
         pixels, snapshots, records = {}, [], []
         queue.fragments = dropped = 0
@@ -248,9 +250,9 @@ class Machine:
                         records.append(_recorded(draw, self._current, self.batch))
                         queue.fragments += len(records[-1].x)
                     else:
-                        queue.draw(draw, self._current, self.engine)
+                        queue.draw(draw, self._current, engine)
                 elif kind is Clear:
-                    queue.clear(command, self._current, self.engine)
+                    queue.clear(command, self._current, engine)
                 else:
                     queue.flush()
                     self._transfer(command, pixels)

@@ -5,6 +5,7 @@ fragments are those of the snapped vertices.
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -26,14 +27,15 @@ from pipeline.enums import (
     TextureTarget,
     WrapMode,
 )
-from pipeline.execute import rasterize
+from pipeline.execute import default_threads, rasterize
 from pipeline.profiles import IDEAL
 from pipeline.textures import Texture, pyramid, texture_2d
+from pipeline.threads import Threads
 from pipeline.validate import validate
 from pipeline.vertex import process
 
-# Fragments shaded at a time: bounds the columns' memory to some tens of megabytes, and changes no value.
-_CHUNK = 1 << 16
+# Fragments shaded at a time: bounds the columns' memory to some megabytes a thread, and changes no value.
+_CHUNK = 1 << 14
 
 # Texels: a nearest filter's shift off an exact texel boundary, and what the machines add to coordinates that
 # they divided.  Source: docs/numbers.md, section 6.
@@ -104,22 +106,59 @@ class Weights:
     """Barycentric weights of fragments, from the exact edge functions of the snapped vertices.
 
     vertices       int64 [k, 3]
-    affine         float64 [k, 3], n_i / A: for window depth
-    perspective    float64 [k, 3], (n_i / w_i) / sum: for every other iterated value
-    dx, dy         float64 [k, 3], derivatives of ``perspective`` per pixel to the right and down
-    machine        float64 [k, 2], the machines' weights q0 and q2, which decide at exact texel boundaries
     front          bool [k], front-facing
-    depth_slope    float64 [k], max(|dz/dx|, |dz/dy|) of window depth per pixel
+    perspective    float64 [k, 3], (n_i / w_i) / sum: for every iterated value but window depth
+
+    What not every state reads is a property, computed when it is asked for first.
     """
 
     vertices: np.ndarray
-    affine: np.ndarray
-    perspective: np.ndarray
-    dx: np.ndarray
-    dy: np.ndarray
-    machine: np.ndarray
     front: np.ndarray
-    depth_slope: np.ndarray
+    perspective: np.ndarray
+    _edges: np.ndarray  # n_i, float64 [k, 3]
+    _area: np.ndarray  # twice the triangle's, signed, int64 [k]
+    _sides: tuple  # x and y of vertex 1, then of vertex 2, from vertex 0: int64 [k] each
+    _inverse_w: np.ndarray
+    _z: np.ndarray
+
+    @cached_property
+    def affine(self):
+        """N_i / A, float64 [k, 3]: for window depth."""
+        return self._edges / np.abs(self._area)[:, None]
+
+    @cached_property
+    def dx(self):
+        """The derivative of ``perspective`` per pixel to the right, float64 [k, 3]."""
+        _, y10, _, y20 = self._sides
+        return self._derivative(y10 - y20, y20, -y10)
+
+    @cached_property
+    def dy(self):
+        """The derivative of ``perspective`` per pixel down, float64 [k, 3]."""
+        x10, _, x20, _ = self._sides
+        return self._derivative(x20 - x10, -x20, x10)
+
+    def _derivative(self, *steps):
+        # Steps of n over one pixel, 16 subpixels.
+        step = 16.0 * np.stack(steps, axis=1) * np.where(self._area < 0, -1, 1)[:, None]
+        total = (self._edges * self._inverse_w).sum(axis=1, keepdims=True)
+        de = step * self._inverse_w
+        return (de - self.perspective * de.sum(axis=1, keepdims=True)) / total
+
+    @cached_property
+    def machine(self):
+        """The machines' weights q0 and q2, float64 [k, 2], which decide at exact texel boundaries."""
+        e = self._edges * self._inverse_w
+        return _machine_weights(e, e.sum(axis=1, keepdims=True))
+
+    @cached_property
+    def depth_slope(self):
+        """Max(abs(dz/dx), abs(dz/dy)) of window depth per pixel, float64 [k]."""
+        x10, y10, x20, y20 = self._sides
+        z10, z20 = self._z[:, 1] - self._z[:, 0], self._z[:, 2] - self._z[:, 0]
+        slope_x = (z10 * y20 - z20 * y10) * 16.0 / self._area
+        slope_y = (z20 * x10 - z10 * x20) * 16.0 / self._area
+        return np.maximum(np.abs(slope_x), np.abs(slope_y))
 
 
 def weigh(primitives, front_face, triangle, x, y):
@@ -136,37 +175,16 @@ def weigh(primitives, front_face, triangle, x, y):
     area = x10 * y20 - x20 * y10
     sign = np.where(area < 0, -1, 1)
     n1, n2 = sign * (px * y20 - x20 * py), sign * (x10 * py - px * y10)
-    size = np.abs(area)
-    n = np.stack([size - n1 - n2, n1, n2], axis=1).astype(np.float64)
-    # Steps of n over one pixel, 16 subpixels.
-    step_x = 16.0 * np.stack([y10 - y20, y20, -y10], axis=1) * sign[:, None]
-    step_y = 16.0 * np.stack([x20 - x10, -x20, x10], axis=1) * sign[:, None]
+    n = np.stack([np.abs(area) - n1 - n2, n1, n2], axis=1).astype(np.float64)
 
     inverse_w = primitives.inverse_w[vertices]
     equal = (inverse_w[:, 0] == inverse_w[:, 1]) & (inverse_w[:, 1] == inverse_w[:, 2])
     inverse_w = np.where(equal[:, None], 1.0, inverse_w)
     e = n * inverse_w
-    total = e.sum(axis=1, keepdims=True)
-    perspective = e / total
-
-    def derivative(step):
-        de = step * inverse_w
-        return (de - perspective * de.sum(axis=1, keepdims=True)) / total
-
-    z = primitives.z[vertices]
-    z10, z20 = z[:, 1] - z[:, 0], z[:, 2] - z[:, 0]
-    slope_x = (z10 * y20 - z20 * y10) * 16.0 / area
-    slope_y = (z20 * x10 - z10 * x20) * 16.0 / area
-    return Weights(
-        vertices,
-        n / size[:, None],
-        perspective,
-        derivative(step_x),
-        derivative(step_y),
-        _machine_weights(e, total),
-        (area < 0) == (front_face is FrontFace.CCW),
-        np.maximum(np.abs(slope_x), np.abs(slope_y)),
-    )
+    front = (area < 0) == (front_face is FrontFace.CCW)
+    perspective = e / e.sum(axis=1, keepdims=True)
+    sides = x10, y10, x20, y20
+    return Weights(vertices, front, perspective, n, area, sides, inverse_w, primitives.z[vertices])
 
 
 def _cut_24(values):
@@ -188,7 +206,12 @@ def iterate(weights, values):
     """Values [k, 3, ...] at a triangle's vertices, weighted by ``weights`` [k, 3] that sum to one."""
     shape = (-1,) + (1,) * (values.ndim - 2)
     w0, w2 = weights[:, 0].reshape(shape), weights[:, 2].reshape(shape)
-    return (values[:, 1] + w0 * (values[:, 0] - values[:, 1])) + w2 * (values[:, 2] - values[:, 1])
+    total, other = values[:, 0] - values[:, 1], values[:, 2] - values[:, 1]
+    total *= w0
+    total += values[:, 1]
+    other *= w2
+    total += other
+    return total
 
 
 def _iterate_as_machines(weights, corners):
@@ -227,27 +250,38 @@ class TextureCoordinates:
     dy: np.ndarray
 
 
-def place(target, weights, corners):
-    """TextureCoordinates of fragments whose triangles have s, t, r, q ``corners``, float64 [k, 3, 4]."""
+def place(target, weights, corners, nearest=True, changing=True):
+    """TextureCoordinates of fragments whose triangles have s, t, r, q ``corners``, float64 [k, 3, 4].
+
+    Not ``nearest``: no nearest filter reads them; slip is 0. Not ``changing``: nothing asks how they change;
+    dx and dy are 0. Either is a third of the work.
+    """
     strq = iterate(weights.perspective, corners)
-    dx, dy = _change(weights.dx, corners), _change(weights.dy, corners)
-    machine, unit = _iterate_as_machines(weights, corners)
+    none = np.broadcast_to(0.0, strq.shape)
+    dx, dy = (_change(weights.dx, corners), _change(weights.dy, corners)) if changing else (none, none)
     if target is TextureTarget.TEXTURE_CUBE_MAP:
         on_cube = project_on_cube(strq[:, :3], dx[:, :3], dy[:, :3])
+        if not nearest:
+            return on_cube
+        machine, _ = _iterate_as_machines(weights, corners)
         return replace(on_cube, slip=_place_on_face(machine[:, :3], on_cube.face) - on_cube.position)
     q = np.where(strq[:, 3:] == 0.0, 1.0, strq[:, 3:])
     position = strq[:, :2] / q
     divided = (corners[:, :, 3] != 1.0).any(axis=1)[:, None]
-    slip = machine[:, :2] / np.where(machine[:, 3:] == 0.0, 1.0, machine[:, 3:]) - position
-    # Undivided coordinates lie at least a unit off an exact boundary, or on it but for the noise of float64.
-    slip = np.where(~divided & (np.abs(slip) < unit[:, :2] / 2), 0.0, slip)
+    slip = none[:, :2]
+    if nearest:
+        machine, unit = _iterate_as_machines(weights, corners)
+        slip = machine[:, :2] / np.where(machine[:, 3:] == 0.0, 1.0, machine[:, 3:]) - position
+        # Undivided coordinates lie at least a unit off an exact boundary, or on it but for the noise of
+        # float64.
+        slip = np.where(~divided & (np.abs(slip) < unit[:, :2] / 2), 0.0, slip)
     return TextureCoordinates(
         position,
         np.zeros(len(position), np.int64),
         slip,
         np.where(divided, _TAU, 0.0),
-        (dx[:, :2] - position * dx[:, 3:]) / q,
-        (dy[:, :2] - position * dy[:, 3:]) / q,
+        (dx[:, :2] - position * dx[:, 3:]) / q if changing else none[:, :2],
+        (dy[:, :2] - position * dy[:, 3:]) / q if changing else none[:, :2],
     )
 
 
@@ -308,7 +342,9 @@ def level_of_detail(coordinates, width, height, lod_bias):
 
 
 def _along(texel, size, wrap, linear):
-    """Indices along an axis, a list of (index, reads border), and the fraction from first to second."""
+    """Indices along an axis, a list of (index, which read the border or None), and the fraction from first to
+    second.
+    """
     texel = np.where(np.isfinite(texel), texel, 0.0)
     if wrap is WrapMode.REPEAT:
         texel = np.mod(texel, size)
@@ -326,9 +362,9 @@ def _along(texel, size, wrap, linear):
     bordered = wrap is WrapMode.CLAMP_TO_BORDER or (wrap is WrapMode.CLAMP and linear)
     indices = []
     for index in (first, first + 1) if linear else (first,):
-        outside = (index < 0) | (index >= size)
+        outside = (index < 0) | (index >= size) if bordered else None
         inside = np.mod(index, size) if wrap is WrapMode.REPEAT else np.clip(index, 0, size - 1)
-        indices.append((inside, outside & bordered))
+        indices.append((inside, outside))
     return indices, texel - 0.5 - below
 
 
@@ -344,7 +380,7 @@ def sample_level(level, coordinates, sampler, border, linear, one_dimensional):
         texels = texels + np.where(slip >= 0.0, _TAU, -_TAU)
     columns, across = _along(texels[:, 0], width, sampler.wrap_s, linear)
     if one_dimensional:
-        rows, up = [(np.zeros(len(texels), np.int64), np.zeros(len(texels), bool))], None
+        rows, up = [(np.zeros(len(texels), np.int64), None)], None
     else:
         rows, up = _along(texels[:, 1], height, sampler.wrap_t, linear)
 
@@ -352,7 +388,9 @@ def sample_level(level, coordinates, sampler, border, linear, one_dimensional):
         taps = []
         for column, column_outside in columns:
             tap = level[coordinates.face, row, column]
-            tap[row_outside | column_outside] = border
+            for outside in (row_outside, column_outside):
+                if outside is not None:
+                    tap[outside] = border
             taps.append(tap)
         return taps[0] if len(taps) == 1 else taps[0] + (taps[1] - taps[0]) * across[:, None]
 
@@ -392,10 +430,10 @@ def sample(texture, unit, coordinates):
         lod = level_of_detail(coordinates, texture.width, texture.height, unit.lod_bias)
         lod = np.clip(lod, sampler.min_lod, sampler.max_lod)
         minified = lod > 0.0
+    if not minified.any():
+        return at_level(0, slice(None), sampler.mag_filter is TextureFilter.LINEAR)
     magnified = ~minified
     out[magnified] = at_level(0, magnified, sampler.mag_filter is TextureFilter.LINEAR)
-    if not minified.any():
-        return out
     if sampler.min_filter not in _MIPMAPPED:
         out[minified] = at_level(0, minified, sampler.min_filter is TextureFilter.LINEAR)
         return out
@@ -450,11 +488,16 @@ def _variable(variable, registers, alpha):
         value = register[:, 3:]
     else:
         value = register[:, 2:3]
-    return mapped(variable.mapping, value if alpha else np.broadcast_to(value, (len(value), 3)))
+    # What all fragments or components share is mapped once.
+    shared = value.strides[0] == 0
+    result = mapped(variable.mapping, value[:1] if shared else value)
+    return np.broadcast_to(result, (len(value), 1 if alpha else 3))
 
 
 def _portion(portion, registers, alpha):
     """The three outputs of a portion, as (register, value) pairs; discarded ones left out."""
+    if portion.ab_output is portion.cd_output is portion.sum_output is Register.DISCARD:
+        return []
     a, b, c, d = (_variable(v, registers, alpha) for v in (portion.a, portion.b, portion.c, portion.d))
     ab, cd = a * b, c * d
     if not alpha and portion.ab_dot_product:
@@ -481,7 +524,7 @@ def combine(combiners, registers):
     """
     count = len(registers[Register.PRIMARY_COLOR])
     registers = dict(registers)
-    registers[Register.ZERO] = np.zeros((count, 4))
+    registers[Register.ZERO] = _constant((0.0,) * 4, count)
     program = {
         Register.CONSTANT_COLOR0: _constant(combiners.constant_color0, count),
         Register.CONSTANT_COLOR1: _constant(combiners.constant_color1, count),
@@ -575,7 +618,14 @@ def shade(state, textures, primitives, triangle, weights):
             registers[Register.TEXTURE0 + i] = _constant((0.0, 0.0, 0.0, 1.0), count)
             continue
         texture = textures[unit.texture]
-        coordinates = place(texture.target, weights, primitives.coordinates[weights.vertices, i])
+        filters = unit.sampler.min_filter, unit.sampler.mag_filter
+        coordinates = place(
+            texture.target,
+            weights,
+            primitives.coordinates[weights.vertices, i],
+            nearest=filters != (TextureFilter.LINEAR, TextureFilter.LINEAR),
+            changing=filters[0] is not filters[1],
+        )
         registers[Register.TEXTURE0 + i] = sample(texture, unit, coordinates)
     registers[Register.SPARE0] = np.zeros((count, 4))
     registers[Register.SPARE0][:, 3] = registers[Register.TEXTURE0][:, 3]
@@ -754,7 +804,7 @@ def in_order(pixel):
 # -------------------------------------------------------------------------------------------- commands
 
 
-def _draw(command, buffers, textures, width, height, depth_bits, record):
+def _draw(command, buffers, textures, width, height, depth_bits, record, threads):
     state = command.state
     primitives = process(command.mesh, state, IDEAL, width, height)
     if record is None:
@@ -771,13 +821,19 @@ def _draw(command, buffers, textures, width, height, depth_bits, record):
                 f"{len(primitives.triangles)} triangles; guide a frame by the same meshes in the same views."
             )
     color, z = np.empty((len(triangle), 4)), np.empty(len(triangle))
-    # Derivatives of projections that blow up are looked at afterwards, as not finite.
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        for start in range(0, len(triangle), _CHUNK):
-            part = slice(start, start + _CHUNK)
-            weights = weigh(primitives, state.polygon.front_face, triangle[part], x[part], y[part])
-            color[part] = shade(state, textures, primitives, triangle[part], weights)
-            z[part] = _window_depth(state.polygon, primitives, weights, depth_bits)
+
+    def share(number):
+        # Derivatives of projections that blow up are looked at afterwards, as not finite.
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            for start in range(number * _CHUNK, len(triangle), threads.count * _CHUNK):
+                part = slice(start, start + _CHUNK)
+                weights = weigh(primitives, state.polygon.front_face, triangle[part], x[part], y[part])
+                color[part] = shade(state, textures, primitives, triangle[part], weights)
+                if record is None:
+                    z[part] = _window_depth(state.polygon, primitives, weights, depth_bits)
+        return 0
+
+    threads.run(share)
     pixel = y.astype(np.int64) * width + x
     for once in in_order(pixel):
         if record is None:
@@ -868,7 +924,7 @@ def _check_guide(guide, commands, width, height):
         )
 
 
-def execute_ideal(commands, width, height, *, guide=None, depth_bits=24):
+def execute_ideal(commands, width, height, *, guide=None, depth_bits=24, threads=None):
     """Run ``commands`` in float64 on a framebuffer of width x height pixels: an IdealResult.
 
     guide       None (free mode): the ideal makes its own alpha, stencil and depth tests. A Result of
@@ -876,6 +932,7 @@ def execute_ideal(commands, width, height, *, guide=None, depth_bits=24):
                 evaluated for exactly the fragments that the machine wrote, and depth and stencil are the
                 machine's, so that the difference of the two pictures is arithmetic alone.
     depth_bits  the depth buffer whose smallest step is the unit of polygon offset (free mode)
+    threads     how many shade fragments; None: one per processor
 
     Raises UnsupportedState or ValueError as ``validate`` does, and ValueError where the guide does not fit.
     """
@@ -885,11 +942,12 @@ def execute_ideal(commands, width, height, *, guide=None, depth_bits=24):
         _check_guide(guide, commands, width, height)
     buffers, textures, pixels = _Buffers(width, height), {}, {}
     records = iter(()) if guide is None else iter(guide.records)
+    threads = Threads(threads or default_threads())
     for command in commands:
         if isinstance(command, Clear):
             _clear(command, buffers)
         elif isinstance(command, Draw):
-            _draw(command, buffers, textures, width, height, depth_bits, next(records, None))
+            _draw(command, buffers, textures, width, height, depth_bits, next(records, None), threads)
         elif isinstance(command, TexImage):
             textures[command.texture] = _with_ideal(command.image)
         elif isinstance(command, CopyTexImage):

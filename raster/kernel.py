@@ -15,6 +15,7 @@ import numba
 from llvmlite import ir
 from numba import types
 from numba.core.compiler_lock import global_compiler_lock
+from numba.core.runtime import rtsys
 from numba.extending import intrinsic
 
 _SOURCES = Path(__file__).parent
@@ -81,7 +82,8 @@ def _compiled_when_called(dispatcher, signature):
     def compiled():
         with global_compiler_lock:
             if not dispatcher.overloads:
-                dispatcher.compile(signature)
+                if not _was_read(dispatcher, signature):
+                    dispatcher.compile(signature)
                 dispatcher.disable_compile()
 
     def get_call_template(args, keywords):
@@ -101,6 +103,22 @@ def _compiled_when_called(dispatcher, signature):
 
     dispatcher.get_call_template, dispatcher._compile_for_args = get_call_template, compile_for_args
     return dispatcher
+
+
+def _was_read(dispatcher, signature):
+    """Give a dispatcher its kernel from the cache; returns whether the cache has it.
+
+    As ``Dispatcher.compile`` does, but Numba's implementations of Python's and NumPy's functions, which only
+    compiling needs, are not imported first: they are half as much again as Numba itself.
+    """
+    target, cache = dispatcher.targetctx, dispatcher._cache
+    rtsys.initialize(target)
+    found = cache._load_overload(signature, target)
+    if found is None:
+        return False
+    target.insert_user_function(found.entry_point, found.fndesc, [found.library])
+    dispatcher.add_overload(found)
+    return True
 
 
 def is_cold():

@@ -1,5 +1,6 @@
 """``fixedpipe``: one subcommand per file, imported when it is asked for, so that ``--help`` is quick."""
 
+import gc
 import importlib
 
 import click
@@ -41,5 +42,8 @@ class LazyGroup(click.Group):
 @click.pass_context
 def main(context):
     """The graphics hardware of 1997-2001, emulated bit for bit: figures of papers, pictures of your own."""
+    # Importing makes some hundred thousand objects that stay: looking for garbage among them again and again
+    # is a twentieth of a figure's time.
+    gc.set_threshold(100_000)
     if context.invoked_subcommand is None:
         click.echo(_WELCOME)

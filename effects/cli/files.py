@@ -4,6 +4,7 @@ import importlib.util
 import io
 import os
 import tempfile
+import zlib
 from contextlib import suppress
 from pathlib import Path
 
@@ -149,7 +150,8 @@ def png(image):
     """
     from PIL import Image
 
-    buffer = io.BytesIO()
+    # Of zlib's ways this is a third of the time, and a twentieth more bytes.
+    buffer, way = io.BytesIO(), zlib.Z_RLE
     picture = image if image.ndim == 2 else image[..., :3]
-    Image.fromarray(np.ascontiguousarray(picture)).save(buffer, "PNG")
+    Image.fromarray(np.ascontiguousarray(picture)).save(buffer, "PNG", compress_type=way)
     return buffer.getvalue()

@@ -54,10 +54,11 @@ def render(figure, profile_key, profile, size, threads, with_checks, step):
     step(f"{figure.id}: on the {profile.name}, {width}x{height}")
     with refusals():
         commands = figure.commands(profile, size)
-        color = execute(commands, profile, width, height, threads=threads).framebuffer.color
+        # The run that records what the ideal is guided by draws the picture as well.
+        guide = execute(commands, profile, width, height, threads=threads, record=True)
+        color = guide.framebuffer.color
         step(f"{figure.id}: on the ideal")
-        guide = execute(commands, profile, width, height, record=True)
-        ideal = execute_ideal(figure.commands(IDEAL, size), width, height, guide=guide)
+        ideal = execute_ideal(figure.commands(IDEAL, size), width, height, guide=guide, threads=threads)
     images = {"machine": color, "ideal": ideal.image(), "difference": difference(color, ideal.color)}
     checks = ()
     if with_checks:
