@@ -119,6 +119,22 @@ def test_a_figure_is_written_three_times_with_a_record_and_a_gallery(tmp_path):
     assert str(tmp_path) not in page + (tmp_path / "out" / "F004-4.json").read_text()
 
 
+def test_kernels_in_the_cache_are_read_without_what_compiles(tmp_path):
+    code = f"""
+import sys
+from effects.cli import main
+main(["figures", "F004-4", "--size", "8", "--out", {str(tmp_path)!r}], standalone_mode=False)
+print("numba.np.arraymath" in sys.modules)
+"""
+    outputs = [
+        subprocess.run(
+            [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True
+        ).stdout
+        for _ in range(2)  # the first may have to compile
+    ]
+    assert outputs[1].splitlines()[-1] == "False"
+
+
 def test_the_difference_is_middle_grey_where_machine_and_ideal_are_equal(tmp_path):
     assert run("figures", "F004-4", "--size", 24, "--out", tmp_path).exit_code == 0
     machine, ideal, difference = (
