@@ -3,7 +3,7 @@
 docs/numbers.md sections 1 and 2 fix every operation and its order; this module is that text on columns.
 """
 
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -42,6 +42,7 @@ from pipeline.lighting import light_vertices
 from pipeline.primitives import WindowPrimitives, is_constant
 from pipeline.strokes import draws_points, outlined, point_sizes, sprite_units, with_squares, with_strokes
 from pipeline.vertex_plan import mesh_columns, plan_of
+from raster.clip import MOST_VERTICES, clip_triangles, find_clipped
 from raster.rows import LINE, POINT
 from raster.vertices import CHUNK, CLIPPED, FIRST_PROJECTIVE, UNUSUAL_W, transform_vertices
 
@@ -84,36 +85,32 @@ def process(mesh, state, profile, width, height):
     # Huge finite input may overflow to infinity and on to NaN. Such a triangle is dropped and counted below,
     # and colours and integers are made from clamped values only, so no warning is due.
     with np.errstate(all="ignore"):
-        primitives = None if plan is None else _planned(mesh, columns, plan, state, profile, width, height)
-        return process_columns(mesh, state, profile, width, height) if primitives is None else primitives
+        if plan is None:
+            return process_columns(mesh, state, profile, width, height)
+        return _planned(mesh, columns, plan, state, profile)
 
 
-def _planned(mesh, columns, plan, state, profile, width, height):
-    """What a kernel computes, with lighting, fog and coordinates generated from normals column by column;
-    None if every triangle has to be clipped.
-    """
+def _planned(mesh, columns, plan, state, profile):
+    """What kernels compute, with lighting, fog and coordinates generated from normals column by column."""
     count = len(mesh.positions)
-    x, y = np.empty(count, np.int32), np.empty(count, np.int32)
-    z, inverse_w = np.empty(count), np.empty(count)
+    x, y, z, inverse_w = _window_columns(count)
     coordinates = np.empty((count, plan.units, 4))
     eye = np.empty((4 if plan.keeps_eye else 0, count))
     found = transform_vertices(
         plan.given, plan.sums, plan.coefficients, plan.results, plan.parameters, x, y, z, inverse_w,
         coordinates, eye, np.empty((plan.rows, CHUNK)),
     )  # fmt: skip
-    touched = None
+    clipped = ()
     if found & CLIPPED:
-        outside = inverse_w == 0
-        touched = outside[plan.triangles[:, :3]].any(axis=1)
-        if touched.all():
-            return None
-        inverse_w[outside] = ONE
+        clipped = np.empty(len(plan.triangles), np.int32)
+        clipped = clipped[: find_clipped(plan.triangles, inverse_w, clipped)]
     known = {"orderly": not found & UNUSUAL_W}
     if plan.units:
         known["projective"] = tuple(bool(found >> FIRST_PROJECTIVE + unit & 1) for unit in range(plan.units))
     elif plan.coordinates is not None:
         coordinates, known["projective"] = plan.coordinates
     fog, lit, two_side = columns.no_fog, state.vertex.lighting is not None, state.vertex.two_side
+    both = None
     if plan.keeps_eye:
         position = columns_of(mesh.positions, (0.0, 0.0, 0.0, 1.0))
         normal = _eye_normal(mesh, state.vertex) if needs_normals(state) else None
@@ -140,38 +137,64 @@ def _planned(mesh, columns, plan, state, profile, width, height):
         dropped=0,
         two_side=two_side,
     )
-    if touched is None or not touched.any():
-        return primitives.knowing(**known)
-    vertices, rows = np.unique(plan.triangles[touched], return_inverse=True)
-    rows = rows.reshape(-1, 4).astype(np.int32)
-    part, origin, *_ = _process(_selected(mesh, vertices), rows, state, profile, width, height)
-    joined = _joined(primitives, part, vertices, touched, origin)
-    return joined.knowing(orderly=known["orderly"] and part.orderly)
+    if len(clipped):
+        if not lit:
+            both = _unrounded_colors(mesh, columns, state.vertex, profile)
+        bits = _color_bits(state.vertex, profile)
+        primitives, known = _clipped(primitives, known, plan, clipped, both, bits)
+    return primitives.knowing(**known)
 
 
-def _selected(mesh, vertices):
-    """A Mesh of some of a mesh's vertices."""
-    arrays = {f.name: getattr(mesh, f.name) for f in fields(mesh) if f.name not in ("indices", "edge_flags")}
-    arrays = {name: array[vertices] for name, array in arrays.items() if isinstance(array, np.ndarray)}
-    sets = tuple(array[vertices] for array in mesh.texture_coordinates)
-    return replace(mesh, indices=None, counts=None, edge_flags=None, texture_coordinates=sets, **arrays)
+def _clipped(primitives, known, plan, chosen, colors, color_bits):
+    """The primitives and what is known of them after clipping the triangles that are ``chosen``.
 
-
-def _joined(primitives, part, vertices, touched, origin):
-    """The triangles of ``primitives``, but in place of those that are ``touched`` the triangles of ``part``.
-
-    vertices: which of the primitives' the part began with; behind them are those that clipping added. origin:
-    which of the touched triangles each of the part's came from.
+    colors: before they became bytes of ``color_bits``, columns, or one array for all vertices or of each.
     """
-    begun, count = len(vertices), len(primitives.x)
-    columns = {
-        name: np.concatenate([getattr(primitives, name), getattr(part, name)[begun:]]) for name in _COLUMNS
+    vertices, count = plan.triangles[chosen, :3].ravel(), len(chosen)
+    n = len(vertices)
+    x, y, z, inverse_w = _window_columns(n)
+    clip_coordinates = np.empty((4, n))
+    transform_vertices(
+        np.take(plan.given, vertices, axis=1), plan.sums, plan.coefficients, plan.clip, plan.parameters, x, y,
+        z, inverse_w, np.empty((n, 0, 4)), clip_coordinates, np.empty((plan.rows, CHUNK)),
+    )  # fmt: skip
+    units = primitives.coordinates.shape[1]
+    fog = 4 + (len(colors) if isinstance(colors, list) else colors.shape[1])
+    corners = np.empty((n, fog + 1 + 4 * units))
+    corners[:, :4] = clip_coordinates.T
+    if isinstance(colors, list):
+        for index, column in enumerate(colors):
+            corners[:, 4 + index] = column[vertices] if column.ndim else column
+    else:
+        corners[:, 4:fog] = colors if len(colors) == 1 else colors[vertices]
+    corners[:, fog] = primitives.fog[vertices]
+    corners[:, fog + 1 :] = primitives.coordinates[vertices].reshape(n, 4 * units)
+
+    most = MOST_VERTICES * count
+    window, values = _window_columns(most), np.empty((most, corners.shape[1]))
+    triangles = np.empty((len(plan.triangles) + most, 4), np.int32)
+    scratch = np.empty((2, MOST_VERTICES, corners.shape[1]))
+    rows, made, dropped, bits = clip_triangles(
+        plan.triangles, chosen, corners, plan.parameters, len(primitives.x), scratch, values, *window,
+        triangles,
+    )  # fmt: skip
+    values = values[:made]
+    made_colors = values[:, 4:fog] if color_bits is None else _color_byte(values[:, 4:fog], color_bits)
+    stacked = np.empty((made, 2, 8), primitives.colors.dtype)
+    stacked[:] = made_colors.reshape(made, (fog - 4) // 8, 8)
+    coordinates = values[:, fog + 1 :].reshape(made, units, 4)
+    added = *(column[:made] for column in window), stacked, coordinates, values[:, fog]
+    joined = {
+        name: np.concatenate([getattr(primitives, name), new])
+        for name, new in zip(_COLUMNS, added, strict=True)
     }
-    numbers = np.concatenate([vertices, np.arange(count, count + len(part.x) - begun)]).astype(np.int32)
-    others = np.flatnonzero(~touched)
-    triangles = np.concatenate([primitives.triangles[others], numbers[part.triangles]])
-    order = np.argsort(np.concatenate([others, np.flatnonzero(touched)[origin]]), kind="stable")
-    return replace(primitives, triangles=triangles[order], dropped=part.dropped, **columns)
+    known = {"orderly": known["orderly"] and not bits & UNUSUAL_W}
+    return replace(primitives, triangles=triangles[:rows], dropped=dropped, **joined), known
+
+
+def _window_columns(count):
+    """Arrays for x, y, z and 1/w."""
+    return np.empty(count, np.int32), np.empty(count, np.int32), np.empty(count), np.empty(count)
 
 
 def _given_colors(mesh, columns, vertex, profile):
@@ -184,6 +207,16 @@ def _given_colors(mesh, columns, vertex, profile):
         colors = _colors(len(mesh.positions), both, bits)
         columns.colors[key] = colors, is_constant(colors)
     return columns.colors[key]
+
+
+def _unrounded_colors(mesh, columns, vertex, profile):
+    """What ``_given_colors`` makes bytes of, as MeshColumns has it."""
+    key = vertex.two_side, vertex.secondary_color, profile.exact
+    if key not in columns.unrounded:
+        front, back = _vertex_colors(mesh, vertex, None, None, None, profile)
+        both = [*front, *back] if vertex.two_side else front
+        columns.unrounded[key] = np.stack(np.broadcast_arrays(*both, np.zeros(1))[:-1], axis=1)
+    return columns.unrounded[key]
 
 
 def _color_bits(vertex, profile):

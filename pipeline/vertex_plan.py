@@ -30,6 +30,7 @@ class MeshColumns:
                  for each unit whether some q is not 1
     given        by texture coordinate sets: float64 [c, n], the positions' components, then the sets'
     colors       of vertices without lighting, by how they become bytes (``pipeline.vertex``)
+    unrounded    the same before they become bytes: float64 [n, 8] or [n, 16]; [1, ...] where they are equal
     plans        by the state, the profile and the framebuffer's size
     no_fog       float64 [n], zeros
     """
@@ -39,6 +40,7 @@ class MeshColumns:
     coordinates: dict = field(default_factory=dict)
     given: dict = field(default_factory=dict)
     colors: dict = field(default_factory=dict)
+    unrounded: dict = field(default_factory=dict)
     plans: dict = field(default_factory=dict)
 
 
@@ -94,6 +96,7 @@ class Plan:
     units         how many units' coordinates the kernel writes: all, or none
     coordinates   what the mesh has of them (MeshColumns), if that is all; else None
     keeps_eye     whether eye coordinates are the kernel's last four results
+    clip          ``results`` for the kernel that keeps clip coordinates alone
     """
 
     triangles: np.ndarray
@@ -106,6 +109,7 @@ class Plan:
     units: int
     coordinates: tuple | None
     keeps_eye: bool
+    clip: np.ndarray
 
 
 class _Sums:
@@ -219,6 +223,7 @@ def _plan(mesh, columns, state, profile, half_size, center, width, height):
         units=len(units) if linear else 0,
         coordinates=coordinates,
         keeps_eye=keeps_eye,
+        clip=np.array(results[:4] * 2, np.int32),
     )
 
 

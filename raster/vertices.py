@@ -73,18 +73,42 @@ def _sum_4(out, a, b, c, d, c0, c1, c2, c3):
 
 
 @kernel
+def to_window(cx, cy, cz, cw, parameters):
+    """Window x, y, z and 1/w of clip coordinates, and whether they can be drawn."""
+    lowest, steps, height = parameters[SNAP_LOW], parameters[STEPS], parameters[HEIGHT]
+    upper_left, perspective = parameters[UPPER_LEFT] != 0.0, parameters[PERSPECTIVE] != 0.0
+    xw = (cx / cw) * parameters[HALF_X] + parameters[CENTER_X]
+    yw = (cy / cw) * parameters[HALF_Y] + parameters[CENTER_Y]
+    zw = (cz / cw) * parameters[DEPTH_SCALE] + parameters[DEPTH_OFFSET]
+    w = 1.0 / cw
+    drawable = (w > 0.0) & (w < _INFINITY)
+    drawable &= (abs(xw) < _INFINITY) & (abs(yw) < _INFINITY) & (abs(zw) < _INFINITY)
+    w = w if perspective else 1.0
+    yw = height - yw if upper_left else yw
+    xw = xw if xw > lowest else lowest
+    yw = yw if yw > lowest else lowest
+    xw = xw if xw < parameters[SNAP_HIGH_X] else parameters[SNAP_HIGH_X]
+    yw = yw if yw < parameters[SNAP_HIGH_Y] else parameters[SNAP_HIGH_Y]
+    row = int32(yw * steps)
+    row = row if upper_left else int32(height * steps) - row
+    zw = zw if zw > 0.0 else 0.0
+    zw = zw if zw < 1.0 else 1.0
+    return int32(xw * steps), row, zw, w, drawable
+
+
+@kernel
+def is_unusual(w):
+    """Whether a 1/w is too large or too small to be drawn."""
+    return not ((w >= W_SMALLEST) & (w <= W_LARGEST))
+
+
+@kernel
 def _project(clip_x, clip_y, clip_z, clip_w, parameters, x, y, z, inverse_w):
     """Window coordinates of a chunk; returns the bits CLIPPED and UNUSUAL_W."""
     separate_loop()
     half_x, half_y = parameters[HALF_X], parameters[HALF_Y]
-    center_x, center_y = parameters[CENTER_X], parameters[CENTER_Y]
     low_x, high_x = parameters[LOW_X], parameters[HIGH_X]
     low_y, high_y = parameters[LOW_Y], parameters[HIGH_Y]
-    scale, offset = parameters[DEPTH_SCALE], parameters[DEPTH_OFFSET]
-    lowest, highest_x, highest_y = parameters[SNAP_LOW], parameters[SNAP_HIGH_X], parameters[SNAP_HIGH_Y]
-    steps, height = parameters[STEPS], parameters[HEIGHT]
-    upper_left, perspective = parameters[UPPER_LEFT] != 0.0, parameters[PERSPECTIVE] != 0.0
-    bottom = int32(height * steps)
     clipped, unusual = int64(0), int64(0)
     for i in range(x.shape[0]):
         cx, cy, cz, cw = clip_x[i], clip_y[i], clip_z[i], clip_w[i]
@@ -92,26 +116,10 @@ def _project(clip_x, clip_y, clip_z, clip_w, parameters, x, y, z, inverse_w):
         inside = (cz + cw >= 0.0) & (cw - cz >= 0.0)
         inside &= (cx * half_x + low_x * cw >= 0.0) & (high_x * cw - cx * half_x >= 0.0)
         inside &= (cy * half_y + low_y * cw >= 0.0) & (high_y * cw - cy * half_y >= 0.0)
-        xw = (cx / cw) * half_x + center_x
-        yw = (cy / cw) * half_y + center_y
-        zw = (cz / cw) * scale + offset
-        w = 1.0 / cw
-        inside &= (w > 0.0) & (w < _INFINITY)
-        inside &= (abs(xw) < _INFINITY) & (abs(yw) < _INFINITY) & (abs(zw) < _INFINITY)
+        x[i], y[i], z[i], w, drawable = to_window(cx, cy, cz, cw, parameters)
+        inside &= drawable
         clipped |= int64(0) if inside else int64(CLIPPED)
-        w = w if perspective else 1.0
-        ordinary = ((w >= W_SMALLEST) & (w <= W_LARGEST)) | (not inside)
-        unusual |= int64(0) if ordinary else int64(UNUSUAL_W)
-        yw = height - yw if upper_left else yw
-        xw = xw if xw > lowest else lowest
-        yw = yw if yw > lowest else lowest
-        xw = xw if xw < highest_x else highest_x
-        yw = yw if yw < highest_y else highest_y
-        x[i] = int32(xw * steps)
-        row = int32(yw * steps)
-        y[i] = row if upper_left else bottom - row
-        zw = zw if zw > 0.0 else 0.0
-        z[i] = zw if zw < 1.0 else 1.0
+        unusual |= int64(0) if (not inside) | (not is_unusual(w)) else int64(UNUSUAL_W)
         inverse_w[i] = w if inside else 0.0
     return clipped | unusual
 

@@ -12,7 +12,9 @@ from hypothesis import strategies as st
 
 from bench.scenes import SCENES, torus
 from pipeline import execute as execute_module
+from pipeline import vertex as vertex_module
 from pipeline import vertex_plan
+from pipeline.clip import clip, clip_planes
 from pipeline.commands import Draw, Mesh
 from pipeline.enums import Face, ProvokingVertex, TexGenMode, WindowOrigin
 from pipeline.execute import Machine, execute
@@ -32,6 +34,7 @@ from pipeline.state import (
     VertexState,
 )
 from pipeline.vertex import process, process_columns
+from raster.clip import MOST_VERTICES, clip_triangles, find_clipped
 from raster.vertices import single_depths
 from tests.strategies import POLYGONS
 from tests.test_vertex import (
@@ -229,7 +232,7 @@ def test_many_vertices_equal_the_columns_chunk_after_chunk():
 @pytest.mark.parametrize("name", sorted(SCENES))
 def test_measured_scenes_are_the_kernels_and_equal_the_columns(name):
     draw = SCENES[name].draw(256)
-    assert both(draw.mesh, draw.state, GEFORCE_256, 256, 256) == (name != "f3")  # all of it is clipped
+    assert both(draw.mesh, draw.state, GEFORCE_256, 256, 256)
 
 
 # One vertex of each of these is outside a plane, or has no usable window coordinates.
@@ -257,7 +260,7 @@ def test_one_vertex_outside_leaves_the_other_triangles_to_the_kernel(name, place
     lit = VertexState(lighting=Lighting(lights=(Light(),)))
     assert both(mesh, PassState(texture_units=(TextureUnit("t"),)))
     assert both(mesh, PassState(vertex=lit, fog=Fog(), texture_units=(TextureUnit("t", matrix=TURNED),)))
-    assert not both(replace(mesh, indices=indices[place - 1] if place else indices[0]), PassState())
+    assert both(replace(mesh, indices=indices[place - 1] if place else indices[0]), PassState())
 
 
 @settings(max_examples=300)
@@ -279,6 +282,64 @@ def test_clipped_triangles_keep_their_places_between_the_others(
         texture_units=texture_units,
     )
     both(replace(mesh, positions=positions), state)
+
+
+# Clip coordinates around a frame of 64 x 32 pixels whose guard band is 16 pixels wide, and unusable ones.
+near_planes = st.floats(-4, 4) | st.sampled_from([0.0, -0.0, 1.0, -1.0, 1.5, -1.5, 2.0, 4.0])
+unusable = st.sampled_from(
+    [np.nan, np.inf, -np.inf, 1e308, -1e308, 1.7e308, 1e-310, 5e-324, -5e-324, 2.0**-401, 2.0**401]
+)
+ws = near_planes | st.just(1.0) | st.floats(0.5, 2)
+clip_vertices = st.tuples(near_planes, near_planes, near_planes, ws) | tuples(near_planes | unusable, 4)
+
+
+@settings(max_examples=600)
+@given(
+    st.lists(clip_vertices, min_size=3, max_size=12),
+    st.lists(tuples(st.integers(0, 11), 4), max_size=8),
+    st.lists(tuples(ordinary | unusable, 12), min_size=3, max_size=3),
+    st.sampled_from([GEFORCE_256, NV2A]),
+    viewports,
+)
+def test_triangles_clipped_one_by_one_are_those_clipped_at_once(places, rows, others, profile, viewport):
+    profile = replace(profile, guard_band=16)
+    count = len(places)
+    columns = [*np.array(places).T, *np.array(others)[:, :count]]
+    rows = np.array(rows, np.int32).reshape(-1, 4) % count
+    state = PassState(vertex=VertexState(viewport=viewport))
+    half_size, center = vertex_module._viewport(viewport, WIDTH, HEIGHT)
+    planes = clip_planes((), half_size, center, (WIDTH, HEIGHT), profile.guard_band, False)
+    with np.errstate(all="ignore"):
+        expected, clipped, origin, dropped = clip(rows, columns, count, planes)
+        x, y, z, inverse_w = vertex_module._window_coordinates(clipped[:4], viewport, half_size, center)
+        drawable = (inverse_w > 0) & (inverse_w < np.inf) & np.isfinite(x) & np.isfinite(y) & np.isfinite(z)
+        inside = drawable[:count] & np.all([plane(columns) >= 0 for plane in planes], axis=0)
+    lost = np.unique(origin[~drawable[expected[:, :3]].all(axis=1)])
+    expected = expected[~np.isin(origin, lost)]
+
+    found, chosen = np.where(inside, 2.0, 0.0), np.empty(len(rows), np.int32)
+    chosen = chosen[: find_clipped(rows, found, chosen)]
+    assert chosen.tolist() == np.flatnonzero(~inside[rows[:, :3]].all(axis=1)).tolist()
+    assert found.tolist() == np.where(inside, 2.0, 1.0).tolist()
+    corners = np.ascontiguousarray(np.stack(columns, axis=1)[rows[chosen, :3].ravel()])
+    most = MOST_VERTICES * len(chosen)
+    window = np.empty(most, np.int32), np.empty(most, np.int32), np.empty(most), np.empty(most)
+    values, triangles = np.empty((most, len(columns))), np.empty((len(rows) + most, 4), np.int32)
+    parameters = vertex_plan._parameters(state, profile, half_size, center, WIDTH, HEIGHT)
+    number, made, lost_here, unusual = clip_triangles(
+        rows, chosen, corners, parameters, count, np.empty((2, MOST_VERTICES, len(columns))), values, *window,
+        triangles,
+    )  # fmt: skip
+    np.testing.assert_array_equal(triangles[:number], expected)
+    np.testing.assert_array_equal(bits(values[:made].T), bits(np.array([c[count:] for c in clipped])))
+    assert lost_here == dropped + len(lost)
+    with np.errstate(all="ignore"):
+        snapped = vertex_module._snap(x[count:], WIDTH, profile)
+    np.testing.assert_array_equal(window[0][:made], snapped.astype(np.int32))
+    new = inverse_w[count:]
+    usable = drawable[count:]
+    np.testing.assert_array_equal(window[3][:made], np.where(usable, new, 1.0))
+    assert bool(unusual) == bool((usable & ((new < 2.0**-400) | (new > 2.0**400))).any())
 
 
 def test_a_w_that_cannot_be_drawn_is_dropped_as_before():
