@@ -31,7 +31,7 @@ class MeshColumns:
     given        by texture coordinate sets: float64 [c, n], the positions' components, then the sets'
     colors       of vertices without lighting, by how they become bytes (``pipeline.vertex``)
     unrounded    the same before they become bytes: float64 [n, 8] or [n, 16]; [1, ...] where they are equal
-    plans        by the state, the profile and the framebuffer's size
+    plans        by what of the state they follow from, the profile and the framebuffer's size
     no_fog       float64 [n], zeros
     """
 
@@ -233,13 +233,18 @@ def plan_of(mesh, columns, state, profile, width, height, viewport):
     ``columns``: the mesh's; ``viewport``: a function of ``state.vertex.viewport``, ``width`` and ``height``
     that gives half its size and its middle.
     """
-    key = id(state), id(profile), width, height
+    vertex, units, polygon = state.vertex, state.texture_units, state.polygon
+    # All that a plan follows from: states that differ in nothing else share it.
+    key = (
+        id(vertex), id(units), id(polygon), id(profile), width, height, state.fog is None,
+        state.depth_clamp is None, state.perspective_correction,
+    )  # fmt: skip
     found = columns.plans.get(key)
-    # The entry holds the state and the profile, so that their ids name nothing else while it is there.
+    # The entry holds what the ids name, so that they name nothing else while it is there.
     if found is None:
-        half_size, center = viewport(state.vertex.viewport, width, height)
+        half_size, center = viewport(vertex.viewport, width, height)
         plan = _plan(mesh, columns, state, profile, half_size, center, width, height)
         if len(columns.plans) >= _PLANS_KEPT:
             columns.plans.clear()
-        found = columns.plans[key] = plan, state, profile
+        found = columns.plans[key] = plan, vertex, units, polygon, profile
     return found[0]

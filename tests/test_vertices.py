@@ -16,13 +16,14 @@ from pipeline import vertex as vertex_module
 from pipeline import vertex_plan
 from pipeline.clip import clip, clip_planes
 from pipeline.commands import Draw, Mesh
-from pipeline.enums import Face, ProvokingVertex, TexGenMode, WindowOrigin
+from pipeline.enums import Face, PolygonMode, ProvokingVertex, TexGenMode, WindowOrigin
 from pipeline.execute import Machine, execute
 from pipeline.pack import pack
 from pipeline.primitives import WindowPrimitives
 from pipeline.profiles import GEFORCE_256, IDEAL, NV2A
 from pipeline.state import (
     IDENTITY,
+    DepthClamp,
     Fog,
     Light,
     Lighting,
@@ -387,6 +388,31 @@ def test_each_machine_and_framebuffer_has_its_own_plan():
         for size in (64, 32), (32, 64), (64, 64):
             for profile in (GEFORCE_256, other):
                 assert both(mesh, state, profile, *size)
+
+
+def test_states_share_a_plan_unless_they_differ_in_what_it_follows_from():
+    mesh, state = grid(), PassState(texture_units=(TextureUnit("t", matrix=TURNED),))
+    plans = vertex_plan.mesh_columns(mesh).plans
+    for k in range(3):
+        assert both(mesh, replace(state, scissor=Scissor(k, 0, 1, 1)))
+    assert len(plans) == 1
+    outlines = PolygonState(front_mode=PolygonMode.LINE, back_mode=PolygonMode.LINE)
+    others = (
+        ({"perspective_correction": False}, True),
+        ({"fog": Fog()}, True),
+        ({"polygon": PolygonState(provoking_vertex=ProvokingVertex.FIRST)}, True),
+        ({"texture_units": (TextureUnit("t"),)}, True),
+        ({"vertex": VertexState(TURNED, PERSPECTIVE)}, True),
+        ({"depth_clamp": DepthClamp()}, False),
+        ({"polygon": outlines}, False),
+    )
+    for number, (other, is_covered) in enumerate(others, 2):
+        changed = replace(state, **other)
+        got = process(mesh, changed, GEFORCE_256, WIDTH, HEIGHT)
+        assert is_by_kernel(got) == is_covered
+        assert len(plans) == number
+        if is_covered:
+            assert both(mesh, changed)
 
 
 def test_threads_may_share_a_mesh():
