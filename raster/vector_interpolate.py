@@ -422,6 +422,18 @@ def term_of(q, d):
 
 
 @kernel
+def dominates(c1, c0, c2):
+    """Whether vertex 1's coordinate is the largest term wherever the weights are, and not tiny."""
+    return abs(c1) >= max(abs(c0), abs(c2)) and abs(c1) >= EXACT_FROM
+
+
+@kernel
+def sum_beside(q0, q2, base, d0, d2):
+    """The terms' sum where vertex 1 dominates: its own term is ``base``, and d0 and d2 count its last bit."""
+    return (base + truncated(q0 * d0)) + truncated(q2 * d2)
+
+
+@kernel
 def texels_of(largest, exponent, total, to_fixed):
     """(whether wrapping rounds, floor(256 u size)) of a coordinate u.
 
@@ -473,6 +485,14 @@ def iterate_texels(lists, segments, triangles, coordinates, unit, component, log
         c0 = coordinates[triangles[t, 0], unit, component] - c1
         c2 = coordinates[triangles[t, 2], unit, component] - c1
         v1, d0, d2 = f64x16(c1), f64x16(c0), f64x16(c2)
+        if dominates(c1, c0, c2):
+            step, steps = step_24(abs(c1))
+            own, d0, d2 = f64x16(np.trunc(c1 * steps)), f64x16(c0 * steps), f64x16(c2 * steps)
+            scale = step * (size * 256.0)
+            for i in range(begin, end, 16):
+                total = sum_beside(load_f64x16(q0, i), load_f64x16(q2, i), own, d0, d2)
+                store(out, i, to_int32(floored(total * scale)))
+            continue
         one_term, only0 = c1 == 0.0 and (c0 == 0.0 or c2 == 0.0), c2 == 0.0
         for i in range(begin, end, 16):
             if one_term:
@@ -517,6 +537,13 @@ def iterate_floats(lists, segments, triangles, coordinates, unit, component, flo
             value = float_of_terms(*terms_of(d0, d2, v1, d0, d2))
             for i in range(begin, end, 16):
                 store(out, i, value)
+            continue
+        if dominates(c1, c0, c2):
+            step, steps = step_24(abs(c1))
+            own, d0, d2 = f64x16(np.trunc(c1 * steps)), f64x16(c0 * steps), f64x16(c2 * steps)
+            for i in range(begin, end, 16):
+                total = sum_beside(load_f64x16(q0, i), load_f64x16(q2, i), own, d0, d2)
+                store(out, i, total * step)
             continue
         one_term, only0 = c1 == 0.0 and (c0 == 0.0 or c2 == 0.0), c2 == 0.0
         for i in range(begin, end, 16):
