@@ -38,10 +38,8 @@ def _viewer(dtype, dimensions):
 
 
 bytes_at = _viewer(types.uint8, 3)
-words_at = _viewer(types.int16, 2)
 integers_at, table_at, tables_at = (_viewer(types.int32, n) for n in (1, 2, 3))
 longs_at, long_table_at = (_viewer(types.int64, n) for n in (1, 2))
 texels_at = _viewer(types.uint32, 1)
-pairs_at = _viewer(types.uint64, 1)
 floats_at = _viewer(types.float64, 1)
 float_tables_at = _viewer(types.float64, 3)

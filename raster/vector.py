@@ -76,7 +76,7 @@ class _VectorModel(models.PrimitiveModel):
 U8X4, U8X16, U8X32 = (Vector(types.uint8, lanes) for lanes in (4, 16, 32))
 I16X4, I16X16, I16X32 = (Vector(types.int16, lanes) for lanes in (4, 16, 32))
 I32X8, I32X16, I32X32 = Vector(types.int32, 8), Vector(types.int32, 16), Vector(types.int32, 32)
-I64X8, I64X16 = Vector(types.int64, 8), Vector(types.int64, 16)
+I64X8 = Vector(types.int64, 8)
 F64X8, F64X16 = Vector(types.float64, 8), Vector(types.float64, 16)
 
 
@@ -365,9 +365,7 @@ i16x16 = _maker(I16X16, "")
 i16x32 = _maker(I16X32, "")
 i32x8 = _maker(I32X8, "")
 i32x16 = _maker(I32X16, "")
-i32x32 = _maker(I32X32, "")
 i64x8 = _maker(I64X8, "")
-i64x16 = _maker(I64X16, "")
 f64x8 = _maker(F64X8, "")
 f64x16 = _maker(F64X16, "")
 
@@ -419,12 +417,10 @@ def _regrouped(element, factor, doc):
 
 
 to_int32 = _converter(types.int32, "fptosi", "A float's integer part; undefined beyond int32.")
-to_float64 = _converter(types.float64, "sitofp", "An integer as a float64.")
 narrow_i32 = _converter(types.int32, "trunc", "The lower 32 bits.")
 narrow_i16 = _converter(types.int16, "trunc", "The lower 16 bits.")
 narrow_u8 = _converter(types.uint8, "trunc", "The lower 8 bits.")
 widen_i32 = _converter(types.int32, "sext", "The same integer in 32 bits.")
-widen_i64 = _converter(types.int64, "sext", "The same integer in 64 bits.")
 widen_unsigned_i16 = _converter(types.int16, "zext", "The bits as an unsigned integer in 16 bits.")
 widen_unsigned_i32 = _converter(types.int32, "zext", "The bits as an unsigned integer in 32 bits.")
 halves_of_lanes = _regrouped(types.int16, 2, "Twice as many 16-bit lanes, lower halves first.")
@@ -516,7 +512,7 @@ def _loader(vector):
 
 load_u8x16, load_u8x32 = _loader(U8X16), _loader(U8X32)
 load_i16x16, load_i16x32 = _loader(I16X16), _loader(I16X32)
-load_i32x8, load_i32x16, load_i32x32 = _loader(I32X8), _loader(I32X16), _loader(I32X32)
+load_i32x16, load_i32x32 = _loader(I32X16), _loader(I32X32)
 load_f64x8, load_f64x16 = _loader(F64X8), _loader(F64X16)
 
 
