@@ -5,7 +5,8 @@ read, and each kernel module repeats, as plain integers, the codes it decides on
 checks that the two agree).
 
 Source: OpenGL 1.2.1 (Segal, Akeley 1999); NV_register_combiners; EXT_texture_cube_map; NV_texgen_reflection;
-EXT_stencil_wrap; EXT_blend_minmax; EXT_blend_subtract; EXT_texture_lod_bias; NV_texture_shader; ARB_shadow.
+EXT_stencil_wrap; EXT_blend_minmax; EXT_blend_subtract; EXT_texture_lod_bias; NV_texture_shader; ARB_shadow;
+ARB_texture_env_combine; ARB_texture_env_dot3; NV_texture_env_combine4.
 """
 
 from enum import IntEnum
@@ -79,6 +80,7 @@ class DepthFormat(IntEnum):
     """
 
     FIXED_16 = 16
+    FIXED_23 = 23
     FIXED_24 = 24
     FLOAT_16 = -16
     FLOAT_24 = -24
@@ -246,6 +248,13 @@ class InternalFormat(IntEnum):
     RED8_BLUE8 = 30  # blue in green too, red in alpha too
     WHITE_ALPHA8 = 31  # red, green, blue 255
     LUMINANCE16 = 32  # red 255, the high byte in green, the low byte in blue, alpha 255
+    ALPHA12 = 33  # table 3.16's twelve-bit formats, for machines with components so wide
+    LUMINANCE12 = 34
+    LUMINANCE12_ALPHA4 = 35
+    LUMINANCE12_ALPHA12 = 36
+    INTENSITY12 = 37
+    RGB12 = 38
+    RGBA12 = 39
 
 
 class TexelWord(IntEnum):
@@ -526,3 +535,106 @@ class TextureCompareMode(IntEnum):
     NONE = 0
     COMPARE_R_TO_TEXTURE = 1
     COMPARE_ZERO_TO_TEXTURE = 2
+
+
+class TextureEnvironmentMode(IntEnum):
+    """Section 3.8.9, ARB_texture_env_add, ARB_texture_env_combine, NV_texture_env_combine4."""
+
+    MODULATE = 0
+    REPLACE = 1
+    DECAL = 2
+    BLEND = 3
+    ADD = 4
+    COMBINE = 5
+    COMBINE4 = 6
+
+
+class CombineFunction(IntEnum):
+    """COMBINE_RGB and COMBINE_ALPHA: EXT_ and ARB_texture_env_combine (SUBTRACT: ARB_ alone), _dot3.
+
+    A COMBINE4 environment takes ADD and ADD_SIGNED alone, of two products.
+    """
+
+    REPLACE = 0
+    MODULATE = 1
+    ADD = 2
+    ADD_SIGNED = 3
+    INTERPOLATE = 4
+    SUBTRACT = 5
+    DOT3_RGB = 6
+    DOT3_RGBA = 7
+
+
+class CombineSource(IntEnum):
+    """SOURCEn_RGB and SOURCEn_ALPHA; ZERO and the numbered textures: NV_texture_env_combine4 (the textures
+    also ARB_texture_env_crossbar).
+    """
+
+    TEXTURE = 0
+    CONSTANT = 1
+    PRIMARY_COLOR = 2
+    PREVIOUS = 3
+    ZERO = 4
+    TEXTURE0 = 5
+    TEXTURE1 = 6
+    TEXTURE2 = 7
+    TEXTURE3 = 8
+
+
+class CombineOperand(IntEnum):
+    """OPERANDn_RGB and OPERANDn_ALPHA, which take the two of alpha alone."""
+
+    SRC_COLOR = 0
+    ONE_MINUS_SRC_COLOR = 1
+    SRC_ALPHA = 2
+    ONE_MINUS_SRC_ALPHA = 3
+
+
+class ColorBuffer(IntEnum):
+    """What DrawBuffer and ReadBuffer take (sections 4.2.1, 4.3.2): the window's or an auxiliary buffer."""
+
+    BACK = 0
+    AUX0 = 1
+    AUX1 = 2
+    AUX2 = 3
+    AUX3 = 4
+
+
+class ColorWeights(IntEnum):
+    """How a machine iterates colours (a profile field): with weights of eight bits, as the NV2A does, or
+    exactly, rounded to the nearest value of a component.
+    """
+
+    EIGHT_BITS = 0
+    EXACT = 1
+
+
+class Clamp(IntEnum):
+    """The places where a machine clamps, each of which can be switched off (``Profile.with_clamps``).
+
+    MAPPING: the lower clamp of the unsigned input mappings and the upper one of UNSIGNED_INVERT.
+    GENERAL_COMBINER: the outputs of a general combiner. TEXTURE_ENVIRONMENT: each unit's result.
+    COLOR_SUM: SPARE0_PLUS_SECONDARY_COLOR, and the color sum where combiners are off. FINAL_COMBINER: its RGB
+    and alpha, and a fragment's colour after fog. BLENDING: what blending writes. VERTEX_COLOR: colours of
+    vertices before they are iterated.
+    """
+
+    VERTEX_COLOR = 0
+    MAPPING = 1
+    GENERAL_COMBINER = 2
+    TEXTURE_ENVIRONMENT = 3
+    COLOR_SUM = 4
+    FINAL_COMBINER = 5
+    BLENDING = 6
+
+
+class CombinerFunction(IntEnum):
+    """What a general combiner of the future puts in the place of AB + CD (document 004, section 5.1).
+
+    SQUARE_ROOT: of the sum, at least 0. DIVIDE: AB by CD. EXPONENTIAL: e to the power of the sum.
+    """
+
+    NONE = 0
+    SQUARE_ROOT = 1
+    DIVIDE = 2
+    EXPONENTIAL = 3

@@ -5,12 +5,18 @@ in ``evidence``. Code asks what a machine can do, never which machine it is.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
+from numbers import Integral
 
 from pipeline.enums import (
     BlendEquation,
     BlendFactor,
+    Clamp,
     ColorFormat,
+    ColorWeights,
+    CombineFunction,
+    CombinerFunction,
+    ComparisonFunction,
     DotProductMapping,
     FogArithmetic,
     InternalFormat,
@@ -20,6 +26,7 @@ from pipeline.enums import (
     StencilOperation,
     TexGenMode,
     TextureCompareMode,
+    TextureEnvironmentMode,
     TextureShaderOperation,
     TextureTarget,
     WindowOrigin,
@@ -42,13 +49,18 @@ class Profile:
         ``max_viewport``
         (pixels along an edge), ``depth_bits`` (the DepthFormats a depth buffer may have; a fixed format is
         its width), ``stencil_bits``, ``max_shininess``, ``max_point_size`` and ``max_line_width`` (pixels),
-        ``max_window_rectangles`` (of a WindowClip; 0: none).
+        ``max_window_rectangles`` (of a WindowClip; 0: none), ``max_probes`` (of footprint assembly; 1: none),
+        ``max_color_table_size`` and ``max_convolution_size`` (entries, texels along an edge),
+        ``auxiliary_buffers``, ``accumulation_bits`` (a component's, with its sign; 0: none),
+        ``color_bits`` (the widths that a colour buffer's components may have, the usual one first),
+        ``samples`` (how many of them a pixel may have, the usual number first).
     Sets
         ``texture_targets``, ``internal_formats``, ``wrap_modes``, ``texgen_modes``, ``blend_factors_source``,
         ``blend_factors_destination``, ``blend_equations``, ``stencil_operations``, ``surface_formats`` (of
         pbuffers' colours; none: no pbuffers), ``texture_shader_operations`` (none: no texture shaders),
         ``dot_product_mappings``, ``texture_compare_modes``, ``point_sprite_units`` (texture units whose
-        coordinates point sprites may replace).
+        coordinates point sprites may replace), ``shadow_functions`` (of a texture comparison),
+        ``texture_environment_modes``, ``combine_functions``, ``combiner_functions``.
     Switches
         ``logic_op``, ``fog_coordinate``, ``separate_specular_color``, ``color_sum``,
         ``fog_registers`` (FogRegisters), ``composite_matrix`` (Composite), ``point_parameters``,
@@ -58,7 +70,11 @@ class Profile:
         ``foreign_texture_targets`` (texture shaders read cube maps as volumes and 2D textures as either),
         ``signed_components`` (of any texture), ``cylinder_wrap``, ``perspective_hint``
         (PERSPECTIVE_CORRECTION_HINT is followed),
-        ``depth_clamp`` (NV_depth_clamp), ``w_buffering`` (clip w as depth).
+        ``depth_clamp`` (NV_depth_clamp), ``w_buffering`` (clip w as depth), ``line_stipple``,
+        ``texture_environment_crossbar`` (sources TEXTUREn), ``shadow_ambient``, ``texture_color_table``,
+        ``color_matrix``, ``color_tables`` (of pixel transfer), ``convolution``, ``histogram`` (and minmax),
+        ``pixel_texture`` (SGIX_pixel_texture), ``pixel_texture_sgis``, ``impact_pixel_texture``,
+        ``combiner_lookup``, ``evaluate_before_filtering``, ``spherical_interpolation``.
     Arithmetic
         ``exact``: float64 without limits (the ideal machine; the fields below then do not matter).
         ``expand_half``: what an 8-bit EXPAND mapping takes as one half, 128 or 127.5. ``product_rounding``,
@@ -69,6 +85,11 @@ class Profile:
         lambda up to which the magnification filter is taken. ``fog_arithmetic``: how the factor is computed.
         ``dithered_s3tc_dxt1``: DXT1's colours are ordered-dithered to 5, 6 and 5 bits when they are decoded.
         ``lighting``: OpenGL's equations in float64, or a lighting unit's short floats and rational functions.
+        ``color_weights``: of iterated colours. ``diamond_exit_lines``: lines draw the pixels whose diamond
+        they leave (section 3.4.1), not those of the NV2A's steps. ``clamps_color_matrix``: components are
+        clamped to [0, 1] after the colour matrix's scale and bias. ``combiner_bits``: of a combiner's
+        value of one; ``combiner_range``: registers hold values below this. ``texture_bits``: of the widest texels.
+        ``filter_fraction_bits``: of a linear filter's weights. ``clamps``: those that are on.
     """
 
     name: str
@@ -91,6 +112,13 @@ class Profile:
     max_point_size: float
     max_line_width: float
     max_window_rectangles: int
+    max_probes: int
+    max_color_table_size: int
+    max_convolution_size: int
+    auxiliary_buffers: int
+    accumulation_bits: int
+    color_bits: tuple[int, ...]
+    samples: tuple[int, ...]
     depth_bits: tuple[int, ...]
     stencil_bits: int
 
@@ -107,6 +135,10 @@ class Profile:
     dot_product_mappings: frozenset[DotProductMapping]
     texture_compare_modes: frozenset[TextureCompareMode]
     point_sprite_units: frozenset[int]
+    shadow_functions: frozenset[ComparisonFunction]
+    texture_environment_modes: frozenset[TextureEnvironmentMode]
+    combine_functions: frozenset[CombineFunction]
+    combiner_functions: frozenset[CombinerFunction]
 
     logic_op: bool
     fog_coordinate: bool
@@ -123,6 +155,20 @@ class Profile:
     point_parameters: bool
     depth_clamp: bool
     w_buffering: bool
+    line_stipple: bool
+    texture_environment_crossbar: bool
+    shadow_ambient: bool
+    texture_color_table: bool
+    color_matrix: bool
+    color_tables: bool
+    convolution: bool
+    histogram: bool
+    pixel_texture: bool
+    pixel_texture_sgis: bool
+    impact_pixel_texture: bool
+    combiner_lookup: bool
+    evaluate_before_filtering: bool
+    spherical_interpolation: bool
 
     expand_half: float
     product_rounding: ProductRounding
@@ -136,6 +182,14 @@ class Profile:
     fog_arithmetic: FogArithmetic
     dithered_s3tc_dxt1: bool
     lighting: LightingArithmetic
+    color_weights: ColorWeights
+    diamond_exit_lines: bool
+    clamps_color_matrix: bool
+    combiner_bits: int
+    combiner_range: float
+    texture_bits: int
+    filter_fraction_bits: int
+    clamps: frozenset[Clamp]
 
     evidence: Mapping[str, str]
 
@@ -152,3 +206,57 @@ class Profile:
                 raise ValueError(
                     f"{self.name}.{field}: evidence must start with one of {', '.join(EVIDENCE_TAGS)}"
                 )
+
+    def with_precision(
+        self,
+        *,
+        combiner_bits=None,
+        texture_bits=None,
+        framebuffer_bits=None,
+        filter_fraction_bits=None,
+        subpixel_bits=None,
+    ):
+        """The same machine with other widths, each of 4 to 16 bits; None: its own.
+
+        ``combiner_bits``: of a value of one in combiners and texture environments (registers have a sign
+        beside). ``texture_bits``: what a texel component of 8 bits or more has. ``framebuffer_bits``: of a
+        colour buffer's components. ``filter_fraction_bits``: of a linear filter's weights. ``subpixel_bits``:
+        of window coordinates. Raises ValueError for a width that is not 4 to 16.
+        """
+        given = {
+            "combiner_bits": combiner_bits,
+            "texture_bits": texture_bits,
+            "color_bits": framebuffer_bits,
+            "filter_fraction_bits": filter_fraction_bits,
+            "subpixel_bits": subpixel_bits,
+        }
+        widths = {}
+        for name, bits in given.items():
+            if bits is None:
+                continue
+            said = "framebuffer_bits" if name == "color_bits" else name
+            if isinstance(bits, bool) or not isinstance(bits, Integral) or not 4 <= bits <= 16:
+                raise ValueError(f"{said} is {bits!r}; a machine's numbers may have 4 to 16 bits.")
+            widths[name] = (int(bits),) if name == "color_bits" else int(bits)
+        if not widths:
+            return self
+        words = ", ".join(f"{name} {bits}" for name, bits in given.items() if bits is not None)
+        evidence = {**self.evidence, **dict.fromkeys(widths, "Assumed: nothing; a width that was asked for")}
+        return replace(self, name=f"{self.name} with {words}", evidence=evidence, **widths)
+
+    def without_clamps(self, *clamps):
+        """The same machine with these of its clamps (``pipeline.enums.Clamp``) switched off.
+
+        Raises ValueError for what is no Clamp.
+        """
+        for clamp in clamps:
+            if not isinstance(clamp, Clamp):
+                raise ValueError(
+                    f"{clamp!r} is no clamp; give members of Clamp: {', '.join(Clamp.__members__)}."
+                )
+        if not clamps:
+            return self
+        words = ", ".join(clamp.name for clamp in clamps)
+        evidence = {**self.evidence, "clamps": "Assumed: nothing; clamps that were asked to be off"}
+        name = f"{self.name} without clamps {words}"
+        return replace(self, name=name, clamps=self.clamps - set(clamps), evidence=evidence)

@@ -12,12 +12,18 @@ vectors (``clip = projection @ modelview @ object``).
 from dataclasses import dataclass, field
 
 from pipeline.enums import (
+    BaseFormat,
     BlendEquation,
     BlendFactor,
+    ColorBuffer,
     ColorMaterialParameter,
     ColorSource,
+    CombineFunction,
+    CombineOperand,
     CombinerBias,
+    CombinerFunction,
     CombinerScale,
+    CombineSource,
     ComparisonFunction,
     ComponentUsage,
     CullMode,
@@ -39,6 +45,7 @@ from pipeline.enums import (
     StencilOperation,
     TexGenMode,
     TextureCompareMode,
+    TextureEnvironmentMode,
     TextureFilter,
     TextureShaderOperation,
     VertexStage,
@@ -258,10 +265,15 @@ class PointState:
 
 @dataclass(frozen=True, slots=True)
 class LineState:
-    """Section 3.4. Lines are not antialiased."""
+    """Section 3.4. Lines are not antialiased.
+
+    ``stipple`` (section 3.4.2): (factor, pattern), 1 to 256 and 16 bits, the first in the lowest; None:
+    disabled.
+    """
 
     width: float = 1.0
     rasterization: LineRasterization = LineRasterization.STEPS
+    stipple: tuple[int, int] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -300,12 +312,28 @@ class SignedComponents:
 
 
 @dataclass(frozen=True, slots=True)
+class ColorTable:
+    """A colour lookup table (section 3.6.3, SGI_color_table, SGI_texture_color_table).
+
+    ``entries``: 2**n colours; ``base_format`` says which of a colour's components the table replaces, and
+    with what (table 3.14): an INTENSITY table's entries replace all four by their first, for instance.
+    ``bits``: of each entry's components, rounded to nearest; None: as they are.
+    """
+
+    entries: tuple[Color, ...]
+    base_format: BaseFormat = BaseFormat.RGBA
+    bits: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Sampler:
     """Texture parameters (table 3.17): how a texture image is sampled. Level 0 is the base level.
 
     ``compare_mode``, ``compare_function`` (ARB_shadow, EXT_shadow_funcs): of a depth texture; every texel
     read becomes one where "reference function texel" holds and zero elsewhere, and these are filtered.
     ``max_anisotropy``: EXT_texture_filter_anisotropic's.
+    ``compare_fail_value`` (SGIX_shadow_ambient, ARB_shadow_ambient): what takes the place of zero.
+    ``max_probes``: of footprint assembly, a power of two; 1: none.
     """
 
     min_filter: TextureFilter = TextureFilter.NEAREST_MIPMAP_LINEAR
@@ -321,6 +349,44 @@ class Sampler:
     max_level: int = 1000
     signed_components: SignedComponents = SignedComponents()
     max_anisotropy: float = 1.0
+    compare_fail_value: float = 0.0
+    max_probes: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Combine:
+    """One half, RGB or alpha, of a COMBINE or COMBINE4 environment (ARB_texture_env_combine, table 3.20).
+
+    ``sources``, ``operands``: as many as ``function`` takes, or more: 1 for REPLACE, 3 for INTERPOLATE, 2 for
+    the others; 4 with COMBINE4. ``scale``: RGB_SCALE or ALPHA_SCALE, 1, 2 or 4.
+    """
+
+    function: CombineFunction = CombineFunction.MODULATE
+    sources: tuple[CombineSource, ...] = (
+        CombineSource.TEXTURE,
+        CombineSource.PREVIOUS,
+        CombineSource.CONSTANT,
+    )
+    operands: tuple[CombineOperand, ...] = (
+        CombineOperand.SRC_COLOR,
+        CombineOperand.SRC_COLOR,
+        CombineOperand.SRC_ALPHA,
+    )
+    scale: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class TextureEnvironment:
+    """How a texture unit combines its texel with the colour that reaches it (section 3.8.9).
+
+    ``color``: TEXTURE_ENV_COLOR. ``rgb``, ``alpha``: of COMBINE and COMBINE4 alone. Register combiners take
+    the place of every unit's environment.
+    """
+
+    mode: TextureEnvironmentMode = TextureEnvironmentMode.MODULATE
+    color: Color = (0.0, 0.0, 0.0, 0.0)
+    rgb: Combine = Combine()
+    alpha: Combine = Combine(operands=(CombineOperand.SRC_ALPHA,) * 3)
 
 
 @dataclass(frozen=True, slots=True)
@@ -332,7 +398,9 @@ class TextureUnit:
     EXT_texture_lod_bias's per-unit bias. ``coordinates``: which of the mesh's texture coordinate sets feeds
     the unit. ``gen``: generation for s, t, r, q. ``cylinder_wrap``: for s, t, r, q whether a triangle's
     coordinates are brought within one half of each other before they are iterated (Direct3D's texture
-    wrapping). ``coord_replace``: NV_point_sprite's.
+    wrapping). ``coord_replace``: NV_point_sprite's. ``environment``: where register combiners are disabled.
+    ``color_table``: SGI_texture_color_table's, applied to what the unit's filter gives. On a machine of the
+    future, ``spherical_coordinates``: (s, t, r) is a unit vector that turns steadily from vertex to vertex.
     """
 
     texture: str | None
@@ -343,6 +411,9 @@ class TextureUnit:
     matrix: Matrix = IDENTITY
     cylinder_wrap: tuple[bool, bool, bool, bool] = (False, False, False, False)
     coord_replace: bool = False
+    environment: TextureEnvironment = TextureEnvironment()
+    color_table: ColorTable | None = None
+    spherical_coordinates: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -382,6 +453,7 @@ class RGBPortion:
     extension initialises (AB and CD discarded, the sum into SPARE0).
 
     ``ab_blue_to_alpha``, ``cd_blue_to_alpha`` (NV2A): the output's blue goes to its register's alpha as well.
+    ``function``: what a machine of the future puts in the place of the sum.
     """
 
     a: CombinerInput = CombinerInput(Register.PRIMARY_COLOR)
@@ -398,11 +470,12 @@ class RGBPortion:
     mux_sum: bool = False
     ab_blue_to_alpha: bool = False
     cd_blue_to_alpha: bool = False
+    function: CombinerFunction = CombinerFunction.NONE
 
 
 @dataclass(frozen=True, slots=True)
 class AlphaPortion:
-    """Alpha portion of a general combiner; component usage ALPHA or BLUE."""
+    """Alpha portion of a general combiner; component usage ALPHA or BLUE. ``function``: as RGBPortion's."""
 
     a: CombinerInput = CombinerInput(Register.PRIMARY_COLOR, usage=ComponentUsage.ALPHA)
     b: CombinerInput = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, ComponentUsage.ALPHA)
@@ -414,18 +487,30 @@ class AlphaPortion:
     scale: CombinerScale = CombinerScale.NONE
     bias: CombinerBias = CombinerBias.NONE
     mux_sum: bool = False
+    function: CombinerFunction = CombinerFunction.NONE
+
+
+@dataclass(frozen=True, slots=True)
+class CombinerLookup:
+    """On a machine of the future: after a general combiner, texture unit ``unit``'s register takes the texel
+    that its texture has, at level 0, where (s, t, r) are ``register``'s red, green and blue.
+    """
+
+    unit: int
+    register: Register = Register.SPARE0
 
 
 @dataclass(frozen=True, slots=True)
 class GeneralCombiner:
     """One general combiner stage. ``constant_color0/1``: per-stage constants (NV_register_combiners2) where
-    the profile has them; None: the program's own.
+    the profile has them; None: the program's own. ``lookup``: None everywhere but on a machine of the future.
     """
 
     rgb: RGBPortion = RGBPortion()
     alpha: AlphaPortion = AlphaPortion()
     constant_color0: Color | None = None
     constant_color1: Color | None = None
+    lookup: CombinerLookup | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -585,14 +670,19 @@ class PassState:
     """Everything that a Draw needs to know.
 
     ``texture_units``: unit i reads ``texture_units[i]``; None: the unit is disabled.
-    ``register_combiners`` None: NV_register_combiners disabled; the fragment is then its primary colour, plus
-    the secondary colour if ``color_sum``, then fog.
+    ``register_combiners`` None: NV_register_combiners disabled; the fragment's primary colour then goes
+    through the texture units' environments, takes the secondary colour if ``color_sum``, then fog.
     ``perspective_correction`` False: Hint(PERSPECTIVE_CORRECTION_HINT, FASTEST), where a machine follows it:
     colours and coordinates are linear on the screen.
     ``logic_op`` None: disabled.
     ``texture_shader``: stage i is texture unit i's, NONE where there are fewer; None: TEXTURE_SHADER is
     disabled, and each enabled unit samples its texture.
     ``w_buffering``: a fragment's depth is its clip w, in depth units, instead of its window z.
+    ``draw_buffer``: which colour buffer is written (and blended with).
+    On a machine of the future, ``evaluate_before_filtering``: the combiners are evaluated at each texel that
+    the texture units' filters read, and their results are filtered; ``spherical_primary_color``,
+    ``spherical_secondary_color``: the colour is a unit vector, as EXPAND_NORMAL reads it, that turns steadily
+    from vertex to vertex.
     """
 
     vertex: VertexState = VertexState()
@@ -615,3 +705,7 @@ class PassState:
     window_clip: WindowClip | None = None
     depth_clamp: DepthClamp | None = None
     w_buffering: bool = False
+    draw_buffer: ColorBuffer = ColorBuffer.BACK
+    evaluate_before_filtering: bool = False
+    spherical_primary_color: bool = False
+    spherical_secondary_color: bool = False

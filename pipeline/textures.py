@@ -36,6 +36,9 @@ COMPONENT_BITS = {
     InternalFormat.RGBA8: (8, 8, 8, 8),
 }
 
+# Formats of machines whose components have twelve bits.  Source: OpenGL 1.2.1 table 3.16.
+TWELVE_BIT_FORMATS = frozenset(f for f in InternalFormat if "12" in f.name)
+
 
 def _base_format(internal_format):
     if internal_format not in COMPONENT_BITS:

@@ -1,8 +1,25 @@
-"""The machines, one module each."""
+"""The machines, a module each or one for a family."""
 
+from pipeline.profiles.future import FUTURE
 from pipeline.profiles.geforce_3 import GEFORCE_3
 from pipeline.profiles.geforce_256 import GEFORCE_256
 from pipeline.profiles.ideal import IDEAL
+from pipeline.profiles.multitexture import G400, MULTITEXTURE, TEXRAM
 from pipeline.profiles.nv2a import NV2A
+from pipeline.profiles.opengl_1_2 import OPENGL_1_2, OPENGL_1_2_IMAGING
+from pipeline.profiles.silicon_graphics import INFINITE_REALITY, OCTANE
 
-PROFILES = {"GEFORCE_256": GEFORCE_256, "GEFORCE_3": GEFORCE_3, "NV2A": NV2A, "IDEAL": IDEAL}
+PROFILES = {
+    "OPENGL_1_2": OPENGL_1_2,
+    "OPENGL_1_2_IMAGING": OPENGL_1_2_IMAGING,
+    "MULTITEXTURE": MULTITEXTURE,
+    "GEFORCE_256": GEFORCE_256,
+    "GEFORCE_3": GEFORCE_3,
+    "NV2A": NV2A,
+    "OCTANE": OCTANE,
+    "INFINITE_REALITY": INFINITE_REALITY,
+    "G400": G400,
+    "TEXRAM": TEXRAM,
+    "FUTURE": FUTURE,
+    "IDEAL": IDEAL,
+}

@@ -29,6 +29,7 @@ GEFORCE_3 = replace(
         "blend_equations": GEFORCE_256.evidence["blend_equations"],
         "texture_shader_operations": "Source: NV_texture_shader, NV_texture_shader2",
         "texture_compare_modes": "Source: ARB_shadow",
+        "shadow_functions": "Source: EXT_shadow_funcs",
         "foreign_texture_targets": "Source: NV_texture_shader, table 3.B (inconsistent)",
         "depth_units_in_coordinates": "Source: ARB_shadow, NV_texture_shader (DOT_PRODUCT_DEPTH_REPLACE)",
         "combiner_flags": "Source: NV_register_combiners2, which names none of them",

@@ -5,9 +5,18 @@
 
 from dataclasses import fields, replace
 
-from pipeline.enums import BlendFactor
+from pipeline.enums import (
+    BlendFactor,
+    CombineFunction,
+    CombinerFunction,
+    ComparisonFunction,
+    InternalFormat,
+    TextureCompareMode,
+    TextureTarget,
+)
 from pipeline.profile import Profile
 from pipeline.profiles.geforce_256 import GEFORCE_256
+from pipeline.textures import TWELVE_BIT_FORMATS
 
 _BY_DEFINITION = "Assumed: nothing; limits are what a state can say, or far beyond any machine of the time"
 
@@ -30,6 +39,32 @@ IDEAL = replace(
     expand_half=127.5,
     blend_factors_source=frozenset(BlendFactor),
     blend_factors_destination=frozenset(BlendFactor),
+    max_3d_texture_size=1 << 10,
+    max_probes=64,
+    max_color_table_size=1 << 16,
+    max_convolution_size=64,
+    auxiliary_buffers=4,
+    texture_targets=GEFORCE_256.texture_targets | {TextureTarget.TEXTURE_3D},
+    internal_formats=GEFORCE_256.internal_formats
+    | TWELVE_BIT_FORMATS
+    | {InternalFormat.DEPTH_COMPONENT16, InternalFormat.DEPTH_COMPONENT24},
+    texture_compare_modes=frozenset({TextureCompareMode.NONE, TextureCompareMode.COMPARE_R_TO_TEXTURE}),
+    shadow_functions=frozenset(ComparisonFunction),
+    combine_functions=frozenset(CombineFunction),
+    combiner_functions=frozenset(CombinerFunction),
+    texture_environment_crossbar=True,
+    shadow_ambient=True,
+    texture_color_table=True,
+    color_matrix=True,
+    color_tables=True,
+    convolution=True,
+    histogram=True,
+    pixel_texture=True,
+    pixel_texture_sgis=True,
+    impact_pixel_texture=True,
+    combiner_lookup=True,
+    evaluate_before_filtering=True,
+    spherical_interpolation=True,
     evidence={
         f.name: _BY_DEFINITION for f in fields(Profile) if f.name not in ("name", "description", "evidence")
     },

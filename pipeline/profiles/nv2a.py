@@ -9,6 +9,7 @@ from pipeline.enums import (
     BlendEquation,
     BlendFactor,
     ColorFormat,
+    ComparisonFunction,
     DepthFormat,
     DotProductMapping,
     FogArithmetic,
@@ -19,6 +20,7 @@ from pipeline.enums import (
     TextureTarget,
 )
 from pipeline.profiles.geforce_256 import GEFORCE_256
+from pipeline.textures import TWELVE_BIT_FORMATS
 
 _MEASURED = {
     "exact": "Measured: 8-bit combiner registers (Combiner captures)",
@@ -51,6 +53,7 @@ _MEASURED = {
     "texture_shader_operations": "Measured: Pixel_shader, Texture_cubemap, Texture_BRDF; rectangles Inferred",
     "dot_product_mappings": "Measured: six mappings, 56909 pixels each (DotSTRCube captures)",
     "texture_compare_modes": "Measured: 8150016 of 8150016 pixels of each (Texture_shadow_comparator)",
+    "shadow_functions": "Measured: all eight (Texture_shadow_comparator captures)",
     "foreign_texture_targets": "Measured: 56909 pixels each (DotSTR3D, Texture_2D_as_cubemap captures)",
     "depth_units_in_coordinates": "Measured: Texture_shadow_comparator and DotZW captures",
     "surface_formats": "Source: nv_objects.h, SET_SURFACE_FORMAT_COLOR",
@@ -89,11 +92,11 @@ NV2A = replace(
     point_sprite_units=frozenset({3}),
     point_parameters=True,
     max_viewport=4096,
-    depth_bits=tuple(DepthFormat),
+    depth_bits=(DepthFormat.FIXED_16, DepthFormat.FIXED_24, DepthFormat.FLOAT_16, DepthFormat.FLOAT_24),
     depth_clamp=True,
     w_buffering=True,
     texture_targets=frozenset(TextureTarget),
-    internal_formats=frozenset(InternalFormat),
+    internal_formats=frozenset(InternalFormat) - TWELVE_BIT_FORMATS,
     signed_components=True,
     cylinder_wrap=True,
     perspective_hint=True,
@@ -103,6 +106,7 @@ NV2A = replace(
     texture_shader_operations=frozenset(TextureShaderOperation),
     dot_product_mappings=frozenset(DotProductMapping),
     texture_compare_modes=frozenset(TextureCompareMode),
+    shadow_functions=frozenset(ComparisonFunction),
     depth_units_in_coordinates=True,
     blend_equations=frozenset(BlendEquation),
     surface_formats=frozenset(ColorFormat),
