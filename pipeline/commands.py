@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pipeline.enums import ColorFormat, InternalFormat, PrimitiveType, TextureTarget, WindowOrigin
+from pipeline.pixel_transfer import INITIAL_TRANSFER, PixelImage, PixelTransfer
 from pipeline.state import Color, ColorMask, PassState, Scissor
 from pipeline.textures import Texture
 
@@ -114,11 +115,20 @@ class Draw:
 
 @dataclass(frozen=True, kw_only=True)
 class TexImage:
-    """TexImage1D/2D (section 3.8.1): store ``image`` as the texture object ``texture``."""
+    """TexImage1D/2D/3D (section 3.8.1): store ``image`` as the texture object ``texture``.
+
+    Either ``image`` is given, a Texture as it is stored, or ``pixels``, an image that goes through
+    ``transfer`` and is then stored as ``internal_format``; with ``generate_mipmap`` every smaller level too.
+    """
 
     label: str
     texture: str
-    image: Texture
+    image: Texture | None = None
+    pixels: PixelImage | None = None
+    target: TextureTarget = TextureTarget.TEXTURE_2D
+    internal_format: InternalFormat = InternalFormat.RGBA8
+    transfer: PixelTransfer = INITIAL_TRANSFER
+    generate_mipmap: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,7 +137,8 @@ class CopyTexImage:
 
     A 1D texture takes a rectangle of one row.
 
-    Level 0 is defined; with ``generate_mipmap`` (SGIS_generate_mipmap) every smaller level from it.
+    Level 0 is defined; with ``generate_mipmap`` (SGIS_generate_mipmap) every smaller level from it. Pixels go
+    through ``transfer``; where a convolution makes the rectangle smaller, the texture is so.
     A cube map is defined by a TexImage and filled face by face with CopyTexSubImage.
     """
 
@@ -140,6 +151,7 @@ class CopyTexImage:
     width: int | None = None
     height: int | None = None
     generate_mipmap: bool = False
+    transfer: PixelTransfer = INITIAL_TRANSFER
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,7 +159,8 @@ class CopyTexSubImage:
     """CopyTexSubImage1D/2D (section 3.8.2): replace a rectangle of level ``level`` of an existing texture.
 
     ``face``: 0..5 in the order +x, -x, +y, -y, +z, -z for a cube map, else 0. With ``generate_mipmap``
-    (SGIS_generate_mipmap; level 0 only) every smaller level is made again from level 0.
+    (SGIS_generate_mipmap; level 0 only) every smaller level is made again from level 0. Pixels go through
+    ``transfer``.
     """
 
     label: str
@@ -161,6 +174,7 @@ class CopyTexSubImage:
     level: int = 0
     face: int = 0
     generate_mipmap: bool = False
+    transfer: PixelTransfer = INITIAL_TRANSFER
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -169,6 +183,8 @@ class ReadPixels:
 
     ``format``: RGBA, RGB, RED, GREEN, BLUE, ALPHA, LUMINANCE (R + G + B, clamped), LUMINANCE_ALPHA as uint8
     [h, w(, c)]; DEPTH_COMPONENT as uint32 [h, w] in depth units; STENCIL_INDEX as uint8 [h, w].
+    ``type``: of colours, UNSIGNED_BYTE, UNSIGNED_SHORT or FLOAT (float64, clamped to [0, 1]). Pixels go
+    through ``transfer``; a histogram's or minmax's sink leaves nothing to return.
     """
 
     label: str
@@ -178,6 +194,8 @@ class ReadPixels:
     y: int = 0
     width: int | None = None
     height: int | None = None
+    type: str = "UNSIGNED_BYTE"
+    transfer: PixelTransfer = INITIAL_TRANSFER
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -213,4 +231,31 @@ class BindTexImage:
     origin: WindowOrigin = WindowOrigin.LOWER_LEFT
 
 
-Command = Clear | Draw | TexImage | CopyTexImage | CopyTexSubImage | ReadPixels | MakeCurrent | BindTexImage
+@dataclass(frozen=True, kw_only=True)
+class ResetHistogram:
+    """ResetHistogram (EXT_histogram): every count of the machine's histogram ``name`` becomes zero."""
+
+    label: str
+    name: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class ResetMinmax:
+    """ResetMinmax (EXT_histogram): the machine's minmax ``name`` forgets what it saw."""
+
+    label: str
+    name: str
+
+
+Command = (
+    Clear
+    | Draw
+    | TexImage
+    | CopyTexImage
+    | CopyTexSubImage
+    | ReadPixels
+    | MakeCurrent
+    | BindTexImage
+    | ResetHistogram
+    | ResetMinmax
+)

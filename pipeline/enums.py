@@ -600,6 +600,14 @@ class ColorBuffer(IntEnum):
     AUX3 = 4
 
 
+class ConvolutionBorderMode(IntEnum):
+    """CONVOLUTION_BORDER_MODE (section 3.6.5): what a filter reads beyond an image's edge."""
+
+    REDUCE = 0
+    CONSTANT_BORDER = 1
+    REPLICATE_BORDER = 2
+
+
 class ColorWeights(IntEnum):
     """How a machine iterates colours (a profile field): with weights of eight bits, as the NV2A does, or
     exactly, rounded to the nearest value of a component.

@@ -1,0 +1,154 @@
+"""Pixel transfer (OpenGL 1.2.1 section 3.6.3) as a value: what happens to pixel groups on their way between
+an image, the framebuffer and a texture, in the specification's words. Every default is the initial value.
+
+Nothing is current: each command that moves pixels carries a whole ``PixelTransfer``. The operations are
+applied in section 3.6.5's order, which is the order of the fields; ``raster.transfer`` has the arithmetic and
+docs/numbers.md the rule. Tables and filters are given as they are once specified: clamping to [0, 1] (tables)
+and the bits of the internal format take place here, COLOR_TABLE_SCALE and _BIAS and CONVOLUTION_FILTER_SCALE
+and _BIAS are the caller's to multiply and add.
+
+Source: OpenGL 1.2.1 sections 3.6.3 and 3.6.5; SGI_color_table, SGI_color_matrix, EXT_convolution,
+EXT_histogram.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.enums import BaseFormat, ConvolutionBorderMode
+from pipeline.state import IDENTITY, Color, ColorTable, Matrix
+
+_ONES: Color = (1.0, 1.0, 1.0, 1.0)
+_ZEROS: Color = (0.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class PixelImage:
+    """An image in client memory, bottom row first: what DrawPixels and TexImage take (section 3.6.4).
+
+    values  [height, width, components], or [height, width] of a format with one component; a leading axis
+            holds a cube map's six faces or a volume's layers. uint8, uint16 and uint32 are fixed-point
+            fractions of their type's largest value (table 2.6), floats are taken as they are. Indices are
+            unsigned integers.
+    format  RGBA, RGB, BGRA, BGR, RED, GREEN, BLUE, ALPHA, LUMINANCE, LUMINANCE_ALPHA, DEPTH_COMPONENT,
+            STENCIL_INDEX or COLOR_INDEX
+
+    The array is copied and made read-only.
+    """
+
+    values: np.ndarray
+    format: str = "RGBA"
+
+    def __post_init__(self):
+        values = np.array(self.values, order="C")
+        values.setflags(write=False)
+        object.__setattr__(self, "values", values)
+
+
+@dataclass(frozen=True, slots=True)
+class PixelMaps:
+    """The pixel maps (table 3.3), those that take an index with 2**n entries.
+
+    I_TO_I has no place: colour buffers hold RGBA, and a colour index becomes one on its way.
+    """
+
+    i_to_r: tuple[float, ...] = (0.0,)
+    i_to_g: tuple[float, ...] = (0.0,)
+    i_to_b: tuple[float, ...] = (0.0,)
+    i_to_a: tuple[float, ...] = (0.0,)
+    r_to_r: tuple[float, ...] = (0.0,)
+    g_to_g: tuple[float, ...] = (0.0,)
+    b_to_b: tuple[float, ...] = (0.0,)
+    a_to_a: tuple[float, ...] = (0.0,)
+    s_to_s: tuple[int, ...] = (0,)
+
+
+@dataclass(frozen=True, slots=True)
+class ConvolutionFilter:
+    """A one-dimensional filter, of one row, or a two-dimensional one (EXT_convolution).
+
+    ``rows``: bottom row first, each of as many colours; not clamped. ``base_format`` says which of a pixel's
+    components are convolved, and with what (table 3.14). ``border_color``: of CONSTANT_BORDER.
+    """
+
+    rows: tuple[tuple[Color, ...], ...]
+    base_format: BaseFormat = BaseFormat.RGBA
+    border_mode: ConvolutionBorderMode = ConvolutionBorderMode.REDUCE
+    border_color: Color = _ZEROS
+
+
+@dataclass(frozen=True, slots=True)
+class SeparableFilter:
+    """A two-dimensional filter that is the product of ``row`` (left to right) and ``column`` (bottom to top);
+    the rest as ConvolutionFilter's.
+    """
+
+    row: tuple[Color, ...]
+    column: tuple[Color, ...]
+    base_format: BaseFormat = BaseFormat.RGBA
+    border_mode: ConvolutionBorderMode = ConvolutionBorderMode.REDUCE
+    border_color: Color = _ZEROS
+
+
+@dataclass(frozen=True, slots=True)
+class Histogram:
+    """Counts pixel groups into the machine's histogram ``name``, of ``width`` (2**n) entries.
+
+    The first that names it makes it, and so does one with another width or base format; ResetHistogram
+    empties it. ``base_format``: not INTENSITY. ``sink``: the image ends here.
+    """
+
+    name: str
+    width: int = 256
+    base_format: BaseFormat = BaseFormat.RGBA
+    sink: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Minmax:
+    """Keeps the least and the greatest components of all pixel groups as the machine's minmax ``name``;
+    otherwise as Histogram.
+    """
+
+    name: str
+    base_format: BaseFormat = BaseFormat.RGBA
+    sink: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class PixelTransfer:
+    """The pixel transfer operations, in their order.
+
+    ``scale``, ``bias``: of RGBA; ``depth_scale``, ``depth_bias``: of depths. ``index_shift``,
+    ``index_offset``: of stencil and colour indices. ``map_color``, ``map_stencil``: whether ``maps`` are used
+    (those from colour indices to RGBA always are). Tables and filters: None, disabled. ``convolution_1d``
+    applies to one-dimensional textures alone; ``convolution_2d``, and where it is disabled ``separable_2d``,
+    to DrawPixels, CopyPixels, ReadPixels and two-dimensional textures, cube map faces too; the scale and bias
+    after convolution where one took place. ``color_matrix``: rows, applied to the column (R, G, B, A).
+    """
+
+    scale: Color = _ONES
+    bias: Color = _ZEROS
+    depth_scale: float = 1.0
+    depth_bias: float = 0.0
+    index_shift: int = 0
+    index_offset: int = 0
+    map_color: bool = False
+    map_stencil: bool = False
+    maps: PixelMaps = PixelMaps()
+    color_table: ColorTable | None = None
+    convolution_1d: ConvolutionFilter | None = None
+    convolution_2d: ConvolutionFilter | None = None
+    separable_2d: SeparableFilter | None = None
+    post_convolution_scale: Color = _ONES
+    post_convolution_bias: Color = _ZEROS
+    post_convolution_color_table: ColorTable | None = None
+    color_matrix: Matrix = IDENTITY
+    post_color_matrix_scale: Color = _ONES
+    post_color_matrix_bias: Color = _ZEROS
+    post_color_matrix_color_table: ColorTable | None = None
+    histogram: Histogram | None = None
+    minmax: Minmax | None = None
+
+
+INITIAL_TRANSFER = PixelTransfer()  # changes no pixel
