@@ -171,8 +171,8 @@ class Machine:
         Not an exact one: ``pipeline.ideal`` evaluates those.
     width, height : int
         Framebuffer size in pixels.
-    depth_bits : int or DepthFormat
-        One of ``profile.depth_bits``: a fixed format's width, or a format.
+    depth_bits : int, DepthFormat or None
+        One of ``profile.depth_bits``: a fixed format's width, or a format. None: the widest fixed one.
     threads : int or None
         Threads that share a Draw's bands of rows; None: one per processor. The bits are the same for any
         number.
@@ -186,7 +186,7 @@ class Machine:
     profile: Profile
     width: int
     height: int
-    depth_bits: int = 24
+    depth_bits: int | None = None
     threads: int | None = None
     batch: int = BATCH
     textures: dict[str, Texture] = field(default_factory=dict)
@@ -209,6 +209,8 @@ class Machine:
                 f'There is no engine {self.engine!r}; give "portable", or None for the fastest that covers a '
                 "Draw."
             )
+        if self.depth_bits is None:
+            self.depth_bits = self.profile.widest_depth
         validate((), self.profile, self.width, self.height, self.depth_bits)
         self.framebuffer = Framebuffer.new(self.width, self.height, self.depth_bits)
         bands = -(-self.height // BAND_HEIGHT)
@@ -561,7 +563,7 @@ def execute(
     width,
     height,
     *,
-    depth_bits=24,
+    depth_bits=None,
     threads=None,
     batch=BATCH,
     trace=False,

@@ -924,19 +924,20 @@ def _check_guide(guide, commands, width, height):
         )
 
 
-def execute_ideal(commands, width, height, *, guide=None, depth_bits=24, threads=None):
+def execute_ideal(commands, width, height, *, guide=None, depth_bits=None, threads=None):
     """Run ``commands`` in float64 on a framebuffer of width x height pixels: an IdealResult.
 
     guide       None (free mode): the ideal makes its own alpha, stencil and depth tests. A Result of
                 ``execute(..., record=True)`` of the corresponding commands (guided mode): colours are
                 evaluated for exactly the fragments that the machine wrote, and depth and stencil are the
                 machine's, so that the difference of the two pictures is arithmetic alone.
-    depth_bits  the depth buffer whose smallest step is the unit of polygon offset (free mode)
+    depth_bits  the depth buffer whose smallest step is the unit of polygon offset (free mode); None: 24
     threads     how many shade fragments; None: one per processor
 
     Raises UnsupportedState or ValueError as ``validate`` does, and ValueError where the guide does not fit.
     """
     commands = tuple(commands)
+    depth_bits = IDEAL.widest_depth if depth_bits is None else depth_bits
     validate(commands, IDEAL, width, height, depth_bits=depth_bits)
     if guide is not None:
         _check_guide(guide, commands, width, height)

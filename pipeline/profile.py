@@ -88,7 +88,8 @@ class Profile:
         ``color_weights``: of iterated colours. ``diamond_exit_lines``: lines draw the pixels whose diamond
         they leave (section 3.4.1), not those of the NV2A's steps. ``clamps_color_matrix``: components are
         clamped to [0, 1] after the colour matrix's scale and bias. ``combiner_bits``: of a combiner's
-        value of one; ``combiner_range``: registers hold values below this. ``texture_bits``: of the widest texels.
+        value of one; ``combiner_range``: registers hold values below this. ``texture_bits``: of the widest
+        texels.
         ``filter_fraction_bits``: of a linear filter's weights. ``clamps``: those that are on.
     """
 
@@ -206,6 +207,11 @@ class Profile:
                 raise ValueError(
                     f"{self.name}.{field}: evidence must start with one of {', '.join(EVIDENCE_TAGS)}"
                 )
+
+    @property
+    def widest_depth(self):
+        """The widest fixed format that a depth buffer may have: the one it has where none is asked for."""
+        return max(self.depth_bits)
 
     def with_precision(
         self,

@@ -1631,13 +1631,13 @@ def _depth_words(depth_bits):
     return f"{int(depth_bits)} bits of depth"
 
 
-def validate(commands, profile, width, height, depth_bits=24, textures=None, surfaces=None):
+def validate(commands, profile, width, height, depth_bits=None, textures=None, surfaces=None):
     """Refuse what the machine could not execute; return None if it can execute everything.
 
     commands       iterable of commands, in order
     profile        the machine
     width, height  of the framebuffer, pixels
-    depth_bits     of the depth buffer
+    depth_bits     of the depth buffer; None: the widest fixed format that the machine has
     textures       {name: Texture} that the machine holds already, or None
     surfaces       {name: Framebuffer}, its pbuffers, or None
 
@@ -1645,7 +1645,7 @@ def validate(commands, profile, width, height, depth_bits=24, textures=None, sur
     allows, and what to do. Meshes and textures are looked at once in their life; so are states, as long as
     they are remembered (``_Remembered``).
     """
-    _check_framebuffer(profile, width, height, depth_bits)
+    _check_framebuffer(profile, width, height, profile.widest_depth if depth_bits is None else depth_bits)
     if type(commands) in _HANDLERS:
         raise UnsupportedState(
             f"A frame is a tuple of commands; this is one {type(commands).__name__}. Write (command,)."

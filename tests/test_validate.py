@@ -943,6 +943,33 @@ def test_every_limit_set_and_switch_of_a_profile_is_checked():
         "cylinder_wrap",
         "perspective_hint",
     }
+    with_tests_of_their_own |= {  # test_machines.py
+        "max_probes",
+        "max_color_table_size",
+        "max_convolution_size",
+        "auxiliary_buffers",
+        "accumulation_bits",
+        "color_bits",
+        "samples",
+        "shadow_functions",
+        "texture_environment_modes",
+        "combine_functions",
+        "combiner_functions",
+        "line_stipple",
+        "texture_environment_crossbar",
+        "shadow_ambient",
+        "texture_color_table",
+        "color_matrix",
+        "color_tables",
+        "convolution",
+        "histogram",
+        "pixel_texture",
+        "pixel_texture_sgis",
+        "impact_pixel_texture",
+        "combiner_lookup",
+        "evaluate_before_filtering",
+        "spherical_interpolation",
+    }
     assert set(LACKING) | with_tests_of_their_own == limits
 
 

@@ -9,7 +9,7 @@ _ASKED = "Source: Kautz, Seidel 2000, section 5.1 (asked for)"
 
 FUTURE = replace(
     GEFORCE_3,
-    name="future board",
+    name="Future board",
     description="the enhancements the papers ask for: wide combiners, evaluation before filtering, lookups",
     combiner_functions=frozenset(CombinerFunction),
     combiner_lookup=True,

@@ -11,7 +11,7 @@ _TWO_UNITS = "Source: ARB_multitexture (MAX_TEXTURE_UNITS_ARB at least 2)"
 
 MULTITEXTURE = replace(
     OPENGL_1_2,
-    name="multitexture board",
+    name="Multitexture board",
     description="two texture units and no combiners (TNT class): texture environments, unsigned",
     max_texture_units=2,
     max_3d_texture_size=0,
@@ -63,7 +63,7 @@ G400 = replace(
 
 TEXRAM = replace(
     OPENGL_1_2,
-    name="texture memory",
+    name="TEXRAM",
     description="Schilling's texture memory, 1996: footprint assembly, offset-vector bump maps",
     max_texture_units=2,
     max_3d_texture_size=0,
