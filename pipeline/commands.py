@@ -8,9 +8,18 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pipeline.enums import ColorFormat, InternalFormat, PrimitiveType, TextureTarget, WindowOrigin
+from pipeline.enums import (
+    AccumOperation,
+    ColorBuffer,
+    ColorFormat,
+    InternalFormat,
+    PixelCopyType,
+    PrimitiveType,
+    TextureTarget,
+    WindowOrigin,
+)
 from pipeline.pixel_transfer import INITIAL_TRANSFER, PixelImage, PixelTransfer
-from pipeline.state import Color, ColorMask, PassState, Scissor
+from pipeline.state import Color, ColorMask, PassState, PixelTexture, RasterPosition, Scissor
 from pipeline.textures import Texture
 
 _ARRAYS = (
@@ -93,7 +102,10 @@ class Mesh:
 
 @dataclass(frozen=True, kw_only=True)
 class Clear:
-    """Clear (section 4.2.3). None: that buffer is not cleared. ``depth`` in [0, 1], ``stencil`` 0..255."""
+    """Clear (section 4.2.3). None: that buffer is not cleared. ``depth`` in [0, 1], ``stencil`` 0..255.
+
+    ``accumulation``: components in [-1, 1]; the color mask is not for it. ``draw_buffer``: whose color.
+    """
 
     label: str
     color: Color | None = None
@@ -102,6 +114,8 @@ class Clear:
     scissor: Scissor | None = None
     color_mask: ColorMask = field(default_factory=ColorMask)
     stencil_write_mask: int = 0xFF
+    accumulation: Color | None = None
+    draw_buffer: ColorBuffer = ColorBuffer.BACK
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,6 +166,7 @@ class CopyTexImage:
     height: int | None = None
     generate_mipmap: bool = False
     transfer: PixelTransfer = INITIAL_TRANSFER
+    read_buffer: ColorBuffer = ColorBuffer.BACK
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -175,6 +190,7 @@ class CopyTexSubImage:
     face: int = 0
     generate_mipmap: bool = False
     transfer: PixelTransfer = INITIAL_TRANSFER
+    read_buffer: ColorBuffer = ColorBuffer.BACK
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -196,6 +212,84 @@ class ReadPixels:
     height: int | None = None
     type: str = "UNSIGNED_BYTE"
     transfer: PixelTransfer = INITIAL_TRANSFER
+    read_buffer: ColorBuffer = ColorBuffer.BACK
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrawPixels:
+    """DrawPixels (section 3.6.4): each group of ``image`` becomes the fragments of a rectangle of pixels.
+
+    The group of column n and row m, from 0, makes those whose centres lie in the rectangle with the corners
+    ``(x + zx n, y + zy m)`` and ``(x + zx (n + 1), y + zy (m + 1))``, on its left and its lower side too,
+    where (x, y) is the raster position in window coordinates and (zx, zy) is ``zoom`` (PixelZoom), which may
+    be negative or a fraction. Colour groups give fragments their colour, DEPTH_COMPONENT their depth; all
+    else is the raster position's. They pass through texturing, fog and the tests of ``state``. STENCIL_INDEX
+    goes to the stencil buffer, through the scissor and StencilMask (``stencil_test.write_mask``) alone.
+    """
+
+    label: str
+    image: PixelImage
+    state: PassState = PassState()
+    position: RasterPosition = RasterPosition()
+    zoom: tuple[float, float] = (1.0, 1.0)
+    transfer: PixelTransfer = INITIAL_TRANSFER
+    pixel_texture: PixelTexture | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class CopyPixels:
+    """CopyPixels (section 4.3.3): DrawPixels of what the framebuffer holds in a rectangle.
+
+    All of it is read before any of it is drawn. ``read_buffer``: of COLOR.
+    """
+
+    label: str
+    x: int = 0
+    y: int = 0
+    width: int | None = None
+    height: int | None = None
+    type: PixelCopyType = PixelCopyType.COLOR
+    state: PassState = PassState()
+    position: RasterPosition = RasterPosition()
+    zoom: tuple[float, float] = (1.0, 1.0)
+    transfer: PixelTransfer = INITIAL_TRANSFER
+    pixel_texture: PixelTexture | None = None
+    read_buffer: ColorBuffer = ColorBuffer.BACK
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Bitmap:
+    """Bitmap (section 3.7): fragments where ``bits`` is set, all with the raster position's data.
+
+    ``bits``: bool [h, w], bottom row first. The lower left pixel is the raster position minus ``origin``,
+    rounded down. The command moves nothing: give ``position.moved(...)`` to the next.
+    """
+
+    label: str
+    bits: np.ndarray
+    origin: tuple[float, float] = (0.0, 0.0)
+    state: PassState = PassState()
+    position: RasterPosition = RasterPosition()
+
+    def __post_init__(self):
+        bits = np.array(self.bits, order="C")
+        bits.setflags(write=False)
+        object.__setattr__(self, "bits", bits)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Accum:
+    """Accum (section 4.2.4): LOAD, ACCUM: the read buffer's colours times ``value``; MULT, ADD: the accumulation
+    buffer's own; RETURN: to the draw buffer. Pixels of the scissor box alone.
+    """
+
+    label: str
+    operation: AccumOperation
+    value: float = 1.0
+    scissor: Scissor | None = None
+    color_mask: ColorMask = field(default_factory=ColorMask)
+    read_buffer: ColorBuffer = ColorBuffer.BACK
+    draw_buffer: ColorBuffer = ColorBuffer.BACK
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -254,6 +348,10 @@ Command = (
     | CopyTexImage
     | CopyTexSubImage
     | ReadPixels
+    | DrawPixels
+    | CopyPixels
+    | Bitmap
+    | Accum
     | MakeCurrent
     | BindTexImage
     | ResetHistogram

@@ -646,3 +646,56 @@ class CombinerFunction(IntEnum):
     SQUARE_ROOT = 1
     DIVIDE = 2
     EXPONENTIAL = 3
+
+
+class AccumOperation(IntEnum):
+    """What Accum takes (section 4.2.4)."""
+
+    ACCUM = 0
+    LOAD = 1
+    RETURN = 2
+    MULT = 3
+    ADD = 4
+
+
+class PixelCopyType(IntEnum):
+    """What CopyPixels takes (section 4.3.3)."""
+
+    COLOR = 0
+    DEPTH = 1
+    STENCIL = 2
+
+
+class PixelTexGenMode(IntEnum):
+    """PIXEL_TEX_GEN_MODE (SGIX_pixel_texture): which components of a fragment's colour are the current raster
+    colour's; the others are the pixel group's.
+    """
+
+    NONE = 0
+    ALPHA = 1
+    RGB = 2
+    RGBA = 3
+
+
+class PixelFragmentSource(IntEnum):
+    """PIXEL_FRAGMENT_RGB_SOURCE and PIXEL_FRAGMENT_ALPHA_SOURCE (SGIS_pixel_texture)."""
+
+    PIXEL_GROUP_COLOR = 0
+    CURRENT_RASTER_COLOR = 1
+
+
+class PixelTexGenQ(IntEnum):
+    """Which volume of a four-dimensional texture q chooses (SGIX_impact_pixel_texture): the nearest, or one
+    of the two that a linear filter would take.
+    """
+
+    ROUND = 0
+    CEILING = 1
+    FLOOR = 2
+
+
+class PixelTexGenAlpha(IntEnum):
+    """Which eight bits of a group's twelve bits of alpha replace a texel's (SGIX_impact_pixel_texture)."""
+
+    MS = 0
+    LS = 1

@@ -9,7 +9,7 @@ Colours are RGBA tuples of floats; 1.0 is full intensity. Matrices are 4x4 tuple
 vectors (``clip = projection @ modelview @ object``).
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from pipeline.enums import (
     BaseFormat,
@@ -37,6 +37,10 @@ from pipeline.enums import (
     LogicOperation,
     Mapping,
     MuxSelect,
+    PixelFragmentSource,
+    PixelTexGenAlpha,
+    PixelTexGenMode,
+    PixelTexGenQ,
     PolygonMode,
     ProvokingVertex,
     Register,
@@ -575,6 +579,53 @@ class Fog:
     color: Color = (0.0, 0.0, 0.0, 0.0)
     coordinate_source: FogCoordinateSource = FogCoordinateSource.FRAGMENT_DEPTH
     registers: FogRegisters | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RasterPosition:
+    """Section 2.12: where a rectangle of pixels is drawn, and what its fragments have in common.
+
+    ``position``: object coordinates, which with the values below go through the vertex state of the command
+    as a vertex does: transformation, lighting, texture coordinate generation and matrices. One outside the
+    view volume or a clip plane is invalid, and nothing is drawn. ``window`` (ARB_window_pos): the position is
+    window x, y (y up) and a depth in [0, 1] of the viewport's depth range; it is always valid, and colours,
+    texture and fog coordinates are taken as they are. ``move``: added to window x and y, as Bitmap does to
+    the position that commands after it find.
+    """
+
+    position: Vector4 = (0.0, 0.0, 0.0, 1.0)
+    window: bool = False
+    move: tuple[float, float] = (0.0, 0.0)
+    color: Color = (1.0, 1.0, 1.0, 1.0)
+    secondary_color: Color = (0.0, 0.0, 0.0, 0.0)
+    normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    texture_coordinates: tuple[Vector4, ...] = ()
+    fog_coordinate: float = 0.0
+
+    def moved(self, x, y):
+        """The position that is left by a Bitmap which moves it by (x, y) pixels."""
+        return replace(self, move=(self.move[0] + x, self.move[1] + y))
+
+
+@dataclass(frozen=True, slots=True)
+class PixelTexture:
+    """SGIX_pixel_texture, SGIS_pixel_texture: colour groups become texture coordinates, R, G, B, A as s, t,
+    r, q, and lambda is zero.
+
+    ``mode``: SGIX_pixel_texture's; None: SGIS_pixel_texture with ``rgb_source`` and ``alpha_source``.
+    SGIX_impact_pixel_texture: with ``volumes`` the unit's 3D texture is four-dimensional: its layers are so
+    many volumes, one behind the other, of which q, instead of dividing, chooses one as ``q_filter`` says.
+    ``alpha_replace``: eight bits of the group's alpha, the most (MS) or the least significant (LS) of twelve,
+    take the place of the texel's alpha, before a texture color table.
+    """
+
+    mode: PixelTexGenMode | None = PixelTexGenMode.NONE
+    rgb_source: PixelFragmentSource = PixelFragmentSource.PIXEL_GROUP_COLOR
+    alpha_source: PixelFragmentSource = PixelFragmentSource.PIXEL_GROUP_COLOR
+    volumes: int | None = None
+    q_filter: PixelTexGenQ = PixelTexGenQ.ROUND
+    alpha_replace: bool = False
+    alpha: PixelTexGenAlpha = PixelTexGenAlpha.MS
 
 
 # --------------------------------------------------------------- per-fragment operations (chapter 4)
