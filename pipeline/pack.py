@@ -15,6 +15,7 @@ from pipeline.enums import (
     BlendEquation,
     BlendFactor,
     ColorFormat,
+    ColorWeights,
     CombinerBias,
     ComparisonFunction,
     ComponentUsage,
@@ -274,12 +275,14 @@ def _pack_stencil_operation(operation, reference):
 # The depth of a format's largest word, and the code by which kernels know the format.
 FARTHEST = {
     DepthFormat.FIXED_16: 65535.0,
+    DepthFormat.FIXED_23: 8388607.0,
     DepthFormat.FIXED_24: 16777215.0,
     DepthFormat.FLOAT_16: 511.9375,
     DepthFormat.FLOAT_24: (2.0 - 2.0**-16) * 2.0**127,
 }
 _DEPTH_ROWS = {  # code, largest word
     DepthFormat.FIXED_16: (0, 0xFFFF),
+    DepthFormat.FIXED_23: (0, 0x7FFFFF),
     DepthFormat.FIXED_24: (0, 0xFFFFFF),
     DepthFormat.FLOAT_16: (1, 0xFFFF),
     DepthFormat.FLOAT_24: (2, 0xFEFFFF),
@@ -685,6 +688,7 @@ class _StateRows:
         self.reads_color = bool(
             draw[R.NEEDS_COLOR] and (draw[R.DIRECT] or draw[R.NEEDS_PRIMARY] or draw[R.NEEDS_SECONDARY])
         )
+        self.color_weights = 1 if profile.color_weights == ColorWeights.EIGHT_BITS else 2
         self.textured = bool((self.units[:, R.ENABLED] != 0).any())
         self.needs_depth = bool(draw[R.NEEDS_DEPTH])
         self.area = int((draw[R.X1] - draw[R.X0]) * (draw[R.Y1] - draw[R.Y0]))
@@ -714,8 +718,8 @@ class _StateRows:
         draw[R.STROKES], draw[R.FLAT] = strokes, flat
         units[self.divided, R.PROJECTIVE] = projective
         if draw[R.NEEDS_COLOR]:
-            draw[R.NEEDS_COLOR_WEIGHTS] = self.reads_color and not flat
-            draw[R.NEEDS_ITERATION_WEIGHTS] = draw[R.NEEDS_COLOR_WEIGHTS] or self.textured
+            draw[R.NEEDS_COLOR_WEIGHTS] = self.color_weights if self.reads_color and not flat else 0
+            draw[R.NEEDS_ITERATION_WEIGHTS] = draw[R.NEEDS_COLOR_WEIGHTS] == 1 or self.textured
             draw[R.NEEDS_WEIGHTS] = draw[R.FOG_ENABLED]
         self.varied[varies] = made = draw, units, {}
         return made

@@ -20,6 +20,7 @@ from raster.interpolate import (
     emit_weights,
     full_weights,
     iterate_color,
+    iterate_exact_color,
     iterate_fog,
     iterate_fog_table,
     iteration_weights,
@@ -47,6 +48,22 @@ def stroke_span(draw, kind, x0, y0, x1, y1, x2, y2, row, first, last):
 def stroke_offset(draw, kind):
     """Whether polygons drawn as such strokes are offset in depth."""
     return draw[R.OFFSET_LINE] if kind == R.LINE else draw[R.OFFSET_POINT]
+
+
+@kernel
+def iterate_four(
+    draw, starts, owners, backs, segments, triangles, colors, first, ints, e0, e1, e2, out, plane
+):
+    """Four colour channels from ``first`` on into four planes of ``out``."""
+    flat = draw[R.FLAT]
+    for c in range(4):
+        k, to = first + c, plane + c
+        if draw[R.NEEDS_COLOR_WEIGHTS] == 2:
+            iterate_exact_color(
+                starts, owners, backs, segments, triangles, colors, k, flat, e0, e1, e2, out, to
+            )
+        else:
+            iterate_color(starts, owners, backs, segments, triangles, colors, k, flat, ints, out, to)
 
 
 @kernel(
@@ -106,25 +123,25 @@ def shade(
         all_alive(alive, count)
     if draw[R.NEEDS_ITERATION_WEIGHTS]:
         iteration_weights(e0, e1, e2, count, floats)
-    if draw[R.NEEDS_COLOR_WEIGHTS]:
+    if draw[R.NEEDS_COLOR_WEIGHTS] == 1:
         color_weights(floats, count, ints)
     if draw[R.NEEDS_WEIGHTS]:
         full_weights(e0, e1, e2, count, floats)
-    flat = draw[R.FLAT]
     if draw[R.DIRECT]:
-        for c in range(4):
-            iterate_color(starts, owners, backs, segments, triangles, colors, c, flat, ints, results, c)
+        iterate_four(
+            draw, starts, owners, backs, segments, triangles, colors, 0, ints, e0, e1, e2, results, 0
+        )
         return
     if draw[R.NEEDS_PRIMARY]:
-        for c in range(4):
-            plane = R.PRIMARY * 4 + c
-            iterate_color(starts, owners, backs, segments, triangles, colors, c, flat, ints, registers, plane)
+        iterate_four(
+            draw, starts, owners, backs, segments, triangles, colors, 0, ints, e0, e1, e2, registers,
+            R.PRIMARY * 4,
+        )  # fmt: skip
     if draw[R.NEEDS_SECONDARY]:
-        for c in range(4):
-            plane = R.SECONDARY * 4 + c
-            iterate_color(
-                starts, owners, backs, segments, triangles, colors, 4 + c, flat, ints, registers, plane
-            )
+        iterate_four(
+            draw, starts, owners, backs, segments, triangles, colors, 4, ints, e0, e1, e2, registers,
+            R.SECONDARY * 4,
+        )  # fmt: skip
     if draw[R.FOG_ENABLED]:
         rising, plane = draw[R.FOG_RISING], R.FOG * 4 + 3
         if draw[R.FOG_ENABLED] == 2:
@@ -256,7 +273,7 @@ def draw_bands(
     for u in range(4):
         unbound_texture(registers, u, batch)
 
-    needs_weights = draw[R.NEEDS_WEIGHTS] or draw[R.NEEDS_ITERATION_WEIGHTS]
+    needs_weights = draw[R.NEEDS_WEIGHTS] or draw[R.NEEDS_ITERATION_WEIGHTS] or draw[R.NEEDS_COLOR_WEIGHTS]
     needs_depth, needs_color = draw[R.NEEDS_DEPTH], draw[R.NEEDS_COLOR]
     has_strokes, has_offset = draw[R.STROKES], draw[R.POLYGON_OFFSET]
     holes = draw[R.WINDOW_CLIP] != 0 or draw[R.STIPPLE] != 0

@@ -93,7 +93,7 @@ def fill_draw(
     unusual = (
         draw[R.STROKES] | draw[R.STIPPLE] | draw[R.WINDOW_CLIP] | draw[R.W_BUFFERING] | draw[R.DEPTH_FORMAT]
     ) | (draw[R.DEPTH_CULL] | draw[R.FOG_ENABLED] | draw[R.TEXTURE_SHADER] | draw[R.DISCARDS])
-    if unusual or draw[R.NEEDS_WEIGHTS]:
+    if unusual or draw[R.NEEDS_WEIGHTS] or draw[R.NEEDS_COLOR_WEIGHTS] == 2:
         return False
     job = jobs[k]
     job[R.JOB_KIND] = 1

@@ -187,6 +187,36 @@ def iterate_color(starts, owners, backs, segments, triangles, colors, channel, f
                 out[p, k] = int16(total >> int32(8))
 
 
+@kernel("void(i4[::1],i4[::1],i4[::1],i8,i4[:,::1],u1[:,:,::1],i8,i8,f8[::1],f8[::1],f8[::1],i2[:,::1],i8)")
+def iterate_exact_color(
+    starts, owners, backs, segments, triangles, colors, channel, flat, e0, e1, e2, out, plane
+):
+    """One colour channel into a plane of ``out``, rounded to nearest:
+    ``floor((2 ((e0 c0 + e1 c1) + e2 c2) + D) / (2 D))`` with ``D = (e0 + e1) + e2``.
+
+    Where a triangle's 1/w are equal, e0, e1, e2 are integers below 2**40, all but the division is exact, and
+    its quotient lies further from the next integer than float64 rounds it.
+    """
+    separate_loop()
+    p = uint64(plane)
+    for s in range(segments):
+        t = owners[s]
+        side = backs[s]
+        at, count = uint64(starts[s]), starts[s + 1] - starts[s]
+        c0 = float64(colors[triangles[t, 0], side, channel])
+        c1 = float64(colors[triangles[t, 1], side, channel])
+        c2 = float64(colors[triangles[t, 2], side, channel])
+        if flat:
+            c0 = c1 = c2 = float64(colors[triangles[t, 3], side, channel])
+        for i in range(count):
+            k = at + uint64(i)
+            total = (e0[k] * c0 + e1[k] * c1) + e2[k] * c2
+            whole = (e0[k] + e1[k]) + e2[k]
+            value = np.floor((2.0 * total + whole) / (2.0 * whole))
+            value = value if value > 0.0 else 0.0  # lines reach beyond their ends; no number becomes 0
+            out[p, k] = int16(value if value < 255.0 else 255.0)
+
+
 @kernel("void(i4[::1],i4[::1],i8,i4[:,::1],f8[:,:,::1],i8,i8,f8[:,::1],i8)")
 def iterate_coordinate(starts, owners, segments, triangles, coordinates, unit, component, floats, column):
     """One texture coordinate into a column: the sum of ``v1``, ``q0 (v0 - v1)`` and ``q2 (v2 - v1)``, each

@@ -23,7 +23,7 @@ zero.
     NEEDS_COLOR,  # 0: no colour is written and no alpha test looks at it
     NEEDS_PRIMARY,
     NEEDS_SECONDARY,
-    NEEDS_COLOR_WEIGHTS,  # 8-bit weights: colours that vary
+    NEEDS_COLOR_WEIGHTS,  # colours vary: 1: by 8-bit weights; 2: exactly
     NEEDS_ITERATION_WEIGHTS,  # weights with 24 significant bits: those, or texture coordinates
     NEEDS_WEIGHTS,  # full-precision weights
     NEEDS_DEPTH,

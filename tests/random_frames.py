@@ -25,6 +25,7 @@ from pipeline.commands import (
 from pipeline.enums import (
     BlendEquation,
     BlendFactor,
+    ColorWeights,
     CombinerBias,
     CombinerScale,
     ComparisonFunction,
@@ -225,6 +226,7 @@ class _Maker:
             magnification_threshold=self.one_of(MagnificationThreshold),
             fog_arithmetic=self.one_of(FogArithmetic),
             device_origin=self.one_of(WindowOrigin),
+            color_weights=self.one_of(ColorWeights),
         )
 
     def size(self):
@@ -859,7 +861,7 @@ class _Maker:
         w = self.w(count, pixels, behind=not programmed)
         z = self.z(count)
         if programmed:
-            farthest = {16: 65535.0, 24: 16777215.0, -16: 511.9375, -24: 1e30}[self.depth_bits]
+            farthest = {16: 65535.0, 23: 8388607.0, 24: 16777215.0, -16: 511.9375, -24: 1e30}[self.depth_bits]
             positions = np.column_stack([pixels, (z * 0.5 + 0.5) * farthest, w])
         else:
             x, y = (2.0 * pixels / (self.width, self.height) - 1.0).T

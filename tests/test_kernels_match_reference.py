@@ -62,7 +62,7 @@ from pipeline.textures import COMPONENT_BITS, halve, store_texels, texture_1d, t
 from raster import rows
 from raster.combine import final_combiner, general_combiner
 from raster.fixed import divide_255, reciprocal_29, truncate_24
-from raster.interpolate import color_weights, depth_words, emit_depth, iteration_weights
+from raster.interpolate import color_weights, depth_words, emit_depth, iterate_exact_color, iteration_weights
 from raster.sample import POWERS_OF_TWO, lerp_packed, log2_q7, major_axis, on_face
 from tests.combiner_strategies import final_combiners, general_combiners
 from tests.reference import (
@@ -805,6 +805,42 @@ def test_color_weights_of_random_edge_values_in_perspective(seed, size):
     inverse_w = np.exp(random.uniform(-3.0, 3.0, 3))
     expected = [interpolate.weights(row, inverse_w.tolist()) for row in n.tolist()]
     assert kernel_color_weights(n, inverse_w) == [(w.color, w.q0, w.q2) for w in expected]
+
+
+def kernel_exact_colors(n, inverse_w, colors):
+    """The byte of each row of edge values, of a triangle whose vertices have ``colors``."""
+    columns = [np.ascontiguousarray(c) for c in (np.array(n, np.float64) * inverse_w).T]
+    stored = np.zeros((3, 2, 8), np.uint8)
+    stored[:, 0, 5] = colors
+    starts, zero = np.array([0, len(n)], np.int32), np.zeros(1, np.int32)
+    triangle, out = np.array([[0, 1, 2, 2]], np.int32), np.zeros((2, len(n)), np.int16)
+    iterate_exact_color(starts, zero, zero, 1, triangle, stored, 5, 0, *columns, out, 1)
+    return out[1].tolist()
+
+
+@pytest.mark.parametrize("colors", [(0, 255, 128), (255, 254, 0), (7, 8, 8), (3, 3, 3), (0, 1, 0)])
+def test_exact_colors_of_all_small_edge_values(colors):
+    n = [(a, b, c) for a in range(-2, 20) for b in range(20) for c in range(20) if a + b + c > 0]
+    ones = (1.0, 1.0, 1.0)
+    expected = [interpolate.exact_color_channel(row, ones, colors) for row in n]
+    assert kernel_exact_colors(n, 1.0, colors) == expected
+    nearest = [
+        math.floor(Fraction(sum(map(int.__mul__, row, colors)), sum(row)) + Fraction(1, 2)) for row in n
+    ]
+    assert expected == [min(max(value, 0), 255) for value in nearest]
+
+
+@settings(max_examples=100)
+@given(st.integers(0, 2**32 - 1), st.sampled_from((300, 2**20, 2**37)), st.booleans())
+def test_exact_colors_of_random_edge_values(seed, size, perspective):
+    random = np.random.default_rng(seed)
+    n, colors = random.integers(0, size, (40, 3)), random.integers(0, 256, 3)
+    n[:, 0] += 1
+    # Ties and what lies beside them: an even area, and twice the sum an odd multiple of it.
+    n[:10, 2], n[:10, 1] = 0, n[:10, 0] + random.integers(-1, 2, 10).clip(-n[:10, 0] + 1)
+    inverse_w = np.exp(random.uniform(-3.0, 3.0, 3)) if perspective else np.ones(3)
+    expected = [interpolate.exact_color_channel(r, inverse_w.tolist(), colors.tolist()) for r in n.tolist()]
+    assert kernel_exact_colors(n, inverse_w, colors) == expected
 
 
 NO_PRIMITIVES = WindowPrimitives(

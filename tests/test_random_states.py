@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from pipeline.commands import Draw, Mesh, TexImage
 from pipeline.enums import (
+    ColorWeights,
     ComponentUsage,
     DepthFormat,
     FogArithmetic,
@@ -46,7 +47,7 @@ machines = st.builds(
         combiner_flags=True,
         blend_equations=NV2A.blend_equations,
         surface_formats=NV2A.surface_formats,
-        depth_bits=NV2A.depth_bits,
+        depth_bits=tuple(DepthFormat),
         depth_clamp=True,
         w_buffering=True,
         **fields,
@@ -57,6 +58,7 @@ machines = st.builds(
     clamp_low=st.sampled_from((-256, -255)),
     magnification_threshold=st.sampled_from(MagnificationThreshold),
     fog_arithmetic=st.sampled_from(FogArithmetic),
+    color_weights=st.sampled_from(ColorWeights),
 )
 
 

@@ -16,6 +16,7 @@ def farthest(depth_format):
     """The depth of the largest word. Measured: DepthFmt captures."""
     return {
         DepthFormat.FIXED_16: 65535.0,
+        DepthFormat.FIXED_23: 8388607.0,
         DepthFormat.FIXED_24: 16777215.0,
         DepthFormat.FLOAT_16: 511.9375,
         DepthFormat.FLOAT_24: (2 - 2**-16) * 2.0**127,
@@ -88,7 +89,7 @@ def primitive_offset(triangle, depths, inverse_w, state, depth_format):
         return polygon.offset_units, fixed.clamp(steep, -limit, limit)
     steep = polygon_offset(triangle.vertices, triangle.area, depths, polygon.offset_factor)
     offset = fixed.clamp(polygon.offset_units + steep, -limit, limit)
-    if depth_format in (DepthFormat.FIXED_16, DepthFormat.FIXED_24):
+    if depth_format > 0:
         offset = float(math.trunc(fixed.clamp(offset, -OFFSET_LIMIT, OFFSET_LIMIT)))
     return offset, 0.0
 
@@ -137,7 +138,7 @@ def word(depth, depth_format, limits):
         if limits.cull and not low <= depth <= high:
             return None
     depth = fixed.clamp(fixed.clamp(depth, low, high), 0.0, farthest(depth_format))
-    if depth_format in (DepthFormat.FIXED_16, DepthFormat.FIXED_24):
+    if depth_format > 0:
         return math.floor(depth)
     exponent_bias, fraction_bits = (7, 12) if depth_format == DepthFormat.FLOAT_16 else (127, 16)
     mantissa, exponent = math.frexp(depth)  # mantissa in [0.5, 1)

@@ -90,6 +90,22 @@ def iterate_color_channel(w, c):
     return (w[0] * c[0] + w[1] * c[1] + w[2] * c[2] + 128) >> 8
 
 
+def exact_color_channel(n, inverse_w, c):
+    """A byte from three vertex bytes, rounded to nearest; clamped, as a line's edge values may be negative.
+
+    Source: OpenGL 1.2.1 equations 3.4, 3.5; Assumed: the rounding, and the order in perspective.
+    """
+    if inverse_w[0] == inverse_w[1] == inverse_w[2]:
+        area = sum(n)
+        nearest = (2 * sum(n_i * c_i for n_i, c_i in zip(n, c, strict=True)) + area) // (2 * area)
+        return min(max(nearest, 0), 255)
+    e = perspective_terms(n, inverse_w)
+    total, d = (e[0] * c[0] + e[1] * c[1]) + e[2] * c[2], denominator(e)
+    if d == 0:
+        return 255 if total > 0 else 0
+    return math.floor(min(max((2.0 * total + d) / (2.0 * d), 0.0), 255.0))
+
+
 def iterate(v, b0, b2):
     """Any other value from three vertices. Source: OpenGL 1.2.1 equation 3.4, in docs/numbers.md's order."""
     return (v[1] + b0 * (v[0] - v[1])) + b2 * (v[2] - v[1])

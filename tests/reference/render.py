@@ -6,7 +6,14 @@ from functools import partial
 from itertools import product
 from types import SimpleNamespace
 
-from pipeline.enums import ColorFormat, ShadeModel, TextureCompareMode, TextureShaderOperation, TextureTarget
+from pipeline.enums import (
+    ColorFormat,
+    ColorWeights,
+    ShadeModel,
+    TextureCompareMode,
+    TextureShaderOperation,
+    TextureTarget,
+)
 from tests.reference import (
     combine,
     coverage,
@@ -184,7 +191,12 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
             continue
         n = coverage.edge_values(shape, px, py)
         weights = interpolate.weights(n, inverse_w)
-        color = [interpolate.iterate_color_channel(weights.color, [c[k] for c in colors]) for k in range(8)]
+        color = [
+            interpolate.exact_color_channel(n, inverse_w, [c[k] for c in colors])
+            if profile.color_weights == ColorWeights.EXACT
+            else interpolate.iterate_color_channel(weights.color, [c[k] for c in colors])
+            for k in range(8)
+        ]
         z = depth.iterate(n, depth_w, depths)
         z = depth.word(z + (offset + slope * (z * z)), target.depth_bits, state.depth_clamp)
         access = Access(state, units, (px, py), weights, textures, profile)
