@@ -637,7 +637,7 @@ class Clamp(IntEnum):
 
 
 class CombinerFunction(IntEnum):
-    """What a general combiner of the future puts in the place of AB + CD (document 004, section 5.1).
+    """What a general combiner of the future puts in the place of AB + CD (Kautz, Seidel 2000, section 5.1).
 
     SQUARE_ROOT: of the sum, at least 0. DIVIDE: AB by CD. EXPONENTIAL: e to the power of the sum.
     """

@@ -1,4 +1,4 @@
-"""The board that the papers ask for (document 004, section 5.1): a GeForce 3 with what it lacks."""
+"""The board that Kautz and Seidel ask for (2000, section 5.1): a GeForce 3 with what it lacks."""
 
 from dataclasses import replace
 

@@ -8,10 +8,10 @@ from pipeline.profiles.nv2a import NV2A
 
 
 def _inferred(evidence):
-    """What was measured on the NV2A is inferred here."""
+    """What was measured on the NV2A is inferred here, and what was not asked of it could be of a driver."""
     if evidence.startswith("Measured:"):
         return f"Inferred: from the NV2A: {evidence.removeprefix('Measured: ')}"
-    return evidence
+    return evidence.replace("no capture asks for it", "a driver of 2001 would settle it")
 
 
 GEFORCE_3 = replace(
@@ -29,6 +29,7 @@ GEFORCE_3 = replace(
         "blend_equations": GEFORCE_256.evidence["blend_equations"],
         "texture_shader_operations": "Source: NV_texture_shader, NV_texture_shader2",
         "texture_compare_modes": "Source: ARB_shadow",
+        "combine_functions": "Source: ARB_texture_env_combine (of February 2001), ARB_texture_env_dot3",
         "shadow_functions": "Source: EXT_shadow_funcs",
         "foreign_texture_targets": "Source: NV_texture_shader, table 3.B (inconsistent)",
         "depth_units_in_coordinates": "Source: ARB_shadow, NV_texture_shader (DOT_PRODUCT_DEPTH_REPLACE)",

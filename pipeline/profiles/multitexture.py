@@ -1,5 +1,7 @@
-"""Boards with two texture units and no combiners (TNT class, 1998); the Matrox G400; and Schilling's texture
-memory. Unsigned, clamped after every unit.
+"""Boards with two texture units and no combiners (TNT class, 1998), unsigned, clamped after every unit; the
+Matrox G400; and Schilling's texture memory.
+
+Papers and extensions say little of them: what no board in particular is asked for is as on the plain board.
 """
 
 from dataclasses import replace
@@ -7,7 +9,8 @@ from dataclasses import replace
 from pipeline.enums import CombineFunction, TextureEnvironmentMode, TextureShaderOperation, TextureTarget
 from pipeline.profiles.opengl_1_2 import OPENGL_1_2
 
-_TWO_UNITS = "Source: ARB_multitexture (MAX_TEXTURE_UNITS_ARB at least 2)"
+_TWO_UNITS = "Source: Kautz, Seidel 2000, section 5 (most implementations: two texture maps)"
+_NO_VOLUMES = "Assumed: no 3D textures; a driver of the time that lists EXT_texture3D would settle it"
 
 MULTITEXTURE = replace(
     OPENGL_1_2,
@@ -16,6 +19,7 @@ MULTITEXTURE = replace(
     max_texture_units=2,
     max_3d_texture_size=0,
     max_lod_bias=4.0,
+    auxiliary_buffers=0,
     texture_targets=frozenset({TextureTarget.TEXTURE_1D, TextureTarget.TEXTURE_2D}),
     texture_environment_modes=frozenset(TextureEnvironmentMode) - {TextureEnvironmentMode.COMBINE4},
     combine_functions=frozenset(
@@ -31,12 +35,13 @@ MULTITEXTURE = replace(
     evidence={
         **OPENGL_1_2.evidence,
         "max_texture_units": _TWO_UNITS,
-        "max_3d_texture_size": "Assumed: 0; a driver of the time that lists EXT_texture3D would settle it",
-        "max_lod_bias": "Assumed: 4, as on the GeForce 256, with EXT_texture_lod_bias",
-        "texture_targets": "Assumed: no 3D textures, as on the boards of the class",
-        "texture_environment_modes": "Source: EXT_texture_env_add, EXT_texture_env_combine",
-        "combine_functions": "Source: EXT_texture_env_combine",
-        "color_sum": "Source: EXT_secondary_color",
+        "max_3d_texture_size": _NO_VOLUMES,
+        "max_lod_bias": "Assumed: 4, as on the GeForce 256; EXT_texture_lod_bias ships since late 1999",
+        "auxiliary_buffers": "Assumed: none, as on the GeForce 256",
+        "texture_targets": _NO_VOLUMES,
+        "texture_environment_modes": "Source: ARB_texture_env_add; ARB_texture_env_combine's EXT predecessor",
+        "combine_functions": "Source: ARB_texture_env_combine (SUBTRACT is what it adds to the EXT one)",
+        "color_sum": "Source: NV_register_combiners (the TNT's color sum); EXT_secondary_color",
     },
 )
 
@@ -55,9 +60,10 @@ G400 = replace(
     signed_components=True,
     evidence={
         **MULTITEXTURE.evidence,
-        "texture_shader_operations": "Source: document 003 (environment-mapped bump mapping on the G400); "
-        "Direct3D 6's BUMPENVMAP and BUMPENVMAPLUMINANCE",
-        "signed_components": "Source: Direct3D 6's formats V8U8 and X8L8V8U8, whose offsets are signed",
+        "texture_shader_operations": "Source: Heidrich and others 2000, section 3.3 (a restricted dependent "
+        "lookup); ATI_envmap_bumpmap (offsets through a 2x2 matrix); the scaled one Assumed: the "
+        "board's manual would settle it",
+        "signed_components": "Source: ATI_envmap_bumpmap (the offsets of DU8DV8 have signs)",
     },
 )
 
@@ -68,17 +74,20 @@ TEXRAM = replace(
     max_texture_units=2,
     max_3d_texture_size=0,
     max_probes=8,
+    auxiliary_buffers=0,
     texture_targets=frozenset({TextureTarget.TEXTURE_1D, TextureTarget.TEXTURE_2D}),
     texture_shader_operations=G400.texture_shader_operations
     - {TextureShaderOperation.OFFSET_TEXTURE_2D_SCALE},
     signed_components=True,
     evidence={
         **OPENGL_1_2.evidence,
-        "max_texture_units": "Inferred: from document 001's bump maps: an offset map and what it displaces",
-        "max_3d_texture_size": "Source: Schilling, Knittel, Strasser 1996: images alone",
-        "max_probes": "Source: document 001, figure 2 (eight probes)",
-        "texture_targets": "Source: Schilling, Knittel, Strasser 1996: images alone",
-        "texture_shader_operations": "Source: document 001: bump mapping by offset vectors",
-        "signed_components": "Inferred: from document 001's offset vectors, which have signs",
+        "max_texture_units": "Inferred: from its bump maps: one unit has the offsets, one what they displace",
+        "max_3d_texture_size": _NO_VOLUMES,
+        "max_probes": "Assumed: 8; Schilling, Knittel, Strasser 1996 would settle it",
+        "auxiliary_buffers": "Assumed: none, as on the GeForce 256",
+        "texture_targets": _NO_VOLUMES,
+        "texture_shader_operations": "Source: Schilling 1997, section 7 (bump maps of offset vectors); their "
+        "form Assumed: as on the G400",
+        "signed_components": "Inferred: from Schilling 1997's offset vectors, which have signs",
     },
 )

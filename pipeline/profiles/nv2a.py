@@ -9,6 +9,7 @@ from pipeline.enums import (
     BlendEquation,
     BlendFactor,
     ColorFormat,
+    CombineFunction,
     ComparisonFunction,
     DepthFormat,
     DotProductMapping,
@@ -22,7 +23,32 @@ from pipeline.enums import (
 from pipeline.profiles.geforce_256 import GEFORCE_256
 from pipeline.textures import TWELVE_BIT_FORMATS
 
+_NOT_ASKED = "Assumed: none; no capture asks for it"
 _MEASURED = {
+    **dict.fromkeys(
+        (
+            "max_probes",
+            "max_color_table_size",
+            "max_convolution_size",
+            "auxiliary_buffers",
+            "samples",
+            "texture_environment_crossbar",
+            "shadow_ambient",
+            "texture_color_table",
+            "color_matrix",
+            "color_tables",
+            "convolution",
+            "histogram",
+        ),
+        _NOT_ASKED,
+    ),
+    "combine_functions": "Assumed: all; register combiners compute them",
+    "line_stipple": "Assumed: as OpenGL 1.2.1 section 3.4.2 says; no capture asks for it",
+    "color_bits": "Measured: surfaces of 8 bits a component and less (Blend_surface captures)",
+    "color_weights": "Measured: weights of eight bits (Depth_buffer captures)",
+    "diamond_exit_lines": "Measured: steps, not diamonds (3D_primitive captures)",
+    "texture_bits": "Measured: texels of 8 bits (Texture_format captures)",
+    "filter_fraction_bits": "Measured: 349524 of 349524 pixels (bilinear captures)",
     "exact": "Measured: 8-bit combiner registers (Combiner captures)",
     "max_texture_units": "Measured: four texture units (Pixel_shader captures)",
     "max_general_combiners": "Source: NV_register_combiners2 (MAX_GENERAL_COMBINERS_NV 8)",
@@ -107,6 +133,7 @@ NV2A = replace(
     dot_product_mappings=frozenset(DotProductMapping),
     texture_compare_modes=frozenset(TextureCompareMode),
     shadow_functions=frozenset(ComparisonFunction),
+    combine_functions=frozenset(CombineFunction),
     depth_units_in_coordinates=True,
     blend_equations=frozenset(BlendEquation),
     surface_formats=frozenset(ColorFormat),

@@ -1,6 +1,6 @@
 """SGI's Octane (Impact) and InfiniteReality: the imaging subset, pixel textures, shadow maps, twelve bits.
 
-No picture of either was at hand: what no paper or extension says is Assumed (docs/numbers.md).
+No picture of either was at hand, nor a manual: what no paper or extension says is Assumed.
 """
 
 from dataclasses import replace
@@ -8,6 +8,29 @@ from dataclasses import replace
 from pipeline.enums import ComparisonFunction, InternalFormat, TextureCompareMode, WrapMode
 from pipeline.profiles.opengl_1_2 import OPENGL_1_2_IMAGING
 from pipeline.textures import TWELVE_BIT_FORMATS
+
+_BORDER = "Assumed: edge and border clamp; a driver's list of SGIS_texture_border_clamp would settle it"
+_DRIVER = "Assumed: as on the plain board; a query of the driver would settle it"
+# What a plain board's number says nothing of either machine.
+_UNKNOWN = dict.fromkeys(
+    (
+        "max_texture_size",
+        "max_3d_texture_size",
+        "max_viewport",
+        "max_point_size",
+        "max_line_width",
+        "max_color_table_size",
+        "max_convolution_size",
+        "auxiliary_buffers",
+        "depth_bits",
+        "stencil_bits",
+        "subpixel_bits",
+        "filter_fraction_bits",
+        "guard_band",
+        "device_origin",
+    ),
+    _DRIVER,
+)
 
 OCTANE = replace(
     OPENGL_1_2_IMAGING,
@@ -24,17 +47,22 @@ OCTANE = replace(
     clamps_color_matrix=True,
     evidence={
         **OPENGL_1_2_IMAGING.evidence,
-        "color_bits": "Source: SGIX_impact_pixel_texture (twelve bits); the usual width Assumed",
-        "texture_bits": "Source: SGIX_impact_pixel_texture (pixel groups of twelve bits a component)",
-        "internal_formats": "Source: OpenGL 1.2.1 table 3.16, SGIX_impact_pixel_texture",
-        "wrap_modes": "Source: SGIS_texture_border_clamp, SGIS_texture_edge_clamp",
+        **_UNKNOWN,
+        "max_texture_units": "Source: Heidrich and others 2000, section 6 (no multi-texturing)",
+        "color_bits": "Inferred: from SGIX_impact_pixel_texture's alpha of twelve bits; the usual 8 Assumed",
+        "texture_bits": "Inferred: from SGIX_impact_pixel_texture's alpha of twelve bits",
+        "internal_formats": "Source: OpenGL 1.2.1 table 3.16; twelve bits Inferred from "
+        "SGIX_impact_pixel_texture's alpha",
+        "wrap_modes": _BORDER,
         "pixel_texture": "Source: SGIX_pixel_texture; Kautz, Seidel 2000, section 5",
-        "pixel_texture_sgis": "Source: SGIS_pixel_texture",
+        "pixel_texture_sgis": "Assumed: as well; a driver's list of SGIS_pixel_texture would settle it",
         "impact_pixel_texture": "Source: SGIX_impact_pixel_texture",
-        "texture_color_table": "Source: SGI_texture_color_table",
+        "texture_color_table": "Source: SGIX_impact_pixel_texture (it shifts alphas by one)",
         "clamps_color_matrix": "Source: Kautz, Seidel 2000, section 5 (no signed results)",
     },
 )
+
+_PAPER = "Montrym, Baum, Dignam, Migdal 1997 would settle it"
 
 INFINITE_REALITY = replace(
     OPENGL_1_2_IMAGING,
@@ -56,17 +84,19 @@ INFINITE_REALITY = replace(
     texture_color_table=True,
     evidence={
         **OPENGL_1_2_IMAGING.evidence,
-        "color_bits": "Source: Heidrich (document 000): twelve bits a component; the smaller width Assumed",
-        "texture_bits": "Source: Heidrich (document 000): twelve bits a component",
-        "samples": "Source: Montrym and others 1997 (InfiniteReality): 1, 4 and 8 samples",
-        "depth_bits": "Source: Montrym and others 1997: 23 bits of depth beside 1 of stencil in a word",
-        "accumulation_bits": "Assumed: 24 with the sign; Montrym and others 1997 name more than twelve bits",
+        **_UNKNOWN,
+        "color_bits": f"Assumed: 12, or 8; {_PAPER}",
+        "texture_bits": f"Assumed: 12, as the colour buffer; {_PAPER}",
+        "samples": f"Assumed: 1, 4 or 8; {_PAPER}",
+        "depth_bits": f"Assumed: 23; {_PAPER}",
+        "accumulation_bits": f"Assumed: 24 with the sign, in hardware; {_PAPER}",
         "auxiliary_buffers": "Assumed: 4; a query of AUX_BUFFERS would settle it",
-        "internal_formats": "Source: OpenGL 1.2.1 table 3.16, SGIX_depth_texture",
-        "wrap_modes": "Source: SGIS_texture_border_clamp, SGIS_texture_edge_clamp",
+        "internal_formats": "Source: OpenGL 1.2.1 table 3.16, SGIX_depth_texture; twelve bits Assumed",
+        "wrap_modes": _BORDER,
         "texture_compare_modes": "Source: SGIX_shadow",
-        "shadow_functions": "Source: SGIX_shadow (TEXTURE_LEQUAL_R_SGIX, TEXTURE_GEQUAL_R_SGIX)",
+        "shadow_functions": "Source: SGIX_shadow (TEXTURE_GEQUAL_R is LEQUAL, TEXTURE_LEQUAL_R GEQUAL)",
         "shadow_ambient": "Source: SGIX_shadow_ambient",
-        "texture_color_table": "Source: SGI_texture_color_table",
+        "texture_color_table": "Assumed: as on the Octane; a driver's list of SGI_texture_color_table would "
+        "settle it",
     },
 )
