@@ -50,7 +50,8 @@ class Profile:
         (pixels along an edge), ``depth_bits`` (the DepthFormats a depth buffer may have; a fixed format is
         its width), ``stencil_bits``, ``max_shininess``, ``max_point_size`` and ``max_line_width`` (pixels),
         ``max_window_rectangles`` (of a WindowClip; 0: none), ``max_probes`` (of footprint assembly; 1: none),
-        ``max_color_table_size`` and ``max_convolution_size`` (entries, texels along an edge),
+        ``max_color_table_size`` (entries of a colour table and of a histogram), ``max_convolution_size``
+        (pixels along a filter's edge), ``max_pixel_map_table`` (entries of a pixel map),
         ``auxiliary_buffers``, ``accumulation_bits`` (a component's, with its sign; 0: none),
         ``color_bits`` (the widths that a colour buffer's components may have, the usual one first),
         ``samples`` (how many of them a pixel may have, the usual number first).
@@ -116,6 +117,7 @@ class Profile:
     max_probes: int
     max_color_table_size: int
     max_convolution_size: int
+    max_pixel_map_table: int
     auxiliary_buffers: int
     accumulation_bits: int
     color_bits: tuple[int, ...]

@@ -43,6 +43,7 @@ IDEAL = replace(
     max_probes=64,
     max_color_table_size=1 << 16,
     max_convolution_size=64,
+    max_pixel_map_table=1 << 16,
     auxiliary_buffers=4,
     texture_targets=GEFORCE_256.texture_targets | {TextureTarget.TEXTURE_3D},
     internal_formats=GEFORCE_256.internal_formats

@@ -34,22 +34,22 @@ COUNTED = {
 
 
 def clamp(value):
-    """To [0, 1]."""
+    """To [0, 1]. Source: OpenGL 1.2.1 section 3.6.5, as wherever it clamps."""
     return min(max(value, 0.0), 1.0)
 
 
 def nearest(value):
-    """To the nearest integer, halves up."""
+    """To the nearest integer, halves up. Source: OpenGL 1.2.1 section 2.13.9; Assumed: the halves."""
     return floor(value + 0.5)
 
 
 def to_fixed(value, bits):
-    """A component in fixed point. Source: section 2.13.9."""
+    """A component in fixed point. Source: OpenGL 1.2.1 section 2.13.9."""
     return nearest(clamp(value) * (2**bits - 1))
 
 
 def pixel_of(elements, pixel_format):
-    """The RGBA group of an image's group of float elements. Source: section 3.6.4, the conversions."""
+    """The RGBA group of an image's group of float elements. Source: OpenGL 1.2.1 section 3.6.4."""
     if pixel_format in ("LUMINANCE", "LUMINANCE_ALPHA"):
         return [elements[0]] * 3 + (list(elements[1:]) or [1.0])
     names = {"RED": "R", "GREEN": "G", "BLUE": "B", "ALPHA": "A"}.get(pixel_format, pixel_format)
@@ -57,29 +57,29 @@ def pixel_of(elements, pixel_format):
 
 
 def scaled(value, scale, bias):
-    """Arithmetic on Components."""
+    """Arithmetic on Components. Source: OpenGL 1.2.1 section 3.6.5."""
     return value * scale + bias
 
 
 def mapped(value, table):
-    """RGBA to RGBA Lookup, of one component."""
+    """RGBA to RGBA Lookup, of one component. Source: OpenGL 1.2.1 section 3.6.5."""
     return table[nearest(clamp(value) * (len(table) - 1))]
 
 
 def index(value, state):
-    """Arithmetic on Indices."""
+    """Arithmetic on Indices. Source: OpenGL 1.2.1 section 3.6.5."""
     shift = state.index_shift
     return (value << shift if shift > 0 else value >> -shift) + state.index_offset
 
 
 def color_of_index(value, state):
-    """Color Index Lookup, to RGBA."""
+    """Color Index Lookup, to RGBA. Source: OpenGL 1.2.1 section 3.6.5."""
     maps = (state.maps.i_to_r, state.maps.i_to_g, state.maps.i_to_b, state.maps.i_to_a)
     return [table[index(value, state) & (len(table) - 1)] for table in maps]
 
 
 def stencil_index(value, state):
-    """A stencil index through arithmetic and Stencil Index Lookup."""
+    """Arithmetic on Indices and Stencil Index Lookup. Source: OpenGL 1.2.1 section 3.6.5."""
     value = index(value, state)
     if state.map_stencil:
         value = state.maps.s_to_s[value & (len(state.maps.s_to_s) - 1)]
@@ -87,13 +87,13 @@ def stencil_index(value, state):
 
 
 def table_entry(table, number, component):
-    """A component of a colour table's entry as it is stored. Source: section 3.6.3, clamped to [0, 1]."""
+    """A component of a colour table's entry as it is stored. Source: OpenGL 1.2.1 section 3.6.3."""
     value = clamp(table.entries[number][component])
     return value if table.bits is None else to_fixed(value, table.bits) / (2**table.bits - 1)
 
 
 def looked_up(group, table):
-    """Color Table Lookup."""
+    """Color Table Lookup. Source: OpenGL 1.2.1 section 3.6.5."""
     found = []
     for value, component in zip(group, ENTRY_COMPONENT[table.base_format], strict=True):
         if component is not None:
@@ -103,7 +103,7 @@ def looked_up(group, table):
 
 
 def texture_color(texel, one, table):
-    """SGI_texture_color_table: components are integers in units of ``one``, entries rounded to these."""
+    """A texel, integers in units of ``one``, which entries are rounded to. Source: SGI_texture_color_table."""
     found = []
     for value, component in zip(texel, ENTRY_COMPONENT[table.base_format], strict=True):
         if component is not None:
@@ -115,7 +115,7 @@ def texture_color(texel, one, table):
 
 
 def _source_pixel(image, i, j, kernel):
-    """What a convolution reads at column i of row j, which may lie outside."""
+    """What is read at column i of row j, perhaps outside. Source: OpenGL 1.2.1 section 3.6.5."""
     height, width = len(image), len(image[0])
     if 0 <= i < width and 0 <= j < height:
         return image[j][i]
@@ -125,7 +125,10 @@ def _source_pixel(image, i, j, kernel):
 
 
 def convolved(image, kernel):
-    """Convolution by a ConvolutionFilter or SeparableFilter; [] or rows [] where nothing is left."""
+    """Convolution by a ConvolutionFilter or SeparableFilter; [] or rows [] where nothing is left.
+
+    Source: OpenGL 1.2.1 section 3.6.5; EXT_convolution.
+    """
     separable = hasattr(kernel, "row")
     wide = len(kernel.row) if separable else len(kernel.rows[0])
     high = len(kernel.column) if separable else len(kernel.rows)
@@ -157,7 +160,9 @@ def convolved(image, kernel):
 
 
 def transformed(group, state, clamps):
-    """Color Matrix Transformation; ``clamps``: what the machine does after scale and bias."""
+    """Color Matrix Transformation. Source: OpenGL 1.2.1 section 3.6.5; SGI_color_matrix. ``clamps``: the
+    machine clamps after scale and bias. Source: Kautz, Seidel 2000, section 5.
+    """
     r, g, b, a = group
     result = []
     for k, (x, y, z, w) in enumerate(state.color_matrix):
@@ -168,25 +173,25 @@ def transformed(group, state, clamps):
 
 
 def new_counts(histogram):
-    """An empty histogram: rows of counters."""
+    """An empty histogram: rows of counters. Source: OpenGL 1.2.1 section 3.6.3."""
     return [[0] * len(COUNTED[histogram.base_format]) for _ in range(histogram.width)]
 
 
 def new_extremes(minmax):
-    """A minmax that has seen nothing."""
+    """A minmax that has seen nothing. Source: OpenGL 1.2.1 section 3.6.3."""
     components = len(COUNTED[minmax.base_format])
     return [[inf] * components, [-inf] * components]
 
 
 def count(group, histogram, counts):
-    """Histogram: count one group, in place."""
+    """Histogram: count one group, in place. Source: OpenGL 1.2.1 section 3.6.5; Assumed: MOST stays."""
     for k, component in enumerate(COUNTED[histogram.base_format]):
         number = nearest(clamp(group[component]) * (histogram.width - 1))
         counts[number][k] = min(counts[number][k] + 1, MOST)
 
 
 def compare(group, minmax, extremes):
-    """Minmax: look at one group, in place."""
+    """Minmax: look at one group, in place. Source: OpenGL 1.2.1 section 3.6.5."""
     for k, component in enumerate(COUNTED[minmax.base_format]):
         if group[component] < extremes[0][k]:
             extremes[0][k] = group[component]
@@ -197,6 +202,7 @@ def compare(group, minmax, extremes):
 def transfer(image, state, dimensions, clamps_color_matrix, counts, extremes, indices=False):
     """An image of groups (``indices``: of colour indices) through all operations: rows, or None where a sink
     took it. ``counts``, ``extremes``: of the state's histogram and minmax, changed in place.
+    Source: OpenGL 1.2.1 section 3.6.5.
     """
     maps = (state.maps.r_to_r, state.maps.g_to_g, state.maps.b_to_b, state.maps.a_to_a)
 
@@ -244,12 +250,12 @@ def transfer(image, state, dimensions, clamps_color_matrix, counts, extremes, in
 
 
 def transfer_depth(value, state):
-    """A depth in [0, 1] through Arithmetic on Components, clamped as final conversion does."""
+    """A depth in [0, 1] through arithmetic, clamped. Source: OpenGL 1.2.1 sections 3.6.5, 3.6.4."""
     return clamp(scaled(value, state.depth_scale, state.depth_bias))
 
 
 def component_read(group, pixel_format, bits):
-    """What ReadPixels returns of a group, integers of ``bits`` or floats (None). Source: section 4.3.2."""
+    """What ReadPixels returns of a group, integers of ``bits`` or floats (None). Source: OpenGL 1.2.1 section 4.3.2."""
     r, g, b, a = group
     luminance = r + g + b
     elements = {
