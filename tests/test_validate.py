@@ -943,6 +943,7 @@ def test_every_limit_set_and_switch_of_a_profile_is_checked():
         "cylinder_wrap",
         "perspective_hint",
     }
+    with_tests_of_their_own |= {"max_pixel_map_table"}  # test_transfer.py
     with_tests_of_their_own |= {  # test_machines.py
         "max_probes",
         "max_color_table_size",

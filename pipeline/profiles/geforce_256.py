@@ -135,7 +135,7 @@ GEFORCE_256 = Profile(
         "max_probes": "Assumed: none; no paper names such a board but Schilling's",
         "max_color_table_size": "Assumed: none; a driver of 1999 that lists ARB_imaging would settle it",
         "max_convolution_size": "Assumed: none; a driver of 1999 that lists ARB_imaging would settle it",
-        "max_pixel_map_table": "Assumed: 256, beyond OpenGL 1.2.1 section 3.6.3's minimum of 32; a query settles it",
+        "max_pixel_map_table": "Assumed: 256; OpenGL 1.2.1 section 3.6.3 asks for 32",
         "auxiliary_buffers": "Assumed: none; a pixel format of a driver of 1999 would settle it",
         "accumulation_bits": "Assumed: 16 with its sign; a query of ACCUM_RED_BITS would settle it",
         "color_bits": "Inferred: from the NV2A's surface formats",

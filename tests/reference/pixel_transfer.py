@@ -103,7 +103,7 @@ def looked_up(group, table):
 
 
 def texture_color(texel, one, table):
-    """A texel, integers in units of ``one``, which entries are rounded to. Source: SGI_texture_color_table."""
+    """A texel in units of ``one``, which entries are rounded to. Source: SGI_texture_color_table."""
     found = []
     for value, component in zip(texel, ENTRY_COMPONENT[table.base_format], strict=True):
         if component is not None:
@@ -199,31 +199,34 @@ def compare(group, minmax, extremes):
             extremes[1][k] = group[component]
 
 
+def before_color_table(group, state):
+    """Arithmetic and RGBA to RGBA Lookup. Source: OpenGL 1.2.1 section 3.6.5."""
+    maps = (state.maps.r_to_r, state.maps.g_to_g, state.maps.b_to_b, state.maps.a_to_a)
+    group = [scaled(*values) for values in zip(group, state.scale, state.bias, strict=True)]
+    if state.map_color:
+        group = [mapped(value, table) for value, table in zip(group, maps, strict=True)]
+    return group
+
+
+def after_convolution(group, state, clamps_color_matrix):
+    """The second and third color table and what is between them. Source: OpenGL 1.2.1 section 3.6.5."""
+    if state.post_convolution_color_table is not None:
+        group = looked_up(group, state.post_convolution_color_table)
+    group = transformed(group, state, clamps_color_matrix)
+    if state.post_color_matrix_color_table is not None:
+        group = looked_up(group, state.post_color_matrix_color_table)
+    return group
+
+
 def transfer(image, state, dimensions, clamps_color_matrix, counts, extremes, indices=False):
     """An image of groups (``indices``: of colour indices) through all operations: rows, or None where a sink
     took it. ``counts``, ``extremes``: of the state's histogram and minmax, changed in place.
     Source: OpenGL 1.2.1 section 3.6.5.
     """
-    maps = (state.maps.r_to_r, state.maps.g_to_g, state.maps.b_to_b, state.maps.a_to_a)
-
-    def first(group):
-        group = [scaled(*values) for values in zip(group, state.scale, state.bias, strict=True)]
-        if state.map_color:
-            group = [mapped(value, table) for value, table in zip(group, maps, strict=True)]
-        return group
-
-    def last(group):
-        if state.post_convolution_color_table is not None:
-            group = looked_up(group, state.post_convolution_color_table)
-        group = transformed(group, state, clamps_color_matrix)
-        if state.post_color_matrix_color_table is not None:
-            group = looked_up(group, state.post_color_matrix_color_table)
-        return group
-
     if indices:
         image = [[color_of_index(value, state) for value in row] for row in image]
     else:
-        image = [[first(group) for group in row] for row in image]
+        image = [[before_color_table(group, state) for group in row] for row in image]
     if state.color_table is not None:
         image = [[looked_up(group, state.color_table) for group in row] for row in image]
     kernel = {1: state.convolution_1d, 2: state.convolution_2d or state.separable_2d}.get(dimensions)
@@ -233,7 +236,7 @@ def transfer(image, state, dimensions, clamps_color_matrix, counts, extremes, in
             [[scaled(*values) for values in zip(group, scale, bias, strict=True)] for group in row]
             for row in convolved(image, kernel)
         ]
-    image = [[last(group) for group in row] for row in image]
+    image = [[after_convolution(group, state, clamps_color_matrix) for group in row] for row in image]
     if state.histogram is not None:
         for row in image:
             for group in row:
@@ -255,7 +258,7 @@ def transfer_depth(value, state):
 
 
 def component_read(group, pixel_format, bits):
-    """What ReadPixels returns of a group, integers of ``bits`` or floats (None). Source: OpenGL 1.2.1 section 4.3.2."""
+    """What ReadPixels returns: integers of ``bits`` or floats (None). Source: OpenGL 1.2.1 section 4.3.2."""
     r, g, b, a = group
     luminance = r + g + b
     elements = {
