@@ -22,6 +22,7 @@ from pipeline.pixel_transfer import INITIAL_TRANSFER, PixelImage, PixelTransfer
 from pipeline.state import Color, ColorMask, PassState, PixelTexture, RasterPosition, Scissor
 from pipeline.textures import Texture
 
+_INITIAL_STATE, _INITIAL_POSITION = PassState(), RasterPosition()
 _ARRAYS = (
     "positions",
     "colors",
@@ -229,8 +230,8 @@ class DrawPixels:
 
     label: str
     image: PixelImage
-    state: PassState = PassState()
-    position: RasterPosition = RasterPosition()
+    state: PassState = _INITIAL_STATE
+    position: RasterPosition = _INITIAL_POSITION
     zoom: tuple[float, float] = (1.0, 1.0)
     transfer: PixelTransfer = INITIAL_TRANSFER
     pixel_texture: PixelTexture | None = None
@@ -249,8 +250,8 @@ class CopyPixels:
     width: int | None = None
     height: int | None = None
     type: PixelCopyType = PixelCopyType.COLOR
-    state: PassState = PassState()
-    position: RasterPosition = RasterPosition()
+    state: PassState = _INITIAL_STATE
+    position: RasterPosition = _INITIAL_POSITION
     zoom: tuple[float, float] = (1.0, 1.0)
     transfer: PixelTransfer = INITIAL_TRANSFER
     pixel_texture: PixelTexture | None = None
@@ -268,8 +269,8 @@ class Bitmap:
     label: str
     bits: np.ndarray
     origin: tuple[float, float] = (0.0, 0.0)
-    state: PassState = PassState()
-    position: RasterPosition = RasterPosition()
+    state: PassState = _INITIAL_STATE
+    position: RasterPosition = _INITIAL_POSITION
 
     def __post_init__(self):
         bits = np.array(self.bits, order="C")
@@ -279,8 +280,10 @@ class Bitmap:
 
 @dataclass(frozen=True, kw_only=True)
 class Accum:
-    """Accum (section 4.2.4): LOAD, ACCUM: the read buffer's colours times ``value``; MULT, ADD: the accumulation
-    buffer's own; RETURN: to the draw buffer. Pixels of the scissor box alone.
+    """Accum (section 4.2.4), of the pixels in the scissor box.
+
+    LOAD stores, ACCUM adds, the read buffer's colours times ``value``; MULT and ADD change what the
+    accumulation buffer holds by ``value``; RETURN writes it times ``value`` to the draw buffer.
     """
 
     label: str

@@ -10,6 +10,7 @@ from enum import Enum
 
 from pipeline.combiner_text import REGISTER_NAMES, format_input
 from pipeline.commands import (
+    Accum,
     BindTexImage,
     Clear,
     CopyTexImage,
@@ -20,6 +21,8 @@ from pipeline.commands import (
     TexImage,
 )
 from pipeline.enums import (
+    AccumOperation,
+    ColorBuffer,
     CombinerBias,
     CombinerScale,
     ComponentUsage,
@@ -358,10 +361,10 @@ def _constant(field):
 def _clear(command):
     cleared = [
         f"{what} to {_value(getattr(command, what))}"
-        for what in ("color", "depth", "stencil")
+        for what in ("color", "depth", "stencil", "accumulation")
         if getattr(command, what) is not None
     ]
-    lines = ["clears " + (", ".join(cleared) or "nothing")]
+    lines = ["clears " + (", ".join(cleared) or "nothing") + _of_buffer(" of", command.draw_buffer)]
     if command.scissor is not None:
         lines += _titled("SCISSOR_TEST enabled", _differences(command.scissor))
     if command.color_mask != ColorMask():
@@ -369,6 +372,10 @@ def _clear(command):
     if command.stencil_write_mask != 0xFF:
         lines.append(f"stencil write mask {command.stencil_write_mask}")
     return lines
+
+
+def _of_buffer(preposition, buffer):
+    return "" if buffer is ColorBuffer.BACK else f"{preposition} {buffer.name}"
 
 
 def _mesh(mesh):
@@ -415,6 +422,11 @@ def _tex_image(command):
 
 
 def _rectangle(command):
+    buffer = _of_buffer(" of", command.read_buffer)
+    return _place(command) + buffer
+
+
+def _place(command):
     if (command.x, command.y, command.width, command.height) == (0, 0, None, None):
         return "the whole framebuffer"
     width = "all columns" if command.width is None else _count(command.width, "column", "columns")
@@ -444,6 +456,27 @@ def _read_pixels(command):
     return [f'"{command.name}": {command.format} of {_rectangle(command)}']
 
 
+def _accum(command):
+    value = _number(command.value)
+    read, written = (
+        "the framebuffer" if buffer is ColorBuffer.BACK else buffer.name
+        for buffer in (command.read_buffer, command.draw_buffer)
+    )
+    line = {
+        AccumOperation.LOAD: f"the accumulation buffer becomes {value} times {read}",
+        AccumOperation.ACCUM: f"{value} times {read} is added to the accumulation buffer",
+        AccumOperation.ADD: f"{value} is added to the accumulation buffer",
+        AccumOperation.MULT: f"the accumulation buffer is multiplied by {value}",
+        AccumOperation.RETURN: f"{written} becomes {value} times the accumulation buffer",
+    }[command.operation]
+    lines = [line]
+    if command.scissor is not None:
+        lines += _titled("SCISSOR_TEST enabled", _differences(command.scissor))
+    if command.color_mask != ColorMask():
+        lines.append(f"color mask {_mask(command.color_mask)}")
+    return lines
+
+
 def _make_current(command):
     if command.surface is None:
         return ["the window"]
@@ -465,6 +498,7 @@ _DESCRIPTIONS = {
     CopyTexImage: _copy_tex_image,
     CopyTexSubImage: _copy_tex_sub_image,
     ReadPixels: _read_pixels,
+    Accum: _accum,
     MakeCurrent: _make_current,
     BindTexImage: _bind_tex_image,
 }

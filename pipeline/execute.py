@@ -16,8 +16,10 @@ from numbers import Integral
 import numpy as np
 
 from pipeline import pack, vertex
+from pipeline.accumulation import accumulate, clear_accumulation
 from pipeline.combiner_plan import plan_combiners
 from pipeline.commands import (
+    Accum,
     BindTexImage,
     Clear,
     CopyTexImage,
@@ -27,7 +29,7 @@ from pipeline.commands import (
     ReadPixels,
     TexImage,
 )
-from pipeline.enums import TextureTarget
+from pipeline.enums import ColorBuffer, TextureTarget
 from pipeline.framebuffer import Framebuffer, bound_texture, copied_texture, replaced_texture
 from pipeline.primitives import WindowPrimitives
 from pipeline.profile import Profile
@@ -242,6 +244,7 @@ class Machine:
             for command in commands:
                 kind = type(command)
                 if kind is Draw:
+                    target = self._current.buffer(command.state.draw_buffer)
                     draw = repeated.get(command, self._current, self.textures)
                     if draw is None:
                         draw = self._prepared(command)
@@ -249,18 +252,22 @@ class Machine:
                     dropped += draw.dropped
                     if record:
                         queue.flush()
-                        records.append(_recorded(draw, self._current, self.batch))
+                        records.append(_recorded(draw, target, self.batch))
                         queue.fragments += len(records[-1].x)
                     else:
-                        queue.draw(draw, self._current, engine)
+                        queue.draw(draw, target, engine)
                 elif kind is Clear:
-                    queue.clear(command, self._current, engine)
+                    target = self._current.buffer(command.draw_buffer)
+                    queue.clear(command, target, engine)
+                    if command.accumulation is not None:
+                        clear_accumulation(self._current, command, self.profile)
                 else:
                     queue.flush()
                     self._transfer(command, pixels)
+                    target = self._current.buffer(getattr(command, "draw_buffer", ColorBuffer.BACK))
                 if trace:
                     queue.flush()
-                    snapshots.append(snapshot(command, self._current))
+                    snapshots.append(snapshot(command, target))
         finally:  # what was reached before an error is drawn
             queue.flush()
         return Result(
@@ -280,12 +287,18 @@ class Machine:
             case TexImage():
                 self.textures[command.texture] = stored_texture(command.image, self.profile)
             case CopyTexImage():
-                self.textures[command.texture] = copied_texture(self._current, command)
+                self.textures[command.texture] = copied_texture(
+                    self._current.buffer(command.read_buffer), command
+                )
             case CopyTexSubImage():
                 texture = self.textures[command.texture]
-                self.textures[command.texture] = replaced_texture(self._current, command, texture)
+                self.textures[command.texture] = replaced_texture(
+                    self._current.buffer(command.read_buffer), command, texture
+                )
             case ReadPixels():
-                pixels[command.name] = self._current.read(command)
+                pixels[command.name] = self._current.buffer(command.read_buffer).read(command)
+            case Accum():
+                accumulate(self._current, command, self.profile)
             case MakeCurrent():
                 self._current = self._surface(command)
             case BindTexImage():
@@ -469,6 +482,7 @@ class _Queue:
         """A prepared Draw."""
         if draw.area == 0:
             return
+        self._into(target)
         if engine == "portable":
             draw.job = False
         elif draw.job is None:
@@ -489,6 +503,7 @@ class _Queue:
 
     def clear(self, command, target, engine):
         """A Clear."""
+        self._into(target)
         if engine == "portable" or (self._draws and not self._count):
             self.flush()
             target.clear(command)
@@ -496,6 +511,11 @@ class _Queue:
         box, buffers, *words = target.clear_words(command)
         fill_clear(self._job(target)[None], 0, *box, buffers, *words)
         self._area += (box[2] - box[0]) * (box[3] - box[1])
+
+    def _into(self, target):
+        """What waits is drawn where it goes to another of the window's colour buffers."""
+        if self._target is not None and self._target is not target:
+            self.flush()
 
     def _job(self, target):
         """The table's next row."""

@@ -2,11 +2,11 @@
 it.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from pipeline.enums import ColorFormat, DepthFormat, InternalFormat, WindowOrigin
+from pipeline.enums import ColorBuffer, ColorFormat, DepthFormat, InternalFormat, WindowOrigin
 from pipeline.textures import (
     BASE_FORMAT,
     COMPONENT_BITS,
@@ -63,7 +63,8 @@ class Framebuffer:
     first.
 
     A new one holds zero colour, the farthest depth and stencil zero. A component narrower than a byte has its
-    bits at the top of one, zeros below.
+    bits at the top of one, zeros below. ``accumulation``: int32 [h, w, 4] (docs/numbers.md, section 16), None
+    until something is stored there.
     """
 
     color: np.ndarray
@@ -71,6 +72,9 @@ class Framebuffer:
     stencil: np.ndarray
     depth_format: DepthFormat
     color_format: ColorFormat = ColorFormat.A8R8G8B8
+    color_bits: int = 8
+    accumulation: np.ndarray | None = None
+    _auxiliary: dict = field(default_factory=dict)
 
     @classmethod
     def new(cls, width, height, depth_bits=24, color_format=ColorFormat.A8R8G8B8):
@@ -97,6 +101,16 @@ class Framebuffer:
     def height(self):
         """Rows."""
         return self.color.shape[0]
+
+    def buffer(self, which):
+        """What a draw or read buffer, a ColorBuffer, stands for: this framebuffer, or one with an auxiliary
+        buffer's colours, zero at first, and the same depths and stencil values.
+        """
+        if which == ColorBuffer.BACK:
+            return self
+        if which not in self._auxiliary:
+            self._auxiliary[which] = replace(self, color=np.zeros_like(self.color), _auxiliary={})
+        return self._auxiliary[which]
 
     def image(self):
         """A copy of the colours for saving: uint8 [h, w, 4], top row first."""

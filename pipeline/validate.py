@@ -23,6 +23,7 @@ from weakref import WeakKeyDictionary, WeakSet
 import numpy as np
 
 from pipeline.commands import (
+    Accum,
     BindTexImage,
     Clear,
     CopyTexImage,
@@ -34,6 +35,8 @@ from pipeline.commands import (
     TexImage,
 )
 from pipeline.enums import (
+    AccumOperation,
+    ColorBuffer,
     ColorFormat,
     CombinerBias,
     CombinerScale,
@@ -762,6 +765,7 @@ class _Walk:
         self.profile, self.width, self.height = profile, width, height
         self.taken = _taken_by(profile)
         self.window = width, height
+        self.in_window = True
         self.surfaces = {
             name: _Surface(f.width, f.height, f.color_format, f.depth_format) for name, f in surfaces.items()
         }
@@ -820,7 +824,42 @@ class _Walk:
         self.stencil_value("stencil_write_mask", command.stencil_write_mask)
         if command.scissor is not None:
             self.scissor(command.scissor)
-        self.taken.states.add(command)
+        if command.accumulation is not None:
+            self.accumulation_buffer()
+            if not all(-1 <= component <= 1 for component in command.accumulation):
+                self.refuse(
+                    f"the clear value of the accumulation buffer is {command.accumulation}; it holds -1 to 1."
+                )
+        self.color_buffer(command.draw_buffer)
+        if command.accumulation is None and command.draw_buffer is ColorBuffer.BACK:
+            self.taken.states.add(command)
+
+    def accumulation_buffer(self):
+        if self.profile.accumulation_bits == 0:
+            self.refuse(
+                f"{self.profile.name} has no accumulation buffer; add up by blending with ONE, ONE instead."
+            )
+        if not self.in_window:
+            self.refuse("a pbuffer has no accumulation buffer; make the window current first.")
+
+    def color_buffer(self, which):
+        most = self.profile.auxiliary_buffers
+        if which > most:
+            self.refuse(
+                f"{self.profile.name} has {_count(most, 'auxiliary buffer')} and so no {which.name}; use "
+                "BACK and keep what is still needed as a texture."
+            )
+        if which is not ColorBuffer.BACK and not self.in_window:
+            self.refuse(f"a pbuffer has no {which.name}; make the window current first.")
+
+    def accum(self, command):
+        self.accumulation_buffer()
+        if command.scissor is not None:
+            self.scissor(command.scissor)
+        if command.operation is AccumOperation.RETURN:
+            self.color_buffer(command.draw_buffer)
+        elif command.operation in (AccumOperation.LOAD, AccumOperation.ACCUM):
+            self.color_buffer(command.read_buffer)
 
     def draw(self, command):
         mesh, state = command.mesh, command.state
@@ -828,6 +867,18 @@ class _Walk:
             if problem := _mesh_problem(mesh):
                 self.refuse(problem)
             _checked_meshes.add(mesh)
+        self.pass_state(state, mesh)
+        self.points_and_lines(state, mesh)
+        if state.polygon.stipple is not None and len(state.polygon.stipple) != 128:
+            self.refuse(
+                f"polygon.stipple has {len(state.polygon.stipple)} bytes; give 32 rows of 4, 128 in all."
+            )
+        if state.draw_buffer is ColorBuffer.BACK:
+            names = tuple(u.texture for u in state.texture_units if u is not None and u.texture is not None)
+            self.taken.states.add(state, finding=self.beside(mesh, names))
+
+    def pass_state(self, state, mesh):
+        """What a Draw and a rectangle of pixels have in common; ``mesh``: whose vertices have coordinates."""
         self.once(self.vertex, state.vertex)
         self.texture_units(state, mesh)
         self.normals(state)
@@ -845,11 +896,6 @@ class _Walk:
             self.fog(state.fog)
         if state.scissor is not None:
             self.scissor(state.scissor)
-        self.points_and_lines(state, mesh)
-        if state.polygon.stipple is not None and len(state.polygon.stipple) != 128:
-            self.refuse(
-                f"polygon.stipple has {len(state.polygon.stipple)} bytes; give 32 rows of 4, 128 in all."
-            )
         if state.window_clip is not None:
             self.window_clip(state.window_clip)
         if state.stencil_test is not None:
@@ -862,8 +908,7 @@ class _Walk:
             self.depth_clamp(state.depth_clamp)
         if state.w_buffering and not self.profile.w_buffering:
             self.refuse(f"{self.profile.name} has no W buffering; leave w_buffering False.")
-        names = tuple(u.texture for u in state.texture_units if u is not None and u.texture is not None)
-        self.taken.states.add(state, finding=self.beside(mesh, names))
+        self.color_buffer(state.draw_buffer)
 
     def tex_image(self, command):
         self.store(command.texture, command.image)
@@ -883,6 +928,7 @@ class _Walk:
 
     def copy_tex_image(self, command):
         width, height = self.framebuffer_rectangle(command)
+        self.color_buffer(command.read_buffer)
         self.copied_format(command.internal_format)
         if command.target in (TextureTarget.TEXTURE_CUBE_MAP, TextureTarget.TEXTURE_3D):
             what, parts = _PARTS[command.target]
@@ -939,6 +985,7 @@ class _Walk:
                 f"{f'faces 0 to {faces - 1}' if faces > 1 else 'face 0 only'}."
             )
         width, height = self.framebuffer_rectangle(command)
+        self.color_buffer(command.read_buffer)
         self.rectangle(
             f"level {command.level} of {command.texture!r}",
             (command.x_offset, command.y_offset, width, height),
@@ -958,6 +1005,7 @@ class _Walk:
             )
         self.read.add(command.name)
         self.framebuffer_rectangle(command)
+        self.color_buffer(command.read_buffer)
 
     def make_current(self, command):
         name = command.surface
@@ -965,6 +1013,7 @@ class _Walk:
             if command.width is not None or command.height is not None:
                 self.refuse("the window has its size; give width and height to pbuffers only.")
             self.width, self.height = self.window
+            self.in_window = True
             return
         if not self.profile.surface_formats:
             self.refuse(f"{self.profile.name} has no pbuffers; draw to the window and use CopyTexImage.")
@@ -986,6 +1035,7 @@ class _Walk:
             self.profile, command.width, command.height, command.depth_bits, self.where + ": the pbuffer"
         )
         self.width, self.height = command.width, command.height
+        self.in_window = False
 
     def bind_tex_image(self, command):
         if command.surface not in self.surfaces:
@@ -1589,6 +1639,7 @@ _HANDLERS = {
     CopyTexImage: _Walk.copy_tex_image,
     CopyTexSubImage: _Walk.copy_tex_sub_image,
     ReadPixels: _Walk.read_pixels,
+    Accum: _Walk.accum,
     MakeCurrent: _Walk.make_current,
     BindTexImage: _Walk.bind_tex_image,
 }
