@@ -7,12 +7,12 @@ from tests.reference import coverage, fixed, per_fragment
 
 
 def full_scale(bits):
-    """1.0 in a component of so many bits, one of them its sign. Assumed: symmetric, as OpenGL's [-1, 1] is."""
+    """1.0 in a component of so many bits, one of them its sign. Assumed: symmetric, as [-1, 1] is."""
     return 2 ** (bits - 1) - 1
 
 
 def stored(value, full):
-    """A result as the buffer keeps it. Assumed: to nearest, halves up; clamped where OpenGL leaves it open."""
+    """A result as the buffer keeps it. Assumed: to nearest, halves up; clamped (OpenGL leaves it open)."""
     if math.isinf(value):
         return full if value > 0 else -full
     return fixed.clamp(math.floor(value + 0.5), -full, full)
