@@ -12,7 +12,6 @@ material textures are baked in world coordinates for one surface and the halfway
 Source: Kautz, Seidel 2000, sections 3.2, 4 and 4.1, Eq. 1 (K07, K11 of the catalogue; pass sequence A-K07).
 """
 
-from effects.diffuse_bump import half_vectors
 from effects.encode import encode_vertex_color
 from effects.material_textures import Material
 from effects.passes import (
@@ -31,6 +30,7 @@ from effects.passes import (
     unit,
 )
 from effects.vectors import from_frame, normalize
+from effects.vertex_work import half_vectors
 from pipeline.enums import CombinerScale, Mapping, Register
 from pipeline.state import CombinerInput, FinalCombiner, GeneralCombiner, RegisterCombiners, RGBPortion
 

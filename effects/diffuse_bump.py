@@ -25,7 +25,7 @@ from effects.passes import (
     opaque,
     unit,
 )
-from effects.vectors import normalize
+from effects.vertex_work import half_vectors, light_vectors
 from pipeline.enums import CombinerScale, ComponentUsage, Register
 from pipeline.state import (
     AlphaPortion,
@@ -35,17 +35,6 @@ from pipeline.state import (
     RegisterCombiners,
     RGBPortion,
 )
-
-
-def light_vectors(surface, light):
-    """Unit light vectors at the vertices, in the local frames: float64 [n, 3]."""
-    return surface.to_local(light.light_vectors(surface.positions))
-
-
-def half_vectors(surface, view, light):
-    """Unit halfway vectors at the vertices, in the local frames: float64 [n, 3]."""
-    between = light.light_vectors(surface.positions) + view.view_vectors(surface.positions)
-    return surface.to_local(normalize(between))
 
 
 def diffuse_combiners(color, ambient=(0.0, 0.0, 0.0), light_register=Register.PRIMARY_COLOR):

@@ -10,9 +10,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.diffuse_bump import blinn_phong_combiners, diffuse_pass, half_vectors, light_vectors
+from effects.diffuse_bump import blinn_phong_combiners, diffuse_pass
 from effects.encode import encode_factor, encode_vertex_color
 from effects.passes import LATER_PASS, alpha_of, draw, unit
+from effects.vertex_work import half_vectors, light_vectors
 from pipeline.enums import BlendFactor, Register
 from pipeline.state import AlphaPortion, Blending
 

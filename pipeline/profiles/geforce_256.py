@@ -166,7 +166,7 @@ GEFORCE_256 = Profile(
         "combiner_bits": "Source: NV_register_combiners, Issues: NV10's registers have 9 bits, one the sign",
         "combiner_range": "Source: NV_register_combiners (registers hold -1 to 1)",
         "texture_bits": "Inferred: from the NV2A's texels (Texture_format captures)",
-        "filter_fraction_bits": "Inferred: from the NV2A, 349524 of 349524 pixels (bilinear captures)",
+        "filter_fraction_bits": "Inferred: from the NV2A, 349524 of 349524 texels (Texture_DXT captures)",
         "clamps": "Source: NV_register_combiners; OpenGL 1.2.1 sections 2.13.6, 3.8.9, 3.9, 3.10, 4.1.6",
         "exact": "Source: NV_register_combiners, Issues: NV10 computes in 9-bit signed fixed point",
         "max_texture_units": "Source: Kautz, Seidel 2000, section 5 (limited to two textures)",

@@ -48,7 +48,7 @@ _MEASURED = {
     "color_weights": "Measured: weights of eight bits (Depth_buffer captures)",
     "diamond_exit_lines": "Measured: steps, not diamonds (3D_primitive captures)",
     "texture_bits": "Measured: texels of 8 bits (Texture_format captures)",
-    "filter_fraction_bits": "Measured: 349524 of 349524 pixels (bilinear captures)",
+    "filter_fraction_bits": "Measured: 349524 of 349524 texels (Texture_DXT captures)",
     "exact": "Measured: 8-bit combiner registers (Combiner captures)",
     "max_texture_units": "Measured: four texture units (Pixel_shader captures)",
     "max_general_combiners": "Source: NV_register_combiners2 (MAX_GENERAL_COMBINERS_NV 8)",
