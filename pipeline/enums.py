@@ -538,7 +538,10 @@ class TextureCompareMode(IntEnum):
 
 
 class TextureEnvironmentMode(IntEnum):
-    """Section 3.8.9, ARB_texture_env_add, ARB_texture_env_combine, NV_texture_env_combine4."""
+    """Section 3.8.9, ARB_texture_env_add, ARB_texture_env_combine, NV_texture_env_combine4.
+
+    NONE: the unit passes its colour on (NV_texture_shader's, for texels that later stages alone read).
+    """
 
     MODULATE = 0
     REPLACE = 1
@@ -547,6 +550,7 @@ class TextureEnvironmentMode(IntEnum):
     ADD = 4
     COMBINE = 5
     COMBINE4 = 6
+    NONE = 7
 
 
 class CombineFunction(IntEnum):

@@ -28,7 +28,9 @@ from pipeline.enums import (
     WrapMode,
 )
 from pipeline.execute import default_threads, rasterize
+from pipeline.pack import has_color_sum
 from pipeline.profiles import IDEAL
+from pipeline.texture_environment import environment_program
 from pipeline.textures import Texture, pyramid, texture_2d
 from pipeline.threads import Threads
 from pipeline.validate import validate
@@ -519,7 +521,8 @@ def _constant(color, count):
 def combine(combiners, registers):
     """General combiners and final combiner: float64 [k, 4], clamped to [0, 1] at the very end.
 
-    ``registers``: Register to float64 [k, 4], everything but the constants and ZERO. Nothing is clamped
+    ``registers``: Register to float64 [k, 4], everything but the constants and ZERO. AB's blue goes to alpha
+    where a texture environment's dot product asks for it; users' flags are the NV2A's. Nothing is clamped
     between the stages; the final combiner's A, being the weight of a blend, stays in [0, 1].
     """
     count = len(registers[Register.PRIMARY_COLOR])
@@ -536,8 +539,10 @@ def combine(combiners, registers):
         if stage.constant_color1 is not None:
             registers[Register.CONSTANT_COLOR1] = _constant(stage.constant_color1, count)
         rgb, alpha = _portion(stage.rgb, registers, False), _portion(stage.alpha, registers, True)
+        copied = stage.rgb.ab_output if stage.rgb.ab_blue_to_alpha else None
         for to, value in rgb:
-            registers[to] = np.concatenate([value, registers[to][:, 3:]], axis=1)
+            own = value[:, 2:] if to is copied else registers[to][:, 3:]
+            registers[to] = np.concatenate([value, own], axis=1)
         for to, value in alpha:
             registers[to] = np.concatenate([registers[to][:, :3], value], axis=1)
     registers.update(program)
@@ -575,8 +580,7 @@ def fog_factor(fog, coordinate):
 def _without_combiners(state, primary, secondary, fog):
     """Color sum (section 3.9) and fog (section 3.10): float64 [k, 4], clamped to [0, 1] at the end only."""
     rgb = primary[:, :3]
-    lighting = state.vertex.lighting
-    if state.color_sum or (lighting is not None and lighting.separate_specular_color):
+    if has_color_sum(state):
         rgb = rgb + secondary[:, :3]
     if state.fog is not None:
         rgb = fog[:, 3:] * rgb + (1.0 - fog[:, 3:]) * fog[:, :3]
@@ -603,7 +607,10 @@ def shade(state, textures, primitives, triangle, weights):
     if state.fog is not None:
         fog[:, :3] = state.fog.color[:3]
         fog[:, 3] = fog_factor(state.fog, iterate(weights.perspective, primitives.fog[weights.vertices]))
-    if state.register_combiners is None:
+    program = state.register_combiners
+    if program is None:
+        program = environment_program(state, textures, IDEAL, has_color_sum(state))
+    if program is None:
         return _without_combiners(state, primary, secondary, fog)
     registers = {
         Register.FOG: fog,
@@ -629,7 +636,7 @@ def shade(state, textures, primitives, triangle, weights):
         registers[Register.TEXTURE0 + i] = sample(texture, unit, coordinates)
     registers[Register.SPARE0] = np.zeros((count, 4))
     registers[Register.SPARE0][:, 3] = registers[Register.TEXTURE0][:, 3]
-    return combine(state.register_combiners, registers)
+    return combine(program, registers)
 
 
 # ----------------------------------------------------------------------------- per-fragment operations

@@ -49,6 +49,7 @@ from pipeline.state import (
     RegisterCombiners,
     TextureShaderStage,
 )
+from pipeline.texture_environment import environment_program
 from pipeline.textures import BASE_FORMAT, DEPTH_TEXELS, KEPT, register_components
 from raster import rows as R
 from raster.vertices import single_depths
@@ -139,16 +140,23 @@ WITH_FOG = RegisterCombiners(general=(), final=_PLAIN)
 WITH_COLOR_SUM = RegisterCombiners(general=(GeneralCombiner(),))  # the initial state of the extension
 
 
-def _has_color_sum(state):
+def has_color_sum(state):
+    """Whether a pass without register combiners adds the secondary colour."""
     lighting = state.vertex.lighting
     return state.color_sum or (lighting is not None and lighting.separate_specular_color)
 
 
-def _program(state):
-    """The combiner program of a pass, or None where the fragment is its primary colour."""
+def combiner_program(state, profile, textures):
+    """The combiner program of a pass, or None where the fragment is its primary colour.
+
+    ``textures``: name to texture, for the formats that texture environments go by.
+    """
     if state.register_combiners is not None:
         return state.register_combiners
-    if _has_color_sum(state):
+    program = environment_program(state, textures, profile, has_color_sum(state))
+    if program is not None:
+        return program
+    if has_color_sum(state):
         return WITH_COLOR_SUM
     return WITH_FOG if state.fog is not None else None
 
@@ -172,8 +180,8 @@ def _registers_read(program):
     return used
 
 
-def _pack_combiners(state, profile, draw):
-    program = _program(state)
+def _pack_combiners(state, profile, textures, draw):
+    program = combiner_program(state, profile, textures)
     if program is None:
         draw[R.DIRECT] = 1
         zero = np.zeros
@@ -677,7 +685,7 @@ class _StateRows:
         _pack_tests(state, framebuffer, draw, self.draw_float)
         factors = _pack_writing(state, framebuffer, draw)
         draw[R.NEEDS_COLOR] = draw[R.COLOR_MASK] != 0 or draw[R.ALPHA_TEST]
-        program, final, constants, used = _pack_combiners(state, profile, draw)
+        program, final, constants, used = _pack_combiners(state, profile, textures, draw)
         self.units, self.divided = _pack_units(state, profile, textures, used, draw)
         draw[R.NEEDS_COLOR] |= draw[R.DISCARDS]
         draw[R.UNITS] = len(state.texture_units)

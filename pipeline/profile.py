@@ -79,7 +79,8 @@ class Profile:
     Arithmetic
         ``exact``: float64 without limits (the ideal machine; the fields below then do not matter).
         ``expand_half``: what an 8-bit EXPAND mapping takes as one half, 128 or 127.5. ``product_rounding``,
-        ``round_before_scale``, ``clamp_low`` (-256 or -255): general combiner. ``color_mantissa_bits``:
+        ``round_before_scale``, ``clamp_low`` (-256 or -255): general combiner. ``add_signed_scale_by_four``:
+        where not, an ADD_SIGNED texture environment takes a scale of 4 as 2. ``color_mantissa_bits``:
         significant bits that a float vertex colour keeps on its way to a byte. ``subpixel_bits``: of a
         snapped window coordinate. ``guard_band``: pixels around the screen that need no clipping.
         ``device_origin``: where rows are counted from before snapping. ``magnification_threshold``: the
@@ -177,6 +178,7 @@ class Profile:
     product_rounding: ProductRounding
     round_before_scale: bool
     clamp_low: int
+    add_signed_scale_by_four: bool
     color_mantissa_bits: int
     subpixel_bits: int
     guard_band: int

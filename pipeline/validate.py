@@ -6,9 +6,10 @@ sentence names the command, what was given, what the machine allows, and what to
 
 Source: the errors of OpenGL 1.2.1, NV_register_combiners and 2, EXT_texture_cube_map, NV_texgen_reflection,
 EXT_texture_lod_bias, EXT_stencil_wrap, EXT_fog_coord, NV_texture_shader, EXT_point_parameters,
-NV_point_sprite. Where OpenGL clamps silently (clear colours, constant colours, alpha and stencil references)
-so do the stages that follow, and nothing is refused; where it calls the result undefined (pixels read outside
-the framebuffer, an incomplete texture) this module refuses.
+NV_point_sprite, ARB_texture_env_combine and _dot3, NV_texture_env_combine4. Where OpenGL clamps silently
+(clear colours, constant colours, alpha and stencil references) so do the stages that follow, and nothing is
+refused; where it calls the result undefined (pixels read outside the framebuffer, an incomplete texture) this
+module refuses.
 """
 
 import math
@@ -36,6 +37,7 @@ from pipeline.commands import (
 )
 from pipeline.enums import (
     AccumOperation,
+    BaseFormat,
     ColorBuffer,
     ColorFormat,
     CombinerBias,
@@ -70,6 +72,7 @@ from pipeline.state import (
     TextureUnit,
     VertexState,
 )
+from pipeline.texture_environment import environment_problem, texture_format
 from pipeline.textures import COMPONENT_BITS, DEPTH_TEXELS, Texture
 from pipeline.vertex import invert_upper_left, needs_normals
 
@@ -1130,16 +1133,14 @@ class _Walk:
         enabled = [(i, unit) for i, unit in enumerate(units) if unit is not None]
         if not enabled:
             return
-        if state.register_combiners is None:
-            self.refuse(
-                f"texture unit {enabled[0][0]} is enabled without register combiners; texture environments "
-                "are not available. Set register_combiners (MODULATE is AB = TEXTURE0 * PRIMARY_COLOR)."
-            )
         for i, unit in enabled:
             operation = None if stages is None else stages[i].operation
             if operation in WITHOUT_TEXTURE or operation is TextureShaderOperation.NONE:
                 if unit.texture is not None:
                     self.known_texture(unit.texture)
+                if state.register_combiners is None:
+                    rgba = operation is TextureShaderOperation.PASS_THROUGH
+                    self.once(self.environment, unit, i, BaseFormat.RGBA if rgba else None)
                 self.unit_coordinates(i, unit, 0 if operation is TextureShaderOperation.NONE else 3, mesh)
                 continue
             if unit.texture is None:
@@ -1156,6 +1157,12 @@ class _Walk:
                 )
             self.unit_coordinates(i, unit, needed, mesh)
             self.once(self.sampler, unit, known, i)
+            if state.register_combiners is None:
+                self.once(self.environment, unit, i, texture_format(known.internal_format))
+
+    def environment(self, unit, number, base):
+        if problem := environment_problem(number, unit.environment, base, self.profile):
+            self.refuse(problem)
 
     def texture_shader(self, state):
         """The stages of every unit, checked, or None."""

@@ -27,6 +27,7 @@ from pipeline.enums import (
     StencilOperation,
     TexGenMode,
     TextureCompareMode,
+    TextureEnvironmentMode,
     TextureFilter,
     TextureTarget,
     VertexStage,
@@ -61,6 +62,7 @@ from pipeline.state import (
     Spot,
     StencilTest,
     TexGen,
+    TextureEnvironment,
     TextureUnit,
     VertexState,
     Viewport,
@@ -111,6 +113,11 @@ def final(**fields):
 def textured(texture="checker", mesh=MESH, **fields):
     unit = TextureUnit(texture, **fields)
     return MIPMAPPED, draw(mesh, texture_units=(unit,), register_combiners=COMBINERS)
+
+
+def environment(mode, texture=MIPMAPPED, **fields):
+    unit = TextureUnit(texture.texture, environment=TextureEnvironment(mode, **fields))
+    return texture, draw(texture_units=(unit,))
 
 
 def generated(*modes, mesh=MESH):
@@ -428,10 +435,10 @@ REFUSED = {
         ["GeForce 256 has 2 texture units; this pass has 3", "Split the pass"],
         (MIPMAPPED, draw(texture_units=(None, TextureUnit("checker")), register_combiners=COMBINERS)),
     ),
-    "a texture unit without combiners": (
-        (MIPMAPPED, draw(texture_units=(TextureUnit("checker"),))),
-        ["texture unit 0", "without register combiners", "texture environments are not available"],
-        (MIPMAPPED, draw(texture_units=(None,))),
+    "a texture environment that the machine lacks": (
+        environment(TextureEnvironmentMode.NONE),
+        ["texture unit 0's environment is NONE", "GeForce 256 has MODULATE, REPLACE"],
+        environment(TextureEnvironmentMode.REPLACE),
     ),
     "an unknown texture": (
         textured("chequer"),

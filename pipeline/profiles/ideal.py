@@ -54,6 +54,7 @@ IDEAL = replace(
     combine_functions=frozenset(CombineFunction),
     combiner_functions=frozenset(CombinerFunction),
     texture_environment_crossbar=True,
+    add_signed_scale_by_four=True,
     shadow_ambient=True,
     texture_color_table=True,
     color_matrix=True,

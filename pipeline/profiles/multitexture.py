@@ -21,7 +21,8 @@ MULTITEXTURE = replace(
     max_lod_bias=4.0,
     auxiliary_buffers=0,
     texture_targets=frozenset({TextureTarget.TEXTURE_1D, TextureTarget.TEXTURE_2D}),
-    texture_environment_modes=frozenset(TextureEnvironmentMode) - {TextureEnvironmentMode.COMBINE4},
+    texture_environment_modes=frozenset(TextureEnvironmentMode)
+    - {TextureEnvironmentMode.COMBINE4, TextureEnvironmentMode.NONE},
     combine_functions=frozenset(
         {
             CombineFunction.REPLACE,
@@ -41,6 +42,7 @@ MULTITEXTURE = replace(
         "texture_targets": _NO_VOLUMES,
         "texture_environment_modes": "Source: ARB_texture_env_add; ARB_texture_env_combine's EXT predecessor",
         "combine_functions": "Source: ARB_texture_env_combine (SUBTRACT is what it adds to the EXT one)",
+        "add_signed_scale_by_four": "Source: NV_texture_env_combine4, NVIDIA Implementation Details (TNT)",
         "color_sum": "Source: NV_register_combiners (the TNT's color sum); EXT_secondary_color",
     },
 )
@@ -58,8 +60,10 @@ G400 = replace(
         }
     ),
     signed_components=True,
+    add_signed_scale_by_four=True,
     evidence={
         **MULTITEXTURE.evidence,
+        "add_signed_scale_by_four": "Assumed: as EXT_texture_env_combine has it; the board would settle it",
         "texture_shader_operations": "Source: Heidrich and others 2000, section 3.3 (a restricted dependent "
         "lookup); ATI_envmap_bumpmap (offsets through a 2x2 matrix); the scaled one Assumed: the "
         "board's manual would settle it",

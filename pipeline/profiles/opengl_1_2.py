@@ -66,6 +66,7 @@ _EVIDENCE = {
     "fog_coordinate": _NOT_CORE,
     "color_sum": "Source: OpenGL 1.2.1 section 3.9: lighting's specular term alone",
     "texture_environment_crossbar": _NOT_CORE,
+    "add_signed_scale_by_four": _NOT_CORE,
     "shadow_ambient": _NOT_CORE,
     "texture_color_table": _NOT_CORE,
     "color_matrix": _IMAGING,

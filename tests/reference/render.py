@@ -25,6 +25,7 @@ from tests.reference import (
     sample,
     shadow,
     strokes,
+    texture_environment,
     texture_shader,
 )
 from tests.reference.strokes import LINE, POINT, TRIANGLE
@@ -75,17 +76,17 @@ def vertex_colors(primitives, vertices, provoking, back, polygon):
     return [primitives.colors[v][side] for v in vertices]
 
 
-def shade(primary, secondary, fog_coordinate, texels, state, profile):
-    """A fragment's color after texturing: the register combiners, or color sum and fog.
+def shade(primary, secondary, fog_coordinate, texels, state, textures, profile):
+    """A fragment's color after texturing: the register combiners, or texture environments, color sum and fog.
 
-    Source: NV_register_combiners section 3.8.12; OpenGL 1.2.1 sections 3.9, 3.10.
+    Source: NV_register_combiners section 3.8.12; OpenGL 1.2.1 sections 3.8.9, 3.9, 3.10.
     """
     fog_color = fixed.color_to_bytes(state.fog.color) if state.fog else [0, 0, 0, 0]
     factor = fog.fog_factor(fog_coordinate, state.fog, profile) if state.fog else 255
     if state.register_combiners is not None:
         registers = combine.initial_registers(primary, secondary, texels, [*fog_color[:3], factor])
         return combine.combine(state.register_combiners, registers, profile)
-    color = list(primary)
+    color = texture_environment.textured_color(primary, texels, state, textures, profile)
     lighting = state.vertex.lighting
     if state.color_sum or (lighting is not None and lighting.separate_specular_color):
         color = fog.add_secondary(color, secondary)
@@ -212,7 +213,7 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
             texels, alive, new_depth = stages.run()
             z = z if new_depth is None else new_depth
         fog_coordinate = interpolate.iterate([primitives.fog[v] for v in vertices], weights.b0, weights.b2)
-        shaded = shade(color[:4], color[4:], fog_coordinate, texels, state, profile)
+        shaded = shade(color[:4], color[4:], fog_coordinate, texels, state, textures, profile)
         if alive:
             per_fragment.write_fragment(target, px, py, shaded, z, state)
 

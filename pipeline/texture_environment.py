@@ -1,0 +1,445 @@
+"""Texture environments (section 3.8.9) as the combiner program that computes them; which are refused.
+
+Where register combiners are disabled, each enabled texture unit combines its texel with the colour that
+reaches it. ``environment_program`` writes the units of a pass as one ``RegisterCombiners``, which every
+engine runs as any other program. Such a program is the driver's, not the user's: it may have more stages than
+the machine offers, constants of each stage, and blue to alpha. Why: docs/decisions/0008; what comes out:
+docs/numbers.md, "Texture environments".
+
+Every result is read through an unsigned mapping, which makes zero of what is negative; a result is at most
+one. So each unit's result is clamped to [0, 1], as the tables ask, with no stage for it.
+"""
+
+from dataclasses import replace
+from functools import lru_cache
+from itertools import zip_longest
+from typing import NamedTuple
+
+from pipeline.enums import (
+    BaseFormat,
+    CombineFunction,
+    CombineOperand,
+    CombinerBias,
+    CombinerScale,
+    CombineSource,
+    ComponentUsage,
+    InternalFormat,
+    Mapping,
+    Register,
+    TextureEnvironmentMode,
+    TextureShaderOperation,
+)
+from pipeline.state import (
+    AlphaPortion,
+    CombinerInput,
+    FinalCombiner,
+    GeneralCombiner,
+    RegisterCombiners,
+    RGBPortion,
+)
+from pipeline.textures import BASE_FORMAT, DEPTH_TEXELS
+
+# Source: NV_texture_shader section 3.8.9: stages whose unit passes its colour on.
+_WITHOUT_FUNCTION = frozenset(
+    {
+        TextureShaderOperation.CULL_FRAGMENT,
+        TextureShaderOperation.DOT_PRODUCT,
+        TextureShaderOperation.DOT_PRODUCT_DEPTH_REPLACE,
+    }
+)
+_COMBINES = (TextureEnvironmentMode.COMBINE, TextureEnvironmentMode.COMBINE4)
+_DOT_PRODUCTS = (CombineFunction.DOT3_RGB, CombineFunction.DOT3_RGBA)
+_OPAQUE = (BaseFormat.LUMINANCE, BaseFormat.RGB)
+_NUMBERED = (
+    CombineSource.TEXTURE0,
+    CombineSource.TEXTURE1,
+    CombineSource.TEXTURE2,
+    CombineSource.TEXTURE3,
+)
+_INVERTED = (CombineOperand.ONE_MINUS_SRC_COLOR, CombineOperand.ONE_MINUS_SRC_ALPHA)
+_OF_ALPHA = (CombineOperand.SRC_ALPHA, CombineOperand.ONE_MINUS_SRC_ALPHA)
+_SCALES = {
+    1.0: CombinerScale.NONE,
+    2.0: CombinerScale.SCALE_BY_TWO,
+    4.0: CombinerScale.SCALE_BY_FOUR,
+}
+_HALF = CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF
+
+
+def texture_format(internal_format):
+    """The BaseFormat that a texture's environment goes by; None: the unit passes its colour on.
+
+    Source: OpenGL 1.2.1 table 3.16; ARB_depth_texture (LUMINANCE, initially); MESA_ycbcr_texture (RGB);
+    NV_texture_shader section 3.8.9 (HILO). Assumed: RGBA for the NV2A's own formats.
+    """
+    if internal_format == InternalFormat.HILO16:
+        return None
+    if internal_format in DEPTH_TEXELS:
+        return BaseFormat.LUMINANCE
+    return BaseFormat.RGB if internal_format == InternalFormat.YCBCR else BASE_FORMAT[internal_format]
+
+
+def arguments(mode, function):
+    """How many arguments a COMBINE or COMBINE4 function has."""
+    if mode == TextureEnvironmentMode.COMBINE4:
+        return 4
+    return {CombineFunction.REPLACE: 1, CombineFunction.INTERPOLATE: 3}.get(function, 2)
+
+
+class _Unit(NamedTuple):
+    """What an enabled unit's environment is made of; ``base`` None: it passes its colour on."""
+
+    number: int
+    environment: object
+    base: BaseFormat | None
+
+
+def _units(state, textures):
+    """The _Unit of every unit that has a texel, in order."""
+    units, stages = [], state.texture_shader
+    for i, unit in enumerate(state.texture_units):
+        operation = None
+        if stages is not None:
+            operation = stages[i].operation if i < len(stages) else TextureShaderOperation.NONE
+        if unit is None or operation is TextureShaderOperation.NONE:
+            continue
+        base = BaseFormat.RGBA
+        if operation in _WITHOUT_FUNCTION:
+            base = None
+        elif operation is not TextureShaderOperation.PASS_THROUGH:
+            base = texture_format(textures[unit.texture].internal_format)
+        units.append(_Unit(i, unit.environment, base))
+    return tuple(units)
+
+
+def environment_program(state, textures, profile, color_sum=False):
+    """The RegisterCombiners that compute a pass without register combiners, or None: no unit has an effect.
+
+    textures   name to texture object; of those that enabled units read, ``internal_format`` matters
+    color_sum  whether the secondary colour is added
+
+    Fog is the final combiner's, whether enabled or not. Of two passes that compute the same, one object.
+    """
+    units = _units(state, textures)
+    if not units:
+        return None
+    # Source: NV_texture_env_combine4 (a disabled unit's texture is one); ARB_texture_env_crossbar (a unit
+    # that names a disabled one is disabled itself).
+    ones = TextureEnvironmentMode.COMBINE4 in profile.texture_environment_modes
+    return _program(units, ones, profile.add_signed_scale_by_four, color_sum)
+
+
+@lru_cache(maxsize=256)
+def _program(units, ones, by_four, color_sum):
+    compiler = _Compiler(units, by_four)
+    for unit in units:
+        environment = unit.environment
+        if unit.base is None or environment.mode == TextureEnvironmentMode.NONE:
+            continue
+        if not ones and any(n not in compiler.enabled for n in _textures_named(environment)):
+            continue
+        compiler.compile(unit)
+    if not compiler.stages:
+        return None
+    shown = Register.SPARE0_PLUS_SECONDARY_COLOR if color_sum else Register.SPARE0
+    return RegisterCombiners(tuple(compiler.stages), FinalCombiner(b=CombinerInput(shown)))
+
+
+def _textures_named(environment):
+    """Numbers of the units that an environment's functions read by number."""
+    named = set()
+    for half in _halves(environment):
+        named |= set(half.sources[: arguments(environment.mode, half.function)])
+    return [_NUMBERED.index(source) for source in named if source in _NUMBERED]
+
+
+def _halves(environment):
+    """The Combines that take part."""
+    if environment.mode not in _COMBINES:
+        return ()
+    if environment.rgb.function is CombineFunction.DOT3_RGBA:
+        return (environment.rgb,)
+    return environment.rgb, environment.alpha
+
+
+# ------------------------------------------------------------------------------------------ the compiler
+
+
+def _inverted(given):
+    """One minus an input that an unsigned mapping reads."""
+    flipped = {
+        Mapping.UNSIGNED_IDENTITY: Mapping.UNSIGNED_INVERT,
+        Mapping.UNSIGNED_INVERT: Mapping.UNSIGNED_IDENTITY,
+    }[given.mapping]
+    return replace(given, mapping=flipped)
+
+
+_ZERO = CombinerInput()
+_ONE = _inverted(_ZERO)
+_MINUS_ONE = CombinerInput(Register.CONSTANT_COLOR1, Mapping.SIGNED_NEGATE)
+_WHITE = (1.0, 1.0, 1.0, 1.0)
+
+
+class _Sum(NamedTuple):
+    """A half's result: A B + C D, biased and scaled."""
+
+    a: CombinerInput
+    b: CombinerInput = _ONE
+    c: CombinerInput = _ZERO
+    d: CombinerInput = _ZERO
+    bias: CombinerBias = CombinerBias.NONE
+    scale: float = 1.0
+
+
+class _Compiler:
+    """Stages of a program, unit after unit. SPARE0 holds the colour that reaches the next unit."""
+
+    def __init__(self, units, by_four):
+        self.enabled = {unit.number: unit for unit in units}
+        self.by_four = by_four
+        self.stages = []
+        self.previous = Register.PRIMARY_COLOR
+
+    def compile(self, unit):
+        self.unit, self.color = unit, unit.environment.color
+        if unit.environment.mode in _COMBINES:
+            self.combine(unit.environment)
+        else:
+            rgb, alpha = self.conventional(unit.environment.mode, unit.base)
+            self.finish(_portions(RGBPortion, rgb), _portions(AlphaPortion, alpha))
+        self.previous = Register.SPARE0
+
+    def stage(self, rgb, alpha):
+        """A general combiner; a portion of None writes nothing."""
+        self.stages.append(
+            GeneralCombiner(
+                rgb or RGBPortion(a=_ZERO, sum_output=Register.DISCARD),
+                alpha or AlphaPortion(sum_output=Register.DISCARD),
+                self.color,
+                _WHITE,
+            )
+        )
+
+    def finish(self, rgb, alpha):
+        """The stages of two halves, each a list of portions one after the other."""
+        for portions in zip_longest(rgb, alpha):
+            self.stage(*portions)
+
+    # -------------------------------------------------------------------------------- OpenGL 1.2.1's modes
+
+    def conventional(self, mode, base):
+        """The _Sums of tables 3.22 and 3.23, and of ARB_texture_env_add."""
+        fragment = CombinerInput(self.previous)
+        texture = CombinerInput(Register(Register.TEXTURE0 + self.unit.number))
+        constant = CombinerInput(Register.CONSTANT_COLOR0)
+        coverage = replace(texture, usage=ComponentUsage.ALPHA)
+        if mode is TextureEnvironmentMode.DECAL:
+            rgb = _Sum(texture)
+            if base is not BaseFormat.RGB:
+                rgb = _Sum(texture, coverage, fragment, _inverted(coverage))
+            return rgb, _Sum(fragment)
+        whole = {
+            TextureEnvironmentMode.REPLACE: _Sum(texture),
+            TextureEnvironmentMode.MODULATE: _Sum(fragment, texture),
+            TextureEnvironmentMode.BLEND: _Sum(fragment, _inverted(texture), constant, texture),
+            TextureEnvironmentMode.ADD: _Sum(fragment, _ONE, texture, _ONE),
+        }[mode]
+        rgb = _Sum(fragment) if base is BaseFormat.ALPHA else whole
+        if base in _OPAQUE:
+            return rgb, _Sum(fragment)
+        if base is BaseFormat.INTENSITY or mode is TextureEnvironmentMode.REPLACE:
+            return rgb, whole
+        return rgb, _Sum(fragment, texture)
+
+    # ------------------------------------------------------------------------------- COMBINE and COMBINE4
+
+    def combine(self, environment):
+        mode, rgb, alpha = environment.mode, environment.rgb, environment.alpha
+        if rgb.function in _DOT_PRODUCTS:
+            whole = rgb.function is CombineFunction.DOT3_RGBA
+            color = [self.dot_product(rgb, whole), *_scaling(RGBPortion, rgb.scale)]
+        else:
+            whole, color = False, _portions(RGBPortion, self.sum_of(mode, rgb, False))
+        if whole:  # the dot product's own stage leaves it in alpha too
+            coverage = [None, *_scaling(AlphaPortion, alpha.scale)]
+        else:
+            coverage = _portions(AlphaPortion, self.sum_of(mode, alpha, True))
+        self.finish(color, coverage)
+
+    def argument(self, source, operand, alpha):
+        """What an input reads. Source: NV_texture_env_combine4 tables 3.22 and 3.23."""
+        number = self.unit.number if source is CombineSource.TEXTURE else None
+        if source in _NUMBERED:
+            number = _NUMBERED.index(source)
+        of_alpha = alpha or operand in _OF_ALPHA
+        if number is None:
+            given = CombinerInput(
+                {
+                    CombineSource.CONSTANT: Register.CONSTANT_COLOR0,
+                    CombineSource.PRIMARY_COLOR: Register.PRIMARY_COLOR,
+                    CombineSource.PREVIOUS: self.previous,
+                    CombineSource.ZERO: Register.ZERO,
+                }[source]
+            )
+        elif number not in self.enabled or (of_alpha and self.enabled[number].base in _OPAQUE):
+            given = _ONE
+        else:
+            given = CombinerInput(Register(Register.TEXTURE0 + number))
+        if of_alpha:
+            given = replace(given, usage=ComponentUsage.ALPHA)
+        return _inverted(given) if operand in _INVERTED else given
+
+    def sum_of(self, mode, half, alpha):
+        """The _Sum of a function but a dot product. Source: ARB_texture_env_combine table 3.20,
+        NV_texture_env_combine4 table 3.21.
+        """
+        count = arguments(mode, half.function)
+        a, b, c, d = (
+            *(
+                self.argument(source, operand, alpha)
+                for source, operand in zip(half.sources[:count], half.operands[:count], strict=True)
+            ),
+            *(None,) * (4 - count),
+        )
+        bias, scale = CombinerBias.NONE, float(half.scale)
+        if half.function is CombineFunction.ADD_SIGNED:
+            bias = _HALF
+            scale = 2.0 if scale == 4.0 and not self.by_four else scale
+        if mode is TextureEnvironmentMode.COMBINE4:
+            return _Sum(a, b, c, d, bias, scale)
+        made = {
+            CombineFunction.REPLACE: lambda: _Sum(a),
+            CombineFunction.MODULATE: lambda: _Sum(a, b),
+            CombineFunction.ADD: lambda: _Sum(a, _ONE, b, _ONE),
+            CombineFunction.ADD_SIGNED: lambda: _Sum(a, _ONE, b, _ONE),
+            CombineFunction.INTERPOLATE: lambda: _Sum(a, c, b, _inverted(c)),
+            CombineFunction.SUBTRACT: lambda: _Sum(a, _ONE, b, _MINUS_ONE),
+        }[half.function]()
+        return made._replace(bias=bias, scale=scale)
+
+    def dot_product(self, half, whole):
+        """The portion of a dot product before its scale, to alpha too if ``whole``; a stage before it where
+        one minus a byte is multiplied: EXPAND_NEGATE of the byte would be another number.
+        """
+        inputs = [
+            self.argument(source, operand, False)
+            for source, operand in zip(half.sources[:2], half.operands[:2], strict=True)
+        ]
+        if any(given.mapping is Mapping.UNSIGNED_INVERT for given in inputs):
+            first, second = inputs
+            outputs = Register.SPARE0, Register.SPARE1  # their alphas stay
+            self.stage(RGBPortion(first, _ONE, second, _ONE, *outputs, Register.DISCARD), None)
+            inputs = [CombinerInput(register) for register in outputs]
+        a, b = (replace(given, mapping=Mapping.EXPAND_NORMAL) for given in inputs)
+        return RGBPortion(
+            a,
+            b,
+            ab_output=Register.SPARE0,
+            sum_output=Register.DISCARD,
+            ab_dot_product=True,
+            ab_blue_to_alpha=whole,
+        )
+
+
+def _portion(kind, half):
+    """A _Sum as a portion that writes SPARE0."""
+    inputs = half[:4]
+    if kind is AlphaPortion:
+        inputs = (replace(given, usage=ComponentUsage.ALPHA) for given in inputs)
+    return kind(*inputs, scale=_SCALES[half.scale], bias=half.bias)
+
+
+def _scaling(kind, scale):
+    """The portions that scale what SPARE0 holds."""
+    scale = float(scale)
+    return [] if scale == 1.0 else [_portion(kind, _Sum(CombinerInput(Register.SPARE0), scale=scale))]
+
+
+def _portions(kind, half):
+    """The portions of a _Sum. A biased sum is scaled by two at most, so it is doubled twice.
+
+    Source: NV_register_combiners, Errors.
+    """
+    if half.bias is _HALF and half.scale == 4.0:
+        return [_portion(kind, half._replace(scale=2.0)), *_scaling(kind, 2.0)]
+    return [_portion(kind, half)]
+
+
+# --------------------------------------------------------------------------------------- what is refused
+
+
+def _listed(members):
+    return ", ".join(m.name for m in sorted(members)) or "none"
+
+
+def environment_problem(number, environment, base, profile):
+    """What is wrong with texture unit ``number``'s environment, a sentence, or None.
+
+    base  the ``texture_format`` of what it reads; RGBA where a texture shader makes a colour; None: the
+          environment has no effect
+
+    Source: the errors of ARB_texture_env_combine, _dot3 and NV_texture_env_combine4.
+    """
+    mode, modes, name = environment.mode, profile.texture_environment_modes, profile.name
+    if not modes:
+        return (
+            f"texture unit {number} is enabled without register combiners, and {name} has no texture "
+            "environments. Set register_combiners."
+        )
+    if mode not in modes:
+        return f"texture unit {number}'s environment is {mode.name}; {name} has {_listed(modes)}."
+    if mode is TextureEnvironmentMode.DECAL and base not in (BaseFormat.RGB, BaseFormat.RGBA, None):
+        return (
+            f"texture unit {number}'s environment is DECAL, which is undefined for {base.name} textures "
+            "(OpenGL 1.2.1, table 3.23). Give it an RGB or RGBA texture, or choose another mode."
+        )
+    if mode not in _COMBINES:
+        return None
+    for half in ("rgb", "alpha"):
+        if problem := _combine_problem(mode, half, getattr(environment, half), profile):
+            return f"texture unit {number}'s {mode.name} environment {problem}"
+    return None
+
+
+def _combine_problem(mode, name, half, profile):
+    """The predicate of what is wrong with one half, or None."""
+    functions = profile.combine_functions
+    if mode is TextureEnvironmentMode.COMBINE4:
+        functions = functions & {CombineFunction.ADD, CombineFunction.ADD_SIGNED}
+    if name == "alpha" and half.function in _DOT_PRODUCTS:
+        return f"has {half.function.name} in alpha; a dot product is an rgb function, DOT3_RGBA for all four."
+    if half.function not in functions:
+        takes = f"a {mode.name} environment of {profile.name} takes {_listed(functions)}"
+        return f"has {half.function.name} in {name}; {takes}."
+    if half.scale not in _SCALES:
+        return f"scales {name} by {half.scale:g}; a scale is 1, 2 or 4."
+    count = arguments(mode, half.function)
+    for what, given in (("sources", half.sources), ("operands", half.operands)):
+        if len(given) < count:
+            return (
+                f"has {len(given)} {what} in {name}; {half.function.name} takes {count} there. Name each of "
+                "them."
+            )
+    combine4 = TextureEnvironmentMode.COMBINE4 in profile.texture_environment_modes
+    for source in half.sources:
+        if source is CombineSource.ZERO and not combine4:
+            return f"reads ZERO in {name}, a source of COMBINE4, which {profile.name} lacks. Use CONSTANT."
+        if source in _NUMBERED:
+            if not (combine4 or profile.texture_environment_crossbar):
+                return (
+                    f"reads {source.name} in {name}; on {profile.name} a unit reads its own texture alone. "
+                    "Use TEXTURE."
+                )
+            if _NUMBERED.index(source) >= profile.max_texture_units:
+                return (
+                    f"reads {source.name} in {name}; {profile.name} has {profile.max_texture_units} texture "
+                    "units. Name one of them."
+                )
+    if name == "alpha" and any(operand not in _OF_ALPHA for operand in half.operands):
+        return "has an operand of color in alpha; take SRC_ALPHA or ONE_MINUS_SRC_ALPHA there."
+    # Source: ARB_texture_env_combine, issue 7 (what EXT_texture_env_combine lacks).
+    third = half.operands[2:3] if half.function is CombineFunction.INTERPOLATE else ()
+    any_third = combine4 or CombineFunction.SUBTRACT in profile.combine_functions
+    if third and third[0] is not CombineOperand.SRC_ALPHA and not any_third:
+        return f"has {third[0].name} as the third operand in {name}; {profile.name} takes SRC_ALPHA there."
+    return None
