@@ -36,6 +36,7 @@ Source: the grammar, tokens and validation of nvparse's rc1.0 parser, as distrib
 
 import re
 from decimal import Decimal
+from itertools import pairwise
 from math import isfinite
 from typing import NamedTuple
 
@@ -48,6 +49,7 @@ from pipeline.state import (
     RegisterCombiners,
     RGBPortion,
 )
+from pipeline.text_tokens import ProgramTextError, scan
 from pipeline.validate import combiner_problems
 
 # Source: nvparse's rc1.0_register.h.
@@ -125,35 +127,16 @@ def _unused(kind, usage):
     return kind(a=zero, b=zero, c=zero, d=zero, sum_output=Register.DISCARD)
 
 
-_UNUSED_RGB = _unused(RGBPortion, ComponentUsage.RGB)
-_UNUSED_ALPHA = _unused(AlphaPortion, ComponentUsage.ALPHA)
-_UNUSED_STAGE = GeneralCombiner(rgb=_UNUSED_RGB, alpha=_UNUSED_ALPHA)
+UNUSED_RGB = _unused(RGBPortion, ComponentUsage.RGB)
+UNUSED_ALPHA = _unused(AlphaPortion, ComponentUsage.ALPHA)
+UNUSED_STAGE = GeneralCombiner(rgb=UNUSED_RGB, alpha=UNUSED_ALPHA)
 
 
-class CombinerTextError(ValueError):
+class CombinerTextError(ProgramTextError):
     """A text that is no ``!!RC1.0`` program; ``line`` and ``column`` (from 1) say where."""
-
-    def __init__(self, sentence, line, column):
-        super().__init__(f"line {line}, column {column}: {sentence}")
-        self.line, self.column = line, column
 
 
 # ------------------------------------------------------------------------------------------- tokens
-
-
-class _Token(NamedTuple):
-    kind: str
-    text: str
-    line: int
-    column: int
-
-    @property
-    def found(self):
-        return "the text ends" if self.kind == "end" else f"found {self.text!r}"
-
-    def error(self, sentence):
-        return CombinerTextError(sentence, self.line, self.column)
-
 
 _TOKEN = re.compile(
     r"""(?P<space> \s+ | //[^\n]* | \#[^\n]* | /\*.*?\*/ )
@@ -165,29 +148,15 @@ _TOKEN = re.compile(
 )
 
 
-def _tokens(text):
-    """The tokens of a text, white space and comments left out, an "end" token last."""
-    tokens, at, line, line_start = [], 0, 1, 0
-    while at < len(text):
-        here = _Token("", text[at], line, at - line_start + 1)
-        match = _TOKEN.match(text, at)
-        if match is None:
-            if text.startswith("/*", at):
-                raise here.error("this comment never ends; close it with */.")
-            raise here.error(f"found the character {text[at]!r}, which the notation does not use; remove it.")
-        word = match.group()
-        if match.lastgroup == "number" and re.match(r"[A-Za-z_]", text[match.end() : match.end() + 1]):
-            raise here.error(
-                f"found a letter after the number {word}; numbers are written without an exponent, 0.001 "
-                "for instance."
+def _tokens(text, start):
+    tokens = scan(text, _TOKEN, CombinerTextError, start)
+    for token, following in pairwise(tokens):
+        touching = (token.line, token.column + len(token.text)) == (following.line, following.column)
+        if token.kind == "number" and following.kind == "name" and touching:
+            raise token.error(
+                f"found a letter after the number {token.text}; numbers are written without an exponent, "
+                "0.001 for instance."
             )
-        if match.lastgroup != "space":
-            tokens.append(_Token(match.lastgroup, word, line, at - line_start + 1))
-        if newlines := word.count("\n"):
-            line += newlines
-            line_start = at + word.rindex("\n") + 1
-        at = match.end()
-    tokens.append(_Token("end", "", line, at - line_start + 1))
     return tokens
 
 
@@ -203,8 +172,8 @@ class _Term(NamedTuple):
 
 
 class _Parser:
-    def __init__(self, text):
-        self.tokens = _tokens(text)
+    def __init__(self, text, start):
+        self.tokens = _tokens(text, start)
         self.at = 0
         self.positions = {}  # where each field of the result was written, by the paths of combiner_problems
 
@@ -240,7 +209,7 @@ class _Parser:
             stages.append(self.stage(len(stages)))
         final, clamp = self.final()
         combiners = RegisterCombiners(
-            general=tuple(stages) or (_UNUSED_STAGE,),
+            general=tuple(stages) or (UNUSED_STAGE,),
             final=final,
             constant_color0=constants.get("const0", _BLACK),
             constant_color1=constants.get("const1", _BLACK),
@@ -322,8 +291,8 @@ class _Parser:
                 "remove it."
             )
         return GeneralCombiner(
-            rgb=portions.get("rgb", _UNUSED_RGB),
-            alpha=portions.get("alpha", _UNUSED_ALPHA),
+            rgb=portions.get("rgb", UNUSED_RGB),
+            alpha=portions.get("alpha", UNUSED_ALPHA),
             constant_color0=constants.get("const0"),
             constant_color1=constants.get("const1"),
         )
@@ -613,14 +582,16 @@ class _Parser:
         return b, a, c, d
 
 
-def parse(text):
+def parse(text, start=(1, 1)):
     """The register combiners that an ``!!RC1.0`` program describes.
+
+    ``start``: the line and column at which errors take the text to begin.
 
     Raises CombinerTextError with line and column, both from 1, where the text is no program, and where it
     describes what NV_register_combiners forbids. How many general combiners, texture units or constants a
     machine has is checked by ``pipeline.validate``.
     """
-    return _Parser(text).program()
+    return _Parser(text, start).program()
 
 
 # ---------------------------------------------------------------------------------------- formatting
@@ -677,8 +648,8 @@ def _format_stage(stage):
         if color is not None:
             lines.append("  " + _format_color(name, color))
     # Every general combiner has a portion; one that does nothing shows its zeros.
-    portions = _format_portion("rgb", stage.rgb, _UNUSED_RGB) + _format_portion(
-        "alpha", stage.alpha, _UNUSED_ALPHA
+    portions = _format_portion("rgb", stage.rgb, UNUSED_RGB) + _format_portion(
+        "alpha", stage.alpha, UNUSED_ALPHA
     )
     return [*lines, *(portions or ["  rgb {", "    discard = unsigned(zero) * unsigned(zero);", "  }"]), "}"]
 
@@ -734,7 +705,7 @@ def format_program(combiners):
     for name, color in (("const0", combiners.constant_color0), ("const1", combiners.constant_color1)):
         if color != _BLACK:
             lines.append(_format_color(name, color))
-    if combiners.general != (_UNUSED_STAGE,):
+    if combiners.general != (UNUSED_STAGE,):
         for stage in combiners.general:
             lines += _format_stage(stage)
     lines += _format_final(combiners.final, combiners.color_sum_clamp)

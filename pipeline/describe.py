@@ -26,10 +26,13 @@ from pipeline.enums import (
     CombinerBias,
     CombinerScale,
     ComponentUsage,
+    CullMode,
     DepthFormat,
+    DotProductMapping,
     Mapping,
     MuxSelect,
     Register,
+    TextureShaderOperation,
     WindowOrigin,
 )
 from pipeline.state import (
@@ -50,6 +53,7 @@ from pipeline.state import (
     Sampler,
     StencilTest,
     TexGen,
+    TextureShaderStage,
     TextureUnit,
     VertexState,
     Viewport,
@@ -204,6 +208,8 @@ def _numbered(word, parts):
         if isinstance(part, TexGen):
             if part != TexGen():
                 lines += _titled(f"{word}_{'STRQ'[i]}", _differences(part))
+        elif isinstance(part, TextureShaderStage):
+            lines.append(f"{word} {i}: {_shader_stage(i, part)}")
         elif part is not None:
             lines += _titled(f"{word} {i}", _differences(part))
     return lines
@@ -217,6 +223,85 @@ def _titled(title, lines):
 def _mask(mask):
     written = [f.name for f in fields(mask) if getattr(mask, f.name)]
     return "writes " + (", ".join(written) or "nothing")
+
+
+# ----------------------------------------------------------------------------- texture shader equations
+
+_OP = TextureShaderOperation
+_REFLECTED = "2 n (n . e) / (n . n) - e"
+# What a unit's texel is, s to q its coordinates, dots the dot products, p the texel of the previous input.
+_SHADER_EQUATIONS = {
+    _OP.TEXTURE_1D: "tex{i} = TEXTURE_1D(s{i}/q{i})",
+    _OP.TEXTURE_2D: "tex{i} = TEXTURE_2D(s{i}/q{i}, t{i}/q{i})",
+    _OP.TEXTURE_RECTANGLE: "tex{i} = TEXTURE_RECTANGLE(s{i}/q{i}, t{i}/q{i})",
+    _OP.TEXTURE_CUBE_MAP: "tex{i} = TEXTURE_CUBE_MAP(s{i}, t{i}, r{i})",
+    _OP.TEXTURE_3D: "tex{i} = TEXTURE_3D(s{i}/q{i}, t{i}/q{i}, r{i}/q{i})",
+    _OP.PASS_THROUGH: "tex{i} = (s{i}, t{i}, r{i}, q{i}), clamped to [0, 1]",
+    _OP.CULL_FRAGMENT: "tex{i} = 0; kept where {kept}",
+    _OP.OFFSET_TEXTURE_2D: "tex{i} = TEXTURE_2D({offset})",
+    _OP.OFFSET_TEXTURE_2D_SCALE: "tex{i} = TEXTURE_2D({offset}), rgb {scaled}",
+    _OP.OFFSET_TEXTURE_RECTANGLE: "tex{i} = TEXTURE_RECTANGLE({offset})",
+    _OP.OFFSET_TEXTURE_RECTANGLE_SCALE: "tex{i} = TEXTURE_RECTANGLE({offset}), rgb {scaled}",
+    _OP.DEPENDENT_AR_TEXTURE_2D: "tex{i} = TEXTURE_2D({p}.a, {p}.r)",
+    _OP.DEPENDENT_GB_TEXTURE_2D: "tex{i} = TEXTURE_2D({p}.g, {p}.b)",
+    _OP.DOT_PRODUCT: "{dot}; tex{i} = 0",
+    _OP.DOT_PRODUCT_TEXTURE_2D: "{dot}; tex{i} = TEXTURE_2D(dot{h}, dot{i})",
+    _OP.DOT_PRODUCT_TEXTURE_RECTANGLE: "{dot}; tex{i} = TEXTURE_RECTANGLE(dot{h}, dot{i})",
+    _OP.DOT_PRODUCT_TEXTURE_3D: "{dot}; tex{i} = TEXTURE_3D(dot{g}, dot{h}, dot{i})",
+    _OP.DOT_PRODUCT_TEXTURE_CUBE_MAP: "{dot}; tex{i} = TEXTURE_CUBE_MAP(dot{g}, dot{h}, dot{i})",
+    _OP.DOT_PRODUCT_DIFFUSE_CUBE_MAP: "{dot}; tex{i} = TEXTURE_CUBE_MAP(dot{h}, dot{i}, dot{j})",
+    _OP.DOT_PRODUCT_REFLECT_CUBE_MAP: (
+        "{dot}; tex{i} = TEXTURE_CUBE_MAP({reflected}), n = (dot{g}, dot{h}, dot{i}), e = (q{g}, q{h}, q{i})"
+    ),
+    _OP.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP: (
+        "{dot}; tex{i} = TEXTURE_CUBE_MAP({reflected}), n = (dot{g}, dot{h}, dot{i}), e = {eye}"
+    ),
+    _OP.DOT_PRODUCT_DEPTH_REPLACE: "{dot}; depth = dot{h} / dot{i}; tex{i} = 0",
+}
+# The fields that the parts of an equation tell.
+_TOLD = {
+    "kept": ("cull_modes",),
+    "offset": ("previous_texture_input", "offset_texture_matrix"),
+    "scaled": ("offset_texture_scale", "offset_texture_bias"),
+    "p": ("previous_texture_input",),
+    "dot": ("previous_texture_input", "dot_product_mapping"),
+    "eye": ("constant_eye",),
+}
+_DOT_MAPPINGS = {DotProductMapping.UNSIGNED_IDENTITY: "{}", DotProductMapping.EXPAND_NORMAL: "expand({})"}
+
+
+def _shader_stage(i, stage):
+    """A texture shader stage as an equation, then what it sets and its operation does not read."""
+    equation = _SHADER_EQUATIONS.get(stage.operation, stage.operation.name)
+    previous = f"tex{stage.previous_texture_input}"
+    a1, a2, a3, a4 = stage.offset_texture_matrix
+    mapping = _DOT_MAPPINGS.get(stage.dot_product_mapping, f"{stage.dot_product_mapping.name}({{}})")
+    parts = {
+        "p": previous,
+        "kept": ", ".join(
+            f"{name}{i} {'>=' if mode is CullMode.GEQUAL else '<'} 0"
+            for name, mode in zip("strq", stage.cull_modes, strict=True)
+        ),
+        "offset": f"(s{i}, t{i}) + {_value(((a1, a3), (a2, a4)))} ({previous}'s ds, dt)",
+        "scaled": (
+            f"times {_number(stage.offset_texture_scale)} {previous}'s magnitude + "
+            f"{_number(stage.offset_texture_bias)}"
+        ),
+        "dot": f"dot{i} = (s{i}, t{i}, r{i}) . {mapping.format(previous)}",
+        "reflected": _REFLECTED,
+        "eye": _value(stage.constant_eye),
+    }
+    told = {"operation"}
+    for part, names in _TOLD.items():
+        if f"{{{part}}}" in equation:
+            told.update(names)
+    initial = TextureShaderStage()
+    rest = [
+        f"{field.name.replace('_', ' ')} {_value(getattr(stage, field.name))}"
+        for field in fields(stage)
+        if field.name not in told and getattr(stage, field.name) != getattr(initial, field.name)
+    ]
+    return ", ".join([equation.format(g=i - 2, h=i - 1, i=i, j=i + 1, **parts), *rest])
 
 
 # ---------------------------------------------------------------------------------- combiner equations
@@ -502,6 +587,17 @@ _DESCRIPTIONS = {
     MakeCurrent: _make_current,
     BindTexImage: _bind_tex_image,
 }
+
+
+def describe_program(texture_shader, combiners):
+    """Texture shader stages and register combiners as equations, a line each; either may be None."""
+    lines = []
+    if texture_shader is not None:
+        lines.append("TEXTURE_SHADER enabled")
+        lines += [f"  {line}" for line in _numbered("stage", texture_shader)]
+    if combiners is not None:
+        lines += _combiner_lines(combiners)
+    return "".join(f"{line}\n" for line in lines)
 
 
 def describe(commands):

@@ -67,6 +67,7 @@ from pipeline.state import (
     Light,
     Lighting,
     Material,
+    PassState,
     RegisterCombiners,
     SignedComponents,
     TextureUnit,
@@ -375,6 +376,18 @@ def _stage_problem(i, stages):
             "leave one of them out."
         )
     return None
+
+
+def texture_shader_problems(stages):
+    """What every machine with texture shaders refuses in ``stages``: yields (stage number, sentence)."""
+    for i, stage in enumerate(stages):
+        if stage.operation is not _OP.NONE and (problem := _stage_problem(i, stages)):
+            yield i, problem
+
+
+def texture_target(operation):
+    """The target of the texture that a texture shader operation reads (table 3.B), or None."""
+    return _OF_TARGET.get(operation, (None,))[0]
 
 
 # ----------------------------------------------------------------- rules of NV_register_combiners alone
@@ -1722,3 +1735,27 @@ def validate(commands, profile, width, height, depth_bits=None, textures=None, s
         if isinstance(command.label, str):
             walk.where = f'Command {number}, "{command.label}"'
         walk.command(command)
+
+
+def validate_program(texture_shader, combiners, profile):
+    """Refuse texture shader stages and register combiners that the machine does not have, whatever textures
+    and meshes they meet; either may be None.
+
+    Raises UnsupportedState (a ValueError) that names what was given, what the machine allows, what to do.
+    """
+    walk = _Walk(profile, 1, 1, {}, {})
+    walk.where = "This program"
+    if texture_shader is not None:
+        units = len(texture_shader)
+        if not profile.texture_shader_operations:
+            walk.refuse(f"{profile.name} has no texture shaders; choose a profile that has them.")
+        if units > profile.max_texture_units:
+            walk.refuse(
+                f"{profile.name} has {_count(profile.max_texture_units, 'texture unit')}; this program has "
+                f"{units} stages. Split the pass or choose a profile with more."
+            )
+        walk.texture_shader(
+            PassState(texture_units=(TextureUnit(None),) * units, texture_shader=texture_shader)
+        )
+    if combiners is not None:
+        walk.register_combiners(combiners)

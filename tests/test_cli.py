@@ -65,7 +65,7 @@ def test_without_arguments_it_says_what_to_do_next():
 
 def test_help_names_every_subcommand():
     result = run("--help")
-    for name in ("figures", "passes", "bump", "profiles", "conformance"):
+    for name in ("figures", "passes", "bump", "combiners", "profiles", "conformance"):
         assert name in result.stdout
         assert run(name, "--help").exit_code == 0
 

@@ -3,6 +3,7 @@
 import importlib.util
 import io
 import os
+import sys
 import tempfile
 import zlib
 from contextlib import suppress
@@ -72,10 +73,20 @@ def read_picture(name):
     return picture
 
 
-def read_text(name):
-    """The text of a file. Raises Refusal when there is none, or when it is not text."""
+def read_text(name, otherwise=None):
+    """The text of a file, or of standard input for ``-``, its lines ended by newlines.
+
+    ``otherwise``: the encoding of what is not UTF-8. Raises Refusal when there is no such file, or no text.
+    """
     try:
-        return Path(name).read_text(encoding="utf-8")
+        data = sys.stdin.buffer.read() if name == "-" else Path(name).read_bytes()
+        try:
+            text = data.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            if otherwise is None:
+                raise
+            text = data.decode(otherwise)
+        return text.replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError as error:
         raise Refusal(f"{name} is not a text file ({error.reason} at byte {error.start}).") from error
     except OSError as error:

@@ -1,0 +1,77 @@
+"""``fixedpipe combiners``: a combiner or pixel shader program of the time, checked and in words."""
+
+import click
+
+
+@click.command(short_help="Check a program of the time (RC1.0, TS1.0, ps.1.x), print it in words.")
+@click.argument("file", metavar="FILE")
+@click.option(
+    "--profile",
+    metavar="NAME",
+    help="Machine that the program has to fit; without it, what no machine has is refused.",
+)
+@click.option(
+    "--target",
+    "targets",
+    multiple=True,
+    metavar="UNIT=TARGET",
+    help="What a pixel shader's unit has bound: 1=TEXTURE_CUBE_MAP for instance. May be given again.",
+)
+@click.option("--rc", "notation", is_flag=True, help="Print as !!TS1.0 and !!RC1.0 text, not in words.")
+def combiners(file, profile, targets, notation):
+    """Read FILE (- for standard input), a program for nvparse: ``!!RC1.0`` register combiners, ``!!TS1.0``
+    texture shaders, both in one text, or a Direct3D pixel shader ps.1.0 to ps.1.3, and print what it sets, as
+    equations.
+    """
+    from effects.cli.files import read_text
+    from effects.cli.refusal import Refusal, choose, refusals
+    from pipeline.describe import describe_program
+    from pipeline.profiles import PROFILES
+    from pipeline.program_text import parse_program
+    from pipeline.text_tokens import ProgramTextError
+    from pipeline.validate import validate_program
+
+    machine = None if profile is None else choose("profile", profile, PROFILES)
+    bound = dict(_target(given) for given in targets)
+    try:
+        # Of the time: comments in any encoding, which the notations skip.
+        program = parse_program(read_text(file, otherwise="latin-1"), bound)
+    except ProgramTextError as error:
+        raise Refusal(f"{'standard input' if file == '-' else file}, {error}") from error
+    with refusals():
+        if machine is not None:
+            validate_program(program.texture_shader, program.combiners, machine)
+        text = _text(program) if notation else describe_program(program.texture_shader, program.combiners)
+    if notation:
+        click.echo(text, nl=False)
+        return
+    on = "" if machine is None else f", on {machine.name}"
+    click.echo(f"{' and '.join(program.notations)}{on}\n")
+    click.echo(text, nl=False)
+    for place in program.constants:
+        where = (
+            f"the eye of texture shader stage {place.stage}"
+            if place.register is None
+            else f"{place.register.name.lower().replace('constant_color', 'const')} of GC{place.stage}"
+        )
+        click.echo(f"  c{place.constant} is {where}")
+
+
+def _target(given):
+    """(unit, TextureTarget) of ``UNIT=TARGET``."""
+    from effects.cli.refusal import Refusal, choose
+    from pipeline.enums import TextureTarget
+
+    unit, equals, name = given.partition("=")
+    if not equals or unit not in ("0", "1", "2", "3"):
+        raise Refusal(f"--target {given} is no UNIT=TARGET; write --target 1=TEXTURE_CUBE_MAP, units 0 to 3.")
+    return int(unit), choose("texture target", name, TextureTarget.__members__)
+
+
+def _text(program):
+    """The program in the notations of nvparse's own."""
+    from pipeline.combiner_text import format_program
+    from pipeline.texture_shader_text import format_stages
+
+    stages, combiners = program.texture_shader, program.combiners
+    return (format_stages(stages) if stages else "") + (format_program(combiners) if combiners else "")

@@ -1,0 +1,133 @@
+"""Direct3D 8's pixel shaders 1.0 to 1.3 from their definition, one fragment at a time: arithmetic alone.
+
+It reads the text itself, line by line, and knows nothing of register combiners. Registers hold numbers in
+units of 1/255, from ``lowest`` to 255.
+
+Source: DirectX 8.1, reference of pixel shaders: each instruction, the modifiers, their order (source
+modifiers, instruction, scale, saturation, write mask), the range of at least [-1, 1].
+"""
+
+import re
+from fractions import Fraction
+
+ONE = 255
+COMPONENTS = {"rgb": (0, 1, 2), "xyz": (0, 1, 2), "a": (3,), "w": (3,)}
+
+
+class Arithmetic:
+    """Where a machine departs from real numbers.
+
+    ``half``: what _bias and _bx2 take as one half, 127.5 by definition, 128 on NVIDIA's chips. ``rounded``:
+    each instruction's result, the sum of its products, is rounded to nearest, before it is scaled; _d2 rounds
+    halves up. ``lowest``: -255, or -256 for nine bits.
+    """
+
+    def __init__(self, half=128, rounded=True, lowest=-256):
+        self.half, self.rounded, self.lowest = Fraction(half), rounded, lowest
+
+    def result(self, total, scale):
+        """A sum of products, in units of 1/255**2, as an instruction's result.
+
+        Source: instruction modifiers; Measured: rounded before it is scaled (CombinerOps capture).
+        """
+        if self.rounded:
+            # There are no ties: the sum is an integer and 255 is odd.
+            value = (2 * int(total) + ONE) // (2 * ONE)
+            value = {"": value, "x2": 2 * value, "x4": 4 * value, "d2": (value + 1) >> 1}[scale]
+        else:
+            value = Fraction(total) / ONE * {"": 1, "x2": 2, "x4": 4, "d2": Fraction(1, 2)}[scale]
+        return max(self.lowest, min(ONE, value))
+
+
+def constant(components):
+    """The color of a def, by its nearest steps. Source: def; Assumed: eight bits and a sign."""
+    return [round(max(-1.0, min(1.0, float(c))) * ONE) for c in components]
+
+
+def read(registers, text, arithmetic):
+    """The four components of a source. Source: source register modifiers and selectors."""
+    match = re.fullmatch(r"(1-|-)?([rctv]\d)(_bx2|_bias)?(?:\.(\w+))?", text.replace(" ", ""))
+    sign, name, modifier, selector = match.groups()
+    values = list(registers[name])
+    if selector in ("a", "w"):
+        values = [values[3]] * 4
+    elif selector in ("b", "z"):
+        values = [values[2]] * 4
+    if modifier == "_bx2":
+        values = [2 * max(0, v) - 2 * arithmetic.half for v in values]
+    elif modifier == "_bias":
+        values = [max(0, v) - arithmetic.half for v in values]
+    if sign == "1-":
+        values = [ONE - max(0, min(ONE, v)) for v in values]
+    elif sign == "-":
+        values = [min(ONE, -v) for v in values]
+    return values
+
+
+def totals(name, sources, registers, arithmetic):
+    """The four sums of products of an instruction, in units of 1/255**2. Source: its reference page."""
+    a, b, c = (*sources, *([0, 0, 0, 0],) * 3)[:3]
+    if name == "mov":
+        return [x * ONE for x in a]
+    if name == "mul":
+        return [x * y for x, y in zip(a, b, strict=True)]
+    if name == "add":
+        return [(x + y) * ONE for x, y in zip(a, b, strict=True)]
+    if name == "sub":
+        # A value of -256/255, which nine bits have, is 1 when it is negated.
+        return [(x + min(ONE, -y)) * ONE for x, y in zip(a, b, strict=True)]
+    if name == "mad":
+        return [x * y + z * ONE for x, y, z in zip(a, b, c, strict=True)]
+    if name == "lrp":
+        factors = [max(0, min(ONE, x)) for x in a]
+        return [f * y + (ONE - f) * z for f, y, z in zip(factors, b, c, strict=True)]
+    if name == "dp3":
+        return [sum(x * y for x, y in zip(a[:3], b[:3], strict=True))] * 4
+    if name == "dp4":
+        # Two instruction slots: both halves of the sum are numbers of a register.
+        color = arithmetic.result(sum(x * y for x, y in zip(a[:3], b[:3], strict=True)), "")
+        return [(color + arithmetic.result(a[3] * b[3], "")) * ONE] * 4
+    if name == "cnd":
+        return [(y if 2 * registers["r0"][3] > ONE else z) * ONE for y, z in zip(b, c, strict=True)]
+    if name == "cmp":
+        return [(y if x >= 0 else z) * ONE for x, y, z in zip(a, b, c, strict=True)]
+    raise ValueError(name)
+
+
+def evaluate(text, textures, primary, secondary, arithmetic):
+    """r0, clamped to [0, 1], of a program with one instruction on each line.
+
+    ``textures``: four texels. Texture instructions are skipped.
+    Source: the order of operations, and co-issued instructions, which read before either writes.
+    """
+    registers = {f"t{i}": list(texel) for i, texel in enumerate(textures)}
+    registers |= {"v0": list(primary), "v1": list(secondary), "r0": [0] * 4, "r1": [0] * 4}
+    lines = [line.split(";")[0].strip() for line in text.splitlines()[1:]]
+    pending = {}
+    for line in filter(None, lines):
+        paired = line.startswith("+")
+        opcode, _, operands = line.lstrip("+ ").partition(" ")
+        operands = [operand.strip() for operand in operands.split(",")]
+        name, *modifiers = opcode.split("_")
+        if name == "def":
+            registers[operands[0]] = constant(operands[1:])
+        if name in ("def", "nop") or name.startswith("tex"):
+            continue
+        if not paired:
+            _write(registers, pending)
+            pending = {}
+        destination, _, mask = operands[0].partition(".")
+        sources = [read(registers, operand, arithmetic) for operand in operands[1:]]
+        scale = next((m for m in modifiers if m != "sat"), "")
+        values = totals(name, sources, registers, arithmetic)
+        for k in COMPONENTS.get(mask, range(4)):
+            value = arithmetic.result(values[k], scale)
+            pending[destination, k] = max(0, value) if "sat" in modifiers else value
+    _write(registers, pending)
+    return [max(0, min(ONE, value)) for value in registers["r0"]]
+
+
+def _write(registers, pending):
+    """Source: destination write masks."""
+    for (name, k), value in pending.items():
+        registers[name][k] = value
