@@ -27,10 +27,12 @@ from pipeline.commands import (
     Draw,
     MakeCurrent,
     ReadPixels,
+    ResetHistogram,
+    ResetMinmax,
     TexImage,
 )
 from pipeline.enums import ColorBuffer, TextureTarget
-from pipeline.framebuffer import Framebuffer, bound_texture, copied_texture, replaced_texture
+from pipeline.framebuffer import Framebuffer, bound_texture, copied_texture, defined_texture, replaced_texture
 from pipeline.primitives import WindowPrimitives
 from pipeline.profile import Profile
 from pipeline.profiles import GEFORCE_256
@@ -39,6 +41,7 @@ from pipeline.texel_words import stored_texture
 from pipeline.textures import Texture
 from pipeline.threads import Threads
 from pipeline.trace import Snapshot, snapshot
+from pipeline.transfer import HistogramTable, MinmaxTable, PixelStatistics
 from pipeline.validate import validate
 from raster import rows as R
 from raster.arrays import Buffers, scratch
@@ -86,6 +89,8 @@ class Result:
     dropped       how many primitives were dropped because a projected position was not usable
     trace         a Snapshot after every command, when asked for
     records       the Fragments of every Draw, when asked for
+    histograms    the machine's histograms by name, as they are afterwards
+    minmaxes      its minmaxes likewise
     """
 
     framebuffer: Framebuffer
@@ -96,6 +101,8 @@ class Result:
     dropped: int
     trace: tuple[Snapshot, ...]
     records: tuple[Fragments, ...]
+    histograms: dict[str, HistogramTable]
+    minmaxes: dict[str, MinmaxTable]
 
     def image(self):
         """The framebuffer's colours, uint8 [h, w, 4], top row first."""
@@ -163,7 +170,8 @@ def default_threads():
 
 @dataclass(eq=False)
 class Machine:
-    """A machine with its framebuffer, pbuffers and texture objects, which persist from run to run.
+    """A machine with its framebuffer, pbuffers, texture objects, histograms and minmaxes, which persist from
+    run to run.
 
     Several Python threads may share one: a run waits until the one before it has ended.
 
@@ -194,6 +202,7 @@ class Machine:
     textures: dict[str, Texture] = field(default_factory=dict)
     surfaces: dict[str, Framebuffer] = field(default_factory=dict)
     engine: str | None = None
+    statistics: PixelStatistics = field(default_factory=PixelStatistics)
 
     def __post_init__(self):
         if self.profile.exact:
@@ -232,7 +241,14 @@ class Machine:
 
     def _run(self, commands, trace, record):
         validate(
-            commands, self.profile, self.width, self.height, self.depth_bits, self.textures, self.surfaces
+            commands,
+            self.profile,
+            self.width,
+            self.height,
+            self.depth_bits,
+            self.textures,
+            self.surfaces,
+            self.statistics,
         )
         self._current = self.framebuffer
         # The engine that records draws alone, Clears as well: the other is then neither compiled nor read.
@@ -279,30 +295,44 @@ class Machine:
             dropped,
             tuple(snapshots),
             tuple(records),
+            dict(self.statistics.histograms),
+            dict(self.statistics.minmaxes),
         )
 
     def _transfer(self, command, pixels):
         """What is neither Clear nor Draw; nothing waits in the queue."""
+        kept = self.profile, self.statistics
         match command:
-            case TexImage():
+            case TexImage(pixels=None):
                 self.textures[command.texture] = stored_texture(command.image, self.profile)
+            case TexImage():
+                self._define(command, defined_texture(command, *kept))
             case CopyTexImage():
-                self.textures[command.texture] = copied_texture(
-                    self._current.buffer(command.read_buffer), command
+                self._define(
+                    command, copied_texture(self._current.buffer(command.read_buffer), command, *kept)
                 )
             case CopyTexSubImage():
-                texture = self.textures[command.texture]
-                self.textures[command.texture] = replaced_texture(
-                    self._current.buffer(command.read_buffer), command, texture
-                )
+                texture, source = self.textures[command.texture], self._current.buffer(command.read_buffer)
+                self._define(command, replaced_texture(source, command, texture, *kept))
             case ReadPixels():
-                pixels[command.name] = self._current.buffer(command.read_buffer).read(command)
+                read = self._current.buffer(command.read_buffer).read(command, *kept)
+                if read is not None:
+                    pixels[command.name] = read
+            case ResetHistogram():
+                self.statistics.reset_histogram(command.name)
+            case ResetMinmax():
+                self.statistics.reset_minmax(command.name)
             case Accum():
                 accumulate(self._current, command, self.profile)
             case MakeCurrent():
                 self._current = self._surface(command)
             case BindTexImage():
                 self.textures[command.texture] = bound_texture(self.surfaces[command.surface], command)
+
+    def _define(self, command, texture):
+        """Store a texture, unless a histogram's or minmax's sink took its image."""
+        if texture is not None:
+            self.textures[command.texture] = texture
 
     def _surface(self, command):
         """The framebuffer that a MakeCurrent names, made when it is named first."""

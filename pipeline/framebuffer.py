@@ -6,19 +6,38 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from pipeline.enums import ColorBuffer, ColorFormat, DepthFormat, InternalFormat, WindowOrigin
+from pipeline.enums import (
+    ColorBuffer,
+    ColorFormat,
+    DepthFormat,
+    InternalFormat,
+    TextureTarget,
+    WindowOrigin,
+)
+from pipeline.pixel_transfer import PixelImage
 from pipeline.textures import (
     BASE_FORMAT,
     COMPONENT_BITS,
     DEPTH_TEXELS,
     KEPT,
     Texture,
+    build_texture,
     depth_texels,
     pyramid,
     register_components,
     store_texels,
     widen_to_byte,
 )
+from pipeline.transfer import (
+    changes_nothing,
+    image_groups,
+    packed_colors,
+    transfer_colors,
+    transfer_depths,
+    transfer_image,
+    transfer_stencil,
+)
+from raster.transfer import fixed
 
 # A surface's 32-bit words, red in the low byte, each component at the top of its byte: the bits that it
 # keeps, those that are always one, and its alpha as a factor: 0 the byte, 1 always 255, 2 seven bits,
@@ -161,17 +180,38 @@ class Framebuffer:
         """Colours of a window rectangle, uint8 [h, w, 4], bottom row first."""
         return self.color[self._rows(x, y, width, height)][::-1]
 
-    def read(self, command):
-        """Section 4.3.2: see ``pipeline.commands.ReadPixels`` for the formats."""
+    def groups(self, x, y, width, height):
+        """Colours of a window rectangle as pixel groups, float64 [h, w, 4], 1.0 = full intensity, bottom row
+        first (section 4.3.2, Conversion of RGBA values).
+        """
+        return self.rectangle(x, y, width, height) / float(2**self.color_bits - 1)
+
+    def depths(self, x, y, width, height):
+        """Depths of a window rectangle, float64 [h, w] in [0, 1], bottom row first; fixed formats alone."""
+        return self.depth[self._rows(x, y, width, height)][::-1] / float(2**self.depth_bits - 1)
+
+    def box_of(self, command):
+        """X, y, width, height of what a command reads; None: as far as the framebuffer reaches."""
         width = self.width - command.x if command.width is None else command.width
         height = self.height - command.y if command.height is None else command.height
-        rows = self._rows(command.x, command.y, width, height)
+        return command.x, command.y, width, height
+
+    def read(self, command, profile, statistics):
+        """Section 4.3.2: what a ReadPixels returns, as ``pipeline.commands.ReadPixels`` says; None where a
+        sink took it. ``statistics``: the machine's PixelStatistics.
+        """
+        box, transfer = self.box_of(command), command.transfer
         if command.format == "DEPTH_COMPONENT":
-            return self.depth[rows][::-1].copy()
+            if (transfer.depth_scale, transfer.depth_bias) == (1.0, 0.0):
+                return self.depth[self._rows(*box)][::-1].copy()
+            return fixed(transfer_depths(self.depths(*box), transfer), self.depth_bits).astype(np.uint32)
         if command.format == "STENCIL_INDEX":
-            return self.stencil[rows][::-1].copy()
-        rgba = self.rectangle(command.x, command.y, width, height)
-        return READ_FORMATS[command.format](rgba).copy()
+            indices = self.stencil[self._rows(*box)][::-1].astype(np.int64)
+            return (transfer_stencil(indices, transfer) & 0xFF).astype(np.uint8)
+        if self.color_bits == 8 and command.type == "UNSIGNED_BYTE" and changes_nothing(transfer):
+            return READ_FORMATS[command.format](self.rectangle(*box)).copy()
+        groups = transfer_colors(self.groups(*box), transfer, profile, statistics)
+        return None if groups is None else packed_colors(groups, command.format, command.type)
 
 
 def _luminance(rgba):
@@ -191,23 +231,72 @@ READ_FORMATS = {
 }
 
 
-def copied_texture(framebuffer, command):
-    """CopyTexImage1D/2D: the texture that a framebuffer rectangle defines."""
-    width = framebuffer.width - command.x if command.width is None else command.width
-    height = framebuffer.height - command.y if command.height is None else command.height
-    texels = store_texels(framebuffer.rectangle(command.x, command.y, width, height), command.internal_format)
+def defined_texture(command, profile, statistics):
+    """TexImage1D/2D/3D of pixels: the texture, or None where a sink took the image."""
+    image, target = command.pixels, command.target
+    if command.internal_format in DEPTH_TEXELS:
+        depths = transfer_depths(image_groups(image), command.transfer)
+        return _depth_texture(target, command.internal_format, depths)
+    layered = target in (TextureTarget.TEXTURE_CUBE_MAP, TextureTarget.TEXTURE_3D)
+    dimensions = {TextureTarget.TEXTURE_1D: 1, TextureTarget.TEXTURE_3D: 3}.get(target, 2)
+    images = []
+    for values in image.values if layered else image.values[None]:
+        part = PixelImage(values, image.format)
+        images.append(transfer_image(part, command.transfer, profile, statistics, dimensions))
+    if images[-1] is None:
+        return None
+    return build_texture(target, np.stack(images), command.internal_format, command.generate_mipmap)
+
+
+def _depth_texture(target, internal_format, depths):
+    """A depth texture of depths in [0, 1], float64 [h, w]."""
+    most, _ = DEPTH_TEXELS[internal_format]
+    texels = depth_texels(fixed(depths, most.bit_length()))
+    texels.setflags(write=False)
+    return Texture(target, internal_format, (texels[None],))
+
+
+def _copied_texels(framebuffer, command, box, internal_format, dimensions, profile, statistics):
+    """Register bytes [h, w, 4] of a framebuffer rectangle as texels; None where a sink took it."""
+    transfer = command.transfer
+    if internal_format in DEPTH_TEXELS:
+        depths = transfer_depths(framebuffer.depths(*box), transfer)
+        return _depth_texture(None, internal_format, depths).levels[0][0]
+    if framebuffer.color_bits == 8 and changes_nothing(transfer):
+        return store_texels(framebuffer.rectangle(*box), internal_format)
+    groups = transfer_colors(framebuffer.groups(*box), transfer, profile, statistics, dimensions)
+    return None if groups is None else store_texels(groups, internal_format)
+
+
+def copied_texture(framebuffer, command, profile, statistics):
+    """CopyTexImage1D/2D: the texture that a framebuffer rectangle defines, or None where a sink took it."""
+    dimensions = 1 if command.target is TextureTarget.TEXTURE_1D else 2
+    box = framebuffer.box_of(command)
+    texels = _copied_texels(
+        framebuffer, command, box, command.internal_format, dimensions, profile, statistics
+    )
+    if texels is None:
+        return None
     texels.setflags(write=False)
     levels = pyramid(texels[None]) if command.generate_mipmap else (texels[None],)
     return Texture(command.target, command.internal_format, levels)
 
 
-def replaced_texture(framebuffer, command, texture):
-    """CopyTexSubImage1D/2D: the texture with a rectangle of one level replaced."""
-    rgba = framebuffer.rectangle(command.x, command.y, command.width, command.height)
+def replaced_texture(framebuffer, command, texture, profile, statistics):
+    """CopyTexSubImage1D/2D/3D: the texture with a rectangle of one level replaced; the same where a sink took
+    the pixels.
+    """
+    dimensions = 1 if texture.target is TextureTarget.TEXTURE_1D else 2
+    box = command.x, command.y, command.width, command.height
+    texels = _copied_texels(
+        framebuffer, command, box, texture.internal_format, dimensions, profile, statistics
+    )
+    if texels is None:
+        return texture
     level = texture.levels[command.level].copy()
-    rows = slice(command.y_offset, command.y_offset + command.height)
-    columns = slice(command.x_offset, command.x_offset + command.width)
-    level[command.face, rows, columns] = store_texels(rgba, texture.internal_format)
+    rows = slice(command.y_offset, command.y_offset + texels.shape[0])
+    columns = slice(command.x_offset, command.x_offset + texels.shape[1])
+    level[command.face, rows, columns] = texels
     level.setflags(write=False)
     if command.generate_mipmap:
         levels = pyramid(level)

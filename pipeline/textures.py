@@ -252,7 +252,8 @@ def pyramid(base):
     return tuple(levels)
 
 
-def _build(target, faces, internal_format, mipmaps):
+def build_texture(target, faces, internal_format, mipmaps):
+    """A texture from RGBA images [faces, h, w, 4], bytes, or floats, which the ideal evaluator gets too."""
     base = store_texels(faces, internal_format)
     source = None
     if faces.dtype != np.uint8:
@@ -268,7 +269,9 @@ def texture_1d(image, internal_format=InternalFormat.RGBA8, *, mipmaps=False):
     row = np.asarray(image)
     if row.ndim != 2:
         raise ValueError(f"A 1D texture's image has shape {row.shape}; give [width, components].")
-    return _build(TextureTarget.TEXTURE_1D, _as_rgba(row[None], "The image")[None], internal_format, mipmaps)
+    return build_texture(
+        TextureTarget.TEXTURE_1D, _as_rgba(row[None], "The image")[None], internal_format, mipmaps
+    )
 
 
 def texture_2d(image, internal_format=InternalFormat.RGBA8, *, mipmaps=False):
@@ -280,7 +283,7 @@ def texture_2d(image, internal_format=InternalFormat.RGBA8, *, mipmaps=False):
     rgba = _as_rgba(image, "The image")
     if rgba.ndim != 3:
         raise ValueError(f"A 2D texture's image has shape {rgba.shape}; give [height, width, components].")
-    return _build(TextureTarget.TEXTURE_2D, rgba[None], internal_format, mipmaps)
+    return build_texture(TextureTarget.TEXTURE_2D, rgba[None], internal_format, mipmaps)
 
 
 def texture_cube_map(faces, internal_format=InternalFormat.RGBA8, *, mipmaps=False):
@@ -292,4 +295,4 @@ def texture_cube_map(faces, internal_format=InternalFormat.RGBA8, *, mipmaps=Fal
         raise ValueError(
             f"A cube map has shape {rgba.shape[:-1]}; give six square faces [6, size, size, components]."
         )
-    return _build(TextureTarget.TEXTURE_CUBE_MAP, rgba, internal_format, mipmaps)
+    return build_texture(TextureTarget.TEXTURE_CUBE_MAP, rgba, internal_format, mipmaps)

@@ -23,6 +23,7 @@ from weakref import WeakKeyDictionary, WeakSet
 
 import numpy as np
 
+from pipeline.check_transfer import color_table_problem, pixel_image_problem, transfer_problem
 from pipeline.commands import (
     Accum,
     BindTexImage,
@@ -33,6 +34,8 @@ from pipeline.commands import (
     MakeCurrent,
     Mesh,
     ReadPixels,
+    ResetHistogram,
+    ResetMinmax,
     TexImage,
 )
 from pipeline.enums import (
@@ -63,6 +66,7 @@ from pipeline.enums import (
 )
 from pipeline.framebuffer import DEPTH_READABLE_AS, READ_FORMATS, READABLE_AS
 from pipeline.pack import WITHOUT_TEXTURE, shader_stages
+from pipeline.pixel_transfer import PixelTransfer
 from pipeline.state import (
     Light,
     Lighting,
@@ -75,8 +79,17 @@ from pipeline.state import (
 )
 from pipeline.texture_environment import environment_problem, texture_format
 from pipeline.textures import COMPONENT_BITS, DEPTH_TEXELS, Texture
+from pipeline.transfer import (
+    DEPTH_FORMAT,
+    IMAGE_FORMATS,
+    READ_TYPES,
+    PixelStatistics,
+    has_sink,
+    transferred_size,
+)
 from pipeline.vertex import invert_upper_left, needs_normals
 
+_FIXED_DEPTHS = (InternalFormat.DEPTH_COMPONENT16, InternalFormat.DEPTH_COMPONENT24)
 _READ_FORMATS = (*READ_FORMATS, "DEPTH_COMPONENT", "STENCIL_INDEX")
 
 
@@ -106,7 +119,7 @@ class _Remembered(dict):
 
 
 # Parts that many states share, because dataclasses.replace keeps them.
-_SHARED_PARTS = (VertexState, TextureUnit, RegisterCombiners)
+_SHARED_PARTS = (VertexState, TextureUnit, RegisterCombiners, PixelTransfer)
 
 
 # ------------------------------------------------------------------------------- types of state fields
@@ -777,10 +790,10 @@ class _Beside(NamedTuple):
 class _Walk:
     """One pass over the commands; ``where`` is the command at hand."""
 
-    def __init__(self, profile, width, height, textures, surfaces):
-        self.profile, self.width, self.height = profile, width, height
+    def __init__(self, profile, width, height, depth_bits, textures, surfaces, statistics):
+        self.profile, self.width, self.height, self.depth_bits = profile, width, height, depth_bits
         self.taken = _taken_by(profile)
-        self.window = width, height
+        self.window = width, height, depth_bits
         self.in_window = True
         self.surfaces = {
             name: _Surface(f.width, f.height, f.color_format, f.depth_format) for name, f in surfaces.items()
@@ -790,6 +803,7 @@ class _Walk:
             self.where = f"Texture {name!r}, which the machine holds"
             self.store(name, image)
         self.read = set()
+        self.histograms, self.minmaxes = set(statistics.histograms), set(statistics.minmaxes)
 
     def refuse(self, sentence):
         raise UnsupportedState(f"{self.where}: {sentence}")
@@ -927,7 +941,73 @@ class _Walk:
         self.color_buffer(state.draw_buffer)
 
     def tex_image(self, command):
-        self.store(command.texture, command.image)
+        if (command.image is None) == (command.pixels is None):
+            has = "neither an image nor" if command.image is None else "an image and"
+            self.refuse(f"it has {has} pixels; give a Texture as image, or a PixelImage as pixels.")
+        if command.image is not None:
+            self.store(command.texture, command.image)
+            return
+        target, internal_format = command.target, command.internal_format
+        deep = internal_format in _FIXED_DEPTHS
+        self.copied_format(internal_format)
+        axes = 3 if target in _PARTS else 2
+        formats = (DEPTH_FORMAT,) if deep else (*IMAGE_FORMATS, "COLOR_INDEX")
+        if problem := pixel_image_problem(command.pixels, formats, axes):
+            self.refuse(problem)
+        layers, height, width = ((1,) * (3 - axes) + command.pixels.values.shape)[:3]
+        if target is TextureTarget.TEXTURE_CUBE_MAP and layers != 6:
+            self.refuse(f"the image has {layers} layers; a TEXTURE_CUBE_MAP takes 6 faces.")
+        if axes == 3 and deep:
+            self.refuse(f"{internal_format.name} makes 1D and 2D textures; give TEXTURE_2D.")
+        dimensions = {TextureTarget.TEXTURE_1D: 1, TextureTarget.TEXTURE_3D: 3}.get(target, 2)
+        width, height = self.transferred(command, width, height, dimensions, deep)
+        layers = layers if target is TextureTarget.TEXTURE_3D else 1
+        self.define(command, width, height, layers)
+
+    def define(self, command, width, height, layers=1):
+        """A texture of one level, or of all, that TexImage makes from pixels, or CopyTexImage."""
+        target, internal_format = command.target, command.internal_format
+        if target is TextureTarget.TEXTURE_1D and height != 1:
+            self.refuse(f"a TEXTURE_1D has one row of texels; this rectangle has {height}. Give height 1.")
+        if target is TextureTarget.TEXTURE_CUBE_MAP and width != height:
+            self.refuse(f"the cube map's faces are {width}x{height}; they must be square.")
+        self.texture_storage(target, internal_format, width, height, layers)
+        if command.generate_mipmap and (
+            target is TextureTarget.TEXTURE_3D or internal_format in DEPTH_TEXELS
+        ):
+            self.refuse(
+                f"mipmaps of a {target.name} of {internal_format.name} are not generated; set "
+                "generate_mipmap to False."
+            )
+        sizes = self.mipmap_sizes(width, height) if command.generate_mipmap else ((width, height),)
+        faces = 6 if target is TextureTarget.TEXTURE_CUBE_MAP else layers
+        if not has_sink(command.transfer):
+            known = _Known(target, internal_format, sizes, (faces,) * len(sizes))
+            self.textures[command.texture] = known
+
+    def transferred(self, command, width, height, dimensions=2, deep=False):
+        """Width and height that pixels have once they went through the command's pixel transfer."""
+        transfer = command.transfer
+        if problem := transfer_problem(transfer, self.profile, width, height, dimensions):
+            self.refuse(problem)
+        for table, known in ((transfer.histogram, self.histograms), (transfer.minmax, self.minmaxes)):
+            if table is not None:
+                known.add(table.name)
+        return (width, height) if deep else transferred_size(width, height, transfer, dimensions)
+
+    def reset_histogram(self, command):
+        self.known_table("histogram", command.name, self.histograms)
+
+    def reset_minmax(self, command):
+        self.known_table("minmax", command.name, self.minmaxes)
+
+    def known_table(self, what, name, known):
+        if name not in known:
+            made = ", ".join(map(repr, sorted(known))) or "none"
+            self.refuse(
+                f"there is no {what} {name!r} yet (counted so far: {made}); name it in a pixel transfer "
+                "before."
+            )
 
     def store(self, name, image):
         if wrong := _type_check(Texture)(image):
@@ -946,24 +1026,30 @@ class _Walk:
         width, height = self.framebuffer_rectangle(command)
         self.color_buffer(command.read_buffer)
         self.copied_format(command.internal_format)
+        self.fixed_depths(command.internal_format in DEPTH_TEXELS, "copies depths")
         if command.target in (TextureTarget.TEXTURE_CUBE_MAP, TextureTarget.TEXTURE_3D):
             what, parts = _PARTS[command.target]
             self.refuse(
                 f"CopyTexImage defines 1D and 2D textures; define a {what} with TexImage and fill its "
                 f"{parts} with CopyTexSubImage."
             )
-        if command.target is TextureTarget.TEXTURE_1D and height != 1:
-            self.refuse(f"a TEXTURE_1D has one row of texels; this rectangle has {height}. Give height 1.")
-        self.texture_storage(command.target, command.internal_format, width, height)
-        sizes = self.mipmap_sizes(width, height) if command.generate_mipmap else ((width, height),)
-        faces = (1,) * len(sizes)
-        self.textures[command.texture] = _Known(command.target, command.internal_format, sizes, faces)
+        dimensions = 1 if command.target is TextureTarget.TEXTURE_1D else 2
+        deep = command.internal_format in DEPTH_TEXELS
+        self.define(command, *self.transferred(command, width, height, dimensions, deep))
 
     def copied_format(self, internal_format):
-        if internal_format not in COMPONENT_BITS:
+        if internal_format not in COMPONENT_BITS and internal_format not in _FIXED_DEPTHS:
             self.refuse(
-                f"{internal_format.name} cannot be copied from a framebuffer; define it with TexImage, or "
-                f"copy to one of {_names(COMPONENT_BITS)}."
+                f"{internal_format.name} is not made from pixels; define it with TexImage and a Texture, or "
+                f"give one of {_names({*COMPONENT_BITS, *_FIXED_DEPTHS})}."
+            )
+
+    def fixed_depths(self, read, what):
+        """Refuse what computes with depths that are floats."""
+        if read and self.depth_bits < 0:
+            self.refuse(
+                f"it {what} of {_depth_words(self.depth_bits)}; only fixed-point depths go through pixel "
+                "transfer. Give the depth buffer a fixed format."
             )
 
     def mipmap_sizes(self, width, height):
@@ -1002,6 +1088,10 @@ class _Walk:
             )
         width, height = self.framebuffer_rectangle(command)
         self.color_buffer(command.read_buffer)
+        deep = known.internal_format in DEPTH_TEXELS
+        self.fixed_depths(deep, "copies depths")
+        dimensions = 1 if known.target is TextureTarget.TEXTURE_1D else 2
+        width, height = self.transferred(command, width, height, dimensions, deep)
         self.rectangle(
             f"level {command.level} of {command.texture!r}",
             (command.x_offset, command.y_offset, width, height),
@@ -1020,15 +1110,25 @@ class _Walk:
                 f"an earlier ReadPixels already has the name {command.name!r}; give this one another."
             )
         self.read.add(command.name)
-        self.framebuffer_rectangle(command)
+        size = self.framebuffer_rectangle(command)
         self.color_buffer(command.read_buffer)
+        colors = command.format in READ_FORMATS
+        if command.type not in READ_TYPES:
+            self.refuse(f"ReadPixels knows no type {command.type!r}; give one of {', '.join(READ_TYPES)}.")
+        if not colors and command.type != "UNSIGNED_BYTE":
+            self.refuse(
+                f"{command.format} is read in the buffer's own units whatever the type; leave type alone."
+            )
+        self.transferred(command, *size, deep=not colors)
+        scale = command.transfer.depth_scale, command.transfer.depth_bias
+        self.fixed_depths(command.format == DEPTH_FORMAT and scale != (1.0, 0.0), "scales depths")
 
     def make_current(self, command):
         name = command.surface
         if name is None:
             if command.width is not None or command.height is not None:
                 self.refuse("the window has its size; give width and height to pbuffers only.")
-            self.width, self.height = self.window
+            self.width, self.height, self.depth_bits = self.window
             self.in_window = True
             return
         if not self.profile.surface_formats:
@@ -1050,7 +1150,7 @@ class _Walk:
         _check_framebuffer(
             self.profile, command.width, command.height, command.depth_bits, self.where + ": the pbuffer"
         )
-        self.width, self.height = command.width, command.height
+        self.width, self.height, self.depth_bits = command.width, command.height, command.depth_bits
         self.in_window = False
 
     def bind_tex_image(self, command):
@@ -1170,8 +1270,18 @@ class _Walk:
                 )
             self.unit_coordinates(i, unit, needed, mesh)
             self.once(self.sampler, unit, known, i)
+            self.texture_color_table(i, unit.color_table)
             if state.register_combiners is None:
                 self.once(self.environment, unit, i, texture_format(known.internal_format))
+
+    def texture_color_table(self, number, table):
+        if table is not None and not self.profile.texture_color_table:
+            self.refuse(
+                f"texture unit {number} has a color_table; {self.profile.name} has none after its filters. "
+                "Use the table's colours in the texture, or choose a profile that has it."
+            )
+        if problem := color_table_problem(f"the color table of texture unit {number}", table, self.profile):
+            self.refuse(problem)
 
     def environment(self, unit, number, base):
         if problem := environment_problem(number, unit.environment, base, self.profile):
@@ -1662,6 +1772,8 @@ _HANDLERS = {
     Accum: _Walk.accum,
     MakeCurrent: _Walk.make_current,
     BindTexImage: _Walk.bind_tex_image,
+    ResetHistogram: _Walk.reset_histogram,
+    ResetMinmax: _Walk.reset_minmax,
 }
 
 
@@ -1702,7 +1814,9 @@ def _depth_words(depth_bits):
     return f"{int(depth_bits)} bits of depth"
 
 
-def validate(commands, profile, width, height, depth_bits=None, textures=None, surfaces=None):
+def validate(
+    commands, profile, width, height, depth_bits=None, textures=None, surfaces=None, statistics=None
+):
     """Refuse what the machine could not execute; return None if it can execute everything.
 
     commands       iterable of commands, in order
@@ -1711,17 +1825,20 @@ def validate(commands, profile, width, height, depth_bits=None, textures=None, s
     depth_bits     of the depth buffer; None: the widest fixed format that the machine has
     textures       {name: Texture} that the machine holds already, or None
     surfaces       {name: Framebuffer}, its pbuffers, or None
+    statistics     its PixelStatistics, or None
 
     Raises UnsupportedState (a ValueError) whose message names the command, what was given, what the machine
     allows, and what to do. Meshes and textures are looked at once in their life; so are states, as long as
     they are remembered (``_Remembered``).
     """
-    _check_framebuffer(profile, width, height, profile.widest_depth if depth_bits is None else depth_bits)
+    depth_bits = profile.widest_depth if depth_bits is None else depth_bits
+    _check_framebuffer(profile, width, height, depth_bits)
     if type(commands) in _HANDLERS:
         raise UnsupportedState(
             f"A frame is a tuple of commands; this is one {type(commands).__name__}. Write (command,)."
         )
-    walk = _Walk(profile, width, height, textures or {}, surfaces or {})
+    statistics = statistics or PixelStatistics()
+    walk = _Walk(profile, width, height, depth_bits, textures or {}, surfaces or {}, statistics)
     commands = tuple(commands)
     for number, command in enumerate(commands):
         if walk.takes(command):

@@ -1,0 +1,217 @@
+"""What a machine refuses of a PixelTransfer, of a ColorTable and of a PixelImage: sentences for ``validate``.
+
+Fields have the types that ``pipeline.pixel_transfer`` says and are finite when these functions see them.
+Source: the errors of OpenGL 1.2.1 sections 3.6.3 and 3.6.4, SGI_color_table, EXT_convolution, EXT_histogram.
+"""
+
+from itertools import chain
+
+import numpy as np
+
+from pipeline.enums import BaseFormat
+from pipeline.pixel_transfer import INITIAL_TRANSFER
+from pipeline.transfer import (
+    DEPTH_FORMAT,
+    IMAGE_FORMATS,
+    INDEX_FORMATS,
+    convolution,
+    filter_size,
+    transferred_size,
+)
+
+# Source: OpenGL 1.2.1 section 2.1.1: the magnitude that every machine's floating-point numbers reach; the
+# arithmetic of pixel transfer stays far inside float64's range then.
+_MOST = 2.0**32
+_MOST_SHIFT = 31  # an index has 32 bits
+_TABLES = ("color_table", "post_convolution_color_table", "post_color_matrix_color_table")
+_FILTERS = ("convolution_1d", "convolution_2d", "separable_2d")
+_POST_MATRIX = ("post_color_matrix_scale", "post_color_matrix_bias")
+_POST_CONVOLUTION = ("post_convolution_scale", "post_convolution_bias")
+
+
+def _is_power_of_two(number):
+    return number > 0 and number & (number - 1) == 0
+
+
+def transfer_problem(transfer, profile, width, height, dimensions=2):
+    """Why an image of ``width`` x ``height`` pixels cannot go through a PixelTransfer on a machine, or None.
+
+    ``dimensions``: as ``pipeline.transfer.transfer_colors`` takes them.
+    """
+    if transfer is INITIAL_TRANSFER:
+        return None
+    return (
+        _subset_problem(transfer, profile)
+        or _numbers_problem(transfer)
+        or _maps_problem(transfer.maps, profile)
+        or _first(color_table_problem(name, getattr(transfer, name), profile) for name in _TABLES)
+        or _first(_filter_problem(name, getattr(transfer, name), profile) for name in _FILTERS)
+        or _first(
+            _counting_problem(name, getattr(transfer, name), profile) for name in ("histogram", "minmax")
+        )
+        or _size_problem(transfer, width, height, dimensions)
+    )
+
+
+def _first(problems):
+    return next((problem for problem in problems if problem), None)
+
+
+def _subset_problem(transfer, profile):
+    """What of the imaging subset is asked for and not there."""
+    initial = INITIAL_TRANSFER
+
+    def asked(*names):
+        return [name for name in names if getattr(transfer, name) != getattr(initial, name)]
+
+    for has, names, instead in (
+        (
+            profile.color_matrix,
+            asked("color_matrix", *_POST_MATRIX),
+            "no colour matrix; combine components in a pass",
+        ),
+        (
+            profile.color_tables,
+            asked(*_TABLES),
+            "no colour tables in pixel transfer; use pixel maps (map_color)",
+        ),
+        (
+            profile.convolution,
+            asked(*_FILTERS, *_POST_CONVOLUTION),
+            "no convolution; add shifted copies by blending",
+        ),
+        (
+            profile.histogram,
+            asked("histogram", "minmax"),
+            "no histogram and no minmax; count what ReadPixels returns",
+        ),
+    ):
+        if names and not has:
+            return (
+                f"the pixel transfer sets {names[0]}; {profile.name} has {instead}, or choose a profile with "
+                "the imaging subset."
+            )
+    return None
+
+
+def _numbers_problem(transfer):
+    """A number beyond what machines of the time hold, or a shift by more bits than an index has."""
+    for name in ("scale", "bias", *_POST_CONVOLUTION, *_POST_MATRIX, "color_matrix"):
+        value = getattr(transfer, name)
+        numbers = chain(*value) if name == "color_matrix" else value
+        if any(abs(number) > _MOST for number in numbers):
+            return f"the pixel transfer's {name} is {value}; give magnitudes up to 2**32."
+    for name in ("depth_scale", "depth_bias"):
+        if abs(getattr(transfer, name)) > _MOST:
+            return f"the pixel transfer's {name} is {getattr(transfer, name)}; give magnitudes up to 2**32."
+    if abs(transfer.index_shift) > _MOST_SHIFT:
+        return f"the pixel transfer's index_shift is {transfer.index_shift}; give -31 to 31."
+    return None
+
+
+def _maps_problem(maps, profile):
+    for name in maps.__dataclass_fields__:
+        table, most = getattr(maps, name), profile.max_pixel_map_table
+        if not 1 <= len(table) <= most:
+            return f"pixel map {name} has {len(table)} entries; {profile.name} takes 1 to {most}."
+        if name[0] in "is" and not _is_power_of_two(len(table)):
+            return (
+                f"pixel map {name} has {len(table)} entries; a map that takes an index has a power of two of "
+                "them. Repeat its last entry."
+            )
+        if any(abs(value) > _MOST for value in table):
+            return f"pixel map {name} holds a magnitude above 2**32; give smaller ones."
+    return None
+
+
+def color_table_problem(what, table, profile):
+    """What is wrong with a ColorTable (or None: disabled), called ``what``."""
+    if table is None:
+        return None
+    size, most = len(table.entries), profile.max_color_table_size
+    if not _is_power_of_two(size):
+        return f"{what} has {size} entries; a colour table has a power of two of them. Pad it, or give None."
+    if size > most:
+        return f"{what} has {size} entries; {profile.name} holds tables of up to {most}. Give fewer."
+    if table.bits is not None and not 1 <= table.bits <= 16:
+        return f"{what} keeps {table.bits} bits; give 1 to 16, or None for the entries as they are."
+    return None
+
+
+def _filter_problem(name, kernel, profile):
+    if kernel is None:
+        return None
+    rows = (kernel.row, kernel.column) if name == "separable_2d" else kernel.rows
+    wide, high = filter_size(kernel)
+    if not wide or not high:
+        return f"{name} has {wide}x{high} pixels; give a filter of at least 1x1, or None."
+    if name == "convolution_1d" and high != 1:
+        return f"convolution_1d has {high} rows; a one-dimensional filter has one. Use convolution_2d."
+    if name != "separable_2d" and any(len(row) != wide for row in rows):
+        return f"the rows of {name} have different lengths; give each {wide} pixels."
+    most = profile.max_convolution_size
+    if max(wide, high) > most:
+        return (
+            f"{name} has {wide}x{high} pixels; {profile.name} convolves with up to {most}x{most}. Split the "
+            "filter, or shrink it."
+        )
+    if any(abs(weight) > _MOST for weight in chain(kernel.border_color, *chain(*rows))):
+        return f"{name} holds a magnitude above 2**32; give smaller ones."
+    return None
+
+
+def _counting_problem(name, table, profile):
+    if table is None:
+        return None
+    if table.base_format is BaseFormat.INTENSITY:
+        return f"the {name}'s base format is INTENSITY, which it cannot have; give LUMINANCE."
+    if name == "histogram" and not _is_power_of_two(table.width):
+        return f"the histogram has {table.width} entries; give a power of two."
+    if name == "histogram" and table.width > profile.max_color_table_size:
+        return (
+            f"the histogram has {table.width} entries; {profile.name} holds up to "
+            f"{profile.max_color_table_size}. Give fewer."
+        )
+    return None
+
+
+def _size_problem(transfer, width, height, dimensions):
+    if width < 1 or height < 1:
+        return None
+    left = transferred_size(width, height, transfer, dimensions)
+    if min(left) < 1:
+        wide, high = filter_size(convolution(transfer, dimensions))
+        return (
+            f"the {wide}x{high} filter with REDUCE leaves nothing of {width}x{height} pixels; give a larger "
+            "image, a smaller filter, or REPLICATE_BORDER."
+        )
+    return None
+
+
+def pixel_image_problem(image, formats=(*IMAGE_FORMATS, DEPTH_FORMAT, *INDEX_FORMATS), axes=2):
+    """What is wrong with a PixelImage whose format is to be one of ``formats``, or None.
+
+    ``axes``: of the image without its components: 2, or 3 with faces or layers.
+    """
+    if image.format not in formats:
+        return f"the image's format is {image.format!r}; give one of {', '.join(formats)}."
+    values = image.values
+    elements = len(IMAGE_FORMATS.get(image.format, "1"))
+    size = "[height, width]" if axes == 2 else "[layers, height, width]"
+    shape = values.shape
+    if not (shape[axes:] == (elements,) or (elements == 1 and len(shape) == axes)) or len(shape) < axes:
+        components = f"{size[:-1]}, {elements}]"
+        return f"the {image.format} image has shape {shape}; give {components if elements > 1 else size}."
+    if 0 in shape:
+        return f"the image has shape {shape}; give at least one pixel."
+    if image.format in INDEX_FORMATS:
+        if values.dtype.kind != "u" or values.dtype.itemsize > 4:
+            return f"the image's indices are {values.dtype}; give uint8, uint16 or uint32."
+        return None
+    if values.dtype.kind == "u" and values.dtype.itemsize <= 4:
+        return None
+    if values.dtype.kind != "f":
+        return f"the image's values are {values.dtype}; give uint8, uint16, uint32 or floats."
+    if not (np.abs(values) <= _MOST).all():  # NaN is not
+        return "the image holds NaN, infinity or a magnitude above 2**32; give finite, smaller values."
+    return None
