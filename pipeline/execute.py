@@ -31,8 +31,9 @@ from pipeline.commands import (
     ResetMinmax,
     TexImage,
 )
-from pipeline.enums import ColorBuffer, TextureTarget
+from pipeline.enums import AccumOperation, ColorBuffer, TextureTarget
 from pipeline.framebuffer import Framebuffer, bound_texture, copied_texture, defined_texture, replaced_texture
+from pipeline.multisample import SAMPLE_POSITIONS, Samples, shifted
 from pipeline.primitives import WindowPrimitives
 from pipeline.profile import Profile
 from pipeline.profiles import GEFORCE_256
@@ -191,6 +192,9 @@ class Machine:
     engine : str or None
         None: each Draw by the fastest kernels that cover it. "portable": every Draw by those that cover all.
         The bits are the same.
+    samples : int or None
+        How many samples a pixel of the window has, one of ``profile.samples``; None: the profile's first.
+        pbuffers have one.
     """
 
     profile: Profile
@@ -203,6 +207,7 @@ class Machine:
     surfaces: dict[str, Framebuffer] = field(default_factory=dict)
     engine: str | None = None
     statistics: PixelStatistics = field(default_factory=PixelStatistics)
+    samples: int | None = None
 
     def __post_init__(self):
         if self.profile.exact:
@@ -222,11 +227,14 @@ class Machine:
             )
         if self.depth_bits is None:
             self.depth_bits = self.profile.widest_depth
-        validate((), self.profile, self.width, self.height, self.depth_bits)
+        if self.samples is None:
+            self.samples = self.profile.samples[0]
+        validate((), self.profile, self.width, self.height, self.depth_bits, samples=self.samples)
         self.framebuffer = Framebuffer.new(self.width, self.height, self.depth_bits)
         bands = -(-self.height // BAND_HEIGHT)
         self._queue = _Queue(min(self.threads or default_threads(), bands), self.batch)
         self._current = self.framebuffer
+        self._samples = Samples(self.framebuffer, self.samples) if self.samples > 1 else None
         self._running = threading.Lock()
 
     def run(self, commands, *, trace=False, record=False):
@@ -236,6 +244,11 @@ class Machine:
         Raises ``pipeline.validate.UnsupportedState`` or ValueError, before anything is drawn.
         """
         commands = tuple(commands)
+        if record and self._samples:
+            raise ValueError(
+                f"Fragments are recorded of one sample, and this machine has {self.samples} in each pixel; "
+                "give samples=1."
+            )
         with self._running:
             return self._run(commands, trace, record)
 
@@ -253,39 +266,41 @@ class Machine:
         self._current = self.framebuffer
         # The engine that records draws alone, Clears as well: the other is then neither compiled nor read.
         engine = "portable" if record else self.engine
-        queue, repeated = self._queue, _Repeated(commands)
+        queue, repeated = self._queue, _Repeated(commands, self.samples)
         pixels, snapshots, records = {}, [], []
         queue.fragments = dropped = 0
         try:
             for command in commands:
                 kind = type(command)
                 if kind is Draw:
-                    target = self._current.buffer(command.state.draw_buffer)
-                    draw = repeated.get(command, self._current, self.textures)
-                    if draw is None:
-                        draw = self._prepared(command)
-                        repeated.keep(command, self._current, draw)
+                    for surface, position in self._targets(command.state.draw_buffer):
+                        target = surface.buffer(command.state.draw_buffer)
+                        draw = repeated.get(command, surface, self.textures)
+                        if draw is None:
+                            draw = self._prepared(command, position)
+                            repeated.keep(command, surface, draw)
+                        if record:
+                            queue.flush()
+                            records.append(_recorded(draw, target, self.batch))
+                            queue.fragments += len(records[-1].x)
+                        else:
+                            queue.draw(draw, target, engine)
                     dropped += draw.dropped
-                    if record:
-                        queue.flush()
-                        records.append(_recorded(draw, target, self.batch))
-                        queue.fragments += len(records[-1].x)
-                    else:
-                        queue.draw(draw, target, engine)
                 elif kind is Clear:
-                    target = self._current.buffer(command.draw_buffer)
-                    queue.clear(command, target, engine)
+                    for surface, _ in self._targets(command.draw_buffer):
+                        queue.clear(command, surface.buffer(command.draw_buffer), engine)
                     if command.accumulation is not None:
                         clear_accumulation(self._current, command, self.profile)
                 else:
-                    queue.flush()
+                    self._flush()
                     self._transfer(command, pixels)
-                    target = self._current.buffer(getattr(command, "draw_buffer", ColorBuffer.BACK))
                 if trace:
-                    queue.flush()
-                    snapshots.append(snapshot(command, target))
+                    self._flush()
+                    written = getattr(command, "state", command)
+                    shown = self._current.buffer(getattr(written, "draw_buffer", ColorBuffer.BACK))
+                    snapshots.append(snapshot(command, shown))
         finally:  # what was reached before an error is drawn
-            queue.flush()
+            self._flush()
         return Result(
             self.framebuffer,
             dict(self.surfaces),
@@ -298,6 +313,19 @@ class Machine:
             dict(self.statistics.histograms),
             dict(self.statistics.minmaxes),
         )
+
+    def _targets(self, draw_buffer):
+        """The framebuffers that a command writes to, each with its place in a pixel."""
+        if self._samples is None or self._current is not self.framebuffer:
+            return ((self._current, SAMPLE_POSITIONS[1][0]),)
+        self._samples.write(draw_buffer)
+        return self._samples.targets
+
+    def _flush(self):
+        """Everything is drawn, and the window's colours are its samples' means."""
+        self._queue.flush()
+        if self._samples is not None:
+            self._samples.resolve()
 
     def _transfer(self, command, pixels):
         """What is neither Clear nor Draw; nothing waits in the queue."""
@@ -322,6 +350,10 @@ class Machine:
                 self.statistics.reset_histogram(command.name)
             case ResetMinmax():
                 self.statistics.reset_minmax(command.name)
+            case Accum(operation=AccumOperation.RETURN) if self._samples is not None:
+                self._samples.share_accumulation()
+                for surface, _ in self._targets(command.draw_buffer):
+                    accumulate(surface, command, self.profile)
             case Accum():
                 accumulate(self._current, command, self.profile)
             case MakeCurrent():
@@ -344,9 +376,10 @@ class Machine:
             )
         return self.surfaces[command.surface]
 
-    def _prepared(self, command):
+    def _prepared(self, command, position):
         state, target = command.state, self._current
         primitives = vertex.process(command.mesh, state, self.profile, target.width, target.height)
+        primitives = shifted(primitives, position, self.profile.subpixel_bits)
         packed = pack.pack(state, self.profile, target, self.textures, primitives)
         return _prepare(target, primitives, packed, self.textures)
 
@@ -469,8 +502,8 @@ def _stacked(levels):
 class _Repeated:
     """Draws that the same run draws again: they are prepared once for as long as their textures stay."""
 
-    def __init__(self, commands):
-        self._left = Counter([id(command) for command in commands if type(command) is Draw])
+    def __init__(self, commands, samples):
+        self._left = Counter([id(command) for command in commands if type(command) is Draw] * samples)
         self._kept, self._size = {}, 0
 
     def get(self, command, surface, textures):
@@ -619,6 +652,7 @@ def execute(
     trace=False,
     record=False,
     engine=None,
+    samples=None,
 ):
     """Run ``commands`` on a new machine. Returns a Result; see ``Machine`` for the parameters.
 
@@ -626,7 +660,7 @@ def execute(
     machine could mean, each before anything is drawn.
     """
     batch = BATCH if batch is None else batch
-    machine = Machine(profile, width, height, depth_bits, threads, batch, engine=engine)
+    machine = Machine(profile, width, height, depth_bits, threads, batch, engine=engine, samples=samples)
     return machine.run(commands, trace=trace, record=record)
 
 

@@ -1814,8 +1814,28 @@ def _depth_words(depth_bits):
     return f"{int(depth_bits)} bits of depth"
 
 
+def _check_samples(profile, samples):
+    if wrong := _check_int(samples):
+        raise UnsupportedState(f"The framebuffer's samples {wrong.predicate}.")
+    if samples not in profile.samples:
+        allowed = " or ".join(map(str, profile.samples))
+        raise UnsupportedState(
+            f"The framebuffer has {_count(samples, 'sample')} in each pixel; {profile.name} has {allowed}. "
+            "Give one of these, or draw the scene several times, shifted, and accumulate."
+        )
+
+
 def validate(
-    commands, profile, width, height, depth_bits=None, textures=None, surfaces=None, statistics=None
+    commands,
+    profile,
+    width,
+    height,
+    depth_bits=None,
+    textures=None,
+    surfaces=None,
+    statistics=None,
+    *,
+    samples=1,
 ):
     """Refuse what the machine could not execute; return None if it can execute everything.
 
@@ -1826,6 +1846,7 @@ def validate(
     textures       {name: Texture} that the machine holds already, or None
     surfaces       {name: Framebuffer}, its pbuffers, or None
     statistics     its PixelStatistics, or None
+    samples        of each of the framebuffer's pixels
 
     Raises UnsupportedState (a ValueError) whose message names the command, what was given, what the machine
     allows, and what to do. Meshes and textures are looked at once in their life; so are states, as long as
@@ -1833,6 +1854,7 @@ def validate(
     """
     depth_bits = profile.widest_depth if depth_bits is None else depth_bits
     _check_framebuffer(profile, width, height, depth_bits)
+    _check_samples(profile, samples)
     if type(commands) in _HANDLERS:
         raise UnsupportedState(
             f"A frame is a tuple of commands; this is one {type(commands).__name__}. Write (command,)."
