@@ -236,7 +236,7 @@ def defined_texture(command, profile, statistics):
     image, target = command.pixels, command.target
     if command.internal_format in DEPTH_TEXELS:
         depths = transfer_depths(image_groups(image), command.transfer)
-        return _depth_texture(target, command.internal_format, depths)
+        return depth_texture(target, command.internal_format, depths)
     layered = target in (TextureTarget.TEXTURE_CUBE_MAP, TextureTarget.TEXTURE_3D)
     dimensions = {TextureTarget.TEXTURE_1D: 1, TextureTarget.TEXTURE_3D: 3}.get(target, 2)
     images = []
@@ -248,12 +248,13 @@ def defined_texture(command, profile, statistics):
     return build_texture(target, np.stack(images), command.internal_format, command.generate_mipmap)
 
 
-def _depth_texture(target, internal_format, depths):
-    """A depth texture of depths in [0, 1], float64 [h, w]."""
+def depth_texture(target, internal_format, depths):
+    """A depth texture of depths in [0, 1], float64 [h, w]; each is its ``ideal`` texel's four components."""
     most, _ = DEPTH_TEXELS[internal_format]
     texels = depth_texels(fixed(depths, most.bit_length()))
     texels.setflags(write=False)
-    return Texture(target, internal_format, (texels[None],))
+    ideal = np.broadcast_to(depths[None, ..., None], (1, *texels.shape))
+    return Texture(target, internal_format, (texels[None],), (ideal,))
 
 
 def _copied_texels(framebuffer, command, box, internal_format, dimensions, profile, statistics):
@@ -261,7 +262,7 @@ def _copied_texels(framebuffer, command, box, internal_format, dimensions, profi
     transfer = command.transfer
     if internal_format in DEPTH_TEXELS:
         depths = transfer_depths(framebuffer.depths(*box), transfer)
-        return _depth_texture(None, internal_format, depths).levels[0][0]
+        return depth_texture(None, internal_format, depths).levels[0][0]
     if framebuffer.color_bits == 8 and changes_nothing(transfer):
         return store_texels(framebuffer.rectangle(*box), internal_format)
     groups = transfer_colors(framebuffer.groups(*box), transfer, profile, statistics, dimensions)

@@ -9,7 +9,16 @@ from functools import cached_property
 
 import numpy as np
 
-from pipeline.commands import Clear, CopyTexImage, CopyTexSubImage, Draw, ReadPixels, TexImage
+from pipeline.commands import (
+    Clear,
+    CopyTexImage,
+    CopyTexSubImage,
+    Draw,
+    ReadPixels,
+    ResetHistogram,
+    ResetMinmax,
+    TexImage,
+)
 from pipeline.enums import (
     BlendEquation,
     BlendFactor,
@@ -28,11 +37,21 @@ from pipeline.enums import (
     WrapMode,
 )
 from pipeline.execute import default_threads, rasterize
+from pipeline.framebuffer import defined_texture, depth_texture
 from pipeline.pack import has_color_sum
 from pipeline.profiles import IDEAL
 from pipeline.texture_environment import environment_program
-from pipeline.textures import Texture, pyramid, texture_2d
+from pipeline.textures import DEPTH_TEXELS, Texture, pyramid, texture_2d
 from pipeline.threads import Threads
+from pipeline.transfer import (
+    HistogramTable,
+    MinmaxTable,
+    PixelStatistics,
+    changes_nothing,
+    transfer_colors,
+    transfer_depths,
+    transfer_stencil,
+)
 from pipeline.validate import validate
 from pipeline.vertex import process
 
@@ -82,6 +101,7 @@ class IdealResult:
     stencil   uint8 [h, w]
     textures  name to Texture, every one with its ``ideal`` levels
     pixels    name to array, of ReadPixels, bottom row first: colours, depths float64; stencil uint8
+    histograms, minmaxes  as a Result's
     """
 
     color: np.ndarray
@@ -89,6 +109,8 @@ class IdealResult:
     stencil: np.ndarray
     textures: dict[str, Texture]
     pixels: dict[str, np.ndarray]
+    histograms: dict[str, HistogramTable]
+    minmaxes: dict[str, MinmaxTable]
 
     def image(self):
         """uint8 [h, w, 4]: the colours clamped to [0, 1] and rounded to the nearest byte."""
@@ -882,14 +904,40 @@ def _with_ideal(texture):
     return replace(texture, ideal=tuple(level / 255.0 for level in texture.levels))
 
 
-def _copy_into(command, texture, region):
-    """A texture with one rectangle of one level replaced by framebuffer colours."""
-    patch = texture_2d(region, texture.internal_format)
+def _defined(command, buffers, textures, statistics):
+    """The texture that a TexImage of pixels or a copy makes; None where a sink took the image."""
+    if isinstance(command, TexImage):
+        return defined_texture(command, IDEAL, statistics)
+    sub_image = isinstance(command, CopyTexSubImage)
+    known = textures[command.texture] if sub_image else command
+    target, internal_format, box = known.target, known.internal_format, buffers.box_of(command)
+    if internal_format in DEPTH_TEXELS:
+        depths = transfer_depths(buffers.rows(buffers.depth, *box), command.transfer)
+        copied = depth_texture(target, internal_format, depths)
+    else:
+        dimensions = 1 if target is TextureTarget.TEXTURE_1D else 2
+        region = _transferred(buffers.rows(buffers.color, *box), command, statistics, dimensions)
+        if region is None:
+            return None
+        mipmaps = command.generate_mipmap and not sub_image
+        copied = texture_2d(region, internal_format, mipmaps=mipmaps)
+    return _patched(command, known, copied) if sub_image else replace(copied, target=target)
+
+
+def _transferred(region, command, statistics, dimensions=2):
+    """Colours through a command's pixel transfer; None where a sink took them."""
+    if changes_nothing(command.transfer):
+        return region
+    return transfer_colors(region, command.transfer, IDEAL, statistics, dimensions)
+
+
+def _patched(command, texture, patch):
+    """A texture with one rectangle of one level replaced by another's only level."""
     levels, ideal = list(texture.levels), list(texture.ideal)
     for images, new in ((levels, patch.levels[0]), (ideal, patch.ideal[0])):
         image = images[command.level].copy()
-        rows = slice(command.y_offset, command.y_offset + command.height)
-        image[command.face, rows, command.x_offset : command.x_offset + command.width] = new[0]
+        rows = slice(command.y_offset, command.y_offset + new.shape[1])
+        image[command.face, rows, command.x_offset : command.x_offset + new.shape[2]] = new[0]
         image.setflags(write=False)
         images[command.level] = image
         if command.generate_mipmap:
@@ -897,15 +945,20 @@ def _copy_into(command, texture, region):
     return replace(texture, levels=tuple(levels), ideal=tuple(ideal))
 
 
-def _read_pixels(command, buffers, guide):
-    box = buffers.box_of(command)
+def _read_pixels(command, buffers, guide, statistics):
+    box, transfer = buffers.box_of(command), command.transfer
     if command.format == "STENCIL_INDEX":
-        return guide.pixels[command.name] if guide else buffers.rows(buffers.stencil, *box).copy()
+        if guide:
+            return guide.pixels[command.name]
+        indices = transfer_stencil(buffers.rows(buffers.stencil, *box).astype(np.int64), transfer)
+        return (indices & 0xFF).astype(np.uint8)
     if command.format == "DEPTH_COMPONENT":
         if guide:
             return guide.pixels[command.name] / (2.0**guide.framebuffer.depth_bits - 1.0)
-        return buffers.rows(buffers.depth, *box).copy()
-    color = buffers.rows(buffers.color, *box)
+        return transfer_depths(buffers.rows(buffers.depth, *box), transfer)
+    color = _transferred(buffers.rows(buffers.color, *box), command, statistics)
+    if color is None:
+        return None
     luminance = color[..., :3].sum(axis=-1)
     if command.format == "LUMINANCE":
         return luminance
@@ -948,7 +1001,7 @@ def execute_ideal(commands, width, height, *, guide=None, depth_bits=None, threa
     validate(commands, IDEAL, width, height, depth_bits=depth_bits)
     if guide is not None:
         _check_guide(guide, commands, width, height)
-    buffers, textures, pixels = _Buffers(width, height), {}, {}
+    buffers, textures, pixels, statistics = _Buffers(width, height), {}, {}, PixelStatistics()
     records = iter(()) if guide is None else iter(guide.records)
     threads = Threads(threads or default_threads())
     for command in commands:
@@ -956,19 +1009,24 @@ def execute_ideal(commands, width, height, *, guide=None, depth_bits=None, threa
             _clear(command, buffers)
         elif isinstance(command, Draw):
             _draw(command, buffers, textures, width, height, depth_bits, next(records, None), threads)
-        elif isinstance(command, TexImage):
+        elif isinstance(command, TexImage) and command.pixels is None:
             textures[command.texture] = _with_ideal(command.image)
-        elif isinstance(command, CopyTexImage):
-            region = buffers.rows(buffers.color, *buffers.box_of(command))
-            copied = texture_2d(region, command.internal_format, mipmaps=command.generate_mipmap)
-            textures[command.texture] = replace(copied, target=command.target)
-        elif isinstance(command, CopyTexSubImage):
-            region = buffers.rows(buffers.color, command.x, command.y, command.width, command.height)
-            textures[command.texture] = _copy_into(command, textures[command.texture], region)
+        elif isinstance(command, TexImage | CopyTexImage | CopyTexSubImage):
+            defined = _defined(command, buffers, textures, statistics)
+            if defined is not None:
+                textures[command.texture] = defined
         elif isinstance(command, ReadPixels):
-            pixels[command.name] = _read_pixels(command, buffers, guide)
+            read = _read_pixels(command, buffers, guide, statistics)
+            if read is not None:
+                pixels[command.name] = read
+        elif isinstance(command, ResetHistogram):
+            statistics.reset_histogram(command.name)
+        elif isinstance(command, ResetMinmax):
+            statistics.reset_minmax(command.name)
     depth, stencil = buffers.depth, buffers.stencil
     if guide is not None:
         depth = guide.framebuffer.depth / (2.0**guide.framebuffer.depth_bits - 1.0)
         stencil = guide.framebuffer.stencil.copy()
-    return IdealResult(buffers.color, depth, stencil, textures, pixels)
+    return IdealResult(
+        buffers.color, depth, stencil, textures, pixels, statistics.histograms, statistics.minmaxes
+    )
