@@ -18,6 +18,8 @@ from pipeline.commands import (
     Draw,
     MakeCurrent,
     ReadPixels,
+    ResetHistogram,
+    ResetMinmax,
     TexImage,
 )
 from pipeline.enums import (
@@ -26,6 +28,7 @@ from pipeline.enums import (
     CombinerBias,
     CombinerScale,
     ComponentUsage,
+    ConvolutionBorderMode,
     CullMode,
     DepthFormat,
     DotProductMapping,
@@ -33,13 +36,24 @@ from pipeline.enums import (
     MuxSelect,
     Register,
     TextureShaderOperation,
+    TextureTarget,
     WindowOrigin,
+)
+from pipeline.pixel_transfer import (
+    INITIAL_TRANSFER,
+    ConvolutionFilter,
+    Histogram,
+    Minmax,
+    PixelMaps,
+    PixelTransfer,
+    SeparableFilter,
 )
 from pipeline.state import (
     AlphaTest,
     Blending,
     ColorMask,
     ColorMaterial,
+    ColorTable,
     DepthTest,
     Fog,
     Light,
@@ -128,6 +142,36 @@ _WORDS = {
     (PassState, "logic_op"): "COLOR_LOGIC_OP",
     (DepthTest, "write"): "depth writes",
     (Fog, "coordinate_source"): "FOG_COORDINATE_SOURCE",
+    (PixelTransfer, "map_color"): "MAP_COLOR",
+    (PixelTransfer, "map_stencil"): "MAP_STENCIL",
+    (PixelTransfer, "index_shift"): "INDEX_SHIFT",
+    (PixelTransfer, "index_offset"): "INDEX_OFFSET",
+    (PixelTransfer, "depth_scale"): "DEPTH_SCALE",
+    (PixelTransfer, "depth_bias"): "DEPTH_BIAS",
+    (PixelTransfer, "maps"): "PIXEL_MAP",
+    (PixelTransfer, "color_table"): "COLOR_TABLE",
+    (PixelTransfer, "convolution_1d"): "CONVOLUTION_1D",
+    (PixelTransfer, "convolution_2d"): "CONVOLUTION_2D",
+    (PixelTransfer, "separable_2d"): "SEPARABLE_2D",
+    (PixelTransfer, "post_convolution_scale"): "POST_CONVOLUTION scale",
+    (PixelTransfer, "post_convolution_bias"): "POST_CONVOLUTION bias",
+    (PixelTransfer, "post_convolution_color_table"): "POST_CONVOLUTION_COLOR_TABLE",
+    (PixelTransfer, "color_matrix"): "COLOR matrix",
+    (PixelTransfer, "post_color_matrix_scale"): "POST_COLOR_MATRIX scale",
+    (PixelTransfer, "post_color_matrix_bias"): "POST_COLOR_MATRIX bias",
+    (PixelTransfer, "post_color_matrix_color_table"): "POST_COLOR_MATRIX_COLOR_TABLE",
+    (PixelTransfer, "histogram"): "HISTOGRAM enabled",
+    (PixelTransfer, "minmax"): "MINMAX enabled",
+    (PixelMaps, "i_to_r"): "I_TO_R",
+    (PixelMaps, "i_to_g"): "I_TO_G",
+    (PixelMaps, "i_to_b"): "I_TO_B",
+    (PixelMaps, "i_to_a"): "I_TO_A",
+    (PixelMaps, "r_to_r"): "R_TO_R",
+    (PixelMaps, "g_to_g"): "G_TO_G",
+    (PixelMaps, "b_to_b"): "B_TO_B",
+    (PixelMaps, "a_to_a"): "A_TO_A",
+    (PixelMaps, "s_to_s"): "S_TO_S",
+    (TextureUnit, "color_table"): "TEXTURE_COLOR_TABLE",
 }
 
 # Fields that say what an enabled test or operation does, shown even at their initial value.
@@ -140,6 +184,8 @@ _ALWAYS = {
     ColorMaterial: ("face", "parameter"),
     Light: ("position",),
     TexGen: ("mode",),
+    Histogram: ("name", "width", "base_format"),
+    Minmax: ("name", "base_format"),
 }
 
 
@@ -193,6 +239,10 @@ def _differences(value, initial=None):
             parts += _numbered(word, given)
         elif field.name == "clip_planes":
             parts += [f"{word}{i} {_value(plane)}" for i, plane in enumerate(given)]
+        elif isinstance(given, ColorTable):
+            parts.append(_table_line(word, given))
+        elif isinstance(given, ConvolutionFilter | SeparableFilter):
+            parts += _filter_lines(word, given)
         elif is_dataclass(given):
             parts += _titled(word, _differences(given, usual if is_dataclass(usual) else None))
         elif given is None:
@@ -497,8 +547,43 @@ def _draw(command):
     return [_mesh(command.mesh), *([first] if first else []), *rest]
 
 
+def _pixel_transfer(transfer):
+    """Lines for a pixel transfer that is not the initial one."""
+    if transfer == INITIAL_TRANSFER:
+        return []
+    return _titled("pixel transfer", _differences(transfer))
+
+
+def _table_line(word, table):
+    """A colour table: all of a short one's entries, a longer one's ends."""
+    bits = "" if table.bits is None else f" of {_count(table.bits, 'bit', 'bits')}"
+    entries = table.entries
+    shown = _value(entries) if len(entries) <= 4 else f"{_value(entries[0])} to {_value(entries[-1])}"
+    return f"{word} enabled: {len(entries)} {table.base_format.name} entries{bits}, {shown}"
+
+
+def _filter_lines(word, kernel):
+    """A convolution filter: how it treats borders, then its rows from the bottom, or its row and column."""
+    if isinstance(kernel, ConvolutionFilter):
+        lines = [(f"row {j}", row) for j, row in enumerate(kernel.rows)]
+    else:
+        lines = [("row", kernel.row), ("column", kernel.column)]
+    border = kernel.border_mode.name
+    if kernel.border_mode is ConvolutionBorderMode.CONSTANT_BORDER:
+        border += f" {_value(kernel.border_color)}"
+    title = f"{word} enabled: {kernel.base_format.name}, {border}"
+    return [title, *(f"  {name} {_value(weights)}" for name, weights in lines)]
+
+
 def _tex_image(command):
     image = command.image
+    if image is None:
+        *layers, height, width = command.pixels.values.shape[: 3 if command.target in _LAYERED else 2]
+        size = "x".join(map(str, (width, height, *layers)))
+        source = f"from {size} pixels, {command.pixels.format} {command.pixels.values.dtype}"
+        stored = f"{command.target.name}, {command.internal_format.name}"
+        first = f'texture "{command.texture}": {stored}, {source}{_generated(command)}'
+        return [first, *_pixel_transfer(command.transfer)]
     levels = _count(len(image.levels), "level", "levels")
     size = f"{image.width}x{image.height}"
     return [
@@ -521,7 +606,8 @@ def _place(command):
 
 def _copy_tex_image(command):
     stored = f"{command.target.name}, {command.internal_format.name}"
-    return [f'texture "{command.texture}": {stored}, from {_rectangle(command)}{_generated(command)}']
+    first = f'texture "{command.texture}": {stored}, from {_rectangle(command)}{_generated(command)}'
+    return [first, *_pixel_transfer(command.transfer)]
 
 
 def _generated(command):
@@ -534,11 +620,22 @@ def _copy_tex_sub_image(command):
         place += f" of level {command.level}"
     if command.face:
         place += f" of face {command.face}"
-    return [f'texture "{command.texture}" at {place}: from {_rectangle(command)}{_generated(command)}']
+    first = f'texture "{command.texture}" at {place}: from {_rectangle(command)}{_generated(command)}'
+    return [first, *_pixel_transfer(command.transfer)]
 
 
 def _read_pixels(command):
-    return [f'"{command.name}": {command.format} of {_rectangle(command)}']
+    as_type = "" if command.type == "UNSIGNED_BYTE" else f" as {command.type}"
+    first = f'"{command.name}": {command.format}{as_type} of {_rectangle(command)}'
+    return [first, *_pixel_transfer(command.transfer)]
+
+
+def _reset_histogram(command):
+    return [f'histogram "{command.name}" becomes empty']
+
+
+def _reset_minmax(command):
+    return [f'minmax "{command.name}" forgets what it saw']
 
 
 def _accum(command):
@@ -586,7 +683,10 @@ _DESCRIPTIONS = {
     Accum: _accum,
     MakeCurrent: _make_current,
     BindTexImage: _bind_tex_image,
+    ResetHistogram: _reset_histogram,
+    ResetMinmax: _reset_minmax,
 }
+_LAYERED = (TextureTarget.TEXTURE_CUBE_MAP, TextureTarget.TEXTURE_3D)
 
 
 def describe_program(texture_shader, combiners):
