@@ -53,8 +53,9 @@ def split(primitive, counts, provoking):
 
 
 def split_lines(primitive, counts, provoking):
-    """Rows of LINES, LINE_STRIP or LINE_LOOP, or of POINTS, as ``split`` gives triangles: a line's second
-    vertex, then its first, twice; a point's vertex. A line's last vertex provokes, or its first.
+    """Rows of LINES, LINE_STRIP or LINE_LOOP, or of POINTS, and the run of each, as ``split`` gives
+    triangles: a line's second vertex, then its first, twice; a point's vertex. A line's last vertex provokes,
+    or its first.
     """
     counts = np.asarray(counts, dtype=np.int64)
     lines_in = {
@@ -72,7 +73,8 @@ def split_lines(primitive, counts, provoking):
         first, second = start + 2 * i, start + 2 * i + 1
     else:
         first, second = start + i, start + (i + 1) % counts[run]
-    return np.stack([second, first, first, first if provoking == ProvokingVertex.FIRST else second], axis=1)
+    rows = [second, first, first, first if provoking == ProvokingVertex.FIRST else second]
+    return np.stack(rows, axis=1), run
 
 
 def boundary_edges(mesh):
@@ -98,6 +100,20 @@ def boundary_edges(mesh):
     return edges.astype(np.uint8)
 
 
+def stipple_groups(mesh):
+    """int64 [k]: a number for each row that ``assemble`` gives; rows of one number share a line stipple
+    counter: the lines of a strip or a loop, the edges of a polygon (sections 3.4.2 and 3.5.4).
+    """
+    stream = len(mesh.positions) if mesh.indices is None else len(mesh.indices)
+    counts = np.array([stream] if mesh.counts is None else mesh.counts)
+    splits = split_lines if mesh.primitive >= PrimitiveType.POINTS else split
+    rows, run = splits(mesh.primitive, counts, ProvokingVertex.LAST)
+    if mesh.primitive in (PrimitiveType.LINE_STRIP, PrimitiveType.LINE_LOOP, PrimitiveType.POLYGON):
+        return run
+    both = mesh.primitive in (PrimitiveType.QUADS, PrimitiveType.QUAD_STRIP)
+    return np.arange(len(rows)) // (2 if both else 1)
+
+
 def assemble(mesh, provoking):
     """Triangles of a mesh, or rows of its lines or points, as int32 [k, 4]: three vertex numbers and the
     provoking vertex's.
@@ -105,7 +121,7 @@ def assemble(mesh, provoking):
     stream = len(mesh.positions) if mesh.indices is None else len(mesh.indices)
     counts = [stream] if mesh.counts is None else mesh.counts
     if mesh.primitive >= PrimitiveType.POINTS:
-        triangles = split_lines(mesh.primitive, counts, provoking)
+        triangles, _ = split_lines(mesh.primitive, counts, provoking)
     else:
         triangles, _ = split(mesh.primitive, counts, provoking)
     if mesh.indices is not None:

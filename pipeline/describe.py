@@ -102,6 +102,7 @@ _WORDS = {
     (PolygonState, "back_mode"): "back POLYGON_MODE",
     (PolygonState, "offset_line"): "POLYGON_OFFSET_LINE",
     (PolygonState, "offset_point"): "POLYGON_OFFSET_POINT",
+    (LineState, "stipple"): "LINE_STIPPLE",
     (PolygonState, "stipple"): "POLYGON_STIPPLE",
     (PointState, "size"): "POINT_SIZE",
     (PointState, "sprite"): "POINT_SPRITE",

@@ -49,6 +49,7 @@ from pipeline.state import (
     RegisterCombiners,
     TextureShaderStage,
 )
+from pipeline.strokes import whole_size
 from pipeline.texture_environment import environment_program
 from pipeline.textures import BASE_FORMAT, DEPTH_TEXELS, KEPT, register_components
 from raster import rows as R
@@ -581,6 +582,15 @@ def eighths(size):
     return int(8.0 * size)
 
 
+def _pack_lines(line, profile, draw):
+    draw[R.LINE_STEPS] = line.rasterization == LineRasterization.STEPS
+    draw[R.LINE_WIDTH] = eighths(line.width)
+    if profile.diamond_exit_lines:
+        draw[R.LINE_STEPS], draw[R.LINE_WIDTH] = 2, 8 * whole_size(line.width)
+    if line.stipple is not None:
+        draw[R.LINE_FACTOR], draw[R.LINE_PATTERN] = line.stipple
+
+
 def _pack_holes(state, framebuffer, draw):
     """What stipple and window clip leave, in device pixels."""
     height = framebuffer.height
@@ -679,8 +689,7 @@ class _StateRows:
         self.draw_float = np.zeros(R.DRAW_FLOAT_SIZE, np.float64)
         draw[R.X0], draw[R.Y0], draw[R.X1], draw[R.Y1] = scissor_box(state, framebuffer)
         self.back_sign = _pack_facing(state, draw)
-        draw[R.LINE_WIDTH] = eighths(state.line.width)
-        draw[R.LINE_STEPS] = state.line.rasterization == LineRasterization.STEPS
+        _pack_lines(state.line, profile, draw)
         _pack_holes(state, framebuffer, draw)
         _pack_tests(state, framebuffer, draw, self.draw_float)
         factors = _pack_writing(state, framebuffer, draw)

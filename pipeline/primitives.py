@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from raster.rows import STROKE_SIZE
 from raster.vertices import W_LARGEST, W_SMALLEST
 
 _FARTHEST = 2**30
@@ -13,7 +14,7 @@ _FEW = 64  # vertices
 
 def no_strokes():
     """The ``strokes`` of primitives that are all triangles."""
-    return np.zeros((0, 5), np.int32)
+    return np.zeros((0, STROKE_SIZE), np.int32)
 
 
 def is_constant(colors):
@@ -38,11 +39,12 @@ class WindowPrimitives:
     triangles      int32 [k, 4]: three vertices in the order of docs/numbers.md and the provoking vertex
     dropped        primitives dropped because a position was not finite after projection, or w was 0
     two_side       whether back-facing triangles take the back colour
-    strokes        int32 [k, 5], or [0, 5] where all are triangles: what each row of ``triangles`` is
+    strokes        int32 [k, 8], or [0, 8] where all are triangles: what each row of ``triangles`` is
                    (raster.rows: TRIANGLE, LINE or POINT), whether it takes the back colour, and the three
-                   vertices of the polygon that it came from, -1 if none. A line's row is its second vertex,
-                   then its first, twice. A point's row is three corners of its square: lower left, lower
-                   right, upper right.
+                   vertices of the polygon that it came from, -1 if none; of a line the first pixel along its
+                   longer axis, the one behind the last, and the line stipple's counter at the first. A line's
+                   row is its second vertex, then its first, twice. A point's row is three corners of its
+                   square: lower left, lower right, upper right.
 
     Arrays may belong to several primitives, and to what is kept of a mesh: read them only.
     """

@@ -77,6 +77,7 @@ from pipeline.state import (
     TextureUnit,
     VertexState,
 )
+from pipeline.strokes import line_problem
 from pipeline.texture_environment import environment_problem, texture_format
 from pipeline.textures import COMPONENT_BITS, DEPTH_TEXELS, Texture
 from pipeline.transfer import (
@@ -1676,6 +1677,8 @@ class _Walk:
         ):
             if not 0 <= size <= most:
                 self.refuse(f"{what} is {size}; {profile.name} draws sizes from 0 to {most} pixels.")
+        if problem := line_problem(state.line, profile):
+            self.refuse(problem)
         if point.parameters is not None and not profile.point_parameters:
             self.refuse(f"{profile.name} has no point parameters; give the points one size.")
         if point.parameters is not None and min(point.parameters.attenuation) < 0:

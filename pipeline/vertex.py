@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline import lighting_unit
-from pipeline.assembly import assemble, boundary_edges
+from pipeline.assembly import assemble, boundary_edges, stipple_groups
 from pipeline.clip import clip, clip_lines, clip_planes
 from pipeline.columns import (
     ONE,
@@ -40,7 +40,15 @@ from pipeline.enums import (
 from pipeline.fog import vertex_value
 from pipeline.lighting import light_vertices
 from pipeline.primitives import WindowPrimitives, is_constant
-from pipeline.strokes import draws_points, outlined, point_sizes, sprite_units, with_squares, with_strokes
+from pipeline.strokes import (
+    draws_points,
+    outlined,
+    point_sizes,
+    sprite_units,
+    with_squares,
+    with_steps,
+    with_strokes,
+)
 from pipeline.vertex_plan import mesh_columns, plan_of
 from raster.clip import MOST_VERTICES, clip_triangles, find_clipped
 from raster.rows import LINE, POINT
@@ -231,7 +239,7 @@ def process_columns(mesh, state, profile, width, height):
     """``process`` for any mesh and state, column by column."""
     triangles = assemble(mesh, state.polygon.provoking_vertex)
     primitives, origin, triangles, sizes = _process(mesh, triangles, state, profile, width, height)
-    return _with_strokes(primitives, mesh, state, triangles, origin, sizes)
+    return _with_strokes(primitives, mesh, state, profile, triangles, origin, sizes)
 
 
 def _process(mesh, triangles, state, profile, width, height):
@@ -339,7 +347,7 @@ def _cylinder_wrapped(primitives, state):
     return replace(primitives, triangles=triangles, **separate)
 
 
-def _with_strokes(primitives, mesh, state, clipped, origin, sizes):
+def _with_strokes(primitives, mesh, state, profile, clipped, origin, sizes):
     """The same primitives with their lines and points made.
 
     clipped int32 [k, 4]: the rows as clipping left them; origin int64 [k]: what it made them of; sizes: of
@@ -348,16 +356,21 @@ def _with_strokes(primitives, mesh, state, clipped, origin, sizes):
     if mesh.primitive == PrimitiveType.POINTS:
         primitives = with_strokes(primitives, POINT)
     elif mesh.primitive > PrimitiveType.POINTS:
-        return with_strokes(primitives, LINE)
+        groups = stipple_groups(mesh)[origin]
+        return with_steps(with_strokes(primitives, LINE), groups, state.line, profile)
     elif (state.polygon.front_mode, state.polygon.back_mode) == (PolygonMode.FILL, PolygonMode.FILL):
         return primitives
     else:
         boundary = _boundary(mesh, clipped, origin)
-        rows, strokes = outlined(primitives.triangles, boundary, primitives.x, primitives.y, state.polygon)
+        rows, strokes, owners = outlined(
+            primitives.triangles, boundary, primitives.x, primitives.y, state.polygon
+        )
         primitives = replace(primitives, triangles=rows, strokes=strokes)
+        groups = stipple_groups(mesh)[origin[owners]]
+        primitives = with_steps(primitives, groups, state.line, profile)
     if not (primitives.strokes[:, 0] == POINT).any():
         return primitives
-    return with_squares(primitives, sizes, sprite_units(state))
+    return with_squares(primitives, sizes, sprite_units(state), profile)
 
 
 def _boundary(mesh, triangles, origin):

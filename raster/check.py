@@ -179,7 +179,12 @@ def usable_draw(draw, draw_float, factors, fog_thresholds, height, width):
 @kernel
 def usable_columns(draw, triangles, strokes, vertices, inverse_w, colors, coordinates):
     """Whether primitives have every column that the draw reads, and strokes name vertices."""
-    if triangles.shape[1] < 4 or strokes.shape[1] < 5 or colors.shape[1] < 2 or colors.shape[2] < 8:
+    if (
+        triangles.shape[1] < 4
+        or strokes.shape[1] < R.STROKE_SIZE
+        or colors.shape[1] < 2
+        or colors.shape[2] < 8
+    ):
         return False
     if coordinates.shape[1] < draw[R.UNITS] or coordinates.shape[2] < 4 or inverse_w.shape[0] < vertices:
         return False

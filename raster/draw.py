@@ -27,17 +27,17 @@ from raster.interpolate import (
 )
 from raster.kernel import kernel, separate_function
 from raster.per_fragment import all_alive, per_fragment
-from raster.strokes import along_line, open_run, stroke_bounds, stroke_margin
+from raster.strokes import along_line, line_run, open_run, stroke_bounds, stroke_margin
 from raster.triangle import polygon_offset, row_span
 from raster.unit import sample_unit, unbound_texture
 
 
 @kernel
-def stroke_span(draw, kind, x0, y0, x1, y1, x2, y2, row, first, last):
+def stroke_span(draw, stroke, x0, y0, x1, y1, x2, y2, row, first, last):
     """The pixels [from, to) of a row, first..last, that a line or a point draws: its bounds are linear."""
     sx, sy = first * 16 + 8, row * 16 + 8
-    b0, b1, b2, b3 = stroke_bounds(draw, kind, x0, y0, x1, y1, x2, y2, sx, sy)
-    c0, c1, c2, c3 = stroke_bounds(draw, kind, x0, y0, x1, y1, x2, y2, sx + 16, sy)
+    b0, b1, b2, b3 = stroke_bounds(draw, stroke, x0, y0, x1, y1, x2, y2, sx, sy)
+    c0, c1, c2, c3 = stroke_bounds(draw, stroke, x0, y0, x1, y1, x2, y2, sx + 16, sy)
     start, end = row_span(b0, b1, b2, c0 - b0, c1 - b1, c2 - b2, first, last)
     other_start, other_end = row_span(b3, b3, b3, c3 - b3, c3 - b3, c3 - b3, first, last)
     start = max(start, other_start)
@@ -277,6 +277,7 @@ def draw_bands(
     needs_depth, needs_color = draw[R.NEEDS_DEPTH], draw[R.NEEDS_COLOR]
     has_strokes, has_offset = draw[R.STROKES], draw[R.POLYGON_OFFSET]
     holes = draw[R.WINDOW_CLIP] != 0 or draw[R.STIPPLE] != 0
+    cut_lines = draw[R.LINE_FACTOR] != 0 or (draw[R.LINE_STEPS] == 2 and draw[R.LINE_WIDTH] > 8)
     recorded = int64(0)
     for band in range(first_band, ends.shape[0], band_step):
         begin = int64(ends[band - 1]) if band > 0 else int64(0)
@@ -355,12 +356,17 @@ def draw_bands(
                         n0 + tie0, n1 + tie1, n2 + tie2, right0, right1, right2, left, right
                     )
                 elif not finished:
-                    start, end = stroke_span(draw, kind, x0, y0, x1, y1, x2, y2, row, left, right)
+                    start, end = stroke_span(draw, strokes[t], x0, y0, x1, y1, x2, y2, row, left, right)
                 while start < end or (finished and position > 0):
                     stop = end
                     if holes and start < end:
                         start, stop = open_run(draw, kind, row, start, end)
-                    if start < end:
+                    column, line, alike = start, row, int64(0)
+                    if cut_lines and kind == R.LINE and start < stop:
+                        start, stop, column, line, alike = line_run(
+                            draw, strokes[t], x0, y0, x1, y1, row, start, stop
+                        )
+                    if start < stop:
                         n = min(stop - start, batch - position)
                         if segments == 0 or owners[segments - 1] != t:
                             owners[segments], starts[segments], backs[segments] = t, int32(position), back
@@ -368,10 +374,13 @@ def draw_bands(
                         run_starts[runs], run_x[runs], run_y[runs] = int32(position), int32(start), int32(row)
                         ints[R.OWNER, runs] = t
                         runs += 1
-                        ahead = start - left
-                        m0, m1 = float64(n0 + ahead * right0), float64(n1 + ahead * right1)
-                        m2 = float64(n2 + ahead * right2)
+                        ahead, below = column - left, line - row
+                        m0 = float64(n0 + ahead * right0 + below * down0)
+                        m1 = float64(n1 + ahead * right1 + below * down1)
+                        m2 = float64(n2 + ahead * right2 + below * down2)
                         s0, s1, s2 = float64(right0), float64(right1), float64(right2)
+                        if alike:
+                            s0 = s1 = s2 = 0.0
                         if needs_weights:
                             emit_weights(e0, e1, e2, position, n, m0, m1, m2, s0, s1, s2, iw0, iw1, iw2)
                         if needs_depth:

@@ -67,19 +67,25 @@ SURFACE_PAD = SURFACE_KEEP + 1  # 32 bits: those that are always one
 SURFACE_ALPHA = SURFACE_PAD + 1  # as a factor: 0 the stored byte, 1 always 255, 2 its lower seven bits
 STROKES = SURFACE_ALPHA + 1  # 1: some primitives are no triangles
 LINE_WIDTH = STROKES + 1  # 1/8 pixel
-LINE_STEPS = LINE_WIDTH + 1  # 1: one pixel for each step along the longer axis
+LINE_STEPS = LINE_WIDTH + 1  # one pixel for each step along the longer axis: 1: NV2A; 2: left diamonds
 OFFSET_LINE = LINE_STEPS + 1  # polygon offset, of polygons drawn as lines and as points
 OFFSET_POINT = OFFSET_LINE + 1
 STIPPLE = OFFSET_POINT + 1
 STIPPLE_WORD = STIPPLE + 1  # 32 words, device row 0 first, the leftmost pixel in the highest bit
-WINDOW_CLIP = STIPPLE_WORD + 32  # 0: none; 1: inside any of the rectangles; 2: outside all
+LINE_FACTOR = STIPPLE_WORD + 32  # line stipple: how often each bit is used; 0: none
+LINE_PATTERN = LINE_FACTOR + 1  # 16 bits, the first in the lowest
+WINDOW_CLIP = LINE_PATTERN + 1  # 0: none; 1: inside any of the rectangles; 2: outside all
 CLIP_RECTANGLES = WINDOW_CLIP + 1
 CLIP_RECTANGLE = CLIP_RECTANGLES + 1  # left, top, right, bottom of each in device pixels, half open
 MAX_CLIP_RECTANGLES = 8
 DRAW_SIZE = CLIP_RECTANGLE + 4 * MAX_CLIP_RECTANGLES
 
-# -------- strokes: int32[primitives, 5], or int32[0, 5]: kind, takes the back colour, three source vertices
+# -------- strokes: int32[primitives, STROKE_SIZE], or none: kind, takes the back colour, three source
+# vertices; of a line in steps the first pixel along its longer axis and the one behind the last, and the line
+# stipple's counter at the first.
 TRIANGLE, LINE, POINT = range(3)
+KIND, BACK, SOURCE = range(3)
+FIRST_STEP, END_STEP, COUNTER, STROKE_SIZE = range(5, 9)
 
 # ---------------------------- blend factors: int32[2, 4 * FACTOR_SIZE]: source, destination; red, green,
 # blue, alpha masks of S, D, As, Ad and the saturate term; a constant byte; xor (255: one minus)

@@ -12,14 +12,83 @@ from raster.kernel import kernel
 
 
 @kernel
-def along_line(draw, x0, y0, x1, y1, sx, sy):
-    """(n0, n2) of a sample of the line from vertex 1 to vertex 0; their sum is the line's length, squared
-    where it is a rectangle.
+def moved(draw, dx, dy, x, y):
+    """Where a wide line's lowest pixels come from: half of what is beside one pixel's width down, or left.
 
-    Measured: Line_width and Edge_flag captures (rectangles), 3D_primitive Lines (steps): every pixel.
+    Source: OpenGL 1.2.1 section 3.4.2.
+    """
+    beside = draw[R.LINE_WIDTH] - 8
+    return (x, y + beside) if abs(dx) >= abs(dy) else (x - beside, y)
+
+
+@kernel
+def lowest_pixel(draw, x0, y0, x1, y1, step):
+    """The row (or column) of the lowest (or leftmost) pixel that a line draws in column (or row) ``step``.
+
+    Source: OpenGL 1.2.1 sections 3.4.1 and 3.4.2: of the diamonds in the column it crosses one, ends apart;
+    what passes between two is moved left, and up as far as nothing, which is not as far.
     """
     dx, dy = x0 - x1, y0 - y1
-    if not draw[R.LINE_STEPS]:
+    x, y = moved(draw, dx, dy, x1, y1)
+    if abs(dx) >= abs(dy):
+        rise, tie = (dy if dx > 0 else -dy), int64(0)
+        if rise < 0:
+            tie = int64(1)
+        return (y * abs(dx) + (step * 16 + 8 - x) * rise - tie) // (16 * max(abs(dx), 1))
+    rise = dx if dy > 0 else -dx
+    return (x * abs(dy) + (step * 16 + 8 - y) * rise - 1) // (16 * abs(dy))
+
+
+@kernel
+def stippled_away(draw, stroke, step):
+    """Whether line stipple leaves out what a line draws at a step of its longer axis.
+
+    Source: OpenGL 1.2.1 section 3.4.2.
+    """
+    if not draw[R.LINE_FACTOR]:
+        return False
+    counter = stroke[R.COUNTER] + abs(step - stroke[R.FIRST_STEP])
+    return ((draw[R.LINE_PATTERN] >> ((counter // draw[R.LINE_FACTOR]) & 15)) & 1) == 0
+
+
+@kernel
+def line_run(draw, stroke, x0, y0, x1, y1, row, first, end):
+    """The first run of pixels of a row, within [first, end), of which stipple leaves all and which take their
+    values alike: (from, to, x, y, 1 where all take those of one sample), (x, y) the pixel whose sample gives
+    the first its values.
+    """
+    dx, dy = x0 - x1, y0 - y1
+    replicates = draw[R.LINE_STEPS] == 2 and draw[R.LINE_WIDTH] > 8
+    if abs(dx) < abs(dy):
+        if stippled_away(draw, stroke, row):
+            return end, end, end, row, int64(0)
+        if replicates:
+            return first, end, lowest_pixel(draw, x0, y0, x1, y1, row), row, int64(1)
+        return first, end, first, row, int64(0)
+    start = first
+    while start < end and stippled_away(draw, stroke, start):
+        start += 1
+    below = lowest_pixel(draw, x0, y0, x1, y1, start) if replicates else row
+    stop = start
+    while stop < end and not stippled_away(draw, stroke, stop):
+        if replicates and lowest_pixel(draw, x0, y0, x1, y1, stop) != below:
+            break
+        stop += 1
+    return start, stop, start, below, int64(0)
+
+
+@kernel
+def along_line(draw, x0, y0, x1, y1, sx, sy):
+    """(n0, n2) of a sample of the line from vertex 1 to vertex 0; their sum is the line's length, but for the
+    NV2A's steps squared.
+
+    Measured: Line_width and Edge_flag captures (rectangles), 3D_primitive Lines (steps): every pixel. Source:
+    OpenGL 1.2.1 equation 3.1 (diamonds).
+    """
+    dx, dy = x0 - x1, y0 - y1
+    if draw[R.LINE_STEPS] != 1:
+        if draw[R.LINE_STEPS] == 2:
+            x1, y1 = moved(draw, dx, dy, x1, y1)
         n0 = (sx - x1) * dx + (sy - y1) * dy
         return n0, dx * dx + dy * dy - n0
     # The pixel's far edge, along the longer axis.
@@ -41,7 +110,7 @@ def owned(nx, ny):
 
 
 @kernel
-def line_bounds(draw, x0, y0, x1, y1, sx, sy):
+def line_bounds(draw, stroke, x0, y0, x1, y1, sx, sy):
     """Four values that are all >= 0 where the line draws the sample: behind its start, before its end, and to
     its two sides.
     """
@@ -50,13 +119,15 @@ def line_bounds(draw, x0, y0, x1, y1, sx, sy):
     width = draw[R.LINE_WIDTH]
     across = 2 * ((sy - y1) * dx - (sx - x1) * dy)
     if draw[R.LINE_STEPS]:
-        start, end, position = (y1 >> 4) * 16, (y0 >> 4) * 16, sy - 8
-        forward = dy > 0
+        start, end = int64(stroke[R.FIRST_STEP]) * 16, int64(stroke[R.END_STEP]) * 16
+        position, forward = sy - 8, dy > 0
         if abs(dx) >= abs(dy):
-            start, end, position = (x1 >> 4) * 16, (x0 >> 4) * 16, sx - 8
-            forward = dx > 0
+            position, forward = sx - 8, dx > 0
         behind = position - start if forward else start - position
         before = end - position - 1 if forward else position - end - 1
+        if draw[R.LINE_STEPS] == 2:
+            low, high = diamond_sides(draw, x0, y0, x1, y1, sx, sy)
+            return behind, before, low, high
         half = width * 2 * longer
     else:
         behind = (sx - x1) * dx + (sy - y1) * dy
@@ -64,6 +135,22 @@ def line_bounds(draw, x0, y0, x1, y1, sx, sy):
         behind += owned(-dx, -dy)
         half = width * (2 * longer + shorter)
     return behind, before, half - across + owned(-dy, dx), half + across + owned(dy, -dx)
+
+
+@kernel
+def diamond_sides(draw, x0, y0, x1, y1, sx, sy):
+    """Two values that are both >= 0 where an endless line draws the sample. Source: ``lowest_pixel``."""
+    dx, dy = x0 - x1, y0 - y1
+    x1, y1 = moved(draw, dx, dy, x1, y1)
+    across = (sy - y1) * dx - (sx - x1) * dy
+    wide = 2 * draw[R.LINE_WIDTH] - 8
+    if abs(dx) >= abs(dy):  # by how much the line passes below the sample, times |dx|
+        below = -across if dx > 0 else across
+        falls = dy <= 0 if dx < 0 else dy >= 0
+        tie = int64(0) if falls else int64(1)
+        return below + 8 * abs(dx) - tie, wide * abs(dx) - below - (1 - tie)
+    right = across if dy > 0 else -across
+    return right + wide * abs(dy) - 1, 8 * abs(dy) - right
 
 
 @kernel
@@ -86,17 +173,18 @@ def point_bounds(x0, y0, x1, y1, x2, y2, sx, sy):
 
 
 @kernel
-def stroke_bounds(draw, kind, x0, y0, x1, y1, x2, y2, sx, sy):
+def stroke_bounds(draw, stroke, x0, y0, x1, y1, x2, y2, sx, sy):
     """``line_bounds`` or ``point_bounds``."""
-    if kind == R.LINE:
-        return line_bounds(draw, x0, y0, x1, y1, sx, sy)
+    if stroke[R.KIND] == R.LINE:
+        return line_bounds(draw, stroke, x0, y0, x1, y1, sx, sy)
     return point_bounds(x0, y0, x1, y1, x2, y2, sx, sy)
 
 
 @kernel
 def stroke_margin(draw, kind):
     """How far, in 1/16 pixel, a stroke's samples may lie outside the box of its row's vertices: 16 times the
-    half width is at most 1.12 times the width in eighths; a step's pixel may begin before the line does.
+    half width is at most 1.12 times the width in eighths; a step's pixel may begin before the line does, and
+    a diamond line's is up to its width and half a pixel away.
     """
     return 2 * draw[R.LINE_WIDTH] + 16 if kind == R.LINE else int64(1)
 

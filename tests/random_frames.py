@@ -227,6 +227,7 @@ class _Maker:
             fog_arithmetic=self.one_of(FogArithmetic),
             device_origin=self.one_of(WindowOrigin),
             color_weights=self.one_of(ColorWeights),
+            diamond_exit_lines=self.chance(0.5),
         )
 
     def size(self):
@@ -828,9 +829,7 @@ class _Maker:
             if profile.max_window_rectangles and self.chance(0.06):
                 boxes = tuple(self.scissor() for _ in range(self.whole(1, 3)))
                 rare["window_clip"] = WindowClip(boxes, self.chance(0.5))
-            rare["line"] = LineState(
-                self.one_of((1.0, 0.0, 3.0, self.uniform(0.0, 6.0))), self.one_of(LineRasterization)
-            )
+            rare["line"] = self.line()
             sprite = bool(profile.point_sprite_units) and self.chance(0.3)
             rare["point"] = PointState(self.one_of((1.0, 2.0, 3.5, self.uniform(0.0, 9.0))), sprite)
         return PassState(
@@ -852,6 +851,12 @@ class _Maker:
         )
 
     # ----------------------------------------------------------------------------------- meshes
+
+    def line(self):
+        width = self.one_of((1.0, 0.0, 3.0, self.uniform(0.0, 6.0)))
+        stipple = self.maybe(0.3, lambda: (self.one_of((1, 2, 5, 256)), self.whole(0, 0xFFFF)))
+        steps = self.profile.diamond_exit_lines or stipple is not None or self.chance(0.5)
+        return LineState(width, LineRasterization.STEPS if steps else LineRasterization.RECTANGLE, stipple)
 
     def mesh_for(self, state):
         """A mesh with everything that the state may read, in clip or in window coordinates."""

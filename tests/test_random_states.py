@@ -14,6 +14,7 @@ from pipeline.enums import (
     ComponentUsage,
     DepthFormat,
     FogArithmetic,
+    LineRasterization,
     MagnificationThreshold,
     Mapping,
     ProductRounding,
@@ -114,6 +115,34 @@ def test_every_shading_of_any_mesh_equals_the_specification(seed, depth_bits, ba
 @given(seeds, depths, batches)
 def test_every_point_line_and_outline_equals_the_specification(seed, depth_bits, batch):
     assert_equal_to_reference(stroked_frame(seed, WIDTH, HEIGHT), NV2A, depth_bits, batch)
+
+
+def stippled_frame(seed):
+    """The same, all lines in steps, most of them stippled."""
+    random = np.random.default_rng(seed)
+    *before, draw = stroked_frame(seed, WIDTH, HEIGHT)
+    pattern = int(random.integers(1 << 16)), (int(random.choice([1, 2, 3, 256])))
+    line = replace(
+        draw.state.line,
+        rasterization=LineRasterization.STEPS,
+        stipple=pattern[::-1] if random.random() < 0.7 else None,
+    )
+    return (*before, replace(draw, state=replace(draw.state, line=line)))
+
+
+@settings(max_examples=150)
+@given(seeds, st.booleans(), st.sampled_from(ColorWeights), batches)
+def test_lines_by_diamonds_and_stippled_ones_equal_the_specification(seed, diamonds, weights, batch):
+    profile = replace(NV2A, diamond_exit_lines=diamonds, color_weights=weights)
+    assert_equal_to_reference(stippled_frame(seed), profile, 24, batch)
+
+
+@pytest.mark.slow
+@settings(max_examples=5000)
+@given(seeds, st.booleans(), batches)
+def test_thousands_of_stippled_lines_equal_the_specification(seed, diamonds, batch):
+    profile = replace(NV2A, diamond_exit_lines=diamonds)
+    assert_equal_to_reference(stippled_frame(seed), profile, 24, batch)
 
 
 @pytest.mark.slow

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from pipeline.assembly import boundary_edges
 from pipeline.commands import Draw, Mesh
@@ -17,7 +19,7 @@ from pipeline.enums import (
     VertexStage,
 )
 from pipeline.execute import execute
-from pipeline.profiles import GEFORCE_256
+from pipeline.profiles import GEFORCE_256, OPENGL_1_2
 from pipeline.state import (
     LineState,
     PassState,
@@ -27,9 +29,13 @@ from pipeline.state import (
     VertexState,
     WindowClip,
 )
+from pipeline.strokes import with_squares
+from pipeline.validate import UnsupportedState
 from pipeline.vertex import process
+from tests.reference import strokes
 
 WIDTH, HEIGHT = 16, 8
+PLAIN = PassState()
 PROGRAMMED = PassState(vertex=VertexState(stage=VertexStage.PROGRAM_RESULTS))
 RECTANGLE, STEPS = LineRasterization.RECTANGLE, LineRasterization.STEPS
 OUTLINES = PolygonState(front_mode=PolygonMode.LINE, back_mode=PolygonMode.LINE)
@@ -163,6 +169,162 @@ def test_stipple_counts_rows_from_the_bottom_and_spares_lines():
     )
     plain = replace(PROGRAMMED, polygon=OUTLINES)
     assert pixels(quad, PrimitiveType.QUADS, stippled) == pixels(quad, PrimitiveType.QUADS, plain)
+
+
+def opengl(vertices, primitive, state=PLAIN, **arrays):
+    """Every fragment's (primitive, x, y) on a machine of OpenGL 1.2, y counted upwards."""
+    positions = np.array(vertices, float) * (2 / WIDTH, 2 / HEIGHT) - 1
+    draw = Draw(label="d", mesh=Mesh(positions, primitive, **arrays), state=state)
+    (found,) = execute((draw,), OPENGL_1_2, WIDTH, HEIGHT, record=True).records
+    return list(zip(found.triangle.tolist(), found.x.tolist(), (HEIGHT - 1 - found.y).tolist(), strict=True))
+
+
+def opengl_line(a, b, width=1.0):
+    state = PassState(line=LineState(width))
+    return {(x, y) for _, x, y in opengl([a, b], PrimitiveType.LINES, state)}
+
+
+def test_a_line_draws_the_pixels_whose_diamonds_it_leaves():
+    assert opengl_line((1.5, 1.5), (5.5, 5.5)) == {(k, k) for k in range(1, 5)}  # half open
+    assert opengl_line((5.5, 5.5), (1.5, 1.5)) == {(k, k) for k in range(2, 6)}
+    # It begins beyond the middle, but in the diamond; it ends beyond the next one's, and in a diamond.
+    assert opengl_line((2.9375, 3.5), (4.5, 3.5)) == {(2, 3), (3, 3)}
+    assert opengl_line((2.9375, 3.75), (4.9375, 3.75)) == {(3, 3), (4, 3)}
+    assert opengl_line((2.5, 3.5), (2.75, 3.5)) == set()  # never left
+    assert opengl_line((2.5, 3.5), (2.5, 4.0625)) == {(2, 3)}
+    # Between two rows the lower one, between two columns the left one; slanted, where it was just before.
+    assert opengl_line((2.5, 3.0), (5.5, 3.0)) == {(2, 2), (3, 2), (4, 2)}
+    assert opengl_line((3.0, 2.5), (3.0, 5.5)) == {(2, 2), (2, 3), (2, 4)}
+
+
+def test_wide_lines_repeat_pixels_along_the_shorter_axis():
+    assert opengl_line((2.5, 3.5), (6.5, 3.5), 3.0) == {(x, y) for x in range(2, 6) for y in (2, 3, 4)}
+    assert opengl_line((2.5, 3.5), (6.5, 3.5), 2.4) == {(x, y) for x in range(2, 6) for y in (2, 3)}
+    assert opengl_line((5.5, 1.5), (5.5, 4.5), 2.0) == {(x, y) for x in (4, 5) for y in (1, 2, 3)}
+    assert opengl_line((2.5, 3.5), (6.5, 3.5), 0.2) == opengl_line((2.5, 3.5), (6.5, 3.5))
+
+
+def test_a_wide_line_s_pixels_have_the_colours_of_those_they_repeat():
+    mesh = Mesh([[-0.7, -0.9], [0.6, 0.3]], PrimitiveType.LINES, colors=[[0.0] * 4, [1.0] * 4])
+    for turned in (mesh.positions, mesh.positions[:, ::-1].copy()):
+        draw = Draw(label="d", mesh=replace(mesh, positions=turned), state=PassState(line=LineState(3.0)))
+        color = execute((draw,), OPENGL_1_2, 16, 16).framebuffer.color[..., 0].astype(int)
+        along = [set(line[line > 0].tolist()) for line in (color.T if turned is mesh.positions else color)]
+        assert [len(values) for values in along if values] == [1] * 9
+
+
+@pytest.mark.parametrize(
+    ("at", "size", "expected"),
+    [
+        ((4.3, 4.7), 1.0, [(4, 4)]),
+        ((4.0, 5.0), 0.2, [(4, 5)]),
+        ((4.3, 4.7), 3.0, [(x, y) for x in (3, 4, 5) for y in (3, 4, 5)]),
+        ((4.3, 4.7), 2.0, [(x, y) for x in (3, 4) for y in (4, 5)]),
+        ((4.5, 4.5), 1.5, [(x, y) for x in (4, 5) for y in (4, 5)]),
+        ((4.4375, 4.4375), 2.0, [(x, y) for x in (3, 4) for y in (3, 4)]),
+    ],
+)
+def test_points_as_opengl_draws_them(at, size, expected):
+    state = PassState(point=PointState(size=size))
+    assert sorted((x, y) for _, x, y in opengl([at], PrimitiveType.POINTS, state)) == expected
+
+
+@given(st.integers(-99, 9999), st.integers(-99, 9999), st.integers(1, 9))
+def test_points_move_to_middles_and_corners_as_specified(x, y, size):
+    primitives = process(Mesh([[0.0, 0.0]], PrimitiveType.POINTS), PassState(), OPENGL_1_2, WIDTH, HEIGHT)
+    x_y = {"x": np.full(4, x, np.int32), "y": np.full(4, y, np.int32)}
+    alone = replace(primitives, triangles=np.zeros((1, 4), np.int32), **x_y)
+    square = with_squares(alone, np.float64(size), [], OPENGL_1_2)
+    left, right, _ = square.x[4:]
+    bottom, _, top = square.y[4:]
+    assert (right - left, bottom - top) == (16 * size, 16 * size)
+    assert ((left + right) // 2, (top + bottom) // 2) == strokes.point_center(x, y, size)
+
+
+DASHES = PassState(line=LineState(stipple=(1, 0b1011_0001_1101_0010)))
+
+
+def dashes(*pixels):
+    """What DASHES leaves of pixels that follow each other."""
+    return [p for k, p in enumerate(pixels) if 0b1011_0001_1101_0010 >> k % 16 & 1]
+
+
+def test_line_stipple_goes_on_along_strips_and_begins_anew_with_each_line():
+    corners = [(1.5, 2.5), (6.5, 2.5), (6.5, 6.5), (11.5, 6.5)]
+    first, second, third = [(x, 2) for x in range(1, 6)], [(6, y) for y in range(2, 6)], range(6, 11)
+    third = [(x, 6) for x in third]
+
+    def drawn(primitive, vertices, state=DASHES, **arrays):
+        return sorted((x, y) for _, x, y in opengl(vertices, primitive, state, **arrays))
+
+    assert drawn(PrimitiveType.LINE_STRIP, corners) == sorted(dashes(*first, *second, *third))
+    assert drawn(PrimitiveType.LINES, [*corners[:2], *corners[2:]]) == sorted(dashes(*first) + dashes(*third))
+    two = [*corners[:3], *corners[2:]]
+    assert drawn(PrimitiveType.LINE_STRIP, two, counts=[3, 2]) == sorted(
+        dashes(*first, *second) + dashes(*third)
+    )
+    loop = [(1.5, 2.5), (6.5, 2.5), (6.5, 6.5), (1.5, 6.5)]
+    back = [*first, *second, *[(x, 6) for x in range(6, 1, -1)], *[(1, y) for y in range(6, 2, -1)]]
+    assert drawn(PrimitiveType.LINE_LOOP, loop) == sorted(dashes(*back))
+    slow = replace(DASHES, line=LineState(stipple=(3, 0b101)))
+    assert drawn(PrimitiveType.LINE_STRIP, corners, slow) == sorted([*first[:3], *second[1:4]])
+    wide = replace(DASHES, line=LineState(2.0, stipple=(1, 0b101)))
+    assert drawn(PrimitiveType.LINES, corners[:2], wide) == [(1, 1), (1, 2), (3, 1), (3, 2)]
+
+
+def along(mesh, state, profile):
+    """The pixels that each line draws, in the order in which it does: a list for each row."""
+    primitives = process(mesh, state, profile, WIDTH, HEIGHT)
+    (found,) = execute(
+        (Draw(label="d", mesh=mesh, state=state),), profile, WIDTH, HEIGHT, record=True
+    ).records
+    lines = []
+    for row, (b, a, *_) in enumerate(primitives.triangles.tolist()):
+        by = primitives.x[b] - primitives.x[a], primitives.y[b] - primitives.y[a]
+        of_row = zip(
+            found.x[found.triangle == row].tolist(), found.y[found.triangle == row].tolist(), strict=True
+        )
+        lines.append(sorted(of_row, key=lambda pixel, by=by: pixel[0] * by[0] + pixel[1] * by[1]))
+    return lines
+
+
+@pytest.mark.parametrize("profile", [GEFORCE_256, OPENGL_1_2])
+@pytest.mark.parametrize(
+    ("primitive", "groups"),
+    [
+        (PrimitiveType.TRIANGLES, [3, 3]),
+        (PrimitiveType.TRIANGLE_STRIP, [3, 3, 3, 3, 3, 3]),
+        (PrimitiveType.QUADS, [4, 4]),
+        (PrimitiveType.QUAD_STRIP, [4, 4, 4]),
+        (PrimitiveType.POLYGON, [8]),
+    ],
+)
+def test_a_polygon_s_edges_share_one_stipple_counter(profile, primitive, groups):
+    around = [(4, 1), (2, 2), (1, 4), (2, 6), (5, 7), (9, 6), (12, 4), (9, 2)]
+    mesh = Mesh(np.array(around) * (2 / WIDTH, 2 / HEIGHT) - 1, primitive)
+    plain = PassState(polygon=OUTLINES)
+    whole = along(mesh, plain, profile)
+    got = along(mesh, replace(plain, line=DASHES.line), profile)
+    assert len(whole) == sum(groups)
+    for edges in groups:
+        expected = dashes(*[pixel for _ in range(edges) for pixel in whole.pop(0)])
+        assert [pixel for _ in range(edges) for pixel in got.pop(0)] == expected
+
+
+@pytest.mark.parametrize(
+    ("line", "profile", "words"),
+    [
+        (LineState(rasterization=RECTANGLE), OPENGL_1_2, "give line.rasterization STEPS"),
+        (LineState(rasterization=RECTANGLE, stipple=(1, 1)), GEFORCE_256, "counts the steps"),
+        (LineState(stipple=(0, 1)), GEFORCE_256, "a factor of 1 to 256"),
+        (LineState(stipple=(1, 1 << 16)), OPENGL_1_2, "16 bits"),
+        (LineState(stipple=(1, 1)), replace(OPENGL_1_2, line_stipple=False), "no line stipple"),
+    ],
+)
+def test_lines_that_a_machine_does_not_draw_are_refused(line, profile, words):
+    draw = Draw(label="d", mesh=Mesh([[0.0, 0.0]] * 2, PrimitiveType.LINES), state=PassState(line=line))
+    with pytest.raises(UnsupportedState, match=words):
+        execute((draw,), profile, WIDTH, HEIGHT)
 
 
 @pytest.mark.parametrize("exclusive", [False, True])

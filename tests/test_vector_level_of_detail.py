@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from pipeline.primitives import no_strokes
 from raster import rows
 from raster.level_of_detail import level_of_detail as portable
 from raster.sample import FAR, POWERS_OF_TWO, log2_q7
@@ -100,8 +101,7 @@ def test_every_fragment_has_the_lambda_of_the_portable_kernel(kind, target):
             ints[:, rows.OWNER] = owner
             runs = starts, run_x, run_y, starts.size - 1, triangles
             rest = x, y, inverse_w, coordinates, 1, unit, levels
-            no_strokes = np.zeros((0, 5), np.int32)
-            portable(np.zeros(rows.DRAW_SIZE, np.int64), *runs, no_strokes, *rest, ints[0])
+            portable(np.zeros(rows.DRAW_SIZE, np.int64), *runs, no_strokes(), *rest, ints[0])
             scratch = BATCH // 2 + 24
             level_of_detail(*runs, *rest, ints[1], np.zeros(scratch), np.full(scratch, 1 << 30, np.int32))
             assert (ints[0, :, :BATCH] == ints[1, :, :BATCH]).all()

@@ -141,10 +141,13 @@ def offset_of(primitives, vertices, state, depth_format, enabled):
     return depth.primitive_offset(triangle, depths, inverse_w, state, depth_format)
 
 
-def shape_of(primitives, vertices, kind, state):
+def shape_of(primitives, vertices, kind, state, profile):
     """(what has a row's edge values, whether it draws a pixel). Source: docs/numbers.md sections 3, 11."""
     if kind == LINE:
         b, a = ((primitives.x[v], primitives.y[v]) for v in vertices[:2])
+        if profile.diamond_exit_lines:
+            line = strokes.DiamondLine(a, b, max(1, math.floor(state.line.width + 0.5)))
+            return line, line.covers
         line = strokes.Line(a, b, math.floor(8 * state.line.width), state.line.rasterization)
         return line, line.covers
     triangle = triangle_of(primitives, vertices)
@@ -159,8 +162,8 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
     Source: OpenGL 1.2.1 chapters 3, 4.
     """
     *vertices, provoking = corners
-    kind, back, *source = (TRIANGLE, False, -1, -1, -1) if stroke is None else stroke
-    shape, covers = shape_of(primitives, vertices, kind, state)
+    kind, back, *source, _, _, counter = (TRIANGLE, False, -1, -1, -1, 0, 0, 0) if stroke is None else stroke
+    shape, covers = shape_of(primitives, vertices, kind, state, profile)
     polygon = state.polygon
     if kind == TRIANGLE:
         if shape.area == 0:
@@ -190,7 +193,9 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
             continue
         if kind == TRIANGLE and strokes.stippled_away(polygon.stipple, px, py, target.height):
             continue
-        n = coverage.edge_values(shape, px, py)
+        n = coverage.edge_values(shape, *(shape.pixel_of(px, py) if kind == LINE else (px, py)))
+        if kind == LINE and strokes.stippled_line(state.line.stipple, shape, counter, px, py):
+            continue
         weights = interpolate.weights(n, inverse_w)
         color = [
             interpolate.exact_color_channel(n, inverse_w, [c[k] for c in colors])
