@@ -15,7 +15,7 @@ from numbers import Integral
 
 import numpy as np
 
-from pipeline import pack, vertex
+from pipeline import column_engine, pack, vertex
 from pipeline.accumulation import accumulate, clear_accumulation
 from pipeline.combiner_plan import plan_combiners
 from pipeline.commands import (
@@ -31,7 +31,7 @@ from pipeline.commands import (
     ResetMinmax,
     TexImage,
 )
-from pipeline.enums import AccumOperation, ColorBuffer, TextureTarget
+from pipeline.enums import AccumOperation, Clamp, ColorBuffer, TextureTarget
 from pipeline.framebuffer import Framebuffer, bound_texture, copied_texture, defined_texture, replaced_texture
 from pipeline.multisample import SAMPLE_POSITIONS, Samples, shifted
 from pipeline.primitives import WindowPrimitives
@@ -61,7 +61,7 @@ _NO_LEVELS = np.ones((1, R.MAX_LEVELS, 3), np.int32)
 _PARALLEL_FROM = 1 << 14
 # Bytes of vertices that wait to be drawn, or are kept for a repetition: enough for any figure's frame.
 _MOST_BYTES = 1 << 27
-ENGINES = (None, "portable")
+ENGINES = (None, "portable", "columns")
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,10 +191,12 @@ class Machine:
         Fragments shaded together, 16 to 4096. The bits are the same for any number.
     engine : str or None
         None: each Draw by the fastest kernels that cover it. "portable": every Draw by those that cover all.
-        The bits are the same.
+        "columns": every Draw by the column engine that it covers. The bits are the same.
     samples : int or None
         How many samples a pixel of the window has, one of ``profile.samples``; None: the profile's first.
         pbuffers have one.
+    color_bits : int or None
+        One of ``profile.color_bits``, the width of the window's colour components. None: the usual one.
     """
 
     profile: Profile
@@ -208,6 +210,7 @@ class Machine:
     engine: str | None = None
     statistics: PixelStatistics = field(default_factory=PixelStatistics)
     samples: int | None = None
+    color_bits: int | None = None
 
     def __post_init__(self):
         if self.profile.exact:
@@ -222,20 +225,35 @@ class Machine:
             raise ValueError(f"A batch of {self.batch} fragments is out of range; give 16 to 4096.")
         if self.engine not in ENGINES:
             raise ValueError(
-                f'There is no engine {self.engine!r}; give "portable", or None for the fastest that covers a '
-                "Draw."
+                f'There is no engine {self.engine!r}; give "portable" or "columns", or None for the fastest '
+                "that covers a Draw."
+            )
+        if self.color_bits is None:
+            self.color_bits = self.profile.color_bits[0]
+        if self.color_bits not in self.profile.color_bits:
+            widths = ", ".join(map(str, self.profile.color_bits))
+            raise ValueError(
+                f"{self.profile.name} has colour buffers of {widths} bits a component; not of "
+                f"{self.color_bits!r}. Choose one of these, or change the machine by with_precision."
             )
         if self.depth_bits is None:
             self.depth_bits = self.profile.widest_depth
         if self.samples is None:
             self.samples = self.profile.samples[0]
         validate((), self.profile, self.width, self.height, self.depth_bits, samples=self.samples)
-        self.framebuffer = Framebuffer.new(self.width, self.height, self.depth_bits)
+        self.framebuffer = Framebuffer.new(
+            self.width,
+            self.height,
+            self.depth_bits,
+            color_bits=self.color_bits,
+            clamped=Clamp.BLENDING in self.profile.clamps,
+        )
         bands = -(-self.height // BAND_HEIGHT)
         self._queue = _Queue(min(self.threads or default_threads(), bands), self.batch)
         self._current = self.framebuffer
         self._samples = Samples(self.framebuffer, self.samples) if self.samples > 1 else None
         self._running = threading.Lock()
+        self._unrounded = None
 
     def run(self, commands, *, trace=False, record=False):
         """Validate and run ``commands``; returns a Result.
@@ -275,20 +293,29 @@ class Machine:
                 if kind is Draw:
                     for surface, position in self._targets(command.state.draw_buffer):
                         target = surface.buffer(command.state.draw_buffer)
+                        if self._draws_columns(command.state, target):
+                            queue.flush()
+                            drawn, lost = self._drawn_by_columns(command, target, position)
+                            queue.fragments += len(drawn.x)
+                            if record:
+                                records.append(drawn)
+                            continue
                         draw = repeated.get(command, surface, self.textures)
                         if draw is None:
                             draw = self._prepared(command, position)
                             repeated.keep(command, surface, draw)
+                        lost = draw.dropped
                         if record:
                             queue.flush()
                             records.append(_recorded(draw, target, self.batch))
                             queue.fragments += len(records[-1].x)
                         else:
                             queue.draw(draw, target, engine)
-                    dropped += draw.dropped
+                    dropped += lost
                 elif kind is Clear:
                     for surface, _ in self._targets(command.draw_buffer):
-                        queue.clear(command, surface.buffer(command.draw_buffer), engine)
+                        target = surface.buffer(command.draw_buffer)
+                        queue.clear(command, target, engine if target.is_bytes else "portable")
                     if command.accumulation is not None:
                         clear_accumulation(self._current, command, self.profile)
                 else:
@@ -375,6 +402,32 @@ class Machine:
                 command.width, command.height, command.depth_bits, command.color_format
             )
         return self.surfaces[command.surface]
+
+    def _draws_columns(self, state, target):
+        """Whether a Draw is the column engine's."""
+        if self.engine == "columns" and column_engine.unsupported(state, self.profile) is None:
+            return True
+        return column_engine.needs_columns(state, self.profile, target, self.textures)
+
+    def _drawn_by_columns(self, command, target, position):
+        """Draw by the column engine: its Fragments, and how many primitives were dropped."""
+        state, profile = command.state, self.profile
+        if self._unrounded is None:  # vertices' colours are rounded where the fragment's width is known
+            self._unrounded = replace(profile, exact=True)
+        primitives = vertex.process(command.mesh, state, self._unrounded, target.width, target.height)
+        primitives = shifted(primitives, position, profile.subpixel_bits)
+        if profile.subpixel_bits == column_engine.NATIVE_SUBPIXEL_BITS:
+            covered, lost = covered_pixels(primitives, state, profile, target.width, target.height)
+        else:
+            covered, lost = (
+                column_engine.covered_triangles(primitives, state, profile, target),
+                primitives.dropped,
+            )
+        passed = column_engine.column_draw(primitives, covered, state, profile, target, self.textures)
+        columns = (
+            np.asarray(column, np.int32) for column in (covered.triangle, covered.x, covered.y, passed)
+        )
+        return Fragments(*columns), lost
 
     def _prepared(self, command, position):
         state, target = command.state, self._current
@@ -653,6 +706,7 @@ def execute(
     record=False,
     engine=None,
     samples=None,
+    color_bits=None,
 ):
     """Run ``commands`` on a new machine. Returns a Result; see ``Machine`` for the parameters.
 
@@ -660,8 +714,39 @@ def execute(
     machine could mean, each before anything is drawn.
     """
     batch = BATCH if batch is None else batch
-    machine = Machine(profile, width, height, depth_bits, threads, batch, engine=engine, samples=samples)
+    machine = Machine(
+        profile,
+        width,
+        height,
+        depth_bits,
+        threads,
+        batch,
+        engine=engine,
+        samples=samples,
+        color_bits=color_bits,
+    )
     return machine.run(commands, trace=trace, record=record)
+
+
+def covered_pixels(primitives, state, profile, width, height):
+    """What a state's primitives cover, whatever it writes there: (Fragments, primitives dropped).
+
+    ``primitives``: with colours of any kind, which coverage does not read.
+    """
+    uncolored = replace(primitives, colors=np.zeros((len(primitives.x), 2, 8), np.uint8))
+    polygon = replace(state.polygon, offset_fill=False, offset_line=False, offset_point=False)
+    plain = PassState(
+        polygon=polygon,
+        line=state.line,
+        point=state.point,
+        scissor=state.scissor,
+        window_clip=state.window_clip,
+        color_mask=ColorMask(False, False, False, False),
+    )
+    framebuffer = Framebuffer.new(width, height)
+    packed = pack.pack(plain, profile, framebuffer, {}, uncolored)
+    prepared = _prepare(framebuffer, uncolored, packed, {})
+    return _recorded(prepared, framebuffer, BATCH), prepared.dropped
 
 
 def rasterize(primitives, polygon, scissor, width, height):

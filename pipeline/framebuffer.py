@@ -21,11 +21,12 @@ from pipeline.textures import (
     DEPTH_TEXELS,
     KEPT,
     Texture,
+    at_machine_width,
     build_texture,
     depth_texels,
     pyramid,
     register_components,
-    store_texels,
+    stored_texels,
     widen_to_byte,
 )
 from pipeline.transfer import (
@@ -38,6 +39,7 @@ from pipeline.transfer import (
     transfer_stencil,
 )
 from raster.transfer import fixed
+from raster.wide import convert
 
 # A surface's 32-bit words, red in the low byte, each component at the top of its byte: the bits that it
 # keeps, those that are always one, and its alpha as a factor: 0 the byte, 1 always 255, 2 seven bits,
@@ -78,12 +80,14 @@ def to_byte(value):
 
 @dataclass(eq=False)
 class Framebuffer:
-    """color uint8 [h, w, 4] RGBA; depth uint32 [h, w], 0 .. 2**depth_bits - 1; stencil uint8 [h, w]. Top row
-    first.
+    """color uint8 [h, w, 4] RGBA, or int32 (below); depth uint32 [h, w], 0 .. 2**depth_bits - 1; stencil
+    uint8 [h, w]. Top row first.
 
     A new one holds zero colour, the farthest depth and stencil zero. A component narrower than a byte has its
-    bits at the top of one, zeros below. ``accumulation``: int32 [h, w, 4] (docs/numbers.md, section 16), None
-    until something is stored there.
+    bits at the top of one, zeros below. Where components have another number of bits, ``color_bits``, or
+    blending does not clamp, colours are int32, 2**color_bits - 1 is one, and only where it does not clamp do
+    values leave [0, one]. ``accumulation``: int32 [h, w, 4] (docs/numbers.md, section 16), None until
+    something is stored there.
     """
 
     color: np.ndarray
@@ -96,14 +100,15 @@ class Framebuffer:
     _auxiliary: dict = field(default_factory=dict)
 
     @classmethod
-    def new(cls, width, height, depth_bits=24, color_format=ColorFormat.A8R8G8B8):
-        """An empty framebuffer of ``width`` x ``height`` pixels."""
+    def new(cls, width, height, depth_bits=24, color_format=ColorFormat.A8R8G8B8, color_bits=8, clamped=True):
+        """An empty framebuffer of ``width`` x ``height`` pixels. ``clamped``: blending clamps."""
         return cls(
-            np.zeros((height, width, 4), np.uint8),
+            np.zeros((height, width, 4), np.uint8 if color_bits == 8 and clamped else np.int32),
             np.full((height, width), 2 ** abs(depth_bits) - 1, np.uint32),
             np.zeros((height, width), np.uint8),
             DepthFormat(depth_bits),
             color_format,
+            color_bits,
         )
 
     @property
@@ -132,8 +137,20 @@ class Framebuffer:
         return self._auxiliary[which]
 
     def image(self):
-        """A copy of the colours for saving: uint8 [h, w, 4], top row first."""
-        return self.color.copy()
+        """A copy of the colours for saving: uint8 [h, w, 4], top row first, clamped and to nearest."""
+        return self.as_bytes(self.color).copy()
+
+    @property
+    def is_bytes(self):
+        """Whether colours are the bytes that the native engines write."""
+        return self.color.dtype == np.uint8
+
+    def as_bytes(self, color):
+        """Colours of this buffer as bytes."""
+        if self.is_bytes:
+            return color
+        one = 2**self.color_bits - 1
+        return convert(np.clip(color, 0, one).astype(np.int64), one, 255).astype(np.uint8)
 
     def _rows(self, x, y, width, height):
         """Slices of a window rectangle (origin lower left, y up) in rows from the top."""
@@ -169,7 +186,12 @@ class Framebuffer:
         """Section 4.2.3: through the scissor box and the masks."""
         (x0, y0, x1, y1), buffers, color, color_mask, depth, stencil, mask = self.clear_words(command)
         where = slice(y0, y1), slice(x0, x1)
-        if buffers & 1:
+        if buffers & 1 and not self.is_bytes:
+            mask = command.color_mask
+            mask = np.array([mask.red, mask.green, mask.blue, mask.alpha])
+            wide = fixed(np.array(command.color), self.color_bits)
+            self.color[where] = np.where(mask, wide, self.color[where])
+        elif buffers & 1:
             _write(self.color.view(np.uint32)[..., 0][where], color, color_mask, 0xFFFFFFFF)
         if buffers & 2:
             self.depth[where] = depth
@@ -208,7 +230,7 @@ class Framebuffer:
         if command.format == "STENCIL_INDEX":
             indices = self.stencil[self._rows(*box)][::-1].astype(np.int64)
             return (transfer_stencil(indices, transfer) & 0xFF).astype(np.uint8)
-        if self.color_bits == 8 and command.type == "UNSIGNED_BYTE" and changes_nothing(transfer):
+        if self.is_bytes and command.type == "UNSIGNED_BYTE" and changes_nothing(transfer):
             return READ_FORMATS[command.format](self.rectangle(*box)).copy()
         groups = transfer_colors(self.groups(*box), transfer, profile, statistics)
         return None if groups is None else packed_colors(groups, command.format, command.type)
@@ -245,7 +267,8 @@ def defined_texture(command, profile, statistics):
         images.append(transfer_image(part, command.transfer, profile, statistics, dimensions))
     if images[-1] is None:
         return None
-    return build_texture(target, np.stack(images), command.internal_format, command.generate_mipmap)
+    made = build_texture(target, np.stack(images), command.internal_format, command.generate_mipmap)
+    return at_machine_width(made, profile)
 
 
 def depth_texture(target, internal_format, depths):
@@ -258,29 +281,29 @@ def depth_texture(target, internal_format, depths):
 
 
 def _copied_texels(framebuffer, command, box, internal_format, dimensions, profile, statistics):
-    """Register bytes [h, w, 4] of a framebuffer rectangle as texels; None where a sink took it."""
+    """A framebuffer rectangle as texels [h, w, 4], None where a sink took it, and their bits."""
     transfer = command.transfer
     if internal_format in DEPTH_TEXELS:
         depths = transfer_depths(framebuffer.depths(*box), transfer)
-        return depth_texture(None, internal_format, depths).levels[0][0]
-    if framebuffer.color_bits == 8 and changes_nothing(transfer):
-        return store_texels(framebuffer.rectangle(*box), internal_format)
+        return depth_texture(None, internal_format, depths).levels[0][0], 8
+    if framebuffer.is_bytes and changes_nothing(transfer):
+        return stored_texels(framebuffer.rectangle(*box), internal_format, profile)
     groups = transfer_colors(framebuffer.groups(*box), transfer, profile, statistics, dimensions)
-    return None if groups is None else store_texels(groups, internal_format)
+    return (None, 8) if groups is None else stored_texels(groups, internal_format, profile)
 
 
 def copied_texture(framebuffer, command, profile, statistics):
     """CopyTexImage1D/2D: the texture that a framebuffer rectangle defines, or None where a sink took it."""
     dimensions = 1 if command.target is TextureTarget.TEXTURE_1D else 2
     box = framebuffer.box_of(command)
-    texels = _copied_texels(
+    texels, bits = _copied_texels(
         framebuffer, command, box, command.internal_format, dimensions, profile, statistics
     )
     if texels is None:
         return None
     texels.setflags(write=False)
     levels = pyramid(texels[None]) if command.generate_mipmap else (texels[None],)
-    return Texture(command.target, command.internal_format, levels)
+    return Texture(command.target, command.internal_format, levels, bits=bits)
 
 
 def replaced_texture(framebuffer, command, texture, profile, statistics):
@@ -289,7 +312,7 @@ def replaced_texture(framebuffer, command, texture, profile, statistics):
     """
     dimensions = 1 if texture.target is TextureTarget.TEXTURE_1D else 2
     box = command.x, command.y, command.width, command.height
-    texels = _copied_texels(
+    texels, _ = _copied_texels(
         framebuffer, command, box, texture.internal_format, dimensions, profile, statistics
     )
     if texels is None:
@@ -303,7 +326,7 @@ def replaced_texture(framebuffer, command, texture, profile, statistics):
         levels = pyramid(level)
     else:
         levels = (*texture.levels[: command.level], level, *texture.levels[command.level + 1 :])
-    return Texture(texture.target, texture.internal_format, levels)
+    return Texture(texture.target, texture.internal_format, levels, bits=texture.bits)
 
 
 # Which internal formats read a surface's words: those of its width and components.

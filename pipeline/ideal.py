@@ -54,6 +54,7 @@ from pipeline.transfer import (
 )
 from pipeline.validate import validate
 from pipeline.vertex import process
+from raster.wide_fragment import in_order
 
 # Fragments shaded at a time: bounds the columns' memory to some megabytes a thread, and changes no value.
 _CHUNK = 1 << 14
@@ -814,22 +815,6 @@ def _test_and_write(state, buffers, pixel, source, z):
     _write_color(state, buffers, pixel, source)
 
 
-def in_order(pixel):
-    """Index arrays of fragments that can be written at once: at most one fragment of a pixel in each.
-
-    The first holds every pixel's first fragment, the second every pixel's second, and so on.
-    """
-    by_pixel = np.argsort(pixel, kind="stable")
-    position = np.arange(len(pixel))
-    first = np.ones(len(pixel), bool)
-    first[1:] = pixel[by_pixel][1:] != pixel[by_pixel][:-1]
-    occurrence = np.empty(len(pixel), np.int64)
-    occurrence[by_pixel] = position - np.maximum.accumulate(np.where(first, position, 0))
-    by_occurrence = np.argsort(occurrence, kind="stable")
-    ends = np.cumsum(np.bincount(occurrence)) if len(pixel) else []
-    return np.split(by_occurrence, ends[:-1]) if len(pixel) else []
-
-
 # -------------------------------------------------------------------------------------------- commands
 
 
@@ -901,7 +886,8 @@ def _clear(command, buffers):
 def _with_ideal(texture):
     if texture.ideal is not None:
         return texture
-    return replace(texture, ideal=tuple(level / 255.0 for level in texture.levels))
+    one = 2.0**texture.bits - 1.0
+    return replace(texture, ideal=tuple(level / one for level in texture.levels))
 
 
 def _defined(command, buffers, textures, statistics):

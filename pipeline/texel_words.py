@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.enums import InternalFormat, TexelWord, TextureTarget
-from pipeline.textures import Texture, widen_to_byte
+from pipeline.textures import Texture, at_machine_width, widen_to_byte
 
 ONE = None  # a component that is full intensity
 
@@ -210,10 +210,10 @@ def dithered_level(level):
 
 
 def stored_texture(texture, profile):
-    """The texture as a machine holds it: DXT1 dithered, where the machine does that."""
+    """The texture as a machine holds it: components at its width; DXT1 dithered, where it does that."""
     dxt1 = texture.internal_format is InternalFormat.COMPRESSED_RGBA_S3TC_DXT1
     if not (dxt1 and profile.dithered_s3tc_dxt1):
-        return texture
+        return at_machine_width(texture, profile)
     return replace(texture, levels=tuple(dithered_level(level) for level in texture.levels))
 
 

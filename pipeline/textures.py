@@ -6,7 +6,7 @@ bit replication (Measured: Texture_format captures, distinct levels), and the ba
 go (Source: NV_register_combiners table 2). Rows run bottom first, as TexImage2D reads them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -37,11 +37,21 @@ COMPONENT_BITS = {
 }
 
 # Formats of machines whose components have twelve bits.  Source: OpenGL 1.2.1 table 3.16.
-TWELVE_BIT_FORMATS = frozenset(f for f in InternalFormat if "12" in f.name)
+_TWELVE_BIT_COMPONENTS = {
+    InternalFormat.ALPHA12: (12,),
+    InternalFormat.LUMINANCE12: (12,),
+    InternalFormat.LUMINANCE12_ALPHA4: (12, 4),
+    InternalFormat.LUMINANCE12_ALPHA12: (12, 12),
+    InternalFormat.INTENSITY12: (12,),
+    InternalFormat.RGB12: (12, 12, 12),
+    InternalFormat.RGBA12: (12, 12, 12, 12),
+}
+TWELVE_BIT_FORMATS = frozenset(_TWELVE_BIT_COMPONENTS)
+_ALL_COMPONENT_BITS = COMPONENT_BITS | _TWELVE_BIT_COMPONENTS
 
 
 def _base_format(internal_format):
-    if internal_format not in COMPONENT_BITS:
+    if internal_format not in _ALL_COMPONENT_BITS:
         return BaseFormat.RGBA
     name = internal_format.name
     if name.startswith("LUMINANCE"):
@@ -50,7 +60,7 @@ def _base_format(internal_format):
         return BaseFormat.ALPHA
     if name.startswith("INTENSITY"):
         return BaseFormat.INTENSITY
-    return BaseFormat.RGBA if len(COMPONENT_BITS[internal_format]) == 4 else BaseFormat.RGB
+    return BaseFormat.RGBA if len(_ALL_COMPONENT_BITS[internal_format]) == 4 else BaseFormat.RGB
 
 
 # Formats that are only made from words count as RGBA: nothing but a border colour asks.
@@ -120,6 +130,67 @@ def _quantised_bytes(bits):
     return _quantised(np.arange(256) / 255.0, bits)
 
 
+def widen(component, bits, to):
+    """An n-bit component as one of ``to`` bits, by bit replication: ``widen_to_byte`` at any width."""
+    value, shift = 0, to - bits
+    while shift > -bits:
+        value = value | (component << shift if shift >= 0 else component >> -shift)
+        shift -= bits
+    return value
+
+
+def stored_widths(internal_format, profile):
+    """(bits of a texture's components, bits that the format keeps of each) on a machine; None for a format
+    that only words make, which has bytes everywhere.
+
+    The machine's widest formats have its ``texture_bits``, narrower ones their own, at most as many.
+    """
+    own = _ALL_COMPONENT_BITS.get(internal_format)
+    if own is None:
+        return None
+    widest = 12 if profile.internal_formats & TWELVE_BIT_FORMATS else 8
+    most = profile.texture_bits
+    kept = tuple(most if b >= widest else min(b, most) for b in own)
+    return (max(kept) if max(kept) > 8 else min(8, most)), kept
+
+
+def texels_at(registers, internal_format, bits, kept):
+    """Register components in [0, 1], [..., 4], as a texture's of ``bits`` bits, of which the format keeps
+    ``kept``: uint8 if 8, else uint16.
+    """
+    base, one = BASE_FORMAT[internal_format], (1 << bits) - 1
+    out = np.empty(registers.shape, np.uint8 if bits == 8 else np.uint16)
+    for k, what in enumerate(REGISTER_COMPONENTS[base]):
+        if isinstance(what, int):
+            n = kept[what]
+            unit = np.clip(registers[..., k], 0.0, 1.0)
+            out[..., k] = widen(np.floor(unit * ((1 << n) - 1) + 0.5).astype(np.int64), n, bits)
+        else:
+            out[..., k] = one if what == "1" else 0
+    return out
+
+
+def at_machine_width(texture, profile):
+    """The texture with its components as wide as the machine keeps them, from ``ideal`` where it has that."""
+    widths = stored_widths(texture.internal_format, profile)
+    if widths is None or (texture.bits, _ALL_COMPONENT_BITS[texture.internal_format]) == widths:
+        return texture
+    one = float((1 << texture.bits) - 1)
+    sources = texture.ideal or [level / one for level in texture.levels]
+    levels = tuple(texels_at(source, texture.internal_format, *widths) for source in sources)
+    return replace(texture, levels=levels, bits=widths[0])
+
+
+def stored_texels(rgba, internal_format, profile):
+    """(RGBA [..., 4], bytes or floats, as a machine's texels of a format, their bits)."""
+    bits, kept = stored_widths(internal_format, profile)
+    if (bits, kept) == (8, COMPONENT_BITS.get(internal_format)):
+        return store_texels(rgba, internal_format), 8
+    base, unit = BASE_FORMAT[internal_format], rgba / 255.0 if rgba.dtype == np.uint8 else rgba
+    registers = register_components(unit[..., list(KEPT[base])], base, 1.0)
+    return texels_at(registers, internal_format, bits, kept), bits
+
+
 def store_texels(rgba, internal_format):
     """RGBA in [0, 1] or bytes, [..., 4], to register bytes uint8 [..., 4] at the format's resolution.
 
@@ -168,7 +239,8 @@ class Texture:
             faces are a cube map's six or a 3D texture's layers. A depth component's four bytes are its depth
             units, lowest byte first; a HILO16's are HI in alpha and red, LO in green and blue.
     ideal   the same shapes in float64 before any quantisation, or None: the ideal evaluator then reads the
-            stored bytes divided by 255
+            stored texels divided by their value of one
+    bits    how wide a component is, 2**bits - 1 its value of one: 8, or else the levels are uint16
 
     Writable arrays are copied and made read-only: what is made from a texture is kept as long as it lives.
     """
@@ -177,6 +249,7 @@ class Texture:
     internal_format: InternalFormat
     levels: tuple[np.ndarray, ...]
     ideal: tuple[np.ndarray, ...] | None = None
+    bits: int = 8
 
     def __post_init__(self):
         for name in ("levels", "ideal"):
@@ -225,10 +298,10 @@ def _as_rgba(image, what):
 
 
 def halve(level):
-    """The next mipmap level of uint8 or float64 [faces, h, w, 4] by boxes of 2x2 (or 2x1, 1x2) texels.
+    """The next mipmap level of whole numbers or float64 [faces, h, w, 4], boxes of 2x2 (or 2x1, 1x2) texels.
 
-    Bytes: (a + b + c + d + 2) >> 2, as the arithmetic's rule for generated mipmaps says; an edge of one texel
-    counts it twice.
+    Whole numbers: (a + b + c + d + 2) >> 2, as the arithmetic's rule for generated mipmaps says; an edge of
+    one texel counts it twice.
     """
     h, w = level.shape[1:3]
     if (h % 2 and h > 1) or (w % 2 and w > 1):
@@ -237,8 +310,8 @@ def halve(level):
         )
     rows = (level[:, 0::2], level[:, 1::2]) if h > 1 else (level, level)
     corners = [r[:, :, k::2] if w > 1 else r for r in rows for k in (0, 1)]
-    if level.dtype == np.uint8:
-        return ((sum(c.astype(np.uint16) for c in corners) + 2) >> 2).astype(np.uint8)
+    if level.dtype != np.float64:
+        return ((sum(c.astype(np.uint32) for c in corners) + 2) >> 2).astype(level.dtype)
     return sum(corners) / 4
 
 
@@ -254,14 +327,19 @@ def pyramid(base):
 
 def build_texture(target, faces, internal_format, mipmaps):
     """A texture from RGBA images [faces, h, w, 4], bytes, or floats, which the ideal evaluator gets too."""
-    base = store_texels(faces, internal_format)
-    source = None
-    if faces.dtype != np.uint8:
-        base_format = BASE_FORMAT[internal_format]
-        source = register_components(faces[..., list(KEPT[base_format])], base_format, 1.0)
+    source, bits, base_format = None, 8, BASE_FORMAT[internal_format]
+    wide = internal_format in TWELVE_BIT_FORMATS
+    if faces.dtype != np.uint8 or wide:
+        unit = faces / 255.0 if faces.dtype == np.uint8 else faces
+        source = register_components(unit[..., list(KEPT[base_format])], base_format, 1.0)
+    if wide:
+        bits = 12
+        base = texels_at(source, internal_format, bits, _TWELVE_BIT_COMPONENTS[internal_format])
+    else:
+        base = store_texels(faces, internal_format)
     if not mipmaps:
-        return Texture(target, internal_format, (base,), None if source is None else (source,))
-    return Texture(target, internal_format, pyramid(base), None if source is None else pyramid(source))
+        return Texture(target, internal_format, (base,), None if source is None else (source,), bits)
+    return Texture(target, internal_format, pyramid(base), None if source is None else pyramid(source), bits)
 
 
 def texture_1d(image, internal_format=InternalFormat.RGBA8, *, mipmaps=False):

@@ -25,6 +25,7 @@ from pipeline.columns import (
     weighted_sum,
 )
 from pipeline.enums import (
+    Clamp,
     FogArithmetic,
     FogCoordinateSource,
     FogGeneration,
@@ -70,7 +71,7 @@ def process(mesh, state, profile, width, height):
     state : pipeline.state.PassState
     profile : pipeline.profile.Profile
         Read are ``subpixel_bits``, ``guard_band``, ``device_origin``, ``color_mantissa_bits``, ``exact``: an
-        exact profile's colours stay float64, neither clamped nor rounded.
+        exact profile's colours stay float64, not rounded; ``clamps``: whether VERTEX_COLOR is on.
     width, height : int
         The framebuffer's size in pixels.
 
@@ -208,7 +209,7 @@ def _window_columns(count):
 def _given_colors(mesh, columns, vertex, profile):
     """Colours of vertices without lighting, as WindowPrimitives has them, and whether all are equal."""
     bits = _color_bits(vertex, profile)
-    key = vertex.two_side, vertex.secondary_color, bits
+    key = vertex.two_side, vertex.secondary_color, bits, _clamps_colors(profile)
     if key not in columns.colors:
         front, back = _vertex_colors(mesh, vertex, None, None, None, profile)
         both = [*front, *back] if vertex.two_side else front
@@ -219,12 +220,16 @@ def _given_colors(mesh, columns, vertex, profile):
 
 def _unrounded_colors(mesh, columns, vertex, profile):
     """What ``_given_colors`` makes bytes of, as MeshColumns has it."""
-    key = vertex.two_side, vertex.secondary_color, profile.exact
+    key = vertex.two_side, vertex.secondary_color, _clamps_colors(profile)
     if key not in columns.unrounded:
         front, back = _vertex_colors(mesh, vertex, None, None, None, profile)
         both = [*front, *back] if vertex.two_side else front
         columns.unrounded[key] = np.stack(np.broadcast_arrays(*both, np.zeros(1))[:-1], axis=1)
     return columns.unrounded[key]
+
+
+def _clamps_colors(profile):
+    return Clamp.VERTEX_COLOR in profile.clamps
 
 
 def _color_bits(vertex, profile):
@@ -442,7 +447,7 @@ def _eye_normal(mesh, vertex):
 def _vertex_colors(mesh, vertex, position, eye, normal, profile):
     """Front and back colours, 8 columns each; one list if they are the same.
 
-    They are clamped to [0, 1] (section 2.13.6) unless the machine is exact.
+    They are clamped to [0, 1] (section 2.13.6) where the machine does that.
     """
     color = columns_of(mesh.colors, (1.0, 1.0, 1.0, 1.0))
     secondary = columns_of(mesh.secondary_colors, (0.0, 0.0, 0.0, 0.0))
@@ -461,7 +466,7 @@ def _vertex_colors(mesh, vertex, position, eye, normal, profile):
         both = back is front
         front = lighting_unit.secondary_output(front, vertex.secondary_color)
         back = front if both else lighting_unit.secondary_output(back, vertex.secondary_color)
-    if profile.exact:
+    if not _clamps_colors(profile):
         return front, back
     clamped = [np.fmin(positive(column), ONE) for column in front]
     return clamped, clamped if back is front else [np.fmin(positive(column), ONE) for column in back]

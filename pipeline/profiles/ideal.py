@@ -67,6 +67,7 @@ IDEAL = replace(
     combiner_lookup=True,
     evaluate_before_filtering=True,
     spherical_interpolation=True,
+    clamps=frozenset(),
     evidence={
         f.name: _BY_DEFINITION for f in fields(Profile) if f.name not in ("name", "description", "evidence")
     },

@@ -1,0 +1,653 @@
+"""The column engine: the machine's rules on int64 columns, every width a parameter, every clamp a switch.
+
+The third engine (docs/numbers.md, section 13; docs/decisions, page 0007). At the native widths its bits are
+the other two's; it alone draws at others, and it alone writes fragments that no primitive made
+(``shade_and_write``). The arithmetic is in ``raster/wide*.py``; here states are read and columns brought
+together.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.column_textures import unit_samplers
+from pipeline.columns import keep_significant_bits
+from pipeline.enums import (
+    Clamp,
+    ColorWeights,
+    ComponentUsage,
+    Face,
+    FogArithmetic,
+    FogMode,
+    FrontFace,
+    LightingArithmetic,
+    LineRasterization,
+    Mapping,
+    MuxSelect,
+    ProductRounding,
+    Register,
+    ShadeModel,
+)
+from pipeline.fog import table
+from pipeline.framebuffer import SURFACE_WORDS
+from pipeline.pack import FARTHEST, depth_units, has_color_sum, scissor_box
+from pipeline.texture_environment import environment_program
+from raster import wide, wide_combine, wide_fragment, wide_iterate
+from raster.vertices import W_LARGEST, W_SMALLEST
+
+NATIVE_BITS = 8
+NATIVE_SUBPIXEL_BITS = 4
+# Fragments shaded at a time: bounds the columns' memory, and changes no value.
+_CHUNK = 1 << 15
+_MANTISSA_BITS = 53
+_BEYOND = 1 << 10  # how far a vertex colour reaches, in ones, whose clamp is off
+
+
+@dataclass(frozen=True, eq=False)
+class FragmentColumns:
+    """Fragments as columns, in draw order; a column may be read only.
+
+    x, y         int64 [k], device pixels, y down
+    depth        int64 [k], words of the depth buffer; below 0: outside its limits, the fragment ends
+    primary, secondary  int64 [k, 4], in units of the fragment's value of one (``fragment_bits``)
+    fog          float64 [k], fog coordinates; None: fog is disabled
+    coordinates  float64 [k, units, 4]: s, t, r, q of each texture unit, not divided
+    lod          float64 [k, units], lambda without its bias, 1/256 at least apart; None: all is magnified
+    divided      for each unit whether s, t and r are divided by q; None: where some fragment's q is not 1
+    footprints   float64 [k, units, 3]: s and t along an anisotropic filter's footprint, and its ratio
+    texel_alpha  int64 [k], bytes that replace the alpha of unit 0's texels; None: nothing does
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    depth: np.ndarray
+    primary: np.ndarray
+    secondary: np.ndarray
+    fog: np.ndarray | None
+    coordinates: np.ndarray
+    lod: np.ndarray | None = None
+    divided: tuple[bool, ...] | None = None
+    footprints: np.ndarray | None = None
+    texel_alpha: np.ndarray | None = None
+
+    def part(self, where):
+        """Some of the fragments."""
+
+        def of(column):
+            return None if column is None else column[where]
+
+        return FragmentColumns(
+            self.x[where],
+            self.y[where],
+            self.depth[where],
+            self.primary[where],
+            self.secondary[where],
+            of(self.fog),
+            self.coordinates[where],
+            of(self.lod),
+            self.divided,
+            of(self.footprints),
+            of(self.texel_alpha),
+        )
+
+
+def fragment_bits(profile, framebuffer):
+    """How wide fragments' colours are: as the combiners; where a buffer is wider than the machine's usual
+    one, as much wider.
+    """
+    if framebuffer.color_bits not in profile.color_bits:  # a pbuffer's bytes
+        return profile.combiner_bits
+    return profile.combiner_bits + framebuffer.color_bits - profile.color_bits[0]
+
+
+# ------------------------------------------------------------------------------------- what needs it
+
+
+def needs_columns(state, profile, framebuffer, textures):
+    """Whether only the column engine draws a pass: a width or a clamp is not the native engines', or the
+    state uses what they do not have.
+    """
+    units = [unit for unit in state.texture_units if unit is not None]
+    return (
+        not is_native(profile)
+        or framebuffer.color_bits != NATIVE_BITS
+        or fragment_bits(profile, framebuffer) != NATIVE_BITS
+        or not framebuffer.is_bytes
+        or any(unit.texture is not None and textures[unit.texture].bits != NATIVE_BITS for unit in units)
+        or any(unit.color_table is not None for unit in units)
+    )
+
+
+def is_native(profile):
+    """Whether a machine's combiners, filters and window coordinates are the native engines'."""
+    return (
+        profile.combiner_bits == profile.filter_fraction_bits == NATIVE_BITS
+        and profile.combiner_range == 1.0
+        and profile.subpixel_bits == NATIVE_SUBPIXEL_BITS
+        and len(profile.clamps) == len(Clamp)
+    )
+
+
+def unsupported(state, profile):
+    """What the column engine does not draw, as a sentence; None: it draws the pass."""
+    if state.texture_shader is not None:
+        return (
+            f"{profile.name} runs texture shaders on bytes alone. Disable them, or draw at the machine's own "
+            "widths, with its clamps on."
+        )
+    return None
+
+
+# ------------------------------------------------------------------------------------------- shading
+
+
+def arithmetic_of(profile, bits, environments=False):
+    """The combiners' Arithmetic at ``bits``. ``environments``: of a program that stands for texture
+    environments, each of whose results is clamped to [0, 1] by its output's and the next mapping's clamps.
+    """
+    clamps, limit = profile.clamps, 1.0 if environments else profile.combiner_range
+    one, far = wide.one_of(bits), wide_combine.FAR
+    high = int(limit * (one + 1)) - 1
+    low = -high - (1 if profile.clamp_low == -256 else 0)
+    bounded = (Clamp.TEXTURE_ENVIRONMENT if environments else Clamp.GENERAL_COMBINER) in clamps
+    mapping = (Clamp.TEXTURE_ENVIRONMENT if environments else Clamp.MAPPING) in clamps
+    return wide_combine.Arithmetic(
+        one=one,
+        half=1 << (bits - 1),
+        low=low if bounded else -far,
+        high=high if bounded else far,
+        expanded=one + 1 if profile.expand_half == 128 else one,
+        per_product=profile.product_rounding == ProductRounding.PER_PRODUCT,
+        round_first=profile.round_before_scale,
+        clamps_mapping=mapping,
+        clamps_sum=Clamp.COLOR_SUM in clamps,
+        clamps_final=Clamp.FINAL_COMBINER in clamps,
+    )
+
+
+class _Registers(dict):
+    """Registers of k fragments, int64 [4, k] each; textures are sampled when they are first read."""
+
+    def __init__(self, samplers, fragments, bits):
+        super().__init__()
+        self._samplers, self._fragments, self._bits = samplers, fragments, bits
+
+    def __missing__(self, register):
+        count, unit = len(self._fragments.x), register - Register.TEXTURE0
+        if not 0 <= unit < 4:
+            raise KeyError(register)
+        if unit < len(self._samplers) and self._samplers[unit] is not None:
+            self[register] = self._samplers[unit].register(self._fragments, self._bits)
+        else:  # Measured: a disabled unit's register is (0, 0, 0, 1)
+            self[register] = filled((0, 0, 0, wide.one_of(self._bits)), count)
+        return self[register]
+
+
+def filled(values, count):
+    """Constant components as int64 [c, count]."""
+    return np.repeat(np.asarray(values, np.int64)[:, None], count, axis=1)
+
+
+def _read(registers, variable, alpha):
+    """A variable's register components: [3, k] in an RGB portion, [1, k] in an alpha portion."""
+    register = registers[variable.register]
+    if variable.usage == ComponentUsage.RGB and not alpha:
+        return register[:3]
+    return register[2:3] if variable.usage == ComponentUsage.BLUE else register[3:4]
+
+
+def _portion(portion, registers, alpha, select, a):
+    """(register, value [3 or 1, k]) for each output of a portion that is kept."""
+    outputs = portion.ab_output, portion.cd_output, portion.sum_output
+    if all(output == Register.DISCARD for output in outputs):
+        return []
+    mapped = [
+        wide_combine.map_input(_read(registers, v, alpha), v.mapping, a)
+        for v in (portion.a, portion.b, portion.c, portion.d)
+    ]
+    shape = 1 if alpha else 3, mapped[0].shape[1]
+    ab, cd = ([np.broadcast_to(mapped[i] * mapped[i + 1], shape)] for i in (0, 2))
+    if not alpha:
+        ab = wide_combine.sum_of_three(ab) if portion.ab_dot_product else ab
+        cd = wide_combine.sum_of_three(cd) if portion.cd_dot_product else cd
+    biased = bool(portion.bias)
+    values = []
+    for output, products in zip(outputs[:2], (ab, cd), strict=True):
+        if output != Register.DISCARD:
+            values.append((output, wide_combine.output(products, portion.scale, biased, a)))
+    if outputs[2] != Register.DISCARD:
+        if portion.mux_sum:
+            chosen = wide_combine.takes_cd(registers[Register.SPARE0][3], select == MuxSelect.LSB, a)
+            pair = [wide_combine.output(products, portion.scale, biased, a) for products in (ab, cd)]
+            total = np.where(chosen, pair[1], pair[0])
+        else:
+            total = wide_combine.output([*ab, *cd], portion.scale, biased, a)
+        values.append((outputs[2], total))
+    return values
+
+
+def combine(program, registers, count, a):
+    """Fragments' colours, int64 [4, count], from a combiner program (section 8)."""
+
+    def constants(pair):
+        return {r: filled(wide.fixed(c, a.one), count) for r, c in zip(_CONSTANTS, pair, strict=True)}
+
+    program_constants = constants((program.constant_color0, program.constant_color1))
+    registers[Register.ZERO] = filled((0, 0, 0, 0), count)
+    for stage in program.general:
+        registers.update(program_constants)
+        for register, color in zip(_CONSTANTS, (stage.constant_color0, stage.constant_color1), strict=True):
+            if color is not None:
+                registers[register] = filled(wide.fixed(color, a.one), count)
+        rgb = _portion(stage.rgb, registers, False, program.mux_select, a)
+        alpha = _portion(stage.alpha, registers, True, program.mux_select, a)
+        for to, value in rgb:
+            registers[to] = np.concatenate([value, registers[to][3:]])
+        for to, value in alpha:
+            registers[to] = np.concatenate([registers[to][:3], value])
+        for to, blue in (
+            (stage.rgb.ab_output, stage.rgb.ab_blue_to_alpha),
+            (stage.rgb.cd_output, stage.rgb.cd_blue_to_alpha),
+        ):
+            if blue and to != Register.DISCARD:
+                registers[to] = registers[to][[0, 1, 2, 2]]
+    registers.update(program_constants)
+    return _final(program, registers, count, a)
+
+
+_CONSTANTS = (Register.CONSTANT_COLOR0, Register.CONSTANT_COLOR1)
+
+
+def _final(program, registers, count, a):
+    final, nothing = program.final, np.zeros((1, count), np.int64)
+
+    def value(variable, alpha=False):
+        read = _read(registers, variable, alpha)
+        return wide_combine.map_final(read, variable.mapping == Mapping.UNSIGNED_INVERT, a)
+
+    used = {v.register for v in (final.a, final.b, final.c, final.d, final.g)}
+    if Register.E_TIMES_F in used:
+        product = wide.quotient(value(final.e) * value(final.f), a.one)
+        registers[Register.E_TIMES_F] = np.concatenate([np.broadcast_to(product, (3, count)), nothing])
+    if Register.SPARE0_PLUS_SECONDARY_COLOR in used:
+        terms = ((Register.SPARE0, program.invert_spare0),)
+        terms += ((Register.SECONDARY_COLOR, program.invert_secondary_color),)
+        total = sum(wide_combine.map_final(registers[r][:3], invert, a) for r, invert in terms)
+        if program.color_sum_clamp and a.clamps_sum:
+            total = np.minimum(total, a.one)
+        registers[Register.SPARE0_PLUS_SECONDARY_COLOR] = np.concatenate([total, nothing])
+    inputs = [np.broadcast_to(value(v), (3, count)) for v in (final.a, final.b, final.c, final.d)]
+    return wide_combine.final_color(*inputs, value(final.g, alpha=True), a)
+
+
+def without_combiners(state, registers, count, a):
+    """Color sum and fog of the primary colour (sections 3.9, 3.10): int64 [4, count]."""
+    primary = registers[Register.PRIMARY_COLOR]
+    rgb = primary[:3]
+    if has_color_sum(state):
+        rgb = rgb + registers[Register.SECONDARY_COLOR][:3]
+        rgb = np.minimum(rgb, a.one) if a.clamps_sum else rgb
+    if state.fog is not None:
+        fog = registers[Register.FOG]
+        rgb = wide.with_fog(rgb, fog[:3], fog[3], a.one)
+    color = np.concatenate([rgb, primary[3:]])
+    return np.clip(color, 0, a.one) if a.clamps_final else color
+
+
+def _fog_register(fog, coordinates, profile, count, one):
+    """The FOG register, int64 [4, count]."""
+    if fog is None:
+        return filled((0, 0, 0, one), count)
+    color = wide.fixed(fog.color, one)[:3]
+    if profile.fog_arithmetic == FogArithmetic.TABLE:
+        at = np.clip(np.floor(coordinates * 4096.0), 0.0, 8192.0)
+        factor = table(fog.mode)[np.where(np.isnan(at), 0.0, at).astype(np.int64)].astype(np.int64)
+        factor = wide.convert(factor, 255, one)
+    else:
+        rising = fog.mode == FogMode.LINEAR and fog.start > fog.end
+        numbers = int(fog.mode), float(fog.density), float(fog.start), float(fog.end)
+        factor = wide.fog_factor(coordinates, wide.fog_thresholds(*numbers, one), rising)
+    return np.concatenate([filled(color, count), factor[None]])
+
+
+def shade(fragments, state, profile, bits, textures, samplers):
+    """Colours of fragments, int64 [k, 4] in units of ``bits``: texture units, combiners, color sum, fog."""
+    count, one = len(fragments.x), wide.one_of(bits)
+    registers = _Registers(samplers, fragments, bits)
+    registers[Register.PRIMARY_COLOR] = fragments.primary.T.astype(np.int64)
+    registers[Register.SECONDARY_COLOR] = fragments.secondary.T.astype(np.int64)
+    registers[Register.FOG] = _fog_register(state.fog, fragments.fog, profile, count, one)
+    program, environments = state.register_combiners, state.register_combiners is None
+    if environments:
+        program = environment_program(state, textures, profile, has_color_sum(state))
+    a = arithmetic_of(profile, bits, environments)
+    if program is None:
+        return without_combiners(state, registers, count, a).T
+    registers[Register.SPARE1] = filled((0, 0, 0, 0), count)
+    nothing = np.zeros((3, count), np.int64)
+    registers[Register.SPARE0] = np.concatenate([nothing, registers[Register.TEXTURE0][3:]])
+    return combine(program, registers, count, a).T
+
+
+# ------------------------------------------------------------------------------ per-fragment operations
+
+
+class _Surface:
+    """How a buffer keeps colours: masks of its components, and what blending reads back (section 10)."""
+
+    def __init__(self, framebuffer):
+        keep, pad, self.alpha = SURFACE_WORDS[framebuffer.color_format]
+        self.plain = (keep, pad, self.alpha) == (0xFFFFFFFF, 0, 0)
+        self.keep, self.pad = (
+            np.array([word >> shift & 255 for shift in (0, 8, 16, 24)], np.int64) for word in (keep, pad)
+        )
+
+    def stored(self, color):
+        """Colours as the buffer keeps them."""
+        if self.plain:
+            return color
+        if self.alpha == 2:
+            color = np.concatenate([color[:, :3], color[:, 3:] >> 1], axis=1)
+        return (color & self.keep) | self.pad
+
+    def padded(self, color):
+        """What a logic operation leaves."""
+        return color if self.plain else (color & self.keep) | self.pad
+
+    def source(self, color):
+        """What blending takes of a fragment."""
+        return color if self.plain else color & (self.keep | np.array([0, 0, 0, 255]))
+
+    def destination(self, color):
+        """What blending takes of the buffer."""
+        if self.alpha == 0:
+            return color
+        alpha = np.full_like(color[:, 3:], 255)
+        if self.alpha == 2:
+            seven = color[:, 3:] & 127
+            alpha = (seven << 1) | (seven >> 6)
+        return np.concatenate([color[:, :3], alpha], axis=1)
+
+
+def _written(state, source, stored, surface, bits, clamps):
+    """What blending or a logic operation makes of fragments and what is stored, before the color mask."""
+    one, blending = wide.one_of(bits), state.blending
+    if state.logic_op is not None:
+        source = surface.stored(np.clip(source, 0, one))
+        return surface.padded(wide_fragment.logic(state.logic_op, source, np.clip(stored, 0, one), one))
+    if blending is not None:
+        constant = wide.fixed(blending.color, one)
+        source = wide_fragment.blend(
+            blending.equation,
+            (blending.source, blending.destination),
+            surface.source(source),
+            surface.destination(stored),
+            constant,
+            bits,
+        )
+    far = wide_fragment.FAR
+    return surface.stored(np.clip(source, *((0, one) if clamps else (-far, far))))
+
+
+def write(fragments, color, state, profile, framebuffer):
+    """Tests and writes in draw order: bool [k], which fragments passed. ``color``: int64 [k, 4] in the
+    buffer's units.
+    """
+    bits, width = framebuffer.color_bits, framebuffer.width
+    clamps = framebuffer.is_bytes or Clamp.BLENDING in profile.clamps
+    surface = _Surface(framebuffer)
+    stored = framebuffer.color.reshape(-1, 4)
+    depth, stencil = framebuffer.depth.reshape(-1), framebuffer.stencil.reshape(-1)
+    alive = fragments.depth >= 0
+    if state.alpha_test is not None:
+        reference = wide.fixed(state.alpha_test.reference, wide.one_of(bits))
+        alive &= wide_fragment.compare(state.alpha_test.function, color[:, 3], reference)
+    mask = state.color_mask
+    mask = np.array([mask.red, mask.green, mask.blue, mask.alpha])
+    passed = np.zeros(len(alive), bool)
+    living = np.flatnonzero(alive)
+    pixel = fragments.y[living].astype(np.int64) * width + fragments.x[living]
+    for once in wide_fragment.in_order(pixel):
+        at, here = pixel[once], living[once]
+        closer = np.ones(len(at), bool)
+        if state.depth_test is not None:
+            old = depth[at].astype(np.int64)
+            closer = wide_fragment.compare(state.depth_test.function, fragments.depth[here], old)
+        if state.stencil_test is not None:
+            closer = _stencil(state.stencil_test, stencil, at, closer)
+        at, here = at[closer], here[closer]
+        passed[here] = True
+        if state.depth_test is not None and state.depth_test.write:
+            depth[at] = fragments.depth[here]
+        if mask.any():
+            old = stored[at].astype(np.int64)
+            new = _written(state, color[here], old, surface, bits, clamps)
+            stored[at] = np.where(mask, new, old)
+    return passed
+
+
+def _stencil(test, stencil, at, closer):
+    """Stencil test and operations of fragments of distinct pixels; which pass both tests."""
+    stored, reference = stencil[at].astype(np.int64), min(max(test.reference, 0), 255)
+    agreed = wide_fragment.compare(test.function, np.int64(reference & test.mask), stored & test.mask)
+    results = [
+        wide_fragment.stencil_result(operation, stored, reference)
+        for operation in (test.depth_pass, test.depth_fail, test.fail)
+    ]
+    new = np.where(agreed, np.where(closer, results[0], results[1]), results[2])
+    stencil[at] = (stored & ~test.write_mask) | (new & test.write_mask)
+    return agreed & closer
+
+
+def shade_and_write(fragments, state, profile, framebuffer, textures):
+    """Texture units, combiners, tests and writes of a FragmentColumns: bool [k], which passed all tests."""
+    bits = fragment_bits(profile, framebuffer)
+    samplers = unit_samplers(state, textures, profile)
+    color = np.empty((len(fragments.x), 4), np.int64)
+    for start in range(0, len(color), _CHUNK):
+        part = slice(start, start + _CHUNK)
+        with np.errstate(all="ignore"):  # coordinates may be infinite, or no numbers
+            shaded = shade(fragments.part(part), state, profile, bits, textures, samplers)
+        color[part] = wide.convert(shaded, wide.one_of(bits), wide.one_of(framebuffer.color_bits))
+    return write(fragments, color, state, profile, framebuffer)
+
+
+# --------------------------------------------------------------------------------------------- Draws
+
+FLOAT_DEPTHS = {-16: (12, 7, 0xFFFF), -24: (16, 127, 0xFEFFFF)}  # mantissa, bias, largest word
+
+
+def fragment_colors(colors, state, profile, bits):
+    """Vertex colours, float64 [n, 2, 8], in units of ``bits``: cut to the machine's mantissa, to nearest.
+
+    Inferred: a mantissa grows with the width it is rounded to.
+    """
+    lighting = state.vertex.lighting
+    exact = lighting is not None and profile.lighting == LightingArithmetic.EQUATIONS
+    kept = _MANTISSA_BITS if exact else profile.color_mantissa_bits + max(bits - NATIVE_BITS, 0)
+    limited = np.clip(np.nan_to_num(colors), -_BEYOND, _BEYOND)
+    cut = keep_significant_bits(limited, min(kept, _MANTISSA_BITS))
+    return np.floor(cut * np.float64(wide.one_of(bits)) + np.float64(0.5)).astype(np.int64)
+
+
+def column_draw(primitives, covered, state, profile, framebuffer, textures):
+    """Draw the fragments ``covered`` (triangle, x, y, int [k] each) of window primitives with float colours:
+    bool [k], which passed all tests.
+    """
+    bits = fragment_bits(profile, framebuffer)
+    draw = _Draw(primitives, state, profile, framebuffer, textures, bits)
+    passed = np.zeros(len(covered.x), bool)
+    for start in range(0, len(passed), _CHUNK):
+        part = slice(start, start + _CHUNK)
+        with np.errstate(all="ignore"):
+            fragments = draw.fragments(covered.triangle[part], covered.x[part], covered.y[part])
+        passed[part] = shade_and_write(fragments, state, profile, framebuffer, textures)
+    return passed
+
+
+class _Draw:
+    """Primitives with what iteration needs of their state."""
+
+    def __init__(self, primitives, state, profile, framebuffer, textures, bits):
+        self.primitives, self.state, self.profile = primitives, state, profile
+        self.framebuffer, self.bits = framebuffer, bits
+        self.colors = fragment_colors(primitives.colors, state, profile, bits)
+        self.depths = depth_units(state, framebuffer, primitives)
+        self.units = unit_samplers(state, textures, profile)
+        self.divided = tuple(primitives.projective[: len(self.units)])
+
+    def fragments(self, triangle, px, py):
+        """The FragmentColumns of pixels of rows ``triangle``."""
+        p, state, profile = self.primitives, self.state, self.profile
+        px, py = px.astype(np.int64), py.astype(np.int64)
+        rows = p.triangles[triangle].astype(np.int64)
+        vertices, provoking = rows[:, :3], rows[:, 3]
+        x, y = p.x[vertices].astype(np.int64), p.y[vertices].astype(np.int64)
+        kinds = p.strokes[triangle, 0] if len(p.strokes) else None
+        area = wide_iterate.edge_functions(x, y, px, py, profile.subpixel_bits)[1]
+
+        def edges(px, py):
+            n, _ = wide_iterate.edge_functions(x, y, px, py, profile.subpixel_bits)
+            if kinds is None or not (kinds == wide_iterate.LINE).any():
+                return n
+            steps = state.line.rasterization == LineRasterization.STEPS
+            lines = wide_iterate.along_lines(x, y, px, py, steps, profile.subpixel_bits)
+            return tuple(np.where(kinds == wide_iterate.LINE, a, b) for a, b in zip(lines, n, strict=True))
+
+        n, inverse_w = edges(px, py), p.inverse_w[vertices]
+        e = wide_iterate.perspective_terms(n, inverse_w)
+        b0, b2, _ = wide_iterate.full_weights(e)
+        q0, q2 = wide_iterate.iteration_weights(e)
+        back = self._back(kinds, triangle, area)
+        primary, secondary = self._colors(vertices, provoking, back, e, q0, q2)
+        fog = None
+        if state.fog is not None:
+            fog = wide_iterate.iterate(b0, b2, p.fog[vertices])
+        coordinates, lod, footprints = self._coordinates(vertices, edges, inverse_w, q0, q2, px, py)
+        depth = self._depth(triangle, vertices, kinds, n, inverse_w, x, y, area)
+        return FragmentColumns(
+            px, py, depth, primary, secondary, fog, coordinates, lod, self.divided, footprints
+        )
+
+    def _back(self, kinds, triangle, area):
+        """Which fragments take the back colour, 0 or 1."""
+        p = self.primitives
+        if not p.two_side:
+            facing = np.zeros(len(area), np.int64)
+        else:  # with y down, a negative area is counter-clockwise
+            counter_clockwise = self.state.polygon.front_face == FrontFace.CCW
+            facing = ((area < 0) != counter_clockwise).astype(np.int64)
+        if kinds is None:
+            return facing
+        return np.where(kinds == wide_iterate.TRIANGLE, facing, p.strokes[triangle, 1])
+
+    def _colors(self, vertices, provoking, back, e, q0, q2):
+        if self.state.polygon.shade_model == ShadeModel.FLAT:
+            colors = self.colors[provoking, back]
+        elif self.profile.color_weights == ColorWeights.EIGHT_BITS:
+            corners = self.colors[vertices, back[:, None]]
+            colors = wide_iterate.iterate_colors(q0, q2, corners, self.bits)
+        else:
+            corners = self.colors[vertices, back[:, None]]
+            one, clamps = wide.one_of(self.bits), Clamp.VERTEX_COLOR in self.profile.clamps
+            low, high = (0, one) if clamps else (-_BEYOND * one, _BEYOND * one)
+            colors = wide_iterate.iterate_exact_colors(e, corners, low, high)
+        return colors[:, :4], colors[:, 4:]
+
+    def _coordinates(self, vertices, edges, inverse_w, q0, q2, px, py):
+        """Coordinates of every unit, and lambda and footprints where some unit asks for them."""
+        count, units = len(px), len(self.units)
+        coordinates, lod, footprints = np.zeros((count, units, 4)), np.zeros((count, units)), None
+        for k, unit in enumerate(self.units):
+            if unit is None:
+                continue
+            corners = self.primitives.coordinates[vertices, k]
+            coordinates[:, k] = wide_iterate.iterate_coordinates(q0, q2, corners)
+            if not (unit.needs_lambda or unit.anisotropic):
+                continue
+            target, sizes = unit.texture.target, unit.sizes
+            steps, plain, missing = wide_iterate.block_steps(
+                edges, inverse_w, corners, self.divided[k], target, sizes, px, py
+            )
+            if unit.anisotropic:
+                footprints = np.zeros((count, units, 3)) if footprints is None else footprints
+                footprints[:, k], found = wide_iterate.anisotropy(
+                    plain, sizes, missing, float(unit.sampler.max_anisotropy)
+                )
+            else:
+                found = wide_iterate.level_of_detail(steps, missing, target)
+            lod[:, k] = found / 256.0
+        return coordinates, lod, footprints
+
+    def _depth(self, triangle, vertices, kinds, n, inverse_w, x, y, area):
+        """Words of the depth buffer, -1 where a fragment lies outside limits that end it (section 5)."""
+        state, target = self.state, self.framebuffer
+        limits = state.depth_clamp
+        if state.depth_test is None and not (limits is not None and limits.cull):
+            return np.zeros(len(triangle), np.int64)
+        w = inverse_w if state.w_buffering else None
+        z = wide_iterate.iterate_depth(n, w, self.depths[vertices])
+        offset, slope = self._offset(triangle, vertices, kinds, x, y, area)
+        z = z + (offset + slope * (z * z))
+        farthest = FARTHEST[target.depth_format]
+        low, high = 0.0, farthest
+        if limits is not None:
+            low, high = limits.minimum, farthest if limits.maximum is None else limits.maximum
+        float_bits = FLOAT_DEPTHS.get(int(target.depth_format))
+        words, inside = wide_iterate.depth_words(z, low, high, farthest, float_bits)
+        if limits is not None and limits.cull:
+            return np.where(inside, words, -1)
+        return words
+
+    def _offset(self, triangle, vertices, kinds, x, y, area):
+        """What is added to every depth, and what times its square: of the polygon that a fragment is of."""
+        polygon, p = self.state.polygon, self.primitives
+        enabled = np.full(len(triangle), polygon.offset_fill)
+        if kinds is not None:
+            of_kind = np.array([polygon.offset_fill, polygon.offset_line, polygon.offset_point])
+            source = p.strokes[triangle, 2:5].astype(np.int64)
+            stroke = kinds != wide_iterate.TRIANGLE
+            enabled = of_kind[kinds] & (~stroke | (source[:, 0] >= 0))
+            vertices = np.where(stroke[:, None] & (source[:, :1] >= 0), source, vertices)
+            x, y = p.x[vertices].astype(np.int64), p.y[vertices].astype(np.int64)
+            area = (x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0]) - (x[:, 2] - x[:, 0]) * (y[:, 1] - y[:, 0])
+        if not enabled.any() or not (polygon.offset_factor or polygon.offset_units):
+            return 0.0, 0.0
+        values = p.inverse_w[vertices] if self.state.w_buffering else self.depths[vertices]
+        steep = wide_iterate.depth_slope(
+            x, y, area, values, polygon.offset_factor, self.profile.subpixel_bits
+        )
+        if self.state.w_buffering:
+            slope = np.clip(steep, -(2.0**128), 2.0**128)
+            return np.where(enabled, float(polygon.offset_units), 0.0), np.where(enabled, slope, 0.0)
+        offset = np.clip(polygon.offset_units + steep, -(2.0**128), 2.0**128)
+        if self.framebuffer.depth_format > 0:
+            offset = np.trunc(np.clip(offset, -(2.0**30), 2.0**30))
+        return np.where(enabled, offset, 0.0), 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Covered:
+    """Pixels of primitives, int64 [k] each: per pixel in draw order."""
+
+    triangle: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+
+
+def covered_triangles(primitives, state, profile, framebuffer):
+    """Coverage of triangles at any number of subpixel bits: a Covered, culled and scissored (section 3)."""
+    box, polygon, p = scissor_box(state, framebuffer), state.polygon, primitives
+    parts = []
+    for number, row in enumerate(p.triangles[:, :3]):
+        x, y, w = (column[row].tolist() for column in (p.x, p.y, p.inverse_w))
+        area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])
+        front = (area < 0) == (polygon.front_face == FrontFace.CCW)
+        culled = polygon.cull_face in (Face.FRONT_AND_BACK, Face.FRONT if front else Face.BACK)
+        if area == 0 or culled or min(w) < W_SMALLEST or max(w) > W_LARGEST:
+            continue
+        px, py = wide_iterate.covered_pixels(x, y, box, profile.subpixel_bits)
+        parts.append((np.full(len(px), number), px, py))
+    if not parts:
+        return Covered(*(np.zeros(0, np.int64) for _ in range(3)))
+    return Covered(*(np.concatenate(column) for column in zip(*parts, strict=True)))
