@@ -688,6 +688,22 @@ def _format_final(final, clamp):
     return lines
 
 
+def _without_a_word(combiners):
+    """What of the combiners is a machine's own, beyond NV_register_combiners, or None."""
+    initial = RegisterCombiners()
+    for name in ("mux_select", "invert_spare0", "invert_secondary_color"):
+        if getattr(combiners, name) != getattr(initial, name):
+            return name
+    for stage in combiners.general:
+        if stage.lookup is not None:
+            return "lookup"
+        for portion, plain in ((stage.rgb, UNUSED_RGB), (stage.alpha, UNUSED_ALPHA)):
+            for name in ("ab_blue_to_alpha", "cd_blue_to_alpha", "function"):
+                if getattr(portion, name, None) != getattr(plain, name, None):
+                    return name
+    return None
+
+
 def format_program(combiners):
     """The canonical ``!!RC1.0`` program of register combiners: ``parse`` gives them back, equal.
 
@@ -701,6 +717,8 @@ def format_program(combiners):
         )
     for _, sentence in combiner_problems(combiners):
         raise ValueError(sentence)
+    if without_a_word := _without_a_word(combiners):
+        raise ValueError(f"The notation has no word for {without_a_word}; keep these combiners as state.")
     lines = ["!!RC1.0"]
     for name, color in (("const0", combiners.constant_color0), ("const1", combiners.constant_color1)):
         if color != _BLACK:

@@ -17,7 +17,9 @@ Three things have no field of their own:
   alpha takes another component, and only where that is impossible (``cnd``, red, green and blue overwritten)
   is blue copied, by an alpha portion that is free or by one more general combiner, or, where there would be
   more than eight, by the chip's own blue to alpha.
-- A negative constant: constants are in [0, 1], so the magnitude is stored and the reader negates.
+- A negative constant: constants are in [0, 1], so the magnitude is stored and the reader negates; of red,
+  green and blue of both signs what EXPAND_NORMAL maps to them is stored, which is even, and so off by up to
+  1/255 (Inferred: there is no other signed reading of a constant; a GeForce 3's output would settle it).
 
 ``cmp`` and ``dp4`` take two general combiners each, as their cost in instruction slots says they did.
 
@@ -31,7 +33,12 @@ distributed with OGRE 3D, for the correspondence.
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
-from pipeline.combiner_text import MAX_GENERAL_COMBINERS, UNUSED_ALPHA, UNUSED_RGB
+from pipeline.combiner_text import (
+    MAX_GENERAL_COMBINERS,
+    UNUSED_ALPHA,
+    UNUSED_RGB,
+    UNUSED_STAGE,
+)
 from pipeline.enums import (
     CombinerScale,
     ComponentUsage,
@@ -90,6 +97,10 @@ _NEGATED = {
     Mapping.HALF_BIAS_NORMAL: Mapping.HALF_BIAS_NEGATE,
 }
 _NEGATED |= {negated: mapping for mapping, negated in _NEGATED.items()}
+_EXPANDED = {
+    Mapping.SIGNED_IDENTITY: Mapping.EXPAND_NORMAL,
+    Mapping.SIGNED_NEGATE: Mapping.EXPAND_NEGATE,
+}
 
 _ACCESSES = {
     TextureTarget.TEXTURE_1D: _OP.TEXTURE_1D,
@@ -146,13 +157,14 @@ class ConstantPlace(NamedTuple):
 @dataclass(frozen=True)
 class PixelShader:
     """A translated program. ``texture_shader`` is None where it has no texture instruction: units then sample
-    what is bound to them.
+    what is bound to them. ``notes``: sentences on what Direct3D would refuse and the hardware does not.
     """
 
     version: str
     texture_shader: tuple[TextureShaderStage, ...] | None
     combiners: RegisterCombiners
     constants: tuple[ConstantPlace, ...]
+    notes: tuple[str, ...] = ()
 
 
 def parse(text, targets=None, constants=None, start=(1, 1)):
@@ -179,9 +191,9 @@ def parse(text, targets=None, constants=None, start=(1, 1)):
             f"the {len(translation.stages)} general combiners that this program takes are more than the "
             f"{MAX_GENERAL_COMBINERS} of any machine, from here on. Split it into passes."
         )
-    return PixelShader(
-        listing.version, stages, translation.combiners(), (*eyes, *translation.constant_places())
-    )
+    places = (*eyes, *translation.constant_places())
+    notes = tuple(dict.fromkeys(translation.notes))
+    return PixelShader(listing.version, stages, translation.combiners(), places, notes)
 
 
 # ------------------------------------------------------------------------------------ texture stages
@@ -354,7 +366,7 @@ class _Translation:
         self.listing, self.blue_to_alpha = listing, blue_to_alpha
         self.colors = colors
         self.groups = _groups(listing.arithmetic)
-        self.stages = []
+        self.stages, self.notes = [], []
         self.dots = {}  # registers whose alpha is in blue
         self.equal = set()  # registers whose four components are equal
         self.saturated = set()  # (register, half) that readers have to clamp
@@ -370,12 +382,17 @@ class _Translation:
                 self.over_two_combiners(number, group[0])
             else:
                 self.over_one_combiner(number, group)
-        for half, what in (("rgb", "color"), ("a", "alpha")):
+        for half in ("rgb", "a"):
             if (_R0, half) not in self.written:
-                raise self.listing.end.error(
-                    f"the program ends and has not written r0's {what}, which is its result; add mov r0"
-                    f".{half}, ..."
-                )
+                self.unwritten(self.listing.end, _R0, half)
+
+    def unwritten(self, token, register, half):
+        name, what = "".join(map(str, register)), "alpha" if half == "a" else "color"
+        value = "texture 0's alpha" if (register, half) == (_R0, "a") else "zero"
+        self.notes.append(
+            f"line {token.line}: {name}'s {what} is read before anything is written to it, which Direct3D "
+            f"refuses; the register begins as {value}."
+        )
 
     def combiners(self):
         zero = CombinerInput()
@@ -387,7 +404,8 @@ class _Translation:
             f=zero,
             g=CombinerInput(Register.SPARE0, usage=usage),
         )
-        return RegisterCombiners(general=tuple(stage.build() for stage in self.stages), final=final)
+        general = tuple(stage.build() for stage in self.stages)
+        return RegisterCombiners(general=general or (UNUSED_STAGE,), final=final)
 
     def constant_places(self):
         return tuple(
@@ -397,7 +415,7 @@ class _Translation:
         )
 
     def new_stage(self, token):
-        return _Stage(token, {n: tuple(min(abs(v), 1.0) for v in self.color(n)) for n in range(8)})
+        return _Stage(token, {number: _stored(self.color(number)) for number in range(8)})
 
     def color(self, number):
         return self.colors.get(number, (0.0, 0.0, 0.0, 0.0))
@@ -645,12 +663,12 @@ class _Translation:
     def check_written(self, source, component):
         if source.letter == "c" or (source.register, component) in self.written:
             return
-        name, what = f"{source.letter}{source.number}", "alpha" if component == "a" else "color"
-        if source.letter == "t":
-            given = self.texture.get(source.number)
-            reason = f"{given} gives no color" if given else "no texture instruction gives it"
-            raise source.token.error(f"{name} is read, but {reason}; write tex {name} first.")
-        raise source.token.error(f"{name}'s {what} is read before it is written; write it first.")
+        if source.letter == "r":
+            self.unwritten(source.token, source.register, component)
+            return
+        name, given = f"t{source.number}", self.texture.get(source.number)
+        reason = f"{given} gives no color" if given else "no texture instruction gives it"
+        raise source.token.error(f"{name} is read, but {reason}; write tex {name} first.")
 
     def operand(self, stage, half, source, unsigned=False):
         """A source as a combiner's input; ``unsigned``: clamped to [0, 1]."""
@@ -674,15 +692,14 @@ class _Translation:
 
     def constant(self, stage, source, usage, mapping, unsigned):
         color = self.color(source.number)
-        read_values = {_RGB: color[:3], _BLUE: color[2:3], _ALPHA: color[3:]}[usage]
+        read_values = color[3:] if usage is _ALPHA else color[:3]
         if any(value < 0 for value in read_values):
-            if any(value > 0 for value in read_values) or mapping not in _SIGNED or unsigned:
+            if mapping not in _SIGNED or unsigned:
                 raise source.token.error(
-                    f"c{source.number} is {color}; a combiner's constants are in [0, 1], and a negative "
-                    "one is stored as its magnitude, which must be so for all components and read without "
-                    f"a modifier. Define (c + 1) / 2, and read c{source.number}_bx2."
+                    f"c{source.number} is {color}; a combiner's constants are in [0, 1], and what stands "
+                    "for a negative one has to be read without a modifier. Change the constant instead."
                 )
-            mapping = _NEGATED[mapping]
+            mapping = (_EXPANDED if max(read_values) > 0 else _NEGATED)[mapping]
         if source.number not in stage.places:
             if len(stage.places) == 2:
                 raise source.token.error(
@@ -693,6 +710,19 @@ class _Translation:
         if unsigned and mapping in _SIGNED:
             mapping = Mapping.UNSIGNED_IDENTITY
         return _Operand(CombinerInput(_CONSTANTS[stage.places[source.number]], mapping, usage))
+
+
+def _stored(color):
+    """What a combiner's constant, in [0, 1], holds of a color in [-1, 1].
+
+    Magnitudes, for readers that negate; where red, green and blue differ in sign, what EXPAND_NORMAL maps to
+    them, in steps of 2/255.
+    """
+    color = [max(-1.0, min(1.0, value)) for value in color]
+    magnitudes = tuple(abs(value) for value in color)
+    if min(color[:3]) < 0 < max(color[:3]):
+        return (*(min((value + 256 / 255) / 2, 1.0) for value in color[:3]), magnitudes[3])
+    return magnitudes
 
 
 def _groups(instructions):

@@ -25,7 +25,7 @@ class Program:
     """``notations``: the headers, in order. ``texture_shader`` is None where the text says nothing of it:
     each unit then samples what is bound to it. ``combiners`` is None where it has texture shaders alone.
     ``targets``: of the texture that each unit's stage reads, None where it reads none. ``constants``: where a
-    pixel shader's constant registers went.
+    pixel shader's constant registers went. ``notes``: sentences on what a stricter reader would refuse.
     """
 
     notations: tuple[str, ...]
@@ -33,6 +33,7 @@ class Program:
     combiners: RegisterCombiners | None
     targets: tuple[TextureTarget | None, ...] = ()
     constants: tuple[ConstantPlace, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 def _place(text, at):
@@ -58,7 +59,9 @@ def parse_program(text, targets=None, constants=None):
     if not header.group().startswith("!!"):
         # Comments of the other notations, before the version, are none of this one's.
         shader = pixel_shader_combiners.parse(text[at:], targets, constants, start=_place(text, at))
-        return _program((f"ps.{shader.version}",), shader.texture_shader, shader.combiners, shader.constants)
+        header = f"ps.{shader.version}"
+        given = shader.texture_shader, shader.combiners, shader.constants, shader.notes
+        return _program((header,), *given)
     second = _SECOND_HEADER.search(text, header.end())
     parts = [text[at:]] if second is None else [text[at : second.start()], text[second.start() :]]
     starts = [_place(text, at)] if second is None else [_place(text, at), _place(text, second.start())]
@@ -74,6 +77,6 @@ def parse_program(text, targets=None, constants=None):
     return _program(tuple(found), found.get("!!TS1.0"), found.get("!!RC1.0"))
 
 
-def _program(notations, stages, combiners, constants=()):
+def _program(notations, stages, combiners, constants=(), notes=()):
     targets = tuple(texture_target(stage.operation) for stage in stages or ())
-    return Program(notations, stages, combiners, targets, tuple(constants))
+    return Program(notations, stages, combiners, targets, constants, notes)

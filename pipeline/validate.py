@@ -1885,7 +1885,7 @@ def validate_program(texture_shader, combiners, profile):
 
     Raises UnsupportedState (a ValueError) that names what was given, what the machine allows, what to do.
     """
-    walk = _Walk(profile, 1, 1, {}, {})
+    walk = _Walk(profile, 1, 1, profile.widest_depth, {}, {}, PixelStatistics())
     walk.where = "This program"
     if texture_shader is not None:
         units = len(texture_shader)

@@ -58,8 +58,9 @@ def pixel_shaders(draw, most=6):
     lines = ["ps.1.3"]
     for number in (0, 1):
         color = draw(st.tuples(*[st.integers(0, 255)] * 4))
-        sign = draw(st.sampled_from((1, 1, -1)))
-        lines.append(f"def c{number}, {', '.join(f'{sign * c / 255:.6f}' for c in color)}")
+        signs = draw(st.sampled_from(((1,) * 4, (1,) * 4, (-1,) * 4, (1, -1, 1, -1))))
+        values = (f"{sign * c / 255:.6f}" for sign, c in zip(signs, color, strict=True))
+        lines.append(f"def c{number}, {', '.join(values)}")
     lines += [
         "tex t0",
         "tex t1",

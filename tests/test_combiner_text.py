@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 
 from pipeline.combiner_text import CombinerTextError, format_program, parse
-from pipeline.enums import CombinerBias, CombinerScale, ComponentUsage, Mapping, Register
+from pipeline.enums import CombinerBias, CombinerScale, ComponentUsage, Mapping, MuxSelect, Register
 from pipeline.state import (
     AlphaPortion,
     CombinerInput,
@@ -482,6 +482,12 @@ def test_every_cut_of_a_program_is_an_error_or_a_program():
         (
             RegisterCombiners(general=(GeneralCombiner(rgb=RGBPortion(ab_output=R.FOG)),)),
             "writes FOG, which is read only",
+        ),
+        (RegisterCombiners(mux_select=MuxSelect.LSB), "no word for mux_select"),
+        (RegisterCombiners(invert_spare0=True), "no word for invert_spare0"),
+        (
+            RegisterCombiners(general=(GeneralCombiner(rgb=RGBPortion(cd_blue_to_alpha=True)),)),
+            "no word for cd_blue_to_alpha",
         ),
     ],
 )

@@ -73,18 +73,28 @@ def test_errors_count_lines_from_the_beginning_of_the_text(text, line, column, w
     assert (caught.value.line, caught.value.column) == (line, column)
 
 
-@settings(max_examples=400)
-@given(
-    mutated(
-        st.one_of(
-            pixel_shaders(),
-            texture_shaders(),
-            register_combiners(max_stages=2, units=4, per_stage_constants=True).map(format_program),
-            st.just(TS + RC),
-        )
-    )
+ANY_TEXT = st.one_of(
+    pixel_shaders(),
+    texture_shaders(),
+    register_combiners(max_stages=2, units=4, per_stage_constants=True).map(format_program),
+    st.just(TS + RC),
 )
+
+
+@settings(max_examples=150)
+@given(mutated(ANY_TEXT))
 def test_a_spoiled_program_is_a_program_or_an_error_of_the_notation(text):
+    check_spoiled(text)
+
+
+@pytest.mark.slow
+@settings(max_examples=10000)
+@given(mutated(ANY_TEXT))
+def test_many_spoiled_programs_are_programs_or_errors_of_the_notation(text):
+    check_spoiled(text)
+
+
+def check_spoiled(text):
     try:
         program = parse_program(text)
     except ProgramTextError as error:

@@ -55,6 +55,8 @@ def combiners(file, profile, targets, notation):
             else f"{place.register.name.lower().replace('constant_color', 'const')} of GC{place.stage}"
         )
         click.echo(f"  c{place.constant} is {where}")
+    for note in program.notes:
+        click.echo(f"note: {note}")
 
 
 def _target(given):

@@ -40,8 +40,15 @@ class Arithmetic:
 
 
 def constant(components):
-    """The color of a def, by its nearest steps. Source: def; Assumed: eight bits and a sign."""
-    return [round(max(-1.0, min(1.0, float(c))) * ONE) for c in components]
+    """The color of a def, by its nearest steps; red, green and blue of both signs have even steps, up to 254.
+
+    Source: def; Inferred: eight bits without a sign, or expanded.
+    """
+    color = [max(-1.0, min(1.0, float(c))) for c in components]
+    steps = [round(c * ONE) for c in color]
+    if min(color[:3]) < 0 < max(color[:3]):
+        steps[:3] = [min(2 * int((ONE * c + 256) / 2 + 0.5) - 256, 254) for c in color[:3]]
+    return steps
 
 
 def read(registers, text, arithmetic):
