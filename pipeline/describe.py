@@ -5,17 +5,20 @@ notation calls them. Equations leave out what cannot contribute: factors of one,
 outputs. ``.`` is a dot product, ``1 - x`` is UNSIGNED_INVERT, 1/2 is the machine's half.
 """
 
-from dataclasses import MISSING, fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass, replace
 from enum import Enum
 
 from pipeline.combiner_text import REGISTER_NAMES, format_input
 from pipeline.commands import (
     Accum,
     BindTexImage,
+    Bitmap,
     Clear,
+    CopyPixels,
     CopyTexImage,
     CopyTexSubImage,
     Draw,
+    DrawPixels,
     MakeCurrent,
     ReadPixels,
     ResetHistogram,
@@ -60,9 +63,11 @@ from pipeline.state import (
     Lighting,
     LineState,
     PassState,
+    PixelTexture,
     PointParameters,
     PointState,
     PolygonState,
+    RasterPosition,
     RegisterCombiners,
     Sampler,
     StencilTest,
@@ -639,6 +644,43 @@ def _reset_minmax(command):
     return [f'minmax "{command.name}" forgets what it saw']
 
 
+def _raster_position(position):
+    coordinates = f"raster position {_value(position.position)}"
+    given = _differences(replace(position, position=RasterPosition().position, window=False))[0]
+    return coordinates + (" in the window" if position.window else "") + (f", {given}" if given else "")
+
+
+def _fragments(command, first):
+    """Lines of a command that draws pixel groups; ``first``: what they are."""
+    zoom = getattr(command, "zoom", (1.0, 1.0))
+    lines = [first + ("" if zoom == (1.0, 1.0) else f", PixelZoom {_value(zoom)}")]
+    lines.append(_raster_position(command.position))
+    texture = getattr(command, "pixel_texture", None)
+    if texture is not None:
+        name = "PIXEL_TEXTURE" if texture.mode is None else f"PIXEL_TEX_GEN {texture.mode.name}"
+        plain = PixelTexture() if texture.mode is None else replace(PixelTexture(), mode=texture.mode)
+        given = _differences(replace(texture, mode=plain.mode), plain)[0]
+        lines.append(f"{name} enabled" + (f": {given}" if given else ""))
+    lines += _pixel_transfer(getattr(command, "transfer", INITIAL_TRANSFER))
+    first, *rest = _differences(command.state)
+    return [*lines, *([first] if first else []), *rest]
+
+
+def _draw_pixels(command):
+    height, width = command.image.values.shape[:2]
+    return _fragments(command, f"{command.image.format} image, {width}x{height} groups")
+
+
+def _copy_pixels(command):
+    return _fragments(command, f"{command.type.name} of {_rectangle(command)}")
+
+
+def _bitmap(command):
+    height, width = command.bits.shape
+    origin = "" if command.origin == (0.0, 0.0) else f", origin {_value(command.origin)}"
+    return _fragments(command, f"bitmap, {width}x{height}{origin}")
+
+
 def _accum(command):
     value = _number(command.value)
     read, written = (
@@ -677,6 +719,9 @@ def _bind_tex_image(command):
 _DESCRIPTIONS = {
     Clear: _clear,
     Draw: _draw,
+    DrawPixels: _draw_pixels,
+    CopyPixels: _copy_pixels,
+    Bitmap: _bitmap,
     TexImage: _tex_image,
     CopyTexImage: _copy_tex_image,
     CopyTexSubImage: _copy_tex_sub_image,

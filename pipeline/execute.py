@@ -21,10 +21,13 @@ from pipeline.combiner_plan import plan_combiners
 from pipeline.commands import (
     Accum,
     BindTexImage,
+    Bitmap,
     Clear,
+    CopyPixels,
     CopyTexImage,
     CopyTexSubImage,
     Draw,
+    DrawPixels,
     MakeCurrent,
     ReadPixels,
     ResetHistogram,
@@ -34,6 +37,7 @@ from pipeline.commands import (
 from pipeline.enums import AccumOperation, Clamp, ColorBuffer, TextureTarget
 from pipeline.framebuffer import Framebuffer, bound_texture, copied_texture, defined_texture, replaced_texture
 from pipeline.multisample import SAMPLE_POSITIONS, Samples, shifted
+from pipeline.pixel_rectangles import draw_rectangle
 from pipeline.primitives import WindowPrimitives
 from pipeline.profile import Profile
 from pipeline.profiles import GEFORCE_256
@@ -62,12 +66,14 @@ _PARALLEL_FROM = 1 << 14
 # Bytes of vertices that wait to be drawn, or are kept for a repetition: enough for any figure's frame.
 _MOST_BYTES = 1 << 27
 ENGINES = (None, "portable", "columns")
+_RECTANGLES = (DrawPixels, CopyPixels, Bitmap)
 
 
 @dataclass(frozen=True, eq=False)
 class Fragments:
     """Fragments as columns, all int32 [n]: primitive number, device pixel x and y (y down), and 1 where the
-    fragment passed the per-fragment tests (0 where not; coverage alone says 1).
+    fragment passed the per-fragment tests (0 where not; coverage alone says 1). A rectangle of pixels has
+    the group's number instead, counted row by row from the lower left.
 
     Per pixel they are in draw order.
     """
@@ -86,10 +92,11 @@ class Result:
     surfaces      the pbuffers' framebuffers by name (the same objects likewise)
     textures      texture objects by name, as they are afterwards
     pixels        what each ReadPixels read, by its name
-    fragments     how many fragments the Draws made
+    fragments     how many fragments the Draws and rectangles of pixels made
     dropped       how many primitives were dropped because a projected position was not usable
+    undefined     how many groups of pixel textures had no positive q, which then counted as 1
     trace         a Snapshot after every command, when asked for
-    records       the Fragments of every Draw, when asked for
+    records       the Fragments of every Draw and rectangle of pixels, when asked for
     histograms    the machine's histograms by name, as they are afterwards
     minmaxes      its minmaxes likewise
     """
@@ -100,6 +107,7 @@ class Result:
     pixels: dict[str, np.ndarray]
     fragments: int
     dropped: int
+    undefined: int
     trace: tuple[Snapshot, ...]
     records: tuple[Fragments, ...]
     histograms: dict[str, HistogramTable]
@@ -286,7 +294,7 @@ class Machine:
         engine = "portable" if record else self.engine
         queue, repeated = self._queue, _Repeated(commands, self.samples)
         pixels, snapshots, records = {}, [], []
-        queue.fragments = dropped = 0
+        queue.fragments = dropped = undefined = 0
         try:
             for command in commands:
                 kind = type(command)
@@ -318,6 +326,15 @@ class Machine:
                         queue.clear(command, target, engine if target.is_bytes else "portable")
                     if command.accumulation is not None:
                         clear_accumulation(self._current, command, self.profile)
+                elif kind in _RECTANGLES:
+                    self._flush()
+                    surfaces = [surface for surface, _ in self._targets(command.state.draw_buffer)]
+                    kept = self.textures, self.statistics
+                    parts = draw_rectangle(command, self.profile, self._current, surfaces, *kept)
+                    queue.fragments += sum(len(drawn.x) for drawn in parts)
+                    undefined += parts[0].undefined if parts else 0
+                    if record:
+                        records += [Fragments(*(c.astype(np.int32) for c in drawn[:4])) for drawn in parts]
                 else:
                     self._flush()
                     self._transfer(command, pixels)
@@ -335,6 +352,7 @@ class Machine:
             pixels,
             queue.fragments,
             dropped,
+            undefined,
             tuple(snapshots),
             tuple(records),
             dict(self.statistics.histograms),

@@ -13,7 +13,7 @@ module refuses.
 """
 
 import math
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from enum import Enum
 from functools import cache
 from numbers import Integral, Real
@@ -23,14 +23,18 @@ from weakref import WeakKeyDictionary, WeakSet
 
 import numpy as np
 
+from pipeline.check_pixels import bits_problem, pixel_texture_problem, rectangle_problem
 from pipeline.check_transfer import color_table_problem, pixel_image_problem, transfer_problem
 from pipeline.commands import (
     Accum,
     BindTexImage,
+    Bitmap,
     Clear,
+    CopyPixels,
     CopyTexImage,
     CopyTexSubImage,
     Draw,
+    DrawPixels,
     MakeCurrent,
     Mesh,
     ReadPixels,
@@ -53,6 +57,7 @@ from pipeline.enums import (
     LightingArithmetic,
     Mapping,
     MuxSelect,
+    PixelCopyType,
     PolygonMode,
     PrimitiveType,
     Register,
@@ -66,7 +71,9 @@ from pipeline.enums import (
 )
 from pipeline.framebuffer import DEPTH_READABLE_AS, READ_FORMATS, READABLE_AS
 from pipeline.pack import WITHOUT_TEXTURE, shader_stages
+from pipeline.pixel_rectangles import kind_of
 from pipeline.pixel_transfer import PixelTransfer
+from pipeline.raster_position import vertex_of
 from pipeline.state import (
     Light,
     Lighting,
@@ -1023,6 +1030,48 @@ class _Walk:
         self.texture_storage(image.target, image.internal_format, image.width, image.height, image.depth)
         self.textures[name] = self.taken.textures[image] = _Known.of(image)
 
+    def draw_pixels(self, command):
+        if problem := pixel_image_problem(command.image):
+            self.refuse(problem)
+        height, width = command.image.values.shape[:2]
+        self.pixels(command, width, height)
+
+    def copy_pixels(self, command):
+        width, height = self.framebuffer_rectangle(command)
+        self.color_buffer(command.read_buffer)
+        self.pixels(command, width, height)
+
+    def pixels(self, command, width, height):
+        """What DrawPixels and CopyPixels have in common."""
+        kind = kind_of(command)
+        if kind is PixelCopyType.STENCIL:
+            self.stencil_buffer("writes the stencil buffer")
+        self.transferred(command, width, height, deep=kind is not PixelCopyType.COLOR)
+        units = command.state.texture_units
+        if command.pixel_texture is None:
+            self.rectangle_of_pixels(command, command.position)
+            return
+        # Coordinates come from the groups, and so from no vertex.
+        sets = max((unit.coordinates + 1 for unit in units if unit is not None), default=0)
+        made = ((0.0, 0.0, 0.0, 1.0),) * min(max(sets, 0), 8)
+        self.rectangle_of_pixels(command, replace(command.position, texture_coordinates=made))
+        known = [(i, self.textures[u.texture]) for i, u in enumerate(units) if u is not None]
+        textures = [(i, texture.target, texture.faces[0]) for i, texture in known]
+        if problem := pixel_texture_problem(
+            command.pixel_texture, kind, command.state, textures, self.profile
+        ):
+            self.refuse(problem)
+
+    def bitmap(self, command):
+        if problem := bits_problem(command.bits):
+            self.refuse(problem)
+        self.rectangle_of_pixels(command, command.position)
+
+    def rectangle_of_pixels(self, command, position):
+        if problem := rectangle_problem(command, self.profile):
+            self.refuse(problem)
+        self.pass_state(command.state, vertex_of(position))
+
     def copy_tex_image(self, command):
         width, height = self.framebuffer_rectangle(command)
         self.color_buffer(command.read_buffer)
@@ -1773,6 +1822,9 @@ _HANDLERS = {
     CopyTexSubImage: _Walk.copy_tex_sub_image,
     ReadPixels: _Walk.read_pixels,
     Accum: _Walk.accum,
+    DrawPixels: _Walk.draw_pixels,
+    CopyPixels: _Walk.copy_pixels,
+    Bitmap: _Walk.bitmap,
     MakeCurrent: _Walk.make_current,
     BindTexImage: _Walk.bind_tex_image,
     ResetHistogram: _Walk.reset_histogram,

@@ -1,0 +1,100 @@
+"""What a machine refuses of rectangles of pixels: sentences for ``validate``.
+
+Fields have the types that the states say, and numbers are finite, when these functions see them.
+"""
+
+from pipeline.enums import (
+    PixelCopyType,
+    PixelTexGenAlpha,
+    PixelTexGenQ,
+    TextureTarget,
+    VertexStage,
+)
+from pipeline.state import VertexState
+
+
+def rectangle_problem(command, profile):
+    """Why the fragments of a DrawPixels, CopyPixels or Bitmap cannot be made on a machine, or None."""
+    vertex, state = command.state.vertex, command.state
+    if vertex.stage == VertexStage.PROGRAM_RESULTS or vertex.composite != VertexState().composite:
+        return (
+            "a raster position goes through the fixed-function vertex stage, by modelview, projection and "
+            "viewport; leave vertex.stage and vertex.composite unset, or give the position in window "
+            "coordinates (window=True) beside a state without them."
+        )
+    if state.w_buffering and command.position.window:
+        return (
+            "w_buffering takes clip w as depth, and a raster position in window coordinates has none; give "
+            "object coordinates, or leave w_buffering False."
+        )
+    if state.texture_shader is not None:
+        return (
+            f"texture shaders of {profile.name} take their coordinates from vertices; rectangles of pixels "
+            "have none. Leave texture_shader None, or draw a textured quad."
+        )
+    return None
+
+
+def bits_problem(bits):
+    """What is wrong with a Bitmap's bits, or None."""
+    if bits.ndim != 2:
+        return f"the bitmap has shape {bits.shape}; give [height, width]."
+    if 0 in bits.shape:
+        return f"the bitmap is {bits.shape[1]}x{bits.shape[0]}; give at least one pixel."
+    if bits.dtype.kind not in "bui" or not ((bits == 0) | (bits == 1)).all():
+        return f"the bitmap holds values of {bits.dtype} that are not bits; give booleans, or zeros and ones."
+    return None
+
+
+def pixel_texture_problem(texture, kind, state, textures, profile):
+    """Why groups of ``kind``, a PixelCopyType, cannot become texture coordinates on a machine, or None.
+
+    ``textures``: for each enabled unit (number, target, layers of level 0).
+    """
+    sgix = texture.mode is not None
+    if not (profile.pixel_texture if sgix else profile.pixel_texture_sgis):
+        return (
+            f"{profile.name} has no {'SGIX' if sgix else 'SGIS'}_pixel_texture; read the pixels, look them "
+            "up on the host (effects.software_pixel_texture) and draw what is found."
+        )
+    if kind != PixelCopyType.COLOR:
+        return f"only colours become texture coordinates, not {kind.name}; leave pixel_texture None."
+    if sgix and (texture.rgb_source or texture.alpha_source):
+        return (
+            "pixel_texture.rgb_source and alpha_source are SGIS_pixel_texture's; give mode None beside them, "
+            "or the mode alone."
+        )
+    if not textures:
+        return "pixel_texture makes texture coordinates, and no texture unit is enabled; enable one."
+    return _impact_problem(texture, textures, profile)
+
+
+def _impact_problem(texture, textures, profile):
+    plain = texture.volumes is None and not texture.alpha_replace
+    if not plain and not profile.impact_pixel_texture:
+        return (
+            f"{profile.name} has no SGIX_impact_pixel_texture; leave volumes None and alpha_replace False, "
+            "or blend the passes by a texture's own alpha."
+        )
+    if texture.volumes is None and texture.q_filter != PixelTexGenQ.ROUND:
+        return (
+            f"pixel_texture.q_filter is {texture.q_filter.name}, which chooses a volume of a "
+            "four-dimensional texture; give volumes, or leave it ROUND."
+        )
+    if not texture.alpha_replace and texture.alpha != PixelTexGenAlpha.MS:
+        return "pixel_texture.alpha is LS, which alpha_replace alone reads; set that, or leave it MS."
+    if texture.volumes is None:
+        return None
+    if texture.volumes < 1:
+        return f"pixel_texture.volumes is {texture.volumes}; give 1 or more, or None."
+    for number, target, layers in textures:
+        if target != TextureTarget.TEXTURE_3D or layers % texture.volumes:
+            return (
+                f"texture unit {number} has a {target.name} of {_layers(layers)}, which is not "
+                f"{texture.volumes} volumes; give a TEXTURE_3D whose layers are as many times the volumes'."
+            )
+    return None
+
+
+def _layers(count):
+    return f"{count} layer" if count == 1 else f"{count} layers"
