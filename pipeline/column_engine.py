@@ -31,8 +31,9 @@ from pipeline.enums import (
 from pipeline.fog import table
 from pipeline.framebuffer import SURFACE_WORDS
 from pipeline.pack import FARTHEST, depth_units, has_color_sum, scissor_box
+from pipeline.strokes import whole_size
 from pipeline.texture_environment import environment_program
-from raster import wide, wide_combine, wide_fragment, wide_iterate
+from raster import rows, wide, wide_combine, wide_fragment, wide_iterate
 from raster.vertices import W_LARGEST, W_SMALLEST
 
 NATIVE_BITS = 8
@@ -134,6 +135,11 @@ def unsupported(state, profile):
         return (
             f"{profile.name} runs texture shaders on bytes alone. Disable them, or draw at the machine's own "
             "widths, with its clamps on."
+        )
+    if any(unit is not None and unit.sampler.max_probes > 1 for unit in state.texture_units):
+        return (
+            f"{profile.name} assembles footprints at its own widths alone. Take a max_probes of 1, or draw "
+            "at the machine's own widths, with its clamps on."
         )
     return None
 
@@ -500,21 +506,13 @@ class _Draw:
         """The FragmentColumns of pixels of rows ``triangle``."""
         p, state, profile = self.primitives, self.state, self.profile
         px, py = px.astype(np.int64), py.astype(np.int64)
-        rows = p.triangles[triangle].astype(np.int64)
-        vertices, provoking = rows[:, :3], rows[:, 3]
+        corners = p.triangles[triangle].astype(np.int64)
+        vertices, provoking = corners[:, :3], corners[:, 3]
         x, y = p.x[vertices].astype(np.int64), p.y[vertices].astype(np.int64)
-        kinds = p.strokes[triangle, 0] if len(p.strokes) else None
+        kinds = p.strokes[triangle, rows.KIND] if len(p.strokes) else None
         area = wide_iterate.edge_functions(x, y, px, py, profile.subpixel_bits)[1]
 
-        def edges(px, py):
-            n, _ = wide_iterate.edge_functions(x, y, px, py, profile.subpixel_bits)
-            if kinds is None or not (kinds == wide_iterate.LINE).any():
-                return n
-            steps = state.line.rasterization == LineRasterization.STEPS
-            lines = wide_iterate.along_lines(x, y, px, py, steps, profile.subpixel_bits)
-            return tuple(np.where(kinds == wide_iterate.LINE, a, b) for a, b in zip(lines, n, strict=True))
-
-        n, inverse_w = edges(px, py), p.inverse_w[vertices]
+        n, inverse_w = self._edges(x, y, kinds, px, py, True), p.inverse_w[vertices]
         e = wide_iterate.perspective_terms(n, inverse_w)
         b0, b2, _ = wide_iterate.full_weights(e)
         q0, q2 = wide_iterate.iteration_weights(e)
@@ -523,11 +521,33 @@ class _Draw:
         fog = None
         if state.fog is not None:
             fog = wide_iterate.iterate(b0, b2, p.fog[vertices])
+
+        def edges(px, py):
+            return self._edges(x, y, kinds, px, py)
+
         coordinates, lod, footprints = self._coordinates(vertices, edges, inverse_w, q0, q2, px, py)
         depth = self._depth(triangle, vertices, kinds, n, inverse_w, x, y, area)
         return FragmentColumns(
             px, py, depth, primary, secondary, fog, coordinates, lod, self.divided, footprints
         )
+
+    def _edges(self, x, y, kinds, px, py, drawn=False):
+        """(n0, n1, n2) of pixels; ``drawn``: of the fragments themselves, which in a wide line of diamonds
+        take another pixel's.
+        """
+        line, bits = self.state.line, self.profile.subpixel_bits
+        n, _ = wide_iterate.edge_functions(x, y, px, py, bits)
+        if kinds is None or not (lines := kinds == wide_iterate.LINE).any():
+            return n
+        if self.profile.diamond_exit_lines:
+            width = whole_size(line.width)
+            if drawn and width > 1:
+                px, py = wide_iterate.repeated_pixels(x, y, px, py, width, bits)
+            along = wide_iterate.along_diamonds(x, y, px, py, width, bits)
+        else:
+            steps = line.rasterization == LineRasterization.STEPS
+            along = wide_iterate.along_lines(x, y, px, py, steps, bits)
+        return tuple(np.where(lines, a, b) for a, b in zip(along, n, strict=True))
 
     def _back(self, kinds, triangle, area):
         """Which fragments take the back colour, 0 or 1."""
@@ -539,7 +559,7 @@ class _Draw:
             facing = ((area < 0) != counter_clockwise).astype(np.int64)
         if kinds is None:
             return facing
-        return np.where(kinds == wide_iterate.TRIANGLE, facing, p.strokes[triangle, 1])
+        return np.where(kinds == wide_iterate.TRIANGLE, facing, p.strokes[triangle, rows.BACK])
 
     def _colors(self, vertices, provoking, back, e, q0, q2):
         if self.state.polygon.shade_model == ShadeModel.FLAT:
@@ -605,7 +625,7 @@ class _Draw:
         enabled = np.full(len(triangle), polygon.offset_fill)
         if kinds is not None:
             of_kind = np.array([polygon.offset_fill, polygon.offset_line, polygon.offset_point])
-            source = p.strokes[triangle, 2:5].astype(np.int64)
+            source = p.strokes[triangle, rows.SOURCE : rows.SOURCE + 3].astype(np.int64)
             stroke = kinds != wide_iterate.TRIANGLE
             enabled = of_kind[kinds] & (~stroke | (source[:, 0] >= 0))
             vertices = np.where(stroke[:, None] & (source[:, :1] >= 0), source, vertices)

@@ -72,6 +72,44 @@ def along_lines(x, y, px, py, steps, subpixel_bits):
     return n0, np.zeros_like(n0), length - n0
 
 
+def _as_diamonds(x, y, beside):
+    """A line's direction, whether it is x-major, and its start moved by ``beside`` subpixels: half of what is
+    beside one pixel's width, down or left. Source: OpenGL 1.2.1 section 3.4.2.
+    """
+    dx, dy = x[:, 0] - x[:, 1], y[:, 0] - y[:, 1]
+    across = np.abs(dx) >= np.abs(dy)
+    return (
+        dx,
+        dy,
+        across,
+        np.where(across, x[:, 1], x[:, 1] - beside),
+        np.where(across, y[:, 1] + beside, y[:, 1]),
+    )
+
+
+def along_diamonds(x, y, px, py, width, subpixel_bits):
+    """(n0, 0, n2) of lines of ``width`` pixels on machines with diamonds (section 11, equation 3.1)."""
+    step, half = 1 << subpixel_bits, 1 << subpixel_bits >> 1
+    dx, dy, _, x1, y1 = _as_diamonds(x, y, half * (width - 1))
+    n0 = (step * px + half - x1) * dx + (step * py + half - y1) * dy
+    return n0, np.zeros_like(n0), dx * dx + dy * dy - n0
+
+
+def repeated_pixels(x, y, px, py, width, subpixel_bits):
+    """The pixel (px, py) whose values a wide line's pixel repeats: the lowest of its column, or the leftmost
+    of its row (section 11).
+    """
+    step, half = 1 << subpixel_bits, 1 << subpixel_bits >> 1
+    dx, dy, across, x1, y1 = _as_diamonds(x, y, half * (width - 1))
+    rise = np.where(dx > 0, dy, -dy)
+    low = (y1 * np.abs(dx) + (px * step + half - x1) * rise - (rise < 0)) // (
+        step * np.maximum(np.abs(dx), 1)
+    )
+    lean = np.where(dy > 0, dx, -dx)
+    left = (x1 * np.abs(dy) + (py * step + half - y1) * lean - 1) // (step * np.maximum(np.abs(dy), 1))
+    return np.where(across, px, left), np.where(across, low, py)
+
+
 def perspective_terms(n, inverse_w):
     """e0, e1, e2: edge functions times 1/w, or alone where the three are equal. ``inverse_w`` [k, 3]."""
     equal = (inverse_w[:, 0] == inverse_w[:, 1]) & (inverse_w[:, 1] == inverse_w[:, 2])

@@ -35,7 +35,7 @@ SHARED_PROFILE, SHARED_DEPTH_BITS = NV2A, 24
 def _engines():
     """Names of the engines that a Machine can be asked for, without the one it chooses itself."""
     parameter = inspect.signature(Machine).parameters.get("engine")
-    return () if parameter is None else ("portable",)
+    return () if parameter is None else ("portable", "columns")
 
 
 ENGINES = _engines()
