@@ -28,8 +28,11 @@ from pipeline.commands import (
 from pipeline.enums import (
     AccumOperation,
     ColorBuffer,
+    CombineFunction,
+    CombineOperand,
     CombinerBias,
     CombinerScale,
+    CombineSource,
     ComponentUsage,
     ConvolutionBorderMode,
     CullMode,
@@ -38,6 +41,7 @@ from pipeline.enums import (
     Mapping,
     MuxSelect,
     Register,
+    TextureEnvironmentMode,
     TextureShaderOperation,
     TextureTarget,
     WindowOrigin,
@@ -72,12 +76,14 @@ from pipeline.state import (
     Sampler,
     StencilTest,
     TexGen,
+    TextureEnvironment,
     TextureShaderStage,
     TextureUnit,
     VertexState,
     Viewport,
     WindowClip,
 )
+from pipeline.texture_environment import arguments
 
 # What a field is called; a field that is not here is called by its own name, spelled with spaces.
 _WORDS = {
@@ -239,6 +245,8 @@ def _differences(value, initial=None):
         word = _WORDS.get((type(value), field.name), field.name.replace("_", " "))
         if isinstance(given, RegisterCombiners):
             parts += _combiner_lines(given)
+        elif isinstance(given, TextureEnvironment):
+            parts += _environment_lines(given)
         elif isinstance(given, ColorMask):
             parts.append(f"color mask {_mask(given)}")
         elif isinstance(given, tuple) and any(is_dataclass(g) for g in given):
@@ -494,6 +502,68 @@ def _combiner_lines(combiners):
 
 def _constant(field):
     return field.replace("constant_color", "const")
+
+
+# --------------------------------------------------------------------------------- texture environments
+
+_SOURCE_WORDS = {CombineSource.PRIMARY_COLOR: "primary", CombineSource.ZERO: "0"}
+
+
+def _argument(source, operand, alpha):
+    word = _SOURCE_WORDS.get(source, source.name.lower())
+    inverted = operand in (CombineOperand.ONE_MINUS_SRC_COLOR, CombineOperand.ONE_MINUS_SRC_ALPHA)
+    if word == "0":
+        return "1" if inverted else "0"
+    if not alpha and operand in (CombineOperand.SRC_ALPHA, CombineOperand.ONE_MINUS_SRC_ALPHA):
+        word += ".a"
+    return f"(1 - {word})" if inverted else word
+
+
+def _one_minus(argument):
+    if argument in ("0", "1"):
+        return "1" if argument == "0" else "0"
+    return argument[5:-1] if argument.startswith("(1 - ") else f"(1 - {argument})"
+
+
+def _environment_equation(mode, half, alpha):
+    """A half of a COMBINE or COMBINE4 environment; what lacks arguments is only named."""
+    function, count = half.function, arguments(mode, half.function)
+    given = [_argument(*pair, alpha) for pair in zip(half.sources, half.operands, strict=False)]
+    if len(given) < count:
+        return function.name
+    a, b, c, d = (*given, *("0",) * 4)[:4]
+    if mode is TextureEnvironmentMode.COMBINE4:
+        made = _sum(_product(a, b), _product(c, d))
+    else:
+        made = {
+            CombineFunction.REPLACE: a,
+            CombineFunction.MODULATE: _product(a, b),
+            CombineFunction.ADD: _sum(a, b),
+            CombineFunction.ADD_SIGNED: _sum(a, b),
+            CombineFunction.INTERPOLATE: _sum(_product(a, c), _product(b, _one_minus(c))),
+            CombineFunction.SUBTRACT: _sum(a, "0" if b == "0" else f"-{b}"),
+        }.get(function, f"4 * ({a} - 1/2) . ({b} - 1/2)")
+    if function is CombineFunction.ADD_SIGNED:
+        made = "-1/2" if made == "0" else f"{made} - 1/2"
+    return made if half.scale == 1 or made == "0" else f"{_number(half.scale)} * {_grouped(made)}"
+
+
+def _environment_lines(environment):
+    mode, initial = environment.mode, TextureEnvironment()
+    lines = [f"TEXTURE_ENV_MODE {mode.name}"]
+    if environment.color != initial.color:
+        lines.append(f"  constant = {_value(environment.color)}")
+    if mode in (TextureEnvironmentMode.COMBINE, TextureEnvironmentMode.COMBINE4):
+        rgb, alpha = environment.rgb, environment.alpha
+        whole = rgb.function is CombineFunction.DOT3_RGBA and mode is TextureEnvironmentMode.COMBINE
+        lines.append(f"  rgb = {_environment_equation(mode, rgb, False)}")
+        if whole:
+            scale = "" if alpha.scale == 1 else f"{_number(alpha.scale)} * "
+            unscaled = _environment_equation(mode, replace(rgb, scale=1.0), False)
+            lines.append(f"  alpha = {scale}{_grouped(unscaled) if scale else unscaled}")
+        else:
+            lines.append(f"  alpha = {_environment_equation(mode, alpha, True)}")
+    return lines
 
 
 # ------------------------------------------------------------------------------------------ commands

@@ -100,6 +100,7 @@ from pipeline.textures import (
     texture_2d,
     texture_cube_map,
 )
+from tests.random_environments import random_environment
 
 _SMALL_AREA = 480  # pixels: the specification takes some 0.1 ms for each fragment
 _COUNTED = (TextureFilter.NEAREST, TextureFilter.LINEAR)
@@ -655,6 +656,19 @@ class _Maker:
         )  # fmt: skip
         return RegisterCombiners((GeneralCombiner(rgb, own),), final)
 
+    def with_environments(self, units):
+        """The same units with texture environments in the place of register combiners."""
+        return tuple(
+            unit
+            and replace(
+                unit,
+                environment=random_environment(
+                    self.chooser, self.profile, self.textures[unit.texture].internal_format
+                ),
+            )
+            for unit in units
+        )
+
     def register_combiners(self, units):
         if self.chance(0.45):
             return self.simple_combiners(units)
@@ -803,6 +817,8 @@ class _Maker:
             for _ in range(count):
                 units += (self.unit_after(units),)
             combiners = self.register_combiners(max(count, 1))
+            if any(units) and self.chance(0.2):
+                combiners, units = None, self.with_environments(units)
             if units and not plain and profile.texture_shader_operations and self.chance(0.06):
                 stages = self.stages(units)
         polygon = self.polygon()

@@ -3,7 +3,8 @@
 Structure is drawn by Hypothesis, so that it shrinks; bulk data (texels, vertices) comes from a drawn seed.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from random import Random
 
 import numpy as np
 from hypothesis import strategies as st
@@ -72,6 +73,7 @@ from pipeline.state import (
 )
 from pipeline.textures import COMPONENT_BITS, texture_1d, texture_2d, texture_cube_map
 from tests.combiner_strategies import colors, register_combiners
+from tests.random_environments import random_environment
 
 seeds = st.integers(0, 2**32 - 1)
 POLYGONS = tuple(p for p in PrimitiveType if p < PrimitiveType.POINTS)
@@ -139,6 +141,11 @@ def texture_units(draw, texture):
     return TextureUnit(
         texture.name, sampler, lod_bias=bias, coordinates=draw(st.integers(0, 1)), matrix=matrix
     )
+
+
+def texture_environments(image):
+    """Environments of the GeForce 256 for a unit that reads the image."""
+    return seeds.map(lambda seed: random_environment(Random(seed), GEFORCE_256, image.internal_format))
 
 
 # ----------------------------------------------------------------------------------------------------- states
@@ -252,11 +259,15 @@ def pass_states(draw, width, height, available, max_stages=2, nv2a=False):
         viewport=draw(viewports(width, height)), lighting=draw(st.none() | st.none() | lightings)
     )
     combiners = None
-    if draw(st.integers(0, 7)) > 0:  # without them there are no textures: keep that rare
+    if draw(st.integers(0, 5)) > 0:
         combiners = draw(register_combiners(max_stages, 2, nv2a, nv2a))
-    units = ()
-    if combiners is not None:
-        units = tuple(draw(st.none() | texture_units(draw(st.sampled_from(available)))) for _ in range(2))
+    chosen = [draw(st.sampled_from(available)) for _ in range(2)]
+    units = tuple(draw(st.none() | texture_units(texture)) for texture in chosen)
+    if combiners is None:
+        units = tuple(
+            unit and replace(unit, environment=draw(texture_environments(texture.image)))
+            for unit, texture in zip(units, chosen, strict=True)
+        )
     return PassState(
         vertex=vertex,
         polygon=draw(polygons),

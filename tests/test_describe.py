@@ -25,6 +25,7 @@ from pipeline.state import (
     Blending,
     ColorMask,
     ColorMaterial,
+    Combine,
     DepthClamp,
     DepthTest,
     Fog,
@@ -176,11 +177,11 @@ def another(value):
 
 
 def changes(value, path=""):
-    """(path, changed copy) for every simple field inside a state."""
+    """(path, changed copy) for every simple field inside a state. What combines is shown as an equation."""
     if is_dataclass(value):
         for field in fields(value):
             inner = getattr(value, field.name)
-            if inner is not None and not isinstance(inner, RegisterCombiners):
+            if inner is not None and not isinstance(inner, RegisterCombiners | Combine):
                 for below, changed in changes(inner, f"{path}.{field.name}"):
                     yield below, replace(value, **{field.name: changed})
     elif isinstance(value, tuple) and value and is_dataclass(value[0]):
