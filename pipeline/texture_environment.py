@@ -69,8 +69,8 @@ _HALF = CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF
 def texture_format(internal_format):
     """The BaseFormat that a texture's environment goes by; None: the unit passes its colour on.
 
-    Source: OpenGL 1.2.1 table 3.16; ARB_depth_texture (LUMINANCE, initially); MESA_ycbcr_texture (RGB);
-    NV_texture_shader section 3.8.9 (HILO). Assumed: RGBA for the NV2A's own formats.
+    Source: OpenGL 1.2.1 table 3.16; ARB_depth_texture (LUMINANCE, initially); NV_texture_shader section 3.8.9
+    (HILO). Inferred: RGB for YCBCR, which has no alpha. Assumed: RGBA for the NV2A's own formats.
     """
     if internal_format == InternalFormat.HILO16:
         return None
