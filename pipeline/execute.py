@@ -334,7 +334,8 @@ class Machine:
                     queue.fragments += sum(len(drawn.x) for drawn in parts)
                     undefined += parts[0].undefined if parts else 0
                     if record:
-                        records += [Fragments(*(c.astype(np.int32) for c in drawn[:4])) for drawn in parts]
+                        columns = [drawn[:4] for drawn in parts] or [np.zeros((4, 0), np.int32)]
+                        records += [Fragments(*(c.astype(np.int32) for c in four)) for four in columns]
                 else:
                     self._flush()
                     self._transfer(command, pixels)

@@ -4,24 +4,31 @@ What stays, what goes, and why: docs/decisions/0001-ideal-evaluator.md. Only cov
 fragments are those of the snapped vertices.
 """
 
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from pipeline.commands import (
+    Accum,
+    Bitmap,
     Clear,
+    CopyPixels,
     CopyTexImage,
     CopyTexSubImage,
     Draw,
+    DrawPixels,
     ReadPixels,
     ResetHistogram,
     ResetMinmax,
     TexImage,
 )
 from pipeline.enums import (
+    AccumOperation,
     BlendEquation,
     BlendFactor,
+    ColorBuffer,
     CombinerBias,
     CombinerScale,
     ComparisonFunction,
@@ -38,7 +45,9 @@ from pipeline.enums import (
 )
 from pipeline.execute import default_threads, rasterize
 from pipeline.framebuffer import defined_texture, depth_texture
+from pipeline.ideal_rectangles import rectangle
 from pipeline.pack import has_color_sum
+from pipeline.pixel_rectangles import without_anisotropy
 from pipeline.profiles import IDEAL
 from pipeline.texture_environment import environment_program
 from pipeline.textures import DEPTH_TEXELS, Texture, pyramid, texture_2d
@@ -260,7 +269,7 @@ def _change(step, values):
 class TextureCoordinates:
     """Where fragments read a texture image.
 
-    position  float64 [k, 2], 1.0 = the whole image
+    position  float64 [k, 2], or [k, 3] in a volume, 1.0 = the whole image; the others that follow likewise
     face      int64 [k], 0 unless a cube map
     slip      float64 [k, 2], by how much the machines' coordinates lie beside ``position``, their bias aside
     bias      float64 [k, 1], texels that the machines add to coordinates that they divided: tau or 0
@@ -291,23 +300,29 @@ def place(target, weights, corners, nearest=True, changing=True):
         machine, _ = _iterate_as_machines(weights, corners)
         return replace(on_cube, slip=_place_on_face(machine[:, :3], on_cube.face) - on_cube.position)
     q = np.where(strq[:, 3:] == 0.0, 1.0, strq[:, 3:])
-    position = strq[:, :2] / q
+    axes = _axes(target)
+    position = strq[:, :axes] / q
     divided = (corners[:, :, 3] != 1.0).any(axis=1)[:, None]
-    slip = none[:, :2]
+    slip = none[:, :axes]
     if nearest:
         machine, unit = _iterate_as_machines(weights, corners)
-        slip = machine[:, :2] / np.where(machine[:, 3:] == 0.0, 1.0, machine[:, 3:]) - position
+        slip = machine[:, :axes] / np.where(machine[:, 3:] == 0.0, 1.0, machine[:, 3:]) - position
         # Undivided coordinates lie at least a unit off an exact boundary, or on it but for the noise of
         # float64.
-        slip = np.where(~divided & (np.abs(slip) < unit[:, :2] / 2), 0.0, slip)
+        slip = np.where(~divided & (np.abs(slip) < unit[:, :axes] / 2), 0.0, slip)
     return TextureCoordinates(
         position,
         np.zeros(len(position), np.int64),
         slip,
         np.where(divided, _TAU, 0.0),
-        (dx[:, :2] - position * dx[:, 3:]) / q if changing else none[:, :2],
-        (dy[:, :2] - position * dy[:, 3:]) / q if changing else none[:, :2],
+        (dx[:, :axes] - position * dx[:, 3:]) / q if changing else none[:, :axes],
+        (dy[:, :axes] - position * dy[:, 3:]) / q if changing else none[:, :axes],
     )
+
+
+def _axes(target):
+    """How many texture coordinates place a texel of an image that is no cube map's."""
+    return 3 if target is TextureTarget.TEXTURE_3D else 2
 
 
 def _on_face(vector, face):
@@ -353,12 +368,12 @@ def project_on_cube(direction, dx, dy):
     )
 
 
-def level_of_detail(coordinates, width, height, lod_bias):
+def level_of_detail(coordinates, width, height, lod_bias, depth=1):
     """Lambda, float64 [k], of section 3.8.5 from the true derivatives at each fragment, plus the bias.
 
     The machine takes one lambda, of 8 fraction bits, per 2x2 block. Not finite: the largest.
     """
-    size = np.array([width, height], np.float64)
+    size = np.array([width, height, depth], np.float64)[: coordinates.dx.shape[1]]
     across, down = coordinates.dx * size, coordinates.dy * size
     squared = np.maximum((across**2).sum(axis=1), (down**2).sum(axis=1))
     lod = np.full(len(squared), -np.inf)
@@ -398,10 +413,12 @@ def sample_level(level, coordinates, sampler, border, linear, one_dimensional):
 
     ``border`` float64 [4]. Source: OpenGL 1.2.1 sections 3.8.4 to 3.8.6; docs/numbers.md, section 6.
     """
-    height, width = level.shape[1:3]
-    texels = coordinates.position * np.array([width, height], np.float64)
+    layers, height, width = level.shape[:3]
+    volume = coordinates.position.shape[1] == 3
+    size = np.array([width, height, layers] if volume else [width, height], np.float64)
+    texels = coordinates.position * size
     if not linear:
-        slip = coordinates.slip * np.array([width, height], np.float64) + coordinates.bias
+        slip = coordinates.slip * size + coordinates.bias
         texels = texels + np.where(slip >= 0.0, _TAU, -_TAU)
     columns, across = _along(texels[:, 0], width, sampler.wrap_s, linear)
     if one_dimensional:
@@ -409,18 +426,26 @@ def sample_level(level, coordinates, sampler, border, linear, one_dimensional):
     else:
         rows, up = _along(texels[:, 1], height, sampler.wrap_t, linear)
 
-    def filtered_row(row, row_outside):
+    planes, deep = [(coordinates.face, None)], None
+    if volume:
+        planes, deep = _along(texels[:, 2], layers, sampler.wrap_r, linear)
+
+    def filtered_row(plane, row):
         taps = []
         for column, column_outside in columns:
-            tap = level[coordinates.face, row, column]
-            for outside in (row_outside, column_outside):
+            tap = level[plane[0], row[0], column]
+            for outside in (plane[1], row[1], column_outside):
                 if outside is not None:
                     tap[outside] = border
             taps.append(tap)
         return taps[0] if len(taps) == 1 else taps[0] + (taps[1] - taps[0]) * across[:, None]
 
-    lines = [filtered_row(*row) for row in rows]
-    return lines[0] if len(lines) == 1 else lines[0] + (lines[1] - lines[0]) * up[:, None]
+    def filtered_plane(plane):
+        lines = [filtered_row(plane, row) for row in rows]
+        return lines[0] if len(lines) == 1 else lines[0] + (lines[1] - lines[0]) * up[:, None]
+
+    parts = [filtered_plane(plane) for plane in planes]
+    return parts[0] if len(parts) == 1 else parts[0] + (parts[1] - parts[0]) * deep[:, None]
 
 
 def _select(coordinates, chosen):
@@ -452,7 +477,7 @@ def sample(texture, unit, coordinates):
         if one_dimensional:
             s_alone = np.array([1.0, 0.0])
             coordinates = replace(coordinates, dx=coordinates.dx * s_alone, dy=coordinates.dy * s_alone)
-        lod = level_of_detail(coordinates, texture.width, texture.height, unit.lod_bias)
+        lod = level_of_detail(coordinates, texture.width, texture.height, unit.lod_bias, texture.depth)
         lod = np.clip(lod, sampler.min_lod, sampler.max_lod)
         minified = lod > 0.0
     if not minified.any():
@@ -618,18 +643,39 @@ def shade(state, textures, primitives, triangle, weights):
 
     ``textures``: name to Texture with ideal levels. ``triangle`` int [k]; ``weights``: those of ``weigh``.
     """
-    count = len(triangle)
     side = (~weights.front & primitives.two_side).astype(np.int64)
     if state.polygon.shade_model is ShadeModel.FLAT:
         colors = primitives.colors[primitives.triangles[triangle, 3], side]
     else:
         colors = iterate(weights.perspective, primitives.colors[weights.vertices, side[:, None]])
-    primary, secondary = colors[:, :4], colors[:, 4:]
+    distances = None
+    if state.fog is not None:
+        distances = iterate(weights.perspective, primitives.fog[weights.vertices])
+
+    def texel(i, unit, texture):
+        filters = unit.sampler.min_filter, unit.sampler.mag_filter
+        coordinates = place(
+            texture.target,
+            weights,
+            primitives.coordinates[weights.vertices, i],
+            nearest=filters != (TextureFilter.LINEAR, TextureFilter.LINEAR),
+            changing=filters[0] is not filters[1],
+        )
+        return sample(texture, unit, coordinates)
+
+    return shade_colors(state, textures, colors[:, :4], colors[:, 4:], distances, texel)
+
+
+def shade_colors(state, textures, primary, secondary, distances, texel):
+    """``shade`` from iterated values: colours float64 [k, 4], fog coordinates [k] (None: no fog), and
+    ``texel(number, unit, texture)``, what an enabled texture unit's register receives.
+    """
+    count = len(primary)
     fog = np.zeros((count, 4))
     fog[:, 3] = 1.0
     if state.fog is not None:
         fog[:, :3] = state.fog.color[:3]
-        fog[:, 3] = fog_factor(state.fog, iterate(weights.perspective, primitives.fog[weights.vertices]))
+        fog[:, 3] = fog_factor(state.fog, distances)
     program = state.register_combiners
     if program is None:
         program = environment_program(state, textures, IDEAL, has_color_sum(state))
@@ -647,16 +693,7 @@ def shade(state, textures, primitives, triangle, weights):
         if unit is None:
             registers[Register.TEXTURE0 + i] = _constant((0.0, 0.0, 0.0, 1.0), count)
             continue
-        texture = textures[unit.texture]
-        filters = unit.sampler.min_filter, unit.sampler.mag_filter
-        coordinates = place(
-            texture.target,
-            weights,
-            primitives.coordinates[weights.vertices, i],
-            nearest=filters != (TextureFilter.LINEAR, TextureFilter.LINEAR),
-            changing=filters[0] is not filters[1],
-        )
-        registers[Register.TEXTURE0 + i] = sample(texture, unit, coordinates)
+        registers[Register.TEXTURE0 + i] = texel(i, unit, textures[unit.texture])
     registers[Register.SPARE0] = np.zeros((count, 4))
     registers[Register.SPARE0][:, 3] = registers[Register.TEXTURE0][:, 3]
     return combine(program, registers)
@@ -751,6 +788,17 @@ class _Buffers:
         self.color = np.zeros((height, width, 4))
         self.depth = np.ones((height, width))
         self.stencil = np.zeros((height, width), np.uint8)
+        self.accumulation = np.zeros((height, width, 4))
+        self._auxiliary = {}
+
+    def buffer(self, which):
+        """What a ColorBuffer stands for: these buffers, or others with the same depths and stencil values."""
+        if which is ColorBuffer.BACK:
+            return self
+        if which not in self._auxiliary:
+            self._auxiliary[which] = copy(self)
+            self._auxiliary[which].color = np.zeros_like(self.color)
+        return self._auxiliary[which]
 
     def box_of(self, command):
         """X, y, width, height of a CopyTexImage or ReadPixels; None: as far as the framebuffer reaches."""
@@ -864,12 +912,17 @@ def _window_depth(polygon, primitives, weights, depth_bits):
     return np.clip(z, 0.0, 1.0)
 
 
-def _clear(command, buffers):
+def _scissored(scissor, buffers):
+    """X, y, width, height of the scissor box inside the framebuffer."""
     height, width = buffers.depth.shape
-    s = command.scissor
+    s = scissor
     x0, y0, x1, y1 = (0, 0, width, height) if s is None else (s.x, s.y, s.x + s.width, s.y + s.height)
     x0, y0, x1, y1 = max(x0, 0), max(y0, 0), max(min(x1, width), 0), max(min(y1, height), 0)
-    box = (x0, y0, max(x1 - x0, 0), max(y1 - y0, 0))
+    return x0, y0, max(x1 - x0, 0), max(y1 - y0, 0)
+
+
+def _clear(command, buffers):
+    box = _scissored(command.scissor, buffers)
     if command.color is not None:
         buffers.rows(buffers.color, *box)[..., _mask(command.color_mask)] = np.array(command.color)[
             _mask(command.color_mask)
@@ -881,6 +934,66 @@ def _clear(command, buffers):
         kept[...] = (kept & ~np.uint8(command.stencil_write_mask)) | np.uint8(
             command.stencil & command.stencil_write_mask
         )
+    if command.accumulation is not None:
+        buffers.rows(buffers.accumulation, *box)[...] = command.accumulation
+
+
+def _accumulate(command, buffers):
+    """Section 4.2.4 without a clamp, not even RETURN's: colours may exceed 1, as after blending."""
+    box, value = _scissored(command.scissor, buffers), command.value
+    sums = buffers.rows(buffers.accumulation, *box)
+    match command.operation:
+        case AccumOperation.LOAD | AccumOperation.ACCUM:
+            read = value * buffers.rows(buffers.buffer(command.read_buffer).color, *box)
+            sums[...] = read if command.operation is AccumOperation.LOAD else sums + read
+        case AccumOperation.ADD:
+            sums += value
+        case AccumOperation.MULT:
+            sums *= value
+        case AccumOperation.RETURN:
+            written, mask = buffers.rows(buffers.buffer(command.draw_buffer).color, *box), command.color_mask
+            written[..., _mask(mask)] = (value * sums)[..., _mask(mask)]
+
+
+def _draw_rectangle(command, buffers, textures, statistics, record):
+    """DrawPixels, CopyPixels and Bitmap: the machine's pixels, real colours. ``record``: a guide's."""
+    state = without_anisotropy(command.state)
+    found = rectangle(command, buffers, statistics)
+    if found is None:
+        return
+    if found.stencil is not None:
+        if record is None:
+            stored, test = buffers.stencil.reshape(-1), state.stencil_test
+            mask = np.uint8(0xFF if test is None else test.write_mask)
+            stored[found.pixel] = (stored[found.pixel] & ~mask) | (found.stencil & mask)
+        return
+    if record is not None:
+        found = found.part(np.asarray(record.passed, bool))
+
+    def texel(i, unit, texture):
+        parts = np.empty((len(found.pixel), 4))
+        for chosen, image in found.images(texture):
+            parts[chosen] = sample(image, unit, _at(found.coordinates[chosen, i], image.target))
+        if i == 0 and found.texel_alpha is not None:
+            parts[:, 3] = found.texel_alpha
+        return parts
+
+    color = shade_colors(state, textures, found.primary, found.secondary, found.distances, texel)
+    written = buffers.buffer(state.draw_buffer)
+    if record is None:
+        _test_and_write(state, written, found.pixel, color, found.depth)
+    else:
+        _write_color(state, written, found.pixel, color)
+
+
+def _at(strq, target):
+    """TextureCoordinates at s, t, r float64 [k, 4] that do not change from pixel to pixel."""
+    none = np.zeros((len(strq), 3))
+    if target is TextureTarget.TEXTURE_CUBE_MAP:
+        return project_on_cube(strq[:, :3], none, none)
+    axes, face = _axes(target), np.zeros(len(strq), np.int64)
+    none = none[:, :axes]
+    return TextureCoordinates(strq[:, :axes], face, none, none[:, :1], none, none)
 
 
 def _with_ideal(texture):
@@ -954,7 +1067,7 @@ def _read_pixels(command, buffers, guide, statistics):
 
 
 def _check_guide(guide, commands, width, height):
-    draws = sum(isinstance(c, Draw) for c in commands)
+    draws = sum(isinstance(c, Draw | DrawPixels | CopyPixels | Bitmap) for c in commands)
     if draws and not guide.records:
         raise ValueError("The guide holds no fragments; run it as execute(..., record=True).")
     if len(guide.records) != draws:
@@ -992,17 +1105,23 @@ def execute_ideal(commands, width, height, *, guide=None, depth_bits=None, threa
     threads = Threads(threads or default_threads())
     for command in commands:
         if isinstance(command, Clear):
-            _clear(command, buffers)
+            _clear(command, buffers.buffer(command.draw_buffer))
+        elif isinstance(command, Accum):
+            _accumulate(command, buffers)
+        elif isinstance(command, DrawPixels | CopyPixels | Bitmap):
+            _draw_rectangle(command, buffers, textures, statistics, next(records, None))
         elif isinstance(command, Draw):
-            _draw(command, buffers, textures, width, height, depth_bits, next(records, None), threads)
+            written = buffers.buffer(command.state.draw_buffer)
+            _draw(command, written, textures, width, height, depth_bits, next(records, None), threads)
         elif isinstance(command, TexImage) and command.pixels is None:
             textures[command.texture] = _with_ideal(command.image)
         elif isinstance(command, TexImage | CopyTexImage | CopyTexSubImage):
-            defined = _defined(command, buffers, textures, statistics)
+            source = buffers if isinstance(command, TexImage) else buffers.buffer(command.read_buffer)
+            defined = _defined(command, source, textures, statistics)
             if defined is not None:
                 textures[command.texture] = defined
         elif isinstance(command, ReadPixels):
-            read = _read_pixels(command, buffers, guide, statistics)
+            read = _read_pixels(command, buffers.buffer(command.read_buffer), guide, statistics)
             if read is not None:
                 pixels[command.name] = read
         elif isinstance(command, ResetHistogram):

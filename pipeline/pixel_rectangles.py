@@ -67,21 +67,21 @@ def draw_rectangle(command, profile, framebuffer, surfaces, textures, statistics
         return []
     undefined, draws = 0, None
     if isinstance(command, Bitmap):
-        at = _bits(command, where, framebuffer)
+        at = set_bits(command, where, framebuffer)
         fragments = _fragments(at, where, state, profile, framebuffer)
     elif (kind := kind_of(command)) == PixelCopyType.STENCIL:
         indices = _stencil_indices(command, framebuffer)
-        at = _covered(command, where, indices.shape, framebuffer)
+        at = covered_pixels(command, where, indices.shape, framebuffer)
         return [_write_stencil(at, at.of(indices), state.stencil_test, surface) for surface in surfaces]
     elif kind == PixelCopyType.DEPTH:
         depths = _depth_words(command, framebuffer)
-        at = _covered(command, where, depths.shape, framebuffer)
+        at = covered_pixels(command, where, depths.shape, framebuffer)
         fragments = _fragments(at, where, state, profile, framebuffer, depth=at.of(depths))
     else:
         groups = _color_groups(command, profile, framebuffer, statistics)
         if groups is None:
             return []
-        at = _covered(command, where, groups.shape, framebuffer)
+        at = covered_pixels(command, where, groups.shape, framebuffer)
         groups = at.of(groups).astype(np.int64)
         fragments, undefined = _of_colors(command, groups, at, where, state, profile, framebuffer)
         if command.pixel_texture is not None and command.pixel_texture.volumes is not None:
@@ -144,7 +144,7 @@ def _rises(numbers):
     return len(numbers) < 2 or bool((np.diff(numbers) == 1).all())
 
 
-def _covered(command, where, shape, framebuffer):
+def covered_pixels(command, where, shape, framebuffer):
     """The _Covered of [h, w] groups."""
     (height, width), (zx, zy) = shape[:2], command.zoom
     x0, y0, x1, y1 = scissor_box(command.state, framebuffer)
@@ -229,7 +229,7 @@ def _fragments(at, where, state, profile, framebuffer, primary=None, depth=None,
     if depth is None:
         depth = np.broadcast_to(_raster_depth(where, state, framebuffer), count)
     if coordinates is None:
-        coordinates = np.broadcast_to(_divided(where.coordinates), (count, *where.coordinates.shape))
+        coordinates = np.broadcast_to(divided(where.coordinates), (count, *where.coordinates.shape))
     return FragmentColumns(
         at.x,
         at.y,
@@ -242,7 +242,7 @@ def _fragments(at, where, state, profile, framebuffer, primary=None, depth=None,
     )
 
 
-def _divided(coordinates):
+def divided(coordinates):
     """(s/q, t/q, r/q, 1) of the raster position's. Assumed: q counts as 1 where it is 0 or less."""
     q = coordinates[:, 3:]
     divided = coordinates / np.where(q > 0, q, 1.0)
@@ -273,7 +273,7 @@ class _Bits(NamedTuple):
     y: np.ndarray
 
 
-def _bits(command, where, framebuffer):
+def set_bits(command, where, framebuffer):
     """The _Bits of a Bitmap. Source: section 3.7; PixelZoom takes no part."""
     (height, width), (ox, oy) = command.bits.shape, command.origin
     x0, y0, x1, y1 = scissor_box(command.state, framebuffer)
