@@ -12,6 +12,7 @@ from pipeline.commands import Draw, Mesh, TexImage
 from pipeline.describe import describe
 from pipeline.enums import (
     BaseFormat,
+    Clamp,
     CombineFunction,
     CombineOperand,
     CombineSource,
@@ -463,9 +464,30 @@ def rendered_frames(count, seed):
 def test_frames_with_environments_equal_the_specification():
     for profile, commands in rendered_frames(40, seed=5):
         expected = np.array(run_reference(commands, profile, 9, 7, 24).target.color)
-        for engine in (None, "portable"):
+        for engine in (None, "portable", "columns"):
             got = execute(commands, profile, 9, 7, engine=engine).framebuffer.color
             np.testing.assert_array_equal(got, expected, err_msg=describe(commands))
+
+
+def test_without_its_clamp_a_unit_hands_on_what_exceeds_one():
+    units = (unit(MODE.ADD), unit(MODE.MODULATE, "b"))
+    textures = {"a": texture_2d(np.full((1, 1, 4), 204, np.uint8)), "b": texture_2d(np.full((1, 1, 4), 0.5))}
+    commands = frame(PassState(texture_units=units), square(np.full((4, 4), 0.6)), **textures)
+    red = [
+        execute(commands, profile, 1, 1).image()[0, 0, 0]
+        for profile in (GEFORCE_256, GEFORCE_256.without_clamps(Clamp.TEXTURE_ENVIRONMENT))
+    ]
+    assert red == [128, round((204 + 153) * 128 / 255)]
+
+
+def test_a_wider_machine_rounds_less():
+    half = texture_2d(np.full((1, 1, 4), 0.5))
+    units = tuple(unit(MODE.MODULATE, name) for name in "abc")
+    commands = frame(PassState(texture_units=units), square(np.full((4, 4), 0.5)), a=half, b=half, c=half)
+    wide = GEFORCE_3.with_precision(combiner_bits=12, texture_bits=12, framebuffer_bits=12)
+    narrow = execute(commands, GEFORCE_3, 1, 1).framebuffer.color[0, 0, 0] / 255
+    exact = execute(commands, wide, 1, 1).framebuffer.color[0, 0, 0] / 4095
+    assert abs(exact - 0.0625) < 1 / 4095 < abs(narrow - 0.0625)
 
 
 def test_one_state_is_another_program_with_a_texture_of_another_base_format():
