@@ -193,7 +193,7 @@ def test_random_programs_compute_what_their_text_says(text, seen):
 
 
 @pytest.mark.slow
-@settings(max_examples=5000)
+@settings(max_examples=2000)
 @given(pixel_shaders(most=9), FRAGMENTS)
 def test_many_random_programs_compute_what_their_text_says(text, seen):
     compare(text, seen)

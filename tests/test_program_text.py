@@ -88,7 +88,7 @@ def test_a_spoiled_program_is_a_program_or_an_error_of_the_notation(text):
 
 
 @pytest.mark.slow
-@settings(max_examples=10000)
+@settings(max_examples=3000)
 @given(mutated(ANY_TEXT))
 def test_many_spoiled_programs_are_programs_or_errors_of_the_notation(text):
     check_spoiled(text)

@@ -51,9 +51,18 @@ def constant(components):
     return steps
 
 
+def negated(text):
+    """A source with the other sign, by which sub subtracts: minus and minus cancel.
+
+    Source: sub; that a source is negated before it is clamped matters to -256/255 alone, which becomes 1.
+    """
+    text = text.replace(" ", "")
+    return text[1:] if text.startswith("-") else f"-{text}"
+
+
 def read(registers, text, arithmetic):
     """The four components of a source. Source: source register modifiers and selectors."""
-    match = re.fullmatch(r"(1-|-)?([rctv]\d)(_bx2|_bias)?(?:\.(\w+))?", text.replace(" ", ""))
+    match = re.fullmatch(r"(-?1-|-)?([rctv]\d)(_bx2|_bias)?(?:\.(\w+))?", text.replace(" ", ""))
     sign, name, modifier, selector = match.groups()
     values = list(registers[name])
     if selector in ("a", "w"):
@@ -64,9 +73,9 @@ def read(registers, text, arithmetic):
         values = [2 * max(0, v) - 2 * arithmetic.half for v in values]
     elif modifier == "_bias":
         values = [max(0, v) - arithmetic.half for v in values]
-    if sign == "1-":
+    if sign in ("1-", "-1-"):
         values = [ONE - max(0, min(ONE, v)) for v in values]
-    elif sign == "-":
+    if sign in ("-", "-1-"):
         values = [min(ONE, -v) for v in values]
     return values
 
@@ -78,11 +87,8 @@ def totals(name, sources, registers, arithmetic):
         return [x * ONE for x in a]
     if name == "mul":
         return [x * y for x, y in zip(a, b, strict=True)]
-    if name == "add":
+    if name in ("add", "sub"):
         return [(x + y) * ONE for x, y in zip(a, b, strict=True)]
-    if name == "sub":
-        # A value of -256/255, which nine bits have, is 1 when it is negated.
-        return [(x + min(ONE, -y)) * ONE for x, y in zip(a, b, strict=True)]
     if name == "mad":
         return [x * y + z * ONE for x, y, z in zip(a, b, c, strict=True)]
     if name == "lrp":
@@ -124,6 +130,8 @@ def evaluate(text, textures, primary, secondary, arithmetic):
             _write(registers, pending)
             pending = {}
         destination, _, mask = operands[0].partition(".")
+        if name == "sub":
+            operands[2] = negated(operands[2])
         sources = [read(registers, operand, arithmetic) for operand in operands[1:]]
         scale = next((m for m in modifiers if m != "sat"), "")
         values = totals(name, sources, registers, arithmetic)
