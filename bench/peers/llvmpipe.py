@@ -31,8 +31,10 @@ def missing():
     return sentences
 
 
-def environment(threads):
+def environment(threads, driver="llvmpipe"):
     """The variables that make Mesa draw on ``threads`` processor cores, without a display.
+
+    ``driver``: llvmpipe, or softpipe, which draws on one core.
 
     LP_NUM_THREADS counts the threads that llvmpipe starts beside the caller's: with 0 the caller draws, with
     more it only sets up.
@@ -41,7 +43,7 @@ def environment(threads):
         "PYOPENGL_PLATFORM": "egl",
         "EGL_PLATFORM": "surfaceless",
         "LIBGL_ALWAYS_SOFTWARE": "1",
-        "GALLIUM_DRIVER": "llvmpipe",
+        "GALLIUM_DRIVER": driver,
         "LP_NUM_THREADS": str(threads if threads > 1 else 0),
         "MESA_SHADER_CACHE_DISABLE": "true",
     }

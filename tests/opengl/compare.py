@@ -1,0 +1,336 @@
+"""Two pictures of one frame: which pixels differ by more than correct machines may, and why they may.
+
+A *deviation* is how far a machine's number may lie from the real number that OpenGL's equations give, in
+units of 1/255 (colours) or of the depth buffer; two machines may differ by the sum of theirs.
+"""
+
+from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
+from itertools import combinations, product
+
+import numpy as np
+
+from pipeline import vertex
+from pipeline.commands import Draw
+from pipeline.enums import BlendEquation, BlendFactor, PrimitiveType, ShadeModel
+from pipeline.execute import execute
+from pipeline.state import AlphaTest
+
+ROUNDING = 0.5  # rounding to the nearest byte
+# What single precision adds: sums of a few terms of 2^-24 relative error, times 255, after three divisions.
+SINGLE = 0.01
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """Of a colour's red, green and blue (the largest), and of its alpha; bytes."""
+
+    rgb: float
+    alpha: float
+
+    def rounded(self, amount=ROUNDING):
+        """The same after one more rounding."""
+        return Deviation(self.rgb + amount, self.alpha + amount)
+
+
+NOTHING = Deviation(0.0, 0.0)
+
+
+def _are_bytes(colors):
+    scaled = np.asarray(colors) * 255.0
+    return bool((np.abs(scaled - np.round(scaled)) < 1e-4).all())
+
+
+def _iterated(mesh, colors, state):
+    """A vertex colour on its fragments: exact where it is a byte that is the same at every vertex used."""
+    if colors is None:
+        return 0.0
+    flat = state.polygon.shade_model is ShadeModel.FLAT or (colors == colors[:1]).all()
+    return 0.0 if flat and _are_bytes(colors) else 1.0
+
+
+def source(draw, ours):
+    """The deviation of a fragment's colour before blending.
+
+    ``ours``: of our machine, which rounds after every stage; Mesa's shaders compute in single precision.
+    """
+    rounding = ROUNDING if ours else SINGLE
+    mesh, state = draw.mesh, draw.state
+    varies = _iterated(mesh, mesh.colors, state)
+    color = Deviation(rounding * varies, rounding * varies)
+    if state.color_sum:
+        rgb = color.rgb + rounding * _iterated(mesh, mesh.secondary_colors, state)
+        color = replace(color, rgb=rgb)
+    if state.fog is not None:
+        # f C + (1 - f) Cf: a factor that is off by a rounding moves the colour at most that far, since C and
+        # Cf are at most one apart. The sum is rounded again.
+        color = replace(color, rgb=color.rgb + 2 * rounding)
+    return color
+
+
+def blended(color, stored, blending, ours):
+    """The deviation of what blending writes, from the fragment's and from what the buffer held.
+
+    A product of two numbers up to one deviates by at most the sum of its factors'. Ours is rounded once,
+    after the sum; Mesa's are rounded one by one where its framebuffer arithmetic is of bytes (llvmpipe).
+    """
+    if blending is None:
+        return color.rounded()
+
+    def factor(which, alpha):
+        own, there = (color.alpha, stored.alpha) if alpha else (color.rgb, stored.rgb)
+        return {
+            BlendFactor.SRC_COLOR: own,
+            BlendFactor.ONE_MINUS_SRC_COLOR: own,
+            BlendFactor.DST_COLOR: there,
+            BlendFactor.ONE_MINUS_DST_COLOR: there,
+            BlendFactor.SRC_ALPHA: color.alpha,
+            BlendFactor.ONE_MINUS_SRC_ALPHA: color.alpha,
+            BlendFactor.DST_ALPHA: stored.alpha,
+            BlendFactor.ONE_MINUS_DST_ALPHA: stored.alpha,
+            BlendFactor.SRC_ALPHA_SATURATE: 0.0 if alpha else max(color.alpha, stored.alpha),
+        }.get(which, 0.0)
+
+    def channel(own, there, alpha):
+        if blending.equation in (BlendEquation.MIN, BlendEquation.MAX):
+            return max(own, there) + (0.0 if ours else ROUNDING)
+        total, products = 0.0, 0
+        for value, which in ((own, blending.source), (there, blending.destination)):
+            if which is BlendFactor.ZERO:
+                continue
+            total += value
+            if which is not BlendFactor.ONE:
+                total += factor(which, alpha)
+                products += 1
+        return total + (ROUNDING if ours else ROUNDING * max(products, 1))
+
+    if not ours and color != NOTHING:
+        color = color.rounded()  # to the bytes that llvmpipe blends
+    return Deviation(channel(color.rgb, stored.rgb, False), channel(color.alpha, stored.alpha, True))
+
+
+def color_bounds(commands, layers):
+    """How far two pictures' colours may differ, int64 [h, w, 4]; ``layers``: for each Draw, int64 [h, w], how
+    many of its fragments fell on each pixel.
+    """
+    bounds = [_deviations(commands, layers, ours) for ours in (True, False)]
+    return np.floor(sum(bounds) + 1e-9).astype(int)
+
+
+def _deviations(commands, layers, ours):
+    shape = layers[0].shape
+    held = np.zeros((*shape, 2))
+    for draw, counts in zip((c for c in commands if isinstance(c, Draw)), layers, strict=True):
+        color = source(draw, ours)
+        remaining = counts.copy()
+        exact = color == NOTHING and draw.state.blending is None
+        while (remaining > 0).any():
+            for rgb, alpha in np.unique(held[remaining > 0], axis=0):
+                here = (remaining > 0) & (held[..., 0] == rgb) & (held[..., 1] == alpha)
+                stored = Deviation(rgb, alpha)
+                new = NOTHING if exact else blended(color, stored, draw.state.blending, ours)
+                # A fragment that fails a test, or a mask, leaves what was there.
+                held[here] = max(new.rgb, rgb), max(new.alpha, alpha)
+                remaining = np.where(here, -remaining, remaining)
+            remaining = np.abs(remaining) - 1
+    return np.concatenate([np.repeat(held[..., :1], 3, -1), held[..., 1:]], -1)
+
+
+# ------------------------------------------------------------------------------------------------------ depth
+
+# Mesa's plane equations of depth are of single precision: each of the products that give the slopes, and each
+# of the terms of the sum, is off by 2^-24 of itself, that is by one unit of a 24-bit depth of one.
+# Measured: the largest was 2.2 times that sum, in 4 x 10^4 pixels.
+_TERMS = 3.0
+
+
+def depth_bounds(commands, profile, width, height):
+    """How far two pictures' depths may differ, float64 [h, w], units of 24 bits.
+
+    One for the roundings, and what single precision loses in a triangle's plane equation, from its slopes
+    before anything cancels. Pixels that no triangle's box holds: none.
+    """
+    bounds = np.zeros((height, width))
+    for draw in (c for c in commands if isinstance(c, Draw)):
+        primitives = vertex.process(draw.mesh, draw.state, profile, width, height)
+        for corners in primitives.triangles[:, :3]:
+            x, y = primitives.x[corners] / 16.0, primitives.y[corners] / 16.0
+            z = primitives.z[corners]
+            dx, dy, dz = (np.abs(v[1:] - v[0]) for v in (x, y, z))
+            area = abs((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]))
+            if area == 0:
+                continue
+            along = (dz[0] * dy[1] + dz[1] * dy[0]) / area
+            up = (dz[0] * dx[1] + dz[1] * dx[0]) / area
+            lost = 1.0 + along * np.abs(x).max() + up * np.abs(y).max()
+            if draw.state.polygon.offset_fill:
+                lost += abs(draw.state.polygon.offset_factor) * max(along, up) + 1.0
+            rows = slice(max(int(y.min()), 0), max(int(y.max()) + 1, 0))
+            columns = slice(max(int(x.min()), 0), max(int(x.max()) + 1, 0))
+            bounds[rows, columns] = np.maximum(bounds[rows, columns], 1.0 + _TERMS * lost)
+    return bounds
+
+
+# ---------------------------------------------------------------------------------------------------- whole
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """``wrong``: bool [h, w]. ``undecided``: pixels that agree only where a test's comparison, which was a
+    tie to within the bounds, is decided the other way. ``differences``: int64 [h, w, 4].
+    """
+
+    ours: object
+    wrong: np.ndarray
+    undecided: np.ndarray
+    differences: np.ndarray
+    bounds: np.ndarray
+
+
+def _layers(commands, profile, width, height):
+    """For each Draw how many fragments fall on each pixel, passed or not."""
+    result = execute(commands, profile, width, height, threads=1, record=True)
+    layers = []
+    for record in result.records:
+        counts = np.zeros((height, width), int)
+        np.add.at(counts, (record.y, record.x), 1)
+        layers.append(counts)
+    return result.framebuffer, layers
+
+
+def _agree(framebuffer, picture, color, depth):
+    difference = np.abs(framebuffer.color.astype(int) - picture["color"])
+    close = (difference <= color).all(-1)
+    close &= np.abs(framebuffer.depth.astype(float) - picture["depth"]) <= depth
+    return close & (framebuffer.stencil == picture["stencil"]), difference
+
+
+_MOST_UNITS = 12
+_SEEDS = 16
+
+
+def _moves(bound):
+    """How vertices' depths are moved, (units of 24 bits, seed): all alike, by every unit and by the bound;
+    and each up or down as a seed has it, which decides between the primitives of one mesh: of every Draw
+    alike, so that what is drawn twice stays equal, or of each differently.
+    """
+    yield 0.0, None
+    for units in (*range(1, min(int(np.ceil(bound)), _MOST_UNITS) + 1), bound):
+        yield units, None
+        yield -units, None
+    for seed in range(_SEEDS):
+        yield bound, seed
+
+
+def _perturbed(commands, references, units, seed):
+    """The same frame with alpha references moved by so many bytes, each command's, and vertices' depths by
+    units.
+    """
+    moved = []
+    for number, (command, reference) in enumerate(zip(commands, references, strict=True)):
+        if isinstance(command, Draw):
+            state, mesh = command.state, command.mesh
+            if state.alpha_test is not None and reference:
+                test = state.alpha_test
+                state = replace(
+                    state, alpha_test=AlphaTest(test.function, test.reference + reference / 255.0)
+                )
+            if state.depth_test is not None and units:
+                positions = mesh.positions.copy()
+                signs = 1.0
+                if seed is not None:
+                    random = np.random.default_rng((seed, number if seed % 2 else 0))
+                    signs = random.choice([-1.0, 1.0], len(positions))
+                positions[:, 2] += 2.0 * units / (2**24 - 1) * signs * positions[:, 3]
+                mesh = replace(mesh, positions=positions)
+            command = replace(command, mesh=mesh, state=state)
+        moved.append(command)
+    return tuple(moved)
+
+
+def edge_pixels(commands, profile, width, height, within):
+    """Bool [h, w]: pixels whose centre lies within so many pixels of a primitive's edge; 0: exactly on it."""
+    found = np.zeros((height, width), bool)
+    px, py = np.meshgrid(16 * np.arange(width) + 8, 16 * np.arange(height) + 8)
+    for draw in (c for c in commands if isinstance(c, Draw)):
+        primitives = vertex.process(draw.mesh, draw.state, profile, width, height)
+        rows = primitives.triangles[:, :3]
+        if draw.mesh.primitive in (PrimitiveType.QUADS, PrimitiveType.QUAD_STRIP):
+            rows = rows.reshape(-1, 6)  # two triangles of a quad: either diagonal may be an edge
+        for a, b in {tuple(sorted(pair)) for row in rows.tolist() for pair in combinations(row, 2)}:
+            x, y = int(primitives.x[a]), int(primitives.y[a])
+            dx, dy = int(primitives.x[b]) - x, int(primitives.y[b]) - y
+            found |= np.abs((px - x) * dy - (py - y) * dx) <= 16 * within * np.hypot(dx, dy)
+    return found
+
+
+def compare(commands, picture, profile, width, height, ignored=None):
+    """Draw the frame here and compare it with Mesa's ``picture``.
+
+    ``ignored``: bool [h, w], pixels left out.
+    """
+    framebuffer, layers = _layers(commands, profile, width, height)
+    color = color_bounds(commands, layers)
+    depth = depth_bounds(commands, profile, width, height)
+    agree, difference = _agree(framebuffer, picture, color, depth)
+    if ignored is not None:
+        agree |= ignored
+    plain = agree.copy()
+    references, bound = product(*map(_alpha_steps, commands)), depth.max()
+    for moved, (units, seed) in product(references, _moves(bound)):
+        if agree.all():
+            break
+        other = _perturbed(commands, moved, units, seed)
+        result = execute(other, profile, width, height, threads=1).framebuffer
+        agree |= _agree(result, picture, color, depth + abs(units))[0]
+    return Comparison(framebuffer, ~agree, agree & ~plain, difference, color)
+
+
+def _alpha_steps(command):
+    """How many bytes a command's alpha reference is to be moved: none, or all by which two machines' alphas may
+    differ.
+    """
+    if not isinstance(command, Draw) or command.state.alpha_test is None:
+        return (0,)
+    steps = int(np.ceil(source(command, True).alpha + source(command, False).alpha))
+    return (0, *(sign * step for step in range(1, steps + 1) for sign in (-1, 1)))
+
+
+# --------------------------------------------------------------------------------------------------- examples
+
+
+def spelled(value):
+    """What to write to make ``value`` again, without the fields that have their defaults."""
+    if isinstance(value, tuple):
+        return f"({', '.join(spelled(v) for v in value)}{',' if len(value) == 1 else ''})"
+    if isinstance(value, np.ndarray):
+        return f"np.array({value.tolist()})"
+    if not is_dataclass(value):
+        return f"{type(value).__name__}.{value.name}" if hasattr(value, "name") else repr(value)
+    said = []
+    for f in fields(value):
+        default = (
+            f.default
+            if f.default is not MISSING
+            else f.default_factory is not MISSING and f.default_factory()
+        )
+        given = getattr(value, f.name)
+        if isinstance(given, np.ndarray) or given != default:
+            said.append(f"{f.name}={spelled(given)}")
+    return f"{type(value).__name__}({', '.join(said)})"
+
+
+def example(commands, picture, comparison):
+    """A sentence about the first wrong pixel, and the frame as Python."""
+    rows, columns = np.nonzero(comparison.wrong)
+    at = rows[0], columns[0]
+    ours = comparison.ours
+    return "\n".join(
+        [
+            f"{len(rows)} pixels differ; at column {at[1]}, row {at[0]} from the top: "
+            f"ours {ours.color[at].tolist()}, depth {ours.depth[at]}, stencil {ours.stencil[at]}; "
+            f"Mesa {picture['color'][at].tolist()}, depth {picture['depth'][at]}, "
+            f"stencil {picture['stencil'][at]}; "
+            f"colours may differ by {comparison.bounds[at].tolist()}.",
+            *map(spelled, commands),
+        ]
+    )

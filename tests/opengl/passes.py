@@ -1,0 +1,333 @@
+"""Hypothesis strategies of frames that our machine and Mesa must draw alike, vertices on 1/16 pixels.
+
+Structure is drawn by Hypothesis, so that it shrinks; bulk data (vertices, texels) comes from a drawn seed.
+What keeps two correct machines from disagreeing is said where it is chosen.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from hypothesis import strategies as st
+
+from pipeline.commands import Clear, Draw, Mesh
+from pipeline.enums import (
+    BlendFactor,
+    ComparisonFunction,
+    Face,
+    FogCoordinateSource,
+    FogMode,
+    FrontFace,
+    LogicOperation,
+    PrimitiveType,
+    ProvokingVertex,
+    ShadeModel,
+    StencilOperation,
+)
+from pipeline.profiles import MULTITEXTURE, OPENGL_1_2, OPENGL_1_2_IMAGING
+from pipeline.state import (
+    AlphaTest,
+    Blending,
+    ColorMask,
+    DepthTest,
+    Fog,
+    PassState,
+    PolygonState,
+    Scissor,
+    StencilTest,
+    VertexState,
+    Viewport,
+)
+
+WIDTH, HEIGHT = 32, 16  # powers of two: window coordinates are exact, in float32 too
+
+# A board with OpenGL's rules and the extensions that both sides have.
+EXTENDED = replace(
+    MULTITEXTURE,
+    name="OpenGL with extensions",
+    blend_factors_source=frozenset(BlendFactor),
+    blend_factors_destination=frozenset(BlendFactor) - {BlendFactor.SRC_ALPHA_SATURATE},
+    blend_equations=OPENGL_1_2_IMAGING.blend_equations,
+    stencil_operations=frozenset(StencilOperation),
+    fog_coordinate=True,
+)
+PROFILES = (EXTENDED, OPENGL_1_2, MULTITEXTURE, OPENGL_1_2_IMAGING)
+
+seeds = st.integers(0, 2**32 - 1)
+_bytes = st.integers(0, 255)
+_functions = st.sampled_from(ComparisonFunction)
+# Both sides hold bytes exactly: a constant between two bytes would be rounded on one side alone.
+byte_colors = st.tuples(_bytes, _bytes, _bytes, _bytes).map(lambda c: tuple(v / 255.0 for v in c))
+
+
+def maybe(strategy, often=1):
+    """None, or one of the strategy: once, or ``often`` times, in each 1 + ``often``."""
+    return st.one_of(st.none(), *[strategy] * often)
+
+
+# --------------------------------------------------------------------------------------------------- geometry
+
+_QUADS = (PrimitiveType.QUADS, PrimitiveType.QUAD_STRIP)
+TRIANGLES = (
+    PrimitiveType.TRIANGLES,
+    PrimitiveType.TRIANGLE_STRIP,
+    PrimitiveType.TRIANGLE_FAN,
+    PrimitiveType.POLYGON,
+)
+_ANY_PROVOKES = (PrimitiveType.TRIANGLES, PrimitiveType.TRIANGLE_STRIP)
+POLYGONS = (*TRIANGLES, *_QUADS)
+
+
+def _quads(random, primitive, count, grid):
+    """Parallelograms: which diagonal splits one is then nobody's business."""
+    size = np.array([WIDTH, HEIGHT]) * grid
+
+    def fourth(a, b, c):
+        """The corner opposite to a, None where that is off the screen."""
+        d = b + c - a
+        return d if ((d >= 0) & (d <= size)).all() else None
+
+    def places():
+        return random.integers(0, size + 1)
+
+    found = []
+    while len(found) < count:
+        a, b, c = places(), places(), places()
+        if found and primitive is PrimitiveType.QUAD_STRIP:
+            a, b, c = found[-1][2], found[-1][3], places()
+        d = fourth(a, b, c)
+        if d is not None:
+            found.append((a, b, c, d))
+    if primitive is PrimitiveType.QUADS:
+        return np.array([corner for a, b, c, d in found for corner in (a, b, d, c)]) / grid
+    return np.array([*found[0][:2], *(corner for _, _, c, d in found for corner in (c, d))]) / grid
+
+
+@st.composite
+def meshes(draw, primitives=POLYGONS, exact_colors=False):
+    """Triangles and quads on the 1/16 pixels (or pixel centres and corners) of the screen, and none beyond:
+    Mesa clips there, and a vertex that clipping makes lies anywhere.
+
+    Attributes of quads are planes over the screen. 1/w is a power of two, so that division is exact.
+    ``exact_colors``: bytes, one colour for each mesh, which no interpolation changes.
+    """
+    primitive, random = draw(st.sampled_from(primitives)), np.random.default_rng(draw(seeds))
+    grid = draw(st.sampled_from((1, 2, 2, 16, 16, 16, 16)))
+    planar = primitive in _QUADS
+    if planar:
+        pixels = _quads(random, primitive, draw(st.integers(1, 3)), grid)
+    else:
+        count = (
+            draw(st.integers(1, 4)) * 3 if primitive is PrimitiveType.TRIANGLES else draw(st.integers(3, 8))
+        )
+        pixels = random.integers(0, np.array([WIDTH, HEIGHT]) * grid + 1, (count, 2)) / grid
+    count = len(pixels)
+
+    def values(width, kind):
+        """[count, width] in [0, 1]: of single precision, which is what Mesa reads; planes for quads."""
+        if kind == "constant":
+            return np.tile(random.integers(0, 256, (1, width)) / 255.0, (count, 1))
+        if planar:
+            plane = pixels @ random.uniform(-1.0, 1.0, (2, width))
+            return np.float32((plane - plane.min(0)) / np.maximum(np.ptp(plane, 0), 1e-3)).astype(float)
+        if kind == "bytes":
+            return random.integers(0, 256, (count, width)) / 255.0
+        return random.random((count, width), np.float32).astype(float)
+
+    w = np.ones(count)
+    if not planar and draw(st.integers(0, 3)) == 0:
+        w = random.choice([0.5, 1.0, 2.0, 4.0], count)
+    z = np.full(count, random.choice([-1.0, -0.5, 0.0, 0.5, 1.0]))
+    if draw(st.booleans()):
+        z = np.float32(2.0 * values(1, "floats")[:, 0] - 1.0).astype(float)
+    x, y = (2.0 * pixels / (WIDTH, HEIGHT) - 1.0).T
+    kind = "constant" if exact_colors else draw(st.sampled_from(("floats", "bytes", "constant")))
+    indices = None
+    if primitive is PrimitiveType.TRIANGLES and draw(st.integers(0, 3)) == 0:
+        indices = random.integers(0, count, 3 * draw(st.integers(1, 4)))
+    return Mesh(
+        np.stack([x * w, y * w, z * w, w], -1),
+        primitive,
+        indices=indices,
+        colors=values(4, kind),
+        secondary_colors=values(3, kind),
+        fog_coordinates=4.0 * values(1, "constant" if exact_colors else "floats")[:, 0],
+    )
+
+
+# ----------------------------------------------------------------------------------------------------- states
+
+
+def _stencil_tests(profile):
+    operations = st.sampled_from(sorted(profile.stencil_operations))
+    return st.builds(
+        StencilTest,
+        function=_functions,
+        reference=st.integers(-5, 300),
+        mask=st.just(255) | _bytes,
+        fail=operations,
+        depth_fail=operations,
+        depth_pass=operations,
+        write_mask=st.just(255) | _bytes,
+    )
+
+
+def _blendings(profile):
+    return st.builds(
+        Blending,
+        source=st.sampled_from(sorted(profile.blend_factors_source)),
+        destination=st.sampled_from(sorted(profile.blend_factors_destination)),
+        equation=st.sampled_from(sorted(profile.blend_equations)),
+        color=byte_colors,
+    )
+
+
+_depth_tests = st.builds(DepthTest, _functions, st.booleans())
+_alpha_tests = st.builds(AlphaTest, _functions, _bytes.map(lambda b: b / 255.0))
+_color_masks = st.just(ColorMask()) | st.builds(ColorMask, *[st.booleans()] * 4)
+_scissors = st.builds(
+    Scissor,
+    st.integers(-3, WIDTH),
+    st.integers(-3, HEIGHT),
+    st.integers(0, WIDTH + 5),
+    st.integers(0, HEIGHT + 5),
+)
+
+
+def _fogs(profile):
+    sources = FogCoordinateSource if profile.fog_coordinate else (FogCoordinateSource.FRAGMENT_DEPTH,)
+    distances = st.sampled_from((0.0, 1.0, 2.0, -1.0, 0.25, 3.5))
+    return st.builds(
+        Fog,
+        mode=st.sampled_from(FogMode),
+        density=st.sampled_from((0.0, 0.25, 1.0, 3.0)),
+        start=distances,
+        end=distances,
+        color=byte_colors,
+        coordinate_source=st.sampled_from(sorted(sources)),
+    ).filter(lambda fog: fog.start != fog.end)
+
+
+@st.composite
+def _polygons(draw, primitive):
+    """The first vertex provokes where ARB_provoking_vertex and Mesa agree which it is (docs/mesa.md)."""
+    return PolygonState(
+        cull_face=draw(st.sampled_from((None, None, None, None, *Face))),
+        front_face=draw(st.sampled_from(FrontFace)),
+        offset_fill=draw(st.booleans()),
+        offset_factor=draw(st.sampled_from((0.0, 1.0, -2.0, 0.5))),
+        offset_units=draw(st.sampled_from((0.0, 1.0, -4.0, 1000.0, 1e9, -1e9))),
+        shade_model=draw(st.sampled_from(ShadeModel)),
+        provoking_vertex=draw(st.sampled_from(ProvokingVertex))
+        if primitive in _ANY_PROVOKES
+        else ProvokingVertex.LAST,
+    )
+
+
+@st.composite
+def draws(draw, profile, bitwise, offset):
+    """A mesh in a whole pass state of the profile; ``bitwise``: perhaps with a logic operation.
+
+    Such turn a difference of one into any other, so all that is drawn are bytes that nothing changes.
+    Depths that are tested for equality are exact where they are constant.
+    Fog of eye distance gets one sign of z: ours takes the magnitude at vertices, Mesa at fragments.
+    With color sum and fog no sum passes one: Mesa does not clamp it before fog (docs/mesa.md).
+    """
+    logic_op = draw(maybe(st.sampled_from(LogicOperation), 3)) if bitwise else None
+    mesh = draw(meshes(exact_colors=bitwise))
+    polygon, depth_test = draw(_polygons(mesh.primitive)), draw(maybe(_depth_tests))
+    if depth_test is not None and depth_test.function in (
+        ComparisonFunction.EQUAL,
+        ComparisonFunction.NOTEQUAL,
+    ):
+        polygon = replace(polygon, offset_fill=False)
+        z, w = mesh.positions[:, 2], mesh.positions[:, 3]
+        if (z == z[0] / w[0] * w).all():
+            mesh = replace(
+                mesh, positions=np.where([0, 0, 1, 0], np.sign(z - 0.1)[:, None] * w[:, None], mesh.positions)
+            )
+    if not offset:
+        polygon = replace(polygon, offset_fill=False)
+    color_sum = profile.color_sum and draw(st.booleans())
+    fog = draw(maybe(_fogs(profile))) if not bitwise else None
+    if color_sum and fog is not None:
+        mesh = replace(mesh, colors=mesh.colors / 2.0, secondary_colors=mesh.secondary_colors / 2.0)
+    if fog is not None and fog.coordinate_source is FogCoordinateSource.FRAGMENT_DEPTH:
+        mesh = replace(
+            mesh,
+            positions=mesh.positions * (1.0, 1.0, 0.5, 1.0) - mesh.positions[:, 3:] * (0.0, 0.0, 0.5, 0.0),
+        )
+    state = PassState(
+        vertex=VertexState(
+            viewport=draw(
+                st.sampled_from(
+                    (Viewport(),) * 4 + (Viewport(near=1.0, far=0.0), Viewport(near=0.25, far=0.75))
+                )
+            )
+        ),
+        polygon=polygon,
+        color_sum=color_sum,
+        fog=fog,
+        scissor=draw(st.none() | st.none() | st.none() | _scissors),
+        alpha_test=draw(st.none() | st.none() | _alpha_tests),
+        stencil_test=draw(maybe(_stencil_tests(profile))),
+        depth_test=depth_test,
+        blending=draw(maybe(_blendings(profile))) if logic_op is not None or not bitwise else None,
+        logic_op=logic_op,
+        color_mask=draw(_color_masks),
+    )
+    return Draw(label="draw", mesh=mesh, state=state)
+
+
+# ----------------------------------------------------------------------------------------------------- frames
+
+
+@st.composite
+def _clears(draw, whole):
+    """``whole``: everything; or a part of the buffers in a part of the screen, through masks."""
+    depth = st.sampled_from((0.0, 0.25, 0.5, 0.75, 1.0))
+    if whole:
+        return Clear(label="clear", color=draw(byte_colors), depth=draw(depth), stencil=draw(_bytes))
+    return Clear(
+        label="clear a part",
+        color=draw(maybe(byte_colors, 3)),
+        depth=draw(maybe(depth, 3)),
+        stencil=draw(maybe(_bytes, 3)),
+        scissor=draw(_scissors),
+        color_mask=draw(_color_masks),
+        stencil_write_mask=draw(st.just(255) | _bytes),
+    )
+
+
+@st.composite
+def frames(draw, profile, offset=True):
+    """Rectangles of colours, depths and stencil values, and one or two passes over them.
+
+    ``offset``: whether there may be a polygon offset; where the driver clamps at vertices what it gives,
+    which section 3.5.5 allows, there may not.
+    """
+    clears = [draw(_clears(i == 0)) for i in range(draw(st.integers(1, 3)))]
+    bitwise = draw(st.integers(0, 5)) == 5
+    return (*clears, *(draw(draws(profile, bitwise, offset)) for _ in range(draw(st.integers(1, 2)))))
+
+
+@st.composite
+def anywhere(draw):
+    """Triangles of any vertices, on, beside and behind the screen, each fragment counted in the stencil.
+
+    One colour and one depth for all: what lies between moved vertices shows nowhere.
+    """
+    random = np.random.default_rng(draw(seeds))
+    count = draw(st.integers(3, 12))
+    reach = draw(st.sampled_from((1.1, 1.1, 2.0, 20.0)))
+    w = np.ones(count)
+    kind = draw(st.sampled_from(("flat", "flat", "perspective", "behind")))
+    if kind != "flat":
+        w = np.exp(random.uniform(-2.0, 2.0, count))
+    positions = random.uniform(-reach, reach, (count, 4)) * w[:, None]
+    positions[:, 2:] = np.stack([0.25 * w, w], -1)
+    if kind == "behind":  # the near plane cuts where z = -w
+        positions[:, 2] = random.uniform(-2.0, 1.0, count) * w
+    mesh = Mesh(np.float32(positions), draw(st.sampled_from(TRIANGLES[:3])))
+    count_up = StencilTest(depth_pass=StencilOperation.INCR)
+    polygon = PolygonState(cull_face=draw(st.sampled_from((None, None, *Face))))
+    return (Draw(label="draw", mesh=mesh, state=PassState(polygon=polygon, stencil_test=count_up)),)

@@ -1,0 +1,140 @@
+"""Random passes, drawn here with OpenGL's rules and by Mesa: equal, or as far apart as roundings explain."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from bench.peers.llvmpipe import PeerError
+from pipeline.commands import Clear, Draw, Mesh
+from pipeline.enums import BlendFactor, StencilOperation
+from pipeline.profiles import OPENGL_1_2
+from pipeline.state import Blending, PassState, StencilTest
+from tests.opengl.compare import compare, edge_pixels, example
+from tests.opengl.mesa import Mesa
+from tests.opengl.passes import EXTENDED, HEIGHT, PROFILES, WIDTH, anywhere, frames
+
+
+def _mesa(driver):
+    try:
+        return Mesa(driver)
+    except PeerError as problem:
+        pytest.skip(f"no Mesa to compare with: {problem}")
+
+
+@pytest.fixture(scope="module")
+def llvmpipe():
+    peer = _mesa("llvmpipe")
+    yield peer
+    peer.close()
+
+
+@pytest.fixture(scope="module")
+def softpipe():
+    peer = _mesa("softpipe")
+    yield peer
+    peer.close()
+
+
+profiles = st.sampled_from(PROFILES)
+
+
+def assert_alike(peer, commands, profile, ignored=None):
+    picture = peer.draw(commands, WIDTH, HEIGHT)
+    comparison = compare(commands, picture, profile, WIDTH, HEIGHT, ignored)
+    assert not comparison.wrong.any(), example(commands, picture, comparison)
+    return comparison
+
+
+def assert_alike_off_edges(peer, commands, profile, within):
+    assert_alike(peer, commands, profile, edge_pixels(commands, profile, WIDTH, HEIGHT, within))
+
+
+@settings(max_examples=250)
+@given(st.data())
+def test_passes_are_llvmpipe_s(llvmpipe, data):
+    profile = data.draw(profiles)
+    assert_alike(llvmpipe, data.draw(frames(profile)), profile)
+
+
+# softpipe finds the ends of its spans in single precision: on which side of an edge a centre lies that is
+# exactly on it, is luck. Source: docs/mesa.md.
+@settings(max_examples=150)
+@given(st.data())
+def test_passes_are_softpipe_s(softpipe, data):
+    profile = data.draw(profiles)
+    assert_alike_off_edges(softpipe, data.draw(frames(profile, offset=False)), profile, 0.0)
+
+
+# A vertex that lies anywhere is snapped, to 1/16 pixel here and 1/256 there: an edge moves by less than 1/16
+# in x and in y. Clipping comes before, on both sides.
+@settings(max_examples=150)
+@given(anywhere())
+def test_coverage_is_llvmpipe_s_wherever_vertices_lie(llvmpipe, commands):
+    assert_alike_off_edges(llvmpipe, commands, OPENGL_1_2, 0.1)
+
+
+@pytest.mark.slow
+@settings(max_examples=4000)
+@given(st.data())
+def test_thousands_of_passes_are_llvmpipe_s(llvmpipe, data):
+    profile = data.draw(profiles)
+    assert_alike(llvmpipe, data.draw(frames(profile)), profile)
+
+
+@pytest.mark.slow
+@settings(max_examples=2000)
+@given(st.data())
+def test_thousands_of_passes_are_softpipe_s(softpipe, data):
+    profile = data.draw(profiles)
+    assert_alike_off_edges(softpipe, data.draw(frames(profile, offset=False)), profile, 0.0)
+
+
+@pytest.mark.slow
+@settings(max_examples=2000)
+@given(anywhere())
+def test_thousands_of_meshes_cover_what_llvmpipe_covers(llvmpipe, commands):
+    assert_alike_off_edges(llvmpipe, commands, OPENGL_1_2, 0.1)
+
+
+# -------------------------------------------------------------------------------------- does it see anything?
+
+_CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0]])
+_GRAY = np.full((3, 4), 100 / 255.0)
+
+
+@pytest.mark.parametrize(
+    ("drawn", "meant"),
+    [
+        pytest.param(
+            PassState(stencil_test=StencilTest(depth_pass=StencilOperation.INCR)),
+            PassState(stencil_test=StencilTest(depth_pass=StencilOperation.INVERT)),
+            id="another stencil operation",
+        ),
+        pytest.param(
+            PassState(blending=Blending(BlendFactor.ONE, BlendFactor.ONE)),
+            PassState(blending=Blending(BlendFactor.ONE, BlendFactor.ONE_MINUS_SRC_ALPHA)),
+            id="another blend factor",
+        ),
+        pytest.param(
+            PassState(), PassState(blending=Blending(BlendFactor.ONE, BlendFactor.ONE)), id="two more"
+        ),
+    ],
+)
+def test_the_comparison_sees(llvmpipe, drawn, meant):
+    clear = Clear(label="clear", color=(40 / 255.0,) * 4, depth=1.0, stencil=3)
+    mesh = Mesh(_CORNERS, colors=_GRAY, secondary_colors=np.zeros((3, 3)))
+    here, there = ((clear, Draw(label="draw", mesh=mesh, state=state)) for state in (drawn, meant))
+    comparison = compare(here, llvmpipe.draw(there, WIDTH, HEIGHT), EXTENDED, WIDTH, HEIGHT)
+    assert comparison.wrong.sum() > 100
+    assert not compare(there, llvmpipe.draw(there, WIDTH, HEIGHT), EXTENDED, WIDTH, HEIGHT).wrong.any()
+
+
+@pytest.mark.parametrize("blending", [None, Blending(BlendFactor.SRC_ALPHA, BlendFactor.ONE_MINUS_SRC_ALPHA)])
+def test_the_comparison_sees_one_pixel_two_bytes_off(llvmpipe, blending):
+    mesh = Mesh(_CORNERS, colors=_GRAY, secondary_colors=np.zeros((3, 3)))
+    commands = (Draw(label="draw", mesh=mesh, state=PassState(blending=blending)),)
+    picture = llvmpipe.draw(commands, WIDTH, HEIGHT)
+    color = picture["color"].copy()
+    color[-1, 0] += 2
+    assert compare(commands, {**picture, "color": color}, OPENGL_1_2, WIDTH, HEIGHT).wrong.sum() == 1
