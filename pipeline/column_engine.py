@@ -144,6 +144,13 @@ def unsupported(state, profile):
     return None
 
 
+def width_problem(state, profile):
+    """Why a machine that is not the native engines' cannot draw a pass, as a sentence, or None."""
+    tables = any(unit is not None and unit.color_table is not None for unit in state.texture_units)
+    usual = profile.texture_bits == NATIVE_BITS and profile.color_bits == (NATIVE_BITS,) and not tables
+    return None if profile.exact or (usual and is_native(profile)) else unsupported(state, profile)
+
+
 # ------------------------------------------------------------------------------------------- shading
 
 
@@ -168,6 +175,7 @@ def arithmetic_of(profile, bits, environments=False):
         clamps_mapping=mapping,
         clamps_sum=Clamp.COLOR_SUM in clamps,
         clamps_final=Clamp.FINAL_COMBINER in clamps,
+        holds=(low, high),
     )
 
 

@@ -25,6 +25,7 @@ import numpy as np
 
 from pipeline.check_pixels import bits_problem, pixel_texture_problem, rectangle_problem
 from pipeline.check_transfer import color_table_problem, pixel_image_problem, transfer_problem
+from pipeline.column_engine import NATIVE_SUBPIXEL_BITS, width_problem
 from pipeline.commands import (
     Accum,
     BindTexImage,
@@ -86,7 +87,7 @@ from pipeline.state import (
 )
 from pipeline.strokes import line_problem
 from pipeline.texture_environment import environment_problem, texture_format
-from pipeline.textures import COMPONENT_BITS, DEPTH_TEXELS, Texture
+from pipeline.textures import COMPONENT_BITS, DEPTH_TEXELS, TWELVE_BIT_FORMATS, Texture
 from pipeline.transfer import (
     DEPTH_FORMAT,
     IMAGE_FORMATS,
@@ -691,17 +692,23 @@ def _texture_problem(image):
             return f"the texture's {name} {wrong.predicate}."
     if not isinstance(image.levels, tuple) or not image.levels:
         return "the texture has no level 0; make textures with texture_1d, texture_2d or texture_cube_map."
+    bits = image.bits
+    if isinstance(bits, bool) or not isinstance(bits, Integral) or not 4 <= bits <= 16:
+        return f"the texture's components have {bits!r} bits; give 4 to 16."
+    dtype = np.dtype(np.uint8 if bits == 8 else np.uint16)
     for level, array in enumerate(image.levels):
         if (
             not isinstance(array, np.ndarray)
-            or array.dtype != np.uint8
+            or array.dtype != dtype
             or array.ndim != 4
             or array.shape[3] != 4
         ):
             return (
-                f"level {level} of the texture is not uint8 [faces, height, width, 4]; make textures with "
+                f"level {level} of the texture is not {dtype} [faces, height, width, 4]; make textures with "
                 "texture_2d."
             )
+        if array.size and int(array.max()) >= 1 << bits:
+            return f"level {level} of the texture holds {int(array.max())}; one is {(1 << bits) - 1}."
         faces = _faces(image, level)
         if array.shape[0] != faces:
             given = _count(array.shape[0], _PARTS.get(image.target, ("", "faces"))[1].removesuffix("s"))
@@ -947,6 +954,8 @@ class _Walk:
         if state.w_buffering and not self.profile.w_buffering:
             self.refuse(f"{self.profile.name} has no W buffering; leave w_buffering False.")
         self.color_buffer(state.draw_buffer)
+        if problem := width_problem(state, self.profile):
+            self.refuse(problem)
 
     def tex_image(self, command):
         if (command.image is None) == (command.pixels is None):
@@ -1088,10 +1097,10 @@ class _Walk:
         self.define(command, *self.transferred(command, width, height, dimensions, deep))
 
     def copied_format(self, internal_format):
-        if internal_format not in COMPONENT_BITS and internal_format not in _FIXED_DEPTHS:
+        if internal_format not in {*COMPONENT_BITS, *TWELVE_BIT_FORMATS, *_FIXED_DEPTHS}:
             self.refuse(
                 f"{internal_format.name} is not made from pixels; define it with TexImage and a Texture, or "
-                f"give one of {_names({*COMPONENT_BITS, *_FIXED_DEPTHS})}."
+                f"give one of {_names({*COMPONENT_BITS, *TWELVE_BIT_FORMATS, *_FIXED_DEPTHS})}."
             )
 
     def fixed_depths(self, read, what):
@@ -1719,6 +1728,12 @@ class _Walk:
             self.refuse(
                 f"the {profile.name} evaluates filled polygons without stipple only; draw triangles in "
                 "polygon mode FILL, or choose a machine."
+            )
+        others = not profile.exact and profile.subpixel_bits != NATIVE_SUBPIXEL_BITS
+        if others and not (filled and mesh.primitive < PrimitiveType.POINTS and state.window_clip is None):
+            self.refuse(
+                f"{profile.name} has {profile.subpixel_bits} subpixel bits, with which filled polygons are "
+                f"drawn alone, without stipple and window clip; draw these, or keep 4 bits."
             )
         for what, size, most in (
             ("the point size", point.size, profile.max_point_size),

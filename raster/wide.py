@@ -67,10 +67,10 @@ def fog_thresholds(mode, density, start, end, one):
 def fog_factor(coordinate, thresholds, rising):
     """How many of the thresholds the coordinates have not passed, int64 [k]; ``rising``: they grow with k."""
     if rising:  # c >= T_k
-        return np.searchsorted(thresholds, coordinate, side="right").astype(np.int64)
-    # T_k falls with k; c <= T_k. What is not a number keeps none.
-    kept = len(thresholds) - np.searchsorted(thresholds[::-1], coordinate, side="left")
-    return np.where(np.isnan(coordinate), 0, kept).astype(np.int64)
+        kept = np.searchsorted(thresholds, coordinate, side="right")
+    else:  # T_k falls with k; c <= T_k
+        kept = len(thresholds) - np.searchsorted(thresholds[::-1], coordinate, side="left")
+    return np.where(np.isnan(coordinate), 0, kept).astype(np.int64)  # what is not a number keeps none
 
 
 def with_fog(color, fog_color, factor, one):

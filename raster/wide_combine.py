@@ -33,6 +33,7 @@ class Arithmetic:
     expanded               what EXPAND_NORMAL subtracts: one, or one and a unit
     per_product, round_first   ``product_rounding`` PER_PRODUCT, ``round_before_scale``
     clamps_mapping, clamps_sum, clamps_final   which of the clamps are on
+    holds                  (lowest, highest) that a register holds, by which mappings clamp
     """
 
     one: int
@@ -45,6 +46,7 @@ class Arithmetic:
     clamps_mapping: bool
     clamps_sum: bool
     clamps_final: bool
+    holds: tuple[int, int]
 
 
 def map_input(x, mapping, a):
@@ -52,7 +54,7 @@ def map_input(x, mapping, a):
     if mapping == SIGNED_IDENTITY:
         return x
     if mapping == SIGNED_NEGATE:
-        return np.clip(-x, a.low, a.high) if a.clamps_mapping else -x
+        return np.clip(-x, *a.holds) if a.clamps_mapping else -x
     if a.clamps_mapping:
         x = np.maximum(x, 0)
     if mapping == UNSIGNED_IDENTITY:
@@ -63,7 +65,7 @@ def map_input(x, mapping, a):
         return 2 * x - a.expanded
     if mapping == EXPAND_NEGATE:
         negated = a.expanded - 2 * x
-        return np.minimum(negated, a.high) if a.clamps_mapping else negated
+        return np.minimum(negated, a.holds[1]) if a.clamps_mapping else negated
     return x - a.half if mapping == HALF_BIAS_NORMAL else a.half - x
 
 

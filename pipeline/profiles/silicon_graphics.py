@@ -69,6 +69,7 @@ INFINITE_REALITY = replace(
     name="SGI InfiniteReality",
     description="SGI RealityEngine and InfiniteReality: shadow maps, multisampling, twelve bits",
     color_bits=(12, 8),
+    combiner_bits=12,
     texture_bits=12,
     samples=(1, 4, 8),
     depth_bits=(23,),
