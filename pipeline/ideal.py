@@ -47,7 +47,7 @@ from pipeline.execute import default_threads, rasterize
 from pipeline.framebuffer import defined_texture, depth_texture
 from pipeline.ideal_rectangles import rectangle
 from pipeline.pack import has_color_sum
-from pipeline.pixel_rectangles import without_anisotropy
+from pipeline.pixel_rectangles import without_footprints
 from pipeline.profiles import IDEAL
 from pipeline.texture_environment import environment_program
 from pipeline.textures import DEPTH_TEXELS, Texture, pyramid, texture_2d
@@ -957,7 +957,7 @@ def _accumulate(command, buffers):
 
 def _draw_rectangle(command, buffers, textures, statistics, record):
     """DrawPixels, CopyPixels and Bitmap: the machine's pixels, real colours. ``record``: a guide's."""
-    state = without_anisotropy(command.state)
+    state = without_footprints(command.state)
     found = rectangle(command, buffers, statistics)
     if found is None:
         return

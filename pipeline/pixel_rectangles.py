@@ -4,7 +4,7 @@ fragments, which the column engine shades, tests and writes.
 The arithmetic is in ``raster.pixel_rectangles``; docs/numbers.md has the rules.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import NamedTuple
 
@@ -61,7 +61,7 @@ def draw_rectangle(command, profile, framebuffer, surfaces, textures, statistics
     ``framebuffer``: what CopyPixels reads; ``surfaces``: the framebuffers that are written, of its size and
     formats, itself or the samples of its pixels. ``statistics``: the machine's PixelStatistics.
     """
-    state = without_anisotropy(command.state)
+    state = without_footprints(command.state)
     where = raster_vertex(command.position, state, profile, framebuffer.width, framebuffer.height)
     if where is None:  # the command is ignored
         return []
@@ -107,50 +107,62 @@ def kind_of(command):
 # ------------------------------------------------------------------------------------------ which pixels
 
 
-class _Covered:
-    """Pixels of a zoomed rectangle inside the scissor box, row by row from the lowest."""
+@dataclass(frozen=True, eq=False)
+class Pixels:
+    """Device pixels x and y, int64 [k] each, row by row from the lowest, and the number of each one's group,
+    counted likewise.
+    """
 
-    def __init__(self, columns, rows, framebuffer, width):
-        x, n = columns
-        y, m = rows
-        self.shape, self.groups = (len(y), len(x)), (m, n)
-        self.x = np.broadcast_to(x, self.shape).ravel()
-        self.y = np.broadcast_to((framebuffer.height - 1 - y)[:, None], self.shape).ravel()
-        self._width = width
-
-    def __len__(self):
-        return self.shape[0] * self.shape[1]
+    x: np.ndarray
+    y: np.ndarray
+    numbers: np.ndarray
 
     def of(self, groups):
         """What the groups [h, w, ...] give to each pixel, [k, ...]."""
-        m, n = self.groups
-        if len(m) == groups.shape[0] and len(n) == groups.shape[1] and _in_order(m) and _in_order(n):
-            return groups.reshape(len(self), *groups.shape[2:])
-        return groups[m[:, None], n].reshape(len(self), *groups.shape[2:])
+        values = groups.reshape(-1, *groups.shape[2:])
+        each_its_own = len(values) == len(self.numbers) and (np.diff(self.numbers, prepend=-1) == 1).all()
+        return values if each_its_own else values[self.numbers]
 
-    @property
-    def numbers(self):
-        """The number of each pixel's group, counted row by row from the lowest."""
-        m, n = self.groups
-        return (m[:, None] * self._width + n).ravel()
-
-
-def _in_order(numbers):
-    """Whether pixel k is group k's, of as many pixels as groups."""
-    return len(numbers) == 0 or (numbers[0] == 0 and numbers[-1] == len(numbers) - 1 and _rises(numbers))
-
-
-def _rises(numbers):
-    return len(numbers) < 2 or bool((np.diff(numbers) == 1).all())
+    def only(self, chosen):
+        """Some of the pixels."""
+        return Pixels(self.x[chosen], self.y[chosen], self.numbers[chosen])
 
 
 def covered_pixels(command, where, shape, framebuffer):
-    """The _Covered of [h, w] groups."""
-    (height, width), (zx, zy) = shape[:2], command.zoom
-    x0, y0, x1, y1 = scissor_box(command.state, framebuffer)
-    columns = arithmetic.covered(where.x, float(zx), width, x0, x1)
-    rows = arithmetic.covered(where.y, float(zy), height, framebuffer.height - y1, framebuffer.height - y0)
-    return _Covered(columns, rows, framebuffer, width)
+    """The Pixels that a command's groups [h, w] cover."""
+    zx, zy = command.zoom
+    return _pixels((where.x, float(zx)), (where.y, float(zy)), shape, command.state, framebuffer)
+
+
+def set_bits(command, where, framebuffer):
+    """The Pixels whose bit is set in a Bitmap. Source: section 3.7; PixelZoom takes no part."""
+    (ox, oy), bits = command.origin, np.asarray(command.bits, np.bool_)
+    across, up = (np.floor(where.x - ox), 1.0), (np.floor(where.y - oy), 1.0)
+    at = _pixels(across, up, bits.shape, command.state, framebuffer)
+    return at.only(at.of(bits))
+
+
+def _pixels(across, up, shape, state, framebuffer):
+    """The Pixels of [h, w] groups inside scissor box and window clip. ``across``, ``up``: where groups begin
+    and how wide they are.
+    """
+    (height, width), total = shape[:2], framebuffer.height
+    x0, y0, x1, y1 = scissor_box(state, framebuffer)
+    x, n = arithmetic.covered(*across, width, x0, x1)
+    y, m = arithmetic.covered(*up, height, total - y1, total - y0)
+    size = len(y), len(x)
+    down = np.broadcast_to((total - 1 - y)[:, None], size).ravel()
+    at = Pixels(np.broadcast_to(x, size).ravel(), down, (m[:, None] * width + n).ravel())
+    return at if state.window_clip is None else at.only(_kept(state.window_clip, x, y).ravel())
+
+
+def _kept(clip, x, y):
+    """Which pixels of columns x and rows y, y up, a WindowClip keeps: bool [rows, columns]."""
+    inside = np.zeros((len(y), len(x)), np.bool_)
+    for box in clip.rectangles:
+        columns, rows = (x >= box.x) & (x < box.x + box.width), (y >= box.y) & (y < box.y + box.height)
+        inside |= rows[:, None] & columns
+    return inside != clip.exclusive
 
 
 # ---------------------------------------------------------------------------------------------- groups
@@ -265,26 +277,6 @@ def _raster_depth(where, state, framebuffer):
     return words[0] if limits is None or not limits.cull or inside[0] else -1
 
 
-class _Bits(NamedTuple):
-    """Pixels whose bit is set, as _Covered has them."""
-
-    numbers: np.ndarray
-    x: np.ndarray
-    y: np.ndarray
-
-
-def set_bits(command, where, framebuffer):
-    """The _Bits of a Bitmap. Source: section 3.7; PixelZoom takes no part."""
-    (height, width), (ox, oy) = command.bits.shape, command.origin
-    x0, y0, x1, y1 = scissor_box(command.state, framebuffer)
-    columns = arithmetic.covered(np.floor(where.x - ox), 1.0, width, x0, x1)
-    bottom, top = framebuffer.height - y1, framebuffer.height - y0
-    rows = arithmetic.covered(np.floor(where.y - oy), 1.0, height, bottom, top)
-    at = _Covered(columns, rows, framebuffer, width)
-    is_set = at.of(np.asarray(command.bits, np.bool_))
-    return _Bits(at.numbers[is_set], at.x[is_set], at.y[is_set])
-
-
 def _of_colors(command, groups, at, where, state, profile, framebuffer):
     """FragmentColumns whose colours, or texture coordinates, are the groups', [k, 4]; how many q were
     undefined.
@@ -335,12 +327,12 @@ def _texel_alpha(texture, groups, one):
     return arithmetic.alpha_bytes(groups[:, 3], one, texture.alpha == PixelTexGenAlpha.LS)
 
 
-def without_anisotropy(state):
-    """The same state for fragments without a footprint."""
+def without_footprints(state):
+    """The same state for fragments whose coordinates do not change from pixel to pixel: one texel each."""
     units = tuple(
         unit
-        if unit is None or unit.sampler.max_anisotropy <= 1
-        else replace(unit, sampler=replace(unit.sampler, max_anisotropy=1.0))
+        if unit is None or unit.sampler.max_anisotropy <= 1 >= unit.sampler.max_probes
+        else replace(unit, sampler=replace(unit.sampler, max_anisotropy=1.0, max_probes=1))
         for unit in state.texture_units
     )
     return state if units == state.texture_units else replace(state, texture_units=units)

@@ -53,6 +53,7 @@ from pipeline.state import (
     TextureUnit,
     VertexState,
     Viewport,
+    WindowClip,
 )
 from pipeline.textures import Texture, texture_2d
 from pipeline.validate import UnsupportedState, validate
@@ -319,6 +320,28 @@ def test_q_chooses_a_volume_as_specified(image, unit, q_filter, volumes, replace
         ),
         image.tolist(),
     )
+
+
+clips = st.builds(
+    WindowClip, rectangles=st.lists(boxes, min_size=1, max_size=2).map(tuple), exclusive=st.booleans()
+)
+
+
+@settings(max_examples=25)
+@given(images(4), states, clips, zooms, st.sampled_from(["bits", "stencil", False]))
+def test_the_window_clip_leaves_out_pixels_of_every_kind(image, state, clip, zoom, kind):
+    state = replace(state, window_clip=clip, texture_units=())
+    fields = {"label": "d", "state": state, "position": IDENTITY_POSITION}
+    if kind == "bits":
+        bits = image[..., 0] > 99
+        check_equal(Bitmap(bits=bits, **fields), bits.tolist(), profile=NV2A)
+    elif kind:
+        picture = PixelImage(image[..., 0], "STENCIL_INDEX")
+        command = DrawPixels(image=picture, zoom=zoom, **fields)
+        check_equal(command, image[..., 0].tolist(), words=kind, profile=NV2A)
+    else:
+        command = DrawPixels(image=PixelImage(image), zoom=zoom, **fields)
+        check_equal(command, image.tolist(), profile=NV2A)
 
 
 LIT = VertexState(
