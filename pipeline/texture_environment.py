@@ -66,8 +66,9 @@ _SCALES = {
 _HALF = CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF
 
 
-def texture_format(internal_format):
-    """The BaseFormat that a texture's environment goes by; None: the unit passes its colour on.
+def texture_format(internal_format, color_table=None):
+    """The BaseFormat that a texture's environment goes by, behind the unit's ``color_table``; None: the unit
+    passes its colour on.
 
     Source: OpenGL 1.2.1 table 3.16; ARB_depth_texture (LUMINANCE, initially); NV_texture_shader section 3.8.9
     (HILO). Inferred: RGB for YCBCR, which has no alpha. Assumed: RGBA for the NV2A's own formats.
@@ -76,7 +77,15 @@ def texture_format(internal_format):
         return None
     if internal_format in DEPTH_TEXELS:
         return BaseFormat.LUMINANCE
-    return BaseFormat.RGB if internal_format == InternalFormat.YCBCR else BASE_FORMAT[internal_format]
+    base = BaseFormat.RGB if internal_format == InternalFormat.YCBCR else BASE_FORMAT[internal_format]
+    if color_table is None:
+        return base
+    # Source: SGI_texture_color_table (issue 3: RGBA tables make RGBA of LUMINANCE); Assumed: a component that
+    # either has is there.
+    made = color_table.base_format
+    if made is base and base in (BaseFormat.ALPHA, BaseFormat.INTENSITY):
+        return base
+    return BaseFormat.RGB if base in _OPAQUE and made in _OPAQUE else BaseFormat.RGBA
 
 
 def arguments(mode, function):
@@ -107,7 +116,7 @@ def _units(state, textures):
         if operation in _WITHOUT_FUNCTION:
             base = None
         elif operation is not TextureShaderOperation.PASS_THROUGH:
-            base = texture_format(textures[unit.texture].internal_format)
+            base = texture_format(textures[unit.texture].internal_format, unit.color_table)
         units.append(_Unit(i, unit.environment, base))
     return tuple(units)
 

@@ -1331,7 +1331,8 @@ class _Walk:
             self.once(self.sampler, unit, known, i)
             self.texture_color_table(i, unit.color_table)
             if state.register_combiners is None:
-                self.once(self.environment, unit, i, texture_format(known.internal_format))
+                base = texture_format(known.internal_format, unit.color_table)
+                self.once(self.environment, unit, i, base)
 
     def texture_color_table(self, number, table):
         if table is not None and not self.profile.texture_color_table:

@@ -28,6 +28,7 @@ from pipeline.ideal import execute_ideal
 from pipeline.pack import combiner_program
 from pipeline.profiles import G400, GEFORCE_3, GEFORCE_256, IDEAL, MULTITEXTURE, NV2A
 from pipeline.state import (
+    ColorTable,
     Combine,
     Fog,
     PassState,
@@ -200,6 +201,20 @@ def test_depth_textures_are_luminance_and_hilo_passes_colors_on():
     ):
         for color in (specified, compiled):
             assert color(state, [1, 2, 3, 4], [[0, 0, 0, 0]], NV2A, images(internal_format)) == expected
+
+
+def test_a_color_table_s_components_count():
+    """REPLACE shows which components there are; every texture format by every table's."""
+    for (base, internal_format), table in product(FORMATS.items(), FORMATS):
+        given = replace(unit(MODE.REPLACE), color_table=ColorTable(((0.0,) * 4,) * 2, table))
+        state, texel = PassState(texture_units=(given,)), [10, 20, 30, 40]
+        expected = specified(state, [1, 2, 3, 4], [texel], textures=images(internal_format))
+        assert compiled(state, [1, 2, 3, 4], [texel], textures=images(internal_format)) == expected
+        alone = BaseFormat.ALPHA
+        alpha = base not in (BaseFormat.LUMINANCE, BaseFormat.RGB)
+        alpha |= table not in (BaseFormat.LUMINANCE, BaseFormat.RGB)
+        color = [1, 2, 3] if base is table is alone else texel[:3]
+        assert expected == [*color, 40 if alpha else 4]
 
 
 def test_a_disabled_unit_between_others_passes_its_color_on():
@@ -467,6 +482,28 @@ def test_frames_with_environments_equal_the_specification():
         for engine in (None, "portable", "columns"):
             got = execute(commands, profile, 9, 7, engine=engine).framebuffer.color
             np.testing.assert_array_equal(got, expected, err_msg=describe(commands))
+
+
+def test_environments_after_texture_shaders_equal_the_specification():
+    """A stage that only addresses, one that it addresses, one of coordinates, one that culls."""
+    operations = (
+        TextureShaderOperation.TEXTURE_2D,
+        TextureShaderOperation.DEPENDENT_AR_TEXTURE_2D,
+        TextureShaderOperation.PASS_THROUGH,
+        TextureShaderOperation.CULL_FRAGMENT,
+    )
+    environments = (MODE.NONE, MODE.DECAL, MODE.ADD, MODE.REPLACE)
+    units = tuple(unit(mode, name) for mode, name in zip(environments, "abbb", strict=True))
+    state = PassState(texture_units=units, texture_shader=tuple(TextureShaderStage(o) for o in operations))
+    mesh = square(np.random.default_rng(3).random((4, 4)))
+    mesh = replace(mesh, texture_coordinates=(np.c_[mesh.texture_coordinates[0], np.full(4, 0.3)],))
+    commands = frame(state, mesh, a=noise(1, InternalFormat.RGBA8), b=noise(2, InternalFormat.RGB8))
+    expected = np.array(run_reference(commands, NV2A, 9, 7, 24).target.color)
+    assert len(np.unique(expected.reshape(-1, 4), axis=0)) > 20
+    for engine in (None, "portable"):
+        np.testing.assert_array_equal(
+            execute(commands, NV2A, 9, 7, engine=engine).framebuffer.color, expected
+        )
 
 
 def test_without_its_clamp_a_unit_hands_on_what_exceeds_one():

@@ -64,6 +64,26 @@ def base_format(internal_format):
     return BaseFormat.RGBA
 
 
+def looked_up(base, table):
+    """The base format behind a texture color table. Source: SGI_texture_color_table; Assumed: a component
+    that the texture or the table has is there.
+    """
+    parts = {
+        BaseFormat.ALPHA: {"alpha"},
+        BaseFormat.LUMINANCE: {"color"},
+        BaseFormat.LUMINANCE_ALPHA: {"color", "alpha"},
+        BaseFormat.INTENSITY: {"color", "alpha"},
+        BaseFormat.RGB: {"color"},
+        BaseFormat.RGBA: {"color", "alpha"},
+    }
+    if base is None or base == table == BaseFormat.INTENSITY:
+        return base
+    found = parts[base] | parts[table]
+    if found == {"alpha"}:
+        return BaseFormat.ALPHA
+    return BaseFormat.RGBA if "alpha" in found else BaseFormat.RGB
+
+
 def rounded(products, profile):
     """A sum of products over 255, rounded as the machine does it. Inferred: jointly, as combiners."""
     if profile.product_rounding == ProductRounding.PER_PRODUCT:
@@ -264,6 +284,7 @@ def textured_color(primary, texels, state, textures, profile):
             base = BaseFormat.RGBA
         else:
             base = base_format(textures[unit.texture].internal_format)
+            base = base if unit.color_table is None else looked_up(base, unit.color_table.base_format)
         formats.append(base)
         colors.append(texture_color(texels[i], base))
     colors += [None] * (4 - len(colors))
