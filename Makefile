@@ -10,7 +10,7 @@ ifneq ($(wildcard $(CAPTURES)),)
 export FIXEDPIPE_CAPTURES ?= $(CAPTURES)
 endif
 
-.PHONY: help setup figures conformance test test-all check bench accept accept-conformance clean
+.PHONY: help setup figures conformance machines test test-all check bench accept accept-conformance clean
 
 help:
 	@echo "make figures            render every figure into $(OUT)/ with a gallery, $(OUT)/index.html"
@@ -18,6 +18,7 @@ help:
 	@echo "make test               prove it: everything that takes seconds (make test-all: minutes as well)"
 	@echo "make check              style: ruff check, ruff format --check"
 	@echo "make bench              measure; BENCH='--peer llvmpipe' compares with Mesa"
+	@echo "make machines           write docs/machines.md: which machine has which feature"
 	@echo "make accept FIGURE=ID   accept a figure's digest after the reference agrees and you looked at it"
 	@echo "make accept-conformance accept how many pixels agree with the captures (WORSE=yes: fewer too)"
 	@echo "make setup | clean      make or remove what is made here"
@@ -50,6 +51,9 @@ check: $(READY)
 
 bench: $(READY)
 	$(BIN)/python -m bench $(BENCH)
+
+machines: $(READY)
+	$(BIN)/python -m tests.machines
 
 accept: $(READY)
 	@[ -n "$(FIGURE)" ] || { echo "Say which figure: make accept FIGURE=ID (fixedpipe figures --list names them)."; exit 2; }

@@ -36,7 +36,7 @@ from pipeline.commands import (
 )
 from pipeline.enums import AccumOperation, Clamp, ColorBuffer, TextureTarget
 from pipeline.framebuffer import Framebuffer, bound_texture, copied_texture, defined_texture, replaced_texture
-from pipeline.multisample import SAMPLE_POSITIONS, Samples, shifted
+from pipeline.multisample import SAMPLE_POSITIONS, Samples
 from pipeline.pixel_rectangles import draw_rectangle
 from pipeline.primitives import WindowPrimitives
 from pipeline.profile import Profile
@@ -238,17 +238,12 @@ class Machine:
             )
         if self.color_bits is None:
             self.color_bits = self.profile.color_bits[0]
-        if self.color_bits not in self.profile.color_bits:
-            widths = ", ".join(map(str, self.profile.color_bits))
-            raise ValueError(
-                f"{self.profile.name} has colour buffers of {widths} bits a component; not of "
-                f"{self.color_bits!r}. Choose one of these, or change the machine by with_precision."
-            )
         if self.depth_bits is None:
             self.depth_bits = self.profile.widest_depth
         if self.samples is None:
             self.samples = self.profile.samples[0]
-        validate((), self.profile, self.width, self.height, self.depth_bits, samples=self.samples)
+        window = {"samples": self.samples, "color_bits": self.color_bits}
+        validate((), self.profile, self.width, self.height, self.depth_bits, **window)
         self.framebuffer = Framebuffer.new(
             self.width,
             self.height,
@@ -433,8 +428,8 @@ class Machine:
         state, profile = command.state, self.profile
         if self._unrounded is None:  # vertices' colours are rounded where the fragment's width is known
             self._unrounded = replace(profile, exact=True)
-        primitives = vertex.process(command.mesh, state, self._unrounded, target.width, target.height)
-        primitives = shifted(primitives, position, profile.subpixel_bits)
+        size = target.width, target.height
+        primitives = vertex.process(command.mesh, state, self._unrounded, *size, position)
         if profile.subpixel_bits == column_engine.NATIVE_SUBPIXEL_BITS:
             covered, lost = covered_pixels(primitives, state, profile, target.width, target.height)
         else:
@@ -450,8 +445,7 @@ class Machine:
 
     def _prepared(self, command, position):
         state, target = command.state, self._current
-        primitives = vertex.process(command.mesh, state, self.profile, target.width, target.height)
-        primitives = shifted(primitives, position, self.profile.subpixel_bits)
+        primitives = vertex.process(command.mesh, state, self.profile, target.width, target.height, position)
         packed = pack.pack(state, self.profile, target, self.textures, primitives)
         return _prepare(target, primitives, packed, self.textures)
 

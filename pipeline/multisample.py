@@ -21,15 +21,6 @@ SAMPLE_POSITIONS = {
 }
 
 
-def shifted(primitives, position, subpixel_bits):
-    """Window primitives as a sample sees them. ``position``: of ``SAMPLE_POSITIONS``."""
-    across, up = ((offset << subpixel_bits) >> 4 for offset in position)
-    if not (across or up):
-        return primitives
-    x, y = primitives.x - np.int32(across), primitives.y + np.int32(up)  # y down
-    return replace(primitives, x=x, y=y)
-
-
 def mean(colors):
     """The mean of integer arrays, rounded to nearest, a half up: of their type."""
     total = sum(color.astype(np.int64) for color in colors)

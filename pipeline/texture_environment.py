@@ -396,7 +396,10 @@ def environment_problem(number, environment, base, profile):
             "environments. Set register_combiners."
         )
     if mode not in modes:
-        return f"texture unit {number}'s environment is {mode.name}; {name} has {_listed(modes)}."
+        return (
+            f"texture unit {number}'s environment is {mode.name}; {name} has {_listed(modes)}. Give one of "
+            "these."
+        )
     if mode is TextureEnvironmentMode.DECAL and base not in (BaseFormat.RGB, BaseFormat.RGBA, None):
         return (
             f"texture unit {number}'s environment is DECAL, which is undefined for {base.name} textures "

@@ -1368,7 +1368,8 @@ class _Walk:
                     f"{profile.name} has no {stage.operation.name} (texture shader stage {i}); it has "
                     f"{_names(profile.texture_shader_operations)}."
                 )
-            if stage.dot_product_mapping not in profile.dot_product_mappings:
+            dotted = stage.operation.name.startswith("DOT_PRODUCT")
+            if dotted and stage.dot_product_mapping not in profile.dot_product_mappings:
                 self.refuse(
                     f"{profile.name} has no dot product mapping {stage.dot_product_mapping.name} (texture "
                     f"shader stage {i}); it has {_names(profile.dot_product_mappings)}."
@@ -1501,7 +1502,7 @@ class _Walk:
         if not 1 <= sampler.max_anisotropy <= profile.max_anisotropy:
             self.refuse(
                 f"{place} has the maximum anisotropy {sampler.max_anisotropy:g}; {profile.name} takes 1 to "
-                f"{profile.max_anisotropy:g}."
+                f"{profile.max_anisotropy:g}. Set max_anisotropy to one of these."
             )
         if sampler.max_anisotropy > 1 and (
             known.target not in (TextureTarget.TEXTURE_2D, TextureTarget.TEXTURE_RECTANGLE)
@@ -1514,9 +1515,10 @@ class _Walk:
         if sampler.signed_components != SignedComponents() and not profile.signed_components:
             self.refuse(f"{profile.name} has no signed texels; bias them and use EXPAND_NORMAL mappings.")
         if abs(unit.lod_bias) > profile.max_lod_bias:
+            least = -profile.max_lod_bias or 0.0
             self.refuse(
-                f"{place} has the level-of-detail bias {unit.lod_bias}; {profile.name} takes "
-                f"-{profile.max_lod_bias} to {profile.max_lod_bias}."
+                f"{place} has the level-of-detail bias {unit.lod_bias}; {profile.name} takes {least} to "
+                f"{profile.max_lod_bias}. Set lod_bias to one of these."
             )
 
     # ------------------------------------------------------------------------------------- vertices
@@ -1687,7 +1689,10 @@ class _Walk:
                     "choose a profile with per-stage constants."
                 )
         if not profile.combiner_flags and (flag := _nv2a_flag(combiners)):
-            self.refuse(f"{profile.name} has no {flag}; leave it at its default, or choose the NV2A profile.")
+            self.refuse(
+                f"{profile.name} has no {flag}; leave it at its default, or choose a profile with "
+                "combiner_flags."
+            )
         for _, sentence in combiner_problems(combiners):
             self.refuse(sentence)
         for place, register in _registers_named(combiners):
@@ -1741,7 +1746,9 @@ class _Walk:
             ("the line width", state.line.width, profile.max_line_width),
         ):
             if not 0 <= size <= most:
-                self.refuse(f"{what} is {size}; {profile.name} draws sizes from 0 to {most} pixels.")
+                self.refuse(
+                    f"{what} is {size}; {profile.name} draws sizes from 0 to {most} pixels. Give one."
+                )
         if problem := line_problem(state.line, profile):
             self.refuse(problem)
         if point.parameters is not None and not profile.point_parameters:
@@ -1876,7 +1883,9 @@ def _check_framebuffer(profile, width, height, depth_bits, what="The framebuffer
         )
     if depth_bits not in profile.depth_bits:
         formats = " or ".join(str(b) if b > 0 else DepthFormat(b).name for b in profile.depth_bits)
-        raise UnsupportedState(f"{what} has {_depth_words(depth_bits)}; {profile.name} has {formats}.")
+        raise UnsupportedState(
+            f"{what} has {_depth_words(depth_bits)}; {profile.name} has {formats}. Give one of these."
+        )
 
 
 def _depth_words(depth_bits):
@@ -1907,6 +1916,7 @@ def validate(
     statistics=None,
     *,
     samples=1,
+    color_bits=None,
 ):
     """Refuse what the machine could not execute; return None if it can execute everything.
 
@@ -1918,6 +1928,7 @@ def validate(
     surfaces       {name: Framebuffer}, its pbuffers, or None
     statistics     its PixelStatistics, or None
     samples        of each of the framebuffer's pixels
+    color_bits     of its colours' components; None: the usual width
 
     Raises UnsupportedState (a ValueError) whose message names the command, what was given, what the machine
     allows, and what to do. Meshes and textures are looked at once in their life; so are states, as long as
@@ -1926,6 +1937,12 @@ def validate(
     depth_bits = profile.widest_depth if depth_bits is None else depth_bits
     _check_framebuffer(profile, width, height, depth_bits)
     _check_samples(profile, samples)
+    if color_bits is not None and color_bits not in profile.color_bits:
+        widths = " or ".join(map(str, profile.color_bits))
+        raise UnsupportedState(
+            f"The framebuffer's colors have {_shown(color_bits)} bits a component; {profile.name} has "
+            f"{widths}. Give one of these, or change the machine by with_precision."
+        )
     if type(commands) in _HANDLERS:
         raise UnsupportedState(
             f"A frame is a tuple of commands; this is one {type(commands).__name__}. Write (command,)."

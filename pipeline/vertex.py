@@ -62,7 +62,7 @@ _FLOAT64_MANTISSA_BITS = 53
 _COLUMNS = ("x", "y", "z", "inverse_w", "colors", "coordinates", "fog")  # of WindowPrimitives
 
 
-def process(mesh, state, profile, width, height):
+def process(mesh, state, profile, width, height, sample=(0, 0)):
     """Transform, light, clip, project and snap a mesh.
 
     Parameters
@@ -75,6 +75,8 @@ def process(mesh, state, profile, width, height):
         exact profile's colours stay float64, not rounded; ``clamps``: whether VERTEX_COLOR is on.
     width, height : int
         The framebuffer's size in pixels.
+    sample : tuple of int
+        The place in a pixel that pixels are drawn for, (x, y) in 1/16 pixel from the middle, y up.
 
     Returns
     -------
@@ -96,8 +98,8 @@ def process(mesh, state, profile, width, height):
     # and colours and integers are made from clamped values only, so no warning is due.
     with np.errstate(all="ignore"):
         if plan is None:
-            return process_columns(mesh, state, profile, width, height)
-        return _planned(mesh, columns, plan, state, profile)
+            return process_columns(mesh, state, profile, width, height, sample)
+        return _seen_from(_planned(mesh, columns, plan, state, profile), sample, profile.subpixel_bits)
 
 
 def _planned(mesh, columns, plan, state, profile):
@@ -241,10 +243,19 @@ def _color_bits(vertex, profile):
     return _FLOAT64_MANTISSA_BITS if exact else profile.color_mantissa_bits
 
 
-def process_columns(mesh, state, profile, width, height):
+def _seen_from(primitives, sample, subpixel_bits):
+    """Primitives moved so that ``sample`` lies where pixels have their middle."""
+    across, up = ((offset << subpixel_bits) >> 4 for offset in sample)
+    if not (across or up):
+        return primitives
+    return replace(primitives, x=primitives.x - np.int32(across), y=primitives.y + np.int32(up))  # y down
+
+
+def process_columns(mesh, state, profile, width, height, sample=(0, 0)):
     """``process`` for any mesh and state, column by column."""
     triangles = assemble(mesh, state.polygon.provoking_vertex)
     primitives, origin, triangles, sizes = _process(mesh, triangles, state, profile, width, height)
+    primitives = _seen_from(primitives, sample, profile.subpixel_bits)
     return _with_strokes(primitives, mesh, state, profile, triangles, origin, sizes)
 
 

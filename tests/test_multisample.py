@@ -81,7 +81,7 @@ def test_it_is_the_mean_of_shifted_scenes(count, primitive):
     assert not np.array_equal(together.image(), single[0].image())
 
 
-@pytest.mark.parametrize("engine", [None, "portable"])
+@pytest.mark.parametrize("engine", [None, "portable", "columns"])
 def test_both_engines_draw_the_same_samples(engine):
     first = execute(scene((0, 0)), MULTISAMPLED, SIZE, SIZE, samples=4, threads=1)
     again = execute(scene((0, 0)), MULTISAMPLED, SIZE, SIZE, samples=4, engine=engine, threads=2)

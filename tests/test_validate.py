@@ -850,7 +850,7 @@ LACKING = {
     "power_of_two_textures": (True, store(levels((3, 3))), "4x4, or pad it"),
     "max_texture_size": (4, MIPMAPPED, "up to 4x4"),
     "max_cube_map_texture_size": (2, CUBE, "up to 2x2"),
-    "max_lod_bias": (0.0, textured(lod_bias=0.5), "-0.0 to 0.0"),
+    "max_lod_bias": (0.0, textured(lod_bias=0.5), "takes 0.0 to 0.0. Set lod_bias"),
     "max_lights": (1, lit(Light(), back=Material(shininess=200.0)), "shininess is 200.0"),
     "max_shininess": (64.0, lit(front=Material(shininess=65.0)), "0 to 64.0"),
     "max_point_size": (2.0, draw(point=PointState(size=2.5)), "the point size is 2.5; .* from 0 to 2.0"),

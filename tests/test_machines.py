@@ -1,0 +1,130 @@
+"""Every feature on every machine: accepted where it is, refused in a sentence where it is not; and the page
+that says so.
+"""
+
+import re
+from dataclasses import fields
+from pathlib import Path
+
+import pytest
+
+from pipeline.execute import execute
+from pipeline.ideal import execute_ideal
+from pipeline.profile import Profile
+from pipeline.profiles import PROFILES
+from pipeline.validate import UnsupportedState, validate
+from tests.features import FEATURES, SIZE
+from tests.machines import PAGE, page
+
+ROOT = Path(__file__).parents[1]
+MACHINES = [profile for profile in PROFILES.values() if not profile.exact]
+# What a refusal tells to do: a verb, or what the machine has instead.
+HINT = re.compile(
+    r"[;.:,] (or )?(add|bias|choose|combine|copy|disable|draw|enable|give|leave|put|read|scale|set|split|use"
+    r"|write|it (has|takes|stores) \w)",
+    re.IGNORECASE,
+)
+
+
+def ids(value):
+    return getattr(value, "name", None)
+
+
+@pytest.mark.parametrize("feature", FEATURES, ids=ids)
+def test_a_feature_is_accepted_exactly_where_the_machine_has_it(feature):
+    for profile in PROFILES.values():
+        if feature.has(profile):
+            validate(feature.commands, profile, SIZE, SIZE, **feature.framebuffer)
+            continue
+        with pytest.raises(UnsupportedState) as refusal:
+            validate(feature.commands, profile, SIZE, SIZE, **feature.framebuffer)
+        sentence = str(refusal.value)
+        assert profile.name in sentence
+        assert re.search(feature.asked, sentence), sentence
+        assert HINT.search(sentence), sentence
+        assert sentence.endswith(".")
+
+
+def runs_on(feature, profile):
+    """Run the feature's commands; the picture."""
+    if profile.exact:
+        return execute_ideal(feature.commands, SIZE, SIZE).image()
+    return execute(feature.commands, profile, SIZE, SIZE, threads=1, **feature.framebuffer).image()
+
+
+@pytest.mark.parametrize("feature", FEATURES, ids=ids)
+def test_a_feature_runs_on_a_machine_that_has_it(feature):
+    first = next((p for p in MACHINES if feature.has(p)), None)
+    if first is not None:
+        runs_on(feature, first)
+    if feature.ideal and feature.has(PROFILES["IDEAL"]):
+        runs_on(feature, PROFILES["IDEAL"])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("feature", FEATURES, ids=ids)
+def test_a_feature_runs_on_every_machine_that_has_it(feature):
+    for profile in MACHINES:
+        if feature.has(profile):
+            runs_on(feature, profile)
+
+
+def test_every_feature_is_had_by_some_machine_and_named_once():
+    assert len({feature.name for feature in FEATURES}) == len(FEATURES)
+    for feature in FEATURES:
+        assert any(feature.has(profile) for profile in PROFILES.values()), feature.name
+
+
+def test_the_page_of_machines_is_as_the_profiles_are():
+    assert PAGE.read_text() == page(), "docs/machines.md is stale: make machines"
+
+
+@pytest.mark.parametrize("feature", FEATURES, ids=ids)
+def test_a_features_modules_exist(feature):
+    for path in (*feature.reference, *feature.implementation, *feature.tests):
+        assert (ROOT / path).is_file(), path
+    assert feature.implementation and feature.tests
+
+
+class Asked:
+    """A profile that remembers which of its fields were asked for."""
+
+    def __init__(self, profile):
+        self._profile, self.fields = profile, set()
+
+    def __getattr__(self, name):
+        self.fields.add(name)
+        return getattr(self._profile, name)
+
+
+# Fields that say how a machine computes, or how large something may be that every machine has.
+WITHOUT_A_FEATURE = {
+    "max_viewport",
+    "max_pixel_map_table",
+    "max_shininess",
+    "stencil_bits",
+    "blend_factors_destination",
+    "depth_units_in_coordinates",
+    "foreign_texture_targets",
+    # To come, each with its stage.
+    "max_probes",
+    "shadow_functions",
+    "shadow_ambient",
+    "combiner_functions",
+    "combiner_lookup",
+    "evaluate_before_filtering",
+    "spherical_interpolation",
+}
+
+
+def test_every_limit_set_and_switch_of_a_profile_decides_about_a_feature():
+    asked = set()
+    for feature in FEATURES:
+        for profile in PROFILES.values():
+            witness = Asked(profile)
+            if feature.has(witness) and feature.limit is not None:
+                feature.limit(witness)
+            asked |= witness.fields
+    names = [f.name for f in fields(Profile)]
+    capabilities = set(names[names.index("max_texture_units") : names.index("expand_half")])
+    assert capabilities - asked == WITHOUT_A_FEATURE
