@@ -187,10 +187,10 @@ class Framebuffer:
         (x0, y0, x1, y1), buffers, color, color_mask, depth, stencil, mask = self.clear_words(command)
         where = slice(y0, y1), slice(x0, x1)
         if buffers & 1 and not self.is_bytes:
-            mask = command.color_mask
-            mask = np.array([mask.red, mask.green, mask.blue, mask.alpha])
+            on = command.color_mask
+            channels = np.array([on.red, on.green, on.blue, on.alpha])
             wide = fixed(np.array(command.color), self.color_bits)
-            self.color[where] = np.where(mask, wide, self.color[where])
+            self.color[where] = np.where(channels, wide, self.color[where])
         elif buffers & 1:
             _write(self.color.view(np.uint32)[..., 0][where], color, color_mask, 0xFFFFFFFF)
         if buffers & 2:

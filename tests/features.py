@@ -407,6 +407,14 @@ def _texture_units():
 
 
 def _formats():
+    yield Feature(
+        name="twelve bits a component (RGBA12)",
+        group="Texture formats",
+        has=lambda p: InternalFormat.RGBA12 in p.internal_formats,
+        commands=_textured(texture_2d(_PICTURE, InternalFormat.RGBA12)),
+        asked="RGBA12",
+        **_FORMATS,
+    )
     samples = {
         "paletted textures (COLOR_INDEX8)": (
             InternalFormat.COLOR_INDEX8,

@@ -5,7 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.commands import Accum, Clear, CopyTexImage, Draw, Mesh, ReadPixels, TexImage
+from pipeline.commands import (
+    Accum,
+    Clear,
+    CopyPixels,
+    CopyTexImage,
+    Draw,
+    DrawPixels,
+    Mesh,
+    ReadPixels,
+    TexImage,
+)
 from pipeline.enums import (
     AccumOperation,
     BlendFactor,
@@ -17,8 +27,9 @@ from pipeline.enums import (
 )
 from pipeline.execute import Machine, execute
 from pipeline.multisample import SAMPLE_POSITIONS, mean
+from pipeline.pixel_transfer import PixelImage
 from pipeline.profiles import GEFORCE_256, INFINITE_REALITY
-from pipeline.state import Blending, DepthTest, PassState, Sampler, StencilTest, TextureUnit
+from pipeline.state import Blending, DepthTest, PassState, RasterPosition, Sampler, StencilTest, TextureUnit
 from pipeline.textures import texture_2d
 from pipeline.validate import UnsupportedState, validate
 
@@ -59,11 +70,11 @@ def scene(position, seed=5, primitive=PrimitiveType.TRIANGLES):
 
 
 def averaged(images):
-    """Bytes of the mean, rounded to nearest, one component at a time in plain integers."""
+    """The mean, rounded to nearest, one component at a time in plain integers."""
     count = len(images)
     flat = [[int(v) for v in image.ravel()] for image in images]
     total = [sum(values) for values in zip(*flat, strict=True)]
-    return np.array([(2 * v + count) // (2 * count) for v in total], np.uint8).reshape(images[0].shape)
+    return np.array([(2 * v + count) // (2 * count) for v in total]).reshape(images[0].shape)
 
 
 @pytest.mark.parametrize("primitive", [PrimitiveType.TRIANGLES, PrimitiveType.LINES, PrimitiveType.POINTS])
@@ -79,6 +90,33 @@ def test_it_is_the_mean_of_shifted_scenes(count, primitive):
     assert np.array_equal(together.depth, single[0].depth)
     assert np.array_equal(together.stencil, single[0].stencil)
     assert not np.array_equal(together.image(), single[0].image())
+
+
+def test_buffers_of_twelve_bits_have_samples():
+    single = [
+        execute(scene(position), INFINITE_REALITY, SIZE, SIZE, color_bits=12).framebuffer.color
+        for position in SAMPLE_POSITIONS[4]
+    ]
+    together = execute(
+        scene((0, 0)), INFINITE_REALITY, SIZE, SIZE, color_bits=12, samples=4
+    ).framebuffer.color
+    assert together.max() > 255
+    assert np.array_equal(together, averaged(single))
+
+
+def test_a_rectangle_of_pixels_covers_every_sample():
+    image = PixelImage(np.full((4, 4, 4), 0.5))
+    drawn = DrawPixels(
+        label="rectangle", image=image, position=RasterPosition((2.0, 2.0, 0.5, 1.0), window=True)
+    )
+    first = execute((edge(8.5), drawn), MULTISAMPLED, SIZE, SIZE, samples=8).image()
+    assert (first[10:14, 2:6] == 128).all()
+    assert (first[:, 8] == 128).all()
+    copied = CopyPixels(
+        label="copy", x=8, width=1, height=4, position=RasterPosition((12.0, 0.0, 0.5, 1.0), window=True)
+    )
+    second = execute((edge(8.5), copied), MULTISAMPLED, SIZE, SIZE, samples=8).image()
+    assert (second[12:, 12] == 128).all()
 
 
 @pytest.mark.parametrize("engine", [None, "portable", "columns"])
