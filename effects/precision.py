@@ -14,8 +14,8 @@ from pipeline.ideal import execute_ideal
 WIDTHS = (4, 5, 6, 7, 8, 9, 10, 12, 14, 16)
 # What a width is of: arguments of ``Profile.with_precision``.
 PARTS = ("combiner_bits", "texture_bits", "framebuffer_bits", "filter_fraction_bits")
-# Clamps that only machines have. The others the ideal evaluation has too: the lower clamp of the mappings, which
-# passes rely on, and the fragment's at the end (docs/decisions, page 0001).
+# Clamps that only machines have. The others the ideal evaluation has too: the lower clamp of the mappings,
+# which passes rely on, and the fragment's at the end (docs/decisions, page 0001).
 MACHINE_CLAMPS = frozenset(Clamp) - {Clamp.MAPPING, Clamp.FINAL_COMBINER}
 
 

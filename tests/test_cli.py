@@ -598,3 +598,26 @@ def test_compiling_is_announced_on_the_first_start_only(tmp_path):
         )
         announced.append(done.stderr.startswith("Compiling the kernels"))
     assert announced == [True, False]
+
+
+def test_precision_prints_a_row_for_each_width_and_clamp():
+    result = run("precision", "F004-4", "--size", "8", "--bits", "4,8")
+    assert result.exit_code == 0, result.output
+    rows = {line.split()[0]: line.split()[1:] for line in result.output.splitlines() if line.strip()}
+    assert len(rows["4"]) == len(rows["8"]) == 4
+    assert float(rows["4"][0]) > 4 * float(rows["8"][0])
+    assert len(rows["BLENDING"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--bits", "8,x"), "give whole numbers from 4 to 16"),
+        (("--bits", "3"), "may have 4 to 16 bits"),
+        (("--of", "colour"), "there are: combiner, texture, framebuffer, filter_fraction, subpixel"),
+    ],
+)
+def test_precision_refuses_what_it_cannot_measure(arguments, said):
+    result = run("precision", "F004-4", *arguments)
+    assert result.exit_code == 2
+    assert said in result.output

@@ -375,7 +375,7 @@ def test_a_clear_has_the_buffer_s_width():
 
 
 def test_a_width_that_the_machine_has_not_is_refused():
-    with pytest.raises(ValueError, match="colour buffers of 8 bits a component; not of 12"):
+    with pytest.raises(ValueError, match="have 12 bits a component; GeForce 256 has 8"):
         Machine(GEFORCE_256, 4, 4, color_bits=12)
 
 

@@ -24,6 +24,12 @@ def test_the_readme_example_gives_what_it_says():
     assert results.failed == 0
 
 
+def test_the_precision_page_s_example_gives_what_it_says():
+    results = doctest.testfile(str(ROOT / "docs" / "precision.md"), module_relative=False)
+    assert results.attempted >= 5
+    assert results.failed == 0
+
+
 def picture_of_the_readme(name):
     """The pixels of a picture that the README shows, [h, w, 3]."""
     path = f"docs/images/{name}.png"

@@ -17,7 +17,7 @@ What to do next:
   fixedpipe bump sample:gravel --mesh torus --material gold --light 1,2,3 --out gravel.png
                                 bump-map a mesh with a photograph
   fixedpipe combiners FILE      what a combiner program of the time (RC1.0, TS1.0, ps.1.x) sets, as equations
-  fixedpipe precision F004-4    was it the clamp or the bits? a figure's error by the width of numbers and by clamp
+  fixedpipe precision F004-4    was it the clamp or the bits? a figure's error by widths and clamps
   fixedpipe profiles            which machines there are, and how each of their numbers is known
   fixedpipe conformance DIR     redraw captures of a real NV2A and count the pixels that agree
   fixedpipe --help              all commands and options"""
