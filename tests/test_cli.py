@@ -317,8 +317,20 @@ def test_passes_of_an_unknown_figure_are_refused_with_the_likely_one():
     assert "Did you mean F004-3?" in refusal_of("passes", "f004-3")
 
 
+@pytest.mark.parametrize("columns", ["80", "120"])
+def test_profiles_lists_the_machines_in_lines_that_fit(columns):
+    result = CliRunner().invoke(main, ["profiles"], env={"COLUMNS": columns})
+    assert result.exit_code == 0
+    assert max(map(len, result.stdout.splitlines())) <= int(columns)
+    for name, profile in PROFILES.items():
+        (line,) = [line for line in result.stdout.splitlines() if line.split()[:1] == [name]]
+        assert profile.description.split()[0] in line
+        assert f" {profile.max_texture_units} " in line
+    assert "fixedpipe profiles NAME" in result.stdout
+
+
 def test_profiles_shows_every_field_of_every_machine_with_its_tag():
-    result = run("profiles")
+    result = run("profiles", *PROFILES)
     assert result.exit_code == 0
     for name, profile in PROFILES.items():
         assert name in result.stdout

@@ -2,6 +2,8 @@
 
 import click
 
+_WIDE = 110  # columns of a terminal that shows whole descriptions
+
 
 def _value_text(value):
     """A profile's value in words; a set that holds all its enumeration's members, or none, says so."""
@@ -27,10 +29,34 @@ def _value_text(value):
     return getattr(value, "name", f"{value:g}" if isinstance(value, float) else str(value))
 
 
+def _overview(profiles, width):
+    """A table of the machines for a terminal of ``width`` columns, a row each."""
+    from rich import box
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE, pad_edge=False, show_edge=False, padding=(0, 1, 0, 0))
+    table.add_column("profile", no_wrap=True)
+    table.add_column("machine", ratio=1)
+    for heading in ("units", "combiners", "color", "depth"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for name, profile in profiles.items():
+        depths = sorted({abs(bits) for bits in profile.depth_bits})
+        table.add_row(
+            name,
+            profile.description if width >= _WIDE else profile.description.partition(":")[0],
+            str(profile.max_texture_units),
+            str(profile.max_general_combiners or "-"),
+            "float" if profile.exact else ", ".join(map(str, profile.color_bits)),
+            "float" if profile.exact else ", ".join(map(str, depths)),
+        )
+    return table
+
+
 @click.command(short_help="Print the machines, with evidence.")
 @click.argument("names", metavar="[NAME …]", nargs=-1)
 def profiles(names):
-    """Print the machines: what each can do, how wide its numbers are, and how each value is known.
+    """List the machines; of those that are named print all values: what each can do, how wide its numbers
+    are, and how each value is known.
 
     Evidence: Source (a specification or paper), Measured (on silicon), Inferred (from those), Assumed.
     """
@@ -44,8 +70,13 @@ def profiles(names):
     from pipeline.profile import Profile
     from pipeline.profiles import PROFILES
 
-    chosen = {name: choose("profile", name, PROFILES) for name in names} or PROFILES
     console = Console(soft_wrap=False, highlight=False)
+    if not names:
+        console.print(_overview(PROFILES, console.width))
+        console.print("\nAll values of one, each with its evidence: fixedpipe profiles NAME")
+        console.print("Which machine has which feature: docs/machines.md")
+        return
+    chosen = {name: choose("profile", name, PROFILES) for name in names}
     for name, profile in chosen.items():
         console.print(f"{name}: {profile.description}", style="bold")
         said = set(profile.evidence.values())

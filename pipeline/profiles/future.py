@@ -11,7 +11,7 @@ _INSTEAD = "Assumed: none; lookups after general combiners, which are as wide, t
 FUTURE = replace(
     GEFORCE_3,
     name="Future board",
-    description="the enhancements the papers ask for: wide combiners, evaluation before filtering, lookups",
+    description="what the papers ask for: wide combiners, evaluation before filtering, lookups",
     texture_shader_operations=frozenset(),
     dot_product_mappings=frozenset(),
     combiner_functions=frozenset(CombinerFunction),

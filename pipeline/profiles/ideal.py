@@ -23,7 +23,7 @@ _BY_DEFINITION = "Assumed: nothing; limits are what a state can say, or far beyo
 IDEAL = replace(
     GEFORCE_256,
     name="ideal",
-    description="float64 throughout: what the algorithm itself gives",
+    description="no machine: float64 throughout, what the algorithm itself gives",
     exact=True,
     max_texture_units=4,
     max_general_combiners=8,

@@ -15,7 +15,7 @@ _NO_VOLUMES = "Assumed: no 3D textures; a driver of the time that lists EXT_text
 MULTITEXTURE = replace(
     OPENGL_1_2,
     name="Multitexture board",
-    description="two texture units and no combiners (TNT class): texture environments, unsigned",
+    description="TNT class, 1998: two texture units, unsigned texture environments and no combiners",
     max_texture_units=2,
     max_3d_texture_size=0,
     max_lod_bias=4.0,

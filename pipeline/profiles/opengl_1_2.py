@@ -150,7 +150,7 @@ _OF_IMAGING = "Source: OpenGL 1.2.1 section 3.6.2, the imaging subset"
 OPENGL_1_2_IMAGING = replace(
     OPENGL_1_2,
     name="OpenGL 1.2 with the imaging subset",
-    description="the same board with colour tables, convolution, colour matrix and histogram",
+    description="the same with the imaging subset: colour tables, convolution, colour matrix, histogram",
     max_color_table_size=4096,
     max_convolution_size=11,
     blend_factors_source=OPENGL_1_2.blend_factors_source | _CONSTANT_FACTORS,

@@ -67,7 +67,7 @@ _PAPER = "Montrym, Baum, Dignam, Migdal 1997 would settle it"
 INFINITE_REALITY = replace(
     OPENGL_1_2_IMAGING,
     name="SGI InfiniteReality",
-    description="SGI RealityEngine and InfiniteReality: shadow maps, multisampling, twelve bits",
+    description="SGI RealityEngine, InfiniteReality: shadow maps, multisampling, twelve bits",
     color_bits=(12, 8),
     combiner_bits=12,
     texture_bits=12,
