@@ -12,6 +12,7 @@ from pipeline.enums import (
     ComparisonFunction,
     InternalFormat,
     TextureCompareMode,
+    TextureEnvironmentMode,
     TextureTarget,
 )
 from pipeline.profile import Profile
@@ -51,6 +52,7 @@ IDEAL = replace(
     | {InternalFormat.DEPTH_COMPONENT16, InternalFormat.DEPTH_COMPONENT24},
     texture_compare_modes=frozenset({TextureCompareMode.NONE, TextureCompareMode.COMPARE_R_TO_TEXTURE}),
     shadow_functions=frozenset(ComparisonFunction),
+    texture_environment_modes=frozenset(TextureEnvironmentMode),
     combine_functions=frozenset(CombineFunction),
     combiner_functions=frozenset(CombinerFunction),
     texture_environment_crossbar=True,
