@@ -19,9 +19,9 @@ def from_value(value, full):
 
 def from_colors(colors, one, value, full):
     """LOAD: ``((c / one) * value) * full`` of integer components, any shape, as int32."""
-    low, high = (0, one) if colors.dtype == np.uint8 else (colors.min(initial=0), colors.max(initial=one))
-    table = _stored(((np.arange(low, high + 1) / one) * value) * full, full)  # a product for each value only
-    return table[colors if low == 0 else colors - low]
+    if colors.dtype != np.uint8:
+        return _stored(((colors / one) * value) * full, full)
+    return _stored(((np.arange(256) / one) * value) * full, full)[colors]
 
 
 def added(accumulation, more, full):
