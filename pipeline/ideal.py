@@ -57,6 +57,7 @@ from pipeline.transfer import (
     MinmaxTable,
     PixelStatistics,
     changes_nothing,
+    looked_up,
     transfer_colors,
     transfer_depths,
     transfer_stencil,
@@ -693,7 +694,8 @@ def shade_colors(state, textures, primary, secondary, distances, texel):
         if unit is None:
             registers[Register.TEXTURE0 + i] = _constant((0.0, 0.0, 0.0, 1.0), count)
             continue
-        registers[Register.TEXTURE0 + i] = texel(i, unit, textures[unit.texture])
+        found = texel(i, unit, textures[unit.texture])
+        registers[Register.TEXTURE0 + i] = looked_up(found, unit.color_table, IDEAL)
     registers[Register.SPARE0] = np.zeros((count, 4))
     registers[Register.SPARE0][:, 3] = registers[Register.TEXTURE0][:, 3]
     return combine(program, registers)

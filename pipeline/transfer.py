@@ -169,16 +169,16 @@ def transfer_color_indices(indices, transfer, profile, statistics, dimensions=2)
 
 def _from_color_table(groups, transfer, profile, statistics, dimensions):
     """Color Table Lookup and what follows it, up to Minmax."""
-    groups = _looked_up(groups, transfer.color_table, profile)
+    groups = looked_up(groups, transfer.color_table, profile)
     if (kernel := convolution(transfer, dimensions)) is not None:
         groups = _convolved(groups, kernel)
         groups = arithmetic.scaled(groups, transfer.post_convolution_scale, transfer.post_convolution_bias)
-    groups = _looked_up(groups, transfer.post_convolution_color_table, profile)
+    groups = looked_up(groups, transfer.post_convolution_color_table, profile)
     groups = arithmetic.transformed(groups, transfer.color_matrix)
     groups = arithmetic.scaled(groups, transfer.post_color_matrix_scale, transfer.post_color_matrix_bias)
     if profile.clamps_color_matrix:
         groups = np.clip(groups, 0.0, 1.0)
-    groups = _looked_up(groups, transfer.post_color_matrix_color_table, profile)
+    groups = looked_up(groups, transfer.post_color_matrix_color_table, profile)
     if transfer.histogram is not None:
         statistics.count(groups, transfer.histogram)
         if transfer.histogram.sink:
@@ -195,7 +195,8 @@ def table_entries(table, profile):
     return arithmetic.stored_entries(table.entries, None if profile.exact else table.bits)
 
 
-def _looked_up(groups, table, profile):
+def looked_up(groups, table, profile):
+    """Groups, float64 [..., 4], through Color Table Lookup in a ColorTable; None: as they are."""
     if table is None:
         return groups
     return arithmetic.looked_up(groups, table_entries(table, profile), ENTRY_COMPONENTS[table.base_format])

@@ -9,13 +9,24 @@ from pipeline.commands import (
     Clear,
     CopyTexImage,
     CopyTexSubImage,
+    Draw,
+    Mesh,
     ReadPixels,
     ResetHistogram,
     ResetMinmax,
     TexImage,
 )
 from pipeline.describe import describe
-from pipeline.enums import BaseFormat, ConvolutionBorderMode, DepthFormat, InternalFormat, TextureTarget
+from pipeline.enums import (
+    BaseFormat,
+    ConvolutionBorderMode,
+    DepthFormat,
+    InternalFormat,
+    PrimitiveType,
+    TextureEnvironmentMode,
+    TextureFilter,
+    TextureTarget,
+)
 from pipeline.execute import Machine, execute
 from pipeline.framebuffer import READ_FORMATS
 from pipeline.ideal import execute_ideal
@@ -30,7 +41,7 @@ from pipeline.pixel_transfer import (
     SeparableFilter,
 )
 from pipeline.profiles import GEFORCE_256, INFINITE_REALITY, NV2A, OCTANE, OPENGL_1_2, OPENGL_1_2_IMAGING
-from pipeline.state import ColorTable
+from pipeline.state import ColorTable, PassState, Sampler, TextureEnvironment, TextureUnit
 from pipeline.transfer import packed_colors
 from pipeline.validate import UnsupportedState
 from tests.reference import pixel_transfer as reference
@@ -382,6 +393,31 @@ def test_the_octane_keeps_no_signed_result_of_the_colour_matrix():
         least[profile.name] = execute((command,), profile, SIZE, SIZE).minmaxes["m"].extremes[0, 0]
     assert least[OCTANE.name] == 0
     assert least[OPENGL_1_2_IMAGING.name] < -0.5
+
+
+@pytest.mark.parametrize("base_format", BaseFormat)
+def test_a_texture_color_table_acts_between_the_filter_and_the_environment(base_format):
+    """Every byte through a table of 64 entries, drawn by the machine, and by the ideal."""
+    texels = np.stack([np.arange(256), np.arange(255, -1, -1), np.arange(256) // 2, np.arange(256)], -1)
+    image = texels.reshape(16, 16, 4).astype(np.uint8)
+    entries = tuple((k / 63, (63 - k) / 70, abs(k - 31) / 40, 1 - k / 100) for k in range(64))
+    table = ColorTable(entries, base_format, 8)
+    corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    mesh = Mesh(corners, PrimitiveType.QUADS, texture_coordinates=((corners + 1) / 2,))
+    unit = TextureUnit(
+        "t",
+        Sampler(TextureFilter.NEAREST, TextureFilter.NEAREST),
+        environment=TextureEnvironment(TextureEnvironmentMode.REPLACE),
+        color_table=table,
+    )
+    commands = (
+        TexImage(label="load", texture="t", pixels=PixelImage(image)),
+        Draw(label="draw", mesh=mesh, state=PassState(texture_units=(unit,))),
+    )
+    found = execute(commands, OCTANE, 16, 16, threads=1).framebuffer.color[::-1]
+    expected = [[reference.texture_color(texel, 255, table) for texel in row] for row in image.tolist()]
+    assert found.tolist() == expected
+    assert np.abs(execute_ideal(commands, 16, 16).color[::-1] * 255 - found).max() <= 0.5 + 1e-9
 
 
 # ------------------------------------------------------------------------------------------------ ideal
