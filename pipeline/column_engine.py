@@ -591,17 +591,18 @@ class _Draw:
                 continue
             corners = self.primitives.coordinates[vertices, k]
             coordinates[:, k] = wide_iterate.iterate_coordinates(q0, q2, corners)
-            if not (unit.needs_lambda or unit.anisotropic):
+            if not (unit.needs_lambda or unit.anisotropic or unit.probes):
                 continue
             target, sizes = unit.texture.target, unit.sizes
             steps, plain, missing = wide_iterate.block_steps(
                 edges, inverse_w, corners, self.divided[k], target, sizes, px, py
             )
-            if unit.anisotropic:
+            if unit.anisotropic or unit.probes:
                 footprints = np.zeros((count, units, 3)) if footprints is None else footprints
-                footprints[:, k], found = wide_iterate.anisotropy(
-                    plain, sizes, missing, float(unit.sampler.max_anisotropy)
-                )
+                footprint, most = wide_iterate.anisotropy, float(unit.sampler.max_anisotropy)
+                if unit.probes:
+                    footprint, most = wide_iterate.probes, float(unit.sampler.max_probes)
+                footprints[:, k], found = footprint(plain, sizes, missing, most)
             else:
                 found = wide_iterate.level_of_detail(steps, missing, target)
             lod[:, k] = found / 256.0

@@ -9,7 +9,7 @@ from pipeline.enums import (
     TextureFilter,
     TextureTarget,
 )
-from pipeline.textures import BASE_FORMAT, DEPTH_TEXELS, KEPT, register_components
+from pipeline.textures import BASE_FORMAT, DEPTH_TEXELS, KEPT, depth_texture_mode, register_components
 from pipeline.transfer import ENTRY_COMPONENTS, table_entries
 from raster import wide, wide_texture
 from raster.transfer import texture_color_table
@@ -54,7 +54,7 @@ class UnitSampler:
         }.get(texture.target, (width, height, 0.0))
         s = self.sampler
         self.levels = texture.levels[: s.max_level + 1]
-        self.anisotropic = s.max_anisotropy > 1
+        self.anisotropic, self.probes = s.max_anisotropy > 1, s.max_probes > 1
         self.needs_lambda = s.min_filter != s.mag_filter
         # Source: OpenGL 1.2.1 section 3.8.6; Measured: 0 on the chip.
         opengl_c = profile.magnification_threshold == MagnificationThreshold.OPENGL_C
@@ -68,6 +68,11 @@ class UnitSampler:
         if self.compares:
             self.largest, self.mantissa = DEPTH_TEXELS[texture.internal_format]
             self.depth_scale = 1.0 if profile.depth_units_in_coordinates else float(self.largest)
+            base, failed = depth_texture_mode(s, profile), wide.fixed(s.compare_fail_value, self.one)
+            self.compared = [
+                register_components(np.array([value], np.int64), base, self.one)
+                for value in (self.one, failed)
+            ]
         self.hilo = texture.internal_format == InternalFormat.HILO16
         self.signed = self._signed()
         border = wide.fixed(s.border_color, self.one)
@@ -119,20 +124,33 @@ class UnitSampler:
         if self.texture.target == TextureTarget.TEXTURE_CUBE_MAP:
             divided = False
         lod = np.zeros(len(strq), np.int64)
-        if (self.needs_lambda or self.anisotropic) and fragments.lod is not None:
+        if (self.needs_lambda or self.anisotropic or self.probes) and fragments.lod is not None:
             lod = np.floor(fragments.lod[:, self.number] * 256.0).astype(np.int64)
             lod = lod + int(256.0 * float(self.unit.lod_bias))  # truncated
             low, high = (int(256 * float(limit)) for limit in (self.sampler.min_lod, self.sampler.max_lod))
             lod = np.minimum(np.maximum(lod, low), high)
         elif self.needs_lambda:
             lod = np.full(len(strq), -1)  # magnified
-        if not self.anisotropic:
+        if fragments.footprints is None or not (self.anisotropic or self.probes):
             return self._levels(strq, divided, lod, compared)
         str_ = strq
         if divided:
             q = np.where(strq[:, 3:] == 0.0, 1.0, strq[:, 3:])
             str_ = np.concatenate([strq[:, :3] / q, np.ones_like(q)], axis=1)
-        return self._along(fragments.footprints[:, self.number], str_, divided, lod, compared)
+        filtered = self._assembled if self.probes else self._along
+        return filtered(fragments.footprints[:, self.number], str_, divided, lod, compared)
+
+    def _assembled(self, footprint, str_, lifted, lod, compared):
+        """The mean of a footprint's probes, cut."""
+        total, probes = np.zeros((len(str_), 4), np.int64), footprint[:, 2]
+        for probe in range(int(probes.max(initial=1.0))):
+            used = probe < probes
+            moved = str_.copy()
+            distance = ((2.0 * probe + 1.0) - probes) / (2.0 * probes)
+            moved[:, :2] += distance[:, None] * footprint[:, :2]
+            texel = self._levels(moved, False, lod, compared, lifted)
+            total += np.where(used[:, None], texel, 0)
+        return total // probes.astype(np.int64)[:, None]
 
     def _along(self, footprint, str_, lifted, lod, compared):
         """An anisotropically filtered texel: pairs of texels along the footprint."""
@@ -196,8 +214,7 @@ class UnitSampler:
             modes = (wide_texture.CLAMP_TO_EDGE,) * 3
         read = None if self.signed is None else self._as_signed
         if reference is not None:
-            fail = int(wide.fixed(s.compare_fail_value, self.one))
-            read = wide_texture.comparison(reference, s.compare_function, self.one, fail)
+            read = wide_texture.comparison(reference, s.compare_function, *self.compared)
         elif self.hilo:
             return self._hilo(image, places, face, modes, linear, target)
         return wide_texture.filter_level(

@@ -51,7 +51,7 @@ from pipeline.state import (
 )
 from pipeline.strokes import whole_size
 from pipeline.texture_environment import environment_program
-from pipeline.textures import BASE_FORMAT, DEPTH_TEXELS, KEPT, register_components
+from pipeline.textures import BASE_FORMAT, DEPTH_TEXELS, KEPT, depth_texture_mode, register_components
 from raster import rows as R
 from raster.vertices import single_depths
 
@@ -496,6 +496,10 @@ def shader_stages(state):
 def _pack_comparison(sampler, internal_format, profile, row):
     """A depth texture's entries. Its border is refused (``pipeline.validate``)."""
     row[R.COMPARE], row[R.COMPARE_FUNCTION] = sampler.compare_mode, sampler.compare_function
+    base, failed = depth_texture_mode(sampler, profile), to_byte(sampler.compare_fail_value)
+    for at, byte in ((R.COMPARE_HELD, 255), (R.COMPARE_FAILED, failed)):
+        texel = register_components(np.array([byte], np.uint8), base, np.uint8(255))
+        row[at] = int.from_bytes(texel.tobytes(), "little")
     row[R.DEPTH_TEXEL_MAX], row[R.DEPTH_TEXEL_MANTISSA] = DEPTH_TEXELS[internal_format]
     units = profile.depth_units_in_coordinates
     row[R.COORDINATE_DEPTH] = _pattern(1.0 if units else row[R.DEPTH_TEXEL_MAX])
@@ -543,6 +547,8 @@ def _pack_units(state, profile, textures, used, draw):
         row[R.MIN_LOD], row[R.MAX_LOD] = (int(256 * float(lod)) for lod in (sampler.min_lod, sampler.max_lod))
         if sampler.max_anisotropy > 1:
             row[R.ANISOTROPY] = np.float64(sampler.max_anisotropy).view(np.int64)
+        if sampler.max_probes > 1:
+            row[R.PROBES] = sampler.max_probes
         if (
             profile.magnification_threshold == MagnificationThreshold.OPENGL_C
             and mag_linear

@@ -9,6 +9,7 @@ from dataclasses import dataclass, fields, replace
 from numbers import Integral
 
 from pipeline.enums import (
+    BaseFormat,
     BlendEquation,
     BlendFactor,
     Clamp,
@@ -61,6 +62,7 @@ class Profile:
         pbuffers' colours; none: no pbuffers), ``texture_shader_operations`` (none: no texture shaders),
         ``dot_product_mappings``, ``texture_compare_modes``, ``point_sprite_units`` (texture units whose
         coordinates point sprites may replace), ``shadow_functions`` (of a texture comparison),
+        ``depth_texture_modes`` (what its result may be, the usual one first),
         ``texture_environment_modes``, ``combine_functions``, ``combiner_functions``.
     Switches
         ``logic_op``, ``fog_coordinate``, ``separate_specular_color``, ``color_sum``,
@@ -140,6 +142,7 @@ class Profile:
     texture_compare_modes: frozenset[TextureCompareMode]
     point_sprite_units: frozenset[int]
     shadow_functions: frozenset[ComparisonFunction]
+    depth_texture_modes: tuple[BaseFormat, ...]
     texture_environment_modes: frozenset[TextureEnvironmentMode]
     combine_functions: frozenset[CombineFunction]
     combiner_functions: frozenset[CombinerFunction]

@@ -338,6 +338,8 @@ class Sampler:
     ``max_anisotropy``: EXT_texture_filter_anisotropic's.
     ``compare_fail_value`` (SGIX_shadow_ambient, ARB_shadow_ambient): what takes the place of zero.
     ``max_probes``: of footprint assembly, a power of two; 1: none.
+    ``depth_texture_mode`` (ARB_depth_texture): whether a comparison's result is LUMINANCE, INTENSITY or
+    ALPHA; None: the machine's usual one.
     """
 
     min_filter: TextureFilter = TextureFilter.NEAREST_MIPMAP_LINEAR
@@ -355,6 +357,7 @@ class Sampler:
     max_anisotropy: float = 1.0
     compare_fail_value: float = 0.0
     max_probes: int = 1
+    depth_texture_mode: BaseFormat | None = None
 
 
 @dataclass(frozen=True, slots=True)

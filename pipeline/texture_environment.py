@@ -66,18 +66,20 @@ _SCALES = {
 _HALF = CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF
 
 
-def texture_format(internal_format, color_table=None):
+def texture_format(internal_format, color_table=None, depth_texture_mode=None):
     """The BaseFormat that a texture's environment goes by, behind the unit's ``color_table``; None: the unit
     passes its colour on.
 
+    ``depth_texture_mode``: the sampler's.
     Source: OpenGL 1.2.1 table 3.16; ARB_depth_texture (LUMINANCE, initially); NV_texture_shader section 3.8.9
     (HILO). Inferred: RGB for YCBCR, which has no alpha. Assumed: RGBA for the NV2A's own formats.
     """
     if internal_format == InternalFormat.HILO16:
         return None
     if internal_format in DEPTH_TEXELS:
-        return BaseFormat.LUMINANCE
-    base = BaseFormat.RGB if internal_format == InternalFormat.YCBCR else BASE_FORMAT[internal_format]
+        base = BaseFormat.LUMINANCE if depth_texture_mode is None else depth_texture_mode
+    else:
+        base = BaseFormat.RGB if internal_format == InternalFormat.YCBCR else BASE_FORMAT[internal_format]
     if color_table is None:
         return base
     # Source: SGI_texture_color_table (issue 3: RGBA tables make RGBA of LUMINANCE); Assumed: a component that
@@ -116,7 +118,8 @@ def _units(state, textures):
         if operation in _WITHOUT_FUNCTION:
             base = None
         elif operation is not TextureShaderOperation.PASS_THROUGH:
-            base = texture_format(textures[unit.texture].internal_format, unit.color_table)
+            mode, table = unit.sampler.depth_texture_mode, unit.color_table
+            base = texture_format(textures[unit.texture].internal_format, table, mode)
         units.append(_Unit(i, unit.environment, base))
     return tuple(units)
 

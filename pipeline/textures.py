@@ -98,6 +98,13 @@ REGISTER_COMPONENTS = {
 }
 
 
+def depth_texture_mode(sampler, profile):
+    """The BaseFormat as which comparisons of a depth texture reach the registers (ARB_depth_texture)."""
+    if sampler.depth_texture_mode is not None:
+        return sampler.depth_texture_mode
+    return profile.depth_texture_modes[0]
+
+
 def widen_to_byte(component, bits):
     """An n-bit component (0 .. 2**bits - 1) as a byte, by bit replication.
 
@@ -297,29 +304,35 @@ def _as_rgba(image, what):
     return out
 
 
-def halve(level):
-    """The next mipmap level of whole numbers or float64 [faces, h, w, 4], boxes of 2x2 (or 2x1, 1x2) texels.
+def halve(level, layered=False):
+    """The next mipmap level of whole numbers or float64 [faces, h, w, 4], boxes of 2x2 (or 2x1, 1x2) texels;
+    of 2x2x2 where the faces are a 3D texture's layers (``layered``).
 
-    Whole numbers: (a + b + c + d + 2) >> 2, as the arithmetic's rule for generated mipmaps says; an edge of
-    one texel counts it twice.
+    Whole numbers: (a + b + c + d + 2) >> 2, as the arithmetic's rule for generated mipmaps says, or (the
+    eight + 4) >> 3; an edge of one texel counts it twice.
     """
-    h, w = level.shape[1:3]
-    if (h % 2 and h > 1) or (w % 2 and w > 1):
+    d, h, w = level.shape[:3]
+    if (h % 2 and h > 1) or (w % 2 and w > 1) or (layered and d % 2 and d > 1):
+        what = f"{w}x{h}x{d}" if layered else f"{w}x{h}"
         raise ValueError(
-            f"Mipmaps of a {w}x{h} level need even edges; give a texture whose edges are powers of two."
+            f"Mipmaps of a {what} level need even edges; give a texture whose edges are powers of two."
         )
     rows = (level[:, 0::2], level[:, 1::2]) if h > 1 else (level, level)
     corners = [r[:, :, k::2] if w > 1 else r for r in rows for k in (0, 1)]
+    if layered:
+        corners = [c[k::2] if d > 1 else c for c in corners for k in (0, 1)]
     if level.dtype != np.float64:
-        return ((sum(c.astype(np.uint32) for c in corners) + 2) >> 2).astype(level.dtype)
-    return sum(corners) / 4
+        bits = 3 if layered else 2
+        total = sum(c.astype(np.uint32) for c in corners) + (1 << (bits - 1))
+        return (total >> bits).astype(level.dtype)
+    return sum(corners) / len(corners)
 
 
-def pyramid(base):
+def pyramid(base, layered=False):
     """Every mipmap level from level 0 down to one texel: a tuple, each by ``halve``, read-only."""
     levels = [base]
-    while max(levels[-1].shape[1:3]) > 1:
-        levels.append(halve(levels[-1]))
+    while max(levels[-1].shape[0 if layered else 1 : 3]) > 1:
+        levels.append(halve(levels[-1], layered))
     for level in levels:
         level.setflags(write=False)
     return tuple(levels)
@@ -339,7 +352,9 @@ def build_texture(target, faces, internal_format, mipmaps):
         base = store_texels(faces, internal_format)
     if not mipmaps:
         return Texture(target, internal_format, (base,), None if source is None else (source,), bits)
-    return Texture(target, internal_format, pyramid(base), None if source is None else pyramid(source), bits)
+    layered = target is TextureTarget.TEXTURE_3D
+    ideal = None if source is None else pyramid(source, layered)
+    return Texture(target, internal_format, pyramid(base, layered), ideal, bits)
 
 
 def texture_1d(image, internal_format=InternalFormat.RGBA8, *, mipmaps=False):
@@ -362,6 +377,18 @@ def texture_2d(image, internal_format=InternalFormat.RGBA8, *, mipmaps=False):
     if rgba.ndim != 3:
         raise ValueError(f"A 2D texture's image has shape {rgba.shape}; give [height, width, components].")
     return build_texture(TextureTarget.TEXTURE_2D, rgba[None], internal_format, mipmaps)
+
+
+def texture_3d(image, internal_format=InternalFormat.RGBA8, *, mipmaps=False):
+    """A 3D texture from [layers, height, width, 1..4 components], bytes or floats in [0, 1], each layer as
+    ``texture_2d`` takes it, r growing from layer to layer.
+    """
+    rgba = _as_rgba(image, "The image")
+    if rgba.ndim != 4:
+        raise ValueError(
+            f"A 3D texture's image has shape {rgba.shape}; give [layers, height, width, components]."
+        )
+    return build_texture(TextureTarget.TEXTURE_3D, rgba, internal_format, mipmaps)
 
 
 def texture_cube_map(faces, internal_format=InternalFormat.RGBA8, *, mipmaps=False):

@@ -75,6 +75,7 @@ from pipeline.pack import WITHOUT_TEXTURE, shader_stages
 from pipeline.pixel_rectangles import kind_of
 from pipeline.pixel_transfer import PixelTransfer
 from pipeline.raster_position import vertex_of
+from pipeline.sampling import probes_problem, shadow_problem
 from pipeline.state import (
     Light,
     Lighting,
@@ -989,9 +990,7 @@ class _Walk:
         if target is TextureTarget.TEXTURE_CUBE_MAP and width != height:
             self.refuse(f"the cube map's faces are {width}x{height}; they must be square.")
         self.texture_storage(target, internal_format, width, height, layers)
-        if command.generate_mipmap and (
-            target is TextureTarget.TEXTURE_3D or internal_format in DEPTH_TEXELS
-        ):
+        if command.generate_mipmap and internal_format in DEPTH_TEXELS:
             self.refuse(
                 f"mipmaps of a {target.name} of {internal_format.name} are not generated; set "
                 "generate_mipmap to False."
@@ -1396,6 +1395,11 @@ class _Walk:
                 f"{operation.name} makes coordinates that have no level of detail here; set both to "
                 "NEAREST or both to LINEAR."
             )
+        if unit.sampler.max_probes > 1:
+            self.refuse(
+                f"texture unit {number} assembles footprints, which {self.profile.name} has of its own "
+                f"coordinates, not of those that {operation.name} makes; set max_probes to 1."
+            )
         targets = self.accessible(operation)
         if known.target not in targets:
             self.refuse(
@@ -1475,6 +1479,8 @@ class _Walk:
                 f"{place} reads {unit.texture!r}, {known.internal_format.name}, with compare_mode "
                 f"{sampler.compare_mode.name}; depth textures are read by comparing, and only they can be."
             )
+        if problem := shadow_problem(place, sampler, profile):
+            self.refuse(problem)
         if compares and {sampler.wrap_s, sampler.wrap_t} & {WrapMode.CLAMP, WrapMode.CLAMP_TO_BORDER}:
             self.refuse(
                 f"{place} compares and may read its border colour, which is no depth; use CLAMP_TO_EDGE or "
@@ -1512,6 +1518,8 @@ class _Walk:
                 f"{place} filters {unit.texture!r} anisotropically; how is known of 2D and rectangle "
                 "textures of bytes alone: set max_anisotropy to 1."
             )
+        if problem := probes_problem(place, sampler, known.target, known.internal_format, profile):
+            self.refuse(problem)
         if sampler.signed_components != SignedComponents() and not profile.signed_components:
             self.refuse(f"{profile.name} has no signed texels; bias them and use EXPAND_NORMAL mappings.")
         if abs(unit.lod_bias) > profile.max_lod_bias:

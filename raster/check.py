@@ -30,6 +30,7 @@ from raster.vector_combine import (
 )
 
 FOG_TABLE = 8193  # entries of a table of factors; of thresholds there are 255
+MOST_PROBES = 16  # of a footprint: sums of 16 bytes leave room in 16 bits
 MOST_TAPS = 16.0  # the largest anisotropy; the EXT_texture_filter_anisotropic of any chip stays below
 
 
@@ -137,6 +138,8 @@ def usable_units(draw, units, levels):
             ratio = float_of(row[R.ANISOTROPY])
             if not (ratio >= 1.0 and ratio <= MOST_TAPS):
                 return False
+        if row[R.PROBES] < 0 or row[R.PROBES] > MOST_PROBES:
+            return False
     return True
 
 

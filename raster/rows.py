@@ -140,12 +140,15 @@ FINAL_SIZE = 3
     CULL_MODES,  # bit k: coordinate k must be less than zero, else not less
     COMPARE,  # pipeline.enums.TextureCompareMode
     COMPARE_FUNCTION,
+    COMPARE_HELD,  # packed: what takes a texel's place where the comparison holds
+    COMPARE_FAILED,
     HILO,  # 1: texels are two words of 16 bits, alpha and red, green and blue
     DEPTH_TEXEL_MAX,  # the largest depth word of a compared texture
     DEPTH_TEXEL_MANTISSA,  # mantissa bits of its depths; 0: integers
     ANISOTROPY,  # the largest ratio, a float64's bit pattern; 0: isotropic
+    PROBES,  # the most probes of a footprint, a power of two; 0: none are assembled
     OFFSET_MATRIX,  # four entries; these and the following are bit patterns of float64
-) = range(28)
+) = range(31)
 OFFSET_SCALE = OFFSET_MATRIX + 4
 OFFSET_BIAS = OFFSET_SCALE + 1
 CONSTANT_EYE = OFFSET_BIAS + 1  # three entries
@@ -180,7 +183,8 @@ E_TIMES_F, SPARE0_PLUS_SECONDARY, REGISTERS = 12, 13, 14
 ) = range(13)
 DOT0 = COORDINATE0 + 4  # the stages' dot products
 DEPTH = DOT0 + 4
-# Anisotropic filters: a fragment's own S and T, its footprint's longer side, and how much longer that is.
+# Anisotropic filters: a fragment's own S and T, its footprint's longer side, and how much longer that is, or
+# how many probes it takes.
 CENTER_S, CENTER_T, ALONG_S, ALONG_T, RATIO = range(DEPTH + 1, DEPTH + 6)
 FLOAT_COLUMNS = RATIO + 1
 # ints int32[INT_COLUMNS, batch]: cube face; where the level begins and its width; neighbouring columns and

@@ -453,11 +453,12 @@ def filter_linear_hilo(packed, ints, count, out):
         packed[po, i] = lerp_hilo(lower, upper, b)
 
 
-@kernel("void(u4[::1],i4[:,::1],i8,i8,u4,i8,i8,u4[:,::1],i8)")
-def fetch_and_filter(texels, ints, linear, bordered, border, function, count, packed, out):
+@kernel("void(u4[::1],i4[:,::1],i8,i8,u4,i8,u4,u4,i8,u4[:,::1],i8)")
+def fetch_and_filter(texels, ints, linear, bordered, border, function, held, failed, count, packed, out):
     """The texel at (I0, J0), or the linear filter of the four at I0, I1, J0, J1, into a packed column.
 
-    ``function``: of a shadow comparison, or -1; -2: texels are words of 16 bits.
+    ``function``: of a shadow comparison, or -1; -2: texels are words of 16 bits. ``held``, ``failed``: what
+    a comparison gives.
     """
     separate_function()
     if not linear:
@@ -466,7 +467,7 @@ def fetch_and_filter(texels, ints, linear, bordered, border, function, count, pa
         else:
             fetch_nearest(texels, ints, count, packed, out)
         if function >= 0:
-            compare_texels(packed, out, ints, int32(function), count)
+            compare_texels(packed, out, ints, int32(function), held, failed, count)
         return
     if bordered:
         fetch_bordered(texels, ints, count, R.I0, R.J0, border, packed, R.P00)
@@ -477,7 +478,7 @@ def fetch_and_filter(texels, ints, linear, bordered, border, function, count, pa
         fetch_linear(texels, ints, count, packed)
     if function >= 0:
         for column in (R.P00, R.P10, R.P01, R.P11):
-            compare_texels(packed, column, ints, int32(function), count)
+            compare_texels(packed, column, ints, int32(function), held, failed, count)
     if function == -2:
         filter_linear_hilo(packed, ints, count, out)
     else:
@@ -520,7 +521,8 @@ def sample_level(texels, levels, unit, count, linear, many, floats, ints, packed
     border = uint32(unit[R.BORDER])
     if not layered:
         function = unit[R.COMPARE_FUNCTION] if unit[R.COMPARE] else int64(-1) - unit[R.HILO]
-        fetch_and_filter(texels, ints, linear, bordered, border, function, count, packed, out)
+        held, failed = uint32(unit[R.COMPARE_HELD]), uint32(unit[R.COMPARE_FAILED])
+        fetch_and_filter(texels, ints, linear, bordered, border, function, held, failed, count, packed, out)
         return
     wrap_r = unit[R.WRAP_R]
     texel_coordinates(floats, R.P, R.P_SIZE, bias, scale, count)
@@ -528,7 +530,8 @@ def sample_level(texels, levels, unit, count, linear, many, floats, ints, packed
     for k in range(2 if linear else 1):
         layer, column = (R.K1, R.LAYER_1) if k == 1 else (R.K0, out)
         layer_base(levels, ints, layer, count)
-        fetch_and_filter(texels, ints, linear, bordered, border, -1, count, packed, column)
+        nothing = uint32(0)
+        fetch_and_filter(texels, ints, linear, bordered, border, -1, nothing, nothing, count, packed, column)
         if reads_border(wrap_r, linear):
             border_layer(ints, layer, border, count, packed, column)
     if linear:

@@ -1,7 +1,7 @@
 """Comparing depth texels with a reference before they are filtered (docs/numbers.md, section 12)."""
 
 import numpy as np
-from numba import float64, int32, uint32, uint64
+from numba import float64, int32, uint64
 
 from raster import rows as R
 from raster.kernel import bits_of, kernel, separate_loop
@@ -38,9 +38,9 @@ def shadow_reference(floats, column, divided, count, scale, mantissa_bits, maxim
         ints[R.REFERENCE, i] = depth_word(r * scale, mantissa_bits, maximum)
 
 
-@kernel("void(u4[:,::1],i8,i4[:,::1],i4,i8)")
-def compare_texels(packed, column, ints, function, count):
-    """A column of depth words to all ones where "reference FUNC texel" holds, else to zero.
+@kernel("void(u4[:,::1],i8,i4[:,::1],i4,u4,u4,i8)")
+def compare_texels(packed, column, ints, function, held, failed, count):
+    """A column of depth words to ``held`` where "reference FUNC texel" holds, else to ``failed``.
 
     Measured: 8150016 of 8150016 pixels (48 captures of Texture_shadow_comparator).
     """
@@ -48,4 +48,4 @@ def compare_texels(packed, column, ints, function, count):
     p = uint64(column)
     for i in range(count):
         holds = passes(function, ints[R.REFERENCE, i], int32(packed[p, i]))
-        packed[p, i] = uint32(0xFFFFFFFF) if holds else uint32(0)
+        packed[p, i] = held if holds else failed

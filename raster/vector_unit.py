@@ -70,7 +70,9 @@ def unit_path(row, levels, coordinates, unit):
     if not row[R.ENABLED]:
         return int64(DISABLED)
     target = row[R.TARGET]
-    if target == 3 or row[R.HILO] or row[R.ANISOTROPY] or row[R.OPERATION]:
+    if target == 3 or row[R.HILO] or row[R.ANISOTROPY] or row[R.PROBES] or row[R.OPERATION]:
+        return int64(PORTABLE)
+    if row[R.COMPARE] and (row[R.COMPARE_HELD] != 0xFFFFFFFF or row[R.COMPARE_FAILED] != 0):
         return int64(PORTABLE)
     nearest = not row[R.MAG_LINEAR] and not row[R.MIN_LINEAR]
     for axis in range(2):

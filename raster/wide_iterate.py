@@ -332,3 +332,25 @@ def anisotropy(plain, sizes, missing, maximum):
     lod = np.where(some, log2_q7(np.where(some, rho2, 1.0)), np.where(bad, FAR, -FAR))
     out = np.concatenate([along, ratio[:, None]], axis=1)
     return np.where(bad[:, None], np.array([0.0, 0.0, 1.0]), out), lod
+
+
+def probes(plain, sizes, missing, most):
+    """(along s, along t, probes) [k, 3] of each block's footprint and lambda of a probe, int64 [k], for
+    footprint assembly (section 7); ``most``: a power of two.
+    """
+    scaled = [p[:, :2] * np.array(sizes[:2]) for p in plain]
+    dx2, dy2 = (s[:, 0] * s[:, 0] + s[:, 1] * s[:, 1] for s in scaled)
+    bad = missing | ~((dx2 < np.inf) & (dy2 < np.inf))
+    longer, shorter = np.maximum(dx2, dy2), np.minimum(dx2, dy2)
+    narrow, number = np.maximum(shorter, 1.0), np.ones(len(longer))
+    while True:
+        more = (longer >= 2.0 * number * number * narrow) & ~bad
+        if not (more & (number < most)).any():
+            break
+        number = np.where(more & (number < most), 2.0 * number, number)
+    rho2 = np.where(more, longer / (number * number), np.maximum(shorter, np.minimum(longer, 1.0)))
+    along = np.where((dx2 >= dy2)[:, None], plain[0][:, :2], plain[1][:, :2])
+    some = ~bad & (rho2 > 0.0)
+    lod = np.where(some, log2_q7(np.where(some, rho2, 1.0)), np.where(bad, FAR, -FAR))
+    out = np.concatenate([along, number[:, None]], axis=1)
+    return np.where(bad[:, None], np.array([0.0, 0.0, 1.0]), out), lod

@@ -114,8 +114,8 @@ def filter_level(level, places, face, modes, linear, target, border, fraction_bi
     return parts[0] if len(parts) == 1 else lerp(parts[0], parts[1], deep[:, None], fraction_bits)
 
 
-def comparison(reference, function, one, fail):
-    """What makes depth texels, bytes [k, 4] with the lowest first, ``one`` or ``fail`` in all components.
+def comparison(reference, function, held, failed):
+    """What makes depth texels, bytes [k, 4] with the lowest first, ``held`` or ``failed``, int64 [4].
 
     ``reference`` int64 [k]: depth words. Measured: 48 captures (Texture_shadow_comparator).
     """
@@ -123,7 +123,7 @@ def comparison(reference, function, one, fail):
     def compared(texels):
         words = texels[:, 0] | texels[:, 1] << 8 | texels[:, 2] << 16 | texels[:, 3] << 24
         holds = compare(function, reference, words)
-        return np.repeat(np.where(holds, one, fail)[:, None], 4, axis=1)
+        return np.where(holds[:, None], held, failed)
 
     return compared
 

@@ -23,6 +23,7 @@ from pipeline.commands import (
     TexImage,
 )
 from pipeline.enums import (
+    BaseFormat,
     BlendEquation,
     BlendFactor,
     ColorWeights,
@@ -98,6 +99,7 @@ from pipeline.textures import (
     Texture,
     texture_1d,
     texture_2d,
+    texture_3d,
     texture_cube_map,
 )
 from tests.random_environments import random_environment
@@ -229,6 +231,10 @@ class _Maker:
             device_origin=self.one_of(WindowOrigin),
             color_weights=self.one_of(ColorWeights),
             diamond_exit_lines=self.chance(0.5),
+            max_probes=self.one_of((1, 8)),
+            shadow_ambient=self.chance(0.5),
+            depth_texture_modes=machine.depth_texture_modes
+            and (BaseFormat.INTENSITY, BaseFormat.LUMINANCE, BaseFormat.ALPHA),
         )
 
     def size(self):
@@ -467,6 +473,8 @@ class _Maker:
             return texture_cube_map(self.texels(6, edge, edge), internal_format, mipmaps=mipmaps)
         if target is TextureTarget.TEXTURE_3D:
             shape = self.one_of((1, 2, 4)), min(height, 16), min(width, 16)
+            if mipmaps:
+                return texture_3d(self.texels(*shape), internal_format, mipmaps=True)
             words = self.random.integers(0, 1 << 32, shape)
             return texture_of_words(words, TexelWord.A8R8G8B8, TextureTarget.TEXTURE_3D)
         if target is TextureTarget.TEXTURE_RECTANGLE:
@@ -497,8 +505,13 @@ class _Maker:
         if deep:
             modes = sorted(self.profile.texture_compare_modes - {TextureCompareMode.NONE})
             sampler = replace(
-                sampler, compare_mode=self.one_of(modes), compare_function=self.one_of(ComparisonFunction)
+                sampler,
+                compare_mode=self.one_of(modes),
+                compare_function=self.one_of(self.profile.shadow_functions),
+                depth_texture_mode=self.one_of((None, *self.profile.depth_texture_modes)),
             )
+            if self.profile.shadow_ambient and self.chance(0.5):
+                sampler = replace(sampler, compare_fail_value=self.uniform(0.0, 1.0))
         if self.plain or deep:
             return sampler
         if mipmapped and self.chance(0.1):
@@ -508,6 +521,8 @@ class _Maker:
         if texture.target is TextureTarget.TEXTURE_2D and self.chance(0.06):
             most = self.profile.max_anisotropy
             sampler = replace(sampler, max_anisotropy=self.one_of((most, min(2.0, most), 1.5)))
+        elif self.profile.max_probes > 1 and texture.target is TextureTarget.TEXTURE_2D and self.chance(0.2):
+            sampler = replace(sampler, max_probes=self.one_of((2, 4, 8)))
         if self.profile.signed_components and self.chance(0.05):
             signs = SignedComponents(*(self.chance(0.5) for _ in range(4)))
             sampler = replace(sampler, signed_components=signs)

@@ -391,7 +391,9 @@ def test_texels_are_compared_before_they_are_filtered(linear, function):
     texels, levels = random_texture(rng, 16, 8)
     texels = texels & np.uint32(3)  # often equal
     pairs, pair_levels = vt.row_pairs(texels, levels, 1)
-    unit = unit_row(MAG_LINEAR=linear, MIN_LINEAR=linear, COMPARE=1, COMPARE_FUNCTION=function)
+    unit = unit_row(
+        MAG_LINEAR=linear, MIN_LINEAR=linear, COMPARE=1, COMPARE_FUNCTION=function, COMPARE_HELD=0xFFFFFFFF
+    )
     s, t = random_coordinates(rng, 16), random_coordinates(rng, 8)
     words = rng.integers(-1, 5, COUNT + SLACK).astype(np.int32)
     located = np.zeros((vt.LOCATED, COUNT + SLACK), np.int32)

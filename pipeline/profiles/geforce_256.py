@@ -79,6 +79,7 @@ GEFORCE_256 = Profile(
     texture_compare_modes=frozenset({TextureCompareMode.NONE}),
     point_sprite_units=frozenset(),
     shadow_functions=frozenset(),
+    depth_texture_modes=(),
     texture_environment_modes=frozenset(TextureEnvironmentMode) - {TextureEnvironmentMode.NONE},
     combine_functions=frozenset(CombineFunction) - {CombineFunction.SUBTRACT},
     combiner_functions=frozenset({CombinerFunction.NONE}),
@@ -142,6 +143,7 @@ GEFORCE_256 = Profile(
         "color_bits": "Inferred: from the NV2A's surface formats",
         "samples": "Assumed: 1; a driver that lists ARB_multisample would settle it",
         "shadow_functions": "Assumed: none; a driver of 1999 that lists SGIX_shadow would settle it",
+        "depth_texture_modes": "Assumed: none; the machine compares no textures",
         "texture_environment_modes": "Source: OpenGL 1.2.1 section 3.8.9, ARB_texture_env_add; "
         "NV_texture_env_combine4 (its implementation details name the GeForce)",
         "combine_functions": "Source: ARB_texture_env_combine (SUBTRACT is what it adds to the EXT one), "

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from pipeline.enums import TextureCompareMode, TextureShaderOperation
+from pipeline.enums import BaseFormat, TextureCompareMode, TextureShaderOperation
 from pipeline.profiles.geforce_256 import GEFORCE_256
 from pipeline.profiles.nv2a import NV2A
 
@@ -21,6 +21,7 @@ GEFORCE_3 = replace(
     blend_equations=GEFORCE_256.blend_equations,
     texture_compare_modes=frozenset({TextureCompareMode.NONE, TextureCompareMode.COMPARE_R_TO_TEXTURE}),
     texture_shader_operations=frozenset(TextureShaderOperation) - {TextureShaderOperation.BRDF_TEXTURE_3D},
+    depth_texture_modes=(BaseFormat.INTENSITY, BaseFormat.LUMINANCE, BaseFormat.ALPHA),
     depth_units_in_coordinates=False,
     combiner_flags=GEFORCE_256.combiner_flags,
     foreign_texture_targets=False,
@@ -31,6 +32,7 @@ GEFORCE_3 = replace(
         "texture_compare_modes": "Source: ARB_shadow",
         "combine_functions": "Source: ARB_texture_env_combine (of February 2001), ARB_texture_env_dot3",
         "shadow_functions": "Source: EXT_shadow_funcs",
+        "depth_texture_modes": "Inferred: INTENSITY, from the NV2A; the others: Source: ARB_depth_texture",
         "foreign_texture_targets": "Source: NV_texture_shader, table 3.B (inconsistent)",
         "depth_units_in_coordinates": "Source: ARB_shadow, NV_texture_shader (DOT_PRODUCT_DEPTH_REPLACE)",
         "combiner_flags": "Source: NV_register_combiners2, which names none of them",

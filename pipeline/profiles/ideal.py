@@ -6,6 +6,7 @@
 from dataclasses import fields, replace
 
 from pipeline.enums import (
+    BaseFormat,
     BlendFactor,
     CombineFunction,
     CombinerFunction,
@@ -53,6 +54,7 @@ IDEAL = replace(
     texture_compare_modes=frozenset({TextureCompareMode.NONE, TextureCompareMode.COMPARE_R_TO_TEXTURE}),
     shadow_functions=frozenset(ComparisonFunction),
     texture_environment_modes=frozenset(TextureEnvironmentMode),
+    depth_texture_modes=(BaseFormat.LUMINANCE, BaseFormat.INTENSITY, BaseFormat.ALPHA),
     combine_functions=frozenset(CombineFunction),
     combiner_functions=frozenset(CombinerFunction),
     texture_environment_crossbar=True,

@@ -6,6 +6,7 @@ Thousands of framebuffer captures exist; ``fixedpipe conformance`` redraws them 
 from dataclasses import replace
 
 from pipeline.enums import (
+    BaseFormat,
     BlendEquation,
     BlendFactor,
     ColorFormat,
@@ -81,6 +82,7 @@ _MEASURED = {
     "dot_product_mappings": "Measured: six mappings, 56909 pixels each (DotSTRCube captures)",
     "texture_compare_modes": "Measured: 8150016 of 8150016 pixels of each (Texture_shadow_comparator)",
     "shadow_functions": "Measured: all eight (Texture_shadow_comparator captures)",
+    "depth_texture_modes": "Measured: 255 in all four components (Texture_shadow_comparator captures)",
     "foreign_texture_targets": "Measured: 56909 pixels each (DotSTR3D, Texture_2D_as_cubemap captures)",
     "depth_units_in_coordinates": "Measured: Texture_shadow_comparator and DotZW captures",
     "surface_formats": "Source: nv_objects.h, SET_SURFACE_FORMAT_COLOR",
@@ -136,6 +138,7 @@ NV2A = replace(
     dot_product_mappings=frozenset(DotProductMapping),
     texture_compare_modes=frozenset(TextureCompareMode),
     shadow_functions=frozenset(ComparisonFunction),
+    depth_texture_modes=(BaseFormat.INTENSITY,),
     combine_functions=frozenset(CombineFunction),
     depth_units_in_coordinates=True,
     blend_equations=frozenset(BlendEquation),

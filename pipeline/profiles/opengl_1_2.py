@@ -60,6 +60,7 @@ _EVIDENCE = {
     "texture_compare_modes": _NOT_CORE,
     "point_sprite_units": _NOT_CORE,
     "shadow_functions": _NOT_CORE,
+    "depth_texture_modes": _NOT_CORE,
     "texture_environment_modes": "Source: OpenGL 1.2.1 section 3.8.9",
     "combine_functions": _NOT_CORE,
     "combiner_functions": _NOT_CORE,

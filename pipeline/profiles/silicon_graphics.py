@@ -5,7 +5,7 @@ No picture of either was at hand, nor a manual: what no paper or extension says 
 
 from dataclasses import replace
 
-from pipeline.enums import ComparisonFunction, InternalFormat, TextureCompareMode, WrapMode
+from pipeline.enums import BaseFormat, ComparisonFunction, InternalFormat, TextureCompareMode, WrapMode
 from pipeline.profiles.opengl_1_2 import OPENGL_1_2_IMAGING
 from pipeline.textures import TWELVE_BIT_FORMATS
 
@@ -82,6 +82,7 @@ INFINITE_REALITY = replace(
     texture_compare_modes=frozenset({TextureCompareMode.NONE, TextureCompareMode.COMPARE_R_TO_TEXTURE}),
     shadow_functions=frozenset({ComparisonFunction.LEQUAL, ComparisonFunction.GEQUAL}),
     shadow_ambient=True,
+    depth_texture_modes=(BaseFormat.LUMINANCE,),
     texture_color_table=True,
     evidence={
         **OPENGL_1_2_IMAGING.evidence,
@@ -97,6 +98,7 @@ INFINITE_REALITY = replace(
         "texture_compare_modes": "Source: SGIX_shadow",
         "shadow_functions": "Source: SGIX_shadow (TEXTURE_GEQUAL_R is LEQUAL, TEXTURE_LEQUAL_R GEQUAL)",
         "shadow_ambient": "Source: SGIX_shadow_ambient",
+        "depth_texture_modes": "Source: SGIX_shadow (as if LUMINANCE)",
         "texture_color_table": "Assumed: as on the Octane; a driver's list of SGI_texture_color_table would "
         "settle it",
     },

@@ -116,7 +116,7 @@ class Access:
             divided = made is None and triangle.divided
             mode, depth_format = unit.sampler.compare_mode, texture.internal_format
             word = shadow.reference_word(own, divided, depth_format, mode, self.profile)
-            texture = shadow.compared(texture, unit.sampler.compare_function, word)
+            texture = shadow.compared(texture, unit.sampler, word, self.profile)
         if made is not None:
             return texture_shader.sample_made(made, texture, unit.sampler, operation)
         return sample.sample_texture(

@@ -394,6 +394,51 @@ def sample_along(triangle, strq, px, py, texture, sampler, bias, profile):
     return [a >> 8 for a in total]
 
 
+def block_probes(triangle, px, py, texture, most):
+    """The longer step from the 2x2 block's origin to its neighbours in texture coordinates, how many probes
+    lie along it, and lambda of a probe.
+
+    Source: Schilling, Knittel, Strasser 1996 (footprint assembly); Assumed: the nearest power of two of the
+    ratio of the steps, in octaves, and the shorter step counted as one texel where it is less.
+    """
+    x, y = px & ~1, py & ~1
+    width, height = texel_scales(texture, 0)[:2]
+    points = []
+    for at in ((x, y), (x + 1, y), (x, y + 1)):
+        e = interpolate.perspective_terms(coverage.edge_values(triangle.edges, *at), triangle.inverse_w)
+        d = interpolate.denominator(e)
+        if d <= 0.0:
+            return 0.0, 0.0, 1, LARGEST_LAMBDA
+        strq = exact_coordinates(triangle.coordinates, e[0] * (1.0 / d), e[2] * (1.0 / d))
+        points.append(divide_by_q(strq, triangle.divided)[:2])
+    steps = [(s - points[0][0], t - points[0][1]) for s, t in points[1:]]
+    squares = [(s * width) * (s * width) + (t * height) * (t * height) for s, t in steps]
+    if not all(isfinite(square) for square in squares):
+        return 0.0, 0.0, 1, LARGEST_LAMBDA
+    longer, shorter = max(squares), min(squares)
+    wanted = 1
+    while longer >= 2.0 * wanted * wanted * max(shorter, 1.0) and wanted <= most:
+        wanted *= 2
+    probes = min(wanted, most)
+    rho2 = longer / float(probes * probes) if wanted > most else max(shorter, min(longer, 1.0))
+    return *(steps[0] if squares[0] >= squares[1] else steps[1]), probes, lambda_of(rho2)
+
+
+def sample_footprint(triangle, strq, px, py, texture, sampler, bias, profile):
+    """A footprint's texel: the mean of its probes, cut. Source: docs/numbers.md section 7."""
+    s, t, _ = divide_by_q(strq, triangle.divided)
+    along_s, along_t, probes, lod = block_probes(triangle, px, py, texture, sampler.max_probes)
+    lod = limited(lod + trunc(256.0 * bias), sampler)
+    total = [0] * 4
+    for k in range(probes):
+        distance = (2 * k + 1 - probes) / (2 * probes)
+        moved = (s + distance * along_s, t + distance * along_t, 0.0, 1.0)
+        level = partial(sample_level, triangle, moved, texture, sampler)
+        texel = filter_levels(level, lod, texture, sampler, profile)
+        total = [a + c for a, c in zip(total, texel, strict=True)]
+    return [a // probes for a in total]
+
+
 def sample_texture(triangle, px, py, weights, texture, sampler, bias, profile):
     """What a texture unit's register receives for one fragment, four numbers.
 
@@ -402,6 +447,8 @@ def sample_texture(triangle, px, py, weights, texture, sampler, bias, profile):
     strq = iterate_coordinates(triangle.coordinates, weights)
     if sampler.max_anisotropy > 1:
         return to_register(sample_along(triangle, strq, px, py, texture, sampler, bias, profile), sampler)
+    if sampler.max_probes > 1:
+        return to_register(sample_footprint(triangle, strq, px, py, texture, sampler, bias, profile), sampler)
     level = partial(sample_level, triangle, strq, texture, sampler)
     return to_register(sample_levels(level, triangle, px, py, texture, sampler, bias, profile), sampler)
 

@@ -3,7 +3,8 @@
 from math import floor, frexp
 from types import SimpleNamespace
 
-from pipeline.enums import ComparisonFunction, InternalFormat, TextureCompareMode
+from pipeline.enums import BaseFormat, ComparisonFunction, InternalFormat, TextureCompareMode
+from tests.reference import fixed
 
 FIXED = {InternalFormat.DEPTH_COMPONENT16: 0xFFFF, InternalFormat.DEPTH_COMPONENT24: 0xFFFFFF}
 FLOAT = {  # largest word, mantissa bits, exponent bias
@@ -47,16 +48,32 @@ def reference_word(strq, projective, internal_format, mode, profile):
     return depth_word(r * units, internal_format)
 
 
-def comparison(texel, function, reference):
-    """A depth texel's four bytes to a register's. Measured: 38 of 38 (Texture_shadow_comparator)."""
+def as_mode(value, mode):
+    """A comparison's value in a register. Source: ARB_depth_texture, NV_register_combiners table 2."""
+    return {
+        BaseFormat.LUMINANCE: [value, value, value, 255],
+        BaseFormat.INTENSITY: [value] * 4,
+        BaseFormat.ALPHA: [0, 0, 0, value],
+    }[mode]
+
+
+def comparison(texel, sampler, reference, profile):
+    """A depth texel's four bytes to a register's.
+
+    Measured: 38 of 38 (Texture_shadow_comparator); Source: SGIX_shadow_ambient (what fails),
+    ARB_depth_texture (the mode).
+    """
     word = sum(byte << (8 * k) for k, byte in enumerate(texel))
-    return [255 if HOLDS[function](reference, word) else 0] * 4
+    mode = sampler.depth_texture_mode
+    mode = profile.depth_texture_modes[0] if mode is None else mode
+    failed = fixed.color_to_bytes([sampler.compare_fail_value] * 4)[0]
+    return as_mode(255 if HOLDS[sampler.compare_function](reference, word) else failed, mode)
 
 
-def compared(texture, function, reference):
-    """A texture of comparisons. Source: ARB_shadow; Measured: 255 in all four components, or 0."""
+def compared(texture, sampler, reference, profile):
+    """A texture of comparisons. Source: ARB_shadow."""
     levels = [
-        [[[comparison(p, function, reference) for p in row] for row in face] for face in level]
+        [[[comparison(p, sampler, reference, profile) for p in row] for row in face] for face in level]
         for level in texture.levels
     ]
     return SimpleNamespace(target=texture.target, internal_format=InternalFormat.RGBA8, levels=levels)

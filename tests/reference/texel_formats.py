@@ -104,6 +104,24 @@ def box(corners):
     return [(sum(corner[k] for corner in corners) + 2) >> 2 for k in range(4)]
 
 
+def next_volume(layers):
+    """The next mipmap of a 3D texture: boxes of 2x2x2 texels, an edge of one counted twice.
+
+    Source: as ``next_level``; Assumed: rounded boxes.
+    """
+    height, width = len(layers[0]), len(layers[0][0])
+    columns = [(2 * i, 2 * i + 1) for i in range(width // 2)] or [(0, 0)]
+    lines = [(2 * j, 2 * j + 1) for j in range(height // 2)] or [(0, 0)]
+    planes = [(2 * k, 2 * k + 1) for k in range(len(layers) // 2)] or [(0, 0)]
+
+    def mean(ks, js, pair):
+        """A box of texels, rounded. Assumed: as ``box``."""
+        corners = [layers[k][j][i] for k in ks for j in js for i in pair]
+        return [(sum(corner[c] for corner in corners) + 4) >> 3 for c in range(4)]
+
+    return [[[mean(ks, js, pair) for pair in columns] for js in lines] for ks in planes]
+
+
 def next_level(rows):
     """The next mipmap of one face, rows of RGBA texels: boxes of 2x2 texels, an edge of one counted twice.
 

@@ -284,6 +284,8 @@ def textured_color(primary, texels, state, textures, profile):
             base = BaseFormat.RGBA
         else:
             base = base_format(textures[unit.texture].internal_format)
+            if unit.sampler.depth_texture_mode is not None:
+                base = unit.sampler.depth_texture_mode
             base = base if unit.color_table is None else looked_up(base, unit.color_table.base_format)
         formats.append(base)
         colors.append(texture_color(texels[i], base))
