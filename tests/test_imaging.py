@@ -10,6 +10,7 @@ from pipeline.commands import (
     CopyTexImage,
     CopyTexSubImage,
     Draw,
+    MakeCurrent,
     Mesh,
     ReadPixels,
     ResetHistogram,
@@ -19,6 +20,7 @@ from pipeline.commands import (
 from pipeline.describe import describe
 from pipeline.enums import (
     BaseFormat,
+    ColorFormat,
     ConvolutionBorderMode,
     DepthFormat,
     InternalFormat,
@@ -79,9 +81,9 @@ def machine(profile=OPENGL_1_2_IMAGING, **kwargs):
     return made
 
 
-def expected_groups(colors, transfer, dimensions=2, clamps=False):
-    """What the specification makes of bytes [h, w, 4], bottom row first."""
-    image = [[[float(c) / 255.0 for c in pixel] for pixel in row] for row in colors.tolist()]
+def expected_groups(colors, transfer, dimensions=2, clamps=False, one=255.0):
+    """What the specification makes of words [h, w, 4] in units of ``one``, bottom row first."""
+    image = [[[float(c) / one for c in pixel] for pixel in row] for row in colors.tolist()]
     return reference.transfer(image, transfer, dimensions, clamps, None, None)
 
 
@@ -134,6 +136,46 @@ def test_read_pixels_equals_the_specification(transfer, pixel_format, pixel_type
     expected = [[reference.component_read(group, pixel_format, bits) for group in row] for row in groups]
     assert found.reshape(*np.shape(expected)).tolist() == expected
     assert found.dtype == {8: np.uint8, 16: np.uint16, None: np.float64}[bits]
+
+
+@pytest.mark.parametrize("transfer", [INITIAL_TRANSFER, SWAPPED, BLURRED], ids=["initial", "matrix", "blur"])
+def test_twelve_bits_are_read_and_copied_whole(transfer):
+    made = machine(OCTANE, color_bits=12)
+    made.framebuffer.color[...] = np.random.default_rng(5).integers(0, 4096, (SIZE, SIZE, 4))
+    result = made.run(
+        (
+            ReadPixels(label="words", name="w", type="UNSIGNED_SHORT", transfer=transfer),
+            ReadPixels(label="bytes", name="b", transfer=transfer),
+            CopyTexImage(
+                label="copy",
+                texture="t",
+                width=4 + 2 * (transfer is BLURRED),
+                height=4 + (transfer is BLURRED),
+                internal_format=InternalFormat.RGBA12,
+                transfer=transfer,
+            ),
+        )
+    )
+    groups = expected_groups(made.framebuffer.color[::-1], transfer, clamps=True, one=4095.0)
+    for name, bits in (("w", 16), ("b", 8)):
+        expected = [[[reference.to_fixed(c, bits) for c in group] for group in row] for row in groups]
+        assert result.pixels[name].tolist() == expected
+    copied = [[[reference.to_fixed(c, 12) for c in group] for group in row[:4]] for row in groups[:4]]
+    assert result.textures["t"].bits == 12
+    assert result.textures["t"].levels[0][0].tolist() == copied
+
+
+def test_the_bytes_of_a_narrow_pbuffer_go_through_pixel_transfer():
+    made = Machine(NV2A, SIZE, SIZE, threads=1)
+    current = MakeCurrent(label="pbuffer", surface="p", width=4, height=4, color_format=ColorFormat.R5G6B5)
+    color = Clear(label="colour", color=(0.3, 0.6, 0.9, 0.2))
+    transfer = PixelTransfer(scale=gray(0.5), bias=gray(0.25))
+    read = ReadPixels(label="read", name="r", transfer=transfer)
+    result = made.run((current, color, read))
+    expected = expected_groups(result.surfaces["p"].color[::-1], transfer)
+    assert result.pixels["r"].tolist() == [
+        [[reference.to_fixed(c, 8) for c in group] for group in row] for row in expected
+    ]
 
 
 def test_depths_and_stencil_values_are_read_through_their_own_operations():
