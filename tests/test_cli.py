@@ -71,7 +71,8 @@ def test_help_names_every_subcommand():
 
 
 @pytest.mark.parametrize(
-    "arguments", [["--help"], ["figures", "--help"], ["bump", "--help"], ["conformance", "--help"], []]
+    "arguments",
+    [["--help"], *([name, "--help"] for name in ("figures", "bump", "conformance", "combiners")), []],
 )
 def test_help_imports_no_array_library_and_no_compiler(arguments):
     code = (

@@ -45,6 +45,7 @@ from pipeline.state import (
     VertexState,
     WindowClip,
 )
+from pipeline.texture_shader_text import parse as parse_stages
 from pipeline.textures import texture_2d
 from tests.combiner_strategies import register_combiners
 
@@ -377,3 +378,34 @@ def test_all_register_combiners_can_be_described(combiners):
     text = described(PassState(register_combiners=combiners))
     assert text.count("final.rgb: out.rgb = ") == 1
     assert all(f"GC{number}" in text for number in range(len(combiners.general)))
+
+
+DOTS = "texture_2d(); {0}_1of3({1}); {0}_2of3({1}); {0}_3of3({1});"
+STAGES = {
+    "texture_3d();": "tex0 = TEXTURE_3D(s0/q0, t0/q0, r0/q0)",
+    "pass_through();": "tex0 = (s0, t0, r0, q0), clamped to [0, 1]",
+    "cull_fragment(LESS_THAN_ZERO, GEQUAL_TO_ZERO, GEQUAL_TO_ZERO, LESS_THAN_ZERO);": (
+        "tex0 = 0; kept where s0 < 0, t0 >= 0, r0 >= 0, q0 < 0"
+    ),
+    "texture_2d(); dependent_ar(tex0);": "tex1 = TEXTURE_2D(tex0.a, tex0.r)",
+    "texture_2d(); offset_2d_scale(tex0, 1, 2, 3, 4, 0.5, 0.25);": (
+        "tex1 = TEXTURE_2D((s1, t1) + [1 3 | 2 4] (tex0's ds, dt)), rgb times 0.5 tex0's magnitude + 0.25"
+    ),
+    "texture_2d(); dot_product_depth_replace_1of2(tex0); dot_product_depth_replace_2of2(tex0);": (
+        "dot2 = (s2, t2, r2) . tex0; depth = dot1 / dot2; tex2 = 0"
+    ),
+    DOTS.format("dot_product_cube_map", "expand(tex0)"): (
+        "dot3 = (s3, t3, r3) . expand(tex0); tex3 = TEXTURE_CUBE_MAP(dot1, dot2, dot3)"
+    ),
+    DOTS.format("dot_product_reflect_cube_map_eye_from_qs", "tex0"): (
+        "dot3 = (s3, t3, r3) . tex0; tex3 = TEXTURE_CUBE_MAP(2 n (n . e) / (n . n) - e), "
+        "n = (dot1, dot2, dot3), e = (q1, q2, q3)"
+    ),
+}
+
+
+@pytest.mark.parametrize(("text", "expected"), STAGES.items())
+def test_the_last_texture_shader_stage_as_an_equation(text, expected):
+    stages = parse_stages("!!TS1.0\n" + text)
+    last = described(PassState(texture_shader=stages)).splitlines()[-1]
+    assert last.strip().removeprefix("TEXTURE_SHADER ") == f"stage {len(stages) - 1}: {expected}"
