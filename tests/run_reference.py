@@ -5,23 +5,38 @@ from types import SimpleNamespace
 
 from pipeline import vertex
 from pipeline.commands import (
+    Accum,
     BindTexImage,
+    Bitmap,
     Clear,
+    CopyPixels,
     CopyTexImage,
     CopyTexSubImage,
     Draw,
+    DrawPixels,
     MakeCurrent,
     ReadPixels,
     TexImage,
 )
-from pipeline.enums import WindowOrigin
-from tests.reference import render, texel_formats, transfer
+from pipeline.enums import ColorBuffer, PixelCopyType, WindowOrigin
+from pipeline.raster_position import vertex_of
+from tests.reference import (
+    accumulation,
+    depth,
+    pixel_rectangles,
+    pixel_transfer,
+    render,
+    texel_formats,
+    transfer,
+)
 
 
 @dataclass
 class ReferenceFrame:
     """What the commands gave: the window and the pbuffers as render.Targets, textures as nested lists, what
-    ReadPixels read. ``current``: which of the targets commands draw to.
+    ReadPixels read. ``current``: which of the targets commands draw to. ``auxiliary``: the window's auxiliary
+    buffers as Targets with its depths and stencil values; ``accumulation``: its sums, None before the first.
+    ``undefined``: how many groups of pixel textures had an undefined q.
     """
 
     target: render.Target
@@ -29,6 +44,28 @@ class ReferenceFrame:
     surfaces: dict = field(default_factory=dict)
     textures: dict = field(default_factory=dict)
     pixels: dict = field(default_factory=dict)
+    auxiliary: dict = field(default_factory=dict)
+    accumulation: list | None = None
+    undefined: int = 0
+
+    def buffer(self, which):
+        """What a ColorBuffer stands for."""
+        if which == ColorBuffer.BACK:
+            return self.current
+        if which not in self.auxiliary:
+            window = self.target
+            other = render.Target(window.width, window.height, window.depth_bits)
+            other.depth, other.stencil = window.depth, window.stencil
+            self.auxiliary[which] = other
+        return self.auxiliary[which]
+
+    def sums(self):
+        """The accumulation buffer, made when it is asked for first."""
+        if self.accumulation is None:
+            self.accumulation = [
+                [[0] * 4 for _ in range(self.target.width)] for _ in range(self.target.height)
+            ]
+        return self.accumulation
 
 
 def run_reference(commands, profile, width, height, depth_bits):
@@ -51,14 +88,24 @@ def _run(frame, command, profile):
     target, textures = frame.current, frame.textures
     match command:
         case Clear():
-            transfer.clear(target, command)
+            transfer.clear(frame.buffer(command.draw_buffer), command)
+            if command.accumulation is not None:
+                size, bits = (target.width, target.height), profile.accumulation_bits
+                accumulation.clear(frame.sums(), command.accumulation, command.scissor, size, bits)
+        case Accum():
+            read, written = frame.buffer(command.read_buffer), frame.buffer(command.draw_buffer)
+            size, bits = (target.width, target.height), profile.accumulation_bits
+            accumulation.accumulate(frame.sums(), read.color, written.color, command, size, 255, bits)
+        case DrawPixels() | CopyPixels() | Bitmap():
+            _run_rectangle(frame, command, profile)
         case TexImage():
             textures[command.texture] = render.plain_texture(command.image)
         case Draw():
             primitives = vertex.process(command.mesh, command.state, profile, target.width, target.height)
-            render.draw(target, primitives, command.state, textures, profile)
+            written = frame.buffer(command.state.draw_buffer)
+            render.draw(written, primitives, command.state, textures, profile)
         case CopyTexImage():
-            size = _size(frame, command)
+            size, target = _size(frame, command), frame.buffer(command.read_buffer)
             texels = transfer.copy_texels(target, command.internal_format, command.x, command.y, *size)
             levels = [[texels]]
             while command.generate_mipmap and max(len(levels[-1][0]), len(levels[-1][0][0])) > 1:
@@ -68,7 +115,7 @@ def _run(frame, command, profile):
             )
         case CopyTexSubImage():
             texture = textures[command.texture]
-            size = (command.width, command.height)
+            size, target = (command.width, command.height), frame.buffer(command.read_buffer)
             texels = transfer.copy_texels(target, texture.internal_format, command.x, command.y, *size)
             rows = texture.levels[command.level][command.face]
             for j, row in enumerate(texels):
@@ -78,7 +125,7 @@ def _run(frame, command, profile):
                 while max(len(texture.levels[-1][0]), len(texture.levels[-1][0][0])) > 1:
                     texture.levels.append([texel_formats.next_level(face) for face in texture.levels[-1]])
         case ReadPixels():
-            size = _size(frame, command)
+            size, target = _size(frame, command), frame.buffer(command.read_buffer)
             frame.pixels[command.name] = transfer.read_pixels(
                 target, command.format, command.x, command.y, *size
             )
@@ -97,3 +144,69 @@ def _run(frame, command, profile):
                 internal_format=command.internal_format,
                 levels=[[rows if command.origin == WindowOrigin.UPPER_LEFT else rows[::-1]]],
             )
+
+
+def _run_rectangle(frame, command, profile):
+    """A DrawPixels, CopyPixels or Bitmap."""
+    current, state, position = frame.current, command.state, command.position
+    written, size = frame.buffer(state.draw_buffer), (current.width, current.height)
+    if position.window:
+        raster = pixel_rectangles.given_position(position, state, profile)
+    else:
+        mesh = vertex_of(position)
+        raster = pixel_rectangles.raster_position(mesh, position, state, profile, *size)
+    if raster is None:
+        return
+    kind = getattr(command, "type", None)
+    if isinstance(command, DrawPixels):
+        kinds = {"DEPTH_COMPONENT": PixelCopyType.DEPTH, "STENCIL_INDEX": PixelCopyType.STENCIL}
+        kind = kinds.get(command.image.format, PixelCopyType.COLOR)
+    if isinstance(command, Bitmap):
+        bits = render.plain(command.bits)
+        pixel_rectangles.draw_bitmap(written, bits, raster, command, frame.textures, profile)
+        return
+    groups = _groups(frame, command, kind, profile)
+    if kind == PixelCopyType.STENCIL:
+        pixel_rectangles.draw_stencil(written, groups, raster, command)
+    elif kind == PixelCopyType.DEPTH:
+        pixel_rectangles.draw_depths(written, groups, raster, command, frame.textures, profile)
+    else:
+        textures = frame.textures
+        drawn = pixel_rectangles.draw_colors(written, groups, raster, command, textures, profile)
+        frame.undefined += drawn
+
+
+def _groups(frame, command, kind, profile):
+    """Groups after pixel transfer and final conversion; histograms and minmaxes are not kept here."""
+    state, depth_bits = command.transfer, frame.current.depth_bits
+    image = None if isinstance(command, CopyPixels) else command.image
+    if image is None:
+        box = (command.x, command.y, *_size(frame, command))
+        source = frame.buffer(command.read_buffer)
+        plane = {
+            PixelCopyType.COLOR: source.color,
+            PixelCopyType.DEPTH: source.depth,
+            PixelCopyType.STENCIL: source.stencil,
+        }[kind]
+        values, most = transfer.rectangle(plane, *box), 255.0
+        if kind == PixelCopyType.DEPTH:
+            most = float(depth.full_scale(depth_bits))
+    else:
+        values = image.values.tolist()
+        most = {"uint8": 255.0, "uint16": 65535.0, "uint32": 4294967295.0}.get(image.values.dtype.name, 1.0)
+    if kind == PixelCopyType.STENCIL:
+        return [[pixel_transfer.stencil_index(value, state) for value in row] for row in values]
+    if kind == PixelCopyType.DEPTH:
+        depths = [[pixel_transfer.transfer_depth(value / most, state) for value in row] for row in values]
+        return [[depth.depth_to_units(value, depth_bits) for value in row] for row in depths]
+    read_format = "RGBA" if image is None else image.format
+    groups = [
+        [pixel_transfer.pixel_of([v / most for v in _listed(group)], read_format) for group in row]
+        for row in values
+    ]
+    groups = pixel_transfer.transfer(groups, state, 2, profile.clamps_color_matrix, None, None)
+    return [[[pixel_transfer.to_fixed(c, 8) for c in group] for group in row] for row in groups]
+
+
+def _listed(group):
+    return group if isinstance(group, list) else [group]
