@@ -39,6 +39,7 @@ from pipeline.enums import (
     Register,
     ShadeModel,
     StencilOperation,
+    TextureCompareMode,
     TextureFilter,
     TextureTarget,
     WrapMode,
@@ -50,7 +51,14 @@ from pipeline.pack import has_color_sum
 from pipeline.pixel_rectangles import without_footprints
 from pipeline.profiles import IDEAL
 from pipeline.texture_environment import environment_program
-from pipeline.textures import DEPTH_TEXELS, Texture, pyramid, texture_2d
+from pipeline.textures import (
+    DEPTH_TEXELS,
+    Texture,
+    depth_texture_mode,
+    pyramid,
+    register_components,
+    texture_2d,
+)
 from pipeline.threads import Threads
 from pipeline.transfer import (
     HistogramTable,
@@ -409,10 +417,11 @@ def _along(texel, size, wrap, linear):
     return indices, texel - 0.5 - below
 
 
-def sample_level(level, coordinates, sampler, border, linear, one_dimensional):
+def sample_level(level, coordinates, sampler, border, linear, one_dimensional, read=None):
     """One level, float64 [faces, h, w, 4], filtered at ``coordinates`` with real fractions: float64 [k, 4].
 
-    ``border`` float64 [4]. Source: OpenGL 1.2.1 sections 3.8.4 to 3.8.6; docs/numbers.md, section 6.
+    ``border`` float64 [4]; ``read``: what becomes of texels [k, 4] before they are filtered.
+    Source: OpenGL 1.2.1 sections 3.8.4 to 3.8.6; docs/numbers.md, section 6.
     """
     layers, height, width = level.shape[:3]
     volume = coordinates.position.shape[1] == 3
@@ -435,6 +444,7 @@ def sample_level(level, coordinates, sampler, border, linear, one_dimensional):
         taps = []
         for column, column_outside in columns:
             tap = level[plane[0], row[0], column]
+            tap = tap if read is None else read(tap)
             for outside in (plane[1], row[1], column_outside):
                 if outside is not None:
                     tap[outside] = border
@@ -455,19 +465,82 @@ def _select(coordinates, chosen):
     )
 
 
-def sample(texture, unit, coordinates):
-    """What a texture register receives, float64 [k, 4], from ``texture.ideal`` with a real lambda."""
+def _reference(strq):
+    """What depth texels are compared with: r over q, float64 [k]."""
+    return strq[:, 2] / np.where(strq[:, 3] == 0.0, 1.0, strq[:, 3])
+
+
+def _comparison(sampler, reference):
+    """What makes depth texels [k, 4] of a comparison with ``reference`` [k], before any filter: 1 or the
+    value of what fails, in the components that DEPTH_TEXTURE_MODE names.
+
+    Source: ARB_shadow (the reference's clamp), SGIX_shadow_ambient, ARB_depth_texture.
+    """
+    base, reference = depth_texture_mode(sampler, IDEAL), np.clip(reference, 0.0, 1.0)
+
+    def compared(texels):
+        holds = compare(sampler.compare_function, reference, texels[:, 0])
+        value = np.where(holds, 1.0, float(sampler.compare_fail_value))
+        return register_components(value[:, None], base, 1.0)
+
+    return compared
+
+
+def _assembled(texture, unit, coordinates, reference):
+    """The mean of the probes along each fragment's footprint (docs/numbers.md, section 7), from its own true
+    derivatives.
+    """
+    size = np.array([texture.width, texture.height], np.float64)
+    if texture.target is TextureTarget.TEXTURE_RECTANGLE:
+        size[:] = 1.0
+    squares = ((np.stack([coordinates.dx, coordinates.dy]) * size) ** 2).sum(axis=2)
+    squares = np.where(np.isfinite(squares), squares, 0.0)
+    longer, shorter = squares.max(axis=0), squares.min(axis=0)
+    probes, narrow = np.ones(len(longer)), np.maximum(shorter, 1.0)
+    for _ in range(unit.sampler.max_probes.bit_length() - 1):
+        probes = np.where(longer >= 2.0 * probes**2 * narrow, 2.0 * probes, probes)
+    rho2 = np.maximum(shorter, np.minimum(longer, 1.0))
+    rho2 = np.where(longer >= 2.0 * probes**2 * narrow, longer / probes**2, rho2)
+    step = np.where((squares[0] >= squares[1])[:, None], coordinates.dx, coordinates.dy)
+    # What lambda asks for: a square as large as a probe's.
+    side = np.zeros_like(coordinates.dx)
+    side[:, 0] = np.sqrt(rho2) / size[0]
+    total, one = np.zeros((len(probes), 4)), replace(unit, sampler=replace(unit.sampler, max_probes=1))
+    for probe in range(int(probes.max(initial=1.0))):
+        used = probe < probes
+        distance = ((2 * probe + 1) - probes) / (2.0 * probes)
+        moved = replace(
+            coordinates,
+            position=coordinates.position + distance[:, None] * step,
+            dx=side,
+            dy=np.zeros_like(side),
+        )
+        part = None if reference is None else reference[used]
+        total[used] += sample(texture, one, _select(moved, used), part) / probes[used, None]
+    return total
+
+
+def sample(texture, unit, coordinates, reference=None):
+    """What a texture register receives, float64 [k, 4], from ``texture.ideal`` with a real lambda.
+
+    ``reference`` float64 [k]: what depth texels are compared with.
+    """
     sampler = unit.sampler
+    if sampler.max_probes > 1:
+        return _assembled(texture, unit, coordinates, reference)
     if texture.target is TextureTarget.TEXTURE_CUBE_MAP:
         sampler = replace(sampler, wrap_s=WrapMode.CLAMP_TO_EDGE, wrap_t=WrapMode.CLAMP_TO_EDGE)
     one_dimensional = texture.target is TextureTarget.TEXTURE_1D
     # The border colour passes through the base format like a texel.  Source: OpenGL 1.2.1, section 3.8.4.
-    border_texel = texture_2d(np.array([[sampler.border_color]], np.float64), texture.internal_format)
-    border, levels = border_texel.ideal[0][0, 0, 0], texture.ideal
+    border, levels = np.zeros(4), texture.ideal
+    if reference is None:
+        texel = texture_2d(np.array([[sampler.border_color]], np.float64), texture.internal_format)
+        border = texel.ideal[0][0, 0, 0]
 
     def at_level(level, chosen, linear):
         where = _select(coordinates, chosen)
-        return sample_level(levels[level], where, sampler, border, linear, one_dimensional)
+        read = None if reference is None else _comparison(sampler, reference[chosen])
+        return sample_level(levels[level], where, sampler, border, linear, one_dimensional, read)
 
     levels = levels[: sampler.max_level + 1]
 
@@ -660,9 +733,12 @@ def shade(state, textures, primitives, triangle, weights):
             weights,
             primitives.coordinates[weights.vertices, i],
             nearest=filters != (TextureFilter.LINEAR, TextureFilter.LINEAR),
-            changing=filters[0] is not filters[1],
+            changing=filters[0] is not filters[1] or unit.sampler.max_probes > 1,
         )
-        return sample(texture, unit, coordinates)
+        reference = None
+        if unit.sampler.compare_mode is not TextureCompareMode.NONE:
+            reference = _reference(iterate(weights.perspective, primitives.coordinates[weights.vertices, i]))
+        return sample(texture, unit, coordinates, reference)
 
     return shade_colors(state, textures, colors[:, :4], colors[:, 4:], distances, texel)
 
@@ -975,7 +1051,10 @@ def _draw_rectangle(command, buffers, textures, statistics, record):
     def texel(i, unit, texture):
         parts = np.empty((len(found.pixel), 4))
         for chosen, image in found.images(texture):
-            parts[chosen] = sample(image, unit, _at(found.coordinates[chosen, i], image.target))
+            strq = found.coordinates[chosen, i]
+            compares = unit.sampler.compare_mode is not TextureCompareMode.NONE
+            reference = _reference(strq) if compares else None
+            parts[chosen] = sample(image, unit, _at(strq, image.target), reference)
         if i == 0 and found.texel_alpha is not None:
             parts[:, 3] = found.texel_alpha
         return parts
@@ -1002,6 +1081,10 @@ def _with_ideal(texture):
     if texture.ideal is not None:
         return texture
     one = 2.0**texture.bits - 1.0
+    if texture.internal_format in DEPTH_TEXELS:
+        most, _ = DEPTH_TEXELS[texture.internal_format]
+        words = [np.ascontiguousarray(level).view("<u4") for level in texture.levels]
+        return replace(texture, ideal=tuple(np.repeat(w / most, 4, axis=3) for w in words))
     return replace(texture, ideal=tuple(level / one for level in texture.levels))
 
 

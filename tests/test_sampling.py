@@ -18,6 +18,7 @@ from pipeline.enums import (
     WrapMode,
 )
 from pipeline.execute import execute
+from pipeline.ideal import execute_ideal
 from pipeline.profiles import GEFORCE_3, GEFORCE_256, INFINITE_REALITY, OPENGL_1_2, TEXRAM
 from pipeline.state import DepthTest, PassState, Sampler, SignedComponents, TextureUnit
 from pipeline.textures import Texture, depth_texels, texture_2d, texture_3d
@@ -242,6 +243,63 @@ def test_a_shadow_map_of_23_bits_is_copied_and_compared():
         red = got.framebuffer.color[..., 0]
         assert (red[:, :8] == round(64 * one / 255)).all()
         assert (red[:, 8:] == one).all()
+
+
+# ----------------------------------------------------------------------------------------------- the ideal
+
+
+def test_the_ideal_averages_probes_without_rounding():
+    texels = np.random.default_rng(2).random((8, 64, 4))
+    commands = [
+        TexImage(label="t", texture="t", image=texture_2d(texels, mipmaps=True)),
+        window(SQUARE, (TextureUnit("t", replace(PYRAMID, max_probes=8)),), register_combiners=SHOW_TEXTURE),
+    ]
+    color = execute_ideal(commands, 8, 8).color[::-1]
+    np.testing.assert_allclose(color, texels.reshape(8, 8, 8, 4).mean(2), atol=1e-12)
+
+
+def test_the_ideal_s_footprints_are_the_machine_s_but_for_rounding():
+    random = np.random.default_rng(6)
+    steps = np.linspace(0.0, 1.0, 32)
+    image = texture_2d(
+        np.stack([np.sin(steps[:, None] * 9 + steps * k) / 2 + 0.5 for k in (3, 5, 7, 9)], axis=-1)
+    )
+    image = texture_2d(image.ideal[0][0], mipmaps=True)
+    unit = TextureUnit("t", Sampler(TextureFilter.LINEAR_MIPMAP_LINEAR, LINEAR, max_probes=8))
+    for _ in range(4):
+        coordinates = (
+            (np.array(SQUARE) - 0.5) * (random.uniform(1, 8), 0.4) @ np.array([[0.8, 0.6], [-0.6, 0.8]])
+        )
+        commands = [
+            TexImage(label="t", texture="t", image=image),
+            window(coordinates, (unit,), register_combiners=SHOW_TEXTURE),
+        ]
+        machine = execute(commands, replace(MACHINE, max_probes=8), 16, 16).framebuffer.color / 255.0
+        assert np.abs(machine - execute_ideal(commands, 16, 16).color).max() < 3.5 / 255
+
+
+def test_the_ideal_compares_before_it_filters():
+    depths = np.array([[0.25, 0.75, 0.25, 0.75]])
+    image = Texture(
+        TextureTarget.TEXTURE_2D,
+        InternalFormat.DEPTH_COMPONENT24,
+        (depth_texels(np.floor(depths * 0xFFFFFF).astype(np.int64))[None],),
+    )
+    sampler = Sampler(
+        LINEAR, LINEAR, compare_mode=COMPARES, compare_function=ComparisonFunction.LEQUAL,
+        compare_fail_value=0.3,
+    )  # fmt: skip
+    draw = window(
+        [[*st, 1.0, 2.0] for st in SQUARE], (TextureUnit("t", sampler),), register_combiners=SHOW_TEXTURE
+    )
+    double = replace(draw.mesh, texture_coordinates=(draw.mesh.texture_coordinates[0] * (2, 2, 1, 1),))
+    commands = [TexImage(label="t", texture="t", image=image), replace(draw, mesh=double)]
+    color = execute_ideal(commands, 8, 2).color
+    held = np.array([0.25, 0.25, 0.75, 0.75, 0.25, 0.25, 0.75, 0.75])
+    np.testing.assert_allclose(color[0, :, 0], 0.3 + 0.7 * held, atol=1e-9)
+    assert (color[..., 3] == 1.0).all()
+    machine = execute(commands, replace(MACHINE, depth_texture_modes=MODES), 8, 2).framebuffer.color
+    assert np.abs(machine / 255.0 - color).max() <= 2 / 255
 
 
 # ---------------------------------------------------------------------------------------------- 3D textures

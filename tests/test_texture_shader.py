@@ -15,6 +15,7 @@ from pipeline.enums import (
     TexelWord,
     TexGenMode,
     TextureCompareMode,
+    TextureEnvironmentMode,
     TextureFilter,
     TextureTarget,
     VertexStage,
@@ -22,7 +23,7 @@ from pipeline.enums import (
 )
 from pipeline.enums import TextureShaderOperation as Operation
 from pipeline.execute import execute
-from pipeline.profiles import GEFORCE_3, GEFORCE_256, NV2A
+from pipeline.profiles import G400, GEFORCE_3, GEFORCE_256, NV2A, TEXRAM
 from pipeline.state import (
     CombinerInput,
     DepthTest,
@@ -31,7 +32,9 @@ from pipeline.state import (
     RegisterCombiners,
     RGBPortion,
     Sampler,
+    SignedComponents,
     TexGen,
+    TextureEnvironment,
     TextureShaderStage,
     TextureUnit,
     VertexState,
@@ -229,3 +232,99 @@ def test_a_unit_whose_stage_reads_no_texture_is_checked_all_the_same():
 
 
 GEFORCE_256_WITH_UNITS = replace(GEFORCE_256, max_texture_units=4)
+
+
+# ------------------------------------------------------------------------- boards without register combiners
+
+SIGNED = SignedComponents(True, True, True, True)
+BUMPS = (
+    TextureShaderStage(Operation.TEXTURE_2D),
+    TextureShaderStage(Operation.OFFSET_TEXTURE_2D, offset_texture_matrix=(0.5, 0.25, -0.25, 0.5)),
+)
+SCALED = (
+    BUMPS[0],
+    replace(
+        BUMPS[1],
+        operation=Operation.OFFSET_TEXTURE_2D_SCALE,
+        offset_texture_scale=0.75,
+        offset_texture_bias=0.25,
+    ),
+)
+NO_EFFECT = TextureEnvironment(TextureEnvironmentMode.NONE)
+REPLACE = TextureEnvironment(TextureEnvironmentMode.REPLACE)
+
+
+def bumped(stages, environments, filters=TextureFilter.NEAREST, seed=0):
+    """A square with a bump map of a few texels in unit 0, which displaces an image in unit 1."""
+    random = np.random.default_rng(seed)
+    bumps = texture_2d(random.integers(0, 256, (2, 4, 4), np.uint8))
+    image = texture_2d(random.integers(0, 256, (8, 16, 4), np.uint8))
+    sampler = Sampler(filters, filters)
+    units = tuple(
+        TextureUnit(name, replace(sampler, signed_components=signed), environment=environment)
+        for name, signed, environment in zip(
+            ("bumps", "image"), (SIGNED, SignedComponents()), environments, strict=True
+        )
+    )
+    square = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    mesh = Mesh(
+        square,
+        PrimitiveType.QUADS,
+        colors=random.random((4, 4)),
+        texture_coordinates=(square * 0.5 + 0.5,) * 2,
+    )
+    mesh = replace(mesh, texture_coordinates=(mesh.texture_coordinates[0],))
+    state = PassState(texture_units=units, texture_shader=stages)
+    return (
+        TexImage(label="bumps", texture="bumps", image=bumps),
+        TexImage(label="image", texture="image", image=image),
+        Draw(label="bumped", mesh=mesh, state=state),
+    )
+
+
+@pytest.mark.parametrize("profile", [G400, TEXRAM], ids=lambda p: p.name)
+@pytest.mark.parametrize("filters", [TextureFilter.NEAREST, TextureFilter.LINEAR])
+@pytest.mark.parametrize("modulates", [False, True])
+def test_offset_bump_maps_through_texture_environments(profile, filters, modulates):
+    stages = (
+        (BUMPS, SCALED)
+        if Operation.OFFSET_TEXTURE_2D_SCALE in profile.texture_shader_operations
+        else (BUMPS,)
+    )
+    for seed, program in enumerate(stages):
+        environments = (NO_EFFECT, TextureEnvironment() if modulates else REPLACE)
+        commands = bumped(program, environments, filters, seed)
+        got = execute(commands, profile, WIDTH, HEIGHT, depth_bits=24).framebuffer.color
+        expected = run_reference(commands, profile, WIDTH, HEIGHT, 24).target.color
+        np.testing.assert_array_equal(got, np.array(expected))
+
+
+def test_a_bump_map_displaces_by_its_signed_texels_through_the_matrix():
+    """Du = B/128, dv = G/128 of the bump map; the image's texel at (s + a1 du + a3 dv, t + a2 du + a4 dv)."""
+    bumps, image, draw = bumped(BUMPS, (NO_EFFECT, REPLACE))
+    got = execute((bumps, image, draw), G400, WIDTH, HEIGHT).framebuffer.color[::-1]
+    texels = bumps.image.levels[0][0].astype(np.int8).astype(float) / 128
+    a1, a2, a3, a4 = BUMPS[1].offset_texture_matrix
+    for y in range(HEIGHT):
+        for x in range(WIDTH):
+            s, t = (x + 0.5) / WIDTH, (y + 0.5) / HEIGHT
+            du, dv = texels[int(t * 2), int(s * 4), [2, 1]]
+            s, t = s + a1 * du + a3 * dv, t + a2 * du + a4 * dv
+            assert (
+                got[y, x].tolist()
+                == image.image.levels[0][0, int(t * 8 // 1) % 8, int(np.floor(s * 16)) % 16].tolist()
+            )
+
+
+@pytest.mark.parametrize(
+    ("profile", "stages", "words"),
+    [
+        (TEXRAM, SCALED, "OFFSET_TEXTURE_2D_SCALE"),
+        (G400, (BUMPS[0], TextureShaderStage(Operation.DEPENDENT_AR_TEXTURE_2D)), "DEPENDENT_AR_TEXTURE_2D"),
+        (G400, (*BUMPS, BUMPS[0]), "stages"),
+        (GEFORCE_256, BUMPS, "no texture shaders"),
+    ],
+)
+def test_what_a_board_s_bump_maps_lack_is_refused(profile, stages, words):
+    with pytest.raises(UnsupportedState, match=words):
+        execute(bumped(stages, (NO_EFFECT, REPLACE)), profile, WIDTH, HEIGHT)

@@ -59,10 +59,13 @@ G400 = replace(
             TextureShaderOperation.OFFSET_TEXTURE_2D_SCALE,
         }
     ),
+    texture_environment_modes=MULTITEXTURE.texture_environment_modes | {TextureEnvironmentMode.NONE},
     signed_components=True,
     add_signed_scale_by_four=True,
     evidence={
         **MULTITEXTURE.evidence,
+        "texture_environment_modes": "Source: EXT_texture_env_add, EXT_texture_env_combine; "
+        "ATI_envmap_bumpmap (a bump map's unit passes its colour on)",
         "add_signed_scale_by_four": "Assumed: as EXT_texture_env_combine has it; the board would settle it",
         "texture_shader_operations": "Source: Heidrich and others 2000, section 3.3 (a restricted dependent "
         "lookup); ATI_envmap_bumpmap (offsets through a 2x2 matrix); the scaled one Assumed: the "
@@ -82,6 +85,7 @@ TEXRAM = replace(
     texture_targets=frozenset({TextureTarget.TEXTURE_1D, TextureTarget.TEXTURE_2D}),
     texture_shader_operations=G400.texture_shader_operations
     - {TextureShaderOperation.OFFSET_TEXTURE_2D_SCALE},
+    texture_environment_modes=OPENGL_1_2.texture_environment_modes | {TextureEnvironmentMode.NONE},
     signed_components=True,
     evidence={
         **OPENGL_1_2.evidence,
@@ -92,6 +96,8 @@ TEXRAM = replace(
         "texture_targets": _NO_VOLUMES,
         "texture_shader_operations": "Source: Schilling 1997, section 7 (bump maps of offset vectors); their "
         "form Assumed: as on the G400",
+        "texture_environment_modes": "Source: OpenGL 1.2.1 section 3.8.9; Inferred: a bump map's unit passes "
+        "its colour on, as in ATI_envmap_bumpmap",
         "signed_components": "Inferred: from Schilling 1997's offset vectors, which have signs",
     },
 )

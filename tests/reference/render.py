@@ -118,7 +118,8 @@ class Access:
             word = shadow.reference_word(own, divided, depth_format, mode, self.profile)
             texture = shadow.compared(texture, unit.sampler, word, self.profile)
         if made is not None:
-            return texture_shader.sample_made(made, texture, unit.sampler, operation)
+            texel = texture_shader.sample_made(made, texture, unit.sampler, operation)
+            return sample.to_register(texel, unit.sampler)
         return sample.sample_texture(
             self.triangles[i], *self.pixel, self.weights, texture, unit.sampler, unit.lod_bias, self.profile
         )

@@ -82,6 +82,14 @@ def scaled(texel, magnitude, stage):
     return [*(real_byte(component * factor / 255.0) for component in texel[:3]), texel[3]]
 
 
+def as_bytes(texel, sampler):
+    """A register's four bytes before its signed components were doubled. Source: docs/numbers.md section 12."""
+    if sampler is None:
+        return texel
+    flags = sample.signed_flags(sampler)
+    return [value // 2 % 256 if flag else value for value, flag in zip(texel, flags, strict=True)]
+
+
 class Stages:
     """The stages of one fragment: ``run`` gives the units' texels, whether it lives, and its new depth.
 
@@ -95,7 +103,8 @@ class Stages:
         self.units, self.weights, self.access = units, weights, access
         self.depth_max = depth_max
         self.depth_scale = 1.0 if profile.depth_units_in_coordinates else float(depth_max)
-        self.texels, self.alive, self.depth = [], True, None
+        self.samplers = [None if unit is None else unit.sampler for unit in state.texture_units]
+        self.texels, self.bytes, self.alive, self.depth = [], [], True, None
 
     def coordinates(self, i):
         """(s, t, r, q) of unit i. Source: docs/numbers.md section 4."""
@@ -105,14 +114,14 @@ class Stages:
         """Unit i's dot product. Source: NV_texture_shader section 3.8.13.1.14."""
         stage = self.stages[i]
         return dot(
-            self.coordinates(i), mapped(self.texels[stage.previous_texture_input], stage.dot_product_mapping)
+            self.coordinates(i), mapped(self.bytes[stage.previous_texture_input], stage.dot_product_mapping)
         )
 
     def made_coordinates(self, i):
         """(s, t, r) of an access that has made coordinates. Source: NV_texture_shader, table 3.C."""
         stage = self.stages[i]
         operation = stage.operation
-        previous = self.texels[stage.previous_texture_input]
+        previous = self.bytes[stage.previous_texture_input]
         if operation in WITH_OFFSET:
             s, t, _, _ = self.coordinates(i)
             ds, dt = signed(previous[2]) / 128.0, signed(previous[1]) / 128.0
@@ -123,7 +132,7 @@ class Stages:
         if operation == Operation.DEPENDENT_GB_TEXTURE_2D:
             return previous[1] / 255.0, previous[2] / 255.0, 0.0
         if operation == Operation.BRDF_TEXTURE_3D:
-            eye, light = spherical(self.texels[i - 2]), spherical(self.texels[i - 1])
+            eye, light = spherical(self.bytes[i - 2]), spherical(self.bytes[i - 1])
             return eye[0] / 65535.0, light[0] / 65535.0, (light[1] - eye[1]) / 65536.0
         if operation in (Operation.DOT_PRODUCT_TEXTURE_2D, Operation.DOT_PRODUCT_TEXTURE_RECTANGLE):
             return self.dot_product(i - 1), self.dot_product(i), 0.0
@@ -160,8 +169,9 @@ class Stages:
             elif operation != Operation.DOT_PRODUCT:
                 texel = self.access(i, self.made_coordinates(i), operation)
                 if operation in WITH_SCALE:
-                    texel = scaled(texel, self.texels[stage.previous_texture_input][0], stage)
+                    texel = scaled(texel, self.bytes[stage.previous_texture_input][0], stage)
             self.texels.append(texel)
+            self.bytes.append(as_bytes(texel, self.samplers[i]))
         return self.texels, self.alive, self.depth
 
 
