@@ -37,7 +37,7 @@ from pipeline.state import (
     RegisterCombiners,
     RGBPortion,
 )
-from pipeline.textures import BASE_FORMAT, DEPTH_TEXELS
+from pipeline.textures import BASE_FORMAT, DEPTH_TEXELS, depth_texture_mode
 
 # Source: NV_texture_shader section 3.8.9: stages whose unit passes its colour on.
 _WITHOUT_FUNCTION = frozenset(
@@ -66,25 +66,24 @@ _SCALES = {
 _HALF = CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF
 
 
-def texture_format(internal_format, color_table=None, depth_texture_mode=None):
-    """The BaseFormat that a texture's environment goes by, behind the unit's ``color_table``; None: the unit
+def texture_format(unit, internal_format, profile):
+    """The BaseFormat that a unit's environment goes by where its texture has this format; None: the unit
     passes its colour on.
 
-    ``depth_texture_mode``: the sampler's.
-    Source: OpenGL 1.2.1 table 3.16; ARB_depth_texture (LUMINANCE, initially); NV_texture_shader section 3.8.9
-    (HILO). Inferred: RGB for YCBCR, which has no alpha. Assumed: RGBA for the NV2A's own formats.
+    Source: OpenGL 1.2.1 table 3.16; ARB_depth_texture; NV_texture_shader section 3.8.9 (HILO). Inferred: RGB
+    for YCBCR, which has no alpha. Assumed: RGBA for the NV2A's own formats.
     """
     if internal_format == InternalFormat.HILO16:
         return None
     if internal_format in DEPTH_TEXELS:
-        base = BaseFormat.LUMINANCE if depth_texture_mode is None else depth_texture_mode
+        base = depth_texture_mode(unit.sampler, profile)
     else:
         base = BaseFormat.RGB if internal_format == InternalFormat.YCBCR else BASE_FORMAT[internal_format]
-    if color_table is None:
+    if unit.color_table is None:
         return base
     # Source: SGI_texture_color_table (issue 3: RGBA tables make RGBA of LUMINANCE); Assumed: a component that
     # either has is there.
-    made = color_table.base_format
+    made = unit.color_table.base_format
     if made is base and base in (BaseFormat.ALPHA, BaseFormat.INTENSITY):
         return base
     return BaseFormat.RGB if base in _OPAQUE and made in _OPAQUE else BaseFormat.RGBA
@@ -105,7 +104,7 @@ class _Unit(NamedTuple):
     base: BaseFormat | None
 
 
-def _units(state, textures):
+def _units(state, textures, profile):
     """The _Unit of every unit that has a texel, in order."""
     units, stages = [], state.texture_shader
     for i, unit in enumerate(state.texture_units):
@@ -118,8 +117,7 @@ def _units(state, textures):
         if operation in _WITHOUT_FUNCTION:
             base = None
         elif operation is not TextureShaderOperation.PASS_THROUGH:
-            mode, table = unit.sampler.depth_texture_mode, unit.color_table
-            base = texture_format(textures[unit.texture].internal_format, table, mode)
+            base = texture_format(unit, textures[unit.texture].internal_format, profile)
         units.append(_Unit(i, unit.environment, base))
     return tuple(units)
 
@@ -132,7 +130,7 @@ def environment_program(state, textures, profile, color_sum=False):
 
     Fog is the final combiner's, whether enabled or not. Of two passes that compute the same, one object.
     """
-    units = _units(state, textures)
+    units = _units(state, textures, profile)
     if not units:
         return None
     # Source: NV_texture_env_combine4 (a disabled unit's texture is one); ARB_texture_env_crossbar (a unit

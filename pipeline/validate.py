@@ -1330,7 +1330,7 @@ class _Walk:
             self.once(self.sampler, unit, known, i)
             self.texture_color_table(i, unit.color_table)
             if state.register_combiners is None:
-                base = texture_format(known.internal_format, unit.color_table)
+                base = texture_format(unit, known.internal_format, self.profile)
                 self.once(self.environment, unit, i, base)
 
     def texture_color_table(self, number, table):

@@ -2,7 +2,7 @@
 
 from pipeline.enums import BaseFormat, CombineFunction, CombineOperand, CombineSource, TextureEnvironmentMode
 from pipeline.state import Combine, TextureEnvironment
-from pipeline.texture_environment import texture_format
+from pipeline.textures import BASE_FORMAT, DEPTH_TEXELS
 
 BYTES = (0, 1, 127, 128, 129, 254, 255)
 _MODE, _FUNCTION, _SOURCE = TextureEnvironmentMode, CombineFunction, CombineSource
@@ -48,7 +48,8 @@ def _combine(random, profile, mode, alpha):
 def random_environment(random, profile, internal_format):
     """A TextureEnvironment for a unit that reads a texture of this format. ``random``: a random.Random."""
     modes = sorted(profile.texture_environment_modes)
-    if texture_format(internal_format) not in (BaseFormat.RGB, BaseFormat.RGBA, None):
+    colors = BASE_FORMAT[internal_format] in (BaseFormat.RGB, BaseFormat.RGBA)
+    if internal_format in DEPTH_TEXELS or not colors:
         modes.remove(_MODE.DECAL)
     modes += [mode for mode in (_MODE.COMBINE, _MODE.COMBINE, _MODE.COMBINE4) if mode in modes]
     mode = random.choice(modes)

@@ -192,15 +192,26 @@ def test_add_signed_takes_four_as_two_where_the_machine_does():
             assert color(state, [90, 90, 90, 0], [[60, 60, 60, 0]], profile)[:3] == [expected] * 3
 
 
-def test_depth_textures_are_luminance_and_hilo_passes_colors_on():
-    state = PassState(texture_units=(combined(FUNCTION.REPLACE),))
-    for internal_format, expected in (
-        (InternalFormat.DEPTH_COMPONENT24, [0, 0, 0, 255]),
-        (InternalFormat.HILO16, [1, 2, 3, 4]),
-        (InternalFormat.RGBA8, [0, 0, 0, 0]),
+def test_depth_textures_are_what_their_mode_says():
+    """A texel of (0, 0, 0, 7) by REPLACE; of LUMINANCE an alpha of one where a function reads it."""
+    deep, texel = images(InternalFormat.DEPTH_COMPONENT24), [[0, 0, 0, 7]]
+    for profile, mode, replaced, copied in (
+        (GEFORCE_3, None, [0, 0, 0, 7], [0, 0, 0, 7]),  # INTENSITY is its usual one
+        (GEFORCE_3, BaseFormat.LUMINANCE, [0, 0, 0, 4], [0, 0, 0, 255]),
+        (GEFORCE_3, BaseFormat.ALPHA, [1, 2, 3, 7], [0, 0, 0, 7]),
+        (IDEAL, None, [0, 0, 0, 4], [0, 0, 0, 255]),
     ):
-        for color in (specified, compiled):
-            assert color(state, [1, 2, 3, 4], [[0, 0, 0, 0]], NV2A, images(internal_format)) == expected
+        sampler = Sampler(depth_texture_mode=mode)
+        for given, expected in ((unit(MODE.REPLACE), replaced), (combined(FUNCTION.REPLACE), copied)):
+            state = PassState(texture_units=(replace(given, sampler=sampler),))
+            for color in (specified, compiled):
+                assert color(state, [1, 2, 3, 4], texel, profile, deep) == expected
+
+
+def test_a_hilo_texture_passes_colors_on():
+    state = PassState(texture_units=(combined(FUNCTION.REPLACE),))
+    for color in (specified, compiled):
+        assert color(state, [1, 2, 3, 4], [[0] * 4], NV2A, images(InternalFormat.HILO16)) == [1, 2, 3, 4]
 
 
 def test_a_color_table_s_components_count():

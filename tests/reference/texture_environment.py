@@ -22,15 +22,7 @@ WHITE = [ONE] * 4
 _F = InternalFormat
 _BASE_FORMATS = {
     BaseFormat.ALPHA: (_F.ALPHA4, _F.ALPHA8, _F.ALPHA12),
-    BaseFormat.LUMINANCE: (
-        _F.LUMINANCE4,
-        _F.LUMINANCE8,
-        _F.LUMINANCE12,
-        _F.DEPTH_COMPONENT16,
-        _F.DEPTH_COMPONENT24,
-        _F.DEPTH_COMPONENT16_FLOAT,
-        _F.DEPTH_COMPONENT24_FLOAT,
-    ),
+    BaseFormat.LUMINANCE: (_F.LUMINANCE4, _F.LUMINANCE8, _F.LUMINANCE12),
     BaseFormat.LUMINANCE_ALPHA: (
         _F.LUMINANCE4_ALPHA4,
         _F.LUMINANCE6_ALPHA2,
@@ -41,6 +33,12 @@ _BASE_FORMATS = {
     BaseFormat.INTENSITY: (_F.INTENSITY4, _F.INTENSITY8, _F.INTENSITY12),
     BaseFormat.RGB: (_F.R3_G3_B2, _F.RGB4, _F.RGB5, _F.R5_G6_B5, _F.RGB8, _F.RGB12, _F.YCBCR),
 }
+_DEPTHS = (
+    _F.DEPTH_COMPONENT16,
+    _F.DEPTH_COMPONENT24,
+    _F.DEPTH_COMPONENT16_FLOAT,
+    _F.DEPTH_COMPONENT24_FLOAT,
+)
 # Source: NV_texture_shader section 3.8.9: stages whose unit's function is NONE.
 _WITHOUT_FUNCTION = (
     TextureShaderOperation.NONE,
@@ -50,14 +48,20 @@ _WITHOUT_FUNCTION = (
 )
 
 
-def base_format(internal_format):
+def base_format(internal_format, sampler, profile):
     """The base format that a texture's environment goes by; None: its function is NONE.
 
-    Source: OpenGL 1.2.1 table 3.16; ARB_depth_texture (LUMINANCE, initially); NV_texture_shader section 3.8.9
-    (HILO). Inferred: RGB for YCBCR, which has no alpha. Assumed: RGBA for the NV2A's own formats.
+    Source: OpenGL 1.2.1 table 3.16; ARB_depth_texture; NV_texture_shader section 3.8.9 (HILO). Inferred: RGB
+    for YCBCR, which has no alpha. Assumed: RGBA for the NV2A's own formats.
     """
     if internal_format == InternalFormat.HILO16:
         return None
+    if internal_format in _DEPTHS:
+        return (
+            profile.depth_texture_modes[0]
+            if sampler.depth_texture_mode is None
+            else sampler.depth_texture_mode
+        )
     for base, formats in _BASE_FORMATS.items():
         if internal_format in formats:
             return base
@@ -283,9 +287,7 @@ def textured_color(primary, texels, state, textures, profile):
         elif operation == TextureShaderOperation.PASS_THROUGH:
             base = BaseFormat.RGBA
         else:
-            base = base_format(textures[unit.texture].internal_format)
-            if unit.sampler.depth_texture_mode is not None:
-                base = unit.sampler.depth_texture_mode
+            base = base_format(textures[unit.texture].internal_format, unit.sampler, profile)
             base = base if unit.color_table is None else looked_up(base, unit.color_table.base_format)
         formats.append(base)
         colors.append(texture_color(texels[i], base))
