@@ -11,7 +11,17 @@ import numpy as np
 
 from pipeline import vertex
 from pipeline.commands import Draw
-from pipeline.enums import BlendEquation, BlendFactor, PrimitiveType, ShadeModel
+from pipeline.enums import (
+    BlendEquation,
+    BlendFactor,
+    CombineFunction,
+    CombineOperand,
+    CombineSource,
+    PrimitiveType,
+    ShadeModel,
+    TextureEnvironmentMode,
+    TextureFilter,
+)
 from pipeline.execute import execute
 from pipeline.state import AlphaTest
 
@@ -48,6 +58,96 @@ def _iterated(mesh, colors, state):
     return 0.0 if flat and _are_bytes(colors) else 1.0
 
 
+def texel(unit, ours):
+    """The deviation of what a unit's filter gives.
+
+    NEAREST: a texel's bytes. LINEAR, ours: along each of two axes the weight is cut to 8 bits, which moves
+    the result by up to 255/256, and the result is rounded. Mesa's filters are of single precision.
+    """
+    if unit.sampler.mag_filter is TextureFilter.NEAREST:
+        return NOTHING
+    one = 2 * (1.0 + ROUNDING) if ours else SINGLE
+    return Deviation(one, one)
+
+
+def environment(unit, previous, primary, texels, ours):
+    """The deviation of a unit's result, from those of the colour that reaches it, the primary colour and all
+    units' ``texels``.
+
+    A product deviates by its factors' sum, a mixture by the most of what is mixed and by its weight's; ours
+    is rounded, then scaled. What a texture's base format leaves alone keeps its deviation.
+    """
+    given, mode = unit.environment, unit.environment.mode
+    rounding = ROUNDING if ours else SINGLE
+    here = texels[unit.texture]
+    if mode in (TextureEnvironmentMode.COMBINE, TextureEnvironmentMode.COMBINE4):
+
+        def half(half, alpha):
+            four = mode is TextureEnvironmentMode.COMBINE4
+            values = []
+            for source, operand in zip(half.sources, half.operands, strict=False):
+                color = {
+                    CombineSource.TEXTURE: here,
+                    CombineSource.PREVIOUS: previous,
+                    CombineSource.PRIMARY_COLOR: primary,
+                    CombineSource.CONSTANT: NOTHING,
+                    CombineSource.ZERO: NOTHING,
+                }.get(source)
+                if color is None:
+                    color = texels.get(f"texture {source - CombineSource.TEXTURE0}", NOTHING)
+                of_alpha = alpha or operand in (CombineOperand.SRC_ALPHA, CombineOperand.ONE_MINUS_SRC_ALPHA)
+                values.append(color.alpha if of_alpha else color.rgb)
+            return half.scale * combined(half.function, values, four, rounding, ours)
+
+        rgb = half(given.rgb, False)
+        return Deviation(
+            rgb,
+            given.alpha.scale / given.rgb.scale * rgb
+            if given.rgb.function is CombineFunction.DOT3_RGBA
+            else half(given.alpha, True),
+        )
+
+    def conventional(p, t, weight):
+        """Of one channel; ``weight``: the deviation of DECAL's, the texel's alpha."""
+        return {
+            TextureEnvironmentMode.MODULATE: p + t + rounding,
+            TextureEnvironmentMode.REPLACE: t,
+            TextureEnvironmentMode.DECAL: max(p, t) + weight + rounding,
+            TextureEnvironmentMode.BLEND: p + t + rounding,
+            TextureEnvironmentMode.ADD: p + t,
+        }[mode]
+
+    rgb = max(previous.rgb, conventional(previous.rgb, here.rgb, here.alpha))
+    alpha = previous.alpha
+    if mode is not TextureEnvironmentMode.DECAL:
+        # Multiplied, but in REPLACE, and an INTENSITY texture's in BLEND and ADD: sums deviate less.
+        product = previous.alpha + here.alpha + rounding
+        alpha = max(alpha, here.alpha if mode is TextureEnvironmentMode.REPLACE else product)
+    return Deviation(rgb, alpha)
+
+
+def combined(function, values, four, rounding, ours):
+    """The deviation of a COMBINE function before its scale, from its arguments'.
+
+    Ours has 128/255 for one half: ADD_SIGNED is half a unit lower, and each factor 2 a - 1 of a dot product
+    is one unit lower and deviates by twice its byte's.
+    """
+    half = ROUNDING if ours else 0.0
+    if four:
+        total = sum(values[:4]) + rounding
+        return total + half if function is CombineFunction.ADD_SIGNED else total
+    if function in (CombineFunction.DOT3_RGB, CombineFunction.DOT3_RGBA):
+        return 3 * (2 * values[0] + 2 * values[1] + 2 * (2 * half)) + rounding
+    return {
+        CombineFunction.REPLACE: values[0],
+        CombineFunction.MODULATE: values[0] + sum(values[1:2]) + rounding,
+        CombineFunction.ADD: values[0] + sum(values[1:2]),
+        CombineFunction.ADD_SIGNED: values[0] + sum(values[1:2]) + half,
+        CombineFunction.INTERPOLATE: max(values[:2]) + sum(values[2:3]) + rounding,
+        CombineFunction.SUBTRACT: values[0] + sum(values[1:2]),
+    }[function]
+
+
 def source(draw, ours):
     """The deviation of a fragment's colour before blending.
 
@@ -56,7 +156,11 @@ def source(draw, ours):
     rounding = ROUNDING if ours else SINGLE
     mesh, state = draw.mesh, draw.state
     varies = _iterated(mesh, mesh.colors, state)
-    color = Deviation(rounding * varies, rounding * varies)
+    color = primary = Deviation(rounding * varies, rounding * varies)
+    units = [unit for unit in state.texture_units if unit is not None]
+    texels = {unit.texture: texel(unit, ours) for unit in units}
+    for unit in units:
+        color = environment(unit, color, primary, texels, ours)
     if state.color_sum:
         rgb = color.rgb + rounding * _iterated(mesh, mesh.secondary_colors, state)
         color = replace(color, rgb=rgb)
@@ -146,10 +250,10 @@ _TERMS = 3.0
 def depth_bounds(commands, profile, width, height):
     """How far two pictures' depths may differ, float64 [h, w], units of 24 bits.
 
-    One for the roundings, and what single precision loses in a triangle's plane equation, from its slopes
-    before anything cancels. Pixels that no triangle's box holds: none.
+    One for the roundings, of Clear too, and what single precision loses in a triangle's plane equation, from
+    its slopes before anything cancels.
     """
-    bounds = np.zeros((height, width))
+    bounds = np.ones((height, width))
     for draw in (c for c in commands if isinstance(c, Draw)):
         primitives = vertex.process(draw.mesh, draw.state, profile, width, height)
         for corners in primitives.triangles[:, :3]:
@@ -208,22 +312,46 @@ _MOST_UNITS = 12
 _SEEDS = 16
 
 
-def _moves(bound):
-    """How vertices' depths are moved, (units of 24 bits, seed): all alike, by every unit and by the bound;
-    and each up or down as a seed has it, which decides between the primitives of one mesh: of every Draw
-    alike, so that what is drawn twice stays equal, or of each differently.
+# A centre on the boundary of two texels may read either.
+_TEXELS = (1e-4, 1e-4), (-1e-4, 1e-4), (1e-4, -1e-4), (-1e-4, -1e-4)
+_UNMOVED = (0.0, 0.0)
+
+
+def _moves(commands, bound):
+    """How vertices' depths and texture coordinates are moved: (units of 24 bits, seed, texture coordinates).
+
+    Depths: all alike, by every unit and by the bound; and each up or down as a seed has it, which decides
+    between the primitives of one mesh: of every Draw alike, so that what is drawn twice stays equal, or of
+    each differently.
     """
-    yield 0.0, None
+    yield 0.0, None, _UNMOVED
+    states = [command.state for command in commands if isinstance(command, Draw)]
+    if any(unit for state in states for unit in state.texture_units):
+        for texels in _TEXELS:
+            yield 0.0, None, texels
+    if not any(state.depth_test for state in states):
+        return
     for units in (*range(1, min(int(np.ceil(bound)), _MOST_UNITS) + 1), bound):
-        yield units, None
-        yield -units, None
+        yield units, None, _UNMOVED
+        yield -units, None, _UNMOVED
     for seed in range(_SEEDS):
-        yield bound, seed
+        yield bound, seed, _UNMOVED
 
 
-def _perturbed(commands, references, units, seed):
-    """The same frame with alpha references moved by so many bytes, each command's, and vertices' depths by
-    units.
+def _shifted(unit, texels):
+    """A unit whose coordinates s and t are moved by that much."""
+    if unit is None:
+        return None
+    s, t, r, q = unit.matrix
+    s, t = (
+        tuple(a + by * b for a, b in zip(row, q, strict=True)) for row, by in zip((s, t), texels, strict=True)
+    )
+    return replace(unit, matrix=(s, t, r, q))
+
+
+def _perturbed(commands, references, units, seed, texels):
+    """The same frame with alpha references moved by so many bytes, each command's, vertices' depths by units,
+    and texture coordinates s and t.
     """
     moved = []
     for number, (command, reference) in enumerate(zip(commands, references, strict=True)):
@@ -242,6 +370,9 @@ def _perturbed(commands, references, units, seed):
                     signs = random.choice([-1.0, 1.0], len(positions))
                 positions[:, 2] += 2.0 * units / (2**24 - 1) * signs * positions[:, 3]
                 mesh = replace(mesh, positions=positions)
+            if any(texels):
+                shifted = tuple(_shifted(unit, texels) for unit in state.texture_units)
+                state = replace(state, texture_units=shifted)
             command = replace(command, mesh=mesh, state=state)
         moved.append(command)
     return tuple(moved)
@@ -275,19 +406,19 @@ def compare(commands, picture, profile, width, height, ignored=None):
     if ignored is not None:
         agree |= ignored
     plain = agree.copy()
-    references, bound = product(*map(_alpha_steps, commands)), depth.max()
-    for moved, (units, seed) in product(references, _moves(bound)):
+    references = product(*map(_alpha_steps, commands))
+    for moved, (units, seed, texels) in product(references, _moves(commands, depth.max())):
         if agree.all():
             break
-        other = _perturbed(commands, moved, units, seed)
+        other = _perturbed(commands, moved, units, seed, texels)
         result = execute(other, profile, width, height, threads=1).framebuffer
         agree |= _agree(result, picture, color, depth + abs(units))[0]
     return Comparison(framebuffer, ~agree, agree & ~plain, difference, color)
 
 
 def _alpha_steps(command):
-    """How many bytes a command's alpha reference is to be moved: none, or all by which two machines' alphas may
-    differ.
+    """How many bytes a command's alpha reference is to be moved: none, or all by which two machines' alphas
+    may differ.
     """
     if not isinstance(command, Draw) or command.state.alpha_test is None:
         return (0,)

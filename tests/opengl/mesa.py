@@ -11,6 +11,9 @@ from bench.peers.llvmpipe import PeerError, environment, missing
 
 _ROOT = Path(__file__).resolve().parents[2]
 
+# llvmpipe's filters then compute in single precision, not in bytes. Source: Mesa's docs/envvars.
+_EXACT = {"GALLIVM_PERF": "no_filter_hacks"}
+
 
 class Mesa:
     """One of Mesa's software drivers, ``softpipe`` or ``llvmpipe``; close it when done.
@@ -27,7 +30,7 @@ class Mesa:
             [sys.executable, "-m", "tests.opengl.worker"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            env=os.environ | environment(1, driver) | {"PYTHONPATH": os.pathsep.join(paths)},
+            env=os.environ | environment(1, driver) | _EXACT | {"PYTHONPATH": os.pathsep.join(paths)},
         )
         try:
             self.renderer, self.version = self._answer()

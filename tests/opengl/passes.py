@@ -5,13 +5,16 @@ What keeps two correct machines from disagreeing is said where it is chosen.
 """
 
 from dataclasses import replace
+from random import Random
 
 import numpy as np
 from hypothesis import strategies as st
 
-from pipeline.commands import Clear, Draw, Mesh
+from pipeline.commands import Clear, Draw, Mesh, TexImage
 from pipeline.enums import (
     BlendFactor,
+    CombineFunction,
+    CombineSource,
     ComparisonFunction,
     Face,
     FogCoordinateSource,
@@ -22,6 +25,9 @@ from pipeline.enums import (
     ProvokingVertex,
     ShadeModel,
     StencilOperation,
+    TextureEnvironmentMode,
+    TextureFilter,
+    TextureTarget,
 )
 from pipeline.profiles import MULTITEXTURE, OPENGL_1_2, OPENGL_1_2_IMAGING
 from pipeline.state import (
@@ -32,11 +38,16 @@ from pipeline.state import (
     Fog,
     PassState,
     PolygonState,
+    Sampler,
     Scissor,
     StencilTest,
+    TextureEnvironment,
+    TextureUnit,
     VertexState,
     Viewport,
 )
+from pipeline.textures import COMPONENT_BITS, texture_1d, texture_2d
+from tests.random_environments import random_environment
 
 WIDTH, HEIGHT = 32, 16  # powers of two: window coordinates are exact, in float32 too
 
@@ -49,6 +60,10 @@ EXTENDED = replace(
     blend_equations=OPENGL_1_2_IMAGING.blend_equations,
     stencil_operations=frozenset(StencilOperation),
     fog_coordinate=True,
+    texture_environment_modes=frozenset(TextureEnvironmentMode) - {TextureEnvironmentMode.NONE},
+    combine_functions=frozenset(CombineFunction),
+    texture_environment_crossbar=True,
+    add_signed_scale_by_four=True,
 )
 PROFILES = (EXTENDED, OPENGL_1_2, MULTITEXTURE, OPENGL_1_2_IMAGING)
 
@@ -133,6 +148,12 @@ def meshes(draw, primitives=POLYGONS, exact_colors=False):
             return random.integers(0, 256, (count, width)) / 255.0
         return random.random((count, width), np.float32).astype(float)
 
+    def coordinates():
+        """(s, t): at random; or so many texels of a texture of eight a pixel, a power of two."""
+        if random.random() < 0.5:
+            return 3.0 * values(2, "floats") - 1.5
+        return pixels * random.choice([0.5, 1.0, 2.0, 4.0], 2) / 8.0 + random.choice([0.0, 0.0625, 0.3125], 2)
+
     w = np.ones(count)
     if not planar and draw(st.integers(0, 3)) == 0:
         w = random.choice([0.5, 1.0, 2.0, 4.0], count)
@@ -150,6 +171,7 @@ def meshes(draw, primitives=POLYGONS, exact_colors=False):
         indices=indices,
         colors=values(4, kind),
         secondary_colors=values(3, kind),
+        texture_coordinates=tuple(coordinates() for _ in range(2)),
         fog_coordinates=4.0 * values(1, "constant" if exact_colors else "floats")[:, 0],
     )
 
@@ -223,9 +245,52 @@ def _polygons(draw, primitive):
     )
 
 
+_FORMATS = tuple(f for f, bits in COMPONENT_BITS.items() if set(bits) == {8})  # Mesa keeps others as it likes
+_FILTERS = (TextureFilter.NEAREST, TextureFilter.LINEAR)
+
+
 @st.composite
-def draws(draw, profile, bitwise, offset):
-    """A mesh in a whole pass state of the profile; ``bitwise``: perhaps with a logic operation.
+def textures(draw, profile, name):
+    """A texture of one to eight texels along each edge, of noise; with mipmaps or without."""
+    targets = profile.texture_targets & {TextureTarget.TEXTURE_1D, TextureTarget.TEXTURE_2D}
+    random, mipmaps = np.random.default_rng(draw(seeds)), draw(st.booleans())
+    width, height = (1 << draw(st.integers(0, 3)) for _ in range(2))
+    internal_format = draw(st.sampled_from(_FORMATS))
+    texels = random.choice([0, 255, *range(256)], (height, width, 4)).astype(np.uint8)
+    if draw(st.sampled_from(sorted(targets))) is TextureTarget.TEXTURE_1D:
+        image = texture_1d(texels[0], internal_format, mipmaps=mipmaps)
+    else:
+        image = texture_2d(texels, internal_format, mipmaps=mipmaps)
+    return TexImage(label="texture", texture=name, image=image)
+
+
+@st.composite
+def texture_units(draw, profile, texture, number, exact):
+    """A unit that reads the texture; ``exact``: and hands on a texel's bytes."""
+    image, wraps = texture.image, st.sampled_from(sorted(profile.wrap_modes))
+    filters = st.just(TextureFilter.NEAREST) if exact else st.sampled_from(_FILTERS)
+    magnified = draw(filters)
+    environment = TextureEnvironment(TextureEnvironmentMode.REPLACE)
+    if not exact:
+        environment = random_environment(Random(draw(seeds)), profile, image.internal_format)
+    return TextureUnit(
+        texture.texture,
+        Sampler(magnified, magnified, draw(wraps), draw(wraps), border_color=draw(byte_colors)),
+        coordinates=number,
+        environment=environment,
+    )
+
+
+def _names_units(unit):
+    """Whether an environment reads texels by their unit's number: of a disabled one Mesa has none."""
+    sources = {*unit.environment.rgb.sources, *unit.environment.alpha.sources}
+    return any(source >= CombineSource.TEXTURE0 for source in sources)
+
+
+@st.composite
+def draws(draw, profile, bitwise, offset, images):
+    """A mesh in a whole pass state of the profile; ``bitwise``: perhaps with a logic operation; ``images``:
+    TexImages of which each may be a unit's.
 
     Such turn a difference of one into any other, so all that is drawn are bytes that nothing changes.
     Depths that are tested for equality are exact where they are constant.
@@ -249,6 +314,8 @@ def draws(draw, profile, bitwise, offset):
         polygon = replace(polygon, offset_fill=False)
     color_sum = profile.color_sum and draw(st.booleans())
     fog = draw(maybe(_fogs(profile))) if not bitwise else None
+    if color_sum and images:
+        fog = None
     if color_sum and fog is not None:
         mesh = replace(mesh, colors=mesh.colors / 2.0, secondary_colors=mesh.secondary_colors / 2.0)
     if fog is not None and fog.coordinate_source is FogCoordinateSource.FRAGMENT_DEPTH:
@@ -256,7 +323,11 @@ def draws(draw, profile, bitwise, offset):
             mesh,
             positions=mesh.positions * (1.0, 1.0, 0.5, 1.0) - mesh.positions[:, 3:] * (0.0, 0.0, 0.5, 0.0),
         )
+    units = [draw(texture_units(profile, image, i, bitwise)) for i, image in enumerate(images)]
+    if not any(map(_names_units, units)):
+        units = [unit if draw(st.integers(0, 3)) else None for unit in units]
     state = PassState(
+        texture_units=tuple(units),
         vertex=VertexState(
             viewport=draw(
                 st.sampled_from(
@@ -299,15 +370,22 @@ def _clears(draw, whole):
 
 
 @st.composite
-def frames(draw, profile, offset=True):
-    """Rectangles of colours, depths and stencil values, and one or two passes over them.
+def frames(draw, profile, offset=True, textured=False):
+    """Rectangles of colours, depths and stencil values, and one or two passes over them, ``textured`` or not.
 
     ``offset``: whether there may be a polygon offset; where the driver clamps at vertices what it gives,
     which section 3.5.5 allows, there may not.
     """
     clears = [draw(_clears(i == 0)) for i in range(draw(st.integers(1, 3)))]
     bitwise = draw(st.integers(0, 5)) == 5
-    return (*clears, *(draw(draws(profile, bitwise, offset)) for _ in range(draw(st.integers(1, 2)))))
+    images = ()
+    if textured:
+        images = tuple(draw(textures(profile, f"texture {i}")) for i in range(profile.max_texture_units))
+    return (
+        *images,
+        *clears,
+        *(draw(draws(profile, bitwise, offset, images)) for _ in range(draw(st.integers(1, 2)))),
+    )
 
 
 @st.composite

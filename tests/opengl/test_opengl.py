@@ -50,20 +50,21 @@ def assert_alike_off_edges(peer, commands, profile, within):
     assert_alike(peer, commands, profile, edge_pixels(commands, profile, WIDTH, HEIGHT, within))
 
 
-@settings(max_examples=250)
-@given(st.data())
-def test_passes_are_llvmpipe_s(llvmpipe, data):
+@settings(max_examples=150)
+@given(st.data(), st.booleans())
+def test_passes_are_llvmpipe_s(llvmpipe, data, textured):
     profile = data.draw(profiles)
-    assert_alike(llvmpipe, data.draw(frames(profile)), profile)
+    assert_alike(llvmpipe, data.draw(frames(profile, textured=textured)), profile)
 
 
 # softpipe finds the ends of its spans in single precision: on which side of an edge a centre lies that is
 # exactly on it, is luck. Source: docs/mesa.md.
 @settings(max_examples=150)
-@given(st.data())
-def test_passes_are_softpipe_s(softpipe, data):
+@given(st.data(), st.booleans())
+def test_passes_are_softpipe_s(softpipe, data, textured):
     profile = data.draw(profiles)
-    assert_alike_off_edges(softpipe, data.draw(frames(profile, offset=False)), profile, 0.0)
+    commands = data.draw(frames(profile, offset=False, textured=textured))
+    assert_alike_off_edges(softpipe, commands, profile, 0.0)
 
 
 # A vertex that lies anywhere is snapped, to 1/16 pixel here and 1/256 there: an edge moves by less than 1/16
@@ -75,19 +76,22 @@ def test_coverage_is_llvmpipe_s_wherever_vertices_lie(llvmpipe, commands):
 
 
 @pytest.mark.slow
-@settings(max_examples=4000)
+@pytest.mark.parametrize("textured", [False, True])
+@settings(max_examples=3000)
 @given(st.data())
-def test_thousands_of_passes_are_llvmpipe_s(llvmpipe, data):
+def test_thousands_of_passes_are_llvmpipe_s(llvmpipe, textured, data):
     profile = data.draw(profiles)
-    assert_alike(llvmpipe, data.draw(frames(profile)), profile)
+    assert_alike(llvmpipe, data.draw(frames(profile, textured=textured)), profile)
 
 
 @pytest.mark.slow
-@settings(max_examples=2000)
+@pytest.mark.parametrize("textured", [False, True])
+@settings(max_examples=1000)
 @given(st.data())
-def test_thousands_of_passes_are_softpipe_s(softpipe, data):
+def test_thousands_of_passes_are_softpipe_s(softpipe, textured, data):
     profile = data.draw(profiles)
-    assert_alike_off_edges(softpipe, data.draw(frames(profile, offset=False)), profile, 0.0)
+    commands = data.draw(frames(profile, offset=False, textured=textured))
+    assert_alike_off_edges(softpipe, commands, profile, 0.0)
 
 
 @pytest.mark.slow

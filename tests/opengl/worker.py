@@ -24,7 +24,15 @@ from OpenGL import GL  # noqa: E402  the two switches above are read when this i
 
 from bench.peers.context import make_context  # noqa: E402
 from pipeline.commands import Clear, Draw, TexImage  # noqa: E402
-from pipeline.enums import Face, FrontFace, PrimitiveType, ProvokingVertex, TexGenMode, TextureTarget  # noqa: E402
+from pipeline.enums import (  # noqa: E402
+    Face,
+    FrontFace,
+    PrimitiveType,
+    ProvokingVertex,
+    TexGenMode,
+    TextureEnvironmentMode,
+    TextureTarget,
+)
 from pipeline.state import (  # noqa: E402
     IDENTITY,
     PassState,
@@ -41,6 +49,7 @@ _TARGETS = {
 # Section 3.5.5 leaves r, the smallest difference that is certain to show, to the implementation: ours is one
 # unit of the depth buffer, Mesa's two. Measured: 1000 units move a 24-bit depth by 2000, with both drivers.
 _SMALLEST_DIFFERENCE = 2.0
+_COMBINE4 = 0x8503  # Source: NV_texture_env_combine4, New Tokens
 _SINGLE_PRIMITIVES = (PrimitiveType.TRIANGLES, PrimitiveType.QUADS, PrimitiveType.POINTS, PrimitiveType.LINES)
 
 
@@ -316,8 +325,38 @@ class _Painter:
             self.sampler(unit.sampler, target)
             GL.glTexEnvf(GL.GL_TEXTURE_FILTER_CONTROL, GL.GL_TEXTURE_LOD_BIAS, unit.lod_bias)
             _load(GL.GL_TEXTURE, unit.matrix)
+            self.environment(unit.environment)
             for coordinate, gen in zip("STRQ", unit.gen, strict=True):
                 self.generation(coordinate, gen)
+
+    def environment(self, environment):
+        def set_to(parameter, value):
+            GL.glTexEnvi(GL.GL_TEXTURE_ENV, parameter, value)
+
+        combine4 = environment.mode is TextureEnvironmentMode.COMBINE4
+        mode = _COMBINE4 if combine4 else _token(environment.mode)
+        set_to(GL.GL_TEXTURE_ENV_MODE, mode)
+        GL.glTexEnvfv(GL.GL_TEXTURE_ENV, GL.GL_TEXTURE_ENV_COLOR, environment.color)
+        if environment.mode not in (TextureEnvironmentMode.COMBINE, TextureEnvironmentMode.COMBINE4):
+            return
+        for half, function, source, operand, scale in (
+            (environment.rgb, GL.GL_COMBINE_RGB, GL.GL_SRC0_RGB, GL.GL_OPERAND0_RGB, GL.GL_RGB_SCALE),
+            (
+                environment.alpha,
+                GL.GL_COMBINE_ALPHA,
+                GL.GL_SRC0_ALPHA,
+                GL.GL_OPERAND0_ALPHA,
+                GL.GL_ALPHA_SCALE,
+            ),
+        ):
+            set_to(function, _token(half.function))
+            count = 4 if combine4 else 3  # the tokens of a half's arguments follow each other
+            for i in range(count):
+                if i < len(half.sources):
+                    set_to(source + i, _token(half.sources[i]))
+                if i < len(half.operands):
+                    set_to(operand + i, _token(half.operands[i]))
+            GL.glTexEnvf(GL.GL_TEXTURE_ENV, scale, half.scale)
 
     def sampler(self, sampler, target):
         for name in ("min_filter", "mag_filter", "wrap_s", "wrap_t", "wrap_r"):
