@@ -83,7 +83,7 @@ def scaled(texel, magnitude, stage):
 
 
 def as_bytes(texel, sampler):
-    """A register's four bytes before its signed components were doubled. Source: docs/numbers.md section 12."""
+    """A register as bytes, signed components not doubled. Source: docs/numbers.md section 12."""
     if sampler is None:
         return texel
     flags = sample.signed_flags(sampler)
