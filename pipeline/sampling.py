@@ -37,7 +37,8 @@ def probes_problem(place, sampler, target, internal_format, profile):
         return f"{place} assembles footprints of {probes} probes; give a power of two, or 1 for none."
     if probes > profile.max_probes:
         most = profile.max_probes
-        return f"{place} assembles footprints of {probes} probes; {profile.name} takes up to {most}."
+        given = f"{place} assembles footprints of {probes} probes"
+        return f"{given}; {profile.name} takes up to {most}: set max_probes to it."
     if probes == 1:
         return None
     flat = target in (TextureTarget.TEXTURE_2D, TextureTarget.TEXTURE_RECTANGLE)

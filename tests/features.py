@@ -26,6 +26,7 @@ from pipeline.commands import (
 )
 from pipeline.enums import (
     AccumOperation,
+    BaseFormat,
     BlendEquation,
     BlendFactor,
     ColorBuffer,
@@ -33,6 +34,7 @@ from pipeline.enums import (
     CombineFunction,
     CombineOperand,
     CombineSource,
+    ComparisonFunction,
     DepthFormat,
     DotProductMapping,
     FogCoordinateSource,
@@ -178,6 +180,7 @@ def _shaded(*operations, **fields):
 
 
 def _compared(compare=TextureCompareMode.COMPARE_R_TO_TEXTURE, **fields):
+    fields = {"compare_function": ComparisonFunction.LEQUAL, **fields}
     sampler = replace(_NEAREST, compare_mode=compare, **_ON_EDGE, **fields)
     return _textured(texture_of_words(_WORDS, TexelWord.X8_Y24_FIXED), _unit(sampler))
 
@@ -261,7 +264,7 @@ _FRAGMENTS = {
 _SHADOWS = {
     "reference": ("tests/reference/shadow.py",),
     "implementation": ("raster/shadow.py",),
-    "tests": ("tests/test_texture_shader.py",),
+    "tests": ("tests/test_texture_shader.py", "tests/test_sampling.py"),
 }
 _TRANSFER = {
     "reference": ("tests/reference/pixel_transfer.py",),
@@ -359,6 +362,17 @@ def _texture_units():
         tests=("tests/test_anisotropic.py",),
     )
     yield Feature(
+        name="footprint assembly",
+        group="Texture units",
+        has=lambda p: p.max_probes > 1,
+        commands=_textured(texture_2d(_PICTURE, mipmaps=True), _unit(Sampler(max_probes=2))),
+        asked="2 probes",
+        limit=lambda p: f"{p.max_probes} probes",
+        reference=("tests/reference/sample.py",),
+        implementation=("raster/footprint.py", "raster/wide_iterate.py"),
+        tests=("tests/test_sampling.py",),
+    )
+    yield Feature(
         name="texture wrapping of triangles (cylinder_wrap)",
         group="Texture units",
         has=lambda p: p.cylinder_wrap,
@@ -451,11 +465,35 @@ def _shadows():
         name="shadow comparison (SGIX_shadow, ARB_shadow)",
         group="Shadow maps",
         has=lambda p: compare.COMPARE_R_TO_TEXTURE in p.texture_compare_modes,
-        commands=_compared(),
+        commands=_compared(compare_function=ComparisonFunction.GEQUAL),
         asked="DEPTH_COMPONENT24",
-        ideal=False,
         **_SHADOWS,
     )
+    yield Feature(
+        name="all eight comparisons (EXT_shadow_funcs)",
+        group="Shadow maps",
+        has=lambda p: ComparisonFunction.NEVER in p.shadow_functions,
+        commands=_compared(compare_function=ComparisonFunction.NEVER),
+        asked="DEPTH_COMPONENT24|NEVER",
+        **_SHADOWS,
+    )
+    yield Feature(
+        name="shadow ambient (SGIX_shadow_ambient)",
+        group="Shadow maps",
+        has=lambda p: p.shadow_ambient,
+        commands=_compared(compare_fail_value=0.5),
+        asked="DEPTH_COMPONENT24|shadow ambient",
+        **_SHADOWS,
+    )
+    for mode in (BaseFormat.LUMINANCE, BaseFormat.INTENSITY, BaseFormat.ALPHA):
+        yield Feature(
+            name=f"DEPTH_TEXTURE_MODE {mode.name} (ARB_depth_texture)",
+            group="Shadow maps",
+            has=lambda p, mode=mode: mode in p.depth_texture_modes,
+            commands=_compared(depth_texture_mode=mode),
+            asked=f"DEPTH_COMPONENT24|{mode.name}",
+            **_SHADOWS,
+        )
 
 
 def _environments():

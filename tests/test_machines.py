@@ -107,9 +107,6 @@ WITHOUT_A_FEATURE = {
     "depth_units_in_coordinates",
     "foreign_texture_targets",
     # To come, each with its stage.
-    "max_probes",
-    "shadow_functions",
-    "shadow_ambient",
     "combiner_functions",
     "combiner_lookup",
     "evaluate_before_filtering",
