@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.column_textures import unit_samplers
+from pipeline.check_future import units_along
+from pipeline.column_textures import LAMBDA_BITS, unit_samplers
 from pipeline.columns import keep_significant_bits
 from pipeline.enums import (
     Clamp,
@@ -27,13 +28,14 @@ from pipeline.enums import (
     ProductRounding,
     Register,
     ShadeModel,
+    TextureTarget,
 )
 from pipeline.fog import table
 from pipeline.framebuffer import SURFACE_WORDS
 from pipeline.pack import FARTHEST, depth_units, has_color_sum, scissor_box
 from pipeline.strokes import whole_size
 from pipeline.texture_environment import environment_program
-from raster import rows, wide, wide_combine, wide_fragment, wide_iterate
+from raster import rows, wide, wide_combine, wide_fragment, wide_future, wide_iterate
 from raster.vertices import W_LARGEST, W_SMALLEST
 
 NATIVE_BITS = 8
@@ -116,6 +118,20 @@ def needs_columns(state, profile, framebuffer, textures):
         or not framebuffer.is_bytes
         or any(unit.texture is not None and textures[unit.texture].bits != NATIVE_BITS for unit in units)
         or any(unit.color_table is not None for unit in units)
+        or uses_future(state)
+    )
+
+
+def uses_future(state):
+    """Whether a pass asks for a stage of the future board."""
+    combiners, units = state.register_combiners, state.texture_units
+    stages = () if combiners is None else combiners.general
+    return (
+        state.evaluate_before_filtering
+        or state.spherical_primary_color
+        or state.spherical_secondary_color
+        or any(unit is not None and unit.spherical_coordinates for unit in units)
+        or any(s.lookup is not None or s.rgb.function or s.alpha.function for s in stages)
     )
 
 
@@ -182,16 +198,25 @@ def arithmetic_of(profile, bits, environments=False):
 class _Registers(dict):
     """Registers of k fragments, int64 [4, k] each; textures are sampled when they are first read."""
 
-    def __init__(self, samplers, fragments, bits):
+    def __init__(self, samplers, fragments, bits, taps=None):
         super().__init__()
         self._samplers, self._fragments, self._bits = samplers, fragments, bits
+        self._taps = taps or {}  # of units that are read before they are filtered
+
+    def look_up(self, lookup):
+        """A dependent lookup: a unit's register takes the texel at another register's red, green, blue."""
+        strq = np.ones((len(self._fragments.x), 4))
+        strq[:, :3] = self[lookup.register][:3].T / float(wide.one_of(self._bits))
+        texel = self._samplers[lookup.unit].looked_up(strq, self._fragments, self._bits)
+        self[Register.TEXTURE0 + lookup.unit] = texel
 
     def __missing__(self, register):
         count, unit = len(self._fragments.x), register - Register.TEXTURE0
         if not 0 <= unit < 4:
             raise KeyError(register)
         if unit < len(self._samplers) and self._samplers[unit] is not None:
-            self[register] = self._samplers[unit].register(self._fragments, self._bits)
+            tap = self._taps.get(unit)
+            self[register] = self._samplers[unit].register(self._fragments, self._bits, tap)
         else:  # Measured: a disabled unit's register is (0, 0, 0, 1)
             self[register] = filled((0, 0, 0, wide.one_of(self._bits)), count)
         return self[register]
@@ -230,7 +255,11 @@ def _portion(portion, registers, alpha, select, a):
         if output != Register.DISCARD:
             values.append((output, wide_combine.output(products, portion.scale, biased, a)))
     if outputs[2] != Register.DISCARD:
-        if portion.mux_sum:
+        if portion.function:
+            sums = [sum(products) for products in (ab, cd)]
+            made = wide_future.applied(portion.function, *sums, a.one, a.high)
+            total = wide_combine.function_output(made, portion.scale, biased, a)
+        elif portion.mux_sum:
             chosen = wide_combine.takes_cd(registers[Register.SPARE0][3], select == MuxSelect.LSB, a)
             pair = [wide_combine.output(products, portion.scale, biased, a) for products in (ab, cd)]
             total = np.where(chosen, pair[1], pair[0])
@@ -265,6 +294,8 @@ def combine(program, registers, count, a):
         ):
             if blue and to != Register.DISCARD:
                 registers[to] = registers[to][[0, 1, 2, 2]]
+        if stage.lookup is not None:
+            registers.look_up(stage.lookup)
     registers.update(program_constants)
     return _final(program, registers, count, a)
 
@@ -326,8 +357,39 @@ def _fog_register(fog, coordinates, profile, count, one):
 
 def shade(fragments, state, profile, bits, textures, samplers):
     """Colours of fragments, int64 [k, 4] in units of ``bits``: texture units, combiners, color sum, fog."""
+    if state.evaluate_before_filtering:
+        return _shade_before_filtering(fragments, state, profile, bits, textures, samplers)
+    return _shade(fragments, state, profile, bits, textures, samplers, None)
+
+
+def _shade_before_filtering(fragments, state, profile, bits, textures, samplers):
+    """Colours at each texel that unit 0's filter reads, and then filtered (section 20)."""
+    along, first = units_along(state, textures), samplers[0]
+    columns = (0, 1) if first.linear else (0,)
+    rows = (0,) if first.texture.target == TextureTarget.TEXTURE_1D else columns
+    layers = columns if first.texture.target == TextureTarget.TEXTURE_3D else (0,)
+
+    def mixed(parts, fraction, width):
+        return parts[0] if len(parts) == 1 else wide.lerp(*parts, fraction[:, None], width)
+
+    def color(*tap):
+        taps = dict.fromkeys(along, tap)
+        return _shade(fragments, state, profile, bits, textures, samplers, taps)
+
+    levels, width = [], profile.filter_fraction_bits
+    for level in (0, 1) if first.between_levels else (0,):
+        across, up, deep, between = first.fractions(fragments, level).T
+        planes = [
+            mixed([mixed([color(level, k, j, i) for i in columns], across, width) for j in rows], up, width)
+            for k in layers
+        ]
+        levels.append(mixed(planes, deep, width))
+    return mixed(levels, between, LAMBDA_BITS)
+
+
+def _shade(fragments, state, profile, bits, textures, samplers, taps):
     count, one = len(fragments.x), wide.one_of(bits)
-    registers = _Registers(samplers, fragments, bits)
+    registers = _Registers(samplers, fragments, bits, taps)
     registers[Register.PRIMARY_COLOR] = fragments.primary.T.astype(np.int64)
     registers[Register.SECONDARY_COLOR] = fragments.secondary.T.astype(np.int64)
     registers[Register.FOG] = _fog_register(state.fog, fragments.fog, profile, count, one)
@@ -526,6 +588,12 @@ class _Draw:
         q0, q2 = wide_iterate.iteration_weights(e)
         back = self._back(kinds, triangle, area)
         primary, secondary = self._colors(vertices, provoking, back, e, q0, q2)
+        if self.state.polygon.shade_model == ShadeModel.SMOOTH:
+            corners = self.colors[vertices, back[:, None]]
+            if state.spherical_primary_color:
+                primary = self._turned(primary, corners[:, :, :3], b0, b2)
+            if state.spherical_secondary_color:
+                secondary = self._turned(secondary, corners[:, :, 4:7], b0, b2)
         fog = None
         if state.fog is not None:
             fog = wide_iterate.iterate(b0, b2, p.fog[vertices])
@@ -533,7 +601,7 @@ class _Draw:
         def edges(px, py):
             return self._edges(x, y, kinds, px, py)
 
-        coordinates, lod, footprints = self._coordinates(vertices, edges, inverse_w, q0, q2, px, py)
+        coordinates, lod, footprints = self._coordinates(vertices, edges, inverse_w, (q0, q2, b0, b2), px, py)
         depth = self._depth(triangle, vertices, kinds, n, inverse_w, x, y, area)
         return FragmentColumns(
             px, py, depth, primary, secondary, fog, coordinates, lod, self.divided, footprints
@@ -582,15 +650,24 @@ class _Draw:
             colors = wide_iterate.iterate_exact_colors(e, corners, low, high)
         return colors[:, :4], colors[:, 4:]
 
-    def _coordinates(self, vertices, edges, inverse_w, q0, q2, px, py):
+    def _turned(self, color, corners, b0, b2):
+        """A colour whose red, green and blue are a unit vector that turns steadily (section 20)."""
+        one, expanded = wide.one_of(self.bits), arithmetic_of(self.profile, self.bits).expanded
+        vector = wide_future.spherical(b0, b2, wide_future.from_color(corners, one, expanded))
+        return np.concatenate([wide_future.to_color(vector, one, expanded), color[:, 3:]], axis=1)
+
+    def _coordinates(self, vertices, edges, inverse_w, weights, px, py):
         """Coordinates of every unit, and lambda and footprints where some unit asks for them."""
         count, units = len(px), len(self.units)
+        q0, q2, b0, b2 = weights
         coordinates, lod, footprints = np.zeros((count, units, 4)), np.zeros((count, units)), None
         for k, unit in enumerate(self.units):
             if unit is None:
                 continue
             corners = self.primitives.coordinates[vertices, k]
             coordinates[:, k] = wide_iterate.iterate_coordinates(q0, q2, corners)
+            if unit.unit.spherical_coordinates:
+                coordinates[:, k, :3] = wide_future.spherical(b0, b2, corners[:, :, :3])
             if not (unit.needs_lambda or unit.anisotropic or unit.probes):
                 continue
             target, sizes = unit.texture.target, unit.sizes

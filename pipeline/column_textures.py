@@ -21,7 +21,8 @@ _LINEAR_IN_LEVEL = (
 )
 _COUNTED = (TextureFilter.NEAREST, TextureFilter.LINEAR)
 _NEAREST_MIPMAP = (TextureFilter.NEAREST_MIPMAP_NEAREST, TextureFilter.LINEAR_MIPMAP_NEAREST)
-_LAMBDA_BITS = 8
+_BETWEEN_LEVELS = (TextureFilter.NEAREST_MIPMAP_LINEAR, TextureFilter.LINEAR_MIPMAP_LINEAR)
+LAMBDA_BITS = 8
 
 
 def unit_samplers(state, textures, profile):
@@ -95,9 +96,40 @@ class UnitSampler:
             return texels
         return np.where(self.signed & (texels >= 1 << (self.bits - 1)), texels - (1 << self.bits), texels)
 
-    def register(self, fragments, bits):
-        """The unit's register, int64 [4, k] in units of ``bits``."""
-        texel = self._filtered(fragments)
+    def register(self, fragments, bits, tap=None):
+        """The unit's register, int64 [4, k] in units of ``bits``. ``tap``: of one texel of its filter,
+        (level, layer, row, column), 0 or 1 each.
+        """
+        return self._as_register(self._filtered(fragments, tap)[:, :4], fragments, bits)
+
+    def looked_up(self, strq, fragments, bits):
+        """The register at other coordinates, float64 [k, 4]: level 0, by the magnification filter."""
+        compared = None
+        if self.compares:
+            compared = wide_texture.depth_reference(
+                strq[:, 2] * self.depth_scale, self.mantissa, self.largest
+            )
+        linear = self.sampler.mag_filter == TextureFilter.LINEAR
+        texel = self._level(0, linear, strq, False, compared, True)
+        return self._as_register(texel, fragments, bits)
+
+    def fractions(self, fragments, level):
+        """Fractions between the columns, rows, layers and levels of the filter at the lower (0) or the upper
+        (1) of its levels, int64 [k, 4].
+        """
+        return self._filtered(fragments, (level, 0, 0, 0))[:, 4:]
+
+    @property
+    def linear(self):
+        """Whether a filter reads several texels of a level."""
+        return self.sampler.mag_filter == TextureFilter.LINEAR or self.sampler.min_filter in _LINEAR_IN_LEVEL
+
+    @property
+    def between_levels(self):
+        """Whether the minification filter reads two levels."""
+        return self.sampler.min_filter in _BETWEEN_LEVELS
+
+    def _as_register(self, texel, fragments, bits):
         if self.number == 0 and fragments.texel_alpha is not None:
             alpha = wide.convert(fragments.texel_alpha.astype(np.int64), 255, self.one)
             texel = np.concatenate([texel[:, :3], alpha[:, None]], axis=1)
@@ -107,8 +139,8 @@ class UnitSampler:
             texel = np.where(self.signed, 2 * texel, texel)
         return wide.convert(texel, self.one, wide.one_of(bits)).T
 
-    def _filtered(self, fragments):
-        """A texel of each fragment, int64 [k, 4] in the texture's units."""
+    def _filtered(self, fragments, tap=None):
+        """A texel of each fragment, int64 [k, 4] in the texture's units; of a ``tap`` with its fractions."""
         strq = fragments.coordinates[:, self.number]
         divided = bool((strq[:, 3] != 1.0).any())
         if fragments.divided is not None:
@@ -132,7 +164,7 @@ class UnitSampler:
         elif self.needs_lambda:
             lod = np.full(len(strq), -1)  # magnified
         if fragments.footprints is None or not (self.anisotropic or self.probes):
-            return self._levels(strq, divided, lod, compared)
+            return self._levels(strq, divided, lod, compared, tap=tap)
         str_ = strq
         if divided:
             q = np.where(strq[:, 3:] == 0.0, 1.0, strq[:, 3:])
@@ -157,7 +189,7 @@ class UnitSampler:
         total = np.full((len(str_), 4), 128)
         for pair in range(int(np.ceil(float(self.sampler.max_anisotropy) * 0.5))):
             distance, weight = wide_texture.taps(footprint[:, 2], pair)
-            used = weight > 0
+            used = weight != 0  # the outermost pair takes what the others leave, or exceed
             for side in (1.0, -1.0):
                 moved = str_.copy()
                 moved[:, :2] += (side * distance)[:, None] * footprint[:, :2]
@@ -165,21 +197,20 @@ class UnitSampler:
                 total += np.where(used[:, None], weight[:, None] * texel, 0)
         return total >> 8
 
-    def _levels(self, strq, divided, lod, compared, lifted=False):
+    def _levels(self, strq, divided, lod, compared, lifted=False, tap=None):
         """The level that lambda asks for, or two of them blended (section 7)."""
         s = self.sampler
 
         def level(number, linear, chosen):
-            return self._level(
-                number, linear, strq[chosen], divided, None if compared is None else compared[chosen], lifted
-            )
+            reference = None if compared is None else compared[chosen]
+            return self._level(number, linear, strq[chosen], divided, reference, lifted, tap and tap[1:])
 
         every = slice(None)
         magnifies_linear = s.mag_filter == TextureFilter.LINEAR
         if s.min_filter == s.mag_filter:
             return level(0, magnifies_linear, every)
         linear = s.min_filter in _LINEAR_IN_LEVEL
-        out = np.zeros((len(strq), 4), np.int64)
+        out = np.zeros((len(strq), 4 if tap is None else 8), np.int64)
         magnified = lod <= self.threshold
         if magnified.any():
             out[magnified] = level(0, magnifies_linear, magnified)
@@ -195,17 +226,21 @@ class UnitSampler:
         lower = (lod + 127) >> 8 if nearest else lod >> 8
         upper = lower if nearest else np.minimum(lower + 1, last)
         fraction = (lod & 255)[:, None]
-        pair = np.zeros((2, len(strq), 4), np.int64)
+        pair = np.zeros((2, *out.shape), np.int64)
         for number in range(last + 1):
             for side, wanted in enumerate((lower, upper)):
                 chosen = minified & (wanted == number)
                 if chosen.any() and not (nearest and side):
                     pair[side, chosen] = level(number, linear, chosen)
-        blended = pair[0] if nearest else wide.lerp(pair[0], pair[1], fraction, _LAMBDA_BITS)
+        if tap is not None:
+            pair[..., 7:] = 0 if nearest else fraction
+            out[minified] = pair[0 if nearest else tap[0], minified]
+            return out
+        blended = pair[0] if nearest else wide.lerp(pair[0], pair[1], fraction, LAMBDA_BITS)
         out[minified] = blended[minified]
         return out
 
-    def _level(self, number, linear, strq, divided, reference, lifted):
+    def _level(self, number, linear, strq, divided, reference, lifted, tap=None):
         image, s, target = self.levels[number], self.sampler, self.texture.target
         size = image.shape[2], image.shape[1], image.shape[0]
         places, face = wide_texture.positions(strq, target, divided, lifted, size)
@@ -218,7 +253,7 @@ class UnitSampler:
         elif self.hilo:
             return self._hilo(image, places, face, modes, linear, target)
         return wide_texture.filter_level(
-            image, places, face, modes, linear, target, self.border, self.fraction_bits, read
+            image, places, face, modes, linear, target, self.border, self.fraction_bits, read, tap
         )
 
     def _hilo(self, image, places, face, modes, linear, target):

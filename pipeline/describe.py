@@ -31,6 +31,7 @@ from pipeline.enums import (
     CombineFunction,
     CombineOperand,
     CombinerBias,
+    CombinerFunction,
     CombinerScale,
     CombineSource,
     ComponentUsage,
@@ -431,6 +432,9 @@ def _scaled(expression, portion):
     return f"{_SCALE_WORDS[portion.scale]} * {_grouped(expression)}"
 
 
+_FUNCTIONS = {CombinerFunction.SQUARE_ROOT: "sqrt", CombinerFunction.EXPONENTIAL: "exp"}
+
+
 def _portion_line(title, portion, suffix, selector):
     a, b, c, d = (
         _term(given, Mapping.SIGNED_IDENTITY) for given in (portion.a, portion.b, portion.c, portion.d)
@@ -438,6 +442,10 @@ def _portion_line(title, portion, suffix, selector):
     ab = _product(a, b, getattr(portion, "ab_dot_product", False))
     cd = _product(c, d, getattr(portion, "cd_dot_product", False))
     total = f"({selector} ? {ab} : {cd})" if portion.mux_sum else _sum(ab, cd)
+    if portion.function is CombinerFunction.DIVIDE:
+        total = f"{_grouped(ab)} / {_grouped(cd)}"
+    elif portion.function is not CombinerFunction.NONE:
+        total = f"{_FUNCTIONS[portion.function]}({total})"
     written = [
         f"{REGISTER_NAMES[output]}{suffix} = {_scaled(expression, portion)}"
         for output, expression in (
@@ -494,6 +502,11 @@ def _combiner_lines(combiners):
             *_blue_to_alpha_line(f"  GC{number}.rgb", stage.rgb),
             *_portion_line(f"  GC{number}.alpha", stage.alpha, ".a", selector),
         ]
+        if stage.lookup is not None:
+            read = REGISTER_NAMES[stage.lookup.register]
+            written.append(
+                f"  GC{number}: tex{stage.lookup.unit} = texture {stage.lookup.unit} at {read}.rgb"
+            )
         lines += own + (written or [f"  GC{number}: writes nothing"])
     if not combiners.color_sum_clamp:
         lines.append("  COLOR_SUM_CLAMP disabled")

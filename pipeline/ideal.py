@@ -10,6 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
+from pipeline.check_future import units_along
 from pipeline.commands import (
     Accum,
     Bitmap,
@@ -30,6 +31,7 @@ from pipeline.enums import (
     BlendFactor,
     ColorBuffer,
     CombinerBias,
+    CombinerFunction,
     CombinerScale,
     ComparisonFunction,
     ComponentUsage,
@@ -100,6 +102,9 @@ _SCALE = {
     CombinerScale.SCALE_BY_FOUR: 4.0,
     CombinerScale.SCALE_BY_ONE_HALF: 0.5,
 }
+
+# The future board's: a register's range, and an exponent whose power is beyond it.
+_FARTHEST, _LARGEST_EXPONENT = 256.0, 21.0
 
 _COLOR_COMPONENTS = {
     "RGBA": [0, 1, 2, 3],
@@ -417,10 +422,12 @@ def _along(texel, size, wrap, linear):
     return indices, texel - 0.5 - below
 
 
-def sample_level(level, coordinates, sampler, border, linear, one_dimensional, read=None):
+def sample_level(level, coordinates, sampler, border, linear, one_dimensional, read=None, tap=None):
     """One level, float64 [faces, h, w, 4], filtered at ``coordinates`` with real fractions: float64 [k, 4].
 
-    ``border`` float64 [4]; ``read``: what becomes of texels [k, 4] before they are filtered.
+    ``border`` float64 [4]; ``read``: what becomes of texels [k, 4] before they are filtered. ``tap``: one
+    texel of the filter, 0 or 1 of layers, rows and columns, float64 [k, 7] with the fractions between
+    columns, rows and layers.
     Source: OpenGL 1.2.1 sections 3.8.4 to 3.8.6; docs/numbers.md, section 6.
     """
     layers, height, width = level.shape[:3]
@@ -440,15 +447,22 @@ def sample_level(level, coordinates, sampler, border, linear, one_dimensional, r
     if volume:
         planes, deep = _along(texels[:, 2], layers, sampler.wrap_r, linear)
 
+    def texel(plane, row, column):
+        found = level[plane[0], row[0], column[0]]
+        found = found if read is None else read(found)
+        for outside in (plane[1], row[1], column[1]):
+            if outside is not None:
+                found[outside] = border
+        return found
+
+    if tap is not None:
+        axes = zip((planes, rows, columns), tap, strict=True)
+        fractions = [np.zeros(len(texels)) if f is None else f for f in (across, up, deep)]
+        wanted = [some[min(side, len(some) - 1)] for some, side in axes]
+        return np.concatenate([texel(*wanted), np.stack(fractions, axis=1)], axis=1)
+
     def filtered_row(plane, row):
-        taps = []
-        for column, column_outside in columns:
-            tap = level[plane[0], row[0], column]
-            tap = tap if read is None else read(tap)
-            for outside in (plane[1], row[1], column_outside):
-                if outside is not None:
-                    tap[outside] = border
-            taps.append(tap)
+        taps = [texel(plane, row, column) for column in columns]
         return taps[0] if len(taps) == 1 else taps[0] + (taps[1] - taps[0]) * across[:, None]
 
     def filtered_plane(plane):
@@ -520,10 +534,11 @@ def _assembled(texture, unit, coordinates, reference):
     return total
 
 
-def sample(texture, unit, coordinates, reference=None):
+def sample(texture, unit, coordinates, reference=None, tap=None):
     """What a texture register receives, float64 [k, 4], from ``texture.ideal`` with a real lambda.
 
-    ``reference`` float64 [k]: what depth texels are compared with.
+    ``reference`` float64 [k]: what depth texels are compared with; ``tap``: as ``sample_level``'s, of a
+    sampler whose filters are equal.
     """
     sampler = unit.sampler
     if sampler.max_probes > 1:
@@ -540,7 +555,7 @@ def sample(texture, unit, coordinates, reference=None):
     def at_level(level, chosen, linear):
         where = _select(coordinates, chosen)
         read = None if reference is None else _comparison(sampler, reference[chosen])
-        return sample_level(levels[level], where, sampler, border, linear, one_dimensional, read)
+        return sample_level(levels[level], where, sampler, border, linear, one_dimensional, read, tap)
 
     levels = levels[: sampler.max_level + 1]
 
@@ -618,6 +633,18 @@ def _variable(variable, registers, alpha):
     return np.broadcast_to(result, (len(value), 1 if alpha else 3))
 
 
+def _function(function, ab, cd):
+    """What the future board puts in the place of AB + CD; n / 0 is as far as its registers reach.
+
+    Source: docs/numbers.md, section 20.
+    """
+    if function is CombinerFunction.SQUARE_ROOT:
+        return np.sqrt(np.maximum(ab + cd, 0.0))
+    if function is CombinerFunction.EXPONENTIAL:
+        return np.exp(np.minimum(ab + cd, _LARGEST_EXPONENT))
+    return np.where(cd == 0.0, np.sign(ab) * _FARTHEST, ab / np.where(cd == 0.0, 1.0, cd))
+
+
 def _portion(portion, registers, alpha):
     """The three outputs of a portion, as (register, value) pairs; discarded ones left out."""
     if portion.ab_output is portion.cd_output is portion.sum_output is Register.DISCARD:
@@ -630,6 +657,8 @@ def _portion(portion, registers, alpha):
         cd = np.broadcast_to(cd.sum(axis=1, keepdims=True), cd.shape)
     # Source: NV_register_combiners, section 3.8.12.2: CD where SPARE0's alpha is 1/2 or more.
     total = np.where(registers[Register.SPARE0][:, 3:] >= 0.5, cd, ab) if portion.mux_sum else ab + cd
+    if portion.function is not CombinerFunction.NONE:
+        total = _function(portion.function, ab, cd)
     bias = -0.5 if portion.bias is CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF else 0.0
     outputs = ((portion.ab_output, ab), (portion.cd_output, cd), (portion.sum_output, total))
     scale = _SCALE[portion.scale]
@@ -640,12 +669,13 @@ def _constant(color, count):
     return np.broadcast_to(np.array(color, np.float64), (count, 4))
 
 
-def combine(combiners, registers):
+def combine(combiners, registers, look_up=None):
     """General combiners and final combiner: float64 [k, 4], clamped to [0, 1] at the very end.
 
     ``registers``: Register to float64 [k, 4], everything but the constants and ZERO. AB's blue goes to alpha
     where a texture environment's dot product asks for it; users' flags are the NV2A's. Nothing is clamped
     between the stages; the final combiner's A, being the weight of a blend, stays in [0, 1].
+    ``look_up(lookup, registers)``: the texel of a stage's CombinerLookup.
     """
     count = len(registers[Register.PRIMARY_COLOR])
     registers = dict(registers)
@@ -667,6 +697,8 @@ def combine(combiners, registers):
             registers[to] = np.concatenate([value, own], axis=1)
         for to, value in alpha:
             registers[to] = np.concatenate([registers[to][:, :3], value], axis=1)
+        if stage.lookup is not None:
+            registers[Register.TEXTURE0 + stage.lookup.unit] = look_up(stage.lookup, registers)
     registers.update(program)
     return _final(combiners.final, registers, count)
 
@@ -721,12 +753,17 @@ def shade(state, textures, primitives, triangle, weights):
     if state.polygon.shade_model is ShadeModel.FLAT:
         colors = primitives.colors[primitives.triangles[triangle, 3], side]
     else:
-        colors = iterate(weights.perspective, primitives.colors[weights.vertices, side[:, None]])
+        corners = primitives.colors[weights.vertices, side[:, None]]
+        colors = iterate(weights.perspective, corners)
+        for first, asked in ((0, state.spherical_primary_color), (4, state.spherical_secondary_color)):
+            if asked:  # as EXPAND_NORMAL reads them
+                turned = spherical(weights.perspective, 2.0 * corners[:, :, first : first + 3] - 1.0)
+                colors[:, first : first + 3] = (turned + 1.0) / 2.0
     distances = None
     if state.fog is not None:
         distances = iterate(weights.perspective, primitives.fog[weights.vertices])
 
-    def texel(i, unit, texture):
+    def texel(i, unit, texture, tap=None):
         filters = unit.sampler.min_filter, unit.sampler.mag_filter
         coordinates = place(
             texture.target,
@@ -735,12 +772,73 @@ def shade(state, textures, primitives, triangle, weights):
             nearest=filters != (TextureFilter.LINEAR, TextureFilter.LINEAR),
             changing=filters[0] is not filters[1] or unit.sampler.max_probes > 1,
         )
+        if unit.spherical_coordinates:
+            corners = primitives.coordinates[weights.vertices, i]
+            coordinates = replace(coordinates, **_turned_place(texture.target, weights, corners))
         reference = None
         if unit.sampler.compare_mode is not TextureCompareMode.NONE:
             reference = _reference(iterate(weights.perspective, primitives.coordinates[weights.vertices, i]))
-        return sample(texture, unit, coordinates, reference)
+        return sample(texture, unit, coordinates, reference, tap)
 
-    return shade_colors(state, textures, colors[:, :4], colors[:, 4:], distances, texel)
+    given = state, textures, colors[:, :4], colors[:, 4:], distances
+    if state.evaluate_before_filtering:
+        return _before_filtering(*given, texel)
+    return shade_colors(*given, texel)
+
+
+def _turned_place(target, weights, corners):
+    """Where unit vectors that turn steadily read a texture: what changes of a TextureCoordinates."""
+    turned = spherical(weights.perspective, corners[:, :, :3])
+    none = np.zeros((len(turned), 3))
+    if target is TextureTarget.TEXTURE_CUBE_MAP:
+        on_cube = project_on_cube(turned, none, none)
+        return {"position": on_cube.position, "face": on_cube.face, "slip": on_cube.slip}
+    axes = 3 if target is TextureTarget.TEXTURE_3D else 2
+    return {"position": turned[:, :axes], "slip": none[:, :axes]}
+
+
+def spherical(weights, corners):
+    """Unit vectors [k, 3] between those of corners [k, 3, 3]: the arc from vertex 0 to 1, then from there to
+    2. Source: docs/numbers.md, section 20; Shoemake 1985.
+    """
+    v0, v1, v2 = (corners[:, i] / np.linalg.norm(corners[:, i], axis=1, keepdims=True) for i in range(3))
+    edge = _arc(v0, v1, weights[:, 1] / np.maximum(weights[:, 0] + weights[:, 1], _TAU))
+    return _arc(edge, v2, weights[:, 2])
+
+
+def _arc(a, b, t):
+    angle = np.arccos(np.clip((a * b).sum(axis=1), -1.0, 1.0))
+    sine = np.sin(angle)
+    straight = sine < _TAU
+    divisor = np.where(straight, 1.0, sine)
+    first = np.where(straight, 1.0 - t, np.sin((1.0 - t) * angle) / divisor)
+    second = np.where(straight, t, np.sin(t * angle) / divisor)
+    return first[:, None] * a + second[:, None] * b
+
+
+def _before_filtering(state, textures, primary, secondary, distances, texel):
+    """Colours at each texel of unit 0's filter, filtered: docs/numbers.md, section 20."""
+    along, fractions = units_along(state, textures), []
+
+    def color(*tap):
+        def one(i, unit, texture):
+            if i not in along:
+                return texel(i, unit, texture)
+            found = texel(i, unit, texture, tap)
+            if i == 0:
+                fractions[:] = found[:, 4:].T
+            return found[:, :4]
+
+        return shade_colors(state, textures, primary, secondary, distances, one)
+
+    planes = []
+    for k in (0, 1):
+        rows = []
+        for j in (0, 1):
+            first, second = color(k, j, 0), color(k, j, 1)
+            rows.append(first + (second - first) * fractions[0][:, None])
+        planes.append(rows[0] + (rows[1] - rows[0]) * fractions[1][:, None])
+    return planes[0] + (planes[1] - planes[0]) * fractions[2][:, None]
 
 
 def shade_colors(state, textures, primary, secondary, distances, texel):
@@ -774,7 +872,31 @@ def shade_colors(state, textures, primary, secondary, distances, texel):
         registers[Register.TEXTURE0 + i] = looked_up(found, unit.color_table, IDEAL)
     registers[Register.SPARE0] = np.zeros((count, 4))
     registers[Register.SPARE0][:, 3] = registers[Register.TEXTURE0][:, 3]
-    return combine(program, registers)
+
+    def look_up(lookup, registers):
+        unit, rgb = state.texture_units[lookup.unit], registers[lookup.register][:, :3]
+        level_0 = replace(unit.sampler, min_filter=unit.sampler.mag_filter)
+        compared = unit.sampler.compare_mode is not TextureCompareMode.NONE
+        made = sample(
+            textures[unit.texture],
+            replace(unit, sampler=level_0),
+            made_place(unit, textures, rgb),
+            rgb[:, 2] if compared else None,
+        )
+        return looked_up(made, unit.color_table, IDEAL)
+
+    return combine(program, registers, look_up)
+
+
+def made_place(unit, textures, str_):
+    """TextureCoordinates that were computed, [k, 3]: with the machines' lift."""
+    texture = textures[unit.texture]
+    none = np.zeros_like(str_)
+    if texture.target is TextureTarget.TEXTURE_CUBE_MAP:
+        return project_on_cube(str_, none, none)
+    axes = 3 if texture.target is TextureTarget.TEXTURE_3D else 2
+    few, lift = none[:, :axes], np.full((len(str_), 1), _TAU)
+    return TextureCoordinates(str_[:, :axes], np.zeros(len(str_), np.int64), few, lift, few, few)
 
 
 # ----------------------------------------------------------------------------- per-fragment operations

@@ -23,6 +23,7 @@ from weakref import WeakKeyDictionary, WeakSet
 
 import numpy as np
 
+from pipeline.check_future import future_problem
 from pipeline.check_pixels import bits_problem, pixel_texture_problem, rectangle_problem
 from pipeline.check_transfer import color_table_problem, pixel_image_problem, transfer_problem
 from pipeline.column_engine import NATIVE_SUBPIXEL_BITS, width_problem
@@ -955,6 +956,8 @@ class _Walk:
         if state.w_buffering and not self.profile.w_buffering:
             self.refuse(f"{self.profile.name} has no W buffering; leave w_buffering False.")
         self.color_buffer(state.draw_buffer)
+        if problem := future_problem(state, self.profile):
+            self.refuse(problem)
         if problem := width_problem(state, self.profile):
             self.refuse(problem)
 

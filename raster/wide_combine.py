@@ -90,6 +90,11 @@ def output(products, scale, biased, a):
     return np.clip(total, a.low, a.high)
 
 
+def function_output(value, scale, biased, a):
+    """The output of a portion whose sum a function takes the place of, from the function's value."""
+    return np.clip(scaled(value - (a.half if biased else 0), scale), a.low, a.high)
+
+
 def takes_cd(spare0_alpha, lowest_bit, a):
     """Where a mux takes CD: SPARE0's alpha, clamped, has its highest bit, or its lowest, set."""
     alpha = np.clip(spare0_alpha, 0, a.one)

@@ -74,11 +74,13 @@ def positions(coordinates, target, divided, computed, size):
     return tuple(c * float(n) + bias for c, n in zip(str_, size, strict=True)), None
 
 
-def filter_level(level, places, face, modes, linear, target, border, fraction_bits, read):
+def filter_level(level, places, face, modes, linear, target, border, fraction_bits, read, tap=None):
     """One filtered texel of each fragment, int64 [k, c].
 
     ``places``: of ``positions``; ``modes``: of s, t and r; ``border`` int64 [c]; ``read``: None, or what is
-    made of texels int64 [k, c] before they are filtered.
+    made of texels int64 [k, c] before they are filtered. ``tap``: None, or which of the filter's texels is
+    wanted, 0 or 1 of layers, rows and columns: then int64 [k, c + 4], the texel, and the fractions
+    between columns, rows and layers, and 0.
     """
     layers, height, width = level.shape[:3]
     columns, across = along(places[0], modes[0], width, linear, fraction_bits)
@@ -98,6 +100,14 @@ def filter_level(level, places, face, modes, linear, target, border, fraction_bi
             if outside is not None:
                 found[outside] = border
         return found
+
+    if tap is not None:
+        wanted = [
+            some[min(side, len(some) - 1)] for some, side in zip((planes, rows, columns), tap, strict=True)
+        ]
+        none = np.zeros(len(places[0]), np.int64)
+        fractions = [none if some is None else some for some in (across, up, deep)]
+        return np.concatenate([texel(*wanted), np.stack([*fractions, none], axis=1)], axis=1)
 
     def filtered_row(plane, row):
         taps = [texel(plane, row, column) for column in columns]
