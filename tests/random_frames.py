@@ -49,7 +49,6 @@ from pipeline.enums import (
     ProvokingVertex,
     Register,
     ShadeModel,
-    StencilOperation,
     TexelWord,
     TextureCompareMode,
     TextureFilter,
@@ -92,7 +91,7 @@ from pipeline.state import (
     Viewport,
     WindowClip,
 )
-from pipeline.texel_words import texture_of_words
+from pipeline.texel_words import internal_format_of, texture_of_words
 from pipeline.textures import (
     COMPONENT_BITS,
     DEPTH_TEXELS,
@@ -122,6 +121,7 @@ _USUAL_BLENDINGS = (
     Blending(BlendFactor.DST_COLOR, BlendFactor.ZERO),
 )
 _ZERO = CombinerInput()
+_DEPTH = FogCoordinateSource.FRAGMENT_DEPTH
 _ONE = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT)
 _READ_FORMATS = (
     "RGBA", "RGB", "RED", "GREEN", "BLUE", "ALPHA", "LUMINANCE", "LUMINANCE_ALPHA", "DEPTH_COMPONENT",
@@ -460,7 +460,8 @@ class _Maker:
 
     def image(self, target, deep, mipmaps, width, height):
         if deep:
-            kind = self.one_of((TexelWord.Y16_FIXED, TexelWord.X8_Y24_FIXED, TexelWord.Y16_FLOAT))
+            kinds = (TexelWord.Y16_FIXED, TexelWord.X8_Y24_FIXED, TexelWord.Y16_FLOAT)
+            kind = self.one_of([k for k in kinds if internal_format_of(k) in self.profile.internal_formats])
             shift = 8 if kind is TexelWord.X8_Y24_FIXED else 0
             most = 8 if self.small else 64  # the specification compares every texel for every fragment
             words = self.random.integers(0, 1 << 16, (min(height, most), min(width, most))) << shift
@@ -488,7 +489,7 @@ class _Maker:
         rectangle = texture.target is TextureTarget.TEXTURE_RECTANGLE
         complete = len(texture.levels) == max(texture.width, texture.height, texture.depth).bit_length()
         mipmapped = complete and not rectangle
-        wraps = (WrapMode.REPEAT, WrapMode.CLAMP_TO_EDGE) if self.plain else tuple(WrapMode)
+        wraps = (WrapMode.REPEAT, WrapMode.CLAMP_TO_EDGE) if self.plain else sorted(self.profile.wrap_modes)
         if rectangle:
             wraps = (WrapMode.CLAMP, WrapMode.CLAMP_TO_EDGE, WrapMode.CLAMP_TO_BORDER)
         if deep:
@@ -507,7 +508,7 @@ class _Maker:
             sampler = replace(
                 sampler,
                 compare_mode=self.one_of(modes),
-                compare_function=self.one_of(self.profile.shadow_functions),
+                compare_function=self.one_of(sorted(self.profile.shadow_functions)),
                 depth_texture_mode=self.one_of((None, *self.profile.depth_texture_modes)),
             )
             if self.profile.shadow_ambient and self.chance(0.5):
@@ -518,8 +519,8 @@ class _Maker:
             sampler = replace(sampler, min_lod=self.uniform(-2.0, 3.0), max_lod=self.uniform(-2.0, 6.0))
         if mipmapped and self.chance(0.1):
             sampler = replace(sampler, max_level=self.whole(0, 8))
-        if texture.target is TextureTarget.TEXTURE_2D and self.chance(0.06):
-            most = self.profile.max_anisotropy
+        most = self.profile.max_anisotropy
+        if most > 1 and texture.target is TextureTarget.TEXTURE_2D and self.chance(0.06):
             sampler = replace(sampler, max_anisotropy=self.one_of((most, min(2.0, most), 1.5)))
         elif self.profile.max_probes > 1 and texture.target is TextureTarget.TEXTURE_2D and self.chance(0.2):
             sampler = replace(sampler, max_probes=self.one_of((2, 4, 8)))
@@ -539,7 +540,7 @@ class _Maker:
         return TextureUnit(
             name,
             self.sampler(self.textures[name]),
-            lod_bias=bias if self.chance(0.2) else 0.0,
+            lod_bias=bias if self.chance(0.2) and limit else 0.0,
             coordinates=self.whole(0, sets - 1),
             matrix=matrix,
         )
@@ -727,13 +728,14 @@ class _Maker:
 
     def stencil_test(self):
         functions = (ComparisonFunction.ALWAYS, *ComparisonFunction)
+        operations = sorted(self.profile.stencil_operations)
         return StencilTest(
             function=self.one_of(functions),
             reference=self.one_of((0, 1, 2, 255, self.whole(-5, 300))),
             mask=self.one_of((255, self.whole(0, 255))),
-            fail=self.one_of(StencilOperation),
-            depth_fail=self.one_of(StencilOperation),
-            depth_pass=self.one_of(StencilOperation),
+            fail=self.one_of(operations),
+            depth_fail=self.one_of(operations),
+            depth_pass=self.one_of(operations),
             write_mask=self.one_of((255, self.whole(0, 255))),
         )
 
@@ -763,7 +765,7 @@ class _Maker:
             start=start,
             end=start + self.one_of((1.0, -1.0, 3.5)),
             color=self.color(),
-            coordinate_source=self.one_of(FogCoordinateSource),
+            coordinate_source=self.one_of(FogCoordinateSource if self.profile.fog_coordinate else [_DEPTH]),
         )
 
     def polygon(self):
@@ -831,16 +833,18 @@ class _Maker:
             units = ()
             for _ in range(count):
                 units += (self.unit_after(units),)
-            combiners = self.register_combiners(max(count, 1))
-            if any(units) and self.chance(0.2):
+            if profile.max_general_combiners:
+                combiners = self.register_combiners(max(count, 1))
+            if any(units) and (combiners is None or self.chance(0.2)):
                 combiners, units = None, self.with_environments(units)
-            if units and not plain and profile.texture_shader_operations and self.chance(0.06):
+            shaders = TextureShaderOperation.PASS_THROUGH in profile.texture_shader_operations
+            if units and not plain and shaders and self.chance(0.06):
                 stages = self.stages(units)
         polygon = self.polygon()
         rare = {}
         if not plain:
             rare = {
-                "color_sum": self.chance(0.2),
+                "color_sum": profile.color_sum and self.chance(0.2),
                 "logic_op": self.maybe(0.1, lambda: self.one_of(LogicOperation)),
                 "depth_clamp": self.maybe(0.12, self.depth_clamp) if profile.depth_clamp else None,
                 "w_buffering": profile.w_buffering and self.chance(0.1),
