@@ -234,7 +234,7 @@ _FORMATS = {
 _ENVIRONMENT = {
     "reference": ("tests/reference/texture_environment.py",),
     "implementation": ("pipeline/texture_environment.py",),
-    "tests": ("tests/test_random_states.py",),
+    "tests": ("tests/test_texture_environment.py",),
 }
 _COMBINERS = {
     "reference": ("tests/reference/combine.py",),
@@ -829,8 +829,8 @@ def _pixels():
 def _rectangles():
     drawn = DrawPixels(label="use", image=PixelImage(_PICTURE, "RGBA"), position=_CORNER)
     where = {
-        "reference": ("tests/reference/pixel_rectangles.py",),
-        "implementation": ("pipeline/pixel_rectangles.py",),
+        "reference": ("tests/reference/pixel_rectangles.py", "tests/reference/pixel_texture.py"),
+        "implementation": ("pipeline/pixel_rectangles.py", "raster/pixel_rectangles.py"),
         "tests": ("tests/test_pixel_rectangles.py",),
     }
     for name, command in (
@@ -874,9 +874,9 @@ def _framebuffers():
             asked=f"{bits} bits a component",
             ideal=False,
             framebuffer={"color_bits": bits},
-            reference=("tests/reference/render.py",),
+            reference=("tests/reference/wide.py",),
             implementation=("raster/wide.py", "pipeline/column_engine.py"),
-            tests=("tests/test_engines.py", "tests/test_pixel_rectangles.py"),
+            tests=("tests/test_column_engine.py",),
         )
     yield Feature(
         name="accumulation buffer",
