@@ -33,6 +33,7 @@ from pipeline.enums import (
     ColorFormat,
     CombineFunction,
     CombineOperand,
+    CombinerFunction,
     CombineSource,
     ComparisonFunction,
     DepthFormat,
@@ -60,6 +61,7 @@ from pipeline.state import (
     Blending,
     ColorTable,
     Combine,
+    CombinerLookup,
     Composite,
     DepthClamp,
     Fog,
@@ -74,6 +76,7 @@ from pipeline.state import (
     PointState,
     RasterPosition,
     RegisterCombiners,
+    RGBPortion,
     Sampler,
     Scissor,
     SignedComponents,
@@ -564,6 +567,55 @@ def _combiners():
     )
 
 
+def _future():
+    where = {
+        "reference": ("tests/reference/future.py",),
+        "implementation": ("raster/wide_future.py", "pipeline/column_engine.py"),
+        "tests": ("tests/test_future.py",),
+    }
+    for function in CombinerFunction:
+        if function is not CombinerFunction.NONE:
+            yield Feature(
+                name=f"combiner function {function.name}",
+                group="What the papers ask for",
+                has=lambda p, function=function: function in p.combiner_functions,
+                commands=_combined(general=(GeneralCombiner(rgb=RGBPortion(function=function)),)),
+                asked=f"{function.name}|register combiners",
+                **where,
+            )
+    lookup = RegisterCombiners((GeneralCombiner(lookup=CombinerLookup(0)),))
+    yield Feature(
+        name="texture lookups after general combiners",
+        group="What the papers ask for",
+        has=lambda p: p.combiner_lookup,
+        commands=_textured(register_combiners=lookup),
+        asked="lookup|register combiners",
+        **where,
+    )
+    yield Feature(
+        name="combiners evaluated before textures are filtered",
+        group="What the papers ask for",
+        has=lambda p: p.evaluate_before_filtering,
+        commands=_textured(
+            unit=_unit(_LINEAR), register_combiners=RegisterCombiners(), evaluate_before_filtering=True
+        ),
+        asked="evaluates combiners after|register combiners",
+        **where,
+    )
+    for name, commands in (
+        ("colours", (_draw(spherical_primary_color=True),)),
+        ("texture coordinates", _textured(unit=_unit(spherical_coordinates=True))),
+    ):
+        yield Feature(
+            name=f"{name} along arcs (spherical interpolation)",
+            group="What the papers ask for",
+            has=lambda p: p.spherical_interpolation,
+            commands=commands,
+            asked="along arcs",
+            **where,
+        )
+
+
 def _shaders():
     for operation, program in _PROGRAMS.items():
         yield Feature(
@@ -949,6 +1001,7 @@ FEATURES = tuple(
         _shadows,
         _environments,
         _combiners,
+        _future,
         _shaders,
         _vertices,
         _rasterization,

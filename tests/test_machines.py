@@ -135,11 +135,6 @@ WITHOUT_A_FEATURE = {
     "blend_factors_destination",
     "depth_units_in_coordinates",
     "foreign_texture_targets",
-    # To come, each with its stage.
-    "combiner_functions",
-    "combiner_lookup",
-    "evaluate_before_filtering",
-    "spherical_interpolation",
 }
 
 
