@@ -622,7 +622,7 @@ class ColorWeights(IntEnum):
 
 
 class Clamp(IntEnum):
-    """The places where a machine clamps, each of which can be switched off (``Profile.with_clamps``).
+    """The places where a machine clamps, each of which can be switched off (``Profile.without_clamps``).
 
     MAPPING: the lower clamp of the unsigned input mappings and the upper one of UNSIGNED_INVERT.
     GENERAL_COMBINER: the outputs of a general combiner. TEXTURE_ENVIRONMENT: each unit's result.

@@ -232,7 +232,7 @@ class Profile:
         """The same machine with other widths, each of 4 to 16 bits; None: its own.
 
         ``combiner_bits``: of a value of one in combiners and texture environments (registers have a sign
-        beside). ``texture_bits``: what a texel component of 8 bits or more has. ``framebuffer_bits``: of a
+        beside). ``texture_bits``: of texel components of the machine's widest formats. ``framebuffer_bits``: of a
         colour buffer's components. ``filter_fraction_bits``: of a linear filter's weights. ``subpixel_bits``:
         of window coordinates. Raises ValueError for a width that is not 4 to 16.
         """

@@ -4,11 +4,14 @@ and clamps that are off. That its bits are the other engines' at 8 bits, the fuz
 
 from dataclasses import replace
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from effects.figures import FIGURES
+from effects.precision import PARTS
+from pipeline import vertex
 from pipeline.commands import Clear, CopyTexImage, Draw, Mesh, ReadPixels, TexImage
 from pipeline.enums import (
     BlendEquation,
@@ -16,6 +19,7 @@ from pipeline.enums import (
     Clamp,
     CombinerBias,
     CombinerScale,
+    ComparisonFunction,
     ComponentUsage,
     InternalFormat,
     Mapping,
@@ -26,13 +30,16 @@ from pipeline.enums import (
     TextureEnvironmentMode,
     TextureFilter,
     TextureShaderOperation,
+    WrapMode,
 )
 from pipeline.execute import Machine, execute
 from pipeline.ideal import execute_ideal
 from pipeline.profiles import GEFORCE_3, GEFORCE_256, INFINITE_REALITY, OCTANE
 from pipeline.state import (
+    AlphaTest,
     Blending,
     CombinerInput,
+    DepthTest,
     FinalCombiner,
     GeneralCombiner,
     PassState,
@@ -46,6 +53,8 @@ from pipeline.state import (
 from pipeline.textures import texture_2d
 from pipeline.validate import UnsupportedState
 from raster import wide, wide_combine, wide_fragment, wide_iterate
+from tests.random_frames import _Maker
+from tests.reference import render, wide_render
 from tests.reference import wide as specified
 
 BITS = (4, 5, 7, 8, 9, 12, 16)
@@ -165,6 +174,60 @@ def test_fog_counts_the_thresholds_that_are_kept(mode, rising):
 
 
 # ------------------------------------------------------------------------------------------- whole frames
+
+
+def random_pass(random, profile):
+    """Commands of a few triangles in a random state that ``wide_render`` covers, and their texture."""
+    maker = _Maker(int(random.integers(1 << 30)))
+    maker.profile, maker.small, maker.plain = profile, True, False
+    texture = texture_2d(random.random((4, 8, 4)))
+    modes = [WrapMode(int(m)) for m in random.choice([WrapMode.REPEAT, WrapMode.CLAMP_TO_EDGE], 2)]
+    texture_filter = TextureFilter(int(random.integers(2)))
+    units = (TextureUnit("t", Sampler(texture_filter, texture_filter, *modes)),) * 2
+    state = PassState(
+        texture_units=units,
+        register_combiners=maker.register_combiners(2),
+        blending=maker.blending() if random.random() < 0.7 else None,
+        depth_test=DepthTest(ComparisonFunction(int(random.integers(1, 8)))),
+        alpha_test=AlphaTest(ComparisonFunction.GEQUAL, 0.2) if random.random() < 0.3 else None,
+    )
+    w = random.uniform(0.5, 2.0, (9, 1))
+    positions = np.concatenate(
+        [random.uniform(-1.2, 1.2, (9, 2)), random.uniform(-1, 1, (9, 1)), np.ones((9, 1))], 1
+    )
+    mesh = Mesh(
+        positions * w,
+        colors=random.random((9, 4)),
+        secondary_colors=random.random((9, 4)),
+        texture_coordinates=(random.uniform(-1, 2, (9, 2)),),
+    )
+    return [TexImage(label="t", texture="t", image=texture), Draw(label="draw", mesh=mesh, state=state)]
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_passes_at_other_widths_are_the_specification_s(seed):
+    random = np.random.default_rng(seed)
+    widths = {name: int(random.choice(BITS)) for name in PARTS}
+    off = [clamp for clamp in Clamp if random.random() < 0.3 and clamp is not Clamp.VERTEX_COLOR]
+    profile = GEFORCE_256.with_precision(**widths).without_clamps(*off)
+    commands = random_pass(random, profile)
+    machine = Machine(profile, 14, 10, 24)
+    framebuffer = machine.run(commands).framebuffer
+    primitives = vertex.process(commands[1].mesh, commands[1].state, replace(profile, exact=True), 14, 10)
+    names = ("x", "y", "z", "inverse_w", "colors", "coordinates", "triangles")
+    columns = SimpleNamespace(**{name: getattr(primitives, name).tolist() for name in names})
+    stored = machine.textures["t"]
+    texture = SimpleNamespace(bits=stored.bits, levels=[level.tolist() for level in stored.levels])
+    target = render.Target(14, 10, 24)
+    reference = wide_render.Widths(
+        widths["combiner_bits"], widths["framebuffer_bits"], widths["filter_fraction_bits"]
+    )
+    wide_render.draw(target, columns, commands[1].state, {"t": texture}, profile, reference)
+    np.testing.assert_array_equal(framebuffer.depth, target.depth)
+    np.testing.assert_array_equal(framebuffer.color, target.color)
+    exact = np.array(commands[0].image.ideal[0]) * (2**stored.bits - 1)
+    assert stored.bits == widths["texture_bits"]
+    assert np.abs(stored.levels[0] - exact).max() <= 0.5 + 1e-9
 
 
 def picture(figure, profile, size=24, **options):
