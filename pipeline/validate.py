@@ -1327,7 +1327,8 @@ class _Walk:
             elif operation in _OF_TARGET and known.target not in self.accessible(operation):
                 self.refuse(
                     f"texture shader stage {i} is {operation.name}, but {unit.texture!r} is a "
-                    f"{known.target.name}; give the operation of its target."
+                    f"{known.target.name}, which {self.profile.name} does not read so; give the operation of "
+                    "its target."
                 )
             self.unit_coordinates(i, unit, needed, mesh)
             self.once(self.sampler, unit, known, i)

@@ -169,17 +169,17 @@ def _combine(function=CombineFunction.MODULATE, mode=TextureEnvironmentMode.COMB
     return _textured(unit=_unit(environment=TextureEnvironment(mode=mode, rgb=half, alpha=alpha)))
 
 
-def _shaded(*operations, **fields):
-    """A texture shader of these operations on as many units, all of which read one texture, then combiners.
-
-    The operation NONE stands for a plain texel of the texture.
+def _shaded(*operations, last=None, **fields):
+    """A texture shader of these operations on as many units, all of which read one picture, but for the last
+    one, which reads ``last``; then the units' environments.
     """
     stages = tuple(TextureShaderStage(operation=operation, **fields) for operation in operations)
-    linear = replace(_LINEAR, **_ON_EDGE)
-    return (
-        _store(texture_2d(_PICTURE)),
-        _draw(texture_units=(_unit(linear),) * len(stages), texture_shader=stages),
-    )
+    units = (_unit(replace(_LINEAR, **_ON_EDGE)),) * len(stages)
+    stores = (_store(texture_2d(_PICTURE)),)
+    if last is not None:
+        stores += (_store(last, "last"),)
+        units = (*units[:-1], replace(units[-1], texture="last"))
+    return *stores, _draw(texture_units=units, texture_shader=stages)
 
 
 def _compared(compare=TextureCompareMode.COMPARE_R_TO_TEXTURE, **fields):
@@ -190,7 +190,7 @@ def _compared(compare=TextureCompareMode.COMPARE_R_TO_TEXTURE, **fields):
 
 def _generated(mode, axes):
     gen = tuple(TexGen(mode) if axis in axes else TexGen() for axis in "strq")
-    image = texture_cube_map(np.stack([_PICTURE] * 6)) if "r" in axes else texture_2d(_PICTURE)
+    image = _CUBE_MAP if "r" in axes else texture_2d(_PICTURE)
     return _textured(image, _unit(gen=gen))
 
 
@@ -210,6 +210,7 @@ _SHARPEN = ConvolutionFilter((((0.5, 0.5, 0.5, 0.5), (0.5, 0.5, 0.5, 0.5)),) * 2
 _LINE = Mesh(np.array([[-0.9, -0.5, 0.0], [0.9, 0.6, 0.0]]), PrimitiveType.LINES)
 _POINT = Mesh(np.zeros((1, 3)), PrimitiveType.POINTS)
 _VOLUME = texture_of_words(np.stack([_WORDS] * 4), TexelWord.A8R8G8B8, TextureTarget.TEXTURE_3D)
+_CUBE_MAP = texture_cube_map(np.stack([_PICTURE] * 6))
 _RECTANGLE = replace(texture_of_words(_WORDS[:3], TexelWord.A8R8G8B8), target=TextureTarget.TEXTURE_RECTANGLE)
 
 
@@ -280,7 +281,7 @@ _SURFACES = {
     "tests": ("tests/test_surfaces.py",),
 }
 
-# Texture shaders that a stage's operation needs before it, and the targets of what they read.
+# Texture shaders with an operation, and what their last stage reads where that is no picture.
 _OP = TextureShaderOperation
 _PROGRAMS = {
     _OP.CULL_FRAGMENT: (_OP.CULL_FRAGMENT,),
@@ -291,6 +292,23 @@ _PROGRAMS = {
     _OP.DEPENDENT_GB_TEXTURE_2D: (_OP.TEXTURE_2D, _OP.DEPENDENT_GB_TEXTURE_2D),
     _OP.DOT_PRODUCT_TEXTURE_2D: (_OP.TEXTURE_2D, _OP.DOT_PRODUCT, _OP.DOT_PRODUCT_TEXTURE_2D),
     _OP.DOT_PRODUCT_DEPTH_REPLACE: (_OP.TEXTURE_2D, _OP.DOT_PRODUCT, _OP.DOT_PRODUCT_DEPTH_REPLACE),
+    **{
+        operation: (_OP.TEXTURE_2D, _OP.DOT_PRODUCT, _OP.DOT_PRODUCT, operation)
+        for operation in (
+            _OP.DOT_PRODUCT_TEXTURE_3D,
+            _OP.DOT_PRODUCT_TEXTURE_CUBE_MAP,
+            _OP.DOT_PRODUCT_REFLECT_CUBE_MAP,
+            _OP.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP,
+        )
+    },
+    _OP.BRDF_TEXTURE_3D: (_OP.TEXTURE_2D, _OP.TEXTURE_2D, _OP.BRDF_TEXTURE_3D),
+}
+_READ_LAST = {
+    _OP.DOT_PRODUCT_TEXTURE_3D: _VOLUME,
+    _OP.DOT_PRODUCT_TEXTURE_CUBE_MAP: _CUBE_MAP,
+    _OP.DOT_PRODUCT_REFLECT_CUBE_MAP: _CUBE_MAP,
+    _OP.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP: _CUBE_MAP,
+    _OP.BRDF_TEXTURE_3D: _VOLUME,
 }
 
 
@@ -308,7 +326,7 @@ def _texture_units():
     images = {
         TextureTarget.TEXTURE_3D: (_VOLUME, lambda p: p.max_3d_texture_size),
         TextureTarget.TEXTURE_CUBE_MAP: (
-            texture_cube_map(np.stack([_PICTURE] * 6)),
+            _CUBE_MAP,
             lambda p: p.max_cube_map_texture_size,
         ),
         TextureTarget.TEXTURE_RECTANGLE: (_RECTANGLE, lambda p: p.max_texture_size),
@@ -622,11 +640,20 @@ def _shaders():
             name=operation.name,
             group="Texture shaders",
             has=lambda p, needed=frozenset(program): needed <= p.texture_shader_operations,
-            commands=_shaded(*program),
-            asked=f"{operation.name}|texture shaders|texture unit|DOT_PRODUCT|DEPENDENT",
+            commands=_shaded(*program, last=_READ_LAST.get(operation)),
+            asked=f"{operation.name}|texture shaders|texture unit|DOT_PRODUCT|TEXTURE_3D|TEXTURE_CUBE_MAP",
             ideal=False,
             **_SHADERS,
         )
+    yield Feature(
+        name="2D textures read as cube maps, cube maps as volumes",
+        group="Texture shaders",
+        has=lambda p: p.foreign_texture_targets,
+        commands=_shaded(_OP.TEXTURE_CUBE_MAP),
+        asked="texture shaders|TEXTURE_2D|TEXTURE_CUBE_MAP",
+        ideal=False,
+        **_SHADERS,
+    )
     yield Feature(
         name="signed dot products (SIGNED_IDENTITY)",
         group="Texture shaders",
@@ -960,6 +987,7 @@ def _framebuffers():
             commands=(_draw(),),
             asked=f"{samples} samples",
             framebuffer={"samples": samples},
+            reference=("tests/reference/multisample.py",),
             implementation=("pipeline/multisample.py",),
             tests=("tests/test_multisample.py",),
         )

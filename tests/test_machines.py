@@ -134,7 +134,6 @@ WITHOUT_A_FEATURE = {
     "stencil_bits",
     "blend_factors_destination",
     "depth_units_in_coordinates",
-    "foreign_texture_targets",
 }
 
 

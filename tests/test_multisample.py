@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pipeline import vertex
 from pipeline.commands import (
     Accum,
     Clear,
@@ -32,6 +33,7 @@ from pipeline.profiles import GEFORCE_256, INFINITE_REALITY
 from pipeline.state import Blending, DepthTest, PassState, RasterPosition, Sampler, StencilTest, TextureUnit
 from pipeline.textures import texture_2d
 from pipeline.validate import UnsupportedState, validate
+from tests.reference import multisample as reference
 
 SIZE = 16  # a power of two: positions on the 1/16-pixel grid stay there
 PICTURE = np.random.Generator(np.random.PCG64(3)).random((8, 8, 4))
@@ -70,11 +72,9 @@ def scene(position, seed=5, primitive=PrimitiveType.TRIANGLES):
 
 
 def averaged(images):
-    """The mean, rounded to nearest, one component at a time in plain integers."""
-    count = len(images)
-    flat = [[int(v) for v in image.ravel()] for image in images]
-    total = [sum(values) for values in zip(*flat, strict=True)]
-    return np.array([(2 * v + count) // (2 * count) for v in total]).reshape(images[0].shape)
+    """What reading samples gives, one component at a time."""
+    words = zip(*(image.ravel().tolist() for image in images), strict=True)
+    return np.array([reference.read(samples) for samples in words]).reshape(images[0].shape)
 
 
 @pytest.mark.parametrize("primitive", [PrimitiveType.TRIANGLES, PrimitiveType.LINES, PrimitiveType.POINTS])
@@ -124,6 +124,16 @@ def test_both_engines_draw_the_same_samples(engine):
     first = execute(scene((0, 0)), MULTISAMPLED, SIZE, SIZE, samples=4, threads=1)
     again = execute(scene((0, 0)), MULTISAMPLED, SIZE, SIZE, samples=4, engine=engine, threads=2)
     assert np.array_equal(first.image(), again.image())
+
+
+@pytest.mark.parametrize("count", COUNTS)
+def test_samples_lie_where_the_specification_says(count):
+    assert SAMPLE_POSITIONS[count] == reference.POSITIONS[count]
+    seen = vertex.process(edge(8.5).mesh, PassState(), MULTISAMPLED, SIZE, SIZE)
+    for position in reference.POSITIONS[count]:
+        moved = vertex.process(edge(8.5).mesh, PassState(), MULTISAMPLED, SIZE, SIZE, position)
+        expected = [reference.seen_from(x, y, position) for x, y in zip(seen.x, seen.y, strict=True)]
+        assert list(zip(moved.x, moved.y, strict=True)) == expected
 
 
 @pytest.mark.parametrize("count", COUNTS)
