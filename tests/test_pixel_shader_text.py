@@ -134,6 +134,27 @@ def test_where_a_ninth_combiner_would_be_needed_the_chip_copies_blue_to_alpha():
         validate_program(None, shader.combiners, GEFORCE_3)
 
 
+COMPARED_BETWEEN = "dp3 r0, t0_bx2, v0_bx2\n{}cmp r1{}, v1_bias.a, t0, t1\nmov r0.rgb, t1\n{}mul r0, r0, v1\n"
+
+
+def test_a_comparison_between_spoils_no_alpha_of_a_dot_product():
+    """The comparison writes SPARE0's alpha, so the dot product's must not be brought there before it."""
+    shader = check(HEAD + COMPARED_BETWEEN.format("mov r1.rgb, t1\n", ".rgb", "add r0.rgb, r0, r1\n"), 200)
+    assert not any(stage.rgb.ab_blue_to_alpha for stage in shader.combiners.general)
+    own = COMPARED_BETWEEN.format("mul r1, t0, t1\n" * 3, "", "").replace(
+        "t1\nmul r0", "t1\n+mov r1.a, v1\nmul r0"
+    )
+    with pytest.raises(PixelShaderTextError, match="the 9 general combiners"):
+        parse(HEAD + own)
+
+
+def test_a_register_is_compared_whole_only_while_its_components_are_equal():
+    whole = "dp3 r1, t0_bx2, v0_bx2\n{}cmp r0, r1, t0, t1\n"
+    check(HEAD + whole.format(""))
+    with pytest.raises(PixelShaderTextError, match="choose by one alpha"):
+        parse(HEAD + whole.format("mov r1.rgb, t1\n"))
+
+
 def test_cnd_takes_the_first_value_above_one_half():
     text = HEAD + "mov r0, t0\ncnd_d2 r0, r0.a, t1, v0\n"
     check(text)
