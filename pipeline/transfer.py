@@ -203,6 +203,8 @@ def looked_up(groups, table, profile):
 
 
 def _convolved(groups, kernel):
+    if not groups.size and kernel.border_mode is not ConvolutionBorderMode.REDUCE:
+        return groups  # no pixel that a border could repeat
     components = ENTRY_COMPONENTS[kernel.base_format]
     row = column = weights = None
     if hasattr(kernel, "row"):

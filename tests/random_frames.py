@@ -31,6 +31,7 @@ from pipeline.enums import (
     CombinerScale,
     ComparisonFunction,
     ComponentUsage,
+    ConvolutionBorderMode,
     CullMode,
     Face,
     FogArithmetic,
@@ -59,6 +60,7 @@ from pipeline.enums import (
     WrapMode,
 )
 from pipeline.framebuffer import DEPTH_READABLE_AS, READABLE_AS
+from pipeline.pixel_transfer import INITIAL_TRANSFER, ConvolutionFilter, PixelMaps, PixelTransfer
 from pipeline.profile import Profile
 from pipeline.profiles import GEFORCE_3, GEFORCE_256, NV2A
 from pipeline.state import (
@@ -67,6 +69,7 @@ from pipeline.state import (
     AlphaTest,
     Blending,
     ColorMask,
+    ColorTable,
     CombinerInput,
     DepthClamp,
     DepthTest,
@@ -101,6 +104,7 @@ from pipeline.textures import (
     texture_3d,
     texture_cube_map,
 )
+from pipeline.transfer import IMAGE_FORMATS, READ_TYPES
 from tests.random_environments import random_environment
 
 _SMALL_AREA = 480  # pixels: the specification takes some 0.1 ms for each fragment
@@ -233,6 +237,12 @@ class _Maker:
             diamond_exit_lines=self.chance(0.5),
             max_probes=self.one_of((1, 8)),
             shadow_ambient=self.chance(0.5),
+            color_matrix=self.chance(0.5),
+            color_tables=self.chance(0.5),
+            max_color_table_size=16,
+            convolution=self.chance(0.5),
+            max_convolution_size=3,
+            clamps_color_matrix=self.chance(0.5),
             depth_texture_modes=machine.depth_texture_modes
             and (BaseFormat.INTENSITY, BaseFormat.LUMINANCE, BaseFormat.ALPHA),
         )
@@ -328,6 +338,7 @@ class _Maker:
             width=width,
             height=height,
             generate_mipmap=generate,
+            transfer=self.transfer(),
         )
         image = texture_2d(np.zeros((height, width, 4), np.uint8), command.internal_format, mipmaps=generate)
         self.textures[name] = image
@@ -357,6 +368,7 @@ class _Maker:
                 level=level,
                 face=self.whole(0, faces - 1),
                 generate_mipmap=plain and level == 0 and len(texture.levels) > 1 and self.chance(0.5),
+                transfer=self.transfer(),
             )
         ]
 
@@ -372,7 +384,43 @@ class _Maker:
             y=self.whole(0, self.height - height),
             width=width,
             height=height,
+            type=self.one_of(READ_TYPES) if pixel_format in IMAGE_FORMATS else "UNSIGNED_BYTE",
+            transfer=self.transfer(),
         )
+
+    def transfer(self):
+        """Pixel transfer as far as the machine has it; no image becomes smaller."""
+        if self.chance(0.6):
+            return INITIAL_TRANSFER
+        profile, more = self.profile, {}
+        if profile.color_matrix:
+            more["color_matrix"] = tuple(self.factors() for _ in range(4))
+            more["post_color_matrix_bias"] = self.factors()
+        if profile.color_tables:
+            more["color_table"] = self.maybe(0.4, self.color_table)
+            more["post_color_matrix_color_table"] = self.maybe(0.4, self.color_table)
+        if profile.convolution and self.chance(0.4):
+            rows = tuple(tuple(self.factors() for _ in range(2)) for _ in range(self.whole(1, 3)))
+            modes = ConvolutionBorderMode.CONSTANT_BORDER, ConvolutionBorderMode.REPLICATE_BORDER
+            border = self.one_of(BaseFormat), self.one_of(modes), self.factors()
+            more["convolution_2d"] = ConvolutionFilter(rows, *border)
+        return PixelTransfer(
+            scale=self.factors(),
+            bias=self.factors(),
+            index_shift=self.whole(-2, 2),
+            index_offset=self.whole(-9, 9),
+            map_color=self.chance(0.3),
+            map_stencil=self.chance(0.3),
+            maps=PixelMaps(r_to_r=self.factors(), a_to_a=self.factors(), s_to_s=(7, 300, 0, 255)),
+            **more,
+        )
+
+    def factors(self):
+        return tuple(self.one_of((0.0, 0.5, 1.0, self.uniform(-1.0, 2.0))) for _ in range(4))
+
+    def color_table(self):
+        entries = tuple(self.factors() for _ in range(2 ** self.whole(0, 4)))
+        return ColorTable(entries, self.one_of(BaseFormat), self.one_of((None, 4, 8)))
 
     def other_surface(self):
         """To a pbuffer and back, or a pbuffer as a texture."""

@@ -106,7 +106,8 @@ def _run(frame, command, profile):
             render.draw(written, primitives, command.state, textures, profile)
         case CopyTexImage():
             size, target = _size(frame, command), frame.buffer(command.read_buffer)
-            texels = transfer.copy_texels(target, command.internal_format, command.x, command.y, *size)
+            state, place = (command.transfer, profile), (command.x, command.y, *size)
+            texels = transfer.copy_texels(target, command.internal_format, *state, *place)
             levels = [[texels]]
             while command.generate_mipmap and max(len(levels[-1][0]), len(levels[-1][0][0])) > 1:
                 levels.append([texel_formats.next_level(levels[-1][0])])
@@ -116,7 +117,8 @@ def _run(frame, command, profile):
         case CopyTexSubImage():
             texture = textures[command.texture]
             size, target = (command.width, command.height), frame.buffer(command.read_buffer)
-            texels = transfer.copy_texels(target, texture.internal_format, command.x, command.y, *size)
+            state, place = (command.transfer, profile), (command.x, command.y, *size)
+            texels = transfer.copy_texels(target, texture.internal_format, *state, *place)
             rows = texture.levels[command.level][command.face]
             for j, row in enumerate(texels):
                 rows[command.y_offset + j][command.x_offset : command.x_offset + command.width] = row
@@ -126,9 +128,7 @@ def _run(frame, command, profile):
                     texture.levels.append([texel_formats.next_level(face) for face in texture.levels[-1]])
         case ReadPixels():
             size, target = _size(frame, command), frame.buffer(command.read_buffer)
-            frame.pixels[command.name] = transfer.read_pixels(
-                target, command.format, command.x, command.y, *size
-            )
+            frame.pixels[command.name] = transfer.read_pixels(target, command, profile, *size)
         case MakeCurrent(surface=None):
             frame.current = frame.target
         case MakeCurrent():

@@ -256,6 +256,14 @@ def test_texture_color_tables_equal_the_specification(table, one):
     assert found.tolist() == [reference.texture_color(texel, one, table) for texel in texels.tolist()]
 
 
+@pytest.mark.parametrize("border_mode", ConvolutionBorderMode)
+@pytest.mark.parametrize(("width", "height"), [(0, 3), (4, 0), (0, 0)])
+def test_an_image_without_pixels_stays_without(width, height, border_mode):
+    kernel = ConvolutionFilter((((1.0,) * 4,) * 3,) * 2, border_mode=border_mode)
+    transfer = PixelTransfer(convolution_2d=kernel, histogram=Histogram("h", 4), minmax=Minmax("m"))
+    _same_as_reference(np.zeros((height, width, 4)), transfer, OPENGL_1_2_IMAGING, 2)
+
+
 def test_the_initial_state_changes_no_group():
     image = _image(9, 7, 5)
     assert (transfer_colors(image, INITIAL_TRANSFER, OPENGL_1_2_IMAGING, PixelStatistics()) == image).all()

@@ -133,7 +133,7 @@ def convolved(image, kernel):
     wide = len(kernel.row) if separable else len(kernel.rows[0])
     high = len(kernel.column) if separable else len(kernel.rows)
     reduce = kernel.border_mode == ConvolutionBorderMode.REDUCE
-    width = len(image[0]) - (wide - 1) * reduce
+    width = (len(image[0]) if image else 0) - (wide - 1) * reduce
     height = len(image) - (high - 1) * reduce
     left, below = (0, 0) if reduce else (wide // 2, high // 2)
     result = []

@@ -1,6 +1,6 @@
 """Whole rectangles: Clear, copies into textures, ReadPixels. Rectangles count rows from the bottom."""
 
-from tests.reference import coverage, fixed, per_fragment, surface, texel_formats
+from tests.reference import coverage, fixed, per_fragment, pixel_transfer, surface, texel_formats
 from tests.reference.depth import depth_to_units
 
 
@@ -27,13 +27,26 @@ def rectangle(rows, x, y, width, height):
     return [[rows[total - 1 - j][i] for i in range(x, x + width)] for j in range(y, y + height)]
 
 
-def copy_texels(target, internal_format, x, y, width, height):
-    """Register bytes of the texels that CopyTexImage or CopyTexSubImage defines, bottom row first.
+def groups(target, state, profile, x, y, width, height, dimensions=2):
+    """Pixel groups of a rectangle after pixel transfer; no histogram and no minmax.
+
+    Source: OpenGL 1.2.1 section 4.3.2, Conversion of RGBA values and Pixel Transfer Operations.
+    """
+    pixels = rectangle(target.color, x, y, width, height)
+    image = [[[c / 255.0 for c in pixel] for pixel in row] for row in pixels]
+    return pixel_transfer.transfer(image, state, dimensions, profile.clamps_color_matrix, None, None)
+
+
+def copy_texels(target, texture, state, profile, x, y, width, height):
+    """Register bytes of the texels that CopyTexImage or CopyTexSubImage defines, bottom row first. ``texture``:
+    anything with the texture's ``target`` and ``internal_format``.
 
     Source: OpenGL 1.2.1 section 3.8.2; the conversion is TexImage2D's.
     """
-    pixels = rectangle(target.color, x, y, width, height)
-    return [[texel_formats.store_texel(pixel, internal_format) for pixel in row] for row in pixels]
+    image = groups(target, state, profile, x, y, width, height)
+    return [
+        [texel_formats.store_texel(group, internal_format, floats=True) for group in row] for row in image
+    ]
 
 
 def texels_of(target, internal_format):
@@ -54,27 +67,18 @@ def texels_of(target, internal_format):
     return texels
 
 
-def convert_pixel(rgba, pixel_format):
-    """Source: OpenGL 1.2.1 section 4.3.2 (conversion to L is R + G + B, clamped)."""
-    red, green, blue, alpha = rgba
-    luminance = min(255, red + green + blue)
-    return {
-        "RGBA": [red, green, blue, alpha],
-        "RGB": [red, green, blue],
-        "RED": red,
-        "GREEN": green,
-        "BLUE": blue,
-        "ALPHA": alpha,
-        "LUMINANCE": luminance,
-        "LUMINANCE_ALPHA": [luminance, alpha],
-    }[pixel_format]
-
-
-def read_pixels(target, pixel_format, x, y, width, height):
-    """Source: OpenGL 1.2.1 section 4.3.2; depth in the buffer's own units."""
-    if pixel_format == "DEPTH_COMPONENT":
-        return rectangle(target.depth, x, y, width, height)
-    if pixel_format == "STENCIL_INDEX":
-        return rectangle(target.stencil, x, y, width, height)
-    pixels = rectangle(target.color, x, y, width, height)
-    return [[convert_pixel(pixel, pixel_format) for pixel in row] for row in pixels]
+def read_pixels(target, command, profile, width, height):
+    """Source: OpenGL 1.2.1 section 4.3.2; depths and stencil values in the buffer's own units."""
+    state, box = command.transfer, (command.x, command.y, width, height)
+    if command.format == "DEPTH_COMPONENT":
+        return rectangle(target.depth, *box)
+    if command.format == "STENCIL_INDEX":
+        return [
+            [pixel_transfer.stencil_index(value, state) & 255 for value in row]
+            for row in rectangle(target.stencil, *box)
+        ]
+    bits = {"UNSIGNED_BYTE": 8, "UNSIGNED_SHORT": 16, "FLOAT": None}[command.type]
+    return [
+        [pixel_transfer.component_read(group, command.format, bits) for group in row]
+        for row in groups(target, state, profile, *box)
+    ]
