@@ -998,11 +998,14 @@ class _Walk:
                 f"mipmaps of a {target.name} of {internal_format.name} are not generated; set "
                 "generate_mipmap to False."
             )
-        sizes = self.mipmap_sizes(width, height) if command.generate_mipmap else ((width, height),)
-        faces = 6 if target is TextureTarget.TEXTURE_CUBE_MAP else layers
+        sizes = ((width, height),)
+        if command.generate_mipmap:
+            sizes = self.mipmap_sizes(width, height, layers)
+        faces = tuple(max(1, layers >> k) for k in range(len(sizes)))
+        if target is TextureTarget.TEXTURE_CUBE_MAP:
+            faces = (6,) * len(sizes)
         if not has_sink(command.transfer):
-            known = _Known(target, internal_format, sizes, (faces,) * len(sizes))
-            self.textures[command.texture] = known
+            self.textures[command.texture] = _Known(target, internal_format, sizes, faces)
 
     def transferred(self, command, width, height, dimensions=2, deep=False):
         """Width and height that pixels have once they went through the command's pixel transfer."""
@@ -1113,13 +1116,12 @@ class _Walk:
                 "transfer. Give the depth buffer a fixed format."
             )
 
-    def mipmap_sizes(self, width, height):
+    def mipmap_sizes(self, width, height, layers=1):
         """Sizes of every level that generation makes from level 0."""
-        if width & (width - 1) or height & (height - 1):
-            self.refuse(
-                f"mipmaps cannot be generated of {width}x{height} texels; give edges that are powers of two."
-            )
-        levels = max(width, height).bit_length()
+        if width & (width - 1) or height & (height - 1) or layers & (layers - 1):
+            size = f"{width}x{height}" + (f"x{layers}" if layers > 1 else "")
+            self.refuse(f"mipmaps cannot be generated of {size} texels; give edges that are powers of two.")
+        levels = max(width, height, layers).bit_length()
         return tuple((max(1, width >> k), max(1, height >> k)) for k in range(levels))
 
     def copy_tex_sub_image(self, command):

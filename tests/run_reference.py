@@ -107,7 +107,7 @@ def _run(frame, command, profile):
         case CopyTexImage():
             size, target = _size(frame, command), frame.buffer(command.read_buffer)
             state, place = (command.transfer, profile), (command.x, command.y, *size)
-            texels = transfer.copy_texels(target, command.internal_format, *state, *place)
+            texels = transfer.copy_texels(target, command, *state, *place)
             levels = [[texels]]
             while command.generate_mipmap and max(len(levels[-1][0]), len(levels[-1][0][0])) > 1:
                 levels.append([texel_formats.next_level(levels[-1][0])])
@@ -118,7 +118,7 @@ def _run(frame, command, profile):
             texture = textures[command.texture]
             size, target = (command.width, command.height), frame.buffer(command.read_buffer)
             state, place = (command.transfer, profile), (command.x, command.y, *size)
-            texels = transfer.copy_texels(target, texture.internal_format, *state, *place)
+            texels = transfer.copy_texels(target, texture, *state, *place)
             rows = texture.levels[command.level][command.face]
             for j, row in enumerate(texels):
                 rows[command.y_offset + j][command.x_offset : command.x_offset + command.width] = row

@@ -252,7 +252,11 @@ def test_a_tex_image_of_pixels_has_every_level_and_face_and_layer():
         internal_format=InternalFormat.ALPHA8,
         transfer=PixelTransfer(convolution_2d=box_filter(3, 3)),  # is not applied to volumes
     )
-    found = machine().run((volume,)).textures["v"].levels[0]
+    volume = replace(volume, generate_mipmap=True)
+    part = CopyTexSubImage(label="the last level", texture="v", width=1, height=1, level=2)
+    levels = machine().run((volume, part)).textures["v"].levels
+    assert [level.shape for level in levels] == [(2, 4, 4, 4), (1, 2, 2, 4), (1, 1, 1, 4)]
+    found = levels[0]
     assert (found[..., 3] == np.floor(faces[:2, ..., 0] * 255 + 0.5)).all()
 
 
@@ -721,10 +725,14 @@ REFUSED = {
         loading(PixelImage(np.zeros((6, 2, 4, 4))), target=TextureTarget.TEXTURE_CUBE_MAP),
         ["4x2", "square"],
     ),
-    "mipmapped volume": (
-        OPENGL_1_2,
-        loading(PixelImage(np.zeros((2, 4, 4, 4))), target=TextureTarget.TEXTURE_3D, generate_mipmap=True),
-        ["TEXTURE_3D", "not generated"],
+    "mipmapped depths": (
+        NV2A,
+        loading(
+            PixelImage(np.zeros((4, 4)), "DEPTH_COMPONENT"),
+            internal_format=InternalFormat.DEPTH_COMPONENT24,
+            generate_mipmap=True,
+        ),
+        ["DEPTH_COMPONENT24", "not generated"],
     ),
     "what convolution leaves is no power of two": (
         OPENGL_1_2_IMAGING,

@@ -38,15 +38,15 @@ def groups(target, state, profile, x, y, width, height, dimensions=2):
 
 
 def copy_texels(target, texture, state, profile, x, y, width, height):
-    """Register bytes of the texels that CopyTexImage or CopyTexSubImage defines, bottom row first. ``texture``:
-    anything with the texture's ``target`` and ``internal_format``.
+    """Register bytes of the texels that CopyTexImage or CopyTexSubImage defines, bottom row first.
 
-    Source: OpenGL 1.2.1 section 3.8.2; the conversion is TexImage2D's.
+    ``texture``: what has the texture's ``target`` and ``internal_format``. Source: OpenGL 1.2.1 section
+    3.8.2; the conversion is TexImage2D's.
     """
-    image = groups(target, state, profile, x, y, width, height)
-    return [
-        [texel_formats.store_texel(group, internal_format, floats=True) for group in row] for row in image
-    ]
+    dimensions = 1 if texture.target.name == "TEXTURE_1D" else 2
+    image = groups(target, state, profile, x, y, width, height, dimensions)
+    store, internal_format = texel_formats.store_texel, texture.internal_format
+    return [[store(group, internal_format, floats=True) for group in row] for row in image]
 
 
 def texels_of(target, internal_format):
