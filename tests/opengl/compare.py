@@ -28,6 +28,8 @@ from pipeline.state import AlphaTest
 ROUNDING = 0.5  # rounding to the nearest byte
 # What single precision adds: sums of a few terms of 2^-24 relative error, times 255, after three divisions.
 SINGLE = 0.01
+# Of a lit vertex's colour: a power is taken by a logarithm of single precision.
+_LIT = 0.05
 
 
 @dataclass(frozen=True)
@@ -58,15 +60,22 @@ def _iterated(mesh, colors, state):
     return 0.0 if flat and _are_bytes(colors) else 1.0
 
 
+_LINEAR = (TextureFilter.LINEAR, TextureFilter.LINEAR_MIPMAP_NEAREST, TextureFilter.LINEAR_MIPMAP_LINEAR)
+_BETWEEN_LEVELS = (TextureFilter.NEAREST_MIPMAP_LINEAR, TextureFilter.LINEAR_MIPMAP_LINEAR)
+
+
 def texel(unit, ours):
     """The deviation of what a unit's filter gives.
 
     NEAREST: a texel's bytes. LINEAR, ours: along each of two axes the weight is cut to 8 bits, which moves
-    the result by up to 255/256, and the result is rounded. Mesa's filters are of single precision.
+    the result by up to 255/256, and the result is rounded; so it is between two levels. Mesa's filters are of
+    single precision.
     """
-    if unit.sampler.mag_filter is TextureFilter.NEAREST:
-        return NOTHING
-    one = 2 * (1.0 + ROUNDING) if ours else SINGLE
+    filters, one = (unit.sampler.mag_filter, unit.sampler.min_filter), 0.0
+    if any(f in _LINEAR for f in filters):
+        one += 2 * (1.0 + ROUNDING) if ours else SINGLE
+    if any(f in _BETWEEN_LEVELS for f in filters):
+        one += 1.0 + ROUNDING if ours else SINGLE
     return Deviation(one, one)
 
 
@@ -155,13 +164,17 @@ def source(draw, ours):
     """
     rounding = ROUNDING if ours else SINGLE
     mesh, state = draw.mesh, draw.state
-    varies = _iterated(mesh, mesh.colors, state)
+    varies, lit = _iterated(mesh, mesh.colors, state), state.vertex.lighting
+    if lit is not None:
+        varies = 1.0 if ours else _LIT / SINGLE
     color = primary = Deviation(rounding * varies, rounding * varies)
     units = [unit for unit in state.texture_units if unit is not None]
     texels = {unit.texture: texel(unit, ours) for unit in units}
     for unit in units:
         color = environment(unit, color, primary, texels, ours)
-    if state.color_sum:
+    if lit is not None and lit.separate_specular_color:
+        color = replace(color, rgb=color.rgb + rounding * varies)
+    elif state.color_sum:
         rgb = color.rgb + rounding * _iterated(mesh, mesh.secondary_colors, state)
         color = replace(color, rgb=rgb)
     if state.fog is not None:

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from pipeline.commands import Clear, Draw, Mesh, TexImage
 from pipeline.enums import (
     BlendFactor,
+    ColorMaterialParameter,
     CombineFunction,
     CombineSource,
     ComparisonFunction,
@@ -25,22 +26,29 @@ from pipeline.enums import (
     ProvokingVertex,
     ShadeModel,
     StencilOperation,
+    TexGenMode,
     TextureEnvironmentMode,
     TextureFilter,
     TextureTarget,
 )
 from pipeline.profiles import MULTITEXTURE, OPENGL_1_2, OPENGL_1_2_IMAGING
 from pipeline.state import (
+    IDENTITY,
     AlphaTest,
     Blending,
     ColorMask,
+    ColorMaterial,
     DepthTest,
     Fog,
+    Light,
+    Lighting,
+    Material,
     PassState,
     PolygonState,
     Sampler,
     Scissor,
     StencilTest,
+    TexGen,
     TextureEnvironment,
     TextureUnit,
     VertexState,
@@ -65,7 +73,12 @@ EXTENDED = replace(
     texture_environment_crossbar=True,
     add_signed_scale_by_four=True,
 )
-PROFILES = (EXTENDED, OPENGL_1_2, MULTITEXTURE, OPENGL_1_2_IMAGING)
+PROFILES = (
+    EXTENDED,
+    OPENGL_1_2,
+    replace(MULTITEXTURE, add_signed_scale_by_four=True),  # as EXT_texture_env_combine has it
+    OPENGL_1_2_IMAGING,
+)
 
 seeds = st.integers(0, 2**32 - 1)
 _bytes = st.integers(0, 255)
@@ -118,12 +131,16 @@ def _quads(random, primitive, count, grid):
 
 
 @st.composite
-def meshes(draw, primitives=POLYGONS, exact_colors=False):
+def meshes(draw, primitives=POLYGONS, exact_colors=False, aligned=False):
     """Triangles and quads on the 1/16 pixels (or pixel centres and corners) of the screen, and none beyond:
     Mesa clips there, and a vertex that clipping makes lies anywhere.
 
-    Attributes of quads are planes over the screen. 1/w is a power of two, so that division is exact.
+    Attributes of quads are planes over the screen, so quads that overlap would lie in one another: their
+    depth is constant. 1/w is a power of two, so that division is exact.
     ``exact_colors``: bytes, one colour for each mesh, which no interpolation changes.
+    ``aligned``: of a texture of eight texels, each pixel holds 7/4 times a power of two along both axes, so
+    that lambda is 0.8 and a whole number: never between 0 and 1/2, where OpenGL 1.2.1 still magnifies and
+    Mesa does not (docs/mesa.md), nor near a change of level.
     """
     primitive, random = draw(st.sampled_from(primitives)), np.random.default_rng(draw(seeds))
     grid = draw(st.sampled_from((1, 2, 2, 16, 16, 16, 16)))
@@ -149,16 +166,18 @@ def meshes(draw, primitives=POLYGONS, exact_colors=False):
         return random.random((count, width), np.float32).astype(float)
 
     def coordinates():
-        """(s, t): at random; or so many texels of a texture of eight a pixel, a power of two."""
-        if random.random() < 0.5:
+        """(s, t): at random; or aligned."""
+        if not aligned:
             return 3.0 * values(2, "floats") - 1.5
-        return pixels * random.choice([0.5, 1.0, 2.0, 4.0], 2) / 8.0 + random.choice([0.0, 0.0625, 0.3125], 2)
+        return pixels * random.choice([0.4375, 0.875, 1.75, 3.5], 2) / 8.0 + random.choice(
+            [0.0, 0.0625, 0.3125], 2
+        )
 
     w = np.ones(count)
-    if not planar and draw(st.integers(0, 3)) == 0:
+    if not planar and not aligned and draw(st.integers(0, 3)) == 0:
         w = random.choice([0.5, 1.0, 2.0, 4.0], count)
     z = np.full(count, random.choice([-1.0, -0.5, 0.0, 0.5, 1.0]))
-    if draw(st.booleans()):
+    if not planar and draw(st.booleans()):
         z = np.float32(2.0 * values(1, "floats")[:, 0] - 1.0).astype(float)
     x, y = (2.0 * pixels / (WIDTH, HEIGHT) - 1.0).T
     kind = "constant" if exact_colors else draw(st.sampled_from(("floats", "bytes", "constant")))
@@ -171,6 +190,7 @@ def meshes(draw, primitives=POLYGONS, exact_colors=False):
         indices=indices,
         colors=values(4, kind),
         secondary_colors=values(3, kind),
+        normals=np.float32(random.normal(size=(count, 3))),
         texture_coordinates=tuple(coordinates() for _ in range(2)),
         fog_coordinates=4.0 * values(1, "constant" if exact_colors else "floats")[:, 0],
     )
@@ -264,21 +284,72 @@ def textures(draw, profile, name):
     return TexImage(label="texture", texture=name, image=image)
 
 
+_dyadic = st.sampled_from((-1.0, -0.5, 0.0, 0.0, 0.25, 0.5, 1.0))
+_gens = st.none() | st.builds(
+    TexGen, st.sampled_from((TexGenMode.OBJECT_LINEAR, TexGenMode.EYE_LINEAR)), st.tuples(*[_dyadic] * 4)
+)
+
+
 @st.composite
-def texture_units(draw, profile, texture, number, exact):
-    """A unit that reads the texture; ``exact``: and hands on a texel's bytes."""
+def texture_units(draw, profile, texture, number, exact, aligned):
+    """A unit that reads the texture; ``exact``: and hands on a texel's bytes; ``aligned``: all pixels have
+    one lambda, and mipmaps may be read.
+    """
     image, wraps = texture.image, st.sampled_from(sorted(profile.wrap_modes))
     filters = st.just(TextureFilter.NEAREST) if exact else st.sampled_from(_FILTERS)
-    magnified = draw(filters)
+    magnified = minified = draw(filters)
+    gen, matrix = (TexGen(),) * 4, IDENTITY
+    if aligned and not exact:
+        complete = len(image.levels) == max(image.width, image.height).bit_length()
+        minified = draw(st.sampled_from(TextureFilter if complete else _FILTERS))
+    elif draw(st.integers(0, 2)) == 0:
+        gen = (draw(_gens) or TexGen(), draw(_gens) or TexGen(), TexGen(), TexGen())
+        rows = st.tuples(st.sampled_from((0.5, 1.0, 2.0)), _dyadic)
+        (a, b), (c, d) = draw(rows), draw(rows)
+        matrix = ((a, 0.0, 0.0, b), (0.0, c, 0.0, d), *IDENTITY[2:])
     environment = TextureEnvironment(TextureEnvironmentMode.REPLACE)
     if not exact:
         environment = random_environment(Random(draw(seeds)), profile, image.internal_format)
     return TextureUnit(
         texture.texture,
-        Sampler(magnified, magnified, draw(wraps), draw(wraps), border_color=draw(byte_colors)),
+        Sampler(minified, magnified, draw(wraps), draw(wraps), border_color=draw(byte_colors)),
         coordinates=number,
+        gen=gen,
+        matrix=matrix,
         environment=environment,
     )
+
+
+_materials = st.builds(Material, *[byte_colors] * 4, shininess=st.sampled_from((0.0, 1.0, 2.0, 8.0)))
+_lights = st.builds(
+    Light,
+    ambient=byte_colors,
+    diffuse=byte_colors,
+    specular=byte_colors,
+    position=st.tuples(*[st.floats(-2.0, 2.0, width=32)] * 2, st.just(2.0), st.sampled_from((0.0, 1.0))),
+    spot_cutoff=st.sampled_from((180.0, 180.0, 60.0)),
+    spot_exponent=st.sampled_from((0.0, 1.0, 4.0)),
+    linear_attenuation=st.sampled_from((0.0, 0.5)),
+    quadratic_attenuation=st.sampled_from((0.0, 0.25)),
+)
+# Mesa lights back faces otherwise with BACK than with FRONT_AND_BACK: docs/mesa.md.
+_lightings = st.builds(
+    Lighting,
+    lights=st.lists(_lights, max_size=2).map(tuple),
+    front=_materials,
+    back=_materials,
+    model_ambient=byte_colors,
+    local_viewer=st.booleans(),
+    two_side=st.booleans(),
+    separate_specular_color=st.booleans(),
+    color_material=maybe(
+        st.builds(
+            ColorMaterial,
+            st.sampled_from((Face.FRONT, Face.FRONT_AND_BACK)),
+            st.sampled_from(ColorMaterialParameter),
+        )
+    ),
+)
 
 
 def _names_units(unit):
@@ -292,13 +363,19 @@ def draws(draw, profile, bitwise, offset, images):
     """A mesh in a whole pass state of the profile; ``bitwise``: perhaps with a logic operation; ``images``:
     TexImages of which each may be a unit's.
 
-    Such turn a difference of one into any other, so all that is drawn are bytes that nothing changes.
+    Quads are not lit: their colours would be no planes.
+    Logic operations turn a difference of one into any other, so all that is drawn are bytes that nothing
+    changes.
     Depths that are tested for equality are exact where they are constant.
     Fog of eye distance gets one sign of z: ours takes the magnitude at vertices, Mesa at fragments.
     With color sum and fog no sum passes one: Mesa does not clamp it before fog (docs/mesa.md).
     """
     logic_op = draw(maybe(st.sampled_from(LogicOperation), 3)) if bitwise else None
-    mesh = draw(meshes(exact_colors=bitwise))
+    aligned = bool(images) and draw(st.booleans())
+    mesh = draw(meshes(exact_colors=bitwise, aligned=aligned))
+    lighting = None
+    if not bitwise and mesh.primitive in TRIANGLES and draw(st.integers(0, 4)) == 0:
+        lighting = draw(_lightings)
     polygon, depth_test = draw(_polygons(mesh.primitive)), draw(maybe(_depth_tests))
     if depth_test is not None and depth_test.function in (
         ComparisonFunction.EQUAL,
@@ -312,9 +389,9 @@ def draws(draw, profile, bitwise, offset, images):
             )
     if not offset:
         polygon = replace(polygon, offset_fill=False)
-    color_sum = profile.color_sum and draw(st.booleans())
+    color_sum = profile.color_sum and lighting is None and draw(st.booleans())
     fog = draw(maybe(_fogs(profile))) if not bitwise else None
-    if color_sum and images:
+    if (color_sum and images) or (lighting is not None and lighting.separate_specular_color):
         fog = None
     if color_sum and fog is not None:
         mesh = replace(mesh, colors=mesh.colors / 2.0, secondary_colors=mesh.secondary_colors / 2.0)
@@ -323,17 +400,19 @@ def draws(draw, profile, bitwise, offset, images):
             mesh,
             positions=mesh.positions * (1.0, 1.0, 0.5, 1.0) - mesh.positions[:, 3:] * (0.0, 0.0, 0.5, 0.0),
         )
-    units = [draw(texture_units(profile, image, i, bitwise)) for i, image in enumerate(images)]
+    units = [draw(texture_units(profile, image, i, bitwise, aligned)) for i, image in enumerate(images)]
     if not any(map(_names_units, units)):
         units = [unit if draw(st.integers(0, 3)) else None for unit in units]
     state = PassState(
         texture_units=tuple(units),
         vertex=VertexState(
+            lighting=lighting,
+            normalize=lighting is not None,
             viewport=draw(
                 st.sampled_from(
                     (Viewport(),) * 4 + (Viewport(near=1.0, far=0.0), Viewport(near=0.25, far=0.75))
                 )
-            )
+            ),
         ),
         polygon=polygon,
         color_sum=color_sum,
