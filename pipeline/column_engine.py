@@ -6,11 +6,12 @@ the other two's; it alone draws at others, and it alone writes fragments that no
 together.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pipeline.check_future import units_along
+from pipeline.column_shader import ShaderStages
 from pipeline.column_textures import LAMBDA_BITS, unit_samplers
 from pipeline.columns import keep_significant_bits
 from pipeline.enums import (
@@ -143,28 +144,6 @@ def is_native(profile):
         and profile.subpixel_bits == NATIVE_SUBPIXEL_BITS
         and len(profile.clamps) == len(Clamp)
     )
-
-
-def unsupported(state, profile):
-    """What the column engine does not draw, as a sentence; None: it draws the pass."""
-    if state.texture_shader is not None:
-        return (
-            f"{profile.name} runs texture shaders on bytes alone. Disable them, or draw at the machine's own "
-            "widths, with its clamps on."
-        )
-    if any(unit is not None and unit.sampler.max_probes > 1 for unit in state.texture_units):
-        return (
-            f"{profile.name} assembles footprints at its own widths alone. Take a max_probes of 1, or draw "
-            "at the machine's own widths, with its clamps on."
-        )
-    return None
-
-
-def width_problem(state, profile):
-    """Why a machine that is not the native engines' cannot draw a pass, as a sentence, or None."""
-    tables = any(unit is not None and unit.color_table is not None for unit in state.texture_units)
-    usual = profile.texture_bits == NATIVE_BITS and profile.color_bits == (NATIVE_BITS,) and not tables
-    return None if profile.exact or (usual and is_native(profile)) else unsupported(state, profile)
 
 
 # ------------------------------------------------------------------------------------------- shading
@@ -355,14 +334,17 @@ def _fog_register(fog, coordinates, profile, count, one):
     return np.concatenate([filled(color, count), factor[None]])
 
 
-def shade(fragments, state, profile, bits, textures, samplers):
-    """Colours of fragments, int64 [k, 4] in units of ``bits``: texture units, combiners, color sum, fog."""
+def shade(fragments, state, profile, bits, textures, samplers, made):
+    """Colours of fragments, int64 [k, 4] in units of ``bits``: texture units, combiners, color sum, fog.
+
+    ``made``: registers of texture units by number that a texture shader made.
+    """
     if state.evaluate_before_filtering:
-        return _shade_before_filtering(fragments, state, profile, bits, textures, samplers)
-    return _shade(fragments, state, profile, bits, textures, samplers, None)
+        return _shade_before_filtering(fragments, state, profile, bits, textures, samplers, made)
+    return _shade(fragments, state, profile, bits, textures, samplers, made, None)
 
 
-def _shade_before_filtering(fragments, state, profile, bits, textures, samplers):
+def _shade_before_filtering(fragments, state, profile, bits, textures, samplers, made):
     """Colours at each texel that unit 0's filter reads, and then filtered (section 20)."""
     along, first = units_along(state, textures), samplers[0]
     columns = (0, 1) if first.linear else (0,)
@@ -374,7 +356,7 @@ def _shade_before_filtering(fragments, state, profile, bits, textures, samplers)
 
     def color(*tap):
         taps = dict.fromkeys(along, tap)
-        return _shade(fragments, state, profile, bits, textures, samplers, taps)
+        return _shade(fragments, state, profile, bits, textures, samplers, made, taps)
 
     levels, width = [], profile.filter_fraction_bits
     for level in (0, 1) if first.between_levels else (0,):
@@ -387,9 +369,10 @@ def _shade_before_filtering(fragments, state, profile, bits, textures, samplers)
     return mixed(levels, between, LAMBDA_BITS)
 
 
-def _shade(fragments, state, profile, bits, textures, samplers, taps):
+def _shade(fragments, state, profile, bits, textures, samplers, made, taps):
     count, one = len(fragments.x), wide.one_of(bits)
     registers = _Registers(samplers, fragments, bits, taps)
+    registers.update({Register.TEXTURE0 + unit: register for unit, register in made.items()})
     registers[Register.PRIMARY_COLOR] = fragments.primary.T.astype(np.int64)
     registers[Register.SECONDARY_COLOR] = fragments.secondary.T.astype(np.int64)
     registers[Register.FOG] = _fog_register(state.fog, fragments.fog, profile, count, one)
@@ -519,13 +502,19 @@ def shade_and_write(fragments, state, profile, framebuffer, textures):
     """Texture units, combiners, tests and writes of a FragmentColumns: bool [k], which passed all tests."""
     bits = fragment_bits(profile, framebuffer)
     samplers = unit_samplers(state, textures, profile)
-    color = np.empty((len(fragments.x), 4), np.int64)
+    color, depth = np.empty((len(fragments.x), 4), np.int64), fragments.depth
+    if state.texture_shader is not None:
+        depth = np.empty(len(color), np.int64)
     for start in range(0, len(color), _CHUNK):
-        part = slice(start, start + _CHUNK)
+        part, registers = slice(start, start + _CHUNK), {}
+        some = fragments.part(part)
         with np.errstate(all="ignore"):  # coordinates may be infinite, or no numbers
-            shaded = shade(fragments.part(part), state, profile, bits, textures, samplers)
+            if state.texture_shader is not None:
+                stages = ShaderStages(some, state, profile, framebuffer, samplers, bits)
+                registers, depth[part] = stages.registers, stages.depth
+            shaded = shade(some, state, profile, bits, textures, samplers, registers)
         color[part] = wide.convert(shaded, wide.one_of(bits), wide.one_of(framebuffer.color_bits))
-    return write(fragments, color, state, profile, framebuffer)
+    return write(replace(fragments, depth=depth), color, state, profile, framebuffer)
 
 
 # --------------------------------------------------------------------------------------------- Draws
@@ -662,10 +651,10 @@ class _Draw:
         q0, q2, b0, b2 = weights
         coordinates, lod, footprints = np.zeros((count, units, 4)), np.zeros((count, units)), None
         for k, unit in enumerate(self.units):
-            if unit is None:
-                continue
             corners = self.primitives.coordinates[vertices, k]
             coordinates[:, k] = wide_iterate.iterate_coordinates(q0, q2, corners)
+            if unit is None:
+                continue
             if unit.unit.spherical_coordinates:
                 coordinates[:, k, :3] = wide_future.spherical(b0, b2, corners[:, :, :3])
             if not (unit.needs_lambda or unit.anisotropic or unit.probes):

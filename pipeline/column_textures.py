@@ -7,11 +7,12 @@ from pipeline.enums import (
     MagnificationThreshold,
     TextureCompareMode,
     TextureFilter,
+    TextureShaderOperation,
     TextureTarget,
 )
 from pipeline.textures import BASE_FORMAT, DEPTH_TEXELS, KEPT, depth_texture_mode, register_components
 from pipeline.transfer import ENTRY_COMPONENTS, table_entries
-from raster import wide, wide_texture
+from raster import wide, wide_iterate, wide_texture
 from raster.transfer import texture_color_table
 
 _LINEAR_IN_LEVEL = (
@@ -100,7 +101,7 @@ class UnitSampler:
         """The unit's register, int64 [4, k] in units of ``bits``. ``tap``: of one texel of its filter,
         (level, layer, row, column), 0 or 1 each.
         """
-        return self._as_register(self._filtered(fragments, tap)[:, :4], fragments, bits)
+        return self.as_register(self._filtered(fragments, tap)[:, :4], fragments, bits)
 
     def looked_up(self, strq, fragments, bits):
         """The register at other coordinates, float64 [k, 4]: level 0, by the magnification filter."""
@@ -111,7 +112,7 @@ class UnitSampler:
             )
         linear = self.sampler.mag_filter == TextureFilter.LINEAR
         texel = self._level(0, linear, strq, False, compared, True)
-        return self._as_register(texel, fragments, bits)
+        return self.as_register(texel, fragments, bits)
 
     def fractions(self, fragments, level):
         """Fractions between the columns, rows, layers and levels of the filter at the lower (0) or the upper
@@ -129,7 +130,38 @@ class UnitSampler:
         """Whether the minification filter reads two levels."""
         return self.sampler.min_filter in _BETWEEN_LEVELS
 
-    def _as_register(self, texel, fragments, bits):
+    def texel(self, fragments):
+        """A texel of each fragment, int64 [k, 4] in the texture's units."""
+        return self._filtered(fragments)
+
+    def made(self, str_, fragments, operation, offset):
+        """A texel at coordinates that a texture shader made, or moved (``offset``), float64 [k, 3]: at
+        level 0, by the magnification filter (section 12).
+        """
+        cube = self.texture.target == TextureTarget.TEXTURE_CUBE_MAP
+        strq = np.concatenate([str_, np.ones((len(str_), 1))], axis=1)
+        if not cube and operation.name.endswith("CUBE_MAP"):
+            sc, tc, major = wide_iterate.on_face(strq, wide_iterate.major_axis(strq))
+            none = ~(major > 0.0)
+            divisor = np.where(none, 1.0, major)
+            strq[:, 0], strq[:, 1] = np.where(none, 0.0, sc / divisor), np.where(none, 0.0, -tc / divisor)
+            strq[:, 2] = 0.0
+        compared = None
+        if self.compares:
+            r = np.zeros(len(strq))
+            if self.sampler.compare_mode == TextureCompareMode.COMPARE_R_TO_TEXTURE:
+                r = fragments.coordinates[:, self.number, 2]
+            compared = wide_texture.depth_reference(r * self.depth_scale, self.mantissa, self.largest)
+        linear = self.sampler.mag_filter == TextureFilter.LINEAR
+        flat = cube and operation == TextureShaderOperation.DOT_PRODUCT_TEXTURE_3D
+        return self._level(0, linear, strq, False, compared, not offset, flat=flat)
+
+    def as_bytes(self, texel):
+        """Texels as the bytes that texture shader stages read."""
+        return texel & 255 if self.bits == 8 else wide.convert(texel, self.one, 255)
+
+    def as_register(self, texel, fragments, bits):
+        """What the unit's register receives of its texels, int64 [4, k]."""
         if self.number == 0 and fragments.texel_alpha is not None:
             alpha = wide.convert(fragments.texel_alpha.astype(np.int64), 255, self.one)
             texel = np.concatenate([texel[:, :3], alpha[:, None]], axis=1)
@@ -240,10 +272,10 @@ class UnitSampler:
         out[minified] = blended[minified]
         return out
 
-    def _level(self, number, linear, strq, divided, reference, lifted, tap=None):
+    def _level(self, number, linear, strq, divided, reference, lifted, tap=None, flat=False):
         image, s, target = self.levels[number], self.sampler, self.texture.target
         size = image.shape[2], image.shape[1], image.shape[0]
-        places, face = wide_texture.positions(strq, target, divided, lifted, size)
+        places, face = wide_texture.positions(strq, target, divided, lifted, size, flat)
         modes = s.wrap_s, s.wrap_t, s.wrap_r
         if target == TextureTarget.TEXTURE_CUBE_MAP:
             modes = (wide_texture.CLAMP_TO_EDGE,) * 3

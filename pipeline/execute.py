@@ -419,9 +419,9 @@ class Machine:
 
     def _draws_columns(self, state, target):
         """Whether a Draw is the column engine's."""
-        if self.engine == "columns" and column_engine.unsupported(state, self.profile) is None:
-            return True
-        return column_engine.needs_columns(state, self.profile, target, self.textures)
+        return self.engine == "columns" or column_engine.needs_columns(
+            state, self.profile, target, self.textures
+        )
 
     def _drawn_by_columns(self, command, target, position):
         """Draw by the column engine: its Fragments, and how many primitives were dropped."""

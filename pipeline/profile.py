@@ -232,9 +232,9 @@ class Profile:
         """The same machine with other widths, each of 4 to 16 bits; None: its own.
 
         ``combiner_bits``: of a value of one in combiners and texture environments (registers have a sign
-        beside). ``texture_bits``: of texel components of the machine's widest formats. ``framebuffer_bits``: of a
-        colour buffer's components. ``filter_fraction_bits``: of a linear filter's weights. ``subpixel_bits``:
-        of window coordinates. Raises ValueError for a width that is not 4 to 16.
+        beside). ``texture_bits``: of texel components of the machine's widest formats. ``framebuffer_bits``:
+        of a colour buffer's components. ``filter_fraction_bits``: of a linear filter's weights.
+        ``subpixel_bits``: of window coordinates. Raises ValueError for a width that is not 4 to 16.
         """
         given = {
             "combiner_bits": combiner_bits,

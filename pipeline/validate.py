@@ -26,7 +26,7 @@ import numpy as np
 from pipeline.check_future import future_problem
 from pipeline.check_pixels import bits_problem, pixel_texture_problem, rectangle_problem
 from pipeline.check_transfer import color_table_problem, pixel_image_problem, transfer_problem
-from pipeline.column_engine import NATIVE_SUBPIXEL_BITS, width_problem
+from pipeline.column_engine import NATIVE_SUBPIXEL_BITS
 from pipeline.commands import (
     Accum,
     BindTexImage,
@@ -957,8 +957,6 @@ class _Walk:
             self.refuse(f"{self.profile.name} has no W buffering; leave w_buffering False.")
         self.color_buffer(state.draw_buffer)
         if problem := future_problem(state, self.profile):
-            self.refuse(problem)
-        if problem := width_problem(state, self.profile):
             self.refuse(problem)
 
     def tex_image(self, command):

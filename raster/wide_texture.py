@@ -51,14 +51,17 @@ def along(texel, mode, size, linear, fraction_bits):
     return pair, position & ((1 << fraction_bits) - 1)
 
 
-def positions(coordinates, target, divided, computed, size):
+def positions(coordinates, target, divided, computed, size, flat=False):
     """(T_s, T_t, T_r) of s, t, r, q float64 [k, 4] and the face or None.
 
     ``size`` (width, height, layers) of the level; ``divided``: by q; ``computed``: the coordinates are lifted
-    by TAU.
+    by TAU. ``flat``: s and t, t downwards, on a cube map's first face.
     """
     if target == CUBE_MAP:
         face = major_axis(coordinates)
+        if flat:
+            s, t = coordinates[:, 0], coordinates[:, 1]
+            coordinates, face = np.stack([np.ones_like(s), t, -s, s], axis=1), np.zeros_like(face)
         sc, tc, major = on_face(coordinates, face)
         half, none = 0.5 * float(size[0]), ~(major > 0.0)
         divisor = np.where(none, 1.0, major)

@@ -442,12 +442,17 @@ def test_a_width_that_the_machine_has_not_is_refused():
         Machine(GEFORCE_256, 4, 4, color_bits=12)
 
 
-def test_texture_shaders_at_other_widths_are_refused():
+def test_texture_shaders_run_at_other_widths():
+    """PASS_THROUGH gives bytes, which twelve bits hold exactly and a buffer of twelve shows."""
     stages = (TextureShaderStage(TextureShaderOperation.PASS_THROUGH),)
-    state = PassState(texture_units=(TextureUnit(None),), texture_shader=stages)
-    draw = Draw(label="d", mesh=Mesh(CORNERS, texture_coordinates=(CORNERS,)), state=state)
-    with pytest.raises(UnsupportedState, match="texture shaders on bytes alone"):
-        execute([draw], GEFORCE_3.with_precision(combiner_bits=12), 4, 4)
+    rgb = RGBPortion(a=CombinerInput(Register.TEXTURE0), b=_ONE)
+    state = replace(combiners(rgb), texture_units=(TextureUnit(None),), texture_shader=stages)
+    coordinates = np.tile([0.25, 0.5, 0.75, 1.0], (3, 1))
+    draw = Draw(label="d", mesh=Mesh(CORNERS, texture_coordinates=(coordinates,)), state=state)
+    native = execute([draw], GEFORCE_3, 2, 2).framebuffer.color
+    wide_profile = GEFORCE_3.with_precision(combiner_bits=12, framebuffer_bits=12)
+    color = execute([draw], wide_profile, 2, 2).framebuffer.color
+    assert np.array_equal(color, np.floor(native * (4095 / 255) + 0.5))
 
 
 def test_lines_at_other_subpixel_bits_are_refused():
