@@ -15,7 +15,6 @@ from pipeline.enums import (
     BlendFactor,
     ColorBuffer,
     ComparisonFunction,
-    FogCoordinateSource,
     FogMode,
     PixelCopyType,
     PixelFragmentSource,
@@ -74,11 +73,20 @@ TEXTURES = {"flat": FLAT, "volume": VOLUME}
 
 unit = st.floats(0, 1)
 colors = st.tuples(unit, unit, unit, unit)
-zooms = st.tuples(
-    *[st.sampled_from([1.0, -1.0, 2.0, 0.5, -1.5, 0.3, 0.0, 3.25, -0.75, 1e300]) | st.floats(-3, 3)] * 2
-)
-places = st.sampled_from([0.0, 0.5, 1.0, 2.25, -1.5, 3.9999, 6.5, -3e30]) | st.floats(-4, 9)
-masks = st.builds(ColorMask, *[st.booleans()] * 4)
+# Most examples cover several pixels; test_each_pixel_belongs_to_the_group_that_covers_it has the extremes.
+zooms = st.tuples(*[st.sampled_from([1.0, 2.0, 1.5, 3.25, 0.75]) | st.sampled_from([-1.5, 0.5])] * 2)
+places = st.sampled_from([0.0, 0.5, 1.0, 2.25, 3.9999]) | st.floats(-2, 5)
+
+
+extremes = places | st.sampled_from([-1.5, 6.5, -3e30])
+
+
+def rarely(strategy):
+    """None three times of four."""
+    return st.integers(0, 3).flatmap(lambda k: strategy if k == 3 else st.none())
+
+
+masks = rarely(st.builds(ColorMask, *[st.booleans()] * 4)).map(lambda mask: mask or ColorMask())
 functions = st.sampled_from(ComparisonFunction)
 boxes = st.builds(
     Scissor, x=st.integers(-2, 5), y=st.integers(-2, 5), width=st.integers(0, 8), height=st.integers(0, 8)
@@ -109,48 +117,56 @@ operations = st.sampled_from(
 states = st.builds(
     PassState,
     texture_units=st.just(()) | units.map(lambda u: (u,)),
-    fog=st.none()
-    | st.builds(
-        Fog,
-        mode=st.just(FogMode.LINEAR),
-        end=st.floats(1, 4),
-        color=colors,
-        coordinate_source=st.just(FogCoordinateSource.FRAGMENT_DEPTH),
-    ),
-    scissor=st.none() | boxes,
-    alpha_test=st.none() | st.builds(AlphaTest, function=functions, reference=unit),
+    fog=rarely(st.builds(Fog, mode=st.just(FogMode.LINEAR), end=st.floats(1, 4), color=colors)),
+    scissor=rarely(boxes),
+    alpha_test=rarely(st.builds(AlphaTest, function=functions, reference=unit)),
     depth_test=st.none() | st.builds(DepthTest, function=functions, write=st.booleans()),
-    stencil_test=st.none()
-    | st.builds(
-        StencilTest,
-        function=functions,
-        reference=st.integers(0, 255),
-        write_mask=st.integers(0, 255),
-        fail=operations,
-        depth_fail=operations,
-        depth_pass=operations,
+    stencil_test=rarely(
+        st.builds(
+            StencilTest,
+            function=functions,
+            reference=st.integers(0, 255),
+            write_mask=st.integers(0, 255),
+            fail=operations,
+            depth_fail=operations,
+            depth_pass=operations,
+        )
     ),
-    blending=st.none()
-    | st.builds(
-        Blending,
-        source=st.sampled_from([BlendFactor.ONE, BlendFactor.SRC_ALPHA, BlendFactor.DST_COLOR]),
-        destination=st.sampled_from([BlendFactor.ZERO, BlendFactor.ONE, BlendFactor.SRC_COLOR]),
+    blending=rarely(
+        st.builds(
+            Blending,
+            source=st.sampled_from([BlendFactor.ONE, BlendFactor.SRC_ALPHA, BlendFactor.DST_COLOR]),
+            destination=st.sampled_from([BlendFactor.ZERO, BlendFactor.ONE, BlendFactor.SRC_COLOR]),
+        )
     ),
     color_mask=masks,
+    vertex=st.sampled_from([VertexState(), VertexState(viewport=Viewport(near=0.75, far=0.25))]),
 )
 vectors = st.tuples(
-    st.floats(-1.5, 1.5), st.floats(-1.5, 1.5), st.floats(0, 1), st.sampled_from([1.0, 0.5, 2.0])
+    st.floats(-1.1, 1.1), st.floats(-1.1, 1.1), st.floats(0, 1), st.sampled_from([1.0, 2.0, 0.5])
 )
 near = st.floats(-1.5, 1.5)
 sets = st.tuples(st.tuples(near, near, near, st.sampled_from([1.0, 0.5, 0.0, -1.0])))
-positions = st.builds(
+in_window = st.builds(
     RasterPosition,
-    position=st.tuples(places, places, st.floats(-0.5, 1.5), st.just(1.0)) | vectors,
-    window=st.booleans(),
-    move=st.just((0.0, 0.0)) | st.tuples(st.floats(-2, 2), st.floats(-2, 2)),
+    position=st.tuples(places, places, st.sampled_from([0.0, 0.5, 1.5, -0.5]) | unit, st.just(1.0)),
+    window=st.just(True),
+    move=st.sampled_from([(0.0, 0.0), (0.25, -1.0), (-0.5, 0.75)]),
     color=colors,
     secondary_color=colors,
     texture_coordinates=sets,
+)
+positions = (
+    in_window
+    | in_window
+    | st.builds(
+        RasterPosition,
+        position=vectors,
+        move=st.sampled_from([(0.0, 0.0), (-1.5, -2.0)]),
+        color=colors,
+        secondary_color=colors,
+        texture_coordinates=sets,
+    )
 )
 
 
@@ -224,14 +240,14 @@ def read(plane, box):
 # ------------------------------------------------------------------------------------------- equality
 
 
-@settings(max_examples=60)
+@settings(max_examples=100)
 @given(images(4), states, positions, zooms)
 def test_color_groups_are_drawn_as_specified(image, state, position, zoom):
     command = DrawPixels(label="d", image=PixelImage(image), state=state, position=position, zoom=zoom)
     check_equal(command, image.tolist())
 
 
-@settings(max_examples=25)
+@settings(max_examples=80)
 @given(parts, states, positions, zooms, st.sampled_from(PixelCopyType))
 def test_copied_groups_are_drawn_as_specified(box, state, position, zoom, kind):
     command = CopyPixels(label="c", state=state, position=position, zoom=zoom, type=kind, **box)
@@ -240,7 +256,7 @@ def test_copied_groups_are_drawn_as_specified(box, state, position, zoom, kind):
     check_equal(command, read(plane, box), words=words)
 
 
-@settings(max_examples=20)
+@settings(max_examples=60)
 @given(images(1, np.uint16), states, positions, zooms, st.floats(0, 2), st.floats(-0.5, 0.5))
 def test_depth_groups_are_drawn_as_specified(image, state, position, zoom, scale, bias):
     transfer = PixelTransfer(depth_scale=scale, depth_bias=bias)
@@ -254,7 +270,7 @@ def test_depth_groups_are_drawn_as_specified(image, state, position, zoom, scale
     check_equal(command, groups, words="depth")
 
 
-@settings(max_examples=15)
+@settings(max_examples=40)
 @given(images(1), states, positions, zooms, st.integers(-3, 3), st.integers(-300, 300))
 def test_stencil_indices_are_written_as_specified(image, state, position, zoom, shift, offset):
     transfer = PixelTransfer(index_shift=shift, index_offset=offset)
@@ -266,7 +282,7 @@ def test_stencil_indices_are_written_as_specified(image, state, position, zoom, 
     check_equal(command, shifted, words="stencil")
 
 
-@settings(max_examples=20)
+@settings(max_examples=60)
 @given(images(1), states, positions, st.tuples(places, places))
 def test_bitmaps_are_drawn_as_specified(image, state, position, origin):
     bits = image > 100
@@ -291,7 +307,7 @@ pixel_textures = (
 opaque = st.sampled_from([None, 255, 0, 1])
 
 
-@settings(max_examples=60)
+@settings(max_examples=120)
 @given(images(4), states, units, positions, zooms, pixel_textures, opaque)
 def test_groups_become_texture_coordinates_as_specified(image, state, unit, position, zoom, texture, alpha):
     if alpha is not None:
@@ -301,6 +317,34 @@ def test_groups_become_texture_coordinates_as_specified(image, state, unit, posi
         label="d", image=PixelImage(image), state=state, position=position, zoom=zoom, pixel_texture=texture
     )
     check_equal(given, image.tolist())
+
+
+EVERY_COLOR = [
+    *(PixelTexture(mode) for mode in PixelTexGenMode),
+    *(PixelTexture(None, rgb, alpha) for rgb in PixelFragmentSource for alpha in PixelFragmentSource),
+    *(PixelTexture(alpha_replace=True, alpha=alpha) for alpha in PixelTexGenAlpha),
+]
+
+
+@pytest.mark.parametrize("environment", [TextureEnvironmentMode.MODULATE, TextureEnvironmentMode.DECAL])
+@pytest.mark.parametrize("texture", EVERY_COLOR)
+def test_a_fragment_has_the_groups_color_or_the_raster_positions(texture, environment):
+    image = np.random.default_rng(2).integers(1, 256, (3, 4, 4), np.uint8)
+    unit = TextureUnit(
+        texture="flat",
+        sampler=Sampler(TextureFilter.LINEAR, TextureFilter.LINEAR),
+        environment=TextureEnvironment(environment),
+    )
+    for place, volumes in (("flat", None), ("volume", 4)):
+        command = DrawPixels(
+            label="d",
+            image=PixelImage(image),
+            state=PassState(texture_units=(replace(unit, texture=place),)),
+            position=replace(IDENTITY_POSITION, color=(0.9, 0.2, 0.6, 0.4)),
+            zoom=(1.5, 2.0),
+            pixel_texture=replace(texture, volumes=volumes),
+        )
+        check_equal(command, image.tolist())
 
 
 @settings(max_examples=20)
@@ -322,12 +366,17 @@ def test_q_chooses_a_volume_as_specified(image, unit, q_filter, volumes, replace
     )
 
 
+parts_of_window = st.builds(
+    Scissor, x=st.integers(-1, 3), y=st.integers(-1, 3), width=st.integers(1, 4), height=st.integers(1, 4)
+)
 clips = st.builds(
-    WindowClip, rectangles=st.lists(boxes, min_size=1, max_size=2).map(tuple), exclusive=st.booleans()
+    WindowClip,
+    rectangles=st.lists(parts_of_window, min_size=1, max_size=2).map(tuple),
+    exclusive=st.booleans(),
 )
 
 
-@settings(max_examples=25)
+@settings(max_examples=60)
 @given(images(4), states, clips, zooms, st.sampled_from(["bits", "stencil", False]))
 def test_the_window_clip_leaves_out_pixels_of_every_kind(image, state, clip, zoom, kind):
     state = replace(state, window_clip=clip, texture_units=())
@@ -352,7 +401,7 @@ LIT = VertexState(
 )
 
 
-@settings(max_examples=40)
+@settings(max_examples=80)
 @given(images(1), vectors, st.tuples(*[st.floats(-1, 1)] * 3), units)
 def test_a_raster_position_is_transformed_lit_and_clipped_as_a_vertex(image, position, normal, unit):
     plane = (0.5, -0.25, 0.0, 0.5)
@@ -364,7 +413,7 @@ def test_a_raster_position_is_transformed_lit_and_clipped_as_a_vertex(image, pos
 
 
 @settings(max_examples=200)
-@given(places, st.floats(-3, 3) | st.sampled_from([0.0, 0.5, -0.5, 1e308, -1e308]), st.integers(0, 6))
+@given(extremes, st.floats(-3, 3) | st.sampled_from([0.0, 0.5, -0.5, 1e308, -1e308]), st.integers(0, 6))
 def test_each_pixel_belongs_to_the_group_that_covers_it(origin, zoom, count):
     pixels, groups = covered(origin, zoom, count, -2, 9)
     expected = [
