@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from pipeline.commands import Bitmap, CopyPixels, DrawPixels, TexImage
 from pipeline.describe import describe
 from pipeline.enums import (
+    BaseFormat,
     BlendFactor,
     ColorBuffer,
     ComparisonFunction,
@@ -37,6 +38,7 @@ from pipeline.state import (
     AlphaTest,
     Blending,
     ColorMask,
+    ColorTable,
     DepthTest,
     Fog,
     Light,
@@ -481,6 +483,42 @@ def test_an_invalid_raster_position_draws_nothing_and_counts_nothing():
     inside = replace(outside, position=RasterPosition(position=(1.0, 0.0, 0.0, 1.0), move=(-2.0, 0.0)))
     assert execute((outside,), OPENGL_1_2, 8, 8).fragments == 0
     assert execute((inside,), OPENGL_1_2, 8, 8).fragments == 4
+
+
+def test_a_depth_in_the_window_is_clamped_to_the_depth_range():
+    state = PassState(
+        vertex=VertexState(viewport=Viewport(near=0.75, far=0.25)),
+        depth_test=DepthTest(ComparisonFunction.ALWAYS),
+    )
+    for z, expected in ((1.5, 0.25), (0.5, 0.5), (-1.0, 0.75)):
+        bits = Bitmap(
+            label="b",
+            bits=np.ones((1, 1)) > 0,
+            state=state,
+            position=RasterPosition((0.0, 0.0, z, 1.0), True),
+        )
+        framebuffer = execute((bits,), OCTANE, 1, 1, depth_bits=24).framebuffer
+        assert framebuffer.depth[0, 0] == np.floor(expected * (2**24 - 1))
+
+
+def test_replaced_alpha_goes_through_the_texture_color_table():
+    """SGIX_impact_pixel_texture: the table scales the group's alpha, here to its complement."""
+    table = ColorTable(tuple((0.0, 0.0, 0.0, 1 - k / 255) for k in range(256)), BaseFormat.ALPHA)
+    unit = TextureUnit(
+        texture="flat",
+        sampler=Sampler(TextureFilter.NEAREST, TextureFilter.NEAREST),
+        environment=TextureEnvironment(TextureEnvironmentMode.REPLACE),
+        color_table=table,
+    )
+    draw = DrawPixels(
+        label="d",
+        image=PixelImage(BYTES),
+        state=PassState(texture_units=(unit,)),
+        position=IDENTITY_POSITION,
+        pixel_texture=PixelTexture(alpha_replace=True),
+    )
+    color = machine_with_contents().run((draw,)).framebuffer.color
+    assert (color[::-1, :, 3] == 255 - BYTES[..., 3]).all()
 
 
 def test_rectangles_are_recorded_traced_and_printed():
