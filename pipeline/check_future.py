@@ -66,6 +66,11 @@ def _filtering_problem(state, profile):
     units = state.texture_units
     if not units or units[0] is None or units[0].texture is None:
         return "evaluate_before_filtering goes by texture unit 0, which is disabled; enable it."
+    if state.texture_shader is not None:
+        return (
+            "evaluate_before_filtering goes by the texels that filters read, and texture shaders by their "
+            "results; leave texture_shader None."
+        )
     if any(u is not None and max(u.sampler.max_anisotropy, u.sampler.max_probes) > 1 for u in units):
         return (
             "evaluate_before_filtering knows filters of single footprints; give every sampler a "

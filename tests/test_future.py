@@ -16,6 +16,7 @@ from pipeline.enums import (
     PrimitiveType,
     Register,
     TextureFilter,
+    TextureShaderOperation,
     WrapMode,
 )
 from pipeline.execute import execute
@@ -30,6 +31,7 @@ from pipeline.state import (
     RegisterCombiners,
     RGBPortion,
     Sampler,
+    TextureShaderStage,
     TextureUnit,
 )
 from pipeline.textures import texture_2d, texture_cube_map
@@ -252,9 +254,18 @@ def test_a_board_of_the_time_refuses(state, said):
         (program(replace(SQUARE_ROOT, mux_sum=True)), "leave mux_sum False"),
         (program(RGBPortion(), lookup=CombinerLookup(1)), "reads texture unit 1; enable"),
         (PassState(evaluate_before_filtering=True), "goes by texture unit 0, which is disabled"),
+        (
+            PassState(
+                evaluate_before_filtering=True,
+                texture_units=(TextureUnit("t"),),
+                texture_shader=(TextureShaderStage(TextureShaderOperation.TEXTURE_2D),),
+            ),
+            "leave texture_shader None",
+        ),
     ],
 )
 def test_what_no_board_could_mean_is_refused(state, said):
-    draw = Draw(label="d", mesh=Mesh(CORNERS), state=state)
+    image = TexImage(label="t", texture="t", image=texture_2d(np.zeros((1, 1, 3), np.uint8)))
+    draw = Draw(label="d", mesh=Mesh(CORNERS, texture_coordinates=(CORNERS,)), state=state)
     with pytest.raises(UnsupportedState, match=said):
-        execute([draw], FUTURE, 4, 4)
+        execute([image, draw], FUTURE, 4, 4)

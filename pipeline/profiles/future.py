@@ -6,14 +6,11 @@ from pipeline.enums import CombinerFunction
 from pipeline.profiles.geforce_3 import GEFORCE_3
 
 _ASKED = "Source: Kautz, Seidel 2000, section 5.1 (asked for)"
-_INSTEAD = "Assumed: none; lookups after general combiners, which are as wide, take their place"
 
 FUTURE = replace(
     GEFORCE_3,
     name="Future board",
     description="what the papers ask for: wide combiners, evaluation before filtering, lookups",
-    texture_shader_operations=frozenset(),
-    dot_product_mappings=frozenset(),
     combiner_functions=frozenset(CombinerFunction),
     combiner_lookup=True,
     evaluate_before_filtering=True,
@@ -22,8 +19,6 @@ FUTURE = replace(
     combiner_range=256.0,
     evidence={
         **GEFORCE_3.evidence,
-        "texture_shader_operations": _INSTEAD,
-        "dot_product_mappings": _INSTEAD,
         "combiner_functions": _ASKED,
         "combiner_lookup": _ASKED,
         "evaluate_before_filtering": _ASKED,
