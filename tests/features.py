@@ -88,7 +88,7 @@ from pipeline.state import (
     VertexState,
     WindowClip,
 )
-from pipeline.texel_words import paletted_texture, texture_of_words
+from pipeline.texel_words import compressed_texture, paletted_texture, texture_of_words
 from pipeline.textures import texture_2d, texture_cube_map
 
 SIZE = 8  # of the framebuffer in which a feature's commands run, pixels
@@ -459,6 +459,10 @@ def _formats():
             InternalFormat.HILO16,
             texture_of_words(_WORDS, TexelWord.R16B16),
         ),
+        "compressed textures (S3TC)": (
+            InternalFormat.COMPRESSED_RGBA_S3TC_DXT1,
+            compressed_texture(bytes(range(8)), InternalFormat.COMPRESSED_RGBA_S3TC_DXT1, 4, 4),
+        ),
         "video (YCBCR)": (InternalFormat.YCBCR, texture_of_words(_WORDS & 0xFFFF, TexelWord.YUY2)),
     }
     for name, (internal_format, image) in samples.items():
@@ -488,6 +492,14 @@ def _shadows():
         has=lambda p: compare.COMPARE_R_TO_TEXTURE in p.texture_compare_modes,
         commands=_compared(compare_function=ComparisonFunction.GEQUAL),
         asked="DEPTH_COMPONENT24",
+        **_SHADOWS,
+    )
+    yield Feature(
+        name="comparison with zero (COMPARE_ZERO_TO_TEXTURE)",
+        group="Shadow maps",
+        has=lambda p: compare.COMPARE_ZERO_TO_TEXTURE in p.texture_compare_modes,
+        commands=_compared(compare.COMPARE_ZERO_TO_TEXTURE),
+        asked="DEPTH_COMPONENT24|COMPARE_ZERO_TO_TEXTURE",
         **_SHADOWS,
     )
     yield Feature(
