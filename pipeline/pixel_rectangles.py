@@ -257,7 +257,8 @@ def _fragments(at, where, state, profile, framebuffer, primary=None, depth=None,
 def divided(coordinates):
     """(s/q, t/q, r/q, 1) of the raster position's. Assumed: q counts as 1 where it is 0 or less."""
     q = coordinates[:, 3:]
-    divided = coordinates / np.where(q > 0, q, 1.0)
+    with np.errstate(all="ignore"):  # a small q may lead beyond every float, where textures end
+        divided = coordinates / np.where(q > 0, q, 1.0)
     divided[:, 3] = 1.0
     return divided
 

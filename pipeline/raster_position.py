@@ -1,6 +1,7 @@
 """The current raster position (OpenGL 1.2.1 section 2.12): a command's RasterPosition in the window."""
 
 from functools import lru_cache
+from math import isfinite
 
 import numpy as np
 
@@ -31,8 +32,8 @@ def raster_vertex(position, state, profile, width, height):
         found = process_raster_position(vertex_of(position), state, profile, width, height)
         if found is None:
             return None
-    dx, dy = position.move
-    return found if dx == dy == 0 else found._replace(x=found.x + dx, y=found.y + dy)
+    x, y = (at + by for at, by in zip((found.x, found.y), position.move, strict=True))
+    return found._replace(x=x, y=y) if isfinite(x) and isfinite(y) else None
 
 
 def _given(position, state, profile):

@@ -485,6 +485,27 @@ def test_an_invalid_raster_position_draws_nothing_and_counts_nothing():
     assert execute((inside,), OPENGL_1_2, 8, 8).fragments == 4
 
 
+@pytest.mark.filterwarnings("error")
+def test_the_largest_numbers_draw_nothing_or_something_but_end():
+    far, image = 1e308, PixelImage(BYTES)
+    positions = [
+        RasterPosition((far, -far, 0.0, 1.0), True, move=(far, -far)),
+        RasterPosition((-far, 0.0, far, 1.0), True, texture_coordinates=((far, -far, 1.0, 5e-324),)),
+        RasterPosition((far, far, far, far), move=(far, 0.0)),
+        RasterPosition((0.0, 0.0, 0.0, 5e-324)),
+    ]
+    unit = TextureUnit(texture="flat", sampler=Sampler(TextureFilter.LINEAR, TextureFilter.LINEAR))
+    state = PassState(texture_units=(unit,), depth_test=DepthTest(ComparisonFunction.ALWAYS))
+    for position in positions:
+        position = replace(position, texture_coordinates=position.texture_coordinates or ((0.0,) * 4,))
+        for zoom in ((far, -far), (-far, 5e-324)):
+            draw = DrawPixels(label="d", image=image, position=position, zoom=zoom, state=state)
+            bits = Bitmap(
+                label="b", bits=BYTES[..., 0] > 9, position=position, origin=(-far, far), state=state
+            )
+            machine_with_contents().run((draw, bits))
+
+
 def test_a_depth_in_the_window_is_clamped_to_the_depth_range():
     state = PassState(
         vertex=VertexState(viewport=Viewport(near=0.75, far=0.25)),
