@@ -12,7 +12,7 @@ import pytest
 from effects.figures import FIGURES
 from effects.precision import PARTS
 from pipeline import vertex
-from pipeline.commands import Clear, CopyTexImage, Draw, Mesh, ReadPixels, TexImage
+from pipeline.commands import Clear, CopyTexImage, Draw, MakeCurrent, Mesh, ReadPixels, TexImage
 from pipeline.enums import (
     BlendEquation,
     BlendFactor,
@@ -53,7 +53,7 @@ from pipeline.state import (
 from pipeline.textures import texture_2d
 from pipeline.validate import UnsupportedState
 from raster import wide, wide_combine, wide_fragment, wide_iterate
-from tests.random_frames import _Maker
+from tests.random_frames import _Maker, random_frame
 from tests.reference import render, wide_render
 from tests.reference import wide as specified
 
@@ -300,6 +300,46 @@ def test_a_coarse_grid_is_covered_as_a_fine_one_that_it_lies_on():
         for bits in (4, 5, 11, 16)
     ]
     assert all(np.array_equal(p.framebuffer.color, pictures[0].framebuffer.color) for p in pictures)
+
+
+def random_machine(seed):
+    """A random frame, and its machine with random widths and without random clamps."""
+    chooser, frame = np.random.default_rng(seed), random_frame(seed)
+    widths = {name: int(chooser.choice(BITS)) for name in PARTS if chooser.random() < 0.7}
+    off = [clamp for clamp in Clamp if chooser.random() < 0.2]
+    return frame, frame.profile.with_precision(**widths).without_clamps(*off)
+
+
+def drawn_in(frame, profile, runs, **options):
+    """A framebuffer that several runs of one machine have drawn to."""
+    machine = Machine(profile, frame.width, frame.height, frame.depth_bits)
+    for commands in runs:
+        machine.run(commands, **options)
+    return machine.framebuffer
+
+
+def assert_the_same_however_it_is_run(seed):
+    frame, profile = random_machine(seed)
+    whole = drawn_in(frame, profile, [frame.commands])
+    others = [drawn_in(frame, profile, [frame.commands], record=True)]
+    if not any(isinstance(command, MakeCurrent) for command in frame.commands):
+        others.append(drawn_in(frame, profile, [(command,) for command in frame.commands]))
+    for other in others:
+        for name in ("color", "depth", "stencil"):
+            assert np.array_equal(getattr(whole, name), getattr(other, name)), (seed, name)
+    if Clamp.BLENDING in profile.clamps:
+        assert whole.color.min() >= 0 and whole.color.max() < 1 << whole.color_bits
+
+
+def test_frames_at_random_widths_are_the_same_however_they_are_run():
+    for seed in range(60_000, 60_025):
+        assert_the_same_however_it_is_run(seed)
+
+
+@pytest.mark.slow
+def test_hundreds_of_frames_at_random_widths_are_the_same_however_they_are_run():
+    for seed in range(61_000, 61_400):
+        assert_the_same_however_it_is_run(seed)
 
 
 # ----------------------------------------------------------------------------------- clamps, one by one
