@@ -407,6 +407,22 @@ def edge_pixels(commands, profile, width, height, within):
     return found
 
 
+def diamond_ties(commands, profile, width, height):
+    """Pixels, bool [h, w], whose centre a line passes at half a pixel, to within 1/128: llvmpipe draws a line
+    as a quadrilateral with corners on 1/256 pixels.
+    """
+    found = np.zeros((height, width), bool)
+    px, py = np.meshgrid(16 * np.arange(width) + 8, 16 * np.arange(height) + 8)
+    for draw in (c for c in commands if isinstance(c, Draw)):
+        primitives = vertex.process(draw.mesh, draw.state, profile, width, height)
+        for b, a in primitives.triangles[:, :2].tolist():
+            x, y = int(primitives.x[a]), int(primitives.y[a])
+            dx, dy = int(primitives.x[b]) - x, int(primitives.y[b]) - y
+            longer = max(abs(dx), abs(dy))
+            found |= np.abs(2 * np.abs((px - x) * dy - (py - y) * dx) - 16 * longer) <= longer // 4
+    return found
+
+
 def compare(commands, picture, profile, width, height, ignored=None):
     """Draw the frame here and compare it with Mesa's ``picture``.
 

@@ -320,7 +320,8 @@ def texture_units(draw, profile, texture, number, exact, aligned):
     )
 
 
-_materials = st.builds(Material, *[byte_colors] * 4, shininess=st.sampled_from((0.0, 1.0, 2.0, 8.0)))
+# A shininess of 0 leaves 0 to the power 0, which is 1 here and 0 in Mesa: docs/mesa.md.
+_materials = st.builds(Material, *[byte_colors] * 4, shininess=st.sampled_from((1.0, 2.0, 8.0)))
 _lights = st.builds(
     Light,
     ambient=byte_colors,
@@ -363,7 +364,7 @@ def draws(draw, profile, bitwise, offset, images):
     """A mesh in a whole pass state of the profile; ``bitwise``: perhaps with a logic operation; ``images``:
     TexImages of which each may be a unit's.
 
-    Quads are not lit: their colours would be no planes.
+    Quads are not lit: their colours would be no planes; nor is what has w other than 1 (docs/mesa.md).
     Logic operations turn a difference of one into any other, so all that is drawn are bytes that nothing
     changes.
     Depths that are tested for equality are exact where they are constant.
@@ -374,7 +375,8 @@ def draws(draw, profile, bitwise, offset, images):
     aligned = bool(images) and draw(st.booleans())
     mesh = draw(meshes(exact_colors=bitwise, aligned=aligned))
     lighting = None
-    if not bitwise and mesh.primitive in TRIANGLES and draw(st.integers(0, 4)) == 0:
+    plain = mesh.primitive in TRIANGLES and (mesh.positions[:, 3] == 1.0).all()
+    if plain and not bitwise and draw(st.integers(0, 3)) == 0:
         lighting = draw(_lightings)
     polygon, depth_test = draw(_polygons(mesh.primitive)), draw(maybe(_depth_tests))
     if depth_test is not None and depth_test.function in (
@@ -488,3 +490,26 @@ def anywhere(draw):
     count_up = StencilTest(depth_pass=StencilOperation.INCR)
     polygon = PolygonState(cull_face=draw(st.sampled_from((None, None, *Face))))
     return (Draw(label="draw", mesh=mesh, state=PassState(polygon=polygon, stencil_test=count_up)),)
+
+
+@st.composite
+def strokes(draw):
+    """Lines and points of width and size 1, each fragment counted in the stencil.
+
+    x in odd eighths and y in odd sixteenths of a pixel: no vertex lies on the boundary of a diamond or of a
+    pixel, where OpenGL's rules ask for the vertex to be moved by an infinitesimal, up or down.
+    """
+    random = np.random.default_rng(draw(seeds))
+    primitives = (
+        PrimitiveType.LINES,
+        PrimitiveType.LINE_STRIP,
+        PrimitiveType.LINE_LOOP,
+        PrimitiveType.POINTS,
+    )
+    count = draw(st.integers(2, 8))
+    x = (2 * random.integers(0, 4 * WIDTH, count) + 1) / 8.0
+    y = (2 * random.integers(0, 8 * HEIGHT, count) + 1) / 16.0
+    positions = np.stack([2.0 * x / WIDTH - 1.0, 2.0 * y / HEIGHT - 1.0], -1)
+    count_up = StencilTest(depth_pass=StencilOperation.INCR)
+    mesh = Mesh(positions, draw(st.sampled_from(primitives)))
+    return (Draw(label="draw", mesh=mesh, state=PassState(stencil_test=count_up)),)

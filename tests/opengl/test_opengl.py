@@ -10,9 +10,9 @@ from pipeline.commands import Clear, Draw, Mesh
 from pipeline.enums import BlendFactor, StencilOperation
 from pipeline.profiles import OPENGL_1_2
 from pipeline.state import Blending, PassState, StencilTest
-from tests.opengl.compare import compare, edge_pixels, example
+from tests.opengl.compare import compare, diamond_ties, edge_pixels, example
 from tests.opengl.mesa import Mesa
-from tests.opengl.passes import EXTENDED, HEIGHT, PROFILES, WIDTH, anywhere, frames
+from tests.opengl.passes import EXTENDED, HEIGHT, PROFILES, WIDTH, anywhere, frames, strokes
 
 
 def _mesa(driver):
@@ -73,6 +73,19 @@ def test_passes_are_softpipe_s(softpipe, data, textured):
 @given(anywhere())
 def test_coverage_is_llvmpipe_s_wherever_vertices_lie(llvmpipe, commands):
     assert_alike_off_edges(llvmpipe, commands, OPENGL_1_2, 0.1)
+
+
+@settings(max_examples=150)
+@given(strokes())
+def test_lines_and_points_are_llvmpipe_s(llvmpipe, commands):
+    assert_alike(llvmpipe, commands, OPENGL_1_2, diamond_ties(commands, OPENGL_1_2, WIDTH, HEIGHT))
+
+
+@pytest.mark.slow
+@settings(max_examples=2000)
+@given(strokes())
+def test_thousands_of_lines_and_points_are_llvmpipe_s(llvmpipe, commands):
+    assert_alike(llvmpipe, commands, OPENGL_1_2, diamond_ties(commands, OPENGL_1_2, WIDTH, HEIGHT))
 
 
 @pytest.mark.slow
