@@ -181,8 +181,16 @@ def _registers_read(program):
     return used
 
 
+def _discards(state):
+    """Whether a texture shader stage may discard fragments, or change their depth."""
+    stages = state.texture_shader or ()
+    return any(stage.operation in _DISCARDING for stage in stages[: len(state.texture_units)])
+
+
 def _pack_combiners(state, profile, textures, draw):
     program = combiner_program(state, profile, textures)
+    if program is None and _discards(state):
+        program = WITH_FOG  # the primary colour, too, but texture shader stages run before it
     if program is None:
         draw[R.DIRECT] = 1
         zero = np.zeros

@@ -35,11 +35,11 @@ class Snapshot:
 
 
 def snapshot(command, framebuffer):
-    """Copy the framebuffer."""
+    """Copy the framebuffer, colours of other widths as bytes."""
     return Snapshot(
         command.label,
         type(command).__name__,
-        framebuffer.color.copy(),
+        framebuffer.image(),
         framebuffer.depth.copy(),
         framebuffer.stencil.copy(),
         framebuffer.depth_bits,

@@ -475,6 +475,8 @@ def test_a_clear_has_the_buffer_s_width():
     machine.run([Clear(label="clear", color=(0.1, 0.5, 2.0, -1.0))])
     assert machine.framebuffer.color[0, 0].tolist() == [410, 2048, 4095, 0]
     assert machine.framebuffer.image()[0, 0].tolist() == [26, 128, 255, 0]
+    (shown,) = machine.run([Clear(label="clear", color=(0.1, 0.5, 2.0, -1.0))], trace=True).trace
+    assert shown.pictures()["color"][0, 0].tolist() == [26, 128, 255]
 
 
 def test_a_width_that_the_machine_has_not_is_refused():

@@ -1,12 +1,21 @@
-"""Both engines and the specification draw the same where a fast path ends: what the fuzz once found."""
+"""All engines and the specification draw the same where a fast path ends: what the fuzz once found."""
 
 import numpy as np
 import pytest
 
 from pipeline.commands import Draw, Mesh, TexImage
-from pipeline.enums import ComparisonFunction, TextureFilter, VertexStage, WrapMode
+from pipeline.enums import ComparisonFunction, TextureFilter, TextureShaderOperation, VertexStage, WrapMode
+from pipeline.execute import execute
 from pipeline.profiles import NV2A
-from pipeline.state import DepthClamp, DepthTest, PassState, Sampler, TextureUnit, VertexState
+from pipeline.state import (
+    DepthClamp,
+    DepthTest,
+    PassState,
+    Sampler,
+    TextureShaderStage,
+    TextureUnit,
+    VertexState,
+)
 from pipeline.textures import texture_2d
 from tests import fuzz
 from tests.random_frames import Frame
@@ -18,7 +27,13 @@ DEPTH = DepthTest(ComparisonFunction.LESS)
 
 def assert_all_equal(commands, width, height, depth_bits=24):
     frame = Frame(0, NV2A, width, height, depth_bits, tuple(commands), small=True)
-    ways = (fuzz.Way(), fuzz.Way("portable"), fuzz.Way(threads=2, batch=100), fuzz.Way(reference=True))
+    ways = (
+        fuzz.Way(),
+        fuzz.Way("portable"),
+        fuzz.Way("columns"),
+        fuzz.Way(threads=2, batch=100),
+        fuzz.Way(reference=True),
+    )
     fuzz.compare(frame, ways)
 
 
@@ -58,3 +73,15 @@ def test_one_vertex_s_q_divides_every_triangle_s_coordinates():
     assert_all_equal(
         [TexImage(label="t", texture="t", image=image), Draw(label="draw", mesh=mesh, state=state)], 8, 6
     )
+
+
+def test_a_stage_that_culls_runs_where_no_environment_has_an_effect():
+    stages = (TextureShaderStage(TextureShaderOperation.CULL_FRAGMENT),)  # kept where nothing is below zero
+    state = PassState(vertex=PROGRAMMED, texture_units=(TextureUnit(None),), texture_shader=stages)
+    corners = np.array([[0, 0, 0, 1], [20, 0, 0, 1], [0, 20, 0, 1]], np.float64)
+    coordinates = np.array([[-1.0, 1.0], [2.0, 1.0], [-1.0, 1.0]])
+    mesh = Mesh(corners, texture_coordinates=(coordinates,))
+    draw = Draw(label="draw", mesh=mesh, state=state)
+    assert_all_equal([draw], 8, 6)
+    drawn = execute([draw], NV2A, 8, 6).framebuffer.color[..., 0] == 255
+    assert not drawn.all() and drawn[:, -1].all()

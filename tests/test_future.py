@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from effects.figures import FIGURES
 from pipeline.commands import Draw, Mesh, TexImage
 from pipeline.describe import describe
 from pipeline.enums import (
@@ -131,6 +132,21 @@ def test_combiners_come_before_the_filter_where_that_is_asked(before):
     np.testing.assert_allclose(machine, ideal, atol=3.0 / 255)  # texels of 8 bits, filtered with 8 bits
     other = pair(replace(state, evaluate_before_filtering=not before), mesh, images)[0]
     assert np.abs(machine - other).max() > 0.05
+
+
+def test_the_rings_of_f004_2_go_where_evaluation_comes_first():
+    figure, size = FIGURES["F004-2"], 96
+    commands, apart = figure.commands(FUTURE, size), []
+    for before in (False, True):
+        frame = [
+            replace(c, state=replace(c.state, evaluate_before_filtering=True))
+            if before and isinstance(c, Draw) and any(c.state.texture_units)
+            else c
+            for c in commands
+        ]
+        image = execute(frame, FUTURE, *figure.dimensions(size)).framebuffer.image()[..., :3] / 255
+        apart.append(np.sqrt(np.mean((image[:, :size] - image[:, size:]) ** 2)))
+    assert apart[1] < apart[0] / 4.0
 
 
 def test_a_filter_of_one_texel_evaluates_the_same_before_and_after():
