@@ -6,6 +6,7 @@ import numpy as np
 from numba import float64, int32, int64, uint32
 
 from raster import rows as R
+from raster.footprint import probes_along
 from raster.kernel import float_of, kernel, separate_function, separate_loop
 from raster.level_of_detail import coordinates_at
 from raster.sample import FAR, filter_unit, log2_q7
@@ -14,7 +15,7 @@ from raster.texture_shader import copy_column
 
 @kernel
 def block_footprint(draw, kind, v0, v1, v2, x, y, inverse_w, coordinates, unit, row, width, height, bx, by):
-    """(along s, along t, ratio, lambda) of the block whose origin is (bx, by).
+    """(along s, along t, ratio or probes, lambda) of the block whose origin is (bx, by).
 
     The longer of the two steps to the block's neighbours, in texture coordinates; how many times longer than
     the other, or than one texel, it is; lambda of the step divided by that, 8 fraction bits, without bias.
@@ -34,9 +35,12 @@ def block_footprint(draw, kind, v0, v1, v2, x, y, inverse_w, coordinates, unit, 
     if not (ok0 and ok1 and ok2 and dx2 < np.inf and dy2 < np.inf):
         return 0.0, 0.0, 1.0, FAR
     longer, shorter = max(dx2, dy2), min(dx2, dy2)
+    along_s, along_t = (s1 - s0, t1 - t0) if dx2 >= dy2 else (s2 - s0, t2 - t0)
+    if row[R.PROBES]:
+        probes, square = probes_along(longer, shorter, row[R.PROBES])
+        return along_s, along_t, probes, (log2_q7(square) if square > 0.0 else int32(-FAR))
     ratio = np.sqrt(longer) / max(np.sqrt(shorter), 1.0)
     ratio = min(max(ratio, 1.0), float_of(row[R.ANISOTROPY]))
-    along_s, along_t = (s1 - s0, t1 - t0) if dx2 >= dy2 else (s2 - s0, t2 - t0)
     rho2 = longer / (ratio * ratio)
     return along_s, along_t, ratio, (log2_q7(rho2) if rho2 > 0.0 else int32(-FAR))
 
@@ -63,7 +67,10 @@ def footprints(
     floats,
     ints,
 ):
-    """ALONG_S, ALONG_T and RATIO of every fragment's block, and LOD. Arguments as in level_of_detail."""
+    """ALONG_S, ALONG_T, RATIO (of footprint assembly: probes) of every fragment's block, and LOD.
+
+    Arguments as in level_of_detail.
+    """
     separate_function()
     width, height = float64(levels[0, 1]), float64(levels[0, 2])
     if row[R.TARGET] == 4:  # coordinates that count texels already

@@ -8,7 +8,7 @@ is the lower left, lower right and upper right corner of its square, whose edge 
 from numba import int64
 
 from raster import rows as R
-from raster.kernel import kernel
+from raster.kernel import kernel, separate_function
 
 
 @kernel
@@ -57,6 +57,7 @@ def line_run(draw, stroke, x0, y0, x1, y1, row, first, end):
     values alike: (from, to, x, y, 1 where all take those of one sample), (x, y) the pixel whose sample gives
     the first its values.
     """
+    separate_function()
     dx, dy = x0 - x1, y0 - y1
     replicates = draw[R.LINE_STEPS] == 2 and draw[R.LINE_WIDTH] > 8
     if abs(dx) < abs(dy):

@@ -1,11 +1,11 @@
 """A texture unit over a batch: which of the steps of sampling its state asks for."""
 
-from numba import int32, int64, uint32
+from numba import int32, uint32
 
 from raster import rows as R
 from raster.anisotropic import filter_along, footprints
 from raster.combine import fill_plane
-from raster.footprint import assemble_probes, probe_footprints
+from raster.footprint import assemble_probes
 from raster.interpolate import iterate_coordinate
 from raster.kernel import float_of, kernel, separate_function
 from raster.level_of_detail import level_of_detail
@@ -87,18 +87,15 @@ def sample_unit(
             floats, R.COORDINATE0, divided, count, float_of(row[R.COORDINATE_DEPTH]),
             row[R.DEPTH_TEXEL_MANTISSA], int32(row[R.DEPTH_TEXEL_MAX]), ints,
         )  # fmt: skip
-    if row[R.ANISOTROPY]:
+    if row[R.ANISOTROPY] or row[R.PROBES] > 1:
         footprints(
             draw, run_starts, run_x, run_y, runs, triangles, strokes, x, y, inverse_w, coordinates, u,
             row, levels, floats, ints,
         )  # fmt: skip
-        filter_along(texels, levels, row, count, floats, ints, packed)
-    elif row[R.PROBES] > 1:
-        most = probe_footprints(
-            draw, run_starts, run_x, run_y, runs, triangles, strokes, x, y, inverse_w, coordinates, u,
-            row, levels, floats, ints,
-        )  # fmt: skip
-        assemble_probes(texels, levels, row, int64(most), count, floats, ints, packed)
+        if row[R.PROBES] > 1:
+            assemble_probes(texels, levels, row, count, floats, ints, packed)
+        else:
+            filter_along(texels, levels, row, count, floats, ints, packed)
     else:
         if row[R.MIPMAP] != 0 or row[R.MAG_LINEAR] != row[R.MIN_LINEAR]:
             level_of_detail(
