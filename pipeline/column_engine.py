@@ -12,7 +12,7 @@ import numpy as np
 
 from pipeline.check_future import units_along
 from pipeline.column_combiners import Registers, arithmetic_of, combine, filled, without_combiners
-from pipeline.column_shader import ShaderStages
+from pipeline.column_shader import run_stages
 from pipeline.column_textures import LAMBDA_BITS, unit_samplers
 from pipeline.columns import keep_significant_bits
 from pipeline.enums import (
@@ -338,8 +338,7 @@ def shade_and_write(fragments, state, profile, framebuffer, textures):
         some = fragments.part(part)
         with np.errstate(all="ignore"):  # coordinates may be infinite, or no numbers
             if state.texture_shader is not None:
-                stages = ShaderStages(some, state, profile, framebuffer, samplers, bits)
-                registers, depth[part] = stages.registers, stages.depth
+                registers, depth[part] = run_stages(some, state, profile, framebuffer, samplers, bits)
             shaded = shade(some, state, profile, bits, textures, samplers, registers)
         color[part] = wide.convert(shaded, wide.one_of(bits), wide.one_of(framebuffer.color_bits))
     return write(replace(fragments, depth=depth), color, state, profile, framebuffer)
@@ -478,14 +477,14 @@ class _Draw:
         count, units = len(px), len(self.units)
         q0, q2, b0, b2 = weights
         coordinates, lod, footprints = np.zeros((count, units, 4)), np.zeros((count, units)), None
-        for k, unit in enumerate(self.units):
+        for k, (given, unit) in enumerate(zip(self.state.texture_units, self.units, strict=True)):
+            if given is None:
+                continue
             corners = self.primitives.coordinates[vertices, k]
             coordinates[:, k] = wide_iterate.iterate_coordinates(q0, q2, corners)
-            if unit is None:
-                continue
-            if unit.unit.spherical_coordinates:
+            if given.spherical_coordinates:
                 coordinates[:, k, :3] = wide_future.spherical(b0, b2, corners[:, :, :3])
-            if not (unit.needs_lambda or unit.anisotropic or unit.probes):
+            if unit is None or not (unit.needs_lambda or unit.anisotropic or unit.probes):
                 continue
             target, sizes = unit.texture.target, unit.sizes
             steps, plain, missing = wide_iterate.block_steps(

@@ -1,112 +1,145 @@
-"""Texture shaders in the column engine (docs/numbers.md, section 12): every stage in order, on columns.
-
-Stages read texels as bytes, whatever their texture's width.
-"""
+"""Texture shaders in the column engine: the stages of a pass, one after the other, on fragments' columns."""
 
 import numpy as np
 
-from pipeline.enums import CullMode, TextureTarget
+from pipeline.enums import DotProductMapping, TextureTarget
 from pipeline.enums import TextureShaderOperation as Operation
-from pipeline.pack import CONVENTIONAL, shader_stages
+from pipeline.pack import CONVENTIONAL, DEPTH_ROWS, shader_stages
 from raster import wide, wide_shader
 
-_WITH_OFFSET = (
-    Operation.OFFSET_TEXTURE_2D,
-    Operation.OFFSET_TEXTURE_2D_SCALE,
-    Operation.OFFSET_TEXTURE_RECTANGLE,
-    Operation.OFFSET_TEXTURE_RECTANGLE_SCALE,
-)
 _WITH_SCALE = (Operation.OFFSET_TEXTURE_2D_SCALE, Operation.OFFSET_TEXTURE_RECTANGLE_SCALE)
-_BYTE = 255
+_WITH_OFFSET = (Operation.OFFSET_TEXTURE_2D, Operation.OFFSET_TEXTURE_RECTANGLE, *_WITH_SCALE)
+_PLANES = (Operation.DOT_PRODUCT_TEXTURE_2D, Operation.DOT_PRODUCT_TEXTURE_RECTANGLE)
+_TO_FACES = (
+    Operation.TEXTURE_CUBE_MAP,
+    Operation.DOT_PRODUCT_TEXTURE_CUBE_MAP,
+    Operation.DOT_PRODUCT_REFLECT_CUBE_MAP,
+    Operation.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP,
+    Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP,
+)
+_WORDS = (DotProductMapping.UNSIGNED_HILO, DotProductMapping.SIGNED_HILO_HEMISPHERE)
 
 
-class ShaderStages:
-    """The stages of a FragmentColumns, run.
+def stage_width_problem(stages, widths, profile):
+    """Why texels of these widths cannot be read as words of 16 bits, as a sentence, or None.
 
-    registers  texture unit to its register, int64 [4, k] in units of ``bits``
-    depth      int64 [k]: the fragments' depth words, -1 where one was discarded
+    ``widths``: of each stage's texel in bits, None where it has none.
     """
+    for i, stage in enumerate(stages):
+        if stage.operation is Operation.BRDF_TEXTURE_3D:
+            read = i - 2, i - 1
+        elif stage.operation.name.startswith("DOT_PRODUCT") and stage.dot_product_mapping in _WORDS:
+            read = (stage.previous_texture_input,)
+        else:
+            continue
+        for k in read:
+            if widths[k] != wide_shader.WORD_BITS:
+                return (
+                    f"texture shader stage {i} ({stage.operation.name}) reads words of 16 bits of stage {k}, "
+                    f"whose components have {widths[k]} bits on {profile.name}; give stage {k} a HILO16 "
+                    "texture, or the dot product another mapping."
+                )
+    return None
+
+
+def run_stages(fragments, state, profile, framebuffer, samplers, bits):
+    """Every unit's register, by its number, int64 [4, k] in units of ``bits``, and the fragments' depths,
+    below 0 where a stage discarded them (docs/numbers.md, section 12).
+    """
+    run = _Run(fragments, state, profile, framebuffer, samplers, bits)
+    for i in range(len(run.stages)):
+        run.stage(i)
+    return run.registers, np.where(run.alive, run.depth, -1)
+
+
+class _Run:
+    """What stages have left so far: ``texels`` of each, 0..one of its ``widths``."""
 
     def __init__(self, fragments, state, profile, framebuffer, samplers, bits):
-        self._fragments, self._samplers = fragments, samplers
-        self._stages = shader_stages(state)
-        self._bytes, self.registers = [], {}
-        self._alive, self.depth = np.ones(len(fragments.x), bool), fragments.depth
-        self._largest = float((1 << framebuffer.depth_bits) - 1)
-        self._units = 1.0 if profile.depth_units_in_coordinates else self._largest
-        one = wide.one_of(bits)
-        for i in range(len(self._stages)):
-            register, texel = self._run(i, bits)
-            self._bytes.append(texel)
-            self.registers[i] = wide.convert(texel, _BYTE, one).T if register is None else register
-        self.depth = np.where(self._alive, self.depth, -1)
+        self.fragments, self.samplers, self.bits = fragments, samplers, bits
+        self.stages, self.real_bits = shader_stages(state), profile.texture_bits
+        self.largest = DEPTH_ROWS[framebuffer.depth_format][1]
+        self.depth_scale = 1.0 if profile.depth_units_in_coordinates else float(self.largest)
+        self.depth, self.alive = fragments.depth, np.ones(len(fragments.x), bool)
+        self.registers, self.texels, self.widths = {}, [], []
 
-    def _run(self, i, bits):
-        """(stage i's register, None where its bytes say all; its texel as bytes)."""
-        stage, count = self._stages[i], len(self._fragments.x)
-        operation, nothing = stage.operation, np.zeros((count, 4), np.int64)
+    def stage(self, i):
+        """Run stage i."""
+        operation, count, width = self.stages[i].operation, len(self.alive), self.real_bits
+        sampler, own = self.samplers[i], self.fragments.coordinates[:, i]
+        texel = register = np.zeros((count, 4), np.int64)
         if operation == Operation.NONE:
-            nothing[:, 3] = _BYTE  # Measured: disabled units
-            return None, nothing
-        if operation == Operation.PASS_THROUGH:
-            return None, wide_shader.real_byte(self._coordinates(i))
-        if operation == Operation.CULL_FRAGMENT:
-            less = np.array([mode == CullMode.LESS for mode in stage.cull_modes])
-            self._alive &= ((self._coordinates(i) < 0.0) == less).all(axis=1)
-            return None, nothing
-        if operation == Operation.DOT_PRODUCT_DEPTH_REPLACE:
-            products = self._dot_product(i - 1), self._dot_product(i)
-            self.depth, inside = wide_shader.replaced_depth(*products, self._units, self._largest)
-            self._alive &= inside
-            return None, nothing
-        if operation == Operation.DOT_PRODUCT:
-            return None, nothing
-        sampler = self._samplers[i]
-        foreign = operation == Operation.TEXTURE_CUBE_MAP
-        foreign &= sampler.texture.target != TextureTarget.TEXTURE_CUBE_MAP
-        if operation in CONVENTIONAL and not foreign:
-            texel = sampler.texel(self._fragments)
+            register = np.broadcast_to(np.array([0, 0, 0, wide.one_of(self.bits)]), (count, 4))
+        elif operation == Operation.PASS_THROUGH:
+            texel = wide_shader.real_texel(own, width)
+            register = wide.convert(texel, wide.one_of(width), wide.one_of(self.bits))
+        elif operation == Operation.CULL_FRAGMENT:
+            self.alive &= wide_shader.kept(own, self.stages[i].cull_modes)
+        elif operation == Operation.DOT_PRODUCT_DEPTH_REPLACE:
+            dots = self.dot_product(i - 1), self.dot_product(i)
+            self.depth, inside = wide_shader.replaced_depth(*dots, self.depth_scale, self.largest)
+            self.alive &= inside
+        elif operation != Operation.DOT_PRODUCT:
+            width = sampler.bits
+            texel = self._texel(i)
+            register = sampler.as_register(texel, self.fragments, self.bits).T
+            texel = texel & sampler.one
+            if operation in _WITH_SCALE:
+                stage = self.stages[i]
+                of = stage.previous_texture_input
+                magnitude = self.texels[of][:, 0], self.widths[of]
+                factors = stage.offset_texture_scale, stage.offset_texture_bias
+                texel = wide_shader.scaled(texel, width, *magnitude, *factors)
+                register = wide.convert(texel, sampler.one, wide.one_of(self.bits))
+        self.registers[i] = np.ascontiguousarray(register.T)
+        self.texels.append(texel)
+        self.widths.append(width)
+
+    def _texel(self, i):
+        """A unit's filtered texel, its signed components below 0 where they are."""
+        operation, sampler = self.stages[i].operation, self.samplers[i]
+        own, target = self.fragments.coordinates[:, i], sampler.texture.target
+        cube_map = target == TextureTarget.TEXTURE_CUBE_MAP
+        if operation not in CONVENTIONAL:
+            strq = self._made(i)
+        elif operation == Operation.TEXTURE_CUBE_MAP and not cube_map:
+            strq = own[:, :3]
         else:
-            made = self._coordinates(i)[:, :3] if foreign else self._made(i)
-            texel = sampler.made(made, self._fragments, operation, operation in _WITH_OFFSET)
-        if operation in _WITH_SCALE:
-            previous = self._bytes[stage.previous_texture_input]
-            scale = stage.offset_texture_scale, stage.offset_texture_bias
-            texel = wide_shader.scaled(sampler.as_bytes(texel), previous[:, 0], *scale)
-            return None, texel
-        return sampler.as_register(texel, self._fragments, bits), sampler.as_bytes(texel)
-
-    def _coordinates(self, i):
-        return self._fragments.coordinates[:, i]
-
-    def _dot_product(self, i):
-        stage = self._stages[i]
-        vector = wide_shader.mapped(self._bytes[stage.previous_texture_input], stage.dot_product_mapping)
-        return wide_shader.dot(tuple(self._coordinates(i)[:, :3].T), vector)
+            return sampler.filtered(self.fragments)
+        if operation in _TO_FACES and not cube_map:
+            strq = wide_shader.face_planes(strq)
+        flat = cube_map and operation == Operation.DOT_PRODUCT_TEXTURE_3D
+        return sampler.at_level_zero(strq, own[:, 2], operation not in _WITH_OFFSET, flat)
 
     def _made(self, i):
-        """(s, t, r) float64 [k, 3] of an access whose coordinates a stage makes."""
-        stage, none = self._stages[i], np.zeros(len(self._fragments.x))
-        operation, previous = stage.operation, self._bytes[stage.previous_texture_input]
-        if operation in _WITH_OFFSET:
-            s, t = (self._coordinates(i)[:, axis] for axis in (0, 1))
-            found = (*wide_shader.offset(s, t, previous, stage.offset_texture_matrix), none)
-        elif operation == Operation.DEPENDENT_AR_TEXTURE_2D:
-            found = previous[:, 3] / 255.0, previous[:, 0] / 255.0, none
-        elif operation == Operation.DEPENDENT_GB_TEXTURE_2D:
-            found = previous[:, 1] / 255.0, previous[:, 2] / 255.0, none
-        elif operation == Operation.BRDF_TEXTURE_3D:
-            eye, light = (wide_shader.words(self._bytes[k]) for k in (i - 2, i - 1))
-            found = eye[0] / 65535.0, light[0] / 65535.0, (light[1] - eye[1]) / 65536.0
-        elif operation in (Operation.DOT_PRODUCT_TEXTURE_2D, Operation.DOT_PRODUCT_TEXTURE_RECTANGLE):
-            found = self._dot_product(i - 1), self._dot_product(i), none
+        """Coordinates (s, t, r) that stage i makes, float64 [k, 3]."""
+        stage, operation = self.stages[i], self.stages[i].operation
+        nothing, previous = np.zeros(len(self.alive)), stage.previous_texture_input
+        if operation == Operation.BRDF_TEXTURE_3D:
+            made = wide_shader.brdf(self.texels[i - 2], self.texels[i - 1])
+        elif operation in _WITH_OFFSET:
+            given, width = self.texels[previous], self.widths[previous]
+            own = self.fragments.coordinates[:, i]
+            made = (*wide_shader.offset(own, given, stage.offset_texture_matrix, width), nothing)
+        elif operation in (Operation.DEPENDENT_AR_TEXTURE_2D, Operation.DEPENDENT_GB_TEXTURE_2D):
+            pair = (3, 0) if operation == Operation.DEPENDENT_AR_TEXTURE_2D else (1, 2)
+            one = float(wide.one_of(self.widths[previous]))
+            made = (*(self.texels[previous][:, k] / one for k in pair), nothing)
+        elif operation in _PLANES:
+            made = self.dot_product(i - 1), self.dot_product(i), nothing
         elif operation == Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP:
-            found = tuple(self._dot_product(k) for k in (i - 1, i, i + 1))
+            made = tuple(self.dot_product(k) for k in (i - 1, i, i + 1))
         else:
-            found = tuple(self._dot_product(k) for k in (i - 2, i - 1, i))
+            made = tuple(self.dot_product(k) for k in (i - 2, i - 1, i))
             if operation == Operation.DOT_PRODUCT_REFLECT_CUBE_MAP:
-                eye = tuple(self._coordinates(k)[:, 3] for k in (i - 2, i - 1, i))
-                found = wide_shader.reflected(found, eye)
+                eye = tuple(self.fragments.coordinates[:, k, 3] for k in (i - 2, i - 1, i))
+                made = wide_shader.reflected(made, eye)
             elif operation == Operation.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP:
-                found = wide_shader.reflected(found, tuple(float(e) for e in stage.constant_eye))
-        return np.stack(np.broadcast_arrays(*found), axis=1).astype(np.float64)
+                made = wide_shader.reflected(made, tuple(float(e) for e in stage.constant_eye))
+        return np.stack(made, axis=1)
+
+    def dot_product(self, i):
+        """Unit i's dot product, float64 [k]."""
+        previous, mapping = self.stages[i].previous_texture_input, self.stages[i].dot_product_mapping
+        own = self.fragments.coordinates[:, i].T
+        return wide_shader.dot(own, wide_shader.vector(self.texels[previous], mapping, self.widths[previous]))

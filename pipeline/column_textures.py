@@ -7,12 +7,11 @@ from pipeline.enums import (
     MagnificationThreshold,
     TextureCompareMode,
     TextureFilter,
-    TextureShaderOperation,
     TextureTarget,
 )
 from pipeline.textures import BASE_FORMAT, DEPTH_TEXELS, KEPT, depth_texture_mode, register_components
 from pipeline.transfer import ENTRY_COMPONENTS, table_entries
-from raster import wide, wide_iterate, wide_texture
+from raster import wide, wide_texture
 from raster.transfer import texture_color_table
 
 _LINEAR_IN_LEVEL = (
@@ -101,24 +100,32 @@ class UnitSampler:
         """The unit's register, int64 [4, k] in units of ``bits``. ``tap``: of one texel of its filter,
         (level, layer, row, column), 0 or 1 each.
         """
-        return self.as_register(self._filtered(fragments, tap)[:, :4], fragments, bits)
+        return self.as_register(self.filtered(fragments, tap)[:, :4], fragments, bits)
 
     def looked_up(self, strq, fragments, bits):
         """The register at other coordinates, float64 [k, 4]: level 0, by the magnification filter."""
+        return self.as_register(self.at_level_zero(strq, strq[:, 2]), fragments, bits)
+
+    def at_level_zero(self, strq, r, lifted=True, flat=False):
+        """Level 0 at made coordinates, float64 [k, 3 or 4], by the magnification filter: int64 [k, 4].
+
+        r       float64 [k], what a comparison compares
+        lifted  by the bias of computed coordinates
+        flat    s and t on a cube map's first face
+        """
         compared = None
         if self.compares:
-            compared = wide_texture.depth_reference(
-                strq[:, 2] * self.depth_scale, self.mantissa, self.largest
-            )
+            if self.sampler.compare_mode != TextureCompareMode.COMPARE_R_TO_TEXTURE:
+                r = np.zeros(len(strq))
+            compared = wide_texture.depth_reference(r * self.depth_scale, self.mantissa, self.largest)
         linear = self.sampler.mag_filter == TextureFilter.LINEAR
-        texel = self._level(0, linear, strq, False, compared, True)
-        return self.as_register(texel, fragments, bits)
+        return self._level(0, linear, strq, False, compared, lifted, flat=flat)
 
     def fractions(self, fragments, level):
         """Fractions between the columns, rows, layers and levels of the filter at the lower (0) or the upper
         (1) of its levels, int64 [k, 4].
         """
-        return self._filtered(fragments, (level, 0, 0, 0))[:, 4:]
+        return self.filtered(fragments, (level, 0, 0, 0))[:, 4:]
 
     @property
     def linear(self):
@@ -129,36 +136,6 @@ class UnitSampler:
     def between_levels(self):
         """Whether the minification filter reads two levels."""
         return self.sampler.min_filter in _BETWEEN_LEVELS
-
-    def texel(self, fragments):
-        """A texel of each fragment, int64 [k, 4] in the texture's units."""
-        return self._filtered(fragments)
-
-    def made(self, str_, fragments, operation, offset):
-        """A texel at coordinates that a texture shader made, or moved (``offset``), float64 [k, 3]: at
-        level 0, by the magnification filter (section 12).
-        """
-        cube = self.texture.target == TextureTarget.TEXTURE_CUBE_MAP
-        strq = np.concatenate([str_, np.ones((len(str_), 1))], axis=1)
-        if not cube and operation.name.endswith("CUBE_MAP"):
-            sc, tc, major = wide_iterate.on_face(strq, wide_iterate.major_axis(strq))
-            none = ~(major > 0.0)
-            divisor = np.where(none, 1.0, major)
-            strq[:, 0], strq[:, 1] = np.where(none, 0.0, sc / divisor), np.where(none, 0.0, -tc / divisor)
-            strq[:, 2] = 0.0
-        compared = None
-        if self.compares:
-            r = np.zeros(len(strq))
-            if self.sampler.compare_mode == TextureCompareMode.COMPARE_R_TO_TEXTURE:
-                r = fragments.coordinates[:, self.number, 2]
-            compared = wide_texture.depth_reference(r * self.depth_scale, self.mantissa, self.largest)
-        linear = self.sampler.mag_filter == TextureFilter.LINEAR
-        flat = cube and operation == TextureShaderOperation.DOT_PRODUCT_TEXTURE_3D
-        return self._level(0, linear, strq, False, compared, not offset, flat=flat)
-
-    def as_bytes(self, texel):
-        """Texels as the bytes that texture shader stages read."""
-        return texel & 255 if self.bits == 8 else wide.convert(texel, self.one, 255)
 
     def as_register(self, texel, fragments, bits):
         """What the unit's register receives of its texels, int64 [4, k]."""
@@ -171,7 +148,7 @@ class UnitSampler:
             texel = np.where(self.signed, 2 * texel, texel)
         return wide.convert(texel, self.one, wide.one_of(bits)).T
 
-    def _filtered(self, fragments, tap=None):
+    def filtered(self, fragments, tap=None):
         """A texel of each fragment, int64 [k, 4] in the texture's units; of a ``tap`` with its fractions."""
         strq = fragments.coordinates[:, self.number]
         divided = bool((strq[:, 3] != 1.0).any())

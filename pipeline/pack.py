@@ -297,7 +297,7 @@ FARTHEST = {
     DepthFormat.FLOAT_16: 511.9375,
     DepthFormat.FLOAT_24: (2.0 - 2.0**-16) * 2.0**127,
 }
-_DEPTH_ROWS = {  # code, largest word
+DEPTH_ROWS = {  # code, largest word
     DepthFormat.FIXED_16: (0, 0xFFFF),
     DepthFormat.FIXED_23: (0, 0x7FFFFF),
     DepthFormat.FIXED_24: (0, 0xFFFFFF),
@@ -308,7 +308,7 @@ _DEPTH_ROWS = {  # code, largest word
 
 def _pack_depth(state, framebuffer, draw, draw_float):
     depth_format, test, polygon = framebuffer.depth_format, state.depth_test, state.polygon
-    draw[R.DEPTH_FORMAT], draw[R.DEPTH_MAX] = _DEPTH_ROWS[depth_format]
+    draw[R.DEPTH_FORMAT], draw[R.DEPTH_MAX] = DEPTH_ROWS[depth_format]
     draw_float[R.DEPTH_HIGH] = FARTHEST[depth_format]
     limits = state.depth_clamp
     if limits is not None:
@@ -571,7 +571,8 @@ def _pack_units(state, profile, textures, used, draw):
             _pack_comparison(sampler, texture.internal_format, profile, row)
         else:
             row[R.BORDER] = border_texel(sampler.border_color, texture.internal_format) ^ int(row[R.SIGNED])
-        if texture.target != TextureTarget.TEXTURE_CUBE_MAP:  # which reads a direction as it is
+        # A cube map reads a direction as it is, and what a stage makes is not divided either.
+        if texture.target != TextureTarget.TEXTURE_CUBE_MAP and not row[R.OPERATION]:
             divided.append(i)
     return units, divided
 

@@ -27,6 +27,7 @@ from pipeline.check_future import future_problem
 from pipeline.check_pixels import bits_problem, pixel_texture_problem, rectangle_problem
 from pipeline.check_transfer import color_table_problem, pixel_image_problem, transfer_problem
 from pipeline.column_engine import NATIVE_SUBPIXEL_BITS
+from pipeline.column_shader import stage_width_problem
 from pipeline.commands import (
     Accum,
     BindTexImage,
@@ -89,7 +90,7 @@ from pipeline.state import (
 )
 from pipeline.strokes import line_problem
 from pipeline.texture_environment import environment_problem, texture_format
-from pipeline.textures import COMPONENT_BITS, DEPTH_TEXELS, TWELVE_BIT_FORMATS, Texture
+from pipeline.textures import COMPONENT_BITS, DEPTH_TEXELS, TWELVE_BIT_FORMATS, Texture, stored_widths
 from pipeline.transfer import (
     DEPTH_FORMAT,
     IMAGE_FORMATS,
@@ -348,6 +349,8 @@ _OF_TARGET = {
     _OP.DOT_PRODUCT_DIFFUSE_CUBE_MAP: (_CUBE, _2D),
     _OP.BRDF_TEXTURE_3D: (TextureTarget.TEXTURE_3D,),
 }
+# Of an unsigned texture's colours.  Source: NV_texture_shader, table 3.B.
+_SCALING = (_OP.OFFSET_TEXTURE_2D_SCALE, _OP.OFFSET_TEXTURE_RECTANGLE_SCALE)
 _REFLECTING = (_OP.DOT_PRODUCT_REFLECT_CUBE_MAP, _OP.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP)
 _WITHOUT_RESULT = (_OP.NONE, _OP.CULL_FRAGMENT, _OP.DOT_PRODUCT, _OP.DOT_PRODUCT_DEPTH_REPLACE)
 
@@ -393,6 +396,11 @@ def _stage_problem(i, stages):
         return (
             f"texture shader stage {i} is DOT_PRODUCT_DIFFUSE_CUBE_MAP; the stage after it must be "
             f"{' or '.join(a.name for a in _REFLECTING)}."
+        )
+    if operation is _OP.DOT_PRODUCT_DIFFUSE_CUBE_MAP and stages[i + 1].previous_texture_input == i:
+        return (
+            f"texture shader stage {i} ({operation.name}) reads where stage {i + 1}'s dot product says, and "
+            f"that reads stage {i}; give stage {i + 1} an earlier previous_texture_input."
         )
     if operation is _OP.DOT_PRODUCT_DEPTH_REPLACE and operation in operations[:i]:
         return (
@@ -1307,6 +1315,8 @@ class _Walk:
         enabled = [(i, unit) for i, unit in enumerate(units) if unit is not None]
         if not enabled:
             return
+        if stages is not None:
+            self.stage_widths(units, stages)
         for i, unit in enabled:
             operation = None if stages is None else stages[i].operation
             if operation in WITHOUT_TEXTURE or operation is TextureShaderOperation.NONE:
@@ -1321,8 +1331,9 @@ class _Walk:
                 self.refuse(f"texture unit {i} names no texture to sample; give one, or disable the unit.")
             known = self.known_texture(unit.texture)
             needed = {TextureTarget.TEXTURE_1D: 1, TextureTarget.TEXTURE_2D: 2}.get(known.target, 3)
-            if operation in _DEPENDENT:
-                needed = _DEPENDENT[operation]
+            foreign = operation is _OP.TEXTURE_CUBE_MAP and known.target is not _CUBE
+            if operation in _DEPENDENT or foreign:
+                needed = _DEPENDENT.get(operation, 3)
                 self.dependent_access(i, unit, known, operation)
             elif operation in _OF_TARGET and known.target not in self.accessible(operation):
                 self.refuse(
@@ -1386,6 +1397,18 @@ class _Walk:
                 self.refuse(problem)
         return stages
 
+    def stage_widths(self, units, stages):
+        """Refuse stages that read words of 16 bits where there are none."""
+        widths = []
+        for unit, stage in zip(units, stages, strict=True):
+            known = None if unit is None or unit.texture is None else self.known_texture(unit.texture)
+            if known is None or stage.operation in WITHOUT_TEXTURE:
+                widths.append(self.profile.texture_bits)
+            else:
+                widths.append((stored_widths(known.internal_format, self.profile) or (8,))[0])
+        if problem := stage_width_problem(stages, widths, self.profile):
+            self.refuse(problem)
+
     def accessible(self, operation):
         """The targets of textures that an operation reads here."""
         targets = _OF_TARGET[operation]
@@ -1399,16 +1422,25 @@ class _Walk:
                 f"{operation.name} makes coordinates that have no level of detail here; set both to "
                 "NEAREST or both to LINEAR."
             )
-        if unit.sampler.max_probes > 1:
+        if max(unit.sampler.max_probes, unit.sampler.max_anisotropy) > 1:
+            filters, limit = "filters anisotropically", "max_anisotropy"
+            if unit.sampler.max_probes > 1:
+                filters, limit = "assembles footprints", "max_probes"
             self.refuse(
-                f"texture unit {number} assembles footprints, which {self.profile.name} has of its own "
-                f"coordinates, not of those that {operation.name} makes; set max_probes to 1."
+                f"texture unit {number} {filters}, which {self.profile.name} does along its own "
+                f"coordinates, not along those that {operation.name} makes; set {limit} to 1."
+            )
+        if operation in _SCALING and unit.sampler.signed_components != SignedComponents():
+            self.refuse(
+                f"texture shader stage {number} is {operation.name}, which scales unsigned components alone; "
+                "leave signed_components unset."
             )
         targets = self.accessible(operation)
         if known.target not in targets:
             self.refuse(
                 f"texture shader stage {number} is {operation.name}, but {unit.texture!r} is a "
-                f"{known.target.name}; give it a {' or '.join(t.name for t in targets)}."
+                f"{known.target.name}, which {self.profile.name} does not read so; give it a "
+                f"{' or '.join(t.name for t in targets)}."
             )
 
     def unit_coordinates(self, number, unit, needed, mesh):

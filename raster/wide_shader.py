@@ -1,77 +1,106 @@
-"""Texture shader stages' arithmetic on columns (docs/numbers.md, section 12): float64, and texels as bytes.
+"""Texture shader stages at any width (docs/numbers.md, sections 12 and 13), on columns.
 
-A vector is three columns [k]; texels are int64 [k, 4], 0 to 255.
+A stage's texel is int64 [k, 4], red first, of numbers 0..2**bits - 1; where components are signed these are
+their two's complement. Coordinates are float64 [k] or [k, c]. Codes are those of pipeline.enums.
 """
 
 import numpy as np
 
-# DotProductMapping
-UNSIGNED_IDENTITY, EXPAND_NORMAL, SIGNED_ODD, SIGNED_IDENTITY, UNSIGNED_HILO = range(5)
-SIGNED_HILO_HEMISPHERE = 7
+from raster.wide import one_of
+from raster.wide_iterate import major_axis, on_face
+
+EXPAND_NORMAL, SIGNED_ODD, SIGNED_IDENTITY, UNSIGNED_HILO = 1, 2, 3, 4  # DotProductMapping
+WORD_BITS = 8  # of a texel that holds words of 16 bits
+_GUARD_BITS = 4  # Measured: 12 fraction bits for bytes (BumpEnvMapLuminance); Assumed: as many more elsewhere
 
 
-def twos_complement(values, bits=8):
-    """Numbers from -2**(bits - 1) on."""
+def signed(values, bits):
+    """Numbers of ``bits`` bits as two's complement."""
     return np.where(values >= 1 << (bits - 1), values - (1 << bits), values)
 
 
-def real_byte(values):
-    """Real numbers as bytes. Measured: 98304 of 98304 pixels (BumpEnvMapLuminance)."""
-    limited = np.clip(np.where(np.isnan(values), 0.0, values), 0.0, 1.0)
-    return np.minimum(((np.floor(limited * 4096.0).astype(np.int64) + 1) * 255) >> 12, 255)
+def real_texel(values, bits):
+    """A texture shader's real numbers, float64, as components of ``bits`` bits; what is no number is 0."""
+    limited = np.where(values > 0.0, np.minimum(values, 1.0), 0.0)
+    fraction, one = bits + _GUARD_BITS, one_of(bits)
+    whole = np.floor(limited * float(1 << fraction)).astype(np.int64) + 1
+    return np.minimum(whole * one >> fraction, one)
+
+
+def kept(strq, modes):
+    """Which fragments a CULL_FRAGMENT stage keeps, bool [k]; ``modes``: of s, t, r and q, 1 keeps < 0."""
+    return ((strq < 0.0) == np.array(modes, bool)).all(axis=1)
 
 
 def words(texel):
-    """The two words of 16 bits of a texel: alpha and red, green and blue."""
-    return texel[:, 3] * 256 + texel[:, 0], texel[:, 1] * 256 + texel[:, 2]
+    """A texel of bytes as two words of 16 bits: alpha and red, green and blue."""
+    return texel[:, 3] << 8 | texel[:, 0], texel[:, 1] << 8 | texel[:, 2]
 
 
-def mapped(texel, mapping):
-    """A texel as the vector of a dot product. Measured: 56909 pixels for each mapping (DotSTRCube)."""
-    if mapping in (UNSIGNED_HILO, SIGNED_HILO_HEMISPHERE):
+def vector(texel, mapping, bits):
+    """(x, y, z) that a dot product reads of a texel, float64 [k] each."""
+    if mapping >= UNSIGNED_HILO:
         high, low = words(texel)
         if mapping == UNSIGNED_HILO:
-            return high / 65535.0, low / 65535.0, np.ones(len(texel))
-        x, y = (twos_complement(word, 16) / 32767.0 for word in (high, low))
+            return high / 65535.0, low / 65535.0, 1.0
+        x, y = signed(high, 16) / 32767.0, signed(low, 16) / 32767.0
         rest = (1.0 - x * x) - y * y
-        return x, y, np.sqrt(np.maximum(rest, 0.0))
-    red, green, blue = (texel[:, i] for i in range(3))
+        return x, y, np.where(rest > 0.0, np.sqrt(np.maximum(rest, 0.0)), 0.0)
+    rgb = texel[:, :3]
+    one, half = float(one_of(bits)), 1 << (bits - 1)
     if mapping == EXPAND_NORMAL:
-        return tuple((v - 128.0) / 127.0 for v in (red, green, blue))
-    if mapping == SIGNED_ODD:
-        return tuple((2.0 * twos_complement(v) + 1.0) / 255.0 for v in (red, green, blue))
-    if mapping == SIGNED_IDENTITY:
-        return tuple(twos_complement(v) / 127.0 for v in (red, green, blue))
-    return tuple(v / 255.0 for v in (red, green, blue))
+        found = (rgb - half) / float(half - 1)
+    elif mapping == SIGNED_ODD:
+        found = (2.0 * signed(rgb, bits) + 1.0) / one
+    elif mapping == SIGNED_IDENTITY:
+        found = signed(rgb, bits) / float(half - 1)
+    else:
+        found = rgb / one
+    return found[:, 0], found[:, 1], found[:, 2]
 
 
 def dot(a, b):
-    """``(a0 b0 + a1 b1) + a2 b2``."""
+    """``(a0 b0 + a1 b1) + a2 b2`` of three columns each."""
     return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
 
 
+def offset(strq, texel, matrix, bits):
+    """(s, t) moved by a texel's blue and green, in units of half its range, times the offset matrix."""
+    unit = float(1 << (bits - 1))
+    ds, dt = signed(texel[:, 2], bits) / unit, signed(texel[:, 1], bits) / unit
+    a1, a2, a3, a4 = (float(a) for a in matrix)
+    return (strq[:, 0] + a1 * ds) + a3 * dt, (strq[:, 1] + a2 * ds) + a4 * dt
+
+
+def scaled(texel, bits, magnitude, magnitude_bits, scale, bias):
+    """A texel whose colours are multiplied by another's red, scaled and biased; alpha stays."""
+    factor = (magnitude / float(one_of(magnitude_bits))) * float(scale) + float(bias)
+    colors = real_texel(texel[:, :3] * factor[:, None] / float(one_of(bits)), bits)
+    return np.concatenate([colors, texel[:, 3:]], axis=1)
+
+
+def brdf(eye, light):
+    """(s, t, r) of two texels that are directions: their theta, and the difference of their phi."""
+    (eye_theta, eye_phi), (light_theta, light_phi) = words(eye), words(light)
+    return eye_theta / 65535.0, light_theta / 65535.0, (light_phi - eye_phi) / 65536.0
+
+
 def reflected(normal, eye):
-    """``2 n (n e) - e (n n)``. Source: NV_texture_shader section 3.8.13.1.18, times n n."""
+    """``2 n (n e) - e (n n)`` of three columns each."""
     twice, square = 2.0 * dot(normal, eye), dot(normal, normal)
     return tuple(n * twice - e * square for n, e in zip(normal, eye, strict=True))
 
 
-def offset(s, t, texel, matrix):
-    """S and t moved by a texel's blue and green. Measured: BumpEnvMap, Bump_map captures."""
-    ds, dt = twos_complement(texel[:, 2]) / 128.0, twos_complement(texel[:, 1]) / 128.0
-    a1, a2, a3, a4 = (float(a) for a in matrix)
-    return (s + a1 * ds) + a3 * dt, (t + a2 * ds) + a4 * dt
-
-
-def scaled(texel, magnitude, scale, bias):
-    """Red, green and blue times a magnitude byte, scaled and biased. Measured: BumpEnvMapLuminance."""
-    factor = magnitude / 255.0 * float(scale) + float(bias)
-    return np.concatenate([real_byte(texel[:, :3] * factor[:, None] / 255.0), texel[:, 3:]], axis=1)
-
-
-def replaced_depth(numerator, denominator, units, largest):
-    """(words of a depth that a texture shader made, whether it lies inside the buffer's range)."""
-    z = np.where(denominator != 0.0, numerator / np.where(denominator == 0.0, 1.0, denominator), np.nan)
-    z = z * units
-    inside = (z >= 0.0) & (z <= largest)
+def replaced_depth(numerator, denominator, scale, largest):
+    """(floor of the quotient times ``scale``, int64 [k], and whether it is a word of the depth buffer)."""
+    z = numerator / denominator * float(scale)
+    inside = (z >= 0.0) & (z <= float(largest))  # false where it is not a number
     return np.floor(np.where(inside, z, 0.0)).astype(np.int64), inside
+
+
+def face_planes(strq):
+    """(s, t, r) of a cube map's access to a two-dimensional texture: on any face, t upwards."""
+    sc, tc, major = on_face(strq, major_axis(strq))
+    some = major > 0.0
+    s, t = (np.where(some, c / major, 0.0) for c in (sc, -tc))
+    return np.stack([s, t, np.zeros_like(s)], axis=1)

@@ -247,7 +247,7 @@ _COMBINERS = {
 }
 _SHADERS = {
     "reference": ("tests/reference/texture_shader.py",),
-    "implementation": ("raster/texture_shader.py",),
+    "implementation": ("raster/texture_shader.py", "raster/wide_shader.py"),
     "tests": ("tests/test_texture_shader.py",),
 }
 _VERTICES = {

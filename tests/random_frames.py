@@ -33,6 +33,7 @@ from pipeline.enums import (
     ComponentUsage,
     ConvolutionBorderMode,
     CullMode,
+    DotProductMapping,
     Face,
     FogArithmetic,
     FogCoordinateSource,
@@ -157,6 +158,26 @@ def random_frame(seed, *, size=None, profile=None, depth_bits=None, begins_clear
                                 drew others gives the same
     """
     return _Maker(seed).frame(size, profile, depth_bits, begins_cleared)
+
+
+_OP = TextureShaderOperation
+_WITHOUT_TEXEL = (_OP.NONE, _OP.CULL_FRAGMENT, _OP.DOT_PRODUCT, _OP.DOT_PRODUCT_DEPTH_REPLACE)
+_FLAT, _CUBE = (TextureTarget.TEXTURE_2D,), (TextureTarget.TEXTURE_CUBE_MAP,)
+_RECTANGLES = (TextureTarget.TEXTURE_RECTANGLE,)
+_DEPENDENT = (  # operations, how many DOT_PRODUCT stages they follow, the targets that they read
+    (_OP.DEPENDENT_AR_TEXTURE_2D, 0, _FLAT),
+    (_OP.DEPENDENT_GB_TEXTURE_2D, 0, _FLAT),
+    (_OP.OFFSET_TEXTURE_2D, 0, _FLAT),
+    (_OP.OFFSET_TEXTURE_2D_SCALE, 0, _FLAT),
+    (_OP.OFFSET_TEXTURE_RECTANGLE, 0, _RECTANGLES),
+    (_OP.OFFSET_TEXTURE_RECTANGLE_SCALE, 0, _RECTANGLES),
+    (_OP.DOT_PRODUCT_TEXTURE_2D, 1, _FLAT),
+    (_OP.DOT_PRODUCT_TEXTURE_RECTANGLE, 1, _RECTANGLES),
+    (_OP.DOT_PRODUCT_TEXTURE_3D, 2, (TextureTarget.TEXTURE_3D,)),
+    (_OP.DOT_PRODUCT_TEXTURE_CUBE_MAP, 2, _CUBE),
+    (_OP.DOT_PRODUCT_REFLECT_CUBE_MAP, 2, _CUBE),
+    (_OP.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP, 2, _CUBE),
+)
 
 
 class _Maker:
@@ -866,10 +887,43 @@ class _Maker:
                 operations[i] = self.one_of(
                     (TextureShaderOperation.PASS_THROUGH, TextureShaderOperation.CULL_FRAGMENT)
                 )
+        for i in range(1, len(units)):
+            if units[i] is not None and self.chance(0.6):
+                operations[i] = self.dependent_operation(i, operations, units[i])
+        mappings = sorted(self.profile.dot_product_mappings)
+        results = [k for k, operation in enumerate(operations) if operation not in _WITHOUT_TEXEL]
         return tuple(
-            TextureShaderStage(o, cull_modes=tuple(self.one_of(CullMode) for _ in range(4)))
-            for o in operations
+            TextureShaderStage(
+                operation,
+                previous_texture_input=self.one_of([k for k in results if k < i] or [0]),
+                cull_modes=tuple(self.one_of(CullMode) for _ in range(4)),
+                offset_texture_matrix=tuple(self.uniform(-1.0, 1.0) for _ in range(4)),
+                offset_texture_scale=self.uniform(-1.0, 2.0),
+                offset_texture_bias=self.uniform(-1.0, 1.0),
+                dot_product_mapping=self.one_of(mappings) if mappings else DotProductMapping(0),
+                constant_eye=tuple(self.uniform(-1.0, 1.0) for _ in range(3)),
+            )
+            for i, operation in enumerate(operations)
         )
+
+    def dependent_operation(self, i, operations, unit):
+        """An operation of stage ``i`` that reads earlier stages, where its unit and they allow one."""
+        if not any(operation not in _WITHOUT_TEXEL for operation in operations[:i]):
+            return operations[i]
+        found, dots = [TextureShaderOperation.DOT_PRODUCT], 0
+        while dots < i and operations[i - 1 - dots] is TextureShaderOperation.DOT_PRODUCT:
+            dots += 1
+        sampler, target = unit.sampler, self.textures[unit.texture].target
+        if dots and TextureShaderOperation.DOT_PRODUCT_DEPTH_REPLACE not in operations[:i]:
+            found.append(TextureShaderOperation.DOT_PRODUCT_DEPTH_REPLACE)
+        if sampler.min_filter is sampler.mag_filter and sampler.max_anisotropy == sampler.max_probes == 1:
+            unsigned = sampler.signed_components == SignedComponents()
+            found += [
+                operation
+                for operation, needed, targets in _DEPENDENT
+                if target in targets and dots >= needed and (unsigned or not operation.name.endswith("SCALE"))
+            ]
+        return self.one_of([o for o in found if o in self.profile.texture_shader_operations])
 
     def state(self):
         profile, plain = self.profile, self.plain

@@ -21,6 +21,7 @@ from pipeline.enums import (
     CombinerScale,
     ComparisonFunction,
     ComponentUsage,
+    DotProductMapping,
     InternalFormat,
     Mapping,
     MuxSelect,
@@ -307,6 +308,9 @@ def random_machine(seed):
     chooser, frame = np.random.default_rng(seed), random_frame(seed)
     widths = {name: int(chooser.choice(BITS)) for name in PARTS if chooser.random() < 0.7}
     off = [clamp for clamp in Clamp if chooser.random() < 0.2]
+    stages = [s for c in frame.commands if isinstance(c, Draw) for s in c.state.texture_shader or ()]
+    if any(s.dot_product_mapping >= DotProductMapping.UNSIGNED_HILO for s in stages):
+        widths.pop("texture_bits", None)  # words of 16 bits are those of bytes
     return frame, frame.profile.with_precision(**widths).without_clamps(*off)
 
 

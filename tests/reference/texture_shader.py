@@ -1,4 +1,4 @@
-"""Texture shader stages, one fragment at a time: docs/numbers.md section 12."""
+"""Texture shader stages, one fragment at a time: docs/numbers.md section 12, at other widths section 13."""
 
 from math import floor, sqrt
 
@@ -21,6 +21,13 @@ WITH_OFFSET = (
     Operation.OFFSET_TEXTURE_RECTANGLE,
     Operation.OFFSET_TEXTURE_RECTANGLE_SCALE,
 )
+WITHOUT_ACCESS = (
+    Operation.NONE,
+    Operation.PASS_THROUGH,
+    Operation.CULL_FRAGMENT,
+    Operation.DOT_PRODUCT,
+    Operation.DOT_PRODUCT_DEPTH_REPLACE,
+)
 WITH_SCALE = (Operation.OFFSET_TEXTURE_2D_SCALE, Operation.OFFSET_TEXTURE_RECTANGLE_SCALE)
 
 
@@ -29,14 +36,21 @@ def signed(value, bits=8):
     return value - (1 << bits) if value >= 1 << (bits - 1) else value
 
 
-def real_byte(value):
-    """A texture shader's real number as a byte. Measured: 98304 of 98304 (BumpEnvMapLuminance)."""
+def real_texel(value, bits=8):
+    """A texture shader's real number as a texel's component, four bits finer before it is cut.
+
+    Measured: 98304 of 98304 bytes (BumpEnvMapLuminance); Assumed: as many bits finer at other widths.
+    """
     value = clamp(value, 0.0, 1.0) if value == value else 0.0
-    return min(((floor(value * 4096.0) + 1) * 255) >> 12, 255)
+    one, fraction = (1 << bits) - 1, bits + 4
+    return min(((floor(value * 2.0**fraction) + 1) * one) >> fraction, one)
 
 
-def mapped(texel, mapping):
-    """A texel as the vector of a dot product. Measured: 56909 pixels for each mapping (DotSTRCube)."""
+def mapped(texel, mapping, bits=8):
+    """A texel as the vector of a dot product. Measured: 56909 pixels for each mapping (DotSTRCube); Assumed:
+    other widths than 8, at which no texel holds words of 16 bits.
+    """
+    one, half = (1 << bits) - 1, 1 << (bits - 1)
     red, green, blue, alpha = texel
     if mapping in (DotProductMapping.UNSIGNED_HILO, DotProductMapping.SIGNED_HILO_HEMISPHERE):
         high, low = alpha * 256 + red, green * 256 + blue
@@ -46,10 +60,10 @@ def mapped(texel, mapping):
         rest = (1.0 - x * x) - y * y
         return x, y, sqrt(rest) if rest > 0.0 else 0.0
     rule = {
-        DotProductMapping.UNSIGNED_IDENTITY: lambda v: v / 255.0,
-        DotProductMapping.EXPAND_NORMAL: lambda v: (v - 128.0) / 127.0,
-        DotProductMapping.SIGNED_ODD: lambda v: (2.0 * signed(v) + 1.0) / 255.0,
-        DotProductMapping.SIGNED_IDENTITY: lambda v: signed(v) / 127.0,
+        DotProductMapping.UNSIGNED_IDENTITY: lambda v: v / one,
+        DotProductMapping.EXPAND_NORMAL: lambda v: (v - half) / (half - 1),
+        DotProductMapping.SIGNED_ODD: lambda v: (2.0 * signed(v, bits) + 1.0) / one,
+        DotProductMapping.SIGNED_IDENTITY: lambda v: signed(v, bits) / (half - 1),
     }[mapping]
     return tuple(rule(component) for component in (red, green, blue))
 
@@ -76,10 +90,19 @@ def kept(strq, modes):
     return all((value < 0.0) == (mode == CullMode.LESS) for value, mode in zip(strq, modes, strict=True))
 
 
-def scaled(texel, magnitude, stage):
-    """A texel times a magnitude byte, scaled and biased. Measured: 98304 of 98304 (BumpEnvMapLuminance)."""
-    factor = magnitude / 255.0 * stage.offset_texture_scale + stage.offset_texture_bias
-    return [*(real_byte(component * factor / 255.0) for component in texel[:3]), texel[3]]
+def scaled(texel, magnitude, stage, bits=8, magnitude_bits=8):
+    """A texel times a magnitude, scaled and biased. Measured: 98304 of 98304 (BumpEnvMapLuminance)."""
+    factor = magnitude / ((1 << magnitude_bits) - 1) * stage.offset_texture_scale + stage.offset_texture_bias
+    one = (1 << bits) - 1
+    return [*(real_texel(component * factor / one, bits) for component in texel[:3]), texel[3]]
+
+
+def offset(st, texel, matrix, bits=8):
+    """(s, t) moved by a texel's blue and green. Measured: 131072 of 131072 pixels (BumpEnvMap)."""
+    half = float(1 << (bits - 1))
+    ds, dt = signed(texel[2], bits) / half, signed(texel[1], bits) / half
+    a1, a2, a3, a4 = matrix
+    return (st[0] + a1 * ds) + a3 * dt, (st[1] + a2 * ds) + a4 * dt
 
 
 def as_bytes(texel, sampler):
@@ -123,10 +146,7 @@ class Stages:
         operation = stage.operation
         previous = self.bytes[stage.previous_texture_input]
         if operation in WITH_OFFSET:
-            s, t, _, _ = self.coordinates(i)
-            ds, dt = signed(previous[2]) / 128.0, signed(previous[1]) / 128.0
-            a1, a2, a3, a4 = stage.offset_texture_matrix
-            return (s + a1 * ds) + a3 * dt, (t + a2 * ds) + a4 * dt, 0.0
+            return (*offset(self.coordinates(i), previous, stage.offset_texture_matrix), 0.0)
         if operation == Operation.DEPENDENT_AR_TEXTURE_2D:
             return previous[3] / 255.0, previous[0] / 255.0, 0.0
         if operation == Operation.DEPENDENT_GB_TEXTURE_2D:
@@ -161,7 +181,7 @@ class Stages:
             elif operation in CONVENTIONAL:
                 texel = self.access(i, None, operation)
             elif operation == Operation.PASS_THROUGH:
-                texel = [real_byte(component) for component in self.coordinates(i)]
+                texel = [real_texel(component) for component in self.coordinates(i)]
             elif operation == Operation.CULL_FRAGMENT:
                 self.alive &= kept(self.coordinates(i), stage.cull_modes)
             elif operation == Operation.DOT_PRODUCT_DEPTH_REPLACE:
@@ -171,7 +191,8 @@ class Stages:
                 if operation in WITH_SCALE:
                     texel = scaled(texel, self.bytes[stage.previous_texture_input][0], stage)
             self.texels.append(texel)
-            self.bytes.append(as_bytes(texel, self.samplers[i]))
+            reads = operation not in WITHOUT_ACCESS
+            self.bytes.append(as_bytes(texel, self.samplers[i] if reads else None))
         return self.texels, self.alive, self.depth
 
 
