@@ -178,6 +178,12 @@ def test_a_replaced_depth_is_the_quotient_at_every_width():
     for profile in (GEFORCE_3, twelve(), FUTURE):
         depth = one_pixel(stages, textures, profile, sets, Register.TEXTURE0, **test)[0].framebuffer.depth
         assert (depth == (2**24 - 1) // 4).all()
+    for divisor in (0.75, 0.0, -4.0):  # beyond the buffer, no number, below it: discarded
+        beyond = [*sets[:2], (divisor, 0.0, 0.0)]
+        for profile in (GEFORCE_3, twelve()):
+            result, _ = one_pixel(stages, textures, profile, beyond, Register.TEXTURE0, **test)
+            assert not result.records[0].passed.any()
+            assert (result.framebuffer.depth == 2**24 - 1).all()
 
 
 def test_the_future_board_has_the_geforce_3_s_stages():
