@@ -280,5 +280,6 @@ def iterate_fog_table(starts, owners, segments, triangles, fog, floats, table, o
         d2 = fog[triangles[t, 2]] - v1
         for i in range(starts[s], starts[s + 1]):
             v = (v1 + floats[R.B0, i] * d0) + floats[R.B2, i] * d2
-            step = min(max(np.floor(v * 4096.0), 0.0), 8192.0)
-            out[plane, i] = int16(table[int32(step)])
+            step = np.floor(v * 4096.0)
+            step = step if step > 0.0 else 0.0  # what is no number too
+            out[plane, i] = int16(table[int32(step if step < 8192.0 else 8192.0)])

@@ -120,7 +120,10 @@ def draws_of(frame):
         elif isinstance(command, Draw):
             named = {unit.texture for unit in command.state.texture_units if unit is not None}
             if named <= textures.keys():
-                yield Arrays.of(command, frame, target, textures), target
+                arrays = Arrays.of(command, frame, target, textures)
+                left, top, right, bottom = arrays["draw"][[R.X0, R.Y0, R.X1, R.Y1]]
+                if left < right and top < bottom:  # nothing else reaches a kernel
+                    yield arrays, target
 
 
 def try_all(frames, first_seed=0):

@@ -14,6 +14,7 @@ from pipeline.profiles import NV2A
 from pipeline.state import DepthTest, PassState, Sampler, TextureUnit, VertexState
 from pipeline.textures import texture_2d
 from raster import rows as R
+from raster.interpolate import iterate_fog_table
 from tests import fuzz
 from tests.hostile import Arrays, draws_of
 from tests.random_frames import Frame, random_frame
@@ -97,6 +98,16 @@ def test_jobs_that_lead_outside_are_refused(name, place, value):
     spoilt = arrays[name].copy()
     spoilt[place] = value
     assert not Arrays(arrays, **{name: spoilt}).draw(target)[1]
+
+
+def test_fog_coordinates_that_are_no_numbers_read_the_first_entry_of_the_table():
+    out = np.full((1, 1), -1, np.int16)
+    starts, owners, triangles = np.array([0, 1], np.int32), np.zeros(1, np.int32), np.zeros((1, 4), np.int32)
+    for coordinate in (np.nan, -np.inf, np.inf):  # the last two differ by what is no number
+        table, fog = np.arange(8193.0), np.full(1, coordinate)
+        floats = np.zeros((R.FLOAT_COLUMNS, 1))
+        iterate_fog_table(starts, owners, 1, triangles, fog, floats, table, out, 0)
+        assert out[0, 0] == 0
 
 
 def test_long_lists_of_indices_narrow_textures_and_far_numbers():

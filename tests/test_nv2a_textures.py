@@ -138,7 +138,7 @@ REFUSED = {
     "a copy of what no framebuffer holds": (
         NV2A,
         copied(internal_format=InternalFormat.COMPRESSED_RGBA_S3TC_DXT1),
-        "cannot be copied from a framebuffer",
+        "is not made from pixels; define it with TexImage",
         copied(internal_format=InternalFormat.RGBA8),
     ),
     "a layer that is not there": (
