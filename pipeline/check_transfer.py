@@ -212,6 +212,7 @@ def pixel_image_problem(image, formats=(*IMAGE_FORMATS, DEPTH_FORMAT, *INDEX_FOR
         return None
     if values.dtype.kind != "f":
         return f"the image's values are {values.dtype}; give uint8, uint16, uint32 or floats."
-    if not (np.abs(values) <= _MOST).all():  # NaN is not
+    most = values.dtype.type(min(_MOST, float(np.finfo(values.dtype).max)))  # half floats end before
+    if not (np.abs(values) <= most).all():  # NaN is not
         return "the image holds NaN, infinity or a magnitude above 2**32; give finite, smaller values."
     return None

@@ -18,7 +18,7 @@ from pipeline.enums import (
     TextureTarget,
     WindowOrigin,
 )
-from pipeline.pixel_transfer import INITIAL_TRANSFER, PixelImage, PixelTransfer
+from pipeline.pixel_transfer import INITIAL_TRANSFER, PixelImage, PixelTransfer, read_only_copy
 from pipeline.state import Color, ColorMask, PassState, PixelTexture, RasterPosition, Scissor
 from pipeline.textures import Texture
 
@@ -273,9 +273,7 @@ class Bitmap:
     position: RasterPosition = _INITIAL_POSITION
 
     def __post_init__(self):
-        bits = np.array(self.bits, order="C")
-        bits.setflags(write=False)
-        object.__setattr__(self, "bits", bits)
+        object.__setattr__(self, "bits", read_only_copy(self.bits, "The bitmap's bits"))
 
 
 @dataclass(frozen=True, kw_only=True)

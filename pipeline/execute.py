@@ -47,7 +47,7 @@ from pipeline.textures import Texture
 from pipeline.threads import Threads
 from pipeline.trace import Snapshot, snapshot
 from pipeline.transfer import HistogramTable, MinmaxTable, PixelStatistics
-from pipeline.validate import validate
+from pipeline.validate import frame_of, validate
 from raster import rows as R
 from raster.arrays import Buffers, scratch
 from raster.bins import BAND_HEIGHT, CHUNK, count_bins, fill_bins, sort_triangles
@@ -221,6 +221,11 @@ class Machine:
     color_bits: int | None = None
 
     def __post_init__(self):
+        if not isinstance(self.profile, Profile):
+            raise ValueError(
+                f"The machine's profile is {self.profile!r}; give a Profile, such as "
+                'pipeline.profiles.PROFILES["GEFORCE_256"].'
+            )
         if self.profile.exact:
             raise ValueError(
                 f"The {self.profile.name} profile has no hardware; evaluate it with execute_ideal."
@@ -264,7 +269,7 @@ class Machine:
         ``trace``: keep the framebuffer after every command. ``record``: keep every Draw's fragments.
         Raises ``pipeline.validate.UnsupportedState`` or ValueError, before anything is drawn.
         """
-        commands = tuple(commands)
+        commands = frame_of(commands)
         if record and self._samples:
             raise ValueError(
                 f"Fragments are recorded of one sample, and this machine has {self.samples} in each pixel; "

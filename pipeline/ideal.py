@@ -46,7 +46,7 @@ from pipeline.enums import (
     TextureTarget,
     WrapMode,
 )
-from pipeline.execute import default_threads, rasterize
+from pipeline.execute import Result, default_threads, rasterize
 from pipeline.framebuffer import defined_texture, depth_texture
 from pipeline.ideal_rectangles import rectangle
 from pipeline.pack import has_color_sum
@@ -72,7 +72,7 @@ from pipeline.transfer import (
     transfer_depths,
     transfer_stencil,
 )
-from pipeline.validate import validate
+from pipeline.validate import frame_of, validate
 from pipeline.vertex import process
 from raster.wide_fragment import in_order
 
@@ -1274,6 +1274,10 @@ def _read_pixels(command, buffers, guide, statistics):
 
 
 def _check_guide(guide, commands, width, height):
+    if not isinstance(guide, Result):
+        raise ValueError(
+            f"The guide is of type {type(guide).__name__}; give the Result of execute(..., record=True)."
+        )
     draws = sum(isinstance(c, Draw | DrawPixels | CopyPixels | Bitmap) for c in commands)
     if draws and not guide.records:
         raise ValueError("The guide holds no fragments; run it as execute(..., record=True).")
@@ -1302,7 +1306,7 @@ def execute_ideal(commands, width, height, *, guide=None, depth_bits=None, threa
 
     Raises UnsupportedState or ValueError as ``validate`` does, and ValueError where the guide does not fit.
     """
-    commands = tuple(commands)
+    commands = frame_of(commands)
     depth_bits = IDEAL.widest_depth if depth_bits is None else depth_bits
     validate(commands, IDEAL, width, height, depth_bits=depth_bits)
     if guide is not None:

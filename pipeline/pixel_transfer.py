@@ -22,6 +22,16 @@ _ONES: Color = (1.0, 1.0, 1.0, 1.0)
 _ZEROS: Color = (0.0, 0.0, 0.0, 0.0)
 
 
+def read_only_copy(values, what):
+    """An array of its own. Raises ValueError, about ``what``, for rows of different lengths."""
+    try:
+        array = np.array(values, order="C")
+    except ValueError as error:
+        raise ValueError(f"{what} have rows of different lengths; give as many in each.") from error
+    array.setflags(write=False)
+    return array
+
+
 @dataclass(frozen=True, eq=False)
 class PixelImage:
     """An image in client memory, bottom row first: what DrawPixels and TexImage take (section 3.6.4).
@@ -33,16 +43,14 @@ class PixelImage:
     format  RGBA, RGB, BGRA, BGR, RED, GREEN, BLUE, ALPHA, LUMINANCE, LUMINANCE_ALPHA, DEPTH_COMPONENT,
             STENCIL_INDEX or COLOR_INDEX
 
-    The array is copied and made read-only.
+    The array is copied and made read-only. Raises ValueError for rows of different lengths.
     """
 
     values: np.ndarray
     format: str = "RGBA"
 
     def __post_init__(self):
-        values = np.array(self.values, order="C")
-        values.setflags(write=False)
-        object.__setattr__(self, "values", values)
+        object.__setattr__(self, "values", read_only_copy(self.values, "The image's values"))
 
 
 @dataclass(frozen=True, slots=True)

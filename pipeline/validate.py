@@ -1949,6 +1949,20 @@ def _check_samples(profile, samples):
         )
 
 
+def frame_of(commands):
+    """The commands as a tuple. Raises UnsupportedState for what is none of them, one alone for instance."""
+    if type(commands) in _HANDLERS:
+        raise UnsupportedState(
+            f"A frame is a tuple of commands; this is one {type(commands).__name__}. Write (command,)."
+        )
+    try:
+        return tuple(commands)
+    except TypeError:
+        raise UnsupportedState(
+            f"A frame is a tuple of commands; this is {_shown(commands)}. Give a tuple."
+        ) from None
+
+
 def validate(
     commands,
     profile,
@@ -1981,20 +1995,17 @@ def validate(
     depth_bits = profile.widest_depth if depth_bits is None else depth_bits
     _check_framebuffer(profile, width, height, depth_bits)
     _check_samples(profile, samples)
+    if color_bits is not None and (wrong := _check_int(color_bits)):
+        raise UnsupportedState(f"The framebuffer's color_bits {wrong.predicate}.")
     if color_bits is not None and color_bits not in profile.color_bits:
         widths = " or ".join(map(str, profile.color_bits))
         raise UnsupportedState(
             f"The framebuffer's colors have {_shown(color_bits)} bits a component; {profile.name} has "
             f"{widths}. Give one of these, or change the machine by with_precision."
         )
-    if type(commands) in _HANDLERS:
-        raise UnsupportedState(
-            f"A frame is a tuple of commands; this is one {type(commands).__name__}. Write (command,)."
-        )
     statistics = statistics or PixelStatistics()
     walk = _Walk(profile, width, height, depth_bits, textures or {}, surfaces or {}, statistics)
-    commands = tuple(commands)
-    for number, command in enumerate(commands):
+    for number, command in enumerate(frame_of(commands)):
         if walk.takes(command):
             continue
         walk.where = f"Command {number}"

@@ -1137,6 +1137,8 @@ def test_a_viewport_moves_the_picture():
 
 def test_a_guide_without_fragments_is_refused():
     frame = (Draw(label="d", mesh=quad(), state=PassState()),)
+    with pytest.raises(ValueError, match=r"guide is of type tuple; give the Result"):
+        execute_ideal(frame, 2, 2, guide=execute(frame, GEFORCE_256, 2, 2, record=True).records)
     with pytest.raises(ValueError, match=r"record=True"):
         execute_ideal(frame, 2, 2, guide=execute(frame, GEFORCE_256, 2, 2))
 

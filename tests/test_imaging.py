@@ -10,6 +10,7 @@ from pipeline.commands import (
     CopyTexImage,
     CopyTexSubImage,
     Draw,
+    DrawPixels,
     MakeCurrent,
     Mesh,
     ReadPixels,
@@ -43,7 +44,7 @@ from pipeline.pixel_transfer import (
     SeparableFilter,
 )
 from pipeline.profiles import GEFORCE_256, INFINITE_REALITY, NV2A, OCTANE, OPENGL_1_2, OPENGL_1_2_IMAGING
-from pipeline.state import ColorTable, PassState, Sampler, TextureEnvironment, TextureUnit
+from pipeline.state import ColorTable, PassState, RasterPosition, Sampler, TextureEnvironment, TextureUnit
 from pipeline.transfer import packed_colors
 from pipeline.validate import UnsupportedState
 from tests.reference import pixel_transfer as reference
@@ -804,3 +805,14 @@ def test_a_pixel_transfer_is_described_by_what_differs():
         'histogram "levels" becomes empty',
     ):
         assert words in text
+
+
+def test_half_floats_are_taken_and_infinite_ones_refused():
+    def frame(value):
+        image = PixelImage(np.full((2, 2, 4), value, np.float16))
+        return (DrawPixels(label="d", image=image, position=RasterPosition(window=True)),)
+
+    with np.errstate(all="raise"):
+        assert execute(frame(65504.0), OPENGL_1_2, 2, 2).image().min() == 255
+        with pytest.raises(UnsupportedState, match="holds NaN, infinity"):
+            execute(frame(np.inf), OPENGL_1_2, 2, 2)

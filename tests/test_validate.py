@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from pipeline.commands import Clear, CopyTexImage, CopyTexSubImage, Draw, Mesh, ReadPixels, TexImage
+from pipeline.commands import Bitmap, Clear, CopyTexImage, CopyTexSubImage, Draw, Mesh, ReadPixels, TexImage
 from pipeline.enums import (
     BlendEquation,
     BlendFactor,
@@ -33,6 +33,9 @@ from pipeline.enums import (
     VertexStage,
     WrapMode,
 )
+from pipeline.execute import Machine, execute
+from pipeline.ideal import execute_ideal
+from pipeline.pixel_transfer import PixelImage
 from pipeline.profile import Profile
 from pipeline.profiles import GEFORCE_256, IDEAL, NV2A
 from pipeline.state import (
@@ -1030,6 +1033,35 @@ def test_the_largest_framebuffer_is_accepted_at_both_depths():
 def test_a_single_command_is_not_a_frame():
     with pytest.raises(UnsupportedState, match=r"this is one Clear\. Write \(command,\)"):
         validate(Clear(label="c"), GEFORCE_256, 8, 8)
+
+
+@pytest.mark.parametrize(
+    ("frame", "words"),
+    [(Clear(label="c"), r"this is one Clear\. Write \(command,\)"), (None, r"this is None\. Give a tuple")],
+)
+def test_what_is_no_frame_is_refused_by_machine_and_ideal(frame, words):
+    for run in (lambda: execute(frame, GEFORCE_256, 2, 2), lambda: execute_ideal(frame, 2, 2)):
+        with pytest.raises(UnsupportedState, match=words):
+            run()
+
+
+@pytest.mark.parametrize("profile", ["GEFORCE_256", None, Profile])
+def test_what_is_no_profile_makes_no_machine(profile):
+    with pytest.raises(ValueError, match=r"machine's profile is .*; give a Profile"):
+        Machine(profile, 2, 2)
+
+
+@pytest.mark.parametrize("bits", [8.0, "8", True, [8]])
+def test_color_bits_are_an_integer(bits):
+    with pytest.raises(UnsupportedState, match=r"framebuffer's color_bits is .*; give an integer"):
+        execute((), GEFORCE_256, 2, 2, color_bits=bits)
+
+
+def test_rows_of_different_lengths_are_no_image_and_no_bitmap():
+    with pytest.raises(ValueError, match="image's values have rows of different lengths"):
+        PixelImage([[1.0], [1.0, 2.0]])
+    with pytest.raises(ValueError, match="bitmap's bits have rows of different lengths"):
+        Bitmap(label="b", bits=[[1], [1, 0]])
 
 
 def test_a_refusal_is_a_value_error_that_names_the_commands_number_and_label():
