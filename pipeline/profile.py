@@ -234,26 +234,27 @@ class Profile:
         ``combiner_bits``: of a value of one in combiners and texture environments (registers have a sign
         beside). ``texture_bits``: of texel components of the machine's widest formats. ``framebuffer_bits``:
         of a colour buffer's components. ``filter_fraction_bits``: of a linear filter's weights.
-        ``subpixel_bits``: of window coordinates. Raises ValueError for a width that is not 4 to 16.
+        ``subpixel_bits``: of window coordinates. Pbuffers keep their formats.
+
+        Raises ValueError for a width that is not 4 to 16.
         """
         given = {
             "combiner_bits": combiner_bits,
             "texture_bits": texture_bits,
-            "color_bits": framebuffer_bits,
+            "framebuffer_bits": framebuffer_bits,
             "filter_fraction_bits": filter_fraction_bits,
             "subpixel_bits": subpixel_bits,
         }
-        widths = {}
+        given = {name: bits for name, bits in given.items() if bits is not None}
         for name, bits in given.items():
-            if bits is None:
-                continue
-            said = "framebuffer_bits" if name == "color_bits" else name
             if isinstance(bits, bool) or not isinstance(bits, Integral) or not 4 <= bits <= 16:
-                raise ValueError(f"{said} is {bits!r}; a machine's numbers may have 4 to 16 bits.")
-            widths[name] = (int(bits),) if name == "color_bits" else int(bits)
-        if not widths:
+                raise ValueError(f"{name} is {bits!r}; a machine's numbers may have 4 to 16 bits.")
+        if not given:
             return self
-        words = ", ".join(f"{name} {bits}" for name, bits in given.items() if bits is not None)
+        words = ", ".join(f"{name} {bits}" for name, bits in given.items())
+        widths = {name: int(bits) for name, bits in given.items()}
+        if "framebuffer_bits" in widths:
+            widths["color_bits"] = (widths.pop("framebuffer_bits"),)
         evidence = {**self.evidence, **dict.fromkeys(widths, "Assumed: nothing; a width that was asked for")}
         return replace(self, name=f"{self.name} with {words}", evidence=evidence, **widths)
 

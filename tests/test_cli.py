@@ -628,6 +628,7 @@ def test_precision_prints_a_row_for_each_width_and_clamp():
         (("--bits", "8,x"), "give whole numbers from 4 to 16"),
         (("--bits", "3"), "may have 4 to 16 bits"),
         (("--of", "colour"), "there are: combiner, texture, framebuffer, filter_fraction, subpixel"),
+        (("--profile", "IDEAL"), "no width to change"),
     ],
 )
 def test_precision_refuses_what_it_cannot_measure(arguments, said):

@@ -38,12 +38,14 @@ def precision(figure_id, profile, size, bits, parts):
     """
     from effects import precision as measured
     from effects.cli.compiling import announce_compiling
-    from effects.cli.refusal import check_size, choose, refusals
+    from effects.cli.refusal import Refusal, check_size, choose, refusals
     from effects.figures import FIGURES
     from pipeline.profiles import PROFILES
 
     figure = choose("figure", figure_id, FIGURES)
     machine = choose("profile", profile, PROFILES)
+    if machine.exact:
+        raise Refusal("The ideal machine's numbers have no width to change; choose another --profile.")
     check_size(figure.id, figure.columns, size, machine)
     widths, of = _widths(bits), _parts(parts, measured.PARTS)
     announce_compiling()
