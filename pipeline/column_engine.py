@@ -108,15 +108,30 @@ def needs_columns(state, profile, framebuffer, textures):
     """Whether only the column engine draws a pass: a width or a clamp is not the native engines', or the
     state uses what they do not have.
     """
-    units = [unit for unit in state.texture_units if unit is not None]
-    return (
+    if (
         not is_native(profile)
         or framebuffer.color_bits != NATIVE_BITS
         or fragment_bits(profile, framebuffer) != NATIVE_BITS
         or not framebuffer.is_bytes
-        or any(unit.texture is not None and textures[unit.texture].bits != NATIVE_BITS for unit in units)
-        or any(unit.color_table is not None for unit in units)
-        or uses_future(state)
+    ):
+        return True
+    for unit in state.texture_units:  # a loop: every Draw asks
+        if unit is None:
+            continue
+        if unit.color_table is not None:
+            return True
+        if unit.texture is not None and textures[unit.texture].bits != NATIVE_BITS:
+            return True
+    return has_future(profile) and uses_future(state)
+
+
+def has_future(profile):
+    """Whether a machine has any stage of the future board."""
+    return (
+        profile.combiner_lookup
+        or profile.evaluate_before_filtering
+        or profile.spherical_interpolation
+        or len(profile.combiner_functions) > 1
     )
 
 

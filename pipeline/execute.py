@@ -301,14 +301,15 @@ class Machine:
                 if kind is Draw:
                     for surface, position in self._targets(command.state.draw_buffer):
                         target = surface.buffer(command.state.draw_buffer)
-                        if self._draws_columns(command.state, target):
+                        # What was prepared is the native engines'.
+                        draw = repeated.get(command, surface, self.textures)
+                        if draw is None and self._draws_columns(command.state, target):
                             queue.flush()
                             drawn, lost = self._drawn_by_columns(command, target, position)
                             queue.fragments += len(drawn.x)
                             if record:
                                 records.append(drawn)
                             continue
-                        draw = repeated.get(command, surface, self.textures)
                         if draw is None:
                             draw = self._prepared(command, position)
                             repeated.keep(command, surface, draw)
