@@ -49,7 +49,7 @@ from pipeline.state import (
     RegisterCombiners,
     RGBPortion,
 )
-from pipeline.text_tokens import ProgramTextError, scan
+from pipeline.text_tokens import ProgramTextError, Reader, scan
 from pipeline.validate import combiner_problems
 
 # Source: nvparse's rc1.0_register.h.
@@ -171,20 +171,10 @@ class _Term(NamedTuple):
     dot: bool
 
 
-class _Parser:
+class _Parser(Reader):
     def __init__(self, text, start):
-        self.tokens = _tokens(text, start)
-        self.at = 0
+        super().__init__(_tokens(text, start))
         self.positions = {}  # where each field of the result was written, by the paths of combiner_problems
-
-    @property
-    def next(self):
-        return self.tokens[self.at]
-
-    def take(self):
-        token = self.next
-        self.at = min(self.at + 1, len(self.tokens) - 1)
-        return token
 
     def follows(self, *texts):
         return self.next.kind != "end" and self.next.text in texts

@@ -25,7 +25,7 @@ as distributed with OGRE 3D.
 import re
 from typing import NamedTuple
 
-from pipeline.text_tokens import ProgramTextError, Token, scan
+from pipeline.text_tokens import ProgramTextError, Reader, Token, scan
 
 REGISTER_COUNTS = {"r": 2, "c": 8, "t": 4, "v": 2}
 VERSIONS = ("1.0", "1.1", "1.2", "1.3")
@@ -131,7 +131,7 @@ _TOKEN = re.compile(
 _OPERAND = re.compile(r"([a-z])([0-9]+)((?:_[a-z0-9]+)*)(?:\.([a-z]+))?")
 
 
-class _Reader:
+class _Reader(Reader):
     def __init__(self, text, start):
         hash_ = re.search(r"^[ \t]*#[^\n]*", text, re.MULTILINE)
         if hash_:
@@ -143,17 +143,7 @@ class _Reader:
                 line + start[0] - 1,
                 1,
             )
-        self.tokens = scan(text, _TOKEN, PixelShaderTextError, start)
-        self.at = 0
-
-    @property
-    def next(self):
-        return self.tokens[self.at]
-
-    def take(self):
-        token = self.next
-        self.at = min(self.at + 1, len(self.tokens) - 1)
-        return token
+        super().__init__(scan(text, _TOKEN, PixelShaderTextError, start))
 
     def word(self):
         """The next token, and its text in lower case."""

@@ -54,3 +54,21 @@ def scan(text, pattern, failure, start=(1, 1)):
         at = match.end()
     tokens.append(Token("end", "", line, at - line_start + 1, failure))
     return tokens
+
+
+class Reader:
+    """Goes through a text's tokens, as ``scan`` gives them."""
+
+    def __init__(self, tokens):
+        self.tokens, self.at = tokens, 0
+
+    @property
+    def next(self):
+        """The token that comes, at last the one of kind "end" again and again."""
+        return self.tokens[self.at]
+
+    def take(self):
+        """The token that comes, behind which the reader then is."""
+        token = self.next
+        self.at = min(self.at + 1, len(self.tokens) - 1)
+        return token

@@ -37,7 +37,7 @@ from typing import NamedTuple
 
 from pipeline.enums import CullMode, DotProductMapping, TextureShaderOperation
 from pipeline.state import TextureShaderStage
-from pipeline.text_tokens import ProgramTextError, scan
+from pipeline.text_tokens import ProgramTextError, Reader, scan
 from pipeline.validate import texture_shader_problems
 
 # Source: nvparse's ts1.0_inst.h (TSP_NUM_TEXTURE_UNITS).
@@ -112,19 +112,9 @@ _TOKEN = re.compile(
 )
 
 
-class _Parser:
+class _Parser(Reader):
     def __init__(self, text, start):
-        self.tokens = scan(text, _TOKEN, TextureShaderTextError, start)
-        self.at = 0
-
-    @property
-    def next(self):
-        return self.tokens[self.at]
-
-    def take(self):
-        token = self.next
-        self.at = min(self.at + 1, len(self.tokens) - 1)
-        return token
+        super().__init__(scan(text, _TOKEN, TextureShaderTextError, start))
 
     def expect(self, mark, after):
         if self.next.text != mark:
