@@ -53,11 +53,13 @@ def _are_bytes(colors):
 
 
 def _iterated(mesh, colors, state):
-    """A vertex colour on its fragments: exact where it is a byte that is the same at every vertex used."""
+    """How often a vertex colour is rounded on its way to fragments: to a byte at the vertex, where it is
+    none, and again between vertices that differ.
+    """
     if colors is None:
         return 0.0
-    flat = state.polygon.shade_model is ShadeModel.FLAT or (colors == colors[:1]).all()
-    return 0.0 if flat and _are_bytes(colors) else 1.0
+    alike = state.polygon.shade_model is ShadeModel.FLAT or (colors == colors[:1]).all()
+    return float(not _are_bytes(colors)) + float(not alike)
 
 
 _LINEAR = (TextureFilter.LINEAR, TextureFilter.LINEAR_MIPMAP_NEAREST, TextureFilter.LINEAR_MIPMAP_LINEAR)
@@ -166,7 +168,7 @@ def source(draw, ours):
     mesh, state = draw.mesh, draw.state
     varies, lit = _iterated(mesh, mesh.colors, state), state.vertex.lighting
     if lit is not None:
-        varies = 1.0 if ours else _LIT / SINGLE
+        varies = 2.0 if ours else _LIT / SINGLE  # a byte at the vertex, and one between vertices
     color = primary = Deviation(rounding * varies, rounding * varies)
     units = [unit for unit in state.texture_units if unit is not None]
     texels = {unit.texture: texel(unit, ours) for unit in units}
@@ -191,7 +193,7 @@ def blended(color, stored, blending, ours):
     after the sum; Mesa's are rounded one by one where its framebuffer arithmetic is of bytes (llvmpipe).
     """
     if blending is None:
-        return color.rounded()
+        return color if ours else color.rounded()
 
     def factor(which, alpha):
         own, there = (color.alpha, stored.alpha) if alpha else (color.rgb, stored.rgb)
