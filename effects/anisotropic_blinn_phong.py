@@ -124,4 +124,4 @@ def bake(material, normals, tangents, binormals):
         from_frame(vectors, tangents, binormals, normals)
         for vectors in (material.normals, material.tangents, material.binormals)
     )
-    return Material(*turned, material.alpha_x, material.alpha_y, material.k_s)
+    return Material(*turned, material.alpha_x, material.alpha_y, material.k_s, material.exponent)

@@ -2,10 +2,10 @@
 
 A material is authored as a local frame and the parameters of the anisotropic Blinn-Phong model per texel.
 Stored are the tangent divided by alpha_x and the binormal divided by alpha_y, both scaled by 0.25 so that
-components stay in [-1, 1] for alpha >= 0.25, and encoded for EXPAND_NORMAL; alpha holds k_s.
+components stay in [-1, 1] for alpha >= 0.25, and encoded for EXPAND_NORMAL; their alphas hold k_s and N/128.
 
-Source: Kautz, Seidel 2000, sections 4 and 4.1 (K21 of the catalogue; limits: its artefact P10; k_s in the
-alpha of the tangent texture: its pass sequence A-K07).
+Source: Kautz, Seidel 2000, sections 3.2, 4 and 4.1: N and k_s go into the textures' alpha channels (K21 of
+the catalogue; limits: its artefact P10; which alpha holds which: its section on material textures).
 """
 
 from dataclasses import dataclass
@@ -23,6 +23,8 @@ from pipeline.textures import texture_2d
 STORAGE_SCALE = 0.25
 # With this scale a vector divided by alpha fits [-1, 1] only for alpha >= 0.25.
 SMALLEST_ALPHA = 0.25
+# The exponent N is stored as a fraction of the largest that OpenGL's own lighting has (GL_SHININESS).
+LARGEST_EXPONENT = 128.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +34,8 @@ class Material:
     normals, tangents, binormals  float64 [rows, columns, 3], orthonormal, in the surface's frame (t, b, n)
     alpha_x, alpha_y              float64 [rows, columns], in (0, 1]: the smaller, the narrower along t or b
     k_s                           float64 [rows, columns], in [0, 1]
+    exponent                      float64 [rows, columns], in [1, 128]: N of the model with a square root and
+                                  a power; 2 is Eq. 1 (erratum E004.4)
     """
 
     normals: np.ndarray
@@ -40,10 +44,11 @@ class Material:
     alpha_x: np.ndarray
     alpha_y: np.ndarray
     k_s: np.ndarray
+    exponent: np.ndarray | float = 2.0
 
     def __post_init__(self):
         shape = self.normals.shape[:2]
-        for name in ("alpha_x", "alpha_y", "k_s"):
+        for name in ("alpha_x", "alpha_y", "k_s", "exponent"):
             value = np.asarray(getattr(self, name), np.float64)
             object.__setattr__(self, name, np.ascontiguousarray(np.broadcast_to(value, shape)))
         for name in ("alpha_x", "alpha_y"):
@@ -53,6 +58,11 @@ class Material:
                     f"{name} ranges over {value.min():g}..{value.max():g}; give values greater than 0 and at "
                     "most 1."
                 )
+        if not (self.exponent >= 1.0).all() or not (self.exponent <= LARGEST_EXPONENT).all():
+            raise ValueError(
+                f"The exponent ranges over {self.exponent.min():g}..{self.exponent.max():g}; give values "
+                f"from 1 to {LARGEST_EXPONENT:g}."
+            )
 
     @property
     def scaled_tangents(self):
@@ -69,8 +79,9 @@ class Material:
         return texture_2d(encode_rgba(STORAGE_SCALE * self.scaled_tangents, self.k_s, profile))
 
     def binormal_texture(self, profile):
-        """B': RGB = b / (4 alpha_y) for EXPAND_NORMAL, alpha = 1."""
-        return texture_2d(encode_rgba(STORAGE_SCALE * self.scaled_binormals, 1.0, profile))
+        """B': RGB = b / (4 alpha_y) for EXPAND_NORMAL, alpha = N / 128."""
+        stored = self.exponent / LARGEST_EXPONENT
+        return texture_2d(encode_rgba(STORAGE_SCALE * self.scaled_binormals, stored, profile))
 
     def normal_texture(self, profile):
         """The normal map: RGB = n for EXPAND_NORMAL, alpha = k_s, which serves as gloss map."""
@@ -99,7 +110,7 @@ def load(material, name, profile):
             image=material.tangent_texture(profile),
         ),
         TexImage(
-            label=f"load material texture of {name}: binormal / (4 alpha_y)",
+            label=f"load material texture of {name}: binormal / (4 alpha_y), N / 128",
             texture=names.binormal,
             image=material.binormal_texture(profile),
         ),
