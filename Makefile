@@ -19,7 +19,7 @@ help:
 	@echo "make check              style: ruff check, ruff format --check"
 	@echo "make bench              measure; BENCH='--peer llvmpipe' compares with Mesa"
 	@echo "make machines           write docs/machines.md: which machine has which feature"
-	@echo "make accept FIGURE=ID   accept a figure's digest after the reference agrees and you looked at it"
+	@echo "make accept FIGURE=ID   accept a figure's digest (PROFILE=NAME: on that machine) once it was looked at"
 	@echo "make accept-conformance accept how many pixels agree with the captures (WORSE=yes: fewer too)"
 	@echo "make setup | clean      make or remove what is made here"
 
@@ -57,7 +57,7 @@ machines: $(READY)
 
 accept: $(READY)
 	@[ -n "$(FIGURE)" ] || { echo "Say which figure: make accept FIGURE=ID (fixedpipe figures --list names them)."; exit 2; }
-	$(BIN)/python -m tests.accept $(FIGURE) $(if $(filter yes,$(LOOKED)),--looked)
+	$(BIN)/python -m tests.accept $(FIGURE) $(PROFILE) $(if $(filter yes,$(LOOKED)),--looked)
 
 accept-conformance: $(READY)
 	$(BIN)/python -m tests.accept_conformance $(if $(filter yes,$(WORSE)),--worse)

@@ -122,7 +122,9 @@ def _run_module(*arguments, **environment):
 
 
 def _draw_to_file(folder, **environment):
-    return _run_module("effects.cli", "figures", _FIGURE, "--out", folder, **environment)[0]
+    return _run_module(
+        "effects.cli", "figures", _FIGURE, "--profile", "GEFORCE_256", "--out", folder, **environment
+    )[0]
 
 
 def _cold_start(threads):

@@ -203,3 +203,10 @@ def pebbles(columns, rows, cells, seed):
             radius = 0.6 + 0.2 * w
             heights = np.maximum(heights, np.sqrt(np.maximum(radius * radius - (dx * dx + dy * dy), 0.0)))
     return heights / cells
+
+
+def pebble_slopes(size, cells, depth, seed=5):
+    """Slopes (dh/ds, dh/dt) of a bed of ``cells`` x ``cells`` pebbles, ``size`` texels along both edges: half
+    balls with ``depth`` 1, flatter with less.
+    """
+    return slopes(smooth(pebbles(size, size, cells, seed), 2) * depth)

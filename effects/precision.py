@@ -31,12 +31,14 @@ class Measured:
     computed: float
 
 
-def measure(figure, profile, size):
+def measure(figure, profile, size, method=None):
     """A figure on a machine beside the ideal evaluation of its fragments: a Measured.
+
+    ``method``: one of the figure's; None: its first.
 
     Raises ValueError where the machine cannot hold the figure.
     """
-    commands, (width, height) = figure.commands(profile, size), figure.dimensions(size)
+    commands, (width, height) = figure.commands(profile, size, method), figure.dimensions(size)
     result = execute(commands, profile, width, height, record=True)
     ideal = execute_ideal(commands, width, height, guide=result).color[..., :3]
     color = result.framebuffer.color[..., :3] / (2.0**result.framebuffer.color_bits - 1.0)
@@ -53,16 +55,18 @@ def at_width(profile, bits, parts=PARTS):
     return profile.with_precision(**dict.fromkeys(parts, bits))
 
 
-def table(figure, profile, size, widths=WIDTHS, parts=PARTS):
+def table(figure, profile, size, widths=WIDTHS, parts=PARTS, method=None):
     """(bits, Measured with every clamp, Measured without those that only machines have) for each width."""
     rows = []
     for bits in widths:
         machine = at_width(profile, bits, parts)
         free = machine.without_clamps(*MACHINE_CLAMPS)
-        rows.append((bits, measure(figure, machine, size), measure(figure, free, size)))
+        rows.append((bits, measure(figure, machine, size, method), measure(figure, free, size, method)))
     return rows
 
 
-def clamps(figure, profile, size):
+def clamps(figure, profile, size, method=None):
     """(Clamp, Measured) of the machine at its own widths without each of its clamps, one at a time."""
-    return [(c, measure(figure, profile.without_clamps(c), size)) for c in Clamp if c in profile.clamps]
+    return [
+        (c, measure(figure, profile.without_clamps(c), size, method)) for c in Clamp if c in profile.clamps
+    ]

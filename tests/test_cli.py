@@ -16,7 +16,7 @@ from effects.bump import MATERIALS, MESHES
 from effects.cli import files, main
 from effects.cli.gallery import gallery
 from effects.cli.refusal import Refusal
-from effects.figures import FIGURES, Check
+from effects.figures import FIGURES, Check, Method
 from pipeline.execute import execute
 from pipeline.golden import digest
 from pipeline.profile import EVIDENCE_TAGS, Profile
@@ -93,25 +93,37 @@ def test_an_unknown_subcommand_ends_with_status_2():
 
 def test_the_list_names_every_figure():
     result = run("figures", "--list")
-    assert [line.split()[0] for line in result.stdout.splitlines()] == list(FIGURES)
+    assert [line.split()[0] for line in result.stdout.splitlines()[::2]] == list(FIGURES)
 
 
 def test_a_figure_is_written_three_times_with_a_record_and_a_gallery(tmp_path):
     results = tmp_path / "results.json"
-    result = run("figures", "F004-4", "--size", 20, "--out", tmp_path / "out", "--json", results)
+    result = run(
+        "figures",
+        "F004-4",
+        "--profile",
+        "GEFORCE_256",
+        "--size",
+        20,
+        "--out",
+        tmp_path / "out",
+        "--json",
+        results,
+    )
     assert result.exit_code == 0, result.output
     names = {path.name for path in (tmp_path / "out").iterdir()}
-    pictures = {f"F004-4-{view}.png" for view in ("machine", "ideal", "difference")}
+    pictures = {f"F004-4-GEFORCE_256{view}.png" for view in ("", "-ideal", "-difference")}
     assert names == pictures | {"F004-4.json", "index.html"}
 
     record = json.loads((tmp_path / "out" / "F004-4.json").read_text())
     assert json.loads(results.read_text()) == [record]
     figure = FIGURES["F004-4"]
     color = execute(figure.commands(GEFORCE_256, 20), GEFORCE_256, 40, 20).framebuffer.color
-    assert record["sha256"] == digest(color)
-    assert (record["profile"], record["width"], record["height"]) == ("GEFORCE_256", 40, 20)
-    assert {"caption", "source", "parameters", "provenance"} <= record.keys()
-    with Image.open(tmp_path / "out" / "F004-4-machine.png") as picture:
+    (drawn,) = record["machines"]
+    assert drawn["sha256"] == digest(color)
+    assert (drawn["profile"], record["width"], record["height"]) == ("GEFORCE_256", 40, 20)
+    assert {"caption", "source", "parameters"} <= record.keys() and "provenance" in drawn
+    with Image.open(tmp_path / "out" / "F004-4-GEFORCE_256.png") as picture:
         np.testing.assert_array_equal(np.asarray(picture), color[..., :3])
 
     page = (tmp_path / "out" / "index.html").read_text()
@@ -124,7 +136,7 @@ def test_kernels_in_the_cache_are_read_without_what_compiles(tmp_path):
     code = f"""
 import sys
 from effects.cli import main
-main(["figures", "F004-4", "--size", "8", "--out", {str(tmp_path)!r}], standalone_mode=False)
+main(["figures", "F004-4", "--profile", "GEFORCE_256", "--size", "8", "--out", {str(tmp_path)!r}], standalone_mode=False)
 print("numba.np.arraymath" in sys.modules)
 """
     outputs = [
@@ -137,10 +149,11 @@ print("numba.np.arraymath" in sys.modules)
 
 
 def test_the_difference_is_middle_grey_where_machine_and_ideal_are_equal(tmp_path):
-    assert run("figures", "F004-4", "--size", 24, "--out", tmp_path).exit_code == 0
+    arguments = "F004-4", "--profile", "GEFORCE_256", "--size", 24
+    assert run("figures", *arguments, "--out", tmp_path).exit_code == 0
     machine, ideal, difference = (
-        np.asarray(Image.open(tmp_path / f"F004-4-{view}.png")).astype(int)
-        for view in ("machine", "ideal", "difference")
+        np.asarray(Image.open(tmp_path / f"F004-4-GEFORCE_256{view}.png")).astype(int)
+        for view in ("", "-ideal", "-difference")
     )
     background = (machine == machine[0, 0]).all(axis=-1) & (ideal == machine[0, 0]).all(axis=-1)
     assert background.any()
@@ -161,7 +174,11 @@ def test_any_number_of_threads_gives_the_same_record(tmp_path):
 def with_check(monkeypatch, value):
     """Give K12 one cheap acceptance check, ``value`` <= 0.5."""
     check = Check("a measured thing", value, "<=", 0.5, "machine", "half is enough")
-    figure = replace(FIGURES["K12"], acceptance=lambda figure, renderer: (check,))
+    figure = replace(
+        FIGURES["K12"],
+        methods=(Method("register combiners", FIGURES["K12"].methods[0].scene, ("GEFORCE_256",)),),
+        acceptance=lambda figure, renderer: (check,),
+    )
     monkeypatch.setattr("effects.figures.FIGURES", {**FIGURES, "K12": figure})
 
 

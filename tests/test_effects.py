@@ -2,18 +2,13 @@
 measured error.
 """
 
-import hashlib
-import os
-import subprocess
-import sys
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from effects import (
-    acceptance,
     anisotropic_blinn_phong,
     brdfs,
     bump,
@@ -24,20 +19,23 @@ from effects import (
     material_textures,
     meshes,
     normalization_cube_map,
-    scenes,
 )
 from effects.encode import decode_expand, encode_expand, encode_rgba, encode_vertex_color
-from effects.figures import FIGURES, Check, Renderer, difference
+from effects.figures import FIGURES, Renderer
+from effects.figures.f004_2 import RING_HALF, ring_energy
+from effects.figures.f004_3 import scratch_visibility
+from effects.figures.k14 import longest_row
+from effects.figures.measures import half_maximum_aspect, pixel_grid, principal_axis
 from effects.matrices import look_at, orthographic, perspective, rotate, rotation
 from effects.passes import EDGE, NEAREST, show
 from effects.vectors import TRIGONOMETRY_STEP, cosine, cross, dot, normalize
 from effects.views import Light, Panel, orthographic_view, perspective_view
-from pipeline.commands import Clear, Draw, Mesh, TexImage
+from pipeline.commands import Draw, Mesh
 from pipeline.enums import PrimitiveType
 from pipeline.execute import execute
 from pipeline.ideal import execute_ideal
 from pipeline.profiles import GEFORCE_256, IDEAL
-from pipeline.state import DepthTest, PassState, TextureUnit
+from pipeline.state import PassState, TextureUnit
 from pipeline.textures import texture_2d
 from pipeline.validate import validate
 
@@ -238,8 +236,8 @@ def test_a_bed_of_pebbles_that_could_not_repeat_is_refused(cells):
 
 
 def test_pebbles_that_are_lost_in_a_glare_fail_the_check_of_their_figure():
-    renderer = Renderer(GEFORCE_256, execute, execute_ideal)
     figure = FIGURES["K14"]
+    renderer = Renderer(GEFORCE_256, figure.methods[0], execute, execute_ideal)
     flattened = replace(figure, parameters={**figure.parameters, "depth": 0.1})
     glare, _ = flattened.checks(renderer)
     assert not glare.passed
@@ -248,10 +246,10 @@ def test_pebbles_that_are_lost_in_a_glare_fail_the_check_of_their_figure():
 
 def test_the_longest_row_is_counted_within_one_row_of_the_picture():
     mask = np.array([[True, True, False, True], [True, False, False, False], [False, True, True, True]])
-    assert acceptance.longest_row(mask) == 3
-    assert acceptance.longest_row(~mask) == 3
-    assert acceptance.longest_row(np.zeros((2, 5), bool)) == 0
-    assert acceptance.longest_row(np.ones((2, 5), bool)) == 5
+    assert longest_row(mask) == 3
+    assert longest_row(~mask) == 3
+    assert longest_row(np.zeros((2, 5), bool)) == 0
+    assert longest_row(np.ones((2, 5), bool)) == 5
 
 
 # --------------------------------------------------------------------------------------- material textures
@@ -568,7 +566,7 @@ def test_the_principal_axis_of_a_slanted_ellipse_is_its_long_one():
     y, x = np.mgrid[-50:51, -50:51]
     slant = np.radians(30.0)
     along, across = x * np.cos(slant) + y * np.sin(slant), y * np.cos(slant) - x * np.sin(slant)
-    angle, elongation = acceptance.principal_axis(np.exp(-0.5 * ((along / 9.0) ** 2 + (across / 3.0) ** 2)))
+    angle, elongation = principal_axis(np.exp(-0.5 * ((along / 9.0) ** 2 + (across / 3.0) ** 2)))
     # The picture ends at five standard deviations, where the bell is below 1e-5.
     assert angle == pytest.approx(30.0, abs=1e-3)
     assert elongation == pytest.approx(3.0, abs=1e-3)
@@ -576,14 +574,14 @@ def test_the_principal_axis_of_a_slanted_ellipse_is_its_long_one():
 
 @pytest.mark.parametrize(("alpha_x", "alpha_y"), [(0.3, 0.6), (0.5, 0.25)])
 def test_the_aspect_at_half_maximum_of_a_lobe_on_a_sphere_is_alpha_y_over_alpha_x(alpha_x, alpha_y):
-    x, y = scenes.pixel_grid(256, 0.9)
+    x, y = pixel_grid(256, 0.9)
     normals = np.stack([x, y, np.sqrt(np.maximum(0.0, 1.0 - x * x - y * y))], axis=-1)
     peak = normalize(np.array([0.2, -0.1, 1.0]))
     tangent = normalize(cross(np.array([0.3, 1.0, 0.0]), peak))
     frame = (tangent, cross(peak, tangent), peak)
     image = brdfs.lobe(normals, *frame[:2], alpha_x, alpha_y)
     # A width of 40 pixels or more is read to a fraction of a pixel at either end.
-    aspect = acceptance.half_maximum_aspect(image, frame, 0.9)
+    aspect = half_maximum_aspect(image, frame, 0.9)
     assert aspect == pytest.approx(alpha_y / alpha_x, rel=0.01)
 
 
@@ -592,14 +590,14 @@ def test_the_ring_energy_counts_errors_within_one_and_a_half_texels_of_the_rim_o
     _, tangent, binormal = height_fields.frames(
         *height_fields.dome_slopes(*height_fields.texel_centers(size, size))
     )
-    true = brdfs.anisotropic_blinn_phong(scenes.RING_HALF, tangent, binormal, 0.25, 0.25)
-    x, y = scenes.pixel_grid(size, 1.0)
+    true = brdfs.anisotropic_blinn_phong(RING_HALF, tangent, binormal, 0.25, 0.25)
+    x, y = pixel_grid(size, 1.0)
     from_rim = np.abs(np.hypot(x, y) - 0.6) * map_size / 2  # in texels: the map is two units wide
-    assert acceptance.ring_energy(true, map_size, 0.25, 0.25) == (0.0, 0.0)
-    missing, _ = acceptance.ring_energy(np.where(from_rim < 1.5, 0.0, true), map_size, 0.25, 0.25)
+    assert ring_energy(true, map_size, 0.25, 0.25) == (0.0, 0.0)
+    missing, _ = ring_energy(np.where(from_rim < 1.5, 0.0, true), map_size, 0.25, 0.25)
     assert missing == pytest.approx((true[from_rim < 1.5] ** 2).sum() / (true**2).sum(), rel=1e-12) != 0.0
-    assert acceptance.ring_energy(np.where(from_rim > 1.5, 1.0, true), map_size, 0.25, 0.25) == (0.0, 0.0)
-    energy, brightest = acceptance.ring_energy(
+    assert ring_energy(np.where(from_rim > 1.5, 1.0, true), map_size, 0.25, 0.25) == (0.0, 0.0)
+    energy, brightest = ring_energy(
         np.where((from_rim > 1.4) & (true == 0.0), 0.7, true), map_size, 0.25, 0.25
     )
     assert energy > 0.0
@@ -613,7 +611,7 @@ def test_scratches_are_seen_by_their_contrast_along_either_axis():
     image = np.ones((12, 12))  # two pixels a texel, and two around the square
     image[2:4, 6:10], image[6:10, 2:4] = 3.0, 2.0
     image[:2] = image[-2:] = image[:, :2] = image[:, -2:] = 9.0
-    assert acceptance.scratch_visibility(image, scratched, 8 / 12) == pytest.approx((1 / 2, 1 / 3))
+    assert scratch_visibility(image, scratched, 8 / 12) == pytest.approx((1 / 2, 1 / 3))
 
 
 # --------------------------------------------------------------- the machine's arithmetic, measured (P9)
@@ -678,109 +676,6 @@ def test_a_flat_normal_is_read_back_without_a_tilt():
     """P30: zero is stored exactly, so a flat map under a vertical light gives all of the light."""
     image = encode_rgba(np.array([[[0.0, 0.0, 1.0]]]), 1.0, GEFORCE_256)
     assert decode_expand(image[0, 0, :2], GEFORCE_256).tolist() == [0.0, 0.0]
-
-
-# --------------------------------------------------------------------------------------------- the figures
-
-
-@pytest.mark.parametrize("figure_id", FIGURES)
-def test_every_figure_is_valid_on_the_machine_and_on_the_ideal(figure_id):
-    figure = FIGURES[figure_id]
-    for profile in (GEFORCE_256, IDEAL):
-        commands = figure.commands(profile, 32)
-        validate(commands, profile, *figure.dimensions(32))
-        assert all(command.label for command in commands)
-        loaded = [c.texture for c in commands if isinstance(c, TexImage)]
-        assert len(loaded) == len(set(loaded))
-
-
-@pytest.mark.parametrize("figure_id", FIGURES)
-def test_later_passes_test_for_equal_depth_and_write_none(figure_id):
-    draws = [c for c in FIGURES[figure_id].commands(GEFORCE_256, 32) if isinstance(c, Draw)]
-    for draw in draws:
-        if draw.state.blending is not None:
-            assert draw.state.depth_test == DepthTest(draw.state.depth_test.function, write=False)
-            assert draw.state.depth_test.function.name == "EQUAL"
-
-
-@pytest.mark.parametrize("figure_id", FIGURES)
-def test_every_acceptance_check_of_a_figure_passes(figure_id):
-    checks = FIGURES[figure_id].checks(Renderer(GEFORCE_256, execute, execute_ideal))
-    assert checks
-    assert {c.on for c in checks} <= {"ideal", "machine"}
-    failed = [
-        f"{c.name} on the {c.on}: {c.value:.4g}, not {c.relation} {c.bound:g}" for c in checks if not c.passed
-    ]
-    assert not failed
-
-
-def test_a_check_that_was_not_computed_does_not_pass():
-    assert not Check("x", float("nan"), "<=", 1.0, "ideal", "").passed
-    assert not Check("x", float("nan"), ">=", 1.0, "ideal", "").passed
-    assert Check("x", 1.0, "<=", 1.0, "ideal", "").passed
-
-
-def test_checks_fail_on_a_broken_picture():
-    """Spheres with each other's textures must not pass for F004-4."""
-
-    def swapped(commands, profile, width, height):
-        other = {"longitudinal": "latitudinal", "latitudinal": "longitudinal"}
-        out = []
-        for command in commands:
-            if isinstance(command, TexImage):
-                direction, _, rest = command.texture.partition(" ")
-                command = replace(command, texture=f"{other[direction]} {rest}")
-            out.append(command)
-        # Loading goes first, so that every name is known when it is read.
-        out.sort(key=lambda command: not isinstance(command, TexImage))
-        return execute(tuple(out), profile, width, height)
-
-    checks = FIGURES["F004-4"].checks(Renderer(GEFORCE_256, swapped, execute_ideal))
-    assert not all(c.passed for c in checks if c.on == "machine")
-
-
-def test_a_difference_of_nothing_is_middle_grey_and_one_byte_is_the_gain():
-    machine = np.array([[[10, 20, 30, 0]]], np.uint8)
-    ideal = machine / 255.0
-    assert difference(machine, ideal)[0, 0].tolist() == [128, 128, 128, 255]
-    assert difference(machine + np.uint8(1), ideal, gain=8.0)[0, 0].tolist() == [136, 136, 136, 255]
-
-
-def arrays_of(value):
-    """Every array in a command, in order."""
-    if isinstance(value, np.ndarray):
-        yield value
-    elif is_dataclass(value):
-        for f in fields(value):
-            yield from arrays_of(getattr(value, f.name))
-    elif isinstance(value, tuple):
-        for item in value:
-            yield from arrays_of(item)
-
-
-def digest_of_inputs():
-    """One digest of all textures, vertices and matrices that figures hand to the machine."""
-    state = hashlib.sha256()
-    for figure in FIGURES.values():
-        for command in figure.commands(GEFORCE_256, 32):
-            for array in arrays_of(command):
-                if not (isinstance(command, TexImage) and array.dtype != np.uint8):
-                    state.update(np.ascontiguousarray(array).tobytes())
-            if isinstance(command, Draw | Clear):
-                state.update(repr(command.state if isinstance(command, Draw) else command).encode())
-    return state.hexdigest()
-
-
-def test_figures_hand_the_same_bits_to_the_machine_without_numpys_cpu_features():
-    from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
-
-    disabled = " ".join(name for name in __cpu_dispatch__ if __cpu_features__.get(name))
-    code = "from tests.test_effects import digest_of_inputs; print(digest_of_inputs())"
-    environment = {**os.environ, "NPY_DISABLE_CPU_FEATURES": disabled}
-    plain = subprocess.run(
-        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
-    )
-    assert plain.stdout.split()[-1] == digest_of_inputs()
 
 
 # ---------------------------------------------------------------------------------------------------- bump

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 
 import click
 
-from effects.cli.options import profile_option, threads_option
+from effects.cli.options import threads_option
 
 
 @click.command(short_help="Render figures, check them, make a gallery.")
@@ -16,40 +16,51 @@ from effects.cli.options import profile_option, threads_option
 @click.option(
     "--out", metavar="DIR", default="out", show_default=True, help="Folder of the pictures and the gallery."
 )
-@profile_option
+@click.option("--profile", metavar="NAME", help="One machine; otherwise every one that can draw the figure.")
 @click.option("--size", type=click.IntRange(min=1), metavar="N", help="Edge of a figure's panels, pixels.")
 @threads_option
 @click.option("--json", "json_file", metavar="FILE", help="Write all results as one JSON list as well.")
 def figures(figure_ids, list_only, check, out, profile, size, threads, json_file):
     """Render figures (all, or those with the given IDs): machine, ideal, and their difference made visible.
 
-    Writes PNG files, a JSON file beside each figure, and a gallery, index.html.
+    Writes PNG files, a JSON file beside each figure, and a gallery, index.html. Of all figures, --profile
+    takes those that the machine can draw.
     """
     from effects.cli.compiling import announce_compiling
     from effects.cli.files import writable_file, writable_folder, write_whole
-    from effects.cli.refusal import check_size, choose
+    from effects.cli.refusal import Refusal, check_size, choose, refusals
     from effects.figures import FIGURES
     from pipeline.profiles import PROFILES
 
     if list_only:
         for figure in FIGURES.values():
             click.echo(f"{figure.id:8s} {figure.title} ({', '.join(figure.techniques)}; {figure.source})")
+            click.echo(f"{'':8s} on {', '.join(figure.machines)}")
         return
     chosen = [choose("figure", i, FIGURES) for i in dict.fromkeys(figure_ids)] or list(FIGURES.values())
-    machine = choose("profile", profile, PROFILES)
+    if profile is not None:
+        choose("profile", profile, PROFILES)
+        chosen = [figure for figure in chosen if figure_ids or profile in figure.machines]
+        if not chosen:
+            raise Refusal(
+                f"No figure can be drawn on {profile}; fixedpipe figures --list has their machines."
+            )
+    with refusals():
+        machines = {f.id: f.machines if profile is None else _only(f, profile) for f in chosen}
     folder = writable_folder(out)
     json_path = writable_file(json_file) if json_file else None
     for figure in chosen:
-        check_size(figure.id, figure.columns, size or figure.size, machine)
+        for machine in machines[figure.id]:
+            check_size(figure.id, figure.columns, size or figure.size, PROFILES[machine])
 
     announce_compiling()
     from effects.cli.gallery import gallery
-    from effects.cli.rendering import render
+    from effects.cli.rendering import render, steps
 
     records = []
-    with _progress(len(chosen) * (4 if check else 3)) as step:
+    with _progress(sum(steps(len(names), check) for names in machines.values())) as step:
         for figure in chosen:
-            rendered = render(figure, profile, machine, size, threads, check, step)
+            rendered = render(figure, machines[figure.id], size, threads, check, step)
             for name, data in rendered.files.items():
                 write_whole(folder / name, data)
             records.append(rendered.record)
@@ -61,6 +72,12 @@ def figures(figure_ids, list_only, check, out, profile, size, threads, json_file
     if failed:
         click.echo(f"{failed} acceptance check{'s' * (failed != 1)} failed.", err=True)
         sys.exit(1)
+
+
+def _only(figure, machine):
+    """The machine, where the figure can be drawn on it; otherwise a ValueError that says where it can."""
+    figure.method(machine)
+    return (machine,)
 
 
 @contextmanager
@@ -90,11 +107,11 @@ def _print_checks(records):
     """Print every check with its value and bound; returns how many failed."""
     failed = 0
     for record in records:
-        for c in record["checks"]:
-            failed += not c["passed"]
-            verdict = "ok    " if c["passed"] else "FAILED"
-            measured = f"{c['value']:.4g} {c['relation']} {c['bound']:.4g}"
-            click.echo(
-                f"{record['id']:8s} {verdict} {c['name']}, on the {c['on']}: {measured} ({c['reason']})"
-            )
+        for drawn in record["machines"]:
+            for c in drawn["checks"]:
+                failed += not c["passed"]
+                verdict = "ok    " if c["passed"] else "FAILED"
+                measured = f"{c['value']:.4g} {c['relation']} {c['bound']:.4g}"
+                where = drawn["profile"] if c["on"] == "machine" else f"ideal ({drawn['method']})"
+                click.echo(f"{record['id']:8s} {verdict} {c['name']}, {where}: {measured} ({c['reason']})")
     return failed

@@ -30,24 +30,33 @@ def _checks_table(checks):
     )
 
 
-def _section(record):
-    figure_id = escape(record["id"])
+def _machine(record, drawn):
+    """The three pictures of a figure on one machine, their numbers and its checks."""
+    figure_id, wide = escape(record["id"]), record["width"] > record["height"]
     pictures = "".join(
         f'<figure><a href="{escape(p["file"])}"><img src="{escape(p["file"])}" loading="lazy" '
-        f'width="{record["width"]}" height="{record["height"]}" alt="{figure_id}, {escape(name)}"></a>'
-        f"<figcaption><b>{escape(name)}</b>: {escape(p['caption'])}</figcaption></figure>"
-        for name, p in record["pictures"].items()
+        f'width="{record["width"]}" height="{record["height"]}" '
+        f'alt="{figure_id} on {escape(drawn["profile"])}, {escape(view)}"></a>'
+        f"<figcaption><b>{escape(view)}</b>: {escape(p['caption'])}</figcaption></figure>"
+        for view, p in drawn["pictures"].items()
     )
+    return (
+        f"<h3>{escape(drawn['profile'])} <span>{escape(drawn['method'])}</span></h3>"
+        f'<div class="pictures{" row" * wide}">{pictures}</div>'
+        f'<p class="quiet">RMS difference from the ideal {drawn["difference_rms"]:.4f}; '
+        f"largest {drawn['difference_max']:.3f} (1 = full intensity).</p>"
+        f"{_checks_table(drawn['checks'])}"
+    )
+
+
+def _section(record):
+    figure_id = escape(record["id"])
     return (
         f'<section id="{figure_id}"><h2><span>{figure_id}</span> {escape(record["title"])}</h2>'
         f"<p>{escape(record['caption'])}</p><p><b>Must be seen:</b> {escape(record['must_see'])}</p>"
-        f'<div class="pictures{" row" * (record["width"] > record["height"])}">{pictures}</div>'
+        f"{''.join(_machine(record, drawn) for drawn in record['machines'])}"
         f'<p class="quiet">Source: {escape(record["source"])} ({escape(", ".join(record["techniques"]))}). '
-        f"Machine: {escape(record['profile'])}; RMS difference "
-        f"from the ideal {record['difference_rms']:.4f}; "
-        f"largest {record['difference_max']:.3f} (1 = full intensity). "
-        f'<a href="{figure_id}.json">All numbers (JSON)</a></p>'
-        f"{_checks_table(record['checks'])}</section>"
+        f'<a href="{figure_id}.json">All numbers (JSON)</a></p></section>'
     )
 
 
@@ -69,7 +78,7 @@ def gallery(folder, figures):
         '<!doctype html><html lang="en"><head><meta charset="utf-8"><title>fixedpipe: figures</title>'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<style>{STYLE}</style></head><body><h1>Figures</h1>"
-        '<p class="quiet">Each three times: the machine, the ideal, and their difference made visible.</p>'
+        '<p class="quiet">Each three times on a machine: the machine, the ideal, and their difference.</p>'
         f'<p class="quiet">{" · ".join(links)}</p>'
         f"{''.join(sections)}</body></html>\n"
     )

@@ -2,12 +2,10 @@
 
 import click
 
-from effects.cli.options import profile_option
-
 
 @click.command(short_help="Print a figure's passes in words.")
 @click.argument("figure_id", metavar="ID")
-@profile_option
+@click.option("--profile", metavar="NAME", help="Machine; otherwise the figure's own.")
 @click.option(
     "--trace", metavar="DIR", help="Write colour, alpha, depth and stencil after each command as PNG."
 )
@@ -20,10 +18,13 @@ def passes(figure_id, profile, trace, size):
     from pipeline.profiles import PROFILES
 
     figure = choose("figure", figure_id, FIGURES)
-    machine = choose("profile", profile, PROFILES)
+    key = profile or figure.machines[0]
+    machine = choose("profile", key, PROFILES)
     with refusals():
-        commands = figure.commands(machine, size)
-    click.echo(f"{figure.id}: {figure.title} ({', '.join(figure.techniques)}), on {machine.name}\n")
+        method = figure.method(key)
+        commands = figure.commands(machine, size, method)
+    click.echo(f"{figure.id}: {figure.title} ({', '.join(figure.techniques)})")
+    click.echo(f"on {machine.name}: {method.name}\n")
     click.echo(describe(commands))
     if trace is not None:
         with refusals():

@@ -2,12 +2,10 @@
 
 import click
 
-from effects.cli.options import profile_option
-
 
 @click.command(short_help="Was it the clamp or the bits? A figure's error by each.")
 @click.argument("figure_id", metavar="ID", default="F004-4")
-@profile_option
+@click.option("--profile", metavar="NAME", help="Machine; otherwise the figure's own.")
 @click.option(
     "--size",
     type=click.IntRange(min=1),
@@ -43,15 +41,17 @@ def precision(figure_id, profile, size, bits, parts):
     from pipeline.profiles import PROFILES
 
     figure = choose("figure", figure_id, FIGURES)
-    machine = choose("profile", profile, PROFILES)
+    key = profile or figure.machines[0]
+    machine = choose("profile", key, PROFILES)
     if machine.exact:
         raise Refusal("The ideal machine's numbers have no width to change; choose another --profile.")
     check_size(figure.id, figure.columns, size, machine)
     widths, of = _widths(bits), _parts(parts, measured.PARTS)
     announce_compiling()
     with refusals():
-        rows = measured.table(figure, machine, size, widths, of)
-        single = measured.clamps(figure, machine, size)
+        method = figure.method(key)
+        rows = measured.table(figure, machine, size, widths, of, method)
+        single = measured.clamps(figure, machine, size, method)
     click.echo(f"{figure.id}: {figure.title}, on {machine.name}, panels of {size} pixels")
     click.echo("Root mean square of (machine - ideal), 1/255 of full intensity\n")
     click.echo(f"Bits of {', '.join(part.removesuffix('_bits').replace('_', ' ') for part in of)}:")

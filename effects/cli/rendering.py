@@ -1,4 +1,4 @@
-"""One figure, rendered three times, as the bytes of its files."""
+"""One figure on its machines, rendered three times on each, as the bytes of its files."""
 
 import json
 from collections.abc import Mapping
@@ -12,12 +12,12 @@ from effects.figures import DIFFERENCE_GAIN, Renderer, difference
 from pipeline.execute import execute
 from pipeline.golden import digest
 from pipeline.ideal import execute_ideal
-from pipeline.profiles import IDEAL
+from pipeline.profiles import IDEAL, PROFILES
 from pipeline.provenance import provenance
 
 # What each of the three pictures is, in the words of its caption.
 PICTURES = {
-    "machine": "{profile}, bit for bit",
+    "machine": "{profile}, {method}, bit for bit",
     "ideal": "the same fragments in float64",
     "difference": f"(machine - ideal) x {DIFFERENCE_GAIN:g} about middle grey",
 }
@@ -31,14 +31,24 @@ class Rendered:
     record: dict
 
 
-def render(figure, profile_key, profile, size, threads, with_checks, step):
+def picture_name(figure_id, machine, view):
+    """The file name of a picture: F004-4-OCTANE.png, F004-4-OCTANE-ideal.png ..."""
+    return f"{figure_id}-{machine}{'' if view == 'machine' else f'-{view}'}.png"
+
+
+def steps(machines, with_checks):
+    """How many steps ``render`` takes for so many machines."""
+    return (3 + with_checks) * machines
+
+
+def render(figure, machines, size, threads, with_checks, step):
     """Render a figure.
 
     Parameters
     ----------
     figure : effects.figures.Figure
-    profile_key, profile
-        The machine and its key in ``pipeline.profiles.PROFILES``.
+    machines : tuple of str
+        Keys in ``pipeline.profiles.PROFILES``, of those that can draw it.
     size : int or None
         Edge of a panel in pixels; None: the figure's own.
     threads : int or None
@@ -47,26 +57,25 @@ def render(figure, profile_key, profile, size, threads, with_checks, step):
     step
         Called with a line of text at the beginning of each step.
 
-    Raises Refusal for what the machine cannot hold.
+    Raises Refusal for what a machine cannot hold.
     """
     size = size or figure.size
     width, height = figure.dimensions(size)
-    step(f"{figure.id}: on the {profile.name}, {width}x{height}")
-    with refusals():
-        commands = figure.commands(profile, size)
-        # The run that records what the ideal is guided by draws the picture as well.
-        guide = execute(commands, profile, width, height, threads=threads, record=True)
-        color = guide.framebuffer.color
-        step(f"{figure.id}: on the ideal")
-        ideal = execute_ideal(figure.commands(IDEAL, size), width, height, guide=guide, threads=threads)
-    images = {"machine": color, "ideal": ideal.image(), "difference": difference(color, ideal.color)}
-    checks = ()
-    if with_checks:
-        step(f"{figure.id}: acceptance checks")
-        checks = figure.checks(Renderer(profile, execute, execute_ideal))
-    step(f"{figure.id}: writing")
-    error = color[..., :3] / 255.0 - np.clip(ideal.color[..., :3], 0.0, 1.0)
-    pictures = {name: f"{figure.id}-{name}.png" for name in images}
+    files, drawn, kept, checked = {}, [], {}, set()
+    for machine in machines:
+        pictures, record = _on_machine(figure, machine, size, threads, step)
+        files |= {picture_name(figure.id, machine, view): png(image) for view, image in pictures.items()}
+        if with_checks:
+            step(f"{figure.id}: acceptance checks on the {PROFILES[machine].name}")
+            method = figure.method(machine)
+            checks = figure.checks(Renderer(PROFILES[machine], method, execute, execute_ideal, kept))
+            record["checks"] = [
+                asdict(c) | {"value": float(c.value), "passed": bool(c.passed)}
+                for c in checks
+                if c.on == "machine" or method not in checked
+            ]
+            checked.add(method)
+        drawn.append(record)
     record = {
         "id": figure.id,
         "title": figure.title,
@@ -75,21 +84,48 @@ def render(figure, profile_key, profile, size, threads, with_checks, step):
         "source": figure.source,
         "techniques": list(figure.techniques),
         "parameters": dict(figure.parameters),
-        "profile": profile_key,
         "size": size,
         "width": width,
         "height": height,
-        "sha256": digest(color),
         "difference_gain": DIFFERENCE_GAIN,
+        "machines": drawn,
+    }
+    files[f"{figure.id}.json"] = (json.dumps(record, indent=2) + "\n").encode()
+    return Rendered(files, record)
+
+
+def _on_machine(figure, machine, size, threads, step):
+    """Its three pictures by view, and what the record says of them."""
+    profile, method, (width, height) = PROFILES[machine], figure.method(machine), figure.dimensions(size)
+    step(f"{figure.id}: on the {profile.name}, {width}x{height}")
+    with refusals():
+        commands = figure.commands(profile, size, method)
+        # The run that records what the ideal is guided by draws the picture as well.
+        guide = execute(commands, profile, width, height, threads=threads, record=True)
+        framebuffer = guide.framebuffer
+        color = framebuffer.as_bytes(framebuffer.color)
+        step(f"{figure.id}: the same on the ideal")
+        commands = figure.commands(IDEAL, size, method)
+        ideal = execute_ideal(commands, width, height, guide=guide, threads=threads)
+    step(f"{figure.id}: writing")
+    pictures = {"machine": color, "ideal": ideal.image(), "difference": difference(color, ideal.color)}
+    exact = framebuffer.color[..., :3] / (2.0**framebuffer.color_bits - 1.0)
+    error = np.clip(exact, 0.0, 1.0) - np.clip(ideal.color[..., :3], 0.0, 1.0)
+    record = {
+        "profile": machine,
+        "method": method.name,
+        "parameters": dict(method.parameters),
+        "sha256": digest(color),
         "difference_rms": float(np.sqrt((error * error).mean())),
         "difference_max": float(np.abs(error).max()),
         "pictures": {
-            name: {"file": file, "caption": PICTURES[name].format(profile=profile.name)}
-            for name, file in pictures.items()
+            view: {
+                "file": picture_name(figure.id, machine, view),
+                "caption": caption.format(profile=profile.name, method=method.name),
+            }
+            for view, caption in PICTURES.items()
         },
-        "checks": [asdict(c) | {"value": float(c.value), "passed": bool(c.passed)} for c in checks],
+        "checks": [],
         "provenance": provenance(profile),
     }
-    files = {pictures[name]: png(image) for name, image in images.items()}
-    files[f"{figure.id}.json"] = (json.dumps(record, indent=2) + "\n").encode()
-    return Rendered(files, record)
+    return pictures, record

@@ -10,7 +10,8 @@ body { margin: 0 auto; max-width: 88rem; padding: 2rem clamp(1rem, 4vw, 3rem) 4r
   color: var(--ink); font: 1rem/1.55 Georgia, "Times New Roman", serif; }
 h1 { font-size: 1.7rem; font-weight: normal; margin: 0 0 .2rem; }
 h2 { font-size: 1.25rem; font-weight: normal; margin: 0 0 .5rem; }
-h2 span, .quiet, figcaption, th { color: var(--quiet); }
+h3 { font-size: 1rem; font-weight: normal; margin: 1.4rem 0 0; }
+h2 span, h3 span, .quiet, figcaption, th { color: var(--quiet); }
 section { border-top: 1px solid var(--line); margin-top: 2.5rem; padding-top: 1.5rem; }
 p { margin: .4rem 0; max-width: 48rem; }
 .pictures { display: grid; gap: 1rem; grid-template-columns: repeat(auto-fit, minmax(min(100%, 20rem), 1fr));

@@ -1,0 +1,144 @@
+"""F004-4: two spheres brushed in different directions."""
+
+import numpy as np
+
+from effects import anisotropic_blinn_phong, diffuse_bump, material_textures, meshes
+from effects.figures.figure import BACKGROUND, COMBINER_MACHINES, DARK, Check, Figure, Method
+from effects.figures.measures import half_maximum_aspect, principal_axis
+from effects.matrices import rotate, rotation
+from effects.vectors import cross, normalize
+from effects.views import Light, orthographic_view, row_of_panels
+
+
+def scene(
+    profile, size, *, slices, stacks, map_columns, map_rows, spread, depth, k_s, alpha_x, alpha_y, tilt,
+    light, radius, diffuse, ambient, specular, background,
+):  # fmt: skip
+    """F004-4: a sphere brushed along its meridians (left) and one along its parallels (right)."""
+    surface = meshes.sphere(slices, stacks).rotated(rotation("x", tilt))
+    toward, out = Light(light), []
+    for panel, along, name in zip(
+        row_of_panels(2, size), ("t", "s"), ("longitudinal", "latitudinal"), strict=True
+    ):
+        material = material_textures.brushed(
+            map_columns,
+            map_rows,
+            along,
+            alpha_x=alpha_x,
+            alpha_y=alpha_y,
+            spread=spread,
+            depth=depth,
+            k_s=k_s,
+        )
+        view = orthographic_view(panel, half_height=1.0 / radius)
+        loading, names = material_textures.load(material, f"{name} brushing", profile)
+        out += (
+            panel.clear(background),
+            *loading,
+            *diffuse_bump.diffuse_pass(
+                surface, names.normal, view, toward, profile, color=diffuse, ambient=ambient
+            ),
+            *anisotropic_blinn_phong.specular_pass(surface, names, view, toward, profile, specular=specular),
+        )
+    return tuple(out)
+
+
+def checks(figure, renderer):
+    """Orientation, elongation and aspect of the two spheres' highlights."""
+    size, out = 512, []
+    parameters, changes = figure.parameters, {**DARK, "specular": (1.0, 1.0, 1.0)}
+    for on in ("ideal", "machine"):
+        image = getattr(renderer, on)(figure, size, **changes)[..., 0]
+        (left, long_left), (right, long_right) = (
+            principal_axis(image[:, k * size : (k + 1) * size]) for k in (0, 1)
+        )
+        turn = abs(left - right) % 180.0
+        reason = "the catalogue's acceptance" + (
+            "; moments of the whole highlight average the 9-bit steps" if on == "machine" else ""
+        )
+        across = (
+            "highlights lie across the strokes, at 90 degrees to meridians and parallels; the sphere's "
+            "curvature and the tilt of its axis turn them by a few degrees"
+        )
+        out += [
+            Check(
+                "highlight orientations differ by 90 degrees, deviation",
+                abs(turn - 90.0),
+                "<=",
+                5.0,
+                on,
+                reason,
+            ),
+            Check(
+                "angle of the highlight to the horizontal, longitudinal brushing, degrees",
+                abs(left),
+                "<=",
+                15.0,
+                on,
+                across,
+            ),
+            Check(
+                "angle of the highlight to the vertical, latitudinal brushing, degrees",
+                90.0 - abs(right),
+                "<=",
+                15.0,
+                on,
+                across,
+            ),
+            Check("elongation of the highlight, longitudinal brushing", long_left, ">=", 2.5, on, reason),
+            Check("elongation of the highlight, latitudinal brushing", long_right, ">=", 2.5, on, reason),
+        ]
+    changes |= {"spread": 0.0, "depth": 0.0, "k_s": (1.0, 1.0), "slices": 200, "stacks": 101}
+    image = renderer.ideal(figure, size, **changes)[:, size:, 0]
+    half = normalize(normalize(np.array(parameters["light"])) + np.array([0.0, 0.0, 1.0]))
+    axis = rotate(rotation("x", parameters["tilt"]), np.array([0.0, 1.0, 0.0]))
+    east = normalize(cross(axis, half))
+    aspect = half_maximum_aspect(image, (east, cross(half, east), half), parameters["radius"])
+    expected = parameters["alpha_y"] / parameters["alpha_x"]
+    out.append(
+        Check(
+            "aspect at half maximum over alpha_y / alpha_x, relative deviation",
+            abs(aspect / expected - 1.0),
+            "<=",
+            0.1,
+            "ideal",
+            "the catalogue's acceptance; smooth brushing and 200 slices, so that only Eq. 1 is measured",
+        )
+    )
+    return tuple(out)
+
+
+FIGURE = Figure(
+    id="F004-4",
+    title="Two spheres brushed in different directions",
+    caption=(
+        "A sphere brushed along its meridians and one brushed along its parallels, 2500 triangles each."
+    ),
+    must_see=(
+        "The highlight of either sphere is drawn out across its strokes; the two highlights lie at right "
+        "angles, and single strokes are seen in both."
+    ),
+    source="KautzSeidel2000",
+    techniques=("K07", "K10", "K21"),
+    columns=2,
+    parameters={
+        "slices": 50,
+        "stacks": 26,
+        "map_columns": 512,
+        "map_rows": 256,
+        "spread": 8.0,
+        "depth": 0.25,
+        "k_s": (0.5, 1.0),
+        "alpha_x": 0.25,
+        "alpha_y": 1.0,
+        "tilt": 6.0,
+        "light": (0.40, 0.30, 0.87),
+        "radius": 0.92,
+        "diffuse": (0.30, 0.33, 0.40),
+        "ambient": (0.03, 0.03, 0.04),
+        "specular": (0.85, 0.85, 0.82),
+        "background": BACKGROUND,
+    },
+    methods=(Method("register combiners", scene, COMBINER_MACHINES),),
+    acceptance=checks,
+)
