@@ -136,7 +136,8 @@ def test_kernels_in_the_cache_are_read_without_what_compiles(tmp_path):
     code = f"""
 import sys
 from effects.cli import main
-main(["figures", "F004-4", "--profile", "GEFORCE_256", "--size", "8", "--out", {str(tmp_path)!r}], standalone_mode=False)
+arguments = ["F004-4", "--profile", "GEFORCE_256", "--size", "8", "--out", {str(tmp_path)!r}]
+main(["figures", *arguments], standalone_mode=False)
 print("numba.np.arraymath" in sys.modules)
 """
     outputs = [
