@@ -5,6 +5,10 @@ PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11; do \
 BIN := .venv/bin
 READY := .venv/.ready
 OUT ?= out
+# Tests run in a process per processor (eight at most: each has every kernel in memory). A process that has none left
+# takes half of those that another has before it, so a file's tests stay together, with what they share, and none
+# waits at the end. `make test WORKERS=` runs them in one process, one after the other.
+WORKERS ?= --numprocesses auto --maxprocesses 8 --dist worksteal
 CAPTURES := $(abspath ../shared/silicon/golden/results)
 ifneq ($(wildcard $(CAPTURES)),)
 export FIXEDPIPE_CAPTURES ?= $(CAPTURES)
@@ -40,10 +44,10 @@ conformance: $(READY)
 	$(BIN)/fixedpipe conformance --html $(OUT)/conformance.html --json $(OUT)/conformance.json
 
 test: $(READY)
-	$(BIN)/python -m pytest -m "not slow" -rs
+	$(BIN)/python -m pytest $(WORKERS) -m "not slow" -rs
 
 test-all: $(READY)
-	$(BIN)/python -m pytest -rs
+	$(BIN)/python -m pytest $(WORKERS) -rs
 
 check: $(READY)
 	$(BIN)/ruff check .

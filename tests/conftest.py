@@ -1,6 +1,8 @@
 """Settings of the whole suite: reproducible Hypothesis runs, and tests that need the folder of captures."""
 
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -31,6 +33,21 @@ def shared():
 def captures():
     """The folder of captures, SUITE/CASE.png; a test that asks for it is marked `needs_shared`."""
     return CAPTURES
+
+
+def pytest_sessionstart(session):
+    """Compile the kernels in one process before several (pytest-xdist's) begin to want them: each would compile
+    every kernel itself, and two that add to the same entry of Numba's cache at once can lose one of them.
+    """
+    config, root = session.config, Path(__file__).parents[1]
+    if not config.getoption("numprocesses", None) or hasattr(config, "workerinput") or config.rootpath != root:
+        return
+    from raster.kernel import is_cold  # not before: `pytest --help` needs no compiler
+
+    if is_cold():
+        print("compiling the kernels, once: a minute or two", flush=True)
+        bits = [sys.executable, "-m", "tests.bits", "1", "1024"]
+        subprocess.run(bits, cwd=root, stdout=subprocess.DEVNULL, check=True)
 
 
 def pytest_collection_modifyitems(items):

@@ -4,7 +4,6 @@ import os
 import platform
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -42,34 +41,28 @@ def test_threads_and_batches_do_not_change_a_bit(native, threads, batch):
     assert run(threads, batch)[0] == native
 
 
-@pytest.fixture(scope="module")
-def others(tmp_path_factory):
-    """The runs for two other processors, begun at once: each compiles every kernel, for a minute or more."""
+# Each of the next two compiles every kernel, for a minute or more; where the suite has several processes
+# (`make test`), each of them takes one.
+
+
+def test_a_plain_processor_gives_the_same_bits(native):
     generic = {
         "NUMBA_CPU_NAME": "generic",
         "NUMBA_CPU_FEATURES": "",
         "NPY_DISABLE_CPU_FEATURES": NUMPY_EXTRAS,
     }
+    assert run(1, 1024, **generic)[0] == native
+
+
+@pytest.mark.skipif(not ON_X86, reason="AVX2 is an x86 feature")
+def test_avx2_gives_the_same_bits_and_no_kernel_fuses_a_multiply_add(native, tmp_path):
     # A folder of its own: machine code can be read back only where this very process made it.
     haswell = {
         "NUMBA_CPU_NAME": "haswell",
         "NUMBA_CPU_FEATURES": "+avx2,+fma",
-        "NUMBA_CACHE_DIR": str(tmp_path_factory.mktemp("haswell")),
+        "NUMBA_CACHE_DIR": str(tmp_path),
     }
-    with ThreadPoolExecutor(2) as pool:
-        runs = {"generic": pool.submit(run, 1, 1024, **generic)}
-        if ON_X86:
-            runs["haswell"] = pool.submit(run, 2, 256, "--assembly", **haswell)
-        yield runs
-
-
-def test_a_plain_processor_gives_the_same_bits(native, others):
-    assert others["generic"].result()[0] == native
-
-
-@pytest.mark.skipif(not ON_X86, reason="AVX2 is an x86 feature")
-def test_avx2_gives_the_same_bits_and_no_kernel_fuses_a_multiply_add(native, others):
-    digest, counts, *_ = others["haswell"].result()
+    digest, counts, *_ = run(2, 256, "--assembly", **haswell)
     kernels, lines, fused = map(int, counts.split())
     assert digest == native
     assert kernels >= 50

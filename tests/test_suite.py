@@ -20,14 +20,16 @@ def test_other():
 """
 
 
-@pytest.mark.parametrize(("required", "status"), [("1", 1), ("0", 0)])
-def test_a_skipped_capture_fails_only_a_run_that_requires_captures(tmp_path, required, status):
+@pytest.mark.parametrize(
+    ("required", "status", "workers"), [("1", 1, ""), ("0", 0, ""), ("1", 1, "--numprocesses=2")]
+)
+def test_a_skipped_capture_fails_only_a_run_that_requires_captures(tmp_path, required, status, workers):
     (tmp_path / "conftest.py").write_text(CONFTEST.read_text())
     (tmp_path / "test_case.py").write_text(CASE)
     (tmp_path / "pytest.ini").write_text("[pytest]\nmarkers = needs_shared: captures\n")
     environment = {name: value for name, value in os.environ.items() if name != "PYTEST_ADDOPTS"}
     run = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(tmp_path)],
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(tmp_path), *workers.split()],
         env=environment | {"FIXEDPIPE_REQUIRE_SHARED": required},
         cwd=tmp_path,
         capture_output=True,
