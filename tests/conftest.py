@@ -36,11 +36,12 @@ def captures():
 
 
 def pytest_sessionstart(session):
-    """Compile the kernels in one process before several (pytest-xdist's) begin to want them: each would compile
-    every kernel itself, and two that add to the same entry of Numba's cache at once can lose one of them.
+    """Compile the kernels in one process before several (pytest-xdist's) begin to want them: each would
+    compile every kernel itself, and two that add to one entry of Numba's cache at once can lose one of them.
     """
     config, root = session.config, Path(__file__).parents[1]
-    if not config.getoption("numprocesses", None) or hasattr(config, "workerinput") or config.rootpath != root:
+    begins_workers = config.getoption("numprocesses", None) and not hasattr(config, "workerinput")
+    if not begins_workers or config.rootpath != root:
         return
     from raster.kernel import is_cold  # not before: `pytest --help` needs no compiler
 
