@@ -2,12 +2,21 @@
 
 EXPAND_NORMAL maps a stored byte x to 2x - 256 on a machine whose half is 128, so zero is stored as 128 and
 the vector component v as ``128 + 127.5 v``. With the half at 127.5 (the extension's real-number reading, 2x -
-255) it is ``127.5 + 127.5 v``. The exact machine stores ``v/2 + 1/2`` unrounded.
+255) it is ``127.5 + 127.5 v``. Wider combiners of c bits read a texel's byte as a fraction of 2**c - 1 and take
+2**(c - 1) as the half: zero is then 127.502 for 16 bits, and their vertex colours have c bits as well. The exact
+machine stores ``v/2 + 1/2`` unrounded.
 
 Source: NV_register_combiners, table 4 (EXPAND_NORMAL); normal maps of the time put zero at 128.
 """
 
 import numpy as np
+
+
+def _zero(profile):
+    """The stored byte, as a real number, that EXPAND_NORMAL reads as zero."""
+    if profile.expand_half != 128:
+        return 127.5
+    return 255.0 * 2 ** (profile.combiner_bits - 1) / (2**profile.combiner_bits - 1)
 
 
 def encode_expand(vectors, profile):
@@ -22,7 +31,7 @@ def encode_expand(vectors, profile):
     vectors = np.asarray(vectors, np.float64)
     if profile.exact:
         return vectors * 0.5 + 0.5
-    return np.clip(np.floor(profile.expand_half + 127.5 * vectors + 0.5), 0, 255).astype(np.uint8)
+    return np.clip(np.floor(_zero(profile) + 127.5 * vectors + 0.5), 0, 255).astype(np.uint8)
 
 
 def decode_expand(stored, profile):
@@ -31,7 +40,7 @@ def decode_expand(stored, profile):
     """
     if profile.exact:
         return 2.0 * np.asarray(stored, np.float64) - 1.0
-    return (2.0 * np.asarray(stored, np.float64) - 2.0 * profile.expand_half) / 255.0
+    return (2.0 * np.asarray(stored, np.float64) - 2.0 * _zero(profile)) / 255.0
 
 
 def encode_factor(values, profile):
@@ -45,11 +54,16 @@ def encode_factor(values, profile):
 def encode_vertex_color(vectors, profile):
     """Vectors [n, 3] as the primary colour of n vertices, for EXPAND_NORMAL: float64 [n, 3].
 
-    On a machine the floats are bytes divided by 255, which its conversion of vertex colours turns back into
-    the same bytes (Measured: a float colour keeps 14 significant bits, then rounds).
+    On a machine the floats are the combiners' integers divided by their one, bytes by 255, which its
+    conversion of vertex colours turns back into the same integers (Measured: a float colour keeps 14
+    significant bits, then rounds).
     """
-    stored = encode_expand(vectors, profile)
-    return stored if profile.exact else stored / 255.0
+    if profile.exact:
+        return encode_expand(vectors, profile)
+    one = 2.0**profile.combiner_bits - 1.0
+    # For bytes these are encode_expand's numbers, to the bit.
+    stored = np.floor(one / 255.0 * _zero(profile) + one / 2.0 * np.asarray(vectors, np.float64) + 0.5)
+    return np.clip(stored, 0.0, one) / one
 
 
 def encode_rgba(vectors, alpha, profile):

@@ -60,6 +60,19 @@ def upper_directions(count, seed):
 # ------------------------------------------------------------------------------------------------ encoding
 
 
+@pytest.mark.parametrize("bits", [6, 10, 16])
+def test_expand_at_other_widths_reads_back_within_half_a_step_of_the_texel_and_of_the_colour(bits):
+    machine, v = GEFORCE_256.with_precision(combiner_bits=bits), np.linspace(-0.99, 0.99, 397)
+    one = 2**bits - 1
+    texel = encode_expand(v, machine).astype(np.int64)
+    wide = (2 * texel * one + 255) // (2 * 255)
+    coarser = 1.0 / min(one, 255)
+    assert np.abs((2 * wide - (one + 1)) / one - v).max() <= coarser * (1 + 255 / one) + 1e-12
+    color = encode_vertex_color(v[:, None], machine)[:, 0] * one
+    assert np.allclose(color, np.round(color), atol=1e-9)
+    assert np.abs((2 * color - (one + 1)) / one - v).max() <= 1.0 / one + 1e-12
+
+
 def test_expand_on_the_machine_reads_back_zero_exactly_and_all_else_within_half_a_step():
     v = np.linspace(-1.0, 1.0, 2001)
     back = decode_expand(encode_expand(v, GEFORCE_256), GEFORCE_256)
