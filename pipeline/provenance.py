@@ -20,9 +20,12 @@ def package_version():
 
 
 def provenance(profile):
-    """What made a picture, as a dict for a JSON file: profile, versions, digest of the kernels' sources."""
+    """What made a picture, as a dict for a JSON file: profile, versions, digest of the kernels' sources.
+
+    ``profile``: None where several machines took part.
+    """
     return {
-        "profile": profile.name,
+        "profile": profile.name if profile else None,
         "fixedpipe": package_version(),
         "kernels": kernel.CACHE_FOLDER.name,
         "python": platform.python_version(),

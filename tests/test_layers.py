@@ -20,7 +20,7 @@ STANDARD = set(sys.stdlib_module_names)
 MAY_IMPORT = {
     "raster": {"raster", "numba", "llvmlite", "numpy"},
     "pipeline": {"pipeline", "raster", "numpy"},
-    "effects/cli": {"effects", "pipeline", "numpy", "click", "rich", "PIL", "imageio"},
+    "effects/cli": {"effects", "pipeline", "numpy", "click", "rich", "PIL", "imageio", "matplotlib"},
     "effects/conformance": {"effects", "pipeline", "numpy", "PIL"},
     "effects": {"effects", "pipeline", "numpy"},
     "tests/reference": {

@@ -5,7 +5,7 @@ import importlib
 
 import click
 
-_COMMANDS = ("figures", "passes", "bump", "combiners", "precision", "profiles", "conformance")
+_COMMANDS = ("figures", "passes", "bump", "combiners", "precision", "study", "profiles", "conformance")
 
 _WELCOME = """\
 fixedpipe emulates the graphics hardware of 1997-2001, bit for bit.
@@ -18,6 +18,7 @@ What to do next:
                                 bump-map a mesh with a photograph
   fixedpipe combiners FILE      what a combiner program of the time (RC1.0, TS1.0, ps.1.x) sets, as equations
   fixedpipe precision F004-4    was it the clamp or the bits? a figure's error by widths and clamps
+  fixedpipe study               artefacts of the hardware, measured; fixedpipe study P9: a table and a plot
   fixedpipe profiles            which machines there are, and how each of their numbers is known
   fixedpipe conformance DIR     redraw captures of a real NV2A and count the pixels that agree
   fixedpipe --help              all commands and options"""

@@ -1,0 +1,165 @@
+"""``fixedpipe study``: an artefact of the hardware, measured: a table, what it says, and a plot."""
+
+import json
+import sys
+
+import click
+
+
+@click.command(short_help="Measure an artefact of the hardware: a table and a plot.")
+@click.argument("study_ids", metavar="[ID …|all]", nargs=-1)
+@click.option("--profile", metavar="NAME", help="Machine, of those a study names; without, the study's own.")
+@click.option(
+    "--check", is_flag=True, help="Compare with the expected numbers; exit status 1 if one is missed."
+)
+@click.option(
+    "--out", metavar="DIR", default="out", show_default=True, help="Folder of plots and JSON files."
+)
+@click.option("--json", "json_file", metavar="FILE", help="Write all results as one JSON list as well.")
+def study(study_ids, profile, check, out, json_file):
+    """Measure the studies with the given IDs, or all, on the emulated machines; without an ID, name them.
+
+    Prints each table and what its numbers say, and writes ID.png, a plot, and ID.json beside it. Plots need
+    matplotlib: pip install 'fixedpipe[plots]'.
+    """
+    from effects.cli.compiling import announce_compiling
+    from effects.cli.files import writable_file, writable_folder, write_whole
+    from effects.cli.refusal import Refusal, choose
+    from effects.studies import STUDIES
+
+    if not study_ids:
+        for s in STUDIES.values():
+            click.echo(f"{s.id:4s} {s.title} ({', '.join(s.techniques)}; {s.source})")
+        return
+    ids = list(STUDIES) if study_ids == ("all",) else dict.fromkeys(study_ids)
+    chosen = [choose("study", i, STUDIES) for i in ids]
+    machines = [_machine(s, profile, check) for s in chosen]
+    folder = writable_folder(out)
+    json_path = writable_file(json_file) if json_file else None
+    announce_compiling()
+
+    records, missed, without_plot = [], 0, False
+    for number, (s, key) in enumerate(zip(chosen, machines, strict=True)):
+        table, record = _measured(s, key, check)
+        click.echo("\n" * bool(number) + _printed(s, key, table))
+        missed += _print_checks(record["checks"])
+        picture = _plotted(s, table)
+        without_plot |= picture is None
+        if picture is not None:
+            record["plot"] = f"{s.id}.png"
+            write_whole(folder / record["plot"], picture)
+        write_whole(folder / f"{s.id}.json", _json(record))
+        records.append(record)
+    if json_path:
+        write_whole(json_path, _json(records))
+    if without_plot:
+        raise Refusal(
+            f"The tables are in {folder}; plots need matplotlib, which is not installed: "
+            "pip install 'fixedpipe[plots]'."
+        )
+    click.echo(f"\n{len(records)} stud{'ies' if len(records) > 1 else 'y'} in {folder}")
+    if missed:
+        click.echo(f"{missed} expected number{'s' * (missed != 1)} missed.", err=True)
+        sys.exit(1)
+
+
+def _machine(s, profile, check):
+    """The key of the machine to measure a study on, or None where no one machine is asked for."""
+    from effects.cli.refusal import Refusal, choose
+    from pipeline.profiles import PROFILES
+
+    own = s.machines[0] if s.machines else None
+    if profile is None:
+        return own
+    choose("profile", profile, PROFILES)
+    if profile not in s.machines:
+        instead = f"one of {', '.join(s.machines)}" if s.machines else "no --profile"
+        raise Refusal(f"{s.id} cannot be measured on {profile}; give {instead}.")
+    if check and profile != own:
+        raise Refusal(f"The expected numbers of {s.id} are for {own}; give that --profile, or no --check.")
+    return profile
+
+
+def _measured(s, key, check):
+    """The study's table and the content of its JSON file."""
+    from dataclasses import asdict
+
+    from effects.cli.refusal import refusals
+    from pipeline.profiles import PROFILES
+    from pipeline.provenance import provenance
+
+    profile = PROFILES[key] if key else None
+    with refusals():
+        table = s.measure(profile)
+    checks = s.checks(table) if check else ()
+    record = {
+        "id": s.id,
+        "title": s.title,
+        "question": s.question,
+        "method": s.method,
+        "source": s.source,
+        "techniques": list(s.techniques),
+        "profile": key,
+        "units": {column.name: column.unit for column in table.columns},
+        "rows": table.records(),
+        "findings": list(s.findings(table)),
+        "checks": [asdict(c) | {"value": float(c.value), "passed": bool(c.passed)} for c in checks],
+        "provenance": provenance(profile),
+    }
+    return table, record
+
+
+def _json(content):
+    return (json.dumps(content, indent=2, allow_nan=False) + "\n").encode()
+
+
+def _printed(s, key, table):
+    """What the terminal shows of a study, at most ``WIDTH`` columns wide."""
+    from textwrap import fill
+
+    from effects.studies.study import WIDTH
+    from pipeline.profiles import PROFILES
+
+    on = f", on {PROFILES[key].name}" if key else ""
+    parts = (
+        fill(f"{s.id}: {s.title}{on}", WIDTH),
+        fill(s.question, WIDTH),
+        table.text(),
+        *(fill(sentence, WIDTH) for sentence in s.findings(table)),
+    )
+    return "\n\n".join(parts)
+
+
+def _print_checks(checks):
+    """Print every check with its value and bound; returns how many failed."""
+    for c in checks:
+        verdict = "ok    " if c["passed"] else "FAILED"
+        click.echo(
+            f"{verdict} {c['name']}: {c['value']:.4g} {c['relation']} {c['bound']:.4g} ({c['reason']})"
+        )
+    return sum(not c["passed"] for c in checks)
+
+
+def _plotted(s, table):
+    """The study's plot as the bytes of a PNG file; None where matplotlib is not installed."""
+    try:
+        import matplotlib
+    except ImportError:
+        return None
+    import io
+
+    # The drawing library alone, without a window system and without what a user's settings change.
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update({"axes.grid": True, "grid.alpha": 0.3, "axes.axisbelow": True})
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(4.5 + 3.5 * s.panels, 5.0), dpi=110, layout="constrained")
+        FigureCanvasAgg(figure)
+        axes = figure.subplots(1, s.panels, squeeze=False)[0]
+        figure.suptitle(f"{s.id}: {s.title}")
+        s.plot(tuple(axes), table)
+        buffer = io.BytesIO()
+        figure.savefig(buffer, format="png", metadata={"Software": None})
+        return buffer.getvalue()

@@ -1,0 +1,115 @@
+"""A study as data: an artefact of the hardware, how it is measured on the emulator, and what comes out."""
+
+import textwrap
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+import numpy as np
+
+# Columns of a terminal that a printed table fits.
+WIDTH = 80
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a table: its heading, its unit ("" for a pure number) and how its values are written."""
+
+    name: str
+    unit: str = ""
+    form: str = ""
+
+    def written(self, value):
+        """A value in words; None, which stands for what a row does not have, as a dash."""
+        return "-" if value is None else format(value, self.form)
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """What a study measured: rows of numbers and words under headings.
+
+    columns   Column, in order
+    rows      tuples as long as ``columns``: float, int, str, or None where a row has no such value
+    curves    what a plot shows and the rows do not have: float64 arrays by name
+    """
+
+    columns: tuple[Column, ...]
+    rows: tuple[tuple, ...]
+    curves: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+    def column(self, name):
+        """The values of the column with this heading, in order."""
+        (k,) = [k for k, column in enumerate(self.columns) if column.name == name]
+        return [row[k] for row in self.rows]
+
+    def records(self):
+        """The rows as dicts by heading, for a JSON file."""
+        names = [column.name for column in self.columns]
+        return [dict(zip(names, row, strict=True)) for row in self.rows]
+
+    def text(self):
+        """The table as lines of plain text: headings over their units, numbers to the right."""
+        cells = [[c.written(v) for c, v in zip(self.columns, row, strict=True)] for row in self.rows]
+        out = []
+        for k, column in enumerate(self.columns):
+            body = [row[k] for row in cells]
+            words = [*column.name.split(), *column.unit.split()]
+            width = max(map(len, (*words, *body)))
+            head = textwrap.wrap(column.name, width) + textwrap.wrap(column.unit, width)
+            side = "<" if column.form == "" else ">"
+            out.append((width, side, head, body))
+        height = max(len(head) for _, _, head, _ in out)
+        lines = []
+        for n in range(height):
+            lines.append(
+                [f"{h[n - height + len(h)] if n >= height - len(h) else '':{s}{w}}" for w, s, h, _ in out]
+            )
+        lines.append(["-" * width for width, *_ in out])
+        for n in range(len(cells)):
+            lines.append([f"{body[n]:{side}{width}}" for width, side, _, body in out])
+        return "\n".join("  ".join(line).rstrip() for line in lines)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """An artefact of the hardware and how it is measured.
+
+    id          the catalogue's: P<number>
+    title       what it is, in a few words
+    question    what the study asks, one sentence
+    method      how the answer is measured
+    source      key in docs/bibliography.bib
+    techniques  the catalogue's ids of the techniques used
+    machines    keys of ``pipeline.profiles.PROFILES`` on which it may be measured, its own first; none: what
+                it compares are machines, or no machine takes part
+    measure     (profile) -> Table; the profile of one of ``machines``, None where there are none
+    findings    (Table) -> tuple of sentences that say what the numbers say, made of the numbers
+    checks      (Table) -> tuple of effects.figures.Check: the catalogue's numbers; of the study's own machine
+    plot        (axes, Table) -> None: draws on ``panels`` matplotlib axes
+    """
+
+    id: str
+    title: str
+    question: str
+    method: str
+    source: str
+    techniques: tuple[str, ...]
+    machines: tuple[str, ...] = ()
+    panels: int = 1
+    measure: Callable
+    findings: Callable
+    checks: Callable
+    plot: Callable
+
+
+def collected(*studies):
+    """Studies by their ids, in the order given."""
+    return MappingProxyType({study.id: study for study in studies})
+
+
+# Colours of plots that people with any colour vision tell apart.  Source: Okabe, Ito 2008.
+BLUE, ORANGE, GREEN, RED, PURPLE, SKY, BLACK = (
+    "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000",
+)  # fmt: skip
+# How a plot marks a number that the catalogue expects.
+EXPECTED = {"color": BLACK, "marker": "D", "linestyle": "none", "markersize": 6, "markerfacecolor": "white"}
