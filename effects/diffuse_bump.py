@@ -4,6 +4,8 @@ K10: (n.l)+ per fragment from a normal map and a light vector per vertex, times 
 the paper's two passes; destination alpha keeps the gate min(1, 4 (n.l)+), by which a later specular pass can
 be multiplied so that it stays on the lit side (Eq. 1 itself is even in h and has no such term: erratum
 E004.1).
+With a colour map the surface's colour is a texture in unit 1 instead: the second general combiner, whose RGB
+portion was free, multiplies it by the light's colour, and E times F by the ambient light.
 K14: K10, then (n.h)^8 by squaring three times.
 
 Source: Kautz, Seidel 2000, sections 2, 3 and 6 (K10, K14 of the catalogue; pass sequences A-K07 and A-H43);
@@ -37,8 +39,13 @@ from pipeline.state import (
 )
 
 
-def diffuse_combiners(color, ambient=(0.0, 0.0, 0.0), light_register=Register.PRIMARY_COLOR):
-    """General combiners: dot product, gate; final combiner: (n.l)+ color + ambient, alpha = the gate."""
+def diffuse_combiners(
+    color, ambient=(0.0, 0.0, 0.0), light_register=Register.PRIMARY_COLOR, *, color_map=False
+):
+    """General combiners: dot product, gate; final combiner: (n.l)+ color + ambient, alpha = the gate.
+
+    ``color_map``: both colours are multiplied by texture 1.
+    """
     dot_product = RGBPortion(
         a=expand(Register.TEXTURE0),
         b=expand(light_register),
@@ -53,29 +60,46 @@ def diffuse_combiners(color, ambient=(0.0, 0.0, 0.0), light_register=Register.PR
         sum_output=Register.DISCARD,
         scale=CombinerScale.SCALE_BY_FOUR,
     )
+    lit, surface_color, always = NO_RGB, Register.CONSTANT_COLOR0, Register.CONSTANT_COLOR1
+    texels = CombinerInput(Register.TEXTURE1)
+    if color_map:
+        lit = RGBPortion(
+            a=texels,
+            b=CombinerInput(Register.CONSTANT_COLOR0),
+            ab_output=Register.SPARE1,
+            sum_output=Register.DISCARD,
+        )
+        surface_color, always = Register.SPARE1, Register.E_TIMES_F
     final = FinalCombiner(
         a=CombinerInput(Register.SPARE0),
-        b=CombinerInput(Register.CONSTANT_COLOR0),
+        b=CombinerInput(surface_color),
         c=ZERO,
-        d=CombinerInput(Register.CONSTANT_COLOR1),
+        d=CombinerInput(always),
+        e=CombinerInput(Register.CONSTANT_COLOR1) if color_map else ZERO,
+        f=texels if color_map else ZERO,
         g=alpha_of(Register.SPARE0),
     )
     return RegisterCombiners(
-        general=(GeneralCombiner(dot_product, NO_ALPHA), GeneralCombiner(NO_RGB, gate)),
+        general=(GeneralCombiner(dot_product, NO_ALPHA), GeneralCombiner(lit, gate)),
         final=final,
         constant_color0=opaque(color),
         constant_color1=opaque(ambient),
     )
 
 
-def diffuse_pass(surface, normal_map, view, light, profile, *, color, ambient=(0.0, 0.0, 0.0)):
+def diffuse_pass(
+    surface, normal_map, view, light, profile, *, color, ambient=(0.0, 0.0, 0.0), color_map=None
+):
     """K10: one draw. ``normal_map``: the name of a texture with normals for EXPAND_NORMAL; colours RGB in
-    [0, 1].
+    [0, 1]. ``color_map``: the name of a texture by whose colours both are multiplied.
     """
     vectors = encode_vertex_color(light_vectors(surface, light), profile)
-    combiners = diffuse_combiners(color, ambient)
+    combiners = diffuse_combiners(color, ambient, color_map=color_map is not None)
     mesh = surface.mesh(colors=vectors)
-    return (draw("diffuse pass: (n.l)+", mesh, view, combiners, (unit(normal_map),), depth_test=FIRST_PASS),)
+    units, label = (unit(normal_map),), "diffuse pass: (n.l)+"
+    if color_map is not None:
+        units, label = (*units, unit(color_map)), f"{label} times the colour map"
+    return (draw(label, mesh, view, combiners, units, depth_test=FIRST_PASS),)
 
 
 def blinn_phong_combiners():

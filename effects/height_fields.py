@@ -179,6 +179,37 @@ def value_noise(columns, rows, cells_s, cells_t, seed):
     return low * (1.0 - g) + high * g
 
 
+def gradient_noise(s, t, cells, seed):
+    """Periodic noise at texture coordinates, about in [-1, 1], ``cells`` x ``cells`` of it in a unit square.
+
+    Zero at the cells' corners, each of which has a gradient from an integer hash; joined by a quintic, so
+    that slopes and curvatures are continuous. Source: Perlin 2002, with gradients of any length up to
+    sqrt(2) instead of twelve.
+    """
+    x, y = s * cells, t * cells
+    i, j = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
+    f, g = x - i, y - j
+    a, b = (u * u * u * (u * (u * 6.0 - 15.0) + 10.0) for u in (f, g))
+
+    def value(di, dj):
+        corner = (i + di) % cells, (j + dj) % cells
+        gx, gy = (_hash(*corner, 2 * seed + k) / 32767.5 - 1.0 for k in (0, 1))
+        return gx * (f - di) + gy * (g - dj)
+
+    low = value(0, 0) * (1.0 - a) + value(1, 0) * a
+    high = value(0, 1) * (1.0 - a) + value(1, 1) * a
+    return 1.5 * (low * (1.0 - b) + high * b)
+
+
+def turbulence(s, t, cells, octaves, seed):
+    """Periodic noise of several sizes: each octave has twice the cells and half the height of the last."""
+    total, amplitude, out = 0.0, 1.0, 0.0
+    for k in range(octaves):
+        out = out + amplitude * gradient_noise(s, t, cells << k, seed + k)
+        total, amplitude = total + amplitude, amplitude * 0.5
+    return out / total
+
+
 def pebbles(columns, rows, cells, seed):
     """A periodic bed of round stones, ``cells`` x ``cells`` of them: heights in units of the field's edge.
 

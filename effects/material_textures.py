@@ -13,8 +13,16 @@ from functools import lru_cache
 
 import numpy as np
 
-from effects.encode import encode_rgba
-from effects.height_fields import frames, value_noise
+from effects.encode import encode_factor, encode_rgba
+from effects.height_fields import (
+    frames,
+    gradient_noise,
+    slopes,
+    smooth,
+    texel_centers,
+    turbulence,
+    value_noise,
+)
 from effects.vectors import cosine, cross, dot, normalize, sine
 from pipeline.commands import TexImage
 from pipeline.textures import texture_2d
@@ -118,6 +126,11 @@ def load(material, name, profile):
     return commands, names
 
 
+def load_colors(colors, name, profile):
+    """The command that loads a colour map: RGB in [0, 1], float64 [rows, columns, 3], texture ``name``."""
+    return TexImage(label=f"load {name}", texture=name, image=texture_2d(encode_factor(colors, profile)))
+
+
 def from_slopes(slope_s, slope_t, alpha_x, alpha_y, k_s=1.0):
     """A bumpy surface whose tangents follow s: normals, tangents and binormals from a height field's
     slopes.
@@ -139,6 +152,26 @@ def isotropic(columns, rows, alpha, k_s=1.0):
     return from_slopes(zero, zero, alpha, alpha, k_s)
 
 
+def _strokes(columns, rows, along, cells, seed):
+    """Noise in [-1, 1] of strokes along 's' or 't', one texel wide and 1/``cells`` of the texture long.
+
+    Rounded to multiples of 1/256.
+    """
+    if along not in ("s", "t"):
+        raise ValueError(f"The brushing runs along {along!r}; give 's' or 't'.")
+    size = (columns, rows) if along == "s" else (rows, columns)
+    # As many lattice cells across the strokes as texels: every row of texels is a row of strokes.
+    noise = value_noise(*size, cells, size[1], seed)
+    noise = np.floor(noise * 256.0 + 0.5) / 256.0
+    return noise if along == "s" else noise.T
+
+
+def _read_only(material):
+    for array in vars(material).values():
+        array.setflags(write=False)
+    return material
+
+
 @lru_cache(maxsize=2)
 def brushed(columns, rows, along, *, alpha_x, alpha_y, spread, depth=0.0, k_s=(0.7, 1.0), seed=1):
     """A surface brushed along 's' or 't': tangents follow the strokes within +-``spread`` degrees.
@@ -147,25 +180,84 @@ def brushed(columns, rows, along, *, alpha_x, alpha_y, spread, depth=0.0, k_s=(0
     texel wide and a sixteenth of the texture long. Every amount is a multiple of 1/256 of its range.
     The last two are kept, for a figure is made for a machine and for the ideal: arrays are read-only.
     """
-    if along not in ("s", "t"):
-        raise ValueError(f"The brushing runs along {along!r}; give 's' or 't'.")
-
-    def strokes(cells, seed):
-        size = (columns, rows) if along == "s" else (rows, columns)
-        # As many lattice cells across the strokes as texels: every row of texels is a row of strokes.
-        noise = value_noise(*size, cells, size[1], seed)
-        noise = np.floor(noise * 256.0 + 0.5) / 256.0
-        return noise if along == "s" else noise.T
-
-    angles = np.radians(spread * strokes(16, seed)) + (0.0 if along == "s" else np.pi / 2)
-    across = depth * strokes(16, seed + 1)
+    angles = np.radians(spread * _strokes(columns, rows, along, 16, seed))
+    angles = angles + (0.0 if along == "s" else np.pi / 2)
+    across = depth * _strokes(columns, rows, along, 16, seed + 1)
     zero = np.zeros(across.shape)
     slope = (zero, across) if along == "s" else (across, zero)
-    gloss = k_s[0] + (k_s[1] - k_s[0]) * (0.5 + 0.5 * strokes(24, seed + 2))
-    material = _turned(angles, *slope, alpha_x, alpha_y, gloss)
-    for array in vars(material).values():
-        array.setflags(write=False)
-    return material
+    gloss = k_s[0] + (k_s[1] - k_s[0]) * (0.5 + 0.5 * _strokes(columns, rows, along, 24, seed + 2))
+    return _read_only(_turned(angles, *slope, alpha_x, alpha_y, gloss))
+
+
+@lru_cache(maxsize=2)
+def gold(size, *, bumps, depth, alpha_x, alpha_y, spread, stroke_depth, k_s, seed=3):
+    """Slightly brushed, bumpy metal, ``size`` x ``size`` texels: rounded bumps under strokes along s.
+
+    bumps         about how many bumps along an edge of the texture
+    depth         the largest slope of the bumps, about
+    spread        degrees by which the tangents of the strokes leave the s axis at most
+    stroke_depth  the largest slope across the strokes
+    k_s           its lowest and highest value over the strokes
+    """
+    s, t = texel_centers(size, size)
+    # Assumed: gradient noise of amplitude one climbs by three per cell, its steepest; slopes are measured in
+    # the tests.
+    heights = gradient_noise(s, t, bumps, seed) * (depth / (3.0 * bumps))
+    slope_s, slope_t = slopes(smooth(heights))
+    slope_t = slope_t + stroke_depth * _strokes(size, size, "s", 8, seed + 3)
+    angles = np.radians(spread * _strokes(size, size, "s", 8, seed + 4))
+    gloss = k_s[0] + (k_s[1] - k_s[0]) * (0.5 + 0.5 * _strokes(size, size, "s", 12, seed + 5))
+    return _read_only(_turned(angles, slope_s, slope_t, alpha_x, alpha_y, gloss))
+
+
+@dataclass(frozen=True, eq=False)
+class Marble:
+    """A marble's material, its colour map and where it is dark.
+
+    colors    float64 [rows, columns, 3], RGB in [0, 1]
+    darkness  float64 [rows, columns]: 0 in the light stone, 1 in the middle of the veins
+    """
+
+    material: Material
+    colors: np.ndarray
+    darkness: np.ndarray
+
+
+@lru_cache(maxsize=2)
+def marble(size, *, cells, width, relief, alpha_x, alpha_y, k_s, light_color, dark_color, seed=11):
+    """Light marble with elevated dark veins, ``size`` x ``size`` texels.
+
+    Veins lie where noise of several sizes, itself displaced by other noise, passes through zero.
+
+    cells    about how many veins cross an edge of the texture
+    width    of the veins from their middle, in texels, about
+    relief   how high the veins stand, in texels
+    alpha_y  in the light stone and in the veins: where it is larger the highlight covers more, so the dark
+             parts reflect more
+    light_color, dark_color
+             RGB in [0, 1] of the stone and of the veins
+    """
+    s, t = texel_centers(size, size)
+    u = s + turbulence(s, t, cells, 3, seed) * (0.6 / cells)
+    v = t + turbulence(s, t, cells, 3, seed + 10) * (0.6 / cells)
+    veins = np.zeros((size, size))
+    # Wide veins, and thinner and fainter ones between them.
+    for finer, strength in ((1, 1.0), (2, 0.7)):
+        noise = turbulence(u, v, cells * finer, 3, seed + 20 * finer)
+        climb_s, climb_t = slopes(noise)
+        # Noise over its own slope is the distance to where it is zero; where it is flat, it never comes near.
+        distance = np.abs(noise) / np.sqrt(climb_s * climb_s + climb_t * climb_t + cells * cells)
+        swell = 0.6 + turbulence(t, s, 2 * cells, 2, seed + 40 * finer)
+        edge = np.maximum(0.0, 1.0 - distance * size / np.maximum(width / finer * swell, 2.5))
+        # A cubic that is level at the foot and at the top.
+        veins = np.maximum(veins, strength * (edge * edge * (3.0 - 2.0 * edge)))
+    clouds = 0.5 + turbulence(v, u, cells, 4, seed + 60)
+    darkness = np.floor(veins * 256.0 + 0.5) / 256.0
+    tone = np.maximum(darkness, 0.3 * np.maximum(clouds, 0.0))[..., None]
+    colors = np.array(light_color) * (1.0 - tone) + np.array(dark_color) * tone
+    slope_s, slope_t = slopes(smooth(darkness) * (relief / size))
+    material = from_slopes(slope_s, slope_t, alpha_x, alpha_y[0] + (alpha_y[1] - alpha_y[0]) * darkness, k_s)
+    return Marble(_read_only(material), colors, darkness)
 
 
 @dataclass(frozen=True, eq=False)
