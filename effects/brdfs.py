@@ -436,7 +436,7 @@ BRDFS = MappingProxyType(
             reciprocal=False,
             albedo_bound=None,
             turns=("normal",),
-            gains_at=75.0,
+            gains_at=85.0,
         ),
         "blinn_phong": Brdf(
             title="Blinn-Phong",
