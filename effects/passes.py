@@ -77,9 +77,11 @@ def draw(label, mesh, view, combiners, units=(), *, depth_test=LATER_PASS, blend
     return Draw(label=label, mesh=mesh, state=state)
 
 
-def unit(texture, sampler=REPEATED, coordinates=0):
-    """A texture unit that reads ``texture`` with one of the mesh's coordinate sets."""
-    return TextureUnit(texture, sampler, coordinates=coordinates)
+def unit(texture, sampler=REPEATED, coordinates=0, **settings):
+    """A texture unit that reads ``texture`` with one of the mesh's coordinate sets; ``settings``: more of
+    TextureUnit.
+    """
+    return TextureUnit(texture, sampler, coordinates=coordinates, **settings)
 
 
 def show(picture, panel, name, surface):
