@@ -372,7 +372,8 @@ class Brdf:
         return {p.name: p.default for p in self.parameters}
 
     def radiance(self, light, view, frame, **parameters):
-        """The radiance L_o that the paper's equation gives: float64 [...].
+        """The radiance L_o that the paper's equation gives: float64 [...], the shape that all of them have
+        together.
 
         light, view   [..., 3], of length one
         frame         a ``Frame``
@@ -393,7 +394,9 @@ class Brdf:
         }
         if "half" in self.takes:
             vectors["half"] = half_vector(light, view)
-        return self.function(**{v: vectors[v] for v in self.takes}, **{**self.defaults, **parameters})
+        value = self.function(**{v: vectors[v] for v in self.takes}, **{**self.defaults, **parameters})
+        shapes = (np.shape(vectors[v])[:-1] for v in ("light", "view", "normal", "tangent", "binormal"))
+        return np.broadcast_to(value, np.broadcast_shapes(np.shape(value), *shapes))
 
     def reflectance(self, light, view, frame, **parameters):
         """The BRDF f_r = L_o / (E (n.l)) in 1/sr; zero where the light is behind the surface."""

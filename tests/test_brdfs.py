@@ -162,6 +162,7 @@ def test_a_model_s_albedo_keeps_its_bound_or_is_shown_to_have_none(row):
         albedo = directional_albedo(row, row.gains_at, azimuth=np.pi / 2, **row.gains)
         assert albedo > 1.01, "this row gains no light here: claim a bound, or say where it does"
         return
+    assert directional_albedo(row, 30.0) > 0.1 * row.albedo_bound
     ends = [
         dict(zip(row.defaults, values, strict=True))
         for values in itertools.product(*((p.low, p.high) for p in row.parameters))
@@ -170,6 +171,11 @@ def test_a_model_s_albedo_keeps_its_bound_or_is_shown_to_have_none(row):
         for degrees, azimuth in itertools.product((0.0, 45.0, 80.0, 89.0), (0.0, np.pi / 2)):
             albedo = directional_albedo(row, degrees, azimuth, **parameters)
             assert albedo <= row.albedo_bound + 1e-4, (parameters, degrees, azimuth)
+
+
+def test_the_albedo_of_lambert_s_white_surface_is_one_from_every_side():
+    for degrees in (0.0, 60.0, 89.0):
+        assert directional_albedo(BRDFS["lambert"], degrees) == pytest.approx(1.0, abs=1e-4)
 
 
 def turned_about(axis, angle):
