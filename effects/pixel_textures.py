@@ -1,0 +1,480 @@
+"""K15, dependent lookups by pixel textures on the Octane: the Banks model (K03), the anisotropic Blinn-Phong
+model (K05, K06) and Ward's model (K09), every copy a command.
+
+The parameter stage loads a material texture through the colour matrix, which holds a light, viewing or halfway
+vector, and draws the polygon; colour masks put each parameter into a channel of the framebuffer, and blending
+multiplies and adds parameters. A lookup copies the framebuffer onto itself (CopyPixels): its pixel transfer
+moves the channels that hold the parameters to red and green, which become s and t, and sets alpha, which
+becomes q, to one; the texel replaces a channel or is multiplied with it by blending. So every channel, alpha
+too, can hold a parameter.
+
+The colour matrix holds one vector: a directional light, an infinite viewer and a flat surface are needed, as
+the paper says. The stencil buffer marks the polygon's pixels, so that the copies of its panel leave
+others alone. The result replaces what the polygon covers; a diffuse pass is added afterwards.
+
+``bits``: 8, or on the Octane 12, of the textures; the framebuffer's width is ``execute``'s ``color_bits``.
+
+Source: Kautz, Seidel 2000, sections 3.1 to 3.3, 4.2 and 5; SGIX_pixel_texture; pass sequences A-K03, A-K05,
+A-K06, A-K08 and A-K09 of the catalogue (K15: its cost).
+"""
+
+import math
+from functools import lru_cache
+
+import numpy as np
+
+from effects.passes import EDGE, FIRST_PASS, LATER_PASS, REPEATED
+from effects.sampled_functions import power, sampled, stored_exponent
+from effects.vertex_work import half_vectors, light_vectors, view_vectors
+from pipeline.commands import Clear, CopyPixels, Draw, TexImage
+from pipeline.enums import (
+    BlendEquation,
+    BlendFactor,
+    ComparisonFunction,
+    InternalFormat,
+    StencilOperation,
+    TextureEnvironmentMode,
+)
+from pipeline.pixel_transfer import PixelImage, PixelTransfer
+from pipeline.state import (
+    Blending,
+    ColorMask,
+    ColorTable,
+    PassState,
+    PixelTexture,
+    RasterPosition,
+    StencilTest,
+    TextureEnvironment,
+    TextureUnit,
+)
+
+MULTIPLY = Blending(BlendFactor.DST_COLOR, BlendFactor.ZERO)
+ADD = Blending(BlendFactor.ONE, BlendFactor.ONE)
+ONE_MINUS = Blending(
+    BlendFactor.ONE, BlendFactor.ONE, BlendEquation.FUNC_SUBTRACT
+)  # white minus what is there
+RED = ColorMask(green=False, blue=False, alpha=False)
+BLUE = ColorMask(red=False, green=False, alpha=False)
+ALPHA = ColorMask(red=False, green=False, blue=False)
+RED_GREEN = ColorMask(blue=False, alpha=False)
+GREEN_BLUE = ColorMask(red=False, alpha=False)
+RGB = ColorMask(alpha=False)
+RGBA = ColorMask()
+
+# Rows of a colour matrix: what a component of the result is made of.
+FROM_RED, FROM_GREEN, FROM_BLUE, FROM_ALPHA = (tuple(row) for row in np.eye(4).tolist())
+NOTHING = (0.0, 0.0, 0.0, 0.0)
+
+_MARK = StencilTest(ComparisonFunction.ALWAYS, reference=1, depth_pass=StencilOperation.REPLACE)
+_MARKED = StencilTest(ComparisonFunction.EQUAL, reference=1)
+_FORMATS = {8: InternalFormat.RGBA8, 12: InternalFormat.RGBA12}
+_REPLACE = TextureEnvironment(TextureEnvironmentMode.REPLACE)
+
+# R(s) = sqrt(1 - s) falls with infinite slope at s = 1: 2048 texels, the Octane's most, leave an error of
+# sqrt(1/2 / 2048) = 0.016 between the last two, which codes of eight bits never meet (erratum E004.16).
+ROOT_TEXELS = 2048
+# F(N, e): Source: pass sequence A-K05.
+EXPONENT_TEXELS, BASE_TEXELS = 64, 256
+# Ward's m is stored over 8: beyond, E(m, d) < 2^-8 for d <= 1 is dark in eight bits. Source: A-K09.
+LARGEST_M = 8.0
+# Ward's S(p) is stored over its largest value, 8, and clamped beyond: p < 1/64. Source: A-K09, P18.
+LARGEST_S = 8.0
+
+
+# ------------------------------------------------------------------------------------- parameter stage
+
+
+def _same(index):
+    return index
+
+
+def _square(index):
+    """The square of d where the index is (d + 1) / 2."""
+    return (2.0 * index - 1.0) ** 2
+
+
+@lru_cache(maxsize=8)
+def _color_table(functions, size):
+    """A table after the color matrix: a function for each of R, G, B and A, of an index in [0, 1]."""
+    index = np.arange(size) / (size - 1.0)
+    return ColorTable(tuple(zip(*(function(index).tolist() for function in functions), strict=True)))
+
+
+def _tabulated(profile, *functions):
+    # The Octane's largest, for each value of twelve bits; finer where nothing else is rounded.
+    return _color_table(functions, min(profile.max_color_table_size, 1 << 14))
+
+
+def _clamped(profile):
+    """What makes (.)+ of the color matrix's results: on machines what they are stored in is not negative."""
+    return _tabulated(profile, *[_same] * 4) if profile.exact else None
+
+
+def flat_vector(vectors, what):
+    """The one vector [3] that all vertices have. Raises ValueError, naming ``what``, where they differ."""
+    spread = float(np.abs(vectors - vectors[0]).max())
+    if spread > 1e-6:
+        raise ValueError(
+            f"The {what} changes by {spread:.2g} over the surface, and a color matrix holds one; give a flat "
+            "surface, a directional light and an infinite viewer, or draw polygon after polygon."
+        )
+    return vectors[0]
+
+
+def _of(vector, scale=1.0):
+    """A row of the color matrix: the dot product of a texel's RGB with a vector, times ``scale``."""
+    return (*(scale * float(c) for c in vector), 0.0)
+
+
+def _image(values):
+    """Floats [h, w, 3], or [h, w] for R, G and B alike, as an image with alpha one."""
+    values = values[..., None] if values.ndim == 2 else values
+    rgb = np.broadcast_to(values, (*values.shape[:2], 3))
+    return PixelImage(np.concatenate([rgb, np.ones((*values.shape[:2], 1))], axis=-1))
+
+
+def load_products(label, name, values, rows, profile, bits=8):
+    """The command that loads float vectors [h, w, 3] through a color matrix: its products, negative ones 0."""
+    transfer = PixelTransfer(color_matrix=tuple(rows), post_color_matrix_color_table=_clamped(profile))
+    return TexImage(
+        label=label, texture=name, pixels=_image(values), internal_format=_FORMATS[bits], transfer=transfer
+    )
+
+
+def load_squares(label, name, vectors, half, profile, bits=8, *, scale=1.0):
+    """The command that loads (v.h)^2 scale into R, G, B and A: products biased to (d + 1)/2 for the sake of
+    their sign, squared by the table after the color matrix. Beyond 1 they are 1.
+    """
+    transfer = PixelTransfer(
+        color_matrix=(_of(half, math.sqrt(scale)),) * 4,
+        post_color_matrix_scale=(0.5,) * 4,
+        post_color_matrix_bias=(0.5,) * 4,
+        post_color_matrix_color_table=_tabulated(profile, *[_square] * 4),
+    )
+    return TexImage(
+        label=label, texture=name, pixels=_image(vectors), internal_format=_FORMATS[bits], transfer=transfer
+    )
+
+
+def begin(view):
+    """The command that unmarks the panel's pixels."""
+    return Clear(label="no pixel is the polygon's yet", stencil=0, scissor=view.panel.scissor)
+
+
+def polygon(label, surface, view, texture=None, *, first=False, mask=RGBA, blending=None, sampler=REPEATED):
+    """Draw the polygon with a texture, or white; the ``first`` time its pixels are marked."""
+    units = () if texture is None else (TextureUnit(texture, sampler, environment=_REPLACE),)
+    state = PassState(
+        vertex=view.vertex,
+        texture_units=units,
+        scissor=view.panel.scissor,
+        stencil_test=_MARK if first else None,
+        depth_test=FIRST_PASS if first else LATER_PASS,
+        blending=blending,
+        color_mask=mask,
+    )
+    return Draw(label=label, mesh=surface.mesh(), state=state)
+
+
+# -------------------------------------------------------------------------------- copies and lookups
+
+
+def copied(label, view, rows, profile, *, mask=RGB, blending=None):
+    """Copy the marked pixels of the panel onto themselves through a color matrix; negative results are 0."""
+    return _copy(label, view, (*rows, NOTHING), mask, blending, table=_clamped(profile))
+
+
+def looked_up(label, view, table, s, t=NOTHING, *, mask=RGB, blending=None):
+    """A pixel texture: every marked pixel becomes the texel of ``table`` at (s, t), rows of a color matrix."""
+    unit = TextureUnit(table, EDGE, environment=_REPLACE)
+    return _copy(label, view, (s, t, NOTHING, NOTHING), mask, blending, (unit,), PixelTexture())
+
+
+def _copy(label, view, rows, mask, blending, units=(), pixel_texture=None, table=None):
+    panel = view.panel
+    return CopyPixels(
+        label=label,
+        x=panel.x,
+        y=panel.y,
+        width=panel.width,
+        height=panel.height,
+        state=PassState(texture_units=units, stencil_test=_MARKED, blending=blending, color_mask=mask),
+        position=RasterPosition(position=(float(panel.x), float(panel.y), 0.0, 1.0), window=True),
+        # Alpha is one whatever the framebuffer's holds: q divides s and t.
+        transfer=PixelTransfer(
+            color_matrix=tuple(map(tuple, rows)),
+            post_color_matrix_bias=(0.0, 0.0, 0.0, 1.0),
+            post_color_matrix_color_table=table,
+        ),
+        pixel_texture=pixel_texture,
+    )
+
+
+def _colored(color):
+    """Rows that make a colour of one value: times the colour's components."""
+    return [(float(c), 0.0, 0.0, 0.0) for c in color]
+
+
+# -------------------------------------------------------------------------------------------- models
+
+
+def banks(surface, material, view, light, profile, *, specular=(1.0, 1.0, 1.0), bits=8, sampler=REPEATED):
+    """K03: k_s (n.l)+ (R((v.t)^2) R((l.t)^2) - (v.t)(l.t))+ with R(s) = sqrt(1 - s) looked up twice.
+
+    The product (v.t)(l.t) has a sign and framebuffers have none: its halves (v.t l.t)+ and (-v.t l.t)+ are
+    made by multiplying the halves of either factor, four products in the four channels. The last copy's
+    color matrix subtracts the first and adds the second. Four copies, two of them lookups.
+
+    Parameters
+    ----------
+    surface, view, light
+        A flat surface (``meshes``), an infinite viewer and a directional light (``views``).
+    material
+        A ``material_textures.Material``; its alphas take no part.
+    specular
+        RGB in [0, 1], by which k_s is multiplied.
+    bits
+        8 or 12: of the textures.
+
+    Raises ValueError where the vectors change over the surface.
+    """
+    toward_light = flat_vector(light_vectors(surface, light), "light vector")
+    toward_eye = flat_vector(view_vectors(surface, view), "viewing vector")
+
+    def halves(vector, order):
+        return [_of(vector, sign) for sign in order]
+
+    drawn = {"surface": surface, "view": view, "sampler": sampler}
+    return (
+        TexImage(
+            label="load R(s) = sqrt(1 - s)",
+            texture="R",
+            image=sampled(lambda s: np.sqrt(1.0 - s), ROOT_TEXELS, profile=profile, bits=bits),
+        ),
+        begin(view),
+        load_products(
+            "load t through v: halves of v.t",
+            "v.t",
+            material.tangents,
+            halves(toward_eye, (1, -1, 1, -1)),
+            profile,
+            bits,
+        ),
+        polygon("(v.t)+, (-v.t)+, (v.t)+, (-v.t)+", texture="v.t", first=True, **drawn),
+        load_products(
+            "load t through l: halves of l.t",
+            "l.t",
+            material.tangents,
+            halves(toward_light, (1, -1, -1, 1)),
+            profile,
+            bits,
+        ),
+        polygon("times (l.t)+, (-l.t)+, (-l.t)+, (l.t)+", texture="l.t", blending=MULTIPLY, **drawn),
+        copied(
+            "(v.t l.t)+ to green, (-v.t l.t)+ to blue",
+            view,
+            (NOTHING, (1.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 1.0)),
+            profile,
+            mask=GREEN_BLUE,
+        ),
+        load_squares("load t through v: (v.t)^2", "(v.t)^2", material.tangents, toward_eye, profile, bits),
+        polygon("(v.t)^2 to alpha", texture="(v.t)^2", mask=ALPHA, **drawn),
+        looked_up("look up R((v.t)^2), to red", view, "R", FROM_ALPHA, mask=RED),
+        load_squares("load t through l: (l.t)^2", "(l.t)^2", material.tangents, toward_light, profile, bits),
+        polygon("(l.t)^2 to alpha", texture="(l.t)^2", mask=ALPHA, **drawn),
+        looked_up("look up R((l.t)^2), times red", view, "R", FROM_ALPHA, mask=RED, blending=MULTIPLY),
+        copied("R R - (v.t l.t)+ + (-v.t l.t)+", view, ((1.0, -1.0, 1.0, 0.0),) * 3, profile, mask=RGBA),
+        *_times_normal_light(material, toward_light, profile, bits, **drawn),
+        *_times_gloss(material.k_s, specular, profile, bits, **drawn),
+    )
+
+
+def _times_normal_light(material, toward_light, profile, bits, *, gain=1.0, mask=RGB, **drawn):
+    what = "(n.l)+" if gain == 1.0 else f"min(1, {gain:g} (n.l)+)"
+    return (
+        load_products(
+            f"load n through l: {what}",
+            "n.l",
+            material.normals,
+            [_of(toward_light, gain)] * 4,
+            profile,
+            bits,
+        ),
+        polygon(f"times {what}", texture="n.l", mask=mask, blending=MULTIPLY, **drawn),
+    )
+
+
+def _times_gloss(k_s, specular, profile, bits, *, what="k_s", **drawn):
+    rows = [*_colored(specular), FROM_RED]
+    return (
+        load_products(f"load {what}", "k_s", k_s, rows, profile, bits),
+        polygon(f"times {what}", texture="k_s", mask=RGB, blending=MULTIPLY, **drawn),
+    )
+
+
+def blinn_phong(
+    surface,
+    material,
+    view,
+    light,
+    profile,
+    *,
+    specular=(1.0, 1.0, 1.0),
+    bits=8,
+    sampler=REPEATED,
+    with_exponent=True,
+    gated=False,
+):
+    """K05: k_s F(N, e) with F(N, e) = (sqrt e)^N looked up, e = 1 - (h.t/ax)^2 - (h.b/ay)^2 and N per texel;
+    K06, where not ``with_exponent``: k_s sqrt(e), a one-dimensional lookup.
+
+    e is made in three passes (K08); the image of N, coded as log2(N) / 7, takes its place in red by a color
+    mask, and the lookup reads s from red and t from green. One copy. Alphas below 1/4 are allowed.
+
+    ``gated``: times min(1, 4 (n.l)+), as ``diffuse_bump`` gates the register combiners' pass. The other
+    parameters are those of ``banks``.
+    """
+    half = flat_vector(half_vectors(surface, view, light), "halfway vector")
+    scaled_t = material.tangents / material.alpha_x[..., None]
+    scaled_b = material.binormals / material.alpha_y[..., None]
+    drawn = {"surface": surface, "view": view, "sampler": sampler}
+    if with_exponent:
+        table = TexImage(
+            label="load F(N, e) = (sqrt e)^N",
+            texture="F",
+            image=sampled(power, EXPONENT_TEXELS, BASE_TEXELS, profile=profile, bits=bits),
+        )
+        lookup = (
+            load_products(
+                "load log2(N) / 7",
+                "N",
+                stored_exponent(material.exponent),
+                [FROM_RED] * 4,
+                profile,
+                bits,
+            ),
+            polygon("N to red", texture="N", mask=RED, **drawn),
+            looked_up("look up F(N, e)", view, "F", FROM_RED, FROM_GREEN),
+        )
+    else:
+        table = TexImage(
+            label="load sqrt(e)", texture="F", image=sampled(np.sqrt, ROOT_TEXELS, profile=profile, bits=bits)
+        )
+        lookup = (looked_up("look up sqrt(e)", view, "F", FROM_GREEN),)
+    gate = ()
+    if gated:
+        toward_light = flat_vector(light_vectors(surface, light), "light vector")
+        gate = _times_normal_light(material, toward_light, profile, bits, gain=4.0, **drawn)
+    return (
+        table,
+        begin(view),
+        load_squares("load t/ax through h: (h.t/ax)^2", "(h.t)^2", scaled_t, half, profile, bits),
+        polygon("(h.t/ax)^2", texture="(h.t)^2", first=True, **drawn),
+        load_squares("load b/ay through h: (h.b/ay)^2", "(h.b)^2", scaled_b, half, profile, bits),
+        polygon("plus (h.b/ay)^2", texture="(h.b)^2", mask=RGB, blending=ADD, **drawn),
+        polygon("e: one minus it", mask=RGB, blending=ONE_MINUS, **drawn),
+        *lookup,
+        *_times_gloss(material.k_s, specular, profile, bits, **drawn),
+        *gate,
+    )
+
+
+def ward(
+    surface,
+    material,
+    view,
+    light,
+    profile,
+    *,
+    specular=(1.0, 1.0, 1.0),
+    bits=8,
+    sampler=REPEATED,
+    largest_s=LARGEST_S,
+    largest_m=LARGEST_M,
+):
+    """K09: k_s / (4 pi ax ay) S(p) E(m, d) (n.l)+ with S(p) = 1/sqrt(p) and E(m, d) = exp(-2 m / (1 + d))
+    looked up; p = (l.n)(v.n), m = (h.t/ax)^2 + (h.b/ay)^2, d = h.n.
+
+    p is spaced by its root, which is the product of the factors' roots and so of tables after the color
+    matrix. S is stored over ``largest_s``, m over ``largest_m``; beyond they are clamped. The scale of S is
+    taken back by a copy, and so is the largest k_s / (4 pi ax ay) where it is greater than one: colours
+    greater than one are clamped then. Three copies, or four; two are lookups.
+
+    The other parameters are those of ``banks``. Raises ValueError likewise.
+    """
+    toward_light = flat_vector(light_vectors(surface, light), "light vector")
+    toward_eye = flat_vector(view_vectors(surface, view), "viewing vector")
+    half = flat_vector(half_vectors(surface, view, light), "halfway vector")
+    scaled_t = material.tangents / material.alpha_x[..., None]
+    scaled_b = material.binormals / material.alpha_y[..., None]
+    gloss = material.k_s / (4.0 * math.pi * material.alpha_x * material.alpha_y)
+    most = max(1.0, float(gloss.max()))
+    drawn = {"surface": surface, "view": view, "sampler": sampler}
+    roots = _tabulated(profile, np.sqrt, _same, _same, _same)
+
+    def factor(name, vector, other):
+        """sqrt(n.vector) in red, beside it ``other``."""
+        transfer = PixelTransfer(
+            color_matrix=(_of(vector), other, NOTHING, NOTHING), post_color_matrix_color_table=roots
+        )
+        return TexImage(
+            label=f"load n through {name}",
+            texture=name,
+            pixels=_image(material.normals),
+            internal_format=_FORMATS[bits],
+            transfer=transfer,
+        )
+
+    restored = ()
+    if most > 1.0:
+        restored = (
+            copied(
+                f"times {most:.3g}",
+                view,
+                [_scaled(row, most) for row in (FROM_RED, FROM_GREEN, FROM_BLUE)],
+                profile,
+            ),
+        )
+    return (
+        TexImage(
+            label=f"load S(p) / {largest_s:g} over sqrt(p)",
+            texture="S",
+            image=sampled(
+                lambda u: 1.0 / np.maximum(largest_s * u, 1.0), ROOT_TEXELS, profile=profile, bits=bits
+            ),
+        ),
+        TexImage(
+            label=f"load E(m / {largest_m:g}, d)",
+            texture="E",
+            image=sampled(
+                lambda m, d: np.exp(-2.0 * largest_m * m / (1.0 + d)), 256, 256, profile=profile, bits=bits
+            ),
+        ),
+        begin(view),
+        factor("l", toward_light, _of(half)),
+        polygon("sqrt((l.n)+) to red, d = h.n to green", texture="l", first=True, **drawn),
+        factor("v", toward_eye, NOTHING),
+        polygon("times sqrt((v.n)+): sqrt(p)", texture="v", mask=RED, blending=MULTIPLY, **drawn),
+        looked_up("look up S(p), to blue", view, "S", FROM_RED, mask=BLUE),
+        load_squares(
+            "load t/ax through h: (h.t/ax)^2", "(h.t)^2", scaled_t, half, profile, bits, scale=1.0 / largest_m
+        ),
+        polygon("(h.t/ax)^2 to red", texture="(h.t)^2", mask=RED, **drawn),
+        load_squares(
+            "load b/ay through h: (h.b/ay)^2", "(h.b)^2", scaled_b, half, profile, bits, scale=1.0 / largest_m
+        ),
+        polygon("plus (h.b/ay)^2: m", texture="(h.b)^2", mask=RED, blending=ADD, **drawn),
+        looked_up(
+            "look up E(m, d), times blue", view, "E", FROM_RED, FROM_GREEN, mask=BLUE, blending=MULTIPLY
+        ),
+        *_times_normal_light(material, toward_light, profile, bits, mask=BLUE, **drawn),
+        copied(
+            f"S(p) E(m, d) (n.l)+: times {largest_s:g}", view, [_scaled(FROM_BLUE, largest_s)] * 3, profile
+        ),
+        *_times_gloss(gloss / most, specular, profile, bits, what="k_s / (4 pi ax ay)", **drawn),
+        *restored,
+    )
+
+
+def _scaled(row, factor):
+    return tuple(factor * c for c in row)
