@@ -1,16 +1,16 @@
 """K15, dependent lookups by pixel textures on the Octane: the Banks model (K03), the anisotropic Blinn-Phong
 model (K05, K06) and Ward's model (K09), every copy a command.
 
-The parameter stage loads a material texture through the colour matrix, which holds a light, viewing or halfway
-vector, and draws the polygon; colour masks put each parameter into a channel of the framebuffer, and blending
-multiplies and adds parameters. A lookup copies the framebuffer onto itself (CopyPixels): its pixel transfer
-moves the channels that hold the parameters to red and green, which become s and t, and sets alpha, which
-becomes q, to one; the texel replaces a channel or is multiplied with it by blending. So every channel, alpha
-too, can hold a parameter.
+The parameter stage loads a material texture through the color matrix, which holds a light, viewing or
+halfway vector, and draws the polygon; color masks put each parameter into a channel of the framebuffer, and
+blending multiplies and adds parameters. A lookup copies the framebuffer onto itself (CopyPixels): its pixel
+transfer moves the channels that hold the parameters to red and green, which become s and t, and sets alpha,
+which becomes q, to one; the texel replaces a channel or is multiplied with it by blending. So every channel,
+alpha too, can hold a parameter.
 
-The colour matrix holds one vector: a directional light, an infinite viewer and a flat surface are needed, as
-the paper says. The stencil buffer marks the polygon's pixels, so that the copies of its panel leave
-others alone. The result replaces what the polygon covers; a diffuse pass is added afterwards.
+The color matrix holds one vector: a directional light, an infinite viewer and a flat surface are needed, as
+the paper says. The stencil buffer marks the polygon's pixels, so that copies of the panel leave others alone.
+The result replaces what the polygon covers; a diffuse pass is added afterwards.
 
 ``bits``: 8, or on the Octane 12, of the textures; the framebuffer's width is ``execute``'s ``color_bits``.
 
@@ -23,7 +23,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from effects.passes import EDGE, FIRST_PASS, LATER_PASS, REPEATED
+from effects import brdfs
+from effects.passes import ADD, EDGE, FIRST_PASS, LATER_PASS, REPEATED
 from effects.sampled_functions import power, sampled, stored_exponent
 from effects.vertex_work import half_vectors, light_vectors, view_vectors
 from pipeline.commands import Clear, CopyPixels, Draw, TexImage
@@ -49,7 +50,6 @@ from pipeline.state import (
 )
 
 MULTIPLY = Blending(BlendFactor.DST_COLOR, BlendFactor.ZERO)
-ADD = Blending(BlendFactor.ONE, BlendFactor.ONE)
 ONE_MINUS = Blending(
     BlendFactor.ONE, BlendFactor.ONE, BlendEquation.FUNC_SUBTRACT
 )  # white minus what is there
@@ -75,8 +75,14 @@ _REPLACE = TextureEnvironment(TextureEnvironmentMode.REPLACE)
 ROOT_TEXELS = 2048
 # F(N, e): Source: pass sequence A-K05.
 EXPONENT_TEXELS, BASE_TEXELS = 64, 256
+# E(m, d), steep in m: within half a texel of m = 0, the highlight's middle, it is E(0, d), off by less than
+# 8 / 2048. Assumed: so many fit; the catalogue names no size.
+M_TEXELS, D_TEXELS = 1024, 128
 # Ward's m is stored over 8: beyond, E(m, d) < 2^-8 for d <= 1 is dark in eight bits. Source: A-K09.
 LARGEST_M = 8.0
+# S(p) (n.l)+ = sqrt(n.l / n.v) exceeds one where a bump faces the light more than the eye; up to 2, where n.l
+# is 4 n.v, it is kept.
+LARGEST_S_NL = 2.0
 # Ward's S(p) is stored over its largest value, 8, and clamped beyond: p < 1/64. Source: A-K09, P18.
 LARGEST_S = 8.0
 
@@ -134,7 +140,7 @@ def _image(values):
 
 
 def load_products(label, name, values, rows, profile, bits=8):
-    """The command that loads float vectors [h, w, 3] through a color matrix: its products, negative ones 0."""
+    """The command that loads float vectors [h, w, 3] through a color matrix: products, negative ones 0."""
     transfer = PixelTransfer(color_matrix=tuple(rows), post_color_matrix_color_table=_clamped(profile))
     return TexImage(
         label=label, texture=name, pixels=_image(values), internal_format=_FORMATS[bits], transfer=transfer
@@ -185,7 +191,7 @@ def copied(label, view, rows, profile, *, mask=RGB, blending=None):
 
 
 def looked_up(label, view, table, s, t=NOTHING, *, mask=RGB, blending=None):
-    """A pixel texture: every marked pixel becomes the texel of ``table`` at (s, t), rows of a color matrix."""
+    """A pixel texture: marked pixels become the texels of ``table`` at (s, t), rows of a color matrix."""
     unit = TextureUnit(table, EDGE, environment=_REPLACE)
     return _copy(label, view, (s, t, NOTHING, NOTHING), mask, blending, (unit,), PixelTexture())
 
@@ -249,7 +255,7 @@ def banks(surface, material, view, light, profile, *, specular=(1.0, 1.0, 1.0), 
         TexImage(
             label="load R(s) = sqrt(1 - s)",
             texture="R",
-            image=sampled(lambda s: np.sqrt(1.0 - s), ROOT_TEXELS, profile=profile, bits=bits),
+            image=sampled(brdfs.banks_r, ROOT_TEXELS, profile=profile, bits=bits),
         ),
         begin(view),
         load_products(
@@ -396,9 +402,10 @@ def ward(
     looked up; p = (l.n)(v.n), m = (h.t/ax)^2 + (h.b/ay)^2, d = h.n.
 
     p is spaced by its root, which is the product of the factors' roots and so of tables after the color
-    matrix. S is stored over ``largest_s``, m over ``largest_m``; beyond they are clamped. The scale of S is
-    taken back by a copy, and so is the largest k_s / (4 pi ax ay) where it is greater than one: colours
-    greater than one are clamped then. Three copies, or four; two are lookups.
+    matrix. S is stored over ``largest_s``, m over ``largest_m``; beyond they are clamped. The third copy
+    takes ``largest_s`` back but for a factor of 2, which leaves room for S(p) (n.l)+; the next texture has
+    that factor, divided by its largest value where it exceeds one, and a fourth copy then takes that back.
+    Two copies are lookups. The smaller ``largest_s``, the more codes S has: 2 is enough for p >= 1/4.
 
     The other parameters are those of ``banks``. Raises ValueError likewise.
     """
@@ -407,8 +414,8 @@ def ward(
     half = flat_vector(half_vectors(surface, view, light), "halfway vector")
     scaled_t = material.tangents / material.alpha_x[..., None]
     scaled_b = material.binormals / material.alpha_y[..., None]
-    gloss = material.k_s / (4.0 * math.pi * material.alpha_x * material.alpha_y)
-    most = max(1.0, float(gloss.max()))
+    gloss = brdfs.ward_scale(material.alpha_x, material.alpha_y, material.k_s)
+    most = max(1.0, LARGEST_S_NL * float(gloss.max()))
     drawn = {"surface": surface, "view": view, "sampler": sampler}
     roots = _tabulated(profile, np.sqrt, _same, _same, _same)
 
@@ -440,14 +447,17 @@ def ward(
             label=f"load S(p) / {largest_s:g} over sqrt(p)",
             texture="S",
             image=sampled(
-                lambda u: 1.0 / np.maximum(largest_s * u, 1.0), ROOT_TEXELS, profile=profile, bits=bits
+                lambda u: np.minimum(brdfs.ward_s(u * u) / largest_s, 1.0),
+                ROOT_TEXELS,
+                profile=profile,
+                bits=bits,
             ),
         ),
         TexImage(
             label=f"load E(m / {largest_m:g}, d)",
             texture="E",
             image=sampled(
-                lambda m, d: np.exp(-2.0 * largest_m * m / (1.0 + d)), 256, 256, profile=profile, bits=bits
+                lambda m, d: brdfs.ward_e(largest_m * m, d), M_TEXELS, D_TEXELS, profile=profile, bits=bits
             ),
         ),
         begin(view),
@@ -469,9 +479,14 @@ def ward(
         ),
         *_times_normal_light(material, toward_light, profile, bits, mask=BLUE, **drawn),
         copied(
-            f"S(p) E(m, d) (n.l)+: times {largest_s:g}", view, [_scaled(FROM_BLUE, largest_s)] * 3, profile
+            f"S(p) E(m, d) (n.l)+ / {LARGEST_S_NL:g}: times {largest_s / LARGEST_S_NL:g}",
+            view,
+            [_scaled(FROM_BLUE, largest_s / LARGEST_S_NL)] * 3,
+            profile,
         ),
-        *_times_gloss(gloss / most, specular, profile, bits, what="k_s / (4 pi ax ay)", **drawn),
+        *_times_gloss(
+            gloss * (LARGEST_S_NL / most), specular, profile, bits, what="k_s / (4 pi ax ay)", **drawn
+        ),
         *restored,
     )
 

@@ -1,14 +1,16 @@
 """Functions that no hardware of the time computes, sampled into textures: what a dependent lookup reads.
 
-A table of n texels over [0, 1] holds its function at the texels' centres, (i + 1/2)/n, but for its ends: with
-CLAMP_TO_EDGE a coordinate within half a texel of 0 or 1 gives the first or last texel alone, so these hold
-the function at 0 and at 1. Without that R(s) = sqrt(1 - s) of 256 texels would end at 0.044 (erratum E004.16).
+A table of n texels over [0, 1] holds its function at the texels' centres, (i + 1/2)/n, but for its ends:
+with CLAMP_TO_EDGE a coordinate within half a texel of 0 or 1 gives the first or last texel alone, so these
+hold the function at 0 and at 1. Otherwise R(s) = sqrt(1 - s) of 256 texels would end at 0.044 (erratum
+E004.16).
 
 Source: Kautz, Seidel 2000, section 3 (complex functions, sampled and put into texture maps).
 """
 
 import numpy as np
 
+from effects import brdfs
 from pipeline.enums import InternalFormat
 from pipeline.textures import texture_1d, texture_2d
 
@@ -41,7 +43,7 @@ def sampled(function, columns, rows=None, *, profile, bits=8):
 
 def power(n, e):
     """F(N, e) = (sqrt e)^N with N given as log2(N) / 7."""
-    return np.maximum(e, 0.0) ** (0.5 * 2.0 ** (LARGEST_LOGARITHM * n))
+    return brdfs.blinn_phong_f(2.0 ** (LARGEST_LOGARITHM * n), e)
 
 
 def stored_exponent(exponent):
