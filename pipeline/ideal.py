@@ -49,12 +49,15 @@ from pipeline.enums import (
 from pipeline.execute import Result, default_threads, rasterize
 from pipeline.framebuffer import defined_texture, depth_texture
 from pipeline.ideal_rectangles import rectangle
+from pipeline.ideal_shader import run_stages, signed, signed_flags
 from pipeline.pack import has_color_sum
 from pipeline.pixel_rectangles import without_footprints
 from pipeline.profiles import IDEAL
 from pipeline.texture_environment import environment_program
 from pipeline.textures import (
+    BASE_FORMAT,
     DEPTH_TEXELS,
+    KEPT,
     Texture,
     depth_texture_mode,
     pyramid,
@@ -534,8 +537,26 @@ def _assembled(texture, unit, coordinates, reference):
     return total
 
 
+def _signed_reader(sampler, bits):
+    """What makes texels [..., 4] of a sampler's signed components numbers of both signs; None: has none."""
+    flags, one = np.array(signed_flags(sampler)), 2.0**bits - 1.0
+    if not flags.any():
+        return None
+    return lambda texels: np.where(flags, signed(texels * one, bits) / one, texels)
+
+
+def as_register(texel, unit):
+    """What a unit's register receives of its texel [k, 4]: of signed components twice the byte.
+
+    Measured: 732800 of 732800 pixels (Texture_signed_component_tests captures).
+    """
+    texel = looked_up(texel, unit.color_table, IDEAL)
+    flags = signed_flags(unit.sampler)
+    return texel * np.where(flags, 2.0, 1.0) if any(flags) else texel
+
+
 def sample(texture, unit, coordinates, reference=None, tap=None):
-    """What a texture register receives, float64 [k, 4], from ``texture.ideal`` with a real lambda.
+    """A unit's texel, float64 [k, 4], from ``texture.ideal`` with a real lambda.
 
     ``reference`` float64 [k]: what depth texels are compared with; ``tap``: as ``sample_level``'s, of a
     sampler whose filters are equal.
@@ -547,14 +568,15 @@ def sample(texture, unit, coordinates, reference=None, tap=None):
         sampler = replace(sampler, wrap_s=WrapMode.CLAMP_TO_EDGE, wrap_t=WrapMode.CLAMP_TO_EDGE)
     one_dimensional = texture.target is TextureTarget.TEXTURE_1D
     # The border colour passes through the base format like a texel.  Source: OpenGL 1.2.1, section 3.8.4.
-    border, levels = np.zeros(4), texture.ideal
+    border, levels, read_signed = np.zeros(4), texture.ideal, _signed_reader(sampler, texture.bits)
     if reference is None:
-        texel = texture_2d(np.array([[sampler.border_color]], np.float64), texture.internal_format)
-        border = texel.ideal[0][0, 0, 0]
+        base = BASE_FORMAT[texture.internal_format]
+        border = register_components(np.array(sampler.border_color, np.float64)[list(KEPT[base])], base, 1.0)
+        border = border if read_signed is None else read_signed(border)
 
     def at_level(level, chosen, linear):
         where = _select(coordinates, chosen)
-        read = None if reference is None else _comparison(sampler, reference[chosen])
+        read = read_signed if reference is None else _comparison(sampler, reference[chosen])
         return sample_level(levels[level], where, sampler, border, linear, one_dimensional, read, tap)
 
     levels = levels[: sampler.max_level + 1]
@@ -745,7 +767,8 @@ def _without_combiners(state, primary, secondary, fog):
 
 
 def shade(state, textures, primitives, triangle, weights):
-    """Colours of fragments before the per-fragment operations, float64 [k, 4] in [0, 1].
+    """Colours of fragments before the per-fragment operations, float64 [k, 4] in [0, 1], and the Outcome of a
+    texture shader, or None.
 
     ``textures``: name to Texture with ideal levels. ``triangle`` int [k]; ``weights``: those of ``weigh``.
     """
@@ -762,6 +785,13 @@ def shade(state, textures, primitives, triangle, weights):
     distances = None
     if state.fog is not None:
         distances = iterate(weights.perspective, primitives.fog[weights.vertices])
+
+    def own(i):
+        corners = primitives.coordinates[weights.vertices, i]
+        strq = iterate(weights.perspective, corners)
+        if state.texture_units[i].spherical_coordinates:
+            strq[:, :3] = spherical(weights.perspective, corners[:, :, :3])
+        return strq
 
     def texel(i, unit, texture, tap=None):
         filters = unit.sampler.min_filter, unit.sampler.mag_filter
@@ -781,9 +811,12 @@ def shade(state, textures, primitives, triangle, weights):
         return sample(texture, unit, coordinates, reference, tap)
 
     given = state, textures, colors[:, :4], colors[:, 4:], distances
+    if state.texture_shader is not None:
+        outcome = run_stages(state, textures, len(colors), own, texel, _sample_made, as_register)
+        return shade_colors(*given, lambda i, unit, texture: outcome.registers[i]), outcome
     if state.evaluate_before_filtering:
-        return _before_filtering(*given, texel)
-    return shade_colors(*given, texel)
+        return _before_filtering(*given, texel), None
+    return shade_colors(*given, texel), None
 
 
 def _turned_place(target, weights, corners):
@@ -843,7 +876,7 @@ def _before_filtering(state, textures, primary, secondary, distances, texel):
 
 def shade_colors(state, textures, primary, secondary, distances, texel):
     """``shade`` from iterated values: colours float64 [k, 4], fog coordinates [k] (None: no fog), and
-    ``texel(number, unit, texture)``, what an enabled texture unit's register receives.
+    ``texel(number, unit, texture)``, an enabled texture unit's texel: with a texture shader, its register.
     """
     count = len(primary)
     fog = np.zeros((count, 4))
@@ -868,8 +901,10 @@ def shade_colors(state, textures, primary, secondary, distances, texel):
         if unit is None:
             registers[Register.TEXTURE0 + i] = _constant((0.0, 0.0, 0.0, 1.0), count)
             continue
-        found = texel(i, unit, textures[unit.texture])
-        registers[Register.TEXTURE0 + i] = looked_up(found, unit.color_table, IDEAL)
+        found = texel(i, unit, textures.get(unit.texture))
+        if state.texture_shader is None:
+            found = as_register(found, unit)
+        registers[Register.TEXTURE0 + i] = found
     registers[Register.SPARE0] = np.zeros((count, 4))
     registers[Register.SPARE0][:, 3] = registers[Register.TEXTURE0][:, 3]
 
@@ -880,23 +915,28 @@ def shade_colors(state, textures, primary, secondary, distances, texel):
         made = sample(
             textures[unit.texture],
             replace(unit, sampler=level_0),
-            made_place(unit, textures, rgb),
+            made_place(textures[unit.texture], rgb),
             rgb[:, 2] if compared else None,
         )
-        return looked_up(made, unit.color_table, IDEAL)
+        return as_register(made, unit)
 
     return combine(program, registers, look_up)
 
 
-def made_place(unit, textures, str_):
+def made_place(texture, str_, lifted=True):
     """TextureCoordinates that were computed, [k, 3]: with the machines' lift."""
-    texture = textures[unit.texture]
     none = np.zeros_like(str_)
     if texture.target is TextureTarget.TEXTURE_CUBE_MAP:
         return project_on_cube(str_, none, none)
     axes = 3 if texture.target is TextureTarget.TEXTURE_3D else 2
-    few, lift = none[:, :axes], np.full((len(str_), 1), _TAU)
+    few, lift = none[:, :axes], np.full((len(str_), 1), _TAU if lifted else 0.0)
     return TextureCoordinates(str_[:, :axes], np.zeros(len(str_), np.int64), few, lift, few, few)
+
+
+def _sample_made(i, unit, texture, str_, r, lifted):
+    """Unit i's texel at coordinates [k, 3] that its texture shader stage made; ``r``: what is compared."""
+    compares = unit.sampler.compare_mode is not TextureCompareMode.NONE
+    return sample(texture, unit, made_place(texture, str_, lifted), r if compares else None)
 
 
 # ----------------------------------------------------------------------------- per-fragment operations
@@ -1083,6 +1123,7 @@ def _draw(command, buffers, textures, width, height, depth_bits, record, threads
                 f"{len(primitives.triangles)} triangles; guide a frame by the same meshes in the same views."
             )
     color, z = np.empty((len(triangle), 4)), np.empty(len(triangle))
+    alive = np.ones(len(triangle), bool)
 
     def share(number):
         # Derivatives of projections that blow up are looked at afterwards, as not finite.
@@ -1090,13 +1131,19 @@ def _draw(command, buffers, textures, width, height, depth_bits, record, threads
             for start in range(number * _CHUNK, len(triangle), threads.count * _CHUNK):
                 part = slice(start, start + _CHUNK)
                 weights = weigh(primitives, state.polygon.front_face, triangle[part], x[part], y[part])
-                color[part] = shade(state, textures, primitives, triangle[part], weights)
-                if record is None:
-                    z[part] = _window_depth(state.polygon, primitives, weights, depth_bits)
+                color[part], outcome = shade(state, textures, primitives, triangle[part], weights)
+                if record is not None:
+                    continue
+                z[part] = _window_depth(state.polygon, primitives, weights, depth_bits)
+                if outcome is not None:
+                    alive[part] = outcome.alive
+                    z[part] = z[part] if outcome.depth is None else outcome.depth
         return 0
 
     threads.run(share)
     pixel = y.astype(np.int64) * width + x
+    if not alive.all():
+        pixel, color, z = pixel[alive], color[alive], z[alive]
     for once in in_order(pixel):
         if record is None:
             _test_and_write(state, buffers, pixel[once], color[once], z[once])

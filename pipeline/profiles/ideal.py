@@ -11,9 +11,11 @@ from pipeline.enums import (
     CombineFunction,
     CombinerFunction,
     ComparisonFunction,
+    DotProductMapping,
     InternalFormat,
     TextureCompareMode,
     TextureEnvironmentMode,
+    TextureShaderOperation,
     TextureTarget,
 )
 from pipeline.profile import Profile
@@ -21,6 +23,9 @@ from pipeline.profiles.geforce_256 import GEFORCE_256
 from pipeline.textures import TWELVE_BIT_FORMATS
 
 _BY_DEFINITION = "Assumed: nothing; limits are what a state can say, or far beyond any machine of the time"
+
+# It has no textures whose coordinates count texels.
+_OF_RECTANGLES = frozenset(o for o in TextureShaderOperation if "RECTANGLE" in o.name)
 
 IDEAL = replace(
     GEFORCE_256,
@@ -50,7 +55,10 @@ IDEAL = replace(
     texture_targets=GEFORCE_256.texture_targets | {TextureTarget.TEXTURE_3D},
     internal_formats=GEFORCE_256.internal_formats
     | TWELVE_BIT_FORMATS
-    | {InternalFormat.DEPTH_COMPONENT16, InternalFormat.DEPTH_COMPONENT24},
+    | {InternalFormat.DEPTH_COMPONENT16, InternalFormat.DEPTH_COMPONENT24, InternalFormat.HILO16},
+    signed_components=True,
+    texture_shader_operations=frozenset(TextureShaderOperation) - _OF_RECTANGLES,
+    dot_product_mappings=frozenset(DotProductMapping),
     texture_compare_modes=frozenset({TextureCompareMode.NONE, TextureCompareMode.COMPARE_R_TO_TEXTURE}),
     shadow_functions=frozenset(ComparisonFunction),
     texture_environment_modes=frozenset(TextureEnvironmentMode),
