@@ -6,6 +6,9 @@ b/(4 alpha_y), the primary colour the halfway vector. The first general combiner
 multiplies by four; the second squares and adds; the final combiner subtracts from one and multiplies by k_s
 times the light's colour. Results beyond [-1, 1] saturate, where Eq. 1 is zero anyway (erratum E004.8).
 
+A board with one texture unit, or one general combiner, has one material vector in a pass: the squares are
+then added in the framebuffer, which also subtracts them from one (``specular_passes``).
+
 K11: the halfway vector is turned into the surface's local frame at every vertex (the paper's choice), or the
 material textures are baked in world coordinates for one surface and the halfway vector stays as it is.
 
@@ -18,12 +21,15 @@ from effects.passes import (
     ADD,
     ADD_GATED,
     FIRST_PASS,
+    INVERT_DESTINATION,
     LATER_PASS,
     NO_ALPHA,
+    ONE,
     OPAQUE,
     REPEATED,
     ZERO,
     alpha_of,
+    constant_product,
     draw,
     expand,
     opaque,
@@ -31,8 +37,17 @@ from effects.passes import (
 )
 from effects.vectors import from_frame, normalize
 from effects.vertex_work import half_vectors
-from pipeline.enums import CombinerScale, Mapping, Register
-from pipeline.state import CombinerInput, FinalCombiner, GeneralCombiner, RegisterCombiners, RGBPortion
+from pipeline.enums import BlendEquation, BlendFactor, CombinerScale, Mapping, Register
+from pipeline.state import (
+    Blending,
+    CombinerInput,
+    FinalCombiner,
+    GeneralCombiner,
+    RegisterCombiners,
+    RGBPortion,
+)
+
+AT_MOST_ONE = Blending(BlendFactor.ONE, BlendFactor.ONE, BlendEquation.MIN)
 
 
 def combiners(specular=(1.0, 1.0, 1.0)):
@@ -65,6 +80,59 @@ def combiners(specular=(1.0, 1.0, 1.0)):
         general=(GeneralCombiner(dot_products, NO_ALPHA), GeneralCombiner(squares, NO_ALPHA)),
         final=final,
         constant_color0=opaque(specular),
+    )
+
+
+def square_combiners():
+    """(4 T'.h)^2, at most one, by one general combiner: the final combiner squares the dot product's positive
+    and negative half, of which one is zero, and adds them.
+    """
+    product = RGBPortion(
+        a=expand(Register.TEXTURE0),
+        b=expand(Register.PRIMARY_COLOR),
+        c=CombinerInput(Register.TEXTURE0, Mapping.EXPAND_NEGATE),
+        d=expand(Register.PRIMARY_COLOR),
+        ab_dot_product=True,
+        cd_dot_product=True,
+        ab_output=Register.SPARE0,
+        cd_output=Register.SPARE1,
+        sum_output=Register.DISCARD,
+        scale=CombinerScale.SCALE_BY_FOUR,
+    )
+    positive, negative = CombinerInput(Register.SPARE0), CombinerInput(Register.SPARE1)
+    final = FinalCombiner(
+        a=positive,
+        b=positive,
+        c=ZERO,
+        d=CombinerInput(Register.E_TIMES_F),
+        e=negative,
+        f=negative,
+        g=OPAQUE,
+    )
+    return RegisterCombiners(general=(GeneralCombiner(product, NO_ALPHA),), final=final)
+
+
+def specular_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0, 1.0), sampler=REPEATED):
+    """Eq. 1 with one texture unit and one general combiner in a pass: three draws, which replace what the
+    framebuffer holds.
+
+    Parameters as of ``specular_pass``. An exact framebuffer, which does not saturate, takes the minimum with
+    white in a pass more.
+    """
+    mesh = surface.mesh(colors=encode_vertex_color(half_vectors(surface, view, light), profile))
+    tangent, binormal = unit(names.tangent, sampler), unit(names.binormal, sampler)
+
+    def later(label, combiners, units, blending):
+        return draw(label, mesh, view, combiners, units, depth_test=LATER_PASS, blending=blending)
+
+    white = constant_product(ONE, (1.0, 1.0, 1.0))
+    saturate = (later("at most one", white, (), AT_MOST_ONE),) if profile.exact else ()
+    k_s = constant_product(alpha_of(Register.TEXTURE0), specular)
+    return (
+        draw("(h.t/ax)^2", mesh, view, square_combiners(), (tangent,), depth_test=FIRST_PASS),
+        later("add (h.b/ay)^2", square_combiners(), (binormal,), ADD),
+        *saturate,
+        later("k_s times one minus that", k_s, (tangent,), INVERT_DESTINATION),
     )
 
 

@@ -27,6 +27,18 @@ def _corners(s, t, columns, rows):
         yield (j + dj) % rows, (i + di) % columns, weight
 
 
+def at_texels(evaluate, rows, columns, s, t):
+    """``evaluate(row, column)`` at the four texels round (s, t), interpolated: this order for any model.
+
+    ``evaluate`` takes indices [...] of the shape of s and t and returns an array whose first axes they are.
+    """
+    out = 0.0
+    for row, column, weight in _corners(s, t, columns, rows):
+        value = evaluate(row, column)
+        out = out + weight.reshape(weight.shape + (1,) * (value.ndim - weight.ndim)) * value
+    return out
+
+
 def _squares(half, tangents, binormals):
     x, y = dot(tangents, half), dot(binormals, half)
     return np.maximum(0.0, (1.0 - x * x) - y * y)

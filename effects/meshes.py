@@ -33,14 +33,15 @@ class Surface:
     texture_coordinates: np.ndarray
     triangles: np.ndarray
 
-    def mesh(self, *coordinates, colors=None):
-        """Vertex arrays with the given texture coordinate sets (default: the surface's own) and vertex
-        colours.
+    def mesh(self, *coordinates, colors=None, secondary_colors=None):
+        """Vertex arrays with the given texture coordinate sets (default: the surface's own), vertex colours
+        and secondary colours.
         """
         return Mesh(
             positions=self.positions,
             indices=self.triangles.ravel(),
             colors=colors,
+            secondary_colors=secondary_colors,
             normals=self.normals,
             texture_coordinates=coordinates or (self.texture_coordinates,),
         )

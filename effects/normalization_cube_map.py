@@ -16,23 +16,24 @@ from effects.passes import (
     ADD,
     EDGE,
     FIRST_PASS,
+    INVERT_DESTINATION,
     LATER_PASS,
+    MULTIPLY_DESTINATION,
     NO_ALPHA,
-    NO_RGB,
     ONE,
     OPAQUE,
     ZERO,
     alpha_of,
+    constant_product,
     draw,
     expand,
-    opaque,
+    keep_positive,
     unit,
 )
 from effects.vectors import normalize
 from pipeline.commands import TexImage
-from pipeline.enums import BlendEquation, BlendFactor, CombinerScale, InternalFormat, Mapping, Register
+from pipeline.enums import CombinerScale, InternalFormat, Mapping, Register
 from pipeline.state import (
-    Blending,
     CombinerInput,
     FinalCombiner,
     GeneralCombiner,
@@ -42,12 +43,6 @@ from pipeline.state import (
 from pipeline.textures import texture_cube_map
 
 NAME = "normalization cube map"
-# white * (1 - destination): the subtraction from one, without a blend equation.
-INVERT_DESTINATION = Blending(BlendFactor.ONE_MINUS_DST_COLOR, BlendFactor.ZERO)
-# (.)+ of the framebuffer. A framebuffer of bytes never falls below zero and would not need it; the exact
-# framebuffer does.
-AT_LEAST_ZERO = Blending(BlendFactor.ONE, BlendFactor.ONE, BlendEquation.MAX)
-MULTIPLY_DESTINATION = Blending(BlendFactor.DST_COLOR, BlendFactor.ZERO)
 
 
 def directions(size):
@@ -70,14 +65,6 @@ def load(size, profile):
     """The command that loads the cube map, ``size`` texels along an edge."""
     image = texture_cube_map(encode_expand(directions(size), profile), InternalFormat.RGB8)
     return TexImage(label="load the normalization cube map", texture=NAME, image=image)
-
-
-def _constant_product(second, constant):
-    """A final combiner that multiplies ``second`` by constant color 0."""
-    final = FinalCombiner(a=second, b=CombinerInput(Register.CONSTANT_COLOR0), c=ZERO, d=ZERO, g=OPAQUE)
-    return RegisterCombiners(
-        general=(GeneralCombiner(NO_RGB, NO_ALPHA),), final=final, constant_color0=opaque(constant)
-    )
 
 
 def diffuse_pass(
@@ -128,15 +115,14 @@ def specular_passes(surface, vectors, names, view, *, specular=(1.0, 1.0, 1.0)):
     """
     mesh = surface.mesh(surface.texture_coordinates, vectors)
     square, cube_map = _squared_dot_product(), unit(NAME, EDGE, coordinates=1)
-    black = _constant_product(ZERO, (0.0, 0.0, 0.0))
-    white = _constant_product(ONE, (1.0, 1.0, 1.0))
-    k_s = _constant_product(alpha_of(Register.TEXTURE0), specular)
+    white = constant_product(ONE, (1.0, 1.0, 1.0))
+    k_s = constant_product(alpha_of(Register.TEXTURE0), specular)
     tangent, binormal = unit(names.tangent), unit(names.binormal)
     return (
         draw("(h.t/ax)^2", mesh, view, square, (tangent, cube_map), depth_test=FIRST_PASS),
         draw("add (h.b/ay)^2", mesh, view, square, (binormal, cube_map), depth_test=LATER_PASS, blending=ADD),
         draw("subtract from one", mesh, view, white, depth_test=LATER_PASS, blending=INVERT_DESTINATION),
-        draw("keep (.)+", mesh, view, black, depth_test=LATER_PASS, blending=AT_LEAST_ZERO),
+        keep_positive(mesh, view),
         draw(
             "multiply by k_s",
             mesh,

@@ -4,6 +4,7 @@ picture.
 
 from pipeline.commands import Draw, TexImage
 from pipeline.enums import (
+    BlendEquation,
     BlendFactor,
     ComparisonFunction,
     ComponentUsage,
@@ -34,6 +35,12 @@ LATER_PASS = DepthTest(ComparisonFunction.EQUAL, write=False)
 ADD = Blending(BlendFactor.ONE, BlendFactor.ONE)
 # The first pass leaves the gate (n.l)+ in destination alpha; what is added is multiplied by it.
 ADD_GATED = Blending(BlendFactor.DST_ALPHA, BlendFactor.ONE)
+MULTIPLY_DESTINATION = Blending(BlendFactor.DST_COLOR, BlendFactor.ZERO)
+# source * (1 - destination); with a white source the subtraction from one, without a blend equation.
+INVERT_DESTINATION = Blending(BlendFactor.ONE_MINUS_DST_COLOR, BlendFactor.ZERO)
+# (.)+ of the framebuffer. A framebuffer of bytes never falls below zero and would not need it; the exact
+# framebuffer does.
+AT_LEAST_ZERO = Blending(BlendFactor.ONE, BlendFactor.ONE, BlendEquation.MAX)
 
 REPEATED = Sampler(TextureFilter.LINEAR, TextureFilter.LINEAR, WrapMode.REPEAT, WrapMode.REPEAT)
 NEAREST = Sampler(
@@ -75,6 +82,20 @@ def draw(label, mesh, view, combiners, units=(), *, depth_test=LATER_PASS, blend
         blending=blending,
     )
     return Draw(label=label, mesh=mesh, state=state)
+
+
+def constant_product(factor, constant):
+    """Combiners that give ``factor``, a final combiner's input, times RGB ``constant`` in [0, 1]."""
+    final = FinalCombiner(a=factor, b=CombinerInput(Register.CONSTANT_COLOR0), c=ZERO, d=ZERO, g=OPAQUE)
+    return RegisterCombiners(
+        general=(GeneralCombiner(NO_RGB, NO_ALPHA),), final=final, constant_color0=opaque(constant)
+    )
+
+
+def keep_positive(mesh, view):
+    """(.)+ of what the framebuffer holds where the mesh was drawn: the maximum with black."""
+    black = constant_product(ZERO, (0.0, 0.0, 0.0))
+    return draw("keep (.)+", mesh, view, black, depth_test=LATER_PASS, blending=AT_LEAST_ZERO)
 
 
 def unit(texture, sampler=REPEATED, coordinates=0, **settings):
