@@ -2,9 +2,9 @@
 
 EXPAND_NORMAL maps a stored byte x to 2x - 256 on a machine whose half is 128, so zero is stored as 128 and
 the vector component v as ``128 + 127.5 v``. With the half at 127.5 (the extension's real-number reading, 2x -
-255) it is ``127.5 + 127.5 v``. Wider combiners of c bits read a texel's byte as a fraction of 2**c - 1 and take
-2**(c - 1) as the half: zero is then 127.502 for 16 bits, and their vertex colours have c bits as well. The exact
-machine stores ``v/2 + 1/2`` unrounded.
+255) it is ``127.5 + 127.5 v``. Wider combiners of c bits read a texel's byte as a fraction of 2**c - 1 and
+take 2**(c - 1) as the half: zero is then 127.502 for 16 bits, and their vertex colours have c bits as well.
+The exact machine stores ``v/2 + 1/2`` unrounded.
 
 Source: NV_register_combiners, table 4 (EXPAND_NORMAL); normal maps of the time put zero at 128.
 """

@@ -203,7 +203,20 @@ def gold(size, *, bumps, depth, alpha_x, alpha_y, spread, stroke_depth, k_s, see
     # Assumed: gradient noise of amplitude one climbs by three per cell, its steepest; slopes are measured in
     # the tests.
     heights = gradient_noise(s, t, bumps, seed) * (depth / (3.0 * bumps))
-    slope_s, slope_t = slopes(smooth(heights))
+    return brushed_bumps(
+        *slopes(smooth(heights)),
+        alpha_x=alpha_x,
+        alpha_y=alpha_y,
+        spread=spread,
+        stroke_depth=stroke_depth,
+        k_s=k_s,
+        seed=seed,
+    )
+
+
+def brushed_bumps(slope_s, slope_t, *, alpha_x, alpha_y, spread, stroke_depth, k_s, seed=3):
+    """A square of any slopes [size, size], slightly brushed along s; the rest as ``gold``'s."""
+    size = len(slope_s)
     slope_t = slope_t + stroke_depth * _strokes(size, size, "s", 8, seed + 3)
     angles = np.radians(spread * _strokes(size, size, "s", 8, seed + 4))
     gloss = k_s[0] + (k_s[1] - k_s[0]) * (0.5 + 0.5 * _strokes(size, size, "s", 12, seed + 5))
