@@ -189,38 +189,42 @@ def brushed(columns, rows, along, *, alpha_x, alpha_y, spread, depth=0.0, k_s=(0
     return _read_only(_turned(angles, *slope, alpha_x, alpha_y, gloss))
 
 
+def brushed_bumps(slope_s, slope_t, *, alpha_x, alpha_y, spread, stroke_depth, k_s, seed=3):
+    """Strokes along s laid over a bumpy surface, given by its slopes, float64 [rows, columns].
+
+    spread        degrees by which the tangents of the strokes leave the s axis at most
+    stroke_depth  the largest slope across the strokes
+    k_s           its lowest and highest value over the strokes
+
+    Strokes are one texel wide and about an eighth of the texture long; their amounts are multiples of 1/256.
+    """
+    rows, columns = slope_s.shape
+    angles = np.radians(spread * _strokes(columns, rows, "s", 8, seed + 4))
+    across = slope_t + stroke_depth * _strokes(columns, rows, "s", 8, seed + 3)
+    gloss = k_s[0] + (k_s[1] - k_s[0]) * (0.5 + 0.5 * _strokes(columns, rows, "s", 12, seed + 5))
+    return _turned(angles, slope_s, across, alpha_x, alpha_y, gloss)
+
+
 @lru_cache(maxsize=2)
 def gold(size, *, bumps, depth, alpha_x, alpha_y, spread, stroke_depth, k_s, seed=3):
     """Slightly brushed, bumpy metal, ``size`` x ``size`` texels: rounded bumps under strokes along s.
 
-    bumps         about how many bumps along an edge of the texture
-    depth         the largest slope of the bumps, about
-    spread        degrees by which the tangents of the strokes leave the s axis at most
-    stroke_depth  the largest slope across the strokes
-    k_s           its lowest and highest value over the strokes
+    ``bumps``: about how many along an edge of the texture. ``depth``: the largest slope of the bumps, about.
+    The others: ``brushed_bumps``.
     """
-    s, t = texel_centers(size, size)
-    # Assumed: gradient noise of amplitude one climbs by three per cell, its steepest; slopes are measured in
-    # the tests.
-    heights = gradient_noise(s, t, bumps, seed) * (depth / (3.0 * bumps))
-    return brushed_bumps(
-        *slopes(smooth(heights)),
-        alpha_x=alpha_x,
-        alpha_y=alpha_y,
-        spread=spread,
-        stroke_depth=stroke_depth,
-        k_s=k_s,
-        seed=seed,
+    # Assumed: gradient noise of amplitude one climbs by three per cell at most; a test holds the slopes.
+    heights = gradient_noise(*texel_centers(size, size), bumps, seed) * (depth / (3.0 * bumps))
+    return _read_only(
+        brushed_bumps(
+            *slopes(smooth(heights)),
+            alpha_x=alpha_x,
+            alpha_y=alpha_y,
+            spread=spread,
+            stroke_depth=stroke_depth,
+            k_s=k_s,
+            seed=seed,
+        )
     )
-
-
-def brushed_bumps(slope_s, slope_t, *, alpha_x, alpha_y, spread, stroke_depth, k_s, seed=3):
-    """A square of any slopes [size, size], slightly brushed along s; the rest as ``gold``'s."""
-    size = len(slope_s)
-    slope_t = slope_t + stroke_depth * _strokes(size, size, "s", 8, seed + 3)
-    angles = np.radians(spread * _strokes(size, size, "s", 8, seed + 4))
-    gloss = k_s[0] + (k_s[1] - k_s[0]) * (0.5 + 0.5 * _strokes(size, size, "s", 12, seed + 5))
-    return _read_only(_turned(angles, slope_s, slope_t, alpha_x, alpha_y, gloss))
 
 
 @dataclass(frozen=True, eq=False)
