@@ -22,10 +22,21 @@ from tests.run_reference import run_reference
 REFERENCE_SIZE = 48  # edge of a panel, pixels: plain Python takes seconds for it
 GOLDEN = Path(__file__).parent / "golden"
 PICTURES = Path(__file__).parents[1] / "out" / "accept"
+PAGES = Path(__file__).parents[1] / "docs"
 
 
 def golden_path(figure_id, machine):
     return GOLDEN / f"{figure_id}-{machine}.json"
+
+
+def page_picture(figure_id, machine):
+    """Where the documentation keeps the figure's picture, at the digests' size; it may have none."""
+    return PAGES / "images" / f"{figure_id}-{machine}.png"
+
+
+def is_shown(path):
+    """Whether a page of the documentation shows the picture."""
+    return any(f"images/{path.name}" in page.read_text() for page in PAGES.rglob("*.md"))
 
 
 def render(figure, machine):
@@ -96,6 +107,8 @@ def main(arguments=None):
         print(f"If it does: make accept FIGURE={figure.id} PROFILE={machine} LOOKED=yes")
         return 1
     write_whole(path, to_text(golden).encode())
+    if is_shown(page := page_picture(figure.id, machine)):
+        write_whole(page, png(color))
     print(f"Accepted {golden.sha256}.")
     print("Say why the bits changed in CHANGELOG.md, in a line that begins `Bits:`.")
     return 0

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from effects.figures import FIGURES
 from pipeline.golden import digest, from_text
@@ -21,9 +22,12 @@ ACCEPTED = [
 @pytest.mark.parametrize(("figure_id", "machine"), ACCEPTED)
 def test_a_figure_keeps_its_accepted_bits(figure_id, machine):
     figure = FIGURES[figure_id]
-    assert accept.golden_of(figure, machine, accept.render(figure, machine)) == from_text(
-        accept.golden_path(figure_id, machine).read_text()
-    )
+    color = accept.render(figure, machine)
+    golden = from_text(accept.golden_path(figure_id, machine).read_text())
+    assert accept.golden_of(figure, machine, color) == golden
+    if (page := accept.page_picture(figure_id, machine)).is_file():
+        assert accept.is_shown(page)
+        np.testing.assert_array_equal(np.asarray(Image.open(page)), color[..., :3])
 
 
 SPECIFIED = [
@@ -60,7 +64,7 @@ def test_a_damaged_digest_file_is_refused_in_a_sentence(text):
 @pytest.fixture
 def elsewhere(monkeypatch, tmp_path):
     """Acceptance that writes to a temporary folder and renders pictures of 16 pixels."""
-    for name in ("GOLDEN", "PICTURES"):
+    for name in ("GOLDEN", "PICTURES", "PAGES"):
         monkeypatch.setattr(accept, name, tmp_path)
     monkeypatch.setattr(accept, "GOLDEN_SIZE", 16)
     monkeypatch.setattr(accept, "REFERENCE_SIZE", 8)

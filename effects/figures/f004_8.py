@@ -104,14 +104,14 @@ _BOUNDS = {
             "Banks": (0.0012, _BYTE),
             "Blinn-Phong": (
                 0.02,
-                "9-bit combiners and vectors of bytes, times four: artefact P9's 0.015-0.018",
+                "9-bit combiners, vectors of bytes, times four: artefact P9's 0.015-0.018",
             ),
             "Ward": (0.0012, _BYTE),
         },
     },
 }
 
-# The figure with a texel under each pixel's centre, light and viewer above, and only the highlights to be seen.
+# The figure with a texel under each pixel's centre, light and viewer above, and nothing but the highlights.
 _MEASURED = {
     **DARK,
     **dict.fromkeys(("banks", "blinn_phong", "ward"), (1.0, 1.0, 1.0)),
