@@ -127,23 +127,30 @@ def flat_vector(vectors, what):
     return vectors[0]
 
 
-def _of(vector, scale=1.0):
+def dot_with(vector, scale=1.0):
     """A row of the color matrix: the dot product of a texel's RGB with a vector, times ``scale``."""
     return (*(scale * float(c) for c in vector), 0.0)
 
 
-def _image(values):
-    """Floats [h, w, 3], or [h, w] for R, G and B alike, as an image with alpha one."""
+def _image(values, alpha=1.0):
+    """Floats [h, w, 3], or [h, w] for R, G and B alike, as an image; alpha is one, or floats [h, w]."""
     values = values[..., None] if values.ndim == 2 else values
-    rgb = np.broadcast_to(values, (*values.shape[:2], 3))
-    return PixelImage(np.concatenate([rgb, np.ones((*values.shape[:2], 1))], axis=-1))
+    image = np.empty((*values.shape[:2], 4))
+    image[..., :3], image[..., 3] = values, alpha
+    return PixelImage(image)
 
 
-def load_products(label, name, values, rows, profile, bits=8):
-    """The command that loads float vectors [h, w, 3] through a color matrix: products, negative ones 0."""
+def load_products(label, name, values, rows, profile, bits=8, *, alpha=1.0):
+    """The command that loads float vectors [h, w, 3], and alphas, through a color matrix whose rows make dot
+    products; negative ones are 0.
+    """
     transfer = PixelTransfer(color_matrix=tuple(rows), post_color_matrix_color_table=_clamped(profile))
     return TexImage(
-        label=label, texture=name, pixels=_image(values), internal_format=_FORMATS[bits], transfer=transfer
+        label=label,
+        texture=name,
+        pixels=_image(values, alpha),
+        internal_format=_FORMATS[bits],
+        transfer=transfer,
     )
 
 
@@ -152,7 +159,7 @@ def load_squares(label, name, vectors, half, profile, bits=8, *, scale=1.0):
     their sign, squared by the table after the color matrix. Beyond 1 they are 1.
     """
     transfer = PixelTransfer(
-        color_matrix=(_of(half, math.sqrt(scale)),) * 4,
+        color_matrix=(dot_with(half, math.sqrt(scale)),) * 4,
         post_color_matrix_scale=(0.5,) * 4,
         post_color_matrix_bias=(0.5,) * 4,
         post_color_matrix_color_table=_tabulated(profile, *[_square] * 4),
@@ -248,7 +255,7 @@ def banks(surface, material, view, light, profile, *, specular=(1.0, 1.0, 1.0), 
     toward_eye = flat_vector(view_vectors(surface, view), "viewing vector")
 
     def halves(vector, order):
-        return [_of(vector, sign) for sign in order]
+        return [dot_with(vector, sign) for sign in order]
 
     drawn = {"surface": surface, "view": view, "sampler": sampler}
     return (
@@ -302,7 +309,7 @@ def _times_normal_light(material, toward_light, profile, bits, *, gain=1.0, mask
             f"load n through l: {what}",
             "n.l",
             material.normals,
-            [_of(toward_light, gain)] * 4,
+            [dot_with(toward_light, gain)] * 4,
             profile,
             bits,
         ),
@@ -422,7 +429,7 @@ def ward(
     def factor(name, vector, other):
         """sqrt(n.vector) in red, beside it ``other``."""
         transfer = PixelTransfer(
-            color_matrix=(_of(vector), other, NOTHING, NOTHING), post_color_matrix_color_table=roots
+            color_matrix=(dot_with(vector), other, NOTHING, NOTHING), post_color_matrix_color_table=roots
         )
         return TexImage(
             label=f"load n through {name}",
@@ -461,7 +468,7 @@ def ward(
             ),
         ),
         begin(view),
-        factor("l", toward_light, _of(half)),
+        factor("l", toward_light, dot_with(half)),
         polygon("sqrt((l.n)+) to red, d = h.n to green", texture="l", first=True, **drawn),
         factor("v", toward_eye, NOTHING),
         polygon("times sqrt((v.n)+): sqrt(p)", texture="v", mask=RED, blending=MULTIPLY, **drawn),

@@ -78,7 +78,8 @@ def root_mean_square(a):
 # of slack. Reasons: every texture, product and copy rounds by half a code at most, some ten times. The
 # Blinn-Phong table's 64 x 256 texels are joined linearly, N doubling every nine of them, and the exponent
 # multiplies e's error by up to N/2 = 16. sqrt(e) has an infinite slope at zero: half a code off there is
-# up to sqrt(1/2 code). Ward's S over 8 has few codes, and the copy that takes the 8 back multiplies their error.
+# up to sqrt(1/2 code). Ward's S over 8 has few codes, and the copy that takes the 8 back multiplies their
+# error.
 BOUNDS = {
     ("banks", 8): (0.75, 3.0),
     ("banks", 12): (0.85, 4.0),

@@ -1,0 +1,54 @@
+"""The framework of the paper's figure 1: tables, and each stage on each machine against float evaluation."""
+
+import numpy as np
+import pytest
+
+from effects import framework, meshes
+from effects.vectors import unit_vector
+from effects.views import Light, Panel, orthographic_view
+from pipeline.execute import execute
+from pipeline.ideal import execute_ideal
+from pipeline.profiles import IDEAL, OCTANE
+
+SIZE = 64
+LIGHT, EYE = (0.55, 0.35, 0.75), np.array([0.0, 0.0, 1.0])
+PANEL = Panel(0, 0, SIZE, SIZE)
+
+
+def reference(textures):
+    """Every stage in float64 at the texels, in ``framework.STAGES``' order."""
+    minus_s, t, u, eighth = textures.parameters(unit_vector(LIGHT, "The light"), EYE)
+    f, g = framework.exponential(minus_s, t), framework.root_of_power(u, eighth)
+    return dict(zip(framework.STAGES, (minus_s, t, u, eighth, f, g, f * g), strict=True))
+
+
+def drawn(profile, stage, textures):
+    light, view = Light(LIGHT), orthographic_view(PANEL)
+    return (
+        PANEL.clear((0.0, 0.0, 0.0)),
+        *framework.load_tables(profile),
+        *framework.by_pixel_textures(meshes.plane(), textures, view, light, profile, stage=stage),
+    )
+
+
+@pytest.mark.parametrize("stage", framework.STAGES)
+def test_each_stage_on_the_octane_is_the_float_evaluation(stage):
+    textures = framework.woven_domes(SIZE, bumps=2)
+    expected = reference(textures)[stage]
+    result = execute(drawn(OCTANE, stage, textures), OCTANE, SIZE, SIZE)
+    picture = result.framebuffer.color[::-1, :, 0] / 255.0
+    assert result.undefined == 0
+    # A parameter is rounded once; G's derivative of u is v/2, of v/8 less; F's of -s is 1/t.
+    codes = 0.51 if stage in framework.STAGES[:4] else 4.0
+    assert np.abs(picture - expected).max() <= codes / 255.0
+    ideal = execute_ideal(drawn(IDEAL, stage, textures), SIZE, SIZE).color[::-1, :, 0]
+    assert np.abs(ideal - expected).max() <= 2e-3
+
+
+def test_the_functions_are_the_figure_s():
+    s, t = np.meshgrid(np.linspace(0.0, 1.0, 9), np.linspace(0.0625, 1.0, 16))
+    assert framework.exponential(s, t) == pytest.approx(np.exp(-s / t), abs=1e-15)
+    u, v = np.meshgrid(np.linspace(0.0, 1.0, 9), np.linspace(0.0, 8.0, 9))
+    assert framework.root_of_power(u, v / 8.0) == pytest.approx(np.sqrt(u**v), abs=1e-15)
+    assert framework.exponential(0.0, 0.0) == 1.0
+    assert framework.exponential(0.1, 0.0) == 0.0
