@@ -3,7 +3,7 @@
 One module per artefact, named by its id in lower case; ``STUDIES`` has them by id.
 """
 
-from effects.studies import p9
+from effects.studies import p9, p10, p17, p18, p20, p21, p32
 from effects.studies.study import collected
 
-STUDIES = collected(p9.STUDY)
+STUDIES = collected(*(m.STUDY for m in (p9, p10, p17, p18, p20, p21, p32)))

@@ -6,7 +6,8 @@ Source: Kautz, Seidel 2000, sections 4.1 and 5 (artefact P9 of the catalogue).
 import numpy as np
 
 from effects.figures import Check
-from effects.studies.random_frames import ACROSS, EDGE, eq_1, root_mean_square
+from effects.figures.measures import root_mean_square
+from effects.studies.random_frames import ACROSS, EDGE, eq_1
 from effects.studies.study import BLUE, EXPECTED, ORANGE, Column, Study, Table
 
 # alpha_x, alpha_y, and whether the vectors are stored times 0.25.

@@ -78,8 +78,3 @@ def eq_1(alpha_x, alpha_y, profile, *, storing=None, scaled=True):
         half[:, None, None, :], material.tangents, material.binormals, alpha_x, alpha_y
     )
     return blocks, true
-
-
-def root_mean_square(difference):
-    """The root mean square of an array."""
-    return float(np.sqrt((difference * difference).mean()))
