@@ -88,10 +88,21 @@ def diffuse_combiners(
 
 
 def diffuse_pass(
-    surface, normal_map, view, light, profile, *, color, ambient=(0.0, 0.0, 0.0), color_map=None
+    surface,
+    normal_map,
+    view,
+    light,
+    profile,
+    *,
+    color,
+    ambient=(0.0, 0.0, 0.0),
+    color_map=None,
+    depth_test=FIRST_PASS,
+    blending=None,
 ):
     """K10: one draw. ``normal_map``: the name of a texture with normals for EXPAND_NORMAL; colours RGB in
-    [0, 1]. ``color_map``: the name of a texture by whose colours both are multiplied.
+    [0, 1]. ``color_map``: the name of a texture by whose colours both are multiplied. ``depth_test``,
+    ``blending``: where it is added to passes before it.
     """
     vectors = encode_vertex_color(light_vectors(surface, light), profile)
     combiners = diffuse_combiners(color, ambient, color_map=color_map is not None)
@@ -99,7 +110,7 @@ def diffuse_pass(
     units, label = (unit(normal_map),), "diffuse pass: (n.l)+"
     if color_map is not None:
         units, label = (*units, unit(color_map)), f"{label} times the colour map"
-    return (draw(label, mesh, view, combiners, units, depth_test=FIRST_PASS),)
+    return (draw(label, mesh, view, combiners, units, depth_test=depth_test, blending=blending),)
 
 
 def blinn_phong_combiners():
