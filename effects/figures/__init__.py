@@ -5,15 +5,10 @@ import pkgutil
 import re
 from types import MappingProxyType
 
-<<<<<<< HEAD
-=======
-from effects.figures import f004_2, f004_3, f004_4, f004_5, f004_6, f004_7, k02, k04, k11, k12, k14
->>>>>>> 2eb617c (K04: Banks with R* on the machine beside the exact model)
 from effects.figures.figure import DIFFERENCE_GAIN, VIEWS, Check, Figure, Method, Renderer, difference
 
 __all__ = ["DIFFERENCE_GAIN", "FIGURES", "VIEWS", "Check", "Figure", "Method", "Renderer", "difference"]
 
-<<<<<<< HEAD
 
 def _figures():
     """The FIGURE of each module that is named by an id, f004_2 or k12, in the ids' order."""
@@ -22,9 +17,6 @@ def _figures():
     for name in names:
         yield importlib.import_module(f"{__name__}.{name}").FIGURE
 
-=======
-_MODULES = (f004_2, f004_3, f004_4, f004_5, f004_6, f004_7, k02, k04, k11, k12, k14)
->>>>>>> 2eb617c (K04: Banks with R* on the machine beside the exact model)
 
 # By id, in the catalogue's order.
 FIGURES = MappingProxyType({figure.id: figure for figure in _figures()})
