@@ -30,9 +30,22 @@ def _checks_table(checks):
     )
 
 
-def _machine(record, drawn):
-    """The three pictures of a figure on one machine, their numbers and its checks."""
+def _groups(machines):
+    """Machines that drew the same bits in the same way, the first of them in front."""
+    groups = {}
+    for drawn in machines:
+        groups.setdefault((drawn["method"], drawn["sha256"]), []).append(drawn)
+    return groups.values()
+
+
+def _machines(record, group, is_first):
+    """The three pictures of a figure on machines that draw the same bits, their numbers and checks.
+
+    The figure's own machine has its picture large.
+    """
+    drawn, *others = group
     figure_id, wide = escape(record["id"]), record["width"] > record["height"]
+    way = ("row" if wide else "") if is_first else "small"
     pictures = "".join(
         f'<figure><a href="{escape(p["file"])}"><img src="{escape(p["file"])}" loading="lazy" '
         f'width="{record["width"]}" height="{record["height"]}" '
@@ -42,19 +55,27 @@ def _machine(record, drawn):
     )
     return (
         f"<h3>{escape(drawn['profile'])} <span>{escape(drawn['method'])}</span></h3>"
-        f'<div class="pictures{" row" * wide}">{pictures}</div>'
+        f'<div class="pictures {way}">{pictures}</div>'
         f'<p class="quiet">RMS difference from the ideal {drawn["difference_rms"]:.4f}; '
-        f"largest {drawn['difference_max']:.3f} (1 = full intensity).</p>"
+        f"largest {drawn['difference_max']:.3f} (1 = full intensity). "
+        f"{_same_bits(others)}</p>"
         f"{_checks_table(drawn['checks'])}"
     )
 
 
+def _same_bits(others):
+    if not others:
+        return ""
+    return f"The same bits on {escape(', '.join(drawn['profile'] for drawn in others))}."
+
+
 def _section(record):
     figure_id = escape(record["id"])
+    groups = enumerate(_groups(record["machines"]))
     return (
         f'<section id="{figure_id}"><h2><span>{figure_id}</span> {escape(record["title"])}</h2>'
         f"<p>{escape(record['caption'])}</p><p><b>Must be seen:</b> {escape(record['must_see'])}</p>"
-        f"{''.join(_machine(record, drawn) for drawn in record['machines'])}"
+        f"{''.join(_machines(record, group, index == 0) for index, group in groups)}"
         f'<p class="quiet">Source: {escape(record["source"])} ({escape(", ".join(record["techniques"]))}). '
         f'<a href="{figure_id}.json">All numbers (JSON)</a></p></section>'
     )

@@ -18,6 +18,7 @@ p { margin: .4rem 0; max-width: 48rem; }
   margin: 1.2rem 0; }
 .row { grid-template-columns: repeat(auto-fit, minmax(min(100%, 26rem), 1fr)); max-width: 64rem; }
 .row figure:first-child { grid-column: 1 / -1; }
+.small { grid-template-columns: repeat(auto-fit, minmax(min(100%, 15rem), 1fr)); max-width: 64rem; }
 figure { margin: 0; }
 img { display: block; max-width: 100%; height: auto; background: #808080; }
 figcaption, .quiet, table { font: .84rem/1.5 system-ui, sans-serif; }
