@@ -1,9 +1,9 @@
 """Studies: what the hardware's short numbers, clamps and missing parts do, measured on the emulated machines.
 
-One module per artefact, named by its id in lower case; ``STUDIES`` has them by id.
+One module per artefact, named by its id in lower case; ``STUDIES`` has them by id, in the catalogue's order.
 """
 
-from effects.studies import p9, p10, p17, p18, p20, p21, p32
+from effects.studies import p9, p10, p11, p17, p18, p19, p20, p21, p32
 from effects.studies.study import collected
 
-STUDIES = collected(*(m.STUDY for m in (p9, p10, p17, p18, p20, p21, p32)))
+STUDIES = collected(*(module.STUDY for module in (p9, p10, p11, p17, p18, p19, p20, p21, p32)))

@@ -3,10 +3,9 @@
 Source: Kautz, Seidel 2000, section 3.3 (artefact P18, pass sequence A-K09 of the catalogue).
 """
 
-import math
-
 import numpy as np
 
+from effects import brdfs
 from effects.figures import Check
 from effects.passes import NEAREST
 from effects.studies.drawing import drawn, strip
@@ -20,11 +19,6 @@ ALPHAS = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 1.0)
 # S(p) = 1/sqrt(p) is stored divided by this (A-K09 of the catalogue); its texels are evenly spaced in p.
 LARGEST_S = 8.0
 _TEXELS = 256
-
-
-def factor(alpha_x, alpha_y, specular=1.0):
-    """k_s / (4 pi alpha_x alpha_y): what Ward's exponential is multiplied by."""
-    return specular / (4.0 * math.pi * alpha_x * alpha_y)
 
 
 def stored(values, profile):
@@ -48,7 +42,7 @@ def stored(values, profile):
 
 def measure(profile):
     """A row for each alpha, the same along both axes: the factor wanted, and the stored one."""
-    wanted = np.array([factor(alpha, alpha) for alpha in ALPHAS])
+    wanted = np.array([brdfs.ward_scale(alpha, alpha) for alpha in ALPHAS])
     padded = np.concatenate([wanted, np.zeros(16 - len(wanted))])
     kept = stored(padded[:, None], profile)[: len(wanted), 0]
     rows = tuple(
@@ -63,7 +57,7 @@ def measure(profile):
         Column("lost", "%", ".1f"),
     )
     p = (np.arange(_TEXELS) + 0.5) / _TEXELS
-    s = 1.0 / np.sqrt(p)
+    s = brdfs.ward_s(p)
     table = LARGEST_S * stored((s / LARGEST_S)[:, None], profile)[:, 0]
     return Table(columns, rows, {"p": p, "S": s, "S stored": table})
 
