@@ -2,22 +2,19 @@
 
 Kautz and Seidel (2000), section 5, on the GeForce 256, which has no dependent lookups: the intermediate
 picture goes to the host, which does what SGIX_pixel_texture does on the Octane. What is looked up depends on
-what was read, so this is no tuple of commands known beforehand: the passes are run in two parts with
-``look_up`` between them,
+what was read, so a HostStep stands between reading and drawing:
 
-    pixels = machine.run((*passes_before, read_back("directions"))).pixels["directions"]
-    found = look_up(pixels, texture)
-    machine.run((drawn("looked up", found, state=...), *passes_after))
+    commands = (*passes_before, *pixel_texture("look up F", texture), *passes_after)
 
 The host's arithmetic is the machine's filter (docs/numbers.md, sections 6, 7 and 18), so that at eight bits
-the picture is the Octane's to the bit.
+the picture is the Octane's to the bit; of floats, which the ideal reads, the filter is exact.
 """
 
 from dataclasses import replace
 
 import numpy as np
 
-from pipeline.commands import Draw, DrawPixels, Mesh, ReadPixels, TexImage
+from pipeline.commands import Draw, DrawPixels, HostStep, Mesh, ReadPixels, TexImage
 from pipeline.enums import PrimitiveType, TextureEnvironmentMode, TextureFilter, TextureTarget, WrapMode
 from pipeline.pixel_transfer import PixelImage
 from pipeline.state import (
@@ -32,6 +29,55 @@ from pipeline.textures import texture_2d
 _WRAPS = (WrapMode.REPEAT, WrapMode.CLAMP_TO_EDGE)
 
 
+def pixel_texture(
+    label,
+    texture,
+    *,
+    texture_filter=TextureFilter.LINEAR,
+    wrap=WrapMode.CLAMP_TO_EDGE,
+    x=0,
+    y=0,
+    width=None,
+    height=None,
+    state=None,
+    coordinates=None,
+    by_quad=False,
+):
+    """Two commands that do in the window what CopyPixels with a pixel texture does: read, then look up and
+    draw.
+
+    Parameters
+    ----------
+    texture : pipeline.textures.Texture
+        What is looked up, of one or two dimensions with texels of eight bits.
+    texture_filter, wrap
+        As ``look_up`` takes them.
+    x, y, width, height : int
+        The rectangle; None: as far as the window reaches.
+    state : pipeline.state.PassState or None
+        In which the rectangle is drawn, without texture units.
+    coordinates : function or None
+        From the pixels as they were read, [h, w, 4] of bytes or floats, to pixels of the same kind whose R/A
+        and G/A are s and t: what a pixel transfer does in CopyPixels.
+    by_quad : bool
+        Draw a texture on a quad that fills the window, for boards whose DrawPixels is slow; the rectangle
+        must be the window.
+    """
+    name = f"{label}: coordinates from ({x}, {y}) on"
+
+    def looked_up(pixels):
+        found = pixels[name] if coordinates is None else coordinates(pixels[name])
+        found = look_up(found, texture, texture_filter, wrap)
+        if by_quad:
+            return textured_quad(label, found, f"{label}: texels", state=state)
+        return (drawn(label, found, x=x, y=y, state=state),)
+
+    return (
+        read_back(name, x=x, y=y, width=width, height=height),
+        HostStep(label=f"the host: {label}", reads=(name,), commands=looked_up),
+    )
+
+
 def read_back(name, *, x=0, y=0, width=None, height=None, label="read back for the host's lookup"):
     """The command that reads what ``look_up`` takes: ReadPixels of RGBA."""
     return ReadPixels(label=label, name=name, x=x, y=y, width=width, height=height)
@@ -43,7 +89,8 @@ def look_up(pixels, texture, texture_filter=TextureFilter.LINEAR, wrap=WrapMode.
     Parameters
     ----------
     pixels : array
-        uint8 [h, w, 4], as ReadPixels gives them. Where alpha is 0 it counts as 255.
+        uint8 [h, w, 4], as ReadPixels gives them, or float64 of the ideal's. Where alpha is 0 it counts as
+        one.
     texture : pipeline.textures.Texture
         Of one or two dimensions, with texels of eight bits; level 0 is read.
     texture_filter : TextureFilter
@@ -54,7 +101,8 @@ def look_up(pixels, texture, texture_filter=TextureFilter.LINEAR, wrap=WrapMode.
     Returns
     -------
     array
-        uint8 [h, w, 4]; 255 where the texture's base format has no alpha.
+        Of the pixels' type [h, w, 4]; one where the texture's base format has no alpha. Floats are of the
+        texture's unrounded texels, where it has them.
 
     Raises
     ------
@@ -62,10 +110,10 @@ def look_up(pixels, texture, texture_filter=TextureFilter.LINEAR, wrap=WrapMode.
         For pixels, textures, filters or wrap modes of another kind.
     """
     pixels = np.asarray(pixels)
-    if pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[-1] != 4:
+    if pixels.dtype not in (np.uint8, np.float64) or pixels.ndim != 3 or pixels.shape[-1] != 4:
         raise ValueError(
-            f"The pixels are {pixels.dtype} of shape {pixels.shape}; give uint8 [height, width, 4], as "
-            "ReadPixels returns RGBA."
+            f"The pixels are {pixels.dtype} of shape {pixels.shape}; give uint8 or float64 "
+            "[height, width, 4], as ReadPixels returns RGBA."
         )
     if texture.target not in (TextureTarget.TEXTURE_1D, TextureTarget.TEXTURE_2D) or texture.bits != 8:
         raise ValueError(
@@ -77,20 +125,24 @@ def look_up(pixels, texture, texture_filter=TextureFilter.LINEAR, wrap=WrapMode.
             f"The host looks up with NEAREST or LINEAR and REPEAT or CLAMP_TO_EDGE, not with "
             f"{texture_filter.name} and {wrap.name}; give one of these."
         )
-    image = texture.levels[0][0].astype(np.int64)
+    exact = pixels.dtype == np.float64
+    if exact:
+        image = texture.levels[0][0] / 255.0 if texture.ideal is None else texture.ideal[0][0]
+    else:
+        image = texture.levels[0][0].astype(np.int64)
     height, width = image.shape[:2]
-    alpha = np.where(pixels[..., 3] == 0, 255, pixels[..., 3]).astype(np.float64)
-    columns, across = _along(pixels[..., 0] / alpha, width, wrap, texture_filter)
+    alpha = np.where(pixels[..., 3] <= 0, 1.0 if exact else 255.0, pixels[..., 3])
+    columns, across = _along(pixels[..., 0] / alpha, width, wrap, texture_filter, exact)
     if texture.target is TextureTarget.TEXTURE_1D:
         rows, up = [np.zeros(alpha.shape, np.int64)], None
     else:
-        rows, up = _along(pixels[..., 1] / alpha, height, wrap, texture_filter)
-    lines = [_blended([image[row, column] for column in columns], across) for row in rows]
-    return _blended(lines, up).astype(np.uint8)
+        rows, up = _along(pixels[..., 1] / alpha, height, wrap, texture_filter, exact)
+    lines = [_blended([image[row, column] for column in columns], across, exact) for row in rows]
+    return _blended(lines, up, exact).astype(pixels.dtype)
 
 
-def _along(coordinate, size, wrap, texture_filter):
-    """Texel indices along an axis, one or two, and the eight-bit fraction between them."""
+def _along(coordinate, size, wrap, texture_filter, exact):
+    """Texel indices along an axis, one or two, and the fraction between them: of eight bits, or exact."""
     texel = coordinate * float(size)
     if wrap is WrapMode.REPEAT:
         texel = np.clip(texel - size * np.floor(texel * (1.0 / size)), 0.0, size)
@@ -98,19 +150,25 @@ def _along(coordinate, size, wrap, texture_filter):
         texel = np.clip(texel, 0.5, size - 0.5)
     if texture_filter is TextureFilter.NEAREST:
         return [_inside(np.floor(texel).astype(np.int64), size, wrap)], None
-    position = np.floor((texel - 0.5) * 256.0).astype(np.int64)
-    first = position >> 8
-    return [_inside(first, size, wrap), _inside(first + 1, size, wrap)], position & 255
+    if exact:
+        first = np.floor(texel - 0.5).astype(np.int64)
+        fraction = texel - 0.5 - first
+    else:
+        position = np.floor((texel - 0.5) * 256.0).astype(np.int64)
+        first, fraction = position >> 8, position & 255
+    return [_inside(first, size, wrap), _inside(first + 1, size, wrap)], fraction
 
 
 def _inside(index, size, wrap):
     return index % size if wrap is WrapMode.REPEAT else np.clip(index, 0, size - 1)
 
 
-def _blended(pair, fraction):
+def _blended(pair, fraction, exact):
     if len(pair) == 1:
         return pair[0]
     share = fraction[..., None]
+    if exact:
+        return pair[0] * (1.0 - share) + pair[1] * share
     return (pair[0] * (256 - share) + pair[1] * share + 128) >> 8
 
 
@@ -128,7 +186,7 @@ def textured_quad(label, image, name, *, state=None):
     """
     height, width = image.shape[:2]
     wide, high = (1 << (edge - 1).bit_length() for edge in (width, height))
-    padded = np.zeros((high, wide, 4), np.uint8)
+    padded = np.zeros((high, wide, 4), image.dtype)
     padded[:height, :width] = image
     unit = TextureUnit(
         texture=name,

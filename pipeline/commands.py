@@ -4,6 +4,7 @@ Every command carries everything it needs and a ``label`` in the paper's words. 
 OpenGL's: origin lower left, y up. Images of textures and of ReadPixels have their bottom row first.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -217,6 +218,23 @@ class ReadPixels:
 
 
 @dataclass(frozen=True, kw_only=True)
+class HostStep:
+    """What the application's processor does between commands: it looks at what ReadPixels gave, and issues
+    other commands in this one's place.
+
+    ``reads``: names that earlier ReadPixels of the same frame gave. ``commands``: a function that takes a
+    dictionary of these arrays and returns a tuple of commands. A machine hands it integers, the ideal
+    float64, as ``execute_ideal`` reads them; for the same shapes both must draw the same rectangles and
+    meshes, so that a frame of the one can guide the other. Its commands are validated once they are there,
+    and what follows them again. Textures that they store stay, but commands that follow cannot name them.
+    """
+
+    label: str
+    reads: tuple[str, ...]
+    commands: Callable
+
+
+@dataclass(frozen=True, kw_only=True)
 class DrawPixels:
     """DrawPixels (section 3.6.4): each group of ``image`` becomes the fragments of a rectangle of pixels.
 
@@ -349,6 +367,7 @@ Command = (
     | CopyTexImage
     | CopyTexSubImage
     | ReadPixels
+    | HostStep
     | DrawPixels
     | CopyPixels
     | Bitmap

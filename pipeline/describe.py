@@ -19,6 +19,7 @@ from pipeline.commands import (
     CopyTexSubImage,
     Draw,
     DrawPixels,
+    HostStep,
     MakeCurrent,
     ReadPixels,
     ResetHistogram,
@@ -722,6 +723,11 @@ def _read_pixels(command):
     return [first, *_pixel_transfer(command.transfer)]
 
 
+def _host_step(command):
+    names = " and ".join(f'"{name}"' for name in command.reads) or "nothing"
+    return [f"the host reads {names}; the commands that it issues depend on that"]
+
+
 def _reset_histogram(command):
     return [f'histogram "{command.name}" becomes empty']
 
@@ -812,6 +818,7 @@ _DESCRIPTIONS = {
     CopyTexImage: _copy_tex_image,
     CopyTexSubImage: _copy_tex_sub_image,
     ReadPixels: _read_pixels,
+    HostStep: _host_step,
     Accum: _accum,
     MakeCurrent: _make_current,
     BindTexImage: _bind_tex_image,

@@ -8,7 +8,7 @@ and runs all that waits on each (``raster.frame``); what those kernels do not co
 import os
 import threading
 import weakref
-from collections import Counter
+from collections import Counter, deque
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from numbers import Integral
@@ -28,6 +28,7 @@ from pipeline.commands import (
     CopyTexSubImage,
     Draw,
     DrawPixels,
+    HostStep,
     MakeCurrent,
     ReadPixels,
     ResetHistogram,
@@ -47,7 +48,7 @@ from pipeline.textures import Texture
 from pipeline.threads import Threads
 from pipeline.trace import Snapshot, snapshot
 from pipeline.transfer import HistogramTable, MinmaxTable, PixelStatistics
-from pipeline.validate import frame_of, validate
+from pipeline.validate import frame_of, issued_by, validate
 from raster import rows as R
 from raster.arrays import Buffers, scratch
 from raster.bins import BAND_HEIGHT, CHUNK, count_bins, fill_bins, sort_triangles
@@ -95,7 +96,7 @@ class Result:
     fragments     how many fragments the Draws and rectangles of pixels made
     dropped       how many primitives were dropped because a projected position was not usable
     undefined     how many groups of pixel textures had no positive q, which then counted as 1
-    trace         a Snapshot after every command, when asked for
+    trace         a Snapshot after every command, those that a HostStep issued among them, when asked for
     records       the Fragments of every Draw and rectangle of pixels, when asked for
     histograms    the machine's histograms by name, as they are afterwards
     minmaxes      its minmaxes likewise
@@ -267,7 +268,8 @@ class Machine:
         """Validate and run ``commands``; returns a Result.
 
         ``trace``: keep the framebuffer after every command. ``record``: keep every Draw's fragments.
-        Raises ``pipeline.validate.UnsupportedState`` or ValueError, before anything is drawn.
+        Raises ``pipeline.validate.UnsupportedState`` or ValueError, before anything is drawn; for what a
+        HostStep issues, before any of that is.
         """
         commands = frame_of(commands)
         if record and self._samples:
@@ -295,8 +297,10 @@ class Machine:
         queue, repeated = self._queue, _Repeated(commands, self.samples)
         pixels, snapshots, records = {}, [], []
         queue.fragments = dropped = undefined = 0
+        waiting = deque(commands)
         try:
-            for command in commands:
+            while waiting:
+                command = waiting.popleft()
                 kind = type(command)
                 if kind is Draw:
                     for surface, position in self._targets(command.state.draw_buffer):
@@ -337,6 +341,9 @@ class Machine:
                     if record:
                         columns = [drawn[:4] for drawn in parts] or [np.zeros((4, 0), np.int32)]
                         records += [Fragments(*(c.astype(np.int32) for c in four)) for four in columns]
+                elif kind is HostStep:
+                    self._flush()
+                    waiting = self._after_host(command, pixels, waiting)
                 else:
                     self._flush()
                     self._transfer(command, pixels)
@@ -360,6 +367,23 @@ class Machine:
             dict(self.statistics.histograms),
             dict(self.statistics.minmaxes),
         )
+
+    def _after_host(self, step, pixels, waiting):
+        """What the host issued and then what waits, all of it validated now."""
+        issued = issued_by(step, pixels)
+        validate(
+            (*issued, *waiting),
+            self.profile,
+            self.width,
+            self.height,
+            self.depth_bits,
+            self.textures,
+            self.surfaces,
+            self.statistics,
+            read=pixels,
+            host_step=step.label,
+        )
+        return deque((*issued, *waiting))
 
     def _targets(self, draw_buffer):
         """The framebuffers that a command writes to, each with its place in a pixel."""

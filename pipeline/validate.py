@@ -38,6 +38,7 @@ from pipeline.commands import (
     CopyTexSubImage,
     Draw,
     DrawPixels,
+    HostStep,
     MakeCurrent,
     Mesh,
     ReadPixels,
@@ -815,7 +816,7 @@ class _Beside(NamedTuple):
 class _Walk:
     """One pass over the commands; ``where`` is the command at hand."""
 
-    def __init__(self, profile, width, height, depth_bits, textures, surfaces, statistics):
+    def __init__(self, profile, width, height, depth_bits, textures, surfaces, statistics, read=()):
         self.profile, self.width, self.height, self.depth_bits = profile, width, height, depth_bits
         self.taken = _taken_by(profile)
         self.window = width, height, depth_bits
@@ -827,7 +828,7 @@ class _Walk:
         for name, image in textures.items():
             self.where = f"Texture {name!r}, which the machine holds"
             self.store(name, image)
-        self.read = set()
+        self.read, self.given = set(read), set(read)  # names; those that a histogram's sink left pixels of
         self.histograms, self.minmaxes = set(statistics.histograms), set(statistics.minmaxes)
 
     def refuse(self, sentence):
@@ -1179,6 +1180,8 @@ class _Walk:
                 f"an earlier ReadPixels already has the name {command.name!r}; give this one another."
             )
         self.read.add(command.name)
+        if not has_sink(command.transfer):
+            self.given.add(command.name)
         size = self.framebuffer_rectangle(command)
         self.color_buffer(command.read_buffer)
         colors = command.format in READ_FORMATS
@@ -1191,6 +1194,16 @@ class _Walk:
         self.transferred(command, *size, deep=not colors)
         scale = command.transfer.depth_scale, command.transfer.depth_bias
         self.fixed_depths(command.format == DEPTH_FORMAT and scale != (1.0, 0.0), "scales depths")
+
+    def host_step(self, command):
+        if not self.in_window:
+            self.refuse("a pbuffer is current; make the window current first, which the host draws to.")
+        if missing := [name for name in command.reads if name not in self.given]:
+            names = ", ".join(map(repr, sorted(self.given))) or "none"
+            self.refuse(
+                f"nothing has read {missing[0]!r} before (read so far: {names}); put a ReadPixels of this "
+                "name before it."
+            )
 
     def make_current(self, command):
         name = command.surface
@@ -1888,6 +1901,7 @@ _HANDLERS = {
     CopyTexImage: _Walk.copy_tex_image,
     CopyTexSubImage: _Walk.copy_tex_sub_image,
     ReadPixels: _Walk.read_pixels,
+    HostStep: _Walk.host_step,
     Accum: _Walk.accum,
     DrawPixels: _Walk.draw_pixels,
     CopyPixels: _Walk.copy_pixels,
@@ -1963,6 +1977,18 @@ def frame_of(commands):
         ) from None
 
 
+def issued_by(step, pixels):
+    """The commands that a HostStep issues for the pixels read so far, as a tuple.
+
+    Raises UnsupportedState where its function returns no tuple of commands.
+    """
+    issued = step.commands({name: pixels[name] for name in step.reads})
+    try:
+        return frame_of(issued)
+    except UnsupportedState as error:
+        raise UnsupportedState(f'HostStep "{step.label}": {error}') from None
+
+
 def validate(
     commands,
     profile,
@@ -1975,6 +2001,8 @@ def validate(
     *,
     samples=1,
     color_bits=None,
+    read=(),
+    host_step=None,
 ):
     """Refuse what the machine could not execute; return None if it can execute everything.
 
@@ -1987,6 +2015,8 @@ def validate(
     statistics     its PixelStatistics, or None
     samples        of each of the framebuffer's pixels
     color_bits     of its colours' components; None: the usual width
+    read           names that ReadPixels of the same frame gave already
+    host_step      label of the HostStep that issued the first of these commands, or None
 
     Raises UnsupportedState (a ValueError) whose message names the command, what was given, what the machine
     allows, and what to do. Meshes and textures are looked at once in their life; so are states, as long as
@@ -2004,18 +2034,19 @@ def validate(
             f"{widths}. Give one of these, or change the machine by with_precision."
         )
     statistics = statistics or PixelStatistics()
-    walk = _Walk(profile, width, height, depth_bits, textures or {}, surfaces or {}, statistics)
+    walk = _Walk(profile, width, height, depth_bits, textures or {}, surfaces or {}, statistics, read)
+    since = "" if host_step is None else f' from HostStep "{host_step}" on'
     for number, command in enumerate(frame_of(commands)):
         if walk.takes(command):
             continue
-        walk.where = f"Command {number}"
+        walk.where = f"Command {number}{since}"
         if type(command) not in _HANDLERS:
             walk.refuse(
                 f"{_shown(command)} is no command; a frame is made of "
                 f"{', '.join(kind.__name__ for kind in _HANDLERS)}."
             )
         if isinstance(command.label, str):
-            walk.where = f'Command {number}, "{command.label}"'
+            walk.where = f'Command {number}{since}, "{command.label}"'
         walk.command(command)
 
 

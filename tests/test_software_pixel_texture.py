@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from effects.software_pixel_texture import drawn, look_up, read_back, textured_quad
-from pipeline.commands import CopyPixels, TexImage
+from effects.software_pixel_texture import look_up, pixel_texture
+from pipeline.commands import CopyPixels, DrawPixels, TexImage
 from pipeline.enums import (
     BlendFactor,
     InternalFormat,
@@ -17,6 +17,8 @@ from pipeline.enums import (
     WrapMode,
 )
 from pipeline.execute import Machine
+from pipeline.ideal import execute_ideal
+from pipeline.pixel_transfer import PixelImage
 from pipeline.profiles import GEFORCE_256, OCTANE
 from pipeline.state import (
     Blending,
@@ -78,15 +80,52 @@ def test_the_hosts_lookup_is_the_octanes(
     assert result.undefined == (content[..., 3] == 0).sum()
 
     board = Machine(GEFORCE_256, WIDTH, HEIGHT)
-    board.framebuffer.color[:] = content
-    pixels = board.run((read_back("coordinates"),)).pixels["coordinates"]
-    found = look_up(pixels, texture, texture_filter, wrap)
-    picture = board.run((drawn("looked up", found, state=MULTIPLIED),)).image()
-    assert (picture == result.image()).all()
+    sampled = {"texture_filter": texture_filter, "wrap": wrap, "state": MULTIPLIED}
+    for by_quad in (False, True):
+        board.framebuffer.color[:] = content
+        commands = pixel_texture("look up", texture, by_quad=by_quad, **sampled)
+        assert (board.run(commands).image() == result.image()).all()
 
+
+@settings(max_examples=10)
+@given(st.integers(0, 10**6), filters, wraps, st.booleans())
+def test_of_floats_the_hosts_lookup_is_the_ideal_machine_s(seed, texture_filter, wrap, line):
+    rng = np.random.default_rng(seed)
+    content, texels = rng.random((HEIGHT, WIDTH, 4)), rng.random((8, 16, 4))
+    content[0, 0, 3] = 0.0
+    texture = texture_1d(texels[0]) if line else texture_2d(texels)
+    background = DrawPixels(label="content", image=PixelImage(content), position=RasterPosition(window=True))
+    copy = CopyPixels(
+        label="look up",
+        position=RasterPosition(window=True),
+        state=octane_state(texture_filter, wrap, MULTIPLIED),
+        pixel_texture=PixelTexture(),
+    )
+    store = TexImage(label="store", texture="table", image=texture)
+    expected = execute_ideal((background, store, copy), WIDTH, HEIGHT)
+    for by_quad in (False, True):
+        sampled = {"texture_filter": texture_filter, "wrap": wrap, "state": MULTIPLIED, "by_quad": by_quad}
+        commands = (background, *pixel_texture("look up", texture, **sampled))
+        assert execute_ideal(commands, WIDTH, HEIGHT).color == pytest.approx(expected.color, abs=1e-12)
+
+
+def test_a_rectangle_is_looked_up_where_it_was_read():
+    rng = np.random.default_rng(1)
+    content = rng.integers(0, 256, (HEIGHT, WIDTH, 4), np.uint8)
+    texture = texture_2d(rng.integers(0, 256, (4, 4, 4), np.uint8))
+    board = Machine(GEFORCE_256, WIDTH, HEIGHT)
     board.framebuffer.color[:] = content
-    quad = board.run(textured_quad("looked up", found, "found", state=MULTIPLIED)).image()
-    assert (quad == picture).all()
+
+    def swapped(pixels):
+        return pixels[..., [1, 0, 2, 3]]
+
+    board.run(pixel_texture("look up", texture, x=3, y=2, width=5, height=4, coordinates=swapped))
+    bottom_first, before = board.framebuffer.color[::-1], content[::-1]
+    inside = np.zeros((HEIGHT, WIDTH), bool)
+    inside[2:6, 3:8] = True
+    assert (bottom_first[~inside] == before[~inside]).all()
+    expected = look_up(swapped(before[2:6, 3:8]), texture)
+    assert (bottom_first[2:6, 3:8] == expected).all()
 
 
 PIXELS = np.zeros((2, 2, 4), np.uint8)
@@ -96,7 +135,7 @@ TABLE = texture_2d(np.zeros((2, 2, 4), np.uint8))
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ((PIXELS / 255, TABLE), "as ReadPixels returns RGBA"),
+        ((PIXELS.astype(np.float32), TABLE), "as ReadPixels returns RGBA"),
         ((PIXELS[..., :3], TABLE), "as ReadPixels returns RGBA"),
         ((PIXELS, texture_cube_map(np.zeros((6, 2, 2, 4), np.uint8))), "TEXTURE_CUBE_MAP of 8 bits"),
         ((PIXELS, TABLE, TextureFilter.LINEAR_MIPMAP_LINEAR), "not with LINEAR_MIPMAP_LINEAR"),
