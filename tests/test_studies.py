@@ -16,7 +16,7 @@ from effects.studies.study import WIDTH, Column, Table
 from pipeline.profiles import PROFILES
 
 # Studies that take longer than about half a second.
-SLOW = {"P11", "P19"}
+SLOW = {"P11", "P19", "P32", "P38"}
 EVERY = [pytest.param(i, marks=pytest.mark.slow) if i in SLOW else i for i in STUDIES]
 
 

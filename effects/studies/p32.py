@@ -19,7 +19,7 @@ from pipeline.state import Blending, PassState
 PRODUCTS = 8
 # Quads of one colour each, and how many frames of them.
 _ACROSS = 256
-_ROWS = 32
+_ROWS = 16
 _MULTIPLY = Blending(BlendFactor.DST_COLOR, BlendFactor.ZERO)
 _STEP = 0.0011
 
