@@ -1,5 +1,7 @@
 """F004-8: the same bumps in three reflectance models: Banks, anisotropic Blinn-Phong, Ward."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from effects import (
@@ -7,6 +9,7 @@ from effects import (
     brdfs,
     diffuse_bump,
     evaluate_then_interpolate,
+    future_board,
     height_fields,
     material_textures,
     meshes,
@@ -16,7 +19,7 @@ from effects.figures.figure import BACKGROUND, DARK, Check, Figure, Method
 from effects.figures.measures import pixel_grid, root_mean_square
 from effects.passes import show
 from effects.vectors import normalize
-from effects.views import Light, orthographic_view, row_of_panels
+from effects.views import Light, Panel, orthographic_view, row_of_panels
 
 # The direction to the viewer, who is far away.
 VIEW = np.array([0.0, 0.0, 1.0])
@@ -51,53 +54,125 @@ def radiance(model, material, light):
     return brdfs.ward(light, VIEW, m.normals, m.tangents, m.binormals, m.alpha_x, m.alpha_y, m.k_s)
 
 
-def _software_image(
-    model, material, light, panel, profile, *, diffuse, ambient, specular, background, extent
-):
-    """What a software renderer shows on a panel: evaluated at the texels, then interpolated."""
-    x, y = pixel_grid(panel.width, extent)
-    s, t = 0.5 * (x + 1.0), 0.5 * (y + 1.0)
-    toward = normalize(np.array(light))
-    lit = evaluate_then_interpolate.diffuse(material, toward, s, t)[..., None] * np.array(diffuse)
-    at_texels = radiance(model, material, light)
-    values = evaluate_then_interpolate.at_texels(lambda i, j: at_texels[i, j], *at_texels.shape, s, t)
-    picture = (lit + np.array(ambient)) + values[..., None] * np.array(specular)
-    covered = (np.maximum(np.abs(x), np.abs(y)) < 1.0)[..., None]
-    picture = encode_factor(np.clip(np.where(covered, picture, np.array(background)), 0.0, 1.0), profile)
-    return show(picture, panel, f"software renderer's image: {model}", meshes.plane())
+@dataclass(frozen=True)
+class _Square:
+    """What is drawn three times, side by side, with a color of each model's highlights."""
+
+    profile: object
+    panels: tuple[Panel, ...]
+    material: material_textures.Material
+    surface: meshes.Surface
+    light: Light
+    extent: float
+    diffuse: tuple[float, float, float]
+    ambient: tuple[float, float, float]
+    colors: dict[str, tuple[float, float, float]]
+    background: tuple[float, float, float]
+
+    @property
+    def cleared(self):
+        """The commands that clear the panels."""
+        return tuple(panel.clear(self.background) for panel in self.panels)
+
+    def diffuse_pass(self, normal_map, panel):
+        """K10 by register combiners on a panel."""
+        return diffuse_bump.diffuse_pass(
+            self.surface,
+            normal_map,
+            orthographic_view(panel),
+            self.light,
+            self.profile,
+            color=self.diffuse,
+            ambient=self.ambient,
+        )
 
 
-def combiners_scene(
+def _square(
     profile, size, *, map_size, bumps, depth, alpha_x, alpha_y, spread, stroke_depth, k_s, light, extent,
     diffuse, ambient, banks, blinn_phong, ward, background,
 ):  # fmt: skip
-    """As the paper did: Banks and Ward in the software renderer, Blinn-Phong by register combiners."""
-    panels = row_of_panels(3, size)
     material = bumpy_material(map_size, bumps, depth, alpha_x, alpha_y, spread, stroke_depth, k_s)
-    colors = {"diffuse": diffuse, "ambient": ambient, "background": background, "extent": extent}
-    loading, names = material_textures.load(material, "brushed bumps", profile)
-    surface, view, toward = meshes.plane(1, 1, extent, extent), orthographic_view(panels[1]), Light(light)
-    return (
-        *(panel.clear(background) for panel in panels),
-        *_software_image("Banks", material, light, panels[0], profile, specular=banks, **colors),
-        *loading,
-        *diffuse_bump.diffuse_pass(
-            surface, names.normal, view, toward, profile, color=diffuse, ambient=ambient
-        ),
-        *anisotropic_blinn_phong.specular_pass(surface, names, view, toward, profile, specular=blinn_phong),
-        *_software_image("Ward", material, light, panels[2], profile, specular=ward, **colors),
+    return _Square(
+        profile=profile,
+        panels=row_of_panels(3, size),
+        material=material,
+        surface=meshes.plane(1, 1, extent, extent),
+        light=Light(light),
+        extent=extent,
+        diffuse=diffuse,
+        ambient=ambient,
+        colors=dict(zip(MODELS, (banks, blinn_phong, ward), strict=True)),
+        background=background,
     )
+
+
+def _software_image(square, model, panel):
+    """What a software renderer shows on a panel: evaluated at the texels, then interpolated."""
+    x, y = pixel_grid(panel.width, square.extent)
+    s, t = 0.5 * (x + 1.0), 0.5 * (y + 1.0)
+    light = square.light.vector
+    lit = evaluate_then_interpolate.diffuse(square.material, normalize(np.array(light)), s, t)
+    at_texels = radiance(model, square.material, light)
+    values = evaluate_then_interpolate.at_texels(lambda i, j: at_texels[i, j], *at_texels.shape, s, t)
+    picture = lit[..., None] * np.array(square.diffuse) + np.array(square.ambient)
+    picture = picture + values[..., None] * np.array(square.colors[model])
+    covered = (np.maximum(np.abs(x), np.abs(y)) < 1.0)[..., None]
+    picture = np.clip(np.where(covered, picture, np.array(square.background)), 0.0, 1.0)
+    stored = encode_factor(picture, square.profile)
+    return show(stored, panel, f"software renderer's image: {model}", meshes.plane())
+
+
+def combiners_scene(profile, size, **parameters):
+    """As the paper did: Banks and Ward in the software renderer, Blinn-Phong by register combiners (K07)."""
+    square = _square(profile, size, **parameters)
+    left, middle, right = square.panels
+    loading, names = material_textures.load(square.material, "brushed bumps", profile)
+    return (
+        *square.cleared,
+        *_software_image(square, "Banks", left),
+        *loading,
+        *square.diffuse_pass(names.normal, middle),
+        *anisotropic_blinn_phong.specular_pass(
+            square.surface,
+            names,
+            orthographic_view(middle),
+            square.light,
+            profile,
+            specular=square.colors["Blinn-Phong"],
+        ),
+        *_software_image(square, "Ward", right),
+    )
+
+
+def future_scene(profile, size, **parameters):
+    """All three by combiners that take square roots, divide and exponentiate (K17)."""
+    square = _square(profile, size, **parameters)
+    loading, names = future_board.load(square.material, "brushed bumps", profile)
+    out = [*square.cleared, *loading]
+    passes = (future_board.banks, future_board.blinn_phong, future_board.ward)
+    for panel, color, specular_pass in zip(square.panels, square.colors.values(), passes, strict=True):
+        out += square.diffuse_pass(names.normal, panel)
+        out += specular_pass(
+            square.surface, names, orthographic_view(panel), square.light, profile, specular=color
+        )
+    return tuple(out)
 
 
 _SOFTWARE = "float64 throughout; the texels' model is shown texel for pixel"
 _BYTE = "float64 until its picture is stored in bytes: a step's uniform error, 0.29/255, and no more"
+_THE_MODEL = "the combiners compute the printed model; a texel lies under each pixel's centre"
+_VECTORS = (
+    "material textures of bytes, read at 16 bits; divided by alpha they have coarser steps; measured at the "
+    "first correct picture, with a third of slack"
+)
 IN_COMBINERS = "register combiners; Banks and Ward in software, as in the paper"
+ON_THE_FUTURE_BOARD = "combiners with square root, division, exponential"
 # RMS from the models by method, on the ideal and on the machine, with the reasons.
 _BOUNDS = {
     IN_COMBINERS: {
         "ideal": {
             "Banks": (1e-12, _SOFTWARE),
-            "Blinn-Phong": (1e-12, "the pass is Eq. 1; a texel lies under each pixel's centre"),
+            "Blinn-Phong": (1e-12, _THE_MODEL),
             "Ward": (1e-12, _SOFTWARE),
         },
         "machine": {
@@ -107,6 +182,18 @@ _BOUNDS = {
                 "9-bit combiners, vectors of bytes, times four: artefact P9's 0.015-0.018",
             ),
             "Ward": (0.0012, _BYTE),
+        },
+    },
+    ON_THE_FUTURE_BOARD: {
+        "ideal": {
+            "Banks": (1e-12, _THE_MODEL),
+            "Blinn-Phong": (0.00022, "the logarithm is a polynomial; measured, with a third of slack"),
+            "Ward": (1e-12, _THE_MODEL),
+        },
+        "machine": {
+            "Banks": (0.004, _VECTORS),
+            "Blinn-Phong": (0.0158, _VECTORS),
+            "Ward": (0.0088, _VECTORS),
         },
     },
 }
@@ -251,6 +338,7 @@ FIGURE = Figure(
             # The combiners' storage bounds alpha by 0.25; the ratio stays.
             {"alpha_x": 0.25, "alpha_y": 0.625},
         ),
+        Method(ON_THE_FUTURE_BOARD, future_scene, ("FUTURE",)),
     ),
     acceptance=checks,
 )
