@@ -20,6 +20,7 @@ from effects.passes import (
     NO_ALPHA,
     NO_RGB,
     OPAQUE,
+    REPEATED,
     ZERO,
     alpha_of,
     draw,
@@ -99,6 +100,7 @@ def diffuse_pass(
     color_map=None,
     depth_test=FIRST_PASS,
     blending=None,
+    sampler=REPEATED,
 ):
     """K10: one draw. ``normal_map``: the name of a texture with normals for EXPAND_NORMAL; colours RGB in
     [0, 1]. ``color_map``: the name of a texture by whose colours both are multiplied. ``depth_test``,
@@ -107,9 +109,9 @@ def diffuse_pass(
     vectors = encode_vertex_color(light_vectors(surface, light), profile)
     combiners = diffuse_combiners(color, ambient, color_map=color_map is not None)
     mesh = surface.mesh(colors=vectors)
-    units, label = (unit(normal_map),), "diffuse pass: (n.l)+"
+    units, label = (unit(normal_map, sampler),), "diffuse pass: (n.l)+"
     if color_map is not None:
-        units, label = (*units, unit(color_map)), f"{label} times the colour map"
+        units, label = (*units, unit(color_map, sampler)), f"{label} times the colour map"
     return (draw(label, mesh, view, combiners, units, depth_test=depth_test, blending=blending),)
 
 
