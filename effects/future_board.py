@@ -86,6 +86,14 @@ def evaluated_first(commands):
     )
 
 
+def turned_steadily(commands):
+    """K17: the same commands, with the vectors of every Draw's primary colour turned along arcs."""
+    return tuple(
+        replace(c, state=replace(c.state, spherical_primary_color=True)) if isinstance(c, Draw) else c
+        for c in commands
+    )
+
+
 # ----------------------------------------------------------------------------------------- material textures
 
 

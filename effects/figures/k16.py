@@ -19,8 +19,8 @@ from effects.views import Light, orthographic_view, row_of_panels
 
 
 def smooth_slopes(s, t, height=0.34, radius=0.85):
-    """Slopes of one bump per unit square of (s, t), ``height (1 - r^2)^3`` high and flat beyond r = 1: without
-    a crease. ``radius`` and ``height`` in half the square's edge; the steepest is 1.717 height / radius.
+    """Slopes of a bump per unit square of (s, t), without a crease: ``height (1 - r^2)^3`` high, flat beyond
+    r = 1. ``radius`` and ``height`` in half the square's edge; the steepest is 1.717 height / radius.
     """
     u, v = s * 2.0 - 1.0, t * 2.0 - 1.0
     rest = np.maximum(0.0, 1.0 - (u * u + v * v) / (radius * radius))
@@ -100,8 +100,8 @@ def checks(figure, renderer):
                 ">=",
                 2.0,
                 on,
-                "erratum E004.15: filtered vectors are closer to the truth; the catalogue's smooth test has 4, "
-                "and bytes of t / (4 alpha) add to the smaller error alone",
+                "erratum E004.15: filtered vectors are closer to the truth; the catalogue's smooth test "
+                "has 4, and the bytes of t / (4 alpha) add to the smaller error alone",
             ),
         ]
     return tuple(out)
@@ -116,8 +116,8 @@ FIGURE = Figure(
         "right: the combiners run at each texel and their results are filtered, as the paper asks for."
     ),
     must_see=(
-        "On the dome the ring at the rim goes where results are filtered. On the smooth bump filtered vectors "
-        "are better: filtered results show the texels in the highlight."
+        "On the dome the ring at the rim goes where results are filtered. On the smooth bump filtered "
+        "vectors are better: filtered results show the texels in the highlight."
     ),
     source="KautzSeidel2000",
     techniques=("K16", "K17", "K07", "K10"),
