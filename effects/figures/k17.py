@@ -123,8 +123,8 @@ def checks(figure, renderer):
         ),
         "machine": (
             {"banks": 0.004, "blinn_phong": 0.019, "ward": 0.009},
-            "that, and bytes in the textures, whose errors the exponent of 30 multiplies; measured, with a third "
-            "of slack",
+            "that, and bytes in the textures, whose errors the exponent of 30 multiplies; measured, with a "
+            "third of slack",
         ),
     }
     for on in ("ideal", "machine"):
@@ -147,8 +147,8 @@ def checks(figure, renderer):
                 "<=",
                 0.8,
                 on,
-                "midway between vertices 45 degrees apart a straight vector's length is cos(22.5), whose eighth "
-                "power is 0.53 (artefact P19)",
+                "midway between vertices 45 degrees apart a straight vector's length is cos(22.5), whose "
+                "eighth power is 0.53 (artefact P19)",
             ),
             Check(
                 "faintest peak of a highlight of one as the coarse sphere turns, steady vectors",
