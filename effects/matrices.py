@@ -27,6 +27,15 @@ def orthographic(left, right, bottom, top, near=-1.0, far=1.0):
     )
 
 
+def product(first, *others):
+    """The product of 4x4 matrices, the leftmost first; sums in a fixed order."""
+    for other in others:
+        first = _rows(
+            [sum(row[k] * other[k][column] for k in range(4)) for column in range(4)] for row in first
+        )
+    return first
+
+
 def perspective(field_of_view, aspect, near, far):
     """A perspective projection: vertical field of view in degrees, aspect = width / height, plane
     distances.

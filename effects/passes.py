@@ -71,7 +71,9 @@ def opaque(color):
     return (float(color[0]), float(color[1]), float(color[2]), 1.0)
 
 
-def draw(label, mesh, view, combiners, units=(), *, depth_test=LATER_PASS, blending=None):
+def draw(
+    label, mesh, view, combiners, units=(), *, depth_test=LATER_PASS, blending=None, texture_shader=None
+):
     """One pass over a mesh in a view; back-facing triangles are left to the depth test."""
     state = PassState(
         vertex=view.vertex,
@@ -80,6 +82,7 @@ def draw(label, mesh, view, combiners, units=(), *, depth_test=LATER_PASS, blend
         scissor=view.panel.scissor,
         depth_test=depth_test,
         blending=blending,
+        texture_shader=texture_shader,
     )
     return Draw(label=label, mesh=mesh, state=state)
 
