@@ -19,14 +19,34 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from effects import height_fields, pixel_textures
-from effects.encode import encode_rgba
-from effects.passes import REPEATED
+from effects import height_fields, pixel_textures, software_pixel_texture
+from effects.encode import encode_rgba, encode_vertex_color
+from effects.passes import (
+    FIRST_PASS,
+    MARK,
+    MARKED,
+    MULTIPLY_DESTINATION,
+    NO_ALPHA,
+    REPEATED,
+    ZERO,
+    alpha_of,
+    draw,
+    expand,
+    unit,
+)
 from effects.sampled_functions import sampled
 from effects.vectors import cosine, dot, normalize, sine
 from effects.vertex_work import light_vectors, view_vectors
-from pipeline.commands import TexImage
-from pipeline.state import ColorMask
+from pipeline.commands import HostStep, TexImage
+from pipeline.enums import Register
+from pipeline.state import (
+    CombinerInput,
+    FinalCombiner,
+    GeneralCombiner,
+    PassState,
+    RegisterCombiners,
+    RGBPortion,
+)
 from pipeline.textures import texture_2d
 
 TABLE_TEXELS = 256
@@ -119,7 +139,6 @@ def woven_domes(size, *, bumps=4, height=0.6, cells=16, tilt=0.25, spread=10.0, 
 
 # ---------------------------------------------------------------------------- by pixel textures (Octane)
 
-NOT_RED = ColorMask(red=False)
 _CHANNELS = (
     pixel_textures.FROM_RED,
     pixel_textures.FROM_GREEN,
@@ -162,7 +181,10 @@ def parameters_by_color_matrix(surface, textures, view, light, profile, *, bits=
             alpha=textures.eighths,
         ),
         pixel_textures.polygon(
-            "t = (n.e)+ to green, u = (n.l)+ to blue, v/8 to alpha", texture="n", mask=NOT_RED, **drawn
+            "t = (n.e)+ to green, u = (n.l)+ to blue, v/8 to alpha",
+            texture="n",
+            mask=pixel_textures.NOT_RED,
+            **drawn,
         ),
     )
 
@@ -175,7 +197,7 @@ def by_pixel_textures(surface, textures, view, light, profile, *, stage=RESULT, 
     red = pixel_textures.RED
     look_up_f = pixel_textures.looked_up("look up F(s, t), to red", view, "F", *_CHANNELS[:2], mask=red)
     times_g = pixel_textures.looked_up(
-        "look up G(u, v), times red", view, "G", *_CHANNELS[2:], mask=red, blending=pixel_textures.MULTIPLY
+        "look up G(u, v), times red", view, "G", *_CHANNELS[2:], mask=red, blending=MULTIPLY_DESTINATION
     )
     g_alone = pixel_textures.looked_up("look up G(u, v), to red", view, "G", *_CHANNELS[2:], mask=red)
     lookups = {STAGES[4]: (look_up_f,), STAGES[5]: (g_alone,), RESULT: (look_up_f, times_g)}
@@ -184,4 +206,81 @@ def by_pixel_textures(surface, textures, view, light, profile, *, stage=RESULT, 
         *parameters_by_color_matrix(surface, textures, view, light, profile, bits=bits, sampler=sampler),
         *lookups.get(stage, ()),
         pixel_textures.copied(f"{stage} in grey", view, (channel,) * 3, profile),
+    )
+
+
+# ------------------------------------------------------------------------- by the host (register combiners)
+
+
+def _dot_product():
+    """Combiners: (texture . primary colour)+ in red, green and blue, and the texel's alpha."""
+    product = RGBPortion(
+        a=expand(Register.TEXTURE0),
+        b=expand(Register.PRIMARY_COLOR),
+        ab_dot_product=True,
+        ab_output=Register.SPARE0,
+        sum_output=Register.DISCARD,
+    )
+    final = FinalCombiner(
+        a=ZERO, b=ZERO, c=ZERO, d=CombinerInput(Register.SPARE0), g=alpha_of(Register.TEXTURE0)
+    )
+    return RegisterCombiners(general=(GeneralCombiner(product, NO_ALPHA),), final=final)
+
+
+def parameters_by_combiners(surface, view, light, profile, *, sampler=REPEATED):
+    """The parameter stage on register combiners: -s, t, u and v/8 in red, green, blue and alpha, in three
+    passes over the textures "a" and "n" (``load_textures``). Vectors are vertex colours: surfaces may be
+    curved, lights and viewers near.
+    """
+
+    def dot_product(label, vectors, texture, mask, **settings):
+        mesh = surface.mesh(colors=encode_vertex_color(vectors, profile))
+        units = (unit(texture, sampler),)
+        return draw(label, mesh, view, _dot_product(), units, color_mask=mask, **settings)
+
+    toward_light, toward_eye = light_vectors(surface, light), view_vectors(surface, view)
+    first = {"depth_test": FIRST_PASS, "stencil_test": MARK}
+    return (
+        pixel_textures.begin(view),
+        dot_product("-s = (a.l)+ to red", toward_light, "a", pixel_textures.RED, **first),
+        dot_product("t = (n.e)+ to green", toward_eye, "n", pixel_textures.GREEN),
+        dot_product("u = (n.l)+ to blue, v/8 to alpha", toward_light, "n", pixel_textures.BLUE_ALPHA),
+    )
+
+
+def by_host(surface, view, light, profile, *, stage=RESULT, sampler=REPEATED):
+    """The whole of the figure on a board without dependent lookups, as far as ``stage``, one of ``STAGES``,
+    and that shown in grey: the host reads the parameters once, looks up F and G (``software_pixel_texture``)
+    and draws what it found; G(u, v) is multiplied by blending.
+    """
+    panel = view.panel
+    place = {"x": panel.x, "y": panel.y}
+    name = f"s, t, u, v from ({panel.x}, {panel.y}) on"
+    tables = {"F(s, t)": exponential_table(profile), "G(u, v)": power_table(profile)}
+    channels = {"F(s, t)": (0, 1), "G(u, v)": (2, 3)}
+
+    def looked_up(pixels):
+        read = pixels[name]
+        one = 255 if read.dtype == np.uint8 else 1.0
+        if stage in STAGES[:4]:
+            grey = np.full_like(read, one)
+            grey[..., :3] = read[..., STAGES.index(stage), None]
+            state = PassState(stencil_test=MARKED)
+            return (software_pixel_texture.drawn(f"{stage} in grey", grey, state=state, **place),)
+        commands = ()
+        for function in ("F(s, t)", "G(u, v)") if stage == RESULT else (stage,):
+            coordinates = np.full_like(read, one)
+            coordinates[..., :2] = read[..., list(channels[function])]
+            found = software_pixel_texture.look_up(coordinates, tables[function])
+            times = MULTIPLY_DESTINATION if commands else None
+            label = f"times {function}" if commands else function
+            state = PassState(stencil_test=MARKED, blending=times)
+            commands += (software_pixel_texture.drawn(label, found, state=state, **place),)
+        return commands
+
+    size = {"width": panel.width, "height": panel.height}
+    return (
+        *parameters_by_combiners(surface, view, light, profile, sampler=sampler),
+        software_pixel_texture.read_back(name, **place, **size),
+        HostStep(label=f"the host: {stage}", reads=(name,), commands=looked_up),
     )

@@ -10,6 +10,7 @@ from pipeline.enums import (
     ComponentUsage,
     Mapping,
     Register,
+    StencilOperation,
     TextureFilter,
     WrapMode,
 )
@@ -24,6 +25,7 @@ from pipeline.state import (
     RegisterCombiners,
     RGBPortion,
     Sampler,
+    StencilTest,
     TextureUnit,
     VertexState,
     Viewport,
@@ -41,6 +43,10 @@ INVERT_DESTINATION = Blending(BlendFactor.ONE_MINUS_DST_COLOR, BlendFactor.ZERO)
 # (.)+ of the framebuffer. A framebuffer of bytes never falls below zero and would not need it; the exact
 # framebuffer does.
 AT_LEAST_ZERO = Blending(BlendFactor.ONE, BlendFactor.ONE, BlendEquation.MAX)
+
+# The pixels that a polygon covers, for rectangles of pixels that must leave others alone.
+MARK = StencilTest(ComparisonFunction.ALWAYS, reference=1, depth_pass=StencilOperation.REPLACE)
+MARKED = StencilTest(ComparisonFunction.EQUAL, reference=1)
 
 REPEATED = Sampler(TextureFilter.LINEAR, TextureFilter.LINEAR, WrapMode.REPEAT, WrapMode.REPEAT)
 NEAREST = Sampler(
@@ -71,10 +77,10 @@ def opaque(color):
     return (float(color[0]), float(color[1]), float(color[2]), 1.0)
 
 
-def draw(
-    label, mesh, view, combiners, units=(), *, depth_test=LATER_PASS, blending=None, texture_shader=None
-):
-    """One pass over a mesh in a view; back-facing triangles are left to the depth test."""
+def draw(label, mesh, view, combiners, units=(), *, depth_test=LATER_PASS, blending=None, **settings):
+    """One pass over a mesh in a view; back-facing triangles are left to the depth test. ``settings``: more of
+    PassState.
+    """
     state = PassState(
         vertex=view.vertex,
         texture_units=tuple(units),
@@ -82,7 +88,7 @@ def draw(
         scissor=view.panel.scissor,
         depth_test=depth_test,
         blending=blending,
-        texture_shader=texture_shader,
+        **settings,
     )
     return Draw(label=label, mesh=mesh, state=state)
 

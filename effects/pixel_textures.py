@@ -24,16 +24,14 @@ from functools import lru_cache
 import numpy as np
 
 from effects import brdfs
-from effects.passes import ADD, EDGE, FIRST_PASS, LATER_PASS, REPEATED
+from effects.passes import ADD, EDGE, FIRST_PASS, LATER_PASS, MARK, MARKED, MULTIPLY_DESTINATION, REPEATED
 from effects.sampled_functions import power, sampled, stored_exponent
 from effects.vertex_work import half_vectors, light_vectors, view_vectors
 from pipeline.commands import Clear, CopyPixels, Draw, TexImage
 from pipeline.enums import (
     BlendEquation,
     BlendFactor,
-    ComparisonFunction,
     InternalFormat,
-    StencilOperation,
     TextureEnvironmentMode,
 )
 from pipeline.pixel_transfer import PixelImage, PixelTransfer
@@ -44,20 +42,20 @@ from pipeline.state import (
     PassState,
     PixelTexture,
     RasterPosition,
-    StencilTest,
     TextureEnvironment,
     TextureUnit,
 )
 
-MULTIPLY = Blending(BlendFactor.DST_COLOR, BlendFactor.ZERO)
 ONE_MINUS = Blending(
     BlendFactor.ONE, BlendFactor.ONE, BlendEquation.FUNC_SUBTRACT
 )  # white minus what is there
 RED = ColorMask(green=False, blue=False, alpha=False)
+GREEN = ColorMask(red=False, blue=False, alpha=False)
 BLUE = ColorMask(red=False, green=False, alpha=False)
 ALPHA = ColorMask(red=False, green=False, blue=False)
-RED_GREEN = ColorMask(blue=False, alpha=False)
 GREEN_BLUE = ColorMask(red=False, alpha=False)
+BLUE_ALPHA = ColorMask(red=False, green=False)
+NOT_RED = ColorMask(red=False)
 RGB = ColorMask(alpha=False)
 RGBA = ColorMask()
 
@@ -65,8 +63,6 @@ RGBA = ColorMask()
 FROM_RED, FROM_GREEN, FROM_BLUE, FROM_ALPHA = (tuple(row) for row in np.eye(4).tolist())
 NOTHING = (0.0, 0.0, 0.0, 0.0)
 
-_MARK = StencilTest(ComparisonFunction.ALWAYS, reference=1, depth_pass=StencilOperation.REPLACE)
-_MARKED = StencilTest(ComparisonFunction.EQUAL, reference=1)
 _FORMATS = {8: InternalFormat.RGBA8, 12: InternalFormat.RGBA12}
 _REPLACE = TextureEnvironment(TextureEnvironmentMode.REPLACE)
 
@@ -181,7 +177,7 @@ def polygon(label, surface, view, texture=None, *, first=False, mask=RGBA, blend
         vertex=view.vertex,
         texture_units=units,
         scissor=view.panel.scissor,
-        stencil_test=_MARK if first else None,
+        stencil_test=MARK if first else None,
         depth_test=FIRST_PASS if first else LATER_PASS,
         blending=blending,
         color_mask=mask,
@@ -211,7 +207,7 @@ def _copy(label, view, rows, mask, blending, units=(), pixel_texture=None, table
         y=panel.y,
         width=panel.width,
         height=panel.height,
-        state=PassState(texture_units=units, stencil_test=_MARKED, blending=blending, color_mask=mask),
+        state=PassState(texture_units=units, stencil_test=MARKED, blending=blending, color_mask=mask),
         position=RasterPosition(position=(float(panel.x), float(panel.y), 0.0, 1.0), window=True),
         # Alpha is one whatever the framebuffer's holds: q divides s and t.
         transfer=PixelTransfer(
@@ -282,7 +278,9 @@ def banks(surface, material, view, light, profile, *, specular=(1.0, 1.0, 1.0), 
             profile,
             bits,
         ),
-        polygon("times (l.t)+, (-l.t)+, (-l.t)+, (l.t)+", texture="l.t", blending=MULTIPLY, **drawn),
+        polygon(
+            "times (l.t)+, (-l.t)+, (-l.t)+, (l.t)+", texture="l.t", blending=MULTIPLY_DESTINATION, **drawn
+        ),
         copied(
             "(v.t l.t)+ to green, (-v.t l.t)+ to blue",
             view,
@@ -295,7 +293,9 @@ def banks(surface, material, view, light, profile, *, specular=(1.0, 1.0, 1.0), 
         looked_up("look up R((v.t)^2), to red", view, "R", FROM_ALPHA, mask=RED),
         load_squares("load t through l: (l.t)^2", "(l.t)^2", material.tangents, toward_light, profile, bits),
         polygon("(l.t)^2 to alpha", texture="(l.t)^2", mask=ALPHA, **drawn),
-        looked_up("look up R((l.t)^2), times red", view, "R", FROM_ALPHA, mask=RED, blending=MULTIPLY),
+        looked_up(
+            "look up R((l.t)^2), times red", view, "R", FROM_ALPHA, mask=RED, blending=MULTIPLY_DESTINATION
+        ),
         copied("R R - (v.t l.t)+ + (-v.t l.t)+", view, ((1.0, -1.0, 1.0, 0.0),) * 3, profile, mask=RGBA),
         *_times_normal_light(material, toward_light, profile, bits, **drawn),
         *_times_gloss(material.k_s, specular, profile, bits, **drawn),
@@ -313,7 +313,7 @@ def _times_normal_light(material, toward_light, profile, bits, *, gain=1.0, mask
             profile,
             bits,
         ),
-        polygon(f"times {what}", texture="n.l", mask=mask, blending=MULTIPLY, **drawn),
+        polygon(f"times {what}", texture="n.l", mask=mask, blending=MULTIPLY_DESTINATION, **drawn),
     )
 
 
@@ -321,7 +321,7 @@ def _times_gloss(k_s, specular, profile, bits, *, what="k_s", **drawn):
     rows = [*_colored(specular), FROM_RED]
     return (
         load_products(f"load {what}", "k_s", k_s, rows, profile, bits),
-        polygon(f"times {what}", texture="k_s", mask=RGB, blending=MULTIPLY, **drawn),
+        polygon(f"times {what}", texture="k_s", mask=RGB, blending=MULTIPLY_DESTINATION, **drawn),
     )
 
 
@@ -471,7 +471,7 @@ def ward(
         factor("l", toward_light, dot_with(half)),
         polygon("sqrt((l.n)+) to red, d = h.n to green", texture="l", first=True, **drawn),
         factor("v", toward_eye, NOTHING),
-        polygon("times sqrt((v.n)+): sqrt(p)", texture="v", mask=RED, blending=MULTIPLY, **drawn),
+        polygon("times sqrt((v.n)+): sqrt(p)", texture="v", mask=RED, blending=MULTIPLY_DESTINATION, **drawn),
         looked_up("look up S(p), to blue", view, "S", FROM_RED, mask=BLUE),
         load_squares(
             "load t/ax through h: (h.t/ax)^2", "(h.t)^2", scaled_t, half, profile, bits, scale=1.0 / largest_m
@@ -482,7 +482,13 @@ def ward(
         ),
         polygon("plus (h.b/ay)^2: m", texture="(h.b)^2", mask=RED, blending=ADD, **drawn),
         looked_up(
-            "look up E(m, d), times blue", view, "E", FROM_RED, FROM_GREEN, mask=BLUE, blending=MULTIPLY
+            "look up E(m, d), times blue",
+            view,
+            "E",
+            FROM_RED,
+            FROM_GREEN,
+            mask=BLUE,
+            blending=MULTIPLY_DESTINATION,
         ),
         *_times_normal_light(material, toward_light, profile, bits, mask=BLUE, **drawn),
         copied(

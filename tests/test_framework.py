@@ -8,7 +8,7 @@ from effects.vectors import unit_vector
 from effects.views import Light, Panel, orthographic_view
 from pipeline.execute import execute
 from pipeline.ideal import execute_ideal
-from pipeline.profiles import IDEAL, OCTANE
+from pipeline.profiles import GEFORCE_256, IDEAL, OCTANE
 
 SIZE = 64
 LIGHT, EYE = (0.55, 0.35, 0.75), np.array([0.0, 0.0, 1.0])
@@ -52,3 +52,21 @@ def test_the_functions_are_the_figure_s():
     assert framework.root_of_power(u, v / 8.0) == pytest.approx(np.sqrt(u**v), abs=1e-15)
     assert framework.exponential(0.0, 0.0) == 1.0
     assert framework.exponential(0.1, 0.0) == 0.0
+
+
+@pytest.mark.parametrize("stage", framework.STAGES)
+def test_each_stage_by_the_host_is_the_float_evaluation(stage):
+    textures = framework.woven_domes(SIZE, bumps=2)
+    expected, view = reference(textures)[stage], orthographic_view(PANEL)
+
+    def commands(profile):
+        passes = framework.by_host(meshes.plane(), view, Light(LIGHT), profile, stage=stage)
+        return (PANEL.clear((0.0, 0.0, 0.0)), *framework.load_textures(textures, profile), *passes)
+
+    # Vectors of bytes: 255 reads as 254/255, so that a dot product of two may be 2 % low; G's derivative of u
+    # is up to v/2 = 4 where u is near one.
+    codes = 3.0 if stage in framework.STAGES[:4] else 8.0
+    picture = execute(commands(GEFORCE_256), GEFORCE_256, SIZE, SIZE).framebuffer.color[::-1, :, 0] / 255.0
+    assert np.abs(picture - expected).max() <= codes / 255.0
+    ideal = execute_ideal(commands(IDEAL), SIZE, SIZE).color[::-1, :, 0]
+    assert np.abs(ideal - expected).max() <= (1e-12 if stage in framework.STAGES[:4] else 2e-3)
