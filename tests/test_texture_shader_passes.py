@@ -321,7 +321,7 @@ def test_the_gate_darkens_what_faces_away_from_the_light():
 
 def test_specular_passes_are_added_to_a_diffuse_pass():
     """Blinn-Phong's through the gate that it left, Banks's as it is; the light is low, so the gate works."""
-    material, light = pebbles(), Light((0.9, 0.1, 0.15))
+    material, light = pebbles(1.0, 1.0), Light((0.9, 0.1, 0.15))
     ((normal_map, *_), names) = material_textures.load(material, "m", IDEAL)
     diffuse = diffuse_bump.diffuse_pass(SURFACE, names.normal, VIEW, light, IDEAL, color=(0.2, 0.3, 0.4))
     alone = picture((normal_map, *diffuse), IDEAL)
@@ -335,6 +335,7 @@ def test_specular_passes_are_added_to_a_diffuse_pass():
         loading, names = load(material, "of dot products", IDEAL)
         given = SURFACE, names, VIEW, light, IDEAL
         specular = picture((*loading, *draw(*given, first=True)), IDEAL)
+        assert (specular * (gate < 0.9) > 0.05).sum() > 100
         both = picture((normal_map, *diffuse, *loading, *draw(*given)), IDEAL)
         np.testing.assert_allclose(both, alone + factor * specular, atol=1e-12)
 
