@@ -91,8 +91,7 @@ def reference(edge, pitch, field_of_view, width, length, repeat, light, **materi
         middle = above * ((2.0 * row + 1.0) / edge - 1.0) * spread - backward
         distance = -1.0 / middle[1] if middle[1] < 0.0 else np.inf
         under = min(distance, length) ** 2 * 2.0 * spread / edge * (material["size"] / repeat)
-        down = min(64, 8 << max(0, math.ceil(math.log2(max(under, 1.0) / 4.0))))
-        across = 4
+        down, across = next(d for d in (8, 16, 32, 64) if d >= min(2.0 * under, 64.0)), 4
         y = ((row + (np.arange(down) + 0.5) / down) / edge * 2.0 - 1.0) * spread
         # Every row of points is moved by another fraction, so that they do not keep step with the texels.
         moved = np.mod(np.arange(down) * 0.618, 1.0)[:, None, None]
