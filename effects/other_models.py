@@ -36,6 +36,7 @@ from effects.passes import (
     EDGE,
     FIRST_PASS,
     LATER_PASS,
+    MULTIPLY_DESTINATION,
     NEAREST,
     NO_ALPHA,
     NO_RGB,
@@ -55,11 +56,11 @@ from effects.pixel_textures import (
     FROM_BLUE,
     FROM_GREEN,
     FROM_RED,
-    MULTIPLY,
-    RED_GREEN,
+    GREEN,
     RGB,
     begin,
     copied,
+    dot_with,
     flat_vector,
     load_products,
     looked_up,
@@ -106,7 +107,7 @@ _NOTHING = (GeneralCombiner(NO_RGB, NO_ALPHA),)
 # Texels (x, y) of 16 bits as unit vectors, and the signs of their high bytes for the filter.
 HEMISPHERE = DotProductMapping.SIGNED_HILO_HEMISPHERE
 FINE = replace(REPEATED, signed_components=SignedComponents(green=True, alpha=True))
-GREEN = ColorMask(red=False, blue=False, alpha=False)
+RED_GREEN = ColorMask(blue=False, alpha=False)
 
 
 # ------------------------------------------------------------------------------- the sampled functions
@@ -584,16 +585,11 @@ def _load_signed(label, name, vectors, vector, profile):
         texture=name,
         pixels=PixelImage(np.concatenate([vectors, alpha], axis=-1)),
         transfer=PixelTransfer(
-            color_matrix=((*(float(c) for c in vector), 0.0),) * 4,
+            color_matrix=(dot_with(vector),) * 4,
             post_color_matrix_scale=(0.5,) * 4,
             post_color_matrix_bias=(0.5,) * 4,
         ),
     )
-
-
-def _rows(*vectors):
-    """Rows of a color matrix: dot products of a texel's RGB with vectors."""
-    return [(*(float(c) for c in vector), 0.0) for vector in vectors]
 
 
 def _after_copies(material, view, profile, surface, toward_light, *, specular, color, ambient, lit=False):
@@ -601,17 +597,17 @@ def _after_copies(material, view, profile, surface, toward_light, *, specular, c
     ones, drawn = np.ones(material.k_s.shape), {"surface": surface, "view": view}
     cosine = ()
     if lit:
-        rows = _rows(*[toward_light] * 4)
+        rows = [dot_with(toward_light)] * 4
         cosine = (
             load_products("load n through l: (n.l)+", "n.l", material.normals, rows, profile),
-            polygon("times (n.l)+", texture="n.l", mask=RGB, blending=MULTIPLY, **drawn),
+            polygon("times (n.l)+", texture="n.l", mask=RGB, blending=MULTIPLY_DESTINATION, **drawn),
         )
     gloss = [(c, 0.0, 0.0, 0.0) for c in (*specular, 1.0)]
-    diffuse = _rows(*(c * toward_light for c in color), toward_light)
+    diffuse = [dot_with(toward_light, c) for c in (*color, 1.0)]
     return (
         *cosine,
         load_products("load k_s", "k_s", material.k_s, gloss, profile),
-        polygon("times k_s", texture="k_s", mask=RGB, blending=MULTIPLY, **drawn),
+        polygon("times k_s", texture="k_s", mask=RGB, blending=MULTIPLY_DESTINATION, **drawn),
         load_products("load n through l: diffuse reflection", "diffuse", material.normals, diffuse, profile),
         polygon("plus the diffuse reflection", texture="diffuse", mask=RGB, blending=ADD, **drawn),
         load_products("load the ambient", "ambient", ones, [(c, 0, 0, 0) for c in (*ambient, 1)], profile),
@@ -646,7 +642,7 @@ def phong_copies(
             "load n through l and v",
             "n.l, n.v",
             material.normals,
-            _rows(toward_light, toward_eye, toward_light, toward_eye),
+            [dot_with(toward_light), dot_with(toward_eye)] * 2,
             profile,
         ),
         polygon("(n.l)+ to red, (n.v)+ to green", surface, view, "n.l, n.v", first=True),
@@ -687,7 +683,7 @@ def schlick_copies(
             "load n through l and v",
             "n.l, n.v",
             material.normals,
-            _rows(toward_light, toward_eye, toward_light, toward_eye),
+            [dot_with(toward_light), dot_with(toward_eye)] * 2,
             profile,
         ),
         polygon("(n.l)+ to red, (n.v)+ to green", surface, view, "n.l, n.v", mask=RED_GREEN),
@@ -696,9 +692,10 @@ def schlick_copies(
             view,
             "G G / (n.v)",
             FROM_RED,
+            GREEN,
             FROM_GREEN,
             mask=BLUE,
-            blending=MULTIPLY,
+            blending=MULTIPLY_DESTINATION,
         ),
         copied(
             "times four, times S(h.v)",
