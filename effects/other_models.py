@@ -692,7 +692,6 @@ def schlick_copies(
             view,
             "G G / (n.v)",
             FROM_RED,
-            GREEN,
             FROM_GREEN,
             mask=BLUE,
             blending=MULTIPLY_DESTINATION,
