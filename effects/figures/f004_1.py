@@ -4,7 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from effects import framework, meshes, pixel_textures
+from effects import dependent_lookups, framework, meshes, pixel_textures
 from effects.figures.figure import BACKGROUND, Check, Figure, Method
 from effects.figures.measures import root_mean_square
 from effects.passes import EDGE
@@ -63,6 +63,18 @@ def host_scene(profile, size, **parameters):
 
     def passes(surface, _, view, light, profile, stage):
         return framework.by_host(surface, view, light, profile, stage=stage, sampler=EDGE)
+
+    return _scene(profile, size, passes, **parameters)
+
+
+def texture_shaders_scene(profile, size, **parameters):
+    """F004-1 by register combiners, and texture shaders that look up what these left on the screen."""
+
+    def passes(surface, _, view, light, profile, stage):
+        return (
+            dependent_lookups.load_screen(view.panel),
+            *dependent_lookups.figure_1_passes(surface, view, light, profile, stage=stage, sampler=EDGE),
+        )
 
     return _scene(profile, size, passes, **parameters)
 
@@ -168,6 +180,7 @@ FIGURE = Figure(
     methods=(
         Method("pixel textures", pixel_textures_scene, ("OCTANE",)),
         Method("register combiners, lookups by the host", host_scene, ("GEFORCE_256",)),
+        Method("texture shaders", texture_shaders_scene, ("GEFORCE_3", "NV2A")),
     ),
     acceptance=checks,
 )
