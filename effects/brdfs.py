@@ -246,7 +246,9 @@ def schlick_g(cosine, roughness):
 
 def schlick_fresnel(u, specular):
     """Fresnel's reflectance, approximated: S(u) = C + (1 - C) (1 - u)^5; u = h.v, C at normal incidence."""
-    return specular + (1.0 - specular) * (1.0 - np.asarray(u, np.float64)) ** 5
+    x = 1.0 - np.asarray(u, np.float64)
+    # Products, not a power: the same bits on every computer, for vertices carry it.
+    return specular + (1.0 - specular) * (((x * x) * (x * x)) * x)
 
 
 def schlick(light, view, normal, tangent, roughness, isotropy, specular=1.0):
