@@ -20,6 +20,7 @@ from effects.material_textures import Material
 from effects.passes import (
     ADD,
     ADD_GATED,
+    AT_MOST_ONE,
     FIRST_PASS,
     INVERT_DESTINATION,
     LATER_PASS,
@@ -37,17 +38,14 @@ from effects.passes import (
 )
 from effects.vectors import from_frame, normalize
 from effects.vertex_work import half_vectors
-from pipeline.enums import BlendEquation, BlendFactor, CombinerScale, Mapping, Register
+from pipeline.enums import CombinerScale, Mapping, Register
 from pipeline.state import (
-    Blending,
     CombinerInput,
     FinalCombiner,
     GeneralCombiner,
     RegisterCombiners,
     RGBPortion,
 )
-
-AT_MOST_ONE = Blending(BlendFactor.ONE, BlendFactor.ONE, BlendEquation.MIN)
 
 
 def combiners(specular=(1.0, 1.0, 1.0)):
