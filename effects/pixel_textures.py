@@ -325,6 +325,11 @@ def _times_gloss(k_s, specular, profile, bits, *, what="k_s", **drawn):
     )
 
 
+def power_table(profile, bits=8):
+    """F's texture: log2(N) / 7 along its columns, e along its rows."""
+    return sampled(power, EXPONENT_TEXELS, BASE_TEXELS, profile=profile, bits=bits)
+
+
 def blinn_phong(
     surface,
     material,
@@ -337,6 +342,7 @@ def blinn_phong(
     sampler=REPEATED,
     with_exponent=True,
     gated=False,
+    stage=None,
 ):
     """K05: k_s F(N, e) with F(N, e) = (sqrt e)^N looked up, e = 1 - (h.t/ax)^2 - (h.b/ay)^2 and N per texel;
     K06, where not ``with_exponent``: k_s sqrt(e), a one-dimensional lookup.
@@ -344,19 +350,16 @@ def blinn_phong(
     e is made in three passes (K08); the image of N, coded as log2(N) / 7, takes its place in red by a color
     mask, and the lookup reads s from red and t from green. One copy. Alphas below 1/4 are allowed.
 
-    ``gated``: times min(1, 4 (n.l)+), as ``diffuse_bump`` gates the register combiners' pass. The other
-    parameters are those of ``banks``.
+    ``gated``: times min(1, 4 (n.l)+), as ``diffuse_bump`` gates the register combiners' pass. ``stage``:
+    None; or "coordinates" or "lookup": end before or after the lookup. The other parameters are those of
+    ``banks``.
     """
     half = flat_vector(half_vectors(surface, view, light), "halfway vector")
     scaled_t = material.tangents / material.alpha_x[..., None]
     scaled_b = material.binormals / material.alpha_y[..., None]
     drawn = {"surface": surface, "view": view, "sampler": sampler}
     if with_exponent:
-        table = TexImage(
-            label="load F(N, e) = (sqrt e)^N",
-            texture="F",
-            image=sampled(power, EXPONENT_TEXELS, BASE_TEXELS, profile=profile, bits=bits),
-        )
+        table = TexImage(label="load F(N, e) = (sqrt e)^N", texture="F", image=power_table(profile, bits))
         lookup = (
             load_products(
                 "load log2(N) / 7",
@@ -378,6 +381,9 @@ def blinn_phong(
     if gated:
         toward_light = flat_vector(light_vectors(surface, light), "light vector")
         gate = _times_normal_light(material, toward_light, profile, bits, gain=4.0, **drawn)
+    shaded = (*_times_gloss(material.k_s, specular, profile, bits, **drawn), *gate)
+    if stage is not None:
+        lookup, shaded = lookup if stage == "lookup" else lookup[:-1], ()
     return (
         table,
         begin(view),
@@ -387,8 +393,17 @@ def blinn_phong(
         polygon("plus (h.b/ay)^2", texture="(h.b)^2", mask=RGB, blending=ADD, **drawn),
         polygon("e: one minus it", mask=RGB, blending=ONE_MINUS, **drawn),
         *lookup,
-        *_times_gloss(material.k_s, specular, profile, bits, **drawn),
-        *gate,
+        *shaded,
+    )
+
+
+def diffuse(surface, material, view, light, profile, *, color, bits=8, sampler=REPEATED):
+    """K10 by the color matrix: (n.l)+ times a colour, RGB in [0, 1], added to what the polygon covers."""
+    toward_light = flat_vector(light_vectors(surface, light), "light vector")
+    rows = [*(dot_with(toward_light, c) for c in color), NOTHING]
+    return (
+        load_products("load n through l: (n.l)+", "n.l", material.normals, rows, profile, bits),
+        polygon("plus (n.l)+", surface, view, "n.l", mask=RGB, blending=ADD, sampler=sampler),
     )
 
 
