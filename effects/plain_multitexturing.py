@@ -16,6 +16,9 @@ inverted in between: four draws for a product, and what is subtracted has to be 
 what is added again. So the paper's judgement, that unsigned environments and two textures are too little, is
 about a pass; a board whose passes are free could have Eq. 1.
 
+What is linear in the textures may be interpolated first: M has none of the rings of figure 2, but for those
+of (.)+. Eight bits are few for it where alpha is small: at 0.25 Eq. 1 has a sixteenth of M's range.
+
 No environment sums the channels of a colour, and only INTERPOLATE adds a product to what an earlier unit
 gives, which it weighs down: here each product is a draw, and of two units one is idle.
 
