@@ -102,9 +102,13 @@ def _color_table(functions, size):
     return ColorTable(tuple(zip(*(function(index).tolist() for function in functions), strict=True)))
 
 
-def _tabulated(profile, *functions):
+def _table_size(profile):
     # The Octane's largest, for each value of twelve bits; finer where nothing else is rounded.
-    return _color_table(functions, min(profile.max_color_table_size, 1 << 14))
+    return min(profile.max_color_table_size, 1 << 14)
+
+
+def _tabulated(profile, *functions):
+    return _color_table(functions, _table_size(profile))
 
 
 def _clamped(profile):
@@ -397,14 +401,29 @@ def blinn_phong(
     )
 
 
-def diffuse(surface, material, view, light, profile, *, color, bits=8, sampler=REPEATED):
-    """K10 by the color matrix: (n.l)+ times a colour, RGB in [0, 1], added to what the polygon covers."""
+def diffuse(
+    surface, material, view, light, profile, *, color, ambient=(0.0, 0.0, 0.0), bits=8, sampler=REPEATED
+):
+    """K10 by the color matrix: (n.l)+ color + ambient, RGB in [0, 1] each, added to what the polygon covers.
+
+    The table after the color matrix multiplies by the colour and adds the ambient term.
+    """
     toward_light = flat_vector(light_vectors(surface, light), "light vector")
-    rows = [*(dot_with(toward_light, c) for c in color), NOTHING]
-    return (
-        load_products("load n through l: (n.l)+", "n.l", material.normals, rows, profile, bits),
-        polygon("plus (n.l)+", surface, view, "n.l", mask=RGB, blending=ADD, sampler=sampler),
+    index = np.arange(_table_size(profile)) / (_table_size(profile) - 1.0)
+    columns = [c * index + a for c, a in zip((*color, 1.0), (*ambient, 0.0), strict=True)]
+    transfer = PixelTransfer(
+        color_matrix=(dot_with(toward_light),) * 4,
+        post_color_matrix_color_table=ColorTable(tuple(map(tuple, np.stack(columns, axis=-1).tolist()))),
     )
+    loading = TexImage(
+        label="load n through l: (n.l)+ color + ambient",
+        texture="diffuse",
+        pixels=_image(material.normals),
+        internal_format=_FORMATS[bits],
+        transfer=transfer,
+    )
+    added = polygon("plus diffuse", surface, view, "diffuse", mask=RGB, blending=ADD, sampler=sampler)
+    return (loading, added)
 
 
 def ward(

@@ -212,3 +212,22 @@ def test_a_table_holds_its_function_at_both_ends_and_at_centres_between():
     ).all()
     plane = sampled(lambda s, t: s * (1.0 - t), 4, 2, profile=IDEAL).ideal[0][0, ..., 0]
     assert (plane == [positions(4), np.zeros(4)]).all()
+
+
+def test_the_diffuse_pass_adds_a_colour_s_part_and_an_ambient_one():
+    m, color, ambient = material(), (0.5, 0.25, 0.1), (0.05, 0.1, 0.0)
+    m = replace(
+        m, normals=m.normals * np.where(np.arange(SIZE) % 4 == 0, -1.0, 1.0)[:, None]
+    )  # some face away
+    surface, view, light = meshes.plane(), orthographic_view(PANEL), Light(tuple(LIGHT))
+    expected = np.maximum(dot(m.normals, LIGHT), 0.0)[..., None] * color + ambient
+    depth = pixel_textures.polygon("depth alone", surface, view, first=True, mask=pixel_textures.ALPHA)
+    for profile in (OCTANE, IDEAL):
+        scene = surface, m, view, light, profile
+        added = pixel_textures.diffuse(*scene, color=color, ambient=ambient, sampler=NEAREST)
+        frame = (PANEL.clear((0.0, 0.0, 0.0)), depth, *added)
+        if profile is OCTANE:
+            picture, bound = on_octane(frame), 0.51 / 255.0
+        else:
+            picture, bound = execute_ideal(frame, SIZE, SIZE).color[::-1, :, :3], 1e-4
+        assert np.abs(picture - expected).max() <= bound
