@@ -1,0 +1,221 @@
+"""K05: an exponent per texel, which a dependent lookup of two parameters allows, beside none (K06)."""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from effects import (
+    brdfs,
+    dependent_lookups,
+    diffuse_bump,
+    dot_product_lookups,
+    height_fields,
+    material_textures,
+    meshes,
+)
+from effects.figures.figure import BACKGROUND, DARK, Check, Figure, Method
+from effects.figures.measures import arithmetic_check, root_mean_square
+from effects.passes import ADD, EDGE, LATER_PASS
+from effects.vectors import unit_vector
+from effects.views import Light, orthographic_view, row_of_panels
+
+VIEWER = np.array([0.0, 0.0, 1.0])
+
+
+@lru_cache(maxsize=4)
+def domes(map_size, exponents, rim_radius, alpha_x, alpha_y, spread, k_s):
+    """Domes on a square, brushed along s, as many rows and columns as ``exponents``, one for each column."""
+    s, t = height_fields.texel_centers(map_size, map_size)
+    slopes = height_fields.dome_slopes(s * len(exponents), t * len(exponents), rim_radius)
+    material = material_textures.brushed_bumps(
+        *slopes, alpha_x=alpha_x, alpha_y=alpha_y, spread=spread, stroke_depth=0.0, k_s=k_s
+    )
+    return replace(material, exponent=np.array(exponents)[(s * len(exponents)).astype(int)])
+
+
+def _scene(profile, size, specular_passes, *, light, extent, diffuse, ambient, background, **material):
+    """``specular_passes``: (surface, material, view, light, profile, with exponent) -> (commands, the normal
+    map's name) that replace what the square covers; the diffuse pass is added.
+    """
+    panels, made = row_of_panels(2, size), domes(**material)
+    surface, toward = meshes.plane(1, 1, extent, extent), Light(light)
+    out = [panel.clear(background) for panel in panels]
+    for panel, with_exponent in zip(panels, (False, True), strict=True):
+        view = orthographic_view(panel)
+        passes, normal_map = specular_passes(surface, made, view, toward, profile, with_exponent)
+        out += passes
+        out += diffuse_bump.diffuse_pass(
+            surface,
+            normal_map,
+            view,
+            toward,
+            profile,
+            color=diffuse,
+            ambient=ambient,
+            depth_test=LATER_PASS,
+            blending=ADD,
+            sampler=EDGE,
+        )
+    return tuple(out)
+
+
+def texture_shaders_scene(profile, size, *, specular, **parameters):
+    """K06 in one pass of two dot products (left), K05 by parameters on the screen (right)."""
+
+    def passes(surface, material, view, light, profile, with_exponent):
+        given = {"specular": specular, "sampler": EDGE}
+        if with_exponent:
+            loading, names = dependent_lookups.load(material, "domes", profile)
+            table = dependent_lookups.load_power(profile), dependent_lookups.load_screen(view.panel)
+            drawn = dependent_lookups.blinn_phong_passes(
+                surface, names, view, light, profile, gated=False, **given
+            )
+            return (*loading, *table, *drawn), names.normal
+        (normal_map, *_), names = material_textures.load(material, "plain domes", profile)
+        loading, dot_names = dot_product_lookups.load_blinn_phong(material, "domes", profile, exponent=1.0)
+        drawn = dot_product_lookups.blinn_phong_pass(
+            surface, dot_names, view, light, profile, first=True, **given
+        )
+        return (normal_map, *loading, *drawn), names.normal
+
+    return _scene(profile, size, passes, **parameters)
+
+
+def _bright_areas(image, columns, threshold):
+    """Pixels of each column of domes that are at least as bright as ``threshold``."""
+    return np.array([(c >= threshold).sum() for c in np.split(image, columns, axis=1)], float)
+
+
+def checks(figure, renderer):
+    """The models themselves, the highlights' sizes from column to column, K07 at N = 2, and the machine."""
+    p = figure.parameters
+    size, columns, bright = p["map_size"], len(p["exponents"]), 0.5 * p["k_s"][0]
+    measured = {**DARK, "specular": (1.0, 1.0, 1.0), "extent": 1.0}
+    material = domes(**{name: p[name] for name in _MATERIAL})
+    half = brdfs.half_vector(unit_vector(p["light"], "The light"), VIEWER)
+    vectors = half, material.tangents, material.binormals, material.alpha_x, material.alpha_y, material.k_s
+    models = [brdfs.anisotropic_blinn_phong(*vectors, n) for n in (1.0, material.exponent)]
+    out = []
+    for on in ("ideal", "machine"):
+        # The square fills the panel: a texel for each pixel, so that no filter of materials takes part.
+        picture = getattr(renderer, on)(figure, size, **measured)[..., 0]
+        panels = picture[:, :size], picture[:, size:]
+        for name, panel, model in zip(("K06", "K05"), panels, models, strict=True):
+            bound, reason = _BOUNDS[on][name]
+            out.append(
+                Check(
+                    f"{name}: RMS from the float model",
+                    root_mean_square(panel - model),
+                    "<=",
+                    bound,
+                    on,
+                    reason,
+                )
+            )
+        plain, sharpened = (_bright_areas(panel, columns, bright) for panel in panels)
+        out += [
+            Check(
+                "without N: largest over smallest area of a column's highlights",
+                float(plain.max() / plain.min()),
+                "<=",
+                1.1,
+                on,
+                "alphas and domes are the same everywhere; strokes and texels differ",
+            ),
+            Check(
+                "with N: largest deviation of a column's area from the model's, relative",
+                float(np.abs(sharpened / _bright_areas(models[1], columns, bright) - 1.0).max()),
+                "<=",
+                *_AREAS[on],
+            ),
+            Check(
+                "with N: largest area of a column's highlights over that of the column before",
+                float((sharpened[1:] / sharpened[:-1]).max()),
+                "<=",
+                0.45,
+                on,
+                "half of the peak lies at e = 2^(-2/N); 1 - e, and about so the area, falls from N to 4 N by "
+                "0.32 (N = 2) to 0.25",
+            ),
+        ]
+    column = slice(0, size // columns)  # N = 2
+    ideal = renderer.ideal(figure, size, **measured)[:, size:, 0]
+    e = brdfs.lobe(*vectors[:-1])
+    out += [
+        Check(
+            "K05 at N = 2 is Eq. 1: RMS of the first column of domes",
+            root_mean_square(ideal[:, column] - (material.k_s * e)[:, column]),
+            "<=",
+            0.002,
+            "ideal",
+            "erratum E004.4; the table's ends, half a texel wide, hold F(N, 0) and F(N, 1)",
+        ),
+        arithmetic_check(
+            figure, renderer, 0.01, "as from the float model: bytes of t/ax, b/ay and h, nine-bit combiners"
+        ),
+    ]
+    return tuple(out)
+
+
+_MATERIAL = ("map_size", "exponents", "rim_radius", "alpha_x", "alpha_y", "spread", "k_s")
+_FILTER = "the table's filter, where the root falls with infinite slope at e = 0"
+_BOUNDS = {
+    "ideal": {"K06": (0.003, _FILTER), "K05": (0.003, _FILTER)},
+    "machine": {
+        "K06": (
+            0.0105,
+            "a byte of t/ax, up to 1/alpha long, is off by 0.0076 (RMS) in h.t/ax, and the root is steep at "
+            "its edge; measured at the first correct picture, with a third of slack",
+        ),
+        "K05": (
+            0.0085,
+            "h in bytes too, and nine-bit combiners: artefact P9's 0.015 to 0.018 in the highlight for N = 2, "
+            "while the larger N, the smaller the highlight; with a third of slack",
+        ),
+    },
+}
+_AREAS = {
+    "ideal": (0.03, "ideal", "the table's filter; a pixel more or less in the last column"),
+    "machine": (
+        0.125,
+        "machine",
+        "h.t/ax is off by 0.0076 (RMS) by the byte of t/ax alone, and half of the peak lies at 0.1 where N "
+        "is 128: the outline moves by a tenth there, both ways",
+    ),
+}
+
+FIGURE = Figure(
+    id="K05",
+    title="Anisotropic Blinn-Phong with an exponent per texel",
+    caption=(
+        "Domes brushed along the horizontal. Left: without N, as the paper proposes, F = sqrt(e), and only "
+        "alpha says how sharp. Right: F(N, e) = (sqrt e)^N looked up with N from a material texture: 2, 8, "
+        "32 and 128 from column to column."
+    ),
+    must_see=(
+        "Left, the highlights of all domes are alike and end in an edge; right, they are softer and shrink "
+        "from column to column, to a point in the last, and keep their shape."
+    ),
+    source="KautzSeidel2000",
+    techniques=("K05", "K06", "K01", "K10"),
+    columns=2,
+    size=512,
+    parameters={
+        "map_size": 512,
+        "exponents": (2.0, 8.0, 32.0, 128.0),
+        "rim_radius": 0.93,
+        "alpha_x": 0.3,
+        "alpha_y": 0.8,
+        "spread": 6.0,
+        "k_s": (0.9, 1.0),
+        "light": (-0.56, 0.45, 0.66),
+        "extent": 0.92,
+        "diffuse": (0.26, 0.16, 0.10),
+        "ambient": (0.05, 0.035, 0.03),
+        "specular": (0.95, 0.85, 0.70),
+        "background": BACKGROUND,
+    },
+    methods=(Method("texture shaders", texture_shaders_scene, ("GEFORCE_3", "NV2A")),),
+    acceptance=checks,
+)
