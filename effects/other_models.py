@@ -27,9 +27,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from effects import brdfs
+from effects.dependent_lookups import copy_screen, screen_unit
 from effects.diffuse_bump import diffuse_pass
+from effects.dot_product_lookups import (
+    NO_TEXTURE,
+    TEXTURE_STAGE,
+    centered_table,
+    dot_product_stage,
+    encode_dot_product,
+)
 from effects.encode import encode_factor, encode_rgba
-from effects.meshes import plane
 from effects.passes import (
     ADD,
     ADD_GATED,
@@ -37,7 +44,6 @@ from effects.passes import (
     FIRST_PASS,
     LATER_PASS,
     MULTIPLY_DESTINATION,
-    NEAREST,
     NO_ALPHA,
     NO_RGB,
     ONE,
@@ -66,13 +72,12 @@ from effects.pixel_textures import (
     looked_up,
     polygon,
 )
-from effects.sampled_functions import LARGEST_LOGARITHM, LUMINANCE, sampled, stored_exponent
+from effects.sampled_functions import LARGEST_LOGARITHM, sampled, stored_exponent
 from effects.vectors import dot
 from effects.vertex_work import half_vectors, light_vectors, view_vectors
-from pipeline.commands import CopyTexSubImage, Draw, TexImage
+from pipeline.commands import TexImage
 from pipeline.enums import (
     CombinerScale,
-    ComponentUsage,
     DotProductMapping,
     InternalFormat,
     Register,
@@ -81,18 +86,14 @@ from pipeline.enums import (
 from pipeline.enums import TextureShaderOperation as Operation
 from pipeline.pixel_transfer import PixelImage, PixelTransfer
 from pipeline.state import (
-    AlphaPortion,
     ColorMask,
     CombinerInput,
     FinalCombiner,
     GeneralCombiner,
-    PassState,
     RegisterCombiners,
     RGBPortion,
     SignedComponents,
     TextureShaderStage,
-    VertexState,
-    Viewport,
 )
 from pipeline.textures import Texture, texture_2d
 
@@ -103,7 +104,8 @@ TEXELS = 256
 SMALLEST_C = 0.5
 # The combiners' largest scale multiplies Schlick's two factors, each stored in [0, 1].
 GAIN = 4.0
-_NOTHING = (GeneralCombiner(NO_RGB, NO_ALPHA),)
+# Dot products of unit vectors lie in [-1, 1], which tables with a zero in their middle hold.
+PERIOD = 2.0
 # Texels (x, y) of 16 bits as unit vectors, and the signs of their high bytes for the filter.
 HEMISPHERE = DotProductMapping.SIGNED_HILO_HEMISPHERE
 FINE = replace(REPEATED, signed_components=SignedComponents(green=True, alpha=True))
@@ -183,19 +185,6 @@ def _signed(function):
     return lambda s, t: function(2.0 * s - 1.0, 2.0 * t - 1.0)
 
 
-def _wrapped(function, profile):
-    """A table of a function of numbers in [-1, 1] for coordinates of half of them, which REPEAT wraps.
-
-    Zero lies between the last texel and the first.
-    """
-    turns = (np.arange(TEXELS) + 0.5) / TEXELS
-    number = 2.0 * np.where(turns < 0.5, turns, turns - 1.0)
-    values = np.clip(function(number[None, :], number[:, None]), 0.0, 1.0)
-    if not profile.exact:
-        values = np.floor(values * 255.0 + 0.5) / 255.0
-    return texture_2d(values[..., None], LUMINANCE[8])
-
-
 def _table(label, name, function, profile, bits=8):
     image = sampled(function, TEXELS, TEXELS, profile=profile, bits=bits)
     return TexImage(label=f"load {label}", texture=name, image=image)
@@ -253,17 +242,18 @@ def load(material, name, profile, coefficients):
     names = Names(*(f"{name} {what}" for what in ("n", "n, HILO", "k_s, N", "t, k_s", "b", "D, k_s", "O")))
     diagonal, rest = lobe_matrix(material, coefficients)
     factors = np.stack([material.k_s, stored_exponent(material.exponent)], axis=-1)
+
+    def stored(vectors, alpha):
+        return texture_2d(encode_dot_product(vectors, alpha, profile))
+
     images = {
         names.normal: ("normal", texture_2d(encode_rgba(material.normals, 1.0, profile))),
         names.fine: ("normal, 16 bits", _hilo(material.normals)),
         names.exponent: ("k_s, log2(N) / 7", texture_2d(encode_factor(factors, profile))),
-        names.tangent: ("tangent, k_s", texture_2d(encode_rgba(material.tangents, material.k_s, profile))),
-        names.binormal: ("binormal", texture_2d(encode_rgba(material.binormals, 1.0, profile))),
-        names.diagonal: (
-            "diagonal of Lafortune's matrix, k_s",
-            texture_2d(encode_rgba(diagonal, material.k_s, profile)),
-        ),
-        names.rest: ("rest of Lafortune's matrix", texture_2d(encode_rgba(rest, 1.0, profile))),
+        names.tangent: ("tangent, k_s", stored(material.tangents, material.k_s)),
+        names.binormal: ("binormal", stored(material.binormals, 1.0)),
+        names.diagonal: ("diagonal of Lafortune's matrix, k_s", stored(diagonal, material.k_s)),
+        names.rest: ("rest of Lafortune's matrix", stored(rest, 1.0)),
     }
     return tuple(
         TexImage(label=f"load material texture of {name}: {what}", texture=texture, image=image)
@@ -284,83 +274,37 @@ def _hilo(normals):
 # ------------------------------------------------------------------------------ by texture shaders
 
 
-def _unscaled(profile):
-    """What a coordinate set takes so that a dot product is of the vectors: a texture shader reads
-    (byte - 128) / 127 where ``encode_expand`` stored 128 + 127.5 v (docs/numbers.md, section 12).
-    """
-    return 1.0 if profile.exact else 127.0 / 127.5
-
-
-def _dot_products(previous, first, mapping=DotProductMapping.EXPAND_NORMAL):
+def _looked_up(previous, first, mapping=DotProductMapping.EXPAND_NORMAL):
     """Four stages that read textures, but for two, at ``first`` and after it: dot products with the texels of
     the stages ``previous``, looked up where both are known.
     """
-    stages = [TextureShaderStage(Operation.TEXTURE_2D)] * 4
-    operations = Operation.DOT_PRODUCT, Operation.DOT_PRODUCT_TEXTURE_2D
+    stages, operations = [TEXTURE_STAGE] * 4, (Operation.DOT_PRODUCT, Operation.DOT_PRODUCT_TEXTURE_2D)
     for k, operation in enumerate(operations):
-        stages[first + k] = TextureShaderStage(
-            operation, previous_texture_input=previous[k], dot_product_mapping=mapping
-        )
+        stages[first + k] = replace(dot_product_stage(operation, previous[k]), dot_product_mapping=mapping)
     return tuple(stages)
 
 
-def _shaded(pass_, stages):
-    """A Draw with texture shader stages."""
-    return replace(pass_, state=replace(pass_.state, texture_shader=stages))
+def _texel(number):
+    """Texture unit ``number``'s colour."""
+    return CombinerInput(Register(Register.TEXTURE0 + number))
 
 
-def _final(a, b, *, c=ZERO, e=ZERO, f=ZERO, g=OPAQUE, constant=(0.0, 0.0, 0.0), general=_NOTHING):
-    """Register combiners that end with a b + (1 - a) c in RGB and g in alpha."""
+# A final combiner's B and E: (E F) with E the specular colour.
+_SPECULAR = CombinerInput(Register.E_TIMES_F), CombinerInput(Register.CONSTANT_COLOR0)
+
+
+def _combiners(a, b, e=ZERO, *, f=ZERO, g=OPAQUE, constant=(0.0, 0.0, 0.0), general=(NO_RGB,)):
+    """Register combiners: the RGB portions ``general``, then A B, and G in alpha."""
     return RegisterCombiners(
-        general=general,
-        final=FinalCombiner(a=a, b=b, c=c, d=ZERO, e=e, f=f, g=g),
+        general=tuple(GeneralCombiner(rgb, NO_ALPHA) for rgb in general),
+        final=FinalCombiner(a=a, b=b, c=ZERO, d=ZERO, e=e, f=f, g=g),
         constant_color0=opaque(constant),
     )
 
 
-def _product(a, b, scale=CombinerScale.NONE):
-    """The RGB portion of a general combiner that leaves a b scale in spare 0."""
+def _product(a, b, scale):
+    """An RGB portion that leaves ``a b scale`` in spare 0."""
     return RGBPortion(a=a, b=b, ab_output=Register.SPARE0, sum_output=Register.DISCARD, scale=scale)
-
-
-def _register(number):
-    return CombinerInput(Register(Register.TEXTURE0 + number))
-
-
-def _edge(panel):
-    """The power of two that a copy of the panel fits in."""
-    return 1 << (max(panel.width, panel.height) - 1).bit_length()
-
-
-def _copy(view, name, what):
-    """Commands that copy the panel into a texture."""
-    panel, edge = view.panel, _edge(view.panel)
-    return (
-        TexImage(label=f"room for {what}", texture=name, image=texture_2d(np.zeros((edge, edge, 4)))),
-        CopyTexSubImage(
-            label=f"copy {what}",
-            texture=name,
-            x=panel.x,
-            y=panel.y,
-            width=panel.width,
-            height=panel.height,
-        ),
-    )
-
-
-def _window_coordinates(surface, view):
-    """Texture coordinates (s, t, 0, q) with which the surface reads a copy of its panel pixel for pixel."""
-
-    def transformed(matrix, vectors):
-        return [
-            ((r[0] * vectors[0] + r[1] * vectors[1]) + r[2] * vectors[2]) + r[3] * vectors[3] for r in matrix
-        ]
-
-    p, panel = surface.positions, view.panel
-    eye = transformed(view.modelview, [p[:, 0], p[:, 1], p[:, 2], np.ones(len(p))])
-    x, y, _, w = transformed(view.projection, eye)
-    s, t = 0.5 * (x + w) * (panel.width / _edge(panel)), 0.5 * (y + w) * (panel.height / _edge(panel))
-    return np.stack([s, t, np.zeros(len(p)), w], axis=-1)
 
 
 def _one_value(cosines):
@@ -373,26 +317,6 @@ def _one_value(cosines):
             "made for one; give a directional light and an infinite viewer."
         )
     return low
-
-
-def _looked_up_quad(label, view, table, parameters, combiners):
-    """Draw the panel as a rectangle: ``table`` at the (alpha, red) of the copied ``parameters``, added."""
-    panel, edge = view.panel, _edge(view.panel)
-    units = (unit(parameters, NEAREST), unit(table, EDGE))
-    stages = (
-        TextureShaderStage(Operation.TEXTURE_2D),
-        TextureShaderStage(Operation.DEPENDENT_AR_TEXTURE_2D, previous_texture_input=0),
-    )
-    state = PassState(
-        vertex=VertexState(viewport=Viewport(panel.x, panel.y, panel.width, panel.height)),
-        texture_units=units,
-        texture_shader=stages,
-        register_combiners=combiners,
-        scissor=panel.scissor,
-        blending=ADD,
-    )
-    mesh = plane().with_repeats(panel.width / edge, panel.height / edge).mesh()
-    return Draw(label=label, mesh=mesh, state=state)
 
 
 def _diffuse(surface, names, view, light, profile, *, background, **colors):
@@ -416,7 +340,7 @@ def phong_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0, 1.
     surface, view, light
         What is drawn (``meshes``), an infinite viewer and a directional light (``views``).
     names
-        The material's textures (``load``).
+        The material's textures (``load``). ``dependent_lookups.load_screen`` has made room on this panel.
     specular
         RGB in [0, 1], by which k_s is multiplied.
     shown
@@ -426,51 +350,43 @@ def phong_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0, 1.
     """
     toward_light, toward_eye = light_vectors(surface, light), view_vectors(surface, view)
     light_view = _one_value(dot(toward_light, toward_eye))
-    mesh = surface.mesh(surface.texture_coordinates, toward_light, toward_eye)
-    units = (
-        unit(names.fine, FINE),
-        unit(None, coordinates=1),
-        unit("C(n.l, n.v)", EDGE, 2),
-        unit(names.exponent),
-    )
-    # Red: c; green and blue: k_s; alpha: N.
-    parameters = _final(
-        CombinerInput(Register.CONSTANT_COLOR0),
-        _register(2),
-        c=_register(3),
-        g=alpha_of(Register.TEXTURE3),
-        constant=(1.0, 0.0, 0.0),
-    )
-    first = draw(
-        "parameters: c = 2 (n.l)(n.v) - l.v to red, N to alpha, k_s to blue",
-        mesh,
+    coordinates = surface.texture_coordinates
+    parameters = draw(
+        "parameter stage: c = 2 (n.l)(n.v) - l.v in red, N in alpha",
+        surface.mesh(coordinates, toward_light, toward_eye),
         view,
-        parameters,
-        units,
+        _combiners(_texel(2), ONE, g=alpha_of(Register.TEXTURE3)),
+        (
+            unit(names.fine, FINE),
+            unit(NO_TEXTURE, coordinates=1),
+            unit("C(n.l, n.v)", EDGE, 2),
+            unit(names.exponent),
+        ),
         depth_test=FIRST_PASS,
+        texture_shader=_looked_up((0, 0), 1, HEMISPHERE),
     )
-    gloss = AlphaPortion(
-        a=CombinerInput(Register.TEXTURE0, usage=ComponentUsage.BLUE),
-        b=OPAQUE,
-        ab_output=Register.SPARE0,
-        sum_output=Register.DISCARD,
-    )
-    product = _final(
-        _register(1),
-        CombinerInput(Register.E_TIMES_F),
-        e=CombinerInput(Register.CONSTANT_COLOR0),
-        f=alpha_of(Register.SPARE0),
-        constant=specular,
-        general=(GeneralCombiner(NO_RGB, gloss),),
+    lookup = draw(
+        "specular pass: look up F(N, c), times k_s",
+        surface.mesh(coordinates, surface.positions),
+        view,
+        _combiners(_texel(1), *_SPECULAR, f=_texel(2), constant=specular),
+        (screen_unit(view, 1), unit("F(N, c)", EDGE), unit(names.exponent)),
+        depth_test=LATER_PASS,
+        blending=ADD,
+        texture_shader=(
+            TEXTURE_STAGE,
+            TextureShaderStage(Operation.DEPENDENT_AR_TEXTURE_2D, previous_texture_input=0),
+            TEXTURE_STAGE,
+        ),
     )
     return (
         _table("C(n.l, n.v) = 2 (n.l)(n.v) - l.v", "C(n.l, n.v)", phong_c(light_view), profile),
         _table("F(N, c) = c^N", "F(N, c)", phong_f, profile),
         view.panel.clear((0.0, 0.0, 0.0)),
-        _shaded(first, _dot_products((0, 0), 1, HEMISPHERE)),
-        *_copy(view, "parameters", "the parameters"),
+        parameters,
+        copy_screen(view),
         *_diffuse(surface, names, view, light, profile, **shown),
-        _looked_up_quad("specular pass: k_s F(N, c)", view, "F(N, c)", "parameters", product),
+        lookup,
     )
 
 
@@ -481,96 +397,89 @@ def schlick_passes(
     """Schlick's model times k_s: T(h.t, h.b), then times G(n.l) G(n.v) / (n.v) and S(h.v).
 
     ``roughness``, ``isotropy``, ``reflectance``: r, p and C of ``brdfs.schlick``. The others are those of
-    ``phong_passes``. Raises ValueError where the highlight is too bright to be stored.
+    ``phong_passes``; l.v may change. Raises ValueError where the highlight is too bright to be stored.
     """
     toward_light, toward_eye = light_vectors(surface, light), view_vectors(surface, view)
-    half = half_vectors(surface, view, light)
+    half, coordinates = half_vectors(surface, view, light), surface.texture_coordinates
     largest = schlick_largest(roughness, isotropy)
-    coordinates = surface.texture_coordinates
     first = draw(
-        "parameter pass: k_s T(h.t, h.b)",
-        surface.mesh(coordinates, 0.5 * _unscaled(profile) * half),
+        "first factor: k_s T(h.t, h.b)",
+        surface.mesh(coordinates, half / PERIOD),
         view,
-        _final(_register(3), alpha_of(Register.TEXTURE0)),
+        _combiners(_texel(3), alpha_of(Register.TEXTURE0)),
         (
             unit(names.tangent),
             unit(names.binormal),
-            unit(None, coordinates=1),
+            unit(NO_TEXTURE, coordinates=1),
             unit("T(h.t, h.b)", REPEATED, 1),
         ),
         depth_test=FIRST_PASS,
+        texture_shader=_looked_up((0, 1), 2),
     )
-    # S(h.v) first: the product times four may be more than one, where a register ends.
-    factor, by_four = (
-        _product(_register(2), CombinerInput(Register.PRIMARY_COLOR)),
-        CombinerScale.SCALE_BY_FOUR,
+    fresnel = brdfs.schlick_fresnel(dot(half, toward_eye), reflectance)
+    # S(h.v) comes first: the product times four may be more than one, where a register ends.
+    general = (
+        _product(_texel(2), CombinerInput(Register.PRIMARY_COLOR), CombinerScale.NONE),
+        _product(CombinerInput(Register.SPARE0), _texel(3), CombinerScale.SCALE_BY_FOUR),
     )
-    product = _product(CombinerInput(Register.SPARE0), _register(3), by_four)
-    fresnel = np.clip(brdfs.schlick_fresnel(dot(half, toward_eye), reflectance), 0.0, 1.0)
-    colors = np.clip(np.multiply.outer(fresnel, np.array(specular)), 0.0, 1.0)
     second = draw(
         "specular pass: times S(h.v) G(n.l) G(n.v) / (4 pi (n.v))",
         surface.mesh(
             coordinates,
             toward_light,
             toward_eye,
-            _window_coordinates(surface, view),
-            colors=colors,
+            surface.positions,
+            colors=np.clip(np.multiply.outer(fresnel, np.array(specular)), 0.0, 1.0),
         ),
         view,
-        _final(
-            CombinerInput(Register.SPARE0),
-            ONE,
-            general=(GeneralCombiner(factor, NO_ALPHA), GeneralCombiner(product, NO_ALPHA)),
-        ),
+        _combiners(CombinerInput(Register.SPARE0), ONE, general=general),
         (
             unit(names.fine, FINE),
-            unit(None, coordinates=1),
+            unit(NO_TEXTURE, coordinates=1),
             unit("G G / (n.v)", EDGE, 2),
-            unit("first factor", NEAREST, 3),
+            screen_unit(view, 3),
         ),
         depth_test=LATER_PASS,
         blending=ADD,
+        texture_shader=_looked_up((0, 0), 1, HEMISPHERE),
     )
-    table = _wrapped(schlick_t(roughness, isotropy), profile)
+    table = centered_table(schlick_t(roughness, isotropy), TEXELS, PERIOD, profile)
     return (
         TexImage(label="load T(h.t, h.b) = Z(h.n) A(w)", texture="T(h.t, h.b)", image=table),
         _table("G(n.l) G(n.v) / (n.v)", "G G / (n.v)", schlick_o(roughness, largest), profile),
         view.panel.clear((0.0, 0.0, 0.0)),
-        _shaded(first, _dot_products((0, 1), 2)),
-        *_copy(view, "first factor", "the first factor"),
+        first,
+        copy_screen(view),
         *_diffuse(surface, names, view, light, profile, **shown),
-        _shaded(second, _dot_products((0, 0), 1, HEMISPHERE)),
+        second,
     )
 
 
 def lafortune_passes(surface, names, view, light, profile, *, exponent, specular=(1.0, 1.0, 1.0), **shown):
-    """One lobe of Lafortune's model, k_s (D.(l * v) + O.(l x v))^N (n.l)+, in one specular pass.
+    """One lobe of Lafortune's model, k_s ((D.(l * v) + O.(l x v))+)^N (n.l)+, in one specular pass.
 
     ``exponent``: N of the whole surface. The others are those of ``phong_passes``; l.v may change.
     """
     vectors = lobe_vectors(light_vectors(surface, light), view_vectors(surface, view))
-    # Half of each product, for REPEAT wraps at one.
-    products = (0.5 * _unscaled(profile) * v for v in vectors)
-    specular_pass = draw(
-        "specular pass: k_s (D.(l * v) + O.(l x v))^N, times (n.l)+",
-        surface.mesh(surface.texture_coordinates, *products),
-        view,
-        _final(
-            _register(3),
-            CombinerInput(Register.E_TIMES_F),
-            e=CombinerInput(Register.CONSTANT_COLOR0),
-            f=alpha_of(Register.TEXTURE0),
-            constant=specular,
-        ),
-        (unit(names.diagonal), unit(names.rest), unit(None, coordinates=1), unit("(a + b)^N", REPEATED, 2)),
-        depth_test=LATER_PASS,
-        blending=ADD_GATED,
-    )
+    table = centered_table(lafortune_f(exponent), TEXELS, PERIOD, profile)
     return (
-        TexImage(label="load (a + b)^N", texture="(a + b)^N", image=_wrapped(lafortune_f(exponent), profile)),
+        TexImage(label="load ((a + b)+)^N", texture="(a + b)^N", image=table),
         *_diffuse(surface, names, view, light, profile, **shown),
-        _shaded(specular_pass, _dot_products((0, 1), 2)),
+        draw(
+            "specular pass: k_s ((D.(l * v) + O.(l x v))+)^N, times (n.l)+",
+            surface.mesh(surface.texture_coordinates, *(v / PERIOD for v in vectors)),
+            view,
+            _combiners(_texel(3), *_SPECULAR, f=alpha_of(Register.TEXTURE0), constant=specular),
+            (
+                unit(names.diagonal),
+                unit(names.rest),
+                unit(NO_TEXTURE, coordinates=1),
+                unit("(a + b)^N", REPEATED, 2),
+            ),
+            depth_test=LATER_PASS,
+            blending=ADD_GATED,
+            texture_shader=_looked_up((0, 1), 2),
+        ),
     )
 
 

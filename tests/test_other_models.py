@@ -7,6 +7,7 @@ import pytest
 
 from effects import brdfs, meshes, other_models
 from effects.brdfs import BRDFS, Frame
+from effects.dependent_lookups import load_screen
 from effects.figures.k24 import domed_material
 from effects.sampled_functions import stored_exponent
 from effects.vectors import dot, normalize
@@ -93,7 +94,7 @@ def passes(name, surface, m, profile, view=VIEW):
     loading, names = other_models.load(m, "m", profile, COEFFICIENTS)
     make = getattr(other_models, f"{name}_passes")
     own = {"phong": {}, "schlick": SCHLICK, "lafortune": {"exponent": 9.0}}[name]
-    return *loading, *make(surface, names, view, LIGHT, profile, **own, **BLACK)
+    return *loading, load_screen(view.panel), *make(surface, names, view, LIGHT, profile, **own, **BLACK)
 
 
 @pytest.mark.parametrize("name", ["phong", "schlick", "lafortune"])

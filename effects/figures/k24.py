@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from effects import height_fields, material_textures, meshes, other_models
+from effects import dependent_lookups, height_fields, material_textures, meshes, other_models
 from effects.brdfs import BRDFS, Frame
 from effects.figures.figure import BACKGROUND, DARK, Check, Figure, Method
 from effects.figures.measures import principal_axis, root_mean_square
@@ -60,6 +60,7 @@ def texture_shaders_scene(profile, size, **parameters):
     given = [(surface, names, view, toward, profile) for view in views]
     return (
         *loading,
+        dependent_lookups.load_screen(views[0].panel),
         *models.phong_passes(*given[0], specular=parameters["phong"], **shown),
         *models.schlick_passes(
             *given[1],
