@@ -219,7 +219,7 @@ FIGURE = Figure(
         "background": BACKGROUND,
     },
     methods=(
-        Method(BY_TEXTURE_SHADERS, texture_shaders_scene, ("GEFORCE_3", "NV2A")),
+        Method(BY_TEXTURE_SHADERS, texture_shaders_scene, ("GEFORCE_3", "NV2A", "FUTURE")),
         Method(BY_PIXEL_TEXTURES, pixel_textures_scene, ("OCTANE",)),
     ),
     acceptance=checks,
