@@ -5,7 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from effects import brdfs, future_board, material_textures, meshes
+from effects import (
+    brdfs,
+    evaluate_then_interpolate,
+    future_board,
+    height_fields,
+    material_textures,
+    meshes,
+)
 from effects.figures import FIGURES
 from effects.figures.figure import Renderer
 from effects.passes import NEAREST
@@ -23,14 +30,14 @@ LIGHT = normalize(np.array([0.5, 0.3, 0.8]))
 HALF = brdfs.half_vector(LIGHT, VIEWER)
 
 
-def random_material(smallest_alpha, seed=3):
+def random_material(smallest_alpha, seed=3, edge=SIZE):
     """A material with everything at random per texel; normals lean by as much as 40 degrees and more."""
     random = np.random.default_rng(seed)
-    normals = normalize(random.normal(size=(SIZE, SIZE, 3)) * (0.4, 0.4, 0.2) + VIEWER)
-    tangents = normalize(cross(normalize(random.normal(size=(SIZE, SIZE, 3))), normals))
-    x, y = random.uniform(smallest_alpha, 1.0, (2, SIZE, SIZE))
-    k_s = random.uniform(0.2, 1.0, (SIZE, SIZE))
-    exponent = 2.0 ** random.uniform(0.0, 7.0, (SIZE, SIZE))
+    normals = normalize(random.normal(size=(edge, edge, 3)) * (0.4, 0.4, 0.2) + VIEWER)
+    tangents = normalize(cross(normalize(random.normal(size=(edge, edge, 3))), normals))
+    x, y = random.uniform(smallest_alpha, 1.0, (2, edge, edge))
+    k_s = random.uniform(0.2, 1.0, (edge, edge))
+    exponent = 2.0 ** random.uniform(0.0, 7.0, (edge, edge))
     return material_textures.Material(normals, tangents, cross(normals, tangents), x, y, k_s, exponent)
 
 
@@ -130,6 +137,25 @@ def test_an_alpha_that_the_textures_cannot_hold_is_refused():
 def test_a_board_of_the_time_refuses_the_pass(name):
     with pytest.raises(UnsupportedState, match=GEFORCE_3.name):
         drawn(name, random_material(0.25), GEFORCE_3)
+
+
+@pytest.mark.parametrize("name", ["banks", "ward"])
+def test_a_whole_model_goes_before_the_filter(name):
+    """Every texel's own value, then bilinearly between them: what a software renderer would do (K16)."""
+    few = 8
+    material = random_material(0.25, edge=few)
+    loading, names = future_board.load(material, "random", IDEAL)
+    view = orthographic_view(Panel(0, 0, SIZE, SIZE))
+    draws = getattr(future_board, name)(meshes.plane(), names, view, Light(tuple(LIGHT)), IDEAL, first=True)
+    values = model(name, material)
+    at = height_fields.texel_centers(SIZE, SIZE)
+    expected = evaluate_then_interpolate.at_texels(lambda i, j: values[i, j], few, few, *at)
+    found, otherwise = (
+        execute_ideal((*loading, *passes), SIZE, SIZE).color[::-1, :, 0]
+        for passes in (future_board.evaluated_first(draws), draws)
+    )
+    assert np.abs(found - expected).max() < 1e-9
+    assert np.abs(otherwise - expected).max() > 0.1
 
 
 def test_only_draws_that_filter_are_evaluated_first():
