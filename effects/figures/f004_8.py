@@ -13,11 +13,12 @@ from effects import (
     height_fields,
     material_textures,
     meshes,
+    pixel_textures,
 )
 from effects.encode import encode_factor
 from effects.figures.figure import BACKGROUND, DARK, Check, Figure, Method
 from effects.figures.measures import pixel_grid, root_mean_square
-from effects.passes import show
+from effects.passes import EDGE, show
 from effects.vectors import normalize
 from effects.views import Light, Panel, orthographic_view, row_of_panels
 
@@ -158,6 +159,25 @@ def future_scene(profile, size, **parameters):
     return tuple(out)
 
 
+def pixel_textures_scene(profile, size, **parameters):
+    """All three by the color matrix and pixel textures (K15); the diffuse pass is added to each."""
+    square = _square(profile, size, **parameters)
+    out = [*square.cleared]
+    for panel, model in zip(square.panels, MODELS, strict=True):
+        scene = square.surface, square.material, orthographic_view(panel), square.light, profile
+        color = {"specular": square.colors[model], "sampler": EDGE}
+        if model == "Banks":
+            out += pixel_textures.banks(*scene, **color)
+        elif model == "Blinn-Phong":
+            out += pixel_textures.blinn_phong(*scene, gated=True, **color)
+        else:
+            # Where p < 1/4 and so S(p) > 2, far from these highlights, E(m, d) is dark: more codes for the rest.
+            out += pixel_textures.ward(*scene, largest_s=2.0, **color)
+        colors = {"color": square.diffuse, "ambient": square.ambient}
+        out += pixel_textures.diffuse(*scene, sampler=EDGE, **colors)
+    return tuple(out)
+
+
 _SOFTWARE = "float64 throughout; the texels' model is shown texel for pixel"
 _BYTE = "float64 until its picture is stored in bytes: a step's uniform error, 0.29/255, and no more"
 _THE_MODEL = "the combiners compute the printed model; a texel lies under each pixel's centre"
@@ -165,7 +185,13 @@ _VECTORS = (
     "material textures of bytes, read at 16 bits; divided by alpha they have coarser steps; measured at the "
     "first correct picture, with a third of slack"
 )
+_TABLES = "a function's texels are joined linearly; measured, with a third of slack"
+_CODES = (
+    "every texture, product and copy is rounded to a byte once; measured at the first correct picture, with "
+    "a third of slack"
+)
 IN_COMBINERS = "register combiners; Banks and Ward in software, as in the paper"
+BY_PIXEL_TEXTURES = "pixel textures"
 ON_THE_FUTURE_BOARD = "combiners with square root, division, exponential"
 # RMS from the models by method, on the ideal and on the machine, with the reasons.
 _BOUNDS = {
@@ -182,6 +208,18 @@ _BOUNDS = {
                 "9-bit combiners, vectors of bytes, times four: artefact P9's 0.015-0.018",
             ),
             "Ward": (0.0012, _BYTE),
+        },
+    },
+    BY_PIXEL_TEXTURES: {
+        "ideal": {
+            "Banks": (6e-5, _TABLES),
+            "Blinn-Phong": (0.00015, _TABLES),
+            "Ward": (0.0003, _TABLES),
+        },
+        "machine": {
+            "Banks": (0.0042, _CODES),
+            "Blinn-Phong": (0.0022, _CODES),
+            "Ward": (0.006, _CODES),
         },
     },
     ON_THE_FUTURE_BOARD: {
@@ -338,6 +376,7 @@ FIGURE = Figure(
             # The combiners' storage bounds alpha by 0.25; the ratio stays.
             {"alpha_x": 0.25, "alpha_y": 0.625},
         ),
+        Method(BY_PIXEL_TEXTURES, pixel_textures_scene, ("OCTANE",)),
         Method(ON_THE_FUTURE_BOARD, future_scene, ("FUTURE",)),
     ),
     acceptance=checks,
