@@ -240,7 +240,7 @@ class Marble:
     darkness: np.ndarray
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=8)
 def marble(size, *, cells, width, relief, alpha_x, alpha_y, k_s, light_color, dark_color, seed=11):
     """Light marble with elevated dark veins, ``size`` x ``size`` texels.
 

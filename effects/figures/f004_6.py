@@ -72,7 +72,7 @@ def darkness(figure, renderer, size):
 
 def checks(figure, renderer):
     """The highlight's areas in dark and in light stone, the veins' relief, and the arithmetic."""
-    size, out = 384, []
+    size, out = 256, []
     shade = darkness(figure, renderer, size)
     dark, light, edges = shade > 0.5, shade < 0.35, (shade > 0.35) & (shade < 0.85)
     for on in ("ideal", "machine"):
@@ -158,8 +158,8 @@ FIGURE = Figure(
         **MARBLE,
         "lean": -25.0,
         "light": (-0.5, 0.5, 0.72),
-        "slices": 100,
-        "stacks": 51,
+        "slices": 50,
+        "stacks": 26,
         "radius": 0.92,
         "diffuse": (0.85, 0.85, 0.85),
         "ambient": (0.07, 0.075, 0.085),

@@ -54,6 +54,22 @@ def _camera(panel, pitch, field_of_view, length):
     )
 
 
+def _plane(width, length, repeat):
+    """The plane y = 0 round the origin, its vertices the denser the nearer they are to the eye's place.
+
+    By cubes: the halfway vector turns fastest just below the eye, and is interpolated between vertices.
+    """
+    flat = meshes.plane(16, 24)
+    s, t = (flat.texture_coordinates[:, k] for k in (0, 1))
+    across, along = width * (2.0 * s - 1.0) * (2.0 * s - 1.0) * (2.0 * s - 1.0), length * (t * t * t)
+    surface = replace(
+        flat,
+        positions=np.stack([across, along - length / 2.0, 0.0 * s], axis=-1),
+        texture_coordinates=np.stack([across + width, along], axis=-1) / repeat,
+    )
+    return surface.rotated(rotation("x", -90.0))
+
+
 def _magnified(values, factor):
     """A repeated texture [rows, columns, ...] filtered bilinearly to ``factor`` times its edges."""
     for axis in (0, 1):
@@ -129,8 +145,7 @@ def scene(
     """
     gold = _gold(map_size, bumps, slope, alpha_x, alpha_y, spread, stroke_depth, k_s)
     *panels, last = row_of_panels(len(filtering) + 1, size)
-    surface = meshes.plane(64, 128, width, length / 2.0)
-    surface = surface.with_repeats(2.0 * width / repeat, length / repeat).rotated(rotation("x", -90.0))
+    surface = _plane(width, length, repeat)
     toward = tuple(normalize(np.array(light)))
     out = []
     for panel, name in zip(panels, filtering, strict=True):
