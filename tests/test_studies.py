@@ -3,6 +3,7 @@
 import builtins
 import json
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from effects.studies.study import WIDTH, Column, Table
 from pipeline.profiles import PROFILES
 
 # Studies that take longer than about half a second.
-SLOW = {"P11", "P19", "P32", "P38"}
+SLOW = {"P11", "P19", "P32", "P38", "P40"}
 EVERY = [pytest.param(i, marks=pytest.mark.slow) if i in SLOW else i for i in STUDIES]
 
 
@@ -176,3 +177,8 @@ def test_without_matplotlib_the_table_is_printed_and_the_refusal_says_what_to_in
     assert "pip install 'fixedpipe[plots]'" in result.stderr
     assert (tmp_path / "P9.json").is_file()
     assert not (tmp_path / "P9.png").exists()
+
+
+def test_the_page_of_studies_has_a_line_for_each():
+    page = (Path(__file__).parents[1] / "docs" / "studies.md").read_text()
+    assert re.findall(r"^\| (P\d+) \|", page, re.MULTILINE) == list(STUDIES)

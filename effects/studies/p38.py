@@ -152,8 +152,8 @@ def checks(table):
     (material,) = set(table.column("material textures"))
     grows = min(b - a for a, b in pairwise(rates))
     return (
-        Check(f"least growth of E's miss rate from one depth to the next, to {STEEP:g}, %", grows, ">=", 0.0, "machine",
-              "the catalogue's: it grows with the bumps' roughness; until m is clamped"),
+        Check(f"least growth of E's miss rate between depths up to {STEEP:g}, %", grows, ">=", 0.0, "machine",
+              "the catalogue's: it grows with roughness; here until m is clamped"),
         Check("E's miss rate over the material's, steepest bumps", table.column("E over material")[-1], ">=",
               1.0, "machine", "the catalogue's: dependent lookups are irregular; a smooth surface has 0.0"),
         Check("E's miss rate over the material's, smooth surface", table.column("E over material")[0], "<=",
