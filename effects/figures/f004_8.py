@@ -7,7 +7,9 @@ import numpy as np
 from effects import (
     anisotropic_blinn_phong,
     brdfs,
+    dependent_lookups,
     diffuse_bump,
+    dot_product_lookups,
     evaluate_then_interpolate,
     future_board,
     height_fields,
@@ -18,7 +20,7 @@ from effects import (
 from effects.encode import encode_factor
 from effects.figures.figure import BACKGROUND, DARK, Check, Figure, Method
 from effects.figures.measures import pixel_grid, root_mean_square
-from effects.passes import EDGE, show
+from effects.passes import ADD, LATER_PASS, draw, show
 from effects.vectors import normalize
 from effects.views import Light, Panel, orthographic_view, row_of_panels
 
@@ -26,6 +28,8 @@ from effects.views import Light, Panel, orthographic_view, row_of_panels
 VIEW = np.array([0.0, 0.0, 1.0])
 # From left to right.
 MODELS = ("Banks", "Blinn-Phong", "Ward")
+# Up to which 1/sqrt(p) the tables of Ward's model go: no pebble is so steep that it takes more.
+LARGEST_S = 2.0
 _MATERIAL = ("map_size", "bumps", "depth", "alpha_x", "alpha_y", "spread", "stroke_depth", "k_s")
 
 
@@ -75,7 +79,7 @@ class _Square:
         """The commands that clear the panels."""
         return tuple(panel.clear(self.background) for panel in self.panels)
 
-    def diffuse_pass(self, normal_map, panel):
+    def diffuse_pass(self, normal_map, panel, **settings):
         """K10 by register combiners on a panel."""
         return diffuse_bump.diffuse_pass(
             self.surface,
@@ -85,6 +89,7 @@ class _Square:
             self.profile,
             color=self.diffuse,
             ambient=self.ambient,
+            **settings,
         )
 
 
@@ -145,6 +150,56 @@ def combiners_scene(profile, size, **parameters):
     )
 
 
+def texture_shaders_scene(profile, size, **parameters):
+    """Banks and Blinn-Phong by dot products that look a table up, Ward by parameters on the screen (K01)."""
+    square = _square(profile, size, **parameters)
+    left, middle, right = square.panels
+    banks_loading, banks = dot_product_lookups.load_banks(square.material, "Banks", profile)
+    blinn_phong_loading, blinn_phong = dot_product_lookups.load_blinn_phong(
+        square.material, "Blinn-Phong", profile
+    )
+    ward_loading, ward = dependent_lookups.load(square.material, "Ward", profile)
+    maps_loading, names = material_textures.load(square.material, "brushed bumps", profile)
+
+    def specular_pass(passes, loaded, panel, model, **options):
+        view, color = orthographic_view(panel), square.colors[model]
+        return passes(square.surface, loaded, view, square.light, profile, specular=color, **options)
+
+    return (
+        *square.cleared,
+        *banks_loading,
+        *blinn_phong_loading,
+        *ward_loading,
+        *dependent_lookups.load_ward_functions(profile, largest_s=LARGEST_S),
+        dependent_lookups.load_screen(right),
+        maps_loading[0],
+        *square.diffuse_pass(names.normal, left),
+        *specular_pass(dot_product_lookups.banks_pass, banks, left, "Banks"),
+        *square.diffuse_pass(names.normal, middle),
+        *specular_pass(dot_product_lookups.blinn_phong_pass, blinn_phong, middle, "Blinn-Phong"),
+        *specular_pass(dependent_lookups.ward_passes, ward, right, "Ward", largest_s=LARGEST_S),
+        *square.diffuse_pass(names.normal, right, depth_test=LATER_PASS, blending=ADD),
+    )
+
+
+def pixel_textures_scene(profile, size, **parameters):
+    """All three by pixel textures (K15); the diffuse pass by the color matrix, added afterwards."""
+    square = _square(profile, size, **parameters)
+    passes = (
+        (pixel_textures.banks, {}),
+        (pixel_textures.blinn_phong, {"gated": True}),
+        (pixel_textures.ward, {"largest_s": LARGEST_S}),
+    )
+    out = [*square.cleared]
+    ambient = square.surface.mesh(colors=np.tile(square.ambient, (len(square.surface.positions), 1)))
+    for panel, model, (specular_passes, options) in zip(square.panels, MODELS, passes, strict=True):
+        drawn = square.surface, square.material, orthographic_view(panel), square.light, profile
+        out += specular_passes(*drawn, specular=square.colors[model], **options)
+        out += pixel_textures.diffuse(*drawn, color=square.diffuse)
+        out.append(draw("plus ambient", ambient, drawn[2], None, depth_test=None, blending=ADD))
+    return tuple(out)
+
+
 def future_scene(profile, size, **parameters):
     """All three by combiners that take square roots, divide and exponentiate (K17)."""
     square = _square(profile, size, **parameters)
@@ -159,25 +214,6 @@ def future_scene(profile, size, **parameters):
     return tuple(out)
 
 
-def pixel_textures_scene(profile, size, **parameters):
-    """All three by the color matrix and pixel textures (K15); the diffuse pass is added to each."""
-    square = _square(profile, size, **parameters)
-    out = [*square.cleared]
-    for panel, model in zip(square.panels, MODELS, strict=True):
-        scene = square.surface, square.material, orthographic_view(panel), square.light, profile
-        color = {"specular": square.colors[model], "sampler": EDGE}
-        if model == "Banks":
-            out += pixel_textures.banks(*scene, **color)
-        elif model == "Blinn-Phong":
-            out += pixel_textures.blinn_phong(*scene, gated=True, **color)
-        else:
-            # Where p < 1/4 and so S(p) > 2, far from these highlights, E(m, d) is dark: more codes for the rest.
-            out += pixel_textures.ward(*scene, largest_s=2.0, **color)
-        colors = {"color": square.diffuse, "ambient": square.ambient}
-        out += pixel_textures.diffuse(*scene, sampler=EDGE, **colors)
-    return tuple(out)
-
-
 _SOFTWARE = "float64 throughout; the texels' model is shown texel for pixel"
 _BYTE = "float64 until its picture is stored in bytes: a step's uniform error, 0.29/255, and no more"
 _THE_MODEL = "the combiners compute the printed model; a texel lies under each pixel's centre"
@@ -185,12 +221,17 @@ _VECTORS = (
     "material textures of bytes, read at 16 bits; divided by alpha they have coarser steps; measured at the "
     "first correct picture, with a third of slack"
 )
-_TABLES = "a function's texels are joined linearly; measured, with a third of slack"
-_CODES = (
-    "every texture, product and copy is rounded to a byte once; measured at the first correct picture, with "
-    "a third of slack"
+_TABLES = "tables of 256 texels, linear between them; measured at the first correct picture, a third of slack"
+_BYTES = (
+    "vectors, tables and parameters on the screen are bytes; measured at the first correct picture, a third "
+    "of slack"
+)
+_PASSES = (
+    "a byte is stored by each of several passes, of products and not of vectors; measured at the first "
+    "correct picture, a third of slack"
 )
 IN_COMBINERS = "register combiners; Banks and Ward in software, as in the paper"
+BY_TEXTURE_SHADERS = "texture shaders: dot products and dependent lookups"
 BY_PIXEL_TEXTURES = "pixel textures"
 ON_THE_FUTURE_BOARD = "combiners with square root, division, exponential"
 # RMS from the models by method, on the ideal and on the machine, with the reasons.
@@ -210,17 +251,13 @@ _BOUNDS = {
             "Ward": (0.0012, _BYTE),
         },
     },
+    BY_TEXTURE_SHADERS: {
+        "ideal": {"Banks": (6e-5, _TABLES), "Blinn-Phong": (2.2e-4, _TABLES), "Ward": (1.2e-3, _TABLES)},
+        "machine": {"Banks": (0.0055, _BYTES), "Blinn-Phong": (0.0097, _BYTES), "Ward": (0.0114, _BYTES)},
+    },
     BY_PIXEL_TEXTURES: {
-        "ideal": {
-            "Banks": (6e-5, _TABLES),
-            "Blinn-Phong": (0.00015, _TABLES),
-            "Ward": (0.0003, _TABLES),
-        },
-        "machine": {
-            "Banks": (0.0042, _CODES),
-            "Blinn-Phong": (0.0022, _CODES),
-            "Ward": (0.006, _CODES),
-        },
+        "ideal": {"Banks": (6e-5, _TABLES), "Blinn-Phong": (1.5e-4, _TABLES), "Ward": (2.8e-4, _TABLES)},
+        "machine": {"Banks": (0.0042, _PASSES), "Blinn-Phong": (0.0023, _PASSES), "Ward": (0.006, _PASSES)},
     },
     ON_THE_FUTURE_BOARD: {
         "ideal": {
@@ -376,6 +413,7 @@ FIGURE = Figure(
             # The combiners' storage bounds alpha by 0.25; the ratio stays.
             {"alpha_x": 0.25, "alpha_y": 0.625},
         ),
+        Method(BY_TEXTURE_SHADERS, texture_shaders_scene, ("GEFORCE_3", "NV2A")),
         Method(BY_PIXEL_TEXTURES, pixel_textures_scene, ("OCTANE",)),
         Method(ON_THE_FUTURE_BOARD, future_scene, ("FUTURE",)),
     ),
