@@ -30,7 +30,7 @@ from functools import lru_cache
 import numpy as np
 
 from effects.encode import encode_rgba
-from effects.material_textures import SMALLEST_ALPHA, STORAGE_SCALE, MaterialNames
+from effects.material_textures import LARGEST_EXPONENT, SMALLEST_ALPHA, STORAGE_SCALE, MaterialNames
 from effects.vectors import cross, dot, normalize
 from pipeline.commands import TexImage
 from pipeline.textures import Texture, texture_2d
@@ -370,7 +370,7 @@ def _texture(images):
 
 def load(levels, name, profile, exponent=2.0):
     """Commands that load material textures with all ``levels``, and their names: ``material_textures.load``
-    for more than one.
+    for more than one. ``exponent``: N, the same at every level, as it is not fitted.
     """
     names = MaterialNames(f"{name} n", f"{name} t/ax", f"{name} b/ay")
     pictures = (
@@ -383,7 +383,7 @@ def load(levels, name, profile, exponent=2.0):
         (
             names.binormal,
             "binormal / (4 alpha_y)",
-            [(STORAGE_SCALE * v.scaled_binormals, exponent / 128.0) for v in levels],
+            [(STORAGE_SCALE * v.scaled_binormals, exponent / LARGEST_EXPONENT) for v in levels],
         ),
     )
     commands = tuple(
