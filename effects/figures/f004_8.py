@@ -20,7 +20,7 @@ from effects import (
 from effects.encode import encode_factor
 from effects.figures.figure import BACKGROUND, DARK, Check, Figure, Method
 from effects.figures.measures import pixel_grid, root_mean_square
-from effects.passes import ADD, LATER_PASS, draw, show
+from effects.passes import ADD, LATER_PASS, show
 from effects.vectors import normalize
 from effects.views import Light, Panel, orthographic_view, row_of_panels
 
@@ -191,12 +191,10 @@ def pixel_textures_scene(profile, size, **parameters):
         (pixel_textures.ward, {"largest_s": LARGEST_S}),
     )
     out = [*square.cleared]
-    ambient = square.surface.mesh(colors=np.tile(square.ambient, (len(square.surface.positions), 1)))
     for panel, model, (specular_passes, options) in zip(square.panels, MODELS, passes, strict=True):
         drawn = square.surface, square.material, orthographic_view(panel), square.light, profile
         out += specular_passes(*drawn, specular=square.colors[model], **options)
-        out += pixel_textures.diffuse(*drawn, color=square.diffuse)
-        out.append(draw("plus ambient", ambient, drawn[2], None, depth_test=None, blending=ADD))
+        out += pixel_textures.diffuse(*drawn, color=square.diffuse, ambient=square.ambient)
     return tuple(out)
 
 
