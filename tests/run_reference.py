@@ -3,6 +3,8 @@
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 
+import numpy as np
+
 from pipeline import vertex
 from pipeline.commands import (
     Accum,
@@ -14,11 +16,12 @@ from pipeline.commands import (
     CopyTexSubImage,
     Draw,
     DrawPixels,
+    HostStep,
     MakeCurrent,
     ReadPixels,
     TexImage,
 )
-from pipeline.enums import ColorBuffer, PixelCopyType, WindowOrigin
+from pipeline.enums import ColorBuffer, PixelCopyType, TextureTarget, WindowOrigin
 from pipeline.raster_position import vertex_of
 from tests.reference import (
     accumulation,
@@ -98,8 +101,10 @@ def _run(frame, command, profile):
             accumulation.accumulate(frame.sums(), read.color, written.color, command, size, 255, bits)
         case DrawPixels() | CopyPixels() | Bitmap():
             _run_rectangle(frame, command, profile)
-        case TexImage():
+        case TexImage(pixels=None):
             textures[command.texture] = render.plain_texture(command.image)
+        case TexImage():
+            textures[command.texture] = _texture_of_pixels(command, profile)
         case Draw():
             primitives = vertex.process(command.mesh, command.state, profile, target.width, target.height)
             written = frame.buffer(command.state.draw_buffer)
@@ -129,6 +134,9 @@ def _run(frame, command, profile):
         case ReadPixels():
             size, target = _size(frame, command), frame.buffer(command.read_buffer)
             frame.pixels[command.name] = transfer.read_pixels(target, command, profile, *size)
+        case HostStep():
+            for issued in command.commands({name: _as_read(frame, name) for name in command.reads}):
+                _run(frame, issued, profile)
         case MakeCurrent(surface=None):
             frame.current = frame.target
         case MakeCurrent():
@@ -144,6 +152,30 @@ def _run(frame, command, profile):
                 internal_format=command.internal_format,
                 levels=[[rows if command.origin == WindowOrigin.UPPER_LEFT else rows[::-1]]],
             )
+
+
+def _as_read(frame, name):
+    """What a ReadPixels of bytes gives to a host: an array."""
+    return np.array(frame.pixels[name], np.uint8)
+
+
+def _texture_of_pixels(command, profile):
+    """A TexImage1D or TexImage2D of one level, from an image of colours that goes through pixel transfer."""
+    most = {"uint8": 255.0, "uint16": 65535.0, "uint32": 4294967295.0}
+    values, state = command.pixels.values, command.transfer
+    largest = most.get(values.dtype.name, 1.0)
+    image = [
+        [
+            pixel_transfer.pixel_of([v / largest for v in _listed(group)], command.pixels.format)
+            for group in row
+        ]
+        for row in values.tolist()
+    ]
+    dimensions = 1 if command.target == TextureTarget.TEXTURE_1D else 2
+    image = pixel_transfer.transfer(image, state, dimensions, profile.clamps_color_matrix, None, None)
+    store, internal_format = texel_formats.store_texel, command.internal_format
+    texels = [[store(group, internal_format, floats=True) for group in row] for row in image]
+    return SimpleNamespace(target=command.target, internal_format=internal_format, levels=[[texels]])
 
 
 def _run_rectangle(frame, command, profile):
