@@ -65,14 +65,18 @@ def test_without_arguments_it_says_what_to_do_next():
 
 def test_help_names_every_subcommand():
     result = run("--help")
-    for name in ("figures", "passes", "bump", "combiners", "profiles", "conformance"):
+    for name in ("figures", "passes", "bump", "combiners", "precision", "study", "profiles", "conformance"):
         assert name in result.stdout
         assert run(name, "--help").exit_code == 0
 
 
 @pytest.mark.parametrize(
     "arguments",
-    [["--help"], *([name, "--help"] for name in ("figures", "bump", "conformance", "combiners")), []],
+    [
+        ["--help"],
+        *([name, "--help"] for name in ("figures", "bump", "conformance", "combiners", "study")),
+        [],
+    ],
 )
 def test_help_imports_no_array_library_and_no_compiler(arguments):
     code = (

@@ -12,9 +12,13 @@ from PIL import Image
 
 from effects.cli import main
 from effects.figures import Check
-from effects.studies import STUDIES
+from effects.studies import STUDIES, p11, p38, traffic
+from effects.studies.drawing import strip
 from effects.studies.study import WIDTH, Column, Table
+from pipeline.commands import CopyPixels, Draw, TexImage
 from pipeline.profiles import PROFILES
+from pipeline.state import PassState, TextureUnit
+from pipeline.textures import texture_2d
 
 # Studies that take longer than about half a second.
 SLOW = {"P11", "P19", "P32", "P38", "P40"}
@@ -98,6 +102,55 @@ def test_a_printed_table_has_its_units_under_the_headings():
         "a            1.2       3\n"
         "long name      -      12"
     )
+
+
+# ---------------------------------------------------------------------------- what studies measure with
+
+
+def test_a_cache_drops_the_line_that_was_not_used_for_the_longest_time():
+    held = p38.CACHE_BYTES // p38.LINE_BYTES
+    assert p38.misses([0, 1, 0, 1]) == 2
+    assert p38.misses([*range(held), *range(held)]) == held
+    assert p38.misses([*range(held + 1), *range(held + 1)]) == 2 * (held + 1)
+    # Line 0 is used again before the last one comes: 1 goes, 0 stays.
+    assert p38.misses([*range(held), 0, held, 0]) == held + 1
+    assert p38.misses([*range(held), 0, held, 1]) == held + 2
+
+
+def test_a_filter_reads_the_lines_of_its_four_texels():
+    # Blocks of 4 x 2 texels of four bytes: 4 blocks in a row of 16 texels.
+    inside, corner = np.array([1.5, 4.0]) / 16, np.array([1.0, 2.0]) / 16
+    assert p38.lines_of(inside, corner, 16, 16, 4).tolist() == [0, 0, 0, 0, 0, 1, 4, 5]
+    # At the textures' edges all four are the last texel.
+    edge = np.array([1.0])
+    assert p38.lines_of(edge, edge, 16, 16, 4).tolist() == [31, 31, 31, 31]
+
+
+def test_steps_of_blocks_lie_at_their_borders():
+    blocks = np.arange(4.0).repeat(8)[None, :].repeat(4, axis=0)
+    assert p11.blockiness(blocks, 4) == 100.0
+    ramp = np.arange(32.0)[None, :].repeat(4, axis=0)
+    assert p11.blockiness(ramp, 4) == pytest.approx(100.0 * 3 / 31)
+
+
+def test_traffic_tells_what_changed_from_what_the_board_keeps():
+    def frame(green, textures):
+        colors = np.full((4, 3), green)
+        state = PassState(texture_units=(TextureUnit("a"),))
+        loads = [
+            TexImage(label=name, texture=name, image=texture_2d(np.full((2, 2, 4), value, np.uint8)))
+            for name, value in textures.items()
+        ]
+        draw = Draw(label="draw", mesh=strip(1, colors[:1], np.zeros((1, 2))), state=state)
+        return (*loads, draw, CopyPixels(label="copy", width=3, height=2))
+
+    counted = traffic.counted(frame(0.25, {"a": 1, "b": 2}), frame(0.5, {"a": 1, "b": 3}))
+    # Texture a, four positions of two floats and as many texture coordinates stay.
+    assert counted["kept"] == 16 + 2 * 4 * 2 * 4
+    assert (counted["loaded"], counted["loads"]) == (16, 1)
+    assert counted["vertices"] == 4 * 4
+    assert (counted["copied"], counted["copies"]) == (2 * 3 * 2 * 4, 1)
+    assert counted["passes"] == 1
 
 
 # --------------------------------------------------------------------------------------- the command line
