@@ -150,6 +150,33 @@ def test_every_operation_equals_the_specification(name, filtered):
         assert_equal_to_reference(commands, NV2A, 16 << seed)
 
 
+HILO_SIGNS = [SignedComponents(), SignedComponents(green=True, alpha=True), SignedComponents(green=True)]
+
+
+@pytest.mark.parametrize("profile", [NV2A, GEFORCE_3], ids=lambda p: p.name)
+@pytest.mark.parametrize("signed", HILO_SIGNS)
+@pytest.mark.parametrize(
+    "mapping", [DotProductMapping.UNSIGNED_HILO, DotProductMapping.SIGNED_HILO_HEMISPHERE]
+)
+def test_words_of_sixteen_bits_are_filtered_as_the_specification_filters_them(mapping, signed, profile):
+    for seed in range(3):
+        random = np.random.default_rng(seed)
+        commands = list(frame(*CHAINS["plane"], random, TextureFilter.LINEAR))
+        image = texture_of_words(random.integers(0, 1 << 32, (4, 4)), TexelWord.R16B16)
+        draw = commands[-1]
+        units, stages = draw.state.texture_units, draw.state.texture_shader
+        first = replace(
+            units[0], texture="words", sampler=replace(units[0].sampler, signed_components=signed)
+        )
+        state = replace(
+            draw.state,
+            texture_units=(first, *units[1:]),
+            texture_shader=tuple(replace(stage, dot_product_mapping=mapping) for stage in stages),
+        )
+        words = TexImage(label="words", texture="words", image=image)
+        assert_equal_to_reference((*commands[:-3], words, replace(draw, state=state)), profile, 64)
+
+
 @pytest.mark.parametrize("filtered", [TextureFilter.NEAREST, TextureFilter.LINEAR])
 @pytest.mark.parametrize("mode", list(TextureCompareMode)[1:])
 @pytest.mark.parametrize("kind", [TexelWord.Y16_FIXED, TexelWord.Y16_FLOAT, TexelWord.X8_Y24_FIXED])
