@@ -6,8 +6,9 @@ BIN := .venv/bin
 READY := .venv/.ready
 OUT ?= out
 # Tests run in a process per processor (eight at most: each has every kernel in memory). A process that has none left
-# takes half of those that another has before it, so a file's tests stay together, with what they share, and none
-# waits at the end. `make test WORKERS=` runs them in one process, one after the other.
+# takes half of those that another has before it, so most of a file's tests stay together, with what they share.
+# Measured with two processes: 2 % longer than if the work were shared out evenly; by whole files, 28 %.
+# `make test WORKERS=` runs them in one process, one after the other.
 WORKERS ?= --numprocesses auto --maxprocesses 8 --dist worksteal
 CAPTURES := $(abspath ../shared/silicon/golden/results)
 ifneq ($(wildcard $(CAPTURES)),)
