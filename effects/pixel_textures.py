@@ -231,7 +231,18 @@ def _colored(color):
 # -------------------------------------------------------------------------------------------- models
 
 
-def banks(surface, material, view, light, profile, *, specular=(1.0, 1.0, 1.0), bits=8, sampler=REPEATED):
+def banks(
+    surface,
+    material,
+    view,
+    light,
+    profile,
+    *,
+    specular=(1.0, 1.0, 1.0),
+    bits=8,
+    sampler=REPEATED,
+    exponent=1.0,
+):
     """K03: k_s (n.l)+ (R((v.t)^2) R((l.t)^2) - (v.t)(l.t))+ with R(s) = sqrt(1 - s) looked up twice.
 
     The product (v.t)(l.t) has a sign and framebuffers have none: its halves (v.t l.t)+ and (-v.t l.t)+ are
@@ -248,6 +259,9 @@ def banks(surface, material, view, light, profile, *, specular=(1.0, 1.0, 1.0), 
         RGB in [0, 1], by which k_s is multiplied.
     bits
         8 or 12: of the textures.
+    exponent
+        To which the bracket is raised, positive: 1 as the paper prints, or Banks's own (erratum E004.2), by a
+        lookup and so a copy more.
 
     Raises ValueError where the vectors change over the surface.
     """
@@ -258,6 +272,13 @@ def banks(surface, material, view, light, profile, *, specular=(1.0, 1.0, 1.0), 
         return [dot_with(vector, sign) for sign in order]
 
     drawn = {"surface": surface, "view": view, "sampler": sampler}
+    raised = ()
+    if exponent != 1.0:
+        table = sampled(lambda b: b**exponent, ROOT_TEXELS, profile=profile, bits=bits)
+        raised = (
+            TexImage(label=f"load b^{exponent:g}", texture="power", image=table),
+            looked_up(f"look up the bracket's power {exponent:g}", view, "power", FROM_RED),
+        )
     return (
         TexImage(
             label="load R(s) = sqrt(1 - s)",
@@ -301,6 +322,7 @@ def banks(surface, material, view, light, profile, *, specular=(1.0, 1.0, 1.0), 
             "look up R((l.t)^2), times red", view, "R", FROM_ALPHA, mask=RED, blending=MULTIPLY_DESTINATION
         ),
         copied("R R - (v.t l.t)+ + (-v.t l.t)+", view, ((1.0, -1.0, 1.0, 0.0),) * 3, profile, mask=RGBA),
+        *raised,
         *_times_normal_light(material, toward_light, profile, bits, **drawn),
         *_times_gloss(material.k_s, specular, profile, bits, **drawn),
     )

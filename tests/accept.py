@@ -100,7 +100,9 @@ def problem(figure, machine, golden):
     spent = time.perf_counter() - began
     if different:
         return f"{different} values differ from the specification at {width}x{height}"
-    print(f"{figure.id}: {machine} and the specification agree in every value, {width}x{height} ({spent:.0f} s)")
+    print(
+        f"{figure.id}: {machine} and the specification agree in every value, {width}x{height} ({spent:.0f} s)"
+    )
     return None
 
 

@@ -166,6 +166,18 @@ def test_a_large_factor_of_ward_s_model_is_taken_back():
     assert root_mean_square(error) * 255 <= 3.4
 
 
+def test_banks_s_bracket_is_raised_to_its_exponent_by_one_copy_more():
+    m, exponent = material(), 6.0
+    commands = drawn("banks", m, OCTANE, exponent=exponent)
+    assert sum(isinstance(c, CopyPixels) for c in commands) == 5
+    true = brdfs.banks(LIGHT, VIEW, m.normals, m.tangents, m.k_s, exponent)
+    error = on_octane(commands)[..., 0] - true
+    # The bracket's codes, 0.52 off before, times the power's slope of up to 6.
+    assert root_mean_square(error) * 255 <= 6 * BOUNDS["banks", 8][0]
+    ideal = execute_ideal(drawn("banks", m, IDEAL, exponent=exponent), SIZE, SIZE).color[::-1, :, 0]
+    assert np.abs(ideal - true).max() <= 6 * 5e-4
+
+
 def test_what_one_color_matrix_cannot_hold_is_refused():
     m, light = material(), Light(tuple(LIGHT))
     view = orthographic_view(PANEL)
