@@ -247,8 +247,8 @@ _COMBINERS = {
 }
 _SHADERS = {
     "reference": ("tests/reference/texture_shader.py",),
-    "implementation": ("raster/texture_shader.py", "raster/wide_shader.py"),
-    "tests": ("tests/test_texture_shader.py",),
+    "implementation": ("raster/texture_shader.py", "raster/wide_shader.py", "pipeline/ideal_shader.py"),
+    "tests": ("tests/test_texture_shader.py", "tests/test_ideal_shader.py"),
 }
 _VERTICES = {
     "reference": ("tests/reference/vertex.py",),

@@ -172,8 +172,8 @@ _BOUNDS = {
         ),
         "area": (
             0.04,
-            "h.t/ax is off by 0.0076 (RMS) by the byte of t/ax alone, and half of the peak lies at 0.21 where "
-            "N is 32: pixels of the outline move both ways",
+            "h.t/ax is off by 0.0076 (RMS) by the byte of t/ax alone, and half of the peak lies at 0.21 "
+            "where N is 32: pixels of the outline move both ways",
         ),
         "arithmetic": (0.01, "bytes of t/ax, b/ay and h, nine-bit combiners"),
     },
