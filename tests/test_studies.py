@@ -83,6 +83,18 @@ def test_a_study_s_table_fits_the_terminal_and_its_findings_have_numbers(study_i
     json.dumps(table.records(), allow_nan=False)
 
 
+OTHERS = [(study.id, key) for study in STUDIES.values() for key in study.machines[1:]]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("study_id", "machine"), OTHERS)
+def test_a_study_is_measured_on_every_machine_it_names(study_id, machine):
+    study = STUDIES[study_id]
+    table = study.measure(PROFILES[machine])
+    assert max(map(len, table.text().splitlines())) <= WIDTH
+    assert all(re.search(r"\d", sentence) for sentence in study.findings(table))
+
+
 @pytest.mark.parametrize("study_id", STUDIES)
 def test_a_study_names_machines_there_are_and_one_sentence_as_its_question(study_id):
     study = STUDIES[study_id]

@@ -133,7 +133,7 @@ STUDY = Study(
     ),
     source="KautzSeidel2000",
     techniques=("K07",),
-    machines=("GEFORCE_256", "GEFORCE_3", "NV2A"),
+    machines=("GEFORCE_256", "GEFORCE_3", "NV2A", "FUTURE"),
     measure=measure,
     findings=findings,
     checks=checks,
