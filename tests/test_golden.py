@@ -1,6 +1,7 @@
 """Figures keep their bits; a digest is accepted only with the specification's and a person's agreement."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from PIL import Image
 
 from effects.figures import FIGURES
 from pipeline.golden import digest, from_text
+from pipeline.profiles import FUTURE
 from tests import accept
 
 # Each figure on each of its machines; those that draw it as another does take minutes together.
@@ -44,6 +46,15 @@ SPECIFIED = [
 @pytest.mark.parametrize(("figure_id", "machine"), SPECIFIED)
 def test_a_small_picture_of_a_figure_equals_the_specification(figure_id, machine):
     assert accept.differences_from_reference(FIGURES[figure_id], machine, size=24) == 0
+
+
+def test_a_picture_of_a_wider_machine_is_held_against_the_ideal():
+    figure = FIGURES["F004-2"]
+    assert accept.error_from_ideal(figure, "FUTURE", size=24) <= accept.FROM_IDEAL / 2
+    dimmer = replace(FUTURE, combiner_range=0.98)  # no register reaches one
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(accept, "PROFILES", {"FUTURE": dimmer})
+        assert accept.error_from_ideal(figure, "FUTURE", size=24) > accept.FROM_IDEAL
 
 
 def test_a_digest_depends_on_every_bit_and_on_the_shape():
