@@ -24,9 +24,9 @@ from pipeline.profiles import PROFILES
 from tests.run_reference import run_reference
 
 REFERENCE_SIZE = 32  # edge of a panel, pixels: plain Python takes a minute for ten thousand triangles
-# RMS of (machine - ideal), 1.0 = full intensity, that a picture of a wider machine may have where every number
-# has 16 bits, of the same stored textures and vertices. Measured: 0.0005 at most (F004-3); with the machine's own
-# bytes in textures and framebuffer it is 0.001 to 0.005, where smaller faults would hide.
+# RMS of (machine - ideal), 1.0 = full intensity, that a picture of a wider machine may have where every
+# number has 16 bits, of the same stored textures and vertices. Measured: 0.0005 at most (F004-3); with the
+# machine's own bytes in textures and framebuffer it is 0.001 to 0.005, where smaller faults would hide.
 FROM_IDEAL = 1 / 1024
 GOLDEN = Path(__file__).parent / "golden"
 PICTURES = Path(__file__).parents[1] / "out" / "accept"
@@ -74,8 +74,8 @@ def differences_from_reference(figure, machine, size=REFERENCE_SIZE):
 
 
 def error_from_ideal(figure, machine, size=REFERENCE_SIZE):
-    """RMS of (machine - ideal) of a small picture, both of the same stored textures and vertices, with 16 bits
-    everywhere: what is left is the order and the rounding of the arithmetic.
+    """RMS of (machine - ideal) of a small picture, both of the same stored textures and vertices, with 16
+    bits everywhere: what is left is the order and the rounding of the arithmetic.
     """
     wide = dict.fromkeys(("combiner_bits", "texture_bits", "framebuffer_bits"), 16)
     return measure(figure, PROFILES[machine].with_precision(**wide), size, figure.method(machine)).shown
@@ -102,8 +102,8 @@ def problem(figure, machine, golden):
         return None
     width, height = figure.dimensions(REFERENCE_SIZE)
     if not is_specified(machine):
-        error = error_from_ideal(figure, machine)
-        print(f"{figure.id}: RMS from the ideal on {machine}, 16 bits, {width}x{height}: {error:.5f}.")
+        error, widened = error_from_ideal(figure, machine), f"{machine} with 16 bits"
+        print(f"{figure.id}: RMS from the ideal on {widened} at {width}x{height}: {error:.5f}.")
         return None if error <= FROM_IDEAL else f"that is more than {FROM_IDEAL}"
     began = time.perf_counter()
     different = differences_from_reference(figure, machine)
