@@ -61,9 +61,19 @@ def coordinates(pixels):
 
 
 def blinn_phong(
-    surface, names, view, light, profile, *, specular=(1.0, 1.0, 1.0), sampler=REPEATED, stage=None
+    surface,
+    names,
+    view,
+    light,
+    profile,
+    *,
+    specular=(1.0, 1.0, 1.0),
+    sampler=REPEATED,
+    with_exponent=True,
+    stage=None,
 ):
-    """K05: k_s F(N, e), which replaces what the polygon covers; a diffuse pass is added afterwards.
+    """K05: k_s F(N, e), which replaces what the polygon covers; a diffuse pass is added afterwards. K06,
+    where not ``with_exponent``: k_s sqrt(e).
 
     Parameters
     ----------
@@ -76,15 +86,19 @@ def blinn_phong(
     stage
         None; or "coordinates" or "lookup": draw the pixels (s, t) that are looked up, or F(N, e), and end.
     """
-    panel, table = view.panel, pixel_textures.power_table(profile)
+    panel, tables = view.panel, (pixel_textures.root_table, pixel_textures.power_table)
+    table = tables[with_exponent](profile)
     name = f"e, N from ({panel.x}, {panel.y}) on"
     vectors = encode_vertex_color(half_vectors(surface, view, light), profile)
-    marked = PassState(stencil_test=MARKED)
+    marked, function = PassState(stencil_test=MARKED), "F(N, e)" if with_exponent else "sqrt(e)"
 
     def looked_up(pixels):
         found, label = coordinates(pixels[name]), "s = log2(N)/7, t = e"
+        if not with_exponent:
+            found[..., 0] = pixels[name][..., 0]
+            label = "s = e"
         if stage != "coordinates":
-            found, label = software_pixel_texture.look_up(found, table), "F(N, e)"
+            found, label = software_pixel_texture.look_up(found, table), function
         return (software_pixel_texture.drawn(label, found, x=panel.x, y=panel.y, state=marked),)
 
     gloss = draw(
@@ -107,6 +121,6 @@ def blinn_phong(
             stencil_test=MARK,
         ),
         software_pixel_texture.read_back(name, x=panel.x, y=panel.y, width=panel.width, height=panel.height),
-        HostStep(label="the host: look up F(N, e)", reads=(name,), commands=looked_up),
+        HostStep(label=f"the host: look up {function}", reads=(name,), commands=looked_up),
         *(() if stage else (gloss,)),
     )

@@ -46,9 +46,8 @@ from pipeline.state import (
     TextureUnit,
 )
 
-ONE_MINUS = Blending(
-    BlendFactor.ONE, BlendFactor.ONE, BlendEquation.FUNC_SUBTRACT
-)  # white minus what is there
+# What is drawn minus what is there.
+SUBTRACT = Blending(BlendFactor.ONE, BlendFactor.ONE, BlendEquation.FUNC_SUBTRACT)
 RED = ColorMask(green=False, blue=False, alpha=False)
 GREEN = ColorMask(red=False, blue=False, alpha=False)
 BLUE = ColorMask(red=False, green=False, alpha=False)
@@ -356,6 +355,11 @@ def power_table(profile, bits=8):
     return sampled(power, EXPONENT_TEXELS, BASE_TEXELS, profile=profile, bits=bits)
 
 
+def root_table(profile, bits=8):
+    """The texture of sqrt(e), F(N, e) at N = 1 (K06)."""
+    return sampled(np.sqrt, ROOT_TEXELS, profile=profile, bits=bits)
+
+
 def blinn_phong(
     surface,
     material,
@@ -399,9 +403,7 @@ def blinn_phong(
             looked_up("look up F(N, e)", view, "F", FROM_RED, FROM_GREEN),
         )
     else:
-        table = TexImage(
-            label="load sqrt(e)", texture="F", image=sampled(np.sqrt, ROOT_TEXELS, profile=profile, bits=bits)
-        )
+        table = TexImage(label="load sqrt(e)", texture="F", image=root_table(profile, bits))
         lookup = (looked_up("look up sqrt(e)", view, "F", FROM_GREEN),)
     gate = ()
     if gated:
@@ -417,7 +419,7 @@ def blinn_phong(
         polygon("(h.t/ax)^2", texture="(h.t)^2", first=True, **drawn),
         load_squares("load b/ay through h: (h.b/ay)^2", "(h.b)^2", scaled_b, half, profile, bits),
         polygon("plus (h.b/ay)^2", texture="(h.b)^2", mask=RGB, blending=ADD, **drawn),
-        polygon("e: one minus it", mask=RGB, blending=ONE_MINUS, **drawn),
+        polygon("e: one minus it", mask=RGB, blending=SUBTRACT, **drawn),
         *lookup,
         *shaded,
     )
@@ -468,7 +470,8 @@ def ward(
     matrix. S is stored over ``largest_s``, m over ``largest_m``; beyond they are clamped. The third copy
     takes ``largest_s`` back but for a factor of 2, which leaves room for S(p) (n.l)+; the next texture has
     that factor, divided by its largest value where it exceeds one, and a fourth copy then takes that back.
-    Two copies are lookups. The smaller ``largest_s``, the more codes S has: 2 is enough for p >= 1/4.
+    Two copies are lookups. The smaller ``largest_s``, the more codes S has: 2 is enough for p >= 1/4. A bump
+    that faces away from the eye, which cannot be seen, counts as p = 0.
 
     The other parameters are those of ``banks``. Raises ValueError likewise.
     """

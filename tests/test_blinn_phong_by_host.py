@@ -59,3 +59,13 @@ def test_coordinates_are_the_codes_of_n_and_e():
     assert (found[..., 3] == 255).all()
     exact = blinn_phong_by_host.coordinates(pixels / 255.0)
     assert np.abs(exact - found / 255.0).max() < 0.003
+
+
+def test_without_the_exponent_the_host_looks_up_the_root():
+    m = material()
+    half = brdfs.half_vector(LIGHT, VIEW)
+    lobe = half, m.tangents, m.binormals, np.maximum(m.alpha_x, 0.25), m.alpha_y
+    scene = meshes.plane(), m, orthographic_view(PANEL), Light(tuple(LIGHT))
+    ideal = execute_ideal(commands(IDEAL, *scene, with_exponent=False), SIZE, SIZE).color[::-1, :, 0]
+    # Within half of one of 2048 texels of e = 0 the root is that of zero.
+    assert np.abs(ideal - brdfs.anisotropic_blinn_phong(*lobe, m.k_s, 1.0)).max() <= np.sqrt(0.5 / 2048)

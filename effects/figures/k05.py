@@ -6,6 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from effects import (
+    blinn_phong_by_host,
     brdfs,
     dependent_lookups,
     diffuse_bump,
@@ -76,6 +77,25 @@ def pixel_textures_scene(
             *scene, specular=specular, with_exponent=with_exponent, sampler=EDGE
         )
         out += pixel_textures.diffuse(*scene, color=diffuse, ambient=ambient, sampler=EDGE)
+    return tuple(out)
+
+
+def host_scene(profile, size, *, light, extent, diffuse, ambient, specular, background, **material):
+    """Either by register combiners and the host's lookup; the diffuse pass is added."""
+    panels, made = row_of_panels(2, size), domes(**material)
+    surface, toward = meshes.plane(1, 1, extent, extent), Light(light)
+    loading, names = material_textures.load(made, "domes", profile)
+    out = [*(panel.clear(background) for panel in panels), *loading]
+    for panel, with_exponent in zip(panels, (False, True), strict=True):
+        view = orthographic_view(panel)
+        out += blinn_phong_by_host.blinn_phong(
+            surface, names, view, toward, profile,
+            specular=specular, with_exponent=with_exponent, sampler=EDGE,
+        )  # fmt: skip
+        out += diffuse_bump.diffuse_pass(
+            surface, names.normal, view, toward, profile, color=diffuse, ambient=ambient,
+            depth_test=LATER_PASS, blending=ADD, sampler=EDGE,
+        )  # fmt: skip
     return tuple(out)
 
 
@@ -177,6 +197,12 @@ _BOUNDS = {
         ),
         "arithmetic": (0.01, "bytes of t/ax, b/ay and h, nine-bit combiners"),
     },
+    "register combiners, lookups by the host": {
+        "K06": (0.0145, "9-bit combiners, vectors of bytes, times four: artefact P9; the root is steep"),
+        "K05": (0.0083, "as K06; the larger N, the smaller the highlight"),
+        "area": (0.04, "as with texture shaders: pixels of the outline move both ways"),
+        "arithmetic": (0.0105, "bytes of t/ax, b/ay and h, nine-bit combiners"),
+    },
     "pixel textures": {
         "K06": (0.002, "squares in bytes, of float products: half a byte each, and the root is steep"),
         "K05": (0.0045, "as K06, and e has 256 steps, which N multiplies by up to 64"),
@@ -219,6 +245,7 @@ FIGURE = Figure(
     methods=(
         Method("texture shaders", texture_shaders_scene, ("GEFORCE_3", "NV2A")),
         Method("pixel textures", pixel_textures_scene, ("OCTANE",)),
+        Method("register combiners, lookups by the host", host_scene, ("GEFORCE_256",)),
     ),
     acceptance=checks,
 )
