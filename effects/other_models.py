@@ -503,7 +503,7 @@ def _load_signed(label, name, vectors, vector, profile):
 
 def _after_copies(material, view, profile, surface, toward_light, *, specular, color, ambient, lit=False):
     """What follows a model's value: times (n.l)+ if ``lit``, times k_s, plus the diffuse reflection."""
-    ones, drawn = np.ones(material.k_s.shape), {"surface": surface, "view": view}
+    everywhere, drawn = np.ones((1, 1)), {"surface": surface, "view": view}
     cosine = ()
     if lit:
         rows = [dot_with(toward_light)] * 4
@@ -519,7 +519,9 @@ def _after_copies(material, view, profile, surface, toward_light, *, specular, c
         polygon("times k_s", texture="k_s", mask=RGB, blending=MULTIPLY_DESTINATION, **drawn),
         load_products("load n through l: diffuse reflection", "diffuse", material.normals, diffuse, profile),
         polygon("plus the diffuse reflection", texture="diffuse", mask=RGB, blending=ADD, **drawn),
-        load_products("load the ambient", "ambient", ones, [(c, 0, 0, 0) for c in (*ambient, 1)], profile),
+        load_products(
+            "load the ambient", "ambient", everywhere, [(c, 0, 0, 0) for c in (*ambient, 1)], profile
+        ),
         polygon("plus the ambient", texture="ambient", mask=RGB, blending=ADD, **drawn),
     )
 
