@@ -110,6 +110,8 @@ def _numbers_problem(transfer):
 
 
 def _maps_problem(maps, profile):
+    if maps is INITIAL_TRANSFER.maps:
+        return None
     for name in maps.__dataclass_fields__:
         table, most = getattr(maps, name), profile.max_pixel_map_table
         if not 1 <= len(table) <= most:

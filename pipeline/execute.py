@@ -5,12 +5,13 @@ and runs all that waits on each (``raster.frame``); what those kernels do not co
 (``raster.draw``), Draw after Draw.
 """
 
+import math
 import os
 import threading
 import weakref
 from collections import Counter, deque
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from numbers import Integral
 
 import numpy as np
@@ -345,7 +346,10 @@ class Machine:
                     self._flush()
                     waiting = self._after_host(command, pixels, waiting)
                 else:
-                    self._flush()
+                    if kind is TexImage:  # reads no framebuffer; what waits holds the textures that it reads
+                        queue.outlive(self.textures.get(command.texture))
+                    else:
+                        self._flush()
                     self._transfer(command, pixels)
                 if trace:
                     self._flush()
@@ -671,6 +675,14 @@ class _Queue:
         fill_clear(self._job(target)[None], 0, *box, buffers, *words)
         self._area += (box[2] - box[0]) * (box[3] - box[1])
 
+    def outlive(self, texture):
+        """``texture`` is about to be replaced, and lives on in what waits: drawn when that is too much."""
+        if texture is None or not self._draws:
+            return
+        self._size += sum(level.nbytes for level in texture.levels)
+        if self._size > _MOST_BYTES:
+            self.flush()
+
     def _into(self, target):
         """What waits is drawn where it goes to another of the window's colour buffers."""
         if self._target is not None and self._target is not target:
@@ -722,14 +734,25 @@ def _recorded(draw, framebuffer, batch):
     if draw.area == 0:
         return _fragments(_NO_RECORD)
     recording, buffers = np.empty((1 << 16, 4), np.int32), _buffers(framebuffer)
-    saved = [buffer.copy() for buffer in buffers]
+    fits = _most_fragments(draw.primitives) <= len(recording)
+    saved = () if fits else [buffer.copy() for buffer in buffers]
     count = draw.bands(0, 1, batch, buffers, recording)
-    if count > len(recording):  # it did not fit: once more, from the same framebuffer
+    if not fits and count > len(recording):  # it did not fit: once more, from the same framebuffer
         for buffer, before in zip(buffers, saved, strict=True):
             buffer[:] = before
         recording = np.empty((count, 4), np.int32)
         draw.bands(0, 1, batch, buffers, recording)
     return _fragments(recording[:count])
+
+
+def _most_fragments(primitives):
+    """A bound of how many fragments primitives make: what their bounding boxes hold, a pixel wider."""
+    p = primitives
+    if len(p.strokes) or not p.orderly:
+        return math.inf
+    vertices = p.triangles[:, :3]
+    wide, high = (np.ptp(column[vertices].astype(np.float64), axis=1) / 16.0 + 2.0 for column in (p.x, p.y))
+    return float((wide * high).sum())
 
 
 def _fragments(rows):
@@ -786,7 +809,7 @@ def covered_pixels(primitives, state, profile, width, height):
         window_clip=state.window_clip,
         color_mask=ColorMask(False, False, False, False),
     )
-    framebuffer = Framebuffer.new(width, height)
+    framebuffer = _unwritten(width, height)
     packed = pack.pack(plain, profile, framebuffer, {}, uncolored)
     prepared = _prepare(framebuffer, uncolored, packed, {})
     return _recorded(prepared, framebuffer, BATCH), prepared.dropped
@@ -799,8 +822,19 @@ def rasterize(primitives, polygon, scissor, width, height):
     checked again. ``polygon``: a PolygonState; ``scissor``: a Scissor or None; ``width``, ``height`` of the
     framebuffer, pixels.
     """
-    nothing = ColorMask(False, False, False, False)
-    state = PassState(polygon=replace(polygon, offset_fill=False), scissor=scissor, color_mask=nothing)
-    framebuffer = Framebuffer.new(width, height)
+    state, framebuffer = _coverage_state(polygon, scissor), _unwritten(width, height)
     packed = pack.pack(state, GEFORCE_256, framebuffer, {}, primitives)
     return _recorded(_prepare(framebuffer, primitives, packed, {}), framebuffer, BATCH)
+
+
+@lru_cache(maxsize=64)
+def _coverage_state(polygon, scissor):
+    """A state that draws nothing, made once: rows are packed once for it as well."""
+    nothing = ColorMask(False, False, False, False)
+    return PassState(polygon=replace(polygon, offset_fill=False), scissor=scissor, color_mask=nothing)
+
+
+@lru_cache(maxsize=2)
+def _unwritten(width, height):
+    """A framebuffer for states that write nothing."""
+    return Framebuffer.new(width, height)

@@ -1143,7 +1143,10 @@ def _draw(command, buffers, textures, width, height, depth_bits, record, threads
                     z[part] = z[part] if outcome.depth is None else outcome.depth
         return 0
 
-    threads.run(share)
+    if len(triangle) <= _CHUNK:
+        share(0)  # waking the others costs more than a few hundred fragments
+    else:
+        threads.run(share)
     pixel = y.astype(np.int64) * width + x
     if not alive.all():
         pixel, color, z = pixel[alive], color[alive], z[alive]

@@ -174,7 +174,7 @@ def _from_color_table(groups, transfer, profile, statistics, dimensions):
         groups = _convolved(groups, kernel)
         groups = arithmetic.scaled(groups, transfer.post_convolution_scale, transfer.post_convolution_bias)
     groups = looked_up(groups, transfer.post_convolution_color_table, profile)
-    groups = arithmetic.transformed(groups, transfer.color_matrix)
+    groups = _transformed(groups, transfer.color_matrix)
     groups = arithmetic.scaled(groups, transfer.post_color_matrix_scale, transfer.post_color_matrix_bias)
     if profile.clamps_color_matrix:
         groups = np.clip(groups, 0.0, 1.0)
@@ -190,9 +190,33 @@ def _from_color_table(groups, transfer, profile, statistics, dimensions):
     return groups
 
 
+def _transformed(groups, matrix):
+    """Color Matrix Transformation. Rows that are one object, a dot product for all components, are computed
+    once.
+    """
+    if all(row is matrix[0] for row in matrix):
+        return np.repeat(arithmetic.transformed(groups, matrix[:1]), 4, -1)
+    return arithmetic.transformed(groups, matrix)
+
+
+# Entries as they are stored, by the table's identity and their bits: a frame may send thousands of small
+# images through one table. A table is held for as long as it is remembered; all are forgotten when there are
+# so many.
+_stored_tables = {}
+_MOST_TABLES = 64
+
+
 def table_entries(table, profile):
-    """A ColorTable's entries as a machine stores them, float64 [n, 4]; exactly on an exact one."""
-    return arithmetic.stored_entries(table.entries, None if profile.exact else table.bits)
+    """A ColorTable's entries as a machine stores them, float64 [n, 4], not to be written to; exactly on an
+    exact one.
+    """
+    key = id(table), None if profile.exact else table.bits
+    found = _stored_tables.get(key)
+    if found is None:
+        if len(_stored_tables) >= _MOST_TABLES:
+            _stored_tables.clear()
+        found = _stored_tables[key] = table, arithmetic.stored_entries(table.entries, key[1])
+    return found[1]
 
 
 def looked_up(groups, table, profile):

@@ -76,10 +76,11 @@ from pipeline.enums import (
 from pipeline.framebuffer import DEPTH_READABLE_AS, READ_FORMATS, READABLE_AS
 from pipeline.pack import WITHOUT_TEXTURE, shader_stages
 from pipeline.pixel_rectangles import kind_of
-from pipeline.pixel_transfer import PixelTransfer
+from pipeline.pixel_transfer import PixelMaps, PixelTransfer
 from pipeline.raster_position import vertex_of
 from pipeline.sampling import probes_problem, shadow_problem
 from pipeline.state import (
+    ColorTable,
     Light,
     Lighting,
     Material,
@@ -132,7 +133,7 @@ class _Remembered(dict):
 
 
 # Parts that many states share, because dataclasses.replace keeps them.
-_SHARED_PARTS = (VertexState, TextureUnit, RegisterCombiners, PixelTransfer)
+_SHARED_PARTS = (VertexState, TextureUnit, RegisterCombiners, PixelTransfer, PixelMaps, ColorTable)
 
 
 # ------------------------------------------------------------------------------- types of state fields
