@@ -9,17 +9,30 @@ from effects import (
     evaluate_then_interpolate,
     future_board,
     height_fields,
+    imaging_subset,
     material_textures,
     meshes,
 )
 from effects.encode import encode_factor
-from effects.figures.figure import BACKGROUND, COMBINER_MACHINES, DARK, Check, Figure, Method
+from effects.figures.figure import (
+    BACKGROUND,
+    COMBINER_MACHINES,
+    DARK,
+    IMAGING_MACHINES,
+    Check,
+    Figure,
+    Method,
+)
 from effects.figures.measures import pixel_grid, root_mean_square
 from effects.passes import show
 from effects.vectors import normalize
 from effects.views import Light, orthographic_view, row_of_panels
+from pipeline.commands import DrawPixels
+from pipeline.pixel_transfer import PixelImage
+from pipeline.state import RasterPosition
 
 EVALUATED_FIRST = "evaluation before filtering"
+SQUARED_FIRST = "imaging subset"
 # The halfway vector of the catalogue's ring measurements: tilted 24 degrees towards +x.
 RING_HALF = normalize(np.array([0.45, 0.0, 1.0]))
 
@@ -29,38 +42,77 @@ def _dome_material(map_size, alpha_x, alpha_y):
     return material_textures.from_slopes(*height_fields.dome_slopes(s, t), alpha_x, alpha_y)
 
 
-def scene(
-    profile, size, *, map_size, alpha_x, alpha_y, domes, extent, diffuse, ambient, specular, background
-):
-    """F004-2: left the float reference (K16) shown as a picture, right the register combiners (K10, K07)."""
-    left, right = row_of_panels(2, size)
-    material = _dome_material(map_size, alpha_x, alpha_y)
-    toward_light = normalize(2.0 * RING_HALF[2] * RING_HALF - np.array([0.0, 0.0, 1.0]))
-    light = Light(tuple(toward_light))
-
+def _reference(size, material, toward_light, domes, extent, diffuse, ambient, specular, background):
+    """K16's picture, evaluated at the texels and interpolated afterwards: float64 [size, size, 3]."""
     x, y = pixel_grid(size, extent)
     s, t = (x + 1.0) * (0.5 * domes), (y + 1.0) * (0.5 * domes)
     lit = evaluate_then_interpolate.diffuse(material, toward_light, s, t)[..., None] * np.array(diffuse)
     highlight = evaluate_then_interpolate.specular(material, RING_HALF, s, t)[..., None] * np.array(specular)
     covered = (np.maximum(np.abs(x), np.abs(y)) < 1.0)[..., None]
-    picture = encode_factor(
-        np.clip(np.where(covered, (lit + np.array(ambient)) + highlight, np.array(background)), 0.0, 1.0),
-        profile,
-    )
+    return np.clip(np.where(covered, (lit + np.array(ambient)) + highlight, np.array(background)), 0.0, 1.0)
 
+
+def _lit_domes(size, *, map_size, alpha_x, alpha_y, domes, extent, diffuse, ambient, specular, background):
+    """The material, the surface, the light and the reference's picture."""
+    material = _dome_material(map_size, alpha_x, alpha_y)
+    toward_light = normalize(2.0 * RING_HALF[2] * RING_HALF - np.array([0.0, 0.0, 1.0]))
     surface = meshes.plane(1, 1, extent, extent).with_repeats(domes, domes)
+    picture = _reference(size, material, toward_light, domes, extent, diffuse, ambient, specular, background)
+    return material, surface, Light(tuple(toward_light)), picture
+
+
+def scene(profile, size, **parameters):
+    """F004-2: left the float reference (K16) shown as a picture, right the register combiners (K10, K07)."""
+    left, right = row_of_panels(2, size)
+    material, surface, light, picture = _lit_domes(size, **parameters)
     view = orthographic_view(right)
     loading, names = material_textures.load(material, "domes", profile)
     return (
-        left.clear(background),
-        right.clear(background),
-        *show(picture, left, "software renderer's image", meshes.plane()),
+        left.clear(parameters["background"]),
+        right.clear(parameters["background"]),
+        *show(encode_factor(picture, profile), left, "software renderer's image", meshes.plane()),
         *loading,
         *diffuse_bump.diffuse_pass(
-            surface, names.normal, view, light, profile, color=diffuse, ambient=ambient
+            surface,
+            names.normal,
+            view,
+            light,
+            profile,
+            color=parameters["diffuse"],
+            ambient=parameters["ambient"],
         ),
         *anisotropic_blinn_phong.specular_pass(
-            surface, names, view, light, profile, specular=specular, gated=False
+            surface, names, view, light, profile, specular=parameters["specular"], gated=False
+        ),
+    )
+
+
+def imaging_scene(profile, size, **parameters):
+    """The same with the imaging subset on the right (K08): one flat polygon, one load of each material
+    image.
+    """
+    left, right = row_of_panels(2, size)
+    material, surface, light, picture = _lit_domes(size, **parameters)
+    return (
+        left.clear(parameters["background"]),
+        right.clear(parameters["background"]),
+        DrawPixels(
+            label="show software renderer's image",
+            image=PixelImage(encode_factor(picture, profile), "RGB"),
+            position=RasterPosition((float(left.x), float(left.y), 0.0, 1.0), window=True),
+        ),
+        *imaging_subset.commands(
+            surface,
+            material,
+            orthographic_view(right),
+            light,
+            profile,
+            color=parameters["diffuse"],
+            ambient=parameters["ambient"],
+            specular=parameters["specular"],
+            gated=False,
+            name="domes",
+            triangles_per_polygon=2,
         ),
     )
 
@@ -100,6 +152,8 @@ def checks(figure, renderer):
     """The rings' energies, their brightness, and that they come from interpolation and not from 8 bits."""
     if renderer.method.name == EVALUATED_FIRST:
         return _checks_evaluated_first(figure, renderer)
+    if renderer.method.name == SQUARED_FIRST:
+        return _checks_squared_first(figure, renderer)
     size, out = 512, []
     for map_size, (expected, software_bound) in _CATALOGUED.items():
         parameters = {**_HIGHLIGHT_ONLY, **_ROUND, "map_size": map_size}
@@ -198,20 +252,54 @@ def _checks_evaluated_first(figure, renderer):
     return tuple(out)
 
 
+def _checks_squared_first(figure, renderer):
+    """No rings either where squares are made of texels and interpolated, and no vector is."""
+    size, out = 512, []
+    darker = "(.)+ is convex: of interpolated squares it is never more than interpolated (.)+"
+    bounds = {"ideal": (1e-9, darker), "machine": (0.5 / 255.0, f"{darker}; half a byte for rounding")}
+    for map_size, (_, software_bound) in _CATALOGUED.items():
+        parameters = {**_HIGHLIGHT_ONLY, **_ROUND, "map_size": map_size}
+        for on, (bound, reason) in bounds.items():
+            image = getattr(renderer, on)(figure, size, **parameters)[..., 0]
+            _, software_peak = ring_energy(image[:, :size], map_size, 0.25, 0.25)
+            energy, peak = ring_energy(image[:, size:], map_size, 0.25, 0.25)
+            what = f"{map_size}x{map_size} maps"
+            out += [
+                Check(
+                    f"ring energy of the passes, {what}",
+                    energy,
+                    "<=",
+                    1.1 * software_bound,
+                    on,
+                    "the catalogue's energy of evaluate-then-interpolate, with 10 % for its one digit",
+                ),
+                Check(
+                    f"brightest ring pixel over the software renderer's, {what}",
+                    peak - software_peak,
+                    "<=",
+                    bound,
+                    on,
+                    reason,
+                ),
+            ]
+    return tuple(out)
+
+
 FIGURE = Figure(
     id="F004-2",
     title="Rings from interpolating tangents before they are used",
     caption=(
         "Domes with a crease at their rim, in the anisotropic Blinn-Phong model. Left: evaluated at the "
         "texels and interpolated afterwards, in float. Right: register combiners, which interpolate "
-        "tangents and binormals first."
+        "tangents and binormals first; on a machine with the imaging subset, squares that were made while a "
+        "texture was loaded."
     ),
     must_see=(
         "The highlights on the domes are alike left and right; only on the right do bright rings follow "
-        "the rims on the side of the light."
+        "the rims on the side of the light, and only with register combiners."
     ),
     source="KautzSeidel2000",
-    techniques=("K07", "K10", "K16"),
+    techniques=("K07", "K08", "K10", "K16"),
     columns=2,
     parameters={
         "map_size": 64,
@@ -227,6 +315,7 @@ FIGURE = Figure(
     methods=(
         Method("register combiners", scene, tuple(key for key in COMBINER_MACHINES if key != "FUTURE")),
         Method(EVALUATED_FIRST, scene_evaluated_first, ("FUTURE",)),
+        Method(SQUARED_FIRST, imaging_scene, IMAGING_MACHINES),
     ),
     acceptance=checks,
 )

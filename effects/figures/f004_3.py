@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from effects import anisotropic_blinn_phong, diffuse_bump, material_textures, meshes
-from effects.figures.figure import BACKGROUND, COMBINER_MACHINES, Check, Figure, Method
+from effects import anisotropic_blinn_phong, diffuse_bump, imaging_subset, material_textures, meshes
+from effects.figures.figure import BACKGROUND, COMBINER_MACHINES, IMAGING_MACHINES, Check, Figure, Method
 from effects.figures.measures import pixel_grid
 from effects.matrices import rotate, rotation
 from effects.views import Light, perspective_view, row_of_panels
@@ -26,27 +26,54 @@ def scratched_square(seed, count):
     )
 
 
+def _panels(size, elevation, extent):
+    """(panel, view, light) of the three pictures: light from +x, from +y, from the top."""
+    low = rotate(rotation("y", 90.0 - elevation), np.array([0.0, 0.0, 1.0]))
+    lights = (
+        Light((float(low[0]), 0.0, float(low[2]))),
+        Light((0.0, float(low[0]), float(low[2]))),
+        Light((0.0, 0.0, 1.0)),
+    )
+    angle = 2.0 * math.degrees(math.atan(0.2 / extent))
+    for panel, light in zip(row_of_panels(3, size), lights, strict=True):
+        yield panel, perspective_view(panel, (0.0, 0.0, 5.0), field_of_view=angle), light
+
+
 def scene(profile, size, *, seed, count, elevation, extent, diffuse, ambient, specular, background):
     """F004-3: one square, three lights: from +x, from +y, from the top."""
-    panels = row_of_panels(3, size)
     loading, names = material_textures.load(scratched_square(seed, count).material, "scratches", profile)
-    low = rotate(rotation("y", 90.0 - elevation), np.array([0.0, 0.0, 1.0]))
-    lights = {
-        "+x": Light((float(low[0]), 0.0, float(low[2]))),
-        "+y": Light((0.0, float(low[0]), float(low[2]))),
-        "top": Light((0.0, 0.0, 1.0)),
-    }
     surface, out = meshes.plane(), list(loading)
-    for panel, light in zip(panels, lights.values(), strict=True):
-        view = perspective_view(
-            panel, (0.0, 0.0, 5.0), field_of_view=2.0 * math.degrees(math.atan(0.2 / extent))
-        )
+    for panel, view, light in _panels(size, elevation, extent):
         out += (
             panel.clear(background),
             *diffuse_bump.diffuse_pass(
                 surface, names.normal, view, light, profile, color=diffuse, ambient=ambient
             ),
             *anisotropic_blinn_phong.specular_pass(surface, names, view, light, profile, specular=specular),
+        )
+    return tuple(out)
+
+
+def imaging_scene(profile, size, *, seed, count, elevation, extent, diffuse, ambient, specular, background):
+    """The same with the imaging subset (K08): the square is one polygon, and each of the three has one
+    halfway vector.
+    """
+    material, surface, out = scratched_square(seed, count).material, meshes.plane(), []
+    for panel, view, light in _panels(size, elevation, extent):
+        out += (
+            panel.clear(background),
+            *imaging_subset.commands(
+                surface,
+                material,
+                view,
+                light,
+                profile,
+                color=diffuse,
+                ambient=ambient,
+                specular=specular,
+                name="scratches",
+                triangles_per_polygon=2,
+            ),
         )
     return tuple(out)
 
@@ -109,7 +136,7 @@ FIGURE = Figure(
         "both sets are."
     ),
     source="KautzSeidel2000",
-    techniques=("K07", "K10", "K21"),
+    techniques=("K07", "K08", "K10", "K21"),
     columns=3,
     parameters={
         "seed": 7,
@@ -121,6 +148,9 @@ FIGURE = Figure(
         "specular": (1.0, 0.97, 0.90),
         "background": BACKGROUND,
     },
-    methods=(Method("register combiners", scene, COMBINER_MACHINES),),
+    methods=(
+        Method("register combiners", scene, COMBINER_MACHINES),
+        Method("imaging subset", imaging_scene, IMAGING_MACHINES),
+    ),
     acceptance=checks,
 )
