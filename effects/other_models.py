@@ -264,8 +264,8 @@ def load(material, name, profile, coefficients):
 def _hilo(normals):
     """Normals [h, w, 3] with positive z as a HILO texture: x in alpha and red, y in green and blue.
 
-    Bytes leave n.l and n.v off by about 1/300, which c = 2 (n.l)(n.v) - l.v doubles and N multiplies. Measured
-    on the domes of figure K24: an RMS from Phong's model of 0.023 with bytes, 0.0034 with words.
+    Bytes leave n.l and n.v off by about 1/300, which c = 2 (n.l)(n.v) - l.v doubles and N multiplies.
+    Measured on the domes of figure K24: an RMS from Phong's model of 0.023 with bytes, 0.0034 with words.
     """
     x, y = (np.floor(32767.0 * normals[..., k] + 0.5).astype(np.int64) & 0xFFFF for k in (0, 1))
     texels = np.stack([x & 255, y >> 8, y & 255, x >> 8], axis=-1).astype(np.uint8)
