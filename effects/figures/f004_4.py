@@ -143,8 +143,8 @@ def checks(figure, renderer):
             "ideal",
             "the catalogue's acceptance; smooth brushing and 200 slices, so that only Eq. 1 is measured"
             if smooth
-            else "the catalogue's acceptance, for smooth brushing; on the figure's own flat triangles, as 40000 "
-            "loads take minutes",
+            else "the catalogue's acceptance, for smooth brushing; on the figure's own flat triangles, as "
+            "40000 take minutes to load",
         )
     )
     return tuple(out)
