@@ -152,8 +152,8 @@ FIGURE = Figure(
     parameters={
         "single_pass": False,
         "model": brdfs.banks,
-        "slices": 100,
-        "stacks": 50,
+        "slices": 50,
+        "stacks": 26,
         "map_columns": 512,
         "map_rows": 256,
         "spread": 8.0,

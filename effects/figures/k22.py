@@ -107,9 +107,9 @@ def checks(figure, renderer):
 
     bounds = {
         "ideal": (
-            0.001,
-            0.001,
-            "vertex colours are quadratic in h and interpolated over 1/32 of the square; measured at the "
+            0.0034,
+            0.0034,
+            "vertex colours are quadratic in h and interpolated over 1/16 of the square; measured at the "
             "first correct picture, with at most a third of slack",
         ),
         "machine": (
@@ -187,7 +187,7 @@ FIGURE = Figure(
         "joint": 0.1,
         "light": (-0.23, 0.23, 0.6),
         "extent": 0.92,
-        "subdivisions": 32,
+        "subdivisions": 16,
         "diffuse": (0.16, 0.19, 0.22),
         "ambient": (0.03, 0.035, 0.04),
         "specular": (0.82, 0.80, 0.74),
