@@ -24,19 +24,17 @@ from functools import lru_cache
 import numpy as np
 
 from effects import brdfs
+from effects.imaging_subset import SUBTRACT_FROM_SOURCE
 from effects.passes import ADD, EDGE, FIRST_PASS, LATER_PASS, MARK, MARKED, MULTIPLY_DESTINATION, REPEATED
 from effects.sampled_functions import power, sampled, stored_exponent
 from effects.vertex_work import half_vectors, light_vectors, view_vectors
 from pipeline.commands import Clear, CopyPixels, Draw, TexImage
 from pipeline.enums import (
-    BlendEquation,
-    BlendFactor,
     InternalFormat,
     TextureEnvironmentMode,
 )
 from pipeline.pixel_transfer import PixelImage, PixelTransfer
 from pipeline.state import (
-    Blending,
     ColorMask,
     ColorTable,
     PassState,
@@ -46,8 +44,6 @@ from pipeline.state import (
     TextureUnit,
 )
 
-# What is drawn minus what is there.
-SUBTRACT = Blending(BlendFactor.ONE, BlendFactor.ONE, BlendEquation.FUNC_SUBTRACT)
 RED = ColorMask(green=False, blue=False, alpha=False)
 GREEN = ColorMask(red=False, blue=False, alpha=False)
 BLUE = ColorMask(red=False, green=False, alpha=False)
@@ -377,8 +373,9 @@ def blinn_phong(
     """K05: k_s F(N, e) with F(N, e) = (sqrt e)^N looked up, e = 1 - (h.t/ax)^2 - (h.b/ay)^2 and N per texel;
     K06, where not ``with_exponent``: k_s sqrt(e), a one-dimensional lookup.
 
-    e is made in three passes (K08); the image of N, coded as log2(N) / 7, takes its place in red by a color
-    mask, and the lookup reads s from red and t from green. One copy. Alphas below 1/4 are allowed.
+    e is made in three passes, as ``imaging_subset`` makes Eq. 1 (K08). The image of N, coded as log2(N) / 7,
+    takes its place in red by a color mask, and the lookup reads s from red and t from green. One copy. Alphas
+    below 1/4 are allowed.
 
     ``gated``: times min(1, 4 (n.l)+), as ``diffuse_bump`` gates the register combiners' pass. ``stage``:
     None; or "coordinates" or "lookup": end before or after the lookup. The other parameters are those of
@@ -419,7 +416,7 @@ def blinn_phong(
         polygon("(h.t/ax)^2", texture="(h.t)^2", first=True, **drawn),
         load_squares("load b/ay through h: (h.b/ay)^2", "(h.b)^2", scaled_b, half, profile, bits),
         polygon("plus (h.b/ay)^2", texture="(h.b)^2", mask=RGB, blending=ADD, **drawn),
-        polygon("e: one minus it", mask=RGB, blending=SUBTRACT, **drawn),
+        polygon("e: one minus it", mask=RGB, blending=SUBTRACT_FROM_SOURCE, **drawn),
         *lookup,
         *shaded,
     )

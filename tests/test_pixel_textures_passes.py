@@ -102,6 +102,17 @@ def test_a_model_on_the_octane_is_the_float_model_within_codes(name, bits):
     assert np.abs(error).max() <= largest
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2, 22))
+@pytest.mark.parametrize(("name", "bits"), list(BOUNDS))
+def test_a_model_on_the_octane_keeps_its_bounds_on_other_frames(name, bits, seed):
+    m, (most, largest) = material(seed), BOUNDS[name, bits]
+    picture = on_octane(drawn(name, m, OCTANE, bits=bits), bits)
+    error = (picture - np.clip(expected(name, m), 0.0, 1.0)[..., None]) * (2.0**bits - 1.0)
+    assert root_mean_square(error) <= most
+    assert np.abs(error).max() <= 1.5 * largest  # the largest of 1024 differs from material to material
+
+
 # The ideal rounds nothing but the index of the color table, of 2^14 entries: half an entry of d's range of
 # two is 6e-5. Tables' texels are joined linearly, and within half a texel of an end they are constant.
 @pytest.mark.parametrize(
