@@ -19,7 +19,7 @@ from effects.figures import FIGURES
 from pipeline.enums import FogMode
 from pipeline.execute import execute
 from pipeline.pack import fog_thresholds
-from pipeline.profiles import GEFORCE_256
+from pipeline.profiles import GEFORCE_256, PROFILES
 from pipeline.state import Fog
 from raster.sample import POWERS_OF_TWO
 from tests.strategies import frames
@@ -32,9 +32,9 @@ def digest(threads, batch):
     """sha256 over the framebuffers of 60 random frames and every figure, and over the tables."""
     total = hashlib.sha256()
 
-    def add(commands, width, height, depth_bits):
+    def add(commands, profile, width, height, depth_bits):
         framebuffer = execute(
-            commands, GEFORCE_256, width, height, depth_bits=depth_bits, threads=threads, batch=batch
+            commands, profile, width, height, depth_bits=depth_bits, threads=threads, batch=batch
         ).framebuffer
         for buffer in (framebuffer.color, framebuffer.depth, framebuffer.stencil):
             total.update(np.ascontiguousarray(buffer).tobytes())
@@ -45,11 +45,13 @@ def digest(threads, batch):
     )  # fmt: skip
     @given(frames(160, 130), st.sampled_from(GEFORCE_256.depth_bits))
     def random_frames(commands, depth_bits):
-        add(commands, 160, 130, depth_bits)
+        add(commands, GEFORCE_256, 160, 130, depth_bits)
 
     random_frames()
     for figure in FIGURES.values():
-        add(figure.commands(GEFORCE_256, FIGURE_SIZE), *figure.dimensions(FIGURE_SIZE), 24)
+        profile = PROFILES[figure.machines[0]]
+        size = figure.dimensions(FIGURE_SIZE)
+        add(figure.commands(profile, FIGURE_SIZE), profile, *size, profile.widest_depth)
     total.update(POWERS_OF_TWO.tobytes())
     for mode in FogMode:
         total.update(fog_thresholds(Fog(mode, density=0.37, start=1.0, end=7.0)).tobytes())

@@ -48,7 +48,8 @@ def pytest_sessionstart(session):
     if is_cold():
         print("compiling the kernels, once: a minute or two", flush=True)
         bits = [sys.executable, "-m", "tests.bits", "1", "1024"]
-        subprocess.run(bits, cwd=root, stdout=subprocess.DEVNULL, check=True)
+        # Where that fails, the tests that need it will say so.
+        subprocess.run(bits, cwd=root, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
 
 
 def pytest_collection_modifyitems(items):
