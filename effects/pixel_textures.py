@@ -8,6 +8,10 @@ transfer moves the channels that hold the parameters to red and green, which bec
 which becomes q, to one; the texel replaces a channel or is multiplied with it by blending. So every channel,
 alpha too, can hold a parameter.
 
+The paper has pixels read to host memory and drawn again (section 5), which is what DrawPixels needs; the
+extension lets copies do the same, and then nothing leaves the board. ``through_host`` makes the paper's
+commands of these: bit for bit the same picture, four bytes a pixel each way.
+
 The color matrix holds one vector: a directional light, an infinite viewer and a flat surface are needed, as
 the paper says. The stencil buffer marks the polygon's pixels, so that copies of the panel leave others alone.
 The result replaces what the polygon covers; a diffuse pass is added afterwards.
@@ -28,9 +32,10 @@ from effects.imaging_subset import SUBTRACT_FROM_SOURCE
 from effects.passes import ADD, EDGE, FIRST_PASS, LATER_PASS, MARK, MARKED, MULTIPLY_DESTINATION, REPEATED
 from effects.sampled_functions import power, sampled, stored_exponent
 from effects.vertex_work import half_vectors, light_vectors, view_vectors
-from pipeline.commands import Clear, CopyPixels, Draw, TexImage
+from pipeline.commands import Clear, CopyPixels, Draw, DrawPixels, HostStep, ReadPixels, TexImage
 from pipeline.enums import (
     InternalFormat,
+    PixelCopyType,
     TextureEnvironmentMode,
 )
 from pipeline.pixel_transfer import PixelImage, PixelTransfer
@@ -215,6 +220,35 @@ def _copy(label, view, rows, mask, blending, units=(), pixel_texture=None, table
             post_color_matrix_color_table=table,
         ),
         pixel_texture=pixel_texture,
+    )
+
+
+def through_host(commands, type="UNSIGNED_BYTE"):
+    """The commands with every copy of colours made by way of the host's memory: ReadPixels, and DrawPixels of
+    what was read with the copy's pixel transfer and pixel texture.
+
+    ``type``: of ReadPixels; FLOAT keeps a framebuffer's twelve bits.
+    """
+    out = []
+    for number, command in enumerate(commands):
+        out += _by_host(command, f"copy {number}: {command.label}", type) if _copies(command) else (command,)
+    return tuple(out)
+
+
+def _copies(command):
+    return isinstance(command, CopyPixels) and command.type is PixelCopyType.COLOR
+
+
+def _by_host(copy, name, type):
+    box = {"x": copy.x, "y": copy.y, "width": copy.width, "height": copy.height}
+    same = {k: getattr(copy, k) for k in ("label", "state", "position", "zoom", "transfer", "pixel_texture")}
+
+    def drawn(pixels):
+        return (DrawPixels(image=PixelImage(pixels[name]), **same),)
+
+    return (
+        ReadPixels(label="read to host memory", name=name, type=type, read_buffer=copy.read_buffer, **box),
+        HostStep(label=f"the host: {copy.label}", reads=(name,), commands=drawn),
     )
 
 

@@ -177,6 +177,21 @@ def test_a_large_factor_of_ward_s_model_is_taken_back():
     assert root_mean_square(error) * 255 <= 3.4
 
 
+@pytest.mark.parametrize("name", ["banks", "blinn_phong", "ward"])
+def test_copies_by_way_of_the_host_s_memory_draw_the_same_bits(name):
+    m = material()
+    commands = drawn(name, m, OCTANE)
+    by_host = pixel_textures.through_host(commands)
+    assert not any(isinstance(c, CopyPixels) for c in by_host)
+    assert (on_octane(by_host) == on_octane(commands)).all()
+    wide = drawn(name, m, OCTANE, bits=12)
+    floats = pixel_textures.through_host(wide, type="FLOAT")
+    assert (on_octane(floats, 12) == on_octane(wide, 12)).all()
+    ideal = drawn(name, m, IDEAL)
+    pictures = [execute_ideal(c, SIZE, SIZE).color for c in (ideal, pixel_textures.through_host(ideal))]
+    assert (pictures[0] == pictures[1]).all()
+
+
 def test_banks_s_bracket_is_raised_to_its_exponent_by_one_copy_more():
     m, exponent = material(), 6.0
     commands = drawn("banks", m, OCTANE, exponent=exponent)

@@ -124,8 +124,20 @@ def checks(figure, renderer):
             "two parameters and one function: one copy of the panel, or one from the board and one to it",
         )
     )
-    if by_host:
-        width, height = figure.dimensions(size)
+    width, height = figure.dimensions(size)
+    if not by_host:
+        drawn = figure.commands(renderer.profile, size, renderer.method)
+        pictures = [
+            renderer.execute(c, renderer.profile, width, height).framebuffer.color.astype(int)
+            for c in (drawn, pixel_textures.through_host(drawn))
+        ]
+        most = int(np.abs(pictures[1] - pictures[0]).max())
+        reason = (
+            "an extension's copy is its DrawPixels of the same pixels; the paper's route costs time alone"
+        )
+        name = "largest difference where each copy goes through host memory, codes"
+        out.append(Check(name, most, "<=", 0, "machine", reason))
+    else:
         on_octane = figure.commands(OCTANE, size, figure.method("OCTANE"), **changes)
         other = renderer.execute(on_octane, OCTANE, width, height).framebuffer.color[::-1, :, :3] / 255.0
         error = root_mean_square(renderer.machine(figure, size, **changes)[:, size:] - other[:, size:])
