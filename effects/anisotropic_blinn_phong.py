@@ -20,12 +20,10 @@ from effects.material_textures import Material
 from effects.passes import (
     ADD,
     ADD_GATED,
-    AT_MOST_ONE,
     FIRST_PASS,
     INVERT_DESTINATION,
     LATER_PASS,
     NO_ALPHA,
-    ONE,
     OPAQUE,
     REPEATED,
     ZERO,
@@ -38,6 +36,7 @@ from effects.passes import (
 )
 from effects.vectors import from_frame, normalize
 from effects.vertex_work import half_vectors
+from pipeline.commands import Saturate
 from pipeline.enums import CombinerScale, Mapping, Register
 from pipeline.state import (
     CombinerInput,
@@ -114,8 +113,7 @@ def specular_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0,
     """Eq. 1 with one texture unit and one general combiner in a pass: three draws, which replace what the
     framebuffer holds.
 
-    Parameters as of ``specular_pass``. An exact framebuffer, which does not saturate, takes the minimum with
-    white in a pass more.
+    Parameters as of ``specular_pass``.
     """
     mesh = surface.mesh(colors=encode_vertex_color(half_vectors(surface, view, light), profile))
     tangent, binormal = unit(names.tangent, sampler), unit(names.binormal, sampler)
@@ -123,13 +121,11 @@ def specular_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0,
     def later(label, combiners, units, blending):
         return draw(label, mesh, view, combiners, units, depth_test=LATER_PASS, blending=blending)
 
-    white = constant_product(ONE, (1.0, 1.0, 1.0))
-    saturate = (later("at most one", white, (), AT_MOST_ONE),) if profile.exact else ()
     k_s = constant_product(alpha_of(Register.TEXTURE0), specular)
     return (
         draw("(h.t/ax)^2", mesh, view, square_combiners(), (tangent,), depth_test=FIRST_PASS),
         later("add (h.b/ay)^2", square_combiners(), (binormal,), ADD),
-        *saturate,
+        Saturate(label="at most one, as the framebuffer holds it", scissor=view.panel.scissor),
         later("k_s times one minus that", k_s, (tangent,), INVERT_DESTINATION),
     )
 

@@ -44,12 +44,11 @@ from effects.passes import (
     constant_product,
     draw,
     expand,
-    keep_positive,
     opaque,
     unit,
 )
 from effects.vertex_work import light_vectors, view_vectors
-from pipeline.commands import TexImage
+from pipeline.commands import Saturate, TexImage
 from pipeline.enums import BlendEquation, BlendFactor, Mapping, Register
 from pipeline.state import (
     Blending,
@@ -185,8 +184,6 @@ def specular_passes(
     subtract
         Whether a blend equation takes ((v.t)(l.t))+ away (five passes) or two inversions of the framebuffer
         do (seven); None: as the machine's blend equations allow.
-
-    An exact framebuffer falls below zero where bytes end: for an exact profile one pass more says (.)+.
     """
     if subtract is None:
         subtract = BlendEquation.FUNC_REVERSE_SUBTRACT in profile.blend_equations
@@ -217,7 +214,7 @@ def specular_passes(
         later("times 1 - (l.t)^2", lit, _one_minus_square(), (tangent,), MULTIPLY_DESTINATION),
         later("plus (-(v.t)(l.t))+", both, negative, (tangent,), ADD),
         *take_away,
-        *((keep_positive(seen, view),) if profile.exact else ()),
+        Saturate(label="(.)+: the framebuffer does not fall below zero", scissor=view.panel.scissor),
         later("times k_s (n.l)+", lit, _irradiance(specular), (normal, tangent), MULTIPLY_DESTINATION),
     )
 

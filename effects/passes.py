@@ -43,8 +43,6 @@ INVERT_DESTINATION = Blending(BlendFactor.ONE_MINUS_DST_COLOR, BlendFactor.ZERO)
 # (.)+ of the framebuffer. A framebuffer of bytes never falls below zero and would not need it; the exact
 # framebuffer does.
 AT_LEAST_ZERO = Blending(BlendFactor.ONE, BlendFactor.ONE, BlendEquation.MAX)
-# The same at its upper end, with a white source.
-AT_MOST_ONE = Blending(BlendFactor.ONE, BlendFactor.ONE, BlendEquation.MIN)
 
 # The pixels that a polygon covers, for rectangles of pixels that must leave others alone.
 MARK = StencilTest(ComparisonFunction.ALWAYS, reference=1, depth_pass=StencilOperation.REPLACE)

@@ -33,8 +33,6 @@ import numpy as np
 from effects.encode import encode_factor
 from effects.passes import (
     ADD,
-    AT_LEAST_ZERO,
-    AT_MOST_ONE,
     FIRST_PASS,
     INVERT_DESTINATION,
     LATER_PASS,
@@ -43,7 +41,7 @@ from effects.passes import (
     unit,
 )
 from effects.vertex_work import half_vectors
-from pipeline.commands import TexImage
+from pipeline.commands import Saturate, TexImage
 from pipeline.enums import (
     BlendFactor,
     CombineFunction,
@@ -149,6 +147,9 @@ class _Passes:
             )
         )
 
+    def saturate(self, label):
+        self.out.append(Saturate(label=label, scissor=self.view.panel.scissor))
+
     def add_squares(self, names, half, environment, sampler):
         for i, texture in names.squares:
             units = (unit(texture, sampler, environment=environment),)
@@ -163,10 +164,9 @@ class _Passes:
             label = f"2 |m_{_AXES[i]}{_AXES[j]}| ({minus}h_{_AXES[i]} h_{_AXES[j]})+"
             self.add(f"plus {label}", _grey(product), units)
 
-    def finish(self, names, specular, profile, sampler):
-        """k_s (1 - destination); an exact framebuffer, which does not saturate, takes the minimum first."""
-        if profile.exact:
-            self.add("at most one", blending=AT_MOST_ONE)
+    def finish(self, names, specular, sampler):
+        """k_s (1 - destination), of what the framebuffer holds, which is one at most."""
+        self.saturate("at most one")
         colors = np.tile(np.array(specular, np.float64), (len(self.surface.positions), 1))
         units = (unit(names.k_s, sampler, environment=_MODULATE),)
         self.add("k_s times one minus that", colors, units, INVERT_DESTINATION)
@@ -180,7 +180,7 @@ def unsigned_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0,
     """
     passes = _Passes(surface, view)
     passes.add_squares(names, half_vectors(surface, view, light), _MODULATE_BY_FOUR, sampler)
-    return passes.finish(names, specular, profile, sampler)
+    return passes.finish(names, specular, sampler)
 
 
 def signed_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0, 1.0), sampler=REPEATED):
@@ -197,11 +197,10 @@ def signed_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0, 1
     passes.add("one minus that", blending=INVERT_DESTINATION)
     passes.add_crosses(names, half, -1, sampler)
     passes.add("one minus that", blending=INVERT_DESTINATION)
-    if profile.exact:
-        passes.add("keep (.)+", np.zeros((len(surface.positions), 3)), blending=AT_LEAST_ZERO)
+    passes.saturate("(.)+: the framebuffer does not fall below zero")
     for _ in range(2):
         passes.add("twice that", blending=DOUBLE_DESTINATION)
-    return passes.finish(names, specular, profile, sampler)
+    return passes.finish(names, specular, sampler)
 
 
 def diffuse_pass(surface, names, view, light, profile, *, color, ambient=(0.0, 0.0, 0.0), sampler=REPEATED):

@@ -235,6 +235,20 @@ class HostStep:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Saturate:
+    """Says that what follows relies on colours in [0, 1], as a framebuffer of fixed-point numbers holds them.
+
+    On a machine nothing happens: blending clamps what it writes (section 4.1.6). Where blending does not, on
+    the exact machine or one without that clamp, the colours in the scissor box are clamped here. So an
+    algorithm that uses the clamp says where, and its ideal has it there and nowhere else.
+    """
+
+    label: str
+    scissor: Scissor | None = None
+    draw_buffer: ColorBuffer = ColorBuffer.BACK
+
+
+@dataclass(frozen=True, kw_only=True)
 class DrawPixels:
     """DrawPixels (section 3.6.4): each group of ``image`` becomes the fragments of a rectangle of pixels.
 
@@ -368,6 +382,7 @@ Command = (
     | CopyTexSubImage
     | ReadPixels
     | HostStep
+    | Saturate
     | DrawPixels
     | CopyPixels
     | Bitmap

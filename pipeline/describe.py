@@ -24,6 +24,7 @@ from pipeline.commands import (
     ReadPixels,
     ResetHistogram,
     ResetMinmax,
+    Saturate,
     TexImage,
 )
 from pipeline.enums import (
@@ -728,6 +729,10 @@ def _host_step(command):
     return [f"the host reads {names}; the commands that it issues depend on that"]
 
 
+def _saturate(command):
+    return ["colours are in [0, 1] from here on"]
+
+
 def _reset_histogram(command):
     return [f'histogram "{command.name}" becomes empty']
 
@@ -819,6 +824,7 @@ _DESCRIPTIONS = {
     CopyTexSubImage: _copy_tex_sub_image,
     ReadPixels: _read_pixels,
     HostStep: _host_step,
+    Saturate: _saturate,
     Accum: _accum,
     MakeCurrent: _make_current,
     BindTexImage: _bind_tex_image,

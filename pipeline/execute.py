@@ -34,6 +34,7 @@ from pipeline.commands import (
     ReadPixels,
     ResetHistogram,
     ResetMinmax,
+    Saturate,
     TexImage,
 )
 from pipeline.enums import AccumOperation, Clamp, ColorBuffer, TextureTarget
@@ -342,6 +343,11 @@ class Machine:
                     if record:
                         columns = [drawn[:4] for drawn in parts] or [np.zeros((4, 0), np.int32)]
                         records += [Fragments(*(c.astype(np.int32) for c in four)) for four in columns]
+                elif kind is Saturate:
+                    for surface, _ in self._targets(command.draw_buffer):
+                        if not (target := surface.buffer(command.draw_buffer)).is_bytes:
+                            self._flush()
+                            target.saturate(command)
                 elif kind is HostStep:
                     self._flush()
                     waiting = self._after_host(command, pixels, waiting)

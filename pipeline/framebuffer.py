@@ -156,17 +156,20 @@ class Framebuffer:
         """Slices of a window rectangle (origin lower left, y up) in rows from the top."""
         return slice(self.height - y - height, self.height - y), slice(x, x + width)
 
+    def _scissored(self, box):
+        """The scissor box, or None, in device pixels: left, top, right, bottom, half open."""
+        height, width, _ = self.color.shape
+        if box is None:
+            return 0, 0, width, height
+        left, right = max(box.x, 0), min(box.x + box.width, width)
+        top, bottom = max(height - box.y - box.height, 0), min(height - box.y, height)
+        return int(left), int(top), int(max(left, right)), int(max(top, bottom))
+
     def clear_words(self, command):
         """What a Clear (section 4.2.3) writes: (x0, y0, x1, y1) in device pixels, half open; which buffers (1
         colour, 2 depth, 4 stencil); the colour's word and its mask, the depth's word, the stencil's byte and
         its mask. ``command``: a Clear.
         """
-        height, width, _ = self.color.shape
-        left, top, right, bottom = 0, 0, width, height
-        if (box := command.scissor) is not None:
-            left, right = max(box.x, 0), min(box.x + box.width, width)
-            top, bottom = max(height - box.y - box.height, 0), min(height - box.y, height)
-            right, bottom = max(left, right), max(top, bottom)
         buffers, color, color_mask, depth = 0, 0, 0, 0
         if command.color is not None:
             buffers, mask = 1, command.color_mask
@@ -179,8 +182,14 @@ class Framebuffer:
         if command.stencil is not None:
             buffers |= 4
         stencil = 0 if command.stencil is None else int(command.stencil)
-        box = int(left), int(top), int(right), int(bottom)
-        return box, buffers, color, color_mask, depth, stencil, int(command.stencil_write_mask)
+        box, mask = self._scissored(command.scissor), int(command.stencil_write_mask)
+        return box, buffers, color, color_mask, depth, stencil, mask
+
+    def saturate(self, command):
+        """Clamp what the scissor box holds to [0, 1]; bytes always are."""
+        left, top, right, bottom = self._scissored(command.scissor)
+        color = self.color[top:bottom, left:right]
+        np.clip(color, 0, 2**self.color_bits - 1, out=color)
 
     def clear(self, command):
         """Section 4.2.3: through the scissor box and the masks."""

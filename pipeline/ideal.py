@@ -25,6 +25,7 @@ from pipeline.commands import (
     ReadPixels,
     ResetHistogram,
     ResetMinmax,
+    Saturate,
     TexImage,
 )
 from pipeline.enums import (
@@ -1402,6 +1403,10 @@ def execute_ideal(commands, width, height, *, guide=None, depth_bits=None, threa
             read = _read_pixels(command, buffers.buffer(command.read_buffer), guide, statistics)
             if read is not None:
                 pixels[command.name] = read
+        elif isinstance(command, Saturate):
+            written = buffers.buffer(command.draw_buffer)
+            color = written.rows(written.color, *_scissored(command.scissor, written))
+            np.clip(color, 0.0, 1.0, out=color)
         elif isinstance(command, HostStep):
             waiting = deque((*issued_by(command, pixels), *waiting))
             kept = {"read": pixels, "host_step": command.label}

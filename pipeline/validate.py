@@ -44,6 +44,7 @@ from pipeline.commands import (
     ReadPixels,
     ResetHistogram,
     ResetMinmax,
+    Saturate,
     TexImage,
 )
 from pipeline.enums import (
@@ -1025,6 +1026,11 @@ class _Walk:
                 known.add(table.name)
         return (width, height) if deep else transferred_size(width, height, transfer, dimensions)
 
+    def saturate(self, command):
+        self.color_buffer(command.draw_buffer)
+        if command.scissor is not None:
+            self.scissor(command.scissor)
+
     def reset_histogram(self, command):
         self.known_table("histogram", command.name, self.histograms)
 
@@ -1903,6 +1909,7 @@ _HANDLERS = {
     CopyTexSubImage: _Walk.copy_tex_sub_image,
     ReadPixels: _Walk.read_pixels,
     HostStep: _Walk.host_step,
+    Saturate: _Walk.saturate,
     Accum: _Walk.accum,
     DrawPixels: _Walk.draw_pixels,
     CopyPixels: _Walk.copy_pixels,

@@ -19,6 +19,7 @@ from pipeline.commands import (
     HostStep,
     MakeCurrent,
     ReadPixels,
+    Saturate,
     TexImage,
 )
 from pipeline.enums import ColorBuffer, PixelCopyType, TextureTarget, WindowOrigin
@@ -134,6 +135,8 @@ def _run(frame, command, profile):
         case ReadPixels():
             size, target = _size(frame, command), frame.buffer(command.read_buffer)
             frame.pixels[command.name] = transfer.read_pixels(target, command, profile, *size)
+        case Saturate():
+            pass  # bytes are
         case HostStep():
             for issued in command.commands({name: _as_read(frame, name) for name in command.reads}):
                 _run(frame, issued, profile)

@@ -9,10 +9,11 @@ import pytest
 
 from effects.encode import encode_expand, encode_vertex_color
 from pipeline import ideal
-from pipeline.commands import Clear, CopyTexImage, CopyTexSubImage, Draw, Mesh, ReadPixels, TexImage
+from pipeline.commands import Clear, CopyTexImage, CopyTexSubImage, Draw, Mesh, ReadPixels, Saturate, TexImage
 from pipeline.enums import (
     BlendEquation,
     BlendFactor,
+    Clamp,
     CombinerBias,
     CombinerScale,
     ComparisonFunction,
@@ -1133,6 +1134,24 @@ def test_a_viewport_moves_the_picture():
 
 
 # ---------------------------------------------------------------------------------------------- errors
+
+
+def test_saturate_clamps_the_ideals_colours_in_its_scissor_box_and_changes_no_machine():
+    light = Draw(
+        label="half a colour",
+        mesh=Mesh([[-1, -1], [3, -1], [-1, 3]], colors=[[0.75, 0.5, 0.25]] * 3),
+        state=PassState(blending=Blending(BlendFactor.ONE, BlendFactor.ONE)),
+    )
+    left = Saturate(label="at most one", scissor=Scissor(0, 0, 1, 1))
+    frame = (Clear(label="black", color=(0.0, 0.0, 0.0, 0.0)), light, light, left)
+    color = execute_ideal(frame, 2, 1).color[0, :, :3]
+    assert color.tolist() == [[1.0, 1.0, 0.5], [1.5, 1.0, 0.5]]
+    machine = execute(frame, GEFORCE_256, 2, 1, record=True)
+    assert (machine.framebuffer.color == execute(frame[:-1], GEFORCE_256, 2, 1).framebuffer.color).all()
+    assert execute_ideal(frame, 2, 1, guide=machine).color[0, 0, 0] == 1.0
+    unclamped = GEFORCE_256.without_clamps(Clamp.BLENDING)
+    wide = execute(frame, unclamped, 2, 1).framebuffer.color[0, :, 0]
+    assert wide[0] == 255 < wide[1]
 
 
 def test_a_guide_without_fragments_is_refused():
