@@ -44,8 +44,12 @@ def sphere_at_pixels(size, radius, tilt):
     return covered, s, t, (tangents, binormals, normals)
 
 
+# What the software renderer evaluates.
+MODELS = {"exact": brdfs.banks, "R*": brdfs.banks_approximate}
+
+
 def software(size, material, light, radius, tilt, model, diffuse, ambient, specular, background):
-    """A software renderer's picture: a Banks model evaluated at the texels, then interpolated (K16).
+    """A software renderer's picture: one of ``MODELS`` evaluated at the texels, then interpolated (K16).
 
     float64 [size, size, 3], 1.0 = full.
     """
@@ -53,7 +57,7 @@ def software(size, material, light, radius, tilt, model, diffuse, ambient, specu
     toward_light = in_frame(unit_vector(light, "The light's direction"), *frame)
     toward_viewer = in_frame(np.array([0.0, 0.0, 1.0]), *frame)
     lit = evaluate_then_interpolate.diffuse(material, toward_light, s, t)[..., None] * np.array(diffuse)
-    highlight = banks.evaluated_first(material, toward_light, toward_viewer, s, t, model)
+    highlight = banks.evaluated_first(material, toward_light, toward_viewer, s, t, MODELS[model])
     picture = np.broadcast_to(np.array(background, np.float64), (size, size, 3)).copy()
     picture[covered] = (highlight[..., None] * np.array(specular) + lit) + np.array(ambient)
     return np.clip(picture, 0.0, 1.0)
@@ -90,7 +94,7 @@ def checks(figure, renderer):
     white = {**DARK, "specular": (1.0, 1.0, 1.0), "slices": 100, "stacks": 50}
     x, y = pixel_grid(size, figure.parameters["radius"])
     inside = x * x + y * y < 0.9
-    in_float = {**white, "model": brdfs.banks_approximate}
+    in_float = {**white, "model": "R*"}
     for on, bound, reason in (
         (
             "ideal",
@@ -151,7 +155,7 @@ FIGURE = Figure(
     columns=2,
     parameters={
         "single_pass": False,
-        "model": brdfs.banks,
+        "model": "exact",
         "slices": 50,
         "stacks": 26,
         "map_columns": 512,
