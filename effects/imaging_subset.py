@@ -25,6 +25,7 @@ What is chosen here:
 - K10 comes last. Its colour table gives diffuse colour times (n.l)+ plus ambient in RGB and the gate
   min(1, 4 (n.l)+) in alpha; with ONE, SRC_ALPHA the pass adds the one and multiplies what the specular passes
   left by the other. No pass needs a number above one or below zero, and none a second destination.
+  Where a colour map multiplies the diffuse light, (n.l)+ waits in destination alpha for it.
 
 Squares are made of texels before any filter, where register combiners filter vectors and then square.
 
@@ -54,7 +55,7 @@ from pipeline.enums import (
 )
 from pipeline.pixel_transfer import PixelImage, PixelTransfer
 from pipeline.profile import Profile
-from pipeline.state import Blending, ColorTable, Sampler, TextureEnvironment, TextureUnit
+from pipeline.state import Blending, ColorMask, ColorTable, Sampler, TextureEnvironment, TextureUnit
 from pipeline.textures import texture_2d
 
 # Assumed: entries of a colour table; any machine with one holds so many. 256 would cost |d| / 255 of accuracy
@@ -69,6 +70,10 @@ AT_LEAST_ZERO = Blending(BlendFactor.ONE, BlendFactor.ONE, BlendEquation.MAX)
 MULTIPLY_DESTINATION = Blending(BlendFactor.DST_COLOR, BlendFactor.ZERO)
 # Source plus destination times the source's alpha: the diffuse term, and the gate for what is there.
 ADD_AND_GATE = Blending(BlendFactor.ONE, BlendFactor.SRC_ALPHA)
+
+# The destination times the source; the source times what waits in destination alpha, added.
+MULTIPLY_BY_SOURCE = Blending(BlendFactor.ZERO, BlendFactor.SRC_COLOR)
+ADD_TIMES_ALPHA = Blending(BlendFactor.DST_ALPHA, BlendFactor.ONE)
 
 _REPLACE = TextureEnvironment(TextureEnvironmentMode.REPLACE)
 _MODULATE = TextureEnvironment(TextureEnvironmentMode.MODULATE)
@@ -245,6 +250,14 @@ def _diffuse(count, color, ambient, gated):
     return ColorTable(tuple(zip(*(column.tolist() for column in (*rgb, gate)), strict=True)))
 
 
+@lru_cache(maxsize=4)
+def _gate(count, gated):
+    """min(1, 4 (n.l)+), or one, and (n.l)+ in alpha."""
+    lit = np.maximum(0.0, _signed(count, True))
+    gate = np.minimum(1.0, 4.0 * lit) if gated else np.ones(count)
+    return ColorTable(tuple((g, g, g, a) for g, a in zip(gate.tolist(), lit.tolist(), strict=True)))
+
+
 def transfer(vector, scale, table, biased=True):
     """The pixel transfer that makes a table's entries of dot products with ``vector``.
 
@@ -299,8 +312,9 @@ class Prepared:
             pairs.append((load, replace(first, mesh=mesh)))
         return pairs
 
-    def draw_all(self, label, blending, units=(), color=(1.0, 1.0, 1.0)):
-        """One pass over all polygons that loads nothing for each."""
+    def draw_all(self, label, blending, texture=None, color=(1.0, 1.0, 1.0)):
+        """One pass over all polygons, that loads nothing for each, in a colour or a texture times it."""
+        units = () if texture is None else (TextureUnit(texture, REPEATED, environment=_MODULATE),)
         mesh = self.surface.mesh(
             colors=np.tile(np.array(color, np.float64), (len(self.surface.positions), 1))
         )
@@ -371,33 +385,51 @@ def specular_passes(
         prepared.draw_all(
             "multiply by k_s",
             MULTIPLY_DESTINATION,
-            (TextureUnit(k_s, REPEATED, environment=_MODULATE),),
+            k_s,
             specular,
         ),
     )
 
 
 def diffuse_pass(
-    prepared, material, light, *, color, ambient=(0.0, 0.0, 0.0), gated=True, table_entries=None
+    prepared,
+    material,
+    light,
+    *,
+    color,
+    ambient=(0.0, 0.0, 0.0),
+    color_map=None,
+    gated=True,
+    table_entries=None,
 ):
     """K10 over what the specular passes left: framebuffer = colour (n.l)+ + ambient + gate framebuffer.
 
-    ``gated``: the gate is min(1, 4 (n.l)+); else it is one. Colours RGB in [0, 1]; otherwise as
-    ``specular_passes``.
+    ``gated``: the gate is min(1, 4 (n.l)+); else it is one. ``color_map``: the name of a texture by whose
+    colours both colour and ambient are multiplied. Colours RGB in [0, 1]; otherwise as ``specular_passes``.
     """
-    table = _diffuse(
-        _entries(prepared.profile, table_entries), tuple(map(float, color)), tuple(map(float, ambient)), gated
-    )
+    entries, black = _entries(prepared.profile, table_entries), (0.0, 0.0, 0.0)
+    color, ambient = (tuple(map(float, given)) for given in (color, ambient))
+    before, after = (), ()
+    if color_map is None:
+        what, table, blending = "colour (n.l)+, gate", _diffuse(entries, color, ambient, gated), ADD_AND_GATE
+    else:
+        what, table, blending = "gate, (n.l)+", _gate(entries, gated), MULTIPLY_BY_SOURCE
+        white = prepared.draw_all("white polygons: alpha becomes one", None)
+        alpha_only = replace(white.state, color_mask=ColorMask(False, False, False, True))
+        before = (replace(white, state=alpha_only),)
+        after = (prepared.draw_all("add colour map times (n.l)+", ADD_TIMES_ALPHA, color_map, color),)
+        if ambient != black:
+            after += (prepared.draw_all("add colour map times ambient light", ADD, color_map, ambient),)
     pairs = prepared.load_and_draw(
-        "colour (n.l)+, gate",
+        what,
         HostImage.of(material.normals, prepared.profile),
         light_vectors(prepared.faces, light),
         table,
         InternalFormat.RGBA8,
         depth_test=LATER_PASS,
-        blending=ADD_AND_GATE,
+        blending=blending,
     )
-    return tuple(command for pair in pairs for command in pair)
+    return (*before, *(command for pair in pairs for command in pair), *after)
 
 
 def commands(
@@ -409,6 +441,7 @@ def commands(
     *,
     color,
     ambient=(0.0, 0.0, 0.0),
+    color_map=None,
     specular=(1.0, 1.0, 1.0),
     gated=True,
     name="material",
@@ -420,5 +453,7 @@ def commands(
     )
     return (
         *specular_passes(prepared, material, light, specular=specular),
-        *diffuse_pass(prepared, material, light, color=color, ambient=ambient, gated=gated),
+        *diffuse_pass(
+            prepared, material, light, color=color, ambient=ambient, color_map=color_map, gated=gated
+        ),
     )

@@ -159,6 +159,32 @@ def test_the_diffuse_pass_adds_the_colour_and_gates_what_was_there():
             assert np.abs(image - expected).max() < bound
 
 
+def test_a_colour_map_multiplies_diffuse_and_ambient_light_and_not_the_highlight():
+    halfway = normalize(np.array([0.2, -0.3, 1.0]))
+    material, light = random_material(8, 0.4, halfway), light_of(halfway)
+    (panel,) = row_of_panels(1, SIZE)
+    colors = np.random.Generator(np.random.PCG64(9)).random((SIZE, SIZE, 3))
+    color, ambient, specular_color = np.array([0.5, 0.3, 0.4]), np.array([0.05, 0.1, 0.02]), 0.3
+    n_l = np.maximum(0.0, dot(material.normals, np.array(light.vector)))[..., None]
+    for gated, gate in ((True, np.minimum(1.0, 4.0 * n_l)), (False, 1.0)):
+        highlight = gate * specular_color * equation(material, halfway)[..., None]
+        expected = colors * (color * n_l + ambient) + highlight
+        for profile, bound in ((IDEAL, 1e-4), (OCTANE, 0.02)):
+            image = pixels(
+                (
+                    material_textures.load_colors(colors, "colours", profile),
+                    *imaging_subset.commands(
+                        meshes.plane(), material, orthographic_view(panel), light, profile, color=color,
+                        ambient=ambient, color_map="colours", specular=(specular_color,) * 3, gated=gated,
+                        triangles_per_polygon=2,
+                    ),
+                ),
+                panel,
+                profile,
+            )  # fmt: skip
+            assert np.abs(image - expected).max() < bound
+
+
 def test_squares_are_interpolated_and_vectors_are_not():
     """Between two texels whose tangents have h.t of either sign lies no tangent with h.t = 0."""
     halfway, tilt = np.array([0.0, 0.0, 1.0]), np.radians(40.0)

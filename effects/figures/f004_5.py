@@ -2,8 +2,16 @@
 
 import numpy as np
 
-from effects import anisotropic_blinn_phong, diffuse_bump, material_textures, meshes
-from effects.figures.figure import BACKGROUND, COMBINER_MACHINES, DARK, Check, Figure, Method
+from effects import anisotropic_blinn_phong, diffuse_bump, imaging_subset, material_textures, meshes
+from effects.figures.figure import (
+    BACKGROUND,
+    COMBINER_MACHINES,
+    DARK,
+    IMAGING_MACHINES_8,
+    Check,
+    Figure,
+    Method,
+)
 from effects.figures.measures import root_mean_square
 from effects.matrices import rotation
 from effects.views import Light, orthographic_view, row_of_panels
@@ -13,11 +21,13 @@ from effects.views import Light, orthographic_view, row_of_panels
 GOLD = (1.0, 0.77, 0.34)
 
 
-def scene(
-    profile, size, *, map_size, repeats, bumps, depth, alpha_x, alpha_y, spread, stroke_depth, k_s, lean,
-    light, slices, stacks, radius, diffuse, ambient, specular, background,
+def _ball(
+    size, map_size, repeats, bumps, depth, alpha_x, alpha_y, spread, stroke_depth, k_s, lean, slices, stacks,
+    radius,
 ):  # fmt: skip
-    """F004-5: one sphere, its axis leaning so that the texture's poles lie at the rim."""
+    """The panel, the view, the sphere, its axis leaning so that the texture's poles lie at the rim, and the
+    gold.
+    """
     (panel,) = row_of_panels(1, size)
     surface = meshes.sphere(slices, stacks).with_repeats(*repeats).rotated(rotation("z", lean))
     gold = material_textures.gold(
@@ -30,15 +40,41 @@ def scene(
         stroke_depth=stroke_depth,
         k_s=k_s,
     )
-    view, toward = orthographic_view(panel, half_height=1.0 / radius), Light(light)
+    return panel, orthographic_view(panel, half_height=1.0 / radius), surface, gold
+
+
+def scene(profile, size, *, light, diffuse, ambient, specular, background, **ball):
+    """F004-5: one sphere, with register combiners."""
+    panel, view, surface, gold = _ball(size, **ball)
     loading, names = material_textures.load(gold, "gold", profile)
     return (
         panel.clear(background),
         *loading,
         *diffuse_bump.diffuse_pass(
-            surface, names.normal, view, toward, profile, color=diffuse, ambient=ambient
+            surface, names.normal, view, Light(light), profile, color=diffuse, ambient=ambient
         ),
-        *anisotropic_blinn_phong.specular_pass(surface, names, view, toward, profile, specular=specular),
+        *anisotropic_blinn_phong.specular_pass(
+            surface, names, view, Light(light), profile, specular=specular
+        ),
+    )
+
+
+def imaging_scene(profile, size, *, light, diffuse, ambient, specular, background, **ball):
+    """The same with the imaging subset (K08), flat triangles."""
+    panel, view, surface, gold = _ball(size, **ball)
+    return (
+        panel.clear(background),
+        *imaging_subset.commands(
+            surface,
+            gold,
+            view,
+            Light(light),
+            profile,
+            color=diffuse,
+            ambient=ambient,
+            specular=specular,
+            name="gold",
+        ),
     )
 
 
@@ -115,10 +151,10 @@ FIGURE = Figure(
     caption="A sphere of bumpy gold, brushed slightly along its parallels.",
     must_see=(
         "Gold: bumps with anisotropic highlights of their own, drawn out across the fine strokes that cover "
-        "them, bright yellow on deep brown."
+        "them, bright yellow on deep brown. With the imaging subset flat triangles are seen."
     ),
     source="KautzSeidel2000",
-    techniques=("K07", "K10", "K21"),
+    techniques=("K07", "K08", "K10", "K21"),
     columns=1,
     parameters={
         "map_size": 128,
@@ -140,6 +176,9 @@ FIGURE = Figure(
         "specular": tuple(0.75 * c for c in GOLD),
         "background": BACKGROUND,
     },
-    methods=(Method("register combiners", scene, COMBINER_MACHINES),),
+    methods=(
+        Method("register combiners", scene, COMBINER_MACHINES),
+        Method("imaging subset", imaging_scene, IMAGING_MACHINES_8),
+    ),
     acceptance=checks,
 )

@@ -2,8 +2,16 @@
 
 import numpy as np
 
-from effects import anisotropic_blinn_phong, diffuse_bump, material_textures, meshes
-from effects.figures.figure import BACKGROUND, COMBINER_MACHINES, DARK, Check, Figure, Method
+from effects import anisotropic_blinn_phong, diffuse_bump, imaging_subset, material_textures, meshes
+from effects.figures.figure import (
+    BACKGROUND,
+    COMBINER_MACHINES,
+    DARK,
+    IMAGING_MACHINES_8,
+    Check,
+    Figure,
+    Method,
+)
 from effects.figures.measures import root_mean_square
 from effects.matrices import rotation
 from effects.views import Light, orthographic_view, row_of_panels
@@ -23,11 +31,11 @@ MARBLE = {
 MAP_SIZE = 256
 
 
-def scene(
-    profile, size, *, map_size, repeats, cells, width, relief, alpha_x, alpha_y, k_s, light_color, dark_color,
-    lean, light, slices, stacks, radius, diffuse, ambient, specular, background,
+def _ball(
+    size, map_size, repeats, cells, width, relief, alpha_x, alpha_y, k_s, light_color, dark_color, lean,
+    slices, stacks, radius,
 ):  # fmt: skip
-    """F004-6: a diffuse pass with the marble's colours, then Eq. 1 with alpha_y larger in the dark parts."""
+    """The panel, the view, the sphere and the marble."""
     (panel,) = row_of_panels(1, size)
     surface = meshes.sphere(slices, stacks).with_repeats(*repeats).rotated(rotation("z", lean))
     marble = material_textures.marble(
@@ -41,17 +49,46 @@ def scene(
         light_color=light_color,
         dark_color=dark_color,
     )
-    view, toward = orthographic_view(panel, half_height=1.0 / radius), Light(light)
+    return panel, orthographic_view(panel, half_height=1.0 / radius), surface, marble
+
+
+_COLORS = "colour map of marble"
+
+
+def scene(profile, size, *, light, diffuse, ambient, specular, background, **ball):
+    """F004-6: a diffuse pass with the marble's colours, then Eq. 1 with alpha_y larger in the dark parts."""
+    panel, view, surface, marble = _ball(size, **ball)
     loading, names = material_textures.load(marble.material, "marble", profile)
-    colors = "colour map of marble"
+    toward = Light(light)
     return (
         panel.clear(background),
         *loading,
-        material_textures.load_colors(marble.colors, colors, profile),
+        material_textures.load_colors(marble.colors, _COLORS, profile),
         *diffuse_bump.diffuse_pass(
-            surface, names.normal, view, toward, profile, color=diffuse, ambient=ambient, color_map=colors
+            surface, names.normal, view, toward, profile, color=diffuse, ambient=ambient, color_map=_COLORS
         ),
         *anisotropic_blinn_phong.specular_pass(surface, names, view, toward, profile, specular=specular),
+    )
+
+
+def imaging_scene(profile, size, *, light, diffuse, ambient, specular, background, **ball):
+    """The same with the imaging subset (K08), flat triangles."""
+    panel, view, surface, marble = _ball(size, **ball)
+    return (
+        panel.clear(background),
+        material_textures.load_colors(marble.colors, _COLORS, profile),
+        *imaging_subset.commands(
+            surface,
+            marble.material,
+            view,
+            Light(light),
+            profile,
+            color=diffuse,
+            ambient=ambient,
+            color_map=_COLORS,
+            specular=specular,
+            name="marble",
+        ),
     )
 
 
@@ -147,10 +184,11 @@ FIGURE = Figure(
     caption="A marble sphere; its veins stand out of the surface, and alpha_y is larger in its dark parts.",
     must_see=(
         "Light polished stone with a network of dark veins, each with a lit and a shaded flank; the "
-        "highlight spreads further in the dark parts than in the light ones."
+        "highlight spreads further in the dark parts than in the light ones. With the imaging subset flat "
+        "triangles are seen."
     ),
     source="KautzSeidel2000",
-    techniques=("K07", "K10", "K21"),
+    techniques=("K07", "K08", "K10", "K21"),
     columns=1,
     parameters={
         "map_size": MAP_SIZE,
@@ -166,6 +204,9 @@ FIGURE = Figure(
         "specular": (0.35, 0.34, 0.33),
         "background": BACKGROUND,
     },
-    methods=(Method("register combiners", scene, COMBINER_MACHINES),),
+    methods=(
+        Method("register combiners", scene, COMBINER_MACHINES),
+        Method("imaging subset", imaging_scene, IMAGING_MACHINES_8),
+    ),
     acceptance=checks,
 )
