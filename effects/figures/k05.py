@@ -243,7 +243,7 @@ FIGURE = Figure(
         "background": BACKGROUND,
     },
     methods=(
-        Method("texture shaders", texture_shaders_scene, ("GEFORCE_3", "NV2A")),
+        Method("texture shaders", texture_shaders_scene, ("GEFORCE_3", "NV2A", "FUTURE")),
         Method("pixel textures", pixel_textures_scene, ("OCTANE",)),
         Method("register combiners, lookups by the host", host_scene, ("GEFORCE_256",)),
     ),
