@@ -223,8 +223,8 @@ class HostStep:
     other commands in this one's place.
 
     ``reads``: names that earlier ReadPixels of the same frame gave. ``commands``: a function that takes a
-    dictionary of these arrays and returns a tuple of commands. A machine hands it integers, the ideal
-    float64, as ``execute_ideal`` reads them; for the same shapes both must draw the same rectangles and
+    dictionary of these arrays, read-only, and returns a tuple of commands. A machine hands it integers, the
+    ideal float64, as ``execute_ideal`` reads them; for the same shapes both must draw the same rectangles and
     meshes, so that a frame of the one can guide the other. Its commands are validated once they are there,
     and what follows them again. Textures that they store stay, but commands that follow cannot name them.
     """

@@ -263,7 +263,7 @@ class Machine:
         self._queue = _Queue(min(self.threads or default_threads(), bands), self.batch)
         self._current = self.framebuffer
         self._samples = Samples(self.framebuffer, self.samples) if self.samples > 1 else None
-        self._running = threading.Lock()
+        self._running, self._runner = threading.Lock(), None
         self._unrounded = None
 
     def run(self, commands, *, trace=False, record=False):
@@ -279,8 +279,16 @@ class Machine:
                 f"Fragments are recorded of one sample, and this machine has {self.samples} in each pixel; "
                 "give samples=1."
             )
+        if self._runner == threading.get_ident():
+            raise ValueError(
+                "This machine waits for a HostStep; let the step's function return commands, not run them."
+            )
         with self._running:
-            return self._run(commands, trace, record)
+            self._runner = threading.get_ident()
+            try:
+                return self._run(commands, trace, record)
+            finally:
+                self._runner = None
 
     def _run(self, commands, trace, record):
         validate(

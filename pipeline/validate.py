@@ -1985,12 +1985,23 @@ def frame_of(commands):
         ) from None
 
 
+def _unwritable(array):
+    """The same memory, not to be written to: what was read stays what the framebuffer held."""
+    view = array.view()
+    view.setflags(write=False)
+    return view
+
+
 def issued_by(step, pixels):
     """The commands that a HostStep issues for the pixels read so far, as a tuple.
 
-    Raises UnsupportedState where its function returns no tuple of commands.
+    Raises UnsupportedState where its function returns no tuple of commands, and what that function raises.
     """
-    issued = step.commands({name: pixels[name] for name in step.reads})
+    try:
+        issued = step.commands({name: _unwritable(pixels[name]) for name in step.reads})
+    except Exception as error:
+        error.add_note(f'in the function of HostStep "{step.label}"')
+        raise
     try:
         return frame_of(issued)
     except UnsupportedState as error:

@@ -158,3 +158,29 @@ def test_a_step_is_printed_by_its_label_and_what_it_reads():
     text = describe((READ, DOUBLE, step(())))
     assert '1. HostStep "double it"\n   the host reads "pixels";' in text
     assert "the host reads nothing" in text
+
+
+def test_what_was_read_stays_what_the_framebuffer_held():
+    def commands(pixels):
+        pixels["pixels"][:] = 0
+        return ()
+
+    frame = (HALF, READ, HostStep(label="host", reads=("pixels",), commands=commands))
+    for run in (lambda: execute(frame, GEFORCE_256, SIZE, SIZE), lambda: execute_ideal(frame, SIZE, SIZE)):
+        with pytest.raises(ValueError, match="read-only") as raised:
+            run()
+        # Whose function it was is said, whatever it raised.
+        assert raised.value.__notes__ == ['in the function of HostStep "host"']
+
+
+def test_a_step_cannot_run_the_machine_that_waits_for_it():
+    machine = Machine(GEFORCE_256, SIZE, SIZE)
+
+    def commands(_):
+        machine.run((HALF,))
+        return ()
+
+    with pytest.raises(ValueError, match="waits for a HostStep"):
+        machine.run((HostStep(label="host", reads=(), commands=commands),))
+    machine.run((HALF,))
+    assert machine.framebuffer.color[0, 0, 0] == 128
