@@ -227,7 +227,16 @@ def test_an_unknown_profile_is_refused_with_the_names_there_are(tmp_path):
 
 
 def test_the_ideal_is_no_machine_to_render_on(tmp_path):
-    assert "no hardware" in refusal_of("figures", "K12", "--profile", "IDEAL", "--out", tmp_path)
+    refusal = refusal_of("figures", "K12", "--profile", "IDEAL", "--out", tmp_path)
+    assert "K12 cannot be drawn on IDEAL; it can on GEFORCE_256" in refusal
+
+
+def test_a_machine_without_figures_is_refused_and_of_all_figures_it_draws_those_it_can(tmp_path, monkeypatch):
+    assert "No figure can be drawn on IDEAL" in refusal_of("figures", "--profile", "IDEAL", "--out", tmp_path)
+    few = {name: FIGURES[name] for name in ("F004-7", "K12")}
+    monkeypatch.setattr("effects.figures.FIGURES", few)
+    assert run("figures", "--profile", "TEXRAM", "--size", 8, "--out", tmp_path).exit_code == 0
+    assert {path.name for path in tmp_path.glob("*.json")} == {"F004-7.json"}
 
 
 def test_a_size_that_the_machine_has_no_framebuffer_for_is_refused(tmp_path):
