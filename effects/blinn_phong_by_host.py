@@ -30,6 +30,7 @@ from effects.passes import (
     alpha_of,
     constant_product,
     draw,
+    one_of,
     unit,
 )
 from effects.sampled_functions import stored_exponent
@@ -86,6 +87,7 @@ def blinn_phong(
     stage
         None; or "coordinates" or "lookup": draw the pixels (s, t) that are looked up, or F(N, e), and end.
     """
+    one_of((None, "coordinates", "lookup"), stage, "The stage")
     panel, tables = view.panel, (pixel_textures.root_table, pixel_textures.power_table)
     table = tables[with_exponent](profile)
     name = f"e, N from ({panel.x}, {panel.y}) on"

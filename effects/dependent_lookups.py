@@ -25,6 +25,7 @@ import numpy as np
 
 from effects import brdfs
 from effects.encode import encode_rgba, encode_vertex_color
+from effects.framework import RESULT, STAGES
 from effects.material_textures import LARGEST_EXPONENT, SMALLEST_ALPHA
 from effects.matrices import product
 from effects.passes import (
@@ -39,8 +40,10 @@ from effects.passes import (
     REPEATED,
     ZERO,
     alpha_of,
+    checked_rgb,
     draw,
     expand,
+    one_of,
     opaque,
     unit,
 )
@@ -359,8 +362,7 @@ def load_ward_functions(profile, largest_s=4.0):
     S(p) is clamped beyond ``largest_s``, 2, 4 or 8, at p < 1/largest_s^2: the larger, the nearer to grazing
     angles S is right, and the fewer codes it has elsewhere.
     """
-    if largest_s not in (2.0, 4.0, 8.0):
-        raise ValueError(f"The largest S is {largest_s:g}; combiners take back 2, 4 or 8.")
+    one_of((2.0, 4.0, 8.0), largest_s, "The largest S")
 
     def e(m, d):
         return brdfs.ward_e(LARGEST_M * m, d)
@@ -420,6 +422,8 @@ def _d_p_and_m(scale):
 
 def _ward_lookups(specular, largest_factor, largest_s):
     """E of unit 1 times S of unit 2 times (n.l)+ and the factor of unit 3."""
+    one_of((2.0, 4.0, 8.0), largest_s, "The largest S")
+    specular = checked_rgb(specular)
     # What is left of the factors by which S (n.l)+ and k_s / (4 pi ax ay) were divided.
     left = LARGEST_S_NL * largest_factor * max(specular)
     gain = next((g for g in (1, 2, 4) if left <= g), None)
@@ -512,7 +516,6 @@ def _passed_through(vectors, profile):
 
 # ------------------------------------------------------------------------------------ the paper's figure 1
 
-RESULT = "F(s, t) G(u, v)"
 # Where the parameter stage leaves each parameter.
 _CHANNELS = {"s": None, "t": RED, "u": GREEN, "v": BLUE}
 
@@ -585,6 +588,7 @@ def figure_1_passes(surface, view, light, profile, *, stage=RESULT, sampler=REPE
 
     Textures "a", "n", "F" and "G" are ``framework``'s (``load_textures``, ``load_tables``).
     """
+    one_of(STAGES, stage, "The stage")
     parameters = surface.mesh(
         colors=encode_vertex_color(light_vectors(surface, light), profile),
         secondary_colors=encode_vertex_color(view_vectors(surface, view), profile),

@@ -23,6 +23,7 @@ passes, McReynolds and others 1998, from the catalogue's memory of it.
 """
 
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 
@@ -37,6 +38,7 @@ from effects.passes import (
     OPAQUE,
     ZERO,
     alpha_of,
+    checked_rgb,
     draw,
     expand,
     opaque,
@@ -113,6 +115,8 @@ def load(heights, name, profile):
     not all zero; the highest is stored as one. Raises ValueError for others.
     """
     heights = np.asarray(heights, np.float64)
+    if heights.ndim != 2 or not heights.size:
+        raise ValueError(f"The heights have shape {heights.shape}; give some rows and columns.")
     low, relief = float(heights.min()), float(heights.max())
     if not (low >= 0.0 and 0.0 < relief < np.inf):
         raise ValueError(f"The heights range over {low:g}..{relief:g}; give some above zero and none below.")
@@ -166,7 +170,15 @@ def _half_vectors(surface, view, light):
 def _lit(surface, light, color, ambient):
     """The smooth surface's colours at the vertices: color (n.l)+ + ambient, float64 [n, 3]."""
     n_l = np.maximum(0.0, dot(surface.normals, _light_vectors(surface, light)))
+    color, ambient = checked_rgb(color), checked_rgb(ambient, "The ambient light's colour")
     return np.minimum(1.0, n_l[:, None] * np.array(color) + np.array(ambient))
+
+
+def _shines(specular):
+    """Whether there is a highlight. Raises ValueError where its strength is no number in [0, 1]."""
+    if not (isinstance(specular, Real) and 0.0 <= specular <= 1.0):
+        raise ValueError(f"The highlight's strength is {specular!r}; give one number from 0, for none, to 1.")
+    return specular > 0.0
 
 
 def _highlight(surface, view, light, specular):
@@ -213,7 +225,7 @@ def one_unit_passes(
     """
     lit, vectors = _lit(surface, light, color, ambient), _light_vectors(surface, light)
     out = _difference_passes("lit color", surface, height_map, vectors, lit, view, first=True)
-    if specular > 0.0:
+    if _shines(specular):
         halfway = _half_vectors(surface, view, light)
         grey = np.repeat(_highlight(surface, view, light, specular)[:, None], 3, axis=1)
         out += _difference_passes("highlight", surface, height_map, halfway, grey, view, first=False)
@@ -250,7 +262,7 @@ def two_unit_passes(
         ),
         draw("times twice the lit color", lit, view, None, blending=MODULATE_TWICE),
     )
-    if specular > 0.0:
+    if _shines(specular):
         alpha = _highlight(surface, view, light, specular)[:, None]
         colors = np.concatenate([np.ones((len(alpha), 3)), alpha], axis=-1)
         mesh = readings(_half_vectors(surface, view, light), colors)
@@ -345,7 +357,7 @@ def combiner_passes(
     lit = readings(_light_vectors(surface, light))
     label = "(n.l + 4 (H1 - H0))+"
     out = (draw(label, lit, view, diffuse_combiners(color, ambient), units, depth_test=FIRST_PASS),)
-    if specular > 0.0:
+    if _shines(specular):
         shining = readings(_half_vectors(surface, view, light))
         label = "plus a highlight of n.h + 4 (H1 - H0), H1 away from the halfway vector"
         out += (draw(label, shining, view, specular_combiners(specular), units, blending=ADD_GATED),)

@@ -32,6 +32,7 @@ from effects.passes import (
     alpha_of,
     draw,
     expand,
+    one_of,
     unit,
 )
 from effects.sampled_functions import sampled
@@ -194,6 +195,7 @@ def by_pixel_textures(surface, textures, view, light, profile, *, stage=RESULT, 
 
     Both lookups and their product are two copies; a third shows what it gave in red, green and blue.
     """
+    one_of(STAGES, stage, "The stage")
     red = pixel_textures.RED
     look_up_f = pixel_textures.looked_up("look up F(s, t), to red", view, "F", *_CHANNELS[:2], mask=red)
     times_g = pixel_textures.looked_up(
@@ -253,6 +255,7 @@ def by_host(surface, view, light, profile, *, stage=RESULT, sampler=REPEATED):
     and that shown in grey: the host reads the parameters once, looks up F and G (``software_pixel_texture``)
     and draws what it found; G(u, v) is multiplied by blending.
     """
+    one_of(STAGES, stage, "The stage")
     panel = view.panel
     place = {"x": panel.x, "y": panel.y}
     name = f"s, t, u, v from ({panel.x}, {panel.y}) on"

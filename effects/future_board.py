@@ -41,6 +41,7 @@ from effects.passes import (
     REPEATED,
     ZERO,
     alpha_of,
+    checked_rgb,
     draw,
     expand,
     opaque,
@@ -290,7 +291,7 @@ def ward_combiners(specular=(1.0, 1.0, 1.0), multiplier=4.0):
     alpha = (NO_ALPHA, NO_ALPHA, root_of_p, over_nv, root_of_q, scaled, again, NO_ALPHA)
     general = tuple(map(GeneralCombiner, rgb, alpha))
     # Stored is k_s / (multiplier^2 ax ay); after the scales by four 1 / pi is left of multiplier^2 / (4 pi).
-    color = tuple(component / np.pi for component in specular)
+    color = tuple(component / np.pi for component in checked_rgb(specular))
     return RegisterCombiners(general, _product(alpha_of(P)), opaque(color))
 
 

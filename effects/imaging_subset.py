@@ -40,7 +40,7 @@ import numpy as np
 
 from effects.encode import encode_factor
 from effects.meshes import Surface
-from effects.passes import ADD, FIRST_PASS, LATER_PASS, REPEATED, draw
+from effects.passes import ADD, FIRST_PASS, LATER_PASS, REPEATED, checked_rgb, draw
 from effects.vectors import cross, dot, in_frame, normalize
 from effects.views import View
 from pipeline.commands import Mesh, TexImage
@@ -315,9 +315,8 @@ class Prepared:
     def draw_all(self, label, blending, texture=None, color=(1.0, 1.0, 1.0)):
         """One pass over all polygons, that loads nothing for each, in a colour or a texture times it."""
         units = () if texture is None else (TextureUnit(texture, REPEATED, environment=_MODULATE),)
-        mesh = self.surface.mesh(
-            colors=np.tile(np.array(color, np.float64), (len(self.surface.positions), 1))
-        )
+        colors = np.tile(np.array(checked_rgb(color)), (len(self.surface.positions), 1))
+        mesh = self.surface.mesh(colors=colors)
         return draw(label, mesh, self.view, None, units, depth_test=LATER_PASS, blending=blending)
 
 
@@ -408,7 +407,7 @@ def diffuse_pass(
     colours both colour and ambient are multiplied. Colours RGB in [0, 1]; otherwise as ``specular_passes``.
     """
     entries, black = _entries(prepared.profile, table_entries), (0.0, 0.0, 0.0)
-    color, ambient = (tuple(map(float, given)) for given in (color, ambient))
+    color, ambient = checked_rgb(color), checked_rgb(ambient, "The ambient light's colour")
     before, after = (), ()
     if color_map is None:
         what, table, blending = "colour (n.l)+, gate", _diffuse(entries, color, ambient, gated), ADD_AND_GATE

@@ -55,6 +55,14 @@ class Material:
     exponent: np.ndarray | float = 2.0
 
     def __post_init__(self):
+        for name in ("normals", "tangents", "binormals"):
+            vectors, shape = getattr(self, name), self.normals.shape
+            if vectors.shape != shape or vectors.ndim != 3 or shape[2] != 3 or not vectors.size:
+                raise ValueError(
+                    f"The {name} have shape {vectors.shape}; give all three vectors as [rows, columns, 3]."
+                )
+            if not np.isfinite(vectors).all():
+                raise ValueError(f"The {name} hold NaN or infinity; give finite vectors.")
         shape = self.normals.shape[:2]
         for name in ("alpha_x", "alpha_y", "k_s", "exponent"):
             value = np.asarray(getattr(self, name), np.float64)
@@ -66,6 +74,10 @@ class Material:
                     f"{name} ranges over {value.min():g}..{value.max():g}; give values greater than 0 and at "
                     "most 1."
                 )
+        if not (self.k_s >= 0.0).all() or not (self.k_s <= 1.0).all():
+            raise ValueError(
+                f"k_s ranges over {self.k_s.min():g}..{self.k_s.max():g}; give values from 0 to 1."
+            )
         if not (self.exponent >= 1.0).all() or not (self.exponent <= LARGEST_EXPONENT).all():
             raise ValueError(
                 f"The exponent ranges over {self.exponent.min():g}..{self.exponent.max():g}; give values "

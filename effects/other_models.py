@@ -51,8 +51,10 @@ from effects.passes import (
     REPEATED,
     ZERO,
     alpha_of,
+    checked_rgb,
     draw,
     opaque,
+    positive,
     unit,
 )
 from effects.pixel_textures import (
@@ -120,7 +122,13 @@ def phong_c(light_view):
 
     ``light_view``: l.v.
     """
-    return lambda nl, nv: (2.0 * nl * nv - light_view - SMALLEST_C) / (1.0 - SMALLEST_C)
+
+    def function(nl, nv):
+        c = (2.0 * nl * nv - light_view - SMALLEST_C) / (1.0 - SMALLEST_C)
+        # (n.l)+ is zero for all that face away from the light; a light opposite the eye would shine there.
+        return np.where(nl > 0.0, c, 0.0)
+
+    return function
 
 
 def phong_f(exponent, c):
@@ -134,6 +142,9 @@ def phong_f(exponent, c):
 
 def schlick_peak(roughness, isotropy):
     """The largest value of Z(h.n) A(w), 1 / (r sqrt(p))."""
+    for what, value in (("roughness", roughness), ("isotropy", isotropy)):
+        if not 0.0 < value <= 1.0:
+            raise ValueError(f"Schlick's {what} is {value!r}; give a number above 0 and at most 1.")
     return 1.0 / (roughness * math.sqrt(isotropy))
 
 
@@ -175,9 +186,17 @@ def schlick_largest(roughness, isotropy):
     return largest
 
 
+def _fresnel(half, view, reflectance):
+    """S(h.v). Raises ValueError where the reflectance at normal incidence is no number in [0, 1]."""
+    if not 0.0 <= reflectance <= 1.0:
+        raise ValueError(f"Schlick's reflectance is {reflectance!r}; give a number from 0 to 1.")
+    return brdfs.schlick_fresnel(dot(half, view), reflectance)
+
+
 def lafortune_f(exponent):
     """((a + b)+)^N as a function of the two dot products in [-1, 1]."""
-    return lambda a, b: np.maximum(0.0, a + b) ** exponent
+    exponent = positive(exponent, "Lafortune's exponent")
+    return lambda a, b: np.clip(a + b, 0.0, 1.0) ** exponent
 
 
 def _signed(function):
@@ -198,6 +217,8 @@ def lobe_matrix(material, coefficients):
 
     ``coefficients``: C_x, C_y, C_z, of magnitudes below one. Returns two float64 [rows, columns, 3].
     """
+    if np.shape(coefficients) != (3,) or not all(abs(c) <= 1.0 for c in coefficients):
+        raise ValueError(f"Lafortune's coefficients are {coefficients!r}; give three numbers from -1 to 1.")
     frame = material.tangents, material.binormals, material.normals
 
     def entry(i, j):
@@ -418,7 +439,7 @@ def schlick_passes(
         depth_test=FIRST_PASS,
         texture_shader=_looked_up((0, 1), 2),
     )
-    fresnel = brdfs.schlick_fresnel(dot(half, toward_eye), reflectance)
+    fresnel = _fresnel(half, toward_eye, reflectance)
     # S(h.v) comes first: the product times four may be more than one, where a register ends.
     general = (
         _product(_texel(2), CombinerInput(Register.PRIMARY_COLOR), CombinerScale.NONE),
@@ -431,7 +452,7 @@ def schlick_passes(
             toward_light,
             toward_eye,
             surface.positions,
-            colors=np.clip(np.multiply.outer(fresnel, np.array(specular)), 0.0, 1.0),
+            colors=np.clip(np.multiply.outer(fresnel, np.array(checked_rgb(specular))), 0.0, 1.0),
         ),
         view,
         _combiners(CombinerInput(Register.SPARE0), ONE, general=general),
@@ -513,17 +534,16 @@ def _after_copies(material, view, profile, surface, toward_light, *, specular, c
             load_products("load n through l: (n.l)+", "n.l", material.normals, rows, profile),
             polygon("times (n.l)+", texture="n.l", mask=RGB, blending=MULTIPLY_DESTINATION, **drawn),
         )
-    gloss = [(c, 0.0, 0.0, 0.0) for c in (*specular, 1.0)]
-    diffuse = [dot_with(toward_light, c) for c in (*color, 1.0)]
+    gloss = [(c, 0.0, 0.0, 0.0) for c in (*checked_rgb(specular), 1.0)]
+    diffuse = [dot_with(toward_light, c) for c in (*checked_rgb(color), 1.0)]
+    added = [(c, 0.0, 0.0, 0.0) for c in (*checked_rgb(ambient, "The ambient light's colour"), 1.0)]
     return (
         *cosine,
         load_products("load k_s", "k_s", material.k_s, gloss, profile),
         polygon("times k_s", texture="k_s", mask=RGB, blending=MULTIPLY_DESTINATION, **drawn),
         load_products("load n through l: diffuse reflection", "diffuse", material.normals, diffuse, profile),
         polygon("plus the diffuse reflection", texture="diffuse", mask=RGB, blending=ADD, **drawn),
-        load_products(
-            "load the ambient", "ambient", everywhere, [(c, 0, 0, 0) for c in (*ambient, 1)], profile
-        ),
+        load_products("load the ambient", "ambient", everywhere, added, profile),
         polygon("plus the ambient", texture="ambient", mask=RGB, blending=ADD, **drawn),
     )
 
@@ -580,7 +600,7 @@ def schlick_copies(
     """
     toward_light, toward_eye = _flat_vectors(surface, view, light)
     half = flat_vector(half_vectors(surface, view, light), "halfway vector")
-    fresnel = float(brdfs.schlick_fresnel(dot(half, toward_eye), reflectance))
+    fresnel = float(_fresnel(half, toward_eye, reflectance))
     largest = schlick_largest(roughness, isotropy)
     return (
         _table("T(h.t, h.b) = Z(h.n) A(w)", "T(h.t, h.b)", _signed(schlick_t(roughness, isotropy)), profile),

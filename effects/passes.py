@@ -2,6 +2,10 @@
 picture.
 """
 
+import math
+
+import numpy as np
+
 from pipeline.commands import Draw, TexImage
 from pipeline.enums import (
     BlendEquation,
@@ -72,9 +76,34 @@ def alpha_of(register):
     return CombinerInput(register, usage=ComponentUsage.ALPHA)
 
 
+def checked_rgb(color, what="The colour"):
+    """RGB in [0, 1] as three floats: what a machine's colours, constants and tables hold.
+
+    Raises ValueError, naming ``what``, for anything else.
+    """
+    out = np.asarray(color)
+    if out.shape != (3,) or out.dtype.kind not in "iuf" or not ((out >= 0.0) & (out <= 1.0)).all():
+        raise ValueError(f"{what} is {color!r}; give red, green and blue from 0 to 1.")
+    return tuple(out.astype(np.float64).tolist())
+
+
+def one_of(choices, given, what):
+    """What was given. Raises ValueError, naming ``what``, where it is none of the choices."""
+    if given not in choices:
+        raise ValueError(f"{what} is {given!r}; give one of {', '.join(map(repr, choices))}.")
+    return given
+
+
+def positive(number, what):
+    """A number as a float. Raises ValueError, naming ``what``, where it is not finite and above zero."""
+    if not 0.0 < number < math.inf:
+        raise ValueError(f"{what} is {number!r}; give a positive number.")
+    return float(number)
+
+
 def opaque(color):
     """RGB in [0, 1] as a combiner constant with alpha one."""
-    return (float(color[0]), float(color[1]), float(color[2]), 1.0)
+    return (*checked_rgb(color), 1.0)
 
 
 def draw(label, mesh, view, combiners, units=(), *, depth_test=LATER_PASS, blending=None, **settings):

@@ -29,7 +29,19 @@ import numpy as np
 
 from effects import brdfs
 from effects.imaging_subset import SUBTRACT_FROM_SOURCE
-from effects.passes import ADD, EDGE, FIRST_PASS, LATER_PASS, MARK, MARKED, MULTIPLY_DESTINATION, REPEATED
+from effects.passes import (
+    ADD,
+    EDGE,
+    FIRST_PASS,
+    LATER_PASS,
+    MARK,
+    MARKED,
+    MULTIPLY_DESTINATION,
+    REPEATED,
+    checked_rgb,
+    one_of,
+    positive,
+)
 from effects.sampled_functions import power, sampled, stored_exponent
 from effects.vertex_work import half_vectors, light_vectors, view_vectors
 from pipeline.commands import Clear, CopyPixels, Draw, DrawPixels, HostStep, ReadPixels, TexImage
@@ -119,7 +131,7 @@ def _clamped(profile):
 def flat_vector(vectors, what):
     """The one vector [3] that all vertices have. Raises ValueError, naming ``what``, where they differ."""
     spread = float(np.abs(vectors - vectors[0]).max())
-    if spread > 1e-6:
+    if not spread <= 1e-6:
         raise ValueError(
             f"The {what} changes by {spread:.2g} over the surface, and a color matrix holds one; give a flat "
             "surface, a directional light and an infinite viewer, or draw polygon after polygon."
@@ -130,6 +142,10 @@ def flat_vector(vectors, what):
 def dot_with(vector, scale=1.0):
     """A row of the color matrix: the dot product of a texel's RGB with a vector, times ``scale``."""
     return (*(scale * float(c) for c in vector), 0.0)
+
+
+def _format(bits):
+    return _FORMATS[one_of(tuple(_FORMATS), bits, "The textures' bits")]
 
 
 def _image(values, alpha=1.0):
@@ -149,7 +165,7 @@ def load_products(label, name, values, rows, profile, bits=8, *, alpha=1.0):
         label=label,
         texture=name,
         pixels=_image(values, alpha),
-        internal_format=_FORMATS[bits],
+        internal_format=_format(bits),
         transfer=transfer,
     )
 
@@ -165,7 +181,7 @@ def load_squares(label, name, vectors, half, profile, bits=8, *, scale=1.0):
         post_color_matrix_color_table=_tabulated(profile, *[_square] * 4),
     )
     return TexImage(
-        label=label, texture=name, pixels=_image(vectors), internal_format=_FORMATS[bits], transfer=transfer
+        label=label, texture=name, pixels=_image(vectors), internal_format=_format(bits), transfer=transfer
     )
 
 
@@ -254,7 +270,7 @@ def _by_host(copy, name, type):
 
 def _colored(color):
     """Rows that make a colour of one value: times the colour's components."""
-    return [(float(c), 0.0, 0.0, 0.0) for c in color]
+    return [(c, 0.0, 0.0, 0.0) for c in checked_rgb(color)]
 
 
 # -------------------------------------------------------------------------------------------- models
@@ -301,7 +317,7 @@ def banks(
         return [dot_with(vector, sign) for sign in order]
 
     drawn = {"surface": surface, "view": view, "sampler": sampler}
-    raised = ()
+    raised, exponent = (), positive(exponent, "The bracket's exponent")
     if exponent != 1.0:
         table = sampled(lambda b: b**exponent, ROOT_TEXELS, profile=profile, bits=bits)
         raised = (
@@ -415,6 +431,7 @@ def blinn_phong(
     None; or "coordinates" or "lookup": end before or after the lookup. The other parameters are those of
     ``banks``.
     """
+    one_of((None, "coordinates", "lookup"), stage, "The stage")
     half = flat_vector(half_vectors(surface, view, light), "halfway vector")
     scaled_t = material.tangents / material.alpha_x[..., None]
     scaled_b = material.binormals / material.alpha_y[..., None]
@@ -465,6 +482,7 @@ def diffuse(
     """
     toward_light = flat_vector(light_vectors(surface, light), "light vector")
     index = np.arange(_table_size(profile)) / (_table_size(profile) - 1.0)
+    color, ambient = checked_rgb(color), checked_rgb(ambient, "The ambient light's colour")
     columns = [c * index + a for c, a in zip((*color, 1.0), (*ambient, 0.0), strict=True)]
     transfer = PixelTransfer(
         color_matrix=(dot_with(toward_light),) * 4,
@@ -474,7 +492,7 @@ def diffuse(
         label="load n through l: (n.l)+ color + ambient",
         texture="diffuse",
         pixels=_image(material.normals),
-        internal_format=_FORMATS[bits],
+        internal_format=_format(bits),
         transfer=transfer,
     )
     added = polygon("plus diffuse", surface, view, "diffuse", mask=RGB, blending=ADD, sampler=sampler)
@@ -511,6 +529,7 @@ def ward(
     half = flat_vector(half_vectors(surface, view, light), "halfway vector")
     scaled_t = material.tangents / material.alpha_x[..., None]
     scaled_b = material.binormals / material.alpha_y[..., None]
+    largest_s, largest_m = positive(largest_s, "The largest S"), positive(largest_m, "The largest m")
     gloss = brdfs.ward_scale(material.alpha_x, material.alpha_y, material.k_s)
     most = max(1.0, LARGEST_S_NL * float(gloss.max()))
     drawn = {"surface": surface, "view": view, "sampler": sampler}
@@ -525,7 +544,7 @@ def ward(
             label=f"load n through {name}",
             texture=name,
             pixels=_image(material.normals),
-            internal_format=_FORMATS[bits],
+            internal_format=_format(bits),
             transfer=transfer,
         )
 

@@ -37,6 +37,7 @@ from effects.passes import (
     INVERT_DESTINATION,
     LATER_PASS,
     REPEATED,
+    checked_rgb,
     draw,
     unit,
 )
@@ -167,7 +168,7 @@ class _Passes:
     def finish(self, names, specular, sampler):
         """k_s (1 - destination), of what the framebuffer holds, which is one at most."""
         self.saturate("at most one")
-        colors = np.tile(np.array(specular, np.float64), (len(self.surface.positions), 1))
+        colors = np.tile(np.array(checked_rgb(specular)), (len(self.surface.positions), 1))
         units = (unit(names.k_s, sampler, environment=_MODULATE),)
         self.add("k_s times one minus that", colors, units, INVERT_DESTINATION)
         return tuple(self.out)
@@ -206,6 +207,7 @@ def signed_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0, 1
 def diffuse_pass(surface, names, view, light, profile, *, color, ambient=(0.0, 0.0, 0.0), sampler=REPEATED):
     """The smooth surface's (n.l)+ at the vertices, times color, plus ambient, all times k_s: added."""
     vectors = surface.to_local(light.light_vectors(surface.positions))
+    color, ambient = checked_rgb(color), checked_rgb(ambient, "The ambient light's colour")
     lit = np.maximum(0.0, vectors[:, 2:]) * np.array(color) + np.array(ambient)
     units = (unit(names.k_s, sampler, environment=_MODULATE),)
     return (draw("k_s (color (n.l)+ + ambient)", surface.mesh(colors=lit), view, None, units, blending=ADD),)

@@ -11,6 +11,7 @@ Source: Kautz, Seidel 2000, section 3 (complex functions, sampled and put into t
 import numpy as np
 
 from effects import brdfs
+from effects.passes import one_of
 from pipeline.enums import InternalFormat
 from pipeline.textures import texture_1d, texture_2d
 
@@ -31,6 +32,7 @@ def sampled(function, columns, rows=None, *, profile, bits=8):
     ``function``: of float64 s, or s and t, in [0, 1]. Values are rounded to ``bits`` at once, 8 or 12, so
     that the bits do not depend on a library's exponentials; an exact profile gets them unrounded.
     """
+    internal_format = LUMINANCE[one_of(tuple(LUMINANCE), bits, "The texture's bits")]
     s = positions(columns)
     values = function(s) if rows is None else function(s[None, :], positions(rows)[:, None])
     values = np.clip(values, 0.0, 1.0)
@@ -38,7 +40,7 @@ def sampled(function, columns, rows=None, *, profile, bits=8):
         one = 2.0**bits - 1.0
         values = np.floor(values * one + 0.5) / one
     make = texture_1d if rows is None else texture_2d
-    return make(values[..., None], LUMINANCE[bits])
+    return make(values[..., None], internal_format)
 
 
 def power(n, e):

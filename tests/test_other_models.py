@@ -89,12 +89,23 @@ def test_copies_are_for_a_flat_surface():
         other_models.phong_copies(*given, **BLACK)
 
 
-def passes(name, surface, m, profile, view=VIEW):
+def passes(name, surface, m, profile, view=VIEW, light=LIGHT):
     """One model's passes by texture shaders, loading included."""
     loading, names = other_models.load(m, "m", profile, COEFFICIENTS)
     make = getattr(other_models, f"{name}_passes")
     own = {"phong": {}, "schlick": SCHLICK, "lafortune": {"exponent": 9.0}}[name]
-    return *loading, load_screen(view.panel), *make(surface, names, view, LIGHT, profile, **own, **BLACK)
+    return *loading, load_screen(view.panel), *make(surface, names, view, light, profile, **own, **BLACK)
+
+
+@pytest.mark.parametrize("name", ["phong", "schlick", "lafortune"])
+def test_a_light_behind_the_surface_makes_no_highlight(name):
+    """Opposite the eye, where l.v = -1: (n.l)+ = 0 alone does not make Phong's 2 (n.l)(n.v) - l.v dark."""
+    behind, m = Light((0.1, 0.0, -1.0)), material()
+    commands = passes(name, meshes.plane(), m, GEFORCE_3, light=behind)
+    assert not execute(commands, GEFORCE_3, 32, 32).framebuffer.color[..., :3].any()
+    if name == "phong":
+        copies = other_models.phong_copies(meshes.plane(), m, VIEW, behind, OCTANE, **BLACK)
+        assert not execute(copies, OCTANE, 32, 32).framebuffer.color[..., :3].any()
 
 
 @pytest.mark.parametrize("name", ["phong", "schlick", "lafortune"])

@@ -381,7 +381,7 @@ def test_no_library_s_last_bit_decides_a_byte_of_a_table(tables):
 def test_what_cannot_be_stored_is_refused():
     with pytest.raises(ValueError, match=r"The smallest alpha is 0\.1; .*dot_product_lookups"):
         dependent_lookups.load(pebbles(0.1), "m", NV2A)
-    with pytest.raises(ValueError, match="The largest S is 3; combiners take back 2, 4 or 8"):
+    with pytest.raises(ValueError, match=r"The largest S is 3\.0; give one of 2\.0"):
         dependent_lookups.load_ward_functions(NV2A, 3.0)
     narrow = pebbles(0.125, 0.125)
     with pytest.raises(ValueError, match=r"k_s / \(4 pi ax ay\) is .*Give larger alphas"):
