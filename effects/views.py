@@ -19,6 +19,12 @@ class Panel:
     width: int
     height: int
 
+    def __post_init__(self):
+        if self.width < 1 or self.height < 1:
+            raise ValueError(
+                f"A panel of {self.width}x{self.height} pixels shows nothing; give it one or more."
+            )
+
     @property
     def scissor(self):
         """The scissor rectangle that keeps a pass inside the panel."""

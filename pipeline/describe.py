@@ -5,6 +5,7 @@ notation calls them. Equations leave out what cannot contribute: factors of one,
 outputs. ``.`` is a dot product, ``1 - x`` is UNSIGNED_INVERT, 1/2 is the machine's half.
 """
 
+import re
 from dataclasses import MISSING, fields, is_dataclass, replace
 from enum import Enum
 
@@ -831,6 +832,8 @@ _DESCRIPTIONS = {
     ResetHistogram: _reset_histogram,
     ResetMinmax: _reset_minmax,
 }
+# What ``folded`` folds. Assumed: no more commands than these for a polygon; fewer repetitions are read.
+_LONGEST_PERIOD, _FEWEST_TIMES = 8, 6
 _LAYERED = (TextureTarget.TEXTURE_CUBE_MAP, TextureTarget.TEXTURE_3D)
 
 
@@ -845,14 +848,41 @@ def describe_program(texture_shader, combiners):
     return "".join(f"{line}\n" for line in lines)
 
 
-def describe(commands):
+def describe(commands, *, folded=False):
     """The commands as text: a numbered block for each, its label, and what differs from the initial state.
 
-    Commands are numbered from 0, as ``pipeline.validate`` numbers them in its sentences.
+    Commands are numbered from 0, as ``pipeline.validate`` numbers them in its sentences. ``folded``: where
+    the same few commands come again and again, for polygon after polygon, they are described once, and how
+    often they come.
     """
-    blocks = []
-    for number, command in enumerate(commands):
-        lines = _DESCRIPTIONS[type(command)](command)
-        title = f'{number}. {type(command).__name__} "{command.label}"'
-        blocks.append("\n".join([title, *(f"   {line}" for line in lines)]) + "\n")
+    blocks, commands, number = [], tuple(commands), 0
+    names = [(type(c), re.sub(r"\d+", "", c.label)) for c in commands] if folded else []
+    while number < len(commands):
+        period, times = _repeated(names, number)
+        for command in commands[number : number + period]:
+            lines = _DESCRIPTIONS[type(command)](command)
+            title = f'{number}. {type(command).__name__} "{command.label}"'
+            blocks.append("\n".join([title, *(f"   {line}" for line in lines)]) + "\n")
+            number += 1
+        if times > 1:
+            last = number + period * (times - 1) - 1
+            what = "the command above" if period == 1 else f"the {period} commands above"
+            blocks.append(
+                f"{number} to {last}. {what} again, {times - 1} times, with other numbers in them\n"
+            )
+            number = last + 1
     return "\n".join(blocks)
+
+
+def _repeated(names, first):
+    """How many commands from ``first`` on come again at once, and how often they are there: (1, 1) where
+    nothing is repeated so often that it is worth a word.
+    """
+    for period in range(1, _LONGEST_PERIOD + 1):
+        once, times = names[first : first + period], 1
+        following = first + period
+        while once and names[following : following + period] == once:
+            times, following = times + 1, following + period
+        if times >= _FEWEST_TIMES:
+            return period, times
+    return 1, 1

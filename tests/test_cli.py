@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -324,6 +325,32 @@ def test_passes_names_every_command_of_a_figure():
     assert result.exit_code == 0
     for command in FIGURES["F004-2"].commands(GEFORCE_256):
         assert command.label in result.stdout
+
+
+def test_passes_fold_what_is_repeated_for_every_polygon():
+    folded = run("passes", "F004-4", "--profile", "OCTANE", "--size", 24).stdout.splitlines()
+    assert len(folded) < 200
+    again = [line for line in folded if " again, " in line]
+    commands = FIGURES["F004-4"].commands(PROFILES["OCTANE"], 24, FIGURES["F004-4"].method("OCTANE"))
+    assert re.fullmatch(
+        r"5 to \d+\. the 4 commands above again, \d+ times, with other numbers in them", again[0]
+    )
+    folded_away = sum(
+        int(t) * int(p or 1) for line in again for p, t in re.findall(r"the (\d*).* (\d+) times", line)
+    )
+    titles = [line for line in folded if re.match(r"\d+\. [A-Z]", line)]
+    assert len(titles) + folded_away == len(commands)
+    assert f" to {len(commands) - 1}. the 2 commands" in again[-1]
+
+
+def test_a_trace_that_would_not_fit_into_memory_is_refused(tmp_path):
+    out = tmp_path / "trace"
+    words = refusal_of("passes", "F004-4", "--profile", "OCTANE", "--trace", out)
+    assert re.search(
+        r"has \d{5} commands; their framebuffers of 1024x512 pixels take \d+ GiB of memory", words
+    )
+    assert not out.exists()
+    assert "Give --size 1024 or less" in refusal_of("passes", "F004-4", "--size", 5000)
 
 
 def test_passes_keep_each_command_s_framebuffer_as_pictures(tmp_path):

@@ -31,7 +31,7 @@ def study(study_ids, profile, check, out, json_file):
         for s in STUDIES.values():
             click.echo(f"{s.id:4s} {s.title} ({', '.join(s.techniques)}; {s.source})")
         return
-    ids = list(STUDIES) if study_ids == ("all",) else dict.fromkeys(study_ids)
+    ids = list(STUDIES) if "all" in study_ids else dict.fromkeys(study_ids)
     chosen = [choose("study", i, STUDIES) for i in ids]
     machines = [_machine(s, profile, check) for s in chosen]
     folder = writable_folder(out)

@@ -24,6 +24,8 @@ def _textures(map_size, bumps, height, cells):
 def _quarters(panel):
     """Four panels: upper left and right, lower left and right."""
     w, h = panel.width // 2, panel.height // 2
+    if not (w and h):
+        raise ValueError("Four textures share a panel of F004-1; give it 2 pixels an edge or more.")
     return tuple(Panel(panel.x + i * w, panel.y + j * h, w, h) for j in (1, 0) for i in (0, 1))
 
 
