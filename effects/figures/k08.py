@@ -52,7 +52,7 @@ def scene(
     """Left the float picture, in the middle K08, on the right K08 without the colour matrix's bias."""
     left, *others = row_of_panels(3, size)
     material = material_textures.brushed(
-        512, 256, "s", alpha_x=alpha_x, alpha_y=alpha_y, spread=spread, depth=depth, k_s=k_s
+        128, 64, "s", alpha_x=alpha_x, alpha_y=alpha_y, spread=spread, depth=depth, k_s=k_s
     )
     surface, toward = meshes.sphere(slices, stacks), Light(light)
     picture = _smooth(size, material, toward, radius, diffuse, ambient, specular, background)
@@ -148,7 +148,7 @@ FIGURE = Figure(
     id="K08",
     title="Eq. 1 by the imaging subset",
     caption=(
-        "A sphere of 2500 triangles, brushed along its parallels. Left: a halfway vector for every pixel, in "
+        "A sphere of few triangles, brushed along its parallels. Left: a halfway vector for every pixel, in "
         "float. Middle: the imaging subset, with one for every triangle. Right: the same, its colour matrix "
         "without the bias that keeps negative dot products."
     ),
@@ -160,13 +160,13 @@ FIGURE = Figure(
     techniques=("K08", "K10", "K21"),
     columns=3,
     parameters={
-        "slices": 50,
-        "stacks": 26,
+        "slices": 24,
+        "stacks": 13,
         "spread": 8.0,
         "depth": 0.2,
         "k_s": (0.6, 1.0),
-        "alpha_x": 0.3,
-        "alpha_y": 0.7,
+        "alpha_x": 0.5,
+        "alpha_y": 0.9,
         "light": (0.35, 0.45, 0.82),
         "radius": 0.92,
         "diffuse": (0.30, 0.17, 0.10),
