@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 from effects.figures import FIGURES, Check, Figure, Method, Renderer, difference
-from pipeline.commands import Clear, Draw, TexImage
+from pipeline.commands import Draw, TexImage
 from pipeline.execute import execute
 from pipeline.ideal import execute_ideal
 from pipeline.profiles import GEFORCE_256, IDEAL, PROFILES
-from pipeline.state import DepthTest
+from pipeline.state import ColorTable, DepthTest
 from pipeline.validate import validate
 
 # Each figure on the first machine of each of its methods.
@@ -118,31 +118,32 @@ def test_a_difference_of_nothing_is_middle_grey_and_one_byte_is_the_gain():
     assert difference(machine + np.uint8(1), ideal, gain=8.0)[0, 0].tolist() == [136, 136, 136, 255]
 
 
-def arrays_of(value):
-    """Every array in a command, in order."""
+def bits_of(value):
+    """Every number and name in a command, in order, as bytes; the functions of HostSteps are none."""
     if isinstance(value, np.ndarray):
-        yield value
+        yield np.ascontiguousarray(value).tobytes()
+    elif isinstance(value, ColorTable):
+        yield np.array(value.entries).tobytes()
     elif is_dataclass(value):
         for f in fields(value):
-            yield from arrays_of(getattr(value, f.name))
+            yield from bits_of(getattr(value, f.name))
     elif isinstance(value, tuple):
         for item in value:
-            yield from arrays_of(item)
+            yield from bits_of(item)
+    elif not callable(value):
+        yield repr(value).encode()
 
 
 def digest_of_inputs():
-    """One digest of all textures, vertices and matrices that figures hand to machines, one for each way of
+    """One digest of all that figures hand to machines, textures, tables, vertices, matrices, for each way of
     drawing them. Of a figure that is drawn polygon by polygon, some of its thousands of commands.
     """
     state = hashlib.sha256()
     for figure, machine in DRAWN:
         commands = FIGURES[figure].commands(PROFILES[machine], 32, FIGURES[figure].method(machine))
         for command in commands[:: len(commands) // 500 + 1]:
-            for array in arrays_of(command):
-                if not (isinstance(command, TexImage) and array.dtype != np.uint8):
-                    state.update(np.ascontiguousarray(array).tobytes())
-            if isinstance(command, Draw | Clear):
-                state.update(repr(command.state if isinstance(command, Draw) else command).encode())
+            for bits in bits_of(command):
+                state.update(bits)
     return state.hexdigest()
 
 
