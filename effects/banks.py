@@ -39,6 +39,7 @@ from effects.passes import (
     ONE,
     OPAQUE,
     REPEATED,
+    SUBTRACT,
     ZERO,
     alpha_of,
     constant_product,
@@ -49,9 +50,8 @@ from effects.passes import (
 )
 from effects.vertex_work import light_vectors, view_vectors
 from pipeline.commands import Saturate, TexImage
-from pipeline.enums import BlendEquation, BlendFactor, Mapping, Register
+from pipeline.enums import BlendEquation, Mapping, Register
 from pipeline.state import (
-    Blending,
     CombinerInput,
     FinalCombiner,
     GeneralCombiner,
@@ -59,9 +59,6 @@ from pipeline.state import (
     RGBPortion,
 )
 from pipeline.textures import texture_2d
-
-# destination - source, EXT_blend_subtract.
-SUBTRACT = Blending(BlendFactor.ONE, BlendFactor.ONE, BlendEquation.FUNC_REVERSE_SUBTRACT)
 
 
 @dataclass(frozen=True)

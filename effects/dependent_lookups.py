@@ -47,7 +47,7 @@ from effects.passes import (
     opaque,
     unit,
 )
-from effects.sampled_functions import sampled
+from effects.sampled_functions import LARGEST_M, LARGEST_S_NL, sampled
 from effects.vertex_work import half_vectors, light_vectors, view_vectors
 from pipeline.commands import CopyTexSubImage, TexImage
 from pipeline.enums import CombinerScale, ComponentUsage, Mapping, Register
@@ -67,12 +67,6 @@ TABLE_TEXELS = 256
 # F(N, e) is steep where e is near one: (sqrt e)^128 falls by half within 0.011.
 BASE_TEXELS = 1024
 SCREEN = "parameters on the screen"
-
-# Ward's m is stored over 8: beyond, E(m, d) < 2^-8 for d <= 1 is dark in eight bits. Source: A-K09.
-LARGEST_M = 8.0
-# S(p) (n.l)+ = sqrt(n.l / n.v) exceeds one where a bump faces the light more than the eye; up to this it is
-# kept.
-LARGEST_S_NL = 2.0
 
 _TEXTURE = TextureShaderStage(Operation.TEXTURE_2D)
 _PASS_THROUGH = TextureShaderStage(Operation.PASS_THROUGH)

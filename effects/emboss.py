@@ -33,6 +33,8 @@ from effects.passes import (
     ADD_GATED,
     FIRST_PASS,
     LATER_PASS,
+    MODULATE,
+    MULTIPLY_DESTINATION_TWICE,
     NO_ALPHA,
     ONE,
     OPAQUE,
@@ -76,12 +78,9 @@ from pipeline.textures import texture_2d
 # to one, or to n.l, is -dh/dl on each.
 ONE_UNIT_GAIN, TWO_UNITS_GAIN, COMBINERS_GAIN = 1.0, 2.0, 4.0
 
-# 2 * source * destination.
-MODULATE_TWICE = Blending(BlendFactor.DST_COLOR, BlendFactor.SRC_COLOR)
 ADD_TIMES_ALPHA = Blending(BlendFactor.SRC_ALPHA, BlendFactor.ONE)
 
 _ALPHA = Combine(CombineFunction.REPLACE, (CombineSource.PRIMARY_COLOR,), (CombineOperand.SRC_ALPHA,))
-_MODULATE = TextureEnvironment(TextureEnvironmentMode.MODULATE)
 # C (1 - texel), with a texture environment colour of zero.
 _INVERTED = TextureEnvironment(TextureEnvironmentMode.BLEND)
 _ONE_MINUS_TEXEL = TextureEnvironment(
@@ -209,7 +208,7 @@ def _difference_passes(what, surface, height_map, vectors, colors, view, *, firs
             surface.mesh(moved, colors=colors),
             view,
             None,
-            (unit(texture, environment=_MODULATE),),
+            (unit(texture, environment=MODULATE),),
             blending=ADD,
         ),
     )
@@ -260,7 +259,7 @@ def two_unit_passes(
             units,
             depth_test=FIRST_PASS,
         ),
-        draw("times twice the lit color", lit, view, None, blending=MODULATE_TWICE),
+        draw("times twice the lit color", lit, view, None, blending=MULTIPLY_DESTINATION_TWICE),
     )
     if _shines(specular):
         alpha = _highlight(surface, view, light, specular)[:, None]

@@ -40,22 +40,33 @@ import numpy as np
 
 from effects.encode import encode_factor
 from effects.meshes import Surface
-from effects.passes import ADD, FIRST_PASS, LATER_PASS, REPEATED, checked_rgb, draw
+from effects.passes import (
+    ADD,
+    ADD_GATED,
+    AT_LEAST_ZERO,
+    FIRST_PASS,
+    LATER_PASS,
+    MODULATE,
+    MULTIPLY_DESTINATION,
+    REPEATED,
+    REPLACE,
+    SUBTRACT_FROM_SOURCE,
+    checked_rgb,
+    draw,
+)
 from effects.vectors import cross, dot, in_frame, normalize
 from effects.views import View
 from pipeline.commands import Mesh, TexImage
 from pipeline.enums import (
     BaseFormat,
-    BlendEquation,
     BlendFactor,
     InternalFormat,
-    TextureEnvironmentMode,
     TextureFilter,
     WrapMode,
 )
 from pipeline.pixel_transfer import PixelImage, PixelTransfer
 from pipeline.profile import Profile
-from pipeline.state import Blending, ColorMask, ColorTable, Sampler, TextureEnvironment, TextureUnit
+from pipeline.state import Blending, ColorMask, ColorTable, Sampler, TextureUnit
 from pipeline.textures import texture_2d
 
 # Assumed: entries of a colour table; any machine with one holds so many. 256 would cost |d| / 255 of accuracy
@@ -65,18 +76,11 @@ TABLE_ENTRIES = 1024
 # exact.  Assumed: a filter's smallest step.
 _MARGIN = 1.0 / 256.0
 
-SUBTRACT_FROM_SOURCE = Blending(BlendFactor.ONE, BlendFactor.ONE, BlendEquation.FUNC_SUBTRACT)
-AT_LEAST_ZERO = Blending(BlendFactor.ONE, BlendFactor.ONE, BlendEquation.MAX)
-MULTIPLY_DESTINATION = Blending(BlendFactor.DST_COLOR, BlendFactor.ZERO)
 # Source plus destination times the source's alpha: the diffuse term, and the gate for what is there.
 ADD_AND_GATE = Blending(BlendFactor.ONE, BlendFactor.SRC_ALPHA)
 
-# The destination times the source; the source times what waits in destination alpha, added.
+# The destination times the source.
 MULTIPLY_BY_SOURCE = Blending(BlendFactor.ZERO, BlendFactor.SRC_COLOR)
-ADD_TIMES_ALPHA = Blending(BlendFactor.DST_ALPHA, BlendFactor.ONE)
-
-_REPLACE = TextureEnvironment(TextureEnvironmentMode.REPLACE)
-_MODULATE = TextureEnvironment(TextureEnvironmentMode.MODULATE)
 
 
 # ---------------------------------------------------------------------------------------- flat polygons
@@ -298,7 +302,7 @@ class Prepared:
         the one that draws it: a list of pairs.
         """
         texture = f"{self.name}: {what}"
-        unit = TextureUnit(texture, self.windows.sampler, environment=_REPLACE)
+        unit = TextureUnit(texture, self.windows.sampler, environment=REPLACE)
         first = draw(f"draw the polygon with {what}", self.meshes[0], self.view, None, (unit,), **tests)
         pairs = []
         for number, (vector, mesh) in enumerate(zip(vectors, self.meshes, strict=True)):
@@ -314,7 +318,7 @@ class Prepared:
 
     def draw_all(self, label, blending, texture=None, color=(1.0, 1.0, 1.0)):
         """One pass over all polygons, that loads nothing for each, in a colour or a texture times it."""
-        units = () if texture is None else (TextureUnit(texture, REPEATED, environment=_MODULATE),)
+        units = () if texture is None else (TextureUnit(texture, REPEATED, environment=MODULATE),)
         colors = np.tile(np.array(checked_rgb(color)), (len(self.surface.positions), 1))
         mesh = self.surface.mesh(colors=colors)
         return draw(label, mesh, self.view, None, units, depth_test=LATER_PASS, blending=blending)
@@ -416,7 +420,7 @@ def diffuse_pass(
         white = prepared.draw_all("white polygons: alpha becomes one", None)
         alpha_only = replace(white.state, color_mask=ColorMask(False, False, False, True))
         before = (replace(white, state=alpha_only),)
-        after = (prepared.draw_all("add colour map times (n.l)+", ADD_TIMES_ALPHA, color_map, color),)
+        after = (prepared.draw_all("add colour map times (n.l)+", ADD_GATED, color_map, color),)
         if ambient != black:
             after += (prepared.draw_all("add colour map times ambient light", ADD, color_map, ambient),)
     pairs = prepared.load_and_draw(

@@ -15,6 +15,7 @@ from pipeline.enums import (
     Mapping,
     Register,
     StencilOperation,
+    TextureEnvironmentMode,
     TextureFilter,
     WrapMode,
 )
@@ -30,6 +31,7 @@ from pipeline.state import (
     RGBPortion,
     Sampler,
     StencilTest,
+    TextureEnvironment,
     TextureUnit,
     VertexState,
     Viewport,
@@ -47,6 +49,15 @@ INVERT_DESTINATION = Blending(BlendFactor.ONE_MINUS_DST_COLOR, BlendFactor.ZERO)
 # (.)+ of the framebuffer. A framebuffer of bytes never falls below zero and would not need it; the exact
 # framebuffer does.
 AT_LEAST_ZERO = Blending(BlendFactor.ONE, BlendFactor.ONE, BlendEquation.MAX)
+# 2 * source * destination; with a white source twice the destination.
+MULTIPLY_DESTINATION_TWICE = Blending(BlendFactor.DST_COLOR, BlendFactor.SRC_COLOR)
+# EXT_blend_subtract: destination - source, and source - destination.
+SUBTRACT = Blending(BlendFactor.ONE, BlendFactor.ONE, BlendEquation.FUNC_REVERSE_SUBTRACT)
+SUBTRACT_FROM_SOURCE = Blending(BlendFactor.ONE, BlendFactor.ONE, BlendEquation.FUNC_SUBTRACT)
+
+# Texture environments: the texel, and the texel times what comes in.
+REPLACE = TextureEnvironment(TextureEnvironmentMode.REPLACE)
+MODULATE = TextureEnvironment(TextureEnvironmentMode.MODULATE)
 
 # The pixels that a polygon covers, for rectangles of pixels that must leave others alone.
 MARK = StencilTest(ComparisonFunction.ALWAYS, reference=1, depth_pass=StencilOperation.REPLACE)

@@ -28,7 +28,6 @@ from functools import lru_cache
 import numpy as np
 
 from effects import brdfs
-from effects.imaging_subset import SUBTRACT_FROM_SOURCE
 from effects.passes import (
     ADD,
     EDGE,
@@ -38,17 +37,18 @@ from effects.passes import (
     MARKED,
     MULTIPLY_DESTINATION,
     REPEATED,
+    REPLACE,
+    SUBTRACT_FROM_SOURCE,
     checked_rgb,
     one_of,
     positive,
 )
-from effects.sampled_functions import power, sampled, stored_exponent
+from effects.sampled_functions import LARGEST_M, LARGEST_S_NL, power, sampled, stored_exponent
 from effects.vertex_work import half_vectors, light_vectors, view_vectors
 from pipeline.commands import Clear, CopyPixels, Draw, DrawPixels, HostStep, ReadPixels, TexImage
 from pipeline.enums import (
     InternalFormat,
     PixelCopyType,
-    TextureEnvironmentMode,
 )
 from pipeline.pixel_transfer import PixelImage, PixelTransfer
 from pipeline.state import (
@@ -57,7 +57,6 @@ from pipeline.state import (
     PassState,
     PixelTexture,
     RasterPosition,
-    TextureEnvironment,
     TextureUnit,
 )
 
@@ -76,7 +75,6 @@ FROM_RED, FROM_GREEN, FROM_BLUE, FROM_ALPHA = (tuple(row) for row in np.eye(4).t
 NOTHING = (0.0, 0.0, 0.0, 0.0)
 
 _FORMATS = {8: InternalFormat.RGBA8, 12: InternalFormat.RGBA12}
-_REPLACE = TextureEnvironment(TextureEnvironmentMode.REPLACE)
 
 # R(s) = sqrt(1 - s) falls with infinite slope at s = 1: 2048 texels, the Octane's most, leave an error of
 # sqrt(1/2 / 2048) = 0.016 between the last two, which codes of eight bits never meet (erratum E004.16).
@@ -86,11 +84,6 @@ EXPONENT_TEXELS, BASE_TEXELS = 64, 256
 # E(m, d), steep in m: within half a texel of m = 0, the highlight's middle, it is E(0, d), off by less than
 # 8 / 2048. Assumed: so many fit; the catalogue names no size.
 M_TEXELS, D_TEXELS = 1024, 128
-# Ward's m is stored over 8: beyond, E(m, d) < 2^-8 for d <= 1 is dark in eight bits. Source: A-K09.
-LARGEST_M = 8.0
-# S(p) (n.l)+ = sqrt(n.l / n.v) exceeds one where a bump faces the light more than the eye; up to 2, where n.l
-# is 4 n.v, it is kept.
-LARGEST_S_NL = 2.0
 # Ward's S(p) is stored over its largest value, 8, and clamped beyond: p < 1/64. Source: A-K09, P18.
 LARGEST_S = 8.0
 
@@ -192,7 +185,7 @@ def begin(view):
 
 def polygon(label, surface, view, texture=None, *, first=False, mask=RGBA, blending=None, sampler=REPEATED):
     """Draw the polygon with a texture, or white; the ``first`` time its pixels are marked."""
-    units = () if texture is None else (TextureUnit(texture, sampler, environment=_REPLACE),)
+    units = () if texture is None else (TextureUnit(texture, sampler, environment=REPLACE),)
     state = PassState(
         vertex=view.vertex,
         texture_units=units,
@@ -215,7 +208,7 @@ def copied(label, view, rows, profile, *, mask=RGB, blending=None):
 
 def looked_up(label, view, table, s, t=NOTHING, *, mask=RGB, blending=None):
     """A pixel texture: marked pixels become the texels of ``table`` at (s, t), rows of a color matrix."""
-    unit = TextureUnit(table, EDGE, environment=_REPLACE)
+    unit = TextureUnit(table, EDGE, environment=REPLACE)
     return _copy(label, view, (s, t, NOTHING, NOTHING), mask, blending, (unit,), PixelTexture())
 
 

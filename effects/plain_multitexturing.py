@@ -36,6 +36,8 @@ from effects.passes import (
     FIRST_PASS,
     INVERT_DESTINATION,
     LATER_PASS,
+    MODULATE,
+    MULTIPLY_DESTINATION_TWICE,
     REPEATED,
     checked_rgb,
     draw,
@@ -44,14 +46,13 @@ from effects.passes import (
 from effects.vertex_work import half_vectors
 from pipeline.commands import Saturate, TexImage
 from pipeline.enums import (
-    BlendFactor,
     CombineFunction,
     CombineOperand,
     CombineSource,
     InternalFormat,
     TextureEnvironmentMode,
 )
-from pipeline.state import Blending, Combine, TextureEnvironment
+from pipeline.state import Combine, TextureEnvironment
 from pipeline.textures import texture_2d
 
 # What a stored one is worth: entries of M up to it, alpha from 0.5 on. RGB_SCALE goes no higher.
@@ -60,9 +61,6 @@ _SQUARES = ((0, 0), (1, 1), (2, 2))
 _CROSSES = ((0, 1), (0, 2), (1, 2))
 _AXES = "xyz"
 
-# 2 * destination, with a white source.
-DOUBLE_DESTINATION = Blending(BlendFactor.DST_COLOR, BlendFactor.SRC_COLOR)
-_MODULATE = TextureEnvironment(TextureEnvironmentMode.MODULATE)
 _MODULATE_BY_FOUR = TextureEnvironment(
     TextureEnvironmentMode.COMBINE,
     rgb=Combine(
@@ -160,7 +158,7 @@ class _Passes:
         """The products whose sign is ``sign``: both factors' halves of one sign, and of the other."""
         for i, j, sign_of_texel, texture in names.crosses:
             product = np.maximum(0.0, sign * sign_of_texel * half[:, i] * half[:, j])
-            units = (unit(texture, sampler, environment=_MODULATE),)
+            units = (unit(texture, sampler, environment=MODULATE),)
             minus = "-" if sign * sign_of_texel < 0 else ""
             label = f"2 |m_{_AXES[i]}{_AXES[j]}| ({minus}h_{_AXES[i]} h_{_AXES[j]})+"
             self.add(f"plus {label}", _grey(product), units)
@@ -169,7 +167,7 @@ class _Passes:
         """k_s (1 - destination), of what the framebuffer holds, which is one at most."""
         self.saturate("at most one")
         colors = np.tile(np.array(checked_rgb(specular)), (len(self.surface.positions), 1))
-        units = (unit(names.k_s, sampler, environment=_MODULATE),)
+        units = (unit(names.k_s, sampler, environment=MODULATE),)
         self.add("k_s times one minus that", colors, units, INVERT_DESTINATION)
         return tuple(self.out)
 
@@ -193,14 +191,14 @@ def signed_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0, 1
     products, never both, and the squares' sum is at most 4.
     """
     half, passes = half_vectors(surface, view, light), _Passes(surface, view)
-    passes.add_squares(names, half, _MODULATE, sampler)
+    passes.add_squares(names, half, MODULATE, sampler)
     passes.add_crosses(names, half, 1, sampler)
     passes.add("one minus that", blending=INVERT_DESTINATION)
     passes.add_crosses(names, half, -1, sampler)
     passes.add("one minus that", blending=INVERT_DESTINATION)
     passes.saturate("(.)+: the framebuffer does not fall below zero")
     for _ in range(2):
-        passes.add("twice that", blending=DOUBLE_DESTINATION)
+        passes.add("twice that", blending=MULTIPLY_DESTINATION_TWICE)
     return passes.finish(names, specular, sampler)
 
 
@@ -209,5 +207,5 @@ def diffuse_pass(surface, names, view, light, profile, *, color, ambient=(0.0, 0
     vectors = surface.to_local(light.light_vectors(surface.positions))
     color, ambient = checked_rgb(color), checked_rgb(ambient, "The ambient light's colour")
     lit = np.maximum(0.0, vectors[:, 2:]) * np.array(color) + np.array(ambient)
-    units = (unit(names.k_s, sampler, environment=_MODULATE),)
+    units = (unit(names.k_s, sampler, environment=MODULATE),)
     return (draw("k_s (color (n.l)+ + ambient)", surface.mesh(colors=lit), view, None, units, blending=ADD),)

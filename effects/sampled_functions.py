@@ -18,6 +18,12 @@ from pipeline.textures import texture_1d, texture_2d
 LUMINANCE = {8: InternalFormat.LUMINANCE8, 12: InternalFormat.LUMINANCE12}
 LARGEST_LOGARITHM = 7.0  # N from 1 to 128 = 2^7 is stored as log2(N) / 7 (pass sequence A-K05)
 
+# Ward's m is stored over 8: beyond, E(m, d) < 2^-8 for d <= 1 is dark in eight bits. Source: A-K09.
+LARGEST_M = 8.0
+# S(p) (n.l)+ = sqrt(n.l / n.v) exceeds one where a bump faces the light more than the eye; up to 2, where n.l
+# is 4 n.v, it is kept.
+LARGEST_S_NL = 2.0
+
 
 def positions(count):
     """Where a table's texels sample: centres, and the two ends of [0, 1]. float64 [count]."""
