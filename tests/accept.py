@@ -81,6 +81,11 @@ def error_from_ideal(figure, machine, size=REFERENCE_SIZE):
     return measure(figure, PROFILES[machine].with_precision(**wide), size, figure.method(machine)).shown
 
 
+def loads_for_each_polygon(figure, method):
+    """Whether a way of drawing a figure takes thousands of loads and Draws, and many seconds."""
+    return method.name == "imaging subset" and figure.id in ("F004-4", "F004-5", "F004-6")
+
+
 def is_specified(machine):
     """Whether the executable specification has whole frames of the machine: of colours of eight bits."""
     return PROFILES[machine].combiner_bits == 8 and PROFILES[machine].color_bits[0] == 8

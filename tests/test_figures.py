@@ -18,9 +18,15 @@ from pipeline.ideal import execute_ideal
 from pipeline.profiles import GEFORCE_256, IDEAL, PROFILES
 from pipeline.state import ColorTable, DepthTest
 from pipeline.validate import validate
+from tests.accept import loads_for_each_polygon
 
 # Each figure on the first machine of each of its methods.
 DRAWN = [(f.id, method.machines[0]) for f in FIGURES.values() for method in f.methods]
+VALID = [
+    pytest.param(f.id, method.machines[0], marks=[pytest.mark.slow] * loads_for_each_polygon(f, method))
+    for f in FIGURES.values()
+    for method in f.methods
+]
 # Each figure on each of its machines; all but its own take minutes together.
 EVERYWHERE = [
     pytest.param(f.id, machine, marks=[pytest.mark.slow] * (machine != f.machines[0]))
@@ -29,7 +35,7 @@ EVERYWHERE = [
 ]
 
 
-@pytest.mark.parametrize(("figure_id", "machine"), DRAWN)
+@pytest.mark.parametrize(("figure_id", "machine"), VALID)
 def test_every_figure_is_valid_on_the_machine_and_on_the_ideal(figure_id, machine):
     figure = FIGURES[figure_id]
     for profile in (PROFILES[machine], IDEAL):

@@ -12,9 +12,15 @@ from pipeline.golden import digest, from_text
 from pipeline.profiles import FUTURE
 from tests import accept
 
-# Each figure on each of its machines; those that draw it as another does take minutes together.
+# Each figure on each of its machines; those that draw it as another does take minutes together, and so do
+# spheres of thousands of polygons, each with textures of its own.
 ACCEPTED = [
-    pytest.param(f.id, machine, marks=[pytest.mark.slow] * (machine != method.machines[0]))
+    pytest.param(
+        f.id,
+        machine,
+        marks=[pytest.mark.slow]
+        * (machine != method.machines[0] or accept.loads_for_each_polygon(f, method)),
+    )
     for f in FIGURES.values()
     for method in f.methods
     for machine in method.machines
