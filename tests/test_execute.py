@@ -304,6 +304,23 @@ def test_a_texture_replaced_between_draws_changes_only_the_later_draw():
     assert (before.levels[0] == 22).all()  # the object that an earlier Result holds stays as it was
 
 
+def test_textures_that_are_replaced_wait_in_the_queue_up_to_a_number_of_bytes(monkeypatch):
+    """Of 4 KiB each, and 8 KiB may wait: two Draws at a time instead of all twelve at the end."""
+    monkeypatch.setattr(execute_module, "_MOST_BYTES", 1 << 13)
+    waited, flush = [], execute_module._Queue.flush
+
+    def counting(queue):
+        waited.append(len(queue._draws))
+        flush(queue)
+
+    monkeypatch.setattr(execute_module._Queue, "flush", counting)
+    images = [TexImage(label="t", texture="t", image=solid(n, 32, 32)) for n in range(12)]
+    result = run(*(command for image in images for command in (image, textured("t"))))
+    assert max(waited) == 2
+    assert sum(waited) == 12
+    assert (result.framebuffer.color == 11).all()
+
+
 def test_a_copy_into_level_1_is_read_where_level_1_is_selected():
     texture = solid(11, 32, 16, mipmaps=True)
     sampler = Sampler(TextureFilter.NEAREST_MIPMAP_NEAREST, TextureFilter.NEAREST)

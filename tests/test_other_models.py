@@ -9,6 +9,7 @@ from effects import brdfs, meshes, other_models
 from effects.brdfs import BRDFS, Frame
 from effects.dependent_lookups import load_screen
 from effects.figures.k24 import domed_material
+from effects.matrices import rotation
 from effects.sampled_functions import stored_exponent
 from effects.vectors import dot, normalize
 from effects.views import Light, orthographic_view, perspective_view, row_of_panels
@@ -95,6 +96,20 @@ def passes(name, surface, m, profile, view=VIEW, light=LIGHT):
     make = getattr(other_models, f"{name}_passes")
     own = {"phong": {}, "schlick": SCHLICK, "lafortune": {"exponent": 9.0}}[name]
     return *loading, load_screen(view.panel), *make(surface, names, view, light, profile, **own, **BLACK)
+
+
+@pytest.mark.parametrize("reflectance", [0.0, 0.4])
+def test_the_last_copy_of_schlick_multiplies_by_fresnel_s_factor(reflectance):
+    """Seen and lit from opposite sides, where the factor is not the reflectance alone."""
+    tilted = meshes.plane().rotated(rotation("y", 60.0))
+    given = tilted, material(), VIEW, Light((1.0, 0.0, -0.45)), OCTANE
+    commands = other_models.schlick_copies(*given, **{**SCHLICK, "reflectance": reflectance}, **BLACK)
+    (last,) = [c for c in commands if c.label == "times four, times S(h.v)"]
+    light, view = normalize(np.array([1.0, 0.0, -0.45])), np.array([0.0, 0.0, 1.0])
+    u = dot(brdfs.half_vector(light, view), view)
+    factor = reflectance + (1.0 - reflectance) * (1.0 - u) ** 5
+    assert factor > reflectance + 0.01
+    np.testing.assert_allclose(last.transfer.color_matrix[0], (0.0, 0.0, 4.0 * factor, 0.0), rtol=1e-5)
 
 
 @pytest.mark.parametrize("name", ["phong", "schlick", "lafortune"])

@@ -203,9 +203,10 @@ def test_banks_keeps_the_sign_of_its_product():
 # ----------------------------------------------------------------- parameters on the screen, then lookups
 
 
-def test_an_exponent_per_texel_sharpens_the_highlight_there():
+@pytest.mark.parametrize("alpha", [0.25, 0.125])
+def test_an_exponent_per_texel_sharpens_the_highlight_there(alpha):
     exponents = np.broadcast_to(np.linspace(1.0, 128.0, SIZE)[None, :], (SIZE, SIZE))
-    material = pebbles(exponent=exponents)
+    material = pebbles(alpha, exponent=exponents)
     expected = blinn_phong(material, exponents)
     ideal = picture(of_exponents(material, IDEAL), IDEAL)
     # The table's filter: between rows of e 1/1024 apart, 128/2 steep.

@@ -18,7 +18,7 @@ from pipeline.pixel_transfer import (
     PixelTransfer,
     SeparableFilter,
 )
-from pipeline.profiles import OCTANE, OPENGL_1_2_IMAGING
+from pipeline.profiles import IDEAL, OCTANE, OPENGL_1_2_IMAGING
 from pipeline.state import ColorTable
 from pipeline.transfer import (
     ENTRY_COMPONENTS,
@@ -254,6 +254,14 @@ def test_texture_color_tables_equal_the_specification(table, one):
     entries, components = table_entries(table, OCTANE), ENTRY_COMPONENTS[table.base_format]
     found = arithmetic.texture_color_table(texels, one, entries, components)
     assert found.tolist() == [reference.texture_color(texel, one, table) for texel in texels.tolist()]
+
+
+def test_a_table_is_stored_as_each_machine_stores_it():
+    """Entries are remembered by the table, and an exact machine stores the same table unrounded."""
+    table = ColorTable(((0.3, 0.3, 0.3, 0.3),) * 4, bits=8)
+    assert table_entries(table, OCTANE)[0, 0] == 77 / 255
+    assert table_entries(table, IDEAL)[0, 0] == 0.3
+    assert table_entries(table, OCTANE)[0, 0] == 77 / 255
 
 
 @pytest.mark.parametrize("border_mode", ConvolutionBorderMode)
