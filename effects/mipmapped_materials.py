@@ -372,6 +372,8 @@ def load(levels, name, profile, exponent=2.0):
     """Commands that load material textures with all ``levels``, and their names: ``material_textures.load``
     for more than one. ``exponent``: N, the same at every level, as it is not fitted.
     """
+    if not 1.0 <= exponent <= LARGEST_EXPONENT:
+        raise ValueError(f"The exponent is {exponent!r}; give a number from 1 to {LARGEST_EXPONENT:g}.")
     names = MaterialNames(f"{name} n", f"{name} t/ax", f"{name} b/ay")
     pictures = (
         (names.normal, "normal map", [(v.normals, v.k_s) for v in levels]),

@@ -70,3 +70,9 @@ def test_each_stage_by_the_host_is_the_float_evaluation(stage):
     assert np.abs(picture - expected).max() <= codes / 255.0
     ideal = execute_ideal(commands(IDEAL), SIZE, SIZE).color[::-1, :, 0]
     assert np.abs(ideal - expected).max() <= (1e-12 if stage in framework.STAGES[:4] else 2e-3)
+
+
+def test_the_exponent_of_the_woven_domes_grows_from_left_to_right():
+    eighths = framework.woven_domes(16).eighths
+    assert (np.diff(eighths, axis=1) > 0.0).all()
+    assert (np.diff(eighths, axis=0) == 0.0).all()

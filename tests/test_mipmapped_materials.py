@@ -215,6 +215,12 @@ def test_edges_that_are_no_powers_of_two_are_refused():
         mipmaps.lobe_fit(material(4, 6, 5))
 
 
+@pytest.mark.parametrize("exponent", [0.0, 200.0, float("nan")])
+def test_an_exponent_that_cannot_be_stored_is_refused(exponent):
+    with pytest.raises(ValueError, match="give a number from 1 to 128"):
+        mipmaps.load((), "m", IDEAL, exponent)
+
+
 # --------------------------------------------------------------------------------------------- the figure
 
 

@@ -114,6 +114,14 @@ def blinn_phong(m, exponent):
 # ----------------------------------------------------------------------- one pass: dot products are places
 
 
+def test_vectors_for_dot_products_are_stored_as_these_read_them():
+    """(n - 128)/127: every multiple of 1/127 is a code, and no other scale has all of them."""
+    codes = np.arange(-127, 128)
+    vectors = np.repeat((codes / 127.0)[None, :, None], 3, axis=-1)
+    stored = dot_product_lookups.encode_dot_product(vectors, 1.0, NV2A)
+    np.testing.assert_array_equal(stored[0, :, :3], np.repeat(128 + codes[:, None], 3, axis=-1))
+
+
 @pytest.mark.parametrize("alpha", [0.2, 0.25, 0.5])
 @pytest.mark.parametrize("exponent", [2.0, 16.0])
 def test_blinn_phong_by_two_dot_products_is_the_model(alpha, exponent):
