@@ -28,6 +28,9 @@ REFERENCE_SIZE = 32  # edge of a panel, pixels: plain Python takes a minute for 
 # number has 16 bits, of the same stored textures and vertices. Measured: 0.0005 at most (F004-3); with the
 # machine's own bytes in textures and framebuffer it is 0.001 to 0.005, where smaller faults would hide.
 FROM_IDEAL = 1 / 1024
+# Where formats of eight bits keep them beside wider ones, what passes define from pixels is rounded to bytes:
+# half a byte more, at most (docs/numbers.md, section 13).
+BYTES_KEPT = 0.5 / 255
 GOLDEN = Path(__file__).parent / "golden"
 PICTURES = Path(__file__).parents[1] / "out" / "accept"
 PAGES = Path(__file__).parents[1] / "docs"
@@ -109,7 +112,8 @@ def problem(figure, machine, golden):
     if not is_specified(machine):
         error, widened = error_from_ideal(figure, machine), f"{machine} with 16 bits"
         print(f"{figure.id}: RMS from the ideal on {widened} at {width}x{height}: {error:.5f}.")
-        return None if error <= FROM_IDEAL else f"that is more than {FROM_IDEAL}"
+        bound = FROM_IDEAL + BYTES_KEPT * (PROFILES[machine].texture_bits > 8)
+        return None if error <= bound else f"that is more than {bound:.5f}"
     began = time.perf_counter()
     different = differences_from_reference(figure, machine)
     spent = time.perf_counter() - began
