@@ -145,6 +145,14 @@ def checks(figure, renderer):
             "ideal",
             "the known failure: the two readings are the same",
         ),
+        Check(
+            "least light under a light right above",
+            float(above.min()),
+            ">=",
+            1.0 - 1e-9,
+            "ideal",
+            "all of the smooth surface's light is there",
+        ),
     ]
     lit, opposite, above = panels("machine")
     field = heights(figure.parameters["cells"], figure.parameters["depth"])
@@ -178,6 +186,14 @@ def checks(figure, renderer):
             0.0,
             "machine",
             "the known failure: the two readings are the same bytes",
+        ),
+        Check(
+            "least light under a light right above",
+            float(above.min()),
+            ">=",
+            254.0 / 255.0,
+            "machine",
+            "all of the smooth surface's light is there; (1/2 + 0) is half a byte off where it is doubled",
         ),
         Check(
             "RMS of machine - ideal",

@@ -95,17 +95,26 @@ def checks(figure, renderer):
     half = brdfs.half_vector(unit_vector(p["light"], "The light"), EYE)
     lobe = half, m.tangents, m.binormals, m.alpha_x, m.alpha_y
     expected = brdfs.anisotropic_blinn_phong(*lobe, m.k_s, m.exponent)
+    by_bytes = "; h, t and b are bytes, which e has in it" if by_host else ""
     reasons = {
         "ideal": "F is sampled at 64 x 256 places and joined linearly between them",
-        "machine": "e has 256 steps, and N multiplies its error by up to N/2 = 16"
-        + ("; h, t and b are bytes, which e has in it" if by_host else ""),
+        "machine": "e has 256 steps, and N multiplies its error by up to N/2 = 16" + by_bytes,
     }
     # Measured at the first correct picture, with a third of slack.
     bounds = {"ideal": 0.0012, "machine": 0.0165 if by_host else 0.0052}
+    e_bounds = {"ideal": 1e-4, "machine": 0.0147 if by_host else 0.0019}
     for on in ("ideal", "machine"):
-        picture = getattr(renderer, on)(figure, size, **changes)[:, size : 2 * size, 0]
+        whole = getattr(renderer, on)(figure, size, **changes)
+        copied, picture, shaded = (whole[:, k * size : (k + 1) * size] for k in range(3))
+        picture = picture[..., 0]
+        error = root_mean_square(np.clip(copied[..., 1], 0.0, 1.0) - brdfs.lobe(*lobe))
+        reason = "a table of squares" if on == "ideal" else reasons[on].partition(",")[0] + by_bytes
+        out.append(Check("RMS of what is copied - e in float", error, "<=", e_bounds[on], on, reason))
         error = root_mean_square(picture - expected)
         out.append(Check("RMS of the lookup - F(N, e) in float", error, "<=", bounds[on], on, reasons[on]))
+        error = float(np.abs(shaded[..., 0] - picture).max())
+        reason = "k_s is one and white, and no diffuse light is added"
+        out.append(Check("largest difference of the whole from the lookup", error, "<=", 0.0, on, reason))
         strips = np.arange(size) * len(p["exponents"]) // size
         bright = [(picture[:, strips == k] > 0.5).mean() for k in range(len(p["exponents"]))]
         falls = max(b / a for a, b in pairwise(bright))
