@@ -79,8 +79,8 @@ def imaging_scene(profile, size, *, light, diffuse, ambient, specular, backgroun
 
 
 def chords(mask):
-    """Mean lengths of the runs of true pixels along the rows and along the columns of a bool image; NaN, which
-    passes no check, where there are none.
+    """Mean lengths of the runs of true pixels along the rows and along the columns of a bool image; NaN,
+    which passes no check, where there are none.
     """
     begins = [(~np.roll(mask, 1, axis) & mask).sum() for axis in (1, 0)]
     return tuple(float(mask.sum() / count) if count else float("nan") for count in begins)
