@@ -90,10 +90,10 @@ class Profile:
         ``dithered_s3tc_dxt1``: DXT1's colours are ordered-dithered to 5, 6 and 5 bits when they are decoded.
         ``lighting``: OpenGL's equations in float64, or a lighting unit's short floats and rational functions.
         ``color_weights``: of iterated colours. ``diamond_exit_lines``: lines draw the pixels whose diamond
-        they leave (section 3.4.1), not those of the NV2A's steps. ``clamps_color_matrix``: components are
-        clamped to [0, 1] after the colour matrix's scale and bias. ``combiner_bits``: of a combiner's
-        value of one; ``combiner_range``: registers hold values below this. ``texture_bits``: of the widest
-        texels.
+        they leave (section 3.4.1), not those of the NV2A's steps; it takes ``color_weights`` EXACT.
+        ``clamps_color_matrix``: components are clamped to [0, 1] after the colour matrix's scale and bias.
+        ``combiner_bits``: of a combiner's value of one; ``combiner_range``: registers hold values below this.
+        ``texture_bits``: of the widest texels.
         ``filter_fraction_bits``: of a linear filter's weights. ``clamps``: those that are on.
     """
 
@@ -214,6 +214,14 @@ class Profile:
                 raise ValueError(
                     f"{self.name}.{field}: evidence must start with one of {', '.join(EVIDENCE_TAGS)}"
                 )
+        # Weights of eight bits are measured between 0 and 1 and clamp nothing; a line of diamonds takes
+        # values beyond its ends (docs/numbers.md, sections 4 and 11).
+        if self.diamond_exit_lines and self.color_weights == ColorWeights.EIGHT_BITS:
+            raise ValueError(
+                f"{self.name}: diamond_exit_lines with color_weights EIGHT_BITS; what weights of eight bits "
+                f"are beyond a line's ends is not defined. Give color_weights EXACT, or lines by the NV2A's "
+                f"steps (diamond_exit_lines False)."
+            )
 
     @property
     def widest_depth(self):

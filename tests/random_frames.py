@@ -245,8 +245,7 @@ class _Maker:
         machine = self.one_of((GEFORCE_256, GEFORCE_256, GEFORCE_3, NV2A, NV2A))
         if self.chance(0.7):
             return machine
-        return replace(
-            machine,
+        fields = dict(
             expand_half=self.one_of((128, 127.5)),
             product_rounding=self.one_of(ProductRounding),
             round_before_scale=self.chance(0.5),
@@ -267,6 +266,9 @@ class _Maker:
             depth_texture_modes=machine.depth_texture_modes
             and (BaseFormat.INTENSITY, BaseFormat.LUMINANCE, BaseFormat.ALPHA),
         )
+        if fields["diamond_exit_lines"]:  # no machine has them with other colours
+            fields["color_weights"] = ColorWeights.EXACT
+        return replace(machine, **fields)
 
     def size(self):
         if self.small:

@@ -1,15 +1,27 @@
 """All engines and the specification draw the same where a fast path ends: what the fuzz once found."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from pipeline.commands import Draw, Mesh, TexImage
-from pipeline.enums import ComparisonFunction, TextureFilter, TextureShaderOperation, VertexStage, WrapMode
+from pipeline.enums import (
+    ColorWeights,
+    ComparisonFunction,
+    LineRasterization,
+    PrimitiveType,
+    TextureFilter,
+    TextureShaderOperation,
+    VertexStage,
+    WrapMode,
+)
 from pipeline.execute import execute
 from pipeline.profiles import NV2A
 from pipeline.state import (
     DepthClamp,
     DepthTest,
+    LineState,
     PassState,
     Sampler,
     TextureShaderStage,
@@ -25,8 +37,8 @@ PROGRAMMED = VertexState(stage=VertexStage.PROGRAM_RESULTS)
 DEPTH = DepthTest(ComparisonFunction.LESS)
 
 
-def assert_all_equal(commands, width, height, depth_bits=24):
-    frame = Frame(0, NV2A, width, height, depth_bits, tuple(commands), small=True)
+def assert_all_equal(commands, width, height, depth_bits=24, profile=NV2A):
+    frame = Frame(0, profile, width, height, depth_bits, tuple(commands), small=True)
     ways = (
         fuzz.Way(),
         fuzz.Way("portable"),
@@ -56,6 +68,21 @@ def test_depths_are_limited(limits, cull):
     state = PassState(vertex=PROGRAMMED, depth_test=DEPTH, depth_clamp=DepthClamp(*limits, cull))
     mesh = Mesh(positions, colors=random.random((12, 4)))
     assert_all_equal([Draw(label="limited", mesh=mesh, state=state)], 16, 12)
+
+
+@pytest.mark.parametrize("width", [1.0, 4.0, 9.0])
+def test_lines_by_diamonds_are_clamped_in_color_beyond_their_ends(width):
+    random = np.random.default_rng(3)
+    starts = random.uniform(1.0, 15.0, (40, 2))
+    ends = starts + random.uniform(-0.8, 0.8, (40, 2))  # shorter than what lies beyond them
+    corners = np.stack([starts, ends], axis=1).reshape(80, 2)
+    positions = np.column_stack([corners, random.uniform(0.0, 2.0**20, 80), np.ones(80)])
+    colors = random.integers(0, 2, (80, 4)).astype(np.float64)
+    mesh = Mesh(positions, primitive=PrimitiveType.LINES, colors=colors)
+    line = LineState(width=width, rasterization=LineRasterization.STEPS)
+    profile = replace(NV2A, diamond_exit_lines=True, color_weights=ColorWeights.EXACT)
+    draw = Draw(label="lines", mesh=mesh, state=PassState(vertex=PROGRAMMED, line=line))
+    assert_all_equal([draw], 16, 16, profile=profile)
 
 
 def test_one_vertex_s_q_divides_every_triangle_s_coordinates():

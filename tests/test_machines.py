@@ -3,12 +3,12 @@ that says so.
 """
 
 import re
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
 import pytest
 
-from pipeline.enums import CombinerFunction
+from pipeline.enums import ColorWeights, CombinerFunction
 from pipeline.execute import execute
 from pipeline.ideal import execute_ideal
 from pipeline.profile import Profile
@@ -46,6 +46,14 @@ def test_a_feature_is_accepted_exactly_where_the_machine_has_it(feature):
         assert re.search(feature.asked, sentence), sentence
         assert HINT.search(sentence), sentence
         assert sentence.endswith(".")
+
+
+def test_a_machine_of_diamonds_has_no_weights_of_eight_bits():
+    with pytest.raises(ValueError, match=r"^NV2A: diamond_exit_lines with .*EIGHT_BITS.* Give color_weights"):
+        replace(PROFILES["NV2A"], diamond_exit_lines=True)
+    with pytest.raises(ValueError, match="color_weights EIGHT_BITS"):
+        replace(PROFILES["OCTANE"], color_weights=ColorWeights.EIGHT_BITS)
+    assert replace(PROFILES["NV2A"], diamond_exit_lines=True, color_weights=ColorWeights.EXACT)
 
 
 def runs_on(feature, profile):
