@@ -64,6 +64,32 @@ def look_at(eye, center, up=(0.0, 1.0, 0.0)):
     return _rows((*rows, (0, 0, 0, 1)))
 
 
+def rigid_inverse(matrix):
+    """The inverse of a viewing matrix that turns and moves, and does nothing else."""
+    turned = [[matrix[j][i] for j in range(3)] for i in range(3)]
+    moved = [matrix[i][3] for i in range(3)]
+    rows = [(*row, -((row[0] * moved[0] + row[1] * moved[1]) + row[2] * moved[2])) for row in turned]
+    return _rows((*rows, (0, 0, 0, 1)))
+
+
+def transform(matrix, point):
+    """A 4x4 matrix applied to (x, y, z, w): four floats, sums in a fixed order."""
+    x, y, z, w = point
+    return tuple(((a * x + b * y) + c * z) + d * w for a, b, c, d in matrix)
+
+
+def eye_plane(plane, modelview):
+    """A plane of world coordinates (a, b, c, d) in the eye coordinates of a rigid viewing matrix: what OpenGL
+    does when an EYE_PLANE is specified (section 2.10.4).
+    """
+    inverse = rigid_inverse(modelview)
+    return tuple(
+        ((plane[0] * inverse[0][k] + plane[1] * inverse[1][k]) + plane[2] * inverse[2][k])
+        + plane[3] * inverse[3][k]
+        for k in range(4)
+    )
+
+
 def rotation(axis, degrees):
     """A 3x3 rotation about a coordinate axis 'x', 'y' or 'z', counter-clockwise seen from its tip: float64
     array.

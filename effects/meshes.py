@@ -60,6 +60,16 @@ class Surface:
         }
         return replace(self, **turned)
 
+    def moved(self, x, y, z):
+        """The surface moved by (x, y, z)."""
+        return replace(self, positions=self.positions + np.array([float(x), float(y), float(z)]))
+
+    def scaled(self, factor):
+        """The surface ``factor`` times as large about the origin, ``factor`` positive."""
+        if not 0.0 < factor < math.inf:
+            raise ValueError(f"A surface is scaled by {factor!r}; give a positive number.")
+        return replace(self, positions=self.positions * float(factor))
+
     def with_repeats(self, s, t):
         """The surface with its texture coordinates multiplied: the material repeats s by t times."""
         return replace(self, texture_coordinates=self.texture_coordinates * np.array([float(s), float(t)]))
@@ -149,6 +159,84 @@ def torus(around=64, across=32, radius=0.7, tube_radius=0.3):
     positions = radius * ring + tube_radius * normals
     return Surface(
         positions, normals, tangents, binormals, np.stack([s, t], axis=-1), _grid_triangles(around, across)
+    )
+
+
+def box(width=1.0, height=1.0, depth=1.0):
+    """A closed box about the origin, its faces flat: 12 triangles; texture coordinates 0..1 on each face.
+
+    Raises ValueError where an edge is not positive.
+    """
+    half = np.array([width, height, depth], np.float64) / 2.0
+    if not ((half > 0.0) & np.isfinite(half)).all():
+        raise ValueError(f"A box of {width} x {height} x {depth} has no volume; give positive edges.")
+    square = plane()
+    faces = []
+    for k in range(3):
+        for sign in (1.0, -1.0):
+            normal, tangent, binormal = np.zeros(3), np.zeros(3), np.zeros(3)
+            normal[k], tangent[(k + 1) % 3], binormal[(k + 2) % 3] = sign, sign, 1.0
+            place = square.positions[:, :1] * tangent + square.positions[:, 1:2] * binormal + normal
+            faces.append((place * half, *(np.tile(axis, (4, 1)) for axis in (normal, tangent, binormal))))
+    positions, normals, tangents, binormals = (np.concatenate(parts) for parts in zip(*faces, strict=True))
+    triangles = np.concatenate([square.triangles + 4 * i for i in range(6)])
+    return Surface(
+        positions, normals, tangents, binormals, np.tile(square.texture_coordinates, (6, 1)), triangles
+    )
+
+
+# Assumed: edges of a turned shape that bend by more than this many degrees are meant to be sharp.
+_CREASE = 40.0
+
+
+def lathe(profile, segments=32):
+    """A closed surface turned about the y axis from a profile of (radius, height), from the lowest point on
+    the axis to the highest: radius 0 at both ends, positive between.
+
+    Edges that bend by more than 40 degrees stay sharp. s runs round the axis and is 1/2 where the surface
+    faces +z, t runs along the profile. 2 segments (points - 2) triangles. Raises ValueError for any other
+    profile.
+    """
+    _check_count(segments, 3, "The number of segments of a turned surface")
+    points = np.asarray(profile, np.float64)
+    if points.ndim != 2 or points.shape[1] != 2 or len(points) < 3 or not np.isfinite(points).all():
+        raise ValueError("A profile is three or more points (radius, height), all finite.")
+    if points[0, 0] != 0.0 or points[-1, 0] != 0.0 or not (points[1:-1, 0] > 0.0).all():
+        raise ValueError("A profile begins and ends on the axis, radius 0, and is off it between.")
+    along = points[1:] - points[:-1]
+    length = np.sqrt(along[:, 0] * along[:, 0] + along[:, 1] * along[:, 1])
+    if not (length > 0.0).all():
+        raise ValueError("Two points of a profile that follow each other are the same; leave one out.")
+    # Outward from each piece of the profile, as (away from the axis, up).
+    outward = np.stack([along[:, 1], -along[:, 0]], axis=-1) / length[:, None]
+    bend = outward[1:, 0] * outward[:-1, 0] + outward[1:, 1] * outward[:-1, 1]
+    smooth = bend >= float(cosine(math.radians(_CREASE)))
+    first, last = outward.copy(), outward.copy()
+    first[1:][smooth] = last[:-1][smooth] = (outward[1:] + outward[:-1])[smooth]
+
+    # Corner k of the round has the same position in every piece and on both sides of the seam.
+    turn = np.arange(segments + 1)
+    longitude = 2.0 * math.pi * (turn % segments / segments - 0.5)
+    ring = np.stack([sine(longitude), 0.0 * longitude, cosine(longitude)], axis=-1)
+    tangent = np.stack([cosine(longitude), 0.0 * longitude, -sine(longitude)], axis=-1)
+    up = np.array([0.0, 1.0, 0.0])
+    distance = np.concatenate([[0.0], np.cumsum(length)]) / length.sum()
+    rows = []
+    for i in range(len(along)):
+        for k, normal in ((i, first[i]), (i + 1, last[i])):
+            normals = normalize(normal[0] * ring + normal[1] * up)
+            coordinates = np.stack([turn / segments, np.full(segments + 1, distance[k])], axis=-1)
+            rows.append((points[k, 0] * ring + points[k, 1] * up, normals, tangent, coordinates))
+    positions, normals, tangents, coordinates = (np.concatenate(part) for part in zip(*rows, strict=True))
+    pieces = []
+    for i in range(len(along)):
+        quads = _grid_triangles(segments, 1).reshape(-1, 2, 3) + 2 * i * (segments + 1)
+        # A quad at the axis is one triangle: the other has no area.
+        pieces += (
+            [quads[:, 1]] if i == 0 else [quads[:, 0]] if i == len(along) - 1 else [quads.reshape(-1, 3)]
+        )
+    return Surface(
+        positions, normals, tangents, cross(normals, tangents), coordinates, np.concatenate(pieces)
     )
 
 

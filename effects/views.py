@@ -1,6 +1,6 @@
 """Where a pass is drawn and seen from: camera, viewport and scissor, in world coordinates."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -59,6 +59,10 @@ class View:
         """The vertex state of every pass of this view: equal states, so that depths are equal too."""
         p = self.panel
         return VertexState(self.modelview, self.projection, Viewport(p.x, p.y, p.width, p.height))
+
+    def vertex_with(self, **settings):
+        """The same with more of VertexState: lighting, clip planes."""
+        return replace(self.vertex, **settings)
 
     def view_vectors(self, positions):
         """Unit vectors from positions [n, 3] to the eye."""
