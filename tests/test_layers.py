@@ -22,7 +22,8 @@ MAY_IMPORT = {
     "pipeline": {"pipeline", "raster", "numpy"},
     "effects/cli": {"effects", "pipeline", "numpy", "click", "rich", "PIL", "imageio", "matplotlib"},
     "effects/conformance": {"effects", "pipeline", "numpy", "PIL"},
-    "effects": {"effects", "pipeline", "numpy"},
+    # The ray caster is compiled as kernels are.
+    "effects": {"effects", "pipeline", "numpy", "raster.kernel"},
     "tests/reference": {
         "tests.reference",
         "pipeline.enums",
