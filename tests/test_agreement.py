@@ -1,0 +1,103 @@
+"""Masks compared with rays: what is a difference, and of which kind."""
+
+import numpy as np
+import pytest
+
+from effects import meshes, ray_caster, scenes, views
+from effects.figures import agreement
+from effects.vectors import dot
+
+PANEL = views.Panel(0, 0, 128, 128)
+
+
+@pytest.fixture(scope="module")
+def truth():
+    scene = scenes.still_life(24)
+    lamp = scenes.lamp_around(scene, scenes.LAMP_POSITIONS[0])
+    return agreement.truth_of(scene, scenes.still_life_view(PANEL), lamp)
+
+
+def length(vectors):
+    return np.sqrt(dot(vectors, vectors))
+
+
+def shifted(mask, x):
+    return np.roll(mask, x, axis=1)
+
+
+def test_the_truth_agrees_with_itself(truth):
+    found = agreement.compare(truth.lit, truth)
+    assert (found.agreeing, found.other, found.compared) == (1.0, 0, int(truth.shown.something.sum()))
+    assert 0.2 < truth.lit[truth.shown.something].mean() < 0.9
+
+
+def test_a_mask_one_pixel_off_differs_at_edges_only(truth):
+    wrapped = np.arange(PANEL.width) > 0
+    found = agreement.compare(shifted(truth.lit, 1), truth, where=wrapped)
+    assert found.other == found.contact == found.grazing == 0
+    assert found.shadow_edge > 50 and found.silhouette > 5
+    assert found.silhouette + found.shadow_edge == round((1.0 - found.agreeing) * found.compared)
+
+
+def test_a_mask_further_off_is_seen(truth):
+    mask = shifted(truth.lit, 4)
+    floor = (truth.shown.object == 0) & (shifted(truth.shown.object, 4) == 0) & (np.arange(PANEL.width) >= 4)
+    assert agreement.compare(mask, truth, where=floor).other > 10
+    assert agreement.compare(mask, truth, where=floor, edge_pixels=4).other == 0
+
+
+@pytest.mark.parametrize("answer", [True, False])
+def test_no_shadow_or_nothing_but_shadow_is_seen(truth, answer):
+    found = agreement.compare(np.full_like(truth.lit, answer), truth, map_edge=256)
+    assert found.other > 0.2 * (1.0 - found.agreeing) * found.compared
+
+
+def test_a_coarse_shadow_map_differs_within_its_texels_and_its_bias(truth):
+    """A map of exact distances, looked up as NEAREST does: what is wrong is its resolution and its bias."""
+    edge, bias = 128, 0.3
+    from_lamp = ray_caster.visible(truth.caster, truth.lamp.view(views.Panel(0, 0, edge, edge)))
+    distances = np.where(from_lamp.something, length(from_lamp.points - truth.lamp.position), np.inf)
+    s, t, _, q = (truth.shown.points @ row[:3] + row[3] for row in np.array(truth.lamp.texture_matrix))
+    column, row = (np.clip(np.floor(c / q * edge).astype(int), 0, edge - 1) for c in (s, t))
+    own = length(truth.shown.points - truth.lamp.position)
+
+    def found(bias, **understood):
+        mask = truth.shown.something & (own <= distances[row, column] + bias)
+        return agreement.compare(mask, truth, edge_pixels=0, **understood)
+
+    assert found(bias).agreeing > 0.95
+    assert found(bias).other > 100
+    assert found(bias, map_edge=edge, edge_texels=1.0).other > 30
+    assert found(bias, contact=bias).other > 30
+    assert found(bias, map_edge=edge, edge_texels=1.0, contact=bias).other <= 3
+    # Too small a bias: surfaces shadow themselves, which is never understood.
+    assert found(0.0, map_edge=edge, edge_texels=1.0).other > 1000
+
+
+def test_a_shadow_from_nearer_than_the_bias_may_be_missing(truth):
+    scene = scenes.Scene(
+        (
+            scenes.Object("floor", scenes.floor(3.0, 3), (1.0, 1.0, 1.0), closed=False),
+            scenes.Object("box", meshes.box(1.0, 0.1, 1.0).moved(0, 0.5, 0), (1.0, 1.0, 1.0)),
+        )
+    )
+    lamp = scenes.lamp_around(scene, (4.0, 9.0, 0.0))
+    truth = agreement.truth_of(scene, scenes.still_life_view(PANEL), lamp)
+    everything = truth.shown.something
+    assert agreement.compare(everything, truth, contact=0.3).other > 20
+    found = agreement.compare(everything, truth, contact=0.7)
+    assert found.other == 0 and found.contact > 20
+    # What is dark without anything in the way is no matter of a bias.
+    assert agreement.compare(~everything, truth, contact=0.7).contact == 0
+
+
+def test_where_leaves_pixels_out(truth):
+    floor = truth.shown.object == 0
+    found = agreement.compare(~truth.lit, truth, where=floor)
+    assert (found.compared, found.agreeing) == (int(floor.sum()), 0.0)
+    assert (found.kinds[~floor] == agreement.NOT_COMPARED).all()
+
+
+def test_masks_of_another_size_are_refused(truth):
+    with pytest.raises(ValueError, match="render both alike"):
+        agreement.compare(truth.lit[:-1], truth)
