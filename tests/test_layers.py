@@ -22,8 +22,8 @@ MAY_IMPORT = {
     "pipeline": {"pipeline", "raster", "numpy"},
     "effects/cli": {"effects", "pipeline", "numpy", "click", "rich", "PIL", "imageio", "matplotlib"},
     "effects/conformance": {"effects", "pipeline", "numpy", "PIL"},
-    # The ray caster is compiled as kernels are.
-    "effects": {"effects", "pipeline", "numpy", "raster.kernel"},
+    # The ray caster is compiled as kernels are; diagrams have pillow's bitmap font.
+    "effects": {"effects", "pipeline", "numpy", "raster.kernel", "PIL.ImageFont"},
     "tests/reference": {
         "tests.reference",
         "pipeline.enums",
