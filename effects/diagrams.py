@@ -343,7 +343,8 @@ def text(label, view, anchor, color, *, align=(0, 0), offset=(0.0, 0.0), outline
     """
     unknown = sorted(set(label) - set(_CHARACTERS) - {"\n"})
     if unknown or not label.strip():
-        raise ValueError(f"The font has no {''.join(unknown) or 'empty label'!r}; it has {_CHARACTERS!r}.")
+        what = "characters that the font lacks" if unknown else "nothing to read"
+        raise ValueError(f"The label {label!r} has {what}; spell Greek letters, and take of {_CHARACTERS}.")
     lines, scale = label.split("\n"), magnification(view)
     columns, height = max(map(len, lines)), len(lines) * GLYPH_HEIGHT * scale
     x, y, depth = _nearer(project(view, anchor), depth_test)
