@@ -38,16 +38,17 @@ What is chosen here:
 - The map needs destination alpha as well. In a window that has none the ramp goes through red: an INTENSITY
   ramp, and a map copied as INTENSITY, whose alpha is the window's red. H37 then still runs; H38 does not.
 
-Source: Heidrich and others 2000, section 2.1 (H36, H37, H38 of the catalogue; pass sequences A-H36/H37 and
+Source: Heidrich 2001, section 2.1 (H36, H37, H38 of the catalogue; pass sequences A-H36/H37 and
 A-H38); NV_register_combiners; EXT_blend_subtract; OpenGL 1.2.1 sections 2.10.4, 3.6.3, 4.3.3.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from effects.lit_scene import NO_COLOR, draw_object, lit_lighting, lit_pass, unlit_pass
 from effects.matrices import eye_plane
+from effects.meshes import plane
 from effects.passes import (
     ADD,
     EDGE,
@@ -66,7 +67,7 @@ from effects.passes import (
     unit,
 )
 from effects.views import Panel
-from pipeline.commands import Clear, CopyPixels, CopyTexImage, Draw, Saturate, TexImage
+from pipeline.commands import Clear, CopyPixels, CopyTexImage, CopyTexSubImage, Draw, Saturate, TexImage
 from pipeline.enums import (
     BlendFactor,
     CombineFunction,
@@ -95,8 +96,10 @@ from pipeline.state import (
     RegisterCombiners,
     TexGen,
     TextureEnvironment,
+    VertexState,
+    Viewport,
 )
-from pipeline.textures import texture_1d
+from pipeline.textures import texture_1d, texture_2d
 
 COMPONENTS = ("alpha", "red")
 ONLY_ALPHA, ONLY_RGB = ColorMask(False, False, False, True), ColorMask(True, True, True, False)
@@ -198,9 +201,9 @@ def store_map(scene, lamp, panel, edge, profile, coding, *, name=MAP, subtract=T
     Parameters
     ----------
     panel
-        Where in the window it is drawn: a Panel, whose lower left square of ``edge`` pixels is used.
+        Where in the window it is drawn: a Panel. A larger map is drawn part after part.
     edge
-        Texels along the map's edge, a power of two; at most the panel's.
+        Texels along the map's edge, a power of two.
     coding
         The Coding of depths; the map's are ``coding.bias`` steps farther.
     subtract
@@ -208,20 +211,53 @@ def store_map(scene, lamp, panel, edge, profile, coding, *, name=MAP, subtract=T
     shading
         What red, green and blue show, as ``lit_scene``'s; nothing depends on it.
 
-    Raises ValueError where the panel is smaller than the map.
+    Raises ValueError where the map's edge is no power of two.
     """
-    if edge > min(panel.width, panel.height):
-        raise ValueError(
-            f"A map of {edge} texels is drawn in a panel of {panel.width}x{panel.height} pixels; give an "
-            f"edge of at most {min(panel.width, panel.height)}, or a larger window."
-        )
-    view = lamp.view(Panel(panel.x, panel.y, edge, edge))
-    ramp = coding.ramp_unit(lamp, view, coding.bias if subtract else coding.bias + 1.0, environment=REPLACE)
+    if edge < 1 or edge & (edge - 1):
+        raise ValueError(f"The map's edge is {edge!r} texels; give a power of two.")
+    part = edge
+    while part > min(panel.width, panel.height):
+        part //= 2
+    bias = coding.bias if subtract else coding.bias + 1.0
+    drawn = Panel(panel.x, panel.y, part, part)
+    copied = {
+        "texture": name,
+        "x": panel.x,
+        "y": panel.y,
+        "width": part,
+        "height": part,
+        "transfer": INITIAL_TRANSFER if subtract else _ONE_MINUS_ALPHA,
+    }
+    internal_format = coding.internal_format(profile)
+    if part == edge:
+        copy = CopyTexImage(label="copy it as the map", internal_format=internal_format, **copied)
+        return *picture_from_light(scene, lamp, drawn, coding, bias=bias, shading=shading), copy
+    empty = texture_2d(np.zeros((edge, edge, 4), np.uint8), internal_format)
+    out = [TexImage(label=f"make a map of {edge}x{edge} texels", texture=name, image=empty)]
+    for y in range(0, edge, part):
+        for x in range(0, edge, part):
+            viewport = Panel(panel.x - x, panel.y - y, edge, edge)
+            out += picture_from_light(
+                scene, lamp, drawn, coding, bias=bias, viewport=viewport, shading=shading
+            )
+            out.append(CopyTexSubImage(label="copy it into the map", x_offset=x, y_offset=y, **copied))
+    return tuple(out)
+
+
+def picture_from_light(scene, lamp, panel, coding, *, bias, viewport=None, shading="lit"):
+    """The scene as the light sees it, alpha its depth, ``bias`` steps farther.
+
+    ``viewport``: a Panel that the light's whole view fills, of which ``panel`` shows what falls on it; None:
+    the panel itself.
+    """
+    view = lamp.view(panel if viewport is None else viewport)
+    ramp = coding.ramp_unit(lamp, view, bias, environment=REPLACE)
     # Where nothing is drawn the map is as far as it goes.
+    rgb = 1.0 if coding.component == "red" else 0.0
     clear = Clear(
-        label="clear to the farthest depth", color=(1.0,) * 4, depth=1.0, scissor=view.panel.scissor
+        label="clear to the farthest depth", color=(rgb, rgb, rgb, 1.0), depth=1.0, scissor=panel.scissor
     )
-    draws = tuple(
+    draws = (
         draw_object(
             "depth as alpha, seen from the light",
             thing,
@@ -232,17 +268,7 @@ def store_map(scene, lamp, panel, edge, profile, coding, *, name=MAP, subtract=T
         )
         for thing in scene.objects
     )
-    copy = CopyTexImage(
-        label="copy it as the map",
-        texture=name,
-        internal_format=coding.internal_format(profile),
-        x=panel.x,
-        y=panel.y,
-        width=edge,
-        height=edge,
-        transfer=INITIAL_TRANSFER if subtract else _ONE_MINUS_ALPHA,
-    )
-    return clear, *draws, copy
+    return clear, *(replace(d, state=replace(d.state, scissor=panel.scissor)) for d in draws)
 
 
 # ------------------------------------------------------------------------------------- H37: two texture units
@@ -366,33 +392,12 @@ def scale_alpha(panel, bits, *, subtract=True):
     )
 
 
-def with_one_unit(
-    scene,
-    view,
-    lamp,
-    profile,
-    coding,
-    *,
-    background,
-    alpha_bits=8,
-    subtract=True,
-    shading="lit",
-    name=MAP,
+def difference_in_alpha(
+    scene, view, lamp, profile, coding, *, background, subtract=True, shading="lit", name=MAP
 ):
-    """H38, one texture unit: the difference in destination alpha, made zero or one by a copy of the window.
-
-    ``alpha_bits``: of the window's alpha, n; 0: it has none. ``subtract``: False where the machine has no
-    FUNC_REVERSE_SUBTRACT; the map is then ``store_map``'s with the same. Other parameters as of
-    ``with_combiners``.
-
-    Raises ValueError for a window without alpha; where a machine cannot subtract, ``pipeline.validate``
-    refuses the passes.
+    """P1 and the first two parts of H38's P2: the scene without the light, and ramp minus map as destination
+    alpha; without ``subtract`` ramp plus one minus map, at most one. Parameters as of ``with_one_unit``.
     """
-    if alpha_bits < 1 or coding.component != "alpha":
-        raise ValueError(
-            "H38 keeps the difference of depths in the window's alpha, and this window has none; ask for one "
-            "with destination alpha, or compare in one pass with two texture units (H37)."
-        )
 
     def drawn(label, unit, blending):
         return tuple(
@@ -409,17 +414,50 @@ def with_one_unit(
         )
 
     label = "minus the map" if subtract else "plus the map of 1 - depth"
-    scissor = view.panel.scissor
     return (
         clear_window(view, background),
         *unlit_pass(scene, view, shading, color_mask=ONLY_RGB),
         *drawn("alpha = depth from the light", coding.ramp_unit(lamp, view, environment=REPLACE), None),
         *drawn(label, map_unit(lamp, view, name, environment=REPLACE), SUBTRACT if subtract else ADD),
-        Saturate(label="alpha in [0, 1]", scissor=scissor),
+        Saturate(label="alpha in [0, 1]", scissor=view.panel.scissor),
+    )
+
+
+def with_one_unit(
+    scene, view, lamp, profile, coding, *, background, alpha_bits=8, subtract=True, shading="lit", name=MAP
+):
+    """H38, one texture unit: the difference in destination alpha, made zero or one by a copy of the window.
+
+    ``alpha_bits``: of the window's alpha, n; 0: it has none. ``subtract``: False where the machine has no
+    FUNC_REVERSE_SUBTRACT; the map is then ``store_map``'s with the same. Other parameters as of
+    ``with_combiners``.
+
+    Raises ValueError for a window without alpha; where a machine cannot subtract, ``pipeline.validate``
+    refuses the passes.
+    """
+    if alpha_bits < 1 or coding.component != "alpha":
+        raise ValueError(
+            "H38 keeps the difference of depths in the window's alpha, and this window has none; ask for one "
+            "with destination alpha, or compare in one pass with two texture units (H37)."
+        )
+    settings = {"background": background, "subtract": subtract, "shading": shading, "name": name}
+    return (
+        *difference_in_alpha(scene, view, lamp, profile, coding, **settings),
         scale_alpha(view.panel, alpha_bits, subtract=subtract),
-        Saturate(label="alpha 0 or 1", scissor=scissor),
+        Saturate(label="alpha 0 or 1", scissor=view.panel.scissor),
         *lit_pass(scene, view, lamp, shading, blending=ADD_WHERE_ALPHA_IS_ZERO, color_mask=ONLY_RGB),
     )
+
+
+def show_alpha(panel):
+    """Destination alpha made visible: a white square times it takes the panel's colours' place."""
+    state = PassState(
+        vertex=VertexState(viewport=Viewport(panel.x, panel.y, panel.width, panel.height)),
+        scissor=panel.scissor,
+        blending=Blending(BlendFactor.DST_ALPHA, BlendFactor.ZERO),
+        color_mask=ONLY_RGB,
+    )
+    return Draw(label="show alpha as grey", mesh=plane().mesh(), state=state)
 
 
 def passes(commands):

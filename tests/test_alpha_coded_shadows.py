@@ -233,5 +233,18 @@ def test_wrong_codings_and_maps_are_refused():
         alpha.Coding(bits=3)
     scene = still_life(12)
     lamp = lamp_around(scene, LAMP_POSITIONS[0])
-    with pytest.raises(ValueError, match="A map of 64 texels is drawn in a panel of 32x32 pixels"):
-        alpha.store_map(scene, lamp, Panel(0, 0, 32, 32), 64, IDEAL, alpha.Coding())
+    with pytest.raises(ValueError, match="The map's edge is 48 texels; give a power of two"):
+        alpha.store_map(scene, lamp, PANEL, 48, IDEAL, alpha.Coding())
+
+
+def test_a_map_larger_than_its_panel_is_drawn_part_by_part():
+    scene, coding = still_life(12), alpha.Coding()
+    lamp, stored = lamp_around(scene, LAMP_POSITIONS[2]), []
+    for panel in (PANEL, Panel(5, 3, 80, 100)):
+        commands = coding.ramp(GEFORCE_256), *alpha.store_map(scene, lamp, panel, 256, GEFORCE_256, coding)
+        stored.append(execute(commands, GEFORCE_256, 256, 256).textures[alpha.MAP].levels[0])
+        assert alpha.passes(commands) == 1
+    # Coordinates interpolated from other window coordinates: some depths half a step between two.
+    difference = np.abs(np.subtract(*stored, dtype=np.int64))
+    assert difference.max() <= 1
+    assert difference.sum() <= 8
