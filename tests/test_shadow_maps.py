@@ -1,0 +1,211 @@
+"""Shadow maps: the papers' passes in order, maps in pieces, machines without them, faults that show."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from effects import meshes, shadow_maps
+from effects.matrices import rotation, transform
+from effects.scenes import LAMP_POSITIONS, Lamp, Object, Scene, lamp_around, still_life, still_life_view
+from effects.views import Panel
+from pipeline.commands import Draw
+from pipeline.enums import BaseFormat, ComparisonFunction
+from pipeline.execute import Machine, execute
+from pipeline.profiles import GEFORCE_3, GEFORCE_256, INFINITE_REALITY, NV2A, OPENGL_1_2
+from pipeline.validate import UnsupportedState, validate
+
+SIZE, EDGE = 64, 64
+WINDOW = (SIZE, SIZE)
+SCENE = still_life(12)
+LAMP = lamp_around(SCENE, LAMP_POSITIONS[0])
+GREY = (0.5, 0.5, 0.5)
+PANEL = Panel(0, 0, SIZE, SIZE)
+VIEW = still_life_view(PANEL)
+PASSES = {
+    "stencil": lambda profile: shadow_maps.stencil_passes(SCENE, VIEW, LAMP, "map", profile, "mask"),
+    "ambient form": lambda profile: shadow_maps.ambient_form_pass(
+        SCENE, VIEW, LAMP, "map", profile, 0.25, "mask"
+    ),
+    "modulated": lambda profile: shadow_maps.modulated_passes(SCENE, VIEW, LAMP, "map", profile, "mask"),
+}
+
+
+def frame(passes, profile=GEFORCE_3, **storing):
+    stored = shadow_maps.store_map(SCENE, LAMP, "map", EDGE, WINDOW, **storing)
+    return (*stored, PANEL.clear((0.0, 0.0, 0.0)), *passes(profile))
+
+
+def lit_mask(commands, profile=GEFORCE_3):
+    framebuffer = execute(commands, profile, *WINDOW).framebuffer
+    return framebuffer.color[..., 0] > 0.5 * (2**framebuffer.color_bits - 1)
+
+
+def sequence(commands):
+    """The commands' labels without the objects' names, each run of equal ones once."""
+    out = []
+    for command in commands:
+        label = command.label.partition(": ")[0]
+        if out[-1:] != [label]:
+            out.append(label)
+    return out
+
+
+def test_the_passes_are_the_papers_in_its_order():
+    assert sequence(frame(PASSES["stencil"])) == [
+        "clear depth",
+        "depths seen from the light",
+        "copy depths to the shadow map",
+        "clear colour and depth",
+        "clear the stencil",
+        "scene without the light",
+        "compare with the shadow map, mark what is lit",
+        "light where it is marked",
+    ]
+    assert shadow_maps.scene_passes(frame(PASSES["stencil"]), SCENE) == 4
+    assert shadow_maps.scene_passes(frame(PASSES["modulated"]), SCENE) == 3
+    assert shadow_maps.scene_passes(frame(PASSES["ambient form"]), SCENE) == 2
+
+
+def test_a_machine_whose_comparison_has_no_alpha_copies_red_to_alpha():
+    drawn = sequence(PASSES["stencil"](INFINITE_REALITY))
+    assert drawn[1:3] == ["compare with the shadow map", "copy with red as alpha, mark what is lit"]
+    alike = lit_mask(frame(PASSES["stencil"], INFINITE_REALITY), INFINITE_REALITY) == lit_mask(
+        frame(PASSES["stencil"])
+    )
+    # 23 bits of depth and 24, a twelve-bit board's own edges: they differ where shadows end.
+    assert alike.mean() >= 0.99
+
+
+@pytest.mark.parametrize("profile", (GEFORCE_3, NV2A), ids=lambda p: p.name)
+def test_all_forms_find_the_same_light(profile):
+    masks = [lit_mask(frame(passes, profile), profile) for passes in PASSES.values()]
+    assert 0.2 < masks[0].mean() < 0.8
+    for mask in masks[1:]:
+        # Planes in eye coordinates and a matrix for the world's round differently: edges may move.
+        assert (mask != masks[0]).mean() <= 2e-3
+
+
+@pytest.mark.parametrize("profile", (GEFORCE_256, OPENGL_1_2), ids=lambda p: p.name)
+def test_machines_without_depth_textures_refuse(profile):
+    with pytest.raises(UnsupportedState, match=f"{profile.name}.*DEPTH_COMPONENT24"):
+        validate(frame(PASSES["modulated"], profile), profile, *WINDOW)
+
+
+def test_machines_refuse_what_their_comparison_lacks():
+    def refusal(profile, **sampling):
+        unit = shadow_maps.map_unit(LAMP.texture_matrix, "map", profile, **sampling)
+        commands = list(frame(PASSES["modulated"], profile))
+        commands[-1] = replace(commands[-1], state=replace(commands[-1].state, texture_units=(unit,)))
+        with pytest.raises(UnsupportedState) as refused:
+            validate(tuple(commands), profile, *WINDOW)
+        return str(refused.value)
+
+    assert "no shadow ambient" in refusal(GEFORCE_3, fail_value=0.25)
+    assert "LESS" in refusal(INFINITE_REALITY, function=ComparisonFunction.LESS)
+    assert "ALPHA" in refusal(INFINITE_REALITY, depth_texture_mode=BaseFormat.ALPHA)
+    assert "ALPHA" in refusal(NV2A, depth_texture_mode=BaseFormat.ALPHA)
+
+
+def stored_map(scene, lamp, profile, edge, window):
+    """The map's words, int64 [edge, edge]."""
+    machine = Machine(profile, *window)
+    machine.run(shadow_maps.store_map(scene, lamp, "map", edge, window))
+    texels = machine.textures["map"].levels[0][0].astype(np.int64)
+    return (texels[..., 0] + (texels[..., 1] << 8)) + (texels[..., 2] << 16)
+
+
+def boxes_in_quarters():
+    """Four boxes seen from above, none of which reaches over the middle."""
+    places = ((-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0))
+    heights = (0.3, 0.5, 0.7, 0.9)
+    return Scene(
+        tuple(
+            Object(f"box {k}", meshes.box(1.1, h, 1.3).rotated(rotation("y", 20.0 * k)).moved(x, h, z), GREY)
+            for k, ((x, z), h) in enumerate(zip(places, heights, strict=True))
+        )
+    )
+
+
+PIECES = ((64, 64), (192, 64), (64, 160))
+
+
+@pytest.mark.parametrize("profile", (GEFORCE_3, INFINITE_REALITY), ids=lambda p: p.name)
+@pytest.mark.parametrize("window", PIECES)
+def test_a_map_in_pieces_has_the_bits_of_one_drawn_whole(profile, window):
+    """Where no triangle reaches from one piece into another."""
+    scene = boxes_in_quarters()
+    lamp = Lamp((0.0, 5.0, 0.01), (0.0, 0.0, 0.01), 1.0, 6.0, infinite=True, half_width=2.0)
+    assert len(shadow_maps.tiles(128, window)) > 1
+    whole = stored_map(scene, lamp, profile, 128, (128, 128))
+    assert (stored_map(scene, lamp, profile, 128, window) == whole).all()
+    assert len(np.unique(whole)) > 4
+    # Pieces put together in the wrong order would be seen.
+    assert not (whole[:64] == whole[64:]).all()
+    assert not (whole[:, :64] == whole[:, 64:]).all()
+
+
+@pytest.mark.parametrize("window", PIECES)
+def test_pieces_of_a_map_meet(window):
+    """A vertex left of a piece or above it has negative window coordinates, which are cut towards zero: its
+    triangle lies up to a sixteenth of a texel aside there.
+    """
+    whole, pieces = (stored_map(SCENE, LAMP, GEFORCE_3, 128, w) for w in ((128, 128), window))
+    # Measured: 1.3 % of the texels at most are at a silhouette that moved over their centre, or on a slope.
+    assert (np.abs(whole - pieces) > 2**24 * 1e-4).mean() <= 0.02
+
+
+def test_pieces_cover_a_map_once():
+    for edge, window in ((64, (64, 64)), (128, (48, 40)), (256, (768, 100)), (8, (100, 100))):
+        covered = np.zeros((edge, edge), int)
+        for x, y, width, height in shadow_maps.tiles(edge, window):
+            assert width <= window[0] and height <= window[1]
+            covered[y : y + height, x : x + width] += 1
+        assert (covered == 1).all()
+
+
+def test_a_moved_matrix_moves_by_whole_texels():
+    matrix = shadow_maps.moved(LAMP.texture_matrix, 3.0 / EDGE, -2.0 / EDGE)
+    point = (0.3, 0.4, -0.2, 1.0)
+    s, t, r, q = transform(LAMP.texture_matrix, point)
+    moved_s, moved_t, moved_r, moved_q = transform(matrix, point)
+    assert (moved_r, moved_q) == (r, q)
+    assert moved_s / q - s / q == pytest.approx(3.0 / EDGE)
+    assert moved_t / q - t / q == pytest.approx(-2.0 / EDGE)
+
+
+def test_a_kernel_lies_round_its_place():
+    offsets = shadow_maps.kernel_offsets(4)
+    assert len(set(offsets)) == 16
+    assert sum(s for s, _ in offsets) == sum(t for _, t in offsets) == 0.0
+    assert offsets[0] == (-1.5, -1.5)
+    assert shadow_maps.kernel_offsets(1) == ((0.0, 0.0),)
+
+
+def test_faults_show():
+    """What would be wrong with the passes changes what is lit, by far more than the forms differ."""
+    right = lit_mask(frame(PASSES["modulated"]))
+    faults = {
+        "no offset": frame(PASSES["modulated"], factor=0.0, units=0.0),
+        "offset towards the light": frame(PASSES["modulated"], factor=-1.1, units=-4.0),
+        "SGIX_shadow's operator by its name": frame(
+            lambda p: shadow_maps.modulated_passes(
+                SCENE, VIEW, LAMP, "map", p, "mask", function=ComparisonFunction.GEQUAL
+            )
+        ),
+        "a map moved by a texel and a half": frame(
+            lambda p: (
+                *shadow_maps.unlit_pass(SCENE, VIEW, "mask"),
+                *shadow_maps.shadowed_light(
+                    SCENE, VIEW, LAMP, "map", p, "mask",
+                    matrix=shadow_maps.moved(LAMP.texture_matrix, 1.5 / EDGE, 0.0),
+                ),
+            )
+        ),
+    }  # fmt: skip
+    for name, commands in faults.items():
+        assert (lit_mask(commands) != right).mean() >= 0.02, name
+    stencil = list(frame(PASSES["stencil"]))
+    unmarked = [c for c in stencil if not c.label.startswith("compare")]
+    assert not lit_mask(tuple(unmarked)).any()
+    assert any(isinstance(c, Draw) for c in unmarked)
