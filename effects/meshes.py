@@ -240,6 +240,18 @@ def lathe(profile, segments=32):
     )
 
 
+def joined(*surfaces):
+    """Several surfaces as one, their triangles in the order given. Raises ValueError where there is none."""
+    _check_count(len(surfaces), 1, "The number of surfaces to join")
+    starts = np.cumsum([0, *(len(surface.positions) for surface in surfaces[:-1])])
+    arrays = (
+        np.concatenate([getattr(surface, name) for surface in surfaces])
+        for name in ("positions", "normals", "tangents", "binormals", "texture_coordinates")
+    )
+    triangles = [surface.triangles + start for surface, start in zip(surfaces, starts, strict=True)]
+    return Surface(*arrays, np.concatenate(triangles))
+
+
 # Assumed: no mesh is larger; the fourth power of a length, by which areas are compared, stays in float64.
 _LARGEST = 1e30
 
