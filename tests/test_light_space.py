@@ -191,10 +191,10 @@ def test_best_n_sees_texels_as_large_at_both_ends():
     sin(gamma), w^2 / z is the same at both ends, and smaller between them.
     """
     for sine in (1.0, 0.6, 0.2):
-        body = convex_bodies.frustum(VIEW, 3.0, 60.0)
+        body = convex_bodies.frustum(VIEW, 4.0, 60.0)
         n = light_space.best_n(body, VIEW, sine)
-        z = np.linspace(3.0, 60.0, 50)
-        w = n + (z - 3.0) / sine
+        z = np.linspace(4.0, 60.0, 50)
+        w = n + (z - 4.0) / sine
         size = w * w / z
         assert abs(size[0] / size[-1] - 1.0) < 1e-12
         assert size.max() <= size[0] * (1.0 + 1e-12)
