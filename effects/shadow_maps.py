@@ -48,7 +48,18 @@ from effects.passes import (
     opaque,
 )
 from effects.views import Panel
-from pipeline.commands import Accum, Clear, CopyPixels, CopyTexImage, CopyTexSubImage, Draw, TexImage
+from pipeline.commands import (
+    Accum,
+    Clear,
+    CopyPixels,
+    CopyTexImage,
+    CopyTexSubImage,
+    Draw,
+    DrawPixels,
+    HostStep,
+    ReadPixels,
+    TexImage,
+)
 from pipeline.enums import (
     AccumOperation,
     BaseFormat,
@@ -383,6 +394,39 @@ def accumulated_passes(
         )
     out.append(Accum(label="return the mean", operation=AccumOperation.RETURN, scissor=scissor))
     return tuple(out)
+
+
+def show_depths(panel, name, profile):
+    """The depths that a panel holds, read by the application as ``name`` and drawn there as grey.
+
+    0 is black, 1 white. (Here a depth texture can be compared and nothing else, so it cannot be shown.)
+    """
+
+    def drawn(read):
+        depths = read[name]
+        if depths.dtype.kind == "u":
+            depths = depths / (2.0**profile.widest_depth - 1.0)
+        return (
+            DrawPixels(
+                label="show depths as grey",
+                image=PixelImage(depths, "LUMINANCE"),
+                state=PassState(scissor=panel.scissor),
+                position=RasterPosition(position=(float(panel.x), float(panel.y), 0.0, 1.0), window=True),
+            ),
+        )
+
+    return (
+        ReadPixels(
+            label="read depths",
+            name=name,
+            format="DEPTH_COMPONENT",
+            x=panel.x,
+            y=panel.y,
+            width=panel.width,
+            height=panel.height,
+        ),
+        HostStep(label="depths become grey", reads=(name,), commands=drawn),
+    )
 
 
 def scene_passes(commands, scene):

@@ -1101,9 +1101,17 @@ def _test_and_write(state, buffers, pixel, source, z):
         )
         stencil[pixel] = (stored & ~test.write_mask) | (new & test.write_mask)
         passed = agreed & closer
-    pixel, source, z = pixel[passed], source[passed], z[passed]
-    if state.depth_test is not None and state.depth_test.write:
-        depth[pixel] = z
+    _write(state, buffers, pixel[passed], source[passed], z[passed])
+
+
+def _writes_depth(state):
+    return state.depth_test is not None and state.depth_test.write
+
+
+def _write(state, buffers, pixel, source, z):
+    """What fragments that passed leave: depths, which a copy may read, and colours."""
+    if _writes_depth(state):
+        buffers.depth.reshape(-1)[pixel] = z
     _write_color(state, buffers, pixel, source)
 
 
@@ -1136,11 +1144,11 @@ def _draw(command, buffers, textures, width, height, depth_bits, record, threads
                 part = slice(start, start + _CHUNK)
                 weights = weigh(primitives, state.polygon.front_face, triangle[part], x[part], y[part])
                 color[part], outcome = shade(state, textures, primitives, triangle[part], weights)
-                if record is not None:
+                if record is not None and not _writes_depth(state):
                     continue
                 z[part] = _window_depth(state.polygon, primitives, weights, depth_bits)
                 if outcome is not None:
-                    alive[part] = outcome.alive
+                    alive[part] = outcome.alive if record is None else True
                     z[part] = z[part] if outcome.depth is None else outcome.depth
         return 0
 
@@ -1155,7 +1163,7 @@ def _draw(command, buffers, textures, width, height, depth_bits, record, threads
         if record is None:
             _test_and_write(state, buffers, pixel[once], color[once], z[once])
         else:
-            _write_color(state, buffers, pixel[once], color[once])
+            _write(state, buffers, pixel[once], color[once], z[once])
 
 
 def _window_depth(polygon, primitives, weights, depth_bits):
@@ -1240,7 +1248,7 @@ def _draw_rectangle(command, buffers, textures, statistics, record):
     if record is None:
         _test_and_write(state, written, found.pixel, color, found.depth)
     else:
-        _write_color(state, written, found.pixel, color)
+        _write(state, written, found.pixel, color, found.depth)
 
 
 def _at(strq, target):
@@ -1359,7 +1367,8 @@ def execute_ideal(commands, width, height, *, guide=None, depth_bits=None, threa
     guide       None (free mode): the ideal makes its own alpha, stencil and depth tests. A Result of
                 ``execute(..., record=True)`` of the corresponding commands (guided mode): colours are
                 evaluated for exactly the fragments that the machine wrote, and depth and stencil are the
-                machine's, so that the difference of the two pictures is arithmetic alone.
+                machine's, so that the difference of the two pictures is arithmetic alone. Depths that are
+                copied to textures are the exact ones of these fragments.
     depth_bits  the depth buffer whose smallest step is the unit of polygon offset (free mode); None: 24
     threads     how many shade fragments; None: one per processor
 

@@ -12,7 +12,8 @@ from effects.views import Panel
 from pipeline.commands import Draw
 from pipeline.enums import BaseFormat, ComparisonFunction
 from pipeline.execute import Machine, execute
-from pipeline.profiles import GEFORCE_3, GEFORCE_256, INFINITE_REALITY, NV2A, OPENGL_1_2
+from pipeline.ideal import execute_ideal
+from pipeline.profiles import GEFORCE_256, GEFORCE_3, IDEAL, INFINITE_REALITY, NV2A, OPENGL_1_2
 from pipeline.validate import UnsupportedState, validate
 
 SIZE, EDGE = 64, 64
@@ -209,3 +210,13 @@ def test_faults_show():
     unmarked = [c for c in stencil if not c.label.startswith("compare")]
     assert not lit_mask(tuple(unmarked)).any()
     assert any(isinstance(c, Draw) for c in unmarked)
+
+
+def test_the_ideal_of_the_machines_fragments_has_a_map_too():
+    """Guided by the machine, which wrote no colours into the map's depths."""
+    commands = frame(PASSES["modulated"])
+    machine = execute(commands, GEFORCE_3, *WINDOW, record=True)
+    guided = execute_ideal(frame(PASSES["modulated"], IDEAL), *WINDOW, guide=machine)
+    differ = (guided.color[..., 0] > 0.5) != (machine.framebuffer.color[..., 0] > 127)
+    # Reals and words of depth decide differently at shadows' edges alone.
+    assert differ.mean() <= 0.005

@@ -1,0 +1,103 @@
+"""F003-18: the final image with shadows, by a shadow map (Z10)."""
+
+import numpy as np
+
+from effects.figures import agreement
+from effects.figures.figure import BACKGROUND, Check, Figure, Method
+from effects.lit_scene import map_edge
+from effects.scenes import LAMP_POSITIONS, detail_of, lamp_around, still_life, still_life_view
+from effects.shadow_maps import modulated_passes, store_map
+from effects.views import row_of_panels
+
+# What the map moves its depths by, as world units along the light: the shadow of what is nearer may be
+# missing. Measured: the slopes of the still life at 1.1 texels of 6 to 8 world units across the map.
+_CONTACT_TEXELS = 20.0
+
+
+def scene_of(size, lamp):
+    """The still life with the detail of a panel's size, and the lamp at one of ``LAMP_POSITIONS``."""
+    scene = still_life(detail_of(size))
+    return scene, lamp_around(scene, LAMP_POSITIONS[lamp])
+
+
+def make(profile, size, *, ratio, lamp, factor, units, filtered, shading="lit"):
+    """Z10, Z12, Z19, Z20 on one panel."""
+    (panel,) = row_of_panels(1, size)
+    scene, light = scene_of(size, lamp)
+    view = still_life_view(panel)
+    stored = store_map(
+        scene, light, "shadow map", map_edge(size, ratio), (size, size), factor=factor, units=units
+    )
+    return (
+        *stored,
+        panel.clear(BACKGROUND),
+        *modulated_passes(scene, view, light, "shadow map", profile, shading, filtered=filtered),
+    )
+
+
+_SIZE = 256
+
+
+def checks(figure, renderer):
+    """Lit and shadowed pixels against rays, with a large and a small map."""
+    (panel,) = row_of_panels(1, _SIZE)
+    scene, light = scene_of(_SIZE, figure.parameters["lamp"])
+    truth = agreement.truth_of(scene, still_life_view(panel), light)
+    floor = truth.shown.object == 0
+    out = []
+    for edge, on, bound, reason in (
+        (1024, "machine", 0.995, "the catalogue's acceptance, of receivers' pixels: the floor's"),
+        (256, "machine", 0.98, "the catalogue's acceptance, of receivers' pixels: the floor's"),
+        (1024, "ideal", 0.995, "what sampling alone leaves"),
+    ):
+        picture = getattr(renderer, on)(figure, _SIZE, shading="mask", ratio=edge / _SIZE)
+        mask = agreement.lit_mask(picture)
+        told = {"map_edge": edge, "contact": _CONTACT_TEXELS / edge}
+        on_floor = agreement.compare(mask, truth, where=floor, **told)
+        everywhere = agreement.compare(mask, truth, **told)
+        name = f"map of {edge} by {edge}"
+        out += (
+            Check(f"{name}: floor that agrees with rays", on_floor.agreeing, ">=", bound, on, reason),
+            Check(
+                f"{name}: pixels of no understood kind, of all",
+                everywhere.other / everywhere.compared,
+                "<=",
+                0.001,
+                on,
+                "measured: none; what differs lies at an edge, at an outline, or where light grazes, "
+                "within a texel of it",
+            ),
+        )
+    (lit, dark) = (np.float64(truth.lit[floor].mean()), np.float64((~truth.lit[floor]).mean()))
+    out.append(
+        Check(
+            "floor in the shade, of all",
+            float(min(lit, dark)),
+            ">=",
+            0.1,
+            "ideal",
+            "rays: there is light and shade to tell apart, so that no picture of one kind passes",
+        )
+    )
+    return tuple(out)
+
+
+FIGURE = Figure(
+    id="F003-18",
+    title="Final image with shadows",
+    caption=(
+        "A still life on a floor, its shadows by a shadow map: every pixel's distance from the light is "
+        "compared with what the light sees in that direction."
+    ),
+    must_see=(
+        "Every object throws one shadow away from the light at the upper left, joined to it where they "
+        "touch; the vase's falls on the floor and up the box; the ring shades itself; no speckle on lit surfaces; "
+        "shadows are dark, not black."
+    ),
+    source="Zwicker2016",
+    techniques=("Z10", "Z12", "Z19", "Z20", "Z30"),
+    columns=1,
+    parameters={"ratio": 2, "lamp": 0, "factor": 2.2, "units": 4.0, "filtered": True},
+    methods=(Method("depth texture times the light", make, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
+    acceptance=checks,
+)
