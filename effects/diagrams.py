@@ -370,7 +370,7 @@ def text(label, view, anchor, color, *, align=(0, 0), offset=(0.0, 0.0), outline
     corners, coordinates = np.array(corners), np.array(coordinates) / (_CELLS * _CELL_WIDTH)
     colors = np.broadcast_to(checked_rgb(color), corners.shape)
     if outline is not None:
-        moves = [(dx, dy, 0.0) for dx in (-scale, 0, scale) for dy in (-scale, 0, scale) if dx or dy]
+        moves = [(-scale, 0.0, 0.0), (scale, 0.0, 0.0), (0.0, -scale, 0.0), (0.0, scale, 0.0)]
         colors = np.concatenate(
             [np.broadcast_to(checked_rgb(outline), (len(moves) * len(corners), 3)), colors]
         )

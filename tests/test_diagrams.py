@@ -7,6 +7,7 @@ import pytest
 
 from effects import diagrams
 from effects.diagrams import INK, LINES, RED
+from effects.figures.flatland import Shape, crossings, first_hit, is_visible, pieces, shadow_volume
 from effects.passes import FIRST_PASS
 from effects.views import Panel, perspective_view
 from pipeline.commands import Draw, Mesh
@@ -84,10 +85,9 @@ def test_an_outline_surrounds_the_letters_and_leaves_them_alone():
     image = execute(commands, OPENGL_1_2, size, size).framebuffer.color[::-1, :, :3]
     letters = image[..., 2] > 150
     assert np.array_equal(letters, plain)
-    grown = np.zeros_like(plain)
-    for dy in (-1, 0, 1):
-        for dx in (-1, 0, 1):
-            grown |= np.roll(plain, (dy, dx), (0, 1))
+    grown = plain.copy()
+    for move, axis in ((-1, 0), (1, 0), (-1, 1), (1, 1)):
+        grown |= np.roll(plain, move, axis)
     assert np.array_equal(image.any(axis=-1), grown)
 
 
@@ -190,3 +190,31 @@ def test_what_cannot_be_drawn_is_refused():
         diagrams.text("\u03b1", SHEET, (0, 0), INK)
     with pytest.raises(ValueError, match="finite"):
         diagrams.dots("d", SHEET, (0.0, float("nan")), INK)
+
+
+SQUARE = Shape("square", ((1.0, -1.0), (3.0, -1.0), (3.0, 1.0), (1.0, 1.0)))
+
+
+def test_a_ray_enters_a_shape_and_leaves_it():
+    entering, leaving = crossings((0.0, 0.0), (2.0, 0.5), (SQUARE,))
+    assert entering.enters and entering.point == (1.0, 0.25) and entering.parameter == 0.5
+    assert not leaving.enters and leaving.point == (3.0, 0.75) and leaving.shape is SQUARE
+    assert first_hit((0.0, 0.0), (2.0, 0.5), (SQUARE,)) == entering
+    assert first_hit((0.0, 0.0), (-2.0, 0.5), (SQUARE,)) is None
+    # From inside it is only left; through a corner it is entered once.
+    assert [c.enters for c in crossings((2.0, 0.0), (3.0, 0.5), (SQUARE,))] == [False]
+    assert [c.enters for c in crossings((0.0, -2.0), (1.0, -1.0), (SQUARE,))] == [True, False]
+
+
+def test_a_shadow_volume_holds_what_its_shape_hides():
+    source = (0.0, 0.25)
+    volume = shadow_volume(SQUARE, source, 20.0)
+    places = [(x / 4.0, y / 4.0) for x in range(1, 40, 3) for y in range(-9, 10, 2)]
+    behind = [point for point in places if not is_visible(point, source, (SQUARE,))]
+    assert behind and [point for point in places if volume.contains(point)] == behind
+
+
+def test_an_outline_is_divided_into_parts_of_its_length():
+    parts = pieces(SQUARE, 4)
+    assert len(parts) == 32 and np.array_equal(parts[1:, 0], parts[:-1, 1])
+    assert np.array_equal(parts[-1, 1], parts[0, 0])

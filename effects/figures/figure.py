@@ -23,6 +23,8 @@ IMAGING_MACHINES = ("OCTANE", "INFINITE_REALITY", "OPENGL_1_2_IMAGING")
 # Those of them with eight bits of colour, for figures that load thousands of polygons: with twelve F004-4
 # takes 20 s (Measured).
 IMAGING_MACHINES_8 = ("OCTANE", "OPENGL_1_2_IMAGING")
+# Diagrams (effects.diagrams) need nothing that a machine lacks; these stand for the others.
+DIAGRAM_MACHINES = ("OPENGL_1_2", "GEFORCE_256")
 # Each figure is made three times on a machine; "difference" is (machine - ideal) of the same fragments, made
 # visible.
 VIEWS = ("machine", "ideal", "difference")
