@@ -8,8 +8,8 @@ H34     P1 the scene without the light, P2 the comparison into the stencil throu
         the comparison (SGIX_shadow_ambient), one pass does all three (``ambient_form_pass``)
 Z10     P1 the scene without the light, P2 the light, multiplied by the comparison (``modulated_passes``;
         Z19's texture matrix, Z20's product); with a LINEAR filter the comparisons of 2x2 texels are weighted
-        (Z17); k x k of them, a pass each with the map moved by a texel, in the accumulation buffer (Z18,
-        ``accumulated_passes``)
+        (Z17); k x k of them, with the map moved from texel to texel, one or four in a pass, in the
+        accumulation buffer (Z18, ``accumulated_passes``)
 
 A camera is whatever has ``view(panel)`` and ``texture_matrix``: a ``scenes.Lamp`` or a part of one.
 
@@ -63,6 +63,7 @@ from pipeline.commands import (
 from pipeline.enums import (
     AccumOperation,
     BaseFormat,
+    CombinerScale,
     ComparisonFunction,
     InternalFormat,
     Register,
@@ -94,6 +95,10 @@ MAP_FORMAT = InternalFormat.DEPTH_COMPONENT24
 _FARTHEST = 2.0**24 - 1.0
 # More than a half passes: the comparison is one where the light comes, zero elsewhere.
 _LIT = AlphaTest(ComparisonFunction.GREATER, 0.5)
+_HALF = CombinerScale.SCALE_BY_ONE_HALF
+_SPARE0_TIMES_PRIMARY = FinalCombiner(
+    a=CombinerInput(Register.SPARE0), b=CombinerInput(Register.PRIMARY_COLOR), c=ZERO, d=ZERO, g=OPAQUE
+)
 _ALPHA_FROM_RED = ((1.0, 0.0, 0.0, 0.0),) * 4
 
 
@@ -289,12 +294,9 @@ def _dimmed(share):
     kept = CombinerInput(Register.CONSTANT_COLOR1)
     texel = CombinerInput(Register.TEXTURE0)
     rgb = RGBPortion(a=texel, b=rest, c=kept, d=ONE)
-    final = FinalCombiner(
-        a=CombinerInput(Register.SPARE0), b=CombinerInput(Register.PRIMARY_COLOR), c=ZERO, d=ZERO, g=OPAQUE
-    )
     return RegisterCombiners(
         general=(GeneralCombiner(rgb, NO_ALPHA),),
-        final=final,
+        final=_SPARE0_TIMES_PRIMARY,
         constant_color0=opaque((1.0 - share,) * 3),
         constant_color1=opaque((share,) * 3),
     )
@@ -357,38 +359,64 @@ def kernel_offsets(kernel):
     return tuple((s, t) for t in steps for s in steps)
 
 
+def _mean_of_four():
+    """Combiners: the primary colour times the mean of four units' comparisons."""
+
+    def halves(a, b, output):
+        rgb = RGBPortion(a=CombinerInput(a), b=ONE, c=CombinerInput(b), d=ONE, sum_output=output, scale=_HALF)
+        return GeneralCombiner(rgb, NO_ALPHA)
+
+    return RegisterCombiners(
+        general=(
+            halves(Register.TEXTURE0, Register.TEXTURE1, Register.SPARE0),
+            halves(Register.TEXTURE2, Register.TEXTURE3, Register.SPARE1),
+            halves(Register.SPARE0, Register.SPARE1, Register.SPARE0),
+        ),
+        final=_SPARE0_TIMES_PRIMARY,
+    )
+
+
 def accumulated_passes(
-    scene, view, lamp, name, edge, profile, kernel, shading="lit", *, camera=None, **settings
+    scene, view, lamp, name, edge, profile, kernel, shading="lit", *, units=None, camera=None
 ):
-    """Z18: the mean of ``kernel`` by ``kernel`` comparisons, each of a pass, in the accumulation buffer.
+    """Z18: the mean of ``kernel`` by ``kernel`` comparisons in the accumulation buffer.
 
     The scene without the light is the first that it takes, whole; then the light's passes come by themselves,
-    each with the map moved by so many texels, and each counts 1 / kernel**2. ``edge``: the map's.
+    with the map moved by so many texels, and each counts as many comparisons as it has. ``edge``: the map's.
+    ``units``: 1 comparison in a pass, or 4, whose mean combiners take; None: 4 where the machine can and
+    ``kernel`` is even.
     """
     camera = lamp if camera is None else camera
+    if units is None:
+        units = 4 if profile.max_texture_units >= 4 and kernel % 2 == 0 else 1
+    combiners = {1: None, 4: _mean_of_four()}[units]
     scissor = view.panel.scissor
     out = [
         *unlit_pass(scene, view, shading),
         Accum(label="accumulate the scene without the light", operation=AccumOperation.LOAD, scissor=scissor),
     ]
-    for s, t in kernel_offsets(kernel):
+    offsets = kernel_offsets(kernel)
+    for first in range(0, len(offsets), units):
+        compared = (
+            map_unit(moved(camera.texture_matrix, s / edge, t / edge), name, profile)
+            for s, t in offsets[first : first + units]
+        )
         out += (
             Clear(label="clear colour", color=(0.0, 0.0, 0.0, 0.0), scissor=scissor),
-            *shadowed_light(
+            *lit_pass(
                 scene,
                 view,
                 lamp,
-                name,
-                profile,
                 shading,
-                matrix=moved(camera.texture_matrix, s / edge, t / edge),
+                label="light times comparisons beside the place",
+                texture_units=tuple(compared),
+                register_combiners=combiners,
                 blending=None,
-                **settings,
             ),
             Accum(
                 label="accumulate the light",
                 operation=AccumOperation.ACCUM,
-                value=1.0 / kernel**2,
+                value=units / kernel**2,
                 scissor=scissor,
             ),
         )

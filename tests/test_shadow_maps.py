@@ -13,7 +13,7 @@ from pipeline.commands import Draw
 from pipeline.enums import BaseFormat, ComparisonFunction
 from pipeline.execute import Machine, execute
 from pipeline.ideal import execute_ideal
-from pipeline.profiles import GEFORCE_256, GEFORCE_3, IDEAL, INFINITE_REALITY, NV2A, OPENGL_1_2
+from pipeline.profiles import GEFORCE_3, GEFORCE_256, IDEAL, INFINITE_REALITY, NV2A, OPENGL_1_2
 from pipeline.validate import UnsupportedState, validate
 
 SIZE, EDGE = 64, 64

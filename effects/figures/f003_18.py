@@ -91,8 +91,8 @@ FIGURE = Figure(
     ),
     must_see=(
         "Every object throws one shadow away from the light at the upper left, joined to it where they "
-        "touch; the vase's falls on the floor and up the box; the ring shades itself; no speckle on lit surfaces; "
-        "shadows are dark, not black."
+        "touch; the vase's falls on the floor and up the box; the ring shades itself; no speckle "
+        "on lit surfaces; shadows are dark, not black."
     ),
     source="Zwicker2016",
     techniques=("Z10", "Z12", "Z19", "Z20", "Z30"),
