@@ -1215,6 +1215,16 @@ signed = st.builds(
 ordinary_or_not = st.one_of(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0), signed)
 
 
+def test_a_coordinate_that_the_target_has_not_takes_no_part_in_the_level_of_detail():
+    positions = [(-1.0, -1.0, 0.0, 1.0), (1.0, -1.0, 0.0, 1.0), (0.0, 1.0, 0.0, 1.0)]
+    coordinates = [(0.0, 0.0, 1.7e308, 1.0), (0.7, 0.0, -1.7e308, 1.0), (0.3, 0.4, 1.7e308, 1.0)]
+    draw = with_positions(positions, np.array(coordinates))
+    sampler = Sampler(TextureFilter.NEAREST, TextureFilter.LINEAR)
+    draw = replace(draw, state=replace(draw.state, texture_units=(TextureUnit("t", sampler),)))
+    store = TexImage(label="t", texture="t", image=NOISE)
+    assert_like_the_reference((store, draw), 8, 6, 24, batch=16)
+
+
 @pytest.mark.slow
 @settings(max_examples=1500)
 @given(

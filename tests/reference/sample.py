@@ -137,7 +137,8 @@ def footprint_point(triangle, px, py, texture, face):
         return (*face_coordinates(strq, face, level_size(texture, 0)[1]), face)
     sizes = texel_scales(texture, 0)
     str_ = divide_by_q(strq, triangle.divided)
-    return (*(coordinate * scale for coordinate, scale in zip(str_, sizes, strict=True)), face)
+    # A coordinate that the target has not takes no part, infinite or not.
+    return (*(c * scale if scale else 0.0 for c, scale in zip(str_, sizes, strict=True)), face)
 
 
 def squared_scale_factor(triangle, px, py, texture):
