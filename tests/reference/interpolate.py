@@ -75,11 +75,11 @@ def iterate_coordinate(v, weights):
     """A texture coordinate from three vertices: three terms, each cut to the 24 bits of the largest.
 
     Measured: 48768 of 48768 and 41199 of 41199 pixels (CylinderWrapping, Anisotropy-1); Assumed: terms below
-    2^-100 of each other and of one are nothing.
+    2^-100 of each other and of one are nothing, and sums of infinite ones.
     """
     terms = (v[1], weights.q0 * (v[0] - v[1]), weights.q2 * (v[2] - v[1]))
     if not all(math.isfinite(term) for term in terms):
-        return math.nan
+        return (terms[0] + terms[1]) + terms[2]  # infinite, or no number
     exponent = math.frexp(max(2.0**-100, *(abs(term) for term in terms)))[1]
     total = sum(math.trunc(math.ldexp(term, WEIGHT_BITS - exponent)) for term in terms)
     return math.ldexp(float(total), exponent - WEIGHT_BITS)
