@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from effects import ray_caster
+from effects.figures.figure import Check
 from effects.ray_caster import RayCaster, Visible
 from effects.vectors import cross, dot, normalize
 from effects.views import View
@@ -216,3 +217,39 @@ def _free_beyond(truth, points, distance):
     moved = points + distance * normalize(ray_caster.to_light(points, truth.lamp)[0])
     directions, longest = ray_caster.to_light(moved, truth.lamp)
     return ~truth.caster.occluded(moved, directions, longest=longest)
+
+
+def _checks(found, least, most, agreeing, explained):
+    """``found``: {"ideal" or "machine": Agreements, one for each panel}."""
+    out = []
+    for on, panels in found.items():
+        out += (
+            Check("least agreement with rays", min(p.agreeing for p in panels), ">=", least, on, agreeing),
+            Check("pixels that nothing explains", sum(p.other for p in panels), "<=", most, on, explained),
+        )
+    return tuple(out)
+
+
+def volume_checks(found, least=0.999):
+    """Checks of masks of shadow volumes. ``found``: {"ideal" or "machine": Agreements, one a panel};
+    ``least``: the fraction of pixels that agree.
+    """
+    return _checks(
+        found,
+        least,
+        0,
+        "shadow volumes are exact; pixels on outlines and edges are left, where vertices are snapped",
+        "shadow volumes have no texels and no bias",
+    )
+
+
+def map_checks(found, least=0.98, most=3):
+    """The same of shadow maps: ``most`` pixels in all panels may be unexplained."""
+    return _checks(
+        found,
+        least,
+        most,
+        "shadow edges are a texel's width off (catalogue: 98 % for 256 texels, 99.5 % for 1024)",
+        "a slope of a whole triangle is no bias at the corner of the next; measured at the first correct "
+        "picture",
+    )

@@ -1,0 +1,115 @@
+"""F003-10: why shadows are important, cues on the scene's lighting: where is the light? (Z29, Z10, Z23)."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from effects import ray_caster, scenes, shadow_maps, shadow_volumes
+from effects.figures import agreement
+from effects.figures.figure import BACKGROUND, Check, Figure, Method
+from effects.lit_scene import map_edge
+from effects.matrices import rotate, rotation
+from effects.views import row_of_panels
+
+# World units along the light that the polygon offset hides, largest: measured, where a lamp grazes most.
+_BIAS = 0.05
+# Turns of the lamp about the scene, in degrees, among which the one that fits the shadows best is looked for.
+_TURNS = tuple(range(-60, 61, 10))
+
+
+def _lamps(scene, positions):
+    return [scenes.lamp_around(scene, position) for position in positions]
+
+
+def map_scene(profile, size, *, positions, texels, factor, shading, background):
+    """The still life with a shadow map of its own for each of the lamp's ``positions``.
+
+    ``texels``: of the map's edge for each pixel of a panel's, at most; ``factor``: of the polygon offset.
+    """
+    still_life = scenes.still_life(scenes.detail_of(size))
+    panels = row_of_panels(len(positions), size)
+    lamps = _lamps(still_life, positions)
+    out, window = [], (len(panels) * size, size)
+    for k, lamp in enumerate(lamps):
+        name, edge = f"shadow map {k}", map_edge(size, texels)
+        out += shadow_maps.store_map(still_life, lamp, name, edge, window, factor=factor)
+    for k, (panel, lamp) in enumerate(zip(panels, lamps, strict=True)):
+        view = scenes.still_life_view(panel)
+        out += (
+            panel.clear(background),
+            *shadow_maps.modulated_passes(still_life, view, lamp, f"shadow map {k}", profile, shading),
+        )
+    return tuple(out)
+
+
+def volume_scene(profile, size, *, positions, shading, background):
+    """The same with shadow volumes."""
+    still_life = scenes.still_life(scenes.detail_of(size))
+    out = []
+    for panel, lamp in zip(row_of_panels(len(positions), size), _lamps(still_life, positions), strict=True):
+        view = scenes.still_life_view(panel)
+        out += (
+            panel.clear(background),
+            *shadow_volumes.z_pass(still_life, view, lamp, profile, shading),
+        )
+    return tuple(out)
+
+
+def best_turn(mask, truth):
+    """By how many degrees a lamp would have to be turned about the scene to throw the shadows of a mask."""
+    (x, y, z), (cx, _, cz) = truth.lamp.position, truth.lamp.target
+
+    def agreeing(turn):
+        dx, _, dz = rotate(rotation("y", turn), np.array([x - cx, 0.0, z - cz]))
+        turned = replace(truth.lamp, position=(cx + dx, y, cz + dz))
+        return (ray_caster.lit(truth.caster, truth.shown, turned) == mask)[truth.shown.something].mean()
+
+    return max(_TURNS, key=agreeing)
+
+
+def checks(figure, renderer):
+    """The masks against rays, and where the lamp is, read off the shadows."""
+    size, positions = figure.size // 2, figure.parameters["positions"]
+    still_life = scenes.still_life(scenes.detail_of(size))
+    view = scenes.still_life_view(row_of_panels(1, size)[0])
+    truths = [agreement.truth_of(still_life, view, lamp) for lamp in _lamps(still_life, positions)]
+    texels = renderer.method.parameters.get("texels")
+    understood = {"map_edge": map_edge(size, texels), "contact": _BIAS, "grazing": 0.1} if texels else {}
+    found, turns = {}, []
+    for on in ("ideal", "machine"):
+        mask = agreement.lit_mask(getattr(renderer, on)(figure, size, shading="mask"))
+        parts = [mask[:, k * size : (k + 1) * size] for k in range(len(positions))]
+        pairs = list(zip(parts, truths, strict=True))
+        found[on] = [agreement.compare(m, t, **understood) for m, t in pairs]
+        turns = [best_turn(m, t) for m, t in pairs]
+    return (
+        *(agreement.map_checks(found, 0.98, 3) if texels else agreement.volume_checks(found, 0.998)),
+        Check(
+            "lamp turned so that its shadows fit best - lamp, largest, degrees",
+            max(map(abs, turns)),
+            "<=",
+            0.0,
+            "machine",
+            f"shadows tell where the light is; tried from {_TURNS[0]} to {_TURNS[-1]} in steps of 10",
+        ),
+    )
+
+
+FIGURE = Figure(
+    id="F003-10",
+    title="Shadows tell where the light is",
+    caption="One scene, one camera, and a lamp that moves from the left over the front to the right.",
+    must_see=(
+        "Only light and shadows change: they fall to the right, then short and back, then to the left. "
+        "Left the vase throws its shadow on the box, and the ring its own on the vase's foot."
+    ),
+    source="Zwicker2016",
+    techniques=("Z29", "Z10", "Z23"),
+    columns=3,
+    parameters={"positions": scenes.LAMP_POSITIONS, "shading": "lit", "background": BACKGROUND},
+    methods=(
+        Method("shadow maps", map_scene, ("GEFORCE_3",), {"texels": 4, "factor": 2.0}),
+        Method("shadow volumes", volume_scene, ("OPENGL_1_2",)),
+    ),
+    acceptance=checks,
+)
