@@ -163,10 +163,16 @@ def _as_read(frame, name):
 
 
 def _texture_of_pixels(command, profile):
-    """A TexImage1D or TexImage2D of one level, from an image of colours that goes through pixel transfer."""
+    """A TexImage1D or TexImage2D of one level, from colours or depths that go through pixel transfer."""
     most = {"uint8": 255.0, "uint16": 65535.0, "uint32": 4294967295.0}
     values, state = command.pixels.values, command.transfer
     largest = most.get(values.dtype.name, 1.0)
+    if transfer.is_depth_format(command.internal_format):
+        depths = [[value / largest for value in row] for row in values.tolist()]
+        texels = transfer.depth_texels(depths, state, command.internal_format)
+        return SimpleNamespace(
+            target=command.target, internal_format=command.internal_format, levels=[[texels]]
+        )
     image = [
         [
             pixel_transfer.pixel_of([v / largest for v in _listed(group)], command.pixels.format)

@@ -1,7 +1,7 @@
 """Whole rectangles: Clear, copies into textures, ReadPixels. Rectangles count rows from the bottom."""
 
 from tests.reference import coverage, fixed, per_fragment, pixel_transfer, surface, texel_formats
-from tests.reference.depth import depth_to_units
+from tests.reference.depth import depth_to_units, full_scale
 
 
 def clear(target, command):
@@ -41,12 +41,38 @@ def copy_texels(target, texture, state, profile, x, y, width, height):
     """Register bytes of the texels that CopyTexImage or CopyTexSubImage defines, bottom row first.
 
     ``texture``: what has the texture's ``target`` and ``internal_format``. Source: OpenGL 1.2.1 section
-    3.8.2; the conversion is TexImage2D's.
+    3.8.2; the conversion is TexImage2D's. Depths for a depth texture: SGIX_depth_texture, ARB_depth_texture.
     """
+    if is_depth_format(texture.internal_format):
+        most = float(full_scale(target.depth_bits))
+        depths = [[word / most for word in row] for row in rectangle(target.depth, x, y, width, height)]
+        return depth_texels(depths, state, texture.internal_format)
     dimensions = 1 if texture.target.name == "TEXTURE_1D" else 2
     image = groups(target, state, profile, x, y, width, height, dimensions)
     store, internal_format = texel_formats.store_texel, texture.internal_format
     return [[store(group, internal_format, floats=True) for group in row] for row in image]
+
+
+def is_depth_format(internal_format):
+    """Source: ARB_depth_texture."""
+    return internal_format.name.startswith("DEPTH_COMPONENT")
+
+
+def depth_texels(depths, state, internal_format):
+    """Depths in [0, 1] through pixel transfer as the texels of a depth texture: words, lowest byte first.
+
+    Source: ARB_depth_texture (fixed-point depths, to nearest); OpenGL 1.2.1 section 3.6.4.
+    """
+    bits = int(internal_format.name.removeprefix("DEPTH_COMPONENT"))
+    words = [
+        [depth_to_units(pixel_transfer.transfer_depth(value, state), bits) for value in row] for row in depths
+    ]
+    return [[word_bytes(word) for word in row] for row in words]
+
+
+def word_bytes(word):
+    """Source: WGL_NV_render_depth_texture: a depth word's bytes, the lowest first."""
+    return [word >> shift & 255 for shift in (0, 8, 16, 24)]
 
 
 def texels_of(target, internal_format):
@@ -55,8 +81,8 @@ def texels_of(target, internal_format):
     Source: WGL_ARB_render_texture; Measured: bits are replicated as in any texel (Texture_format captures).
     A depth format reads the depth words, the lowest byte first. Source: WGL_NV_render_depth_texture.
     """
-    if internal_format.name.startswith("DEPTH_COMPONENT"):
-        return [[[word >> shift & 255 for shift in (0, 8, 16, 24)] for word in row] for row in target.depth]
+    if is_depth_format(internal_format):
+        return [[word_bytes(word) for word in row] for row in target.depth]
     base, *bits = texel_formats.FORMATS[internal_format.name]
     texels = []
     for row in target.color:
