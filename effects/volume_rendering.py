@@ -25,8 +25,8 @@ P2  Light: the picture is copied onto itself through a colour matrix whose row i
   a copy multiplies alpha by 2^n, and light is added with ONE_MINUS_DST_ALPHA.
 
 ``combiners``, for register combiners and two units, shades while it draws slices: P1 with what does not
-depend on the lamp; slices with ramp and TA (H37), whose difference the alpha test compares with 0 and the stencil
-buffer marks; slices with DF EQUAL where marked, which add n.l and (n.h)^N.
+depend on the lamp; slices with ramp and TA (H37), whose difference the alpha test compares with 0 and the
+stencil buffer marks; slices with DF EQUAL where marked, which add n.l and (n.h)^N.
 
 One light vector and one halfway vector serve the whole picture: the light is directional, and the viewer is
 taken as infinitely far, though slices may be seen in perspective. Slices are drawn only in bricks of the
