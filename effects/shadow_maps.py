@@ -208,8 +208,8 @@ def map_unit(texture_matrix, name, profile, *, view=None, environment=MODULATE, 
     )
 
 
-def _has_alpha(profile):
-    """How a comparison's result gets into alpha on a machine: a DEPTH_TEXTURE_MODE, or None: not at all."""
+def _mode_with_alpha(profile):
+    """A DEPTH_TEXTURE_MODE of the machine whose alpha is the comparison's result, or None: it has none."""
     for mode in (BaseFormat.ALPHA, BaseFormat.INTENSITY):
         if mode in profile.depth_texture_modes:
             return mode
@@ -249,28 +249,31 @@ def _marked_by_copy(view):
     )
 
 
-def stencil_passes(scene, view, lamp, name, profile, shading="lit", *, camera=None, result=None, **sampling):
+def stencil_passes(
+    scene, view, lamp, name, profile, shading="lit", *, camera=None, from_red=None, **sampling
+):
     """H34: P1 to P3 with the map ``name`` of ``camera`` (None: the lamp's own).
 
-    ``result``: as which DEPTH_TEXTURE_MODE the comparison reaches the alpha test; None: what the machine
-    has. Where it has LUMINANCE alone, whose alpha is one whatever the comparison says, the comparison is
-    drawn as a colour first, and copied onto itself with its red as alpha; the scene without the light then
-    takes its place. (A texture colour table does not help: SGI_texture_color_table looks alpha up by alpha.)
+    The alpha test asks the comparison's alpha, as ALPHA or INTENSITY. ``from_red``, None: where a machine has
+    LUMINANCE alone, whose alpha is one whatever the comparison says: the comparison is drawn as a colour
+    first, and copied onto itself with its red as alpha; the scene without the light then takes its place. (A
+    texture colour table does not help: SGI_texture_color_table looks alpha up by alpha.)
     """
     camera = lamp if camera is None else camera
-    result = _has_alpha(profile) if result is None else result
+    mode = _mode_with_alpha(profile)
+    from_red = mode is None if from_red is None else from_red
     unit = map_unit(
         camera.texture_matrix,
         name,
         profile,
         view=view,
         environment=REPLACE,
-        depth_texture_mode=None if result is BaseFormat.LUMINANCE else result,
+        depth_texture_mode=None if from_red else mode,
         **sampling,
     )
     cleared = Clear(label="clear the stencil", stencil=0, scissor=view.panel.scissor)
     light = lit_pass(scene, view, lamp, shading, label="light where it is marked", stencil_test=MARKED)
-    if result in (BaseFormat.ALPHA, BaseFormat.INTENSITY):
+    if not from_red:
         unlit = unlit_pass(scene, view, shading)
         return (cleared, *unlit, *_marked_by_alpha(scene, view, unit), *light)
     compared = (
