@@ -334,7 +334,7 @@ def magnification(view):
 
 
 def text(label, view, anchor, color, *, align=(0, 0), offset=(0.0, 0.0), outline=None, depth_test=None):
-    """A label, in lines separated by newlines; what is read is the command's label too.
+    """A label, in lines separated by newlines; what is read is the command's label too, in one line.
 
     ``anchor``: the point of the view where it stands. ``align``: which part of the text is there, -1, 0 or
     1: left, middle or right, and lower edge, middle or upper edge. ``offset``: moved by so many UNITs.
@@ -378,7 +378,7 @@ def text(label, view, anchor, color, *, align=(0, 0), offset=(0.0, 0.0), outline
         corners = np.concatenate([*(corners + np.array(move) for move in moves), corners])
     base = 4 * np.arange(len(corners) // 4)[:, None]
     return _draw(
-        label,
+        label.replace("\n", " "),
         view,
         corners,
         colors,
