@@ -97,7 +97,7 @@ def compare(
         raise ValueError(f"The mask is {mask.shape}, the truth {truth.lit.shape}; render both alike.")
     compared = truth.shown.something if where is None else truth.shown.something & where
     kinds = np.where(compared, np.where(mask == truth.lit, AGREES, OTHER), NOT_COMPARED).astype(np.uint8)
-    cosines = _cosines(truth)
+    facing = cosines(truth)
     texels = edge_texels / map_edge if map_edge else 0.0
     tests = (
         (SILHOUETTE, lambda at: silhouettes(truth)[at]),
@@ -107,7 +107,7 @@ def compare(
             lambda at: map_edge is not None and _changes_within_texels(truth, at, texels, mask[at], contact),
         ),
         (CONTACT, lambda at: mask[at] & _free_beyond(truth, truth.shown.points[at], contact)),
-        (GRAZING, lambda at: np.abs(cosines[at]) < grazing),
+        (GRAZING, lambda at: np.abs(facing[at]) < grazing),
     )
     for kind, test in tests:
         left = np.nonzero(kinds == OTHER)
@@ -120,7 +120,7 @@ def compare(
     )
 
 
-def _cosines(truth):
+def cosines(truth):
     """Cosine between the normal on the side that is seen and the light: float64 [h, w]."""
     points = truth.shown.points
     directions, _ = ray_caster.to_light(points.reshape(-1, 3), truth.lamp)
