@@ -31,15 +31,27 @@ from fractions import Fraction
 import numpy as np
 
 from effects.lit_scene import NO_COLOR, lit_pass, unlit_pass
-from effects.passes import positive
+from effects.meshes import plane
+from effects.passes import MULTIPLY_DESTINATION, checked_rgb, positive
 from effects.vectors import cross, dot, unit_vector
 from pipeline.commands import Clear, Draw, Mesh
-from pipeline.enums import ComparisonFunction, Face, StencilOperation
-from pipeline.state import DepthTest, PassState, PolygonState, StencilTest
+from pipeline.enums import BlendFactor, ComparisonFunction, Face, StencilOperation
+from pipeline.state import (
+    Blending,
+    DepthTest,
+    PassState,
+    PolygonState,
+    StencilTest,
+    VertexState,
+    Viewport,
+)
 from raster.kernel import kernel
 
 NOT_SHADOWED = StencilTest(ComparisonFunction.EQUAL, reference=0)
 _TESTED = DepthTest(ComparisonFunction.LESS, write=False)
+# Of a rectangle at the far plane: the pixels in which something has been drawn.
+_BEFORE_ALL = DepthTest(ComparisonFunction.GREATER, write=False)
+_TRANSLUCENT = Blending(BlendFactor.SRC_ALPHA, BlendFactor.ONE_MINUS_SRC_ALPHA)
 # Relative to the sum of the absolute products in an orient3d determinant, how far float64 may be off.
 # Source: Shewchuk 1997, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates":
 # (7 + 56 e) e with e = 2**-53; doubled, as the direction of an infinite light takes a position's place.
@@ -204,6 +216,21 @@ def shadow_volume(surface, light, length=None, name="The surface"):
     )
 
 
+def silhouette_loops(volume):
+    """The silhouette as closed polylines: int64 [k] each, vertices in order, the first again at the end."""
+    following = {}
+    for a, b in volume.silhouette.tolist():
+        following.setdefault(a, []).append(b)
+    loops = []
+    for start in list(following):
+        while following[start]:
+            loop = [start]
+            while following[loop[-1]]:
+                loop.append(following[loop[-1]].pop())
+            loops.append(np.array(loop))
+    return loops
+
+
 def _homogeneous(points, w):
     return np.concatenate([points, np.full((len(points), 1), w)], axis=1)
 
@@ -217,8 +244,8 @@ def shadow_volumes(scene, light, length=None):
     )
 
 
-def volume_mesh(volumes, caps=True):
-    """All volumes as the vertex arrays of one Draw."""
+def volume_mesh(volumes, caps=True, color=None):
+    """All volumes as the vertex arrays of one Draw. ``color``: RGBA, or None: white."""
     first, triangles = 0, []
     for volume in volumes:
         triangles.append(volume.triangles(caps) + first)
@@ -226,6 +253,7 @@ def volume_mesh(volumes, caps=True):
     return Mesh(
         positions=np.concatenate([volume.positions for volume in volumes]),
         indices=np.concatenate(triangles).reshape(-1),
+        colors=None if color is None else np.tile(np.array(color, np.float64), (first, 1)),
     )
 
 
@@ -299,6 +327,42 @@ def z_fail_counts(volumes, view, operations=CLAMPED):
         _count("count volumes left behind it: back faces", mesh, view, Face.FRONT, depth_fail=up),
         _count("count volumes entered behind it: front faces", mesh, view, Face.BACK, depth_fail=down),
     )
+
+
+def show_volumes(label, volumes, view, color, alpha):
+    """The volumes' sides, translucent, over what has been drawn: RGB in [0, 1] and how much each side covers.
+
+    One colour for all, so that the order of the sides does not matter.
+    """
+    state = PassState(
+        vertex=view.vertex, scissor=view.panel.scissor, depth_test=_TESTED, blending=_TRANSLUCENT
+    )
+    mesh = volume_mesh(volumes, caps=False, color=(*checked_rgb(color), alpha))
+    return Draw(label=label, mesh=mesh, state=state)
+
+
+def show_counts(panel, colors):
+    """What the stencil buffer counts, made visible: the scene's colours times ``colors[n]`` where it is n.
+
+    ``colors``: RGB in [0, 1] of the counts 0, 1 ...; the last one's for all greater counts too.
+    """
+    out = []
+    for n, color in enumerate(colors):
+        last = n == len(colors) - 1
+        test = StencilTest(ComparisonFunction.LEQUAL if last else ComparisonFunction.EQUAL, reference=n)
+        surface = plane().moved(0.0, 0.0, 1.0)
+        state = PassState(
+            vertex=VertexState(viewport=Viewport(panel.x, panel.y, panel.width, panel.height)),
+            scissor=panel.scissor,
+            stencil_test=test,
+            depth_test=_BEFORE_ALL,
+            blending=MULTIPLY_DESTINATION,
+        )
+        mesh = surface.mesh(colors=np.tile(np.array((*checked_rgb(color), 1.0)), (len(surface.positions), 1)))
+        out.append(
+            Draw(label=f"times a colour where the count is {n}{' or more' * last}", mesh=mesh, state=state)
+        )
+    return tuple(out)
 
 
 def _passes(counts, scene, view, lamp, shading, **settings):

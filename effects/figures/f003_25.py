@@ -1,0 +1,173 @@
+"""F003-25: shadow volumes: silhouette edges, what they are extruded to, and the shadows."""
+
+import numpy as np
+
+from effects import diagrams, meshes, shadow_volumes
+from effects.figures.agreement import compare, lit_mask, truth_of
+from effects.figures.figure import BACKGROUND, Check, Figure, Method
+from effects.lit_scene import lit_pass, unlit_pass
+from effects.matrices import rotation
+from effects.scenes import Lamp, Object, Scene, detail_of, floor, still_life
+from effects.views import Panel, perspective_view, row_of_panels
+
+_FLOOR = (0.62, 0.60, 0.56)
+
+
+def solids(detail):
+    """A cube that stands on a floor and a torus that floats above it."""
+    cube = meshes.box(1.15, 1.15, 1.15).rotated(rotation("y", 31.0)).moved(-0.85, 0.575, 0.1)
+    ring = meshes.torus(detail, detail // 2, 0.62, 0.2).rotated(rotation("x", 34.0))
+    return Scene(
+        (
+            Object("floor", floor(5.0, 4 if detail < 16 else 16), _FLOOR, closed=False),
+            Object("cube", cube, (0.34, 0.50, 0.62), 0.1),
+            Object(
+                "torus", ring.rotated(rotation("y", -20.0)).moved(0.75, 1.2, 0.0), (0.80, 0.42, 0.20), 0.5
+            ),
+        )
+    )
+
+
+def camera(panel):
+    """The figure's camera on a panel."""
+    return perspective_view(panel, (0.6, 4.3, 7.2), (0.46, 0.46, 0.3), field_of_view=31.5, radius=6.0)
+
+
+def lamp_of(light, infinite):
+    """The light: it has no frustum, a shadow volume needs none."""
+    return Lamp(light, (0.0, 0.0, 0.0), 0.1, 40.0, infinite=infinite)
+
+
+def scene(profile, size, *, light, infinite, volume_color, volume_alpha, background):
+    """Silhouettes, volumes, shadows, from left to right."""
+    left, middle, right = (camera(panel) for panel in row_of_panels(3, size))
+    objects, lamp = solids(detail_of(size)), lamp_of(light, infinite)
+    volumes = shadow_volumes.shadow_volumes(objects, lamp.homogeneous)
+    loops = [
+        volume.positions[loop][:, :3]
+        for volume in volumes
+        for loop in shadow_volumes.silhouette_loops(volume)
+    ]
+    endless = shadow_volumes.infinite_view(middle)
+    return (
+        left.panel.clear(background),
+        *unlit_pass(objects, left),
+        *lit_pass(objects, left, lamp, label="all of the light"),
+        diagrams.strokes("silhouette edges, hidden ones too", left, loops, (0.72, 0.30, 0.28), width=0.9),
+        diagrams.strokes(
+            "silhouette edges that are seen", left, loops, diagrams.YELLOW, width=1.6,
+            depth_test=diagrams.VISIBLE,
+        ),
+        middle.panel.clear(background),
+        *unlit_pass(objects, endless),
+        *lit_pass(objects, endless, lamp, label="all of the light"),
+        shadow_volumes.show_volumes(
+            "extruded silhouette edges", volumes, endless, volume_color, volume_alpha
+        ),
+        right.panel.clear(background),
+        *shadow_volumes.z_fail(objects, right, lamp, profile),
+    )  # fmt: skip
+
+
+def odd_vertices(volumes):
+    """How many vertices have an odd number of silhouette edges."""
+    return sum(int((np.bincount(volume.silhouette.ravel()) % 2).sum()) for volume in volumes)
+
+
+def counted(renderer, algorithm, view, objects, lamp, on, operations=None):
+    """The stencil's counts and the lit mask after an algorithm, bottom row first; the panel is the window."""
+    panel, profile = view.panel, renderer.profile
+    passes = algorithm(objects, view, lamp, profile, "mask", operations=operations)
+    commands = (panel.clear((0.0, 0.0, 0.0)), *passes)
+    if on == "machine":
+        buffers = renderer.execute(commands, profile, panel.width, panel.height).framebuffer
+        color = buffers.color[..., :3] / (2.0**buffers.color_bits - 1.0)
+    else:
+        buffers = renderer.execute_ideal(commands, panel.width, panel.height)
+        color = buffers.color[..., :3]
+    return buffers.stencil[::-1].astype(np.int64), lit_mask(color[::-1])
+
+
+def expected_counts(volumes, truth, start=0.0):
+    """Z21's counter at what each pixel shows, int64 [h, w], zero where nothing is."""
+    seen, eye = truth.shown.something, np.array(truth.view.eye)
+    points = truth.shown.points[seen]
+    out = np.zeros(seen.shape, np.int64)
+    # What is lit is on a front cap: outside, as the depth test LESS has it.
+    out[seen] = shadow_volumes.ray_counter(volumes, truth.view.eye, points + 1e-9 * (eye - points), start)
+    return out
+
+
+def count_checks(renderer, view, objects, lamp, least, reason, ons=("ideal", "machine")):
+    """Both algorithms' counts against rays, and their masks' differences that nothing explains."""
+    truth = truth_of(objects, view, lamp)
+    volumes = shadow_volumes.shadow_volumes(objects, lamp.homogeneous)
+    expected, out = expected_counts(volumes, truth), []
+    for name, algorithm in (("z-pass", shadow_volumes.z_pass), ("z-fail", shadow_volumes.z_fail)):
+        for on in ons:
+            counts, mask = counted(renderer, algorithm, view, objects, lamp, on)
+            equal = float((counts == expected)[truth.shown.something].mean())
+            out.append(Check(f"{name}: pixels whose count is the rays'", equal, ">=", least, on, reason))
+            out.append(
+                Check(
+                    f"{name}: pixels lit or not unlike the rays', not on an edge",
+                    compare(mask, truth).other,
+                    "<=",
+                    0.0,
+                    on,
+                    "shadow volumes are exact in the picture: only edges may differ, by a pixel",
+                )
+            )
+    return out
+
+
+def checks(figure, renderer):
+    """Closed loops, closed volumes, and counts."""
+    size = 384
+    light, infinite = figure.parameters["light"], figure.parameters["infinite"]
+    out = []
+    for name, objects in (("cube and torus", solids(40)), ("the still life", still_life(40))):
+        for lamp in (lamp_of(light, False), lamp_of(light, True)):
+            volumes = shadow_volumes.shadow_volumes(objects, lamp.homogeneous)
+            kind = "a light at infinity" if lamp.infinite else "a point light"
+            out.append(
+                Check(
+                    f"vertices of {name} with an odd number of silhouette edges, {kind}",
+                    odd_vertices(volumes),
+                    "<=",
+                    0.0,
+                    "ideal",
+                    "the catalogue's: silhouette edges form closed loops",
+                )
+            )
+    view = camera(Panel(0, 0, size, size))
+    reason = "the catalogue's; vertices snapped to sixteenths of a pixel move edges"
+    out += count_checks(renderer, view, solids(40), lamp_of(light, infinite), 0.999, reason)
+    return tuple(out)
+
+
+FIGURE = Figure(
+    id="F003-25",
+    title="Shadow volumes",
+    caption=(
+        "The silhouettes of a cube and a torus seen from a point light, drawn from the camera (left); "
+        "extruded away from the light, to infinity (middle); the shadows that the stencil buffer finds with "
+        "them (right)."
+    ),
+    must_see=(
+        "Closed loops round the cube and the torus, two of the torus' seen from the light (left); walls that "
+        "spread away from the light and meet the floor (middle) where the shadows' edges are (right)."
+    ),
+    source="Zwicker2016",
+    techniques=("Z21", "Z22", "Z24"),
+    columns=3,
+    parameters={
+        "light": (-1.9, 5.9, -1.8),
+        "infinite": False,
+        "volume_color": (0.99, 0.80, 0.30),
+        "volume_alpha": 0.2,
+        "background": BACKGROUND,
+    },
+    methods=(Method("stencil buffer", scene, ("OPENGL_1_2", "GEFORCE_256", "OCTANE", "INFINITE_REALITY")),),
+    acceptance=checks,
+)

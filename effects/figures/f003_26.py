@@ -1,0 +1,159 @@
+"""F003-26: where z-pass fails: the eye in shadow, and a near plane that cuts a shadow volume (Z25)."""
+
+from effects import meshes, ray_caster, shadow_volumes
+from effects.figures.agreement import compare, truth_of
+from effects.figures.f003_25 import counted
+from effects.figures.figure import BACKGROUND, Check, Figure, Method
+from effects.matrices import look_at, perspective
+from effects.scenes import Lamp, Object, Scene, detail_of, still_life
+from effects.views import Panel, View, row_of_panels
+
+OPERATIONS = {"clamped counts": shadow_volumes.CLAMPED, "wrapping counts": shadow_volumes.WRAPPING}
+EYE, CENTER, FIELD_OF_VIEW = (0.6, 4.9, 8.4), (0.0, 0.62, 0.0), 31.0
+# Two panels each: what fails, and which of the boards and near planes does it.
+CASES = ("eye in shadow", "near plane in shadow")
+
+
+def lamp_of(light):
+    """The light; a shadow volume needs no frustum."""
+    return Lamp(light, (0.0, 0.0, 0.0), 0.1, 40.0)
+
+
+def setting(case, panel, detail, *, light, hidden, shares, boards, nears):
+    """The still life, a board beside the picture that throws its shadow over the eye or over the near plane,
+    and the camera: Scene, View.
+
+    ``hidden``: the middles of the boards' shadows; ``shares``: how far along the way there from the lamp the
+    boards are; ``boards``: their edges; ``nears``:
+    distances of the near planes, one of each for each case.
+    """
+    k = CASES.index(case)
+    view = View(panel, look_at(EYE, CENTER), perspective(FIELD_OF_VIEW, 1.0, nears[k], 24.0), EYE, False)
+    place = (at + shares[k] * (to - at) for at, to in zip(light, hidden[k], strict=True))
+    board = Object("board", meshes.box(*boards[k]).moved(*place), (0.5, 0.5, 0.5))
+    return Scene((*still_life(detail).objects, board)), view
+
+
+def make_scene(operations):
+    """The scene drawn with CLAMPED or WRAPPING operations."""
+
+    def scene(profile, size, *, light, hidden, shares, boards, nears, background, shading="lit"):
+        """Each case by z-pass, which fails, and z-fail."""
+        panels, out = row_of_panels(4, size), []
+        for k, case in enumerate(CASES):
+            for panel, algorithm in zip(
+                panels[2 * k :], (shadow_volumes.z_pass, shadow_volumes.z_fail), strict=False
+            ):
+                objects, view = setting(
+                    case,
+                    panel,
+                    detail_of(size),
+                    light=light,
+                    hidden=hidden,
+                    shares=shares,
+                    boards=boards,
+                    nears=nears,
+                )
+                out += (
+                    panel.clear(background),
+                    *algorithm(objects, view, lamp_of(light), profile, shading, operations=operations),
+                )
+        return tuple(out)
+
+    return scene
+
+
+# How much of the picture z-pass gets wrong with the eye in shadow, and of what is seen through the shadowed
+# part of the near plane: the catalogue's bound, and where counts wrap, all but where volumes overlap.
+_WRONG = {
+    "clamped counts": (0.30, "the catalogue's; every shadow is gone, as a count below zero is held there"),
+    "wrapping counts": (0.90, "a complement: what is lit counts -1, and what one volume hides 0"),
+}
+
+
+def checks(figure, renderer):
+    """How wrong z-pass is, and where; z-fail against rays."""
+    operations, size, out = OPERATIONS[renderer.method.name], 512, []
+    least, reason = _WRONG[renderer.method.name]
+    p = {name: figure.parameters[name] for name in ("light", "hidden", "shares", "boards", "nears")}
+    for case in CASES:
+        objects, view = setting(case, Panel(0, 0, size, size), 40, **p)
+        lamp = lamp_of(p["light"])
+        truth = truth_of(objects, view, lamp)
+        # Where the near plane, which z-pass counts from, is in shadow.
+        on_plane, _ = ray_caster.primary_rays(view)
+        to_lamp, longest = ray_caster.to_light(on_plane, lamp)
+        hidden = truth.caster.occluded(on_plane, to_lamp, longest=longest).reshape(size, size)
+        seen = truth.shown.something
+        out.append(
+            Check(
+                f"part of the near plane that is in shadow, {case}", float(hidden.mean()), ">=",
+                1.0 if case == CASES[0] else 0.3, "ideal", "the board's shadow: all of it, or a part",
+            )
+        )  # fmt: skip
+        for on in ("ideal", "machine") if case == CASES[0] else ("machine",):
+            _, wrong = counted(renderer, shadow_volumes.z_pass, view, objects, lamp, on, operations)
+            _, right = counted(renderer, shadow_volumes.z_fail, view, objects, lamp, on, operations)
+            out += (
+                Check(
+                    f"z-pass: wrong pixels of those seen through the near plane's shadow, {case}",
+                    float((wrong != truth.lit)[seen & hidden].mean()), ">=", least, on, reason,
+                ),
+                Check(
+                    f"z-fail: pixels lit or not as rays say, {case}",
+                    float((right == truth.lit)[seen].mean()), ">=", 0.999, on, "the catalogue's",
+                ),
+            )  # fmt: skip
+            if not hidden.all():
+                out.append(
+                    Check(
+                        f"z-pass: wrong pixels of the others, {case}",
+                        float((wrong != truth.lit)[seen & ~hidden].mean()), "<=", 0.0014, on,
+                        "there z-pass counts from outside all volumes; edges differ by a pixel; measured at "
+                        "the first correct picture, with at most a third of slack",
+                    )
+                )  # fmt: skip
+        out.append(
+            Check(
+                f"z-fail: pixels lit or not unlike the rays', not on an edge, {case}",
+                compare(right, truth).other, "<=", 0.0, "machine",
+                "shadow volumes are exact in the picture",
+            )
+        )  # fmt: skip
+    return tuple(out)
+
+
+FIGURE = Figure(
+    id="F003-26",
+    title="Where z-pass fails",
+    caption=(
+        "Two cases, each by z-pass, which fails, and by z-fail: a board beside the picture throws its shadow "
+        "over the eye (left pair), or over the right of the near plane, which cuts the board's shadow volume "
+        "open (right pair)."
+    ),
+    must_see=(
+        "Where counts are clamped, z-pass draws no shadows on what is seen through the board's: none in the "
+        "first picture, and none right of a slanting line in the third. Where they wrap, it draws light for "
+        "shadow and shadow for light there. The second and the fourth picture are right."
+    ),
+    source="Zwicker2016",
+    techniques=("Z22", "Z23", "Z24", "Z25"),
+    columns=4,
+    size=384,
+    parameters={
+        "light": (-6.2, 4.0, -1.6),
+        "hidden": (EYE, (1.15, 2.75, 4.0)),
+        "shares": (0.6, 0.35),
+        "boards": ((0.8, 0.8, 0.8), (0.3, 0.8, 0.3)),
+        "nears": (0.5, 4.9),
+        "background": BACKGROUND,
+    },
+    methods=tuple(
+        Method(name, make_scene(OPERATIONS[name]), machines)
+        for name, machines in (
+            ("clamped counts", ("OPENGL_1_2", "OCTANE", "INFINITE_REALITY")),
+            ("wrapping counts", ("GEFORCE_256", "GEFORCE_3")),
+        )
+    ),
+    acceptance=checks,
+)
