@@ -6,9 +6,9 @@ from effects import diagrams, meshes, shadow_volumes
 from effects.figures.agreement import compare, lit_mask, truth_of
 from effects.figures.figure import BACKGROUND, Check, Figure, Method
 from effects.lit_scene import lit_pass, unlit_pass
-from effects.matrices import rotation
+from effects.matrices import look_at, perspective, rotation
 from effects.scenes import Lamp, Object, Scene, detail_of, floor, still_life
-from effects.views import Panel, perspective_view, row_of_panels
+from effects.views import Panel, View, row_of_panels
 
 _FLOOR = (0.62, 0.60, 0.56)
 
@@ -19,7 +19,7 @@ def solids(detail):
     ring = meshes.torus(detail, detail // 2, 0.62, 0.2).rotated(rotation("x", 34.0))
     return Scene(
         (
-            Object("floor", floor(5.0, 4 if detail < 16 else 16), _FLOOR, closed=False),
+            Object("floor", floor(9.5, 4 if detail < 16 else 24), _FLOOR, closed=False),
             Object("cube", cube, (0.34, 0.50, 0.62), 0.1),
             Object(
                 "torus", ring.rotated(rotation("y", -20.0)).moved(0.75, 1.2, 0.0), (0.80, 0.42, 0.20), 0.5
@@ -30,7 +30,8 @@ def solids(detail):
 
 def camera(panel):
     """The figure's camera on a panel."""
-    return perspective_view(panel, (0.6, 4.3, 7.2), (0.46, 0.46, 0.3), field_of_view=31.5, radius=6.0)
+    eye = (0.6, 5.4, 6.6)
+    return View(panel, look_at(eye, (0.48, 0.8, 0.05)), perspective(31.0, 1.0, 4.5, 20.0), eye, False)
 
 
 def lamp_of(light, infinite):
@@ -150,13 +151,13 @@ FIGURE = Figure(
     id="F003-25",
     title="Shadow volumes",
     caption=(
-        "The silhouettes of a cube and a torus seen from a point light, drawn from the camera (left); "
-        "extruded away from the light, to infinity (middle); the shadows that the stencil buffer finds with "
-        "them (right)."
+        "The silhouettes of a cube and a torus as a point light sees them, from the camera, red where they "
+        "are hidden (left); extruded away from the light, to infinity (middle); the shadows that the stencil "
+        "buffer finds with them (right)."
     ),
     must_see=(
-        "Closed loops round the cube and the torus, two of the torus' seen from the light (left); walls that "
-        "spread away from the light and meet the floor (middle) where the shadows' edges are (right)."
+        "Closed loops, one on the cube and two on the torus (left); walls that spread away from the light and "
+        "meet the floor (middle) where the shadows' edges are (right)."
     ),
     source="Zwicker2016",
     techniques=("Z21", "Z22", "Z24"),
