@@ -156,8 +156,8 @@ FIGURE = Figure(
         "buffer finds with them (right)."
     ),
     must_see=(
-        "Closed loops, one on the cube and two on the torus (left); walls that spread away from the light and "
-        "meet the floor (middle) where the shadows' edges are (right)."
+        "Closed loops, one on the cube and two on the torus (left); walls that spread away from the light "
+        "and meet the floor (middle) where the shadows' edges are (right)."
     ),
     source="Zwicker2016",
     techniques=("Z21", "Z22", "Z24"),

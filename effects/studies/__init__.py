@@ -18,6 +18,7 @@ from effects.studies import (
     p19,
     p20,
     p21,
+    p24,
     p32,
     p36,
     p37,
@@ -27,6 +28,28 @@ from effects.studies import (
 )
 from effects.studies.study import collected
 
-_MODULES = (p4, p5, p6, p7, p9, p10, p11, p15, p16, p17, p18, p19, p20, p21, p32, p36, p37, p38, p39, p40)
+_MODULES = (
+    p4,
+    p5,
+    p6,
+    p7,
+    p9,
+    p10,
+    p11,
+    p15,
+    p16,
+    p17,
+    p18,
+    p19,
+    p20,
+    p21,
+    p24,
+    p32,
+    p36,
+    p37,
+    p38,
+    p39,
+    p40,
+)
 
 STUDIES = collected(*(module.STUDY for module in _MODULES))
