@@ -174,14 +174,13 @@ class Coding:
             depth, one = lamp.texture_matrix[2:]
         scale = (self.width - 1.0) / self.width if self.corrected else 1.0
         move = (0.5 / self.width if self.corrected else 0.0) + scale * bias * self.step
-        plane = tuple(scale * d + move * w for d, w in zip(depth, one, strict=True))
-        s = _generated(plane, view)
+        s = _generated(tuple(scale * d + move * w for d, w in zip(depth, one, strict=True)), view)
         q = _NOT_GENERATED if self.linear else _generated(one, view)
         return unit(RAMP, EDGE, gen=(s, _NOT_GENERATED, _NOT_GENERATED, q), **settings)
 
 
-def _generated(plane, view):
-    return TexGen(TexGenMode.EYE_LINEAR, eye_plane(plane, view.modelview))
+def _generated(world_plane, view):
+    return TexGen(TexGenMode.EYE_LINEAR, eye_plane(world_plane, view.modelview))
 
 
 def map_unit(lamp, view, name=MAP, **settings):
@@ -399,13 +398,13 @@ def difference_in_alpha(
     alpha; without ``subtract`` ramp plus one minus map, at most one. Parameters as of ``with_one_unit``.
     """
 
-    def drawn(label, unit, blending):
+    def drawn(label, texture_unit, blending):
         return tuple(
             draw_object(
                 label,
                 thing,
                 view,
-                texture_units=(unit,),
+                texture_units=(texture_unit,),
                 depth_test=LATER_PASS,
                 blending=blending,
                 color_mask=ONLY_ALPHA,

@@ -138,7 +138,7 @@ FIGURE = Figure(
             ("INFINITE_REALITY",),
             {"bits": 12, "bias": 40.0},
         ),
-        Method("one texture unit, added", make_scene(ONE_UNIT_ADDED), ("OPENGL_1_2",)),
+        Method("one texture unit, added", make_scene(ONE_UNIT_ADDED), ("OPENGL_1_2", "TEXRAM")),
     ),
     acceptance=checks,
 )

@@ -153,6 +153,12 @@ def checks(table):
               abs(equal["linear step, machine"] / equal["z-buffer step, machine"] - 1.0), "<=", 0.01,
               "machine", "the catalogue's")
     )  # fmt: skip
+    for name, wanted in (("linear", 255.0 * 50.0 / 99.0), ("z-buffer", 255.0 * 1.0 / 99.0)):
+        out.append(
+            Check(f"{name}: alphas beyond 50, of {wanted:.1f} steps and one: deviation",
+                  abs(_far_half(table, name) - wanted - 1.0), "<=", 1.0, "machine",
+                  "where the first and the last step begin is a matter of rounding")
+        )  # fmt: skip
     return tuple(out)
 
 

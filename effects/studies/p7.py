@@ -130,6 +130,8 @@ def plot(axes, table):
     largest.loglog(widths, table.column("plain, machine"), color=ORANGE, marker="o", label="s")
     largest.loglog(widths, table.column("corrected, machine"), color=BLUE, marker="s", label="s'")
     largest.loglog(widths, table.column("1 / (2 W)"), label="catalogue: 1 / (2 W)", **EXPECTED)
+    largest.minorticks_off()
+    largest.set_xticks(widths, [str(w) for w in widths])
     largest.set_xlabel("texels of the ramp")
     largest.set_ylabel("largest error of alpha as depth")
     largest.legend()
