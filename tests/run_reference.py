@@ -38,9 +38,10 @@ from tests.reference import (
 @dataclass
 class ReferenceFrame:
     """What the commands gave: the window and the pbuffers as render.Targets, textures as nested lists, what
-    ReadPixels read. ``current``: which of the targets commands draw to. ``auxiliary``: the window's auxiliary
-    buffers as Targets with its depths and stencil values; ``accumulation``: its sums, None before the first.
-    ``undefined``: how many groups of pixel textures had an undefined q.
+    ReadPixels read. ``types``: of what NumPy type a host takes it. ``current``: which of the targets commands
+    draw to. ``auxiliary``: the window's auxiliary buffers as Targets with its depths and stencil values;
+    ``accumulation``: its sums, None before the first. ``undefined``: how many groups of pixel textures had an
+    undefined q.
     """
 
     target: render.Target
@@ -48,6 +49,7 @@ class ReferenceFrame:
     surfaces: dict = field(default_factory=dict)
     textures: dict = field(default_factory=dict)
     pixels: dict = field(default_factory=dict)
+    types: dict = field(default_factory=dict)
     auxiliary: dict = field(default_factory=dict)
     accumulation: list | None = None
     undefined: int = 0
@@ -135,6 +137,7 @@ def _run(frame, command, profile):
         case ReadPixels():
             size, target = _size(frame, command), frame.buffer(command.read_buffer)
             frame.pixels[command.name] = transfer.read_pixels(target, command, profile, *size)
+            frame.types[command.name] = np.uint32 if command.format == "DEPTH_COMPONENT" else np.uint8
         case Saturate():
             pass  # bytes are
         case HostStep():
@@ -158,8 +161,8 @@ def _run(frame, command, profile):
 
 
 def _as_read(frame, name):
-    """What a ReadPixels of bytes gives to a host: an array."""
-    return np.array(frame.pixels[name], np.uint8)
+    """What a ReadPixels of bytes, or of depths, gives to a host: an array."""
+    return np.array(frame.pixels[name], frame.types[name])
 
 
 def _texture_of_pixels(command, profile):

@@ -15,7 +15,6 @@ from effects.views import Panel, perspective_view, row_of_panels
 LAMP_POSITION = (-6.2, 7.0, 3.2)
 # The board: turned about y, so thin that its shadow begins at its foot on either side.
 BOARD_TURN, BOARD_PLACE, BOARD_WIDTH, BOARD_HEIGHT, BOARD_THICKNESS = 62.0, (-0.2, -0.55), 1.9, 1.15, 0.03
-PANELS = ("not enough", "correct", "too much")
 
 
 def scene_of(size):
@@ -36,18 +35,19 @@ def scene_of(size):
 
 def view_of(panel):
     """The feet of what stands there, and their shadows."""
-    return perspective_view(panel, (0.9, 3.9, 6.6), (0.12, 0.3, 0.1), field_of_view=33.0, radius=4.5)
+    return perspective_view(panel, (0.8, 3.9, 6.6), (-0.03, 0.3, 0.1), field_of_view=34.0, radius=4.5)
 
 
 def make(profile, size, *, ratio, offsets, shading="lit"):
-    """The same map three times, moved away from the light by three offsets (factor, units)."""
-    panels, edge = row_of_panels(3, size), map_edge(size, ratio)
+    """The same map once for each of the offsets (factor, units) by which it is moved away from the light."""
+    count = len(offsets)
+    panels, edge = row_of_panels(count, size), map_edge(size, ratio)
     scene, lamp = scene_of(size)
     out = []
     for panel, (factor, units) in zip(panels, offsets, strict=True):
         view = view_of(panel)
         out += (
-            *store_map(scene, lamp, "shadow map", edge, (3 * size, size), factor=factor, units=units),
+            *store_map(scene, lamp, "shadow map", edge, (count * size, size), factor=factor, units=units),
             panel.clear(BACKGROUND),
             *modulated_passes(scene, view, lamp, "shadow map", profile, shading),
         )
@@ -69,7 +69,8 @@ def gap(mask, truth, edge):
     """How far behind the board's foot its shadow begins, in texels of a map of ``edge``: float.
 
     For each place on the floor that the board shades and the mask has lit, the way from the foot to it along
-    the shadow, as long as the map sees it; the greatest of the least 95 in 100, 0 where there is none.
+    the shadow, as long as the map sees it; the greatest of the least 95 in 100, 0 where there is none. Only
+    the first 0.9 world units are looked at: a wider gap is one of at least these.
     """
     shown, lamp = truth.shown, truth.lamp
     normal = np.array([np.sin(np.radians(BOARD_TURN)), 0.0, np.cos(np.radians(BOARD_TURN))])
@@ -138,7 +139,7 @@ FIGURE = Figure(
     techniques=("Z10", "Z12"),
     columns=3,
     size=384,
-    parameters={"ratio": 0.7, "offsets": ((0.0, 0.0), (OFFSET_FACTOR, OFFSET_UNITS), (14.0, 4.0))},
+    parameters={"ratio": 1, "offsets": ((0.0, 0.0), (OFFSET_FACTOR, OFFSET_UNITS), (14.0, 4.0))},
     methods=(Method("depth texture times the light", make, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
     acceptance=checks,
 )
