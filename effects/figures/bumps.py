@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from effects import normal_maps
+from effects import diagrams, normal_maps
 from effects.encode import encode_factor, encode_rgba
 from effects.figures.figure import Check
 from effects.passes import NO_ALPHA, NO_RGB, ONE, OPAQUE, ZERO
@@ -90,3 +90,28 @@ def silhouette_check(figure, renderer, size, without, with_bumps):
         Check("largest difference between the two", float(np.abs(images[0] - images[1]).max()), ">=", 0.1,
               "machine", "one of them has bumps"),
     )  # fmt: skip
+
+
+def drawn_check(figure, renderer, places):
+    """That a diagram's marks are where the geometry has them.
+
+    ``places``: (panel's number, its view at half the figure's size, point, colour).
+    The largest distance of a pixel there from its colour.
+    """
+    size, out = figure.size // 2, []
+    for on in ("ideal", "machine"):
+        image, apart = getattr(renderer, on)(figure, size), 0.0
+        for number, view, point, color in places:
+            x, y = (int(c) for c in np.floor(diagrams.project(view, point)[:2]))
+            apart = max(apart, float(np.abs(panel_of(image, number)[y, x] - np.array(color)).max()))
+        out.append(
+            Check(
+                f"colours of {len(places)} marks at the computed places, largest difference",
+                apart,
+                "<=",
+                0.5 / 255.0 + 1e-9 if on == "ideal" else 1.0 / 255.0,
+                on,
+                "a mark covers the pixel's middle",
+            )
+        )
+    return tuple(out)
