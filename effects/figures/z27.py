@@ -222,7 +222,7 @@ FIGURE = Figure(
     title="Caveats: texture coordinates without a tangent space",
     caption=(
         "Four rows of studs; in their right halves texture coordinates are good, mirrored, without area and "
-        "stretched (from below). Lit with tangents along x everywhere; the triangles that are found; lit with "
+        "stretched (from below). Lit with tangents along x everywhere; the triangles found; lit with "
         "the coordinates' own tangents, and those without area dropped."
     ),
     must_see=(
