@@ -8,7 +8,7 @@ import numpy as np
 
 from effects import meshes
 from effects.matrices import look_at, perspective, rotation
-from effects.scenes import Object, Scene, lamp_around
+from effects.scenes import Object, Scene
 from effects.views import View
 
 HALF_WIDTH, START, END = 13.0, 4.0, -68.0
@@ -40,15 +40,17 @@ def ground(across, along):
 
 
 def avenue(detail=24):
-    """The scene. ``detail``: segments of columns and trees (``effects.scenes.detail_of``)."""
+    """The scene. ``detail``: segments of columns and trees (``effects.scenes.detail_of``); below 16 every
+    other column and tree is left out.
+    """
     gate = meshes.joined(
         meshes.box(2.0, 6.0, 2.0).moved(-4.2, 3.0, -62.0),
         meshes.box(2.0, 6.0, 2.0).moved(4.2, 3.0, -62.0),
         meshes.box(11.0, 1.6, 2.4).moved(0.0, 6.8, -62.0),
     )
-    segments = max(detail // 2, 6)
-    columns = _rows(meshes.lathe(_COLUMN, segments), 3.4, np.arange(-1.5, -54.0, -7.5))
-    trees = _rows(meshes.lathe(_TREE, segments), 7.6, np.arange(-5.0, -58.0, -7.5))
+    segments, step = (detail // 2, 7.5) if detail >= 16 else (5, 15.0)
+    columns = _rows(meshes.lathe(_COLUMN, segments), 3.4, np.arange(-1.5, -54.0, -step))
+    trees = _rows(meshes.lathe(_TREE, segments), 7.6, np.arange(-5.0, -58.0, -step))
     stone = meshes.joined(
         meshes.box(0.7, 0.8, 0.7).rotated(rotation("y", 30.0)).moved(-1.0, 0.4, -3.4),
         meshes.sphere(segments, max(segments // 2, 3)).scaled(0.34).moved(-1.0, 1.14, -3.4),
@@ -71,10 +73,3 @@ def avenue_view(panel):
     eye = (-0.7, 2.5, 4.0)
     projection = perspective(46.0, panel.width / panel.height, 3.5, 76.0)
     return View(panel, look_at(eye, (-0.1, 0.5, -14.0)), projection, eye, False)
-
-
-def sun(scene, direction=SUN):
-    """The parallel light of ``avenue``, fitted to the whole scene."""
-    least, most = scene.bounds()
-    center = (least + most) / 2.0
-    return lamp_around(scene, tuple(center + 100.0 * np.array(direction)), infinite=True)

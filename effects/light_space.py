@@ -44,16 +44,28 @@ LEAST_SINE = 0.02
 
 @dataclass(frozen=True)
 class LightCamera:
-    """A shadow map's camera: ``modelview`` and ``projection`` as in VertexState.
+    """A shadow map's camera, and the light it belongs to, as ``scenes.Lamp`` is.
 
-    ``direction``: to the light, world coordinates. ``n``: the distance of the second perspective's centre
-    from the nearest point; None: there is none.
+    ``modelview`` and ``projection``: as in VertexState. ``direction``: to the light, world coordinates.
+    ``n``: the distance of the second perspective's centre from the nearest point; None: there is none.
     """
 
     modelview: Matrix
     projection: Matrix
     direction: tuple[float, float, float]
     n: float | None = None
+    infinite = True
+    target = (0.0, 0.0, 0.0)
+
+    @property
+    def position(self):
+        """Where the light is seen from the origin: its direction."""
+        return self.direction
+
+    @property
+    def homogeneous(self):
+        """The light's position (x, y, z, 0)."""
+        return (*self.direction, 0.0)
 
     @property
     def texture_matrix(self):

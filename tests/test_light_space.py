@@ -16,7 +16,7 @@ from pipeline.state import Lighting, Material, PolygonState
 PANEL = Panel(0, 0, 96, 96)
 SCENE = avenue.avenue(12)
 VIEW = avenue.avenue_view(PANEL)
-SUN = avenue.sun(SCENE)
+SUN = light_space.whole_scene_camera(SCENE, avenue.SUN, VIEW)
 LIGHTS = {
     "from the right": avenue.SUN,
     "from the front, low": (-0.3, 0.4, -0.9),

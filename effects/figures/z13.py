@@ -1,0 +1,79 @@
+"""Z13: one shadow map with a half, twice and eight times as many texels along an edge as the picture."""
+
+from effects import avenue
+from effects.figures.avenue_maps import agreements, others, panels_of_avenue, wrong
+from effects.figures.figure import Check, Figure, Method
+
+CHECKED_SIZE = 128
+
+
+def scene(profile, size, *, shading="lit", panels, background, sun):
+    """Z13: the avenue with basic maps of several resolutions."""
+    return panels_of_avenue(profile, size, panels, shading, background, sun)
+
+
+def checks(figure, renderer):
+    """How many pixels are wrong at each resolution."""
+    size, panels = CHECKED_SIZE, figure.parameters["panels"]
+    picture = renderer.machine(figure, size, shading="mask")
+    found = agreements(picture, size, panels, figure.parameters["sun"])
+    coarse, middle, fine = map(wrong, found)
+    return (
+        Check(
+            "wrong pixels: 1/2 texel a pixel over 2",
+            coarse / middle,
+            ">=",
+            2.8,
+            "machine",
+            "bands along shadows' edges a quarter as wide; measured 3.7, as the finer map's are near a pixel",
+        ),
+        Check(
+            "wrong pixels: 2 texels a pixel over 8",
+            middle / fine,
+            ">=",
+            1.4,
+            "machine",
+            "what is left is within a pixel of an edge; measured 1.8",
+        ),
+        Check(
+            "pixels that agree with rays, 1/2 texel a pixel",
+            found[0].agreeing,
+            ">=",
+            0.90,
+            "machine",
+            "of those that face the light; measured 0.918, the rest nearly all within texels of an edge",
+        ),
+        Check(
+            "pixels that agree with rays, 8 texels a pixel",
+            found[2].agreeing,
+            ">=",
+            0.985,
+            "machine",
+            "of those that face the light; measured 0.988",
+        ),
+        others(found),
+    )
+
+
+FIGURE = Figure(
+    id="Z13",
+    title="The resolution of a shadow map",
+    caption=(
+        "A long ground with a basic shadow map of 256, 1024 and 4096 texels along its edge, in pictures of "
+        "512 pixels. The largest is drawn in pieces, as the window holds no more."
+    ),
+    must_see=(
+        "From left to right the stairs along shadows' edges become smaller; in front they are still there "
+        "with eight texels to a pixel of the picture's edge."
+    ),
+    source="Zwicker2016",
+    techniques=("Z13", "Z30"),
+    columns=3,
+    parameters={
+        "panels": (("basic", 0.5, 1, False), ("basic", 2.0, 1, False), ("basic", 8.0, 1, False)),
+        "background": avenue.SKY,
+        "sun": avenue.SUN,
+    },
+    methods=(Method("depth textures", scene, ("GEFORCE_3", "NV2A")),),
+    acceptance=checks,
+)

@@ -1,0 +1,95 @@
+"""Z14: the viewer's frustum in three slices, a shadow map for each."""
+
+import numpy as np
+
+from effects import avenue, frustum_slices
+from effects.figures.avenue_maps import agreements, nearest_rows, others, panels_of_avenue, truth, wrong
+from effects.figures.figure import Check, Figure, Method
+
+CHECKED_SIZE = 256
+
+
+def scene(profile, size, *, shading="lit", panels, background, sun):
+    """Z14: the avenue with a basic map, with slices, and with tinted slices."""
+    return panels_of_avenue(profile, size, panels, shading, background, sun)
+
+
+def _tint_matches(picture, rays, slices):
+    """The share of the ground's pixels away from slices' ends whose strongest colour is their slice's."""
+    distances = frustum_slices.view_slices(rays.view, slices)
+    modelview = np.array(rays.view.modelview)
+    depth = -(rays.shown.points @ modelview[2, :3] + modelview[2, 3])
+    plain = picture.copy()
+    wanted = frustum_slices.slice_of(distances, depth)
+    away = np.min([np.abs(depth - d) for d in distances[1:-1]], axis=0) > 0.02 * depth
+    ground = (rays.shown.object == 0) & away
+    # The ground's own colour is divided out.
+    strongest = np.argmax(plain[ground] / np.array([0.84, 0.78, 0.62]), axis=-1)
+    return float((strongest == wanted[ground]).mean())
+
+
+def checks(figure, renderer):
+    """What slices bring, and whether each pixel is of the slice that its depth says."""
+    size, sun, panels = CHECKED_SIZE, figure.parameters["sun"], figure.parameters["panels"]
+    found = agreements(renderer.machine(figure, size, shading="mask"), size, panels, sun)
+    basic, sliced, _ = (wrong(f, nearest_rows(size)) for f in found)
+    tinted = renderer.machine(figure, size)[:, 2 * size :]
+    return (
+        Check(
+            "wrong pixels in the nearest fifth of the screen: basic over slices",
+            basic / max(sliced, 1e-9),
+            ">=",
+            3.5,
+            "machine",
+            "the nearest slice is a fifth of the ground's length; measured 5.2",
+        ),
+        Check(
+            "wrong pixels: basic over slices",
+            wrong(found[0]) / wrong(found[1]),
+            ">=",
+            2.0,
+            "machine",
+            "three maps instead of one; measured 2.5",
+        ),
+        Check(
+            "pixels that agree with rays, slices",
+            found[1].agreeing,
+            ">=",
+            0.988,
+            "machine",
+            "of those that face the light; measured 0.992",
+        ),
+        Check(
+            "ground that has its slice's tint",
+            _tint_matches(tinted, truth(size, sun), panels[2][2]),
+            ">=",
+            0.9995,
+            "machine",
+            "away from slices' ends; trees and columns on the outline's pixels are the rest",
+        ),
+        others(found),
+    )
+
+
+FIGURE = Figure(
+    id="Z14",
+    title="A shadow map for each slice of the view",
+    caption=(
+        "A long ground with one basic shadow map, left, and with one of as many texels for each of three "
+        "slices of what the viewer sees, middle; right the slices are tinted."
+    ),
+    must_see=(
+        "Middle: smaller stairs than left, in front most of all, and no seam between slices. Right: red, "
+        "green and blue slices, each ground pixel in one of them."
+    ),
+    source="Zwicker2016",
+    techniques=("Z14",),
+    columns=3,
+    parameters={
+        "panels": (("basic", 1.0, 1, False), ("slices", 1.0, 3, False), ("slices", 1.0, 3, True)),
+        "background": avenue.SKY,
+        "sun": avenue.SUN,
+    },
+    methods=(Method("depth textures and clip planes", scene, ("GEFORCE_3", "NV2A")),),
+    acceptance=checks,
+)
