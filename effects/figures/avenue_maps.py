@@ -22,6 +22,13 @@ NEAREST, FARTHEST = 0.2, 0.05
 TINTS = ((1.0, 0.55, 0.50), (0.55, 1.0, 0.55), (0.60, 0.66, 1.0))
 
 
+def edge_of(size, ratio):
+    """Edge in texels of a map for a panel of ``size`` pixels. At 32 pixels, where the plain-Python
+    specification draws, no map has more than twice the panel's.
+    """
+    return map_edge(size, ratio if size >= 64 else min(ratio, 2.0))
+
+
 def panels_of_avenue(profile, size, panels, shading, background, sun):
     """Commands that draw the avenue on a row of panels, as many as ``panels`` has, which are (way, ratio of
     the map's edge to the panel's, number of slices, whether these are tinted).
@@ -30,7 +37,7 @@ def panels_of_avenue(profile, size, panels, shading, background, sun):
     row = row_of_panels(len(panels), size)
     stored, drawn = [], []
     for number, (panel, (way, ratio, slices, tints)) in enumerate(zip(row, panels, strict=True)):
-        view, edge = avenue.avenue_view(panel), map_edge(size, ratio)
+        view, edge = avenue.avenue_view(panel), edge_of(size, ratio)
         parts = tuple(
             replace(part, name=f"{part.name} of panel {number + 1}")
             for part in parted_shadow_maps.parts_of_view(way, scene, sun, view, edge, slices)
@@ -55,7 +62,7 @@ def truth(size, sun):
 def parts_of_panel(panel, size, sun, view):
     """The camera of a panel's first map, and the map's edge in texels."""
     way, ratio, slices, _ = panel
-    edge = map_edge(size, ratio)
+    edge = edge_of(size, ratio)
     scene = avenue.avenue(detail_of(size))
     return parted_shadow_maps.parts_of_view(way, scene, sun, view, edge, slices)[0].camera, edge
 
@@ -71,7 +78,7 @@ def agreements(picture, size, panels, sun, **settings):
     out = []
     for number, (way, ratio, slices, _) in enumerate(panels):
         mask = agreement.lit_mask(picture[:, number * size : (number + 1) * size])
-        edge = map_edge(size, ratio)
+        edge = edge_of(size, ratio)
         parts = parted_shadow_maps.parts_of_view(way, scene, sun, rays.view, edge, slices)
         kinds = np.zeros(mask.shape, np.uint8)
         for part in parts:

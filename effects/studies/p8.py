@@ -147,10 +147,11 @@ def findings(table):
         "wide as a texel, and what pixels leave.",
         f"With {_COMPARED_EDGE} texels {wrong:.2f} % of the pixels are wrong at 24 bits and "
         f"{wrong_short:.2f} % at 16: stored depths are {size:.3f} mm off at 24 bits, {steps:.0f} steps, as "
-        f"vertices are snapped to fractions of a texel, and {size_short:.3f} mm at 16, {steps_short:.2f} steps.",
+        f"vertices are snapped to fractions of a texel, and {size_short:.3f} mm at 16, {steps_short:.2f} "
+        "steps.",
         f"With the near plane at {far_short[2]:.2f} instead of {table.rows[0][2]:.2f} it is "
-        f"{far_long[7]:.3f} mm and {far_short[7]:.2f} mm, of which {far_short[6]:.2f} steps: there the cut to "
-        "16 bits is what counts. An offset of the texels' slopes covers all of it.",
+        f"{far_long[7]:.3f} mm and {far_short[7]:.2f} mm, {far_short[6]:.2f} steps: there the cut to 16 bits "
+        "is what counts. An offset of the texels' slopes covers all of it.",
     )
 
 
@@ -168,7 +169,7 @@ def checks(table):
               "steps of edges that fall on texels differently; measured 0.06"),
         Check("wrong pixels without a reason, %, largest", max(row[5] for row in table.rows), "<=", 0.05,
               "machine", "texels at edges of two faces; measured 0.03"),
-        Check("depth error at 16 bits with the near plane close to the lamp, steps, - 0.58: absolute",
+        Check("depth error, 16 bits, near plane close to the lamp, steps, - 0.58: absolute",
               abs(nearer_short[6] - 0.58), "<=", 0.2, "machine",
               "a depth is cut to an integer (docs/numbers.md, section 5), which has an RMS of sqrt(1/3); "
               "snapped vertices are the rest"),
