@@ -195,12 +195,11 @@ def plot(axes, table):
     by_texel.legend()
     for kernel, color in zip(KERNELS, (BLUE, ORANGE, GREEN, RED, PURPLE), strict=True):
         distances, mean, _ = table.curves[f"{_KERNEL_EDGE} {kernel}"]
-        across.plot(
-            distances, mean, color=color, label=f"{kernel} comparisons" if kernel == FILTER else kernel
-        )
+        name = kernel if kernel == FILTER else f"{kernel} x {kernel}"
+        across.plot(distances, mean, color=color, label=name)
     across.set_xlabel("distance from the true edge, pixels along a row")
     across.set_ylabel("mean light")
-    across.legend(title="k of k x k")
+    across.legend()
 
 
 STUDY = Study(

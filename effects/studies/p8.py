@@ -192,7 +192,6 @@ def plot(axes, table):
     rows = [table.rows[3], *table.rows[len(EDGES) :]]
     names = [f"{row[1]} bits\nnear {row[2]:.2f}" for row in rows]
     by_bits.bar(names, [row[7] for row in rows], color=GREEN)
-    by_bits.set_yscale("log")
     by_bits.set_ylabel("RMS error of stored depths, mm")
 
 
