@@ -74,6 +74,6 @@ FIGURE = Figure(
         "background": avenue.SKY,
         "sun": avenue.SUN,
     },
-    methods=(Method("depth textures", scene, ("GEFORCE_3", "NV2A")),),
+    methods=(Method("depth textures", scene, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
     acceptance=checks,
 )

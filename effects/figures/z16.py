@@ -81,6 +81,6 @@ FIGURE = Figure(
         "background": avenue.SKY,
         "sun": avenue.SUN,
     },
-    methods=(Method("depth textures and clip planes", scene, ("GEFORCE_3", "NV2A")),),
+    methods=(Method("depth textures and clip planes", scene, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
     acceptance=checks,
 )
