@@ -4,7 +4,7 @@ import numpy as np
 
 from effects.figures import agreement
 from effects.figures.figure import BACKGROUND, Check, Figure, Method
-from effects.lit_scene import map_edge
+from effects.lit_scene import AMBIENT, map_edge
 from effects.scenes import LAMP_POSITIONS, detail_of, lamp_around, still_life, still_life_view
 from effects.shadow_maps import modulated_passes, store_map
 from effects.views import row_of_panels
@@ -68,6 +68,22 @@ def checks(figure, renderer):
                 "within a texel of it",
             ),
         )
+    inner = floor & ~truth.lit & ~agreement.silhouettes(truth)
+    for axis in (0, 1):
+        for by in (-3, 3):
+            inner &= np.roll(~truth.lit, by, axis)
+    for on in ("ideal", "machine"):
+        seen = getattr(renderer, on)(figure, _SIZE)[inner]
+        ambient = np.array(AMBIENT[:3]) * np.array(scene.objects[0].color)
+        near = np.abs(seen - ambient).max(axis=-1) <= (1e-9 if on == "ideal" else 1.5 / 255.0)
+        out.append(
+            Check(
+                "shadows on the floor that are the ambient light, of all well inside", float(near.mean()),
+                ">=", 0.98, on,
+                "E003.9: what the comparison multiplies is the light alone; a strip is lit where things "
+                "stand, as wide as the offset",
+            )
+        )  # fmt: skip
     (lit, dark) = (np.float64(truth.lit[floor].mean()), np.float64((~truth.lit[floor]).mean()))
     out.append(
         Check(

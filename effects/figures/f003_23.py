@@ -76,6 +76,21 @@ def _edges(truth):
     return out & (truth.shown.points[..., 0] > _FREE_OF_CONTACT)
 
 
+def _reach(values, truth, edge, texels):
+    """How far from a shadow's true edge the floor is neither lit nor dark, in texels of a map of ``texels``:
+    the greatest of the least 99 in 100 pixels.
+    """
+    matrix = np.array(truth.lamp.texture_matrix)
+    s, t, _, q = (truth.shown.points @ row[:3] + row[3] for row in matrix)
+    places = np.stack([s / q, t / q], axis=-1) * texels
+    between = (values > 0.01) & (values < 0.99) & (truth.shown.object == 0)
+    between &= truth.shown.points[..., 0] > _FREE_OF_CONTACT + 0.1
+    if not between.any():
+        return 0.0
+    apart = np.linalg.norm(places[between][:, None] - places[edge][None], axis=-1)
+    return float(np.percentile(apart.min(axis=1), 99.0))
+
+
 def checks(figure, renderer):
     """Levels of light on the floor, and how much of it there is at the true edge."""
     kernel = figure.parameters["kernel"]
@@ -119,6 +134,18 @@ def checks(figure, renderer):
                 "a soft edge goes through most of them",
             ),
         )
+        reach = _reach(wide, truth, edge, map_edge(_SIZE, _RATIO))
+        out += (
+            Check(
+                f"{kernel}x{kernel}: how far the soft edge reaches on either side, texels", reach, "<=",
+                0.5 * kernel + 1.5, on,
+                "half the kernel's width, and a pixel's beside the edge's own pixels",
+            ),
+            Check(
+                f"{kernel}x{kernel}: how far the soft edge reaches, at least", reach, ">=", 0.4 * kernel, on,
+                "half the kernel's width less a texel",
+            ),
+        )  # fmt: skip
         for name, part in (("2x2", filtered), (f"{kernel}x{kernel}", wide)):
             out.append(
                 Check(
@@ -148,7 +175,7 @@ FIGURE = Figure(
     source="Zwicker2016",
     techniques=("Z10", "Z12", "Z17", "Z18"),
     columns=3,
-    size=192,
+    size=256,
     parameters={"ratio": 0.7, "factors": (1.1, 2.2, 8.0), "kernel": 8},
     methods=(Method("four comparisons in a pass", make, ("GEFORCE_3", "NV2A")),),
     acceptance=checks,
