@@ -54,14 +54,9 @@ def slice_planes(distances, number):
     return (*near, *far)
 
 
-def view_slices(view, count, mixture=LAMBDA, nearest=None, farthest=None):
-    """``split_distances`` of a camera. ``nearest``, ``farthest``: of what it sees, where that is less than
-    its frustum holds; None: its planes.
-    """
-    near, far = clip_distances(view)
-    return split_distances(
-        near if nearest is None else nearest, far if farthest is None else farthest, count, mixture
-    )
+def view_slices(view, count, mixture=LAMBDA):
+    """``split_distances`` of a perspective camera's planes."""
+    return split_distances(*clip_distances(view), count, mixture)
 
 
 def slice_of(distances, depth):

@@ -4,8 +4,6 @@ The scene of document 003's "limited field of view". World coordinates: y up, th
 looks along -z.
 """
 
-import numpy as np
-
 from effects import meshes
 from effects.matrices import look_at, perspective, rotation
 from effects.scenes import Object, Scene
@@ -77,8 +75,3 @@ def lit_room_view(panel):
 def bulb():
     """A small sphere where the light is, to be seen and nothing else."""
     return Object("bulb", meshes.sphere(16, 8).scaled(0.09).moved(*LAMP), (1.0, 1.0, 1.0))
-
-
-def from_light(points):
-    """Vectors from the light to points [..., 3]."""
-    return np.asarray(points) - np.array(LAMP)

@@ -5,7 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from effects import avenue, convex_bodies, cube_of_maps, frustum_slices, light_space, lit_room, lit_scene
+from effects import (
+    avenue,
+    convex_bodies,
+    cube_of_maps,
+    frustum_slices,
+    light_space,
+    lit_room,
+    lit_scene,
+    parted_shadow_maps,
+)
 from effects.figures import agreement
 from effects.views import Panel, orthographic_view
 from pipeline.enums import Face
@@ -360,6 +369,33 @@ def test_the_cube_reaches_every_corner_of_the_scene():
         assert lamp.far > np.abs(scene.corners() - np.array(lit_room.LAMP)).max()
 
 
+# ---------------------------------------------------------------------------------- parts with their maps
+
+
+def test_each_part_has_a_map_of_what_is_between_its_planes():
+    """Slices cover the view, each part's camera what its planes leave of it, and names are unlike."""
+    for way, count in (("basic", 1), ("LiSPSM", 1), ("slices", 4), ("slices and LiSPSM", 4)):
+        parts = parted_shadow_maps.parts_of_view(way, SCENE, avenue.SUN, VIEW, 64, 4)
+        assert len({part.name for part in parts}) == len(parts) == count
+        points = inside_body(light_space.seen_body(SCENE, VIEW))
+        eye = points @ np.array(VIEW.modelview)[:3, :3].T + np.array(VIEW.modelview)[:3, 3]
+        times = np.zeros(len(points), int)
+        for part in parts:
+            planes = [np.array(plane) for plane in part.planes]
+            inside = np.all([eye @ plane[:3] + plane[3] >= 0.0 for plane in planes] or [times >= 0], axis=0)
+            q = clip(part.camera, points[inside])
+            assert (np.abs(q[:, :3] / q[:, 3:]) <= 1.0 + 1e-9).all()
+            times += inside
+        assert (times == 1).all()
+
+
+def test_a_slice_that_sees_nothing_has_no_map():
+    """A scene that ends long before the camera's far plane."""
+    near_things = replace(SCENE, objects=(SCENE.objects[-1],))
+    parts = parted_shadow_maps.parts_of_view("slices", near_things, avenue.SUN, VIEW, 64)
+    assert [part.name for part in parts] == ["slices, 1"]
+
+
 # ------------------------------------------------------------------------------------------- bad input
 
 
@@ -389,5 +425,9 @@ def test_bad_input_is_refused_in_a_sentence():
         frustum_slices.slice_planes((1.0, 2.0, 3.0, 4.0), 3)
     with pytest.raises(ValueError, match="no face 'up'"):
         cube_of_maps.face_lamp((0.0, 0.0, 0.0), "up", 0.1, 1.0)
+    with pytest.raises(ValueError, match="The way to fit shadow maps is 'best'; give one of 'basic'"):
+        parted_shadow_maps.parts_of_view("best", SCENE, avenue.SUN, VIEW, 64)
+    with pytest.raises(ValueError, match="The tint is"):
+        parted_shadow_maps.tinted(SCENE, (1.2, 1.0, 1.0))
     with pytest.raises(ValueError, match=r"border is 0\.7"):
         cube_of_maps.face_lamp((0.0, 0.0, 0.0), "+x", 0.1, 1.0, 0.7)

@@ -139,6 +139,16 @@ def test_a_cube_is_read_from_obj_with_its_texture_coordinates():
     assert np.allclose(cross(cube.tangents, cube.binormals), cube.normals)
 
 
+def test_joined_surfaces_keep_their_triangles_in_order():
+    parts = meshes.box(), meshes.sphere(8, 4).moved(3.0, 0.0, 0.0), meshes.plane()
+    whole = meshes.joined(*parts)
+    for name in ("positions", "normals", "tangents", "binormals", "texture_coordinates"):
+        separate = [getattr(part, name)[part.triangles] for part in parts]
+        assert np.array_equal(getattr(whole, name)[whole.triangles], np.concatenate(separate))
+    with pytest.raises(ValueError, match="number of surfaces to join is 0"):
+        meshes.joined()
+
+
 def test_normals_are_averaged_over_the_triangles_that_share_a_position():
     cube = meshes.read_obj(CUBE)
     at = np.flatnonzero((cube.positions == 1.0).all(axis=1))
