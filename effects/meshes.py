@@ -253,7 +253,7 @@ def joined(*surfaces):
 
 
 # Assumed: no mesh is larger; the fourth power of a length, by which areas are compared, stays in float64.
-_LARGEST = 1e30
+LARGEST = 1e30
 
 
 def _obj_floats(fields, least, most, where, what):
@@ -263,9 +263,9 @@ def _obj_floats(fields, least, most, where, what):
         values = [float(f) for f in fields[:most]]
     except ValueError:
         raise ValueError(f"{where}: {what} must be numbers, found {' '.join(fields)!r}.") from None
-    if not all(abs(v) <= _LARGEST for v in values):
+    if not all(abs(v) <= LARGEST for v in values):
         raise ValueError(
-            f"{where}: {what} must be finite numbers of at most {_LARGEST:g}, found {' '.join(fields)!r}."
+            f"{where}: {what} must be finite numbers of at most {LARGEST:g}, found {' '.join(fields)!r}."
         )
     return values
 

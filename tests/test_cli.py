@@ -14,7 +14,7 @@ from click.testing import CliRunner
 from PIL import Image
 
 from effects.bump import MATERIALS, MESHES
-from effects.cli import files, main
+from effects.cli import _COMMANDS, files, main
 from effects.cli.gallery import gallery
 from effects.cli.refusal import Refusal
 from effects.figures import FIGURES, Check, Method
@@ -66,7 +66,7 @@ def test_without_arguments_it_says_what_to_do_next():
 
 def test_help_names_every_subcommand():
     result = run("--help")
-    for name in ("figures", "passes", "bump", "combiners", "precision", "study", "profiles", "conformance"):
+    for name in _COMMANDS:
         assert name in result.stdout
         assert run(name, "--help").exit_code == 0
 
@@ -75,7 +75,7 @@ def test_help_names_every_subcommand():
     "arguments",
     [
         ["--help"],
-        *([name, "--help"] for name in ("figures", "bump", "conformance", "combiners", "study")),
+        *([name, "--help"] for name in ("figures", "bump", "shadows", "conformance", "combiners", "study")),
         [],
     ],
 )

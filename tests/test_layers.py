@@ -20,7 +20,17 @@ STANDARD = set(sys.stdlib_module_names)
 MAY_IMPORT = {
     "raster": {"raster", "numba", "llvmlite", "numpy"},
     "pipeline": {"pipeline", "raster", "numpy"},
-    "effects/cli": {"effects", "pipeline", "numpy", "click", "rich", "PIL", "imageio", "matplotlib"},
+    "effects/cli": {
+        "effects",
+        "pipeline",
+        "numpy",
+        "click",
+        "rich",
+        "PIL",
+        "imageio",
+        "matplotlib",
+        "trimesh",
+    },
     "effects/conformance": {"effects", "pipeline", "numpy", "PIL"},
     # The ray caster is compiled as kernels are; diagrams have pillow's bitmap font.
     "effects": {"effects", "pipeline", "numpy", "raster.kernel", "PIL.ImageFont"},

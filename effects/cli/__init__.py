@@ -5,7 +5,17 @@ import importlib
 
 import click
 
-_COMMANDS = ("figures", "passes", "bump", "combiners", "precision", "study", "profiles", "conformance")
+_COMMANDS = (
+    "figures",
+    "passes",
+    "bump",
+    "shadows",
+    "combiners",
+    "precision",
+    "study",
+    "profiles",
+    "conformance",
+)
 
 _WELCOME = """\
 fixedpipe emulates the graphics hardware of 1997-2001, bit for bit.
@@ -16,6 +26,8 @@ What to do next:
   fixedpipe passes F004-4       how one is made, pass by pass
   fixedpipe bump sample:gravel --mesh torus --material gold --light 1,2,3 --out gravel.png
                                 bump-map a mesh with a photograph
+  fixedpipe shadows MESH.obj --algorithm z-fail --out shadows.png
+                                throw a mesh's shadow by an algorithm of the time, and compare it with rays
   fixedpipe combiners FILE      what a combiner program of the time (RC1.0, TS1.0, ps.1.x) sets, as equations
   fixedpipe precision F004-4    was it the clamp or the bits? a figure's error by widths and clamps
   fixedpipe study               artefacts of the hardware, measured; fixedpipe study P9: a table and a plot

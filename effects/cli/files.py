@@ -95,6 +95,64 @@ def read_text(name, otherwise=None):
         raise Refusal(f"{name!r} cannot be read: {error}.") from error
 
 
+# Assumed: no mesh of so many bytes or triangles is drawn within a minute.
+_LARGEST_MESH, _MOST_TRIANGLES = 256 << 20, 500_000
+
+
+def read_mesh(name):
+    """A surface from an OBJ or a PLY file, with the file's normals or, at edges, creases. PLY files need the
+    extra ``meshes``.
+
+    Raises Refusal for anything else, and ValueError with a sentence where the mesh has no faces, vertices
+    that are no finite numbers, or no area.
+    """
+    from effects.mesh_shadows import triangle_mesh, with_creases
+    from effects.meshes import read_obj
+
+    path, kind = Path(name), Path(name).suffix.lower()
+    if kind not in (".obj", ".ply"):
+        raise Refusal(f"{name!r} is no mesh; give an OBJ or a PLY file.")
+    try:
+        size = path.stat().st_size
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise Refusal(f"{name} cannot be read: {reason}.") from error
+    if size > _LARGEST_MESH:
+        raise Refusal(
+            f"{name} has {size >> 20} MiB; meshes of up to {_LARGEST_MESH >> 20} MiB are read. Make it "
+            "coarser."
+        )
+    text = read_text(name) if kind == ".obj" else None
+    surface = read_obj(text, name) if kind == ".obj" else triangle_mesh(*_read_ply(path), name)
+    if len(surface.triangles) > _MOST_TRIANGLES:
+        raise Refusal(
+            f"{name} has {len(surface.triangles)} triangles; up to {_MOST_TRIANGLES} are drawn. Make it "
+            "coarser."
+        )
+    return surface if text and "\nvn " in text else with_creases(surface)
+
+
+def _read_ply(path):
+    """Vertices and triangles of a PLY file. Raises Refusal."""
+    try:
+        import trimesh
+    except ImportError as error:
+        raise Refusal(
+            f"{path} needs the extra `meshes`: pip install 'fixedpipe[meshes]'. OBJ files need nothing."
+        ) from error
+    try:
+        # Vertices and faces as they are: nothing merged, nothing left out.
+        mesh = trimesh.load_mesh(path, file_type="ply", process=False)
+        vertices, faces = np.array(mesh.vertices), np.array(getattr(mesh, "faces", np.zeros((0, 3))))
+    except OSError as error:
+        raise Refusal(f"{path} cannot be read: {error.strerror}.") from error
+    # A reader fed arbitrary bytes raises whatever it stumbles over.
+    except Exception as error:
+        reason = (str(error) or type(error).__name__).split("\n")[0].rstrip(".")
+        raise Refusal(f"{path} cannot be read ({reason}). Give a whole PLY or OBJ file.") from error
+    return vertices, faces
+
+
 def writable_folder(folder):
     """The folder as a path, made if need be. Raises Refusal when nothing can be written there."""
     folder = Path(folder)
