@@ -20,7 +20,7 @@ from itertools import pairwise
 import numpy as np
 from PIL import ImageFont
 
-from effects.matrices import orthographic
+from effects.matrices import orthographic, transform
 from effects.passes import MODULATE, NEAREST, REPLACE, checked_rgb, unit
 from effects.vectors import cosine, sine
 from effects.views import View
@@ -66,13 +66,6 @@ def sheet(panel, half_height=1.0, center=(0.0, 0.0)):
     return View(panel, IDENTITY, box, (0.0, 0.0, 1.0), True)
 
 
-def _transformed(matrix, columns):
-    return [
-        ((row[0] * columns[0] + row[1] * columns[1]) + row[2] * columns[2]) + row[3] * columns[3]
-        for row in matrix
-    ]
-
-
 def project(view, points):
     """Where points are seen: float64 [..., 3], x and y in pixels from the panel's lower left corner, and the
     normalized device depth in [-1, 1].
@@ -85,8 +78,8 @@ def project(view, points):
             f"Points of shape {points.shape} are no diagram's; give finite [..., 2] or [..., 3]."
         )
     z = points[..., 2] if points.shape[-1] == 3 else 0.0 * points[..., 0]
-    columns = [points[..., 0], points[..., 1], z, np.ones_like(z)]
-    x, y, z, w = _transformed(view.projection, _transformed(view.modelview, columns))
+    columns = (points[..., 0], points[..., 1], z, np.ones_like(z))
+    x, y, z, w = transform(view.projection, transform(view.modelview, columns))
     if not (w > 0.0).all():
         raise ValueError("A point of the diagram is behind the eye; end the line before it.")
     half_width, half_height = 0.5 * view.panel.width, 0.5 * view.panel.height
@@ -273,22 +266,19 @@ def polygon(label, view, outline, color, **settings):
     return polygons(label, view, (outline,), color, **settings)
 
 
-def picture(
-    label, view, corners, texture, *, sampler=NEAREST, environment=REPLACE, depth_test=None, color=None
-):
-    """A texture on a rectangle [4, 2 or 3] of the scene, in perspective. ``corners``: where (s, t) is (0, 0),
-    (1, 0), (1, 1), (0, 1). ``color``: the vertices', for an environment that asks for it.
+def picture(label, view, corners, texture, *, depth_test=None):
+    """A texture on a rectangle [4, 2 or 3] of the scene, in perspective, every texel a square. ``corners``:
+    where (s, t) is (0, 0), (1, 0), (1, 1), (0, 1).
     """
     coordinates = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
     mesh = Mesh(
         positions=np.array(corners, np.float64),
         indices=np.array([0, 1, 2, 0, 2, 3]),
-        colors=None if color is None else np.broadcast_to(checked_rgb(color), (4, 3)),
         texture_coordinates=(coordinates,),
     )
     state = PassState(
         vertex=view.vertex,
-        texture_units=(unit(texture, sampler, environment=environment),),
+        texture_units=(unit(texture, NEAREST, environment=REPLACE),),
         scissor=view.panel.scissor,
         depth_test=depth_test,
     )

@@ -73,7 +73,7 @@ def rigid_inverse(matrix):
 
 
 def transform(matrix, point):
-    """A 4x4 matrix applied to (x, y, z, w): four floats, sums in a fixed order."""
+    """A 4x4 matrix applied to (x, y, z, w): four floats, or arrays of them, sums in a fixed order."""
     x, y, z, w = point
     return tuple(((a * x + b * y) + c * z) + d * w for a, b, c, d in matrix)
 
