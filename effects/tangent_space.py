@@ -193,7 +193,7 @@ class Report:
             out.append(
                 f"{_count(self.stretched)} texture coordinates stretched more than {self.largest_stretch:g} "
                 f"times in one direction ({_listed(self.stretched)}), at most "
-                f"{self.stretch[worst]:.3g} times, number {worst}: bumps lean the wrong way there."
+                f"{self.stretch[worst]:.3g} times, number {worst}: bumps are too steep or too flat there."
             )
         return " ".join(out) or "Every triangle has a tangent space without mirroring or stretch."
 

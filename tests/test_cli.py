@@ -473,6 +473,20 @@ def test_every_sample_is_read_from_an_installed_package(sample):
     assert min(picture.shape[:2]) >= 256 and picture.ndim == 2
 
 
+def test_what_is_wrong_with_an_obj_files_texture_coordinates_is_said(photo, tmp_path):
+    corners = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\n"
+    for coordinates, words in (
+        ("vt 1 0\nvt 0 0\nvt 0 1\nvt 1 1\n", "2 triangles have mirrored texture coordinates (numbers 0, 1)"),
+        ("vt 1 0\nvt 1 0\nvt 1 1\nvt 1 1\n", "2 triangles have no area in texture space"),
+        ("vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n", ""),
+    ):
+        (tmp_path / "mesh.obj").write_text(f"{corners}{coordinates}f 1/1 2/2 3/3 4/4\n")
+        result = run(*bump(photo, tmp_path / "out.png", "--mesh", tmp_path / "mesh.obj"))
+        assert result.exit_code == 0
+        assert words in result.stderr
+        assert bool(words) == ("texture" in result.stderr)
+
+
 def test_an_obj_file_is_a_mesh(photo, tmp_path):
     (tmp_path / "mesh.obj").write_text("v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n")
     assert run(*bump(photo, tmp_path / "out.png", "--mesh", tmp_path / "mesh.obj")).exit_code == 0

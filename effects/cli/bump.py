@@ -70,6 +70,7 @@ def bump(
     from effects.cli.files import png, read_picture, read_text, writable_file, write_whole
     from effects.cli.refusal import Refusal, check_size, choose, refusals
     from effects.meshes import read_obj
+    from effects.tangent_space import examine_surface
     from pipeline.profiles import PROFILES
 
     machine = choose("profile", profile, PROFILES)
@@ -83,6 +84,8 @@ def bump(
         parameters = replace(material(material_name), **{k: v for k, v in changed.items() if v is not None})
         is_file = mesh_name.lower().endswith(".obj")
         surface = read_obj(read_text(mesh_name), mesh_name) if is_file else mesh(mesh_name)
+        if is_file and not (report := examine_surface(surface)).clean:
+            click.echo(f"{mesh_name}: {report.text()}", err=True)
         frame = commands(
             read_picture(photo), surface, parameters, direction, machine, size, size, map_size=map_size
         )
