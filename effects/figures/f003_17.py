@@ -13,10 +13,10 @@ from effects.views import row_of_panels
 DEPTHS = "depths from the light"
 
 
-def make(profile, size, *, lamp):
+def make(profile, size):
     """The first pass as it fills the depth buffer, and the depth buffer as grey."""
     (panel,) = row_of_panels(1, size)
-    scene, light = scene_of(size, lamp)
+    scene, light = scene_of(size)
     return (
         panel.clear((0.0, 0.0, 0.0)),
         *depth_pass(scene, light.view(panel)),
@@ -29,8 +29,7 @@ _SIZE = 256
 
 def checks(figure, renderer):
     """The depths read, and the picture made of them, against rays from the light."""
-    lamp = figure.parameters["lamp"]
-    scene, light = scene_of(_SIZE, lamp)
+    scene, light = scene_of(_SIZE)
     (panel,) = row_of_panels(1, _SIZE)
     shown = ray_caster.visible(ray_caster.scene_caster(scene), light.view(panel))
     commands = figure.commands(renderer.profile, _SIZE, renderer.method)
@@ -45,6 +44,12 @@ def checks(figure, renderer):
             for corner in scene.corners().tolist()
         )
     ]
+    clip = [
+        transform(light.projection, transform(light.modelview, (*p, 1.0)))
+        for thing in scene.objects
+        for p in thing.surface.positions.tolist()
+    ]
+    widest = max(max(abs(x), abs(y)) / w for x, y, _, w in clip)
     step = 1.0 / 255.0
     out = [
         Check(
@@ -62,6 +67,22 @@ def checks(figure, renderer):
         )
     ]
     out += (
+        Check(
+            "vertices seen from the light: greatest distance from the middle",
+            widest,
+            "<=",
+            1.0,
+            "ideal",
+            "the frustum encloses what throws shadows (Z30)",
+        ),
+        Check(
+            "the same, at least",
+            widest,
+            ">=",
+            0.95,
+            "ideal",
+            "and hardly more, so that no texels are lost",
+        ),
         Check(
             "corners of the scene's box: least depth",
             min(window),
@@ -101,14 +122,13 @@ FIGURE = Figure(
     title="Depth image seen from the light",
     caption="The still life's depths as the light sees it: near is dark, far is light, nothing is white.",
     must_see=(
-        "The still life from the upper left in shades of grey, without any lighting: the column's top "
-        "darkest, objects darker than the floor behind them, the floor lighter away from the light, white "
-        "round it."
+        "The still life from the upper left in shades of grey, without any lighting: the floor's near "
+        "corner and the ring darkest, objects darker than the floor behind them, the floor lighter away from "
+        "the light, white where nothing is."
     ),
     source="Zwicker2016",
     techniques=("Z10", "Z30"),
     columns=1,
-    parameters={"lamp": 0},
     methods=(Method("depths read and drawn", make, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
     acceptance=checks,
 )

@@ -1,5 +1,7 @@
 """F003-18: the final image with shadows, by a shadow map (Z10)."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from effects.figures import agreement
@@ -14,16 +16,21 @@ from effects.views import row_of_panels
 _CONTACT_TEXELS = 20.0
 
 
-def scene_of(size, lamp):
-    """The still life with the detail of a panel's size, and the lamp at one of ``LAMP_POSITIONS``."""
+# Where the lamp looks, and its field of view: closer than the scene's box, whose upper corners are empty.
+# Measured: 39.4 degrees hold every vertex (figure F003-17 checks it).
+_TARGET, _FIELD_OF_VIEW = (0.2, -0.4, -0.4), 40.0
+
+
+def scene_of(size):
+    """The still life with the detail of a panel's size, and a lamp on its left that lights just that."""
     scene = still_life(detail_of(size))
-    return scene, lamp_around(scene, LAMP_POSITIONS[lamp])
+    return scene, replace(lamp_around(scene, LAMP_POSITIONS[0], _TARGET), field_of_view=_FIELD_OF_VIEW)
 
 
-def make(profile, size, *, ratio, lamp, factor, units, filtered, shading="lit"):
+def make(profile, size, *, ratio, factor, units, filtered, shading="lit"):
     """Z10, Z12, Z19, Z20 on one panel."""
     (panel,) = row_of_panels(1, size)
-    scene, light = scene_of(size, lamp)
+    scene, light = scene_of(size)
     view = still_life_view(panel)
     stored = store_map(
         scene, light, "shadow map", map_edge(size, ratio), (size, size), factor=factor, units=units
@@ -41,7 +48,7 @@ _SIZE = 256
 def checks(figure, renderer):
     """Lit and shadowed pixels against rays, with a large and a small map."""
     (panel,) = row_of_panels(1, _SIZE)
-    scene, light = scene_of(_SIZE, figure.parameters["lamp"])
+    scene, light = scene_of(_SIZE)
     truth = agreement.truth_of(scene, still_life_view(panel), light)
     floor = truth.shown.object == 0
     out = []
@@ -113,7 +120,7 @@ FIGURE = Figure(
     source="Zwicker2016",
     techniques=("Z10", "Z12", "Z19", "Z20", "Z30"),
     columns=1,
-    parameters={"ratio": 2, "lamp": 0, "factor": 2.2, "units": 4.0, "filtered": True},
+    parameters={"ratio": 2, "factor": 2.2, "units": 4.0, "filtered": True},
     methods=(Method("depth texture times the light", make, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
     acceptance=checks,
 )

@@ -8,7 +8,7 @@ from effects.figures.figure import BACKGROUND, Check, Figure, Method
 from effects.lit_scene import map_edge
 from effects.matrices import rotation
 from effects.scenes import FLOOR_HALF_WIDTH, Object, Scene, detail_of, floor, lamp_around, still_life
-from effects.shadow_maps import OFFSET_FACTOR, OFFSET_UNITS, modulated_passes, store_map
+from effects.shadow_maps import OFFSET_UNITS, modulated_passes, store_map
 from effects.vectors import dot, normalize
 from effects.views import Panel, perspective_view, row_of_panels
 
@@ -98,7 +98,7 @@ def gap(mask, truth, edge):
     return float(np.percentile(length * edge, 95.0))
 
 
-_SIZE = 192
+_SIZE = 256
 
 
 def checks(figure, renderer):
@@ -128,7 +128,7 @@ FIGURE = Figure(
     title="Bias: not enough, correct, too much",
     caption=(
         "One shadow map whose depths were moved away from the light by three polygon offsets: none (left), "
-        "1.1 times the slope and 4 units (middle), 14 times the slope (right)."
+        "1.5 times the slope and 4 units (middle), 14 times the slope (right)."
     ),
     must_see=(
         "Left stripes and speckle on all that is lit: surfaces shade themselves. In the middle clean light "
@@ -139,7 +139,7 @@ FIGURE = Figure(
     techniques=("Z10", "Z12"),
     columns=3,
     size=384,
-    parameters={"ratio": 1, "offsets": ((0.0, 0.0), (OFFSET_FACTOR, OFFSET_UNITS), (14.0, 4.0))},
+    parameters={"ratio": 1, "offsets": ((0.0, 0.0), (1.5, OFFSET_UNITS), (14.0, OFFSET_UNITS))},
     methods=(Method("depth texture times the light", make, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
     acceptance=checks,
 )

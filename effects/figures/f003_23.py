@@ -176,7 +176,7 @@ FIGURE = Figure(
     techniques=("Z10", "Z12", "Z17", "Z18"),
     columns=3,
     size=256,
-    parameters={"ratio": 0.7, "factors": (1.1, 2.2, 8.0), "kernel": 8},
+    parameters={"ratio": 0.7, "factors": (2.0, 3.0, 9.0), "kernel": 8},
     methods=(Method("four comparisons in a pass", make, ("GEFORCE_3", "NV2A")),),
     acceptance=checks,
 )

@@ -40,11 +40,11 @@ def frustum_corners(lamp):
 
 def outside_view(panel):
     """Scene and lamp from the side."""
-    return perspective_view(panel, (11.0, 10.0, 30.0), (0.2, 0.75, -0.6), field_of_view=31.0, radius=20.0)
+    return perspective_view(panel, (8.6, 8.4, 24.0), (-0.75, 0.65, -0.3), field_of_view=34.0, radius=16.0)
 
 
 def frustum(panel, lamp):
-    """The frustum's edges and the lamp, over the scene from outside."""
+    """The frustum's edges and the lamp, with their names, over the scene from outside."""
     view, corners = outside_view(panel), np.round(frustum_corners(lamp), 6)
     rays = [np.stack([np.array(lamp.position), corners[k]]) for k in (0, 2, 4, 6)]
     box = [corners[[a, b]] for a, b in _EDGES]
@@ -52,18 +52,22 @@ def frustum(panel, lamp):
         diagrams.strokes("rays from the lamp", view, rays, diagrams.FAINT, dash=diagrams.DASH),
         diagrams.strokes("the light's frustum", view, box, diagrams.YELLOW, depth_test=diagrams.VISIBLE),
         diagrams.dots("the lamp", view, [lamp.position], diagrams.YELLOW, radius=4.0),
+        diagrams.text("lamp", view, lamp.position, diagrams.INK, align=(-1, 0), offset=(8.0, 0.0)),
+        diagrams.text("near", view, corners[6], diagrams.INK, align=(-1, -1), offset=(7.0, 6.0)),
+        diagrams.text("far", view, corners[5], diagrams.INK, align=(-1, 0), offset=(9.0, 2.0)),
     )
 
 
-def make(profile, size, *, ratio, lamp, factor, units, shading="lit"):
+def make(profile, size, *, ratio, factor, units, shading="lit"):
     """The four side by side."""
     final, from_light, depths, outside = row_of_panels(4, size)
-    scene, light = scene_of(size, lamp)
+    scene, light = scene_of(size)
     passes = {"profile": profile, "shading": shading, "filtered": True}
     out = [
+        diagrams.load_font(),
         *store_map(
             scene, light, "shadow map", map_edge(size, ratio), (4 * size, size), factor=factor, units=units
-        )
+        ),
     ]
     for panel, view in (
         (final, still_life_view(final)),
@@ -86,7 +90,7 @@ _SIZE = 128
 
 def checks(figure, renderer):
     """T on the frustum's corners, shadows in the image and none from the light, and the depths."""
-    scene, light = scene_of(_SIZE, figure.parameters["lamp"])
+    scene, light = scene_of(_SIZE)
     errors = []
     for number, corner in enumerate(frustum_corners(light).tolist()):
         *strp, q = transform(light.texture_matrix, (*corner, 1.0))
@@ -140,7 +144,7 @@ FIGURE = Figure(
     techniques=("Z10", "Z12", "Z19", "Z20", "Z30"),
     columns=4,
     size=384,
-    parameters={"ratio": 2, "lamp": 0, "factor": 2.2, "units": 4.0},
+    parameters={"ratio": 2, "factor": 2.2, "units": 4.0},
     methods=(Method("depth texture times the light", make, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
     acceptance=checks,
 )

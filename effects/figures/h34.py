@@ -17,14 +17,14 @@ from effects.views import Panel, row_of_panels
 from pipeline.commands import Draw
 
 
-def make(profile, size, *, ratio, lamp, factor, share, from_red, shading="lit"):
+def make(profile, size, *, ratio, factor, share, from_red, shading="lit"):
     """Left P1 to P3 with the stencil, right one pass.
 
     ``share``: of the light that stays in shadow on the right. ``from_red``: as machines must whose comparison
     is a luminance, a copy makes alpha of it.
     """
     left, right = row_of_panels(2, size)
-    scene, light = scene_of(size, lamp)
+    scene, light = scene_of(size)
     return (
         *store_map(scene, light, "shadow map", map_edge(size, ratio), (2 * size, size), factor=factor),
         left.clear(BACKGROUND),
@@ -52,7 +52,7 @@ def checks(figure, renderer):
     """Both masks against rays and against each other; the numbers of passes (E000.8)."""
     parameters = {**figure.parameters, **renderer.method.parameters}
     share, edge = parameters["share"], map_edge(_SIZE, parameters["ratio"])
-    scene, light = scene_of(_SIZE, parameters["lamp"])
+    scene, light = scene_of(_SIZE)
     truth = agreement.truth_of(scene, still_life_view(Panel(0, 0, _SIZE, _SIZE)), light)
     ground, outline = truth.shown.object == 0, agreement.silhouettes(truth)
     out = []
@@ -116,14 +116,15 @@ FIGURE = Figure(
         "two fifths."
     ),
     must_see=(
-        "The same shadows, edge for edge. Left shadows have ambient light alone, flat and bluish, and turned "
-        "away sides no shading; right they are a darker picture of what the light would give, with their "
-        "own shading and dimmed highlights."
+        "The same shadows on the floor, edge for edge. Left they have ambient light alone, flat and bluish; "
+        "right they are a darker picture of what the light would give, and the one pass has its price: "
+        "ambient light is multiplied too, so that where a surface turns away from the light the comparison's "
+        "stairs show."
     ),
     source="Heidrich2001",
     techniques=("H34",),
     columns=2,
-    parameters={"ratio": 2, "lamp": 0, "factor": 2.2, "share": 0.4, "from_red": False},
+    parameters={"ratio": 2, "factor": 2.2, "share": 0.4, "from_red": False},
     methods=(
         Method(BY_COPY, make, ("INFINITE_REALITY",), {"from_red": True}),
         Method(BY_ALPHA, make, ("GEFORCE_3", "NV2A")),

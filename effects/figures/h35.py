@@ -89,12 +89,12 @@ FIGURE = Figure(
     title="Static and dynamic shadow maps",
     caption=(
         "A walk past the still life under one light, whose shadow map was drawn once (the first two), and "
-        "the light on its way round, with a map for each frame (the last three)."
+        "the light on its way on, with a new map for each frame (the last two)."
     ),
     must_see=(
         "In the first two pictures the same shadows on the same places of the floor, seen from the left and "
-        "from the right. From the second on the light goes from the left to the right, and the shadows "
-        "turn the other way round every object."
+        "from the right. In the third and fourth the light has gone to the middle and to the right, and "
+        "the shadows have turned round every object."
     ),
     source="Heidrich2001",
     techniques=("H34", "H35"),

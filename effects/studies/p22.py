@@ -13,7 +13,7 @@ from effects.studies.drawing import drawn
 from effects.studies.study import BLUE, ORANGE, RED, Column, Study, Table
 from effects.views import Panel
 
-_SIZE, _RATIO = 192, 1
+_SIZE, _RATIO = 256, 1
 # (factor, units): slopes with the catalogue's units, and units without any slope.
 FACTORS = (0.0, 0.25, 0.5, 0.75, 1.0, OFFSET_FACTOR, 1.5, 2.0, 4.0, 8.0, 14.0)
 UNITS = (0.0, 4.0, 1e3, 1e4, 3e4, 1e5, 2e5, 4e5, 1e6)
@@ -65,8 +65,8 @@ def findings(table):
         "floor shades itself.",
         f"A factor of {slope['factor']:.2f} ends that, and leaves a gap of "
         f"{slope['gap behind the board']:.1f} texels; by units alone it takes {constant['units']:.0f}, "
-        f"and the gap is {constant['gap behind the board']:.1f}: less, for the board's own slope does not "
-        "count, but it is a number of this light, this map and this floor alone.",
+        f"and the gap is {constant['gap behind the board']:.1f} too, but it is a number of this light, "
+        "this map and this floor alone.",
         f"At a factor of {most['factor']:.0f} the board's shadow begins at least "
         f"{most['gap behind the board']:.1f} texels behind it, and rays agree on "
         f"{most['floor that agrees with rays']:.1f} % of the floor instead of "
