@@ -55,7 +55,8 @@ from effects.alpha_coded_shadows import (
     scale_alpha,
 )
 from effects.encode import encode_expand
-from effects.lit_scene import NO_COLOR
+from effects.lit_scene import NO_COLOR, map_edge
+from effects.matrices import look_at, perspective
 from effects.passes import (
     ADD,
     EDGE,
@@ -74,8 +75,8 @@ from effects.passes import (
     checked_rgb,
     expand,
 )
-from effects.scenes import Lamp
-from effects.vectors import normalize, unit_vector
+from effects.scenes import Lamp, lamp_around
+from effects.vectors import cross, dot, normalize, unit_vector
 from effects.views import Panel, View
 from pipeline.commands import Clear, CopyPixels, CopyTexImage, Draw, Mesh, Saturate, TexImage
 from pipeline.enums import (
@@ -113,6 +114,7 @@ LEAST = 1.0 / 128.0
 TABLE_ENTRIES = 4096
 
 _NORMALS = ColorBuffer.AUX0
+_BACKGROUND = (0.07, 0.075, 0.09)
 _VOLUME = Sampler(EDGE.min_filter, EDGE.mag_filter, EDGE.wrap_s, EDGE.wrap_t, wrap_r=WrapMode.CLAMP_TO_EDGE)
 # A box's corners, whose numbers have bits x, y and z, and its twelve edges.
 _BITS = np.array([[k >> axis & 1 for axis in range(3)] for k in range(8)])
@@ -122,21 +124,27 @@ _EDGES = np.array([(a, a | bit) for bit in (1, 2, 4) for a in range(8) if not a 
 # ----------------------------------------------------------------------------------------------- volumes
 
 
-def normals_of(density, spacing=(1.0, 1.0, 1.0)):
-    """Unit vectors to where a density falls: float64 [k, 3] of k voxels, and where these are.
+def stored_normals(density, spacing=(1.0, 1.0, 1.0), zero=127.5):
+    """Unit vectors n to where a density falls as ``zero`` + 127.5 n: uint8 [layers, rows, columns, 3].
 
     ``density``: uint8 [layers, rows, columns]; beyond is nothing. ``spacing``: of the voxels along x
-    (columns), y and z. The second result is a tuple of index arrays; voxels elsewhere
-    have no gradient.
+    (columns), y and z. Differences are central; where all three are zero so is n, and 128 is stored.
     """
+    out = np.full((*density.shape, 3), 128, np.uint8)
     padded = np.pad(density, 1).astype(np.int16)
     inside = slice(1, -1)
-    falls = [padded[inside, inside, :-2] - padded[inside, inside, 2:],
-             padded[inside, :-2, inside] - padded[inside, 2:, inside],
-             padded[:-2, inside, inside] - padded[2:, inside, inside]]  # fmt: skip
-    where = np.nonzero(falls[0].astype(bool) | falls[1].astype(bool) | falls[2].astype(bool))
-    vectors = np.stack([fall[where] / width for fall, width in zip(falls, spacing, strict=True)], axis=-1)
-    return normalize(vectors), where
+    for k, layer in enumerate(out):
+        here = padded[k + 1]
+        falls = [
+            here[inside, :-2] - here[inside, 2:],
+            here[:-2, inside] - here[2:, inside],
+            (padded[k] - padded[k + 2])[inside, inside],
+        ]
+        where = np.nonzero((falls[0] != 0) | (falls[1] != 0) | (falls[2] != 0))
+        vectors = [fall[where] / width for fall, width in zip(falls, spacing, strict=True)]
+        normals = normalize(np.stack(vectors, axis=-1))
+        layer[where] = np.minimum(np.floor(zero + 127.5 * normals + 0.5), 255.0)
+    return out
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,11 +194,6 @@ class Volume:
         return 2.0 * half * (np.minimum(numbers * BRICK, grid) / grid) - half
 
     @cached_property
-    def _normals(self):
-        counts = reversed(self.density.shape)
-        return normals_of(self.density, [h / n for h, n in zip(self.half_extents, counts, strict=True)])
-
-    @cached_property
     def _bricks(self):
         return bricks(self.density, math.ceil(255.0 * self.iso))
 
@@ -200,11 +203,10 @@ class Volume:
         The exact machine gets the same bytes: they are data, of which a scanner has no more.
         """
         if zero not in self._stored:
-            vectors, where = self._normals
-            image = np.full((*self.density.shape, 4), 128, np.uint8)
-            image[(*where, slice(0, 3))] = np.minimum(np.floor(zero + 127.5 * vectors + 0.5), 255.0)
-            image[..., 3] = self.density
-            self._stored[zero] = texture_3d(image)
+            counts = reversed(self.density.shape)
+            spacing = [h / n for h, n in zip(self.half_extents, counts, strict=True)]
+            normals = stored_normals(self.density, spacing, zero)
+            self._stored[zero] = texture_3d(np.concatenate([normals, self.density[..., None]], axis=-1))
         return self._stored[zero]
 
 
@@ -681,4 +683,54 @@ def combiners(picture, profile):
         slices.solid("slices: light that is not the lamp's", first),
         *marking,
         slices.again("plus the lamp's light", (slices.unit,), light, blending=ADD, **marked),
+    )
+
+
+# ------------------------------------------------------------------------------------ pictures of any volume
+
+
+def method_of(profile):
+    """``imaging`` or ``combiners``, which a machine can draw. Raises ValueError where it can neither."""
+    if profile.max_3d_texture_size and profile.color_matrix and profile.auxiliary_buffers:
+        return imaging
+    if profile.max_3d_texture_size and profile.max_general_combiners >= 6 and profile.per_stage_constants:
+        return combiners
+    raise ValueError(
+        f"The {profile.name} cannot light slices of a 3D texture: that takes 3D textures and a colour "
+        "matrix, as the OCTANE's, or six general combiners, as the GEFORCE_3's."
+    )
+
+
+def picture_of(volume, eye, up, light, profile, size, slices, shadows):
+    """A ``Picture`` of ``size`` by ``size`` pixels that shows all of a volume's surface.
+
+    ``eye``, ``up``, ``light``: directions, three floats; the first to the viewer, the last to the lamp.
+    Raises ValueError where the eye looks along ``up``, or there is no surface.
+    """
+    corners = volume.corners()
+    center = corners.min(axis=0) * 0.5 + corners.max(axis=0) * 0.5
+    toward = unit_vector(eye, "The direction to the eye")
+    across = cross(unit_vector(up, "What is up"), toward)
+    if dot(across, across) < 1e-6:
+        raise ValueError(f"The eye looks along {up}, which is to be up; give another direction.")
+    side = normalize(across)
+    points = volume.brick_corners(volume.seen_bricks()[:, None] + _BITS).reshape(-1, 3) - center
+    x, y, z = (dot(points, axis) for axis in (side, cross(toward, side), toward))
+    # A field of view of 24 degrees, 0.2126 its half's tangent, and a margin round what is seen.
+    distance = float((np.maximum(np.abs(x), np.abs(y)) * (1.04 / 0.2126) + z).max())
+    position = tuple((center + distance * toward).tolist())
+    # Slices come half a step nearer than the volume.
+    depth = 0.05 * float(z.max() - z.min())
+    projection = perspective(24.0, 1.0, distance - float(z.max()) - depth, distance - float(z.min()) + depth)
+    modelview = look_at(position, tuple(center.tolist()), up)
+    lamp = center + 4.0 * unit_vector(light, "The direction to the light")
+    edge = map_edge(size, 1)
+    return Picture(
+        volume,
+        View(Panel(0, 0, size, size), modelview, projection, position, False),
+        lamp_around(volume, tuple(lamp.tolist()), tuple(center.tolist()), infinite=True),
+        slices,
+        map_panel=Panel(0, 0, edge, edge) if shadows else None,
+        coding=Coding(bits=profile.color_bits[0]),
+        background=_BACKGROUND,
     )

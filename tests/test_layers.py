@@ -30,6 +30,7 @@ MAY_IMPORT = {
         "imageio",
         "matplotlib",
         "trimesh",
+        "nrrd",
     },
     "effects/conformance": {"effects", "pipeline", "numpy", "PIL"},
     # The ray caster is compiled as kernels are; diagrams have pillow's bitmap font.

@@ -10,6 +10,7 @@ _COMMANDS = (
     "passes",
     "bump",
     "shadows",
+    "volume",
     "combiners",
     "precision",
     "study",
@@ -28,6 +29,8 @@ What to do next:
                                 bump-map a mesh with a photograph
   fixedpipe shadows MESH.obj --algorithm z-fail --out shadows.png
                                 throw a mesh's shadow by an algorithm of the time, and compare it with rays
+  fixedpipe volume sample:engine --out engine.png
+                                an iso-surface of a volume, with shadows
   fixedpipe combiners FILE      what a combiner program of the time (RC1.0, TS1.0, ps.1.x) sets, as equations
   fixedpipe precision F004-4    was it the clamp or the bits? a figure's error by widths and clamps
   fixedpipe study               artefacts of the hardware, measured; fixedpipe study P9: a table and a plot

@@ -1,0 +1,188 @@
+"""``fixedpipe volume``: an iso-surface of a user's volume, with shadows."""
+
+import math
+from pathlib import Path
+
+import click
+
+from effects.cli.options import threads_option
+
+TYPES = {"uint8": "u1", "int8": "i1", "uint16": "u2", "int16": "i2", "float32": "f4", "float64": "f8"}
+ENDIANS = {"little": "<", "big": ">"}
+_LARGEST_FILE = 1 << 30  # voxels
+
+
+@click.command(short_help="Render an iso-surface of a volume, with shadows.")
+@click.argument("file")
+@click.option(
+    "--iso", type=float, metavar="V", help="The surface's value; without it halfway from least to greatest."
+)
+@click.option("--out", metavar="FILE.png", required=True, help="The picture.")
+@click.option("--dims", metavar="X,Y,Z", help="Of a raw file: voxels along x (the fastest), y and z.")
+@click.option(
+    "--type",
+    "type_name",
+    metavar="TYPE",
+    default="uint8",
+    show_default=True,
+    help=f"Of a raw file's values: {', '.join(TYPES)}.",
+)
+@click.option(
+    "--endian", metavar="E", default="little", show_default=True, help="Of a raw file: little or big."
+)
+@click.option(
+    "--skip", type=click.IntRange(min=0), metavar="BYTES", default=0, help="Of a raw file: before its values."
+)
+@click.option("--spacing", metavar="X,Y,Z", help="Of the voxels; without it an NRRD file's own, or equal.")
+@click.option(
+    "--view", metavar="X,Y,Z", default="4.3,3.3,4.6", show_default=True, help="Direction to the eye."
+)
+@click.option("--up", metavar="X,Y,Z", default="0,1,0", show_default=True, help="What is up in the picture.")
+@click.option("--light", metavar="X,Y,Z", default="-1.5,3.1,4.1", show_default=True, help="To the light.")
+@click.option("--shadows/--no-shadows", default=True, show_default=True, help="Alpha-coded shadow map.")
+@click.option(
+    "--slices",
+    type=click.IntRange(32, 2048),
+    metavar="N",
+    default=256,
+    show_default=True,
+    help="Slices through the volume.",
+)
+@click.option(
+    "--size", type=click.IntRange(min=8), metavar="N", default=512, show_default=True, help="Pixels an edge."
+)
+@click.option("--profile", metavar="NAME", default="OCTANE", show_default=True, help="Machine.")
+@threads_option
+def volume(
+    file, iso, out, dims, type_name, endian, skip, spacing, view, up, light, shadows, slices, size, profile,
+    threads,
+):  # fmt: skip
+    """Render an iso-surface of a volume: FILE is raw values, an NRRD file (.nrrd, .nhdr) or sample:engine.
+
+    Slices of a 3D texture, the alpha test and Phong's model of the gradients, as in figure F000-7. Values are
+    stored as bytes and edges as powers of two; what was changed is said. Directions are in the volume's
+    axes.
+    """
+    from effects.cli.compiling import announce_compiling
+    from effects.cli.files import png, writable_file, write_whole
+    from effects.cli.refusal import Refusal, check_size, choose, refusals
+    from effects.volume_data import volume_of
+    from effects.volume_rendering import method_of, picture_of
+    from pipeline.profiles import PROFILES
+
+    machine = choose("profile", profile, PROFILES)
+    path = writable_file(out)
+    if path.suffix.lower() != ".png":
+        raise Refusal(f"The picture is written as PNG; name it {path.with_suffix('.png')} instead of {path}.")
+    check_size("The picture", 1, size, machine)
+    directions = [_numbers(text, what) for text, what in (
+        (view, "The direction to the eye"), (up, "What is up"), (light, "The direction to the light"),
+    )]  # fmt: skip
+    with refusals():
+        method = method_of(machine)
+        values, own_spacing = _read(file, dims, type_name, endian, skip)
+        steps = own_spacing if spacing is None else _numbers(spacing, "The spacing")
+        found = volume_of(values, file, machine, iso, steps)
+        picture = picture_of(found, *directions, machine, size, slices, shadows)
+        frame = method(picture, machine)
+
+        announce_compiling()
+        from pipeline.execute import execute
+
+        result = execute(frame, machine, size, size, threads=threads)
+    write_whole(path, png(result.image()))
+    low, high = float(values.min()), float(values.max())
+    given, kept = ("x".join(map(str, a.shape[::-1])) for a in (values, found.density))
+    changed = "" if given == kept else f" resampled from {given}"
+    click.echo(
+        f"{file}: {kept} voxels{changed}, {low:g} to {high:g} as bytes, surface at "
+        f"{low + found.iso * (high - low):g}"
+    )
+    click.echo(f"{path}: {slices} slices, {result.fragments} fragments on the {machine.name}")
+
+
+def _numbers(text, what):
+    """Three finite numbers, not all zero, from ``x,y,z``. Raises Refusal."""
+    from effects.cli.refusal import Refusal
+
+    try:
+        numbers = tuple(float(c) for c in text.split(","))
+    except ValueError:
+        numbers = ()
+    if len(numbers) != 3 or not all(map(math.isfinite, numbers)) or not any(numbers):
+        raise Refusal(f"{what} is {text!r}; give three numbers, not all zero, as 1,2,3.")
+    return numbers
+
+
+def _read(name, dims, type_name, endian, skip):
+    """Values [layers, rows, columns] and the voxels' spacing along x, y and z. Raises Refusal."""
+    from effects.cli.refusal import Refusal, choose
+
+    equal = (1.0, 1.0, 1.0)
+    if name.startswith("sample:"):
+        from effects.engine_block import engine_block
+
+        return choose("sample", name.removeprefix("sample:"), {"engine": engine_block})(), equal
+    path = Path(name)
+    if not path.is_file():
+        problem = f"{name} is no file" if name and path.exists() else f"There is no file {name!r}"
+        raise Refusal(f"{problem}. Give raw values with --dims, an NRRD file, or sample:engine.")
+    if path.suffix.lower() in (".nrrd", ".nhdr"):
+        return _read_nrrd(path)
+    if dims is None:
+        raise Refusal(f"{name} is read as raw values; say how many along each edge with --dims X,Y,Z.")
+    kind, order = choose("type", type_name, TYPES), choose("endian", endian, ENDIANS)
+    return _read_raw(path, dims, order + kind, skip), equal
+
+
+def _read_raw(path, dims, dtype, skip):
+    import numpy as np
+
+    from effects.cli.refusal import Refusal
+
+    try:
+        counts = tuple(int(c) for c in dims.split(","))
+    except ValueError:
+        counts = ()
+    if len(counts) != 3 or min(counts) < 2 or math.prod(counts) > _LARGEST_FILE:
+        raise Refusal(f"The dimensions are {dims!r}; give three whole numbers from 2, as 256,256,110.")
+    dtype = np.dtype(dtype)
+    needed = math.prod(counts) * dtype.itemsize
+    try:
+        there = path.stat().st_size - skip
+        if there != needed:
+            before = f" after the {skip} skipped" if skip else ""
+            raise Refusal(
+                f"{path} has {there} bytes{before}; {dims} values of {dtype.name} are {needed}. Give other "
+                "--dims, --type or --skip."
+            )
+        values = np.fromfile(path, dtype, math.prod(counts), offset=skip)
+    except OSError as error:
+        raise Refusal(f"{path} cannot be read: {error.strerror}.") from error
+    return values.reshape(counts[::-1])
+
+
+def _read_nrrd(path):
+    import numpy as np
+
+    from effects.cli.refusal import Refusal
+
+    try:
+        import nrrd
+    except ImportError as error:
+        raise Refusal("NRRD files need the extra `volumes`: pip install 'fixedpipe[volumes]'.") from error
+    # A decoder fed arbitrary bytes raises whatever it stumbles over.
+    try:
+        header = nrrd.read_header(str(path))
+        sizes = [int(n) for n in header["sizes"]]
+        if len(sizes) == 3 and math.prod(sizes) > _LARGEST_FILE:
+            raise ValueError(f"{'x'.join(map(str, sizes))} voxels are too many")
+        values, header = nrrd.read(str(path), index_order="C")
+    except Exception as error:
+        reason = str(error).split("\n")[0].rstrip(".") or type(error).__name__
+        raise Refusal(f"{path} cannot be read ({reason}). Give a whole NRRD file.") from error
+    axes = header.get("space directions")
+    spacing = header.get("spacings") if axes is None else np.sqrt((np.asarray(axes, float) ** 2).sum(axis=-1))
+    if spacing is None or len(spacing) != 3 or not (np.isfinite(spacing).all() and np.all(spacing > 0)):
+        spacing = (1.0, 1.0, 1.0)
+    return values, tuple(float(s) for s in spacing)
