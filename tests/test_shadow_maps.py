@@ -220,3 +220,27 @@ def test_the_ideal_of_the_machines_fragments_has_a_map_too():
     differ = (guided.color[..., 0] > 0.5) != (machine.framebuffer.color[..., 0] > 127)
     # Reals and words of depth decide differently at shadows' edges alone.
     assert differ.mean() <= 0.005
+
+
+def kernel_frame(units, kernel, profile=GEFORCE_3):
+    return frame(
+        lambda p: shadow_maps.accumulated_passes(
+            SCENE, VIEW, LAMP, "map", EDGE, p, kernel, "mask", units=units
+        ),
+        profile,
+        factor=3.0,
+    )
+
+
+def test_four_comparisons_in_a_pass_are_four_passes_of_one():
+    one, four = kernel_frame(1, 2), kernel_frame(4, 2)
+    assert shadow_maps.scene_passes(one, SCENE) == 1 + 1 + 4
+    assert shadow_maps.scene_passes(four, SCENE) == 1 + 1 + 1
+    pictures = [execute(c, GEFORCE_3, *WINDOW).framebuffer.color[..., 0].astype(int) for c in (one, four)]
+    # Halves of halves are rounded in bytes, quarters by the accumulation buffer.
+    assert np.abs(pictures[0] - pictures[1]).max() <= 1
+    assert set(np.unique(np.round(pictures[0] * 4 / 255))) == {0, 1, 2, 3, 4}
+
+
+def test_a_kernel_of_one_is_the_comparison_itself():
+    assert (lit_mask(kernel_frame(1, 1)) == lit_mask(frame(PASSES["modulated"], factor=3.0))).all()
