@@ -21,7 +21,7 @@ from pipeline.state import PassState, TextureUnit
 from pipeline.textures import texture_2d
 
 # Studies that take longer than about half a second.
-SLOW = {"P4", "P7", "P8", "P11", "P19", "P23", "P24", "P32", "P36", "P38", "P40"}
+SLOW = {"P4", "P7", "P8", "P11", "P19", "P22", "P23", "P24", "P32", "P36", "P38", "P40"}
 EVERY = [pytest.param(i, marks=pytest.mark.slow) if i in SLOW else i for i in STUDIES]
 
 
