@@ -243,8 +243,10 @@ def store_map(scene, lamp, panel, edge, profile, coding, *, name=MAP, subtract=T
     return tuple(out)
 
 
-def picture_from_light(scene, lamp, panel, coding, *, bias, viewport=None, shading="lit"):
-    """The scene as the light sees it, alpha its depth, ``bias`` steps farther.
+def picture_from_light(
+    scene, lamp, panel, coding, *, bias, viewport=None, shading="lit", background=(0.0, 0.0, 0.0)
+):
+    """The scene as the light sees it, alpha its depth, ``bias`` steps farther; red where that is the depth.
 
     ``viewport``: a Panel that the light's whole view fills, of which ``panel`` shows what falls on it; None:
     the panel itself.
@@ -252,10 +254,9 @@ def picture_from_light(scene, lamp, panel, coding, *, bias, viewport=None, shadi
     view = lamp.view(panel if viewport is None else viewport)
     ramp = coding.ramp_unit(lamp, view, bias, environment=REPLACE)
     # Where nothing is drawn the map is as far as it goes.
-    rgb = 1.0 if coding.component == "red" else 0.0
-    clear = Clear(
-        label="clear to the farthest depth", color=(rgb, rgb, rgb, 1.0), depth=1.0, scissor=panel.scissor
-    )
+    rgb = background if coding.component == "alpha" else (1.0, 1.0, 1.0)
+    label = "clear to the farthest depth"
+    clear = Clear(label=label, color=(*rgb, 1.0), depth=1.0, scissor=panel.scissor)
     draws = (
         draw_object(
             "depth as alpha, seen from the light",

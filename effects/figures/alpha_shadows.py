@@ -12,13 +12,15 @@ from effects import ray_caster
 from effects.figures import agreement
 from effects.figures.figure import Check
 from effects.lit_scene import lit_pass, map_edge, unlit_pass
-from effects.scenes import detail_of, lamp_around, still_life, still_life_view
+from effects.scenes import Lamp, detail_of, still_life, still_life_view
 from effects.vectors import dot, normalize
 from effects.views import Panel
 
-# From the left, so that the ring's shadow lies on the floor and the vase's on the box.
-LAMP = (-6.4, 6.6, 1.0)
-# Of maps: texels along an edge, over a panel's pixels. The scene fills a quarter of the map.
+# Position, target, near, far, field of view of a Lamp. From the left, so that the ring's shadow lies on the
+# floor and the vase's on the box; as narrow as encloses the scene itself, not its bounding box, whose upper
+# corners are empty: 8 bits of depth are to be made the most of.
+LAMP = ((-6.4, 6.6, 1.0), (-1.1, 0.45, -0.2), 6.45, 11.4, 37.6)
+# Of maps: texels along an edge, over a panel's pixels.
 RATIO = 2.0
 
 
@@ -51,51 +53,50 @@ ONE_UNIT_ADDED = Board(
 
 
 @lru_cache(8)
-def lit_scene_of(size, position):
+def lit_scene_of(size, lamp):
     """The still life as a panel of ``size`` pixels deserves it, and its lamp."""
-    scene = still_life(detail_of(size))
-    return scene, lamp_around(scene, position)
+    return still_life(detail_of(size)), Lamp(*lamp)
 
 
-def stored(panel, profile, board, coding, *, position, ratio, shading, name=alpha.MAP):
+def stored(panel, profile, board, coding, *, lamp, ratio, shading, name=alpha.MAP):
     """P0 in a panel."""
-    scene, lamp = lit_scene_of(panel.width, position)
+    scene, light = lit_scene_of(panel.width, lamp)
     edge = map_edge(panel.width, ratio)
     settings = {"name": name, "shading": shading, **board.stored}
-    return alpha.store_map(scene, lamp, panel, edge, profile, coding, **settings)
+    return alpha.store_map(scene, light, panel, edge, profile, coding, **settings)
 
 
-def compared(panel, profile, board, coding, *, position, background, shading, name=alpha.MAP):
+def compared(panel, profile, board, coding, *, lamp, background, shading, name=alpha.MAP):
     """A frame's passes after the map's."""
-    scene, lamp = lit_scene_of(panel.width, position)
+    scene, light = lit_scene_of(panel.width, lamp)
     settings = {"name": name, "shading": shading, "background": background, **board.compared}
-    return board.way(scene, still_life_view(panel), lamp, profile, coding, **settings)
+    return board.way(scene, still_life_view(panel), light, profile, coding, **settings)
 
 
-def without_shadows(panel, *, position, background, shading):
+def without_shadows(panel, *, lamp, background, shading):
     """The same light where no shadow is thrown."""
-    scene, lamp = lit_scene_of(panel.width, position)
+    scene, light = lit_scene_of(panel.width, lamp)
     view = still_life_view(panel)
     return (
         alpha.clear_window(view, background),
         *unlit_pass(scene, view, shading),
-        *lit_pass(scene, view, lamp, shading),
+        *lit_pass(scene, view, light, shading),
     )
 
 
 @lru_cache(4)
-def truth(size, position):
+def truth(size, lamp):
     """What rays say of a panel."""
-    scene, lamp = lit_scene_of(size, position)
-    return agreement.truth_of(scene, still_life_view(Panel(0, 0, size, size)), lamp)
+    scene, light = lit_scene_of(size, lamp)
+    return agreement.truth_of(scene, still_life_view(Panel(0, 0, size, size)), light)
 
 
 @lru_cache(4)
-def faces_the_lamp(size, position):
+def faces_the_lamp(size, lamp):
     """Pixels whose surface the lamp could light: bool [size, size]. Elsewhere (n.l)+ is zero, and whether a
     shadow lies there as well shows in no picture.
     """
-    known = truth(size, position)
+    known = truth(size, lamp)
     points = known.shown.points
     directions, _ = ray_caster.to_light(points.reshape(-1, 3), known.lamp)
     return dot(known.shown.normals, normalize(directions).reshape(points.shape)) > 0.0
@@ -105,13 +106,13 @@ def agreements(figure, masks, size, column, bits, bias):
     """``Agreement`` with rays of one column of a picture of masks, of all pixels and of those that face the
     lamp. ``bias``: in all, in steps of ``bits`` bits.
     """
-    position, ratio = figure.parameters["position"], figure.parameters["ratio"]
+    lamp, ratio = figure.parameters["lamp"], figure.parameters["ratio"]
     picture = masks[:, column * size : (column + 1) * size]
-    known, mask = truth(size, position), agreement.lit_mask(picture)
+    known, mask = truth(size, lamp), agreement.lit_mask(picture)
     # The bias and a step that roundings take hide what is nearer to the surface behind it.
     contact = (bias + 1.0) * (known.lamp.far - known.lamp.near) / (2.0**bits - 1.0)
     settings = {"map_edge": map_edge(size, ratio), "contact": contact}
-    facing = faces_the_lamp(size, position)
+    facing = faces_the_lamp(size, lamp)
     return (
         agreement.compare(mask, known, **settings),
         agreement.compare(mask, known, where=facing, **settings),
@@ -183,7 +184,7 @@ def brightness_checks(figure, renderer, size, shadowed, without):
     a, b = (picture[:, c] for c in columns)
     lit = agreement.lit_mask(mask[:, columns[0]])
     seen = agreement.lit_mask(mask[:, columns[1]])
-    dark = seen & ~lit & faces_the_lamp(size, figure.parameters["position"])
+    dark = seen & ~lit & faces_the_lamp(size, figure.parameters["lamp"])
     return (
         Check(
             "how much brighter a pixel is with shadows than without",
@@ -205,7 +206,7 @@ def brightness_checks(figure, renderer, size, shadowed, without):
             "mean of what is left in shadow on faces towards the lamp, of the light there",
             float(a[dark].sum() / b[dark].sum()) if dark.any() else float("nan"),
             "<=",
-            0.6,
+            0.43,
             "machine",
             "only ambient light is there; measured at the first correct picture, with a third of slack",
         ),
@@ -215,7 +216,7 @@ def brightness_checks(figure, renderer, size, shadowed, without):
 def pass_checks(figure, renderer, board, coding, wanted, reason, size=32):
     """Checks of how many passes a frame has: ``wanted`` where nothing moves, and one more otherwise."""
     panel, parameters = Panel(0, 0, size, size), figure.parameters
-    common = {"position": parameters["position"], "shading": "lit"}
+    common = {"lamp": parameters["lamp"], "shading": "lit"}
     frame = compared(panel, renderer.profile, board, coding, background=parameters["background"], **common)
     map_ = stored(panel, renderer.profile, board, coding, ratio=parameters["ratio"], **common)
     return (
