@@ -42,7 +42,8 @@ def make_scene(method):
         """F000-7: the engine block in a panel for each of ``shadows``, without or with them."""
         out = []
         for panel, shadowed in zip(row_of_panels(2, size), shadows, strict=True):
-            out += method(_picture(panel, size, slices, rows, shading, shadowed), profile)
+            picture = _picture(panel, size, slices, rows, shading, shadowed)
+            out += method(picture, profile, load=not out)
         return tuple(out)
 
     return scene
