@@ -44,11 +44,20 @@ from pipeline.pixel_transfer import (
     SeparableFilter,
 )
 from pipeline.profiles import GEFORCE_256, INFINITE_REALITY, NV2A, OCTANE, OPENGL_1_2, OPENGL_1_2_IMAGING
-from pipeline.state import ColorTable, PassState, RasterPosition, Sampler, TextureEnvironment, TextureUnit
+from pipeline.state import (
+    ColorTable,
+    DepthTest,
+    PassState,
+    RasterPosition,
+    Sampler,
+    TextureEnvironment,
+    TextureUnit,
+)
 from pipeline.transfer import packed_colors
 from pipeline.validate import UnsupportedState
 from tests.reference import pixel_transfer as reference
 from tests.reference import texel_formats
+from tests.run_reference import run_reference
 
 SIZE = 8
 
@@ -316,6 +325,30 @@ def test_a_depth_buffer_is_copied_into_a_depth_texture():
     expected = np.floor(depths * 65535 + 0.5)
     expected[0, :2] = np.floor(depths[0, :2] * 0.5 * 65535 + 0.5)
     assert (words == expected).all()
+
+
+@pytest.mark.parametrize("depth_format", [InternalFormat.DEPTH_COMPONENT16, InternalFormat.DEPTH_COMPONENT24])
+@pytest.mark.parametrize("depth_bits", [16, 24])
+def test_depth_textures_are_the_specification_s(depth_format, depth_bits):
+    """Defined by the host, by a copy of the depth buffer, and by a copy into a part of one."""
+    random = np.random.default_rng(7)
+    corners = np.concatenate([random.uniform(-1.5, 1.5, (9, 2)), random.uniform(-1.0, 1.0, (9, 1))], axis=1)
+    room = PixelImage(random.random((SIZE, SIZE)), "DEPTH_COMPONENT")
+    half = PixelTransfer(depth_scale=0.5, depth_bias=0.1)
+    part = {"x_offset": 3, "y_offset": 1, "x": 1, "y": 2, "width": 4, "height": 5}
+    commands = (
+        Clear(label="clear", depth=0.9),
+        Draw(label="draw", mesh=Mesh(positions=corners), state=PassState(depth_test=DepthTest())),
+        TexImage(label="define", texture="a", pixels=room, internal_format=depth_format, transfer=half),
+        CopyTexSubImage(label="copy into it", texture="a", **part),
+        CopyTexImage(label="copy", texture="b", internal_format=depth_format, transfer=half),
+    )
+    made = execute(commands, NV2A, SIZE, SIZE, depth_bits=depth_bits)
+    expected = run_reference(commands, NV2A, SIZE, SIZE, depth_bits)
+    for name in "ab":
+        found = made.textures[name].levels[0][0]
+        assert found.tolist() == expected.textures[name].levels[0][0]
+        assert len(np.unique(found.reshape(-1, 4), axis=0)) > 10
 
 
 # ---------------------------------------------------------------------------- histograms, minmaxes, sinks
