@@ -130,7 +130,7 @@ def store_map(
 
     ``window``: (width, height) of the framebuffer. The map is drawn from its lower left corner on, and what
     the window held of depth there is lost; a map that the window cannot hold comes piece by piece, with the
-    viewport moved so that each piece lies at that corner (Z19's remark that a map is as large as one likes).
+    viewport moved so that each piece lies at that corner.
     """
     pieces = tiles(edge, window)
     out = []

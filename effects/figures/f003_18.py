@@ -11,9 +11,15 @@ from effects.scenes import LAMP_POSITIONS, detail_of, lamp_around, still_life, s
 from effects.shadow_maps import modulated_passes, store_map
 from effects.views import row_of_panels
 
-# What the map moves its depths by, as world units along the light: the shadow of what is nearer may be
-# missing. Measured: the slopes of the still life at 1.1 texels of 6 to 8 world units across the map.
-_CONTACT_TEXELS = 20.0
+
+def contact(edge):
+    """How near a thing must be to what it shades, in world units along the light, for its shadow to be
+    missing from a map of ``edge`` texels (``agreement.compare``).
+
+    Inferred: the still life is 5 to 7 units wide in its map, so that this is three to four texels: what an
+    offset of two slopes costs on surfaces that rise about as steeply as they are wide.
+    """
+    return 20.0 / edge
 
 
 # Where the lamp looks, and its field of view: closer than the scene's box, whose upper corners are empty.
@@ -59,7 +65,7 @@ def checks(figure, renderer):
     ):
         picture = getattr(renderer, on)(figure, _SIZE, shading="mask", ratio=edge / _SIZE)
         mask = agreement.lit_mask(picture)
-        told = {"map_edge": edge, "contact": _CONTACT_TEXELS / edge}
+        told = {"map_edge": edge, "contact": contact(edge)}
         on_floor = agreement.compare(mask, truth, where=floor, **told)
         everywhere = agreement.compare(mask, truth, **told)
         name = f"map of {edge} by {edge}"
