@@ -11,17 +11,8 @@ from effects.scenes import LAMP_POSITIONS, detail_of, lamp_around, still_life, s
 from effects.shadow_maps import modulated_passes, store_map
 from effects.views import row_of_panels
 
-
-def contact(edge):
-    """How near a thing must be to what it shades, in world units along the light, for its shadow to be
-    missing from a map of ``edge`` texels (``agreement.compare``).
-
-    Inferred: the still life is 5 to 7 units wide in its map, so that this is three to four texels: what an
-    offset of two slopes costs on surfaces that rise about as steeply as they are wide.
-    """
-    return 20.0 / edge
-
-
+# World units that the map is wide (a texel is this over its edge) at the middle of the scene, rounded up from 6.7.
+_MAP_WIDTH = 7.0
 # Where the lamp looks, and its field of view: closer than the scene's box, whose upper corners are empty.
 # Measured: 39.4 degrees hold every vertex (figure F003-17 checks it).
 _TARGET, _FIELD_OF_VIEW = (0.2, -0.4, -0.4), 40.0
@@ -65,7 +56,7 @@ def checks(figure, renderer):
     ):
         picture = getattr(renderer, on)(figure, _SIZE, shading="mask", ratio=edge / _SIZE)
         mask = agreement.lit_mask(picture)
-        told = {"map_edge": edge, "contact": contact(edge)}
+        told = {"map_edge": edge, "contact": _MAP_WIDTH / edge}
         on_floor = agreement.compare(mask, truth, where=floor, **told)
         everywhere = agreement.compare(mask, truth, **told)
         name = f"map of {edge} by {edge}"

@@ -4,7 +4,7 @@ import numpy as np
 
 from effects import diagrams, ray_caster
 from effects.figures import agreement
-from effects.figures.f003_18 import contact, scene_of
+from effects.figures.f003_18 import scene_of
 from effects.figures.figure import BACKGROUND, Check, Figure, Method
 from effects.lit_scene import depth_pass, map_edge
 from effects.matrices import transform
@@ -112,7 +112,6 @@ def checks(figure, renderer):
             agreement.lit_mask(final),
             truth,
             map_edge=edge,
-            contact=contact(edge),
             where=truth.shown.object == 0,
         )
         grey = np.abs(depths[..., 0] - seen.depth) <= 0.75 / 255.0

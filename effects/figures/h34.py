@@ -3,7 +3,7 @@
 import numpy as np
 
 from effects.figures import agreement
-from effects.figures.f003_18 import contact, scene_of
+from effects.figures.f003_18 import scene_of
 from effects.figures.figure import BACKGROUND, Check, Figure, Method
 from effects.lit_scene import map_edge
 from effects.scenes import still_life_view
@@ -61,7 +61,7 @@ def checks(figure, renderer):
         left, right = (picture[:, k * _SIZE : (k + 1) * _SIZE] for k in range(2))
         masks = agreement.lit_mask(left), right[..., 0] > 0.5 * (1.0 + share)
         for name, mask in zip(("stencil", "one pass"), masks, strict=True):
-            told = {"map_edge": edge, "contact": contact(edge)}
+            told = {"map_edge": edge}
             on_floor = agreement.compare(mask, truth, where=ground, **told)
             out += (
                 Check(

@@ -1,7 +1,6 @@
 """H35: one shadow map for a walk through a scene, and one for every frame where the light moves."""
 
 from effects.figures import agreement
-from effects.figures.f003_18 import contact
 from effects.figures.figure import BACKGROUND, Check, Figure, Method
 from effects.lit_scene import map_edge
 from effects.scenes import LAMP_POSITIONS, detail_of, lamp_around, still_life
@@ -52,7 +51,7 @@ def checks(figure, renderer):
         truth = agreement.truth_of(scene, view_of(Panel(0, 0, _SIZE, _SIZE), eye), light)
         ground = truth.shown.object == 0
         mask = agreement.lit_mask(picture[:, k * _SIZE : (k + 1) * _SIZE])
-        found = agreement.compare(mask, truth, map_edge=edge, contact=contact(edge), where=ground)
+        found = agreement.compare(mask, truth, map_edge=edge, where=ground)
         out += (
             Check(
                 f"frame {k + 1}: floor that agrees with rays", found.agreeing, ">=", 0.98, "machine",
