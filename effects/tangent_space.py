@@ -9,7 +9,8 @@ and t = dx/du and b = dx/dv are M's first two columns; n = t x b.
 
 Z04. At a vertex t and b are averaged over the triangles that share it. Stored are t, the normal and one sign;
 b is computed on the fly, sign * n x t: along b where the coordinates turn as the triangle does, against it
-where they are mirrored.
+where they are mirrored. (``meshes.from_triangles``, which makes tangents for OBJ files, weights the mean by
+the triangles' areas instead.)
 
 "No normalization necessary" (E003.2). With t and b as they are and n = t x b, the normal (-d_u, -d_v, 1) of a
 map becomes -d_u t - d_v b + t x b. A surface that is really displaced by d along its normal n^ has the normal
@@ -17,9 +18,10 @@ map becomes -d_u t - d_v b + t x b. A surface that is really displaced by d alon
     (t + d_u n^) x (b + d_v n^) = t x b + d_u n^ x b + d_v t x n^
 
 Both are one where t and b are as long and at right angles. Elsewhere the document's form divides d_u by the
-length of b instead of t's: ``printed_normals`` and ``displaced_normals`` are the two, and frames of length
-one (``with_tangents``) have the right slopes where the map was made for the surface's own size, and those
-alone.
+length of b instead of t's: ``printed_normals`` and ``displaced_normals`` are the two. Stretched 2 to 1, slopes
+of .3 and -.2 come out as (-.3, .1) instead of (-.15, .2), 9.9 degrees off; sheared by a half, 9.1 degrees.
+Frames of length one, which ``with_tangents`` makes, take slopes in the surface's own units: right wherever u
+and v meet at right angles and the map was made for that stretch.
 
 Z27. No tangent space exists where a triangle has no area in texture space; a mirrored one has the binormal
 turned round; a stretch that differs along u and v makes bumps steeper along one of them. ``examine`` finds

@@ -242,7 +242,7 @@ def checks(figure, renderer):
             "the pixel's middle lies beside the place, and vectors are chords, to the eighth power; a third "
             "of slack",
         ),
-        arithmetic_check(figure, renderer, 0.005, POWER_8),
+        arithmetic_check(figure, renderer, 0.003, POWER_8),
     )
 
 

@@ -6,7 +6,7 @@ from effects import brdfs, lighting_spaces, meshes
 from effects.figures.bumps import load_normals, panel_of, slices, texels
 from effects.figures.figure import BACKGROUND, Check, Figure, Method
 from effects.figures.measures import POWER_8, arithmetic_check, root_mean_square
-from effects.figures.z05 import FOR_OBJECT, dents, object_normals
+from effects.figures.z05 import FOR_OBJECT, bump_normals, object_normals
 from effects.matrices import rotation
 from effects.views import Light, orthographic_view, row_of_panels
 
@@ -16,7 +16,7 @@ TURNS = (0.0, 55.0)
 def _scene(profile, size, load, passes, *, relief, light, diffuse, ambient, background):
     """Two panels: the sphere, and the sphere turned about its axis, with the same map."""
     n = slices(size)
-    normals = object_normals(dents(texels(size), relief))
+    normals = object_normals(bump_normals(texels(size), relief))
     out = list(load(normals, profile))
     for panel, degrees in zip(row_of_panels(2, size), TURNS, strict=True):
         turn = rotation("y", degrees)
@@ -80,17 +80,17 @@ def checks(figure, renderer):
                 "would be wrong by 0.3 on the turned sphere",
             )
         )
-    return (*out, arithmetic_check(figure, renderer, 0.012, POWER_8))
+    return (*out, arithmetic_check(figure, renderer, 0.008, POWER_8))
 
 
 FIGURE = Figure(
     id="Z06",
     title="Object-space normal map",
     caption=(
-        "A hammered sphere whose normal map holds normals of its own axes, and the same sphere and map "
+        "A bumpy sphere whose normal map holds normals of its own axes, and the same sphere and map "
         "turned by 55 degrees: the light is brought to its axes once, not at every vertex."
     ),
-    must_see="Dents lit from the upper left on both; the right ones are others, lit from the same side.",
+    must_see="Bumps lit from the upper left on both; the right ones are others, lit from the same side.",
     source="Zwicker2016",
     techniques=("Z06", "K14"),
     columns=2,
