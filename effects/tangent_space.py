@@ -18,8 +18,9 @@ map becomes -d_u t - d_v b + t x b. A surface that is really displaced by d alon
     (t + d_u n^) x (b + d_v n^) = t x b + d_u n^ x b + d_v t x n^
 
 Both are one where t and b are as long and at right angles. Elsewhere the document's form divides d_u by the
-length of b instead of t's: ``printed_normals`` and ``displaced_normals`` are the two. Stretched 2 to 1, slopes
-of .3 and -.2 come out as (-.3, .1) instead of (-.15, .2), 9.9 degrees off; sheared by a half, 9.1 degrees.
+length of b instead of t's: ``printed_normals`` and ``displaced_normals`` are the two. Stretched 2 to 1,
+slopes of .3 and -.2 come out as (-.3, .1) instead of (-.15, .2), 9.9 degrees off; sheared by a half, 9.1
+degrees.
 Frames of length one, which ``with_tangents`` makes, take slopes in the surface's own units: right wherever u
 and v meet at right angles and the map was made for that stretch.
 

@@ -56,7 +56,7 @@ def offset_scene(profile, size, *, relief, tint, second_pass):
     ``second_pass`` take no part.
     """
     edge, surface = texels(size), _surface(size)
-    parts = (8, 6) if size < 64 else (24, 12)
+    parts = (8, 6) if size < 64 else (18, 8)
     loading, names = bumped_reflections.load_offsets(
         waves(edge, relief), dirt(edge), "hammered metal", profile
     )

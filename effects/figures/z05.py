@@ -59,7 +59,7 @@ def scene(profile, size, *, relief, light, diffuse, ambient, background, maps):
 
 def checks(figure, renderer):
     """That the three spaces show one picture, as far as what is interpolated allows."""
-    size, maps = 160, 256
+    size, maps = 128, 256
     black = {"background": (0.0, 0.0, 0.0), "maps": maps}
     images = {
         on: [panel_of(np.clip(getattr(renderer, on)(figure, size, **black), 0.0, 1.0), k) for k in range(3)]
