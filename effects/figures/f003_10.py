@@ -118,7 +118,7 @@ FIGURE = Figure(
     columns=3,
     parameters={"positions": scenes.LAMP_POSITIONS, "shading": "lit", "background": BACKGROUND},
     methods=(
-        Method("shadow maps", map_scene, ("GEFORCE_3",), {"texels": 4, "factor": 2.0}),
+        Method("shadow maps", map_scene, ("GEFORCE_3", "INFINITE_REALITY"), {"texels": 4, "factor": 2.0}),
         Method("shadow volumes", volume_scene, ("OPENGL_1_2",)),
     ),
     acceptance=checks,

@@ -167,6 +167,6 @@ FIGURE = Figure(
         "shading": "lit",
         "background": BACKGROUND,
     },
-    methods=(Method("shadow volumes", scene, ("OPENGL_1_2", "GEFORCE_256")),),
+    methods=(Method("shadow volumes", scene, ("OPENGL_1_2", "GEFORCE_256", "INFINITE_REALITY")),),
     acceptance=checks,
 )
