@@ -11,7 +11,7 @@ from effects.scenes import LAMP_POSITIONS, detail_of, lamp_around, still_life, s
 from effects.shadow_maps import modulated_passes, store_map
 from effects.views import row_of_panels
 
-# World units that the map is wide (a texel is this over its edge) at the middle of the scene, rounded up from 6.7.
+# World units that the map is wide at the middle of the scene, rounded up from 6.7; over its edge, a texel.
 _MAP_WIDTH = 7.0
 # Where the lamp looks, and its field of view: closer than the scene's box, whose upper corners are empty.
 # Measured: 39.4 degrees hold every vertex (figure F003-17 checks it).

@@ -35,7 +35,7 @@ def scene_of(size):
 
 def view_of(panel):
     """The feet of what stands there, and their shadows."""
-    return perspective_view(panel, (0.8, 3.9, 6.6), (-0.03, 0.3, 0.1), field_of_view=34.0, radius=4.5)
+    return perspective_view(panel, (0.8, 3.9, 6.6), (-0.03, 0.3, 0.1), field_of_view=37.0, radius=4.5)
 
 
 def make(profile, size, *, ratio, offsets, shading="lit"):
@@ -133,7 +133,8 @@ FIGURE = Figure(
     must_see=(
         "Left stripes and speckle on all that is lit: surfaces shade themselves. In the middle clean light "
         "and shadows that begin where things stand. Right clean light too, but the board, the ring and the "
-        "sphere float: between their feet and their shadows there is light."
+        "sphere float: between their feet and their shadows there is light (and a thin line of shadow, of "
+        "the board's narrow top, whose slope is less)."
     ),
     source="Zwicker2016",
     techniques=("Z10", "Z12"),

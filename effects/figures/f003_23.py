@@ -169,8 +169,8 @@ FIGURE = Figure(
     ),
     must_see=(
         "Left stairs of texels, black or white and nothing between; in the middle the same stairs with soft "
-        "flanks a texel wide; right a broad soft edge in fine steps, as from a large lamp, but equally "
-        "broad near the foot and far from it. The umbra is as dark in all."
+        "flanks a texel wide; right a broad soft edge in fine steps, a grid of the map's texels, as from a "
+        "large lamp, but equally broad near the foot and far from it. The umbra is as dark in all."
     ),
     source="Zwicker2016",
     techniques=("Z10", "Z12", "Z17", "Z18"),
