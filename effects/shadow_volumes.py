@@ -236,11 +236,19 @@ def _homogeneous(points, w):
 
 
 def shadow_volumes(scene, light, length=None):
-    """The volumes of a scene's closed objects, in their order; others only receive shadows."""
+    """The volumes of a scene's closed objects, in their order; others only receive shadows.
+
+    Raises ValueError where no object is closed.
+    """
+    closed = [thing for thing in scene.objects if thing.closed]
+    if not closed:
+        names = ", ".join(thing.name for thing in scene.objects)
+        raise ValueError(
+            f"No object of the scene is closed: {names}. A shadow volume is made of a closed one; give one, "
+            "or draw the light without shadows."
+        )
     return tuple(
-        shadow_volume(thing.surface, light, length, f"The surface of {thing.name}")
-        for thing in scene.objects
-        if thing.closed
+        shadow_volume(thing.surface, light, length, f"The surface of {thing.name}") for thing in closed
     )
 
 

@@ -3,6 +3,7 @@ specification where polygons reach to infinity.
 """
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -11,15 +12,17 @@ from hypothesis import strategies as st
 
 from effects import meshes, scenes, shadow_volumes
 from effects.figures.agreement import compare, lit_mask, truth_of
+from effects.matrices import rotation
 from effects.ray_caster import RayCaster, to_light
 from effects.scenes import LAMP_POSITIONS, Lamp, lamp_around, still_life, still_life_view
 from effects.vectors import cross, dot
 from effects.views import Panel, orthographic_view, perspective_view
-from pipeline.commands import ReadPixels
+from pipeline.commands import Clear, Draw, ReadPixels
 from pipeline.enums import StencilOperation
 from pipeline.execute import execute
 from pipeline.ideal import execute_ideal
 from pipeline.profiles import IDEAL, PROFILES
+from pipeline.state import DepthTest, PassState, Scissor
 from pipeline.validate import validate
 from tests.run_reference import run_reference
 
@@ -129,6 +132,45 @@ def test_facing_is_exact_where_float64_is_not():
         assert shadow_volumes.facing(np.stack([a, b, c]), np.arange(3)[None], light)[0] == (exact > 0)
 
 
+def test_loops_go_round_each_silhouette_once():
+    light = (-1.9, 5.9, -1.8, 1.0)
+    torus = meshes.torus(24, 12).rotated(rotation("x", 34.0))
+    for surface, number in ((meshes.box(), 1), (torus, 2)):
+        volume = shadow_volumes.shadow_volume(surface, light)
+        loops = shadow_volumes.silhouette_loops(volume)
+        assert len(loops) == number
+        assert all(loop[0] == loop[-1] for loop in loops)
+        edges = {edge for loop in loops for edge in pairwise(loop.tolist())}
+        assert edges == {tuple(edge) for edge in volume.silhouette.tolist()}
+
+
+def test_counts_are_shown_by_colours_where_something_is_seen():
+    panel = Panel(0, 0, 8, 8)
+    colors = ((1.0, 1.0, 1.0), (1.0, 0.5, 0.25), (0.5, 0.25, 1.0))
+    wall = meshes.plane().mesh(colors=np.full((4, 4), 1.0))
+    for count in range(4):
+        commands = (
+            Clear(label="clear", color=(0.2, 0.2, 0.2, 0.0), depth=1.0, stencil=count),
+            Draw(
+                label="wall in the left half",
+                mesh=wall,
+                state=PassState(scissor=Scissor(0, 0, 4, 8), depth_test=DepthTest()),
+            ),
+            *shadow_volumes.show_counts(panel, colors),
+        )
+        color = execute(commands, GL, 8, 8).framebuffer.color[..., :3]
+        assert (color[:, 4:] == 51).all()
+        expected = np.round(255.0 * np.array(colors[min(count, 2)]))
+        assert (np.abs(color[:, :4] - expected) <= 1).all()
+
+
+def test_a_scene_with_nothing_closed_is_refused():
+    scene = still_life(8)
+    bare = scenes.Scene(scene.objects[:1])
+    with pytest.raises(ValueError, match="No object of the scene is closed: floor"):
+        shadow_volumes.shadow_volumes(bare, (0.0, 5.0, 0.0, 1.0))
+
+
 @pytest.mark.parametrize("light", [(1.0, 2.0, 3.0, 0.5), (0.0, 0.0, 0.0, 0.0), (np.nan, 0.0, 0.0, 1.0)])
 def test_what_is_no_light_is_refused(light):
     with pytest.raises(ValueError, match="The light is at"):
@@ -200,18 +242,18 @@ def test_kernels_and_specification_agree_where_polygons_reach_infinity():
     # Near enough for walls of shadow on every side of the camera, behind it too.
     view = perspective_view(panel, (-0.4, 0.9, 2.6), (0.0, 0.6, 0.0), field_of_view=70.0, radius=2.5)
     stencil = ReadPixels(label="stencil", name="stencil", format="STENCIL_INDEX")
-    for infinite in (False, True):
+    z_pass, z_fail = shadow_volumes.z_pass, shadow_volumes.z_fail
+    for infinite, passes in ((False, z_pass), (False, z_fail), (True, z_fail)):
         lamp = lamp_around(scene, LAMP_POSITIONS[0], infinite=infinite)
-        for passes in (shadow_volumes.z_pass, shadow_volumes.z_fail):
-            commands = (panel.clear((0.0, 0.0, 0.0)), *passes(scene, view, lamp, GL), stencil)
-            expected = run_reference(commands, GL, 16, 16, 24)
-            for engine in (None, "portable"):
-                result = execute(commands, GL, 16, 16, engine=engine)
-                assert result.dropped == 0
-                assert (result.pixels["stencil"] == np.array(expected.pixels["stencil"])).all()
-                assert (result.framebuffer.depth == np.array(expected.target.depth)).all()
-                assert (result.framebuffer.color == np.array(expected.target.color)).all()
-            assert np.unique(result.pixels["stencil"]).size > 2
+        commands = (panel.clear((0.0, 0.0, 0.0)), *passes(scene, view, lamp, GL), stencil)
+        expected = run_reference(commands, GL, 16, 16, 24)
+        for engine in (None, "portable"):
+            result = execute(commands, GL, 16, 16, engine=engine)
+            assert result.dropped == 0
+            assert (result.pixels["stencil"] == np.array(expected.pixels["stencil"])).all()
+            assert (result.framebuffer.depth == np.array(expected.target.depth)).all()
+            assert (result.framebuffer.color == np.array(expected.target.color)).all()
+        assert np.unique(result.pixels["stencil"]).size > 2
 
 
 def test_polygons_at_infinity_have_depth_one_and_are_not_clipped():

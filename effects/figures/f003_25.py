@@ -10,6 +10,7 @@ from effects.matrices import look_at, perspective, rotation
 from effects.scenes import Lamp, Object, Scene, detail_of, floor, still_life
 from effects.views import Panel, View, row_of_panels
 
+_RAYS = (0.97, 0.90, 0.70)
 _FLOOR = (0.62, 0.60, 0.56)
 
 
@@ -31,7 +32,7 @@ def solids(detail):
 def camera(panel):
     """The figure's camera on a panel."""
     eye = (0.6, 5.4, 6.6)
-    return View(panel, look_at(eye, (0.48, 0.8, 0.05)), perspective(31.0, 1.0, 4.5, 20.0), eye, False)
+    return View(panel, look_at(eye, (0.42, 0.62, 0.15)), perspective(31.5, 1.0, 4.5, 20.0), eye, False)
 
 
 def lamp_of(light, infinite):
@@ -49,11 +50,22 @@ def scene(profile, size, *, light, infinite, volume_color, volume_alpha, backgro
         for volume in volumes
         for loop in shadow_volumes.silhouette_loops(volume)
     ]
+    # The rays that pass each object farthest to the left and to the right.
+    ends = [
+        volume.positions[volume.silhouette.ravel()[pick(volume.positions[volume.silhouette.ravel(), 0])], :3]
+        for volume in volumes
+        for pick in (np.argmin, np.argmax)
+    ]
+    rays = [np.stack([np.array(light), end]) for end in ends]
     endless = shadow_volumes.infinite_view(middle)
     return (
         left.panel.clear(background),
         *unlit_pass(objects, left),
         *lit_pass(objects, left, lamp, label="all of the light"),
+        diagrams.strokes(
+            "rays of the light along the silhouettes", left, rays, _RAYS, width=0.8,
+            dash=diagrams.DASH, depth_test=diagrams.VISIBLE,
+        ),
         diagrams.strokes("silhouette edges, hidden ones too", left, loops, (0.72, 0.30, 0.28), width=0.9),
         diagrams.strokes(
             "silhouette edges that are seen", left, loops, diagrams.YELLOW, width=1.6,
@@ -151,9 +163,9 @@ FIGURE = Figure(
     id="F003-25",
     title="Shadow volumes",
     caption=(
-        "The silhouettes of a cube and a torus as a point light sees them, from the camera, red where they "
-        "are hidden (left); extruded away from the light, to infinity (middle); the shadows that the stencil "
-        "buffer finds with them (right)."
+        "The silhouettes of a cube and a torus as a point light sees them, red where the camera does not, "
+        "and rays of the light (left); extruded away from the light, to infinity (middle); the shadows that "
+        "the stencil buffer finds with them (right)."
     ),
     must_see=(
         "Closed loops, one on the cube and two on the torus (left); walls that spread away from the light "

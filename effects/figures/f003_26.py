@@ -66,7 +66,7 @@ def make_scene(operations):
 # How much of the picture z-pass gets wrong with the eye in shadow, and of what is seen through the shadowed
 # part of the near plane: the catalogue's bound, and where counts wrap, all but where volumes overlap.
 _WRONG = {
-    "clamped counts": (0.30, "the catalogue's; every shadow is gone, as a count below zero is held there"),
+    "clamped counts": (0.30, "the catalogue's; shadows are gone, as a count below zero is held there"),
     "wrapping counts": (0.90, "a complement: what is lit counts -1, and what one volume hides 0"),
 }
 
@@ -132,19 +132,20 @@ FIGURE = Figure(
         "open (right pair)."
     ),
     must_see=(
-        "Where counts are clamped, z-pass draws no shadows on what is seen through the board's: none in the "
-        "first picture, and none right of a slanting line in the third. Where they wrap, it draws light for "
-        "shadow and shadow for light there. The second and the fourth picture are right."
+        "Where counts are clamped, z-pass loses the shadows on what is seen through the board's: nearly all "
+        "in the first picture, and those right of a slanting line in the third; only where two shadows lie "
+        "over each other one is left. Where counts wrap, it draws light for shadow and shadow for light "
+        "there. The second and the fourth picture are right."
     ),
     source="Zwicker2016",
     techniques=("Z22", "Z23", "Z24", "Z25"),
     columns=4,
     size=384,
     parameters={
-        "light": (-6.2, 4.0, -1.6),
-        "hidden": (EYE, (1.15, 2.75, 4.0)),
+        "light": (-5.0, 5.2, -2.0),
+        "hidden": (EYE, (0.95, 2.75, 4.0)),
         "shares": (0.6, 0.35),
-        "boards": ((0.8, 0.8, 0.8), (0.3, 0.8, 0.3)),
+        "boards": ((0.8, 0.8, 0.8), (0.5, 0.8, 0.3)),
         "nears": (0.5, 4.9),
         "background": BACKGROUND,
     },
