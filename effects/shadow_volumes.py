@@ -129,10 +129,9 @@ def facing(vertices, triangles, light):
     whose plane holds the light, or that has no area, does not face it.
     """
     corners = vertices[triangles]
-    x, y, z, w = light
-    if w not in (0.0, 1.0) or not all(map(math.isfinite, light)) or not (w or x or y or z):
+    if len(light) != 4 or light[3] not in (0, 1) or not all(map(math.isfinite, light)) or not any(light):
         raise ValueError(f"The light is at {light}; give (x, y, z, 1), or a direction (x, y, z, 0).")
-    place = np.array([x, y, z], np.float64)
+    place, w = np.array(light[:3], np.float64), light[3]
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     u, v, d = b - a, c - a, (place - a if w else np.broadcast_to(place, a.shape))
     value = dot(cross(u, v), d)

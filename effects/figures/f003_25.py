@@ -35,15 +35,15 @@ def camera(panel):
     return View(panel, look_at(eye, (0.42, 0.62, 0.15)), perspective(31.5, 1.0, 4.5, 20.0), eye, False)
 
 
-def lamp_of(light, infinite):
+def lamp_of(light, infinite=False):
     """The light: it has no frustum, a shadow volume needs none."""
     return Lamp(light, (0.0, 0.0, 0.0), 0.1, 40.0, infinite=infinite)
 
 
-def scene(profile, size, *, light, infinite, volume_color, volume_alpha, background):
+def scene(profile, size, *, light, volume_color, volume_alpha, background):
     """Silhouettes, volumes, shadows, from left to right."""
     left, middle, right = (camera(panel) for panel in row_of_panels(3, size))
-    objects, lamp = solids(detail_of(size)), lamp_of(light, infinite)
+    objects, lamp = solids(detail_of(size)), lamp_of(light)
     volumes = shadow_volumes.shadow_volumes(objects, lamp.homogeneous)
     loops = [
         volume.positions[loop][:, :3]
@@ -51,11 +51,8 @@ def scene(profile, size, *, light, infinite, volume_color, volume_alpha, backgro
         for loop in shadow_volumes.silhouette_loops(volume)
     ]
     # The rays that pass each object farthest to the left and to the right.
-    ends = [
-        volume.positions[volume.silhouette.ravel()[pick(volume.positions[volume.silhouette.ravel(), 0])], :3]
-        for volume in volumes
-        for pick in (np.argmin, np.argmax)
-    ]
+    outlines = [volume.positions[volume.silhouette[:, 0], :3] for volume in volumes]
+    ends = [outline[pick(outline[:, 0])] for outline in outlines for pick in (np.argmin, np.argmax)]
     rays = [np.stack([np.array(light), end]) for end in ends]
     endless = shadow_volumes.infinite_view(middle)
     return (
@@ -137,10 +134,10 @@ def count_checks(renderer, view, objects, lamp, least, reason, ons=("ideal", "ma
 def checks(figure, renderer):
     """Closed loops, closed volumes, and counts."""
     size = 384
-    light, infinite = figure.parameters["light"], figure.parameters["infinite"]
+    light = figure.parameters["light"]
     out = []
     for name, objects in (("cube and torus", solids(40)), ("the still life", still_life(40))):
-        for lamp in (lamp_of(light, False), lamp_of(light, True)):
+        for lamp in (lamp_of(light), lamp_of(light, infinite=True)):
             volumes = shadow_volumes.shadow_volumes(objects, lamp.homogeneous)
             kind = "a light at infinity" if lamp.infinite else "a point light"
             out.append(
@@ -155,7 +152,7 @@ def checks(figure, renderer):
             )
     view = camera(Panel(0, 0, size, size))
     reason = "the catalogue's; vertices snapped to sixteenths of a pixel move edges"
-    out += count_checks(renderer, view, solids(40), lamp_of(light, infinite), 0.999, reason)
+    out += count_checks(renderer, view, solids(40), lamp_of(light), 0.999, reason)
     return tuple(out)
 
 
@@ -176,7 +173,6 @@ FIGURE = Figure(
     columns=3,
     parameters={
         "light": (-1.9, 5.9, -1.8),
-        "infinite": False,
         "volume_color": (0.99, 0.80, 0.30),
         "volume_alpha": 0.2,
         "background": BACKGROUND,
