@@ -6,11 +6,14 @@ be multiplied so that it stays on the lit side (Eq. 1 itself is even in h and ha
 E004.1).
 With a colour map the surface's colour is a texture in unit 1 instead: the second general combiner, whose RGB
 portion was free, multiplies it by the light's colour, and E times F by the ambient light.
-K14: K10, then (n.h)^8 by squaring three times.
+K14: K10, then k (n.h)^8 by squaring three times. Two combiners have no multiplication left for k, so its
+eighth root is the halfway vector's length.
 
 Source: Kautz, Seidel 2000, sections 2, 3 and 6 (K10, K14 of the catalogue; pass sequences A-K07 and A-H43);
 Kilgard 2000, section 4.
 """
+
+import math
 
 from effects.encode import encode_vertex_color
 from effects.passes import (
@@ -133,11 +136,18 @@ def blinn_phong_combiners():
     )
 
 
-def blinn_phong_pass(surface, normal_map, view, light, profile):
-    """K14's specular pass: (n.h)^8 of a white light, multiplied by the gate in destination alpha and
-    added.
+def eighth_root(strength):
+    """The length of a halfway vector whose eighth power is ``strength``, in [0, 1]."""
+    if not 0.0 <= strength <= 1.0:
+        raise ValueError(f"The highlight's strength is {strength!r}; give a number from 0 to 1.")
+    return math.sqrt(math.sqrt(math.sqrt(strength)))
+
+
+def blinn_phong_pass(surface, normal_map, view, light, profile, *, specular=1.0):
+    """K14's specular pass: ``specular`` (n.h)^8 of a white light, multiplied by the gate in destination alpha
+    and added.
     """
-    vectors = encode_vertex_color(half_vectors(surface, view, light), profile)
+    vectors = encode_vertex_color(eighth_root(specular) * half_vectors(surface, view, light), profile)
     mesh = surface.mesh(colors=vectors)
     label = "specular pass: (h.n)^8"
     units = (unit(normal_map),)
@@ -146,9 +156,9 @@ def blinn_phong_pass(surface, normal_map, view, light, profile):
     )
 
 
-def commands(surface, normal_map, view, light, profile, *, color, ambient=(0.0, 0.0, 0.0)):
-    """K14: the diffuse and the specular pass."""
+def commands(surface, normal_map, view, light, profile, *, color, ambient=(0.0, 0.0, 0.0), specular=1.0):
+    """K14: the diffuse and the specular pass; ``specular``: the highlight's strength, in [0, 1]."""
     return (
         *diffuse_pass(surface, normal_map, view, light, profile, color=color, ambient=ambient),
-        *blinn_phong_pass(surface, normal_map, view, light, profile),
+        *blinn_phong_pass(surface, normal_map, view, light, profile, specular=specular),
     )

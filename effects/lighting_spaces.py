@@ -1,7 +1,7 @@
 """Z05, Z06 and Z07: one bump-mapped lighting in camera, in object and in tangent space.
 
-All three give the ambient colour + colour (n.l)+ + min(1, 4 (n.l)+) (n.h)^8, and differ in where l, h and the
-map's normal meet:
+All three give the ambient colour + colour (n.l)+ + min(1, 4 (n.l)+) k (n.h)^8, and differ in where l, h and
+the map's normal meet:
 
 Z05, camera space. n_camera = modelview [t b n] bm at every pixel, made of length one there. The document's
     fragment program is a texture shader's three dot products: unit 0 reads the map, units 1 to 3 multiply it
@@ -128,12 +128,21 @@ def _camera_combiners(color, ambient):
 
 
 def camera_space_pass(
-    surface, normal_map, view, light, profile, *, color, ambient=(0.0, 0.0, 0.0), sampler=REPEATED
+    surface,
+    normal_map,
+    view,
+    light,
+    profile,
+    *,
+    color,
+    ambient=(0.0, 0.0, 0.0),
+    specular=1.0,
+    sampler=REPEATED,
 ):
     """Z05 in one draw; ``normalization_cube_map.load`` has loaded the cube map.
 
     ``normal_map``: the name of a texture with normals for dot products
-    (``dot_product_lookups.encode_dot_product``); colours RGB in [0, 1].
+    (``dot_product_lookups.encode_dot_product``); colours RGB in [0, 1]; ``specular``: k, in [0, 1].
     """
     turn = np.array(view.modelview)[:3, :3]
     to_light = light.light_vectors(surface.positions)
@@ -143,7 +152,7 @@ def camera_space_pass(
         surface.texture_coordinates,
         *rows(surface, view),
         colors=encode_vertex_color(to_light, profile),
-        secondary_colors=encode_vertex_color(halfway, profile),
+        secondary_colors=encode_vertex_color(diffuse_bump.eighth_root(specular) * halfway, profile),
     )
     units = (
         unit(normal_map, sampler),
@@ -195,14 +204,15 @@ def with_object_axes(surface, axes=None):
 
 
 def object_space_passes(
-    surface, normal_map, view, light, profile, *, color, ambient=(0.0, 0.0, 0.0), axes=None
+    surface, normal_map, view, light, profile, *, color, ambient=(0.0, 0.0, 0.0), specular=1.0, axes=None
 ):
     """Z06 with combiners: K14's two draws with a map of the object's axes.
 
     ``normal_map``: the name of a texture with ``object_space_normals`` for EXPAND_NORMAL.
     """
+    turned = with_object_axes(surface, axes)
     return diffuse_bump.commands(
-        with_object_axes(surface, axes), normal_map, view, light, profile, color=color, ambient=ambient
+        turned, normal_map, view, light, profile, color=color, ambient=ambient, specular=specular
     )
 
 
@@ -220,7 +230,17 @@ def _constant(vectors, what):
 
 
 def color_matrix_passes(
-    surface, normals, view, light, profile, *, color, ambient=(0.0, 0.0, 0.0), axes=None, sampler=REPEATED
+    surface,
+    normals,
+    view,
+    light,
+    profile,
+    *,
+    color,
+    ambient=(0.0, 0.0, 0.0),
+    specular=1.0,
+    axes=None,
+    sampler=REPEATED,
 ):
     """Z06 with the imaging subset: the map loaded twice through a colour matrix and a table, two draws.
 
@@ -234,7 +254,7 @@ def color_matrix_passes(
     entries = profile.max_color_table_size if profile.exact else TABLE_ENTRIES
     lit = np.maximum(0.0, 2.0 * (np.arange(entries) / float(entries - 1)) - 1.0)
     square = lit * lit
-    power = (square * square) * (square * square)
+    power = specular * ((square * square) * (square * square))
     gate = np.minimum(1.0, 4.0 * lit)
     channels = (*(c * lit + a for c, a in zip(color, ambient, strict=True)), gate)
     tables = (
@@ -270,6 +290,10 @@ def color_matrix_passes(
 # ----------------------------------------------------------------------------------- Z07: tangent space
 
 
-def tangent_space_passes(surface, normal_map, view, light, profile, *, color, ambient=(0.0, 0.0, 0.0)):
+def tangent_space_passes(
+    surface, normal_map, view, light, profile, *, color, ambient=(0.0, 0.0, 0.0), specular=1.0
+):
     """Z07: K14's two draws. ``normal_map``: the name of a texture for EXPAND_NORMAL."""
-    return diffuse_bump.commands(surface, normal_map, view, light, profile, color=color, ambient=ambient)
+    return diffuse_bump.commands(
+        surface, normal_map, view, light, profile, color=color, ambient=ambient, specular=specular
+    )

@@ -6,12 +6,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from effects import bumped_reflections, environments, height_fields, lighting_spaces, meshes, normal_maps
+from effects import (
+    bumped_reflections,
+    diffuse_bump,
+    environments,
+    height_fields,
+    lighting_spaces,
+    meshes,
+    normal_maps,
+)
 from effects.matrices import rotation
 from effects.normalization_cube_map import directions
 from effects.vectors import dot, normalize
 from effects.views import Light, orthographic_view, perspective_view, row_of_panels
-from pipeline.profiles import G400, GEFORCE_3, IDEAL, OCTANE
+from pipeline.commands import TexImage
+from pipeline.execute import execute
+from pipeline.profiles import G400, GEFORCE_3, GEFORCE_256, IDEAL, OCTANE
+from pipeline.textures import texture_2d
 
 
 def bumps(edge=64):
@@ -158,3 +169,25 @@ def test_a_sphere_map_refuses_an_infinite_viewer():
     names = bumped_reflections.Names("offsets", "dirt")
     with pytest.raises(ValueError, match="A sphere map needs the eye's position"):
         bumped_reflections.offset_passes(surface, names, orthographic_view(row_of_panels(1, 32)[0]))
+
+
+def test_a_highlights_strength_is_the_eighth_power_of_the_halfway_vectors_length():
+    assert diffuse_bump.eighth_root(1.0) == 1.0
+    assert diffuse_bump.eighth_root(0.0) == 0.0
+    assert abs(diffuse_bump.eighth_root(0.4) ** 8 - 0.4) < 1e-15
+    with pytest.raises(ValueError, match=r"The highlight's strength is 1.5; give a number from 0 to 1"):
+        diffuse_bump.eighth_root(1.5)
+    # A plane that mirrors the light to the viewer has nothing but its highlight.
+    (panel,) = row_of_panels(1, 8)
+    flat = texture_2d(normal_maps.encode([[[0.0, 0.0, 1.0]]]))
+    commands = (
+        TexImage(label="flat", texture="flat", image=flat),
+        panel.clear((0.0, 0.0, 0.0)),
+        *diffuse_bump.commands(
+            meshes.plane(), "flat", orthographic_view(panel), Light((0.0, 0.0, 1.0)), GEFORCE_256,
+            color=(0.0, 0.0, 0.0), specular=0.4,
+        ),
+    )  # fmt: skip
+    shown = execute(commands, GEFORCE_256, 8, 8).framebuffer.color[4, 4, :3] / 255.0
+    # Two bytes of about 254/255 and a length of .892 as a byte, to the eighth power.
+    np.testing.assert_allclose(shown, 0.4, atol=0.02)

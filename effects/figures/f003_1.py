@@ -81,7 +81,8 @@ FIGURE = Figure(
     title="Bump mapping",
     caption=(
         "A sphere with a colour map of bricks. Left with its own normals, right with those of a normal map "
-        "of the bricks' height field; light from the upper left."
+        "of the bricks' height field; light from the upper left. Nothing asks which way the sphere itself "
+        "faces: beyond the terminator edges of bricks that lean towards the light still shine."
     ),
     must_see=(
         "The same round outline twice. Left a painted ball; right joints that lie deeper, with bright edges "

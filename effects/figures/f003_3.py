@@ -128,8 +128,10 @@ def _plot(view):
         diagrams.arrow("n", view, (foot, tip), YELLOW, width=2.0),
         diagrams.dots("samples", view, np.concatenate([along_u[[0, 2]], along_v[[0, 2]]]), INK, radius=2.0),
         diagrams.text("n", view, tip, YELLOW, align=(0, -1), offset=(0.0, 4.0)),
-        diagrams.text("u", view, _point(0.5, 0.0, -0.03), RED, align=(0, 1), offset=(0.0, -8.0)),
-        diagrams.text("v", view, _point(1.0, 0.5, 0.0), GREEN, align=(-1, 1), offset=(6.0, -4.0)),
+        diagrams.arrow("u axis", view, [_point(s, -0.07, -0.15) for s in (0.1, 0.8)], RED),
+        diagrams.text("u", view, _point(0.8, -0.07, -0.15), RED, align=(0, 1), offset=(0.0, -5.0)),
+        diagrams.arrow("v axis", view, [_point(1.1, t, -0.1) for t in (0.1, 0.7)], GREEN),
+        diagrams.text("v", view, _point(1.1, 0.7, -0.1), GREEN, align=(-1, 0), offset=(5.0, 0.0)),
         diagrams.text("d(u, v)", diagrams.sheet(view.panel), (0.0, 0.92), INK),
     ]
 

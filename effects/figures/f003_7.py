@@ -49,9 +49,7 @@ def scene(profile, size, *, background):
         diagrams.arrow("t = dx/du", solid, (foot, along_u), RED, width=2.6),
         diagrams.arrow("b = dx/dv", solid, (foot, along_v), GREEN, width=2.6),
         diagrams.arrow("n = t x b", solid, (foot, up), VIOLET, width=2.6),
-        diagrams.text(
-            "t = dx/du", solid, along_u, RED, align=(-1, 0), offset=(4.0, -7.0), outline=background
-        ),
+        diagrams.text("t = dx/du", solid, along_u, RED, align=(0, 1), offset=(0.0, -6.0), outline=background),
         diagrams.text(
             "b = dx/dv", solid, along_v, GREEN, align=(-1, 0), offset=(6.0, 4.0), outline=background
         ),

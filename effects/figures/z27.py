@@ -92,7 +92,7 @@ def scene(profile, size, *, light, diffuse, ambient, background, handled):
     titles = zip((naive, shown, right), ("one tangent for all", "found", "from the coordinates"), strict=True)
     labels = [
         diagrams.text(kind, sheet, (-0.5 * HALF, sum(ends) / 2.0), INK)
-        for kind, ends in zip(("right: good", "mirrored", "no area", "stretched 4x"), heights(), strict=True)
+        for kind, ends in zip(("good", "mirrored", "no area", "stretched 4x"), heights(), strict=True)
     ]
     return (
         diagrams.load_font(),
