@@ -4,10 +4,12 @@ The scene of document 003's "sampling problems": what is near is seen large, wha
 deep. World coordinates: y up, the ground at y = 0, the avenue along -z.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from effects import meshes
-from effects.matrices import look_at, perspective, rotation
+from effects.matrices import look_at, perspective, product, rotation
 from effects.scenes import Object, Scene
 from effects.views import View
 
@@ -73,3 +75,20 @@ def avenue_view(panel):
     eye = (-0.7, 2.5, 4.0)
     projection = perspective(46.0, panel.width / panel.height, 3.5, 76.0)
     return View(panel, look_at(eye, (-0.1, 0.5, -14.0)), projection, eye, False)
+
+
+# What ``near_shadow_view`` shows of ``avenue_view``: its middle, and half its width, in the picture's half
+# widths.
+_MIDDLE, _HALF_DETAIL = (-0.53, -0.43), 0.27
+
+
+def near_shadow_view(panel):
+    """A magnified part of ``avenue_view``: the shadow's tip that the stone and its ball throw before the
+    viewer.
+    """
+    view, zoom = avenue_view(panel), 1.0 / _HALF_DETAIL
+    x, y = _MIDDLE
+    magnified = (
+        (zoom, 0.0, 0.0, -zoom * x), (0.0, zoom, 0.0, -zoom * y), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0),
+    )  # fmt: skip
+    return replace(view, projection=product(magnified, view.projection))

@@ -2,16 +2,20 @@
 
 from effects import avenue
 from effects.figures.avenue_maps import (
+    NEAR_SHADOW,
+    WHOLE,
     agreements,
+    edge_of,
     mean_footprints,
     nearest_rows,
     others,
     panels_of_avenue,
-    parts_of_panel,
+    parts_for,
     truth,
     wrong,
 )
 from effects.figures.figure import Check, Figure, Method
+from effects.scenes import detail_of
 
 CHECKED_SIZE = 256
 
@@ -24,12 +28,15 @@ def scene(profile, size, *, shading="lit", panels, background, sun):
 def checks(figure, renderer):
     """Texels on the screen, computed from the matrices, and the machine's shadows against rays."""
     size, sun, panels = CHECKED_SIZE, figure.parameters["sun"], figure.parameters["panels"]
-    rays = truth(size, sun)
+    rays, things = truth(size, sun), avenue.avenue(detail_of(size))
     (near, far), (near_warped, far_warped) = (
-        mean_footprints(*parts_of_panel(panel, size, sun, rays.view), rays) for panel in panels
+        mean_footprints(
+            parts_for(way, ratio, slices, size, things, sun)[0].camera, edge_of(size, ratio), rays
+        )
+        for way, ratio, slices, _ in panels[:2]
     )
     found = agreements(renderer.machine(figure, size, shading="mask"), size, panels, sun)
-    basic, warped = (wrong(f, nearest_rows(size)) for f in found)
+    basic, warped = (wrong(f, nearest_rows(size)) for f in found[:2])
     return (
         Check(
             "texels on the nearest fifth of the screen: basic over LiSPSM",
@@ -71,6 +78,14 @@ def checks(figure, renderer):
             "machine",
             "as before; measured 0.989",
         ),
+        Check(
+            "wrong pixels of the near shadow, magnified: basic over LiSPSM",
+            wrong(found[2]) / wrong(found[3]),
+            ">=",
+            2.0,
+            "machine",
+            "as above, where only the ground, the stone and its shadow are seen; measured 2.8",
+        ),
         others(found),
     )
 
@@ -79,18 +94,24 @@ FIGURE = Figure(
     id="F003-22",
     title="A basic and a light-space perspective shadow map",
     caption=(
-        "A long ground in the evening sun. Left a shadow map that covers the scene evenly, right one of as "
-        "many texels whose matrix has a second perspective, towards the viewer."
+        "A long ground in the evening sun. First a shadow map that covers the scene evenly, then one of as "
+        "many texels whose matrix has a second perspective, towards the viewer. Third and fourth the same "
+        "two with a near shadow magnified."
     ),
     must_see=(
-        "Stairs along the edges of near shadows, left; right they are a third as large. The shadows fall in "
-        "the same places, those at the far gate too."
+        "Stairs along the near shadow's edge in the third picture; in the fourth they are a third as large. "
+        "In the first two the shadows fall in the same places, those at the far gate too."
     ),
     source="Zwicker2016",
     techniques=("Z15", "Z30"),
-    columns=2,
+    columns=4,
     parameters={
-        "panels": (("basic", 1.0, 1, False), ("LiSPSM", 1.0, 1, False)),
+        "panels": (
+            ("basic", 1.0, 1, WHOLE),
+            ("LiSPSM", 1.0, 1, WHOLE),
+            ("basic", 1.0, 1, NEAR_SHADOW),
+            ("LiSPSM", 1.0, 1, NEAR_SHADOW),
+        ),
         "background": avenue.SKY,
         "sun": avenue.SUN,
     },

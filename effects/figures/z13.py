@@ -1,7 +1,7 @@
 """Z13: one shadow map with a half, twice and eight times as many texels along an edge as the picture."""
 
 from effects import avenue
-from effects.figures.avenue_maps import agreements, others, panels_of_avenue, wrong
+from effects.figures.avenue_maps import NEAR_SHADOW, WHOLE, agreements, others, panels_of_avenue, wrong
 from effects.figures.figure import Check, Figure, Method
 
 CHECKED_SIZE = 128
@@ -16,6 +16,10 @@ def checks(figure, renderer):
     """How many pixels are wrong at each resolution."""
     size, panels = CHECKED_SIZE, figure.parameters["panels"]
     picture = renderer.machine(figure, size, shading="mask")
+    shown = agreements(picture, size, panels, figure.parameters["sun"])
+    # The same maps over all that the viewer sees.
+    panels = tuple((*panel[:3], WHOLE) for panel in panels[1:])
+    picture = renderer.machine(figure, size, shading="mask", panels=panels)
     found = agreements(picture, size, panels, figure.parameters["sun"])
     coarse, middle, fine = map(wrong, found)
     return (
@@ -51,7 +55,15 @@ def checks(figure, renderer):
             "machine",
             "of those that face the light; measured 0.988",
         ),
-        others(found),
+        Check(
+            "wrong pixels of the near shadow, magnified: 1/2 texel a pixel over 8",
+            wrong(shown[1]) / max(wrong(shown[3]), 1e-9),
+            ">=",
+            10.0,
+            "machine",
+            "sixteen times as many texels along an edge; measured 16",
+        ),
+        others((*found, *shown)),
     )
 
 
@@ -59,18 +71,24 @@ FIGURE = Figure(
     id="Z13",
     title="The resolution of a shadow map",
     caption=(
-        "A long ground with a basic shadow map of 256, 1024 and 4096 texels along its edge, in pictures of "
-        "512 pixels. The largest is drawn in pieces, as the window holds no more."
+        "A long ground with a basic shadow map, and a near shadow magnified with maps of 256, 1024 and 4096 "
+        "texels along their edges, for pictures of 512 pixels. The largest is drawn in pieces, as the window "
+        "holds no more."
     ),
     must_see=(
-        "From left to right the stairs along shadows' edges become smaller; in front they are still there "
-        "with eight texels to a pixel of the picture's edge."
+        "The near shadow's edge has stairs larger than the ball that throws it in the second picture, a "
+        "quarter as large in the third, and is round at last."
     ),
     source="Zwicker2016",
     techniques=("Z13", "Z30"),
-    columns=3,
+    columns=4,
     parameters={
-        "panels": (("basic", 0.5, 1, False), ("basic", 2.0, 1, False), ("basic", 8.0, 1, False)),
+        "panels": (
+            ("basic", 0.5, 1, WHOLE),
+            ("basic", 0.5, 1, NEAR_SHADOW),
+            ("basic", 2.0, 1, NEAR_SHADOW),
+            ("basic", 8.0, 1, NEAR_SHADOW),
+        ),
         "background": avenue.SKY,
         "sun": avenue.SUN,
     },

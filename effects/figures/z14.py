@@ -3,14 +3,24 @@
 import numpy as np
 
 from effects import avenue, frustum_slices
-from effects.figures.avenue_maps import agreements, nearest_rows, others, panels_of_avenue, truth, wrong
+from effects.figures.avenue_maps import (
+    NEAR_SHADOW,
+    TINTED,
+    WHOLE,
+    agreements,
+    nearest_rows,
+    others,
+    panels_of_avenue,
+    truth,
+    wrong,
+)
 from effects.figures.figure import Check, Figure, Method
 
 CHECKED_SIZE = 256
 
 
 def scene(profile, size, *, shading="lit", panels, background, sun):
-    """Z14: the avenue with a basic map, with slices, and with tinted slices."""
+    """Z14: the avenue with slices, and a near shadow with a basic map and with slices."""
     return panels_of_avenue(profile, size, panels, shading, background, sun)
 
 
@@ -31,9 +41,12 @@ def _tint_matches(picture, rays, slices):
 def checks(figure, renderer):
     """What slices bring, and whether each pixel is of the slice that its depth says."""
     size, sun, panels = CHECKED_SIZE, figure.parameters["sun"], figure.parameters["panels"]
-    found = agreements(renderer.machine(figure, size, shading="mask"), size, panels, sun)
-    basic, sliced, _ = (wrong(f, nearest_rows(size)) for f in found)
-    tinted = renderer.machine(figure, size)[:, 2 * size :]
+    shown = agreements(renderer.machine(figure, size, shading="mask"), size, panels, sun)
+    compared = (("basic", *panels[1][1:3], WHOLE), panels[1])
+    picture = renderer.machine(figure, size, shading="mask", panels=compared)
+    found = agreements(picture, size, compared, sun)
+    basic, sliced = (wrong(f, nearest_rows(size)) for f in found)
+    tinted = renderer.machine(figure, size)[:, :size]
     return (
         Check(
             "wrong pixels in the nearest fifth of the screen: basic over slices",
@@ -61,13 +74,21 @@ def checks(figure, renderer):
         ),
         Check(
             "ground that has its slice's tint",
-            _tint_matches(tinted, truth(size, sun), panels[2][2]),
+            _tint_matches(tinted, truth(size, sun), panels[0][2]),
             ">=",
             0.9995,
             "machine",
             "away from slices' ends; trees and columns on the outline's pixels are the rest",
         ),
-        others(found),
+        Check(
+            "wrong pixels of the near shadow, magnified: basic over slices",
+            wrong(shown[2]) / wrong(shown[3]),
+            ">=",
+            2.0,
+            "machine",
+            "as above, where only the ground, the stone and its shadow are seen; measured 2.6",
+        ),
+        others((*found, *shown)),
     )
 
 
@@ -75,18 +96,24 @@ FIGURE = Figure(
     id="Z14",
     title="A shadow map for each slice of the view",
     caption=(
-        "A long ground with one basic shadow map, left, and with one of as many texels for each of three "
-        "slices of what the viewer sees, middle; right the slices are tinted."
+        "A long ground with a shadow map for each of three slices of what the viewer sees, the slices tinted "
+        "first. Third and fourth a near shadow magnified, with one basic map and with as many texels for "
+        "each slice."
     ),
     must_see=(
-        "Middle: smaller stairs than left, in front most of all, and no seam between slices. Right: red, "
-        "green and blue slices, each ground pixel in one of them."
+        "First red, green and blue slices, each ground pixel in one of them; second no seam where they meet. "
+        "The stairs along the near shadow's edge are large in the third picture, small in the fourth."
     ),
     source="Zwicker2016",
     techniques=("Z14",),
-    columns=3,
+    columns=4,
     parameters={
-        "panels": (("basic", 1.0, 1, False), ("slices", 1.0, 3, False), ("slices", 1.0, 3, True)),
+        "panels": (
+            ("slices", 1.0, 3, TINTED),
+            ("slices", 1.0, 3, WHOLE),
+            ("basic", 1.0, 1, NEAR_SHADOW),
+            ("slices", 1.0, 3, NEAR_SHADOW),
+        ),
         "background": avenue.SKY,
         "sun": avenue.SUN,
     },
