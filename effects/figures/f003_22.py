@@ -115,6 +115,6 @@ FIGURE = Figure(
         "background": avenue.SKY,
         "sun": avenue.SUN,
     },
-    methods=(Method("depth textures", scene, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
+    methods=(Method("depth textures", scene, ("GEFORCE_3", "NV2A")),),
     acceptance=checks,
 )
