@@ -49,7 +49,8 @@ def without_self_shadows(scene, view, lamp, profile, shading):
         others = scenes.Scene(tuple(o for o in scene.objects if o is not thing))
         alone = scenes.Scene((thing,))
         out.append(Clear(label="stencil to zero", stencil=0, scissor=scissor))
-        if volumes := shadow_volumes.shadow_volumes(others, lamp.homogeneous):
+        if any(o.closed for o in others.objects):
+            volumes = shadow_volumes.shadow_volumes(others, lamp.homogeneous)
             operations = shadow_volumes.counting_operations(profile)
             out += shadow_volumes.z_pass_counts(volumes, view, operations)
         out += lit_pass(
