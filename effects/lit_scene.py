@@ -45,7 +45,14 @@ def lit_lighting(thing, view, lamp, shading):
         specular=(strength, strength, strength, 1.0),
         shininess=SHININESS,
     )
-    return Lighting(lights=(light,), model_ambient=_BLACK, front=material, local_viewer=True)
+    return Lighting(
+        lights=(light,),
+        model_ambient=_BLACK,
+        front=material,
+        back=material if thing.two_sided else Material(),
+        local_viewer=True,
+        two_side=thing.two_sided,
+    )
 
 
 def draw_object(label, thing, view, *, lighting=None, clip_planes=(), **settings):

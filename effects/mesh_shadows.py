@@ -25,6 +25,12 @@ _MOST_NEIGHBOURS = 256
 AXES = ("x", "y", "z")
 # The mesh's largest extent on the floor, world units. Assumed: it fills the camera's picture.
 _EXTENT = 2.4
+# The least height for a length of one. Inferred: 0.0024 units, ten or more steps of 16 bits of depth at the
+# camera's distance.
+_FLATTEST = 0.001
+# How far away a lamp may be, world units. Inferred: a frustum's angle is rounded up to a hundredth of a degree
+# (``lamp_around``), and at this distance the scene's fills a tenth of one.
+_FARTHEST = 3000.0
 # Polygon offset's factor. Measured: at 1.1 the still life keeps specks, at 2 none or one (F003-10).
 _OFFSET_FACTOR = 2.0
 # Distance of a map's shadow that may be missing: measured, what the offset hides (F003-10).
@@ -56,7 +62,7 @@ def triangle_mesh(vertices, faces, name):
         raise ValueError(
             f"{name} has a vertex that is no finite number of at most {meshes.LARGEST:g}; repair the mesh."
         )
-    return meshes.from_triangles(points)
+    return meshes.from_triangles(points, name=name)
 
 
 def with_creases(surface):
@@ -93,10 +99,17 @@ def _upright(surface, up):
 def stood_on_floor(surface, up="y"):
     """The surface in the middle of the floor y = 0, its axis ``up`` upward, its largest extent 2.4 units.
 
-    What is wound inside out, so that it encloses a negative volume, is turned outside out.
+    What is wound inside out, so that it encloses a negative volume, is turned outside out. Raises ValueError
+    for a mesh so flat that it would lie in the floor, where depths cannot tell which is above.
     """
     surface = _upright(surface, up)
     low, high = surface.positions.min(axis=0), surface.positions.max(axis=0)
+    extents = high - low
+    if extents[1] < _FLATTEST * extents.max():
+        raise ValueError(
+            f"The mesh is {extents[1]:g} high along {up} and {extents.max():g} long, and would lie in the "
+            "floor; give another axis as --up."
+        )
     foot = np.array([0.5 * (low[0] + high[0]), low[1], 0.5 * (low[2] + high[2])])
     positions = (surface.positions - foot) * (_EXTENT / (high - low).max())
     a, b, c = positions[surface.triangles].transpose(1, 0, 2)
@@ -126,21 +139,28 @@ def check_closed(algorithm, surface, name):
 
 
 def scene_of(surface, name="mesh"):
-    """A Scene of the surface, placed by ``stood_on_floor``, and the floor."""
+    """A Scene of the surface, placed by ``stood_on_floor``, and the floor. Rays light a mesh on both sides,
+    and so do the machines: nobody knows which side of a sheet, or of a part that is inside out, is meant.
+    """
     return Scene(
         (
             Object("floor", floor(FLOOR_HALF_WIDTH, _CELLS), FLOOR_COLOR, closed=False),
-            Object(name, surface, MESH_COLOR, 0.4, closed=is_closed(surface)),
+            Object(name, surface, MESH_COLOR, 0.4, closed=is_closed(surface), two_sided=True),
         )
     )
 
 
 def lamp_at(scene, position):
     """A lamp at ``position`` whose frustum encloses the scene. Raises ValueError for a place that lights
-    nothing.
+    nothing, or is too far for a frustum.
     """
     if not position[1] > 0.0:
         raise ValueError(f"The lamp at {tuple(position)} is not above the floor, y = 0; give a y above it.")
+    if max(map(abs, position)) > _FARTHEST:
+        raise ValueError(
+            f"The lamp at {tuple(position)} is farther than {_FARTHEST:g} units; give a nearer place in the "
+            "same direction, from where rays are as good as parallel."
+        )
     return lamp_around(scene, position)
 
 

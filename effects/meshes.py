@@ -321,7 +321,7 @@ def _accumulate(count, indices, vectors):
     return out
 
 
-def from_triangles(points, coordinates=None, normals=None):
+def from_triangles(points, coordinates=None, normals=None, name="The mesh"):
     """A surface from separate triangles, with normals and tangents where they are missing.
 
     Parameters
@@ -333,6 +333,8 @@ def from_triangles(points, coordinates=None, normals=None):
     normals
         float [k, 3, 3], or None: the faces' normals, weighted by area, averaged where corners share a
         position.
+    name
+        For the message.
 
     Tangents follow the direction in which s grows, averaged where corners share position, texture
     coordinates and normal, and are made perpendicular to the normal; mirrored texture coordinates turn the
@@ -344,7 +346,7 @@ def from_triangles(points, coordinates=None, normals=None):
     face = cross(*edges)
     kept = dot(face, face) > 0.0
     if not kept.any():
-        raise ValueError("The mesh has no triangle with an area; give at least one.")
+        raise ValueError(f"{name} has no triangle with an area; give at least one.")
     points, face = points[kept], face[kept]
     edges = edges[0][kept], edges[1][kept]
     coordinates = (
@@ -410,4 +412,5 @@ def read_obj(text, name="The OBJ file"):
         points,
         np.array(coordinates)[index[..., 1]] if with_coordinates else None,
         np.array(normals)[index[..., 2]] if with_normals else None,
+        name,
     )

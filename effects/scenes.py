@@ -25,7 +25,8 @@ class Object:
     """A surface in world coordinates and its material.
 
     ``color``: diffuse and ambient RGB; ``specular``: how strong its white highlight is, [0, 1]. ``closed``:
-    whether the surface bounds a volume, so that it may be extruded to a shadow volume.
+    whether the surface bounds a volume, so that it may be extruded to a shadow volume. ``two_sided``: whether
+    its back faces are lit too, by their normals turned round (LIGHT_MODEL_TWO_SIDE).
     """
 
     name: str
@@ -33,6 +34,7 @@ class Object:
     color: tuple[float, float, float]
     specular: float = 0.0
     closed: bool = True
+    two_sided: bool = False
 
     def __post_init__(self):
         checked_rgb(self.color, f"The colour of {self.name}")

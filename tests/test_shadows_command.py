@@ -130,7 +130,8 @@ SQUARE = [[0, 0, 0], [1, 0, 0], [0, 0, 1]]
         ([[0, 0, 0], [1, 0, 0], ["nan", 0, 1]], [[0, 1, 2]], "no finite number"),
         ([[0, 0, 0], [1, 0, 0], [0, 0, "1e33"]], [[0, 1, 2]], "no finite number of at most 1e+30"),
         (SQUARE, [[0, 1, 7]], "7"),
-        ([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]], "area"),
+        ([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]], "mesh.ply has no triangle with an area"),
+        (SQUARE, [[0, 1, 2]], "0 high along y and 1 long, and would lie in the floor"),
     ],
 )
 def test_a_ply_file_that_cannot_be_used_is_refused(tmp_path, vertices, faces, words):
@@ -160,6 +161,8 @@ def test_bytes_that_are_no_ply_file_are_refused(tmp_path, data):
         (("--up", "w"), "'x', 'y', 'z'"),
         (("--map-size", "100", "--algorithm", "alpha-single"), "power of two"),
         (("--map-size", "65536", "--algorithm", "alpha-single"), "largest"),
+        (("--map-size", "64"), "z-fail has no map"),
+        (("--light", "1e5,1e5,0"), "farther than 3000"),
     ],
 )
 def test_an_option_that_cannot_be_used_is_refused(ring, tmp_path, more, words):
@@ -168,7 +171,12 @@ def test_an_option_that_cannot_be_used_is_refused(ring, tmp_path, more, words):
 
 
 def test_what_is_no_mesh_is_refused(ring, tmp_path, monkeypatch):
-    for name, words in (("missing.obj", "cannot be read"), ("mesh.stl", "give an OBJ or a PLY file")):
+    (tmp_path / "folder.ply").mkdir()
+    for name, words in (
+        ("missing.obj", "cannot be read"),
+        ("mesh.stl", "give an OBJ or a PLY file"),
+        ("folder.ply", "is no file"),
+    ):
         assert words in refusal_of(*shadows(tmp_path / name, tmp_path / "out.png"))
     assert "out.png" in refusal_of(*shadows(ring, tmp_path / "out.jpg"))
     monkeypatch.setattr(files, "_LARGEST_MESH", 100)
@@ -212,6 +220,21 @@ def test_a_mesh_wound_inside_out_is_turned():
     a, b = (mesh_shadows.stood_on_floor(s) for s in (surface, inside_out))
     assert (a.positions == b.positions).all() and (a.normals == b.normals).all()
     assert (a.triangles == b.triangles).all()
+
+
+def test_both_sides_of_a_sheet_are_lit(tmp_path):
+    """A board wound either way, lit on the side that is seen; and dark where the lamp is behind it."""
+    board = [[0, 0, 0], [1, 0, 0], [1, 1, 0.2], [0, 1, 0.2]]
+    means = []
+    for faces, light in (
+        ([[0, 1, 2, 3]], "0,6,6"), ([[3, 2, 1, 0]], "0,6,6"), ([[0, 1, 2, 3]], "0,6,-6"),
+    ):  # fmt: skip
+        mesh = write_ply(tmp_path / "board.ply", board, faces)
+        more = ("--algorithm", "alpha-multitexture", "--light", light)
+        assert run(*shadows(mesh, tmp_path / "out.png", *more)).exit_code == 0
+        means.append(np.asarray(Image.open(tmp_path / "out.png"))[20:30, 26:38].astype(int).mean())
+    assert abs(means[0] - means[1]) < 1.0
+    assert means[2] < 0.5 * means[0]
 
 
 def test_sharp_edges_stay_sharp_and_smooth_ones_smooth():

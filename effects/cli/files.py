@@ -117,6 +117,8 @@ def read_mesh(name):
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise Refusal(f"{name} cannot be read: {reason}.") from error
+    if not path.is_file():
+        raise Refusal(f"{name} is no file; give an OBJ or a PLY file.")
     if size > _LARGEST_MESH:
         raise Refusal(
             f"{name} has {size >> 20} MiB; meshes of up to {_LARGEST_MESH >> 20} MiB are read. Make it "

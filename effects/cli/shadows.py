@@ -61,6 +61,8 @@ def shadows(mesh, algorithm, light, out, size, profile, up, map_size, threads):
     if not mesh_shadows.can_draw(algorithm, machine):
         able = ", ".join(mesh_shadows.machines_with(algorithm))
         raise Refusal(f"{profile} cannot draw {algorithm}, which takes {way.needs}. Give one of {able}.")
+    if map_size and not way.map:
+        raise Refusal(f"{algorithm} has no map; leave --map-size out, or give an algorithm with one.")
     position = _position(light)
     edge = map_size or min(map_edge(size, 4), machine.max_texture_size)
     if edge & (edge - 1) or edge > machine.max_texture_size:
