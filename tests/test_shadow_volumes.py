@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from effects import meshes, scenes, shadow_volumes
+from effects.figures import FIGURES
 from effects.figures.agreement import compare, lit_mask, truth_of
 from effects.matrices import rotation
 from effects.ray_caster import RayCaster, to_light
@@ -208,7 +209,8 @@ def masks(scene, view, lamp, profile=GL, **settings):
     out = []
     for passes in (shadow_volumes.z_pass, shadow_volumes.z_fail):
         commands = (
-            view.panel.clear((0.0, 0.0, 0.0)),
+            # Whatever a frame before has left in the stencil.
+            replace(view.panel.clear((0.0, 0.0, 0.0)), stencil=3),
             *passes(scene, view, lamp, profile, "mask", **settings),
         )
         result = execute(commands, profile, view.panel.width, view.panel.height)
@@ -291,6 +293,35 @@ def test_z_pass_fails_with_the_eye_in_shadow_and_z_fail_does_not():
         assert (counts == 255).any() == (operations == shadow_volumes.WRAPPING)
         agreement = compare(right, truth)
         assert agreement.agreeing > 0.99 and agreement.other == 0, str(agreement)
+
+
+@pytest.mark.parametrize("light", [(2.0, 5.0, 1.0, 1.0), (2.0, 5.0, 1.0, 0.0)])
+def test_a_volume_of_a_length_ends_so_far_behind_each_vertex(light):
+    volume = shadow_volumes.shadow_volume(meshes.box(), light, 3.0)
+    vertices, thrown = np.split(volume.positions[:, :3], 2)
+    away = thrown - vertices
+    assert dot(away, away) == pytest.approx(9.0)
+    to_light = np.array(light[:3]) - light[3] * vertices
+    assert np.abs(cross(away, to_light)).max() < 1e-12 and (dot(away, to_light) < 0.0).all()
+
+
+def test_the_figure_of_both_algorithms_draws_both():
+    """Their pictures are alike: no picture tells whether one of them is drawn twice."""
+    size, ways = (
+        16,
+        {
+            "before": "count volumes entered: front faces",
+            "behind": "count volumes left behind it: back faces",
+        },
+    )
+    for name, expected in (
+        ("Z23", ("before", "before", "behind", "behind")),
+        ("F003-26", ("before", "behind", "before", "behind")),
+    ):
+        commands = FIGURES[name].commands(GL, size)
+        for k, way in enumerate(expected):
+            labels = {c.label for c in commands if isinstance(c, Draw) and c.state.scissor.x == k * size}
+            assert {key for key, label in ways.items() if label in labels} == {way}
 
 
 def test_volumes_of_a_length_need_no_infinite_camera():

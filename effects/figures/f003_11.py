@@ -125,8 +125,20 @@ def checks(figure, renderer):
     gaps = [gap(masks["machine"][:, p], t.shown, column) for p, t in zip(panels[1:], truths, strict=True)]
     expected = [expected_gap(height, size, column) for height in heights]
     fit = np.polyfit(heights, gaps, 1)
+    towards = agreement.cosines(truths[0]) > 0.0
     return (
         *agreement.volume_checks(found),
+        *(
+            Check(
+                "without shadows: part of what faces the light that is lit",
+                float(mask[:, panels[0]][towards & truths[0].shown.something].mean()),
+                ">=",
+                0.999,
+                on,
+                "the first panel has no shadow; outlines are snapped",
+            )
+            for on, mask in masks.items()
+        ),
         Check(
             "pixels of the box that differ between the panels",
             int(np.sum(changed)),

@@ -3,13 +3,14 @@
 import numpy as np
 
 from effects import diagrams, meshes, shadow_volumes
-from effects.figures.agreement import compare, lit_mask, truth_of
+from effects.figures.agreement import compare, cosines, lit_mask, silhouettes, truth_of
 from effects.figures.figure import BACKGROUND, Check, Figure, Method
 from effects.lit_scene import lit_pass, unlit_pass
-from effects.matrices import look_at, perspective, rotation
+from effects.matrices import look_at, perspective, product, rotation
 from effects.scenes import Lamp, Object, Scene, detail_of, floor, still_life
 from effects.views import Panel, View, row_of_panels
 
+_HIDDEN = (0.72, 0.30, 0.28)
 _RAYS = (0.97, 0.90, 0.70)
 _FLOOR = (0.62, 0.60, 0.56)
 
@@ -63,7 +64,7 @@ def scene(profile, size, *, light, volume_color, volume_alpha, background):
             "rays of the light along the silhouettes", left, rays, _RAYS, width=0.8,
             dash=diagrams.DASH, depth_test=diagrams.VISIBLE,
         ),
-        diagrams.strokes("silhouette edges, hidden ones too", left, loops, (0.72, 0.30, 0.28), width=0.9),
+        diagrams.strokes("silhouette edges, hidden ones too", left, loops, _HIDDEN, width=0.9),
         diagrams.strokes(
             "silhouette edges that are seen", left, loops, diagrams.YELLOW, width=1.6,
             depth_test=diagrams.VISIBLE,
@@ -131,8 +132,52 @@ def count_checks(renderer, view, objects, lamp, least, reason, ons=("ideal", "ma
     return out
 
 
+def _sides_over(tinted, plain, color, alpha):
+    """How many sides of one colour, each covering ``alpha``, lie over pixels: float64 [h, w]."""
+    left, whole = (np.abs(np.array(color) - picture).sum(axis=-1) for picture in (tinted, plain))
+    return np.log(np.maximum(left, 1e-3) / np.maximum(whole, 1e-3)) / np.log(1.0 - alpha)
+
+
+def panel_checks(figure, renderer, truth, volumes):
+    """The figure's own panels on the machine: silhouettes, sides and shadows, each where rays have them."""
+    size, p = truth.view.panel.width, figure.parameters
+    left, middle, right = np.split(renderer.machine(figure, size), 3, axis=1)
+    _, plain, _ = np.split(renderer.machine(figure, size, volume_alpha=0.0), 3, axis=1)
+    counts = expected_counts(volumes, truth)
+    inner = truth.shown.something & ~silhouettes(truth)
+    sides = _sides_over(middle, plain, p["volume_color"], p["volume_alpha"])
+    number = np.round(sides)
+    matching = (number >= counts) & ((number - counts) % 2 == 0)
+    faced = inner & (cosines(truth) > 0.1)
+    darkened = np.abs(right - plain).max(axis=-1) > 1.5 / 255.0
+    middles = np.concatenate([v.positions[v.silhouette, :3].mean(axis=1) for v in volumes])
+    x, y, w = (
+        np.array(row[:3]) @ middles.T + row[3]
+        for row in (product(truth.view.projection, truth.view.modelview)[k] for k in (0, 1, 3))
+    )
+    column, row = ((0.5 + 0.5 * c / w) * size for c in (x, y))
+    at = left[row.astype(int), column.astype(int)]
+    drawn = np.min([np.abs(at - c).max(axis=-1) for c in (_HIDDEN, diagrams.YELLOW)], axis=0) < 1.5 / 255.0
+    return (
+        Check(
+            "silhouette edges whose middle has a line's colour", float(drawn.mean()), ">=", 0.98, "machine",
+            "each is drawn, whatever hides it",
+        ),
+        Check(
+            "pixels with as many sides of volumes over them as entering and leaving takes",
+            float(matching[inner].mean()), ">=", 0.995, "machine",
+            "what is in n volumes lies behind n sides, and two for each that the ray leaves again",
+        ),
+        Check(
+            "pixels that face the light and are darker than without shadows where rays say so",
+            float((darkened == (counts > 0))[faced].mean()), ">=", 0.998, "machine",
+            "shadow volumes are exact in the picture; edges differ by a pixel",
+        ),
+    )  # fmt: skip
+
+
 def checks(figure, renderer):
-    """Closed loops, closed volumes, and counts."""
+    """Closed loops, closed volumes, counts, and what the panels show."""
     size = 384
     light = figure.parameters["light"]
     out = []
@@ -153,6 +198,8 @@ def checks(figure, renderer):
     view = camera(Panel(0, 0, size, size))
     reason = "the catalogue's; vertices snapped to sixteenths of a pixel move edges"
     out += count_checks(renderer, view, solids(40), lamp_of(light), 0.999, reason)
+    volumes = shadow_volumes.shadow_volumes(solids(40), lamp_of(light).homogeneous)
+    out += panel_checks(figure, renderer, truth_of(solids(40), view, lamp_of(light)), volumes)
     return tuple(out)
 
 
