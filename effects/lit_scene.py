@@ -83,13 +83,9 @@ def lit_pass(scene, view, lamp, shading="lit", *, label="light where it is not b
     )
 
 
-def depth_pass(scene, view, *, factor=0.0, units=0.0, cull_face=None, label="depths seen from the light"):
-    """The scene's depths, no colours, moved away from the viewer by PolygonOffset(factor, units).
-
-    ``cull_face``: FRONT leaves the faces that the light does not see.
-    """
+def depth_pass(scene, view, *, factor=0.0, units=0.0, label="depths seen from the light"):
+    """The scene's depths, no colours, moved away from the viewer by PolygonOffset(factor, units)."""
     polygon = PolygonState(
-        cull_face=cull_face,
         offset_fill=(factor, units) != (0.0, 0.0),
         offset_factor=factor,
         offset_units=units,

@@ -123,7 +123,6 @@ def store_map(
     *,
     factor=OFFSET_FACTOR,
     units=OFFSET_UNITS,
-    cull_face=None,
     label="depths seen from the light",
 ):
     """P0: the scene's depths from ``camera`` as the depth texture ``name`` of ``edge`` by ``edge`` texels.
@@ -143,7 +142,7 @@ def store_map(
         piece = Panel(0, 0, width, height).scissor
         out.append(Clear(label="clear depth", depth=1.0, scissor=piece))
         view = camera.view(Panel(-x, -y, edge, edge))
-        drawn = depth_pass(scene, view, factor=factor, units=units, cull_face=cull_face, label=label)
+        drawn = depth_pass(scene, view, factor=factor, units=units, label=label)
         out += (replace(draw, state=replace(draw.state, scissor=piece)) for draw in drawn)
         copied = {"label": "copy depths to the shadow map", "texture": name, "width": width, "height": height}
         if len(pieces) > 1:
@@ -162,7 +161,7 @@ def moved(texture_matrix, s, t):
 
 
 def map_sampler(
-    profile, *, filtered=False, function=ComparisonFunction.LEQUAL, fail_value=0.0, depth_texture_mode=None
+    *, filtered=False, function=ComparisonFunction.LEQUAL, fail_value=0.0, depth_texture_mode=None
 ):
     """Parameters of a map: compared, then NEAREST or, ``filtered`` (Z17), LINEAR.
 
@@ -201,7 +200,7 @@ def map_unit(texture_matrix, name, profile, *, view=None, environment=MODULATE, 
         )
     return TextureUnit(
         name,
-        map_sampler(profile, **sampling),
+        map_sampler(**sampling),
         gen=tuple(TexGen(mode, plane) for plane in planes),
         matrix=matrix,
         environment=environment,
