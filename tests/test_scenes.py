@@ -5,12 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from effects import meshes
-from effects.lit_scene import depth_pass, lit_pass, map_edge, unlit_pass
+from effects import meshes, ray_caster
+from effects.lit_scene import AMBIENT, LAMP_COLOR, SHININESS, depth_pass, lit_pass, map_edge, unlit_pass
 from effects.matrices import eye_plane, look_at, product, rigid_inverse, transform
 from effects.scenes import LAMP_POSITIONS, Lamp, Object, Scene, lamp_around, still_life, still_life_view
-from effects.vectors import dot
-from effects.views import Panel
+from effects.vectors import dot, normalize
+from effects.views import Panel, perspective_view
+from pipeline.ideal import execute_ideal
 from pipeline.profiles import PROFILES
 from pipeline.validate import validate
 
@@ -140,3 +141,28 @@ def test_a_scene_names_each_triangles_object_and_its_box():
 @pytest.mark.parametrize(("size", "ratio", "edge"), [(512, 1, 512), (512, 2, 1024), (100, 1, 64), (4, 1, 8)])
 def test_maps_scale_with_the_panel_in_powers_of_two(size, ratio, edge):
     assert map_edge(size, ratio) == edge
+
+
+@pytest.mark.parametrize("infinite", [False, True])
+def test_the_two_passes_are_the_lighting_equation_in_world_coordinates(infinite):
+    """Ambient, diffuse and a highlight towards the eye, where the lamp is in the world."""
+    panel, color, strength = Panel(0, 0, 96, 96), (0.6, 0.4, 0.2), 0.5
+    scene = Scene((Object("ball", meshes.sphere(160, 80), color, strength),))
+    eye, place = (2.0, 1.5, 3.0), (4.0, 2.0, 1.0)
+    view = perspective_view(panel, eye, field_of_view=40.0)
+    lamp = Lamp(place, (0.0, 0.0, 0.0), 1.0, 9.0, infinite=infinite, half_width=2.0)
+    commands = (panel.clear((0.0, 0.0, 0.0)), *unlit_pass(scene, view), *lit_pass(scene, view, lamp))
+    picture = execute_ideal(commands, 96, 96).color[::-1, :, :3]
+    shown = ray_caster.visible(ray_caster.scene_caster(scene), view)
+    normals = normalize(shown.points)
+    light = np.broadcast_to(normalize(np.array(place)), normals.shape)
+    light = light if infinite else normalize(np.array(place) - shown.points)
+    halfway = normalize(light + normalize(np.array(eye) - shown.points))
+    cosine, highlight = (np.maximum(dot(normals, v), 0.0)[..., None] for v in (light, halfway))
+    lit = np.array(color) * cosine + strength * highlight**SHININESS * (cosine > 0.0)
+    wanted = np.array(color) * np.array(AMBIENT[:3]) + np.array(LAMP_COLOR[:3]) * lit
+    inner = shown.something & (dot(shown.normals, normalize(np.array(eye) - shown.points)) > 0.3)
+    assert inner.mean() > 0.3
+    assert wanted[inner].max() < 1.0
+    # Per vertex, 160 round the ball: the highlight's top is interpolated.
+    assert np.abs(picture - wanted)[inner].max() < 0.01
