@@ -95,7 +95,7 @@ def _cast(volume, origins, directions, shortest=0.0):
 
 
 def _gradients(volume, at, scale):
-    """Unit normals at places in voxels, by central differences of a hundredth of a voxel."""
+    """Unit normals at places in voxels, by differences from half a voxel before to half a voxel behind."""
     size = np.array(volume.density.shape[::-1])
     columns = []
     for axis in range(3):

@@ -93,6 +93,12 @@ def volume_of(values, name, profile, iso=None, spacing=(1.0, 1.0, 1.0)):
         into[...] = (layer.astype(np.float64) - low) / (high - low)
     edges = texture_edges(values.shape, min(profile.max_3d_texture_size, LARGEST_EDGE))
     density = np.floor(np.float32(255.0) * resampled(unit, edges) + np.float32(0.5)).astype(np.uint8)
-    extents = [n * s for n, s in zip(values.shape[::-1], spacing, strict=True)]
+    if density.max() < np.ceil(255.0 * fraction):
+        raise ValueError(
+            f"Resampled to {'x'.join(map(str, density.shape[::-1]))} voxels, nothing of {name} reaches "
+            f"{wanted:g}; give a lower value."
+        )
+    widest = max(spacing)
+    extents = [n * (s / widest) for n, s in zip(values.shape[::-1], spacing, strict=True)]
     half = tuple(float(e / max(extents)) for e in extents)
     return Volume(name, density, half, fraction)

@@ -44,6 +44,7 @@ import numpy as np
 
 from effects.alpha_coded_shadows import (
     ADD_WHERE_ALPHA_IS_ZERO,
+    BIAS,
     EQUAL_ZERO,
     MAP,
     ONLY_ALPHA,
@@ -701,11 +702,21 @@ def method_of(profile):
     )
 
 
+def bias_of(bits, slices, edge):
+    """The map's bias in steps of depth: two steps of a byte, or as much as two slices or two of the map's
+    ``edge`` texels where these are coarser.
+
+    Both are no finer on a machine of 12 bits, whose steps are a sixteenth.
+    """
+    return BIAS * (2**bits - 1) / min(slices, edge, 255)
+
+
 def picture_of(volume, eye, up, light, profile, size, slices, shadows):
     """A ``Picture`` of ``size`` by ``size`` pixels that shows all of a volume's surface.
 
     ``eye``, ``up``, ``light``: directions, three floats; the first to the viewer, the last to the lamp.
-    Raises ValueError where the eye looks along ``up``, or there is no surface.
+    Raises ValueError where the eye looks along ``up``, there is no surface, or a flat volume would fall
+    through between the slices.
     """
     corners = volume.corners()
     center = corners.min(axis=0) * 0.5 + corners.max(axis=0) * 0.5
@@ -716,6 +727,15 @@ def picture_of(volume, eye, up, light, profile, size, slices, shadows):
     side = normalize(across)
     points = volume.brick_corners(volume.seen_bricks()[:, None] + _BITS).reshape(-1, 3) - center
     x, y, z = (dot(points, axis) for axis in (side, cross(toward, side), toward))
+    # What is flat and seen aslant must be deeper along the view than slices are apart.
+    step = float(z.max() - z.min()) / slices
+    depths = 2.0 * np.array(volume.half_extents) / np.maximum(np.abs(toward), 1e-12)
+    if depths.min() < step:
+        raise ValueError(
+            f"Slices are {step:.3g} units apart, and {volume.name} is {depths.min():.3g} deep where the eye "
+            "looks through its thinnest edge: it would have holes. Give more slices, another direction to the "
+            "eye, or another spacing."
+        )
     # A field of view of 24 degrees, 0.2126 its half's tangent, and a margin round what is seen.
     distance = float((np.maximum(np.abs(x), np.abs(y)) * (1.04 / 0.2126) + z).max())
     position = tuple((center + distance * toward).tolist())
@@ -725,12 +745,13 @@ def picture_of(volume, eye, up, light, profile, size, slices, shadows):
     modelview = look_at(position, tuple(center.tolist()), up)
     lamp = center + 4.0 * unit_vector(light, "The direction to the light")
     edge = map_edge(size, 1)
+    bits = profile.color_bits[0]
     return Picture(
         volume,
         View(Panel(0, 0, size, size), modelview, projection, position, False),
         lamp_around(volume, tuple(lamp.tolist()), tuple(center.tolist()), infinite=True),
         slices,
         map_panel=Panel(0, 0, edge, edge) if shadows else None,
-        coding=Coding(bits=profile.color_bits[0]),
+        coding=Coding(bits=bits, bias=bias_of(bits, slices, edge)),
         background=_BACKGROUND,
     )

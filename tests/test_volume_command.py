@@ -55,10 +55,17 @@ def test_a_raw_volume_becomes_a_picture_and_what_was_changed_is_said(raw, tmp_pa
 def test_an_nrrd_file_gives_the_same_picture_as_its_raw_values(raw, tmp_path):
     file, a, b = tmp_path / "ball.nrrd", tmp_path / "a.png", tmp_path / "b.png"
     data = (1000 * values()).astype(np.uint16)
-    nrrd.write(str(file), data, {"spacings": [1.0, 1.0, 2.0]}, index_order="C")
-    assert run(*volume(file, a, "--iso", 1000)).exit_code == 0
+    turned = np.array([[0.0, 3.0, 4.0], [5.0, 0.0, 0.0], [0.0, 6.0, 8.0]])
     assert run(*volume(raw, b, *RAW, "--iso", 1000, "--spacing", "1,1,2")).exit_code == 0
-    assert a.read_bytes() == b.read_bytes()
+    for header in (
+        {"spacings": [1.0, -1.0, 2.0]},
+        {"space": "right-anterior-superior", "space directions": turned},
+    ):
+        nrrd.write(str(file), data, header, index_order="C")
+        assert run(*volume(file, a, "--iso", 1000)).exit_code == 0
+        assert a.read_bytes() == b.read_bytes()
+    nrrd.write(str(file), data, {"spacings": [1.0, np.nan, 2.0]}, index_order="C")
+    assert "spacing" in refusal_of(*volume(file, a))
     assert run(*volume(raw, b, *RAW, "--iso", 1000)).exit_code == 0
     assert a.read_bytes() != b.read_bytes()
 

@@ -312,8 +312,22 @@ def test_a_picture_of_any_volume_shows_all_of_it():
     assert drawn_at.mean() > 0.3
     assert min(rows.min(), columns.min()) >= 1
     assert max(rows.max(), columns.max()) <= 46
+    thin = replace(volume, half_extents=(1.0, 0.002, 1.0))
+    with pytest.raises(ValueError, match="it would have holes"):
+        picture_of(thin, (1.0, 1.0, 1.0), (0.0, 1.0, 0.0), (1.0, 1.0, 1.0), OCTANE, 48, 64, True)
     with pytest.raises(ValueError, match="looks along"):
         picture_of(volume, (0.0, 2.0, 0.0), (0.0, 1.0, 0.0), (1.0, 1.0, 1.0), OCTANE, 48, 64, True)
+
+
+@pytest.mark.parametrize("profile", [OCTANE, INFINITE_REALITY, GEFORCE_3])
+def test_a_picture_of_any_volume_has_no_specks_of_shadow(profile):
+    """A ball throws no shadow on itself, whatever a step of depth is on a machine."""
+    ways = (0.5, 0.5, 4.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), profile, 64, 256
+    plain, shadowed = (
+        drawn(method_of(profile), picture_of(BALL, *ways, on), profile) for on in (False, True)
+    )
+    # One pixel of the outline is darker.
+    assert (shadowed < plain - 0.1).any(axis=-1).sum() <= 1
 
 
 # ------------------------------------------------------------------------------------------- users' volumes
@@ -354,6 +368,8 @@ def test_a_users_volume_keeps_its_surface_and_its_proportions():
         (BALL.density, float("nan"), (1.0, 1.0, 1.0), "from 0 to 255"),
         (BALL.density, 0.1, (1.0, 1.0, 1.0), "steps"),
         (BALL.density, None, (1.0, -1.0, 1.0), "spacing"),
+        (BALL.density, None, (1.0, float("nan"), 1.0), "spacing"),
+        (np.pad(np.ones((1, 1, 1)), 20), None, (1.0, 1.0, 1.0), "64x64x64 voxels, nothing of v"),
     ],
 )
 def test_what_is_no_volume_is_refused(values, iso, spacing, word):

@@ -46,7 +46,7 @@ _LARGEST_FILE = 1 << 30  # voxels
     metavar="N",
     default=256,
     show_default=True,
-    help="Slices through the volume.",
+    help="Slices through the volume; where they are voxels apart, surfaces have steps and dark gaps.",
 )
 @click.option(
     "--size", type=click.IntRange(min=8), metavar="N", default=512, show_default=True, help="Pixels an edge."
@@ -163,7 +163,6 @@ def _read_raw(path, dims, dtype, skip):
 
 
 def _read_nrrd(path):
-    import numpy as np
 
     from effects.cli.refusal import Refusal
 
@@ -181,8 +180,18 @@ def _read_nrrd(path):
     except Exception as error:
         reason = str(error).split("\n")[0].rstrip(".") or type(error).__name__
         raise Refusal(f"{path} cannot be read ({reason}). Give a whole NRRD file.") from error
+    return values, _nrrd_spacing(header)
+
+
+def _nrrd_spacing(header):
+    """Spacings of an NRRD header's axes, which may be negative; equal where it has none.
+
+    What is there but is no number is given back as it is, for ``volume_of`` to refuse.
+    """
+    import numpy as np
+
     axes = header.get("space directions")
-    spacing = header.get("spacings") if axes is None else np.sqrt((np.asarray(axes, float) ** 2).sum(axis=-1))
-    if spacing is None or len(spacing) != 3 or not (np.isfinite(spacing).all() and np.all(spacing > 0)):
-        spacing = (1.0, 1.0, 1.0)
-    return values, tuple(float(s) for s in spacing)
+    if axes is not None:
+        return tuple(np.sqrt((np.asarray(axes, float) ** 2).sum(axis=-1)).tolist())
+    spacing = header.get("spacings")
+    return (1.0, 1.0, 1.0) if spacing is None else tuple(abs(float(s)) for s in spacing)
