@@ -134,8 +134,12 @@ class Coding:
 
     def __post_init__(self):
         one_of(COMPONENTS, self.component, "The component of depths")
-        if not 4 <= self.bits <= 16:
+        if not 4 <= self.bits <= 16 or self.bits != int(self.bits):
             raise ValueError(f"Depths of {self.bits} bits; a machine's components have 4 to 16.")
+        if self.width < 2 or self.width & (self.width - 1):
+            raise ValueError(f"A ramp of {self.width} texels; give a power of two, 2 or more.")
+        if not abs(self.bias) < np.inf:
+            raise ValueError(f"The bias is {self.bias!r} steps; give a finite number.")
 
     @property
     def step(self):

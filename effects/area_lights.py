@@ -32,9 +32,9 @@ def lamps_of(lamp, width, count=POINTS):
     has ``count`` steps: the columns are in order, the rows in the order of their reversed bits. ``count``: a
     power of two, else ValueError.
     """
-    if count < 1 or count & (count - 1):
+    if count != int(count) or count < 1 or int(count) & (int(count) - 1):
         raise ValueError(f"An area light of {count} points; give a power of two.")
-    x, y, z = lamp.position
+    count, (x, y, z) = int(count), lamp.position
     width, bits = positive(width, "The light's width"), count.bit_length() - 1
     out = []
     for i in range(count):
@@ -45,7 +45,12 @@ def lamps_of(lamp, width, count=POINTS):
 
 
 def accumulated_lights(scene, view, lamps, profile, shading="lit"):
-    """The scene under the mean light of ``lamps``. The panel's colours and depths have been cleared."""
+    """The scene under the mean light of ``lamps``. The panel's colours and depths have been cleared.
+
+    Raises ValueError where there is no lamp.
+    """
+    if not lamps:
+        raise ValueError("An area light without a point lights nothing; give one lamp or more.")
     scissor = view.panel.scissor
 
     def accumulate(label, operation, value=1.0):

@@ -11,6 +11,7 @@ to one of its parts.
 """
 
 import math
+from itertools import pairwise
 
 import numpy as np
 
@@ -18,7 +19,8 @@ from effects.convex_bodies import clip_distances
 from effects.passes import positive
 
 LAMBDA = 0.5
-# Distances are rounded to a multiple of this, as a power may differ in its last bit between libraries.
+# Distances are rounded to a multiple of this, as a power may differ in its last bit between libraries; where
+# the near plane is nearer than one, to as small a part of the power of two below its distance.
 _STEP = 2.0**-16
 
 
@@ -30,16 +32,19 @@ def split_distances(near, far, count, mixture=LAMBDA):
     near, far = positive(near, "The near plane"), positive(far, "The far plane")
     if not near < far:
         raise ValueError(f"The planes are at {near} and {far}; the second is the farther.")
-    if count != int(count) or count < 1:
+    if not 1 <= count < math.inf or count != int(count):
         raise ValueError(f"The number of slices is {count!r}; give a whole number from 1.")
     if not 0.0 <= mixture <= 1.0:
         raise ValueError(f"The mixture is {mixture!r}; give 0 (slices of one length) to 1 (logarithmic).")
-    inner = []
+    inner, step = [], _STEP * min(1.0, 2.0 ** (math.frexp(near)[1] - 1))
     for i in range(1, int(count)):
         part = i / count
         value = mixture * near * math.pow(far / near, part) + (1.0 - mixture) * (near + (far - near) * part)
-        inner.append(math.floor(value / _STEP + 0.5) * _STEP)
-    return (near, *inner, far)
+        inner.append(math.floor(value / step + 0.5) * step)
+    distances = (near, *inner, far)
+    if not all(a < b for a, b in pairwise(distances)):
+        raise ValueError(f"{count} slices from {near} to {far} are too thin to tell apart; give fewer.")
+    return distances
 
 
 def slice_planes(distances, number):

@@ -125,6 +125,14 @@ def _checked_body(body):
     return body
 
 
+def _checked_extent(least, most):
+    if not least < most:
+        raise ValueError(
+            "The body that the map is to cover has no extent across the light; give one with a volume."
+        )
+    return least, most
+
+
 def _checked_border(border):
     if not 0.0 <= border < 0.5:
         raise ValueError(f"The map's border is {border} of its edge; give one from 0 up to below 1/2.")
@@ -156,7 +164,7 @@ def uniform_camera(body, scene, direction, view, border=0.0):
     top = float(z.max()) + longest_shadow(scene, direction)
     bounds = []
     for values in (x, y):
-        least, most = float(values.min()), float(values.max())
+        least, most = _checked_extent(float(values.min()), float(values.max()))
         middle, half = 0.5 * (least + most), 0.5 * (most - least) / scale
         bounds += [middle - half, middle + half]
     projection = orthographic(*bounds, -top, -float(z.min()))
@@ -194,12 +202,12 @@ def perspective_camera(body, scene, direction, view, border=0.0, n=None):
     eye = -sum(view.modelview[i][3] * np.array(view.modelview[i][:3]) for i in range(3))
     center = float(dot(eye, axes[0])), float(y.min()) - n, 0.5 * float(z.min() + z.max())
     w = y - center[1]
-    far = float(w.max())
+    _, far = _checked_extent(n, float(w.max()))
     row_w = np.array([0.0, 1.0, 0.0, -center[1]])
     rows = []
     for axis, values, sign in ((0, x, scale), (2, z, -1.0)):
         ratios = (values - center[axis]) / w
-        least, most = float(ratios.min()), float(ratios.max())
+        least, most = _checked_extent(float(ratios.min()), float(ratios.max()))
         row = np.zeros(4)
         row[axis], row[3] = 1.0, -center[axis]
         rows.append(sign * (2.0 * row - (least + most) * row_w) / (most - least))

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 from effects import cube_of_maps, frustum_slices, light_space, shadow_maps
 from effects.lit_scene import unlit_pass
-from effects.passes import checked_rgb, one_of
+from effects.passes import checked_rgb, one_of, positive
 from effects.scenes import Scene
 
 WAYS = ("basic", "slices", "LiSPSM", "slices and LiSPSM")
@@ -37,7 +37,7 @@ def parts_of_view(way, scene, direction, view, edge, count=3):
     map, for filters. A slice that sees nothing of the scene has no part.
     """
     one_of(WAYS, way, "The way to fit shadow maps")
-    border = 1.0 / edge
+    border = 1.0 / positive(edge, "The map's edge")
     if way == "basic":
         return (Part("basic shadow map", light_space.whole_scene_camera(scene, direction, view, border)),)
     body = light_space.seen_body(scene, view)
@@ -56,7 +56,7 @@ def parts_of_view(way, scene, direction, view, edge, count=3):
 
 def parts_of_cube(scene, position, view, edge, border_texels=1.5):
     """The six parts of a cube of maps round a point light, in the order of ``cube_of_maps.FACES``."""
-    lamps = cube_of_maps.cube_lamps(scene, position, border_texels / edge)
+    lamps = cube_of_maps.cube_lamps(scene, position, border_texels / positive(edge, "The map's edge"))
     return tuple(
         Part(f"shadow map {face}", lamp, cube_of_maps.face_planes(position, face, view.modelview))
         for face, lamp in zip(cube_of_maps.FACES, lamps, strict=True)
@@ -92,6 +92,10 @@ def parted_passes(parts, scene, view, lamp, profile, shading="lit", *, tints=Non
     ``lamp``: what lights. ``tints``: an RGB for each part, or None. ``lit``: names of the parts that get
     light, or None: all. ``settings``: of ``shadow_maps.shadowed_light``.
     """
+    if tints is not None and len(tints) != len(parts):
+        raise ValueError(f"There are {len(tints)} tints for {len(parts)} parts; give one for each.")
+    for name in () if lit is None else lit:
+        one_of([part.name for part in parts], name, "The part that gets light")
     out = []
     for k, part in enumerate(parts):
         seen = scene if tints is None else tinted(scene, tints[k])

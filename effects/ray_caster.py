@@ -446,4 +446,6 @@ def lit(caster, shown, light, *, self_shadows=True):
 def seen_fraction(caster, shown, lights):
     """The part of ``lights``, samples of an area light, that reaches what is shown: float64 [h, w] (Z26)."""
     lights = tuple(lights)
+    if not lights:
+        raise ValueError("There is no light to be seen; give one or more.")
     return sum(lit(caster, shown, light).astype(np.float64) for light in lights) / len(lights)

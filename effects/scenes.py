@@ -38,6 +38,10 @@ class Object:
 
     def __post_init__(self):
         checked_rgb(self.color, f"The colour of {self.name}")
+        if not 0.0 <= self.specular <= 1.0:
+            raise ValueError(
+                f"The highlight of {self.name} is {self.specular!r}; give a strength from 0 to 1."
+            )
 
     @cached_property
     def mesh(self):
@@ -56,9 +60,14 @@ class Scene:
 
     objects: tuple[Object, ...]
 
+    def _some(self):
+        if not self.objects:
+            raise ValueError("The scene has no object; give it one or more.")
+        return self.objects
+
     def triangles(self):
         """Float64 [n, 3 corners, 3] of all objects, in their order."""
-        return np.concatenate([o.triangles for o in self.objects])
+        return np.concatenate([o.triangles for o in self._some()])
 
     def object_of_triangle(self):
         """Int64 [n]: the number of each triangle's object."""
@@ -66,7 +75,7 @@ class Scene:
 
     def bounds(self):
         """The least and the greatest coordinates, two float64 [3]."""
-        positions = np.concatenate([o.surface.positions for o in self.objects])
+        positions = np.concatenate([o.surface.positions for o in self._some()])
         return positions.min(axis=0), positions.max(axis=0)
 
     def corners(self):
@@ -95,8 +104,15 @@ class Lamp:
     half_width: float = 1.0
 
     def __post_init__(self):
-        positive(self.near if not self.infinite else 1.0, "The lamp's near plane")
-        if not self.near < self.far < math.inf:
+        if self.infinite:
+            positive(self.half_width, "Half the width of the lamp's box")
+        else:
+            positive(self.near, "The lamp's near plane")
+            if not 0.0 < self.field_of_view < 180.0:
+                raise ValueError(
+                    f"The lamp's field of view is {self.field_of_view!r} degrees; give one between 0 and 180."
+                )
+        if not -math.inf < self.near < self.far < math.inf:
             raise ValueError(
                 f"The lamp's planes are at {self.near} and {self.far}; the second is the farther."
             )
@@ -152,6 +168,8 @@ def lamp_around(scene, position, target=None, infinite=False, margin=1.02):
     ``target``: None, the box's centre. ``margin``: how much wider than the box, > 1. Raises ValueError where
     the lamp is in the box's way: a frustum encloses only what is in front of it.
     """
+    if not 1.0 < margin < math.inf:
+        raise ValueError(f"The lamp's margin is {margin!r}; give how much wider than the box, above 1.")
     corners = scene.corners()
     target = tuple(map(float, corners.mean(axis=0) if target is None else target))
     position = tuple(map(float, position))
@@ -159,6 +177,10 @@ def lamp_around(scene, position, target=None, infinite=False, margin=1.02):
     eye = np.array([transform(modelview, (*corner, 1.0))[:3] for corner in corners.tolist()])
     depth = -eye[:, 2]
     extent = float(depth.max() - depth.min())
+    if extent == 0.0:
+        raise ValueError(
+            f"The scene is flat, and the lamp at {position} looks straight at it; move it aside."
+        )
     slack = (margin - 1.0) * extent
     near, far = float(depth.min()) - slack, float(depth.max()) + slack
     if infinite:
@@ -196,6 +218,7 @@ LAMP_POSITIONS = ((-6.2, 7.0, 3.2), (-1.4, 8.8, 5.0), (5.6, 6.8, 4.4))
 
 def floor(half_width, cells):
     """A square in y = 0 that faces up, ``cells`` by ``cells`` squares: lights per vertex need vertices."""
+    half_width = positive(half_width, "Half the floor's width")
     return meshes.plane(cells, cells, half_width, half_width).rotated(rotation("x", -90.0))
 
 

@@ -106,6 +106,8 @@ def tiles(edge, window):
     """The pieces (x, y, width, height) in which a map of ``edge`` texels is drawn in a window (width,
     height), by rows from the lower left.
     """
+    if edge < 1 or min(window) < 1:
+        raise ValueError(f"A map of {edge} texels in a window of {window}; give both one or more.")
     width, height = (min(edge, extent) for extent in window)
     return tuple(
         (x, y, min(width, edge - x), min(height, edge - y))
@@ -312,6 +314,8 @@ def ambient_form_pass(
     SGIX_shadow_ambient has the comparison give ``share`` where it fails. ``combiners``: a general combiner
     makes it of the comparison instead; None: where the machine has no shadow ambient.
     """
+    if not 0.0 <= share <= 1.0:
+        raise ValueError(f"Shadows keep {share!r} of the light; give a share from 0 to 1.")
     camera = lamp if camera is None else camera
     combiners = not profile.shadow_ambient if combiners is None else combiners
     unit = map_unit(
@@ -386,12 +390,20 @@ def accumulated_passes(
     The scene without the light is the first that it takes, whole; then the light's passes come by themselves,
     with the map moved by so many texels, and each counts as many comparisons as it has. ``edge``: the map's.
     ``units``: 1 comparison in a pass, or 4, whose mean combiners take; None: 4 where the machine can and
-    ``kernel`` is even.
+    ``kernel`` is even. Raises ValueError for another number of them, and for 4 where it is odd.
     """
     camera = lamp if camera is None else camera
     if units is None:
         units = 4 if profile.max_texture_units >= 4 and kernel % 2 == 0 else 1
-    combiners = {1: None, 4: _mean_of_four()}[units]
+    if kernel != int(kernel) or kernel < 1 or edge < 1:
+        raise ValueError(
+            f"A kernel of {kernel!r} comparisons along its edge, of a map of {edge}; give whole numbers from 1."
+        )
+    if units not in (1, 4) or kernel**2 % units:
+        raise ValueError(
+            f"{units!r} comparisons in a pass of {kernel} x {kernel}; give 1, or 4 where the kernel is even."
+        )
+    combiners = None if units == 1 else _mean_of_four()
     scissor = view.panel.scissor
     out = [
         *unlit_pass(scene, view, shading),

@@ -341,6 +341,8 @@ def show_volumes(label, volumes, view, color, alpha):
 
     One colour for all, so that the order of the sides does not matter.
     """
+    if not 0.0 <= alpha <= 1.0:
+        raise ValueError(f"A side covers {alpha!r} of what is behind it; give a part from 0 to 1.")
     state = PassState(
         vertex=view.vertex, scissor=view.panel.scissor, depth_test=_TESTED, blending=_TRANSLUCENT
     )

@@ -90,11 +90,17 @@ def compare(
     grazing      cosine between surface and light below which any answer is understood
     where        bool [h, w]: compare these pixels only; None: all where something is seen
 
-    Raises ValueError where the mask has another shape than the truth.
+    Raises ValueError where the mask has another shape than the truth, and for widths that are none.
     """
     mask = np.asarray(mask, np.bool_)
     if mask.shape != truth.lit.shape:
         raise ValueError(f"The mask is {mask.shape}, the truth {truth.lit.shape}; render both alike.")
+    widths = {"edge_pixels": edge_pixels, "edge_texels": edge_texels, "contact": contact, "grazing": grazing}
+    for name, width in widths.items():
+        if not 0 <= width < np.inf:
+            raise ValueError(f"{name} is {width!r}; give zero or more.")
+    if map_edge is not None and not map_edge >= 1:
+        raise ValueError(f"map_edge is {map_edge!r}; give the map's texels, or None where there is none.")
     compared = truth.shown.something if where is None else truth.shown.something & where
     kinds = np.where(compared, np.where(mask == truth.lit, AGREES, OTHER), NOT_COMPARED).astype(np.uint8)
     facing = cosines(truth)
