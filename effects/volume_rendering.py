@@ -733,8 +733,8 @@ def picture_of(volume, eye, up, light, profile, size, slices, shadows):
     if depths.min() < step:
         raise ValueError(
             f"Slices are {step:.3g} units apart, and {volume.name} is {depths.min():.3g} deep where the eye "
-            "looks through its thinnest edge: it would have holes. Give more slices, another direction to the "
-            "eye, or another spacing."
+            "looks through its thinnest edge: it would have holes. Give more slices, another direction to "
+            "the eye, or another spacing."
         )
     # A field of view of 24 degrees, 0.2126 its half's tangent, and a margin round what is seen.
     distance = float((np.maximum(np.abs(x), np.abs(y)) * (1.04 / 0.2126) + z).max())
