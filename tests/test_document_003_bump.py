@@ -14,9 +14,13 @@ from effects import (
     lighting_spaces,
     meshes,
     normal_maps,
+    normalization_cube_map,
 )
+from effects.dot_product_lookups import encode_dot_product
+from effects.encode import encode_expand
 from effects.matrices import rotation
 from effects.normalization_cube_map import directions
+from effects.ray_caster import primary_rays
 from effects.vectors import dot, normalize
 from effects.views import Light, orthographic_view, perspective_view, row_of_panels
 from pipeline.commands import TexImage
@@ -48,6 +52,13 @@ def test_normals_are_those_of_the_height_fields_frames():
     np.testing.assert_allclose(normal_maps.normals(heights, 1.0 / 64, 1.0 / 64), frame[0], atol=1e-15)
     # Steps of one texel, and heights in texels, are the document's usual choice.
     np.testing.assert_allclose(normal_maps.normals(heights * 64), frame[0], atol=1e-14)
+
+
+def test_each_difference_is_divided_by_its_own_step():
+    u, v = np.meshgrid(np.arange(8.0), np.arange(4.0))
+    d_u, d_v = normal_maps.differences(3.0 * u + 5.0 * v, 0.5, 0.25, periodic=False)
+    np.testing.assert_allclose(d_u[1:-1, 1:-1], 6.0)
+    np.testing.assert_allclose(d_v[1:-1, 1:-1], 20.0)
 
 
 def test_without_period_the_edge_goes_on_level():
@@ -111,12 +122,52 @@ def test_a_colour_matrix_needs_one_light_vector():
     assert len(lighting_spaces.color_matrix_passes(surface, normals, view, far, OCTANE, **settings)) == 4
 
 
+@pytest.mark.parametrize(
+    "light", [(0.4, 0.2, 1.0), (1.0, 0.0, 0.1), (0.9, -0.5, -0.1)], ids=["high", "grazing", "behind"]
+)
+@pytest.mark.parametrize("space", ["camera", "object", "colour matrix", "tangent"])
+def test_every_space_gives_the_document_s_lighting(space, light):
+    """Ambient + colour (n.l)+ + min(1, 4 (n.l)+) k (n.h)^8 on a plane with one normal, its colour red."""
+    n, (panel,) = normalize(np.array([0.3, -0.2, 1.0])), row_of_panels(1, 8)
+    view, surface, normals = orthographic_view(panel), meshes.plane(), np.tile(n, (4, 4, 1))
+    settings = {"color": (0.5, 0.0, 0.0), "ambient": (0.1, 0.1, 0.0), "specular": 0.6}
+    where = surface, "map", view, Light(light)
+    machine = {"camera": GEFORCE_3, "colour matrix": OCTANE}.get(space, GEFORCE_256)
+    encoded = (encode_dot_product(normals, 1.0, machine) if space == "camera"
+               else encode_expand(normals, machine))  # fmt: skip
+    load = (
+        normalization_cube_map.load(256, machine),
+        TexImage(label="map", texture="map", image=texture_2d(encoded)),
+    )
+    if space == "colour matrix":
+        load = ()
+        passes = lighting_spaces.color_matrix_passes(surface, normals, *where[2:], machine, **settings)
+    else:
+        draws = {
+            "camera": lighting_spaces.camera_space_pass,
+            "object": lighting_spaces.object_space_passes,
+            "tangent": lighting_spaces.tangent_space_passes,
+        }
+        passes = draws[space](*where, machine, **settings)
+    commands = (*load, panel.clear((0.0, 0.0, 0.0)), *passes)
+    shown = execute(commands, machine, 8, 8).framebuffer.color[4, 4, :3] / 255.0
+    toward = normalize(np.array(light))
+    cosine, half = max(0.0, float(dot(n, toward))), normalize(toward + np.array([0.0, 0.0, 1.0]))
+    highlight = min(1.0, 4.0 * cosine) * 0.6 * max(0.0, float(dot(n, half))) ** 8
+    expected = np.array([0.5 * cosine + 0.1 + highlight, 0.1 + highlight, highlight])
+    # Bytes of n, h and the length of h, to the eighth power; a cube map's texels are a quarter of a degree.
+    np.testing.assert_allclose(shown, expected, atol=0.02)
+
+
 def test_the_room_is_the_same_from_every_distance_and_has_six_sides():
     toward = directions(8)
     np.testing.assert_array_equal(environments.room(toward), environments.room(toward * 4.0))
     colors = environments.room(np.array([[1, 0.9, 0], [0, 1, 0], [0, -1, 0.1]], np.float64))
     assert len(np.unique(np.round(colors, 3), axis=0)) == 3
     assert colors[1].min() > 0.85  # the lamp
+    left, right = environments.room(np.array([[-1.0, 0.0, 0.9], [1.0, 0.0, 0.9]]))
+    assert left[0] > 2.0 * left[2]  # the warm wall
+    assert right[0] < right[2] + 0.1
     assert environments.room(np.zeros((0, 3))).shape == (0, 3)
 
 
@@ -143,6 +194,44 @@ def test_a_reflections_q_is_the_vector_to_the_eye():
     q = np.stack([row[:, 3] for row in sets], axis=-1)
     np.testing.assert_array_equal(q, np.array([1.0, 2.0, 3.0]) - surface.positions)
     np.testing.assert_array_equal(sets[1][:, 2], surface.normals[:, 1])
+
+
+def test_an_infinite_viewers_eye_is_where_he_is():
+    surface = meshes.sphere(8, 4)
+    sets = bumped_reflections.rows_and_eye(surface, orthographic_view(row_of_panels(1, 32)[0]))
+    np.testing.assert_array_equal(np.stack([row[0, 3] for row in sets]), (0.0, 0.0, 1.0))
+
+
+def test_the_environment_behind_is_what_the_viewer_would_see():
+    """By the cube map and by a picture, in a view from above: each pixel is the colour of its direction."""
+
+    def toward(d):
+        return 0.5 * normalize(d) + 0.5
+
+    view = perspective_view(row_of_panels(1, 16)[0], (3.0, 2.0, 1.0))
+    _, rays = primary_rays(view)
+    expected = toward(rays).reshape(16, 16, 3)
+    cube = bumped_reflections.load_environment(64, GEFORCE_3, toward), *bumped_reflections.backdrop(view)
+    for machine, commands in (
+        (GEFORCE_3, cube),
+        (G400, bumped_reflections.picture_backdrop(view, 64, G400, toward)),
+    ):
+        shown = execute(commands, machine, 16, 16).framebuffer.color[::-1, :, :3] / 255.0
+        np.testing.assert_allclose(shown, expected, atol=0.03)
+
+
+def test_a_metals_tint_multiplies_what_it_reflects():
+    (panel,) = row_of_panels(1, 8)
+    view, tint = perspective_view(panel, (0.0, 0.0, 4.0)), (0.9, 0.6, 0.2)
+    load, names = bumped_reflections.load(np.array([[[0.0, 0.0, 1.0]]]), 1.0, "flat", GEFORCE_3)
+    commands = (
+        *load,
+        bumped_reflections.load_environment(8, GEFORCE_3, lambda d: 0.0 * d + 0.8),
+        panel.clear((0.0, 0.0, 0.0)),
+        *bumped_reflections.reflection_pass(meshes.plane(), names, view, tint=tint),
+    )
+    shown = execute(commands, GEFORCE_3, 8, 8).framebuffer.color[4, 4, :3] / 255.0
+    np.testing.assert_allclose(shown, 0.8 * np.array(tint), atol=0.006)
 
 
 def test_offsets_are_signed_bytes_in_green_and_blue():
