@@ -397,7 +397,7 @@ def accumulated_passes(
         units = 4 if profile.max_texture_units >= 4 and kernel % 2 == 0 else 1
     if kernel != int(kernel) or kernel < 1 or edge < 1:
         raise ValueError(
-            f"A kernel of {kernel!r} comparisons along its edge, of a map of {edge}; give whole numbers from 1."
+            f"A kernel of {kernel!r} texels along its edge, of a map of {edge}; give whole numbers from 1."
         )
     if units not in (1, 4) or kernel**2 % units:
         raise ValueError(

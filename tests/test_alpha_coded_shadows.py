@@ -125,6 +125,31 @@ def a_scene(size, profile, way, *, moves=True, bias=2.0, shading="mask", bits=8,
     return *out, *frame
 
 
+@pytest.mark.parametrize("way", [alpha.with_combiners, alpha.with_environments], ids=lambda w: w.__name__)
+def test_marks_of_a_frame_before_are_cleared(way):
+    profile = GEFORCE_256 if way is alpha.with_combiners else MULTITEXTURE
+    commands = a_scene(48, profile, way)
+    marked = (Clear(label="marks of a frame before", stencil=1), *commands)
+    before, after = (execute(c, profile, 48, 48).framebuffer.color for c in (commands, marked))
+    assert np.array_equal(before, after)
+    assert 0.1 < (before[..., 0] > 127).mean() < 0.9
+
+
+def test_ramp_and_map_are_as_wide_as_the_components():
+    formats = {
+        (bits, p.name): alpha.Coding(bits).internal_format(p).name
+        for bits in (8, 12)
+        for p in (INFINITE_REALITY, GEFORCE_256)
+    }
+    assert formats == {
+        (8, INFINITE_REALITY.name): "ALPHA8",
+        (12, INFINITE_REALITY.name): "ALPHA12",
+        (8, GEFORCE_256.name): "ALPHA8",
+        (12, GEFORCE_256.name): "ALPHA8",
+    }
+    assert alpha.Coding(12, component="red").internal_format(INFINITE_REALITY).name == "INTENSITY12"
+
+
 def test_three_passes_a_frame_and_four_where_something_moves():
     """Erratum E000.8."""
     for way in (alpha.with_combiners, alpha.with_environments):

@@ -195,6 +195,16 @@ def test_parallel_light_and_view_leave_the_uniform_camera():
     assert np.abs(a[:, :2] / a[:, 3:] - b[:, :2] / b[:, 3:]).max() < 0.1
 
 
+@pytest.mark.parametrize("light", ["from the right", "from the front, low"])
+def test_the_line_of_sight_is_one_column_of_the_warped_map(light):
+    """The second perspective's centre is before the eye: left and right of it are treated alike."""
+    body = light_space.seen_body(SCENE, VIEW)
+    camera = light_space.perspective_camera(body, SCENE, LIGHTS[light], VIEW)
+    line = np.array(VIEW.eye) + np.linspace(5.0, 60.0, 9)[:, None] * light_space.view_direction(VIEW)
+    q = clip(camera, line)
+    assert np.ptp(q[:, 0] / q[:, 3]) < 1e-9
+
+
 def test_best_n_sees_texels_as_large_at_both_ends():
     """The derivation: along a line perpendicular to the light, of which the viewer's depth grows by
     sin(gamma), w^2 / z is the same at both ends, and smaller between them.
