@@ -77,7 +77,22 @@ def checks(figure, renderer):
     meeting = _beside_another(face) & (kinds != agreement.NOT_COMPARED)
     inside = face == cube_of_maps.FACES.index(figure.parameters["one"])
     away = facing & ~agreement.silhouettes(rays) & ~_beside_another(face)
+    _, plain, tinted = np.split(renderer.machine(figure, size), 3, axis=1)
+    # A highlight is white, whatever a surface's tint.
+    objects = lit_room.lit_room(detail_of(size)).objects
+    dull = np.array([thing.specular == 0.0 for thing in objects])[rays.shown.object] & rays.shown.something
+    dull &= ~agreement.silhouettes(rays) & ~_beside_another(face) & (plain.max(axis=-1) < 1.0)
+    off = np.abs(tinted - plain * np.array(TINTS)[face]).max(axis=-1)[dull]
     return (
+        Check(
+            "tinted: pixels of the second picture's colours times their map's tint",
+            float((off <= 2.5 / 255.0).mean()),
+            ">=",
+            0.999,
+            "machine",
+            "the same light and shadows; colours without a light and with it are rounded each; a bulb and "
+            "what the lamp's light makes of a neighbour's outline are the rest",
+        ),
         *(
             Check(
                 f"pixels that agree with rays, map {name}",

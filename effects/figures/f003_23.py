@@ -4,7 +4,7 @@ import numpy as np
 
 from effects.figures import agreement
 from effects.figures.figure import BACKGROUND, Check, Figure, Method
-from effects.lit_scene import map_edge
+from effects.lit_scene import AMBIENT, map_edge
 from effects.scenes import (
     FLOOR_HALF_WIDTH,
     LAMP_POSITIONS,
@@ -76,6 +76,21 @@ def _edges(truth):
     return out & (truth.shown.points[..., 0] > _FREE_OF_CONTACT)
 
 
+def _away_from_edges(truth, pixels=6):
+    """Floor that is lit, and floor in shadow free of contact, with nothing else so many pixels around."""
+    ground = truth.shown.object == 0
+    lit, dark = ground & truth.lit, ground & ~truth.lit
+    out = []
+    for area in (lit, dark & (truth.shown.points[..., 0] > _FREE_OF_CONTACT)):
+        inner = area.copy()
+        inner[:pixels], inner[-pixels:], inner[:, :pixels], inner[:, -pixels:] = False, False, False, False
+        for dy in range(-pixels, pixels + 1):
+            for dx in range(-pixels, pixels + 1):
+                inner &= np.roll(area, (dy, dx), (0, 1))
+        out.append(inner)
+    return out
+
+
 def _reach(values, truth, edge, texels):
     """How far from a shadow's true edge the floor is neither lit nor dark, in texels of a map of ``texels``:
     the greatest of the least 99 in 100 pixels.
@@ -97,6 +112,7 @@ def checks(figure, renderer):
     scene, lamp = scene_of(_SIZE)
     truth = agreement.truth_of(scene, view_of(Panel(0, 0, _SIZE, _SIZE)), lamp)
     edge, ground = _edges(truth), truth.shown.object == 0
+    light, umbra = _away_from_edges(truth)
     out = []
     for on in ("ideal", "machine"):
         picture = getattr(renderer, on)(figure, _SIZE, shading="mask", ratio=_RATIO)[..., 0]
@@ -134,6 +150,13 @@ def checks(figure, renderer):
                 "a soft edge goes through most of them",
             ),
         )
+        for name, part in (("1", hard), ("2x2", filtered), (f"{kernel}x{kernel}", wide)):
+            out.append(
+                Check(
+                    f"{name}: light on the floor away from shadows, mean", float(part[light].mean()), ">=",
+                    0.999, on, "no surface shades itself",
+                )
+            )  # fmt: skip
         reach = _reach(wide, truth, edge, map_edge(_SIZE, _RATIO))
         out += (
             Check(
@@ -157,6 +180,17 @@ def checks(figure, renderer):
                     "the catalogue's acceptance",
                 )
             )
+    picture = renderer.machine(figure, _SIZE, ratio=_RATIO)
+    ambient = np.array(AMBIENT[:3]) * np.array(scene.objects[0].color)
+    dark = [picture[:, k * _SIZE : (k + 1) * _SIZE][umbra] for k in range(3)]
+    out.append(
+        Check(
+            "umbra on the floor less the ambient light, largest",
+            float(np.abs(np.array(dark) - ambient).max()),
+            "<=", 1.5 / 255.0, "machine",
+            "E003.9: what comparisons multiply is the light alone; a byte's rounding",
+        )
+    )  # fmt: skip
     return tuple(out)
 
 

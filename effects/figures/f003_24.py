@@ -88,6 +88,20 @@ def make(profile, size, *, ratio, factor, units, shading="lit"):
 _SIZE = 128
 
 
+def _drawn_edges(picture, lamp):
+    """How many of the frustum's edges have their colour about their middle in the picture from outside."""
+    size = len(picture)
+    view, corners = outside_view(Panel(0, 0, size, size)), frustum_corners(lamp)
+    count = 0
+    for a, b in _EDGES:
+        middle = (*(0.5 * (corners[a] + corners[b])).tolist(), 1.0)
+        x, y, _, w = transform(view.projection, transform(view.modelview, middle))
+        column, row = (int((0.5 + 0.5 * c / w) * size) for c in (x, y))
+        around = picture[row - 1 : row + 2, column - 1 : column + 2]
+        count += bool((np.abs(around - np.array(diagrams.YELLOW)).max(axis=-1) < 2.0 / 255.0).any())
+    return count
+
+
 def checks(figure, renderer):
     """T on the frustum's corners, shadows in the image and none from the light, and the depths."""
     scene, light = scene_of(_SIZE)
@@ -101,6 +115,11 @@ def checks(figure, renderer):
             "the catalogue's acceptance; sines and cosines are multiples of 2**-20",
         )
     ]  # fmt: skip
+    outside = renderer.machine(figure, 2 * _SIZE)[:, 6 * _SIZE :]
+    out.append(
+        Check("edges of the frustum that are drawn where it is", _drawn_edges(outside, light), ">=", 9,
+              "machine", "three of twelve at most are behind the scene")
+    )  # fmt: skip
     panel = Panel(0, 0, _SIZE, _SIZE)
     edge = map_edge(_SIZE, figure.parameters["ratio"])
     truth = agreement.truth_of(scene, still_life_view(panel), light)

@@ -99,7 +99,7 @@ def checks(figure, renderer):
                 out.append(
                     Check(
                         "shadow map's pixels unlike the rays', over the volumes', from near",
-                        (1.0 - mapped.agreeing) / (1.0 - volumes.agreeing), ">=", 20.0, on,
+                        (1.0 - mapped.agreeing) / max(1.0 - volumes.agreeing, 1e-9), ">=", 20.0, on,
                         "document 003: pixel accurate, no sampling issues; measured 27",
                     )
                 )  # fmt: skip
@@ -107,7 +107,7 @@ def checks(figure, renderer):
     out.append(
         Check(
             "pixels that both draw unlike from near, with four times the map's edge, over those before",
-            unlike(finer, 1) / unlike(masks, 1), "<=", 0.33, "machine",
+            unlike(finer, 1) / max(unlike(masks, 1), 1e-9), "<=", 0.33, "machine",
             "P8: a map's errors at edges shrink as its texels, to a quarter, and a third of slack",
         )
     )  # fmt: skip
