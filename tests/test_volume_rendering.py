@@ -125,6 +125,31 @@ def test_spacing_turns_normals():
     assert np.allclose((inner - 127.5) / 127.5, np.array([2.0, 0.0, 1.0]) / np.sqrt(5.0), atol=0.005)
 
 
+def test_a_volumes_texture_has_normals_of_its_box():
+    x, _, z = np.meshgrid(*[np.arange(6)] * 3, indexing="ij")
+    falling = (200 - 20 * x - 20 * z).astype(np.uint8).transpose(2, 1, 0)
+    texel = Volume("v", falling, (1.0, 1.0, 2.0)).texture(127.5).levels[0][2, 2, 2]
+    assert np.allclose((texel[:3] - 127.5) / 127.5, np.array([2.0, 0.0, 1.0]) / np.sqrt(5.0), atol=0.005)
+    assert texel[3] == 120
+
+
+def test_the_halfway_vector_lies_between_the_lamp_and_the_eye():
+    what = picture()
+    light, eye = (
+        np.array(v) / np.sqrt(dot(np.array(v), np.array(v))) for v in (LAMP.direction, what.view.eye)
+    )
+    assert np.allclose(what.light, light)
+    assert np.allclose(what.eye, eye)
+    assert np.allclose(what.half, (light + eye) / np.sqrt(dot(light + eye, light + eye)))
+
+
+def test_what_is_as_dense_as_the_surface_is_solid():
+    even = Volume("v", np.full((16, 16, 16), 51, np.uint8), (0.7, 0.7, 0.7), 51.0 / 255.0)
+    for method, profile in ((imaging, OCTANE), (combiners, GEFORCE_3)):
+        image = drawn(method, replace(picture(shadows=False), volume=even), profile)
+        assert (image[24, 24] != image[0, 0]).any()
+
+
 @pytest.mark.parametrize(
     ("density", "iso", "word"),
     [

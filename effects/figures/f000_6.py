@@ -5,6 +5,7 @@ import numpy as np
 from effects import diagrams, meshes
 from effects.alpha_coded_shadows import MAP, Coding, store_map
 from effects.diagrams import BLUE, FAINT, INK, RED, VISIBLE, YELLOW
+from effects.figures.bumps import drawn_check
 from effects.figures.figure import BACKGROUND, DIAGRAM_MACHINES, Check, Figure, Method
 from effects.lit_scene import map_edge
 from effects.matrices import look_at, rotation, transform
@@ -177,15 +178,16 @@ def verdict(lamp, name, point, nearest):
 MAP_LOW, MAP_HALF = -0.52, 0.70
 
 
+def place(point):
+    """Where on the right panel's sheet a point's texel is."""
+    s, t = map_coordinates(THE_LAMP, point)
+    return MAP_HALF * (2.0 * s - 1.0), MAP_LOW + 2.0 * MAP_HALF * t
+
+
 def _map_panel(panel, lamp, background):
     view, hidden = diagrams.sheet(panel), hidden_point()
     low, half = MAP_LOW, MAP_HALF
     corners = [(-half, low), (half, low), (half, low + 2.0 * half), (-half, low + 2.0 * half)]
-
-    def place(point):
-        s, t = map_coordinates(lamp, point)
-        return half * (2.0 * s - 1.0), low + 2.0 * half * t
-
     return (
         panel.clear(background),
         diagrams.picture("the depth map", view, corners, MAP),
@@ -225,6 +227,21 @@ def _seen_depths(caster, coordinates):
     points = np.array(LAMP) + np.where(np.isfinite(distance), distance, 1e3)[:, None] * directions
     plane = np.array(THE_LAMP.depth_plane)
     return np.clip(points @ plane[:3] + plane[3], 0.0, 1.0)
+
+
+def _marks(size):
+    """The dots of P, Q, what hides Q, and where P and Q are on the image plane and the map."""
+    left, right = row_of_panels(2, size)
+    view, sheet, hidden = overview(left), diagrams.sheet(right), hidden_point()
+    return (
+        (0, view, LIT, YELLOW),
+        (0, view, HIDING, YELLOW),
+        (0, view, hidden, RED),
+        (0, view, on_image_plane(THE_LAMP, LIT), YELLOW),
+        (0, view, on_image_plane(THE_LAMP, hidden), RED),
+        (1, sheet, place(LIT), YELLOW),
+        (1, sheet, place(hidden), RED),
+    )
 
 
 def checks(figure, renderer):
@@ -273,6 +290,16 @@ def checks(figure, renderer):
             "ideal",
             "sines and cosines are rounded to 2^-20",
         ),
+        Check(
+            "verdicts that are wrong",
+            float(not verdict(lamp, "P", LIT, tuple(met[0])).endswith("\nlit"))
+            + float(not verdict(lamp, "Q", hidden, tuple(met[1])).endswith("\nin shadow")),
+            "<=",
+            0.0,
+            "ideal",
+            "what the rays meet first is P, and is not Q",
+        ),
+        *drawn_check(figure, renderer, _marks(size)),
     ]
     for on in ("ideal", "machine"):
         stored = _stored_map(figure, renderer, on, size)

@@ -11,6 +11,7 @@ import numpy as np
 
 from effects import diagrams
 from effects.diagrams import BLUE, FAINT, INK, RED, VIOLET, YELLOW
+from effects.figures.bumps import drawn_check
 from effects.figures.figure import BACKGROUND, DIAGRAM_MACHINES, Check, Figure, Method
 from effects.views import row_of_panels
 
@@ -163,6 +164,29 @@ def scene(profile, size, *, right, too_much, background):
     return tuple(out)
 
 
+def _misjudged(bias):
+    """At how many points of the surface, 40 under each texel, ``parts`` is not what the comparison says."""
+    x = LEFT + WIDTH * (np.arange(40 * TEXELS) + 0.5) / 40.0
+    lit = depth_of_surface(x) <= np.repeat(stored_depths(bias), 40)
+    found = [next(part.lit for part in parts(bias) if part.start <= at <= part.end) for at in x.tolist()]
+    return int((lit != np.array(found)).sum())
+
+
+def _marks(size, settings):
+    """The stored depths, the map's texels, the plates and the biases, for ``drawn_check``."""
+    out = []
+    for k, (panel, bias) in enumerate(zip(row_of_panels(3, size), settings, strict=True)):
+        view, plate = diagrams.sheet(panel), LEFT + 0.5 * (PLATE[0] + PLATE[1]) * WIDTH
+        for i, depth in enumerate(stored_depths(bias)):
+            x, grey = LEFT + (i + 0.25) * WIDTH, depth / RANGE
+            out += [(k, view, (x, TOP - depth), BLUE), (k, view, (x, TOP + 0.04), (grey, grey, grey))]
+        out.append((k, view, (plate, _on_surface(plate)[1] + GAP), INK))
+        if bias:
+            x = LEFT + 2.5 * WIDTH
+            out.append((k, view, (x, _on_surface(x)[1] - 0.7 * bias), VIOLET))
+    return out
+
+
 def checks(figure, renderer):
     """What the map gets wrong with each bias, and that the picture has it where it is computed."""
     p = figure.parameters
@@ -185,6 +209,17 @@ def checks(figure, renderer):
          "more than the gap: the shadow is lost"),
     )  # fmt: skip
     out = [Check(name, float(value), *rest[:2], "ideal", rest[2]) for name, value, *rest in rows]
+    misjudged = sum(_misjudged(bias) for bias in (none, right, too_much))
+    out.append(
+        Check(
+            "points in a part that is not what the map's texel says of them",
+            float(misjudged),
+            "<=",
+            0.0,
+            "ideal",
+            "farther than what is stored is in shadow, at 40 points of each texel",
+        )
+    )
     size = figure.size // 2
     for on in ("ideal", "machine"):
         image, right_pixels, count = getattr(renderer, on)(figure, size), 0, 0
@@ -208,7 +243,7 @@ def checks(figure, renderer):
                 "steps at the surface's height cover the others",
             )
         )
-    return tuple(out)
+    return (*out, *drawn_check(figure, renderer, _marks(size, (none, right, too_much))))
 
 
 FIGURE = Figure(
