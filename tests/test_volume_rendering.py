@@ -285,6 +285,21 @@ def test_without_shadows_no_pixel_is_darker():
     ).all()
 
 
+@pytest.mark.parametrize(("method", "profile"), [(imaging, OCTANE), (combiners, GEFORCE_3)])
+def test_one_ball_throws_its_shadow_on_another(method, profile):
+    """What is turned to the lamp, and is hidden from it, is dark: nine pixels in ten."""
+    density = np.maximum(ball(32, 0.5), np.roll(ball(32, 0.3), (8, 9, 7), axis=(0, 1, 2)))
+    two = Volume("two balls", density, BALL.half_extents)
+    what = replace(picture(64, shading=Shading(mask=True)), volume=two, map_panel=Panel(0, 0, 64, 64))
+    surface = volume_caster.visible(two, what.view)
+    lit = volume_caster.lit(two, surface, LAMP.direction, LEAST)
+    hidden = surface.seen & (dot(surface.normals, what.light) > 0.2) & ~lit
+    assert hidden.sum() > 30
+    white = drawn(method, what, profile)[..., 0] > 0.5
+    assert (~white)[hidden].mean() > 0.9
+    assert white[lit].mean() > 0.9
+
+
 def test_combiners_raise_to_every_power():
     base = np.linspace(0.0, 1.0, 9)
     for exponent in range(1, 128):

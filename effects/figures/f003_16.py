@@ -4,6 +4,7 @@ import numpy as np
 
 from effects import diagrams
 from effects.diagrams import FAINT, INK, RED, YELLOW
+from effects.figures.bumps import drawn_check
 from effects.figures.figure import BACKGROUND, DIAGRAM_MACHINES, Check, Figure, Method
 from effects.figures.flatland import Shape, first_hit, is_visible, pieces
 from effects.vectors import cosine, sine
@@ -219,21 +220,32 @@ def checks(figure, renderer):
             )
         )
         toward, _ = axes()
-        greys = []
-        for u, hit in zip(pixel_centers(), hits(), strict=True):
-            place = np.array(image_point(u)) - toward * 0.04
-            greys.append(abs(color_at(*place, 1)[0] - shade(image_of(hit.point)[1])))
-        out.append(
+        drawn = np.array(
+            [color_at(*(np.array(image_point(u)) - toward * 0.04), 1)[0] for u in pixel_centers()]
+        )
+        depths = np.array([image_of(hit.point)[1] for hit in hits()])
+        out += [
             Check(
                 "grey of the depth image - depth of the nearest point, largest",
-                float(max(greys)),
+                float(np.abs(drawn - [shade(depth) for depth in depths]).max()),
                 "<=",
                 0.0021,
                 on,
                 "half a byte",
-            )
-        )
-    return tuple(out)
+            ),
+            Check(
+                "least rise of the grey from a pixel of the image to the next deeper one",
+                float(np.diff(drawn[np.argsort(depths)]).min()),
+                ">=",
+                -0.0021,
+                on,
+                "near is dark; half a byte",
+            ),
+        ]
+    sheets = [diagrams.sheet(panel) for panel in row_of_panels(2, size)]
+    marks = [(0, sheets[0], point, YELLOW if is_lit else RED) for point, is_lit in points()]
+    marks += [(1, sheets[1], hit.point, LIT) for hit in hits()]
+    return (*out, *drawn_check(figure, renderer, marks))
 
 
 FIGURE = Figure(

@@ -172,7 +172,8 @@ def _plotted():
     that of the errors, float64 [5, 2].
     """
     errors = np.floor(np.log2(largest_errors()) * 2.0**16 + 0.5) / 2.0**16
-    return np.stack([-2.0 * np.log2(np.array(FINER, np.float64)), errors], axis=-1)
+    steps = [-2.0 * (samples.bit_length() - 1) for samples in FINER]
+    return np.stack([steps, errors], axis=-1)
 
 
 def _error_plot(view):
@@ -216,6 +217,16 @@ def checks(figure, renderer):
     foot, tip = _normals_tip(0.34)
     u, v, _, n = _chosen()
     marks = [(0, plot, 0.5 * (foot + tip), YELLOW)]
+    # Along the differences a fifth from their starts, and on the cut half of the normal, by its components.
+    step, (_, right, left, far, near) = 1.0 / SAMPLES, _chosen()[2]
+    differences = (
+        (_point(u - step, v, left), _point(u + step, v, right), RED),
+        (_point(u, v - step, near), _point(u, v + step, far), GREEN),
+    )
+    marks += [(0, plot, start + 0.2 * (end - start), color) for start, end, color in differences]
+    across = np.array([n[1], n[0]]) / math.hypot(n[1], n[0])
+    marks.append((1, cut, np.array([u, displacement(u, v)]) + 0.12 * across, YELLOW))
+    lean = max(abs(float(((tip - foot) * (end - start)).sum())) for start, end, _ in differences)
     marks += [(1, cut, (u + k / SAMPLES, displacement(u + k / SAMPLES, v)), INK) for k in (-1, 1)]
     marks += [(2, graph, place, YELLOW) for place in _plotted()]
     analytic = np.array([1.0, *(-float(s) for s in slopes(u, v))])
@@ -243,6 +254,14 @@ def checks(figure, renderer):
             0.99,
             "ideal",
             "eight samples of two waves",
+        ),
+        Check(
+            "the drawn normal times the drawn differences, largest",
+            lean,
+            "<=",
+            1e-12,
+            "ideal",
+            "it is their cross product",
         ),
         *drawn_check(figure, renderer, marks),
     )

@@ -3,7 +3,7 @@
 import numpy as np
 
 from effects import diagrams, tangent_space
-from effects.diagrams import BLUE, YELLOW
+from effects.diagrams import BLUE, GREEN, RED, YELLOW
 from effects.figures import parametric_triangle as triangle
 from effects.figures.bumps import drawn_check
 from effects.figures.figure import BACKGROUND, DIAGRAM_MACHINES, Check, Figure, Method
@@ -53,6 +53,9 @@ def checks(figure, renderer):
     marks = [(0, flat, corner, BLUE) for corner in triangle.COORDINATES]
     marks += [(1, solid, corner, BLUE) for corner in found]
     marks += [(0, flat, PLACE, YELLOW), (1, solid, triangle.mapped(PLACE[None])[0], YELLOW)]
+    # On a line of constant u, and on one of constant v, between their crossings.
+    for place, color in ((np.array([0.6, 0.36]), RED), (np.array([0.36, 0.3]), GREEN)):
+        marks += [(0, flat, place, color), (1, solid, triangle.mapped(place[None])[0], color)]
     return (
         Check(
             "x(u_i, v_i) - v_i, largest",

@@ -73,9 +73,11 @@ def checks(figure, renderer):
     )
     lean = max(abs(float(dot(normalize(n), axis))) for axis in (t, b))
     flat, solid = _views(figure.size // 2)
-    foot, along_u, along_v, up = _arrows()
-    middle = [(solid, 0.5 * (foot + tip)) for tip in (along_u, along_v, up)]
-    marks = [(1, *place, color) for place, color in zip(middle, (RED, GREEN, VIOLET), strict=True)]
+    # By finite differences and corners turned counter-clockwise, not by the frame that is drawn.
+    foot, upward = triangle.mapped(PLACE[None])[0], np.cross(*(triangle.CORNERS[1:] - triangle.CORNERS[0]))
+    middle = [foot + 0.5 * STEP * difference for difference in differences]
+    middle.append(foot + 0.4 * normalize(upward))
+    marks = [(1, solid, place, color) for place, color in zip(middle, (RED, GREEN, VIOLET), strict=True)]
     marks += [
         (0, flat, PLACE + 0.5 * STEP * axis, color)
         for axis, color in zip(np.eye(2), (RED, GREEN), strict=True)

@@ -45,15 +45,6 @@ def strip(kind, low, high):
     return replace(flat, positions=moved, texture_coordinates=coordinates)
 
 
-def joined(surfaces):
-    """Several surfaces as one."""
-    names = ("positions", "normals", "tangents", "binormals", "texture_coordinates")
-    first = np.cumsum([0, *(len(s.positions) for s in surfaces)])
-    faces = [s.triangles + k for s, k in zip(surfaces, first, strict=False)]
-    arrays = {name: np.concatenate([getattr(s, name) for s in surfaces]) for name in names}
-    return meshes.Surface(**arrays, triangles=np.concatenate(faces))
-
-
 def heights():
     """The rows' (lowest, highest) y."""
     edges = np.linspace(-HALF, HALF, len(ROWS) + 1)
@@ -62,7 +53,7 @@ def heights():
 
 def the_mesh():
     """All rows, with the tangents that a mesh without any trouble would have: along x."""
-    return joined([strip(kind, *ends) for kind, ends in zip(ROWS, heights(), strict=True)])
+    return meshes.joined(*(strip(kind, *ends) for kind, ends in zip(ROWS, heights(), strict=True)))
 
 
 def flagged(surface, report):
