@@ -98,12 +98,17 @@ def ramp(lit):
     return np.arange(2 * _REACH) + 0.5 - _REACH, mean, np.sqrt(np.maximum(square - mean * mean, 0.0))
 
 
+def middle(distances, mean):
+    """Where the edge is in the mean, in pixels along a row from the true one."""
+    weights = np.diff(mean)
+    return float((weights * 0.5 * (distances[1:] + distances[:-1])).sum() / weights.sum())
+
+
 def spread(distances, mean):
     """Standard deviation of where the edge is, in pixels perpendicular to it, from its mean ramp."""
     weights = np.diff(mean)
     at = 0.5 * (distances[1:] + distances[:-1])
-    middle = (weights * at).sum() / weights.sum()
-    variance = (weights * (at - middle) ** 2).sum() / weights.sum()
+    variance = (weights * (at - middle(distances, mean)) ** 2).sum() / weights.sum()
     return math.sqrt(variance) * math.cos(math.radians(_TILT))
 
 
@@ -170,11 +175,14 @@ def checks(table):
     """Jaggedness is the texel's, and stairs are as low as comparisons are many."""
     worst = max(abs(row[3] / row[4] - 1.0) for row in table.rows)
     plain, linear, *rest = _of_kernels(table)
+    beside = [middle(*table.curves[f"{row[0]} {row[1]}"][:2]) / row[2] for row in table.rows]
     products = [row[5] * int(row[1]) for row in rest]
     return (
         Check("how far the edge is off over what texels explain, - 1: largest absolute", worst, "<=", 0.08,
               "machine", "the catalogue's: jaggedness = texel footprint / pixel; measured 0.04, of the "
               "finest and of a map with few stairs in the picture"),
+        Check("edge's middle beside the true edge, texels, largest absolute", max(map(abs, beside)), "<=",
+              0.1, "machine", "stairs lie on both sides of the edge alike; measured 0.06, of few stairs"),
         Check("stairs without a filter, of full light, RMS", plain[5], ">=", 0.45, "machine",
               "at the true edge each pixel is lit or not: one half"),
         Check("stairs of k x k comparisons times k, largest", max(products), "<=", 0.36, "machine",
