@@ -236,6 +236,17 @@ def test_rays_meet_a_ball_where_it_is():
     assert not lit[facing < -0.02].any()
 
 
+def test_rays_know_that_voxels_may_be_flat():
+    """The ball's voxels half as high: an ellipsoid."""
+    flat = Volume("v", BALL.density, (1.0, 0.5, 1.0))
+    surface = volume_caster.visible(flat, picture().view)
+    points, normals = surface.points[surface.seen], surface.normals[surface.seen]
+    round_again = points * np.array([1.0, 2.0, 1.0])
+    assert len(points) > 200
+    assert np.abs(np.sqrt(dot(round_again, round_again)) - 0.7).max() < 0.004
+    assert dot(normals, normalize(round_again * np.array([1.0, 2.0, 1.0]))).min() > 0.998
+
+
 def test_rays_are_stopped_by_what_lies_before_them():
     points = np.array([[0.0, -0.95, 0.0], [0.95, -0.95, 0.0], [0.0, 0.95, 0.0]])
     assert volume_caster.occluded(BALL, points, (0.0, 1.0, 0.0)).tolist() == [True, False, False]
@@ -352,6 +363,11 @@ def test_a_picture_of_any_volume_shows_all_of_it():
     assert drawn_at.mean() > 0.3
     assert min(rows.min(), columns.min()) >= 1
     assert max(rows.max(), columns.max()) <= 46
+    solid = Volume("v", np.full((16, 16, 16), 255, np.uint8), (1.0, 1.0, 1.0))
+    what = picture_of(solid, (1.0, 1.0, 1.0), (0.0, 1.0, 0.0), (1.0, 2.0, 3.0), OCTANE, 64, 64, False)
+    image = drawn(imaging, what, OCTANE)
+    rows, columns = np.nonzero((image != image[0, 0]).any(axis=-1))
+    assert 1 <= min(rows.min(), columns.min(), 63 - rows.max(), 63 - columns.max()) <= 3
     thin = replace(volume, half_extents=(1.0, 0.002, 1.0))
     with pytest.raises(ValueError, match="it would have holes"):
         picture_of(thin, (1.0, 1.0, 1.0), (0.0, 1.0, 0.0), (1.0, 1.0, 1.0), OCTANE, 48, 64, True)
