@@ -18,9 +18,10 @@ from effects import (
     shadow_volumes,
 )
 from effects.alpha_coded_shadows import Coding
-from effects.figures import agreement
+from effects.figures import FIGURES, agreement
 from effects.views import Panel
-from pipeline.profiles import GEFORCE_3, INFINITE_REALITY
+from pipeline.profiles import GEFORCE_3, INFINITE_REALITY, OCTANE, PROFILES
+from pipeline.validate import validate
 
 NAN, INF = math.nan, math.inf
 SCENE, EMPTY = scenes.still_life(12), scenes.Scene(())
@@ -148,3 +149,21 @@ def test_tiny_and_huge_worlds_have_the_same_shadows(scale):
 def test_slices_of_tiny_and_huge_frusta_are_in_order(scale):
     distances = np.array(frustum_slices.split_distances(scale, 81.0 * scale, 4))
     np.testing.assert_allclose(distances / scale, (1.0, 12.0, 25.0, 44.0, 81.0), rtol=1e-4)
+
+
+def test_a_volume_s_panels_must_hold_its_map():
+    figure = FIGURES["F000-7"]
+    with pytest.raises(ValueError, match="give panels of 8 pixels or more"):
+        figure.commands(OCTANE, 7)
+    assert figure.commands(OCTANE, 8)
+
+
+# Those with the most panels and maps of each kind; the others were tried by hand.
+@pytest.mark.parametrize("name", ["F003-24", "F003-26", "H36", "H38", "H40", "Z14"])
+@pytest.mark.parametrize("size", [1, 7])
+def test_figures_of_any_size_are_valid(name, size):
+    """One pixel, and sizes that are no powers of two: maps come in pieces."""
+    figure = FIGURES[name]
+    for method in figure.methods:
+        profile = PROFILES[method.machines[0]]
+        validate(figure.commands(profile, size, method), profile, *figure.dimensions(size))

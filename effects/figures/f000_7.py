@@ -24,6 +24,11 @@ def _picture(panel, size, slices, rows, shading, shadows):
     """The Picture on one panel; smaller panels have a smaller volume, fewer slices and a smaller map."""
     volume = engine(min(rows, max(8, map_edge(size, 0.5))))
     edge = map_edge(size, 1)
+    if edge > size:
+        raise ValueError(
+            f"The smallest shadow map has {edge} x {edge} texels, which panels of {size} pixels do not hold; "
+            f"give panels of {edge} pixels or more."
+        )
     return Picture(
         volume,
         perspective_view(panel, (4.3, 3.3, 4.6), (0.0, -0.02, 0.0), 14.6, 1.3),
