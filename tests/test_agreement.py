@@ -101,3 +101,61 @@ def test_where_leaves_pixels_out(truth):
 def test_masks_of_another_size_are_refused(truth):
     with pytest.raises(ValueError, match="render both alike"):
         agreement.compare(truth.lit[:-1], truth)
+
+
+ABOVE = scenes.Lamp((0.0, 5.0, 0.0), (0.0, 0.0, 0.0), 1.0, 6.0, infinite=True, half_width=1.0)
+
+
+@pytest.mark.parametrize(("pixels", "outline"), [(2.0, False), (10.0, True)])
+def test_a_step_within_an_object_is_an_outline_where_it_is_deep(pixels, outline):
+    """Two blocks of one object, seen from above, one higher by so many pixels' widths."""
+    step = pixels * 2.0 / PANEL.width
+    blocks = meshes.joined(
+        meshes.box(1.0, 1.0, 1.5).moved(-0.5, -0.5, 0.0),
+        meshes.box(1.0, 1.0, 1.5).moved(0.5, step - 0.5, 0.0),
+    )
+    scene = scenes.Scene((scenes.Object("blocks", blocks, (1.0, 1.0, 1.0)),))
+    truth = agreement.truth_of(scene, ABOVE.view(PANEL), ABOVE)
+    found = agreement.silhouettes(truth) & truth.shown.something
+    middle = PANEL.width // 2
+    assert found[middle, middle - 1 : middle + 1].all() == outline
+    assert not found[middle, 8 : middle - 1].any() and not found[middle, middle + 1 : -8].any()
+
+
+@pytest.mark.parametrize(("texels", "excused"), [(1.0, True), (3.0, False)])
+def test_a_shadow_beside_its_place_by_more_than_the_texels_allowed_is_a_fault(texels, excused):
+    edge = 32
+    scene = scenes.Scene(
+        (
+            scenes.Object("floor", scenes.floor(2.0, 2), (1.0, 1.0, 1.0), closed=False),
+            scenes.Object("plate", meshes.box(0.7, 0.02, 0.7).moved(0.0, 1.0, 0.0), (1.0, 1.0, 1.0)),
+        )
+    )
+    lamp = scenes.Lamp((0.6, 1.0, 0.0), (0.0, 0.0, 0.0), -4.0, 4.0, infinite=True, half_width=1.0)
+    truth = agreement.truth_of(scene, ABOVE.view(PANEL), lamp)
+    # Along z, where the map's texels are as long as on the floor.
+    aside = truth.shown.points + np.array([0.0, 0.0, texels * 2.0 / edge])
+    mask = ray_caster.lit_points(
+        truth.caster, aside.reshape(-1, 3), truth.shown.normals.reshape(-1, 3), lamp
+    ).reshape(truth.lit.shape)
+    floor = (truth.shown.object == 0) & ~agreement.silhouettes(truth)
+    found = agreement.compare(mask, truth, where=floor, edge_pixels=0, map_edge=edge, edge_texels=1.5)
+    assert found.agreeing < 0.995
+    assert (found.other == 0) == excused, str(found)
+
+
+def test_checks_are_of_the_worst_panel_and_of_all_faults(truth):
+    good, bad = (agreement.compare(m, truth) for m in (truth.lit, ~truth.lit))
+    assert bad.other > 100
+    for found in ((good, bad), (bad, good)):
+        for made in (agreement.volume_checks({"machine": found}), agreement.map_checks({"ideal": found})):
+            least, other = made
+            assert (least.value, other.value) == (0.0, bad.other)
+            assert not least.passed and not other.passed
+            assert least.on == other.on
+    assert all(c.passed for c in agreement.map_checks({"ideal": (good, good)}, 1.0, 0))
+
+
+def test_a_mask_is_lit_above_one_half():
+    picture = np.array([[[0.0, 1.0, 1.0], [0.49, 0.0, 0.0], [0.51, 0.0, 0.0]]])
+    assert agreement.lit_mask(picture).tolist() == [[False, False, True]]

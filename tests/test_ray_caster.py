@@ -183,3 +183,18 @@ def test_many_triangles_at_one_place_are_still_a_tree():
     corners = np.tile(np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]]], np.float64), (300, 1, 1))
     hits = ray_caster.RayCaster(corners).nearest(np.array([[0.2, 0.2, 1.0]]), np.array([[0.0, 0.0, -1.0]]))
     assert (hits.triangle[0], hits.distance[0]) == (0, 1.0)
+
+
+def test_what_is_behind_a_lamp_throws_no_shadow():
+    """A lamp between a floor and a plate: the plate hides the floor from a light far away alone."""
+    scene = scenes.Scene(
+        (
+            scenes.Object("floor", scenes.floor(1.0, 1), (1.0, 1.0, 1.0), closed=False),
+            scenes.Object("plate", meshes.box(4.0, 0.1, 4.0).moved(0.0, 3.0, 0.0), (1.0, 1.0, 1.0)),
+        )
+    )
+    caster = ray_caster.scene_caster(scene)
+    points, up = np.array([[0.3, 0.0, -0.4]]), np.array([[0.0, 1.0, 0.0]])
+    for infinite in (False, True):
+        lamp = scenes.Lamp((0.0, 2.0, 0.0), (0.0, 0.0, 0.0), 0.1, 3.0, infinite=infinite)
+        assert ray_caster.lit_points(caster, points, up, lamp).tolist() == [not infinite]
