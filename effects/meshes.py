@@ -295,6 +295,56 @@ def _obj_corner(text, counts, where):
     return tuple(corner)
 
 
+# Assumed: no concave face has more corners; cutting it up takes the cube of them.
+_MOST_CORNERS = 200
+
+
+def _cut_up(points, where):
+    """Triangles, as numbers of three corners, of a polygon [n][3]: a fan round the first corner, and ears cut
+    off where that would turn triangles over. Raises ValueError where a polygon crosses itself.
+    """
+    fan = [(0, k, k + 1) for k in range(1, len(points) - 1)]
+    if len(fan) == 1:
+        return fan
+
+    def normal(a, b, c):
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = points[a], points[b], points[c]
+        (ux, uy, uz), (vx, vy, vz) = (bx - ax, by - ay, bz - az), (cx - ax, cy - ay, cz - az)
+        return uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+
+    normals = [normal(*corners) for corners in fan]
+    nx, ny, nz = (sum(n[axis] for n in normals) for axis in range(3))
+
+    def turn(a, b, c):
+        x, y, z = normal(a, b, c)
+        return x * nx + y * ny + z * nz
+
+    if all(x * nx + y * ny + z * nz >= 0.0 for x, y, z in normals):
+        return fan
+    if len(points) > _MOST_CORNERS:
+        raise ValueError(f"{where}: a concave face has {len(points)} corners; cut it into triangles.")
+
+    def is_ear(a, b, c, left):
+        places = points[a], points[b], points[c]
+        return turn(a, b, c) > 0.0 and not any(
+            turn(a, b, p) >= 0.0 and turn(b, c, p) >= 0.0 and turn(c, a, p) >= 0.0
+            for p in left
+            if points[p] not in places
+        )
+
+    left, out = list(range(len(points))), []
+    while len(left) > 2:
+        found = [(left[i - 1], b, left[(i + 1) % len(left)]) for i, b in enumerate(left)]
+        ear = next((corners for corners in found if is_ear(*corners, left)), None)
+        # What is left of corners in one line has no ears, and no area.
+        ear = ear or next((corners for corners in found if turn(*corners) == 0.0), None)
+        if ear is None:
+            raise ValueError(f"{where}: a face crosses itself; cut it into triangles.")
+        out.append(ear)
+        left.remove(ear[1])
+    return out
+
+
 def _spherical_coordinates(points):
     """Texture coordinates [k, 3, 2] of triangles [k, 3, 3] by projection from their bounding box's centre on
     a sphere.
@@ -378,7 +428,8 @@ def from_triangles(points, coordinates=None, normals=None, name="The mesh"):
 
 
 def read_obj(text, name="The OBJ file"):
-    """A surface from the text of a Wavefront OBJ file: v, vt, vn and f with polygons of any size.
+    """A surface from the text of a Wavefront OBJ file: v, vt, vn and f with plane polygons of any size,
+    concave ones too.
 
     Other statements (groups, materials, smoothing) are ignored. Missing texture coordinates and normals are
     made as ``from_triangles`` says. Raises ValueError with ``name`` and the line for anything unreadable.
@@ -400,8 +451,8 @@ def read_obj(text, name="The OBJ file"):
             face = [_obj_corner(f, counts, where) for f in fields[1:]]
             if len(face) < 3:
                 raise ValueError(f"{where}: a face has {len(face)} corners; it needs at least three.")
-            for k in range(1, len(face) - 1):
-                corners.append((face[0], face[k], face[k + 1]))
+            cut = _cut_up([vertices[corner[0]] for corner in face], where)
+            corners += [tuple(face[k] for k in triangle) for triangle in cut]
     if not corners:
         raise ValueError(f"{name} has no faces (lines that begin with f); there is nothing to draw.")
     index = np.array(corners, np.int64)

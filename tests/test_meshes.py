@@ -1,5 +1,6 @@
 """Surfaces: their frames, their closedness, and OBJ files good and bad."""
 
+import math
 from collections import Counter
 
 import numpy as np
@@ -205,3 +206,35 @@ def test_texture_coordinates_are_made_where_they_are_missing_and_keep_triangles_
 def test_a_bad_obj_file_is_refused_with_the_line_and_what_is_wrong(text, sentence):
     with pytest.raises(ValueError, match=sentence):
         meshes.read_obj(text, "bad.obj")
+
+
+def test_a_concave_face_is_cut_into_triangles_within_it():
+    """A star of ten corners in a slanted plane, from each corner on and both ways round: its own area."""
+    angles = np.arange(10) * (math.pi / 5.0)
+    radii = np.where(np.arange(10) % 2, 1.0, 0.4)
+    x, y = radii * np.cos(angles), radii * np.sin(angles)
+    flat_area = 0.5 * abs(float((x * np.roll(y, -1) - np.roll(x, -1) * y).sum()))
+    text = "".join(f"v {a!r} {b!r} {0.5 * a!r}\n" for a, b in np.stack([x, y], axis=-1).tolist())
+    for order in [np.roll(np.arange(10), k) + 1 for k in range(10)] + [np.arange(10, 0, -1)]:
+        surface = meshes.read_obj(text + "f " + " ".join(map(str, order)) + "\n")
+        points = surface.positions[surface.triangles]
+        face = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+        assert len(face) == 8
+        assert (face @ face[0] > 0.0).all()
+        assert 0.5 * np.sqrt((face * face).sum(axis=-1)).sum() == pytest.approx(flat_area * math.sqrt(1.25))
+
+
+def test_a_face_that_crosses_itself_or_has_too_many_corners_is_refused():
+    bow = "v 0 0 0\nv 2 2 0\nv 2 0 0\nv 0 1 0\nf 1 2 3 4\n"
+    with pytest.raises(ValueError, match="line 5: a face crosses itself"):
+        meshes.read_obj(bow)
+    comb = "".join(f"v {k} {k % 2} 0\n" for k in range(300)) + "v 299 -1 0\nv 0 -1 0\n"
+    face = " ".join(map(str, range(1, 303)))
+    with pytest.raises(ValueError, match="302 corners; cut it into triangles"):
+        meshes.read_obj(f"{comb}f {face}\n")
+    # Corners in one line, and one twice, are no crossing.
+    hook = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 2 2 0\nv 1 3 0\nv 0 4 0\nv 0 2 0\n"
+    surface = meshes.read_obj(hook + "f 4 5 6 7 1 1 2 3\n")
+    points = surface.positions[surface.triangles]
+    face = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+    assert 0.5 * np.abs(face[:, 2]).sum() == pytest.approx(12.0)
