@@ -45,8 +45,12 @@ def face_lamp(position, face, near, far, border=0.0):
 
 
 def cube_lamps(scene, position, border=0.0, near=0.05):
-    """The six maps' cameras, in the order of FACES; they reach as far as the scene's box."""
+    """The six maps' cameras, in the order of FACES; they reach as far as the scene's box.
+
+    ``near``: the planes' distance. Assumed: nothing in a room is nearer to its lamp than 0.05.
+    """
     reach = [max(abs(e[k] - position[k]) for e in scene.bounds()) for k in range(3)]
+    # A hundredth more, so that no wall is clipped.
     far = 1.01 * float(max(reach))
     return tuple(face_lamp(position, face, near, far, border) for face in FACES)
 

@@ -17,6 +17,7 @@ _BLACK, _WHITE = (0.0, 0.0, 0.0, 1.0), (1.0, 1.0, 1.0, 1.0)
 AMBIENT = (0.22, 0.23, 0.27, 1.0)
 # Assumed: a lamp whose light and the ambient light together stay below full intensity on the floor.
 LAMP_COLOR = (0.78, 0.76, 0.70, 1.0)
+# Assumed: a highlight that vertices as dense as the scenes' can show.
 SHININESS = 32.0
 
 

@@ -26,6 +26,7 @@ _BOX_MARGIN = 1e-12
 _START = 1e-10
 # A tree of n triangles that halves badly is still no deeper: what is deeper is split in the middle.
 _DEEPEST = 64
+# Of triangles in a leaf, and of places for a split along an axis; they change how fast rays are, no answer.
 _LEAF = 4
 _BINS = 16
 

@@ -131,7 +131,7 @@ class Lamp:
     def modelview(self):
         """V_l: from the world to the lamp's eye coordinates."""
         x, y, z = self.direction
-        # Any direction that is not along the view serves as up.
+        # Any direction that is not along the view serves as up: y, unless that is within half a degree.
         up = (0.0, 1.0, 0.0) if x * x + z * z > 1e-4 * y * y else (0.0, 0.0, -1.0)
         return look_at(self.position, self.target, up)
 
