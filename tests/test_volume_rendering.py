@@ -234,6 +234,9 @@ def test_rays_meet_a_ball_where_it_is():
     facing = dot(normalize(points), normalize(np.array(LAMP.direction)))
     assert lit[facing > 0.1].all()
     assert not lit[facing < -0.02].any()
+    bright = volume_caster.lit(BALL, surface, LAMP.direction, 0.5)[surface.seen]
+    assert bright[facing > 0.52].all()
+    assert not bright[facing < 0.48].any()
 
 
 def test_rays_know_that_voxels_may_be_flat():
@@ -408,6 +411,7 @@ def test_a_users_volume_keeps_its_surface_and_its_proportions():
     assert volume.density.shape == (16, 16, 16)
     assert np.array_equal(volume.density, ball(16))
     assert volume.half_extents == (0.5, 0.5, 1.0)
+    assert volume_of(ball(16)[4:12], "v", OCTANE, None, (1.0, 0.5, 4.0)).half_extents == (0.5, 0.25, 1.0)
     assert volume.iso == 0.5
 
 
