@@ -178,7 +178,8 @@ def test_what_is_no_mesh_is_refused(ring, tmp_path, monkeypatch):
         ("folder.ply", "is no file"),
     ):
         assert words in refusal_of(*shadows(tmp_path / name, tmp_path / "out.png"))
-    assert "out.png" in refusal_of(*shadows(ring, tmp_path / "out.jpg"))
+    assert "out.png" in refusal_of(*shadows(ring, tmp_path / "new" / "out.jpg"))
+    assert not (tmp_path / "new").exists()
     monkeypatch.setattr(files, "_LARGEST_MESH", 100)
     assert "Make it coarser" in refusal_of(*shadows(ring, tmp_path / "out.png"))
     monkeypatch.setattr(files, "_LARGEST_MESH", 1 << 20)

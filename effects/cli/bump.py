@@ -67,16 +67,14 @@ def bump(
 
     from effects.bump import commands, material, mesh
     from effects.cli.compiling import announce_compiling
-    from effects.cli.files import png, read_picture, read_text, writable_file, write_whole
-    from effects.cli.refusal import Refusal, check_size, choose, refusals
+    from effects.cli.files import png, read_picture, read_text, writable_picture, write_whole
+    from effects.cli.refusal import check_size, choose, refusals
     from effects.meshes import read_obj
     from effects.tangent_space import examine_surface
     from pipeline.profiles import PROFILES
 
     machine = choose("profile", profile, PROFILES)
-    path = writable_file(out)
-    if path.suffix.lower() != ".png":
-        raise Refusal(f"The picture is written as PNG; name it {path.with_suffix('.png')} instead of {path}.")
+    path = writable_picture(out)
     check_size("The picture", 1, size, machine)
     direction = _vector(light)
     changed = {"relief": height_scale, "alpha_x": alpha_x, "alpha_y": alpha_y}

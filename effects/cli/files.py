@@ -184,6 +184,14 @@ def writable_file(name):
     return path
 
 
+def writable_picture(name):
+    """``writable_file`` of a PNG file. Raises Refusal for another ending, before any folder is made."""
+    path = Path(name)
+    if path.name and not os.path.isdir(path) and path.suffix.lower() != ".png":
+        raise Refusal(f"The picture is written as PNG; name it {path.with_suffix('.png')} instead of {path}.")
+    return writable_file(name)
+
+
 def _temporary_beside(path):
     """An open handle of a new file in the folder of ``path``, hidden and named after it, and its path."""
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")

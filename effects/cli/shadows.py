@@ -47,16 +47,14 @@ def shadows(mesh, algorithm, light, out, size, profile, up, map_size, threads):
     """
     from effects import mesh_shadows
     from effects.cli.compiling import announce_compiling
-    from effects.cli.files import png, read_mesh, writable_file, write_whole
+    from effects.cli.files import png, read_mesh, writable_picture, write_whole
     from effects.cli.refusal import Refusal, check_size, choose, refusals
     from effects.lit_scene import map_edge
     from pipeline.profiles import PROFILES
 
     way = choose("algorithm", algorithm, mesh_shadows.ALGORITHMS)
     machine = choose("profile", profile, PROFILES)
-    path = writable_file(out)
-    if path.suffix.lower() != ".png":
-        raise Refusal(f"The picture is written as PNG; name it {path.with_suffix('.png')} instead of {path}.")
+    path = writable_picture(out)
     check_size("The picture", 1, size, machine)
     if not mesh_shadows.can_draw(algorithm, machine):
         able = ", ".join(mesh_shadows.machines_with(algorithm))

@@ -64,16 +64,14 @@ def volume(
     axes.
     """
     from effects.cli.compiling import announce_compiling
-    from effects.cli.files import png, writable_file, write_whole
-    from effects.cli.refusal import Refusal, check_size, choose, refusals
+    from effects.cli.files import png, writable_picture, write_whole
+    from effects.cli.refusal import check_size, choose, refusals
     from effects.volume_data import volume_of
     from effects.volume_rendering import method_of, picture_of
     from pipeline.profiles import PROFILES
 
     machine = choose("profile", profile, PROFILES)
-    path = writable_file(out)
-    if path.suffix.lower() != ".png":
-        raise Refusal(f"The picture is written as PNG; name it {path.with_suffix('.png')} instead of {path}.")
+    path = writable_picture(out)
     check_size("The picture", 1, size, machine)
     directions = [_numbers(text, what) for text, what in (
         (view, "The direction to the eye"), (up, "What is up"), (light, "The direction to the light"),
