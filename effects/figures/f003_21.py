@@ -113,12 +113,29 @@ def checks(figure, renderer):
         said = "the catalogue's acceptance"
         little, right, much = (acne(mask, truth) for mask in masks)
         gaps = [gap(mask, truth, edge) for mask in masks]
+        found = agreement.compare(masks[1], truth, map_edge=edge, where=truth.shown.object == 0)
         out += (
             Check("not enough: lit floor that is dark", little, ">=", 0.2, on, said),
             Check("correct: lit floor that is dark", right, "<=", 0.001, on, said),
             Check("too much: lit floor that is dark", much, "<=", 0.001, on, said),
             Check("correct: gap behind the board, texels", gaps[1], "<=", 1.0, on, said),
             Check("too much: gap behind the board, texels", gaps[2], ">=", 3.0, on, said),
+            Check(
+                "correct: floor that agrees with rays",
+                found.agreeing,
+                ">=",
+                0.99,
+                on,
+                "shadows lie where rays have them; measured 0.995",
+            ),
+            Check(
+                "correct: floor of no understood kind",
+                found.other,
+                "<=",
+                0,
+                on,
+                "what differs lies at an edge or an outline",
+            ),
         )
     return tuple(out)
 

@@ -17,6 +17,7 @@ from effects.figures.alpha_shadows import (
 )
 from effects.figures.figure import BACKGROUND, Check, Figure, Method
 from effects.figures.measures import root_mean_square
+from effects.lit_scene import LAMP_COLOR
 from effects.views import Panel, row_of_panels
 
 
@@ -92,6 +93,30 @@ def checks(figure, renderer):
         error = root_mean_square((alpha - depth)[whole & (depth < 1.0)]) * steps
         name = "RMS of alpha - depth, away from outlines, in steps of 1/255"
         out.append(Check(name, error, "<=", bound, on, reason))
+    scene, light = lit_scene_of(_SIZE, lamp)
+    shown = agreement.truth_of(scene, light.view(Panel(0, 0, _SIZE, _SIZE)), light).shown
+    # The floor has no highlight: its colour is one amount of light times its own.
+    floor = whole & (shown.object == 0)
+    color = np.array(scene.objects[0].color) * np.array(LAMP_COLOR[:3])
+    share = renderer.machine(figure, _SIZE)[:, :_SIZE][floor] / color
+    out += (
+        Check(
+            "the floor from the lamp: light of its three colours, largest spread",
+            float(np.ptp(share, axis=1).max()),
+            "<=",
+            0.02,
+            "machine",
+            "a byte in each of two colours, of which 0.39 is the least at full light; measured 0.012",
+        ),
+        Check(
+            "the floor from the lamp: least light",
+            float(share.min()),
+            ">=",
+            0.5,
+            "machine",
+            "a lamp sees what it lights, and no shadow",
+        ),
+    )
     seen = depth[whole & (depth < 1.0)]
     return (
         *out,
