@@ -3,63 +3,17 @@
 One module per artefact, named by its id in lower case; ``STUDIES`` has them by id, in the catalogue's order.
 """
 
-from effects.studies import (
-    p4,
-    p5,
-    p6,
-    p7,
-    p8,
-    p9,
-    p10,
-    p11,
-    p15,
-    p16,
-    p17,
-    p18,
-    p19,
-    p20,
-    p21,
-    p22,
-    p23,
-    p24,
-    p30,
-    p32,
-    p35,
-    p36,
-    p37,
-    p38,
-    p39,
-    p40,
-)
-from effects.studies.study import collected
+import importlib
+import pkgutil
+import re
+from types import MappingProxyType
 
-_MODULES = (
-    p4,
-    p5,
-    p6,
-    p7,
-    p8,
-    p9,
-    p10,
-    p11,
-    p15,
-    p16,
-    p17,
-    p18,
-    p19,
-    p20,
-    p21,
-    p22,
-    p23,
-    p24,
-    p30,
-    p32,
-    p35,
-    p36,
-    p37,
-    p38,
-    p39,
-    p40,
-)
 
-STUDIES = collected(*(module.STUDY for module in _MODULES))
+def _studies():
+    """The STUDY of each module that is named by an id, p9 or p10, in the ids' order."""
+    names = [m.name for m in pkgutil.iter_modules(__path__) if re.fullmatch(r"p\d+", m.name)]
+    for name in sorted(names, key=lambda name: int(name[1:])):
+        yield importlib.import_module(f"{__name__}.{name}").STUDY
+
+
+STUDIES = MappingProxyType({study.id: study for study in _studies()})

@@ -3,7 +3,6 @@
 import textwrap
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 
 import numpy as np
 
@@ -100,11 +99,6 @@ class Study:
     findings: Callable
     checks: Callable
     plot: Callable
-
-
-def collected(*studies):
-    """Studies by their ids, in the order given."""
-    return MappingProxyType({study.id: study for study in studies})
 
 
 # Colours of plots that people with any colour vision tell apart.  Source: Okabe, Ito 2008.
