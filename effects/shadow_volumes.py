@@ -252,7 +252,12 @@ def shadow_volumes(scene, light, length=None):
 
 
 def volume_mesh(volumes, caps=True, color=None):
-    """All volumes as the vertex arrays of one Draw. ``color``: RGBA, or None: white."""
+    """All volumes as the vertex arrays of one Draw. ``color``: RGBA, or None: white.
+
+    Raises ValueError where there is no volume.
+    """
+    if not volumes:
+        raise ValueError("There is no shadow volume to draw; give one or more (shadow_volumes makes them).")
     first, triangles = 0, []
     for volume in volumes:
         triangles.append(volume.triangles(caps) + first)
@@ -457,8 +462,11 @@ def ray_counter(volumes, eye, points, start=0.0):
     0 to 1, that is not counted, a number or float64 [n]: what lies before a near plane. A triangle is
     crossed, with vertices at infinity too, where the ray passes its three edges on one side.
 
-    A point on a volume's front cap is outside where it is moved towards the eye by what rounding needs.
+    A point on a volume's front cap is outside where it is moved towards the eye by what rounding needs. No
+    volumes are entered where there are none.
     """
+    if not volumes:
+        return np.zeros(len(points), np.int64)
     eye = np.array([*eye, 1.0])
     end = _homogeneous(np.asarray(points, np.float64), 1.0)
     share = np.broadcast_to(np.asarray(start, np.float64), len(end))[:, None]

@@ -165,6 +165,13 @@ def test_counts_are_shown_by_colours_where_something_is_seen():
         assert (np.abs(color[:, :4] - expected) <= 1).all()
 
 
+def test_without_volumes_nothing_is_counted_and_nothing_can_be_drawn():
+    points = [[1.0, 1.0, 1.0], [0.0, 2.0, 0.0]]
+    assert shadow_volumes.ray_counter((), (0.0, 0.0, 5.0), points).tolist() == [0, 0]
+    with pytest.raises(ValueError, match="no shadow volume to draw"):
+        shadow_volumes.volume_mesh(())
+
+
 def test_a_scene_with_nothing_closed_is_refused():
     scene = still_life(8)
     bare = scenes.Scene(scene.objects[:1])
