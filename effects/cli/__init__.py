@@ -5,6 +5,8 @@ import importlib
 
 import click
 
+from effects.cli.refusal import Refusal, Said
+
 _COMMANDS = (
     "figures",
     "passes",
@@ -51,6 +53,13 @@ class LazyGroup(click.Group):
         if cmd_name not in _COMMANDS:
             return None
         return getattr(importlib.import_module(f"effects.cli.{cmd_name}"), cmd_name)
+
+    def invoke(self, ctx):
+        """Run the subcommand; a Refusal becomes its sentence and exit status 2."""
+        try:
+            return super().invoke(ctx)
+        except Refusal as error:
+            raise Said(str(error)) from error
 
 
 @click.group(

@@ -178,6 +178,8 @@ def writable_file(name):
         handle, probe = _temporary_beside(path)
         os.close(handle)
         probe.unlink()
+    except Refusal:
+        raise
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise Refusal(f"{str(path)!r} cannot be written: {reason}.") from error

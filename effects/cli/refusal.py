@@ -6,8 +6,12 @@ from contextlib import contextmanager
 import click
 
 
-class Refusal(click.ClickException):
+class Refusal(ValueError):
     """What was asked for cannot be done; the message is one sentence that says why and what to do."""
+
+
+class Said(click.ClickException):
+    """A Refusal's sentence as the command line ends with it."""
 
     exit_code = 2
 

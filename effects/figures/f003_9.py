@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from effects import bumped_reflections, height_fields, meshes
+from effects import bumped_reflections, environments, height_fields, meshes
 from effects.figures.bumps import map_normals, panel_of, texels
-from effects.figures.f003_8 import ENVIRONMENTS
 from effects.figures.figure import BACKGROUND, Check, Figure, Method
 from effects.figures.measures import arithmetic_check
 from effects.matrices import rotation
@@ -35,7 +34,7 @@ def cube_scene(profile, size, *, relief, tint, second_pass):
     """F003-9 by texture shaders. ``second_pass``: dirt is a draw of its own, not the normal map's alpha."""
     edge, surface = texels(size), _surface(size)
     loading, names = bumped_reflections.load(waves(edge, relief), dirt(edge), "hammered metal", profile)
-    out = [bumped_reflections.load_environment(texels(size), profile, ENVIRONMENTS["room"]), *loading]
+    out = [bumped_reflections.load_environment(texels(size), profile, environments.room), *loading]
     for number, panel in enumerate(row_of_panels(3, size)):
         view = perspective_view(panel, EYE, field_of_view=FIELD_OF_VIEW, radius=1.2)
         out += (panel.clear(BACKGROUND), *bumped_reflections.backdrop(view))
