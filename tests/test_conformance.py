@@ -497,3 +497,19 @@ def test_a_suite_s_totals_are_its_cases_sums():
     assert with_results(text, counts) == (
         f"<!-- begin table -->\n{table(counts)}<!-- end table -->\n{whole}\n"
     )
+
+
+def test_a_second_module_that_claims_a_suite_is_refused(monkeypatch):
+    from effects.conformance.suites import alpha_func
+
+    monkeypatch.setattr(alpha_func, "SUITE", "2D_Lines")
+    with pytest.raises(ValueError, match=r"alpha_func.py says that it is 2D_Lines; call it lines_2d.py"):
+        redraw.known_suites()
+
+
+@pytest.mark.parametrize(
+    ("suite", "name"),
+    [("2D_Lines", "lines_2d"), ("TextureWrapMode", "texture_wrap_mode"), ("Fog_vsh", "fog_vsh")],
+)
+def test_a_suites_module_has_its_words(suite, name):
+    assert redraw.module_name(suite) == name

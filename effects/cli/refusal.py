@@ -6,7 +6,7 @@ from contextlib import contextmanager
 import click
 
 
-class Refusal(ValueError):
+class Refusal(ValueError):  # noqa: N818 (it names what happens)
     """What was asked for cannot be done; the message is one sentence that says why and what to do."""
 
 

@@ -1,5 +1,6 @@
 """Redraw cases through the ordinary pipeline and count the pixels that agree with the captures."""
 
+import re
 from dataclasses import dataclass
 from importlib import import_module
 from pkgutil import iter_modules
@@ -55,10 +56,27 @@ class Comparison:
         return self.covered and self.pixels_compared > 0 and self.pixels_equal == self.pixels_compared
 
 
+def module_name(suite):
+    """The name of a suite's module: its words in lower case, one that begins with a digit last."""
+    words = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", suite).lower().split("_")
+    return "_".join(words[1:] + words[:1] if words[0][0].isdigit() else words)
+
+
 def known_suites():
-    """Module of every suite, by the name of its captures' folder."""
-    modules = (import_module(f"{suites.__name__}.{m.name}") for m in iter_modules(suites.__path__))
-    return {module.SUITE: module for module in modules}
+    """Module of every suite, by the name of its captures' folder.
+
+    Raises ValueError for a module that is not named as its suite, so no two can claim one.
+    """
+    found = {}
+    for name in (m.name for m in iter_modules(suites.__path__)):
+        module = import_module(f"{suites.__name__}.{name}")
+        if module_name(module.SUITE) != name:
+            raise ValueError(
+                f"{name}.py says that it is {module.SUITE}; call it {module_name(module.SUITE)}.py, or give "
+                "it its own suite's name."
+            )
+        found[module.SUITE] = module
+    return found
 
 
 def zeta_colors(framebuffer):
