@@ -2,7 +2,7 @@
 
 Numba's on-disk cache watches only the file a kernel is written in, not the kernels it calls in other files,
 so an edit could go unnoticed. The cache folder is therefore named after a digest of every source in
-``raster/`` (and of the settings that change the code but not the sources).
+``raster/`` and its folders (and of the settings that change the code but not the sources).
 """
 
 import hashlib
@@ -19,15 +19,23 @@ from numba.core.runtime import rtsys
 from numba.extending import intrinsic
 
 _SOURCES = Path(__file__).parent
+_COLUMN_ENGINE = "wide*.py"  # NumPy, which no kernel calls: an edit of it makes no kernel stale
 
 
-def _digest():
+def kernel_sources(folder):
+    """Paths below a folder of sources, relative to it, in one order everywhere: all whose edit may change a
+    kernel.
+    """
+    paths = (path.relative_to(folder) for path in folder.rglob("*.py"))
+    return sorted((path for path in paths if not path.match(_COLUMN_ENGINE)), key=Path.as_posix)
+
+
+def source_digest(folder):
+    """What the cache folder of kernels made from a folder of sources is named after."""
     digest = hashlib.sha256(numba.__version__.encode())
-    for path in sorted(_SOURCES.glob("*.py")):
-        if path.name.startswith("wide"):  # the column engine, which no kernel calls
-            continue
-        digest.update(path.name.encode())
-        digest.update(path.read_bytes())
+    for path in kernel_sources(folder):
+        digest.update(path.as_posix().encode())
+        digest.update((folder / path).read_bytes())
     digest.update(repr((numba.config.BOUNDSCHECK, numba.config.OPT)).encode())
     return digest.hexdigest()[:16]
 
@@ -47,9 +55,10 @@ def _cache_folder():
     """
     chosen = os.environ.get("NUMBA_CACHE_DIR")
     user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fixedpipe"
+    digest = source_digest(_SOURCES)
     for base in (chosen and Path(chosen), _SOURCES.parent / ".cache", user):
-        if base and _writable(base / "kernels" / _digest()):
-            return base / "kernels" / _digest()
+        if base and _writable(base / "kernels" / digest):
+            return base / "kernels" / digest
     return Path(tempfile.mkdtemp(prefix="fixedpipe-kernels-"))
 
 

@@ -12,6 +12,7 @@ import pytest
 from effects.figures import FIGURES
 from pipeline.profile import EVIDENCE_TAGS, Profile
 from pipeline.profiles import PROFILES
+from raster import kernel
 
 ROOT = Path(__file__).parents[1]
 STANDARD = set(sys.stdlib_module_names)
@@ -98,6 +99,22 @@ def test_only_one_module_knows_the_compiler():
         for path in sorted((ROOT / folder).rglob("*.py")):
             if path != ROOT / "raster" / "kernel.py":
                 assert not compiler.search(path.read_text()), f"{path}: use @kernel from raster/kernel.py"
+
+
+def test_no_kernel_is_made_of_a_source_that_the_name_of_the_cache_leaves_out():
+    folder, package = Path(kernel.__file__).parent, kernel.__name__.removesuffix(".kernel")
+    imports = {
+        path.relative_to(folder): set(imported_modules(ast.parse(path.read_text())))
+        for path in folder.rglob("*.py")
+    }
+    kept = set(kernel.kernel_sources(folder))
+    left_out = imports.keys() - kept
+    assert left_out
+    for path in left_out:
+        assert not any(m.startswith(("numba", kernel.__name__)) for m in imports[path]), path
+    names = [".".join((package, *path.with_suffix("").parts)) for path in left_out]
+    for path in kept:
+        assert not any(is_allowed(m, names) for m in imports[path] if m.startswith(package)), path
 
 
 @pytest.mark.parametrize("name", PROFILES)
