@@ -19,7 +19,6 @@ from pipeline.enums import (
 )
 from raster.rows import COUNTER, END_STEP, FIRST_STEP, KIND, LINE, POINT, TRIANGLE
 
-LINE_PRIMITIVES = frozenset({PrimitiveType.LINES, PrimitiveType.LINE_STRIP, PrimitiveType.LINE_LOOP})
 _EDGES = ((1, 2), (2, 0), (0, 1))  # in the order in which a triangle's outline is drawn
 _SIZE_BITS = 7  # significant bits of what a point size's inverse square root reads
 

@@ -311,20 +311,14 @@ def minimum_unsigned(typing_context, a, b):
     return a(a, b), codegen
 
 
-def _saturated(name, doc):
-    @intrinsic
-    def saturated(typing_context, a, b):
-        def codegen(context, builder, signature, args):
-            return _call(builder, f"llvm.{name}.sat.{a.suffix}", a.ir, args)
+@intrinsic
+def add_saturated(typing_context, a, b):
+    """``a + b`` of unsigned lanes; what exceeds the element is its largest."""
 
-        return a(a, a), codegen
+    def codegen(context, builder, signature, args):
+        return _call(builder, f"llvm.uadd.sat.{a.suffix}", a.ir, args)
 
-    saturated.__doc__ = doc
-    return saturated
-
-
-add_saturated = _saturated("uadd", "``a + b`` of unsigned lanes; what exceeds the element is its largest.")
-subtract_saturated = _saturated("usub", "``a - b`` of unsigned lanes; what is less than zero is zero.")
+    return a(a, a), codegen
 
 
 @intrinsic
