@@ -1,8 +1,7 @@
 """The tokens of OpenGL 1.2.1 and its extensions, without ``GL_`` and without vendor suffix.
 
-The integer values are this project's own codes: ``pipeline/pack.py`` writes them into the rows that kernels
-read, and each kernel module repeats, as plain integers, the codes it decides on (``tests/test_codes.py``
-checks that the two agree).
+The integer values are this project's own. Those that kernels decide on come from ``raster/codes.py``, the one
+list of codes; ``pipeline/pack.py`` writes them into the rows that kernels read.
 
 Source: OpenGL 1.2.1 (Segal, Akeley 1999); NV_register_combiners; EXT_texture_cube_map; NV_texgen_reflection;
 EXT_stencil_wrap; EXT_blend_minmax; EXT_blend_subtract; EXT_texture_lod_bias; NV_texture_shader; ARB_shadow;
@@ -10,6 +9,8 @@ ARB_texture_env_combine; ARB_texture_env_dot3; NV_texture_env_combine4.
 """
 
 from enum import IntEnum
+
+from raster import codes as C
 
 
 class PrimitiveType(IntEnum):
@@ -62,14 +63,14 @@ class LightingArithmetic(IntEnum):
 class ComparisonFunction(IntEnum):
     """Alpha, stencil and depth functions (section 4.1)."""
 
-    NEVER = 0
-    LESS = 1
-    EQUAL = 2
-    LEQUAL = 3
-    GREATER = 4
-    NOTEQUAL = 5
-    GEQUAL = 6
-    ALWAYS = 7
+    NEVER = C.COMPARISON_NEVER
+    LESS = C.COMPARISON_LESS
+    EQUAL = C.COMPARISON_EQUAL
+    LEQUAL = C.COMPARISON_LEQUAL
+    GREATER = C.COMPARISON_GREATER
+    NOTEQUAL = C.COMPARISON_NOTEQUAL
+    GEQUAL = C.COMPARISON_GEQUAL
+    ALWAYS = C.COMPARISON_ALWAYS
 
 
 class DepthFormat(IntEnum):
@@ -89,67 +90,67 @@ class DepthFormat(IntEnum):
 class StencilOperation(IntEnum):
     """Section 4.1.4 and EXT_stencil_wrap."""
 
-    KEEP = 0
-    ZERO = 1
-    REPLACE = 2
-    INCR = 3
-    DECR = 4
-    INVERT = 5
-    INCR_WRAP = 6
-    DECR_WRAP = 7
+    KEEP = C.STENCIL_KEEP
+    ZERO = C.STENCIL_ZERO
+    REPLACE = C.STENCIL_REPLACE
+    INCR = C.STENCIL_INCR
+    DECR = C.STENCIL_DECR
+    INVERT = C.STENCIL_INVERT
+    INCR_WRAP = C.STENCIL_INCR_WRAP
+    DECR_WRAP = C.STENCIL_DECR_WRAP
 
 
 class BlendFactor(IntEnum):
     """Tables 4.1 and 4.2. Which of them a machine takes where is for validate to check."""
 
-    ZERO = 0
-    ONE = 1
-    SRC_COLOR = 2
-    ONE_MINUS_SRC_COLOR = 3
-    DST_COLOR = 4
-    ONE_MINUS_DST_COLOR = 5
-    SRC_ALPHA = 6
-    ONE_MINUS_SRC_ALPHA = 7
-    DST_ALPHA = 8
-    ONE_MINUS_DST_ALPHA = 9
-    SRC_ALPHA_SATURATE = 10
-    CONSTANT_COLOR = 11
-    ONE_MINUS_CONSTANT_COLOR = 12
-    CONSTANT_ALPHA = 13
-    ONE_MINUS_CONSTANT_ALPHA = 14
+    ZERO = C.FACTOR_ZERO
+    ONE = C.FACTOR_ONE
+    SRC_COLOR = C.FACTOR_SRC_COLOR
+    ONE_MINUS_SRC_COLOR = C.FACTOR_ONE_MINUS_SRC_COLOR
+    DST_COLOR = C.FACTOR_DST_COLOR
+    ONE_MINUS_DST_COLOR = C.FACTOR_ONE_MINUS_DST_COLOR
+    SRC_ALPHA = C.FACTOR_SRC_ALPHA
+    ONE_MINUS_SRC_ALPHA = C.FACTOR_ONE_MINUS_SRC_ALPHA
+    DST_ALPHA = C.FACTOR_DST_ALPHA
+    ONE_MINUS_DST_ALPHA = C.FACTOR_ONE_MINUS_DST_ALPHA
+    SRC_ALPHA_SATURATE = C.FACTOR_SRC_ALPHA_SATURATE
+    CONSTANT_COLOR = C.FACTOR_CONSTANT_COLOR
+    ONE_MINUS_CONSTANT_COLOR = C.FACTOR_ONE_MINUS_CONSTANT_COLOR
+    CONSTANT_ALPHA = C.FACTOR_CONSTANT_ALPHA
+    ONE_MINUS_CONSTANT_ALPHA = C.FACTOR_ONE_MINUS_CONSTANT_ALPHA
 
 
 class BlendEquation(IntEnum):
     """Section 4.1.6 (imaging subset), EXT_blend_minmax, EXT_blend_subtract; the signed two: the NV2A."""
 
-    FUNC_ADD = 0
-    FUNC_SUBTRACT = 1
-    FUNC_REVERSE_SUBTRACT = 2
-    MIN = 3
-    MAX = 4
-    FUNC_ADD_SIGNED = 5
-    FUNC_REVERSE_SUBTRACT_SIGNED = 6
+    FUNC_ADD = C.EQUATION_FUNC_ADD
+    FUNC_SUBTRACT = C.EQUATION_FUNC_SUBTRACT
+    FUNC_REVERSE_SUBTRACT = C.EQUATION_FUNC_REVERSE_SUBTRACT
+    MIN = C.EQUATION_MIN
+    MAX = C.EQUATION_MAX
+    FUNC_ADD_SIGNED = C.EQUATION_FUNC_ADD_SIGNED
+    FUNC_REVERSE_SUBTRACT_SIGNED = C.EQUATION_FUNC_REVERSE_SUBTRACT_SIGNED
 
 
 class LogicOperation(IntEnum):
     """Table 4.3, in its order: the value's bits are the truth table."""
 
-    CLEAR = 0
-    AND = 1
-    AND_REVERSE = 2
-    COPY = 3
-    AND_INVERTED = 4
-    NOOP = 5
-    XOR = 6
-    OR = 7
-    NOR = 8
-    EQUIV = 9
-    INVERT = 10
-    OR_REVERSE = 11
-    COPY_INVERTED = 12
-    OR_INVERTED = 13
-    NAND = 14
-    SET = 15
+    CLEAR = C.LOGIC_CLEAR
+    AND = C.LOGIC_AND
+    AND_REVERSE = C.LOGIC_AND_REVERSE
+    COPY = C.LOGIC_COPY
+    AND_INVERTED = C.LOGIC_AND_INVERTED
+    NOOP = C.LOGIC_NOOP
+    XOR = C.LOGIC_XOR
+    OR = C.LOGIC_OR
+    NOR = C.LOGIC_NOR
+    EQUIV = C.LOGIC_EQUIV
+    INVERT = C.LOGIC_INVERT
+    OR_REVERSE = C.LOGIC_OR_REVERSE
+    COPY_INVERTED = C.LOGIC_COPY_INVERTED
+    OR_INVERTED = C.LOGIC_OR_INVERTED
+    NAND = C.LOGIC_NAND
+    SET = C.LOGIC_SET
 
 
 class Face(IntEnum):
@@ -203,11 +204,11 @@ class ProvokingVertex(IntEnum):
 class TextureTarget(IntEnum):
     """Section 3.8, EXT_texture_cube_map and NV_texture_rectangle."""
 
-    TEXTURE_1D = 0
-    TEXTURE_2D = 1
-    TEXTURE_CUBE_MAP = 2
-    TEXTURE_3D = 3
-    TEXTURE_RECTANGLE = 4
+    TEXTURE_1D = C.TARGET_1D
+    TEXTURE_2D = C.TARGET_2D
+    TEXTURE_CUBE_MAP = C.TARGET_CUBE_MAP
+    TEXTURE_3D = C.TARGET_3D
+    TEXTURE_RECTANGLE = C.TARGET_RECTANGLE
 
 
 class InternalFormat(IntEnum):
@@ -315,11 +316,11 @@ class TextureFilter(IntEnum):
 class WrapMode(IntEnum):
     """Section 3.8.4, SGIS_texture_edge_clamp, ARB_texture_border_clamp, ARB_texture_mirrored_repeat."""
 
-    REPEAT = 0
-    CLAMP = 1
-    CLAMP_TO_EDGE = 2
-    CLAMP_TO_BORDER = 3
-    MIRRORED_REPEAT = 4
+    REPEAT = C.WRAP_REPEAT
+    CLAMP = C.WRAP_CLAMP
+    CLAMP_TO_EDGE = C.WRAP_CLAMP_TO_EDGE
+    CLAMP_TO_BORDER = C.WRAP_CLAMP_TO_BORDER
+    MIRRORED_REPEAT = C.WRAP_MIRRORED_REPEAT
 
 
 class TexGenMode(IntEnum):
@@ -336,9 +337,9 @@ class TexGenMode(IntEnum):
 class FogMode(IntEnum):
     """Section 3.10."""
 
-    LINEAR = 0
-    EXP = 1
-    EXP2 = 2
+    LINEAR = C.FOG_MODE_LINEAR
+    EXP = C.FOG_MODE_EXP
+    EXP2 = C.FOG_MODE_EXP2
 
 
 class FogCoordinateSource(IntEnum):
@@ -380,51 +381,51 @@ class ColorMaterialParameter(IntEnum):
 class Register(IntEnum):
     """Combiner registers, table NV_register_combiners.1, and the final combiner's two pseudo-registers."""
 
-    ZERO = 0
-    CONSTANT_COLOR0 = 1
-    CONSTANT_COLOR1 = 2
-    FOG = 3
-    PRIMARY_COLOR = 4
-    SECONDARY_COLOR = 5
-    SPARE0 = 6
-    SPARE1 = 7
-    TEXTURE0 = 8
-    TEXTURE1 = 9
-    TEXTURE2 = 10
-    TEXTURE3 = 11
-    E_TIMES_F = 12
-    SPARE0_PLUS_SECONDARY_COLOR = 13
-    DISCARD = 14
+    ZERO = C.REGISTER_ZERO
+    CONSTANT_COLOR0 = C.REGISTER_CONSTANT_COLOR0
+    CONSTANT_COLOR1 = C.REGISTER_CONSTANT_COLOR1
+    FOG = C.REGISTER_FOG
+    PRIMARY_COLOR = C.REGISTER_PRIMARY_COLOR
+    SECONDARY_COLOR = C.REGISTER_SECONDARY_COLOR
+    SPARE0 = C.REGISTER_SPARE0
+    SPARE1 = C.REGISTER_SPARE1
+    TEXTURE0 = C.REGISTER_TEXTURE0
+    TEXTURE1 = C.REGISTER_TEXTURE1
+    TEXTURE2 = C.REGISTER_TEXTURE2
+    TEXTURE3 = C.REGISTER_TEXTURE3
+    E_TIMES_F = C.REGISTER_E_TIMES_F
+    SPARE0_PLUS_SECONDARY_COLOR = C.REGISTER_SPARE0_PLUS_SECONDARY_COLOR
+    DISCARD = C.REGISTER_DISCARD
 
 
 class Mapping(IntEnum):
     """Input mappings, table NV_register_combiners.4."""
 
-    UNSIGNED_IDENTITY = 0
-    UNSIGNED_INVERT = 1
-    EXPAND_NORMAL = 2
-    EXPAND_NEGATE = 3
-    HALF_BIAS_NORMAL = 4
-    HALF_BIAS_NEGATE = 5
-    SIGNED_IDENTITY = 6
-    SIGNED_NEGATE = 7
+    UNSIGNED_IDENTITY = C.MAPPING_UNSIGNED_IDENTITY
+    UNSIGNED_INVERT = C.MAPPING_UNSIGNED_INVERT
+    EXPAND_NORMAL = C.MAPPING_EXPAND_NORMAL
+    EXPAND_NEGATE = C.MAPPING_EXPAND_NEGATE
+    HALF_BIAS_NORMAL = C.MAPPING_HALF_BIAS_NORMAL
+    HALF_BIAS_NEGATE = C.MAPPING_HALF_BIAS_NEGATE
+    SIGNED_IDENTITY = C.MAPPING_SIGNED_IDENTITY
+    SIGNED_NEGATE = C.MAPPING_SIGNED_NEGATE
 
 
 class ComponentUsage(IntEnum):
     """Which components of a register a variable takes (NV_register_combiners, section 3.8.12.2)."""
 
-    RGB = 0
-    ALPHA = 1
-    BLUE = 2
+    RGB = C.USAGE_RGB
+    ALPHA = C.USAGE_ALPHA
+    BLUE = C.USAGE_BLUE
 
 
 class CombinerScale(IntEnum):
     """Output scale of a general combiner portion."""
 
-    NONE = 0
-    SCALE_BY_TWO = 1
-    SCALE_BY_FOUR = 2
-    SCALE_BY_ONE_HALF = 3
+    NONE = C.SCALE_NONE
+    SCALE_BY_TWO = C.SCALE_BY_TWO
+    SCALE_BY_FOUR = C.SCALE_BY_FOUR
+    SCALE_BY_ONE_HALF = C.SCALE_BY_ONE_HALF
 
 
 class CombinerBias(IntEnum):
@@ -481,30 +482,30 @@ class MagnificationThreshold(IntEnum):
 class TextureShaderOperation(IntEnum):
     """SHADER_OPERATION: NV_texture_shader, NV_texture_shader2 and, last, the NV2A's own."""
 
-    NONE = 0
-    TEXTURE_1D = 1
-    TEXTURE_2D = 2
-    TEXTURE_RECTANGLE = 3
-    TEXTURE_CUBE_MAP = 4
-    TEXTURE_3D = 5
-    PASS_THROUGH = 6
-    CULL_FRAGMENT = 7
-    OFFSET_TEXTURE_2D = 8
-    OFFSET_TEXTURE_2D_SCALE = 9
-    OFFSET_TEXTURE_RECTANGLE = 10
-    OFFSET_TEXTURE_RECTANGLE_SCALE = 11
-    DEPENDENT_AR_TEXTURE_2D = 12
-    DEPENDENT_GB_TEXTURE_2D = 13
-    DOT_PRODUCT = 14
-    DOT_PRODUCT_TEXTURE_2D = 15
-    DOT_PRODUCT_TEXTURE_RECTANGLE = 16
-    DOT_PRODUCT_TEXTURE_3D = 17
-    DOT_PRODUCT_TEXTURE_CUBE_MAP = 18
-    DOT_PRODUCT_REFLECT_CUBE_MAP = 19
-    DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP = 20
-    DOT_PRODUCT_DIFFUSE_CUBE_MAP = 21
-    DOT_PRODUCT_DEPTH_REPLACE = 22
-    BRDF_TEXTURE_3D = 23  # PS_TEXTUREMODES_BRDF
+    NONE = C.OPERATION_NONE
+    TEXTURE_1D = C.OPERATION_TEXTURE_1D
+    TEXTURE_2D = C.OPERATION_TEXTURE_2D
+    TEXTURE_RECTANGLE = C.OPERATION_TEXTURE_RECTANGLE
+    TEXTURE_CUBE_MAP = C.OPERATION_TEXTURE_CUBE_MAP
+    TEXTURE_3D = C.OPERATION_TEXTURE_3D
+    PASS_THROUGH = C.OPERATION_PASS_THROUGH
+    CULL_FRAGMENT = C.OPERATION_CULL_FRAGMENT
+    OFFSET_TEXTURE_2D = C.OPERATION_OFFSET_TEXTURE_2D
+    OFFSET_TEXTURE_2D_SCALE = C.OPERATION_OFFSET_TEXTURE_2D_SCALE
+    OFFSET_TEXTURE_RECTANGLE = C.OPERATION_OFFSET_TEXTURE_RECTANGLE
+    OFFSET_TEXTURE_RECTANGLE_SCALE = C.OPERATION_OFFSET_TEXTURE_RECTANGLE_SCALE
+    DEPENDENT_AR_TEXTURE_2D = C.OPERATION_DEPENDENT_AR_TEXTURE_2D
+    DEPENDENT_GB_TEXTURE_2D = C.OPERATION_DEPENDENT_GB_TEXTURE_2D
+    DOT_PRODUCT = C.OPERATION_DOT_PRODUCT
+    DOT_PRODUCT_TEXTURE_2D = C.OPERATION_DOT_PRODUCT_TEXTURE_2D
+    DOT_PRODUCT_TEXTURE_RECTANGLE = C.OPERATION_DOT_PRODUCT_TEXTURE_RECTANGLE
+    DOT_PRODUCT_TEXTURE_3D = C.OPERATION_DOT_PRODUCT_TEXTURE_3D
+    DOT_PRODUCT_TEXTURE_CUBE_MAP = C.OPERATION_DOT_PRODUCT_TEXTURE_CUBE_MAP
+    DOT_PRODUCT_REFLECT_CUBE_MAP = C.OPERATION_DOT_PRODUCT_REFLECT_CUBE_MAP
+    DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP = C.OPERATION_DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP
+    DOT_PRODUCT_DIFFUSE_CUBE_MAP = C.OPERATION_DOT_PRODUCT_DIFFUSE_CUBE_MAP
+    DOT_PRODUCT_DEPTH_REPLACE = C.OPERATION_DOT_PRODUCT_DEPTH_REPLACE
+    BRDF_TEXTURE_3D = C.OPERATION_BRDF_TEXTURE_3D  # PS_TEXTUREMODES_BRDF
 
 
 class DotProductMapping(IntEnum):
@@ -514,27 +515,27 @@ class DotProductMapping(IntEnum):
     and red, green and blue.
     """
 
-    UNSIGNED_IDENTITY = 0
-    EXPAND_NORMAL = 1
-    SIGNED_ODD = 2
-    SIGNED_IDENTITY = 3
-    UNSIGNED_HILO = 4
-    SIGNED_HILO_HEMISPHERE = 7
+    UNSIGNED_IDENTITY = C.DOT_MAPPING_UNSIGNED_IDENTITY
+    EXPAND_NORMAL = C.DOT_MAPPING_EXPAND_NORMAL
+    SIGNED_ODD = C.DOT_MAPPING_SIGNED_ODD
+    SIGNED_IDENTITY = C.DOT_MAPPING_SIGNED_IDENTITY
+    UNSIGNED_HILO = C.DOT_MAPPING_UNSIGNED_HILO
+    SIGNED_HILO_HEMISPHERE = C.DOT_MAPPING_SIGNED_HILO_HEMISPHERE
 
 
 class CullMode(IntEnum):
     """CULL_MODES (NV_texture_shader): which coordinates a CULL_FRAGMENT stage keeps."""
 
-    GEQUAL = 0
-    LESS = 1
+    GEQUAL = C.CULL_MODE_GEQUAL
+    LESS = C.CULL_MODE_LESS
 
 
 class TextureCompareMode(IntEnum):
     """TEXTURE_COMPARE_MODE (ARB_shadow), and what the NV2A's two-dimensional stages compare instead of r."""
 
-    NONE = 0
-    COMPARE_R_TO_TEXTURE = 1
-    COMPARE_ZERO_TO_TEXTURE = 2
+    NONE = C.COMPARE_MODE_NONE
+    COMPARE_R_TO_TEXTURE = C.COMPARE_MODE_R_TO_TEXTURE
+    COMPARE_ZERO_TO_TEXTURE = C.COMPARE_MODE_ZERO_TO_TEXTURE
 
 
 class TextureEnvironmentMode(IntEnum):
@@ -607,9 +608,9 @@ class ColorBuffer(IntEnum):
 class ConvolutionBorderMode(IntEnum):
     """CONVOLUTION_BORDER_MODE (section 3.6.5): what a filter reads beyond an image's edge."""
 
-    REDUCE = 0
-    CONSTANT_BORDER = 1
-    REPLICATE_BORDER = 2
+    REDUCE = C.CONVOLUTION_REDUCE
+    CONSTANT_BORDER = C.CONVOLUTION_CONSTANT_BORDER
+    REPLICATE_BORDER = C.CONVOLUTION_REPLICATE_BORDER
 
 
 class ColorWeights(IntEnum):
@@ -646,10 +647,10 @@ class CombinerFunction(IntEnum):
     SQUARE_ROOT: of the sum, at least 0. DIVIDE: AB by CD. EXPONENTIAL: e to the power of the sum.
     """
 
-    NONE = 0
-    SQUARE_ROOT = 1
-    DIVIDE = 2
-    EXPONENTIAL = 3
+    NONE = C.COMBINER_FUNCTION_NONE
+    SQUARE_ROOT = C.COMBINER_FUNCTION_SQUARE_ROOT
+    DIVIDE = C.COMBINER_FUNCTION_DIVIDE
+    EXPONENTIAL = C.COMBINER_FUNCTION_EXPONENTIAL
 
 
 class AccumOperation(IntEnum):
@@ -693,9 +694,9 @@ class PixelTexGenQ(IntEnum):
     of the two that a linear filter would take.
     """
 
-    ROUND = 0
-    CEILING = 1
-    FLOOR = 2
+    ROUND = C.TEX_GEN_Q_ROUND
+    CEILING = C.TEX_GEN_Q_CEILING
+    FLOOR = C.TEX_GEN_Q_FLOOR
 
 
 class PixelTexGenAlpha(IntEnum):
