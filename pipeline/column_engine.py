@@ -33,6 +33,7 @@ from pipeline.framebuffer import SURFACE_WORDS
 from pipeline.pack import FARTHEST, depth_units, has_color_sum, scissor_box
 from pipeline.strokes import whole_size
 from pipeline.texture_environment import environment_program
+from raster import codes as C
 from raster import rows, wide, wide_fragment, wide_future, wide_iterate
 from raster.vertices import W_LARGEST, W_SMALLEST
 
@@ -239,7 +240,7 @@ class _Surface:
 
     def __init__(self, framebuffer):
         keep, pad, self.alpha = SURFACE_WORDS[framebuffer.color_format]
-        self.plain = (keep, pad, self.alpha) == (0xFFFFFFFF, 0, 0)
+        self.plain = (keep, pad, self.alpha) == (0xFFFFFFFF, 0, C.SURFACE_ALPHA_STORED)
         self.keep, self.pad = (
             np.array([word >> shift & 255 for shift in (0, 8, 16, 24)], np.int64) for word in (keep, pad)
         )
@@ -248,7 +249,7 @@ class _Surface:
         """Colours as the buffer keeps them."""
         if self.plain:
             return color
-        if self.alpha == 2:
+        if self.alpha == C.SURFACE_ALPHA_SEVEN_BITS:
             color = np.concatenate([color[:, :3], color[:, 3:] >> 1], axis=1)
         return (color & self.keep) | self.pad
 
@@ -262,10 +263,10 @@ class _Surface:
 
     def destination(self, color):
         """What blending takes of the buffer."""
-        if self.alpha == 0:
+        if self.alpha == C.SURFACE_ALPHA_STORED:
             return color
         alpha = np.full_like(color[:, 3:], 255)
-        if self.alpha == 2:
+        if self.alpha == C.SURFACE_ALPHA_SEVEN_BITS:
             seven = color[:, 3:] & 127
             alpha = (seven << 1) | (seven >> 6)
         return np.concatenate([color[:, :3], alpha], axis=1)
@@ -444,7 +445,7 @@ class _Draw:
         """
         line, bits = self.state.line, self.profile.subpixel_bits
         n, _ = wide_iterate.edge_functions(x, y, px, py, bits)
-        if kinds is None or not (lines := kinds == wide_iterate.LINE).any():
+        if kinds is None or not (lines := kinds == C.PRIMITIVE_LINE).any():
             return n
         if self.profile.diamond_exit_lines:
             width = whole_size(line.width)
@@ -466,7 +467,7 @@ class _Draw:
             facing = ((area < 0) != counter_clockwise).astype(np.int64)
         if kinds is None:
             return facing
-        return np.where(kinds == wide_iterate.TRIANGLE, facing, p.strokes[triangle, rows.BACK])
+        return np.where(kinds == C.PRIMITIVE_TRIANGLE, facing, p.strokes[triangle, rows.BACK])
 
     def _colors(self, vertices, provoking, back, e, q0, q2):
         if self.state.polygon.shade_model == ShadeModel.FLAT:
@@ -543,7 +544,7 @@ class _Draw:
         if kinds is not None:
             of_kind = np.array([polygon.offset_fill, polygon.offset_line, polygon.offset_point])
             source = p.strokes[triangle, rows.SOURCE : rows.SOURCE + 3].astype(np.int64)
-            stroke = kinds != wide_iterate.TRIANGLE
+            stroke = kinds != C.PRIMITIVE_TRIANGLE
             enabled = of_kind[kinds] & (~stroke | (source[:, 0] >= 0))
             vertices = np.where(stroke[:, None] & (source[:, :1] >= 0), source, vertices)
             x, y = p.x[vertices].astype(np.int64), p.y[vertices].astype(np.int64)

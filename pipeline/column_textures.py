@@ -11,6 +11,7 @@ from pipeline.enums import (
 )
 from pipeline.textures import BASE_FORMAT, DEPTH_TEXELS, KEPT, depth_texture_mode, register_components
 from pipeline.transfer import ENTRY_COMPONENTS, table_entries
+from raster import codes as C
 from raster import wide, wide_texture
 from raster.transfer import texture_color_table
 
@@ -255,7 +256,7 @@ class UnitSampler:
         places, face = wide_texture.positions(strq, target, divided, lifted, size, flat)
         modes = s.wrap_s, s.wrap_t, s.wrap_r
         if target == TextureTarget.TEXTURE_CUBE_MAP:
-            modes = (wide_texture.CLAMP_TO_EDGE,) * 3
+            modes = (C.WRAP_CLAMP_TO_EDGE,) * 3
         read = None if self.signed is None else self._as_signed
         if reference is not None:
             read = wide_texture.comparison(reference, s.compare_function, *self.compared)

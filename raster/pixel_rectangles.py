@@ -6,7 +6,7 @@ rules. NumPy only, int64 columns.
 
 import numpy as np
 
-ROUND, CEILING, FLOOR = range(3)  # PixelTexGenQ
+from raster import codes as C
 
 
 def covered(origin, zoom, count, low, high):
@@ -50,10 +50,14 @@ def chosen_volumes(alpha, one, volumes, q_filter):
     their number ``floor(Q)``, or ``floor(Q - 1/2)``, ``ceil(Q - 1/2)``, clamped.
     """
     doubled = 2 * alpha * volumes - one  # 2 one (Q - 1/2)
-    if q_filter == ROUND:
+    if q_filter == C.TEX_GEN_Q_ROUND:
         found = alpha * volumes // one
+    elif q_filter == C.TEX_GEN_Q_FLOOR:
+        found = doubled // (2 * one)
+    elif q_filter == C.TEX_GEN_Q_CEILING:
+        found = -(-doubled // (2 * one))
     else:
-        found = doubled // (2 * one) if q_filter == FLOOR else -(-doubled // (2 * one))
+        raise ValueError(f"{q_filter!r} chooses no volume.")
     return np.clip(found, 0, volumes - 1)
 
 

@@ -11,9 +11,9 @@ SGI_texture_color_table.
 
 import numpy as np
 
-MOST = 2**32 - 1  # of a histogram's counter. Assumed: it stays there; OpenGL leaves the value undefined
+from raster import codes as C
 
-REDUCE, CONSTANT_BORDER, REPLICATE_BORDER = 0, 1, 2  # pipeline.enums.ConvolutionBorderMode
+MOST = 2**32 - 1  # of a histogram's counter. Assumed: it stays there; OpenGL leaves the value undefined
 
 
 def nearest(values):
@@ -84,14 +84,15 @@ def texture_color_table(texels, one, entries, components):
 
 
 def convolved(groups, row, column, weights, components, border_mode, border_color):
-    """Convolution; under REDUCE the image becomes smaller, to nothing perhaps.
+    """Convolution; under CONVOLUTION_REDUCE the image becomes smaller, to nothing perhaps.
 
     ``weights``: float64 [filter height, filter width, 4] of a filter; or None and ``row`` [filter width, 4],
     ``column`` [filter height, 4] of a separable one. The sum begins at zero and runs over columns, and in
     each over rows upwards; a separable term is pixel times row, times column.
     """
     high, wide = (len(column), len(row)) if weights is None else weights.shape[:2]
-    source = groups if border_mode == REDUCE else _bordered(groups, high, wide, border_mode, border_color)
+    reduces = border_mode == C.CONVOLUTION_REDUCE
+    source = groups if reduces else _bordered(groups, high, wide, border_mode, border_color)
     height, width = max(source.shape[0] - high + 1, 0), max(source.shape[1] - wide + 1, 0)
     result = groups[:height, :width].copy()
     for k, component in enumerate(components):
@@ -114,7 +115,7 @@ def _bordered(groups, high, wide, border_mode, border_color):
     height, width = groups.shape[:2]
     rows, columns = np.arange(height + high - 1) - high // 2, np.arange(width + wide - 1) - wide // 2
     source = groups[np.clip(rows, 0, height - 1)][:, np.clip(columns, 0, width - 1)]
-    if border_mode == CONSTANT_BORDER:
+    if border_mode == C.CONVOLUTION_CONSTANT_BORDER:
         source[(rows < 0) | (rows >= height)] = border_color
         source[:, (columns < 0) | (columns >= width)] = border_color
     return source

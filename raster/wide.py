@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-LINEAR, EXP, EXP2 = range(3)  # FogMode
+from raster import codes as C
 
 
 def one_of(bits):
@@ -49,15 +49,17 @@ def fog_thresholds(mode, density, start, end, one):
     From 40 decimal digits, so that they are the same bits on every machine.
     """
     k = np.arange(1, one + 1)
-    if mode == LINEAR:
+    if mode == C.FOG_MODE_LINEAR:
         out = end - ((k - 0.5) / float(one)) * (end - start)
+    elif mode not in (C.FOG_MODE_EXP, C.FOG_MODE_EXP2):
+        raise ValueError(f"{mode!r} is no fog mode.")
     elif density == 0.0:
         out = np.full(one, np.inf)
     else:
         with localcontext() as context:
             context.prec = 40
             distances = [-(Decimal(2 * n - 1) / Decimal(2 * one)).ln() for n in range(1, one + 1)]
-            if mode == EXP2:
+            if mode == C.FOG_MODE_EXP2:
                 distances = [d.sqrt() for d in distances]
             out = np.array([float(d / Decimal(density)) for d in distances])
     out.setflags(write=False)

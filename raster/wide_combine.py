@@ -7,19 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from raster import codes as C
 from raster.wide import quotient
 
-(
-    UNSIGNED_IDENTITY,
-    UNSIGNED_INVERT,
-    EXPAND_NORMAL,
-    EXPAND_NEGATE,
-    HALF_BIAS_NORMAL,
-    HALF_BIAS_NEGATE,
-    SIGNED_IDENTITY,
-    SIGNED_NEGATE,
-) = range(8)  # Mapping
-SCALE_NONE, SCALE_TWO, SCALE_FOUR, SCALE_HALF = range(4)  # CombinerScale
 # How far a register reaches whose clamp is off: products of two, summed and scaled, stay below 2**62.
 FAR = 1 << 26
 
@@ -51,27 +41,31 @@ class Arithmetic:
 
 def map_input(x, mapping, a):
     """Register components through an input mapping. Source: NV_register_combiners table 4."""
-    if mapping == SIGNED_IDENTITY:
+    if mapping == C.MAPPING_SIGNED_IDENTITY:
         return x
-    if mapping == SIGNED_NEGATE:
+    if mapping == C.MAPPING_SIGNED_NEGATE:
         return np.clip(-x, *a.holds) if a.clamps_mapping else -x
     if a.clamps_mapping:
         x = np.maximum(x, 0)
-    if mapping == UNSIGNED_IDENTITY:
+    if mapping == C.MAPPING_UNSIGNED_IDENTITY:
         return x
-    if mapping == UNSIGNED_INVERT:
+    if mapping == C.MAPPING_UNSIGNED_INVERT:
         return a.one - (np.minimum(x, a.one) if a.clamps_mapping else x)
-    if mapping == EXPAND_NORMAL:
+    if mapping == C.MAPPING_EXPAND_NORMAL:
         return 2 * x - a.expanded
-    if mapping == EXPAND_NEGATE:
+    if mapping == C.MAPPING_EXPAND_NEGATE:
         negated = a.expanded - 2 * x
         return np.minimum(negated, a.holds[1]) if a.clamps_mapping else negated
-    return x - a.half if mapping == HALF_BIAS_NORMAL else a.half - x
+    if mapping == C.MAPPING_HALF_BIAS_NORMAL:
+        return x - a.half
+    if mapping == C.MAPPING_HALF_BIAS_NEGATE:
+        return a.half - x
+    raise ValueError(f"{mapping!r} is no input mapping.")
 
 
 def scaled(x, scale):
     """Rounded values times an output scale. Measured: one half as ``(x + 1) >> 1``."""
-    if scale == SCALE_HALF:
+    if scale == C.SCALE_BY_ONE_HALF:
         return (x + 1) >> 1
     return x << scale
 
@@ -85,8 +79,8 @@ def output(products, scale, biased, a):
         total = scaled(quotient(sum(products), a.one) - half, scale)
     else:
         n = sum(products)
-        total = (n + a.one) // (2 * a.one) if scale == SCALE_HALF else quotient(n << scale, a.one)
-        total = total - (2 * half if scale == SCALE_TWO else half)
+        total = (n + a.one) // (2 * a.one) if scale == C.SCALE_BY_ONE_HALF else quotient(n << scale, a.one)
+        total = total - (2 * half if scale == C.SCALE_BY_TWO else half)
     return np.clip(total, a.low, a.high)
 
 

@@ -6,68 +6,94 @@ pixels.
 
 import numpy as np
 
+from raster import codes as C
 from raster.wide import quotient
 
-NEVER, LESS, EQUAL, LEQUAL, GREATER, NOTEQUAL, GEQUAL, ALWAYS = range(8)  # ComparisonFunction
-KEEP, ZERO, REPLACE, INCR, DECR, INVERT, INCR_WRAP, DECR_WRAP = range(8)  # StencilOperation
-FUNC_ADD, FUNC_SUBTRACT, FUNC_REVERSE_SUBTRACT, MIN, MAX, FUNC_ADD_SIGNED, FUNC_REVERSE_SUBTRACT_SIGNED = (
-    range(7)
-)  # BlendEquation
 FAR = 1 << 30  # how far a colour reaches where blending does not clamp
 
 
 def compare(function, a, b):
-    """``a FUNC b``, elementwise: the function's bits are less (1), equal (2) and greater (4)."""
+    """``a FUNC b``, elementwise: the function has a bit each for less, equal and greater."""
     found = np.zeros(np.broadcast(a, b).shape, bool)
-    if function & 1:
+    if function & C.COMPARISON_LESS:
         found |= a < b
-    if function & 2:
+    if function & C.COMPARISON_EQUAL:
         found |= a == b
-    if function & 4:
+    if function & C.COMPARISON_GREATER:
         found |= a > b
     return found
 
 
 def stencil_result(operation, stored, reference):
     """A stencil operation on 8-bit values. Source: OpenGL 1.2.1 section 4.1.4 and EXT_stencil_wrap."""
-    if operation == KEEP:
+    if operation == C.STENCIL_KEEP:
         return stored
-    if operation in (ZERO, REPLACE):
-        return np.full_like(stored, reference if operation == REPLACE else 0)
-    if operation == INVERT:
+    if operation in (C.STENCIL_ZERO, C.STENCIL_REPLACE):
+        return np.full_like(stored, reference if operation == C.STENCIL_REPLACE else 0)
+    if operation == C.STENCIL_INVERT:
         return 255 - stored
-    if operation in (INCR, DECR):
-        return np.clip(stored + (1 if operation == INCR else -1), 0, 255)
-    return (stored + (1 if operation == INCR_WRAP else -1)) & 255
+    if operation in (C.STENCIL_INCR, C.STENCIL_DECR):
+        return np.clip(stored + (1 if operation == C.STENCIL_INCR else -1), 0, 255)
+    if operation in (C.STENCIL_INCR_WRAP, C.STENCIL_DECR_WRAP):
+        return (stored + (1 if operation == C.STENCIL_INCR_WRAP else -1)) & 255
+    raise ValueError(f"{operation!r} is no stencil operation.")
+
+
+# The factors that are one minus another.
+_ONE_MINUS = {
+    C.FACTOR_ONE: C.FACTOR_ZERO,
+    C.FACTOR_ONE_MINUS_SRC_COLOR: C.FACTOR_SRC_COLOR,
+    C.FACTOR_ONE_MINUS_DST_COLOR: C.FACTOR_DST_COLOR,
+    C.FACTOR_ONE_MINUS_SRC_ALPHA: C.FACTOR_SRC_ALPHA,
+    C.FACTOR_ONE_MINUS_DST_ALPHA: C.FACTOR_DST_ALPHA,
+    C.FACTOR_ONE_MINUS_CONSTANT_COLOR: C.FACTOR_CONSTANT_COLOR,
+    C.FACTOR_ONE_MINUS_CONSTANT_ALPHA: C.FACTOR_CONSTANT_ALPHA,
+}
 
 
 def blend_factor(factor, source, destination, constant, one):
-    """A factor of tables 4.1 and 4.2, broadcastable to [k, 4]. The codes are BlendFactor's."""
-    if factor >= 11:
-        value = constant[None] if factor < 13 else constant[None, 3:]
-        return one - value if factor in (12, 14) else value
-    if factor == 10:
+    """A factor of tables 4.1 and 4.2, broadcastable to [k, 4]."""
+    if factor in _ONE_MINUS:
+        return one - blend_factor(_ONE_MINUS[factor], source, destination, constant, one)
+    if factor == C.FACTOR_ZERO:
+        return np.zeros((1, 4), np.int64)
+    if factor == C.FACTOR_SRC_COLOR:
+        return source
+    if factor == C.FACTOR_DST_COLOR:
+        return destination
+    if factor == C.FACTOR_SRC_ALPHA:
+        return source[:, 3:]
+    if factor == C.FACTOR_DST_ALPHA:
+        return destination[:, 3:]
+    if factor == C.FACTOR_CONSTANT_COLOR:
+        return constant[None]
+    if factor == C.FACTOR_CONSTANT_ALPHA:
+        return constant[None, 3:]
+    if factor == C.FACTOR_SRC_ALPHA_SATURATE:
         room = np.minimum(source[:, 3:], one - destination[:, 3:])
         return np.concatenate([room, room, room, np.full_like(room, one)], axis=1)
-    if factor <= 1:
-        return np.full((1, 4), one * factor, np.int64)
-    value = (source, destination, source[:, 3:], destination[:, 3:])[factor // 2 - 1]
-    return one - value if factor % 2 else value
+    raise ValueError(f"{factor!r} is no blend factor.")
 
 
 def blend(equation, factors, source, destination, constant, bits):
     """Two colours [k, 4] blended, not clamped (section 4.1.6); ``factors``: source's, destination's."""
     one = (1 << bits) - 1
-    if equation == MIN:
+    if equation == C.EQUATION_MIN:
         return np.minimum(source, destination)
-    if equation == MAX:
+    if equation == C.EQUATION_MAX:
         return np.maximum(source, destination)
-    if equation in (FUNC_ADD_SIGNED, FUNC_REVERSE_SUBTRACT_SIGNED):
+    if equation in (C.EQUATION_FUNC_ADD_SIGNED, C.EQUATION_FUNC_REVERSE_SUBTRACT_SIGNED):
         signed = np.where(source >= 1 << (bits - 1), source - (1 << bits), source)
-        return destination + signed if equation == FUNC_ADD_SIGNED else destination - signed
+        return destination + signed if equation == C.EQUATION_FUNC_ADD_SIGNED else destination - signed
     s = source * blend_factor(factors[0], source, destination, constant, one)
     d = destination * blend_factor(factors[1], source, destination, constant, one)
-    return quotient(s + d if equation == FUNC_ADD else (s - d if equation == FUNC_SUBTRACT else d - s), one)
+    if equation == C.EQUATION_FUNC_ADD:
+        return quotient(s + d, one)
+    if equation == C.EQUATION_FUNC_SUBTRACT:
+        return quotient(s - d, one)
+    if equation == C.EQUATION_FUNC_REVERSE_SUBTRACT:
+        return quotient(d - s, one)
+    raise ValueError(f"{equation!r} is no blend equation.")
 
 
 def logic(operation, s, d, one):

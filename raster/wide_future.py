@@ -4,7 +4,8 @@ that turn steadily. Exact integers, or float64 with + - * / and the square root 
 
 import numpy as np
 
-NONE, SQUARE_ROOT, DIVIDE, EXPONENTIAL = range(4)  # CombinerFunction
+from raster import codes as C
+
 _LN_2_HIGH, _LN_2_LOW = 0.6931471803691238, 1.9082149292705877e-10  # their sum is ln 2; the first has 33 bits
 _INVERSE_LN_2 = 1.4426950408889634
 _TERMS = 14  # of the exponential series, for |r| <= ln 2 / 2: beyond them is less than 2**-56
@@ -60,12 +61,14 @@ def exponential(x, one, largest):
 
 def applied(function, ab, cd, one, largest):
     """What takes the place of the sum of two exact products, int64, in the registers' units of ``one``."""
-    if function == SQUARE_ROOT:
+    if function == C.COMBINER_FUNCTION_SQUARE_ROOT:
         return np.minimum(square_root(ab + cd), largest)
-    if function == DIVIDE:
+    if function == C.COMBINER_FUNCTION_DIVIDE:
         return divide(ab, cd, one, largest)
-    x = (ab + cd).astype(np.float64) / float(one) / float(one)
-    return exponential(x, one, largest)
+    if function == C.COMBINER_FUNCTION_EXPONENTIAL:
+        x = (ab + cd).astype(np.float64) / float(one) / float(one)
+        return exponential(x, one, largest)
+    raise ValueError(f"{function!r} is no combiner function that takes a sum's place.")
 
 
 # ---------------------------------------------------------------------------------------- steady turning

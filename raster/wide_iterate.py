@@ -7,9 +7,9 @@ from decimal import Decimal, localcontext
 
 import numpy as np
 
+from raster import codes as C
+
 WEIGHT_BITS = 24  # Measured: significant bits of the weights (Depth_buffer, Line_width captures)
-TRIANGLE, LINE, POINT = range(3)  # raster.rows
-CUBE_MAP, RECTANGLE, ONE_DIMENSIONAL, VOLUME = 2, 4, 0, 3  # TextureTarget
 FAR = 1 << 20  # a lambda beyond every level
 _EXPONENT = np.int64(0x7FF << 52)
 _FRACTION = np.int64((1 << 52) - 1)
@@ -289,7 +289,7 @@ def block_steps(edges, inverse_w, corners, divided, target, sizes, px, py):
         b0, b2, positive = full_weights(perspective_terms(edges(bx + dx, by + dy), inverse_w))
         good &= positive
         strq = iterate(b0, b2, corners)
-        if target == CUBE_MAP:
+        if target == C.TARGET_CUBE_MAP:
             face = major_axis(strq) if face is None else face
             sc, tc, major = on_face(strq, face)
             good &= major > 0.0
@@ -298,7 +298,7 @@ def block_steps(edges, inverse_w, corners, divided, target, sizes, px, py):
         else:
             points.append(divide_by_q(strq) if divided else strq[:, :3])
     plain = [p - points[0] for p in points[1:]]
-    if target == CUBE_MAP:
+    if target == C.TARGET_CUBE_MAP:
         return plain, plain, ~good
     scaled = [p * np.array(sizes) for p in points]
     return [p - scaled[0] for p in scaled[1:]], plain, ~good
@@ -308,8 +308,8 @@ def level_of_detail(steps, missing, target):
     """Lambda with 8 fraction bits, int64 [k], without bias (section 7)."""
     squares = []
     for step in steps:
-        square = step[:, 0] * step[:, 0] + (0.0 if target == ONE_DIMENSIONAL else step[:, 1] * step[:, 1])
-        squares.append(square + step[:, 2] * step[:, 2] if target == VOLUME else square)
+        square = step[:, 0] * step[:, 0] + (0.0 if target == C.TARGET_1D else step[:, 1] * step[:, 1])
+        squares.append(square + step[:, 2] * step[:, 2] if target == C.TARGET_3D else square)
     finite = (squares[0] < np.inf) & (squares[1] < np.inf) & ~missing
     rho2 = np.maximum(squares[0], squares[1])
     some = finite & (rho2 > 0.0)

@@ -1,15 +1,15 @@
 """Texture shader stages at any width (docs/numbers.md, sections 12 and 13), on columns.
 
 A stage's texel is int64 [k, 4], red first, of numbers 0..2**bits - 1; where components are signed these are
-their two's complement. Coordinates are float64 [k] or [k, c]. Codes are those of pipeline.enums.
+their two's complement. Coordinates are float64 [k] or [k, c].
 """
 
 import numpy as np
 
+from raster import codes as C
 from raster.wide import one_of
 from raster.wide_iterate import major_axis, on_face
 
-EXPAND_NORMAL, SIGNED_ODD, SIGNED_IDENTITY, UNSIGNED_HILO = 1, 2, 3, 4  # DotProductMapping
 WORD_BITS = 8  # of a texel that holds words of 16 bits
 _GUARD_BITS = 4  # Measured: 12 fraction bits for bytes (BumpEnvMapLuminance); Assumed: as many more elsewhere
 
@@ -28,8 +28,8 @@ def real_texel(values, bits):
 
 
 def kept(strq, modes):
-    """Which fragments a CULL_FRAGMENT stage keeps, bool [k]; ``modes``: of s, t, r and q, 1 keeps < 0."""
-    return ((strq < 0.0) == np.array(modes, bool)).all(axis=1)
+    """Which fragments a CULL_FRAGMENT stage keeps, bool [k]; ``modes``: of s, t, r and q."""
+    return ((strq < 0.0) == (np.array(modes) == C.CULL_MODE_LESS)).all(axis=1)
 
 
 def words(texel):
@@ -39,23 +39,26 @@ def words(texel):
 
 def vector(texel, mapping, bits):
     """(x, y, z) that a dot product reads of a texel, float64 [k] each."""
-    if mapping >= UNSIGNED_HILO:
+    if mapping == C.DOT_MAPPING_UNSIGNED_HILO:
         high, low = words(texel)
-        if mapping == UNSIGNED_HILO:
-            return high / 65535.0, low / 65535.0, 1.0
+        return high / 65535.0, low / 65535.0, 1.0
+    if mapping == C.DOT_MAPPING_SIGNED_HILO_HEMISPHERE:
+        high, low = words(texel)
         x, y = signed(high, 16) / 32767.0, signed(low, 16) / 32767.0
         rest = (1.0 - x * x) - y * y
         return x, y, np.where(rest > 0.0, np.sqrt(np.maximum(rest, 0.0)), 0.0)
     rgb = texel[:, :3]
     one, half = float(one_of(bits)), 1 << (bits - 1)
-    if mapping == EXPAND_NORMAL:
+    if mapping == C.DOT_MAPPING_EXPAND_NORMAL:
         found = (rgb - half) / float(half - 1)
-    elif mapping == SIGNED_ODD:
+    elif mapping == C.DOT_MAPPING_SIGNED_ODD:
         found = (2.0 * signed(rgb, bits) + 1.0) / one
-    elif mapping == SIGNED_IDENTITY:
+    elif mapping == C.DOT_MAPPING_SIGNED_IDENTITY:
         found = signed(rgb, bits) / float(half - 1)
-    else:
+    elif mapping == C.DOT_MAPPING_UNSIGNED_IDENTITY:
         found = rgb / one
+    else:
+        raise ValueError(f"{mapping!r} is no mapping of a dot product.")
     return found[:, 0], found[:, 1], found[:, 2]
 
 

@@ -5,11 +5,11 @@ A level is [faces or layers, h, w, c] of whole numbers, bottom row first. Coordi
 
 import numpy as np
 
+from raster import codes as C
 from raster.wide import lerp
 from raster.wide_fragment import compare
-from raster.wide_iterate import CUBE_MAP, ONE_DIMENSIONAL, RECTANGLE, VOLUME, major_axis, on_face
+from raster.wide_iterate import major_axis, on_face
 
-REPEAT, CLAMP, CLAMP_TO_EDGE, CLAMP_TO_BORDER, MIRRORED_REPEAT = range(5)  # WrapMode
 TAU = 2.0**-24  # texels: lifts computed coordinates over the noise of float64
 
 
@@ -17,27 +17,29 @@ def wrapped(texel, mode, size):
     """T brought into the texture's range; what is not a number becomes its lower end (section 6)."""
     n = float(size)
     low, high = {
-        REPEAT: (0.0, n),
-        MIRRORED_REPEAT: (0.0, 2.0 * n),
-        CLAMP: (0.0, n),
-        CLAMP_TO_EDGE: (0.5, n - 0.5),
-        CLAMP_TO_BORDER: (-0.5, n + 0.5),
+        C.WRAP_REPEAT: (0.0, n),
+        C.WRAP_MIRRORED_REPEAT: (0.0, 2.0 * n),
+        C.WRAP_CLAMP: (0.0, n),
+        C.WRAP_CLAMP_TO_EDGE: (0.5, n - 0.5),
+        C.WRAP_CLAMP_TO_BORDER: (-0.5, n + 0.5),
     }[mode]
-    if mode in (REPEAT, MIRRORED_REPEAT):
+    if mode in (C.WRAP_REPEAT, C.WRAP_MIRRORED_REPEAT):
         texel = texel - high * np.floor(texel * (1.0 / high))
     return np.where(texel > low, np.where(texel < high, texel, high), low)
 
 
 def index_of(i, mode, size, linear):
     """(texel indices inside 0..size-1, where they read the border or None)."""
-    if mode == REPEAT:
+    if mode == C.WRAP_REPEAT:
         return i % size, None
-    if mode == MIRRORED_REPEAT:
+    if mode == C.WRAP_MIRRORED_REPEAT:
         i = i % (2 * size)
         return np.minimum(i, 2 * size - 1 - i), None
-    if mode == CLAMP_TO_BORDER or (mode == CLAMP and linear):
+    if mode == C.WRAP_CLAMP_TO_BORDER or (mode == C.WRAP_CLAMP and linear):
         return np.clip(i, 0, size - 1), (i < 0) | (i >= size)
-    return np.clip(i, 0, size - 1), None
+    if mode in (C.WRAP_CLAMP, C.WRAP_CLAMP_TO_EDGE):
+        return np.clip(i, 0, size - 1), None
+    raise ValueError(f"{mode!r} is no wrap mode.")
 
 
 def along(texel, mode, size, linear, fraction_bits):
@@ -57,7 +59,7 @@ def positions(coordinates, target, divided, computed, size, flat=False):
     ``size`` (width, height, layers) of the level; ``divided``: by q; ``computed``: the coordinates are lifted
     by TAU. ``flat``: s and t, t downwards, on a cube map's first face.
     """
-    if target == CUBE_MAP:
+    if target == C.TARGET_CUBE_MAP:
         face = major_axis(coordinates)
         if flat:
             s, t = coordinates[:, 0], coordinates[:, 1]
@@ -72,7 +74,7 @@ def positions(coordinates, target, divided, computed, size, flat=False):
     if divided:
         q = np.where(coordinates[:, 3] == 0.0, 1.0, coordinates[:, 3])
         str_ = [c / q for c in str_]
-    if target == RECTANGLE:
+    if target == C.TARGET_RECTANGLE:
         size = (1.0, 1.0, 0.0)
     return tuple(c * float(n) + bias for c, n in zip(str_, size, strict=True)), None
 
@@ -87,11 +89,11 @@ def filter_level(level, places, face, modes, linear, target, border, fraction_bi
     """
     layers, height, width = level.shape[:3]
     columns, across = along(places[0], modes[0], width, linear, fraction_bits)
-    if target == ONE_DIMENSIONAL:
+    if target == C.TARGET_1D:
         rows, up = [(np.zeros(len(places[0]), np.int64), None)], None
     else:
         rows, up = along(places[1], modes[1], height, linear, fraction_bits)
-    if target == VOLUME:
+    if target == C.TARGET_3D:
         planes, deep = along(places[2], modes[2], layers, linear, fraction_bits)
     else:
         planes, deep = [(0 if face is None else face, None)], None
