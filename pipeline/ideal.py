@@ -416,8 +416,10 @@ def _along(texel, size, wrap, linear):
         texel = np.clip(texel, 0.0, size)
     elif wrap is WrapMode.CLAMP_TO_EDGE:
         texel = np.clip(texel, 0.5, size - 0.5)
-    else:
+    elif wrap is WrapMode.CLAMP_TO_BORDER:
         texel = np.clip(texel, -0.5, size + 0.5)
+    else:
+        raise ValueError(f"The ideal machine has no wrap mode {wrap.name}.")
     below = np.floor(texel - 0.5) if linear else np.floor(texel)
     first = below.astype(np.int64)
     bordered = wrap is WrapMode.CLAMP_TO_BORDER or (wrap is WrapMode.CLAMP and linear)
@@ -651,8 +653,10 @@ def _variable(variable, registers, alpha):
         value = register[:, :3]
     elif variable.usage is ComponentUsage.ALPHA:
         value = register[:, 3:]
-    else:
+    elif variable.usage is ComponentUsage.BLUE:
         value = register[:, 2:3]
+    else:
+        raise ValueError(f"The ideal machine has no component usage {variable.usage.name}.")
     # What all fragments or components share is mapped once.
     shared = value.strides[0] == 0
     result = mapped(variable.mapping, value[:1] if shared else value)
@@ -668,7 +672,9 @@ def _function(function, ab, cd):
         return np.sqrt(np.maximum(ab + cd, 0.0))
     if function is CombinerFunction.EXPONENTIAL:
         return np.exp(np.minimum(ab + cd, _LARGEST_EXPONENT))
-    return np.where(cd == 0.0, np.sign(ab) * _FARTHEST, ab / np.where(cd == 0.0, 1.0, cd))
+    if function is CombinerFunction.DIVIDE:
+        return np.where(cd == 0.0, np.sign(ab) * _FARTHEST, ab / np.where(cd == 0.0, 1.0, cd))
+    raise ValueError(f"The ideal machine has no combiner function {function.name}.")
 
 
 def _portion(portion, registers, alpha):
@@ -752,8 +758,10 @@ def fog_factor(fog, coordinate):
         factor = np.exp(-fog.density * coordinate)
     elif fog.mode is FogMode.EXP2:
         factor = np.exp(-((fog.density * coordinate) ** 2))
-    else:
+    elif fog.mode is FogMode.LINEAR:
         factor = (fog.end - coordinate) / (fog.end - fog.start)
+    else:
+        raise ValueError(f"The ideal machine has no fog mode {fog.mode.name}.")
     return np.clip(factor, 0.0, 1.0)
 
 
@@ -1011,7 +1019,11 @@ def blend(blending, source, destination):
     d = destination * blend_factor(blending.destination, source, destination, constant)
     if blending.equation is BlendEquation.FUNC_ADD:
         return s + d
-    return s - d if blending.equation is BlendEquation.FUNC_SUBTRACT else d - s
+    if blending.equation is BlendEquation.FUNC_SUBTRACT:
+        return s - d
+    if blending.equation is BlendEquation.FUNC_REVERSE_SUBTRACT:
+        return d - s
+    raise ValueError(f"The ideal machine has no blend equation {blending.equation.name}.")
 
 
 def apply_logic_operation(operation, source, destination):

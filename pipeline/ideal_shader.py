@@ -126,7 +126,11 @@ class _Run:
             return (2.0 * signed(rgb * one, bits) + 1.0) / one
         if mapping is DotProductMapping.SIGNED_IDENTITY:
             return signed(rgb * one, bits) / (2.0 ** (bits - 1) - 1.0)
-        return 2.0 * rgb - 1.0 if mapping is DotProductMapping.EXPAND_NORMAL else rgb
+        if mapping is DotProductMapping.EXPAND_NORMAL:
+            return 2.0 * rgb - 1.0
+        if mapping is DotProductMapping.UNSIGNED_IDENTITY:
+            return rgb
+        raise ValueError(f"The ideal machine has no dot product mapping {mapping.name}.")
 
     def dot_product(self, i):
         """Unit i's dot product, float64 [k]."""
