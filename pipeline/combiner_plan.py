@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from raster import codes as C
 from raster import rows as R
 from raster import vector_combine as V
 
@@ -56,10 +57,10 @@ class _Operation(NamedTuple):
     kind: int | None
     operands: tuple
     bias: int = 0
-    scale: int = 0
+    scale: int = C.SCALE_NONE
     lowest: int = 0
     highest: int = 255
-    rounding: int = 1
+    rounding: int = C.ROUNDING_BEFORE_SCALE
     ab: int = 2
     mux: int = 0
 
@@ -100,42 +101,44 @@ class _Planner:
     def __init__(self, per_product, before, lowest):
         self.operations = []
         self.known = {}
-        self.rounding = 0 if per_product else (1 if before else 2)  # as raster.combine.finish counts
+        after = C.ROUNDING_BEFORE_SCALE if before else C.ROUNDING_AFTER_SCALE
+        self.rounding = C.ROUNDING_DONE if per_product else after
         self.lowest = lowest
 
     def emit(self, operation):
         """The value that an operation gives."""
         if operation not in self.known:
             self.operations.append(operation)
-            low = operation.lowest if operation.kind in (None, V.ADD_SIGNED, V.DOT_PRODUCT) else 0
-            if operation.kind == V.ADD_BYTES and operation.bias:
+            low = operation.lowest if operation.kind in (None, C.PLAN_ADD_SIGNED, C.PLAN_DOT_PRODUCT) else 0
+            if operation.kind == C.PLAN_ADD_BYTES and operation.bias:
                 low = operation.lowest
             self.known[operation] = _Value("result", len(self.operations) - 1, low, operation.highest)
         return self.known[operation]
 
-    def sum_of(self, pairs, bias=0, scale=0, lowest=0, rounding=1):
+    def sum_of(self, pairs, bias=0, scale=C.SCALE_NONE, lowest=0, rounding=C.ROUNDING_BEFORE_SCALE):
         """One product, or the sum of two, of single channels."""
         pairs = [pair for pair in pairs if not any(_is(operand, 0) for operand in pair)]
         if not pairs:
-            value = (bias + 1) >> 1 if scale == 3 else bias << scale
+            value = (bias + 1) >> 1 if scale == C.SCALE_BY_ONE_HALF else bias << scale
             return _number(min(max(value, lowest), 255))
         single = len(pairs) == 1
-        if (scale == 0 and rounding == 2) or (single and rounding == 0):
-            rounding = 1
-        if single and bias == scale == 0:
+        unscaled = scale == C.SCALE_NONE
+        if (unscaled and rounding == C.ROUNDING_AFTER_SCALE) or (single and rounding == C.ROUNDING_DONE):
+            rounding = C.ROUNDING_BEFORE_SCALE
+        if single and bias == 0 and unscaled:
             for operand, other in (pairs[0], pairs[0][::-1]):
                 if _is(other, 255) and _is_itself(operand) and operand.value.low >= lowest:
                     return operand.value
         operands = tuple(operand for pair in pairs for operand in pair)
         operation = _Operation(None, operands, bias, scale, lowest, rounding=rounding)
-        if rounding == 1:
+        if rounding == C.ROUNDING_BEFORE_SCALE:
             unsigned = all(_limits(operand)[0] >= 0 for operand in operands)
-            if single and unsigned and bias == scale == 0:
-                return self.emit(operation._replace(kind=V.MODULATE, lowest=0))
+            if single and unsigned and bias == 0 and unscaled:
+                return self.emit(operation._replace(kind=C.PLAN_MODULATE, lowest=0))
             # More than one leaves a sum of bytes before it is clamped: as a bias or one half would see.
-            in_bytes = unsigned and (single or (bias == 0 and scale != 3))
+            in_bytes = unsigned and (single or (bias == 0 and scale != C.SCALE_BY_ONE_HALF))
             operation = operation._replace(
-                kind=V.ADD_BYTES if in_bytes else V.ADD_SIGNED,
+                kind=C.PLAN_ADD_BYTES if in_bytes else C.PLAN_ADD_SIGNED,
                 operands=operands + (_ZERO, _ZERO) * single,
             )
         return self.emit(operation)
@@ -144,8 +147,10 @@ class _Planner:
         """AB or CD of a portion: a product, or the dot product of six operands."""
         if len(operands) == 2:
             return self.sum_of([operands], **ending)
-        rounding = 1 if ending["scale"] == 0 and ending["rounding"] == 2 else ending["rounding"]
-        kind = V.DOT_PRODUCT if rounding == 1 else None
+        rounding = ending["rounding"]
+        if ending["scale"] == C.SCALE_NONE and rounding == C.ROUNDING_AFTER_SCALE:
+            rounding = C.ROUNDING_BEFORE_SCALE
+        kind = C.PLAN_DOT_PRODUCT if rounding == C.ROUNDING_BEFORE_SCALE else None
         return self.emit(_Operation(kind, operands, **{**ending, "rounding": rounding}, ab=6))
 
     def total(self, ab, cd, mux, alpha, ending):
@@ -154,7 +159,7 @@ class _Planner:
             return self.product(cd if max(alpha.at, 0) & mux else ab, ending)
         if mux:
             if alpha.kind == "constant":  # has no plane yet
-                alpha = self.emit(_Operation(V.MODULATE, (_Operand(alpha, 0, 1, 0), _ONE)))
+                alpha = self.emit(_Operation(C.PLAN_MODULATE, (_Operand(alpha, 0, 1, 0), _ONE)))
             operands = (*ab, *cd, _Operand(alpha, 0, 1, 0))
             return self.emit(_Operation(None, operands, **ending, ab=len(ab), mux=mux))
         if len(ab) == len(cd) == 2:
@@ -172,7 +177,7 @@ class _Planner:
             "lowest": self.lowest,
             "rounding": self.rounding,
         }
-        alpha = registers[R.SPARE0 * 4 + 3]
+        alpha = registers[C.REGISTER_SPARE0 * 4 + 3]
 
         def product(first, second, k, dot):
             return tuple(
@@ -209,7 +214,7 @@ class _Planner:
     def wide(self, pairs):
         """A sum of two products up to _TOP, of operands up to there."""
         operands = tuple(operand for pair in pairs for operand in pair)
-        return self.emit(_Operation(V.ADD_SIGNED, operands, highest=_TOP))
+        return self.emit(_Operation(C.PLAN_ADD_SIGNED, operands, highest=_TOP))
 
     def final(self, registers, final, color_sum):
         """The final combiner's red, green, blue and alpha, as operands."""
@@ -219,27 +224,30 @@ class _Planner:
             operand = _read(registers, (register, usage, 0, 1, 0), k)
             if invert and operand.value.high > 255:  # one minus more than one is zero
                 operand = _Operand(
-                    self.emit(_Operation(V.ADD_SIGNED, (operand, _ONE, _ZERO, _ZERO))), 0, 1, 0
+                    self.emit(_Operation(C.PLAN_ADD_SIGNED, (operand, _ONE, _ZERO, _ZERO))), 0, 1, 0
                 )
             return _inverted(operand) if invert else operand
 
         def color(register, k, invert):
-            operand = _read(registers, (register, 0, 0, 1, 0), k)
+            operand = _read(registers, (register, C.USAGE_RGB, 0, 1, 0), k)
             return _inverted(operand) if invert else operand
 
         used = {row[0] for row in (*final[:4], final[6])}
         sums, products = [], []
         for k in range(3):
-            if R.SPARE0_PLUS_SECONDARY in used:
+            if C.REGISTER_SPARE0_PLUS_SECONDARY_COLOR in used:
                 pairs = [
-                    (color(R.SPARE0, k, color_sum & 2), _ONE),
-                    (color(R.SECONDARY, k, color_sum & 4), _ONE),
+                    (color(C.REGISTER_SPARE0, k, color_sum & C.COLOR_SUM_INVERT_SPARE0), _ONE),
+                    (color(C.REGISTER_SECONDARY_COLOR, k, color_sum & C.COLOR_SUM_INVERT_SECONDARY), _ONE),
                 ]
-                sums.append(self.sum_of(pairs) if color_sum & 1 else self.wide(pairs))
-            if R.E_TIMES_F in used:
+                sums.append(self.sum_of(pairs) if color_sum & C.COLOR_SUM_CLAMP else self.wide(pairs))
+            if C.REGISTER_E_TIMES_F in used:
                 products.append(self.sum_of([(read(4, k), read(5, k))]))
-        registers[R.E_TIMES_F * 4 : R.E_TIMES_F * 4 + len(products)] = products
-        registers[R.SPARE0_PLUS_SECONDARY * 4 : R.SPARE0_PLUS_SECONDARY * 4 + len(sums)] = sums
+        registers[C.REGISTER_E_TIMES_F * 4 : C.REGISTER_E_TIMES_F * 4 + len(products)] = products
+        registers[
+            C.REGISTER_SPARE0_PLUS_SECONDARY_COLOR * 4 : C.REGISTER_SPARE0_PLUS_SECONDARY_COLOR * 4
+            + len(sums)
+        ] = sums
         return [*(self.final_channel(*(read(v, k) for v in range(4))) for k in range(3)), read(6, 3)]
 
     def final_channel(self, a, b, c, d):
@@ -248,7 +256,7 @@ class _Planner:
         if _is(a, 0) or _is(a, 255) or (_is(b, 0) and _is(c, 0)):
             mixed = c if _is(a, 0) else b
         elif top <= 255:
-            return _Operand(self.emit(_Operation(V.LERP, (a, b, c, d))), 0, 1, 0)
+            return _Operand(self.emit(_Operation(C.PLAN_LERP, (a, b, c, d))), 0, 1, 0)
         else:
             mixed = _Operand(self.wide([(a, b), (_inverted(a), c)]), 0, 1, 0)
         if _is(d, 0) or _is(mixed, 0):
@@ -260,25 +268,31 @@ class _Planner:
 def _read(registers, row, channel):
     """The operand that an input reads for a channel; row: register, usage, mapping."""
     register, usage, low, factor, addend = row[:5]
-    return _Operand(registers[register * 4 + (channel, 3, 2)[usage]], low, factor, addend)
+    component = {C.USAGE_RGB: channel, C.USAGE_ALPHA: 3, C.USAGE_BLUE: 2}[usage]
+    return _Operand(registers[register * 4 + component], low, factor, addend)
 
 
 def _first_registers(stages, fog, units):
     """What every plane holds before the first stage; units: 0 disabled, 1 bytes, 2 signed texels."""
     registers = [_number(0)] * (R.REGISTERS * 4)
     for k in range(3):
-        registers[R.FOG * 4 + k] = _Value("constant", 8 * (stages + 1) + k, 0, 255)
-    registers[R.FOG * 4 + 3] = _Value("plane", R.FOG * 4 + 3, 0, 255) if fog else _number(255)
-    for at in (*range(R.PRIMARY * 4, R.PRIMARY * 4 + 4), *range(R.SECONDARY * 4, R.SECONDARY * 4 + 4)):
+        registers[C.REGISTER_FOG * 4 + k] = _Value("constant", 8 * (stages + 1) + k, 0, 255)
+    registers[C.REGISTER_FOG * 4 + 3] = (
+        _Value("plane", C.REGISTER_FOG * 4 + 3, 0, 255) if fog else _number(255)
+    )
+    for at in (
+        *range(C.REGISTER_PRIMARY_COLOR * 4, C.REGISTER_PRIMARY_COLOR * 4 + 4),
+        *range(C.REGISTER_SECONDARY_COLOR * 4, C.REGISTER_SECONDARY_COLOR * 4 + 4),
+    ):
         registers[at] = _Value("plane", at, 0, 255)
     for unit in range(4):
-        at = (R.TEXTURE0 + unit) * 4
+        at = (C.REGISTER_TEXTURE0 + unit) * 4
         kind = units[unit] if unit < len(units) else 0
         for k in range(4):
             texel = _Value("plane", at + k, -256 if kind == 2 else 0, 255)
             # Measured: what a disabled unit leaves (combiner captures).
             registers[at + k] = texel if kind else _number(255 if k == 3 else 0)
-    registers[R.SPARE0 * 4 + 3] = registers[R.TEXTURE0 * 4 + 3]
+    registers[C.REGISTER_SPARE0 * 4 + 3] = registers[C.REGISTER_TEXTURE0 * 4 + 3]
     return registers
 
 
@@ -292,24 +306,24 @@ def _expanded(operation, target):
         alpha, cd = cd[-1:], cd[:-1]
     for first, side in ((0, ab), (4, cd)):
         for k in range(len(side) // 2):
-            rows.append((V.MULTIPLY, first + k, 0, side[2 * k : 2 * k + 2]))
+            rows.append((C.PLAN_MULTIPLY, first + k, 0, side[2 * k : 2 * k + 2]))
         if len(side) == 6:
-            rows.append((V.SUM_OF_THREE, first, 0, ()))
+            rows.append((C.PLAN_SUM_OF_THREE, first, 0, ()))
     source = V.TOTAL if cd else 0
     if operation.mux:
-        rows.append((V.SELECT, 0, 4, alpha))
+        rows.append((C.PLAN_SELECT, 0, 4, alpha))
     elif cd:
-        rows.append((V.SUM_OF_TWO, 0, 4, ()))
-    return [*rows, (V.FINISH, target, source, ())]
+        rows.append((C.PLAN_SUM_OF_TWO, 0, 4, ()))
+    return [*rows, (C.PLAN_FINISH, target, source, ())]
 
 
 # Planes that hold no color, fog factor or texel; SPARE0's alpha is left to SELECT. They suffice: a program
 # keeps at most the 32 channels of the writable registers and one stage's twelve results.
 _FREE = (
-    *range(R.FOG * 4),
-    *range(R.SPARE0 * 4, R.SPARE0 * 4 + 3),
-    *range(R.SPARE1 * 4, R.SPARE1 * 4 + 4),
-    *range(R.E_TIMES_F * 4, V.PLANES),
+    *range(C.REGISTER_FOG * 4),
+    *range(C.REGISTER_SPARE0 * 4, C.REGISTER_SPARE0 * 4 + 3),
+    *range(C.REGISTER_SPARE1 * 4, C.REGISTER_SPARE1 * 4 + 4),
+    *range(C.REGISTER_E_TIMES_F * 4, V.PLANES),
 )
 
 
@@ -373,7 +387,7 @@ def _rows(operations):
 def _plan(program, final, direct, color_sum, fog, arithmetic, units):
     if direct:
         planner, registers = _Planner(*arithmetic), _first_registers(0, False, units)
-        outputs = [_Operand(registers[R.PRIMARY * 4 + k], 0, 1, 0) for k in range(4)]
+        outputs = [_Operand(registers[C.REGISTER_PRIMARY_COLOR * 4 + k], 0, 1, 0) for k in range(4)]
     else:
         program = np.frombuffer(program, np.int32).reshape(-1, 2, R.PORTION_SIZE).tolist()
         final = np.frombuffer(final, np.int32).reshape(7, R.FINAL_SIZE).tolist()
@@ -381,11 +395,11 @@ def _plan(program, final, direct, color_sum, fog, arithmetic, units):
         registers = _first_registers(stages, fog, units)
         for stage in range(stages + 1):
             for k in range(8):
-                registers[R.CONSTANT0 * 4 + k] = _Value("constant", 8 * stage + k, 0, 255)
+                registers[C.REGISTER_CONSTANT_COLOR0 * 4 + k] = _Value("constant", 8 * stage + k, 0, 255)
             if stage < stages:
                 planner.stage(registers, *program[stage])
         outputs = planner.final(registers, final, color_sum)
-    planner.emit(_Operation(V.PACK, tuple(outputs)))
+    planner.emit(_Operation(C.PLAN_PACK, tuple(outputs)))
     rows, planes, constants = _rows(planner.operations)
     rows.setflags(write=False)
     return rows, planes, constants

@@ -51,12 +51,12 @@ from pipeline.threads import Threads
 from pipeline.trace import Snapshot, snapshot
 from pipeline.transfer import HistogramTable, MinmaxTable, PixelStatistics
 from pipeline.validate import frame_of, issued_by, validate
+from raster import codes as C
 from raster import rows as R
 from raster.arrays import Buffers, scratch
 from raster.bins import BAND_HEIGHT, CHUNK, count_bins, fill_bins, sort_triangles
 from raster.frame import draw_frame, fill_clear, fill_draw
 from raster.vector_texture import row_pairs
-from raster.vector_unit import DISABLED
 
 BATCH = 2048  # fragments shaded together; any size gives the same bits. Measured: docs/decisions, page 0002
 _NO_RECORD = np.zeros((0, 4), np.int32)
@@ -569,10 +569,10 @@ class _Prepared:
         self.job = job[0]
         # How a unit is sampled is known now, and so which textures are needed as row pairs.
         paths = job[0, R.JOB_UNIT_PATH : R.JOB_UNIT_PATH + 4].tolist()
-        if paths != [DISABLED] * 4:
+        if paths != [C.PATH_DISABLED] * 4:
             pairs, levels = [_NO_TEXELS] * 4, [_NO_LEVELS] * len(self.levels)
             for i, (path, read) in enumerate(zip(paths, self.texels, strict=True)):
-                if path != DISABLED:
+                if path != C.PATH_DISABLED:
                     pairs[i], levels[i] = read.pairs
             self.beside = pairs, _stacked(levels)
             self._fill(job, *self.beside)

@@ -38,22 +38,23 @@ from pipeline.transfer import (
     transfer_image,
     transfer_stencil,
 )
+from raster import codes as C
 from raster.transfer import fixed
 from raster.wide import convert
 
 # A surface's 32-bit words, red in the low byte, each component at the top of its byte: the bits that it
-# keeps, those that are always one, and its alpha as a factor: 0 the byte, 1 always 255, 2 seven bits,
-# replicated.
+# keeps, those that are always one, and its alpha as a factor (seven bits:
+# replicated).
 # Measured: Blend_surface captures (16 of 16 pictures of 16384 pixels; DstAlpha pictures).
 SURFACE_WORDS = {
-    ColorFormat.A8R8G8B8: (0xFFFFFFFF, 0, 0),
-    ColorFormat.X8R8G8B8_Z8R8G8B8: (0x00FFFFFF, 0, 1),
-    ColorFormat.X8R8G8B8_O8R8G8B8: (0x00FFFFFF, 0xFF000000, 1),
-    ColorFormat.X1A7R8G8B8_Z1A7R8G8B8: (0x7FFFFFFF, 0, 2),
-    ColorFormat.X1A7R8G8B8_O1A7R8G8B8: (0x7FFFFFFF, 0x80000000, 2),
-    ColorFormat.R5G6B5: (0x00F8FCF8, 0, 1),
-    ColorFormat.X1R5G5B5_Z1R5G5B5: (0x00F8F8F8, 0, 1),
-    ColorFormat.X1R5G5B5_O1R5G5B5: (0x00F8F8F8, 0x80000000, 1),
+    ColorFormat.A8R8G8B8: (0xFFFFFFFF, 0, C.SURFACE_ALPHA_STORED),
+    ColorFormat.X8R8G8B8_Z8R8G8B8: (0x00FFFFFF, 0, C.SURFACE_ALPHA_ONE),
+    ColorFormat.X8R8G8B8_O8R8G8B8: (0x00FFFFFF, 0xFF000000, C.SURFACE_ALPHA_ONE),
+    ColorFormat.X1A7R8G8B8_Z1A7R8G8B8: (0x7FFFFFFF, 0, C.SURFACE_ALPHA_SEVEN_BITS),
+    ColorFormat.X1A7R8G8B8_O1A7R8G8B8: (0x7FFFFFFF, 0x80000000, C.SURFACE_ALPHA_SEVEN_BITS),
+    ColorFormat.R5G6B5: (0x00F8FCF8, 0, C.SURFACE_ALPHA_ONE),
+    ColorFormat.X1R5G5B5_Z1R5G5B5: (0x00F8F8F8, 0, C.SURFACE_ALPHA_ONE),
+    ColorFormat.X1R5G5B5_O1R5G5B5: (0x00F8F8F8, 0x80000000, C.SURFACE_ALPHA_ONE),
 }
 
 
@@ -61,7 +62,8 @@ def surface_word(rgba, color_format):
     """A colour as a surface stores it, a word with red in the low byte. ``rgba``: four bytes."""
     keep, pad, alpha = SURFACE_WORDS[color_format]
     red, green, blue, a = rgba
-    word = red | green << 8 | blue << 16 | (a >> 1 if alpha == 2 else a) << 24
+    stored = a >> 1 if alpha == C.SURFACE_ALPHA_SEVEN_BITS else a
+    word = red | green << 8 | blue << 16 | stored << 24
     return (word & keep) | pad
 
 
@@ -166,21 +168,21 @@ class Framebuffer:
         return int(left), int(top), int(max(left, right)), int(max(top, bottom))
 
     def clear_words(self, command):
-        """What a Clear (section 4.2.3) writes: (x0, y0, x1, y1) in device pixels, half open; which buffers (1
-        colour, 2 depth, 4 stencil); the colour's word and its mask, the depth's word, the stencil's byte and
-        its mask. ``command``: a Clear.
+        """What a Clear (section 4.2.3) writes: (x0, y0, x1, y1) in device pixels, half open; which buffers
+        (bits: codes.BUFFER_...); the colour's word and its mask, the depth's word, the stencil's byte and its
+        mask. ``command``: a Clear.
         """
         buffers, color, color_mask, depth = 0, 0, 0, 0
         if command.color is not None:
-            buffers, mask = 1, command.color_mask
+            buffers, mask = C.BUFFER_COLOR, command.color_mask
             color = surface_word([to_byte(c) for c in command.color], self.color_format)
             for channel, on in enumerate((mask.red, mask.green, mask.blue, mask.alpha)):
                 color_mask |= 0xFF << (8 * channel) if on else 0
         if command.depth is not None:
-            buffers |= 2
+            buffers |= C.BUFFER_DEPTH
             depth = int(min(max(command.depth, 0.0), 1.0) * (2**self.depth_bits - 1) + 0.5)
         if command.stencil is not None:
-            buffers |= 4
+            buffers |= C.BUFFER_STENCIL
         stencil = 0 if command.stencil is None else int(command.stencil)
         box, mask = self._scissored(command.scissor), int(command.stencil_write_mask)
         return box, buffers, color, color_mask, depth, stencil, mask

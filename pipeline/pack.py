@@ -52,6 +52,7 @@ from pipeline.state import (
 from pipeline.strokes import whole_size
 from pipeline.texture_environment import environment_program
 from pipeline.textures import BASE_FORMAT, DEPTH_TEXELS, KEPT, depth_texture_mode, register_components
+from raster import codes as C
 from raster import rows as R
 from raster.vertices import single_depths
 
@@ -219,8 +220,12 @@ def _pack_combiners(state, profile, textures, draw):
     constants.append([*own[0], *own[1]])  # the final combiner's
     used = _registers_read(program)
     draw[R.STAGES] = len(stages)
-    inverted = 2 * program.invert_spare0 + 4 * program.invert_secondary_color
-    draw[R.COLOR_SUM] = program.color_sum_clamp + inverted
+    for on, bit in (
+        (program.color_sum_clamp, C.COLOR_SUM_CLAMP),
+        (program.invert_spare0, C.COLOR_SUM_INVERT_SPARE0),
+        (program.invert_secondary_color, C.COLOR_SUM_INVERT_SECONDARY),
+    ):
+        draw[R.COLOR_SUM] |= bit if on else 0
     draw[R.USES_E_TIMES_F] = Register.E_TIMES_F in used
     draw[R.USES_SPARE0_PLUS_SECONDARY] = Register.SPARE0_PLUS_SECONDARY_COLOR in used
     written = {
@@ -269,9 +274,9 @@ def _pack_fog(state, profile, used, draw):
         return _NO_FOG
     draw[R.FOG_RED : R.FOG_BLUE + 1] = _color_bytes(state.fog.color)[:3]
     if profile.fog_arithmetic == FogArithmetic.TABLE:
-        draw[R.FOG_ENABLED] = 2
+        draw[R.FOG_ENABLED] = C.FOG_BY_TABLE
         return table(state.fog.mode).copy()  # kernels take writable arrays
-    draw[R.FOG_ENABLED] = 1
+    draw[R.FOG_ENABLED] = C.FOG_BY_THRESHOLDS
     draw[R.FOG_RISING] = state.fog.mode == FogMode.LINEAR and state.fog.start > state.fog.end
     return fog_thresholds(state.fog).copy()
 
@@ -289,7 +294,7 @@ def _pack_stencil_operation(operation, reference):
     }[operation]
 
 
-# The depth of a format's largest word, and the code by which kernels know the format.
+# The depth of a format's largest word.
 FARTHEST = {
     DepthFormat.FIXED_16: 65535.0,
     DepthFormat.FIXED_23: 8388607.0,
@@ -298,11 +303,11 @@ FARTHEST = {
     DepthFormat.FLOAT_24: (2.0 - 2.0**-16) * 2.0**127,
 }
 DEPTH_ROWS = {  # code, largest word
-    DepthFormat.FIXED_16: (0, 0xFFFF),
-    DepthFormat.FIXED_23: (0, 0x7FFFFF),
-    DepthFormat.FIXED_24: (0, 0xFFFFFF),
-    DepthFormat.FLOAT_16: (1, 0xFFFF),
-    DepthFormat.FLOAT_24: (2, 0xFEFFFF),
+    DepthFormat.FIXED_16: (C.DEPTH_FIXED, 0xFFFF),
+    DepthFormat.FIXED_23: (C.DEPTH_FIXED, 0x7FFFFF),
+    DepthFormat.FIXED_24: (C.DEPTH_FIXED, 0xFFFFFF),
+    DepthFormat.FLOAT_16: (C.DEPTH_FLOAT_16, 0xFFFF),
+    DepthFormat.FLOAT_24: (C.DEPTH_FLOAT_24, 0xFEFFFF),
 }
 
 
@@ -414,7 +419,7 @@ def _pack_writing(state, framebuffer, draw):
     draw[R.SURFACE_KEEP], draw[R.SURFACE_PAD], draw[R.SURFACE_ALPHA] = SURFACE_WORDS[framebuffer.color_format]
     if state.logic_op is not None:
         if state.logic_op != LogicOperation.COPY:
-            draw[R.BLEND], draw[R.LOGIC_OPERATION] = 3, state.logic_op
+            draw[R.BLEND], draw[R.LOGIC_OPERATION] = C.BLEND_LOGIC, state.logic_op
         return factors
     blending = state.blending
     if blending is None:
@@ -424,9 +429,9 @@ def _pack_writing(state, framebuffer, draw):
         if destination == BlendFactor.ZERO:
             return factors
         if destination == BlendFactor.ONE and not draw[R.SURFACE]:
-            draw[R.BLEND] = 2
+            draw[R.BLEND] = C.BLEND_ADD
             return factors
-    draw[R.BLEND], draw[R.BLEND_EQUATION] = 1, equation
+    draw[R.BLEND], draw[R.BLEND_EQUATION] = C.BLEND_GENERAL, equation
     if equation in (BlendEquation.FUNC_ADD_SIGNED, BlendEquation.FUNC_REVERSE_SUBTRACT_SIGNED):
         draw[R.SURFACE] = 1
     color = _color_bytes(blending.color)
@@ -513,6 +518,17 @@ def _pack_comparison(sampler, internal_format, profile, row):
     row[R.COORDINATE_DEPTH] = _pattern(1.0 if units else row[R.DEPTH_TEXEL_MAX])
 
 
+# Which levels a minification filter reads (section 3.8.5).
+_MIPMAPS = {
+    TextureFilter.NEAREST: C.MIPMAP_NONE,
+    TextureFilter.LINEAR: C.MIPMAP_NONE,
+    TextureFilter.NEAREST_MIPMAP_NEAREST: C.MIPMAP_NEAREST,
+    TextureFilter.LINEAR_MIPMAP_NEAREST: C.MIPMAP_NEAREST,
+    TextureFilter.NEAREST_MIPMAP_LINEAR: C.MIPMAP_LINEAR,
+    TextureFilter.LINEAR_MIPMAP_LINEAR: C.MIPMAP_LINEAR,
+}
+
+
 def _pack_units(state, profile, textures, used, draw):
     """The units' rows, and the numbers of those whose coordinates are divided by q where it varies."""
     units, divided = np.zeros((max(len(state.texture_units), 1), R.UNIT_SIZE), np.int64), []
@@ -536,10 +552,8 @@ def _pack_units(state, profile, textures, used, draw):
         texture, sampler = textures[unit.texture], unit.sampler
         mag_linear = sampler.mag_filter == TextureFilter.LINEAR
         minification = sampler.min_filter
-        mipmap = 0 if minification < 2 else (1 if minification < 4 else 2)
         levels = min(len(texture.levels), sampler.max_level + 1)
-        if levels == 1:
-            mipmap = 0
+        mipmap = _MIPMAPS[minification] if levels > 1 else C.MIPMAP_NONE
         linear = minification in (
             TextureFilter.LINEAR,
             TextureFilter.LINEAR_MIPMAP_NEAREST,
@@ -598,10 +612,12 @@ def eighths(size):
 
 
 def _pack_lines(line, profile, draw):
-    draw[R.LINE_STEPS] = line.rasterization == LineRasterization.STEPS
+    steps = line.rasterization == LineRasterization.STEPS
+    draw[R.LINE_STEPS] = C.LINE_IN_STEPS if steps else C.LINE_AS_RECTANGLE
     draw[R.LINE_WIDTH] = eighths(line.width)
     if profile.diamond_exit_lines:
-        draw[R.LINE_STEPS], draw[R.LINE_WIDTH] = 2, 8 * whole_size(line.width)
+        draw[R.LINE_STEPS] = C.LINE_IN_DIAMONDS
+        draw[R.LINE_WIDTH] = R.PIXEL_WIDE * whole_size(line.width)
     if line.stipple is not None:
         draw[R.LINE_FACTOR], draw[R.LINE_PATTERN] = line.stipple
 
@@ -615,7 +631,7 @@ def _pack_holes(state, framebuffer, draw):
         draw[R.STIPPLE_WORD : R.STIPPLE_WORD + 32] = words[(height - 1 - np.arange(32)) % 32]
     clip = state.window_clip
     if clip is not None:
-        draw[R.WINDOW_CLIP] = 2 if clip.exclusive else 1
+        draw[R.WINDOW_CLIP] = C.WINDOW_CLIP_OUTSIDE if clip.exclusive else C.WINDOW_CLIP_INSIDE
         draw[R.CLIP_RECTANGLES] = len(clip.rectangles)
         for k, box in enumerate(clip.rectangles):
             draw[R.CLIP_RECTANGLE + 4 * k :][:4] = _device_edges(box, height)
@@ -645,7 +661,9 @@ def pack(state: PassState, profile, framebuffer, textures, primitives):
     Rows are shared by all that pack the same: they are not written to.
     """
     rows = _rows_of(state, profile, framebuffer, textures)
-    flat = rows.reads_color and (rows.flat or 2 * primitives.constant_color)
+    flat = C.COLORS_SMOOTH
+    if rows.reads_color and (rows.flat or primitives.constant_color):
+        flat = C.COLORS_FLAT if rows.flat else C.COLORS_EQUAL
     varies = (
         primitives.two_side,
         len(primitives.strokes) > 0,
@@ -720,7 +738,8 @@ class _StateRows:
         self.reads_color = bool(
             draw[R.NEEDS_COLOR] and (draw[R.DIRECT] or draw[R.NEEDS_PRIMARY] or draw[R.NEEDS_SECONDARY])
         )
-        self.color_weights = 1 if profile.color_weights == ColorWeights.EIGHT_BITS else 2
+        eight_bits = profile.color_weights == ColorWeights.EIGHT_BITS
+        self.color_weights = C.WEIGHTS_EIGHT_BITS if eight_bits else C.WEIGHTS_EXACT
         self.textured = bool((self.units[:, R.ENABLED] != 0).any())
         self.needs_depth = bool(draw[R.NEEDS_DEPTH])
         self.area = int((draw[R.X1] - draw[R.X0]) * (draw[R.Y1] - draw[R.Y0]))
@@ -750,8 +769,10 @@ class _StateRows:
         draw[R.STROKES], draw[R.FLAT] = strokes, flat
         units[self.divided, R.PROJECTIVE] = projective
         if draw[R.NEEDS_COLOR]:
-            draw[R.NEEDS_COLOR_WEIGHTS] = self.color_weights if self.reads_color and not flat else 0
-            draw[R.NEEDS_ITERATION_WEIGHTS] = draw[R.NEEDS_COLOR_WEIGHTS] == 1 or self.textured
+            iterates = self.reads_color and flat == C.COLORS_SMOOTH
+            draw[R.NEEDS_COLOR_WEIGHTS] = self.color_weights if iterates else C.WEIGHTS_NONE
+            eight_bits = draw[R.NEEDS_COLOR_WEIGHTS] == C.WEIGHTS_EIGHT_BITS
+            draw[R.NEEDS_ITERATION_WEIGHTS] = eight_bits or self.textured
             draw[R.NEEDS_WEIGHTS] = draw[R.FOG_ENABLED]
         self.varied[varies] = made = draw, units, {}
         return made

@@ -40,7 +40,7 @@ class WindowPrimitives:
     dropped        primitives dropped because a position was not finite after projection, or w was 0
     two_side       whether back-facing triangles take the back colour
     strokes        int32 [k, 8], or [0, 8] where all are triangles: what each row of ``triangles`` is
-                   (raster.rows: TRIANGLE, LINE or POINT), whether it takes the back colour, and the three
+                   (codes.PRIMITIVE_...), whether it takes the back colour, and the three
                    vertices of the polygon that it came from, -1 if none; of a line the first pixel along its
                    longer axis, the one behind the last, and the line stipple's counter at the first. A line's
                    row is its second vertex, then its first, twice. A point's row is three corners of its

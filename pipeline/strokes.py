@@ -17,7 +17,8 @@ from pipeline.enums import (
     PrimitiveType,
     VertexStage,
 )
-from raster.rows import COUNTER, END_STEP, FIRST_STEP, KIND, LINE, POINT, TRIANGLE
+from raster import codes as C
+from raster.rows import COUNTER, END_STEP, FIRST_STEP, KIND
 
 _EDGES = ((1, 2), (2, 0), (0, 1))  # in the order in which a triangle's outline is drawn
 _SIZE_BITS = 7  # significant bits of what a point size's inverse square root reads
@@ -77,7 +78,7 @@ def outlined(triangles, boundary, x, y, polygon):
         first = triangles[:, start]
         second = np.where(mode == PolygonMode.LINE, triangles[:, end], first)
         rows[outline, j, :3] = np.stack([second, first, first], axis=1)[outline]
-    kinds = np.choose(mode, [POINT, LINE, TRIANGLE])
+    kinds = np.choose(mode, [C.PRIMITIVE_POINT, C.PRIMITIVE_LINE, C.PRIMITIVE_TRIANGLE])
     nothing = np.zeros((len(triangles), 3), np.int32)
     strokes = np.column_stack([kinds, ~front, triangles[:, :3], nothing])[:, None].repeat(3, axis=1)
     return rows[drawn], strokes[drawn].astype(np.int32), np.nonzero(drawn)[0]
@@ -152,7 +153,7 @@ def with_steps(primitives, groups, line, profile):
     groups int64 [k]: rows that follow each other with the same number share a counter; ``line``: a LineState.
     """
     strokes = primitives.strokes.copy()
-    rows = np.flatnonzero(strokes[:, KIND] == LINE)
+    rows = np.flatnonzero(strokes[:, KIND] == C.PRIMITIVE_LINE)
     ends = primitives.triangles[rows][:, [1, 0]]
     x, y = primitives.x[ends].astype(np.int64), primitives.y[ends].astype(np.int64)
     across, down = x[:, 1] - x[:, 0], y[:, 1] - y[:, 0]
@@ -183,7 +184,7 @@ def with_squares(primitives, sizes, units, profile):
     AlphaTest, 305506 of 305506 pixels; which corners these are shows on exact texel boundaries (section 6's
     rule of ties), 189 of the pixels.
     """
-    points = np.flatnonzero(primitives.strokes[:, 0] == POINT)
+    points = np.flatnonzero(primitives.strokes[:, 0] == C.PRIMITIVE_POINT)
     at = primitives.triangles[points, 0].repeat(3)  # lower left, lower right, upper right
     sizes = np.broadcast_to(sizes, len(primitives.x))[at]
     half = (8 * whole_size(sizes) if profile.diamond_exit_lines else np.trunc(sizes * 8.0)).astype(np.int32)

@@ -52,8 +52,8 @@ from pipeline.strokes import (
     with_strokes,
 )
 from pipeline.vertex_plan import mesh_columns, plan_of
+from raster import codes as C
 from raster.clip import MOST_VERTICES, clip_triangles, find_clipped
-from raster.rows import LINE, POINT
 from raster.vertices import CHUNK, CLIPPED, FIRST_PROJECTIVE, UNUSUAL_W, transform_vertices
 
 _NORMAL_MODES = frozenset({TexGenMode.SPHERE_MAP, TexGenMode.NORMAL_MAP, TexGenMode.REFLECTION_MAP})
@@ -425,10 +425,10 @@ def _with_strokes(primitives, mesh, state, profile, clipped, origin, sizes):
     points, a column.
     """
     if mesh.primitive == PrimitiveType.POINTS:
-        primitives = with_strokes(primitives, POINT)
+        primitives = with_strokes(primitives, C.PRIMITIVE_POINT)
     elif mesh.primitive > PrimitiveType.POINTS:
         groups = stipple_groups(mesh)[origin]
-        return with_steps(with_strokes(primitives, LINE), groups, state.line, profile)
+        return with_steps(with_strokes(primitives, C.PRIMITIVE_LINE), groups, state.line, profile)
     elif (state.polygon.front_mode, state.polygon.back_mode) == (PolygonMode.FILL, PolygonMode.FILL):
         return primitives
     else:
@@ -439,7 +439,7 @@ def _with_strokes(primitives, mesh, state, profile, clipped, origin, sizes):
         primitives = replace(primitives, triangles=rows, strokes=strokes)
         groups = stipple_groups(mesh)[origin[owners]]
         primitives = with_steps(primitives, groups, state.line, profile)
-    if not (primitives.strokes[:, 0] == POINT).any():
+    if not (primitives.strokes[:, 0] == C.PRIMITIVE_POINT).any():
         return primitives
     return with_squares(primitives, sizes, sprite_units(state), profile)
 

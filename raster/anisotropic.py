@@ -5,6 +5,7 @@
 import numpy as np
 from numba import float64, int32, int64, uint32
 
+from raster import codes as C
 from raster import rows as R
 from raster.footprint import probes_along
 from raster.kernel import float_of, kernel, separate_function, separate_loop
@@ -73,12 +74,12 @@ def footprints(
     """
     separate_function()
     width, height = float64(levels[0, 1]), float64(levels[0, 2])
-    if row[R.TARGET] == 4:  # coordinates that count texels already
+    if row[R.TARGET] == C.TARGET_RECTANGLE:  # coordinates that count texels already
         width = height = 1.0
     bias, low, high = int32(row[R.LOD_BIAS]), int32(row[R.MIN_LOD]), int32(row[R.MAX_LOD])
     for k in range(runs):
         t = ints[R.OWNER, k]
-        kind = int64(strokes[t, 0]) if draw[R.STROKES] else int64(R.TRIANGLE)
+        kind = int64(strokes[t, 0]) if draw[R.STROKES] else int64(C.PRIMITIVE_TRIANGLE)
         v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
         px, by, block = int64(run_x[k]), int64(run_y[k]) & ~1, int64(-1)
         along_s, along_t, ratio, value = 0.0, 0.0, 1.0, int32(0)

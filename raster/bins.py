@@ -2,6 +2,7 @@
 
 from numba import int32, int64, uint32, uint64
 
+from raster import codes as C
 from raster import rows as R
 from raster.kernel import kernel, separate_function, separate_loop
 from raster.strokes import stroke_margin
@@ -30,8 +31,8 @@ def band_range(triangles, strokes, t, x, y, draw):
     """First and last band that a primitive's samples can touch; first > last: none."""
     v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
     y0, y1, y2 = int64(y[v0]), int64(y[v1]), int64(y[v2])
-    kind = int64(strokes[t, 0]) if draw[R.STROKES] else int64(R.TRIANGLE)
-    margin = stroke_margin(draw, kind) if kind != R.TRIANGLE else int64(0)
+    kind = int64(strokes[t, 0]) if draw[R.STROKES] else int64(C.PRIMITIVE_TRIANGLE)
+    margin = stroke_margin(draw, kind) if kind != C.PRIMITIVE_TRIANGLE else int64(0)
     top = max((min(y0, min(y1, y2)) - margin + 7) >> 4, draw[R.Y0])
     bottom = min((max(y0, max(y1, y2)) + margin - 8) >> 4, draw[R.Y1] - 1)
     x0, x1, x2 = int64(x[v0]), int64(x[v1]), int64(x[v2])
@@ -39,8 +40,8 @@ def band_range(triangles, strokes, t, x, y, draw):
     right = min((max(x0, max(x1, x2)) + margin - 8) >> 4, draw[R.X1] - 1)
     if top > bottom or left > right:
         return int64(1), int64(0)
-    if kind != R.TRIANGLE:
-        nothing = x0 == x1 and (y0 == y1 or kind == R.POINT)
+    if kind != C.PRIMITIVE_TRIANGLE:
+        nothing = x0 == x1 and (y0 == y1 or kind == C.PRIMITIVE_POINT)
         return (int64(1), int64(0)) if nothing else (top >> BAND_SHIFT, bottom >> BAND_SHIFT)
     area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
     if area == 0 or (draw[R.CULL_POSITIVE] and area > 0) or (draw[R.CULL_NEGATIVE] and area < 0):

@@ -6,20 +6,10 @@ looked at: any bits give some picture. The cost is some hundred comparisons for 
 
 from numba import int64
 
+from raster import codes as C
 from raster import rows as R
 from raster.kernel import float_of, kernel
-from raster.texture_shader import (
-    BRDF,
-    CUBE_MAP,
-    CULL_FRAGMENT,
-    DEPTH_REPLACE,
-    DIFFUSE,
-    DOT_PRODUCT,
-    DOT_PRODUCT_3D,
-)
 from raster.vector_combine import (
-    FINISH,
-    MULTIPLY,
     OPERANDS,
     OPERATION,
     OPERATION_SIZE,
@@ -37,7 +27,7 @@ MOST_TAPS = 16.0  # the largest anisotropy; the EXT_texture_filter_anisotropic o
 @kernel
 def usable_input(row, at):
     """Whether an input names a register and a component of it."""
-    return 0 <= row[at] < R.REGISTERS and 0 <= row[at + 1] <= 2
+    return 0 <= row[at] < R.REGISTERS and C.USAGE_RGB <= row[at + 1] <= C.USAGE_BLUE
 
 
 @kernel
@@ -74,10 +64,10 @@ def usable_plan(plan):
         return False
     for k in range(plan.shape[0]):
         row = plan[k]
-        if row[OPERATION] < 0 or row[OPERATION] > FINISH:
+        if row[OPERATION] < 0 or row[OPERATION] > C.PLAN_FINISH:
             return False
         # The last five work on scratch planes, FINISH to a register's.
-        rare = row[OPERATION] >= MULTIPLY and row[OPERATION] < FINISH
+        rare = C.PLAN_MULTIPLY <= row[OPERATION] < C.PLAN_FINISH
         if row[TARGET] < 0 or row[TARGET] >= (SCRATCH_PLANES - 2 if rare else PLANES):
             return False
         if row[SECOND] < 0 or row[SECOND] >= SCRATCH_PLANES:
@@ -93,12 +83,13 @@ def usable_levels(row, levels, texels, pairs):
     """Whether every level that a unit may read lies inside its texels; ``pairs``: which are row pairs, of one
     column more.
     """
-    count, layers, layered = row[R.LEVELS], row[R.LAYERS], row[R.TARGET] == 3
+    count, layers = row[R.LEVELS], row[R.LAYERS]
+    layered, cube = row[R.TARGET] == C.TARGET_3D, row[R.TARGET] == C.TARGET_CUBE_MAP
     if count < 1 or count > levels.shape[0] or (layered and layers < 1):
         return False
     for k in range(count):
         offset, width, height = int64(levels[k, 0]), int64(levels[k, 1]), int64(levels[k, 2])
-        images = max(layers >> k, 1) if layered else (int64(6) if row[R.TARGET] == 2 else int64(1))
+        images = max(layers >> k, 1) if layered else (int64(6) if cube else int64(1))
         if offset < 0 or width < 1 or height < 1 or images > texels:
             return False
         if width > texels or height > texels:
@@ -113,11 +104,13 @@ def usable_levels(row, levels, texels, pairs):
 def usable_stage(row, unit, units):
     """Whether a texture shader stage reads stages and units that there are."""
     operation = row[R.OPERATION]
-    if operation < 0 or operation > BRDF or row[R.PREVIOUS] < 0 or row[R.PREVIOUS] > 3:
+    if operation < 0 or operation > C.LAST_OPERATION or not 0 <= row[R.PREVIOUS] < R.MAX_UNITS:
         return False
-    if operation == DIFFUSE and unit + 1 >= units:
+    if operation == C.OPERATION_DOT_PRODUCT_DIFFUSE_CUBE_MAP and unit + 1 >= units:
         return False
-    return unit >= (2 if operation >= DOT_PRODUCT_3D else (1 if operation > DOT_PRODUCT else 0))
+    if operation >= C.FIRST_AFTER_TWO_STAGES:
+        return unit >= 2
+    return unit >= 1 or operation < C.FIRST_AFTER_ONE_STAGE
 
 
 @kernel
@@ -146,8 +139,11 @@ def usable_units(draw, units, levels):
 @kernel
 def reads_texture(operation):
     """Whether a texture shader's operation, or none, reads its unit's texture (``texture_shader``)."""
-    passed_on = operation <= CULL_FRAGMENT and operation != CUBE_MAP and operation != 0
-    return not (passed_on or operation in (DOT_PRODUCT, DEPTH_REPLACE))
+    if operation == C.OPERATION_NONE or operation == C.OPERATION_TEXTURE_CUBE_MAP:
+        return True
+    if operation <= C.OPERATION_CULL_FRAGMENT:  # and what rows have NONE for, which counts as this
+        return False
+    return operation not in (C.OPERATION_DOT_PRODUCT, C.OPERATION_DOT_PRODUCT_DEPTH_REPLACE)
 
 
 @kernel
@@ -176,7 +172,7 @@ def usable_draw(draw, draw_float, factors, fog_thresholds, height, width):
         return False
     if factors.shape[0] < 2 or factors.shape[1] < 4 * R.FACTOR_SIZE:
         return False
-    return fog_thresholds.shape[0] >= (FOG_TABLE if draw[R.FOG_ENABLED] == 2 else 255)
+    return fog_thresholds.shape[0] >= (FOG_TABLE if draw[R.FOG_ENABLED] == C.FOG_BY_TABLE else 255)
 
 
 @kernel
@@ -198,7 +194,7 @@ def usable_columns(draw, triangles, strokes, vertices, inverse_w, colors, coordi
     if strokes.shape[0] < triangles.shape[0]:
         return False
     for t in range(strokes.shape[0]):
-        if strokes[t, 0] < 0 or strokes[t, 0] > R.POINT or strokes[t, 1] < 0 or strokes[t, 1] > 1:
+        if strokes[t, 0] < 0 or strokes[t, 0] > C.PRIMITIVE_POINT or strokes[t, 1] < 0 or strokes[t, 1] > 1:
             return False
         for k in range(2, 5):
             if strokes[t, k] < -1 or strokes[t, k] >= vertices or (strokes[t, k] < 0) != (strokes[t, 2] < 0):

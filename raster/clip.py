@@ -5,6 +5,7 @@ That costs the same few hundred microseconds for one triangle as for a thousand,
 
 from numba import int32, int64
 
+from raster import codes as C
 from raster.kernel import kernel
 from raster.vertices import (
     HALF_X,
@@ -28,15 +29,15 @@ _INFINITY = float("inf")
 @kernel
 def _distance(v, plane, parameters):
     """From clip coordinates to a plane, by number in the order of ``pipeline.clip.clip_planes``."""
-    if plane == 0:
+    if plane == C.PLANE_NEAR:
         return v[2] + v[3]
-    if plane == 1:
+    if plane == C.PLANE_FAR:
         return v[3] - v[2]
-    if plane == 2:
+    if plane == C.PLANE_LEFT:
         return v[0] * parameters[HALF_X] + parameters[LOW_X] * v[3]
-    if plane == 3:
+    if plane == C.PLANE_RIGHT:
         return parameters[HIGH_X] * v[3] - v[0] * parameters[HALF_X]
-    if plane == 4:
+    if plane == C.PLANE_BOTTOM:
         return v[1] * parameters[HALF_Y] + parameters[LOW_Y] * v[3]
     return parameters[HIGH_Y] * v[3] - v[1] * parameters[HALF_Y]
 

@@ -7,6 +7,7 @@ which.
 
 from numba import int16, int32, uint64
 
+from raster import codes as C
 from raster import rows as R
 from raster.fixed import clamp, divide_255
 from raster.kernel import kernel, separate_function, separate_loop
@@ -20,8 +21,9 @@ def map_input(x, low, factor, addend):
 
 @kernel
 def scaled(value, scale):
-    """Times one, two, four (scale 0, 1, 2), or one half as (x + 1) >> 1 (scale 3)."""
-    return int32(int32(value + int32(1)) >> int32(1)) if scale == 3 else int32(value << scale)
+    """Times one, two, four, or one half as (x + 1) >> 1."""
+    half = int32(int32(value + int32(1)) >> int32(1))
+    return half if scale == C.SCALE_BY_ONE_HALF else int32(value << scale)
 
 
 @kernel("void(i2[:,::1],i8,i8,i8,i4[::1],i8,i8,i4[:,::1],i8,i8)")
@@ -68,14 +70,13 @@ def mux(products, ab, cd, registers, count, total, bit):
     separate_loop()
     pa, pc = uint64(ab), uint64(cd)
     for i in range(count):
-        selected = (max(int32(registers[R.SPARE0 * 4 + 3, i]), int32(0)) & bit) != int32(0)
+        selected = (max(int32(registers[C.REGISTER_SPARE0 * 4 + 3, i]), int32(0)) & bit) != int32(0)
         total[0, i] = products[pc, i] if selected else products[pa, i]
 
 
 @kernel("void(i4[:,::1],i8,i8,i4,i4,i4,i8,i2[:,::1],i8)")
 def finish(products, source, count, bias, scale, low, rounding, results, out):
-    """Rounding, bias, scale, clamp. ``rounding``: 0 the value is rounded already, 1 before, 2 after the
-    scale.
+    """Rounding, bias, scale, clamp.
 
     Measured: bias before scale, saturation, one half of values >= 0 (combiner captures); low: a profile
     field.
@@ -83,18 +84,18 @@ def finish(products, source, count, bias, scale, low, rounding, results, out):
     separate_loop()
     high = int32(255)
     p, r = uint64(source), uint64(out)
-    if rounding == 2 and scale == 3:
+    if rounding == C.ROUNDING_AFTER_SCALE and scale == C.SCALE_BY_ONE_HALF:
         # rn(x/2 / 255), ties upwards: floor((x + 255) / 510); 4096 is added and taken off again, so that the
         # dividend is not negative.
         for i in range(count):
             half = int32(int32(products[p, i] + int32(255 + 510 * 4096)) // int32(510))
             results[r, i] = int16(clamp(int32(half - int32(4096)), low, high))
-    elif rounding == 2:
+    elif rounding == C.ROUNDING_AFTER_SCALE:
         factor = int32(int32(1) << scale)
         for i in range(count):
             value = int32(divide_255(int32(products[p, i] * factor)) + int32(bias * factor))
             results[r, i] = int16(clamp(value, low, high))
-    elif rounding == 0:
+    elif rounding == C.ROUNDING_DONE:
         for i in range(count):
             results[r, i] = int16(clamp(scaled(int32(products[p, i] + bias), scale), low, high))
     else:
@@ -158,9 +159,9 @@ def fill_plane(planes, p, count, value):
 
 @kernel
 def plane_of(row, at, channel):
-    """Which plane the input at row[at] reads for a channel: its own, alpha (usage 1) or blue (usage 2)."""
+    """Which plane the input at row[at] reads for a channel: its own, alpha or blue."""
     usage = row[at + 1]
-    return row[at] * 4 + (channel if usage == 0 else (3 if usage == 1 else 2))
+    return row[at] * 4 + (channel if usage == C.USAGE_RGB else (3 if usage == C.USAGE_ALPHA else 2))
 
 
 @kernel("void(i2[:,::1],i8,i8,i8,i4[::1],i4[::1],i4[:,::1],i4[:,::1],i2[:,::1])")
@@ -171,16 +172,18 @@ def combine_portion(registers, first, last, count, row, arithmetic, products, to
     """
     separate_function()
     per_product, low = arithmetic[0], arithmetic[2]
-    rounding = 0 if per_product else (1 if arithmetic[1] else 2)
+    after = C.ROUNDING_BEFORE_SCALE if arithmetic[1] else C.ROUNDING_AFTER_SCALE
+    rounding = C.ROUNDING_DONE if per_product else after
     bias, scale = row[R.BIAS], row[R.SCALE]
     ab_dot, cd_dot = row[R.AB_DOT] != 0, row[R.CD_DOT] != 0
     ab_out, cd_out, sum_out = row[R.AB_OUTPUT] >= 0, row[R.CD_OUTPUT] >= 0, row[R.SUM_OUTPUT] >= 0
     a, b, c, d = 0, R.INPUT_SIZE, 2 * R.INPUT_SIZE, 3 * R.INPUT_SIZE
-    if ab_out and not (cd_out or sum_out or ab_dot) and rounding == 1:
+    if ab_out and not (cd_out or sum_out or ab_dot) and rounding == C.ROUNDING_BEFORE_SCALE:
         for k in range(first, last):
             one_product(registers, plane_of(row, a, k), plane_of(row, b, k), count, row, low, results, k)
         return
-    if sum_out and not (ab_out or cd_out or ab_dot or cd_dot or row[R.MUX]) and rounding == 1:
+    products_alone = not (ab_out or cd_out or ab_dot or cd_dot or row[R.MUX])
+    if sum_out and products_alone and rounding == C.ROUNDING_BEFORE_SCALE:
         for k in range(first, last):
             pa, pb, pc, pd = (
                 plane_of(row, a, k),
@@ -289,9 +292,11 @@ def sum_colors(registers, channel, count, flags, out, plane):
     Measured: combiner captures.
     """
     separate_loop()
-    spare0, secondary, po = uint64(R.SPARE0 * 4 + channel), uint64(R.SECONDARY * 4 + channel), uint64(plane)
-    limit = int32(255) if flags & 1 else int32(510)
-    invert_spare0, invert_secondary = int32((flags >> 1) & 1), int32((flags >> 2) & 1)
+    spare0, po = uint64(C.REGISTER_SPARE0 * 4 + channel), uint64(plane)
+    secondary = uint64(C.REGISTER_SECONDARY_COLOR * 4 + channel)
+    limit = int32(255) if flags & C.COLOR_SUM_CLAMP else int32(510)
+    invert_spare0 = int32((flags & C.COLOR_SUM_INVERT_SPARE0) != 0)
+    invert_secondary = int32((flags & C.COLOR_SUM_INVERT_SECONDARY) != 0)
     for i in range(count):
         total = int32(
             map_final(registers[spare0, i], invert_spare0)
@@ -338,9 +343,9 @@ def final_combiner(registers, final, count, uses_e_times_f, uses_sum, color_sum,
             multiply_e_f(registers, e, f, count, final[4, 2], final[5, 2], out, 8 + k)
     for k in range(3):
         if uses_sum:
-            copy_plane(out, 4 + k, registers, R.SPARE0_PLUS_SECONDARY * 4 + k, count)
+            copy_plane(out, 4 + k, registers, C.REGISTER_SPARE0_PLUS_SECONDARY_COLOR * 4 + k, count)
         if uses_e_times_f:
-            copy_plane(out, 8 + k, registers, R.E_TIMES_F * 4 + k, count)
+            copy_plane(out, 8 + k, registers, C.REGISTER_E_TIMES_F * 4 + k, count)
     for k in range(3):
         a, b = plane_of(final[0], 0, k), plane_of(final[1], 0, k)
         c, d = plane_of(final[2], 0, k), plane_of(final[3], 0, k)

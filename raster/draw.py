@@ -9,6 +9,7 @@ can change a bit.
 import numpy as np
 from numba import float64, int32, int64
 
+from raster import codes as C
 from raster import rows as R
 from raster.bins import BAND_HEIGHT
 from raster.check import usable
@@ -47,7 +48,7 @@ def stroke_span(draw, stroke, x0, y0, x1, y1, x2, y2, row, first, last):
 @kernel
 def stroke_offset(draw, kind):
     """Whether polygons drawn as such strokes are offset in depth."""
-    return draw[R.OFFSET_LINE] if kind == R.LINE else draw[R.OFFSET_POINT]
+    return draw[R.OFFSET_LINE] if kind == C.PRIMITIVE_LINE else draw[R.OFFSET_POINT]
 
 
 @kernel
@@ -58,7 +59,7 @@ def iterate_four(
     flat = draw[R.FLAT]
     for c in range(4):
         k, to = first + c, plane + c
-        if draw[R.NEEDS_COLOR_WEIGHTS] == 2:
+        if draw[R.NEEDS_COLOR_WEIGHTS] == C.WEIGHTS_EXACT:
             iterate_exact_color(
                 starts, owners, backs, segments, triangles, colors, k, flat, e0, e1, e2, out, to
             )
@@ -123,7 +124,7 @@ def shade(
         all_alive(alive, count)
     if draw[R.NEEDS_ITERATION_WEIGHTS]:
         iteration_weights(e0, e1, e2, count, floats)
-    if draw[R.NEEDS_COLOR_WEIGHTS] == 1:
+    if draw[R.NEEDS_COLOR_WEIGHTS] == C.WEIGHTS_EIGHT_BITS:
         color_weights(floats, count, ints)
     if draw[R.NEEDS_WEIGHTS]:
         full_weights(e0, e1, e2, count, floats)
@@ -135,16 +136,16 @@ def shade(
     if draw[R.NEEDS_PRIMARY]:
         iterate_four(
             draw, starts, owners, backs, segments, triangles, colors, 0, ints, e0, e1, e2, registers,
-            R.PRIMARY * 4,
+            C.REGISTER_PRIMARY_COLOR * 4,
         )  # fmt: skip
     if draw[R.NEEDS_SECONDARY]:
         iterate_four(
             draw, starts, owners, backs, segments, triangles, colors, 4, ints, e0, e1, e2, registers,
-            R.SECONDARY * 4,
+            C.REGISTER_SECONDARY_COLOR * 4,
         )  # fmt: skip
     if draw[R.FOG_ENABLED]:
-        rising, plane = draw[R.FOG_RISING], R.FOG * 4 + 3
-        if draw[R.FOG_ENABLED] == 2:
+        rising, plane = draw[R.FOG_RISING], C.REGISTER_FOG * 4 + 3
+        if draw[R.FOG_ENABLED] == C.FOG_BY_TABLE:
             iterate_fog_table(
                 starts, owners, segments, triangles, fog, floats, fog_thresholds, registers, plane
             )
@@ -162,18 +163,20 @@ def shade(
             texels, levels[u], run_starts, run_x, run_y, runs, floats, ints, packed, registers, depth, alive,
         )  # fmt: skip
     for c in range(3):
-        fill_plane(registers, R.SPARE0 * 4 + c, count, int32(0))
-    copy_plane(registers, R.TEXTURE0 * 4 + 3, registers, R.SPARE0 * 4 + 3, count)
+        fill_plane(registers, C.REGISTER_SPARE0 * 4 + c, count, int32(0))
+    copy_plane(registers, C.REGISTER_TEXTURE0 * 4 + 3, registers, C.REGISTER_SPARE0 * 4 + 3, count)
     for c in range(4):
-        fill_plane(registers, R.SPARE1 * 4 + c, count, int32(0))
+        fill_plane(registers, C.REGISTER_SPARE1 * 4 + c, count, int32(0))
     for stage in range(draw[R.STAGES]):
         if draw[R.STAGE_CONSTANTS]:
             for c in range(8):
-                fill_plane(registers, R.CONSTANT0 * 4 + c, count, int32(constants[stage, c]))
+                fill_plane(registers, C.REGISTER_CONSTANT_COLOR0 * 4 + c, count, int32(constants[stage, c]))
         general_combiner(registers, program[stage], count, arithmetic, products, total, results)
     if draw[R.STAGE_CONSTANTS]:
         for c in range(8):
-            fill_plane(registers, R.CONSTANT0 * 4 + c, count, int32(constants[draw[R.STAGES], c]))
+            fill_plane(
+                registers, C.REGISTER_CONSTANT_COLOR0 * 4 + c, count, int32(constants[draw[R.STAGES], c])
+            )
     uses_ef, uses_sum = draw[R.USES_E_TIMES_F], draw[R.USES_SPARE0_PLUS_SECONDARY]
     final_combiner(registers, final, count, uses_ef, uses_sum, draw[R.COLOR_SUM], results)
 
@@ -266,10 +269,10 @@ def draw_bands(
         np.empty(batch, np.int32),
     )
     for c in range(8):
-        fill_plane(registers, R.CONSTANT0 * 4 + c, batch, int32(constants[0, c]))
+        fill_plane(registers, C.REGISTER_CONSTANT_COLOR0 * 4 + c, batch, int32(constants[0, c]))
     for c in range(3):
-        fill_plane(registers, R.FOG * 4 + c, batch, int32(draw[R.FOG_RED + c]))
-    fill_plane(registers, R.FOG * 4 + 3, batch, int32(255))
+        fill_plane(registers, C.REGISTER_FOG * 4 + c, batch, int32(draw[R.FOG_RED + c]))
+    fill_plane(registers, C.REGISTER_FOG * 4 + 3, batch, int32(255))
     for u in range(4):
         unbound_texture(registers, u, batch)
 
@@ -277,7 +280,9 @@ def draw_bands(
     needs_depth, needs_color = draw[R.NEEDS_DEPTH], draw[R.NEEDS_COLOR]
     has_strokes, has_offset = draw[R.STROKES], draw[R.POLYGON_OFFSET]
     holes = draw[R.WINDOW_CLIP] != 0 or draw[R.STIPPLE] != 0
-    cut_lines = draw[R.LINE_FACTOR] != 0 or (draw[R.LINE_STEPS] == 2 and draw[R.LINE_WIDTH] > 8)
+    cut_lines = draw[R.LINE_FACTOR] != 0 or (
+        draw[R.LINE_STEPS] == C.LINE_IN_DIAMONDS and draw[R.LINE_WIDTH] > R.PIXEL_WIDE
+    )
     recorded = int64(0)
     for band in range(first_band, ends.shape[0], band_step):
         begin = int64(ends[band - 1]) if band > 0 else int64(0)
@@ -298,10 +303,10 @@ def draw_bands(
                 int64(x[v2]),
                 int64(y[v2]),
             )
-            kind, margin = int64(R.TRIANGLE), int64(0)
+            kind, margin = int64(C.PRIMITIVE_TRIANGLE), int64(0)
             if has_strokes and not finished:
                 kind = int64(strokes[t, 0])
-                margin = stroke_margin(draw, kind) if kind != R.TRIANGLE else int64(0)
+                margin = stroke_margin(draw, kind) if kind != C.PRIMITIVE_TRIANGLE else int64(0)
             first_row = max((min(y0, min(y1, y2)) - margin + 7) >> 4, top)
             last_row = min((max(y0, max(y1, y2)) + margin - 8) >> 4, bottom - 1)
             left = max((min(x0, min(x1, x2)) - margin + 7) >> 4, draw[R.X0])
@@ -320,7 +325,7 @@ def draw_bands(
             n1 = ((sx - x0) * (y2 - y0) - (x2 - x0) * (sy - y0)) * sign
             n2 = ((x1 - x0) * (sy - y0) - (sx - x0) * (y1 - y0)) * sign
             n0 = area - n1 - n2
-            if kind == R.LINE:
+            if kind == C.PRIMITIVE_LINE:
                 n0, n2 = along_line(draw, x0, y0, x1, y1, sx, sy)
                 ahead0, _ = along_line(draw, x0, y0, x1, y1, sx + 16, sy)
                 below0, _ = along_line(draw, x0, y0, x1, y1, sx, sy + 16)
@@ -336,7 +341,7 @@ def draw_bands(
             if iw0 == iw1 and iw1 == iw2:
                 iw0 = iw1 = iw2 = 1.0
             back = int32(1) if draw[R.BACK_SIGN] == sign else int32(0)
-            if kind != R.TRIANGLE:
+            if kind != C.PRIMITIVE_TRIANGLE:
                 back = strokes[t, 1]
             z0, z1, z2, offset, slope = 0.0, 0.0, 0.0, 0.0, 0.0
             zw0, zw1, zw2 = 1.0, 1.0, 1.0
@@ -344,14 +349,14 @@ def draw_bands(
                 z0, z1, z2 = z[v0], z[v1], z[v2]
                 if draw[R.W_BUFFERING]:
                     zw0, zw1, zw2 = inverse_w[v0], inverse_w[v1], inverse_w[v2]
-                if has_offset and kind == R.TRIANGLE:
+                if has_offset and kind == C.PRIMITIVE_TRIANGLE:
                     offset, slope = polygon_offset(draw, draw_float, v0, v1, v2, x, y, z, inverse_w)
-                elif kind != R.TRIANGLE and strokes[t, 2] >= 0 and stroke_offset(draw, kind):
+                elif kind != C.PRIMITIVE_TRIANGLE and strokes[t, 2] >= 0 and stroke_offset(draw, kind):
                     a0, a1, a2 = strokes[t, 2], strokes[t, 3], strokes[t, 4]
                     offset, slope = polygon_offset(draw, draw_float, a0, a1, a2, x, y, z, inverse_w)
             for row in range(first_row, last_row + 1):
                 start, end = left, left
-                if not finished and kind == R.TRIANGLE:
+                if not finished and kind == C.PRIMITIVE_TRIANGLE:
                     start, end = row_span(
                         n0 + tie0, n1 + tie1, n2 + tie2, right0, right1, right2, left, right
                     )
@@ -362,7 +367,7 @@ def draw_bands(
                     if holes and start < end:
                         start, stop = open_run(draw, kind, row, start, end)
                     column, line, alike = start, row, int64(0)
-                    if cut_lines and kind == R.LINE and start < stop:
+                    if cut_lines and kind == C.PRIMITIVE_LINE and start < stop:
                         start, stop, column, line, alike = line_run(
                             draw, strokes[t], x0, y0, x1, y1, row, start, stop
                         )

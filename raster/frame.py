@@ -8,6 +8,7 @@ threads'. A Draw that ``fill_draw`` refuses is the portable engine's (``raster.d
 
 from numba import float64, int16, int32, int64, uint8, uint32, void
 
+from raster import codes as C
 from raster import rows as R
 from raster.arrays import BUFFERS, JOB, JOBS, PASS, SCRATCH, Pass
 from raster.bins import BAND_HEIGHT
@@ -52,7 +53,7 @@ from raster.vector_interpolate import (
     triangle_depth,
     triangle_weights,
 )
-from raster.vector_unit import DISABLED, MIPMAPPED, plan_units, sample
+from raster.vector_unit import plan_units, sample
 
 SMALL = 32  # pixels: triangles whose box is not wider share segments
 # 1/16 pixel: what shows of a larger triangle may be as small, but its edge functions need more than 32 bits,
@@ -65,11 +66,11 @@ ALONE = 32  # fragments: from here on a triangle is a segment of its own
 def fill_clear(jobs, k, x0, y0, x1, y1, buffers, color, color_mask, depth, stencil, stencil_mask):
     """Row k of ``jobs``: clear device pixels [x0, x1) x [y0, y1).
 
-    ``buffers``: 1 colour, 2 depth, 4 stencil; ``color`` packed, ``depth`` a word, ``stencil`` a byte; masks
+    ``buffers``: bits, codes.BUFFER_...; ``color`` packed, ``depth`` a word, ``stencil`` a byte; masks
     as stored.
     """
     job = jobs[k]
-    job[R.JOB_KIND] = 0
+    job[R.JOB_KIND] = C.JOB_CLEAR
     job[R.JOB_X0], job[R.JOB_Y0], job[R.JOB_X1], job[R.JOB_Y1] = x0, y0, x1, y1
     job[R.JOB_BUFFERS], job[R.JOB_COLOR], job[R.JOB_COLOR_MASK] = buffers, color, color_mask
     job[R.JOB_DEPTH], job[R.JOB_STENCIL], job[R.JOB_STENCIL_MASK] = depth, stencil, stencil_mask
@@ -93,15 +94,15 @@ def fill_draw(
     unusual = (
         draw[R.STROKES] | draw[R.STIPPLE] | draw[R.WINDOW_CLIP] | draw[R.W_BUFFERING] | draw[R.DEPTH_FORMAT]
     ) | (draw[R.DEPTH_CULL] | draw[R.FOG_ENABLED] | draw[R.TEXTURE_SHADER] | draw[R.DISCARDS])
-    if unusual or draw[R.NEEDS_WEIGHTS] or draw[R.NEEDS_COLOR_WEIGHTS] == 2:
+    if unusual or draw[R.NEEDS_WEIGHTS] or draw[R.NEEDS_COLOR_WEIGHTS] == C.WEIGHTS_EXACT:
         return False
     job = jobs[k]
-    job[R.JOB_KIND] = 1
+    job[R.JOB_KIND] = C.JOB_DRAW
     if not plan_units(job, draw, units, levels, coordinates):
         return False
     job[R.JOB_ROW_RUNS] = 0
     for u in range(4):
-        if job[R.JOB_UNIT_PATH + u] == MIPMAPPED:
+        if job[R.JOB_UNIT_PATH + u] == C.PATH_MIPMAPPED:
             job[R.JOB_ROW_RUNS] = 1
     perspective = False
     for v in range(inverse_w.shape[0]):
@@ -114,9 +115,10 @@ def fill_draw(
     sizes = (pairs0.shape[0], pairs1.shape[0], pairs2.shape[0], pairs3.shape[0])
     job[R.JOB_USABLE] = 1
     for u in range(draw[R.UNITS]):
-        if job[R.JOB_UNIT_PATH + u] != DISABLED and not usable_levels(units[u], levels[u], sizes[u], True):
+        reads = job[R.JOB_UNIT_PATH + u] != C.PATH_DISABLED
+        if reads and not usable_levels(units[u], levels[u], sizes[u], True):
             job[R.JOB_USABLE] = 0
-    job[R.JOB_ONE_COLOR] = draw[R.FLAT] == 2 and draw[R.BACK_SIGN] == 0
+    job[R.JOB_ONE_COLOR] = draw[R.FLAT] == C.COLORS_EQUAL and draw[R.BACK_SIGN] == 0
     job[R.JOB_VERTICES], job[R.JOB_PRIMITIVES] = x.shape[0], triangles.shape[0]
     job[R.JOB_UNITS], job[R.JOB_MEMBERS] = coordinates.shape[1], order.shape[0]
     job[R.JOB_ROWS], job[R.JOB_BANDS] = units.shape[0], ends.shape[0]
@@ -152,7 +154,8 @@ def fits(job, height, width, bands):
     """Whether a job's pixels and bands are the framebuffer's, and its textures there."""
     inside = 0 <= job[R.JOB_X0] <= width and 0 <= job[R.JOB_X1] <= width
     inside = inside and 0 <= job[R.JOB_Y0] <= height and 0 <= job[R.JOB_Y1] <= height
-    return inside and (job[R.JOB_KIND] == 0 or (job[R.JOB_USABLE] != 0 and job[R.JOB_BANDS] >= bands))
+    usable = job[R.JOB_USABLE] != 0 and job[R.JOB_BANDS] >= bands
+    return inside and (job[R.JOB_KIND] == C.JOB_CLEAR or usable)
 
 
 @kernel("void(u4[::1],u4,u4)")
@@ -182,11 +185,11 @@ def clear_band(job, band, color, depth_buffer, stencil):
     x0, x1, buffers = job[R.JOB_X0], job[R.JOB_X1], job[R.JOB_BUFFERS]
     top, bottom = max(band * BAND_HEIGHT, job[R.JOB_Y0]), min((band + 1) * BAND_HEIGHT, job[R.JOB_Y1])
     for y in range(top, bottom):
-        if buffers & 1:
+        if buffers & C.BUFFER_COLOR:
             clear_words(color[y, x0:x1], uint32(job[R.JOB_COLOR]), uint32(job[R.JOB_COLOR_MASK]))
-        if buffers & 2:
+        if buffers & C.BUFFER_DEPTH:
             clear_words(depth_buffer[y, x0:x1], uint32(job[R.JOB_DEPTH]), uint32(0xFFFFFFFF))
-        if buffers & 4:
+        if buffers & C.BUFFER_STENCIL:
             clear_bytes(stencil[y, x0:x1], uint8(job[R.JOB_STENCIL]), uint8(job[R.JOB_STENCIL_MASK]))
 
 
@@ -203,7 +206,8 @@ def one_color(color, planes):
     """The primary and secondary colour of a whole Draw, in their planes."""
     separate_loop()
     for c in range(4):
-        primary, secondary = planes[R.PRIMARY * 4 + c], planes[R.SECONDARY * 4 + c]
+        primary = planes[C.REGISTER_PRIMARY_COLOR * 4 + c]
+        secondary = planes[C.REGISTER_SECONDARY_COLOR * 4 + c]
         for i in range(0, primary.shape[0], 16):
             store(primary, i, i16x16(int16(color[c])))
             store(secondary, i, i16x16(int16(color[4 + c])))
@@ -230,9 +234,10 @@ def finish_batch(job, p, first, count, length, segments, runs, solid, buffers, s
             packed[R.SHADED, : 1 if solid else count] = packed_color(colors[triangles[first, 3], 0])
     elif draw[R.NEEDS_COLOR]:
         if draw[R.NEEDS_PRIMARY] and varies:
-            iterate_colors(lists, segments, triangles, colors, 0, flat, floats, terms, planes, R.PRIMARY * 4)
+            plane = C.REGISTER_PRIMARY_COLOR * 4
+            iterate_colors(lists, segments, triangles, colors, 0, flat, floats, terms, planes, plane)
         if draw[R.NEEDS_SECONDARY] and varies:
-            second, plane = terms[12:], R.SECONDARY * 4
+            second, plane = terms[12:], C.REGISTER_SECONDARY_COLOR * 4
             iterate_colors(lists, segments, triangles, colors, 4, flat, floats, second, planes, plane)
         for u in range(draw[R.UNITS]):
             sample(job, p, u, count, segments, runs, scratch)
@@ -489,7 +494,7 @@ def draw_frame(jobs, count, counter, batch, buffers, scratch):
             job = jobs[k]
             if not fits(job, height, width, bands):
                 continue
-            if job[R.JOB_KIND] == 0:
+            if job[R.JOB_KIND] == C.JOB_CLEAR:
                 clear_band(job, band, buffers.color, buffers.depth, buffers.stencil)
                 continue
             vertices, units = job[R.JOB_VERTICES], job[R.JOB_UNITS]

@@ -10,6 +10,7 @@ LLVM from vectorising. A batch's fragments are columns. ``e0, e1, e2`` are the e
 import numpy as np
 from numba import float64, int16, int32, int64, uint64
 
+from raster import codes as C
 from raster import rows as R
 from raster.fixed import SMALLEST, power_below, reciprocal_29, step_24, truncate_24
 from raster.kernel import bits_of, kernel, separate_loop
@@ -90,7 +91,7 @@ def depth_words(floats, count, draw, draw_float, depth):
     row = uint64(R.DEPTH)
     low, high, cull = draw_float[R.DEPTH_LOW], draw_float[R.DEPTH_HIGH], draw[R.DEPTH_CULL] != 0
     number_format, largest = draw[R.DEPTH_FORMAT], int32(draw[R.DEPTH_MAX])
-    if number_format == 0:
+    if number_format == C.DEPTH_FIXED:
         top = float64(largest)
         for i in range(count):
             z = floats[row, uint64(i)]
@@ -99,9 +100,9 @@ def depth_words(floats, count, draw, draw_float, depth):
         return
     # A float's upper bits, its exponent moved to the format's: 4 bits that count from 2**-7 and 12 of
     # fraction, or 8 from 2**-127 and 16. Exponent 0 holds nothing but 0.
-    shift = int64(40 if number_format == 1 else 36)
-    zero = int64((1023 - 7) << 12 if number_format == 1 else (1023 - 127) << 16)
-    smallest = int32(1 << 12 if number_format == 1 else 1 << 16)
+    shift = int64(40 if number_format == C.DEPTH_FLOAT_16 else 36)
+    zero = int64((1023 - 7) << 12 if number_format == C.DEPTH_FLOAT_16 else (1023 - 127) << 16)
+    smallest = int32(1 << 12 if number_format == C.DEPTH_FLOAT_16 else 1 << 16)
     for i in range(count):
         z = floats[row, uint64(i)]
         bits = bits_of(min(max(min(max(z, low), high), 0.0), 2.0**128))

@@ -3,6 +3,7 @@
 import numpy as np
 from numba import float64, int32, int64
 
+from raster import codes as C
 from raster import rows as R
 from raster.kernel import kernel, separate_function
 from raster.sample import FAR, log2_q7, major_axis, on_face
@@ -27,7 +28,7 @@ def edge_functions(x0, y0, x1, y1, x2, y2, px, py):
 def coordinates_at(draw, kind, v0, v1, v2, x, y, inverse_w, coordinates, unit, projective, px, py):
     """(whether D > 0, s, t, r) of a pixel, inside or not; divided by q if projective."""
     x0, y0, x1, y1 = int64(x[v0]), int64(y[v0]), int64(x[v1]), int64(y[v1])
-    if kind == R.LINE:
+    if kind == C.PRIMITIVE_LINE:
         n0, n2 = along_line(draw, x0, y0, x1, y1, int64(px) * 16 + 8, int64(py) * 16 + 8)
         n1 = int64(0)
     else:
@@ -69,7 +70,7 @@ def block_lambda(
     )
     if not (ok0 and ok1 and ok2):
         return FAR
-    if row[R.TARGET] == 2:
+    if row[R.TARGET] == C.TARGET_CUBE_MAP:
         face = major_axis(s0, t0, r0)
         half = 0.5 * width
         sc0, tc0, ma0 = on_face(face, s0, t0, r0)
@@ -83,11 +84,11 @@ def block_lambda(
     else:
         s0, s1, s2 = s0 * width, s1 * width, s2 * width
         t0, t1, t2 = t0 * height, t1 * height, t2 * height
-        if row[R.TARGET] == 0:
+        if row[R.TARGET] == C.TARGET_1D:
             t0 = t1 = t2 = 0.0
     dsx, dtx, dsy, dty = s1 - s0, t1 - t0, s2 - s0, t2 - t0
     dx2, dy2 = dsx * dsx + dtx * dtx, dsy * dsy + dty * dty
-    if row[R.TARGET] == 3:
+    if row[R.TARGET] == C.TARGET_3D:
         drx, dry = r1 * depth - r0 * depth, r2 * depth - r0 * depth
         dx2, dy2 = dx2 + drx * drx, dy2 + dry * dry
     if not (dx2 < np.inf and dy2 < np.inf):  # infinite, or not a number, which max may lose
@@ -126,12 +127,12 @@ def level_of_detail(
     """
     separate_function()
     width, height, depth = float64(levels[0, 1]), float64(levels[0, 2]), float64(row[R.LAYERS])
-    if row[R.TARGET] == 4:  # coordinates that count texels already
+    if row[R.TARGET] == C.TARGET_RECTANGLE:  # coordinates that count texels already
         width = height = 1.0
     bias, low, high = int32(row[R.LOD_BIAS]), int32(row[R.MIN_LOD]), int32(row[R.MAX_LOD])
     for k in range(runs):
         t = ints[R.OWNER, k]
-        kind = int64(strokes[t, 0]) if draw[R.STROKES] else int64(R.TRIANGLE)
+        kind = int64(strokes[t, 0]) if draw[R.STROKES] else int64(C.PRIMITIVE_TRIANGLE)
         v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
         block, value = int64(-1), int32(0)
         px = int64(run_x[k])

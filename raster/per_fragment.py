@@ -7,6 +7,7 @@ the low byte.
 
 from numba import int32, uint8, uint32, uint64
 
+from raster import codes as C
 from raster import rows as R
 from raster.fixed import clamp, divide_255
 from raster.kernel import kernel, separate_function, separate_loop
@@ -14,8 +15,9 @@ from raster.kernel import kernel, separate_function, separate_loop
 
 @kernel
 def passes(function, value, reference):
-    """``value FUNC reference``. The function's code has one bit each for less (1), equal (2), greater (4)."""
-    relation = int32(1) if value < reference else (int32(2) if value == reference else int32(4))
+    """``value FUNC reference``: whether the function's code has the bit of how the two compare."""
+    less, equal, greater = int32(C.COMPARISON_LESS), int32(C.COMPARISON_EQUAL), int32(C.COMPARISON_GREATER)
+    relation = less if value < reference else (equal if value == reference else greater)
     return int32(function & relation) != int32(0)
 
 
@@ -160,15 +162,15 @@ def blend_equation(equation, s, fs, d, fd):
     """Section 4.1.6 on bytes: one rounding after the sum. Measured: 176504832 of 176504832 pixels (Blend
     captures).
     """
-    if equation == 3:
+    if equation == C.EQUATION_MIN:
         return min(s, d)
-    if equation == 4:
+    if equation == C.EQUATION_MAX:
         return max(s, d)
     source, destination = int32(s * fs), int32(d * fd)
     total = int32(source + destination)
-    if equation == 1:
+    if equation == C.EQUATION_FUNC_SUBTRACT:
         total = int32(source - destination)
-    elif equation == 2:
+    elif equation == C.EQUATION_FUNC_REVERSE_SUBTRACT:
         total = int32(destination - source)
     return min(divide_255(max(total, int32(0))), int32(255))
 
@@ -198,10 +200,19 @@ def blend_run(color, y, x, count, source, alive, start, factors, equation, mask)
         dr, dg, db, da = byte_of(d, 0), byte_of(d, 8), byte_of(d, 16), byte_of(d, 24)
         low = min(sa, int32(int32(255) - da))
         fr, er = blend_factor(fs, 0, sr, dr, sa, da, low), blend_factor(fd, 0, sr, dr, sa, da, low)
-        fg, eg = blend_factor(fs, 7, sg, dg, sa, da, low), blend_factor(fd, 7, sg, dg, sa, da, low)
-        fb, eb = blend_factor(fs, 14, sb, db, sa, da, low), blend_factor(fd, 14, sb, db, sa, da, low)
+        fg, eg = (
+            blend_factor(fs, R.FACTOR_SIZE, sg, dg, sa, da, low),
+            blend_factor(fd, R.FACTOR_SIZE, sg, dg, sa, da, low),
+        )
+        fb, eb = (
+            blend_factor(fs, 2 * R.FACTOR_SIZE, sb, db, sa, da, low),
+            blend_factor(fd, 2 * R.FACTOR_SIZE, sb, db, sa, da, low),
+        )
         one = int32(255)
-        fa, ea = blend_factor(fs, 21, sa, da, sa, da, one), blend_factor(fd, 21, sa, da, sa, da, one)
+        fa, ea = (
+            blend_factor(fs, 3 * R.FACTOR_SIZE, sa, da, sa, da, one),
+            blend_factor(fd, 3 * R.FACTOR_SIZE, sa, da, sa, da, one),
+        )
         r, g = (
             uint32(blend_equation(equation, sr, fr, dr, er)),
             uint32(blend_equation(equation, sg, fg, dg, eg)),
@@ -259,13 +270,13 @@ def store_run(color, y, x, count, source, start):
 
 @kernel
 def read_surface(word, alpha):
-    """A surface's word as a packed colour, what it does not keep zero; alpha: see rows.SURFACE_ALPHA.
+    """A surface's word as a packed colour, what it does not keep zero; ``alpha``: rows.SURFACE_ALPHA.
 
     Measured: Blend_surface captures.
     """
-    if alpha == 1:
+    if alpha == C.SURFACE_ALPHA_ONE:
         return uint32(word | uint32(0xFF000000))
-    if alpha == 2:
+    if alpha == C.SURFACE_ALPHA_SEVEN_BITS:
         seven = uint32(uint32(word >> uint32(24)) & uint32(0x7F))
         replicated = uint32(uint32(seven << uint32(1)) | uint32(seven >> uint32(6)))
         return uint32(uint32(word & uint32(0x00FFFFFF)) | uint32(replicated << uint32(24)))
@@ -278,7 +289,7 @@ def to_surface(packed, keep, pad, alpha):
 
     Measured: Blend_surface captures.
     """
-    if alpha == 2:
+    if alpha == C.SURFACE_ALPHA_SEVEN_BITS:
         half = uint32(uint32(packed >> uint32(1)) & uint32(0x7F000000))
         packed = uint32(uint32(packed & uint32(0x00FFFFFF)) | half)
     return uint32(uint32(packed & keep) | pad)
@@ -291,9 +302,10 @@ def any_equation(equation, s, fs, d, fd):
     Measured: the Blend captures' SADD and SREVSUB. Not in ``blend_equation``, where it would cost every other
     equation 4 %.
     """
-    if equation >= 5:
+    adds = equation == C.EQUATION_FUNC_ADD_SIGNED
+    if adds or equation == C.EQUATION_FUNC_REVERSE_SUBTRACT_SIGNED:
         signed = int32(s - int32(int32(s & int32(128)) << int32(1)))
-        return clamp(int32(d + (signed if equation == 5 else int32(-signed))), int32(0), int32(255))
+        return clamp(int32(d + (signed if adds else int32(-signed))), int32(0), int32(255))
     return blend_equation(equation, s, fs, d, fd)
 
 
@@ -311,9 +323,9 @@ def blended(s, d, fs, fd, equation):
     sa, da, one = byte_of(s, 24), byte_of(d, 24), int32(255)
     low = min(sa, int32(one - da))
     red = blend_channel(equation, fs, fd, 0, byte_of(s, 0), byte_of(d, 0), sa, da, low)
-    green = blend_channel(equation, fs, fd, 7, byte_of(s, 8), byte_of(d, 8), sa, da, low)
-    blue = blend_channel(equation, fs, fd, 14, byte_of(s, 16), byte_of(d, 16), sa, da, low)
-    alpha = blend_channel(equation, fs, fd, 21, sa, da, sa, da, one)
+    green = blend_channel(equation, fs, fd, R.FACTOR_SIZE, byte_of(s, 8), byte_of(d, 8), sa, da, low)
+    blue = blend_channel(equation, fs, fd, 2 * R.FACTOR_SIZE, byte_of(s, 16), byte_of(d, 16), sa, da, low)
+    alpha = blend_channel(equation, fs, fd, 3 * R.FACTOR_SIZE, sa, da, sa, da, one)
     lower = uint32(red | uint32(green << uint32(8)))
     return uint32(lower | uint32(uint32(blue << uint32(16)) | uint32(alpha << uint32(24))))
 
@@ -331,12 +343,12 @@ def surface_run(color, y, x, count, source, alive, start, factors, draw):
     alpha = draw[R.SURFACE_ALPHA]
     for i in range(count):
         s, old = source[here + uint64(i)], color[row, at + uint64(i)]
-        if mode == 1:
+        if mode == C.BLEND_GENERAL:
             cut = uint32(s & uint32(keep | uint32(0xFF000000)))
             result = to_surface(blended(cut, read_surface(old, alpha), fs, fd, equation), keep, pad, alpha)
         else:
             result = to_surface(s, keep, pad, alpha)
-            if mode == 3:
+            if mode == C.BLEND_LOGIC:
                 result = uint32(uint32(logic(operation, result, old) & keep) | pad)
         color[row, at + uint64(i)] = merge(result, old, mask, alive[here + uint64(i)])
 
@@ -373,7 +385,7 @@ def per_fragment(
 
     colors int16[4, batch] (0..255), depth int32[batch] (-1: outside its limits); scratch: packed
     uint32[batch]; alive uint8[batch]: what shading left where it DISCARDS, afterwards which fragments passed.
-    factors int32[2, 28]: the blend factors of source and destination.
+    factors int32[2, 4 * FACTOR_SIZE]: the blend factors of source and destination.
     """
     separate_function()
     if not draw[R.DISCARDS]:
@@ -402,11 +414,11 @@ def per_fragment(
         if writes:
             if draw[R.SURFACE]:
                 surface_run(color, y, x, n, packed, alive, start, factors, draw)
-            elif mode == 1:
+            elif mode == C.BLEND_GENERAL:
                 blend_run(color, y, x, n, packed, alive, start, factors, draw[R.BLEND_EQUATION], mask)
-            elif mode == 2:
+            elif mode == C.BLEND_ADD:
                 add_run(color, y, x, n, packed, alive, start, mask)
-            elif mode == 3:
+            elif mode == C.BLEND_LOGIC:
                 logic_run(color, y, x, n, packed, alive, start, draw[R.LOGIC_OPERATION], mask)
             elif tested or mask != uint32(0xFFFFFFFF):
                 write_run(color, y, x, n, packed, alive, start, mask)

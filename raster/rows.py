@@ -5,6 +5,8 @@ A state is packed so that two states that cannot differ in their result give equ
 zero.
 """
 
+from raster.codes import REGISTER_DISCARD
+
 # ------------------------------------------------------------------ draw: int64[DRAW_SIZE]
 (
     X0,  # device pixels, half open: the screen cut by the scissor box
@@ -14,8 +16,8 @@ zero.
     CULL_POSITIVE,  # cull triangles whose area is positive
     CULL_NEGATIVE,
     BACK_SIGN,  # 0: all front; 1: A > 0 takes the back colour; -1: A < 0 does
-    FLAT,  # 1: the provoking vertex's colour for the whole primitive; 2: all vertices have the same
-    DEPTH_FORMAT,  # 0: fixed; 1: a 16-bit float; 2: a 24-bit float
+    FLAT,  # codes.COLORS_...; 0: they are iterated
+    DEPTH_FORMAT,  # codes.DEPTH_...
     DEPTH_MAX,  # fixed: 2**bits - 1
     DEPTH_CULL,  # 1: a depth outside its limits ends the fragment; 0: it is clamped
     W_BUFFERING,
@@ -23,25 +25,25 @@ zero.
     NEEDS_COLOR,  # 0: no colour is written and no alpha test looks at it
     NEEDS_PRIMARY,
     NEEDS_SECONDARY,
-    NEEDS_COLOR_WEIGHTS,  # colours vary: 1: by 8-bit weights; 2: exactly
+    NEEDS_COLOR_WEIGHTS,  # codes.WEIGHTS_...; 0: none
     NEEDS_ITERATION_WEIGHTS,  # weights with 24 significant bits: those, or texture coordinates
     NEEDS_WEIGHTS,  # full-precision weights
     NEEDS_DEPTH,
     UNITS,
     DIRECT,  # 1: the fragment is its primary colour, no combiners
     STAGES,
-    COLOR_SUM,  # bits: 1 clamp, 2 one minus SPARE0, 4 one minus the secondary colour
+    COLOR_SUM,  # bits: codes.COLOR_SUM_...
     USES_E_TIMES_F,
     USES_SPARE0_PLUS_SECONDARY,
     WRITES_TEXTURE,  # 1: a stage writes the register of a disabled unit, which each batch must find unset
     STAGE_CONSTANTS,  # 1: constants change from stage to stage
-    FOG_ENABLED,  # 1: by 255 thresholds; 2: by a table of floor(4096 v)
+    FOG_ENABLED,  # codes.FOG_BY_...: 255 thresholds, or a table of floor(4096 v); 0: no fog
     FOG_RISING,  # 1: the factor grows with the coordinate
     FOG_RED,
     FOG_GREEN,
     FOG_BLUE,
     ALPHA_TEST,
-    ALPHA_FUNCTION,
+    ALPHA_FUNCTION,  # codes.COMPARISON_..., as every function here
     ALPHA_REFERENCE,
     STENCIL_TEST,
     STENCIL_FUNCTION,
@@ -55,35 +57,35 @@ STENCIL_DEPTH_FAIL = STENCIL_FAIL + STENCIL_OPERATION_SIZE
 STENCIL_DEPTH_PASS = STENCIL_DEPTH_FAIL + STENCIL_OPERATION_SIZE
 DEPTH_FUNCTION = STENCIL_DEPTH_PASS + STENCIL_OPERATION_SIZE
 DEPTH_WRITE = DEPTH_FUNCTION + 1
-BLEND = DEPTH_WRITE + 1  # 0: replace; 1: the general equation; 2: ONE, ONE, FUNC_ADD; 3: logic operation
-BLEND_EQUATION = BLEND + 1
-LOGIC_OPERATION = BLEND_EQUATION + 1
+BLEND = DEPTH_WRITE + 1  # codes.BLEND_...
+BLEND_EQUATION = BLEND + 1  # codes.EQUATION_...
+LOGIC_OPERATION = BLEND_EQUATION + 1  # codes.LOGIC_...
 COLOR_MASK = LOGIC_OPERATION + 1  # 32 bits, as stored
 TEXTURE_SHADER = COLOR_MASK + 1  # 1: stages read earlier stages' texels
 DISCARDS = TEXTURE_SHADER + 1  # 1: shading may discard fragments
 SURFACE = DISCARDS + 1  # 1: not four bytes, or a signed blend equation: through the three that follow
 SURFACE_KEEP = SURFACE + 1  # 32 bits, as stored: those that the surface's format keeps
 SURFACE_PAD = SURFACE_KEEP + 1  # 32 bits: those that are always one
-SURFACE_ALPHA = SURFACE_PAD + 1  # as a factor: 0 the stored byte, 1 always 255, 2 its lower seven bits
+SURFACE_ALPHA = SURFACE_PAD + 1  # as a factor: codes.SURFACE_ALPHA_...
 STROKES = SURFACE_ALPHA + 1  # 1: some primitives are no triangles
 LINE_WIDTH = STROKES + 1  # 1/8 pixel
-LINE_STEPS = LINE_WIDTH + 1  # one pixel for each step along the longer axis: 1: NV2A; 2: left diamonds
+PIXEL_WIDE = 8  # a line of one pixel
+LINE_STEPS = LINE_WIDTH + 1  # codes.LINE_...
 OFFSET_LINE = LINE_STEPS + 1  # polygon offset, of polygons drawn as lines and as points
 OFFSET_POINT = OFFSET_LINE + 1
 STIPPLE = OFFSET_POINT + 1
 STIPPLE_WORD = STIPPLE + 1  # 32 words, device row 0 first, the leftmost pixel in the highest bit
 LINE_FACTOR = STIPPLE_WORD + 32  # line stipple: how often each bit is used; 0: none
 LINE_PATTERN = LINE_FACTOR + 1  # 16 bits, the first in the lowest
-WINDOW_CLIP = LINE_PATTERN + 1  # 0: none; 1: inside any of the rectangles; 2: outside all
+WINDOW_CLIP = LINE_PATTERN + 1  # codes.WINDOW_CLIP_...
 CLIP_RECTANGLES = WINDOW_CLIP + 1
 CLIP_RECTANGLE = CLIP_RECTANGLES + 1  # left, top, right, bottom of each in device pixels, half open
 MAX_CLIP_RECTANGLES = 8
 DRAW_SIZE = CLIP_RECTANGLE + 4 * MAX_CLIP_RECTANGLES
 
-# -------- strokes: int32[primitives, STROKE_SIZE], or none: kind, takes the back colour, three source
-# vertices; of a line in steps the first pixel along its longer axis and the one behind the last, and the line
-# stipple's counter at the first.
-TRIANGLE, LINE, POINT = range(3)
+# -------- strokes: int32[primitives, STROKE_SIZE], or none: kind (codes.PRIMITIVE_...), takes the back
+# colour, three source vertices; of a line in steps the first pixel along its longer axis and the one behind
+# the last, and the line stipple's counter at the first.
 KIND, BACK, SOURCE = range(3)
 FIRST_STEP, END_STEP, COUNTER, STROKE_SIZE = range(5, 9)
 
@@ -95,7 +97,7 @@ FACTOR_SIZE = 7
 DEPTH_LOW, DEPTH_HIGH, OFFSET_FACTOR, OFFSET_UNITS, DRAW_FLOAT_SIZE = range(5)
 
 # ------------------------------------------- general combiner portions: int32[stages, 2, PORTION_SIZE]
-# Four inputs of INPUT_SIZE entries: register, usage (0 RGB, 1 ALPHA, 2 BLUE), and the mapping as
+# Four inputs of INPUT_SIZE entries: register, usage (codes.REGISTER_..., USAGE_...), and the mapping as
 # min(max(x, low) * factor + addend, 255).
 INPUT_SIZE = 5
 (
@@ -106,7 +108,7 @@ INPUT_SIZE = 5
     CD_DOT,
     MUX,  # the bit of SPARE0's alpha that selects, 128 or 1; 0: a sum
     BIAS,
-    SCALE,
+    SCALE,  # codes.SCALE_...
     AB_BLUE,  # 1: blue goes to the output's alpha as well
     CD_BLUE,
     PORTION_SIZE,
@@ -118,13 +120,13 @@ FINAL_SIZE = 3
 # --------------------------------------------------------------- units: int64[units, UNIT_SIZE]
 (
     ENABLED,
-    TARGET,  # 0 1D, 1 2D, 2 cube map, 3 3D, 4 rectangle
+    TARGET,  # codes.TARGET_...
     LEVELS,
-    WRAP_S,
+    WRAP_S,  # codes.WRAP_..., as WRAP_T and WRAP_R
     WRAP_T,
     MAG_LINEAR,
     MIN_LINEAR,  # within a level
-    MIPMAP,  # 0 level 0 only, 1 nearest level, 2 linear between two levels
+    MIPMAP,  # codes.MIPMAP_...
     LOD_BIAS,  # 8 fraction bits
     THRESHOLD,  # lambda up to which the texture is magnified, 8 fraction bits
     BORDER,  # packed RGBA
@@ -134,11 +136,11 @@ FINAL_SIZE = 3
     MIN_LOD,  # 8 fraction bits, as MAX_LOD
     MAX_LOD,
     SIGNED,  # packed: 0x80 in each signed component, whose texels and border come with that bit inverted
-    OPERATION,  # pipeline.enums.TextureShaderOperation; 0: the unit samples its texture
+    OPERATION,  # codes.OPERATION_...; 0: the unit samples its texture
     PREVIOUS,  # previous texture input
-    MAPPING,  # pipeline.enums.DotProductMapping
-    CULL_MODES,  # bit k: coordinate k must be less than zero, else not less
-    COMPARE,  # pipeline.enums.TextureCompareMode
+    MAPPING,  # codes.DOT_MAPPING_...
+    CULL_MODES,  # bit k: coordinate k's codes.CULL_MODE_...
+    COMPARE,  # codes.COMPARE_MODE_...
     COMPARE_FUNCTION,
     COMPARE_HELD,  # packed: what takes a texel's place where the comparison holds
     COMPARE_FAILED,
@@ -156,11 +158,10 @@ COORDINATE_DEPTH = CONSTANT_EYE + 3  # depth units for one unit of a coordinate 
 UNIT_SIZE = COORDINATE_DEPTH + 1
 
 # ------------------------------ texture levels: int32[units, MAX_LEVELS, 3]: offset, width, height
+MAX_UNITS = 4
 MAX_LEVELS = 16  # the ideal profile's largest texture, 2**14 texels an edge, has 15
 
-# Registers, four planes each (red, green, blue, alpha): the codes of pipeline.enums.Register.
-ZERO, CONSTANT0, CONSTANT1, FOG, PRIMARY, SECONDARY, SPARE0, SPARE1, TEXTURE0 = range(9)
-E_TIMES_F, SPARE0_PLUS_SECONDARY, REGISTERS = 12, 13, 14
+REGISTERS = REGISTER_DISCARD  # those before it have four planes each: red, green, blue, alpha
 
 # Scratch columns of a batch. floats float64[FLOAT_COLUMNS, batch]: texture coordinates (for a cube map, of
 # its face, doubled), weights of vertices 0 and 2 with 24 significant bits, sizes of each fragment's level, a
@@ -241,11 +242,11 @@ SHADED, VECTOR_PACKED_COLUMNS = PACKED_COLUMNS, PACKED_COLUMNS + 1
 # lists int32[LISTS, batch + SLACK]: segments and runs of a batch. A run with RUN_Y -1 is a mixed segment.
 STARTS, OWNERS, BACKS, RUN_STARTS, RUN_X, RUN_Y, LISTS = range(7)
 
-# jobs int64[n, JOB_SIZE]: what a queued command is. A Clear: device pixels, half open; buffers (1 colour, 2
-# depth, 4 stencil), values and masks as stored. A Draw: addresses of its arrays, in the order of
+# jobs int64[n, JOB_SIZE]: what a queued command is. A Clear: device pixels, half open; buffers
+# (codes.BUFFER_...), values and masks as stored. A Draw: addresses of its arrays, in the order of
 # ``frame.fill_draw``'s arguments but for the textures, their lengths, and how it is drawn.
 (
-    JOB_KIND,  # 0: Clear; 1: Draw
+    JOB_KIND,  # codes.JOB_...
     JOB_X0,
     JOB_Y0,
     JOB_X1,
@@ -267,7 +268,7 @@ STARTS, OWNERS, BACKS, RUN_STARTS, RUN_X, RUN_Y, LISTS = range(7)
     JOB_MEMBERS,
     JOB_BANDS,
     JOB_OPERATIONS,  # of the combiner plan
-    JOB_UNIT_PATH,  # of each unit: raster/vector_unit.py
+    JOB_UNIT_PATH,  # of each unit: codes.PATH_...
 ) = range(23)
 JOB_LOG2_S = JOB_UNIT_PATH + 4
 JOB_LOG2_T = JOB_LOG2_S + 4

@@ -8,6 +8,7 @@ so the size of a level is a column too. A nearest filter is a linear one with a 
 import numpy as np
 from numba import float64, int16, int32, int64, uint32, uint64
 
+from raster import codes as C
 from raster import rows as R
 from raster.kernel import bits_of, float_of, kernel, separate_function, separate_loop
 from raster.shadow import compare_texels
@@ -53,26 +54,26 @@ def log2_q7(x):
 
 @kernel
 def major_axis(s, t, r):
-    """A direction's face, 0..5 for +x, -x, +y, -y, +z, -z; x before y before z when equal."""
+    """A direction's face; x before y before z when equal."""
     if abs(s) >= abs(t) and abs(s) >= abs(r):
-        return 0 if s >= 0.0 else 1
+        return C.FACE_POSITIVE_X if s >= 0.0 else C.FACE_NEGATIVE_X
     if abs(t) >= abs(r):
-        return 2 if t >= 0.0 else 3
-    return 4 if r >= 0.0 else 5
+        return C.FACE_POSITIVE_Y if t >= 0.0 else C.FACE_NEGATIVE_Y
+    return C.FACE_POSITIVE_Z if r >= 0.0 else C.FACE_NEGATIVE_Z
 
 
 @kernel
 def on_face(face, s, t, r):
     """(sc, tc, ma) of EXT_texture_cube_map's table; ma <= 0 where the face is not the major one."""
-    if face == 0:
+    if face == C.FACE_POSITIVE_X:
         return -r, -t, s
-    if face == 1:
+    if face == C.FACE_NEGATIVE_X:
         return r, -t, -s
-    if face == 2:
+    if face == C.FACE_POSITIVE_Y:
         return s, r, t
-    if face == 3:
+    if face == C.FACE_NEGATIVE_Y:
         return s, -r, -t
-    if face == 4:
+    if face == C.FACE_POSITIVE_Z:
         return s, -t, r
     return -s, -t, -r
 
@@ -207,14 +208,14 @@ def wrap_clamp(floats, size, count, linear, margin, border, ints, first):
 
 @kernel
 def wrap_axis(mode, floats, size, count, linear, ints, first):
-    """Choose the loop of a wrap mode (codes of pipeline.enums.WrapMode)."""
-    if mode == 0:
+    """Choose the loop of a wrap mode."""
+    if mode == C.WRAP_REPEAT:
         wrap_repeat(floats, size, count, linear, ints, first)
-    elif mode == 1:
+    elif mode == C.WRAP_CLAMP:
         wrap_clamp(floats, size, count, linear, 0.0, linear, ints, first)
-    elif mode == 2:
+    elif mode == C.WRAP_CLAMP_TO_EDGE:
         wrap_clamp(floats, size, count, linear, -0.5, 0, ints, first)
-    elif mode == 3:
+    elif mode == C.WRAP_CLAMP_TO_BORDER:
         wrap_clamp(floats, size, count, linear, 0.5, 1, ints, first)
     else:
         wrap_mirrored(floats, size, count, linear, ints, first)
@@ -457,8 +458,8 @@ def filter_linear_hilo(packed, ints, count, out):
 def fetch_and_filter(texels, ints, linear, bordered, border, function, held, failed, count, packed, out):
     """The texel at (I0, J0), or the linear filter of the four at I0, I1, J0, J1, into a packed column.
 
-    ``function``: of a shadow comparison, or -1; -2: texels are words of 16 bits. ``held``, ``failed``: what
-    a comparison gives.
+    ``function``: of a shadow comparison, UNCOMPARED_BYTES or UNCOMPARED_WORDS. ``held``, ``failed``: what a
+    comparison gives.
     """
     separate_function()
     if not linear:
@@ -479,7 +480,7 @@ def fetch_and_filter(texels, ints, linear, bordered, border, function, held, fai
     if function >= 0:
         for column in (R.P00, R.P10, R.P01, R.P11):
             compare_texels(packed, column, ints, int32(function), held, failed, count)
-    if function == -2:
+    if function == C.UNCOMPARED_WORDS:
         filter_linear_hilo(packed, ints, count, out)
     else:
         filter_linear(packed, ints, count, out)
@@ -488,7 +489,7 @@ def fetch_and_filter(texels, ints, linear, bordered, border, function, held, fai
 @kernel
 def reads_border(mode, linear):
     """Whether a wrap mode can read the border colour."""
-    return mode == 3 or (linear and mode == 1)
+    return mode == C.WRAP_CLAMP_TO_BORDER or (linear and mode == C.WRAP_CLAMP)
 
 
 @kernel("void(u4[::1],i4[:,::1],i8[::1],i8,i8,i8,f8[:,::1],i4[:,::1],u4[:,::1],i8)")
@@ -496,18 +497,19 @@ def sample_level(texels, levels, unit, count, linear, many, floats, ints, packed
     """One filtered texel per fragment into a packed column: from level 0, or (``many``) from its LEVEL."""
     separate_function()
     target = unit[R.TARGET]
-    flat, cube, layered = target == 0, target == 2, target == 3
+    flat, cube, layered = target == C.TARGET_1D, target == C.TARGET_CUBE_MAP, target == C.TARGET_3D
     if layered:
         layer_sizes(levels, ints, int32(unit[R.LAYERS]), count, floats)
     elif many or cube:
         level_sizes(levels, ints, cube, count, floats)
     else:
         base_sizes(levels, ints, count, floats)
-    scale = 0.5 if cube else (0.0 if target == 4 else 1.0)
-    operation = unit[R.OPERATION]  # of a texture shader; 8 to 11 offset iterated coordinates
-    computed = cube or unit[R.PROJECTIVE] or not (operation == 0 or 8 <= operation <= 11)
-    bias = TAU if computed else 0.0
-    wrap_s, wrap_t = (int64(2), int64(2)) if cube else (unit[R.WRAP_S], unit[R.WRAP_T])
+    scale = 0.5 if cube else (0.0 if target == C.TARGET_RECTANGLE else 1.0)
+    operation = unit[R.OPERATION]
+    iterated = operation == C.OPERATION_NONE or operation in C.OPERATIONS_WITH_OFFSET
+    bias = TAU if cube or unit[R.PROJECTIVE] or not iterated else 0.0
+    edge = int64(C.WRAP_CLAMP_TO_EDGE)
+    wrap_s, wrap_t = (edge, edge) if cube else (unit[R.WRAP_S], unit[R.WRAP_T])
     texel_coordinates(floats, R.S, R.S_SIZE, bias, scale, count)
     wrap_axis(wrap_s, floats, R.S_SIZE, count, linear, ints, R.I0)
     if flat:
@@ -520,7 +522,8 @@ def sample_level(texels, levels, unit, count, linear, many, floats, ints, packed
     bordered = reads_border(wrap_s, linear) or (not flat and reads_border(wrap_t, linear))
     border = uint32(unit[R.BORDER])
     if not layered:
-        function = unit[R.COMPARE_FUNCTION] if unit[R.COMPARE] else int64(-1) - unit[R.HILO]
+        uncompared = int64(C.UNCOMPARED_WORDS if unit[R.HILO] else C.UNCOMPARED_BYTES)
+        function = unit[R.COMPARE_FUNCTION] if unit[R.COMPARE] else uncompared
         held, failed = uint32(unit[R.COMPARE_HELD]), uint32(unit[R.COMPARE_FAILED])
         fetch_and_filter(texels, ints, linear, bordered, border, function, held, failed, count, packed, out)
         return
@@ -530,8 +533,10 @@ def sample_level(texels, levels, unit, count, linear, many, floats, ints, packed
     for k in range(2 if linear else 1):
         layer, column = (R.K1, R.LAYER_1) if k == 1 else (R.K0, out)
         layer_base(levels, ints, layer, count)
-        nothing = uint32(0)
-        fetch_and_filter(texels, ints, linear, bordered, border, -1, nothing, nothing, count, packed, column)
+        nothing, function = uint32(0), C.UNCOMPARED_BYTES
+        fetch_and_filter(
+            texels, ints, linear, bordered, border, function, nothing, nothing, count, packed, column
+        )
         if reads_border(wrap_r, linear):
             border_layer(ints, layer, border, count, packed, column)
     if linear:
@@ -549,14 +554,15 @@ def filter_unit(texels, levels, unit, count, floats, ints, packed):
     levels_count = int32(unit[R.LEVELS])
     mipmap, mag_linear, min_linear = unit[R.MIPMAP], unit[R.MAG_LINEAR], unit[R.MIN_LINEAR]
     fill_int(ints, R.LEVEL, count, int32(0))
-    if mipmap == 0 and mag_linear == min_linear:
+    if mipmap == C.MIPMAP_NONE and mag_linear == min_linear:
         sample_level(texels, levels, unit, count, mag_linear, 0, floats, ints, packed, R.TEXEL_0)
     else:
         sample_level(texels, levels, unit, count, mag_linear, 0, floats, ints, packed, R.MAGNIFIED)
-        if mipmap != 0:
-            select_level(ints, levels_count, int32(127) if mipmap == 1 else int32(0), int32(0), count)
+        if mipmap != C.MIPMAP_NONE:
+            rounding = int32(127) if mipmap == C.MIPMAP_NEAREST else int32(0)
+            select_level(ints, levels_count, rounding, int32(0), count)
         sample_level(texels, levels, unit, count, min_linear, 1, floats, ints, packed, R.TEXEL_0)
-        if mipmap == 2:
+        if mipmap == C.MIPMAP_LINEAR:
             select_level(ints, levels_count, int32(0), int32(1), count)
             sample_level(texels, levels, unit, count, min_linear, 1, floats, ints, packed, R.TEXEL_1)
             level_fraction(ints, levels_count, count)

@@ -7,6 +7,7 @@ is the lower left, lower right and upper right corner of its square, whose edge 
 
 from numba import int64
 
+from raster import codes as C
 from raster import rows as R
 from raster.kernel import kernel, separate_function
 
@@ -17,7 +18,7 @@ def moved(draw, dx, dy, x, y):
 
     Source: OpenGL 1.2.1 section 3.4.2.
     """
-    beside = draw[R.LINE_WIDTH] - 8
+    beside = draw[R.LINE_WIDTH] - R.PIXEL_WIDE
     return (x, y + beside) if abs(dx) >= abs(dy) else (x - beside, y)
 
 
@@ -59,7 +60,7 @@ def line_run(draw, stroke, x0, y0, x1, y1, row, first, end):
     """
     separate_function()
     dx, dy = x0 - x1, y0 - y1
-    replicates = draw[R.LINE_STEPS] == 2 and draw[R.LINE_WIDTH] > 8
+    replicates = draw[R.LINE_STEPS] == C.LINE_IN_DIAMONDS and draw[R.LINE_WIDTH] > R.PIXEL_WIDE
     if abs(dx) < abs(dy):
         if stippled_away(draw, stroke, row):
             return end, end, end, row, int64(0)
@@ -87,8 +88,8 @@ def along_line(draw, x0, y0, x1, y1, sx, sy):
     OpenGL 1.2.1 equation 3.1 (diamonds).
     """
     dx, dy = x0 - x1, y0 - y1
-    if draw[R.LINE_STEPS] != 1:
-        if draw[R.LINE_STEPS] == 2:
+    if draw[R.LINE_STEPS] != C.LINE_IN_STEPS:
+        if draw[R.LINE_STEPS] == C.LINE_IN_DIAMONDS:
             x1, y1 = moved(draw, dx, dy, x1, y1)
         n0 = (sx - x1) * dx + (sy - y1) * dy
         return n0, dx * dx + dy * dy - n0
@@ -119,14 +120,14 @@ def line_bounds(draw, stroke, x0, y0, x1, y1, sx, sy):
     longer, shorter = max(abs(dx), abs(dy)), min(abs(dx), abs(dy))
     width = draw[R.LINE_WIDTH]
     across = 2 * ((sy - y1) * dx - (sx - x1) * dy)
-    if draw[R.LINE_STEPS]:
+    if draw[R.LINE_STEPS] != C.LINE_AS_RECTANGLE:
         start, end = int64(stroke[R.FIRST_STEP]) * 16, int64(stroke[R.END_STEP]) * 16
         position, forward = sy - 8, dy > 0
         if abs(dx) >= abs(dy):
             position, forward = sx - 8, dx > 0
         behind = position - start if forward else start - position
         before = end - position - 1 if forward else position - end - 1
-        if draw[R.LINE_STEPS] == 2:
+        if draw[R.LINE_STEPS] == C.LINE_IN_DIAMONDS:
             low, high = diamond_sides(draw, x0, y0, x1, y1, sx, sy)
             return behind, before, low, high
         half = width * 2 * longer
@@ -176,7 +177,7 @@ def point_bounds(x0, y0, x1, y1, x2, y2, sx, sy):
 @kernel
 def stroke_bounds(draw, stroke, x0, y0, x1, y1, x2, y2, sx, sy):
     """``line_bounds`` or ``point_bounds``."""
-    if stroke[R.KIND] == R.LINE:
+    if stroke[R.KIND] == C.PRIMITIVE_LINE:
         return line_bounds(draw, stroke, x0, y0, x1, y1, sx, sy)
     return point_bounds(x0, y0, x1, y1, x2, y2, sx, sy)
 
@@ -187,7 +188,7 @@ def stroke_margin(draw, kind):
     half width is at most 1.12 times the width in eighths; a step's pixel may begin before the line does, and
     a diamond line's is up to its width and half a pixel away.
     """
-    return 2 * draw[R.LINE_WIDTH] + 16 if kind == R.LINE else int64(1)
+    return 2 * draw[R.LINE_WIDTH] + 16 if kind == C.PRIMITIVE_LINE else int64(1)
 
 
 @kernel
@@ -209,8 +210,8 @@ def open_run(draw, kind, row, first, end):
                     for edge in (draw[at], draw[at + 2]):
                         if start < edge:
                             stop = min(stop, edge)
-            shown = inside == (draw[R.WINDOW_CLIP] == 1)
-        if shown and draw[R.STIPPLE] and kind == R.TRIANGLE:
+            shown = inside == (draw[R.WINDOW_CLIP] == C.WINDOW_CLIP_INSIDE)
+        if shown and draw[R.STIPPLE] and kind == C.PRIMITIVE_TRIANGLE:
             word = draw[R.STIPPLE_WORD + (row & 31)]
             shown = ((word >> (31 - (start & 31))) & 1) != 0
             ahead = start + 1

@@ -2,6 +2,7 @@
 
 from numba import float64, int64
 
+from raster import codes as C
 from raster import rows as R
 from raster.kernel import kernel
 
@@ -57,6 +58,6 @@ def polygon_offset(draw, draw_float, v0, v1, v2, x, y, z, inverse_w):
     if draw[R.W_BUFFERING]:
         return draw_float[R.OFFSET_UNITS], min(max(steep, -(2.0**128)), 2.0**128)
     offset = min(max(draw_float[R.OFFSET_UNITS] + steep, -(2.0**128)), 2.0**128)
-    if draw[R.DEPTH_FORMAT] == 0:
+    if draw[R.DEPTH_FORMAT] == C.DEPTH_FIXED:
         offset = float64(int64(min(max(offset, -(2.0**30)), 2.0**30)))
     return offset, 0.0

@@ -2,6 +2,7 @@
 
 from numba import int32, uint32
 
+from raster import codes as C
 from raster import rows as R
 from raster.anisotropic import filter_along, footprints
 from raster.combine import fill_plane
@@ -12,12 +13,6 @@ from raster.level_of_detail import level_of_detail
 from raster.sample import cube_faces, divide_by_q, filter_unit, unpack, unpack_unit
 from raster.shadow import shadow_reference
 from raster.texture_shader import (
-    CUBE_MAP,
-    DIFFUSE,
-    DOT_PRODUCT_3D,
-    DOT_PRODUCT_CUBE_MAP,
-    OFFSET_2D_SCALE,
-    OFFSET_RECTANGLE_SCALE,
     copy_column,
     copy_texel,
     face_planes,
@@ -32,7 +27,7 @@ from raster.texture_shader import (
 def unbound_texture(registers, unit, count):
     """The register of a disabled unit: (0, 0, 0, 255). Measured: unbound textures (combiner captures)."""
     for c in range(4):
-        fill_plane(registers, (R.TEXTURE0 + unit) * 4 + c, count, int32(255 if c == 3 else 0))
+        fill_plane(registers, (C.REGISTER_TEXTURE0 + unit) * 4 + c, count, int32(255 if c == 3 else 0))
 
 
 @kernel(
@@ -55,31 +50,31 @@ def sample_unit(
             depth, alive, maximum,
         ):  # fmt: skip
             return
-        if row[R.TARGET] == 3:
+        if row[R.TARGET] == C.TARGET_3D:
             copy_column(floats, R.EXTRA, R.P, count)
     else:
         iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 0, floats, R.S)
         iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 1, floats, R.T)
-        if row[R.TARGET] == 3:
+        if row[R.TARGET] == C.TARGET_3D:
             iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 2, floats, R.P)
-        if row[R.TARGET] == 2:
+        if row[R.TARGET] == C.TARGET_CUBE_MAP:
             iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 2, floats, R.EXTRA)
         elif row[R.PROJECTIVE]:
             iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 3, floats, R.EXTRA)
             divide_by_q(floats, R.S, count)
             divide_by_q(floats, R.T, count)
-            if row[R.TARGET] == 3:
+            if row[R.TARGET] == C.TARGET_3D:
                 divide_by_q(floats, R.P, count)
-    if row[R.TARGET] == 2:
-        if row[R.OPERATION] == DOT_PRODUCT_3D:
+    if row[R.TARGET] == C.TARGET_CUBE_MAP:
+        if row[R.OPERATION] == C.OPERATION_DOT_PRODUCT_TEXTURE_3D:
             flat_face(floats, count, ints)
         else:
             cube_faces(floats, count, ints)
-    elif row[R.OPERATION] == CUBE_MAP or DOT_PRODUCT_CUBE_MAP <= row[R.OPERATION] <= DIFFUSE:
+    elif row[R.OPERATION] in C.OPERATIONS_OF_DIRECTIONS:
         face_planes(floats, count)
     if row[R.COMPARE]:
         divided = row[R.PROJECTIVE] and not row[R.OPERATION]
-        if row[R.COMPARE] == 2:
+        if row[R.COMPARE] == C.COMPARE_MODE_ZERO_TO_TEXTURE:
             fill_column(floats, R.COORDINATE0, 0.0, count)
         else:
             iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 2, floats, R.COORDINATE0)
@@ -97,16 +92,16 @@ def sample_unit(
         else:
             filter_along(texels, levels, row, count, floats, ints, packed)
     else:
-        if row[R.MIPMAP] != 0 or row[R.MAG_LINEAR] != row[R.MIN_LINEAR]:
+        if row[R.MIPMAP] != C.MIPMAP_NONE or row[R.MAG_LINEAR] != row[R.MIN_LINEAR]:
             level_of_detail(
                 draw, run_starts, run_x, run_y, runs, triangles, strokes, x, y, inverse_w, coordinates, u,
                 row, levels, ints,
             )  # fmt: skip
         filter_unit(texels, levels, row, count, floats, ints, packed)
-    unpack_unit(row, count, packed, registers, (R.TEXTURE0 + u) * 4)
+    unpack_unit(row, count, packed, registers, (C.REGISTER_TEXTURE0 + u) * 4)
     if draw[R.TEXTURE_SHADER]:
-        if row[R.OPERATION] == OFFSET_2D_SCALE or row[R.OPERATION] == OFFSET_RECTANGLE_SCALE:
+        if row[R.OPERATION] in C.OPERATIONS_WITH_SCALE:
             scale, bias = float_of(row[R.OFFSET_SCALE]), float_of(row[R.OFFSET_BIAS])
             scale_texel(packed, R.STAGE0 + row[R.PREVIOUS], count, scale, bias)
-            unpack(packed, R.TEXEL_0, count, registers, (R.TEXTURE0 + u) * 4)
+            unpack(packed, R.TEXEL_0, count, registers, (C.REGISTER_TEXTURE0 + u) * 4)
         copy_texel(packed, R.TEXEL_0, R.STAGE0 + u, uint32(row[R.SIGNED]), count)

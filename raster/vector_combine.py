@@ -11,6 +11,7 @@ the loops of ``raster/combine.py``.
 import numpy as np
 from numba import int16, int32, int64, uint64
 
+from raster import codes as C
 from raster import combine as portable
 from raster import rows as R
 from raster.kernel import kernel, separate_function, separate_loop
@@ -28,20 +29,6 @@ from raster.vector import (
     widen_i32,
 )
 
-# What a row of a plan does.
-(
-    MODULATE,  # A B of bytes
-    ADD_BYTES,  # A B + C D of bytes, at most one; bias, scale, clamp
-    ADD_SIGNED,  # A B + C D of any inputs; bias, scale, clamp
-    DOT_PRODUCT,  # A B + C D + E F of any inputs; bias, scale, clamp
-    LERP,  # A B + (1 - A) C + D of bytes, at most one
-    PACK,  # A, B, C, D as red, green, blue, alpha of the packed color
-    MULTIPLY,  # A B to scratch plane TARGET, rounded if ROUNDING is 0
-    SUM_OF_THREE,  # scratch planes TARGET.. to the first of them
-    SUM_OF_TWO,  # scratch planes TARGET and SECOND to the total
-    SELECT,  # either of them to the total, by bit MUX of A, which is SPARE0's alpha
-    FINISH,  # scratch plane SECOND to plane TARGET: rounding, bias, scale, clamp
-) = range(11)
 # A plan: int32[operations, OPERATION_SIZE]. Up to six operands A..F in the layout of a portion's inputs:
 # plane, unused, and the mapping min(max(x, low) * factor + addend, HIGHEST); a constant has the factor 0.
 (OPERATION, TARGET, SECOND, ROUNDING, BIAS, SCALE, LOWEST, HIGHEST, MUX, OPERANDS) = range(10)
@@ -97,8 +84,8 @@ def divide_sum(n):
 @kernel
 def ending(row, offset):
     """What ``ended`` needs of an operation: addend, the shifts of its scale, and the clamp."""
-    half = int32(1) if row[SCALE] == 3 else int32(0)
-    left = int32(0) if row[SCALE] == 3 else row[SCALE]
+    half = int32(1) if row[SCALE] == C.SCALE_BY_ONE_HALF else int32(0)
+    left = int32(0) if row[SCALE] == C.SCALE_BY_ONE_HALF else row[SCALE]
     return (
         i16x32(int16(row[BIAS] + half - offset)),
         i16x32(int16(left)),
@@ -254,28 +241,28 @@ def combine(registers, plan, count, scratch, packed):
     for k in range(plan.shape[0]):
         row = plan[k]
         operation = row[OPERATION]
-        if operation == MODULATE:
+        if operation == C.PLAN_MODULATE:
             modulate(registers, row, count)
-        elif operation == ADD_BYTES:
+        elif operation == C.PLAN_ADD_BYTES:
             add_bytes(registers, row, count)
-        elif operation == ADD_SIGNED:
+        elif operation == C.PLAN_ADD_SIGNED:
             add_signed(registers, row, count)
-        elif operation == DOT_PRODUCT:
+        elif operation == C.PLAN_DOT_PRODUCT:
             dot_product(registers, row, count)
-        elif operation == LERP:
+        elif operation == C.PLAN_LERP:
             lerp(registers, row, count)
-        elif operation == PACK:
+        elif operation == C.PLAN_PACK:
             pack(registers, row, count, packed)
-        elif operation == MULTIPLY:
+        elif operation == C.PLAN_MULTIPLY:
             a, b = OPERANDS, OPERANDS + R.INPUT_SIZE
-            rounded = int64(1 if row[ROUNDING] == 0 else 0)
+            rounded = int64(1 if row[ROUNDING] == C.ROUNDING_DONE else 0)
             portable.multiply(registers, row[a], row[b], count, row, a, b, scratch, row[TARGET], rounded)
-        elif operation == SUM_OF_THREE:
+        elif operation == C.PLAN_SUM_OF_THREE:
             portable.sum_of_three(scratch, row[TARGET], count)
-        elif operation == SUM_OF_TWO:
+        elif operation == C.PLAN_SUM_OF_TWO:
             portable.add(scratch, row[TARGET], row[SECOND], count, scratch[TOTAL:])
-        elif operation == SELECT:
-            portable.copy_plane(registers, row[OPERANDS], registers, R.SPARE0 * 4 + 3, count)
+        elif operation == C.PLAN_SELECT:
+            portable.copy_plane(registers, row[OPERANDS], registers, C.REGISTER_SPARE0 * 4 + 3, count)
             portable.mux(scratch, row[TARGET], row[SECOND], registers, count, scratch[TOTAL:], row[MUX])
         else:
             bias, scale, lowest, rounding = row[BIAS], row[SCALE], row[LOWEST], row[ROUNDING]

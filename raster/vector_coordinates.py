@@ -6,6 +6,7 @@ columns that raster/vector_texture.py reads. Columns are whole vectors longer th
 
 from numba import float64, int32, int64
 
+from raster import codes as C
 from raster.kernel import kernel, separate_function, separate_loop
 from raster.vector import (
     absolute,
@@ -39,10 +40,12 @@ def divide_by_q(column, q, count):
 
 @kernel("void(f8[::1],f8[::1],f8[::1],i4[::1],i8)")
 def cube_faces(s, t, r, face, count):
-    """A direction's ``face`` (0..5 for +x, -x, +y, -y, +z, -z); sc/|ma| + 1 and tc/|ma| + 1 into s and t, 0
+    """A direction's ``face``; sc/|ma| + 1 and tc/|ma| + 1 into s and t, 0
     where there is no direction. As raster.sample.cube_faces.
     """
     separate_function()
+    face_x, face_y = i32x16(int32(C.FACE_POSITIVE_X)), i32x16(int32(C.FACE_POSITIVE_Y))
+    face_z = i32x16(int32(C.FACE_POSITIVE_Z))
     for at in range(0, count, 16):
         x, y, z = load_f64x16(s, at), load_f64x16(t, at), load_f64x16(r, at)
         is_x = (absolute(x) >= absolute(y)) & (absolute(x) >= absolute(z))
@@ -53,7 +56,7 @@ def cube_faces(s, t, r, face, count):
         ma = major * sign
         sc = select(is_x, z * (sign * -1.0), select(is_y, x, x * sign))
         tc = select(is_x, y * -1.0, select(is_y, z * sign, y * -1.0))
-        first = select(is_x, i32x16(int32(0)), select(is_y, i32x16(int32(2)), i32x16(int32(4))))
+        first = select(is_x, face_x, select(is_y, face_y, face_z))
         some = ma > 0.0
         store(face, at, first + back)
         store(s, at, select(some, sc / ma + 1.0, f64x16(0.0)))
@@ -74,11 +77,11 @@ def fixed_from_floats(column, out, size, bias, scale, wrap, linear, count):
     last = int32(int32(size) - int32(1))
     period = int32(int32(size) * int32(256))
     low, high = 0.0, size
-    if wrap == 2:
+    if wrap == C.WRAP_CLAMP_TO_EDGE:
         low, high = 0.5, size - 0.5
     for at in range(0, count, 16):
         texel = load_f64x16(column, at) * factor + bias
-        if wrap == 0:
+        if wrap == C.WRAP_REPEAT:
             texel = texel - floored(texel * inverse) * size
         texel = minimum(maximum(texel, low), high)  # low, too, where it is not a number
         if linear:
@@ -86,7 +89,7 @@ def fixed_from_floats(column, out, size, bias, scale, wrap, linear, count):
             fixed = select(fixed < int32(0), fixed + period, fixed) + int32(128)
         else:
             index = to_int32(texel)
-            index = select(index > last, i32x16(int32(0) if wrap == 0 else last), index)
+            index = select(index > last, i32x16(int32(0) if wrap == C.WRAP_REPEAT else last), index)
             fixed = index << int32(8)
         store(out, at, fixed)
 

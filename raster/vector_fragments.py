@@ -7,6 +7,7 @@ the earlier one comes first. Whatever is rare is left to the loops of ``raster.p
 
 from numba import int16, int32, int64, uint8, uint32, uint64
 
+from raster import codes as C
 from raster import per_fragment as portable
 from raster import rows as R
 from raster.kernel import kernel, separate_function, separate_loop
@@ -54,17 +55,17 @@ def interval(function, far):
     numbers that wrap; ``far``: more than the two differ by. ``function``: see ``portable.passes``.
     """
     first, width = int64(0), int64(far)
-    if function == 0:
+    if function == C.COMPARISON_NEVER:
         width = int64(0)
-    elif function == 2:
+    elif function == C.COMPARISON_EQUAL:
         width = int64(1)
-    elif function & 1:
+    elif function & C.COMPARISON_LESS:
         first = int64(-far)
-        if function == 5:  # anything but equal
+        if function == C.COMPARISON_NOTEQUAL:
             first, width = int64(1), int64(-1)
-        elif function & 2:
-            width = int64(far + 1 if function == 3 else 2 * far)
-    elif function == 4:
+        elif function & C.COMPARISON_EQUAL:
+            width = int64(far + 1 if function == C.COMPARISON_LEQUAL else 2 * far)
+    elif function == C.COMPARISON_GREATER:
         first = int64(1)
     return first, width
 
@@ -190,7 +191,7 @@ def depth_and_write(depth_row, color_row, x, count, source, depth, alive, start,
     separate_loop()
     first, width = interval(draw[R.DEPTH_FUNCTION], _FAR_DEPTH)
     low, near = int32(first), int32(width)
-    writes_depth, adds = draw[R.DEPTH_WRITE] != 0, draw[R.BLEND] == 2
+    writes_depth, adds = draw[R.DEPTH_WRITE] != 0, draw[R.BLEND] == C.BLEND_ADD
     mask = uint32(draw[R.COLOR_MASK])
     whole = count & ~15
     for i in range(0, whole, 16):
@@ -407,9 +408,11 @@ def write_fragments(
     mode, mask, width = draw[R.BLEND], uint32(draw[R.COLOR_MASK]), int64(color.shape[1])
     writes, surface = draw[R.NEEDS_COLOR] != 0 and mask != uint32(0), draw[R.SURFACE] != 0
     tests_stencil, tests_depth = draw[R.STENCIL_TEST] != 0, draw[R.NEEDS_DEPTH] != 0
-    adds_factors = mode == 1 and draw[R.BLEND_EQUATION] == 0
-    rare = tests_stencil or (writes and (surface or mode == 3 or (mode == 1 and not adds_factors)))
-    fused = tests_depth and writes and not rare and mode != 1
+    blends = mode == C.BLEND_GENERAL
+    adds_factors = blends and draw[R.BLEND_EQUATION] == C.EQUATION_FUNC_ADD
+    unusual = surface or mode == C.BLEND_LOGIC or (blends and not adds_factors)
+    rare = tests_stencil or (writes and unusual)
+    fused = tests_depth and writes and not rare and not blends
     if solid:
         spread_first(packed, depth, count)
     if not draw[R.DISCARDS]:
@@ -421,7 +424,9 @@ def write_fragments(
     limited = draw[R.ALPHA_TEST] | draw[R.DISCARDS] | draw[R.DEPTH_CULL]
     if solid and limited and count > 0 and not alive[0]:
         return
-    stores = not (limited or tests_depth or tests_stencil or surface or mode) and mask == uint32(0xFFFFFFFF)
+    untested = not (limited or tests_depth or tests_stencil)
+    replaces = mode == C.BLEND_REPLACE and not surface and mask == uint32(0xFFFFFFFF)
+    stores = untested and replaces
     color_words = texels_at(int64(color.ctypes.data), (int64(color.size),))
     depth_words = texels_at(int64(depth_buffer.ctypes.data), (int64(depth_buffer.size),))
     for k in range(runs):
@@ -434,9 +439,9 @@ def write_fragments(
                 scatter_depth(depth_words, pixel, start, end, depth, alive, function, writes_depth)
             if not writes:
                 continue
-            if mode == 1:
+            if blends:
                 scatter_blend(color_words, pixel, start, end, packed, alive, factors, mask)
-            elif mode == 2:
+            elif mode == C.BLEND_ADD:
                 scatter_add(color_words, pixel, start, end, packed, alive, mask)
             else:
                 scatter_write(color_words, pixel, start, end, packed, alive, mask)
@@ -468,12 +473,12 @@ def write_fragments(
                     portable.surface_run(color, y, x, n, packed, alive, start, factors, draw)
                 elif adds_factors and n >= _BLENDED:
                     blend_run(color[y], x, n, packed, alive, start, factors, mask)
-                elif mode == 1:
+                elif blends:
                     equation = draw[R.BLEND_EQUATION]
                     portable.blend_run(color, y, x, n, packed, alive, start, factors, equation, mask)
-                elif mode == 2:
+                elif mode == C.BLEND_ADD:
                     portable.add_run(color, y, x, n, packed, alive, start, mask)
-                elif mode == 3:
+                elif mode == C.BLEND_LOGIC:
                     operation = draw[R.LOGIC_OPERATION]
                     portable.logic_run(color, y, x, n, packed, alive, start, operation, mask)
                 elif stores:

@@ -6,6 +6,7 @@ The arithmetic is that of raster/level_of_detail.py in the same order, so the bi
 import numpy as np
 from numba import float64, int32, int64
 
+from raster import codes as C
 from raster import rows as R
 from raster.kernel import kernel, separate_function
 from raster.sample import FAR, POWERS_OF_TWO
@@ -171,9 +172,9 @@ def level_of_detail(
     """
     separate_function()
     width, height = float64(levels[0, 1]), float64(levels[0, 2])
-    if row[R.TARGET] == 4:  # coordinates that count texels already
+    if row[R.TARGET] == C.TARGET_RECTANGLE:  # coordinates that count texels already
         width = height = 1.0
-    sizes, modes = (width, height), (row[R.TARGET] == 0, row[R.PROJECTIVE] != 0)
+    sizes, modes = (width, height), (row[R.TARGET] == C.TARGET_1D, row[R.PROJECTIVE] != 0)
     lod = ints[R.LOD]
     # A block's value serves both of its rows. One block more is computed at either end of a run where that
     # costs no further vector, or a small part: the next row's run often reaches there.

@@ -15,6 +15,7 @@ how it is weighted. Units whose coordinates, sizes, filters and wrap modes agree
 import numpy as np
 from numba import int16, int32, int64, uint64
 
+from raster import codes as C
 from raster import rows as R
 from raster.kernel import kernel, separate_function, separate_loop
 from raster.vector import (
@@ -94,9 +95,9 @@ def _rounded(count):
 @kernel
 def _limits(mode, half, size):
     """(lowest, highest, mask): F is limited to the first two, then the column to the mask's bits."""
-    if mode == 0 and size & (size - 1) == 0:
+    if mode == C.WRAP_REPEAT and size & (size - 1) == 0:
         return int32(_LOWEST), int32(_HIGHEST), int32(size - 1)
-    if mode == 0:
+    if mode == C.WRAP_REPEAT:
         return half, int32(256 * size - 1 + half), int32(-1)
     return half, int32(256 * size - 128), int32(-1)
 
@@ -111,10 +112,10 @@ def locate(levels, unit, f_s, f_t, count, located):
     (nearest: 0..256 size - 1).
     """
     separate_loop()
-    linear, cube = unit[R.MAG_LINEAR] != 0, unit[R.TARGET] == 2
+    linear, cube = unit[R.MAG_LINEAR] != 0, unit[R.TARGET] == C.TARGET_CUBE_MAP
     half, fraction = int32(128 if linear else 0), int32(255 if linear else 0)
-    low_s, high_s, mask_s = _limits(2 if cube else unit[R.WRAP_S], half, levels[0, 1])
-    low_t, high_t, mask_t = _limits(2 if cube else unit[R.WRAP_T], half, levels[0, 2])
+    low_s, high_s, mask_s = _limits(C.WRAP_CLAMP_TO_EDGE if cube else unit[R.WRAP_S], half, levels[0, 1])
+    low_t, high_t, mask_t = _limits(C.WRAP_CLAMP_TO_EDGE if cube else unit[R.WRAP_T], half, levels[0, 2])
     mask_s = int32(mask_s * int32(2))
     base, stride = levels[0, 0], int32(int32(levels[0, 1] + int32(1)) * int32(2))
     first, weights = located[FIRST], located[WEIGHTS]
@@ -143,8 +144,8 @@ def locate_levels(levels, unit, f_s, f_t, lod, step, count, located):
     """
     separate_loop()
     last, mipmap = int32(unit[R.LEVELS] - 1), unit[R.MIPMAP]
-    threshold, rounding = int32(unit[R.THRESHOLD]), int32(127 if mipmap == 1 else 0)
-    top = int32(last * int32(256)) if mipmap else int32(0)
+    threshold, rounding = int32(unit[R.THRESHOLD]), int32(127 if mipmap == C.MIPMAP_NEAREST else 0)
+    top = int32(last * int32(256)) if mipmap != C.MIPMAP_NONE else int32(0)
     smallest, largest = i32x16(int32(_HIGHEST)), i32x16(int32(_LOWEST))
     for at in range(0, _rounded(count), 16):
         value = load_i32x16(lod, at)
@@ -155,7 +156,7 @@ def locate_levels(levels, unit, f_s, f_t, lod, step, count, located):
 
     width, height = levels[0, 1], levels[0, 2]
     bits_s, bits_t = int32(lowest_bit(int64(width))), int32(lowest_bit(int64(height)))
-    repeat_s, repeat_t = unit[R.WRAP_S] == 0, unit[R.WRAP_T] == 0
+    repeat_s, repeat_t = unit[R.WRAP_S] == C.WRAP_REPEAT, unit[R.WRAP_T] == C.WRAP_REPEAT
     # Beyond these nothing is limited: either the axis repeats, or the level's own limits are narrower.
     below_s, above_s = int32(_LOWEST if repeat_s else _HIGHEST), int32(_HIGHEST if repeat_s else _LOWEST)
     below_t, above_t = int32(_LOWEST if repeat_t else _HIGHEST), int32(_HIGHEST if repeat_t else _LOWEST)
@@ -303,9 +304,9 @@ def _compared_footprint(pairs, first, weights, references, at, lower, upper):
 def _outcomes(function, value):
     """Lanes of ``value`` for each of less, equal and greater that ``function`` has, of zero for others."""
     return (
-        i32x16(value if function & 1 else int32(0)),
-        i32x16(value if function & 2 else int32(0)),
-        i32x16(value if function & 4 else int32(0)),
+        i32x16(value if function & C.COMPARISON_LESS else int32(0)),
+        i32x16(value if function & C.COMPARISON_EQUAL else int32(0)),
+        i32x16(value if function & C.COMPARISON_GREATER else int32(0)),
     )
 
 
@@ -314,7 +315,7 @@ def fetch_compared(pairs, located, references, function, count, registers, plane
     """Texels that are depth words, each replaced by 255 where "reference FUNC texel" holds and else by 0,
     then filtered: into four planes from ``plane`` on.
 
-    references: int32, depth words; ``function``: its bits are less (1), equal (2) and greater (4).
+    references: int32, depth words.
     """
     separate_loop()
     first, weights = located[FIRST], located[WEIGHTS]
@@ -357,7 +358,7 @@ def filter_mipmapped(pairs, levels, unit, f_s, f_t, lod, count, located, registe
     """A unit that looks at lambda (``lod``, 8 fraction bits) for its filter or level, into four planes."""
     separate_function()
     highest = locate_levels(levels, unit, f_s, f_t, lod, int32(0), count, located)
-    if unit[R.MIPMAP] == 2 and highest > max(unit[R.THRESHOLD], 0):
+    if unit[R.MIPMAP] == C.MIPMAP_LINEAR and highest > max(unit[R.THRESHOLD], 0):
         locate_levels(levels, unit, f_s, f_t, lod, int32(1), count, located)
         fetch_blended(pairs, located, count, registers, plane)
     elif unit[R.MAG_LINEAR] or unit[R.MIN_LINEAR]:

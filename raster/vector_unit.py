@@ -2,6 +2,7 @@
 
 from numba import float64, int32, int64, void
 
+from raster import codes as C
 from raster import rows as R
 from raster.arrays import JOB, PASS, SCRATCH
 from raster.kernel import float_of, kernel, separate_function
@@ -23,10 +24,7 @@ from raster.vector_texture import (
     move_to_faces,
 )
 
-# How a unit is sampled (rows.JOB_UNIT_PATH): not at all; from one level, by coordinates that are counted in
-# texels as they are iterated; the same, by lambda; by computed coordinates (a cube map's, divided by q,
-# compared as depths, or of any size); by the portable engine only.
-DISABLED, ITERATED, MIPMAPPED, COMPUTED, PORTABLE = range(5)
+_WHITE = 0xFFFFFFFF  # packed: every component one
 
 
 @kernel
@@ -68,35 +66,38 @@ def same_coordinates(coordinates, one, other):
 def unit_path(row, levels, coordinates, unit):
     """How a unit is sampled."""
     if not row[R.ENABLED]:
-        return int64(DISABLED)
+        return int64(C.PATH_DISABLED)
     target = row[R.TARGET]
-    if target == 3 or row[R.HILO] or row[R.ANISOTROPY] or row[R.PROBES] or row[R.OPERATION]:
-        return int64(PORTABLE)
-    if row[R.COMPARE] and (row[R.COMPARE_HELD] != 0xFFFFFFFF or row[R.COMPARE_FAILED] != 0):
-        return int64(PORTABLE)
+    if target == C.TARGET_3D or row[R.HILO] or row[R.ANISOTROPY] or row[R.PROBES] or row[R.OPERATION]:
+        return int64(C.PATH_PORTABLE)
+    if row[R.COMPARE] and (row[R.COMPARE_HELD] != _WHITE or row[R.COMPARE_FAILED] != 0):
+        return int64(C.PATH_PORTABLE)
     nearest = not row[R.MAG_LINEAR] and not row[R.MIN_LINEAR]
     for axis in range(2):
         wrap = row[R.WRAP_S] if axis == 0 else row[R.WRAP_T]
-        if target != 2 and not (wrap == 0 or wrap == 2 or (wrap == 1 and nearest)):
-            return int64(PORTABLE)
-    one_level = row[R.MIPMAP] == 0 and row[R.MAG_LINEAR] == row[R.MIN_LINEAR]
+        usual = wrap == C.WRAP_REPEAT or wrap == C.WRAP_CLAMP_TO_EDGE or (wrap == C.WRAP_CLAMP and nearest)
+        if target != C.TARGET_CUBE_MAP and not usual:
+            return int64(C.PATH_PORTABLE)
+    one_level = row[R.MIPMAP] == C.MIPMAP_NONE and row[R.MAG_LINEAR] == row[R.MIN_LINEAR]
     width, height = int64(levels[0, 1]), int64(levels[0, 2])
     largest = int64(1) << LARGEST_REPEATED
-    plain = target <= 1 and not row[R.PROJECTIVE] and not row[R.COMPARE]
+    plain = target == C.TARGET_1D or target == C.TARGET_2D
+    plain = plain and not row[R.PROJECTIVE] and not row[R.COMPARE]
     plain = plain and is_power(width) and is_power(height) and width <= largest and height <= largest
     if plain and within(coordinates, unit, 2, LARGEST_COORDINATE):
-        return int64(ITERATED) if one_level else int64(MIPMAPPED)
+        return int64(C.PATH_ITERATED) if one_level else int64(C.PATH_MIPMAPPED)
     if one_level and within(coordinates, unit, 4, LARGEST_FLOAT):
-        return int64(COMPUTED)
-    return int64(PORTABLE)
+        return int64(C.PATH_COMPUTED)
+    return int64(C.PATH_PORTABLE)
 
 
 @kernel
 def components_of(row, path):
     """Which coordinates a unit iterates: bits 1, 2, 4, 8 for s, t, r, q."""
-    if path != COMPUTED:
+    if path != C.PATH_COMPUTED:
         return int64(3)
-    third = int64(4) if row[R.TARGET] == 2 or row[R.COMPARE] == 1 else int64(0)
+    compares_r = row[R.COMPARE] == C.COMPARE_MODE_R_TO_TEXTURE
+    third = int64(4) if row[R.TARGET] == C.TARGET_CUBE_MAP or compares_r else int64(0)
     return int64(3) | third | (int64(8) if row[R.PROJECTIVE] else int64(0))
 
 
@@ -111,12 +112,12 @@ def plan_units(job, draw, units, levels, coordinates):
     for u in range(draw[R.UNITS]):
         path = unit_path(units[u], levels[u], coordinates, u)
         job[R.JOB_UNIT_PATH + u] = path
-        if path == PORTABLE:
+        if path == C.PATH_PORTABLE:
             return False
-        if path == DISABLED:
+        if path == C.PATH_DISABLED:
             continue
         job[R.JOB_COMPONENTS + u] = components_of(units[u], path)
-        if path == COMPUTED:
+        if path == C.PATH_COMPUTED:
             continue
         job[R.JOB_LOG2_S + u] = log2_of(int64(levels[u, 0, 1]))
         job[R.JOB_LOG2_T + u] = log2_of(int64(levels[u, 0, 2]))
@@ -140,7 +141,8 @@ def sample_computed(job, p, u, count, segments, scratch):
     row, levels, floats, ints = p.units[u], p.levels[u], scratch.floats, scratch.ints
     located, f_s, f_t = scratch.located[u], ints[R.FIXED0 + 2 * u], ints[R.FIXED0 + 2 * u + 1]
     s, t, extra, r = floats[R.S], floats[R.T], floats[R.EXTRA], floats[R.COORDINATE0]
-    cube, compared, projective = row[R.TARGET] == 2, row[R.COMPARE] != 0, row[R.PROJECTIVE] != 0
+    cube, projective = row[R.TARGET] == C.TARGET_CUBE_MAP, row[R.PROJECTIVE] != 0
+    compared = row[R.COMPARE] != C.COMPARE_MODE_NONE
     iterate_floats(scratch.lists, segments, p.triangles, p.coordinates, u, 0, floats, s)
     iterate_floats(scratch.lists, segments, p.triangles, p.coordinates, u, 1, floats, t)
     if cube:
@@ -151,7 +153,7 @@ def sample_computed(job, p, u, count, segments, scratch):
         divide_by_q(s, extra, count)
         divide_by_q(t, extra, count)
     if compared:
-        if row[R.COMPARE] == 1:
+        if row[R.COMPARE] == C.COMPARE_MODE_R_TO_TEXTURE:
             iterate_floats(scratch.lists, segments, p.triangles, p.coordinates, u, 2, floats, r)
             if projective:
                 divide_by_q(r, extra, count)
@@ -160,8 +162,9 @@ def sample_computed(job, p, u, count, segments, scratch):
         scale, mantissa = float_of(row[R.COORDINATE_DEPTH]), row[R.DEPTH_TEXEL_MANTISSA]
         depth_words(r, ints[R.REFERENCE], scale, mantissa, int32(row[R.DEPTH_TEXEL_MAX]), count)
     bias = TAU if cube or projective else 0.0
-    scale = 0.5 if cube else (0.0 if row[R.TARGET] == 4 else 1.0)
-    wrap_s, wrap_t = (int64(2), int64(2)) if cube else (row[R.WRAP_S], row[R.WRAP_T])
+    scale = 0.5 if cube else (0.0 if row[R.TARGET] == C.TARGET_RECTANGLE else 1.0)
+    edge = int64(C.WRAP_CLAMP_TO_EDGE)
+    wrap_s, wrap_t = (edge, edge) if cube else (row[R.WRAP_S], row[R.WRAP_T])
     linear = row[R.MAG_LINEAR]
     fixed_from_floats(s, f_s, float64(levels[0, 1]), bias, scale, wrap_s, linear, count)
     fixed_from_floats(t, f_t, float64(levels[0, 2]), bias, scale, wrap_t, linear, count)
@@ -170,7 +173,7 @@ def sample_computed(job, p, u, count, segments, scratch):
         move_to_faces(levels, ints[R.FACE], count, located)
     first, second = (p.pairs0 if u == 0 else p.pairs1), (p.pairs2 if u == 2 else p.pairs3)
     pairs = first if u < 2 else second
-    plane = (R.TEXTURE0 + u) * 4
+    plane = (C.REGISTER_TEXTURE0 + u) * 4
     if compared:
         function = row[R.COMPARE_FUNCTION]
         fetch_compared(pairs, located, ints[R.REFERENCE], function, count, scratch.planes, plane)
@@ -183,24 +186,24 @@ def sample(job, p, u, count, segments, runs, scratch):
     """Texture unit ``u`` of a batch into its register's planes."""
     separate_function()
     path, row, lists = job[R.JOB_UNIT_PATH + u], p.units[u], scratch.lists
-    floats, ints, planes, plane = scratch.floats, scratch.ints, scratch.planes, (R.TEXTURE0 + u) * 4
-    if path == DISABLED:
+    floats, ints, planes, plane = scratch.floats, scratch.ints, scratch.planes, (C.REGISTER_TEXTURE0 + u) * 4
+    if path == C.PATH_DISABLED:
         return
-    if path == COMPUTED:
+    if path == C.PATH_COMPUTED:
         sample_computed(job, p, u, count, segments, scratch)
         return
     source, levels = job[R.JOB_COORDINATES_OF + u], p.levels[u]
     f_s, f_t = ints[R.FIXED0 + 2 * source], ints[R.FIXED0 + 2 * source + 1]
     if source == u:
-        repeat_s, repeat_t = row[R.WRAP_S] == 0, row[R.WRAP_T] == 0
+        repeat_s, repeat_t = row[R.WRAP_S] == C.WRAP_REPEAT, row[R.WRAP_T] == C.WRAP_REPEAT
         log2_s, log2_t = job[R.JOB_LOG2_S + u], job[R.JOB_LOG2_T + u]
         iterate_texels(lists, segments, p.triangles, p.coordinates, u, 0, log2_s, repeat_s, floats, f_s)
         iterate_texels(lists, segments, p.triangles, p.coordinates, u, 1, log2_t, repeat_t, floats, f_t)
-        if path == ITERATED:
+        if path == C.PATH_ITERATED:
             locate(levels, row, f_s, f_t, count, scratch.located[u])
     first, second = (p.pairs0 if u == 0 else p.pairs1), (p.pairs2 if u == 2 else p.pairs3)
     pairs = first if u < 2 else second
-    if path == ITERATED:
+    if path == C.PATH_ITERATED:
         filter_located(pairs, row, scratch.located[source], count, planes, plane)
         return
     level_of_detail(

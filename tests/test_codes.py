@@ -1,8 +1,12 @@
-"""The enumerations' values are the plain integers that kernels decide on."""
+"""Codes: one list of them, which the enumerations, the rows and the kernels share."""
+
+import ast
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from pipeline import enums
 from pipeline.enums import (
     BlendEquation,
     CombinerScale,
@@ -10,37 +14,169 @@ from pipeline.enums import (
     ComponentUsage,
     LogicOperation,
     Register,
-    TextureTarget,
     WrapMode,
 )
-from raster import rows
+from raster import codes, rows
 from raster.combine import plane_of, scaled
 from raster.per_fragment import any_equation, logic, passes
 from raster.sample import wrap_axis
 
+# The enumerations whose values rows, kernels or the column engine see: what their codes begin with, and what
+# of a member's name that beginning says already.
+SHARED = {
+    enums.BlendEquation: ("EQUATION_", ""),
+    enums.BlendFactor: ("FACTOR_", ""),
+    enums.CombinerFunction: ("COMBINER_FUNCTION_", ""),
+    enums.CombinerScale: ("SCALE_", "SCALE_"),
+    enums.ComparisonFunction: ("COMPARISON_", ""),
+    enums.ComponentUsage: ("USAGE_", ""),
+    enums.ConvolutionBorderMode: ("CONVOLUTION_", ""),
+    enums.CullMode: ("CULL_MODE_", ""),
+    enums.DotProductMapping: ("DOT_MAPPING_", ""),
+    enums.FogMode: ("FOG_MODE_", ""),
+    enums.LogicOperation: ("LOGIC_", ""),
+    enums.Mapping: ("MAPPING_", ""),
+    enums.PixelTexGenQ: ("TEX_GEN_Q_", ""),
+    enums.Register: ("REGISTER_", ""),
+    enums.StencilOperation: ("STENCIL_", ""),
+    enums.TextureCompareMode: ("COMPARE_MODE_", "COMPARE_"),
+    enums.TextureShaderOperation: ("OPERATION_", ""),
+    enums.TextureTarget: ("TARGET_", "TEXTURE_"),
+    enums.WrapMode: ("WRAP_", ""),
+}
+CODES = {name: value for name, value in vars(codes).items() if name.isupper()}
+SOURCES = sorted(Path(codes.__file__).parent.rglob("*.py"))
 
-@pytest.mark.parametrize(
-    ("row", "register"),
-    [
-        (rows.ZERO, Register.ZERO),
-        (rows.CONSTANT0, Register.CONSTANT_COLOR0),
-        (rows.CONSTANT1, Register.CONSTANT_COLOR1),
-        (rows.FOG, Register.FOG),
-        (rows.PRIMARY, Register.PRIMARY_COLOR),
-        (rows.SECONDARY, Register.SECONDARY_COLOR),
-        (rows.SPARE0, Register.SPARE0),
-        (rows.SPARE1, Register.SPARE1),
-        (rows.E_TIMES_F, Register.E_TIMES_F),
-        (rows.SPARE0_PLUS_SECONDARY, Register.SPARE0_PLUS_SECONDARY_COLOR),
-        *((rows.TEXTURE0 + unit, Register[f"TEXTURE{unit}"]) for unit in range(4)),
-    ],
-)
-def test_registers_are_their_planes(row, register):
-    assert row == register
+
+def code_of(member):
+    """The name of a member's code."""
+    prefix, said = SHARED[type(member)]
+    return prefix + member.name.removeprefix(said)
+
+
+def test_every_code_is_an_integer_or_a_tuple_of_some():
+    assert {type(value) for value in CODES.values()} == {int, tuple}
+    assert {type(code) for value in CODES.values() if isinstance(value, tuple) for code in value} == {int}
+
+
+@pytest.mark.parametrize("enumeration", SHARED, ids=lambda e: e.__name__)
+def test_a_shared_enumeration_has_its_values_from_the_list_of_codes_and_all_of_its_kind(enumeration):
+    (tree,) = (
+        node
+        for node in ast.parse(Path(enums.__file__).read_text()).body
+        if isinstance(node, ast.ClassDef) and node.name == enumeration.__name__
+    )
+    written = {node.targets[0].id: node.value for node in tree.body if isinstance(node, ast.Assign)}
+    assert {name: getattr(value, "attr", None) for name, value in written.items()} == {
+        member.name: code_of(member) for member in enumeration
+    }
+    prefix, _ = SHARED[enumeration]
+    assert {name for name in CODES if name.startswith(prefix)} == {code_of(member) for member in enumeration}
 
 
 def test_every_register_that_can_be_read_has_planes():
     assert {r for r in Register if r < rows.REGISTERS} == set(Register) - {Register.DISCARD}
+
+
+def declared(tree):
+    """Names in capitals that a module assigns at its top."""
+    for node in tree.body:
+        if isinstance(node, ast.Assign):
+            for target in node.targets:
+                yield from (n.id for n in ast.walk(target) if isinstance(n, ast.Name) and n.id.isupper())
+
+
+# What codes are called where the list's kinds are left out: CUBE_MAP was two codes once.
+BARE_NAMES = {m.name.removeprefix("TEXTURE_") for e in SHARED for m in e} | {
+    m.name for e in SHARED for m in e
+}
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.stem)
+def test_no_code_is_declared_twice(path):
+    if path != Path(codes.__file__):
+        again = set(declared(ast.parse(path.read_text()))) & (BARE_NAMES | CODES.keys())
+        assert not again, f"{path.name}: {', '.join(sorted(again))}: take them from {codes.__name__}"
+
+
+# ------------------------------------------------------------------ rows are compared with names of codes
+
+
+def is_number(node):
+    """Whether an expression is an integer above 1, or below -1, that has no name."""
+    node = node.operand if isinstance(node, ast.UnaryOp) else node
+    return isinstance(node, ast.Constant) and type(node.value) is int and node.value > 1
+
+
+def is_entry(node):
+    """Whether an expression is an entry of a row, ``row[R.BLEND]``, or made of one by a type alone."""
+    while isinstance(node, ast.Call) and len(node.args) == 1:
+        (node,) = node.args
+    return isinstance(node, ast.Subscript) and any(
+        isinstance(part, ast.Attribute)
+        and isinstance(part.value, ast.Name)
+        and part.value.id in ("R", "rows")
+        for part in ast.walk(node.slice)
+    )
+
+
+def assigned(function):
+    """(name, value) of a function's assignments; of tuples, one by one."""
+    for node in ast.walk(function):
+        if isinstance(node, ast.Assign):
+            for target in node.targets:
+                both = isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple)
+                pairs = zip(target.elts, node.value.elts, strict=True) if both else [(target, node.value)]
+                yield from ((name.id, value) for name, value in pairs if isinstance(name, ast.Name))
+
+
+def bare_comparisons(tree):
+    """Comparisons of a row's entry, or of a name that a function gave it, with a bare number above 1."""
+    for function in (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)):
+        entries = {name for name, value in assigned(function) if is_entry(value)}
+        for node in (node for node in ast.walk(function) if isinstance(node, ast.Compare)):
+            sides = [node.left, *node.comparators]
+            held = any(
+                is_entry(side) or (isinstance(side, ast.Name) and side.id in entries) for side in sides
+            )
+            if held and any(is_number(side) for side in sides):
+                yield ast.unparse(node)
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.stem)
+def test_a_row_is_compared_with_names(path):
+    assert not list(bare_comparisons(ast.parse(path.read_text())))
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "cube = row[R.TARGET] == 2",
+        "high = units[u, R.OPERATION] >= 17",
+        "bare = 8 <= unit[R.OPERATION] <= 11",
+        "mode, mask = draw[R.BLEND], 7\n    logic = mode == 3",
+        "function = int32(row[rows.COMPARE_FUNCTION])\n    hilo = function == -2",
+    ],
+)
+def test_the_rule_catches_a_bare_number(line):
+    assert len(list(bare_comparisons(ast.parse(f"def f(row):\n    {line}\n")))) == 1
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "cube = row[R.TARGET] == C.TARGET_CUBE_MAP",
+        "tests = draw[R.ALPHA_TEST] != 0",
+        "one = row[R.PROBES] > 1",
+        "small = factors.shape[0] < 2",
+        "third = u == 2",
+    ],
+)
+def test_the_rule_lets_other_comparisons_be(line):
+    assert not list(bare_comparisons(ast.parse(f"def f(row):\n    {line}\n")))
+
+
+# -------------------------------------------------------------------------------- what kernels make of codes
 
 
 @pytest.mark.parametrize(
@@ -153,8 +289,3 @@ def test_only_the_linear_filter_tells_clamp_from_clamp_to_edge():
         wrap_axis(int(mode), floats, rows.S_SIZE, 1, 1, ints, rows.I0)
         first[mode] = int(ints[rows.I0, 0])
     assert first == {WrapMode.CLAMP: -1, WrapMode.CLAMP_TO_EDGE: 0}
-
-
-def test_texture_targets():
-    # raster.sample and raster.level_of_detail know these three numbers by heart.
-    assert [TextureTarget(code).name for code in range(3)] == ["TEXTURE_1D", "TEXTURE_2D", "TEXTURE_CUBE_MAP"]

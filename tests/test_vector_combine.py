@@ -27,6 +27,7 @@ from pipeline.state import (
     RegisterCombiners,
     RGBPortion,
 )
+from raster import codes as C
 from raster import rows as R
 from raster import vector_combine as V
 from raster.combine import copy_plane, fill_plane, final_combiner, general_combiner
@@ -48,10 +49,10 @@ def interpolated(seed, count, kinds):
         return np.where(random.random(shape) < 0.4, corners, random.integers(low, 256, shape))
 
     planes = random.integers(-(2**15), 2**15, (V.PLANES, count + SLACK)).astype(np.int16)
-    for register in (R.FOG, R.PRIMARY, R.SECONDARY):
+    for register in (C.REGISTER_FOG, C.REGISTER_PRIMARY_COLOR, C.REGISTER_SECONDARY_COLOR):
         planes[register * 4 : register * 4 + 4] = numbers(0, (4, count + SLACK))
     for unit, kind in enumerate(kinds):
-        at = (R.TEXTURE0 + unit) * 4
+        at = (C.REGISTER_TEXTURE0 + unit) * 4
         if kind:
             planes[at : at + 4] = numbers(-256 if kind == SIGNED_UNIT else 0, (4, count + SLACK))
     return planes
@@ -68,22 +69,24 @@ def portable_colors(planes, packed, kinds, count):
     """What the end of ``raster.draw.shade`` and ``pack_colors`` make of the same planes."""
     draw = packed.draw
     registers = np.zeros((R.REGISTERS * 4, count), np.int16)
-    for register in (R.PRIMARY, R.SECONDARY):
+    for register in (C.REGISTER_PRIMARY_COLOR, C.REGISTER_SECONDARY_COLOR):
         registers[register * 4 : register * 4 + 4] = planes[register * 4 : register * 4 + 4, :count]
-    registers[R.FOG * 4 : R.FOG * 4 + 3] = draw[R.FOG_RED : R.FOG_BLUE + 1, None]
-    registers[R.FOG * 4 + 3] = planes[R.FOG * 4 + 3, :count] if draw[R.FOG_ENABLED] else 255
+    registers[C.REGISTER_FOG * 4 : C.REGISTER_FOG * 4 + 3] = draw[R.FOG_RED : R.FOG_BLUE + 1, None]
+    registers[C.REGISTER_FOG * 4 + 3] = planes[C.REGISTER_FOG * 4 + 3, :count] if draw[R.FOG_ENABLED] else 255
     for unit, kind in enumerate(kinds):
-        at = (R.TEXTURE0 + unit) * 4
+        at = (C.REGISTER_TEXTURE0 + unit) * 4
         registers[at : at + 4] = planes[at : at + 4, :count] if kind else [[0], [0], [0], [255]]
     results, out = np.empty((12, count), np.int16), np.empty(count, np.uint32)
     if draw[R.DIRECT]:
-        results[:4] = registers[R.PRIMARY * 4 : R.PRIMARY * 4 + 4]
+        results[:4] = registers[C.REGISTER_PRIMARY_COLOR * 4 : C.REGISTER_PRIMARY_COLOR * 4 + 4]
     else:
-        copy_plane(registers, R.TEXTURE0 * 4 + 3, registers, R.SPARE0 * 4 + 3, count)
+        copy_plane(registers, C.REGISTER_TEXTURE0 * 4 + 3, registers, C.REGISTER_SPARE0 * 4 + 3, count)
         products, total = np.empty((8, count), np.int32), np.empty((1, count), np.int32)
         for stage in range(draw[R.STAGES] + 1):
             for c in range(8):
-                fill_plane(registers, R.CONSTANT0 * 4 + c, count, int(packed.constants[stage, c]))
+                fill_plane(
+                    registers, C.REGISTER_CONSTANT_COLOR0 * 4 + c, count, int(packed.constants[stage, c])
+                )
             if stage < draw[R.STAGES]:
                 general_combiner(
                     registers, packed.program[stage], count, packed.arithmetic, products, total, results
@@ -102,7 +105,10 @@ def vector_colors(planes, packed, kinds, count):
     scratch = np.random.default_rng(1).integers(-(2**31), 2**31, (V.SCRATCH_PLANES, count + SLACK), np.int32)
     before = planes.copy()
     V.combine(planes, plan.rows, count, scratch, out)
-    inputs = [*range(R.FOG * 4 + 3, R.SPARE0 * 4), *range(R.TEXTURE0 * 4, R.E_TIMES_F * 4)]
+    inputs = [
+        *range(C.REGISTER_FOG * 4 + 3, C.REGISTER_SPARE0 * 4),
+        *range(C.REGISTER_TEXTURE0 * 4, C.REGISTER_E_TIMES_F * 4),
+    ]
     assert (planes[inputs] == before[inputs]).all(), "an operation wrote to a plane that is an input"
     assert plan.planes <= set(inputs)
     return out[:count]
@@ -168,8 +174,8 @@ def every_pair(portion):
     packed = packed_combiners(RegisterCombiners((GeneralCombiner(rgb=portion),), SPARE0), GEFORCE_256)
     count = 256 * 256
     planes = interpolated(0, count, (BYTES_UNIT,) * 4)
-    planes[R.TEXTURE0 * 4 : R.TEXTURE0 * 4 + 3, :count] = np.repeat(np.arange(256), 256)
-    planes[R.TEXTURE0 * 4 + 4 : R.TEXTURE0 * 4 + 7, :count] = np.tile(np.arange(256), 256)
+    planes[C.REGISTER_TEXTURE0 * 4 : C.REGISTER_TEXTURE0 * 4 + 3, :count] = np.repeat(np.arange(256), 256)
+    planes[C.REGISTER_TEXTURE0 * 4 + 4 : C.REGISTER_TEXTURE0 * 4 + 7, :count] = np.tile(np.arange(256), 256)
     return vector_colors(planes, packed, (BYTES_UNIT,) * 4, count) & 0xFF
 
 
@@ -270,16 +276,19 @@ def operations(combiners):
 
 def test_a_plan_computes_what_is_read_once_and_moves_nothing():
     # A bump map: one dot product for three channels, an alpha that only moves, four products.
-    assert operations(BUMP)[0] == [V.DOT_PRODUCT, *[V.MODULATE] * 4, V.PACK]
-    assert operations(MODULATE)[0] == [*[V.MODULATE] * 4, V.PACK]
-    assert operations(None)[0] == [V.PACK]
+    assert operations(BUMP)[0] == [C.PLAN_DOT_PRODUCT, *[C.PLAN_MODULATE] * 4, C.PLAN_PACK]
+    assert operations(MODULATE)[0] == [*[C.PLAN_MODULATE] * 4, C.PLAN_PACK]
+    assert operations(None)[0] == [C.PLAN_PACK]
 
 
 def test_a_plan_names_the_planes_that_its_result_depends_on():
     alpha = read(Register.TEXTURE0, usage=ComponentUsage.ALPHA)
     final = FinalCombiner(**NOTHING, d=read(Register.TEXTURE1), g=alpha)
     _, planes = operations(RegisterCombiners((GeneralCombiner(),), final))
-    assert planes == {R.TEXTURE0 * 4 + 3, *range(R.TEXTURE0 * 4 + 4, R.TEXTURE0 * 4 + 7)}
+    assert planes == {
+        C.REGISTER_TEXTURE0 * 4 + 3,
+        *range(C.REGISTER_TEXTURE0 * 4 + 4, C.REGISTER_TEXTURE0 * 4 + 7),
+    }
 
 
 def test_programs_that_differ_in_constants_share_a_plan_but_not_its_constants():
