@@ -18,16 +18,20 @@ from pipeline.enums import (
     BlendFactor,
     Clamp,
     CombinerBias,
+    CombinerFunction,
     CombinerScale,
     ComparisonFunction,
     ComponentUsage,
     DotProductMapping,
+    FogMode,
     InternalFormat,
     Mapping,
     MuxSelect,
+    PixelTexGenQ,
     PrimitiveType,
     ProductRounding,
     Register,
+    StencilOperation,
     TextureEnvironmentMode,
     TextureFilter,
     TextureShaderOperation,
@@ -53,7 +57,16 @@ from pipeline.state import (
 )
 from pipeline.textures import texture_2d
 from pipeline.validate import UnsupportedState
-from raster import wide, wide_combine, wide_fragment, wide_iterate
+from raster import (
+    pixel_rectangles,
+    wide,
+    wide_combine,
+    wide_fragment,
+    wide_future,
+    wide_iterate,
+    wide_shader,
+    wide_texture,
+)
 from tests.random_frames import _Maker, random_frame
 from tests.reference import render, wide_render
 from tests.reference import wide as specified
@@ -124,6 +137,28 @@ def test_combiners_are_the_specification_s(machine):
         for c in range(3)
     ]
     assert color[:3].tolist() == expected
+
+
+_COLUMN, _COLORS = np.zeros(1, np.int64), np.zeros((1, 4), np.int64)
+
+
+@pytest.mark.parametrize(
+    ("code", "calculate"),
+    [
+        (len(BlendEquation), lambda code: wide_fragment.blend(code, (0, 0), _COLORS, _COLORS, _COLORS[0], 8)),
+        (len(BlendFactor), lambda code: wide_fragment.blend_factor(code, _COLORS, _COLORS, _COLORS[0], 255)),
+        (len(StencilOperation), lambda code: wide_fragment.stencil_result(code, _COLUMN, 0)),
+        (len(Mapping), lambda code: wide_combine.map_input(_COLUMN, code, arithmetic(next(machines())))),
+        (CombinerFunction.NONE, lambda code: wide_future.applied(code, _COLUMN, _COLUMN, 255, 255)),
+        (5, lambda code: wide_shader.vector(_COLORS, code, 8)),
+        (len(WrapMode), lambda code: wide_texture.index_of(_COLUMN, code, 1, False)),
+        (len(FogMode), lambda code: wide.fog_thresholds(code, 1.0, 0.0, 1.0, 255)),
+        (len(PixelTexGenQ), lambda code: pixel_rectangles.chosen_volumes(_COLUMN, 255, 1, code)),
+    ],
+)
+def test_a_code_that_has_no_arithmetic_is_refused(code, calculate):
+    with pytest.raises(ValueError, match=r" is no | chooses no "):
+        calculate(code)
 
 
 @pytest.mark.parametrize("bits", BITS)
