@@ -436,7 +436,7 @@ def with_one_unit(
     FUNC_REVERSE_SUBTRACT; the map is then ``store_map``'s with the same. Other parameters as of
     ``with_combiners``.
 
-    Raises ValueError for a window without alpha; where a machine cannot subtract, ``pipeline.validate``
+    Raises ValueError for a window without alpha; where a machine cannot subtract, ``pipeline.validation``
     refuses the passes.
     """
     if alpha_bits < 1 or coding.component != "alpha":

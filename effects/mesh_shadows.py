@@ -16,7 +16,7 @@ from effects.vectors import cross, dot, normalize
 from effects.views import Panel, perspective_view
 from pipeline.enums import BlendEquation
 from pipeline.profiles import IDEAL, PROFILES
-from pipeline.validate import validate
+from pipeline.validation.validate import validate
 
 # Cosine of the bend from which an edge is sharp. Assumed: 40 degrees, as of ``meshes.lathe``.
 _SMOOTH = 0.766

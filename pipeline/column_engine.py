@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.check_future import units_along
 from pipeline.column_combiners import Registers, arithmetic_of, combine, filled, without_combiners
 from pipeline.column_shader import run_stages
 from pipeline.column_textures import LAMBDA_BITS, unit_samplers
@@ -31,8 +30,9 @@ from pipeline.enums import (
 from pipeline.fog import table
 from pipeline.framebuffer import SURFACE_WORDS
 from pipeline.pack import FARTHEST, depth_units, has_color_sum, scissor_box
+from pipeline.programs.future import units_along
+from pipeline.programs.texture_environment import environment_program
 from pipeline.strokes import whole_size
-from pipeline.texture_environment import environment_program
 from raster import codes as C
 from raster import rows, wide, wide_fragment, wide_future, wide_iterate
 from raster.vertices import W_LARGEST, W_SMALLEST

@@ -50,7 +50,7 @@ from pipeline.state import (
     RGBPortion,
 )
 from pipeline.text_tokens import ProgramTextError, Reader, scan
-from pipeline.validate import combiner_problems
+from pipeline.validation.validate import combiner_problems
 
 # Source: nvparse's rc1.0_register.h.
 MAX_GENERAL_COMBINERS = 8
@@ -579,7 +579,7 @@ def parse(text, start=(1, 1)):
 
     Raises CombinerTextError with line and column, both from 1, where the text is no program, and where it
     describes what NV_register_combiners forbids. How many general combiners, texture units or constants a
-    machine has is checked by ``pipeline.validate``.
+    machine has is checked by ``pipeline.validation``.
     """
     return _Parser(text, start).program()
 

@@ -54,7 +54,7 @@ def _frozen(values, dtype, name):
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Vertex arrays of one primitive type (sections 2.6 to 2.8), checked by ``pipeline.validate``.
+    """Vertex arrays of one primitive type (sections 2.6 to 2.8), checked by ``pipeline.validation``.
 
     positions           float64 [n, 2..4], object coordinates; missing components are z = 0, w = 1
     indices             int64 [k] into the vertices, or None: the vertices in order

@@ -59,6 +59,7 @@ from pipeline.pixel_transfer import (
     PixelTransfer,
     SeparableFilter,
 )
+from pipeline.programs.texture_environment import arguments
 from pipeline.state import (
     AlphaTest,
     Blending,
@@ -87,7 +88,6 @@ from pipeline.state import (
     Viewport,
     WindowClip,
 )
-from pipeline.texture_environment import arguments
 
 # What a field is called; a field that is not here is called by its own name, spelled with spaces.
 _WORDS = {
@@ -851,7 +851,7 @@ def describe_program(texture_shader, combiners):
 def describe(commands, *, folded=False):
     """The commands as text: a numbered block for each, its label, and what differs from the initial state.
 
-    Commands are numbered from 0, as ``pipeline.validate`` numbers them in its sentences. ``folded``: where
+    Commands are numbered from 0, as ``pipeline.validation`` numbers them in its sentences. ``folded``: where
     the same few commands come again and again, for polygon after polygon, they are described once, and how
     often they come.
     """

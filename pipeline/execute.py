@@ -50,7 +50,7 @@ from pipeline.textures import Texture
 from pipeline.threads import Threads
 from pipeline.trace import Snapshot, snapshot
 from pipeline.transfer import HistogramTable, MinmaxTable, PixelStatistics
-from pipeline.validate import frame_of, issued_by, validate
+from pipeline.validation.validate import frame_of, issued_by, validate
 from raster import codes as C
 from raster import rows as R
 from raster.arrays import Buffers, scratch
@@ -270,7 +270,7 @@ class Machine:
         """Validate and run ``commands``; returns a Result.
 
         ``trace``: keep the framebuffer after every command. ``record``: keep every Draw's fragments.
-        Raises ``pipeline.validate.UnsupportedState`` or ValueError, before anything is drawn; for what a
+        Raises ``UnsupportedState`` or ValueError, before anything is drawn; for what a
         HostStep issues, before any of that is.
         """
         commands = frame_of(commands)
@@ -790,7 +790,7 @@ def execute(
 ):
     """Run ``commands`` on a new machine. Returns a Result; see ``Machine`` for the parameters.
 
-    Raises ``pipeline.validate.UnsupportedState`` for what the profile cannot hold and ValueError for what no
+    Raises ``UnsupportedState`` for what the profile cannot hold and ValueError for what no
     machine could mean, each before anything is drawn.
     """
     batch = BATCH if batch is None else batch

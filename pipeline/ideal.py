@@ -11,7 +11,6 @@ from functools import cached_property
 
 import numpy as np
 
-from pipeline.check_future import units_along
 from pipeline.commands import (
     Accum,
     Bitmap,
@@ -56,7 +55,8 @@ from pipeline.ideal_shader import run_stages, signed, signed_flags
 from pipeline.pack import has_color_sum
 from pipeline.pixel_rectangles import without_footprints
 from pipeline.profiles import IDEAL
-from pipeline.texture_environment import environment_program
+from pipeline.programs.future import units_along
+from pipeline.programs.texture_environment import environment_program
 from pipeline.textures import (
     BASE_FORMAT,
     DEPTH_TEXELS,
@@ -78,7 +78,7 @@ from pipeline.transfer import (
     transfer_depths,
     transfer_stencil,
 )
-from pipeline.validate import frame_of, issued_by, validate
+from pipeline.validation.validate import frame_of, issued_by, validate
 from pipeline.vertex import process
 from raster.wide_fragment import in_order
 

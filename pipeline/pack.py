@@ -41,6 +41,7 @@ from pipeline.enums import (
 )
 from pipeline.fog import table
 from pipeline.framebuffer import SURFACE_WORDS, to_byte
+from pipeline.programs.texture_environment import environment_program
 from pipeline.state import (
     CombinerInput,
     FinalCombiner,
@@ -50,7 +51,6 @@ from pipeline.state import (
     TextureShaderStage,
 )
 from pipeline.strokes import whole_size
-from pipeline.texture_environment import environment_program
 from pipeline.textures import BASE_FORMAT, DEPTH_TEXELS, KEPT, depth_texture_mode, register_components
 from raster import codes as C
 from raster import rows as R
@@ -507,7 +507,7 @@ def shader_stages(state):
 
 
 def _pack_comparison(sampler, internal_format, profile, row):
-    """A depth texture's entries. Its border is refused (``pipeline.validate``)."""
+    """A depth texture's entries. Its border is refused (``pipeline.validation``)."""
     row[R.COMPARE], row[R.COMPARE_FUNCTION] = sampler.compare_mode, sampler.compare_function
     base, failed = depth_texture_mode(sampler, profile), to_byte(sampler.compare_fail_value)
     for at, byte in ((R.COMPARE_HELD, 255), (R.COMPARE_FAILED, failed)):

@@ -58,7 +58,7 @@ from pipeline.state import (
     RGBPortion,
     TextureShaderStage,
 )
-from pipeline.validate import texture_shader_problems
+from pipeline.validation.validate import texture_shader_problems
 
 _OP = TextureShaderOperation
 _RGB, _ALPHA, _BLUE = ComponentUsage.RGB, ComponentUsage.ALPHA, ComponentUsage.BLUE
@@ -176,7 +176,7 @@ def parse(text, targets=None, constants=None, start=(1, 1)):
     where there is none. ``start``: the line and column at which errors take the text to begin.
 
     Raises PixelShaderTextError with line and column, both from 1, where the text is no program, and where the
-    state cannot hold it. How many combiners and units a machine has is checked by ``pipeline.validate``.
+    state cannot hold it. How many combiners and units a machine has is checked by ``pipeline.validation``.
     """
     listing = read(text, start)
     colors = {**(constants or {}), **listing.constants}

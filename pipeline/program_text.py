@@ -12,7 +12,7 @@ from pipeline.enums import TextureTarget
 from pipeline.pixel_shader_combiners import ConstantPlace
 from pipeline.state import RegisterCombiners, TextureShaderStage
 from pipeline.text_tokens import ProgramTextError
-from pipeline.validate import texture_target
+from pipeline.validation.validate import texture_target
 
 # What may precede a header: white space, and the comments of either notation.
 _SKIPPED = re.compile(r"(?: \s+ | //[^\n]* | /\*.*?\*/ | \#[^\n]* | ;[^\n]* )*", re.VERBOSE | re.DOTALL)

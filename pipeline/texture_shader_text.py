@@ -38,7 +38,7 @@ from typing import NamedTuple
 from pipeline.enums import CullMode, DotProductMapping, TextureShaderOperation
 from pipeline.state import TextureShaderStage
 from pipeline.text_tokens import ProgramTextError, Reader, scan
-from pipeline.validate import texture_shader_problems
+from pipeline.validation.validate import texture_shader_problems
 
 # Source: nvparse's ts1.0_inst.h (TSP_NUM_TEXTURE_UNITS).
 MAX_STAGES = 4
@@ -277,7 +277,7 @@ def parse(text, start=(1, 1)):
 
     ``start``: the line and column at which errors take the text to begin. Raises TextureShaderTextError with
     line and column, both from 1, where the text is no program, and where it describes what NV_texture_shader
-    forbids. Which operations a machine has is checked by ``pipeline.validate``.
+    forbids. Which operations a machine has is checked by ``pipeline.validation``.
     """
     return _Parser(text, start).program()
 

@@ -68,7 +68,7 @@ def process(mesh, state, profile, width, height, sample=(0, 0)):
     Parameters
     ----------
     mesh : pipeline.commands.Mesh
-        Object coordinates; checked by ``pipeline.validate``.
+        Object coordinates; checked by ``pipeline.validation``.
     state : pipeline.state.PassState
     profile : pipeline.profile.Profile
         Read are ``subpixel_bits``, ``guard_band``, ``device_origin``, ``color_mantissa_bits``, ``exact``: an

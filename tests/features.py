@@ -237,7 +237,7 @@ _FORMATS = {
 }
 _ENVIRONMENT = {
     "reference": ("tests/reference/texture_environment.py",),
-    "implementation": ("pipeline/texture_environment.py",),
+    "implementation": ("pipeline/programs/texture_environment.py",),
     "tests": ("tests/test_texture_environment.py",),
 }
 _COMBINERS = {

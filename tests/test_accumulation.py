@@ -16,7 +16,7 @@ from pipeline.enums import AccumOperation, ColorBuffer, ComparisonFunction, Inte
 from pipeline.execute import Machine, execute
 from pipeline.profiles import GEFORCE_256, INFINITE_REALITY, NV2A, OPENGL_1_2
 from pipeline.state import ColorMask, DepthTest, PassState, Scissor
-from pipeline.validate import UnsupportedState, validate
+from pipeline.validation.validate import UnsupportedState, validate
 from raster.accumulation import from_colors, to_colors
 from tests.reference import accumulation as reference
 

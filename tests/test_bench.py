@@ -19,7 +19,7 @@ from effects.figures import FIGURES
 from pipeline.commands import Draw, TexImage
 from pipeline.execute import Machine
 from pipeline.profiles import GEFORCE_256
-from pipeline.validate import validate
+from pipeline.validation.validate import validate
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -56,7 +56,7 @@ from pipeline.state import (
     TextureUnit,
 )
 from pipeline.textures import texture_2d
-from pipeline.validate import UnsupportedState
+from pipeline.validation.validate import UnsupportedState
 from raster import (
     pixel_rectangles,
     wide,

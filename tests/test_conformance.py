@@ -22,7 +22,7 @@ from effects.conformance.case import HEIGHT, WIDTH, Case, Exclusion, Inputs, Mis
 from effects.conformance.run import compare_all
 from pipeline.commands import Clear
 from pipeline.profiles import NV2A
-from pipeline.validate import validate
+from pipeline.validation.validate import validate
 from tests.accept_conformance import (
     ACCEPTED,
     DOCUMENTS,

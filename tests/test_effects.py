@@ -37,7 +37,7 @@ from pipeline.ideal import execute_ideal
 from pipeline.profiles import GEFORCE_256, IDEAL
 from pipeline.state import PassState, TextureUnit
 from pipeline.textures import texture_2d
-from pipeline.validate import validate
+from pipeline.validation.validate import validate
 
 HALF_BYTE = 0.5 / 255
 

@@ -17,7 +17,7 @@ from pipeline.execute import execute
 from pipeline.ideal import execute_ideal
 from pipeline.profiles import GEFORCE_256, IDEAL, PROFILES
 from pipeline.state import ColorTable, DepthTest
-from pipeline.validate import validate
+from pipeline.validation.validate import validate
 from tests.accept import loads_for_each_polygon
 
 # Each figure on the first machine of each of its methods.

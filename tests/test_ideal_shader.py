@@ -34,7 +34,7 @@ from pipeline.state import (
     TextureUnit,
 )
 from pipeline.textures import Texture, texture_2d, texture_3d, texture_cube_map
-from pipeline.validate import UnsupportedState, validate
+from pipeline.validation.validate import UnsupportedState, validate
 
 NOISE = 1e-12  # of some dozens of float64 operations
 SIZE = 8

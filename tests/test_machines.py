@@ -13,7 +13,7 @@ from pipeline.execute import execute
 from pipeline.ideal import execute_ideal
 from pipeline.profile import Profile
 from pipeline.profiles import PROFILES
-from pipeline.validate import UnsupportedState, validate
+from pipeline.validation.validate import UnsupportedState, validate
 from tests.features import FEATURES, SIZE
 from tests.fuzz import Way, differing, outcome
 from tests.machines import PAGE, page

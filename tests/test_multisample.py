@@ -32,7 +32,7 @@ from pipeline.pixel_transfer import PixelImage
 from pipeline.profiles import GEFORCE_256, INFINITE_REALITY
 from pipeline.state import Blending, DepthTest, PassState, RasterPosition, Sampler, StencilTest, TextureUnit
 from pipeline.textures import texture_2d
-from pipeline.validate import UnsupportedState, validate
+from pipeline.validation.validate import UnsupportedState, validate
 from tests.reference import multisample as reference
 
 SIZE = 16  # a power of two: positions on the 1/16-pixel grid stay there

@@ -57,7 +57,7 @@ from pipeline.state import (
     WindowClip,
 )
 from pipeline.textures import Texture, texture_2d
-from pipeline.validate import UnsupportedState, validate
+from pipeline.validation.validate import UnsupportedState, validate
 from raster.pixel_rectangles import covered
 from tests.reference import depth, pixel_rectangles, render
 

@@ -10,7 +10,7 @@ from pipeline.pixel_shader_combiners import parse
 from pipeline.profiles import NV2A
 from pipeline.state import PassState, Sampler, TextureUnit, VertexState
 from pipeline.textures import texture_2d
-from pipeline.validate import validate_program
+from pipeline.validation.validate import validate_program
 from tests.reference import pixel_shader
 
 COUNT, SIDE = 64, 8

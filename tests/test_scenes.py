@@ -13,7 +13,7 @@ from effects.vectors import dot, normalize
 from effects.views import Panel, perspective_view
 from pipeline.ideal import execute_ideal
 from pipeline.profiles import PROFILES
-from pipeline.validate import validate
+from pipeline.validation.validate import validate
 
 PANEL = Panel(0, 0, 32, 32)
 

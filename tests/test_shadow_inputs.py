@@ -21,7 +21,7 @@ from effects.alpha_coded_shadows import Coding
 from effects.figures import FIGURES, agreement
 from effects.views import Panel
 from pipeline.profiles import GEFORCE_3, INFINITE_REALITY, OCTANE, PROFILES
-from pipeline.validate import validate
+from pipeline.validation.validate import validate
 
 NAN, INF = math.nan, math.inf
 SCENE, EMPTY = scenes.still_life(12), scenes.Scene(())

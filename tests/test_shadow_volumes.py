@@ -24,7 +24,7 @@ from pipeline.execute import execute
 from pipeline.ideal import execute_ideal
 from pipeline.profiles import IDEAL, PROFILES
 from pipeline.state import DepthTest, PassState, Scissor
-from pipeline.validate import validate
+from pipeline.validation.validate import validate
 from tests.run_reference import run_reference
 
 GL = PROFILES["OPENGL_1_2"]

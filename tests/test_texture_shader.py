@@ -41,7 +41,7 @@ from pipeline.state import (
 )
 from pipeline.texel_words import texture_of_words
 from pipeline.textures import texture_2d, texture_cube_map
-from pipeline.validate import UnsupportedState, validate
+from pipeline.validation.validate import UnsupportedState, validate
 from tests.run_reference import run_reference
 
 WIDTH, HEIGHT = 16, 8

@@ -10,7 +10,7 @@ from pipeline.enums import TextureShaderOperation as Op
 from pipeline.profiles import GEFORCE_3, NV2A
 from pipeline.state import TextureShaderStage
 from pipeline.texture_shader_text import INSTRUCTION_NAMES, TextureShaderTextError, format_stages, parse
-from pipeline.validate import validate_program
+from pipeline.validation.validate import validate_program
 from tests.program_strategies import texture_shaders
 
 Stage = TextureShaderStage

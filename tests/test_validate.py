@@ -72,7 +72,7 @@ from pipeline.state import (
     WindowClip,
 )
 from pipeline.textures import Texture, texture_1d, texture_2d, texture_cube_map
-from pipeline.validate import UnsupportedState, _Remembered, _taken_by, validate
+from pipeline.validation.validate import UnsupportedState, _Remembered, _taken_by, validate
 from tests.combiner_strategies import register_combiners
 
 NAN, INF = math.nan, math.inf
@@ -1127,7 +1127,7 @@ def test_equal_states_are_not_the_same_state():
 
 
 def test_findings_on_more_states_than_are_kept_stay_right(monkeypatch):
-    monkeypatch.setattr("pipeline.validate._taken", _Remembered(1))
+    monkeypatch.setattr("pipeline.validation.validate._taken", _Remembered(1))
     good = [draw(depth_test=DepthTest(), fog=Fog(density=k / 8)) for k in range(40)]
     monkeypatch.setattr(_taken_by(GEFORCE_256).states, "most", 8)
     for _ in range(2):

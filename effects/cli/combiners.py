@@ -29,7 +29,7 @@ def combiners(file, profile, targets, notation):
     from pipeline.profiles import PROFILES
     from pipeline.program_text import parse_program
     from pipeline.text_tokens import ProgramTextError
-    from pipeline.validate import validate_program
+    from pipeline.validation.validate import validate_program
 
     machine = None if profile is None else choose("profile", profile, PROFILES)
     bound = dict(_target(given) for given in targets)

@@ -1,7 +1,7 @@
 """P40: how many passes a model takes, by how many texture units and general combiners a board has.
 
 Every effect is built in each way there is, for the machine with its numbers of units and combiners changed,
-and ``pipeline.validate`` says whether that machine holds it; the fewest passes count.
+and ``pipeline.validation`` says whether that machine holds it; the fewest passes count.
 
 Source: Kautz, Seidel 2000, section 5 (artefact P40 of the catalogue).
 """
@@ -27,7 +27,7 @@ from effects.studies.study import Column, Study, Table
 from effects.vertex_work import half_vectors, light_vectors
 from effects.views import Light, Panel, orthographic_view
 from pipeline.commands import Draw
-from pipeline.validate import UnsupportedState, validate
+from pipeline.validation.validate import UnsupportedState, validate
 
 # Texture units and general combiners; the GeForce 256 has 2 and 2, the GeForce 3 has 4 and 8.
 BOARDS = ((1, 1), (1, 2), (2, 1), (2, 2), (2, 5), (4, 2), (4, 5), (4, 8))

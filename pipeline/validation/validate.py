@@ -23,9 +23,6 @@ from weakref import WeakKeyDictionary, WeakSet
 
 import numpy as np
 
-from pipeline.check_future import future_problem
-from pipeline.check_pixels import bits_problem, pixel_texture_problem, rectangle_problem
-from pipeline.check_transfer import color_table_problem, pixel_image_problem, transfer_problem
 from pipeline.column_engine import NATIVE_SUBPIXEL_BITS
 from pipeline.column_shader import stage_width_problem
 from pipeline.commands import (
@@ -78,8 +75,9 @@ from pipeline.framebuffer import DEPTH_READABLE_AS, READ_FORMATS, READABLE_AS
 from pipeline.pack import WITHOUT_TEXTURE, shader_stages
 from pipeline.pixel_rectangles import kind_of
 from pipeline.pixel_transfer import PixelMaps, PixelTransfer
+from pipeline.programs.future import future_problem
+from pipeline.programs.texture_environment import environment_problem, texture_format
 from pipeline.raster_position import vertex_of
-from pipeline.sampling import probes_problem, shadow_problem
 from pipeline.state import (
     ColorTable,
     Light,
@@ -92,7 +90,6 @@ from pipeline.state import (
     VertexState,
 )
 from pipeline.strokes import line_problem
-from pipeline.texture_environment import environment_problem, texture_format
 from pipeline.textures import COMPONENT_BITS, DEPTH_TEXELS, TWELVE_BIT_FORMATS, Texture, stored_widths
 from pipeline.transfer import (
     DEPTH_FORMAT,
@@ -102,6 +99,9 @@ from pipeline.transfer import (
     has_sink,
     transferred_size,
 )
+from pipeline.validation.rectangles import bits_problem, pixel_texture_problem, rectangle_problem
+from pipeline.validation.sampling import probes_problem, shadow_problem
+from pipeline.validation.transfer import color_table_problem, pixel_image_problem, transfer_problem
 from pipeline.vertex import invert_upper_left, needs_normals
 
 _FIXED_DEPTHS = (InternalFormat.DEPTH_COMPONENT16, InternalFormat.DEPTH_COMPONENT24)
