@@ -3,7 +3,7 @@
 import numpy as np
 
 from pipeline.enums import Clamp, ComponentUsage, Mapping, MuxSelect, ProductRounding, Register
-from pipeline.pack import has_color_sum
+from pipeline.programs.combiner_rules import has_color_sum
 from raster import wide, wide_combine, wide_future
 
 

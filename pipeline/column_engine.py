@@ -29,7 +29,9 @@ from pipeline.enums import (
 )
 from pipeline.fog import table
 from pipeline.framebuffer import SURFACE_WORDS
-from pipeline.pack import FARTHEST, depth_units, has_color_sum, scissor_box
+from pipeline.pack import FARTHEST, depth_units, scissor_box
+from pipeline.profile import NATIVE_BITS, NATIVE_SUBPIXEL_BITS
+from pipeline.programs.combiner_rules import has_color_sum
 from pipeline.programs.future import units_along
 from pipeline.programs.texture_environment import environment_program
 from pipeline.strokes import whole_size
@@ -37,8 +39,6 @@ from raster import codes as C
 from raster import rows, wide, wide_fragment, wide_future, wide_iterate
 from raster.vertices import W_LARGEST, W_SMALLEST
 
-NATIVE_BITS = 8
-NATIVE_SUBPIXEL_BITS = 4
 # Fragments shaded at a time: bounds the columns' memory, and changes no value.
 _CHUNK = 1 << 15
 _MANTISSA_BITS = 53

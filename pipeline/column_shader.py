@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from pipeline.enums import DotProductMapping, TextureTarget
 from pipeline.enums import TextureShaderOperation as Operation
-from pipeline.pack import CONVENTIONAL, DEPTH_ROWS, shader_stages
+from pipeline.enums import TextureTarget
+from pipeline.pack import DEPTH_ROWS
+from pipeline.programs.texture_shader_rules import CONVENTIONAL, shader_stages
 from raster import wide, wide_shader
 
 _WITH_SCALE = (Operation.OFFSET_TEXTURE_2D_SCALE, Operation.OFFSET_TEXTURE_RECTANGLE_SCALE)
@@ -17,29 +18,6 @@ _TO_FACES = (
     Operation.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP,
     Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP,
 )
-_WORDS = (DotProductMapping.UNSIGNED_HILO, DotProductMapping.SIGNED_HILO_HEMISPHERE)
-
-
-def stage_width_problem(stages, widths, profile):
-    """Why texels of these widths cannot be read as words of 16 bits, as a sentence, or None.
-
-    ``widths``: of each stage's texel in bits, None where it has none.
-    """
-    for i, stage in enumerate(stages):
-        if stage.operation is Operation.BRDF_TEXTURE_3D:
-            read = i - 2, i - 1
-        elif stage.operation.name.startswith("DOT_PRODUCT") and stage.dot_product_mapping in _WORDS:
-            read = (stage.previous_texture_input,)
-        else:
-            continue
-        for k in read:
-            if widths[k] != wide_shader.WORD_BITS:
-                return (
-                    f"texture shader stage {i} ({stage.operation.name}) reads words of 16 bits of stage {k}, "
-                    f"whose components have {widths[k]} bits on {profile.name}; give stage {k} a HILO16 "
-                    "texture, or the dot product another mapping."
-                )
-    return None
 
 
 def run_stages(fragments, state, profile, framebuffer, samplers, bits):

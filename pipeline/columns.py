@@ -105,3 +105,28 @@ def power(base, exponent):
             result = factor if result is None else result * factor
             fraction -= 1
     return ONE if result is None else result
+
+
+def invert_upper_left(matrix):
+    """Inverse of the upper left 3x3 of a 4x4 matrix, as 3 rows of np.float64, by cofactors (docs/numbers.md).
+
+    Raises ValueError if there is none: the determinant is zero, or float64 cannot hold it.
+    """
+    m = [[np.float64(matrix[row][column]) for column in range(3)] for row in range(3)]
+    with np.errstate(all="ignore"):
+        cofactor = [
+            [
+                m[(i + 1) % 3][(j + 1) % 3] * m[(i + 2) % 3][(j + 2) % 3]
+                - m[(i + 1) % 3][(j + 2) % 3] * m[(i + 2) % 3][(j + 1) % 3]
+                for j in range(3)
+            ]
+            for i in range(3)
+        ]
+        determinant = (m[0][0] * cofactor[0][0] + m[0][1] * cofactor[0][1]) + m[0][2] * cofactor[0][2]
+        if determinant == 0 or not np.isfinite(determinant):
+            raise ValueError(
+                f"the modelview matrix has no inverse (its upper left 3x3 has the determinant {determinant}) "
+                f"to transform normals for lighting or for the texgen modes SPHERE_MAP, NORMAL_MAP and "
+                f"REFLECTION_MAP: use an invertible matrix, or disable them"
+            )
+        return [[cofactor[i][j] / determinant for i in range(3)] for j in range(3)]

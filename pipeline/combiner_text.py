@@ -41,6 +41,7 @@ from math import isfinite
 from typing import NamedTuple
 
 from pipeline.enums import CombinerBias, CombinerScale, ComponentUsage, Mapping, Register
+from pipeline.programs.combiner_rules import combiner_problems
 from pipeline.state import (
     AlphaPortion,
     CombinerInput,
@@ -50,7 +51,6 @@ from pipeline.state import (
     RGBPortion,
 )
 from pipeline.text_tokens import ProgramTextError, Reader, scan
-from pipeline.validation.validate import combiner_problems
 
 # Source: nvparse's rc1.0_register.h.
 MAX_GENERAL_COMBINERS = 8

@@ -6,6 +6,7 @@ OpenGL's: origin lower left, y up. Images of textures and of ReadPixels have the
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
@@ -392,3 +393,25 @@ Command = (
     | ResetHistogram
     | ResetMinmax
 )
+
+
+def kind_of(command):
+    """What the groups of a DrawPixels or CopyPixels are, as a PixelCopyType."""
+    if isinstance(command, CopyPixels):
+        return command.type
+    formats = {"DEPTH_COMPONENT": PixelCopyType.DEPTH, "STENCIL_INDEX": PixelCopyType.STENCIL}
+    return formats.get(command.image.format, PixelCopyType.COLOR)
+
+
+@lru_cache(maxsize=256)
+def vertex_of(position):
+    """A RasterPosition as a mesh of one vertex."""
+    return Mesh(
+        np.array([position.position]),
+        PrimitiveType.POINTS,
+        colors=np.array([position.color]),
+        secondary_colors=np.array([position.secondary_color]),
+        normals=np.array([position.normal]),
+        texture_coordinates=tuple(np.array([strq]) for strq in position.texture_coordinates),
+        fog_coordinates=np.array([position.fog_coordinate]),
+    )

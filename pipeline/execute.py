@@ -42,7 +42,7 @@ from pipeline.framebuffer import Framebuffer, bound_texture, copied_texture, def
 from pipeline.multisample import SAMPLE_POSITIONS, Samples
 from pipeline.pixel_rectangles import draw_rectangle
 from pipeline.primitives import WindowPrimitives
-from pipeline.profile import Profile
+from pipeline.profile import NATIVE_SUBPIXEL_BITS, Profile
 from pipeline.profiles import GEFORCE_256
 from pipeline.state import ColorMask, PassState
 from pipeline.texel_words import stored_texture
@@ -478,7 +478,7 @@ class Machine:
             self._unrounded = replace(profile, exact=True)
         size = target.width, target.height
         primitives = vertex.process(command.mesh, state, self._unrounded, *size, position)
-        if profile.subpixel_bits == column_engine.NATIVE_SUBPIXEL_BITS:
+        if profile.subpixel_bits == NATIVE_SUBPIXEL_BITS:
             covered, lost = covered_pixels(primitives, state, profile, target.width, target.height)
         else:
             covered, lost = (

@@ -1,7 +1,7 @@
 """Fog as the NV2A computes it: a line for each vertex, and a table for each pixel.
 
 docs/numbers.md section 9 fixes every operation. What machines with ROUNDED fog arithmetic do instead is in
-``pipeline.pack``.
+``pipeline.programs.fog``.
 """
 
 from decimal import Decimal, localcontext

@@ -52,9 +52,9 @@ from pipeline.execute import Result, default_threads, rasterize
 from pipeline.framebuffer import defined_texture, depth_texture
 from pipeline.ideal_rectangles import rectangle
 from pipeline.ideal_shader import run_stages, signed, signed_flags
-from pipeline.pack import has_color_sum
 from pipeline.pixel_rectangles import without_footprints
 from pipeline.profiles import IDEAL
+from pipeline.programs.combiner_rules import has_color_sum
 from pipeline.programs.future import units_along
 from pipeline.programs.texture_environment import environment_program
 from pipeline.textures import (

@@ -7,12 +7,11 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from pipeline.commands import Bitmap, CopyPixels
+from pipeline.commands import Bitmap, CopyPixels, kind_of
 from pipeline.enums import PixelCopyType, PixelTexGenAlpha, PixelTexGenQ
 from pipeline.pixel_rectangles import (
     covered_pixels,
     divided,
-    kind_of,
     set_bits,
     takes_raster_color,
     volume_levels,

@@ -12,8 +12,8 @@ import numpy as np
 
 from pipeline.enums import CullMode, DotProductMapping
 from pipeline.enums import TextureShaderOperation as Operation
-from pipeline.pack import CONVENTIONAL, WITHOUT_TEXTURE, shader_stages
 from pipeline.profiles import IDEAL
+from pipeline.programs.texture_shader_rules import CONVENTIONAL, WITHOUT_TEXTURE, shader_stages
 
 _WITH_SCALE = (Operation.OFFSET_TEXTURE_2D_SCALE,)
 _WITH_OFFSET = (Operation.OFFSET_TEXTURE_2D, *_WITH_SCALE)

@@ -5,8 +5,6 @@ their result give equal rows, and kernels do no work whose result nobody reads.
 """
 
 from dataclasses import replace
-from decimal import Decimal, localcontext
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +16,6 @@ from pipeline.enums import (
     ColorWeights,
     CombinerBias,
     ComparisonFunction,
-    ComponentUsage,
     DepthFormat,
     Face,
     FogArithmetic,
@@ -41,14 +38,12 @@ from pipeline.enums import (
 )
 from pipeline.fog import table
 from pipeline.framebuffer import SURFACE_WORDS, to_byte
-from pipeline.programs.texture_environment import environment_program
+from pipeline.programs.combiner_rules import WITH_FOG, combiner_program
+from pipeline.programs.fog import fog_thresholds
+from pipeline.programs.texture_shader_rules import CONVENTIONAL, DISCARDING, WITHOUT_TEXTURE, shader_stages
 from pipeline.state import (
     CombinerInput,
-    FinalCombiner,
-    GeneralCombiner,
     PassState,
-    RegisterCombiners,
-    TextureShaderStage,
 )
 from pipeline.strokes import whole_size
 from pipeline.textures import BASE_FORMAT, DEPTH_TEXELS, KEPT, depth_texture_mode, register_components
@@ -135,34 +130,6 @@ def _color_bytes(color):
     return [to_byte(component) for component in color]
 
 
-# What register combiners compute when they are disabled: the fragment's colour with color sum and fog.
-_PRIMARY = CombinerInput(Register.PRIMARY_COLOR)
-_PLAIN = FinalCombiner(b=_PRIMARY, g=CombinerInput(Register.PRIMARY_COLOR, usage=ComponentUsage.ALPHA))
-WITH_FOG = RegisterCombiners(general=(), final=_PLAIN)
-WITH_COLOR_SUM = RegisterCombiners(general=(GeneralCombiner(),))  # the initial state of the extension
-
-
-def has_color_sum(state):
-    """Whether a pass without register combiners adds the secondary colour."""
-    lighting = state.vertex.lighting
-    return state.color_sum or (lighting is not None and lighting.separate_specular_color)
-
-
-def combiner_program(state, profile, textures):
-    """The combiner program of a pass, or None where the fragment is its primary colour.
-
-    ``textures``: name to texture, for the formats that texture environments go by.
-    """
-    if state.register_combiners is not None:
-        return state.register_combiners
-    program = environment_program(state, textures, profile, has_color_sum(state))
-    if program is not None:
-        return program
-    if has_color_sum(state):
-        return WITH_COLOR_SUM
-    return WITH_FOG if state.fog is not None else None
-
-
 def _registers_read(program):
     """Registers that some input of the program names, with what the pseudo-registers stand for."""
     inputs = []
@@ -185,7 +152,7 @@ def _registers_read(program):
 def _discards(state):
     """Whether a texture shader stage may discard fragments, or change their depth."""
     stages = state.texture_shader or ()
-    return any(stage.operation in _DISCARDING for stage in stages[: len(state.texture_units)])
+    return any(stage.operation in DISCARDING for stage in stages[: len(state.texture_units)])
 
 
 def _pack_combiners(state, profile, textures, draw):
@@ -242,27 +209,6 @@ def _pack_combiners(state, profile, textures, draw):
         np.array(constants, np.int16),
         used,
     )
-
-
-@lru_cache(maxsize=64)
-def fog_thresholds(fog):
-    """float64 [255]: the coordinates at which 255 f crosses k - 1/2, k = 1..255 (docs/numbers.md, section 9).
-
-    Correctly rounded from 40 decimal digits, so they are the same bits on every machine.
-    """
-    out = np.empty(255, np.float64)
-    with localcontext() as context:
-        context.prec = 40
-        for k in range(1, 256):
-            if fog.mode == FogMode.LINEAR:
-                out[k - 1] = fog.end - ((k - 0.5) / 255.0) * (fog.end - fog.start)
-                continue
-            exponent = -((Decimal(2 * k - 1) / Decimal(510)).ln())
-            if fog.mode == FogMode.EXP2:
-                exponent = exponent.sqrt()
-            out[k - 1] = float(exponent / Decimal(fog.density)) if fog.density else np.inf
-    out.setflags(write=False)
-    return out
 
 
 _NO_FOG = np.zeros(255, np.float64)
@@ -454,29 +400,6 @@ def signed_bits(signed):
     return sum(0x80 << (8 * channel) for channel, flag in enumerate(flags) if flag)
 
 
-# A texture shader stage that samples the unit's own texture, as a unit without texture shaders does.
-CONVENTIONAL = frozenset(
-    {
-        TextureShaderOperation.TEXTURE_1D,
-        TextureShaderOperation.TEXTURE_2D,
-        TextureShaderOperation.TEXTURE_RECTANGLE,
-        TextureShaderOperation.TEXTURE_CUBE_MAP,
-        TextureShaderOperation.TEXTURE_3D,
-    }
-)
-WITHOUT_TEXTURE = frozenset(
-    {
-        TextureShaderOperation.PASS_THROUGH,
-        TextureShaderOperation.CULL_FRAGMENT,
-        TextureShaderOperation.DOT_PRODUCT,
-        TextureShaderOperation.DOT_PRODUCT_DEPTH_REPLACE,
-    }
-)
-_DISCARDING = frozenset(
-    {TextureShaderOperation.CULL_FRAGMENT, TextureShaderOperation.DOT_PRODUCT_DEPTH_REPLACE}
-)
-
-
 def _pattern(value):
     """The bit pattern of a float64."""
     return np.float64(value).view(np.int64)
@@ -496,14 +419,6 @@ def _pack_shader_stage(stage, target, profile, maximum, row):
     )
     row[R.CONSTANT_EYE : R.CONSTANT_EYE + 3] = [_pattern(e) for e in stage.constant_eye]
     row[R.COORDINATE_DEPTH] = _pattern(1.0 if profile.depth_units_in_coordinates else maximum)
-
-
-def shader_stages(state):
-    """A texture shader stage for every texture unit, or None: texture shaders are disabled."""
-    if state.texture_shader is None:
-        return None
-    missing = len(state.texture_units) - len(state.texture_shader)
-    return (*state.texture_shader, *(TextureShaderStage(),) * missing)
 
 
 def _pack_comparison(sampler, internal_format, profile, row):
@@ -543,7 +458,7 @@ def _pack_units(state, profile, textures, used, draw):
             continue
         if stage is not None:
             draw[R.TEXTURE_SHADER] = 1
-            draw[R.DISCARDS] |= stage.operation in _DISCARDING
+            draw[R.DISCARDS] |= stage.operation in DISCARDING
             target = None if unit.texture is None else textures[unit.texture].target
             _pack_shader_stage(stage, target, profile, draw[R.DEPTH_MAX], units[i])
             if stage.operation in WITHOUT_TEXTURE:

@@ -17,7 +17,7 @@ from pipeline.column_engine import (
     fragment_colors,
     shade_and_write,
 )
-from pipeline.commands import Bitmap, CopyPixels
+from pipeline.commands import Bitmap, CopyPixels, kind_of
 from pipeline.enums import PixelCopyType, PixelFragmentSource, PixelTexGenAlpha, PixelTexGenMode
 from pipeline.pack import FARTHEST, depth_units, scissor_box
 from pipeline.raster_position import raster_vertex
@@ -94,14 +94,6 @@ def draw_rectangle(command, profile, framebuffer, surfaces, textures, statistics
             passed[chosen] = shade_and_write(part, state, profile, target, held)
         drawn.append(Drawn(at.numbers, at.x, at.y, passed, undefined))
     return drawn
-
-
-def kind_of(command):
-    """What the groups of a DrawPixels or CopyPixels are, as a PixelCopyType."""
-    if isinstance(command, CopyPixels):
-        return command.type
-    formats = {"DEPTH_COMPONENT": PixelCopyType.DEPTH, "STENCIL_INDEX": PixelCopyType.STENCIL}
-    return formats.get(command.image.format, PixelCopyType.COLOR)
 
 
 # ------------------------------------------------------------------------------------------ which pixels

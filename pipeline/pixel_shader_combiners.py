@@ -49,6 +49,7 @@ from pipeline.enums import (
     TextureTarget,
 )
 from pipeline.pixel_shader_text import read
+from pipeline.programs.texture_shader_rules import texture_shader_problems
 from pipeline.state import (
     AlphaPortion,
     CombinerInput,
@@ -58,7 +59,6 @@ from pipeline.state import (
     RGBPortion,
     TextureShaderStage,
 )
-from pipeline.validation.validate import texture_shader_problems
 
 _OP = TextureShaderOperation
 _RGB, _ALPHA, _BLUE = ComponentUsage.RGB, ComponentUsage.ALPHA, ComponentUsage.BLUE

@@ -35,6 +35,9 @@ from pipeline.enums import (
 )
 
 EVIDENCE_TAGS = ("Source:", "Measured:", "Inferred:", "Assumed:")
+# Bits of components, and subpixel bits, of the compiled kernels; the column engine alone draws at others.
+NATIVE_BITS = 8
+NATIVE_SUBPIXEL_BITS = 4
 
 
 @dataclass(frozen=True, kw_only=True)

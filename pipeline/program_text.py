@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from pipeline import combiner_text, pixel_shader_combiners, texture_shader_text
 from pipeline.enums import TextureTarget
 from pipeline.pixel_shader_combiners import ConstantPlace
+from pipeline.programs.texture_shader_rules import texture_target
 from pipeline.state import RegisterCombiners, TextureShaderStage
 from pipeline.text_tokens import ProgramTextError
-from pipeline.validation.validate import texture_target
 
 # What may precede a header: white space, and the comments of either notation.
 _SKIPPED = re.compile(r"(?: \s+ | //[^\n]* | /\*.*?\*/ | \#[^\n]* | ;[^\n]* )*", re.VERBOSE | re.DOTALL)

@@ -1,27 +1,12 @@
 """The current raster position (OpenGL 1.2.1 section 2.12): a command's RasterPosition in the window."""
 
-from functools import lru_cache
 from math import isfinite
 
 import numpy as np
 
-from pipeline.commands import Mesh
-from pipeline.enums import FogCoordinateSource, PrimitiveType
+from pipeline.commands import vertex_of
+from pipeline.enums import FogCoordinateSource
 from pipeline.vertex import RasterVertex, process_raster_position
-
-
-@lru_cache(maxsize=256)
-def vertex_of(position):
-    """A RasterPosition as a mesh of one vertex."""
-    return Mesh(
-        np.array([position.position]),
-        PrimitiveType.POINTS,
-        colors=np.array([position.color]),
-        secondary_colors=np.array([position.secondary_color]),
-        normals=np.array([position.normal]),
-        texture_coordinates=tuple(np.array([strq]) for strq in position.texture_coordinates),
-        fog_coordinates=np.array([position.fog_coordinate]),
-    )
 
 
 def raster_vertex(position, state, profile, width, height):

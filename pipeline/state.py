@@ -763,3 +763,18 @@ class PassState:
     evaluate_before_filtering: bool = False
     spherical_primary_color: bool = False
     spherical_secondary_color: bool = False
+
+
+_NORMAL_MODES = frozenset({TexGenMode.SPHERE_MAP, TexGenMode.NORMAL_MAP, TexGenMode.REFLECTION_MAP})
+
+
+def texgen_modes(state):
+    """The modes by which units generate texture coordinates."""
+    return {gen.mode for unit in state.texture_units if unit is not None for gen in unit.gen}
+
+
+def needs_normals(state):
+    """Whether the state reads the vertices' normals: lights, or a texture coordinate generated from them."""
+    lighting = state.vertex.lighting
+    lit = lighting is not None and len(lighting.lights) > 0
+    return lit or not _NORMAL_MODES.isdisjoint(texgen_modes(state))

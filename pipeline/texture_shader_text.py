@@ -36,9 +36,9 @@ from math import isfinite
 from typing import NamedTuple
 
 from pipeline.enums import CullMode, DotProductMapping, TextureShaderOperation
+from pipeline.programs.texture_shader_rules import texture_shader_problems
 from pipeline.state import TextureShaderStage
 from pipeline.text_tokens import ProgramTextError, Reader, scan
-from pipeline.validation.validate import texture_shader_problems
 
 # Source: nvparse's ts1.0_inst.h (TSP_NUM_TEXTURE_UNITS).
 MAX_STAGES = 4

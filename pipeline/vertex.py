@@ -17,6 +17,7 @@ from pipeline.columns import (
     ZERO,
     columns_of,
     dot,
+    invert_upper_left,
     keep_significant_bits,
     length,
     normalize,
@@ -42,6 +43,7 @@ from pipeline.enums import (
 from pipeline.fog import vertex_value
 from pipeline.lighting import light_vertices
 from pipeline.primitives import WindowPrimitives, is_constant
+from pipeline.state import needs_normals, texgen_modes
 from pipeline.strokes import (
     draws_points,
     outlined,
@@ -56,7 +58,6 @@ from raster import codes as C
 from raster.clip import MOST_VERTICES, clip_triangles, find_clipped
 from raster.vertices import CHUNK, CLIPPED, FIRST_PROJECTIVE, UNUSUAL_W, transform_vertices
 
-_NORMAL_MODES = frozenset({TexGenMode.SPHERE_MAP, TexGenMode.NORMAL_MAP, TexGenMode.REFLECTION_MAP})
 _REFLECTION_MODES = frozenset({TexGenMode.SPHERE_MAP, TexGenMode.REFLECTION_MAP})
 _FLOAT64_MANTISSA_BITS = 53
 _COLUMNS = ("x", "y", "z", "inverse_w", "colors", "coordinates", "fog")  # of WindowPrimitives
@@ -461,42 +462,6 @@ def _program_reciprocal(w):
     return np.where(w >= 0, clamped, reciprocal)
 
 
-def needs_normals(state):
-    """Whether the state reads the vertices' normals: lights, or a texture coordinate generated from them."""
-    lighting = state.vertex.lighting
-    lit = lighting is not None and len(lighting.lights) > 0
-    return lit or not _NORMAL_MODES.isdisjoint(_texgen_modes(state))
-
-
-def invert_upper_left(matrix):
-    """Inverse of the upper left 3x3 of a 4x4 matrix, as 3 rows of np.float64, by cofactors (docs/numbers.md).
-
-    Raises ValueError if there is none: the determinant is zero, or float64 cannot hold it.
-    """
-    m = [[np.float64(matrix[row][column]) for column in range(3)] for row in range(3)]
-    with np.errstate(all="ignore"):
-        cofactor = [
-            [
-                m[(i + 1) % 3][(j + 1) % 3] * m[(i + 2) % 3][(j + 2) % 3]
-                - m[(i + 1) % 3][(j + 2) % 3] * m[(i + 2) % 3][(j + 1) % 3]
-                for j in range(3)
-            ]
-            for i in range(3)
-        ]
-        determinant = (m[0][0] * cofactor[0][0] + m[0][1] * cofactor[0][1]) + m[0][2] * cofactor[0][2]
-        if determinant == 0 or not np.isfinite(determinant):
-            raise ValueError(
-                f"the modelview matrix has no inverse (its upper left 3x3 has the determinant {determinant}) "
-                f"to transform normals for lighting or for the texgen modes SPHERE_MAP, NORMAL_MAP and "
-                f"REFLECTION_MAP: use an invertible matrix, or disable them"
-            )
-        return [[cofactor[i][j] / determinant for i in range(3)] for j in range(3)]
-
-
-def _texgen_modes(state):
-    return {gen.mode for unit in state.texture_units if unit is not None for gen in unit.gen}
-
-
 def _eye_normal(mesh, vertex):
     """Section 2.10.3."""
     inverse = invert_upper_left(vertex.modelview)
@@ -540,7 +505,7 @@ def _vertex_colors(mesh, vertex, position, eye, normal, profile):
 
 def _texture_coordinates(mesh, state, position, eye, normal):
     """s, t, r, q of unit 0, then of unit 1, ...; a disabled unit has (0, 0, 0, 1)."""
-    modes = _texgen_modes(state)
+    modes = texgen_modes(state)
     reflection = _reflection(eye, normal) if not _REFLECTION_MODES.isdisjoint(modes) else None
     sphere = _sphere_map(reflection) if TexGenMode.SPHERE_MAP in modes else None
     result = []

@@ -18,8 +18,8 @@ from hypothesis import strategies as st
 from effects.figures import FIGURES
 from pipeline.enums import FogMode
 from pipeline.execute import execute
-from pipeline.pack import fog_thresholds
 from pipeline.profiles import GEFORCE_256, PROFILES
+from pipeline.programs.fog import fog_thresholds
 from pipeline.state import Fog
 from raster.sample import POWERS_OF_TWO
 from tests.strategies import frames

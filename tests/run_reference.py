@@ -21,9 +21,9 @@ from pipeline.commands import (
     ReadPixels,
     Saturate,
     TexImage,
+    vertex_of,
 )
 from pipeline.enums import ColorBuffer, PixelCopyType, TextureTarget, WindowOrigin
-from pipeline.raster_position import vertex_of
 from tests.reference import (
     accumulation,
     depth,

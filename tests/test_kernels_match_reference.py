@@ -41,6 +41,7 @@ from pipeline.execute import Machine
 from pipeline.framebuffer import Framebuffer, to_byte
 from pipeline.primitives import WindowPrimitives
 from pipeline.profiles import GEFORCE_256, NV2A
+from pipeline.programs.fog import fog_thresholds
 from pipeline.state import (
     AlphaTest,
     Blending,
@@ -911,7 +912,7 @@ def test_depth_words_equal_the_specification(seed):
     )
 )
 def test_fog_thresholds_are_alike(state):
-    assert tuple(pack.fog_thresholds(state).tolist()) == fog.thresholds(
+    assert tuple(fog_thresholds(state).tolist()) == fog.thresholds(
         state.mode, state.density, state.start, state.end
     )
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.commands import Bitmap, CopyPixels, DrawPixels, TexImage
+from pipeline.commands import Bitmap, CopyPixels, DrawPixels, TexImage, vertex_of
 from pipeline.describe import describe
 from pipeline.enums import (
     BaseFormat,
@@ -33,7 +33,6 @@ from pipeline.enums import (
 from pipeline.execute import Machine, execute
 from pipeline.pixel_transfer import PixelImage, PixelTransfer
 from pipeline.profiles import GEFORCE_256, NV2A, OCTANE, OPENGL_1_2
-from pipeline.raster_position import vertex_of
 from pipeline.state import (
     AlphaTest,
     Blending,

@@ -25,8 +25,8 @@ from pipeline.enums import (
 )
 from pipeline.execute import Machine, execute
 from pipeline.ideal import execute_ideal
-from pipeline.pack import combiner_program
 from pipeline.profiles import G400, GEFORCE_3, GEFORCE_256, IDEAL, MULTITEXTURE, NV2A
+from pipeline.programs.combiner_rules import combiner_program
 from pipeline.state import (
     ColorTable,
     Combine,

@@ -13,7 +13,7 @@ import numpy as np
 from effects.conformance import scenes, vertex_programs
 from effects.conformance.case import HEIGHT, WIDTH
 from effects.conformance.scenes import single
-from pipeline.columns import columns_of
+from pipeline.columns import columns_of, invert_upper_left
 from pipeline.commands import Mesh
 from pipeline.enums import ComponentUsage, Register
 from pipeline.lighting_unit import light_vertices
@@ -26,7 +26,6 @@ from pipeline.state import (
     RGBPortion,
     Spot,
 )
-from pipeline.vertex import invert_upper_left
 
 MODELS = ("cone", "cylinder", "sphere", "suzanne", "torus")
 GRID = "flat_mesh_grid"

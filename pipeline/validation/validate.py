@@ -23,8 +23,7 @@ from weakref import WeakKeyDictionary, WeakSet
 
 import numpy as np
 
-from pipeline.column_engine import NATIVE_SUBPIXEL_BITS
-from pipeline.column_shader import stage_width_problem
+from pipeline.columns import invert_upper_left
 from pipeline.commands import (
     Accum,
     BindTexImage,
@@ -43,26 +42,22 @@ from pipeline.commands import (
     ResetMinmax,
     Saturate,
     TexImage,
+    kind_of,
+    vertex_of,
 )
 from pipeline.enums import (
     AccumOperation,
     BaseFormat,
     ColorBuffer,
     ColorFormat,
-    CombinerBias,
-    CombinerScale,
-    ComponentUsage,
     DepthFormat,
     FogCoordinateSource,
     FogMode,
     InternalFormat,
     LightingArithmetic,
-    Mapping,
-    MuxSelect,
     PixelCopyType,
     PolygonMode,
     PrimitiveType,
-    Register,
     TexGenMode,
     TextureCompareMode,
     TextureFilter,
@@ -72,12 +67,20 @@ from pipeline.enums import (
     WrapMode,
 )
 from pipeline.framebuffer import DEPTH_READABLE_AS, READ_FORMATS, READABLE_AS
-from pipeline.pack import WITHOUT_TEXTURE, shader_stages
-from pipeline.pixel_rectangles import kind_of
 from pipeline.pixel_transfer import PixelMaps, PixelTransfer
+from pipeline.profile import NATIVE_SUBPIXEL_BITS
+from pipeline.programs.combiner_rules import TEXTURE_REGISTERS, combiner_problems, nv2a_flag, registers_named
 from pipeline.programs.future import future_problem
 from pipeline.programs.texture_environment import environment_problem, texture_format
-from pipeline.raster_position import vertex_of
+from pipeline.programs.texture_shader_rules import (
+    DEPENDENT,
+    SCALING,
+    TARGETS_READ,
+    WITHOUT_TEXTURE,
+    shader_stages,
+    stage_problem,
+    stage_width_problem,
+)
 from pipeline.state import (
     ColorTable,
     Light,
@@ -88,6 +91,7 @@ from pipeline.state import (
     SignedComponents,
     TextureUnit,
     VertexState,
+    needs_normals,
 )
 from pipeline.strokes import line_problem
 from pipeline.textures import COMPONENT_BITS, DEPTH_TEXELS, TWELVE_BIT_FORMATS, Texture, stored_widths
@@ -102,7 +106,6 @@ from pipeline.transfer import (
 from pipeline.validation.rectangles import bits_problem, pixel_texture_problem, rectangle_problem
 from pipeline.validation.sampling import probes_problem, shadow_problem
 from pipeline.validation.transfer import color_table_problem, pixel_image_problem, transfer_problem
-from pipeline.vertex import invert_upper_left, needs_normals
 
 _FIXED_DEPTHS = (InternalFormat.DEPTH_COMPONENT16, InternalFormat.DEPTH_COMPONENT24)
 _READ_FORMATS = (*READ_FORMATS, "DEPTH_COMPONENT", "STENCIL_INDEX")
@@ -306,287 +309,6 @@ def _type_check(annotation):
         return _Wrong("", f"is {_shown(value)}; give a value of type {annotation.__name__}")
 
     return check
-
-
-# --------------------------------------------------------------------- rules of NV_texture_shader alone
-
-_OP = TextureShaderOperation
-# Operations that make coordinates, and how many of the unit's own they take.  Source: table 3.C.
-_DEPENDENT = {
-    _OP.OFFSET_TEXTURE_2D: 2,
-    _OP.OFFSET_TEXTURE_2D_SCALE: 2,
-    _OP.OFFSET_TEXTURE_RECTANGLE: 2,
-    _OP.OFFSET_TEXTURE_RECTANGLE_SCALE: 2,
-    _OP.DEPENDENT_AR_TEXTURE_2D: 0,
-    _OP.DEPENDENT_GB_TEXTURE_2D: 0,
-    _OP.DOT_PRODUCT_TEXTURE_2D: 3,
-    _OP.DOT_PRODUCT_TEXTURE_RECTANGLE: 3,
-    _OP.DOT_PRODUCT_TEXTURE_3D: 3,
-    _OP.DOT_PRODUCT_TEXTURE_CUBE_MAP: 3,
-    _OP.DOT_PRODUCT_REFLECT_CUBE_MAP: 3,
-    _OP.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP: 3,
-    _OP.DOT_PRODUCT_DIFFUSE_CUBE_MAP: 3,
-    _OP.BRDF_TEXTURE_3D: 0,
-}
-# Which textures operations read: the one of table 3.B first, then others that the chip reads all the same.
-# Measured: cube maps as volumes, 2D textures as cube maps (DotSTR3D and Texture_2D_as_cubemap captures).
-_2D, _CUBE = TextureTarget.TEXTURE_2D, TextureTarget.TEXTURE_CUBE_MAP
-_OF_TARGET = {
-    _OP.TEXTURE_1D: (TextureTarget.TEXTURE_1D,),
-    _OP.TEXTURE_2D: (_2D,),
-    _OP.TEXTURE_RECTANGLE: (TextureTarget.TEXTURE_RECTANGLE,),
-    _OP.TEXTURE_CUBE_MAP: (_CUBE, _2D),
-    _OP.TEXTURE_3D: (TextureTarget.TEXTURE_3D,),
-    _OP.OFFSET_TEXTURE_2D: (_2D,),
-    _OP.OFFSET_TEXTURE_2D_SCALE: (_2D,),
-    _OP.OFFSET_TEXTURE_RECTANGLE: (TextureTarget.TEXTURE_RECTANGLE,),
-    _OP.OFFSET_TEXTURE_RECTANGLE_SCALE: (TextureTarget.TEXTURE_RECTANGLE,),
-    _OP.DEPENDENT_AR_TEXTURE_2D: (_2D,),
-    _OP.DEPENDENT_GB_TEXTURE_2D: (_2D,),
-    _OP.DOT_PRODUCT_TEXTURE_2D: (_2D,),
-    _OP.DOT_PRODUCT_TEXTURE_RECTANGLE: (TextureTarget.TEXTURE_RECTANGLE,),
-    _OP.DOT_PRODUCT_TEXTURE_3D: (TextureTarget.TEXTURE_3D, _CUBE, _2D),
-    _OP.DOT_PRODUCT_TEXTURE_CUBE_MAP: (_CUBE, _2D),
-    _OP.DOT_PRODUCT_REFLECT_CUBE_MAP: (_CUBE, _2D),
-    _OP.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP: (_CUBE, _2D),
-    _OP.DOT_PRODUCT_DIFFUSE_CUBE_MAP: (_CUBE, _2D),
-    _OP.BRDF_TEXTURE_3D: (TextureTarget.TEXTURE_3D,),
-}
-# Of an unsigned texture's colours.  Source: NV_texture_shader, table 3.B.
-_SCALING = (_OP.OFFSET_TEXTURE_2D_SCALE, _OP.OFFSET_TEXTURE_RECTANGLE_SCALE)
-_REFLECTING = (_OP.DOT_PRODUCT_REFLECT_CUBE_MAP, _OP.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP)
-_WITHOUT_RESULT = (_OP.NONE, _OP.CULL_FRAGMENT, _OP.DOT_PRODUCT, _OP.DOT_PRODUCT_DEPTH_REPLACE)
-
-
-def _stage_problem(i, stages):
-    """What is inconsistent about texture shader stage ``i``, or None.
-
-    Source: NV_texture_shader, table 3.A.
-    """
-    operations = [stage.operation for stage in stages]
-    operation, previous = operations[i], stages[i].previous_texture_input
-    if operation is _OP.BRDF_TEXTURE_3D:
-        if i < 2 or any(operations[k] in _WITHOUT_RESULT for k in (i - 2, i - 1)):
-            return (
-                f"texture shader stage {i} is BRDF_TEXTURE_3D; it reads the eye's and the light's directions "
-                "of the two stages before it, which must result in a color or a texel."
-            )
-        return None
-    dotted = operation.name.startswith("DOT_PRODUCT")
-    if (dotted or operation in _DEPENDENT) and (
-        not 0 <= previous < i or operations[previous] in _WITHOUT_RESULT
-    ):
-        given = operations[previous].name if 0 <= previous < len(stages) else "no stage"
-        return (
-            f"texture shader stage {i} ({operation.name}) reads stage {previous} ({given}); give "
-            "previous_texture_input an earlier stage that results in a color or a texel."
-        )
-    if not dotted or operation is _OP.DOT_PRODUCT:
-        return None
-    before = 1 if operation.name.endswith(("2D", "RECTANGLE", "REPLACE", "DIFFUSE_CUBE_MAP")) else 2
-    for k in range(1, before + 1):
-        allowed = (_OP.DOT_PRODUCT,)
-        if k == 1 and operation in _REFLECTING:
-            allowed = (_OP.DOT_PRODUCT, _OP.DOT_PRODUCT_DIFFUSE_CUBE_MAP)
-        if i < k or operations[i - k] not in allowed:
-            return (
-                f"texture shader stage {i} is {operation.name}; the stage {k} before it must be "
-                f"{' or '.join(a.name for a in allowed)}."
-            )
-    if operation is _OP.DOT_PRODUCT_DIFFUSE_CUBE_MAP and (
-        i + 1 >= len(stages) or operations[i + 1] not in _REFLECTING
-    ):
-        return (
-            f"texture shader stage {i} is DOT_PRODUCT_DIFFUSE_CUBE_MAP; the stage after it must be "
-            f"{' or '.join(a.name for a in _REFLECTING)}."
-        )
-    if operation is _OP.DOT_PRODUCT_DIFFUSE_CUBE_MAP and stages[i + 1].previous_texture_input == i:
-        return (
-            f"texture shader stage {i} ({operation.name}) reads where stage {i + 1}'s dot product says, and "
-            f"that reads stage {i}; give stage {i + 1} an earlier previous_texture_input."
-        )
-    if operation is _OP.DOT_PRODUCT_DEPTH_REPLACE and operation in operations[:i]:
-        return (
-            f"texture shader stage {i} is a second DOT_PRODUCT_DEPTH_REPLACE; a fragment has one depth, so "
-            "leave one of them out."
-        )
-    return None
-
-
-def texture_shader_problems(stages):
-    """What every machine with texture shaders refuses in ``stages``: yields (stage number, sentence)."""
-    for i, stage in enumerate(stages):
-        if stage.operation is not _OP.NONE and (problem := _stage_problem(i, stages)):
-            yield i, problem
-
-
-def texture_target(operation):
-    """The target of the texture that a texture shader operation reads (table 3.B), or None."""
-    return _OF_TARGET.get(operation, (None,))[0]
-
-
-# ----------------------------------------------------------------- rules of NV_register_combiners alone
-
-READ_ONLY_REGISTERS = frozenset(
-    {Register.ZERO, Register.CONSTANT_COLOR0, Register.CONSTANT_COLOR1, Register.FOG}
-)
-PSEUDO_REGISTERS = frozenset({Register.E_TIMES_F, Register.SPARE0_PLUS_SECONDARY_COLOR})
-_FINAL_MAPPINGS = frozenset({Mapping.UNSIGNED_IDENTITY, Mapping.UNSIGNED_INVERT})
-
-
-def _general_input_problem(place, alpha_portion, given):
-    if given.register is Register.DISCARD:
-        return f"{place} reads DISCARD, which is an output only; read a register or ZERO."
-    if given.register in PSEUDO_REGISTERS:
-        return (
-            f"{place} reads {given.register.name}, which exists only in the final combiner; use it there, "
-            "or compute it here from its parts."
-        )
-    if alpha_portion and given.usage is ComponentUsage.RGB:
-        return f"{place} takes RGB; an alpha portion takes ALPHA or BLUE. Choose one of the two."
-    if not alpha_portion and given.usage is ComponentUsage.BLUE:
-        return (
-            f"{place} takes BLUE; an RGB portion takes RGB or ALPHA. Copy blue to a register's alpha in an "
-            "earlier alpha portion, then take ALPHA."
-        )
-    if given.register is Register.FOG and given.usage is ComponentUsage.ALPHA:
-        return (
-            f"{place} takes the ALPHA of FOG; the fog factor is available only in the final combiner. Use "
-            "it there."
-        )
-    return None
-
-
-def _output_problem(place, register):
-    if register in READ_ONLY_REGISTERS:
-        return (
-            f"{place} writes {register.name}, which is read only; write a color, texture or spare register."
-        )
-    if register in PSEUDO_REGISTERS:
-        return (
-            f"{place} writes {register.name}, which the final combiner computes; write SPARE0 or SPARE1 "
-            "instead."
-        )
-    return None
-
-
-def _general_problems(number, name, portion):
-    path, alpha_portion = ("general", number, name), name == "alpha"
-    place = f"General combiner {number}, {'alpha' if alpha_portion else 'RGB'} portion"
-    for variable in "abcd":
-        problem = _general_input_problem(
-            f"{place}, variable {variable.upper()}", alpha_portion, getattr(portion, variable)
-        )
-        if problem:
-            yield (*path, variable), problem
-    written = {}
-    for output, words in (
-        ("ab_output", "AB output"),
-        ("cd_output", "CD output"),
-        ("sum_output", "sum output"),
-    ):
-        register = getattr(portion, output)
-        if problem := _output_problem(f"{place}, {words},", register):
-            yield (*path, output), problem
-        if register in written:
-            yield (
-                (*path, output),
-                f"{place}: the {written[register]} and the {words} both write {register.name}; outputs need "
-                "different registers. Send one of them elsewhere, or to DISCARD.",
-            )
-        if register is not Register.DISCARD:
-            written[register] = words
-    if portion.bias is not CombinerBias.NONE and portion.scale in (
-        CombinerScale.SCALE_BY_FOUR,
-        CombinerScale.SCALE_BY_ONE_HALF,
-    ):
-        yield (
-            (*path, "scale"),
-            f"{place}: {portion.bias.name} with {portion.scale.name}; the bias goes with no scale or with "
-            "SCALE_BY_TWO. Drop the bias, or scale in the next general combiner.",
-        )
-
-
-def _blue_to_alpha_problems(number, stage):
-    """An alpha that blue and the alpha portion would both write."""
-    alpha = {stage.alpha.ab_output, stage.alpha.cd_output, stage.alpha.sum_output} - {Register.DISCARD}
-    for name in ("ab", "cd"):
-        register = getattr(stage.rgb, f"{name}_output")
-        if getattr(stage.rgb, f"{name}_blue_to_alpha") and register in alpha:
-            yield (
-                ("general", number, "rgb", f"{name}_blue_to_alpha"),
-                f"General combiner {number}: the {name.upper()} output's blue and the alpha portion both "
-                f"write {register.name}'s alpha. Send one of them elsewhere.",
-            )
-
-
-def _final_input_problem(variable, given):
-    place = f"Final combiner, variable {variable.upper()},"
-    if given.register is Register.DISCARD:
-        return f"{place} reads DISCARD, which is an output only; read a register or ZERO."
-    if given.mapping not in _FINAL_MAPPINGS:
-        return (
-            f"{place} is mapped by {given.mapping.name}; the final combiner has UNSIGNED_IDENTITY and "
-            "UNSIGNED_INVERT. Map it in a general combiner."
-        )
-    if given.register in PSEUDO_REGISTERS:
-        if variable in "efg":
-            return (
-                f"{place} reads {given.register.name}; E, F and G read registers only. Move it to B, C or D."
-            )
-        if variable == "a" and given.register is Register.SPARE0_PLUS_SECONDARY_COLOR:
-            return f"{place} reads SPARE0_PLUS_SECONDARY_COLOR, which B, C and D take; move it there."
-        if given.usage is not ComponentUsage.RGB:
-            return f"{place} takes {given.usage.name} of {given.register.name}, which has RGB only; take RGB."
-    if variable == "g" and given.usage is ComponentUsage.RGB:
-        return f"{place} takes RGB; the alpha output takes ALPHA or BLUE. Choose one of the two."
-    if variable != "g" and given.usage is ComponentUsage.BLUE:
-        return f"{place} takes BLUE, which only G may; take RGB or ALPHA."
-    return None
-
-
-def combiner_problems(combiners):
-    """What every machine with register combiners refuses in ``combiners``, apart from their number.
-
-    Yields (path, sentence). A path leads to the offender: ("general", stage, "rgb" or "alpha", field) or
-    ("final", variable). Fields must have the types that ``pipeline.state`` says.
-    Source: NV_register_combiners, Errors.
-    """
-    for number, stage in enumerate(combiners.general):
-        yield from _general_problems(number, "rgb", stage.rgb)
-        yield from _general_problems(number, "alpha", stage.alpha)
-        yield from _blue_to_alpha_problems(number, stage)
-    for variable in "abcdefg":
-        if problem := _final_input_problem(variable, getattr(combiners.final, variable)):
-            yield ("final", variable), problem
-
-
-def _nv2a_flag(combiners):
-    """The first of the NV2A's own flags that the combiners set, in words, or None."""
-    if combiners.mux_select is not MuxSelect.MSB:
-        return "mux selection by the lowest bit (mux_select)"
-    if combiners.invert_spare0 or combiners.invert_secondary_color:
-        return "inverted terms of the color sum (invert_spare0, invert_secondary_color)"
-    if any(stage.rgb.ab_blue_to_alpha or stage.rgb.cd_blue_to_alpha for stage in combiners.general):
-        return "outputs of blue to alpha (ab_blue_to_alpha, cd_blue_to_alpha)"
-    return None
-
-
-_TEXTURE_REGISTERS = (Register.TEXTURE0, Register.TEXTURE1, Register.TEXTURE2, Register.TEXTURE3)
-
-
-def _registers_named(combiners):
-    for number, stage in enumerate(combiners.general):
-        for portion in (stage.rgb, stage.alpha):
-            for register in (
-                *(getattr(portion, variable).register for variable in "abcd"),
-                portion.ab_output,
-                portion.cd_output,
-                portion.sum_output,
-            ):
-                yield f"General combiner {number}", register
-    for variable in "abcdefg":
-        yield "The final combiner", getattr(combiners.final, variable).register
 
 
 # ------------------------------------------------------------------------------------ meshes, textures
@@ -1351,11 +1073,14 @@ class _Walk:
                 self.refuse(f"texture unit {i} names no texture to sample; give one, or disable the unit.")
             known = self.known_texture(unit.texture)
             needed = {TextureTarget.TEXTURE_1D: 1, TextureTarget.TEXTURE_2D: 2}.get(known.target, 3)
-            foreign = operation is _OP.TEXTURE_CUBE_MAP and known.target is not _CUBE
-            if operation in _DEPENDENT or foreign:
-                needed = _DEPENDENT.get(operation, 3)
+            foreign = (
+                operation is TextureShaderOperation.TEXTURE_CUBE_MAP
+                and known.target is not TextureTarget.TEXTURE_CUBE_MAP
+            )
+            if operation in DEPENDENT or foreign:
+                needed = DEPENDENT.get(operation, 3)
                 self.dependent_access(i, unit, known, operation)
-            elif operation in _OF_TARGET and known.target not in self.accessible(operation):
+            elif operation in TARGETS_READ and known.target not in self.accessible(operation):
                 self.refuse(
                     f"texture shader stage {i} is {operation.name}, but {unit.texture!r} is a "
                     f"{known.target.name}, which {self.profile.name} does not read so; give the operation of "
@@ -1413,7 +1138,7 @@ class _Walk:
                     f"texture shader stage {i} is {stage.operation.name}, but texture unit {i} is disabled; "
                     "enable it (with no texture where the operation reads none)."
                 )
-            if problem := _stage_problem(i, stages):
+            if problem := stage_problem(i, stages):
                 self.refuse(problem)
         return stages
 
@@ -1431,7 +1156,7 @@ class _Walk:
 
     def accessible(self, operation):
         """The targets of textures that an operation reads here."""
-        targets = _OF_TARGET[operation]
+        targets = TARGETS_READ[operation]
         return targets if self.profile.foreign_texture_targets else targets[:1]
 
     def dependent_access(self, number, unit, known, operation):
@@ -1450,7 +1175,7 @@ class _Walk:
                 f"texture unit {number} {filters}, which {self.profile.name} does along its own "
                 f"coordinates, not along those that {operation.name} makes; set {limit} to 1."
             )
-        if operation in _SCALING and unit.sampler.signed_components != SignedComponents():
+        if operation in SCALING and unit.sampler.signed_components != SignedComponents():
             self.refuse(
                 f"texture shader stage {number} is {operation.name}, which scales unsigned components alone; "
                 "leave signed_components unset."
@@ -1752,17 +1477,17 @@ class _Walk:
                     "stages together. Set constant_color0 and constant_color1 of the RegisterCombiners, or "
                     "choose a profile with per-stage constants."
                 )
-        if not profile.combiner_flags and (flag := _nv2a_flag(combiners)):
+        if not profile.combiner_flags and (flag := nv2a_flag(combiners)):
             self.refuse(
                 f"{profile.name} has no {flag}; leave it at its default, or choose a profile with "
                 "combiner_flags."
             )
         for _, sentence in combiner_problems(combiners):
             self.refuse(sentence)
-        for place, register in _registers_named(combiners):
+        for place, register in registers_named(combiners):
             if (
-                register in _TEXTURE_REGISTERS
-                and _TEXTURE_REGISTERS.index(register) >= profile.max_texture_units
+                register in TEXTURE_REGISTERS
+                and TEXTURE_REGISTERS.index(register) >= profile.max_texture_units
             ):
                 self.refuse(
                     f"{place} names {register.name}; {profile.name} has "

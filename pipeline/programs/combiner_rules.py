@@ -1,0 +1,204 @@
+"""What a combiner program is (NV_register_combiners): which inputs and outputs go together; a pass's."""
+
+from pipeline.enums import (
+    CombinerBias,
+    CombinerScale,
+    ComponentUsage,
+    Mapping,
+    MuxSelect,
+    Register,
+)
+from pipeline.programs.texture_environment import environment_program
+from pipeline.state import CombinerInput, FinalCombiner, GeneralCombiner, RegisterCombiners
+
+READ_ONLY_REGISTERS = frozenset(
+    {Register.ZERO, Register.CONSTANT_COLOR0, Register.CONSTANT_COLOR1, Register.FOG}
+)
+PSEUDO_REGISTERS = frozenset({Register.E_TIMES_F, Register.SPARE0_PLUS_SECONDARY_COLOR})
+_FINAL_MAPPINGS = frozenset({Mapping.UNSIGNED_IDENTITY, Mapping.UNSIGNED_INVERT})
+
+
+def _general_input_problem(place, alpha_portion, given):
+    if given.register is Register.DISCARD:
+        return f"{place} reads DISCARD, which is an output only; read a register or ZERO."
+    if given.register in PSEUDO_REGISTERS:
+        return (
+            f"{place} reads {given.register.name}, which exists only in the final combiner; use it there, "
+            "or compute it here from its parts."
+        )
+    if alpha_portion and given.usage is ComponentUsage.RGB:
+        return f"{place} takes RGB; an alpha portion takes ALPHA or BLUE. Choose one of the two."
+    if not alpha_portion and given.usage is ComponentUsage.BLUE:
+        return (
+            f"{place} takes BLUE; an RGB portion takes RGB or ALPHA. Copy blue to a register's alpha in an "
+            "earlier alpha portion, then take ALPHA."
+        )
+    if given.register is Register.FOG and given.usage is ComponentUsage.ALPHA:
+        return (
+            f"{place} takes the ALPHA of FOG; the fog factor is available only in the final combiner. Use "
+            "it there."
+        )
+    return None
+
+
+def _output_problem(place, register):
+    if register in READ_ONLY_REGISTERS:
+        return (
+            f"{place} writes {register.name}, which is read only; write a color, texture or spare register."
+        )
+    if register in PSEUDO_REGISTERS:
+        return (
+            f"{place} writes {register.name}, which the final combiner computes; write SPARE0 or SPARE1 "
+            "instead."
+        )
+    return None
+
+
+def _general_problems(number, name, portion):
+    path, alpha_portion = ("general", number, name), name == "alpha"
+    place = f"General combiner {number}, {'alpha' if alpha_portion else 'RGB'} portion"
+    for variable in "abcd":
+        problem = _general_input_problem(
+            f"{place}, variable {variable.upper()}", alpha_portion, getattr(portion, variable)
+        )
+        if problem:
+            yield (*path, variable), problem
+    written = {}
+    for output, words in (
+        ("ab_output", "AB output"),
+        ("cd_output", "CD output"),
+        ("sum_output", "sum output"),
+    ):
+        register = getattr(portion, output)
+        if problem := _output_problem(f"{place}, {words},", register):
+            yield (*path, output), problem
+        if register in written:
+            yield (
+                (*path, output),
+                f"{place}: the {written[register]} and the {words} both write {register.name}; outputs need "
+                "different registers. Send one of them elsewhere, or to DISCARD.",
+            )
+        if register is not Register.DISCARD:
+            written[register] = words
+    if portion.bias is not CombinerBias.NONE and portion.scale in (
+        CombinerScale.SCALE_BY_FOUR,
+        CombinerScale.SCALE_BY_ONE_HALF,
+    ):
+        yield (
+            (*path, "scale"),
+            f"{place}: {portion.bias.name} with {portion.scale.name}; the bias goes with no scale or with "
+            "SCALE_BY_TWO. Drop the bias, or scale in the next general combiner.",
+        )
+
+
+def _blue_to_alpha_problems(number, stage):
+    """An alpha that blue and the alpha portion would both write."""
+    alpha = {stage.alpha.ab_output, stage.alpha.cd_output, stage.alpha.sum_output} - {Register.DISCARD}
+    for name in ("ab", "cd"):
+        register = getattr(stage.rgb, f"{name}_output")
+        if getattr(stage.rgb, f"{name}_blue_to_alpha") and register in alpha:
+            yield (
+                ("general", number, "rgb", f"{name}_blue_to_alpha"),
+                f"General combiner {number}: the {name.upper()} output's blue and the alpha portion both "
+                f"write {register.name}'s alpha. Send one of them elsewhere.",
+            )
+
+
+def _final_input_problem(variable, given):
+    place = f"Final combiner, variable {variable.upper()},"
+    if given.register is Register.DISCARD:
+        return f"{place} reads DISCARD, which is an output only; read a register or ZERO."
+    if given.mapping not in _FINAL_MAPPINGS:
+        return (
+            f"{place} is mapped by {given.mapping.name}; the final combiner has UNSIGNED_IDENTITY and "
+            "UNSIGNED_INVERT. Map it in a general combiner."
+        )
+    if given.register in PSEUDO_REGISTERS:
+        if variable in "efg":
+            return (
+                f"{place} reads {given.register.name}; E, F and G read registers only. Move it to B, C or D."
+            )
+        if variable == "a" and given.register is Register.SPARE0_PLUS_SECONDARY_COLOR:
+            return f"{place} reads SPARE0_PLUS_SECONDARY_COLOR, which B, C and D take; move it there."
+        if given.usage is not ComponentUsage.RGB:
+            return f"{place} takes {given.usage.name} of {given.register.name}, which has RGB only; take RGB."
+    if variable == "g" and given.usage is ComponentUsage.RGB:
+        return f"{place} takes RGB; the alpha output takes ALPHA or BLUE. Choose one of the two."
+    if variable != "g" and given.usage is ComponentUsage.BLUE:
+        return f"{place} takes BLUE, which only G may; take RGB or ALPHA."
+    return None
+
+
+def combiner_problems(combiners):
+    """What every machine with register combiners refuses in ``combiners``, apart from their number.
+
+    Yields (path, sentence). A path leads to the offender: ("general", stage, "rgb" or "alpha", field) or
+    ("final", variable). Fields must have the types that ``pipeline.state`` says.
+    Source: NV_register_combiners, Errors.
+    """
+    for number, stage in enumerate(combiners.general):
+        yield from _general_problems(number, "rgb", stage.rgb)
+        yield from _general_problems(number, "alpha", stage.alpha)
+        yield from _blue_to_alpha_problems(number, stage)
+    for variable in "abcdefg":
+        if problem := _final_input_problem(variable, getattr(combiners.final, variable)):
+            yield ("final", variable), problem
+
+
+def nv2a_flag(combiners):
+    """The first of the NV2A's own flags that the combiners set, in words, or None."""
+    if combiners.mux_select is not MuxSelect.MSB:
+        return "mux selection by the lowest bit (mux_select)"
+    if combiners.invert_spare0 or combiners.invert_secondary_color:
+        return "inverted terms of the color sum (invert_spare0, invert_secondary_color)"
+    if any(stage.rgb.ab_blue_to_alpha or stage.rgb.cd_blue_to_alpha for stage in combiners.general):
+        return "outputs of blue to alpha (ab_blue_to_alpha, cd_blue_to_alpha)"
+    return None
+
+
+TEXTURE_REGISTERS = (Register.TEXTURE0, Register.TEXTURE1, Register.TEXTURE2, Register.TEXTURE3)
+
+
+def registers_named(combiners):
+    """Every register that an input or output names: yields (place, register)."""
+    for number, stage in enumerate(combiners.general):
+        for portion in (stage.rgb, stage.alpha):
+            for register in (
+                *(getattr(portion, variable).register for variable in "abcd"),
+                portion.ab_output,
+                portion.cd_output,
+                portion.sum_output,
+            ):
+                yield f"General combiner {number}", register
+    for variable in "abcdefg":
+        yield "The final combiner", getattr(combiners.final, variable).register
+
+
+# ---------------------------------------------------------------------------------- the program of a pass
+
+# What register combiners compute when they are disabled: the fragment's colour with color sum and fog.
+_PRIMARY = CombinerInput(Register.PRIMARY_COLOR)
+_PLAIN = FinalCombiner(b=_PRIMARY, g=CombinerInput(Register.PRIMARY_COLOR, usage=ComponentUsage.ALPHA))
+WITH_FOG = RegisterCombiners(general=(), final=_PLAIN)
+WITH_COLOR_SUM = RegisterCombiners(general=(GeneralCombiner(),))  # the initial state of the extension
+
+
+def has_color_sum(state):
+    """Whether a pass without register combiners adds the secondary colour."""
+    lighting = state.vertex.lighting
+    return state.color_sum or (lighting is not None and lighting.separate_specular_color)
+
+
+def combiner_program(state, profile, textures):
+    """The combiner program of a pass, or None where the fragment is its primary colour.
+
+    ``textures``: name to texture, for the formats that texture environments go by.
+    """
+    if state.register_combiners is not None:
+        return state.register_combiners
+    program = environment_program(state, textures, profile, has_color_sum(state))
+    if program is not None:
+        return program
+    if has_color_sum(state):
+        return WITH_COLOR_SUM
+    return WITH_FOG if state.fog is not None else None

@@ -1,0 +1,176 @@
+"""What a texture shader is (NV_texture_shader): which stages go together, and what each reads."""
+
+from pipeline.enums import DotProductMapping, TextureTarget
+from pipeline.enums import TextureShaderOperation as Operation
+from pipeline.state import TextureShaderStage
+
+# Stages that sample the unit's own texture, as units without texture shaders do.
+CONVENTIONAL = frozenset(
+    {
+        Operation.TEXTURE_1D,
+        Operation.TEXTURE_2D,
+        Operation.TEXTURE_RECTANGLE,
+        Operation.TEXTURE_CUBE_MAP,
+        Operation.TEXTURE_3D,
+    }
+)
+# Stages that read no texture.
+WITHOUT_TEXTURE = frozenset(
+    {
+        Operation.PASS_THROUGH,
+        Operation.CULL_FRAGMENT,
+        Operation.DOT_PRODUCT,
+        Operation.DOT_PRODUCT_DEPTH_REPLACE,
+    }
+)
+# Stages that may end a fragment, or change its depth.
+DISCARDING = frozenset({Operation.CULL_FRAGMENT, Operation.DOT_PRODUCT_DEPTH_REPLACE})
+# Operations that make coordinates, and how many of the unit's own they take.  Source: table 3.C.
+DEPENDENT = {
+    Operation.OFFSET_TEXTURE_2D: 2,
+    Operation.OFFSET_TEXTURE_2D_SCALE: 2,
+    Operation.OFFSET_TEXTURE_RECTANGLE: 2,
+    Operation.OFFSET_TEXTURE_RECTANGLE_SCALE: 2,
+    Operation.DEPENDENT_AR_TEXTURE_2D: 0,
+    Operation.DEPENDENT_GB_TEXTURE_2D: 0,
+    Operation.DOT_PRODUCT_TEXTURE_2D: 3,
+    Operation.DOT_PRODUCT_TEXTURE_RECTANGLE: 3,
+    Operation.DOT_PRODUCT_TEXTURE_3D: 3,
+    Operation.DOT_PRODUCT_TEXTURE_CUBE_MAP: 3,
+    Operation.DOT_PRODUCT_REFLECT_CUBE_MAP: 3,
+    Operation.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP: 3,
+    Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP: 3,
+    Operation.BRDF_TEXTURE_3D: 0,
+}
+# Which textures operations read: the one of table 3.B first, then others that the chip reads all the same.
+# Measured: cube maps as volumes, 2D textures as cube maps (DotSTR3D and Texture_2D_as_cubemap captures).
+_2D, _CUBE = TextureTarget.TEXTURE_2D, TextureTarget.TEXTURE_CUBE_MAP
+TARGETS_READ = {
+    Operation.TEXTURE_1D: (TextureTarget.TEXTURE_1D,),
+    Operation.TEXTURE_2D: (_2D,),
+    Operation.TEXTURE_RECTANGLE: (TextureTarget.TEXTURE_RECTANGLE,),
+    Operation.TEXTURE_CUBE_MAP: (_CUBE, _2D),
+    Operation.TEXTURE_3D: (TextureTarget.TEXTURE_3D,),
+    Operation.OFFSET_TEXTURE_2D: (_2D,),
+    Operation.OFFSET_TEXTURE_2D_SCALE: (_2D,),
+    Operation.OFFSET_TEXTURE_RECTANGLE: (TextureTarget.TEXTURE_RECTANGLE,),
+    Operation.OFFSET_TEXTURE_RECTANGLE_SCALE: (TextureTarget.TEXTURE_RECTANGLE,),
+    Operation.DEPENDENT_AR_TEXTURE_2D: (_2D,),
+    Operation.DEPENDENT_GB_TEXTURE_2D: (_2D,),
+    Operation.DOT_PRODUCT_TEXTURE_2D: (_2D,),
+    Operation.DOT_PRODUCT_TEXTURE_RECTANGLE: (TextureTarget.TEXTURE_RECTANGLE,),
+    Operation.DOT_PRODUCT_TEXTURE_3D: (TextureTarget.TEXTURE_3D, _CUBE, _2D),
+    Operation.DOT_PRODUCT_TEXTURE_CUBE_MAP: (_CUBE, _2D),
+    Operation.DOT_PRODUCT_REFLECT_CUBE_MAP: (_CUBE, _2D),
+    Operation.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP: (_CUBE, _2D),
+    Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP: (_CUBE, _2D),
+    Operation.BRDF_TEXTURE_3D: (TextureTarget.TEXTURE_3D,),
+}
+# Of an unsigned texture's colours.  Source: NV_texture_shader, table 3.B.
+SCALING = (Operation.OFFSET_TEXTURE_2D_SCALE, Operation.OFFSET_TEXTURE_RECTANGLE_SCALE)
+_REFLECTING = (Operation.DOT_PRODUCT_REFLECT_CUBE_MAP, Operation.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP)
+_WITHOUT_RESULT = (
+    Operation.NONE,
+    Operation.CULL_FRAGMENT,
+    Operation.DOT_PRODUCT,
+    Operation.DOT_PRODUCT_DEPTH_REPLACE,
+)
+_WORDS = (DotProductMapping.UNSIGNED_HILO, DotProductMapping.SIGNED_HILO_HEMISPHERE)
+_HOLDS_WORDS = 8  # bits of a texel's components, two of which hold a word of 16
+
+
+def shader_stages(state):
+    """A texture shader stage for every texture unit, or None: texture shaders are disabled."""
+    if state.texture_shader is None:
+        return None
+    missing = len(state.texture_units) - len(state.texture_shader)
+    return (*state.texture_shader, *(TextureShaderStage(),) * missing)
+
+
+def stage_problem(i, stages):
+    """What is inconsistent about texture shader stage ``i``, or None.
+
+    Source: NV_texture_shader, table 3.A.
+    """
+    operations = [stage.operation for stage in stages]
+    operation, previous = operations[i], stages[i].previous_texture_input
+    if operation is Operation.BRDF_TEXTURE_3D:
+        if i < 2 or any(operations[k] in _WITHOUT_RESULT for k in (i - 2, i - 1)):
+            return (
+                f"texture shader stage {i} is BRDF_TEXTURE_3D; it reads the eye's and the light's directions "
+                "of the two stages before it, which must result in a color or a texel."
+            )
+        return None
+    dotted = operation.name.startswith("DOT_PRODUCT")
+    if (dotted or operation in DEPENDENT) and (
+        not 0 <= previous < i or operations[previous] in _WITHOUT_RESULT
+    ):
+        given = operations[previous].name if 0 <= previous < len(stages) else "no stage"
+        return (
+            f"texture shader stage {i} ({operation.name}) reads stage {previous} ({given}); give "
+            "previous_texture_input an earlier stage that results in a color or a texel."
+        )
+    if not dotted or operation is Operation.DOT_PRODUCT:
+        return None
+    before = 1 if operation.name.endswith(("2D", "RECTANGLE", "REPLACE", "DIFFUSE_CUBE_MAP")) else 2
+    for k in range(1, before + 1):
+        allowed = (Operation.DOT_PRODUCT,)
+        if k == 1 and operation in _REFLECTING:
+            allowed = (Operation.DOT_PRODUCT, Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP)
+        if i < k or operations[i - k] not in allowed:
+            return (
+                f"texture shader stage {i} is {operation.name}; the stage {k} before it must be "
+                f"{' or '.join(a.name for a in allowed)}."
+            )
+    if operation is Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP and (
+        i + 1 >= len(stages) or operations[i + 1] not in _REFLECTING
+    ):
+        return (
+            f"texture shader stage {i} is DOT_PRODUCT_DIFFUSE_CUBE_MAP; the stage after it must be "
+            f"{' or '.join(a.name for a in _REFLECTING)}."
+        )
+    if operation is Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP and stages[i + 1].previous_texture_input == i:
+        return (
+            f"texture shader stage {i} ({operation.name}) reads where stage {i + 1}'s dot product says, and "
+            f"that reads stage {i}; give stage {i + 1} an earlier previous_texture_input."
+        )
+    if operation is Operation.DOT_PRODUCT_DEPTH_REPLACE and operation in operations[:i]:
+        return (
+            f"texture shader stage {i} is a second DOT_PRODUCT_DEPTH_REPLACE; a fragment has one depth, so "
+            "leave one of them out."
+        )
+    return None
+
+
+def texture_shader_problems(stages):
+    """What every machine with texture shaders refuses in ``stages``: yields (stage number, sentence)."""
+    for i, stage in enumerate(stages):
+        if stage.operation is not Operation.NONE and (problem := stage_problem(i, stages)):
+            yield i, problem
+
+
+def texture_target(operation):
+    """The target of the texture that a texture shader operation reads (table 3.B), or None."""
+    return TARGETS_READ.get(operation, (None,))[0]
+
+
+def stage_width_problem(stages, widths, profile):
+    """Why texels of these widths cannot be read as words of 16 bits, as a sentence, or None.
+
+    ``widths``: of each stage's texel in bits, None where it has none.
+    """
+    for i, stage in enumerate(stages):
+        if stage.operation is Operation.BRDF_TEXTURE_3D:
+            read = i - 2, i - 1
+        elif stage.operation.name.startswith("DOT_PRODUCT") and stage.dot_product_mapping in _WORDS:
+            read = (stage.previous_texture_input,)
+        else:
+            continue
+        for k in read:
+            if widths[k] != _HOLDS_WORDS:
+                return (
+                    f"texture shader stage {i} ({stage.operation.name}) reads words of 16 bits of stage {k}, "
+                    f"whose components have {widths[k]} bits on {profile.name}; give stage {k} a HILO16 "
+                    "texture, or the dot product another mapping."
+                )
+    return None
