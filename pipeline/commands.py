@@ -7,6 +7,7 @@ OpenGL's: origin lower left, y up. Images of textures and of ReadPixels have the
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import get_args
 
 import numpy as np
 
@@ -393,6 +394,7 @@ Command = (
     | ResetHistogram
     | ResetMinmax
 )
+COMMANDS = get_args(Command)
 
 
 def kind_of(command):

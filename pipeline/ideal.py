@@ -78,7 +78,8 @@ from pipeline.transfer import (
     transfer_depths,
     transfer_stencil,
 )
-from pipeline.validation.validate import frame_of, issued_by, validate
+from pipeline.validation.frames import frame_of, issued_by
+from pipeline.validation.validate import validate
 from pipeline.vertex import process
 from raster.wide_fragment import in_order
 

@@ -12,7 +12,6 @@ from pipeline.columns import ONE, columns_of, keep_significant_bits, length, pos
 from pipeline.enums import (
     Face,
     FrontFace,
-    LineRasterization,
     PolygonMode,
     PrimitiveType,
     VertexStage,
@@ -96,29 +95,6 @@ def whole_size(size):
     Source: OpenGL 1.2.1 sections 3.3 and 3.4.2; Assumed: halves up. ``size``: a number or a column, pixels.
     """
     return np.fmax(np.floor(size + 0.5), 1.0).astype(np.int64)
-
-
-def line_problem(line, profile):
-    """What is wrong with a LineState on a machine, a sentence, or None."""
-    rectangle = line.rasterization == LineRasterization.RECTANGLE
-    if rectangle and profile.diamond_exit_lines:
-        return (
-            f"{profile.name} draws lines in steps along their longer axis; give line.rasterization STEPS, or "
-            "choose a profile without diamond_exit_lines."
-        )
-    if line.stipple is None:
-        return None
-    if not profile.line_stipple:
-        return f"{profile.name} has no line stipple; draw the line's parts, or choose another profile."
-    if rectangle:
-        return "line stipple counts the steps of a line; give line.rasterization STEPS."
-    factor, pattern = line.stipple
-    if not (1 <= factor <= 256 and 0 <= pattern <= 0xFFFF):
-        return (
-            f"line.stipple is {line.stipple}; give a factor of 1 to 256 and a pattern of 16 bits, "
-            "0 to 0xFFFF."
-        )
-    return None
 
 
 def _left_from(major, minor, toward_major, toward_minor, y_is_major, at_major, at_minor):

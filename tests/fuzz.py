@@ -21,7 +21,7 @@ from pipeline.enums import PrimitiveType
 from pipeline.execute import BATCH, Machine
 from pipeline.profiles import NV2A
 from pipeline.state import PassState
-from pipeline.validation.validate import UnsupportedState
+from pipeline.validation.walk import UnsupportedState
 from raster.kernel import is_cold
 from tests.random_frames import random_frame
 from tests.run_reference import run_reference

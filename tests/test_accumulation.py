@@ -16,7 +16,8 @@ from pipeline.enums import AccumOperation, ColorBuffer, ComparisonFunction, Inte
 from pipeline.execute import Machine, execute
 from pipeline.profiles import GEFORCE_256, INFINITE_REALITY, NV2A, OPENGL_1_2
 from pipeline.state import ColorMask, DepthTest, PassState, Scissor
-from pipeline.validation.validate import UnsupportedState, validate
+from pipeline.validation.validate import validate
+from pipeline.validation.walk import UnsupportedState
 from raster.accumulation import from_colors, to_colors
 from tests.reference import accumulation as reference
 

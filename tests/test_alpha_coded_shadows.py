@@ -28,7 +28,8 @@ from pipeline.profiles import (
 )
 from pipeline.state import CombinerInput, GeneralCombiner, PassState, RegisterCombiners
 from pipeline.textures import texture_2d
-from pipeline.validation.validate import UnsupportedState, validate
+from pipeline.validation.validate import validate
+from pipeline.validation.walk import UnsupportedState
 
 BLACK = (0.0, 0.0, 0.0)
 # Every pair of bytes: the ramp's along x, the map's along y.

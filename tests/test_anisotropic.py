@@ -7,7 +7,8 @@ import pytest
 from pipeline.commands import TexImage
 from pipeline.enums import TextureTarget
 from pipeline.profiles import GEFORCE_256, IDEAL, NV2A
-from pipeline.validation.validate import UnsupportedState, validate
+from pipeline.validation.validate import validate
+from pipeline.validation.walk import UnsupportedState
 from tests.reference.sample import taps
 from tests.strategies import textured_frame
 from tests.test_random_states import assert_equal_to_reference

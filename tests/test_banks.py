@@ -16,7 +16,8 @@ from pipeline.execute import execute
 from pipeline.ideal import execute_ideal
 from pipeline.profiles import GEFORCE_3, GEFORCE_256, IDEAL, MULTITEXTURE, NV2A
 from pipeline.state import Sampler
-from pipeline.validation.validate import UnsupportedState, validate
+from pipeline.validation.validate import validate
+from pipeline.validation.walk import UnsupportedState
 
 VIEWER = np.array([0.0, 0.0, 1.0])
 SIZE = 16

@@ -57,6 +57,7 @@ from pipeline.state import (
 )
 from pipeline.textures import texture_2d
 from pipeline.validation.validate import UnsupportedState
+from pipeline.validation.walk import UnsupportedState
 from raster import (
     pixel_rectangles,
     wide,

@@ -9,7 +9,8 @@ from effects.views import Light, Panel, orthographic_view
 from pipeline.execute import execute
 from pipeline.ideal import execute_ideal
 from pipeline.profiles import G400, GEFORCE_256, IDEAL, MULTITEXTURE, NV2A, OPENGL_1_2
-from pipeline.validation.validate import UnsupportedState, validate
+from pipeline.validation.validate import validate
+from pipeline.validation.walk import UnsupportedState
 
 SIZE = 32
 # Of each form: its passes, what it multiplies the difference by, and whether that is added to n.l.

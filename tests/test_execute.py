@@ -62,7 +62,7 @@ from pipeline.state import (
 )
 from pipeline.textures import Texture, texture_1d, texture_2d, texture_cube_map
 from pipeline.threads import Threads
-from pipeline.validation.validate import UnsupportedState
+from pipeline.validation.walk import UnsupportedState
 from raster import draw as draw_module
 from tests.run_reference import run_reference
 from tests.strategies import POLYGONS

@@ -36,7 +36,7 @@ from pipeline.state import (
     TextureUnit,
 )
 from pipeline.textures import texture_2d, texture_cube_map
-from pipeline.validation.validate import UnsupportedState
+from pipeline.validation.walk import UnsupportedState
 from raster import wide_future
 from tests.reference import future as specified
 

@@ -22,7 +22,7 @@ from pipeline.commands import Draw
 from pipeline.execute import execute
 from pipeline.ideal import execute_ideal
 from pipeline.profiles import FUTURE, GEFORCE_3, IDEAL
-from pipeline.validation.validate import UnsupportedState
+from pipeline.validation.walk import UnsupportedState
 
 SIZE = 32
 VIEWER = np.array([0.0, 0.0, 1.0])

@@ -11,7 +11,7 @@ from pipeline.pixel_transfer import Histogram, PixelImage, PixelTransfer
 from pipeline.profiles import GEFORCE_256, NV2A, OCTANE
 from pipeline.state import PassState, RasterPosition, TextureUnit
 from pipeline.textures import texture_2d
-from pipeline.validation.validate import UnsupportedState
+from pipeline.validation.walk import UnsupportedState
 
 SIZE = 4
 HALF = Clear(label="half", color=(0.5, 0.25, 0.0, 1.0))

@@ -34,7 +34,8 @@ from pipeline.state import (
     TextureUnit,
 )
 from pipeline.textures import Texture, texture_2d, texture_3d, texture_cube_map
-from pipeline.validation.validate import UnsupportedState, validate
+from pipeline.validation.validate import validate
+from pipeline.validation.walk import UnsupportedState
 
 NOISE = 1e-12  # of some dozens of float64 operations
 SIZE = 8

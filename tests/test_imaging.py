@@ -54,7 +54,7 @@ from pipeline.state import (
     TextureUnit,
 )
 from pipeline.transfer import packed_colors
-from pipeline.validation.validate import UnsupportedState
+from pipeline.validation.walk import UnsupportedState
 from tests.reference import pixel_transfer as reference
 from tests.reference import texel_formats
 from tests.run_reference import run_reference

@@ -17,7 +17,8 @@ from pipeline.enums import WrapMode
 from pipeline.execute import execute
 from pipeline.ideal import execute_ideal
 from pipeline.profiles import IDEAL, INFINITE_REALITY, OCTANE, OPENGL_1_2, OPENGL_1_2_IMAGING
-from pipeline.validation.validate import UnsupportedState, validate
+from pipeline.validation.validate import validate
+from pipeline.validation.walk import UnsupportedState
 
 SIZE = 32  # texels of the random materials and pixels of their pictures
 MACHINES = (OCTANE, OPENGL_1_2_IMAGING, INFINITE_REALITY)

@@ -13,7 +13,8 @@ from pipeline.execute import execute
 from pipeline.ideal import execute_ideal
 from pipeline.profile import Profile
 from pipeline.profiles import PROFILES
-from pipeline.validation.validate import UnsupportedState, validate
+from pipeline.validation.validate import validate
+from pipeline.validation.walk import UnsupportedState
 from tests.features import FEATURES, SIZE
 from tests.fuzz import Way, differing, outcome
 from tests.machines import PAGE, page

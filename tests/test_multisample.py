@@ -32,7 +32,8 @@ from pipeline.pixel_transfer import PixelImage
 from pipeline.profiles import GEFORCE_256, INFINITE_REALITY
 from pipeline.state import Blending, DepthTest, PassState, RasterPosition, Sampler, StencilTest, TextureUnit
 from pipeline.textures import texture_2d
-from pipeline.validation.validate import UnsupportedState, validate
+from pipeline.validation.validate import validate
+from pipeline.validation.walk import UnsupportedState
 from tests.reference import multisample as reference
 
 SIZE = 16  # a power of two: positions on the 1/16-pixel grid stay there

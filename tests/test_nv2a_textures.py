@@ -12,7 +12,8 @@ from pipeline.profiles import GEFORCE_256, NV2A
 from pipeline.state import PassState, RegisterCombiners, Sampler, SignedComponents, TextureUnit
 from pipeline.texel_words import texture_of_words
 from pipeline.textures import texture_2d
-from pipeline.validation.validate import UnsupportedState, validate
+from pipeline.validation.validate import validate
+from pipeline.validation.walk import UnsupportedState
 from tests.run_reference import run_reference
 from tests.strategies import SHOW_TEXTURE
 

@@ -56,7 +56,8 @@ from pipeline.state import (
     WindowClip,
 )
 from pipeline.textures import Texture, texture_2d
-from pipeline.validation.validate import UnsupportedState, validate
+from pipeline.validation.validate import validate
+from pipeline.validation.walk import UnsupportedState
 from raster.pixel_rectangles import covered
 from tests.reference import depth, pixel_rectangles, render
 

@@ -15,7 +15,8 @@ from pipeline.pixel_shader_combiners import ConstantPlace, parse
 from pipeline.pixel_shader_text import ARITHMETIC, TEXTURE, PixelShaderTextError
 from pipeline.profiles import GEFORCE_3, NV2A
 from pipeline.state import TextureShaderStage
-from pipeline.validation.validate import UnsupportedState, validate_program
+from pipeline.validation.validate import validate_program
+from pipeline.validation.walk import UnsupportedState
 from tests.program_strategies import pixel_shaders
 from tests.reference import combine, pixel_shader
 

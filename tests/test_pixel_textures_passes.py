@@ -16,7 +16,8 @@ from pipeline.commands import CopyPixels
 from pipeline.execute import execute
 from pipeline.ideal import execute_ideal
 from pipeline.profiles import GEFORCE_256, IDEAL, OCTANE
-from pipeline.validation.validate import UnsupportedState, validate
+from pipeline.validation.validate import validate
+from pipeline.validation.walk import UnsupportedState
 
 SIZE = 32
 LIGHT, VIEW = normalize(np.array([0.5, 0.3, 0.8])), np.array([0.0, 0.0, 1.0])

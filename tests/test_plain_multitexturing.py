@@ -23,7 +23,8 @@ from pipeline.execute import execute
 from pipeline.ideal import execute_ideal
 from pipeline.profiles import G400, IDEAL, MULTITEXTURE, OPENGL_1_2
 from pipeline.state import Sampler
-from pipeline.validation.validate import UnsupportedState, validate
+from pipeline.validation.validate import validate
+from pipeline.validation.walk import UnsupportedState
 
 SIZE = 8
 NEAREST_REPEATED = Sampler(TextureFilter.NEAREST, TextureFilter.NEAREST)

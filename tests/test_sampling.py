@@ -22,7 +22,7 @@ from pipeline.ideal import execute_ideal
 from pipeline.profiles import GEFORCE_3, GEFORCE_256, INFINITE_REALITY, OPENGL_1_2, TEXRAM
 from pipeline.state import DepthTest, PassState, Sampler, SignedComponents, TextureUnit
 from pipeline.textures import Texture, depth_texels, texture_2d, texture_3d
-from pipeline.validation.validate import UnsupportedState
+from pipeline.validation.walk import UnsupportedState
 from tests.reference import texel_formats
 from tests.run_reference import run_reference
 from tests.strategies import SHOW_TEXTURE, seeds, textured_frame

@@ -14,7 +14,8 @@ from pipeline.enums import BaseFormat, ComparisonFunction, TextureFilter, WrapMo
 from pipeline.execute import Machine, execute
 from pipeline.ideal import execute_ideal
 from pipeline.profiles import GEFORCE_3, GEFORCE_256, IDEAL, INFINITE_REALITY, NV2A, OPENGL_1_2
-from pipeline.validation.validate import UnsupportedState, validate
+from pipeline.validation.validate import validate
+from pipeline.validation.walk import UnsupportedState
 
 SIZE, EDGE = 64, 64
 WINDOW = (SIZE, SIZE)

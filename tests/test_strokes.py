@@ -30,7 +30,7 @@ from pipeline.state import (
     WindowClip,
 )
 from pipeline.strokes import with_squares
-from pipeline.validation.validate import UnsupportedState
+from pipeline.validation.walk import UnsupportedState
 from pipeline.vertex import process
 from tests.reference import strokes
 

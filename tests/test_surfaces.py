@@ -23,7 +23,8 @@ from pipeline.execute import Machine, execute
 from pipeline.framebuffer import READABLE_AS
 from pipeline.profiles import GEFORCE_256, IDEAL, NV2A
 from pipeline.state import Blending, ColorMask, PassState, Scissor, StencilTest, WindowClip
-from pipeline.validation.validate import UnsupportedState, validate
+from pipeline.validation.validate import validate
+from pipeline.validation.walk import UnsupportedState
 from tests.run_reference import run_reference
 
 WIDTH, HEIGHT = 12, 8

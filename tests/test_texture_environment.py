@@ -38,7 +38,8 @@ from pipeline.state import (
     TextureUnit,
 )
 from pipeline.textures import texture_2d
-from pipeline.validation.validate import UnsupportedState, validate
+from pipeline.validation.validate import validate
+from pipeline.validation.walk import UnsupportedState
 from tests.random_environments import BYTES, random_color, random_environment
 from tests.reference import combine, fog, texture_environment
 from tests.run_reference import run_reference

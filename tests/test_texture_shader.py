@@ -41,7 +41,8 @@ from pipeline.state import (
 )
 from pipeline.texel_words import texture_of_words
 from pipeline.textures import texture_2d, texture_cube_map
-from pipeline.validation.validate import UnsupportedState, validate
+from pipeline.validation.validate import validate
+from pipeline.validation.walk import UnsupportedState
 from tests.run_reference import run_reference
 
 WIDTH, HEIGHT = 16, 8

@@ -25,7 +25,8 @@ from pipeline.enums import TextureShaderOperation as Operation
 from pipeline.execute import execute
 from pipeline.ideal import execute_ideal
 from pipeline.profiles import FUTURE, GEFORCE_3, GEFORCE_256, IDEAL, NV2A
-from pipeline.validation.validate import UnsupportedState, validate
+from pipeline.validation.validate import validate
+from pipeline.validation.walk import UnsupportedState
 
 SIZE = 64
 PANEL = Panel(0, 0, SIZE, SIZE)

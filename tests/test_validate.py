@@ -7,7 +7,17 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from pipeline.commands import Bitmap, Clear, CopyTexImage, CopyTexSubImage, Draw, Mesh, ReadPixels, TexImage
+from pipeline.commands import (
+    COMMANDS,
+    Bitmap,
+    Clear,
+    CopyTexImage,
+    CopyTexSubImage,
+    Draw,
+    Mesh,
+    ReadPixels,
+    TexImage,
+)
 from pipeline.enums import (
     BlendEquation,
     BlendFactor,
@@ -72,7 +82,9 @@ from pipeline.state import (
     WindowClip,
 )
 from pipeline.textures import Texture, texture_1d, texture_2d, texture_cube_map
-from pipeline.validation.validate import UnsupportedState, _Remembered, _taken_by, validate
+from pipeline.validation.remembered import Remembered
+from pipeline.validation.validate import VALIDATIONS, validate
+from pipeline.validation.walk import UnsupportedState, taken_by
 from tests.combiner_strategies import register_combiners
 
 NAN, INF = math.nan, math.inf
@@ -1127,14 +1139,14 @@ def test_equal_states_are_not_the_same_state():
 
 
 def test_findings_on_more_states_than_are_kept_stay_right(monkeypatch):
-    monkeypatch.setattr("pipeline.validation.validate._taken", _Remembered(1))
+    monkeypatch.setattr("pipeline.validation.walk._taken", Remembered(1))
     good = [draw(depth_test=DepthTest(), fog=Fog(density=k / 8)) for k in range(40)]
-    monkeypatch.setattr(_taken_by(GEFORCE_256).states, "most", 8)
+    monkeypatch.setattr(taken_by(GEFORCE_256).states, "most", 8)
     for _ in range(2):
         check(*good)
         with pytest.raises(UnsupportedState, match=r"the fog density is -1\.0"):
             check(*good, draw(fog=Fog(density=-1.0)))
-    assert len(_taken_by(GEFORCE_256).states) <= 8
+    assert len(taken_by(GEFORCE_256).states) <= 8
 
 
 def test_a_cube_map_needs_three_generated_coordinates():
@@ -1278,3 +1290,7 @@ def test_a_lighting_unit_takes_what_equations_refuse():
     """No attenuation at all is defined there: 1/0 is infinity."""
     light = Light(position=(0.0, 0.0, 1.0, 1.0), constant_attenuation=0.0, range=1.0, spot=CONE)
     check(lit(light, viewer_direction=(0.0, 0.0, -1.0)), profile=UNIT)
+
+
+def test_every_command_has_its_validation():
+    assert set(VALIDATIONS) == set(COMMANDS)

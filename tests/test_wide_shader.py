@@ -33,7 +33,7 @@ from pipeline.state import (
 )
 from pipeline.texel_words import texture_of_words
 from pipeline.textures import texture_2d
-from pipeline.validation.validate import UnsupportedState
+from pipeline.validation.walk import UnsupportedState
 from raster import wide_shader
 from tests.reference import texture_shader as specified
 from tests.run_reference import run_reference

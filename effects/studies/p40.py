@@ -27,7 +27,8 @@ from effects.studies.study import Column, Study, Table
 from effects.vertex_work import half_vectors, light_vectors
 from effects.views import Light, Panel, orthographic_view
 from pipeline.commands import Draw
-from pipeline.validation.validate import UnsupportedState, validate
+from pipeline.validation.validate import validate
+from pipeline.validation.walk import UnsupportedState
 
 # Texture units and general combiners; the GeForce 256 has 2 and 2, the GeForce 3 has 4 and 8.
 BOARDS = ((1, 1), (1, 2), (2, 1), (2, 2), (2, 5), (4, 2), (4, 5), (4, 8))

@@ -1,8 +1,11 @@
-"""What a machine refuses of rectangles of pixels: sentences for ``validate``.
+"""What a machine refuses of rectangles of pixels: DrawPixels, CopyPixels and Bitmap.
 
 Fields have the types that the states say, and numbers are finite, when these functions see them.
 """
 
+from dataclasses import replace
+
+from pipeline.commands import kind_of, vertex_of
 from pipeline.enums import (
     PixelCopyType,
     PixelTexGenAlpha,
@@ -11,9 +14,61 @@ from pipeline.enums import (
     VertexStage,
 )
 from pipeline.state import VertexState
+from pipeline.validation import buffers, surfaces
+from pipeline.validation.draws import pass_state
+from pipeline.validation.sentences import count
+from pipeline.validation.transfer import pixel_image_problem, transferred
 
 
-def rectangle_problem(command, profile):
+def draw_pixels(walk, command):
+    """Refuse a DrawPixels whose image or state the machine could not draw."""
+    if problem := pixel_image_problem(command.image):
+        walk.refuse(problem)
+    height, width = command.image.values.shape[:2]
+    _pixels(walk, command, width, height)
+
+
+def copy_pixels(walk, command):
+    """Refuse a CopyPixels of what is not there, or whose state the machine could not draw."""
+    width, height = surfaces.framebuffer_rectangle(walk, command)
+    buffers.color_buffer(walk, command.read_buffer)
+    _pixels(walk, command, width, height)
+
+
+def _pixels(walk, command, width, height):
+    """What DrawPixels and CopyPixels have in common."""
+    kind = kind_of(command)
+    if kind is PixelCopyType.STENCIL:
+        buffers.stencil_buffer(walk, "writes the stencil buffer")
+    transferred(walk, command, width, height, deep=kind is not PixelCopyType.COLOR)
+    units = command.state.texture_units
+    if command.pixel_texture is None:
+        _rectangle_of_pixels(walk, command, command.position)
+        return
+    # Coordinates come from the groups, and so from no vertex.
+    sets = max((unit.coordinates + 1 for unit in units if unit is not None), default=0)
+    made = ((0.0, 0.0, 0.0, 1.0),) * min(max(sets, 0), 8)
+    _rectangle_of_pixels(walk, command, replace(command.position, texture_coordinates=made))
+    known = [(i, walk.textures[u.texture]) for i, u in enumerate(units) if u is not None]
+    textures = [(i, texture.target, texture.faces[0]) for i, texture in known]
+    if problem := _pixel_texture_problem(command.pixel_texture, kind, command.state, textures, walk.profile):
+        walk.refuse(problem)
+
+
+def bitmap(walk, command):
+    """Refuse a Bitmap whose bits or state the machine could not draw."""
+    if problem := _bits_problem(command.bits):
+        walk.refuse(problem)
+    _rectangle_of_pixels(walk, command, command.position)
+
+
+def _rectangle_of_pixels(walk, command, position):
+    if problem := _rectangle_problem(command, walk.profile):
+        walk.refuse(problem)
+    pass_state(walk, command.state, vertex_of(position))
+
+
+def _rectangle_problem(command, profile):
     """Why the fragments of a DrawPixels, CopyPixels or Bitmap cannot be made on a machine, or None."""
     vertex, state = command.state.vertex, command.state
     if vertex.stage == VertexStage.PROGRAM_RESULTS or vertex.composite != VertexState().composite:
@@ -35,7 +90,7 @@ def rectangle_problem(command, profile):
     return None
 
 
-def bits_problem(bits):
+def _bits_problem(bits):
     """What is wrong with a Bitmap's bits, or None."""
     if bits.ndim != 2:
         return f"the bitmap has shape {bits.shape}; give [height, width]."
@@ -46,7 +101,7 @@ def bits_problem(bits):
     return None
 
 
-def pixel_texture_problem(texture, kind, state, textures, profile):
+def _pixel_texture_problem(texture, kind, state, textures, profile):
     """Why groups of ``kind``, a PixelCopyType, cannot become texture coordinates on a machine, or None.
 
     ``textures``: for each enabled unit (number, target, layers of level 0).
@@ -90,11 +145,7 @@ def _impact_problem(texture, textures, profile):
     for number, target, layers in textures:
         if target != TextureTarget.TEXTURE_3D or layers % texture.volumes:
             return (
-                f"texture unit {number} has a {target.name} of {_layers(layers)}, which is not "
+                f"texture unit {number} has a {target.name} of {count(layers, 'layer')}, which is not "
                 f"{texture.volumes} volumes; give a TEXTURE_3D whose layers are as many times the volumes'."
             )
     return None
-
-
-def _layers(count):
-    return f"{count} layer" if count == 1 else f"{count} layers"

@@ -1,20 +1,113 @@
-"""What a sampler may ask of a machine beside filters and wrap modes: comparisons and footprint assembly."""
+"""What a machine refuses of a sampler: filters and wrap modes, comparisons and footprint assembly."""
 
-from pipeline.enums import InternalFormat, TextureCompareMode, TextureTarget
+from pipeline.enums import InternalFormat, TextureCompareMode, TextureFilter, TextureTarget, WrapMode
+from pipeline.state import SignedComponents
+from pipeline.textures import DEPTH_TEXELS
+from pipeline.validation.sentences import count, listed
+from pipeline.validation.textures import complete_levels
+
+_LOD_LIMIT = 1000.0  # the initial limits of table 3.17
 
 
-def _names(members):
-    return ", ".join(m.name for m in sorted(members)) or "none"
+def sampler(walk, unit, known, number):
+    """Refuse a unit's sampler that the machine does not have, or that does not fit the texture ``known``."""
+    profile, sampler, place = walk.profile, unit.sampler, f"texture unit {number}"
+    if sampler.mag_filter not in (TextureFilter.NEAREST, TextureFilter.LINEAR):
+        walk.refuse(
+            f"{place} magnifies with {sampler.mag_filter.name}; a magnification filter is NEAREST or LINEAR."
+        )
+    for name in ("wrap_s", "wrap_t", "wrap_r"):
+        if getattr(sampler, name) not in profile.wrap_modes:
+            walk.refuse(
+                f"{profile.name} has no {getattr(sampler, name).name}, which {place} asks for {name}; "
+                f"it has {listed(profile.wrap_modes)}."
+            )
+    if sampler.compare_mode not in profile.texture_compare_modes:
+        walk.refuse(
+            f"{profile.name} has no {sampler.compare_mode.name}, which {place} asks for compare_mode; it "
+            f"has {listed(profile.texture_compare_modes)}."
+        )
+    deep = known.internal_format in DEPTH_TEXELS
+    compares = sampler.compare_mode is not TextureCompareMode.NONE
+    if deep is not compares:
+        walk.refuse(
+            f"{place} reads {unit.texture!r}, {known.internal_format.name}, with compare_mode "
+            f"{sampler.compare_mode.name}; depth textures are read by comparing, and only they can be."
+        )
+    if problem := _shadow_problem(place, sampler, profile):
+        walk.refuse(problem)
+    if compares and {sampler.wrap_s, sampler.wrap_t} & {WrapMode.CLAMP, WrapMode.CLAMP_TO_BORDER}:
+        walk.refuse(
+            f"{place} compares and may read its border colour, which is no depth; use CLAMP_TO_EDGE or "
+            "REPEAT."
+        )
+    width, height = known.sizes[0]
+    mipmapped = sampler.min_filter not in (TextureFilter.NEAREST, TextureFilter.LINEAR)
+    if known.target is TextureTarget.TEXTURE_RECTANGLE:
+        _rectangle_sampler(walk, place, sampler, mipmapped)
+    layers = known.faces[0] if known.target is TextureTarget.TEXTURE_3D else 1
+    complete = complete_levels(width, max(height, layers))
+    if sampler.max_level < 0:
+        walk.refuse(f"{place} has the maximum level {sampler.max_level}; levels count from 0.")
+    if mipmapped and len(known.sizes) < min(complete, sampler.max_level + 1):
+        walk.refuse(
+            f"{place} minifies with {sampler.min_filter.name}, but {unit.texture!r} ({width}x{height}) "
+            f"has {count(len(known.sizes), 'level')} of {complete}; build it with mipmaps=True, set "
+            f"max_level to {len(known.sizes) - 1}, or set min_filter to LINEAR or NEAREST."
+        )
+    if abs(sampler.min_lod) > _LOD_LIMIT or abs(sampler.max_lod) > _LOD_LIMIT:
+        walk.refuse(
+            f"{place} limits the level of detail to {sampler.min_lod} .. {sampler.max_lod}; give limits "
+            f"from -{_LOD_LIMIT:g} to {_LOD_LIMIT:g}."
+        )
+    if not 1 <= sampler.max_anisotropy <= profile.max_anisotropy:
+        walk.refuse(
+            f"{place} has the maximum anisotropy {sampler.max_anisotropy:g}; {profile.name} takes 1 to "
+            f"{profile.max_anisotropy:g}. Set max_anisotropy to one of these."
+        )
+    if sampler.max_anisotropy > 1 and (
+        known.target not in (TextureTarget.TEXTURE_2D, TextureTarget.TEXTURE_RECTANGLE)
+        or known.internal_format is InternalFormat.HILO16
+    ):
+        walk.refuse(
+            f"{place} filters {unit.texture!r} anisotropically; how is known of 2D and rectangle "
+            "textures of bytes alone: set max_anisotropy to 1."
+        )
+    if problem := _probes_problem(place, sampler, known.target, known.internal_format, profile):
+        walk.refuse(problem)
+    if sampler.signed_components != SignedComponents() and not profile.signed_components:
+        walk.refuse(f"{profile.name} has no signed texels; bias them and use EXPAND_NORMAL mappings.")
+    if abs(unit.lod_bias) > profile.max_lod_bias:
+        least = -profile.max_lod_bias or 0.0
+        walk.refuse(
+            f"{place} has the level-of-detail bias {unit.lod_bias}; {profile.name} takes {least} to "
+            f"{profile.max_lod_bias}. Set lod_bias to one of these."
+        )
 
 
-def shadow_problem(place, sampler, profile):
+def _rectangle_sampler(walk, place, sampler, mipmapped):
+    if mipmapped:
+        walk.refuse(
+            f"{place} minifies a TEXTURE_RECTANGLE with {sampler.min_filter.name}; rectangles have no "
+            "mipmaps. Give NEAREST or LINEAR."
+        )
+    for name in ("wrap_s", "wrap_t"):
+        mode = getattr(sampler, name)
+        if mode in (WrapMode.REPEAT, WrapMode.MIRRORED_REPEAT):
+            walk.refuse(
+                f"{place} asks for {name} {mode.name} of a TEXTURE_RECTANGLE, whose coordinates count "
+                "texels; give CLAMP, CLAMP_TO_EDGE or CLAMP_TO_BORDER."
+            )
+
+
+def _shadow_problem(place, sampler, profile):
     """What is wrong with a sampler's comparison, a sentence, or None. ``place``: which texture unit."""
     mode, value = sampler.depth_texture_mode, sampler.compare_fail_value
     compares = sampler.compare_mode is not TextureCompareMode.NONE
     if compares and sampler.compare_function not in profile.shadow_functions:
         return (
             f"{profile.name} does not compare textures by {sampler.compare_function.name}, which {place} "
-            f"asks for; give one of {_names(profile.shadow_functions)}."
+            f"asks for; give one of {listed(profile.shadow_functions)}."
         )
     if value != 0 and not (compares and profile.shadow_ambient):
         return f"{place} has the compare_fail_value {value:g}; " + (
@@ -25,12 +118,12 @@ def shadow_problem(place, sampler, profile):
     if not 0 <= value <= 1:
         return f"{place} has the compare_fail_value {value:g}; give 0 to 1."
     if mode is not None and not (compares and mode in profile.depth_texture_modes):
-        has = _names(profile.depth_texture_modes) if compares else "none without a compare_mode"
+        has = listed(profile.depth_texture_modes) if compares else "none without a compare_mode"
         return f"{place} has the depth_texture_mode {mode.name}; {profile.name} has {has}. Give None."
     return None
 
 
-def probes_problem(place, sampler, target, internal_format, profile):
+def _probes_problem(place, sampler, target, internal_format, profile):
     """What is wrong with a sampler's footprint assembly, a sentence, or None."""
     probes = sampler.max_probes
     if probes < 1 or probes & (probes - 1):

@@ -1,4 +1,4 @@
-"""What a machine refuses of a PixelTransfer, of a ColorTable and of a PixelImage: sentences for ``validate``.
+"""What a machine refuses of a PixelTransfer, of a ColorTable and of a PixelImage.
 
 Fields have the types that ``pipeline.pixel_transfer`` says and are finite when these functions see them.
 Source: the errors of OpenGL 1.2.1 sections 3.6.3 and 3.6.4, SGI_color_table, EXT_convolution, EXT_histogram.
@@ -33,7 +33,36 @@ def _is_power_of_two(number):
     return number > 0 and number & (number - 1) == 0
 
 
-def transfer_problem(transfer, profile, width, height, dimensions=2):
+def transferred(walk, command, width, height, dimensions=2, deep=False):
+    """Width and height that pixels have once they went through the command's pixel transfer."""
+    transfer = command.transfer
+    if problem := _transfer_problem(transfer, walk.profile, width, height, dimensions):
+        walk.refuse(problem)
+    for table, known in ((transfer.histogram, walk.histograms), (transfer.minmax, walk.minmaxes)):
+        if table is not None:
+            known.add(table.name)
+    return (width, height) if deep else transferred_size(width, height, transfer, dimensions)
+
+
+def reset_histogram(walk, command):
+    """Refuse a ResetHistogram of one that has not counted."""
+    _known_table(walk, "histogram", command.name, walk.histograms)
+
+
+def reset_minmax(walk, command):
+    """Refuse a ResetMinmax of one that has seen nothing."""
+    _known_table(walk, "minmax", command.name, walk.minmaxes)
+
+
+def _known_table(walk, what, name, known):
+    if name not in known:
+        made = ", ".join(map(repr, sorted(known))) or "none"
+        walk.refuse(
+            f"there is no {what} {name!r} yet (counted so far: {made}); name it in a pixel transfer before."
+        )
+
+
+def _transfer_problem(transfer, profile, width, height, dimensions=2):
     """Why an image of ``width`` x ``height`` pixels cannot go through a PixelTransfer on a machine, or None.
 
     ``dimensions``: as ``pipeline.transfer.transfer_colors`` takes them.

@@ -1,0 +1,119 @@
+"""What a machine refuses of its buffers, and of the commands that clear, accumulate and read them."""
+
+from pipeline.enums import AccumOperation, ColorBuffer
+from pipeline.framebuffer import READ_FORMATS
+from pipeline.transfer import DEPTH_FORMAT, READ_TYPES, has_sink
+from pipeline.validation import surfaces
+from pipeline.validation.sentences import count, depth_words
+from pipeline.validation.transfer import transferred
+
+_READ_FORMATS = (*READ_FORMATS, "DEPTH_COMPONENT", "STENCIL_INDEX")
+
+
+def color_buffer(walk, which):
+    """Refuse a colour buffer that is not there."""
+    most = walk.profile.auxiliary_buffers
+    if which > most:
+        walk.refuse(
+            f"{walk.profile.name} has {count(most, 'auxiliary buffer')} and so no {which.name}; use "
+            "BACK and keep what is still needed as a texture."
+        )
+    if which is not ColorBuffer.BACK and not walk.in_window:
+        walk.refuse(f"a pbuffer has no {which.name}; make the window current first.")
+
+
+def accumulation_buffer(walk):
+    """Refuse where there is no accumulation buffer."""
+    if walk.profile.accumulation_bits == 0:
+        walk.refuse(
+            f"{walk.profile.name} has no accumulation buffer; add up by blending with ONE, ONE instead."
+        )
+    if not walk.in_window:
+        walk.refuse("a pbuffer has no accumulation buffer; make the window current first.")
+
+
+def stencil_buffer(walk, what):
+    """Refuse what a command does with the stencil buffer (``what``) where there is none."""
+    if walk.profile.stencil_bits == 0:
+        walk.refuse(f"it {what}, and {walk.profile.name} has none; choose a profile that has one.")
+
+
+def stencil_value(walk, what, value):
+    """Refuse a stencil value or mask of more than 8 bits."""
+    if not 0 <= value <= 0xFF:
+        walk.refuse(f"{what} is {value}; a stencil value has 8 bits: give 0 to 255.")
+
+
+def fixed_depths(walk, read, what):
+    """Refuse what computes with depths that are floats."""
+    if read and walk.depth_bits < 0:
+        walk.refuse(
+            f"it {what} of {depth_words(walk.depth_bits)}; only fixed-point depths go through pixel "
+            "transfer. Give the depth buffer a fixed format."
+        )
+
+
+def clear(walk, command):
+    """Refuse a Clear of buffers that are not there, or to values that they cannot hold."""
+    if command.depth is not None and not 0 <= command.depth <= 1:
+        walk.refuse(
+            f"the clear depth is {command.depth}; depths run from 0 (near) to 1 (far). Give one of these."
+        )
+    if command.stencil is not None:
+        stencil_buffer(walk, "clears the stencil buffer")
+        stencil_value(walk, "the clear value of the stencil buffer", command.stencil)
+    stencil_value(walk, "stencil_write_mask", command.stencil_write_mask)
+    if command.scissor is not None:
+        surfaces.scissor(walk, command.scissor)
+    if command.accumulation is not None:
+        accumulation_buffer(walk)
+        if not all(-1 <= component <= 1 for component in command.accumulation):
+            walk.refuse(
+                f"the clear value of the accumulation buffer is {command.accumulation}; it holds -1 to 1."
+            )
+    color_buffer(walk, command.draw_buffer)
+    if command.accumulation is None and command.draw_buffer is ColorBuffer.BACK:
+        walk.taken.states.add(command)
+
+
+def accum(walk, command):
+    """Refuse an Accum of buffers that are not there."""
+    accumulation_buffer(walk)
+    if command.scissor is not None:
+        surfaces.scissor(walk, command.scissor)
+    if command.operation is AccumOperation.RETURN:
+        color_buffer(walk, command.draw_buffer)
+    elif command.operation in (AccumOperation.LOAD, AccumOperation.ACCUM):
+        color_buffer(walk, command.read_buffer)
+
+
+def saturate(walk, command):
+    """Refuse a Saturate of a buffer that is not there."""
+    color_buffer(walk, command.draw_buffer)
+    if command.scissor is not None:
+        surfaces.scissor(walk, command.scissor)
+
+
+def read_pixels(walk, command):
+    """Refuse a ReadPixels of what is not there, or under a name that is taken."""
+    if command.format not in _READ_FORMATS:
+        walk.refuse(f"ReadPixels knows no format {command.format!r}; give one of {', '.join(_READ_FORMATS)}.")
+    if command.format == "STENCIL_INDEX":
+        stencil_buffer(walk, "reads the stencil buffer")
+    if command.name in walk.read:
+        walk.refuse(f"an earlier ReadPixels already has the name {command.name!r}; give this one another.")
+    walk.read.add(command.name)
+    if not has_sink(command.transfer):
+        walk.given.add(command.name)
+    size = surfaces.framebuffer_rectangle(walk, command)
+    color_buffer(walk, command.read_buffer)
+    colors = command.format in READ_FORMATS
+    if command.type not in READ_TYPES:
+        walk.refuse(f"ReadPixels knows no type {command.type!r}; give one of {', '.join(READ_TYPES)}.")
+    if not colors and command.type != "UNSIGNED_BYTE":
+        walk.refuse(
+            f"{command.format} is read in the buffer's own units whatever the type; leave type alone."
+        )
+    transferred(walk, command, *size, deep=not colors)
+    scale = command.transfer.depth_scale, command.transfer.depth_bias
+    fixed_depths(walk, command.format == DEPTH_FORMAT and scale != (1.0, 0.0), "scales depths")

@@ -1,0 +1,126 @@
+"""What a machine refuses of a Draw."""
+
+from pipeline.enums import ColorBuffer, LineRasterization, PolygonMode, PrimitiveType, VertexStage
+from pipeline.profile import NATIVE_SUBPIXEL_BITS
+from pipeline.programs.future import future_problem
+from pipeline.validation import buffers, fragments, surfaces, texture_units, vertices
+from pipeline.validation.meshes import checked_meshes, mesh_problem
+
+
+def draw(walk, command):
+    """Refuse a Draw whose mesh or state the machine could not draw."""
+    mesh, state = command.mesh, command.state
+    if mesh not in checked_meshes:
+        if problem := mesh_problem(mesh):
+            walk.refuse(problem)
+        checked_meshes.add(mesh)
+    pass_state(walk, state, mesh)
+    _points_and_lines(walk, state, mesh)
+    if state.polygon.stipple is not None and len(state.polygon.stipple) != 128:
+        walk.refuse(f"polygon.stipple has {len(state.polygon.stipple)} bytes; give 32 rows of 4, 128 in all.")
+    if state.draw_buffer is ColorBuffer.BACK:
+        names = tuple(u.texture for u in state.texture_units if u is not None and u.texture is not None)
+        walk.taken.states.add(state, finding=walk.beside(mesh, names))
+
+
+def pass_state(walk, state, mesh):
+    """What a Draw and a rectangle of pixels have in common; ``mesh``: whose vertices have coordinates."""
+    walk.once(vertices.vertex, state.vertex)
+    texture_units.texture_units(walk, state, mesh)
+    vertices.normals(walk, state)
+    combiners = state.register_combiners
+    if combiners is not None:
+        walk.once(fragments.register_combiners, combiners)
+    if state.color_sum and not walk.profile.color_sum:
+        walk.refuse(f"{walk.profile.name} has no color sum; add the secondary color in a second pass.")
+    if not state.perspective_correction and not walk.profile.perspective_hint:
+        walk.refuse(
+            f"{walk.profile.name} always corrects for perspective; leave perspective_correction on, or "
+            "give every vertex the same w."
+        )
+    if state.fog is not None:
+        fragments.fog(walk, state.fog)
+    if state.scissor is not None:
+        surfaces.scissor(walk, state.scissor)
+    if state.window_clip is not None:
+        fragments.window_clip(walk, state.window_clip)
+    if state.stencil_test is not None:
+        fragments.stencil_test(walk, state.stencil_test)
+    if state.blending is not None:
+        fragments.blending(walk, state.blending)
+    if state.logic_op is not None and not walk.profile.logic_op:
+        walk.refuse(f"{walk.profile.name} has no logic operations on colors; use blending.")
+    if state.depth_clamp is not None:
+        fragments.depth_clamp(walk, state.depth_clamp)
+    if state.w_buffering and not walk.profile.w_buffering:
+        walk.refuse(f"{walk.profile.name} has no W buffering; leave w_buffering False.")
+    buffers.color_buffer(walk, state.draw_buffer)
+    if problem := future_problem(state, walk.profile):
+        walk.refuse(problem)
+
+
+def _points_and_lines(walk, state, mesh):
+    profile, point, polygon = walk.profile, state.point, state.polygon
+    filled = PolygonMode.FILL == polygon.front_mode == polygon.back_mode and polygon.stipple is None
+    if profile.exact and not (filled and mesh.primitive < PrimitiveType.POINTS):
+        walk.refuse(
+            f"the {profile.name} evaluates filled polygons without stipple only; draw triangles in "
+            "polygon mode FILL, or choose a machine."
+        )
+    others = not profile.exact and profile.subpixel_bits != NATIVE_SUBPIXEL_BITS
+    if others and not (filled and mesh.primitive < PrimitiveType.POINTS and state.window_clip is None):
+        walk.refuse(
+            f"{profile.name} has {profile.subpixel_bits} subpixel bits, with which filled polygons are "
+            f"drawn alone, without stipple and window clip; draw these, or keep 4 bits."
+        )
+    for what, size, most in (
+        ("the point size", point.size, profile.max_point_size),
+        ("the line width", state.line.width, profile.max_line_width),
+    ):
+        if not 0 <= size <= most:
+            walk.refuse(f"{what} is {size}; {profile.name} draws sizes from 0 to {most} pixels. Give one.")
+    if problem := _line_problem(state.line, profile):
+        walk.refuse(problem)
+    if point.parameters is not None and not profile.point_parameters:
+        walk.refuse(f"{profile.name} has no point parameters; give the points one size.")
+    if point.parameters is not None and min(point.parameters.attenuation) < 0:
+        walk.refuse("point.parameters.attenuation has a negative term; give terms that are not negative.")
+    programmed = state.vertex.stage == VertexStage.PROGRAM_RESULTS
+    if (point.parameters is not None) if programmed else point.program_size:
+        given, other = ("parameters", "program_size") if programmed else ("program_size", "parameters")
+        walk.refuse(
+            f"point.{given} takes no part where the vertex stage is {state.vertex.stage.name}; use "
+            f"point.{other}."
+        )
+    replaced = [i for i, u in enumerate(state.texture_units) if u is not None and u.coord_replace]
+    if wrong := [i for i in replaced if i not in profile.point_sprite_units]:
+        allowed = ", ".join(map(str, sorted(profile.point_sprite_units))) or "none"
+        walk.refuse(
+            f"texture unit {wrong[0]} has coord_replace; point sprites of {profile.name} replace the "
+            f"coordinates of units: {allowed}. Use another unit, or texture coordinates of the mesh."
+        )
+    if point.sprite and not profile.point_sprite_units:
+        walk.refuse(f"{profile.name} has no point sprites; draw quads.")
+
+
+def _line_problem(line, profile):
+    """What is wrong with a LineState on a machine, a sentence, or None."""
+    rectangle = line.rasterization == LineRasterization.RECTANGLE
+    if rectangle and profile.diamond_exit_lines:
+        return (
+            f"{profile.name} draws lines in steps along their longer axis; give line.rasterization STEPS, or "
+            "choose a profile without diamond_exit_lines."
+        )
+    if line.stipple is None:
+        return None
+    if not profile.line_stipple:
+        return f"{profile.name} has no line stipple; draw the line's parts, or choose another profile."
+    if rectangle:
+        return "line stipple counts the steps of a line; give line.rasterization STEPS."
+    factor, pattern = line.stipple
+    if not (1 <= factor <= 256 and 0 <= pattern <= 0xFFFF):
+        return (
+            f"line.stipple is {line.stipple}; give a factor of 1 to 256 and a pattern of 16 bits, "
+            "0 to 0xFFFF."
+        )
+    return None

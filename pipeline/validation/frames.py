@@ -1,0 +1,54 @@
+"""What a frame is made of, and what a HostStep makes it go on with."""
+
+from pipeline.commands import COMMANDS
+from pipeline.validation.sentences import shown
+from pipeline.validation.walk import UnsupportedState
+
+
+def frame_of(commands):
+    """The commands as a tuple. Raises UnsupportedState for what is none of them, one alone for instance."""
+    if type(commands) in COMMANDS:
+        raise UnsupportedState(
+            f"A frame is a tuple of commands; this is one {type(commands).__name__}. Write (command,)."
+        )
+    try:
+        return tuple(commands)
+    except TypeError:
+        raise UnsupportedState(
+            f"A frame is a tuple of commands; this is {shown(commands)}. Give a tuple."
+        ) from None
+
+
+def _unwritable(array):
+    """The same memory, not to be written to: what was read stays what the framebuffer held."""
+    view = array.view()
+    view.setflags(write=False)
+    return view
+
+
+def issued_by(step, pixels):
+    """The commands that a HostStep issues for the pixels read so far, as a tuple.
+
+    Raises UnsupportedState where its function returns no tuple of commands, and what that function raises.
+    """
+    try:
+        issued = step.commands({name: _unwritable(pixels[name]) for name in step.reads})
+    except Exception as error:
+        error.add_note(f'in the function of HostStep "{step.label}"')
+        raise
+    try:
+        return frame_of(issued)
+    except UnsupportedState as error:
+        raise UnsupportedState(f'HostStep "{step.label}": {error}') from None
+
+
+def host_step(walk, command):
+    """Refuse a HostStep that reads what nothing has read, or where a pbuffer is current."""
+    if not walk.in_window:
+        walk.refuse("a pbuffer is current; make the window current first, which the host draws to.")
+    if missing := [name for name in command.reads if name not in walk.given]:
+        names = ", ".join(map(repr, sorted(walk.given))) or "none"
+        walk.refuse(
+            f"nothing has read {missing[0]!r} before (read so far: {names}); put a ReadPixels of this "
+            "name before it."
+        )

@@ -1,0 +1,32 @@
+"""Words that sentences of several sections are made of."""
+
+from pipeline.enums import DepthFormat
+
+
+def shown(value):
+    """A value as a sentence shows it: its beginning, where it is long."""
+    text = repr(value)
+    return text if len(text) <= 80 else text[:77] + "..."
+
+
+def listed(members):
+    """Names of members of an enum, in its order."""
+    return ", ".join(m.name for m in sorted(members)) or "none"
+
+
+def count(number, noun):
+    """A number and its noun."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+def nearest_power_of_two(edge):
+    """The power of two nearest to edge."""
+    above = 1 << (edge - 1).bit_length()
+    return above if above - edge <= edge - above // 2 else above // 2
+
+
+def depth_words(depth_bits):
+    """A depth buffer's format."""
+    if depth_bits in (DepthFormat.FLOAT_16, DepthFormat.FLOAT_24):
+        return f"{DepthFormat(depth_bits).name} depths"
+    return f"{int(depth_bits)} bits of depth"

@@ -1,0 +1,108 @@
+"""What a machine refuses of the window and of pbuffers: sizes, formats, and rectangles outside them."""
+
+from pipeline.enums import DepthFormat
+from pipeline.validation.sentences import count, depth_words, listed, shown
+from pipeline.validation.types import check_int
+from pipeline.validation.walk import KnownSurface, UnsupportedState
+
+
+def check_framebuffer(profile, width, height, depth_bits, what="The framebuffer"):
+    """Refuse a framebuffer of a size or with depths that the machine does not have."""
+    for name, number in (("width", width), ("height", height), ("depth_bits", depth_bits)):
+        if wrong := check_int(number):
+            raise UnsupportedState(f"{what}'s {name} {wrong.predicate}.")
+    if width < 1 or height < 1:
+        raise UnsupportedState(f"{what} is {width}x{height}; give at least 1x1.")
+    # Source: OpenGL 1.2.1 section 2.10.1: the largest viewport covers whatever can be displayed.
+    if max(width, height) > profile.max_viewport:
+        raise UnsupportedState(
+            f"{what} is {width}x{height}; {profile.name} draws up to "
+            f"{profile.max_viewport}x{profile.max_viewport}. Draw it in tiles."
+        )
+    if depth_bits not in profile.depth_bits:
+        formats = " or ".join(str(b) if b > 0 else DepthFormat(b).name for b in profile.depth_bits)
+        raise UnsupportedState(
+            f"{what} has {depth_words(depth_bits)}; {profile.name} has {formats}. Give one of these."
+        )
+
+
+def check_samples(profile, samples):
+    """Refuse a number of samples that the machine does not have."""
+    if wrong := check_int(samples):
+        raise UnsupportedState(f"The framebuffer's samples {wrong.predicate}.")
+    if samples not in profile.samples:
+        allowed = " or ".join(map(str, profile.samples))
+        raise UnsupportedState(
+            f"The framebuffer has {count(samples, 'sample')} in each pixel; {profile.name} has {allowed}. "
+            "Give one of these, or draw the scene several times, shifted, and accumulate."
+        )
+
+
+def check_color_bits(profile, color_bits):
+    """Refuse colours of a width that the machine does not have."""
+    if wrong := check_int(color_bits):
+        raise UnsupportedState(f"The framebuffer's color_bits {wrong.predicate}.")
+    if color_bits not in profile.color_bits:
+        widths = " or ".join(map(str, profile.color_bits))
+        raise UnsupportedState(
+            f"The framebuffer's colors have {shown(color_bits)} bits a component; {profile.name} has "
+            f"{widths}. Give one of these, or change the machine by with_precision."
+        )
+
+
+def make_current(walk, command):
+    """Refuse a pbuffer that the machine could not make; what follows draws to it, or to the window."""
+    name = command.surface
+    if name is None:
+        if command.width is not None or command.height is not None:
+            walk.refuse("the window has its size; give width and height to pbuffers only.")
+        walk.width, walk.height, walk.depth_bits = walk.window
+        walk.in_window = True
+        return
+    if not walk.profile.surface_formats:
+        walk.refuse(f"{walk.profile.name} has no pbuffers; draw to the window and use CopyTexImage.")
+    if command.color_format not in walk.profile.surface_formats:
+        walk.refuse(
+            f"{walk.profile.name} has no surface format {command.color_format.name}; it has "
+            f"{listed(walk.profile.surface_formats)}."
+        )
+    if command.width is None or command.height is None:
+        walk.refuse(f"pbuffer {name!r} has no width or no height; give both.")
+    asked = KnownSurface(command.width, command.height, command.color_format, command.depth_bits)
+    made = walk.surfaces.setdefault(name, asked)
+    if made != asked:
+        walk.refuse(
+            f"pbuffer {name!r} is {made} since it was made, and this asks for {asked}; give the same, "
+            "or another name."
+        )
+    check_framebuffer(
+        walk.profile, command.width, command.height, command.depth_bits, walk.where + ": the pbuffer"
+    )
+    walk.width, walk.height, walk.depth_bits = command.width, command.height, command.depth_bits
+    walk.in_window = False
+
+
+def inside(walk, what, rectangle, width, height):
+    """Refuse a rectangle (x, y, width, height) that reaches outside ``what``."""
+    x, y, w, h = rectangle
+    if w < 0 or h < 0:
+        walk.refuse(f"the rectangle is {w}x{h}; give sizes that are not negative.")
+    if x < 0 or y < 0 or x + w > width or y + h > height:
+        walk.refuse(
+            f"the rectangle {w}x{h} at ({x}, {y}) reaches outside {what}, which is {width}x{height}; "
+            "move it inside."
+        )
+
+
+def framebuffer_rectangle(walk, command):
+    """Width and height of what a command reads of the framebuffer; refuse what is outside."""
+    width = walk.width - command.x if command.width is None else command.width
+    height = walk.height - command.y if command.height is None else command.height
+    inside(walk, "the framebuffer", (command.x, command.y, width, height), walk.width, walk.height)
+    return width, height
+
+
+def scissor(walk, scissor):
+    """Refuse a scissor box, or a rectangle of a window clip, whose size is negative."""
+    if scissor.width < 0 or scissor.height < 0:
+        walk.refuse(f"the scissor box is {scissor.width}x{scissor.height}; give sizes that are not negative.")

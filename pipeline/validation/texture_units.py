@@ -1,0 +1,211 @@
+"""What a machine refuses of texture units: textures, stages of texture shaders, coordinates, environments."""
+
+from pipeline.enums import BaseFormat, TexGenMode, TextureShaderOperation, TextureTarget
+from pipeline.programs.texture_environment import environment_problem, texture_format
+from pipeline.programs.texture_shader_rules import (
+    DEPENDENT,
+    SCALING,
+    TARGETS_READ,
+    WITHOUT_TEXTURE,
+    shader_stages,
+    stage_problem,
+    stage_width_problem,
+)
+from pipeline.state import SignedComponents
+from pipeline.textures import stored_widths
+from pipeline.validation.sampling import sampler
+from pipeline.validation.sentences import count, listed
+from pipeline.validation.textures import known_texture
+from pipeline.validation.transfer import color_table_problem
+
+# Source: OpenGL 1.2.1 section 2.10.4 (SPHERE_MAP for s and t); NV_texgen_reflection (the other two, not q).
+_GENERATED_BY = {
+    TexGenMode.SPHERE_MAP: "st",
+    TexGenMode.NORMAL_MAP: "str",
+    TexGenMode.REFLECTION_MAP: "str",
+}
+
+
+def texture_units(walk, state, mesh):
+    """Refuse texture units, and stages, that the machine does not have or that do not fit their textures."""
+    units, allowed = state.texture_units, walk.profile.max_texture_units
+    if len(units) > allowed:
+        walk.refuse(
+            f"{walk.profile.name} has {count(allowed, 'texture unit')}; this pass has {len(units)}. "
+            "Split the pass or choose a profile with more."
+        )
+    stages = texture_shader(walk, state)
+    enabled = [(i, unit) for i, unit in enumerate(units) if unit is not None]
+    if not enabled:
+        return
+    if stages is not None:
+        _stage_widths(walk, units, stages)
+    for i, unit in enabled:
+        operation = None if stages is None else stages[i].operation
+        if operation in WITHOUT_TEXTURE or operation is TextureShaderOperation.NONE:
+            if unit.texture is not None:
+                known_texture(walk, unit.texture)
+            if state.register_combiners is None:
+                rgba = operation is TextureShaderOperation.PASS_THROUGH
+                walk.once(_environment, unit, i, BaseFormat.RGBA if rgba else None)
+            _unit_coordinates(walk, i, unit, 0 if operation is TextureShaderOperation.NONE else 3, mesh)
+            continue
+        if unit.texture is None:
+            walk.refuse(f"texture unit {i} names no texture to sample; give one, or disable the unit.")
+        known = known_texture(walk, unit.texture)
+        needed = {TextureTarget.TEXTURE_1D: 1, TextureTarget.TEXTURE_2D: 2}.get(known.target, 3)
+        foreign = (
+            operation is TextureShaderOperation.TEXTURE_CUBE_MAP
+            and known.target is not TextureTarget.TEXTURE_CUBE_MAP
+        )
+        if operation in DEPENDENT or foreign:
+            needed = DEPENDENT.get(operation, 3)
+            _dependent_access(walk, i, unit, known, operation)
+        elif operation in TARGETS_READ and known.target not in _accessible(walk, operation):
+            walk.refuse(
+                f"texture shader stage {i} is {operation.name}, but {unit.texture!r} is a "
+                f"{known.target.name}, which {walk.profile.name} does not read so; give the operation of "
+                "its target."
+            )
+        _unit_coordinates(walk, i, unit, needed, mesh)
+        walk.once(sampler, unit, known, i)
+        _color_table(walk, i, unit.color_table)
+        if state.register_combiners is None:
+            base = texture_format(unit, known.internal_format, walk.profile)
+            walk.once(_environment, unit, i, base)
+
+
+def _color_table(walk, number, table):
+    if table is not None and not walk.profile.texture_color_table:
+        walk.refuse(
+            f"texture unit {number} has a color_table; {walk.profile.name} has none after its filters. "
+            "Use the table's colours in the texture, or choose a profile that has it."
+        )
+    if problem := color_table_problem(f"the color table of texture unit {number}", table, walk.profile):
+        walk.refuse(problem)
+
+
+def _environment(walk, unit, number, base):
+    if problem := environment_problem(number, unit.environment, base, walk.profile):
+        walk.refuse(problem)
+
+
+def texture_shader(walk, state):
+    """The stages of every unit, or None; refuse those that the machine does not have."""
+    if state.texture_shader is None:
+        return None
+    profile, units = walk.profile, len(state.texture_units)
+    if not profile.texture_shader_operations:
+        walk.refuse(f"{profile.name} has no texture shaders; leave texture_shader None.")
+    if len(state.texture_shader) > units:
+        walk.refuse(
+            f"there are {len(state.texture_shader)} texture shader stages, but "
+            f"{count(units, 'texture unit')}; give each stage a unit."
+        )
+    stages = shader_stages(state)
+    for i, stage in enumerate(stages):
+        if stage.operation is TextureShaderOperation.NONE:
+            continue
+        if stage.operation not in profile.texture_shader_operations:
+            walk.refuse(
+                f"{profile.name} has no {stage.operation.name} (texture shader stage {i}); it has "
+                f"{listed(profile.texture_shader_operations)}."
+            )
+        dotted = stage.operation.name.startswith("DOT_PRODUCT")
+        if dotted and stage.dot_product_mapping not in profile.dot_product_mappings:
+            walk.refuse(
+                f"{profile.name} has no dot product mapping {stage.dot_product_mapping.name} (texture "
+                f"shader stage {i}); it has {listed(profile.dot_product_mappings)}."
+            )
+        if state.texture_units[i] is None:
+            walk.refuse(
+                f"texture shader stage {i} is {stage.operation.name}, but texture unit {i} is disabled; "
+                "enable it (with no texture where the operation reads none)."
+            )
+        if problem := stage_problem(i, stages):
+            walk.refuse(problem)
+    return stages
+
+
+def _stage_widths(walk, units, stages):
+    """Refuse stages that read words of 16 bits where there are none."""
+    widths = []
+    for unit, stage in zip(units, stages, strict=True):
+        known = None if unit is None or unit.texture is None else known_texture(walk, unit.texture)
+        if known is None or stage.operation in WITHOUT_TEXTURE:
+            widths.append(walk.profile.texture_bits)
+        else:
+            widths.append((stored_widths(known.internal_format, walk.profile) or (8,))[0])
+    if problem := stage_width_problem(stages, widths, walk.profile):
+        walk.refuse(problem)
+
+
+def _accessible(walk, operation):
+    """The targets of textures that an operation reads here."""
+    targets = TARGETS_READ[operation]
+    return targets if walk.profile.foreign_texture_targets else targets[:1]
+
+
+def _dependent_access(walk, number, unit, known, operation):
+    filters = unit.sampler.min_filter, unit.sampler.mag_filter
+    if filters[0] is not filters[1]:
+        walk.refuse(
+            f"texture unit {number} minifies with {filters[0].name}, magnifies with {filters[1].name}; "
+            f"{operation.name} makes coordinates that have no level of detail here; set both to "
+            "NEAREST or both to LINEAR."
+        )
+    if max(unit.sampler.max_probes, unit.sampler.max_anisotropy) > 1:
+        filters, limit = "filters anisotropically", "max_anisotropy"
+        if unit.sampler.max_probes > 1:
+            filters, limit = "assembles footprints", "max_probes"
+        walk.refuse(
+            f"texture unit {number} {filters}, which {walk.profile.name} does along its own "
+            f"coordinates, not along those that {operation.name} makes; set {limit} to 1."
+        )
+    if operation in SCALING and unit.sampler.signed_components != SignedComponents():
+        walk.refuse(
+            f"texture shader stage {number} is {operation.name}, which scales unsigned components alone; "
+            "leave signed_components unset."
+        )
+    targets = _accessible(walk, operation)
+    if known.target not in targets:
+        walk.refuse(
+            f"texture shader stage {number} is {operation.name}, but {unit.texture!r} is a "
+            f"{known.target.name}, which {walk.profile.name} does not read so; give it a "
+            f"{' or '.join(t.name for t in targets)}."
+        )
+
+
+def _unit_coordinates(walk, number, unit, needed, mesh):
+    _generation(walk, number, unit)
+    sets = len(mesh.texture_coordinates)
+    if unit.coordinates < 0:
+        walk.refuse(f"texture unit {number} takes coordinate set {unit.coordinates}; sets count from 0.")
+    if unit.coordinates >= sets and any(gen.mode is TexGenMode.NONE for gen in unit.gen[:needed]):
+        walk.refuse(
+            f"texture unit {number} takes coordinate set {unit.coordinates}, but the mesh has "
+            f"{count(sets, 'set')}; give the mesh coordinates or generate {', '.join('str'[:needed])}."
+        )
+
+
+def _generation(walk, number, unit):
+    profile, place = walk.profile, f"texture unit {number}"
+    if any(unit.cylinder_wrap) and not profile.cylinder_wrap:
+        walk.refuse(
+            f"{profile.name} does not wrap texture coordinates; give the triangles that cross the seam "
+            "vertices of their own."
+        )
+    for coordinate, gen in zip("strq", unit.gen, strict=True):
+        if gen.mode is TexGenMode.NONE:
+            continue
+        if gen.mode not in profile.texgen_modes:
+            walk.refuse(
+                f"{profile.name} cannot generate {coordinate} by {gen.mode.name}; it has "
+                f"{listed(profile.texgen_modes)}."
+            )
+        if coordinate not in _GENERATED_BY.get(gen.mode, "strq"):
+            walk.refuse(
+                f"{place} generates {coordinate} by {gen.mode.name}, which makes "
+                f"{', '.join(_GENERATED_BY[gen.mode])} only; use OBJECT_LINEAR or EYE_LINEAR for it, or "
+                "NONE."
+            )

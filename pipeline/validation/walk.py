@@ -1,0 +1,132 @@
+"""What the validation knows when it reaches a command, and how it refuses one."""
+
+from typing import NamedTuple
+from weakref import WeakKeyDictionary
+
+from pipeline.commands import Clear, Draw
+from pipeline.enums import ColorFormat, InternalFormat, PrimitiveType, TextureTarget
+from pipeline.validation.meshes import checked_meshes
+from pipeline.validation.remembered import Remembered
+from pipeline.validation.sentences import depth_words
+
+
+class UnsupportedState(ValueError):  # noqa: N818 (it names what was asked for)
+    """A command that the machine could not execute; the message is a sentence that says what to do."""
+
+
+class KnownSurface(NamedTuple):
+    """What validation remembers of a pbuffer: everything that it keeps from its first MakeCurrent on."""
+
+    width: int
+    height: int
+    color_format: ColorFormat
+    depth_bits: int
+
+    def __str__(self):
+        depth = depth_words(self.depth_bits)
+        return f"{self.width}x{self.height} {self.color_format.name} with {depth}"
+
+
+class KnownTexture(NamedTuple):
+    """What validation remembers of a texture object: (width, height) of every level, and how many faces or
+    layers it has.
+    """
+
+    target: TextureTarget
+    internal_format: InternalFormat
+    sizes: tuple[tuple[int, int], ...]
+    faces: tuple[int, ...]
+
+    @classmethod
+    def of(cls, image):
+        """What is remembered of a Texture."""
+        sizes = tuple((level.shape[2], level.shape[1]) for level in image.levels)
+        return cls(image.target, image.internal_format, sizes, tuple(len(level) for level in image.levels))
+
+
+class Taken:
+    """What a profile was found to take: parts of states, whole states with what they were drawn beside, and
+    texture objects as what validation remembers of them.
+    """
+
+    def __init__(self):
+        self.parts, self.states, self.textures = Remembered(), Remembered(), WeakKeyDictionary()
+
+
+_taken = Remembered(16)
+
+
+def taken_by(profile):
+    """The Taken of a profile."""
+    _, found = _taken.get(id(profile), (None, None))
+    if found is None:
+        found = Taken()
+        _taken.add(profile, finding=found)
+    return found
+
+
+class _Beside(NamedTuple):
+    """What a Draw's state was checked beside."""
+
+    names: tuple[str, ...]
+    textures: tuple[KnownTexture | None, ...]
+    coordinate_sets: int
+    primitive: PrimitiveType
+
+
+class Walk:
+    """What is known while the commands are gone through, in order.
+
+    where       the command at hand, in words
+    taken       what the profile was found to take
+    width, height, depth_bits  of what is drawn to: the window, or a pbuffer where ``in_window`` is False
+    surfaces    name to KnownSurface
+    textures    name to KnownTexture
+    read        names that ReadPixels gave; ``given``: those of them whose pixels no histogram's sink took
+    histograms, minmaxes  names of those that count
+    """
+
+    def __init__(self, profile, width, height, depth_bits, surfaces, statistics, read=()):
+        self.profile, self.width, self.height, self.depth_bits = profile, width, height, depth_bits
+        self.taken = taken_by(profile)
+        self.window = width, height, depth_bits
+        self.in_window = True
+        self.surfaces = {
+            name: KnownSurface(f.width, f.height, f.color_format, f.depth_format)
+            for name, f in surfaces.items()
+        }
+        self.textures = {}
+        self.read, self.given = set(read), set(read)  # names; those that a histogram's sink left pixels of
+        self.histograms, self.minmaxes = set(statistics.histograms), set(statistics.minmaxes)
+
+    def refuse(self, sentence):
+        """Raise UnsupportedState of the command at hand."""
+        raise UnsupportedState(f"{self.where}: {sentence}")
+
+    def once(self, check, value, *beside):
+        """``check(self, value, *beside)``, unless this machine was found to take the value beside these
+        hashable ones.
+        """
+        key = (id(value), check, *beside)
+        if key not in self.taken.parts:
+            check(self, value, *beside)
+            self.taken.parts.add(value, *key[1:])
+
+    def takes(self, command):
+        """Whether the command is known to be right here: a Clear that was checked before, or a Draw of a
+        state that was, with the same textures.
+        """
+        kind = type(command)
+        if kind is Clear:
+            return id(command) in self.taken.states
+        if kind is not Draw or type(command.label) is not str or not command.label.strip():
+            return False
+        found = self.taken.states.get(id(command.state))
+        return found is not None and found[1] == self.beside(command.mesh, found[1].names)
+
+    def beside(self, mesh, names):
+        """What the finding on a state that names these textures depends on; None for a mesh not checked."""
+        if mesh not in checked_meshes:
+            return None
+        textures = tuple([self.textures.get(name) for name in names])
+        return _Beside(names, textures, len(mesh.texture_coordinates), mesh.primitive)
