@@ -51,7 +51,7 @@ from pipeline.threads import Threads
 from pipeline.trace import Snapshot, snapshot
 from pipeline.transfer import HistogramTable, MinmaxTable, PixelStatistics
 from pipeline.validation.frames import frame_of, issued_by
-from pipeline.validation.validate import frame_of, issued_by, validate
+from pipeline.validation.validate import validate
 from raster import codes as C
 from raster import rows as R
 from raster.arrays import Buffers, scratch

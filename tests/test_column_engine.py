@@ -56,7 +56,6 @@ from pipeline.state import (
     TextureUnit,
 )
 from pipeline.textures import texture_2d
-from pipeline.validation.validate import UnsupportedState
 from pipeline.validation.walk import UnsupportedState
 from raster import (
     pixel_rectangles,
