@@ -215,11 +215,11 @@ def check(frame):
 # ------------------------------------------------------------------------------------------------ shrinking
 
 
-def shrunk(mismatch, seconds=SHRINKING_SECONDS):
-    """The mismatch of the smallest frame found in that time: without commands, states and triangles that
-    it does not need.
+def shrunk(mismatch):
+    """The mismatch of the smallest frame found in SHRINKING_SECONDS: without commands, states and triangles
+    that it does not need.
     """
-    deadline, best, progress = time.monotonic() + seconds, mismatch, True
+    deadline, best, progress = time.monotonic() + SHRINKING_SECONDS, mismatch, True
     while progress:
         progress = False
         for commands in _smaller(best.frame.commands):
@@ -353,19 +353,24 @@ def check_shared(machine, seed):
     return int(frame.small)
 
 
-def fuzz_threads(python_threads, seconds, first_seed=0):
-    """Several Python threads at once, each with Machines of its own, and all with two that they share.
+def fuzz_threads(python_threads, seconds=None, frames=None, first_seed=0):
+    """Several Python threads at once, each with Machines of its own, and all with two that they share, for so
+    many seconds or frames, a few more where threads were at them.
 
     Returns a Tally, or raises the first Mismatch, or whatever else a thread raised.
     """
     machines = [Machine(SHARED_PROFILE, *size, SHARED_DEPTH_BITS, threads=2) for size in SHARED_SIZES]
     tally, failures, lock = Tally(), [], threading.Lock()
-    begin, end = time.monotonic(), time.monotonic() + seconds
+    begin = time.monotonic()
+
+    def goes_on():
+        in_time = seconds is None or time.monotonic() - begin < seconds
+        return in_time and (frames is None or tally.frames < frames) and not failures
 
     def work(number):
         seed = first_seed + number
         try:
-            while time.monotonic() < end and not failures:
+            while goes_on():
                 specified = check(random_frame(seed))
                 for machine in machines:
                     specified += check_shared(machine, seed)
@@ -407,7 +412,7 @@ def main(arguments=None):
             check(frame)
             print("no difference")
         elif given.python_threads > 1:
-            print(fuzz_threads(given.python_threads, seconds or 60.0, given.first_seed))
+            print(fuzz_threads(given.python_threads, seconds, given.frames, given.first_seed))
         else:
             print(fuzz(seconds, given.frames, given.first_seed))
     except Mismatch as mismatch:

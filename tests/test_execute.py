@@ -9,6 +9,7 @@ import weakref
 from concurrent.futures import ThreadPoolExecutor
 from copy import deepcopy
 from dataclasses import replace
+from queue import SimpleQueue
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipeline import execute as execute_module
+from pipeline import threads as threads_module
 from pipeline import vertex
 from pipeline.commands import (
     Clear,
@@ -69,6 +71,8 @@ from tests.strategies import POLYGONS
 
 WIDTH, HEIGHT = 20, 14
 PARALLEL = 160  # pixels along the edges of a framebuffer that is large enough for several threads
+# Seconds after which what should end is taken to hang: more than any machine needs, however busy it is.
+HANGS = 600.0
 CORNERS = np.array([[-1.0, -1.0], [3.0, -1.0], [-1.0, 3.0]])  # a triangle over the whole screen
 TEXTURE = CombinerInput(Register.TEXTURE0)
 SHOW_TEXTURE = RegisterCombiners(
@@ -645,17 +649,16 @@ def drawing_threads():
 
 
 def test_threads_end_with_their_machine():
-    gc.collect()
-    before = len(drawing_threads())
-    peak = 0
+    before, started = set(drawing_threads()), set()
     for _ in range(100):
-        run(flood(7), size=(PARALLEL, PARALLEL), threads=3)
-        peak = max(peak, len(drawing_threads()))
-    assert peak > before  # it did draw with threads
-    deadline = time.monotonic() + 20.0
-    while len(drawing_threads()) > before and time.monotonic() < deadline:
-        time.sleep(0.01)
-    assert len(drawing_threads()) <= before
+        machine = Machine(GEFORCE_256, PARALLEL, PARALLEL, threads=3)
+        machine.run((flood(7),))
+        started |= set(drawing_threads()) - before
+    del machine
+    assert len(started) == 200  # two beside the caller's
+    for thread in started:
+        thread.join(HANGS)
+        assert not thread.is_alive()
 
 
 def test_no_more_threads_start_than_there_are_bands():
@@ -689,7 +692,7 @@ def test_a_machine_draws_on_in_a_forked_process():
             )
         finally:
             os._exit(0 if same else 1)
-    deadline = time.monotonic() + 60.0
+    deadline = time.monotonic() + HANGS
     ended, status = os.waitpid(child, os.WNOHANG)
     while not ended and time.monotonic() < deadline:
         time.sleep(0.02)
@@ -823,36 +826,58 @@ def test_an_engine_that_there_is_not_is_refused():
             run(flood(3), engine=engine)
 
 
-def test_threads_add_up_and_raise_what_their_shares_raise():
-    threads = Threads(4)
-    for _ in range(50):
-        assert threads.run(lambda k: 10**k) == 1111
-    ended = []
+@pytest.mark.parametrize("order", [(0, 1, 2, 3), (3, 2, 1, 0), (2, 0, 3, 1)])
+def test_threads_all_end_and_the_callers_error_is_raised(order):
+    threads, ended, may_end = Threads(4), [], [threading.Event() for _ in order]
 
     def failing(k):
-        time.sleep(0.01 * k)
+        assert may_end[k].wait(HANGS)
         ended.append(k)
+        for after in order[len(ended) :][:1]:
+            may_end[after].set()
         raise ValueError(f"share {k}")
 
-    for share, first in ((failing, 0), (lambda k: failing(k) if k == 2 else k, 2)):
-        ended.clear()
-        with pytest.raises(ValueError, match=f"share {first}"):
-            threads.run(share)
-        assert ended == ([0, 1, 2, 3] if first == 0 else [2])
+    may_end[order[0]].set()
+    with pytest.raises(ValueError, match="share 0"):
+        threads.run(failing)
+    assert ended == list(order)
     assert threads.run(lambda k: k) == 6  # and they go on
 
 
-def test_threads_keep_nothing_of_what_they_did():
+def test_threads_add_up_and_raise_what_one_share_raises():
+    threads, ended = Threads(4), []
+
+    def failing(k):
+        if k == 2:
+            raise ValueError("share 2")
+        ended.append(k)
+        return k
+
+    for _ in range(50):
+        assert threads.run(lambda k: 10**k) == 1111
+    with pytest.raises(ValueError, match="share 2"):
+        threads.run(failing)
+    assert sorted(ended) == [0, 1, 3]
+
+
+def test_threads_keep_nothing_of_what_they_did(monkeypatch):
     class Kept:
         pass
 
+    class Inbox(SimpleQueue):
+        def get(self):
+            if threading.current_thread().name.startswith("fixedpipe"):
+                waits.release()
+            return super().get()
+
+    waits = threading.Semaphore(0)
+    monkeypatch.setattr(threads_module, "SimpleQueue", Inbox)
     threads, kept = Threads(2), Kept()
     alive = weakref.ref(kept)
     threads.run(lambda k, kept=kept: k)
     del kept
-    deadline = time.monotonic() + 10.0
-    while alive() is not None and time.monotonic() < deadline:
-        time.sleep(0.01)
+    for _ in ("for this work", "for the next"):
+        assert waits.acquire(timeout=HANGS)
     assert alive() is None
 
 
