@@ -35,7 +35,8 @@ $(READY): pyproject.toml constraints.txt
 	$(PYTHON) is %d.%d. Install a newer one, or name it: make PYTHON=/path/to/python3.11" % v[:2])'
 	@[ -x $(BIN)/python ] || { echo "making a virtual environment in .venv"; $(PYTHON) -m venv .venv; }
 	@echo "installing the pinned packages of constraints.txt"
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev,bench]'
+	@said=$$($(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt \
+	--editable '.[dev,bench]' 2>&1) || { status=$$?; printf '%s\n' "$$said" >&2; exit $$status; }
 	@touch $@
 
 figures: $(READY)

@@ -1,0 +1,33 @@
+"""What ``make`` says: of the first set-up, what pip says only where it fails."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+NOISE = "WARNING: what pip says"
+
+
+@pytest.mark.skipif(shutil.which("make") is None, reason="this system has no make")
+@pytest.mark.parametrize("status", [0, 1])
+def test_pip_is_heard_only_where_the_set_up_fails(tmp_path, status):
+    for name in ("Makefile", "pyproject.toml", "constraints.txt"):
+        shutil.copy(ROOT / name, tmp_path)
+    python = tmp_path / ".venv" / "bin" / "python"
+    python.parent.mkdir(parents=True)
+    python.write_text(f"#!/bin/sh\necho '{NOISE}'\necho '{NOISE}' >&2\nexit {status}\n")
+    python.chmod(0o755)
+    done = subprocess.run(
+        ["make", "setup", f"PYTHON={sys.executable}"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode == 0) == (status == 0), done.stderr
+    assert (tmp_path / ".venv" / ".ready").exists() == (status == 0)
+    assert NOISE not in done.stdout
+    assert done.stderr.count(NOISE) == 2 * status
