@@ -12,9 +12,9 @@ from pathlib import Path
 
 from bench.measure import Ours, Repeated, take_turns
 from bench.scenes import SCENES
-from pipeline.commands import Draw, TexImage
-from pipeline.profiles import GEFORCE_256
-from pipeline.state import Scissor
+from fixedpipe.pipeline.commands import Draw, TexImage
+from fixedpipe.pipeline.profiles import GEFORCE_256
+from fixedpipe.pipeline.state import Scissor
 
 _ROOT = Path(__file__).resolve().parents[1]
 # The figure of Kautz, Seidel 2000 that stands for all, and the edge of its panels in pixels.
@@ -55,8 +55,8 @@ class Figure:
 
 def _loaded_figure(width, threads):
     """A machine of ``width`` x 512 pixels that holds the figure's textures, and the other commands."""
-    from effects.figures import FIGURES
-    from pipeline.execute import Machine
+    from fixedpipe.effects.figures import FIGURES
+    from fixedpipe.pipeline.execution.machine import Machine
 
     commands = FIGURES[_FIGURE].commands(GEFORCE_256, _EDGE)
     machine = Machine(GEFORCE_256, width, _EDGE, threads=threads)
@@ -123,7 +123,14 @@ def _run_module(*arguments, **environment):
 
 def _draw_to_file(folder, **environment):
     return _run_module(
-        "effects.cli", "figures", _FIGURE, "--profile", "GEFORCE_256", "--out", folder, **environment
+        "fixedpipe.effects.cli",
+        "figures",
+        _FIGURE,
+        "--profile",
+        "GEFORCE_256",
+        "--out",
+        folder,
+        **environment,
     )[0]
 
 

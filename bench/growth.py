@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from bench.measure import Ours, take_turns
 from bench.meshes import torus
 from bench.scenes import SCENES, Scene, bump
-from pipeline.profiles import GEFORCE_256
+from fixedpipe.pipeline.profiles import GEFORCE_256
 
 EDGES = (256, 512, 1024, 2048, 4096)
 # Segments around and across: from 10³ to 10⁶ triangles.

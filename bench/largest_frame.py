@@ -9,9 +9,9 @@ import numpy as np
 
 from bench.scenes import SCENES
 from bench.textures import TEXTURES
-from pipeline.commands import TexImage
-from pipeline.execute import Machine
-from pipeline.textures import texture_2d
+from fixedpipe.pipeline.commands import TexImage
+from fixedpipe.pipeline.execution.machine import Machine
+from fixedpipe.pipeline.textures.images import texture_2d
 
 EDGE = 2048
 

@@ -30,7 +30,7 @@ class Repeated:
 
 
 class Ours:
-    """The emulated machine as a party to a measurement: whole frames through ``pipeline.execute``."""
+    """The emulated machine as a party to a measurement: whole frames through ``fixedpipe.pipeline.execution.machine``."""
 
     name = "ours"
 
@@ -40,7 +40,7 @@ class Ours:
     def prepare(self, scene, size):
         """Make ``scene`` at ``size`` x ``size`` pixels the one that is drawn, with its textures in place."""
         # numba is imported with it, which takes longer than everything that needs no drawing.
-        from pipeline.execute import Machine
+        from fixedpipe.pipeline.execution.machine import Machine
 
         self._machine = Machine(scene.profile, size, size, threads=self._threads)
         self._machine.run(scene.textures())

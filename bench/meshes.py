@@ -5,8 +5,8 @@ from functools import cache
 
 import numpy as np
 
-from pipeline.commands import Mesh
-from pipeline.enums import PrimitiveType
+from fixedpipe.pipeline.commands import Mesh
+from fixedpipe.pipeline.enums import PrimitiveType
 
 # Light vectors as colours, lower left, lower right, upper left, upper right. Scenes without a bump map show
 # them as Gouraud colours.

@@ -12,7 +12,7 @@ from threading import Barrier
 
 import numpy as np
 
-from pipeline.enums import StencilOperation, TextureFilter
+from fixedpipe.pipeline.enums import StencilOperation, TextureFilter
 
 IN_CACHE, OUT_OF_CACHE = 4 << 20, 256 << 20  # bytes of all threads together
 _SECONDS = 0.05

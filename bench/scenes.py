@@ -12,8 +12,8 @@ from functools import cache
 from bench import shadow
 from bench.meshes import look_at, perspective, quad, torus
 from bench.textures import TEXTURES
-from pipeline.commands import Clear, Draw, TexImage
-from pipeline.enums import (
+from fixedpipe.pipeline.commands import Clear, Draw, TexImage
+from fixedpipe.pipeline.enums import (
     BlendFactor,
     ComparisonFunction,
     ComponentUsage,
@@ -25,9 +25,9 @@ from pipeline.enums import (
     TextureFilter,
     WrapMode,
 )
-from pipeline.profile import Profile
-from pipeline.profiles import GEFORCE_3, GEFORCE_256
-from pipeline.state import (
+from fixedpipe.pipeline.profiles import GEFORCE_3, GEFORCE_256
+from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.state import (
     AlphaPortion,
     Blending,
     ColorMask,
@@ -184,7 +184,7 @@ class Scene:
 @cache
 def _count_fragments(scene, size):
     # numba is imported with it, which a peer's process has no use for.
-    from pipeline.execute import execute
+    from fixedpipe.pipeline.execution.machine import execute
 
     return execute((*scene.textures(), scene.draw(size)), scene.profile, size, size).fragments
 

@@ -11,10 +11,10 @@ from functools import cache
 import numpy as np
 
 from bench.meshes import grid_triangles, look_at, perspective
-from pipeline.commands import Mesh
-from pipeline.enums import InternalFormat, TexGenMode, TextureTarget
-from pipeline.state import TexGen
-from pipeline.textures import Texture, depth_texels
+from fixedpipe.pipeline.commands import Mesh
+from fixedpipe.pipeline.enums import InternalFormat, TexGenMode, TextureTarget
+from fixedpipe.pipeline.state import TexGen
+from fixedpipe.pipeline.textures.images import Texture, depth_texels
 
 # Centre, radius and colour.
 _BALLS = (

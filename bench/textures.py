@@ -5,7 +5,7 @@ from functools import cache, partial
 import numpy as np
 
 from bench.shadow import shadow_map
-from pipeline.textures import texture_2d
+from fixedpipe.pipeline.textures.images import texture_2d
 
 
 @cache

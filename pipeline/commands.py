@@ -1,4 +1,4 @@
-"""What a frame is made of. An effect returns a tuple of these; ``pipeline.execute`` runs them in order.
+"""What a frame is made of. An effect returns a tuple of these; ``fixedpipe.pipeline.execution.machine`` runs them in order.
 
 Every command carries everything it needs and a ``label`` in the paper's words. Window coordinates are
 OpenGL's: origin lower left, y up. Images of textures and of ReadPixels have their bottom row first.
@@ -11,7 +11,7 @@ from typing import get_args
 
 import numpy as np
 
-from pipeline.enums import (
+from fixedpipe.pipeline.enums import (
     AccumOperation,
     ColorBuffer,
     ColorFormat,
@@ -21,9 +21,9 @@ from pipeline.enums import (
     TextureTarget,
     WindowOrigin,
 )
-from pipeline.pixel_transfer import INITIAL_TRANSFER, PixelImage, PixelTransfer, read_only_copy
-from pipeline.state import Color, ColorMask, PassState, PixelTexture, RasterPosition, Scissor
-from pipeline.textures import Texture
+from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER, PixelImage, PixelTransfer, read_only_copy
+from fixedpipe.pipeline.state import Color, ColorMask, PassState, PixelTexture, RasterPosition, Scissor
+from fixedpipe.pipeline.textures.images import Texture
 
 _INITIAL_STATE, _INITIAL_POSITION = PassState(), RasterPosition()
 _ARRAYS = (
@@ -56,7 +56,7 @@ def _frozen(values, dtype, name):
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Vertex arrays of one primitive type (sections 2.6 to 2.8), checked by ``pipeline.validation``.
+    """Vertex arrays of one primitive type (sections 2.6 to 2.8), checked by ``fixedpipe.pipeline.validation``.
 
     positions           float64 [n, 2..4], object coordinates; missing components are z = 0, w = 1
     indices             int64 [k] into the vertices, or None: the vertices in order

@@ -1,7 +1,7 @@
 """The tokens of OpenGL 1.2.1 and its extensions, without ``GL_`` and without vendor suffix.
 
 The integer values are this project's own. Those that kernels decide on come from ``raster/codes.py``, the one
-list of codes; ``pipeline/pack.py`` writes them into the rows that kernels read.
+list of codes; ``pipeline/native/pack.py`` writes them into the rows that kernels read.
 
 Source: OpenGL 1.2.1 (Segal, Akeley 1999); NV_register_combiners; EXT_texture_cube_map; NV_texgen_reflection;
 EXT_stencil_wrap; EXT_blend_minmax; EXT_blend_subtract; EXT_texture_lod_bias; NV_texture_shader; ARB_shadow;
@@ -10,7 +10,7 @@ ARB_texture_env_combine; ARB_texture_env_dot3; NV_texture_env_combine4.
 
 from enum import IntEnum
 
-from raster import codes as C
+from fixedpipe.raster import codes as C
 
 
 class PrimitiveType(IntEnum):
@@ -213,7 +213,7 @@ class TextureTarget(IntEnum):
 
 class InternalFormat(IntEnum):
     """Sized internal formats, table 3.16: base format and resolution of each component; and those of
-    extensions, which only ``pipeline.texel_words`` makes.
+    extensions, which only ``fixedpipe.pipeline.textures.words`` makes.
     """
 
     ALPHA4 = 0

@@ -2,7 +2,7 @@
 an image, the framebuffer and a texture, in the specification's words. Every default is the initial value.
 
 Nothing is current: each command that moves pixels carries a whole ``PixelTransfer``. The operations are
-applied in section 3.6.5's order, which is the order of the fields; ``raster.transfer`` has the arithmetic and
+applied in section 3.6.5's order, which is the order of the fields; ``fixedpipe.raster.pixels.transfer`` has the arithmetic and
 docs/numbers.md the rule. Tables and filters are given as they are once specified: clamping to [0, 1] (tables)
 and the bits of the internal format take place here, COLOR_TABLE_SCALE and _BIAS and CONVOLUTION_FILTER_SCALE
 and _BIAS are the caller's to multiply and add.
@@ -15,8 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.enums import BaseFormat, ConvolutionBorderMode
-from pipeline.state import IDENTITY, Color, ColorTable, Matrix
+from fixedpipe.pipeline.enums import BaseFormat, ConvolutionBorderMode
+from fixedpipe.pipeline.state import IDENTITY, Color, ColorTable, Matrix
 
 _ONES: Color = (1.0, 1.0, 1.0, 1.0)
 _ZEROS: Color = (0.0, 0.0, 0.0, 0.0)

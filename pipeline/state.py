@@ -2,7 +2,7 @@
 
 Nothing is "current": a Draw carries a whole ``PassState``. Every default is the OpenGL initial value. Change
 a state with ``dataclasses.replace``; equal states compare equal. What a machine cannot hold is refused by
-``pipeline.validation``, not here; what no machine could mean (three outputs to one register) is refused there
+``fixedpipe.pipeline.validation``, not here; what no machine could mean (three outputs to one register) is refused there
 too.
 
 Colours are RGBA tuples of floats; 1.0 is full intensity. Matrices are 4x4 tuples of rows, applied to column
@@ -11,7 +11,7 @@ vectors (``clip = projection @ modelview @ object``).
 
 from dataclasses import dataclass, field, replace
 
-from pipeline.enums import (
+from fixedpipe.pipeline.enums import (
     BaseFormat,
     BlendEquation,
     BlendFactor,

@@ -1,7 +1,7 @@
 """The integer codes that rows, kernels and the column engine decide on: the ground floor.
 
 A code's name begins with what kind of thing it is. ``pipeline/enums.py`` takes the values of OpenGL's tokens
-from here; kinds that are no tokens are what ``pipeline/pack.py`` makes of a state. A kernel compares a row's
+from here; kinds that are no tokens are what ``pipeline/native/pack.py`` makes of a state. A kernel compares a row's
 entry with one of these names, never with a number: to Numba they are constants. Where codes are ordered, or
 made of bits, for a reason, the reason stands beside them.
 """
@@ -260,7 +260,7 @@ CONVOLUTION_REDUCE, CONVOLUTION_CONSTANT_BORDER, CONVOLUTION_REPLICATE_BORDER = 
 # Which volume of a four-dimensional texture q chooses (SGIX_impact_pixel_texture).
 TEX_GEN_Q_ROUND, TEX_GEN_Q_CEILING, TEX_GEN_Q_FLOOR = range(3)
 
-# Clipping planes, in the order in which ``pipeline.clip.clip_planes`` clips.
+# Clipping planes, in the order in which ``fixedpipe.pipeline.vertices.clip.clip_planes`` clips.
 PLANE_NEAR, PLANE_FAR, PLANE_LEFT, PLANE_RIGHT, PLANE_BOTTOM, PLANE_TOP = range(6)
 
 # ----------------------------------------------------------------------------------------- the vector engine

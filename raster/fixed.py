@@ -6,7 +6,7 @@ narrower.
 
 from numba import int32, int64
 
-from raster.kernel import bits_of, float_of, kernel
+from fixedpipe.raster.kernel import bits_of, float_of, kernel
 
 _LOW_24 = int64(-1 << 24)  # 29 significant bits
 _EXPONENT = int64(0x7FF << 52)

@@ -1,11 +1,11 @@
-"""Layout of the rows that ``pipeline/pack.py`` writes and kernels read. Every entry is an integer unless it
+"""Layout of the rows that ``pipeline/native/pack.py`` writes and kernels read. Every entry is an integer unless it
 says so.
 
 A state is packed so that two states that cannot differ in their result give equal rows: what is disabled is
 zero.
 """
 
-from raster.codes import REGISTER_DISCARD
+from fixedpipe.raster.codes import REGISTER_DISCARD
 
 # ------------------------------------------------------------------ draw: int64[DRAW_SIZE]
 (
@@ -219,7 +219,7 @@ P00, P10, P01, P11, TEXEL_0, TEXEL_1, MAGNIFIED, LAYER_1, STAGE0 = range(9)
 SUM_EVEN, SUM_ODD = STAGE0 + 4, STAGE0 + 5  # an anisotropic filter's sums of bytes 0 and 2, and 1 and 3
 PACKED_COLUMNS = SUM_ODD + 1
 
-# ------------------------------------------------------------------- the vector engine (raster/frame.py)
+# ------------------------------------------------------------------- the vector engine (raster/vector/frame.py)
 SLACK = 32  # elements of every column behind a batch: vectors may reach so far
 
 # More columns of floats: what fragments of mixed segments carry of their triangle: edge functions; 1/w of the

@@ -15,13 +15,13 @@ from pathlib import Path
 
 import numpy as np
 
-from effects.cli.files import png, write_whole
-from effects.figures import FIGURES
-from effects.precision import measure
-from pipeline.execute import execute
-from pipeline.golden import GOLDEN_SIZE, Golden, digest, from_text, to_text
-from pipeline.profiles import PROFILES
-from tests.run_reference import run_reference
+from fixedpipe.effects.acceptance.precision import measure
+from fixedpipe.effects.figures import FIGURES
+from fixedpipe.effects.reports.files import png, write_whole
+from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.golden.digests import GOLDEN_SIZE, Golden, digest, from_text, to_text
+from fixedpipe.pipeline.profiles import PROFILES
+from tests.support.run_reference import run_reference
 
 REFERENCE_SIZE = 32  # edge of a panel, pixels: plain Python takes a minute for ten thousand triangles
 # RMS of (machine - ideal), 1.0 = full intensity, that a picture of a wider machine may have where every

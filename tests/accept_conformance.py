@@ -12,11 +12,11 @@ import sys
 from datetime import date
 from pathlib import Path
 
-from effects.cli.captures import find_captures
-from effects.cli.files import write_whole
-from effects.conformance.case import Inputs
-from effects.conformance.redraw import known_suites
-from effects.conformance.run import Totals, compare_all
+from fixedpipe.effects.conformance.captures import find_captures
+from fixedpipe.effects.conformance.case import Inputs
+from fixedpipe.effects.conformance.redraw import known_suites
+from fixedpipe.effects.conformance.run import Totals, compare_all
+from fixedpipe.effects.reports.files import write_whole
 from tests.conftest import CAPTURES
 
 ACCEPTED = Path(__file__).parent / "conformance" / "accepted.txt"

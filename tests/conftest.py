@@ -43,11 +43,11 @@ def pytest_sessionstart(session):
     begins_workers = config.getoption("numprocesses", None) and not hasattr(config, "workerinput")
     if not begins_workers or config.rootpath != root:
         return
-    from raster.kernel import is_cold  # not before: `pytest --help` needs no compiler
+    from fixedpipe.raster.kernel import is_cold  # not before: `pytest --help` needs no compiler
 
     if is_cold():
         print("compiling the kernels, once: a minute or two", flush=True)
-        bits = [sys.executable, "-m", "tests.bits", "1", "1024"]
+        bits = [sys.executable, "-m", "tests.support.bits", "1", "1024"]
         # Where that fails, the tests that need it will say so.
         subprocess.run(bits, cwd=root, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
 

@@ -1,6 +1,6 @@
 """Random frames on every engine, and small ones through the specification: no bit may differ.
 
-``python -m tests.fuzz --seconds 600`` draws frame after frame (``tests.random_frames``) and compares
+``python -m tests.fuzz --seconds 600`` draws frame after frame (``tests.support.random_frames``) and compares
 framebuffers, pbuffers, textures, what ReadPixels read, and how many fragments were drawn. A difference ends
 it with the seed, the smallest frame found that still differs, in words, and its first pixels;
 ``python -m tests.fuzz --seed S`` draws that frame again.
@@ -15,16 +15,16 @@ from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
-from pipeline.commands import Draw, MakeCurrent, Mesh, TexImage
-from pipeline.describe import describe
-from pipeline.enums import PrimitiveType
-from pipeline.execute import BATCH, Machine
-from pipeline.profiles import NV2A
-from pipeline.state import PassState
-from pipeline.validation.walk import UnsupportedState
-from raster.kernel import is_cold
-from tests.random_frames import random_frame
-from tests.run_reference import run_reference
+from fixedpipe.pipeline.commands import Draw, MakeCurrent, Mesh, TexImage
+from fixedpipe.pipeline.description.describe import describe
+from fixedpipe.pipeline.enums import PrimitiveType
+from fixedpipe.pipeline.execution.machine import BATCH, Machine
+from fixedpipe.pipeline.profiles import NV2A
+from fixedpipe.pipeline.state import PassState
+from fixedpipe.pipeline.validation.walk import UnsupportedState
+from fixedpipe.raster.kernel import is_cold
+from tests.support.random_frames import random_frame
+from tests.support.run_reference import run_reference
 
 SHRINKING_SECONDS = 60.0
 # Frames that one Machine draws one after the other, or several Python threads at once.

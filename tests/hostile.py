@@ -1,6 +1,6 @@
 """Rows and columns that no state packs to, given to the kernels: no crash, and nothing outside an array.
 
-``python -m tests.hostile --frames N`` spoils what ``pipeline/pack.py`` made of N random frames, one array at
+``python -m tests.hostile --frames N`` spoils what ``pipeline/native/pack.py`` made of N random frames, one array at
 a time: random bytes, small whole numbers, numbers at the ends of their type, NaN. It runs in a process of its
 own, for a kernel that did leave its arrays could end it; with NUMBA_BOUNDSCHECK=1 such a kernel raises
 IndexError instead.
@@ -11,18 +11,19 @@ import sys
 
 import numpy as np
 
-from pipeline import pack, vertex
-from pipeline.combiner_plan import plan_combiners
-from pipeline.commands import Draw, TexImage
-from pipeline.enums import TextureTarget
-from pipeline.execute import _texels
-from pipeline.framebuffer import Framebuffer
-from raster import rows as R
-from raster.arrays import Buffers, scratch
-from raster.bins import BAND_HEIGHT, count_bins, fill_bins
-from raster.draw import draw_bands
-from raster.frame import draw_frame, fill_clear, fill_draw
-from tests.random_frames import random_frame
+from fixedpipe.pipeline.commands import Draw, TexImage
+from fixedpipe.pipeline.enums import TextureTarget
+from fixedpipe.pipeline.execution.machine import _texels
+from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
+from fixedpipe.pipeline.native import pack
+from fixedpipe.pipeline.native.combiner_plan import plan_combiners
+from fixedpipe.pipeline.vertices import stage
+from fixedpipe.raster import rows as R
+from fixedpipe.raster.portable.draw import draw_bands
+from fixedpipe.raster.primitives.bins import BAND_HEIGHT, count_bins, fill_bins
+from fixedpipe.raster.vector.arrays import Buffers, scratch
+from fixedpipe.raster.vector.frame import draw_frame, fill_clear, fill_draw
+from tests.support.random_frames import random_frame
 
 SHARED = ("program", "final", "constants", "arithmetic", "factors")
 ROWS = ("draw", "draw_float", *SHARED, "units", "fog_thresholds", "depths")
@@ -59,9 +60,9 @@ class Arrays(dict):
 
     @classmethod
     def of(cls, command, frame, target, textures):
-        """The arrays of a Draw: made as ``pipeline.execute`` makes them."""
+        """The arrays of a Draw: made as ``fixedpipe.pipeline.execution.machine`` makes them."""
         state = command.state
-        p = vertex.process(command.mesh, state, frame.profile, target.width, target.height)
+        p = stage.process(command.mesh, state, frame.profile, target.width, target.height)
         packed = pack.pack(state, frame.profile, target, textures, p)
         texels, pairs = [np.zeros(1, np.uint32)] * 4, [np.zeros(1, np.uint32)] * 4
         levels = np.ones((len(packed.units), R.MAX_LEVELS, 3), np.int32)

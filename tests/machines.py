@@ -1,17 +1,17 @@
-"""docs/machines.md, made of the profiles and of tests/features.py: ``python -m tests.machines``."""
+"""docs/machines.md, made of the profiles and of tests/support/features.py: ``python -m tests.machines``."""
 
 from itertools import groupby
 from pathlib import Path
 
-from pipeline.profiles import PROFILES
-from tests.features import FEATURES
+from fixedpipe.pipeline.profiles import PROFILES
+from tests.support.features import FEATURES
 
 PAGE = Path(__file__).parents[1] / "docs" / "machines.md"
 
 _HEAD = """\
 # The machines, and what they have
 
-This page is made by `make machines` from `pipeline/profiles/` and `tests/features.py`; a test fails where it
+This page is made by `make machines` from `pipeline/profiles/` and `tests/support/features.py`; a test fails where it
 is stale. Tests run every entry: `validate` accepts a feature's commands exactly where the tables say so, and
 elsewhere names the machine and what to do instead. A number is the machine's limit. `fixedpipe profiles NAME`
 prints all values of a machine, each with its evidence; [adding-things.md](adding-things.md) says how a

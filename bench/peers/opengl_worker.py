@@ -23,15 +23,8 @@ from OpenGL import GL  # noqa: E402  the two switches above are read when this i
 from bench.peers.context import make_context  # noqa: E402
 from bench.scenes import CLEAR_COLOR, SCENES  # noqa: E402
 from bench.textures import TEXTURES  # noqa: E402
-from pipeline.enums import InternalFormat, TexGenMode, TextureCompareMode  # noqa: E402
-from pipeline.state import (  # noqa: E402
-    IDENTITY,
-    ColorMask,
-    PassState,
-    Sampler,
-    TexGen,
-    TextureUnit,
-)
+from fixedpipe.pipeline.enums import InternalFormat, TexGenMode, TextureCompareMode  # noqa: E402
+from fixedpipe.pipeline.state import IDENTITY, ColorMask, PassState, Sampler, TexGen, TextureUnit  # noqa: E402
 
 
 def untranslated(state):

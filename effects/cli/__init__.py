@@ -5,7 +5,7 @@ import importlib
 
 import click
 
-from effects.cli.refusal import Refusal, Said
+from fixedpipe.effects.cli.refusal import Refusal, Said
 
 _COMMANDS = (
     "figures",
@@ -52,7 +52,7 @@ class LazyGroup(click.Group):
         """The subcommand of that name, or None."""
         if cmd_name not in _COMMANDS:
             return None
-        return getattr(importlib.import_module(f"effects.cli.{cmd_name}"), cmd_name)
+        return getattr(importlib.import_module(f"fixedpipe.effects.cli.{cmd_name}"), cmd_name)
 
     def invoke(self, ctx):
         """Run the subcommand; a Refusal becomes its sentence and exit status 2."""

@@ -1,5 +1,5 @@
-"""``python -m effects.cli``: the command line of a checkout, without installing it."""
+"""``python -m fixedpipe.effects.cli``: the command line of a checkout, without installing it."""
 
-from effects.cli import main
+from fixedpipe.effects.cli import main
 
 main(prog_name="fixedpipe")

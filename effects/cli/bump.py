@@ -4,7 +4,7 @@ import math
 
 import click
 
-from effects.cli.options import profile_option, threads_option
+from fixedpipe.effects.cli.options import profile_option, threads_option
 
 
 @click.command(short_help="Bump-map a mesh with a photograph.")
@@ -65,13 +65,13 @@ def bump(
     """
     from dataclasses import replace
 
-    from effects.bump import commands, material, mesh
-    from effects.cli.compiling import announce_compiling
-    from effects.cli.files import png, read_picture, read_text, writable_picture, write_whole
-    from effects.cli.refusal import check_size, choose, refusals
-    from effects.meshes import read_obj
-    from effects.tangent_space import examine_surface
-    from pipeline.profiles import PROFILES
+    from fixedpipe.effects.bump_mapping.tangent_space import examine_surface
+    from fixedpipe.effects.cli.compiling import announce_compiling
+    from fixedpipe.effects.cli.refusal import check_size, choose, refusals
+    from fixedpipe.effects.geometry.surfaces import read_obj
+    from fixedpipe.effects.reports.files import png, read_picture, read_text, writable_picture, write_whole
+    from fixedpipe.effects.user_pictures.bumped_mesh import commands, material, mesh
+    from fixedpipe.pipeline.profiles import PROFILES
 
     machine = choose("profile", profile, PROFILES)
     path = writable_picture(out)
@@ -89,7 +89,7 @@ def bump(
         )
 
         announce_compiling()
-        from pipeline.execute import execute
+        from fixedpipe.pipeline.execution.machine import execute
 
         result = execute(frame, machine, size, size, threads=threads)
     write_whole(path, png(result.image()))
@@ -100,7 +100,7 @@ def bump(
 
 def _vector(text):
     """Three finite numbers, not all zero, from ``x,y,z``. Raises Refusal."""
-    from effects.cli.refusal import Refusal
+    from fixedpipe.effects.cli.refusal import Refusal
 
     try:
         vector = tuple(float(c) for c in text.split(","))

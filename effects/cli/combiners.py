@@ -23,13 +23,13 @@ def combiners(file, profile, targets, notation):
     texture shaders, both in one text, or a Direct3D pixel shader ps.1.0 to ps.1.3, and print what it sets, as
     equations.
     """
-    from effects.cli.files import read_text
-    from effects.cli.refusal import Refusal, choose, refusals
-    from pipeline.describe import describe_program
-    from pipeline.profiles import PROFILES
-    from pipeline.program_text import parse_program
-    from pipeline.text_tokens import ProgramTextError
-    from pipeline.validation.validate import validate_program
+    from fixedpipe.effects.cli.refusal import Refusal, choose, refusals
+    from fixedpipe.effects.reports.files import read_text
+    from fixedpipe.pipeline.description.describe import describe_program
+    from fixedpipe.pipeline.notations.programs import parse_program
+    from fixedpipe.pipeline.notations.tokens import ProgramTextError
+    from fixedpipe.pipeline.profiles import PROFILES
+    from fixedpipe.pipeline.validation.validate import validate_program
 
     machine = None if profile is None else choose("profile", profile, PROFILES)
     bound = dict(_target(given) for given in targets)
@@ -61,8 +61,8 @@ def combiners(file, profile, targets, notation):
 
 def _target(given):
     """(unit, TextureTarget) of ``UNIT=TARGET``."""
-    from effects.cli.refusal import Refusal, choose
-    from pipeline.enums import TextureTarget
+    from fixedpipe.effects.cli.refusal import Refusal, choose
+    from fixedpipe.pipeline.enums import TextureTarget
 
     unit, equals, name = given.partition("=")
     if not equals or unit not in ("0", "1", "2", "3"):
@@ -72,8 +72,8 @@ def _target(given):
 
 def _text(program):
     """The program in the notations of nvparse's own."""
-    from pipeline.combiner_text import format_program
-    from pipeline.texture_shader_text import format_stages
+    from fixedpipe.pipeline.notations.register_combiners import format_program
+    from fixedpipe.pipeline.notations.texture_shaders import format_stages
 
     stages, combiners = program.texture_shader, program.combiners
     return (format_stages(stages) if stages else "") + (format_program(combiners) if combiners else "")

@@ -4,8 +4,8 @@ import click
 
 
 def announce_compiling():
-    """Say so where no kernel has been compiled yet. Call it before ``pipeline.execute`` is imported."""
-    from pipeline.provenance import kernels_are_cold
+    """Say so where no kernel has been compiled yet. Call it before ``fixedpipe.pipeline.execution.machine`` is imported."""
+    from fixedpipe.pipeline.golden.provenance import kernels_are_cold
 
     if kernels_are_cold():
         click.echo(

@@ -32,10 +32,10 @@ def conformance(folder, suites, text, list_only, inputs, json_file, html_file, t
     FOLDER holds SUITE/CASE.png, 640x480: the folder `results` of nxdk_pgraph_tests_golden_results. Text in
     the pictures is not compared. Exit status 1: a case could not be redrawn because of an error.
     """
-    from effects.cli.captures import find_captures
-    from effects.cli.compiling import announce_compiling
-    from effects.cli.files import writable_file, write_whole
-    from effects.cli.refusal import Refusal
+    from fixedpipe.effects.cli.compiling import announce_compiling
+    from fixedpipe.effects.cli.refusal import Refusal
+    from fixedpipe.effects.conformance.captures import find_captures
+    from fixedpipe.effects.reports.files import writable_file, write_whole
 
     if list_only:
         _list_suites()
@@ -48,10 +48,10 @@ def conformance(folder, suites, text, list_only, inputs, json_file, html_file, t
     json_path, html_path = (writable_file(name) if name else None for name in (json_file, html_file))
 
     announce_compiling()
-    from effects.cli.conformance_page import Page
-    from effects.conformance.case import Inputs
-    from effects.conformance.redraw import known_suites
-    from effects.conformance.run import Totals, compare_all
+    from fixedpipe.effects.conformance.case import Inputs
+    from fixedpipe.effects.conformance.redraw import known_suites
+    from fixedpipe.effects.conformance.run import Totals, compare_all
+    from fixedpipe.effects.reports.conformance import Page
 
     page, records, total, failed = Page() if html_path else None, [], Totals(), 0
     modules = known_suites()
@@ -105,7 +105,7 @@ def record_of(case):
 
 
 def _list_suites():
-    from effects.conformance.redraw import known_suites
+    from fixedpipe.effects.conformance.redraw import known_suites
 
     for suite, module in sorted(known_suites().items()):
         names = module.names()
@@ -114,7 +114,7 @@ def _list_suites():
 
 def _folder_of_captures(folder):
     """The folder given, or the environment's; Refusal where it is none."""
-    from effects.cli.refusal import Refusal
+    from fixedpipe.effects.cli.refusal import Refusal
 
     folder = folder or os.environ.get("FIXEDPIPE_CAPTURES")
     if not folder:
@@ -129,7 +129,7 @@ def _folder_of_captures(folder):
 
 def _folder_of_inputs(inputs, folder):
     """Where textures and meshes lie: as given, the environment's, or beside the captures; None: nowhere."""
-    from effects.cli.refusal import Refusal
+    from fixedpipe.effects.cli.refusal import Refusal
 
     given = inputs or os.environ.get("FIXEDPIPE_INPUTS")
     if given and not Path(given).is_dir():

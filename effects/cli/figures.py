@@ -6,7 +6,7 @@ from contextlib import contextmanager
 
 import click
 
-from effects.cli.options import threads_option
+from fixedpipe.effects.cli.options import threads_option
 
 
 @click.command(short_help="Render figures, check them, make a gallery.")
@@ -26,11 +26,11 @@ def figures(figure_ids, list_only, check, out, profile, size, threads, json_file
     Writes PNG files, a JSON file beside each figure, and a gallery, index.html. Of all figures, --profile
     takes those that the machine can draw.
     """
-    from effects.cli.compiling import announce_compiling
-    from effects.cli.files import writable_file, writable_folder, write_whole
-    from effects.cli.refusal import Refusal, check_size, choose, refusals
-    from effects.figures import FIGURES
-    from pipeline.profiles import PROFILES
+    from fixedpipe.effects.cli.compiling import announce_compiling
+    from fixedpipe.effects.cli.refusal import Refusal, check_size, choose, refusals
+    from fixedpipe.effects.figures import FIGURES
+    from fixedpipe.effects.reports.files import writable_file, writable_folder, write_whole
+    from fixedpipe.pipeline.profiles import PROFILES
 
     if list_only:
         for figure in FIGURES.values():
@@ -54,8 +54,8 @@ def figures(figure_ids, list_only, check, out, profile, size, threads, json_file
             check_size(figure.id, figure.columns, size or figure.size, PROFILES[machine])
 
     announce_compiling()
-    from effects.cli.gallery import gallery
-    from effects.cli.rendering import render, steps
+    from fixedpipe.effects.reports.figure_record import render, steps
+    from fixedpipe.effects.reports.gallery import gallery
 
     records = []
     with _progress(sum(steps(len(names), check) for names in machines.values())) as step:

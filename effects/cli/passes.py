@@ -19,11 +19,11 @@ def passes(figure_id, profile, trace, whole, size):
 
     Where the same few commands come for polygon after polygon, they are printed once, and how often.
     """
-    from effects.cli.files import writable_folder
-    from effects.cli.refusal import check_size, choose, refusals
-    from effects.figures import FIGURES
-    from pipeline.describe import describe
-    from pipeline.profiles import PROFILES
+    from fixedpipe.effects.cli.refusal import check_size, choose, refusals
+    from fixedpipe.effects.figures import FIGURES
+    from fixedpipe.effects.reports.files import writable_folder
+    from fixedpipe.pipeline.description.describe import describe
+    from fixedpipe.pipeline.profiles import PROFILES
 
     figure = choose("figure", figure_id, FIGURES)
     key = profile or figure.machines[0]
@@ -46,7 +46,7 @@ def passes(figure_id, profile, trace, whole, size):
 
 def _check_trace(figure, machine, commands, size):
     """Raise Refusal where the framebuffers of so many commands would not fit into memory."""
-    from effects.cli.refusal import Refusal
+    from fixedpipe.effects.cli.refusal import Refusal
 
     width, height = figure.dimensions(size)
     needed = commands * width * height * _SNAPSHOT_BYTES
@@ -63,8 +63,8 @@ def _write_trace(commands, machine, dimensions, folder):
     """Write the snapshots' pictures, ``03-Draw-depth.png`` and so on; returns their names in order."""
     from pathlib import Path
 
-    from effects.cli.files import png, write_whole
-    from pipeline.execute import execute
+    from fixedpipe.effects.reports.files import png, write_whole
+    from fixedpipe.pipeline.execution.machine import execute
 
     folder, names = Path(folder), []
     snapshots = execute(commands, machine, *dimensions, trace=True).trace

@@ -34,11 +34,11 @@ def precision(figure_id, profile, size, bits, parts):
     clamps are those that the ideal evaluation has not: what they cost shows where the two pairs of columns
     part, and what the bits cost where a row differs from the next.
     """
-    from effects import precision as measured
-    from effects.cli.compiling import announce_compiling
-    from effects.cli.refusal import Refusal, check_size, choose, refusals
-    from effects.figures import FIGURES
-    from pipeline.profiles import PROFILES
+    from fixedpipe.effects.acceptance import precision as measured
+    from fixedpipe.effects.cli.compiling import announce_compiling
+    from fixedpipe.effects.cli.refusal import Refusal, check_size, choose, refusals
+    from fixedpipe.effects.figures import FIGURES
+    from fixedpipe.pipeline.profiles import PROFILES
 
     figure = choose("figure", figure_id, FIGURES)
     key = profile or figure.machines[0]
@@ -69,7 +69,7 @@ def _numbers(measured):
 
 
 def _widths(text):
-    from effects.cli.refusal import Refusal
+    from fixedpipe.effects.cli.refusal import Refusal
 
     try:
         return tuple(int(word) for word in text.split(","))
@@ -78,7 +78,7 @@ def _widths(text):
 
 
 def _parts(text, usual):
-    from effects.cli.refusal import Refusal
+    from fixedpipe.effects.cli.refusal import Refusal
 
     if text == "all":
         return usual

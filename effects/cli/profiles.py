@@ -66,9 +66,9 @@ def profiles(names):
     from rich.console import Console
     from rich.table import Table
 
-    from effects.cli.refusal import choose
-    from pipeline.profile import Profile
-    from pipeline.profiles import PROFILES
+    from fixedpipe.effects.cli.refusal import choose
+    from fixedpipe.pipeline.profiles import PROFILES
+    from fixedpipe.pipeline.profiles.profile import Profile
 
     console = Console(soft_wrap=False, highlight=False)
     if not names:

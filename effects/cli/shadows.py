@@ -4,7 +4,7 @@ import math
 
 import click
 
-from effects.cli.options import profile_option, threads_option
+from fixedpipe.effects.cli.options import profile_option, threads_option
 
 
 @click.command(short_help="Throw a mesh's shadow, and compare it with rays.")
@@ -45,12 +45,12 @@ def shadows(mesh, algorithm, light, out, size, profile, up, map_size, threads):
     towards you. depth-map is the shadow map with a depth texture; alpha-multitexture and alpha-single keep
     depths in alpha; z-pass and z-fail are shadow volumes, and need a mesh that is closed.
     """
-    from effects import mesh_shadows
-    from effects.cli.compiling import announce_compiling
-    from effects.cli.files import png, read_mesh, writable_picture, write_whole
-    from effects.cli.refusal import Refusal, check_size, choose, refusals
-    from effects.lit_scene import map_edge
-    from pipeline.profiles import PROFILES
+    from fixedpipe.effects.cli.compiling import announce_compiling
+    from fixedpipe.effects.cli.refusal import Refusal, check_size, choose, refusals
+    from fixedpipe.effects.reports.files import png, read_mesh, writable_picture, write_whole
+    from fixedpipe.effects.shadows.lit_scene import map_edge
+    from fixedpipe.effects.user_pictures import mesh_shadows
+    from fixedpipe.pipeline.profiles import PROFILES
 
     way = choose("algorithm", algorithm, mesh_shadows.ALGORITHMS)
     machine = choose("profile", profile, PROFILES)
@@ -83,11 +83,11 @@ def shadows(mesh, algorithm, light, out, size, profile, up, map_size, threads):
 
 def _drawn(algorithm, scene, lamp, machine, size, edge, threads):
     """The picture, and the ``Agreement`` of its mask with rays."""
-    from effects import mesh_shadows
-    from effects.figures import agreement
-    from effects.figures.figure import BACKGROUND
-    from effects.views import Panel
-    from pipeline.execute import execute
+    from fixedpipe.effects.acceptance import agreement
+    from fixedpipe.effects.figures.figure import BACKGROUND
+    from fixedpipe.effects.geometry.views import Panel
+    from fixedpipe.effects.user_pictures import mesh_shadows
+    from fixedpipe.pipeline.execution.machine import execute
 
     view = mesh_shadows.camera(Panel(0, 0, size, size))
     common = {"edge": edge, "background": BACKGROUND}
@@ -117,7 +117,7 @@ def _drawn(algorithm, scene, lamp, machine, size, edge, threads):
 
 def _position(text):
     """Three finite numbers from ``x,y,z``. Raises Refusal."""
-    from effects.cli.refusal import Refusal
+    from fixedpipe.effects.cli.refusal import Refusal
 
     try:
         position = tuple(float(c) for c in text.split(","))

@@ -22,10 +22,10 @@ def study(study_ids, profile, check, out, json_file):
     Prints each table and what its numbers say, and writes ID.png, a plot, and ID.json beside it. Plots need
     matplotlib: pip install 'fixedpipe[plots]'.
     """
-    from effects.cli.compiling import announce_compiling
-    from effects.cli.files import writable_file, writable_folder, write_whole
-    from effects.cli.refusal import Refusal, choose
-    from effects.studies import STUDIES
+    from fixedpipe.effects.cli.compiling import announce_compiling
+    from fixedpipe.effects.cli.refusal import Refusal, choose
+    from fixedpipe.effects.reports.files import writable_file, writable_folder, write_whole
+    from fixedpipe.effects.studies import STUDIES
 
     if not study_ids:
         for s in STUDIES.values():
@@ -65,8 +65,8 @@ def study(study_ids, profile, check, out, json_file):
 
 def _machine(s, profile, check):
     """The key of the machine to measure a study on, or None where no one machine is asked for."""
-    from effects.cli.refusal import Refusal, choose
-    from pipeline.profiles import PROFILES
+    from fixedpipe.effects.cli.refusal import Refusal, choose
+    from fixedpipe.pipeline.profiles import PROFILES
 
     own = s.machines[0] if s.machines else None
     if profile is None:
@@ -84,9 +84,9 @@ def _measured(s, key, check):
     """The study's table and the content of its JSON file."""
     from dataclasses import asdict
 
-    from effects.cli.refusal import refusals
-    from pipeline.profiles import PROFILES
-    from pipeline.provenance import provenance
+    from fixedpipe.effects.cli.refusal import refusals
+    from fixedpipe.pipeline.golden.provenance import provenance
+    from fixedpipe.pipeline.profiles import PROFILES
 
     profile = PROFILES[key] if key else None
     with refusals():
@@ -117,8 +117,8 @@ def _printed(s, key, table):
     """What the terminal shows of a study, at most ``WIDTH`` columns wide."""
     from textwrap import fill
 
-    from effects.studies.study import WIDTH
-    from pipeline.profiles import PROFILES
+    from fixedpipe.effects.studies.study import WIDTH
+    from fixedpipe.pipeline.profiles import PROFILES
 
     on = f", on {PROFILES[key].name}" if key else ""
     parts = (

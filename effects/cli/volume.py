@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from effects.cli.options import threads_option
+from fixedpipe.effects.cli.options import threads_option
 
 TYPES = {"uint8": "u1", "int8": "i1", "uint16": "u2", "int16": "i2", "float32": "f4", "float64": "f8"}
 ENDIANS = {"little": "<", "big": ">"}
@@ -63,12 +63,12 @@ def volume(
     stored as bytes and edges as powers of two; what was changed is said. Directions are in the volume's
     axes.
     """
-    from effects.cli.compiling import announce_compiling
-    from effects.cli.files import png, writable_picture, write_whole
-    from effects.cli.refusal import check_size, choose, refusals
-    from effects.volume_data import volume_of
-    from effects.volume_rendering import method_of, picture_of
-    from pipeline.profiles import PROFILES
+    from fixedpipe.effects.cli.compiling import announce_compiling
+    from fixedpipe.effects.cli.refusal import check_size, choose, refusals
+    from fixedpipe.effects.reports.files import png, writable_picture, write_whole
+    from fixedpipe.effects.user_pictures.volume import volume_of
+    from fixedpipe.effects.volumes.volume_rendering import method_of, picture_of
+    from fixedpipe.pipeline.profiles import PROFILES
 
     machine = choose("profile", profile, PROFILES)
     path = writable_picture(out)
@@ -85,7 +85,7 @@ def volume(
         frame = method(picture, machine)
 
         announce_compiling()
-        from pipeline.execute import execute
+        from fixedpipe.pipeline.execution.machine import execute
 
         result = execute(frame, machine, size, size, threads=threads)
     write_whole(path, png(result.image()))
@@ -101,7 +101,7 @@ def volume(
 
 def _numbers(text, what):
     """Three finite numbers, not all zero, from ``x,y,z``. Raises Refusal."""
-    from effects.cli.refusal import Refusal
+    from fixedpipe.effects.cli.refusal import Refusal
 
     try:
         numbers = tuple(float(c) for c in text.split(","))
@@ -114,11 +114,11 @@ def _numbers(text, what):
 
 def _read(name, dims, type_name, endian, skip):
     """Values [layers, rows, columns] and the voxels' spacing along x, y and z. Raises Refusal."""
-    from effects.cli.refusal import Refusal, choose
+    from fixedpipe.effects.cli.refusal import Refusal, choose
 
     equal = (1.0, 1.0, 1.0)
     if name.startswith("sample:"):
-        from effects.engine_block import engine_block
+        from fixedpipe.effects.volumes.engine_block import engine_block
 
         return choose("sample", name.removeprefix("sample:"), {"engine": engine_block})(), equal
     path = Path(name)
@@ -136,7 +136,7 @@ def _read(name, dims, type_name, endian, skip):
 def _read_raw(path, dims, dtype, skip):
     import numpy as np
 
-    from effects.cli.refusal import Refusal
+    from fixedpipe.effects.cli.refusal import Refusal
 
     try:
         counts = tuple(int(c) for c in dims.split(","))
@@ -162,7 +162,7 @@ def _read_raw(path, dims, dtype, skip):
 
 def _read_nrrd(path):
 
-    from effects.cli.refusal import Refusal
+    from fixedpipe.effects.cli.refusal import Refusal
 
     try:
         import nrrd

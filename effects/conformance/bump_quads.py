@@ -8,13 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import scenes, texture_memory
-from effects.conformance.case import Case
-from pipeline.commands import Draw, TexImage
-from pipeline.enums import InternalFormat, TextureFilter
-from pipeline.state import TextureUnit
-from pipeline.texel_words import compressed_texture
-from pipeline.textures import texture_2d
+from fixedpipe.effects.conformance import scenes, texture_memory
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.pipeline.commands import Draw, TexImage
+from fixedpipe.pipeline.enums import InternalFormat, TextureFilter
+from fixedpipe.pipeline.state import TextureUnit
+from fixedpipe.pipeline.textures.images import texture_2d
+from fixedpipe.pipeline.textures.words import compressed_texture
 
 SIZE = 256  # of both textures
 LEFT, TOP, EDGE, STEP = 146, 66, 168, 180

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.commands import Command
+from fixedpipe.pipeline.commands import Command
 
 WIDTH, HEIGHT = 640, 480  # pixels of every capture
 MOST_EXCLUDED = 0.001  # of a case's region

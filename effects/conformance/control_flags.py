@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from effects.conformance import lit_scenes, scenes, vertex_programs
-from effects.conformance.case import HEIGHT, WIDTH
-from effects.conformance.scenes import single
-from pipeline.commands import Draw, Mesh
-from pipeline.enums import Face, FrontFace, PrimitiveType, Register, SecondaryColor
-from pipeline.state import PolygonState
+from fixedpipe.effects.conformance import lit_scenes, scenes, vertex_programs
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH
+from fixedpipe.effects.conformance.scenes import single
+from fixedpipe.pipeline.commands import Draw, Mesh
+from fixedpipe.pipeline.enums import Face, FrontFace, PrimitiveType, Register, SecondaryColor
+from fixedpipe.pipeline.state import PolygonState
 
 STAGES = ("FF", "VS")
 NAMES = [f"ControlFlags{light}_{stage}" for light in ("LightDisable", "NoLight", "") for stage in STAGES]

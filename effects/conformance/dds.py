@@ -6,8 +6,8 @@ Source: the public description of the DDS header: height and width at bytes 12 a
 
 import struct
 
-from pipeline.enums import InternalFormat
-from pipeline.texel_words import compressed_texture
+from fixedpipe.pipeline.enums import InternalFormat
+from fixedpipe.pipeline.textures.words import compressed_texture
 
 
 def read_texture(path, mipmaps=True):

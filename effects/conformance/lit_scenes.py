@@ -10,14 +10,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from effects.conformance import scenes, vertex_programs
-from effects.conformance.case import HEIGHT, WIDTH
-from effects.conformance.scenes import single
-from pipeline.columns import columns_of, invert_upper_left
-from pipeline.commands import Mesh
-from pipeline.enums import ComponentUsage, Register
-from pipeline.lighting_unit import light_vertices
-from pipeline.state import (
+from fixedpipe.effects.conformance import scenes, vertex_programs
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH
+from fixedpipe.effects.conformance.scenes import single
+from fixedpipe.pipeline.commands import Mesh
+from fixedpipe.pipeline.enums import ComponentUsage, Register
+from fixedpipe.pipeline.state import (
     AlphaPortion,
     CombinerInput,
     GeneralCombiner,
@@ -26,6 +24,8 @@ from pipeline.state import (
     RGBPortion,
     Spot,
 )
+from fixedpipe.pipeline.vertices.arithmetic import columns_of, invert_upper_left
+from fixedpipe.pipeline.vertices.lighting_unit import light_vertices
 
 MODELS = ("cone", "cylinder", "sphere", "suzanne", "torus")
 GRID = "flat_mesh_grid"

@@ -7,13 +7,13 @@ from pkgutil import iter_modules
 
 import numpy as np
 
-from effects.conformance import suites
-from effects.conformance.case import HEIGHT, WIDTH, MissingInput, Shows
-from pipeline.enums import TexelWord
-from pipeline.execute import execute
-from pipeline.framebuffer import Framebuffer
-from pipeline.profiles import NV2A
-from pipeline.texel_words import texels_of_words
+from fixedpipe.effects.conformance import suites
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, MissingInput, Shows
+from fixedpipe.pipeline.enums import TexelWord
+from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
+from fixedpipe.pipeline.profiles import NV2A
+from fixedpipe.pipeline.textures.words import texels_of_words
 
 TEXT = (255, 255, 255, 0)  # what the processor wrote over the picture
 

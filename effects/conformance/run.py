@@ -7,8 +7,8 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from effects.conformance.redraw import Comparison, compare
-from pipeline.execute import default_threads
+from fixedpipe.effects.conformance.redraw import Comparison, compare
+from fixedpipe.pipeline.execution.machine import default_threads
 
 
 @dataclass(frozen=True, eq=False)

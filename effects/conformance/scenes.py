@@ -8,9 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance.case import HEIGHT, WIDTH
-from pipeline.commands import Clear, Draw, Mesh, TexImage
-from pipeline.enums import (
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH
+from fixedpipe.pipeline.commands import Clear, Draw, Mesh, TexImage
+from fixedpipe.pipeline.enums import (
     BlendFactor,
     ComponentUsage,
     LineRasterization,
@@ -20,7 +20,7 @@ from pipeline.enums import (
     VertexStage,
     WrapMode,
 )
-from pipeline.state import (
+from fixedpipe.pipeline.state import (
     IDENTITY,
     AlphaPortion,
     Blending,
@@ -36,7 +36,7 @@ from pipeline.state import (
     TextureUnit,
     VertexState,
 )
-from pipeline.textures import texture_2d
+from fixedpipe.pipeline.textures.images import texture_2d
 
 PROGRAM_RESULTS = VertexState(stage=VertexStage.PROGRAM_RESULTS)
 BLENDED = Blending(BlendFactor.SRC_ALPHA, BlendFactor.ONE_MINUS_SRC_ALPHA)  # every program's default

@@ -5,8 +5,8 @@ Source: the ``Draw`` functions of those suites' programs, in device pixels from 
 
 import numpy as np
 
-from effects.conformance import scenes
-from pipeline.enums import PrimitiveType
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.pipeline.enums import PrimitiveType
 
 PALETTE = (
     0xFFFF3333, 0xFF33FF33, 0xFF3333FF, 0xFFFFFF33, 0xFF33FFFF, 0xFFFF33FF, 0xFF808080, 0xFFFFFFFF,

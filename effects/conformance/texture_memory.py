@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.enums import TexelWord, TextureTarget
-from pipeline.texel_words import texture_of_words
+from fixedpipe.pipeline.enums import TexelWord, TextureTarget
+from fixedpipe.pipeline.textures.words import texture_of_words
 
 WORD_BYTES = {
     **dict.fromkeys(TexelWord, 2),

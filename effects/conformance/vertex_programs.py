@@ -6,9 +6,15 @@ exact arithmetic up to 20 differ: a vertex in the middle of the screen lands jus
 
 import numpy as np
 
-from effects.conformance.case import HEIGHT, WIDTH
-from effects.conformance.scenes import single
-from pipeline.chip_floats import TRANSFORM_BITS, product, total, transform_dot, transform_inverse_root
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH
+from fixedpipe.effects.conformance.scenes import single
+from fixedpipe.pipeline.vertices.chip_floats import (
+    TRANSFORM_BITS,
+    product,
+    total,
+    transform_dot,
+    transform_inverse_root,
+)
 
 EYE_DISTANCE, NEAR, FAR = 7.0, 1.0, 200.0
 

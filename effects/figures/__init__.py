@@ -5,7 +5,15 @@ import pkgutil
 import re
 from types import MappingProxyType
 
-from effects.figures.figure import DIFFERENCE_GAIN, VIEWS, Check, Figure, Method, Renderer, difference
+from fixedpipe.effects.figures.figure import (
+    DIFFERENCE_GAIN,
+    VIEWS,
+    Check,
+    Figure,
+    Method,
+    Renderer,
+    difference,
+)
 
 __all__ = ["DIFFERENCE_GAIN", "FIGURES", "VIEWS", "Check", "Figure", "Method", "Renderer", "difference"]
 

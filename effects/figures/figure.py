@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from pipeline.profiles import IDEAL, PROFILES
+from fixedpipe.pipeline.profiles import IDEAL, PROFILES
 
 BACKGROUND = (0.07, 0.075, 0.09)
 # Parameters of a scene that leave the highlight alone.
@@ -23,7 +23,7 @@ IMAGING_MACHINES = ("OCTANE", "INFINITE_REALITY", "OPENGL_1_2_IMAGING")
 # Those of them with eight bits of colour, for figures that load thousands of polygons: with twelve F004-4
 # takes 20 s (Measured).
 IMAGING_MACHINES_8 = ("OCTANE", "OPENGL_1_2_IMAGING")
-# Diagrams (effects.diagrams) need nothing that a machine lacks; these stand for the others.
+# Diagrams (fixedpipe.effects.diagrams.drawing) need nothing that a machine lacks; these stand for the others.
 DIAGRAM_MACHINES = ("OPENGL_1_2", "GEFORCE_256")
 # Each figure is made three times on a machine; "difference" is (machine - ideal) of the same fragments, made
 # visible.
@@ -59,7 +59,7 @@ class Method:
     name        in the words of a caption: "register combiners"
     scene       (profile, size, **parameters) -> tuple of commands for a framebuffer of the figure's
                 dimensions
-    machines    keys in ``pipeline.profiles.PROFILES`` of the machines that draw it so
+    machines    keys in ``fixedpipe.pipeline.profiles.PROFILES`` of the machines that draw it so
     parameters  those of the scene's numbers that differ from the figure's own
     """
 
@@ -108,7 +108,7 @@ class Figure:
 
     @property
     def machines(self):
-        """Keys in ``pipeline.profiles.PROFILES`` of the machines that can draw it, its own first."""
+        """Keys in ``fixedpipe.pipeline.profiles.PROFILES`` of the machines that can draw it, its own first."""
         return tuple(key for method in self.methods for key in method.machines)
 
     def method(self, machine):
@@ -143,8 +143,8 @@ class Figure:
 
 @dataclass(frozen=True, eq=False)
 class Renderer:
-    """How checks get pictures: a machine, how it draws, and ``pipeline.execute.execute`` and
-    ``pipeline.ideal.execute_ideal``.
+    """How checks get pictures: a machine, how it draws, and ``fixedpipe.pipeline.execution.machine.execute`` and
+    ``fixedpipe.pipeline.ideal.evaluate.execute_ideal``.
 
     ``kept``: pictures of the ideal, which machines that draw in the same way share.
     """

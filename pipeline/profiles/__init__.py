@@ -1,13 +1,13 @@
 """The machines, a module each or one for a family."""
 
-from pipeline.profiles.future import FUTURE
-from pipeline.profiles.geforce_3 import GEFORCE_3
-from pipeline.profiles.geforce_256 import GEFORCE_256
-from pipeline.profiles.ideal import IDEAL
-from pipeline.profiles.multitexture import G400, MULTITEXTURE, TEXRAM
-from pipeline.profiles.nv2a import NV2A
-from pipeline.profiles.opengl_1_2 import OPENGL_1_2, OPENGL_1_2_IMAGING
-from pipeline.profiles.silicon_graphics import INFINITE_REALITY, OCTANE
+from fixedpipe.pipeline.profiles.future import FUTURE
+from fixedpipe.pipeline.profiles.geforce_3 import GEFORCE_3
+from fixedpipe.pipeline.profiles.geforce_256 import GEFORCE_256
+from fixedpipe.pipeline.profiles.ideal import IDEAL
+from fixedpipe.pipeline.profiles.multitexture import G400, MULTITEXTURE, TEXRAM
+from fixedpipe.pipeline.profiles.nv2a import NV2A
+from fixedpipe.pipeline.profiles.opengl_1_2 import OPENGL_1_2, OPENGL_1_2_IMAGING
+from fixedpipe.pipeline.profiles.silicon_graphics import INFINITE_REALITY, OCTANE
 
 PROFILES = {
     "OPENGL_1_2": OPENGL_1_2,

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from pipeline.enums import CombinerFunction
-from pipeline.profiles.geforce_3 import GEFORCE_3
+from fixedpipe.pipeline.enums import CombinerFunction
+from fixedpipe.pipeline.profiles.geforce_3 import GEFORCE_3
 
 _ASKED = "Source: Kautz, Seidel 2000, section 5.1 (asked for)"
 

@@ -1,6 +1,6 @@
 """NVIDIA GeForce 256 (NV10, 1999): two texture units, two general combiners, 9-bit signed registers."""
 
-from pipeline.enums import (
+from fixedpipe.pipeline.enums import (
     BlendEquation,
     BlendFactor,
     Clamp,
@@ -19,8 +19,8 @@ from pipeline.enums import (
     WindowOrigin,
     WrapMode,
 )
-from pipeline.profile import Profile
-from pipeline.textures import COMPONENT_BITS
+from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.textures.images import COMPONENT_BITS
 
 _SOURCE_FACTORS = frozenset(BlendFactor) - {BlendFactor.SRC_COLOR, BlendFactor.ONE_MINUS_SRC_COLOR}
 _DESTINATION_FACTORS = frozenset(BlendFactor) - {

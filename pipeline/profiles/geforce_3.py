@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 
-from pipeline.enums import BaseFormat, TextureCompareMode, TextureShaderOperation
-from pipeline.profiles.geforce_256 import GEFORCE_256
-from pipeline.profiles.nv2a import NV2A
+from fixedpipe.pipeline.enums import BaseFormat, TextureCompareMode, TextureShaderOperation
+from fixedpipe.pipeline.profiles.geforce_256 import GEFORCE_256
+from fixedpipe.pipeline.profiles.nv2a import NV2A
 
 
 def _inferred(evidence):

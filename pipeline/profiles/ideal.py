@@ -1,11 +1,11 @@
 """No machine at all: float64 everywhere, and limits only where a state could not say more.
 
-``pipeline.ideal`` evaluates passes on it.
+``fixedpipe.pipeline.ideal.evaluate`` evaluates passes on it.
 """
 
 from dataclasses import fields, replace
 
-from pipeline.enums import (
+from fixedpipe.pipeline.enums import (
     BaseFormat,
     BlendFactor,
     CombineFunction,
@@ -18,9 +18,9 @@ from pipeline.enums import (
     TextureShaderOperation,
     TextureTarget,
 )
-from pipeline.profile import Profile
-from pipeline.profiles.geforce_256 import GEFORCE_256
-from pipeline.textures import TWELVE_BIT_FORMATS
+from fixedpipe.pipeline.profiles.geforce_256 import GEFORCE_256
+from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.textures.images import TWELVE_BIT_FORMATS
 
 _BY_DEFINITION = "Assumed: nothing; limits are what a state can say, or far beyond any machine of the time"
 

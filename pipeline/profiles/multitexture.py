@@ -6,8 +6,13 @@ Papers and extensions say little of them: what no board in particular is asked f
 
 from dataclasses import replace
 
-from pipeline.enums import CombineFunction, TextureEnvironmentMode, TextureShaderOperation, TextureTarget
-from pipeline.profiles.opengl_1_2 import OPENGL_1_2
+from fixedpipe.pipeline.enums import (
+    CombineFunction,
+    TextureEnvironmentMode,
+    TextureShaderOperation,
+    TextureTarget,
+)
+from fixedpipe.pipeline.profiles.opengl_1_2 import OPENGL_1_2
 
 _TWO_UNITS = "Source: Kautz, Seidel 2000, section 5 (most implementations: two texture maps)"
 _NO_VOLUMES = "Assumed: no 3D textures; a driver of the time that lists EXT_texture3D would settle it"

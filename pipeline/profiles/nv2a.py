@@ -5,7 +5,7 @@ Thousands of framebuffer captures exist; ``fixedpipe conformance`` redraws them 
 
 from dataclasses import replace
 
-from pipeline.enums import (
+from fixedpipe.pipeline.enums import (
     BaseFormat,
     BlendEquation,
     BlendFactor,
@@ -22,8 +22,8 @@ from pipeline.enums import (
     TextureShaderOperation,
     TextureTarget,
 )
-from pipeline.profiles.geforce_256 import GEFORCE_256
-from pipeline.textures import TWELVE_BIT_FORMATS
+from fixedpipe.pipeline.profiles.geforce_256 import GEFORCE_256
+from fixedpipe.pipeline.textures.images import TWELVE_BIT_FORMATS
 
 _NOT_ASKED = "Assumed: none; no capture asks for it"
 _MEASURED = {

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from pipeline.enums import (
+from fixedpipe.pipeline.enums import (
     BlendEquation,
     BlendFactor,
     ColorWeights,
@@ -13,7 +13,7 @@ from pipeline.enums import (
     TextureTarget,
     WrapMode,
 )
-from pipeline.profiles.geforce_256 import GEFORCE_256
+from fixedpipe.pipeline.profiles.geforce_256 import GEFORCE_256
 
 _CONSTANT_FACTORS = {
     BlendFactor.CONSTANT_COLOR,

@@ -5,9 +5,15 @@ No picture of either was at hand, nor a manual: what no paper or extension says 
 
 from dataclasses import replace
 
-from pipeline.enums import BaseFormat, ComparisonFunction, InternalFormat, TextureCompareMode, WrapMode
-from pipeline.profiles.opengl_1_2 import OPENGL_1_2_IMAGING
-from pipeline.textures import TWELVE_BIT_FORMATS
+from fixedpipe.pipeline.enums import (
+    BaseFormat,
+    ComparisonFunction,
+    InternalFormat,
+    TextureCompareMode,
+    WrapMode,
+)
+from fixedpipe.pipeline.profiles.opengl_1_2 import OPENGL_1_2_IMAGING
+from fixedpipe.pipeline.textures.images import TWELVE_BIT_FORMATS
 
 _BORDER = "Assumed: edge and border clamp; a driver's list of SGIS_texture_border_clamp would settle it"
 _DRIVER = "Assumed: as on the plain board; a query of the driver would settle it"

@@ -1,15 +1,8 @@
 """What a combiner program is (NV_register_combiners): which inputs and outputs go together; a pass's."""
 
-from pipeline.enums import (
-    CombinerBias,
-    CombinerScale,
-    ComponentUsage,
-    Mapping,
-    MuxSelect,
-    Register,
-)
-from pipeline.programs.texture_environment import environment_program
-from pipeline.state import CombinerInput, FinalCombiner, GeneralCombiner, RegisterCombiners
+from fixedpipe.pipeline.enums import CombinerBias, CombinerScale, ComponentUsage, Mapping, MuxSelect, Register
+from fixedpipe.pipeline.programs.texture_environment import environment_program
+from fixedpipe.pipeline.state import CombinerInput, FinalCombiner, GeneralCombiner, RegisterCombiners
 
 READ_ONLY_REGISTERS = frozenset(
     {Register.ZERO, Register.CONSTANT_COLOR0, Register.CONSTANT_COLOR1, Register.FOG}
@@ -133,7 +126,7 @@ def combiner_problems(combiners):
     """What every machine with register combiners refuses in ``combiners``, apart from their number.
 
     Yields (path, sentence). A path leads to the offender: ("general", stage, "rgb" or "alpha", field) or
-    ("final", variable). Fields must have the types that ``pipeline.state`` says.
+    ("final", variable). Fields must have the types that ``fixedpipe.pipeline.state`` says.
     Source: NV_register_combiners, Errors.
     """
     for number, stage in enumerate(combiners.general):

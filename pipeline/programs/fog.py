@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from pipeline.enums import FogMode
+from fixedpipe.pipeline.enums import FogMode
 
 
 @lru_cache(maxsize=64)

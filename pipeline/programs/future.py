@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from pipeline.enums import CombinerFunction, Register
+from fixedpipe.pipeline.enums import CombinerFunction, Register
 
 _READABLE = frozenset(Register) - {
     Register.DISCARD,

@@ -15,7 +15,7 @@ from functools import lru_cache
 from itertools import zip_longest
 from typing import NamedTuple
 
-from pipeline.enums import (
+from fixedpipe.pipeline.enums import (
     BaseFormat,
     CombineFunction,
     CombineOperand,
@@ -29,7 +29,7 @@ from pipeline.enums import (
     TextureEnvironmentMode,
     TextureShaderOperation,
 )
-from pipeline.state import (
+from fixedpipe.pipeline.state import (
     AlphaPortion,
     CombinerInput,
     FinalCombiner,
@@ -37,7 +37,7 @@ from pipeline.state import (
     RegisterCombiners,
     RGBPortion,
 )
-from pipeline.textures import BASE_FORMAT, DEPTH_TEXELS, depth_texture_mode
+from fixedpipe.pipeline.textures.images import BASE_FORMAT, DEPTH_TEXELS, depth_texture_mode
 
 # Source: NV_texture_shader section 3.8.9: stages whose unit passes its colour on.
 _WITHOUT_FUNCTION = frozenset(

@@ -1,8 +1,8 @@
 """What a texture shader is (NV_texture_shader): which stages go together, and what each reads."""
 
-from pipeline.enums import DotProductMapping, TextureTarget
-from pipeline.enums import TextureShaderOperation as Operation
-from pipeline.state import TextureShaderStage
+from fixedpipe.pipeline.enums import DotProductMapping, TextureTarget
+from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
+from fixedpipe.pipeline.state import TextureShaderStage
 
 # Stages that sample the unit's own texture, as units without texture shaders do.
 CONVENTIONAL = frozenset(

@@ -1,11 +1,11 @@
 """What a machine refuses of its buffers, and of the commands that clear, accumulate and read them."""
 
-from pipeline.enums import AccumOperation, ColorBuffer
-from pipeline.framebuffer import READ_FORMATS
-from pipeline.transfer import DEPTH_FORMAT, READ_TYPES, has_sink
-from pipeline.validation import surfaces
-from pipeline.validation.sentences import count, depth_words
-from pipeline.validation.transfer import transferred
+from fixedpipe.pipeline.enums import AccumOperation, ColorBuffer
+from fixedpipe.pipeline.framebuffers.framebuffer import READ_FORMATS
+from fixedpipe.pipeline.framebuffers.transfer import DEPTH_FORMAT, READ_TYPES, has_sink
+from fixedpipe.pipeline.validation import surfaces
+from fixedpipe.pipeline.validation.sentences import count, depth_words
+from fixedpipe.pipeline.validation.transfer import transferred
 
 _READ_FORMATS = (*READ_FORMATS, "DEPTH_COMPONENT", "STENCIL_INDEX")
 

@@ -1,10 +1,10 @@
 """What a machine refuses of a Draw."""
 
-from pipeline.enums import ColorBuffer, LineRasterization, PolygonMode, PrimitiveType, VertexStage
-from pipeline.profile import NATIVE_SUBPIXEL_BITS
-from pipeline.programs.future import future_problem
-from pipeline.validation import buffers, fragments, surfaces, texture_units, vertices
-from pipeline.validation.meshes import checked_meshes, mesh_problem
+from fixedpipe.pipeline.enums import ColorBuffer, LineRasterization, PolygonMode, PrimitiveType, VertexStage
+from fixedpipe.pipeline.profiles.profile import NATIVE_SUBPIXEL_BITS
+from fixedpipe.pipeline.programs.future import future_problem
+from fixedpipe.pipeline.validation import buffers, fragments, surfaces, texture_units, vertices
+from fixedpipe.pipeline.validation.meshes import checked_meshes, mesh_problem
 
 
 def draw(walk, command):

@@ -1,9 +1,14 @@
 """What a machine refuses of a state's fragment stages: combiners, fog, tests and blending."""
 
-from pipeline.enums import FogCoordinateSource, FogMode
-from pipeline.programs.combiner_rules import TEXTURE_REGISTERS, combiner_problems, nv2a_flag, registers_named
-from pipeline.validation import buffers, surfaces
-from pipeline.validation.sentences import count, listed
+from fixedpipe.pipeline.enums import FogCoordinateSource, FogMode
+from fixedpipe.pipeline.programs.combiner_rules import (
+    TEXTURE_REGISTERS,
+    combiner_problems,
+    nv2a_flag,
+    registers_named,
+)
+from fixedpipe.pipeline.validation import buffers, surfaces
+from fixedpipe.pipeline.validation.sentences import count, listed
 
 
 def register_combiners(walk, combiners):

@@ -1,8 +1,8 @@
 """What a frame is made of, and what a HostStep makes it go on with."""
 
-from pipeline.commands import COMMANDS
-from pipeline.validation.sentences import shown
-from pipeline.validation.walk import UnsupportedState
+from fixedpipe.pipeline.commands import COMMANDS
+from fixedpipe.pipeline.validation.sentences import shown
+from fixedpipe.pipeline.validation.walk import UnsupportedState
 
 
 def frame_of(commands):

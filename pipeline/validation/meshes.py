@@ -4,9 +4,9 @@ from weakref import WeakSet
 
 import numpy as np
 
-from pipeline.enums import PrimitiveType
-from pipeline.validation.sentences import shown
-from pipeline.validation.types import check_int, enum_check
+from fixedpipe.pipeline.enums import PrimitiveType
+from fixedpipe.pipeline.validation.sentences import shown
+from fixedpipe.pipeline.validation.types import check_int, enum_check
 
 checked_meshes = WeakSet()  # in which nothing was found wrong
 _check_primitive = enum_check(PrimitiveType)

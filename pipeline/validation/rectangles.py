@@ -5,19 +5,13 @@ Fields have the types that the states say, and numbers are finite, when these fu
 
 from dataclasses import replace
 
-from pipeline.commands import kind_of, vertex_of
-from pipeline.enums import (
-    PixelCopyType,
-    PixelTexGenAlpha,
-    PixelTexGenQ,
-    TextureTarget,
-    VertexStage,
-)
-from pipeline.state import VertexState
-from pipeline.validation import buffers, surfaces
-from pipeline.validation.draws import pass_state
-from pipeline.validation.sentences import count
-from pipeline.validation.transfer import pixel_image_problem, transferred
+from fixedpipe.pipeline.commands import kind_of, vertex_of
+from fixedpipe.pipeline.enums import PixelCopyType, PixelTexGenAlpha, PixelTexGenQ, TextureTarget, VertexStage
+from fixedpipe.pipeline.state import VertexState
+from fixedpipe.pipeline.validation import buffers, surfaces
+from fixedpipe.pipeline.validation.draws import pass_state
+from fixedpipe.pipeline.validation.sentences import count
+from fixedpipe.pipeline.validation.transfer import pixel_image_problem, transferred
 
 
 def draw_pixels(walk, command):
@@ -110,7 +104,7 @@ def _pixel_texture_problem(texture, kind, state, textures, profile):
     if not (profile.pixel_texture if sgix else profile.pixel_texture_sgis):
         return (
             f"{profile.name} has no {'SGIX' if sgix else 'SGIS'}_pixel_texture; read the pixels, look them "
-            "up on the host (effects.software_pixel_texture) and draw what is found."
+            "up on the host (fixedpipe.effects.passes.software_pixel_texture) and draw what is found."
         )
     if kind != PixelCopyType.COLOR:
         return f"only colours become texture coordinates, not {kind.name}; leave pixel_texture None."

@@ -1,10 +1,16 @@
 """What a machine refuses of a sampler: filters and wrap modes, comparisons and footprint assembly."""
 
-from pipeline.enums import InternalFormat, TextureCompareMode, TextureFilter, TextureTarget, WrapMode
-from pipeline.state import SignedComponents
-from pipeline.textures import DEPTH_TEXELS
-from pipeline.validation.sentences import count, listed
-from pipeline.validation.textures import complete_levels
+from fixedpipe.pipeline.enums import (
+    InternalFormat,
+    TextureCompareMode,
+    TextureFilter,
+    TextureTarget,
+    WrapMode,
+)
+from fixedpipe.pipeline.state import SignedComponents
+from fixedpipe.pipeline.textures.images import DEPTH_TEXELS
+from fixedpipe.pipeline.validation.sentences import count, listed
+from fixedpipe.pipeline.validation.textures import complete_levels
 
 _LOD_LIMIT = 1000.0  # the initial limits of table 3.17
 

@@ -1,6 +1,6 @@
 """Words that sentences of several sections are made of."""
 
-from pipeline.enums import DepthFormat
+from fixedpipe.pipeline.enums import DepthFormat
 
 
 def shown(value):

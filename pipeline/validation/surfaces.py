@@ -1,9 +1,9 @@
 """What a machine refuses of the window and of pbuffers: sizes, formats, and rectangles outside them."""
 
-from pipeline.enums import DepthFormat
-from pipeline.validation.sentences import count, depth_words, listed, shown
-from pipeline.validation.types import check_int
-from pipeline.validation.walk import KnownSurface, UnsupportedState
+from fixedpipe.pipeline.enums import DepthFormat
+from fixedpipe.pipeline.validation.sentences import count, depth_words, listed, shown
+from fixedpipe.pipeline.validation.types import check_int
+from fixedpipe.pipeline.validation.walk import KnownSurface, UnsupportedState
 
 
 def check_framebuffer(profile, width, height, depth_bits, what="The framebuffer"):

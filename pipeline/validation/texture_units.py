@@ -1,8 +1,8 @@
 """What a machine refuses of texture units: textures, stages of texture shaders, coordinates, environments."""
 
-from pipeline.enums import BaseFormat, TexGenMode, TextureShaderOperation, TextureTarget
-from pipeline.programs.texture_environment import environment_problem, texture_format
-from pipeline.programs.texture_shader_rules import (
+from fixedpipe.pipeline.enums import BaseFormat, TexGenMode, TextureShaderOperation, TextureTarget
+from fixedpipe.pipeline.programs.texture_environment import environment_problem, texture_format
+from fixedpipe.pipeline.programs.texture_shader_rules import (
     DEPENDENT,
     SCALING,
     TARGETS_READ,
@@ -11,12 +11,12 @@ from pipeline.programs.texture_shader_rules import (
     stage_problem,
     stage_width_problem,
 )
-from pipeline.state import SignedComponents
-from pipeline.textures import stored_widths
-from pipeline.validation.sampling import sampler
-from pipeline.validation.sentences import count, listed
-from pipeline.validation.textures import known_texture
-from pipeline.validation.transfer import color_table_problem
+from fixedpipe.pipeline.state import SignedComponents
+from fixedpipe.pipeline.textures.images import stored_widths
+from fixedpipe.pipeline.validation.sampling import sampler
+from fixedpipe.pipeline.validation.sentences import count, listed
+from fixedpipe.pipeline.validation.textures import known_texture
+from fixedpipe.pipeline.validation.transfer import color_table_problem
 
 # Source: OpenGL 1.2.1 section 2.10.4 (SPHERE_MAP for s and t); NV_texgen_reflection (the other two, not q).
 _GENERATED_BY = {

@@ -5,15 +5,15 @@ from weakref import WeakSet
 
 import numpy as np
 
-from pipeline.enums import InternalFormat, TextureTarget
-from pipeline.framebuffer import DEPTH_READABLE_AS, READABLE_AS
-from pipeline.textures import COMPONENT_BITS, DEPTH_TEXELS, TWELVE_BIT_FORMATS, Texture
-from pipeline.transfer import DEPTH_FORMAT, IMAGE_FORMATS, has_sink
-from pipeline.validation import buffers, surfaces
-from pipeline.validation.sentences import count, depth_words, listed, nearest_power_of_two
-from pipeline.validation.transfer import pixel_image_problem, transferred
-from pipeline.validation.types import enum_check, instance_check
-from pipeline.validation.walk import KnownTexture
+from fixedpipe.pipeline.enums import InternalFormat, TextureTarget
+from fixedpipe.pipeline.framebuffers.framebuffer import DEPTH_READABLE_AS, READABLE_AS
+from fixedpipe.pipeline.framebuffers.transfer import DEPTH_FORMAT, IMAGE_FORMATS, has_sink
+from fixedpipe.pipeline.textures.images import COMPONENT_BITS, DEPTH_TEXELS, TWELVE_BIT_FORMATS, Texture
+from fixedpipe.pipeline.validation import buffers, surfaces
+from fixedpipe.pipeline.validation.sentences import count, depth_words, listed, nearest_power_of_two
+from fixedpipe.pipeline.validation.transfer import pixel_image_problem, transferred
+from fixedpipe.pipeline.validation.types import enum_check, instance_check
+from fixedpipe.pipeline.validation.walk import KnownTexture
 
 _PARTS = {
     TextureTarget.TEXTURE_CUBE_MAP: ("cube map", "faces"),

@@ -1,6 +1,6 @@
 """What a machine refuses of a PixelTransfer, of a ColorTable and of a PixelImage.
 
-Fields have the types that ``pipeline.pixel_transfer`` says and are finite when these functions see them.
+Fields have the types that ``fixedpipe.pipeline.pixel_transfer`` says and are finite when these functions see them.
 Source: the errors of OpenGL 1.2.1 sections 3.6.3 and 3.6.4, SGI_color_table, EXT_convolution, EXT_histogram.
 """
 
@@ -8,9 +8,8 @@ from itertools import chain
 
 import numpy as np
 
-from pipeline.enums import BaseFormat
-from pipeline.pixel_transfer import INITIAL_TRANSFER
-from pipeline.transfer import (
+from fixedpipe.pipeline.enums import BaseFormat
+from fixedpipe.pipeline.framebuffers.transfer import (
     DEPTH_FORMAT,
     IMAGE_FORMATS,
     INDEX_FORMATS,
@@ -18,6 +17,7 @@ from pipeline.transfer import (
     filter_size,
     transferred_size,
 )
+from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER
 
 # Source: OpenGL 1.2.1 section 2.1.1: the magnitude that every machine's floating-point numbers reach; the
 # arithmetic of pixel transfer stays far inside float64's range then.
@@ -65,7 +65,7 @@ def _known_table(walk, what, name, known):
 def _transfer_problem(transfer, profile, width, height, dimensions=2):
     """Why an image of ``width`` x ``height`` pixels cannot go through a PixelTransfer on a machine, or None.
 
-    ``dimensions``: as ``pipeline.transfer.transfer_colors`` takes them.
+    ``dimensions``: as ``fixedpipe.pipeline.framebuffers.transfer.transfer_colors`` takes them.
     """
     if transfer is INITIAL_TRANSFER:
         return None

@@ -12,8 +12,8 @@ from typing import NamedTuple, get_args, get_origin
 
 import numpy as np
 
-from pipeline.validation.remembered import Remembered
-from pipeline.validation.sentences import shown
+from fixedpipe.pipeline.validation.remembered import Remembered
+from fixedpipe.pipeline.validation.sentences import shown
 
 
 class Wrong(NamedTuple):

@@ -12,7 +12,7 @@ refused; where it calls the result undefined (pixels read outside the framebuffe
 module refuses.
 """
 
-from pipeline.commands import (
+from fixedpipe.pipeline.commands import (
     Accum,
     BindTexImage,
     Bitmap,
@@ -31,22 +31,33 @@ from pipeline.commands import (
     Saturate,
     TexImage,
 )
-from pipeline.pixel_transfer import PixelMaps, PixelTransfer
-from pipeline.state import ColorTable, PassState, RegisterCombiners, TextureUnit, VertexState
-from pipeline.textures import Texture
-from pipeline.transfer import PixelStatistics
-from pipeline.validation import texture_units
-from pipeline.validation.buffers import accum, clear, read_pixels, saturate
-from pipeline.validation.draws import draw
-from pipeline.validation.fragments import register_combiners
-from pipeline.validation.frames import frame_of, host_step
-from pipeline.validation.rectangles import bitmap, copy_pixels, draw_pixels
-from pipeline.validation.sentences import count, shown
-from pipeline.validation.surfaces import check_color_bits, check_framebuffer, check_samples, make_current
-from pipeline.validation.textures import bind_tex_image, copy_tex_image, copy_tex_sub_image, store, tex_image
-from pipeline.validation.transfer import reset_histogram, reset_minmax
-from pipeline.validation.types import TypeChecks
-from pipeline.validation.walk import Walk
+from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
+from fixedpipe.pipeline.pixel_transfer import PixelMaps, PixelTransfer
+from fixedpipe.pipeline.state import ColorTable, PassState, RegisterCombiners, TextureUnit, VertexState
+from fixedpipe.pipeline.textures.images import Texture
+from fixedpipe.pipeline.validation import texture_units
+from fixedpipe.pipeline.validation.buffers import accum, clear, read_pixels, saturate
+from fixedpipe.pipeline.validation.draws import draw
+from fixedpipe.pipeline.validation.fragments import register_combiners
+from fixedpipe.pipeline.validation.frames import frame_of, host_step
+from fixedpipe.pipeline.validation.rectangles import bitmap, copy_pixels, draw_pixels
+from fixedpipe.pipeline.validation.sentences import count, shown
+from fixedpipe.pipeline.validation.surfaces import (
+    check_color_bits,
+    check_framebuffer,
+    check_samples,
+    make_current,
+)
+from fixedpipe.pipeline.validation.textures import (
+    bind_tex_image,
+    copy_tex_image,
+    copy_tex_sub_image,
+    store,
+    tex_image,
+)
+from fixedpipe.pipeline.validation.transfer import reset_histogram, reset_minmax
+from fixedpipe.pipeline.validation.types import TypeChecks
+from fixedpipe.pipeline.validation.walk import Walk
 
 # Parts that many states share, because dataclasses.replace keeps them, are looked at once.
 _CHECKS = TypeChecks(

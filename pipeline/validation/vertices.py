@@ -2,10 +2,10 @@
 
 from dataclasses import fields
 
-from pipeline.columns import invert_upper_left
-from pipeline.enums import LightingArithmetic, VertexStage
-from pipeline.state import Light, Lighting, Material, VertexState, needs_normals
-from pipeline.validation.sentences import count, shown
+from fixedpipe.pipeline.enums import LightingArithmetic, VertexStage
+from fixedpipe.pipeline.state import Light, Lighting, Material, VertexState, needs_normals
+from fixedpipe.pipeline.validation.sentences import count, shown
+from fixedpipe.pipeline.vertices.arithmetic import invert_upper_left
 
 
 def vertex(walk, vertex):

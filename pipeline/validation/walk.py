@@ -3,11 +3,11 @@
 from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
-from pipeline.commands import Clear, Draw
-from pipeline.enums import ColorFormat, InternalFormat, PrimitiveType, TextureTarget
-from pipeline.validation.meshes import checked_meshes
-from pipeline.validation.remembered import Remembered
-from pipeline.validation.sentences import depth_words
+from fixedpipe.pipeline.commands import Clear, Draw
+from fixedpipe.pipeline.enums import ColorFormat, InternalFormat, PrimitiveType, TextureTarget
+from fixedpipe.pipeline.validation.meshes import checked_meshes
+from fixedpipe.pipeline.validation.remembered import Remembered
+from fixedpipe.pipeline.validation.sentences import depth_words
 
 
 class UnsupportedState(ValueError):  # noqa: N818 (it names what was asked for)

@@ -9,9 +9,8 @@ from itertools import combinations, product
 
 import numpy as np
 
-from pipeline import vertex
-from pipeline.commands import Draw
-from pipeline.enums import (
+from fixedpipe.pipeline.commands import Draw
+from fixedpipe.pipeline.enums import (
     BlendEquation,
     BlendFactor,
     CombineFunction,
@@ -22,8 +21,9 @@ from pipeline.enums import (
     TextureEnvironmentMode,
     TextureFilter,
 )
-from pipeline.execute import execute
-from pipeline.state import AlphaTest
+from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.state import AlphaTest
+from fixedpipe.pipeline.vertices import stage
 
 ROUNDING = 0.5  # rounding to the nearest byte
 # What single precision adds: sums of a few terms of 2^-24 relative error, times 255, after three divisions.
@@ -270,7 +270,7 @@ def depth_bounds(commands, profile, width, height):
     """
     bounds = np.ones((height, width))
     for draw in (c for c in commands if isinstance(c, Draw)):
-        primitives = vertex.process(draw.mesh, draw.state, profile, width, height)
+        primitives = stage.process(draw.mesh, draw.state, profile, width, height)
         for corners in primitives.triangles[:, :3]:
             x, y = primitives.x[corners] / 16.0, primitives.y[corners] / 16.0
             z = primitives.z[corners]
@@ -398,7 +398,7 @@ def edge_pixels(commands, profile, width, height, within):
     found = np.zeros((height, width), bool)
     px, py = np.meshgrid(16 * np.arange(width) + 8, 16 * np.arange(height) + 8)
     for draw in (c for c in commands if isinstance(c, Draw)):
-        primitives = vertex.process(draw.mesh, draw.state, profile, width, height)
+        primitives = stage.process(draw.mesh, draw.state, profile, width, height)
         rows = primitives.triangles[:, :3]
         if draw.mesh.primitive in (PrimitiveType.QUADS, PrimitiveType.QUAD_STRIP):
             rows = rows.reshape(-1, 6)  # two triangles of a quad: either diagonal may be an edge
@@ -416,7 +416,7 @@ def diamond_ties(commands, profile, width, height):
     found = np.zeros((height, width), bool)
     px, py = np.meshgrid(16 * np.arange(width) + 8, 16 * np.arange(height) + 8)
     for draw in (c for c in commands if isinstance(c, Draw)):
-        primitives = vertex.process(draw.mesh, draw.state, profile, width, height)
+        primitives = stage.process(draw.mesh, draw.state, profile, width, height)
         for b, a in primitives.triangles[:, :2].tolist():
             x, y = int(primitives.x[a]), int(primitives.y[a])
             dx, dy = int(primitives.x[b]) - x, int(primitives.y[b]) - y

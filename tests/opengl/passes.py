@@ -10,8 +10,8 @@ from random import Random
 import numpy as np
 from hypothesis import strategies as st
 
-from pipeline.commands import Clear, Draw, Mesh, TexImage
-from pipeline.enums import (
+from fixedpipe.pipeline.commands import Clear, Draw, Mesh, TexImage
+from fixedpipe.pipeline.enums import (
     BlendFactor,
     ColorMaterialParameter,
     CombineFunction,
@@ -31,8 +31,8 @@ from pipeline.enums import (
     TextureFilter,
     TextureTarget,
 )
-from pipeline.profiles import MULTITEXTURE, OPENGL_1_2, OPENGL_1_2_IMAGING
-from pipeline.state import (
+from fixedpipe.pipeline.profiles import MULTITEXTURE, OPENGL_1_2, OPENGL_1_2_IMAGING
+from fixedpipe.pipeline.state import (
     IDENTITY,
     AlphaTest,
     Blending,
@@ -54,8 +54,8 @@ from pipeline.state import (
     VertexState,
     Viewport,
 )
-from pipeline.textures import COMPONENT_BITS, texture_1d, texture_2d
-from tests.random_environments import random_environment
+from fixedpipe.pipeline.textures.images import COMPONENT_BITS, texture_1d, texture_2d
+from tests.support.random_environments import random_environment
 
 WIDTH, HEIGHT = 32, 16  # powers of two: window coordinates are exact, in float32 too
 

@@ -6,10 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bench.peers.llvmpipe import PeerError
-from pipeline.commands import Clear, Draw, Mesh
-from pipeline.enums import BlendFactor, StencilOperation
-from pipeline.profiles import OPENGL_1_2
-from pipeline.state import Blending, PassState, StencilTest
+from fixedpipe.pipeline.commands import Clear, Draw, Mesh
+from fixedpipe.pipeline.enums import BlendFactor, StencilOperation
+from fixedpipe.pipeline.profiles import OPENGL_1_2
+from fixedpipe.pipeline.state import Blending, PassState, StencilTest
 from tests.opengl.compare import compare, diamond_ties, edge_pixels, example
 from tests.opengl.mesa import Mesa
 from tests.opengl.passes import EXTENDED, HEIGHT, PROFILES, WIDTH, anywhere, frames, strokes

@@ -23,8 +23,8 @@ OpenGL.ERROR_LOGGING = False
 from OpenGL import GL  # noqa: E402  the two switches above are read when this is imported
 
 from bench.peers.context import make_context  # noqa: E402
-from pipeline.commands import Clear, Draw, TexImage  # noqa: E402
-from pipeline.enums import (  # noqa: E402
+from fixedpipe.pipeline.commands import Clear, Draw, TexImage  # noqa: E402
+from fixedpipe.pipeline.enums import (  # noqa: E402
     Face,
     FrontFace,
     PrimitiveType,
@@ -33,12 +33,7 @@ from pipeline.enums import (  # noqa: E402
     TextureEnvironmentMode,
     TextureTarget,
 )
-from pipeline.state import (  # noqa: E402
-    IDENTITY,
-    PassState,
-    TextureUnit,
-    Viewport,
-)
+from fixedpipe.pipeline.state import IDENTITY, PassState, TextureUnit, Viewport  # noqa: E402
 
 _TARGETS = {
     TextureTarget.TEXTURE_1D: GL.GL_TEXTURE_1D,

@@ -2,7 +2,7 @@
 
 import math
 
-from pipeline.enums import AccumOperation
+from fixedpipe.pipeline.enums import AccumOperation
 from tests.reference import coverage, fixed, per_fragment
 
 

@@ -1,6 +1,6 @@
 """Register combiners: NV_register_combiners on 9-bit signed integers, one fragment at a time."""
 
-from pipeline.enums import (
+from fixedpipe.pipeline.enums import (
     CombinerBias,
     CombinerScale,
     ComponentUsage,

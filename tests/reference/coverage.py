@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from pipeline.enums import Face, FrontFace
+from fixedpipe.pipeline.enums import Face, FrontFace
 
 SUBPIXELS = 16  # Measured: 4 fraction bits of window coordinates (TopLeftRaster)
 

@@ -2,7 +2,7 @@
 
 import math
 
-from pipeline.enums import DepthFormat
+from fixedpipe.pipeline.enums import DepthFormat
 from tests.reference import fixed
 
 OFFSET_LIMIT = 2**30  # Assumed: far above any depth unit

@@ -4,7 +4,7 @@ import math
 from decimal import Decimal, localcontext
 from functools import cache
 
-from pipeline.enums import FogArithmetic, FogMode
+from fixedpipe.pipeline.enums import FogArithmetic, FogMode
 from tests.reference import fixed
 from tests.reference.fixed import clamp
 

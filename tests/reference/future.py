@@ -7,7 +7,7 @@ from decimal import Decimal, localcontext
 from fractions import Fraction
 from math import acos, floor, isqrt, sin, sqrt
 
-from pipeline.enums import CombinerFunction
+from fixedpipe.pipeline.enums import CombinerFunction
 
 
 def square_root(n):

@@ -7,8 +7,8 @@ import math
 import struct
 from fractions import Fraction
 
-from pipeline.enums import ColorMaterialParameter, ColorSource, Face, SecondaryColor
-from pipeline.state import ColorSources
+from fixedpipe.pipeline.enums import ColorMaterialParameter, ColorSource, Face, SecondaryColor
+from fixedpipe.pipeline.state import ColorSources
 
 LIGHTING, TRANSFORM = 14, 24  # significant bits
 SMALLEST, LIMIT = Fraction(1, 2**126), Fraction(2**128)

@@ -1,6 +1,12 @@
 """Per-fragment operations (OpenGL 1.2.1 section 4.1): tests, blending, logic op, color mask."""
 
-from pipeline.enums import BlendEquation, BlendFactor, ComparisonFunction, LogicOperation, StencilOperation
+from fixedpipe.pipeline.enums import (
+    BlendEquation,
+    BlendFactor,
+    ComparisonFunction,
+    LogicOperation,
+    StencilOperation,
+)
 from tests.reference import fixed, surface
 
 ONE = 255

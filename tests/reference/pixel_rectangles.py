@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 from types import SimpleNamespace
 
-from pipeline.enums import FogCoordinateSource, TextureTarget
+from fixedpipe.pipeline.enums import FogCoordinateSource, TextureTarget
 from tests.reference import (
     coverage,
     depth,

@@ -6,7 +6,7 @@ A group is (R, G, B, A), whole numbers, ``one`` = 1.0.
 import math
 from fractions import Fraction
 
-from pipeline.enums import PixelFragmentSource, PixelTexGenAlpha, PixelTexGenMode, PixelTexGenQ
+from fixedpipe.pipeline.enums import PixelFragmentSource, PixelTexGenAlpha, PixelTexGenMode, PixelTexGenQ
 from tests.reference import fixed
 
 

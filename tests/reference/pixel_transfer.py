@@ -8,7 +8,7 @@ EXT_histogram, SGI_texture_color_table.
 
 from math import floor, inf
 
-from pipeline.enums import BaseFormat, ConvolutionBorderMode
+from fixedpipe.pipeline.enums import BaseFormat, ConvolutionBorderMode
 
 MOST = 2**32 - 1  # of a histogram's counter
 

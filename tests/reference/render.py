@@ -6,7 +6,7 @@ from functools import partial
 from itertools import product
 from types import SimpleNamespace
 
-from pipeline.enums import (
+from fixedpipe.pipeline.enums import (
     ColorFormat,
     ColorWeights,
     ShadeModel,

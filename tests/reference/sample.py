@@ -9,7 +9,13 @@ from decimal import Decimal, localcontext
 from functools import cache, partial
 from math import ceil, floor, frexp, isfinite, sqrt, trunc
 
-from pipeline.enums import InternalFormat, MagnificationThreshold, TextureFilter, TextureTarget, WrapMode
+from fixedpipe.pipeline.enums import (
+    InternalFormat,
+    MagnificationThreshold,
+    TextureFilter,
+    TextureTarget,
+    WrapMode,
+)
 from tests.reference import coverage, fixed, interpolate, texel_formats
 
 TAU = 2.0**-24  # Inferred: texels; below what silicon resolves, above the noise of float64

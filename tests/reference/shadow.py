@@ -3,7 +3,7 @@
 from math import floor, frexp
 from types import SimpleNamespace
 
-from pipeline.enums import BaseFormat, ComparisonFunction, InternalFormat, TextureCompareMode
+from fixedpipe.pipeline.enums import BaseFormat, ComparisonFunction, InternalFormat, TextureCompareMode
 from tests.reference import fixed
 
 FIXED = {InternalFormat.DEPTH_COMPONENT16: 0xFFFF, InternalFormat.DEPTH_COMPONENT24: 0xFFFFFF}

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 
-from pipeline.enums import LineRasterization
+from fixedpipe.pipeline.enums import LineRasterization
 from tests.reference import coverage
 
 TRIANGLE, LINE, POINT = range(3)  # Assumed: nothing, WindowPrimitives' codes

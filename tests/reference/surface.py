@@ -1,6 +1,6 @@
 """What a surface's colour format keeps of a fragment, and what blending reads back."""
 
-from pipeline.enums import ColorFormat
+from fixedpipe.pipeline.enums import ColorFormat
 
 # Bits of red, green, blue and alpha; the padding that fills the alpha byte from above, or None.
 # Source: nv_objects.h, SURFACE_FORMAT_COLOR.

@@ -2,7 +2,7 @@
 
 import math
 
-from pipeline.enums import BaseFormat
+from fixedpipe.pipeline.enums import BaseFormat
 from tests.reference import fixed
 
 ONE = 255

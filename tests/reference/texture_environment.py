@@ -5,7 +5,7 @@ Colors are four bytes, 255 = 1.0. Each unit's result is clamped to a byte before
 
 from functools import partial
 
-from pipeline.enums import (
+from fixedpipe.pipeline.enums import (
     BaseFormat,
     CombineFunction,
     CombineOperand,

@@ -2,9 +2,9 @@
 
 from math import floor, sqrt
 
-from pipeline.enums import CullMode, DotProductMapping, TextureTarget
-from pipeline.enums import TextureShaderOperation as Operation
-from pipeline.state import TextureShaderStage
+from fixedpipe.pipeline.enums import CullMode, DotProductMapping, TextureTarget
+from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
+from fixedpipe.pipeline.state import TextureShaderStage
 from tests.reference import sample
 from tests.reference.fixed import clamp
 

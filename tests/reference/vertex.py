@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from decimal import Decimal, localcontext
 from fractions import Fraction
 
-from pipeline.enums import (
+from fixedpipe.pipeline.enums import (
     ColorMaterialParameter,
     Face,
     FogArithmetic,

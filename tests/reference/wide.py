@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import floor
 
-from pipeline.enums import (
+from fixedpipe.pipeline.enums import (
     BlendEquation,
     CombinerBias,
     CombinerScale,

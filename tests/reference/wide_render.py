@@ -5,7 +5,7 @@ alpha test, depth test and blending. docs/numbers.md, section 13.
 from dataclasses import dataclass
 from math import floor
 
-from pipeline.enums import Clamp, Register, TextureFilter
+from fixedpipe.pipeline.enums import Clamp, Register, TextureFilter
 from tests.reference import combine, coverage, depth, fixed, interpolate, per_fragment, sample, wide
 
 

@@ -5,11 +5,11 @@ Source: src/tests/alpha_func_tests.cpp of nxdk_pgraph_tests.
 
 from dataclasses import replace
 
-from effects.conformance import scenes
-from effects.conformance.case import HEIGHT, WIDTH, Case
-from pipeline.commands import Draw
-from pipeline.enums import ComparisonFunction
-from pipeline.state import AlphaTest
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+from fixedpipe.pipeline.commands import Draw
+from fixedpipe.pipeline.enums import ComparisonFunction
+from fixedpipe.pipeline.state import AlphaTest
 
 SUITE = "Alpha_func"
 

@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import Case
-from pipeline.commands import BindTexImage, MakeCurrent, TexImage
-from pipeline.enums import BlendFactor, ColorFormat, InternalFormat, TexelWord, WindowOrigin
-from pipeline.state import Blending, ColorMask
-from pipeline.texel_words import texture_of_words
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.pipeline.commands import BindTexImage, MakeCurrent, TexImage
+from fixedpipe.pipeline.enums import BlendFactor, ColorFormat, InternalFormat, TexelWord, WindowOrigin
+from fixedpipe.pipeline.state import Blending, ColorMask
+from fixedpipe.pipeline.textures.words import texture_of_words
 
 SUITE = "Blend_surface"
 

@@ -6,12 +6,12 @@ exchanges red and blue once more: the colours here are those that the pictures s
 
 from dataclasses import replace
 
-from effects.conformance import scenes
-from effects.conformance.case import Case
-from pipeline.commands import BindTexImage, MakeCurrent, TexImage
-from pipeline.enums import BlendEquation, BlendFactor, WindowOrigin
-from pipeline.state import Blending, ColorMask
-from pipeline.textures import texture_2d
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.pipeline.commands import BindTexImage, MakeCurrent, TexImage
+from fixedpipe.pipeline.enums import BlendEquation, BlendFactor, WindowOrigin
+from fixedpipe.pipeline.state import Blending, ColorMask
+from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Blend_tests"
 

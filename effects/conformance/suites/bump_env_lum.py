@@ -3,10 +3,10 @@
 Source: src/tests/bump_env_lum_tests.cpp of nxdk_pgraph_tests.
 """
 
-from effects.conformance import bump_quads, scenes
-from pipeline.enums import Register
-from pipeline.enums import TextureShaderOperation as Operation
-from pipeline.state import SignedComponents, TextureShaderStage
+from fixedpipe.effects.conformance import bump_quads, scenes
+from fixedpipe.pipeline.enums import Register
+from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
+from fixedpipe.pipeline.state import SignedComponents, TextureShaderStage
 
 SUITE = "Bump_env_lum"
 

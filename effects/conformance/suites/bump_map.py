@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import bump_quads, scenes
-from pipeline.enums import DotProductMapping, Register, TexelWord
-from pipeline.enums import TextureShaderOperation as Operation
-from pipeline.state import SignedComponents, TextureShaderStage
-from pipeline.texel_words import texture_of_words
+from fixedpipe.effects.conformance import bump_quads, scenes
+from fixedpipe.pipeline.enums import DotProductMapping, Register, TexelWord
+from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
+from fixedpipe.pipeline.state import SignedComponents, TextureShaderStage
+from fixedpipe.pipeline.textures.words import texture_of_words
 
 SUITE = "Bump_map"
 

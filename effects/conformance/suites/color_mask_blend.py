@@ -5,11 +5,11 @@ Source: src/tests/color_mask_blend_tests.cpp of nxdk_pgraph_tests.
 
 from dataclasses import replace
 
-from effects.conformance import scenes
-from effects.conformance.case import Case
-from pipeline.commands import Draw
-from pipeline.enums import BlendFactor
-from pipeline.state import Blending, ColorMask
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.pipeline.commands import Draw
+from fixedpipe.pipeline.enums import BlendFactor
+from fixedpipe.pipeline.state import Blending, ColorMask
 
 SUITE = "Color_mask_blend"
 

@@ -9,10 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import Case
-from pipeline.commands import Draw, Mesh, TexImage
-from pipeline.enums import (
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
+from fixedpipe.pipeline.enums import (
     CombinerBias,
     CombinerScale,
     ComponentUsage,
@@ -21,7 +21,7 @@ from pipeline.enums import (
     PrimitiveType,
     Register,
 )
-from pipeline.state import (
+from fixedpipe.pipeline.state import (
     AlphaPortion,
     CombinerInput,
     FinalCombiner,
@@ -30,7 +30,7 @@ from pipeline.state import (
     RGBPortion,
     TextureUnit,
 )
-from pipeline.textures import texture_2d
+from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Combiner"
 

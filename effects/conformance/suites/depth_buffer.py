@@ -8,11 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import Case, Shows
-from pipeline.commands import Draw
-from pipeline.enums import ComparisonFunction, DepthFormat
-from pipeline.state import DepthClamp, DepthTest
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import Case, Shows
+from fixedpipe.pipeline.commands import Draw
+from fixedpipe.pipeline.enums import ComparisonFunction, DepthFormat
+from fixedpipe.pipeline.state import DepthClamp, DepthTest
 
 SUITE = "Depth_buffer"
 single = np.float32

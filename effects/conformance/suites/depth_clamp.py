@@ -8,13 +8,13 @@ from itertools import product
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import Case
-from effects.conformance.vertex_programs import perspective
-from pipeline.commands import Draw, Mesh, TexImage
-from pipeline.enums import ComparisonFunction, PrimitiveType
-from pipeline.state import DepthClamp, DepthTest, PolygonState, TextureUnit
-from pipeline.textures import texture_2d
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.effects.conformance.vertex_programs import perspective
+from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
+from fixedpipe.pipeline.enums import ComparisonFunction, PrimitiveType
+from fixedpipe.pipeline.state import DepthClamp, DepthTest, PolygonState, TextureUnit
+from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Depth_Clamp"
 

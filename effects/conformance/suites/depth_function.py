@@ -5,11 +5,11 @@ Source: src/tests/depth_function_tests.cpp of nxdk_pgraph_tests.
 
 from dataclasses import replace
 
-from effects.conformance import scenes
-from effects.conformance.case import Case, Shows
-from pipeline.commands import Draw, Mesh
-from pipeline.enums import ComparisonFunction, PrimitiveType
-from pipeline.state import DepthTest
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import Case, Shows
+from fixedpipe.pipeline.commands import Draw, Mesh
+from fixedpipe.pipeline.enums import ComparisonFunction, PrimitiveType
+from fixedpipe.pipeline.state import DepthTest
 
 SUITE = "Depth_function"
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import scenes, shapes
-from effects.conformance.case import Case
-from pipeline.commands import Draw
-from pipeline.enums import Face, FrontFace, PolygonMode, PrimitiveType
-from pipeline.state import PolygonState
+from fixedpipe.effects.conformance import scenes, shapes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.pipeline.commands import Draw
+from fixedpipe.pipeline.enums import Face, FrontFace, PolygonMode, PrimitiveType
+from fixedpipe.pipeline.state import PolygonState
 
 SUITE = "Edge_flag"
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import Case
-from pipeline.commands import Draw, Mesh
-from pipeline.enums import ComponentUsage, FogMode, PrimitiveType, Register
-from pipeline.state import CombinerInput, DepthClamp, Fog, FogRegisters
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.pipeline.commands import Draw, Mesh
+from fixedpipe.pipeline.enums import ComponentUsage, FogMode, PrimitiveType, Register
+from fixedpipe.pipeline.state import CombinerInput, DepthClamp, Fog, FogRegisters
 
 SUITE = "Fog"
 

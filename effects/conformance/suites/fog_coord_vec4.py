@@ -9,11 +9,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import Case
-from effects.conformance.suites import fog, fog_vsh
-from pipeline.enums import FogMode, Register
-from pipeline.state import CombinerInput, Fog, FogRegisters
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.effects.conformance.suites import fog, fog_vsh
+from fixedpipe.pipeline.enums import FogMode, Register
+from fixedpipe.pipeline.state import CombinerInput, Fog, FogRegisters
 
 SUITE = "Fog_coord_vec4"
 

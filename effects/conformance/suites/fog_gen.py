@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import HEIGHT, WIDTH, Case
-from effects.conformance.suites import fog
-from pipeline.commands import Draw, Mesh
-from pipeline.enums import FogGeneration, FogMode, PrimitiveType
-from pipeline.state import Fog, FogRegisters
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+from fixedpipe.effects.conformance.suites import fog
+from fixedpipe.pipeline.commands import Draw, Mesh
+from fixedpipe.pipeline.enums import FogGeneration, FogMode, PrimitiveType
+from fixedpipe.pipeline.state import Fog, FogRegisters
 
 SUITE = "Fog_gen"
 

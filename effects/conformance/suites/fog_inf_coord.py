@@ -5,9 +5,9 @@ Source: src/tests/fog_tests.cpp of nxdk_pgraph_tests (FogInfiniteFogCoordinateTe
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import Case
-from effects.conformance.suites import fog, fog_vsh
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.effects.conformance.suites import fog, fog_vsh
 
 SUITE = "Fog_inf_coord"
 

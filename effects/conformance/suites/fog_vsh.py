@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import Case
-from effects.conformance.suites import fog
-from effects.conformance.vertex_programs import perspective
-from pipeline.commands import Draw
-from pipeline.enums import PrimitiveType
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.effects.conformance.suites import fog
+from fixedpipe.effects.conformance.vertex_programs import perspective
+from fixedpipe.pipeline.commands import Draw
+from fixedpipe.pipeline.enums import PrimitiveType
 
 SUITE = "Fog_vsh"
 

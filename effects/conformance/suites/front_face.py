@@ -10,11 +10,11 @@ from itertools import product
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import Case
-from pipeline.commands import Draw
-from pipeline.enums import Face, FrontFace, PolygonMode, PrimitiveType
-from pipeline.state import PolygonState
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.pipeline.commands import Draw
+from fixedpipe.pipeline.enums import Face, FrontFace, PolygonMode, PrimitiveType
+from fixedpipe.pipeline.state import PolygonState
 
 SUITE = "Front_face"
 

@@ -10,11 +10,11 @@ from itertools import product
 
 import numpy as np
 
-from effects.conformance import lit_scenes, scenes, vertex_programs
-from effects.conformance.case import Case
-from pipeline.commands import Draw
-from pipeline.enums import Face, FrontFace, PrimitiveType, SecondaryColor
-from pipeline.state import Lighting, Material, PolygonState
+from fixedpipe.effects.conformance import lit_scenes, scenes, vertex_programs
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.pipeline.commands import Draw
+from fixedpipe.pipeline.enums import Face, FrontFace, PrimitiveType, SecondaryColor
+from fixedpipe.pipeline.state import Lighting, Material, PolygonState
 
 SUITE = "Lighting_control"
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import lit_scenes, scenes
-from effects.conformance.case import WIDTH, Case
-from pipeline.commands import Draw, Mesh
-from pipeline.enums import Face, FrontFace, PrimitiveType
-from pipeline.state import Lighting, Material, PolygonState
+from fixedpipe.effects.conformance import lit_scenes, scenes
+from fixedpipe.effects.conformance.case import WIDTH, Case
+from fixedpipe.pipeline.commands import Draw, Mesh
+from fixedpipe.pipeline.enums import Face, FrontFace, PrimitiveType
+from fixedpipe.pipeline.state import Lighting, Material, PolygonState
 
 SUITE = "Lighting_range"
 

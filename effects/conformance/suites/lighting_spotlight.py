@@ -6,11 +6,11 @@ Source: src/tests/lighting_spotlight_tests.cpp of nxdk_pgraph_tests.
 
 from dataclasses import replace
 
-from effects.conformance import lit_scenes, scenes
-from effects.conformance.case import Case
-from pipeline.commands import Draw
-from pipeline.enums import Face, FrontFace
-from pipeline.state import Lighting, Material, PolygonState
+from fixedpipe.effects.conformance import lit_scenes, scenes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.pipeline.commands import Draw
+from fixedpipe.pipeline.enums import Face, FrontFace
+from fixedpipe.pipeline.state import Lighting, Material, PolygonState
 
 SUITE = "Lighting_spotlight"
 

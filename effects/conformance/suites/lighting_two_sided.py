@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import lit_scenes, scenes
-from effects.conformance.case import Case
-from pipeline.commands import Draw, Mesh
-from pipeline.enums import FrontFace, PrimitiveType, SecondaryColor
-from pipeline.state import DepthTest, Light, Lighting, Material, PolygonState
+from fixedpipe.effects.conformance import lit_scenes, scenes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.pipeline.commands import Draw, Mesh
+from fixedpipe.pipeline.enums import FrontFace, PrimitiveType, SecondaryColor
+from fixedpipe.pipeline.state import DepthTest, Light, Lighting, Material, PolygonState
 
 SUITE = "Lighting_Two_Sided"
 

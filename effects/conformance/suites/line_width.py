@@ -6,11 +6,11 @@ bits, and a wider value leaves the width of one pixel that was there before.
 
 from dataclasses import replace
 
-from effects.conformance import scenes, shapes
-from effects.conformance.case import Case
-from pipeline.commands import Draw
-from pipeline.enums import Face, FrontFace, PolygonMode
-from pipeline.state import PolygonState
+from fixedpipe.effects.conformance import scenes, shapes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.pipeline.commands import Draw
+from fixedpipe.pipeline.enums import Face, FrontFace, PolygonMode
+from fixedpipe.pipeline.state import PolygonState
 
 SUITE = "Line_width"
 

@@ -7,12 +7,12 @@ Measured: 200 and 1 pixels of the two captures; Assumed for lines that are neith
 
 from dataclasses import replace
 
-from effects.conformance import scenes
-from effects.conformance.case import Case
-from pipeline.commands import Draw
-from pipeline.enums import PrimitiveType, TexelWord
-from pipeline.state import LineState
-from pipeline.texel_words import texels_of_words
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.pipeline.commands import Draw
+from fixedpipe.pipeline.enums import PrimitiveType, TexelWord
+from fixedpipe.pipeline.state import LineState
+from fixedpipe.pipeline.textures.words import texels_of_words
 
 SUITE = "2D_Lines"
 

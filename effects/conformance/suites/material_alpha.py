@@ -7,11 +7,11 @@ word of a float.
 import struct
 from dataclasses import replace
 
-from effects.conformance import lit_scenes, scenes
-from effects.conformance.case import HEIGHT, WIDTH, Case
-from pipeline.commands import Draw, Mesh
-from pipeline.enums import ColorSource, Face, FrontFace, SecondaryColor
-from pipeline.state import (
+from fixedpipe.effects.conformance import lit_scenes, scenes
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+from fixedpipe.pipeline.commands import Draw, Mesh
+from fixedpipe.pipeline.enums import ColorSource, Face, FrontFace, SecondaryColor
+from fixedpipe.pipeline.state import (
     IDENTITY,
     ColorSources,
     Composite,

@@ -8,13 +8,13 @@ from itertools import product
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import Case, Shows
-from pipeline.commands import Draw, TexImage
-from pipeline.enums import ComparisonFunction, CullMode, Register, TextureTarget
-from pipeline.enums import TextureShaderOperation as Operation
-from pipeline.state import DepthTest, TextureShaderStage, TextureUnit
-from pipeline.textures import texture_2d
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import Case, Shows
+from fixedpipe.pipeline.commands import Draw, TexImage
+from fixedpipe.pipeline.enums import ComparisonFunction, CullMode, Register, TextureTarget
+from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
+from fixedpipe.pipeline.state import DepthTest, TextureShaderStage, TextureUnit
+from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Pixel_shader"
 

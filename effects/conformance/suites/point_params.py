@@ -11,11 +11,11 @@ from itertools import product
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import HEIGHT, WIDTH, Case
-from pipeline.commands import Draw, Mesh, TexImage
-from pipeline.enums import ComponentUsage, Mapping, PrimitiveType, Register, WrapMode
-from pipeline.state import (
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
+from fixedpipe.pipeline.enums import ComponentUsage, Mapping, PrimitiveType, Register, WrapMode
+from fixedpipe.pipeline.state import (
     CombinerInput,
     FinalCombiner,
     GeneralCombiner,
@@ -24,7 +24,7 @@ from pipeline.state import (
     RegisterCombiners,
     TextureUnit,
 )
-from pipeline.textures import texture_2d
+from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Point_params"
 

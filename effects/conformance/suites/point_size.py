@@ -11,11 +11,11 @@ from itertools import product
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import HEIGHT, WIDTH, Case
-from pipeline.commands import Draw
-from pipeline.enums import PrimitiveType
-from pipeline.state import PointState
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+from fixedpipe.pipeline.commands import Draw
+from fixedpipe.pipeline.enums import PrimitiveType
+from fixedpipe.pipeline.state import PointState
 
 SUITE = "Point_size"
 

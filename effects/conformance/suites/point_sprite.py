@@ -8,10 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import scenes, vertex_programs
-from effects.conformance.case import Case
-from pipeline.commands import Draw, Mesh, TexImage
-from pipeline.enums import (
+from fixedpipe.effects.conformance import scenes, vertex_programs
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
+from fixedpipe.pipeline.enums import (
     ComparisonFunction,
     ComponentUsage,
     Face,
@@ -20,7 +20,7 @@ from pipeline.enums import (
     PrimitiveType,
     Register,
 )
-from pipeline.state import (
+from fixedpipe.pipeline.state import (
     AlphaPortion,
     AlphaTest,
     CombinerInput,
@@ -33,7 +33,7 @@ from pipeline.state import (
     RGBPortion,
     TextureUnit,
 )
-from pipeline.textures import texture_2d
+from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Point_sprite"
 

@@ -6,11 +6,11 @@ with -ls and -ps (line and polygon smoothing) draw to a surface of two samples a
 
 from dataclasses import replace
 
-from effects.conformance import scenes
-from effects.conformance.case import Case
-from pipeline.commands import Draw, Mesh
-from pipeline.enums import ComparisonFunction, Face, FrontFace, LineRasterization, PrimitiveType
-from pipeline.state import DepthTest, LineState, PolygonState
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.pipeline.commands import Draw, Mesh
+from fixedpipe.pipeline.enums import ComparisonFunction, Face, FrontFace, LineRasterization, PrimitiveType
+from fixedpipe.pipeline.state import DepthTest, LineState, PolygonState
 
 SUITE = "3D_primitive"
 

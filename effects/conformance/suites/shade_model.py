@@ -10,12 +10,12 @@ from itertools import product
 
 import numpy as np
 
-from effects.conformance import scenes, vertex_programs
-from effects.conformance.case import Case
-from pipeline.commands import Draw, Mesh, TexImage
-from pipeline.enums import Face, FrontFace, PrimitiveType, ProvokingVertex, ShadeModel
-from pipeline.state import Light, Lighting, Material, PolygonState, TextureUnit
-from pipeline.textures import texture_2d
+from fixedpipe.effects.conformance import scenes, vertex_programs
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
+from fixedpipe.pipeline.enums import Face, FrontFace, PrimitiveType, ProvokingVertex, ShadeModel
+from fixedpipe.pipeline.state import Light, Lighting, Material, PolygonState, TextureUnit
+from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Shade_model"
 

@@ -6,11 +6,11 @@ the smoothing switches change no pixel, and lines are rectangles.
 
 from dataclasses import replace
 
-from effects.conformance import scenes, shapes
-from effects.conformance.case import HEIGHT, WIDTH, Case
-from pipeline.commands import Draw
-from pipeline.enums import Face, FrontFace, LineRasterization
-from pipeline.state import LineState, PolygonState
+from fixedpipe.effects.conformance import scenes, shapes
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+from fixedpipe.pipeline.commands import Draw
+from fixedpipe.pipeline.enums import Face, FrontFace, LineRasterization
+from fixedpipe.pipeline.state import LineState, PolygonState
 
 SUITE = "Smoothing_control"
 

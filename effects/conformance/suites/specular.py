@@ -10,11 +10,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import control_flags, lit_scenes, scenes
-from effects.conformance.case import HEIGHT, WIDTH, Case
-from pipeline.commands import Draw, Mesh
-from pipeline.enums import ComponentUsage, Face, FrontFace, Mapping, PrimitiveType, Register, SecondaryColor
-from pipeline.state import AlphaPortion, CombinerInput, Lighting, Material, PolygonState
+from fixedpipe.effects.conformance import control_flags, lit_scenes, scenes
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+from fixedpipe.pipeline.commands import Draw, Mesh
+from fixedpipe.pipeline.enums import (
+    ComponentUsage,
+    Face,
+    FrontFace,
+    Mapping,
+    PrimitiveType,
+    Register,
+    SecondaryColor,
+)
+from fixedpipe.pipeline.state import AlphaPortion, CombinerInput, Lighting, Material, PolygonState
 
 SUITE = "Specular"
 

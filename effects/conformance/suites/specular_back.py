@@ -6,11 +6,11 @@ faces are culled, and all faces are turned to show their back.
 
 from dataclasses import replace
 
-from effects.conformance import control_flags, lit_scenes, scenes
-from effects.conformance.case import Case
-from pipeline.commands import Draw
-from pipeline.enums import Face, FrontFace, Register, SecondaryColor
-from pipeline.state import Lighting, Material, PolygonState
+from fixedpipe.effects.conformance import control_flags, lit_scenes, scenes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.pipeline.commands import Draw
+from fixedpipe.pipeline.enums import Face, FrontFace, Register, SecondaryColor
+from fixedpipe.pipeline.state import Lighting, Material, PolygonState
 
 SUITE = "Specular_back"
 

@@ -5,10 +5,10 @@ Source: src/tests/stencil_tests.cpp of nxdk_pgraph_tests.
 
 from dataclasses import replace
 
-from effects.conformance import scenes
-from effects.conformance.case import Case, Shows
-from pipeline.enums import ComparisonFunction, StencilOperation
-from pipeline.state import ColorMask, DepthTest, StencilTest
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import Case, Shows
+from fixedpipe.pipeline.enums import ComparisonFunction, StencilOperation
+from fixedpipe.pipeline.state import ColorMask, DepthTest, StencilTest
 
 SUITE = "Stencil"
 

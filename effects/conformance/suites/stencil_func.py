@@ -5,11 +5,11 @@ Source: src/tests/stencil_func_tests.cpp of nxdk_pgraph_tests.
 
 from dataclasses import replace
 
-from effects.conformance import scenes
-from effects.conformance.case import Case, Shows
-from effects.conformance.suites.stencil import CLEAR_DEPTH, NOTHING
-from pipeline.enums import ComparisonFunction, StencilOperation
-from pipeline.state import ColorMask, StencilTest
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import Case, Shows
+from fixedpipe.effects.conformance.suites.stencil import CLEAR_DEPTH, NOTHING
+from fixedpipe.pipeline.enums import ComparisonFunction, StencilOperation
+from fixedpipe.pipeline.state import ColorMask, StencilTest
 
 SUITE = "Stencil_func"
 

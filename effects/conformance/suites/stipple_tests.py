@@ -10,11 +10,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import scenes, shapes
-from effects.conformance.case import HEIGHT, WIDTH, Case
-from pipeline.commands import Draw
-from pipeline.enums import Face, FrontFace
-from pipeline.state import PolygonState
+from fixedpipe.effects.conformance import scenes, shapes
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+from fixedpipe.pipeline.commands import Draw
+from fixedpipe.pipeline.enums import Face, FrontFace
+from fixedpipe.pipeline.state import PolygonState
 
 SUITE = "Stipple_tests"
 

@@ -11,12 +11,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import HEIGHT, WIDTH, Case
-from pipeline.commands import BindTexImage, Draw, MakeCurrent, TexImage
-from pipeline.enums import Face, FrontFace, PrimitiveType, TextureTarget, WindowOrigin
-from pipeline.state import PolygonState, TextureUnit
-from pipeline.textures import texture_2d
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+from fixedpipe.pipeline.commands import BindTexImage, Draw, MakeCurrent, TexImage
+from fixedpipe.pipeline.enums import Face, FrontFace, PrimitiveType, TextureTarget, WindowOrigin
+from fixedpipe.pipeline.state import PolygonState, TextureUnit
+from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Swath_width"
 

@@ -8,18 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import Case
-from pipeline.commands import Draw, Mesh, TexImage
-from pipeline.enums import (
-    ComponentUsage,
-    Mapping,
-    PrimitiveType,
-    Register,
-    TexGenMode,
-)
-from pipeline.enums import TextureShaderOperation as Operation
-from pipeline.state import (
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
+from fixedpipe.pipeline.enums import ComponentUsage, Mapping, PrimitiveType, Register, TexGenMode
+from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
+from fixedpipe.pipeline.state import (
     IDENTITY,
     CombinerInput,
     GeneralCombiner,
@@ -28,7 +22,7 @@ from pipeline.state import (
     TextureShaderStage,
     TextureUnit,
 )
-from pipeline.textures import texture_2d
+from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Texgen"
 

@@ -4,8 +4,8 @@ read with, or which are passed through as colours.
 Source: src/tests/texgen_matrix_tests.cpp of nxdk_pgraph_tests.
 """
 
-from effects.conformance.case import Case
-from effects.conformance.suites import texgen, texture_matrix
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.effects.conformance.suites import texgen, texture_matrix
 
 SUITE = "Texgen_with_texture_matrix"
 

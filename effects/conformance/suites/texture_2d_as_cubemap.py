@@ -5,14 +5,14 @@ Source: src/tests/texture_2d_as_cubemap_tests.cpp of nxdk_pgraph_tests.
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import Case
-from effects.conformance.suites import texture_cubemap as cubes
-from pipeline.commands import Draw, TexImage
-from pipeline.enums import DotProductMapping, Register
-from pipeline.enums import TextureShaderOperation as Operation
-from pipeline.state import TextureShaderStage
-from pipeline.textures import texture_2d
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.effects.conformance.suites import texture_cubemap as cubes
+from fixedpipe.pipeline.commands import Draw, TexImage
+from fixedpipe.pipeline.enums import DotProductMapping, Register
+from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
+from fixedpipe.pipeline.state import TextureShaderStage
+from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Texture_2D_as_cubemap"
 

@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import Case
-from pipeline.commands import Draw, Mesh, TexImage
-from pipeline.enums import PrimitiveType, WrapMode
-from pipeline.state import TextureUnit
-from pipeline.textures import texture_2d
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
+from fixedpipe.pipeline.enums import PrimitiveType, WrapMode
+from fixedpipe.pipeline.state import TextureUnit
+from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Texture_anisotropy"
 

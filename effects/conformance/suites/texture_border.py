@@ -8,12 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import Case
-from pipeline.commands import Draw, Mesh, TexImage
-from pipeline.enums import PrimitiveType, TexelWord, TextureFilter, WrapMode
-from pipeline.state import TextureUnit
-from pipeline.texel_words import texture_of_words
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
+from fixedpipe.pipeline.enums import PrimitiveType, TexelWord, TextureFilter, WrapMode
+from fixedpipe.pipeline.state import TextureUnit
+from fixedpipe.pipeline.textures.words import texture_of_words
 
 SUITE = "Texture_border"
 

@@ -9,14 +9,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import Case
-from effects.conformance.suites.texture_cubemap import CUBES, model_matrix, state_of
-from pipeline.commands import Draw, Mesh, TexImage
-from pipeline.enums import PrimitiveType, Register, TexelWord, TextureTarget, WrapMode
-from pipeline.enums import TextureShaderOperation as Operation
-from pipeline.state import TextureShaderStage, TextureUnit
-from pipeline.texel_words import texture_of_words
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.effects.conformance.suites.texture_cubemap import CUBES, model_matrix, state_of
+from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
+from fixedpipe.pipeline.enums import PrimitiveType, Register, TexelWord, TextureTarget, WrapMode
+from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
+from fixedpipe.pipeline.state import TextureShaderStage, TextureUnit
+from fixedpipe.pipeline.textures.words import texture_of_words
 
 SUITE = "Texture_BRDF"
 

@@ -11,13 +11,13 @@ from functools import cache
 import numpy as np
 from PIL import Image
 
-from effects.conformance import scenes
-from effects.conformance.case import HEIGHT, WIDTH, Case
-from pipeline.commands import Draw, TexImage
-from pipeline.enums import DotProductMapping, Face, FrontFace, Register
-from pipeline.enums import TextureShaderOperation as Operation
-from pipeline.state import DepthTest, TextureShaderStage, TextureUnit
-from pipeline.textures import texture_2d, texture_cube_map
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+from fixedpipe.pipeline.commands import Draw, TexImage
+from fixedpipe.pipeline.enums import DotProductMapping, Face, FrontFace, Register
+from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
+from fixedpipe.pipeline.state import DepthTest, TextureShaderStage, TextureUnit
+from fixedpipe.pipeline.textures.images import texture_2d, texture_cube_map
 
 SUITE = "Texture_cubemap"
 

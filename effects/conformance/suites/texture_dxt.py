@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import dds, scenes
-from effects.conformance.case import Case
-from pipeline.commands import Draw, TexImage
-from pipeline.enums import TextureFilter
-from pipeline.state import TextureUnit
+from fixedpipe.effects.conformance import dds, scenes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.pipeline.commands import Draw, TexImage
+from fixedpipe.pipeline.enums import TextureFilter
+from fixedpipe.pipeline.state import TextureUnit
 
 SUITE = "Texture_DXT"
 

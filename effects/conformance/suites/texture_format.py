@@ -10,10 +10,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import scenes, texture_memory, vertex_programs
-from effects.conformance.case import HEIGHT, WIDTH, Case
-from pipeline.commands import Draw, TexImage
-from pipeline.enums import (
+from fixedpipe.effects.conformance import scenes, texture_memory, vertex_programs
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+from fixedpipe.pipeline.commands import Draw, TexImage
+from fixedpipe.pipeline.enums import (
     ComponentUsage,
     InternalFormat,
     Mapping,
@@ -22,8 +22,8 @@ from pipeline.enums import (
     TexelWord,
     TextureTarget,
 )
-from pipeline.state import AlphaPortion, CombinerInput, GeneralCombiner, RGBPortion, TextureUnit
-from pipeline.texel_words import compressed_texture, paletted_texture, texture_of_words
+from fixedpipe.pipeline.state import AlphaPortion, CombinerInput, GeneralCombiner, RGBPortion, TextureUnit
+from fixedpipe.pipeline.textures.words import compressed_texture, paletted_texture, texture_of_words
 
 SUITE = "Texture_format"
 

@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import HEIGHT, WIDTH, Case
-from pipeline.commands import Draw, TexImage
-from pipeline.enums import TexelWord, TextureFilter
-from pipeline.state import TextureUnit
-from pipeline.texel_words import texture_of_words
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+from fixedpipe.pipeline.commands import Draw, TexImage
+from fixedpipe.pipeline.enums import TexelWord, TextureFilter
+from fixedpipe.pipeline.state import TextureUnit
+from fixedpipe.pipeline.textures.words import texture_of_words
 
 SUITE = "Texture_LOD_Bias"
 

@@ -5,11 +5,11 @@ Source: src/tests/texture_matrix_tests.cpp of nxdk_pgraph_tests.
 
 import numpy as np
 
-from effects.conformance.case import Case
-from effects.conformance.scenes import rows_of, single
-from effects.conformance.suites import texgen
-from pipeline.enums import TexGenMode
-from pipeline.state import IDENTITY
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.effects.conformance.scenes import rows_of, single
+from fixedpipe.effects.conformance.suites import texgen
+from fixedpipe.pipeline.enums import TexGenMode
+from fixedpipe.pipeline.state import IDENTITY
 
 SUITE = "Texture_Matrix"
 

@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import HEIGHT, WIDTH, Case
-from pipeline.commands import Draw, TexImage
-from pipeline.enums import TexelWord, TextureTarget
-from pipeline.state import TextureUnit
-from pipeline.texel_words import paletted_texture, texture_of_words
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+from fixedpipe.pipeline.commands import Draw, TexImage
+from fixedpipe.pipeline.enums import TexelWord, TextureTarget
+from fixedpipe.pipeline.state import TextureUnit
+from fixedpipe.pipeline.textures.words import paletted_texture, texture_of_words
 
 SUITE = "Texture_palette"
 

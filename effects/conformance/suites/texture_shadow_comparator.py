@@ -10,11 +10,11 @@ from functools import cache
 
 import numpy as np
 
-from effects.conformance import scenes, vertex_programs
-from effects.conformance.case import HEIGHT, WIDTH, Case
-from effects.conformance.vertex_programs import toward_zero
-from pipeline.commands import BindTexImage, Draw, MakeCurrent, TexImage
-from pipeline.enums import (
+from fixedpipe.effects.conformance import scenes, vertex_programs
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+from fixedpipe.effects.conformance.vertex_programs import toward_zero
+from fixedpipe.pipeline.commands import BindTexImage, Draw, MakeCurrent, TexImage
+from fixedpipe.pipeline.enums import (
     ComparisonFunction,
     DepthFormat,
     InternalFormat,
@@ -25,8 +25,8 @@ from pipeline.enums import (
     TextureTarget,
     WindowOrigin,
 )
-from pipeline.state import CombinerInput, DepthTest, GeneralCombiner, RGBPortion, TextureUnit
-from pipeline.texel_words import texture_of_words
+from fixedpipe.pipeline.state import CombinerInput, DepthTest, GeneralCombiner, RGBPortion, TextureUnit
+from fixedpipe.pipeline.textures.words import texture_of_words
 
 SUITE = "Texture_shadow_comparator"
 

@@ -7,14 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import HEIGHT, WIDTH, Case
-from effects.conformance.suites.texture_format import square
-from pipeline.commands import Draw, TexImage
-from pipeline.enums import BlendEquation, PrimitiveType, TexelWord
-from pipeline.state import SignedComponents, TextureUnit
-from pipeline.texel_words import texture_of_words
-from pipeline.textures import texture_2d
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+from fixedpipe.effects.conformance.suites.texture_format import square
+from fixedpipe.pipeline.commands import Draw, TexImage
+from fixedpipe.pipeline.enums import BlendEquation, PrimitiveType, TexelWord
+from fixedpipe.pipeline.state import SignedComponents, TextureUnit
+from fixedpipe.pipeline.textures.images import texture_2d
+from fixedpipe.pipeline.textures.words import texture_of_words
 
 SUITE = "Texture_signed_component_tests"
 

@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import HEIGHT, WIDTH, Case
-from effects.conformance.vertex_programs import perspective
-from pipeline.commands import BindTexImage, Draw, MakeCurrent, Mesh, TexImage
-from pipeline.enums import ComponentUsage, PrimitiveType, Register, TextureTarget, WindowOrigin
-from pipeline.state import CombinerInput, Composite, TextureUnit, VertexState
-from pipeline.textures import texture_2d
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+from fixedpipe.effects.conformance.vertex_programs import perspective
+from fixedpipe.pipeline.commands import BindTexImage, Draw, MakeCurrent, Mesh, TexImage
+from fixedpipe.pipeline.enums import ComponentUsage, PrimitiveType, Register, TextureTarget, WindowOrigin
+from fixedpipe.pipeline.state import CombinerInput, Composite, TextureUnit, VertexState
+from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Vertex_shader_rounding_tests"
 

@@ -8,11 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import HEIGHT, WIDTH, Case
-from effects.conformance.vertex_programs import perspective
-from pipeline.commands import Draw, Mesh
-from pipeline.enums import PrimitiveType
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+from fixedpipe.effects.conformance.vertex_programs import perspective
+from fixedpipe.pipeline.commands import Draw, Mesh
+from fixedpipe.pipeline.enums import PrimitiveType
 
 SUITE = "Viewport"
 

@@ -9,11 +9,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from effects.conformance import scenes, texture_memory
-from effects.conformance.case import Case
-from effects.conformance.suites.texture_format import palette
-from pipeline.commands import Draw, Mesh, TexImage
-from pipeline.enums import (
+from fixedpipe.effects.conformance import scenes, texture_memory
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.effects.conformance.suites.texture_format import palette
+from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
+from fixedpipe.pipeline.enums import (
     ComparisonFunction,
     InternalFormat,
     PrimitiveType,
@@ -22,8 +22,8 @@ from pipeline.enums import (
     TextureTarget,
     WrapMode,
 )
-from pipeline.state import TextureUnit
-from pipeline.texel_words import compressed_volume, paletted_texture
+from fixedpipe.pipeline.state import TextureUnit
+from fixedpipe.pipeline.textures.words import compressed_volume, paletted_texture
 
 SUITE = "Volume_texture"
 

@@ -9,12 +9,12 @@ from itertools import product
 
 import numpy as np
 
-from effects.conformance import scenes
-from effects.conformance.case import HEIGHT, WIDTH, Case, Shows
-from pipeline.commands import Draw, Mesh, TexImage
-from pipeline.enums import ComparisonFunction, DepthFormat, PrimitiveType, WrapMode
-from pipeline.state import DepthClamp, DepthTest, PolygonState, Scissor, TextureUnit
-from pipeline.textures import texture_2d
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case, Shows
+from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
+from fixedpipe.pipeline.enums import ComparisonFunction, DepthFormat, PrimitiveType, WrapMode
+from fixedpipe.pipeline.state import DepthClamp, DepthTest, PolygonState, Scissor, TextureUnit
+from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "W_buffering"
 

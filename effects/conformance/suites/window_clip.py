@@ -7,11 +7,11 @@ row. Setting the first rectangle sets all eight; so a rectangle set before it ("
 from dataclasses import replace
 from itertools import product
 
-from effects.conformance import scenes
-from effects.conformance.case import HEIGHT, WIDTH, Case
-from pipeline.commands import BindTexImage, MakeCurrent
-from pipeline.enums import Face, FrontFace, WindowOrigin
-from pipeline.state import PolygonState, Scissor, WindowClip
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+from fixedpipe.pipeline.commands import BindTexImage, MakeCurrent
+from fixedpipe.pipeline.enums import Face, FrontFace, WindowOrigin
+from fixedpipe.pipeline.state import PolygonState, Scissor, WindowClip
 
 SUITE = "Window_clip"
 

@@ -1,0 +1,1 @@
+"""What figures and studies measure with: checks, measures, rays, agreement."""

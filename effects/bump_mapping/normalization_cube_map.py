@@ -1,0 +1,152 @@
+"""K12, the normalization cube map: unit vectors from interpolated ones.
+
+Vectors at vertices lose length when they are interpolated. A cube map that stores, for every direction, the
+unit vector in that direction gives the length back. It takes a texture unit, so with two units a pass of K07
+keeps only one material texture: the two squares are then added in the framebuffer.
+
+Source: Kautz, Seidel 2000, section 5; Kilgard 2000, section 4 (K12 of the catalogue; pass sequence A-K12);
+the faces' orientation: EXT_texture_cube_map, table 3.8.
+"""
+
+import numpy as np
+
+from fixedpipe.effects.bump_mapping.diffuse_bump import diffuse_combiners
+from fixedpipe.effects.geometry.vectors import normalize
+from fixedpipe.effects.passes.draws import (
+    ADD,
+    EDGE,
+    FIRST_PASS,
+    INVERT_DESTINATION,
+    LATER_PASS,
+    MULTIPLY_DESTINATION,
+    NO_ALPHA,
+    ONE,
+    OPAQUE,
+    ZERO,
+    alpha_of,
+    constant_product,
+    draw,
+    expand,
+    keep_positive,
+    unit,
+)
+from fixedpipe.effects.passes.encoding import encode_expand
+from fixedpipe.pipeline.commands import TexImage
+from fixedpipe.pipeline.enums import CombinerScale, InternalFormat, Mapping, Register
+from fixedpipe.pipeline.state import (
+    CombinerInput,
+    FinalCombiner,
+    GeneralCombiner,
+    RegisterCombiners,
+    RGBPortion,
+)
+from fixedpipe.pipeline.textures.images import texture_cube_map
+
+NAME = "normalization cube map"
+
+
+def directions(size):
+    """Unit vectors in the directions of a cube map's texel centres: float64 [6, size, size, 3]."""
+    edge = 2.0 * (np.arange(size) + 0.5) / size - 1.0
+    sc, tc = np.meshgrid(edge, edge)
+    one = np.ones_like(sc)
+    faces = (
+        (one, -tc, -sc),
+        (-one, -tc, sc),
+        (sc, one, tc),
+        (sc, -one, -tc),
+        (sc, -tc, one),
+        (-sc, -tc, -one),
+    )
+    return normalize(np.stack([np.stack(face, axis=-1) for face in faces]))
+
+
+def load(size, profile):
+    """The command that loads the cube map, ``size`` texels along an edge."""
+    image = texture_cube_map(encode_expand(directions(size), profile), InternalFormat.RGB8)
+    return TexImage(label="load the normalization cube map", texture=NAME, image=image)
+
+
+def diffuse_pass(
+    surface,
+    vectors,
+    normal_map,
+    view,
+    *,
+    color,
+    ambient=(0.0, 0.0, 0.0),
+    depth_test=FIRST_PASS,
+    blending=None,
+):
+    """K10 with light vectors from the cube map.
+
+    ``vectors``: float64 [n, 3], from the vertices to the light in their local frames, of any length. Left at
+    their full length they are linear over a flat polygon, and the direction is then right at every fragment.
+    """
+    mesh = surface.mesh(surface.texture_coordinates, vectors)
+    combiners = diffuse_combiners(color, ambient, light_register=Register.TEXTURE1)
+    units = (unit(normal_map), unit(NAME, EDGE, coordinates=1))
+    label = "diffuse pass: (n.l)+, l from the normalization cube map"
+    return (draw(label, mesh, view, combiners, units, depth_test=depth_test, blending=blending),)
+
+
+def _squared_dot_product():
+    """(4 T'.h)^2 with h from the cube map."""
+    product = RGBPortion(
+        a=expand(Register.TEXTURE0),
+        b=expand(Register.TEXTURE1),
+        ab_dot_product=True,
+        ab_output=Register.SPARE0,
+        sum_output=Register.DISCARD,
+        scale=CombinerScale.SCALE_BY_FOUR,
+    )
+    spare0 = CombinerInput(Register.SPARE0, Mapping.SIGNED_IDENTITY)
+    square = RGBPortion(a=spare0, b=spare0, ab_output=Register.SPARE0, sum_output=Register.DISCARD)
+    final = FinalCombiner(a=CombinerInput(Register.SPARE0), b=ONE, c=ZERO, d=ZERO, g=OPAQUE)
+    return RegisterCombiners(
+        general=(GeneralCombiner(product, NO_ALPHA), GeneralCombiner(square, NO_ALPHA)), final=final
+    )
+
+
+def specular_passes(surface, vectors, names, view, *, specular=(1.0, 1.0, 1.0)):
+    """Eq. 1 with halfway vectors from the cube map: five draws, the squares added in the framebuffer.
+
+    ``vectors``: float64 [n, 3], halfway vectors at the vertices in their local frames, of any length.
+    """
+    mesh = surface.mesh(surface.texture_coordinates, vectors)
+    square, cube_map = _squared_dot_product(), unit(NAME, EDGE, coordinates=1)
+    white = constant_product(ONE, (1.0, 1.0, 1.0))
+    k_s = constant_product(alpha_of(Register.TEXTURE0), specular)
+    tangent, binormal = unit(names.tangent), unit(names.binormal)
+    return (
+        draw("(h.t/ax)^2", mesh, view, square, (tangent, cube_map), depth_test=FIRST_PASS),
+        draw("add (h.b/ay)^2", mesh, view, square, (binormal, cube_map), depth_test=LATER_PASS, blending=ADD),
+        draw("subtract from one", mesh, view, white, depth_test=LATER_PASS, blending=INVERT_DESTINATION),
+        keep_positive(mesh, view),
+        draw(
+            "multiply by k_s",
+            mesh,
+            view,
+            k_s,
+            (tangent,),
+            depth_test=LATER_PASS,
+            blending=MULTIPLY_DESTINATION,
+        ),
+    )
+
+
+def commands(
+    surface, to_light, halfway, names, view, *, color, specular=(1.0, 1.0, 1.0), ambient=(0.0, 0.0, 0.0)
+):
+    """The five specular passes, then the diffuse pass added: both with vectors from the cube map."""
+    diffuse = diffuse_pass(
+        surface,
+        to_light,
+        names.normal,
+        view,
+        color=color,
+        ambient=ambient,
+        depth_test=LATER_PASS,
+        blending=ADD,
+    )
+    return (*specular_passes(surface, halfway, names, view, specular=specular), *diffuse)

@@ -1,0 +1,1 @@
+"""Drawn diagrams: lines, letters, geometry of the plane."""

@@ -1,0 +1,106 @@
+"""H35: one shadow map for a walk through a scene, and one for every frame where the light moves."""
+
+from fixedpipe.effects.acceptance import agreement
+from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.geometry.views import Panel, perspective_view, row_of_panels
+from fixedpipe.effects.scenes.objects_and_lamps import LAMP_POSITIONS, detail_of, lamp_around, still_life
+from fixedpipe.effects.shadows.lit_scene import map_edge
+from fixedpipe.effects.shadows.shadow_maps import scene_passes, stencil_passes, store_map
+
+# What the eye sees from where: the first two are one walk under one light.
+EYES = ((-3.4, 4.4, 7.9), (2.6, 4.9, 8.1), (0.6, 4.9, 8.4), (0.6, 4.9, 8.4))
+LAMPS = (0, 0, 1, 2)
+
+
+def view_of(panel, eye):
+    """The still life from a place of the walk."""
+    return perspective_view(panel, eye, (0.0, 0.62, 0.0), field_of_view=32.0, radius=4.5)
+
+
+def frames(profile, scene, panels, lamps, eyes, edge, window, shading="lit", *, factor, always=False):
+    """A frame for each panel: a new map only where the lamp is another than before (or ``always``)."""
+    out, stored = [], None
+    for panel, lamp, eye in zip(panels, lamps, eyes, strict=True):
+        if always or lamp != stored:
+            out += store_map(scene, lamp, "shadow map", edge, window, factor=factor)
+            stored = lamp
+        out.append(panel.clear(BACKGROUND))
+        out += stencil_passes(scene, view_of(panel, eye), lamp, "shadow map", profile, shading)
+    return tuple(out)
+
+
+def make(profile, size, *, ratio, factor, shading="lit", always=False):
+    """Four frames side by side; two of them share a map."""
+    panels, scene = row_of_panels(4, size), still_life(detail_of(size))
+    lamps = [lamp_around(scene, LAMP_POSITIONS[k]) for k in LAMPS]
+    edge, window = map_edge(size, ratio), (4 * size, size)
+    return frames(profile, scene, panels, lamps, EYES, edge, window, shading, factor=factor, always=always)
+
+
+_SIZE = 128
+
+
+def checks(figure, renderer):
+    """Every frame against rays, and how often the scene is drawn in a frame (E000.8)."""
+    scene = still_life(detail_of(_SIZE))
+    edge = map_edge(_SIZE, figure.parameters["ratio"])
+    out = []
+    picture = renderer.machine(figure, _SIZE, shading="mask")
+    for k, (lamp, eye) in enumerate(zip(LAMPS, EYES, strict=True)):
+        light = lamp_around(scene, LAMP_POSITIONS[lamp])
+        truth = agreement.truth_of(scene, view_of(Panel(0, 0, _SIZE, _SIZE), eye), light)
+        ground = truth.shown.object == 0
+        mask = agreement.lit_mask(picture[:, k * _SIZE : (k + 1) * _SIZE])
+        found = agreement.compare(mask, truth, map_edge=edge, where=ground)
+        out += (
+            Check(
+                f"frame {k + 1}: floor that agrees with rays", found.agreeing, ">=", 0.98, "machine",
+                "the catalogue's bound for maps of 256 texels (F003-18)",
+            ),
+            Check(
+                f"frame {k + 1}: floor of no understood kind", found.other, "<=", 0, "machine",
+                "what differs lies at an edge or an outline",
+            ),
+        )  # fmt: skip
+    # A map that the window holds, so that it is drawn once.
+    once, always = (
+        scene_passes(figure.commands(renderer.profile, _SIZE, renderer.method, ratio=1, always=a), scene)
+        for a in (False, True)
+    )
+    said = "E000.8: three times for a frame, and once for each map"
+    for name, drawn, expected in (
+        ("four frames, three lights: times the scene is drawn", once, 3 * 4 + 3),
+        ("the same with a map for every frame", always, 4 * 4),
+    ):
+        out.append(Check(f"{name}, off {expected}", abs(drawn - expected), "<=", 0, "machine", said))
+    with_all = renderer.machine(figure, _SIZE, always=True)
+    different = (with_all != renderer.machine(figure, _SIZE)).sum()
+    out.append(
+        Check(
+            "values that a map for every frame changes", int(different), "<=", 0, "machine",
+            "a static light's map stays what it was",
+        )
+    )  # fmt: skip
+    return tuple(out)
+
+
+FIGURE = Figure(
+    id="H35",
+    title="Static and dynamic shadow maps",
+    caption=(
+        "A walk past the still life under one light, whose shadow map was drawn once (the first two), and "
+        "the light on its way on, with a new map for each frame (the last two)."
+    ),
+    must_see=(
+        "In the first two pictures the same shadows on the same places of the floor, seen from the left and "
+        "from the right. In the third and fourth the light has gone to the middle and to the right, and "
+        "the shadows have turned round every object."
+    ),
+    source="Heidrich2001",
+    techniques=("H34", "H35"),
+    columns=4,
+    size=384,
+    parameters={"ratio": 2, "factor": 2.2},
+    methods=(Method("alpha test of the comparison", make, ("GEFORCE_3", "NV2A")),),
+    acceptance=checks,
+)

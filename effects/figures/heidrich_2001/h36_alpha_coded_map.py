@@ -1,0 +1,181 @@
+"""H36: a shadow map in the alpha channel of a picture from the light."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance import agreement
+from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.figures.heidrich_2001.shared.alpha_shadows import (
+    COMBINERS,
+    ENVIRONMENTS,
+    LAMP,
+    ONE_UNIT,
+    RATIO,
+    agreement_checks,
+    compared,
+    lit_scene_of,
+    stored,
+)
+from fixedpipe.effects.geometry.views import Panel, row_of_panels
+from fixedpipe.effects.shadows.alpha_coded_shadows import Coding, picture_from_light, show_alpha
+from fixedpipe.effects.shadows.lit_scene import LAMP_COLOR
+
+
+def make_scene(board):
+    """The scene drawn in a board's way."""
+
+    def scene(profile, size, *, lamp, ratio, bits, bias, background, shading):
+        """H36: the picture from the light, its alpha as grey, and the picture from the camera."""
+        left, middle, right = row_of_panels(3, size)
+        things, light = lit_scene_of(size, lamp)
+        plain, biased = Coding(bits, bias=0.0), Coding(bits, bias=bias - board.free)
+        common = {"lamp": lamp, "shading": shading}
+        return (
+            plain.ramp(profile),
+            *picture_from_light(things, light, left, plain, bias=0.0, shading=shading, background=background),
+            *picture_from_light(things, light, middle, plain, bias=0.0, shading=shading),
+            show_alpha(middle),
+            *stored(right, profile, board, biased, ratio=ratio, **common),
+            *compared(right, profile, board, biased, background=background, **common),
+        )
+
+    return scene
+
+
+_BOARDS = {
+    "register combiners": COMBINERS,
+    "texture environments": ENVIRONMENTS,
+    "one texture unit": ONE_UNIT,
+}
+_SIZE = 256
+
+
+def depths_from_the_lamp(size, lamp):
+    """The linear depth, float64 [size, size], of what rays from the lamp meet, one where they meet nothing;
+    and bool [size, size], where that is the depth of one surface: nothing else is seen in the pixels beside.
+    """
+    scene, light = lit_scene_of(size, lamp)
+    view = light.view(Panel(0, 0, size, size))
+    known = agreement.truth_of(scene, view, light)
+    shown, plane = known.shown, np.array(light.depth_plane)
+    depth = np.where(shown.something, shown.points @ plane[:3] + plane[3], 1.0)
+    whole = ~agreement.silhouettes(known)
+    for axis in (0, 1):
+        for step in (-1, 1):
+            whole &= np.roll(shown.something, step, axis) == shown.something
+    return depth, whole
+
+
+def _outside(size, lamp):
+    """How many of the scene's vertices have no place in the map, or no depth from zero to one."""
+    scene, light = lit_scene_of(size, lamp)
+    points = scene.triangles().reshape(-1, 3)
+    s, t, r, q = (points @ np.array(row[:3]) + row[3] for row in light.texture_matrix)
+    held = [(a >= 0.0) & (a <= q) for a in (s, t, r)]
+    return float((~np.all(held, axis=0)).sum())
+
+
+def checks(figure, renderer):
+    """The map's alpha against depths by rays, and the shadows that it throws."""
+    board, lamp = _BOARDS[renderer.method.name], figure.parameters["lamp"]
+    depth, whole = depths_from_the_lamp(_SIZE, lamp)
+    middle = slice(_SIZE, 2 * _SIZE)
+    steps = 2.0 ** figure.parameters["bits"] - 1.0
+    out = []
+    snapped = (
+        "vertices lie on sixteenths of a pixel, where a surface falls away; measured at the first picture"
+    )
+    for on, bound, reason in (
+        ("ideal", 0.08, snapped),
+        ("machine", 0.33, "rounding to the nearest step alone gives sqrt(1/12) = .289; " + snapped),
+    ):
+        alpha = getattr(renderer, on)(figure, _SIZE)[:, middle, 0]
+        error = root_mean_square((alpha - depth)[whole & (depth < 1.0)]) * steps
+        name = "RMS of alpha - depth, away from outlines, in steps of 1/255"
+        out.append(Check(name, error, "<=", bound, on, reason))
+    scene, light = lit_scene_of(_SIZE, lamp)
+    shown = agreement.truth_of(scene, light.view(Panel(0, 0, _SIZE, _SIZE)), light).shown
+    # The floor has no highlight: its colour is one amount of light times its own.
+    floor = whole & (shown.object == 0)
+    color = np.array(scene.objects[0].color) * np.array(LAMP_COLOR[:3])
+    share = renderer.machine(figure, _SIZE)[:, :_SIZE][floor] / color
+    out += (
+        Check(
+            "the floor from the lamp: light of its three colours, largest spread",
+            float(np.ptp(share, axis=1).max()),
+            "<=",
+            0.02,
+            "machine",
+            "a byte in each of two colours, of which 0.39 is the least at full light; measured 0.012",
+        ),
+        Check(
+            "the floor from the lamp: least light",
+            float(share.min()),
+            ">=",
+            0.5,
+            "machine",
+            "a lamp sees what it lights, and no shadow",
+        ),
+    )
+    seen = depth[whole & (depth < 1.0)]
+    return (
+        *out,
+        Check(
+            "pixels of the map that those errors are of",
+            float(whole.mean()),
+            ">=",
+            0.9,
+            "machine",
+            "outlines are thin",
+        ),
+        Check(
+            "depths from the nearest to the farthest that the light sees",
+            float(seen.max() - seen.min()),
+            ">=",
+            0.9,
+            "machine",
+            "the lamp's planes enclose the scene closely, so that alpha's steps are small",
+        ),
+        Check(
+            "vertices of the scene outside the lamp's view",
+            _outside(_SIZE, lamp),
+            "<=",
+            0.0,
+            "machine",
+            "what the lamp does not see is in no map (document 003's Z30)",
+        ),
+        *agreement_checks(figure, renderer, board, _SIZE, 2, least=0.976, least_facing=0.985, other=9),
+    )
+
+
+FIGURE = Figure(
+    id="H36",
+    title="An alpha-coded shadow map",
+    caption=(
+        "The scene as its lamp sees it; the alpha of the same picture, the depth from the lamp, as grey, "
+        "which is the map; the camera's picture, with the shadows that the map tells of."
+    ),
+    must_see=(
+        "Left: no shadow at all, the lamp lights all it sees. Middle: the same shapes, darker the nearer "
+        "they are to the lamp, without any lighting, white where there is nothing. Right: the ring's shadow "
+        "an ellipse on the floor, the vase's on the floor and up the box."
+    ),
+    source="Heidrich2001",
+    techniques=("H36",),
+    columns=3,
+    size=384,
+    parameters={
+        "lamp": LAMP,
+        "ratio": RATIO,
+        "bits": 8,
+        "bias": 2.0,
+        "background": BACKGROUND,
+        "shading": "lit",
+    },
+    methods=(
+        Method("one texture unit", make_scene(ONE_UNIT), ("OCTANE",)),
+        Method("texture environments", make_scene(ENVIRONMENTS), ("MULTITEXTURE",)),
+        Method("register combiners", make_scene(COMBINERS), ("GEFORCE_256",)),
+    ),
+    acceptance=checks,
+)

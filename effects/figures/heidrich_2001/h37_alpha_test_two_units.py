@@ -1,0 +1,91 @@
+"""H37: shadows by an alpha test, with two texture units: register combiners, texture environments."""
+
+from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.figures.heidrich_2001.shared.alpha_shadows import (
+    COMBINERS,
+    ENVIRONMENTS,
+    LAMP,
+    RATIO,
+    agreement_checks,
+    agreements,
+    brightness_checks,
+    compared,
+    pass_checks,
+    stored,
+    without_shadows,
+)
+from fixedpipe.effects.geometry.views import row_of_panels
+from fixedpipe.effects.shadows.alpha_coded_shadows import Coding
+
+
+def make_scene(board):
+    """The scene drawn in a board's way."""
+
+    def scene(profile, size, *, lamp, ratio, bits, bias, background, shading):
+        """H37: without shadows, with a map that has no bias, and with one that has."""
+        left, middle, right = row_of_panels(3, size)
+        common = {"lamp": lamp, "shading": shading}
+        out = [Coding(bits).ramp(profile), *without_shadows(left, background=background, **common)]
+        for panel, steps in ((middle, 0.0), (right, bias)):
+            coding, name = Coding(bits, bias=steps - board.free), f"map, {steps:g} steps away"
+            out += stored(panel, profile, board, coding, ratio=ratio, name=name, **common)
+            out += compared(panel, profile, board, coding, background=background, name=name, **common)
+        return tuple(out)
+
+    return scene
+
+
+_BOARDS = {"register combiners": COMBINERS, "texture environments": ENVIRONMENTS}
+_SIZE = 256
+_PASSES = "the paper's count; a shadow extension that marks a stencil needs as many (erratum E000.8)"
+
+
+def checks(figure, renderer):
+    """Shadows against rays, acne without a bias, that shadows only darken, and how many passes there are."""
+    board, bits = _BOARDS[renderer.method.name], figure.parameters["bits"]
+    masks = renderer.machine(figure, _SIZE, shading="mask")
+    spotted, _ = agreements(figure, masks, _SIZE, 1, bits, 0.0)
+    return (
+        *agreement_checks(figure, renderer, board, _SIZE, 2, least=0.976, least_facing=0.985, other=9),
+        Check(
+            "pixels with acne where the map has no bias",
+            spotted.other / spotted.compared,
+            ">=",
+            0.04,
+            "machine",
+            "two rasterizations never give the same depth (erratum E000.9)",
+        ),
+        *brightness_checks(figure, renderer, _SIZE, 2, 0),
+        *pass_checks(figure, renderer, board, Coding(bits), 3, _PASSES),
+    )
+
+
+FIGURE = Figure(
+    id="H37",
+    title="Shadows by an alpha test, with two texture units",
+    caption=(
+        "The still life under a lamp at the left. Without shadows; with an alpha-coded shadow map as the "
+        "scene's depths are; with its depths two steps of alpha farther from the lamp."
+    ),
+    must_see=(
+        "Middle: spots and bands all over what is lit. Right: none of them, clean shadows: the ring's an "
+        "ellipse on the floor, the vase's on the floor and up the box; everything else as left."
+    ),
+    source="Heidrich2001",
+    techniques=("H36", "H37"),
+    columns=3,
+    size=384,
+    parameters={
+        "lamp": LAMP,
+        "ratio": RATIO,
+        "bits": 8,
+        "bias": 2.0,
+        "background": BACKGROUND,
+        "shading": "lit",
+    },
+    methods=(
+        Method("register combiners", make_scene(COMBINERS), ("GEFORCE_256", "GEFORCE_3", "NV2A")),
+        Method("texture environments", make_scene(ENVIRONMENTS), ("MULTITEXTURE", "G400")),
+    ),
+    acceptance=checks,
+)

@@ -1,0 +1,144 @@
+"""H38: shadows by an alpha test, with one texture unit and destination alpha."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.agreement import lit_mask
+from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.figures.heidrich_2001.shared.alpha_shadows import (
+    LAMP,
+    ONE_UNIT,
+    ONE_UNIT_ADDED,
+    ONE_UNIT_OF_TWELVE_BITS,
+    RATIO,
+    agreement_checks,
+    compared,
+    lit_scene_of,
+    pass_checks,
+    stored,
+)
+from fixedpipe.effects.geometry.views import row_of_panels
+from fixedpipe.effects.scenes.objects_and_lamps import still_life_view
+from fixedpipe.effects.shadows.alpha_coded_shadows import Coding, difference_in_alpha, scale_alpha, show_alpha
+from fixedpipe.pipeline.commands import Saturate
+
+
+def make_scene(board):
+    """The scene drawn in a board's way."""
+
+    def scene(profile, size, *, lamp, ratio, bits, bias, background, shading):
+        """H38: the difference of depths in destination alpha; what the copy makes of it; the picture."""
+        coding, common = Coding(bits, bias=bias), {"lamp": lamp, "shading": shading}
+        left, middle, right = row_of_panels(3, size)
+        things, light = lit_scene_of(size, lamp)
+        out = [coding.ramp(profile)]
+        out += stored(left, profile, board, coding, ratio=ratio, **common)
+        subtract = board.stored.get("subtract", True)
+        for panel in (left, middle):
+            view = still_life_view(panel)
+            settings = {"background": background, "subtract": subtract, "shading": shading}
+            out += difference_in_alpha(things, view, light, profile, coding, **settings)
+            if panel is middle:
+                out.append(scale_alpha(panel, bits, subtract=subtract))
+                out.append(Saturate(label="alpha 0 or 1", scissor=panel.scissor))
+            out.append(show_alpha(panel))
+        out += compared(right, profile, board, coding, background=background, **common)
+        return tuple(out)
+
+    return scene
+
+
+_BOARDS = {
+    "one texture unit": ONE_UNIT,
+    "one texture unit, twelve bits": ONE_UNIT_OF_TWELVE_BITS,
+    "one texture unit, added": ONE_UNIT_ADDED,
+}
+_SIZE = 256
+_PASSES = 'without the light, ramp, map, copy of the window, light; "at least three", says the paper'
+
+
+def checks(figure, renderer):
+    """Shadows against rays, and that the copy makes alpha zero or one, as the difference is."""
+    board = _BOARDS[renderer.method.name]
+    bits = {**figure.parameters, **renderer.method.parameters}["bits"]
+    picture = renderer.machine(figure, _SIZE, shading="mask")
+    difference, scaled = (picture[:, k * _SIZE : (k + 1) * _SIZE, 0] for k in (0, 1))
+    # Subtracted, what is above zero is in shadow; added, what is one.
+    dark = difference > 0.0 if board is not ONE_UNIT_ADDED else difference == 1.0
+    lit = lit_mask(picture[:, 2 * _SIZE :])
+    seen = lit | (scaled == 1.0)
+    return (
+        *agreement_checks(figure, renderer, board, _SIZE, 2, least=0.976, least_facing=0.985, other=9),
+        Check(
+            "pixels whose alpha the copy leaves between zero and one",
+            float(((scaled > 0.0) & (scaled < 1.0)).sum()),
+            "<=",
+            0.0,
+            "machine",
+            f"times 2^{bits} the smallest alpha, 1/(2^{bits} - 1), is above one (erratum E000.10)",
+        ),
+        Check(
+            "pixels where the copy's alpha is not what the difference says",
+            float((dark != (scaled == 1.0)).mean()),
+            "<=",
+            1e-4,
+            "machine",
+            "the same passes, in another place of the window",
+        ),
+        Check(
+            "pixels of the scene that are lit and have an alpha of one, or neither",
+            float((lit == (scaled == 1.0))[seen].mean()),
+            "<=",
+            1e-4,
+            "machine",
+            "the light times (1 - alpha), in another place of the window",
+        ),
+        Check(
+            "differences of depths, number",
+            float(len(np.unique(np.round(difference * (2**bits - 1))))),
+            ">=",
+            20.0,
+            "machine",
+            "how far behind the map a pixel lies: many values",
+        ),
+        *pass_checks(figure, renderer, board, Coding(bits), 5, _PASSES),
+    )
+
+
+FIGURE = Figure(
+    id="H38",
+    title="Shadows by an alpha test, with one texture unit",
+    caption=(
+        "Destination alpha as grey: how far a pixel lies behind what the lamp sees; the same after the "
+        "window was copied onto itself, alpha times 2^n. Right the picture, the light times one minus that."
+    ),
+    must_see=(
+        "Left: grey where shadows are, the darker the nearer what throws them, black elsewhere; on the board "
+        "that adds all but white. Middle: the shadows' shapes, white. Right: they are dark, the ring's an "
+        "ellipse on the floor, the vase's on the floor and up the box."
+    ),
+    source="Heidrich2001",
+    techniques=("H36", "H38"),
+    columns=3,
+    size=384,
+    parameters={
+        "lamp": LAMP,
+        "ratio": RATIO,
+        "bits": 8,
+        "bias": 2.0,
+        "background": BACKGROUND,
+        "shading": "lit",
+    },
+    methods=(
+        Method("one texture unit", make_scene(ONE_UNIT), ("OCTANE", "OPENGL_1_2_IMAGING")),
+        # The bias of 8 bits, with the half step that rounding adds there, in steps of 12: what it hides is
+        # the slope of what lies under a texel (study P4).
+        Method(
+            "one texture unit, twelve bits",
+            make_scene(ONE_UNIT_OF_TWELVE_BITS),
+            ("INFINITE_REALITY",),
+            {"bits": 12, "bias": 40.0},
+        ),
+        Method("one texture unit, added", make_scene(ONE_UNIT_ADDED), ("OPENGL_1_2", "TEXRAM")),
+    ),
+    acceptance=checks,
+)

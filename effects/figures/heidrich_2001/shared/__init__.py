@@ -1,0 +1,1 @@
+"""What figures of document 000 share."""

@@ -1,0 +1,231 @@
+"""What the figures of alpha-coded shadow maps, H36 to H38, have in common: the still life under a lamp, the
+boards' ways to compare, and checks against rays.
+"""
+
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+import numpy as np
+
+from fixedpipe.effects.acceptance import agreement, ray_caster
+from fixedpipe.effects.figures.figure import Check
+from fixedpipe.effects.geometry.vectors import dot, normalize
+from fixedpipe.effects.geometry.views import Panel
+from fixedpipe.effects.scenes.objects_and_lamps import Lamp, detail_of, still_life, still_life_view
+from fixedpipe.effects.shadows import alpha_coded_shadows as alpha
+from fixedpipe.effects.shadows.lit_scene import lit_pass, map_edge, unlit_pass
+
+# Position, target, near, far, field of view of a Lamp. From the left, so that the ring's shadow lies on the
+# floor and the vase's on the box; as narrow as encloses the scene itself, not its bounding box, whose upper
+# corners are empty: 8 bits of depth are to be made the most of.
+LAMP = ((-6.4, 6.6, 1.0), (-1.1, 0.45, -0.2), 6.45, 11.4, 37.6)
+# Of maps: texels along an edge, over a panel's pixels.
+RATIO = 2.0
+
+
+@dataclass(frozen=True)
+class Board:
+    """A way to compare depths: one of ``alpha_coded_shadows``' functions, and what it and ``store_map`` are
+    given beside the rest.
+
+    free        steps of difference that pass its test besides; the map's bias is so much less
+    ideal_more  steps by which the ideal's bias is less than the machine's in the mean: where both depths are
+                rounded, half a step more of difference passes
+    """
+
+    way: object
+    free: float = 0.0
+    ideal_more: float = 0.5
+    stored: dict = field(default_factory=dict)
+    compared: dict = field(default_factory=dict)
+
+
+COMBINERS = Board(alpha.with_combiners)
+# On the ideal its test lets half a step pass, not one.
+ENVIRONMENTS = Board(alpha.with_environments, free=1.0, ideal_more=1.0)
+# On the ideal half a step is scaled to one half.
+ONE_UNIT = Board(alpha.with_one_unit, ideal_more=0.0)
+ONE_UNIT_OF_TWELVE_BITS = Board(alpha.with_one_unit, ideal_more=0.0, compared={"alpha_bits": 12})
+ONE_UNIT_ADDED = Board(
+    alpha.with_one_unit, ideal_more=0.0, stored={"subtract": False}, compared={"subtract": False}
+)
+
+
+@lru_cache(8)
+def lit_scene_of(size, lamp):
+    """The still life as a panel of ``size`` pixels deserves it, and its lamp."""
+    return still_life(detail_of(size)), Lamp(*lamp)
+
+
+def stored(panel, profile, board, coding, *, lamp, ratio, shading, name=alpha.MAP):
+    """P0 in a panel."""
+    scene, light = lit_scene_of(panel.width, lamp)
+    edge = map_edge(panel.width, ratio)
+    settings = {"name": name, "shading": shading, **board.stored}
+    return alpha.store_map(scene, light, panel, edge, profile, coding, **settings)
+
+
+def compared(panel, profile, board, coding, *, lamp, background, shading, name=alpha.MAP):
+    """A frame's passes after the map's."""
+    scene, light = lit_scene_of(panel.width, lamp)
+    settings = {"name": name, "shading": shading, "background": background, **board.compared}
+    return board.way(scene, still_life_view(panel), light, profile, coding, **settings)
+
+
+def without_shadows(panel, *, lamp, background, shading):
+    """The same light where no shadow is thrown."""
+    scene, light = lit_scene_of(panel.width, lamp)
+    view = still_life_view(panel)
+    return (
+        alpha.clear_window(view, background),
+        *unlit_pass(scene, view, shading),
+        *lit_pass(scene, view, light, shading),
+    )
+
+
+@lru_cache(4)
+def truth(size, lamp):
+    """What rays say of a panel."""
+    scene, light = lit_scene_of(size, lamp)
+    return agreement.truth_of(scene, still_life_view(Panel(0, 0, size, size)), light)
+
+
+@lru_cache(4)
+def faces_the_lamp(size, lamp):
+    """Pixels whose surface the lamp could light: bool [size, size]. Elsewhere (n.l)+ is zero, and whether a
+    shadow lies there as well shows in no picture.
+    """
+    known = truth(size, lamp)
+    points = known.shown.points
+    directions, _ = ray_caster.to_light(points.reshape(-1, 3), known.lamp)
+    return dot(known.shown.normals, normalize(directions).reshape(points.shape)) > 0.0
+
+
+def agreements(figure, masks, size, column, bits, bias):
+    """``Agreement`` with rays of one column of a picture of masks, of all pixels and of those that face the
+    lamp. ``bias``: in all, in steps of ``bits`` bits.
+    """
+    lamp, ratio = figure.parameters["lamp"], figure.parameters["ratio"]
+    picture = masks[:, column * size : (column + 1) * size]
+    known, mask = truth(size, lamp), agreement.lit_mask(picture)
+    # The bias and a step that roundings take hide what is nearer to the surface behind it.
+    contact = (bias + 1.0) * (known.lamp.far - known.lamp.near) / (2.0**bits - 1.0)
+    settings = {"map_edge": map_edge(size, ratio), "contact": contact}
+    facing = faces_the_lamp(size, lamp)
+    return (
+        agreement.compare(mask, known, **settings),
+        agreement.compare(mask, known, where=facing, **settings),
+    )
+
+
+def agreement_checks(figure, renderer, board, size, column, *, least, least_facing, other):
+    """Checks that a column's shadows are the rays', as ``least`` and ``least_facing`` fractions of pixels and
+    but for ``other`` unexplained ones; and that the ideal, with the same bias in the mean, agrees better.
+    """
+    parameters = {**figure.parameters, **renderer.method.parameters}
+    bits, bias = parameters["bits"], parameters["bias"]
+    ideal_bias = bias + board.ideal_more
+    masks = renderer.machine(figure, size, shading="mask")
+    whole, facing = agreements(figure, masks, size, column, bits, bias)
+    masks = renderer.ideal(figure, size, shading="mask", bias=ideal_bias)
+    ideal, _ = agreements(figure, masks, size, column, bits, ideal_bias)
+    return (
+        Check(
+            "pixels whose shadow is the rays'",
+            whole.agreeing,
+            ">=",
+            least,
+            "machine",
+            "what differs lies within a texel and a half of a shadow's edge, most of it where a round thing "
+            "turns away from the lamp; measured at the first correct picture",
+        ),
+        Check(
+            "the same of what faces the lamp, where a shadow can be seen",
+            facing.agreeing,
+            ">=",
+            least_facing,
+            "machine",
+            "the catalogue's bound for the engine block with 8 bits and a bias of two steps",
+        ),
+        Check(
+            "differing pixels that nothing explains",
+            whole.other,
+            "<=",
+            other,
+            "machine",
+            "acne that the bias leaves where the light comes in flat; measured at the first correct picture",
+        ),
+        Check(
+            "pixels that differ from the rays: the ideal's over the machine's",
+            (1.0 - ideal.agreeing) / (1.0 - whole.agreeing),
+            "<=",
+            1.01,
+            "ideal",
+            "the same bias in the mean, and no rounding to steps: a bias of two steps leaves little of what "
+            "that costs, and twelve bits nothing",
+        ),
+        Check(
+            "differing pixels that nothing explains",
+            ideal.other,
+            "<=",
+            other,
+            "ideal",
+            "the algorithm's own: a texel's depth is its centre's",
+        ),
+    )
+
+
+def brightness_checks(figure, renderer, size, shadowed, without):
+    """Checks that shadows only darken: columns ``shadowed`` and ``without`` of a lit picture."""
+    picture = renderer.machine(figure, size)
+    mask = renderer.machine(figure, size, shading="mask")
+    columns = [slice(k * size, (k + 1) * size) for k in (shadowed, without)]
+    a, b = (picture[:, c] for c in columns)
+    lit = agreement.lit_mask(mask[:, columns[0]])
+    seen = agreement.lit_mask(mask[:, columns[1]])
+    dark = seen & ~lit & faces_the_lamp(size, figure.parameters["lamp"])
+    return (
+        Check(
+            "how much brighter a pixel is with shadows than without",
+            float((a - b).max()),
+            "<=",
+            1.0 / 255.0,
+            "machine",
+            "the catalogue's: the same passes, in another place of the window",
+        ),
+        Check(
+            "largest difference where the light is not blocked",
+            float(np.abs(a - b)[lit].max()),
+            "<=",
+            1.0 / 255.0,
+            "machine",
+            "the catalogue's: the same passes, in another place of the window",
+        ),
+        Check(
+            "mean of what is left in shadow on faces towards the lamp, of the light there",
+            float(a[dark].sum() / b[dark].sum()) if dark.any() else float("nan"),
+            "<=",
+            0.43,
+            "machine",
+            "only ambient light is there; measured at the first correct picture, with a third of slack",
+        ),
+    )
+
+
+def pass_checks(figure, renderer, board, coding, wanted, reason, size=32):
+    """Checks of how many passes a frame has: ``wanted`` where nothing moves, and one more otherwise."""
+    panel, parameters = Panel(0, 0, size, size), figure.parameters
+    common = {"lamp": parameters["lamp"], "shading": "lit"}
+    frame = compared(panel, renderer.profile, board, coding, background=parameters["background"], **common)
+    map_ = stored(panel, renderer.profile, board, coding, ratio=parameters["ratio"], **common)
+    return (
+        Check("passes of a frame where nothing moves", alpha.passes(frame), "<=", wanted, "machine", reason),
+        Check(
+            "passes where light or objects move",
+            alpha.passes((*map_, *frame)),
+            "<=",
+            wanted + 1,
+            "machine",
+            reason,
+        ),
+    )

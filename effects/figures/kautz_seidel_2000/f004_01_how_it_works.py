@@ -1,0 +1,195 @@
+"""F004-1: the paper's method as it works conceptually, run as an effect."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.geometry import surfaces
+from fixedpipe.effects.geometry.vectors import unit_vector
+from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view, row_of_panels
+from fixedpipe.effects.passes.draws import EDGE
+from fixedpipe.effects.reflectance import dependent_lookups, lookup_framework, pixel_textures
+
+EYE = np.array([0.0, 0.0, 1.0])
+# The panels: textures, parameters, and these stages.
+STAGES = ("F(s, t)", "G(u, v)", lookup_framework.RESULT)
+
+
+@lru_cache(maxsize=2)
+def _textures(map_size, bumps, height, cells):
+    return lookup_framework.woven_domes(map_size, bumps=bumps, height=height, cells=cells)
+
+
+def _quarters(panel):
+    """Four panels: upper left and right, lower left and right."""
+    w, h = panel.width // 2, panel.height // 2
+    if not (w and h):
+        raise ValueError("Four textures share a panel of F004-1; give it 2 pixels an edge or more.")
+    return tuple(Panel(panel.x + i * w, panel.y + j * h, w, h) for j in (1, 0) for i in (0, 1))
+
+
+def _scene(profile, size, passes, *, map_size, bumps, height, cells, light, extent, inset, background):
+    """``passes``: (surface, textures, view, light, profile, stage) -> commands that show a stage in grey."""
+    panels = row_of_panels(2 + len(STAGES), size)
+    textures = _textures(map_size, bumps, height, cells)
+    toward, square, small = (
+        Light(light),
+        surfaces.plane(1, 1, extent, extent),
+        surfaces.plane(1, 1, inset, inset),
+    )
+    out = [panel.clear(background) for panel in panels]
+    out += [*lookup_framework.load_textures(textures, profile), *lookup_framework.load_tables(profile)]
+    for quarter, name in zip(_quarters(panels[0]), ("a", "n", "F", "G"), strict=True):
+        view = orthographic_view(quarter)
+        label = f"show the texture {name}"
+        out.append(
+            pixel_textures.polygon(
+                label, small, view, name, first=True, mask=pixel_textures.RGB, sampler=EDGE
+            )
+        )
+    for quarter, stage in zip(_quarters(panels[1]), lookup_framework.STAGES[:4], strict=True):
+        out += passes(small, textures, orthographic_view(quarter), toward, profile, stage)
+    for panel, stage in zip(panels[2:], STAGES, strict=True):
+        out += passes(square, textures, orthographic_view(panel), toward, profile, stage)
+    return tuple(out)
+
+
+def pixel_textures_scene(profile, size, **parameters):
+    """F004-1 by the color matrix and pixel textures."""
+
+    def passes(surface, textures, view, light, profile, stage):
+        return lookup_framework.by_pixel_textures(
+            surface, textures, view, light, profile, stage=stage, sampler=EDGE
+        )
+
+    return _scene(profile, size, passes, **parameters)
+
+
+def host_scene(profile, size, **parameters):
+    """F004-1 by register combiners, and the host in the place of dependent lookups."""
+
+    def passes(surface, _, view, light, profile, stage):
+        return lookup_framework.by_host(surface, view, light, profile, stage=stage, sampler=EDGE)
+
+    return _scene(profile, size, passes, **parameters)
+
+
+def texture_shaders_scene(profile, size, **parameters):
+    """F004-1 by register combiners, and texture shaders that look up what these left on the screen."""
+
+    def passes(surface, _, view, light, profile, stage):
+        return (
+            dependent_lookups.load_screen(view.panel),
+            *dependent_lookups.figure_1_passes(surface, view, light, profile, stage=stage, sampler=EDGE),
+        )
+
+    return _scene(profile, size, passes, **parameters)
+
+
+def checks(figure, renderer):
+    """The result against float evaluation at the texels, its factors against it, and the tables alone."""
+    p, out = figure.parameters, []
+    size = p["map_size"]
+    textures = _textures(size, p["bumps"], p["height"], p["cells"])
+    toward_light = unit_vector(p["light"], "The light")
+    expected = textures.evaluated(toward_light, EYE)
+    for on in ("ideal", "machine"):
+        # The square fills the panel: a texel for each pixel, so that no filter of materials takes part.
+        colors = getattr(renderer, on)(figure, size, extent=1.0)
+        picture, half = colors[..., 0], size // 2
+        shown = [colors[j : j + half, i : i + half] for j in (0, half) for i in range(0, 2 * size, half)]
+        f, g, result = (picture[:, k * size : (k + 1) * size] for k in range(2, 5))
+        out += [
+            Check(
+                "RMS of the dependent tables' result - direct evaluation in float",
+                root_mean_square(result - expected),
+                "<=",
+                1.0 / 128.0,
+                on,
+                "the catalogue's acceptance",
+            ),
+            Check(
+                "largest difference of the result from F(s, t) G(u, v), as drawn",
+                float(np.abs(result - f * g).max()),
+                "<=",
+                1.01 / 255.0,
+                on,
+                "the product is rounded once or twice" if on == "machine" else "nothing is rounded",
+            ),
+        ]
+        out.append(
+            Check(
+                "smallest standard deviation of a texture's or parameter's small square, but t's",
+                min(float(q.std(axis=(0, 1)).max()) for k, q in enumerate(shown) if k != 7),
+                ">=",
+                0.1,
+                on,
+                "all are there; t alone differs little, from 0.86 to 1",
+            )
+        )
+    for name, function, table, edge in (
+        ("F, t >= 1/16", lookup_framework.exponential, lookup_framework.exponential_table, 1.0 / 16.0),
+        ("G", lookup_framework.root_of_power, lookup_framework.power_table, 0.0),
+    ):
+        error = _table_error(function, table(renderer.profile), edge)
+        out.append(
+            Check(
+                f"RMS over the domain of the table of {name}, 256 x 256 and LINEAR",
+                root_mean_square(error),
+                "<=",
+                1.0 / 128.0,
+                "machine",
+                "the catalogue's acceptance",
+            )
+        )
+    return tuple(out)
+
+
+def _table_error(function, table, edge):
+    """A table's filtered texels minus its function, over [0, 1] x [edge, 1]."""
+    s, t = np.meshgrid(np.linspace(0.0, 1.0, 1021), np.linspace(edge, 1.0, 1021))
+    texels = table.levels[0][0, ..., 0] / (2.0**table.bits - 1.0)
+    x, y = (np.clip(c * 256 - 0.5, 0.0, 255.0) for c in (s, t))
+    i, j = (np.minimum(np.floor(c).astype(np.int64), 254) for c in (x, y))
+    a, b = x - i, y - j
+    low = texels[j, i] * (1.0 - a) + texels[j, i + 1] * a
+    high = texels[j + 1, i] * (1.0 - a) + texels[j + 1, i + 1] * a
+    return low * (1.0 - b) + high * b - function(s, t)
+
+
+FIGURE = Figure(
+    id="F004-1",
+    title="How the method works: material textures, parameters, dependent lookups, combination",
+    caption=(
+        "From left to right: what texture memory holds, two material textures above and the sampled "
+        "functions F(s, t) = exp(s/t), over -s, and G(u, v) = sqrt(u^v) below; the four parameters -s, t, u "
+        "and v/8; F and G looked up at every pixel; their product. Three parameters are dot products of a "
+        "material texture with the light's or the viewer's vector, v is read."
+    ),
+    must_see=(
+        "The weave of the first material texture is seen in s and F alone, the domes of the second in t, u "
+        "and G, v's slope from left to right in G; the result has all three."
+    ),
+    source="KautzSeidel2000",
+    techniques=("K01", "K15"),
+    columns=5,
+    size=384,
+    parameters={
+        "map_size": 256,
+        "bumps": 4,
+        "height": 0.6,
+        "cells": 16,
+        "light": (0.55, 0.35, 0.75),
+        "extent": 0.94,
+        "inset": 0.88,
+        "background": BACKGROUND,
+    },
+    methods=(
+        Method("pixel textures", pixel_textures_scene, ("OCTANE",)),
+        Method("register combiners, lookups by the host", host_scene, ("GEFORCE_256",)),
+        Method("texture shaders", texture_shaders_scene, ("GEFORCE_3", "NV2A", "FUTURE")),
+    ),
+    acceptance=checks,
+)

@@ -1,0 +1,320 @@
+"""F004-2: domes with a crease at their rim; interpolating tangents before they are used makes rings."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
+from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures.figure import (
+    BACKGROUND,
+    COMBINER_MACHINES,
+    DARK,
+    IMAGING_MACHINES,
+    Check,
+    Figure,
+    Method,
+)
+from fixedpipe.effects.geometry import height_fields, surfaces
+from fixedpipe.effects.geometry.vectors import normalize
+from fixedpipe.effects.geometry.views import Light, orthographic_view, row_of_panels
+from fixedpipe.effects.passes.draws import show
+from fixedpipe.effects.passes.encoding import encode_factor
+from fixedpipe.effects.reflectance import (
+    anisotropic_blinn_phong,
+    brdfs,
+    evaluate_then_interpolate,
+    future_board,
+    imaging_subset,
+    material_textures,
+)
+from fixedpipe.pipeline.commands import DrawPixels
+from fixedpipe.pipeline.pixel_transfer import PixelImage
+from fixedpipe.pipeline.state import RasterPosition
+
+EVALUATED_FIRST = "evaluation before filtering"
+SQUARED_FIRST = "imaging subset"
+# The halfway vector of the catalogue's ring measurements: tilted 24 degrees towards +x.
+RING_HALF = normalize(np.array([0.45, 0.0, 1.0]))
+
+
+def _dome_material(map_size, alpha_x, alpha_y):
+    s, t = height_fields.texel_centers(map_size, map_size)
+    return material_textures.from_slopes(*height_fields.dome_slopes(s, t), alpha_x, alpha_y)
+
+
+def _reference(size, material, toward_light, domes, extent, diffuse, ambient, specular, background):
+    """K16's picture, evaluated at the texels and interpolated afterwards: float64 [size, size, 3]."""
+    x, y = pixel_grid(size, extent)
+    s, t = (x + 1.0) * (0.5 * domes), (y + 1.0) * (0.5 * domes)
+    lit = evaluate_then_interpolate.diffuse(material, toward_light, s, t)[..., None] * np.array(diffuse)
+    highlight = evaluate_then_interpolate.specular(material, RING_HALF, s, t)[..., None] * np.array(specular)
+    covered = (np.maximum(np.abs(x), np.abs(y)) < 1.0)[..., None]
+    return np.clip(np.where(covered, (lit + np.array(ambient)) + highlight, np.array(background)), 0.0, 1.0)
+
+
+def _lit_domes(size, *, map_size, alpha_x, alpha_y, domes, extent, diffuse, ambient, specular, background):
+    """The material, the surface, the light and the reference's picture."""
+    material = _dome_material(map_size, alpha_x, alpha_y)
+    toward_light = normalize(2.0 * RING_HALF[2] * RING_HALF - np.array([0.0, 0.0, 1.0]))
+    surface = surfaces.plane(1, 1, extent, extent).with_repeats(domes, domes)
+    picture = _reference(size, material, toward_light, domes, extent, diffuse, ambient, specular, background)
+    return material, surface, Light(tuple(toward_light)), picture
+
+
+def scene(profile, size, **parameters):
+    """F004-2: left the float reference (K16) shown as a picture, right the register combiners (K10, K07)."""
+    left, right = row_of_panels(2, size)
+    material, surface, light, picture = _lit_domes(size, **parameters)
+    view = orthographic_view(right)
+    loading, names = material_textures.load(material, "domes", profile)
+    return (
+        left.clear(parameters["background"]),
+        right.clear(parameters["background"]),
+        *show(encode_factor(picture, profile), left, "software renderer's image", surfaces.plane()),
+        *loading,
+        *diffuse_bump.diffuse_pass(
+            surface,
+            names.normal,
+            view,
+            light,
+            profile,
+            color=parameters["diffuse"],
+            ambient=parameters["ambient"],
+        ),
+        *anisotropic_blinn_phong.specular_pass(
+            surface, names, view, light, profile, specular=parameters["specular"], gated=False
+        ),
+    )
+
+
+def imaging_scene(profile, size, **parameters):
+    """The same with the imaging subset on the right (K08): one flat polygon, one load of each material
+    image.
+    """
+    left, right = row_of_panels(2, size)
+    material, surface, light, picture = _lit_domes(size, **parameters)
+    return (
+        left.clear(parameters["background"]),
+        right.clear(parameters["background"]),
+        DrawPixels(
+            label="show software renderer's image",
+            image=PixelImage(encode_factor(picture, profile), "RGB"),
+            position=RasterPosition((float(left.x), float(left.y), 0.0, 1.0), window=True),
+        ),
+        *imaging_subset.commands(
+            surface,
+            material,
+            orthographic_view(right),
+            light,
+            profile,
+            color=parameters["diffuse"],
+            ambient=parameters["ambient"],
+            specular=parameters["specular"],
+            gated=False,
+            name="domes",
+            triangles_per_polygon=2,
+        ),
+    )
+
+
+def scene_evaluated_first(profile, size, **parameters):
+    """F004-2 on the future board: the combiners of both passes come before the filter (K16)."""
+    return future_board.evaluated_first(scene(profile, size, **parameters))
+
+
+_HIGHLIGHT_ONLY = {**DARK, "domes": 1, "extent": 1.0, "specular": (1.0, 1.0, 1.0)}
+
+
+def ring_energy(image, map_size, alpha_x, alpha_y):
+    """Error energy in the annulus 1.5 texels wide on either side of the rim, over the true highlight's
+    energy.
+
+    ``image``: float64 [size, size] of one dome, bottom row first. Returns the ratio, and the image's maximum
+    where the true highlight in the annulus is zero.
+    """
+    size = image.shape[0]
+    s, t = height_fields.texel_centers(size, size)
+    _, tangent, binormal = height_fields.frames(*height_fields.dome_slopes(s, t))
+    true = brdfs.anisotropic_blinn_phong(RING_HALF, tangent, binormal, alpha_x, alpha_y)
+    x, y = pixel_grid(size, 1.0)
+    annulus = np.abs(np.sqrt(x * x + y * y) - 0.6) < 3.0 / map_size
+    error = (image - true)[annulus]
+    dark = annulus & (true == 0.0)
+    return float((error * error).sum() / (true * true).sum()), float(image[dark].max())
+
+
+# The catalogue's energies by the texels along a map's edge: of the combiners, of evaluate-then-interpolate.
+_CATALOGUED = {32: (0.2574, 7e-4), 64: (0.115, 1e-4), 128: (0.058, 1e-4)}
+_ROUND = {"alpha_x": 0.25, "alpha_y": 0.25}
+
+
+def checks(figure, renderer):
+    """The rings' energies, their brightness, and that they come from interpolation and not from 8 bits."""
+    if renderer.method.name == EVALUATED_FIRST:
+        return _checks_evaluated_first(figure, renderer)
+    if renderer.method.name == SQUARED_FIRST:
+        return _checks_squared_first(figure, renderer)
+    size, out = 512, []
+    for map_size, (expected, software_bound) in _CATALOGUED.items():
+        parameters = {**_HIGHLIGHT_ONLY, **_ROUND, "map_size": map_size}
+        ideal = renderer.ideal(figure, size, **parameters)[..., 0]
+        machine = renderer.machine(figure, size, **parameters)[..., 0]
+        software, _ = ring_energy(ideal[:, :size], map_size, 0.25, 0.25)
+        ideal_energy, ideal_peak = ring_energy(ideal[:, size:], map_size, 0.25, 0.25)
+        energy, peak = ring_energy(machine[:, size:], map_size, 0.25, 0.25)
+        what = f"{map_size}x{map_size} maps"
+        out += [
+            Check(
+                f"ring energy of evaluate-then-interpolate, {what}",
+                software,
+                "<=",
+                1.1 * software_bound,
+                "ideal",
+                "the catalogue's computed energy with 10 % for its rounding to one digit",
+            ),
+            Check(
+                f"ring energy of the pass against {expected:g}, {what}: relative deviation",
+                abs(ideal_energy / expected - 1.0),
+                "<=",
+                0.05,
+                "ideal",
+                "the catalogue's computed energy, printed to two or three digits",
+            ),
+            Check(
+                f"ring energy, software / combiners, {what}",
+                software / energy if energy > 0.0 else float("nan"),
+                "<=",
+                0.05,
+                "machine",
+                "the catalogue's acceptance: rings stand out against the software renderer",
+            ),
+            Check(
+                f"brightest ring pixel where the true highlight is zero, {what}",
+                peak,
+                ">=",
+                0.9,
+                "machine",
+                "the catalogue's acceptance: the rings are as bright as a highlight",
+            ),
+            Check(
+                f"brightest ring pixel where the true highlight is zero, {what}",
+                ideal_peak,
+                ">=",
+                0.9,
+                "ideal",
+                "the same without the machine's arithmetic: interpolation alone makes the rings",
+            ),
+            Check(
+                f"ring energy, machine against ideal, {what}: relative deviation",
+                abs(energy / ideal_energy - 1.0),
+                "<=",
+                0.05,
+                "machine",
+                "the catalogue's acceptance: 8-bit textures must not change the energy by more than 5 %; "
+                "here with the 9-bit combiners included",
+            ),
+        ]
+    return tuple(out)
+
+
+def _checks_evaluated_first(figure, renderer):
+    """No rings where the board evaluates first: it draws the software renderer's picture."""
+    size, out = 512, []
+    bounds = {"ideal": 1e-9, "machine": 0.0022}
+    reasons = {
+        "ideal": "the same equation on the same texels, in another order of operations",
+        "machine": "bytes of t / (4 alpha), times four; measured, with a third of slack",
+    }
+    for map_size, (_, software_bound) in _CATALOGUED.items():
+        parameters = {**_HIGHLIGHT_ONLY, **_ROUND, "map_size": map_size}
+        for on in ("ideal", "machine"):
+            image = getattr(renderer, on)(figure, size, **parameters)[..., 0]
+            energy, _ = ring_energy(image[:, size:], map_size, 0.25, 0.25)
+            what = f"{map_size}x{map_size} maps"
+            out += [
+                Check(
+                    f"ring energy of the pass, {what}",
+                    energy,
+                    "<=",
+                    1.1 * software_bound,
+                    on,
+                    "the catalogue's energy of evaluate-then-interpolate, with 10 % for its one digit",
+                ),
+                Check(
+                    f"RMS of the pass - software renderer, {what}",
+                    root_mean_square(image[:, size:] - image[:, :size]),
+                    "<=",
+                    bounds[on],
+                    on,
+                    reasons[on],
+                ),
+            ]
+    return tuple(out)
+
+
+def _checks_squared_first(figure, renderer):
+    """No rings either where squares are made of texels and interpolated, and no vector is."""
+    size, out = 512, []
+    darker = "(.)+ is convex: of interpolated squares it is never more than interpolated (.)+"
+    bounds = {"ideal": (1e-9, darker), "machine": (0.5 / 255.0, f"{darker}; half a byte for rounding")}
+    for map_size, (_, software_bound) in _CATALOGUED.items():
+        parameters = {**_HIGHLIGHT_ONLY, **_ROUND, "map_size": map_size}
+        for on, (bound, reason) in bounds.items():
+            image = getattr(renderer, on)(figure, size, **parameters)[..., 0]
+            _, software_peak = ring_energy(image[:, :size], map_size, 0.25, 0.25)
+            energy, peak = ring_energy(image[:, size:], map_size, 0.25, 0.25)
+            what = f"{map_size}x{map_size} maps"
+            out += [
+                Check(
+                    f"ring energy of the passes, {what}",
+                    energy,
+                    "<=",
+                    1.1 * software_bound,
+                    on,
+                    "the catalogue's energy of evaluate-then-interpolate, with 10 % for its one digit",
+                ),
+                Check(
+                    f"brightest ring pixel over the software renderer's, {what}",
+                    peak - software_peak,
+                    "<=",
+                    bound,
+                    on,
+                    reason,
+                ),
+            ]
+    return tuple(out)
+
+
+FIGURE = Figure(
+    id="F004-2",
+    title="Rings from interpolating tangents before they are used",
+    caption=(
+        "Domes with a crease at their rim, in the anisotropic Blinn-Phong model. Left: evaluated at the "
+        "texels and interpolated afterwards, in float. Right: register combiners, which interpolate "
+        "tangents and binormals first; on a machine with the imaging subset, squares that were made while a "
+        "texture was loaded."
+    ),
+    must_see=(
+        "The highlights on the domes are alike left and right; only on the right do bright rings follow "
+        "the rims on the side of the light, and only with register combiners."
+    ),
+    source="KautzSeidel2000",
+    techniques=("K07", "K08", "K10", "K16"),
+    columns=2,
+    parameters={
+        "map_size": 64,
+        "alpha_x": 0.25,
+        "alpha_y": 1.0,
+        "domes": 2,
+        "extent": 0.9,
+        "diffuse": (0.36, 0.40, 0.50),
+        "ambient": (0.04, 0.045, 0.06),
+        "specular": (0.9, 0.9, 0.85),
+        "background": BACKGROUND,
+    },
+    methods=(
+        Method("register combiners", scene, tuple(key for key in COMBINER_MACHINES if key != "FUTURE")),
+        Method(EVALUATED_FIRST, scene_evaluated_first, ("FUTURE",)),
+        Method(SQUARED_FIRST, imaging_scene, IMAGING_MACHINES),
+    ),
+    acceptance=checks,
+)

@@ -1,0 +1,165 @@
+"""F004-3: one square with scratches along both axes, under three lights."""
+
+import math
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.measures import pixel_grid
+from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures.figure import (
+    BACKGROUND,
+    COMBINER_MACHINES,
+    IMAGING_MACHINES,
+    Check,
+    Figure,
+    Method,
+)
+from fixedpipe.effects.geometry import surfaces
+from fixedpipe.effects.geometry.matrices import rotate, rotation
+from fixedpipe.effects.geometry.views import Light, perspective_view, row_of_panels
+from fixedpipe.effects.reflectance import anisotropic_blinn_phong, imaging_subset, material_textures
+
+
+def scratched_square(seed, count):
+    """F004-3's material: 256 x 256 texels, alpha 0.5, scratches of alpha_x = 0.25 and alpha_y = 1."""
+    return material_textures.scratched(
+        256,
+        count,
+        alpha_x=0.25,
+        alpha_y=1.0,
+        alpha=0.5,
+        k_s=0.22,
+        k_s_scratch=(0.55, 0.95),
+        slope=0.15,
+        seed=seed,
+    )
+
+
+def _panels(size, elevation, extent):
+    """(panel, view, light) of the three pictures: light from +x, from +y, from the top."""
+    low = rotate(rotation("y", 90.0 - elevation), np.array([0.0, 0.0, 1.0]))
+    lights = (
+        Light((float(low[0]), 0.0, float(low[2]))),
+        Light((0.0, float(low[0]), float(low[2]))),
+        Light((0.0, 0.0, 1.0)),
+    )
+    angle = 2.0 * math.degrees(math.atan(0.2 / extent))
+    for panel, light in zip(row_of_panels(3, size), lights, strict=True):
+        yield panel, perspective_view(panel, (0.0, 0.0, 5.0), field_of_view=angle), light
+
+
+def scene(profile, size, *, seed, count, elevation, extent, diffuse, ambient, specular, background):
+    """F004-3: one square, three lights: from +x, from +y, from the top."""
+    loading, names = material_textures.load(scratched_square(seed, count).material, "scratches", profile)
+    surface, out = surfaces.plane(), list(loading)
+    for panel, view, light in _panels(size, elevation, extent):
+        out += (
+            panel.clear(background),
+            *diffuse_bump.diffuse_pass(
+                surface, names.normal, view, light, profile, color=diffuse, ambient=ambient
+            ),
+            *anisotropic_blinn_phong.specular_pass(surface, names, view, light, profile, specular=specular),
+        )
+    return tuple(out)
+
+
+def imaging_scene(profile, size, *, seed, count, elevation, extent, diffuse, ambient, specular, background):
+    """The same with the imaging subset (K08): the square is one polygon, and each of the three has one
+    halfway vector.
+    """
+    material, surface, out = scratched_square(seed, count).material, surfaces.plane(), []
+    for panel, view, light in _panels(size, elevation, extent):
+        out += (
+            panel.clear(background),
+            *imaging_subset.commands(
+                surface,
+                material,
+                view,
+                light,
+                profile,
+                color=diffuse,
+                ambient=ambient,
+                specular=specular,
+                name="scratches",
+                triangles_per_polygon=2,
+            ),
+        )
+    return tuple(out)
+
+
+def scratch_visibility(image, material, extent):
+    """Contrast (on - off)/(on + off) of the scratches along x and along y in one panel.
+
+    ``image``: float64 [size, size] intensities, bottom row first. A pixel belongs to the texel under its
+    centre.
+    """
+    x, y = pixel_grid(image.shape[0], extent)
+    edge = material.scratched.shape[0]
+    inside = np.maximum(np.abs(x), np.abs(y)) < 1.0
+    column = np.clip(np.floor((x + 1.0) * (0.5 * edge)).astype(np.int64), 0, edge - 1)
+    row = np.clip(np.floor((y + 1.0) * (0.5 * edge)).astype(np.int64), 0, edge - 1)
+    off = float(image[inside & ~material.scratched[row, column]].mean())
+    contrasts = []
+    for scratches in (material.along_s, material.along_t):
+        on = float(image[inside & scratches[row, column]].mean())
+        contrasts.append((on - off) / (on + off))
+    return tuple(contrasts)
+
+
+def checks(figure, renderer):
+    """Which scratches each light shows, on the ideal and on the machine."""
+    size, out = 512, []
+    material = scratched_square(figure.parameters["seed"], figure.parameters["count"])
+    reasons = {
+        "ideal": "the catalogue's acceptance",
+        "machine": "the catalogue's acceptance; the contrast is a mean over thousands of pixels, in which "
+        "rounding to bytes averages out",
+    }
+    for on in ("ideal", "machine"):
+        image = getattr(renderer, on)(figure, size).mean(axis=-1)
+        from_x, from_y, top = (
+            scratch_visibility(image[:, k * size : (k + 1) * size], material, figure.parameters["extent"])
+            for k in range(3)
+        )
+        for name, value, relation, bound in (
+            ("light from +x: scratches along y seen", from_x[1], ">=", 0.3),
+            ("light from +x: scratches along x not seen, |contrast|", abs(from_x[0]), "<=", 0.05),
+            ("light from +y: scratches along x seen", from_y[0], ">=", 0.3),
+            ("light from +y: scratches along y not seen, |contrast|", abs(from_y[1]), "<=", 0.05),
+            ("light from the top: scratches along x seen", top[0], ">=", 0.15),
+            ("light from the top: scratches along y seen", top[1], ">=", 0.15),
+        ):
+            out.append(Check(name, value, relation, bound, on, reasons[on]))
+    return tuple(out)
+
+
+FIGURE = Figure(
+    id="F004-3",
+    title="One square with scratches along both axes, three lights",
+    caption=(
+        "A single square whose material textures hold scratches along both axes, lit from +x (left), "
+        "from +y (middle) and from the top (right)."
+    ),
+    must_see=(
+        "Lit from one side, only the scratches across the light's direction are seen; lit from the top, "
+        "both sets are."
+    ),
+    source="KautzSeidel2000",
+    techniques=("K07", "K08", "K10", "K21"),
+    columns=3,
+    parameters={
+        "seed": 7,
+        "count": 30,
+        "elevation": 20.0,
+        "extent": 0.9,
+        "diffuse": (0.28, 0.32, 0.38),
+        "ambient": (0.05, 0.055, 0.07),
+        "specular": (1.0, 0.97, 0.90),
+        "background": BACKGROUND,
+    },
+    methods=(
+        Method("register combiners", scene, COMBINER_MACHINES),
+        Method("imaging subset", imaging_scene, IMAGING_MACHINES),
+    ),
+    acceptance=checks,
+)

@@ -1,0 +1,188 @@
+"""F004-5: a sphere of slightly brushed, bumpy gold."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures.figure import (
+    BACKGROUND,
+    COMBINER_MACHINES,
+    DARK,
+    IMAGING_MACHINES_8,
+    Check,
+    Figure,
+    Method,
+)
+from fixedpipe.effects.geometry import surfaces
+from fixedpipe.effects.geometry.matrices import rotation
+from fixedpipe.effects.geometry.views import Light, orthographic_view, row_of_panels
+from fixedpipe.effects.reflectance import anisotropic_blinn_phong, imaging_subset, material_textures
+
+# The catalogue's gold. Light that is reflected once has it; what the diffuse pass stands for has been
+# reflected between bumps at least twice, and its colour is near the square.
+GOLD = (1.0, 0.77, 0.34)
+
+
+def _ball(
+    size, map_size, repeats, bumps, depth, alpha_x, alpha_y, spread, stroke_depth, k_s, lean, slices, stacks,
+    radius,
+):  # fmt: skip
+    """The panel, the view, the sphere, its axis leaning so that the texture's poles lie at the rim, and the
+    gold.
+    """
+    (panel,) = row_of_panels(1, size)
+    surface = surfaces.sphere(slices, stacks).with_repeats(*repeats).rotated(rotation("z", lean))
+    gold = material_textures.gold(
+        map_size,
+        bumps=bumps,
+        depth=depth,
+        alpha_x=alpha_x,
+        alpha_y=alpha_y,
+        spread=spread,
+        stroke_depth=stroke_depth,
+        k_s=k_s,
+    )
+    return panel, orthographic_view(panel, half_height=1.0 / radius), surface, gold
+
+
+def scene(profile, size, *, light, diffuse, ambient, specular, background, **ball):
+    """F004-5: one sphere, with register combiners."""
+    panel, view, surface, gold = _ball(size, **ball)
+    loading, names = material_textures.load(gold, "gold", profile)
+    return (
+        panel.clear(background),
+        *loading,
+        *diffuse_bump.diffuse_pass(
+            surface, names.normal, view, Light(light), profile, color=diffuse, ambient=ambient
+        ),
+        *anisotropic_blinn_phong.specular_pass(
+            surface, names, view, Light(light), profile, specular=specular
+        ),
+    )
+
+
+def imaging_scene(profile, size, *, light, diffuse, ambient, specular, background, **ball):
+    """The same with the imaging subset (K08), flat triangles."""
+    panel, view, surface, gold = _ball(size, **ball)
+    return (
+        panel.clear(background),
+        *imaging_subset.commands(
+            surface,
+            gold,
+            view,
+            Light(light),
+            profile,
+            color=diffuse,
+            ambient=ambient,
+            specular=specular,
+            name="gold",
+        ),
+    )
+
+
+def chords(mask):
+    """Mean lengths of the runs of true pixels along the rows and along the columns of a bool image; NaN,
+    which passes no check, where there are none.
+    """
+    begins = [(~np.roll(mask, 1, axis) & mask).sum() for axis in (1, 0)]
+    return tuple(float(mask.sum() / count) if count else float("nan") for count in begins)
+
+
+def checks(figure, renderer):
+    """The highlights' arithmetic and colour, and that bumps have anisotropic ones of their own."""
+    size, white = 256, {**DARK, "specular": (1.0, 1.0, 1.0)}
+    ideal = np.clip(renderer.ideal(figure, size, **white)[..., 0], 0.0, 1.0)
+    machine = renderer.machine(figure, size, **white)[..., 0]
+    out = [
+        Check(
+            "RMS of machine - ideal over highlight pixels, of a highlight of one",
+            root_mean_square((machine - ideal)[ideal > 0.05]),
+            "<=",
+            0.025,
+            "machine",
+            "the catalogue's acceptance; it expects 0.015 to 0.018 of 8-bit vectors and 9-bit registers",
+        )
+    ]
+    color = renderer.machine(figure, size, **DARK)[machine > 0.5].mean(axis=0)
+    out.append(
+        Check(
+            "colour of the highlights over red, largest deviation from gold's",
+            float(np.abs(color / color[0] - np.array(GOLD)).max()),
+            "<=",
+            0.01,
+            "machine",
+            "the catalogue's gold; products of bytes are cut off by less than one step of 255 each",
+        )
+    )
+    # Upright, and with textures as wide as they are high where the sphere faces the eye.
+    upright = {**white, "lean": 0.0}
+    middle = slice(size // 4, 3 * size // 4)
+    for on in ("ideal", "machine"):
+        image = getattr(renderer, on)(figure, size, **upright)[middle, middle, 0]
+        across, along = chords(image > 0.4)
+        isotropic = (figure.parameters["alpha_x"] + figure.parameters["alpha_y"]) / 2
+        plain = getattr(renderer, on)(
+            figure, size, **upright, alpha_x=isotropic, alpha_y=isotropic, spread=0.0
+        )[middle, middle, 0]
+        plain_across, plain_along = chords(plain > 0.4)
+        out.append(
+            Check(
+                "highlights drawn out along b: mean chord along b over along t, against isotropic gold's",
+                (along / across) / (plain_along / plain_across),
+                ">=",
+                1.2,
+                on,
+                "alpha_y / alpha_x is 1.6; chords end at the bumps too, so that less of it is seen",
+            )
+        )
+        pixels_per_bump = figure.parameters["radius"] * size * np.pi / 4 / (2 * figure.parameters["bumps"])
+        out.append(
+            Check(
+                "mean chord of the highlights along t, in widths of a bump",
+                across / pixels_per_bump,
+                "<=",
+                1.0,
+                on,
+                "every bump has highlights of its own; the same sphere without bumps has one",
+            )
+        )
+    return tuple(out)
+
+
+FIGURE = Figure(
+    id="F004-5",
+    title="Slightly brushed, bumpy gold",
+    caption="A sphere of bumpy gold, brushed slightly along its parallels.",
+    must_see=(
+        "Gold: bumps with anisotropic highlights of their own, drawn out across the fine strokes that cover "
+        "them, bright yellow on deep brown. With the imaging subset flat triangles are seen."
+    ),
+    source="KautzSeidel2000",
+    techniques=("K07", "K08", "K10", "K21"),
+    columns=1,
+    parameters={
+        "map_size": 128,
+        "repeats": (4, 2),
+        "bumps": 8,
+        "depth": 2.0,
+        "alpha_x": 0.5,
+        "alpha_y": 0.8,
+        "spread": 10.0,
+        "stroke_depth": 0.3,
+        "k_s": (0.6, 1.0),
+        "lean": -25.0,
+        "light": (-0.45, 0.55, 0.75),
+        "slices": 50,
+        "stacks": 26,
+        "radius": 0.92,
+        "diffuse": (0.40, 0.237, 0.06),
+        "ambient": (0.07, 0.045, 0.015),
+        "specular": tuple(0.75 * c for c in GOLD),
+        "background": BACKGROUND,
+    },
+    methods=(
+        Method("register combiners", scene, COMBINER_MACHINES),
+        Method("imaging subset", imaging_scene, IMAGING_MACHINES_8),
+    ),
+    acceptance=checks,
+)

@@ -1,0 +1,92 @@
+"""F004-7: the material textures of the marble of F004-6."""
+
+import numpy as np
+
+from fixedpipe.effects.figures.figure import Check, Figure, Method
+from fixedpipe.effects.figures.kautz_seidel_2000.f004_06_marble import MAP_SIZE, MARBLE
+from fixedpipe.effects.geometry import surfaces
+from fixedpipe.effects.geometry.vectors import dot, normalize
+from fixedpipe.effects.geometry.views import row_of_panels
+from fixedpipe.effects.passes.draws import NEAREST, unit
+from fixedpipe.effects.passes.encoding import decode_expand
+from fixedpipe.effects.reflectance import material_textures
+from fixedpipe.pipeline.commands import Draw
+from fixedpipe.pipeline.enums import TextureEnvironmentMode
+from fixedpipe.pipeline.profiles import IDEAL, PROFILES
+from fixedpipe.pipeline.state import PassState, TextureEnvironment, VertexState, Viewport
+
+# The paper's board, then all others that draw at all.
+MACHINES = ("GEFORCE_256", *(key for key in PROFILES if key not in ("GEFORCE_256", "IDEAL")))
+
+
+def scene(profile, size):
+    """F004-7: left T' = t / (4 alpha_x), right B' = b / (4 alpha_y), as the colours that are stored.
+
+    One texture unit and the environment REPLACE: any board can show them.
+    """
+    marble = material_textures.marble(MAP_SIZE, **MARBLE)
+    (_, *loading), names = material_textures.load(marble.material, "marble", profile)
+    out = list(loading)
+    for panel, name in zip(row_of_panels(2, size), (names.tangent, names.binormal), strict=True):
+        out += (
+            panel.clear((0.0, 0.0, 0.0)),
+            Draw(
+                label=f"show {name}",
+                mesh=surfaces.plane().mesh(),
+                state=PassState(
+                    vertex=VertexState(viewport=Viewport(panel.x, panel.y, panel.width, panel.height)),
+                    texture_units=(
+                        unit(name, NEAREST, environment=TextureEnvironment(TextureEnvironmentMode.REPLACE)),
+                    ),
+                    scissor=panel.scissor,
+                ),
+            ),
+        )
+    return tuple(out)
+
+
+def checks(figure, renderer):
+    """The vectors read back from the picture, a texel per pixel: their lengths and their right angle."""
+    material, out = material_textures.marble(MAP_SIZE, **MARBLE).material, []
+    for on, profile, length_bound, angle_bound, reason in (
+        ("ideal", IDEAL, 1e-6, 1e-6, "float64: what was authored"),
+        (
+            "machine",
+            renderer.profile,
+            4 * 2.0 / 255,
+            0.03,
+            "the catalogue's acceptance: one step of a stored component, 2/255, times the scale of four",
+        ),
+    ):
+        image = getattr(renderer, on)(figure, MAP_SIZE)
+        stored = image if profile.exact else np.floor(255.0 * image + 0.5)
+        decoded = decode_expand(stored, profile) / material_textures.STORAGE_SCALE
+        tangents, binormals = decoded[:, :MAP_SIZE], decoded[:, MAP_SIZE:]
+        for name, vectors, alpha in (
+            ("T| = 1 / alpha_x", tangents, material.alpha_x),
+            ("B| = 1 / alpha_y", binormals, material.alpha_y),
+        ):
+            error = float(np.abs(np.sqrt(dot(vectors, vectors)) - 1.0 / alpha).max())
+            out.append(Check(f"|{name}, largest deviation", error, "<=", length_bound, on, reason))
+        cosine = dot(normalize(tangents), normalize(binormals))
+        out.append(Check("t.b, largest", float(np.abs(cosine).max()), "<=", angle_bound, on, reason))
+    return tuple(out)
+
+
+FIGURE = Figure(
+    id="F004-7",
+    title="Material textures of the marble",
+    caption=(
+        "What is stored for the marble of F004-6: tangents divided by alpha_x (left) and binormals divided "
+        "by alpha_y (right), biased to colours."
+    ),
+    must_see=(
+        "Two images of the veins' network: the left one red and even but for the flanks of the veins, the "
+        "right one green and towards grey in the veins, where alpha_y is larger and the vector shorter."
+    ),
+    source="KautzSeidel2000",
+    techniques=("K21",),
+    columns=2,
+    methods=(Method("texture environments", scene, MACHINES),),
+    acceptance=checks,
+)

@@ -1,0 +1,87 @@
+"""K02: a gloss map beside a constant k_s."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check
+from fixedpipe.effects.bump_mapping import gloss_map
+from fixedpipe.effects.figures.figure import BACKGROUND, COMBINER_MACHINES, DARK, Check, Figure, Method
+from fixedpipe.effects.geometry import height_fields, surfaces
+from fixedpipe.effects.geometry.views import Light, orthographic_view, row_of_panels
+from fixedpipe.effects.reflectance import material_textures
+
+
+def _checkered_gloss(size, cells, dull, polished):
+    cell = np.arange(size) * cells // size
+    return np.where((cell[:, None] + cell[None, :]) % 2 == 0, polished, dull)
+
+
+def scene(profile, size, *, cells, depth, dull, polished, light, diffuse, ambient, background):
+    """K02: a bumpy sphere with the same exponent everywhere; left k_s = 1, right k_s from a checkered gloss
+    map.
+    """
+    surface, out = surfaces.sphere().with_repeats(4, 2), []
+    slope_s, slope_t = height_fields.pebble_slopes(256, cells, depth)
+    gloss = {"constant": 1.0, "checkered": _checkered_gloss(256, 4, dull, polished)}
+    for panel, (name, k_s) in zip(row_of_panels(2, size), gloss.items(), strict=True):
+        material = material_textures.from_slopes(slope_s, slope_t, 1.0, 1.0, k_s)
+        view = orthographic_view(panel, half_height=1.1)
+        loading, names = material_textures.load(material, f"{name} gloss", profile)
+        passes = gloss_map.commands(
+            surface, names.normal, view, Light(light), profile, color=diffuse, ambient=ambient
+        )
+        out += (panel.clear(background), loading[0], *passes)
+    return tuple(out)
+
+
+def checks(figure, renderer):
+    """The highlight under the gloss map is the plain one times k_s."""
+    size = 256
+    parameters = figure.parameters
+    image = renderer.ideal(figure, size, **DARK)[..., 0]
+    plain, glossy = image[:, :size], image[:, size:]
+    ratio = glossy[plain > 0.05] / plain[plain > 0.05]
+    exact = "float64: a product; the factor is between the two k_s everywhere and reaches both"
+    return (
+        Check(
+            "smallest ratio of highlights - k_s of dull checks",
+            abs(ratio.min() - parameters["dull"]),
+            "<=",
+            1e-9,
+            "ideal",
+            exact,
+        ),
+        Check(
+            "largest ratio of highlights - k_s of polished checks",
+            abs(ratio.max() - parameters["polished"]),
+            "<=",
+            1e-9,
+            "ideal",
+            exact,
+        ),
+        arithmetic_check(figure, renderer, 0.0075, POWER_8),
+    )
+
+
+FIGURE = Figure(
+    id="K02",
+    title="Gloss map",
+    caption=("A bumpy sphere with k_s constant (left) and from a checkered gloss map (right); one exponent."),
+    must_see=(
+        "The same highlight, cut out by the checks on the right; the sharpness is the same everywhere."
+    ),
+    source="KautzSeidel2000",
+    techniques=("K02", "K14"),
+    columns=2,
+    parameters={
+        "cells": 12,
+        "depth": 0.25,
+        "dull": 0.1,
+        "polished": 1.0,
+        "light": (0.6, 0.5, 0.5),
+        "diffuse": (0.12, 0.22, 0.24),
+        "ambient": (0.02, 0.03, 0.04),
+        "background": BACKGROUND,
+    },
+    methods=(Method("register combiners", scene, COMBINER_MACHINES),),
+    acceptance=checks,
+)

@@ -1,0 +1,113 @@
+"""K12: vectors from the normalization cube map beside vectors as vertex colours."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
+from fixedpipe.effects.bump_mapping import diffuse_bump, normalization_cube_map
+from fixedpipe.effects.figures.figure import BACKGROUND, COMBINER_MACHINES, DARK, Check, Figure, Method
+from fixedpipe.effects.geometry import height_fields, surfaces
+from fixedpipe.effects.geometry.vectors import normalize
+from fixedpipe.effects.geometry.views import Light, orthographic_view, row_of_panels
+from fixedpipe.effects.reflectance import anisotropic_blinn_phong, brdfs, material_textures
+
+
+def scene(
+    profile, size, *, cube_map_size, light, cells, depth, alpha_x, alpha_y,
+    diffuse, ambient, specular, background,
+):  # fmt: skip
+    """K12: a single square under a close light; left vectors as vertex colours, right from the cube map."""
+    left, right = row_of_panels(2, size)
+    surface = surfaces.plane()
+    material = material_textures.from_slopes(
+        *height_fields.pebble_slopes(256, cells, depth), alpha_x, alpha_y, 0.8
+    )
+    near = Light(light, point=True)
+    loading, names = material_textures.load(material, "pebbles", profile)
+    views = [orthographic_view(panel, half_height=1.06) for panel in (left, right)]
+    # The vector to a point light, and twice the halfway vector's direction, at full length.
+    to_light = surface.to_local(np.array(light) - surface.positions)
+    toward_viewer = surface.to_local(views[1].view_vectors(surface.positions))
+    halfway = normalize(to_light) + toward_viewer
+    return (
+        left.clear(background),
+        right.clear(background),
+        *loading,
+        *diffuse_bump.diffuse_pass(
+            surface, names.normal, views[0], near, profile, color=diffuse, ambient=ambient
+        ),
+        *anisotropic_blinn_phong.specular_pass(surface, names, views[0], near, profile, specular=specular),
+        normalization_cube_map.load(cube_map_size, profile),
+        *normalization_cube_map.commands(
+            surface, to_light, halfway, names, views[1], color=diffuse, specular=specular, ambient=ambient
+        ),
+    )
+
+
+def checks(figure, renderer):
+    """A flat square under a close light: the cube map gives (n.l)+, the vertex colours far less in the
+    middle.
+    """
+    size, out = 256, []
+    changes = {
+        **DARK,
+        "depth": 0.0,
+        "specular": (0.0, 0.0, 0.0),
+        "diffuse": (1.0, 1.0, 1.0),
+    }
+    x, y = pixel_grid(size, 1.0 / 1.06)
+    inside = np.maximum(np.abs(x), np.abs(y)) < 0.98
+    to_light = normalize(np.array(figure.parameters["light"]) - np.stack([x, y, np.zeros_like(x)], axis=-1))
+    true = brdfs.lambert(np.array([0.0, 0.0, 1.0]), to_light)
+    for on, bound, reason in (
+        ("ideal", 0.0008, "linear filtering between a 64-texel cube map's unit vectors"),
+        ("machine", 0.007, "a byte of the cube map and one of the normal: two half steps of 2/255"),
+    ):
+        image = getattr(renderer, on)(figure, size, **changes)[..., 0]
+        error = (image[:, size:] - true)[inside]
+        out += [
+            Check(
+                "RMS of (n.l)+ with the cube map - Lambert's law",
+                root_mean_square(error),
+                "<=",
+                bound,
+                on,
+                reason,
+            ),
+            Check(
+                "(n.l)+ below the light with vertex colours, of a true value of one",
+                float(image[size // 2, size // 2]),
+                "<=",
+                0.5,
+                on,
+                "four unit vectors at the corners of the square sum to 0.44 in its middle",
+            ),
+        ]
+    return tuple(out)
+
+
+FIGURE = Figure(
+    id="K12",
+    title="Normalization cube map",
+    caption=(
+        "A single bumpy square under a light close above it. Left: light and halfway vectors as vertex "
+        "colours, which lose length in the middle. Right: vectors from the normalization cube map."
+    ),
+    must_see=("On the right a bright pool of light below the lamp; on the left the square is dull there."),
+    source="KautzSeidel2000",
+    techniques=("K12", "K07", "K10"),
+    columns=2,
+    parameters={
+        "cube_map_size": 64,
+        "light": (0.0, 0.0, 0.7),
+        "cells": 10,
+        "depth": 0.15,
+        "alpha_x": 0.4,
+        "alpha_y": 0.4,
+        "diffuse": (0.55, 0.42, 0.28),
+        "ambient": (0.03, 0.03, 0.03),
+        "specular": (0.5, 0.5, 0.5),
+        "background": BACKGROUND,
+    },
+    methods=(Method("register combiners", scene, COMBINER_MACHINES),),
+    acceptance=checks,
+)

@@ -1,0 +1,245 @@
+"""K13: embossing on boards with one texture unit, with two, and with register combiners."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.bump_mapping import emboss
+from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.geometry import height_fields, surfaces
+from fixedpipe.effects.geometry.matrices import rotation
+from fixedpipe.effects.geometry.views import Light, orthographic_view, row_of_panels
+from fixedpipe.effects.reflectance import brdfs
+
+MAP_SIZE = 256
+
+
+def heights(cells, depth):
+    """The pebbles' heights, float64 [MAP_SIZE, MAP_SIZE], in units of the map's edge."""
+    return height_fields.smooth(height_fields.pebbles(MAP_SIZE, MAP_SIZE, cells, 5), 2) * depth
+
+
+def make_scene(passes):
+    """The scene drawn by one of ``emboss``'s functions."""
+
+    def scene(
+        profile, size, *, square, cells, depth, tilt, lights, diffuse, ambient, specular, background,
+    ):  # fmt: skip
+        """K13: a pebbled torus, or ``square``, in a panel for each light."""
+        surface = (
+            surfaces.plane()
+            if square
+            else surfaces.torus(48, 24).with_repeats(5, 2).rotated(rotation("x", tilt))
+        )
+        loading, height_map = emboss.load(heights(cells, depth), "height map of pebbles", profile)
+        out = list(loading)
+        for panel, light in zip(row_of_panels(len(lights), size), lights, strict=True):
+            view = orthographic_view(panel, half_height=1.0 if square else 1.1)
+            out += (
+                panel.clear(background),
+                *passes(
+                    surface, height_map, view, Light(light), profile,
+                    color=diffuse, ambient=ambient, specular=specular,
+                ),
+            )  # fmt: skip
+        return tuple(out)
+
+    return scene
+
+
+_LIGHT = (-0.48, 0.36, 0.8)
+# Of each method: what it multiplies the difference by; whether that is added to n.l, or to one and then
+# multiplied; and, measured at the first correct picture, with at most a third of slack, the machine's
+# correlations with (n.l)+ and between opposite lights, and its RMS error.
+_BOARDS = {
+    "one texture unit": (emboss.ONE_UNIT_GAIN, False, 0.55, -0.35, 0.0028),
+    "texture environments": (emboss.TWO_UNITS_GAIN, False, 0.75, -0.60, 0.0028),
+    "register combiners": (emboss.COMBINERS_GAIN, True, 0.88, -0.70, 0.0155),
+}
+# The square fills its panel with as many pixels as the map has texels.
+_SQUARE = {
+    "square": True,
+    "lights": (_LIGHT, (0.48, -0.36, 0.8), (0.0, 0.0, 1.0)),
+    "diffuse": (1.0, 1.0, 1.0),
+    "ambient": (0.0, 0.0, 0.0),
+    "specular": 0.0,
+}
+
+
+def _correlation(a, b):
+    a, b = a - a.mean(), b - b.mean()
+    return float((a * b).sum() / np.sqrt((a * a).sum() * (b * b).sum()))
+
+
+def _second_reading(stored, shift_s, shift_t):
+    """A repeated height map read ``shift_s`` and ``shift_t`` texels from its texel centres, filtered."""
+    rows, columns = (np.arange(MAP_SIZE) + np.floor(shift).astype(int) for shift in (shift_t, shift_s))
+    f, g = shift_s - np.floor(shift_s), shift_t - np.floor(shift_t)
+    out = 0.0
+    for dj, di, weight in (
+        (0, 0, (1 - f) * (1 - g)),
+        (0, 1, f * (1 - g)),
+        (1, 0, (1 - f) * g),
+        (1, 1, f * g),
+    ):
+        out = out + weight * stored[np.ix_((rows + dj) % MAP_SIZE, (columns + di) % MAP_SIZE)]
+    return out
+
+
+def checks(figure, renderer):
+    """What is added to the smooth surface's light against the height's derivative along the light."""
+    gain, added, like, unlike, rounding = _BOARDS[renderer.method.name]
+
+    def panels(on, **changes):
+        image = getattr(renderer, on)(figure, MAP_SIZE, **_SQUARE, **changes)[..., 0]
+        return (image[:, k * MAP_SIZE : (k + 1) * MAP_SIZE] for k in range(3))
+
+    def embossed(image):
+        """What the bumps add to n.l, or to one where n.l multiplies it."""
+        return image - _LIGHT[2] if added else image / _LIGHT[2] - 1.0
+
+    low = 0.04
+    field = heights(figure.parameters["cells"], low)
+    relief, (slope_s, slope_t) = field.max(), height_fields.slopes(field)
+    lit, opposite, above = panels("ideal", depth=low)
+    texels = relief / gain * MAP_SIZE
+    moved = _second_reading(field / relief, -texels * _LIGHT[0], -texels * _LIGHT[1])
+    difference = gain * (moved - field / relief)
+    derivative = -(slope_s * _LIGHT[0] + slope_t * _LIGHT[1])
+    first_order = root_mean_square(embossed(lit) - derivative) / root_mean_square(derivative)
+    reflected = brdfs.lambert(height_fields.frames(slope_s, slope_t)[0], np.array(_LIGHT))
+    out = [
+        Check(
+            "embossed term - difference of two filtered heights, largest",
+            float(np.abs(embossed(lit) - difference).max()),
+            "<=",
+            1e-9,
+            "ideal",
+            "float64: the passes are this difference",
+        ),
+        Check(
+            "RMS of the embossed term - derivative along the light, over the derivative's",
+            first_order,
+            "<=",
+            0.28,
+            "ideal",
+            "a one-sided difference, over more than a texel's width, where pebbles meet in creases; measured "
+            "at the first correct picture, with at most a third of slack",
+        ),
+        Check(
+            "correlation with (n.l)+ on low bumps",
+            _correlation(lit, reflected),
+            ">=",
+            0.93,
+            "ideal",
+            "(n.l)+ is the derivative and n.l of the smooth surface to first order",
+        ),
+        Check(
+            "correlation under opposite lights",
+            _correlation(embossed(lit), embossed(opposite)),
+            "<=",
+            -0.8,
+            "ideal",
+            "the sign follows the light; the two differences are taken on either side of a texel",
+        ),
+        Check(
+            "contrast under a light right above",
+            float(above.max() - above.min()),
+            "<=",
+            0.0,
+            "ideal",
+            "the known failure: the two readings are the same",
+        ),
+        Check(
+            "least light under a light right above",
+            float(above.min()),
+            ">=",
+            1.0 - 1e-9,
+            "ideal",
+            "all of the smooth surface's light is there",
+        ),
+    ]
+    lit, opposite, above = panels("machine")
+    field = heights(figure.parameters["cells"], figure.parameters["depth"])
+    slope_s, slope_t = height_fields.slopes(field)
+    apart = field.max() / gain * MAP_SIZE * np.sqrt(1.0 - _LIGHT[2] * _LIGHT[2])
+    reflected = brdfs.lambert(height_fields.frames(slope_s, slope_t)[0], np.array(_LIGHT))
+    return (
+        *out,
+        Check(
+            "correlation with (n.l)+",
+            _correlation(lit, reflected),
+            ">=",
+            like,
+            "machine",
+            f"readings {apart:.1f} texels apart: the weaker a board's gain, the farther; measured at the "
+            "first correct picture",
+        ),
+        Check(
+            "correlation under opposite lights",
+            _correlation(embossed(lit), embossed(opposite)),
+            "<=",
+            unlike,
+            "machine",
+            "the sign follows the light, the readings are as far apart on its other side; measured at the "
+            "first correct picture",
+        ),
+        Check(
+            "contrast under a light right above",
+            float(above.max() - above.min()),
+            "<=",
+            0.0,
+            "machine",
+            "the known failure: the two readings are the same bytes",
+        ),
+        Check(
+            "least light under a light right above",
+            float(above.min()),
+            ">=",
+            254.0 / 255.0,
+            "machine",
+            "all of the smooth surface's light is there; (1/2 + 0) is half a byte off where it is doubled",
+        ),
+        Check(
+            "RMS of machine - ideal",
+            root_mean_square(renderer.machine(figure, 128) - np.clip(renderer.ideal(figure, 128), 0.0, 1.0)),
+            "<=",
+            rounding,
+            "machine",
+            "bytes of the height map times the board's gain; measured at the first correct picture, with at "
+            "most a third of slack",
+        ),
+    )
+
+
+FIGURE = Figure(
+    id="K13",
+    title="Embossing",
+    caption=(
+        "A pebbled torus, its bumps the difference of two readings of a height map. Light from the upper "
+        "left, from the upper right, and from the viewer."
+    ),
+    must_see=(
+        "Pebbles lit on the light's side, left and middle; right they are gone along the crest of the torus, "
+        "where the light falls straight on it."
+    ),
+    source="KautzSeidel2000",
+    techniques=("K13",),
+    columns=3,
+    parameters={
+        "square": False,
+        "cells": 6,
+        "depth": 0.35,
+        "tilt": 90.0,
+        "lights": ((-0.75, 0.5, 0.55), (0.75, 0.5, 0.55), (0.0, 0.0, 1.0)),
+        "diffuse": (0.50, 0.36, 0.24),
+        "ambient": (0.05, 0.04, 0.04),
+        "specular": 0.3,
+        "background": BACKGROUND,
+    },
+    methods=(
+        Method("one texture unit", make_scene(emboss.one_unit_passes), ("OPENGL_1_2",)),
+        Method("texture environments", make_scene(emboss.two_unit_passes), ("MULTITEXTURE",)),
+        Method("register combiners", make_scene(emboss.combiner_passes), ("GEFORCE_256",)),
+    ),
+    acceptance=checks,
+)

@@ -1,0 +1,192 @@
+"""K15: pixel textures as the only dependent lookup, and the host where there are none."""
+
+from dataclasses import replace
+from functools import lru_cache
+from itertools import pairwise
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.geometry import height_fields, surfaces
+from fixedpipe.effects.geometry.vectors import unit_vector
+from fixedpipe.effects.geometry.vertex_vectors import light_vectors
+from fixedpipe.effects.geometry.views import Light, orthographic_view, row_of_panels
+from fixedpipe.effects.passes.draws import ADD, EDGE, draw, unit
+from fixedpipe.effects.passes.encoding import encode_vertex_color
+from fixedpipe.effects.reflectance import blinn_phong_by_host, brdfs, material_textures, pixel_textures
+from fixedpipe.pipeline.commands import Clear, CopyPixels, HostStep
+from fixedpipe.pipeline.profiles import OCTANE
+
+EYE = np.array([0.0, 0.0, 1.0])
+STAGES = ("coordinates", "lookup", None)
+
+
+@lru_cache(maxsize=2)
+def _material(map_size, bumps, depth, alpha_x, alpha_y, exponents):
+    """Pebbles whose exponent changes from strip to strip, from left to right."""
+    slopes = height_fields.pebble_slopes(map_size, bumps, depth)
+    material = material_textures.from_slopes(*slopes, alpha_x, alpha_y)
+    strip = np.arange(map_size) * len(exponents) // map_size
+    exponent = np.broadcast_to(np.array(exponents)[strip], (map_size, map_size))
+    return replace(material, exponent=exponent)
+
+
+def pixel_textures_scene(
+    profile, size, *, map_size, bumps, depth, alpha_x, alpha_y, exponents, light, extent, diffuse, specular,
+    background,
+):  # fmt: skip
+    """K15 by the color matrix and a pixel texture."""
+    material = _material(map_size, bumps, depth, alpha_x, alpha_y, exponents)
+    surface, toward, out = surfaces.plane(1, 1, extent, extent), Light(light), []
+    for panel, stage in zip(row_of_panels(3, size), STAGES, strict=True):
+        scene = surface, material, orthographic_view(panel), toward, profile
+        color = {} if stage else {"specular": specular}
+        out += (
+            panel.clear(background),
+            *pixel_textures.blinn_phong(*scene, stage=stage, sampler=EDGE, **color),
+            *(() if stage else pixel_textures.diffuse(*scene, color=diffuse, sampler=EDGE)),
+        )
+    return tuple(out)
+
+
+def host_scene(
+    profile, size, *, map_size, bumps, depth, alpha_x, alpha_y, exponents, light, extent, diffuse, specular,
+    background,
+):  # fmt: skip
+    """K15 by register combiners and the host."""
+    material = _material(map_size, bumps, depth, alpha_x, alpha_y, exponents)
+    surface, toward = surfaces.plane(1, 1, extent, extent), Light(light)
+    loading, names = material_textures.load(material, "pebbles", profile)
+    out = list(loading)
+    for panel, stage in zip(row_of_panels(3, size), STAGES, strict=True):
+        view = orthographic_view(panel)
+        color = {} if stage else {"specular": specular}
+        effect = blinn_phong_by_host.blinn_phong(
+            surface, names, view, toward, profile, stage=stage, sampler=EDGE, **color
+        )
+        vectors = encode_vertex_color(light_vectors(surface, toward), profile)
+        added = draw(
+            "plus (n.l)+",
+            surface.mesh(colors=vectors),
+            view,
+            diffuse_bump.diffuse_combiners(diffuse),
+            (unit(names.normal, EDGE),),
+            blending=ADD,
+        )
+        out += (panel.clear(background), *effect, *(() if stage else (added,)))
+    return tuple(out)
+
+
+def checks(figure, renderer):
+    """The lookup against the float model, the host's picture against the Octane's, and what is copied."""
+    p, out = figure.parameters, []
+    size, by_host = p["map_size"], renderer.method.machines[0] != "OCTANE"
+    black, white = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
+    changes = {"diffuse": black, "background": black, "specular": white, "extent": 1.0}
+    m = _material(*(p[name] for name in ("map_size", "bumps", "depth", "alpha_x", "alpha_y", "exponents")))
+    half = brdfs.half_vector(unit_vector(p["light"], "The light"), EYE)
+    lobe = half, m.tangents, m.binormals, m.alpha_x, m.alpha_y
+    expected = brdfs.anisotropic_blinn_phong(*lobe, m.k_s, m.exponent)
+    by_bytes = "; h, t and b are bytes, which e has in it" if by_host else ""
+    reasons = {
+        "ideal": "F is sampled at 64 x 256 places and joined linearly between them",
+        "machine": "e has 256 steps, and N multiplies its error by up to N/2 = 16" + by_bytes,
+    }
+    # Measured at the first correct picture, with a third of slack.
+    bounds = {"ideal": 0.0012, "machine": 0.0165 if by_host else 0.0052}
+    e_bounds = {"ideal": 1e-4, "machine": 0.0147 if by_host else 0.0019}
+    for on in ("ideal", "machine"):
+        whole = getattr(renderer, on)(figure, size, **changes)
+        copied, picture, shaded = (whole[:, k * size : (k + 1) * size] for k in range(3))
+        picture = picture[..., 0]
+        error = root_mean_square(np.clip(copied[..., 1], 0.0, 1.0) - brdfs.lobe(*lobe))
+        reason = "a table of squares" if on == "ideal" else reasons[on].partition(",")[0] + by_bytes
+        out.append(Check("RMS of what is copied - e in float", error, "<=", e_bounds[on], on, reason))
+        error = root_mean_square(picture - expected)
+        out.append(Check("RMS of the lookup - F(N, e) in float", error, "<=", bounds[on], on, reasons[on]))
+        error = float(np.abs(shaded[..., 0] - picture).max())
+        reason = "k_s is one and white, and no diffuse light is added"
+        out.append(Check("largest difference of the whole from the lookup", error, "<=", 0.0, on, reason))
+        strips = np.arange(size) * len(p["exponents"]) // size
+        bright = [(picture[:, strips == k] > 0.5).mean() for k in range(len(p["exponents"]))]
+        falls = max(b / a for a, b in pairwise(bright))
+        reason = "twice the exponent takes about half the highlight's area; the pebbles differ"
+        out.append(Check("largest ratio of areas above 1/2, strip to strip", falls, "<=", 0.8, on, reason))
+    commands = figure.commands(renderer.profile, size, renderer.method)
+    counted = HostStep if by_host else CopyPixels
+    copies = sum(isinstance(c, counted) for c in commands[_last_clear(commands) :])
+    out.append(
+        Check(
+            "lookups of the panel for one picture, " + ("by the host" if by_host else "by CopyPixels"),
+            copies,
+            "<=",
+            1,
+            "machine",
+            "two parameters and one function: one copy of the panel, or one from the board and one to it",
+        )
+    )
+    width, height = figure.dimensions(size)
+    if not by_host:
+        drawn = figure.commands(renderer.profile, size, renderer.method)
+        pictures = [
+            renderer.execute(c, renderer.profile, width, height).framebuffer.color.astype(int)
+            for c in (drawn, pixel_textures.through_host(drawn))
+        ]
+        most = int(np.abs(pictures[1] - pictures[0]).max())
+        reason = (
+            "an extension's copy is its DrawPixels of the same pixels; the paper's route costs time alone"
+        )
+        name = "largest difference where each copy goes through host memory, codes"
+        out.append(Check(name, most, "<=", 0, "machine", reason))
+    else:
+        on_octane = figure.commands(OCTANE, size, figure.method("OCTANE"), **changes)
+        other = renderer.execute(on_octane, OCTANE, width, height).framebuffer.color[::-1, :, :3] / 255.0
+        error = root_mean_square(renderer.machine(figure, size, **changes)[:, size:] - other[:, size:])
+        reason = "either machine's bound of the distance from the model, added"
+        bound = bounds["machine"] + 0.0052
+        out.append(Check("RMS of this picture - the Octane's", error, "<=", bound, "machine", reason))
+    return tuple(out)
+
+
+def _last_clear(commands):
+    """Where the last panel's picture begins."""
+    return max(k for k, c in enumerate(commands) if isinstance(c, Clear) and c.color is not None)
+
+
+FIGURE = Figure(
+    id="K15",
+    title="A dependent lookup by pixel textures, and by the host",
+    caption=(
+        "The anisotropic Blinn-Phong model on pebbles, whose exponent N is 2, 4, 8, 16 and 32 from left to "
+        "right. Left: what is copied, the texture coordinates s = log2(N)/7 in red and t = e in green and "
+        "blue. Middle: F(N, e) looked up. Right: times k_s, with the diffuse pass added."
+    ),
+    must_see=(
+        "The highlights are drawn out from left to right and wide in the left strip, and smaller and sharper "
+        "from strip to strip."
+    ),
+    source="KautzSeidel2000",
+    techniques=("K05", "K15"),
+    columns=3,
+    size=512,
+    parameters={
+        "map_size": 256,
+        "bumps": 10,
+        "depth": 0.5,
+        "alpha_x": 0.5,
+        "alpha_y": 1.0,
+        "exponents": (2.0, 4.0, 8.0, 16.0, 32.0),
+        "light": (0.45, 0.35, 0.82),
+        "extent": 0.94,
+        "diffuse": (0.26, 0.30, 0.36),
+        "specular": (0.68, 0.66, 0.60),
+        "background": BACKGROUND,
+    },
+    methods=(
+        Method("pixel textures", pixel_textures_scene, ("OCTANE",)),
+        Method("register combiners, lookups by the host", host_scene, ("GEFORCE_256",)),
+    ),
+    acceptance=checks,
+)

@@ -1,0 +1,219 @@
+"""K17: three reflectance models on the future board, and vectors that turn steadily over a coarse sphere."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
+from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures.figure import BACKGROUND, DARK, Check, Figure, Method
+from fixedpipe.effects.geometry import height_fields, surfaces
+from fixedpipe.effects.geometry.matrices import rotate, rotation
+from fixedpipe.effects.geometry.vectors import normalize
+from fixedpipe.effects.geometry.views import Light, orthographic_view, row_of_panels
+from fixedpipe.effects.reflectance import brdfs, future_board, material_textures
+
+MODELS = ("banks", "blinn_phong", "ward")
+TILT = 20.0
+VIEWER = np.array([0.0, 0.0, 1.0])
+
+
+def materials(map_size, depth, spread, k_s, alphas, exponents, squares):
+    """What the models' spheres are made of, by their names in ``future_board``.
+
+    ``alphas``: (alpha_x, alpha_y) of the Blinn-Phong model, then of Ward's. ``exponents``: of the Blinn-Phong
+    sphere's two kinds of squares, ``squares`` of them along an edge.
+    """
+    s, t = height_fields.texel_centers(map_size, map_size)
+    polished = (np.floor(s * squares) + np.floor(t * squares)) % 2.0 == 0.0
+    pebbles = material_textures.from_slopes(
+        *height_fields.pebble_slopes(map_size, 8, depth), *alphas[0], k_s[1]
+    )
+    brushing = {"spread": spread, "depth": 0.5 * depth, "k_s": k_s}
+    size = map_size, map_size, "s"
+    return {
+        "banks": material_textures.brushed(*size, alpha_x=1.0, alpha_y=1.0, **brushing),
+        "blinn_phong": replace(pebbles, exponent=np.where(polished, exponents[1], exponents[0])),
+        "ward": material_textures.brushed(*size, alpha_x=alphas[1][0], alpha_y=alphas[1][1], **brushing),
+    }
+
+
+def scene(
+    profile, size, *, slices, stacks, coarse, turn, radius, light, repeats, map_size, depth, spread, k_s,
+    alphas,     exponents, squares, diffuse, ambient, specular, background,
+):  # fmt: skip
+    """K17: a finely divided sphere in each model, then a coarse one twice: straight and steady vectors."""
+    *model_panels, straight, steady = row_of_panels(len(MODELS) + 2, size)
+    toward, surface = Light(light), surfaces.sphere(slices, stacks).with_repeats(*repeats)
+    surface = surface.rotated(rotation("x", TILT))
+    made, out = materials(map_size, depth, spread, k_s, alphas, exponents, squares), []
+    for panel, name, color, bright in zip(model_panels, MODELS, diffuse[:3], specular, strict=True):
+        view = orthographic_view(panel, half_height=1.0 / radius)
+        loading, names = future_board.load(made[name], name, profile)
+        lit = diffuse_bump.diffuse_pass(
+            surface, names.normal, view, toward, profile, color=color, ambient=ambient
+        )
+        out += (
+            panel.clear(background),
+            *loading,
+            *future_board.turned_steadily(lit),
+            *getattr(future_board, name)(surface, names, view, toward, profile, specular=bright),
+        )
+    few = surfaces.sphere(*coarse).rotated(rotation("y", turn)).rotated(rotation("x", TILT))
+    loading, names = material_textures.load(material_textures.isotropic(1, 1, 1.0), "smooth", profile)
+    out += loading
+    for panel, turns in ((straight, False), (steady, True)):
+        view = orthographic_view(panel, half_height=1.0 / radius)
+        passes = diffuse_bump.commands(
+            few, names.normal, view, toward, profile, color=diffuse[-1], ambient=ambient
+        )
+        out += (panel.clear(background), *(future_board.turned_steadily(passes) if turns else passes))
+    return tuple(out)
+
+
+def _pixel_points(size, radius):
+    """Points of the unit sphere under pixel centres, float64 [size, size, 3], and the square of their third
+    coordinate, below zero beside the sphere.
+    """
+    x, y = pixel_grid(size, radius)
+    z2 = 1.0 - x * x - y * y
+    return np.stack([x, y, np.sqrt(np.maximum(z2, 0.0))], axis=-1), z2
+
+
+def expected(name, size, parameters):
+    """A model on the finely divided sphere of one material, per pixel, and the pixels that count: none within
+    25 degrees of a pole, where the frames turn within a triangle, nor at the edge.
+
+    Returns float64 and bool [size, size], bottom row first.
+    """
+    points, z2 = _pixel_points(size, parameters["radius"])
+    back = rotation("x", -TILT)
+    points, light, view = (
+        rotate(back, v) for v in (points, normalize(np.array(parameters["light"])), VIEWER)
+    )
+    normals, tangents, binormals = surfaces.sphere_frames(
+        np.arctan2(points[..., 0], points[..., 2]) / (2.0 * np.pi) + 0.5,
+        np.arcsin(np.clip(points[..., 1], -1.0, 1.0)) / np.pi + 0.5,
+    )
+    blinn_phong, ward = parameters["alphas"]
+    if name == "banks":
+        value = brdfs.banks(light, view, normals, tangents)
+    elif name == "ward":
+        value = brdfs.ward(light, view, normals, tangents, binormals, *ward)
+    else:
+        half = brdfs.half_vector(light, view)
+        value = brdfs.anisotropic_blinn_phong(
+            half, tangents, binormals, *blinn_phong, 1.0, parameters["exponents"][0]
+        )
+        # The gate that the diffuse pass leaves.
+        value = value * np.minimum(1.0, 4.0 * brdfs.lambert(normals, light))
+    return np.minimum(value, 1.0), (z2 > 0.1) & (np.abs(points[..., 1]) < np.cos(np.radians(25.0)))
+
+
+def checks(figure, renderer):
+    """Each model against its equation, and the coarse spheres' highlights against a round sphere's."""
+    size, out = 128, []
+    plain = {"depth": 0.0, "spread": 0.0, "k_s": (1.0, 1.0), "exponents": (30.0, 30.0)}
+    parameters = {**figure.parameters, **plain}
+    half = brdfs.half_vector(normalize(np.array(parameters["light"])), VIEWER)
+    points, z2 = _pixel_points(size, parameters["radius"])
+    round_one, inside = brdfs.blinn_phong(points, half, 8.0), z2 > 0.5
+    bounds = {
+        "ideal": (
+            {"banks": 0.004, "blinn_phong": 0.004, "ward": 0.004},
+            "frames turn by 7 degrees from vertex to vertex; measured, with a third of slack",
+        ),
+        "machine": (
+            {"banks": 0.004, "blinn_phong": 0.019, "ward": 0.009},
+            "that, and bytes in the textures, whose errors the exponent of 30 multiplies; measured, with a "
+            "third of slack",
+        ),
+    }
+    for on in ("ideal", "machine"):
+        peaks, errors = ([], []), ([], [])
+        for turn in (0.0, 22.5):
+            image = getattr(renderer, on)(figure, size, **_WHITE, **plain, turn=turn)[..., 0]
+            panels = [np.clip(image[:, k * size : (k + 1) * size], 0.0, 1.0) for k in range(5)]
+            for panel, peak, error in zip(panels[3:], peaks, errors, strict=True):
+                peak.append(float(panel.max()))
+                error.append(root_mean_square((panel - round_one)[inside]))
+        for name, panel in zip(MODELS, panels[:3], strict=True):
+            true, counts = expected(name, size, parameters)
+            error = root_mean_square((panel - true)[counts])
+            of, why = bounds[on]
+            out.append(Check(f"RMS of the pass - the model, {name}", error, "<=", of[name], on, why))
+        out += [
+            Check(
+                "faintest peak of a highlight of one as the coarse sphere turns, straight vectors",
+                min(peaks[0]),
+                "<=",
+                0.8,
+                on,
+                "midway between vertices 45 degrees apart a straight vector's length is cos(22.5), whose "
+                "eighth power is 0.53 (artefact P19)",
+            ),
+            Check(
+                "faintest peak of a highlight of one as the coarse sphere turns, steady vectors",
+                min(peaks[1]),
+                ">=",
+                0.99,
+                on,
+                "vectors of length one pass through every direction between the vertices'",
+            ),
+            Check(
+                "RMS against a round sphere's highlight, steady vectors / straight vectors",
+                max(errors[1]) / min(errors[0]),
+                "<=",
+                0.5,
+                on,
+                "measured 0.35: triangles are flat, and their vectors turn in the order of the vertices",
+            ),
+        ]
+    return tuple(out)
+
+
+# A light alone, for each sphere.
+_WHITE = {**DARK, "diffuse": ((0.0, 0.0, 0.0),) * 4, "specular": ((1.0, 1.0, 1.0),) * 3}
+
+FIGURE = Figure(
+    id="K17",
+    title="What a future board would draw in one pass",
+    caption=(
+        "The future board. From the left: Banks's model on fibres along the parallels; the Blinn-Phong model "
+        "with an exponent per texel, 6 and 100 in turn; Ward's model on metal brushed along the parallels. "
+        "Each is one specular pass, whose combiners take roots, quotients and exponentials. Then a sphere of "
+        "80 triangles twice, with (h.n)^8: vectors that run straight between vertices, and vectors that turn "
+        "along arcs."
+    ),
+    must_see=(
+        "Light drawn out across the fibres of the first and third sphere; small and wide highlights square "
+        "by square on the second. The fourth has a star on the edges of its triangles where the fifth has a "
+        "highlight."
+    ),
+    source="KautzSeidel2000",
+    techniques=("K17", "K03", "K05", "K09", "K10"),
+    columns=5,
+    size=256,
+    parameters={
+        "slices": 50,
+        "stacks": 26,
+        "coarse": (8, 6),
+        "turn": 12.0,
+        "radius": 0.92,
+        "light": (0.45, 0.5, 0.74),
+        "repeats": (4, 2),
+        "map_size": 128,
+        "depth": 0.2,
+        "spread": 6.0,
+        "k_s": (0.6, 1.0),
+        "alphas": ((0.8, 1.0), (0.2, 0.5)),
+        "exponents": (6.0, 100.0),
+        "squares": 4,
+        "diffuse": ((0.08, 0.16, 0.30), (0.30, 0.10, 0.08), (0.34, 0.22, 0.07), (0.12, 0.28, 0.16)),
+        "ambient": (0.03, 0.03, 0.035),
+        "specular": ((0.62, 0.72, 0.85), (0.9, 0.85, 0.8), (0.9, 0.7, 0.4)),
+        "background": BACKGROUND,
+    },
+    methods=(Method("functions in the combiners", scene, ("FUTURE",)),),
+    acceptance=checks,
+)

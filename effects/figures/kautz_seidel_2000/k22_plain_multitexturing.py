@@ -1,0 +1,199 @@
+"""K22: Eq. 1 by plain multitexturing, without its signed products and with them."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
+from fixedpipe.effects.figures.figure import BACKGROUND, DARK, Check, Figure, Method
+from fixedpipe.effects.geometry import height_fields, surfaces
+from fixedpipe.effects.geometry.vectors import cosine, cross, normalize, sine
+from fixedpipe.effects.geometry.views import Light, orthographic_view, row_of_panels
+from fixedpipe.effects.passes.encoding import encode_factor
+from fixedpipe.effects.reflectance import evaluate_then_interpolate, material_textures, plain_multitexturing
+from fixedpipe.pipeline.commands import DrawPixels
+from fixedpipe.pipeline.pixel_transfer import PixelImage
+from fixedpipe.pipeline.state import PassState, RasterPosition
+
+MAP_SIZE = 256
+
+
+def parquet(tiles, angles, alpha_x, alpha_y, k_s, joint):
+    """A flat square of ``tiles`` x ``tiles``, each brushed at one of ``angles``, multiples of 45 degrees.
+
+    The angle moves on by one from tile to tile and by two from row to row. k_s varies from stroke to stroke
+    between the two of ``k_s`` and is ``joint`` on the tiles' edges.
+    """
+    j, i = np.mgrid[0:MAP_SIZE, 0:MAP_SIZE]
+    edge = MAP_SIZE // tiles
+    angle = np.array(angles)[(i // edge + 2 * (j // edge)) % len(angles)]
+    strokes = height_fields.value_noise(MAP_SIZE, MAP_SIZE, 16, MAP_SIZE, 1)
+    strokes = np.floor(strokes * 256.0 + 0.5) / 256.0
+    # Along the strokes and across them, in texels.
+    along = {0: (i, j), 45: (i + j, j - i), 90: (j, i), 135: (i - j, i + j)}
+    brushed = np.select(
+        [angle == a for a in along],
+        [strokes[v % MAP_SIZE, u % MAP_SIZE] for u, v in along.values()],
+    )
+    gloss = k_s[0] + (k_s[1] - k_s[0]) * (0.5 + 0.5 * brushed)
+    at_edge = (i % edge < 1) | (i % edge >= edge - 1) | (j % edge < 1) | (j % edge >= edge - 1)
+    tangents = np.stack([cosine(np.radians(angle)), sine(np.radians(angle)), 0.0 * gloss], axis=-1)
+    normals = np.broadcast_to(np.array([0.0, 0.0, 1.0]), tangents.shape)
+    return material_textures.Material(
+        normals, tangents, cross(normals, tangents), alpha_x, alpha_y, np.where(at_edge, joint, gloss)
+    )
+
+
+def halfway(x, y, light):
+    """Halfway vectors on the square z = 0 under a point light, seen from above: float64 [..., 3]."""
+    to_light = normalize(np.array(light) - np.stack([x, y, 0.0 * x], axis=-1))
+    return normalize(to_light + np.array([0.0, 0.0, 1.0])), to_light
+
+
+def scene(
+    profile, size, *, tiles, angles, alpha_x, alpha_y, k_s, joint, light, extent, subdivisions,
+    diffuse, ambient, specular, background,
+):  # fmt: skip
+    """K22: left a software renderer's picture, middle the unsigned passes, right those with halves."""
+    panels = row_of_panels(3, size)
+    material = parquet(tiles, angles, alpha_x, alpha_y, k_s, joint)
+    x, y = pixel_grid(size, extent)
+    s, t = 0.5 * (x + 1.0), 0.5 * (y + 1.0)
+    half, to_light = halfway(extent * x, extent * y, light)
+    gloss = evaluate_then_interpolate.at_texels(
+        lambda row, column: material.k_s[row, column], *(MAP_SIZE,) * 2, s, t
+    )
+    lit = to_light[..., 2:] * np.array(diffuse) + np.array(ambient)
+    highlight = evaluate_then_interpolate.specular(material, half, s, t)[..., None] * np.array(specular)
+    covered = (np.maximum(np.abs(x), np.abs(y)) < 1.0)[..., None]
+    picture = np.where(covered, gloss[..., None] * lit + highlight, np.array(background))
+    image = encode_factor(np.clip(picture, 0.0, 1.0), profile)
+
+    surface = surfaces.plane(subdivisions, subdivisions, extent, extent)
+    toward = Light(light, point=True)
+    loading, names = plain_multitexturing.load(material, "parquet", profile)
+    out = [panel.clear(background) for panel in panels]
+    out += [
+        DrawPixels(
+            label="show the software renderer's image",
+            image=PixelImage(image, "RGB"),
+            state=PassState(scissor=panels[0].scissor),
+            position=RasterPosition(position=(panels[0].x, panels[0].y, 0.0, 1.0), window=True),
+        ),
+        *loading,
+    ]
+    for panel, passes in zip(
+        panels[1:], (plain_multitexturing.unsigned_passes, plain_multitexturing.signed_passes), strict=True
+    ):
+        view = orthographic_view(panel)
+        out += passes(surface, names, view, toward, profile, specular=specular)
+        out += plain_multitexturing.diffuse_pass(
+            surface, names, view, toward, profile, color=diffuse, ambient=ambient
+        )
+    return tuple(out)
+
+
+# Eq. 1 alone, on a square of one material.
+_PLAIN = {**DARK, "specular": (1.0, 1.0, 1.0), "k_s": (1.0, 1.0), "joint": 1.0}
+
+
+def checks(figure, renderer):
+    """What is lost without the signed products, and that halves of them bring it back."""
+    size, out = 128, []
+    x, y = pixel_grid(size, figure.parameters["extent"])
+    inside = np.maximum(np.abs(x), np.abs(y)) < 0.98
+    extent, light = figure.parameters["extent"], figure.parameters["light"]
+    half, _ = halfway(extent * x, extent * y, light)
+    # The product that the unsigned passes lose is 2 m_xy h_x h_y; for strokes at 45 degrees m_xy > 0.
+    product = half[..., 0] * half[..., 1]
+    positive, negative = inside & (product > 0.0), inside & (product < 0.0)
+
+    bounds = {
+        "ideal": (
+            0.0034,
+            0.0034,
+            "vertex colours are quadratic in h and interpolated over 1/16 of the square; measured at the "
+            "first correct picture, with at most a third of slack",
+        ),
+        "machine": (
+            0.0102,
+            0.0118,
+            "bytes of products that are scaled by four; measured at the first correct picture, with at most "
+            "a third of slack",
+        ),
+    }
+    fails = "what is lost is 1.5 times the square of the halfway vector's part in the surface, and more"
+    for on, (unsigned_bound, signed_bound, reason) in bounds.items():
+        pictures = {}
+        for angle in (0, 45, 90, 135):
+            image = getattr(renderer, on)(figure, size, **_PLAIN, angles=(angle,))[..., 0]
+            pictures[angle] = [np.clip(image[:, k * size : (k + 1) * size], 0.0, 1.0) for k in range(3)]
+        on_axes = np.stack([(pictures[a][1] - pictures[a][0])[inside] for a in (0, 90)])
+        whole = np.stack([(pictures[a][2] - pictures[a][0])[inside] for a in pictures])
+        (true, without, _), (other_true, other_without, _) = pictures[45], pictures[135]
+        lost = without - true
+        out += [
+            Check(
+                "RMS of the unsigned passes - Eq. 1, strokes along the axes",
+                root_mean_square(on_axes), "<=", unsigned_bound, on, reason,
+            ),
+            Check(
+                "RMS of the signed passes - Eq. 1",
+                root_mean_square(whole), "<=", signed_bound, on, reason,
+            ),
+            Check(
+                "RMS of the unsigned passes - Eq. 1, strokes along a diagonal",
+                root_mean_square(lost[inside]), ">=", 0.16, on, fails,
+            ),
+            Check(
+                "what is lost, mean over the quadrants along the strokes",
+                float(lost[positive].mean()), ">=", 0.12, on, "too bright: the square of h.t is too small",
+            ),
+            Check(
+                "what is lost, mean over the quadrants across the strokes",
+                float(lost[negative].mean()), "<=", -0.14, on, "too dark: the square of h.b is too large",
+            ),
+            Check(
+                "unsigned passes, one diagonal - the other, largest",
+                float(np.abs(without - other_without)[inside].max()), "<=", 1e-9, on,
+                "the textures that are read are the same",
+            ),
+            Check(
+                "Eq. 1, RMS of one diagonal - the other",
+                root_mean_square((true - other_true)[inside]), ">=", 0.3, on, "what should be seen",
+            ),
+        ]  # fmt: skip
+    return tuple(out)
+
+
+FIGURE = Figure(
+    id="K22",
+    title="Plain multitexturing",
+    caption=(
+        "A parquet whose tiles are brushed in four directions, under a light close above it. Left: Eq. 1 in "
+        "software. Middle: unsigned texture environments, which lose its signed products. Right: the same "
+        "board with each signed product as four unsigned halves, in eleven passes."
+    ),
+    must_see=(
+        "In the middle the tiles that are brushed along either diagonal look the same, each with a round "
+        "highlight; left and right they do not."
+    ),
+    source="KautzSeidel2000",
+    techniques=("K22", "K16"),
+    columns=3,
+    parameters={
+        "tiles": 4,
+        "angles": (0, 45, 90, 135),
+        "alpha_x": 0.5,
+        "alpha_y": 1.0,
+        "k_s": (0.55, 1.0),
+        "joint": 0.1,
+        "light": (-0.23, 0.23, 0.6),
+        "extent": 0.92,
+        "subdivisions": 16,
+        "diffuse": (0.16, 0.19, 0.22),
+        "ambient": (0.03, 0.035, 0.04),
+        "specular": (0.82, 0.80, 0.74),
+        "background": BACKGROUND,
+    },
+    methods=(Method("texture environments", scene, ("MULTITEXTURE", "G400")),),
+    acceptance=checks,
+)

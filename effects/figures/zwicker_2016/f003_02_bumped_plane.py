@@ -1,0 +1,153 @@
+"""F003-2: a plane without and with bump mapping, and the bump texture."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.measures import arithmetic_check, root_mean_square
+from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.shared.bumps import (
+    BRICK_COLORS,
+    BRICK_NORMALS,
+    angles,
+    load_colors,
+    load_normals,
+    map_normals,
+    panel_of,
+    recovered_normals,
+    silhouette_check,
+    texel_combiners,
+    texels,
+)
+from fixedpipe.effects.geometry import height_fields, surfaces
+from fixedpipe.effects.geometry.vectors import normalize
+from fixedpipe.effects.geometry.views import Light, orthographic_view, perspective_view, row_of_panels
+from fixedpipe.effects.passes.draws import draw, unit
+from fixedpipe.effects.scenes import brick_wall
+
+ACROSS, COURSES = 4, 8
+FLAT = "normal map of nothing"
+# Three lights 25 degrees off the plane's normal: every normal that leans by less than 65 degrees sees them.
+LIGHTS = normalize(np.array([(0.4663, 0.0, 1.0), (-0.2332, 0.4038, 1.0), (-0.2332, -0.4038, 1.0)]))
+
+
+def scene(profile, size, *, relief, light, diffuse, ambient, background, painted, frontal, maps, shown):
+    """F003-2: a wall, flat and with bumps, and its normal map.
+
+    ``frontal``: seen straight on and filling its panel. ``maps``: the maps' edge, None: fit for the panel.
+    ``painted``: times the bricks' colours. ``shown``: the first two panels' normal maps.
+    """
+    edge = texels(size) if maps is None else maps
+    surface = surfaces.plane(8, 8)
+    normals = map_normals(relief * brick_wall.heights(edge, ACROSS, COURSES))
+    out = [
+        load_normals(np.zeros((1, 1, 3)) + np.array([0.0, 0.0, 1.0]), FLAT, profile),
+        load_normals(normals, BRICK_NORMALS, profile),
+        load_colors(brick_wall.colors(edge, ACROSS, COURSES), BRICK_COLORS, profile),
+    ]
+    colors = BRICK_COLORS if painted else None
+    for number, panel in enumerate(row_of_panels(3, size)):
+        straight = orthographic_view(panel, half_height=1.0 if frontal or number < 2 else 1.12)
+        view = (
+            straight
+            if frontal or number == 2
+            else perspective_view(panel, (-1.7, 0.7, 3.1), field_of_view=41.0)
+        )
+        out.append(panel.clear(background))
+        if number < 2:
+            out += diffuse_bump.diffuse_pass(
+                surface, shown[number], view, Light(light), profile,
+                color=diffuse, ambient=ambient, color_map=colors,
+            )  # fmt: skip
+        else:
+            shows = (unit(BRICK_NORMALS),)
+            out.append(
+                draw("the bump texture", surface.mesh(), view, texel_combiners(), shows, depth_test=None)
+            )
+    return tuple(out)
+
+
+def _measured(figure, renderer, on, size, panel):
+    """Normals that the pictures of a panel under three lights show: float64 [size, size, 3]."""
+    white, black = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
+    changes = {"painted": False, "frontal": True, "maps": size, "diffuse": white, "ambient": black}
+    pictures = [
+        panel_of(getattr(renderer, on)(figure, size, light=tuple(light), **changes), panel)[..., 0]
+        for light in LIGHTS.tolist()
+    ]
+    return recovered_normals(pictures, LIGHTS)
+
+
+def checks(figure, renderer):
+    """The normal field recovered from pictures under three lights, and that no pixel of the outline moved."""
+    size = 128
+    heights = figure.parameters["relief"] * brick_wall.heights(size, ACROSS, COURSES)
+    true = height_fields.frames(*height_fields.slopes(heights))[0]
+    error = {on: angles(_measured(figure, renderer, on, size, 1), true) for on in ("ideal", "machine")}
+    flat = angles(_measured(figure, renderer, "machine", size, 0), np.array([0.0, 0.0, 1.0]))
+    return (
+        Check(
+            "normals recovered from three pictures, RMS degrees",
+            root_mean_square(error["ideal"]),
+            "<=",
+            1e-4,
+            "ideal",
+            "no byte lies between: float64, and the arc cosine of what is near one",
+        ),
+        Check(
+            "normals recovered from three pictures, RMS degrees",
+            root_mean_square(error["machine"]),
+            "<=",
+            1.5,
+            "machine",
+            "the catalogue's: bytes of the normal map, of the light and of the picture",
+        ),
+        Check(
+            "the same of the plane without bumps, RMS degrees",
+            root_mean_square(flat),
+            "<=",
+            1.5,
+            "machine",
+            "as above",
+        ),
+        Check(
+            "the bumps' RMS lean, degrees",
+            root_mean_square(angles(true, np.array([0.0, 0.0, 1.0]))),
+            ">=",
+            10.0,
+            "ideal",
+            "what is recovered is far from flat",
+        ),
+        *silhouette_check(figure, renderer, 128, {"shown": (FLAT, FLAT)}, {"shown": (BRICK_NORMALS, FLAT)}),
+        arithmetic_check(figure, renderer, 0.0029, "8-bit normals and vectors; a third of slack"),
+    )
+
+
+FIGURE = Figure(
+    id="F003-2",
+    title="A bump-mapped plane",
+    caption=(
+        "A wall as one flat rectangle: without bump mapping, with it, and the bump texture as colours. Light "
+        "grazes it from the left."
+    ),
+    must_see=(
+        "Left flat paint; in the middle bricks that stand out, lit on their left edges and dark on their "
+        "right ones, in the same outline; right light blue with coloured edges."
+    ),
+    source="Zwicker2016",
+    techniques=("Z01", "Z02", "Z07", "K10"),
+    columns=3,
+    size=384,
+    parameters={
+        "relief": 0.8,
+        "light": (-0.75, 0.35, 0.56),
+        "diffuse": (1.0, 1.0, 1.0),
+        "ambient": (0.10, 0.10, 0.11),
+        "background": BACKGROUND,
+        "painted": True,
+        "frontal": False,
+        "maps": None,
+        "shown": (FLAT, BRICK_NORMALS),
+    },
+    methods=(Method("register combiners", scene, ("GEFORCE_256", "GEFORCE_3", "NV2A")),),
+    acceptance=checks,
+)

@@ -1,0 +1,123 @@
+"""F003-7: tangent, bi-tangent and normal of a triangle."""
+
+import numpy as np
+
+from fixedpipe.effects.bump_mapping import tangent_space
+from fixedpipe.effects.diagrams import drawing
+from fixedpipe.effects.diagrams.drawing import FAINT, GREEN, RED, VIOLET
+from fixedpipe.effects.figures.figure import BACKGROUND, DIAGRAM_MACHINES, Check, Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.shared import parametric_triangle as triangle
+from fixedpipe.effects.figures.zwicker_2016.shared.bumps import drawn_check
+from fixedpipe.effects.geometry.vectors import dot, normalize
+from fixedpipe.effects.geometry.views import row_of_panels
+
+PLACE = np.array([0.42, 0.40])
+# How much of a unit step along u and v is drawn.
+STEP = 0.25
+
+
+def _views(size):
+    first, second = row_of_panels(2, size)
+    return triangle.sheet(first), triangle.view(second)
+
+
+def _arrows():
+    """The drawn vectors' ends: the foot and the tips of t, b and n, float64 [3] each."""
+    t, b, n = tangent_space.frames(triangle.the_map())
+    foot = triangle.mapped(PLACE[None])[0]
+    return foot, foot + STEP * t, foot + STEP * b, foot + 0.8 * normalize(n)
+
+
+def scene(profile, size, *, background):
+    """F003-7: steps along u and v, and what they are on the triangle."""
+    flat, solid = _views(size)
+    foot, along_u, along_v, up = _arrows()
+    beyond = along_u + along_v - foot
+    square = PLACE + STEP * np.array([(1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    return (
+        drawing.load_font(),
+        flat.panel.clear(background),
+        *triangle.texture_space(flat),
+        drawing.stroke("a step's square", flat, square, FAINT, dash=drawing.DASH),
+        drawing.arrow("along u", flat, (PLACE, PLACE + STEP * np.array((1.0, 0.0))), RED, width=2.6),
+        drawing.arrow("along v", flat, (PLACE, PLACE + STEP * np.array((0.0, 1.0))), GREEN, width=2.6),
+        triangle.title(flat.panel, "texture space"),
+        solid.panel.clear(background),
+        *triangle.object_space(solid),
+        drawing.stroke("a step's parallelogram", solid, (along_u, beyond, along_v), FAINT, dash=drawing.DASH),
+        drawing.arrow("t = dx/du", solid, (foot, along_u), RED, width=2.6),
+        drawing.arrow("b = dx/dv", solid, (foot, along_v), GREEN, width=2.6),
+        drawing.arrow("n = t x b", solid, (foot, up), VIOLET, width=2.6),
+        drawing.text("t = dx/du", solid, along_u, RED, align=(0, 1), offset=(0.0, -6.0), outline=background),
+        drawing.text(
+            "b = dx/dv", solid, along_v, GREEN, align=(-1, 0), offset=(6.0, 4.0), outline=background
+        ),
+        drawing.text("n = t x b", solid, up, VIOLET, align=(0, -1), offset=(0.0, 6.0), outline=background),
+        triangle.title(solid.panel, "object space"),
+    )
+
+
+def checks(figure, renderer):
+    """M's columns against finite differences of x(u, v), and the drawn arrows."""
+    maps = triangle.the_map()
+    t, b, n = tangent_space.frames(maps)
+    step = 2.0**-8
+    differences = [
+        (triangle.mapped((PLACE + step * axis)[None]) - triangle.mapped((PLACE - step * axis)[None]))[0]
+        / (2.0 * step)
+        for axis in np.eye(2)
+    ]
+    error = max(
+        float(np.abs(found - column).max()) for found, column in zip(differences, (t, b), strict=True)
+    )
+    lean = max(abs(float(dot(normalize(n), axis))) for axis in (t, b))
+    flat, solid = _views(figure.size // 2)
+    # By finite differences and corners turned counter-clockwise, not by the frame that is drawn.
+    foot, upward = triangle.mapped(PLACE[None])[0], np.cross(*(triangle.CORNERS[1:] - triangle.CORNERS[0]))
+    middle = [foot + 0.5 * STEP * difference for difference in differences]
+    middle.append(foot + 0.4 * normalize(upward))
+    marks = [(1, solid, place, color) for place, color in zip(middle, (RED, GREEN, VIOLET), strict=True)]
+    marks += [
+        (0, flat, PLACE + 0.5 * STEP * axis, color)
+        for axis, color in zip(np.eye(2), (RED, GREEN), strict=True)
+    ]
+    return (
+        Check(
+            "M's columns - finite differences of x(u, v), largest",
+            error,
+            "<=",
+            1e-10,
+            "ideal",
+            "affine: differences are exact but for float64's roundings over a step of 1/256",
+        ),
+        Check("n.t and n.b, largest", lean, "<=", 1e-12, "ideal", "n = t x b"),
+        Check(
+            "cosine between t and b",
+            abs(float(dot(normalize(t), normalize(b)))),
+            ">=",
+            0.1,
+            "ideal",
+            "not orthogonal in general: this triangle's are not",
+        ),
+        *drawn_check(figure, renderer, marks),
+    )
+
+
+FIGURE = Figure(
+    id="F003-7",
+    title="Tangent vectors",
+    caption=(
+        "A quarter of a unit step along u and along v, in texture space and on the triangle, where they are "
+        "the columns t and b of the affine map; n is their cross product."
+    ),
+    must_see=(
+        "On the triangle the red arrow runs along the green lines (v constant) and the green one along the "
+        "red lines; they are not at right angles, and the violet one stands on both."
+    ),
+    source="Zwicker2016",
+    techniques=("Z03",),
+    columns=2,
+    parameters={"background": BACKGROUND},
+    methods=(Method("diagram", scene, DIAGRAM_MACHINES),),
+    acceptance=checks,
+)

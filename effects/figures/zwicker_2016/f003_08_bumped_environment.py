@@ -1,0 +1,204 @@
+"""F003-8: a bumpy sphere in which a room is reflected."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.measures import arithmetic_check, root_mean_square
+from fixedpipe.effects.acceptance.ray_caster import RayCaster, primary_rays
+from fixedpipe.effects.environment_maps import bumped_reflections, environments
+from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.shared.bumps import angles, map_normals, panel_of, slices, texels
+from fixedpipe.effects.geometry import height_fields, surfaces
+from fixedpipe.effects.geometry.matrices import rotation
+from fixedpipe.effects.geometry.vectors import dot, from_frame, normalize
+from fixedpipe.effects.geometry.vertex_vectors import reflected
+from fixedpipe.effects.geometry.views import perspective_view, row_of_panels
+
+REPEATS = (2, 1)
+LEAN = 28.0
+EYE, FIELD_OF_VIEW = (0.0, 0.3, 2.7), 50.0
+
+
+def directions(toward):
+    """An environment whose colours are the directions themselves, (d + 1)/2 of length one."""
+    return 0.5 * normalize(toward) + 0.5
+
+
+ENVIRONMENTS = {"room": environments.room, "directions": directions}
+
+
+def bumps(edge, relief):
+    """Waves on a map ``edge`` texels wide: normals in tangent space, float64 [edge, edge, 3]."""
+    s, t = height_fields.texel_centers(edge, edge)
+    return map_normals(relief * height_fields.turbulence(s, t, 5, 2, 21))
+
+
+def the_sphere(size):
+    """The figure's sphere on a panel of ``size`` pixels; the seam is behind. It leans, so that neither its
+    tangents nor its binormals lie along the panel's edges.
+    """
+    n = slices(size)
+    return surfaces.sphere(n, n // 2).with_repeats(*REPEATS).rotated(rotation("z", LEAN))
+
+
+def _maps(profile, size, relief, maps):
+    edge = texels(size) if maps is None else maps
+    flat = np.zeros((1, 1, 3)) + np.array([0.0, 0.0, 1.0])
+    return (("mirror", flat), ("waves", bumps(edge, relief)))
+
+
+def cube_scene(profile, size, *, relief, tint, environment, maps, cube):
+    """F003-8 by texture shaders: a mirror, and a mirror with waves.
+
+    ``maps``, ``cube``: edges of the normal map and the cube map's faces; None: fit for the panel.
+    """
+    surface = the_sphere(size)
+    cube = texels(size) if cube is None else cube
+    out = [bumped_reflections.load_environment(cube, profile, ENVIRONMENTS[environment])]
+    for panel, (name, normals) in zip(
+        row_of_panels(2, size), _maps(profile, size, relief, maps), strict=True
+    ):
+        view = perspective_view(panel, EYE, field_of_view=FIELD_OF_VIEW, radius=1.1)
+        loading, names = bumped_reflections.load(normals, 1.0, name, profile)
+        out += (
+            loading[0],
+            panel.clear(BACKGROUND),
+            *bumped_reflections.backdrop(view),
+            *bumped_reflections.reflection_pass(surface, names, view, dirt=False, tint=tint),
+        )
+    return tuple(out)
+
+
+def offset_scene(profile, size, *, relief, tint, environment, maps, cube):
+    """F003-8 by offsets of a sphere map, whose edge is twice ``cube``; ``tint`` takes no part."""
+    surface, room = the_sphere(size), ENVIRONMENTS[environment]
+    across, along = (8, 6) if size < 64 else (16, 12)
+    edge = texels(size) if cube is None else cube
+    out = []
+    for panel, (name, normals) in zip(
+        row_of_panels(2, size), _maps(profile, size, relief, maps), strict=True
+    ):
+        view = perspective_view(panel, EYE, field_of_view=FIELD_OF_VIEW, radius=1.1)
+        loading, names = bumped_reflections.load_offsets(normals, 1.0, name, profile)
+        load, show = bumped_reflections.picture_backdrop(view, edge, profile, room)
+        if not out:
+            out += (bumped_reflections.load_sphere_map(2 * edge, view, profile, room), load)
+        out += (
+            loading[0],
+            panel.clear(BACKGROUND),
+            show,
+            *bumped_reflections.offset_passes(surface, names, view, across=across, along=along),
+        )
+    return tuple(out)
+
+
+def reference(surface, view, normals, size):
+    """(reflected directions, n.e, covered) at the pixels of a panel: rays cast at the surface's triangles,
+    frames interpolated there, the normal map filtered; nothing of the machine's.
+    """
+    caster = RayCaster(surface.positions[surface.triangles])
+    origins, along = primary_rays(view)
+    hits = caster.nearest(origins, along, 1.0)
+    seen = hits.triangle >= 0
+    corners = surface.triangles[hits.triangle[seen]]
+
+    def at(values):
+        return (values[corners] * hits.barycentrics[seen][..., None]).sum(axis=1)
+
+    frame = (at(surface.tangents), at(surface.binormals), at(surface.normals))
+    coordinates = at(surface.texture_coordinates)
+    normal = normalize(from_frame(_filtered(normals, coordinates), *frame))
+    eye = normalize(-along[seen])
+    out, facing = np.zeros((size * size, 3)), np.zeros(size * size)
+    out[seen], facing[seen] = reflected(eye, normal), dot(eye, frame[2])
+    return out.reshape(size, size, 3), facing.reshape(size, size), seen.reshape(size, size)
+
+
+def _filtered(image, coordinates):
+    """A repeated image [rows, columns, 3] between its texel centres."""
+    rows, columns = image.shape[:2]
+    x, y = coordinates[:, 0] * columns - 0.5, coordinates[:, 1] * rows - 0.5
+    i, j = np.floor(x).astype(int), np.floor(y).astype(int)
+    f, g = (x - i)[:, None], (y - j)[:, None]
+    low, high = (
+        image[(j + k) % rows, i % columns] * (1.0 - f) + image[(j + k) % rows, (i + 1) % columns] * f
+        for k in (0, 1)
+    )
+    return low * (1.0 - g) + high * g
+
+
+# Of each method, for the ideal and for the machine: how far reflected directions may be from the reference's,
+# RMS degrees, and why.
+_ERRORS = {
+    "texture shaders": (
+        (0.24, "vertices lie on sixteenths of a pixel, and waves turn by ten degrees in one"),
+        (1.0, "the catalogue's: 8-bit normals"),
+    ),
+    "offsets of a sphere map": (
+        (3.4, "one matrix for each part, and its coordinates taken as linear in the bumps; a third of slack"),
+        (3.5, "the same, and offsets of 8 bits; a third of slack"),
+    ),
+}
+
+
+def checks(figure, renderer):
+    """The direction that a picture of directions shows against the reflection in the bumped normal."""
+    size, maps = 128, 128
+    relief = figure.parameters["relief"]
+    view = perspective_view(row_of_panels(2, size)[1], EYE, field_of_view=FIELD_OF_VIEW, radius=1.1)
+    surface = the_sphere(size)
+    true, facing, seen = reference(surface, view, bumps(maps, relief), size)
+    flat, _, _ = reference(surface, view, np.zeros((1, 1, 3)) + np.array([0.0, 0.0, 1.0]), size)
+    inside = seen & (facing > 0.35)
+    changes = {"environment": "directions", "maps": maps, "cube": 128, "tint": (1.0, 1.0, 1.0)}
+    out = []
+    for on, (bound, reason) in zip(("ideal", "machine"), _ERRORS[renderer.method.name], strict=True):
+        shown = panel_of(getattr(renderer, on)(figure, size, **changes), 1)[inside]
+        error = root_mean_square(angles(normalize(2.0 * shown - 1.0), true[inside]))
+        name = "reflected direction against a ray cast at the mesh, RMS degrees"
+        out.append(Check(name, error, "<=", bound, on, reason))
+    return (
+        *out,
+        Check(
+            "how far the waves turn reflections, RMS degrees",
+            root_mean_square(angles(flat[inside], true[inside])),
+            ">=",
+            10.0,
+            "ideal",
+            "what is right to a degree is far from a mirror's",
+        ),
+        arithmetic_check(
+            figure,
+            renderer,
+            0.03,
+            "8-bit normals turn reflections by half a degree, seen at window bars; a quarter of slack",
+        ),
+    )
+
+
+FIGURE = Figure(
+    id="F003-8",
+    title="Environment-mapped bump mapping",
+    caption=(
+        "A room reflected in a sphere: left a mirror, right with the waves of a normal map. Behind it the "
+        "wall that the viewer faces."
+    ),
+    must_see=(
+        "Left the room behind the viewer with its great window, upright and bent; right the same in waves, "
+        "its bars broken into drops; nothing swims at the seam or at the poles."
+    ),
+    source="Zwicker2016",
+    techniques=("Z08",),
+    columns=2,
+    parameters={
+        "relief": 0.035,
+        "tint": (1.0, 1.0, 1.0),
+        "environment": "room",
+        "maps": None,
+        "cube": None,
+    },
+    methods=(
+        Method("texture shaders", cube_scene, ("GEFORCE_3", "NV2A")),
+        Method("offsets of a sphere map", offset_scene, ("G400",)),
+    ),
+    acceptance=checks,
+)

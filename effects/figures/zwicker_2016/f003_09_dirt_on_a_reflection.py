@@ -1,0 +1,140 @@
+"""F003-9: a reflection, dirt, and the dirty reflection."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.measures import arithmetic_check
+from fixedpipe.effects.environment_maps import bumped_reflections, environments
+from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.shared.bumps import map_normals, panel_of, texels
+from fixedpipe.effects.geometry import height_fields, surfaces
+from fixedpipe.effects.geometry.matrices import rotation
+from fixedpipe.effects.geometry.views import perspective_view, row_of_panels
+
+EYE, FIELD_OF_VIEW = (0.0, 1.3, 3.4), 36.0
+
+
+def dirt(edge):
+    """What dirt leaves of the reflection, float64 [edge, edge] in [0, 1]: stains, and streaks along t."""
+    s, t = height_fields.texel_centers(edge, edge)
+    stains = height_fields.turbulence(s, t, 4, 4, 31)
+    streaks = height_fields.value_noise(edge, edge, 32, 3, 9)
+    return np.clip(0.62 + 1.9 * stains + 0.2 * streaks, 0.05, 1.0)
+
+
+def waves(edge, relief):
+    """Hammered metal: normals in tangent space, float64 [edge, edge, 3]."""
+    return map_normals(relief * height_fields.smooth(height_fields.pebbles(edge, edge, 4, 3), 6))
+
+
+def _surface(size):
+    around = 24 if size < 64 else 64 if size < 200 else 96
+    return surfaces.torus(around, around // 2, 0.72, 0.34).with_repeats(3, 1).rotated(rotation("x", 14.0))
+
+
+def cube_scene(profile, size, *, relief, tint, second_pass):
+    """F003-9 by texture shaders. ``second_pass``: dirt is a draw of its own, not the normal map's alpha."""
+    edge, surface = texels(size), _surface(size)
+    loading, names = bumped_reflections.load(waves(edge, relief), dirt(edge), "hammered metal", profile)
+    out = [bumped_reflections.load_environment(texels(size), profile, environments.room), *loading]
+    for number, panel in enumerate(row_of_panels(3, size)):
+        view = perspective_view(panel, EYE, field_of_view=FIELD_OF_VIEW, radius=1.2)
+        out += (panel.clear(BACKGROUND), *bumped_reflections.backdrop(view))
+        if number == 1:
+            out += bumped_reflections.dirt_pass(surface, names, view, alone=True)
+            continue
+        dirty = number == 2
+        out += bumped_reflections.reflection_pass(
+            surface, names, view, dirt=dirty and not second_pass, tint=tint
+        )
+        if dirty and second_pass:
+            out += bumped_reflections.dirt_pass(surface, names, view)
+    return tuple(out)
+
+
+def offset_scene(profile, size, *, relief, tint, second_pass):
+    """F003-9 by offsets of a sphere map; dirt is a second draw, as both units are taken. ``tint`` and
+    ``second_pass`` take no part.
+    """
+    edge, surface = texels(size), _surface(size)
+    parts = (8, 6) if size < 64 else (18, 8)
+    loading, names = bumped_reflections.load_offsets(
+        waves(edge, relief), dirt(edge), "hammered metal", profile
+    )
+    out = list(loading)
+    for number, panel in enumerate(row_of_panels(3, size)):
+        view = perspective_view(panel, EYE, field_of_view=FIELD_OF_VIEW, radius=1.2)
+        load, show = bumped_reflections.picture_backdrop(view, edge, profile)
+        if number == 0:
+            out += (bumped_reflections.load_sphere_map(2 * edge, view, profile), load)
+        out += (panel.clear(BACKGROUND), show)
+        if number == 1:
+            out += bumped_reflections.dirt_pass(surface, names, view, alone=True)
+            continue
+        out += bumped_reflections.offset_passes(surface, names, view, across=parts[0], along=parts[1])
+        if number == 2:
+            out += bumped_reflections.dirt_pass(surface, names, view)
+    return tuple(out)
+
+
+def checks(figure, renderer):
+    """That the third panel is the first times the second, and that both differ from it."""
+    size = 128
+    image = renderer.machine(figure, size)
+    clean, alone, dirty = (panel_of(image, k) for k in range(3))
+    covered = np.abs(clean - alone).max(axis=-1) > 0.0
+    error = np.abs(dirty - clean * alone)[covered]
+    exact = np.clip(renderer.ideal(figure, size), 0.0, 1.0)
+    clean_exact, alone_exact, dirty_exact = (panel_of(exact, k) for k in range(3))
+    seen = np.abs(clean_exact - alone_exact).max(axis=-1) > 0.0
+    return (
+        Check(
+            "dirty - clean times dirt, largest",
+            float(np.abs(dirty_exact - clean_exact * alone_exact)[seen].max()),
+            "<=",
+            1e-9,
+            "ideal",
+            "float64: one product",
+        ),
+        Check(
+            "dirty - clean times dirt, largest, in bytes",
+            255.0 * float(error.max()),
+            "<=",
+            2.0,
+            "machine",
+            "the catalogue's: one product of bytes in the combiners, or in the framebuffer",
+        ),
+        Check(
+            "share of the object that dirt makes darker by more than 0.1",
+            float((np.abs(dirty - clean).max(axis=-1)[covered] > 0.1).mean()),
+            ">=",
+            0.3,
+            "machine",
+            "there is dirt",
+        ),
+        arithmetic_check(figure, renderer, 0.019, "8-bit normals, as F003-8's; a third of slack"),
+    )
+
+
+FIGURE = Figure(
+    id="F003-9",
+    title="Dirt on a reflection",
+    caption=(
+        "A ring of hammered metal: the room's reflection in it, its dirt map alone, and the reflection times "
+        "the dirt."
+    ),
+    must_see=(
+        "Left clean metal, in the middle grey stains and streaks round the tube, right the metal dull just "
+        "where the stains are dark; highlights stay where they were."
+    ),
+    source="Zwicker2016",
+    techniques=("Z09", "Z08"),
+    columns=3,
+    size=384,
+    parameters={"relief": 0.3, "tint": (1.0, 0.86, 0.62), "second_pass": False},
+    methods=(
+        Method("texture shaders", cube_scene, ("GEFORCE_3",)),
+        Method("texture shaders, dirt as a second pass", cube_scene, ("NV2A",), {"second_pass": True}),
+        Method("offsets of a sphere map", offset_scene, ("G400",)),
+    ),
+    acceptance=checks,
+)

@@ -1,0 +1,126 @@
+"""F003-10: why shadows are important, cues on the scene's lighting: where is the light? (Z29, Z10, Z23)."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from fixedpipe.effects.acceptance import agreement, ray_caster
+from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.geometry.matrices import rotate, rotation
+from fixedpipe.effects.geometry.views import row_of_panels
+from fixedpipe.effects.scenes import objects_and_lamps
+from fixedpipe.effects.shadows import shadow_maps, shadow_volumes
+from fixedpipe.effects.shadows.lit_scene import map_edge
+
+# World units along the light that the polygon offset hides, largest: measured, where a lamp grazes most.
+_BIAS = 0.05
+# Turns of the lamp about the scene, in degrees, among which the one that fits the shadows best is looked for.
+_TURNS = tuple(range(-60, 61, 10))
+
+
+def _lamps(scene, positions):
+    return [objects_and_lamps.lamp_around(scene, position) for position in positions]
+
+
+def map_scene(profile, size, *, positions, texels, factor, shading, background):
+    """The still life with a shadow map of its own for each of the lamp's ``positions``.
+
+    ``texels``: of the map's edge for each pixel of a panel's, at most; ``factor``: of the polygon offset.
+    """
+    still_life = objects_and_lamps.still_life(objects_and_lamps.detail_of(size))
+    panels = row_of_panels(len(positions), size)
+    lamps = _lamps(still_life, positions)
+    out, window = [], (len(panels) * size, size)
+    for k, lamp in enumerate(lamps):
+        name, edge = f"shadow map {k}", map_edge(size, texels)
+        out += shadow_maps.store_map(still_life, lamp, name, edge, window, factor=factor)
+    for k, (panel, lamp) in enumerate(zip(panels, lamps, strict=True)):
+        view = objects_and_lamps.still_life_view(panel)
+        out += (
+            panel.clear(background),
+            *shadow_maps.modulated_passes(still_life, view, lamp, f"shadow map {k}", profile, shading),
+        )
+    return tuple(out)
+
+
+def volume_scene(profile, size, *, positions, shading, background):
+    """The same with shadow volumes."""
+    still_life = objects_and_lamps.still_life(objects_and_lamps.detail_of(size))
+    out = []
+    for panel, lamp in zip(row_of_panels(len(positions), size), _lamps(still_life, positions), strict=True):
+        view = objects_and_lamps.still_life_view(panel)
+        out += (
+            panel.clear(background),
+            *shadow_volumes.z_pass(still_life, view, lamp, profile, shading),
+        )
+    return tuple(out)
+
+
+def best_turn(mask, truth):
+    """By how many degrees a lamp would have to be turned about the scene to throw the shadows of a mask."""
+    (x, y, z), (cx, _, cz) = truth.lamp.position, truth.lamp.target
+
+    def agreeing(turn):
+        dx, _, dz = rotate(rotation("y", turn), np.array([x - cx, 0.0, z - cz]))
+        turned = replace(truth.lamp, position=(cx + dx, y, cz + dz))
+        return (ray_caster.lit(truth.caster, truth.shown, turned) == mask)[truth.shown.something].mean()
+
+    return max(_TURNS, key=agreeing)
+
+
+def _compared(figure, renderer, on, size):
+    """Of each panel its mask, on the machine or the ideal, the truth, and their Agreement."""
+    positions = figure.parameters["positions"]
+    still_life = objects_and_lamps.still_life(objects_and_lamps.detail_of(size))
+    view = objects_and_lamps.still_life_view(row_of_panels(1, size)[0])
+    texels = renderer.method.parameters.get("texels")
+    understood = {"map_edge": map_edge(size, texels), "contact": _BIAS, "grazing": 0.1} if texels else {}
+    mask = agreement.lit_mask(getattr(renderer, on)(figure, size, shading="mask"))
+    for k, lamp in enumerate(_lamps(still_life, positions)):
+        part, truth = mask[:, k * size : (k + 1) * size], agreement.truth_of(still_life, view, lamp)
+        yield part, truth, agreement.compare(part, truth, **understood)
+
+
+def checks(figure, renderer):
+    """The masks against rays, and where the lamp is, read off the shadows."""
+    machine = list(_compared(figure, renderer, "machine", figure.size // 2))
+    # The ideal takes a second for four times the pixels.
+    ideal = list(_compared(figure, renderer, "ideal", figure.size // 4))
+    found = {"machine": [a for _, _, a in machine]}
+    coarse = {"ideal": [a for _, _, a in ideal]}
+    turns = [best_turn(mask, truth) for mask, truth, _ in machine]
+    if "texels" in renderer.method.parameters:
+        agreeing = (*agreement.map_checks(coarse, 0.97), *agreement.map_checks(found))
+    else:
+        agreeing = (*agreement.volume_checks(coarse, 0.996), *agreement.volume_checks(found, 0.998))
+    return (
+        *agreeing,
+        Check(
+            "lamp turned so that its shadows fit best - lamp, largest, degrees",
+            max(map(abs, turns)),
+            "<=",
+            0.0,
+            "machine",
+            f"shadows tell where the light is; tried from {_TURNS[0]} to {_TURNS[-1]} in steps of 10",
+        ),
+    )
+
+
+FIGURE = Figure(
+    id="F003-10",
+    title="Shadows tell where the light is",
+    caption="One scene, one camera, and a lamp that moves from the left over the front to the right.",
+    must_see=(
+        "Only light and shadows change: they fall to the right, then short and back, then to the left. "
+        "Left the vase throws its shadow on the box, and the ring its own on the vase's foot."
+    ),
+    source="Zwicker2016",
+    techniques=("Z29", "Z10", "Z23"),
+    columns=3,
+    parameters={"positions": objects_and_lamps.LAMP_POSITIONS, "shading": "lit", "background": BACKGROUND},
+    methods=(
+        Method("shadow maps", map_scene, ("GEFORCE_3", "INFINITE_REALITY"), {"texels": 4, "factor": 2.0}),
+        Method("shadow volumes", volume_scene, ("OPENGL_1_2",)),
+    ),
+    acceptance=checks,
+)

@@ -1,0 +1,117 @@
+"""F003-13: umbra and penumbra of an area light, drawn."""
+
+import numpy as np
+
+from fixedpipe.effects.diagrams import drawing
+from fixedpipe.effects.diagrams.drawing import INK, YELLOW
+from fixedpipe.effects.figures.figure import BACKGROUND, DIAGRAM_MACHINES, Check, Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.shared.area_light import (
+    BAR,
+    FLOOR,
+    LIGHT,
+    OCCLUDER,
+    Light,
+    dimension,
+    drawn_edges,
+    floor_bar,
+    guide,
+    rays,
+    regions,
+    things,
+)
+from fixedpipe.effects.geometry.views import row_of_panels
+
+
+def scene(profile, size, *, extent, half_width, background):
+    """A light ``extent`` wide over an occluder, and what it leaves dark on the floor."""
+    (panel,) = row_of_panels(1, size)
+    view, light = drawing.sheet(panel), Light("area light", extent=extent)
+    outer_left, _, inner_right, outer_right = light.edges(half_width)
+    below, side = FLOOR - BAR - 0.06, -0.86
+    return (
+        panel.clear(background),
+        drawing.load_font(),
+        *regions(view, light, half_width),
+        rays(view, light, half_width),
+        *floor_bar(view, light, half_width),
+        *things(view, light, half_width),
+        guide(view, [(side, LIGHT), (-0.5 * extent, LIGHT)]),
+        guide(view, [(side, OCCLUDER), (-half_width, OCCLUDER)]),
+        *dimension("d1", view, [(side, LIGHT), (side, OCCLUDER)], (-1, 0), (4.0, 0.0)),
+        *dimension("d2", view, [(side, OCCLUDER), (side, FLOOR)], (1, 0), (-3.0, 0.0)),
+        *dimension(
+            "s", view, [(-0.5 * extent, LIGHT + 0.09), (0.5 * extent, LIGHT + 0.09)], (0, -1), (0.0, 2.0)
+        ),
+        *dimension("s d2/d1", view, [(inner_right, below), (outer_right, below)], (0, 1), (0.0, -2.0)),
+        drawing.text("area light", view, (0.5 * extent, LIGHT), YELLOW, align=(-1, -1), offset=(6.0, -2.0)),
+        drawing.text("occluder", view, (half_width, OCCLUDER), INK, align=(-1, -1), offset=(4.0, 1.0)),
+        drawing.text("umbra", view, (0.0, 0.5 * (OCCLUDER + FLOOR)), INK),
+        drawing.text("penumbra", view, (outer_left, FLOOR - BAR), INK, align=(-1, 1), offset=(0.0, -3.0)),
+    )
+
+
+def checks(figure, renderer):
+    """The penumbra's width by similar triangles, by what is seen of the light, and in the picture."""
+    half_width, extent = figure.parameters["half_width"], figure.parameters["extent"]
+    light = Light("area light", extent=extent)
+    outer_left, inner_left, inner_right, outer_right = light.edges(half_width)
+    expected = extent * (OCCLUDER - FLOOR) / (LIGHT - OCCLUDER)
+    beside = 1e-3
+    whole = light.visible(np.array([outer_left - beside, outer_right + beside]), half_width)
+    none = light.visible(np.array([inner_left + beside, inner_right - beside]), half_width)
+    half = light.visible(0.5 * (inner_right + outer_right), half_width)
+    counted = "counted at 2048 points of the light, without similar triangles"
+    out = [
+        Check(
+            "penumbra's width - s d2/d1, in either penumbra",
+            max(abs(inner_left - outer_left - expected), abs(outer_right - inner_right - expected)),
+            "<=",
+            1e-12,
+            "ideal",
+            "the catalogue's: similar triangles",
+        ),
+        Check("least part of the light seen outside", float(whole.min()), ">=", 1.0, "ideal", counted),
+        Check("largest part of it seen in the umbra", float(none.max()), "<=", 0.0, "ideal", counted),
+        Check(
+            "part of it seen in the penumbra's middle - 1/2",
+            abs(float(half) - 0.5),
+            "<=",
+            1e-3,
+            "ideal",
+            counted,
+        ),
+    ]
+    size = figure.size // 2
+    for on in ("ideal", "machine"):
+        drawn = drawn_edges(getattr(renderer, on)(figure, size))
+        out.append(
+            Check(
+                "drawn ends of the penumbras - computed ones, in pixels",
+                float(np.abs(drawn - light.edges(half_width)).max()) * 0.5 * size,
+                "<=",
+                1.5,
+                on,
+                "one for the middle of a ramp, which is read to a pixel, and half of one for its width",
+            )
+        )
+    return tuple(out)
+
+
+FIGURE = Figure(
+    id="F003-13",
+    title="Umbra and penumbra",
+    caption=(
+        "An area light, an occluder and a floor, whose bar is as bright as the part of the light is that it "
+        "sees. Rays from the light's two ends that graze the occluder's bound umbra and penumbra."
+    ),
+    must_see=(
+        "A dark umbra in the middle of the floor; on both of its sides a penumbra in which the floor turns "
+        "evenly from dark to light, between the two rays that graze one end of the occluder."
+    ),
+    source="Zwicker2016",
+    techniques=("Z26",),
+    columns=1,
+    parameters={"extent": 0.34, "half_width": 0.30, "background": BACKGROUND},
+    methods=(Method("diagram", scene, DIAGRAM_MACHINES),),
+    acceptance=checks,
+)

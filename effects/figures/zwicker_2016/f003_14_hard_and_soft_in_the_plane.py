@@ -1,0 +1,121 @@
+"""F003-14: hard shadows of point and directional lights, the soft one of an area light, drawn."""
+
+import numpy as np
+
+from fixedpipe.effects.diagrams import drawing
+from fixedpipe.effects.diagrams.drawing import INK
+from fixedpipe.effects.figures.figure import BACKGROUND, DIAGRAM_MACHINES, Check, Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.shared.area_light import (
+    BAR,
+    FLOOR,
+    LIGHT,
+    OCCLUDER,
+    Light,
+    drawn_edges,
+    floor_bar,
+    rays,
+    regions,
+    things,
+)
+from fixedpipe.effects.geometry.views import row_of_panels
+
+
+def lights(extent, slope):
+    """The three lights, from left to right."""
+    return (
+        Light("point light"),
+        Light("directional light", x=slope, infinite=True),
+        Light("area light", extent=extent),
+    )
+
+
+def scene(profile, size, *, extent, slope, half_width, background):
+    """One occluder under a point light, a directional one and one ``extent`` wide."""
+    out = [drawing.load_font()]
+    for panel, light in zip(row_of_panels(3, size), lights(extent, slope), strict=True):
+        view, edges = drawing.sheet(panel), light.edges(half_width)
+        soft = edges[0] < edges[1]
+        out += [
+            panel.clear(background),
+            *regions(view, light, half_width),
+            rays(view, light, half_width),
+            *floor_bar(view, light, half_width),
+            *things(view, light, half_width),
+            drawing.text(
+                f"{light.name}:\n{'soft' if soft else 'hard'} shadow",
+                view,
+                (0.5 * (edges[0] + edges[3]), FLOOR - BAR),
+                INK,
+                align=(0, 1),
+                offset=(0.0, -4.0),
+            ),
+        ]
+    return tuple(out)
+
+
+def checks(figure, renderer):
+    """How far each light's shadow takes from dark to light, by geometry and in the picture."""
+    p = figure.parameters
+    half_width, expected = p["half_width"], p["extent"] * (OCCLUDER - FLOOR) / (LIGHT - OCCLUDER)
+    out, size = [], figure.size // 2
+    for k, light in enumerate(lights(p["extent"], p["slope"])):
+        edges = np.array(light.edges(half_width))
+        wanted = expected if light.extent else 0.0
+        out.append(
+            Check(
+                f"{light.name}: penumbra's width - expected",
+                float(np.abs([edges[1] - edges[0] - wanted, edges[3] - edges[2] - wanted]).max()),
+                "<=",
+                1e-12,
+                "ideal",
+                "a point and parallel rays have no penumbra, an area light's is s d2/d1",
+            )
+        )
+        beside = 1e-3 * np.array([-1.0, -1.0, 1.0, 1.0])
+        outside = light.visible((edges + beside)[[0, 3]], half_width)
+        inside = light.visible((edges - beside)[[1, 2]], half_width)
+        out.append(
+            Check(
+                f"{light.name}: least part seen outside - largest in the umbra",
+                float(outside.min() - inside.max()),
+                ">=",
+                1.0,
+                "ideal",
+                "all of the light, and none of it, counted without similar triangles",
+            )
+        )
+        for on in ("ideal", "machine"):
+            panel = getattr(renderer, on)(figure, size)[:, k * size : (k + 1) * size]
+            drawn = drawn_edges(panel, 0.5 * float(edges[1] + edges[2]))
+            out.append(
+                Check(
+                    f"{light.name}: drawn ends of the penumbras - computed ones, in pixels",
+                    float(np.abs(drawn - edges).max()) * 0.5 * size,
+                    "<=",
+                    1.5,
+                    on,
+                    "one for the middle of a ramp, which is read to a pixel, and half of one for its width",
+                )
+            )
+    return tuple(out)
+
+
+FIGURE = Figure(
+    id="F003-14",
+    title="Hard and soft shadows",
+    caption=(
+        "One occluder under a point light, a directional light and an area light. The floor's bar is as "
+        "bright as the part of the light is that it sees."
+    ),
+    must_see=(
+        "Shadows with sharp ends under the point and the directional light, wider than the occluder under "
+        "the first and as wide as it, moved to the side, under the second; under the area light a dark umbra "
+        "between two even ramps."
+    ),
+    source="Zwicker2016",
+    techniques=("Z26",),
+    columns=3,
+    parameters={"extent": 0.34, "slope": 0.35, "half_width": 0.30, "background": BACKGROUND},
+    methods=(Method("diagram", scene, DIAGRAM_MACHINES),),
+    acceptance=checks,
+)

@@ -1,0 +1,134 @@
+"""F003-17: the depth image seen from the light."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance import ray_caster
+from fixedpipe.effects.figures.figure import Check, Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.f003_18_final_image import scene_of
+from fixedpipe.effects.geometry.matrices import transform
+from fixedpipe.effects.geometry.views import row_of_panels
+from fixedpipe.effects.shadows.lit_scene import depth_pass
+from fixedpipe.effects.shadows.shadow_maps import show_depths
+
+DEPTHS = "depths from the light"
+
+
+def make(profile, size):
+    """The first pass as it fills the depth buffer, and the depth buffer as grey."""
+    (panel,) = row_of_panels(1, size)
+    scene, light = scene_of(size)
+    return (
+        panel.clear((0.0, 0.0, 0.0)),
+        *depth_pass(scene, light.view(panel)),
+        *show_depths(panel, DEPTHS, profile),
+    )
+
+
+_SIZE = 256
+
+
+def checks(figure, renderer):
+    """The depths read, and the picture made of them, against rays from the light."""
+    scene, light = scene_of(_SIZE)
+    (panel,) = row_of_panels(1, _SIZE)
+    shown = ray_caster.visible(ray_caster.scene_caster(scene), light.view(panel))
+    commands = figure.commands(renderer.profile, _SIZE, renderer.method)
+    depths = renderer.execute(commands, renderer.profile, _SIZE, _SIZE).pixels[DEPTHS]
+    depths = depths / (2.0**renderer.profile.widest_depth - 1.0)
+    hit = depths < 1.0
+    # What the light's frustum was fitted to.
+    window = [
+        0.5 + 0.5 * z / w
+        for *_, z, w in (
+            transform(light.projection, transform(light.modelview, (*corner, 1.0)))
+            for corner in scene.corners().tolist()
+        )
+    ]
+    clip = [
+        transform(light.projection, transform(light.modelview, (*p, 1.0)))
+        for thing in scene.objects
+        for p in thing.surface.positions.tolist()
+    ]
+    widest = max(max(abs(x), abs(y)) / w for x, y, _, w in clip)
+    step = 1.0 / 255.0
+    out = [
+        Check(
+            f"{name} depth against the scene's, of rays",
+            abs(float(machine) - float(rays)),
+            "<=",
+            0.004,
+            "machine",
+            "a pixel's centre beside the nearest and the farthest point; depths of triangles snapped to "
+            "sixteenths of a pixel",
+        )
+        for name, machine, rays in (
+            ("least", depths[hit].min(), shown.depth[shown.something].min()),
+            ("greatest", depths[hit].max(), shown.depth[shown.something].max()),
+        )
+    ]
+    out += (
+        Check(
+            "vertices seen from the light: greatest distance from the middle",
+            widest,
+            "<=",
+            1.0,
+            "ideal",
+            "the frustum encloses what throws shadows (Z30)",
+        ),
+        Check(
+            "the same, at least",
+            widest,
+            ">=",
+            0.95,
+            "ideal",
+            "and hardly more, so that no texels are lost",
+        ),
+        Check(
+            "corners of the scene's box: least depth",
+            min(window),
+            ">=",
+            0.0,
+            "ideal",
+            "the frustum encloses the scene (Z30)",
+        ),
+        Check("corners of the scene's box: greatest depth", max(window), "<=", 1.0, "ideal", "as before"),
+        Check(
+            "corners of the scene's box: least depth, close to the near plane",
+            min(window),
+            "<=",
+            0.08,
+            "ideal",
+            "and hardly more than the scene: two hundredths of its extent on either side",
+        ),
+    )
+    for on in ("machine", "ideal"):
+        grey = getattr(renderer, on)(figure, _SIZE)[..., 0]
+        alike = np.abs(grey - shown.depth) <= (0.75 * step if on == "machine" else 0.001)
+        out.append(
+            Check(
+                "pixels whose grey is the depth that a ray finds",
+                float(alike.mean()),
+                ">=",
+                0.99,
+                on,
+                "silhouettes alone may differ; a byte's rounding on the machine",
+            )
+        )
+    return tuple(out)
+
+
+FIGURE = Figure(
+    id="F003-17",
+    title="Depth image seen from the light",
+    caption="The still life's depths as the light sees it: near is dark, far is light, nothing is white.",
+    must_see=(
+        "The still life from the upper left in shades of grey, without any lighting: the floor's near "
+        "corner and the ring darkest, objects darker than the floor behind them, the floor lighter away from "
+        "the light, white where nothing is."
+    ),
+    source="Zwicker2016",
+    techniques=("Z10", "Z30"),
+    columns=1,
+    methods=(Method("depths read and drawn", make, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
+    acceptance=checks,
+)

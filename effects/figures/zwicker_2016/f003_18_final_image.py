@@ -1,0 +1,129 @@
+"""F003-18: the final image with shadows, by a shadow map (Z10)."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from fixedpipe.effects.acceptance import agreement
+from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.geometry.views import row_of_panels
+from fixedpipe.effects.scenes.objects_and_lamps import (
+    LAMP_POSITIONS,
+    detail_of,
+    lamp_around,
+    still_life,
+    still_life_view,
+)
+from fixedpipe.effects.shadows.lit_scene import AMBIENT, map_edge
+from fixedpipe.effects.shadows.shadow_maps import modulated_passes, store_map
+
+# World units that the map is wide at the middle of the scene, rounded up from 6.7; over its edge, a texel.
+_MAP_WIDTH = 7.0
+# Where the lamp looks, and its field of view: closer than the scene's box, whose upper corners are empty.
+# Measured: 39.4 degrees hold every vertex (figure F003-17 checks it).
+_TARGET, _FIELD_OF_VIEW = (0.2, -0.4, -0.4), 40.0
+
+
+def scene_of(size):
+    """The still life with the detail of a panel's size, and a lamp on its left that lights just that."""
+    scene = still_life(detail_of(size))
+    return scene, replace(lamp_around(scene, LAMP_POSITIONS[0], _TARGET), field_of_view=_FIELD_OF_VIEW)
+
+
+def make(profile, size, *, ratio, factor, units, filtered, shading="lit"):
+    """Z10, Z12, Z19, Z20 on one panel."""
+    (panel,) = row_of_panels(1, size)
+    scene, light = scene_of(size)
+    view = still_life_view(panel)
+    stored = store_map(
+        scene, light, "shadow map", map_edge(size, ratio), (size, size), factor=factor, units=units
+    )
+    return (
+        *stored,
+        panel.clear(BACKGROUND),
+        *modulated_passes(scene, view, light, "shadow map", profile, shading, filtered=filtered),
+    )
+
+
+_SIZE = 256
+
+
+def checks(figure, renderer):
+    """Lit and shadowed pixels against rays, with a large and a small map."""
+    (panel,) = row_of_panels(1, _SIZE)
+    scene, light = scene_of(_SIZE)
+    truth = agreement.truth_of(scene, still_life_view(panel), light)
+    floor = truth.shown.object == 0
+    out = []
+    for edge, on, bound, reason in (
+        (1024, "machine", 0.995, "the catalogue's acceptance, of receivers' pixels: the floor's"),
+        (256, "machine", 0.98, "the catalogue's acceptance, of receivers' pixels: the floor's"),
+        (1024, "ideal", 0.995, "what sampling alone leaves"),
+    ):
+        picture = getattr(renderer, on)(figure, _SIZE, shading="mask", ratio=edge / _SIZE)
+        mask = agreement.lit_mask(picture)
+        told = {"map_edge": edge, "contact": _MAP_WIDTH / edge}
+        on_floor = agreement.compare(mask, truth, where=floor, **told)
+        everywhere = agreement.compare(mask, truth, **told)
+        name = f"map of {edge} by {edge}"
+        out += (
+            Check(f"{name}: floor that agrees with rays", on_floor.agreeing, ">=", bound, on, reason),
+            Check(
+                f"{name}: pixels of no understood kind, of all",
+                everywhere.other / everywhere.compared,
+                "<=",
+                0.001,
+                on,
+                "measured: none; what differs lies at an edge, at an outline, or where light grazes, "
+                "within a texel of it",
+            ),
+        )
+    inner = floor & ~truth.lit & ~agreement.silhouettes(truth)
+    for axis in (0, 1):
+        for by in (-3, 3):
+            inner &= np.roll(~truth.lit, by, axis)
+    for on in ("ideal", "machine"):
+        seen = getattr(renderer, on)(figure, _SIZE)[inner]
+        ambient = np.array(AMBIENT[:3]) * np.array(scene.objects[0].color)
+        near = np.abs(seen - ambient).max(axis=-1) <= (1e-9 if on == "ideal" else 1.5 / 255.0)
+        out.append(
+            Check(
+                "shadows on the floor that are the ambient light, of all well inside", float(near.mean()),
+                ">=", 0.98, on,
+                "E003.9: what the comparison multiplies is the light alone; a strip is lit where things "
+                "stand, as wide as the offset",
+            )
+        )  # fmt: skip
+    (lit, dark) = (np.float64(truth.lit[floor].mean()), np.float64((~truth.lit[floor]).mean()))
+    out.append(
+        Check(
+            "floor in the shade, of all",
+            float(min(lit, dark)),
+            ">=",
+            0.1,
+            "ideal",
+            "rays: there is light and shade to tell apart, so that no picture of one kind passes",
+        )
+    )
+    return tuple(out)
+
+
+FIGURE = Figure(
+    id="F003-18",
+    title="Final image with shadows",
+    caption=(
+        "A still life on a floor, its shadows by a shadow map: every pixel's distance from the light is "
+        "compared with what the light sees in that direction."
+    ),
+    must_see=(
+        "Every object throws one shadow away from the light at the upper left, joined to it where they "
+        "touch; the vase's falls on the floor and up the box; the ring shades itself; no speckle "
+        "on lit surfaces; shadows are dark, not black."
+    ),
+    source="Zwicker2016",
+    techniques=("Z10", "Z12", "Z19", "Z20", "Z30"),
+    columns=1,
+    parameters={"ratio": 2, "factor": 2.2, "units": 4.0, "filtered": True},
+    methods=(Method("depth texture times the light", make, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
+    acceptance=checks,
+)

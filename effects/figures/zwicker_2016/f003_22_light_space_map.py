@@ -1,0 +1,120 @@
+"""F003-22: one shadow map of a long ground, basic and in light-space perspective."""
+
+from fixedpipe.effects.figures.figure import Check, Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
+    NEAR_SHADOW,
+    WHOLE,
+    agreements,
+    edge_of,
+    mean_footprints,
+    nearest_rows,
+    others,
+    panels_of_avenue,
+    parts_for,
+    truth,
+    wrong,
+)
+from fixedpipe.effects.scenes import avenue
+from fixedpipe.effects.scenes.objects_and_lamps import detail_of
+
+CHECKED_SIZE = 256
+
+
+def scene(profile, size, *, shading="lit", panels, background, sun):
+    """F003-22: the avenue with a basic map and with LiSPSM."""
+    return panels_of_avenue(profile, size, panels, shading, background, sun)
+
+
+def checks(figure, renderer):
+    """Texels on the screen, computed from the matrices, and the machine's shadows against rays."""
+    size, sun, panels = CHECKED_SIZE, figure.parameters["sun"], figure.parameters["panels"]
+    rays, things = truth(size, sun), avenue.avenue(detail_of(size))
+    (near, far), (near_warped, far_warped) = (
+        mean_footprints(
+            parts_for(way, ratio, slices, size, things, sun)[0].camera, edge_of(size, ratio), rays
+        )
+        for way, ratio, slices, _ in panels[:2]
+    )
+    found = agreements(renderer.machine(figure, size, shading="mask"), size, panels, sun)
+    basic, warped = (wrong(f, nearest_rows(size)) for f in found[:2])
+    return (
+        Check(
+            "texels on the nearest fifth of the screen: basic over LiSPSM",
+            near / near_warped,
+            ">=",
+            3.0,
+            "ideal",
+            "the catalogue's: the mean side, on the ground, of a square as large as a texel",
+        ),
+        Check(
+            "texels at the ground's far end: LiSPSM over basic",
+            far_warped / far,
+            "<=",
+            4.0,
+            "ideal",
+            "the catalogue's: what is near takes the texels of what is far, and not too many",
+        ),
+        Check(
+            "wrong pixels in the nearest fifth of the screen: basic over LiSPSM",
+            basic / max(warped, 1e-9),
+            ">=",
+            2.5,
+            "machine",
+            "they lie along shadows' edges, in bands as wide as a texel; measured 4.6",
+        ),
+        Check(
+            "pixels that agree with rays, basic",
+            found[0].agreeing,
+            ">=",
+            0.97,
+            "machine",
+            "of those that face the light; measured 0.979, the rest nearly all within texels of an edge",
+        ),
+        Check(
+            "pixels that agree with rays, LiSPSM",
+            found[1].agreeing,
+            ">=",
+            0.98,
+            "machine",
+            "as before; measured 0.989",
+        ),
+        Check(
+            "wrong pixels of the near shadow, magnified: basic over LiSPSM",
+            wrong(found[2]) / wrong(found[3]),
+            ">=",
+            2.0,
+            "machine",
+            "as above, where only the ground, the stone and its shadow are seen; measured 2.8",
+        ),
+        others(found),
+    )
+
+
+FIGURE = Figure(
+    id="F003-22",
+    title="A basic and a light-space perspective shadow map",
+    caption=(
+        "A long ground in the evening sun. First a shadow map that covers the scene evenly, then one of as "
+        "many texels whose matrix has a second perspective, towards the viewer. Third and fourth the same "
+        "two with a near shadow magnified."
+    ),
+    must_see=(
+        "Stairs along the near shadow's edge in the third picture; in the fourth they are a third as large. "
+        "In the first two the shadows fall in the same places, those at the far gate too."
+    ),
+    source="Zwicker2016",
+    techniques=("Z15", "Z30"),
+    columns=4,
+    parameters={
+        "panels": (
+            ("basic", 1.0, 1, WHOLE),
+            ("LiSPSM", 1.0, 1, WHOLE),
+            ("basic", 1.0, 1, NEAR_SHADOW),
+            ("LiSPSM", 1.0, 1, NEAR_SHADOW),
+        ),
+        "background": avenue.SKY,
+        "sun": avenue.SUN,
+    },
+    methods=(Method("depth textures", scene, ("GEFORCE_3", "NV2A")),),
+    acceptance=checks,
+)

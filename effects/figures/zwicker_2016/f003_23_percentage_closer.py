@@ -1,0 +1,216 @@
+"""F003-23: a shadow's edge by one comparison, by 2x2 filtered ones (Z17) and by 8x8 (Z18)."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance import agreement
+from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.geometry.views import Panel, perspective_view, row_of_panels
+from fixedpipe.effects.scenes.objects_and_lamps import (
+    FLOOR_HALF_WIDTH,
+    LAMP_POSITIONS,
+    Object,
+    Scene,
+    detail_of,
+    floor,
+    lamp_around,
+    still_life,
+)
+from fixedpipe.effects.shadows.lit_scene import AMBIENT, map_edge
+from fixedpipe.effects.shadows.shadow_maps import accumulated_passes, modulated_passes, store_map
+
+HARD, FILTERED, KERNEL = range(3)
+
+
+def scene_of(size):
+    """The still life's vase alone on its floor, and the lamp."""
+    objects = {thing.name: thing for thing in still_life(detail_of(size)).objects}
+    ground = Object("floor", floor(FLOOR_HALF_WIDTH, 8), objects["floor"].color, closed=False)
+    scene = Scene((ground, objects["vase"]))
+    return scene, lamp_around(scene, LAMP_POSITIONS[0])
+
+
+def view_of(panel):
+    """Close to the vase's shadow."""
+    return perspective_view(panel, (1.6, 4.2, 4.6), (0.75, 0.35, -0.35), field_of_view=26.0, radius=4.0)
+
+
+def make(profile, size, *, ratio, factors, kernel, shading="lit"):
+    """The three side by side. ``factors``: PolygonOffset's for each; ``ratio``: the map's edge over size.
+
+    What is compared lies up to half a texel beside the place, or one, or half the kernel: the offset must
+    grow with it.
+    """
+    panels, edge = row_of_panels(3, size), map_edge(size, ratio)
+    scene, lamp = scene_of(size)
+    out = []
+    for k, (panel, factor) in enumerate(zip(panels, factors, strict=True)):
+        view = view_of(panel)
+        out += store_map(scene, lamp, "shadow map", edge, (3 * size, size), factor=factor)
+        out.append(panel.clear(BACKGROUND))
+        if k == KERNEL:
+            out += accumulated_passes(scene, view, lamp, "shadow map", edge, profile, kernel, shading)
+        else:
+            out += modulated_passes(scene, view, lamp, "shadow map", profile, shading, filtered=k == FILTERED)
+    return tuple(out)
+
+
+_SIZE = 96
+# A map whose kernel is narrower than the shadow, so that an edge has one side lit and one dark, and whose
+# texels are smaller than pixels, so that it does not matter which of them an outline happens to cover.
+_RATIO = 512 / _SIZE
+# Right of it, in world coordinates, the shadow's edge is the vase's silhouette and no contact.
+_FREE_OF_CONTACT = 0.9
+
+
+def _edges(truth):
+    """Floor pixels with the other answer beside them, left, right, above or below."""
+    lit, ground = truth.lit, truth.shown.object == 0
+    out = np.zeros_like(lit)
+    for axis in (0, 1):
+        first, second = (
+            tuple(slice(*(cut if k == axis else (None,))) for k in (0, 1)) for cut in ((None, -1), (1, None))
+        )
+        change = (lit[first] != lit[second]) & ground[first] & ground[second]
+        out[first] |= change
+        out[second] |= change
+    return out & (truth.shown.points[..., 0] > _FREE_OF_CONTACT)
+
+
+def _away_from_edges(truth, pixels=6):
+    """Floor that is lit, and floor in shadow free of contact, with nothing else so many pixels around."""
+    ground = truth.shown.object == 0
+    lit, dark = ground & truth.lit, ground & ~truth.lit
+    out = []
+    for area in (lit, dark & (truth.shown.points[..., 0] > _FREE_OF_CONTACT)):
+        inner = area.copy()
+        inner[:pixels], inner[-pixels:], inner[:, :pixels], inner[:, -pixels:] = False, False, False, False
+        for dy in range(-pixels, pixels + 1):
+            for dx in range(-pixels, pixels + 1):
+                inner &= np.roll(area, (dy, dx), (0, 1))
+        out.append(inner)
+    return out
+
+
+def _reach(values, truth, edge, texels):
+    """How far from a shadow's true edge the floor is neither lit nor dark, in texels of a map of ``texels``:
+    the greatest of the least 99 in 100 pixels.
+    """
+    matrix = np.array(truth.lamp.texture_matrix)
+    s, t, _, q = (truth.shown.points @ row[:3] + row[3] for row in matrix)
+    places = np.stack([s / q, t / q], axis=-1) * texels
+    between = (values > 0.01) & (values < 0.99) & (truth.shown.object == 0)
+    between &= truth.shown.points[..., 0] > _FREE_OF_CONTACT + 0.1
+    if not between.any():
+        return 0.0
+    apart = np.linalg.norm(places[between][:, None] - places[edge][None], axis=-1)
+    return float(np.percentile(apart.min(axis=1), 99.0))
+
+
+def checks(figure, renderer):
+    """Levels of light on the floor, and how much of it there is at the true edge."""
+    kernel = figure.parameters["kernel"]
+    scene, lamp = scene_of(_SIZE)
+    truth = agreement.truth_of(scene, view_of(Panel(0, 0, _SIZE, _SIZE)), lamp)
+    edge, ground = _edges(truth), truth.shown.object == 0
+    light, umbra = _away_from_edges(truth)
+    out = []
+    for on in ("ideal", "machine"):
+        picture = getattr(renderer, on)(figure, _SIZE, shading="mask", ratio=_RATIO)[..., 0]
+        hard, filtered, wide = (picture[:, k * _SIZE : (k + 1) * _SIZE] for k in range(3))
+        levels = [len(np.unique(np.round(part[ground], 6))) for part in (hard, filtered, wide)]
+        steps = np.abs(wide[ground] * kernel**2 - np.round(wide[ground] * kernel**2)) / kernel**2
+        said = "the catalogue's acceptance"
+        out += (
+            Check("levels of one comparison", levels[HARD], "<=", 2, on, said),
+            Check("levels of one comparison, at least", levels[HARD], ">=", 2, on, said),
+            Check("levels of 2x2 filtered comparisons", levels[FILTERED], ">=", 9, on, said),
+            Check(
+                f"{kernel}x{kernel} comparisons: distance from a multiple of 1/{kernel**2}, largest",
+                float(steps.max()),
+                "<=",
+                1e-9 if on == "ideal" else 2.0 / 255.0,
+                on,
+                "a count of comparisons, none in between; the machine rounds halves of halves in bytes, "
+                "sixteen of them in the accumulation buffer",
+            ),
+            Check(
+                f"levels of {kernel}x{kernel} comparisons",
+                len(np.unique(np.round(wide[ground] * kernel**2))),
+                "<=",
+                kernel**2 + 1,
+                on,
+                said,
+            ),
+            Check(
+                f"levels of {kernel}x{kernel} comparisons, at least",
+                len(np.unique(np.round(wide[ground] * kernel**2))),
+                ">=",
+                kernel**2 // 2,
+                on,
+                "a soft edge goes through most of them",
+            ),
+        )
+        for name, part in (("1", hard), ("2x2", filtered), (f"{kernel}x{kernel}", wide)):
+            out.append(
+                Check(
+                    f"{name}: light on the floor away from shadows, mean", float(part[light].mean()), ">=",
+                    0.999, on, "no surface shades itself",
+                )
+            )  # fmt: skip
+        reach = _reach(wide, truth, edge, map_edge(_SIZE, _RATIO))
+        out += (
+            Check(
+                f"{kernel}x{kernel}: how far the soft edge reaches on either side, texels", reach, "<=",
+                0.5 * kernel + 1.5, on,
+                "half the kernel's width, and a pixel's beside the edge's own pixels",
+            ),
+            Check(
+                f"{kernel}x{kernel}: how far the soft edge reaches, at least", reach, ">=", 0.4 * kernel, on,
+                "half the kernel's width less a texel",
+            ),
+        )  # fmt: skip
+        for name, part in (("2x2", filtered), (f"{kernel}x{kernel}", wide)):
+            out.append(
+                Check(
+                    f"{name} at the true edge: mean's distance from one half",
+                    abs(float(part[edge].mean()) - 0.5),
+                    "<=",
+                    0.05,
+                    on,
+                    "the catalogue's acceptance",
+                )
+            )
+    picture = renderer.machine(figure, _SIZE, ratio=_RATIO)
+    ambient = np.array(AMBIENT[:3]) * np.array(scene.objects[0].color)
+    dark = [picture[:, k * _SIZE : (k + 1) * _SIZE][umbra] for k in range(3)]
+    out.append(
+        Check(
+            "umbra on the floor less the ambient light, largest",
+            float(np.abs(np.array(dark) - ambient).max()),
+            "<=", 1.5 / 255.0, "machine",
+            "E003.9: what comparisons multiply is the light alone; a byte's rounding",
+        )
+    )  # fmt: skip
+    return tuple(out)
+
+
+FIGURE = Figure(
+    id="F003-23",
+    title="Percentage closer filtering",
+    caption=(
+        "The edge of one shadow in a coarse map: one comparison (left), the hardware's filter of 2x2 "
+        "comparisons (middle), the mean of 8x8 comparisons by the accumulation buffer (right)."
+    ),
+    must_see=(
+        "Left stairs of texels, black or white and nothing between; in the middle the same stairs with soft "
+        "flanks a texel wide; right a broad soft edge in fine steps, a grid of the map's texels, as from a "
+        "large lamp, but equally broad near the foot and far from it. The umbra is as dark in all."
+    ),
+    source="Zwicker2016",
+    techniques=("Z10", "Z12", "Z17", "Z18"),
+    columns=3,
+    size=256,
+    parameters={"ratio": 0.7, "factors": (2.0, 3.0, 9.0), "kernel": 8},
+    methods=(Method("four comparisons in a pass", make, ("GEFORCE_3", "NV2A")),),
+    acceptance=checks,
+)

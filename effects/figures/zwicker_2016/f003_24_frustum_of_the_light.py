@@ -1,0 +1,168 @@
+"""F003-24: the final image, the scene from the light, its depth map, and the frustum that T maps to a box."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance import agreement, ray_caster
+from fixedpipe.effects.diagrams import drawing
+from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.f003_18_final_image import scene_of
+from fixedpipe.effects.geometry.matrices import transform
+from fixedpipe.effects.geometry.vectors import cross, normalize
+from fixedpipe.effects.geometry.views import Panel, perspective_view, row_of_panels
+from fixedpipe.effects.scenes.objects_and_lamps import still_life_view
+from fixedpipe.effects.shadows.lit_scene import depth_pass, map_edge
+from fixedpipe.effects.shadows.shadow_maps import modulated_passes, show_depths, store_map
+
+# Edges of a box whose corners are numbered by their coordinates' bits: z is the lowest.
+_EDGES = tuple((a, a | bit) for bit in (1, 2, 4) for a in range(8) if not a & bit)
+
+
+def frustum_corners(lamp):
+    """The corners of a perspective lamp's frustum in world coordinates, float64 [8, 3].
+
+    From where it is and looks, not from its matrices: left and right, bottom and top, near and far are the
+    bits 4, 2 and 1 of a corner's number.
+    """
+    position = np.array(lamp.position)
+    forward = normalize(np.array(lamp.target) - position)
+    side = normalize(cross(forward, np.array([0.0, 1.0, 0.0])))
+    above = cross(side, forward)
+    tangent = np.tan(np.radians(lamp.field_of_view) / 2)
+    return np.array(
+        [
+            position + depth * (forward + x * tangent * side + y * tangent * above)
+            for x in (-1, 1)
+            for y in (-1, 1)
+            for depth in (lamp.near, lamp.far)
+        ]
+    )
+
+
+def outside_view(panel):
+    """Scene and lamp from the side."""
+    return perspective_view(panel, (8.6, 8.4, 24.0), (-0.75, 0.65, -0.3), field_of_view=34.0, radius=16.0)
+
+
+def frustum(panel, lamp):
+    """The frustum's edges and the lamp, with their names, over the scene from outside."""
+    view, corners = outside_view(panel), np.round(frustum_corners(lamp), 6)
+    rays = [np.stack([np.array(lamp.position), corners[k]]) for k in (0, 2, 4, 6)]
+    box = [corners[[a, b]] for a, b in _EDGES]
+    return (
+        drawing.strokes("rays from the lamp", view, rays, drawing.FAINT, dash=drawing.DASH),
+        drawing.strokes("the light's frustum", view, box, drawing.YELLOW, depth_test=drawing.VISIBLE),
+        drawing.dots("the lamp", view, [lamp.position], drawing.YELLOW, radius=4.0),
+        drawing.text("lamp", view, lamp.position, drawing.INK, align=(-1, 0), offset=(8.0, 0.0)),
+        drawing.text("near", view, corners[6], drawing.INK, align=(-1, -1), offset=(7.0, 6.0)),
+        drawing.text("far", view, corners[5], drawing.INK, align=(-1, 0), offset=(9.0, 2.0)),
+    )
+
+
+def make(profile, size, *, ratio, factor, units, shading="lit"):
+    """The four side by side."""
+    final, from_light, depths, outside = row_of_panels(4, size)
+    scene, light = scene_of(size)
+    passes = {"profile": profile, "shading": shading, "filtered": True}
+    out = [
+        drawing.load_font(),
+        *store_map(
+            scene, light, "shadow map", map_edge(size, ratio), (4 * size, size), factor=factor, units=units
+        ),
+    ]
+    for panel, view in (
+        (final, still_life_view(final)),
+        (from_light, light.view(from_light)),
+        (outside, outside_view(outside)),
+    ):
+        out.append(panel.clear(BACKGROUND))
+        out += modulated_passes(scene, view, light, "shadow map", **passes)
+    out += (
+        *frustum(outside, light),
+        depths.clear((0.0, 0.0, 0.0)),
+        *depth_pass(scene, light.view(depths)),
+        *show_depths(depths, "depths from the light", profile),
+    )
+    return tuple(out)
+
+
+_SIZE = 128
+
+
+def _drawn_edges(picture, lamp):
+    """How many of the frustum's edges have their colour about their middle in the picture from outside."""
+    size = len(picture)
+    view, corners = outside_view(Panel(0, 0, size, size)), frustum_corners(lamp)
+    count = 0
+    for a, b in _EDGES:
+        middle = (*(0.5 * (corners[a] + corners[b])).tolist(), 1.0)
+        x, y, _, w = transform(view.projection, transform(view.modelview, middle))
+        column, row = (int((0.5 + 0.5 * c / w) * size) for c in (x, y))
+        around = picture[row - 1 : row + 2, column - 1 : column + 2]
+        count += bool((np.abs(around - np.array(drawing.YELLOW)).max(axis=-1) < 2.0 / 255.0).any())
+    return count
+
+
+def checks(figure, renderer):
+    """T on the frustum's corners, shadows in the image and none from the light, and the depths."""
+    scene, light = scene_of(_SIZE)
+    errors = []
+    for number, corner in enumerate(frustum_corners(light).tolist()):
+        *strp, q = transform(light.texture_matrix, (*corner, 1.0))
+        errors += (abs(v / q - (number >> bit & 1)) for v, bit in zip(strp, (2, 1, 0), strict=True))
+    out = [
+        Check(
+            "T maps the frustum's corners to a cube's, largest error", max(errors), "<=", 1e-6, "ideal",
+            "the catalogue's acceptance; sines and cosines are multiples of 2**-20",
+        )
+    ]  # fmt: skip
+    outside = renderer.machine(figure, 2 * _SIZE)[:, 6 * _SIZE :]
+    out.append(
+        Check("edges of the frustum that are drawn where it is", _drawn_edges(outside, light), ">=", 9,
+              "machine", "three of twelve at most are behind the scene")
+    )  # fmt: skip
+    panel = Panel(0, 0, _SIZE, _SIZE)
+    edge = map_edge(_SIZE, figure.parameters["ratio"])
+    truth = agreement.truth_of(scene, still_life_view(panel), light)
+    seen = ray_caster.visible(truth.caster, light.view(panel))
+    for on in ("ideal", "machine"):
+        picture = getattr(renderer, on)(figure, _SIZE, shading="mask")
+        final, from_light, depths = (picture[:, k * _SIZE : (k + 1) * _SIZE] for k in range(3))
+        found = agreement.compare(
+            agreement.lit_mask(final),
+            truth,
+            map_edge=edge,
+            where=truth.shown.object == 0,
+        )
+        grey = np.abs(depths[..., 0] - seen.depth) <= 0.75 / 255.0
+        out += (
+            Check("final image: floor that agrees with rays", found.agreeing, ">=", 0.98, on,
+                  "the catalogue's bound for maps of 256 texels (F003-18)"),
+            Check("from the light: what is lit, of all that is seen",
+                  float(agreement.lit_mask(from_light)[seen.something].mean()), ">=", 0.99, on,
+                  "a light sees no shadows; what differs lies at outlines"),
+            Check("depth map: pixels whose grey is the depth that a ray finds", float(grey.mean()), ">=",
+                  0.98, on, "outlines alone may differ; a byte's rounding on the machine"),
+        )  # fmt: skip
+    return tuple(out)
+
+
+FIGURE = Figure(
+    id="F003-24",
+    title="Image, light's view, depth map, frustum",
+    caption=(
+        "From the left: the final image, the scene as the light sees it, the depths it sees, and from "
+        "outside the light's frustum, which the texture matrix maps to the unit cube."
+    ),
+    must_see=(
+        "The second picture has no shadows: the light sees what it lights. The third has the same outlines, "
+        "dark near the light and light far from it. In the last the yellow frustum, a pyramid whose top is "
+        "cut off, holds the whole scene; dashed rays join it to the lamp."
+    ),
+    source="Zwicker2016",
+    techniques=("Z10", "Z12", "Z19", "Z20", "Z30"),
+    columns=4,
+    size=384,
+    parameters={"ratio": 2, "factor": 2.2, "units": 4.0},
+    methods=(Method("depth texture times the light", make, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
+    acceptance=checks,
+)

@@ -1,0 +1,231 @@
+"""F003-25: shadow volumes: silhouette edges, what they are extruded to, and the shadows."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.agreement import compare, cosines, lit_mask, silhouettes, truth_of
+from fixedpipe.effects.diagrams import drawing
+from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.geometry import surfaces
+from fixedpipe.effects.geometry.matrices import look_at, perspective, product, rotation
+from fixedpipe.effects.geometry.views import Panel, View, row_of_panels
+from fixedpipe.effects.scenes.objects_and_lamps import Lamp, Object, Scene, detail_of, floor, still_life
+from fixedpipe.effects.shadows import shadow_volumes
+from fixedpipe.effects.shadows.lit_scene import lit_pass, unlit_pass
+
+_HIDDEN = (0.72, 0.30, 0.28)
+_RAYS = (0.97, 0.90, 0.70)
+_FLOOR = (0.62, 0.60, 0.56)
+
+
+def solids(detail):
+    """A cube that stands on a floor and a torus that floats above it."""
+    cube = surfaces.box(1.15, 1.15, 1.15).rotated(rotation("y", 31.0)).moved(-0.85, 0.575, 0.1)
+    ring = surfaces.torus(detail, detail // 2, 0.62, 0.2).rotated(rotation("x", 34.0))
+    return Scene(
+        (
+            Object("floor", floor(9.5, 4 if detail < 16 else 24), _FLOOR, closed=False),
+            Object("cube", cube, (0.34, 0.50, 0.62), 0.1),
+            Object(
+                "torus", ring.rotated(rotation("y", -20.0)).moved(0.75, 1.2, 0.0), (0.80, 0.42, 0.20), 0.5
+            ),
+        )
+    )
+
+
+def camera(panel):
+    """The figure's camera on a panel."""
+    eye = (0.6, 5.4, 6.6)
+    return View(panel, look_at(eye, (0.42, 0.62, 0.15)), perspective(31.5, 1.0, 4.5, 20.0), eye, False)
+
+
+def lamp_of(light, infinite=False):
+    """The light: it has no frustum, a shadow volume needs none."""
+    return Lamp(light, (0.0, 0.0, 0.0), 0.1, 40.0, infinite=infinite)
+
+
+def scene(profile, size, *, light, volume_color, volume_alpha, background):
+    """Silhouettes, volumes, shadows, from left to right."""
+    left, middle, right = (camera(panel) for panel in row_of_panels(3, size))
+    objects, lamp = solids(detail_of(size)), lamp_of(light)
+    volumes = shadow_volumes.shadow_volumes(objects, lamp.homogeneous)
+    loops = [
+        volume.positions[loop][:, :3]
+        for volume in volumes
+        for loop in shadow_volumes.silhouette_loops(volume)
+    ]
+    # The rays that pass each object farthest to the left and to the right.
+    outlines = [volume.positions[volume.silhouette[:, 0], :3] for volume in volumes]
+    ends = [outline[pick(outline[:, 0])] for outline in outlines for pick in (np.argmin, np.argmax)]
+    rays = [np.stack([np.array(light), end]) for end in ends]
+    endless = shadow_volumes.infinite_view(middle)
+    return (
+        left.panel.clear(background),
+        *unlit_pass(objects, left),
+        *lit_pass(objects, left, lamp, label="all of the light"),
+        drawing.strokes(
+            "rays of the light along the silhouettes", left, rays, _RAYS, width=0.8,
+            dash=drawing.DASH, depth_test=drawing.VISIBLE,
+        ),
+        drawing.strokes("silhouette edges, hidden ones too", left, loops, _HIDDEN, width=0.9),
+        drawing.strokes(
+            "silhouette edges that are seen", left, loops, drawing.YELLOW, width=1.6,
+            depth_test=drawing.VISIBLE,
+        ),
+        middle.panel.clear(background),
+        *unlit_pass(objects, endless),
+        *lit_pass(objects, endless, lamp, label="all of the light"),
+        shadow_volumes.show_volumes(
+            "extruded silhouette edges", volumes, endless, volume_color, volume_alpha
+        ),
+        right.panel.clear(background),
+        *shadow_volumes.z_fail(objects, right, lamp, profile),
+    )  # fmt: skip
+
+
+def odd_vertices(volumes):
+    """How many vertices have an odd number of silhouette edges."""
+    return sum(int((np.bincount(volume.silhouette.ravel()) % 2).sum()) for volume in volumes)
+
+
+def counted(renderer, algorithm, view, objects, lamp, on, operations=None):
+    """The stencil's counts and the lit mask after an algorithm, bottom row first; the panel is the window."""
+    panel, profile = view.panel, renderer.profile
+    passes = algorithm(objects, view, lamp, profile, "mask", operations=operations)
+    commands = (panel.clear((0.0, 0.0, 0.0)), *passes)
+    if on == "machine":
+        buffers = renderer.execute(commands, profile, panel.width, panel.height).framebuffer
+        color = buffers.color[..., :3] / (2.0**buffers.color_bits - 1.0)
+    else:
+        buffers = renderer.execute_ideal(commands, panel.width, panel.height)
+        color = buffers.color[..., :3]
+    return buffers.stencil[::-1].astype(np.int64), lit_mask(color[::-1])
+
+
+def expected_counts(volumes, truth, start=0.0):
+    """Z21's counter at what each pixel shows, int64 [h, w], zero where nothing is."""
+    seen, eye = truth.shown.something, np.array(truth.view.eye)
+    points = truth.shown.points[seen]
+    out = np.zeros(seen.shape, np.int64)
+    # What is lit is on a front cap: outside, as the depth test LESS has it.
+    out[seen] = shadow_volumes.ray_counter(volumes, truth.view.eye, points + 1e-9 * (eye - points), start)
+    return out
+
+
+def count_checks(renderer, view, objects, lamp, least, reason, ons=("ideal", "machine")):
+    """Both algorithms' counts against rays, and their masks' differences that nothing explains."""
+    truth = truth_of(objects, view, lamp)
+    volumes = shadow_volumes.shadow_volumes(objects, lamp.homogeneous)
+    expected, out = expected_counts(volumes, truth), []
+    for name, algorithm in (("z-pass", shadow_volumes.z_pass), ("z-fail", shadow_volumes.z_fail)):
+        for on in ons:
+            counts, mask = counted(renderer, algorithm, view, objects, lamp, on)
+            equal = float((counts == expected)[truth.shown.something].mean())
+            out.append(Check(f"{name}: pixels whose count is the rays'", equal, ">=", least, on, reason))
+            out.append(
+                Check(
+                    f"{name}: pixels lit or not unlike the rays', not on an edge",
+                    compare(mask, truth).other,
+                    "<=",
+                    0.0,
+                    on,
+                    "shadow volumes are exact in the picture: only edges may differ, by a pixel",
+                )
+            )
+    return out
+
+
+def _sides_over(tinted, plain, color, alpha):
+    """How many sides of one colour, each covering ``alpha``, lie over pixels: float64 [h, w]."""
+    left, whole = (np.abs(np.array(color) - picture).sum(axis=-1) for picture in (tinted, plain))
+    return np.log(np.maximum(left, 1e-3) / np.maximum(whole, 1e-3)) / np.log(1.0 - alpha)
+
+
+def panel_checks(figure, renderer, truth, volumes):
+    """The figure's own panels on the machine: silhouettes, sides and shadows, each where rays have them."""
+    size, p = truth.view.panel.width, figure.parameters
+    left, middle, right = np.split(renderer.machine(figure, size), 3, axis=1)
+    _, plain, _ = np.split(renderer.machine(figure, size, volume_alpha=0.0), 3, axis=1)
+    counts = expected_counts(volumes, truth)
+    inner = truth.shown.something & ~silhouettes(truth)
+    sides = _sides_over(middle, plain, p["volume_color"], p["volume_alpha"])
+    number = np.round(sides)
+    matching = (number >= counts) & ((number - counts) % 2 == 0)
+    faced = inner & (cosines(truth) > 0.1)
+    darkened = np.abs(right - plain).max(axis=-1) > 1.5 / 255.0
+    middles = np.concatenate([v.positions[v.silhouette, :3].mean(axis=1) for v in volumes])
+    x, y, w = (
+        np.array(row[:3]) @ middles.T + row[3]
+        for row in (product(truth.view.projection, truth.view.modelview)[k] for k in (0, 1, 3))
+    )
+    column, row = ((0.5 + 0.5 * c / w) * size for c in (x, y))
+    at = left[row.astype(int), column.astype(int)]
+    drawn = np.min([np.abs(at - c).max(axis=-1) for c in (_HIDDEN, drawing.YELLOW)], axis=0) < 1.5 / 255.0
+    return (
+        Check(
+            "silhouette edges whose middle has a line's colour", float(drawn.mean()), ">=", 0.98, "machine",
+            "each is drawn, whatever hides it",
+        ),
+        Check(
+            "pixels with as many sides of volumes over them as entering and leaving takes",
+            float(matching[inner].mean()), ">=", 0.995, "machine",
+            "what is in n volumes lies behind n sides, and two for each that the ray leaves again",
+        ),
+        Check(
+            "pixels that face the light and are darker than without shadows where rays say so",
+            float((darkened == (counts > 0))[faced].mean()), ">=", 0.998, "machine",
+            "shadow volumes are exact in the picture; edges differ by a pixel",
+        ),
+    )  # fmt: skip
+
+
+def checks(figure, renderer):
+    """Closed loops, closed volumes, counts, and what the panels show."""
+    size = 384
+    light = figure.parameters["light"]
+    out = []
+    for name, objects in (("cube and torus", solids(40)), ("the still life", still_life(40))):
+        for lamp in (lamp_of(light), lamp_of(light, infinite=True)):
+            volumes = shadow_volumes.shadow_volumes(objects, lamp.homogeneous)
+            kind = "a light at infinity" if lamp.infinite else "a point light"
+            out.append(
+                Check(
+                    f"vertices of {name} with an odd number of silhouette edges, {kind}",
+                    odd_vertices(volumes),
+                    "<=",
+                    0.0,
+                    "ideal",
+                    "the catalogue's: silhouette edges form closed loops",
+                )
+            )
+    view = camera(Panel(0, 0, size, size))
+    reason = "the catalogue's; vertices snapped to sixteenths of a pixel move edges"
+    out += count_checks(renderer, view, solids(40), lamp_of(light), 0.999, reason)
+    volumes = shadow_volumes.shadow_volumes(solids(40), lamp_of(light).homogeneous)
+    out += panel_checks(figure, renderer, truth_of(solids(40), view, lamp_of(light)), volumes)
+    return tuple(out)
+
+
+FIGURE = Figure(
+    id="F003-25",
+    title="Shadow volumes",
+    caption=(
+        "The silhouettes of a cube and a torus as a point light sees them, red where the camera does not, "
+        "and rays of the light (left); extruded away from the light, to infinity (middle); the shadows that "
+        "the stencil buffer finds with them (right)."
+    ),
+    must_see=(
+        "Closed loops, one on the cube and two on the torus (left); walls that spread away from the light "
+        "and meet the floor (middle) where the shadows' edges are (right)."
+    ),
+    source="Zwicker2016",
+    techniques=("Z21", "Z22", "Z24"),
+    columns=3,
+    parameters={
+        "light": (-1.9, 5.9, -1.8),
+        "volume_color": (0.99, 0.80, 0.30),
+        "volume_alpha": 0.2,
+        "background": BACKGROUND,
+    },
+    methods=(Method("stencil buffer", scene, ("OPENGL_1_2", "GEFORCE_256", "OCTANE", "INFINITE_REALITY")),),
+    acceptance=checks,
+)

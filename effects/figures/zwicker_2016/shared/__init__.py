@@ -1,0 +1,1 @@
+"""What figures of document 003 share."""

@@ -1,0 +1,118 @@
+"""What document 003's figures of bump mapping have in common: tessellation, maps, and what checks measure."""
+
+import numpy as np
+
+from fixedpipe.effects.bump_mapping import normal_maps
+from fixedpipe.effects.diagrams import drawing
+from fixedpipe.effects.figures.figure import Check
+from fixedpipe.effects.geometry.vectors import dot, normalize
+from fixedpipe.effects.passes.draws import NO_ALPHA, NO_RGB, ONE, OPAQUE, ZERO
+from fixedpipe.effects.passes.encoding import encode_factor, encode_rgba
+from fixedpipe.pipeline.commands import TexImage
+from fixedpipe.pipeline.enums import InternalFormat, Register
+from fixedpipe.pipeline.state import CombinerInput, FinalCombiner, GeneralCombiner, RegisterCombiners
+from fixedpipe.pipeline.textures.images import texture_2d
+
+BRICK_NORMALS, BRICK_COLORS = "normal map of bricks", "colours of bricks"
+
+
+def slices(size):
+    """How many slices a round surface has on a panel of ``size`` pixels: few enough at small sizes that the
+    plain-Python specification draws it, a multiple of 8.
+    """
+    return 16 if size < 64 else 48 if size < 200 else 96
+
+
+def texels(size, most=256):
+    """The edge of a map for a panel of ``size`` pixels: a power of two of half the panel's edge to the whole,
+    from 32 on, at most ``most``.
+    """
+    return min(max(1 << (size - 1).bit_length() - 1, 32), most)
+
+
+def load_normals(normals, name, profile, alpha=1.0):
+    """The command that loads normals [rows, columns, 3] as a texture for EXPAND_NORMAL."""
+    image = texture_2d(encode_rgba(normals, alpha, profile))
+    return TexImage(label=f"load {name}", texture=name, image=image)
+
+
+def load_colors(colors, name, profile):
+    """The command that loads colours [rows, columns, 3] in [0, 1] as a texture."""
+    image = texture_2d(encode_factor(colors, profile), InternalFormat.RGB8)
+    return TexImage(label=f"load {name}", texture=name, image=image)
+
+
+def texel_combiners():
+    """Combiners that show texture 0 as it is."""
+    final = FinalCombiner(a=CombinerInput(Register.TEXTURE0), b=ONE, c=ZERO, d=ZERO, g=OPAQUE)
+    return RegisterCombiners(general=(GeneralCombiner(NO_RGB, NO_ALPHA),), final=final)
+
+
+def map_normals(heights):
+    """Normals in tangent space of heights in units of the map's edge: float64 [rows, columns, 3]."""
+    rows, columns = heights.shape
+    return normal_maps.normals(heights, 1.0 / columns, 1.0 / rows)
+
+
+def recovered_normals(pictures, lights):
+    """Unit normals from pictures of (n.l)+ under three lights: float64 [h, w, 3].
+
+    ``pictures``: three float64 [h, w]; ``lights``: float64 [3, 3], a unit vector each, on whose lit side
+    every normal lies. Source: Woodham 1980 (photometric stereo).
+    """
+    return normalize(np.stack(pictures, axis=-1) @ np.linalg.inv(np.asarray(lights)).T)
+
+
+def angles(a, b):
+    """Degrees between unit vectors [..., 3]."""
+    return np.degrees(np.arccos(np.clip(dot(a, b), -1.0, 1.0)))
+
+
+def panel_of(image, number):
+    """Panel ``number`` of a row of square ones: [size, size, ...]."""
+    size = image.shape[0]
+    return image[:, number * size : (number + 1) * size]
+
+
+def silhouette_check(figure, renderer, size, without, with_bumps):
+    """That an object covers the same pixels of the first panel with and without bumps.
+
+    ``without``, ``with_bumps``: what of the figure's parameters differs. The background alone is blue.
+    """
+    colors = {"background": (0.0, 0.0, 1.0), "diffuse": (1.0, 1.0, 0.0), "ambient": (0.25, 0.25, 0.0)}
+    images = [panel_of(renderer.machine(figure, size, **colors, **c), 0) for c in (without, with_bumps)]
+    covered = [image[..., 2] < 0.5 for image in images]
+    reason = "bump mapping turns normals and moves no vertex: the catalogue's"
+    return (
+        Check("pixels that are the object's with bumps or without, not both",
+              float((covered[0] != covered[1]).sum()), "<=", 0.0, "machine", reason),
+        Check("share of the panel that the object covers", float(covered[0].mean()), ">=", 0.2, "machine",
+              "there is something to compare"),
+        Check("largest difference between the two", float(np.abs(images[0] - images[1]).max()), ">=", 0.1,
+              "machine", "one of them has bumps"),
+    )  # fmt: skip
+
+
+def drawn_check(figure, renderer, places):
+    """That a diagram's marks are where the geometry has them.
+
+    ``places``: (panel's number, its view at half the figure's size, point, colour).
+    The largest distance of a pixel there from its colour.
+    """
+    size, out = figure.size // 2, []
+    for on in ("ideal", "machine"):
+        image, apart = getattr(renderer, on)(figure, size), 0.0
+        for number, view, point, color in places:
+            x, y = (int(c) for c in np.floor(drawing.project(view, point)[:2]))
+            apart = max(apart, float(np.abs(panel_of(image, number)[y, x] - np.array(color)).max()))
+        out.append(
+            Check(
+                f"colours of {len(places)} marks at the computed places, largest difference",
+                apart,
+                "<=",
+                0.5 / 255.0 + 1e-9 if on == "ideal" else 1.0 / 255.0,
+                on,
+                "a mark covers the pixel's middle",
+            )
+        )
+    return tuple(out)

@@ -1,0 +1,146 @@
+"""Z05, Z06 and Z07 side by side: one lighting in camera, in object and in tangent space."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check, root_mean_square
+from fixedpipe.effects.bump_mapping import lighting_spaces, normalization_cube_map
+from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.shared.bumps import (
+    load_normals,
+    map_normals,
+    panel_of,
+    slices,
+    texels,
+)
+from fixedpipe.effects.geometry import height_fields, surfaces
+from fixedpipe.effects.geometry.views import Light, perspective_view, row_of_panels
+from fixedpipe.effects.reflectance.dot_product_lookups import encode_dot_product
+from fixedpipe.pipeline.commands import TexImage
+from fixedpipe.pipeline.textures.images import texture_2d
+
+EYE = (1.3, 1.1, 3.4)
+FOR_DOT_PRODUCTS, FOR_OBJECT, FOR_TANGENT = (
+    "normal map for dot products",
+    "normal map in object space",
+    "normal map in tangent space",
+)
+
+
+def bump_normals(edge, relief):
+    """Round bumps for a whole sphere, float64 [edge, 2 edge, 3]: normals in tangent space."""
+    heights = height_fields.smooth(height_fields.pebbles(edge, edge, 6, 12), 3)
+    return np.tile(map_normals(relief * heights), (1, 2, 1))
+
+
+def object_normals(normals):
+    """The sphere's map in object space."""
+    s, t = height_fields.texel_centers(normals.shape[1], normals.shape[0])
+    return lighting_spaces.object_space_normals(normals, surfaces.sphere_frames(s, t))
+
+
+def scene(profile, size, *, relief, light, diffuse, ambient, specular, background, maps):
+    """Z05: a panel for each space; ``maps``: the height of the normal maps, None: fit for the panel."""
+    n = slices(size)
+    surface = surfaces.sphere(n, n // 2)
+    normals = bump_normals(texels(size) if maps is None else maps, relief)
+    dot_products = texture_2d(encode_dot_product(normals, 1.0, profile))
+    out = [
+        normalization_cube_map.load(64, profile),
+        TexImage(label=f"load {FOR_DOT_PRODUCTS}", texture=FOR_DOT_PRODUCTS, image=dot_products),
+        load_normals(object_normals(normals), FOR_OBJECT, profile),
+        load_normals(normals, FOR_TANGENT, profile),
+    ]
+    passes = (
+        (lighting_spaces.camera_space_pass, FOR_DOT_PRODUCTS),
+        (lighting_spaces.object_space_passes, FOR_OBJECT),
+        (lighting_spaces.tangent_space_passes, FOR_TANGENT),
+    )
+    for panel, (lit, name) in zip(row_of_panels(3, size), passes, strict=True):
+        view = perspective_view(panel, EYE, field_of_view=34.0, radius=1.1)
+        out += (
+            panel.clear(background),
+            *lit(
+                surface, name, view, Light(light), profile, color=diffuse, ambient=ambient, specular=specular
+            ),
+        )
+    return tuple(out)
+
+
+def checks(figure, renderer):
+    """That the three spaces show one picture, as far as what is interpolated allows."""
+    size, maps = 128, 256
+    black = {"background": (0.0, 0.0, 0.0), "maps": maps}
+    images = {
+        on: [panel_of(np.clip(getattr(renderer, on)(figure, size, **black), 0.0, 1.0), k) for k in range(3)]
+        for on in ("ideal", "machine")
+    }
+    covered = images["ideal"][0].sum(axis=-1) > 0.0
+    out = []
+    # By where and what: of nine pixels in ten, and of all.
+    bounds = {
+        ("ideal", "object"): (0.0025, 0.008),
+        ("ideal", "tangent"): (0.011, 0.0105),
+        ("machine", "object"): (0.016, 0.013),
+        ("machine", "tangent"): (0.016, 0.0147),
+    }
+    for (on, other), (most, every) in bounds.items():
+        apart = np.abs(images[on][0] - images[on][("camera", "object", "tangent").index(other)])[covered]
+        arithmetic = "" if on == "ideal" else "; 8-bit vectors and normals, to the eighth power"
+        out += (
+            Check(
+                f"camera space - {other} space, nine pixels in ten are below",
+                float(np.percentile(apart, 90.0)),
+                "<=",
+                most,
+                on,
+                f"interpolated vectors are chords, of 7.5 degrees here{arithmetic}; a third of slack",
+            ),
+            Check(
+                f"camera space - {other} space, RMS",
+                root_mean_square(apart),
+                "<=",
+                every,
+                on,
+                "only camera space makes filtered normals of length one again, which matters in the "
+                f"creases between bumps{arithmetic}; a third of slack",
+            ),
+        )
+    smooth = panel_of(renderer.ideal(figure, size, relief=0.0, **black), 0)
+    return (
+        *out,
+        Check(
+            "the bumps' own part of the picture, RMS",
+            root_mean_square(np.clip(smooth, 0.0, 1.0)[covered] - images["ideal"][0][covered]),
+            ">=",
+            0.1,
+            "ideal",
+            "the three agree on much more than a smooth sphere",
+        ),
+        arithmetic_check(figure, renderer, 0.006, POWER_8),
+    )
+
+
+FIGURE = Figure(
+    id="Z05",
+    title="Lighting in camera, object and tangent space",
+    caption=(
+        "A bumpy sphere under one light: the map's normal turned to camera space at every pixel; a map "
+        "of object-space normals; the light turned to tangent space at every vertex."
+    ),
+    must_see="Three times the same picture: bumps lit from the upper left, each with a highlight of its own.",
+    source="Zwicker2016",
+    techniques=("Z05", "Z06", "Z07", "K14", "K12"),
+    columns=3,
+    size=384,
+    parameters={
+        "relief": 0.45,
+        "light": (-0.55, 0.6, 0.58),
+        "diffuse": (0.56, 0.34, 0.20),
+        "ambient": (0.05, 0.04, 0.04),
+        "specular": 0.4,
+        "background": BACKGROUND,
+        "maps": None,
+    },
+    methods=(Method("texture shaders and register combiners", scene, ("GEFORCE_3", "NV2A")),),
+    acceptance=checks,
+)

@@ -1,0 +1,117 @@
+"""Z06: object-space bump mapping on machines without texture shaders."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check, root_mean_square
+from fixedpipe.effects.bump_mapping import lighting_spaces
+from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.shared.bumps import load_normals, panel_of, slices, texels
+from fixedpipe.effects.figures.zwicker_2016.z05_three_lighting_spaces import (
+    FOR_OBJECT,
+    bump_normals,
+    object_normals,
+)
+from fixedpipe.effects.geometry import surfaces
+from fixedpipe.effects.geometry.matrices import rotation
+from fixedpipe.effects.geometry.views import Light, orthographic_view, row_of_panels
+from fixedpipe.effects.reflectance import brdfs
+
+TURNS = (0.0, 55.0)
+
+
+def _scene(profile, size, load, passes, *, relief, light, diffuse, ambient, specular, background):
+    """Two panels: the sphere, and the sphere turned about its axis, with the same map."""
+    n = slices(size)
+    normals = object_normals(bump_normals(texels(size), relief))
+    out = list(load(normals, profile))
+    for panel, degrees in zip(row_of_panels(2, size), TURNS, strict=True):
+        turn = rotation("y", degrees)
+        surface = surfaces.sphere(n, n // 2).rotated(turn)
+        view = orthographic_view(panel, half_height=1.1)
+        out += (
+            panel.clear(background),
+            # The rows of the transposed rotation are where the object's axes went.
+            *passes(surface, normals, view, Light(light), profile, color=diffuse, ambient=ambient,
+                    specular=specular, axes=turn.T),
+        )  # fmt: skip
+    return tuple(out)
+
+
+def combiner_scene(profile, size, **parameters):
+    """Z06 by register combiners: the map is loaded once."""
+
+    def load(normals, profile):
+        return (load_normals(normals, FOR_OBJECT, profile),)
+
+    def passes(surface, normals, *arguments, **settings):
+        return lighting_spaces.object_space_passes(surface, FOR_OBJECT, *arguments, **settings)
+
+    return _scene(profile, size, load, passes, **parameters)
+
+
+def color_matrix_scene(profile, size, **parameters):
+    """Z06 by the imaging subset: the map is loaded twice for each light and viewer."""
+
+    def load(normals, profile):
+        return ()
+
+    return _scene(profile, size, load, lighting_spaces.color_matrix_passes, **parameters)
+
+
+def checks(figure, renderer):
+    """The picture's diffuse part against the equation at the sphere's points, as it stands and turned."""
+    size = 128
+    light = np.array(figure.parameters["light"])
+    light = light / np.sqrt((light * light).sum())
+    out = []
+    edge = ((np.arange(size) + 0.5) / size * 2.0 - 1.0) * 1.1
+    x, y = np.meshgrid(edge, edge)
+    inside = x * x + y * y < 0.8
+    z = np.sqrt(np.where(inside, 1.0 - x * x - y * y, 0.0))
+    shown = renderer.machine(figure, size, relief=0.0, diffuse=(1.0, 0.0, 0.0), ambient=(0.0, 0.0, 0.0))
+    for k, degrees in enumerate(TURNS):
+        lit = brdfs.lambert(np.stack([x, y, z], axis=-1), light)
+        # The highlight is white and the diffuse light red, so that their difference is the diffuse part.
+        picture = panel_of(shown, k)
+        unclamped = inside & (picture[..., 0] < 1.0)
+        error = (picture[..., 0] - picture[..., 1] - lit)[unclamped]
+        out.append(
+            Check(
+                f"the smooth sphere's diffuse light, turned by {degrees:g} degrees, RMS",
+                root_mean_square(error),
+                "<=",
+                0.01,
+                "machine",
+                "bytes of the map, of the light and of the picture; a light left in world axes "
+                "would be wrong by 0.3 on the turned sphere",
+            )
+        )
+    return (*out, arithmetic_check(figure, renderer, 0.0051, POWER_8))
+
+
+FIGURE = Figure(
+    id="Z06",
+    title="Object-space normal map",
+    caption=(
+        "A bumpy sphere whose normal map holds normals of its own axes, and the same sphere and map "
+        "turned by 55 degrees: the light is brought to its axes once, not at every vertex."
+    ),
+    must_see="Bumps lit from the upper left on both; the right ones are others, lit from the same side.",
+    source="Zwicker2016",
+    techniques=("Z06", "K14"),
+    columns=2,
+    size=384,
+    parameters={
+        "relief": 0.45,
+        "light": (-0.55, 0.6, 0.58),
+        "diffuse": (0.30, 0.42, 0.50),
+        "ambient": (0.04, 0.05, 0.06),
+        "specular": 0.4,
+        "background": BACKGROUND,
+    },
+    methods=(
+        Method("register combiners", combiner_scene, ("GEFORCE_256",)),
+        Method("imaging subset", color_matrix_scene, ("OCTANE", "OPENGL_1_2_IMAGING")),
+    ),
+    acceptance=checks,
+)

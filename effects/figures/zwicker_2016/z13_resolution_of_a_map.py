@@ -1,0 +1,104 @@
+"""Z13: one shadow map with a half, twice and eight times as many texels along an edge as the picture."""
+
+from fixedpipe.effects.figures.figure import Check, Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
+    NEAR_SHADOW,
+    WHOLE,
+    agreements,
+    others,
+    panels_of_avenue,
+    wrong,
+)
+from fixedpipe.effects.scenes import avenue
+
+CHECKED_SIZE = 128
+
+
+def scene(profile, size, *, shading="lit", panels, background, sun):
+    """Z13: the avenue with basic maps of several resolutions."""
+    return panels_of_avenue(profile, size, panels, shading, background, sun)
+
+
+def checks(figure, renderer):
+    """How many pixels are wrong at each resolution."""
+    size, panels = CHECKED_SIZE, figure.parameters["panels"]
+    picture = renderer.machine(figure, size, shading="mask")
+    shown = agreements(picture, size, panels, figure.parameters["sun"])
+    # The same maps over all that the viewer sees.
+    panels = tuple((*panel[:3], WHOLE) for panel in panels[1:])
+    picture = renderer.machine(figure, size, shading="mask", panels=panels)
+    found = agreements(picture, size, panels, figure.parameters["sun"])
+    coarse, middle, fine = map(wrong, found)
+    return (
+        Check(
+            "wrong pixels: 1/2 texel a pixel over 2",
+            coarse / middle,
+            ">=",
+            2.8,
+            "machine",
+            "bands along shadows' edges a quarter as wide; measured 3.7, as the finer map's are near a pixel",
+        ),
+        Check(
+            "wrong pixels: 2 texels a pixel over 8",
+            middle / fine,
+            ">=",
+            1.4,
+            "machine",
+            "what is left is within a pixel of an edge; measured 1.8",
+        ),
+        Check(
+            "pixels that agree with rays, 1/2 texel a pixel",
+            found[0].agreeing,
+            ">=",
+            0.90,
+            "machine",
+            "of those that face the light; measured 0.918, the rest nearly all within texels of an edge",
+        ),
+        Check(
+            "pixels that agree with rays, 8 texels a pixel",
+            found[2].agreeing,
+            ">=",
+            0.985,
+            "machine",
+            "of those that face the light; measured 0.988",
+        ),
+        Check(
+            "wrong pixels of the near shadow, magnified: 1/2 texel a pixel over 8",
+            wrong(shown[1]) / max(wrong(shown[3]), 1e-9),
+            ">=",
+            10.0,
+            "machine",
+            "sixteen times as many texels along an edge; measured 16",
+        ),
+        others((*found, *shown)),
+    )
+
+
+FIGURE = Figure(
+    id="Z13",
+    title="The resolution of a shadow map",
+    caption=(
+        "A long ground with a basic shadow map, and a near shadow magnified with maps of 256, 1024 and 4096 "
+        "texels along their edges, for pictures of 512 pixels. The largest is drawn in pieces, as the window "
+        "holds no more."
+    ),
+    must_see=(
+        "The near shadow's edge has stairs larger than the ball that throws it in the second picture, a "
+        "quarter as large in the third, and is round at last."
+    ),
+    source="Zwicker2016",
+    techniques=("Z13", "Z30"),
+    columns=4,
+    parameters={
+        "panels": (
+            ("basic", 0.5, 1, WHOLE),
+            ("basic", 0.5, 1, NEAR_SHADOW),
+            ("basic", 2.0, 1, NEAR_SHADOW),
+            ("basic", 8.0, 1, NEAR_SHADOW),
+        ),
+        "background": avenue.SKY,
+        "sun": avenue.SUN,
+    },
+    methods=(Method("depth textures", scene, ("GEFORCE_3", "NV2A")),),
+    acceptance=checks,
+)

@@ -1,0 +1,123 @@
+"""Z14: the viewer's frustum in three slices, a shadow map for each."""
+
+import numpy as np
+
+from fixedpipe.effects.figures.figure import Check, Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
+    NEAR_SHADOW,
+    TINTED,
+    WHOLE,
+    agreements,
+    nearest_rows,
+    others,
+    panels_of_avenue,
+    truth,
+    wrong,
+)
+from fixedpipe.effects.scenes import avenue
+from fixedpipe.effects.shadows import frustum_slices
+
+CHECKED_SIZE = 256
+
+
+def scene(profile, size, *, shading="lit", panels, background, sun):
+    """Z14: the avenue with slices, and a near shadow with a basic map and with slices."""
+    return panels_of_avenue(profile, size, panels, shading, background, sun)
+
+
+def _tint_matches(picture, rays, slices):
+    """The share of the ground's pixels away from slices' ends whose strongest colour is their slice's."""
+    distances = frustum_slices.view_slices(rays.view, slices)
+    modelview = np.array(rays.view.modelview)
+    depth = -(rays.shown.points @ modelview[2, :3] + modelview[2, 3])
+    plain = picture.copy()
+    wanted = frustum_slices.slice_of(distances, depth)
+    away = np.min([np.abs(depth - d) for d in distances[1:-1]], axis=0) > 0.02 * depth
+    ground = (rays.shown.object == 0) & away
+    # The ground's own colour is divided out.
+    strongest = np.argmax(plain[ground] / np.array([0.84, 0.78, 0.62]), axis=-1)
+    return float((strongest == wanted[ground]).mean())
+
+
+def checks(figure, renderer):
+    """What slices bring, and whether each pixel is of the slice that its depth says."""
+    size, sun, panels = CHECKED_SIZE, figure.parameters["sun"], figure.parameters["panels"]
+    shown = agreements(renderer.machine(figure, size, shading="mask"), size, panels, sun)
+    compared = (("basic", *panels[1][1:3], WHOLE), panels[1])
+    picture = renderer.machine(figure, size, shading="mask", panels=compared)
+    found = agreements(picture, size, compared, sun)
+    basic, sliced = (wrong(f, nearest_rows(size)) for f in found)
+    tinted = renderer.machine(figure, size)[:, :size]
+    return (
+        Check(
+            "wrong pixels in the nearest fifth of the screen: basic over slices",
+            basic / max(sliced, 1e-9),
+            ">=",
+            3.5,
+            "machine",
+            "the nearest slice is a fifth of the ground's length; measured 5.2",
+        ),
+        Check(
+            "wrong pixels: basic over slices",
+            wrong(found[0]) / wrong(found[1]),
+            ">=",
+            2.0,
+            "machine",
+            "three maps instead of one; measured 2.5",
+        ),
+        Check(
+            "pixels that agree with rays, slices",
+            found[1].agreeing,
+            ">=",
+            0.988,
+            "machine",
+            "of those that face the light; measured 0.992",
+        ),
+        Check(
+            "ground that has its slice's tint",
+            _tint_matches(tinted, truth(size, sun), panels[0][2]),
+            ">=",
+            0.9995,
+            "machine",
+            "away from slices' ends; trees and columns on the outline's pixels are the rest",
+        ),
+        Check(
+            "wrong pixels of the near shadow, magnified: basic over slices",
+            wrong(shown[2]) / wrong(shown[3]),
+            ">=",
+            2.0,
+            "machine",
+            "as above, where only the ground, the stone and its shadow are seen; measured 2.6",
+        ),
+        others((*found, *shown)),
+    )
+
+
+FIGURE = Figure(
+    id="Z14",
+    title="A shadow map for each slice of the view",
+    caption=(
+        "A long ground with a shadow map for each of three slices of what the viewer sees, the slices tinted "
+        "first. Third and fourth a near shadow magnified, with one basic map and with as many texels for "
+        "each slice."
+    ),
+    must_see=(
+        "First red, green and blue slices, each ground pixel in one of them; second no seam where they meet. "
+        "The stairs along the near shadow's edge are large in the third picture, small in the fourth."
+    ),
+    source="Zwicker2016",
+    techniques=("Z14",),
+    columns=4,
+    parameters={
+        "panels": (
+            ("slices", 1.0, 3, TINTED),
+            ("slices", 1.0, 3, WHOLE),
+            ("basic", 1.0, 1, NEAR_SHADOW),
+            ("slices", 1.0, 3, NEAR_SHADOW),
+        ),
+        "background": avenue.SKY,
+        "sun": avenue.SUN,
+    },
+    methods=(Method("depth textures and clip planes", scene, ("GEFORCE_3", "NV2A")),),
+    acceptance=checks,
+)

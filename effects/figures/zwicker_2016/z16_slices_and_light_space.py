@@ -1,0 +1,116 @@
+"""Z16: basic shadow maps, slices, light-space perspective, and the last two together."""
+
+from fixedpipe.effects.figures.figure import Check, Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
+    NEAR_SHADOW,
+    WHOLE,
+    agreements,
+    nearest_rows,
+    others,
+    panels_of_avenue,
+    wrong,
+)
+from fixedpipe.effects.scenes import avenue
+
+CHECKED_SIZE = 256
+
+
+def scene(profile, size, *, shading="lit", panels, background, sun):
+    """Z16: the avenue in all four ways to fit shadow maps."""
+    return panels_of_avenue(profile, size, panels, shading, background, sun)
+
+
+def checks(figure, renderer):
+    """How many pixels are wrong in each way."""
+    size, panels = CHECKED_SIZE, figure.parameters["panels"]
+    picture = renderer.machine(figure, size, shading="mask")
+    shown = agreements(picture, size, panels, figure.parameters["sun"])
+    # The same maps over all that the viewer sees.
+    panels = tuple((*panel[:3], WHOLE) for panel in panels[1:])
+    picture = renderer.machine(figure, size, shading="mask", panels=panels)
+    found = agreements(picture, size, panels, figure.parameters["sun"])
+    near = [max(wrong(f, nearest_rows(size)), 1e-9) for f in found]
+    ratios = (("slices", 1, 3.2, 4.8), ("LiSPSM", 2, 2.5, 3.5), ("both", 3, 4.8, 6.8))
+    return (
+        *(
+            Check(
+                f"wrong pixels in the nearest fifth of the screen: basic over {name}",
+                near[0] / near[k],
+                ">=",
+                bound,
+                "machine",
+                f"measured {measured} at the first correct picture",
+            )
+            for name, k, bound, measured in ratios
+        ),
+        Check(
+            "wrong pixels of both together over the least of the others",
+            wrong(found[3]) / min(map(wrong, found[:3])),
+            "<=",
+            1.0,
+            "machine",
+            "measured 0.88: most of what slices leave is within a pixel of an edge",
+        ),
+        *(
+            Check(
+                f"pixels that agree with rays, {way}",
+                f.agreeing,
+                ">=",
+                bound,
+                "machine",
+                "of those that face the light, with half as many texels as pixels along an edge; measured "
+                f"{measured}",
+            )
+            for (way, *_), f, bound, measured in zip(
+                panels, found, (0.93, 0.98, 0.97, 0.982), (0.948, 0.986, 0.978, 0.987), strict=True
+            )
+        ),
+        *(
+            Check(
+                f"wrong pixels of the near shadow, magnified: basic over {name}",
+                wrong(shown[1]) / wrong(shown[1 + k]),
+                ">=",
+                bound,
+                "machine",
+                f"as above, where only the ground, the stone and its shadow are seen; measured {measured}",
+            )
+            for name, k, bound, measured in (
+                ("slices", 1, 2.1, 3.1),
+                ("LiSPSM", 2, 2.2, 3.3),
+                ("both", 3, 3.3, 4.9),
+            )
+        ),
+        others((*found, *shown), 8e-4, 0.0004),
+    )
+
+
+FIGURE = Figure(
+    id="Z16",
+    title="Slices and light-space perspective together",
+    caption=(
+        "A long ground with three slices in light-space perspective, and a near shadow magnified: with one "
+        "basic map, with three slices, with one map in light-space perspective, and with both. Every map has "
+        "two texels for three pixels along the picture's edge."
+    ),
+    must_see=(
+        "The stairs along the near shadow's edge are largest with the basic map, small with either, smallest "
+        "with both together; no seam in the first picture."
+    ),
+    source="Zwicker2016",
+    techniques=("Z13", "Z14", "Z15", "Z16"),
+    columns=5,
+    size=384,
+    parameters={
+        "panels": (
+            ("slices and LiSPSM", 0.67, 3, WHOLE),
+            ("basic", 0.67, 1, NEAR_SHADOW),
+            ("slices", 0.67, 3, NEAR_SHADOW),
+            ("LiSPSM", 0.67, 1, NEAR_SHADOW),
+            ("slices and LiSPSM", 0.67, 3, NEAR_SHADOW),
+        ),
+        "background": avenue.SKY,
+        "sun": avenue.SUN,
+    },
+    methods=(Method("depth textures and clip planes", scene, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
+    acceptance=checks,
+)

@@ -1,0 +1,132 @@
+"""Z23: the same shadows by z-pass and z-fail, and what the stencil buffer counts on the way."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.agreement import lit_mask, truth_of
+from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.f003_25_shadow_volumes import count_checks, expected_counts
+from fixedpipe.effects.geometry.views import Panel, row_of_panels
+from fixedpipe.effects.scenes.objects_and_lamps import (
+    Lamp,
+    Scene,
+    detail_of,
+    lamp_around,
+    still_life,
+    still_life_view,
+)
+from fixedpipe.effects.shadows import shadow_volumes
+from fixedpipe.effects.shadows.lit_scene import lit_pass, unlit_pass
+
+
+def _shown_counts(profile, objects, view, lamp, counts, colors):
+    """The scene in grey, lit from the eye, times a colour for each count."""
+    grey = Scene(tuple(replace(thing, color=(0.9, 0.9, 0.9), specular=0.0) for thing in objects.objects))
+    volumes = shadow_volumes.shadow_volumes(objects, lamp.homogeneous)
+    from_the_eye = Lamp(view.eye, (0.0, 0.0, 0.0), 0.1, 40.0)
+    return (
+        *unlit_pass(grey, view),
+        *counts(volumes, view, shadow_volumes.counting_operations(profile)),
+        *lit_pass(grey, view, from_the_eye, label="light from the eye"),
+        *shadow_volumes.show_counts(view.panel, colors),
+    )
+
+
+def scene(profile, size, *, light, infinite, colors, background, shading="lit"):
+    """Shadows by z-pass, its counts, z-fail's counts, shadows by z-fail."""
+    objects = still_life(detail_of(size))
+    lamp = lamp_around(objects, light, infinite=infinite)
+    views = [still_life_view(panel) for panel in row_of_panels(4, size)]
+    endless = shadow_volumes.infinite_view(views[2])
+    clears = [
+        replace(view.panel.clear(background), stencil=0, label="clear colour, depth and stencil")
+        for view in views
+    ]
+    return (
+        clears[0],
+        *shadow_volumes.z_pass(objects, views[0], lamp, profile, shading),
+        clears[1],
+        *_shown_counts(profile, objects, views[1], lamp, shadow_volumes.z_pass_counts, colors),
+        clears[2],
+        *_shown_counts(profile, objects, endless, lamp, shadow_volumes.z_fail_counts, colors),
+        clears[3],
+        *shadow_volumes.z_fail(objects, views[3], lamp, profile, shading),
+    )
+
+
+def coloured_counts(picture, colors):
+    """Which of ``colors`` the grey scene was multiplied by, by its green over its red: int64 [h, w]."""
+    green = picture[..., 1] / np.maximum(picture[..., 0], 1e-6)
+    of_colors = np.array([color[1] / color[0] for color in colors])
+    return np.abs(green[..., None] - of_colors).argmin(axis=-1)
+
+
+def checks(figure, renderer):
+    """Counts against rays, and one algorithm's picture against the other's."""
+    size = 256
+    objects = still_life(detail_of(size))
+    lamp = lamp_around(objects, figure.parameters["light"], infinite=figure.parameters["infinite"])
+    view = still_life_view(Panel(0, 0, size, size))
+    reason = (
+        "vertices snapped to sixteenths of a pixel move the edges of five objects and of their shadows; "
+        "measured at the first correct picture, with at most a third of slack"
+    )
+    out = count_checks(renderer, view, objects, lamp, 0.9978, reason)
+    truth = truth_of(objects, view, lamp)
+    expected = expected_counts(shadow_volumes.shadow_volumes(objects, lamp.homogeneous), truth)
+    for on in ("ideal", "machine"):
+        picture = getattr(renderer, on)(figure, size, shading="mask")
+        mask = lit_mask(picture)
+        alike = mask[:, :size] == mask[:, 3 * size :]
+        out.append(
+            Check(
+                "pixels that z-pass and z-fail draw alike",
+                float(alike.mean()),
+                ">=",
+                0.9995,
+                on,
+                "the same polygons counted before and behind what is seen; only depths without a far plane "
+                "round otherwise",
+            )
+        )
+        for k, name in ((1, "z-pass"), (2, "z-fail")):
+            shown = coloured_counts(picture[:, k * size : (k + 1) * size], figure.parameters["colors"])
+            out.append(
+                Check(
+                    f"{name}: pixels in the colour of the rays' count",
+                    float((shown == np.minimum(expected, 3))[truth.shown.something].mean()),
+                    ">=",
+                    0.9978,
+                    on,
+                    reason,
+                )
+            )
+    return tuple(out)
+
+
+FIGURE = Figure(
+    id="Z23",
+    title="Shadow volumes by z-pass and z-fail",
+    caption=(
+        "Shadows by z-pass (left) and z-fail (right). Between them what each counts in the stencil buffer: "
+        "grey where the count is zero, yellow, orange and red where it is one, two, three or more."
+    ),
+    must_see=(
+        "The outer pictures are alike, and so are the inner ones. Every shadow on the floor and on other "
+        "objects, and every side that is turned away from the light, is coloured; where shadows overlap the "
+        "count is two."
+    ),
+    source="Zwicker2016",
+    techniques=("Z21", "Z22", "Z23", "Z24"),
+    columns=4,
+    size=384,
+    parameters={
+        "light": (-6.2, 7.0, 3.2),
+        "infinite": False,
+        "colors": ((1.0, 1.0, 1.0), (1.0, 0.82, 0.30), (1.0, 0.46, 0.16), (0.85, 0.12, 0.16)),
+        "background": BACKGROUND,
+    },
+    methods=(Method("stencil buffer", scene, ("OPENGL_1_2", "GEFORCE_256", "OCTANE", "INFINITE_REALITY")),),
+    acceptance=checks,
+)

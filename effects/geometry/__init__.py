@@ -1,0 +1,1 @@
+"""Vectors, matrices, surfaces, views: no state, no pass."""

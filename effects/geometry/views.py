@@ -1,0 +1,106 @@
+"""Where a pass is drawn and seen from: camera, viewport and scissor, in world coordinates."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fixedpipe.effects.geometry.matrices import look_at, orthographic, perspective
+from fixedpipe.effects.geometry.vectors import normalize, unit_vector
+from fixedpipe.pipeline.commands import Clear
+from fixedpipe.pipeline.state import Matrix, Scissor, VertexState, Viewport
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A rectangle of the framebuffer in window coordinates (origin lower left), pixels."""
+
+    x: int
+    y: int
+    width: int
+    height: int
+
+    def __post_init__(self):
+        if self.width < 1 or self.height < 1:
+            raise ValueError(
+                f"A panel of {self.width}x{self.height} pixels shows nothing; give it one or more."
+            )
+
+    @property
+    def scissor(self):
+        """The scissor rectangle that keeps a pass inside the panel."""
+        return Scissor(self.x, self.y, self.width, self.height)
+
+    def clear(self, color, label="clear colour and depth"):
+        """Clear the panel's colour (RGB in [0, 1]), destination alpha and depth."""
+        return Clear(label=label, color=(*color, 0.0), depth=1.0, scissor=self.scissor)
+
+
+def row_of_panels(columns, size):
+    """Square panels side by side, each ``size`` pixels wide."""
+    return tuple(Panel(i * size, 0, size, size) for i in range(columns))
+
+
+@dataclass(frozen=True)
+class View:
+    """A camera on a panel.
+
+    ``modelview`` and ``projection`` as in VertexState. ``eye``: the eye's position in world coordinates, or
+    the direction to it when ``infinite_viewer``.
+    """
+
+    panel: Panel
+    modelview: Matrix
+    projection: Matrix
+    eye: tuple[float, float, float]
+    infinite_viewer: bool
+
+    @property
+    def vertex(self):
+        """The vertex state of every pass of this view: equal states, so that depths are equal too."""
+        p = self.panel
+        return VertexState(self.modelview, self.projection, Viewport(p.x, p.y, p.width, p.height))
+
+    def vertex_with(self, **settings):
+        """The same with more of VertexState: lighting, clip planes."""
+        return replace(self.vertex, **settings)
+
+    def view_vectors(self, positions):
+        """Unit vectors from positions [n, 3] to the eye."""
+        if self.infinite_viewer:
+            return np.broadcast_to(normalize(np.array(self.eye)), positions.shape)
+        return normalize(np.array(self.eye) - positions)
+
+
+def orthographic_view(panel, half_height=1.0, depth=4.0):
+    """The world seen along -z by an infinite viewer; ``half_height`` world units above and below the
+    centre.
+    """
+    half_width = half_height * panel.width / panel.height
+    projection = orthographic(-half_width, half_width, -half_height, half_height, -depth, depth)
+    return View(panel, orthographic(-1, 1, -1, 1, 1, -1), projection, (0.0, 0.0, 1.0), True)
+
+
+def perspective_view(panel, eye, center=(0.0, 0.0, 0.0), field_of_view=30.0, radius=2.0):
+    """A camera at ``eye`` that looks at ``center``; what lies within ``radius`` of the centre is not
+    clipped.
+    """
+    distance = float(np.sqrt(sum((e - c) ** 2 for e, c in zip(eye, center, strict=True))))
+    near, far = max(distance - radius, distance / 64.0), distance + radius
+    projection = perspective(field_of_view, panel.width / panel.height, near, far)
+    return View(panel, look_at(eye, center), projection, tuple(float(e) for e in eye), False)
+
+
+@dataclass(frozen=True)
+class Light:
+    """A white light of intensity one. ``vector``: direction to it, or its position when ``point``; world
+    coordinates.
+    """
+
+    vector: tuple[float, float, float]
+    point: bool = False
+
+    def light_vectors(self, positions):
+        """Unit vectors from positions [n, 3] to the light."""
+        if self.point:
+            return normalize(np.array(self.vector) - positions)
+        return np.broadcast_to(unit_vector(self.vector, "The light's direction"), positions.shape)

@@ -1,0 +1,1 @@
+"""The words in which techniques write their passes."""

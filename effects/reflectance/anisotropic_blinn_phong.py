@@ -1,0 +1,189 @@
+"""K07, the simplified anisotropic Blinn-Phong model in one pass of register combiners, and K11, its two
+frames.
+
+Eq. 1: L_o = k_s (1 - (h.t/alpha_x)^2 - (h.b/alpha_y)^2)+. Texture unit 0 holds t/(4 alpha_x) and k_s, unit 1
+b/(4 alpha_y), the primary colour the halfway vector. The first general combiner makes both dot products and
+multiplies by four; the second squares and adds; the final combiner subtracts from one and multiplies by k_s
+times the light's colour. Results beyond [-1, 1] saturate, where Eq. 1 is zero anyway (erratum E004.8).
+
+A board with one texture unit, or one general combiner, has one material vector in a pass: the squares are
+then added in the framebuffer, which also subtracts them from one (``specular_passes``).
+
+K11: the halfway vector is turned into the surface's local frame at every vertex (the paper's choice), or the
+material textures are baked in world coordinates for one surface and the halfway vector stays as it is.
+
+Source: Kautz, Seidel 2000, sections 3.2, 4 and 4.1, Eq. 1 (K07, K11 of the catalogue; pass sequence A-K07).
+"""
+
+from fixedpipe.effects.geometry.vectors import from_frame, normalize
+from fixedpipe.effects.geometry.vertex_vectors import half_vectors
+from fixedpipe.effects.passes.draws import (
+    ADD,
+    ADD_GATED,
+    FIRST_PASS,
+    INVERT_DESTINATION,
+    LATER_PASS,
+    NO_ALPHA,
+    OPAQUE,
+    REPEATED,
+    ZERO,
+    alpha_of,
+    constant_product,
+    draw,
+    expand,
+    opaque,
+    unit,
+)
+from fixedpipe.effects.passes.encoding import encode_vertex_color
+from fixedpipe.effects.reflectance.material_textures import Material
+from fixedpipe.pipeline.commands import Saturate
+from fixedpipe.pipeline.enums import CombinerScale, Mapping, Register
+from fixedpipe.pipeline.state import (
+    CombinerInput,
+    FinalCombiner,
+    GeneralCombiner,
+    RegisterCombiners,
+    RGBPortion,
+)
+
+
+def combiners(specular=(1.0, 1.0, 1.0)):
+    """Eq. 1 as two general combiners and the final combiner; ``specular``: RGB by which k_s is multiplied."""
+    dot_products = RGBPortion(
+        a=expand(Register.TEXTURE0),
+        b=expand(Register.PRIMARY_COLOR),
+        c=expand(Register.TEXTURE1),
+        d=expand(Register.PRIMARY_COLOR),
+        ab_dot_product=True,
+        cd_dot_product=True,
+        ab_output=Register.SPARE0,
+        cd_output=Register.SPARE1,
+        sum_output=Register.DISCARD,
+        scale=CombinerScale.SCALE_BY_FOUR,
+    )
+    spare0 = CombinerInput(Register.SPARE0, Mapping.SIGNED_IDENTITY)
+    spare1 = CombinerInput(Register.SPARE1, Mapping.SIGNED_IDENTITY)
+    squares = RGBPortion(a=spare0, b=spare0, c=spare1, d=spare1, sum_output=Register.SPARE0)
+    final = FinalCombiner(
+        a=CombinerInput(Register.SPARE0, Mapping.UNSIGNED_INVERT),
+        b=CombinerInput(Register.E_TIMES_F),
+        c=ZERO,
+        d=ZERO,
+        e=CombinerInput(Register.CONSTANT_COLOR0),
+        f=alpha_of(Register.TEXTURE0),
+        g=OPAQUE,
+    )
+    return RegisterCombiners(
+        general=(GeneralCombiner(dot_products, NO_ALPHA), GeneralCombiner(squares, NO_ALPHA)),
+        final=final,
+        constant_color0=opaque(specular),
+    )
+
+
+def square_combiners():
+    """(4 T'.h)^2, at most one, by one general combiner: the final combiner squares the dot product's positive
+    and negative half, of which one is zero, and adds them.
+    """
+    product = RGBPortion(
+        a=expand(Register.TEXTURE0),
+        b=expand(Register.PRIMARY_COLOR),
+        c=CombinerInput(Register.TEXTURE0, Mapping.EXPAND_NEGATE),
+        d=expand(Register.PRIMARY_COLOR),
+        ab_dot_product=True,
+        cd_dot_product=True,
+        ab_output=Register.SPARE0,
+        cd_output=Register.SPARE1,
+        sum_output=Register.DISCARD,
+        scale=CombinerScale.SCALE_BY_FOUR,
+    )
+    positive, negative = CombinerInput(Register.SPARE0), CombinerInput(Register.SPARE1)
+    final = FinalCombiner(
+        a=positive,
+        b=positive,
+        c=ZERO,
+        d=CombinerInput(Register.E_TIMES_F),
+        e=negative,
+        f=negative,
+        g=OPAQUE,
+    )
+    return RegisterCombiners(general=(GeneralCombiner(product, NO_ALPHA),), final=final)
+
+
+def specular_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0, 1.0), sampler=REPEATED):
+    """Eq. 1 with one texture unit and one general combiner in a pass: three draws, which replace what the
+    framebuffer holds.
+
+    Parameters as of ``specular_pass``.
+    """
+    mesh = surface.mesh(colors=encode_vertex_color(half_vectors(surface, view, light), profile))
+    tangent, binormal = unit(names.tangent, sampler), unit(names.binormal, sampler)
+
+    def later(label, combiners, units, blending):
+        return draw(label, mesh, view, combiners, units, depth_test=LATER_PASS, blending=blending)
+
+    k_s = constant_product(alpha_of(Register.TEXTURE0), specular)
+    return (
+        draw("(h.t/ax)^2", mesh, view, square_combiners(), (tangent,), depth_test=FIRST_PASS),
+        later("add (h.b/ay)^2", square_combiners(), (binormal,), ADD),
+        Saturate(label="at most one, as the framebuffer holds it", scissor=view.panel.scissor),
+        later("k_s times one minus that", k_s, (tangent,), INVERT_DESTINATION),
+    )
+
+
+def specular_pass(
+    surface,
+    names,
+    view,
+    light,
+    profile,
+    *,
+    specular=(1.0, 1.0, 1.0),
+    first=False,
+    gated=True,
+    global_frame=False,
+    sampler=REPEATED,
+):
+    """Eq. 1 in one draw.
+
+    Parameters
+    ----------
+    surface, view, light
+        What is drawn, whence it is seen and lit (``meshes``, ``views``).
+    names
+        The material's texture objects (``material_textures.MaterialNames``).
+    specular
+        RGB in [0, 1].
+    first
+        The only pass over the surface: tests and writes depth, and replaces. Otherwise it is added to the
+        diffuse pass where depths are equal, and if ``gated`` multiplied by the gate in destination alpha.
+    global_frame
+        K11: the material textures are in world coordinates, and so is the halfway vector.
+    """
+    if global_frame:
+        positions = surface.positions
+        vectors = normalize(light.light_vectors(positions) + view.view_vectors(positions))
+    else:
+        vectors = half_vectors(surface, view, light)
+    return (
+        draw(
+            "specular pass: k_s (1 - (h.t/ax)^2 - (h.b/ay)^2)+",
+            surface.mesh(colors=encode_vertex_color(vectors, profile)),
+            view,
+            combiners(specular),
+            (unit(names.tangent, sampler), unit(names.binormal, sampler)),
+            depth_test=FIRST_PASS if first else LATER_PASS,
+            blending=None if first else ADD_GATED if gated else ADD,
+        ),
+    )
+
+
+def bake(material, normals, tangents, binormals):
+    """K11: the material in world coordinates, for the one surface whose frames at the texels are given.
+
+    ``normals, tangents, binormals``: float64 [rows, columns, 3], the surface's frame at every texel centre.
+    """
+    turned = (
+        from_frame(vectors, tangents, binormals, normals)
+        for vectors in (material.normals, material.tangents, material.binormals)
+    )
+    return Material(*turned, material.alpha_x, material.alpha_y, material.k_s, material.exponent)

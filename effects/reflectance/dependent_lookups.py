@@ -1,0 +1,609 @@
+"""K01's framework as the paper draws it, on a GeForce 3: parameters on the screen, then dependent lookups.
+
+    1  the parameter stage: register combiners leave up to four parameters in the framebuffer's channels
+    2  CopyTexSubImage: the panel becomes a texture, padded to powers of two
+    3  the surface again: unit 0 reads its own pixel of that texture (NEAREST), a unit after it looks a
+       function up at alpha and red (DEPENDENT_AR_TEXTURE_2D), another at green and blue
+       (DEPENDENT_GB_TEXTURE_2D); combiners multiply what was found
+
+Each function may have two parameters, which vary per pixel as they like, unlike in ``dot_product_lookups``:
+
+    Blinn-Phong (K05)   red e, alpha N/128; F(N, e) = (sqrt e)^N
+    Ward (K09)          red d, green p, alpha m; E(m, d) = exp(-2 m / (1 + d)) and S(p) = 1/sqrt(p)
+    the paper's Fig. 1  red t, green u, blue v, alpha s; F(s, t) = exp(s/t) and G(u, v) = sqrt(u^v)
+
+The last pass replaces what the framebuffer holds where the surface is; a diffuse pass is added afterwards.
+Parameters have eight bits there, whatever the combiners have.
+
+Source: Kautz, Seidel 2000, section 3, figure 1 and sections 3.2 and 3.3; NV_texture_shader, sections
+3.8.13.1.12 and 3.8.13.1.13; pass sequences A-K05 and A-K09 of the catalogue.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fixedpipe.effects.geometry.matrices import product
+from fixedpipe.effects.geometry.vertex_vectors import half_vectors, light_vectors, view_vectors
+from fixedpipe.effects.passes.draws import (
+    EDGE,
+    FIRST_PASS,
+    LATER_PASS,
+    NEAREST,
+    NO_ALPHA,
+    NO_RGB,
+    ONE,
+    OPAQUE,
+    REPEATED,
+    ZERO,
+    alpha_of,
+    checked_rgb,
+    draw,
+    expand,
+    one_of,
+    opaque,
+    unit,
+)
+from fixedpipe.effects.passes.encoding import encode_rgba, encode_vertex_color
+from fixedpipe.effects.reflectance import brdfs
+from fixedpipe.effects.reflectance.lookup_framework import RESULT, STAGES
+from fixedpipe.effects.reflectance.material_textures import LARGEST_EXPONENT, SMALLEST_ALPHA
+from fixedpipe.effects.reflectance.sampled_functions import LARGEST_M, LARGEST_S_NL, sampled
+from fixedpipe.pipeline.commands import CopyTexSubImage, TexImage
+from fixedpipe.pipeline.enums import CombinerScale, ComponentUsage, Mapping, Register
+from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
+from fixedpipe.pipeline.state import (
+    AlphaPortion,
+    CombinerInput,
+    FinalCombiner,
+    GeneralCombiner,
+    RegisterCombiners,
+    RGBPortion,
+    TextureShaderStage,
+)
+from fixedpipe.pipeline.textures.images import texture_2d
+
+TABLE_TEXELS = 256
+# F(N, e) is steep where e is near one: (sqrt e)^128 falls by half within 0.011.
+BASE_TEXELS = 1024
+SCREEN = "parameters on the screen"
+
+_TEXTURE = TextureShaderStage(Operation.TEXTURE_2D)
+_PASS_THROUGH = TextureShaderStage(Operation.PASS_THROUGH)
+_AR = TextureShaderStage(Operation.DEPENDENT_AR_TEXTURE_2D)
+_GB = TextureShaderStage(Operation.DEPENDENT_GB_TEXTURE_2D)
+_SCALES = {1: CombinerScale.NONE, 2: CombinerScale.SCALE_BY_TWO, 4: CombinerScale.SCALE_BY_FOUR}
+
+
+# ------------------------------------------------------------------------------------- the screen's texture
+
+
+def _padded(panel):
+    return tuple(1 << (edge - 1).bit_length() for edge in (panel.width, panel.height))
+
+
+def load_screen(panel):
+    """The command that makes room for a panel's parameters: once, as the textures are loaded."""
+    columns, rows = _padded(panel)
+    return TexImage(
+        label="room for the parameters on the screen",
+        texture=SCREEN,
+        image=texture_2d(np.zeros((rows, columns, 4), np.uint8)),
+    )
+
+
+def copy_screen(view):
+    """The command that makes the panel's parameters a texture."""
+    panel = view.panel
+    return CopyTexSubImage(
+        label="the parameters become a texture",
+        texture=SCREEN,
+        x=panel.x,
+        y=panel.y,
+        width=panel.width,
+        height=panel.height,
+    )
+
+
+def screen_unit(view, coordinates):
+    """The unit that reads the parameters where its own pixel is; coordinate set: the vertices' positions.
+
+    The texture matrix is the view's, and then takes the panel to its part of the padded texture.
+    """
+    panel, (columns, rows) = view.panel, _padded(view.panel)
+    s, t = panel.width / columns / 2.0, panel.height / rows / 2.0
+    to_texture = ((s, 0.0, 0.0, s), (0.0, t, 0.0, t), (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+    matrix = product(to_texture, view.projection, view.modelview)
+    return unit(SCREEN, NEAREST, coordinates=coordinates, matrix=matrix)
+
+
+# --------------------------------------------------------------------------------------- combiners' parts
+
+
+def _dots(a, b, c, d, outputs=(Register.SPARE0, Register.SPARE1), scale=CombinerScale.NONE):
+    """The dot products a.b and c.d of vectors."""
+    return RGBPortion(
+        a=expand(a),
+        b=expand(b),
+        c=expand(c),
+        d=expand(d),
+        ab_dot_product=True,
+        cd_dot_product=True,
+        ab_output=outputs[0],
+        cd_output=outputs[1],
+        sum_output=Register.DISCARD,
+        scale=scale,
+    )
+
+
+def _squares(scale, output):
+    """Spare 0 squared plus spare 1 squared."""
+    spare0, spare1 = (
+        CombinerInput(register, Mapping.SIGNED_IDENTITY) for register in (Register.SPARE0, Register.SPARE1)
+    )
+    return RGBPortion(a=spare0, b=spare0, c=spare1, d=spare1, sum_output=output, scale=scale)
+
+
+def _times(a, b, output, scale=CombinerScale.NONE):
+    return RGBPortion(a=a, b=b, ab_output=output, sum_output=Register.DISCARD, scale=scale)
+
+
+def _program(portions, final, alphas=None, **constants):
+    alphas = alphas or {}
+    general = tuple(GeneralCombiner(rgb, alphas.get(i, NO_ALPHA)) for i, rgb in enumerate(portions))
+    return RegisterCombiners(general=general, final=final, **constants)
+
+
+def _read(register):
+    """(.)+ of a register."""
+    return CombinerInput(register)
+
+
+def _blue_of(register):
+    return CombinerInput(register, usage=ComponentUsage.BLUE)
+
+
+RED, GREEN, BLUE = ((1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0))
+
+
+# ------------------------------------------------------------------------------------- material textures
+
+
+@dataclass(frozen=True)
+class LookupNames:
+    """The names of a material's texture objects, and the numbers by which they are stored.
+
+    normal, tangent, binormal  n, t/ax and b/ay; their alphas hold Ward's factor, k_s and N/128
+    scale                      by what t/ax and b/ay are multiplied: 1/4, or 1/8 for alphas below 1/4
+    largest_factor             of k_s / (4 pi ax ay): what the stored one is divided by
+    """
+
+    normal: str
+    tangent: str
+    binormal: str
+    scale: float
+    largest_factor: float
+
+
+def storage_scale(material):
+    """By what vectors divided by alpha are multiplied to fit [-1, 1]: 1/4, as the paper has it, for alphas
+    from 1/4 on, else 1/8. Combiners take it back in powers of two.
+
+    Raises ValueError for alphas below 1/8.
+    """
+    smallest = float(min(material.alpha_x.min(), material.alpha_y.min()))
+    if smallest < SMALLEST_ALPHA / 2.0:
+        raise ValueError(
+            f"The smallest alpha is {smallest:g}; combiners take vectors of alphas of "
+            f"{SMALLEST_ALPHA / 2.0:g} and more. Give larger alphas, or draw with dot_product_lookups."
+        )
+    return SMALLEST_ALPHA if smallest >= SMALLEST_ALPHA else SMALLEST_ALPHA / 2.0
+
+
+def load(material, name, profile):
+    """Commands that load a material's three textures, and their LookupNames."""
+    scale = storage_scale(material)
+    factor = brdfs.ward_scale(material.alpha_x, material.alpha_y, material.k_s)
+    # Rounded up to 24 bits, so that no library's last bit decides a byte.
+    largest = float(np.ceil(factor.max() * 2.0**20)) / 2.0**20 or 1.0
+    names = LookupNames(f"{name} n, Ward's factor", f"{name} t/ax", f"{name} b/ay", scale, largest)
+    tangents = scale * material.tangents / material.alpha_x[..., None]
+    binormals = scale * material.binormals / material.alpha_y[..., None]
+
+    def image(vectors, alpha):
+        return texture_2d(encode_rgba(vectors, alpha, profile))
+
+    return (
+        TexImage(
+            label=f"load normal map of {name}; k_s / (4 pi ax ay) / {largest:.4g}",
+            texture=names.normal,
+            image=image(material.normals, factor / largest),
+        ),
+        TexImage(
+            label=f"load material texture of {name}: {scale:g} tangent / alpha_x, k_s",
+            texture=names.tangent,
+            image=image(tangents, material.k_s),
+        ),
+        TexImage(
+            label=f"load material texture of {name}: {scale:g} binormal / alpha_y, N / 128",
+            texture=names.binormal,
+            image=image(binormals, material.exponent / LARGEST_EXPONENT),
+        ),
+    ), names
+
+
+# --------------------------------------------------------------------- the anisotropic Blinn-Phong model
+
+
+def power(n, e):
+    """F(N, e) = (sqrt e)^N of N/128 and e in [0, 1]."""
+    return brdfs.blinn_phong_f(LARGEST_EXPONENT * np.asarray(n), e)
+
+
+def load_power(profile):
+    """The command that loads F as the texture "F(N, e)", N/128 along its columns."""
+    return TexImage(
+        label="load F(N, e) = (sqrt e)^N",
+        texture="F(N, e)",
+        image=sampled(power, TABLE_TEXELS, BASE_TEXELS, profile=profile),
+    )
+
+
+def _e_and_n(scale):
+    """RGB = 1 - (h.t/ax)^2 - (h.b/ay)^2, alpha = N/128."""
+    # Dot products are four times the stored ones: h.t/ax where a quarter is stored, else half of it.
+    ratio = round(SMALLEST_ALPHA / scale)
+    portions = (
+        _dots(
+            Register.TEXTURE0,
+            Register.PRIMARY_COLOR,
+            Register.TEXTURE1,
+            Register.PRIMARY_COLOR,
+            scale=CombinerScale.SCALE_BY_FOUR,
+        ),
+        _squares(_SCALES[ratio * ratio], Register.SPARE0),
+    )
+    final = FinalCombiner(
+        a=CombinerInput(Register.SPARE0, Mapping.UNSIGNED_INVERT),
+        b=ONE,
+        c=ZERO,
+        d=ZERO,
+        g=alpha_of(Register.TEXTURE1),
+    )
+    return _program(portions, final)
+
+
+def _gated_lookup(specular, gated):
+    """F of unit 1, times k_s of unit 2's alpha, times min(1, 4 (n.l)+) of unit 3."""
+    gate = AlphaPortion(
+        a=_blue_of(Register.SPARE0),
+        b=OPAQUE,
+        ab_output=Register.SPARE0,
+        sum_output=Register.DISCARD,
+        scale=CombinerScale.SCALE_BY_FOUR,
+    )
+    n_l = RGBPortion(
+        a=expand(Register.TEXTURE3),
+        b=expand(Register.PRIMARY_COLOR),
+        ab_dot_product=True,
+        ab_output=Register.SPARE0,
+        sum_output=Register.DISCARD,
+    )
+    colored = _times(_read(Register.TEXTURE1), _read(Register.CONSTANT_COLOR0), Register.SPARE1)
+    final = FinalCombiner(
+        a=alpha_of(Register.SPARE0) if gated else ONE,
+        b=_read(Register.E_TIMES_F),
+        c=ZERO,
+        d=ZERO,
+        e=_read(Register.SPARE1),
+        f=alpha_of(Register.TEXTURE2),
+        g=OPAQUE,
+    )
+    return _program((n_l, colored), final, {1: gate}, constant_color0=opaque(specular))
+
+
+def blinn_phong_passes(
+    surface, names, view, light, profile, *, specular=(1.0, 1.0, 1.0), gated=True, sampler=REPEATED
+):
+    """K05 with an exponent per texel: k_s F(N, e), F looked up in "F(N, e)" (``load_power``).
+
+    Parameters
+    ----------
+    surface, view, light
+        What is drawn, whence it is seen and lit (``meshes``, ``views``).
+    names
+        Of ``load``. ``load_screen`` has made room on this panel.
+    specular
+        RGB in [0, 1], by which k_s is multiplied.
+    gated
+        Times min(1, 4 (n.l)+).
+    """
+    parameters = surface.mesh(colors=encode_vertex_color(half_vectors(surface, view, light), profile))
+    lit = surface.mesh(
+        surface.texture_coordinates,
+        surface.positions,
+        colors=encode_vertex_color(light_vectors(surface, light), profile),
+    )
+    tangent, binormal, normal = (unit(n, sampler) for n in (names.tangent, names.binormal, names.normal))
+    return (
+        draw(
+            "parameter stage: e = 1 - (h.t/ax)^2 - (h.b/ay)^2 in red, N in alpha",
+            parameters,
+            view,
+            _e_and_n(names.scale),
+            (tangent, binormal),
+            depth_test=FIRST_PASS,
+        ),
+        copy_screen(view),
+        draw(
+            "look up F(N, e), times k_s",
+            lit,
+            view,
+            _gated_lookup(specular, gated),
+            (screen_unit(view, 1), unit("F(N, e)", EDGE), tangent, normal),
+            depth_test=LATER_PASS,
+            texture_shader=(_TEXTURE, _AR, _TEXTURE, _TEXTURE),
+        ),
+    )
+
+
+# ------------------------------------------------------------------------------------------ Ward's model
+
+
+def load_ward_functions(profile, largest_s=4.0):
+    """The commands that load E(m, d) over m/8 and d as "E(m, d)", and S(p) over ``largest_s`` as "S(p)".
+
+    S(p) is clamped beyond ``largest_s``, 2, 4 or 8, at p < 1/largest_s^2: the larger, the nearer to grazing
+    angles S is right, and the fewer codes it has elsewhere.
+    """
+    one_of((2.0, 4.0, 8.0), largest_s, "The largest S")
+
+    def e(m, d):
+        return brdfs.ward_e(LARGEST_M * m, d)
+
+    def s(p, row):
+        return np.minimum(brdfs.ward_s(p) / largest_s, 1.0) + 0.0 * row
+
+    return (
+        TexImage(
+            label=f"load E(m, d) = exp(-2 m / (1 + d)) over m/{LARGEST_M:g}, d",
+            texture="E(m, d)",
+            image=sampled(e, TABLE_TEXELS, TABLE_TEXELS, profile=profile),
+        ),
+        TexImage(
+            label=f"load S(p) / {largest_s:g} = 1 / ({largest_s:g} sqrt(p))",
+            texture="S(p)",
+            image=sampled(s, TABLE_TEXELS, 1, profile=profile),
+        ),
+    )
+
+
+def _d_p_and_m(scale):
+    """Red d = (h.n)+, green and blue p = (l.n)+ (v.n)+, alpha m/8 = ((h.t/ax)^2 + (h.b/ay)^2) / 8.
+
+    Units 0 to 2 have t/ax, b/ay and n, unit 3 v; h is the primary, l the secondary colour.
+    """
+    half, light, viewer = Register.PRIMARY_COLOR, Register.SECONDARY_COLOR, Register.TEXTURE3
+    # Spare 0 and 1 are a quarter of h.t/ax and h.b/ay, so their squares sum to m/16.
+    ratio = _SCALES[round(SMALLEST_ALPHA / scale)]
+    d_and_p = RGBPortion(
+        a=expand(Register.TEXTURE2),
+        b=expand(half),
+        ab_dot_product=True,
+        c=_read(Register.SPARE0),
+        d=_read(Register.SPARE1),
+        ab_output=Register.TEXTURE1,
+        cd_output=Register.SPARE1,
+        sum_output=Register.DISCARD,
+    )
+    channels = RGBPortion(
+        a=_read(Register.TEXTURE1),
+        b=_read(Register.CONSTANT_COLOR0),
+        c=_read(Register.SPARE1),
+        d=_read(Register.CONSTANT_COLOR1),
+        sum_output=Register.SPARE0,
+    )
+    portions = (
+        _dots(Register.TEXTURE0, half, Register.TEXTURE1, half, scale=ratio),
+        _squares(CombinerScale.SCALE_BY_TWO, Register.TEXTURE0),
+        _dots(Register.TEXTURE2, light, Register.TEXTURE2, viewer),
+        d_and_p,
+        channels,
+    )
+    final = FinalCombiner(a=ZERO, b=ZERO, c=ZERO, d=_read(Register.SPARE0), g=_blue_of(Register.TEXTURE0))
+    return _program(portions, final, constant_color0=RED, constant_color1=(0.0, 1.0, 1.0, 1.0))
+
+
+def _ward_lookups(specular, largest_factor, largest_s):
+    """E of unit 1 times S of unit 2 times (n.l)+ and the factor of unit 3."""
+    one_of((2.0, 4.0, 8.0), largest_s, "The largest S")
+    specular = checked_rgb(specular)
+    # What is left of the factors by which S (n.l)+ and k_s / (4 pi ax ay) were divided.
+    left = LARGEST_S_NL * largest_factor * max(specular)
+    gain = next((g for g in (1, 2, 4) if left <= g), None)
+    if gain is None:
+        raise ValueError(
+            f"The largest k_s / (4 pi ax ay) is {largest_factor:g}; combiners take up to "
+            f"{4.0 / LARGEST_S_NL / max(specular):g}. Give larger alphas, or less k_s or specular colour."
+        )
+    color = [LARGEST_S_NL * largest_factor * float(c) / gain for c in specular]
+    n_l = RGBPortion(
+        a=expand(Register.TEXTURE3),
+        b=expand(Register.PRIMARY_COLOR),
+        ab_dot_product=True,
+        ab_output=Register.SPARE0,
+        sum_output=Register.DISCARD,
+    )
+    portions = (
+        n_l,
+        _times(
+            _read(Register.SPARE0),
+            _read(Register.TEXTURE2),
+            Register.SPARE0,
+            _SCALES[round(largest_s / LARGEST_S_NL)],
+        ),
+        _times(_read(Register.SPARE0), _read(Register.TEXTURE1), Register.SPARE0),
+        _times(alpha_of(Register.TEXTURE3), _read(Register.CONSTANT_COLOR0), Register.SPARE1),
+        _times(_read(Register.SPARE0), _read(Register.SPARE1), Register.SPARE0, _SCALES[gain]),
+    )
+    final = FinalCombiner(a=ZERO, b=ZERO, c=ZERO, d=_read(Register.SPARE0), g=OPAQUE)
+    return _program(portions, final, constant_color0=opaque(color))
+
+
+def ward_passes(
+    surface,
+    names,
+    view,
+    light,
+    profile,
+    *,
+    specular=(1.0, 1.0, 1.0),
+    largest_s=4.0,
+    sampler=REPEATED,
+):
+    """K09: k_s / (4 pi ax ay) S(p) E(m, d) (n.l)+, looked up in what ``load_ward_functions`` loaded.
+
+    The viewing vector is a texture coordinate that passes through unit 3. ``largest_s`` as the table's.
+    Other parameters as of ``blinn_phong_passes``.
+    """
+    toward_light = encode_vertex_color(light_vectors(surface, light), profile)
+    parameters = surface.mesh(
+        surface.texture_coordinates,
+        _passed_through(view_vectors(surface, view), profile),
+        colors=encode_vertex_color(half_vectors(surface, view, light), profile),
+        secondary_colors=toward_light,
+    )
+    lit = surface.mesh(surface.texture_coordinates, surface.positions, colors=toward_light)
+    tangent, binormal, normal = (unit(n, sampler) for n in (names.tangent, names.binormal, names.normal))
+    return (
+        draw(
+            "parameter stage: d in red, p in green, m/8 in alpha",
+            parameters,
+            view,
+            _d_p_and_m(names.scale),
+            (tangent, binormal, normal, unit(None, coordinates=1)),
+            depth_test=FIRST_PASS,
+            texture_shader=(_TEXTURE, _TEXTURE, _TEXTURE, _PASS_THROUGH),
+        ),
+        copy_screen(view),
+        draw(
+            "look up E(m, d) and S(p), times (n.l)+ k_s / (4 pi ax ay)",
+            lit,
+            view,
+            _ward_lookups(specular, names.largest_factor, largest_s),
+            (screen_unit(view, 1), unit("E(m, d)", EDGE), unit("S(p)", EDGE), normal),
+            depth_test=LATER_PASS,
+            texture_shader=(_TEXTURE, _AR, _GB, _TEXTURE),
+        ),
+    )
+
+
+def _passed_through(vectors, profile):
+    """Vectors [n, 3] as coordinates that PASS_THROUGH makes what EXPAND_NORMAL reads back.
+
+    PASS_THROUGH cuts to bytes, so the half by which a vertex colour is rounded is added here.
+    """
+    if profile.exact:
+        return 0.5 * vectors + 0.5
+    return (encode_vertex_color(np.zeros(3), profile)[0] * 255.0 + 0.5 + 127.5 * vectors) / 255.0
+
+
+# ------------------------------------------------------------------------------------ the paper's figure 1
+
+# Where the parameter stage leaves each parameter.
+_CHANNELS = {"s": None, "t": RED, "u": GREEN, "v": BLUE}
+
+
+def _figure_1_parameters():
+    """Red t = (n.e)+, green u = (n.l)+, blue v/8, alpha -s = (a.l)+.
+
+    Unit 0 has a, unit 1 n with v/8 in alpha; l is the primary, e the secondary colour.
+    """
+    portions = (
+        _dots(Register.TEXTURE0, Register.PRIMARY_COLOR, Register.TEXTURE1, Register.SECONDARY_COLOR),
+        RGBPortion(
+            a=expand(Register.TEXTURE1),
+            b=expand(Register.PRIMARY_COLOR),
+            ab_dot_product=True,
+            ab_output=Register.TEXTURE0,
+            sum_output=Register.DISCARD,
+        ),
+        RGBPortion(
+            a=_read(Register.SPARE1),
+            b=_read(Register.CONSTANT_COLOR0),
+            c=_read(Register.TEXTURE0),
+            d=_read(Register.CONSTANT_COLOR1),
+            sum_output=Register.SPARE1,
+        ),
+        _times(alpha_of(Register.TEXTURE1), _read(Register.CONSTANT_COLOR0), Register.TEXTURE0),
+    )
+    final = FinalCombiner(
+        a=ONE,
+        b=_read(Register.SPARE1),
+        c=ZERO,
+        d=_read(Register.TEXTURE0),
+        g=_blue_of(Register.SPARE0),
+    )
+    program = _program(portions, final, constant_color0=RED, constant_color1=GREEN)
+    last = GeneralCombiner(portions[3], NO_ALPHA, constant_color0=BLUE)
+    return RegisterCombiners(
+        general=(*program.general[:3], last),
+        final=final,
+        constant_color0=RED,
+        constant_color1=GREEN,
+    )
+
+
+def _shown(stage):
+    """Combiners that show a stage of figure 1: unit 0 has the parameters, units 1 and 2 F and G."""
+    portions, constants = (NO_RGB,), {}
+    if stage == "s":
+        shown = alpha_of(Register.TEXTURE0)
+    elif stage in _CHANNELS:
+        component = RGBPortion(
+            a=_read(Register.TEXTURE0),
+            b=_read(Register.CONSTANT_COLOR0),
+            ab_dot_product=True,
+            ab_output=Register.SPARE0,
+            sum_output=Register.DISCARD,
+        )
+        portions, constants = (component,), {"constant_color0": _CHANNELS[stage]}
+        shown = _read(Register.SPARE0)
+    elif stage == RESULT:
+        portions = (_times(_read(Register.TEXTURE1), _read(Register.TEXTURE2), Register.SPARE0),)
+        shown = _read(Register.SPARE0)
+    else:
+        shown = _read(Register.TEXTURE1 if stage.startswith("F") else Register.TEXTURE2)
+    return _program(portions, FinalCombiner(a=ZERO, b=ZERO, c=ZERO, d=shown, g=OPAQUE), **constants)
+
+
+def figure_1_passes(surface, view, light, profile, *, stage=RESULT, sampler=REPEATED):
+    """The paper's figure 1, exp(s/t) sqrt(u^v), as far as ``stage`` (``framework.STAGES``), that in grey.
+
+    Textures "a", "n", "F" and "G" are ``framework``'s (``load_textures``, ``load_tables``).
+    """
+    one_of(STAGES, stage, "The stage")
+    parameters = surface.mesh(
+        colors=encode_vertex_color(light_vectors(surface, light), profile),
+        secondary_colors=encode_vertex_color(view_vectors(surface, view), profile),
+    )
+    return (
+        draw(
+            "parameter stage: s in alpha, t in red, u in green, v in blue",
+            parameters,
+            view,
+            _figure_1_parameters(),
+            (unit("a", sampler), unit("n", sampler)),
+            depth_test=FIRST_PASS,
+        ),
+        copy_screen(view),
+        draw(
+            f"look up F(s, t) and G(u, v): {stage}",
+            surface.mesh(surface.positions),
+            view,
+            _shown(stage),
+            (screen_unit(view, 0), unit("F", EDGE), unit("G", EDGE)),
+            depth_test=LATER_PASS,
+            texture_shader=(_TEXTURE, _AR, _GB),
+        ),
+    )

@@ -1,0 +1,348 @@
+"""K03, K05 and K06 on a GeForce 3: two dot products of texture shaders are the place of a dependent lookup.
+
+A texture shader's dot product multiplies a texture coordinate, a float vector of the vertices', with an
+earlier unit's texel. Two of them are s and t of a table, so a function of two dot products takes one pass:
+
+    Banks         unit 0: t, unit 1: l.t, unit 2: v.t and the whole bracket from a table, unit 3: n;
+                  combiners: (n.l)+ k_s
+    Blinn-Phong   units 0 and 1: t/ax and b/ay, unit 2: h.t/ax, unit 3: h.b/ay and F(N, e) from a table;
+                  combiners: k_s. N is one number, the table's; with N = 1 it is K06
+
+The tables' arguments have signs: zero lies on the corner of texel (0, 0), and wrapping puts what is negative
+at the other end (REPEAT). What lies beyond the function's own domain must not come round to it, so the period
+is larger than the domain by the farthest argument (A-K05 leaves this open).
+
+A dot product reads the byte n as (n - 128)/127, on every machine that has one; combiners read 2n - 256. What
+dot products alone read is stored for them, as 128 + 127 v.
+
+Source: Kautz, Seidel 2000, sections 3.1 and 3.2; NV_texture_shader, sections 3.8.13.1.14 and 3.8.13.1.15;
+pass sequences A-K03, A-K05 and A-K06 of the catalogue.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fixedpipe.effects.geometry.vertex_vectors import half_vectors, light_vectors, view_vectors
+from fixedpipe.effects.passes.draws import (
+    ADD,
+    ADD_GATED,
+    FIRST_PASS,
+    LATER_PASS,
+    NO_ALPHA,
+    OPAQUE,
+    REPEATED,
+    ZERO,
+    alpha_of,
+    draw,
+    expand,
+    opaque,
+    unit,
+)
+from fixedpipe.effects.passes.encoding import encode_factor, encode_vertex_color
+from fixedpipe.effects.reflectance import brdfs
+from fixedpipe.pipeline.commands import TexImage
+from fixedpipe.pipeline.enums import DotProductMapping, InternalFormat, Register
+from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
+from fixedpipe.pipeline.state import (
+    CombinerInput,
+    FinalCombiner,
+    GeneralCombiner,
+    RegisterCombiners,
+    RGBPortion,
+    TextureShaderStage,
+)
+from fixedpipe.pipeline.textures.images import texture_2d
+
+# Two fifths of them are the lobe's where the smallest alpha is 1/4: 205 across. Assumed: a quarter of a
+# megabyte is small enough for a GeForce 3.
+BLINN_PHONG_TEXELS = 512
+BANKS_TEXELS = 256
+# Texels of the Banks table outside [-1, 1] on either side, which hold the function at the ends: a texel's
+# byte may leave a dot product beyond one, and the filter reads a neighbour.
+_GUARD = 2
+
+NO_TEXTURE = None
+TEXTURE_STAGE = TextureShaderStage(Operation.TEXTURE_2D)
+
+
+def dot_product_stage(operation, previous):
+    """A stage whose dot product reads ``previous``'s texel as EXPAND_NORMAL does."""
+    return TextureShaderStage(
+        operation, previous_texture_input=previous, dot_product_mapping=DotProductMapping.EXPAND_NORMAL
+    )
+
+
+def encode_dot_product(vectors, alpha, profile):
+    """A texture image [h, w, 4]: vectors in [-1, 1] for a dot product's EXPAND_NORMAL, a factor in alpha.
+
+    Source: docs/numbers.md, section 12: (n - 128)/127. The exact machine stores v/2 + 1/2.
+    """
+    alpha = np.broadcast_to(encode_factor(alpha, profile), vectors.shape[:-1])[..., None]
+    if profile.exact:
+        return np.concatenate([vectors * 0.5 + 0.5, alpha], axis=-1)
+    stored = np.clip(np.floor(128.0 + 127.0 * vectors + 0.5), 0, 255).astype(np.uint8)
+    return np.concatenate([stored, alpha], axis=-1)
+
+
+def centered_table(function, texels, period, profile):
+    """A table of a function of two numbers from -period/2 to period/2, zero on the corner of texel (0, 0).
+
+    Bytes are rounded at once, so that they do not depend on a library's powers.
+    """
+    place = (np.arange(texels) + 0.5) / texels
+    argument = period * np.where(place < 0.5, place, place - 1.0)
+    values = np.clip(function(argument[None, :], argument[:, None]), 0.0, 1.0)
+    if not profile.exact:
+        values = np.floor(255.0 * values + 0.5).astype(np.uint8)
+    return texture_2d(values[..., None], InternalFormat.LUMINANCE8)
+
+
+# ------------------------------------------------------------------------------------------------ Banks
+
+
+@dataclass(frozen=True)
+class BanksNames:
+    """The names of three texture objects: the normal map, the tangent map with k_s in alpha, the table."""
+
+    normal: str
+    tangent: str
+    table: str
+
+
+def banks_period():
+    """How far the Banks table's arguments reach, its guard texels included."""
+    return 2.0 * BANKS_TEXELS / (BANKS_TEXELS - 2.0 * _GUARD)
+
+
+def banks_table(profile, exponent=1.0):
+    """The bracket (R((v.t)^2) R((l.t)^2) - (v.t)(l.t))+ to the power ``exponent`` over (l.t, v.t)."""
+
+    def bracket(light_tangent, view_tangent):
+        limited = (np.clip(x, -1.0, 1.0) for x in (view_tangent, light_tangent))
+        return brdfs.banks_bracket(*limited) ** exponent
+
+    return centered_table(bracket, BANKS_TEXELS, banks_period(), profile)
+
+
+def load_banks(material, name, profile, *, exponent=1.0):
+    """Commands that load what ``banks_pass`` reads, and its names."""
+    names = BanksNames(f"{name} n", f"{name} t", f"bracket^{exponent:g}")
+    tangents = texture_2d(encode_dot_product(material.tangents, material.k_s, profile))
+    return (
+        TexImage(
+            label=f"load normal map of {name}", texture=names.normal, image=material.normal_texture(profile)
+        ),
+        TexImage(label=f"load tangent map of {name}: t, k_s", texture=names.tangent, image=tangents),
+        TexImage(
+            label="load (R((v.t)^2) R((l.t)^2) - (v.t)(l.t))+ over (l.t, v.t)",
+            texture=names.table,
+            image=banks_table(profile, exponent),
+        ),
+    ), names
+
+
+def _banks_combiners(specular):
+    n_l = RGBPortion(
+        a=expand(Register.TEXTURE3),
+        b=expand(Register.PRIMARY_COLOR),
+        ab_dot_product=True,
+        ab_output=Register.SPARE0,
+        sum_output=Register.DISCARD,
+    )
+    product = RGBPortion(
+        a=CombinerInput(Register.SPARE0),
+        b=CombinerInput(Register.TEXTURE2),
+        ab_output=Register.SPARE0,
+        sum_output=Register.DISCARD,
+    )
+    return RegisterCombiners(
+        general=(GeneralCombiner(n_l, NO_ALPHA), GeneralCombiner(product, NO_ALPHA)),
+        final=_times_gloss(Register.SPARE0),
+        constant_color0=opaque(specular),
+    )
+
+
+def _times_gloss(register):
+    """A register times constant color 0 and unit 0's alpha, k_s."""
+    return FinalCombiner(
+        a=CombinerInput(register),
+        b=CombinerInput(Register.E_TIMES_F),
+        c=ZERO,
+        d=ZERO,
+        e=CombinerInput(Register.CONSTANT_COLOR0),
+        f=alpha_of(Register.TEXTURE0),
+        g=OPAQUE,
+    )
+
+
+def banks_pass(
+    surface,
+    names,
+    view,
+    light,
+    profile,
+    *,
+    specular=(1.0, 1.0, 1.0),
+    first=False,
+    sampler=REPEATED,
+):
+    """K03, k_s (n.l)+ times the bracket, in one draw.
+
+    Parameters
+    ----------
+    surface, view, light
+        What is drawn, whence it is seen and lit (``meshes``, ``views``).
+    names
+        Of ``load_banks``.
+    specular
+        RGB in [0, 1], by which k_s is multiplied.
+    first
+        The only pass over the surface, which tests and writes depth, and replaces; otherwise it is added
+        where depths are equal.
+    """
+    scale = 1.0 / banks_period()
+    to_light, to_viewer = light_vectors(surface, light), view_vectors(surface, view)
+    mesh = surface.mesh(
+        surface.texture_coordinates,
+        scale * to_light,
+        scale * to_viewer,
+        colors=encode_vertex_color(to_light, profile),
+    )
+    units = (
+        unit(names.tangent, sampler),
+        unit(NO_TEXTURE, coordinates=1),
+        unit(names.table, REPEATED, coordinates=2),
+        unit(names.normal, sampler),
+    )
+    stages = (
+        TEXTURE_STAGE,
+        dot_product_stage(Operation.DOT_PRODUCT, 0),
+        dot_product_stage(Operation.DOT_PRODUCT_TEXTURE_2D, 0),
+        TEXTURE_STAGE,
+    )
+    return (
+        draw(
+            "specular pass: k_s (n.l)+ (R((v.t)^2) R((l.t)^2) - (v.t)(l.t))+",
+            mesh,
+            view,
+            _banks_combiners(specular),
+            units,
+            depth_test=FIRST_PASS if first else LATER_PASS,
+            blending=None if first else ADD,
+            texture_shader=stages,
+        ),
+    )
+
+
+# ------------------------------------------------------------------------------- anisotropic Blinn-Phong
+
+
+@dataclass(frozen=True)
+class BlinnPhongNames:
+    """The names of three texture objects: t/ax with k_s in alpha, b/ay, the table; and the smallest alpha,
+    times which both vectors are stored.
+    """
+
+    tangent: str
+    binormal: str
+    table: str
+    smallest_alpha: float
+
+
+def blinn_phong_period(smallest_alpha):
+    """How far the table's arguments reach: h.t/ax and h.b/ay are at most 1/``smallest_alpha``, and that comes
+    round to -1, where F is zero.
+    """
+    return 1.0 / smallest_alpha + 1.0
+
+
+def blinn_phong_table(exponent, smallest_alpha, profile):
+    """F(N, e) = (sqrt e)^N of one N over (h.t/ax, h.b/ay)."""
+
+    def power(x, y):
+        return brdfs.blinn_phong_f(exponent, np.maximum(0.0, 1.0 - x * x - y * y))
+
+    return centered_table(power, BLINN_PHONG_TEXELS, blinn_phong_period(smallest_alpha), profile)
+
+
+def load_blinn_phong(material, name, profile, *, exponent=2.0):
+    """Commands that load what ``blinn_phong_pass`` reads, and its names. ``exponent``: N, 1 for K06.
+
+    Vectors divided by alpha are stored times the smallest alpha that there is, so that none exceeds one: the
+    paper's 1/4 where that is the smallest. The material's own exponents are not read.
+    """
+    smallest = float(min(material.alpha_x.min(), material.alpha_y.min()))
+    names = BlinnPhongNames(
+        f"{name} t/ax for dot products",
+        f"{name} b/ay for dot products",
+        f"F({exponent:g}, e) from alpha {smallest:g}",
+        smallest,
+    )
+
+    def scaled(vectors, alpha, factor):
+        return texture_2d(encode_dot_product(smallest * vectors / alpha[..., None], factor, profile))
+
+    return (
+        TexImage(
+            label=f"load material texture of {name}: {smallest:g} tangent / alpha_x, k_s",
+            texture=names.tangent,
+            image=scaled(material.tangents, material.alpha_x, material.k_s),
+        ),
+        TexImage(
+            label=f"load material texture of {name}: {smallest:g} binormal / alpha_y",
+            texture=names.binormal,
+            image=scaled(material.binormals, material.alpha_y, 1.0),
+        ),
+        TexImage(
+            label=f"load F(N, e) = (sqrt e)^N, N = {exponent:g}, over (h.t/ax, h.b/ay)",
+            texture=names.table,
+            image=blinn_phong_table(exponent, smallest, profile),
+        ),
+    ), names
+
+
+def blinn_phong_pass(
+    surface,
+    names,
+    view,
+    light,
+    profile,
+    *,
+    specular=(1.0, 1.0, 1.0),
+    first=False,
+    gated=True,
+    sampler=REPEATED,
+):
+    """K05 with one N for the surface, or K06: k_s (sqrt e)^N in one draw.
+
+    ``names``: of ``load_blinn_phong``. ``gated``: multiplied by the gate that the diffuse pass leaves in
+    destination alpha. Other parameters as of ``banks_pass``.
+    """
+    scale = 1.0 / names.smallest_alpha / blinn_phong_period(names.smallest_alpha)
+    mesh = surface.mesh(surface.texture_coordinates, scale * half_vectors(surface, view, light))
+    units = (
+        unit(names.tangent, sampler),
+        unit(names.binormal, sampler),
+        unit(NO_TEXTURE, coordinates=1),
+        unit(names.table, REPEATED, coordinates=1),
+    )
+    stages = (
+        TEXTURE_STAGE,
+        TEXTURE_STAGE,
+        dot_product_stage(Operation.DOT_PRODUCT, 0),
+        dot_product_stage(Operation.DOT_PRODUCT_TEXTURE_2D, 1),
+    )
+    combiners = RegisterCombiners(final=_times_gloss(Register.TEXTURE3), constant_color0=opaque(specular))
+    return (
+        draw(
+            "specular pass: k_s F(N, e), e = 1 - (h.t/ax)^2 - (h.b/ay)^2",
+            mesh,
+            view,
+            combiners,
+            units,
+            depth_test=FIRST_PASS if first else LATER_PASS,
+            blending=None if first else ADD_GATED if gated else ADD,
+            texture_shader=stages,
+        ),
+    )

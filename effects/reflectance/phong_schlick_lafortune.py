@@ -1,0 +1,666 @@
+"""K24, other reflectance models that fit the scheme: Phong with N per pixel, Schlick, one lobe of Lafortune.
+
+A model fits if it falls into functions of at most two parameters each, and if the parameters are dot products
+or what dot products were looked up to. The factors here, for a directional light and an infinite viewer:
+
+Phong       c = r.v = 2 (n.l)(n.v) - l.v is a function C of (n.l, n.v), for l.v is constant; F(N, c) = c^N is
+            a second one, with N per pixel. The first result waits in the framebuffer beside N.
+Schlick     Z(h.n) A(w) is a function T of (h.t, h.b), for (h.n)^2 = 1 - (h.t)^2 - (h.b)^2 and w is
+            h.t / sqrt((h.t)^2 + (h.b)^2); G(n.l) G(n.v) / (n.v) is a function of (n.l, n.v); Fresnel's S(h.v)
+            is the vertices'. The first factor waits in the framebuffer.
+Lafortune   The diagonal matrix C, turned from the pixel's frame into the surface's, is a symmetric matrix M,
+            and l M v = D.(l * v) + O.(l x v) with its diagonal D = (M_xx, M_yy, M_zz), the rest
+            O = (M_yz, M_xz, M_xy), the products (l * v)_i = l_i v_i and (l x v)_x = l_y v_z + l_z v_y and so
+            on. D and O are material textures, the products are the vertices': (a + b)^N is a function of two
+            dot products.
+
+By texture shaders (GeForce 3): stages that multiply a material texture's vector by texture coordinates and
+look two of the products up; what waits in the framebuffer is copied into a texture. By pixel textures
+(Octane), with vectors that change over the surface left out: ``fixedpipe.effects.reflectance.pixel_textures``.
+
+Source: Kautz, Seidel 2000, section 3.4 (K24 of the catalogue); NV_texture_shader; SGIX_pixel_texture.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fixedpipe.effects.bump_mapping.diffuse_bump import diffuse_pass
+from fixedpipe.effects.geometry.vectors import dot
+from fixedpipe.effects.geometry.vertex_vectors import half_vectors, light_vectors, view_vectors
+from fixedpipe.effects.passes.draws import (
+    ADD,
+    ADD_GATED,
+    EDGE,
+    FIRST_PASS,
+    LATER_PASS,
+    MULTIPLY_DESTINATION,
+    NO_ALPHA,
+    NO_RGB,
+    ONE,
+    OPAQUE,
+    REPEATED,
+    ZERO,
+    alpha_of,
+    checked_rgb,
+    draw,
+    opaque,
+    positive,
+    unit,
+)
+from fixedpipe.effects.passes.encoding import encode_factor, encode_rgba
+from fixedpipe.effects.reflectance import brdfs
+from fixedpipe.effects.reflectance.dependent_lookups import copy_screen, screen_unit
+from fixedpipe.effects.reflectance.dot_product_lookups import (
+    NO_TEXTURE,
+    TEXTURE_STAGE,
+    centered_table,
+    dot_product_stage,
+    encode_dot_product,
+)
+from fixedpipe.effects.reflectance.pixel_textures import (
+    ALPHA,
+    BLUE,
+    FROM_ALPHA,
+    FROM_BLUE,
+    FROM_GREEN,
+    FROM_RED,
+    GREEN,
+    RGB,
+    begin,
+    copied,
+    dot_with,
+    flat_vector,
+    load_products,
+    looked_up,
+    polygon,
+)
+from fixedpipe.effects.reflectance.sampled_functions import LARGEST_LOGARITHM, sampled, stored_exponent
+from fixedpipe.pipeline.commands import TexImage
+from fixedpipe.pipeline.enums import CombinerScale, DotProductMapping, InternalFormat, Register, TextureTarget
+from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
+from fixedpipe.pipeline.pixel_transfer import PixelImage, PixelTransfer
+from fixedpipe.pipeline.state import (
+    ColorMask,
+    CombinerInput,
+    FinalCombiner,
+    GeneralCombiner,
+    RegisterCombiners,
+    RGBPortion,
+    SignedComponents,
+    TextureShaderStage,
+)
+from fixedpipe.pipeline.textures.images import Texture, texture_2d
+
+# Texels of a table along either parameter. Source: figure F004-1 of the catalogue (256^2 tables, LINEAR).
+TEXELS = 256
+# c = r.v below one half is stored as zero, and 2 c - 1 above: a step of eight bits is then 1/510 of c. The
+# highlight ends where it is 2^-N, 1/64 for N = 6; a smaller N shows that edge.
+SMALLEST_C = 0.5
+# The combiners' largest scale multiplies Schlick's two factors, each stored in [0, 1].
+GAIN = 4.0
+# Dot products of unit vectors lie in [-1, 1], which tables with a zero in their middle hold.
+PERIOD = 2.0
+# Texels (x, y) of 16 bits as unit vectors, and the signs of their high bytes for the filter.
+HEMISPHERE = DotProductMapping.SIGNED_HILO_HEMISPHERE
+FINE = replace(REPEATED, signed_components=SignedComponents(green=True, alpha=True))
+RED_GREEN = ColorMask(blue=False, alpha=False)
+
+
+# ------------------------------------------------------------------------------- the sampled functions
+
+
+def phong_c(light_view):
+    """C(n.l, n.v) = (2 (n.l)(n.v) - l.v - 1/2) / (1/2), as a function of both in [0, 1].
+
+    ``light_view``: l.v.
+    """
+
+    def function(nl, nv):
+        c = (2.0 * nl * nv - light_view - SMALLEST_C) / (1.0 - SMALLEST_C)
+        # (n.l)+ is zero for all that face away from the light; a light opposite the eye would shine there.
+        return np.where(nl > 0.0, c, 0.0)
+
+    return function
+
+
+def phong_f(exponent, c):
+    """F(N, c) = c^N, N given as log2(N) / 7 and c as ``phong_c`` has it; zero where that is zero."""
+    return np.where(
+        c > 0.0,
+        (SMALLEST_C + (1.0 - SMALLEST_C) * c) ** 2.0 ** (LARGEST_LOGARITHM * exponent),
+        0.0,
+    )
+
+
+def schlick_peak(roughness, isotropy):
+    """The largest value of Z(h.n) A(w), 1 / (r sqrt(p))."""
+    for what, value in (("roughness", roughness), ("isotropy", isotropy)):
+        if not 0.0 < value <= 1.0:
+            raise ValueError(f"Schlick's {what} is {value!r}; give a number above 0 and at most 1.")
+    return 1.0 / (roughness * math.sqrt(isotropy))
+
+
+def schlick_t(roughness, isotropy):
+    """T(h.t, h.b) = Z A over its largest value, as a function of both in [-1, 1]."""
+
+    def function(x, y):
+        across = x * x + y * y
+        w = x / np.sqrt(np.where(across > 0.0, across, 1.0))
+        t = np.sqrt(np.maximum(0.0, 1.0 - across))
+        value = brdfs.schlick_z(t, roughness) * brdfs.schlick_a(w, isotropy)
+        return value / schlick_peak(roughness, isotropy)
+
+    return function
+
+
+def schlick_o(roughness, largest):
+    """G(n.l) G(n.v) / (n.v) over ``largest``, as a function of both in [0, 1]; at n.v = 0 its limit."""
+
+    def function(nl, nv):
+        seen = np.maximum(nv, 2.0**-40)
+        return brdfs.schlick_g(nl, roughness) * brdfs.schlick_g(seen, roughness) / (seen * largest)
+
+    return function
+
+
+def schlick_largest(roughness, isotropy):
+    """What G(n.l) G(n.v) / (n.v) is stored over: beyond it, at grazing views, it is clamped.
+
+    With it the product of the stored factors, times GAIN, is the model. Raises ValueError where it is less
+    than one, for then the factor would be clamped at views along the normal.
+    """
+    largest = GAIN * 4.0 * math.pi / schlick_peak(roughness, isotropy)
+    if largest < 1.0:
+        raise ValueError(
+            f"Schlick's highlight of roughness {roughness:g} and isotropy {isotropy:g} is "
+            f"{1.0 / largest:.3g} times brighter than {GAIN:g} factors of one; give a larger roughness."
+        )
+    return largest
+
+
+def _fresnel(half, view, reflectance):
+    """S(h.v). Raises ValueError where the reflectance at normal incidence is no number in [0, 1]."""
+    if not 0.0 <= reflectance <= 1.0:
+        raise ValueError(f"Schlick's reflectance is {reflectance!r}; give a number from 0 to 1.")
+    return brdfs.schlick_fresnel(dot(half, view), reflectance)
+
+
+def lafortune_f(exponent):
+    """((a + b)+)^N as a function of the two dot products in [-1, 1]."""
+    exponent = positive(exponent, "Lafortune's exponent")
+    return lambda a, b: np.clip(a + b, 0.0, 1.0) ** exponent
+
+
+def _signed(function):
+    """A function of numbers in [-1, 1] as one of (number + 1) / 2."""
+    return lambda s, t: function(2.0 * s - 1.0, 2.0 * t - 1.0)
+
+
+def _table(label, name, function, profile):
+    image = sampled(function, TEXELS, TEXELS, profile=profile)
+    return TexImage(label=f"load {label}", texture=name, image=image)
+
+
+# ------------------------------------------------------------------------------------------- materials
+
+
+def lobe_matrix(material, coefficients):
+    """Lafortune's matrix per texel in the surface's frame: its diagonal D and the rest O.
+
+    ``coefficients``: C_x, C_y, C_z, of magnitudes below one. Returns two float64 [rows, columns, 3].
+    """
+    if np.shape(coefficients) != (3,) or not all(abs(c) <= 1.0 for c in coefficients):
+        raise ValueError(f"Lafortune's coefficients are {coefficients!r}; give three numbers from -1 to 1.")
+    frame = material.tangents, material.binormals, material.normals
+
+    def entry(i, j):
+        x, y, z = (c * v[..., i] * v[..., j] for c, v in zip(coefficients, frame, strict=True))
+        return (x + y) + z
+
+    pairs = ((0, 0), (1, 1), (2, 2)), ((1, 2), (0, 2), (0, 1))
+    return tuple(np.stack([entry(i, j) for i, j in three], axis=-1) for three in pairs)
+
+
+def lobe_vectors(light, view):
+    """What D and O are multiplied by, of light and viewing vectors [n, 3]: (l * v, l x v), float64 [n, 3]."""
+    turned = ((1, 2), (2, 0), (0, 1))
+    mixed = [light[:, i] * view[:, j] + light[:, j] * view[:, i] for i, j in turned]
+    return light * view, np.stack(mixed, axis=-1)
+
+
+@dataclass(frozen=True)
+class Names:
+    """A material's texture objects.
+
+    normal      n, for the diffuse pass
+    fine        n as two words of 16 bits: x and y, from which a dot product makes z (HILO)
+    exponent    k_s, and log2(N) / 7 in alpha
+    tangent     t, and k_s in alpha
+    binormal    b
+    diagonal    Lafortune's D, and k_s in alpha
+    rest        Lafortune's O
+    """
+
+    normal: str
+    fine: str
+    exponent: str
+    tangent: str
+    binormal: str
+    diagonal: str
+    rest: str
+
+
+def load(material, name, profile, coefficients):
+    """Commands that load a material's textures for texture shaders, and their ``Names``."""
+    names = Names(*(f"{name} {what}" for what in ("n", "n, HILO", "k_s, N", "t, k_s", "b", "D, k_s", "O")))
+    diagonal, rest = lobe_matrix(material, coefficients)
+    factors = np.stack([material.k_s, stored_exponent(material.exponent)], axis=-1)
+
+    def stored(vectors, alpha):
+        return texture_2d(encode_dot_product(vectors, alpha, profile))
+
+    images = {
+        names.normal: ("normal", texture_2d(encode_rgba(material.normals, 1.0, profile))),
+        names.fine: ("normal, 16 bits", _hilo(material.normals)),
+        names.exponent: ("k_s, log2(N) / 7", texture_2d(encode_factor(factors, profile))),
+        names.tangent: ("tangent, k_s", stored(material.tangents, material.k_s)),
+        names.binormal: ("binormal", stored(material.binormals, 1.0)),
+        names.diagonal: ("diagonal of Lafortune's matrix, k_s", stored(diagonal, material.k_s)),
+        names.rest: ("rest of Lafortune's matrix", stored(rest, 1.0)),
+    }
+    return tuple(
+        TexImage(label=f"load material texture of {name}: {what}", texture=texture, image=image)
+        for texture, (what, image) in images.items()
+    ), names
+
+
+def _hilo(normals):
+    """Normals [h, w, 3] with positive z as a HILO texture: x in alpha and red, y in green and blue.
+
+    Bytes leave n.l and n.v off by about 1/300, which c = 2 (n.l)(n.v) - l.v doubles and N multiplies.
+    Measured on the domes of figure K24: an RMS from Phong's model of 0.023 with bytes, 0.0034 with words.
+    """
+    x, y = (np.floor(32767.0 * normals[..., k] + 0.5).astype(np.int64) & 0xFFFF for k in (0, 1))
+    texels = np.stack([x & 255, y >> 8, y & 255, x >> 8], axis=-1).astype(np.uint8)
+    return Texture(TextureTarget.TEXTURE_2D, InternalFormat.HILO16, (texels[None],))
+
+
+# ------------------------------------------------------------------------------ by texture shaders
+
+
+def _looked_up(previous, first, mapping=DotProductMapping.EXPAND_NORMAL):
+    """Four stages that read textures, but for two, at ``first`` and after it: dot products with the texels of
+    the stages ``previous``, looked up where both are known.
+    """
+    stages, operations = [TEXTURE_STAGE] * 4, (Operation.DOT_PRODUCT, Operation.DOT_PRODUCT_TEXTURE_2D)
+    for k, operation in enumerate(operations):
+        stages[first + k] = replace(dot_product_stage(operation, previous[k]), dot_product_mapping=mapping)
+    return tuple(stages)
+
+
+def _texel(number):
+    """Texture unit ``number``'s colour."""
+    return CombinerInput(Register(Register.TEXTURE0 + number))
+
+
+# A final combiner's B and E: (E F) with E the specular colour.
+_SPECULAR = CombinerInput(Register.E_TIMES_F), CombinerInput(Register.CONSTANT_COLOR0)
+
+
+def _combiners(a, b, e=ZERO, *, f=ZERO, g=OPAQUE, constant=(0.0, 0.0, 0.0), general=(NO_RGB,)):
+    """Register combiners: the RGB portions ``general``, then A B, and G in alpha."""
+    return RegisterCombiners(
+        general=tuple(GeneralCombiner(rgb, NO_ALPHA) for rgb in general),
+        final=FinalCombiner(a=a, b=b, c=ZERO, d=ZERO, e=e, f=f, g=g),
+        constant_color0=opaque(constant),
+    )
+
+
+def _product(a, b, scale):
+    """An RGB portion that leaves ``a b scale`` in spare 0."""
+    return RGBPortion(a=a, b=b, ab_output=Register.SPARE0, sum_output=Register.DISCARD, scale=scale)
+
+
+def _one_value(cosines):
+    """The one l.v that all vertices have. Raises ValueError where they differ."""
+    low, high = float(cosines.min()), float(cosines.max())
+    # Frames of curved surfaces are rounded, to 2^-20; a step of what is stored of c is 1/510.
+    if high - low > 1e-4:
+        raise ValueError(
+            f"l.v changes from {low:.3g} to {high:.3g} over the surface, and the table of C(n.l, n.v) is "
+            "made for one; give a directional light and an infinite viewer."
+        )
+    return low
+
+
+def _diffuse(surface, names, view, light, profile, *, background, **colors):
+    """The diffuse pass on a cleared panel; destination alpha keeps (n.l)+ itself, for Lafortune's lobe."""
+    (pass_,) = diffuse_pass(surface, names.normal, view, light, profile, **colors)
+    combiners = pass_.state.register_combiners
+    first, second = combiners.general
+    second = replace(second, alpha=replace(second.alpha, scale=CombinerScale.NONE))
+    combiners = replace(combiners, general=(first, second))
+    return (
+        view.panel.clear(background),
+        replace(pass_, state=replace(pass_.state, register_combiners=combiners)),
+    )
+
+
+def phong_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0, 1.0), **shown):
+    """Phong's model with N per pixel: k_s F(N, C(n.l, n.v)), two lookups one after the other.
+
+    Parameters
+    ----------
+    surface, view, light
+        What is drawn (``meshes``), an infinite viewer and a directional light (``views``).
+    names
+        The material's textures (``load``), N of 6 or more. ``dependent_lookups.load_screen`` has made room on
+        this panel.
+    specular
+        RGB in [0, 1], by which k_s is multiplied.
+    shown
+        ``background`` of the panel, and ``color`` and ``ambient`` of the diffuse pass.
+
+    Raises ValueError where l.v changes over the surface.
+    """
+    toward_light, toward_eye = light_vectors(surface, light), view_vectors(surface, view)
+    light_view = _one_value(dot(toward_light, toward_eye))
+    coordinates = surface.texture_coordinates
+    parameters = draw(
+        "parameter stage: c = 2 (n.l)(n.v) - l.v in red, N in alpha",
+        surface.mesh(coordinates, toward_light, toward_eye),
+        view,
+        _combiners(_texel(2), ONE, g=alpha_of(Register.TEXTURE3)),
+        (
+            unit(names.fine, FINE),
+            unit(NO_TEXTURE, coordinates=1),
+            unit("C(n.l, n.v)", EDGE, 2),
+            unit(names.exponent),
+        ),
+        depth_test=FIRST_PASS,
+        texture_shader=_looked_up((0, 0), 1, HEMISPHERE),
+    )
+    lookup = draw(
+        "specular pass: look up F(N, c), times k_s",
+        surface.mesh(coordinates, surface.positions),
+        view,
+        _combiners(_texel(1), *_SPECULAR, f=_texel(2), constant=specular),
+        (screen_unit(view, 1), unit("F(N, c)", EDGE), unit(names.exponent)),
+        depth_test=LATER_PASS,
+        blending=ADD,
+        texture_shader=(
+            TEXTURE_STAGE,
+            TextureShaderStage(Operation.DEPENDENT_AR_TEXTURE_2D, previous_texture_input=0),
+            TEXTURE_STAGE,
+        ),
+    )
+    return (
+        _table("C(n.l, n.v) = 2 (n.l)(n.v) - l.v", "C(n.l, n.v)", phong_c(light_view), profile),
+        _table("F(N, c) = c^N", "F(N, c)", phong_f, profile),
+        view.panel.clear((0.0, 0.0, 0.0)),
+        parameters,
+        copy_screen(view),
+        *_diffuse(surface, names, view, light, profile, **shown),
+        lookup,
+    )
+
+
+def schlick_passes(
+    surface, names, view, light, profile, *, roughness, isotropy, reflectance,
+    specular=(1.0, 1.0, 1.0), **shown,
+):  # fmt: skip
+    """Schlick's model times k_s: T(h.t, h.b), then times G(n.l) G(n.v) / (n.v) and S(h.v).
+
+    ``roughness``, ``isotropy``, ``reflectance``: r, p and C of ``brdfs.schlick``. The others are those of
+    ``phong_passes``; l.v may change. Raises ValueError where the highlight is too bright to be stored.
+    """
+    toward_light, toward_eye = light_vectors(surface, light), view_vectors(surface, view)
+    half, coordinates = half_vectors(surface, view, light), surface.texture_coordinates
+    largest = schlick_largest(roughness, isotropy)
+    first = draw(
+        "first factor: k_s T(h.t, h.b)",
+        surface.mesh(coordinates, half / PERIOD),
+        view,
+        _combiners(_texel(3), alpha_of(Register.TEXTURE0)),
+        (
+            unit(names.tangent),
+            unit(names.binormal),
+            unit(NO_TEXTURE, coordinates=1),
+            unit("T(h.t, h.b)", REPEATED, 1),
+        ),
+        depth_test=FIRST_PASS,
+        texture_shader=_looked_up((0, 1), 2),
+    )
+    fresnel = _fresnel(half, toward_eye, reflectance)
+    # S(h.v) comes first: the product times four may be more than one, where a register ends.
+    general = (
+        _product(_texel(2), CombinerInput(Register.PRIMARY_COLOR), CombinerScale.NONE),
+        _product(CombinerInput(Register.SPARE0), _texel(3), CombinerScale.SCALE_BY_FOUR),
+    )
+    second = draw(
+        "specular pass: times S(h.v) G(n.l) G(n.v) / (4 pi (n.v))",
+        surface.mesh(
+            coordinates,
+            toward_light,
+            toward_eye,
+            surface.positions,
+            colors=np.clip(np.multiply.outer(fresnel, np.array(checked_rgb(specular))), 0.0, 1.0),
+        ),
+        view,
+        _combiners(CombinerInput(Register.SPARE0), ONE, general=general),
+        (
+            unit(names.fine, FINE),
+            unit(NO_TEXTURE, coordinates=1),
+            unit("G G / (n.v)", EDGE, 2),
+            screen_unit(view, 3),
+        ),
+        depth_test=LATER_PASS,
+        blending=ADD,
+        texture_shader=_looked_up((0, 0), 1, HEMISPHERE),
+    )
+    table = centered_table(schlick_t(roughness, isotropy), TEXELS, PERIOD, profile)
+    return (
+        TexImage(label="load T(h.t, h.b) = Z(h.n) A(w)", texture="T(h.t, h.b)", image=table),
+        _table("G(n.l) G(n.v) / (n.v)", "G G / (n.v)", schlick_o(roughness, largest), profile),
+        view.panel.clear((0.0, 0.0, 0.0)),
+        first,
+        copy_screen(view),
+        *_diffuse(surface, names, view, light, profile, **shown),
+        second,
+    )
+
+
+def lafortune_passes(surface, names, view, light, profile, *, exponent, specular=(1.0, 1.0, 1.0), **shown):
+    """One lobe of Lafortune's model, k_s ((D.(l * v) + O.(l x v))+)^N (n.l)+, in one specular pass.
+
+    ``exponent``: N of the whole surface. The others are those of ``phong_passes``; l.v may change.
+    """
+    vectors = lobe_vectors(light_vectors(surface, light), view_vectors(surface, view))
+    table = centered_table(lafortune_f(exponent), TEXELS, PERIOD, profile)
+    return (
+        TexImage(label="load ((a + b)+)^N", texture="(a + b)^N", image=table),
+        *_diffuse(surface, names, view, light, profile, **shown),
+        draw(
+            "specular pass: k_s ((D.(l * v) + O.(l x v))+)^N, times (n.l)+",
+            surface.mesh(surface.texture_coordinates, *(v / PERIOD for v in vectors)),
+            view,
+            _combiners(_texel(3), *_SPECULAR, f=alpha_of(Register.TEXTURE0), constant=specular),
+            (
+                unit(names.diagonal),
+                unit(names.rest),
+                unit(NO_TEXTURE, coordinates=1),
+                unit("(a + b)^N", REPEATED, 2),
+            ),
+            depth_test=LATER_PASS,
+            blending=ADD_GATED,
+            texture_shader=_looked_up((0, 1), 2),
+        ),
+    )
+
+
+# ------------------------------------------------------------------------------- by pixel textures
+
+
+def _load_signed(label, name, vectors, vector, profile):
+    """The command that loads float vectors [h, w, 3] through a color matrix: (product + 1) / 2."""
+    alpha = np.ones((*vectors.shape[:2], 1))
+    return TexImage(
+        label=label,
+        texture=name,
+        pixels=PixelImage(np.concatenate([vectors, alpha], axis=-1)),
+        transfer=PixelTransfer(
+            color_matrix=(dot_with(vector),) * 4,
+            post_color_matrix_scale=(0.5,) * 4,
+            post_color_matrix_bias=(0.5,) * 4,
+        ),
+    )
+
+
+def _after_copies(material, view, profile, surface, toward_light, *, specular, color, ambient, lit=False):
+    """What follows a model's value: times (n.l)+ if ``lit``, times k_s, plus the diffuse reflection."""
+    everywhere, drawn = np.ones((1, 1)), {"surface": surface, "view": view}
+    cosine = ()
+    if lit:
+        rows = [dot_with(toward_light)] * 4
+        cosine = (
+            load_products("load n through l: (n.l)+", "n.l", material.normals, rows, profile),
+            polygon("times (n.l)+", texture="n.l", mask=RGB, blending=MULTIPLY_DESTINATION, **drawn),
+        )
+    gloss = [(c, 0.0, 0.0, 0.0) for c in (*checked_rgb(specular), 1.0)]
+    diffuse = [dot_with(toward_light, c) for c in (*checked_rgb(color), 1.0)]
+    added = [(c, 0.0, 0.0, 0.0) for c in (*checked_rgb(ambient, "The ambient light's colour"), 1.0)]
+    return (
+        *cosine,
+        load_products("load k_s", "k_s", material.k_s, gloss, profile),
+        polygon("times k_s", texture="k_s", mask=RGB, blending=MULTIPLY_DESTINATION, **drawn),
+        load_products("load n through l: diffuse reflection", "diffuse", material.normals, diffuse, profile),
+        polygon("plus the diffuse reflection", texture="diffuse", mask=RGB, blending=ADD, **drawn),
+        load_products("load the ambient", "ambient", everywhere, added, profile),
+        polygon("plus the ambient", texture="ambient", mask=RGB, blending=ADD, **drawn),
+    )
+
+
+def _flat_vectors(surface, view, light):
+    return (
+        flat_vector(light_vectors(surface, light), "light vector"),
+        flat_vector(view_vectors(surface, view), "viewing vector"),
+    )
+
+
+def phong_copies(
+    surface, material, view, light, profile, *, specular=(1.0, 1.0, 1.0), background, color, ambient
+):
+    """``phong_passes`` by pixel textures: two lookups, each a copy of the panel.
+
+    ``surface``: flat. ``material``: a ``material_textures.Material``. The others are those of
+    ``phong_passes``. Raises ValueError where vectors change over the surface.
+    """
+    toward_light, toward_eye = _flat_vectors(surface, view, light)
+    light_view = float(dot(toward_light, toward_eye))
+    exponent = stored_exponent(material.exponent)
+    return (
+        _table("C(n.l, n.v) = 2 (n.l)(n.v) - l.v", "C(n.l, n.v)", phong_c(light_view), profile),
+        _table("F(N, c) = c^N", "F(N, c)", phong_f, profile),
+        view.panel.clear(background),
+        begin(view),
+        load_products(
+            "load n through l and v",
+            "n.l, n.v",
+            material.normals,
+            [dot_with(toward_light), dot_with(toward_eye)] * 2,
+            profile,
+        ),
+        polygon("(n.l)+ to red, (n.v)+ to green", surface, view, "n.l, n.v", first=True),
+        looked_up(
+            "look up c = 2 (n.l)(n.v) - l.v, to blue", view, "C(n.l, n.v)", FROM_RED, FROM_GREEN, mask=BLUE
+        ),
+        load_products("load log2(N) / 7", "N", exponent, [FROM_RED] * 4, profile),
+        polygon("N to alpha", surface, view, "N", mask=ALPHA),
+        looked_up("look up F(N, c)", view, "F(N, c)", FROM_ALPHA, FROM_BLUE),
+        *_after_copies(
+            material, view, profile, surface, toward_light, specular=specular, color=color, ambient=ambient
+        ),
+    )
+
+
+def schlick_copies(
+    surface, material, view, light, profile, *, roughness, isotropy, reflectance,
+    specular=(1.0, 1.0, 1.0), background, color, ambient,
+):  # fmt: skip
+    """``schlick_passes`` by pixel textures: both factors meet in blue, and a last copy multiplies them by
+    four and by S(h.v).
+    """
+    toward_light, toward_eye = _flat_vectors(surface, view, light)
+    half = flat_vector(half_vectors(surface, view, light), "halfway vector")
+    fresnel = float(_fresnel(half, toward_eye, reflectance))
+    largest = schlick_largest(roughness, isotropy)
+    return (
+        _table("T(h.t, h.b) = Z(h.n) A(w)", "T(h.t, h.b)", _signed(schlick_t(roughness, isotropy)), profile),
+        _table("G(n.l) G(n.v) / (n.v)", "G G / (n.v)", schlick_o(roughness, largest), profile),
+        view.panel.clear(background),
+        begin(view),
+        _load_signed("load t through h", "h.t", material.tangents, half, profile),
+        polygon("h.t, biased, to red", surface, view, "h.t", first=True),
+        _load_signed("load b through h", "h.b", material.binormals, half, profile),
+        polygon("h.b, biased, to green", surface, view, "h.b", mask=GREEN),
+        looked_up("look up T(h.t, h.b), to blue", view, "T(h.t, h.b)", FROM_RED, FROM_GREEN, mask=BLUE),
+        load_products(
+            "load n through l and v",
+            "n.l, n.v",
+            material.normals,
+            [dot_with(toward_light), dot_with(toward_eye)] * 2,
+            profile,
+        ),
+        polygon("(n.l)+ to red, (n.v)+ to green", surface, view, "n.l, n.v", mask=RED_GREEN),
+        looked_up(
+            "look up G(n.l) G(n.v) / (n.v), times blue",
+            view,
+            "G G / (n.v)",
+            FROM_RED,
+            FROM_GREEN,
+            mask=BLUE,
+            blending=MULTIPLY_DESTINATION,
+        ),
+        copied(
+            "times four, times S(h.v)",
+            view,
+            ((0.0, 0.0, GAIN * fresnel, 0.0),) * 3,
+            profile,
+        ),
+        *_after_copies(
+            material, view, profile, surface, toward_light, specular=specular, color=color, ambient=ambient
+        ),
+    )
+
+
+def lafortune_copies(
+    surface, material, view, light, profile, *, coefficients, exponent,
+    specular=(1.0, 1.0, 1.0), background, color, ambient,
+):  # fmt: skip
+    """``lafortune_passes`` by pixel textures: D and O through the color matrix, one lookup."""
+    toward_light, toward_eye = _flat_vectors(surface, view, light)
+    both = lobe_vectors(toward_light[None], toward_eye[None])
+    diagonal, rest = lobe_matrix(material, coefficients)
+    return (
+        _table("(a + b)^N", "(a + b)^N", _signed(lafortune_f(exponent)), profile),
+        view.panel.clear(background),
+        begin(view),
+        _load_signed("load D through l * v", "D", diagonal, both[0][0], profile),
+        polygon("a = D.(l * v), biased, to red", surface, view, "D", first=True),
+        _load_signed("load O through l x v", "O", rest, both[1][0], profile),
+        polygon("b = O.(l x v), biased, to green", surface, view, "O", mask=GREEN),
+        looked_up("look up (a + b)^N", view, "(a + b)^N", FROM_RED, FROM_GREEN),
+        *_after_copies(
+            material,
+            view,
+            profile,
+            surface,
+            toward_light,
+            specular=specular,
+            color=color,
+            ambient=ambient,
+            lit=True,
+        ),
+    )

@@ -1,0 +1,131 @@
+"""One figure on its machines, rendered three times on each, as the bytes of its files."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from fixedpipe.effects.cli.refusal import refusals
+from fixedpipe.effects.figures import DIFFERENCE_GAIN, Renderer, difference
+from fixedpipe.effects.reports.files import png
+from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.golden.digests import digest
+from fixedpipe.pipeline.golden.provenance import provenance
+from fixedpipe.pipeline.ideal.evaluate import execute_ideal
+from fixedpipe.pipeline.profiles import IDEAL, PROFILES
+
+# What each of the three pictures is, in the words of its caption.
+PICTURES = {
+    "machine": "{profile}, {method}, bit for bit",
+    "ideal": "the same fragments in float64",
+    "difference": f"(machine - ideal) x {DIFFERENCE_GAIN:g} about middle grey",
+}
+
+
+@dataclass(frozen=True)
+class Rendered:
+    """What a figure writes: ``files``, file name to bytes, and ``record``, the content of its JSON file."""
+
+    files: Mapping[str, bytes]
+    record: dict
+
+
+def picture_name(figure_id, machine, view):
+    """The file name of a picture: F004-4-OCTANE.png, F004-4-OCTANE-ideal.png ..."""
+    return f"{figure_id}-{machine}{'' if view == 'machine' else f'-{view}'}.png"
+
+
+def steps(machines, with_checks):
+    """How many steps ``render`` takes for so many machines."""
+    return (3 + with_checks) * machines
+
+
+def render(figure, machines, size, threads, with_checks, step):
+    """Render a figure.
+
+    Parameters
+    ----------
+    figure : fixedpipe.effects.figures.Figure
+    machines : tuple of str
+        Keys in ``fixedpipe.pipeline.profiles.PROFILES``, of those that can draw it.
+    size : int or None
+        Edge of a panel in pixels; None: the figure's own.
+    threads : int or None
+    with_checks : bool
+        Run the acceptance checks as well.
+    step
+        Called with a line of text at the beginning of each step.
+
+    Raises Refusal for what a machine cannot hold.
+    """
+    size = size or figure.size
+    width, height = figure.dimensions(size)
+    files, drawn, kept, checked = {}, [], {}, set()
+    for machine in machines:
+        pictures, record = _on_machine(figure, machine, size, threads, step)
+        files |= {picture_name(figure.id, machine, view): png(image) for view, image in pictures.items()}
+        if with_checks:
+            step(f"{figure.id}: acceptance checks on the {PROFILES[machine].name}")
+            method = figure.method(machine)
+            checks = figure.checks(Renderer(PROFILES[machine], method, execute, execute_ideal, kept))
+            record["checks"] = [
+                asdict(c) | {"value": float(c.value), "passed": bool(c.passed)}
+                for c in checks
+                if c.on == "machine" or method not in checked
+            ]
+            checked.add(method)
+        drawn.append(record)
+    record = {
+        "id": figure.id,
+        "title": figure.title,
+        "caption": figure.caption,
+        "must_see": figure.must_see,
+        "source": figure.source,
+        "techniques": list(figure.techniques),
+        "parameters": dict(figure.parameters),
+        "size": size,
+        "width": width,
+        "height": height,
+        "difference_gain": DIFFERENCE_GAIN,
+        "machines": drawn,
+    }
+    files[f"{figure.id}.json"] = (json.dumps(record, indent=2) + "\n").encode()
+    return Rendered(files, record)
+
+
+def _on_machine(figure, machine, size, threads, step):
+    """Its three pictures by view, and what the record says of them."""
+    profile, method, (width, height) = PROFILES[machine], figure.method(machine), figure.dimensions(size)
+    step(f"{figure.id}: on the {profile.name}, {width}x{height}")
+    with refusals():
+        commands = figure.commands(profile, size, method)
+        # The run that records what the ideal is guided by draws the picture as well.
+        guide = execute(commands, profile, width, height, threads=threads, record=True)
+        framebuffer = guide.framebuffer
+        color = framebuffer.as_bytes(framebuffer.color)
+        step(f"{figure.id}: the same on the ideal")
+        commands = figure.commands(IDEAL, size, method)
+        ideal = execute_ideal(commands, width, height, guide=guide, threads=threads)
+    step(f"{figure.id}: writing")
+    pictures = {"machine": color, "ideal": ideal.image(), "difference": difference(color, ideal.color)}
+    exact = framebuffer.color[..., :3] / (2.0**framebuffer.color_bits - 1.0)
+    error = np.clip(exact, 0.0, 1.0) - np.clip(ideal.color[..., :3], 0.0, 1.0)
+    record = {
+        "profile": machine,
+        "method": method.name,
+        "parameters": dict(method.parameters),
+        "sha256": digest(color),
+        "difference_rms": float(np.sqrt((error * error).mean())),
+        "difference_max": float(np.abs(error).max()),
+        "pictures": {
+            view: {
+                "file": picture_name(figure.id, machine, view),
+                "caption": caption.format(profile=profile.name, method=method.name),
+            }
+            for view, caption in PICTURES.items()
+        },
+        "checks": [],
+        "provenance": provenance(profile),
+    }
+    return pictures, record

@@ -1,0 +1,1 @@
+"""Things to light. No technique, no check."""

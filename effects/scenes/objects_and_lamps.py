@@ -1,0 +1,265 @@
+"""Scenes with a lamp for the shadow algorithms of documents 000 and 003: several objects on a floor.
+
+World coordinates: y up, the floor at y = 0. Everything a camera sees is in world coordinates; there is no
+modelling matrix.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from fixedpipe.effects.geometry import surfaces
+from fixedpipe.effects.geometry.matrices import (
+    look_at,
+    orthographic,
+    perspective,
+    product,
+    rotation,
+    transform,
+)
+from fixedpipe.effects.geometry.surfaces import Surface
+from fixedpipe.effects.geometry.views import View, perspective_view
+from fixedpipe.effects.passes.draws import checked_rgb, positive
+
+# Maps clip coordinates [-1, 1] to texture coordinates and depths [0, 1] (document 003's matrix of halves).
+HALVES = ((0.5, 0.0, 0.0, 0.5), (0.0, 0.5, 0.0, 0.5), (0.0, 0.0, 0.5, 0.5), (0.0, 0.0, 0.0, 1.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Object:
+    """A surface in world coordinates and its material.
+
+    ``color``: diffuse and ambient RGB; ``specular``: how strong its white highlight is, [0, 1]. ``closed``:
+    whether the surface bounds a volume, so that it may be extruded to a shadow volume. ``two_sided``: whether
+    its back faces are lit too, by their normals turned round (LIGHT_MODEL_TWO_SIDE).
+    """
+
+    name: str
+    surface: Surface
+    color: tuple[float, float, float]
+    specular: float = 0.0
+    closed: bool = True
+    two_sided: bool = False
+
+    def __post_init__(self):
+        checked_rgb(self.color, f"The colour of {self.name}")
+        if not 0.0 <= self.specular <= 1.0:
+            raise ValueError(
+                f"The highlight of {self.name} is {self.specular!r}; give a strength from 0 to 1."
+            )
+
+    @cached_property
+    def mesh(self):
+        """The vertex arrays that every pass draws."""
+        return self.surface.mesh()
+
+    @property
+    def triangles(self):
+        """Float64 [n, 3 corners, 3]."""
+        return self.surface.positions[self.surface.triangles]
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What is lit and throws shadows."""
+
+    objects: tuple[Object, ...]
+
+    def _some(self):
+        if not self.objects:
+            raise ValueError("The scene has no object; give it one or more.")
+        return self.objects
+
+    def triangles(self):
+        """Float64 [n, 3 corners, 3] of all objects, in their order."""
+        return np.concatenate([o.triangles for o in self._some()])
+
+    def object_of_triangle(self):
+        """Int64 [n]: the number of each triangle's object."""
+        return np.repeat(np.arange(len(self.objects)), [len(o.surface.triangles) for o in self.objects])
+
+    def bounds(self):
+        """The least and the greatest coordinates, two float64 [3]."""
+        positions = np.concatenate([o.surface.positions for o in self._some()])
+        return positions.min(axis=0), positions.max(axis=0)
+
+    def corners(self):
+        """The eight corners of the bounding box, float64 [8, 3]."""
+        ends = np.stack(self.bounds())
+        return np.array(
+            [[ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)]
+        )
+
+
+@dataclass(frozen=True)
+class Lamp:
+    """A light that has a camera of its own: ``position`` looks at ``target``.
+
+    ``field_of_view``: of its square frustum in degrees, or, where the light is ``infinite`` (parallel rays
+    from the direction of ``position`` - ``target``), ``half_width`` of its square box in world units.
+    ``near``, ``far``: distances of the planes along the view.
+    """
+
+    position: tuple[float, float, float]
+    target: tuple[float, float, float]
+    near: float
+    far: float
+    field_of_view: float = 60.0
+    infinite: bool = False
+    half_width: float = 1.0
+
+    def __post_init__(self):
+        if self.infinite:
+            positive(self.half_width, "Half the width of the lamp's box")
+        else:
+            positive(self.near, "The lamp's near plane")
+            if not 0.0 < self.field_of_view < 180.0:
+                raise ValueError(
+                    f"The lamp's field of view is {self.field_of_view!r} degrees; give one between 0 and 180."
+                )
+        if not -math.inf < self.near < self.far < math.inf:
+            raise ValueError(
+                f"The lamp's planes are at {self.near} and {self.far}; the second is the farther."
+            )
+
+    @property
+    def direction(self):
+        """From the target to the lamp, not normalized."""
+        return tuple(p - t for p, t in zip(self.position, self.target, strict=True))
+
+    @property
+    def homogeneous(self):
+        """The light's position (x, y, z, 1), or, infinite, (x, y, z, 0)."""
+        return (*self.direction, 0.0) if self.infinite else (*map(float, self.position), 1.0)
+
+    @property
+    def modelview(self):
+        """V_l: from the world to the lamp's eye coordinates."""
+        x, y, z = self.direction
+        # Any direction that is not along the view serves as up: y, unless that is within half a degree.
+        up = (0.0, 1.0, 0.0) if x * x + z * z > 1e-4 * y * y else (0.0, 0.0, -1.0)
+        return look_at(self.position, self.target, up)
+
+    @property
+    def projection(self):
+        """P_l: from the lamp's eye coordinates to its clip coordinates."""
+        if self.infinite:
+            w = self.half_width
+            return orthographic(-w, w, -w, w, self.near, self.far)
+        return perspective(self.field_of_view, 1.0, self.near, self.far)
+
+    @property
+    def texture_matrix(self):
+        """B P_l V_l: world coordinates to (s, t, r, q) of the shadow map, rows of a 4x4 matrix."""
+        return product(HALVES, self.projection, self.modelview)
+
+    @property
+    def depth_plane(self):
+        """The plane (a, b, c, d) of world coordinates whose value is the light's linear depth: 0 at the near
+        plane, 1 at the far one.
+        """
+        row, extent = self.modelview[2], self.far - self.near
+        return (*(-v / extent for v in row[:3]), (-row[3] - self.near) / extent)
+
+    def view(self, panel):
+        """The scene seen from the lamp, on a panel."""
+        eye = self.direction if self.infinite else self.position
+        return View(panel, self.modelview, self.projection, tuple(map(float, eye)), self.infinite)
+
+
+def lamp_around(scene, position, target=None, infinite=False, margin=1.02):
+    """A lamp at ``position`` whose frustum encloses the scene's bounding box (document 003, first pass).
+
+    ``target``: None, the box's centre. ``margin``: how much wider than the box, > 1. Raises ValueError where
+    the lamp is in the box's way: a frustum encloses only what is in front of it.
+    """
+    if not 1.0 < margin < math.inf:
+        raise ValueError(f"The lamp's margin is {margin!r}; give how much wider than the box, above 1.")
+    corners = scene.corners()
+    target = tuple(map(float, corners.mean(axis=0) if target is None else target))
+    position = tuple(map(float, position))
+    modelview = Lamp(position, target, 1.0, 2.0, infinite=infinite).modelview
+    eye = np.array([transform(modelview, (*corner, 1.0))[:3] for corner in corners.tolist()])
+    depth = -eye[:, 2]
+    extent = float(depth.max() - depth.min())
+    if extent == 0.0:
+        raise ValueError(
+            f"The scene is flat, and the lamp at {position} looks straight at it; move it aside."
+        )
+    slack = (margin - 1.0) * extent
+    near, far = float(depth.min()) - slack, float(depth.max()) + slack
+    if infinite:
+        return Lamp(
+            position, target, near, far, infinite=True, half_width=margin * float(np.abs(eye[:, :2]).max())
+        )
+    if near <= 0.0:
+        raise ValueError(
+            f"The lamp at {position} is not in front of the whole scene; move it away, or give it a cube of "
+            "six maps."
+        )
+    tangent = margin * float((np.abs(eye[:, :2]) / depth[:, None]).max())
+    # Rounded up to a hundredth of a degree, so that it has the same bits everywhere.
+    angle = math.ceil(math.degrees(2.0 * math.atan(tangent)) * 100.0) / 100.0
+    return Lamp(position, target, near, far, field_of_view=angle)
+
+
+def detail_of(size):
+    """How many segments a round object has that is drawn on a panel of ``size`` pixels; a multiple of 4."""
+    return 12 if size < 64 else 24 if size < 200 else 40
+
+
+# A turned vase and a column with base and capital: (radius, height).
+_VASE = (
+    (0.0, 0.0), (0.34, 0.0), (0.36, 0.06), (0.22, 0.14), (0.20, 0.22), (0.34, 0.48), (0.44, 0.78),
+    (0.42, 1.02), (0.28, 1.26), (0.17, 1.40), (0.16, 1.52), (0.26, 1.66), (0.0, 1.66),
+)  # fmt: skip
+_COLUMN = (
+    (0.0, 0.0), (0.34, 0.0), (0.34, 0.12), (0.22, 0.2), (0.2, 1.9), (0.3, 2.02), (0.3, 2.14), (0.0, 2.14),
+)  # fmt: skip
+FLOOR_HALF_WIDTH = 2.6
+# The moving light: round the scene from the left to the right.
+LAMP_POSITIONS = ((-6.2, 7.0, 3.2), (-1.4, 8.8, 5.0), (5.6, 6.8, 4.4))
+
+
+def floor(half_width, cells):
+    """A square in y = 0 that faces up, ``cells`` by ``cells`` squares: lights per vertex need vertices."""
+    half_width = positive(half_width, "Half the floor's width")
+    return surfaces.plane(cells, cells, half_width, half_width).rotated(rotation("x", -90.0))
+
+
+def still_life(detail=40):
+    """A ring that stands upright, a vase, a column, a sphere and a box on a floor.
+
+    ``detail``: segments of the round ones (``detail_of``).
+    """
+    across = detail // 2
+    ring = (
+        surfaces.torus(detail, across, 0.62, 0.17).rotated(rotation("x", 90.0)).rotated(rotation("y", 38.0))
+    )
+    return Scene(
+        (
+            Object("floor", floor(FLOOR_HALF_WIDTH, detail // 2), (0.62, 0.60, 0.56), closed=False),
+            Object("ring", ring.moved(-1.35, 0.79, 0.95), (0.80, 0.52, 0.16), 0.6),
+            Object("vase", surfaces.lathe(_VASE, detail).moved(0.15, 0.0, -0.35), (0.20, 0.42, 0.62), 0.5),
+            Object("column", surfaces.lathe(_COLUMN, detail).moved(-1.7, 0.0, -1.5), (0.66, 0.62, 0.55), 0.1),
+            Object(
+                "sphere",
+                surfaces.sphere(detail, across).scaled(0.5).moved(1.55, 0.5, 0.95),
+                (0.72, 0.22, 0.2),
+                0.7,
+            ),
+            Object(
+                "box",
+                surfaces.box(0.9, 1.2, 0.9).rotated(rotation("y", 25.0)).moved(1.75, 0.6, -1.3),
+                (0.34, 0.52, 0.34),
+                0.1,
+            ),
+        )
+    )
+
+
+def still_life_view(panel):
+    """The camera of ``still_life``."""
+    return perspective_view(panel, (0.6, 4.9, 8.4), (0.0, 0.62, 0.0), field_of_view=31.0, radius=4.5)

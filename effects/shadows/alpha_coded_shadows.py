@@ -1,0 +1,480 @@
+"""H36 to H38: shadow maps without a shadow extension; the depth from the light is a colour's alpha.
+
+Texture coordinate generation gives every fragment its linear depth z from the light, 0 at the light's near
+plane and 1 at its far one, and a one-dimensional ramp texture makes it alpha. H36, the map: a picture from
+the light, whose alpha holds the depths of what the light sees; its red, green and blue do not matter. A
+fragment that the camera sees is in shadow where its own depth, by the same ramp, is greater than the map's.
+
+    P0  from the light, ramp: alpha = z + bias                  CopyTexImage         store_map
+    P1  from the camera: scene without the light                                     all below
+    P2  H37: ramp minus projected map, alpha test, mark         in one pass          with_combiners,
+    P3  H37: the light where the stencil is marked                                   with_environments
+    P2  H38: ramp into destination alpha; minus projected map;                       with_one_unit
+        window onto itself, alpha times 2^n
+    P3  H38: the light times (1 - destination alpha)
+
+H37's frame has three passes while light and objects stand still and four when they move, as the paper says;
+with the extension it would have as many (erratum E000.8: "one pass more" holds where the comparison is made
+in the lit pass itself). H38's has four and a copy of the window, and one pass more when something moves.
+
+What is chosen here:
+
+- Two rasterizations never give the same depth, so that "alpha is 0 where it is lit" holds for nothing without
+  a bias (erratum E000.9): the map stores depths ``bias`` steps farther from the light.
+- The ramp's texels are i / (W - 1). With LINEAR it is exact for s' = s (W - 1) / W + 1 / (2 W), which goes
+  into the plane of the generation; uncorrected it is off by half a texel at its ends (study P7).
+- Combiners subtract by SIGNED_NEGATE; the final combiner's clamp leaves max(0, difference) and the alpha test
+  is EQUAL 0. The catalogue's product with -1, EXPAND_NORMAL of zero, is one with -256/255 where one half is
+  128: from a map's 128 on it is a step too low. Environments of the time have no SUBTRACT: ADD_SIGNED of
+  one and the other's complement gives 1/2 + difference, and the test is LEQUAL 128/255. Where a machine takes
+  one half as 128, equal alphas give 127, so that a difference of one step passes too: a bias of b - 1 there
+  gives the masks that b gives with combiners.
+- H38 needs destination alpha and FUNC_REVERSE_SUBTRACT (EXT_blend_subtract, the imaging subset). Without the
+  latter, ``subtract=False``: the map is copied as 1 - z and added. The sum clamps at one where the fragment
+  is in shadow, and the copy onto itself has a bias of 1 - 2^n beside the scale of 2^n: one stays one and all
+  below becomes zero. Equal alphas are then in shadow, so that this map's bias is one step more. The
+  catalogue holds this not to be expressible; pixel transfer's scale and bias are in OpenGL 1.0.
+- The smallest alpha above zero is 1/(2^n - 1), not 1/2^n (erratum E000.10); times 2^n it is above one too.
+- The map needs destination alpha as well. In a window that has none the ramp goes through red: an INTENSITY
+  ramp, and a map copied as INTENSITY, whose alpha is the window's red. H37 then still runs; H38 does not.
+
+Source: Heidrich 2001, section 2.1 (H36, H37, H38 of the catalogue; pass sequences A-H36/H37 and
+A-H38); NV_register_combiners; EXT_blend_subtract; OpenGL 1.2.1 sections 2.10.4, 3.6.3, 4.3.3.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fixedpipe.effects.geometry.matrices import eye_plane
+from fixedpipe.effects.geometry.surfaces import plane
+from fixedpipe.effects.geometry.views import Panel
+from fixedpipe.effects.passes.draws import (
+    ADD,
+    EDGE,
+    FIRST_PASS,
+    LATER_PASS,
+    MARK,
+    MARKED,
+    NEAREST,
+    NO_RGB,
+    OPAQUE,
+    REPLACE,
+    SUBTRACT,
+    ZERO,
+    alpha_of,
+    one_of,
+    unit,
+)
+from fixedpipe.effects.shadows.lit_scene import NO_COLOR, draw_object, lit_lighting, lit_pass, unlit_pass
+from fixedpipe.pipeline.commands import (
+    Clear,
+    CopyPixels,
+    CopyTexImage,
+    CopyTexSubImage,
+    Draw,
+    Saturate,
+    TexImage,
+)
+from fixedpipe.pipeline.enums import (
+    BlendFactor,
+    CombineFunction,
+    CombineOperand,
+    CombineSource,
+    ComparisonFunction,
+    ComponentUsage,
+    InternalFormat,
+    Mapping,
+    Register,
+    TexGenMode,
+    TextureEnvironmentMode,
+)
+from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER, PixelTransfer
+from fixedpipe.pipeline.state import (
+    AlphaPortion,
+    AlphaTest,
+    Blending,
+    ColorMask,
+    Combine,
+    CombinerInput,
+    FinalCombiner,
+    GeneralCombiner,
+    PassState,
+    RasterPosition,
+    RegisterCombiners,
+    TexGen,
+    TextureEnvironment,
+    VertexState,
+    Viewport,
+)
+from fixedpipe.pipeline.textures.images import texture_1d, texture_2d
+
+COMPONENTS = ("alpha", "red")
+ONLY_ALPHA, ONLY_RGB = ColorMask(False, False, False, True), ColorMask(True, True, True, False)
+ADD_WHERE_ALPHA_IS_ZERO = Blending(BlendFactor.ONE_MINUS_DST_ALPHA, BlendFactor.ONE)
+RAMP, MAP = "ramp of depths", "alpha-coded shadow map"
+_ONE_MINUS_ALPHA = PixelTransfer(scale=(1.0, 1.0, 1.0, -1.0), bias=(0.0, 0.0, 0.0, 1.0))
+# Assumed: steps that the map's depths are moved away from the light; study P4 has what fewer cost. One is
+# for the two roundings, one for the slope of what is seen under a texel.
+BIAS = 2.0
+_NOT_GENERATED = TexGen()
+
+
+@dataclass(frozen=True)
+class Coding:
+    """How depths from the light become alpha.
+
+    bits       n, of the component that holds them; a step is 1 / (2^n - 1) of the distance between the planes
+    texels     of the ramp, a power of two; None: 2^n, at most 256, between which LINEAR interpolates
+    bias       steps that the map's depths are moved away from the light
+    corrected  whether s is made s', for which the ramp is exact
+    linear     the paper's linear depth; False: the depth that a z-buffer would have, for comparison (study
+               P5), a division per pixel
+    component  of the window: "alpha", or "red" where it has no alpha
+    """
+
+    bits: int = 8
+    texels: int | None = None
+    bias: float = BIAS
+    corrected: bool = True
+    linear: bool = True
+    component: str = "alpha"
+
+    def __post_init__(self):
+        one_of(COMPONENTS, self.component, "The component of depths")
+        if not 4 <= self.bits <= 16 or self.bits != int(self.bits):
+            raise ValueError(f"Depths of {self.bits} bits; a machine's components have 4 to 16.")
+        if self.width < 2 or self.width & (self.width - 1):
+            raise ValueError(f"A ramp of {self.width} texels; give a power of two, 2 or more.")
+        if not abs(self.bias) < np.inf:
+            raise ValueError(f"The bias is {self.bias!r} steps; give a finite number.")
+
+    @property
+    def step(self):
+        """The smallest difference of two alphas."""
+        return 1.0 / (2**self.bits - 1)
+
+    @property
+    def width(self):
+        """Texels of the ramp."""
+        return min(256, 2**self.bits) if self.texels is None else self.texels
+
+    def internal_format(self, profile):
+        """Of the ramp and of the map: as wide as the machine's components where they are wider than bytes."""
+        base = "ALPHA" if self.component == "alpha" else "INTENSITY"
+        wide = InternalFormat[f"{base}12"]
+        if self.bits > 8 and wide in profile.internal_formats:
+            return wide
+        return InternalFormat[f"{base}8"]
+
+    def ramp(self, profile):
+        """The command that stores the ramp."""
+        alphas = np.arange(self.width) / float(self.width - 1)
+        image = texture_1d(np.repeat(alphas[:, None], 4, axis=1), self.internal_format(profile))
+        label = f"load the ramp: depth to alpha, {self.width} texels"
+        return TexImage(label=label, texture=RAMP, image=image)
+
+    def ramp_unit(self, lamp, view, bias=0.0, **settings):
+        """A texture unit that reads the ramp where a fragment's depth from the light is, ``bias`` steps
+        farther; ``settings``: more of TextureUnit.
+
+        The planes are specified in the camera's eye coordinates (section 2.10.4).
+        """
+        if self.linear:
+            depth, one = lamp.depth_plane, (0.0, 0.0, 0.0, 1.0)
+        else:
+            depth, one = lamp.texture_matrix[2:]
+        scale = (self.width - 1.0) / self.width if self.corrected else 1.0
+        move = (0.5 / self.width if self.corrected else 0.0) + scale * bias * self.step
+        s = _generated(tuple(scale * d + move * w for d, w in zip(depth, one, strict=True)), view)
+        q = _NOT_GENERATED if self.linear else _generated(one, view)
+        return unit(RAMP, EDGE, gen=(s, _NOT_GENERATED, _NOT_GENERATED, q), **settings)
+
+
+def _generated(world_plane, view):
+    return TexGen(TexGenMode.EYE_LINEAR, eye_plane(world_plane, view.modelview))
+
+
+def map_unit(lamp, view, name=MAP, **settings):
+    """A texture unit that reads the map where a fragment is seen from the light: projective, nearest texel.
+
+    ``lamp``: what has a ``texture_matrix`` from world coordinates to the map's; ``settings``: more of
+    TextureUnit.
+    """
+    s, t, _, q = lamp.texture_matrix
+    gen = (_generated(s, view), _generated(t, view), _NOT_GENERATED, _generated(q, view))
+    return unit(name, NEAREST, gen=gen, **settings)
+
+
+def store_map(scene, lamp, panel, edge, profile, coding, *, name=MAP, subtract=True, shading="lit"):
+    """P0, H36: the scene from the light, depth as alpha, and the copy of it as a texture.
+
+    Parameters
+    ----------
+    panel
+        Where in the window it is drawn: a Panel. A larger map is drawn part after part.
+    edge
+        Texels along the map's edge, a power of two.
+    coding
+        The Coding of depths; the map's are ``coding.bias`` steps farther.
+    subtract
+        False: the map is one minus the depth, one step farther still, for ``with_one_unit``.
+    shading
+        What red, green and blue show, as ``lit_scene``'s; nothing depends on it.
+
+    Raises ValueError where the map's edge is no power of two.
+    """
+    if edge < 1 or edge & (edge - 1):
+        raise ValueError(f"The map's edge is {edge!r} texels; give a power of two.")
+    part = edge
+    while part > min(panel.width, panel.height):
+        part //= 2
+    bias = coding.bias if subtract else coding.bias + 1.0
+    drawn = Panel(panel.x, panel.y, part, part)
+    copied = {
+        "texture": name,
+        "x": panel.x,
+        "y": panel.y,
+        "width": part,
+        "height": part,
+        "transfer": INITIAL_TRANSFER if subtract else _ONE_MINUS_ALPHA,
+    }
+    internal_format = coding.internal_format(profile)
+    if part == edge:
+        copy = CopyTexImage(label="copy it as the map", internal_format=internal_format, **copied)
+        return *picture_from_light(scene, lamp, drawn, coding, bias=bias, shading=shading), copy
+    empty = texture_2d(np.zeros((edge, edge, 4), np.uint8), internal_format)
+    out = [TexImage(label=f"make a map of {edge}x{edge} texels", texture=name, image=empty)]
+    for y in range(0, edge, part):
+        for x in range(0, edge, part):
+            viewport = Panel(panel.x - x, panel.y - y, edge, edge)
+            out += picture_from_light(
+                scene, lamp, drawn, coding, bias=bias, viewport=viewport, shading=shading
+            )
+            out.append(CopyTexSubImage(label="copy it into the map", x_offset=x, y_offset=y, **copied))
+    return tuple(out)
+
+
+def picture_from_light(
+    scene, lamp, panel, coding, *, bias, viewport=None, shading="lit", background=(0.0, 0.0, 0.0)
+):
+    """The scene as the light sees it, alpha its depth, ``bias`` steps farther; red where that is the depth.
+
+    ``viewport``: a Panel that the light's whole view fills, of which ``panel`` shows what falls on it; None:
+    the panel itself.
+    """
+    view = lamp.view(panel if viewport is None else viewport)
+    ramp = coding.ramp_unit(lamp, view, bias, environment=REPLACE)
+    # Where nothing is drawn the map is as far as it goes.
+    rgb = background if coding.component == "alpha" else (1.0, 1.0, 1.0)
+    label = "clear to the farthest depth"
+    clear = Clear(label=label, color=(*rgb, 1.0), depth=1.0, scissor=panel.scissor)
+    draws = (
+        draw_object(
+            "depth as alpha, seen from the light",
+            thing,
+            view,
+            lighting=lit_lighting(thing, view, lamp, shading),
+            texture_units=(ramp,),
+            depth_test=FIRST_PASS,
+        )
+        for thing in scene.objects
+    )
+    return clear, *(replace(d, state=replace(d.state, scissor=panel.scissor)) for d in draws)
+
+
+# ------------------------------------------------------------------------------------- H37: two texture units
+
+
+def difference_combiners():
+    """Register combiners whose alpha is max(0, texture 0's alpha - texture 1's)."""
+    minus_map = CombinerInput(Register.TEXTURE1, Mapping.SIGNED_NEGATE, ComponentUsage.ALPHA)
+    difference = AlphaPortion(
+        a=alpha_of(Register.TEXTURE0),
+        b=OPAQUE,
+        c=minus_map,
+        d=OPAQUE,
+        sum_output=Register.SPARE0,
+    )
+    final = FinalCombiner(a=ZERO, b=ZERO, c=ZERO, d=ZERO, g=alpha_of(Register.SPARE0))
+    return RegisterCombiners(general=(GeneralCombiner(NO_RGB, difference),), final=final)
+
+
+EQUAL_ZERO = AlphaTest(ComparisonFunction.EQUAL, 0.0)
+# Erratum E000.9: ADD_SIGNED's zero is one half.
+AT_MOST_HALF = AlphaTest(ComparisonFunction.LEQUAL, 128.0 / 255.0)
+
+_COLOR_AS_IT_IS = Combine(CombineFunction.REPLACE, (CombineSource.PREVIOUS,), (CombineOperand.SRC_COLOR,))
+# Previous + (1 - texel) - 1/2.
+DIFFERENCE_BY_ADD_SIGNED = TextureEnvironment(
+    TextureEnvironmentMode.COMBINE,
+    rgb=_COLOR_AS_IT_IS,
+    alpha=Combine(
+        CombineFunction.ADD_SIGNED,
+        (CombineSource.PREVIOUS, CombineSource.TEXTURE),
+        (CombineOperand.SRC_ALPHA, CombineOperand.ONE_MINUS_SRC_ALPHA),
+    ),
+)
+
+
+def clear_window(view, background, label="clear colour, depth and stencil"):
+    """The camera's panel as its first pass finds it: destination alpha zero, no pixel marked."""
+    return Clear(label=label, color=(*background, 0.0), depth=1.0, stencil=0, scissor=view.panel.scissor)
+
+
+def _marked_passes(scene, view, lamp, shading, background, marking):
+    """P1 to P3 of H37: ``marking`` is P2."""
+    return (
+        clear_window(view, background),
+        *unlit_pass(scene, view, shading),
+        *marking,
+        *lit_pass(scene, view, lamp, shading, stencil_test=MARKED),
+    )
+
+
+def with_combiners(scene, view, lamp, profile, coding, *, background, shading="lit", name=MAP):
+    """H37 by register combiners: max(0, ramp - map) is alpha; what has none is lit.
+
+    ``store_map`` before it; parameters as there. ``view``: the camera's View.
+    """
+    units = (coding.ramp_unit(lamp, view), map_unit(lamp, view, name))
+    marking = tuple(
+        draw_object(
+            "mark what is not behind the map: ramp - map = 0",
+            thing,
+            view,
+            texture_units=units,
+            register_combiners=difference_combiners(),
+            alpha_test=EQUAL_ZERO,
+            stencil_test=MARK,
+            depth_test=LATER_PASS,
+            color_mask=NO_COLOR,
+        )
+        for thing in scene.objects
+    )
+    return _marked_passes(scene, view, lamp, shading, background, marking)
+
+
+def with_environments(scene, view, lamp, profile, coding, *, background, shading="lit", name=MAP):
+    """H37 by the texture environments of two units: 1/2 + (ramp - map) is alpha; what has at most one half is
+    lit.
+
+    Parameters as of ``with_combiners``.
+    """
+    units = (
+        coding.ramp_unit(lamp, view, environment=REPLACE),
+        map_unit(lamp, view, name, environment=DIFFERENCE_BY_ADD_SIGNED),
+    )
+    marking = tuple(
+        draw_object(
+            "mark what is not behind the map: 1/2 + ramp - map <= 1/2",
+            thing,
+            view,
+            texture_units=units,
+            alpha_test=AT_MOST_HALF,
+            stencil_test=MARK,
+            depth_test=LATER_PASS,
+            color_mask=NO_COLOR,
+        )
+        for thing in scene.objects
+    )
+    return _marked_passes(scene, view, lamp, shading, background, marking)
+
+
+# -------------------------------------------------------------------------------- H38: one texture unit
+
+
+def scale_alpha(panel, bits, *, subtract=True):
+    """The window's panel onto itself, alpha times 2^bits: all alphas above zero become one.
+
+    ``subtract`` False: with a bias of 1 - 2^bits beside it; all below one become zero.
+    """
+    scale = 2.0**bits
+    return CopyPixels(
+        label=f"copy the window onto itself, alpha times 2^{bits}",
+        x=panel.x,
+        y=panel.y,
+        width=panel.width,
+        height=panel.height,
+        state=PassState(scissor=panel.scissor, color_mask=ONLY_ALPHA),
+        position=RasterPosition(position=(float(panel.x), float(panel.y), 0.0, 1.0), window=True),
+        transfer=PixelTransfer(
+            scale=(1.0, 1.0, 1.0, scale), bias=(0.0, 0.0, 0.0, 0.0 if subtract else 1.0 - scale)
+        ),
+    )
+
+
+def difference_in_alpha(
+    scene, view, lamp, profile, coding, *, background, subtract=True, shading="lit", name=MAP
+):
+    """P1 and the first two parts of H38's P2: the scene without the light, and ramp minus map as destination
+    alpha; without ``subtract`` ramp plus one minus map, at most one. Parameters as of ``with_one_unit``.
+    """
+
+    def drawn(label, texture_unit, blending):
+        return tuple(
+            draw_object(
+                label,
+                thing,
+                view,
+                texture_units=(texture_unit,),
+                depth_test=LATER_PASS,
+                blending=blending,
+                color_mask=ONLY_ALPHA,
+            )
+            for thing in scene.objects
+        )
+
+    label = "minus the map" if subtract else "plus the map of 1 - depth"
+    return (
+        clear_window(view, background),
+        *unlit_pass(scene, view, shading, color_mask=ONLY_RGB),
+        *drawn("alpha = depth from the light", coding.ramp_unit(lamp, view, environment=REPLACE), None),
+        *drawn(label, map_unit(lamp, view, name, environment=REPLACE), SUBTRACT if subtract else ADD),
+        Saturate(label="alpha in [0, 1]", scissor=view.panel.scissor),
+    )
+
+
+def with_one_unit(
+    scene, view, lamp, profile, coding, *, background, alpha_bits=8, subtract=True, shading="lit", name=MAP
+):
+    """H38, one texture unit: the difference in destination alpha, made zero or one by a copy of the window.
+
+    ``alpha_bits``: of the window's alpha, n; 0: it has none. ``subtract``: False where the machine has no
+    FUNC_REVERSE_SUBTRACT; the map is then ``store_map``'s with the same. Other parameters as of
+    ``with_combiners``.
+
+    Raises ValueError for a window without alpha; where a machine cannot subtract, ``fixedpipe.pipeline.validation``
+    refuses the passes.
+    """
+    if alpha_bits < 1 or coding.component != "alpha":
+        raise ValueError(
+            "H38 keeps the difference of depths in the window's alpha, and this window has none; ask for one "
+            "with destination alpha, or compare in one pass with two texture units (H37)."
+        )
+    settings = {"background": background, "subtract": subtract, "shading": shading, "name": name}
+    return (
+        *difference_in_alpha(scene, view, lamp, profile, coding, **settings),
+        scale_alpha(view.panel, alpha_bits, subtract=subtract),
+        Saturate(label="alpha 0 or 1", scissor=view.panel.scissor),
+        *lit_pass(scene, view, lamp, shading, blending=ADD_WHERE_ALPHA_IS_ZERO, color_mask=ONLY_RGB),
+    )
+
+
+def show_alpha(panel):
+    """Destination alpha made visible: a white square times it takes the panel's colours' place."""
+    state = PassState(
+        vertex=VertexState(viewport=Viewport(panel.x, panel.y, panel.width, panel.height)),
+        scissor=panel.scissor,
+        blending=Blending(BlendFactor.DST_ALPHA, BlendFactor.ZERO),
+        color_mask=ONLY_RGB,
+    )
+    return Draw(label="show alpha as grey", mesh=plane().mesh(), state=state)
+
+
+def passes(commands):
+    """How many times commands draw the scene or copy the window: consecutive Draws of the same words before
+    the object's name are one pass.
+    """
+    labels = [c.label.rsplit(":", 1)[0] for c in commands if isinstance(c, Draw | CopyPixels)]
+    return sum(a != b for a, b in zip(labels, [None, *labels], strict=False))

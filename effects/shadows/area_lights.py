@@ -1,0 +1,84 @@
+"""Area lights as many point lights: soft shadows in the accumulation buffer (Z26).
+
+    1  the scene without the light; the accumulation buffer takes it whole
+    2  for each of n points of the light: the volumes that it throws, counted in the stencil buffer (Z23), and
+       its light where the count is zero; the accumulation buffer adds 1/n of it
+    3  the sum is returned
+
+An edge between umbra and light is the penumbra, s d2 / d1 wide where light of width s is d1 from an edge that
+throws its shadow d2 farther on.
+
+Source: document 003, "Terminology", "Hard and soft shadows"; the accumulation of shadows: Haeberli, Akeley,
+"The Accumulation Buffer", SIGGRAPH 1990.
+"""
+
+from dataclasses import replace
+
+from fixedpipe.effects.passes.draws import positive
+from fixedpipe.effects.shadows.lit_scene import lit_pass, unlit_pass
+from fixedpipe.effects.shadows.shadow_volumes import (
+    NOT_SHADOWED,
+    counting_operations,
+    shadow_volumes,
+    z_pass_counts,
+)
+from fixedpipe.pipeline.commands import Accum, Clear
+from fixedpipe.pipeline.enums import AccumOperation
+
+# Source: the catalogue's choice (A-Z26).
+POINTS = 64
+
+
+def lamps_of(lamp, width, count=POINTS):
+    """``count`` points of a square light that is level, its edge ``width`` world units, its centre the
+    lamp's position: a tuple of Lamps.
+
+    Each row and each column of the light has one point of its own, so that a shadow of an edge along them
+    has ``count`` steps: the columns are in order, the rows in the order of their reversed bits. ``count``: a
+    power of two, else ValueError.
+    """
+    if count != int(count) or count < 1 or int(count) & (int(count) - 1):
+        raise ValueError(f"An area light of {count} points; give a power of two.")
+    count, (x, y, z) = int(count), lamp.position
+    width, bits = positive(width, "The light's width"), count.bit_length() - 1
+    out = []
+    for i in range(count):
+        reversed_i = int(f"{i:0{bits}b}"[::-1], 2) if bits else 0
+        s, t = ((k + 0.5) / count - 0.5 for k in (i, reversed_i))
+        out.append(replace(lamp, position=(x + s * width, y, z + t * width)))
+    return tuple(out)
+
+
+def accumulated_lights(scene, view, lamps, profile, shading="lit"):
+    """The scene under the mean light of ``lamps``. The panel's colours and depths have been cleared.
+
+    Raises ValueError where there is no lamp.
+    """
+    if not lamps:
+        raise ValueError("An area light without a point lights nothing; give one lamp or more.")
+    scissor = view.panel.scissor
+
+    def accumulate(label, operation, value=1.0):
+        return Accum(label=label, operation=operation, value=value, scissor=scissor)
+
+    out = [
+        *unlit_pass(scene, view, shading),
+        accumulate("accumulate the scene without the light", AccumOperation.LOAD),
+    ]
+    for lamp in lamps:
+        volumes = shadow_volumes(scene, lamp.homogeneous)
+        out += (
+            Clear(label="black, stencil to zero", color=(0.0, 0.0, 0.0, 0.0), stencil=0, scissor=scissor),
+            *z_pass_counts(volumes, view, counting_operations(profile)),
+            *lit_pass(
+                scene,
+                view,
+                lamp,
+                shading,
+                label="light of one point where the count is zero",
+                stencil_test=NOT_SHADOWED,
+                blending=None,
+            ),
+            accumulate("accumulate the point's share", AccumOperation.ACCUM, 1.0 / len(lamps)),
+        )
+    return (*out, accumulate("return the sum", AccumOperation.RETURN))

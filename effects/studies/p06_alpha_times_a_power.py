@@ -1,0 +1,131 @@
+"""P6: alpha times 2^n, clamped, is zero or one.
+
+H38's copy of the window onto itself must make every alpha above zero one. The smallest is 1/(2^n - 1)
+(erratum E000.10; the paper says 1/2^n), so 2^n is more than enough and 2^(n-1) too little. Where the board
+cannot subtract, the copy must make every alpha below one zero: the largest of them is 1 - 1/(2^n - 1).
+
+Source: Heidrich 2001, section 2.1 (artefact P6 of the catalogue).
+"""
+
+import numpy as np
+
+from fixedpipe.effects.figures import Check
+from fixedpipe.effects.geometry.views import Panel
+from fixedpipe.effects.shadows.alpha_coded_shadows import scale_alpha
+from fixedpipe.effects.studies.study import BLUE, GREEN, ORANGE, RED, Column, Study, Table
+from fixedpipe.pipeline.commands import DrawPixels
+from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.pixel_transfer import PixelImage
+from fixedpipe.pipeline.state import RasterPosition
+
+_WIDTH = 64
+
+
+def copied(bits, exponent, profile, *, subtract=True):
+    """Every alpha of a window of ``bits`` bits after the copy with a scale of 2^exponent: int64 [2^bits]."""
+    rows = 2**bits // _WIDTH
+    alphas = np.arange(2**bits).reshape(rows, _WIDTH) / (2.0**bits - 1.0)
+    position = RasterPosition(position=(0.0, 0.0, 0.0, 1.0), window=True)
+    image = PixelImage(np.repeat(alphas[..., None], 4, axis=-1))
+    commands = (
+        DrawPixels(label="every alpha", image=image, position=position),
+        scale_alpha(Panel(0, 0, _WIDTH, rows), exponent, subtract=subtract),
+    )
+    framebuffer = execute(commands, profile, _WIDTH, rows, color_bits=bits).framebuffer
+    return framebuffer.color[::-1, :, 3].ravel().astype(np.int64)
+
+
+def measure(profile):
+    """A row for each width of the machine's colours and each scale."""
+    rows, curves = [], {}
+    for bits in profile.color_bits:
+        one = 2**bits - 1
+        for name, exponent, subtract in (
+            ("2^(n-1)", bits - 1, True),
+            ("2^n", bits, True),
+            ("2^(n+1)", bits + 1, True),
+            ("2^n, bias 1 - 2^n", bits, False),
+        ):
+            after = copied(bits, exponent, profile, subtract=subtract)
+            binary = int(((after == 0) | (after == one)).sum())
+            kept = after[1:] == one if subtract else after[:-1] == 0
+            smallest = after[1] if subtract else after[-2]
+            rows.append((bits, name, 2**bits, binary, int(kept.sum()), float(smallest / one)))
+            curves[f"{bits} bits, {name}"] = after / one
+    columns = (
+        Column("bits", form="d"),
+        Column("scale"),
+        Column("alphas", form="d"),
+        Column("zero or one after it", form="d"),
+        Column("decided as they should be", form="d"),
+        Column("nearest alpha becomes", form=".4f"),
+    )
+    return Table(columns, tuple(rows), curves)
+
+
+def _row(table, bits, scale):
+    (row,) = [r for r in table.records() if (r["bits"], r["scale"]) == (bits, scale)]
+    return row
+
+
+def findings(table):
+    """What 2^n does and 2^(n-1) does not."""
+    out = []
+    for bits in dict.fromkeys(table.column("bits")):
+        half, whole, added = (_row(table, bits, s) for s in ("2^(n-1)", "2^n", "2^n, bias 1 - 2^n"))
+        out.append(
+            f"With {bits} bits 2^n makes {whole['decided as they should be']} of {2**bits - 1} alphas above "
+            f"zero one; 2^(n-1) makes {half['decided as they should be']}, and leaves the smallest at "
+            f"{half['nearest alpha becomes']:.4f}. With the bias {added['decided as they should be']} alphas "
+            "below one become zero."
+        )
+    return tuple(out)
+
+
+def checks(table):
+    """The catalogue's numbers, of every width."""
+    out = []
+    for bits in dict.fromkeys(table.column("bits")):
+        for scale in ("2^n", "2^(n+1)", "2^n, bias 1 - 2^n"):
+            out.append(
+                Check(f"{bits} bits, {scale}: alphas that are not decided",
+                      2**bits - 1 - _row(table, bits, scale)["decided as they should be"], "<=", 0.0,
+                      "machine", "the catalogue's: all of them; the one with the bias is exact likewise")
+            )  # fmt: skip
+        left = _row(table, bits, "2^(n-1)")["nearest alpha becomes"]
+        out.append(
+            Check(f"{bits} bits, 2^(n-1): the smallest alpha's distance from one half", abs(left - 0.5), "<=",
+                  1.0 / 2**bits, "machine", "the catalogue's .5: 2^(n-1) / (2^n - 1), rounded")
+        )  # fmt: skip
+    return tuple(out)
+
+
+def plot(axes, table):
+    """What the smallest alphas become, by each scale."""
+    (axis,) = axes
+    bits = table.column("bits")[0]
+    shown = (("2^(n-1)", RED, "o"), ("2^n", BLUE, "s"), ("2^(n+1)", GREEN, "x"))
+    for name, color, marker in shown:
+        values = table.curves[f"{bits} bits, {name}"][:8]
+        axis.plot(np.arange(8), values, color=color, marker=marker, linestyle="none", label=f"times {name}")
+    values = table.curves[f"{bits} bits, 2^n, bias 1 - 2^n"][-8:]
+    axis.plot(np.arange(-7, 1), values, color=ORANGE, marker="^", linestyle="none",
+              label="times 2^n, bias 1 - 2^n; from one")  # fmt: skip
+    axis.set_xlabel(f"alpha before the copy, in steps of 1/{2**bits - 1} from zero (right) or one (left)")
+    axis.set_ylabel("alpha after it")
+    axis.legend()
+
+
+STUDY = Study(
+    id="P6",
+    title="Alpha times 2^n, clamped",
+    question="Does the copy of the window onto itself, alpha times 2^n, leave zero and one alone?",
+    method="CopyPixels with ALPHA_SCALE, of every alpha that the window's bits have.",
+    source="Heidrich2001",
+    techniques=("H38",),
+    machines=("OCTANE", "INFINITE_REALITY", "OPENGL_1_2_IMAGING", "OPENGL_1_2"),
+    measure=measure,
+    findings=findings,
+    checks=checks,
+    plot=plot,
+)

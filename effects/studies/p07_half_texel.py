@@ -1,0 +1,163 @@
+"""P7: the ramp's half texel.
+
+A texel's value is that of its centre: W texels i / (W - 1), filtered, give (s W - 1/2) / (W - 1) between the
+centres of the first and the last and stay at zero and one beyond them. The largest error is 1 / (2 W), where
+the first and the last centre are. s' = s (W - 1) / W + 1 / (2 W) runs from the first centre to the last, and
+is exact.
+
+Source: Heidrich 2001, section 2.1 (artefact P7 of the catalogue).
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from fixedpipe.effects.figures import Check
+from fixedpipe.effects.geometry.surfaces import plane
+from fixedpipe.effects.geometry.views import Panel
+from fixedpipe.effects.passes.draws import REPEATED
+from fixedpipe.effects.scenes.objects_and_lamps import Lamp, Object, Scene
+from fixedpipe.effects.shadows import alpha_coded_shadows as alpha
+from fixedpipe.effects.studies.study import BLUE, EXPECTED, GREEN, ORANGE, Column, Study, Table
+from fixedpipe.pipeline.commands import Draw
+from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.ideal.evaluate import execute_ideal
+from fixedpipe.pipeline.profiles import IDEAL
+
+WIDTHS = (16, 32, 64, 128, 256)
+_PIXELS = 1024
+# Parallel light on a plane that falls away from its near plane, at the right, to its far one.
+_LAMP = Lamp((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 0.5, 1.5, infinite=True)
+
+
+def _falling():
+    flat = plane()
+    return replace(flat, positions=flat.positions + flat.positions[:, :1] * np.array([0.0, 0.0, 0.5]))
+
+
+def errors(texels, profile, bits, *, corrected, repeated=False):
+    """Alpha minus depth in a row of pixels from the near plane to the far one: float64 [1024].
+
+    ``repeated``: with the wrap mode that textures have until they are told otherwise.
+    """
+    coding = alpha.Coding(bits, texels=texels, bias=0.0, corrected=corrected)
+    scene = Scene((Object("plane", _falling(), (1.0, 1.0, 1.0)),))
+    panel, out = Panel(0, 0, _PIXELS, _PIXELS), [coding.ramp(profile)]
+    for command in alpha.picture_from_light(scene, _LAMP, panel, coding, bias=0.0, shading="mask"):
+        if isinstance(command, Draw) and repeated:
+            (unit,) = command.state.texture_units
+            state = replace(command.state, texture_units=(replace(unit, sampler=REPEATED),))
+            command = replace(command, state=state)
+        if isinstance(command, Draw):
+            # A row is enough.
+            row = replace(command.state.scissor, y=_PIXELS // 2, height=1)
+            command = replace(command, state=replace(command.state, scissor=row))
+        out.append(command)
+    if profile is IDEAL:
+        read = execute_ideal(tuple(out), _PIXELS, _PIXELS).color[:, :, 3]
+    else:
+        framebuffer = execute(tuple(out), profile, _PIXELS, _PIXELS).framebuffer
+        read = framebuffer.color[..., 3] / (2.0**framebuffer.color_bits - 1.0)
+    depth = 1.0 - (np.arange(_PIXELS) + 0.5) / _PIXELS
+    return read[::-1][_PIXELS // 2] - depth
+
+
+def measure(profile):
+    """A row for each ramp."""
+    bits, rows, curves = profile.color_bits[0], [], {}
+    for texels in WIDTHS:
+        half, exact, wrapped = (
+            errors(texels, profile, bits, corrected=c, repeated=r)
+            for c, r in ((False, False), (True, False), (False, True))
+        )
+        free = errors(texels, IDEAL, bits, corrected=False), errors(texels, IDEAL, bits, corrected=True)
+        largest = (float(np.abs(e).max()) for e in (half, free[0], exact, free[1], wrapped))
+        rows.append((texels, 0.5 / texels, *largest))
+        curves[f"{texels}"], curves[f"{texels}, s'"] = half, exact
+    columns = (
+        Column("texels", form="d"),
+        Column("1 / (2 W)", form=".5f"),
+        Column("plain, machine", form=".5f"),
+        Column("plain, ideal", form=".5f"),
+        Column("corrected, machine", form=".5f"),
+        Column("corrected, ideal", form=".5f"),
+        Column("plain, repeated", form=".5f"),
+    )
+    step = np.array([1.0 / (2.0**bits - 1.0)])
+    return Table(columns, tuple(rows), {**curves, "step": step})
+
+
+def findings(table):
+    """What s' is worth, in steps of alpha, and what a ramp that repeats does."""
+    row = {r["texels"]: r for r in table.records()}
+    few, many, step = row[WIDTHS[0]], row[WIDTHS[-1]], float(table.curves["step"][0])
+    plain, corrected = (tuple(r[f"{n}, machine"] for r in (few, many)) for n in ("plain", "corrected"))
+    return (
+        f"{WIDTHS[0]} texels read at s are off by {plain[0]:.4f}, where 1 / (2 W) is "
+        f"{few['1 / (2 W)']:.4f}; {WIDTHS[-1]} by {plain[1]:.5f}, {plain[1] / step:.1f} steps of this "
+        "machine's alpha.",
+        f"At s' they are off by {corrected[0]:.5f} and {corrected[1]:.5f}, {corrected[0] / step:.2f} and "
+        f"{corrected[1] / step:.2f} steps: what rounding costs.",
+        f"A ramp that repeats mixes near and far at its ends: off by {few['plain, repeated']:.2f}.",
+    )
+
+
+def checks(table):
+    """The catalogue's numbers."""
+    out, step = [], float(table.curves["step"][0])
+    for r in table.records():
+        w = r["texels"]
+        out += [
+            Check(f"{w} texels, s: largest error over 1 / (2 W), deviation from one",
+                  abs(r["plain, ideal"] * 2.0 * w - 1.0), "<=", w / _PIXELS, "ideal",
+                  "the catalogue's, to the half pixel that the largest may lie aside"),
+            Check(f"{w} texels, s: the machine's largest error off the ideal's, in steps",
+                  abs(r["plain, machine"] - r["plain, ideal"]) / step, "<=", 0.75, "machine",
+                  "rounding to a step, of a filter whose weights have eight bits"),
+            Check(f"{w} texels, s': largest error", r["corrected, ideal"], "<=", 1e-12, "ideal",
+                  "the catalogue's: s' removes it"),
+            Check(f"{w} texels, s': largest error in steps", r["corrected, machine"] / step, "<=",
+                  1.0 + 1.0 / 256.0 / (w - 1.0) / step, "machine",
+                  "a texel and the result are rounded, and a weight of eight bits is cut"),
+        ]  # fmt: skip
+    return tuple(out)
+
+
+def plot(axes, table):
+    """The largest error by texels, and the error along the shortest ramp."""
+    largest, along = axes
+    widths = table.column("texels")
+    largest.loglog(widths, table.column("plain, machine"), color=ORANGE, marker="o", label="s")
+    largest.loglog(widths, table.column("corrected, machine"), color=BLUE, marker="s", label="s'")
+    largest.loglog(widths, table.column("1 / (2 W)"), label="catalogue: 1 / (2 W)", **EXPECTED)
+    largest.minorticks_off()
+    largest.set_xticks(widths, [str(w) for w in widths])
+    largest.set_xlabel("texels of the ramp")
+    largest.set_ylabel("largest error of alpha as depth")
+    largest.legend()
+    depth = 1.0 - (np.arange(_PIXELS) + 0.5) / _PIXELS
+    for texels, color in ((16, ORANGE), (64, GREEN)):
+        along.plot(depth, table.curves[f"{texels}"], color=color, label=f"s, {texels} texels")
+    along.plot(depth, table.curves["16, s'"], color=BLUE, label="s', 16 texels")
+    along.set_xlabel("depth")
+    along.set_ylabel("alpha - depth")
+    along.legend()
+
+
+STUDY = Study(
+    id="P7",
+    title="The ramp's half texel",
+    question="How far is a filtered ramp of W texels from the depth that it is to be?",
+    method=(
+        f"A plane that falls from the light's near plane to its far one along {_PIXELS} pixels: alpha, as "
+        "H36 draws it, against the depth."
+    ),
+    source="Heidrich2001",
+    techniques=("H36",),
+    machines=("INFINITE_REALITY", "OCTANE", "GEFORCE_256", "MULTITEXTURE"),
+    panels=2,
+    measure=measure,
+    findings=findings,
+    checks=checks,
+    plot=plot,
+)

@@ -1,0 +1,154 @@
+"""P18: Ward's model in colours of [0, 1]: its factor and its square root leave them.
+
+Source: Kautz, Seidel 2000, section 3.3 (artefact P18, pass sequence A-K09 of the catalogue).
+"""
+
+import numpy as np
+
+from fixedpipe.effects.figures import Check
+from fixedpipe.effects.passes.draws import NEAREST
+from fixedpipe.effects.reflectance import brdfs
+from fixedpipe.effects.studies.shared.strips import drawn, strip
+from fixedpipe.effects.studies.study import BLUE, EXPECTED, ORANGE, Column, Study, Table
+from fixedpipe.pipeline.commands import Draw, TexImage
+from fixedpipe.pipeline.enums import TextureEnvironmentMode
+from fixedpipe.pipeline.pixel_transfer import PixelImage
+from fixedpipe.pipeline.state import PassState, TextureEnvironment, TextureUnit
+
+ALPHAS = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 1.0)
+# S(p) = 1/sqrt(p) is stored divided by this (A-K09 of the catalogue); its texels are evenly spaced in p.
+LARGEST_S = 8.0
+_TEXELS = 256
+
+
+def stored(values, profile):
+    """What a machine reads of float64 [n, k] loaded as a luminance texture of n texels: [n, k] in [0, 1]."""
+    found = []
+    for column in values.T:
+        image = PixelImage(np.repeat(column[None, :, None], 3, axis=2), "RGB")
+        environment = TextureEnvironment(TextureEnvironmentMode.REPLACE)
+        coordinates = np.stack([(np.arange(len(column)) + 0.5) / len(column), 0.5 + 0.0 * column], axis=-1)
+        commands = (
+            TexImage(label="load the table", texture="table", pixels=image),
+            Draw(
+                label="the table, a texel for each pixel",
+                mesh=strip(len(column), coordinates=coordinates),
+                state=PassState(texture_units=(TextureUnit("table", NEAREST, environment=environment),)),
+            ),
+        )
+        found.append(drawn(commands, profile, len(column), 8)[4, :, 0])
+    return np.stack(found, axis=-1)
+
+
+def measure(profile):
+    """A row for each alpha, the same along both axes: the factor wanted, and the stored one."""
+    wanted = np.array([brdfs.ward_scale(alpha, alpha) for alpha in ALPHAS])
+    padded = np.concatenate([wanted, np.zeros(16 - len(wanted))])
+    kept = stored(padded[:, None], profile)[: len(wanted), 0]
+    rows = tuple(
+        (alpha, alpha * alpha, float(w), float(k), 100.0 * float(max(0.0, 1.0 - k / w)))
+        for alpha, w, k in zip(ALPHAS, wanted, kept, strict=True)
+    )
+    columns = (
+        Column("alpha_x = alpha_y", form=".2f"),
+        Column("product", form=".4f"),
+        Column("1 / (4 pi ax ay)", form=".3f"),
+        Column("stored", form=".3f"),
+        Column("lost", "%", ".1f"),
+    )
+    p = (np.arange(_TEXELS) + 0.5) / _TEXELS
+    s = brdfs.ward_s(p)
+    table = LARGEST_S * stored((s / LARGEST_S)[:, None], profile)[:, 0]
+    return Table(columns, rows, {"p": p, "S": s, "S stored": table})
+
+
+def _clamped_below(table):
+    """The p below which the table of S holds its largest value: between the last texel that does and the
+    first that does not.
+    """
+    p, cut = table.curves["p"], table.curves["S"] > LARGEST_S
+    full = table.curves["S stored"] >= LARGEST_S
+    return float(p[full].max()), int(cut.sum())
+
+
+def findings(table):
+    """Where the colours end."""
+    lost = [r for r in table.records() if r["1 / (4 pi ax ay)"] > 1.0]
+    edge = max(r["product"] for r in lost)
+    (narrow,) = (r for r in lost if r["alpha_x = alpha_y"] == 0.1)
+    largest, _ = _clamped_below(table)
+    error = np.abs(table.curves["S stored"] - table.curves["S"])
+    kept = table.curves["S"] < LARGEST_S
+    return (
+        f"Up to a product of {edge:.4f} the factor is above 1 and is stored as "
+        f"{max(r['stored'] for r in lost):.0f}; at alphas of 0.1 it should be "
+        f"{narrow['1 / (4 pi ax ay)']:.2f}, and {narrow['lost']:.0f} % are lost.",
+        f"A table of S(p) / 8 with {_TEXELS} texels is full up to p = {largest:.4f}; elsewhere it is "
+        f"within {error[kept].max():.3f} of S, and its first texel should be {table.curves['S'][0]:.1f}.",
+    )
+
+
+def checks(table):
+    """The catalogue's numbers."""
+    row = {r["alpha_x = alpha_y"]: r for r in table.records()}
+    over = [r["product"] for r in table.records() if r["stored"] >= 1.0]
+    under = [r["product"] for r in table.records() if r["stored"] < 1.0]
+    largest, count = _clamped_below(table)
+    printed = "the catalogue's, printed to three digits"
+    edge = "the catalogue's edge, alpha_x alpha_y = 1 / (4 pi), lies between these alphas"
+    return (
+        Check("factor at 0.25, of 1.27: deviation", abs(row[0.25]["1 / (4 pi ax ay)"] - 1.27), "<=", 0.005,
+              "ideal", printed),
+        Check("factor at 0.1, of 7.96: deviation", abs(row[0.1]["1 / (4 pi ax ay)"] - 7.96), "<=", 0.005,
+              "ideal", printed),
+        Check("largest factor that is stored", max(table.column("stored")), "<=", 1.0, "machine",
+              "colours end at 1"),
+        Check("largest product that is stored as 1", max(over), "<=", 0.0796, "machine", edge),
+        Check("smallest product that is stored as less", min(under), ">=", 0.0796, "machine", edge),
+        Check("p up to which S is clamped", largest, "<=", 1.0 / 64.0, "machine",
+              "the catalogue's: S is above 8 where p is below 1/64"),
+        Check("largest S that is stored", float(table.curves["S stored"].max()), "<=", LARGEST_S, "machine",
+              "the catalogue's: clamped at 8"),
+        Check("texels of S that are clamped", float(count), ">=", _TEXELS / 64.0, "machine",
+              "all whose centres lie below 1/64"),
+    )  # fmt: skip
+
+
+def plot(axes, table):
+    """The factor by alpha, and S by p."""
+    factors, s = axes
+    alphas = table.column("alpha_x = alpha_y")
+    factors.loglog(alphas, table.column("1 / (4 pi ax ay)"), color=ORANGE, linestyle="--", label="float64")
+    factors.loglog(alphas, table.column("stored"), color=BLUE, marker="o", label="stored on the machine")
+    factors.loglog([0.25, 0.1], [1.27, 7.96], label="catalogue", **EXPECTED)
+    factors.axvline(0.0796**0.5, color="black", linestyle=":", linewidth=1, label="catalogue: 1 at 0.282")
+    factors.set_xlabel("alpha_x = alpha_y")
+    factors.set_ylabel("1 / (4 pi alpha_x alpha_y)")
+    factors.set_xticks([0.05, 0.1, 0.2, 0.5, 1.0], ["0.05", "0.1", "0.2", "0.5", "1"])
+    factors.legend()
+    s.plot(table.curves["p"], table.curves["S"], color=ORANGE, linestyle="--", label="S(p) = 1 / sqrt(p)")
+    s.plot(table.curves["p"], table.curves["S stored"], color=BLUE, label="stored / 8, read on the machine")
+    s.plot([1.0 / 64.0], [8.0], label="catalogue: clamped below 1/64", **EXPECTED)
+    s.set_xlabel("p = (l.n)(v.n)")
+    s.set_ylabel("S")
+    s.set_xlim(0.0, 0.1)
+    s.legend()
+
+
+STUDY = Study(
+    id="P18",
+    title="Ward's factor and square root in colours of [0, 1]",
+    question="From which alphas on does Ward's factor leave the colours, and where does S(p) do?",
+    method=(
+        f"Both loaded as textures and drawn texel for pixel: the factor for k_s = 1, and {_TEXELS} values of "
+        "S / 8."
+    ),
+    source="KautzSeidel2000",
+    techniques=("K09",),
+    machines=("OCTANE", "INFINITE_REALITY", "OPENGL_1_2", "GEFORCE_256", "GEFORCE_3"),
+    panels=2,
+    measure=measure,
+    findings=findings,
+    checks=checks,
+    plot=plot,
+)

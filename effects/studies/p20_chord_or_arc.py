@@ -1,0 +1,147 @@
+"""P20: vectors that are interpolated along the chord, and along the arc as the paper asks.
+
+Source: Kautz, Seidel 2000, section 5.1 (K17, artefact P20 of the catalogue).
+"""
+
+import numpy as np
+
+from fixedpipe.effects.figures import Check
+from fixedpipe.effects.geometry.vectors import cosine, sine
+from fixedpipe.effects.studies.shared.strips import drawn
+from fixedpipe.effects.studies.study import BLUE, EXPECTED, GREEN, Column, Study, Table
+from fixedpipe.pipeline.commands import Draw, Mesh
+from fixedpipe.pipeline.enums import PrimitiveType
+from fixedpipe.pipeline.state import PassState
+
+# Angles between the vectors of neighbouring vertices, radians; a sphere of n slices has 2 pi / n.
+DELTAS = (0.125, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5)
+_ACROSS = 256
+
+
+def strip_between(delta):
+    """A strip whose ends have unit vectors ``delta`` apart as colours, as EXPAND_NORMAL reads them."""
+    corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    angle = corners[:, 0] * delta / 2.0
+    vectors = np.stack([sine(angle), 0.0 * angle, cosine(angle)], axis=1)
+    return Mesh(
+        corners, PrimitiveType.QUADS, colors=np.concatenate([(vectors + 1.0) / 2.0, np.ones((4, 1))], 1)
+    )
+
+
+def directions(delta, spherical, profile):
+    """Angles in radians of what the machine interpolates across the strip, from its middle: float64 [256].
+
+    The buffer's components have 16 bits, so that the angle is read and not the byte.
+    """
+    state = PassState(spherical_primary_color=spherical)
+    command = Draw(label="the primary colour", mesh=strip_between(delta), state=state)
+    color = drawn((command,), profile.with_precision(framebuffer_bits=16), _ACROSS, 8)[4]
+    return np.arctan2(2.0 * color[:, 0] - 1.0, 2.0 * color[:, 2] - 1.0)
+
+
+def lag(delta, spherical, profile):
+    """The largest angle between what is interpolated and a vector that turns steadily, radians."""
+    steady = ((np.arange(_ACROSS) + 0.5) / _ACROSS - 0.5) * delta
+    return float(np.abs(directions(delta, spherical, profile) - steady).max())
+
+
+def measure(profile):
+    """A row for each angle between neighbouring vertices."""
+    rows, curves = [], {}
+    for delta in DELTAS:
+        linear, arc = lag(delta, False, profile), lag(delta, True, profile)
+        rows.append((delta, 2.0 * np.pi / delta, linear, arc, 0.5 * delta * delta / 8.0))
+    steady = ((np.arange(_ACROSS) + 0.5) / _ACROSS - 0.5) * DELTAS[-1]
+    curves["steady"] = steady
+    curves["chord"] = directions(DELTAS[-1], False, profile) - steady
+    curves["arc"] = directions(DELTAS[-1], True, profile) - steady
+    columns = (
+        Column("angle between vertices", "radians", ".3f"),
+        Column("slices of a sphere", form=".1f"),
+        Column("off along the chord", "radians", ".6f"),
+        Column("off along the arc", "radians", ".6f"),
+        Column("angle squared / 16", "radians", ".6f"),
+    )
+    return Table(columns, tuple(rows), curves)
+
+
+def _power(table):
+    """By which power of the angle the chord's error grows, over the last rows."""
+    angle = np.log(table.column("angle between vertices"))
+    off = np.log(table.column("off along the chord"))
+    return float((off[-1] - off[2]) / (angle[-1] - angle[2]))
+
+
+def findings(table):
+    """How far highlights move on a triangle."""
+    last = table.records()[-1]
+    largest = max(table.column("off along the arc"))
+    share = max(r["off along the chord"] / r["angle squared / 16"] for r in table.records())
+    return (
+        f"Interpolated along the chord, a vector lags behind by up to {last['off along the chord']:.4f} "
+        f"radians where those of the vertices are {last['angle between vertices']:g} apart; it grows with "
+        f"the power {_power(table):.2f} of the angle and is at most {100 * share:.0f} % of its square / 16.",
+        f"Interpolated along the arc it is at most {largest:.6f} off, which is what colours of 16 bits tell.",
+    )
+
+
+def checks(table):
+    """The catalogue's bound for the chord, and nothing left on the arc."""
+    out = []
+    for r in table.records():
+        at = f"at {r['angle between vertices']:g}"
+        out.append(
+            Check(f"radians off along the chord {at}", r["off along the chord"], "<=",
+                  r["angle squared / 16"], "machine", "the catalogue's: half of the angle's square / 8")
+        )  # fmt: skip
+    out.append(
+        Check("radians off along the arc", max(table.column("off along the arc")), "<=", 2.0**-14, "machine",
+              "two components of 16 bits, each off by half a step of 2 / 65535 where it is stored and where "
+              "it is interpolated")
+    )  # fmt: skip
+    out.append(
+        Check("arc / chord at the largest angle",
+              table.column("off along the arc")[-1] / table.column("off along the chord")[-1], "<=", 0.01,
+              "machine", "what is asked for removes the error; without it the ratio would be 1")
+    )  # fmt: skip
+    return tuple(out)
+
+
+def plot(axes, table):
+    """The errors by angle, and across a triangle."""
+    by_angle, across = axes
+    angle = table.column("angle between vertices")
+    by_angle.loglog(angle, table.column("off along the chord"), color=BLUE, marker="o", label="chord")
+    by_angle.loglog(angle, table.column("off along the arc"), color=GREEN, marker="s", label="arc")
+    bound = table.column("angle squared / 16")
+    by_angle.loglog(angle, bound, label="catalogue: at most angle squared / 16", **EXPECTED)
+    by_angle.set_xticks([0.125, 0.25, 0.5, 1.0], ["0.125", "0.25", "0.5", "1"])
+    by_angle.minorticks_off()
+    by_angle.set_xlabel("angle between the vertices' vectors, radians")
+    by_angle.set_ylabel("largest angle off, radians")
+    by_angle.set_ylim(1e-5, 2.0)
+    by_angle.legend(loc="upper left")
+    across.plot(table.curves["steady"], table.curves["chord"], color=BLUE, label="chord")
+    across.plot(table.curves["steady"], table.curves["arc"], color=GREEN, label="arc")
+    across.set_xlabel(f"steadily turning angle between vertices {DELTAS[-1]:g} apart, radians")
+    across.set_ylabel("interpolated angle minus it, radians")
+    across.legend()
+
+
+STUDY = Study(
+    id="P20",
+    title="Vectors interpolated along the chord or the arc",
+    question="How far does a highlight move because vertex colours are interpolated along a straight line?",
+    method=(
+        "The direction of the primary colour across a strip between two vectors, on the future board with "
+        "and without interpolation along arcs, against one that turns steadily."
+    ),
+    source="KautzSeidel2000",
+    techniques=("K17",),
+    machines=("FUTURE",),
+    panels=2,
+    measure=measure,
+    findings=findings,
+    checks=checks,
+    plot=plot,
+)

@@ -1,0 +1,178 @@
+"""P36: windows without destination alpha.
+
+H36 draws depths into the window's alpha and H38 compares them there. A surface whose colours have no alpha
+keeps none: what is read of it is whatever stands in its place. The same passes, drawn there all the same,
+show what refusing them is for; and H37 with its ramp in red instead (``Coding``'s component) needs no alpha.
+
+Source: Heidrich 2001, section 2.1 (artefact P36 of the catalogue).
+"""
+
+import numpy as np
+
+from fixedpipe.effects.figures import Check
+from fixedpipe.effects.geometry.views import Panel
+from fixedpipe.effects.scenes.objects_and_lamps import lamp_around, still_life, still_life_view
+from fixedpipe.effects.shadows import alpha_coded_shadows as alpha
+from fixedpipe.effects.studies.study import BLUE, GREEN, ORANGE, Column, Study, Table
+from fixedpipe.pipeline.commands import MakeCurrent
+from fixedpipe.pipeline.enums import ColorFormat
+from fixedpipe.pipeline.execution.machine import execute
+
+# Formats, how many bits of alpha each has, and how many bits of red a depth can have instead.
+FORMATS = (
+    ("A8R8G8B8", ColorFormat.A8R8G8B8, 8, 8),
+    ("X8R8G8B8, zeros", ColorFormat.X8R8G8B8_Z8R8G8B8, 0, 8),
+    ("X8R8G8B8, ones", ColorFormat.X8R8G8B8_O8R8G8B8, 0, 8),
+    ("R5G6B5", ColorFormat.R5G6B5, 0, 5),
+)
+_SIZE, _LAMP = 128, (-6.4, 6.6, 1.0)
+# In all, of 8 bits; a step of 5 bits is more than that alone.
+_BIAS = {8: 2.0, 5: 1.0}
+
+
+def lit(profile, color_format, way, *, component="alpha", bits=8, alpha_bits=8):
+    """What the machine lights of the still life on a surface of a format: bool [128, 128].
+
+    Raises ValueError as ``alpha_coded_shadows`` does for what needs alpha where ``alpha_bits`` is 0.
+    """
+    scene = still_life(24)
+    lamp, panel = lamp_around(scene, _LAMP), Panel(0, 0, _SIZE, _SIZE)
+    coding = alpha.Coding(bits, bias=_BIAS[bits], component=component)
+    settings = {"alpha_bits": alpha_bits} if way is alpha.with_one_unit else {}
+    commands = (
+        MakeCurrent(
+            label="a surface of its own", surface="window", width=_SIZE, height=_SIZE,
+            color_format=color_format,
+        ),
+        coding.ramp(profile),
+        *alpha.store_map(scene, lamp, panel, _SIZE, profile, coding, shading="mask"),
+        *way(
+            scene, still_life_view(panel), lamp, profile, coding,
+            background=(0.0, 0.0, 0.0), shading="mask", **settings,
+        ),
+    )  # fmt: skip
+    color = execute(commands, profile, _SIZE, _SIZE).surfaces["window"].color
+    return color[..., 0] > 127
+
+
+def refused(profile, color_format, alpha_bits):
+    """Whether ``alpha_coded_shadows`` refuses H38 where it is told how many bits of alpha there are."""
+    try:
+        lit(profile, color_format, alpha.with_one_unit, alpha_bits=alpha_bits)
+    except ValueError:
+        return True
+    return False
+
+
+def measure(profile):
+    """A row for each format."""
+    whole = lit(profile, ColorFormat.A8R8G8B8, alpha.with_combiners)
+    rows = []
+    for name, color_format, alpha_bits, red_bits in FORMATS:
+
+        def light(way, color_format=color_format, **settings):
+            return 100.0 * float(lit(profile, color_format, way, **settings).sum() / whole.sum())
+
+        through_red = lit(profile, color_format, alpha.with_combiners, component="red", bits=red_bits)
+        rows.append(
+            (
+                name,
+                alpha_bits,
+                "yes" if refused(profile, color_format, alpha_bits) else "no",
+                light(alpha.with_one_unit),
+                light(alpha.with_combiners),
+                100.0 * float(through_red.sum() / whole.sum()),
+                100.0 * float((through_red == whole).mean()),
+            )
+        )
+    columns = (
+        Column("colours"),
+        Column("bits of alpha", form="d"),
+        Column("H38 refused"),
+        Column("H38 lights", "%", ".1f"),
+        Column("H37 lights", "%", ".1f"),
+        Column("H37 by red lights", "%", ".1f"),
+        Column("of its pixels agree", "%", ".1f"),
+    )
+    return Table(columns, tuple(rows))
+
+
+def findings(table):
+    """What is refused, what would come of it, and what still runs."""
+    row = {r["colours"]: r for r in table.records()}
+    without = [r for r in table.records() if not r["bits of alpha"]]
+    zeros, ones, short = row["X8R8G8B8, zeros"], row["X8R8G8B8, ones"], row["R5G6B5"]
+    return (
+        f"H38 is refused on {sum(r['H38 refused'] == 'yes' for r in without)} of {len(without)} formats "
+        f"without alpha. Drawn all the same it would light {zeros['H38 lights']:.0f}, "
+        f"{ones['H38 lights']:.0f} and {short['H38 lights']:.0f} % of what it should: destination alpha "
+        "reads as one there.",
+        f"H37 with a map in alpha would light {zeros['H37 lights']:.0f} % where the surface's padding is "
+        f"zeros and {ones['H37 lights']:.0f} % where it is ones: the nearest depth everywhere, or the "
+        "farthest.",
+        f"With the depth in red H37 runs: {zeros['of its pixels agree']:.1f} and "
+        f"{ones['of its pixels agree']:.1f} % of the pixels are those of a window with alpha, and with five "
+        f"bits of red {short['of its pixels agree']:.1f} %.",
+    )
+
+
+def checks(table):
+    """What must be refused and what must run."""
+    out = []
+    for r in table.records():
+        name = r["colours"]
+        out.append(
+            Check(f"{name}: H38 refused where there is no alpha, and nowhere else",
+                  float((r["H38 refused"] == "yes") == (r["bits of alpha"] == 0)), ">=", 1.0, "machine",
+                  "the catalogue's: it must report what it lacks")
+        )  # fmt: skip
+        if r["bits of alpha"]:
+            out.append(
+                Check(f"{name}: light of H38 over H37's, deviation, %", abs(r["H38 lights"] - 100.0), "<=",
+                      0.0, "machine", "the same depths, compared in another place")
+            )  # fmt: skip
+        else:
+            wrong = min(abs(r[f"{h} lights"] - 100.0) for h in ("H37", "H38"))
+            out.append(
+                Check(f"{name}: how far H37 and H38 by alpha are off, %", wrong, ">=", 10.0, "machine",
+                      "what is refused is no picture of shadows")
+            )  # fmt: skip
+        short = "R5" in name
+        out.append(
+            Check(f"{name}: pixels of H37 by red that are those of a window with alpha, %",
+                  r["of its pixels agree"], ">=", 95.0 if short else 100.0, "machine",
+                  "a bias of one step of five bits is that of eight steps of eight; measured at the first "
+                  "correct table" if short else "the catalogue's: H37 still runs; red has as many bits")
+        )  # fmt: skip
+    return tuple(out)
+
+
+def plot(axes, table):
+    """The light that each way lets through, by format."""
+    (axis,) = axes
+    names, shown = table.column("colours"), (("H38", BLUE), ("H37", ORANGE), ("H37 by red", GREEN))
+    for k, (name, color) in enumerate(shown):
+        axis.bar(np.arange(len(names)) + 0.27 * (k - 1), table.column(f"{name} lights"), 0.25, color=color,
+                 label=name)  # fmt: skip
+    axis.axhline(100.0, color="black", linewidth=0.8)
+    axis.set_xticks(np.arange(len(names)), names)
+    axis.set_ylabel("light, % of the right picture's")
+    axis.legend()
+
+
+STUDY = Study(
+    id="P36",
+    title="No destination alpha",
+    question="Which alpha-coded shadows need alpha in the window, and what becomes of them without?",
+    method=(
+        f"The still life, {_SIZE} x {_SIZE} pixels, on surfaces of formats with and without alpha: H38 and "
+        "H37 as they are, and H37 with its depth in red; lit pixels, of those in a window with alpha."
+    ),
+    source="Heidrich2001",
+    techniques=("H36", "H37", "H38"),
+    machines=("NV2A", "GEFORCE_3"),
+    measure=measure,
+    findings=findings,
+    checks=checks,
+    plot=plot,
+)

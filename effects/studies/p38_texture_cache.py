@@ -1,0 +1,209 @@
+"""P38: what a texture cache makes of dependent lookups.
+
+Ward's model by pixel textures (K09) on the Octane: the material textures are read in the order of the pixels,
+the table of E(m, d) wherever the bumps send them.
+
+Source: Kautz, Seidel 2000, section 5.1 (memory stalls of dependent lookups; artefact P38 of the catalogue).
+"""
+
+from collections import OrderedDict
+from itertools import pairwise
+
+import numpy as np
+
+from fixedpipe.effects.figures import Check
+from fixedpipe.effects.geometry import height_fields, surfaces
+from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view
+from fixedpipe.effects.reflectance import material_textures, pixel_textures
+from fixedpipe.effects.studies.study import BLUE, GREEN, ORANGE, RED, Column, Study, Table
+from fixedpipe.pipeline.commands import CopyPixels, TexImage
+from fixedpipe.pipeline.execution.machine import execute
+
+# Source: the catalogue's example of a cache. Assumed: it drops the line that was not used for the longest
+# time, and textures are stored in blocks of a line, as caches of textures need; documentation of a chip
+# would settle both.
+CACHE_BYTES, LINE_BYTES = 4096, 32
+DEPTHS = (0.0, 0.1, 0.2, 0.4, 0.8, 1.6)
+# Up to here bumps spread the lookups; steeper ones send many beyond the largest m that is stored.
+STEEP = 0.8
+_SIZE, _CELLS = 128, 12
+# Width and height in texels of the blocks, by the bytes of a texel: RGBA8 and the tables' LUMINANCE8.
+_BLOCKS = {4: (4, 2), 1: (8, 4)}
+
+
+def misses(lines):
+    """How many of the accesses to these lines, in order, a cache that begins empty does not hold."""
+    held, missed = OrderedDict(), 0
+    for line in lines:
+        if line in held:
+            held.move_to_end(line)
+        else:
+            missed += 1
+            held[line] = None
+            if len(held) > CACHE_BYTES // LINE_BYTES:
+                held.popitem(last=False)
+    return missed
+
+
+def lines_of(s, t, width, height, texel_bytes):
+    """The cache lines, int64 [4 n], that LINEAR reads at coordinates [n], four texels for each; held at the
+    texture's edges.
+    """
+    across, up = _BLOCKS[texel_bytes]
+    x, y = np.floor(s * width - 0.5).astype(np.int64), np.floor(t * height - 0.5).astype(np.int64)
+    taps = []
+    for dx, dy in ((0, 0), (1, 0), (0, 1), (1, 1)):
+        column, row = np.clip(x + dx, 0, width - 1), np.clip(y + dy, 0, height - 1)
+        taps.append((row // up) * -(-width // across) + column // across)
+    return np.stack(taps, axis=-1).ravel()
+
+
+def miss_rate(lines):
+    """Misses in percent of accesses."""
+    return 100.0 * misses(lines.tolist()) / len(lines)
+
+
+def frame(depth, profile):
+    """Ward's commands on a square of pebbles of this depth, as many pixels as texels, and its slopes."""
+    heights = height_fields.smooth(height_fields.pebbles(_SIZE, _SIZE, _CELLS, 5), 2) * depth
+    slopes = height_fields.slopes(heights)
+    material = material_textures.from_slopes(*slopes, 0.2, 0.5)
+    panel = Panel(0, 0, _SIZE, _SIZE)
+    light = Light((0.5, 0.4, 0.77))
+    passes = pixel_textures.ward(
+        surfaces.plane(), material, orthographic_view(panel), light, profile, largest_s=2.0
+    )
+    return (panel.clear((0.0, 0.0, 0.0)), *passes), np.sqrt(slopes[0] ** 2 + slopes[1] ** 2)
+
+
+def lookups(commands, profile):
+    """The lookups of a frame's pixel textures, by table: coordinates s and t of every pixel, bottom row
+    first, as the framebuffer held them before the copy, and the table's width and height.
+    """
+    result = execute(commands, profile, _SIZE, _SIZE, trace=True)
+    tables = {c.texture: c.image for c in commands if isinstance(c, TexImage) and c.image is not None}
+    found = {}
+    for before, command in zip(result.trace, commands[1:], strict=False):
+        if isinstance(command, CopyPixels) and command.pixel_texture is not None:
+            groups = before.color[::-1].reshape(-1, 4) / 255.0
+            (s, t), (unit,) = command.transfer.color_matrix[:2], command.state.texture_units
+            height, width = tables[unit.texture].levels[0].shape[1:3]
+            found[unit.texture] = (*(_product(groups, row) for row in (s, t)), width, height)
+    return found
+
+
+def _product(groups, row):
+    return sum(groups[:, k] * row[k] for k in range(4))
+
+
+def measure(profile):
+    """A row for each depth of the bumps."""
+    at = height_fields.texel_centers(_SIZE, _SIZE)
+    material = miss_rate(lines_of(*(a.ravel() for a in at), _SIZE, _SIZE, 4))
+    rows, curves = [], {}
+    for depth in DEPTHS:
+        commands, slope = frame(depth, profile)
+        found = lookups(commands, profile)
+        rates = {name: miss_rate(lines_of(*place, 1)) for name, place in found.items()}
+        touched = len(np.unique(lines_of(*found["E"], 1)))
+        rows.append(
+            (
+                depth,
+                float(np.sqrt((slope * slope).mean())),
+                material,
+                rates["S"],
+                rates["E"],
+                rates["E"] / material,
+                touched * LINE_BYTES / 1024.0,
+                100.0 * float((found["E"][0] >= 1.0).mean()),
+            )
+        )
+        curves[f"s {depth:g}"], curves[f"t {depth:g}"] = found["E"][:2]
+    columns = (
+        Column("depth", form=".2f"),
+        Column("slope, RMS", form=".3f"),
+        Column("material textures", "% missed", ".2f"),
+        Column("S(p)", "% missed", ".2f"),
+        Column("E(m, d)", "% missed", ".2f"),
+        Column("E over material", form=".2f"),
+        Column("E touched", "KB", ".1f"),
+        Column("m at 8", "%", ".1f"),
+    )
+    return Table(columns, tuple(rows), curves)
+
+
+def findings(table):
+    """The rates of the smooth and the roughest surface."""
+    rows = {r["depth"]: r for r in table.records()}
+    smooth, rough, steepest = rows[0.0], rows[STEEP], rows[DEPTHS[-1]]
+    return (
+        f"The material textures miss {smooth['material textures']:.2f} % of their accesses however rough "
+        f"the bumps; E(m, d) misses {smooth['E(m, d)']:.2f} % on a smooth surface and "
+        f"{rough['E(m, d)']:.2f} % at a depth of {STEEP:g}, {rough['E over material']:.1f} times as many as "
+        f"the material. At {DEPTHS[-1]:g} it is {steepest['E(m, d)']:.2f} %: there "
+        f"{steepest['m at 8']:.0f} % of the lookups have the largest m that is stored.",
+        f"At {STEEP:g} the bumps touch {rough['E touched']:.1f} KB of the table of E, beside a cache of "
+        f"{CACHE_BYTES // 1024} KB; the row of S(p) misses {rough['S(p)']:.2f} %.",
+    )
+
+
+def checks(table):
+    """That the rate grows with roughness and exceeds the material's."""
+    rates = [r["E(m, d)"] for r in table.records() if r["depth"] <= STEEP]
+    (material,) = set(table.column("material textures"))
+    grows = min(b - a for a, b in pairwise(rates))
+    return (
+        Check(f"least growth of E's miss rate between depths up to {STEEP:g}, %", grows, ">=", 0.0, "machine",
+              "the catalogue's: it grows with roughness; here until m is clamped"),
+        Check("E's miss rate over the material's, steepest bumps", table.column("E over material")[-1], ">=",
+              1.0, "machine", "the catalogue's: dependent lookups are irregular; a smooth surface has 0.0"),
+        Check("E's miss rate over the material's, smooth surface", table.column("E over material")[0], "<=",
+              0.1, "machine", "every pixel reads the same texels"),
+        Check("the material's miss rate, of 100/32 %: relative deviation", abs(material / 3.125 - 1.0), "<=",
+              0.01, "machine", "every block of 8 texels is loaded once for 32 accesses"),
+    )  # fmt: skip
+
+
+def plot(axes, table):
+    """The rates by slope, and where in the table the lookups go."""
+    rates, places = axes
+    slope = table.column("slope, RMS")
+    for name, color, marker in (
+        ("E(m, d)", RED, "o"),
+        ("S(p)", GREEN, "^"),
+        ("material textures", BLUE, "s"),
+    ):
+        rates.plot(slope, table.column(name), color=color, marker=marker, label=name)
+    rates.set_xlabel("slope of the bumps, RMS")
+    rates.set_ylabel("accesses that miss, %")
+    rates.set_ylim(bottom=0.0)
+    rates.legend()
+    for depth, color in ((1.6, ORANGE), (0.4, RED), (0.1, BLUE)):
+        places.plot(
+            table.curves[f"s {depth:g}"], table.curves[f"t {depth:g}"], ",", color=color, rasterized=True
+        )
+        places.plot([], [], "s", color=color, label=f"depth {depth:g}")
+    places.set_xlabel("m / 8, across the table of E")
+    places.set_ylabel("d, up the table of E")
+    places.set_xlim(-0.02, 1.02)
+    places.set_ylim(-0.02, 1.02)
+    places.legend(loc="lower right")
+
+
+STUDY = Study(
+    id="P38",
+    title="A texture cache under dependent lookups",
+    question="How many accesses miss a texture cache where bumps decide where a table is read?",
+    method=(
+        f"The lookups of K09's frame on pebbles, {_SIZE} x {_SIZE} pixels, in the order of the pixels, "
+        f"through a cache of {CACHE_BYTES // 1024} KB with lines of {LINE_BYTES} bytes; four texels for each."
+    ),
+    source="KautzSeidel2000",
+    techniques=("K09", "K15"),
+    machines=("OCTANE",),
+    panels=2,
+    measure=measure,
+    findings=findings,
+    checks=checks,
+    plot=plot,
+)

@@ -1,0 +1,177 @@
+"""P39: what the Octane moves for a model that a GeForce 256 draws in one pass, or cannot draw at all.
+
+Source: Kautz, Seidel 2000, sections 4.2 and 5 (artefact P39 of the catalogue).
+"""
+
+import numpy as np
+
+from fixedpipe.effects.figures import Check
+from fixedpipe.effects.geometry import height_fields, surfaces
+from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view
+from fixedpipe.effects.reflectance import (
+    anisotropic_blinn_phong,
+    blinn_phong_by_host,
+    imaging_subset,
+    material_textures,
+    pixel_textures,
+)
+from fixedpipe.effects.studies.shared.traffic import counted
+from fixedpipe.effects.studies.study import BLUE, GREEN, ORANGE, Column, Study, Table
+from fixedpipe.pipeline.profiles import GEFORCE_256, OCTANE
+
+SIZE = 256
+_LIGHTS = (Light((0.5, 0.4, 0.77)), Light((0.4, 0.5, 0.77)))
+_PANEL = Panel(0, 0, SIZE, SIZE)
+_VIEW = orthographic_view(_PANEL)
+# Source: Kautz, Seidel 2000, section 6: 15 to 25 frames a second.
+_HERTZ = 20
+
+
+def _material():
+    heights = height_fields.smooth(height_fields.pebbles(SIZE, SIZE, 12, 5), 2) * 0.2
+    return material_textures.from_slopes(*height_fields.slopes(heights), 0.25, 0.5)
+
+
+def _combiners(material, light):
+    """K07 on the GeForce 256: the material textures, then one pass."""
+    loading, names = material_textures.load(material, "pebbles", GEFORCE_256)
+    passes = anisotropic_blinn_phong.specular_pass(
+        surfaces.plane(), names, _VIEW, light, GEFORCE_256, first=True
+    )
+    return (*loading[1:], *passes)  # the normal map is the diffuse pass's
+
+
+def _imaging_subset(material, light):
+    """K08 on the Octane, one polygon."""
+    square = imaging_subset.prepare(surfaces.plane(), material, _VIEW, OCTANE, triangles_per_polygon=2)
+    return imaging_subset.specular_passes(square, material, light)
+
+
+def _through_the_host(material, light):
+    """K05 on the GeForce 256: the host looks up what it reads back."""
+    loading, names = material_textures.load(material, "pebbles", GEFORCE_256)
+    passes = blinn_phong_by_host.blinn_phong(surfaces.plane(), names, _VIEW, light, GEFORCE_256)
+    return (*loading[1:], *passes)
+
+
+def _on_octane(model, **arguments):
+    def commands(material, light):
+        return model(surfaces.plane(), material, _VIEW, light, OCTANE, **arguments)
+
+    return commands
+
+
+EFFECTS = {
+    "K07 GeForce 256": _combiners,
+    "K08 Octane": _imaging_subset,
+    "K05 Octane": _on_octane(pixel_textures.blinn_phong),
+    "K05 GeForce 256": _through_the_host,
+    "K03 Octane": _on_octane(pixel_textures.banks),
+    "K09 Octane": _on_octane(pixel_textures.ward),
+}
+
+
+def measure(_):
+    """A row for each effect."""
+    material, rows = _material(), []
+    for name, commands in EFFECTS.items():
+        count = counted(*(commands(material, light) for light in _LIGHTS))
+        loaded, read = count["loaded"] + count["vertices"] + count["drawn"], count["read"]
+        total = loaded + read + count["copied"]
+        rows.append(
+            (
+                name,
+                count["passes"],
+                count["loads"],
+                count["copies"],
+                loaded / 1024.0,
+                read / 1024.0,
+                count["copied"] / 1024.0,
+                total / 1024.0,
+                total * _HERTZ / 1e6,
+            )
+        )
+    columns = (
+        Column("effect"),
+        Column("passes", form="d"),
+        Column("loads", form="d"),
+        Column("copies", form="d"),
+        Column("from host", "KB", ",.1f"),
+        Column("to host", "KB", ",.0f"),
+        Column("copied", "KB", ",.0f"),
+        Column("all", "KB", ",.0f"),
+        Column("20 Hz", "MB/s", ".1f"),
+    )
+    return Table(columns, tuple(rows))
+
+
+def findings(table):
+    """What a frame moves."""
+    rows = {r["effect"]: r for r in table.records()}
+    one, matrix, ward = rows["K07 GeForce 256"], rows["K08 Octane"], rows["K09 Octane"]
+    return (
+        f"While a light moves over one square of {SIZE} x {SIZE} pixels, register combiners move "
+        f"{1024 * one['all']:.0f} bytes a frame, K08 {matrix['all']:,.0f} KB and Ward's model "
+        f"{ward['all']:,.0f} KB, {ward['all'] / matrix['all']:.1f} times as many as K08: "
+        f"{ward['from host'] / ward['all'] * 100:.0f} % of them images from the host, "
+        f"beside {ward['copies']} copies of the framebuffer.",
+        f"At {_HERTZ} frames a second that is {matrix['20 Hz']:.0f} MB/s and {ward['20 Hz']:.0f} MB/s.",
+    )
+
+
+def checks(table):
+    """The order of the three, and that the routes are bound by what they move."""
+    rows = {r["effect"]: r for r in table.records()}
+    one, matrix, ward = (rows[name]["all"] for name in ("K07 GeForce 256", "K08 Octane", "K09 Octane"))
+    return (
+        Check("KB of K07, with those of K08 / 1000 as bound", one, "<=", matrix / 1000.0, "machine",
+              "the catalogue's: the colour matrix loads textures for every frame, the combiners' stay"),
+        Check("KB of K09, with twice those of K08 as bound", ward, ">=", 2.0 * matrix, "machine",
+              "the catalogue's: pixel textures copy the framebuffer on top of twice as many loads"),
+        Check("copies of K09 that are lookups, and two more", float(rows["K09 Octane"]["copies"]), ">=", 4.0,
+              "machine", "S(p) and E(m, d), each through the framebuffer, and two that scale"),
+        Check("bytes loaded a pixel by K08", 1024 * rows["K08 Octane"]["from host"] / SIZE**2, ">=", 24.0,
+              "machine", "two vectors of three floats for each texel, a texel for each pixel"),
+    )  # fmt: skip
+
+
+def plot(axes, table):
+    """Bars of what comes from the host and what is copied."""
+    (ax,) = axes
+    names, at = table.column("effect"), np.arange(len(table.rows))
+    below = np.zeros(len(at))
+    for name, color, label in (
+        ("from host", BLUE, "from the host"),
+        ("to host", GREEN, "to the host"),
+        ("copied", ORANGE, "copied in the framebuffer"),
+    ):
+        values = np.array(table.column(name))
+        ax.bar(at, values, 0.6, bottom=below, color=color, label=label)
+        below = below + values
+    for k, r in enumerate(table.records()):
+        amount = f"{r['all']:,.0f} KB" if r["all"] >= 1.0 else f"{1024 * r['all']:.0f} bytes"
+        ax.annotate(
+            f"{amount}\npasses {r['passes']}, loads {r['loads']},\ncopies {r['copies']}",
+            (k, r["all"]), (0, 4), textcoords="offset points", ha="center", fontsize="small",
+        )  # fmt: skip
+    ax.set_xticks(at, [name.replace(" ", "\n", 1) for name in names])
+    ax.set_ylabel(f"KB in each frame, one square of {SIZE} x {SIZE} pixels")
+    ax.set_ylim(0.0, 1.25 * max(table.column("all")))
+    ax.legend(loc="upper left")
+
+
+STUDY = Study(
+    id="P39",
+    title="Bytes moved by colour matrix and pixel textures",
+    question="How many bytes does each route to a reflectance model move in a frame?",
+    method=(
+        f"Counted from the commands of two frames between which the light moves: one square of {SIZE} x "
+        f"{SIZE} pixels with as many texels; what both frames have stays on the board."
+    ),
+    source="KautzSeidel2000",
+    techniques=("K07", "K08", "K09", "K15"),
+    measure=measure,
+    findings=findings,
+    checks=checks,
+    plot=plot,
+)

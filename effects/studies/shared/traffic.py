@@ -1,0 +1,98 @@
+"""How many bytes commands move between host and board, and between a framebuffer and itself.
+
+Source: OpenGL 1.2.1: vertex arrays hold floats for positions and texture coordinates, unsigned bytes for
+colours; table 3.6 for images in the host's memory; table 3.16 for internal formats. Assumed: a vertex's
+colour is padded to four bytes, indices are unsigned shorts, and images of vectors are floats of 32 bits, as
+applications of the time stored them.
+"""
+
+import numpy as np
+
+from fixedpipe.pipeline.commands import (
+    CopyPixels,
+    CopyTexImage,
+    CopyTexSubImage,
+    Draw,
+    DrawPixels,
+    HostStep,
+    ReadPixels,
+    TexImage,
+)
+from fixedpipe.pipeline.textures.images import COMPONENT_BITS
+
+FLOAT, COLOR, INDEX = 4, 4, 2
+# A pixel of the framebuffer: red, green, blue and alpha in a byte each.
+PIXEL = 4
+
+
+def vertex_arrays(draw):
+    """The arrays of a Draw that go to the board, and their bytes: {name: (array, bytes)}."""
+    mesh, units = draw.mesh, draw.state.texture_units
+    sent = {"positions": (mesh.positions, mesh.positions.size * FLOAT)}
+    if mesh.indices is not None:
+        sent["indices"] = (mesh.indices, mesh.indices.size * INDEX)
+    for name in ("colors", "secondary_colors"):
+        colors = getattr(mesh, name)
+        if colors is not None:
+            sent[name] = (colors, len(colors) * COLOR)
+    for k in sorted({unit.coordinates for unit in units if unit is not None}):
+        coordinates = mesh.texture_coordinates[k]
+        sent[f"texture coordinates {k}"] = (coordinates, coordinates.size * FLOAT)
+    return sent
+
+
+def _image_bytes(image):
+    """An image in the host's memory: floats of 32 bits, or its own integers."""
+    return image.values.size * FLOAT if image.values.dtype.kind == "f" else image.values.nbytes
+
+
+def image_bytes(command):
+    """What a TexImage takes to the board."""
+    if command.image is None:
+        return _image_bytes(command.pixels)
+    bits = sum(COMPONENT_BITS[command.image.internal_format])
+    return sum(level.size // 4 for level in command.image.levels) * bits // 8
+
+
+def _same_image(a, b):
+    if a.image is not None:
+        return all(np.array_equal(x, y) for x, y in zip(a.image.levels, b.image.levels, strict=True))
+    return a.transfer == b.transfer and np.array_equal(a.pixels.values, b.pixels.values)
+
+
+def counted(before, after):
+    """What the second of two frames moves, each a tuple of commands that draws the same otherwise: a dict.
+
+    Textures and vertex arrays that both frames have are kept on the board: "kept". What the second changes is
+    "loaded" (images), "vertices" (arrays that changed) and "drawn" (images drawn as pixels); "copied" is read
+    from the framebuffer and written again, "read" goes to the host. All in bytes; "passes", "copies" and
+    "loads" count commands. A HostStep counts as what it issues for black pixels.
+    """
+    out = dict.fromkeys(
+        ("kept", "loaded", "vertices", "drawn", "copied", "read", "passes", "copies", "loads"), 0
+    )
+    read = {}
+    for old, new in zip(before, after, strict=True):
+        if isinstance(new, TexImage):
+            same = _same_image(old, new)
+            out["kept" if same else "loaded"] += image_bytes(new)
+            out["loads"] += not same
+        elif isinstance(new, Draw):
+            out["passes"] += 1
+            moved, were = vertex_arrays(new), vertex_arrays(old)
+            for name, (array, size) in moved.items():
+                same = np.array_equal(array, were[name][0])
+                out["kept" if same else "vertices"] += size
+        elif isinstance(new, (CopyPixels, CopyTexImage, CopyTexSubImage)):
+            out["copies"] += 1
+            out["copied"] += 2 * PIXEL * new.width * new.height
+        elif isinstance(new, ReadPixels):
+            out["copies"] += 1
+            out["read"] += PIXEL * new.width * new.height
+            read[new.name] = np.zeros((new.height, new.width, 4), np.uint8)
+        elif isinstance(new, HostStep):
+            for issued in new.commands({name: read[name] for name in new.reads}):
+                assert isinstance(issued, DrawPixels), f"{issued.label} is not counted"
+                out["copies"] += 1
+                out["drawn"] += _image_bytes(issued.image)
+    return out

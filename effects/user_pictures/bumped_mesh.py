@@ -1,0 +1,200 @@
+"""Bump mapping of a height field on a mesh with an anisotropic material: K10, then K07, from arrays to
+commands.
+
+A photograph or an elevation model becomes a height field, the height field local frames, the frames and a
+material's parameters the three material textures; two passes then draw the mesh.
+
+Source: Kautz, Seidel 2000, sections 4.1 and 6 (K07, K10, K21 of the catalogue).
+"""
+
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.geometry import height_fields, surfaces
+from fixedpipe.effects.geometry.matrices import look_at, rotate, rotation
+from fixedpipe.effects.geometry.vectors import dot, unit_vector
+from fixedpipe.effects.geometry.views import Light, Panel, perspective_view
+from fixedpipe.effects.reflectance import anisotropic_blinn_phong, material_textures
+
+
+@dataclass(frozen=True)
+class MaterialParameters:
+    """A homogeneous material under the bumps.
+
+    ``alpha_x``, ``alpha_y`` in [0.25, 1]: how wide the highlight is along and across the tangents.
+    ``diffuse``, ``specular``: RGB in [0, 1]. ``k_s`` in [0, 1]. ``relief``: from the lowest to the highest
+    point, in units of the height field's width.
+    """
+
+    alpha_x: float
+    alpha_y: float
+    diffuse: tuple[float, float, float]
+    specular: tuple[float, float, float]
+    k_s: float
+    relief: float
+
+    def __post_init__(self):
+        for field in fields(self):
+            value, what = np.asarray(getattr(self, field.name), np.float64), f"The material's {field.name}"
+            least = material_textures.SMALLEST_ALPHA if field.name.startswith("alpha") else 0.0
+            if not (np.isfinite(value).all() and (value >= least).all() and (value <= 1.0).all()):
+                raise ValueError(f"{what} is {getattr(self, field.name)}; give numbers from {least:g} to 1.")
+            if field.name in ("diffuse", "specular") and value.shape != (3,):
+                raise ValueError(f"{what} is {getattr(self, field.name)}; give red, green and blue.")
+
+
+MATERIALS = {
+    "gold": MaterialParameters(0.35, 0.45, (0.42, 0.26, 0.07), (1.0, 0.80, 0.38), 0.95, 0.04),
+    "steel": MaterialParameters(0.30, 0.40, (0.28, 0.30, 0.34), (0.92, 0.96, 1.0), 0.90, 0.03),
+    "brushed": MaterialParameters(0.25, 0.90, (0.24, 0.24, 0.25), (0.95, 0.95, 1.0), 0.80, 0.03),
+    "stone": MaterialParameters(0.85, 0.85, (0.72, 0.68, 0.62), (1.0, 1.0, 1.0), 0.10, 0.05),
+    "plastic": MaterialParameters(0.27, 0.27, (0.62, 0.08, 0.07), (1.0, 1.0, 1.0), 0.55, 0.04),
+}
+
+# How often the height field repeats along s and t: so that a repeat is about as wide as high on the mesh.
+_REPEATS = {"plane": (1, 1), "sphere": (2, 1), "torus": (2, 1)}
+MESHES = tuple(_REPEATS)
+
+
+def mesh(name):
+    """One of the built-in meshes by name, with the texture repeated so that bumps are about as wide as high.
+
+    On the round ones the height field's edges meet at the sides, where they are seen least, and not in front.
+    Raises ValueError for an unknown name.
+    """
+    if name not in _REPEATS:
+        raise ValueError(f"There is no mesh {name!r}; give one of {', '.join(MESHES)}, or an OBJ file.")
+    if name == "plane":
+        surface = surfaces.plane(32, 32)
+    elif name == "sphere":
+        surface = surfaces.sphere(96, 48)
+    else:
+        surface = surfaces.torus(96, 48).rotated(rotation("x", 40.0))
+    surface = surface.with_repeats(*_REPEATS[name])
+    if name == "plane":
+        return surface
+    return replace(surface, texture_coordinates=surface.texture_coordinates + np.array([0.5, 0.0]))
+
+
+def material(name):
+    """One of ``MATERIALS`` by name. Raises ValueError for an unknown name."""
+    if name not in MATERIALS:
+        raise ValueError(f"There is no material {name!r}; give one of {', '.join(MATERIALS)}.")
+    return MATERIALS[name]
+
+
+def _power_of_two(edge, largest):
+    return min(1 << max(edge - 1, 0).bit_length(), largest)
+
+
+def material_map(image, parameters, profile, map_size=None, *, repeated=True):
+    """A photograph or elevation array as ``material_textures.Material``.
+
+    Parameters
+    ----------
+    image
+        [rows, columns(, components)], top row first, any numeric type (``height_fields.from_image``).
+    parameters
+        MaterialParameters.
+    profile
+        The machine: the map's edges are powers of two and at most its ``max_texture_size``.
+    map_size
+        Texels along both edges, a power of two from 4 on; None: the image's own size, rounded up, at most
+        512.
+    repeated
+        Whether the map repeats on the surface; its edges are then faded into each other.
+    """
+    heights = height_fields.from_image(image)
+    if repeated:
+        heights = height_fields.tileable(heights)
+    if map_size is None:
+        largest = min(512, profile.max_texture_size)
+        rows, columns = (max(4, _power_of_two(edge, largest)) for edge in heights.shape)
+    elif map_size < 4 or map_size & (map_size - 1) or map_size > profile.max_texture_size:
+        raise ValueError(
+            f"The map's size is {map_size}; give a power of two from 4 to {profile.max_texture_size} "
+            f"({profile.name} allows no larger texture)."
+        )
+    else:
+        rows = columns = map_size
+    heights = height_fields.smooth(height_fields.resample(heights, columns, rows), periodic=repeated)
+    slope_s, slope_t = height_fields.slopes(heights * parameters.relief, periodic=repeated)
+    return material_textures.from_slopes(
+        slope_s, slope_t, parameters.alpha_x, parameters.alpha_y, parameters.k_s
+    )
+
+
+def fitted(surface, eye):
+    """The surface centred and scaled so that, seen from ``eye`` at a great distance, it fills [-1, 1].
+
+    Raises ValueError when it has no extent.
+    """
+    low, high = surface.positions.min(axis=0), surface.positions.max(axis=0)
+    centered = surface.positions - (low + high) / 2
+    across = rotate(np.array(look_at(eye, (0.0, 0.0, 0.0)))[:2, :3], centered)
+    reach = float(np.abs(across).max())
+    if reach == 0.0:
+        raise ValueError("The mesh has no extent across the view; all its vertices lie on one line of sight.")
+    return replace(surface, positions=centered / reach)
+
+
+def commands(
+    image,
+    surface,
+    parameters,
+    light,
+    profile,
+    width,
+    height,
+    *,
+    background=(0.07, 0.075, 0.09),
+    map_size=None,
+    eye=(0.0, 1.0, 3.6),
+):
+    """Everything from the height field's picture to the two passes.
+
+    Parameters
+    ----------
+    image
+        The photograph or elevation array, top row first.
+    surface
+        A ``meshes.Surface``: of ``mesh``, ``meshes.read_obj`` or ``meshes.from_triangles``; fitted into the
+        view.
+    parameters
+        MaterialParameters, or the name of one of ``MATERIALS``.
+    light
+        Direction to the light, three numbers: +x right, +y up, +z towards the viewer.
+    profile, width, height
+        The machine, and the framebuffer's size in pixels.
+    background
+        RGB in [0, 1].
+    map_size
+        Texels along the material textures' edges, or None (``material_map``).
+    eye
+        The viewer's position; the surface lies round the origin and is about two units wide.
+    """
+    parameters = material(parameters) if isinstance(parameters, str) else parameters
+    panel = Panel(0, 0, width, height)
+    toward = tuple(float(c) for c in unit_vector(light, "The light's direction"))
+    lit = Light(toward)
+    # The field of view is vertical; on a tall picture it grows so that the sides stay in view.
+    field_of_view = 36.0 if width >= height else min(36.0 * height / width, 120.0)
+    surface = fitted(surface, eye)
+    radius = float(np.sqrt(dot(surface.positions, surface.positions).max()))
+    view = perspective_view(panel, eye, field_of_view=field_of_view, radius=1.05 * radius)
+    repeated = bool(np.ptp(surface.texture_coordinates, axis=0).max() > 1.0)
+    maps = material_map(image, parameters, profile, map_size, repeated=repeated)
+    loading, names = material_textures.load(maps, "material", profile)
+    ambient = tuple(0.12 * c for c in parameters.diffuse)
+    return (
+        panel.clear(background),
+        *loading,
+        *diffuse_bump.diffuse_pass(
+            surface, names.normal, view, lit, profile, color=parameters.diffuse, ambient=ambient
+        ),
+        *anisotropic_blinn_phong.specular_pass(
+            surface, names, view, lit, profile, specular=parameters.specular
+        ),
+    )

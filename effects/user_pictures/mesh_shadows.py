@@ -1,0 +1,306 @@
+"""Somebody's mesh on a floor, under a lamp, with its shadow by an algorithm of document 000 or 003.
+
+Each algorithm is the passes of its own module: ``shadow_maps`` (Z10), ``alpha_coded_shadows`` (H36 to H38),
+``shadow_volumes`` (Z23, Z24).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fixedpipe.effects.geometry import surfaces
+from fixedpipe.effects.geometry.vectors import cross, dot, normalize
+from fixedpipe.effects.geometry.views import Panel, perspective_view
+from fixedpipe.effects.passes.draws import one_of
+from fixedpipe.effects.scenes.objects_and_lamps import FLOOR_HALF_WIDTH, Object, Scene, floor, lamp_around
+from fixedpipe.effects.shadows import alpha_coded_shadows, shadow_maps, shadow_volumes
+from fixedpipe.pipeline.enums import BlendEquation
+from fixedpipe.pipeline.profiles import IDEAL, PROFILES
+from fixedpipe.pipeline.validation.validate import validate
+
+# Cosine of the bend from which an edge is sharp. Assumed: 40 degrees, as of ``meshes.lathe``.
+_SMOOTH = 0.766
+_MOST_NEIGHBOURS = 256
+# Which of the mesh's axes points up.
+AXES = ("x", "y", "z")
+# The mesh's largest extent on the floor, world units. Assumed: it fills the camera's picture.
+_EXTENT = 2.4
+# The least height for a length of one. Inferred: 0.0024 units, twelve steps of 16 bits of depth at the
+# distance of the camera, whose planes are 3.9 and 12.9 units away.
+_FLATTEST = 0.001
+# How far away a lamp may be, world units. Inferred: a frustum has hundredths of degrees
+# (``lamp_around``), and at this distance the scene fills a tenth of one.
+_FARTHEST = 3000.0
+# Polygon offset's factor. Measured: at 1.1 the still life keeps specks, at 2 none or one (F003-10).
+_OFFSET_FACTOR = 2.0
+# Distance of a map's shadow that may be missing: measured, what the offset hides (F003-10).
+_OFFSET_HIDES = 0.05
+_BITS = 8
+_CELLS = 20
+FLOOR_COLOR, MESH_COLOR = (0.62, 0.60, 0.56), (0.74, 0.40, 0.20)
+MAP = "shadow map"
+
+
+def triangle_mesh(vertices, faces, name):
+    """A surface from float [n, 3] and int [k, 3].
+
+    Raises ValueError, with ``name``, where there are no faces, one names a vertex that is not there, a
+    coordinate is no finite number, or none has an area.
+    """
+    vertices, faces = np.asarray(vertices, np.float64), np.asarray(faces, np.int64)
+    if vertices.ndim != 2 or vertices.shape[1:] != (3,) or faces.ndim != 2 or faces.shape[1:] != (3,):
+        raise ValueError(f"{name} has no triangles; there is nothing to draw.")
+    if not len(faces):
+        raise ValueError(f"{name} has no faces; there is nothing to draw.")
+    if faces.min() < 0 or faces.max() >= len(vertices):
+        raise ValueError(
+            f"{name} has a face with vertex {int(faces.max() if faces.min() >= 0 else faces.min())}; its "
+            f"vertices are 0 to {len(vertices) - 1}."
+        )
+    points = vertices[faces]
+    if not (np.abs(points) <= surfaces.LARGEST).all():
+        raise ValueError(
+            f"{name} has a vertex that is no finite number of at most {surfaces.LARGEST:g}; repair the mesh."
+        )
+    return surfaces.from_triangles(points, name=name)
+
+
+def with_creases(surface):
+    """The surface with normals of its own: faces' normals, weighted by area, averaged where corners share a
+    position and the faces bend by less than 40 degrees.
+    """
+    points = surface.positions[surface.triangles]
+    face = cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+    unit = normalize(face)
+    _, place, counts = np.unique(points.reshape(-1, 3), axis=0, return_inverse=True, return_counts=True)
+    order = np.argsort(place.ravel(), kind="stable")
+    first = np.concatenate([[0], np.cumsum(counts)[:-1]])
+    normals = np.zeros((len(order), 3))
+    # The n-th neighbour of every corner at once. Assumed: where more faces meet they are all smooth.
+    for n in range(min(int(counts.max()), _MOST_NEIGHBOURS)):
+        own = place.ravel()
+        there = counts[own] > n
+        other = order[(first[own] + n)[there]] // 3
+        mine = np.arange(len(own))[there] // 3
+        smooth = dot(unit[mine], unit[other]) >= _SMOOTH
+        normals[there] += np.where(smooth[:, None], face[other], 0.0)
+    return surfaces.from_triangles(points, normals=normals.reshape(points.shape))
+
+
+def _upright(surface, up):
+    """The surface with the axis ``up`` turned to y; handedness is kept."""
+    turn = (AXES.index(one_of(AXES, up, "The axis that points up")) - 1) % 3
+    if not turn:
+        return surface
+    names = ("positions", "normals", "tangents", "binormals")
+    return replace(surface, **{name: np.roll(getattr(surface, name), -turn, axis=1) for name in names})
+
+
+def stood_on_floor(surface, up="y"):
+    """The surface in the middle of the floor y = 0, its axis ``up`` upward, its largest extent 2.4 units.
+
+    What is wound inside out, so that it encloses a negative volume, is turned outside out. Raises ValueError
+    for a mesh so flat that it would lie in the floor, where depths cannot tell which is above.
+    """
+    surface = _upright(surface, up)
+    low, high = surface.positions.min(axis=0), surface.positions.max(axis=0)
+    extents = high - low
+    if extents[1] < _FLATTEST * extents.max():
+        raise ValueError(
+            f"The mesh is {extents[1]:g} high along {up} and {extents.max():g} long, and would lie in the "
+            "floor; give another axis as --up."
+        )
+    foot = np.array([0.5 * (low[0] + high[0]), low[1], 0.5 * (low[2] + high[2])])
+    positions = (surface.positions - foot) * (_EXTENT / (high - low).max())
+    a, b, c = positions[surface.triangles].transpose(1, 0, 2)
+    placed = replace(surface, positions=positions)
+    if float(dot(a, cross(b, c)).sum()) < 0.0 and is_closed(placed):
+        return replace(placed, normals=-placed.normals, triangles=placed.triangles[:, ::-1])
+    return placed
+
+
+def is_closed(surface):
+    """Whether the surface bounds a volume, as shadow volumes need it."""
+    try:
+        shadow_volumes.closed_surface(surface)
+    except ValueError:
+        return False
+    return True
+
+
+def check_closed(algorithm, surface, name):
+    """Raises ValueError, with the first open edge, where shadow volumes are asked of an open surface."""
+    if ALGORITHMS[algorithm].volumes:
+        try:
+            shadow_volumes.closed_surface(surface, name)
+        except ValueError as error:
+            maps = ", ".join(key for key, way in ALGORITHMS.items() if way.map)
+            raise ValueError(f"{error} Or give an algorithm with a map: {maps}.") from error
+
+
+def scene_of(surface, name="mesh"):
+    """A Scene of the surface, placed by ``stood_on_floor``, and the floor. Rays light a mesh on both sides,
+    and so do the machines: nobody knows which side of a sheet, or of a part that is inside out, is meant.
+    """
+    return Scene(
+        (
+            Object("floor", floor(FLOOR_HALF_WIDTH, _CELLS), FLOOR_COLOR, closed=False),
+            Object(name, surface, MESH_COLOR, 0.4, closed=is_closed(surface), two_sided=True),
+        )
+    )
+
+
+def lamp_at(scene, position):
+    """A lamp at ``position`` whose frustum encloses the scene. Raises ValueError for a place that lights
+    nothing, or is too far for a frustum.
+    """
+    if not position[1] > 0.0:
+        raise ValueError(f"The lamp at {tuple(position)} is not above the floor, y = 0; give a y above it.")
+    if max(map(abs, position)) > _FARTHEST:
+        raise ValueError(
+            f"The lamp at {tuple(position)} is farther than {_FARTHEST:g} units; give a nearer place in the "
+            "same direction, from where rays are as good as parallel."
+        )
+    return lamp_around(scene, position)
+
+
+def camera(panel):
+    """The camera: from the front, from above."""
+    return perspective_view(panel, (0.6, 4.3, 7.6), (0.0, 0.82, 0.0), field_of_view=31.0, radius=4.5)
+
+
+def _depth_map(scene, view, lamp, profile, edge, background, shading):
+    window = view.panel.width, view.panel.height
+    return (
+        *shadow_maps.store_map(scene, lamp, MAP, edge, window, factor=_OFFSET_FACTOR),
+        view.panel.clear(background),
+        *shadow_maps.modulated_passes(scene, view, lamp, MAP, profile, shading),
+    )
+
+
+def _alpha_coded(passes, scene, view, lamp, profile, edge, background, shading, **settings):
+    """``passes``: one of ``alpha_coded_shadows``'s."""
+    coding = alpha_coded_shadows.Coding(_BITS)
+    common = {"shading": shading, **settings}
+    return (
+        coding.ramp(profile),
+        *alpha_coded_shadows.store_map(scene, lamp, view.panel, edge, profile, coding, **common),
+        *passes(scene, view, lamp, profile, coding, background=background, **common),
+    )
+
+
+def _multitexture(scene, view, lamp, profile, *rest):
+    passes = (
+        alpha_coded_shadows.with_combiners
+        if profile.max_general_combiners
+        else alpha_coded_shadows.with_environments
+    )
+    return _alpha_coded(passes, scene, view, lamp, profile, *rest)
+
+
+def _single_texture(scene, view, lamp, profile, *rest):
+    subtract = BlendEquation.FUNC_REVERSE_SUBTRACT in profile.blend_equations
+    return _alpha_coded(
+        alpha_coded_shadows.with_one_unit, scene, view, lamp, profile, *rest, subtract=subtract
+    )
+
+
+def _volumes(passes):
+    def draw(scene, view, lamp, profile, edge, background, shading):
+        return (view.panel.clear(background), *passes(scene, view, lamp, profile, shading))
+
+    return draw
+
+
+@dataclass(frozen=True)
+class Algorithm:
+    """One of the ways to shadows.
+
+    title    in a few words, with the catalogue's ids
+    draw     (scene, view, lamp, profile, map edge, background, shading) -> commands
+    needs    what a machine must have, in words
+    map      whether there is a map, with an edge in texels
+    steps    how many steps of alpha the map's depths are moved away from the light; 0: PolygonOffset does it
+    volumes  whether it extrudes closed surfaces
+    """
+
+    title: str
+    draw: Callable
+    needs: str
+    map: bool = True
+    steps: float = 0.0
+    volumes: bool = False
+
+
+_STEPS = alpha_coded_shadows.BIAS + 2.0
+ALGORITHMS = {
+    "depth-map": Algorithm("shadow map with a depth texture (Z10)", _depth_map, "depth textures"),
+    "alpha-multitexture": Algorithm(
+        "alpha-coded shadow map, two texture units (H37)",
+        _multitexture,
+        "two texture units whose difference it can form",
+        steps=_STEPS,
+    ),
+    "alpha-single": Algorithm(
+        "alpha-coded shadow map, one texture unit (H38)",
+        _single_texture,
+        "destination alpha, and pixel transfer that scales it",
+        steps=_STEPS,
+    ),
+    "z-pass": Algorithm(
+        "shadow volumes, z-pass (Z23)",
+        _volumes(shadow_volumes.z_pass),
+        "a stencil buffer",
+        map=False,
+        volumes=True,
+    ),
+    "z-fail": Algorithm(
+        "shadow volumes, z-fail (Z24)",
+        _volumes(shadow_volumes.z_fail),
+        "a stencil buffer",
+        map=False,
+        volumes=True,
+    ),
+}
+
+
+def commands(algorithm, scene, lamp, profile, size, *, edge, background, shading="lit"):
+    """The frame: a square of ``size`` pixels. ``algorithm``: a key of ALGORITHMS; ``edge``: its map's, in
+    texels. Shadow volumes are those of what is closed (``check_closed``).
+    """
+    way = ALGORITHMS[one_of(tuple(ALGORITHMS), algorithm, "The algorithm")]
+    view = camera(Panel(0, 0, size, size))
+    return way.draw(scene, view, lamp, profile, edge, background, shading)
+
+
+def hidden_distance(algorithm, lamp):
+    """How near, in world units, what throws a shadow may be for the algorithm to miss it: its bias."""
+    way = ALGORITHMS[algorithm]
+    if way.steps:
+        return way.steps / (2.0**_BITS - 1.0) * (lamp.far - lamp.near)
+    return _OFFSET_HIDES if way.map else 0.0
+
+
+def can_draw(algorithm, profile):
+    """Whether a machine can draw the algorithm's passes: they are validated for a small picture of a box."""
+    box, size = scene_of(stood_on_floor(surfaces.box())), 16
+    lamp = lamp_at(box, (-3.0, 6.0, 4.0))
+    try:
+        frame = commands(algorithm, box, lamp, profile, size, edge=size, background=(0.0, 0.0, 0.0))
+        validate(frame, profile, size, size)
+    except ValueError:
+        return False
+    return True
+
+
+def machines_with(algorithm):
+    """Keys in ``fixedpipe.pipeline.profiles.PROFILES`` of the machines, the ideal aside, that can draw it."""
+    machines = {key: profile for key, profile in PROFILES.items() if profile is not IDEAL}
+    return tuple(key for key, profile in machines.items() if can_draw(algorithm, profile))
+
+
+def in_shadow(caster, point, lamp):
+    """Whether something is between a point and the lamp, for a RayCaster of the scene."""
+    direction = np.array(lamp.position) - np.array(point)
+    return bool(caster.occluded(np.array([point]), direction[None], longest=1.0)[0])

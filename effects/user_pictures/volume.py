@@ -1,0 +1,104 @@
+"""Volumes that users bring, as the densities of a 3D texture: bytes, edges that are powers of two.
+
+Values are spread over the bytes from the least to the greatest. An edge that is no power of two, or longer
+than the machine's textures, is resampled: means of what a voxel covers where there are fewer, linear between
+voxels' centres where there are more.
+"""
+
+import numpy as np
+
+from fixedpipe.effects.volumes.volume_rendering import Volume
+
+# Assumed: texels along an edge that a host of today has memory for several times over; 512 would be 512 MB.
+LARGEST_EDGE = 256
+_LARGEST = 1e30  # Assumed: no measured volume holds more
+
+
+def texture_edges(counts, largest):
+    """The powers of two from 8 that a volume's edges are resampled to: the nearest above, or ``largest``."""
+    return tuple(min(max(8, 1 << (int(n) - 1).bit_length()), largest) for n in counts)
+
+
+def _weights(count, wanted):
+    """For each of ``wanted`` voxels along an axis of ``count``: the first it reads, and their weights."""
+    for k in range(wanted):
+        if wanted >= count:
+            place = min(max((k + 0.5) * count / wanted - 0.5, 0.0), count - 1.0)
+            first = min(int(place), max(count - 2, 0))
+            part = place - first
+            yield first, ((1.0 - part), part)[: count - first]
+        else:
+            begin, end = k * count / wanted, (k + 1) * count / wanted
+            first, last = int(begin), min(int(np.ceil(end)), count)
+            shares = [min(end, i + 1.0) - max(begin, float(i)) for i in range(first, last)]
+            yield first, tuple(share * wanted / count for share in shares)
+
+
+def resampled(values, edges):
+    """An array [layers, rows, columns] with ``edges`` voxels along these axes: float32."""
+    values = np.asarray(values, np.float32)
+    for axis, wanted in enumerate(edges):
+        count = values.shape[axis]
+        if count == wanted:
+            continue
+        source = np.moveaxis(values, axis, 0)
+        out = np.empty((wanted, *source.shape[1:]), np.float32)
+        for k, (first, weights) in enumerate(_weights(count, wanted)):
+            out[k] = np.float32(weights[0]) * source[first]
+            for i, weight in enumerate(weights[1:], start=1):
+                out[k] += np.float32(weight) * source[first + i]
+        values = np.moveaxis(out, 0, axis)
+    return values
+
+
+def volume_of(values, name, profile, iso=None, spacing=(1.0, 1.0, 1.0)):
+    """A ``Volume`` of a user's values for a machine.
+
+    Parameters
+    ----------
+    values
+        Numbers [layers, rows, columns], z, y and x.
+    name
+        For messages.
+    iso
+        The iso-surface's value; None: halfway between the least and the greatest.
+    spacing
+        Of voxels along x, y and z; the longest edge of the box becomes two world units.
+
+    Raises ValueError for values that are no volume, or have no such surface.
+    """
+    values = np.asarray(values)
+    if values.ndim != 3 or min(values.shape, default=0) < 2:
+        shape = "x".join(map(str, values.shape[::-1]))
+        raise ValueError(f"{name} has {shape or 'no'} voxels; a volume has three edges, of two or more.")
+    if values.dtype.kind not in "biuf":
+        raise ValueError(f"{name} holds values of type {values.dtype}; give numbers.")
+    if not (len(spacing) == 3 and all(0.0 < s < np.inf for s in spacing)):
+        raise ValueError(f"The voxels' spacing is {spacing}; give three positive numbers.")
+    low, high = float(values.min()), float(values.max())
+    if not max(abs(low), abs(high)) <= _LARGEST:
+        raise ValueError(f"{name} holds NaN, infinity or numbers above {_LARGEST:g}; give smaller ones.")
+    if low == high:
+        raise ValueError(f"All of {name} is {low:g}; there is no surface in it.")
+    wanted = (low + high) / 2.0 if iso is None else float(iso)
+    fraction = (wanted - low) / (high - low)
+    # Bytes of zero, or none but 255, would have no surface or nothing in front of it.
+    if not 0.5 <= 255.0 * fraction <= 254.5:
+        raise ValueError(
+            f"The iso-surface's value is {wanted:g}; the values of {name} go from {low:g} to {high:g} in 255 "
+            "steps, give one between."
+        )
+    unit = np.empty(values.shape, np.float32)
+    for into, layer in zip(unit, values, strict=True):
+        into[...] = (layer.astype(np.float64) - low) / (high - low)
+    edges = texture_edges(values.shape, min(profile.max_3d_texture_size, LARGEST_EDGE))
+    density = np.floor(np.float32(255.0) * resampled(unit, edges) + np.float32(0.5)).astype(np.uint8)
+    if density.max() < np.ceil(255.0 * fraction):
+        raise ValueError(
+            f"Resampled to {'x'.join(map(str, density.shape[::-1]))} voxels, nothing of {name} reaches "
+            f"{wanted:g}; give a lower value."
+        )
+    widest = max(spacing)
+    extents = [n * (s / widest) for n, s in zip(values.shape[::-1], spacing, strict=True)]
+    half = tuple(float(e / max(extents)) for e in extents)
+    return Volume(name, density, half, fraction)

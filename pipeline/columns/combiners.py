@@ -1,0 +1,177 @@
+"""Register combiners and texture environments in the column engine (docs/numbers.md, sections 8, 13, 20)."""
+
+import numpy as np
+
+from fixedpipe.pipeline.enums import Clamp, ComponentUsage, Mapping, MuxSelect, ProductRounding, Register
+from fixedpipe.pipeline.programs.combiner_rules import has_color_sum
+from fixedpipe.raster.columns import combine as wide_combine
+from fixedpipe.raster.columns import future, numbers
+
+
+def arithmetic_of(profile, bits, environments=False):
+    """The combiners' Arithmetic at ``bits``. ``environments``: of a program that stands for texture
+    environments, each of whose results is clamped to [0, 1] by its output's and the next mapping's clamps.
+    """
+    clamps, limit = profile.clamps, 1.0 if environments else profile.combiner_range
+    one, far = numbers.one_of(bits), wide_combine.FAR
+    high = int(limit * (one + 1)) - 1
+    low = -high - (1 if profile.clamp_low == -256 else 0)
+    bounded = (Clamp.TEXTURE_ENVIRONMENT if environments else Clamp.GENERAL_COMBINER) in clamps
+    mapping = (Clamp.TEXTURE_ENVIRONMENT if environments else Clamp.MAPPING) in clamps
+    return wide_combine.Arithmetic(
+        one=one,
+        half=1 << (bits - 1),
+        low=low if bounded else -far,
+        high=high if bounded else far,
+        expanded=one + 1 if profile.expand_half == 128 else one,
+        per_product=profile.product_rounding == ProductRounding.PER_PRODUCT,
+        round_first=profile.round_before_scale,
+        clamps_mapping=mapping,
+        clamps_sum=Clamp.COLOR_SUM in clamps,
+        clamps_final=Clamp.FINAL_COMBINER in clamps,
+        holds=(low, high),
+    )
+
+
+class Registers(dict):
+    """Registers of k fragments, int64 [4, k] each; textures are sampled when they are first read."""
+
+    def __init__(self, samplers, fragments, bits, taps=None):
+        super().__init__()
+        self._samplers, self._fragments, self._bits = samplers, fragments, bits
+        self._taps = taps or {}  # of units that are read before they are filtered
+
+    def look_up(self, lookup):
+        """A dependent lookup: a unit's register takes the texel at another register's red, green, blue."""
+        strq = np.ones((len(self._fragments.x), 4))
+        strq[:, :3] = self[lookup.register][:3].T / float(numbers.one_of(self._bits))
+        texel = self._samplers[lookup.unit].looked_up(strq, self._fragments, self._bits)
+        self[Register.TEXTURE0 + lookup.unit] = texel
+
+    def __missing__(self, register):
+        count, unit = len(self._fragments.x), register - Register.TEXTURE0
+        if not 0 <= unit < 4:
+            raise KeyError(register)
+        if unit < len(self._samplers) and self._samplers[unit] is not None:
+            tap = self._taps.get(unit)
+            self[register] = self._samplers[unit].register(self._fragments, self._bits, tap)
+        else:  # Measured: a disabled unit's register is (0, 0, 0, 1)
+            self[register] = filled((0, 0, 0, numbers.one_of(self._bits)), count)
+        return self[register]
+
+
+def filled(values, count):
+    """Constant components as int64 [c, count]."""
+    return np.repeat(np.asarray(values, np.int64)[:, None], count, axis=1)
+
+
+def _read(registers, variable, alpha):
+    """A variable's register components: [3, k] in an RGB portion, [1, k] in an alpha portion."""
+    register = registers[variable.register]
+    if variable.usage == ComponentUsage.RGB and not alpha:
+        return register[:3]
+    return register[2:3] if variable.usage == ComponentUsage.BLUE else register[3:4]
+
+
+def _portion(portion, registers, alpha, select, a):
+    """(register, value [3 or 1, k]) for each output of a portion that is kept."""
+    outputs = portion.ab_output, portion.cd_output, portion.sum_output
+    if all(output == Register.DISCARD for output in outputs):
+        return []
+    mapped = [
+        wide_combine.map_input(_read(registers, v, alpha), v.mapping, a)
+        for v in (portion.a, portion.b, portion.c, portion.d)
+    ]
+    shape = 1 if alpha else 3, mapped[0].shape[1]
+    ab, cd = ([np.broadcast_to(mapped[i] * mapped[i + 1], shape)] for i in (0, 2))
+    if not alpha:
+        ab = wide_combine.sum_of_three(ab) if portion.ab_dot_product else ab
+        cd = wide_combine.sum_of_three(cd) if portion.cd_dot_product else cd
+    biased = bool(portion.bias)
+    values = []
+    for output, products in zip(outputs[:2], (ab, cd), strict=True):
+        if output != Register.DISCARD:
+            values.append((output, wide_combine.output(products, portion.scale, biased, a)))
+    if outputs[2] != Register.DISCARD:
+        if portion.function:
+            sums = [sum(products) for products in (ab, cd)]
+            made = future.applied(portion.function, *sums, a.one, a.high)
+            total = wide_combine.function_output(made, portion.scale, biased, a)
+        elif portion.mux_sum:
+            chosen = wide_combine.takes_cd(registers[Register.SPARE0][3], select == MuxSelect.LSB, a)
+            pair = [wide_combine.output(products, portion.scale, biased, a) for products in (ab, cd)]
+            total = np.where(chosen, pair[1], pair[0])
+        else:
+            total = wide_combine.output([*ab, *cd], portion.scale, biased, a)
+        values.append((outputs[2], total))
+    return values
+
+
+def combine(program, registers, count, a):
+    """Fragments' colours, int64 [4, count], from a combiner program (section 8)."""
+
+    def constants(pair):
+        return {r: filled(numbers.fixed(c, a.one), count) for r, c in zip(_CONSTANTS, pair, strict=True)}
+
+    program_constants = constants((program.constant_color0, program.constant_color1))
+    registers[Register.ZERO] = filled((0, 0, 0, 0), count)
+    for stage in program.general:
+        registers.update(program_constants)
+        for register, color in zip(_CONSTANTS, (stage.constant_color0, stage.constant_color1), strict=True):
+            if color is not None:
+                registers[register] = filled(numbers.fixed(color, a.one), count)
+        rgb = _portion(stage.rgb, registers, False, program.mux_select, a)
+        alpha = _portion(stage.alpha, registers, True, program.mux_select, a)
+        for to, value in rgb:
+            registers[to] = np.concatenate([value, registers[to][3:]])
+        for to, value in alpha:
+            registers[to] = np.concatenate([registers[to][:3], value])
+        for to, blue in (
+            (stage.rgb.ab_output, stage.rgb.ab_blue_to_alpha),
+            (stage.rgb.cd_output, stage.rgb.cd_blue_to_alpha),
+        ):
+            if blue and to != Register.DISCARD:
+                registers[to] = registers[to][[0, 1, 2, 2]]
+        if stage.lookup is not None:
+            registers.look_up(stage.lookup)
+    registers.update(program_constants)
+    return _final(program, registers, count, a)
+
+
+_CONSTANTS = (Register.CONSTANT_COLOR0, Register.CONSTANT_COLOR1)
+
+
+def _final(program, registers, count, a):
+    final, nothing = program.final, np.zeros((1, count), np.int64)
+
+    def value(variable, alpha=False):
+        read = _read(registers, variable, alpha)
+        return wide_combine.map_final(read, variable.mapping == Mapping.UNSIGNED_INVERT, a)
+
+    used = {v.register for v in (final.a, final.b, final.c, final.d, final.g)}
+    if Register.E_TIMES_F in used:
+        product = numbers.quotient(value(final.e) * value(final.f), a.one)
+        registers[Register.E_TIMES_F] = np.concatenate([np.broadcast_to(product, (3, count)), nothing])
+    if Register.SPARE0_PLUS_SECONDARY_COLOR in used:
+        terms = ((Register.SPARE0, program.invert_spare0),)
+        terms += ((Register.SECONDARY_COLOR, program.invert_secondary_color),)
+        total = sum(wide_combine.map_final(registers[r][:3], invert, a) for r, invert in terms)
+        if program.color_sum_clamp and a.clamps_sum:
+            total = np.minimum(total, a.one)
+        registers[Register.SPARE0_PLUS_SECONDARY_COLOR] = np.concatenate([total, nothing])
+    inputs = [np.broadcast_to(value(v), (3, count)) for v in (final.a, final.b, final.c, final.d)]
+    return wide_combine.final_color(*inputs, value(final.g, alpha=True), a)
+
+
+def without_combiners(state, registers, count, a):
+    """Color sum and fog of the primary colour (sections 3.9, 3.10): int64 [4, count]."""
+    primary = registers[Register.PRIMARY_COLOR]
+    rgb = primary[:3]
+    if has_color_sum(state):
+        rgb = rgb + registers[Register.SECONDARY_COLOR][:3]
+        rgb = np.minimum(rgb, a.one) if a.clamps_sum else rgb
+    if state.fog is not None:
+        fog = registers[Register.FOG]
+        rgb = numbers.with_fog(rgb, fog[:3], fog[3], a.one)
+    color = np.concatenate([rgb, primary[3:]])
+    return np.clip(color, 0, a.one) if a.clamps_final else color

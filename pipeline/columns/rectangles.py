@@ -1,0 +1,352 @@
+"""DrawPixels, CopyPixels and Bitmap (OpenGL 1.2.1 sections 3.6.4, 3.7, 4.3.1 and 4.3.3): pixel groups become
+fragments, which the column engine shades, tests and writes.
+
+The arithmetic is in ``fixedpipe.raster.pixels.rectangles``; docs/numbers.md has the rules.
+"""
+
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+from typing import NamedTuple
+
+import numpy as np
+
+from fixedpipe.pipeline.columns.engine import (
+    FLOAT_DEPTHS,
+    FragmentColumns,
+    fragment_bits,
+    fragment_colors,
+    shade_and_write,
+)
+from fixedpipe.pipeline.commands import Bitmap, CopyPixels, kind_of
+from fixedpipe.pipeline.enums import PixelCopyType, PixelFragmentSource, PixelTexGenAlpha, PixelTexGenMode
+from fixedpipe.pipeline.framebuffers.transfer import (
+    changes_nothing,
+    image_groups,
+    transfer_colors,
+    transfer_depths,
+    transfer_image,
+    transfer_stencil,
+)
+from fixedpipe.pipeline.native.pack import FARTHEST, depth_units, scissor_box
+from fixedpipe.pipeline.vertices.raster_position import raster_vertex
+from fixedpipe.raster.columns import interpolate
+from fixedpipe.raster.columns import numbers as wide
+from fixedpipe.raster.pixels import rectangles as arithmetic
+
+
+class Drawn(NamedTuple):
+    """The fragments of a rectangle: which group each came from (counted from the lower left, row by row),
+    device pixel x and y, whether it passed every test; and how many groups had an undefined q.
+    """
+
+    group: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    passed: np.ndarray
+    undefined: int = 0
+
+
+def takes_raster_color(texture):
+    """(whether the RGB, whether the alpha of a pixel texture's fragments is the raster position's)."""
+    if texture.mode is not None:
+        mode = texture.mode
+        return mode >= PixelTexGenMode.RGB, mode in (PixelTexGenMode.ALPHA, PixelTexGenMode.RGBA)
+    current = PixelFragmentSource.CURRENT_RASTER_COLOR
+    return texture.rgb_source == current, texture.alpha_source == current
+
+
+def draw_rectangle(command, profile, framebuffer, surfaces, textures, statistics):
+    """Draw a DrawPixels, CopyPixels or Bitmap: a Drawn for each of ``surfaces``, or none where the raster
+    position is not valid or a sink took the image.
+
+    ``framebuffer``: what CopyPixels reads; ``surfaces``: the framebuffers that are written, of its size and
+    formats, itself or the samples of its pixels. ``statistics``: the machine's PixelStatistics.
+    """
+    state = without_footprints(command.state)
+    where = raster_vertex(command.position, state, profile, framebuffer.width, framebuffer.height)
+    if where is None:  # the command is ignored
+        return []
+    undefined, draws = 0, None
+    if isinstance(command, Bitmap):
+        at = set_bits(command, where, framebuffer)
+        fragments = _fragments(at, where, state, profile, framebuffer)
+    elif (kind := kind_of(command)) == PixelCopyType.STENCIL:
+        indices = _stencil_indices(command, framebuffer)
+        at = covered_pixels(command, where, indices.shape, framebuffer)
+        return [_write_stencil(at, at.of(indices), state.stencil_test, surface) for surface in surfaces]
+    elif kind == PixelCopyType.DEPTH:
+        depths = _depth_words(command, framebuffer)
+        at = covered_pixels(command, where, depths.shape, framebuffer)
+        fragments = _fragments(at, where, state, profile, framebuffer, depth=at.of(depths))
+    else:
+        groups = _color_groups(command, profile, framebuffer, statistics)
+        if groups is None:
+            return []
+        at = covered_pixels(command, where, groups.shape, framebuffer)
+        groups = at.of(groups).astype(np.int64)
+        fragments, undefined = _of_colors(command, groups, at, where, state, profile, framebuffer)
+        if command.pixel_texture is not None and command.pixel_texture.volumes is not None:
+            one = wide.one_of(framebuffer.color_bits)
+            draws = _by_volume(command.pixel_texture, groups, one, fragments, state, textures)
+    drawn = []
+    for surface in surfaces:
+        target, passed = surface.buffer(state.draw_buffer), np.zeros(len(at.x), np.bool_)
+        for chosen, part, held in draws or ((slice(None), fragments, textures),):
+            passed[chosen] = shade_and_write(part, state, profile, target, held)
+        drawn.append(Drawn(at.numbers, at.x, at.y, passed, undefined))
+    return drawn
+
+
+# ------------------------------------------------------------------------------------------ which pixels
+
+
+@dataclass(frozen=True, eq=False)
+class Pixels:
+    """Device pixels x and y, int64 [k] each, row by row from the lowest, and the number of each one's group,
+    counted likewise.
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    numbers: np.ndarray
+
+    def of(self, groups):
+        """What the groups [h, w, ...] give to each pixel, [k, ...]."""
+        values = groups.reshape(-1, *groups.shape[2:])
+        each_its_own = len(values) == len(self.numbers) and (np.diff(self.numbers, prepend=-1) == 1).all()
+        return values if each_its_own else values[self.numbers]
+
+    def only(self, chosen):
+        """Some of the pixels."""
+        return Pixels(self.x[chosen], self.y[chosen], self.numbers[chosen])
+
+
+def covered_pixels(command, where, shape, framebuffer):
+    """The Pixels that a command's groups [h, w] cover."""
+    zx, zy = command.zoom
+    return _pixels((where.x, float(zx)), (where.y, float(zy)), shape, command.state, framebuffer)
+
+
+def set_bits(command, where, framebuffer):
+    """The Pixels whose bit is set in a Bitmap. Source: section 3.7; PixelZoom takes no part."""
+    (ox, oy), bits = command.origin, np.asarray(command.bits, np.bool_)
+    across, up = (np.floor(where.x - ox), 1.0), (np.floor(where.y - oy), 1.0)
+    at = _pixels(across, up, bits.shape, command.state, framebuffer)
+    return at.only(at.of(bits))
+
+
+def _pixels(across, up, shape, state, framebuffer):
+    """The Pixels of [h, w] groups inside scissor box and window clip. ``across``, ``up``: where groups begin
+    and how wide they are.
+    """
+    (height, width), total = shape[:2], framebuffer.height
+    x0, y0, x1, y1 = scissor_box(state, framebuffer)
+    x, n = arithmetic.covered(*across, width, x0, x1)
+    y, m = arithmetic.covered(*up, height, total - y1, total - y0)
+    size = len(y), len(x)
+    down = np.broadcast_to((total - 1 - y)[:, None], size).ravel()
+    at = Pixels(np.broadcast_to(x, size).ravel(), down, (m[:, None] * width + n).ravel())
+    return at if state.window_clip is None else at.only(_kept(state.window_clip, x, y).ravel())
+
+
+def _kept(clip, x, y):
+    """Which pixels of columns x and rows y, y up, a WindowClip keeps: bool [rows, columns]."""
+    inside = np.zeros((len(y), len(x)), np.bool_)
+    for box in clip.rectangles:
+        columns, rows = (x >= box.x) & (x < box.x + box.width), (y >= box.y) & (y < box.y + box.height)
+        inside |= rows[:, None] & columns
+    return inside != clip.exclusive
+
+
+# ---------------------------------------------------------------------------------------------- groups
+
+
+def _part(plane, command):
+    """What a CopyPixels reads of a buffer, bottom row first: a view."""
+    x, y = command.x, command.y
+    right = None if command.width is None else x + command.width
+    top = None if command.height is None else y + command.height
+    return plane[::-1][y:top, x:right]
+
+
+def _color_groups(command, profile, framebuffer, statistics):
+    """Colour groups after pixel transfer and final conversion, whole numbers [h, w, 4] in the framebuffer's
+    units; None: a sink took them.
+    """
+    bits, transfer = framebuffer.color_bits, command.transfer
+    one = wide.one_of(bits)
+    plain = changes_nothing(transfer)
+    if isinstance(command, CopyPixels):
+        colors = _part(framebuffer.buffer(command.read_buffer).color, command)
+        if plain:
+            return np.clip(colors, 0, one) if colors.dtype != np.uint8 else colors.copy()
+        groups = transfer_colors(colors / one, transfer, profile, statistics)
+    else:
+        image = command.image
+        if plain and image.format == "RGBA" and image.values.dtype == np.uint8 and bits == 8:
+            return image.values
+        groups = transfer_image(image, transfer, profile, statistics)
+    return None if groups is None else wide.fixed(groups, one)
+
+
+def _depth_words(command, framebuffer):
+    """Depth groups after pixel transfer and final conversion, words of the depth buffer int64 [h, w].
+
+    A word is so many parts of the largest, in every depth format, as a Clear's is.
+    """
+    full = float(2**framebuffer.depth_bits - 1)
+    if isinstance(command, CopyPixels):
+        depths = _part(framebuffer.depth, command)
+        if (command.transfer.depth_scale, command.transfer.depth_bias) == (1.0, 0.0):
+            return depths.astype(np.int64)
+        depths = depths / full
+    else:
+        depths = image_groups(command.image)
+    return np.floor(transfer_depths(depths, command.transfer) * full + 0.5).astype(np.int64)
+
+
+def _stencil_indices(command, framebuffer):
+    """Stencil indices after pixel transfer, masked to a byte, int64 [h, w]."""
+    if isinstance(command, CopyPixels):
+        indices = _part(framebuffer.stencil, command).astype(np.int64)
+    else:
+        indices = image_groups(command.image)
+    return transfer_stencil(indices, command.transfer) & 0xFF
+
+
+def _write_stencil(at, indices, test, surface):
+    """Stencil indices go through the scissor and the write mask alone. Source: section 4.3.1."""
+    mask = 0xFF if test is None else int(test.write_mask)
+    stored = surface.stencil[at.y, at.x]
+    surface.stencil[at.y, at.x] = (stored & (mask ^ 0xFF)) | (indices & mask)
+    return Drawn(at.numbers, at.x, at.y, np.ones(len(at.x), np.bool_))
+
+
+# ------------------------------------------------------------------------------------------- fragments
+
+
+def _fragments(at, where, state, profile, framebuffer, primary=None, depth=None, coordinates=None):
+    """FragmentColumns at pixels ``at`` (x, y); what is None is the raster position's, the same for all."""
+    count, bits = len(at.x), fragment_bits(profile, framebuffer)
+    colors = fragment_colors(np.tile(where.colors, (1, 2, 1)), state, profile, bits)[0, 0]
+    if primary is None:
+        primary = np.broadcast_to(colors[:4], (count, 4))
+    if depth is None:
+        depth = np.broadcast_to(_raster_depth(where, state, framebuffer), count)
+    if coordinates is None:
+        coordinates = np.broadcast_to(divided(where.coordinates), (count, *where.coordinates.shape))
+    return FragmentColumns(
+        at.x,
+        at.y,
+        depth,
+        primary,
+        np.broadcast_to(colors[4:], (count, 4)),
+        np.broadcast_to(np.float64(where.fog), count),
+        coordinates,
+        divided=(False,) * coordinates.shape[1],
+    )
+
+
+def divided(coordinates):
+    """(s/q, t/q, r/q, 1) of the raster position's. Assumed: q counts as 1 where it is 0 or less."""
+    q = coordinates[:, 3:]
+    with np.errstate(all="ignore"):  # a small q may lead beyond every float, where textures end
+        divided = coordinates / np.where(q > 0, q, 1.0)
+    divided[:, 3] = 1.0
+    return divided
+
+
+def _raster_depth(where, state, framebuffer):
+    """The depth word of fragments at the raster position: what a triangle has whose depth is the same
+    everywhere; -1 beyond limits that end it.
+    """
+    limits, farthest = state.depth_clamp, FARTHEST[framebuffer.depth_format]
+    vertex = SimpleNamespace(z=np.array([where.z]), inverse_w=np.array([where.inverse_w]))
+    low, high = 0.0, farthest
+    if limits is not None:
+        low, high = limits.minimum, farthest if limits.maximum is None else limits.maximum
+    depth = depth_units(state, framebuffer, vertex)
+    float_bits = FLOAT_DEPTHS.get(int(framebuffer.depth_format))
+    words, inside = interpolate.depth_words(depth, low, high, farthest, float_bits)
+    return words[0] if limits is None or not limits.cull or inside[0] else -1
+
+
+def _of_colors(command, groups, at, where, state, profile, framebuffer):
+    """FragmentColumns whose colours, or texture coordinates, are the groups', [k, 4]; how many q were
+    undefined.
+    """
+    texture, one = command.pixel_texture, wide.one_of(framebuffer.color_bits)
+    primary = wide.convert(groups, one, wide.one_of(fragment_bits(profile, framebuffer)))
+    if texture is None:
+        return _fragments(at, where, state, profile, framebuffer, primary), 0
+    undefined = 0
+    if texture.volumes is None:
+        coordinates, undefined = arithmetic.quotients(groups, one)
+    else:
+        coordinates = arithmetic.fractions(groups, one)
+    coordinates = np.broadcast_to(coordinates[:, None], (len(groups), len(state.texture_units), 4))
+    fragments = _fragments(at, where, state, profile, framebuffer, primary, None, coordinates)
+    primary = _pixel_texture_color(texture, primary, where, state, profile, framebuffer)
+    return replace(fragments, primary=primary, texel_alpha=_texel_alpha(texture, groups, one)), undefined
+
+
+def _by_volume(texture, groups, one, fragments, state, textures):
+    """(which fragments, their FragmentColumns, the textures that hold their volume) for each volume that q
+    chooses. No two fragments of a rectangle share a pixel: any order draws the same.
+    """
+    volume = arithmetic.chosen_volumes(groups[:, 3], one, texture.volumes, int(texture.q_filter))
+    result = []
+    for number in np.unique(volume).tolist():
+        chosen = volume == number
+        held = with_volume(textures, state, texture.volumes, number)
+        result.append((chosen, fragments.part(chosen), held))
+    return result
+
+
+def _pixel_texture_color(texture, primary, where, state, profile, framebuffer):
+    """Fragment colours of a pixel texture. Source: SGIX_pixel_texture's and SGIS_pixel_texture's tables."""
+    rgb, alpha = takes_raster_color(texture)
+    if not (rgb or alpha):
+        return primary
+    bits = fragment_bits(profile, framebuffer)
+    current = fragment_colors(np.tile(where.colors, (1, 2, 1)), state, profile, bits)[0, 0, :4]
+    if rgb and alpha:
+        return np.broadcast_to(current, primary.shape)
+    return np.where(np.array([rgb, rgb, rgb, alpha]), current, primary)
+
+
+def _texel_alpha(texture, groups, one):
+    if not texture.alpha_replace:
+        return None
+    return arithmetic.alpha_bytes(groups[:, 3], one, texture.alpha == PixelTexGenAlpha.LS)
+
+
+def without_footprints(state):
+    """The same state for fragments whose coordinates do not change from pixel to pixel: one texel each."""
+    units = tuple(
+        unit
+        if unit is None or unit.sampler.max_anisotropy <= 1 >= unit.sampler.max_probes
+        else replace(unit, sampler=replace(unit.sampler, max_anisotropy=1.0, max_probes=1))
+        for unit in state.texture_units
+    )
+    return state if units == state.texture_units else replace(state, texture_units=units)
+
+
+def with_volume(textures, state, volumes, number):
+    """The textures, where those of the state's units are volume ``number`` of their ``volumes``."""
+    held = dict(textures)
+    for unit in state.texture_units:
+        if unit is not None and unit.texture is not None:
+            texture = textures[unit.texture]
+            held[unit.texture] = replace(
+                texture,
+                levels=volume_levels(texture.levels, volumes, number),
+                ideal=None if texture.ideal is None else volume_levels(texture.ideal, volumes, number),
+            )
+    return held
+
+
+def volume_levels(levels, volumes, number):
+    """Level 0 of one of the volumes that lie behind one another: lambda is zero."""
+    layers = len(levels[0]) // volumes
+    return (levels[0][number * layers : (number + 1) * layers],)

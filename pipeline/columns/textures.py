@@ -1,0 +1,290 @@
+"""How the column engine samples a texture unit: its state read once, texels of any width."""
+
+import numpy as np
+
+from fixedpipe.pipeline.enums import (
+    InternalFormat,
+    MagnificationThreshold,
+    TextureCompareMode,
+    TextureFilter,
+    TextureTarget,
+)
+from fixedpipe.pipeline.framebuffers.transfer import ENTRY_COMPONENTS, table_entries
+from fixedpipe.pipeline.textures.images import (
+    BASE_FORMAT,
+    DEPTH_TEXELS,
+    KEPT,
+    depth_texture_mode,
+    register_components,
+)
+from fixedpipe.raster import codes as C
+from fixedpipe.raster.columns import numbers, sample
+from fixedpipe.raster.pixels.transfer import texture_color_table
+
+_LINEAR_IN_LEVEL = (
+    TextureFilter.LINEAR,
+    TextureFilter.LINEAR_MIPMAP_NEAREST,
+    TextureFilter.LINEAR_MIPMAP_LINEAR,
+)
+_COUNTED = (TextureFilter.NEAREST, TextureFilter.LINEAR)
+_NEAREST_MIPMAP = (TextureFilter.NEAREST_MIPMAP_NEAREST, TextureFilter.LINEAR_MIPMAP_NEAREST)
+_BETWEEN_LEVELS = (TextureFilter.NEAREST_MIPMAP_LINEAR, TextureFilter.LINEAR_MIPMAP_LINEAR)
+LAMBDA_BITS = 8
+
+
+def unit_samplers(state, textures, profile):
+    """A UnitSampler for each texture unit, None where it reads no texture."""
+    return [
+        None
+        if unit is None or unit.texture is None
+        else UnitSampler(number, unit, textures[unit.texture], profile)
+        for number, unit in enumerate(state.texture_units)
+    ]
+
+
+class UnitSampler:
+    """Texture unit ``number``: what its register receives (docs/numbers.md, sections 6 and 7).
+
+    texture, sampler   the Texture and its Sampler
+    sizes              what s, t and r are multiplied by for level 0
+    needs_lambda       whether filters differ from level to level, or from magnification to minification
+    """
+
+    def __init__(self, number, unit, texture, profile):
+        self.number, self.unit, self.texture, self.sampler = number, unit, texture, unit.sampler
+        self.fraction_bits = profile.filter_fraction_bits
+        self.bits, self.one = texture.bits, numbers.one_of(texture.bits)
+        width, height = float(texture.width), float(texture.height)
+        self.sizes = {
+            TextureTarget.TEXTURE_1D: (width, 0.0, 0.0),
+            TextureTarget.TEXTURE_3D: (width, height, float(texture.depth)),
+            TextureTarget.TEXTURE_RECTANGLE: (1.0, 1.0, 0.0),
+        }.get(texture.target, (width, height, 0.0))
+        s = self.sampler
+        self.levels = texture.levels[: s.max_level + 1]
+        self.anisotropic, self.probes = s.max_anisotropy > 1, s.max_probes > 1
+        self.needs_lambda = s.min_filter != s.mag_filter
+        # Source: OpenGL 1.2.1 section 3.8.6; Measured: 0 on the chip.
+        opengl_c = profile.magnification_threshold == MagnificationThreshold.OPENGL_C
+        late = s.mag_filter == TextureFilter.LINEAR and s.min_filter in (
+            TextureFilter.NEAREST_MIPMAP_NEAREST,
+            TextureFilter.NEAREST_MIPMAP_LINEAR,
+        )
+        self.threshold = 128 if opengl_c and late else 0
+        self.depth_scale = 1.0
+        self.compares = s.compare_mode != TextureCompareMode.NONE
+        if self.compares:
+            self.largest, self.mantissa = DEPTH_TEXELS[texture.internal_format]
+            self.depth_scale = 1.0 if profile.depth_units_in_coordinates else float(self.largest)
+            base, failed = depth_texture_mode(s, profile), numbers.fixed(s.compare_fail_value, self.one)
+            self.compared = [
+                register_components(np.array([value], np.int64), base, self.one)
+                for value in (self.one, failed)
+            ]
+        self.hilo = texture.internal_format == InternalFormat.HILO16
+        self.signed = self._signed()
+        border = numbers.fixed(s.border_color, self.one)
+        self.table = None
+        if (given := unit.color_table) is not None:
+            self.table = table_entries(given, profile), ENTRY_COMPONENTS[given.base_format]
+        base = BASE_FORMAT[texture.internal_format]
+        self.border = self._as_signed(register_components(border[list(KEPT[base])], base, self.one))
+
+    def _signed(self):
+        flags = self.sampler.signed_components
+        flags = [flags.red, flags.green, flags.blue, flags.alpha]
+        if self.hilo:  # words have the signs of their high bytes
+            flags = [False, flags[1], False, flags[3]]
+        return np.array(flags) if any(flags) else None
+
+    def _as_signed(self, texels):
+        """Texels whose signed components are two's complement numbers."""
+        if self.signed is None:
+            return texels
+        return np.where(self.signed & (texels >= 1 << (self.bits - 1)), texels - (1 << self.bits), texels)
+
+    def register(self, fragments, bits, tap=None):
+        """The unit's register, int64 [4, k] in units of ``bits``. ``tap``: of one texel of its filter,
+        (level, layer, row, column), 0 or 1 each.
+        """
+        return self.as_register(self.filtered(fragments, tap)[:, :4], fragments, bits)
+
+    def looked_up(self, strq, fragments, bits):
+        """The register at other coordinates, float64 [k, 4]: level 0, by the magnification filter."""
+        return self.as_register(self.at_level_zero(strq, strq[:, 2]), fragments, bits)
+
+    def at_level_zero(self, strq, r, lifted=True, flat=False):
+        """Level 0 at made coordinates, float64 [k, 3 or 4], by the magnification filter: int64 [k, 4].
+
+        r       float64 [k], what a comparison compares
+        lifted  by the bias of computed coordinates
+        flat    s and t on a cube map's first face
+        """
+        compared = None
+        if self.compares:
+            if self.sampler.compare_mode != TextureCompareMode.COMPARE_R_TO_TEXTURE:
+                r = np.zeros(len(strq))
+            compared = sample.depth_reference(r * self.depth_scale, self.mantissa, self.largest)
+        linear = self.sampler.mag_filter == TextureFilter.LINEAR
+        return self._level(0, linear, strq, False, compared, lifted, flat=flat)
+
+    def fractions(self, fragments, level):
+        """Fractions between the columns, rows, layers and levels of the filter at the lower (0) or the upper
+        (1) of its levels, int64 [k, 4].
+        """
+        return self.filtered(fragments, (level, 0, 0, 0))[:, 4:]
+
+    @property
+    def linear(self):
+        """Whether a filter reads several texels of a level."""
+        return self.sampler.mag_filter == TextureFilter.LINEAR or self.sampler.min_filter in _LINEAR_IN_LEVEL
+
+    @property
+    def between_levels(self):
+        """Whether the minification filter reads two levels."""
+        return self.sampler.min_filter in _BETWEEN_LEVELS
+
+    def as_register(self, texel, fragments, bits):
+        """What the unit's register receives of its texels, int64 [4, k]."""
+        if self.number == 0 and fragments.texel_alpha is not None:
+            alpha = numbers.convert(fragments.texel_alpha.astype(np.int64), 255, self.one)
+            texel = np.concatenate([texel[:, :3], alpha[:, None]], axis=1)
+        if self.table is not None:
+            texel = texture_color_table(texel, self.one, *self.table)
+        if self.signed is not None:  # Measured: 732800 of 732800 pixels (Texture_signed_component_tests)
+            texel = np.where(self.signed, 2 * texel, texel)
+        return numbers.convert(texel, self.one, numbers.one_of(bits)).T
+
+    def filtered(self, fragments, tap=None):
+        """A texel of each fragment, int64 [k, 4] in the texture's units; of a ``tap`` with its fractions."""
+        strq = fragments.coordinates[:, self.number]
+        divided = bool((strq[:, 3] != 1.0).any())
+        if fragments.divided is not None:
+            divided = fragments.divided[self.number]
+        compared = None
+        if self.compares:
+            r = np.zeros(len(strq))
+            if self.sampler.compare_mode == TextureCompareMode.COMPARE_R_TO_TEXTURE:
+                r = strq[:, 2]
+                if divided and self.texture.target != TextureTarget.TEXTURE_CUBE_MAP:
+                    r = r / np.where(strq[:, 3] == 0.0, 1.0, strq[:, 3])
+            compared = sample.depth_reference(r * self.depth_scale, self.mantissa, self.largest)
+        if self.texture.target == TextureTarget.TEXTURE_CUBE_MAP:
+            divided = False
+        lod = np.zeros(len(strq), np.int64)
+        if (self.needs_lambda or self.anisotropic or self.probes) and fragments.lod is not None:
+            lod = np.floor(fragments.lod[:, self.number] * 256.0).astype(np.int64)
+            lod = lod + int(256.0 * float(self.unit.lod_bias))  # truncated
+            low, high = (int(256 * float(limit)) for limit in (self.sampler.min_lod, self.sampler.max_lod))
+            lod = np.minimum(np.maximum(lod, low), high)
+        elif self.needs_lambda:
+            lod = np.full(len(strq), -1)  # magnified
+        if fragments.footprints is None or not (self.anisotropic or self.probes):
+            return self._levels(strq, divided, lod, compared, tap=tap)
+        str_ = strq
+        if divided:
+            q = np.where(strq[:, 3:] == 0.0, 1.0, strq[:, 3:])
+            str_ = np.concatenate([strq[:, :3] / q, np.ones_like(q)], axis=1)
+        filtered = self._assembled if self.probes else self._along
+        return filtered(fragments.footprints[:, self.number], str_, divided, lod, compared)
+
+    def _assembled(self, footprint, str_, lifted, lod, compared):
+        """The mean of a footprint's probes, cut."""
+        total, probes = np.zeros((len(str_), 4), np.int64), footprint[:, 2]
+        for probe in range(int(probes.max(initial=1.0))):
+            used = probe < probes
+            moved = str_.copy()
+            distance = ((2.0 * probe + 1.0) - probes) / (2.0 * probes)
+            moved[:, :2] += distance[:, None] * footprint[:, :2]
+            texel = self._levels(moved, False, lod, compared, lifted)
+            total += np.where(used[:, None], texel, 0)
+        return total // probes.astype(np.int64)[:, None]
+
+    def _along(self, footprint, str_, lifted, lod, compared):
+        """An anisotropically filtered texel: pairs of texels along the footprint."""
+        total = np.full((len(str_), 4), 128)
+        for pair in range(int(np.ceil(float(self.sampler.max_anisotropy) * 0.5))):
+            distance, weight = sample.taps(footprint[:, 2], pair)
+            used = weight != 0  # the outermost pair takes what the others leave, or exceed
+            for side in (1.0, -1.0):
+                moved = str_.copy()
+                moved[:, :2] += (side * distance)[:, None] * footprint[:, :2]
+                texel = self._levels(moved, False, lod, compared, lifted)
+                total += np.where(used[:, None], weight[:, None] * texel, 0)
+        return total >> 8
+
+    def _levels(self, strq, divided, lod, compared, lifted=False, tap=None):
+        """The level that lambda asks for, or two of them blended (section 7)."""
+        s = self.sampler
+
+        def level(number, linear, chosen):
+            reference = None if compared is None else compared[chosen]
+            return self._level(number, linear, strq[chosen], divided, reference, lifted, tap and tap[1:])
+
+        every = slice(None)
+        magnifies_linear = s.mag_filter == TextureFilter.LINEAR
+        if s.min_filter == s.mag_filter:
+            return level(0, magnifies_linear, every)
+        linear = s.min_filter in _LINEAR_IN_LEVEL
+        out = np.zeros((len(strq), 4 if tap is None else 8), np.int64)
+        magnified = lod <= self.threshold
+        if magnified.any():
+            out[magnified] = level(0, magnifies_linear, magnified)
+        minified = ~magnified
+        if not minified.any():
+            return out
+        if s.min_filter in _COUNTED:
+            out[minified] = level(0, linear, minified)
+            return out
+        last = len(self.levels) - 1
+        lod = np.clip(lod, 0, 256 * last)
+        nearest = s.min_filter in _NEAREST_MIPMAP
+        lower = (lod + 127) >> 8 if nearest else lod >> 8
+        upper = lower if nearest else np.minimum(lower + 1, last)
+        fraction = (lod & 255)[:, None]
+        pair = np.zeros((2, *out.shape), np.int64)
+        for number in range(last + 1):
+            for side, wanted in enumerate((lower, upper)):
+                chosen = minified & (wanted == number)
+                if chosen.any() and not (nearest and side):
+                    pair[side, chosen] = level(number, linear, chosen)
+        if tap is not None:
+            pair[..., 7:] = 0 if nearest else fraction
+            out[minified] = pair[0 if nearest else tap[0], minified]
+            return out
+        blended = pair[0] if nearest else numbers.lerp(pair[0], pair[1], fraction, LAMBDA_BITS)
+        out[minified] = blended[minified]
+        return out
+
+    def _level(self, number, linear, strq, divided, reference, lifted, tap=None, flat=False):
+        image, s, target = self.levels[number], self.sampler, self.texture.target
+        size = image.shape[2], image.shape[1], image.shape[0]
+        places, face = sample.positions(strq, target, divided, lifted, size, flat)
+        modes = s.wrap_s, s.wrap_t, s.wrap_r
+        if target == TextureTarget.TEXTURE_CUBE_MAP:
+            modes = (C.WRAP_CLAMP_TO_EDGE,) * 3
+        read = None if self.signed is None else self._as_signed
+        if reference is not None:
+            read = sample.comparison(reference, s.compare_function, *self.compared)
+        elif self.hilo:
+            return self._hilo(image, places, face, modes, linear, target)
+        return sample.filter_level(
+            image, places, face, modes, linear, target, self.border, self.fraction_bits, read, tap
+        )
+
+    def _hilo(self, image, places, face, modes, linear, target):
+        """Two words of 16 bits, filtered as such, as four bytes (section 12)."""
+
+        def words(texels):
+            texels = texels & 255
+            pair = np.stack([texels[:, 3] << 8 | texels[:, 0], texels[:, 1] << 8 | texels[:, 2]], axis=1)
+            if self.signed is not None:
+                pair = np.where(self.signed[[3, 1]] & (pair >= 1 << 15), pair - (1 << 16), pair)
+            return pair
+
+        border = words(self.border[None])[0]
+        found = sample.filter_level(
+            image, places, face, modes, linear, target, border, self.fraction_bits, words
+        )
+        bytes_ = np.stack([found[:, 0], found[:, 1] >> 8, found[:, 1], found[:, 0] >> 8], axis=1) & 255
+        return self._as_signed(bytes_)

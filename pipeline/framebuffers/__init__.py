@@ -1,0 +1,1 @@
+"""What a frame leaves in memory, and its copies."""

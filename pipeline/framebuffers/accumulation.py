@@ -1,0 +1,58 @@
+"""Accum and the accumulation buffer's Clear (OpenGL 1.2.1 sections 4.2.3 and 4.2.4)."""
+
+import numpy as np
+
+from fixedpipe.pipeline.enums import AccumOperation
+from fixedpipe.raster.pixels.accumulation import added, from_colors, from_value, multiplied, to_colors
+
+
+def _full(profile):
+    """The buffer's 1.0."""
+    return 2 ** (profile.accumulation_bits - 1) - 1
+
+
+def box_of(scissor, width, height):
+    """Slices of the scissor box's rows, counted from the top, and columns; None: the whole window."""
+    if scissor is None:
+        return slice(0, height), slice(0, width)
+    left, right = (min(max(x, 0), width) for x in (scissor.x, scissor.x + scissor.width))
+    top, bottom = (min(max(height - y, 0), height) for y in (scissor.y + scissor.height, scissor.y))
+    return slice(top, bottom), slice(left, right)
+
+
+def accumulation_of(framebuffer):
+    """The window's accumulation buffer, made when it is asked for first: zero."""
+    if framebuffer.accumulation is None:
+        framebuffer.accumulation = np.zeros(framebuffer.color.shape, np.int32)
+    return framebuffer.accumulation
+
+
+def clear_accumulation(framebuffer, command, profile):
+    """What a Clear with ``accumulation`` does to it."""
+    box = box_of(command.scissor, framebuffer.width, framebuffer.height)
+    full = _full(profile)
+    accumulation_of(framebuffer)[box] = [from_value(component, full) for component in command.accumulation]
+
+
+def accumulate(framebuffer, command, profile):
+    """An Accum. ``framebuffer``: the window's."""
+    box = box_of(command.scissor, framebuffer.width, framebuffer.height)
+    buffer, full, value = accumulation_of(framebuffer)[box], _full(profile), float(command.value)
+    one = 2**framebuffer.color_bits - 1
+    with np.errstate(over="ignore"):  # what overflows is clamped
+        match command.operation:
+            case AccumOperation.LOAD | AccumOperation.ACCUM:
+                colors = framebuffer.buffer(command.read_buffer).color[box]
+                loaded = from_colors(colors, one, value, full)
+                loading = command.operation == AccumOperation.LOAD
+                buffer[...] = loaded if loading else added(buffer, loaded, full)
+            case AccumOperation.ADD:
+                buffer[...] = added(buffer, from_value(value, full), full)
+            case AccumOperation.MULT:
+                buffer[...] = multiplied(buffer, value, full)
+            case AccumOperation.RETURN:
+                color, mask = framebuffer.buffer(command.draw_buffer).color[box], command.color_mask
+                returned = to_colors(buffer, one, value, full)
+                for channel, on in enumerate((mask.red, mask.green, mask.blue, mask.alpha)):
+                    if on:
+                        color[..., channel] = returned[..., channel]

@@ -1,0 +1,384 @@
+"""The framebuffer: colour, depth and stencil, top row first, and what reads and writes whole rectangles of
+it.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from fixedpipe.pipeline.enums import (
+    ColorBuffer,
+    ColorFormat,
+    DepthFormat,
+    InternalFormat,
+    TextureTarget,
+    WindowOrigin,
+)
+from fixedpipe.pipeline.framebuffers.transfer import (
+    changes_nothing,
+    image_groups,
+    packed_colors,
+    transfer_colors,
+    transfer_depths,
+    transfer_image,
+    transfer_stencil,
+)
+from fixedpipe.pipeline.pixel_transfer import PixelImage
+from fixedpipe.pipeline.textures.images import (
+    BASE_FORMAT,
+    COMPONENT_BITS,
+    DEPTH_TEXELS,
+    KEPT,
+    Texture,
+    at_machine_width,
+    build_texture,
+    depth_texels,
+    pyramid,
+    register_components,
+    stored_texels,
+    widen_to_byte,
+)
+from fixedpipe.raster import codes as C
+from fixedpipe.raster.columns.numbers import convert
+from fixedpipe.raster.pixels.transfer import fixed
+
+# A surface's 32-bit words, red in the low byte, each component at the top of its byte: the bits that it
+# keeps, those that are always one, and its alpha as a factor (seven bits:
+# replicated).
+# Measured: Blend_surface captures (16 of 16 pictures of 16384 pixels; DstAlpha pictures).
+SURFACE_WORDS = {
+    ColorFormat.A8R8G8B8: (0xFFFFFFFF, 0, C.SURFACE_ALPHA_STORED),
+    ColorFormat.X8R8G8B8_Z8R8G8B8: (0x00FFFFFF, 0, C.SURFACE_ALPHA_ONE),
+    ColorFormat.X8R8G8B8_O8R8G8B8: (0x00FFFFFF, 0xFF000000, C.SURFACE_ALPHA_ONE),
+    ColorFormat.X1A7R8G8B8_Z1A7R8G8B8: (0x7FFFFFFF, 0, C.SURFACE_ALPHA_SEVEN_BITS),
+    ColorFormat.X1A7R8G8B8_O1A7R8G8B8: (0x7FFFFFFF, 0x80000000, C.SURFACE_ALPHA_SEVEN_BITS),
+    ColorFormat.R5G6B5: (0x00F8FCF8, 0, C.SURFACE_ALPHA_ONE),
+    ColorFormat.X1R5G5B5_Z1R5G5B5: (0x00F8F8F8, 0, C.SURFACE_ALPHA_ONE),
+    ColorFormat.X1R5G5B5_O1R5G5B5: (0x00F8F8F8, 0x80000000, C.SURFACE_ALPHA_ONE),
+}
+
+
+def surface_word(rgba, color_format):
+    """A colour as a surface stores it, a word with red in the low byte. ``rgba``: four bytes."""
+    keep, pad, alpha = SURFACE_WORDS[color_format]
+    red, green, blue, a = rgba
+    stored = a >> 1 if alpha == C.SURFACE_ALPHA_SEVEN_BITS else a
+    word = red | green << 8 | blue << 16 | stored << 24
+    return (word & keep) | pad
+
+
+def _write(words, value, mask, all_bits):
+    """``value`` where ``mask`` has a bit into an array of words or bytes."""
+    if mask == all_bits:
+        words[...] = value
+    elif mask:
+        words[...] = (words & (all_bits & ~mask)) | (value & mask)
+
+
+def to_byte(value):
+    """``floor(255 c + 1/2)`` of c clamped to [0, 1]. Source: OpenGL 1.2.1 section 2.13.9."""
+    return int(255.0 * min(max(value, 0.0), 1.0) + 0.5)
+
+
+@dataclass(eq=False)
+class Framebuffer:
+    """color uint8 [h, w, 4] RGBA, or int32 (below); depth uint32 [h, w], 0 .. 2**depth_bits - 1; stencil
+    uint8 [h, w]. Top row first.
+
+    A new one holds zero colour, the farthest depth and stencil zero. A component narrower than a byte has its
+    bits at the top of one, zeros below. Where components have another number of bits, ``color_bits``, or
+    blending does not clamp, colours are int32, 2**color_bits - 1 is one, and only where it does not clamp do
+    values leave [0, one]. ``accumulation``: int32 [h, w, 4] (docs/numbers.md, section 16), None until
+    something is stored there.
+    """
+
+    color: np.ndarray
+    depth: np.ndarray
+    stencil: np.ndarray
+    depth_format: DepthFormat
+    color_format: ColorFormat = ColorFormat.A8R8G8B8
+    color_bits: int = 8
+    accumulation: np.ndarray | None = None
+    _auxiliary: dict = field(default_factory=dict)
+
+    @classmethod
+    def new(cls, width, height, depth_bits=24, color_format=ColorFormat.A8R8G8B8, color_bits=8, clamped=True):
+        """An empty framebuffer of ``width`` x ``height`` pixels. ``clamped``: blending clamps."""
+        return cls(
+            np.zeros((height, width, 4), np.uint8 if color_bits == 8 and clamped else np.int32),
+            np.full((height, width), 2 ** abs(depth_bits) - 1, np.uint32),
+            np.zeros((height, width), np.uint8),
+            DepthFormat(depth_bits),
+            color_format,
+            color_bits,
+        )
+
+    @property
+    def depth_bits(self):
+        """How wide a word of the depth buffer is."""
+        return abs(self.depth_format)
+
+    @property
+    def width(self):
+        """Pixels in a row."""
+        return self.color.shape[1]
+
+    @property
+    def height(self):
+        """Rows."""
+        return self.color.shape[0]
+
+    def buffer(self, which):
+        """What a draw or read buffer, a ColorBuffer, stands for: this framebuffer, or one with an auxiliary
+        buffer's colours, zero at first, and the same depths and stencil values.
+        """
+        if which == ColorBuffer.BACK:
+            return self
+        if which not in self._auxiliary:
+            self._auxiliary[which] = replace(self, color=np.zeros_like(self.color), _auxiliary={})
+        return self._auxiliary[which]
+
+    def image(self):
+        """A copy of the colours for saving: uint8 [h, w, 4], top row first, clamped and to nearest."""
+        return self.as_bytes(self.color).copy()
+
+    @property
+    def is_bytes(self):
+        """Whether colours are the bytes that the native engines write."""
+        return self.color.dtype == np.uint8
+
+    def as_bytes(self, color):
+        """Colours of this buffer as bytes."""
+        if self.is_bytes:
+            return color
+        one = 2**self.color_bits - 1
+        return convert(np.clip(color, 0, one).astype(np.int64), one, 255).astype(np.uint8)
+
+    def _rows(self, x, y, width, height):
+        """Slices of a window rectangle (origin lower left, y up) in rows from the top."""
+        return slice(self.height - y - height, self.height - y), slice(x, x + width)
+
+    def _scissored(self, box):
+        """The scissor box, or None, in device pixels: left, top, right, bottom, half open."""
+        height, width, _ = self.color.shape
+        if box is None:
+            return 0, 0, width, height
+        left, right = max(box.x, 0), min(box.x + box.width, width)
+        top, bottom = max(height - box.y - box.height, 0), min(height - box.y, height)
+        return int(left), int(top), int(max(left, right)), int(max(top, bottom))
+
+    def clear_words(self, command):
+        """What a Clear (section 4.2.3) writes: (x0, y0, x1, y1) in device pixels, half open; which buffers
+        (bits: codes.BUFFER_...); the colour's word and its mask, the depth's word, the stencil's byte and its
+        mask. ``command``: a Clear.
+        """
+        buffers, color, color_mask, depth = 0, 0, 0, 0
+        if command.color is not None:
+            buffers, mask = C.BUFFER_COLOR, command.color_mask
+            color = surface_word([to_byte(c) for c in command.color], self.color_format)
+            for channel, on in enumerate((mask.red, mask.green, mask.blue, mask.alpha)):
+                color_mask |= 0xFF << (8 * channel) if on else 0
+        if command.depth is not None:
+            buffers |= C.BUFFER_DEPTH
+            depth = int(min(max(command.depth, 0.0), 1.0) * (2**self.depth_bits - 1) + 0.5)
+        if command.stencil is not None:
+            buffers |= C.BUFFER_STENCIL
+        stencil = 0 if command.stencil is None else int(command.stencil)
+        box, mask = self._scissored(command.scissor), int(command.stencil_write_mask)
+        return box, buffers, color, color_mask, depth, stencil, mask
+
+    def saturate(self, command):
+        """Clamp what the scissor box holds to [0, 1]; bytes always are."""
+        left, top, right, bottom = self._scissored(command.scissor)
+        color = self.color[top:bottom, left:right]
+        np.clip(color, 0, 2**self.color_bits - 1, out=color)
+
+    def clear(self, command):
+        """Section 4.2.3: through the scissor box and the masks."""
+        (x0, y0, x1, y1), buffers, color, color_mask, depth, stencil, mask = self.clear_words(command)
+        where = slice(y0, y1), slice(x0, x1)
+        if buffers & 1 and not self.is_bytes:
+            on = command.color_mask
+            channels = np.array([on.red, on.green, on.blue, on.alpha])
+            wide = fixed(np.array(command.color), self.color_bits)
+            self.color[where] = np.where(channels, wide, self.color[where])
+        elif buffers & 1:
+            _write(self.color.view(np.uint32)[..., 0][where], color, color_mask, 0xFFFFFFFF)
+        if buffers & 2:
+            self.depth[where] = depth
+        if buffers & 4:
+            _write(self.stencil[where], stencil, mask, 0xFF)
+
+    def rectangle(self, x, y, width, height):
+        """Colours of a window rectangle, uint8 [h, w, 4], bottom row first."""
+        return self.color[self._rows(x, y, width, height)][::-1]
+
+    def groups(self, x, y, width, height):
+        """Colours of a window rectangle as pixel groups, float64 [h, w, 4], 1.0 = full intensity, bottom row
+        first (section 4.3.2, Conversion of RGBA values).
+        """
+        return self.rectangle(x, y, width, height) / float(2**self.color_bits - 1)
+
+    def depths(self, x, y, width, height):
+        """Depths of a window rectangle, float64 [h, w] in [0, 1], bottom row first; fixed formats alone."""
+        return self.depth[self._rows(x, y, width, height)][::-1] / float(2**self.depth_bits - 1)
+
+    def box_of(self, command):
+        """X, y, width, height of what a command reads; None: as far as the framebuffer reaches."""
+        width = self.width - command.x if command.width is None else command.width
+        height = self.height - command.y if command.height is None else command.height
+        return command.x, command.y, width, height
+
+    def read(self, command, profile, statistics):
+        """Section 4.3.2: what a ReadPixels returns, as ``fixedpipe.pipeline.commands.ReadPixels`` says; None where a
+        sink took it. ``statistics``: the machine's PixelStatistics.
+        """
+        box, transfer = self.box_of(command), command.transfer
+        if command.format == "DEPTH_COMPONENT":
+            if (transfer.depth_scale, transfer.depth_bias) == (1.0, 0.0):
+                return self.depth[self._rows(*box)][::-1].copy()
+            return fixed(transfer_depths(self.depths(*box), transfer), self.depth_bits).astype(np.uint32)
+        if command.format == "STENCIL_INDEX":
+            indices = self.stencil[self._rows(*box)][::-1].astype(np.int64)
+            return (transfer_stencil(indices, transfer) & 0xFF).astype(np.uint8)
+        if self.is_bytes and command.type == "UNSIGNED_BYTE" and changes_nothing(transfer):
+            return READ_FORMATS[command.format](self.rectangle(*box)).copy()
+        groups = transfer_colors(self.groups(*box), transfer, profile, statistics)
+        return None if groups is None else packed_colors(groups, command.format, command.type)
+
+
+def _luminance(rgba):
+    return np.minimum(rgba[..., :3].astype(np.uint16).sum(-1), 255).astype(np.uint8)
+
+
+# Source: OpenGL 1.2.1 section 4.3.2, conversion of RGBA to luminance: R + G + B, clamped.
+READ_FORMATS = {
+    "RGBA": lambda rgba: rgba,
+    "RGB": lambda rgba: rgba[..., :3],
+    "RED": lambda rgba: rgba[..., 0],
+    "GREEN": lambda rgba: rgba[..., 1],
+    "BLUE": lambda rgba: rgba[..., 2],
+    "ALPHA": lambda rgba: rgba[..., 3],
+    "LUMINANCE": _luminance,
+    "LUMINANCE_ALPHA": lambda rgba: np.stack([_luminance(rgba), rgba[..., 3]], -1),
+}
+
+
+def defined_texture(command, profile, statistics):
+    """TexImage1D/2D/3D of pixels: the texture, or None where a sink took the image."""
+    image, target = command.pixels, command.target
+    if command.internal_format in DEPTH_TEXELS:
+        depths = transfer_depths(image_groups(image), command.transfer)
+        return depth_texture(target, command.internal_format, depths)
+    layered = target in (TextureTarget.TEXTURE_CUBE_MAP, TextureTarget.TEXTURE_3D)
+    dimensions = {TextureTarget.TEXTURE_1D: 1, TextureTarget.TEXTURE_3D: 3}.get(target, 2)
+    images = []
+    for values in image.values if layered else image.values[None]:
+        part = PixelImage(values, image.format)
+        images.append(transfer_image(part, command.transfer, profile, statistics, dimensions))
+    if images[-1] is None:
+        return None
+    made = build_texture(target, np.stack(images), command.internal_format, command.generate_mipmap)
+    return at_machine_width(made, profile)
+
+
+def depth_texture(target, internal_format, depths):
+    """A depth texture of depths in [0, 1], float64 [h, w]; each is its ``ideal`` texel's four components."""
+    most, _ = DEPTH_TEXELS[internal_format]
+    texels = depth_texels(fixed(depths, most.bit_length()))
+    texels.setflags(write=False)
+    ideal = np.broadcast_to(depths[None, ..., None], (1, *texels.shape))
+    return Texture(target, internal_format, (texels[None],), (ideal,))
+
+
+def _copied_texels(framebuffer, command, box, internal_format, dimensions, profile, statistics):
+    """A framebuffer rectangle as texels [h, w, 4], None where a sink took it, and their bits."""
+    transfer = command.transfer
+    if internal_format in DEPTH_TEXELS:
+        depths = transfer_depths(framebuffer.depths(*box), transfer)
+        return depth_texture(None, internal_format, depths).levels[0][0], 8
+    if framebuffer.is_bytes and changes_nothing(transfer):
+        return stored_texels(framebuffer.rectangle(*box), internal_format, profile)
+    groups = transfer_colors(framebuffer.groups(*box), transfer, profile, statistics, dimensions)
+    return (None, 8) if groups is None else stored_texels(groups, internal_format, profile)
+
+
+def copied_texture(framebuffer, command, profile, statistics):
+    """CopyTexImage1D/2D: the texture that a framebuffer rectangle defines, or None where a sink took it."""
+    dimensions = 1 if command.target is TextureTarget.TEXTURE_1D else 2
+    box = framebuffer.box_of(command)
+    texels, bits = _copied_texels(
+        framebuffer, command, box, command.internal_format, dimensions, profile, statistics
+    )
+    if texels is None:
+        return None
+    texels.setflags(write=False)
+    levels = pyramid(texels[None]) if command.generate_mipmap else (texels[None],)
+    return Texture(command.target, command.internal_format, levels, bits=bits)
+
+
+def replaced_texture(framebuffer, command, texture, profile, statistics):
+    """CopyTexSubImage1D/2D/3D: the texture with a rectangle of one level replaced; the same where a sink took
+    the pixels.
+    """
+    dimensions = 1 if texture.target is TextureTarget.TEXTURE_1D else 2
+    box = command.x, command.y, command.width, command.height
+    texels, _ = _copied_texels(
+        framebuffer, command, box, texture.internal_format, dimensions, profile, statistics
+    )
+    if texels is None:
+        return texture
+    level = texture.levels[command.level].copy()
+    rows = slice(command.y_offset, command.y_offset + texels.shape[0])
+    columns = slice(command.x_offset, command.x_offset + texels.shape[1])
+    level[command.face, rows, columns] = texels
+    level.setflags(write=False)
+    if command.generate_mipmap:
+        levels = pyramid(level)
+    else:
+        levels = (*texture.levels[: command.level], level, *texture.levels[command.level + 1 :])
+    return Texture(texture.target, texture.internal_format, levels, bits=texture.bits)
+
+
+# Which internal formats read a surface's words: those of its width and components.
+# Source: WGL_ARB_render_texture (BIND_TO_TEXTURE_RGB_ARB and RGBA_ARB).
+READABLE_AS = {
+    **dict.fromkeys(
+        (
+            ColorFormat.A8R8G8B8,
+            ColorFormat.X8R8G8B8_Z8R8G8B8,
+            ColorFormat.X8R8G8B8_O8R8G8B8,
+            ColorFormat.X1A7R8G8B8_Z1A7R8G8B8,
+            ColorFormat.X1A7R8G8B8_O1A7R8G8B8,
+        ),
+        (InternalFormat.RGBA8, InternalFormat.RGB8),
+    ),
+    ColorFormat.R5G6B5: (InternalFormat.R5_G6_B5,),
+    ColorFormat.X1R5G5B5_Z1R5G5B5: (InternalFormat.RGB5, InternalFormat.RGB5_A1),
+    ColorFormat.X1R5G5B5_O1R5G5B5: (InternalFormat.RGB5, InternalFormat.RGB5_A1),
+}
+
+
+# Which depth format reads a surface's depth words. Source: WGL_NV_render_depth_texture.
+DEPTH_READABLE_AS = {
+    16: InternalFormat.DEPTH_COMPONENT16,
+    24: InternalFormat.DEPTH_COMPONENT24,
+    -16: InternalFormat.DEPTH_COMPONENT16_FLOAT,
+    -24: InternalFormat.DEPTH_COMPONENT24_FLOAT,
+}
+
+
+def bound_texture(framebuffer, command):
+    """BindTexImage: the texture that a pbuffer's colours, or depths, are."""
+    rows = slice(None, None, 1 if command.origin == WindowOrigin.UPPER_LEFT else -1)
+    if command.internal_format in DEPTH_TEXELS:
+        return Texture(
+            command.target, command.internal_format, (depth_texels(framebuffer.depth[rows])[None],)
+        )
+    rgba = framebuffer.color[rows]
+    base, bits = BASE_FORMAT[command.internal_format], COMPONENT_BITS[command.internal_format]
+    components = np.stack(
+        [widen_to_byte(rgba[..., kept] >> (8 - b), b) for kept, b in zip(KEPT[base], bits, strict=True)], -1
+    )
+    texels = register_components(components, base, np.uint8(255))
+    return Texture(command.target, command.internal_format, (texels[None],))

@@ -1,0 +1,315 @@
+"""Pixel transfer of images: a PixelTransfer's operations in order, what histograms and minmaxes keep, and the
+conversions of image data to pixel groups and back.
+
+``fixedpipe.raster.pixels.transfer`` has the arithmetic; here is what of it a state asks for. Colour groups are float64
+[height, width, 4], RGBA, before final conversion; depths are float64 and indices int64 [height, width]. The
+bottom row is first.
+
+Source: OpenGL 1.2.1 sections 3.6.3 to 3.6.5 and 4.3.2.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from fixedpipe.pipeline.enums import BaseFormat, ConvolutionBorderMode
+from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER
+from fixedpipe.pipeline.textures.images import KEPT
+from fixedpipe.raster.pixels import transfer as arithmetic
+
+# Which component of a table's or filter's entry goes with a pixel's R, G, B and A; None: the pixel's stays.
+# Source: OpenGL 1.2.1 tables 3.13 and 3.14; SGI_texture_color_table.
+ENTRY_COMPONENTS = {
+    BaseFormat.ALPHA: (None, None, None, 3),
+    BaseFormat.LUMINANCE: (0, 0, 0, None),
+    BaseFormat.LUMINANCE_ALPHA: (0, 0, 0, 3),
+    BaseFormat.INTENSITY: (0, 0, 0, 0),
+    BaseFormat.RGB: (0, 1, 2, None),
+    BaseFormat.RGBA: (0, 1, 2, 3),
+}
+
+# Which of R, G, B and A each element of an image's group is: L is all three colours.
+# Source: OpenGL 1.2.1 table 3.6 and section 3.6.4, Conversion to RGB and Final Expansion to RGBA.
+IMAGE_FORMATS = {
+    "RGBA": ("R", "G", "B", "A"),
+    "RGB": ("R", "G", "B"),
+    "BGRA": ("B", "G", "R", "A"),
+    "BGR": ("B", "G", "R"),
+    "RED": ("R",),
+    "GREEN": ("G",),
+    "BLUE": ("B",),
+    "ALPHA": ("A",),
+    "LUMINANCE": ("L",),
+    "LUMINANCE_ALPHA": ("L", "A"),
+}
+DEPTH_FORMAT, INDEX_FORMATS = "DEPTH_COMPONENT", ("STENCIL_INDEX", "COLOR_INDEX")
+
+# What ReadPixels returns colours as: bits of a component, None: floats.  Source: OpenGL 1.2.1 table 4.7.
+READ_TYPES = {"UNSIGNED_BYTE": 8, "UNSIGNED_SHORT": 16, "FLOAT": None}
+_READ_DTYPES = {8: np.uint8, 16: np.uint16}
+
+
+# ------------------------------------------------------------------------------- histograms and minmaxes
+
+
+@dataclass(frozen=True, eq=False)
+class HistogramTable:
+    """What a histogram counted: ``counts`` uint32 [width, components of ``base_format``]."""
+
+    base_format: BaseFormat
+    counts: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class MinmaxTable:
+    """What a minmax saw: ``extremes`` float64 [2, components of ``base_format``], the least, then the
+    greatest; plus and minus infinity before it saw anything.
+    """
+
+    base_format: BaseFormat
+    extremes: np.ndarray
+
+
+@dataclass(eq=False)
+class PixelStatistics:
+    """The histograms and minmaxes that a machine keeps, by name. Their arrays are never written to."""
+
+    histograms: dict[str, HistogramTable] = field(default_factory=dict)
+    minmaxes: dict[str, MinmaxTable] = field(default_factory=dict)
+
+    def reset_histogram(self, name):
+        """Every count becomes zero. Raises KeyError for an unknown name."""
+        kept = self.histograms[name]
+        self.histograms[name] = replace(kept, counts=np.zeros_like(kept.counts))
+
+    def reset_minmax(self, name):
+        """Nothing was seen. Raises KeyError for an unknown name."""
+        kept = self.minmaxes[name]
+        self.minmaxes[name] = replace(kept, extremes=_nothing_seen(kept.base_format))
+
+    def count(self, groups, histogram):
+        """Count groups into the histogram that a state names, made new where it is another than before."""
+        shape = histogram.width, len(KEPT[histogram.base_format])
+        kept = self.histograms.get(histogram.name)
+        if kept is None or kept.base_format is not histogram.base_format or kept.counts.shape != shape:
+            kept = HistogramTable(histogram.base_format, np.zeros(shape, np.uint32))
+        counts = arithmetic.counted(groups, kept.counts, KEPT[histogram.base_format])
+        self.histograms[histogram.name] = replace(kept, counts=counts)
+
+    def compare(self, groups, minmax):
+        """The same of a minmax."""
+        kept = self.minmaxes.get(minmax.name)
+        if kept is None or kept.base_format is not minmax.base_format:
+            kept = MinmaxTable(minmax.base_format, _nothing_seen(minmax.base_format))
+        extremes = arithmetic.compared(groups, kept.extremes, KEPT[minmax.base_format])
+        self.minmaxes[minmax.name] = replace(kept, extremes=extremes)
+
+
+def _nothing_seen(base_format):
+    components = len(KEPT[base_format])
+    return np.array([[np.inf] * components, [-np.inf] * components])
+
+
+# ------------------------------------------------------------------------------------ the operations
+
+
+def convolution(transfer, dimensions):
+    """The filter that applies to an image of so many dimensions, or None."""
+    if dimensions == 1:
+        return transfer.convolution_1d
+    if dimensions == 2:
+        return transfer.convolution_2d or transfer.separable_2d
+    return None
+
+
+def filter_size(kernel):
+    """Width and height of a ConvolutionFilter or SeparableFilter, pixels."""
+    if hasattr(kernel, "row"):
+        return len(kernel.row), len(kernel.column)
+    return len(kernel.rows[0]) if kernel.rows else 0, len(kernel.rows)
+
+
+def transferred_size(width, height, transfer, dimensions=2):
+    """Width and height that an image has after pixel transfer: smaller by a convolution that reduces it."""
+    kernel = convolution(transfer, dimensions)
+    if kernel is None or kernel.border_mode is not ConvolutionBorderMode.REDUCE:
+        return width, height
+    wide, high = filter_size(kernel)
+    return max(width - wide + 1, 0), max(height - high + 1, 0)
+
+
+def has_sink(transfer):
+    """Whether the image ends in a histogram or minmax."""
+    return any(table is not None and table.sink for table in (transfer.histogram, transfer.minmax))
+
+
+def transfer_colors(groups, transfer, profile, statistics, dimensions=2):
+    """RGBA groups through pixel transfer: the groups, or None where a sink took them.
+
+    ``dimensions``: 1 for a one-dimensional texture, 3 for a volume's layer, 2 for all else. ``statistics``:
+    the machine's PixelStatistics, whose tables change.
+    """
+    groups = arithmetic.scaled(groups, transfer.scale, transfer.bias)
+    if transfer.map_color:
+        maps = transfer.maps
+        groups = arithmetic.mapped(
+            groups, [np.array(m, np.float64) for m in (maps.r_to_r, maps.g_to_g, maps.b_to_b, maps.a_to_a)]
+        )
+    return _from_color_table(groups, transfer, profile, statistics, dimensions)
+
+
+def transfer_color_indices(indices, transfer, profile, statistics, dimensions=2):
+    """Colour indices through pixel transfer, which makes them RGBA groups: as ``transfer_colors``."""
+    indices = arithmetic.indexed(indices, transfer.index_shift, transfer.index_offset)
+    maps = transfer.maps
+    tables = (maps.i_to_r, maps.i_to_g, maps.i_to_b, maps.i_to_a)
+    groups = np.stack([arithmetic.table_at(np.array(table, np.float64), indices) for table in tables], -1)
+    return _from_color_table(groups, transfer, profile, statistics, dimensions)
+
+
+def _from_color_table(groups, transfer, profile, statistics, dimensions):
+    """Color Table Lookup and what follows it, up to Minmax."""
+    groups = looked_up(groups, transfer.color_table, profile)
+    if (kernel := convolution(transfer, dimensions)) is not None:
+        groups = _convolved(groups, kernel)
+        groups = arithmetic.scaled(groups, transfer.post_convolution_scale, transfer.post_convolution_bias)
+    groups = looked_up(groups, transfer.post_convolution_color_table, profile)
+    groups = _transformed(groups, transfer.color_matrix)
+    groups = arithmetic.scaled(groups, transfer.post_color_matrix_scale, transfer.post_color_matrix_bias)
+    if profile.clamps_color_matrix:
+        groups = np.clip(groups, 0.0, 1.0)
+    groups = looked_up(groups, transfer.post_color_matrix_color_table, profile)
+    if transfer.histogram is not None:
+        statistics.count(groups, transfer.histogram)
+        if transfer.histogram.sink:
+            return None
+    if transfer.minmax is not None:
+        statistics.compare(groups, transfer.minmax)
+        if transfer.minmax.sink:
+            return None
+    return groups
+
+
+def _transformed(groups, matrix):
+    """Color Matrix Transformation. Rows that are one object, a dot product for all components, are computed
+    once.
+    """
+    if all(row is matrix[0] for row in matrix):
+        return np.repeat(arithmetic.transformed(groups, matrix[:1]), 4, -1)
+    return arithmetic.transformed(groups, matrix)
+
+
+# Entries as they are stored, by the table's identity and their bits: a frame may send thousands of small
+# images through one table. A table is held for as long as it is remembered; all are forgotten when there are
+# so many.
+_stored_tables = {}
+_MOST_TABLES = 64
+
+
+def table_entries(table, profile):
+    """A ColorTable's entries as a machine stores them, float64 [n, 4], not to be written to; exactly on an
+    exact one.
+    """
+    key = id(table), None if profile.exact else table.bits
+    found = _stored_tables.get(key)
+    if found is None:
+        if len(_stored_tables) >= _MOST_TABLES:
+            _stored_tables.clear()
+        found = _stored_tables[key] = table, arithmetic.stored_entries(table.entries, key[1])
+    return found[1]
+
+
+def looked_up(groups, table, profile):
+    """Groups, float64 [..., 4], through Color Table Lookup in a ColorTable; None: as they are."""
+    if table is None:
+        return groups
+    return arithmetic.looked_up(groups, table_entries(table, profile), ENTRY_COMPONENTS[table.base_format])
+
+
+def _convolved(groups, kernel):
+    if not groups.size and kernel.border_mode is not ConvolutionBorderMode.REDUCE:
+        return groups  # no pixel that a border could repeat
+    components = ENTRY_COMPONENTS[kernel.base_format]
+    row = column = weights = None
+    if hasattr(kernel, "row"):
+        row, column = np.array(kernel.row, np.float64), np.array(kernel.column, np.float64)
+    else:
+        weights = np.array(kernel.rows, np.float64)
+    border = int(kernel.border_mode), kernel.border_color
+    return arithmetic.convolved(groups, row, column, weights, components, *border)
+
+
+def transfer_depths(depths, transfer):
+    """Depths in [0, 1] through Arithmetic on Components, clamped to [0, 1] as final conversion does."""
+    return np.clip(arithmetic.scaled(depths, transfer.depth_scale, transfer.depth_bias), 0.0, 1.0)
+
+
+def transfer_stencil(indices, transfer):
+    """Stencil indices, int64, through arithmetic and Stencil Index Lookup; not masked."""
+    indices = arithmetic.indexed(indices, transfer.index_shift, transfer.index_offset)
+    if transfer.map_stencil:
+        indices = arithmetic.table_at(np.array(transfer.maps.s_to_s, np.int64), indices)
+    return indices
+
+
+# ---------------------------------------------------------------------------------- image data and groups
+
+
+def image_groups(image):
+    """What a PixelImage's elements are before pixel transfer: colours float64 [..., h, w, 4], depths float64
+    [..., h, w] or indices int64 [..., h, w], as its format says.
+    """
+    values = image.values
+    if image.format in INDEX_FORMATS:
+        return _one_element(values).astype(np.int64)
+    if values.dtype.kind == "u":
+        values = values / float(np.iinfo(values.dtype).max)  # table 2.6
+    values = values.astype(np.float64)
+    if image.format == DEPTH_FORMAT:
+        return _one_element(values)
+    elements = IMAGE_FORMATS[image.format]
+    if len(elements) == 1:
+        values = _one_element(values)[..., None]
+    groups = np.zeros((*values.shape[:-1], 4))
+    groups[..., 3] = 1.0
+    for k, element in enumerate(elements):
+        groups[..., slice(0, 3) if element == "L" else "RGBA".index(element)] = (
+            values[..., k, None] if element == "L" else values[..., k]
+        )
+    return groups
+
+
+def _one_element(values):
+    """Values of a format with one element, without the axis that only it has."""
+    return values[..., 0] if values.ndim > 2 and values.shape[-1] == 1 else values
+
+
+def transfer_image(image, transfer, profile, statistics, dimensions=2):
+    """A PixelImage of colours or colour indices, [h, w(, c)], through pixel transfer: ``transfer_colors``."""
+    convert = transfer_color_indices if image.format == "COLOR_INDEX" else transfer_colors
+    return convert(image_groups(image), transfer, profile, statistics, dimensions)
+
+
+def packed_colors(groups, pixel_format, pixel_type):
+    """Groups as ReadPixels returns them: Conversion to L and final conversion (section 4.3.2).
+
+    ``pixel_format``: one of ``fixedpipe.pipeline.framebuffers.framebuffer.READ_FORMATS``; ``pixel_type``: of READ_TYPES. Returns
+    uint8, uint16 or float64 [h, w(, c)].
+    """
+    elements = IMAGE_FORMATS[pixel_format]
+    columns = []
+    for element in elements:
+        if element == "L":
+            columns.append(groups[..., 0] + groups[..., 1] + groups[..., 2])
+        else:
+            columns.append(groups[..., "RGBA".index(element)])
+    values = columns[0] if len(columns) == 1 else np.stack(columns, -1)
+    bits = READ_TYPES[pixel_type]
+    if bits is None:
+        return np.clip(values, 0.0, 1.0)
+    return arithmetic.fixed(values, bits).astype(_READ_DTYPES[bits])
+
+
+def changes_nothing(transfer):
+    """Whether the state is the initial one, which changes no pixel and counts none."""
+    return transfer is INITIAL_TRANSFER or transfer == INITIAL_TRANSFER

@@ -1,0 +1,1 @@
+"""Digests of what was drawn, and what drew it."""

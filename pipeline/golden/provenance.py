@@ -1,0 +1,35 @@
+"""What a result was computed with: versions, and the digest of the kernels' sources."""
+
+import platform
+from importlib import metadata
+
+from fixedpipe.raster import kernel
+
+
+def kernels_are_cold():
+    """Whether the kernels have still to be compiled, once, before the first picture."""
+    return kernel.is_cold()
+
+
+def package_version():
+    """The installed distribution's version, or "not installed" where the folders are used as they are."""
+    try:
+        return metadata.version("fixedpipe")
+    except metadata.PackageNotFoundError:
+        return "not installed"
+
+
+def provenance(profile):
+    """What made a picture, as a dict for a JSON file: profile, versions, digest of the kernels' sources.
+
+    ``profile``: None where several machines took part.
+    """
+    return {
+        "profile": profile.name if profile else None,
+        "fixedpipe": package_version(),
+        "kernels": kernel.CACHE_FOLDER.name,
+        "python": platform.python_version(),
+        "numpy": metadata.version("numpy"),
+        "numba": metadata.version("numba"),
+        "architecture": platform.machine(),
+    }

@@ -1,0 +1,170 @@
+"""What DrawPixels, CopyPixels and Bitmap draw on the ideal machine: the machines' pixels, real values,
+nothing rounded but stencil values and numbers of volumes. ``fixedpipe.pipeline.ideal.evaluate`` shades and writes them.
+"""
+
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+
+import numpy as np
+
+from fixedpipe.pipeline.columns.rectangles import (
+    covered_pixels,
+    divided,
+    set_bits,
+    takes_raster_color,
+    volume_levels,
+)
+from fixedpipe.pipeline.commands import Bitmap, CopyPixels, kind_of
+from fixedpipe.pipeline.enums import PixelCopyType, PixelTexGenAlpha, PixelTexGenQ
+from fixedpipe.pipeline.framebuffers.transfer import (
+    image_groups,
+    transfer_colors,
+    transfer_depths,
+    transfer_image,
+    transfer_stencil,
+)
+from fixedpipe.pipeline.profiles import IDEAL
+from fixedpipe.pipeline.vertices.raster_position import raster_vertex
+
+
+@dataclass(frozen=True, eq=False)
+class Rectangle:
+    """Fragments of a rectangle of pixels, no two of one pixel.
+
+    pixel        int64 [k], flat index into a buffer, top row first
+    primary, secondary  float64 [k, 4]
+    distances    float64 [k], fog coordinates
+    depth        float64 [k], in [0, 1]
+    coordinates  float64 [k, units, 4], s, t, r, 1
+    stencil      uint8 [k]: these go to the stencil buffer, and all else has no meaning; or None
+    texel_alpha  float64 [k], or None: replaces the alpha of unit 0's texels
+    volume       int64 [k] and their number, or None: which volume of a four-dimensional texture is read
+    """
+
+    pixel: np.ndarray
+    primary: np.ndarray
+    secondary: np.ndarray
+    distances: np.ndarray
+    depth: np.ndarray
+    coordinates: np.ndarray
+    stencil: np.ndarray | None = None
+    texel_alpha: np.ndarray | None = None
+    volume: tuple[np.ndarray, int] | None = None
+
+    def part(self, chosen):
+        """Some of the fragments."""
+        columns = {
+            name: getattr(self, name)[chosen]
+            for name in ("pixel", "primary", "secondary", "distances", "depth", "coordinates")
+        }
+        return replace(
+            self,
+            **columns,
+            texel_alpha=None if self.texel_alpha is None else self.texel_alpha[chosen],
+            volume=None if self.volume is None else (self.volume[0][chosen], self.volume[1]),
+        )
+
+    def images(self, texture):
+        """(which fragments, the texture that they read): one of its volumes, or all of it."""
+        if self.volume is None:
+            return [(slice(None), texture)]
+        volume, count = self.volume
+        return [
+            (volume == number, replace(texture, **_volume(texture, count, number)))
+            for number in np.unique(volume).tolist()
+        ]
+
+
+def _volume(texture, count, number):
+    return {name: volume_levels(getattr(texture, name), count, number) for name in ("levels", "ideal")}
+
+
+def rectangle(command, buffers, statistics):
+    """The Rectangle of a command, or None where its raster position is not valid or a sink took the image.
+
+    ``buffers``: what is current, as ``fixedpipe.pipeline.ideal.evaluate`` keeps it, in a window of the same size.
+    """
+    state, (height, width) = command.state, buffers.depth.shape
+    window = SimpleNamespace(width=width, height=height)
+    where = raster_vertex(command.position, state, IDEAL, width, height)
+    if where is None:
+        return None
+    if isinstance(command, Bitmap):
+        return _fragments(set_bits(command, where, window), where, width)
+    kind = kind_of(command)
+    groups = _groups(command, kind, buffers, statistics)
+    if groups is None:
+        return None
+    at = covered_pixels(command, where, groups.shape, window)
+    values, found = at.of(groups), _fragments(at, where, width)
+    if kind == PixelCopyType.STENCIL:
+        return replace(found, stencil=values)
+    if kind == PixelCopyType.DEPTH:
+        return replace(found, depth=values)
+    if command.pixel_texture is None:
+        return replace(found, primary=values)
+    return _textured(command.pixel_texture, values, found)
+
+
+def _groups(command, kind, buffers, statistics):
+    """Groups after pixel transfer: colours float64 [h, w, 4], depths float64 or stencil uint8 [h, w]."""
+    copied = isinstance(command, CopyPixels)
+    if copied:
+        source = buffers.buffer(command.read_buffer)
+        plane = {
+            PixelCopyType.COLOR: source.color,
+            PixelCopyType.DEPTH: source.depth,
+            PixelCopyType.STENCIL: source.stencil,
+        }[kind]
+        groups = source.rows(plane, *source.box_of(command)).copy()
+    if kind == PixelCopyType.COLOR:
+        if copied:
+            return transfer_colors(groups, command.transfer, IDEAL, statistics)
+        return transfer_image(command.image, command.transfer, IDEAL, statistics)
+    if not copied:
+        groups = image_groups(command.image)
+    if kind == PixelCopyType.DEPTH:
+        return transfer_depths(groups, command.transfer)
+    return (transfer_stencil(groups.astype(np.int64), command.transfer) & 0xFF).astype(np.uint8)
+
+
+def _fragments(at, where, width):
+    """A Rectangle whose values are all the raster position's."""
+    count, units = len(at.x), len(where.coordinates)
+    return Rectangle(
+        at.y * width + at.x,
+        np.broadcast_to(where.colors[:4], (count, 4)),
+        np.broadcast_to(where.colors[4:], (count, 4)),
+        np.full(count, where.fog),
+        np.full(count, min(max(where.z, 0.0), 1.0)),
+        np.broadcast_to(divided(where.coordinates), (count, units, 4)),
+    )
+
+
+def _textured(texture, groups, found):
+    """The same with colour groups as texture coordinates."""
+    rgb, alpha = takes_raster_color(texture)
+    primary = np.where(np.array([rgb, rgb, rgb, alpha]), found.primary, groups)
+    q = groups[:, 3]
+    strq, volume = groups.copy(), None
+    if texture.volumes is None:
+        strq[:, :3] /= np.where(q > 0, q, 1.0)[:, None]
+    else:
+        volume = _chosen(q * texture.volumes, texture), texture.volumes
+    strq[:, 3] = 1.0
+    texel_alpha = None
+    if texture.alpha_replace:
+        least = texture.alpha == PixelTexGenAlpha.LS
+        texel_alpha = np.floor(q * 4095 + 0.5) % 256 / 255 if least else q
+    coordinates = np.broadcast_to(strq[:, None], found.coordinates.shape)
+    return replace(found, primary=primary, coordinates=coordinates, texel_alpha=texel_alpha, volume=volume)
+
+
+def _chosen(q, texture):
+    """The volume that q, times their number, chooses, int64 [k]."""
+    index = {
+        PixelTexGenQ.ROUND: np.floor(q),
+        PixelTexGenQ.FLOOR: np.floor(q - 0.5),
+        PixelTexGenQ.CEILING: np.ceil(q - 0.5),
+    }[texture.q_filter]
+    return np.clip(index, 0, texture.volumes - 1).astype(np.int64)

@@ -1,0 +1,1 @@
+"""The driver of the two compiled engines: state to rows, queue, threads."""

@@ -1,0 +1,82 @@
+"""A program in any of the notations that nvparse took, as texture shader stages and register combiners.
+
+The header says which: ``!!TS1.0``, ``!!RC1.0``, both one after the other (as the Cg compiler's profile fp20
+writes them), or ``ps.1.0`` to ``ps.1.3``.
+"""
+
+import re
+from dataclasses import dataclass
+
+from fixedpipe.pipeline.enums import TextureTarget
+from fixedpipe.pipeline.notations import pixel_shader_translation, register_combiners, texture_shaders
+from fixedpipe.pipeline.notations.pixel_shader_translation import ConstantPlace
+from fixedpipe.pipeline.notations.tokens import ProgramTextError
+from fixedpipe.pipeline.programs.texture_shader_rules import texture_target
+from fixedpipe.pipeline.state import RegisterCombiners, TextureShaderStage
+
+# What may precede a header: white space, and the comments of either notation.
+_SKIPPED = re.compile(r"(?: \s+ | //[^\n]* | /\*.*?\*/ | \#[^\n]* | ;[^\n]* )*", re.VERBOSE | re.DOTALL)
+_HEADER = re.compile(r"!!(?:TS|RC)1\.0|[a-z]{2,3}[._][0-9]+[._][0-9x]+", re.IGNORECASE)
+_SECOND_HEADER = re.compile(r"^[ \t]*!!(?:TS|RC)1\.0", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Program:
+    """``notations``: the headers, in order. ``texture_shader`` is None where the text says nothing of it:
+    each unit then samples what is bound to it. ``combiners`` is None where it has texture shaders alone.
+    ``targets``: of the texture that each unit's stage reads, None where it reads none. ``constants``: where a
+    pixel shader's constant registers went. ``notes``: sentences on what a stricter reader would refuse.
+    """
+
+    notations: tuple[str, ...]
+    texture_shader: tuple[TextureShaderStage, ...] | None
+    combiners: RegisterCombiners | None
+    targets: tuple[TextureTarget | None, ...] = ()
+    constants: tuple[ConstantPlace, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+def _place(text, at):
+    line_start = text.rfind("\n", 0, at) + 1
+    return text.count("\n", 0, at) + 1, at - line_start + 1
+
+
+def parse_program(text, targets=None, constants=None):
+    """The Program that a text holds.
+
+    ``targets`` {unit: TextureTarget} and ``constants`` {number: color}: what a pixel shader leaves to whoever
+    binds textures and sets constants. Raises ProgramTextError with line and column, both from 1.
+    """
+    at = _SKIPPED.match(text).end()
+    header = _HEADER.match(text, at)
+    if header is None:
+        found = text[at : at + 20].split("\n")[0].strip()
+        raise ProgramTextError(
+            f"{f'found {found!r}' if found else 'the text ends'} where the header belongs; begin the "
+            "program with !!RC1.0, !!TS1.0 or ps.1.1.",
+            *_place(text, at),
+        )
+    if not header.group().startswith("!!"):
+        # Comments of the other notations, before the version, are none of this one's.
+        shader = pixel_shader_translation.parse(text[at:], targets, constants, start=_place(text, at))
+        header = f"ps.{shader.version}"
+        given = shader.texture_shader, shader.combiners, shader.constants, shader.notes
+        return _program((header,), *given)
+    second = _SECOND_HEADER.search(text, header.end())
+    parts = [text[at:]] if second is None else [text[at : second.start()], text[second.start() :]]
+    starts = [_place(text, at)] if second is None else [_place(text, at), _place(text, second.start())]
+    found = {}
+    for part, start in zip(parts, starts, strict=True):
+        name = part.strip()[:7].upper()
+        if name in found:
+            raise ProgramTextError(
+                f"a second {name}; a program has one of each notation. Split the text.", *start
+            )
+        module = register_combiners if name == "!!RC1.0" else texture_shaders
+        found[name] = module.parse(part, start)
+    return _program(tuple(found), found.get("!!TS1.0"), found.get("!!RC1.0"))
+
+
+def _program(notations, stages, combiners, constants=(), notes=()):
+    targets = tuple(texture_target(stage.operation) for stage in stages or ())
+    return Program(notations, stages, combiners, targets, constants, notes)

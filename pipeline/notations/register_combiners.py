@@ -1,0 +1,720 @@
+"""Register combiners as text, in the ``!!RC1.0`` notation that NVIDIA's nvparse made customary.
+
+    !!RC1.0
+    const0 = (0.5, 0.5, 0.5, 1);
+    {
+      rgb {
+        spare0 = expand(tex0) . expand(col0);
+        scale_by_two();
+      }
+    }
+    out.rgb = lerp(fog.a, spare0, fog);
+    out.a = tex0;
+
+A program is: the header; at most one ``const0`` and one ``const1``; general combiners in braces; the final
+combiner. A general combiner holds its own constants (NV_register_combiners2), then an ``rgb`` portion, an
+``alpha`` portion, or both in either order. A portion holds one product or two (``*``, or ``.`` for a dot
+product, or a single register, times one), then ``sum()`` or ``mux()`` if there are two, then one scale or
+bias. The final combiner holds ``final_product`` and ``clamp_color_sum()`` in either order, then ``out.rgb``
+and ``out.a`` in either order, at least one of them. Comments run from ``//`` or ``#`` to the end of the line,
+or between ``/*`` and ``*/``.
+
+What a program leaves out is zero: a missing portion discards its outputs, a missing second product reads
+zeros, a missing sum is discarded, a missing ``out.rgb`` or ``out.a`` is zero, a missing ``clamp_color_sum()``
+leaves the sum unclamped, and a program without a general combiner has one that does nothing. A register alone
+is SIGNED_IDENTITY in a general combiner and UNSIGNED_IDENTITY in the final one, and takes the components of
+its portion unless ``.rgb``, ``.a`` or ``.b`` says otherwise. ``one`` is ZERO through UNSIGNED_INVERT, and
+minus one is ZERO through EXPAND_NORMAL.
+
+Beyond nvparse: ``sum()`` and ``mux()`` may follow dot products, as NV_register_combiners allows since version
+1.6; ``one`` may carry a component; white space and comments may precede the header; a constant that is not
+given is (0, 0, 0, 0), not what an earlier program left behind. Narrower than nvparse: an output may only
+carry the component that its portion writes, where nvparse ignores any other.
+
+Source: the grammar, tokens and validation of nvparse's rc1.0 parser, as distributed with OGRE 3D.
+"""
+
+import re
+from decimal import Decimal
+from itertools import pairwise
+from math import isfinite
+from typing import NamedTuple
+
+from fixedpipe.pipeline.enums import CombinerBias, CombinerScale, ComponentUsage, Mapping, Register
+from fixedpipe.pipeline.notations.tokens import ProgramTextError, Reader, scan
+from fixedpipe.pipeline.programs.combiner_rules import combiner_problems
+from fixedpipe.pipeline.state import (
+    AlphaPortion,
+    CombinerInput,
+    FinalCombiner,
+    GeneralCombiner,
+    RegisterCombiners,
+    RGBPortion,
+)
+
+# Source: nvparse's rc1.0_register.h.
+MAX_GENERAL_COMBINERS = 8
+
+REGISTER_NAMES = {
+    Register.ZERO: "zero",
+    Register.CONSTANT_COLOR0: "const0",
+    Register.CONSTANT_COLOR1: "const1",
+    Register.FOG: "fog",
+    Register.PRIMARY_COLOR: "col0",
+    Register.SECONDARY_COLOR: "col1",
+    Register.SPARE0: "spare0",
+    Register.SPARE1: "spare1",
+    Register.TEXTURE0: "tex0",
+    Register.TEXTURE1: "tex1",
+    Register.TEXTURE2: "tex2",
+    Register.TEXTURE3: "tex3",
+    Register.E_TIMES_F: "final_product",
+    Register.SPARE0_PLUS_SECONDARY_COLOR: "color_sum",
+    Register.DISCARD: "discard",
+}
+_REGISTERS = {name: register for register, name in REGISTER_NAMES.items()}
+_WITHOUT_COMPONENTS = ("final_product", "color_sum", "discard")
+_NAMES_LIST = ", ".join(name for name in _REGISTERS if name not in _WITHOUT_COMPONENTS) + " and one"
+
+USAGE_SUFFIXES = {ComponentUsage.RGB: ".rgb", ComponentUsage.ALPHA: ".a", ComponentUsage.BLUE: ".b"}
+_USAGES = {suffix[1:]: usage for usage, suffix in USAGE_SUFFIXES.items()}
+
+# (sign, function) of each mapping in a general combiner.
+_MAPPING_WORDS = {
+    Mapping.UNSIGNED_IDENTITY: ("", "unsigned"),
+    Mapping.UNSIGNED_INVERT: ("", "unsigned_invert"),
+    Mapping.EXPAND_NORMAL: ("", "expand"),
+    Mapping.EXPAND_NEGATE: ("-", "expand"),
+    Mapping.HALF_BIAS_NORMAL: ("", "half_bias"),
+    Mapping.HALF_BIAS_NEGATE: ("-", "half_bias"),
+    Mapping.SIGNED_IDENTITY: ("", ""),
+    Mapping.SIGNED_NEGATE: ("-", ""),
+}
+_MAPPINGS = {words: mapping for mapping, words in _MAPPING_WORDS.items()}
+_FUNCTIONS = ("expand", "half_bias", "unsigned", "unsigned_invert")
+
+# The mapping of ZERO that stands for a mapping of ``one``.  Source: nvparse's rc1.0_register.h.
+_MAPPINGS_OF_ONE = {
+    Mapping.UNSIGNED_IDENTITY: Mapping.UNSIGNED_INVERT,
+    Mapping.UNSIGNED_INVERT: Mapping.UNSIGNED_IDENTITY,
+    Mapping.EXPAND_NORMAL: Mapping.UNSIGNED_INVERT,
+    Mapping.EXPAND_NEGATE: Mapping.EXPAND_NORMAL,
+    Mapping.HALF_BIAS_NORMAL: Mapping.HALF_BIAS_NEGATE,
+    Mapping.HALF_BIAS_NEGATE: Mapping.HALF_BIAS_NORMAL,
+    Mapping.SIGNED_IDENTITY: Mapping.UNSIGNED_INVERT,
+    Mapping.SIGNED_NEGATE: Mapping.EXPAND_NORMAL,
+}
+
+_SCALES = {
+    "bias_by_negative_one_half_scale_by_two": (
+        CombinerScale.SCALE_BY_TWO,
+        CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF,
+    ),
+    "bias_by_negative_one_half": (CombinerScale.NONE, CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF),
+    "scale_by_one_half": (CombinerScale.SCALE_BY_ONE_HALF, CombinerBias.NONE),
+    "scale_by_two": (CombinerScale.SCALE_BY_TWO, CombinerBias.NONE),
+    "scale_by_four": (CombinerScale.SCALE_BY_FOUR, CombinerBias.NONE),
+}
+_SCALE_WORDS = {scale: word for word, scale in _SCALES.items()}
+
+_ZERO = {usage: CombinerInput(Register.ZERO, usage=usage) for usage in ComponentUsage}
+_ONE = {usage: CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, usage) for usage in ComponentUsage}
+_BLACK = (0.0, 0.0, 0.0, 0.0)
+
+
+def _unused(kind, usage):
+    zero = _ZERO[usage]
+    return kind(a=zero, b=zero, c=zero, d=zero, sum_output=Register.DISCARD)
+
+
+UNUSED_RGB = _unused(RGBPortion, ComponentUsage.RGB)
+UNUSED_ALPHA = _unused(AlphaPortion, ComponentUsage.ALPHA)
+UNUSED_STAGE = GeneralCombiner(rgb=UNUSED_RGB, alpha=UNUSED_ALPHA)
+
+
+class CombinerTextError(ProgramTextError):
+    """A text that is no ``!!RC1.0`` program; ``line`` and ``column`` (from 1) say where."""
+
+
+# ------------------------------------------------------------------------------------------- tokens
+
+_TOKEN = re.compile(
+    r"""(?P<space> \s+ | //[^\n]* | \#[^\n]* | /\*.*?\*/ )
+      | (?P<header> !![A-Za-z]*[0-9.]* )
+      | (?P<number> [+-]?(?:[0-9]+\.[0-9]*|\.[0-9]+|[0-9]+) )
+      | (?P<name> [A-Za-z_][A-Za-z0-9_]*(?:\.(?:rgb|a|b)(?![A-Za-z0-9_]))? )
+      | (?P<mark> [{}();,.*+=-] )""",
+    re.VERBOSE | re.DOTALL,
+)
+
+
+def _tokens(text, start):
+    tokens = scan(text, _TOKEN, CombinerTextError, start)
+    for token, following in pairwise(tokens):
+        touching = (token.line, token.column + len(token.text)) == (following.line, following.column)
+        if token.kind == "number" and following.kind == "name" and touching:
+            raise token.error(
+                f"found a letter after the number {token.text}; numbers are written without an exponent, "
+                "0.001 for instance."
+            )
+    return tokens
+
+
+# ------------------------------------------------------------------------------------------- parser
+
+
+class _Term(NamedTuple):
+    """One product of a portion: where it goes, its two inputs, and whether it is a dot product."""
+
+    output: Register
+    inputs: tuple[CombinerInput, CombinerInput]
+    dot: bool
+
+
+class _Parser(Reader):
+    def __init__(self, text, start):
+        super().__init__(_tokens(text, start))
+        self.positions = {}  # where each field of the result was written, by the paths of combiner_problems
+
+    def follows(self, *texts):
+        return self.next.kind != "end" and self.next.text in texts
+
+    def expect(self, mark, after):
+        if not self.follows(mark):
+            raise self.next.error(f"{self.next.found} where {mark!r} belongs, {after}; write {mark!r} there.")
+        return self.take()
+
+    # -------------------------------------------------------------------------------- whole program
+
+    def program(self):
+        self.header()
+        constants = self.constants()
+        stages = []
+        while self.follows("{"):
+            if len(stages) == MAX_GENERAL_COMBINERS:
+                raise self.next.error(
+                    f"a general combiner after {MAX_GENERAL_COMBINERS}; no machine has more. Split the "
+                    "program into passes."
+                )
+            stages.append(self.stage(len(stages)))
+        final, clamp = self.final()
+        combiners = RegisterCombiners(
+            general=tuple(stages) or (UNUSED_STAGE,),
+            final=final,
+            constant_color0=constants.get("const0", _BLACK),
+            constant_color1=constants.get("const1", _BLACK),
+            color_sum_clamp=clamp,
+        )
+        for path, sentence in combiner_problems(combiners):
+            raise self.positions[path].error(sentence)
+        return combiners
+
+    def header(self):
+        token = self.take()
+        if token.text != "!!RC1.0":
+            raise token.error(f"{token.found} where the header belongs; begin the program with !!RC1.0.")
+
+    def constants(self):
+        """Any ``const0 = (r, g, b, a);`` that stand here, by name."""
+        given = {}
+        while self.follows("const0", "const1"):
+            name = self.take()
+            if name.text in given:
+                raise name.error(f"{name.text} is set twice; keep one of the two.")
+            self.expect("=", f"after {name.text}")
+            self.expect("(", "before the four components of a color")
+            values = [self.number()]
+            for _ in range(3):
+                self.expect(",", "between the four components of a color")
+                values.append(self.number())
+            self.expect(")", "after the four components of a color")
+            self.end_statement()
+            given[name.text] = tuple(values)
+        return given
+
+    def number(self):
+        token = self.take()
+        if token.kind != "number":
+            raise token.error(
+                f"{token.found} where a number belongs; a color is four of them, (1, 0.5, 0, 1)."
+            )
+        return float(token.text)
+
+    def end_statement(self):
+        if self.follows("."):
+            raise self.next.error(
+                "found '.' here; components are written .rgb, .a or .b, and dot products belong to rgb "
+                "portions. Write one of these, or end the statement with ';'."
+            )
+        self.expect(";", "at the end of a statement")
+
+    def call(self):
+        """``();`` after the name of an operation."""
+        name = self.take()
+        self.expect("(", f"after {name.text}")
+        self.expect(")", f"after {name.text}(")
+        self.end_statement()
+
+    # ----------------------------------------------------------------------------- general combiner
+
+    def stage(self, number):
+        opening = self.take()
+        constants = self.constants()
+        portions = {}
+        while self.follows("rgb", "alpha"):
+            name = self.take()
+            if name.text in portions:
+                raise name.error(
+                    f"general combiner {number} has a second {name.text} portion; it has one of each. Move "
+                    "this one to a general combiner of its own."
+                )
+            portions[name.text] = self.portion(number, name.text)
+        if not self.follows("}"):
+            raise self.next.error(
+                f"{self.next.found} in general combiner {number}; it holds const0 and const1, then rgb "
+                f"{{ ... }} and alpha {{ ... }}. Put statements into a portion, and end it with '}}'."
+            )
+        self.take()
+        if not portions:
+            raise opening.error(
+                f"general combiner {number} has no portion; give it rgb {{ ... }} or alpha {{ ... }}, or "
+                "remove it."
+            )
+        return GeneralCombiner(
+            rgb=portions.get("rgb", UNUSED_RGB),
+            alpha=portions.get("alpha", UNUSED_ALPHA),
+            constant_color0=constants.get("const0"),
+            constant_color1=constants.get("const1"),
+        )
+
+    def portion(self, number, name):
+        path = ("general", number, name)
+        usage = ComponentUsage.RGB if name == "rgb" else ComponentUsage.ALPHA
+        self.expect("{", f"after {name}")
+        terms, sum_output, mux = [], Register.DISCARD, False
+        while not self.follows("}", *_SCALES):
+            output = self.output(usage)
+            self.expect("=", f"after {output.text}")
+            if self.follows("sum", "mux"):
+                if len(terms) != 2:
+                    raise self.next.error(
+                        f"{self.next.text}() after {len(terms)} of the two products that it takes; write "
+                        "two products before it, into discard if only their sum is wanted."
+                    )
+                mux = self.next.text == "mux"
+                self.call()
+                sum_output = self.register_of(output)
+                self.positions[(*path, "sum_output")] = output
+                break
+            if len(terms) == 2:
+                raise output.error(
+                    "a third product in one portion; a general combiner computes two, and their sum() or "
+                    "mux(). Move it to the next general combiner."
+                )
+            terms.append(self.term(output, path, "abcd"[2 * len(terms) :], usage))
+        if not terms:
+            raise self.next.error(
+                f"{self.next.found} where the {name} portion's first product belongs; write one, spare0 = "
+                "tex0 * col0; for instance."
+            )
+        scale, bias = CombinerScale.NONE, CombinerBias.NONE
+        if self.follows(*_SCALES):
+            scale, bias = _SCALES[self.next.text]
+            self.call()
+        if not self.follows("}"):
+            raise self.next.error(
+                f"{self.next.found} where the {name} portion ends; sum() or mux() and then one scale or "
+                "bias come last. Put them in this order, and end with '}'."
+            )
+        self.take()
+        return self.build_portion(name, usage, terms, (sum_output, mux), (scale, bias))
+
+    @staticmethod
+    def build_portion(name, usage, terms, sums, scaling):
+        if len(terms) == 1:
+            terms = [*terms, _Term(Register.DISCARD, (_ZERO[usage], _ZERO[usage]), False)]
+        (ab_output, (a, b), ab_dot), (cd_output, (c, d), cd_dot) = terms
+        dots = {"ab_dot_product": ab_dot, "cd_dot_product": cd_dot} if name == "rgb" else {}
+        kind = RGBPortion if name == "rgb" else AlphaPortion
+        return kind(
+            a=a,
+            b=b,
+            c=c,
+            d=d,
+            ab_output=ab_output,
+            cd_output=cd_output,
+            sum_output=sums[0],
+            mux_sum=sums[1],
+            scale=scaling[0],
+            bias=scaling[1],
+            **dots,
+        )
+
+    def output(self, usage):
+        """The register before ``=``, whose component, if it carries one, is the portion's."""
+        token = self.register_token("the register that a statement writes")
+        register, _, component = token.text.partition(".")
+        if register == "one":
+            raise token.error("one is read only; write a color, texture or spare register, or discard.")
+        if component and _USAGES[component] is not usage:
+            portion, suffix = ("rgb", ".rgb") if usage is ComponentUsage.RGB else ("alpha", ".a")
+            raise token.error(
+                f"{token.text} as the output of the {portion} portion, which writes {suffix} only; write "
+                f"{register}, or move the statement to the other portion."
+            )
+        return token
+
+    def term(self, output, path, variables, usage):
+        first = self.general_input((*path, variables[0]), usage)
+        second, dot = _ONE[usage], False
+        if self.follows("*", "."):
+            operator = self.take()
+            dot = operator.text == "."
+            if dot and usage is ComponentUsage.ALPHA:
+                raise operator.error(
+                    "a dot product in an alpha portion, which has products only; compute it in the rgb "
+                    "portion and take its .b here in the next general combiner."
+                )
+            second = self.general_input((*path, variables[1]), usage)
+        if not self.follows(";"):
+            raise self.next.error(
+                f"{self.next.found} after a product; a product is a, a * b or a . b, and two products make "
+                "a sum(). End this one with ';'."
+            )
+        self.take()
+        self.positions[(*path, "ab_output" if variables[0] == "a" else "cd_output")] = output
+        return _Term(self.register_of(output), (first, second), dot)
+
+    # ----------------------------------------------------------------------------- registers, inputs
+
+    def register_token(self, what):
+        before = self.tokens[self.at - 1]
+        token = self.take()
+        name, _, component = token.text.partition(".")
+        if token.kind != "name" or (name not in _REGISTERS and name != "one"):
+            glued = before.text == "." and before.line == token.line and before.column == token.column - 1
+            hint = " (a component is written .rgb, .a or .b)" if glued else ""
+            raise token.error(f"{token.found} where {what} belongs{hint}; the registers are {_NAMES_LIST}.")
+        if component and name in _WITHOUT_COMPONENTS:
+            raise token.error(
+                f"{token.text} has a component, but {name} has none to choose from; write {name}."
+            )
+        return token
+
+    @staticmethod
+    def register_of(token):
+        return _REGISTERS[token.text.partition(".")[0]]
+
+    def input_of(self, path, token, mapping, usage):
+        name, _, component = token.text.partition(".")
+        self.positions[path] = token
+        chosen = _USAGES[component] if component else usage
+        if name == "one":
+            return CombinerInput(Register.ZERO, _MAPPINGS_OF_ONE[mapping], chosen)
+        return CombinerInput(_REGISTERS[name], mapping, chosen)
+
+    def function(self):
+        """``name(register)`` if one of the mappings follows, as (its name's token, the register's token)."""
+        name = self.take()
+        self.expect("(", f"after {name.text}")
+        register = self.register_token(f"the register that {name.text} maps")
+        self.expect(")", f"after {name.text}({register.text}")
+        return name, register
+
+    def general_input(self, path, usage):
+        minus = self.take() if self.follows("-") else None
+        sign = "-" if minus else ""
+        if self.follows(*_FUNCTIONS):
+            name, register = self.function()
+            if minus and (sign, name.text) not in _MAPPINGS:
+                raise minus.error(
+                    f"a minus before {name.text}(); only a register, expand() and half_bias() can be "
+                    "negated. Negate the other factor instead."
+                )
+            return self.input_of(path, register, _MAPPINGS[sign, name.text], usage)
+        register = self.register_token(
+            "a register, or expand(), half_bias(), unsigned() or unsigned_invert() of one,"
+        )
+        return self.input_of(path, register, _MAPPINGS[sign, ""], usage)
+
+    def final_input(self, variable, usage=ComponentUsage.RGB):
+        path = ("final", variable)
+        if self.follows("-", "expand", "half_bias"):
+            raise self.next.error(
+                f"{self.next.found} in the final combiner, which takes a register, unsigned() or "
+                "unsigned_invert() of one; compute it in a general combiner."
+            )
+        if self.follows(*_FUNCTIONS):
+            name, register = self.function()
+            return self.input_of(path, register, _MAPPINGS["", name.text], usage)
+        register = self.register_token("a register, or unsigned() or unsigned_invert() of one,")
+        return self.input_of(path, register, Mapping.UNSIGNED_IDENTITY, usage)
+
+    # ------------------------------------------------------------------------------- final combiner
+
+    _FINAL_STATEMENTS = ("final_product", "clamp_color_sum", "out.rgb", "out.a")
+
+    def final(self):
+        """The final combiner, and whether the color sum is clamped."""
+        given = {}
+        while self.next.kind != "end":
+            token = self.next
+            if token.text not in self._FINAL_STATEMENTS:
+                raise token.error(self.misplaced(token))
+            if token.text in given:
+                raise token.error(f"{token.text} is set twice; keep one of the two.")
+            if token.text in ("final_product", "clamp_color_sum") and (
+                "out.rgb" in given or "out.a" in given
+            ):
+                raise token.error(
+                    f"{token.text} after an output; it comes before out.rgb and out.a. Move it there."
+                )
+            given[token.text] = self.final_statement(token.text)
+        if "out.rgb" not in given and "out.a" not in given:
+            raise self.next.error(
+                "the text ends without out.rgb or out.a; say what the final combiner gives."
+            )
+        zero = _ZERO[ComponentUsage.RGB]
+        a, b, c, d = self.without_color_sum_in_a(given.get("out.rgb", (zero, zero, zero, zero)))
+        e, f = given.get("final_product", (zero, zero))
+        if "final_product" not in given:
+            for variable, value in zip("abcd", (a, b, c, d), strict=True):
+                if value.register is Register.E_TIMES_F:
+                    raise self.positions["final", variable].error(
+                        "final_product is read but not set; write final_product = a * b; before the outputs."
+                    )
+        g = given.get("out.a", _ZERO[ComponentUsage.ALPHA])
+        return FinalCombiner(a, b, c, d, e, f, g), "clamp_color_sum" in given
+
+    @staticmethod
+    def misplaced(token):
+        if token.text == "{":
+            return (
+                "a general combiner after the final combiner's statements; it comes before them. Move it up."
+            )
+        if token.text in ("const0", "const1"):
+            return (
+                f"{token.text} is set after a general combiner; constants come right after the header, or "
+                "first inside a general combiner. Move it there."
+            )
+        return (
+            f"{token.found} where a statement of the final combiner belongs; it has final_product, "
+            "clamp_color_sum(), out.rgb and out.a. Put anything else into a general combiner, { rgb { ... "
+            "} }."
+        )
+
+    def final_statement(self, name):
+        if name == "clamp_color_sum":
+            self.call()
+            return True
+        self.take()
+        self.expect("=", f"after {name}")
+        if name == "out.a":
+            value = self.final_input("g", ComponentUsage.ALPHA)
+        elif name == "out.rgb":
+            value = self.out_rgb()
+        else:
+            e = self.final_input("e")
+            self.expect("*", "between the two factors of final_product")
+            value = e, self.final_input("f")
+        self.end_statement()
+        return value
+
+    def lerp(self):
+        self.take()
+        self.expect("(", "after lerp")
+        a = self.final_input("a")
+        self.expect(",", "between the three arguments of lerp")
+        b = self.final_input("b")
+        self.expect(",", "between the three arguments of lerp")
+        c = self.final_input("c")
+        self.expect(")", "after the three arguments of lerp")
+        return a, b, c
+
+    def out_rgb(self):
+        """Variables A, B, C, D of one of: a, a * b, a + d, a * b + d, lerp(a, b, c), with + d, d + lerp."""
+        zero, one = _ZERO[ComponentUsage.RGB], _ONE[ComponentUsage.RGB]
+        if self.follows("lerp"):
+            a, b, c = self.lerp()
+            return a, b, c, self.addend("d") if self.follows("+") else zero
+        first = self.final_input("a")
+        if self.follows("*"):
+            self.take()
+            b = self.final_input("b")
+            return first, b, zero, self.addend("d") if self.follows("+") else zero
+        if not self.follows("+"):
+            self.positions["final", "d"] = self.positions["final", "a"]
+            return zero, zero, zero, first
+        self.take()
+        if self.follows("lerp"):
+            at = self.positions["final", "a"]
+            a, b, c = self.lerp()
+            self.positions["final", "d"] = at
+            return a, b, c, first
+        return first, one, zero, self.final_input("d")
+
+    def addend(self, variable):
+        self.take()
+        return self.final_input(variable)
+
+    def without_color_sum_in_a(self, inputs):
+        """A and B exchanged where A reads color_sum, which only B, C and D may read, and C is zero.
+
+        Source: nvparse's rc1.0_final.cpp.
+        """
+        a, b, c, d = inputs
+        color_sum = Register.SPARE0_PLUS_SECONDARY_COLOR
+        c_is_zero = (c.register, c.mapping) == (Register.ZERO, Mapping.UNSIGNED_IDENTITY)
+        if a.register is not color_sum or b.register is color_sum or not c_is_zero:
+            return inputs
+        at_a, at_b = (self.positions.pop(("final", variable), None) for variable in "ab")
+        self.positions["final", "b"], self.positions["final", "a"] = at_a, at_b
+        return b, a, c, d
+
+
+def parse(text, start=(1, 1)):
+    """The register combiners that an ``!!RC1.0`` program describes.
+
+    ``start``: the line and column at which errors take the text to begin.
+
+    Raises CombinerTextError with line and column, both from 1, where the text is no program, and where it
+    describes what NV_register_combiners forbids. How many general combiners, texture units or constants a
+    machine has is checked by ``fixedpipe.pipeline.validation``.
+    """
+    return _Parser(text, start).program()
+
+
+# ---------------------------------------------------------------------------------------- formatting
+
+
+def format_input(given, usage, plain):
+    """A combiner variable as text: ``usage`` is its portion's, ``plain`` the mapping that needs no word."""
+    suffix = "" if given.usage is usage else USAGE_SUFFIXES[given.usage]
+    name = REGISTER_NAMES[given.register] + suffix
+    if given.mapping is plain:
+        return name
+    sign, function = _MAPPING_WORDS[given.mapping]
+    return f"{sign}{function}({name})" if function else sign + name
+
+
+def _format_color(name, color):
+    if not all(isfinite(component) for component in color):
+        raise ValueError(f"{name} is {color}; a program holds finite numbers. Give four of them.")
+    # Decimal writes the shortest digits that read back as the same float, and never an exponent.
+    return f"{name} = ({', '.join(format(Decimal(repr(float(c))), 'f').removesuffix('.0') for c in color)});"
+
+
+def _format_portion(name, portion, unused):
+    if portion == unused:
+        return []
+    usage = unused.a.usage
+    lines = []
+
+    def product(output, first, second, dot):
+        left = format_input(first, usage, Mapping.SIGNED_IDENTITY)
+        right = format_input(second, usage, Mapping.SIGNED_IDENTITY)
+        value = left if second == _ONE[usage] and not dot else f"{left} {'.' if dot else '*'} {right}"
+        lines.append(f"{REGISTER_NAMES[output]} = {value};")
+
+    ab_dot, cd_dot = (portion.ab_dot_product, portion.cd_dot_product) if name == "rgb" else (False, False)
+    product(portion.ab_output, portion.a, portion.b, ab_dot)
+    summed = portion.sum_output is not Register.DISCARD or portion.mux_sum
+    if (
+        summed
+        or cd_dot
+        or (portion.c, portion.d, portion.cd_output) != (unused.c, unused.d, Register.DISCARD)
+    ):
+        product(portion.cd_output, portion.c, portion.d, cd_dot)
+    if summed:
+        lines.append(f"{REGISTER_NAMES[portion.sum_output]} = {'mux' if portion.mux_sum else 'sum'}();")
+    if (portion.scale, portion.bias) != (CombinerScale.NONE, CombinerBias.NONE):
+        lines.append(f"{_SCALE_WORDS[portion.scale, portion.bias]}();")
+    return [f"  {name} {{", *(f"    {line}" for line in lines), "  }"]
+
+
+def _format_stage(stage):
+    lines = ["{"]
+    for name, color in (("const0", stage.constant_color0), ("const1", stage.constant_color1)):
+        if color is not None:
+            lines.append("  " + _format_color(name, color))
+    # Every general combiner has a portion; one that does nothing shows its zeros.
+    portions = _format_portion("rgb", stage.rgb, UNUSED_RGB) + _format_portion(
+        "alpha", stage.alpha, UNUSED_ALPHA
+    )
+    return [*lines, *(portions or ["  rgb {", "    discard = unsigned(zero) * unsigned(zero);", "  }"]), "}"]
+
+
+def _format_out_rgb(final):
+    zero, one = _ZERO[ComponentUsage.RGB], _ONE[ComponentUsage.RGB]
+    a, b, c, d = (
+        format_input(i, ComponentUsage.RGB, Mapping.UNSIGNED_IDENTITY)
+        for i in (final.a, final.b, final.c, final.d)
+    )
+    if final.a == final.b == final.c == zero:
+        return d
+    plus_d = "" if final.d == zero else f" + {d}"
+    if final.c != zero:
+        return f"lerp({a}, {b}, {c}){plus_d}"
+    if plus_d and final.b == one:
+        return f"{a}{plus_d}"
+    return f"{a} * {b}{plus_d}"
+
+
+def _format_final(final, clamp):
+    zero, lines = _ZERO[ComponentUsage.RGB], []
+    rgb = (final.a, final.b, final.c, final.d)
+    product_is_read = any(given.register is Register.E_TIMES_F for given in rgb)
+    if product_is_read or (final.e, final.f) != (zero, zero):
+        e, f = (format_input(i, ComponentUsage.RGB, Mapping.UNSIGNED_IDENTITY) for i in (final.e, final.f))
+        lines.append(f"final_product = {e} * {f};")
+    if clamp:
+        lines.append("clamp_color_sum();")
+    black = rgb == (zero, zero, zero, zero)
+    transparent = final.g == _ZERO[ComponentUsage.ALPHA]
+    if not black or transparent:
+        lines.append(f"out.rgb = {_format_out_rgb(final)};")
+    if not transparent:
+        lines.append(f"out.a = {format_input(final.g, ComponentUsage.ALPHA, Mapping.UNSIGNED_IDENTITY)};")
+    return lines
+
+
+def _without_a_word(combiners):
+    """What of the combiners is a machine's own, beyond NV_register_combiners, or None."""
+    initial = RegisterCombiners()
+    for name in ("mux_select", "invert_spare0", "invert_secondary_color"):
+        if getattr(combiners, name) != getattr(initial, name):
+            return name
+    for stage in combiners.general:
+        if stage.lookup is not None:
+            return "lookup"
+        for portion, plain in ((stage.rgb, UNUSED_RGB), (stage.alpha, UNUSED_ALPHA)):
+            for name in ("ab_blue_to_alpha", "cd_blue_to_alpha", "function"):
+                if getattr(portion, name, None) != getattr(plain, name, None):
+                    return name
+    return None
+
+
+def format_program(combiners):
+    """The canonical ``!!RC1.0`` program of register combiners: ``parse`` gives them back, equal.
+
+    Raises ValueError with a sentence where ``combiners`` is what no program can say: no general combiner or
+    more than eight, a constant that is not finite, or what NV_register_combiners forbids.
+    """
+    if not 1 <= len(combiners.general) <= MAX_GENERAL_COMBINERS:
+        raise ValueError(
+            f"A program has 1 to {MAX_GENERAL_COMBINERS} general combiners; these register combiners have "
+            f"{len(combiners.general)}. Split them into passes."
+        )
+    for _, sentence in combiner_problems(combiners):
+        raise ValueError(sentence)
+    if without_a_word := _without_a_word(combiners):
+        raise ValueError(f"The notation has no word for {without_a_word}; keep these combiners as state.")
+    lines = ["!!RC1.0"]
+    for name, color in (("const0", combiners.constant_color0), ("const1", combiners.constant_color1)):
+        if color != _BLACK:
+            lines.append(_format_color(name, color))
+    if combiners.general != (UNUSED_STAGE,):
+        for stage in combiners.general:
+            lines += _format_stage(stage)
+    lines += _format_final(combiners.final, combiners.color_sum_clamp)
+    return "\n".join(lines) + "\n"

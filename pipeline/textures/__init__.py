@@ -1,0 +1,1 @@
+"""Texels as images and as words of memory."""

@@ -1,0 +1,403 @@
+"""Texture images: texels at the internal format's resolution, expanded to the bytes that registers read.
+
+A texture keeps, per level, ``uint8[faces, height, width, 4]``: what a combiner's texture register receives
+from one texel, RGBA. An internal format's own components are quantised to its bits and widened to a byte by
+bit replication (Measured: Texture_format captures, distinct levels), and the base format decides where they
+go (Source: NV_register_combiners table 2). Rows run bottom first, as TexImage2D reads them.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from fixedpipe.pipeline.enums import BaseFormat, InternalFormat, TextureTarget
+
+# Component resolutions in the order of the base format's components, of the formats that store an image's
+# components. Source: OpenGL 1.2.1 table 3.16.
+COMPONENT_BITS = {
+    InternalFormat.ALPHA4: (4,),
+    InternalFormat.ALPHA8: (8,),
+    InternalFormat.LUMINANCE4: (4,),
+    InternalFormat.LUMINANCE8: (8,),
+    InternalFormat.LUMINANCE4_ALPHA4: (4, 4),
+    InternalFormat.LUMINANCE6_ALPHA2: (6, 2),
+    InternalFormat.LUMINANCE8_ALPHA8: (8, 8),
+    InternalFormat.INTENSITY4: (4,),
+    InternalFormat.INTENSITY8: (8,),
+    InternalFormat.R3_G3_B2: (3, 3, 2),
+    InternalFormat.RGB4: (4, 4, 4),
+    InternalFormat.RGB5: (5, 5, 5),
+    InternalFormat.R5_G6_B5: (5, 6, 5),
+    InternalFormat.RGB8: (8, 8, 8),
+    InternalFormat.RGBA2: (2, 2, 2, 2),
+    InternalFormat.RGBA4: (4, 4, 4, 4),
+    InternalFormat.RGB5_A1: (5, 5, 5, 1),
+    InternalFormat.RGBA8: (8, 8, 8, 8),
+}
+
+# Formats of machines whose components have twelve bits.  Source: OpenGL 1.2.1 table 3.16.
+_TWELVE_BIT_COMPONENTS = {
+    InternalFormat.ALPHA12: (12,),
+    InternalFormat.LUMINANCE12: (12,),
+    InternalFormat.LUMINANCE12_ALPHA4: (12, 4),
+    InternalFormat.LUMINANCE12_ALPHA12: (12, 12),
+    InternalFormat.INTENSITY12: (12,),
+    InternalFormat.RGB12: (12, 12, 12),
+    InternalFormat.RGBA12: (12, 12, 12, 12),
+}
+TWELVE_BIT_FORMATS = frozenset(_TWELVE_BIT_COMPONENTS)
+_ALL_COMPONENT_BITS = COMPONENT_BITS | _TWELVE_BIT_COMPONENTS
+
+
+def _base_format(internal_format):
+    if internal_format not in _ALL_COMPONENT_BITS:
+        return BaseFormat.RGBA
+    name = internal_format.name
+    if name.startswith("LUMINANCE"):
+        return BaseFormat.LUMINANCE_ALPHA if "ALPHA" in name else BaseFormat.LUMINANCE
+    if name.startswith("ALPHA"):
+        return BaseFormat.ALPHA
+    if name.startswith("INTENSITY"):
+        return BaseFormat.INTENSITY
+    return BaseFormat.RGBA if len(_ALL_COMPONENT_BITS[internal_format]) == 4 else BaseFormat.RGB
+
+
+# Formats that are only made from words count as RGBA: nothing but a border colour asks.
+# Source: OpenGL 1.2.1 table 3.16. Assumed: a border colour reaches the registers whole with the others.
+BASE_FORMAT = {f: _base_format(f) for f in InternalFormat}
+
+# Depth textures: the largest word, and the bits of a float's mantissa (0: an integer).
+# Source: ARB_depth_texture; Measured: e4m12, 400 of 400 depths (Depth_buffer captures); Inferred: e8m16.
+DEPTH_TEXELS = {
+    InternalFormat.DEPTH_COMPONENT16: (0xFFFF, 0),
+    InternalFormat.DEPTH_COMPONENT24: (0xFFFFFF, 0),
+    InternalFormat.DEPTH_COMPONENT16_FLOAT: (0xFFFF, 12),
+    InternalFormat.DEPTH_COMPONENT24_FLOAT: (0xFEFFFF, 16),
+}
+
+# Which RGBA components of an image a base format keeps.  Source: OpenGL 1.2.1 table 3.15.
+KEPT = {
+    BaseFormat.ALPHA: (3,),
+    BaseFormat.LUMINANCE: (0,),
+    BaseFormat.LUMINANCE_ALPHA: (0, 3),
+    BaseFormat.INTENSITY: (0,),
+    BaseFormat.RGB: (0, 1, 2),
+    BaseFormat.RGBA: (0, 1, 2, 3),
+}
+
+# Where a base format's components go in a texture register: an index into them, or the constant 0 or 1.
+# Source: NV_register_combiners table 2.
+REGISTER_COMPONENTS = {
+    BaseFormat.ALPHA: ("0", "0", "0", 0),
+    BaseFormat.LUMINANCE: (0, 0, 0, "1"),
+    BaseFormat.LUMINANCE_ALPHA: (0, 0, 0, 1),
+    BaseFormat.INTENSITY: (0, 0, 0, 0),
+    BaseFormat.RGB: (0, 1, 2, "1"),
+    BaseFormat.RGBA: (0, 1, 2, 3),
+}
+
+
+def depth_texture_mode(sampler, profile):
+    """The BaseFormat as which comparisons of a depth texture reach the registers (ARB_depth_texture)."""
+    if sampler.depth_texture_mode is not None:
+        return sampler.depth_texture_mode
+    return profile.depth_texture_modes[0]
+
+
+def widen_to_byte(component, bits):
+    """An n-bit component (0 .. 2**bits - 1) as a byte, by bit replication.
+
+    Measured: Texture_format captures for 4, 5 and 6 bits; 1, 2 and 3 bits Inferred from them.
+    """
+    shift, value = 8 - bits, component << (8 - bits)
+    while shift > 0:
+        value |= value >> bits
+        bits *= 2
+        shift = 8 - bits
+    return value & 0xFF
+
+
+def register_components(components, base, one):
+    """Base-format components [..., c] to register components [..., 4]; ``one`` is full intensity."""
+    out = np.empty((*components.shape[:-1], 4), components.dtype)
+    for k, what in enumerate(REGISTER_COMPONENTS[base]):
+        out[..., k] = components[..., what] if isinstance(what, int) else (one if what == "1" else 0)
+    return out
+
+
+def _quantised(unit, bits):
+    """Components in [0, 1] at n bits, as bytes."""
+    return widen_to_byte(np.floor(unit * (2**bits - 1) + 0.5).astype(np.uint8), bits)
+
+
+@cache
+def _quantised_bytes(bits):
+    """``_quantised`` of every byte, uint8 [256]."""
+    return _quantised(np.arange(256) / 255.0, bits)
+
+
+def widen(component, bits, to):
+    """An n-bit component as one of ``to`` bits, by bit replication: ``widen_to_byte`` at any width."""
+    value, shift = 0, to - bits
+    while shift > -bits:
+        value = value | (component << shift if shift >= 0 else component >> -shift)
+        shift -= bits
+    return value
+
+
+def stored_widths(internal_format, profile):
+    """(bits of a texture's components, bits that the format keeps of each) on a machine; None for a format
+    that only words make, which has bytes everywhere.
+
+    The machine's widest formats have its ``texture_bits``, narrower ones their own, at most as many.
+    """
+    own = _ALL_COMPONENT_BITS.get(internal_format)
+    if own is None:
+        return None
+    widest = 12 if profile.internal_formats & TWELVE_BIT_FORMATS else 8
+    most = profile.texture_bits
+    kept = tuple(most if b >= widest else min(b, most) for b in own)
+    return (max(kept) if max(kept) > 8 else min(8, most)), kept
+
+
+def texels_at(registers, internal_format, bits, kept):
+    """Register components in [0, 1], [..., 4], as a texture's of ``bits`` bits, of which the format keeps
+    ``kept``: uint8 if 8, else uint16.
+    """
+    base, one = BASE_FORMAT[internal_format], (1 << bits) - 1
+    out = np.empty(registers.shape, np.uint8 if bits == 8 else np.uint16)
+    for k, what in enumerate(REGISTER_COMPONENTS[base]):
+        if isinstance(what, int):
+            n = kept[what]
+            unit = np.clip(registers[..., k], 0.0, 1.0)
+            out[..., k] = widen(np.floor(unit * ((1 << n) - 1) + 0.5).astype(np.int64), n, bits)
+        else:
+            out[..., k] = one if what == "1" else 0
+    return out
+
+
+def at_machine_width(texture, profile):
+    """The texture with its components as wide as the machine keeps them, from ``ideal`` where it has that."""
+    widths = stored_widths(texture.internal_format, profile)
+    if widths is None or (texture.bits, _ALL_COMPONENT_BITS[texture.internal_format]) == widths:
+        return texture
+    one = float((1 << texture.bits) - 1)
+    sources = texture.ideal or [level / one for level in texture.levels]
+    levels = tuple(texels_at(source, texture.internal_format, *widths) for source in sources)
+    return replace(texture, levels=levels, bits=widths[0])
+
+
+def stored_texels(rgba, internal_format, profile):
+    """(RGBA [..., 4], bytes or floats, as a machine's texels of a format, their bits)."""
+    bits, kept = stored_widths(internal_format, profile)
+    if (bits, kept) == (8, COMPONENT_BITS.get(internal_format)):
+        return store_texels(rgba, internal_format), 8
+    base, unit = BASE_FORMAT[internal_format], rgba / 255.0 if rgba.dtype == np.uint8 else rgba
+    registers = register_components(unit[..., list(KEPT[base])], base, 1.0)
+    return texels_at(registers, internal_format, bits, kept), bits
+
+
+def store_texels(rgba, internal_format):
+    """RGBA in [0, 1] or bytes, [..., 4], to register bytes uint8 [..., 4] at the format's resolution.
+
+    Conversion to n bits rounds to nearest (Source: OpenGL 1.2.1 section 2.13.9). Raises ValueError for a
+    format that holds no such components.
+    """
+    if internal_format not in COMPONENT_BITS:
+        raise ValueError(
+            f"{internal_format.name} is not made from RGBA components; see fixedpipe.pipeline.textures.words, or give one "
+            f"of {', '.join(f.name for f in COMPONENT_BITS)}."
+        )
+    base = BASE_FORMAT[internal_format]
+    components = np.empty((*rgba.shape[:-1], len(KEPT[base])), np.uint8)
+    for k, (kept, bits) in enumerate(zip(KEPT[base], COMPONENT_BITS[internal_format], strict=True)):
+        given = rgba[..., kept]
+        if given.dtype == np.uint8:
+            components[..., k] = _quantised_bytes(bits)[given]
+        else:
+            components[..., k] = _quantised(np.clip(given, 0.0, 1.0), bits)
+    return register_components(components, base, np.uint8(255))
+
+
+def depth_texels(words):
+    """Depth-buffer words [h, w] as the four bytes of depth texels, lowest byte first."""
+    return np.ascontiguousarray(words.astype("<u4")).view(np.uint8).reshape(*words.shape, 4)
+
+
+def _frozen_levels(levels):
+    """The levels, read-only: writable arrays are copied. What is no tuple of arrays, validate refuses."""
+    if not isinstance(levels, tuple):
+        return levels
+    frozen = []
+    for level in levels:
+        if isinstance(level, np.ndarray) and level.flags.writeable:
+            level = level.copy()
+            level.setflags(write=False)
+        frozen.append(level)
+    return tuple(frozen)
+
+
+@dataclass(frozen=True, eq=False)
+class Texture:
+    """A texture object's images.
+
+    levels  tuple of uint8 [faces, height, width, 4], level 0 first: register bytes, bottom row first. The
+            faces are a cube map's six or a 3D texture's layers. A depth component's four bytes are its depth
+            units, lowest byte first; a HILO16's are HI in alpha and red, LO in green and blue.
+    ideal   the same shapes in float64 before any quantisation, or None: the ideal evaluator then reads the
+            stored texels divided by their value of one
+    bits    how wide a component is, 2**bits - 1 its value of one: 8, or else the levels are uint16
+
+    Writable arrays are copied and made read-only: what is made from a texture is kept as long as it lives.
+    """
+
+    target: TextureTarget
+    internal_format: InternalFormat
+    levels: tuple[np.ndarray, ...]
+    ideal: tuple[np.ndarray, ...] | None = None
+    bits: int = 8
+
+    def __post_init__(self):
+        for name in ("levels", "ideal"):
+            object.__setattr__(self, name, _frozen_levels(getattr(self, name)))
+
+    @property
+    def width(self):
+        """Texels along s of level 0."""
+        return self.levels[0].shape[2]
+
+    @property
+    def height(self):
+        """Texels along t of level 0."""
+        return self.levels[0].shape[1]
+
+    @property
+    def depth(self):
+        """Texels along r of level 0: 1 but for 3D textures."""
+        return self.levels[0].shape[0] if self.target is TextureTarget.TEXTURE_3D else 1
+
+
+def _as_rgba(image, what):
+    image = np.asarray(image)
+    if image.dtype != np.uint8:
+        image = image.astype(np.float64)
+        if not np.isfinite(image).all():
+            raise ValueError(
+                f"{what} holds NaN or infinity; texels must be finite numbers in [0, 1], or bytes."
+            )
+    if image.ndim < 3 or image.shape[-1] not in (1, 2, 3, 4):
+        raise ValueError(
+            f"{what} has shape {image.shape}; give [height, width, components] with 1 to 4 components "
+            "(L, LA, RGB or RGBA)."
+        )
+    if 0 in image.shape:
+        raise ValueError(
+            f"{what} is {image.shape[-2]}x{image.shape[-3]} texels; a texture needs at least 1x1."
+        )
+    one = np.uint8(255) if image.dtype == np.uint8 else 1.0
+    c = image.shape[-1]
+    out = np.full((*image.shape[:-1], 4), one, image.dtype)
+    out[..., :3] = image[..., :3] if c >= 3 else image[..., :1]
+    if c in (2, 4):
+        out[..., 3] = image[..., c - 1]
+    return out
+
+
+def halve(level, layered=False):
+    """The next mipmap level of whole numbers or float64 [faces, h, w, 4], boxes of 2x2 (or 2x1, 1x2) texels;
+    of 2x2x2 where the faces are a 3D texture's layers (``layered``).
+
+    Whole numbers: (a + b + c + d + 2) >> 2, as the arithmetic's rule for generated mipmaps says, or (the
+    eight + 4) >> 3; an edge of one texel counts it twice.
+    """
+    d, h, w = level.shape[:3]
+    if (h % 2 and h > 1) or (w % 2 and w > 1) or (layered and d % 2 and d > 1):
+        what = f"{w}x{h}x{d}" if layered else f"{w}x{h}"
+        raise ValueError(
+            f"Mipmaps of a {what} level need even edges; give a texture whose edges are powers of two."
+        )
+    rows = (level[:, 0::2], level[:, 1::2]) if h > 1 else (level, level)
+    corners = [r[:, :, k::2] if w > 1 else r for r in rows for k in (0, 1)]
+    if layered:
+        corners = [c[k::2] if d > 1 else c for c in corners for k in (0, 1)]
+    if level.dtype != np.float64:
+        bits = 3 if layered else 2
+        total = sum(c.astype(np.uint32) for c in corners) + (1 << (bits - 1))
+        return (total >> bits).astype(level.dtype)
+    return sum(corners) / len(corners)
+
+
+def pyramid(base, layered=False):
+    """Every mipmap level from level 0 down to one texel: a tuple, each by ``halve``, read-only."""
+    levels = [base]
+    while max(levels[-1].shape[0 if layered else 1 : 3]) > 1:
+        levels.append(halve(levels[-1], layered))
+    for level in levels:
+        level.setflags(write=False)
+    return tuple(levels)
+
+
+def build_texture(target, faces, internal_format, mipmaps):
+    """A texture from RGBA images [faces, h, w, 4], bytes, or floats, which the ideal evaluator gets too."""
+    source, bits, base_format = None, 8, BASE_FORMAT[internal_format]
+    wide = internal_format in TWELVE_BIT_FORMATS
+    if faces.dtype != np.uint8 or wide:
+        unit = faces / 255.0 if faces.dtype == np.uint8 else faces
+        source = register_components(unit[..., list(KEPT[base_format])], base_format, 1.0)
+    if wide:
+        bits = 12
+        base = texels_at(source, internal_format, bits, _TWELVE_BIT_COMPONENTS[internal_format])
+    else:
+        base = store_texels(faces, internal_format)
+    if not mipmaps:
+        return Texture(target, internal_format, (base,), None if source is None else (source,), bits)
+    layered = target is TextureTarget.TEXTURE_3D
+    ideal = None if source is None else pyramid(source, layered)
+    return Texture(target, internal_format, pyramid(base, layered), ideal, bits)
+
+
+def texture_1d(image, internal_format=InternalFormat.RGBA8, *, mipmaps=False):
+    """A 1D texture from [width, 1..4 components], bytes or floats in [0, 1]."""
+    row = np.asarray(image)
+    if row.ndim != 2:
+        raise ValueError(f"A 1D texture's image has shape {row.shape}; give [width, components].")
+    return build_texture(
+        TextureTarget.TEXTURE_1D, _as_rgba(row[None], "The image")[None], internal_format, mipmaps
+    )
+
+
+def texture_2d(image, internal_format=InternalFormat.RGBA8, *, mipmaps=False):
+    """A 2D texture from [height, width, 1..4 components], bytes or floats in [0, 1], bottom row first.
+
+    Floats are kept as the ideal evaluator's source (unclamped) beside the quantised texels.
+    Raises ValueError for zero sizes, NaN, or another shape.
+    """
+    rgba = _as_rgba(image, "The image")
+    if rgba.ndim != 3:
+        raise ValueError(f"A 2D texture's image has shape {rgba.shape}; give [height, width, components].")
+    return build_texture(TextureTarget.TEXTURE_2D, rgba[None], internal_format, mipmaps)
+
+
+def texture_3d(image, internal_format=InternalFormat.RGBA8, *, mipmaps=False):
+    """A 3D texture from [layers, height, width, 1..4 components], bytes or floats in [0, 1], each layer as
+    ``texture_2d`` takes it, r growing from layer to layer.
+    """
+    rgba = _as_rgba(image, "The image")
+    if rgba.ndim != 4:
+        raise ValueError(
+            f"A 3D texture's image has shape {rgba.shape}; give [layers, height, width, components]."
+        )
+    return build_texture(TextureTarget.TEXTURE_3D, rgba, internal_format, mipmaps)
+
+
+def texture_cube_map(faces, internal_format=InternalFormat.RGBA8, *, mipmaps=False):
+    """A cube map from [6, size, size, components], faces +x, -x, +y, -y, +z, -z; rows as EXT_texture_cube_map
+    orders t (row 0 is t = 0).
+    """
+    rgba = _as_rgba(faces, "The cube map")
+    if rgba.ndim != 4 or rgba.shape[0] != 6 or rgba.shape[1] != rgba.shape[2]:
+        raise ValueError(
+            f"A cube map has shape {rgba.shape[:-1]}; give six square faces [6, size, size, components]."
+        )
+    return build_texture(TextureTarget.TEXTURE_CUBE_MAP, rgba, internal_format, mipmaps)

@@ -1,0 +1,257 @@
+"""Textures from the words that memory holds: packed pixels, palettes, YCbCr pairs and S3TC blocks.
+
+Images given as components are ``fixedpipe.pipeline.textures.images``' business. Arrays of words are [rows, columns], or [faces
+or layers, rows, columns]; the first row is t = 0.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from fixedpipe.pipeline.enums import InternalFormat, TexelWord, TextureTarget
+from fixedpipe.pipeline.textures.images import Texture, at_machine_width, widen_to_byte
+
+ONE = None  # a component that is full intensity
+
+# What each word is stored as, and its red, green, blue and alpha as (lowest bit, bits).
+# Measured: A8R8G8B8, B8G8R8A8, R5G6B5, X1R5G5B5, G8B8, Y16 (Texture_format), R8G8B8A8, X8R8G8B8, R6G5B5, AY8
+# (Volume_texture). Inferred: Y16's low byte (its measured texels have two equal bytes), R8B8 from G8B8.
+# Source: NV_texture_shader (HILO16); public emulators of the NV2A (A8: red, green and blue are one).
+_FIELDS = {
+    TexelWord.A8R8G8B8: (InternalFormat.RGBA8, (16, 8), (8, 8), (0, 8), (24, 8)),
+    TexelWord.X8R8G8B8: (InternalFormat.RGB8, (16, 8), (8, 8), (0, 8), ONE),
+    TexelWord.A8B8G8R8: (InternalFormat.RGBA8, (0, 8), (8, 8), (16, 8), (24, 8)),
+    TexelWord.B8G8R8A8: (InternalFormat.RGBA8, (8, 8), (16, 8), (24, 8), (0, 8)),
+    TexelWord.R8G8B8A8: (InternalFormat.RGBA8, (24, 8), (16, 8), (8, 8), (0, 8)),
+    TexelWord.A1R5G5B5: (InternalFormat.RGB5_A1, (10, 5), (5, 5), (0, 5), (15, 1)),
+    TexelWord.X1R5G5B5: (InternalFormat.RGB5, (10, 5), (5, 5), (0, 5), ONE),
+    TexelWord.A4R4G4B4: (InternalFormat.RGBA4, (8, 4), (4, 4), (0, 4), (12, 4)),
+    TexelWord.R5G6B5: (InternalFormat.R5_G6_B5, (11, 5), (5, 6), (0, 5), ONE),
+    TexelWord.R6G5B5: (InternalFormat.R6_G5_B5, (10, 6), (5, 5), (0, 5), ONE),
+    TexelWord.G8B8: (InternalFormat.GREEN8_BLUE8, (0, 8), (8, 8), (0, 8), (8, 8)),
+    TexelWord.R8B8: (InternalFormat.RED8_BLUE8, (8, 8), (0, 8), (0, 8), (8, 8)),
+    TexelWord.A8Y8: (InternalFormat.LUMINANCE8_ALPHA8, (0, 8), (0, 8), (0, 8), (8, 8)),
+    TexelWord.Y8: (InternalFormat.LUMINANCE8, (0, 8), (0, 8), (0, 8), ONE),
+    TexelWord.AY8: (InternalFormat.INTENSITY8, (0, 8), (0, 8), (0, 8), (0, 8)),
+    TexelWord.A8: (InternalFormat.WHITE_ALPHA8, ONE, ONE, ONE, (0, 8)),
+    TexelWord.Y16: (InternalFormat.LUMINANCE16, ONE, (8, 8), (0, 8), ONE),
+    TexelWord.R16B16: (InternalFormat.HILO16, (16, 8), (8, 8), (0, 8), (24, 8)),
+}
+# Depth words: what they are stored as, and how far the depth lies above bit 0.
+_DEPTHS = {
+    TexelWord.X8_Y24_FIXED: (InternalFormat.DEPTH_COMPONENT24, 8),
+    TexelWord.X8_Y24_FLOAT: (InternalFormat.DEPTH_COMPONENT24_FLOAT, 8),
+    TexelWord.Y16_FIXED: (InternalFormat.DEPTH_COMPONENT16, 0),
+    TexelWord.Y16_FLOAT: (InternalFormat.DEPTH_COMPONENT16_FLOAT, 0),
+}
+
+
+def ycbcr_to_rgb(y, u, v):
+    """R, G, B of a texel, integer arrays 0..255, from its Y and its pair's U (Cb) and V (Cr).
+
+    ``L = (298 Y - 4864) >> 8``, c = U - 128, d = V - 128: R is ``L + 2 ((409 d + 128) >> 9)``, G
+    ``L + 1 - 2 ((100 c) >> 9) - 2 ((208 d) >> 9)``, B ``L + ((516 c) >> 8)``, clamped.
+    Measured: 123904 of 123904 pixels (Texture_format UYVY_L), Y 41 to 209, U and V 18 to 239.
+    """
+    light, c, d = (298 * y - 4864) >> 8, u - 128, v - 128
+    red = light + 2 * ((409 * d + 128) >> 9)
+    green = light + 1 - 2 * ((100 * c) >> 9) - 2 * ((208 * d) >> 9)
+    blue = light + ((516 * c) >> 8)
+    return tuple(np.clip(channel, 0, 255) for channel in (red, green, blue))
+
+
+def _ycbcr_texels(words, kind):
+    """Register bytes of words of 16 bits, pairs along the rows."""
+    low, high = words & 255, (words >> 8) & 255
+    y, chroma = (low, high) if kind is TexelWord.YUY2 else (high, low)
+    if words.shape[-1] % 2:
+        raise ValueError(f"YCbCr rows come in pairs of texels; {words.shape[-1]} columns are not even.")
+    u, v = (np.repeat(chroma[..., k::2], 2, -1) for k in (0, 1))
+    red, green, blue = ycbcr_to_rgb(y, u, v)
+    return np.stack([red, green, blue, np.full_like(red, 255)], -1)
+
+
+def texels_of_words(words, kind):
+    """Register bytes uint8 [..., 4] of an array of words: see Texture for what depths and HILO are."""
+    words = np.asarray(words).astype(np.int64)
+    if kind in (TexelWord.YUY2, TexelWord.UYVY):
+        return _ycbcr_texels(words, kind).astype(np.uint8)
+    if kind in _DEPTHS:
+        depth = words >> _DEPTHS[kind][1]
+        return np.stack([(depth >> shift) & 255 for shift in (0, 8, 16, 24)], -1).astype(np.uint8)
+    out = np.full((*words.shape, 4), 255, np.uint8)
+    for channel, field in enumerate(_FIELDS[kind][1:]):
+        if field is not ONE:
+            low, bits = field
+            out[..., channel] = widen_to_byte((words >> low) & (2**bits - 1), bits)
+    return out
+
+
+def internal_format_of(kind):
+    """What words of that kind are stored as."""
+    if kind in (TexelWord.YUY2, TexelWord.UYVY):
+        return InternalFormat.YCBCR
+    return _DEPTHS[kind][0] if kind in _DEPTHS else _FIELDS[kind][0]
+
+
+def _levels(images):
+    return tuple(level if level.ndim == 4 else level[None] for level in images)
+
+
+def texture_of_words(images, kind, target=TextureTarget.TEXTURE_2D):
+    """A texture from words, one array per level, level 0 first; or one array, which is level 0.
+
+    Of a cube map or 3D texture an array is [faces or layers, rows, columns].
+    """
+    images = images if isinstance(images, (tuple, list)) else (images,)
+    levels = _levels([texels_of_words(image, kind) for image in images])
+    return Texture(target, internal_format_of(kind), levels)
+
+
+def paletted_texture(indices, palette, target=TextureTarget.TEXTURE_2D):
+    """EXT_paletted_texture with its color table: ``indices`` into ``palette``, words A8R8G8B8.
+
+    A table of n colours, n a power of two, is asked for the index modulo n (Source: EXT_paletted_texture:
+    the high bits of an index are ignored).
+    """
+    colors = texels_of_words(palette, TexelWord.A8R8G8B8)
+    if len(colors) & (len(colors) - 1) or not len(colors):
+        raise ValueError(f"The palette has {len(colors)} colours; give a power of two.")
+    texels = colors[np.asarray(indices) & (len(colors) - 1)]
+    return Texture(target, InternalFormat.COLOR_INDEX8, _levels([texels]))
+
+
+# ------------------------------------------------------------------------- EXT_texture_compression_s3tc
+
+S3TC_BLOCK_BYTES = {
+    InternalFormat.COMPRESSED_RGBA_S3TC_DXT1: 8,
+    InternalFormat.COMPRESSED_RGBA_S3TC_DXT3: 16,
+    InternalFormat.COMPRESSED_RGBA_S3TC_DXT5: 16,
+}
+
+
+def _unpacked(block_bytes, bits):
+    """Little-endian fields of ``bits`` bits, int64 [..., 16], from the bytes of a block's texel codes."""
+    word = np.zeros(block_bytes.shape[:-1], np.uint64)
+    for k in range(block_bytes.shape[-1]):
+        word |= block_bytes[..., k].astype(np.uint64) << np.uint64(8 * k)
+    shifts = np.arange(16, dtype=np.uint64) * np.uint64(bits)
+    return ((word[..., None] >> shifts) & np.uint64(2**bits - 1)).astype(np.int64)
+
+
+def _s3tc_colors(blocks, punch_through):
+    """RGBA bytes int64 [..., 16, 4] of color blocks uint8 [..., 8]: thirds as ``(2a + b + 1) // 3``.
+
+    Measured: 1024 of 1024 texels (DXT3_plasma). Assumed: a half as ``(a + b + 1) // 2``.
+    """
+    blocks = blocks.astype(np.int64)
+    ends = [blocks[..., k] | (blocks[..., k + 1] << 8) for k in (0, 2)]
+    a, b = (texels_of_words(end, TexelWord.R5G6B5).astype(np.int64) for end in ends)
+    palette = np.stack([a, b, (2 * a + b + 1) // 3, (a + 2 * b + 1) // 3], -2)
+    if punch_through:
+        three = np.stack([a, b, (a + b + 1) // 2, np.zeros_like(a)], -2)
+        palette = np.where((ends[0] > ends[1])[..., None, None], palette, three)
+    codes = _unpacked(blocks[..., 4:8], 2)
+    return np.take_along_axis(palette, codes[..., None], -2)
+
+
+def _s3tc_alphas(blocks):
+    """Alpha bytes int64 [..., 16] of DXT5's alpha blocks uint8 [..., 8]."""
+    ends = blocks[..., :2].astype(np.int64)
+    a, b = ends[..., 0], ends[..., 1]
+    seven = np.stack([a, b, *(((7 - k) * a + k * b) // 7 for k in range(1, 7))], -1)
+    five = np.stack(
+        [a, b, *(((5 - k) * a + k * b) // 5 for k in range(1, 5)), np.zeros_like(a), np.full_like(a, 255)], -1
+    )
+    palette = np.where((a > b)[..., None], seven, five)
+    return np.take_along_axis(palette, _unpacked(blocks[..., 2:], 3), -1)
+
+
+def texels_of_blocks(blocks, internal_format, width, height):
+    """Register bytes uint8 [height, width, 4] of S3TC blocks uint8 [rows, columns, bytes of a block].
+
+    DXT3's four bits of alpha become a byte by replication. Assumed: DXT5's alphas are cut.
+    """
+    if internal_format is InternalFormat.COMPRESSED_RGBA_S3TC_DXT1:
+        texels = _s3tc_colors(blocks, True)
+    else:
+        texels = _s3tc_colors(blocks[..., 8:], False)
+        if internal_format is InternalFormat.COMPRESSED_RGBA_S3TC_DXT3:
+            texels[..., 3] = 17 * _unpacked(blocks[..., :8], 4)
+        else:
+            texels[..., 3] = _s3tc_alphas(blocks[..., :8])
+    rows, columns = blocks.shape[:2]
+    squares = texels.reshape(rows, columns, 4, 4, 4).transpose(0, 2, 1, 3, 4)
+    return squares.reshape(rows * 4, columns * 4, 4)[:height, :width].astype(np.uint8)
+
+
+# Ordered dithering of decoded DXT1 colours: in every 4x4 square of texels the lattice of an n-bit component
+# begins at another byte. Measured: 2048 of 2048 texels (Texture_DXT captures).
+_DITHER_RED = np.array([[3, 7, 4, 0], [5, 1, 6, 2], [0, 4, 7, 3], [2, 6, 1, 5]])
+_DITHER_GREEN = np.array([[0, 2, 3, 1], [3, 1, 2, 0], [2, 0, 1, 3], [1, 3, 0, 2]])
+_DITHER = ((_DITHER_RED, 8, 3), (_DITHER_GREEN, 4, 1), (_DITHER_RED[::-1], 8, 3))
+
+
+def dithered_level(level):
+    """A level uint8 [layers, height, width, 4] with red, green and blue dithered to 5, 6 and 5 bits.
+
+    With k of the texel's place, step s and bias t: ``s*floor((v - k + t)/s) + k``, clamped to a byte; v up to
+    s becomes 0, but for v = s where k = t, and 255 stays. Measured: red and blue's v = 8 with every k.
+    Inferred: green's v = 4. Assumed: v from 1 to s - 1; every layer alike.
+    """
+    y, x = np.ogrid[: level.shape[1], : level.shape[2]]
+    out = level.copy()
+    for channel, (square, step, bias) in enumerate(_DITHER):
+        v, k = level[..., channel].astype(np.int64), square[y & 3, x & 3]
+        lattice = np.clip(step * ((v - k + bias) // step) + k, 0, 255)
+        dark = (v < step) | ((v == step) & (k != bias))
+        out[..., channel] = np.where(v == 255, 255, np.where(dark, 0, lattice))
+    return out
+
+
+def stored_texture(texture, profile):
+    """The texture as a machine holds it: components at its width; DXT1 dithered, where it does that."""
+    dxt1 = texture.internal_format is InternalFormat.COMPRESSED_RGBA_S3TC_DXT1
+    if not (dxt1 and profile.dithered_s3tc_dxt1):
+        return at_machine_width(texture, profile)
+    return replace(texture, levels=tuple(dithered_level(level) for level in texture.levels))
+
+
+def compressed_texture(data, internal_format, width, height, levels=1):
+    """CompressedTexImage2D: a 2D texture from the bytes of its levels behind one another, level 0 first."""
+    size, images, at = S3TC_BLOCK_BYTES[internal_format], [], 0
+    data = np.frombuffer(data, np.uint8)
+    for level in range(levels):
+        w, h = max(1, width >> level), max(1, height >> level)
+        shape = (-(-h // 4), -(-w // 4), size)
+        end = at + shape[0] * shape[1] * size
+        if end > len(data):
+            raise ValueError(
+                f"{len(data)} bytes do not hold {levels} levels of a {width}x{height} "
+                f"{internal_format.name} texture; level {level} ends at byte {end}."
+            )
+        images.append(texels_of_blocks(data[at:end].reshape(shape), internal_format, w, h))
+        at = end
+    return Texture(TextureTarget.TEXTURE_2D, internal_format, _levels(images))
+
+
+def compressed_volume(data, internal_format, width, height, depth):
+    """CompressedTexImage3D: a 3D texture of one level from its bytes.
+
+    A block's four layers lie behind one another, and only then the next block of the row; a last brick of
+    fewer layers is as much shorter. Source: NV_texture_compression_vtc; Assumed: the NV2A keeps to it.
+    """
+    size, rows, columns = S3TC_BLOCK_BYTES[internal_format], -(-height // 4), -(-width // 4)
+    data, layers = np.frombuffer(data, np.uint8), []
+    needed = depth * rows * columns * size
+    if len(data) < needed:
+        raise ValueError(
+            f"{len(data)} bytes do not hold a {width}x{height}x{depth} {internal_format.name} texture, which "
+            f"needs {needed}."
+        )
+    for first in range(0, depth, 4):
+        together = min(4, depth - first)
+        start, end = (at * rows * columns * size for at in (first, first + together))
+        blocks = data[start:end].reshape(rows, columns, together, size)
+        layers += [texels_of_blocks(blocks[:, :, k], internal_format, width, height) for k in range(together)]
+    return Texture(TextureTarget.TEXTURE_3D, internal_format, (np.stack(layers),))

@@ -1,0 +1,1 @@
+"""From a mesh to primitives in window coordinates."""

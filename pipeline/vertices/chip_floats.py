@@ -1,0 +1,127 @@
+"""The floats of the vertex hardware, on columns (docs/numbers.md, section 2).
+
+The transform unit, which also runs vertex programs, keeps 24 significant bits, the lighting unit 14. Both
+round toward zero and take reciprocals from a small table and Newton steps. A column is float64, which holds
+such numbers exactly; they range like single precision, without denormal numbers. Source: envytools
+(nvhw/xf.c, nvhw/pgraph_celsius_xfrm.c), whose model its tests compare with the chips.
+"""
+
+from math import isqrt
+
+import numpy as np
+
+from fixedpipe.pipeline.vertices.arithmetic import ONE, ZERO
+
+TRANSFORM_BITS, LIGHTING_BITS = 24, 14  # significant bits
+SUM_GUARD_BITS = 5  # how many bits below its largest term's last one a sum keeps
+_FLOAT64_BITS = 53
+
+# Seeds, with 7 bits: of 1/x for x in [1, 2) at the middle of each 64th, and of 1/sqrt(x) for x in [1, 2),
+# then in [2, 4). Source: envytools' tables are these values, truncated or rounded.
+LIGHTING_RECIPROCALS = np.array([16384 // (129 + 2 * k) for k in range(64)], np.uint64)
+TRANSFORM_RECIPROCALS = np.array([(32768 // (129 + 2 * k) + 1) // 2 for k in range(64)], np.uint64)
+_ROOTS = [(isqrt((65536 * scale) // (129 + 2 * k)) + 1) // 2 for scale in (128, 64) for k in range(64)]
+TRANSFORM_ROOTS = np.minimum(np.array(_ROOTS, np.uint64), np.uint64(127))
+
+
+_SMALLEST, _LIMIT = np.float64(2.0**-126), np.float64(2.0**128)
+
+
+def _in_range(column, significant_bits):
+    """Too small a number is 0, too large a finite one the largest of so many significant bits."""
+    size = np.abs(column)
+    largest = np.float64((2.0 - 2.0 ** (1 - significant_bits)) * 2.0**127)
+    column = np.where((size >= _LIMIT) & np.isfinite(column), np.copysign(largest, column), column)
+    return np.where(size < _SMALLEST, ZERO, column)
+
+
+def single(column):
+    """The nearest single-precision number, as the units read registers and vertices."""
+    rounded = np.asarray(column, np.float64).astype(np.float32).astype(np.float64)
+    return np.where(np.abs(rounded) < _SMALLEST, ZERO, rounded)
+
+
+def to_lighting(column):
+    """A single-precision number as it enters the lighting unit: half a unit of its last place is added and
+    the rest dropped; where the eight bits above are all ones the rest is dropped alone.
+    """
+    bits = np.asarray(column, np.float64).astype(np.float32).view(np.uint32)
+    carried = np.where((bits >> np.uint32(10)) & np.uint32(255) != 255, bits + np.uint32(512), bits)
+    return (carried & np.uint32(0xFFFFFC00)).view(np.float32).astype(np.float64)
+
+
+def truncated(column, significant_bits):
+    """The column with its mantissa cut to so many significant bits, toward zero."""
+    mask = np.int64(-1 << (_FLOAT64_BITS - significant_bits))
+    values = np.asarray(column, np.float64)
+    kept = (values.view(np.int64) & mask).view(np.float64)
+    return np.where(np.isfinite(values), kept, values)
+
+
+def product(a, b, significant_bits):
+    """A b toward zero; zero times infinity is 0, and an infinite product is positive."""
+    exact = np.where(((a == 0) & np.isinf(b)) | (np.isinf(a) & (b == 0)), ZERO, a * b)
+    exact = np.where(np.isinf(exact), np.inf, exact)
+    return _in_range(truncated(exact, significant_bits), significant_bits)
+
+
+def total(terms, significant_bits, guard_bits=SUM_GUARD_BITS):
+    """The terms' sum: each is cut, toward zero, ``guard_bits`` below the last bit of the largest, and the
+    exact sum of what is left is cut to ``significant_bits``. An infinite sum is positive.
+    """
+    terms = [np.asarray(term, np.float64) for term in terms]
+    largest = ZERO
+    for term in terms:
+        largest = np.maximum(largest, np.abs(term))
+    _, exponent = np.frexp(np.where(np.isfinite(largest), largest, ONE))
+    unit = np.ldexp(ONE, exponent - significant_bits - guard_bits)
+    finite = truncated(sum(np.trunc(term / unit) for term in terms) * unit, significant_bits)
+    return np.where(np.isfinite(largest), _in_range(finite, significant_bits), np.abs(sum(terms)))
+
+
+def _mantissa(column, bits):
+    """Of finite |column| = m 2^e with m in [1, 2): m as an integer of ``bits`` bits, uint64, and e."""
+    fraction, exponent = np.frexp(np.where(np.isfinite(column) & (column != 0), np.abs(column), ONE))
+    return np.trunc(np.ldexp(fraction, bits)).astype(np.uint64), exponent - 1
+
+
+def _with_limits(result, column):
+    """``result`` with the column's sign, but 1/0 is positive infinity and 1/infinity is 0."""
+    result = np.where(result < _SMALLEST, ZERO, np.copysign(result, column))
+    result = np.where(column == 0, np.inf, np.where(np.isinf(column), ZERO, result))
+    return np.where(np.isnan(column), np.nan, result)
+
+
+def lighting_reciprocal(column):
+    """1 / column in the lighting unit: one Newton step, 13 bits; 1/1 is 8191/8192."""
+    m, exponent = _mantissa(column, LIGHTING_BITS)
+    seed = LIGHTING_RECIPROCALS[(m >> np.uint64(7)) & np.uint64(63)]
+    better = ((np.uint64(1 << 21) - seed * m) * seed) >> np.uint64(14)
+    return _with_limits(np.ldexp(better.astype(np.float64), -13 - exponent), column)
+
+
+def transform_reciprocal(column):
+    """1 / column in the transform unit: two Newton steps, 24 bits; exact for powers of two."""
+    m, exponent = _mantissa(column, TRANSFORM_BITS)
+    seed = TRANSFORM_RECIPROCALS[(m >> np.uint64(17)) & np.uint64(63)]
+    better = ((np.uint64(1 << 31) - seed * m) * seed) >> np.uint64(24)
+    best = ((np.uint64(1 << 37) - better * m) * better) >> np.uint64(25)
+    best = np.where(m == np.uint64(1 << 23), np.uint64(1 << 24), best)
+    return _with_limits(np.ldexp(best.astype(np.float64), -24 - exponent), column)
+
+
+def transform_inverse_root(column):
+    """1 / sqrt(|column|) in the transform unit: two Newton steps, 24 bits."""
+    m, exponent = _mantissa(column, TRANSFORM_BITS)
+    odd = (exponent & 1).astype(np.uint64)
+    seed = TRANSFORM_ROOTS[((m >> np.uint64(17)) & np.uint64(63)) + odd * np.uint64(64)]
+    x = m << odd
+    better = ((np.uint64(3 << 37) - seed * seed * x) * seed) >> np.uint64(32)
+    best = ((np.uint64(3 << 49) - better * better * x) * better) >> np.uint64(39)
+    root = np.ldexp(best.astype(np.float64), -24 - (exponent >> 1))
+    return _with_limits(root, np.abs(column))
+
+
+def transform_dot(a, b):
+    """The transform unit's sum of products of vectors of three or four columns."""
+    return total([product(x, y, TRANSFORM_BITS) for x, y in zip(a, b, strict=True)], TRANSFORM_BITS)

@@ -1,0 +1,274 @@
+"""The NV10's lighting unit, which the NV20 family keeps (docs/numbers.md, section 2): OpenGL's lighting in
+floats of 14 significant bits, with rational functions in place of powers.
+
+Source: envytools' model of the unit (nvhw/pgraph_celsius_xfrm.c: pgraph_celsius_lt_full). Measured: the
+spotlight, which that model lacks, and what is the NV2A's own (Lighting_*, Specular captures).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fixedpipe.pipeline.enums import ColorMaterialParameter, ColorSource, Face, SecondaryColor
+from fixedpipe.pipeline.state import ColorSources
+from fixedpipe.pipeline.vertices.arithmetic import ONE, ZERO, Column, normalize, positive, power
+from fixedpipe.pipeline.vertices.chip_floats import (
+    LIGHTING_BITS,
+    TRANSFORM_BITS,
+    lighting_reciprocal,
+    product,
+    single,
+    to_lighting,
+    total,
+    transform_dot,
+    transform_inverse_root,
+    transform_reciprocal,
+)
+
+_TRACKED = {
+    ColorMaterialParameter.AMBIENT_AND_DIFFUSE: ("ambient", "diffuse"),
+    ColorMaterialParameter.AMBIENT: ("ambient",),
+    ColorMaterialParameter.DIFFUSE: ("diffuse",),
+    ColorMaterialParameter.SPECULAR: ("specular",),
+    ColorMaterialParameter.EMISSION: ("emission",),
+}
+_COLORS = ("ambient", "diffuse", "specular")
+
+
+# ---------------------------------------------------------------------- arithmetic of 14 significant bits
+
+
+def _times(a, b):
+    return product(a, b, LIGHTING_BITS)
+
+
+def _plus(*terms):
+    return total(terms, LIGHTING_BITS)
+
+
+def _plus_scalar(a, b):
+    """The sum of the unit's scalar half, which keeps no guard bits."""
+    return total((a, b), LIGHTING_BITS, 0)
+
+
+def _dot(a, b):
+    return _plus(*(_times(x, y) for x, y in zip(a, b, strict=True)))
+
+
+def _register(values):
+    """Numbers as the unit's registers hold them."""
+    return [to_lighting(single(np.float64(value))) for value in values]
+
+
+# ----------------------------------------------------------------------------------------------- geometry
+
+
+@dataclass(frozen=True)
+class _Geometry:
+    """What the transform unit hands over, in 14 bits: normal and unit vector to the viewer (3 columns each),
+    and the vertex's eye coordinates, still in 24 bits.
+    """
+
+    normal: list
+    viewer: list
+    point: list
+
+
+def _unit_vector(v):
+    """A vector of 24-bit columns made a unit vector; its length; its length's square."""
+    square = transform_dot(v, v)
+    root = transform_inverse_root(square)
+    return [product(c, root, TRANSFORM_BITS) for c in v], product(square, root, TRANSFORM_BITS), square
+
+
+def _difference(a, b):
+    return [total((x, -y), TRANSFORM_BITS) for x, y in zip(a, b, strict=True)]
+
+
+def _geometry(lighting, vertex, inverse, position, normal):
+    position, normal = [single(c) for c in position], [single(c) for c in normal]
+    rows = [[single(np.float64(m)) for m in row] for row in vertex.modelview]
+    eye = [transform_dot(position, row) for row in rows]
+    columns = [[single(inverse[row][j]) for row in range(3)] for j in range(3)]
+    normal = [transform_dot(normal, column) for column in columns]
+    if vertex.rescale_normal:
+        third = [single(value) for value in inverse[2]]
+        square = transform_dot(third, third)
+        normal = [product(c, transform_inverse_root(square), TRANSFORM_BITS) for c in normal]
+    if vertex.normalize:
+        normal, _, _ = _unit_vector(normal)
+    reciprocal = transform_reciprocal(eye[3])
+    point = [product(c, reciprocal, TRANSFORM_BITS) for c in eye[:3]]
+    viewer = _register(lighting.viewer_direction)
+    if lighting.local_viewer:
+        viewer = [to_lighting(c) for c in _unit_vector(_difference((ZERO, ZERO, ZERO), point))[0]]
+    return _Geometry([to_lighting(c) for c in normal], viewer, point)
+
+
+# ------------------------------------------------------------------------------------------------- lights
+
+
+@dataclass(frozen=True)
+class _Strengths:
+    """How much of one light's ambient, diffuse and specular colour a vertex gets."""
+
+    ambient: Column
+    diffuse: Column
+    specular: Column
+
+
+def _strengths(light, material, lighting, geometry, normal):
+    strength, dark = ONE, np.False_
+    if light.position[3] == 0:
+        vector = [np.float64(c) for c in light.position[:3]]
+        direction = _register(normalize(vector) if light.half_vector is None else vector)
+    else:
+        position = [single(np.float64(c) / np.float64(light.position[3])) for c in light.position[:3]]
+        vector, distance, square = _unit_vector(_difference(position, geometry.point))
+        direction = [to_lighting(c) for c in vector]
+        distance, square = to_lighting(distance), to_lighting(square)
+        factors = (light.constant_attenuation, light.linear_attenuation, light.quadratic_attenuation)
+        strength = lighting_reciprocal(_dot((ONE, distance, square), _register(factors)))
+        if light.range is not None:
+            dark = _plus_scalar(-distance, *_register((light.range,))) < 0
+        if light.spot is not None:
+            strength, outside = _spot(light.spot, vector, strength)
+            dark = dark | outside
+        strength = np.where(dark, ZERO, strength)
+    facing = _dot(normal, direction)
+    dark = dark | (facing < 0)
+    diffuse = _times(strength, np.where(dark, ZERO, facing))
+    highlight, unlit = _highlight(light, material, lighting, geometry, normal, direction)
+    specular = _times(strength, np.where(dark | unlit, ZERO, highlight))
+    return _Strengths(strength, diffuse, specular)
+
+
+def _spot(spot, vector, strength):
+    """Attenuation times the cone's factor, and where the factor is not positive."""
+    x = transform_dot((*vector, ONE), [single(np.float64(c)) for c in spot.axis])
+    x = np.minimum(to_lighting(x), ONE)
+    a, b, c = _register(spot.coefficients)
+    above = _plus_scalar(x, a)
+    factor = _times(above, lighting_reciprocal(_plus_scalar(_times(x, b), c)))
+    return _times(strength, factor), above <= 0
+
+
+def _highlight(light, material, lighting, geometry, normal, direction):
+    """The specular factor, and where it is zero."""
+    coefficients = material.specular_coefficients
+    if light.position[3] == 0 and not lighting.local_viewer:
+        half = light.half_vector
+        if half is None:
+            towards = normalize([np.float64(c) for c in light.position[:3]])
+            viewer = [np.float64(c) for c in lighting.viewer_direction]
+            half = normalize([c + e for c, e in zip(towards, viewer, strict=True)])
+        x = _dot(normal, _register(half))
+        if coefficients is None:
+            return to_lighting(single(power(positive(x), material.shininess))), x < 0
+        a, b, c = _register(coefficients[:3])
+        above = _plus_scalar(x, a)
+        return _times(above, lighting_reciprocal(_plus_scalar(_times(x, b), c))), above < 0
+    half = [_plus(e, d) for e, d in zip(geometry.viewer, direction, strict=True)]
+    square, x = _dot(half, half), _dot(normal, half)
+    xx = _times(x, x)
+    if coefficients is None:
+        cosine = positive(x) / np.sqrt(np.where(square == 0, ONE, square))
+        return to_lighting(single(power(cosine, material.shininess))), x < 0
+    a, b, c = _register(coefficients[3:])
+    above = _plus_scalar(xx, _times(square, a))
+    below = _plus_scalar(_plus_scalar(_times(xx, b), ZERO), _times(square, c))
+    return _times(above, lighting_reciprocal(below)), (x < 0) | (above < 0)
+
+
+# ------------------------------------------------------------------------------------------------ colours
+
+
+def sources_of(lighting, side):
+    """Where a face's material colours come from: the unit's own setting, or color material's."""
+    given = lighting.front_sources if side == Face.FRONT else lighting.back_sources
+    if given is not None:
+        return given
+    tracking = lighting.color_material
+    if tracking is None or tracking.face not in (side, Face.FRONT_AND_BACK):
+        return ColorSources()
+    return ColorSources(**dict.fromkeys(_TRACKED[tracking.parameter], ColorSource.PRIMARY))
+
+
+def _light_color(light, name, side, material):
+    """The register of a light's colour: times the material's, or as it is where that is None."""
+    back = getattr(light, f"back_{name}") if side == Face.BACK else None
+    given = [np.float64(value) for value in (getattr(light, name) if back is None else back)[:3]]
+    if material is not None:
+        own = [np.float64(value) for value in getattr(material, name)[:3]]
+        given = [a * b for a, b in zip(given, own, strict=True)]
+    return _register(given)
+
+
+def _start(lighting, material, side, sources, vertex_colors):
+    """The primary colour before any light: emission plus ambient times the scene's."""
+    scene = lighting.model_ambient
+    if side == Face.BACK and lighting.back_model_ambient is not None:
+        scene = lighting.back_model_ambient
+    emission, ambient = vertex_colors[sources.emission], vertex_colors[sources.ambient]
+    if ambient is None:
+        lit = [np.float64(material.ambient[c]) * np.float64(scene[c]) for c in range(3)]
+        if emission is None:
+            return _register(np.float64(material.emission[c]) + lit[c] for c in range(3))
+        return [_plus(r, e) for r, e in zip(_register(lit), emission, strict=True)]
+    emission = _register(material.emission[:3]) if emission is None else emission
+    return [_plus(e, _times(a, s)) for e, a, s in zip(emission, ambient, _register(scene[:3]), strict=True)]
+
+
+def _face(lighting, side, geometry, color, secondary, folded):
+    material = lighting.front if side == Face.FRONT else lighting.back
+    sources = sources_of(lighting, side)
+    given = ([to_lighting(single(c)) for c in columns[:3]] for columns in (color, secondary))
+    vertex_colors = (None, *given)  # by ColorSource
+    sign = ONE if side == Face.FRONT else -ONE
+    primary = _start(lighting, material, side, sources, vertex_colors)
+    shine = [ZERO, ZERO, ZERO]
+    for light in lighting.lights:
+        normal = [sign * c for c in geometry.normal]
+        strengths = _strengths(light, material, lighting, geometry, normal)
+        for name in _COLORS:
+            follows = vertex_colors[getattr(sources, name)]
+            register = _light_color(light, name, side, material if follows is None else None)
+            for c in range(3):
+                term = _times(getattr(strengths, name), register[c])
+                if follows is not None:
+                    term = _times(term, follows[c])
+                if name == "specular" and not folded:
+                    shine[c] = _plus(shine[c], term)
+                else:
+                    primary[c] = _plus(primary[c], term)
+    alphas = (to_lighting(single(np.float64(material.diffuse[3]))), color[3], secondary[3])
+    return [*primary, alphas[sources.diffuse]], shine
+
+
+def light_vertices(vertex, inverse, position, normal, color, secondary):
+    """Light every vertex.
+
+    vertex: VertexState; inverse: of its modelview matrix's upper left 3x3, or None without lights;
+    position, normal: object coordinates, 4 and 3 columns; color, secondary: of the vertex, 4 columns each.
+    Returns two lists, front and back, of 8 columns each: primary and secondary colour, not clamped; what is
+    not a number (infinity minus infinity) is 1. Without two-sided lighting both are the same list.
+    """
+    lighting = vertex.lighting
+    geometry = _geometry(lighting, vertex, inverse, position, normal) if lighting.lights else None
+    folded = not lighting.separate_specular_color or vertex.secondary_color == SecondaryColor.DISABLED
+    results = []
+    for side in (Face.FRONT, Face.BACK) if lighting.two_side else (Face.FRONT,):
+        primary, shine = _face(lighting, side, geometry, color, secondary, folded)
+        given = shine if lighting.separate_specular_color else secondary[:3]
+        colors = [*primary, *given, secondary[3]]
+        results.append([np.where(np.isnan(column), ONE, column) for column in colors])
+    return results[0], results[-1]
+
+
+def secondary_output(colors, output):
+    """Eight columns with the secondary colour that the machine hands on."""
+    if output == SecondaryColor.FROM_VERTEX:
+        return colors
+    if output == SecondaryColor.OPAQUE:
+        return [*colors[:7], ONE]
+    return [*colors[:4], ZERO, ZERO, ZERO, ONE]

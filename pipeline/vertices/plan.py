@@ -1,0 +1,250 @@
+"""What one pass over a mesh's vertices has to compute, as rows that ``fixedpipe.raster.primitives.vertices`` reads, and what of
+it a mesh has already.
+
+A Mesh cannot change, so what follows from it alone is made once and kept as long as it lives. Nothing that a
+matrix touches is kept.
+"""
+
+import weakref
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fixedpipe.pipeline.enums import PolygonMode, PrimitiveType, TexGenMode, VertexStage, WindowOrigin
+from fixedpipe.pipeline.state import IDENTITY
+from fixedpipe.pipeline.vertices.arithmetic import columns_of
+from fixedpipe.pipeline.vertices.assembly import assemble
+from fixedpipe.raster.primitives import vertices as V
+
+_LINEAR_MODES = frozenset({TexGenMode.NONE, TexGenMode.OBJECT_LINEAR, TexGenMode.EYE_LINEAR})
+_COORDINATES = (0.0, 0.0, 0.0, 1.0)  # of a vertex that has none
+_PLANS_KEPT = 32  # of one mesh: a state that is made anew for every frame is never found again
+
+
+@dataclass(eq=False, slots=True)
+class MeshColumns:
+    """What follows from a Mesh alone, as far as it was asked for. The arrays are shared: write to none.
+
+    triangles    by provoking vertex: ``fixedpipe.pipeline.vertices.assembly.assemble``
+    coordinates  by each unit's texture coordinate set, None where it is disabled: float64 [n, units, 4], and
+                 for each unit whether some q is not 1
+    given        by texture coordinate sets: float64 [c, n], the positions' components, then the sets'
+    colors       of vertices without lighting, by how they become bytes (``fixedpipe.pipeline.vertices.stage``)
+    unrounded    the same before they become bytes: float64 [n, 8] or [n, 16]; [1, ...] where they are equal
+    plans        by what of the state they follow from, the profile and the framebuffer's size
+    no_fog       float64 [n], zeros
+    """
+
+    no_fog: np.ndarray
+    triangles: dict = field(default_factory=dict)
+    coordinates: dict = field(default_factory=dict)
+    given: dict = field(default_factory=dict)
+    colors: dict = field(default_factory=dict)
+    unrounded: dict = field(default_factory=dict)
+    plans: dict = field(default_factory=dict)
+
+
+_of_mesh = weakref.WeakKeyDictionary()
+
+
+def mesh_columns(mesh):
+    """The MeshColumns of a Mesh."""
+    found = _of_mesh.get(mesh)
+    if found is None:
+        found = _of_mesh.setdefault(mesh, MeshColumns(np.zeros(len(mesh.positions))))
+    return found
+
+
+def _triangles(mesh, columns, provoking):
+    found = columns.triangles.get(provoking)
+    if found is None:
+        found = columns.triangles[provoking] = assemble(mesh, provoking)
+    return found
+
+
+def _set(mesh, number):
+    return mesh.texture_coordinates[number] if number < len(mesh.texture_coordinates) else None
+
+
+def _coordinates(mesh, columns, sets):
+    found = columns.coordinates.get(sets)
+    if found is None:
+        stacked = np.empty((len(mesh.positions), len(sets), 4))
+        for unit, number in enumerate(sets):
+            array = None if number is None else _set(mesh, number)
+            for component, column in enumerate(columns_of(array, _COORDINATES)):
+                stacked[:, unit, component] = column
+        projective = tuple((stacked[:, :, 3] != 1.0).any(axis=0).tolist())
+        found = columns.coordinates[sets] = stacked, projective
+    return found
+
+
+def _given(mesh, columns, sets):
+    found = columns.given.get(sets)
+    if found is None:
+        arrays = [mesh.positions.T, *(_set(mesh, number).T for number in sets)]
+        found = columns.given[sets] = np.ascontiguousarray(np.concatenate(arrays))
+    return found
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Plan:
+    """The arguments of ``fixedpipe.raster.primitives.vertices.transform_vertices`` that a mesh and a state settle.
+
+    triangles     int32 [k, 4], the mesh's
+    rows          how many columns a chunk needs
+    units         how many units' coordinates the kernel writes: all, or none
+    coordinates   what the mesh has of them (MeshColumns), if that is all; else None
+    keeps_eye     whether eye coordinates are the kernel's last four results
+    clip          ``results`` for the kernel that keeps clip coordinates alone
+    """
+
+    triangles: np.ndarray
+    given: np.ndarray
+    sums: np.ndarray
+    coefficients: np.ndarray
+    results: np.ndarray
+    parameters: np.ndarray
+    rows: int
+    units: int
+    coordinates: tuple | None
+    keeps_eye: bool
+    clip: np.ndarray
+
+
+class _Sums:
+    """Weighted sums, each in a row of its own behind the rows of what is given."""
+
+    def __init__(self, given):
+        self.rows, self.sums, self.coefficients = V.FIRST_GIVEN + given, [], []
+
+    def add(self, coefficients, rows):
+        """The row of what ``fixedpipe.pipeline.vertices.arithmetic.weighted_sum`` gives for columns in ``rows``."""
+        terms = [(c, row) for c, row in zip(coefficients, rows, strict=True) if c != 0]
+        if not terms:
+            return V.ZEROS
+        if len(terms) == 1 and terms[0][0] == 1:
+            return terms[0][1]
+        padding = [0] * (4 - len(terms))
+        self.sums.append([self.rows, len(terms), *(row for _, row in terms), *padding])
+        self.coefficients.append([*(np.float64(c) for c, _ in terms), *padding])
+        self.rows += 1
+        return self.rows - 1
+
+    def transform(self, matrix, rows):
+        """Rows of ``fixedpipe.pipeline.vertices.arithmetic.transform``."""
+        return [self.add(row, rows) for row in matrix]
+
+
+def _vector(first, components):
+    """Rows of a vector with so many components, the first in row ``first``; the others are 0, 0 and 1."""
+    return [first + k if k < components else (V.ONES if k == 3 else V.ZEROS) for k in range(4)]
+
+
+def _parameters(state, profile, half_size, center, width, height):
+    viewport, band = state.vertex.viewport, profile.guard_band
+    near, far = np.float64(viewport.near), np.float64(viewport.far)
+    row = np.empty(V.PARAMETERS)
+    row[[V.HALF_X, V.HALF_Y]] = half_size
+    row[[V.CENTER_X, V.CENTER_Y]] = center
+    row[[V.LOW_X, V.LOW_Y]] = center[0] + band, center[1] + band
+    row[[V.HIGH_X, V.HIGH_Y]] = (width + band) - center[0], (height + band) - center[1]
+    row[V.DEPTH_SCALE], row[V.DEPTH_OFFSET] = (far - near) * np.float64(0.5), (far + near) * np.float64(0.5)
+    row[V.SNAP_LOW], row[V.SNAP_HIGH_X], row[V.SNAP_HIGH_Y] = -band, width + band, height + band
+    row[V.STEPS], row[V.HEIGHT] = 1 << profile.subpixel_bits, height
+    row[V.UPPER_LEFT] = profile.device_origin == WindowOrigin.UPPER_LEFT
+    row[V.PERSPECTIVE] = state.perspective_correction
+    return row
+
+
+def _is_covered(mesh, state):
+    vertex, polygon = state.vertex, state.polygon
+    return (
+        vertex.stage == VertexStage.FIXED_FUNCTION
+        and vertex.composite is None
+        and not vertex.clip_planes
+        and state.depth_clamp is None
+        and mesh.primitive < PrimitiveType.POINTS
+        and (polygon.front_mode, polygon.back_mode) == (PolygonMode.FILL, PolygonMode.FILL)
+        and not any(unit is not None and any(unit.cylinder_wrap) for unit in state.texture_units)
+    )
+
+
+def _linear_coordinates(mesh, units, sets, first, sums, position, eye):
+    """Rows of s, t, r, q of every unit; ``first``: the row of the first texture coordinate set."""
+    at = {}
+    for number in sets:
+        at[number] = first
+        first += _set(mesh, number).shape[1]
+    results = []
+    for unit in units:
+        if unit is None:
+            results += _vector(0, 0)
+            continue
+        array = _set(mesh, unit.coordinates)
+        rows = _vector(at.get(unit.coordinates, 0), 0 if array is None else array.shape[1])
+        for axis, gen in enumerate(unit.gen):
+            if gen.mode != TexGenMode.NONE:
+                rows[axis] = sums.add(gen.plane, position if gen.mode == TexGenMode.OBJECT_LINEAR else eye)
+        results += sums.transform(unit.matrix, rows)
+    return results
+
+
+def _plan(mesh, columns, state, profile, half_size, center, width, height):
+    if not _is_covered(mesh, state):
+        return None
+    units, vertex = state.texture_units, state.vertex
+    modes = {gen.mode for unit in units if unit is not None for gen in unit.gen}
+    as_given = modes <= {TexGenMode.NONE} and all(u is None or u.matrix == IDENTITY for u in units)
+    linear = not as_given and modes <= _LINEAR_MODES
+    used = {unit.coordinates for unit in units if unit is not None} if linear else ()
+    sets = tuple(sorted(number for number in used if _set(mesh, number) is not None))
+    given = _given(mesh, columns, sets)
+    sums = _Sums(len(given))
+    components = mesh.positions.shape[1]
+    position = _vector(V.FIRST_GIVEN, components)
+    eye = sums.transform(vertex.modelview, position)
+    results = sums.transform(vertex.projection, eye)
+    coordinates = None
+    if as_given:
+        coordinates = _coordinates(mesh, columns, tuple(None if u is None else u.coordinates for u in units))
+    elif linear:
+        first = V.FIRST_GIVEN + components
+        results += _linear_coordinates(mesh, units, sets, first, sums, position, eye)
+    keeps_eye = vertex.lighting is not None or state.fog is not None or not (as_given or linear)
+    return Plan(
+        triangles=_triangles(mesh, columns, state.polygon.provoking_vertex),
+        given=given,
+        sums=np.array(sums.sums, np.int32).reshape(-1, 6),
+        coefficients=np.array(sums.coefficients, np.float64).reshape(-1, 4),
+        results=np.array([*results, *(eye if keeps_eye else ())], np.int32),
+        parameters=_parameters(state, profile, half_size, center, width, height),
+        rows=sums.rows,
+        units=len(units) if linear else 0,
+        coordinates=coordinates,
+        keeps_eye=keeps_eye,
+        clip=np.array(results[:4] * 2, np.int32),
+    )
+
+
+def plan_of(mesh, columns, state, profile, width, height, viewport):
+    """The Plan for drawing a mesh in a state, or None if ``fixedpipe.raster.primitives.vertices`` cannot.
+
+    ``columns``: the mesh's; ``viewport``: a function of ``state.vertex.viewport``, ``width`` and ``height``
+    that gives half its size and its middle.
+    """
+    vertex, units, polygon = state.vertex, state.texture_units, state.polygon
+    # All that a plan follows from: states that differ in nothing else share it.
+    key = (
+        id(vertex), id(units), id(polygon), id(profile), width, height, state.fog is None,
+        state.depth_clamp is None, state.perspective_correction,
+    )  # fmt: skip
+    found = columns.plans.get(key)
+    # The entry holds what the ids name, so that they name nothing else while it is there.
+    if found is None:
+        half_size, center = viewport(vertex.viewport, width, height)
+        plan = _plan(mesh, columns, state, profile, half_size, center, width, height)
+        if len(columns.plans) >= _PLANS_KEPT:
+            columns.plans.clear()
+        found = columns.plans[key] = plan, vertex, units, polygon, profile
+    return found[0]

@@ -1,0 +1,191 @@
+"""Points and lines on their way to rasterization: sizes, outlines of polygons, and the squares of points.
+
+docs/numbers.md section 11 fixes the rules. A row is one of ``WindowPrimitives.triangles``; ``fixedpipe.raster.rows``
+has the codes of its kinds.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from fixedpipe.pipeline.enums import Face, FrontFace, PolygonMode, PrimitiveType, VertexStage
+from fixedpipe.pipeline.vertices.arithmetic import (
+    ONE,
+    columns_of,
+    keep_significant_bits,
+    length,
+    positive,
+    weighted_sum,
+)
+from fixedpipe.raster import codes as C
+from fixedpipe.raster.rows import COUNTER, END_STEP, FIRST_STEP, KIND
+
+_EDGES = ((1, 2), (2, 0), (0, 1))  # in the order in which a triangle's outline is drawn
+_SIZE_BITS = 7  # significant bits of what a point size's inverse square root reads
+
+_SMALLEST = 1 / 8  # pixels: a size of 0 draws what this draws
+_NO_SOURCE = (0, -1, -1, -1, 0, 0, 0)
+
+
+def draws_points(mesh, polygon):
+    """Whether a mesh may be drawn as points."""
+    modes = polygon.front_mode, polygon.back_mode
+    return mesh.primitive == PrimitiveType.POINTS or PolygonMode.POINT in modes
+
+
+def point_sizes(mesh, state, profile, eye):
+    """The size of every vertex's point in pixels: a column.
+
+    Measured: Point_params Scale_0_0_1_FF, 192 of 192 points; the inverse square root reads 7 significant bits
+    (6 to 9 give the same points).
+    """
+    point = state.point
+    if state.vertex.stage == VertexStage.PROGRAM_RESULTS:
+        written = point.program_size and mesh.point_sizes is not None
+        default = 1.0 if point.program_size else point.size
+        (size,) = columns_of(mesh.point_sizes[:, None] if written else None, (default,))
+    elif point.parameters is None:
+        size = np.float64(point.size)
+    else:
+        given, d = point.parameters, length(eye[:3])
+        under = weighted_sum(given.attenuation, (ONE, d, d * d))
+        under = keep_significant_bits(np.asarray(positive(under)), _SIZE_BITS)
+        factor = np.fmin(positive(ONE / np.sqrt(under) + np.float64(given.bias)), ONE)
+        size = factor * np.float64(given.range) + np.float64(given.minimum)
+    return np.fmin(np.fmax(size, np.float64(_SMALLEST)), np.float64(profile.max_point_size))
+
+
+def outlined(triangles, boundary, x, y, polygon):
+    """Rows and their strokes of triangles in the modes of their faces, and which triangle each came from;
+    those that are culled are left out.
+
+    triangles int32 [k, 4]; boundary uint8 [k]: bit j for the edge ``_EDGES[j]``; x, y int32 [n]. A triangle
+    without area faces as a counter-clockwise one does. Measured: Front_face FrontFace_LM captures.
+    """
+    corner_x, corner_y = x[triangles[:, :3]].astype(np.int64), y[triangles[:, :3]].astype(np.int64)
+    (x0, x1, x2), (y0, y1, y2) = corner_x.T, corner_y.T
+    counter_clockwise = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0) <= 0
+    front = counter_clockwise == (polygon.front_face == FrontFace.CCW)
+    mode = np.where(front, polygon.front_mode, polygon.back_mode)
+    culled = {None: front & False, Face.FRONT: front, Face.BACK: ~front}.get(polygon.cull_face, front | True)
+
+    rows = np.repeat(triangles[:, None], 3, axis=1)
+    drawn = np.zeros((len(triangles), 3), bool)
+    drawn[:, 0] = mode == PolygonMode.FILL  # the kernels cull these
+    for j, (start, end) in enumerate(_EDGES):
+        outline = (mode != PolygonMode.FILL) & ~culled
+        drawn[:, j] |= outline & ((boundary >> j) & 1 != 0)
+        first = triangles[:, start]
+        second = np.where(mode == PolygonMode.LINE, triangles[:, end], first)
+        rows[outline, j, :3] = np.stack([second, first, first], axis=1)[outline]
+    kinds = np.choose(mode, [C.PRIMITIVE_POINT, C.PRIMITIVE_LINE, C.PRIMITIVE_TRIANGLE])
+    nothing = np.zeros((len(triangles), 3), np.int32)
+    strokes = np.column_stack([kinds, ~front, triangles[:, :3], nothing])[:, None].repeat(3, axis=1)
+    return rows[drawn], strokes[drawn].astype(np.int32), np.nonzero(drawn)[0]
+
+
+def with_strokes(primitives, kind):
+    """The same primitives, whose rows are all lines or all points."""
+    strokes = np.array([(kind, *_NO_SOURCE)], np.int32).repeat(len(primitives.triangles), axis=0)
+    return replace(primitives, strokes=strokes)
+
+
+def whole_size(size):
+    """A line's width or a point's size as OpenGL rounds it: to the nearest integer, at least 1.
+
+    Source: OpenGL 1.2.1 sections 3.3 and 3.4.2; Assumed: halves up. ``size``: a number or a column, pixels.
+    """
+    return np.fmax(np.floor(size + 0.5), 1.0).astype(np.int64)
+
+
+def _left_from(major, minor, toward_major, toward_minor, y_is_major, at_major, at_minor):
+    """The first step of a line, in its direction, whose diamond it leaves behind a point of it.
+
+    All int64 [k], 1/16 pixel, y down: a point of the line, its direction, whether y is the longer axis, and
+    the point in question. Points are moved left by next to nothing, and down by next to nothing of that.
+    Source: OpenGL 1.2.1 section 3.4.1.
+    """
+    sign, length = np.where(toward_major < 0, -1, 1), np.maximum(abs(toward_major), 1)
+    rise = sign * toward_minor
+    tie = np.where(y_is_major | (rise < 0), 1, 0)
+    sides = toward_major + toward_minor, toward_major - toward_minor
+    step = (at_major >> 4) - sign
+    for _ in range(2):
+        # The pixel of that step whose diamond the line crosses, and the two sides through which it may leave.
+        center = 16 * step + 8
+        crossed = (minor * length + (center - major) * rise - tie) // (16 * length)
+        ahead, beside = at_major - center, at_minor - (16 * crossed + 8)
+        moved = np.int64(-1), np.where(y_is_major, 1, -1)
+        left = [
+            np.sign(side) * (2 * value + by) >= 16
+            for side, value, by in zip(sides, (ahead + beside, ahead - beside), moved, strict=True)
+        ]
+        step = np.where(left[0] | left[1], step + sign, step)
+    return step
+
+
+def with_steps(primitives, groups, line, profile):
+    """The same primitives, whose lines know their steps and where in the line stipple they begin.
+
+    groups int64 [k]: rows that follow each other with the same number share a counter; ``line``: a LineState.
+    """
+    strokes = primitives.strokes.copy()
+    rows = np.flatnonzero(strokes[:, KIND] == C.PRIMITIVE_LINE)
+    ends = primitives.triangles[rows][:, [1, 0]]
+    x, y = primitives.x[ends].astype(np.int64), primitives.y[ends].astype(np.int64)
+    across, down = x[:, 1] - x[:, 0], y[:, 1] - y[:, 0]
+    y_is_major = abs(across) < abs(down)
+    if profile.diamond_exit_lines:
+        beside = 8 * (whole_size(line.width) - 1)
+        x, y = np.where(y_is_major[:, None], x - beside, x), np.where(y_is_major[:, None], y, y + beside)
+        major, minor = np.where(y_is_major, [y.T, x.T], [x.T, y.T])
+        toward = np.where(y_is_major, [down, across], [across, down])
+        first, end = (_left_from(major[0], minor[0], *toward, y_is_major, major[k], minor[k]) for k in (0, 1))
+    else:
+        first, end = np.where(y_is_major, y.T, x.T) >> 4
+    strokes[rows, FIRST_STEP], strokes[rows, END_STEP] = first, end
+    if line.stipple is not None and len(rows):
+        before = np.cumsum(abs(end - first)) - abs(end - first)
+        begins = np.diff(groups[rows], prepend=groups[rows[0]] - 1) != 0
+        began = before[begins][np.cumsum(begins) - 1]
+        strokes[rows, COUNTER] = (before - began) % (16 * line.stipple[0])
+    return replace(primitives, strokes=strokes)
+
+
+def with_squares(primitives, sizes, units, profile):
+    """The same primitives, in which a point's row names three corners of its square.
+
+    sizes: a column, pixels; a machine with ``diamond_exit_lines`` rounds them, and moves the point to the
+    middle of a pixel or to a corner (Source: OpenGL 1.2.1 section 3.3). units: the texture units whose
+    coordinates sprites replace: s runs from left to right and t from top to bottom. Measured: Point_sprite
+    AlphaTest, 305506 of 305506 pixels; which corners these are shows on exact texel boundaries (section 6's
+    rule of ties), 189 of the pixels.
+    """
+    points = np.flatnonzero(primitives.strokes[:, 0] == C.PRIMITIVE_POINT)
+    at = primitives.triangles[points, 0].repeat(3)  # lower left, lower right, upper right
+    sizes = np.broadcast_to(sizes, len(primitives.x))[at]
+    half = (8 * whole_size(sizes) if profile.diamond_exit_lines else np.trunc(sizes * 8.0)).astype(np.int32)
+    right, low = np.tile([False, True, True], len(points)), np.tile([True, True, False], len(points))
+    grown = {
+        name: np.concatenate([getattr(primitives, name), getattr(primitives, name)[at]])
+        for name in ("x", "y", "z", "inverse_w", "colors", "coordinates", "fog")
+    }
+    first = len(primitives.x)
+    if profile.diamond_exit_lines:
+        odd, x, y = (half & 8) != 0, primitives.x[at], primitives.y[at]
+        grown["x"][first:] = np.where(odd, (x & -16) + 8, (x + 8) & -16)
+        grown["y"][first:] = np.where(odd, -(-y & -16) - 8, -((8 - y) & -16))  # window y runs upwards
+    grown["x"][first:] += np.where(right, half, -half)
+    grown["y"][first:] += np.where(low, half, -half)
+    for i in units:
+        grown["coordinates"][first:, i] = np.stack([right, low, right & False, right | True], axis=1)
+    triangles = primitives.triangles.copy()
+    triangles[points, :3] = (first + np.arange(3 * len(points))).reshape(-1, 3)
+    return replace(primitives, triangles=triangles, **grown)
+
+
+def sprite_units(state):
+    """The texture units whose coordinates point sprites replace."""
+    if not state.point.sprite:
+        return []
+    return [i for i, unit in enumerate(state.texture_units) if unit is not None and unit.coord_replace]

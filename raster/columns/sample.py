@@ -1,0 +1,163 @@
+"""Texture sampling at any width (docs/numbers.md, sections 6 and 7), on columns.
+
+A level is [faces or layers, h, w, c] of whole numbers, bottom row first. Coordinates count texels.
+"""
+
+import numpy as np
+
+from fixedpipe.raster import codes as C
+from fixedpipe.raster.columns.interpolate import major_axis, on_face
+from fixedpipe.raster.columns.numbers import lerp
+from fixedpipe.raster.columns.per_fragment import compare
+
+TAU = 2.0**-24  # texels: lifts computed coordinates over the noise of float64
+
+
+def wrapped(texel, mode, size):
+    """T brought into the texture's range; what is not a number becomes its lower end (section 6)."""
+    n = float(size)
+    low, high = {
+        C.WRAP_REPEAT: (0.0, n),
+        C.WRAP_MIRRORED_REPEAT: (0.0, 2.0 * n),
+        C.WRAP_CLAMP: (0.0, n),
+        C.WRAP_CLAMP_TO_EDGE: (0.5, n - 0.5),
+        C.WRAP_CLAMP_TO_BORDER: (-0.5, n + 0.5),
+    }[mode]
+    if mode in (C.WRAP_REPEAT, C.WRAP_MIRRORED_REPEAT):
+        texel = texel - high * np.floor(texel * (1.0 / high))
+    return np.where(texel > low, np.where(texel < high, texel, high), low)
+
+
+def index_of(i, mode, size, linear):
+    """(texel indices inside 0..size-1, where they read the border or None)."""
+    if mode == C.WRAP_REPEAT:
+        return i % size, None
+    if mode == C.WRAP_MIRRORED_REPEAT:
+        i = i % (2 * size)
+        return np.minimum(i, 2 * size - 1 - i), None
+    if mode == C.WRAP_CLAMP_TO_BORDER or (mode == C.WRAP_CLAMP and linear):
+        return np.clip(i, 0, size - 1), (i < 0) | (i >= size)
+    if mode in (C.WRAP_CLAMP, C.WRAP_CLAMP_TO_EDGE):
+        return np.clip(i, 0, size - 1), None
+    raise ValueError(f"{mode!r} is no wrap mode.")
+
+
+def along(texel, mode, size, linear, fraction_bits):
+    """Indices along an axis, a list of one or two ``index_of``, and the fraction between them."""
+    texel = wrapped(texel, mode, size)
+    if not linear:
+        return [index_of(np.floor(texel).astype(np.int64), mode, size, False)], None
+    position = np.floor((texel - 0.5) * float(1 << fraction_bits)).astype(np.int64)
+    i = position >> fraction_bits
+    pair = [index_of(i, mode, size, True), index_of(i + 1, mode, size, True)]
+    return pair, position & ((1 << fraction_bits) - 1)
+
+
+def positions(coordinates, target, divided, computed, size, flat=False):
+    """(T_s, T_t, T_r) of s, t, r, q float64 [k, 4] and the face or None.
+
+    ``size`` (width, height, layers) of the level; ``divided``: by q; ``computed``: the coordinates are lifted
+    by TAU. ``flat``: s and t, t downwards, on a cube map's first face.
+    """
+    if target == C.TARGET_CUBE_MAP:
+        face = major_axis(coordinates)
+        if flat:
+            s, t = coordinates[:, 0], coordinates[:, 1]
+            coordinates, face = np.stack([np.ones_like(s), t, -s, s], axis=1), np.zeros_like(face)
+        sc, tc, major = on_face(coordinates, face)
+        half, none = 0.5 * float(size[0]), ~(major > 0.0)
+        divisor = np.where(none, 1.0, major)
+        s, t = (np.where(none, 0.0, (c / divisor + 1.0) * half) + TAU for c in (sc, tc))
+        return (s, t, None), face
+    bias = TAU if divided or computed else 0.0
+    str_ = [coordinates[:, i] for i in range(3)]
+    if divided:
+        q = np.where(coordinates[:, 3] == 0.0, 1.0, coordinates[:, 3])
+        str_ = [c / q for c in str_]
+    if target == C.TARGET_RECTANGLE:
+        size = (1.0, 1.0, 0.0)
+    return tuple(c * float(n) + bias for c, n in zip(str_, size, strict=True)), None
+
+
+def filter_level(level, places, face, modes, linear, target, border, fraction_bits, read, tap=None):
+    """One filtered texel of each fragment, int64 [k, c].
+
+    ``places``: of ``positions``; ``modes``: of s, t and r; ``border`` int64 [c]; ``read``: None, or what is
+    made of texels int64 [k, c] before they are filtered. ``tap``: None, or which of the filter's texels is
+    wanted, 0 or 1 of layers, rows and columns: then int64 [k, c + 4], the texel, and the fractions
+    between columns, rows and layers, and 0.
+    """
+    layers, height, width = level.shape[:3]
+    columns, across = along(places[0], modes[0], width, linear, fraction_bits)
+    if target == C.TARGET_1D:
+        rows, up = [(np.zeros(len(places[0]), np.int64), None)], None
+    else:
+        rows, up = along(places[1], modes[1], height, linear, fraction_bits)
+    if target == C.TARGET_3D:
+        planes, deep = along(places[2], modes[2], layers, linear, fraction_bits)
+    else:
+        planes, deep = [(0 if face is None else face, None)], None
+
+    def texel(plane, row, column):
+        found = level[plane[0], row[0], column[0]].astype(np.int64)
+        found = found if read is None else read(found)
+        for outside in (plane[1], row[1], column[1]):
+            if outside is not None:
+                found[outside] = border
+        return found
+
+    if tap is not None:
+        wanted = [
+            some[min(side, len(some) - 1)] for some, side in zip((planes, rows, columns), tap, strict=True)
+        ]
+        none = np.zeros(len(places[0]), np.int64)
+        fractions = [none if some is None else some for some in (across, up, deep)]
+        return np.concatenate([texel(*wanted), np.stack([*fractions, none], axis=1)], axis=1)
+
+    def filtered_row(plane, row):
+        taps = [texel(plane, row, column) for column in columns]
+        return taps[0] if len(taps) == 1 else lerp(taps[0], taps[1], across[:, None], fraction_bits)
+
+    def filtered_plane(plane):
+        lines = [filtered_row(plane, row) for row in rows]
+        found = lines[0] if len(lines) == 1 else lerp(lines[0], lines[1], up[:, None], fraction_bits)
+        if plane[1] is not None:  # the border's filter is the border
+            found[plane[1]] = border
+        return found
+
+    parts = [filtered_plane(plane) for plane in planes]
+    return parts[0] if len(parts) == 1 else lerp(parts[0], parts[1], deep[:, None], fraction_bits)
+
+
+def comparison(reference, function, held, failed):
+    """What makes depth texels, bytes [k, 4] with the lowest first, ``held`` or ``failed``, int64 [4].
+
+    ``reference`` int64 [k]: depth words. Measured: 48 captures (Texture_shadow_comparator).
+    """
+
+    def compared(texels):
+        words = texels[:, 0] | texels[:, 1] << 8 | texels[:, 2] << 16 | texels[:, 3] << 24
+        holds = compare(function, reference, words)
+        return np.where(holds[:, None], held, failed)
+
+    return compared
+
+
+def depth_reference(value, mantissa_bits, largest):
+    """Depth units float64 [k] as the words of a depth texture (section 12)."""
+    positive = value > 0.0
+    limited = np.where(positive, np.minimum(value, 2.0**200), 0.0)
+    if mantissa_bits == 0:
+        return np.minimum(limited, float(largest)).astype(np.int64)
+    bias = 7 if mantissa_bits == 12 else 127
+    words = (limited.view(np.int64) >> (52 - mantissa_bits)) - ((1023 - bias) << mantissa_bits)
+    return np.where(positive, np.clip(words, 0, largest), 0)
+
+
+def taps(ratio, pair):
+    """(distance, weight) of a pair of an anisotropic filter's texels, [k] each (section 7)."""
+    distance = np.where(ratio <= 2.0, (ratio - 1.0) / (2.0 * ratio), (pair + 0.5) / ratio)
+    inner = np.floor(256.0 / ratio + 2.0 / 3.0).astype(np.int64)
+    last = np.ceil(ratio * 0.5).astype(np.int64) - 1
+    weight = np.where(pair < last, inner, np.where(pair == last, 128 - inner * last, 0))
+    return distance, np.where(last <= 0, 128 if pair == 0 else 0, weight)

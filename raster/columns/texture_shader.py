@@ -1,0 +1,109 @@
+"""Texture shader stages at any width (docs/numbers.md, sections 12 and 13), on columns.
+
+A stage's texel is int64 [k, 4], red first, of numbers 0..2**bits - 1; where components are signed these are
+their two's complement. Coordinates are float64 [k] or [k, c].
+"""
+
+import numpy as np
+
+from fixedpipe.raster import codes as C
+from fixedpipe.raster.columns.interpolate import major_axis, on_face
+from fixedpipe.raster.columns.numbers import one_of
+
+WORD_BITS = 8  # of a texel that holds words of 16 bits
+_GUARD_BITS = 4  # Measured: 12 fraction bits for bytes (BumpEnvMapLuminance); Assumed: as many more elsewhere
+
+
+def signed(values, bits):
+    """Numbers of ``bits`` bits as two's complement."""
+    return np.where(values >= 1 << (bits - 1), values - (1 << bits), values)
+
+
+def real_texel(values, bits):
+    """A texture shader's real numbers, float64, as components of ``bits`` bits; what is no number is 0."""
+    limited = np.where(values > 0.0, np.minimum(values, 1.0), 0.0)
+    fraction, one = bits + _GUARD_BITS, one_of(bits)
+    whole = np.floor(limited * float(1 << fraction)).astype(np.int64) + 1
+    return np.minimum(whole * one >> fraction, one)
+
+
+def kept(strq, modes):
+    """Which fragments a CULL_FRAGMENT stage keeps, bool [k]; ``modes``: of s, t, r and q."""
+    return ((strq < 0.0) == (np.array(modes) == C.CULL_MODE_LESS)).all(axis=1)
+
+
+def words(texel):
+    """A texel of bytes as two words of 16 bits: alpha and red, green and blue."""
+    return texel[:, 3] << 8 | texel[:, 0], texel[:, 1] << 8 | texel[:, 2]
+
+
+def vector(texel, mapping, bits):
+    """(x, y, z) that a dot product reads of a texel, float64 [k] each."""
+    if mapping == C.DOT_MAPPING_UNSIGNED_HILO:
+        high, low = words(texel)
+        return high / 65535.0, low / 65535.0, 1.0
+    if mapping == C.DOT_MAPPING_SIGNED_HILO_HEMISPHERE:
+        high, low = words(texel)
+        x, y = signed(high, 16) / 32767.0, signed(low, 16) / 32767.0
+        rest = (1.0 - x * x) - y * y
+        return x, y, np.where(rest > 0.0, np.sqrt(np.maximum(rest, 0.0)), 0.0)
+    rgb = texel[:, :3]
+    one, half = float(one_of(bits)), 1 << (bits - 1)
+    if mapping == C.DOT_MAPPING_EXPAND_NORMAL:
+        found = (rgb - half) / float(half - 1)
+    elif mapping == C.DOT_MAPPING_SIGNED_ODD:
+        found = (2.0 * signed(rgb, bits) + 1.0) / one
+    elif mapping == C.DOT_MAPPING_SIGNED_IDENTITY:
+        found = signed(rgb, bits) / float(half - 1)
+    elif mapping == C.DOT_MAPPING_UNSIGNED_IDENTITY:
+        found = rgb / one
+    else:
+        raise ValueError(f"{mapping!r} is no mapping of a dot product.")
+    return found[:, 0], found[:, 1], found[:, 2]
+
+
+def dot(a, b):
+    """``(a0 b0 + a1 b1) + a2 b2`` of three columns each."""
+    return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
+
+
+def offset(strq, texel, matrix, bits):
+    """(s, t) moved by a texel's blue and green, in units of half its range, times the offset matrix."""
+    unit = float(1 << (bits - 1))
+    ds, dt = signed(texel[:, 2], bits) / unit, signed(texel[:, 1], bits) / unit
+    a1, a2, a3, a4 = (float(a) for a in matrix)
+    return (strq[:, 0] + a1 * ds) + a3 * dt, (strq[:, 1] + a2 * ds) + a4 * dt
+
+
+def scaled(texel, bits, magnitude, magnitude_bits, scale, bias):
+    """A texel whose colours are multiplied by another's red, scaled and biased; alpha stays."""
+    factor = (magnitude / float(one_of(magnitude_bits))) * float(scale) + float(bias)
+    colors = real_texel(texel[:, :3] * factor[:, None] / float(one_of(bits)), bits)
+    return np.concatenate([colors, texel[:, 3:]], axis=1)
+
+
+def brdf(eye, light):
+    """(s, t, r) of two texels that are directions: their theta, and the difference of their phi."""
+    (eye_theta, eye_phi), (light_theta, light_phi) = words(eye), words(light)
+    return eye_theta / 65535.0, light_theta / 65535.0, (light_phi - eye_phi) / 65536.0
+
+
+def reflected(normal, eye):
+    """``2 n (n e) - e (n n)`` of three columns each."""
+    twice, square = 2.0 * dot(normal, eye), dot(normal, normal)
+    return tuple(n * twice - e * square for n, e in zip(normal, eye, strict=True))
+
+
+def replaced_depth(numerator, denominator, scale, largest):
+    """(floor of the quotient times ``scale``, int64 [k], and whether it is a word of the depth buffer)."""
+    z = numerator / denominator * float(scale)
+    inside = (z >= 0.0) & (z <= float(largest))  # false where it is not a number
+    return np.floor(np.where(inside, z, 0.0)).astype(np.int64), inside
+
+
+def face_planes(strq):
+    """(s, t, r) of a cube map's access to a two-dimensional texture: on any face, t upwards."""
+    sc, tc, major = on_face(strq, major_axis(strq))
+    some = major > 0.0
+    s, t = (np.where(some, c / major, 0.0) for c in (sc, -tc))
+    return np.stack([s, t, np.zeros_like(s)], axis=1)

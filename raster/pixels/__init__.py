@@ -1,0 +1,1 @@
+"""Whole images: pixel transfer, accumulation, rectangles. No fragments."""

@@ -1,0 +1,579 @@
+"""Texture sampling over a batch (docs/numbers.md, sections 6 and 7).
+
+A texture's levels lie one behind another in one ``uint32`` array of packed register bytes (red in the low
+byte), rows bottom first; a cube map's level holds its six faces in order. Every fragment has its own level,
+so the size of a level is a column too. A nearest filter is a linear one with a fraction of zero.
+"""
+
+import numpy as np
+from numba import float64, int16, int32, int64, uint32, uint64
+
+from fixedpipe.raster import codes as C
+from fixedpipe.raster import rows as R
+from fixedpipe.raster.kernel import bits_of, float_of, kernel, separate_function, separate_loop
+from fixedpipe.raster.portable.shadow import compare_texels
+
+TAU = 2.0**-24  # texels: lifts computed coordinates over the noise of float64 (docs/numbers.md, section 6)
+
+# 2 ** (k / 128) for k = 0 .. 127, each the nearest float64: thresholds of the mantissa of rho squared.
+# Computed from the integer root: floor(2**(52 + k/128) + 1/2) by exact comparison of 128th powers.
+
+
+def _powers_of_two():
+    table = np.empty(128, np.float64)
+    for k in range(128):
+        guess = int(2.0 ** (52 + k / 128))
+        # twice the mantissa, compared exactly: (2 m + 1) ** 128 against 2 ** (128 + 52 * 128 + k)
+        while (2 * guess + 1) ** 128 <= 1 << (128 + 52 * 128 + k):
+            guess += 1
+        while (2 * guess - 1) ** 128 > 1 << (128 + 52 * 128 + k):
+            guess -= 1
+        table[k] = guess * 2.0**-52
+    return table
+
+
+POWERS_OF_TWO = _powers_of_two()
+FAR = int32(1 << 20)  # a lambda beyond every level
+
+
+@kernel
+def log2_q7(x):
+    """floor(128 log2 x) of a positive finite float64, by exponent and comparison with exact powers."""
+    bits = bits_of(x)
+    exponent = (bits >> int64(52)) - int64(1023)
+    mantissa = float_of((bits & int64((1 << 52) - 1)) | int64(1023 << 52))  # in [1, 2)
+    low, high = 0, 127
+    while low < high:
+        middle = (low + high + 1) >> 1
+        if mantissa >= POWERS_OF_TWO[middle]:
+            low = middle
+        else:
+            high = middle - 1
+    return int32(int64(128) * exponent + low)
+
+
+@kernel
+def major_axis(s, t, r):
+    """A direction's face; x before y before z when equal."""
+    if abs(s) >= abs(t) and abs(s) >= abs(r):
+        return C.FACE_POSITIVE_X if s >= 0.0 else C.FACE_NEGATIVE_X
+    if abs(t) >= abs(r):
+        return C.FACE_POSITIVE_Y if t >= 0.0 else C.FACE_NEGATIVE_Y
+    return C.FACE_POSITIVE_Z if r >= 0.0 else C.FACE_NEGATIVE_Z
+
+
+@kernel
+def on_face(face, s, t, r):
+    """(sc, tc, ma) of EXT_texture_cube_map's table; ma <= 0 where the face is not the major one."""
+    if face == C.FACE_POSITIVE_X:
+        return -r, -t, s
+    if face == C.FACE_NEGATIVE_X:
+        return r, -t, -s
+    if face == C.FACE_POSITIVE_Y:
+        return s, r, t
+    if face == C.FACE_NEGATIVE_Y:
+        return s, -r, -t
+    if face == C.FACE_POSITIVE_Z:
+        return s, -t, r
+    return -s, -t, -r
+
+
+@kernel("void(f8[:,::1],i8,i4[:,::1])")
+def cube_faces(floats, count, ints):
+    """From s, t (S, T) and r (EXTRA): each direction's FACE, and in S and T sc/|ma| + 1 and tc/|ma| + 1; 0
+    where there is no direction.
+
+    Measured: no direction reads face +x's first texel, 70 of 70 pixels (DotReflectSpec_1_-1to1 capture).
+    """
+    separate_loop()
+    for i in range(count):
+        s, t, r = floats[R.S, i], floats[R.T, i], floats[R.EXTRA, i]
+        face = major_axis(s, t, r)
+        sc, tc, ma = on_face(face, s, t, r)
+        ints[R.FACE, i] = int32(face)
+        floats[R.S, i] = sc / ma + 1.0 if ma > 0.0 else 0.0
+        floats[R.T, i] = tc / ma + 1.0 if ma > 0.0 else 0.0
+
+
+@kernel("void(f8[:,::1],i8,i8)")
+def divide_by_q(floats, axis, count):
+    """A projective coordinate, column ``axis``, by q (EXTRA); a q of zero counts as one."""
+    separate_loop()
+    pa = uint64(axis)
+    for i in range(count):
+        q = floats[R.EXTRA, i] if floats[R.EXTRA, i] != 0.0 else 1.0
+        floats[pa, i] = floats[pa, i] / q
+
+
+@kernel("void(f8[:,::1],i8,i8,f8,f8,i8)")
+def texel_coordinates(floats, axis, size, bias, scale, count):
+    """TEXEL = coordinate * (scale * size) + bias, for columns ``axis`` and ``size``.
+
+    ``scale``: 1, or 1/2 for a cube face's doubled coordinates, or 0 for coordinates that count texels
+    already.
+    """
+    separate_loop()
+    pa, ps = uint64(axis), uint64(size)
+    if scale == 0.0:
+        for i in range(count):
+            floats[R.TEXEL, i] = floats[pa, i] + bias
+    else:
+        for i in range(count):
+            floats[R.TEXEL, i] = floats[pa, i] * (scale * floats[ps, i]) + bias
+
+
+@kernel("void(f8[:,::1],i8,i8,i8,i4[:,::1],i8)")
+def wrap_repeat(floats, size, count, linear, ints, first):
+    """REPEAT of TEXEL: two neighbours and the 8-bit fraction between them, from column ``first``."""
+    separate_loop()
+    ps, p0, p1, pf = uint64(size), uint64(first), uint64(first + 1), uint64(first + 2)
+    if linear:
+        for i in range(count):
+            n, t = floats[ps, i], floats[R.TEXEL, i]
+            t = t - n * np.floor(t * (1.0 / n))
+            t = t if t > 0.0 else 0.0  # also where t is not a number
+            t = t if t < n else n
+            f = int32(np.floor((t - 0.5) * 256.0))
+            last = int32(int32(n) - int32(1))
+            k = int32(f >> int32(8))
+            ints[pf, i] = int32(f & int32(255))
+            ints[p0, i] = last if k < int32(0) else k
+            ints[p1, i] = int32(0) if k >= last else int32(k + int32(1))
+    else:
+        for i in range(count):
+            n, t = floats[ps, i], floats[R.TEXEL, i]
+            t = t - n * np.floor(t * (1.0 / n))
+            t = t if t > 0.0 else 0.0
+            t = t if t < n else n
+            k = int32(t)
+            ints[p0, i] = int32(0) if k >= int32(n) else k
+
+
+@kernel
+def mirrored_index(k, n):
+    """The texel of index k, -1 to 2n, where every other copy of the texture runs backwards."""
+    j = int32(-1) - k if k < int32(0) else (k - int32(2 * n) if k >= int32(2 * n) else k)
+    return int32(int32(2 * n) - int32(1)) - j if j >= n else j
+
+
+@kernel("void(f8[:,::1],i8,i8,i8,i4[:,::1],i8)")
+def wrap_mirrored(floats, size, count, linear, ints, first):
+    """MIRRORED_REPEAT of TEXEL: the indices are mirrored, not the coordinate.
+
+    Measured: nearest, 48768 of 48768 pixels (CylinderWrapping). Inferred: linear.
+    """
+    separate_loop()
+    ps, p0, p1, pf = uint64(size), uint64(first), uint64(first + 1), uint64(first + 2)
+    for i in range(count):
+        n, t = floats[ps, i], floats[R.TEXEL, i]
+        twice = 2.0 * n
+        t = t - twice * np.floor(t * (1.0 / twice))
+        t = t if t > 0.0 else 0.0  # also where t is not a number
+        t = t if t < twice else twice
+        if linear:
+            f = int32(np.floor((t - 0.5) * 256.0))
+            k = int32(f >> int32(8))
+            ints[pf, i] = int32(f & int32(255))
+            ints[p0, i] = mirrored_index(k, int32(n))
+            ints[p1, i] = mirrored_index(int32(k + int32(1)), int32(n))
+        else:
+            ints[p0, i] = mirrored_index(int32(t), int32(n))
+
+
+@kernel("void(f8[:,::1],i8,i8,i8,f8,i8,i4[:,::1],i8)")
+def wrap_clamp(floats, size, count, linear, margin, border, ints, first):
+    """The other wrap modes: T limited to [-margin, size + margin]; texels outside are clamped or -1."""
+    separate_loop()
+    ps, p0, p1, pf = uint64(size), uint64(first), uint64(first + 1), uint64(first + 2)
+    for i in range(count):
+        n, t = floats[ps, i], floats[R.TEXEL, i]
+        t = t if t > -margin else -margin  # also where t is not a number
+        t = t if t < n + margin else n + margin
+        last = int32(int32(n) - int32(1))
+        if linear:
+            f = int32(np.floor((t - 0.5) * 256.0))
+            a = int32(f >> int32(8))
+            b = int32(a + int32(1))
+            ints[pf, i] = int32(f & int32(255))
+        else:
+            a = int32(np.floor(t))
+            b = a
+        if border:
+            ints[p0, i] = a if (a >= int32(0)) & (a <= last) else int32(-1)
+            ints[p1, i] = b if (b >= int32(0)) & (b <= last) else int32(-1)
+        else:
+            ints[p0, i] = min(max(a, int32(0)), last)
+            ints[p1, i] = min(max(b, int32(0)), last)
+
+
+@kernel
+def wrap_axis(mode, floats, size, count, linear, ints, first):
+    """Choose the loop of a wrap mode."""
+    if mode == C.WRAP_REPEAT:
+        wrap_repeat(floats, size, count, linear, ints, first)
+    elif mode == C.WRAP_CLAMP:
+        wrap_clamp(floats, size, count, linear, 0.0, linear, ints, first)
+    elif mode == C.WRAP_CLAMP_TO_EDGE:
+        wrap_clamp(floats, size, count, linear, -0.5, 0, ints, first)
+    elif mode == C.WRAP_CLAMP_TO_BORDER:
+        wrap_clamp(floats, size, count, linear, 0.5, 1, ints, first)
+    else:
+        wrap_mirrored(floats, size, count, linear, ints, first)
+
+
+@kernel("void(u4[::1],i4[:,::1],i8,u4[:,::1],i8)")
+def fetch_nearest(texels, ints, count, packed, out):
+    """The texel at (I0, J0)."""
+    separate_loop()
+    po = uint64(out)
+    for i in range(count):
+        row = int32(ints[R.BASE, i] + int32(ints[R.J0, i] * ints[R.WIDTH, i]))
+        packed[po, i] = texels[uint32(row + ints[R.I0, i])]
+
+
+@kernel("void(u4[::1],i4[:,::1],i8,u4[:,::1])")
+def fetch_linear(texels, ints, count, packed):
+    """The four texels of a linear filter into P00, P10, P01, P11."""
+    separate_function()
+    for i in range(count):
+        lower = int32(ints[R.BASE, i] + int32(ints[R.J0, i] * ints[R.WIDTH, i]))
+        upper = int32(ints[R.BASE, i] + int32(ints[R.J1, i] * ints[R.WIDTH, i]))
+        packed[R.P00, i] = texels[uint32(lower + ints[R.I0, i])]
+        packed[R.P10, i] = texels[uint32(lower + ints[R.I1, i])]
+        packed[R.P01, i] = texels[uint32(upper + ints[R.I0, i])]
+        packed[R.P11, i] = texels[uint32(upper + ints[R.I1, i])]
+
+
+@kernel("void(u4[::1],i4[:,::1],i8,i8,i8,u4,u4[:,::1],i8)")
+def fetch_bordered(texels, ints, count, column, row, border, packed, out):
+    """The texel at columns (column, row) of ``ints``; -1 in either reads the border colour."""
+    separate_function()
+    pc, pr, po = uint64(column), uint64(row), uint64(out)
+    for i in range(count):
+        x, y = ints[pc, i], ints[pr, i]
+        if x < 0 or y < 0:
+            packed[po, i] = border
+        else:
+            packed[po, i] = texels[uint32(int32(ints[R.BASE, i] + int32(y * ints[R.WIDTH, i])) + x)]
+
+
+@kernel
+def lerp_packed(p, q, weight):
+    """(p (256 - w) + q w + 128) >> 8 on each byte of packed texels, w in 0..256.
+
+    Measured: 349524 of 349524 pixels (mip-mapped DXT captures). Two bytes at a time, 16 bits apart: a lane's
+    largest value is 255 * 256 + 128 < 65536.
+    """
+    mask, half, eight = uint32(0x00FF00FF), uint32(0x00800080), uint32(8)
+    w = uint32(weight)
+    v = uint32(uint32(256) - w)
+    even = uint32(uint32(uint32(p & mask) * v) + uint32(uint32(q & mask) * w))
+    odd = uint32(uint32(uint32(p >> eight) & mask) * v) + uint32(uint32(uint32(q >> eight) & mask) * w)
+    even = uint32(uint32(even + half) >> eight) & mask
+    odd = uint32(uint32(odd) + half) & uint32(0xFF00FF00)
+    return uint32(even | odd)
+
+
+@kernel("void(u4[:,::1],i4[:,::1],i8,i8)")
+def filter_linear(packed, ints, count, out):
+    """Both rows horizontally, each rounded to bytes, then vertically."""
+    separate_loop()
+    po = uint64(out)
+    for i in range(count):
+        a, b = ints[R.I_FRACTION, i], ints[R.J_FRACTION, i]
+        lower = lerp_packed(packed[R.P00, i], packed[R.P10, i], a)
+        upper = lerp_packed(packed[R.P01, i], packed[R.P11, i], a)
+        packed[po, i] = lerp_packed(lower, upper, b)
+
+
+@kernel("void(u4[:,::1],i4[:,::1],i8,i8,i8,i8)")
+def blend(packed, ints, first, second, fraction, count):
+    """From column ``first`` to ``second`` by the 8-bit column ``fraction``, into ``first``: between mipmap
+    levels (Measured: 61440 of 61440 pixels, LODBias) or layers.
+    """
+    separate_loop()
+    p0, p1, pf = uint64(first), uint64(second), uint64(fraction)
+    for i in range(count):
+        packed[p0, i] = lerp_packed(packed[p0, i], packed[p1, i], ints[pf, i])
+
+
+@kernel("void(u4[:,::1],i4[:,::1],i4,i8)")
+def choose_magnified(packed, ints, threshold, count):
+    """Take the magnified texel where lambda is not above the threshold, into TEXEL_0."""
+    separate_loop()
+    for i in range(count):
+        if ints[R.LOD, i] <= threshold:
+            packed[R.TEXEL_0, i] = packed[R.MAGNIFIED, i]
+
+
+@kernel("void(u4[:,::1],i8,i8,i2[:,::1],i8)")
+def unpack(packed, source, count, registers, plane):
+    """A packed column to four register planes from ``plane`` on."""
+    separate_loop()
+    ps, red, green, blue, alpha = (
+        uint64(source),
+        uint64(plane),
+        uint64(plane + 1),
+        uint64(plane + 2),
+        uint64(plane + 3),
+    )
+    for i in range(count):
+        p = packed[ps, i]
+        registers[red, i] = int16(p & uint32(255))
+        registers[green, i] = int16(uint32(p >> uint32(8)) & uint32(255))
+        registers[blue, i] = int16(uint32(p >> uint32(16)) & uint32(255))
+        registers[alpha, i] = int16(p >> uint32(24))
+
+
+@kernel("void(u4[:,::1],i8,u4,i8,i2[:,::1],i8)")
+def unpack_signed(packed, source, signed, count, registers, plane):
+    """As ``unpack``, where ``signed`` has 0x80 in components whose bytes are s + 128: these become 2 s.
+
+    Measured: 732800 of 732800 pixels (Texture_signed_component_tests).
+    """
+    separate_loop()
+    ps = uint64(source)
+    for c in range(4):
+        shift, pc = uint32(8 * c), uint64(plane + c)
+        twice = uint32(uint32(signed >> shift) & uint32(128)) != uint32(0)
+        factor, less = int32(2 if twice else 1), int32(256 if twice else 0)
+        for i in range(count):
+            byte = int32(uint32(packed[ps, i] >> shift) & uint32(255))
+            registers[pc, i] = int16(int32(byte * factor) - less)
+
+
+@kernel("void(i4[:,::1],i4,i4,i4,i8)")
+def select_level(ints, levels, rounding, step, count):
+    """LEVEL of each fragment: (clamp(lambda) + rounding) >> 8, plus ``step``, at most the last."""
+    separate_loop()
+    last = int32(levels - int32(1))
+    for i in range(count):
+        clamped = min(max(ints[R.LOD, i], int32(0)), int32(last * int32(256)))
+        level = int32(int32(clamped + rounding) >> int32(8))
+        ints[R.LEVEL, i] = min(int32(level + step), last)
+
+
+@kernel("void(i4[:,::1],i4,i8)")
+def level_fraction(ints, levels, count):
+    """FRACTION: the 8-bit position of lambda between two levels."""
+    separate_loop()
+    for i in range(count):
+        clamped = min(max(ints[R.LOD, i], int32(0)), int32(int32(levels - int32(1)) * int32(256)))
+        ints[R.FRACTION, i] = int32(clamped & int32(255))
+
+
+@kernel("void(i4[:,::1],i4[:,::1],i8,i8,f8[:,::1])")
+def level_sizes(levels, ints, cube, count, floats):
+    """BASE (of the FACE for a cube map), WIDTH, S_SIZE and T_SIZE of each fragment's LEVEL."""
+    separate_function()
+    for i in range(count):
+        k = uint32(ints[R.LEVEL, i])
+        area = int32(levels[k, 1] * levels[k, 2])
+        ints[R.BASE, i] = int32(levels[k, 0] + int32(ints[R.FACE, i] * area)) if cube else levels[k, 0]
+        ints[R.WIDTH, i] = levels[k, 1]
+        floats[R.S_SIZE, i] = float64(levels[k, 1])
+        floats[R.T_SIZE, i] = float64(levels[k, 2])
+
+
+@kernel("void(i4[:,::1],i4[:,::1],i4,i8,f8[:,::1])")
+def layer_sizes(levels, ints, layers, count, floats):
+    """WIDTH and the three sizes of each fragment's LEVEL of a 3D texture with ``layers`` at level 0."""
+    separate_function()
+    for i in range(count):
+        k = ints[R.LEVEL, i]
+        ints[R.WIDTH, i] = levels[uint32(k), 1]
+        floats[R.S_SIZE, i] = float64(levels[uint32(k), 1])
+        floats[R.T_SIZE, i] = float64(levels[uint32(k), 2])
+        floats[R.P_SIZE, i] = float64(max(int32(layers >> k), int32(1)))
+
+
+@kernel("void(i4[:,::1],i4[:,::1],i8,i8)")
+def layer_base(levels, ints, layer, count):
+    """BASE of the layer in column ``layer``; the first layer's where that is -1, the border."""
+    separate_function()
+    pl = uint64(layer)
+    for i in range(count):
+        k = uint32(ints[R.LEVEL, i])
+        n = max(ints[pl, i], int32(0))
+        ints[R.BASE, i] = int32(levels[k, 0] + int32(n * int32(levels[k, 1] * levels[k, 2])))
+
+
+@kernel("void(i4[:,::1],i8,u4,i8,u4[:,::1],i8)")
+def border_layer(ints, layer, border, count, packed, out):
+    """The border colour where column ``layer`` is -1."""
+    separate_loop()
+    pl, po = uint64(layer), uint64(out)
+    for i in range(count):
+        if ints[pl, i] < int32(0):
+            packed[po, i] = border
+
+
+@kernel("void(i4[:,::1],i4[:,::1],i8,f8[:,::1])")
+def base_sizes(levels, ints, count, floats):
+    """BASE, WIDTH, S_SIZE and T_SIZE where every fragment reads level 0."""
+    separate_loop()
+    base, width, s_size, t_size = levels[0, 0], levels[0, 1], float64(levels[0, 1]), float64(levels[0, 2])
+    for i in range(count):
+        ints[R.BASE, i] = base
+        ints[R.WIDTH, i] = width
+        floats[R.S_SIZE, i] = s_size
+        floats[R.T_SIZE, i] = t_size
+
+
+@kernel("void(i4[:,::1],i8,i8,i4)")
+def fill_int(ints, column, count, value):
+    """Fill a column."""
+    separate_loop()
+    p = uint64(column)
+    for i in range(count):
+        ints[p, i] = value
+
+
+@kernel
+def lerp_hilo(p, q, weight):
+    """(p (256 - w) + q w + 128) >> 8 on a HILO texel's words: alpha and red, green and blue."""
+    w, eight = int64(weight), int64(8)
+    high = int64(p >> uint32(24)) * 256 + int64(p & uint32(255))
+    other = int64(q >> uint32(24)) * 256 + int64(q & uint32(255))
+    high = (high * (256 - w) + other * w + 128) >> eight
+    low = int64(p & uint32(0xFF00)) + int64(uint32(p >> uint32(16)) & uint32(255))
+    other = int64(q & uint32(0xFF00)) + int64(uint32(q >> uint32(16)) & uint32(255))
+    low = (low * (256 - w) + other * w + 128) >> eight
+    return uint32(((high >> eight) << 24) | (high & 255) | (low & 0xFF00) | ((low & 255) << 16))
+
+
+@kernel("void(u4[:,::1],i4[:,::1],i8,i8)")
+def filter_linear_hilo(packed, ints, count, out):
+    """As ``filter_linear``, on words of 16 bits. Measured: Bump_map's R16B16 captures."""
+    separate_loop()
+    po = uint64(out)
+    for i in range(count):
+        a, b = ints[R.I_FRACTION, i], ints[R.J_FRACTION, i]
+        lower = lerp_hilo(packed[R.P00, i], packed[R.P10, i], a)
+        upper = lerp_hilo(packed[R.P01, i], packed[R.P11, i], a)
+        packed[po, i] = lerp_hilo(lower, upper, b)
+
+
+@kernel("void(u4[::1],i4[:,::1],i8,i8,u4,i8,u4,u4,i8,u4[:,::1],i8)")
+def fetch_and_filter(texels, ints, linear, bordered, border, function, held, failed, count, packed, out):
+    """The texel at (I0, J0), or the linear filter of the four at I0, I1, J0, J1, into a packed column.
+
+    ``function``: of a shadow comparison, UNCOMPARED_BYTES or UNCOMPARED_WORDS. ``held``, ``failed``: what a
+    comparison gives.
+    """
+    separate_function()
+    if not linear:
+        if bordered:
+            fetch_bordered(texels, ints, count, R.I0, R.J0, border, packed, out)
+        else:
+            fetch_nearest(texels, ints, count, packed, out)
+        if function >= 0:
+            compare_texels(packed, out, ints, int32(function), held, failed, count)
+        return
+    if bordered:
+        fetch_bordered(texels, ints, count, R.I0, R.J0, border, packed, R.P00)
+        fetch_bordered(texels, ints, count, R.I1, R.J0, border, packed, R.P10)
+        fetch_bordered(texels, ints, count, R.I0, R.J1, border, packed, R.P01)
+        fetch_bordered(texels, ints, count, R.I1, R.J1, border, packed, R.P11)
+    else:
+        fetch_linear(texels, ints, count, packed)
+    if function >= 0:
+        for column in (R.P00, R.P10, R.P01, R.P11):
+            compare_texels(packed, column, ints, int32(function), held, failed, count)
+    if function == C.UNCOMPARED_WORDS:
+        filter_linear_hilo(packed, ints, count, out)
+    else:
+        filter_linear(packed, ints, count, out)
+
+
+@kernel
+def reads_border(mode, linear):
+    """Whether a wrap mode can read the border colour."""
+    return mode == C.WRAP_CLAMP_TO_BORDER or (linear and mode == C.WRAP_CLAMP)
+
+
+@kernel("void(u4[::1],i4[:,::1],i8[::1],i8,i8,i8,f8[:,::1],i4[:,::1],u4[:,::1],i8)")
+def sample_level(texels, levels, unit, count, linear, many, floats, ints, packed, out):
+    """One filtered texel per fragment into a packed column: from level 0, or (``many``) from its LEVEL."""
+    separate_function()
+    target = unit[R.TARGET]
+    flat, cube, layered = target == C.TARGET_1D, target == C.TARGET_CUBE_MAP, target == C.TARGET_3D
+    if layered:
+        layer_sizes(levels, ints, int32(unit[R.LAYERS]), count, floats)
+    elif many or cube:
+        level_sizes(levels, ints, cube, count, floats)
+    else:
+        base_sizes(levels, ints, count, floats)
+    scale = 0.5 if cube else (0.0 if target == C.TARGET_RECTANGLE else 1.0)
+    operation = unit[R.OPERATION]
+    iterated = operation == C.OPERATION_NONE or operation in C.OPERATIONS_WITH_OFFSET
+    bias = TAU if cube or unit[R.PROJECTIVE] or not iterated else 0.0
+    edge = int64(C.WRAP_CLAMP_TO_EDGE)
+    wrap_s, wrap_t = (edge, edge) if cube else (unit[R.WRAP_S], unit[R.WRAP_T])
+    texel_coordinates(floats, R.S, R.S_SIZE, bias, scale, count)
+    wrap_axis(wrap_s, floats, R.S_SIZE, count, linear, ints, R.I0)
+    if flat:
+        fill_int(ints, R.J0, count, int32(0))
+        fill_int(ints, R.J1, count, int32(0))
+        fill_int(ints, R.J_FRACTION, count, int32(0))
+    else:
+        texel_coordinates(floats, R.T, R.T_SIZE, bias, scale, count)
+        wrap_axis(wrap_t, floats, R.T_SIZE, count, linear, ints, R.J0)
+    bordered = reads_border(wrap_s, linear) or (not flat and reads_border(wrap_t, linear))
+    border = uint32(unit[R.BORDER])
+    if not layered:
+        uncompared = int64(C.UNCOMPARED_WORDS if unit[R.HILO] else C.UNCOMPARED_BYTES)
+        function = unit[R.COMPARE_FUNCTION] if unit[R.COMPARE] else uncompared
+        held, failed = uint32(unit[R.COMPARE_HELD]), uint32(unit[R.COMPARE_FAILED])
+        fetch_and_filter(texels, ints, linear, bordered, border, function, held, failed, count, packed, out)
+        return
+    wrap_r = unit[R.WRAP_R]
+    texel_coordinates(floats, R.P, R.P_SIZE, bias, scale, count)
+    wrap_axis(wrap_r, floats, R.P_SIZE, count, linear, ints, R.K0)
+    for k in range(2 if linear else 1):
+        layer, column = (R.K1, R.LAYER_1) if k == 1 else (R.K0, out)
+        layer_base(levels, ints, layer, count)
+        nothing, function = uint32(0), C.UNCOMPARED_BYTES
+        fetch_and_filter(
+            texels, ints, linear, bordered, border, function, nothing, nothing, count, packed, column
+        )
+        if reads_border(wrap_r, linear):
+            border_layer(ints, layer, border, count, packed, column)
+    if linear:
+        blend(packed, ints, out, R.LAYER_1, R.K_FRACTION, count)
+
+
+@kernel("void(u4[::1],i4[:,::1],i8[::1],i8,f8[:,::1],i4[:,::1],u4[:,::1])")
+def filter_unit(texels, levels, unit, count, floats, ints, packed):
+    """Filter a texture unit's fragments into TEXEL_0.
+
+    unit: int64[UNIT_SIZE]; floats, ints, packed: scratch columns (rows.py), with S and T (P of a 3D texture),
+    the FACE for a cube map and LOD for filters that need it filled in.
+    """
+    separate_function()
+    levels_count = int32(unit[R.LEVELS])
+    mipmap, mag_linear, min_linear = unit[R.MIPMAP], unit[R.MAG_LINEAR], unit[R.MIN_LINEAR]
+    fill_int(ints, R.LEVEL, count, int32(0))
+    if mipmap == C.MIPMAP_NONE and mag_linear == min_linear:
+        sample_level(texels, levels, unit, count, mag_linear, 0, floats, ints, packed, R.TEXEL_0)
+    else:
+        sample_level(texels, levels, unit, count, mag_linear, 0, floats, ints, packed, R.MAGNIFIED)
+        if mipmap != C.MIPMAP_NONE:
+            rounding = int32(127) if mipmap == C.MIPMAP_NEAREST else int32(0)
+            select_level(ints, levels_count, rounding, int32(0), count)
+        sample_level(texels, levels, unit, count, min_linear, 1, floats, ints, packed, R.TEXEL_0)
+        if mipmap == C.MIPMAP_LINEAR:
+            select_level(ints, levels_count, int32(0), int32(1), count)
+            sample_level(texels, levels, unit, count, min_linear, 1, floats, ints, packed, R.TEXEL_1)
+            level_fraction(ints, levels_count, count)
+            blend(packed, ints, R.TEXEL_0, R.TEXEL_1, R.FRACTION, count)
+        choose_magnified(packed, ints, int32(unit[R.THRESHOLD]), count)
+
+
+@kernel("void(i8[::1],i8,u4[:,::1],i2[:,::1],i8)")
+def unpack_unit(unit, count, packed, registers, plane):
+    """TEXEL_0 to four planes of ``registers`` (int16[., batch]) from ``plane`` on."""
+    if unit[R.SIGNED]:
+        unpack_signed(packed, R.TEXEL_0, uint32(unit[R.SIGNED]), count, registers, plane)
+    else:
+        unpack(packed, R.TEXEL_0, count, registers, plane)

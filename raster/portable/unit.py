@@ -1,0 +1,107 @@
+"""A texture unit over a batch: which of the steps of sampling its state asks for."""
+
+from numba import int32, uint32
+
+from fixedpipe.raster import codes as C
+from fixedpipe.raster import rows as R
+from fixedpipe.raster.kernel import float_of, kernel, separate_function
+from fixedpipe.raster.portable.anisotropic import filter_along, footprints
+from fixedpipe.raster.portable.combine import fill_plane
+from fixedpipe.raster.portable.footprint import assemble_probes
+from fixedpipe.raster.portable.interpolate import iterate_coordinate
+from fixedpipe.raster.portable.level_of_detail import level_of_detail
+from fixedpipe.raster.portable.sample import cube_faces, divide_by_q, filter_unit, unpack, unpack_unit
+from fixedpipe.raster.portable.shadow import shadow_reference
+from fixedpipe.raster.portable.texture_shader import (
+    copy_column,
+    copy_texel,
+    face_planes,
+    fill_column,
+    flat_face,
+    scale_texel,
+    shader_stage,
+)
+
+
+@kernel
+def unbound_texture(registers, unit, count):
+    """The register of a disabled unit: (0, 0, 0, 255). Measured: unbound textures (combiner captures)."""
+    for c in range(4):
+        fill_plane(registers, (C.REGISTER_TEXTURE0 + unit) * 4 + c, count, int32(255 if c == 3 else 0))
+
+
+@kernel(
+    "void(i8[::1],i8,i8[:,::1],i8,i4[::1],i4[::1],i8,i4[:,::1],i4[:,::1],i4[::1],i4[::1],f8[::1],f8[:,:,::1],"
+    "u4[::1],i4[:,::1],i4[::1],i4[::1],i4[::1],i8,f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i4[::1],u1[::1])"
+)
+def sample_unit(
+    draw, u, units, count, starts, owners, segments, triangles, strokes, x, y, inverse_w, coordinates,
+    texels, levels, run_starts, run_x, run_y, runs, floats, ints, packed, registers, depth, alive,
+):  # fmt: skip
+    """Texture unit ``u`` of a batch into its register: coordinates, texture shader stage, filter."""
+    separate_function()
+    row = units[u]
+    if not row[R.ENABLED]:
+        return
+    if row[R.OPERATION]:
+        maximum = int32(draw[R.DEPTH_MAX])
+        if not shader_stage(
+            u, units, starts, owners, segments, triangles, coordinates, count, floats, packed, registers,
+            depth, alive, maximum,
+        ):  # fmt: skip
+            return
+        if row[R.TARGET] == C.TARGET_3D:
+            copy_column(floats, R.EXTRA, R.P, count)
+    else:
+        iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 0, floats, R.S)
+        iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 1, floats, R.T)
+        if row[R.TARGET] == C.TARGET_3D:
+            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 2, floats, R.P)
+        if row[R.TARGET] == C.TARGET_CUBE_MAP:
+            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 2, floats, R.EXTRA)
+        elif row[R.PROJECTIVE]:
+            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 3, floats, R.EXTRA)
+            divide_by_q(floats, R.S, count)
+            divide_by_q(floats, R.T, count)
+            if row[R.TARGET] == C.TARGET_3D:
+                divide_by_q(floats, R.P, count)
+    if row[R.TARGET] == C.TARGET_CUBE_MAP:
+        if row[R.OPERATION] == C.OPERATION_DOT_PRODUCT_TEXTURE_3D:
+            flat_face(floats, count, ints)
+        else:
+            cube_faces(floats, count, ints)
+    elif row[R.OPERATION] in C.OPERATIONS_OF_DIRECTIONS:
+        face_planes(floats, count)
+    if row[R.COMPARE]:
+        divided = row[R.PROJECTIVE] and not row[R.OPERATION]
+        if row[R.COMPARE] == C.COMPARE_MODE_ZERO_TO_TEXTURE:
+            fill_column(floats, R.COORDINATE0, 0.0, count)
+        else:
+            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 2, floats, R.COORDINATE0)
+        shadow_reference(
+            floats, R.COORDINATE0, divided, count, float_of(row[R.COORDINATE_DEPTH]),
+            row[R.DEPTH_TEXEL_MANTISSA], int32(row[R.DEPTH_TEXEL_MAX]), ints,
+        )  # fmt: skip
+    if row[R.ANISOTROPY] or row[R.PROBES] > 1:
+        footprints(
+            draw, run_starts, run_x, run_y, runs, triangles, strokes, x, y, inverse_w, coordinates, u,
+            row, levels, floats, ints,
+        )  # fmt: skip
+        if row[R.PROBES] > 1:
+            assemble_probes(texels, levels, row, count, floats, ints, packed)
+        else:
+            filter_along(texels, levels, row, count, floats, ints, packed)
+    else:
+        if row[R.MIPMAP] != C.MIPMAP_NONE or row[R.MAG_LINEAR] != row[R.MIN_LINEAR]:
+            level_of_detail(
+                draw, run_starts, run_x, run_y, runs, triangles, strokes, x, y, inverse_w, coordinates, u,
+                row, levels, ints,
+            )  # fmt: skip
+        filter_unit(texels, levels, row, count, floats, ints, packed)
+    unpack_unit(row, count, packed, registers, (C.REGISTER_TEXTURE0 + u) * 4)
+    if draw[R.TEXTURE_SHADER]:
+        if row[R.OPERATION] in C.OPERATIONS_WITH_SCALE:
+            scale, bias = float_of(row[R.OFFSET_SCALE]), float_of(row[R.OFFSET_BIAS])
+            scale_texel(packed, R.STAGE0 + row[R.PREVIOUS], count, scale, bias)
+            unpack(packed, R.TEXEL_0, count, registers, (C.REGISTER_TEXTURE0 + u) * 4)
+        copy_texel(packed, R.TEXEL_0, R.STAGE0 + u, uint32(row[R.SIGNED]), count)

@@ -1,0 +1,1 @@
+"""What happens to geometry before any engine shades: shared by all three, knows no fragment."""

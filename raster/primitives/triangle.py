@@ -1,0 +1,63 @@
+"""Triangles: the span of a row inside one, and what polygon offset adds to one's depths."""
+
+from numba import float64, int64
+
+from fixedpipe.raster import codes as C
+from fixedpipe.raster import rows as R
+from fixedpipe.raster.kernel import kernel
+
+NARROW = 16  # pixels: boxes up to this wide are searched pixel by pixel, wider ones by division
+
+
+@kernel
+def row_span(n0, n1, n2, step0, step1, step2, first, last):
+    """The pixels [from, to) of a row, first..last, where all three biased edge functions are >= 0.
+
+    n0, n1, n2: biased values at pixel ``first``; the functions are linear and the span convex.
+    """
+    if last - first < NARROW:
+        start = first
+        while start <= last and (n0 | n1 | n2) < 0:
+            n0, n1, n2 = n0 + step0, n1 + step1, n2 + step2
+            start += 1
+        end = start
+        while end <= last and (n0 | n1 | n2) >= 0:
+            n0, n1, n2 = n0 + step0, n1 + step1, n2 + step2
+            end += 1
+        return start, end
+    start, end = first, last + 1
+    for k in range(3):
+        n = n0 if k == 0 else (n1 if k == 1 else n2)
+        step = step0 if k == 0 else (step1 if k == 1 else step2)
+        if step > 0:
+            if n < 0:
+                start = max(start, first + (-n + step - 1) // step)
+        elif n < 0:
+            return first, first
+        elif step < 0:
+            end = min(end, first + n // (-step) + 1)
+    return start, max(start, end)
+
+
+@kernel
+def polygon_offset(draw, draw_float, v0, v1, v2, x, y, z, inverse_w):
+    """(what a polygon adds to its depths, what times their squares); one without an area has no slope.
+
+    Measured: whole numbers in fixed formats, for axis-aligned slopes (W_buffering captures).
+    """
+    x0, y0, x1, y1 = int64(x[v0]), int64(y[v0]), int64(x[v1]), int64(y[v1])
+    x2, y2 = int64(x[v2]), int64(y[v2])
+    area = float64((x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0))
+    linear = inverse_w if draw[R.W_BUFFERING] else z  # depth, or 1 over it: what is linear on the screen
+    steep = 0.0
+    if area != 0.0:
+        d1, d2 = linear[v1] - linear[v0], linear[v2] - linear[v0]
+        dx = (d1 * float64(y2 - y0) - d2 * float64(y1 - y0)) * 16.0 / area
+        dy = (d2 * float64(x1 - x0) - d1 * float64(x2 - x0)) * 16.0 / area
+        steep = draw_float[R.OFFSET_FACTOR] * max(abs(dx), abs(dy))
+    if draw[R.W_BUFFERING]:
+        return draw_float[R.OFFSET_UNITS], min(max(steep, -(2.0**128)), 2.0**128)
+    offset = min(max(draw_float[R.OFFSET_UNITS] + steep, -(2.0**128)), 2.0**128)
+    if draw[R.DEPTH_FORMAT] == C.DEPTH_FIXED:
+        offset = float64(int64(min(max(offset, -(2.0**30)), 2.0**30)))
+    return offset, 0.0

@@ -1,0 +1,527 @@
+"""The vector engine: every queued Clear and Draw of a frame, band by band of rows.
+
+A frame's commands wait in a table of jobs, each a row of numbers and addresses (``fixedpipe.raster.rows``, JOB_KIND and
+what follows). Each thread takes the next band that nobody has and runs all jobs on its rows, in order, so a
+band stays in the processor's nearest memory from the first Clear to the last Draw, and no pixel is ever two
+threads'. A Draw that ``fill_draw`` refuses is the portable engine's (``fixedpipe.raster.portable.draw``), whose bits these are.
+"""
+
+from numba import float64, int16, int32, int64, uint8, uint32, void
+
+from fixedpipe.raster import codes as C
+from fixedpipe.raster import rows as R
+from fixedpipe.raster.fixed import truncate_24
+from fixedpipe.raster.kernel import kernel, next_of, separate_function, separate_loop
+from fixedpipe.raster.portable.check import usable_job, usable_levels
+from fixedpipe.raster.primitives.bins import BAND_HEIGHT
+from fixedpipe.raster.primitives.triangle import polygon_offset, row_span
+from fixedpipe.raster.vector.addresses import (
+    bytes_at,
+    float_tables_at,
+    floats_at,
+    integers_at,
+    long_table_at,
+    longs_at,
+    table_at,
+    tables_at,
+    texels_at,
+)
+from fixedpipe.raster.vector.arrays import BUFFERS, JOB, JOBS, PASS, SCRATCH, Pass
+from fixedpipe.raster.vector.combine import OPERATION_SIZE, combine
+from fixedpipe.raster.vector.interpolate import (
+    iterate_colors,
+    iterate_packed,
+    mixed_depth,
+    mixed_weights,
+    run_depth,
+    run_weights,
+    spread,
+    spread_colors,
+    spread_coordinates,
+    spread_depth,
+    triangle_depth,
+    triangle_weights,
+)
+from fixedpipe.raster.vector.lanes import (
+    count_bits,
+    i16x16,
+    lowest_bit,
+    mask_bits,
+    ramp_f64x8,
+    ramp_i32x8,
+    ramp_i32x16,
+    store,
+)
+from fixedpipe.raster.vector.per_fragment import write_fragments
+from fixedpipe.raster.vector.unit import plan_units, sample
+
+SMALL = 32  # pixels: triangles whose box is not wider share segments
+# 1/16 pixel: what shows of a larger triangle may be as small, but its edge functions need more than 32 bits,
+# and its area more than the 24 of ``mixed_depth``.
+LARGEST_SMALL = 2048
+ALONE = 32  # fragments: from here on a triangle is a segment of its own
+
+
+@kernel("void(i8[:,::1],i8,i8,i8,i8,i8,i8,i8,i8,i8,i8,i8)")
+def fill_clear(jobs, k, x0, y0, x1, y1, buffers, color, color_mask, depth, stencil, stencil_mask):
+    """Row k of ``jobs``: clear device pixels [x0, x1) x [y0, y1).
+
+    ``buffers``: bits, codes.BUFFER_...; ``color`` packed, ``depth`` a word, ``stencil`` a byte; masks
+    as stored.
+    """
+    job = jobs[k]
+    job[R.JOB_KIND] = C.JOB_CLEAR
+    job[R.JOB_X0], job[R.JOB_Y0], job[R.JOB_X1], job[R.JOB_Y1] = x0, y0, x1, y1
+    job[R.JOB_BUFFERS], job[R.JOB_COLOR], job[R.JOB_COLOR_MASK] = buffers, color, color_mask
+    job[R.JOB_DEPTH], job[R.JOB_STENCIL], job[R.JOB_STENCIL_MASK] = depth, stencil, stencil_mask
+
+
+@kernel(
+    "b1(i8[:,::1],i8,i8[::1],f8[::1],i4[:,::1],i4[:,::1],i4[:,::1],i4[::1],i4[::1],"
+    "f8[::1],f8[::1],u1[:,:,::1],f8[:,:,::1],u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],i8[:,::1],i4[::1],i4[::1])"
+)
+def fill_draw(
+    jobs, k, draw, draw_float, plan, factors, triangles, x, y, z, inverse_w, colors, coordinates, pairs0,
+    pairs1, pairs2, pairs3, levels, units, order, ends,
+):  # fmt: skip
+    """Row k of ``jobs`` from a Draw's arrays, which must outlive it; False where the vector engine does not
+    cover the Draw, or where its arrays would lead a kernel outside of them (``fixedpipe.raster.portable.check``).
+    """
+    if not usable_job(
+        draw, draw_float, plan, factors, triangles, x.shape[0], inverse_w, colors, coordinates, levels, units
+    ):
+        return False
+    unusual = (
+        draw[R.STROKES] | draw[R.STIPPLE] | draw[R.WINDOW_CLIP] | draw[R.W_BUFFERING] | draw[R.DEPTH_FORMAT]
+    ) | (draw[R.DEPTH_CULL] | draw[R.FOG_ENABLED] | draw[R.TEXTURE_SHADER] | draw[R.DISCARDS])
+    if unusual or draw[R.NEEDS_WEIGHTS] or draw[R.NEEDS_COLOR_WEIGHTS] == C.WEIGHTS_EXACT:
+        return False
+    job = jobs[k]
+    job[R.JOB_KIND] = C.JOB_DRAW
+    if not plan_units(job, draw, units, levels, coordinates):
+        return False
+    job[R.JOB_ROW_RUNS] = 0
+    for u in range(4):
+        if job[R.JOB_UNIT_PATH + u] == C.PATH_MIPMAPPED:
+            job[R.JOB_ROW_RUNS] = 1
+    perspective = False
+    for v in range(inverse_w.shape[0]):
+        if inverse_w[v] != inverse_w[0]:
+            perspective = True
+            break
+    job[R.JOB_PERSPECTIVE] = perspective
+    for edge in range(4):
+        job[R.JOB_X0 + edge] = draw[R.X0 + edge]
+    sizes = (pairs0.shape[0], pairs1.shape[0], pairs2.shape[0], pairs3.shape[0])
+    job[R.JOB_USABLE] = 1
+    for u in range(draw[R.UNITS]):
+        reads = job[R.JOB_UNIT_PATH + u] != C.PATH_DISABLED
+        if reads and not usable_levels(units[u], levels[u], sizes[u], True):
+            job[R.JOB_USABLE] = 0
+    job[R.JOB_ONE_COLOR] = draw[R.FLAT] == C.COLORS_EQUAL and draw[R.BACK_SIGN] == 0
+    job[R.JOB_VERTICES], job[R.JOB_PRIMITIVES] = x.shape[0], triangles.shape[0]
+    job[R.JOB_UNITS], job[R.JOB_MEMBERS] = coordinates.shape[1], order.shape[0]
+    job[R.JOB_ROWS], job[R.JOB_BANDS] = units.shape[0], ends.shape[0]
+    job[R.JOB_OPERATIONS] = plan.shape[0]
+    job[R.JOB_ADDRESS] = draw.ctypes.data
+    job[R.JOB_ADDRESS + 1] = draw_float.ctypes.data
+    job[R.JOB_ADDRESS + 2] = plan.ctypes.data
+    job[R.JOB_ADDRESS + 3] = factors.ctypes.data
+    job[R.JOB_ADDRESS + 4] = triangles.ctypes.data
+    job[R.JOB_ADDRESS + 5] = x.ctypes.data
+    job[R.JOB_ADDRESS + 6] = y.ctypes.data
+    job[R.JOB_ADDRESS + 7] = z.ctypes.data
+    job[R.JOB_ADDRESS + 8] = inverse_w.ctypes.data
+    job[R.JOB_ADDRESS + 9] = colors.ctypes.data
+    job[R.JOB_ADDRESS + 10] = coordinates.ctypes.data
+    job[R.JOB_ADDRESS + 11] = levels.ctypes.data
+    job[R.JOB_ADDRESS + 12] = units.ctypes.data
+    job[R.JOB_ADDRESS + 13] = order.ctypes.data
+    job[R.JOB_ADDRESS + 14] = ends.ctypes.data
+    job[R.JOB_PAIRS] = pairs0.ctypes.data
+    job[R.JOB_PAIRS + 1] = pairs1.ctypes.data
+    job[R.JOB_PAIRS + 2] = pairs2.ctypes.data
+    job[R.JOB_PAIRS + 3] = pairs3.ctypes.data
+    job[R.JOB_PAIR_COUNT] = pairs0.shape[0]
+    job[R.JOB_PAIR_COUNT + 1] = pairs1.shape[0]
+    job[R.JOB_PAIR_COUNT + 2] = pairs2.shape[0]
+    job[R.JOB_PAIR_COUNT + 3] = pairs3.shape[0]
+    return True
+
+
+@kernel
+def fits(job, height, width, bands):
+    """Whether a job's pixels and bands are the framebuffer's, and its textures there."""
+    inside = 0 <= job[R.JOB_X0] <= width and 0 <= job[R.JOB_X1] <= width
+    inside = inside and 0 <= job[R.JOB_Y0] <= height and 0 <= job[R.JOB_Y1] <= height
+    usable = job[R.JOB_USABLE] != 0 and job[R.JOB_BANDS] >= bands
+    return inside and (job[R.JOB_KIND] == C.JOB_CLEAR or usable)
+
+
+@kernel("void(u4[::1],u4,u4)")
+def clear_words(words, value, mask):
+    """Words to a value, through a mask."""
+    separate_loop()
+    if mask == uint32(0xFFFFFFFF):
+        for i in range(words.shape[0]):
+            words[i] = value
+    else:
+        for i in range(words.shape[0]):
+            words[i] = uint32(uint32(words[i] & uint32(~mask)) | uint32(value & mask))
+
+
+@kernel("void(u1[::1],u1,u1)")
+def clear_bytes(bytes_, value, mask):
+    """Bytes to a value, through a mask."""
+    separate_loop()
+    for i in range(bytes_.shape[0]):
+        bytes_[i] = uint8(uint8(bytes_[i] & uint8(~mask)) | uint8(value & mask))
+
+
+@kernel("void(i8[::1],i8,u4[:,::1],u4[:,::1],u1[:,::1])")
+def clear_band(job, band, color, depth_buffer, stencil):
+    """A Clear's part of one band."""
+    separate_function()
+    x0, x1, buffers = job[R.JOB_X0], job[R.JOB_X1], job[R.JOB_BUFFERS]
+    top, bottom = max(band * BAND_HEIGHT, job[R.JOB_Y0]), min((band + 1) * BAND_HEIGHT, job[R.JOB_Y1])
+    for y in range(top, bottom):
+        if buffers & C.BUFFER_COLOR:
+            clear_words(color[y, x0:x1], uint32(job[R.JOB_COLOR]), uint32(job[R.JOB_COLOR_MASK]))
+        if buffers & C.BUFFER_DEPTH:
+            clear_words(depth_buffer[y, x0:x1], uint32(job[R.JOB_DEPTH]), uint32(0xFFFFFFFF))
+        if buffers & C.BUFFER_STENCIL:
+            clear_bytes(stencil[y, x0:x1], uint8(job[R.JOB_STENCIL]), uint8(job[R.JOB_STENCIL_MASK]))
+
+
+@kernel
+def packed_color(color):
+    """Four bytes as a packed colour."""
+    low = uint32(uint32(color[0]) | uint32(uint32(color[1]) << uint32(8)))
+    high = uint32(uint32(color[2]) | uint32(uint32(color[3]) << uint32(8)))
+    return uint32(low | uint32(high << uint32(16)))
+
+
+@kernel("void(u1[::1],i2[:,::1])")
+def one_color(color, planes):
+    """The primary and secondary colour of a whole Draw, in their planes."""
+    separate_loop()
+    for c in range(4):
+        primary = planes[C.REGISTER_PRIMARY_COLOR * 4 + c]
+        secondary = planes[C.REGISTER_SECONDARY_COLOR * 4 + c]
+        for i in range(0, primary.shape[0], 16):
+            store(primary, i, i16x16(int16(color[c])))
+            store(secondary, i, i16x16(int16(color[4 + c])))
+
+
+@kernel(void(JOB, PASS, int32, int64, int64, int64, int64, int64, BUFFERS, SCRATCH))
+def finish_batch(job, p, first, count, length, segments, runs, solid, buffers, scratch):
+    """Shade a batch whose weights and depth words are there, and write it.
+
+    first: a triangle, whose colours are all triangles' where the job has JOB_ONE_COLOR; ``count``: fragments
+    in columns; ``length``: of all runs together, which is another number where ``solid``
+    (``vector_fragments.write_fragments``).
+    """
+    separate_function()
+    draw, triangles, colors = p.draw, p.triangles, p.colors
+    floats, ints, packed, planes = scratch.floats, scratch.ints, scratch.packed, scratch.planes
+    lists = scratch.lists
+    lists[R.STARTS, segments], lists[R.RUN_STARTS, runs] = int32(count), int32(length)
+    flat, terms, varies = draw[R.FLAT], planes[R.COLOR_TERMS :], not job[R.JOB_ONE_COLOR]
+    if draw[R.NEEDS_COLOR] and draw[R.DIRECT]:
+        if varies:
+            iterate_packed(lists, segments, triangles, colors, flat, floats, terms, packed[R.SHADED])
+        else:
+            packed[R.SHADED, : 1 if solid else count] = packed_color(colors[triangles[first, 3], 0])
+    elif draw[R.NEEDS_COLOR]:
+        if draw[R.NEEDS_PRIMARY] and varies:
+            plane = C.REGISTER_PRIMARY_COLOR * 4
+            iterate_colors(lists, segments, triangles, colors, 0, flat, floats, terms, planes, plane)
+        if draw[R.NEEDS_SECONDARY] and varies:
+            second, plane = terms[12:], C.REGISTER_SECONDARY_COLOR * 4
+            iterate_colors(lists, segments, triangles, colors, 4, flat, floats, second, planes, plane)
+        for u in range(draw[R.UNITS]):
+            sample(job, p, u, count, segments, runs, scratch)
+        combine(planes, p.plan, count, scratch.products, packed[R.SHADED])
+    write_fragments(
+        draw, count, lists[R.RUN_STARTS], lists[R.RUN_X], lists[R.RUN_Y], runs, solid, packed[R.SHADED],
+        ints[R.PIXEL], ints[R.DEPTH_WORD], scratch.alive, p.factors, buffers.color, buffers.depth,
+        buffers.stencil,
+    )  # fmt: skip
+
+
+@kernel
+def edge_tie(right, down):
+    """What an edge function may fall short of 0: the interior lies right of a left edge, below a top one."""
+    return int64(0) if right > 0 or (right == 0 and down > 0) else int64(-1)
+
+
+@kernel
+def close_mixed(job, draw, floats, ints, start, end, low, high):
+    """Weights and depth words of the mixed segment that began at ``start`` (-1: none is open); -1."""
+    if start >= 0:
+        if draw[R.NEEDS_ITERATION_WEIGHTS]:
+            mixed_weights(floats, start, end, job[R.JOB_PERSPECTIVE])
+        if draw[R.NEEDS_DEPTH]:
+            mixed_depth(floats, ints[R.DEPTH_WORD], start, end, low, high)
+    return int64(-1)
+
+
+@kernel(int64(JOB, PASS, int32[::1], int64, int64, BUFFERS, SCRATCH))
+def draw_band(job, p, members, band, batch, buffers, scratch):
+    """The rows of ``band`` of a Draw whose triangles there are ``members``; returns how many fragments.
+
+    Fragments fill a batch of columns. Triangles whose box is small share a mixed segment; others are segments
+    of their own, row by row. Where one colour and one depth word are all that fragments have, runs alone are
+    kept, and no columns (a solid batch).
+    """
+    separate_function()
+    draw = p.draw
+    triangles, x, y, z, inverse_w = p.triangles, p.x, p.y, p.z, p.inverse_w
+    colors, coordinates = p.colors, p.coordinates
+    floats, ints, planes, lists = scratch.floats, scratch.ints, scratch.planes, scratch.lists
+    needs_depth, has_offset = draw[R.NEEDS_DEPTH], draw[R.POLYGON_OFFSET]
+    needs_weights, needs_color = draw[R.NEEDS_ITERATION_WEIGHTS], draw[R.NEEDS_COLOR]
+    mixes, perspective = batch >= SMALL * BAND_HEIGHT, job[R.JOB_PERSPECTIVE]
+    row_runs = job[R.JOB_ROW_RUNS]
+    varies = needs_color and (draw[R.DIRECT] or draw[R.NEEDS_PRIMARY] or draw[R.NEEDS_SECONDARY])
+    if varies and job[R.JOB_ONE_COLOR]:
+        varies = False
+        one_color(colors[triangles[members[0], 3], 0], planes)
+    channels = int64(8 if draw[R.NEEDS_SECONDARY] else 4)
+    solid_state = not needs_color or (draw[R.DIRECT] and job[R.JOB_ONE_COLOR])
+    flat, farthest = draw[R.FLAT], float64(draw[R.DEPTH_MAX])
+    low = min(max(p.draw_float[R.DEPTH_LOW], 0.0), farthest)
+    high = min(max(p.draw_float[R.DEPTH_HIGH], 0.0), farthest)
+    width = int64(buffers.color.shape[1])
+    top, bottom = max(band * BAND_HEIGHT, draw[R.Y0]), min((band + 1) * BAND_HEIGHT, draw[R.Y1])
+    x_first, x_last = draw[R.X0], draw[R.X1] - 1
+    # Of the batch: fragments, the longest run, segments, runs; whether it is solid, and its depth word.
+    fragments, position, longest, segments, runs = int64(0), int64(0), int64(0), int64(0), int64(0)
+    solid, solid_word = False, int32(0)
+    mixed_from = int64(-1)  # where the open mixed segment began
+    for k in range(members.shape[0] + 1):
+        finished = k == members.shape[0]
+        t = members[k] if not finished else members[0]
+        v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        x0, y0, x1, y1 = int64(x[v0]), int64(y[v0]), int64(x[v1]), int64(y[v1])
+        x2, y2 = int64(x[v2]), int64(y[v2])
+        x_least, x_most = min(x0, min(x1, x2)), max(x0, max(x1, x2))
+        y_least, y_most = min(y0, min(y1, y2)), max(y0, max(y1, y2))
+        first_row, last_row = max((y_least + 7) >> 4, top), min((y_most - 8) >> 4, bottom - 1)
+        left, right = max((x_least + 7) >> 4, x_first), min((x_most - 8) >> 4, x_last)
+        z0, z1, z2, offset = 0.0, 0.0, 0.0, 0.0
+        if needs_depth:
+            z0, z1, z2 = z[v0], z[v1], z[v2]
+            if has_offset:
+                offset, _ = polygon_offset(draw, p.draw_float, v0, v1, v2, x, y, z, inverse_w)
+        plain = solid_state and z0 == z1 and z1 == z2
+        word = int32(min(max(z0 + offset, low), high)) if plain else int32(0)
+        small = mixes and not (finished or plain) and right - left < SMALL
+        small = small and x_most - x_least < LARGEST_SMALL and y_most - y_least < LARGEST_SMALL
+        full = finished or plain != solid
+        if small:  # room for its box
+            full = full or position + (right - left + 1) * (last_row - first_row + 1) > batch
+        elif plain:
+            full = full or word != solid_word
+        # Anything but a small triangle closes an open mixed segment.
+        if full or not small:
+            mixed_from = close_mixed(job, draw, floats, ints, mixed_from, position, low, high)
+        if full:
+            if position > 0:
+                count = longest if solid else position
+                finish_batch(job, p, t, count, position, segments, runs, solid, buffers, scratch)
+                fragments += position
+            position, longest, segments, runs = int64(0), int64(0), int64(0), int64(0)
+            solid, solid_word = plain, word
+            ints[R.DEPTH_WORD, 0] = word
+        if finished:
+            break
+        area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
+        sign = int64(-1) if area < 0 else int64(1)
+        area *= sign
+        right1, down1 = (y2 - y0) * 16 * sign, -(x2 - x0) * 16 * sign
+        right2, down2 = -(y1 - y0) * 16 * sign, (x1 - x0) * 16 * sign
+        right0, down0 = -(right1 + right2), -(down1 + down2)
+        sx, sy = left * 16 + 8, first_row * 16 + 8
+        n1 = ((sx - x0) * (y2 - y0) - (x2 - x0) * (sy - y0)) * sign
+        n2 = ((x1 - x0) * (sy - y0) - (sx - x0) * (y1 - y0)) * sign
+        n0 = area - n1 - n2
+        tie0, tie1, tie2 = edge_tie(right0, down0), edge_tie(right1, down1), edge_tie(right2, down2)
+        iw0, iw1, iw2 = inverse_w[v0], inverse_w[v1], inverse_w[v2]
+        if iw0 == iw1 and iw1 == iw2:
+            iw0 = iw1 = iw2 = 1.0
+        back = int32(1) if draw[R.BACK_SIGN] == sign else int32(0)
+        s0, s1, s2 = float64(right0), float64(right1), float64(right2)
+        if small:
+            begin = position
+            step0, step1, step2 = ramp_f64x8() * s0, ramp_f64x8() * s1, ramp_f64x8() * s2
+            # Sixteen pixels at a time: half a row, one, or where eight are enough two, lane 8 beginning the
+            # second.
+            wide, wider = right - left >= 8, right - left >= 16
+            lane = ramp_i32x16()
+            along = lane if wide else lane & 7
+            below = lane ^ lane if wide else lane >> 3
+            c0 = along * int32(right0) + below * int32(down0) + int32(n0 + tie0)
+            c1 = along * int32(right1) + below * int32(down1) + int32(n1 + tie1)
+            c2 = along * int32(right2) + below * int32(down2) + int32(n2 + tie2)
+            rows_at_once = int64(1 if wide else 2)
+            columns = (int64(1) << (right - left + 1)) - 1
+            mask = int64(0)
+            for row in range(last_row - first_row + 1):
+                if wide or row & 1 == 0:
+                    mask = mask_bits((c0 | c1 | c2) >= int32(0))
+                    if wider:
+                        d0, d1, d2 = c0 + int32(16 * right0), c1 + int32(16 * right1), c2 + int32(16 * right2)
+                        mask |= mask_bits((d0 | d1 | d2) >= int32(0)) << int64(16)
+                    c0 = c0 + int32(rows_at_once * down0)
+                    c1 = c1 + int32(rows_at_once * down1)
+                    c2 = c2 + int32(rows_at_once * down2)
+                else:
+                    mask >>= int64(8)
+                bits = mask & columns
+                if bits == 0:
+                    continue
+                start, n = lowest_bit(bits), count_bits(bits)
+                m0 = float64(n0 + start * right0 + row * down0)
+                m1 = float64(n1 + start * right1 + row * down1)
+                m2 = float64(n2 + start * right2 + row * down2)
+                at = (first_row + row) * width + left + start
+                store(floats[R.N0], position, step0 + m0)
+                store(floats[R.N1], position, step1 + m1)
+                store(floats[R.N2], position, step2 + m2)
+                store(ints[R.PIXEL], position, ramp_i32x8() + int32(at))
+                for done in range(8, n, 8):
+                    store(floats[R.N0], position + done, step0 + (m0 + float64(done) * s0))
+                    store(floats[R.N1], position + done, step1 + (m1 + float64(done) * s1))
+                    store(floats[R.N2], position + done, step2 + (m2 + float64(done) * s2))
+                    store(ints[R.PIXEL], position + done, ramp_i32x8() + int32(at + done))
+                if row_runs:
+                    lists[R.RUN_STARTS, runs], lists[R.RUN_X, runs] = int32(position), int32(left + start)
+                    lists[R.RUN_Y, runs] = int32(first_row + row)
+                    ints[R.OWNER, runs] = t
+                    runs += 1
+                position += n
+            n = position - begin
+            if n == 0:
+                continue
+            if not row_runs and (runs == 0 or lists[R.RUN_Y, runs - 1] >= 0):
+                lists[R.RUN_STARTS, runs], lists[R.RUN_Y, runs] = int32(begin), int32(-1)
+                runs += 1
+            if n >= ALONE:
+                mixed_from = close_mixed(job, draw, floats, ints, mixed_from, begin, low, high)
+                lists[R.STARTS, segments], lists[R.OWNERS, segments] = int32(begin), t
+                lists[R.BACKS, segments] = back
+                segments += 1
+                doubled = float64(area)
+                if needs_weights:
+                    triangle_weights(floats, begin, n, iw0, iw1, iw2, doubled)
+                if needs_depth:
+                    words = ints[R.DEPTH_WORD]
+                    triangle_depth(floats, words, begin, n, z0, z1, z2, doubled, offset, low, high)
+                continue
+            if mixed_from < 0:
+                mixed_from = begin
+                lists[R.STARTS, segments], lists[R.OWNERS, segments] = int32(begin), int32(-1)
+                segments += 1
+            if needs_weights:
+                if perspective:
+                    spread(floats[R.INVERSE_W0], begin, n, iw0)
+                    spread(floats[R.INVERSE_W1], begin, n, iw1)
+                    spread(floats[R.INVERSE_W2], begin, n, iw2)
+                else:
+                    spread(floats[R.INVERSE_W0], begin, n, truncate_24(1.0 / float64(area)))
+            if needs_depth:
+                spread_depth(floats, begin, n, z0, z1, z2, float64(area), offset)
+            if varies:
+                terms, provoking = planes[R.COLOR_TERMS :], triangles[t, 3]
+                spread_colors(terms, begin, n, colors, channels, v0, v1, v2, provoking, back, flat)
+            for u in range(draw[R.UNITS]):
+                components = job[R.JOB_COMPONENTS + u]
+                if components:
+                    spread_coordinates(floats, begin, n, coordinates, u, components, v0, v1, v2)
+            continue
+        for row in range(first_row, last_row + 1):
+            start, end = row_span(n0 + tie0, n1 + tie1, n2 + tie2, right0, right1, right2, left, right)
+            while start < end:
+                n = min(end - start, batch if solid else batch - position)
+                lists[R.RUN_STARTS, runs], lists[R.RUN_X, runs] = int32(position), int32(start)
+                lists[R.RUN_Y, runs] = int32(row)
+                ints[R.OWNER, runs] = t
+                runs += 1
+                if not solid:
+                    if segments == 0 or lists[R.OWNERS, segments - 1] != t:
+                        lists[R.STARTS, segments], lists[R.OWNERS, segments] = int32(position), t
+                        lists[R.BACKS, segments] = back
+                        segments += 1
+                    ahead = start - left
+                    m0, m1 = float64(n0 + ahead * right0), float64(n1 + ahead * right1)
+                    m2 = float64(n2 + ahead * right2)
+                    if needs_weights:
+                        run_weights(floats, position, n, m0, m1, m2, s0, s1, s2, iw0, iw1, iw2)
+                    if needs_depth:
+                        run_depth(
+                            ints[R.DEPTH_WORD], position, n, m0, m1, m2, s0, s1, s2, z0, z1, z2, offset, low,
+                            high,
+                        )  # fmt: skip
+                position += n
+                longest = max(longest, n)
+                start += n
+                if (runs if solid else position) >= batch:
+                    count = longest if solid else position
+                    finish_batch(job, p, t, count, position, segments, runs, solid, buffers, scratch)
+                    fragments += position
+                    position, longest, segments, runs = int64(0), int64(0), int64(0), int64(0)
+            n0 += down0
+            n1 += down1
+            n2 += down2
+    return fragments
+
+
+@kernel(int64(JOBS, int64, int64[::1], int64, BUFFERS, SCRATCH))
+def draw_frame(jobs, count, counter, batch, buffers, scratch):
+    """Run the first ``count`` jobs on every band that ``counter`` int64[1] still gives.
+
+    Threads that share a frame call this with one counter, which began at 0, and each its own Scratch of at
+    least ``batch`` columns. Returns how many fragments this call drew. A job that is larger than the
+    framebuffer, or whose textures are not there, is left out.
+    """
+    fragments = int64(0)
+    height, width = buffers.color.shape
+    bands = (int64(height) + BAND_HEIGHT - 1) // BAND_HEIGHT
+    band = next_of(counter)
+    while band < bands:
+        for k in range(count):
+            job = jobs[k]
+            if not fits(job, height, width, bands):
+                continue
+            if job[R.JOB_KIND] == C.JOB_CLEAR:
+                clear_band(job, band, buffers.color, buffers.depth, buffers.stencil)
+                continue
+            vertices, units = job[R.JOB_VERTICES], job[R.JOB_UNITS]
+            ends = integers_at(job[R.JOB_ADDRESS + 14], (job[R.JOB_BANDS],))
+            begin, end = int64(ends[band - 1]) if band > 0 else int64(0), int64(ends[band])
+            if begin == end:
+                continue
+            arrays = Pass(
+                longs_at(job[R.JOB_ADDRESS], (int64(R.DRAW_SIZE),)),
+                floats_at(job[R.JOB_ADDRESS + 1], (int64(R.DRAW_FLOAT_SIZE),)),
+                table_at(job[R.JOB_ADDRESS + 2], (job[R.JOB_OPERATIONS], int64(OPERATION_SIZE))),
+                table_at(job[R.JOB_ADDRESS + 3], (int64(2), int64(4 * R.FACTOR_SIZE))),
+                table_at(job[R.JOB_ADDRESS + 4], (job[R.JOB_PRIMITIVES], int64(4))),
+                integers_at(job[R.JOB_ADDRESS + 5], (vertices,)),
+                integers_at(job[R.JOB_ADDRESS + 6], (vertices,)),
+                floats_at(job[R.JOB_ADDRESS + 7], (vertices,)),
+                floats_at(job[R.JOB_ADDRESS + 8], (vertices,)),
+                bytes_at(job[R.JOB_ADDRESS + 9], (vertices, int64(2), int64(8))),
+                float_tables_at(job[R.JOB_ADDRESS + 10], (vertices, units, int64(4))),
+                texels_at(job[R.JOB_PAIRS], (job[R.JOB_PAIR_COUNT],)),
+                texels_at(job[R.JOB_PAIRS + 1], (job[R.JOB_PAIR_COUNT + 1],)),
+                texels_at(job[R.JOB_PAIRS + 2], (job[R.JOB_PAIR_COUNT + 2],)),
+                texels_at(job[R.JOB_PAIRS + 3], (job[R.JOB_PAIR_COUNT + 3],)),
+                tables_at(job[R.JOB_ADDRESS + 11], (job[R.JOB_ROWS], int64(R.MAX_LEVELS), int64(3))),
+                long_table_at(job[R.JOB_ADDRESS + 12], (job[R.JOB_ROWS], int64(R.UNIT_SIZE))),
+            )
+            order = integers_at(job[R.JOB_ADDRESS + 13], (job[R.JOB_MEMBERS],))
+            fragments += draw_band(job, arrays, order[begin:end], band, batch, buffers, scratch)
+        band = next_of(counter)
+    return fragments

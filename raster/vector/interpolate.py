@@ -1,0 +1,571 @@
+"""Weights of fragments and everything iterated with them, on vectors: ``fixedpipe.raster.portable.interpolate``'s values.
+
+A batch is made of segments. In a *run* all fragments belong to one triangle, whose numbers are the same in
+every lane. Where triangles are small a segment *mixes* them (owner -1): each fragment carries its triangle's
+numbers in columns of its own (``rows.N0`` and what follows). docs/numbers.md, sections 4 to 6, says what is
+computed; both kinds compute it with the same functions on vectors.
+
+Columns are longer than a batch (``rows.SLACK``), so loops take whole vectors. What they write behind a
+segment belongs to the next one, which therefore comes later.
+"""
+
+import numpy as np
+from numba import float64, int16, int32, int64
+
+from fixedpipe.raster import rows as R
+from fixedpipe.raster.fixed import SMALLEST, reciprocal_29, step_24, truncate_24
+from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
+from fixedpipe.raster.portable.interpolate import depth_difference
+from fixedpipe.raster.vector.lanes import (
+    absolute,
+    all_lanes,
+    any_lane,
+    bits_of_lanes,
+    f64x8,
+    f64x16,
+    floats_of_lanes,
+    floored,
+    i16x16,
+    load_f64x16,
+    load_i16x16,
+    maximum,
+    minimum,
+    narrow_i16,
+    ramp_f64x16,
+    select,
+    shift_right,
+    store,
+    to_int32,
+    truncated,
+    widen_unsigned_i32,
+)
+
+_LOW_29 = int64(-1 << 29)  # 24 significant bits of a float64, as fixedpipe.raster.fixed
+_LOW_24 = int64(-1 << 24)  # 29 of them
+_EXPONENT = int64(0x7FF << 52)
+_FRACTION = int64((1 << 52) - 1)
+_TINY = 2.0**-256  # as fixedpipe.raster.portable.interpolate
+EXACT_FROM = 2.0**-30  # a coordinate whose largest term is not below this wraps without rounding
+LARGEST_COORDINATE = 512.0  # then 256 times the largest texture, twice, is an int32
+LARGEST_REPEATED = 11  # log2 of the largest texture
+LARGEST_FLOAT = 2.0**100  # of any coordinate: none of its terms overflows
+_FIXED = 8  # fraction bits of a texel coordinate
+
+
+@kernel
+def keep_24(value):
+    """24 significant bits of each lane."""
+    return floats_of_lanes(bits_of_lanes(value) & _LOW_29)
+
+
+@kernel
+def power_of(value):
+    """The largest power of two that is not above each lane."""
+    return floats_of_lanes(bits_of_lanes(value) & _EXPONENT)
+
+
+@kernel
+def weight_class(q):
+    """1/2, 1/4 or 1/8: how ``interpolate.weight_class`` orders weights."""
+    return minimum(maximum(power_of(q), 0.125), 0.5)
+
+
+@kernel
+def rest_to_largest(q0, q1, q2):
+    """Weights of vertices 0 and 2, where the vertex with the largest one takes what the others leave
+    (``interpolate.iteration_weights``).
+    """
+    # Most vectors lie wholly beside one vertex, whose weight is above one half: no need to compare classes.
+    if all_lanes(q1 > 0.5):
+        return q0, q2
+    if all_lanes(q0 > 0.5):
+        return (1.0 - q1) - q2, q2
+    if all_lanes(q2 > 0.5):
+        return q0, (1.0 - q0) - q1
+    c0, c1, c2 = weight_class(q0), weight_class(q1), weight_class(q2)
+    first = (c0 >= c1) & (c0 > c2)
+    last = (c2 >= c0) & ((c2 > c1) | ((c2 == c1) & (c0 == c1)))
+    return select(first, (1.0 - q1) - q2, q0), select(last, (1.0 - q0) - q1, q2)
+
+
+@kernel("void(f8[:,::1],i8,i8,f8,f8,f8,f8,f8,f8,f8,f8,f8)")
+def run_weights(floats, position, count, n0, n1, n2, right0, right1, right2, iw0, iw1, iw2):
+    """Q0 and Q2 of ``count`` pixels to the right of the one whose edge functions are n0, n1, n2."""
+    separate_loop()
+    out0, out2 = floats[R.Q0], floats[R.Q2]
+    ramp = ramp_f64x16()
+    a0, a1, a2 = ramp * right0 + n0, ramp * right1 + n1, ramp * right2 + n2  # exact: integers below 2**53
+    step0, step1, step2 = right0 * 16.0, right1 * 16.0, right2 * 16.0
+    if iw0 == 1.0 and iw1 == 1.0 and iw2 == 1.0:
+        reciprocal = truncate_24(1.0 / ((n0 + n1) + n2))  # the sum is the area at every pixel
+        for i in range(0, count, 16):
+            q0, q1, q2 = keep_24(a0 * reciprocal), keep_24(a1 * reciprocal), keep_24(a2 * reciprocal)
+            w0, w2 = rest_to_largest(q0, q1, q2)
+            store(out0, position + i, w0)
+            store(out2, position + i, w2)
+            a0, a1, a2 = a0 + step0, a1 + step1, a2 + step2
+        return
+    for i in range(0, count, 16):
+        e0, e1, e2 = a0 * iw0, a1 * iw1, a2 * iw2
+        reciprocal = keep_24(1.0 / ((e0 + e1) + e2))
+        w0, w2 = rest_to_largest(keep_24(e0 * reciprocal), keep_24(e1 * reciprocal), keep_24(e2 * reciprocal))
+        store(out0, position + i, w0)
+        store(out2, position + i, w2)
+        a0, a1, a2 = a0 + step0, a1 + step1, a2 + step2
+
+
+@kernel("void(f8[:,::1],i8,i8,f8,f8,f8,f8)")
+def triangle_weights(floats, position, count, iw0, iw1, iw2, area):
+    """Q0 and Q2 of a triangle's fragments, which carry their edge functions in columns."""
+    separate_loop()
+    n0, n1, n2 = floats[R.N0], floats[R.N1], floats[R.N2]
+    out0, out2 = floats[R.Q0], floats[R.Q2]
+    perspective = not (iw0 == 1.0 and iw1 == 1.0 and iw2 == 1.0)
+    reciprocal = f64x16(truncate_24(1.0 / area))
+    for i in range(position, position + count, 16):
+        e0, e1, e2 = load_f64x16(n0, i), load_f64x16(n1, i), load_f64x16(n2, i)
+        if perspective:
+            e0, e1, e2 = e0 * iw0, e1 * iw1, e2 * iw2
+            reciprocal = keep_24(1.0 / ((e0 + e1) + e2))
+        w0, w2 = rest_to_largest(keep_24(e0 * reciprocal), keep_24(e1 * reciprocal), keep_24(e2 * reciprocal))
+        store(out0, i, w0)
+        store(out2, i, w2)
+
+
+@kernel("void(f8[:,::1],i8,i8,i8)")
+def mixed_weights(floats, start, end, perspective):
+    """Q0 and Q2 of fragments that carry their edge functions and 1/w, or the area's reciprocal."""
+    separate_loop()
+    n0, n1, n2 = floats[R.N0], floats[R.N1], floats[R.N2]
+    iw0, iw1, iw2 = floats[R.INVERSE_W0], floats[R.INVERSE_W1], floats[R.INVERSE_W2]
+    out0, out2 = floats[R.Q0], floats[R.Q2]
+    for i in range(start, end, 16):
+        e0, e1, e2 = load_f64x16(n0, i), load_f64x16(n1, i), load_f64x16(n2, i)
+        if perspective:
+            e0, e1, e2 = e0 * load_f64x16(iw0, i), e1 * load_f64x16(iw1, i), e2 * load_f64x16(iw2, i)
+            reciprocal = keep_24(1.0 / ((e0 + e1) + e2))
+        else:
+            reciprocal = load_f64x16(iw0, i)
+        w0, w2 = rest_to_largest(keep_24(e0 * reciprocal), keep_24(e1 * reciprocal), keep_24(e2 * reciprocal))
+        store(out0, i, w0)
+        store(out2, i, w2)
+
+
+@kernel
+def depth_sum(base, a, b):
+    """A vertex's depth and what the two others add to it, at 29 bits from the largest's highest."""
+    largest = maximum(maximum(absolute(base), _TINY), maximum(absolute(a), absolute(b)))
+    exponent = bits_of_lanes(largest) & _EXPONENT
+    unit = floats_of_lanes(exponent - int64(28 << 52))
+    scale = floats_of_lanes(int64(2074 << 52) - exponent)  # 1 / unit
+    return (base + truncated(a * scale) * unit) + truncated(b * scale) * unit
+
+
+@kernel
+def depth_of(e0, e1, e2, reciprocal, z0, z1, z2, z10, z20, z21):
+    """``interpolate.emit_depth`` for edge functions of 24 significant bits and their sum's reciprocal of 29.
+
+    z10 is the difference z1 - z0, and so on; those the other way round are their negatives.
+    """
+    q0, q1, q2 = keep_24(e0 * reciprocal), keep_24(e1 * reciprocal), keep_24(e2 * reciprocal)
+    p0, p1, p2 = power_of(e0), power_of(e1), power_of(e2)
+    first = (p0 > p1) & (p0 >= p2)
+    last = (p2 > p1) & (p2 > p0)
+    # Most vectors lie wholly beside one vertex.
+    if all_lanes(first):
+        return depth_sum(z0, q1 * z10, q2 * z20)
+    if all_lanes(last):
+        return depth_sum(z2, 0.0 - q0 * z20, 0.0 - q1 * z21)
+    if not any_lane(first | last):
+        return depth_sum(z1, 0.0 - q0 * z10, q2 * z21)
+    base = select(first, z0, select(last, z2, z1))
+    a = select(first, q1, q0) * select(first, z10, select(last, 0.0 - z20, 0.0 - z10))
+    b = select(last, q1, q2) * select(first, z20, select(last, 0.0 - z21, z21))
+    return depth_sum(base, a, b)
+
+
+@kernel
+def fixed_depth(z, offset, low, high):
+    """A fixed depth buffer's word: limited, then its floor."""
+    return to_int32(minimum(maximum(z + offset, low), high))
+
+
+@kernel("void(i4[::1],i8,i8,f8,f8,f8,f8,f8,f8,f8,f8,f8,f8,f8,f8)")
+def run_depth(words, position, count, n0, n1, n2, right0, right1, right2, z0, z1, z2, offset, low, high):
+    """Depth words of ``count`` pixels to the right of the one whose edge functions are n0, n1, n2."""
+    separate_loop()
+    if z0 == z1 and z1 == z2:  # differences of zero: whatever the weights, the depth is the base
+        word = fixed_depth(f64x16(z0), offset, low, high)
+        for i in range(0, count, 16):
+            store(words, position + i, word)
+        return
+    ramp = ramp_f64x16()
+    a0, a1, a2 = ramp * right0 + n0, ramp * right1 + n1, ramp * right2 + n2
+    step0, step1, step2 = right0 * 16.0, right1 * 16.0, right2 * 16.0
+    v0, v1, v2 = f64x16(z0), f64x16(z1), f64x16(z2)
+    v10, v20 = f64x16(depth_difference(z1, z0)), f64x16(depth_difference(z2, z0))
+    v21 = f64x16(depth_difference(z2, z1))
+    area = (n0 + n1) + n2
+    if area < 2.0**24:  # then every edge function has 24 bits, and their sum is the area
+        reciprocal = f64x16(reciprocal_29(1.0 / area))
+        for i in range(0, count, 16):
+            z = depth_of(a0, a1, a2, reciprocal, v0, v1, v2, v10, v20, v21)
+            store(words, position + i, fixed_depth(z, offset, low, high))
+            a0, a1, a2 = a0 + step0, a1 + step1, a2 + step2
+        return
+    for i in range(0, count, 16):
+        e0, e1, e2 = keep_24(a0), keep_24(a1), keep_24(a2)
+        inverse = bits_of_lanes(1.0 / ((e0 + e1) + e2))
+        exact = (inverse & _FRACTION) == int64(0)
+        lessened = select(exact, inverse, inverse - int64(1 << 21)) & _LOW_24
+        z = depth_of(e0, e1, e2, floats_of_lanes(lessened), v0, v1, v2, v10, v20, v21)
+        store(words, position + i, fixed_depth(z, offset, low, high))
+        a0, a1, a2 = a0 + step0, a1 + step1, a2 + step2
+
+
+@kernel("void(f8[:,::1],i4[::1],i8,i8,f8,f8,f8,f8,f8,f8,f8)")
+def triangle_depth(floats, words, position, count, z0, z1, z2, area, offset, low, high):
+    """Depth words of a triangle's fragments, which carry their edge functions; its area is below 2**24."""
+    separate_loop()
+    n0, n1, n2 = floats[R.N0], floats[R.N1], floats[R.N2]
+    reciprocal = f64x16(reciprocal_29(1.0 / area))
+    v0, v1, v2 = f64x16(z0), f64x16(z1), f64x16(z2)
+    v10, v20 = f64x16(depth_difference(z1, z0)), f64x16(depth_difference(z2, z0))
+    v21 = f64x16(depth_difference(z2, z1))
+    for i in range(position, position + count, 16):
+        e0, e1, e2 = load_f64x16(n0, i), load_f64x16(n1, i), load_f64x16(n2, i)
+        z = depth_of(e0, e1, e2, reciprocal, v0, v1, v2, v10, v20, v21)
+        store(words, i, fixed_depth(z, offset, low, high))
+
+
+@kernel("void(f8[:,::1],i4[::1],i8,i8,f8,f8)")
+def mixed_depth(floats, words, start, end, low, high):
+    """Depth words of fragments that carry their triangle's numbers; areas below 2**24."""
+    separate_loop()
+    n0, n1, n2, reciprocal = floats[R.N0], floats[R.N1], floats[R.N2], floats[R.Z_RECIPROCAL]
+    z0, z1, z2, offset = floats[R.Z0], floats[R.Z1], floats[R.Z2], floats[R.Z_OFFSET]
+    z10, z20, z21 = floats[R.Z10], floats[R.Z20], floats[R.Z21]
+    for i in range(start, end, 16):
+        z = depth_of(
+            load_f64x16(n0, i), load_f64x16(n1, i), load_f64x16(n2, i), load_f64x16(reciprocal, i),
+            load_f64x16(z0, i), load_f64x16(z1, i), load_f64x16(z2, i),
+            load_f64x16(z10, i), load_f64x16(z20, i), load_f64x16(z21, i),
+        )  # fmt: skip
+        store(words, i, fixed_depth(z, load_f64x16(offset, i), low, high))
+
+
+@kernel
+def spread(column, position, count, value):
+    """A triangle's number to the column of its ``count`` fragments, and up to seven more."""
+    for i in range(position, position + count, 8):
+        store(column, i, f64x8(value))
+
+
+@kernel("void(f8[:,::1],i8,i8,f8,f8,f8,f8,f8)")
+def spread_depth(floats, position, count, z0, z1, z2, area, offset):
+    """A small triangle's numbers for ``mixed_depth``."""
+    separate_function()
+    spread(floats[R.Z_RECIPROCAL], position, count, reciprocal_29(1.0 / area))
+    spread(floats[R.Z0], position, count, z0)
+    spread(floats[R.Z1], position, count, z1)
+    spread(floats[R.Z2], position, count, z2)
+    spread(floats[R.Z10], position, count, depth_difference(z1, z0))
+    spread(floats[R.Z20], position, count, depth_difference(z2, z0))
+    spread(floats[R.Z21], position, count, depth_difference(z2, z1))
+    spread(floats[R.Z_OFFSET], position, count, offset)
+
+
+@kernel
+def channel(w0, w2, base, d0, d2):
+    """256 c + 128 of one colour channel, modulo 2**16: below it, as 255 * 256 + 128 is."""
+    return (w0 * d0 + w2 * d2) + base
+
+
+@kernel
+def color_terms(colors, i0, i1, i2, side, c):
+    """One channel's base, and the differences of vertices 0 and 2 from vertex 1."""
+    c0, c1, c2 = int32(colors[i0, side, c]), int32(colors[i1, side, c]), int32(colors[i2, side, c])
+    return int16(c1 * int32(256) + int32(128)), int16(c0 - c1), int16(c2 - c1)
+
+
+@kernel("void(i4[:,::1],i8,i4[:,::1],u1[:,:,::1],i8,i8,f8[:,::1],i2[:,::1],i2[:,::1],i8)")
+def iterate_colors(lists, segments, triangles, colors, first, flat, floats, terms, out, plane):
+    """Four colour channels from ``first`` on into four planes of ``out``: ``interpolate.iterate_color``.
+
+    ``terms``: the planes from which mixed segments take base, and differences of vertices 0 and 2, of each
+    channel.
+    """
+    separate_loop()
+    starts, owners, backs = lists[R.STARTS], lists[R.OWNERS], lists[R.BACKS]
+    q0, q2 = floats[R.Q0], floats[R.Q2]
+    for s in range(segments):
+        t, begin, end = owners[s], int64(starts[s]), int64(starts[s + 1])
+        if t < 0:
+            for c in range(4):
+                base, d0, d2 = terms[3 * c], terms[3 * c + 1], terms[3 * c + 2]
+                into = out[plane + c]
+                for i in range(begin, end, 16):
+                    total = load_i16x16(base, i)
+                    if not flat:
+                        w0 = narrow_i16(to_int32(load_f64x16(q0, i) * 256.0))
+                        w2 = narrow_i16(to_int32(load_f64x16(q2, i) * 256.0))
+                        total = channel(w0, w2, total, load_i16x16(d0, i), load_i16x16(d2, i))
+                    store(into, i, shift_right(total, 8))
+            continue
+        side = backs[s]
+        if flat:
+            for c in range(4):
+                value = i16x16(int16(colors[triangles[t, 3], side, first + c]))
+                into = out[plane + c]
+                for i in range(begin, end, 16):
+                    store(into, i, value)
+            continue
+        i0, i1, i2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        b0, x0, y0 = color_terms(colors, i0, i1, i2, side, first)
+        b1, x1, y1 = color_terms(colors, i0, i1, i2, side, first + 1)
+        b2, x2, y2 = color_terms(colors, i0, i1, i2, side, first + 2)
+        b3, x3, y3 = color_terms(colors, i0, i1, i2, side, first + 3)
+        into0, into1, into2, into3 = out[plane], out[plane + 1], out[plane + 2], out[plane + 3]
+        for i in range(begin, end, 16):
+            w0 = narrow_i16(to_int32(load_f64x16(q0, i) * 256.0))
+            w2 = narrow_i16(to_int32(load_f64x16(q2, i) * 256.0))
+            store(into0, i, shift_right(channel(w0, w2, b0, x0, y0), 8))
+            store(into1, i, shift_right(channel(w0, w2, b1, x1, y1), 8))
+            store(into2, i, shift_right(channel(w0, w2, b2, x2, y2), 8))
+            store(into3, i, shift_right(channel(w0, w2, b3, x3, y3), 8))
+
+
+@kernel("void(i4[:,::1],i8,i4[:,::1],u1[:,:,::1],i8,f8[:,::1],i2[:,::1],u4[::1])")
+def iterate_packed(lists, segments, triangles, colors, flat, floats, terms, out):
+    """The primary colour as packed bytes: ``iterate_colors`` where nothing else is done with it."""
+    separate_loop()
+    starts, owners, backs = lists[R.STARTS], lists[R.OWNERS], lists[R.BACKS]
+    q0, q2 = floats[R.Q0], floats[R.Q2]
+    high = int16(-256)
+    for s in range(segments):
+        t, begin, end = owners[s], int64(starts[s]), int64(starts[s + 1])
+        if t < 0:
+            for i in range(begin, end, 16):
+                r, g = load_i16x16(terms[0], i), load_i16x16(terms[3], i)
+                b, a = load_i16x16(terms[6], i), load_i16x16(terms[9], i)
+                if not flat:
+                    w0 = narrow_i16(to_int32(load_f64x16(q0, i) * 256.0))
+                    w2 = narrow_i16(to_int32(load_f64x16(q2, i) * 256.0))
+                    r = channel(w0, w2, r, load_i16x16(terms[1], i), load_i16x16(terms[2], i))
+                    g = channel(w0, w2, g, load_i16x16(terms[4], i), load_i16x16(terms[5], i))
+                    b = channel(w0, w2, b, load_i16x16(terms[7], i), load_i16x16(terms[8], i))
+                    a = channel(w0, w2, a, load_i16x16(terms[10], i), load_i16x16(terms[11], i))
+                low, upper = shift_right(r, 8) | (g & high), shift_right(b, 8) | (a & high)
+                store(out, i, widen_unsigned_i32(low) | (widen_unsigned_i32(upper) << 16))
+            continue
+        side = backs[s]
+        i0, i1, i2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        if flat:
+            i0 = i1 = i2 = triangles[t, 3]
+        b0, x0, y0 = color_terms(colors, i0, i1, i2, side, 0)
+        b1, x1, y1 = color_terms(colors, i0, i1, i2, side, 1)
+        b2, x2, y2 = color_terms(colors, i0, i1, i2, side, 2)
+        b3, x3, y3 = color_terms(colors, i0, i1, i2, side, 3)
+        if flat:
+            r, g, b, a = i16x16(b0), i16x16(b1), i16x16(b2), i16x16(b3)
+            low, upper = shift_right(r, 8) | (g & high), shift_right(b, 8) | (a & high)
+            value = widen_unsigned_i32(low) | (widen_unsigned_i32(upper) << 16)
+            for i in range(begin, end, 16):
+                store(out, i, value)
+            continue
+        for i in range(begin, end, 16):
+            w0 = narrow_i16(to_int32(load_f64x16(q0, i) * 256.0))
+            w2 = narrow_i16(to_int32(load_f64x16(q2, i) * 256.0))
+            r, g = channel(w0, w2, b0, x0, y0), channel(w0, w2, b1, x1, y1)
+            b, a = channel(w0, w2, b2, x2, y2), channel(w0, w2, b3, x3, y3)
+            low, upper = shift_right(r, 8) | (g & high), shift_right(b, 8) | (a & high)
+            store(out, i, widen_unsigned_i32(low) | (widen_unsigned_i32(upper) << 16))
+
+
+@kernel("void(i2[:,::1],i8,i8,u1[:,:,::1],i8,i4,i4,i4,i4,i4,i8)")
+def spread_colors(terms, position, count, colors, channels, i0, i1, i2, provoking, side, flat):
+    """A small triangle's numbers for the mixed segments of ``iterate_colors``: of four channels, or of eight
+    with the secondary colour's from plane 12 on.
+    """
+    separate_function()
+    if flat:
+        i0 = i1 = i2 = provoking
+    for c in range(channels):
+        base, d0, d2 = color_terms(colors, i0, i1, i2, side, c)
+        for i in range(position, position + count, 16):
+            store(terms[3 * c], i, i16x16(base))
+            if not flat:
+                store(terms[3 * c + 1], i, i16x16(d0))
+                store(terms[3 * c + 2], i, i16x16(d2))
+
+
+@kernel
+def terms_of(q0, q2, v1, d0, d2):
+    """(the largest, each at the 24 bits from the largest's highest, their sum) of a coordinate's terms, in
+    ``interpolate.iterate_coordinate``'s units.
+    """
+    p0, p2 = q0 * d0, q2 * d2
+    largest = maximum(maximum(maximum(absolute(p0), absolute(p2)), absolute(v1)), SMALLEST)
+    exponent = bits_of_lanes(largest) & _EXPONENT
+    steps = floats_of_lanes(int64(2069 << 52) - exponent)
+    total = (truncated(v1 * steps) + truncated(p0 * steps)) + truncated(p2 * steps)
+    return largest, exponent, total
+
+
+@kernel
+def term_of(q, d):
+    """The same where vertices 1 and either 0 or 2 have the coordinate zero: one term is left."""
+    p = q * d
+    largest = maximum(absolute(p), SMALLEST)
+    exponent = bits_of_lanes(largest) & _EXPONENT
+    return largest, exponent, truncated(p * floats_of_lanes(int64(2069 << 52) - exponent))
+
+
+@kernel
+def dominates(c1, c0, c2):
+    """Whether vertex 1's coordinate is the largest term wherever the weights are, and not tiny."""
+    return abs(c1) >= max(abs(c0), abs(c2)) and abs(c1) >= EXACT_FROM
+
+
+@kernel
+def sum_beside(q0, q2, base, d0, d2):
+    """The terms' sum where vertex 1 dominates: its own term is ``base``, and d0 and d2 count its last bit."""
+    return (base + truncated(q0 * d0)) + truncated(q2 * d2)
+
+
+@kernel
+def texels_of(largest, exponent, total, to_fixed):
+    """(whether wrapping rounds, floor(256 u size)) of a coordinate u.
+
+    to_fixed: the exponent, in a float64's place, by which 24 bits of the largest term and 256 size differ.
+    """
+    rounds = any_lane((largest < EXACT_FROM) & (total != 0.0))
+    return rounds, to_int32(floored(total * floats_of_lanes(exponent + to_fixed)))
+
+
+@kernel
+def exact_steps(q0, q2, v1, d0, d2, size, repeat):
+    """As ``texel_steps``, of one fragment, where wrapping rounds: the portable kernels' every operation.
+
+    A linear filter's texel coordinate is a nearest one's as well.
+    """
+    p0, p2 = q0 * d0, q2 * d2
+    step, steps = step_24(max(max(abs(v1), max(abs(p0), abs(p2))), SMALLEST))
+    total = (np.trunc(v1 * steps) + np.trunc(p0 * steps)) + np.trunc(p2 * steps)
+    t = (total * step) * size
+    if repeat:
+        t = t - size * np.floor(t * (1.0 / size))
+        t = t if t > 0.0 else 0.0
+        t = t if t < size else size
+    return int32(int32(np.floor((t - 0.5) * 256.0)) + int32(128))
+
+
+@kernel("void(i4[:,::1],i8,i4[:,::1],f8[:,:,::1],i8,i8,i8,i8,f8[:,::1],i4[::1])")
+def iterate_texels(lists, segments, triangles, coordinates, unit, component, log2_size, repeat, floats, out):
+    """floor(256 u size) of one texture coordinate (0: s, 1: t) into a column of int32."""
+    separate_loop()
+    starts, owners = lists[R.STARTS], lists[R.OWNERS]
+    q0, q2 = floats[R.Q0], floats[R.Q2]
+    first = R.TERMS + 12 * unit + 3 * component
+    base, from0, from2 = floats[first], floats[first + 1], floats[first + 2]
+    to_fixed, size = int64((log2_size + _FIXED - 23) << 52), float64(int64(1) << log2_size)
+    for s in range(segments):
+        t, begin, end = owners[s], int64(starts[s]), int64(starts[s + 1])
+        if t < 0:
+            for i in range(begin, end, 16):
+                v1, d0, d2 = load_f64x16(base, i), load_f64x16(from0, i), load_f64x16(from2, i)
+                w0, w2 = load_f64x16(q0, i), load_f64x16(q2, i)
+                rounds, fixed = texels_of(*terms_of(w0, w2, v1, d0, d2), to_fixed)
+                store(out, i, fixed)
+                if rounds:
+                    for k in range(i, min(i + 16, end)):
+                        out[k] = exact_steps(q0[k], q2[k], base[k], from0[k], from2[k], size, repeat)
+            continue
+        c1 = coordinates[triangles[t, 1], unit, component]
+        c0 = coordinates[triangles[t, 0], unit, component] - c1
+        c2 = coordinates[triangles[t, 2], unit, component] - c1
+        v1, d0, d2 = f64x16(c1), f64x16(c0), f64x16(c2)
+        if dominates(c1, c0, c2):
+            step, steps = step_24(abs(c1))
+            own, d0, d2 = f64x16(np.trunc(c1 * steps)), f64x16(c0 * steps), f64x16(c2 * steps)
+            scale = step * (size * 256.0)
+            for i in range(begin, end, 16):
+                total = sum_beside(load_f64x16(q0, i), load_f64x16(q2, i), own, d0, d2)
+                store(out, i, to_int32(floored(total * scale)))
+            continue
+        one_term, only0 = c1 == 0.0 and (c0 == 0.0 or c2 == 0.0), c2 == 0.0
+        for i in range(begin, end, 16):
+            if one_term:
+                q, d = (load_f64x16(q0, i), d0) if only0 else (load_f64x16(q2, i), d2)
+                rounds, fixed = texels_of(*term_of(q, d), to_fixed)
+            else:
+                terms = terms_of(load_f64x16(q0, i), load_f64x16(q2, i), v1, d0, d2)
+                rounds, fixed = texels_of(*terms, to_fixed)
+            store(out, i, fixed)
+            if rounds:
+                for k in range(i, min(i + 16, end)):
+                    out[k] = exact_steps(q0[k], q2[k], c1, c0, c2, size, repeat)
+
+
+@kernel
+def float_of_terms(largest, exponent, total):
+    """A coordinate itself."""
+    return total * floats_of_lanes(exponent - int64(23 << 52))
+
+
+@kernel("void(i4[:,::1],i8,i4[:,::1],f8[:,:,::1],i8,i8,f8[:,::1],f8[::1])")
+def iterate_floats(lists, segments, triangles, coordinates, unit, component, floats, out):
+    """One texture coordinate (0 to 3: s, t, r, q) into a column of float64."""
+    separate_function()
+    starts, owners = lists[R.STARTS], lists[R.OWNERS]
+    q0, q2 = floats[R.Q0], floats[R.Q2]
+    first = R.TERMS + 12 * unit + 3 * component
+    base, from0, from2 = floats[first], floats[first + 1], floats[first + 2]
+    for s in range(segments):
+        t, begin, end = owners[s], int64(starts[s]), int64(starts[s + 1])
+        if t < 0:
+            for i in range(begin, end, 16):
+                v1, d0, d2 = load_f64x16(base, i), load_f64x16(from0, i), load_f64x16(from2, i)
+                terms = terms_of(load_f64x16(q0, i), load_f64x16(q2, i), v1, d0, d2)
+                store(out, i, float_of_terms(*terms))
+            continue
+        c1 = coordinates[triangles[t, 1], unit, component]
+        c0 = coordinates[triangles[t, 0], unit, component] - c1
+        c2 = coordinates[triangles[t, 2], unit, component] - c1
+        v1, d0, d2 = f64x16(c1), f64x16(c0), f64x16(c2)
+        if c0 == 0.0 and c2 == 0.0:
+            value = float_of_terms(*terms_of(d0, d2, v1, d0, d2))
+            for i in range(begin, end, 16):
+                store(out, i, value)
+            continue
+        if dominates(c1, c0, c2):
+            step, steps = step_24(abs(c1))
+            own, d0, d2 = f64x16(np.trunc(c1 * steps)), f64x16(c0 * steps), f64x16(c2 * steps)
+            for i in range(begin, end, 16):
+                total = sum_beside(load_f64x16(q0, i), load_f64x16(q2, i), own, d0, d2)
+                store(out, i, total * step)
+            continue
+        one_term, only0 = c1 == 0.0 and (c0 == 0.0 or c2 == 0.0), c2 == 0.0
+        for i in range(begin, end, 16):
+            if one_term:
+                q, d = (load_f64x16(q0, i), d0) if only0 else (load_f64x16(q2, i), d2)
+                store(out, i, float_of_terms(*term_of(q, d)))
+            else:
+                terms = terms_of(load_f64x16(q0, i), load_f64x16(q2, i), v1, d0, d2)
+                store(out, i, float_of_terms(*terms))
+
+
+@kernel("void(f8[:,::1],i8,i8,f8[:,:,::1],i8,i8,i4,i4,i4)")
+def spread_coordinates(floats, position, count, coordinates, unit, components, i0, i1, i2):
+    """A small triangle's numbers for the mixed segments of ``iterate_texels`` and ``iterate_floats``;
+    ``components``: bits 1, 2, 4, 8 for s, t, r, q.
+    """
+    separate_function()
+    for component in range(4):
+        if not (components >> component) & 1:
+            continue
+        at = R.TERMS + 12 * unit + 3 * component
+        v1 = coordinates[i1, unit, component]
+        spread(floats[at], position, count, v1)
+        spread(floats[at + 1], position, count, coordinates[i0, unit, component] - v1)
+        spread(floats[at + 2], position, count, coordinates[i2, unit, component] - v1)

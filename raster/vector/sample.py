@@ -1,0 +1,369 @@
+"""Texture sampling by vectors: the texels of raster/portable/sample.py, fetched four at a time.
+
+A texture's levels are stored once more as row pairs: every row has its first texel again at its end, and
+every texel its upper neighbour beside it (the last row's is the first row), so that one load of 128 bits
+brings the whole footprint of a linear filter. A neighbour that a wrap mode does not mean has weight 0.
+
+A coordinate F counts 1/256 texels of a level: floor(256 u size). A linear filter reads column
+(F - 128) >> 8 with the fraction (F - 128) & 255, a nearest one column F >> 8 with none. Whatever is in F,
+a texel inside the level is read.
+
+Filtering goes through ``located``, int32[LOCATED, batch + SLACK]: where each fragment's footprint begins and
+how it is weighted. Units whose coordinates, sizes, filters and wrap modes agree can share it.
+"""
+
+import numpy as np
+from numba import int16, int32, int64, uint64
+
+from fixedpipe.raster import codes as C
+from fixedpipe.raster import rows as R
+from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
+from fixedpipe.raster.vector.lanes import (
+    even_lanes,
+    halves_of_lanes,
+    i16x32,
+    i32x16,
+    lanes_of_halves,
+    largest_lane,
+    load_each_i32x16,
+    load_i16x32,
+    load_i32x16,
+    load_quads,
+    lowest_bit,
+    maximum,
+    minimum,
+    odd_lanes,
+    select,
+    shift_right,
+    smallest_lane,
+    store,
+)
+
+# Rows of ``located``: the footprint's first element in the row pairs and its weights, the fraction across in
+# the low 16 bits and the one upwards above; both again for a second level; the fraction between them.
+FIRST, WEIGHTS, UPPER_FIRST, UPPER_WEIGHTS, BETWEEN, LOCATED = range(6)
+
+_LOWEST, _HIGHEST = -(1 << 31), (1 << 31) - 1
+
+
+# ---------------------------------------------------------------------------------------------- row pairs
+
+
+@kernel("void(u4[::1],i8,i8,i8,i8,u4[::1],i8)")
+def _pair_rows(texels, offset, width, height, faces, pairs, pair_offset):
+    """One level, each of its ``faces`` on its own."""
+    separate_loop()
+    for row in range(faces * height):
+        last = (row + 1) % height == 0
+        lower = uint64(offset + row * width)
+        upper = uint64(offset + (row + 1 - (height if last else 0)) * width)
+        at = uint64(pair_offset + row * (width + 1) * 2)
+        for x in range(width):
+            pairs[at + uint64(2 * x)] = texels[lower + uint64(x)]
+            pairs[at + uint64(2 * x + 1)] = texels[upper + uint64(x)]
+        pairs[at + uint64(2 * width)] = texels[lower]
+        pairs[at + uint64(2 * width + 1)] = texels[upper]
+
+
+def row_pairs(texels, levels, count, faces=1):
+    """A texture's ``count`` levels as row pairs: (pairs uint32[.], levels int32[MAX_LEVELS, 3]).
+
+    texels: uint32[.], packed; levels: int32[MAX_LEVELS, 3], each level's offset in ``texels``, width and
+    height; ``faces``: images of each level, one behind another. The levels returned have their offsets in
+    ``pairs``. Twice the texels' memory and two elements more for each row.
+    """
+    found = np.array(levels, np.int32)
+    found[:count, 0] = 0
+    sizes = 2 * faces * (found[:count, 1].astype(np.int64) + 1) * found[:count, 2]
+    found[1:count, 0] = np.cumsum(sizes)[:-1]
+    pairs = np.empty(int(sizes.sum()), np.uint32)
+    for k in range(count):
+        offset, width, height = (int(v) for v in levels[k])
+        _pair_rows(texels, offset, width, height, faces, pairs, int(found[k, 0]))
+    return pairs, found
+
+
+# ------------------------------------------------------------------------------------------------ locating
+
+
+@kernel
+def _rounded(count):
+    """To whole vectors of 32: fetching reads as many, and must find places in this texture there too."""
+    return (count + 31) & ~31
+
+
+@kernel
+def _limits(mode, half, size):
+    """(lowest, highest, mask): F is limited to the first two, then the column to the mask's bits."""
+    if mode == C.WRAP_REPEAT and size & (size - 1) == 0:
+        return int32(_LOWEST), int32(_HIGHEST), int32(size - 1)
+    if mode == C.WRAP_REPEAT:
+        return half, int32(256 * size - 1 + half), int32(-1)
+    return half, int32(256 * size - 128), int32(-1)
+
+
+@kernel("void(i4[:,::1],i8[::1],i4[::1],i4[::1],i8,i4[:,::1])")
+def locate(levels, unit, f_s, f_t, count, located):
+    """FIRST and WEIGHTS of fragments that all read level 0.
+
+    levels: of the row pairs; unit: int64[UNIT_SIZE], with one filter and REPEAT, CLAMP_TO_EDGE or, for a
+    nearest filter, CLAMP on either axis; f_s, f_t: F across and upwards. A 1D texture has one row, and any
+    ``f_t``. An axis that repeats and whose size is no power of two has its F in 128..256 size + 127
+    (nearest: 0..256 size - 1).
+    """
+    separate_loop()
+    linear, cube = unit[R.MAG_LINEAR] != 0, unit[R.TARGET] == C.TARGET_CUBE_MAP
+    half, fraction = int32(128 if linear else 0), int32(255 if linear else 0)
+    low_s, high_s, mask_s = _limits(C.WRAP_CLAMP_TO_EDGE if cube else unit[R.WRAP_S], half, levels[0, 1])
+    low_t, high_t, mask_t = _limits(C.WRAP_CLAMP_TO_EDGE if cube else unit[R.WRAP_T], half, levels[0, 2])
+    mask_s = int32(mask_s * int32(2))
+    base, stride = levels[0, 0], int32(int32(levels[0, 1] + int32(1)) * int32(2))
+    first, weights = located[FIRST], located[WEIGHTS]
+    for at in range(0, _rounded(count), 16):
+        s = minimum(maximum(load_i32x16(f_s, at), low_s), high_s) - half
+        t = minimum(maximum(load_i32x16(f_t, at), low_t), high_t) - half
+        column, row = (s >> int32(7)) & mask_s, (t >> int32(8)) & mask_t
+        store(first, at, row * stride + column + base)
+        store(weights, at, (s & fraction) | ((t & fraction) << int32(16)))
+
+
+@kernel
+def _level_of(lod, threshold, top, rounding, step, last):
+    """The level that a fragment reads whose lambda is ``lod``."""
+    if lod <= threshold:
+        return min(step, last)
+    return min(int32(int32(int32(min(max(lod, int32(0)), top)) + rounding) >> int32(8)) + step, last)
+
+
+@kernel("i4(i4[:,::1],i8[::1],i4[::1],i4[::1],i4[::1],i4,i8,i4[:,::1])")
+def locate_levels(levels, unit, f_s, f_t, lod, step, count, located):
+    """FIRST, WEIGHTS and BETWEEN of fragments that have a level each; returns the largest lambda.
+
+    As ``locate``, but the unit may have any filters, and sizes are powers of two. lod: lambda with 8 fraction
+    bits; ``step``: 0, or 1 for UPPER_FIRST and UPPER_WEIGHTS of the level above. F are level 0's.
+    """
+    separate_loop()
+    last, mipmap = int32(unit[R.LEVELS] - 1), unit[R.MIPMAP]
+    threshold, rounding = int32(unit[R.THRESHOLD]), int32(127 if mipmap == C.MIPMAP_NEAREST else 0)
+    top = int32(last * int32(256)) if mipmap != C.MIPMAP_NONE else int32(0)
+    smallest, largest = i32x16(int32(_HIGHEST)), i32x16(int32(_LOWEST))
+    for at in range(0, _rounded(count), 16):
+        value = load_i32x16(lod, at)
+        smallest, largest = minimum(smallest, value), maximum(largest, value)
+    highest = largest_lane(largest)
+    low_level = _level_of(smallest_lane(smallest), threshold, top, rounding, step, last)
+    high_level = _level_of(highest, threshold, top, rounding, step, last)
+
+    width, height = levels[0, 1], levels[0, 2]
+    bits_s, bits_t = int32(lowest_bit(int64(width))), int32(lowest_bit(int64(height)))
+    repeat_s, repeat_t = unit[R.WRAP_S] == C.WRAP_REPEAT, unit[R.WRAP_T] == C.WRAP_REPEAT
+    # Beyond these nothing is limited: either the axis repeats, or the level's own limits are narrower.
+    below_s, above_s = int32(_LOWEST if repeat_s else _HIGHEST), int32(_HIGHEST if repeat_s else _LOWEST)
+    below_t, above_t = int32(_LOWEST if repeat_t else _HIGHEST), int32(_HIGHEST if repeat_t else _LOWEST)
+    mag_half, min_half = int32(128 * unit[R.MAG_LINEAR]), int32(128 * unit[R.MIN_LINEAR])
+    mag_fraction, min_fraction = int32(255 * unit[R.MAG_LINEAR]), int32(255 * unit[R.MIN_LINEAR])
+    first, weights, between = located[2 * step + FIRST], located[2 * step + WEIGHTS], located[BETWEEN]
+    one, zero = int32(1), i32x16(int32(0))
+    for at in range(0, _rounded(count), 16):
+        value = load_i32x16(lod, at)
+        magnified = value <= threshold
+        value = select(magnified, zero, minimum(maximum(value, int32(0)), top))
+        half = select(magnified, i32x16(mag_half), i32x16(min_half))
+        fraction = select(magnified, i32x16(mag_fraction), i32x16(min_fraction))
+        level = minimum(((value + rounding) >> int32(8)) + step, last)
+        base = i32x16(levels[low_level, 0])
+        for k in range(low_level + 1, high_level + 1):
+            base = select(level >= int32(k), i32x16(levels[k, 0]), base)
+        shift_s, shift_t = minimum(level, bits_s), minimum(level, bits_t)
+        size_s, size_t = i32x16(width) >> shift_s, i32x16(height) >> shift_t
+        s = maximum(load_i32x16(f_s, at) >> shift_s, minimum(half, below_s))
+        t = maximum(load_i32x16(f_t, at) >> shift_t, minimum(half, below_t))
+        s = minimum(s, maximum((size_s << int32(8)) - int32(128), above_s)) - half
+        t = minimum(t, maximum((size_t << int32(8)) - int32(128), above_t)) - half
+        column, row = (s >> int32(8)) & (size_s - one), (t >> int32(8)) & (size_t - one)
+        store(first, at, ((row * (size_s + one) + column) << one) + base)
+        store(weights, at, (s & fraction) | ((t & fraction) << int32(16)))
+        store(between, at, value & int32(255))
+    return highest
+
+
+@kernel("void(i4[:,::1],i4[::1],i8,i4[:,::1])")
+def move_to_faces(levels, face, count, located):
+    """FIRST from a cube map's first face to each fragment's (0..5; others are limited to these)."""
+    separate_loop()
+    area = int32(int32(int32(levels[0, 1] + int32(1)) * levels[0, 2]) * int32(2))
+    first = located[FIRST]
+    for at in range(0, _rounded(count), 16):
+        number = minimum(maximum(load_i32x16(face, at), int32(0)), int32(5))
+        store(first, at, load_i32x16(first, at) + number * area)
+
+
+# ------------------------------------------------------------------------------------ fetching, filtering
+
+
+@kernel
+def _lerp(p, q, weight):
+    """(p (256 - w) + q w + 128) >> 8 in 16-bit lanes without sign: at most 255 * 256 + 128 < 65536."""
+    return shift_right(p * (i16x32(int16(256)) - weight) + q * weight + int16(128), int16(8))
+
+
+@kernel
+def _doubled(weight):
+    """A number of up to 16 bits in 32-bit lanes, in both halves of each."""
+    return halves_of_lanes(weight | (weight << int32(16)))
+
+
+@kernel
+def _footprint(pairs, first, weights, at):
+    """The filtered texels of sixteen fragments: red and blue in 16-bit lanes, green and alpha."""
+    p00, p01, p10, p11 = load_quads(pairs, first, at)
+    lower_left, upper_left = halves_of_lanes(p00), halves_of_lanes(p01)
+    lower_right, upper_right = halves_of_lanes(p10), halves_of_lanes(p11)
+    both = load_i32x16(weights, at)
+    across, upwards = _doubled(both & int32(0xFFFF)), _doubled(both >> int32(16))
+    byte, eight = int16(255), int16(8)
+    lower = _lerp(lower_left & byte, lower_right & byte, across)
+    upper = _lerp(upper_left & byte, upper_right & byte, across)
+    even = _lerp(lower, upper, upwards)
+    lower = _lerp(shift_right(lower_left, eight), shift_right(lower_right, eight), across)
+    upper = _lerp(shift_right(upper_left, eight), shift_right(upper_right, eight), across)
+    return even, _lerp(lower, upper, upwards)
+
+
+@kernel
+def _store_planes(even0, odd0, even1, odd1, registers, plane, at):
+    """Twice sixteen texels as ``_footprint`` gives them, to four planes."""
+    store(registers[plane], at, even_lanes(even0, even1))
+    store(registers[plane + 1], at, even_lanes(odd0, odd1))
+    store(registers[plane + 2], at, odd_lanes(even0, even1))
+    store(registers[plane + 3], at, odd_lanes(odd0, odd1))
+
+
+@kernel("void(u4[::1],i4[:,::1],i8,i2[:,::1],i8)")
+def fetch_linear(pairs, located, count, registers, plane):
+    """Filtered texels into four planes from ``plane`` on."""
+    separate_loop()
+    first, weights = located[FIRST], located[WEIGHTS]
+    for at in range(0, count, 32):
+        even0, odd0 = _footprint(pairs, first, weights, at)
+        even1, odd1 = _footprint(pairs, first, weights, at + 16)
+        _store_planes(even0, odd0, even1, odd1, registers, plane, at)
+
+
+@kernel("void(u4[::1],i4[:,::1],i8,i2[:,::1],i8)")
+def fetch_nearest(pairs, located, count, registers, plane):
+    """Texels into four planes from ``plane`` on."""
+    separate_loop()
+    first, byte, eight = located[FIRST], int16(255), int16(8)
+    for at in range(0, count, 32):
+        p = halves_of_lanes(load_each_i32x16(pairs, first, at))
+        q = halves_of_lanes(load_each_i32x16(pairs, first, at + 16))
+        odd0, odd1 = shift_right(p, eight), shift_right(q, eight)
+        _store_planes(p & byte, odd0, q & byte, odd1, registers, plane, at)
+
+
+@kernel("void(u4[::1],i4[:,::1],i8,i2[:,::1],i8)")
+def fetch_blended(pairs, located, count, registers, plane):
+    """Filtered texels of two levels, each rounded to bytes, blended, into four planes from ``plane`` on."""
+    separate_loop()
+    between = located[BETWEEN]
+    for at in range(0, count, 32):
+        even0, odd0 = _footprint(pairs, located[FIRST], located[WEIGHTS], at)
+        even1, odd1 = _footprint(pairs, located[UPPER_FIRST], located[UPPER_WEIGHTS], at)
+        weight = _doubled(load_i32x16(between, at))
+        even2, odd2 = _lerp(even0, even1, weight), _lerp(odd0, odd1, weight)
+        even0, odd0 = _footprint(pairs, located[FIRST], located[WEIGHTS], at + 16)
+        even1, odd1 = _footprint(pairs, located[UPPER_FIRST], located[UPPER_WEIGHTS], at + 16)
+        weight = _doubled(load_i32x16(between, at + 16))
+        even0, odd0 = _lerp(even0, even1, weight), _lerp(odd0, odd1, weight)
+        _store_planes(even2, odd2, even0, odd0, registers, plane, at)
+
+
+@kernel
+def _compared(texel, reference, less, equal, greater):
+    """What a comparison makes of depth words."""
+    return select(reference < texel, less, select(reference == texel, equal, greater))
+
+
+@kernel
+def _compared_footprint(pairs, first, weights, references, at, lower, upper):
+    """The filtered comparisons of sixteen fragments in 32-bit lanes. ``lower``, ``upper``: what less, equal
+    and greater make of the lower two texels, in the lower halves of lanes, and of the upper two.
+    """
+    p00, p01, p10, p11 = load_quads(pairs, first, at)
+    reference, both = load_i32x16(references, at), load_i32x16(weights, at)
+    left = _compared(p00, reference, *lower) | _compared(p01, reference, *upper)
+    right = _compared(p10, reference, *lower) | _compared(p11, reference, *upper)
+    across = _doubled(both & int32(0xFFFF))
+    rows = lanes_of_halves(_lerp(halves_of_lanes(left), halves_of_lanes(right), across))
+    above = halves_of_lanes(rows >> int32(16))
+    return _lerp(halves_of_lanes(rows & int32(0xFFFF)), above, halves_of_lanes(both >> int32(16)))
+
+
+@kernel
+def _outcomes(function, value):
+    """Lanes of ``value`` for each of less, equal and greater that ``function`` has, of zero for others."""
+    return (
+        i32x16(value if function & C.COMPARISON_LESS else int32(0)),
+        i32x16(value if function & C.COMPARISON_EQUAL else int32(0)),
+        i32x16(value if function & C.COMPARISON_GREATER else int32(0)),
+    )
+
+
+@kernel("void(u4[::1],i4[:,::1],i4[::1],i8,i8,i2[:,::1],i8)")
+def fetch_compared(pairs, located, references, function, count, registers, plane):
+    """Texels that are depth words, each replaced by 255 where "reference FUNC texel" holds and else by 0,
+    then filtered: into four planes from ``plane`` on.
+
+    references: int32, depth words.
+    """
+    separate_loop()
+    first, weights = located[FIRST], located[WEIGHTS]
+    lower, upper = _outcomes(function, int32(255)), _outcomes(function, int32(255 << 16))
+    for at in range(0, count, 32):
+        low = _compared_footprint(pairs, first, weights, references, at, lower, upper)
+        high = _compared_footprint(pairs, first, weights, references, at + 16, lower, upper)
+        value = even_lanes(low, high)
+        store(registers[plane], at, value)
+        store(registers[plane + 1], at, value)
+        store(registers[plane + 2], at, value)
+        store(registers[plane + 3], at, value)
+
+
+@kernel("void(i8,i8,i2[:,::1],i8)")
+def make_signed(signed, count, registers, plane):
+    """Bytes s + 128 become 2 s in the planes whose component ``signed`` (packed) marks with 0x80."""
+    separate_function()
+    for c in range(4):
+        if (signed >> (8 * c)) & 128:
+            values = registers[plane + c]
+            for at in range(0, count, 32):
+                store(values, at, (load_i16x32(values, at) << int16(1)) - int16(256))
+
+
+@kernel("void(u4[::1],i8[::1],i4[:,::1],i8,i2[:,::1],i8)")
+def filter_located(pairs, unit, located, count, registers, plane):
+    """What ``locate`` found, filtered into the unit's four register planes from ``plane`` on."""
+    separate_function()
+    if unit[R.MAG_LINEAR]:
+        fetch_linear(pairs, located, count, registers, plane)
+    else:
+        fetch_nearest(pairs, located, count, registers, plane)
+    if unit[R.SIGNED]:
+        make_signed(unit[R.SIGNED], count, registers, plane)
+
+
+@kernel("void(u4[::1],i4[:,::1],i8[::1],i4[::1],i4[::1],i4[::1],i8,i4[:,::1],i2[:,::1],i8)")
+def filter_mipmapped(pairs, levels, unit, f_s, f_t, lod, count, located, registers, plane):
+    """A unit that looks at lambda (``lod``, 8 fraction bits) for its filter or level, into four planes."""
+    separate_function()
+    highest = locate_levels(levels, unit, f_s, f_t, lod, int32(0), count, located)
+    if unit[R.MIPMAP] == C.MIPMAP_LINEAR and highest > max(unit[R.THRESHOLD], 0):
+        locate_levels(levels, unit, f_s, f_t, lod, int32(1), count, located)
+        fetch_blended(pairs, located, count, registers, plane)
+    elif unit[R.MAG_LINEAR] or unit[R.MIN_LINEAR]:
+        fetch_linear(pairs, located, count, registers, plane)
+    else:
+        fetch_nearest(pairs, located, count, registers, plane)
+    if unit[R.SIGNED]:
+        make_signed(unit[R.SIGNED], count, registers, plane)

@@ -1,0 +1,213 @@
+"""Texture units of the vector engine: how each is sampled, and sampling a batch so."""
+
+from numba import float64, int32, int64, void
+
+from fixedpipe.raster import codes as C
+from fixedpipe.raster import rows as R
+from fixedpipe.raster.kernel import float_of, kernel, separate_function
+from fixedpipe.raster.portable.sample import TAU
+from fixedpipe.raster.vector.arrays import JOB, PASS, SCRATCH
+from fixedpipe.raster.vector.coordinates import cube_faces, depth_words, divide_by_q, fixed_from_floats
+from fixedpipe.raster.vector.interpolate import (
+    LARGEST_COORDINATE,
+    LARGEST_FLOAT,
+    LARGEST_REPEATED,
+    iterate_floats,
+    iterate_texels,
+)
+from fixedpipe.raster.vector.level_of_detail import level_of_detail
+from fixedpipe.raster.vector.sample import (
+    fetch_compared,
+    filter_located,
+    filter_mipmapped,
+    locate,
+    move_to_faces,
+)
+
+_WHITE = 0xFFFFFFFF  # packed: every component one
+
+
+@kernel
+def is_power(n):
+    """Whether a positive integer is a power of two."""
+    return (n & (n - 1)) == 0
+
+
+@kernel
+def log2_of(n):
+    """The logarithm of a power of two."""
+    k = int64(0)
+    while (int64(1) << k) < n:
+        k += 1
+    return k
+
+
+@kernel
+def within(coordinates, unit, components, largest):
+    """Whether the first coordinates of a unit are numbers up to ``largest``."""
+    for v in range(coordinates.shape[0]):
+        for c in range(components):
+            if not abs(coordinates[v, unit, c]) <= largest:
+                return False
+    return True
+
+
+@kernel
+def same_coordinates(coordinates, one, other):
+    """Whether two units have the same s and t at every vertex."""
+    for v in range(coordinates.shape[0]):
+        for c in range(2):
+            if coordinates[v, one, c] != coordinates[v, other, c]:
+                return False
+    return True
+
+
+@kernel
+def unit_path(row, levels, coordinates, unit):
+    """How a unit is sampled."""
+    if not row[R.ENABLED]:
+        return int64(C.PATH_DISABLED)
+    target = row[R.TARGET]
+    if target == C.TARGET_3D or row[R.HILO] or row[R.ANISOTROPY] or row[R.PROBES] or row[R.OPERATION]:
+        return int64(C.PATH_PORTABLE)
+    if row[R.COMPARE] and (row[R.COMPARE_HELD] != _WHITE or row[R.COMPARE_FAILED] != 0):
+        return int64(C.PATH_PORTABLE)
+    nearest = not row[R.MAG_LINEAR] and not row[R.MIN_LINEAR]
+    for axis in range(2):
+        wrap = row[R.WRAP_S] if axis == 0 else row[R.WRAP_T]
+        usual = wrap == C.WRAP_REPEAT or wrap == C.WRAP_CLAMP_TO_EDGE or (wrap == C.WRAP_CLAMP and nearest)
+        if target != C.TARGET_CUBE_MAP and not usual:
+            return int64(C.PATH_PORTABLE)
+    one_level = row[R.MIPMAP] == C.MIPMAP_NONE and row[R.MAG_LINEAR] == row[R.MIN_LINEAR]
+    width, height = int64(levels[0, 1]), int64(levels[0, 2])
+    largest = int64(1) << LARGEST_REPEATED
+    plain = target == C.TARGET_1D or target == C.TARGET_2D
+    plain = plain and not row[R.PROJECTIVE] and not row[R.COMPARE]
+    plain = plain and is_power(width) and is_power(height) and width <= largest and height <= largest
+    if plain and within(coordinates, unit, 2, LARGEST_COORDINATE):
+        return int64(C.PATH_ITERATED) if one_level else int64(C.PATH_MIPMAPPED)
+    if one_level and within(coordinates, unit, 4, LARGEST_FLOAT):
+        return int64(C.PATH_COMPUTED)
+    return int64(C.PATH_PORTABLE)
+
+
+@kernel
+def components_of(row, path):
+    """Which coordinates a unit iterates: bits 1, 2, 4, 8 for s, t, r, q."""
+    if path != C.PATH_COMPUTED:
+        return int64(3)
+    compares_r = row[R.COMPARE] == C.COMPARE_MODE_R_TO_TEXTURE
+    third = int64(4) if row[R.TARGET] == C.TARGET_CUBE_MAP or compares_r else int64(0)
+    return int64(3) | third | (int64(8) if row[R.PROJECTIVE] else int64(0))
+
+
+@kernel("b1(i8[::1],i8[::1],i8[:,::1],i4[:,:,::1],f8[:,:,::1])")
+def plan_units(job, draw, units, levels, coordinates):
+    """Fill in how a Draw's units are sampled; False where one of them is the portable engine's."""
+    separate_function()
+    for u in range(4):
+        job[R.JOB_UNIT_PATH + u] = job[R.JOB_COMPONENTS + u] = 0
+    if not draw[R.NEEDS_COLOR]:
+        return True
+    for u in range(draw[R.UNITS]):
+        path = unit_path(units[u], levels[u], coordinates, u)
+        job[R.JOB_UNIT_PATH + u] = path
+        if path == C.PATH_PORTABLE:
+            return False
+        if path == C.PATH_DISABLED:
+            continue
+        job[R.JOB_COMPONENTS + u] = components_of(units[u], path)
+        if path == C.PATH_COMPUTED:
+            continue
+        job[R.JOB_LOG2_S + u] = log2_of(int64(levels[u, 0, 1]))
+        job[R.JOB_LOG2_T + u] = log2_of(int64(levels[u, 0, 2]))
+        job[R.JOB_COORDINATES_OF + u] = u
+        for other in range(u):
+            same = job[R.JOB_UNIT_PATH + other] == path
+            same = same and job[R.JOB_LOG2_S + other] == job[R.JOB_LOG2_S + u]
+            same = same and job[R.JOB_LOG2_T + other] == job[R.JOB_LOG2_T + u]
+            for field in (R.WRAP_S, R.WRAP_T, R.MAG_LINEAR, R.TARGET):
+                same = same and units[other, field] == units[u, field]
+            if same and same_coordinates(coordinates, other, u):
+                job[R.JOB_COORDINATES_OF + u], job[R.JOB_COMPONENTS + u] = other, 0
+                break
+    return True
+
+
+@kernel(void(JOB, PASS, int64, int64, int64, SCRATCH))
+def sample_computed(job, p, u, count, segments, scratch):
+    """A unit whose coordinates are computed from the iterated ones."""
+    separate_function()
+    row, levels, floats, ints = p.units[u], p.levels[u], scratch.floats, scratch.ints
+    located, f_s, f_t = scratch.located[u], ints[R.FIXED0 + 2 * u], ints[R.FIXED0 + 2 * u + 1]
+    s, t, extra, r = floats[R.S], floats[R.T], floats[R.EXTRA], floats[R.COORDINATE0]
+    cube, projective = row[R.TARGET] == C.TARGET_CUBE_MAP, row[R.PROJECTIVE] != 0
+    compared = row[R.COMPARE] != C.COMPARE_MODE_NONE
+    iterate_floats(scratch.lists, segments, p.triangles, p.coordinates, u, 0, floats, s)
+    iterate_floats(scratch.lists, segments, p.triangles, p.coordinates, u, 1, floats, t)
+    if cube:
+        iterate_floats(scratch.lists, segments, p.triangles, p.coordinates, u, 2, floats, extra)
+        cube_faces(s, t, extra, ints[R.FACE], count)
+    elif projective:
+        iterate_floats(scratch.lists, segments, p.triangles, p.coordinates, u, 3, floats, extra)
+        divide_by_q(s, extra, count)
+        divide_by_q(t, extra, count)
+    if compared:
+        if row[R.COMPARE] == C.COMPARE_MODE_R_TO_TEXTURE:
+            iterate_floats(scratch.lists, segments, p.triangles, p.coordinates, u, 2, floats, r)
+            if projective:
+                divide_by_q(r, extra, count)
+        else:
+            r[:count] = 0.0
+        scale, mantissa = float_of(row[R.COORDINATE_DEPTH]), row[R.DEPTH_TEXEL_MANTISSA]
+        depth_words(r, ints[R.REFERENCE], scale, mantissa, int32(row[R.DEPTH_TEXEL_MAX]), count)
+    bias = TAU if cube or projective else 0.0
+    scale = 0.5 if cube else (0.0 if row[R.TARGET] == C.TARGET_RECTANGLE else 1.0)
+    edge = int64(C.WRAP_CLAMP_TO_EDGE)
+    wrap_s, wrap_t = (edge, edge) if cube else (row[R.WRAP_S], row[R.WRAP_T])
+    linear = row[R.MAG_LINEAR]
+    fixed_from_floats(s, f_s, float64(levels[0, 1]), bias, scale, wrap_s, linear, count)
+    fixed_from_floats(t, f_t, float64(levels[0, 2]), bias, scale, wrap_t, linear, count)
+    locate(levels, row, f_s, f_t, count, located)
+    if cube:
+        move_to_faces(levels, ints[R.FACE], count, located)
+    first, second = (p.pairs0 if u == 0 else p.pairs1), (p.pairs2 if u == 2 else p.pairs3)
+    pairs = first if u < 2 else second
+    plane = (C.REGISTER_TEXTURE0 + u) * 4
+    if compared:
+        function = row[R.COMPARE_FUNCTION]
+        fetch_compared(pairs, located, ints[R.REFERENCE], function, count, scratch.planes, plane)
+    else:
+        filter_located(pairs, row, located, count, scratch.planes, plane)
+
+
+@kernel(void(JOB, PASS, int64, int64, int64, int64, SCRATCH))
+def sample(job, p, u, count, segments, runs, scratch):
+    """Texture unit ``u`` of a batch into its register's planes."""
+    separate_function()
+    path, row, lists = job[R.JOB_UNIT_PATH + u], p.units[u], scratch.lists
+    floats, ints, planes, plane = scratch.floats, scratch.ints, scratch.planes, (C.REGISTER_TEXTURE0 + u) * 4
+    if path == C.PATH_DISABLED:
+        return
+    if path == C.PATH_COMPUTED:
+        sample_computed(job, p, u, count, segments, scratch)
+        return
+    source, levels = job[R.JOB_COORDINATES_OF + u], p.levels[u]
+    f_s, f_t = ints[R.FIXED0 + 2 * source], ints[R.FIXED0 + 2 * source + 1]
+    if source == u:
+        repeat_s, repeat_t = row[R.WRAP_S] == C.WRAP_REPEAT, row[R.WRAP_T] == C.WRAP_REPEAT
+        log2_s, log2_t = job[R.JOB_LOG2_S + u], job[R.JOB_LOG2_T + u]
+        iterate_texels(lists, segments, p.triangles, p.coordinates, u, 0, log2_s, repeat_s, floats, f_s)
+        iterate_texels(lists, segments, p.triangles, p.coordinates, u, 1, log2_t, repeat_t, floats, f_t)
+        if path == C.PATH_ITERATED:
+            locate(levels, row, f_s, f_t, count, scratch.located[u])
+    first, second = (p.pairs0 if u == 0 else p.pairs1), (p.pairs2 if u == 2 else p.pairs3)
+    pairs = first if u < 2 else second
+    if path == C.PATH_ITERATED:
+        filter_located(pairs, row, scratch.located[source], count, planes, plane)
+        return
+    level_of_detail(
+        lists[R.RUN_STARTS], lists[R.RUN_X], lists[R.RUN_Y], runs, p.triangles, p.x, p.y, p.inverse_w,
+        p.coordinates, u, row, levels, ints, floats[R.TEXEL], ints[R.LEVEL],
+    )  # fmt: skip
+    filter_mipmapped(pairs, levels, row, f_s, f_t, ints[R.LOD], count, scratch.located[u], planes, plane)

@@ -1,0 +1,718 @@
+"""The command line: what it writes, and that what cannot be done ends with one sentence and exit status 2."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from PIL import Image
+
+from fixedpipe.effects.cli import _COMMANDS, main
+from fixedpipe.effects.cli.refusal import Refusal
+from fixedpipe.effects.figures import FIGURES, Check, Method
+from fixedpipe.effects.reports import files
+from fixedpipe.effects.reports.gallery import gallery
+from fixedpipe.effects.user_pictures.bumped_mesh import MATERIALS, MESHES
+from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.golden.digests import digest
+from fixedpipe.pipeline.profiles import GEFORCE_256, PROFILES
+from fixedpipe.pipeline.profiles.profile import EVIDENCE_TAGS, Profile
+
+ROOT = Path(__file__).parents[1]
+COLUMNS = {"COLUMNS": "200"}
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, [str(a) for a in arguments], env=COLUMNS)
+
+
+def refusal_of(*arguments):
+    """The sentence on stderr of a command that must be refused."""
+    result = run(*arguments)
+    assert result.exit_code == 2, result.output
+    assert result.stdout == ""
+    sentence = result.stderr.strip().splitlines()[-1]
+    assert sentence.startswith("fixedpipe: ")
+    return sentence
+
+
+@pytest.fixture
+def photo(tmp_path):
+    """A small PNG with hills in it."""
+    x = np.arange(16)
+    hills = ((x[:, None] * 5 + x[None, :] * 11) % 23 * 11).astype(np.uint8)
+    path = tmp_path / "hills.png"
+    Image.fromarray(hills).save(path)
+    return path
+
+
+def bump(photo, out, *more):
+    return ("bump", photo, "--out", out, "--size", 24, "--mesh", "plane", "--light", "1,2,3", *more)
+
+
+# ----------------------------------------------------------------------------------------- start and help
+
+
+def test_without_arguments_it_says_what_to_do_next():
+    result = run()
+    assert result.exit_code == 0
+    assert "fixedpipe figures" in result.stdout
+
+
+def test_help_names_every_subcommand():
+    result = run("--help")
+    for name in _COMMANDS:
+        assert name in result.stdout
+        assert run(name, "--help").exit_code == 0
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["--help"],
+        *([name, "--help"] for name in ("figures", "bump", "shadows", "conformance", "combiners", "study")),
+        [],
+    ],
+)
+def test_help_imports_no_array_library_and_no_compiler(arguments):
+    code = (
+        "import sys\nfrom fixedpipe.effects.cli import main\n"
+        f"main({arguments}, standalone_mode=False)\n"
+        "print([m for m in ('numpy', 'numba', 'rich', 'PIL', 'imageio') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.strip().endswith("[]")
+
+
+def test_an_unknown_subcommand_ends_with_status_2():
+    assert run("render").exit_code == 2
+
+
+# ------------------------------------------------------------------------------------------------ figures
+
+
+def test_the_list_names_every_figure():
+    result = run("figures", "--list")
+    assert [line.split()[0] for line in result.stdout.splitlines()[::2]] == list(FIGURES)
+
+
+def test_a_figure_is_written_three_times_with_a_record_and_a_gallery(tmp_path):
+    results = tmp_path / "results.json"
+    result = run(
+        "figures",
+        "F004-4",
+        "--profile",
+        "GEFORCE_256",
+        "--size",
+        20,
+        "--out",
+        tmp_path / "out",
+        "--json",
+        results,
+    )
+    assert result.exit_code == 0, result.output
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    pictures = {f"F004-4-GEFORCE_256{view}.png" for view in ("", "-ideal", "-difference")}
+    assert names == pictures | {"F004-4.json", "index.html"}
+
+    record = json.loads((tmp_path / "out" / "F004-4.json").read_text())
+    assert json.loads(results.read_text()) == [record]
+    figure = FIGURES["F004-4"]
+    color = execute(figure.commands(GEFORCE_256, 20), GEFORCE_256, 40, 20).framebuffer.color
+    (drawn,) = record["machines"]
+    assert drawn["sha256"] == digest(color)
+    assert (drawn["profile"], record["width"], record["height"]) == ("GEFORCE_256", 40, 20)
+    assert {"caption", "source", "parameters"} <= record.keys() and "provenance" in drawn
+    with Image.open(tmp_path / "out" / "F004-4-GEFORCE_256.png") as picture:
+        np.testing.assert_array_equal(np.asarray(picture), color[..., :3])
+
+    page = (tmp_path / "out" / "index.html").read_text()
+    assert all(name in page for name in pictures | {"F004-4.json"})
+    assert 'src="http' not in page and "<script" not in page
+    assert str(tmp_path) not in page + (tmp_path / "out" / "F004-4.json").read_text()
+
+
+def test_kernels_in_the_cache_are_read_without_what_compiles(tmp_path):
+    code = f"""
+import sys
+from fixedpipe.effects.cli import main
+arguments = ["F004-4", "--profile", "GEFORCE_256", "--size", "8", "--out", {str(tmp_path)!r}]
+main(["figures", *arguments], standalone_mode=False)
+print("numba.np.arraymath" in sys.modules)
+"""
+    outputs = [
+        subprocess.run(
+            [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True
+        ).stdout
+        for _ in range(2)  # the first may have to compile
+    ]
+    assert outputs[1].splitlines()[-1] == "False"
+
+
+def test_the_difference_is_middle_grey_where_machine_and_ideal_are_equal(tmp_path):
+    arguments = "F004-4", "--profile", "GEFORCE_256", "--size", 24
+    assert run("figures", *arguments, "--out", tmp_path).exit_code == 0
+    machine, ideal, difference = (
+        np.asarray(Image.open(tmp_path / f"F004-4-GEFORCE_256{view}.png")).astype(int)
+        for view in ("", "-ideal", "-difference")
+    )
+    background = (machine == machine[0, 0]).all(axis=-1) & (ideal == machine[0, 0]).all(axis=-1)
+    assert background.any()
+    # The ideal's background is not rounded to a byte: half a byte, eight times enlarged.
+    assert np.abs(difference[background] - 128).max() <= 4
+    darker, lighter = machine < ideal - 1, machine > ideal + 1
+    assert (difference[darker] < 128).all() and (difference[lighter] > 128).all()
+
+
+def test_any_number_of_threads_gives_the_same_record(tmp_path):
+    records = []
+    for threads in (1, 2):
+        assert run("figures", "K02", "--size", 130, "--out", tmp_path, "--threads", threads).exit_code == 0
+        records.append(json.loads((tmp_path / "K02.json").read_text()))
+    assert records[0] == records[1]
+
+
+def with_check(monkeypatch, value):
+    """Give K12 one cheap acceptance check, ``value`` <= 0.5."""
+    check = Check("a measured thing", value, "<=", 0.5, "machine", "half is enough")
+    figure = replace(
+        FIGURES["K12"],
+        methods=(Method("register combiners", FIGURES["K12"].methods[0].scene, ("GEFORCE_256",)),),
+        acceptance=lambda figure, renderer: (check,),
+    )
+    monkeypatch.setattr("fixedpipe.effects.figures.FIGURES", {**FIGURES, "K12": figure})
+
+
+@pytest.mark.parametrize(
+    ("value", "status", "verdict"), [(0.25, 0, "ok"), (0.75, 1, "FAILED"), (float("nan"), 1, "FAILED")]
+)
+def test_a_failed_check_is_printed_with_its_bound_and_sets_exit_status_1(
+    tmp_path, monkeypatch, value, status, verdict
+):
+    with_check(monkeypatch, value)
+    result = run("figures", "K12", "--check", "--size", 16, "--out", tmp_path)
+    assert result.exit_code == status
+    line = next(line for line in result.stdout.splitlines() if "a measured thing" in line)
+    assert line.split()[1] == verdict
+    assert f"{value:.4g} <= 0.5" in line and "half is enough" in line
+    assert "a measured thing" in (tmp_path / "index.html").read_text()
+
+
+def test_the_gallery_keeps_figures_of_earlier_runs(tmp_path):
+    for figure in ("K12", "K02"):
+        assert run("figures", figure, "--size", 8, "--out", tmp_path).exit_code == 0
+    page = (tmp_path / "index.html").read_text()
+    assert page.index('id="K02"') < page.index('id="K12"')
+
+
+def test_a_damaged_record_is_refused_by_name(tmp_path):
+    (tmp_path / "K02.json").write_text('{"id": "K02"}')
+    with pytest.raises(Refusal, match=r"K02\.json is not what fixedpipe wrote"):
+        gallery(tmp_path, FIGURES)
+
+
+def test_an_unknown_figure_is_refused_with_the_names_there_are(tmp_path):
+    sentence = refusal_of("figures", "F004-99", "--out", tmp_path / "out")
+    assert "F004-99" in sentence and all(name in sentence for name in FIGURES)
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_unknown_profile_is_refused_with_the_names_there_are(tmp_path):
+    sentence = refusal_of("figures", "K12", "--profile", "VOODOO", "--out", tmp_path)
+    assert all(name in sentence for name in PROFILES)
+
+
+def test_the_ideal_is_no_machine_to_render_on(tmp_path):
+    refusal = refusal_of("figures", "K12", "--profile", "IDEAL", "--out", tmp_path)
+    assert "K12 cannot be drawn on IDEAL; it can on GEFORCE_256" in refusal
+
+
+def test_a_machine_without_figures_is_refused_and_of_all_figures_it_draws_those_it_can(tmp_path, monkeypatch):
+    assert "No figure can be drawn on IDEAL" in refusal_of("figures", "--profile", "IDEAL", "--out", tmp_path)
+    few = {name: FIGURES[name] for name in ("F004-7", "K12")}
+    monkeypatch.setattr("fixedpipe.effects.figures.FIGURES", few)
+    assert run("figures", "--profile", "TEXRAM", "--size", 8, "--out", tmp_path).exit_code == 0
+    assert {path.name for path in tmp_path.glob("*.json")} == {"F004-7.json"}
+
+
+def test_a_size_that_the_machine_has_no_framebuffer_for_is_refused(tmp_path):
+    assert "2048" in refusal_of("figures", "K12", "--size", 5000, "--out", tmp_path / "out")
+    assert list((tmp_path / "out").iterdir()) == []
+
+
+def test_an_output_folder_that_is_a_file_is_refused(tmp_path):
+    (tmp_path / "taken").write_text("a file")
+    assert "cannot be written to" in refusal_of("figures", "K12", "--out", tmp_path / "taken")
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("taken/o.png", "taken cannot be written to"),
+        (f"{'n' * 300}.png", "too long"),
+        ("a\0b.png", "null byte"),
+    ],
+)
+def test_a_picture_that_cannot_be_written_is_refused_before_it_is_drawn(photo, tmp_path, name, words):
+    (tmp_path / "taken").write_text("a file")
+    assert words in refusal_of(*bump(photo, tmp_path / name))
+    assert {path.name for path in tmp_path.iterdir()} == {"hills.png", "taken"}
+
+
+@pytest.mark.parametrize("size", ["0", "-5", "x", "1.5"])
+def test_a_size_that_is_no_positive_number_ends_with_status_2(photo, tmp_path, size):
+    for command in (("figures", "K14", "--out", tmp_path / "out"), bump(photo, tmp_path / "out.png")):
+        result = run(*command, "--size", size)
+        assert result.exit_code == 2
+        assert "--size" in result.stderr
+    assert run("figures", "K14", "--threads", "0", "--out", tmp_path / "out").exit_code == 2
+    assert [path.name for path in tmp_path.iterdir()] == ["hills.png"]
+
+
+def test_no_figure_is_drawn_when_one_of_them_is_too_large(tmp_path):
+    sentence = refusal_of("figures", "K14", "F004-3", "--size", 700, "--out", tmp_path / "out")
+    assert "F004-3" in sentence and "--size 682 or less" in sentence
+    assert list((tmp_path / "out").iterdir()) == []
+
+
+def test_an_interrupted_file_is_not_left_behind(tmp_path, monkeypatch):
+    def interrupted(*arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Path, "chmod", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        files.write_whole(tmp_path / "picture.png", b"half")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(
+    not hasattr(os, "geteuid") or os.geteuid() == 0, reason="the superuser may write everywhere"
+)
+def test_an_output_folder_without_permission_is_refused(tmp_path):
+    tmp_path.chmod(0o500)
+    assert "Permission denied" in refusal_of("figures", "K12", "--out", tmp_path)
+
+
+def test_a_results_file_that_is_a_folder_is_refused_before_anything_is_rendered(tmp_path):
+    assert "is a folder" in refusal_of("figures", "K12", "--out", tmp_path / "out", "--json", tmp_path)
+    assert list((tmp_path / "out").iterdir()) == []
+
+
+def test_a_file_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
+    path = tmp_path / "picture.png"
+    path.write_bytes(b"before")
+
+    def full(*arguments):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "replace", full)
+    with pytest.raises(Refusal, match="No space left"):
+        files.write_whole(path, b"after")
+    assert path.read_bytes() == b"before"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+# ------------------------------------------------------------------------------------ passes and profiles
+
+
+def test_passes_names_every_command_of_a_figure():
+    result = run("passes", "F004-2")
+    assert result.exit_code == 0
+    for command in FIGURES["F004-2"].commands(GEFORCE_256):
+        assert command.label in result.stdout
+
+
+def test_passes_fold_what_is_repeated_for_every_polygon():
+    folded = run("passes", "F004-4", "--profile", "OCTANE", "--size", 24).stdout.splitlines()
+    assert len(folded) < 200
+    again = [line for line in folded if " again, " in line]
+    commands = FIGURES["F004-4"].commands(PROFILES["OCTANE"], 24, FIGURES["F004-4"].method("OCTANE"))
+    assert re.fullmatch(
+        r"5 to \d+\. the 4 commands above again, \d+ times, with other numbers in them", again[0]
+    )
+    folded_away = sum(
+        int(t) * int(p or 1) for line in again for p, t in re.findall(r"the (\d*).* (\d+) times", line)
+    )
+    titles = [line for line in folded if re.match(r"\d+\. [A-Z]", line)]
+    assert len(titles) + folded_away == len(commands)
+    assert f" to {len(commands) - 1}. the 2 commands" in again[-1]
+
+
+def test_a_trace_that_would_not_fit_into_memory_is_refused(tmp_path):
+    out = tmp_path / "trace"
+    words = refusal_of("passes", "F004-4", "--profile", "OCTANE", "--trace", out)
+    assert re.search(
+        r"has \d{5} commands; their framebuffers of 1024x512 pixels take \d+ GiB of memory", words
+    )
+    assert not out.exists()
+    assert "Give --size 1024 or less" in refusal_of("passes", "F004-4", "--size", 5000)
+
+
+def test_passes_keep_each_command_s_framebuffer_as_pictures(tmp_path):
+    result = run("passes", "F004-4", "--trace", tmp_path / "trace", "--size", 24)
+    assert result.exit_code == 0, result.output
+    figure = FIGURES["F004-4"]
+    commands = figure.commands(GEFORCE_256, 24)
+    buffers = ("color", "alpha", "depth", "stencil")
+    names = {f"{n:02d}-{type(c).__name__}-{b}.png" for n, c in enumerate(commands) for b in buffers}
+    assert {path.name for path in (tmp_path / "trace").iterdir()} == names
+    framebuffer = execute(commands, GEFORCE_256, *figure.dimensions(24)).framebuffer
+    last = f"{len(commands) - 1:02d}-{type(commands[-1]).__name__}"
+    color, alpha, depth, stencil = (np.array(Image.open(tmp_path / f"trace/{last}-{b}.png")) for b in buffers)
+    np.testing.assert_array_equal(color, framebuffer.color[..., :3])
+    np.testing.assert_array_equal(alpha, framebuffer.color[..., 3])
+    np.testing.assert_array_equal(depth, framebuffer.depth >> 16)
+    np.testing.assert_array_equal(stencil, framebuffer.stencil)
+    assert len(np.unique(depth)) > 2
+
+
+def test_passes_of_an_unknown_figure_are_refused_with_the_likely_one():
+    assert "Did you mean F004-3?" in refusal_of("passes", "F004-33")
+    assert "Did you mean F004-3?" in refusal_of("passes", "f004-3")
+
+
+@pytest.mark.parametrize("columns", ["80", "120"])
+def test_profiles_lists_the_machines_in_lines_that_fit(columns):
+    result = CliRunner().invoke(main, ["profiles"], env={"COLUMNS": columns})
+    assert result.exit_code == 0
+    assert max(map(len, result.stdout.splitlines())) <= int(columns)
+    for name, profile in PROFILES.items():
+        (line,) = [line for line in result.stdout.splitlines() if line.split()[:1] == [name]]
+        assert profile.description.split()[0] in line
+        assert f" {profile.max_texture_units} " in line
+    assert "fixedpipe profiles NAME" in result.stdout
+
+
+def test_profiles_shows_every_field_of_every_machine_with_its_tag():
+    result = run("profiles", *PROFILES)
+    assert result.exit_code == 0
+    for name, profile in PROFILES.items():
+        assert name in result.stdout
+        assert profile.description in result.stdout
+    for field in Profile.__dataclass_fields__.keys() - {"name", "description", "evidence"}:
+        assert result.stdout.count(field) >= len(PROFILES)
+    # Evidence that is the same for every value of a machine is said once.
+    tags = sum(result.stdout.count(tag) for tag in EVIDENCE_TAGS)
+    said = [set(profile.evidence.values()) for profile in PROFILES.values()]
+    assert tags >= sum(
+        len(profile.evidence) if len(values) > 1 else 1
+        for profile, values in zip(PROFILES.values(), said, strict=True)
+    )
+    assert all(
+        text in " ".join(result.stdout.split()) for values in said if len(values) == 1 for text in values
+    )
+
+
+# --------------------------------------------------------------------------------------------------- bump
+
+
+def test_polygons_and_negative_indices_of_an_obj_file_are_read(photo, tmp_path):
+    made = []
+    for face in ("f 1 2 3 4 5", "f -5 -4 -3 -2 -1"):
+        (tmp_path / "mesh.obj").write_text(f"v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv 0 2 0\nv -1 1 0\n{face}\n")
+        assert run(*bump(photo, tmp_path / "out.png", "--mesh", tmp_path / "mesh.obj")).exit_code == 0
+        made.append((tmp_path / "out.png").read_bytes())
+    assert made[0] == made[1]
+
+
+def test_a_photograph_becomes_a_picture(photo, tmp_path):
+    out = tmp_path / "bumpy.png"
+    result = run(*bump(photo, out))
+    assert result.exit_code == 0, result.output
+    with Image.open(out) as picture:
+        assert picture.size == (24, 24)
+        assert len(np.unique(np.asarray(picture))) > 20
+    assert "fragments" in result.stdout
+
+
+def test_png_tiff_and_npy_of_the_same_heights_give_the_same_picture(photo, tmp_path):
+    heights = np.asarray(Image.open(photo))
+    np.save(tmp_path / "hills.npy", heights)
+    Image.fromarray(heights.astype(np.float32) * 3.5 + 100.0).save(tmp_path / "hills.tiff")
+    made = []
+    for name in ("hills.png", "hills.npy", "hills.tiff"):
+        assert run(*bump(tmp_path / name, tmp_path / "out.png")).exit_code == 0
+        made.append((tmp_path / "out.png").read_bytes())
+    assert made[0] == made[1] == made[2]
+
+
+@pytest.mark.parametrize("kind", ["1", "P", "LA", "RGB", "RGBA", "CMYK", "I;16"])
+def test_every_kind_of_picture_is_read(photo, tmp_path, kind):
+    grey = Image.open(photo)
+    picture = (
+        Image.fromarray(np.asarray(grey).astype(np.uint16) * 257) if kind == "I;16" else grey.convert(kind)
+    )
+    path = tmp_path / ("picture.tiff" if kind in ("CMYK", "I;16") else "picture.png")
+    picture.save(path)
+    result = run(*bump(path, tmp_path / "out.png"))
+    assert result.exit_code == 0, result.output
+    assert result.stderr == ""
+    if kind not in ("1", "P"):
+        assert run(*bump(photo, tmp_path / "grey.png")).exit_code == 0
+        assert (tmp_path / "out.png").read_bytes() == (tmp_path / "grey.png").read_bytes()
+
+
+def test_heights_of_any_magnitude_are_scaled_alike(photo, tmp_path):
+    heights, made = np.asarray(Image.open(photo)).astype(np.float64) - 120.0, []
+    for factor in (1.0, 2.0**1016, 2.0**-1040):
+        np.save(tmp_path / "hills.npy", heights * factor)
+        assert run(*bump(tmp_path / "hills.npy", tmp_path / "out.png")).exit_code == 0
+        made.append((tmp_path / "out.png").read_bytes())
+    assert made[0] == made[1] == made[2]
+
+
+@pytest.mark.parametrize("sample", files.SAMPLES)
+def test_every_sample_is_read_from_an_installed_package(sample):
+    pytest.importorskip(files.SAMPLES[sample][0])
+    picture = files.read_picture(f"sample:{sample}")
+    assert min(picture.shape[:2]) >= 256 and picture.ndim == 2
+
+
+def test_what_is_wrong_with_an_obj_files_texture_coordinates_is_said(photo, tmp_path):
+    corners = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\n"
+    for coordinates, words in (
+        ("vt 1 0\nvt 0 0\nvt 0 1\nvt 1 1\n", "2 triangles have mirrored texture coordinates (numbers 0, 1)"),
+        ("vt 1 0\nvt 1 0\nvt 1 1\nvt 1 1\n", "2 triangles have no area in texture space"),
+        ("vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n", ""),
+    ):
+        (tmp_path / "mesh.obj").write_text(f"{corners}{coordinates}f 1/1 2/2 3/3 4/4\n")
+        result = run(*bump(photo, tmp_path / "out.png", "--mesh", tmp_path / "mesh.obj"))
+        assert result.exit_code == 0
+        assert words in result.stderr
+        assert bool(words) == ("texture" in result.stderr)
+
+
+def test_an_obj_file_is_a_mesh(photo, tmp_path):
+    (tmp_path / "mesh.obj").write_text("v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n")
+    assert run(*bump(photo, tmp_path / "out.png", "--mesh", tmp_path / "mesh.obj")).exit_code == 0
+
+
+def test_the_help_of_bump_names_every_mesh_material_and_sample():
+    text = " ".join(run("bump", "--help").stdout.split())
+    for name in (*MESHES, *MATERIALS, *(f"sample:{sample}" for sample in files.SAMPLES)):
+        assert name in text
+
+
+def test_material_parameters_change_the_picture(photo, tmp_path):
+    made = set()
+    for more in ((), ("--material", "gold"), ("--height-scale", 0.2), ("--alpha-x", 0.3), ("--map-size", 8)):
+        assert run(*bump(photo, tmp_path / "out.png", *more)).exit_code == 0
+        made.add((tmp_path / "out.png").read_bytes())
+    assert len(made) == 5
+
+
+def truncated(path, photo):
+    path.write_bytes(photo.read_bytes()[:-40])
+
+
+def not_an_image(path, photo):
+    path.write_bytes(b"this is no picture at all")
+
+
+def empty(path, photo):
+    path.write_bytes(b"")
+
+
+def array_of_objects(path, photo):
+    np.save(path, np.array([{}, []], dtype=object), allow_pickle=True)
+
+
+def array_of_text(path, photo):
+    np.save(path, np.array([["a", "b"], ["c", "d"]]))
+
+
+def array_with_nan(path, photo):
+    np.save(path, np.array([[1.0, np.nan], [2.0, 3.0]]))
+
+
+def array_of_one_axis(path, photo):
+    np.save(path, np.arange(5.0))
+
+
+def array_without_rows(path, photo):
+    np.save(path, np.zeros((0, 4)))
+
+
+def truncated_array(path, photo):
+    np.save(path, np.arange(64.0).reshape(8, 8))
+    path.write_bytes(path.read_bytes()[:-100])
+
+
+def truncated_jpeg(path, photo):
+    Image.open(photo).save(path)
+    path.write_bytes(path.read_bytes()[:300])
+
+
+def truncated_tiff(path, photo):
+    Image.open(photo).save(path)
+    path.write_bytes(path.read_bytes()[:100])
+
+
+def array_of_complex(path, photo):
+    np.save(path, np.ones((4, 4), complex))
+
+
+def array_of_seven_components(path, photo):
+    np.save(path, np.ones((4, 4, 7)))
+
+
+def folder(path, photo):
+    path.mkdir()
+
+
+def constant(path, photo):
+    np.save(path, np.full((4, 4), 7.0))
+
+
+@pytest.mark.parametrize(
+    ("name", "spoil", "words"),
+    [
+        ("a.png", truncated, "cannot be read"),
+        ("a.png", not_an_image, "cannot be read"),
+        ("a.tiff", not_an_image, "cannot be read"),
+        ("a.png", empty, "cannot be read"),
+        ("a.npy", not_an_image, "cannot be read"),
+        ("a.npy", empty, "cannot be read"),
+        ("a.npy", truncated_array, "cannot be read"),
+        ("a.npy", array_of_objects, "cannot be read"),
+        ("a.npy", array_of_text, "array of numbers"),
+        ("a.npy", array_with_nan, "NaN"),
+        ("a.npy", array_of_one_axis, "shape (5,)"),
+        ("a.npy", array_without_rows, "shape (0, 4)"),
+        ("a.npy", constant, "two different heights"),
+        ("a.jpg", truncated_jpeg, "cannot be read"),
+        ("a.tiff", truncated_tiff, "cannot be read"),
+        ("a.npy", array_of_complex, "array of numbers"),
+        ("a.npy", array_of_seven_components, "shape (4, 4, 7)"),
+        ("a.png", folder, "is no file"),
+    ],
+)
+def test_a_picture_that_cannot_be_used_is_refused(photo, tmp_path, name, spoil, words):
+    spoil(tmp_path / name, photo)
+    assert words in refusal_of(*bump(tmp_path / name, tmp_path / "out.png"))
+    assert not (tmp_path / "out.png").exists()
+
+
+OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (OBJ + "f 1 2 9\n", "line 4: vertex index 9 does not exist"),
+        (OBJ + "f 1 2\n", "line 4: a face has 2 corners"),
+        ("v 0 0 nan\n", "line 1: a vertex must be finite"),
+        ("v 0 zero 0\n", "line 1: a vertex must be numbers"),
+        ("v 0 -1e300 0\n", "line 1: a vertex must be finite numbers of at most 1e+30"),
+        ("v 0 0 0\nvt 1e300 0\n", "line 2: a texture coordinate must be finite numbers of at most 1e+30"),
+        (OBJ + "f 1 2 99999999999999999999\n", "line 4: vertex index 99999999999999999999 does not exist"),
+        (OBJ + "f -1 -2 -4\n", "line 4: vertex index -4 does not exist"),
+        (OBJ + "f 0 1 2\n", "line 4: vertex index 0 does not exist"),
+        (OBJ, "has no faces"),
+        ("v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n", "no triangle with an area"),
+    ],
+)
+def test_an_obj_file_that_cannot_be_used_is_refused_with_its_line(photo, tmp_path, text, words):
+    (tmp_path / "mesh.obj").write_text(text)
+    assert words in refusal_of(*bump(photo, tmp_path / "out.png", "--mesh", tmp_path / "mesh.obj"))
+    assert not (tmp_path / "out.png").exists()
+
+
+def test_an_obj_file_that_is_not_text_is_refused(photo, tmp_path):
+    (tmp_path / "mesh.obj").write_bytes(b"\xff\xfe\x00\x80")
+    sentence = refusal_of(*bump(photo, tmp_path / "out.png", "--mesh", tmp_path / "mesh.obj"))
+    assert "not a text file" in sentence
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        (("--light", "1,2"), "give three numbers"),
+        (("--light", "0,0,0"), "not all zero"),
+        (("--light", "1,nan,2"), "give three numbers"),
+        (("--light", "up"), "give three numbers"),
+        (("--mesh", "teapot"), "plane, sphere, torus"),
+        (("--mesh", "missing.obj"), "missing.obj cannot be read"),
+        (("--material", "cheese"), "gold"),
+        (("--alpha-x", "0.1"), "alpha_x is 0.1"),
+        (("--height-scale", "nan"), "relief is nan"),
+        (("--map-size", "100"), "power of two"),
+        (("--profile", "VOODOO"), "GEFORCE_256"),
+    ],
+)
+def test_an_option_that_cannot_be_used_is_refused(photo, tmp_path, more, words):
+    assert words in refusal_of(*bump(photo, tmp_path / "out.png", *more))
+    assert not (tmp_path / "out.png").exists()
+
+
+@pytest.mark.parametrize("name", ["missing.png", "sample:teapot"])
+def test_a_photograph_that_is_not_there_is_refused(tmp_path, name):
+    assert name.removeprefix("sample:") in refusal_of(*bump(name, tmp_path / "out.png"))
+
+
+def test_a_picture_that_is_not_named_png_is_refused(photo, tmp_path):
+    assert "out.png" in refusal_of(*bump(photo, tmp_path / "out.jpg"))
+
+
+def test_a_sample_of_a_package_that_is_not_installed_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    assert "fixedpipe[samples]" in refusal_of(*bump("sample:gravel", tmp_path / "out.png"))
+
+
+# ---------------------------------------------------------------------------------------- the first start
+
+
+@pytest.mark.slow
+def test_compiling_is_announced_on_the_first_start_only(tmp_path):
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "kernels")}
+    command = [
+        sys.executable,
+        "-c",
+        "from fixedpipe.effects.cli import main; main()",
+        "figures",
+        "K12",
+        "--size",
+        "16",
+    ]
+    announced = []
+    for _ in range(2):
+        done = subprocess.run(
+            [*command, "--out", str(tmp_path / "out")],
+            env=environment,
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        announced.append(done.stderr.startswith("Compiling the kernels"))
+    assert announced == [True, False]
+
+
+def test_precision_prints_a_row_for_each_width_and_clamp():
+    result = run("precision", "F004-4", "--size", "8", "--bits", "4,8")
+    assert result.exit_code == 0, result.output
+    rows = {line.split()[0]: line.split()[1:] for line in result.output.splitlines() if line.strip()}
+    assert len(rows["4"]) == len(rows["8"]) == 4
+    assert float(rows["4"][0]) > 4 * float(rows["8"][0])
+    assert len(rows["BLENDING"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--bits", "8,x"), "give whole numbers from 4 to 16"),
+        (("--bits", "3"), "may have 4 to 16 bits"),
+        (("--of", "colour"), "there are: combiner, texture, framebuffer, filter_fraction, subpixel"),
+        (("--profile", "IDEAL"), "no width to change"),
+    ],
+)
+def test_precision_refuses_what_it_cannot_measure(arguments, said):
+    result = run("precision", "F004-4", *arguments)
+    assert result.exit_code == 2
+    assert said in result.output

@@ -1,0 +1,165 @@
+"""Every figure on its machines: valid, alike for the machine and the ideal, its acceptance checks, the same
+input bits everywhere.
+"""
+
+import hashlib
+import os
+import subprocess
+import sys
+from dataclasses import fields, is_dataclass, replace
+
+import numpy as np
+import pytest
+
+from fixedpipe.effects.figures import FIGURES, Check, Figure, Method, Renderer, difference
+from fixedpipe.pipeline.commands import Draw, TexImage
+from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.ideal.evaluate import execute_ideal
+from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL, PROFILES
+from fixedpipe.pipeline.state import ColorTable, DepthTest
+from fixedpipe.pipeline.validation.validate import validate
+from tests.accept import loads_for_each_polygon
+
+# Each figure on the first machine of each of its methods.
+DRAWN = [(f.id, method.machines[0]) for f in FIGURES.values() for method in f.methods]
+VALID = [
+    pytest.param(f.id, method.machines[0], marks=[pytest.mark.slow] * loads_for_each_polygon(f, method))
+    for f in FIGURES.values()
+    for method in f.methods
+]
+# Each figure on each of its machines; all but its own take minutes together.
+EVERYWHERE = [
+    pytest.param(f.id, machine, marks=[pytest.mark.slow] * (machine != f.machines[0]))
+    for f in FIGURES.values()
+    for machine in f.machines
+]
+
+
+@pytest.mark.parametrize(("figure_id", "machine"), VALID)
+def test_every_figure_is_valid_on_the_machine_and_on_the_ideal(figure_id, machine):
+    figure = FIGURES[figure_id]
+    for profile in (PROFILES[machine], IDEAL):
+        commands = figure.commands(profile, 32, figure.method(machine))
+        validate(commands, profile, *figure.dimensions(32))
+        assert all(command.label for command in commands)
+
+
+COMBINERS = [figure.id for figure in FIGURES.values() if figure.methods[0].name == "register combiners"]
+
+
+@pytest.mark.parametrize("figure_id", COMBINERS)
+def test_with_register_combiners_every_texture_is_loaded_once(figure_id):
+    commands = FIGURES[figure_id].commands(GEFORCE_256, 32)
+    loaded = [c.texture for c in commands if isinstance(c, TexImage)]
+    assert len(loaded) == len(set(loaded))
+
+
+@pytest.mark.parametrize("figure_id", COMBINERS)
+def test_later_passes_test_for_equal_depth_and_write_none(figure_id):
+    draws = [c for c in FIGURES[figure_id].commands(GEFORCE_256, 32) if isinstance(c, Draw)]
+    for draw in draws:
+        if draw.state.blending is not None:
+            assert draw.state.depth_test == DepthTest(draw.state.depth_test.function, write=False)
+            assert draw.state.depth_test.function.name == "EQUAL"
+
+
+@pytest.mark.parametrize(("figure_id", "machine"), EVERYWHERE)
+def test_every_acceptance_check_of_a_figure_passes(figure_id, machine):
+    figure = FIGURES[figure_id]
+    renderer = Renderer(PROFILES[machine], figure.method(machine), execute, execute_ideal)
+    checks = figure.checks(renderer)
+    assert checks
+    assert {c.on for c in checks} <= {"ideal", "machine"}
+    failed = [
+        f"{c.name} on the {c.on}: {c.value:.4g}, not {c.relation} {c.bound:g}" for c in checks if not c.passed
+    ]
+    assert not failed
+
+
+def test_a_machine_that_cannot_draw_a_figure_is_refused_with_those_that_can():
+    with pytest.raises(ValueError, match=r"F004-4 cannot be drawn on G400; it can on GEFORCE_256, "):
+        FIGURES["F004-4"].method("G400")
+
+
+@pytest.mark.parametrize("machines", [("NV2A", "NV2A"), ("NV3",)])
+def test_a_figure_with_a_machine_twice_or_unknown_is_refused(machines):
+    figure = FIGURES["K14"]
+    values = {f.name: getattr(figure, f.name) for f in fields(Figure)}
+    values["methods"] = (Method("a way", figure.methods[0].scene, machines),)
+    with pytest.raises(ValueError, match="K14 names a machine twice, or one that is not known"):
+        Figure(**values)
+
+
+def test_a_check_that_was_not_computed_does_not_pass():
+    assert not Check("x", float("nan"), "<=", 1.0, "ideal", "").passed
+    assert not Check("x", float("nan"), ">=", 1.0, "ideal", "").passed
+    assert Check("x", 1.0, "<=", 1.0, "ideal", "").passed
+
+
+def test_checks_fail_on_a_broken_picture():
+    """Spheres with each other's textures must not pass for F004-4."""
+
+    def swapped(commands, profile, width, height):
+        other = {"longitudinal": "latitudinal", "latitudinal": "longitudinal"}
+        out = []
+        for command in commands:
+            if isinstance(command, TexImage):
+                direction, _, rest = command.texture.partition(" ")
+                command = replace(command, texture=f"{other[direction]} {rest}")
+            out.append(command)
+        # Loading goes first, so that every name is known when it is read.
+        out.sort(key=lambda command: not isinstance(command, TexImage))
+        return execute(tuple(out), profile, width, height)
+
+    checks = FIGURES["F004-4"].checks(
+        Renderer(GEFORCE_256, FIGURES["F004-4"].methods[0], swapped, execute_ideal)
+    )
+    assert not all(c.passed for c in checks if c.on == "machine")
+
+
+def test_a_difference_of_nothing_is_middle_grey_and_one_byte_is_the_gain():
+    machine = np.array([[[10, 20, 30, 0]]], np.uint8)
+    ideal = machine / 255.0
+    assert difference(machine, ideal)[0, 0].tolist() == [128, 128, 128, 255]
+    assert difference(machine + np.uint8(1), ideal, gain=8.0)[0, 0].tolist() == [136, 136, 136, 255]
+
+
+def bits_of(value):
+    """Every number and name in a command, in order, as bytes; the functions of HostSteps are none."""
+    if isinstance(value, np.ndarray):
+        yield np.ascontiguousarray(value).tobytes()
+    elif isinstance(value, ColorTable):
+        yield np.array(value.entries).tobytes()
+    elif is_dataclass(value):
+        for f in fields(value):
+            yield from bits_of(getattr(value, f.name))
+    elif isinstance(value, tuple):
+        for item in value:
+            yield from bits_of(item)
+    elif not callable(value):
+        yield repr(value).encode()
+
+
+def digest_of_inputs():
+    """One digest of all that figures hand to machines, textures, tables, vertices, matrices, for each way of
+    drawing them. Of a figure that is drawn polygon by polygon, some of its thousands of commands.
+    """
+    state = hashlib.sha256()
+    for figure, machine in DRAWN:
+        commands = FIGURES[figure].commands(PROFILES[machine], 32, FIGURES[figure].method(machine))
+        for command in commands[:: len(commands) // 500 + 1]:
+            for bits in bits_of(command):
+                state.update(bits)
+    return state.hexdigest()
+
+
+def test_figures_hand_the_same_bits_to_the_machine_without_numpys_cpu_features():
+    from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
+
+    disabled = " ".join(name for name in __cpu_dispatch__ if __cpu_features__.get(name))
+    code = "from tests.effects.test_figures import digest_of_inputs; print(digest_of_inputs())"
+    environment = {**os.environ, "NPY_DISABLE_CPU_FEATURES": disabled}
+    plain = subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
+    )
+    assert plain.stdout.split()[-1] == digest_of_inputs()

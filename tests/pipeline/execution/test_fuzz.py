@@ -1,0 +1,115 @@
+"""The fuzz: a few hundred frames here, ten minutes of it in ``make test-all``; and it finds what is wrong."""
+
+import math
+import os
+import platform
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fixedpipe.pipeline.commands import Draw
+from fixedpipe.pipeline.description.describe import describe
+from tests import fuzz
+from tests.support.random_frames import random_frame
+
+ROOT = Path(__file__).parents[1]
+ON_X86 = platform.machine().lower() in ("x86_64", "amd64")
+# Ten minutes against the specification in all. Seeds that no other run of the suite draws.
+NATIVE_SECONDS, AVX2_SECONDS, GENERIC_SECONDS, THREADS_SECONDS = 240, 120, 120, 120
+NATIVE_SEED, AVX2_SEED, GENERIC_SEED, THREADS_SEED, CHECKED_SEED = (k * 10**6 for k in range(1, 6))
+
+
+def test_hundreds_of_frames_are_equal():
+    assert fuzz.fuzz(frames=200).specified > 100
+
+
+def test_python_threads_draw_at_once():
+    assert fuzz.fuzz_threads(3, frames=18, first_seed=10_000).frames >= 18
+
+
+def test_a_seed_gives_its_frame_again():
+    for seed in range(20):
+        one, other = random_frame(seed), random_frame(seed)
+        assert describe(one.commands) == describe(other.commands)
+        meshes = [[c.mesh.positions for c in f.commands if isinstance(c, Draw)] for f in (one, other)]
+        assert all(np.array_equal(a, b) for a, b in zip(*meshes, strict=True))
+
+
+def test_a_wrong_bit_is_found_and_its_frame_made_small(monkeypatch):
+    right = fuzz.run_reference
+
+    def wrong(commands, profile, *rest):
+        return right(commands, replace(profile, expand_half=120), *rest)
+
+    monkeypatch.setattr(fuzz, "run_reference", wrong)
+    monkeypatch.setattr(fuzz, "SHRINKING_SECONDS", math.inf)
+    with pytest.raises(fuzz.Mismatch) as found:
+        fuzz.fuzz(frames=500)
+    mismatch = found.value
+    assert len(mismatch.frame.commands) < len(random_frame(mismatch.frame.seed).commands)
+    assert any(isinstance(command, Draw) for command in mismatch.frame.commands)
+    assert f"python -m tests.fuzz --seed {mismatch.frame.seed}" in str(mismatch)
+    assert "the specification" in str(mismatch)
+    assert "(row, column)" in str(mismatch)
+
+
+def test_a_shared_machine_is_compared(monkeypatch):
+    machine = fuzz.Machine(fuzz.SHARED_PROFILE, *fuzz.SHARED_SIZES[0], fuzz.SHARED_DEPTH_BITS)
+    assert fuzz.check_shared(machine, 0) == 1
+    right = fuzz.outcome
+    monkeypatch.setattr(fuzz, "outcome", lambda *a: {k: v + 1 for k, v in right(*a).items()})
+    with pytest.raises(fuzz.Mismatch, match="drew other frames before"):
+        fuzz.check_shared(machine, 0)
+
+
+def test_the_command_line_checks_one_seed(capsys):
+    assert fuzz.main(["--seed", "3"]) == 0
+    assert "no difference" in capsys.readouterr().out
+
+
+def run(seconds, first_seed, *options, **environment):
+    """The fuzz in a process of its own: under another processor, or with every index checked."""
+    command = [sys.executable, "-m", "tests.fuzz", "--seconds", str(seconds), "--first-seed", str(first_seed)]
+    finished = subprocess.run(
+        [*command, *options],
+        cwd=ROOT,
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert finished.returncode == 0, finished.stdout + finished.stderr
+    assert "no difference" in finished.stdout
+    print(finished.stdout)
+
+
+@pytest.mark.slow
+def test_minutes_of_frames_are_equal():
+    run(NATIVE_SECONDS, NATIVE_SEED)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not ON_X86, reason="AVX2 is an x86 feature")
+def test_minutes_of_frames_are_equal_with_avx2(tmp_path):
+    haswell = {"NUMBA_CPU_NAME": "haswell", "NUMBA_CPU_FEATURES": "+avx2,+fma"}
+    run(AVX2_SECONDS, AVX2_SEED, **haswell, NUMBA_CACHE_DIR=str(tmp_path))
+
+
+@pytest.mark.slow
+def test_minutes_of_frames_are_equal_on_a_plain_processor(tmp_path):
+    generic = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
+    run(GENERIC_SECONDS, GENERIC_SEED, **generic, NUMBA_CACHE_DIR=str(tmp_path))
+
+
+@pytest.mark.slow
+def test_minutes_of_frames_are_equal_from_several_python_threads():
+    run(THREADS_SECONDS, THREADS_SEED, "--python-threads", "4")
+
+
+@pytest.mark.slow
+def test_no_index_is_outside_its_array(tmp_path):
+    run(60, CHECKED_SEED, NUMBA_BOUNDSCHECK="1", NUMBA_CACHE_DIR=str(tmp_path))

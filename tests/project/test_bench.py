@@ -1,0 +1,509 @@
+"""The measured scenes and the bookkeeping of ``python -m bench``. Nothing here measures a time."""
+
+import ctypes
+import importlib.util
+import json
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from bench import __main__ as command_line
+from bench import figures, growth, largest_frame, measure, pictures, roofline
+from bench.meshes import torus
+from bench.peers import llvmpipe
+from bench.scenes import BUMP, MODULATE, SCENES, bump
+from bench.shadow import balls_on_floor, shadow_map
+from fixedpipe.effects.figures import FIGURES
+from fixedpipe.pipeline.commands import Draw, TexImage
+from fixedpipe.pipeline.execution.machine import Machine
+from fixedpipe.pipeline.profiles import GEFORCE_256
+from fixedpipe.pipeline.validation.validate import validate
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_scenes_machine_can_draw_it(name):
+    scene = SCENES[name]
+    validate((*scene.textures(), *scene.frame(64, 1)), scene.profile, 64, 64)
+
+
+def test_only_the_shadows_need_another_machine_than_the_geforce_256():
+    assert {name for name, scene in SCENES.items() if scene.profile is not GEFORCE_256} == {"f2", "f3"}
+
+
+# Issue "Faster than the chip it emulates": what is required of every scene, and the rates that it aims at.
+def test_the_goals_are_the_issues():
+    assert {name: (scene.goal, scene.aim) for name, scene in SCENES.items()} == {
+        "a": (2.0, 1000),
+        "a2": (1.5, 900),
+        "b": (2.2, 400),
+        "b2": (2.2, 400),
+        "c": (1.8, 240),
+        "d": (1.6, 200),
+        "e": (None, None),
+        "e2": (1.7, 15),
+        "f2": (1.5, None),
+        "f3": (1.5, None),
+        "g": (2.0, None),
+        "h": (2.0, 200),
+    }
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_every_texture_unit_has_an_environment_for_the_peer(name):
+    scene = SCENES[name]
+    assert len(scene.environments) == len(scene.draw(64).state.texture_units)
+    assert set(scene.environments) <= {"MODULATE", "DOT3"}
+
+
+def test_the_bump_scenes_use_the_whole_machine():
+    assert len(BUMP.general) == GEFORCE_256.max_general_combiners
+    assert len(SCENES["c"].draw(64).state.texture_units) == GEFORCE_256.max_texture_units
+    assert len(MODULATE.general) == 1
+
+
+def test_the_torus_is_closed_and_has_80000_triangles_facing_outwards():
+    mesh = torus()
+    triangles = mesh.positions[mesh.indices].reshape(-1, 3, 3)
+    assert len(triangles) == 80_000
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    # A closed surface with outward normals encloses a volume: 2 pi^2 R r^2 for a torus. Polygons of 200 edges
+    # inscribed in the two circles each enclose sin(x)/x of it, x = 2 pi / 200: together 3.3e-4 less.
+    volume = (triangles.mean(1) * normals).sum() / 6
+    assert volume == pytest.approx(2 * np.pi**2 * 1.0 * 0.45**2, rel=4e-4)
+
+
+def test_the_balls_are_closed_and_lie_within_the_map_that_shadows_them():
+    mesh = balls_on_floor()
+    triangles = mesh.positions[mesh.indices].reshape(-1, 3, 3)
+    assert len(triangles) == 10_442
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    # The floor lies at height 0, where it adds nothing to the volume between it and the origin. Inscribed in
+    # a sphere, 60 meridians and 30 parallels enclose 0.9 % less.
+    volume = (triangles.mean(1) * normals).sum() / 6
+    assert volume == pytest.approx(4 / 3 * np.pi * (0.5**3 + 0.35**3 + 0.45**3), rel=0.01)
+    assert (normals * normals).sum(1).min() > 0  # no triangle is empty, at the poles either
+
+
+BALL_CENTERS = ((-0.7, 0.3, 0.75), (0.65, -0.2, 0.5), (0.2, 0.9, 0.9))
+
+
+def test_the_shadow_map_holds_three_discs_before_the_farthest_depth():
+    words = np.ascontiguousarray(shadow_map(256).levels[0][0]).view("<u4")[..., 0]
+    assert words.max() == 2**24 - 1
+    # A sphere at distance l, of which z along the axis, is seen as an ellipse of this area, in units of the
+    # focal length; the light sees 50 degrees. Source: I. Quilez, Sphere - projected size (2014).
+    away = np.array(BALL_CENTERS) - (3.0, -2.0, 6.0)
+    z, l2 = away @ np.array((-3.0, 2.0, -6.0)) / 7, (away * away).sum(1)
+    r2 = np.array([0.5, 0.35, 0.45]) ** 2
+    areas = np.pi * r2 / (z * z - r2) * np.sqrt((l2 - r2) / (z * z - r2))
+    share = areas.sum() / (2 * np.tan(np.radians(25))) ** 2
+    assert (words < 2**24 - 1).mean() == pytest.approx(share, rel=0.005)
+
+
+def test_work_counts_fragments_of_all_layers_or_triangles():
+    assert SCENES["a"].work(1024) == 8 * 1024**2
+    assert SCENES["g"].work(512) == 100 * 512**2
+    assert SCENES["e"].work(512) == 80_000
+
+
+@pytest.mark.parametrize("name", [name for name, scene in SCENES.items() if scene.covers])
+def test_a_scene_that_covers_the_screen_makes_one_fragment_for_every_pixel(name):
+    scene = SCENES[name]
+    assert scene.fragments(64) == 64**2
+    assert replace(scene, covers=False).fragments(64) == 64**2
+
+
+def test_fragments_are_counted_before_the_depth_test():
+    # The floor fills the view, and the balls are drawn over it.
+    assert 1.05 * 64**2 < SCENES["f2"].fragments(64) < 1.5 * 64**2
+    assert SCENES["e2"].fragments(64) < SCENES["e"].fragments(64)
+    draw = SCENES["e"].draw(64)
+    untested = replace(draw, state=replace(draw.state, depth_test=None))
+    assert SCENES["e"].fragments(64) == replace(SCENES["e"], draw=lambda size: untested).fragments(64)
+
+
+class _Scripted:
+    """A party whose frames take the given seconds each, and that notes when it was asked."""
+
+    def __init__(self, name, seconds, diary):
+        self.name, self._seconds, self._diary = name, seconds, diary
+
+    def turn(self, frames):
+        self._diary.append((self.name, frames))
+        return frames * self._seconds
+
+
+def test_the_parties_take_turns_of_equal_length(monkeypatch):
+    monkeypatch.setattr(measure, "REST_SECONDS", 0.0)
+    diary = []
+    parties = [_Scripted("ours", 0.5, diary), _Scripted("peer", 0.125, diary)]
+    seconds = measure.take_turns(parties, turns=2, turn_seconds=1.0, warm_seconds=1.0)
+    assert seconds == [[0.5, 0.5], [0.125, 0.125]]
+    turn = [("ours", 1), ("ours", 2), ("peer", 1), ("peer", 8)]
+    assert diary[-8:] == turn * 2
+
+
+def test_rates_are_medians_and_the_ratio_is_ours_over_the_peers():
+    row = measure.summarize(SCENES["e"], 512, 2, [[0.01, 0.02, 0.09], [0.01, 0.01, 0.5]])
+    assert row.as_json() == {
+        "scene": "e",
+        "size": 512,
+        "threads": 2,
+        "unit": "Mtriangles/s",
+        "ours": 4.0,
+        "peer": 8.0,
+        "ratio": 0.5,
+        "goal": None,
+        "aim": None,
+        "spread": 1.0,
+    }
+    assert row.spread == pytest.approx(1.0)
+
+
+def test_without_a_peer_the_row_has_neither_peer_nor_ratio():
+    row = measure.summarize(SCENES["a"], 8, 1, [[0.25]]).as_json()
+    assert row["peer"] is None
+    assert row["ratio"] is None
+    assert row["ours"] == 0.002  # 8 layers of 64 fragments in a quarter of a second
+
+
+@pytest.fixture
+def nothing_installed(monkeypatch):
+    def refuse(name):
+        raise OSError(name)
+
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setattr(ctypes, "CDLL", refuse)
+
+
+@pytest.mark.usefixtures("nothing_installed")
+def test_the_peer_says_what_is_missing():
+    with pytest.raises(llvmpipe.PeerError, match=r"PyOpenGL is not installed.*libEGL\.so\.1 is missing"):
+        llvmpipe.Llvmpipe(2)
+
+
+@pytest.mark.usefixtures("nothing_installed")
+def test_ours_is_measured_where_the_peer_is_missing(monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr(measure.Ours, "prepare", lambda self, scene, size: None)
+    monkeypatch.setattr(command_line, "take_turns", lambda parties: [[0.5] for _ in parties])
+    file = tmp_path / "rates.json"
+    status = command_line.main(["a", "g", "--peer", "llvmpipe", "--size", "1000", "--json", str(file)])
+    assert status == 0
+    shown = capsys.readouterr()
+    assert shown.err.startswith("Without llvmpipe: PyOpenGL is not installed")
+    assert [line.split()[:2] for line in shown.out.splitlines()] == [
+        [],
+        ["Scenes"],
+        ["scene", "size"],
+        ["a", "1000"],
+        ["g", "1000"],
+    ]
+    found = json.loads(file.read_text())
+    assert [(row["scene"], row["ours"], row["peer"]) for row in found.pop("scenes")] == [
+        ("a", 16.0, None),
+        ("g", 200.0, None),
+    ]
+    assert found == {"threads": 2, "peer": None, "figures": [], "roofline": None, "growth": None}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["a", "x1"], "there is no x1; the names are a, a2"),
+        (["a", "cold", "--images", "."], "cold has no picture; with --images name scenes: a, a2"),
+        (["--threads", "0"], "--threads is 0; give 1 or more"),
+        (["--size", "4096"], "--size is 4096; give 1 to 2048 pixels"),
+        (["--json", "/no/such/folder/rates.json"], "/no/such/folder is not a folder that you may write to"),
+    ],
+)
+def test_a_wrong_argument_is_a_sentence_and_exit_status_2(arguments, sentence, capsys):
+    with pytest.raises(SystemExit) as exit_:
+        command_line.main(arguments)
+    assert exit_.value.code == 2
+    assert sentence in capsys.readouterr().err
+
+
+def _picture(color, depth, stencil):
+    return {
+        "color": np.array(color, np.uint8).reshape(1, -1, 4),
+        "depth": np.array([depth], np.uint32),
+        "stencil": np.array([stencil], np.uint8),
+    }
+
+
+def test_a_difference_counts_pixels_and_leaves_depth_out_where_only_one_party_drew():
+    far = 2**24 - 1
+    one = _picture([[0, 0, 9, 0], [255, 0, 0, 0]], [1000, 5], [0, 100])
+    other = _picture([[0, 0, 4, 0], [0, 0, 0, 0]], [1002, far], [0, 98])
+    found = pictures.difference(one, other, levels=5)
+    assert found == pictures.Difference(color=255, beyond=1, depth=2, stencil=2, coverage=1, pixels=2)
+
+
+def test_a_picture_is_as_expected_only_within_the_scenes_levels_and_share():
+    one = pictures.Difference(color=99, beyond=1, depth=0, stencil=0, coverage=0, pixels=200)
+    assert one.as_expected(SCENES["e"])
+    assert not one.as_expected(SCENES["a"])
+    assert not replace(one, beyond=2).as_expected(SCENES["e"])
+    assert not replace(one, stencil=1).as_expected(SCENES["e"])
+
+
+# ------------------------------------------------------------------------------------------- figures
+
+
+# Issue "Faster than the chip it emulates": the rows of its table that are no scenes.
+def test_the_figures_goals_are_the_issues():
+    assert {f.name: (f.goal, f.unit, f.most) for f in figures.FIGURES.values()} == {
+        "passes": (60, "µs", True),
+        "frames": (300, "frames/s", False),
+        "cold": (25, "s", True),
+        "cached": (1.2, "s", True),
+        "scaling": (1.8, "times", False),
+        "memory": (400, "MB", True),
+    }
+
+
+def test_a_goal_is_the_most_or_the_least():
+    assert figures.FIGURES["cold"].is_met(25)
+    assert not figures.FIGURES["cold"].is_met(25.1)
+    assert figures.FIGURES["scaling"].is_met(1.8)
+    assert not figures.FIGURES["scaling"].is_met(1.79)
+
+
+def test_the_many_passes_are_64_states_over_one_mesh_and_draw_next_to_nothing():
+    commands = FIGURES["F004-4"].commands(GEFORCE_256, 512)
+    machine = Machine(GEFORCE_256, 512, 512, threads=1)
+    machine.run(command for command in commands if isinstance(command, TexImage))
+    passes = figures.many_passes(commands, 0)
+    assert len(passes) == 64
+    assert len({draw.mesh for draw in passes}) == 1
+    states = {draw.state for draw in (*passes, *figures.many_passes(commands, 1))}
+    assert len(states) == 128
+    # The state's own way to the framebuffer: both textures and both general combiners of the paper's pass.
+    (own,) = {replace(s, register_combiners=None, scissor=None) for s in states}
+    specular = [command for command in commands if isinstance(command, Draw)][1].state
+    assert own == replace(specular, register_combiners=None, scissor=None)
+    assert len(own.texture_units) == 2
+    # The sphere's front and its back, behind one pixel.
+    assert machine.run(passes).fragments == 2 * 64
+
+
+def test_a_module_that_fails_is_an_error_with_what_it_printed():
+    with pytest.raises(OSError, match=r"python -m bench\.no_such ended with 1: .*No module named"):
+        figures._run_module("bench.no_such")
+
+
+def test_a_module_is_given_the_environment_and_its_output_read():
+    seconds, output = figures._run_module("site", PYTHONUSERBASE="/some/base")
+    assert "USER_BASE: '/some/base'" in output
+    assert seconds > 0
+
+
+@pytest.mark.parametrize(
+    ("value", "verdict"), [(24.96, "24.96      ≤ 25  s          reached"), (26.0, "MISSED")]
+)
+def test_a_figure_is_printed_with_its_verdict(value, verdict, monkeypatch, capsys, tmp_path):
+    cold = replace(figures.FIGURES["cold"], measure=lambda threads: figures.Measured(value, {"best": 1.0}))
+    monkeypatch.setitem(command_line.FIGURES, "cold", cold)
+    assert command_line.main(["cold", "--json", str(tmp_path / "figures.json")]) == 0
+    assert verdict in capsys.readouterr().out
+    (found,) = json.loads((tmp_path / "figures.json").read_text())["figures"]
+    assert found == {
+        "figure": "cold",
+        "title": cold.title,
+        "unit": "s",
+        "measured": value,
+        "goal": 25,
+        "relation": "at most",
+        "reached": value <= 25,
+        "details": {"best": 1.0},
+    }
+
+
+def test_what_this_machine_cannot_tell_is_said_and_left_out(monkeypatch, capsys, tmp_path):
+    def refuse(threads):
+        raise OSError("no /proc")
+
+    memory = replace(figures.FIGURES["memory"], measure=refuse)
+    monkeypatch.setitem(command_line.FIGURES, "memory", memory)
+    assert command_line.main(["memory", "--json", str(tmp_path / "figures.json")]) == 0
+    assert capsys.readouterr().err == "memory was not measured: no /proc\n"
+    assert json.loads((tmp_path / "figures.json").read_text())["figures"] == []
+
+
+def test_the_largest_frame_reads_textures_of_its_own_edge(monkeypatch):
+    machines = []
+
+    class Watched(Machine):
+        def __post_init__(self):
+            super().__post_init__()
+            machines.append(self)
+
+    monkeypatch.setattr(largest_frame, "Machine", Watched)
+    largest_frame.draw(1, edge=1024)
+    (machine,) = machines
+    assert (machine.width, machine.height) == (1024, 1024)
+    assert {(t.width, t.height) for t in machine.textures.values()} == {(1024, 1024)}
+    assert len(machine.textures) == 2
+    assert machine.framebuffer.color.any()
+    assert largest_frame.EDGE == 2048
+
+
+def test_the_peak_is_read_in_bytes(tmp_path):
+    status = tmp_path / "status"
+    status.write_text("VmPeak:\t 9 kB\nVmHWM:\t    2048 kB\nVmRSS:\t 7 kB\n")
+    assert largest_frame.peak_resident_bytes(status) == 2048 * 1024
+    status.write_text("VmPeak:\t 9 kB\n")
+    with pytest.raises(OSError, match="has no VmHWM"):
+        largest_frame.peak_resident_bytes(status)
+
+
+# ------------------------------------------------------------------------------------------ roofline
+
+
+def _bytes(name, size=64):
+    moved = roofline.traffic(SCENES[name], size)
+    return moved.color, moved.depth, moved.stencil, moved.texture
+
+
+def test_a_fragment_moves_what_its_state_reads_and_writes():
+    assert _bytes("a") == (4, 0, 0, 0)
+    assert _bytes("b") == (4, 0, 0, 16)
+    assert _bytes("c") == (4, 0, 0, 32)
+    assert _bytes("d") == (8, 8, 0, 32)  # blending reads the colour, the test the depth
+    assert _bytes("f3") == (4, 8, 0, 16)
+    assert _bytes("g") == (0, 4, 2, 0)  # depth is compared, not written; no colour at all
+    assert _bytes("h") == (4, 0, 0, 32)
+
+
+def test_a_triangle_moves_what_its_fragments_do_and_its_vertices():
+    scene = SCENES["e2"]
+    fragments = scene.fragments(512) / 80_000
+    moved = roofline.traffic(scene, 512)
+    assert moved.texture == pytest.approx(16 * fragments)
+    assert moved.depth == pytest.approx(8 * fragments)
+    assert moved.clear == pytest.approx(9 * 512**2 / 80_000)
+    # Three positions and two coordinates of eight bytes a vertex, three indices of eight bytes a triangle.
+    assert moved.geometry == pytest.approx(5 * 8 * 201**2 / 80_000 + 3 * 8)
+    assert moved.written == pytest.approx(moved.clear + moved.color)
+
+
+def test_every_layer_takes_its_share_of_the_clear():
+    assert roofline.traffic(SCENES["a"], 64).clear == 9 / 8
+    assert roofline.traffic(SCENES["g"], 64).clear == 9 / 100
+
+
+def test_the_bound_is_the_time_that_each_kind_of_access_takes():
+    moved = roofline.Traffic(
+        clear=1.0, color=4.0, depth=8.0, stencil=0.0, texture=16.0, geometry=1.0, written=5.0
+    )
+    assert moved.total == 30.0
+    assert moved.bound(write=10.0, update=50.0) == pytest.approx(1 / (5 / 10 + 25 / 50))
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("access", roofline.ACCESSES)
+def test_a_bandwidth_counts_every_byte_that_is_touched(access, threads, monkeypatch):
+    touched = []
+    touch, count = roofline.ACCESSES[access]
+    monkeypatch.setitem(roofline.ACCESSES, access, (lambda a: (touch(a), touched.append(a.nbytes)), count))
+    ticks = iter(range(1000))
+    monkeypatch.setattr(roofline, "time", SimpleNamespace(perf_counter=lambda: float(next(ticks))))
+    # A second to touch every array once, three seconds asked for: three times each.
+    found = roofline.measure_bandwidth(access, 1 << 12, threads, seconds=3.0 / threads, times=1)
+    assert sum(touched) == (1 + 3) << 12
+    assert found.bytes == 1 << 12
+    assert 0 < found.rate <= count * 3 << 12
+
+
+def test_the_roofline_tells_every_scene_and_the_share_of_what_was_measured(monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr(
+        roofline,
+        "measure_bandwidth",
+        lambda access, size, threads: roofline.Bandwidth(access, size, threads, 1e9 * threads),
+    )
+    monkeypatch.setattr(measure.Ours, "prepare", lambda self, scene, size: None)
+    monkeypatch.setattr(command_line, "take_turns", lambda parties: [[0.5] for _ in parties])
+    file = tmp_path / "roofline.json"
+    assert command_line.main(["a", "roofline", "--size", "64", "--json", str(file)]) == 0
+    found = json.loads(file.read_text())["roofline"]
+    assert [(b["bytes"], b["access"], b["threads"]) for b in found["bandwidth"]] == [
+        (size, access, threads)
+        for size in (4 << 20, 256 << 20)
+        for access in ("write", "read and write")
+        for threads in (1, 2)
+    ]
+    assert [line["scene"] for line in found["scenes"]] == list(SCENES)
+    first, second = found["scenes"][:2]
+    # Colour, its eighth of the Clear, and eight numbers a vertex of the quad's four.
+    assert first["cache_bound"] == round(2e9 / (4 + 9 / 8 + 4 * 8 * 8 / 64**2) / 1e6, 1)
+    assert first["ours"] == pytest.approx(8 * 64**2 / 0.5 / 1e6, abs=1e-3)
+    assert first["share_of_cache_bound"] == pytest.approx(first["ours"] / first["cache_bound"], abs=1e-4)
+    assert (second["ours"], second["share_of_cache_bound"]) == (None, None)
+
+
+# -------------------------------------------------------------------------------------------- growth
+
+
+@pytest.mark.parametrize("name", growth.CURVES)
+def test_a_curves_machine_can_draw_every_point(name):
+    for _, scene, size in growth.CURVES[name].points():
+        validate((*scene.textures(), *scene.frame(size, 1)), scene.profile, size, size)
+
+
+def test_the_curves_run_from_the_smallest_to_the_largest():
+    points = {name: list(curve.points()) for name, curve in growth.CURVES.items()}
+    assert [number for number, _, _ in points["edge"]] == [256, 512, 1024, 2048, 4096]
+    assert [number for number, _, _ in points["stages"]] == list(range(1, 9))
+    triangles = [number for number, _, _ in points["triangles"]]
+    assert (triangles[0], triangles[-1]) == (10**3, 10**6)
+    assert triangles == sorted(triangles)
+    assert triangles == [scene.triangles(size) for _, scene, size in points["triangles"]]
+
+
+def test_stages_grow_by_the_second_of_scene_c():
+    programs = [s.draw(64).state.register_combiners for _, s, _ in growth.CURVES["stages"].points()]
+    assert [len(program.general) for program in programs] == list(range(1, 9))
+    assert programs[1] == BUMP
+    assert programs[7].general[:2] == BUMP.general
+    assert set(programs[7].general[2:]) == {BUMP.general[1]}
+    assert bump(1).general == BUMP.general[:1]
+
+
+def test_a_point_is_the_median_of_its_frames(monkeypatch, capsys):
+    prepared = []
+    monkeypatch.setattr(measure.Ours, "prepare", lambda self, scene, size: prepared.append(size))
+    monkeypatch.setattr(growth, "take_turns", lambda parties, **_: [[0.5, 2.0, 1.0]])
+    (first, *_, last) = growth.measure(growth.CURVES["edge"], 2)
+    assert prepared == [256, 512, 1024, 2048, 4096]
+    assert first == growth.Point(256, 8 * 256**2 / 1e6, "Mfragments/s", 1000.0)
+    assert last.number == 4096
+    assert command_line.main(["growth"]) == 0
+    assert "Growth: scene c, framebuffer edge in pixels" in capsys.readouterr().out
+
+
+@pytest.fixture(scope="module")
+def peer():
+    try:
+        party = llvmpipe.Llvmpipe(1)
+    except llvmpipe.PeerError as problem:
+        pytest.skip(str(problem))
+    with party:
+        yield party
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_ours_and_the_peers_picture_of_a_scene_agree(name, peer):
+    scene = SCENES[name]
+    # The smaller such a picture is, the more a snapped vertex shifts its textures.
+    size = scene.size if scene.snapped else 64
+    ours = measure.Ours(1)
+    ours.prepare(scene, size)
+    peer.prepare(scene, size)
+    found = pictures.difference(ours.picture(), peer.picture(), scene.levels)
+    assert found.as_expected(scene), found
+    if not scene.snapped:
+        assert found.depth == 0
+    # Of the silhouette's some 2000 pixels, those whose centre the snapping moves over an edge of 1/16 pixel.
+    assert found.coverage <= 2000 / 16

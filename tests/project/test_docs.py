@@ -1,0 +1,71 @@
+"""The documentation says only what is so: its examples run, its links lead somewhere."""
+
+import doctest
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from PIL import Image
+
+from fixedpipe.effects.cli import main
+from fixedpipe.effects.figures import FIGURES
+from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.profiles import GEFORCE_256
+
+ROOT = Path(__file__).parents[1]
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
+
+
+def test_the_readme_example_gives_what_it_says():
+    results = doctest.testfile(str(ROOT / "README.md"), module_relative=False)
+    assert results.attempted >= 5
+    assert results.failed == 0
+
+
+def test_the_precision_page_s_example_gives_what_it_says():
+    results = doctest.testfile(str(ROOT / "docs" / "precision.md"), module_relative=False)
+    assert results.attempted >= 5
+    assert results.failed == 0
+
+
+def picture_of_the_readme(name):
+    """The pixels of a picture that the README shows, [h, w, 3]."""
+    path = f"docs/images/{name}.png"
+    assert f'src="{path}"' in (ROOT / "README.md").read_text()
+    return np.asarray(Image.open(ROOT / path))
+
+
+def test_the_readme_bump_command_draws_the_readme_picture(tmp_path):
+    pytest.importorskip("skimage")
+    (command,) = re.findall(r"fixedpipe (bump .*) --out gravel.png", (ROOT / "README.md").read_text())
+    out = tmp_path / "gravel.png"
+    result = CliRunner().invoke(main, [*command.split(), "--out", str(out)])
+    assert result.exit_code == 0, result.output
+    np.testing.assert_array_equal(np.asarray(Image.open(out)), picture_of_the_readme("gravel-sphere"))
+
+
+def test_the_readme_shows_the_figure_as_it_is_drawn_now():
+    figure = FIGURES["F004-4"]
+    commands = figure.commands(GEFORCE_256, 384)
+    image = execute(commands, GEFORCE_256, *figure.dimensions(384)).framebuffer.color[..., :3]
+    np.testing.assert_array_equal(image, picture_of_the_readme("F004-4"))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_every_link_leads_somewhere(page):
+    for target in re.findall(r"\]\(([^)#\s]+)", page.read_text()):
+        assert target.startswith("http") or (page.parent / target).exists(), target
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_every_file_that_is_named_exists(page):
+    for name in re.findall(r"`((?:raster|pipeline|effects|tests|docs|bench)/[\w/.-]+)`", page.read_text()):
+        assert (ROOT / name).exists(), name
+
+
+def test_every_decision_is_in_the_index():
+    index = (ROOT / "docs" / "decisions" / "README.md").read_text()
+    for page in (ROOT / "docs" / "decisions").glob("[0-9]*.md"):
+        assert page.name in index, page.name

@@ -1,0 +1,308 @@
+"""Pixel transfer: whole images in NumPy equal the specification, one group at a time, to the bit."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fixedpipe.pipeline.enums import BaseFormat, ConvolutionBorderMode
+from fixedpipe.pipeline.framebuffers.transfer import (
+    ENTRY_COMPONENTS,
+    IMAGE_FORMATS,
+    READ_TYPES,
+    PixelStatistics,
+    image_groups,
+    packed_colors,
+    table_entries,
+    transfer_color_indices,
+    transfer_colors,
+    transfer_depths,
+    transfer_stencil,
+    transferred_size,
+)
+from fixedpipe.pipeline.pixel_transfer import (
+    INITIAL_TRANSFER,
+    ConvolutionFilter,
+    Histogram,
+    Minmax,
+    PixelImage,
+    PixelMaps,
+    PixelTransfer,
+    SeparableFilter,
+)
+from fixedpipe.pipeline.profiles import IDEAL, OCTANE, OPENGL_1_2_IMAGING
+from fixedpipe.pipeline.state import ColorTable
+from fixedpipe.raster.pixels import transfer as arithmetic
+from tests.reference import pixel_transfer as reference
+
+_REAL = st.floats(-4.0, 4.0, width=32)
+_UNIT = st.one_of(st.sampled_from([0.0, 0.5, 1.0, -0.25, 1.5]), st.floats(-1.0, 2.0))
+_COLOR = st.tuples(_UNIT, _UNIT, _UNIT, _UNIT)
+_FACTORS = st.tuples(_REAL, _REAL, _REAL, _REAL)
+_COUNTED_FORMATS = sorted(reference.COUNTED)
+
+
+def _tables():
+    entries = st.integers(0, 3).flatmap(lambda n: st.lists(_COLOR, min_size=2**n, max_size=2**n).map(tuple))
+    return st.builds(ColorTable, entries, st.sampled_from(BaseFormat), st.sampled_from([None, 1, 4, 8, 12]))
+
+
+def _maps(values, n=(1, 5)):
+    return st.lists(values, min_size=n[0], max_size=n[1]).map(tuple)
+
+
+def _index_maps(values):
+    return st.integers(0, 3).flatmap(lambda n: _maps(values, (2**n, 2**n)))
+
+
+def _filters(high=3):
+    shape = st.tuples(st.integers(1, high), st.integers(1, 3))
+    rows = shape.flatmap(
+        lambda s: st.lists(
+            st.lists(_FACTORS, min_size=s[1], max_size=s[1]).map(tuple), min_size=s[0], max_size=s[0]
+        ).map(tuple)
+    )
+    rest = st.sampled_from(BaseFormat), st.sampled_from(ConvolutionBorderMode), _COLOR
+    return st.builds(ConvolutionFilter, rows, *rest)
+
+
+def _separable_filters():
+    line = st.lists(_FACTORS, min_size=1, max_size=3).map(tuple)
+    rest = st.sampled_from(BaseFormat), st.sampled_from(ConvolutionBorderMode), _COLOR
+    return st.builds(SeparableFilter, line, line, *rest)
+
+
+def _optional(strategy):
+    return st.one_of(st.none(), strategy)
+
+
+_TRANSFERS = st.builds(
+    PixelTransfer,
+    scale=_FACTORS,
+    bias=_FACTORS,
+    index_shift=st.integers(-3, 3),
+    index_offset=st.integers(-9, 9),
+    map_color=st.booleans(),
+    maps=st.builds(
+        PixelMaps,
+        *[_index_maps(_UNIT)] * 4,
+        *[_maps(_UNIT)] * 4,
+    ),
+    color_table=_optional(_tables()),
+    convolution_1d=_optional(_filters(high=1)),
+    convolution_2d=_optional(_filters()),
+    separable_2d=_optional(_separable_filters()),
+    post_convolution_scale=_FACTORS,
+    post_convolution_bias=_FACTORS,
+    post_convolution_color_table=_optional(_tables()),
+    color_matrix=st.tuples(_FACTORS, _FACTORS, _FACTORS, _FACTORS),
+    post_color_matrix_scale=_FACTORS,
+    post_color_matrix_bias=_FACTORS,
+    post_color_matrix_color_table=_optional(_tables()),
+    histogram=_optional(
+        st.builds(
+            Histogram,
+            st.just("h"),
+            st.sampled_from([1, 4, 256]),
+            st.sampled_from(_COUNTED_FORMATS),
+            st.booleans(),
+        )
+    ),
+    minmax=_optional(st.builds(Minmax, st.just("m"), st.sampled_from(_COUNTED_FORMATS), st.booleans())),
+)
+
+
+def _image(width, height, seed):
+    """Groups with values at, between and beyond [0, 1]."""
+    random = np.random.default_rng(seed)
+    image = random.uniform(-0.5, 1.5, (height, width, 4))
+    image[random.random(image.shape) < 0.3] = random.choice([0.0, 0.5, 1.0])
+    return image
+
+
+def _same_as_reference(image, transfer, profile, dimensions, indices=False):
+    """Both, from tables that have seen something before; the groups or None."""
+    statistics = PixelStatistics()
+    counts = extremes = None
+    if transfer.histogram is not None:
+        counts = reference.new_counts(transfer.histogram)
+    if transfer.minmax is not None:
+        extremes = reference.new_extremes(transfer.minmax)
+    for _ in range(2):
+        expected = reference.transfer(
+            image.tolist(), transfer, dimensions, profile.clamps_color_matrix, counts, extremes, indices
+        )
+        convert = transfer_color_indices if indices else transfer_colors
+        groups = convert(image, transfer, profile, statistics, dimensions)
+    assert (groups is None) == (expected is None)
+    if groups is not None:
+        width, height = transferred_size(*image.shape[1::-1], transfer, dimensions)
+        assert groups.shape == (height, width, 4)
+        assert groups.tolist() == (expected if width else [[]] * height)
+    if counts is not None:
+        assert statistics.histograms["h"].counts.dtype == np.uint32
+        assert statistics.histograms["h"].counts.tolist() == counts
+    if extremes is not None and "m" in statistics.minmaxes:
+        assert statistics.minmaxes["m"].extremes.tolist() == extremes
+    return groups
+
+
+@settings(max_examples=250)
+@given(
+    _TRANSFERS,
+    st.sampled_from([OPENGL_1_2_IMAGING, OCTANE]),
+    st.integers(1, 5),
+    st.integers(1, 4),
+    st.integers(1, 3),
+    st.integers(0, 2**32 - 1),
+)
+def test_colors_equal_the_specification(transfer, profile, width, height, dimensions, seed):
+    height = 1 if dimensions == 1 else height
+    _same_as_reference(_image(width, height, seed), transfer, profile, dimensions)
+
+
+@settings(max_examples=60)
+@given(_TRANSFERS, st.integers(0, 2**32 - 1))
+def test_color_indices_equal_the_specification(transfer, seed):
+    indices = np.random.default_rng(seed).integers(0, 256, (3, 4))
+    _same_as_reference(indices, transfer, OPENGL_1_2_IMAGING, 2, indices=True)
+
+
+@pytest.mark.parametrize("base_format", BaseFormat)
+@pytest.mark.parametrize("border_mode", ConvolutionBorderMode)
+def test_every_filter_of_every_size_equals_the_specification(base_format, border_mode):
+    """Sizes from 1x1 to beyond the image, of which REDUCE leaves nothing."""
+    image, random = _image(3, 2, 7), np.random.default_rng(1)
+    for wide in range(1, 5):
+        for high in range(1, 4):
+            weights = random.uniform(-1, 1, (high, wide, 4))
+            rows = tuple(tuple(map(tuple, row)) for row in weights.tolist())
+            border = base_format, border_mode, (0.25, -1.0, 2.0, 0.5)
+            full = PixelTransfer(convolution_2d=ConvolutionFilter(rows, *border))
+            column = tuple(row[0] for row in rows)
+            separable = PixelTransfer(separable_2d=SeparableFilter(rows[0], column, *border))
+            for transfer in (full, separable):
+                _same_as_reference(image, transfer, OPENGL_1_2_IMAGING, 2)
+
+
+@pytest.mark.parametrize("size", [1, 2, 4, 256])
+def test_every_byte_finds_the_table_entry_of_the_specification(size):
+    """All bytes, and every float beside a boundary between two entries."""
+    entries = tuple((k / size, 1 - k / size, k / (2 * size), 0.5) for k in range(size))
+    edges = (np.arange(size) + 0.5) / max(size - 1, 1)
+    values = np.concatenate([np.arange(256) / 255, edges, np.nextafter(edges, 0), np.nextafter(edges, 2)])
+    image = np.repeat(values[None, :, None], 4, 2)
+    for base_format in BaseFormat:
+        transfer = PixelTransfer(color_table=ColorTable(entries, base_format, 8))
+        _same_as_reference(image, transfer, OPENGL_1_2_IMAGING, 2)
+
+
+@given(st.integers(-31, 31), st.integers(-300, 300), _index_maps(st.integers(-5, 300)), st.booleans())
+def test_stencil_indices_equal_the_specification(shift, offset, table, mapped):
+    transfer = PixelTransfer(
+        index_shift=shift, index_offset=offset, map_stencil=mapped, maps=PixelMaps(s_to_s=table)
+    )
+    found = transfer_stencil(np.arange(256)[None], transfer)
+    assert found[0].tolist() == [reference.stencil_index(value, transfer) for value in range(256)]
+
+
+@given(_REAL, _REAL, st.lists(st.floats(0, 1), min_size=1))
+def test_depths_equal_the_specification(scale, bias, depths):
+    transfer = PixelTransfer(depth_scale=scale, depth_bias=bias)
+    found = transfer_depths(np.array([depths]), transfer)
+    assert found[0].tolist() == [reference.transfer_depth(value, transfer) for value in depths]
+
+
+@pytest.mark.parametrize("pixel_type", READ_TYPES)
+@pytest.mark.parametrize("pixel_format", sorted(set(IMAGE_FORMATS) - {"BGRA", "BGR"}))
+def test_packed_colors_equal_the_specification(pixel_format, pixel_type):
+    image = _image(16, 8, 3)
+    found = packed_colors(image, pixel_format, pixel_type).reshape(8, 16, -1)
+    bits = READ_TYPES[pixel_type]
+    expected = [
+        [reference.component_read(group, pixel_format, bits) for group in row] for row in image.tolist()
+    ]
+    assert found.tolist() == expected
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.uint32, np.float32, np.float64])
+@pytest.mark.parametrize("pixel_format", IMAGE_FORMATS)
+def test_image_data_become_the_groups_of_the_specification(pixel_format, dtype):
+    elements = len(IMAGE_FORMATS[pixel_format])
+    random = np.random.default_rng(2)
+    if np.issubdtype(dtype, np.floating):
+        values, most = random.uniform(-1, 2, (4, 5, elements)).astype(dtype), 1
+    else:
+        most = np.iinfo(dtype).max
+        values = random.integers(0, most, (4, 5, elements), dtype, endpoint=True)
+    expected = [
+        [reference.pixel_of([float(v) / most for v in group], pixel_format) for group in row]
+        for row in values.tolist()
+    ]
+    assert image_groups(PixelImage(values, pixel_format)).tolist() == expected
+    if elements == 1:
+        assert image_groups(PixelImage(values[..., 0], pixel_format)).tolist() == expected
+
+
+@settings(max_examples=60)
+@given(_tables(), st.sampled_from([15, 255, 4095]))
+def test_texture_color_tables_equal_the_specification(table, one):
+    values = np.unique(np.linspace(-2, one + 2, 300).astype(np.int64))
+    texels = np.stack([values, values[::-1], np.roll(values, 7), np.roll(values, 31)], -1)
+    entries, components = table_entries(table, OCTANE), ENTRY_COMPONENTS[table.base_format]
+    found = arithmetic.texture_color_table(texels, one, entries, components)
+    assert found.tolist() == [reference.texture_color(texel, one, table) for texel in texels.tolist()]
+
+
+def test_a_table_is_stored_as_each_machine_stores_it():
+    """Entries are remembered by the table, and an exact machine stores the same table unrounded."""
+    table = ColorTable(((0.3, 0.3, 0.3, 0.3),) * 4, bits=8)
+    assert table_entries(table, OCTANE)[0, 0] == 77 / 255
+    assert table_entries(table, IDEAL)[0, 0] == 0.3
+    assert table_entries(table, OCTANE)[0, 0] == 77 / 255
+
+
+@pytest.mark.parametrize("border_mode", ConvolutionBorderMode)
+@pytest.mark.parametrize(("width", "height"), [(0, 3), (4, 0), (0, 0)])
+def test_an_image_without_pixels_stays_without(width, height, border_mode):
+    kernel = ConvolutionFilter((((1.0,) * 4,) * 3,) * 2, border_mode=border_mode)
+    transfer = PixelTransfer(convolution_2d=kernel, histogram=Histogram("h", 4), minmax=Minmax("m"))
+    _same_as_reference(np.zeros((height, width, 4)), transfer, OPENGL_1_2_IMAGING, 2)
+
+
+def test_the_initial_state_changes_no_group():
+    image = _image(9, 7, 5)
+    assert (transfer_colors(image, INITIAL_TRANSFER, OPENGL_1_2_IMAGING, PixelStatistics()) == image).all()
+
+
+def test_a_histogram_stops_at_its_largest_count():
+    counts = np.full((2, 4), arithmetic.MOST - 3, np.uint32)
+    after = arithmetic.counted(np.ones((2, 3, 4)), counts, (0, 1, 2, 3))
+    assert after.dtype == np.uint32
+    assert after.tolist() == [[arithmetic.MOST - 3] * 4, [arithmetic.MOST] * 4]
+
+
+def test_a_histogram_of_another_width_or_format_begins_anew():
+    statistics, image = PixelStatistics(), _image(4, 4, 1)
+    for width, base_format in ((4, BaseFormat.RGB), (8, BaseFormat.RGB), (8, BaseFormat.LUMINANCE)):
+        transfer = PixelTransfer(histogram=Histogram("h", width, base_format))
+        transfer_colors(image, transfer, OPENGL_1_2_IMAGING, statistics)
+        assert (statistics.histograms["h"].counts.sum(0) == 16).all()
+    transfer_colors(image, transfer, OPENGL_1_2_IMAGING, statistics)
+    assert (statistics.histograms["h"].counts.sum(0) == 32).all()
+    statistics.reset_histogram("h")
+    assert not statistics.histograms["h"].counts.any()
+
+
+def test_a_histograms_sink_leaves_nothing_to_a_minmax():
+    statistics = PixelStatistics()
+    transfer = PixelTransfer(histogram=Histogram("h", sink=True), minmax=Minmax("m"))
+    assert transfer_colors(_image(2, 2, 1), transfer, OPENGL_1_2_IMAGING, statistics) is None
+    assert not statistics.minmaxes
+    transfer = replace(transfer, histogram=None)
+    transfer_colors(_image(2, 2, 1), transfer, OPENGL_1_2_IMAGING, statistics)
+    assert np.isfinite(statistics.minmaxes["m"].extremes).all()
+    statistics.reset_minmax("m")
+    assert statistics.minmaxes["m"].extremes.tolist() == [[np.inf] * 4, [-np.inf] * 4]

@@ -1,0 +1,70 @@
+"""One digest for any processor, thread count and batch size; and no fused multiply-add in any kernel."""
+
+import os
+import platform
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parents[1]
+ON_X86 = platform.machine().lower() in ("x86_64", "amd64")
+# NumPy's loops for newer processors; disabling them leaves the plain ones (their sin, exp and pow may
+# differ).
+_CORE = np._core._multiarray_umath
+NUMPY_EXTRAS = " ".join(f for f in _CORE.__cpu_dispatch__ if _CORE.__cpu_features__.get(f))
+
+
+def run(threads, batch, *options, **environment):
+    """The lines that ``python -m tests.support.bits`` prints."""
+    finished = subprocess.run(
+        [sys.executable, "-m", "tests.support.bits", str(threads), str(batch), *options],
+        cwd=ROOT,
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert finished.returncode == 0, finished.stderr
+    return finished.stdout.split("\n")
+
+
+@pytest.fixture(scope="module")
+def native():
+    return run(1, 1024)[0]
+
+
+@pytest.mark.parametrize(("threads", "batch"), [(2, 1024), (3, 17)])
+def test_threads_and_batches_do_not_change_a_bit(native, threads, batch):
+    assert run(threads, batch)[0] == native
+
+
+# Each of the next two compiles every kernel, for a minute or more; where the suite has several processes
+# (`make test`), each of them takes one.
+
+
+def test_a_plain_processor_gives_the_same_bits(native):
+    generic = {
+        "NUMBA_CPU_NAME": "generic",
+        "NUMBA_CPU_FEATURES": "",
+        "NPY_DISABLE_CPU_FEATURES": NUMPY_EXTRAS,
+    }
+    assert run(1, 1024, **generic)[0] == native
+
+
+@pytest.mark.skipif(not ON_X86, reason="AVX2 is an x86 feature")
+def test_avx2_gives_the_same_bits_and_no_kernel_fuses_a_multiply_add(native, tmp_path):
+    # A folder of its own: machine code can be read back only where this very process made it.
+    haswell = {
+        "NUMBA_CPU_NAME": "haswell",
+        "NUMBA_CPU_FEATURES": "+avx2,+fma",
+        "NUMBA_CACHE_DIR": str(tmp_path),
+    }
+    digest, counts, *_ = run(2, 256, "--assembly", **haswell)
+    kernels, lines, fused = map(int, counts.split())
+    assert digest == native
+    assert kernels >= 50
+    assert lines >= 10_000
+    assert fused == 0

@@ -1,0 +1,382 @@
+"""Comparisons, footprint assembly and volumes: every engine equals the specification; rules by themselves."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fixedpipe.pipeline.commands import Clear, CopyTexImage, Draw, Mesh, ReadPixels, TexImage
+from fixedpipe.pipeline.enums import (
+    BaseFormat,
+    ComparisonFunction,
+    InternalFormat,
+    TextureCompareMode,
+    TextureFilter,
+    TextureTarget,
+    WrapMode,
+)
+from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.ideal.evaluate import execute_ideal
+from fixedpipe.pipeline.profiles import GEFORCE_3, GEFORCE_256, INFINITE_REALITY, OPENGL_1_2, TEXRAM
+from fixedpipe.pipeline.state import DepthTest, PassState, Sampler, SignedComponents, TextureUnit
+from fixedpipe.pipeline.textures.images import Texture, depth_texels, texture_2d, texture_3d
+from fixedpipe.pipeline.validation.walk import UnsupportedState
+from tests.reference import texel_formats
+from tests.support.run_reference import run_reference
+from tests.support.strategies import SHOW_TEXTURE, seeds, textured_frame
+
+WIDTH, HEIGHT = 16, 8
+MODES = (BaseFormat.LUMINANCE, BaseFormat.INTENSITY, BaseFormat.ALPHA)
+# A machine that no one built: everything that a sampler may ask for.
+MACHINE = replace(
+    GEFORCE_3,
+    max_probes=16,
+    shadow_ambient=True,
+    depth_texture_modes=MODES,
+    device_origin=OPENGL_1_2.device_origin,
+)
+NEAREST, LINEAR = TextureFilter.NEAREST, TextureFilter.LINEAR
+COMPARES = TextureCompareMode.COMPARE_R_TO_TEXTURE
+
+
+def frozen(levels):
+    for level in levels:
+        level.setflags(write=False)
+    return tuple(levels)
+
+
+def depth_image(random, width, height):
+    """A depth texture with all levels, its depths anything."""
+    levels, internal_format = [], InternalFormat(int(random.choice([24, 25])))
+    most = 0xFFFF if internal_format is InternalFormat.DEPTH_COMPONENT16 else 0xFFFFFF
+    while not levels or max(levels[-1].shape[1:3]) > 1:
+        shape = max(1, height >> len(levels)), max(1, width >> len(levels))
+        levels.append(depth_texels(random.choice([0, most // 2, most, random.integers(most)], shape))[None])
+    return Texture(TextureTarget.TEXTURE_2D, internal_format, frozen(levels))
+
+
+def frame_of(seed, kind):
+    """A textured frame whose unit reads a depth texture, a volume, or along footprints."""
+    random = np.random.default_rng(seed)
+    image, draw = textured_frame(seed, WIDTH, HEIGHT)
+    (unit,), mesh = draw.state.texture_units, draw.mesh
+    width, height = (1 << random.integers(0, 5, 2)).tolist()
+    sampler = replace(unit.sampler, max_anisotropy=1.0, min_filter=TextureFilter(int(random.integers(6))))
+    if kind == "compare":
+        texture = depth_image(random, width, height)
+        sampler = replace(
+            sampler,
+            compare_mode=COMPARES,
+            compare_function=ComparisonFunction(int(random.integers(8))),
+            compare_fail_value=float(random.choice([0.0, random.random()])),
+            depth_texture_mode=random.choice([None, *MODES]),
+            wrap_s=WrapMode.REPEAT,
+            wrap_t=WrapMode.CLAMP_TO_EDGE,
+        )
+    elif kind == "volume":
+        shape = (int(random.choice([1, 2, 4, 8])), height, width, 4)
+        texture = texture_3d(random.integers(0, 256, shape, np.uint8), mipmaps=True)
+        sampler = replace(sampler, wrap_r=WrapMode(int(random.integers(5))))
+    else:
+        texture = texture_2d(random.integers(0, 256, (height, width, 4), np.uint8), mipmaps=True)
+    if kind == "footprint" or (random.random() < 0.3 and kind == "compare"):
+        sampler = replace(sampler, max_probes=int(random.choice([2, 4, 8, 16])))
+    if kind == "footprint" and random.random() < 0.3:
+        sampler = replace(sampler, signed_components=SignedComponents(True, False, False, True))
+    coordinates = np.ones((len(mesh.positions), 4))
+    given_coordinates = mesh.texture_coordinates[0]
+    coordinates[:, : given_coordinates.shape[1]] = given_coordinates
+    if kind == "footprint":  # long footprints, in any direction
+        coordinates[:, :2] *= random.choice([0.1, 1.0, 8.0], 2)
+    coordinates[:, 2] = random.uniform(-0.5, 1.5, len(coordinates))
+    mesh = replace(mesh, texture_coordinates=(coordinates,))
+    unit = replace(unit, sampler=sampler)
+    state = replace(draw.state, texture_units=(unit,))
+    return (replace(image, image=texture), replace(draw, mesh=mesh, state=state))
+
+
+def assert_every_engine_equals_the_specification(commands, profile, batch):
+    expected = run_reference(commands, profile, WIDTH, HEIGHT, 24)
+    for engine in (None, "portable", "columns"):
+        got = execute(commands, profile, WIDTH, HEIGHT, depth_bits=24, threads=1, batch=batch, engine=engine)
+        np.testing.assert_array_equal(
+            got.framebuffer.color, np.array(expected.target.color), err_msg=str(engine)
+        )
+
+
+batches = st.sampled_from((16, 17, 256))
+
+
+@pytest.mark.parametrize("kind", ["compare", "volume", "footprint"])
+@settings(max_examples=60)
+@given(seeds, batches)
+def test_every_engine_equals_the_specification(kind, seed, batch):
+    assert_every_engine_equals_the_specification(frame_of(seed, kind), MACHINE, batch)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["compare", "volume", "footprint"])
+@settings(max_examples=3000)
+@given(seeds, batches)
+def test_thousands_of_frames_equal_the_specification(kind, seed, batch):
+    assert_every_engine_equals_the_specification(frame_of(seed, kind), MACHINE, batch)
+
+
+# ------------------------------------------------------------------------------------- footprint assembly
+
+
+def window(coordinates, units, **state):
+    """A Draw over the whole window, whose corners (lower left, lower right, upper right, upper left) have
+    these coordinates.
+    """
+    corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
+    mesh = Mesh(
+        np.array(corners), indices=[0, 1, 2, 0, 2, 3], texture_coordinates=(np.array(coordinates, float),)
+    )
+    return Draw(label="window", mesh=mesh, state=PassState(texture_units=units, **state))
+
+
+SQUARE = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+PYRAMID = Sampler(TextureFilter.NEAREST_MIPMAP_NEAREST, NEAREST)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_as_many_probes_as_texels_lie_along_a_pixel_are_averaged(turned):
+    texels = np.random.default_rng(2).integers(0, 256, (8, 64, 4), np.uint8)
+    expected = texels.reshape(8, 8, 8, 4).sum(2) >> 3
+    image = texels.swapaxes(0, 1).copy() if turned else texels
+    commands = [
+        TexImage(label="t", texture="t", image=texture_2d(image, mipmaps=True)),
+        window(SQUARE, (TextureUnit("t", replace(PYRAMID, max_probes=8)),), register_combiners=SHOW_TEXTURE),
+    ]
+    machine = replace(MACHINE, max_probes=8)
+    got = execute(commands, machine, 8, 8, depth_bits=24).framebuffer.color[::-1]
+    np.testing.assert_array_equal(got.swapaxes(0, 1) if turned else got, expected)
+
+
+@pytest.mark.parametrize(
+    ("texels_across", "most", "probes", "level"), [(4, 8, 4, 0), (8, 2, 2, 2), (16, 4, 4, 2)]
+)
+def test_probes_are_limited_and_then_read_coarser_levels(texels_across, most, probes, level):
+    levels = [np.zeros((1, max(1, 8 >> k), max(1, 8 * texels_across >> k), 4), np.uint8) for k in range(8)]
+    levels = [image for k, image in enumerate(levels) if k == 0 or max(levels[k - 1].shape[1:3]) > 1]
+    random = np.random.default_rng(3)
+    levels[level] = random.integers(0, 256, levels[level].shape, np.uint8)
+    image = Texture(TextureTarget.TEXTURE_2D, InternalFormat.RGBA8, frozen(levels))
+    unit = TextureUnit("t", replace(PYRAMID, max_probes=most))
+    commands = [
+        TexImage(label="t", texture="t", image=image),
+        window(SQUARE, (unit,), register_combiners=SHOW_TEXTURE),
+    ]
+    got = execute(commands, replace(MACHINE, max_probes=most), 8, 8, depth_bits=24).framebuffer.color[::-1]
+    wide = levels[level][0].shape[1]
+    at = np.arange(8)[:, None] + (2 * np.arange(probes) + 1) / (2 * probes)  # the probes, in pixels
+    rows = np.arange(8) >> level
+    expected = levels[level][0][rows][:, np.floor(at * wide / 8).astype(int)].astype(int).sum(2) // probes
+    np.testing.assert_array_equal(got, expected)
+
+
+# ------------------------------------------------------------------------------------------------ shadows
+
+
+@pytest.mark.parametrize(
+    ("mode", "held", "failed"),
+    [
+        (BaseFormat.LUMINANCE, (255, 255, 255, 255), (77, 77, 77, 255)),
+        (BaseFormat.INTENSITY, (255, 255, 255, 255), (77, 77, 77, 77)),
+        (BaseFormat.ALPHA, (0, 0, 0, 255), (0, 0, 0, 77)),
+        (None, (255, 255, 255, 255), (77, 77, 77, 255)),
+    ],
+)
+def test_what_a_comparison_gives(mode, held, failed):
+    image = Texture(
+        TextureTarget.TEXTURE_2D,
+        InternalFormat.DEPTH_COMPONENT16,
+        (depth_texels(np.array([[0x8000]]))[None],),
+    )
+    sampler = Sampler(
+        NEAREST, NEAREST, compare_mode=COMPARES, compare_function=ComparisonFunction.LEQUAL,
+        compare_fail_value=0.3, depth_texture_mode=mode,
+    )  # fmt: skip
+    coordinates = [[0.0, 0.0, 0.0], [1.0, 0.0, 1.0], [1.0, 1.0, 1.0], [0.0, 1.0, 0.0]]
+    commands = [
+        TexImage(label="t", texture="t", image=image),
+        window(coordinates, (TextureUnit("t", sampler),), register_combiners=SHOW_TEXTURE),
+    ]
+    machine = replace(MACHINE, depth_texture_modes=(BaseFormat.LUMINANCE, *MODES[1:]))
+    row = execute(commands, machine, 8, 2, depth_bits=24).framebuffer.color[0].tolist()
+    assert row == [list(held)] * 4 + [list(failed)] * 4
+
+
+def test_a_shadow_map_of_23_bits_is_copied_and_compared():
+    """InfiniteReality: what hides the light is drawn, its depths become a texture, and shade the window."""
+    hides = Mesh(
+        [[-1.0, -1.0, -0.5], [0.0, -1.0, -0.5], [0.0, 1.0, -0.5], [-1.0, 1.0, -0.5]],
+        indices=[0, 1, 2, 0, 2, 3],
+    )
+    copy = CopyTexImage(
+        label="shadow map", texture="map", target=TextureTarget.TEXTURE_2D,
+        internal_format=InternalFormat.DEPTH_COMPONENT24, x=0, y=0, width=16, height=8,
+    )  # fmt: skip
+    sampler = Sampler(
+        NEAREST, NEAREST, WrapMode.CLAMP_TO_EDGE, WrapMode.CLAMP_TO_EDGE, compare_mode=COMPARES,
+        compare_function=ComparisonFunction.LEQUAL, compare_fail_value=0.25,
+    )  # fmt: skip
+    state = PassState(depth_test=DepthTest(ComparisonFunction.LESS))
+    receiver = window([[*st, 0.5] for st in SQUARE], (TextureUnit("map", sampler),))
+    commands = [
+        Clear(label="clear", color=(0.0,) * 4, depth=1.0),
+        Draw(label="what hides", mesh=hides, state=state),
+        ReadPixels(label="depths", name="depths", format="DEPTH_COMPONENT"),
+        copy,
+        receiver,
+    ]
+    for bits, one in ((8, 255), (12, 4095)):
+        got = execute(commands, INFINITE_REALITY, 16, 8, color_bits=bits)
+        depths = got.pixels["depths"]
+        assert sorted(set(depths.ravel().tolist())) == [(1 << 21) - 1, (1 << 23) - 1]
+        words = got.textures["map"].levels[0].view(np.uint32)[0, ..., 0]
+        expected = np.floor(depths / (2**23 - 1) * (2**24 - 1) + 0.5)
+        np.testing.assert_array_equal(words, expected)
+        red = got.framebuffer.color[..., 0]
+        assert (red[:, :8] == round(64 * one / 255)).all()
+        assert (red[:, 8:] == one).all()
+
+
+# ----------------------------------------------------------------------------------------------- the ideal
+
+
+def test_the_ideal_averages_probes_without_rounding():
+    texels = np.random.default_rng(2).random((8, 64, 4))
+    commands = [
+        TexImage(label="t", texture="t", image=texture_2d(texels, mipmaps=True)),
+        window(SQUARE, (TextureUnit("t", replace(PYRAMID, max_probes=8)),), register_combiners=SHOW_TEXTURE),
+    ]
+    color = execute_ideal(commands, 8, 8).color[::-1]
+    np.testing.assert_allclose(color, texels.reshape(8, 8, 8, 4).mean(2), atol=1e-12)
+
+
+def test_the_ideal_s_footprints_are_the_machine_s_but_for_rounding():
+    random = np.random.default_rng(6)
+    steps = np.linspace(0.0, 1.0, 32)
+    image = texture_2d(
+        np.stack([np.sin(steps[:, None] * 9 + steps * k) / 2 + 0.5 for k in (3, 5, 7, 9)], axis=-1)
+    )
+    image = texture_2d(image.ideal[0][0], mipmaps=True)
+    unit = TextureUnit("t", Sampler(TextureFilter.LINEAR_MIPMAP_LINEAR, LINEAR, max_probes=8))
+    for _ in range(4):
+        coordinates = (
+            (np.array(SQUARE) - 0.5) * (random.uniform(1, 8), 0.4) @ np.array([[0.8, 0.6], [-0.6, 0.8]])
+        )
+        commands = [
+            TexImage(label="t", texture="t", image=image),
+            window(coordinates, (unit,), register_combiners=SHOW_TEXTURE),
+        ]
+        machine = execute(commands, replace(MACHINE, max_probes=8), 16, 16).framebuffer.color / 255.0
+        assert np.abs(machine - execute_ideal(commands, 16, 16).color).max() < 3.5 / 255
+
+
+def test_the_ideal_compares_before_it_filters():
+    depths = np.array([[0.25, 0.75, 0.25, 0.75]])
+    image = Texture(
+        TextureTarget.TEXTURE_2D,
+        InternalFormat.DEPTH_COMPONENT24,
+        (depth_texels(np.floor(depths * 0xFFFFFF).astype(np.int64))[None],),
+    )
+    sampler = Sampler(
+        LINEAR, LINEAR, compare_mode=COMPARES, compare_function=ComparisonFunction.LEQUAL,
+        compare_fail_value=0.3,
+    )  # fmt: skip
+    draw = window(
+        [[*st, 1.0, 2.0] for st in SQUARE], (TextureUnit("t", sampler),), register_combiners=SHOW_TEXTURE
+    )
+    double = replace(draw.mesh, texture_coordinates=(draw.mesh.texture_coordinates[0] * (2, 2, 1, 1),))
+    commands = [TexImage(label="t", texture="t", image=image), replace(draw, mesh=double)]
+    color = execute_ideal(commands, 8, 2).color
+    held = np.array([0.25, 0.25, 0.75, 0.75, 0.25, 0.25, 0.75, 0.75])
+    np.testing.assert_allclose(color[0, :, 0], 0.3 + 0.7 * held, atol=1e-9)
+    assert (color[..., 3] == 1.0).all()
+    machine = execute(commands, replace(MACHINE, depth_texture_modes=MODES), 8, 2).framebuffer.color
+    assert np.abs(machine / 255.0 - color).max() <= 2 / 255
+
+
+# ---------------------------------------------------------------------------------------------- 3D textures
+
+
+@pytest.mark.parametrize("shape", [(1, 4, 8), (8, 2, 2), (4, 4, 4), (2, 1, 16)])
+def test_volumes_are_halved_in_all_directions(shape):
+    texels = np.random.default_rng(4).integers(0, 256, (*shape, 4), np.uint8)
+    levels = texture_3d(texels, mipmaps=True).levels
+    expected = [texels.tolist()]
+    while max(len(expected[-1]), len(expected[-1][0]), len(expected[-1][0][0])) > 1:
+        expected.append(texel_formats.next_volume(expected[-1]))
+    assert [level.tolist() for level in levels] == expected
+
+
+def test_volumes_of_odd_edges_have_no_mipmaps():
+    with pytest.raises(ValueError, match="4x2x3 level need even edges"):
+        texture_3d(np.zeros((3, 2, 4, 4)), mipmaps=True)
+    with pytest.raises(ValueError, match="layers, height, width"):
+        texture_3d(np.zeros((2, 4, 4)))
+
+
+@pytest.mark.parametrize(
+    "filters", [(NEAREST, NEAREST), (LINEAR, LINEAR), (TextureFilter.LINEAR_MIPMAP_LINEAR, LINEAR)]
+)
+def test_volumes_on_a_plain_board_equal_the_specification(filters):
+    random = np.random.default_rng(5)
+    image = texture_3d(random.integers(0, 256, (4, 8, 8, 4), np.uint8), mipmaps=True)
+    commands = [TexImage(label="t", texture="t", image=image)]
+    for q in (1.0, 0.5):
+        coordinates = np.column_stack([random.uniform(-1, 4, (4, 3)), [1.0, q, q, 1.0]])
+        unit = TextureUnit("t", Sampler(*filters, wrap_r=WrapMode.CLAMP_TO_EDGE))
+        commands.append(window(coordinates, (unit,)))
+        assert_every_engine_equals_the_specification(commands, OPENGL_1_2, 64)
+
+
+# ------------------------------------------------------------------------------------------------- refusals
+
+
+def refusal(sampler, profile, image):
+    commands = [
+        TexImage(label="t", texture="t", image=image),
+        window([[*st, 0.5] for st in SQUARE], (TextureUnit("t", sampler),)),
+    ]
+    with pytest.raises(UnsupportedState) as refused:
+        execute(commands, profile, 8, 8)
+    return str(refused.value)
+
+
+COLORS = texture_2d(np.zeros((4, 4, 4)), mipmaps=True)
+DEPTHS = Texture(
+    TextureTarget.TEXTURE_2D,
+    InternalFormat.DEPTH_COMPONENT24,
+    (depth_texels(np.zeros((4, 4), np.int64))[None],),
+)
+SHADOW = Sampler(NEAREST, NEAREST, compare_mode=COMPARES)
+
+
+@pytest.mark.parametrize(
+    ("sampler", "profile", "image", "words"),
+    [
+        (replace(PYRAMID, max_probes=2), GEFORCE_256, COLORS, "takes up to 1"),
+        (replace(PYRAMID, max_probes=3), TEXRAM, COLORS, "give a power of two"),
+        (replace(PYRAMID, max_probes=16), TEXRAM, COLORS, "takes up to 8"),
+        (
+            replace(PYRAMID, max_probes=2, max_anisotropy=2.0),
+            replace(GEFORCE_256, max_probes=8),
+            COLORS,
+            "one of them",
+        ),
+        (replace(SHADOW, compare_function=ComparisonFunction.LESS), INFINITE_REALITY, DEPTHS, "GEQUAL"),
+        (replace(SHADOW, compare_fail_value=0.5), GEFORCE_3, DEPTHS, "no shadow ambient"),
+        (replace(SHADOW, compare_fail_value=1.5), INFINITE_REALITY, DEPTHS, "give 0 to 1"),
+        (replace(PYRAMID, compare_fail_value=0.5), INFINITE_REALITY, COLORS, "in comparisons alone"),
+        (replace(SHADOW, depth_texture_mode=BaseFormat.ALPHA), INFINITE_REALITY, DEPTHS, "has LUMINANCE"),
+        (replace(PYRAMID, depth_texture_mode=BaseFormat.ALPHA), INFINITE_REALITY, COLORS, "none without"),
+    ],
+)
+def test_what_a_machine_has_not_is_refused(sampler, profile, image, words):
+    assert words in refusal(sampler, profile, image)

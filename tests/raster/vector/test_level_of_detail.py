@@ -1,0 +1,109 @@
+"""Lambda by vectors has the bits of the portable kernel's."""
+
+import numpy as np
+import pytest
+
+from fixedpipe.pipeline.vertices.primitives import no_strokes
+from fixedpipe.raster import rows
+from fixedpipe.raster.portable.level_of_detail import level_of_detail as portable
+from fixedpipe.raster.portable.sample import FAR, POWERS_OF_TWO, log2_q7
+from fixedpipe.raster.vector.level_of_detail import lambdas, level_of_detail
+
+BATCH, SLACK = 2048, 32
+NO_LIMITS = {"MIN_LOD": -(1 << 21), "MAX_LOD": 1 << 21}
+
+
+def unit_row(**entries):
+    unit = np.zeros(rows.UNIT_SIZE, np.int64)
+    for name, value in {"TARGET": 1, "LAYERS": 1, **NO_LIMITS, **entries}.items():
+        unit[getattr(rows, name)] = value
+    return unit
+
+
+def test_every_threshold_of_the_logarithm_is_met():
+    mantissas = np.concatenate([POWERS_OF_TWO, 1 + np.arange(4096) / 4096])
+    mantissas = np.concatenate([mantissas, np.nextafter(mantissas, 0), np.nextafter(mantissas, 2)])
+    mantissas = np.concatenate([mantissas, 1 + np.random.default_rng(1).random(4096)])
+    for scale in (1.0, 2.0**-40, 2.0**1000, 2.0**-1060):  # the last: subnormal numbers
+        rho2 = mantissas * scale
+        rho2 = np.concatenate([rho2, np.zeros(-rho2.size % 8 + 8)])
+        cells = ((rho2.view(np.int64) >> 44) & 255).astype(np.int32)
+        lod = np.zeros(2 * rho2.size, np.int32)
+        lambdas(rho2, cells, 0, rho2.size, unit_row(), lod, 0, 0)
+        expected = [log2_q7(value) if value else -FAR for value in rho2]
+        assert (lod[::2] == expected).all() and (lod[1::2] == expected).all()
+
+
+def test_the_smallest_number_of_lanes_holds_infinity_and_zero():
+    rho2 = np.array([np.inf, 0.0, -0.0, 1.0, np.inf, 4.0, 0.25, np.inf])
+    cells = ((rho2.view(np.int64) >> 44) & 255).astype(np.int32)
+    lod = np.zeros(16, np.int32)
+    lambdas(rho2, cells, 0, 8, unit_row(), lod, 0, 0)
+    assert (lod[::2] == [FAR, -FAR, -FAR, 0, FAR, 256, -256, FAR]).all()
+
+
+def random_runs(rng, triangles):
+    """(starts, x, y, owner column) of a full batch's runs: mostly short ones, some long; often several in
+    successive rows of one triangle, as if along its edges, or of its neighbour.
+    """
+    lengths, columns, lines, owners = [], [], [], []
+    while sum(lengths) < BATCH:
+        longest = rng.choice([1, 3, 16, 17, 64, 200, 1024])
+        if lengths and rng.random() < 0.7:
+            column, line = columns[-1] + rng.integers(-3, 4), lines[-1] + rng.choice([0, 1, 1, 1])
+            length = max(lengths[-1] + rng.integers(-6, 7), 1)
+            owner = owners[-1] if rng.random() < 0.7 else rng.integers(0, triangles)
+        else:
+            column, line = rng.integers(0, 1000, 2)
+            length, owner = rng.integers(1, longest + 1), rng.integers(0, triangles)
+        lengths.append(int(min(length, BATCH - sum(lengths))))
+        columns.append(column), lines.append(line), owners.append(owner)
+    owner = np.zeros(BATCH + SLACK, np.int32)
+    owner[: len(owners)] = owners
+    starts = np.concatenate([[0], np.cumsum(lengths)]).astype(np.int32)
+    return starts, np.array(columns, np.int32), np.array(lines, np.int32), owner
+
+
+def random_scene(rng, kind):
+    """(triangles, x, y, inverse_w, coordinates) of forty triangles."""
+    corners = rng.integers(-3000, 20000, (2, 120)).astype(np.int32)
+    if kind == "guard band":
+        corners = rng.integers(-8192 * 16, 8192 * 16 + 1, (2, 120)).astype(np.int32)
+    inverse_w = np.exp2(rng.uniform(-1, 1, 120))
+    if kind == "affine":
+        inverse_w[:] = 0.3
+    coordinates = rng.uniform(-4, 4, (120, 2, 4))
+    if kind == "hostile":
+        special = [0.0, -0.0, 1e-310, 1e200, -1e300, np.inf, -np.inf, np.nan]
+        coordinates = np.where(
+            rng.random(coordinates.shape) < 0.1, rng.choice(special, coordinates.shape), coordinates
+        )
+        inverse_w = np.where(rng.random(120) < 0.1, rng.choice([0.0, 1e-300, 1e300, np.inf], 120), inverse_w)
+    if kind == "exact":  # lambda on its thresholds
+        corners = rng.integers(0, 64, (2, 120)).astype(np.int32) * 256
+        inverse_w[:] = 1.0
+        coordinates = rng.integers(-8, 9, (120, 2, 4)) / 8.0
+    return np.arange(120, dtype=np.int32).reshape(40, 3), *corners.copy(), inverse_w, coordinates
+
+
+@pytest.mark.parametrize("target", [0, 1, 4])
+@pytest.mark.parametrize("kind", ["ordinary", "affine", "exact", "guard band", "hostile"])
+def test_every_fragment_has_the_lambda_of_the_portable_kernel(kind, target):
+    rng = np.random.default_rng(5)
+    levels = np.zeros((rows.MAX_LEVELS, 3), np.int32)
+    levels[0] = 0, 256, 64
+    for projective in (0, 1):
+        for limits in (NO_LIMITS, {"MIN_LOD": -37, "MAX_LOD": 900, "LOD_BIAS": -21}):
+            unit = unit_row(TARGET=target, LAYERS=16, PROJECTIVE=projective, **limits)
+            triangles, x, y, inverse_w, coordinates = random_scene(rng, kind)
+            starts, run_x, run_y, owner = random_runs(rng, len(triangles))
+            ints = np.full((2, rows.INT_COLUMNS, BATCH + SLACK), -9, np.int32)
+            ints[:, rows.OWNER] = owner
+            runs = starts, run_x, run_y, starts.size - 1, triangles
+            rest = x, y, inverse_w, coordinates, 1, unit, levels
+            portable(np.zeros(rows.DRAW_SIZE, np.int64), *runs, no_strokes(), *rest, ints[0])
+            scratch = BATCH // 2 + 24
+            level_of_detail(*runs, *rest, ints[1], np.zeros(scratch), np.full(scratch, 1 << 30, np.int32))
+            assert (ints[0, :, :BATCH] == ints[1, :, :BATCH]).all()
+            if limits is NO_LIMITS and kind != "hostile":
+                assert np.unique(ints[0, rows.LOD, :BATCH]).size > 4

@@ -1,0 +1,78 @@
+"""Print digests of frames, tables and figures: run by test_same_bits under other processors, threads and
+batches.
+
+``python -m tests.support.bits THREADS BATCH`` prints one digest; with ``--assembly`` it also counts the fused
+multiply-adds in the kernels' machine code, which needs kernels that this process compiled itself.
+"""
+
+import hashlib
+import importlib
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+
+from fixedpipe.effects.figures import FIGURES
+from fixedpipe.pipeline.enums import FogMode
+from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.profiles import GEFORCE_256, PROFILES
+from fixedpipe.pipeline.programs.fog import fog_thresholds
+from fixedpipe.pipeline.state import Fog
+from fixedpipe.raster.portable.sample import POWERS_OF_TWO
+from tests.support.strategies import frames
+
+FIGURE_SIZE = 64
+FUSED = re.compile(r"\bv?fn?m(?:add|sub)", re.IGNORECASE)  # x86's vfmadd..., Arm's fmadd
+
+
+def digest(threads, batch):
+    """sha256 over the framebuffers of 60 random frames and every figure, and over the tables."""
+    total = hashlib.sha256()
+
+    def add(commands, profile, width, height, depth_bits):
+        framebuffer = execute(
+            commands, profile, width, height, depth_bits=depth_bits, threads=threads, batch=batch
+        ).framebuffer
+        for buffer in (framebuffer.color, framebuffer.depth, framebuffer.stencil):
+            total.update(np.ascontiguousarray(buffer).tobytes())
+
+    @settings(
+        max_examples=60, derandomize=True, database=None, deadline=None,
+        phases=(Phase.generate,), suppress_health_check=list(HealthCheck),
+    )  # fmt: skip
+    @given(frames(160, 130), st.sampled_from(GEFORCE_256.depth_bits))
+    def random_frames(commands, depth_bits):
+        add(commands, GEFORCE_256, 160, 130, depth_bits)
+
+    random_frames()
+    for figure in FIGURES.values():
+        profile = PROFILES[figure.machines[0]]
+        size = figure.dimensions(FIGURE_SIZE)
+        add(figure.commands(profile, FIGURE_SIZE), profile, *size, profile.widest_depth)
+    total.update(POWERS_OF_TWO.tobytes())
+    for mode in FogMode:
+        total.update(fog_thresholds(Fog(mode, density=0.37, start=1.0, end=7.0)).tobytes())
+    return total.hexdigest()
+
+
+def fused_operations():
+    """(kernels read, lines of machine code, fused multiply-adds among them) over everything in raster/."""
+    kernels = lines = fused = 0
+    for path in sorted(Path(__file__).parents[1].glob("raster/*.py")):
+        module = importlib.import_module(f"raster.{path.stem}")
+        for value in vars(module).values():
+            if hasattr(value, "inspect_asm") and value.py_func.__module__ == module.__name__:
+                for text in value.inspect_asm().values():
+                    kernels += 1
+                    lines += text.count("\n")
+                    fused += len(FUSED.findall(text))
+    return kernels, lines, fused
+
+
+if __name__ == "__main__":
+    print(digest(int(sys.argv[1]), int(sys.argv[2])))
+    if "--assembly" in sys.argv:
+        print(*fused_operations())

@@ -1,0 +1,256 @@
+"""Run a frame's commands through the executable specification, with the pipeline's vertex stage before it."""
+
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+
+import numpy as np
+
+from fixedpipe.pipeline.commands import (
+    Accum,
+    BindTexImage,
+    Bitmap,
+    Clear,
+    CopyPixels,
+    CopyTexImage,
+    CopyTexSubImage,
+    Draw,
+    DrawPixels,
+    HostStep,
+    MakeCurrent,
+    ReadPixels,
+    Saturate,
+    TexImage,
+    vertex_of,
+)
+from fixedpipe.pipeline.enums import ColorBuffer, PixelCopyType, TextureTarget, WindowOrigin
+from fixedpipe.pipeline.vertices import stage
+from tests.reference import (
+    accumulation,
+    depth,
+    pixel_rectangles,
+    pixel_transfer,
+    render,
+    texel_formats,
+    transfer,
+)
+
+
+@dataclass
+class ReferenceFrame:
+    """What the commands gave: the window and the pbuffers as render.Targets, textures as nested lists, what
+    ReadPixels read. ``types``: of what NumPy type a host takes it. ``current``: which of the targets commands
+    draw to. ``auxiliary``: the window's auxiliary buffers as Targets with its depths and stencil values;
+    ``accumulation``: its sums, None before the first. ``undefined``: how many groups of pixel textures had an
+    undefined q.
+    """
+
+    target: render.Target
+    current: render.Target
+    surfaces: dict = field(default_factory=dict)
+    textures: dict = field(default_factory=dict)
+    pixels: dict = field(default_factory=dict)
+    types: dict = field(default_factory=dict)
+    auxiliary: dict = field(default_factory=dict)
+    accumulation: list | None = None
+    undefined: int = 0
+
+    def buffer(self, which):
+        """What a ColorBuffer stands for."""
+        if which == ColorBuffer.BACK:
+            return self.current
+        if which not in self.auxiliary:
+            window = self.target
+            other = render.Target(window.width, window.height, window.depth_bits)
+            other.depth, other.stencil = window.depth, window.stencil
+            self.auxiliary[which] = other
+        return self.auxiliary[which]
+
+    def sums(self):
+        """The accumulation buffer, made when it is asked for first."""
+        if self.accumulation is None:
+            self.accumulation = [
+                [[0] * 4 for _ in range(self.target.width)] for _ in range(self.target.height)
+            ]
+        return self.accumulation
+
+
+def run_reference(commands, profile, width, height, depth_bits):
+    """Every command in order; returns a ReferenceFrame."""
+    window = render.Target(width, height, depth_bits)
+    frame = ReferenceFrame(window, window)
+    for command in commands:
+        _run(frame, command, profile)
+    return frame
+
+
+def _size(frame, command):
+    """A rectangle's width and height; None takes what is left of the framebuffer."""
+    width = frame.current.width - command.x if command.width is None else command.width
+    height = frame.current.height - command.y if command.height is None else command.height
+    return width, height
+
+
+def _run(frame, command, profile):
+    target, textures = frame.current, frame.textures
+    match command:
+        case Clear():
+            transfer.clear(frame.buffer(command.draw_buffer), command)
+            if command.accumulation is not None:
+                size, bits = (target.width, target.height), profile.accumulation_bits
+                accumulation.clear(frame.sums(), command.accumulation, command.scissor, size, bits)
+        case Accum():
+            read, written = frame.buffer(command.read_buffer), frame.buffer(command.draw_buffer)
+            size, bits = (target.width, target.height), profile.accumulation_bits
+            accumulation.accumulate(frame.sums(), read.color, written.color, command, size, 255, bits)
+        case DrawPixels() | CopyPixels() | Bitmap():
+            _run_rectangle(frame, command, profile)
+        case TexImage(pixels=None):
+            textures[command.texture] = render.plain_texture(command.image)
+        case TexImage():
+            textures[command.texture] = _texture_of_pixels(command, profile)
+        case Draw():
+            primitives = stage.process(command.mesh, command.state, profile, target.width, target.height)
+            written = frame.buffer(command.state.draw_buffer)
+            render.draw(written, primitives, command.state, textures, profile)
+        case CopyTexImage():
+            size, target = _size(frame, command), frame.buffer(command.read_buffer)
+            state, place = (command.transfer, profile), (command.x, command.y, *size)
+            texels = transfer.copy_texels(target, command, *state, *place)
+            levels = [[texels]]
+            while command.generate_mipmap and max(len(levels[-1][0]), len(levels[-1][0][0])) > 1:
+                levels.append([texel_formats.next_level(levels[-1][0])])
+            textures[command.texture] = SimpleNamespace(
+                target=command.target, internal_format=command.internal_format, levels=levels
+            )
+        case CopyTexSubImage():
+            texture = textures[command.texture]
+            size, target = (command.width, command.height), frame.buffer(command.read_buffer)
+            state, place = (command.transfer, profile), (command.x, command.y, *size)
+            texels = transfer.copy_texels(target, texture, *state, *place)
+            rows = texture.levels[command.level][command.face]
+            for j, row in enumerate(texels):
+                rows[command.y_offset + j][command.x_offset : command.x_offset + command.width] = row
+            if command.generate_mipmap:
+                del texture.levels[1:]
+                while max(len(texture.levels[-1][0]), len(texture.levels[-1][0][0])) > 1:
+                    texture.levels.append([texel_formats.next_level(face) for face in texture.levels[-1]])
+        case ReadPixels():
+            size, target = _size(frame, command), frame.buffer(command.read_buffer)
+            frame.pixels[command.name] = transfer.read_pixels(target, command, profile, *size)
+            frame.types[command.name] = np.uint32 if command.format == "DEPTH_COMPONENT" else np.uint8
+        case Saturate():
+            pass  # bytes are
+        case HostStep():
+            for issued in command.commands({name: _as_read(frame, name) for name in command.reads}):
+                _run(frame, issued, profile)
+        case MakeCurrent(surface=None):
+            frame.current = frame.target
+        case MakeCurrent():
+            if command.surface not in frame.surfaces:
+                frame.surfaces[command.surface] = render.Target(
+                    command.width, command.height, command.depth_bits, color_format=command.color_format
+                )
+            frame.current = frame.surfaces[command.surface]
+        case BindTexImage():
+            rows = transfer.texels_of(frame.surfaces[command.surface], command.internal_format)
+            textures[command.texture] = SimpleNamespace(
+                target=command.target,
+                internal_format=command.internal_format,
+                levels=[[rows if command.origin == WindowOrigin.UPPER_LEFT else rows[::-1]]],
+            )
+
+
+def _as_read(frame, name):
+    """What a ReadPixels of bytes, or of depths, gives to a host: an array."""
+    return np.array(frame.pixels[name], frame.types[name])
+
+
+def _texture_of_pixels(command, profile):
+    """A TexImage1D or TexImage2D of one level, from colours or depths that go through pixel transfer."""
+    most = {"uint8": 255.0, "uint16": 65535.0, "uint32": 4294967295.0}
+    values, state = command.pixels.values, command.transfer
+    largest = most.get(values.dtype.name, 1.0)
+    if transfer.is_depth_format(command.internal_format):
+        depths = [[value / largest for value in row] for row in values.tolist()]
+        texels = transfer.depth_texels(depths, state, command.internal_format)
+        return SimpleNamespace(
+            target=command.target, internal_format=command.internal_format, levels=[[texels]]
+        )
+    image = [
+        [
+            pixel_transfer.pixel_of([v / largest for v in _listed(group)], command.pixels.format)
+            for group in row
+        ]
+        for row in values.tolist()
+    ]
+    dimensions = 1 if command.target == TextureTarget.TEXTURE_1D else 2
+    image = pixel_transfer.transfer(image, state, dimensions, profile.clamps_color_matrix, None, None)
+    store, internal_format = texel_formats.store_texel, command.internal_format
+    texels = [[store(group, internal_format, floats=True) for group in row] for row in image]
+    return SimpleNamespace(target=command.target, internal_format=internal_format, levels=[[texels]])
+
+
+def _run_rectangle(frame, command, profile):
+    """A DrawPixels, CopyPixels or Bitmap."""
+    current, state, position = frame.current, command.state, command.position
+    written, size = frame.buffer(state.draw_buffer), (current.width, current.height)
+    if position.window:
+        raster = pixel_rectangles.given_position(position, state, profile)
+    else:
+        mesh = vertex_of(position)
+        raster = pixel_rectangles.raster_position(mesh, position, state, profile, *size)
+    if raster is None:
+        return
+    kind = getattr(command, "type", None)
+    if isinstance(command, DrawPixels):
+        kinds = {"DEPTH_COMPONENT": PixelCopyType.DEPTH, "STENCIL_INDEX": PixelCopyType.STENCIL}
+        kind = kinds.get(command.image.format, PixelCopyType.COLOR)
+    if isinstance(command, Bitmap):
+        bits = render.plain(command.bits)
+        pixel_rectangles.draw_bitmap(written, bits, raster, command, frame.textures, profile)
+        return
+    groups = _groups(frame, command, kind, profile)
+    if kind == PixelCopyType.STENCIL:
+        pixel_rectangles.draw_stencil(written, groups, raster, command)
+    elif kind == PixelCopyType.DEPTH:
+        pixel_rectangles.draw_depths(written, groups, raster, command, frame.textures, profile)
+    else:
+        textures = frame.textures
+        drawn = pixel_rectangles.draw_colors(written, groups, raster, command, textures, profile)
+        frame.undefined += drawn
+
+
+def _groups(frame, command, kind, profile):
+    """Groups after pixel transfer and final conversion; histograms and minmaxes are not kept here."""
+    state, depth_bits = command.transfer, frame.current.depth_bits
+    image = None if isinstance(command, CopyPixels) else command.image
+    if image is None:
+        box = (command.x, command.y, *_size(frame, command))
+        source = frame.buffer(command.read_buffer)
+        plane = {
+            PixelCopyType.COLOR: source.color,
+            PixelCopyType.DEPTH: source.depth,
+            PixelCopyType.STENCIL: source.stencil,
+        }[kind]
+        values, most = transfer.rectangle(plane, *box), 255.0
+        if kind == PixelCopyType.DEPTH:
+            most = float(depth.full_scale(depth_bits))
+    else:
+        values = image.values.tolist()
+        most = {"uint8": 255.0, "uint16": 65535.0, "uint32": 4294967295.0}.get(image.values.dtype.name, 1.0)
+    if kind == PixelCopyType.STENCIL:
+        return [[pixel_transfer.stencil_index(value, state) for value in row] for row in values]
+    if kind == PixelCopyType.DEPTH:
+        depths = [[pixel_transfer.transfer_depth(value / most, state) for value in row] for row in values]
+        return [[depth.depth_to_units(value, depth_bits) for value in row] for row in depths]
+    read_format = "RGBA" if image is None else image.format
+    groups = [
+        [pixel_transfer.pixel_of([v / most for v in _listed(group)], read_format) for group in row]
+        for row in values
+    ]
+    groups = pixel_transfer.transfer(groups, state, 2, profile.clamps_color_matrix, None, None)
+    return [[[pixel_transfer.to_fixed(c, 8) for c in group] for group in row] for row in groups]
+
+
+def _listed(group):
+    return group if isinstance(group, list) else [group]
