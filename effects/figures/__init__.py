@@ -1,30 +1,21 @@
-"""Every figure, a module each: its scene, its checks, and the figure as data."""
+"""Every figure, a module each, in its paper's folder: its scene, its checks, and the figure as data."""
 
-import importlib
-import pkgutil
 import re
-from types import MappingProxyType
+import sys
 
-from fixedpipe.effects.figures.figure import (
-    DIFFERENCE_GAIN,
-    VIEWS,
-    Check,
-    Figure,
-    Method,
-    Renderer,
-    difference,
-)
+from fixedpipe.effects.collection import Collection
+from fixedpipe.effects.figures.figure import DIFFERENCE_GAIN, VIEWS, Check, Figure, Method, Renderer, difference
 
 __all__ = ["DIFFERENCE_GAIN", "FIGURES", "VIEWS", "Check", "Figure", "Method", "Renderer", "difference"]
 
 
-def _figures():
-    """The FIGURE of each module that is named by an id, f004_2 or k12, in the ids' order."""
-    names = [m.name for m in pkgutil.iter_modules(__path__) if re.fullmatch(r"[a-z]\d+(_\d+)?", m.name)]
-    names.sort(key=lambda name: [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", name)])
-    for name in names:
-        yield importlib.import_module(f"{__name__}.{name}").FIGURE
+def _identify(name):
+    """F004-2 of f004_02_rings, K12 of k12_normalization_cube_map."""
+    if of_paper := re.fullmatch(r"f(\d{3})_(\d\d)_\w+", name):
+        return f"F{of_paper[1]}-{int(of_paper[2])}"
+    technique = re.fullmatch(r"([a-z]\d\d)_\w+", name)
+    return technique and technique[1].upper()
 
 
 # By id, in the catalogue's order.
-FIGURES = MappingProxyType({figure.id: figure for figure in _figures()})
+FIGURES = Collection(sys.modules[__name__], "FIGURE", _identify)

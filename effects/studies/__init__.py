@@ -1,19 +1,18 @@
 """Studies: what the hardware's short numbers, clamps and missing parts do, measured on the emulated machines.
 
-One module per artefact, named by its id in lower case; ``STUDIES`` has them by id, in the catalogue's order.
+One module per artefact, named by its id and words; ``STUDIES`` has them by id, in the catalogue's order.
 """
 
-import importlib
-import pkgutil
 import re
-from types import MappingProxyType
+import sys
+
+from fixedpipe.effects.collection import Collection
 
 
-def _studies():
-    """The STUDY of each module that is named by an id, p9 or p10, in the ids' order."""
-    names = [m.name for m in pkgutil.iter_modules(__path__) if re.fullmatch(r"p\d+", m.name)]
-    for name in sorted(names, key=lambda name: int(name[1:])):
-        yield importlib.import_module(f"{__name__}.{name}").STUDY
+def _identify(name):
+    """P9 of p09_nine_bit_registers."""
+    artefact = re.fullmatch(r"p(\d\d)_\w+", name)
+    return artefact and f"P{int(artefact[1])}"
 
 
-STUDIES = MappingProxyType({study.id: study for study in _studies()})
+STUDIES = Collection(sys.modules[__name__], "STUDY", _identify)

@@ -246,5 +246,5 @@ def test_without_matplotlib_the_table_is_printed_and_the_refusal_says_what_to_in
 
 
 def test_the_page_of_studies_has_a_line_for_each():
-    page = (Path(__file__).parents[1] / "docs" / "studies.md").read_text()
+    page = (Path(__file__).parents[2] / "docs" / "studies.md").read_text()
     assert re.findall(r"^\| (P\d+) \|", page, re.MULTILINE) == list(STUDIES)

@@ -14,7 +14,7 @@ from fixedpipe.effects.figures import FIGURES
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.profiles import GEFORCE_256
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 
 

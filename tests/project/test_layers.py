@@ -14,16 +14,16 @@ from fixedpipe.pipeline.profiles import PROFILES
 from fixedpipe.pipeline.profiles.profile import EVIDENCE_TAGS, Profile
 from fixedpipe.raster import codes, kernel
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 STANDARD = set(sys.stdlib_module_names)
 
 # What a folder may import besides the standard library; an entry with a dot allows that module alone.
 MAY_IMPORT = {
-    "raster": {"raster", "numba", "llvmlite", "numpy"},
-    "pipeline": {"pipeline", "raster", "numpy"},
+    "raster": {"fixedpipe.raster", "numba", "llvmlite", "numpy"},
+    "pipeline": {"fixedpipe.pipeline", "fixedpipe.raster", "numpy"},
     "effects/cli": {
-        "effects",
-        "pipeline",
+        "fixedpipe.effects",
+        "fixedpipe.pipeline",
         "numpy",
         "click",
         "rich",
@@ -33,9 +33,9 @@ MAY_IMPORT = {
         "trimesh",
         "nrrd",
     },
-    "effects/conformance": {"effects", "pipeline", "numpy", "PIL"},
+    "effects/conformance": {"fixedpipe.effects", "fixedpipe.pipeline", "numpy", "PIL"},
     # The ray caster is compiled as kernels are; diagrams have pillow's bitmap font.
-    "effects": {"effects", "pipeline", "numpy", "fixedpipe.raster.kernel", "PIL.ImageFont"},
+    "effects": {"fixedpipe.effects", "fixedpipe.pipeline", "numpy", "fixedpipe.raster.kernel", "PIL.ImageFont"},
     "tests/reference": {
         "tests.reference",
         "fixedpipe.pipeline.enums",
@@ -77,7 +77,7 @@ def test_a_module_imports_only_what_its_layer_may(folder, path):
 
 def test_the_import_rule_refuses_what_it_should():
     tree = ast.parse(
-        "import numpy as np\nfrom raster import combine\ndef f():\n    import fixedpipe.effects.figures\n"
+        "import numpy as np\nfrom fixedpipe.raster.portable import combine\ndef f():\n    import fixedpipe.effects.figures\n"
     )
     refused = [m for m in imported_modules(tree) if not is_allowed(m, MAY_IMPORT["tests/reference"])]
     assert refused == ["numpy", "fixedpipe.raster.portable.combine", "fixedpipe.effects.figures"]

@@ -20,7 +20,7 @@ from tests.hostile import Arrays, draws_of
 from tests.support.random_frames import Frame, random_frame
 from tests.support.strategies import SHOW_TEXTURE
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 
 
 def run(frames, **environment):

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 ON_X86 = platform.machine().lower() in ("x86_64", "amd64")
 # NumPy's loops for newer processors; disabling them leaves the plain ones (their sin, exp and pow may
 # differ).

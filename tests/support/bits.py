@@ -24,6 +24,7 @@ from fixedpipe.pipeline.state import Fog
 from fixedpipe.raster.portable.sample import POWERS_OF_TWO
 from tests.support.strategies import frames
 
+_ROOT = Path(__file__).parents[2]
 FIGURE_SIZE = 64
 FUSED = re.compile(r"\bv?fn?m(?:add|sub)", re.IGNORECASE)  # x86's vfmadd..., Arm's fmadd
 
@@ -61,8 +62,8 @@ def digest(threads, batch):
 def fused_operations():
     """(kernels read, lines of machine code, fused multiply-adds among them) over everything in raster/."""
     kernels = lines = fused = 0
-    for path in sorted(Path(__file__).parents[1].glob("raster/*.py")):
-        module = importlib.import_module(f"raster.{path.stem}")
+    for path in sorted(_ROOT.glob("raster/**/*.py")):
+        module = importlib.import_module(".".join(("fixedpipe", *path.relative_to(_ROOT).with_suffix("").parts)))
         for value in vars(module).values():
             if hasattr(value, "inspect_asm") and value.py_func.__module__ == module.__name__:
                 for text in value.inspect_asm().values():

@@ -24,7 +24,7 @@ from fixedpipe.pipeline.golden.digests import digest
 from fixedpipe.pipeline.profiles import GEFORCE_256, PROFILES
 from fixedpipe.pipeline.profiles.profile import EVIDENCE_TAGS, Profile
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[3]
 COLUMNS = {"COLUMNS": "200"}
 
 

@@ -16,7 +16,7 @@ from fixedpipe.pipeline.description.describe import describe
 from tests import fuzz
 from tests.support.random_frames import random_frame
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[3]
 ON_X86 = platform.machine().lower() in ("x86_64", "amd64")
 # Ten minutes against the specification in all. Seeds that no other run of the suite draws.
 NATIVE_SECONDS, AVX2_SECONDS, GENERIC_SECONDS, THREADS_SECONDS = 240, 120, 120, 120

@@ -20,7 +20,7 @@ from tests.machines import PAGE, page
 from tests.support.features import FEATURES, SIZE
 from tests.support.random_frames import random_frame
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[3]
 MACHINES = [profile for profile in PROFILES.values() if not profile.exact]
 # What a refusal tells to do: a verb, or what the machine has instead.
 HINT = re.compile(
