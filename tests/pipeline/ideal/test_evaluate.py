@@ -42,7 +42,18 @@ from fixedpipe.pipeline.enums import (
 )
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal import evaluate
-from fixedpipe.pipeline.ideal.evaluate import execute_ideal
+from fixedpipe.pipeline.ideal.evaluate import (
+    TextureCoordinates,
+    blend,
+    combine,
+    execute_ideal,
+    mapped,
+    place,
+    project_on_cube,
+    sample,
+    sample_level,
+    weigh,
+)
 from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL
 from fixedpipe.pipeline.state import (
     AlphaPortion,
@@ -69,6 +80,7 @@ from fixedpipe.pipeline.state import (
 )
 from fixedpipe.pipeline.textures.images import texture_1d, texture_2d, texture_cube_map
 from fixedpipe.pipeline.vertices.primitives import WindowPrimitives
+from fixedpipe.raster.columns.per_fragment import in_order
 
 # Float64 noise of some dozens of operations on values of order one.
 NOISE = 1e-12
@@ -121,7 +133,7 @@ def centres(size):
     ],
 )
 def test_mappings_are_the_specifications_in_real_numbers(mapping, expected):
-    np.testing.assert_array_equal(evaluate.mapped(mapping, np.array([-2.0, -0.25, 0, 0.25, 1, 3])), expected)
+    np.testing.assert_array_equal(mapped(mapping, np.array([-2.0, -0.25, 0, 0.25, 1, 3])), expected)
 
 
 def scalar_map(mapping, x):
@@ -257,7 +269,7 @@ def test_combiners_equal_a_scalar_evaluation(seed):
         for r in [*WRITABLE, Register.FOG]
     }
     kept = {r: c.copy() for r, c in columns.items()}
-    out = evaluate.combine(combiners, columns)
+    out = combine(combiners, columns)
     expected = [scalar_combine(combiners, {r: c[k] for r, c in columns.items()}) for k in range(fragments)]
     np.testing.assert_allclose(out, expected, atol=NOISE, rtol=0)
     for register, column in columns.items():
@@ -280,7 +292,7 @@ def test_mux_takes_cd_from_one_half_on():
     )
     registers = {r: np.zeros((3, 4)) for r in [*WRITABLE, Register.FOG]}
     registers[Register.SPARE0][:, 3] = [math.nextafter(0.5, 0), 0.5, 1.0]
-    np.testing.assert_array_equal(evaluate.combine(combiners, registers)[:, 0], [0.25, 0.75, 0.75])
+    np.testing.assert_array_equal(combine(combiners, registers)[:, 0], [0.25, 0.75, 0.75])
 
 
 def test_a_general_combiner_may_leave_the_machines_range_and_come_back():
@@ -314,7 +326,7 @@ def test_a_weight_of_the_final_combiner_is_at_most_one():
     )
     registers = {r: np.zeros((2, 4)) for r in [*WRITABLE, Register.FOG]}
     registers[Register.SPARE1][:, 0] = [2.0, 0.5]
-    np.testing.assert_array_equal(evaluate.combine(combiners, registers)[:, 0], [0.25, 0.375])
+    np.testing.assert_array_equal(combine(combiners, registers)[:, 0], [0.25, 0.375])
 
 
 def test_a_stage_may_have_its_own_constants_and_the_final_combiner_keeps_the_programs():
@@ -339,9 +351,9 @@ def test_a_stage_may_have_its_own_constants_and_the_final_combiner_keeps_the_pro
         constant_color1=(0, 0, 0.0625, 0),
     )
     registers = {r: np.zeros((1, 4)) for r in [*WRITABLE, Register.FOG]}
-    np.testing.assert_array_equal(evaluate.combine(combiners, registers)[0, :3], [0.5, 0, 0.125])
+    np.testing.assert_array_equal(combine(combiners, registers)[0, :3], [0.5, 0, 0.125])
     spare0 = replace(combiners, final=replace(combiners.final, b=CombinerInput(Register.SPARE0)))
-    np.testing.assert_array_equal(evaluate.combine(spare0, registers)[0, :3], [0, 0.25, 0.1875])
+    np.testing.assert_array_equal(combine(spare0, registers)[0, :3], [0, 0.25, 0.1875])
 
 
 def test_registers_start_as_the_extension_says():
@@ -406,9 +418,7 @@ def scalar_sample(image, s, t, sampler, linear):
 
 def at_positions(position):
     zeros = np.zeros_like(position)
-    return evaluate.TextureCoordinates(
-        position, np.zeros(len(position), np.int64), zeros, zeros[:, :1], zeros, zeros
-    )
+    return TextureCoordinates(position, np.zeros(len(position), np.int64), zeros, zeros[:, :1], zeros, zeros)
 
 
 @pytest.mark.parametrize("linear", [False, True])
@@ -420,7 +430,7 @@ def test_filters_and_wrap_modes_equal_a_scalar_evaluation(linear, wrap_s, wrap_t
     sampler = Sampler(wrap_s=wrap_s, wrap_t=wrap_t, border_color=(-2.0, 0.0, 0.0, 0.0))
     position = rng.uniform(-2.5, 2.5, (60, 2))
     border = np.array(sampler.border_color)
-    out = evaluate.sample_level(image, at_positions(position), sampler, border, linear, False)
+    out = sample_level(image, at_positions(position), sampler, border, linear, False)
     expected = [scalar_sample(image[0], s, t, sampler, linear) for s, t in position]
     np.testing.assert_allclose(out[:, 0], expected, atol=NOISE, rtol=0)
 
@@ -431,7 +441,7 @@ def test_a_one_dimensional_texture_reads_its_row_and_not_t():
     unit = TextureUnit(
         "row", replace(LINEAR, wrap_t=WrapMode.CLAMP_TO_BORDER, border_color=(9.0, 9.0, 9.0, 9.0))
     )
-    out = evaluate.sample(texture, unit, at_positions(np.array([[0.5, 0.0], [0.125, 7.0]])))
+    out = sample(texture, unit, at_positions(np.array([[0.5, 0.0], [0.125, 7.0]])))
     np.testing.assert_allclose(out, [[0.5, 0.5, 0.5, 1.0], [0.0, 0.0, 0.0, 1.0]], atol=NOISE)
 
 
@@ -563,8 +573,8 @@ def scalar_cube(direction):
 @pytest.mark.parametrize(("x", "y"), [(10, 30), (25, 20), (14, 8)])
 def test_coordinates_and_their_derivatives_equal_a_scalar_evaluation(target, x, y):
     p = projective_triangle()
-    weights = evaluate.weigh(p, 0, np.array([0]), np.array([x]), np.array([y]))
-    got = evaluate.place(target, weights, p.coordinates[weights.vertices, 0])
+    weights = weigh(p, 0, np.array([0]), np.array([x]), np.array([y]))
+    got = place(target, weights, p.coordinates[weights.vertices, 0])
 
     def at(dx, dy):
         where = x + 0.5 + dx, y + 0.5 + dy
@@ -582,12 +592,12 @@ def test_coordinates_and_their_derivatives_equal_a_scalar_evaluation(target, x, 
 def test_a_direction_selects_the_face_and_place_of_the_cube_map_table():
     rng = np.random.default_rng(5)
     directions = np.concatenate([rng.normal(size=(60, 3)), np.eye(3), -np.eye(3), [[1, 1, 1], [-1, 1, 0.5]]])
-    got = evaluate.project_on_cube(directions, 0 * directions, 0 * directions)
+    got = project_on_cube(directions, 0 * directions, 0 * directions)
     for k, direction in enumerate(directions):
         face, position = scalar_cube(direction)
         assert got.face[k] == face
         np.testing.assert_allclose(got.position[k], position, atol=NOISE)
-    nothing = evaluate.project_on_cube(np.zeros((1, 3)), np.zeros((1, 3)), np.zeros((1, 3)))
+    nothing = project_on_cube(np.zeros((1, 3)), np.zeros((1, 3)), np.zeros((1, 3)))
     assert nothing.face[0] == 0 and (nothing.position == 0.0).all()  # the first texel of +x
 
 
@@ -609,8 +619,8 @@ def test_a_cube_map_of_directions_returns_the_direction():
     directions = rng.uniform(-0.7, 0.7, (48, 3))
     directions[np.arange(48), np.arange(48) % 3] = np.where(np.arange(48) // 3 % 2, 1.0, -1.0)
     still = np.zeros_like(directions)
-    where = evaluate.project_on_cube(directions, still, still)
-    got = evaluate.sample(texture, TextureUnit("c", LINEAR), where)
+    where = project_on_cube(directions, still, still)
+    got = sample(texture, TextureUnit("c", LINEAR), where)
     np.testing.assert_allclose(2 * got[:, :3] - 1, directions, atol=NOISE)
 
 
@@ -774,7 +784,7 @@ def test_blending_equals_a_scalar_evaluation_and_does_not_clamp(equation, source
     s, d = rng.random((5, 4)), rng.uniform(-0.5, 1.5, (5, 4))
     constant = (0.2, 0.4, 0.6, 0.8)
     for destination in BlendFactor:
-        got = evaluate.blend(Blending(source, destination, equation, constant), s, d)
+        got = blend(Blending(source, destination, equation, constant), s, d)
         for k in range(5):
             for c in range(4):
                 x = s[k, c] * scalar_factor(source, s[k], d[k], constant, c)
@@ -817,9 +827,9 @@ def test_overlapping_triangles_of_one_draw_are_blended_in_order():
 
 
 def test_fragments_are_grouped_by_occurrence():
-    groups = evaluate.in_order(np.array([5, 2, 5, 5, 2, 9]))
+    groups = in_order(np.array([5, 2, 5, 5, 2, 9]))
     assert [g.tolist() for g in groups] == [[0, 1, 5], [2, 4], [3]]
-    assert evaluate.in_order(np.array([], np.int64)) == []
+    assert in_order(np.array([], np.int64)) == []
 
 
 def test_the_free_mode_tests_alpha_on_the_reals():
