@@ -40,7 +40,9 @@ class Collection(Mapping):
         name = self._modules[identifier]
         value = getattr(importlib.import_module(name), self._attribute)
         if value.id != identifier:
-            raise ValueError(f"{name} claims {identifier} by its name, and holds {value.id}. Rename one of them.")
+            raise ValueError(
+                f"{name} claims {identifier} by its name, and holds {value.id}. Rename one of them."
+            )
         return value
 
     def __iter__(self):

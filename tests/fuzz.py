@@ -18,7 +18,8 @@ import numpy as np
 from fixedpipe.pipeline.commands import Draw, MakeCurrent, Mesh, TexImage
 from fixedpipe.pipeline.description.describe import describe
 from fixedpipe.pipeline.enums import PrimitiveType
-from fixedpipe.pipeline.execution.machine import BATCH, Machine
+from fixedpipe.pipeline.execution.machine import Machine
+from fixedpipe.pipeline.native.queue import BATCH
 from fixedpipe.pipeline.profiles import NV2A
 from fixedpipe.pipeline.state import PassState
 from fixedpipe.pipeline.validation.walk import UnsupportedState

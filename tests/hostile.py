@@ -13,10 +13,10 @@ import numpy as np
 
 from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.enums import TextureTarget
-from fixedpipe.pipeline.execution.machine import _texels
 from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
 from fixedpipe.pipeline.native import pack
 from fixedpipe.pipeline.native.combiner_plan import plan_combiners
+from fixedpipe.pipeline.native.texels import texels_of
 from fixedpipe.pipeline.vertices import stage
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.portable.draw import draw_bands
@@ -69,7 +69,7 @@ class Arrays(dict):
         pair_levels = levels.copy()
         for i, unit in enumerate(state.texture_units):
             if unit is not None and packed.units[i, R.ENABLED] and unit.texture is not None:
-                found = _texels(textures[unit.texture], int(packed.units[i, R.SIGNED]))
+                found = texels_of(textures[unit.texture], int(packed.units[i, R.SIGNED]))
                 texels[i], levels[i] = found.packed, found.levels[0]
                 if packed.units[i, R.TARGET] != TextureTarget.TEXTURE_3D:
                     pairs[i], pair_levels[i] = found.pairs[0], found.pairs[1][0]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from fixedpipe.effects.conformance.redraw import Comparison, compare
-from fixedpipe.pipeline.execution.machine import default_threads
+from fixedpipe.pipeline.native.threads import default_threads
 
 
 @dataclass(frozen=True, eq=False)

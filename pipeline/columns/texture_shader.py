@@ -4,7 +4,7 @@ import numpy as np
 
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.enums import TextureTarget
-from fixedpipe.pipeline.native.pack import DEPTH_ROWS
+from fixedpipe.pipeline.framebuffers.depths import DEPTH_ROWS
 from fixedpipe.pipeline.programs.texture_shader_rules import CONVENTIONAL, shader_stages
 from fixedpipe.raster.columns import numbers, texture_shader
 
@@ -24,13 +24,13 @@ def run_stages(fragments, state, profile, framebuffer, samplers, bits):
     """Every unit's register, by its number, int64 [4, k] in units of ``bits``, and the fragments' depths,
     below 0 where a stage discarded them (docs/numbers.md, section 12).
     """
-    run = _Run(fragments, state, profile, framebuffer, samplers, bits)
+    run = _StageRun(fragments, state, profile, framebuffer, samplers, bits)
     for i in range(len(run.stages)):
         run.stage(i)
     return run.registers, np.where(run.alive, run.depth, -1)
 
 
-class _Run:
+class _StageRun:
     """What stages have left so far: ``texels`` of each, 0..one of its ``widths``."""
 
     def __init__(self, fragments, state, profile, framebuffer, samplers, bits):

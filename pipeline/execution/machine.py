@@ -1,22 +1,17 @@
-"""Run a frame's commands on a machine: validate, prepare, queue, and drive the kernels.
+"""The machine: it validates a frame and runs its commands one after the other.
 
-Clears and Draws wait in a queue until something reads what they draw. Then every thread takes bands of rows
-and runs all that waits on each (``fixedpipe.raster.vector.frame``); what those kernels do not cover is drawn by others
-(``fixedpipe.raster.portable.draw``), Draw after Draw.
+Clears and Draws wait in a queue (``pipeline.native.queue``) until something reads what they draw.
 """
 
-import math
-import os
 import threading
-import weakref
-from collections import Counter, deque
+from collections import deque
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
 from numbers import Integral
 
 import numpy as np
 
 from fixedpipe.pipeline.columns import engine as column_engine
+from fixedpipe.pipeline.columns import interpolate
 from fixedpipe.pipeline.columns.rectangles import draw_rectangle
 from fixedpipe.pipeline.commands import (
     Accum,
@@ -36,157 +31,34 @@ from fixedpipe.pipeline.commands import (
     Saturate,
     TexImage,
 )
-from fixedpipe.pipeline.enums import AccumOperation, Clamp, ColorBuffer, TextureTarget
+from fixedpipe.pipeline.enums import AccumOperation, Clamp, ColorBuffer
 from fixedpipe.pipeline.framebuffers.accumulation import accumulate, clear_accumulation
-from fixedpipe.pipeline.framebuffers.framebuffer import (
-    Framebuffer,
+from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
+from fixedpipe.pipeline.framebuffers.multisample import SAMPLE_POSITIONS, Samples
+from fixedpipe.pipeline.framebuffers.result import Fragments, Result
+from fixedpipe.pipeline.framebuffers.snapshot import snapshot
+from fixedpipe.pipeline.framebuffers.texture_copies import (
     bound_texture,
     copied_texture,
     defined_texture,
     replaced_texture,
 )
-from fixedpipe.pipeline.framebuffers.multisample import SAMPLE_POSITIONS, Samples
-from fixedpipe.pipeline.framebuffers.snapshot import Snapshot, snapshot
-from fixedpipe.pipeline.framebuffers.transfer import HistogramTable, MinmaxTable, PixelStatistics
+from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
 from fixedpipe.pipeline.native import pack
-from fixedpipe.pipeline.native.combiner_plan import plan_combiners
-from fixedpipe.pipeline.native.threads import Threads
-from fixedpipe.pipeline.profiles import GEFORCE_256
+from fixedpipe.pipeline.native.coverage import covered_pixels, recorded_fragments
+from fixedpipe.pipeline.native.preparation import prepare
+from fixedpipe.pipeline.native.queue import BATCH, KeptDraws, Queue
+from fixedpipe.pipeline.native.threads import default_threads
 from fixedpipe.pipeline.profiles.profile import NATIVE_SUBPIXEL_BITS, Profile
-from fixedpipe.pipeline.state import ColorMask, PassState
 from fixedpipe.pipeline.textures.images import Texture
 from fixedpipe.pipeline.textures.words import stored_texture
 from fixedpipe.pipeline.validation.frames import frame_of, issued_by
 from fixedpipe.pipeline.validation.validate import validate
 from fixedpipe.pipeline.vertices import stage
-from fixedpipe.pipeline.vertices.primitives import WindowPrimitives
-from fixedpipe.raster import codes as C
-from fixedpipe.raster import rows as R
-from fixedpipe.raster.primitives.bins import BAND_HEIGHT, CHUNK, count_bins, fill_bins, sort_triangles
-from fixedpipe.raster.vector.arrays import Buffers, scratch
-from fixedpipe.raster.vector.frame import draw_frame, fill_clear, fill_draw
-from fixedpipe.raster.vector.sample import row_pairs
+from fixedpipe.raster.primitives.bins import BAND_HEIGHT
 
-BATCH = 2048  # fragments shaded together; any size gives the same bits. Measured: docs/decisions, page 0002
-_NO_RECORD = np.zeros((0, 4), np.int32)
-_NO_TEXELS = np.zeros(1, np.uint32)
-_NO_FOUR = [_NO_TEXELS] * 4
-_NO_LEVELS = np.ones((1, R.MAX_LEVELS, 3), np.int32)
-# Pixels of the scissor boxes of all that waits: below this a second thread costs more than it saves
-# (docs/decisions, page 0002).
-_PARALLEL_FROM = 1 << 14
-# Bytes of vertices that wait to be drawn, or are kept for a repetition: enough for any figure's frame.
-_MOST_BYTES = 1 << 27
 ENGINES = (None, "portable", "columns")
 _RECTANGLES = (DrawPixels, CopyPixels, Bitmap)
-
-
-@dataclass(frozen=True, eq=False)
-class Fragments:
-    """Fragments as columns, all int32 [n]: primitive number, device pixel x and y (y down), and 1 where the
-    fragment passed the per-fragment tests (0 where not; coverage alone says 1). A rectangle of pixels has
-    the group's number instead, counted row by row from the lower left.
-
-    Per pixel they are in draw order.
-    """
-
-    triangle: np.ndarray
-    x: np.ndarray
-    y: np.ndarray
-    passed: np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
-class Result:
-    """What running commands gave.
-
-    framebuffer   the window's framebuffer (the same object in every Result of one Machine)
-    surfaces      the pbuffers' framebuffers by name (the same objects likewise)
-    textures      texture objects by name, as they are afterwards
-    pixels        what each ReadPixels read, by its name
-    fragments     how many fragments the Draws and rectangles of pixels made
-    dropped       how many primitives were dropped because a projected position was not usable
-    undefined     how many groups of pixel textures had no positive q, which then counted as 1
-    trace         a Snapshot after every command, those that a HostStep issued among them, when asked for
-    records       the Fragments of every Draw and rectangle of pixels, when asked for
-    histograms    the machine's histograms by name, as they are afterwards
-    minmaxes      its minmaxes likewise
-    """
-
-    framebuffer: Framebuffer
-    surfaces: dict[str, Framebuffer]
-    textures: dict[str, Texture]
-    pixels: dict[str, np.ndarray]
-    fragments: int
-    dropped: int
-    undefined: int
-    trace: tuple[Snapshot, ...]
-    records: tuple[Fragments, ...]
-    histograms: dict[str, HistogramTable]
-    minmaxes: dict[str, MinmaxTable]
-
-    def image(self):
-        """The framebuffer's colours, uint8 [h, w, 4], top row first."""
-        return self.framebuffer.image()
-
-
-class _Texels:
-    """A texture as kernels read it. ``levels`` int32 [1, MAX_LEVELS, 3]: where each level begins in
-    ``packed``, its width and height.
-    """
-
-    def __init__(self, texture, signed):
-        self.levels, offset = np.ones((1, R.MAX_LEVELS, 3), np.int32), 0
-        for k, level in enumerate(texture.levels):
-            self.levels[0, k] = offset, level.shape[2], level.shape[1]
-            offset += level[..., 0].size
-        self._images, self._signed = texture.levels, signed
-        self._volume = texture.target == TextureTarget.TEXTURE_3D
-
-    @cached_property
-    def packed(self):
-        """Every level behind the other, a word for each texel: the texture's own memory where it is that."""
-        images = [np.ascontiguousarray(image).view(np.uint32).ravel() for image in self._images]
-        if len(images) == 1 and not self._signed:
-            return np.asarray(_Unlocked(images[0]))
-        return np.concatenate(images) ^ np.uint32(self._signed)
-
-    @cached_property
-    def pairs(self):
-        """The same as row pairs (``fixedpipe.raster.vector.sample``) and their levels; of a volume none."""
-        if self._volume:
-            return _NO_TEXELS, _NO_LEVELS
-        pairs, levels = row_pairs(self.packed, self.levels[0], len(self._images), len(self._images[0]))
-        if len(self._images) > 1 or self._signed:
-            self.__dict__.pop("packed", None)  # mostly nobody asks for both
-        return pairs, levels[None]
-
-
-class _Unlocked:
-    """An array's memory for kernels, which take writable arrays alone, though they write to no texel."""
-
-    def __init__(self, array):
-        self._array = array
-        place, _ = array.__array_interface__["data"]
-        self.__array_interface__ = {**array.__array_interface__, "data": (place, False)}
-
-
-_texels_of = weakref.WeakKeyDictionary()
-
-
-def _texels(texture, signed):
-    """``signed``: bits that are inverted in every texel, so that filters see s + 128 for a signed byte s."""
-    found = _texels_of.get(texture)
-    if found is None:
-        found = _texels_of.setdefault(texture, {})
-    if signed not in found:
-        found[signed] = _Texels(texture, signed)
-    return found[signed]
-
-
-def default_threads():
-    """One thread per processor this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @dataclass(eq=False)
@@ -269,7 +141,7 @@ class Machine:
             clamped=Clamp.BLENDING in self.profile.clamps,
         )
         bands = -(-self.height // BAND_HEIGHT)
-        self._queue = _Queue(min(self.threads or default_threads(), bands), self.batch)
+        self._queue = Queue(min(self.threads or default_threads(), bands), self.batch)
         self._current = self.framebuffer
         self._samples = Samples(self.framebuffer, self.samples) if self.samples > 1 else None
         self._running, self._runner = threading.Lock(), None
@@ -313,7 +185,7 @@ class Machine:
         self._current = self.framebuffer
         # The engine that records draws alone, Clears as well: the other is then neither compiled nor read.
         engine = "portable" if record else self.engine
-        queue, repeated = self._queue, _Repeated(commands, self.samples)
+        queue, repeated = self._queue, KeptDraws(commands, self.samples)
         pixels, snapshots, records = {}, [], []
         queue.fragments = dropped = undefined = 0
         waiting = deque(commands)
@@ -339,7 +211,7 @@ class Machine:
                         lost = draw.dropped
                         if record:
                             queue.flush()
-                            records.append(_recorded(draw, target, self.batch))
+                            records.append(recorded_fragments(draw, target, self.batch))
                             queue.fragments += len(records[-1].x)
                         else:
                             queue.draw(draw, target, engine)
@@ -491,7 +363,7 @@ class Machine:
             covered, lost = covered_pixels(primitives, state, profile, target.width, target.height)
         else:
             covered, lost = (
-                column_engine.covered_triangles(primitives, state, profile, target),
+                interpolate.covered_triangles(primitives, state, profile, target),
                 primitives.dropped,
             )
         passed = column_engine.column_draw(primitives, covered, state, profile, target, self.textures)
@@ -504,286 +376,7 @@ class Machine:
         state, target = command.state, self._current
         primitives = stage.process(command.mesh, state, self.profile, target.width, target.height, position)
         packed = pack.pack(state, self.profile, target, self.textures, primitives)
-        return _prepare(target, primitives, packed, self.textures)
-
-
-def _bins(primitives, draw, height):
-    """(triangle numbers of every band behind one another, where each band's end, dropped triangles)."""
-    bands = -(-height // BAND_HEIGHT)
-    p, count = primitives, len(primitives.triangles)
-    if p.orderly and not len(p.strokes):
-        order, needed = np.empty(0, np.int32), 2 * count + 4 * bands
-        while needed > len(order):
-            order, ends = np.empty(needed, np.int32), np.empty(bands, np.int32)
-            scratch = np.empty(len(p.x), np.int64), np.empty((4, CHUNK), np.int64), np.empty(count, np.int64)
-            needed = sort_triangles(p.triangles, p.x, p.y, draw, *scratch, ends, order)
-        return order[:needed], ends, 0
-    counts, spans = np.empty(bands, np.int32), np.empty((count, 2), np.int32)
-    dropped = count_bins(p.triangles, p.strokes, p.x, p.y, p.inverse_w, draw, counts, spans)
-    ends = np.zeros(bands, np.int32)
-    ends[1:] = np.cumsum(counts)[:-1]
-    order = np.empty(int(counts.sum()), np.int32)
-    fill_bins(spans, ends, order)
-    return order, ends, int(dropped)
-
-
-@dataclass(eq=False, slots=True)
-class _Prepared:
-    """A Draw up to its fragments.
-
-    bound    (name, Texture) of each texture that it reads
-    area     pixels of the scissor box; 0: nothing is left to draw, and what follows is not there
-    size     bytes of vertices
-    texels   of four units: their _Texels, or None; ``levels`` int32 [units, MAX_LEVELS, 3]
-    order    primitives sorted into bands; ``ends``: where each band's end (``fixedpipe.raster.primitives.bins``)
-    job      a row of the vector engine's table; False: it is the portable engine's; None: not asked yet
-    beside   arrays that only this row names
-    """
-
-    dropped: int
-    bound: tuple
-    area: int = 0
-    size: int = 0
-    primitives: WindowPrimitives | None = None
-    packed: pack.PackedState | None = None
-    texels: list | None = None
-    levels: np.ndarray | None = None
-    order: np.ndarray | None = None
-    ends: np.ndarray | None = None
-    job: object = None
-    beside: object = None
-
-    def bands(self, first, step, batch, buffers, record):
-        """Draw bands ``first``, ``first + step``, ... by the portable engine: how many fragments."""
-        from fixedpipe.raster.portable.draw import (
-            draw_bands,  # which a frame may do without, and its compilation
-        )
-
-        p, packed = self.primitives, self.packed
-        texels = [_NO_TEXELS if texels is None else texels.packed for texels in self.texels]
-        count = draw_bands(
-            packed.draw, packed.draw_float, packed.program, packed.final, packed.constants, packed.arithmetic,
-            packed.factors, p.triangles, p.strokes, p.x, p.y, packed.depths, p.inverse_w, p.colors,
-            p.coordinates, p.fog, packed.fog_thresholds, *texels, self.levels, packed.units,
-            self.order, self.ends, first, step, batch, *buffers, record,
-        )  # fmt: skip
-        if count < 0:
-            raise ValueError(
-                "A pass's rows would lead outside an array; take them from fixedpipe.pipeline.native.pack.pack."
-            )
-        return count
-
-    def fill_job(self):
-        """Make ``job``."""
-        job = np.zeros((1, R.JOB_SIZE), np.int64)
-        if not self._fill(job, _NO_FOUR, self.levels):
-            self.job = False
-            return
-        self.job = job[0]
-        # How a unit is sampled is known now, and so which textures are needed as row pairs.
-        paths = job[0, R.JOB_UNIT_PATH : R.JOB_UNIT_PATH + 4].tolist()
-        if paths != [C.PATH_DISABLED] * 4:
-            pairs, levels = [_NO_TEXELS] * 4, [_NO_LEVELS] * len(self.levels)
-            for i, (path, read) in enumerate(zip(paths, self.texels, strict=True)):
-                if path != C.PATH_DISABLED:
-                    pairs[i], levels[i] = read.pairs
-            self.beside = pairs, _stacked(levels)
-            self._fill(job, *self.beside)
-
-    def _fill(self, job, pairs, levels):
-        p, packed = self.primitives, self.packed
-        if (plan := packed.derived.get("plan")) is None:
-            plan = packed.derived["plan"] = plan_combiners(
-                packed.draw, packed.program, packed.final, packed.constants, packed.arithmetic, packed.units
-            ).rows
-        return fill_draw(
-            job, 0, packed.draw, packed.draw_float, plan, packed.factors, p.triangles, p.x, p.y,
-            packed.depths, p.inverse_w, p.colors, p.coordinates, *pairs, levels, packed.units, self.order,
-            self.ends,
-        )  # fmt: skip
-
-
-def _prepare(framebuffer, primitives, packed, textures):
-    """Sort primitives into bands and bring together what kernels take."""
-    p = primitives
-    empty = len(p.triangles) == 0 or packed.area == 0
-    order, ends, dropped = (None, None, 0) if empty else _bins(p, packed.draw, framebuffer.height)
-    bound = tuple([(name, textures[name]) for _, name, _ in packed.reads])
-    if empty or len(order) == 0:
-        return _Prepared(dropped + p.dropped, bound)
-    texels, levels = [None] * 4, [_NO_LEVELS] * len(packed.units)
-    for i, name, signed in packed.reads:
-        texels[i] = _texels(textures[name], signed)
-        levels[i] = texels[i].levels
-    size = p.colors.nbytes + p.coordinates.nbytes + 40 * len(p.x) + 16 * len(p.triangles) + 4 * len(order)
-    return _Prepared(
-        dropped + p.dropped, bound, packed.area, size, p, packed, texels, _stacked(levels), order, ends
-    )
-
-
-def _stacked(levels):
-    """Levels int32 [1, MAX_LEVELS, 3] of each unit as one array."""
-    return levels[0] if len(levels) == 1 else np.concatenate(levels)
-
-
-class _Repeated:
-    """Draws that the same run draws again: they are prepared once for as long as their textures stay."""
-
-    def __init__(self, commands, samples):
-        self._left = Counter([id(command) for command in commands if type(command) is Draw] * samples)
-        self._kept, self._size = {}, 0
-
-    def get(self, command, surface, textures):
-        """The prepared Draw, or None."""
-        found = self._kept.get((id(command), id(surface)))
-        if found is None or not all([textures[name] is texture for name, texture in found.bound]):
-            return None
-        self._left[id(command)] -= 1
-        if not self._left[id(command)]:
-            del self._kept[id(command), id(surface)]
-            self._size -= found.size
-        return found
-
-    def keep(self, command, surface, draw):
-        """Keep a prepared Draw where it comes again."""
-        self._left[id(command)] -= 1
-        key = id(command), id(surface)
-        if (stale := self._kept.pop(key, None)) is not None:
-            self._size -= stale.size
-        if self._left[id(command)] > 0 and self._size + draw.size <= _MOST_BYTES:
-            self._kept[key] = draw
-            self._size += draw.size
-
-
-class _Queue:
-    """Clears and Draws that wait to be drawn into one framebuffer, all by one engine."""
-
-    def __init__(self, threads, batch):
-        self.fragments = 0
-        self._threads, self._batch = Threads(threads), batch
-        self._jobs, self._counter = np.zeros((64, R.JOB_SIZE), np.int64), np.zeros(1, np.int64)
-        self._scratch = {}
-        self._empty()
-
-    def _empty(self):
-        self._target, self._count, self._draws, self._area, self._size = None, 0, [], 0, 0
-
-    def draw(self, draw, target, engine):
-        """A prepared Draw."""
-        if draw.area == 0:
-            return
-        self._into(target)
-        if engine == "portable":
-            draw.job = False
-        elif draw.job is None:
-            draw.fill_job()
-        if draw.job is False:
-            if self._count:
-                self.flush()
-        else:
-            if self._draws and not self._count:
-                self.flush()
-            self._job(target)[:] = draw.job
-        self._target = target
-        self._draws.append(draw)
-        self._area += draw.area
-        self._size += draw.size
-        if self._size > _MOST_BYTES:
-            self.flush()
-
-    def clear(self, command, target, engine):
-        """A Clear."""
-        self._into(target)
-        if engine == "portable" or (self._draws and not self._count):
-            self.flush()
-            target.clear(command)
-            return
-        box, buffers, *words = target.clear_words(command)
-        fill_clear(self._job(target)[None], 0, *box, buffers, *words)
-        self._area += (box[2] - box[0]) * (box[3] - box[1])
-
-    def outlive(self, texture):
-        """``texture`` is about to be replaced, and lives on in what waits: drawn when that is too much."""
-        if texture is None or not self._draws:
-            return
-        self._size += sum(level.nbytes for level in texture.levels)
-        if self._size > _MOST_BYTES:
-            self.flush()
-
-    def _into(self, target):
-        """What waits is drawn where it goes to another of the window's colour buffers."""
-        if self._target is not None and self._target is not target:
-            self.flush()
-
-    def _job(self, target):
-        """The table's next row."""
-        if self._count == len(self._jobs):
-            self._jobs = np.concatenate([self._jobs, np.zeros_like(self._jobs)])
-        self._target = target
-        self._count += 1
-        return self._jobs[self._count - 1]
-
-    def flush(self):
-        """Draw what waits. Each thread draws its own bands of rows, of all that waits."""
-        if not (self._count or self._draws):
-            return
-        target, count, draws, area = self._target, self._count, self._draws, self._area
-        self._empty()
-        threads = self._threads.count if area >= _PARALLEL_FROM else 1
-        buffers = _buffers(target)
-        if count:
-            self._counter[0] = 0
-
-            def share(number, _kept=draws):  # the arrays that the table names live as long as this
-                scratch = self._scratch_of(number)
-                return draw_frame(self._jobs, count, self._counter, self._batch, buffers, scratch)
-
-        else:
-
-            def share(number):
-                return sum([d.bands(number, threads, self._batch, buffers, _NO_RECORD) for d in draws])
-
-        self.fragments += share(0) if threads == 1 else self._threads.run(share)
-
-    def _scratch_of(self, number):
-        if number not in self._scratch:
-            self._scratch[number] = scratch(self._batch)
-        return self._scratch[number]
-
-
-def _buffers(framebuffer):
-    """A framebuffer's arrays as kernels take them."""
-    return Buffers(framebuffer.color.view(np.uint32)[..., 0], framebuffer.depth, framebuffer.stencil)
-
-
-def _recorded(draw, framebuffer, batch):
-    """Draw a prepared Draw, by the portable engine, and return its Fragments."""
-    if draw.area == 0:
-        return _fragments(_NO_RECORD)
-    recording, buffers = np.empty((1 << 16, 4), np.int32), _buffers(framebuffer)
-    fits = _most_fragments(draw.primitives) <= len(recording)
-    saved = () if fits else [buffer.copy() for buffer in buffers]
-    count = draw.bands(0, 1, batch, buffers, recording)
-    if not fits and count > len(recording):  # it did not fit: once more, from the same framebuffer
-        for buffer, before in zip(buffers, saved, strict=True):
-            buffer[:] = before
-        recording = np.empty((count, 4), np.int32)
-        draw.bands(0, 1, batch, buffers, recording)
-    return _fragments(recording[:count])
-
-
-def _most_fragments(primitives):
-    """A bound of how many fragments primitives make: what their bounding boxes hold, a pixel wider."""
-    p = primitives
-    if len(p.strokes) or not p.orderly:
-        return math.inf
-    vertices = p.triangles[:, :3]
-    wide, high = (np.ptp(column[vertices].astype(np.float64), axis=1) / 16.0 + 2.0 for column in (p.x, p.y))
-    return float((wide * high).sum())
-
-
-def _fragments(rows):
-    return Fragments(*(np.ascontiguousarray(rows[:, k]) for k in range(4)))
+        return prepare(target, primitives, packed, self.textures)
 
 
 def execute(
@@ -819,49 +412,3 @@ def execute(
         color_bits=color_bits,
     )
     return machine.run(commands, trace=trace, record=record)
-
-
-def covered_pixels(primitives, state, profile, width, height):
-    """What a state's primitives cover, whatever it writes there: (Fragments, primitives dropped).
-
-    ``primitives``: with colours of any kind, which coverage does not read.
-    """
-    uncolored = replace(primitives, colors=np.zeros((len(primitives.x), 2, 8), np.uint8))
-    polygon = replace(state.polygon, offset_fill=False, offset_line=False, offset_point=False)
-    plain = PassState(
-        polygon=polygon,
-        line=state.line,
-        point=state.point,
-        scissor=state.scissor,
-        window_clip=state.window_clip,
-        color_mask=ColorMask(False, False, False, False),
-    )
-    framebuffer = _unwritten(width, height)
-    packed = pack.pack(plain, profile, framebuffer, {}, uncolored)
-    prepared = _prepare(framebuffer, uncolored, packed, {})
-    return _recorded(prepared, framebuffer, BATCH), prepared.dropped
-
-
-def rasterize(primitives, polygon, scissor, width, height):
-    """Coverage alone: the Fragments of window primitives, culled and scissored, per pixel in draw order.
-
-    ``primitives``: as ``fixedpipe.pipeline.vertices.stage.process`` makes them, contiguous columns of one length; they are not
-    checked again. ``polygon``: a PolygonState; ``scissor``: a Scissor or None; ``width``, ``height`` of the
-    framebuffer, pixels.
-    """
-    state, framebuffer = _coverage_state(polygon, scissor), _unwritten(width, height)
-    packed = pack.pack(state, GEFORCE_256, framebuffer, {}, primitives)
-    return _recorded(_prepare(framebuffer, primitives, packed, {}), framebuffer, BATCH)
-
-
-@lru_cache(maxsize=64)
-def _coverage_state(polygon, scissor):
-    """A state that draws nothing, made once: rows are packed once for it as well."""
-    nothing = ColorMask(False, False, False, False)
-    return PassState(polygon=replace(polygon, offset_fill=False), scissor=scissor, color_mask=nothing)
-
-
-@lru_cache(maxsize=2)
-def _unwritten(width, height):
-    """A framebuffer for states that write nothing."""
-    return Framebuffer.new(width, height)

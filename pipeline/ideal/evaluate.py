@@ -11,7 +11,6 @@ from functools import cached_property
 
 import numpy as np
 
-from fixedpipe.pipeline.columns.rectangles import without_footprints
 from fixedpipe.pipeline.commands import (
     Accum,
     Bitmap,
@@ -49,8 +48,9 @@ from fixedpipe.pipeline.enums import (
     TextureTarget,
     WrapMode,
 )
-from fixedpipe.pipeline.execution.machine import Result, default_threads, rasterize
-from fixedpipe.pipeline.framebuffers.framebuffer import defined_texture, depth_texture
+from fixedpipe.pipeline.framebuffers.rectangles import without_footprints
+from fixedpipe.pipeline.framebuffers.result import Result
+from fixedpipe.pipeline.framebuffers.texture_copies import defined_texture, depth_texture
 from fixedpipe.pipeline.framebuffers.transfer import (
     HistogramTable,
     MinmaxTable,
@@ -63,7 +63,8 @@ from fixedpipe.pipeline.framebuffers.transfer import (
 )
 from fixedpipe.pipeline.ideal.rectangles import rectangle
 from fixedpipe.pipeline.ideal.texture_shader import run_stages, signed, signed_flags
-from fixedpipe.pipeline.native.threads import Threads
+from fixedpipe.pipeline.native.coverage import rasterize
+from fixedpipe.pipeline.native.threads import Threads, default_threads
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.programs.combiner_rules import has_color_sum
 from fixedpipe.pipeline.programs.future import units_along

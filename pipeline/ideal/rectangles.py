@@ -7,15 +7,15 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from fixedpipe.pipeline.columns.rectangles import (
+from fixedpipe.pipeline.commands import Bitmap, CopyPixels, kind_of
+from fixedpipe.pipeline.enums import PixelCopyType, PixelTexGenAlpha, PixelTexGenQ
+from fixedpipe.pipeline.framebuffers.rectangles import (
     covered_pixels,
     divided,
     set_bits,
     takes_raster_color,
     volume_levels,
 )
-from fixedpipe.pipeline.commands import Bitmap, CopyPixels, kind_of
-from fixedpipe.pipeline.enums import PixelCopyType, PixelTexGenAlpha, PixelTexGenQ
 from fixedpipe.pipeline.framebuffers.transfer import (
     image_groups,
     transfer_colors,

@@ -73,3 +73,8 @@ class Threads:
             threading.Thread(target=_serve, args=(inbox,), name=f"fixedpipe_{number}", daemon=True).start()
         self._process = os.getpid()
         weakref.finalize(self, _end, self._inboxes)
+
+
+def default_threads():
+    """One thread per processor this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

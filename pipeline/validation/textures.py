@@ -6,7 +6,7 @@ from weakref import WeakSet
 import numpy as np
 
 from fixedpipe.pipeline.enums import InternalFormat, TextureTarget
-from fixedpipe.pipeline.framebuffers.framebuffer import DEPTH_READABLE_AS, READABLE_AS
+from fixedpipe.pipeline.framebuffers.texture_copies import DEPTH_READABLE_AS, READABLE_AS
 from fixedpipe.pipeline.framebuffers.transfer import DEPTH_FORMAT, IMAGE_FORMATS, has_sink
 from fixedpipe.pipeline.textures.images import COMPONENT_BITS, DEPTH_TEXELS, TWELVE_BIT_FORMATS, Texture
 from fixedpipe.pipeline.validation import buffers, surfaces

@@ -9,15 +9,6 @@ from numba import int64
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.kernel import float_of, kernel
-from fixedpipe.raster.vector.combine import (
-    OPERANDS,
-    OPERATION,
-    OPERATION_SIZE,
-    PLANES,
-    SCRATCH_PLANES,
-    SECOND,
-    TARGET,
-)
 
 FOG_TABLE = 8193  # entries of a table of factors; of thresholds there are 255
 MOST_PROBES = 16  # of a footprint: sums of 16 bytes leave room in 16 bits
@@ -55,27 +46,6 @@ def usable_program(draw, program, final, constants):
     for k in range(7):
         named = named and usable_input(final[k], 0)
     return named
-
-
-@kernel
-def usable_plan(plan):
-    """Whether a combiner plan's operations are some and read and write planes that there are."""
-    if plan.shape[1] != OPERATION_SIZE:
-        return False
-    for k in range(plan.shape[0]):
-        row = plan[k]
-        if row[OPERATION] < 0 or row[OPERATION] > C.PLAN_FINISH:
-            return False
-        # The last five work on scratch planes, FINISH to a register's.
-        rare = C.PLAN_MULTIPLY <= row[OPERATION] < C.PLAN_FINISH
-        if row[TARGET] < 0 or row[TARGET] >= (SCRATCH_PLANES - 2 if rare else PLANES):
-            return False
-        if row[SECOND] < 0 or row[SECOND] >= SCRATCH_PLANES:
-            return False
-        for operand in range(6):
-            if row[OPERANDS + R.INPUT_SIZE * operand] < 0 or row[OPERANDS + R.INPUT_SIZE * operand] >= PLANES:
-                return False
-    return True
 
 
 @kernel
@@ -220,23 +190,3 @@ def usable(
         and usable_units(draw, units, levels)
         and usable_texels(draw, units, levels, (texels0, texels1, texels2, texels3))
     )
-
-
-@kernel(
-    "b1(i8[::1],f8[::1],i4[:,::1],i4[:,::1],i4[:,::1],i8,f8[::1],u1[:,:,::1],f8[:,:,::1],i4[:,:,::1],i8[:,::1])"
-)
-def usable_job(
-    draw, draw_float, plan, factors, triangles, vertices, inverse_w, colors, coordinates, levels, units
-):
-    """As ``usable``, for the vector engine, but for box and texels, which rows.JOB_USABLE and
-    ``frame.draw_frame`` are about.
-    """
-    if draw.shape[0] < R.DRAW_SIZE or draw_float.shape[0] < R.DRAW_FLOAT_SIZE or triangles.shape[1] != 4:
-        return False
-    if factors.shape[0] < 2 or factors.shape[1] != 4 * R.FACTOR_SIZE or inverse_w.shape[0] < vertices:
-        return False
-    if colors.shape[0] < vertices or colors.shape[1] != 2 or colors.shape[2] != 8:
-        return False
-    if coordinates.shape[0] < vertices or coordinates.shape[2] != 4 or coordinates.shape[1] < draw[R.UNITS]:
-        return False
-    return usable_plan(plan) and usable_units(draw, units, levels)

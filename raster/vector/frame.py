@@ -12,7 +12,7 @@ from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.fixed import truncate_24
 from fixedpipe.raster.kernel import kernel, next_of, separate_function, separate_loop
-from fixedpipe.raster.portable.check import usable_job, usable_levels
+from fixedpipe.raster.portable.check import usable_levels
 from fixedpipe.raster.primitives.bins import BAND_HEIGHT
 from fixedpipe.raster.primitives.triangle import polygon_offset, row_span
 from fixedpipe.raster.vector.addresses import (
@@ -27,6 +27,7 @@ from fixedpipe.raster.vector.addresses import (
     texels_at,
 )
 from fixedpipe.raster.vector.arrays import BUFFERS, JOB, JOBS, PASS, SCRATCH, Pass
+from fixedpipe.raster.vector.check import usable_job
 from fixedpipe.raster.vector.combine import OPERATION_SIZE, combine
 from fixedpipe.raster.vector.interpolate import (
     iterate_colors,

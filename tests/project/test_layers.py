@@ -35,7 +35,13 @@ MAY_IMPORT = {
     },
     "effects/conformance": {"fixedpipe.effects", "fixedpipe.pipeline", "numpy", "PIL"},
     # The ray caster is compiled as kernels are; diagrams have pillow's bitmap font.
-    "effects": {"fixedpipe.effects", "fixedpipe.pipeline", "numpy", "fixedpipe.raster.kernel", "PIL.ImageFont"},
+    "effects": {
+        "fixedpipe.effects",
+        "fixedpipe.pipeline",
+        "numpy",
+        "fixedpipe.raster.kernel",
+        "PIL.ImageFont",
+    },
     "tests/reference": {
         "tests.reference",
         "fixedpipe.pipeline.enums",

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 from fixedpipe.pipeline.commands import Draw, Mesh
 from fixedpipe.pipeline.enums import PrimitiveType, StencilOperation
-from fixedpipe.pipeline.execution.machine import execute, rasterize
+from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.native.coverage import rasterize
 from fixedpipe.pipeline.profiles import GEFORCE_256
 from fixedpipe.pipeline.state import PassState, PolygonState, StencilTest
 from fixedpipe.pipeline.vertices.primitives import WindowPrimitives

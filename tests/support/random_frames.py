@@ -60,7 +60,7 @@ from fixedpipe.pipeline.enums import (
     WindowOrigin,
     WrapMode,
 )
-from fixedpipe.pipeline.framebuffers.framebuffer import DEPTH_READABLE_AS, READABLE_AS
+from fixedpipe.pipeline.framebuffers.texture_copies import DEPTH_READABLE_AS, READABLE_AS
 from fixedpipe.pipeline.framebuffers.transfer import IMAGE_FORMATS, READ_TYPES
 from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER, ConvolutionFilter, PixelMaps, PixelTransfer
 from fixedpipe.pipeline.profiles import GEFORCE_3, GEFORCE_256, NV2A

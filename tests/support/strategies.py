@@ -41,7 +41,7 @@ from fixedpipe.pipeline.enums import (
     WindowOrigin,
     WrapMode,
 )
-from fixedpipe.pipeline.framebuffers.framebuffer import READABLE_AS
+from fixedpipe.pipeline.framebuffers.texture_copies import READABLE_AS
 from fixedpipe.pipeline.profiles import GEFORCE_256, NV2A
 from fixedpipe.pipeline.state import (
     IDENTITY,

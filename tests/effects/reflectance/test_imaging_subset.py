@@ -245,7 +245,7 @@ def test_every_engine_draws_textures_that_are_replaced_while_draws_wait_and_so_w
         )
     recorded = execute(commands, OCTANE, 48, 48, record=True)
     np.testing.assert_array_equal(recorded.framebuffer.color, expected)
-    monkeypatch.setattr("fixedpipe.pipeline.execution.machine._MOST_BYTES", 4096)
+    monkeypatch.setattr("fixedpipe.pipeline.native.queue._MOST_BYTES", 4096)
     np.testing.assert_array_equal(execute(commands, OCTANE, 48, 48).framebuffer.color, expected)
 
 

@@ -39,9 +39,11 @@ from fixedpipe.pipeline.enums import (
     TextureTarget,
     WrapMode,
 )
-from fixedpipe.pipeline.execution import machine as execute_module
-from fixedpipe.pipeline.execution.machine import ENGINES, Machine, execute, rasterize
+from fixedpipe.pipeline.execution.machine import ENGINES, Machine, execute
+from fixedpipe.pipeline.native import queue
 from fixedpipe.pipeline.native import threads as threads_module
+from fixedpipe.pipeline.native.coverage import rasterize
+from fixedpipe.pipeline.native.texels import texels_of
 from fixedpipe.pipeline.native.threads import Threads
 from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL, NV2A
 from fixedpipe.pipeline.state import (
@@ -66,6 +68,7 @@ from fixedpipe.pipeline.validation.walk import UnsupportedState
 from fixedpipe.pipeline.vertices import stage
 from fixedpipe.pipeline.vertices.primitives import WindowPrimitives
 from fixedpipe.raster.portable import draw as draw_module
+from fixedpipe.raster.primitives.bins import BAND_HEIGHT
 from tests.support.run_reference import run_reference
 from tests.support.strategies import POLYGONS
 
@@ -310,14 +313,14 @@ def test_a_texture_replaced_between_draws_changes_only_the_later_draw():
 
 def test_textures_that_are_replaced_wait_in_the_queue_up_to_a_number_of_bytes(monkeypatch):
     """Of 4 KiB each, and 8 KiB may wait: two Draws at a time instead of all twelve at the end."""
-    monkeypatch.setattr(execute_module, "_MOST_BYTES", 1 << 13)
-    waited, flush = [], execute_module._Queue.flush
+    monkeypatch.setattr(queue, "_MOST_BYTES", 1 << 13)
+    waited, flush = [], queue.Queue.flush
 
     def counting(queue):
         waited.append(len(queue._draws))
         flush(queue)
 
-    monkeypatch.setattr(execute_module._Queue, "flush", counting)
+    monkeypatch.setattr(queue.Queue, "flush", counting)
     images = [TexImage(label="t", texture="t", image=solid(n, 32, 32)) for n in range(12)]
     result = run(*(command for image in images for command in (image, textured("t"))))
     assert max(waited) == 2
@@ -665,7 +668,7 @@ def test_no_more_threads_start_than_there_are_bands():
     machine = Machine(GEFORCE_256, PARALLEL, PARALLEL, threads=10_000)
     before = set(drawing_threads())
     machine.run((flood(7),))
-    bands = -(-PARALLEL // execute_module.BAND_HEIGHT)
+    bands = -(-PARALLEL // BAND_HEIGHT)
     assert len(set(drawing_threads()) - before) <= bands - 1
 
 
@@ -704,7 +707,7 @@ def test_a_machine_draws_on_in_a_forked_process():
     assert os.waitstatus_to_exitcode(status) == 0
 
 
-KERNELS = [("portable", (draw_module, "draw_bands")), (None, (execute_module, "draw_frame"))]
+KERNELS = [("portable", (draw_module, "draw_bands")), (None, (queue, "draw_frame"))]
 
 
 @pytest.mark.parametrize(("engine", "kernel"), KERNELS)
@@ -753,7 +756,7 @@ def test_what_comes_before_an_error_is_drawn(monkeypatch, engine):
             raise MemoryError("no room for vertices")
         return process(mesh, *others)
 
-    monkeypatch.setattr(execute_module.vertex, "process", failing)
+    monkeypatch.setattr(stage, "process", failing)
     with pytest.raises(MemoryError, match="no room for vertices"):
         machine.run((Clear(label="c", depth=0.5), flood(30), triangles(2), flood(90)))
     monkeypatch.undo()
@@ -811,7 +814,7 @@ def test_a_queue_draws_what_one_command_after_the_other_draws(monkeypatch):
     results.append(run(*commands, size=size, trace=True))
     for before, after in zip(one_by_one.trace, results[-1].trace, strict=True):
         assert_same_buffers(before, after)
-    monkeypatch.setattr(execute_module, "_MOST_BYTES", 2000)  # some meshes are more: drawn at once, not kept
+    monkeypatch.setattr(queue, "_MOST_BYTES", 2000)  # some meshes are more: drawn at once, not kept
     results += [run(*commands, size=size, **way) for way in ways[::2]]
     for result in results:
         assert_same_buffers(result.framebuffer, one_by_one.framebuffer)
@@ -931,10 +934,10 @@ def test_levels_that_lie_anyhow_in_memory_are_read_as_they_are():
 
 def test_a_texture_of_one_level_is_drawn_from_its_own_memory():
     image = solid(50, 8, 8)
-    texels = execute_module._texels(image, 0)
+    texels = texels_of(image, 0)
     assert np.shares_memory(texels.packed, image.levels[0])
     assert texels.packed.flags.writeable  # as kernels ask for
-    for other in (execute_module._texels(image, 0x80), execute_module._texels(solid(50, mipmaps=True), 0)):
+    for other in (texels_of(image, 0x80), texels_of(solid(50, mipmaps=True), 0)):
         assert not np.shares_memory(other.packed, image.levels[0])
     packed, alive = texels.packed, weakref.ref(image)
     before = packed.copy()
@@ -1187,7 +1190,7 @@ def draw_random_bytes(monkeypatch, seeds):
     for seed in seeds:
         random = np.random.default_rng(seed)
         primitives = window_primitives(random, 24, 40, width, height)
-        monkeypatch.setattr(execute_module.vertex, "process", lambda *_, given=primitives: given)
+        monkeypatch.setattr(stage, "process", lambda *_, given=primitives: given)
         machine = Machine(GEFORCE_256, width, height, batch=16, threads=1)
         whole = [
             np.full((height + 2 * margin, *b.shape[1:]), 9, b.dtype) for b in buffers(machine.framebuffer)

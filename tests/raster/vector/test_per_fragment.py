@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from fixedpipe.pipeline.enums import BlendFactor, ColorFormat, ComparisonFunction, StencilOperation
 from fixedpipe.pipeline.framebuffers.framebuffer import SURFACE_WORDS
-from fixedpipe.pipeline.native.pack import _FACTOR_TERMS, _pack_factor, _pack_stencil_operation
+from fixedpipe.pipeline.native.pack_fragments import _FACTOR_TERMS, _pack_factor, _pack_stencil_operation
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.portable.per_fragment import per_fragment
 from fixedpipe.raster.vector import per_fragment as V

@@ -1,0 +1,84 @@
+"""Fragments as columns, and how wide their colours are."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fixedpipe.pipeline.enums import LightingArithmetic
+from fixedpipe.pipeline.profiles.profile import NATIVE_BITS
+from fixedpipe.pipeline.vertices.arithmetic import keep_significant_bits
+from fixedpipe.raster.columns import numbers as wide
+
+_MANTISSA_BITS = 53
+
+COLOR_REACH = 1 << 10  # how far a vertex colour reaches, in ones, whose clamp is off
+
+
+@dataclass(frozen=True, eq=False)
+class FragmentColumns:
+    """Fragments as columns, in draw order; a column may be read only.
+
+    x, y         int64 [k], device pixels, y down
+    depth        int64 [k], words of the depth buffer; below 0: outside its limits, the fragment ends
+    primary, secondary  int64 [k, 4], in units of the fragment's value of one (``fragment_bits``)
+    fog          float64 [k], fog coordinates; None: fog is disabled
+    coordinates  float64 [k, units, 4]: s, t, r, q of each texture unit, not divided
+    lod          float64 [k, units], lambda without its bias, 1/256 at least apart; None: all is magnified
+    divided      for each unit whether s, t and r are divided by q; None: where some fragment's q is not 1
+    footprints   float64 [k, units, 3]: s and t along an anisotropic filter's footprint, and its ratio
+    texel_alpha  int64 [k], bytes that replace the alpha of unit 0's texels; None: nothing does
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    depth: np.ndarray
+    primary: np.ndarray
+    secondary: np.ndarray
+    fog: np.ndarray | None
+    coordinates: np.ndarray
+    lod: np.ndarray | None = None
+    divided: tuple[bool, ...] | None = None
+    footprints: np.ndarray | None = None
+    texel_alpha: np.ndarray | None = None
+
+    def part(self, where):
+        """Some of the fragments."""
+
+        def of(column):
+            return None if column is None else column[where]
+
+        return FragmentColumns(
+            self.x[where],
+            self.y[where],
+            self.depth[where],
+            self.primary[where],
+            self.secondary[where],
+            of(self.fog),
+            self.coordinates[where],
+            of(self.lod),
+            self.divided,
+            of(self.footprints),
+            of(self.texel_alpha),
+        )
+
+
+def fragment_bits(profile, framebuffer):
+    """How wide fragments' colours are: as the combiners; where a buffer is wider than the machine's usual
+    one, as much wider.
+    """
+    if framebuffer.color_bits not in profile.color_bits:  # a pbuffer's bytes
+        return profile.combiner_bits
+    return profile.combiner_bits + framebuffer.color_bits - profile.color_bits[0]
+
+
+def fragment_colors(colors, state, profile, bits):
+    """Vertex colours, float64 [n, 2, 8], in units of ``bits``: cut to the machine's mantissa, to nearest.
+
+    Inferred: a mantissa grows with the width it is rounded to.
+    """
+    lighting = state.vertex.lighting
+    exact = lighting is not None and profile.lighting == LightingArithmetic.EQUATIONS
+    kept = _MANTISSA_BITS if exact else profile.color_mantissa_bits + max(bits - NATIVE_BITS, 0)
+    limited = np.clip(np.nan_to_num(colors), -COLOR_REACH, COLOR_REACH)
+    cut = keep_significant_bits(limited, min(kept, _MANTISSA_BITS))
+    return np.floor(cut * np.float64(wide.one_of(bits)) + np.float64(0.5)).astype(np.int64)

@@ -1,0 +1,214 @@
+"""From primitives to fragments in the column engine: coverage, and what is iterated over a primitive."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fixedpipe.pipeline.columns.combiners import arithmetic_of
+from fixedpipe.pipeline.columns.fragments import COLOR_REACH, FragmentColumns, fragment_colors
+from fixedpipe.pipeline.columns.textures import unit_samplers
+from fixedpipe.pipeline.enums import Clamp, ColorWeights, Face, FrontFace, LineRasterization, ShadeModel
+from fixedpipe.pipeline.framebuffers.boxes import scissor_box
+from fixedpipe.pipeline.framebuffers.depths import FARTHEST, FLOAT_DEPTHS, depth_units
+from fixedpipe.pipeline.vertices.strokes import whole_size
+from fixedpipe.raster import codes as C
+from fixedpipe.raster import rows
+from fixedpipe.raster.columns import future, interpolate
+from fixedpipe.raster.columns import numbers as wide
+from fixedpipe.raster.primitives.vertices import W_LARGEST, W_SMALLEST
+
+
+class IteratedPrimitives:
+    """Primitives with what iteration needs of their state."""
+
+    def __init__(self, primitives, state, profile, framebuffer, textures, bits):
+        self.primitives, self.state, self.profile = primitives, state, profile
+        self.framebuffer, self.bits = framebuffer, bits
+        self.colors = fragment_colors(primitives.colors, state, profile, bits)
+        self.depths = depth_units(state, framebuffer, primitives)
+        self.units = unit_samplers(state, textures, profile)
+        self.divided = tuple(primitives.projective[: len(self.units)])
+
+    def fragments(self, triangle, px, py):
+        """The FragmentColumns of pixels of rows ``triangle``."""
+        p, state, profile = self.primitives, self.state, self.profile
+        px, py = px.astype(np.int64), py.astype(np.int64)
+        corners = p.triangles[triangle].astype(np.int64)
+        vertices, provoking = corners[:, :3], corners[:, 3]
+        x, y = p.x[vertices].astype(np.int64), p.y[vertices].astype(np.int64)
+        kinds = p.strokes[triangle, rows.KIND] if len(p.strokes) else None
+        area = interpolate.edge_functions(x, y, px, py, profile.subpixel_bits)[1]
+
+        n, inverse_w = self._edges(x, y, kinds, px, py, True), p.inverse_w[vertices]
+        e = interpolate.perspective_terms(n, inverse_w)
+        b0, b2, _ = interpolate.full_weights(e)
+        q0, q2 = interpolate.iteration_weights(e)
+        back = self._back(kinds, triangle, area)
+        primary, secondary = self._colors(vertices, provoking, back, e, q0, q2)
+        if self.state.polygon.shade_model == ShadeModel.SMOOTH:
+            corners = self.colors[vertices, back[:, None]]
+            if state.spherical_primary_color:
+                primary = self._turned(primary, corners[:, :, :3], b0, b2)
+            if state.spherical_secondary_color:
+                secondary = self._turned(secondary, corners[:, :, 4:7], b0, b2)
+        fog = None
+        if state.fog is not None:
+            fog = interpolate.iterate(b0, b2, p.fog[vertices])
+
+        def edges(px, py):
+            return self._edges(x, y, kinds, px, py)
+
+        coordinates, lod, footprints = self._coordinates(vertices, edges, inverse_w, (q0, q2, b0, b2), px, py)
+        depth = self._depth(triangle, vertices, kinds, n, inverse_w, x, y, area)
+        return FragmentColumns(
+            px, py, depth, primary, secondary, fog, coordinates, lod, self.divided, footprints
+        )
+
+    def _edges(self, x, y, kinds, px, py, drawn=False):
+        """(n0, n1, n2) of pixels; ``drawn``: of the fragments themselves, which in a wide line of diamonds
+        take another pixel's.
+        """
+        line, bits = self.state.line, self.profile.subpixel_bits
+        n, _ = interpolate.edge_functions(x, y, px, py, bits)
+        if kinds is None or not (lines := kinds == C.PRIMITIVE_LINE).any():
+            return n
+        if self.profile.diamond_exit_lines:
+            width = whole_size(line.width)
+            if drawn and width > 1:
+                px, py = interpolate.repeated_pixels(x, y, px, py, width, bits)
+            along = interpolate.along_diamonds(x, y, px, py, width, bits)
+        else:
+            steps = line.rasterization == LineRasterization.STEPS
+            along = interpolate.along_lines(x, y, px, py, steps, bits)
+        return tuple(np.where(lines, a, b) for a, b in zip(along, n, strict=True))
+
+    def _back(self, kinds, triangle, area):
+        """Which fragments take the back colour, 0 or 1."""
+        p = self.primitives
+        if not p.two_side:
+            facing = np.zeros(len(area), np.int64)
+        else:  # with y down, a negative area is counter-clockwise
+            counter_clockwise = self.state.polygon.front_face == FrontFace.CCW
+            facing = ((area < 0) != counter_clockwise).astype(np.int64)
+        if kinds is None:
+            return facing
+        return np.where(kinds == C.PRIMITIVE_TRIANGLE, facing, p.strokes[triangle, rows.BACK])
+
+    def _colors(self, vertices, provoking, back, e, q0, q2):
+        if self.state.polygon.shade_model == ShadeModel.FLAT:
+            colors = self.colors[provoking, back]
+        elif self.profile.color_weights == ColorWeights.EIGHT_BITS:
+            corners = self.colors[vertices, back[:, None]]
+            colors = interpolate.iterate_colors(q0, q2, corners, self.bits)
+        else:
+            corners = self.colors[vertices, back[:, None]]
+            one, clamps = wide.one_of(self.bits), Clamp.VERTEX_COLOR in self.profile.clamps
+            low, high = (0, one) if clamps else (-COLOR_REACH * one, COLOR_REACH * one)
+            colors = interpolate.iterate_exact_colors(e, corners, low, high)
+        return colors[:, :4], colors[:, 4:]
+
+    def _turned(self, color, corners, b0, b2):
+        """A colour whose red, green and blue are a unit vector that turns steadily (section 20)."""
+        one, expanded = wide.one_of(self.bits), arithmetic_of(self.profile, self.bits).expanded
+        vector = future.spherical(b0, b2, future.from_color(corners, one, expanded))
+        return np.concatenate([future.to_color(vector, one, expanded), color[:, 3:]], axis=1)
+
+    def _coordinates(self, vertices, edges, inverse_w, weights, px, py):
+        """Coordinates of every unit, and lambda and footprints where some unit asks for them."""
+        count, units = len(px), len(self.units)
+        q0, q2, b0, b2 = weights
+        coordinates, lod, footprints = np.zeros((count, units, 4)), np.zeros((count, units)), None
+        for k, (given, unit) in enumerate(zip(self.state.texture_units, self.units, strict=True)):
+            if given is None:
+                continue
+            corners = self.primitives.coordinates[vertices, k]
+            coordinates[:, k] = interpolate.iterate_coordinates(q0, q2, corners)
+            if given.spherical_coordinates:
+                coordinates[:, k, :3] = future.spherical(b0, b2, corners[:, :, :3])
+            if unit is None or not (unit.needs_lambda or unit.anisotropic or unit.probes):
+                continue
+            target, sizes = unit.texture.target, unit.sizes
+            steps, plain, missing = interpolate.block_steps(
+                edges, inverse_w, corners, self.divided[k], target, sizes, px, py
+            )
+            if unit.anisotropic or unit.probes:
+                footprints = np.zeros((count, units, 3)) if footprints is None else footprints
+                footprint, most = interpolate.anisotropy, float(unit.sampler.max_anisotropy)
+                if unit.probes:
+                    footprint, most = interpolate.probes, float(unit.sampler.max_probes)
+                footprints[:, k], found = footprint(plain, sizes, missing, most)
+            else:
+                found = interpolate.level_of_detail(steps, missing, target)
+            lod[:, k] = found / 256.0
+        return coordinates, lod, footprints
+
+    def _depth(self, triangle, vertices, kinds, n, inverse_w, x, y, area):
+        """Words of the depth buffer, -1 where a fragment lies outside limits that end it (section 5)."""
+        state, target = self.state, self.framebuffer
+        limits = state.depth_clamp
+        if state.depth_test is None and not (limits is not None and limits.cull):
+            return np.zeros(len(triangle), np.int64)
+        w = inverse_w if state.w_buffering else None
+        z = interpolate.iterate_depth(n, w, self.depths[vertices])
+        offset, slope = self._offset(triangle, vertices, kinds, x, y, area)
+        z = z + (offset + slope * (z * z))
+        farthest = FARTHEST[target.depth_format]
+        low, high = 0.0, farthest
+        if limits is not None:
+            low, high = limits.minimum, farthest if limits.maximum is None else limits.maximum
+        float_bits = FLOAT_DEPTHS.get(int(target.depth_format))
+        words, inside = interpolate.depth_words(z, low, high, farthest, float_bits)
+        if limits is not None and limits.cull:
+            return np.where(inside, words, -1)
+        return words
+
+    def _offset(self, triangle, vertices, kinds, x, y, area):
+        """What is added to every depth, and what times its square: of the polygon that a fragment is of."""
+        polygon, p = self.state.polygon, self.primitives
+        enabled = np.full(len(triangle), polygon.offset_fill)
+        if kinds is not None:
+            of_kind = np.array([polygon.offset_fill, polygon.offset_line, polygon.offset_point])
+            source = p.strokes[triangle, rows.SOURCE : rows.SOURCE + 3].astype(np.int64)
+            stroke = kinds != C.PRIMITIVE_TRIANGLE
+            enabled = of_kind[kinds] & (~stroke | (source[:, 0] >= 0))
+            vertices = np.where(stroke[:, None] & (source[:, :1] >= 0), source, vertices)
+            x, y = p.x[vertices].astype(np.int64), p.y[vertices].astype(np.int64)
+            area = (x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0]) - (x[:, 2] - x[:, 0]) * (y[:, 1] - y[:, 0])
+        if not enabled.any() or not (polygon.offset_factor or polygon.offset_units):
+            return 0.0, 0.0
+        values = p.inverse_w[vertices] if self.state.w_buffering else self.depths[vertices]
+        steep = interpolate.depth_slope(x, y, area, values, polygon.offset_factor, self.profile.subpixel_bits)
+        if self.state.w_buffering:
+            slope = np.clip(steep, -(2.0**128), 2.0**128)
+            return np.where(enabled, float(polygon.offset_units), 0.0), np.where(enabled, slope, 0.0)
+        offset = np.clip(polygon.offset_units + steep, -(2.0**128), 2.0**128)
+        if self.framebuffer.depth_format > 0:
+            offset = np.trunc(np.clip(offset, -(2.0**30), 2.0**30))
+        return np.where(enabled, offset, 0.0), 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Covered:
+    """Pixels of primitives, int64 [k] each: per pixel in draw order."""
+
+    triangle: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+
+
+def covered_triangles(primitives, state, profile, framebuffer):
+    """Coverage of triangles at any number of subpixel bits: a Covered, culled and scissored (section 3)."""
+    box, polygon, p = scissor_box(state, framebuffer), state.polygon, primitives
+    parts = []
+    for number, row in enumerate(p.triangles[:, :3]):
+        x, y, w = (column[row].tolist() for column in (p.x, p.y, p.inverse_w))
+        area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])
+        front = (area < 0) == (polygon.front_face == FrontFace.CCW)
+        culled = polygon.cull_face in (Face.FRONT_AND_BACK, Face.FRONT if front else Face.BACK)
+        if area == 0 or culled or min(w) < W_SMALLEST or max(w) > W_LARGEST:
+            continue
+        px, py = interpolate.covered_pixels(x, y, box, profile.subpixel_bits)
+        parts.append((np.full(len(px), number), px, py))
+    if not parts:
+        return Covered(*(np.zeros(0, np.int64) for _ in range(3)))
+    return Covered(*(np.concatenate(column) for column in zip(*parts, strict=True)))

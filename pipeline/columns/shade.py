@@ -1,0 +1,82 @@
+"""Fragments' colours in the column engine: texture units, combiners, color sum and fog."""
+
+import numpy as np
+
+from fixedpipe.pipeline.columns.combiners import Registers, arithmetic_of, combine, filled, without_combiners
+from fixedpipe.pipeline.columns.textures import LAMBDA_BITS
+from fixedpipe.pipeline.enums import FogArithmetic, FogMode, Register, TextureTarget
+from fixedpipe.pipeline.programs.combiner_rules import has_color_sum
+from fixedpipe.pipeline.programs.future import units_along
+from fixedpipe.pipeline.programs.texture_environment import environment_program
+from fixedpipe.pipeline.vertices.fog import table
+from fixedpipe.raster.columns import numbers as wide
+
+
+def _fog_register(fog, coordinates, profile, count, one):
+    """The FOG register, int64 [4, count]."""
+    if fog is None:
+        return filled((0, 0, 0, one), count)
+    color = wide.fixed(fog.color, one)[:3]
+    if profile.fog_arithmetic == FogArithmetic.TABLE:
+        at = np.clip(np.floor(coordinates * 4096.0), 0.0, 8192.0)
+        factor = table(fog.mode)[np.where(np.isnan(at), 0.0, at).astype(np.int64)].astype(np.int64)
+        factor = wide.convert(factor, 255, one)
+    else:
+        rising = fog.mode == FogMode.LINEAR and fog.start > fog.end
+        numbers = int(fog.mode), float(fog.density), float(fog.start), float(fog.end)
+        factor = wide.fog_factor(coordinates, wide.fog_thresholds(*numbers, one), rising)
+    return np.concatenate([filled(color, count), factor[None]])
+
+
+def shade(fragments, state, profile, bits, textures, samplers, made):
+    """Colours of fragments, int64 [k, 4] in units of ``bits``: texture units, combiners, color sum, fog.
+
+    ``made``: registers of texture units by number that a texture shader made.
+    """
+    if state.evaluate_before_filtering:
+        return _shade_before_filtering(fragments, state, profile, bits, textures, samplers, made)
+    return _shade(fragments, state, profile, bits, textures, samplers, made, None)
+
+
+def _shade_before_filtering(fragments, state, profile, bits, textures, samplers, made):
+    """Colours at each texel that unit 0's filter reads, and then filtered (section 20)."""
+    along, first = units_along(state, textures), samplers[0]
+    columns = (0, 1) if first.linear else (0,)
+    rows = (0,) if first.texture.target == TextureTarget.TEXTURE_1D else columns
+    layers = columns if first.texture.target == TextureTarget.TEXTURE_3D else (0,)
+
+    def mixed(parts, fraction, width):
+        return parts[0] if len(parts) == 1 else wide.lerp(*parts, fraction[:, None], width)
+
+    def color(*tap):
+        taps = dict.fromkeys(along, tap)
+        return _shade(fragments, state, profile, bits, textures, samplers, made, taps)
+
+    levels, width = [], profile.filter_fraction_bits
+    for level in (0, 1) if first.between_levels else (0,):
+        across, up, deep, between = first.fractions(fragments, level).T
+        planes = [
+            mixed([mixed([color(level, k, j, i) for i in columns], across, width) for j in rows], up, width)
+            for k in layers
+        ]
+        levels.append(mixed(planes, deep, width))
+    return mixed(levels, between, LAMBDA_BITS)
+
+
+def _shade(fragments, state, profile, bits, textures, samplers, made, taps):
+    count, one = len(fragments.x), wide.one_of(bits)
+    registers = Registers(samplers, fragments, bits, taps)
+    registers.update({Register.TEXTURE0 + unit: register for unit, register in made.items()})
+    registers[Register.PRIMARY_COLOR] = fragments.primary.T.astype(np.int64)
+    registers[Register.SECONDARY_COLOR] = fragments.secondary.T.astype(np.int64)
+    registers[Register.FOG] = _fog_register(state.fog, fragments.fog, profile, count, one)
+    program, environments = state.register_combiners, state.register_combiners is None
+    if environments:
+        program = environment_program(state, textures, profile, has_color_sum(state))
+    a = arithmetic_of(profile, bits, environments)
+    if program is None:
+        return without_combiners(state, registers, count, a).T
+    registers[Register.SPARE1] = filled((0, 0, 0, 0), count)
+    nothing = np.zeros((3, count), np.int64)
+    registers[Register.SPARE0] = np.concatenate([nothing, registers[Register.TEXTURE0][3:]])
+    return combine(program, registers, count, a).T

@@ -1,0 +1,19 @@
+"""Rectangles of the window, whose y points up, in device pixels, whose y points down."""
+
+
+def device_edges(box, height):
+    """A window rectangle's left, top, right and bottom in device pixels."""
+    x, y, across, up = int(box.x), int(box.y), int(box.width), int(box.height)
+    return x, height - y - up, x + across, height - y
+
+
+def scissor_box(state, framebuffer):
+    """(x0, y0, x1, y1) in device pixels, half open: the screen cut by the scissor box."""
+    width, height = framebuffer.width, framebuffer.height
+    box = state.scissor
+    if box is None:
+        return 0, 0, width, height
+    left, top, right, bottom = device_edges(box, height)
+    x0, x1 = max(left, 0), min(right, width)
+    y0, y1 = max(top, 0), min(bottom, height)
+    return x0, y0, max(x0, x1), max(y0, y1)

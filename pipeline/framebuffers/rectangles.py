@@ -1,0 +1,104 @@
+"""Rectangles of pixels before any evaluator: which pixels they cover, and what their fragments take of raster
+position, pixel texture and volumes. Machines and the ideal read it alike.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fixedpipe.pipeline.enums import PixelFragmentSource, PixelTexGenMode
+from fixedpipe.pipeline.framebuffers.boxes import scissor_box
+from fixedpipe.raster.pixels import rectangles as arithmetic
+
+
+def takes_raster_color(texture):
+    """(whether the RGB, whether the alpha of a pixel texture's fragments is the raster position's)."""
+    if texture.mode is not None:
+        mode = texture.mode
+        return mode >= PixelTexGenMode.RGB, mode in (PixelTexGenMode.ALPHA, PixelTexGenMode.RGBA)
+    current = PixelFragmentSource.CURRENT_RASTER_COLOR
+    return texture.rgb_source == current, texture.alpha_source == current
+
+
+@dataclass(frozen=True, eq=False)
+class Pixels:
+    """Device pixels x and y, int64 [k] each, row by row from the lowest, and the number of each one's group,
+    counted likewise.
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    numbers: np.ndarray
+
+    def of(self, groups):
+        """What the groups [h, w, ...] give to each pixel, [k, ...]."""
+        values = groups.reshape(-1, *groups.shape[2:])
+        each_its_own = len(values) == len(self.numbers) and (np.diff(self.numbers, prepend=-1) == 1).all()
+        return values if each_its_own else values[self.numbers]
+
+    def only(self, chosen):
+        """Some of the pixels."""
+        return Pixels(self.x[chosen], self.y[chosen], self.numbers[chosen])
+
+
+def covered_pixels(command, where, shape, framebuffer):
+    """The Pixels that a command's groups [h, w] cover."""
+    zx, zy = command.zoom
+    return _pixels((where.x, float(zx)), (where.y, float(zy)), shape, command.state, framebuffer)
+
+
+def set_bits(command, where, framebuffer):
+    """The Pixels whose bit is set in a Bitmap. Source: section 3.7; PixelZoom takes no part."""
+    (ox, oy), bits = command.origin, np.asarray(command.bits, np.bool_)
+    across, up = (np.floor(where.x - ox), 1.0), (np.floor(where.y - oy), 1.0)
+    at = _pixels(across, up, bits.shape, command.state, framebuffer)
+    return at.only(at.of(bits))
+
+
+def _pixels(across, up, shape, state, framebuffer):
+    """The Pixels of [h, w] groups inside scissor box and window clip. ``across``, ``up``: where groups begin
+    and how wide they are.
+    """
+    (height, width), total = shape[:2], framebuffer.height
+    x0, y0, x1, y1 = scissor_box(state, framebuffer)
+    x, n = arithmetic.covered(*across, width, x0, x1)
+    y, m = arithmetic.covered(*up, height, total - y1, total - y0)
+    size = len(y), len(x)
+    down = np.broadcast_to((total - 1 - y)[:, None], size).ravel()
+    at = Pixels(np.broadcast_to(x, size).ravel(), down, (m[:, None] * width + n).ravel())
+    return at if state.window_clip is None else at.only(_kept(state.window_clip, x, y).ravel())
+
+
+def _kept(clip, x, y):
+    """Which pixels of columns x and rows y, y up, a WindowClip keeps: bool [rows, columns]."""
+    inside = np.zeros((len(y), len(x)), np.bool_)
+    for box in clip.rectangles:
+        columns, rows = (x >= box.x) & (x < box.x + box.width), (y >= box.y) & (y < box.y + box.height)
+        inside |= rows[:, None] & columns
+    return inside != clip.exclusive
+
+
+def divided(coordinates):
+    """(s/q, t/q, r/q, 1) of the raster position's. Assumed: q counts as 1 where it is 0 or less."""
+    q = coordinates[:, 3:]
+    with np.errstate(all="ignore"):  # a small q may lead beyond every float, where textures end
+        divided = coordinates / np.where(q > 0, q, 1.0)
+    divided[:, 3] = 1.0
+    return divided
+
+
+def without_footprints(state):
+    """The same state for fragments whose coordinates do not change from pixel to pixel: one texel each."""
+    units = tuple(
+        unit
+        if unit is None or unit.sampler.max_anisotropy <= 1 >= unit.sampler.max_probes
+        else replace(unit, sampler=replace(unit.sampler, max_anisotropy=1.0, max_probes=1))
+        for unit in state.texture_units
+    )
+    return state if units == state.texture_units else replace(state, texture_units=units)
+
+
+def volume_levels(levels, volumes, number):
+    """Level 0 of one of the volumes that lie behind one another: lambda is zero."""
+    layers = len(levels[0]) // volumes
+    return (levels[0][number * layers : (number + 1) * layers],)

@@ -1,0 +1,59 @@
+"""What running a frame gives: framebuffers, textures, pixels, and where asked for traces and fragments."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
+from fixedpipe.pipeline.framebuffers.snapshot import Snapshot
+from fixedpipe.pipeline.framebuffers.transfer import HistogramTable, MinmaxTable
+from fixedpipe.pipeline.textures.images import Texture
+
+
+@dataclass(frozen=True, eq=False)
+class Fragments:
+    """Fragments as columns, all int32 [n]: primitive number, device pixel x and y (y down), and 1 where the
+    fragment passed the per-fragment tests (0 where not; coverage alone says 1). A rectangle of pixels has
+    the group's number instead, counted row by row from the lower left.
+
+    Per pixel they are in draw order.
+    """
+
+    triangle: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    passed: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What running commands gave.
+
+    framebuffer   the window's framebuffer (the same object in every Result of one Machine)
+    surfaces      the pbuffers' framebuffers by name (the same objects likewise)
+    textures      texture objects by name, as they are afterwards
+    pixels        what each ReadPixels read, by its name
+    fragments     how many fragments the Draws and rectangles of pixels made
+    dropped       how many primitives were dropped because a projected position was not usable
+    undefined     how many groups of pixel textures had no positive q, which then counted as 1
+    trace         a Snapshot after every command, those that a HostStep issued among them, when asked for
+    records       the Fragments of every Draw and rectangle of pixels, when asked for
+    histograms    the machine's histograms by name, as they are afterwards
+    minmaxes      its minmaxes likewise
+    """
+
+    framebuffer: Framebuffer
+    surfaces: dict[str, Framebuffer]
+    textures: dict[str, Texture]
+    pixels: dict[str, np.ndarray]
+    fragments: int
+    dropped: int
+    undefined: int
+    trace: tuple[Snapshot, ...]
+    records: tuple[Fragments, ...]
+    histograms: dict[str, HistogramTable]
+    minmaxes: dict[str, MinmaxTable]
+
+    def image(self):
+        """The framebuffer's colours, uint8 [h, w, 4], top row first."""
+        return self.framebuffer.image()

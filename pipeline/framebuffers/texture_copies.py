@@ -1,0 +1,147 @@
+"""Textures that commands make: of a host's pixels, of a framebuffer's rectangle, of a whole pbuffer."""
+
+import numpy as np
+
+from fixedpipe.pipeline.enums import ColorFormat, InternalFormat, TextureTarget, WindowOrigin
+from fixedpipe.pipeline.framebuffers.transfer import (
+    changes_nothing,
+    image_groups,
+    transfer_colors,
+    transfer_depths,
+    transfer_image,
+)
+from fixedpipe.pipeline.pixel_transfer import PixelImage
+from fixedpipe.pipeline.textures.images import (
+    BASE_FORMAT,
+    COMPONENT_BITS,
+    DEPTH_TEXELS,
+    KEPT,
+    Texture,
+    at_machine_width,
+    build_texture,
+    depth_texels,
+    pyramid,
+    register_components,
+    stored_texels,
+    widen_to_byte,
+)
+from fixedpipe.raster.pixels.transfer import fixed
+
+
+def defined_texture(command, profile, statistics):
+    """TexImage1D/2D/3D of pixels: the texture, or None where a sink took the image."""
+    image, target = command.pixels, command.target
+    if command.internal_format in DEPTH_TEXELS:
+        depths = transfer_depths(image_groups(image), command.transfer)
+        return depth_texture(target, command.internal_format, depths)
+    layered = target in (TextureTarget.TEXTURE_CUBE_MAP, TextureTarget.TEXTURE_3D)
+    dimensions = {TextureTarget.TEXTURE_1D: 1, TextureTarget.TEXTURE_3D: 3}.get(target, 2)
+    images = []
+    for values in image.values if layered else image.values[None]:
+        part = PixelImage(values, image.format)
+        images.append(transfer_image(part, command.transfer, profile, statistics, dimensions))
+    if images[-1] is None:
+        return None
+    made = build_texture(target, np.stack(images), command.internal_format, command.generate_mipmap)
+    return at_machine_width(made, profile)
+
+
+def depth_texture(target, internal_format, depths):
+    """A depth texture of depths in [0, 1], float64 [h, w]; each is its ``ideal`` texel's four components."""
+    most, _ = DEPTH_TEXELS[internal_format]
+    texels = depth_texels(fixed(depths, most.bit_length()))
+    texels.setflags(write=False)
+    ideal = np.broadcast_to(depths[None, ..., None], (1, *texels.shape))
+    return Texture(target, internal_format, (texels[None],), (ideal,))
+
+
+def _copied_texels(framebuffer, command, box, internal_format, dimensions, profile, statistics):
+    """A framebuffer rectangle as texels [h, w, 4], None where a sink took it, and their bits."""
+    transfer = command.transfer
+    if internal_format in DEPTH_TEXELS:
+        depths = transfer_depths(framebuffer.depths(*box), transfer)
+        return depth_texture(None, internal_format, depths).levels[0][0], 8
+    if framebuffer.is_bytes and changes_nothing(transfer):
+        return stored_texels(framebuffer.rectangle(*box), internal_format, profile)
+    groups = transfer_colors(framebuffer.groups(*box), transfer, profile, statistics, dimensions)
+    return (None, 8) if groups is None else stored_texels(groups, internal_format, profile)
+
+
+def copied_texture(framebuffer, command, profile, statistics):
+    """CopyTexImage1D/2D: the texture that a framebuffer rectangle defines, or None where a sink took it."""
+    dimensions = 1 if command.target is TextureTarget.TEXTURE_1D else 2
+    box = framebuffer.box_of(command)
+    texels, bits = _copied_texels(
+        framebuffer, command, box, command.internal_format, dimensions, profile, statistics
+    )
+    if texels is None:
+        return None
+    texels.setflags(write=False)
+    levels = pyramid(texels[None]) if command.generate_mipmap else (texels[None],)
+    return Texture(command.target, command.internal_format, levels, bits=bits)
+
+
+def replaced_texture(framebuffer, command, texture, profile, statistics):
+    """CopyTexSubImage1D/2D/3D: the texture with a rectangle of one level replaced; the same where a sink took
+    the pixels.
+    """
+    dimensions = 1 if texture.target is TextureTarget.TEXTURE_1D else 2
+    box = command.x, command.y, command.width, command.height
+    texels, _ = _copied_texels(
+        framebuffer, command, box, texture.internal_format, dimensions, profile, statistics
+    )
+    if texels is None:
+        return texture
+    level = texture.levels[command.level].copy()
+    rows = slice(command.y_offset, command.y_offset + texels.shape[0])
+    columns = slice(command.x_offset, command.x_offset + texels.shape[1])
+    level[command.face, rows, columns] = texels
+    level.setflags(write=False)
+    if command.generate_mipmap:
+        levels = pyramid(level)
+    else:
+        levels = (*texture.levels[: command.level], level, *texture.levels[command.level + 1 :])
+    return Texture(texture.target, texture.internal_format, levels, bits=texture.bits)
+
+
+# Which internal formats read a surface's words: those of its width and components.
+# Source: WGL_ARB_render_texture (BIND_TO_TEXTURE_RGB_ARB and RGBA_ARB).
+READABLE_AS = {
+    **dict.fromkeys(
+        (
+            ColorFormat.A8R8G8B8,
+            ColorFormat.X8R8G8B8_Z8R8G8B8,
+            ColorFormat.X8R8G8B8_O8R8G8B8,
+            ColorFormat.X1A7R8G8B8_Z1A7R8G8B8,
+            ColorFormat.X1A7R8G8B8_O1A7R8G8B8,
+        ),
+        (InternalFormat.RGBA8, InternalFormat.RGB8),
+    ),
+    ColorFormat.R5G6B5: (InternalFormat.R5_G6_B5,),
+    ColorFormat.X1R5G5B5_Z1R5G5B5: (InternalFormat.RGB5, InternalFormat.RGB5_A1),
+    ColorFormat.X1R5G5B5_O1R5G5B5: (InternalFormat.RGB5, InternalFormat.RGB5_A1),
+}
+
+# Which depth format reads a surface's depth words. Source: WGL_NV_render_depth_texture.
+DEPTH_READABLE_AS = {
+    16: InternalFormat.DEPTH_COMPONENT16,
+    24: InternalFormat.DEPTH_COMPONENT24,
+    -16: InternalFormat.DEPTH_COMPONENT16_FLOAT,
+    -24: InternalFormat.DEPTH_COMPONENT24_FLOAT,
+}
+
+
+def bound_texture(framebuffer, command):
+    """BindTexImage: the texture that a pbuffer's colours, or depths, are."""
+    rows = slice(None, None, 1 if command.origin == WindowOrigin.UPPER_LEFT else -1)
+    if command.internal_format in DEPTH_TEXELS:
+        return Texture(
+            command.target, command.internal_format, (depth_texels(framebuffer.depth[rows])[None],)
+        )
+    rgba = framebuffer.color[rows]
+    base, bits = BASE_FORMAT[command.internal_format], COMPONENT_BITS[command.internal_format]
+    components = np.stack(
+        [widen_to_byte(rgba[..., kept] >> (8 - b), b) for kept, b in zip(KEPT[base], bits, strict=True)], -1
+    )
+    texels = register_components(components, base, np.uint8(255))
+    return Texture(command.target, command.internal_format, (texels[None],))

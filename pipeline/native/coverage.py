@@ -1,0 +1,91 @@
+"""Which pixels primitives cover, as Fragments: of a Draw that is recorded, or of coverage alone."""
+
+import math
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
+from fixedpipe.pipeline.framebuffers.result import Fragments
+from fixedpipe.pipeline.native import pack
+from fixedpipe.pipeline.native.preparation import NO_RECORD, prepare
+from fixedpipe.pipeline.native.queue import BATCH, buffers_of
+from fixedpipe.pipeline.profiles import GEFORCE_256
+from fixedpipe.pipeline.state import ColorMask, PassState
+
+
+def recorded_fragments(draw, framebuffer, batch):
+    """Draw a prepared Draw, by the portable engine, and return its Fragments."""
+    if draw.area == 0:
+        return _fragments(NO_RECORD)
+    recording, buffers = np.empty((1 << 16, 4), np.int32), buffers_of(framebuffer)
+    fits = _most_fragments(draw.primitives) <= len(recording)
+    saved = () if fits else [buffer.copy() for buffer in buffers]
+    count = draw.bands(0, 1, batch, buffers, recording)
+    if not fits and count > len(recording):  # it did not fit: once more, from the same framebuffer
+        for buffer, before in zip(buffers, saved, strict=True):
+            buffer[:] = before
+        recording = np.empty((count, 4), np.int32)
+        draw.bands(0, 1, batch, buffers, recording)
+    return _fragments(recording[:count])
+
+
+def _most_fragments(primitives):
+    """A bound of how many fragments primitives make: what their bounding boxes hold, a pixel wider."""
+    p = primitives
+    if len(p.strokes) or not p.orderly:
+        return math.inf
+    vertices = p.triangles[:, :3]
+    wide, high = (np.ptp(column[vertices].astype(np.float64), axis=1) / 16.0 + 2.0 for column in (p.x, p.y))
+    return float((wide * high).sum())
+
+
+def _fragments(rows):
+    return Fragments(*(np.ascontiguousarray(rows[:, k]) for k in range(4)))
+
+
+def covered_pixels(primitives, state, profile, width, height):
+    """What a state's primitives cover, whatever it writes there: (Fragments, primitives dropped).
+
+    ``primitives``: with colours of any kind, which coverage does not read.
+    """
+    uncolored = replace(primitives, colors=np.zeros((len(primitives.x), 2, 8), np.uint8))
+    polygon = replace(state.polygon, offset_fill=False, offset_line=False, offset_point=False)
+    plain = PassState(
+        polygon=polygon,
+        line=state.line,
+        point=state.point,
+        scissor=state.scissor,
+        window_clip=state.window_clip,
+        color_mask=ColorMask(False, False, False, False),
+    )
+    framebuffer = _unwritten(width, height)
+    packed = pack.pack(plain, profile, framebuffer, {}, uncolored)
+    prepared = prepare(framebuffer, uncolored, packed, {})
+    return recorded_fragments(prepared, framebuffer, BATCH), prepared.dropped
+
+
+def rasterize(primitives, polygon, scissor, width, height):
+    """Coverage alone: the Fragments of window primitives, culled and scissored, per pixel in draw order.
+
+    ``primitives``: as ``fixedpipe.pipeline.vertices.stage.process`` makes them, contiguous columns of one length; they are not
+    checked again. ``polygon``: a PolygonState; ``scissor``: a Scissor or None; ``width``, ``height`` of the
+    framebuffer, pixels.
+    """
+    state, framebuffer = _coverage_state(polygon, scissor), _unwritten(width, height)
+    packed = pack.pack(state, GEFORCE_256, framebuffer, {}, primitives)
+    return recorded_fragments(prepare(framebuffer, primitives, packed, {}), framebuffer, BATCH)
+
+
+@lru_cache(maxsize=64)
+def _coverage_state(polygon, scissor):
+    """A state that draws nothing, made once: rows are packed once for it as well."""
+    nothing = ColorMask(False, False, False, False)
+    return PassState(polygon=replace(polygon, offset_fill=False), scissor=scissor, color_mask=nothing)
+
+
+@lru_cache(maxsize=2)
+def _unwritten(width, height):
+    """A framebuffer for states that write nothing."""
+    return Framebuffer.new(width, height)

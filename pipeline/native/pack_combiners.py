@@ -1,0 +1,151 @@
+"""The rows of a combiner program: stages, final combiner and constants."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from fixedpipe.pipeline.enums import CombinerBias, Mapping, MuxSelect, Register
+from fixedpipe.pipeline.framebuffers.framebuffer import color_bytes
+from fixedpipe.pipeline.programs.combiner_rules import WITH_FOG, combiner_program
+from fixedpipe.pipeline.programs.texture_shader_rules import DISCARDING
+from fixedpipe.pipeline.state import CombinerInput
+from fixedpipe.raster import codes as C
+from fixedpipe.raster import rows as R
+
+
+# The mappings as min(max(x, low) * factor + addend, 255); the addends of the EXPAND pair depend on
+# expand_half. Source: NV_register_combiners table 4; Inferred: the halves (docs/numbers.md, section 8).
+def _mapping(mapping, expand_half):
+    one = 256 if expand_half == 128 else 255
+    return {
+        Mapping.UNSIGNED_IDENTITY: (0, 1, 0),
+        Mapping.UNSIGNED_INVERT: (0, -1, 255),
+        Mapping.EXPAND_NORMAL: (0, 2, -one),
+        Mapping.EXPAND_NEGATE: (0, -2, one),
+        Mapping.HALF_BIAS_NORMAL: (0, 1, -128),
+        Mapping.HALF_BIAS_NEGATE: (0, -1, 128),
+        Mapping.SIGNED_IDENTITY: (-256, 1, 0),
+        Mapping.SIGNED_NEGATE: (-256, -1, 0),
+    }[mapping]
+
+
+_ZERO_MAPPINGS = frozenset({Mapping.UNSIGNED_IDENTITY, Mapping.SIGNED_IDENTITY, Mapping.SIGNED_NEGATE})
+
+
+def _is_zero(variable):
+    return variable.register == Register.ZERO and variable.mapping in _ZERO_MAPPINGS
+
+
+def _normalized(portion):
+    """The same portion with its sum written as AB where CD is zero: equal values, half the work."""
+    plain = (
+        not portion.mux_sum
+        and portion.cd_output == Register.DISCARD
+        and portion.ab_output == Register.DISCARD
+    )
+    if plain and (_is_zero(portion.c) or _is_zero(portion.d)):
+        return replace(portion, ab_output=portion.sum_output, sum_output=Register.DISCARD)
+    return portion
+
+
+def _blue_to_alpha(portion):
+    """For the AB and the CD output: whether its blue goes to its register's alpha."""
+    return [
+        portion.ab_blue_to_alpha and portion.ab_output != Register.DISCARD,
+        portion.cd_blue_to_alpha and portion.cd_output != Register.DISCARD,
+    ]
+
+
+def _pack_portion(portion, alpha, expand_half, mux_select):
+    blue = [0, 0] if alpha else _blue_to_alpha(portion)
+    portion, row = _normalized(portion), []
+    for variable in (portion.a, portion.b, portion.c, portion.d):
+        row += [variable.register, variable.usage, *_mapping(variable.mapping, expand_half)]
+    outputs = [portion.ab_output, portion.cd_output, portion.sum_output]
+    row += [-1 if register == Register.DISCARD else int(register) for register in outputs]
+    row += [0, 0] if alpha else [portion.ab_dot_product, portion.cd_dot_product]
+    bias = -128 if portion.bias == CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF else 0
+    mux = (1 if mux_select == MuxSelect.LSB else 128) if portion.mux_sum else 0
+    return [*row, mux, bias, portion.scale, *blue]
+
+
+def _registers_read(program):
+    """Registers that some input of the program names, with what the pseudo-registers stand for."""
+    inputs = []
+    for stage in program.general:
+        for portion in (stage.rgb, stage.alpha):
+            if any(r != Register.DISCARD for r in (portion.ab_output, portion.cd_output, portion.sum_output)):
+                inputs += [portion.a, portion.b, portion.c, portion.d]
+            if portion.mux_sum and portion.sum_output != Register.DISCARD:
+                inputs.append(CombinerInput(Register.SPARE0))  # its alpha selects
+    final = program.final
+    inputs += [final.a, final.b, final.c, final.d, final.g]
+    used = {i.register for i in inputs}
+    if Register.E_TIMES_F in used:
+        used |= {final.e.register, final.f.register}
+    if Register.SPARE0_PLUS_SECONDARY_COLOR in used:
+        used |= {Register.SPARE0, Register.SECONDARY_COLOR}
+    return used
+
+
+def _discards(state):
+    """Whether a texture shader stage may discard fragments, or change their depth."""
+    stages = state.texture_shader or ()
+    return any(stage.operation in DISCARDING for stage in stages[: len(state.texture_units)])
+
+
+def pack_combiners(state, profile, textures, draw):
+    """The combiners' entries; returns rows of stages and final combiner, constants, the registers read."""
+    program = combiner_program(state, profile, textures)
+    if program is None and _discards(state):
+        program = WITH_FOG  # the primary colour, too, but texture shader stages run before it
+    if program is None:
+        draw[R.DIRECT] = 1
+        zero = np.zeros
+        return (
+            zero((0, 2, R.PORTION_SIZE), np.int32),
+            zero((7, R.FINAL_SIZE), np.int32),
+            zero((1, 8), np.int16),
+            set(),
+        )
+    half, select = profile.expand_half, program.mux_select
+    stages = [
+        [_pack_portion(stage.rgb, False, half, select), _pack_portion(stage.alpha, True, half, select)]
+        for stage in program.general
+    ]
+    final = program.final
+    inputs = (final.a, final.b, final.c, final.d, final.e, final.f, final.g)
+    packed_final = [[i.register, i.usage, i.mapping == Mapping.UNSIGNED_INVERT] for i in inputs]
+    own = [color_bytes(program.constant_color0), color_bytes(program.constant_color1)]
+    constants = [
+        [
+            *(own[0] if stage.constant_color0 is None else color_bytes(stage.constant_color0)),
+            *(own[1] if stage.constant_color1 is None else color_bytes(stage.constant_color1)),
+        ]
+        for stage in program.general
+    ]
+    constants.append([*own[0], *own[1]])  # the final combiner's
+    used = _registers_read(program)
+    draw[R.STAGES] = len(stages)
+    for on, bit in (
+        (program.color_sum_clamp, C.COLOR_SUM_CLAMP),
+        (program.invert_spare0, C.COLOR_SUM_INVERT_SPARE0),
+        (program.invert_secondary_color, C.COLOR_SUM_INVERT_SECONDARY),
+    ):
+        draw[R.COLOR_SUM] |= bit if on else 0
+    draw[R.USES_E_TIMES_F] = Register.E_TIMES_F in used
+    draw[R.USES_SPARE0_PLUS_SECONDARY] = Register.SPARE0_PLUS_SECONDARY_COLOR in used
+    written = {
+        register
+        for stage in program.general
+        for portion in (stage.rgb, stage.alpha)
+        for register in (portion.ab_output, portion.cd_output, portion.sum_output)
+    }
+    draw[R.WRITES_TEXTURE] = any(Register.TEXTURE0 <= register <= Register.TEXTURE3 for register in written)
+    draw[R.STAGE_CONSTANTS] = any(row != constants[0] for row in constants)
+    return (
+        np.array(stages, np.int32).reshape(len(stages), 2, R.PORTION_SIZE),
+        np.array(packed_final, np.int32),
+        np.array(constants, np.int16),
+        used,
+    )

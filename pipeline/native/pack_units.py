@@ -1,0 +1,149 @@
+"""The rows of texture units: samplers, texture shader stages and comparisons of depth textures."""
+
+import numpy as np
+
+from fixedpipe.pipeline.enums import (
+    InternalFormat,
+    MagnificationThreshold,
+    Register,
+    TextureCompareMode,
+    TextureFilter,
+    TextureShaderOperation,
+    TextureTarget,
+)
+from fixedpipe.pipeline.framebuffers.framebuffer import color_bytes, to_byte
+from fixedpipe.pipeline.programs.texture_shader_rules import (
+    CONVENTIONAL,
+    DISCARDING,
+    WITHOUT_TEXTURE,
+    shader_stages,
+)
+from fixedpipe.pipeline.textures.images import (
+    BASE_FORMAT,
+    DEPTH_TEXELS,
+    KEPT,
+    depth_texture_mode,
+    register_components,
+)
+from fixedpipe.raster import codes as C
+from fixedpipe.raster import rows as R
+
+# Which levels a minification filter reads (section 3.8.5).
+_MIPMAPS = {
+    TextureFilter.NEAREST: C.MIPMAP_NONE,
+    TextureFilter.LINEAR: C.MIPMAP_NONE,
+    TextureFilter.NEAREST_MIPMAP_NEAREST: C.MIPMAP_NEAREST,
+    TextureFilter.LINEAR_MIPMAP_NEAREST: C.MIPMAP_NEAREST,
+    TextureFilter.NEAREST_MIPMAP_LINEAR: C.MIPMAP_LINEAR,
+    TextureFilter.LINEAR_MIPMAP_LINEAR: C.MIPMAP_LINEAR,
+}
+
+
+def border_texel(color, internal_format):
+    """The packed register bytes of a border colour: through the texture's base format."""
+    rgba = np.array(color_bytes(color), np.uint8)
+    r, g, b, a = register_components(
+        rgba[list(KEPT[BASE_FORMAT[internal_format]])], BASE_FORMAT[internal_format], 255
+    )
+    return int(r) | int(g) << 8 | int(b) << 16 | int(a) << 24
+
+
+def signed_bits(signed):
+    """SignedComponents as the bits that tell s + 128 from s in a packed texel."""
+    flags = (signed.red, signed.green, signed.blue, signed.alpha)
+    return sum(0x80 << (8 * channel) for channel, flag in enumerate(flags) if flag)
+
+
+def _pattern(value):
+    """The bit pattern of a float64."""
+    return np.float64(value).view(np.int64)
+
+
+def _pack_shader_stage(stage, target, profile, maximum, row):
+    foreign = stage.operation == TextureShaderOperation.TEXTURE_CUBE_MAP
+    foreign &= target != TextureTarget.TEXTURE_CUBE_MAP
+    if stage.operation not in CONVENTIONAL or foreign:
+        row[R.OPERATION] = stage.operation
+    row[R.PREVIOUS], row[R.MAPPING] = stage.previous_texture_input, stage.dot_product_mapping
+    row[R.CULL_MODES] = sum(int(mode) << k for k, mode in enumerate(stage.cull_modes))
+    row[R.OFFSET_MATRIX : R.OFFSET_MATRIX + 4] = [_pattern(a) for a in stage.offset_texture_matrix]
+    row[R.OFFSET_SCALE], row[R.OFFSET_BIAS] = (
+        _pattern(stage.offset_texture_scale),
+        _pattern(stage.offset_texture_bias),
+    )
+    row[R.CONSTANT_EYE : R.CONSTANT_EYE + 3] = [_pattern(e) for e in stage.constant_eye]
+    row[R.COORDINATE_DEPTH] = _pattern(1.0 if profile.depth_units_in_coordinates else maximum)
+
+
+def _pack_comparison(sampler, internal_format, profile, row):
+    """A depth texture's entries. Its border is refused (``fixedpipe.pipeline.validation``)."""
+    row[R.COMPARE], row[R.COMPARE_FUNCTION] = sampler.compare_mode, sampler.compare_function
+    base, failed = depth_texture_mode(sampler, profile), to_byte(sampler.compare_fail_value)
+    for at, byte in ((R.COMPARE_HELD, 255), (R.COMPARE_FAILED, failed)):
+        texel = register_components(np.array([byte], np.uint8), base, np.uint8(255))
+        row[at] = int.from_bytes(texel.tobytes(), "little")
+    row[R.DEPTH_TEXEL_MAX], row[R.DEPTH_TEXEL_MANTISSA] = DEPTH_TEXELS[internal_format]
+    units = profile.depth_units_in_coordinates
+    row[R.COORDINATE_DEPTH] = _pattern(1.0 if units else row[R.DEPTH_TEXEL_MAX])
+
+
+def pack_units(state, profile, textures, used, draw):
+    """The units' rows, and the numbers of those whose coordinates are divided by q where it varies."""
+    units, divided = np.zeros((max(len(state.texture_units), 1), R.UNIT_SIZE), np.int64), []
+    stages = shader_stages(state)
+    for i, unit in enumerate(state.texture_units):
+        # SPARE0's alpha begins as texture 0's alpha.
+        needed = Register.TEXTURE0 + i in used or (i == 0 and Register.SPARE0 in used)
+        stage = None if stages is None else stages[i]
+        if stage is not None:
+            needed = stage.operation != TextureShaderOperation.NONE  # a later stage may need it
+        if unit is None or not needed:
+            continue
+        if stage is not None:
+            draw[R.TEXTURE_SHADER] = 1
+            draw[R.DISCARDS] |= stage.operation in DISCARDING
+            target = None if unit.texture is None else textures[unit.texture].target
+            _pack_shader_stage(stage, target, profile, draw[R.DEPTH_MAX], units[i])
+            if stage.operation in WITHOUT_TEXTURE:
+                units[i, R.ENABLED] = 1
+                continue
+        texture, sampler = textures[unit.texture], unit.sampler
+        mag_linear = sampler.mag_filter == TextureFilter.LINEAR
+        minification = sampler.min_filter
+        levels = min(len(texture.levels), sampler.max_level + 1)
+        mipmap = _MIPMAPS[minification] if levels > 1 else C.MIPMAP_NONE
+        linear = minification in (
+            TextureFilter.LINEAR,
+            TextureFilter.LINEAR_MIPMAP_NEAREST,
+            TextureFilter.LINEAR_MIPMAP_LINEAR,
+        )
+        row = units[i]
+        row[R.ENABLED], row[R.TARGET], row[R.LEVELS] = 1, texture.target, levels
+        row[R.WRAP_S], row[R.WRAP_T] = sampler.wrap_s, sampler.wrap_t
+        if texture.target == TextureTarget.TEXTURE_3D:
+            row[R.WRAP_R], row[R.LAYERS] = sampler.wrap_r, texture.depth
+        row[R.MAG_LINEAR], row[R.MIN_LINEAR], row[R.MIPMAP] = mag_linear, linear, mipmap
+        row[R.LOD_BIAS] = int(256 * float(unit.lod_bias))  # Assumed: truncation (docs/numbers.md, section 7)
+        row[R.MIN_LOD], row[R.MAX_LOD] = (int(256 * float(lod)) for lod in (sampler.min_lod, sampler.max_lod))
+        if sampler.max_anisotropy > 1:
+            row[R.ANISOTROPY] = np.float64(sampler.max_anisotropy).view(np.int64)
+        if sampler.max_probes > 1:
+            row[R.PROBES] = sampler.max_probes
+        if (
+            profile.magnification_threshold == MagnificationThreshold.OPENGL_C
+            and mag_linear
+            and minification in (TextureFilter.NEAREST_MIPMAP_NEAREST, TextureFilter.NEAREST_MIPMAP_LINEAR)
+        ):
+            row[R.THRESHOLD] = 128
+        row[R.HILO] = texture.internal_format == InternalFormat.HILO16
+        row[R.SIGNED] = signed_bits(sampler.signed_components)
+        if row[R.HILO]:  # words have the signs of their high bytes (Measured: BumpEnvLum_R16B16)
+            row[R.SIGNED] &= 0x80008000
+        if sampler.compare_mode != TextureCompareMode.NONE:
+            _pack_comparison(sampler, texture.internal_format, profile, row)
+        else:
+            row[R.BORDER] = border_texel(sampler.border_color, texture.internal_format) ^ int(row[R.SIGNED])
+        # A cube map reads a direction as it is, and what a stage makes is not divided either.
+        if texture.target != TextureTarget.TEXTURE_CUBE_MAP and not row[R.OPERATION]:
+            divided.append(i)
+    return units, divided

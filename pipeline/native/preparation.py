@@ -1,0 +1,139 @@
+"""A Draw up to its fragments: primitives sorted into bands of rows, and the arrays that kernels take.
+
+What the vector engine (``raster.vector.frame``) does not cover is drawn by the portable one
+(``raster.portable.draw``).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fixedpipe.pipeline.native import pack
+from fixedpipe.pipeline.native.combiner_plan import plan_combiners
+from fixedpipe.pipeline.native.texels import NO_LEVELS, NO_TEXELS, texels_of
+from fixedpipe.pipeline.vertices.primitives import WindowPrimitives
+from fixedpipe.raster import codes as C
+from fixedpipe.raster import rows as R
+from fixedpipe.raster.primitives.bins import BAND_HEIGHT, CHUNK, count_bins, fill_bins, sort_triangles
+from fixedpipe.raster.vector.frame import fill_draw
+
+NO_RECORD = np.zeros((0, 4), np.int32)
+
+_NO_PAIRS = [NO_TEXELS] * 4
+
+
+def sort_into_bands(primitives, draw, height):
+    """(triangle numbers of every band behind one another, where each band's end, dropped triangles)."""
+    bands = -(-height // BAND_HEIGHT)
+    p, count = primitives, len(primitives.triangles)
+    if p.orderly and not len(p.strokes):
+        order, needed = np.empty(0, np.int32), 2 * count + 4 * bands
+        while needed > len(order):
+            order, ends = np.empty(needed, np.int32), np.empty(bands, np.int32)
+            scratch = np.empty(len(p.x), np.int64), np.empty((4, CHUNK), np.int64), np.empty(count, np.int64)
+            needed = sort_triangles(p.triangles, p.x, p.y, draw, *scratch, ends, order)
+        return order[:needed], ends, 0
+    counts, spans = np.empty(bands, np.int32), np.empty((count, 2), np.int32)
+    dropped = count_bins(p.triangles, p.strokes, p.x, p.y, p.inverse_w, draw, counts, spans)
+    ends = np.zeros(bands, np.int32)
+    ends[1:] = np.cumsum(counts)[:-1]
+    order = np.empty(int(counts.sum()), np.int32)
+    fill_bins(spans, ends, order)
+    return order, ends, int(dropped)
+
+
+@dataclass(eq=False, slots=True)
+class Prepared:
+    """A Draw up to its fragments.
+
+    bound    (name, Texture) of each texture that it reads
+    area     pixels of the scissor box; 0: nothing is left to draw, and what follows is not there
+    size     bytes of vertices
+    texels   of four units: their _Texels, or None; ``levels`` int32 [units, MAX_LEVELS, 3]
+    order    primitives sorted into bands; ``ends``: where each band's end (``fixedpipe.raster.primitives.bins``)
+    job      a row of the vector engine's table; False: it is the portable engine's; None: not asked yet
+    beside   arrays that only this row names
+    """
+
+    dropped: int
+    bound: tuple
+    area: int = 0
+    size: int = 0
+    primitives: WindowPrimitives | None = None
+    packed: pack.PackedState | None = None
+    texels: list | None = None
+    levels: np.ndarray | None = None
+    order: np.ndarray | None = None
+    ends: np.ndarray | None = None
+    job: object = None
+    beside: object = None
+
+    def bands(self, first, step, batch, buffers, record):
+        """Draw bands ``first``, ``first + step``, ... by the portable engine: how many fragments."""
+        from fixedpipe.raster.portable.draw import draw_bands
+
+        p, packed = self.primitives, self.packed
+        texels = [NO_TEXELS if texels is None else texels.packed for texels in self.texels]
+        count = draw_bands(
+            packed.draw, packed.draw_float, packed.program, packed.final, packed.constants, packed.arithmetic,
+            packed.factors, p.triangles, p.strokes, p.x, p.y, packed.depths, p.inverse_w, p.colors,
+            p.coordinates, p.fog, packed.fog_thresholds, *texels, self.levels, packed.units,
+            self.order, self.ends, first, step, batch, *buffers, record,
+        )  # fmt: skip
+        if count < 0:
+            raise ValueError(
+                "A pass's rows would lead outside an array; take them from fixedpipe.pipeline.native.pack.pack."
+            )
+        return count
+
+    def fill_job(self):
+        """Make ``job``."""
+        job = np.zeros((1, R.JOB_SIZE), np.int64)
+        if not self._fill(job, _NO_PAIRS, self.levels):
+            self.job = False
+            return
+        self.job = job[0]
+        # How a unit is sampled is known now, and so which textures are needed as row pairs.
+        paths = job[0, R.JOB_UNIT_PATH : R.JOB_UNIT_PATH + 4].tolist()
+        if paths != [C.PATH_DISABLED] * 4:
+            pairs, levels = [NO_TEXELS] * 4, [NO_LEVELS] * len(self.levels)
+            for i, (path, read) in enumerate(zip(paths, self.texels, strict=True)):
+                if path != C.PATH_DISABLED:
+                    pairs[i], levels[i] = read.pairs
+            self.beside = pairs, _stacked(levels)
+            self._fill(job, *self.beside)
+
+    def _fill(self, job, pairs, levels):
+        p, packed = self.primitives, self.packed
+        if (plan := packed.derived.get("plan")) is None:
+            plan = packed.derived["plan"] = plan_combiners(
+                packed.draw, packed.program, packed.final, packed.constants, packed.arithmetic, packed.units
+            ).rows
+        return fill_draw(
+            job, 0, packed.draw, packed.draw_float, plan, packed.factors, p.triangles, p.x, p.y,
+            packed.depths, p.inverse_w, p.colors, p.coordinates, *pairs, levels, packed.units, self.order,
+            self.ends,
+        )  # fmt: skip
+
+
+def prepare(framebuffer, primitives, packed, textures):
+    """Sort primitives into bands and bring together what kernels take."""
+    p = primitives
+    empty = len(p.triangles) == 0 or packed.area == 0
+    order, ends, dropped = (None, None, 0) if empty else sort_into_bands(p, packed.draw, framebuffer.height)
+    bound = tuple([(name, textures[name]) for _, name, _ in packed.reads])
+    if empty or len(order) == 0:
+        return Prepared(dropped + p.dropped, bound)
+    texels, levels = [None] * 4, [NO_LEVELS] * len(packed.units)
+    for i, name, signed in packed.reads:
+        texels[i] = texels_of(textures[name], signed)
+        levels[i] = texels[i].levels
+    size = p.colors.nbytes + p.coordinates.nbytes + 40 * len(p.x) + 16 * len(p.triangles) + 4 * len(order)
+    return Prepared(
+        dropped + p.dropped, bound, packed.area, size, p, packed, texels, _stacked(levels), order, ends
+    )
+
+
+def _stacked(levels):
+    """Levels int32 [1, MAX_LEVELS, 3] of each unit as one array."""
+    return levels[0] if len(levels) == 1 else np.concatenate(levels)

@@ -1,0 +1,68 @@
+"""Textures as kernels read them, packed once for as long as a texture lives."""
+
+import weakref
+from functools import cached_property
+
+import numpy as np
+
+from fixedpipe.pipeline.enums import TextureTarget
+from fixedpipe.raster import rows as R
+from fixedpipe.raster.vector.sample import row_pairs
+
+NO_TEXELS = np.zeros(1, np.uint32)
+
+NO_LEVELS = np.ones((1, R.MAX_LEVELS, 3), np.int32)
+
+
+class Texels:
+    """A texture as kernels read it. ``levels`` int32 [1, MAX_LEVELS, 3]: where each level begins in
+    ``packed``, its width and height.
+    """
+
+    def __init__(self, texture, signed):
+        self.levels, offset = np.ones((1, R.MAX_LEVELS, 3), np.int32), 0
+        for k, level in enumerate(texture.levels):
+            self.levels[0, k] = offset, level.shape[2], level.shape[1]
+            offset += level[..., 0].size
+        self._images, self._signed = texture.levels, signed
+        self._volume = texture.target == TextureTarget.TEXTURE_3D
+
+    @cached_property
+    def packed(self):
+        """Every level behind the other, a word for each texel: the texture's own memory where it is that."""
+        images = [np.ascontiguousarray(image).view(np.uint32).ravel() for image in self._images]
+        if len(images) == 1 and not self._signed:
+            return np.asarray(_Unlocked(images[0]))
+        return np.concatenate(images) ^ np.uint32(self._signed)
+
+    @cached_property
+    def pairs(self):
+        """The same as row pairs (``fixedpipe.raster.vector.sample``) and their levels; of a volume none."""
+        if self._volume:
+            return NO_TEXELS, NO_LEVELS
+        pairs, levels = row_pairs(self.packed, self.levels[0], len(self._images), len(self._images[0]))
+        if len(self._images) > 1 or self._signed:
+            self.__dict__.pop("packed", None)  # mostly nobody asks for both
+        return pairs, levels[None]
+
+
+class _Unlocked:
+    """An array's memory for kernels, which take writable arrays alone, though they write to no texel."""
+
+    def __init__(self, array):
+        self._array = array
+        place, _ = array.__array_interface__["data"]
+        self.__array_interface__ = {**array.__array_interface__, "data": (place, False)}
+
+
+_packed_textures = weakref.WeakKeyDictionary()
+
+
+def texels_of(texture, signed):
+    """``signed``: bits that are inverted in every texel, so that filters see s + 128 for a signed byte s."""
+    found = _packed_textures.get(texture)
+    if found is None:
+        found = _packed_textures.setdefault(texture, {})
+    if signed not in found:
+        found[signed] = Texels(texture, signed)
+    return found[signed]

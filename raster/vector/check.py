@@ -1,0 +1,58 @@
+"""Whether a Draw's rows and combiner plan keep the vector engine's kernels inside their arrays, whoever wrote
+them. ``raster.portable.check`` looks at what both engines read.
+"""
+
+from fixedpipe.raster import codes as C
+from fixedpipe.raster import rows as R
+from fixedpipe.raster.kernel import kernel
+from fixedpipe.raster.portable.check import usable_units
+from fixedpipe.raster.vector.combine import (
+    OPERANDS,
+    OPERATION,
+    OPERATION_SIZE,
+    PLANES,
+    SCRATCH_PLANES,
+    SECOND,
+    TARGET,
+)
+
+
+@kernel
+def usable_plan(plan):
+    """Whether a combiner plan's operations are some and read and write planes that there are."""
+    if plan.shape[1] != OPERATION_SIZE:
+        return False
+    for k in range(plan.shape[0]):
+        row = plan[k]
+        if row[OPERATION] < 0 or row[OPERATION] > C.PLAN_FINISH:
+            return False
+        # The last five work on scratch planes, FINISH to a register's.
+        rare = C.PLAN_MULTIPLY <= row[OPERATION] < C.PLAN_FINISH
+        if row[TARGET] < 0 or row[TARGET] >= (SCRATCH_PLANES - 2 if rare else PLANES):
+            return False
+        if row[SECOND] < 0 or row[SECOND] >= SCRATCH_PLANES:
+            return False
+        for operand in range(6):
+            if row[OPERANDS + R.INPUT_SIZE * operand] < 0 or row[OPERANDS + R.INPUT_SIZE * operand] >= PLANES:
+                return False
+    return True
+
+
+@kernel(
+    "b1(i8[::1],f8[::1],i4[:,::1],i4[:,::1],i4[:,::1],i8,f8[::1],u1[:,:,::1],f8[:,:,::1],i4[:,:,::1],i8[:,::1])"
+)
+def usable_job(
+    draw, draw_float, plan, factors, triangles, vertices, inverse_w, colors, coordinates, levels, units
+):
+    """As ``usable``, for the vector engine, but for box and texels, which rows.JOB_USABLE and
+    ``frame.draw_frame`` are about.
+    """
+    if draw.shape[0] < R.DRAW_SIZE or draw_float.shape[0] < R.DRAW_FLOAT_SIZE or triangles.shape[1] != 4:
+        return False
+    if factors.shape[0] < 2 or factors.shape[1] != 4 * R.FACTOR_SIZE or inverse_w.shape[0] < vertices:
+        return False
+    if colors.shape[0] < vertices or colors.shape[1] != 2 or colors.shape[2] != 8:
+        return False
+    if coordinates.shape[0] < vertices or coordinates.shape[2] != 4 or coordinates.shape[1] < draw[R.UNITS]:
+        return False
+    return usable_plan(plan) and usable_units(draw, units, levels)
