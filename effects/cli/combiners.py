@@ -72,7 +72,7 @@ def _target(given):
 
 def _text(program):
     """The program in the notations of nvparse's own."""
-    from fixedpipe.pipeline.notations.register_combiners import format_program
+    from fixedpipe.pipeline.notations.register_combiner_format import format_program
     from fixedpipe.pipeline.notations.texture_shaders import format_stages
 
     stages, combiners = program.texture_shader, program.combiners

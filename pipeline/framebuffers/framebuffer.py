@@ -4,11 +4,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fixedpipe.pipeline.enums import (
-    ColorBuffer,
-    ColorFormat,
-    DepthFormat,
-)
+from fixedpipe.pipeline.enums import ColorBuffer, ColorFormat, DepthFormat
 from fixedpipe.pipeline.framebuffers.transfer import (
     changes_nothing,
     packed_colors,

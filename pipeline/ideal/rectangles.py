@@ -1,5 +1,5 @@
 """What DrawPixels, CopyPixels and Bitmap draw on the ideal machine: the machines' pixels, real values,
-nothing rounded but stencil values and numbers of volumes. ``fixedpipe.pipeline.ideal.evaluate`` shades and writes them.
+nothing rounded but stencil values and numbers of volumes.
 """
 
 from dataclasses import dataclass, replace
@@ -8,13 +8,14 @@ from types import SimpleNamespace
 import numpy as np
 
 from fixedpipe.pipeline.commands import Bitmap, CopyPixels, kind_of
-from fixedpipe.pipeline.enums import PixelCopyType, PixelTexGenAlpha, PixelTexGenQ
+from fixedpipe.pipeline.enums import PixelCopyType, PixelTexGenAlpha, PixelTexGenQ, TextureCompareMode
 from fixedpipe.pipeline.framebuffers.rectangles import (
     covered_pixels,
     divided,
     set_bits,
     takes_raster_color,
     volume_levels,
+    without_footprints,
 )
 from fixedpipe.pipeline.framebuffers.transfer import (
     image_groups,
@@ -23,6 +24,10 @@ from fixedpipe.pipeline.framebuffers.transfer import (
     transfer_image,
     transfer_stencil,
 )
+from fixedpipe.pipeline.ideal.coordinates import reference_of, still_place
+from fixedpipe.pipeline.ideal.per_fragment import write, write_tested
+from fixedpipe.pipeline.ideal.sample import sample
+from fixedpipe.pipeline.ideal.shade import shade_colors
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.vertices.raster_position import raster_vertex
 
@@ -168,3 +173,37 @@ def _chosen(q, texture):
         PixelTexGenQ.CEILING: np.ceil(q - 0.5),
     }[texture.q_filter]
     return np.clip(index, 0, texture.volumes - 1).astype(np.int64)
+
+
+def draw_rectangle(command, buffers, textures, statistics, record):
+    """DrawPixels, CopyPixels and Bitmap: the machine's pixels, real colours. ``record``: a guide's."""
+    state = without_footprints(command.state)
+    found = rectangle(command, buffers, statistics)
+    if found is None:
+        return
+    if found.stencil is not None:
+        if record is None:
+            stored, test = buffers.stencil.reshape(-1), state.stencil_test
+            mask = np.uint8(0xFF if test is None else test.write_mask)
+            stored[found.pixel] = (stored[found.pixel] & ~mask) | (found.stencil & mask)
+        return
+    if record is not None:
+        found = found.part(np.asarray(record.passed, bool))
+
+    def texel(i, unit, texture):
+        parts = np.empty((len(found.pixel), 4))
+        for chosen, image in found.images(texture):
+            strq = found.coordinates[chosen, i]
+            compares = unit.sampler.compare_mode is not TextureCompareMode.NONE
+            reference = reference_of(strq) if compares else None
+            parts[chosen] = sample(image, unit, still_place(strq, image.target), reference)
+        if i == 0 and found.texel_alpha is not None:
+            parts[:, 3] = found.texel_alpha
+        return parts
+
+    color = shade_colors(state, textures, found.primary, found.secondary, found.distances, texel)
+    written = buffers.buffer(state.draw_buffer)
+    if record is None:
+        write_tested(state, written, found.pixel, color, found.depth)
+    else:
+        write(state, written, found.pixel, color, found.depth)

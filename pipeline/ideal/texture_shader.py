@@ -1,5 +1,4 @@
-"""Texture shaders in real numbers: docs/numbers.md, section 12, without its roundings. ``fixedpipe.pipeline.ideal.evaluate``
-samples.
+"""Texture shaders in real numbers: docs/numbers.md, section 12, without its roundings. Who runs them samples.
 
 A stage's texel is float64 [k, 4], 1.0 = one. Where an operation reads its two's complement, or words of 16
 bits, the number is the texel times 2**bits - 1: of a texture of floats it need not be whole. EXPAND_NORMAL
@@ -12,6 +11,7 @@ import numpy as np
 
 from fixedpipe.pipeline.enums import CullMode, DotProductMapping
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
+from fixedpipe.pipeline.ideal.sample import signed, signed_flags
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.programs.texture_shader_rules import CONVENTIONAL, WITHOUT_TEXTURE, shader_stages
 
@@ -20,9 +20,6 @@ _WITH_OFFSET = (Operation.OFFSET_TEXTURE_2D, *_WITH_SCALE)
 _PAIRS = {Operation.DEPENDENT_AR_TEXTURE_2D: (3, 0), Operation.DEPENDENT_GB_TEXTURE_2D: (1, 2)}
 _REFLECTING = (Operation.DOT_PRODUCT_REFLECT_CUBE_MAP, Operation.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP)
 _OPAQUE_BLACK = (0.0, 0.0, 0.0, 1.0)
-
-# Numbers: what float64 may lose of a whole number n by n / 255 * 255.
-_NOISE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +49,7 @@ def run_stages(state, textures, count, own, conventional, made, register):
     register(texel, unit)
         What its register receives of a texel.
     """
-    run = _Run(shader_stages(state), count, own)
+    run = _Stages(shader_stages(state), count, own)
     for i, stage in enumerate(run.stages):
         unit, texel, seen, bits = state.texture_units[i], np.zeros((count, 4)), None, IDEAL.texture_bits
         match stage.operation:
@@ -87,7 +84,7 @@ def run_stages(state, textures, count, own, conventional, made, register):
     return Outcome(run.registers, run.alive, run.depth)
 
 
-class _Run:
+class _Stages:
     """What the stages have left so far: ``texels`` of each, the signed ones as unsigned numbers."""
 
     def __init__(self, stages, count, own):
@@ -181,17 +178,6 @@ class _Run:
                     eye = tuple(self.own(k)[:, 3] for k in (i - 2, i - 1, i))
                 made = _reflected(made, eye)
         return np.stack(made, axis=1)
-
-
-def signed_flags(sampler):
-    """Which components, RGBA, a sampler takes as two's complement."""
-    flags = sampler.signed_components
-    return flags.red, flags.green, flags.blue, flags.alpha
-
-
-def signed(numbers, bits):
-    """Numbers of ``bits`` bits, float64, as two's complement."""
-    return np.where(numbers >= 2.0 ** (bits - 1) - _NOISE, numbers - 2.0**bits, numbers)
 
 
 def _dot(a, b):

@@ -36,20 +36,17 @@ from typing import NamedTuple
 from fixedpipe.pipeline.enums import (
     CombinerScale,
     ComponentUsage,
-    DotProductMapping,
     Mapping,
     Register,
-    TextureShaderOperation,
-    TextureTarget,
 )
-from fixedpipe.pipeline.notations.pixel_shaders import read
-from fixedpipe.pipeline.notations.register_combiners import (
+from fixedpipe.pipeline.notations.pixel_shader_textures import WITHOUT_RESULT, ConstantPlace, texture_stages
+from fixedpipe.pipeline.notations.pixel_shaders import grouped, half_read, halves_read, read
+from fixedpipe.pipeline.notations.register_combiner_words import (
     MAX_GENERAL_COMBINERS,
     UNUSED_ALPHA,
     UNUSED_RGB,
     UNUSED_STAGE,
 )
-from fixedpipe.pipeline.programs.texture_shader_rules import texture_shader_problems
 from fixedpipe.pipeline.state import (
     AlphaPortion,
     CombinerInput,
@@ -60,7 +57,6 @@ from fixedpipe.pipeline.state import (
     TextureShaderStage,
 )
 
-_OP = TextureShaderOperation
 _RGB, _ALPHA, _BLUE = ComponentUsage.RGB, ComponentUsage.ALPHA, ComponentUsage.BLUE
 
 _REGISTERS = {
@@ -102,57 +98,6 @@ _EXPANDED = {
     Mapping.SIGNED_NEGATE: Mapping.EXPAND_NEGATE,
 }
 
-_ACCESSES = {
-    TextureTarget.TEXTURE_1D: _OP.TEXTURE_1D,
-    TextureTarget.TEXTURE_2D: _OP.TEXTURE_2D,
-    TextureTarget.TEXTURE_RECTANGLE: _OP.TEXTURE_RECTANGLE,
-    TextureTarget.TEXTURE_3D: _OP.TEXTURE_3D,
-    TextureTarget.TEXTURE_CUBE_MAP: _OP.TEXTURE_CUBE_MAP,
-}
-_2D, _RECTANGLE = TextureTarget.TEXTURE_2D, TextureTarget.TEXTURE_RECTANGLE
-_3D, _CUBE_MAP = TextureTarget.TEXTURE_3D, TextureTarget.TEXTURE_CUBE_MAP
-# What a texture instruction does, by the target of its unit; the first where no target was given.
-_TEXTURE_OPERATIONS = {
-    "tex": {_2D: _OP.TEXTURE_2D} | _ACCESSES,
-    "texcoord": {None: _OP.PASS_THROUGH},
-    "texkill": {None: _OP.CULL_FRAGMENT},
-    "texbem": {_2D: _OP.OFFSET_TEXTURE_2D, _RECTANGLE: _OP.OFFSET_TEXTURE_RECTANGLE},
-    "texbeml": {_2D: _OP.OFFSET_TEXTURE_2D_SCALE, _RECTANGLE: _OP.OFFSET_TEXTURE_RECTANGLE_SCALE},
-    "texreg2ar": {_2D: _OP.DEPENDENT_AR_TEXTURE_2D},
-    "texreg2gb": {_2D: _OP.DEPENDENT_GB_TEXTURE_2D},
-    "texm3x2pad": {None: _OP.DOT_PRODUCT},
-    "texm3x2tex": {_2D: _OP.DOT_PRODUCT_TEXTURE_2D, _RECTANGLE: _OP.DOT_PRODUCT_TEXTURE_RECTANGLE},
-    "texm3x2depth": {None: _OP.DOT_PRODUCT_DEPTH_REPLACE},
-    "texm3x3pad": {None: _OP.DOT_PRODUCT},
-    "texm3x3tex": {_CUBE_MAP: _OP.DOT_PRODUCT_TEXTURE_CUBE_MAP, _3D: _OP.DOT_PRODUCT_TEXTURE_3D},
-    "texm3x3spec": {_CUBE_MAP: _OP.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP},
-    "texm3x3vspec": {_CUBE_MAP: _OP.DOT_PRODUCT_REFLECT_CUBE_MAP},
-}
-# NV_texture_shader3 has operations for the first three; fixedpipe.pipeline.enums has not.
-_WITHOUT_OPERATION = {
-    "texreg2rgb": "DEPENDENT_RGB_TEXTURE; use texreg2ar or texreg2gb of a 2D texture",
-    "texdp3": "DOT_PRODUCT_PASS_THROUGH; compute the dot product with dp3, of texcoord's result",
-    "texdp3tex": "DOT_PRODUCT_TEXTURE_1D; use texm3x2pad and texm3x2tex of a 2D texture",
-    "texm3x3": "one that keeps the product of a matrix; look it up with texm3x3tex",
-}
-_WITHOUT_RESULT = ("texkill", "texm3x2pad", "texm3x3pad", "texm3x2depth")
-# The instructions that may follow a first row, and a second one.
-_AFTER_PAD = {
-    "texm3x2pad": (("texm3x2tex", "texm3x2depth"),),
-    "texm3x3pad": (("texm3x3pad",), ("texm3x3tex", "texm3x3spec", "texm3x3vspec")),
-}
-_LAST_ROWS = {name for rows in _AFTER_PAD.values() for name in rows[-1]}
-
-
-class ConstantPlace(NamedTuple):
-    """Where constant register ``constant`` went: ``register`` of general combiner ``stage``, or, register
-    None, the constant eye of texture shader stage ``stage``.
-    """
-
-    constant: int
-    stage: int
-    register: Register | None
-
 
 @dataclass(frozen=True)
 class PixelShader:
@@ -180,7 +125,7 @@ def parse(text, targets=None, constants=None, start=(1, 1)):
     """
     listing = read(text, start)
     colors = {**(constants or {}), **listing.constants}
-    stages, eyes = _texture_stages(listing, targets or {}, colors)
+    stages, eyes = texture_stages(listing, targets or {}, colors)
     for blue_to_alpha in (False, True):
         translation = _Translation(listing, colors, blue_to_alpha)
         translation.run()
@@ -194,114 +139,6 @@ def parse(text, targets=None, constants=None, start=(1, 1)):
     places = (*eyes, *translation.constant_places())
     notes = tuple(dict.fromkeys(translation.notes))
     return PixelShader(listing.version, stages, translation.combiners(), places, notes)
-
-
-# ------------------------------------------------------------------------------------ texture stages
-
-
-def _texture_stages(listing, targets, colors):
-    """The stages of all units up to the last that an instruction names, or None, and where eyes came from."""
-    by_unit, eyes = {}, []
-    for instruction in listing.texture:
-        unit = instruction.destination[1]
-        if unit in by_unit:
-            raise instruction.token.error(
-                f"{instruction.name} gives t{unit} a second time; each texture register has one instruction. "
-                "Give this one another register."
-            )
-        by_unit[unit] = instruction
-    _check_rows(by_unit)
-    stages = []
-    for unit in range(max(by_unit, default=-1) + 1):
-        if unit not in by_unit:
-            stages.append(TextureShaderStage())
-            continue
-        stage, eye = _texture_stage(by_unit[unit], targets.get(unit), colors)
-        stages.append(stage)
-        if eye is not None:
-            eyes.append(ConstantPlace(eye, unit, None))
-    for unit, sentence in texture_shader_problems(stages):
-        raise by_unit[unit].token.error(sentence)
-    return (tuple(stages) or None), eyes
-
-
-def _check_rows(by_unit):
-    """Refuse rows of a matrix that do not stand in consecutive units."""
-    for unit, instruction in sorted(by_unit.items()):
-        name = instruction.name
-        before = by_unit.get(unit - 1)
-        if name in _LAST_ROWS:
-            pad = "texm3x2pad" if name in _AFTER_PAD["texm3x2pad"][-1] else "texm3x3pad"
-            rows = len(_AFTER_PAD[pad])
-            given = [by_unit[k].name for k in range(unit - rows, unit) if k in by_unit]
-            if given != [pad] * rows:
-                raise instruction.token.error(
-                    f"{name} without {'two ' if rows == 2 else ''}{pad} in the "
-                    f"{'units' if rows == 2 else 'unit'} right before; write the other rows of the matrix "
-                    "first."
-                )
-        if name in _AFTER_PAD and (before is None or before.name != name):
-            for row, allowed in enumerate(_AFTER_PAD[name], 1):
-                following = by_unit.get(unit + row)
-                if following is None or following.name not in allowed:
-                    raise instruction.token.error(
-                        f"{name} t{unit} without {' or '.join(allowed)} of t{unit + row}; write the next "
-                        "row of the matrix."
-                    )
-
-
-def _texture_stage(instruction, target, colors):
-    """A stage, and the number of the constant that is its eye, or None."""
-    name = instruction.name
-    if name in _WITHOUT_OPERATION:
-        raise instruction.token.error(
-            f"{name} needs a texture shader operation that there is not, {_WITHOUT_OPERATION[name]}."
-        )
-    operations = _TEXTURE_OPERATIONS[name]
-    if target is None or None in operations:
-        operation = next(iter(operations.values()))
-    elif target in operations:
-        operation = operations[target]
-    else:
-        raise instruction.token.error(
-            f"{name} of a {target.name}; it reads a {' or '.join(t.name for t in operations)}. Bind one of "
-            "these."
-        )
-    given, eye = {}, None
-    if instruction.sources:
-        source = instruction.sources[0]
-        mapping = _texel_mapping(name, source)
-        if name.startswith("texm3x"):
-            given["dot_product_mapping"] = mapping
-        given["previous_texture_input"] = source.number
-    if len(instruction.sources) == 2:
-        source = instruction.sources[1]
-        if source.letter != "c" or source.sign or source.modifier or source.selector:
-            raise source.token.error(
-                f"{source.token.text} where the eye of {name} belongs; it is a constant register, c0 for "
-                "instance."
-            )
-        eye = source.number
-        given["constant_eye"] = colors.get(eye, (0.0, 0.0, 0.0))[:3]
-    return TextureShaderStage(operation, **given), eye
-
-
-def _texel_mapping(name, source):
-    if source.letter != "t":
-        raise source.token.error(
-            f"{source.token.text} as the source of {name}; it reads an earlier texture register, t0 to t2."
-        )
-    if source.sign or source.selector or source.modifier == "bias":
-        raise source.token.error(
-            f"{source.token.text} as the source of {name}; it takes a register as it is, or _bx2. Write "
-            f"t{source.number}."
-        )
-    if source.modifier and not name.startswith("texm3x"):
-        raise source.token.error(
-            f"{source.token.text} as the source of {name}, which takes a register as it is; write "
-            f"t{source.number}, and give the texture signed components where offsets are signed."
-        )
-    return DotProductMapping.EXPAND_NORMAL if source.modifier else DotProductMapping.UNSIGNED_IDENTITY
 
 
 # -------------------------------------------------------------------------------- general combiners
@@ -343,29 +180,13 @@ def _one(half):
     return _Operand(CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, _RGB if half == "rgb" else _ALPHA))
 
 
-def _component(half, source):
-    """Which half of a register a source reads."""
-    return "a" if source.selector == "a" or (half == "a" and source.selector is None) else "rgb"
-
-
-def _reads(instruction):
-    """The halves of registers that an instruction reads, as (register, "rgb" or "a")."""
-    if instruction.name == "dp3":
-        halves = ("rgb",)
-    elif instruction.name == "dp4":
-        halves = ("rgb", "a")
-    else:
-        halves = instruction.mask
-    return {(s.register, _component(half, s)) for s in instruction.sources for half in halves}
-
-
 class _Translation:
     """The arithmetic instructions of one program, in order."""
 
     def __init__(self, listing, colors, blue_to_alpha):
         self.listing, self.blue_to_alpha = listing, blue_to_alpha
         self.colors = colors
-        self.groups = _groups(listing.arithmetic)
+        self.groups = grouped(listing.arithmetic)
         self.stages, self.notes = [], []
         self.dots = {}  # registers whose alpha is in blue
         self.equal = set()  # registers whose four components are equal
@@ -373,7 +194,7 @@ class _Translation:
         self.written = {(("v", n), half) for n in (0, 1) for half in ("rgb", "a")}
         self.texture = {i.destination[1]: i.name for i in listing.texture}
         for unit in range(4):
-            if not self.texture or self.texture.get(unit, _WITHOUT_RESULT[0]) not in _WITHOUT_RESULT:
+            if not self.texture or self.texture.get(unit, WITHOUT_RESULT[0]) not in WITHOUT_RESULT:
                 self.written |= {(("t", unit), half) for half in ("rgb", "a")}
 
     def run(self):
@@ -590,7 +411,7 @@ class _Translation:
             )
         for register in self.endangered(number, self.groups[number]):
             self.alpha_of_its_own(register, instruction.token)
-        reads = _reads(instruction._replace(sources=instruction.sources[1:]))
+        reads = halves_read(instruction._replace(sources=instruction.sources[1:]))
         own = instruction.destination == _R0 and "a" in instruction.mask
         if _R0 not in self.dots and ((_R0, "a") in reads or (not own and self.needed(number, _R0, "a"))):
             raise instruction.token.error(
@@ -626,7 +447,7 @@ class _Translation:
     def needed(self, number, register, half):
         """Whether anything after group ``number`` reads this half of a register before it is written."""
         for group in self.groups[number + 1 :]:
-            if any((register, half) in _reads(instruction) for instruction in group):
+            if any((register, half) in halves_read(instruction) for instruction in group):
                 return True
             if any(i.destination == register and half in i.mask for i in group):
                 return False
@@ -677,7 +498,7 @@ class _Translation:
                 f"{source.token.text} for red, green and blue; only alpha takes .b. Write the destination "
                 ".a, or take .a."
             )
-        component = _component(half, source)
+        component = half_read(half, source)
         self.check_written(source, component)
         usage = _ALPHA if component == "a" else (_BLUE if half == "a" else _RGB)
         mapping = _MAPPINGS[source.sign, source.modifier]
@@ -723,22 +544,6 @@ def _stored(color):
     if min(color[:3]) < 0 < max(color[:3]):
         return (*(min((value + 256 / 255) / 2, 1.0) for value in color[:3]), magnitudes[3])
     return magnitudes
-
-
-def _groups(instructions):
-    groups = []
-    for instruction in instructions:
-        if not instruction.paired:
-            groups.append((instruction,))
-        elif not groups or len(groups[-1]) > 1:
-            raise instruction.token.error(
-                f"{instruction.name} after a '+' that "
-                f"{'has nothing before it' if not groups else 'would pair a third'}; two instructions make "
-                "a pair. Remove the '+'."
-            )
-        else:
-            groups[-1] = (*groups[-1], instruction)
-    return groups
 
 
 def _copy_of_blue(register):

@@ -334,3 +334,35 @@ def read(text, start=(1, 1)):
     Raises PixelShaderTextError with line and column, both from 1.
     """
     return _Reader(text, start).listing()
+
+
+def half_read(half, source):
+    """Which half of a register a source reads."""
+    return "a" if source.selector == "a" or (half == "a" and source.selector is None) else "rgb"
+
+
+def halves_read(instruction):
+    """The halves of registers that an instruction reads, as (register, "rgb" or "a")."""
+    if instruction.name == "dp3":
+        halves = ("rgb",)
+    elif instruction.name == "dp4":
+        halves = ("rgb", "a")
+    else:
+        halves = instruction.mask
+    return {(s.register, half_read(half, s)) for s in instruction.sources for half in halves}
+
+
+def grouped(instructions):
+    groups = []
+    for instruction in instructions:
+        if not instruction.paired:
+            groups.append((instruction,))
+        elif not groups or len(groups[-1]) > 1:
+            raise instruction.token.error(
+                f"{instruction.name} after a '+' that "
+                f"{'has nothing before it' if not groups else 'would pair a third'}; two instructions make "
+                "a pair. Remove the '+'."
+            )
+        else:
+            groups[-1] = (*groups[-1], instruction)
+    return groups

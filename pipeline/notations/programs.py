@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from fixedpipe.pipeline.enums import TextureTarget
 from fixedpipe.pipeline.notations import pixel_shader_translation, register_combiners, texture_shaders
-from fixedpipe.pipeline.notations.pixel_shader_translation import ConstantPlace
+from fixedpipe.pipeline.notations.pixel_shader_textures import ConstantPlace
 from fixedpipe.pipeline.notations.tokens import ProgramTextError
 from fixedpipe.pipeline.programs.texture_shader_rules import texture_target
 from fixedpipe.pipeline.state import RegisterCombiners, TextureShaderStage

@@ -35,12 +35,23 @@ Source: the grammar, tokens and validation of nvparse's rc1.0 parser, as distrib
 """
 
 import re
-from decimal import Decimal
 from itertools import pairwise
-from math import isfinite
 from typing import NamedTuple
 
 from fixedpipe.pipeline.enums import CombinerBias, CombinerScale, ComponentUsage, Mapping, Register
+from fixedpipe.pipeline.notations.register_combiner_words import (
+    BLACK,
+    MAPPING_WORDS,
+    MAX_GENERAL_COMBINERS,
+    ONE_INPUTS,
+    REGISTER_NAMES,
+    SCALES,
+    UNUSED_ALPHA,
+    UNUSED_RGB,
+    UNUSED_STAGE,
+    USAGE_SUFFIXES,
+    ZERO_INPUTS,
+)
 from fixedpipe.pipeline.notations.tokens import ProgramTextError, Reader, scan
 from fixedpipe.pipeline.programs.combiner_rules import combiner_problems
 from fixedpipe.pipeline.state import (
@@ -52,45 +63,13 @@ from fixedpipe.pipeline.state import (
     RGBPortion,
 )
 
-# Source: nvparse's rc1.0_register.h.
-MAX_GENERAL_COMBINERS = 8
-
-REGISTER_NAMES = {
-    Register.ZERO: "zero",
-    Register.CONSTANT_COLOR0: "const0",
-    Register.CONSTANT_COLOR1: "const1",
-    Register.FOG: "fog",
-    Register.PRIMARY_COLOR: "col0",
-    Register.SECONDARY_COLOR: "col1",
-    Register.SPARE0: "spare0",
-    Register.SPARE1: "spare1",
-    Register.TEXTURE0: "tex0",
-    Register.TEXTURE1: "tex1",
-    Register.TEXTURE2: "tex2",
-    Register.TEXTURE3: "tex3",
-    Register.E_TIMES_F: "final_product",
-    Register.SPARE0_PLUS_SECONDARY_COLOR: "color_sum",
-    Register.DISCARD: "discard",
-}
 _REGISTERS = {name: register for register, name in REGISTER_NAMES.items()}
 _WITHOUT_COMPONENTS = ("final_product", "color_sum", "discard")
 _NAMES_LIST = ", ".join(name for name in _REGISTERS if name not in _WITHOUT_COMPONENTS) + " and one"
 
-USAGE_SUFFIXES = {ComponentUsage.RGB: ".rgb", ComponentUsage.ALPHA: ".a", ComponentUsage.BLUE: ".b"}
 _USAGES = {suffix[1:]: usage for usage, suffix in USAGE_SUFFIXES.items()}
 
-# (sign, function) of each mapping in a general combiner.
-_MAPPING_WORDS = {
-    Mapping.UNSIGNED_IDENTITY: ("", "unsigned"),
-    Mapping.UNSIGNED_INVERT: ("", "unsigned_invert"),
-    Mapping.EXPAND_NORMAL: ("", "expand"),
-    Mapping.EXPAND_NEGATE: ("-", "expand"),
-    Mapping.HALF_BIAS_NORMAL: ("", "half_bias"),
-    Mapping.HALF_BIAS_NEGATE: ("-", "half_bias"),
-    Mapping.SIGNED_IDENTITY: ("", ""),
-    Mapping.SIGNED_NEGATE: ("-", ""),
-}
-_MAPPINGS = {words: mapping for mapping, words in _MAPPING_WORDS.items()}
+_MAPPINGS = {words: mapping for mapping, words in MAPPING_WORDS.items()}
 _FUNCTIONS = ("expand", "half_bias", "unsigned", "unsigned_invert")
 
 # The mapping of ZERO that stands for a mapping of ``one``.  Source: nvparse's rc1.0_register.h.
@@ -104,32 +83,6 @@ _MAPPINGS_OF_ONE = {
     Mapping.SIGNED_IDENTITY: Mapping.UNSIGNED_INVERT,
     Mapping.SIGNED_NEGATE: Mapping.EXPAND_NORMAL,
 }
-
-_SCALES = {
-    "bias_by_negative_one_half_scale_by_two": (
-        CombinerScale.SCALE_BY_TWO,
-        CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF,
-    ),
-    "bias_by_negative_one_half": (CombinerScale.NONE, CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF),
-    "scale_by_one_half": (CombinerScale.SCALE_BY_ONE_HALF, CombinerBias.NONE),
-    "scale_by_two": (CombinerScale.SCALE_BY_TWO, CombinerBias.NONE),
-    "scale_by_four": (CombinerScale.SCALE_BY_FOUR, CombinerBias.NONE),
-}
-_SCALE_WORDS = {scale: word for word, scale in _SCALES.items()}
-
-_ZERO = {usage: CombinerInput(Register.ZERO, usage=usage) for usage in ComponentUsage}
-_ONE = {usage: CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, usage) for usage in ComponentUsage}
-_BLACK = (0.0, 0.0, 0.0, 0.0)
-
-
-def _unused(kind, usage):
-    zero = _ZERO[usage]
-    return kind(a=zero, b=zero, c=zero, d=zero, sum_output=Register.DISCARD)
-
-
-UNUSED_RGB = _unused(RGBPortion, ComponentUsage.RGB)
-UNUSED_ALPHA = _unused(AlphaPortion, ComponentUsage.ALPHA)
-UNUSED_STAGE = GeneralCombiner(rgb=UNUSED_RGB, alpha=UNUSED_ALPHA)
 
 
 class CombinerTextError(ProgramTextError):
@@ -201,8 +154,8 @@ class _Parser(Reader):
         combiners = RegisterCombiners(
             general=tuple(stages) or (UNUSED_STAGE,),
             final=final,
-            constant_color0=constants.get("const0", _BLACK),
-            constant_color1=constants.get("const1", _BLACK),
+            constant_color0=constants.get("const0", BLACK),
+            constant_color1=constants.get("const1", BLACK),
             color_sum_clamp=clamp,
         )
         for path, sentence in combiner_problems(combiners):
@@ -292,7 +245,7 @@ class _Parser(Reader):
         usage = ComponentUsage.RGB if name == "rgb" else ComponentUsage.ALPHA
         self.expect("{", f"after {name}")
         terms, sum_output, mux = [], Register.DISCARD, False
-        while not self.follows("}", *_SCALES):
+        while not self.follows("}", *SCALES):
             output = self.output(usage)
             self.expect("=", f"after {output.text}")
             if self.follows("sum", "mux"):
@@ -318,8 +271,8 @@ class _Parser(Reader):
                 "tex0 * col0; for instance."
             )
         scale, bias = CombinerScale.NONE, CombinerBias.NONE
-        if self.follows(*_SCALES):
-            scale, bias = _SCALES[self.next.text]
+        if self.follows(*SCALES):
+            scale, bias = SCALES[self.next.text]
             self.call()
         if not self.follows("}"):
             raise self.next.error(
@@ -332,7 +285,7 @@ class _Parser(Reader):
     @staticmethod
     def build_portion(name, usage, terms, sums, scaling):
         if len(terms) == 1:
-            terms = [*terms, _Term(Register.DISCARD, (_ZERO[usage], _ZERO[usage]), False)]
+            terms = [*terms, _Term(Register.DISCARD, (ZERO_INPUTS[usage], ZERO_INPUTS[usage]), False)]
         (ab_output, (a, b), ab_dot), (cd_output, (c, d), cd_dot) = terms
         dots = {"ab_dot_product": ab_dot, "cd_dot_product": cd_dot} if name == "rgb" else {}
         kind = RGBPortion if name == "rgb" else AlphaPortion
@@ -366,7 +319,7 @@ class _Parser(Reader):
 
     def term(self, output, path, variables, usage):
         first = self.general_input((*path, variables[0]), usage)
-        second, dot = _ONE[usage], False
+        second, dot = ONE_INPUTS[usage], False
         if self.follows("*", "."):
             operator = self.take()
             dot = operator.text == "."
@@ -474,7 +427,7 @@ class _Parser(Reader):
             raise self.next.error(
                 "the text ends without out.rgb or out.a; say what the final combiner gives."
             )
-        zero = _ZERO[ComponentUsage.RGB]
+        zero = ZERO_INPUTS[ComponentUsage.RGB]
         a, b, c, d = self.without_color_sum_in_a(given.get("out.rgb", (zero, zero, zero, zero)))
         e, f = given.get("final_product", (zero, zero))
         if "final_product" not in given:
@@ -483,7 +436,7 @@ class _Parser(Reader):
                     raise self.positions["final", variable].error(
                         "final_product is read but not set; write final_product = a * b; before the outputs."
                     )
-        g = given.get("out.a", _ZERO[ComponentUsage.ALPHA])
+        g = given.get("out.a", ZERO_INPUTS[ComponentUsage.ALPHA])
         return FinalCombiner(a, b, c, d, e, f, g), "clamp_color_sum" in given
 
     @staticmethod
@@ -533,7 +486,7 @@ class _Parser(Reader):
 
     def out_rgb(self):
         """Variables A, B, C, D of one of: a, a * b, a + d, a * b + d, lerp(a, b, c), with + d, d + lerp."""
-        zero, one = _ZERO[ComponentUsage.RGB], _ONE[ComponentUsage.RGB]
+        zero, one = ZERO_INPUTS[ComponentUsage.RGB], ONE_INPUTS[ComponentUsage.RGB]
         if self.follows("lerp"):
             a, b, c = self.lerp()
             return a, b, c, self.addend("d") if self.follows("+") else zero
@@ -582,139 +535,3 @@ def parse(text, start=(1, 1)):
     machine has is checked by ``fixedpipe.pipeline.validation``.
     """
     return _Parser(text, start).program()
-
-
-# ---------------------------------------------------------------------------------------- formatting
-
-
-def format_input(given, usage, plain):
-    """A combiner variable as text: ``usage`` is its portion's, ``plain`` the mapping that needs no word."""
-    suffix = "" if given.usage is usage else USAGE_SUFFIXES[given.usage]
-    name = REGISTER_NAMES[given.register] + suffix
-    if given.mapping is plain:
-        return name
-    sign, function = _MAPPING_WORDS[given.mapping]
-    return f"{sign}{function}({name})" if function else sign + name
-
-
-def _format_color(name, color):
-    if not all(isfinite(component) for component in color):
-        raise ValueError(f"{name} is {color}; a program holds finite numbers. Give four of them.")
-    # Decimal writes the shortest digits that read back as the same float, and never an exponent.
-    return f"{name} = ({', '.join(format(Decimal(repr(float(c))), 'f').removesuffix('.0') for c in color)});"
-
-
-def _format_portion(name, portion, unused):
-    if portion == unused:
-        return []
-    usage = unused.a.usage
-    lines = []
-
-    def product(output, first, second, dot):
-        left = format_input(first, usage, Mapping.SIGNED_IDENTITY)
-        right = format_input(second, usage, Mapping.SIGNED_IDENTITY)
-        value = left if second == _ONE[usage] and not dot else f"{left} {'.' if dot else '*'} {right}"
-        lines.append(f"{REGISTER_NAMES[output]} = {value};")
-
-    ab_dot, cd_dot = (portion.ab_dot_product, portion.cd_dot_product) if name == "rgb" else (False, False)
-    product(portion.ab_output, portion.a, portion.b, ab_dot)
-    summed = portion.sum_output is not Register.DISCARD or portion.mux_sum
-    if (
-        summed
-        or cd_dot
-        or (portion.c, portion.d, portion.cd_output) != (unused.c, unused.d, Register.DISCARD)
-    ):
-        product(portion.cd_output, portion.c, portion.d, cd_dot)
-    if summed:
-        lines.append(f"{REGISTER_NAMES[portion.sum_output]} = {'mux' if portion.mux_sum else 'sum'}();")
-    if (portion.scale, portion.bias) != (CombinerScale.NONE, CombinerBias.NONE):
-        lines.append(f"{_SCALE_WORDS[portion.scale, portion.bias]}();")
-    return [f"  {name} {{", *(f"    {line}" for line in lines), "  }"]
-
-
-def _format_stage(stage):
-    lines = ["{"]
-    for name, color in (("const0", stage.constant_color0), ("const1", stage.constant_color1)):
-        if color is not None:
-            lines.append("  " + _format_color(name, color))
-    # Every general combiner has a portion; one that does nothing shows its zeros.
-    portions = _format_portion("rgb", stage.rgb, UNUSED_RGB) + _format_portion(
-        "alpha", stage.alpha, UNUSED_ALPHA
-    )
-    return [*lines, *(portions or ["  rgb {", "    discard = unsigned(zero) * unsigned(zero);", "  }"]), "}"]
-
-
-def _format_out_rgb(final):
-    zero, one = _ZERO[ComponentUsage.RGB], _ONE[ComponentUsage.RGB]
-    a, b, c, d = (
-        format_input(i, ComponentUsage.RGB, Mapping.UNSIGNED_IDENTITY)
-        for i in (final.a, final.b, final.c, final.d)
-    )
-    if final.a == final.b == final.c == zero:
-        return d
-    plus_d = "" if final.d == zero else f" + {d}"
-    if final.c != zero:
-        return f"lerp({a}, {b}, {c}){plus_d}"
-    if plus_d and final.b == one:
-        return f"{a}{plus_d}"
-    return f"{a} * {b}{plus_d}"
-
-
-def _format_final(final, clamp):
-    zero, lines = _ZERO[ComponentUsage.RGB], []
-    rgb = (final.a, final.b, final.c, final.d)
-    product_is_read = any(given.register is Register.E_TIMES_F for given in rgb)
-    if product_is_read or (final.e, final.f) != (zero, zero):
-        e, f = (format_input(i, ComponentUsage.RGB, Mapping.UNSIGNED_IDENTITY) for i in (final.e, final.f))
-        lines.append(f"final_product = {e} * {f};")
-    if clamp:
-        lines.append("clamp_color_sum();")
-    black = rgb == (zero, zero, zero, zero)
-    transparent = final.g == _ZERO[ComponentUsage.ALPHA]
-    if not black or transparent:
-        lines.append(f"out.rgb = {_format_out_rgb(final)};")
-    if not transparent:
-        lines.append(f"out.a = {format_input(final.g, ComponentUsage.ALPHA, Mapping.UNSIGNED_IDENTITY)};")
-    return lines
-
-
-def _without_a_word(combiners):
-    """What of the combiners is a machine's own, beyond NV_register_combiners, or None."""
-    initial = RegisterCombiners()
-    for name in ("mux_select", "invert_spare0", "invert_secondary_color"):
-        if getattr(combiners, name) != getattr(initial, name):
-            return name
-    for stage in combiners.general:
-        if stage.lookup is not None:
-            return "lookup"
-        for portion, plain in ((stage.rgb, UNUSED_RGB), (stage.alpha, UNUSED_ALPHA)):
-            for name in ("ab_blue_to_alpha", "cd_blue_to_alpha", "function"):
-                if getattr(portion, name, None) != getattr(plain, name, None):
-                    return name
-    return None
-
-
-def format_program(combiners):
-    """The canonical ``!!RC1.0`` program of register combiners: ``parse`` gives them back, equal.
-
-    Raises ValueError with a sentence where ``combiners`` is what no program can say: no general combiner or
-    more than eight, a constant that is not finite, or what NV_register_combiners forbids.
-    """
-    if not 1 <= len(combiners.general) <= MAX_GENERAL_COMBINERS:
-        raise ValueError(
-            f"A program has 1 to {MAX_GENERAL_COMBINERS} general combiners; these register combiners have "
-            f"{len(combiners.general)}. Split them into passes."
-        )
-    for _, sentence in combiner_problems(combiners):
-        raise ValueError(sentence)
-    if without_a_word := _without_a_word(combiners):
-        raise ValueError(f"The notation has no word for {without_a_word}; keep these combiners as state.")
-    lines = ["!!RC1.0"]
-    for name, color in (("const0", combiners.constant_color0), ("const1", combiners.constant_color1)):
-        if color != _BLACK:
-            lines.append(_format_color(name, color))
-    if combiners.general != (UNUSED_STAGE,):
-        for stage in combiners.general:
-            lines += _format_stage(stage)
-    lines += _format_final(combiners.final, combiners.color_sum_clamp)
-    return "\n".join(lines) + "\n"

@@ -130,3 +130,18 @@ def invert_upper_left(matrix):
                 f"REFLECTION_MAP: use an invertible matrix, or disable them"
             )
         return [[cofactor[i][j] / determinant for i in range(3)] for j in range(3)]
+
+
+def filled(count, column, dtype=np.float64):
+    """One C-contiguous array of count elements."""
+    result = np.empty(count, dtype=dtype)
+    result[:] = column
+    return result
+
+
+def stacked_units(count, columns):
+    """float64 [count, units, 4] of four columns for each unit."""
+    result = np.empty((count, len(columns) // 4, 4))
+    for index, column in enumerate(columns):
+        result[:, index // 4, index % 4] = column
+    return result

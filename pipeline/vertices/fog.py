@@ -9,8 +9,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.pipeline.enums import FogMode
-from fixedpipe.pipeline.vertices.arithmetic import SINGLE_BITS, keep_significant_bits
+from fixedpipe.pipeline.enums import FogArithmetic, FogCoordinateSource, FogGeneration, FogMode, VertexStage
+from fixedpipe.pipeline.vertices.arithmetic import (
+    SINGLE_BITS,
+    ZERO,
+    columns_of,
+    keep_significant_bits,
+    length,
+    weighted_sum,
+)
 
 LN_256 = 5.545177444479562  # Source: the natural logarithm, rounded to float64
 TABLE_SIZE = 8193  # entries of ``table``
@@ -86,3 +93,31 @@ def _nodes(mode):
         context.prec = 40
         power = [Decimal(j) / 4 if mode == FogMode.EXP else Decimal(j * j) / 128 for j in range(_NODES + 1)]
         return [int(255 * Decimal(2) ** -p + Decimal("0.5")) for p in power]
+
+
+def iterated_fog(mesh, state, eye, profile):
+    """What is iterated for fog: the coordinate, or what the machine computes from it."""
+    if state.fog is None:
+        return ZERO
+    coordinate = _fog_coordinate(mesh, state, eye)
+    return (
+        vertex_value(state.fog, coordinate) if profile.fog_arithmetic == FogArithmetic.TABLE else coordinate
+    )
+
+
+def _fog_coordinate(mesh, state, eye):
+    fog, registers = state.fog, state.fog.registers
+    own = ZERO if mesh.fog_coordinates is None else mesh.fog_coordinates
+    if registers is None:
+        return np.abs(eye[2]) if fog.coordinate_source == FogCoordinateSource.FRAGMENT_DEPTH else own
+    generation = registers.generation
+    if state.vertex.stage == VertexStage.PROGRAM_RESULTS or generation == FogGeneration.FOG_COORDINATE:
+        coordinate = own
+    elif generation == FogGeneration.SECONDARY_ALPHA:
+        coordinate = columns_of(mesh.secondary_colors, (0.0, 0.0, 0.0, 0.0))[3]
+    elif generation == FogGeneration.RADIAL:
+        coordinate = length(eye[:3])
+    else:
+        coordinate = weighted_sum(registers.plane, eye)
+    absolute = registers.absolute or generation == FogGeneration.ABSOLUTE_PLANAR
+    return np.abs(coordinate) if absolute else coordinate

@@ -1,12 +1,18 @@
 """The current raster position (OpenGL 1.2.1 section 2.12): a command's RasterPosition in the window."""
 
 from math import isfinite
+from typing import NamedTuple
 
 import numpy as np
 
 from fixedpipe.pipeline.commands import vertex_of
 from fixedpipe.pipeline.enums import FogCoordinateSource
-from fixedpipe.pipeline.vertices.stage import RasterVertex, process_raster_position
+from fixedpipe.pipeline.state import needs_normals
+from fixedpipe.pipeline.vertices.arithmetic import columns_of, stacked_units, transform, weighted_sum
+from fixedpipe.pipeline.vertices.colors import eye_normal, vertex_colors
+from fixedpipe.pipeline.vertices.fog import iterated_fog
+from fixedpipe.pipeline.vertices.projection import viewport_transform, window_coordinates
+from fixedpipe.pipeline.vertices.texture_coordinates import unit_coordinates
 
 
 def raster_vertex(position, state, profile, width, height):
@@ -46,3 +52,57 @@ def _given(position, state, profile):
         coordinates,
         fog,
     )
+
+
+class RasterVertex(NamedTuple):
+    """The current raster position (section 2.12): window coordinates as they come, y up, and what is
+    associated with them.
+
+    x, y, z, inverse_w  floats; colors float64 [8], primary and secondary, and coordinates float64
+    [units, 4], as in WindowPrimitives before they become whole numbers; fog: the fog coordinate
+    """
+
+    x: float
+    y: float
+    z: float
+    inverse_w: float
+    colors: np.ndarray
+    coordinates: np.ndarray
+    fog: float
+
+
+def process_raster_position(mesh, state, profile, width, height):
+    """The RasterVertex of a mesh's one vertex, or None where it is clipped away as a point is.
+
+    Parameters and errors as ``process``'s; the vertex stage is the fixed function, without a composite.
+    Source: OpenGL 1.2.1 section 2.12; clipped by the view volume itself, without a guard band.
+    """
+    vertex = state.vertex
+    position = columns_of(mesh.positions, (0.0, 0.0, 0.0, 1.0))
+    with np.errstate(all="ignore"):
+        eye = transform(vertex.modelview, position)
+        clip_coordinates = transform(vertex.projection, eye)
+        w = clip_coordinates[3]
+        bounded = clip_coordinates[: 2 if state.depth_clamp is not None else 3]
+        inside = w > 0
+        for c in bounded:
+            inside = inside & (-w <= c) & (c <= w)
+        for plane in vertex.clip_planes:
+            inside = inside & (weighted_sum(plane, eye) >= 0)
+        if not np.all(inside):
+            return None
+        half_size, center = viewport_transform(vertex.viewport, width, height)
+        window = window_coordinates(clip_coordinates, vertex.viewport, half_size, center)
+        window = [float(c) for column in window for c in np.broadcast_to(column, 1)]
+        if not np.isfinite(window).all():
+            return None
+        normal = eye_normal(mesh, vertex) if needs_normals(state) else None
+        colors, _ = vertex_colors(mesh, vertex, position, eye, normal, profile)
+        coordinates = unit_coordinates(mesh, state, position, eye, normal)
+        fog = np.broadcast_to(iterated_fog(mesh, state, eye, profile), 1)[0]
+        return RasterVertex(
+            *window,
+            np.array([np.broadcast_to(c, 1)[0] for c in colors], np.float64),
+            stacked_units(1, coordinates)[0],
+            float(fog),
+        )

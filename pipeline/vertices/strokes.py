@@ -17,6 +17,7 @@ from fixedpipe.pipeline.vertices.arithmetic import (
     positive,
     weighted_sum,
 )
+from fixedpipe.pipeline.vertices.assembly import boundary_edges, stipple_groups
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.rows import COUNTER, END_STEP, FIRST_STEP, KIND
 
@@ -189,3 +190,37 @@ def sprite_units(state):
     if not state.point.sprite:
         return []
     return [i for i, unit in enumerate(state.texture_units) if unit is not None and unit.coord_replace]
+
+
+def stroked(primitives, mesh, state, profile, clipped, origin, sizes):
+    """The same primitives with their lines and points made.
+
+    clipped int32 [k, 4]: the rows as clipping left them; origin int64 [k]: what it made them of; sizes: of
+    points, a column.
+    """
+    if mesh.primitive == PrimitiveType.POINTS:
+        primitives = with_strokes(primitives, C.PRIMITIVE_POINT)
+    elif mesh.primitive > PrimitiveType.POINTS:
+        groups = stipple_groups(mesh)[origin]
+        return with_steps(with_strokes(primitives, C.PRIMITIVE_LINE), groups, state.line, profile)
+    elif (state.polygon.front_mode, state.polygon.back_mode) == (PolygonMode.FILL, PolygonMode.FILL):
+        return primitives
+    else:
+        boundary = _boundary(mesh, clipped, origin)
+        rows, strokes, owners = outlined(
+            primitives.triangles, boundary, primitives.x, primitives.y, state.polygon
+        )
+        primitives = replace(primitives, triangles=rows, strokes=strokes)
+        groups = stipple_groups(mesh)[origin[owners]]
+        primitives = with_steps(primitives, groups, state.line, profile)
+    if not (primitives.strokes[:, 0] == C.PRIMITIVE_POINT).any():
+        return primitives
+    return with_squares(primitives, sizes, sprite_units(state), profile)
+
+
+def _boundary(mesh, triangles, origin):
+    """Which edges of each triangle bound a polygon; what clipping left of one is outlined whole."""
+    boundary = boundary_edges(mesh)[origin]
+    clipped = np.isin(origin, origin[(triangles[:, :3] >= len(mesh.positions)).any(axis=1)])
+    begins, ends = np.diff(origin, prepend=-1) != 0, np.diff(origin, append=-1) != 0
+    return np.where(clipped, 1 | np.where(ends, 2, 0) | np.where(begins, 4, 0), boundary)

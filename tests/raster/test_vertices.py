@@ -30,8 +30,7 @@ from fixedpipe.pipeline.state import (
     TextureUnit,
     VertexState,
 )
-from fixedpipe.pipeline.vertices import plan
-from fixedpipe.pipeline.vertices import stage as vertex_module
+from fixedpipe.pipeline.vertices import plan, projection
 from fixedpipe.pipeline.vertices.clip import clip, clip_planes
 from fixedpipe.pipeline.vertices.primitives import WindowPrimitives
 from fixedpipe.pipeline.vertices.stage import process, process_columns
@@ -308,11 +307,11 @@ def test_triangles_clipped_one_by_one_are_those_clipped_at_once(places, rows, ot
     columns = [*np.array(places).T, *np.array(others)[:, :count]]
     rows = np.array(rows, np.int32).reshape(-1, 4) % count
     state = PassState(vertex=VertexState(viewport=viewport))
-    half_size, center = vertex_module._viewport(viewport, WIDTH, HEIGHT)
+    half_size, center = projection.viewport_transform(viewport, WIDTH, HEIGHT)
     planes = clip_planes((), half_size, center, (WIDTH, HEIGHT), profile.guard_band, False)
     with np.errstate(all="ignore"):
         expected, clipped, origin, dropped = clip(rows, columns, count, planes)
-        x, y, z, inverse_w = vertex_module._window_coordinates(clipped[:4], viewport, half_size, center)
+        x, y, z, inverse_w = projection.window_coordinates(clipped[:4], viewport, half_size, center)
         drawable = (inverse_w > 0) & (inverse_w < np.inf) & np.isfinite(x) & np.isfinite(y) & np.isfinite(z)
         inside = drawable[:count] & np.all([plane(columns) >= 0 for plane in planes], axis=0)
     lost = np.unique(origin[~drawable[expected[:, :3]].all(axis=1)])
@@ -335,7 +334,7 @@ def test_triangles_clipped_one_by_one_are_those_clipped_at_once(places, rows, ot
     np.testing.assert_array_equal(bits(values[:made].T), bits(np.array([c[count:] for c in clipped])))
     assert lost_here == dropped + len(lost)
     with np.errstate(all="ignore"):
-        snapped = vertex_module._snap(x[count:], WIDTH, profile)
+        snapped = projection.snap(x[count:], WIDTH, profile)
     np.testing.assert_array_equal(window[0][:made], snapped.astype(np.int32))
     new = inverse_w[count:]
     usable = drawable[count:]

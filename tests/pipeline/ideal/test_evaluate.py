@@ -42,18 +42,12 @@ from fixedpipe.pipeline.enums import (
 )
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal import evaluate
-from fixedpipe.pipeline.ideal.evaluate import (
-    TextureCoordinates,
-    blend,
-    combine,
-    execute_ideal,
-    mapped,
-    place,
-    project_on_cube,
-    sample,
-    sample_level,
-    weigh,
-)
+from fixedpipe.pipeline.ideal.combine import combine, mapped
+from fixedpipe.pipeline.ideal.coordinates import TextureCoordinates, place, project_on_cube
+from fixedpipe.pipeline.ideal.evaluate import execute_ideal
+from fixedpipe.pipeline.ideal.per_fragment import blend
+from fixedpipe.pipeline.ideal.sample import sample, sample_level
+from fixedpipe.pipeline.ideal.weights import weigh
 from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL
 from fixedpipe.pipeline.state import (
     AlphaPortion,

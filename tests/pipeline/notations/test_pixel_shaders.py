@@ -16,9 +16,10 @@ from fixedpipe.pipeline.enums import (
     TextureTarget,
 )
 from fixedpipe.pipeline.enums import TextureShaderOperation as Op
-from fixedpipe.pipeline.notations.pixel_shader_translation import ConstantPlace, parse
+from fixedpipe.pipeline.notations.pixel_shader_textures import ConstantPlace
+from fixedpipe.pipeline.notations.pixel_shader_translation import parse
 from fixedpipe.pipeline.notations.pixel_shaders import ARITHMETIC, TEXTURE, PixelShaderTextError
-from fixedpipe.pipeline.notations.register_combiners import format_program
+from fixedpipe.pipeline.notations.register_combiner_format import format_program
 from fixedpipe.pipeline.notations.register_combiners import parse as parse_combiners
 from fixedpipe.pipeline.profiles import GEFORCE_3, NV2A
 from fixedpipe.pipeline.state import TextureShaderStage

@@ -11,7 +11,7 @@ from fixedpipe.pipeline.enums import TextureShaderOperation as Op
 from fixedpipe.pipeline.enums import TextureTarget
 from fixedpipe.pipeline.notations.pixel_shader_translation import parse as parse_shader
 from fixedpipe.pipeline.notations.programs import parse_program
-from fixedpipe.pipeline.notations.register_combiners import format_program
+from fixedpipe.pipeline.notations.register_combiner_format import format_program
 from fixedpipe.pipeline.notations.register_combiners import parse as parse_combiners
 from fixedpipe.pipeline.notations.texture_shaders import parse as parse_stages
 from fixedpipe.pipeline.notations.tokens import ProgramTextError

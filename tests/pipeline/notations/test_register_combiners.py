@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given, settings
 
 from fixedpipe.pipeline.enums import CombinerBias, CombinerScale, ComponentUsage, Mapping, MuxSelect, Register
-from fixedpipe.pipeline.notations.register_combiners import CombinerTextError, format_program, parse
+from fixedpipe.pipeline.notations.register_combiner_format import format_program
+from fixedpipe.pipeline.notations.register_combiners import CombinerTextError, parse
 from fixedpipe.pipeline.state import (
     AlphaPortion,
     CombinerInput,

@@ -1,0 +1,105 @@
+"""What of a state differs from the initial one, a line for each part."""
+
+from dataclasses import MISSING, fields, is_dataclass
+
+from fixedpipe.pipeline.description.equations import combiner_lines, environment_lines, shader_stage_equation
+from fixedpipe.pipeline.description.words import ALWAYS_SHOWN, FIELD_WORDS, counted, format_value
+from fixedpipe.pipeline.enums import ConvolutionBorderMode
+from fixedpipe.pipeline.pixel_transfer import ConvolutionFilter, SeparableFilter
+from fixedpipe.pipeline.state import (
+    ColorMask,
+    ColorTable,
+    RegisterCombiners,
+    TexGen,
+    TextureEnvironment,
+    TextureShaderStage,
+)
+
+
+def _initial(field):
+    if field.default is not MISSING:
+        return field.default
+    return field.default_factory() if field.default_factory is not MISSING else MISSING
+
+
+def differences(value, initial=None):
+    """Lines for the fields of a state that differ from ``initial``, or from its own defaults.
+
+    Simple fields share the first line, which may be empty; parts follow, indented.
+    """
+    simple, parts = [], []
+    for field in fields(value):
+        given = getattr(value, field.name)
+        usual = _initial(field) if initial is None else getattr(initial, field.name)
+        if given == usual and field.name not in ALWAYS_SHOWN.get(type(value), ()):
+            continue
+        word = FIELD_WORDS.get((type(value), field.name), field.name.replace("_", " "))
+        if isinstance(given, RegisterCombiners):
+            parts += combiner_lines(given)
+        elif isinstance(given, TextureEnvironment):
+            parts += environment_lines(given)
+        elif isinstance(given, ColorMask):
+            parts.append(f"color mask {mask_words(given)}")
+        elif isinstance(given, tuple) and any(is_dataclass(g) for g in given):
+            parts += numbered_lines(word, given)
+        elif field.name == "clip_planes":
+            parts += [f"{word}{i} {format_value(plane)}" for i, plane in enumerate(given)]
+        elif isinstance(given, ColorTable):
+            parts.append(_table_line(word, given))
+        elif isinstance(given, ConvolutionFilter | SeparableFilter):
+            parts += _filter_lines(word, given)
+        elif is_dataclass(given):
+            parts += titled(word, differences(given, usual if is_dataclass(usual) else None))
+        elif given is None:
+            simple.append(f"{word} disabled")
+        else:
+            simple.append(f"{word} {format_value(given)}")
+    return [", ".join(simple), *parts]
+
+
+def numbered_lines(word, parts):
+    lines = []
+    for i, part in enumerate(parts):
+        if isinstance(part, TexGen):
+            if part != TexGen():
+                lines += titled(f"{word}_{'STRQ'[i]}", differences(part))
+        elif isinstance(part, TextureShaderStage):
+            lines.append(f"{word} {i}: {shader_stage_equation(i, part)}")
+        elif part is not None:
+            lines += titled(f"{word} {i}", differences(part))
+    return lines
+
+
+def titled(title, lines):
+    first, *rest = lines
+    return [f"{title}: {first}" if first else title, *("  " + line for line in rest)]
+
+
+def mask_words(mask):
+    written = [f.name for f in fields(mask) if getattr(mask, f.name)]
+    return "writes " + (", ".join(written) or "nothing")
+
+
+def _table_line(word, table):
+    """A colour table: all of a short one's entries, a longer one's ends."""
+    bits = "" if table.bits is None else f" of {counted(table.bits, 'bit', 'bits')}"
+    entries = table.entries
+    shown = (
+        format_value(entries)
+        if len(entries) <= 4
+        else f"{format_value(entries[0])} to {format_value(entries[-1])}"
+    )
+    return f"{word} enabled: {len(entries)} {table.base_format.name} entries{bits}, {shown}"
+
+
+def _filter_lines(word, kernel):
+    """A convolution filter: how it treats borders, then its rows from the bottom, or its row and column."""
+    if isinstance(kernel, ConvolutionFilter):
+        lines = [(f"row {j}", row) for j, row in enumerate(kernel.rows)]
+    else:
+        lines = [("row", kernel.row), ("column", kernel.column)]
+    border = kernel.border_mode.name
+    if kernel.border_mode is ConvolutionBorderMode.CONSTANT_BORDER:
+        border += f" {format_value(kernel.border_color)}"
+    title = f"{word} enabled: {kernel.base_format.name}, {border}"
+    return [title, *(f"  {name} {format_value(weights)}" for name, weights in lines)]

@@ -1,0 +1,134 @@
+"""The framebuffer while a frame runs on the ideal machine: how it is cleared, accumulated and read."""
+
+from copy import copy
+
+import numpy as np
+
+from fixedpipe.pipeline.enums import AccumOperation, ColorBuffer
+from fixedpipe.pipeline.framebuffers.transfer import (
+    changes_nothing,
+    transfer_colors,
+    transfer_depths,
+    transfer_stencil,
+)
+from fixedpipe.pipeline.profiles import IDEAL
+
+_COLOR_COMPONENTS = {
+    "RGBA": [0, 1, 2, 3],
+    "RGB": [0, 1, 2],
+    "RED": 0,
+    "GREEN": 1,
+    "BLUE": 2,
+    "ALPHA": 3,
+}
+
+
+class IdealBuffers:
+    """The framebuffer while a frame runs: top row first; fragments address it by flat index."""
+
+    def __init__(self, width, height):
+        # The machine's framebuffer starts the same way.
+        self.color = np.zeros((height, width, 4))
+        self.depth = np.ones((height, width))
+        self.stencil = np.zeros((height, width), np.uint8)
+        self.accumulation = np.zeros((height, width, 4))
+        self._auxiliary = {}
+
+    def buffer(self, which):
+        """What a ColorBuffer stands for: these buffers, or others with the same depths and stencil values."""
+        if which is ColorBuffer.BACK:
+            return self
+        if which not in self._auxiliary:
+            self._auxiliary[which] = copy(self)
+            self._auxiliary[which].color = np.zeros_like(self.color)
+        return self._auxiliary[which]
+
+    def box_of(self, command):
+        """X, y, width, height of a CopyTexImage or ReadPixels; None: as far as the framebuffer reaches."""
+        height, width = self.depth.shape
+        return (
+            command.x,
+            command.y,
+            width - command.x if command.width is None else command.width,
+            height - command.y if command.height is None else command.height,
+        )
+
+    def rows(self, plane, x, y, width, height):
+        """A window rectangle (y up) of a buffer, bottom row first; a view."""
+        return plane[::-1][y : y + height, x : x + width]
+
+
+def written_channels(color_mask):
+    return np.array([color_mask.red, color_mask.green, color_mask.blue, color_mask.alpha])
+
+
+def scissored(scissor, buffers):
+    """X, y, width, height of the scissor box inside the framebuffer."""
+    height, width = buffers.depth.shape
+    s = scissor
+    x0, y0, x1, y1 = (0, 0, width, height) if s is None else (s.x, s.y, s.x + s.width, s.y + s.height)
+    x0, y0, x1, y1 = max(x0, 0), max(y0, 0), max(min(x1, width), 0), max(min(y1, height), 0)
+    return x0, y0, max(x1 - x0, 0), max(y1 - y0, 0)
+
+
+def clear(command, buffers):
+    box = scissored(command.scissor, buffers)
+    if command.color is not None:
+        buffers.rows(buffers.color, *box)[..., written_channels(command.color_mask)] = np.array(
+            command.color
+        )[written_channels(command.color_mask)]
+    if command.depth is not None:
+        buffers.rows(buffers.depth, *box)[...] = command.depth
+    if command.stencil is not None:
+        kept = buffers.rows(buffers.stencil, *box)
+        kept[...] = (kept & ~np.uint8(command.stencil_write_mask)) | np.uint8(
+            command.stencil & command.stencil_write_mask
+        )
+    if command.accumulation is not None:
+        buffers.rows(buffers.accumulation, *box)[...] = command.accumulation
+
+
+def accumulate(command, buffers):
+    """Section 4.2.4 without a clamp, not even RETURN's: colours may exceed 1, as after blending."""
+    box, value = scissored(command.scissor, buffers), command.value
+    sums = buffers.rows(buffers.accumulation, *box)
+    match command.operation:
+        case AccumOperation.LOAD | AccumOperation.ACCUM:
+            read = value * buffers.rows(buffers.buffer(command.read_buffer).color, *box)
+            sums[...] = read if command.operation is AccumOperation.LOAD else sums + read
+        case AccumOperation.ADD:
+            sums += value
+        case AccumOperation.MULT:
+            sums *= value
+        case AccumOperation.RETURN:
+            written, mask = buffers.rows(buffers.buffer(command.draw_buffer).color, *box), command.color_mask
+            written[..., written_channels(mask)] = (value * sums)[..., written_channels(mask)]
+
+
+def transferred(region, command, statistics, dimensions=2):
+    """Colours through a command's pixel transfer; None where a sink took them."""
+    if changes_nothing(command.transfer):
+        return region
+    return transfer_colors(region, command.transfer, IDEAL, statistics, dimensions)
+
+
+def read_pixels(command, buffers, guide, statistics):
+    box, transfer = buffers.box_of(command), command.transfer
+    if command.format == "STENCIL_INDEX":
+        if guide:
+            return guide.pixels[command.name]
+        indices = transfer_stencil(buffers.rows(buffers.stencil, *box).astype(np.int64), transfer)
+        return (indices & 0xFF).astype(np.uint8)
+    if command.format == "DEPTH_COMPONENT":
+        if guide:
+            return guide.pixels[command.name] / (2.0**guide.framebuffer.depth_bits - 1.0)
+        return transfer_depths(buffers.rows(buffers.depth, *box), transfer)
+    color = transferred(buffers.rows(buffers.color, *box), command, statistics)
+    if color is None:
+        return None
+    luminance = color[..., :3].sum(axis=-1)
+    if command.format == "LUMINANCE":
+        return luminance
+    if command.format == "LUMINANCE_ALPHA":
+        return np.stack([luminance, color[..., 3]], axis=-1)
+    return color[..., _COLOR_COMPONENTS[command.format]].copy()

@@ -1,0 +1,116 @@
+"""Normals and colours of vertices: lit or given, clamped, and the bytes that are iterated."""
+
+import numpy as np
+
+from fixedpipe.pipeline.enums import Clamp, LightingArithmetic, SecondaryColor
+from fixedpipe.pipeline.vertices import lighting_unit
+from fixedpipe.pipeline.vertices.arithmetic import (
+    ONE,
+    columns_of,
+    invert_upper_left,
+    keep_significant_bits,
+    length,
+    normalize,
+    positive,
+    weighted_sum,
+)
+from fixedpipe.pipeline.vertices.lighting import light_vertices
+from fixedpipe.pipeline.vertices.primitives import is_constant
+
+_FLOAT64_MANTISSA_BITS = 53
+
+
+def eye_normal(mesh, vertex):
+    """Section 2.10.3."""
+    inverse = invert_upper_left(vertex.modelview)
+    normal = columns_of(mesh.normals, (0.0, 0.0, 1.0))
+    normal = [weighted_sum([inverse[row][j] for row in range(3)], normal) for j in range(3)]
+    if vertex.rescale_normal:
+        factor = ONE / length(inverse[2])
+        normal = [component * factor for component in normal]
+    if vertex.normalize:
+        normal = normalize(normal)
+    return normal
+
+
+def vertex_colors(mesh, vertex, position, eye, normal, profile):
+    """Front and back colours, 8 columns each; one list if they are the same.
+
+    They are clamped to [0, 1] (section 2.13.6) where the machine does that.
+    """
+    color = columns_of(mesh.colors, (1.0, 1.0, 1.0, 1.0))
+    secondary = columns_of(mesh.secondary_colors, (0.0, 0.0, 0.0, 0.0))
+    if vertex.lighting is None:
+        front = back = color + secondary
+        if vertex.two_side:
+            black = (0.0, 0.0, 0.0, 1.0)
+            back = columns_of(mesh.back_colors, black) + columns_of(mesh.back_secondary_colors, black)
+    elif profile.lighting == LightingArithmetic.LIGHTING_UNIT:
+        inverse = invert_upper_left(vertex.modelview) if vertex.lighting.lights else None
+        given = columns_of(mesh.normals, (0.0, 0.0, 1.0))
+        front, back = lighting_unit.light_vertices(vertex, inverse, position, given, color, secondary)
+    else:
+        front, back = light_vertices(vertex.lighting, eye, normal, color)
+    if vertex.secondary_color != SecondaryColor.FROM_VERTEX:
+        both = back is front
+        front = lighting_unit.secondary_output(front, vertex.secondary_color)
+        back = front if both else lighting_unit.secondary_output(back, vertex.secondary_color)
+    if not _clamps_colors(profile):
+        return front, back
+    clamped = [np.fmin(positive(column), ONE) for column in front]
+    return clamped, clamped if back is front else [np.fmin(positive(column), ONE) for column in back]
+
+
+def _clamps_colors(profile):
+    return Clamp.VERTEX_COLOR in profile.clamps
+
+
+def given_colors(mesh, columns, vertex, profile):
+    """Colours of vertices without lighting, as WindowPrimitives has them, and whether all are equal."""
+    bits = kept_color_bits(vertex, profile)
+    key = vertex.two_side, vertex.secondary_color, bits, _clamps_colors(profile)
+    if key not in columns.colors:
+        front, back = vertex_colors(mesh, vertex, None, None, None, profile)
+        both = [*front, *back] if vertex.two_side else front
+        colors = stacked_colors(len(mesh.positions), both, bits)
+        columns.colors[key] = colors, is_constant(colors)
+    return columns.colors[key]
+
+
+def unrounded_colors(mesh, columns, vertex, profile):
+    """What ``_given_colors`` makes bytes of, as MeshColumns has it."""
+    key = vertex.two_side, vertex.secondary_color, _clamps_colors(profile)
+    if key not in columns.unrounded:
+        front, back = vertex_colors(mesh, vertex, None, None, None, profile)
+        both = [*front, *back] if vertex.two_side else front
+        columns.unrounded[key] = np.stack(np.broadcast_arrays(*both, np.zeros(1))[:-1], axis=1)
+    return columns.unrounded[key]
+
+
+def kept_color_bits(vertex, profile):
+    """How many bits of a colour's mantissa are kept on its way to a byte; None: it stays float64."""
+    if profile.exact:
+        return None
+    exact = vertex.lighting is not None and profile.lighting == LightingArithmetic.EQUATIONS
+    return _FLOAT64_MANTISSA_BITS if exact else profile.color_mantissa_bits
+
+
+def stacked_colors(count, columns, significant_bits):
+    """Front and back colours [count, 2, 8] of 8 columns (both sides the same) or 16.
+
+    significant_bits: how many bits of a colour's mantissa are kept, the rest truncated, on its way from
+    [0, 1] to a byte (section 2.13.9); None: the colours stay float64.
+    """
+    result = np.zeros((count, 2, 8), dtype=np.float64 if significant_bits is None else np.uint8)
+    for index, column in enumerate(columns):
+        if significant_bits is not None:
+            column = color_byte(column, significant_bits)
+        result[:, index // 8, index % 8] = column
+    if len(columns) == 8:
+        result[:, 1] = result[:, 0]
+    return result
+
+
+def color_byte(column, significant_bits):
+    kept = keep_significant_bits(column, significant_bits)
+    return np.floor(kept * np.float64(255.0) + np.float64(0.5))

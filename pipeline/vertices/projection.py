@@ -1,0 +1,52 @@
+"""From clip coordinates to window coordinates (section 2.10.1) and to the subpixel grid."""
+
+import numpy as np
+
+from fixedpipe.pipeline.vertices.arithmetic import ONE, SINGLE_BITS, keep_significant_bits
+
+
+def viewport_transform(viewport, width, height):
+    """Half the viewport's size and its middle, (x, y), in window coordinates with y up."""
+    size = (
+        width if viewport.width is None else viewport.width,
+        height if viewport.height is None else viewport.height,
+    )
+    half_size = [np.float64(extent * 0.5) for extent in size]
+    return half_size, [np.float64(viewport.x) + half_size[0], np.float64(viewport.y) + half_size[1]]
+
+
+def window_coordinates(clip_coordinates, viewport, half_size, center):
+    """Section 2.10.1: window x, y (up), z as they come, and 1 / w."""
+    x, y, z, w = clip_coordinates
+    near, far = np.float64(viewport.near), np.float64(viewport.far)
+    return (
+        (x / w) * half_size[0] + center[0],
+        (y / w) * half_size[1] + center[1],
+        (z / w) * ((far - near) * np.float64(0.5)) + (far + near) * np.float64(0.5),
+        ONE / w,
+    )
+
+
+def composite_coordinates(clip_coordinates, offset, height):
+    """Window x, y (up), depth units and 1 / w; reciprocal, product and sum in single precision, truncated."""
+    *coordinates, w = clip_coordinates
+    reciprocal = keep_significant_bits(ONE / w, SINGLE_BITS)
+    quotients = [keep_significant_bits(column * reciprocal, SINGLE_BITS) for column in coordinates]
+    x, y, z = (keep_significant_bits(q + o, SINGLE_BITS) for q, o in zip(quotients, offset, strict=True))
+    return x, height - y, z, ONE / w
+
+
+def program_reciprocal(w):
+    """1/w of what a vertex program wrote. Of w from 0 to infinity it is clamped as RCC clamps: an infinite w
+    weighs next to nothing, a w of 0 more than all else. Source: NV_vertex_program1_1; Measured: Front_face.
+    """
+    reciprocal = ONE / w
+    clamped = np.fmin(np.fmax(reciprocal, np.float64(2.0**-64)), np.float64(2.0**64))
+    return np.where(w >= 0, clamped, reciprocal)
+
+
+def snap(device, extent, profile):
+    """Truncate toward zero to the subpixel grid, after clamping (and a NaN) to the guard band."""
+    low, high = np.float64(-profile.guard_band), np.float64(extent + profile.guard_band)
+    steps = np.float64(1 << profile.subpixel_bits)
+    return np.trunc(np.fmin(np.fmax(device, low), high) * steps)
