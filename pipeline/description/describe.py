@@ -45,8 +45,6 @@ from fixedpipe.pipeline.state import (
     RasterPosition,
 )
 
-# ------------------------------------------------------------------------------------------ commands
-
 
 def _clear(command):
     cleared = [

@@ -220,6 +220,7 @@ def _final_lines(final):
 
 
 def combiner_lines(combiners):
+    """Register combiners as equations: constants, each general combiner, the final combiner."""
     initial, lines = RegisterCombiners(), ["REGISTER_COMBINERS enabled"]
     for name in ("constant_color0", "constant_color1"):
         if getattr(combiners, name) != getattr(initial, name):
@@ -297,6 +298,7 @@ def _environment_equation(mode, half, alpha):
 
 
 def environment_lines(environment):
+    """A texture environment: its mode and, where it combines, its equations."""
     mode, initial = environment.mode, TextureEnvironment()
     lines = [f"TEXTURE_ENV_MODE {mode.name}"]
     if environment.color != initial.color:

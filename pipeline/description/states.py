@@ -58,6 +58,7 @@ def differences(value, initial=None):
 
 
 def numbered_lines(word, parts):
+    """Lines for the states of a tuple, by number; None is left out."""
     lines = []
     for i, part in enumerate(parts):
         if isinstance(part, TexGen):
@@ -71,11 +72,13 @@ def numbered_lines(word, parts):
 
 
 def titled(title, lines):
+    """Lines under a title: the first beside it, the others indented."""
     first, *rest = lines
     return [f"{title}: {first}" if first else title, *("  " + line for line in rest)]
 
 
 def mask_words(mask):
+    """Which components a color mask writes."""
     written = [f.name for f in fields(mask) if getattr(mask, f.name)]
     return "writes " + (", ".join(written) or "nothing")
 

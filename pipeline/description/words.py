@@ -145,11 +145,13 @@ ALWAYS_SHOWN = {
 
 
 def format_number(value):
+    """A number as short as it reads back."""
     short = f"{value + 0.0:g}"  # minus zero shows as 0
     return short if float(short) == value else repr(float(value))
 
 
 def format_value(value):
+    """A field's value: a token, a number, a vector or a matrix."""
     if isinstance(value, bool):
         return "enabled" if value else "disabled"
     if isinstance(value, Enum):
@@ -166,4 +168,5 @@ def format_value(value):
 
 
 def counted(number, one, many):
+    """A number with its noun."""
     return f"{number} {one if number == 1 else many}"

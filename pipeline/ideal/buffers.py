@@ -44,7 +44,7 @@ class IdealBuffers:
         return self._auxiliary[which]
 
     def box_of(self, command):
-        """X, y, width, height of a CopyTexImage or ReadPixels; None: as far as the framebuffer reaches."""
+        """x, y, width, height of a CopyTexImage or ReadPixels; None: as far as the framebuffer reaches."""
         height, width = self.depth.shape
         return (
             command.x,
@@ -59,11 +59,12 @@ class IdealBuffers:
 
 
 def written_channels(color_mask):
+    """Which of red, green, blue and alpha a color mask writes: bool [4]."""
     return np.array([color_mask.red, color_mask.green, color_mask.blue, color_mask.alpha])
 
 
 def scissored(scissor, buffers):
-    """X, y, width, height of the scissor box inside the framebuffer."""
+    """x, y, width, height of the scissor box inside the framebuffer."""
     height, width = buffers.depth.shape
     s = scissor
     x0, y0, x1, y1 = (0, 0, width, height) if s is None else (s.x, s.y, s.x + s.width, s.y + s.height)
@@ -72,6 +73,7 @@ def scissored(scissor, buffers):
 
 
 def clear(command, buffers):
+    """Section 4.2.3: through the scissor box and the masks."""
     box = scissored(command.scissor, buffers)
     if command.color is not None:
         buffers.rows(buffers.color, *box)[..., written_channels(command.color_mask)] = np.array(
@@ -86,6 +88,12 @@ def clear(command, buffers):
         )
     if command.accumulation is not None:
         buffers.rows(buffers.accumulation, *box)[...] = command.accumulation
+
+
+def saturate(command, buffers):
+    """Colours inside the scissor box are clamped to [0, 1]."""
+    color = buffers.rows(buffers.color, *scissored(command.scissor, buffers))
+    np.clip(color, 0.0, 1.0, out=color)
 
 
 def accumulate(command, buffers):
@@ -113,6 +121,7 @@ def transferred(region, command, statistics, dimensions=2):
 
 
 def read_pixels(command, buffers, guide, statistics):
+    """What a ReadPixels reads, bottom row first; None where a sink took it. ``guide``: a Result or None."""
     box, transfer = buffers.box_of(command), command.transfer
     if command.format == "STENCIL_INDEX":
         if guide:

@@ -94,6 +94,7 @@ def _portion(portion, registers, alpha):
 
 
 def constant_color(color, count):
+    """A color for ``count`` fragments, float64 [k, 4]."""
     return np.broadcast_to(np.array(color, np.float64), (count, 4))
 
 

@@ -16,7 +16,6 @@ TAU = 2.0**-24
 # Component and sign of sc and tc for the faces +x, -x, +y, -y, +z, -z.
 # Source: EXT_texture_cube_map, section 3.8.6.
 _SC_COMPONENT, _SC_SIGN = np.array([2, 2, 0, 0, 0, 0]), np.array([-1.0, 1.0, 1.0, 1.0, 1.0, -1.0])
-
 _TC_COMPONENT, _TC_SIGN = np.array([1, 1, 2, 2, 1, 1]), np.array([-1.0, -1.0, 1.0, -1.0, -1.0, -1.0])
 
 
@@ -81,7 +80,7 @@ def _axes(target):
 
 
 def _on_face(vector, face):
-    """Sc and tc, float64 [k, 2], of vectors [k, 3] on their faces [k]."""
+    """sc and tc, float64 [k, 2], of vectors [k, 3] on their faces [k]."""
     rows = np.arange(len(vector))
     sc, tc = vector[rows, _SC_COMPONENT[face]], vector[rows, _TC_COMPONENT[face]]
     return np.stack([_SC_SIGN[face] * sc, _TC_SIGN[face] * tc], axis=1)
@@ -130,7 +129,7 @@ def turned_place(target, weights, corners):
     if target is TextureTarget.TEXTURE_CUBE_MAP:
         on_cube = project_on_cube(turned, none, none)
         return {"position": on_cube.position, "face": on_cube.face, "slip": on_cube.slip}
-    axes = 3 if target is TextureTarget.TEXTURE_3D else 2
+    axes = _axes(target)
     return {"position": turned[:, :axes], "slip": none[:, :axes]}
 
 
@@ -158,7 +157,7 @@ def made_place(texture, str_, lifted=True):
     none = np.zeros_like(str_)
     if texture.target is TextureTarget.TEXTURE_CUBE_MAP:
         return project_on_cube(str_, none, none)
-    axes = 3 if texture.target is TextureTarget.TEXTURE_3D else 2
+    axes = _axes(texture.target)
     few, lift = none[:, :axes], np.full((len(str_), 1), TAU if lifted else 0.0)
     return TextureCoordinates(str_[:, :axes], np.zeros(len(str_), np.int64), few, lift, few, few)
 

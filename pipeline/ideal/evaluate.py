@@ -11,6 +11,7 @@ import numpy as np
 
 from fixedpipe.pipeline.commands import (
     Accum,
+    BindTexImage,
     Bitmap,
     Clear,
     CopyPixels,
@@ -19,6 +20,7 @@ from fixedpipe.pipeline.commands import (
     Draw,
     DrawPixels,
     HostStep,
+    MakeCurrent,
     ReadPixels,
     ResetHistogram,
     ResetMinmax,
@@ -26,15 +28,16 @@ from fixedpipe.pipeline.commands import (
     TexImage,
 )
 from fixedpipe.pipeline.framebuffers.result import Result
+from fixedpipe.pipeline.framebuffers.texture_copies import defined_texture
 from fixedpipe.pipeline.framebuffers.transfer import (
     PixelStatistics,
 )
-from fixedpipe.pipeline.ideal.buffers import IdealBuffers, accumulate, clear, read_pixels, scissored
+from fixedpipe.pipeline.ideal.buffers import IdealBuffers, accumulate, clear, read_pixels, saturate
 from fixedpipe.pipeline.ideal.per_fragment import write, write_tested, writes_depth
 from fixedpipe.pipeline.ideal.rectangles import draw_rectangle
 from fixedpipe.pipeline.ideal.result import IdealResult
 from fixedpipe.pipeline.ideal.shade import shade
-from fixedpipe.pipeline.ideal.textures import frame_texture, with_ideal
+from fixedpipe.pipeline.ideal.textures import copied_texture, replaced_texture, with_ideal
 from fixedpipe.pipeline.ideal.weights import iterate, weigh
 from fixedpipe.pipeline.native.coverage import rasterize
 from fixedpipe.pipeline.native.threads import Threads, default_threads
@@ -48,10 +51,7 @@ from fixedpipe.raster.columns.per_fragment import in_order
 _CHUNK = 1 << 14
 
 
-_DRAWING = Draw | DrawPixels | CopyPixels | Bitmap
-
-
-# -------------------------------------------------------------------------------------------- commands
+_DRAWING = (Draw, DrawPixels, CopyPixels, Bitmap)
 
 
 def _draw(command, buffers, textures, width, height, depth_bits, record, threads):
@@ -122,7 +122,7 @@ def _check_guide(guide, commands, width, height):
         raise ValueError(
             f"The guide is of type {type(guide).__name__}; give the Result of execute(..., record=True)."
         )
-    draws = sum(isinstance(c, _DRAWING) for c in commands)
+    draws = sum(type(c) in _DRAWING for c in commands)
     if draws and not guide.records:
         raise ValueError("The guide holds no fragments; run it as execute(..., record=True).")
     # How often a host draws is known when it does.
@@ -134,6 +134,132 @@ def _check_guide(guide, commands, width, height):
             f"The guide's framebuffer is {shape[1]}x{shape[0]} pixels and this one {width}x{height}; give "
             "both runs the same size."
         )
+
+
+class _Evaluation:
+    """A frame on its way: buffers, textures, what was read, and the commands that are still to come."""
+
+    def __init__(self, commands, width, height, guide, depth_bits, threads):
+        self.width, self.height, self.depth_bits = width, height, depth_bits
+        self.guide, self.drawn, self.threads = guide, 0, threads
+        self.buffers, self.textures, self.pixels = IdealBuffers(width, height), {}, {}
+        self.statistics, self.waiting = PixelStatistics(), deque(commands)
+
+    def run(self):
+        """The IdealResult of all commands."""
+        while self.waiting:
+            command = self.waiting.popleft()
+            OPERATIONS[type(command)](self, command)
+        guide, buffers, statistics = self.guide, self.buffers, self.statistics
+        depth, stencil = buffers.depth, buffers.stencil
+        if guide is not None:
+            if self.drawn != len(guide.records):
+                raise _drew_otherwise(guide, self.drawn)
+            depth = guide.framebuffer.depth / (2.0**guide.framebuffer.depth_bits - 1.0)
+            stencil = guide.framebuffer.stencil.copy()
+        return IdealResult(
+            buffers.color,
+            depth,
+            stencil,
+            self.textures,
+            self.pixels,
+            statistics.histograms,
+            statistics.minmaxes,
+        )
+
+    def next_record(self):
+        """The guide's Fragments of the next command that draws; None: there is no guide."""
+        self.drawn += 1
+        if self.guide is None:
+            return None
+        if self.drawn > len(self.guide.records):
+            raise _drew_otherwise(self.guide, self.drawn)
+        return self.guide.records[self.drawn - 1]
+
+    def clear(self, command):
+        clear(command, self.buffers.buffer(command.draw_buffer))
+
+    def draw(self, command):
+        written = self.buffers.buffer(command.state.draw_buffer)
+        size, record = (self.width, self.height), self.next_record()
+        _draw(command, written, self.textures, *size, self.depth_bits, record, self.threads)
+
+    def rectangle(self, command):
+        draw_rectangle(command, self.buffers, self.textures, self.statistics, self.next_record())
+
+    def tex_image(self, command):
+        if command.pixels is None:
+            self.textures[command.texture] = with_ideal(command.image)
+        else:
+            self.define(command, defined_texture(command, IDEAL, self.statistics))
+
+    def copy_tex_image(self, command):
+        source = self.buffers.buffer(command.read_buffer)
+        self.define(command, copied_texture(command, source, self.statistics))
+
+    def copy_tex_sub_image(self, command):
+        source, texture = self.buffers.buffer(command.read_buffer), self.textures[command.texture]
+        self.define(command, replaced_texture(command, texture, source, self.statistics))
+
+    def define(self, command, texture):
+        """Store a texture, unless a histogram's or minmax's sink took its image."""
+        if texture is not None:
+            self.textures[command.texture] = texture
+
+    def read_pixels(self, command):
+        source = self.buffers.buffer(command.read_buffer)
+        read = read_pixels(command, source, self.guide, self.statistics)
+        if read is not None:
+            self.pixels[command.name] = read
+
+    def host_step(self, command):
+        self.waiting = deque((*issued_by(command, self.pixels), *self.waiting))
+        validate(
+            self.waiting,
+            IDEAL,
+            self.width,
+            self.height,
+            self.depth_bits,
+            self.textures,
+            statistics=self.statistics,
+            read=self.pixels,
+            host_step=command.label,
+        )
+
+    def saturate(self, command):
+        saturate(command, self.buffers.buffer(command.draw_buffer))
+
+    def accum(self, command):
+        accumulate(command, self.buffers)
+
+    def only_the_window(self, command):
+        """MakeCurrent may name the window, which is current; validation refuses all pbuffers."""
+
+    def reset_histogram(self, command):
+        self.statistics.reset_histogram(command.name)
+
+    def reset_minmax(self, command):
+        self.statistics.reset_minmax(command.name)
+
+
+OPERATIONS = {
+    Clear: _Evaluation.clear,
+    Draw: _Evaluation.draw,
+    TexImage: _Evaluation.tex_image,
+    CopyTexImage: _Evaluation.copy_tex_image,
+    CopyTexSubImage: _Evaluation.copy_tex_sub_image,
+    ReadPixels: _Evaluation.read_pixels,
+    HostStep: _Evaluation.host_step,
+    Saturate: _Evaluation.saturate,
+    Accum: _Evaluation.accum,
+    DrawPixels: _Evaluation.rectangle,
+    CopyPixels: _Evaluation.rectangle,
+    Bitmap: _Evaluation.rectangle,
+    MakeCurrent: _Evaluation.only_the_window,
+    BindTexImage: _Evaluation.only_the_window,
+    ResetHistogram: _Evaluation.reset_histogram,
+    ResetMinmax: _Evaluation.reset_minmax,
+}
 
 
 def execute_ideal(commands, width, height, *, guide=None, depth_bits=None, threads=None):
@@ -154,57 +280,5 @@ def execute_ideal(commands, width, height, *, guide=None, depth_bits=None, threa
     validate(commands, IDEAL, width, height, depth_bits=depth_bits)
     if guide is not None:
         _check_guide(guide, commands, width, height)
-    buffers, textures, pixels, statistics = IdealBuffers(width, height), {}, {}, PixelStatistics()
-    drawn, records = 0, None if guide is None else guide.records
     threads = Threads(threads or default_threads())
-    waiting = deque(commands)
-    while waiting:
-        command = waiting.popleft()
-        record = None
-        if isinstance(command, _DRAWING):
-            drawn += 1
-            if records is not None:
-                if drawn > len(records):
-                    raise _drew_otherwise(guide, drawn)
-                record = records[drawn - 1]
-        if isinstance(command, Clear):
-            clear(command, buffers.buffer(command.draw_buffer))
-        elif isinstance(command, Accum):
-            accumulate(command, buffers)
-        elif isinstance(command, DrawPixels | CopyPixels | Bitmap):
-            draw_rectangle(command, buffers, textures, statistics, record)
-        elif isinstance(command, Draw):
-            written = buffers.buffer(command.state.draw_buffer)
-            _draw(command, written, textures, width, height, depth_bits, record, threads)
-        elif isinstance(command, TexImage) and command.pixels is None:
-            textures[command.texture] = with_ideal(command.image)
-        elif isinstance(command, TexImage | CopyTexImage | CopyTexSubImage):
-            source = buffers if isinstance(command, TexImage) else buffers.buffer(command.read_buffer)
-            defined = frame_texture(command, source, textures, statistics)
-            if defined is not None:
-                textures[command.texture] = defined
-        elif isinstance(command, ReadPixels):
-            read = read_pixels(command, buffers.buffer(command.read_buffer), guide, statistics)
-            if read is not None:
-                pixels[command.name] = read
-        elif isinstance(command, Saturate):
-            written = buffers.buffer(command.draw_buffer)
-            color = written.rows(written.color, *scissored(command.scissor, written))
-            np.clip(color, 0.0, 1.0, out=color)
-        elif isinstance(command, HostStep):
-            waiting = deque((*issued_by(command, pixels), *waiting))
-            kept = {"read": pixels, "host_step": command.label}
-            validate(waiting, IDEAL, width, height, depth_bits, textures, statistics=statistics, **kept)
-        elif isinstance(command, ResetHistogram):
-            statistics.reset_histogram(command.name)
-        elif isinstance(command, ResetMinmax):
-            statistics.reset_minmax(command.name)
-    if records is not None and drawn != len(records):
-        raise _drew_otherwise(guide, drawn)
-    depth, stencil = buffers.depth, buffers.stencil
-    if guide is not None:
-        depth = guide.framebuffer.depth / (2.0**guide.framebuffer.depth_bits - 1.0)
-        stencil = guide.framebuffer.stencil.copy()
-    return IdealResult(
-        buffers.color, depth, stencil, textures, pixels, statistics.histograms, statistics.minmaxes
-    )
+    return _Evaluation(commands, width, height, guide, depth_bits, threads).run()

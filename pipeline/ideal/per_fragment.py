@@ -120,6 +120,7 @@ def write_tested(state, buffers, pixel, source, z):
 
 
 def writes_depth(state):
+    """Whether a pass changes the depth buffer."""
     return state.depth_test is not None and state.depth_test.write
 
 

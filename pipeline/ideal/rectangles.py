@@ -87,7 +87,7 @@ def _volume(texture, count, number):
 def rectangle(command, buffers, statistics):
     """The Rectangle of a command, or None where its raster position is not valid or a sink took the image.
 
-    ``buffers``: what is current, as ``fixedpipe.pipeline.ideal.evaluate`` keeps it, in a window of the same size.
+    ``buffers``: the IdealBuffers that are current, in a window of the same size.
     """
     state, (height, width) = command.state, buffers.depth.shape
     window = SimpleNamespace(width=width, height=height)

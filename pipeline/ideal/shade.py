@@ -152,7 +152,7 @@ def _sample_made(i, unit, texture, str_, r, lifted):
 
 
 def fog_factor(fog, coordinate):
-    """F of section 3.10, float64, in [0, 1] by its definition; the machine has 256 steps of it."""
+    """f of section 3.10, float64, in [0, 1] by its definition; the machine has 256 steps of it."""
     if fog.mode is FogMode.EXP:
         factor = np.exp(-fog.density * coordinate)
     elif fog.mode is FogMode.EXP2:

@@ -4,16 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.pipeline.commands import CopyTexSubImage, TexImage
 from fixedpipe.pipeline.enums import TextureTarget
-from fixedpipe.pipeline.framebuffers.texture_copies import defined_texture, depth_texture
+from fixedpipe.pipeline.framebuffers.texture_copies import depth_texture
 from fixedpipe.pipeline.framebuffers.transfer import transfer_depths
 from fixedpipe.pipeline.ideal.buffers import transferred
-from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.textures.images import DEPTH_TEXELS, pyramid, texture_2d
 
 
 def with_ideal(texture):
+    """The texture with its real texels: those that it has, or what its words stand for."""
     if texture.ideal is not None:
         return texture
     one = 2.0**texture.bits - 1.0
@@ -24,24 +23,27 @@ def with_ideal(texture):
     return replace(texture, ideal=tuple(level / one for level in texture.levels))
 
 
-def frame_texture(command, buffers, textures, statistics):
-    """The texture that a TexImage of pixels or a copy makes; None where a sink took the image."""
-    if isinstance(command, TexImage):
-        return defined_texture(command, IDEAL, statistics)
-    sub_image = isinstance(command, CopyTexSubImage)
-    known = textures[command.texture] if sub_image else command
+def copied_texture(command, buffers, statistics):
+    """The texture that a CopyTexImage makes; None where a sink took the image."""
+    copied = _copied(command, command, command.generate_mipmap, buffers, statistics)
+    return None if copied is None else replace(copied, target=command.target)
+
+
+def replaced_texture(command, texture, buffers, statistics):
+    """The texture with what a CopyTexSubImage copies into it; None where a sink took the image."""
+    copied = _copied(command, texture, False, buffers, statistics)
+    return None if copied is None else _patched(command, texture, copied)
+
+
+def _copied(command, known, mipmaps, buffers, statistics):
+    """What a command copies, as a texture of the target and internal format of ``known``, or None."""
     target, internal_format, box = known.target, known.internal_format, buffers.box_of(command)
     if internal_format in DEPTH_TEXELS:
         depths = transfer_depths(buffers.rows(buffers.depth, *box), command.transfer)
-        copied = depth_texture(target, internal_format, depths)
-    else:
-        dimensions = 1 if target is TextureTarget.TEXTURE_1D else 2
-        region = transferred(buffers.rows(buffers.color, *box), command, statistics, dimensions)
-        if region is None:
-            return None
-        mipmaps = command.generate_mipmap and not sub_image
-        copied = texture_2d(region, internal_format, mipmaps=mipmaps)
-    return _patched(command, known, copied) if sub_image else replace(copied, target=target)
+        return depth_texture(target, internal_format, depths)
+    dimensions = 1 if target is TextureTarget.TEXTURE_1D else 2
+    region = transferred(buffers.rows(buffers.color, *box), command, statistics, dimensions)
+    return None if region is None else texture_2d(region, internal_format, mipmaps=mipmaps)
 
 
 def _patched(command, texture, patch):

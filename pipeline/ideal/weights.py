@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from fixedpipe.pipeline.enums import FrontFace
+from fixedpipe.pipeline.vertices.arithmetic import SINGLE_BITS, keep_significant_bits
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,7 +19,7 @@ class Weights:
     front          bool [k], front-facing
     perspective    float64 [k, 3], (n_i / w_i) / sum: for every iterated value but window depth
 
-    What not every state reads is a property, computed when it is asked for first.
+    Properties that few states read are computed on first use.
     """
 
     vertices: np.ndarray
@@ -32,7 +33,7 @@ class Weights:
 
     @cached_property
     def affine(self):
-        """N_i / A, float64 [k, 3]: for window depth."""
+        """n_i / A, float64 [k, 3]: for window depth."""
         return self._edges / np.abs(self._area)[:, None]
 
     @cached_property
@@ -62,7 +63,7 @@ class Weights:
 
     @cached_property
     def depth_slope(self):
-        """Max(abs(dz/dx), abs(dz/dy)) of window depth per pixel, float64 [k]."""
+        """max(abs(dz/dx), abs(dz/dy)) of window depth per pixel, float64 [k]."""
         x10, y10, x20, y20 = self._sides
         z10, z20 = self._z[:, 1] - self._z[:, 0], self._z[:, 2] - self._z[:, 0]
         slope_x = (z10 * y20 - z20 * y10) * 16.0 / self._area
@@ -96,14 +97,10 @@ def weigh(primitives, front_face, triangle, x, y):
     return Weights(vertices, front, perspective, n, area, sides, inverse_w, primitives.z[vertices])
 
 
-def _cut_24(values):
-    """Float64 cut to 24 significant bits."""
-    return (np.ascontiguousarray(values).view(np.int64) & -(1 << 29)).view(np.float64)
-
-
 def _machine_weights(e, total):
     """q0 and q2 of docs/numbers.md, section 4: float64 [k, 2]."""
-    q = _cut_24(e * _cut_24(1.0 / total))
+    reciprocal = keep_significant_bits(1.0 / total, SINGLE_BITS)
+    q = keep_significant_bits(e * reciprocal, SINGLE_BITS)
     c0, c1, c2 = ((q >= 0.5).astype(np.int64) + (q >= 0.25)).T
     q0, q1, q2 = q.T
     first = (c0 > c2) & (c0 >= c1)
@@ -124,7 +121,7 @@ def iterate(weights, values):
 
 
 def iterate_as_machines(weights, corners):
-    """S, t, r, q by docs/numbers.md, section 6, and the unit to which their terms are cut: float64 [k, 4]."""
+    """s, t, r, q by docs/numbers.md, section 6, and the unit to which their terms are cut: float64 [k, 4]."""
     v0, v1, v2 = (corners[:, k] for k in range(3))
     q0, q2 = (weights.machine[:, k, None] for k in range(2))
     terms = np.stack([v1, q0 * (v0 - v1), q2 * (v2 - v1)])

@@ -17,7 +17,6 @@ _ACCESSES = {
 }
 
 _2D, _RECTANGLE = TextureTarget.TEXTURE_2D, TextureTarget.TEXTURE_RECTANGLE
-
 _3D, _CUBE_MAP = TextureTarget.TEXTURE_3D, TextureTarget.TEXTURE_CUBE_MAP
 
 # What a texture instruction does, by the target of its unit; the first where no target was given.

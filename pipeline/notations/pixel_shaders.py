@@ -353,6 +353,7 @@ def halves_read(instruction):
 
 
 def grouped(instructions):
+    """Arithmetic instructions as tuples: one alone, or two that a '+' makes a pair."""
     groups = []
     for instruction in instructions:
         if not instruction.paired:

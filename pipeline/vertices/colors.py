@@ -112,5 +112,6 @@ def stacked_colors(count, columns, significant_bits):
 
 
 def color_byte(column, significant_bits):
+    """Bytes of a column in [0, 1], of which so many significant bits are kept (section 2.13.9)."""
     kept = keep_significant_bits(column, significant_bits)
     return np.floor(kept * np.float64(255.0) + np.float64(0.5))

@@ -14,6 +14,7 @@ from fixedpipe.pipeline.enums import PolygonMode, PrimitiveType, TexGenMode, Ver
 from fixedpipe.pipeline.state import IDENTITY
 from fixedpipe.pipeline.vertices.arithmetic import columns_of
 from fixedpipe.pipeline.vertices.assembly import assemble
+from fixedpipe.pipeline.vertices.projection import viewport_transform
 from fixedpipe.raster.primitives import vertices as V
 
 _LINEAR_MODES = frozenset({TexGenMode.NONE, TexGenMode.OBJECT_LINEAR, TexGenMode.EYE_LINEAR})
@@ -227,11 +228,10 @@ def _plan(mesh, columns, state, profile, half_size, center, width, height):
     )
 
 
-def plan_of(mesh, columns, state, profile, width, height, viewport):
+def plan_of(mesh, columns, state, profile, width, height):
     """The Plan for drawing a mesh in a state, or None if ``fixedpipe.raster.primitives.vertices`` cannot.
 
-    ``columns``: the mesh's; ``viewport``: a function of ``state.vertex.viewport``, ``width`` and ``height``
-    that gives half its size and its middle.
+    ``columns``: the mesh's.
     """
     vertex, units, polygon = state.vertex, state.texture_units, state.polygon
     # All that a plan follows from: states that differ in nothing else share it.
@@ -242,7 +242,7 @@ def plan_of(mesh, columns, state, profile, width, height, viewport):
     found = columns.plans.get(key)
     # The entry holds what the ids name, so that they name nothing else while it is there.
     if found is None:
-        half_size, center = viewport(vertex.viewport, width, height)
+        half_size, center = viewport_transform(vertex.viewport, width, height)
         plan = _plan(mesh, columns, state, profile, half_size, center, width, height)
         if len(columns.plans) >= _PLANS_KEPT:
             columns.plans.clear()

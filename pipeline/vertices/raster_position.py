@@ -15,6 +15,23 @@ from fixedpipe.pipeline.vertices.projection import viewport_transform, window_co
 from fixedpipe.pipeline.vertices.texture_coordinates import unit_coordinates
 
 
+class RasterVertex(NamedTuple):
+    """The current raster position (section 2.12): window coordinates as they come, y up, and what is
+    associated with them.
+
+    x, y, z, inverse_w  floats; colors float64 [8], primary and secondary, and coordinates float64
+    [units, 4], as in WindowPrimitives before they become whole numbers; fog: the fog coordinate
+    """
+
+    x: float
+    y: float
+    z: float
+    inverse_w: float
+    colors: np.ndarray
+    coordinates: np.ndarray
+    fog: float
+
+
 def raster_vertex(position, state, profile, width, height):
     """The RasterVertex where a rectangle of pixels begins, moved; None: it is not valid."""
     if position.window:
@@ -52,23 +69,6 @@ def _given(position, state, profile):
         coordinates,
         fog,
     )
-
-
-class RasterVertex(NamedTuple):
-    """The current raster position (section 2.12): window coordinates as they come, y up, and what is
-    associated with them.
-
-    x, y, z, inverse_w  floats; colors float64 [8], primary and secondary, and coordinates float64
-    [units, 4], as in WindowPrimitives before they become whole numbers; fog: the fog coordinate
-    """
-
-    x: float
-    y: float
-    z: float
-    inverse_w: float
-    colors: np.ndarray
-    coordinates: np.ndarray
-    fog: float
 
 
 def process_raster_position(mesh, state, profile, width, height):

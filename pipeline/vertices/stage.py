@@ -93,7 +93,7 @@ def process(mesh, state, profile, width, height, sample=(0, 0)):
     Source: OpenGL 1.2.1 sections 2.6 to 2.13; EXT_texture_cube_map; NV_texgen_reflection; EXT_fog_coord.
     """
     columns = mesh_columns(mesh)
-    plan = plan_of(mesh, columns, state, profile, width, height, viewport_transform)
+    plan = plan_of(mesh, columns, state, profile, width, height)
     # Huge finite input may overflow to infinity and on to NaN. Such a triangle is dropped and counted below,
     # and colours and integers are made from clamped values only, so no warning is due.
     with np.errstate(all="ignore"):

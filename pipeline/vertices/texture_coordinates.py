@@ -54,7 +54,7 @@ def _reflection(eye, normal):
 
 
 def _sphere_map(reflection):
-    """S and t of a sphere map; both are 1/2 where m is 0, in the direction that the map does not hold."""
+    """s and t of a sphere map; both are 1/2 where m is 0, in the direction that the map does not hold."""
     m = length([reflection[0], reflection[1], reflection[2] + ONE]) * np.float64(2.0)
     divisor = np.where(m == 0, ONE, m)
     return [reflection[axis] / divisor + np.float64(0.5) for axis in range(2)]
