@@ -18,7 +18,7 @@ endif
 .PHONY: help setup figures conformance machines test test-all check bench accept accept-conformance clean
 
 help:
-	@echo "make figures            render every figure into $(OUT)/ with a gallery, $(OUT)/index.html"
+	@echo "make figures            render and check every figure into $(OUT)/; $(OUT)/index.html is a gallery"
 	@echo "make conformance        redraw the captures of FIXEDPIPE_CAPTURES; $(OUT)/conformance.html shows the rest"
 	@echo "make test               prove it: everything that takes seconds (make test-all: minutes as well)"
 	@echo "make check              style: ruff check, ruff format --check"
@@ -40,7 +40,7 @@ $(READY): pyproject.toml constraints.txt
 	@touch $@
 
 figures: $(READY)
-	$(BIN)/fixedpipe figures --out $(OUT)
+	$(BIN)/fixedpipe figures --check --out $(OUT)
 
 conformance: $(READY)
 	$(BIN)/fixedpipe conformance --html $(OUT)/conformance.html --json $(OUT)/conformance.json

@@ -9,5 +9,5 @@ def announce_compiling():
 
     if kernels_are_cold():
         click.echo(
-            "Compiling the kernels for this machine. This happens once and takes up to a minute.", err=True
+            "Compiling the kernels for this machine. This happens once and takes a minute or two.", err=True
         )

@@ -23,12 +23,13 @@ from fixedpipe.effects.cli.options import threads_option
 def figures(figure_ids, list_only, check, out, profile, size, threads, json_file):
     """Render figures (all, or those with the given IDs): machine, ideal, and their difference made visible.
 
-    Writes PNG files, a JSON file beside each figure, and a gallery, index.html. Of all figures, --profile
-    takes those that the machine can draw.
+    Writes PNG files, a JSON file beside each figure, and a gallery, index.html, the cheapest figures first.
+    Of all figures, --profile takes those that the machine can draw.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.cli.refusal import Refusal, check_size, choose, refusals
     from fixedpipe.effects.figures import FIGURES
+    from fixedpipe.effects.figures.costs import cheapest_first
     from fixedpipe.effects.reports.files import writable_file, writable_folder, write_whole
     from fixedpipe.pipeline.profiles import PROFILES
 
@@ -54,24 +55,50 @@ def figures(figure_ids, list_only, check, out, profile, size, threads, json_file
             check_size(figure.id, figure.columns, size or figure.size, PROFILES[machine])
 
     announce_compiling()
+    click.echo(_plan(chosen, machines, check, own_sizes=size is None), err=True)
     from fixedpipe.effects.reports.figure_record import render, steps
     from fixedpipe.effects.reports.gallery import gallery
 
-    records = []
+    records = {}
     with _progress(sum(steps(len(names), check) for names in machines.values())) as step:
-        for figure in chosen:
+        for figure in cheapest_first(chosen):
             rendered = render(figure, machines[figure.id], size, threads, check, step)
             for name, data in rendered.files.items():
                 write_whole(folder / name, data)
-            records.append(rendered.record)
-    write_whole(folder / "index.html", gallery(folder, FIGURES).encode())
+            write_whole(folder / "index.html", gallery(folder, FIGURES).encode())
+            records[figure.id] = rendered.record
+    records = [records[figure.id] for figure in chosen]
     if json_path:
         write_whole(json_path, (json.dumps(records, indent=2) + "\n").encode())
-    failed = _print_checks(records) if check else 0
-    click.echo(f"{len(records)} figure{'s' * (len(records) != 1)} in {folder}; open {folder / 'index.html'}")
+    # Of all figures hundreds pass; the gallery has them.
+    passed, failed = _print_checks(records, only_failed=not figure_ids)
+    if check:
+        click.echo(f"{_count(passed, 'acceptance check')} passed.")
+    click.echo(f"{_count(len(records), 'figure')} in {folder}; open {folder / 'index.html'}")
     if failed:
-        click.echo(f"{failed} acceptance check{'s' * (failed != 1)} failed.", err=True)
+        click.echo(f"{_count(failed, 'acceptance check')} failed.", err=True)
         sys.exit(1)
+
+
+def _plan(chosen, machines, check, own_sizes):
+    """What is coming, in one sentence: how many figures, on how many machines, and how long it takes."""
+    from fixedpipe.effects.figures.costs import PROCESSOR, SECONDS
+
+    drawings = sum(len(names) for names in machines.values())
+    different = len({name for names in machines.values() for name in names})
+    what = f"{_count(len(chosen), 'figure')} on {_count(different, 'machine')}, {_count(drawings, 'drawing')}"
+    if check:
+        what += " with acceptance checks"
+    what += ", the cheapest first" * (len(chosen) > 1)
+    if not own_sizes or not SECONDS.keys() >= machines.keys():
+        return f"{what}."
+    seconds = sum(SECONDS[f.id] * len(machines[f.id]) / len(f.machines) for f in chosen)
+    time = _count(round(seconds / 60), "minute") if seconds >= 90 else _count(int(seconds) + 1, "second")
+    return f"{what}: {'about' if check else 'less than'} {time} on {PROCESSOR}."
+
+
+def _count(number, noun):
+    return f"{number} {noun}{'s' * (number != 1)}"
 
 
 def _only(figure, machine):
@@ -103,15 +130,17 @@ def _progress(steps):
         yield step
 
 
-def _print_checks(records):
-    """Print every check with its value and bound; returns how many failed."""
-    failed = 0
+def _print_checks(records, only_failed):
+    """Print every check, or those that failed, with value and bound; returns how many passed and failed."""
+    passed = failed = 0
     for record in records:
         for drawn in record["machines"]:
             for c in drawn["checks"]:
-                failed += not c["passed"]
+                passed, failed = passed + c["passed"], failed + (not c["passed"])
+                if c["passed"] and only_failed:
+                    continue
                 verdict = "ok    " if c["passed"] else "FAILED"
                 measured = f"{c['value']:.4g} {c['relation']} {c['bound']:.4g}"
                 where = drawn["profile"] if c["on"] == "machine" else f"ideal ({drawn['method']})"
                 click.echo(f"{record['id']:8s} {verdict} {c['name']}, {where}: {measured} ({c['reason']})")
-    return failed
+    return passed, failed

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from fixedpipe.effects.cli.refusal import refusals
-from fixedpipe.effects.figures import DIFFERENCE_GAIN, Renderer, difference
+from fixedpipe.effects.figures import DIFFERENCE_GAIN, Check, Renderer, difference
 from fixedpipe.effects.reports.files import png
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.golden.digests import digest
@@ -68,7 +68,7 @@ def render(figure, machines, size, threads, with_checks, step):
         if with_checks:
             step(f"{figure.id}: acceptance checks on the {PROFILES[machine].name}")
             method = figure.method(machine)
-            checks = figure.checks(Renderer(PROFILES[machine], method, execute, execute_ideal, kept))
+            checks = _checks(figure, Renderer(PROFILES[machine], method, execute, execute_ideal, kept))
             record["checks"] = [
                 asdict(c) | {"value": float(c.value), "passed": bool(c.passed)}
                 for c in checks
@@ -92,6 +92,17 @@ def render(figure, machines, size, threads, with_checks, step):
     }
     files[f"{figure.id}.json"] = (json.dumps(record, indent=2) + "\n").encode()
     return Rendered(files, record)
+
+
+def _checks(figure, renderer):
+    """The figure's acceptance checks; where they end in an error, one that failed and has it as its reason:
+    the other machines and figures are drawn all the same.
+    """
+    try:
+        return figure.checks(renderer)
+    except Exception as error:
+        reason = f"{type(error).__name__}: {error}"
+        return (Check("errors of the checks themselves", 1.0, "<=", 0.0, "machine", reason),)
 
 
 def _on_machine(figure, machine, size, threads, step):

@@ -1,4 +1,4 @@
-"""What ``make`` says: of the first set-up, what pip says only where it fails."""
+"""What ``make`` does: its set-up says what pip says only where that fails, and figures are checked."""
 
 import shutil
 import subprocess
@@ -11,7 +11,9 @@ ROOT = Path(__file__).parents[2]
 NOISE = "WARNING: what pip says"
 
 
-@pytest.mark.skipif(shutil.which("make") is None, reason="this system has no make")
+pytestmark = pytest.mark.skipif(shutil.which("make") is None, reason="this system has no make")
+
+
 @pytest.mark.parametrize("status", [0, 1])
 def test_pip_is_heard_only_where_the_set_up_fails(tmp_path, status):
     for name in ("Makefile", "pyproject.toml", "constraints.txt"):
@@ -31,3 +33,8 @@ def test_pip_is_heard_only_where_the_set_up_fails(tmp_path, status):
     assert (tmp_path / ".venv" / ".ready").exists() == (status == 0)
     assert NOISE not in done.stdout
     assert done.stderr.count(NOISE) == 2 * status
+
+
+def test_figures_are_drawn_with_their_checks():
+    done = subprocess.run(["make", "-n", "figures"], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert "fixedpipe figures --check" in done.stdout

@@ -13,9 +13,11 @@ import pytest
 from click.testing import CliRunner
 from PIL import Image
 
+import fixedpipe.effects.figures
 from fixedpipe.effects.cli import _COMMANDS, main
 from fixedpipe.effects.cli.refusal import Refusal
 from fixedpipe.effects.figures import FIGURES, Check, Method
+from fixedpipe.effects.figures.costs import SECONDS
 from fixedpipe.effects.reports import files
 from fixedpipe.effects.reports.gallery import gallery
 from fixedpipe.effects.user_pictures.bumped_mesh import MATERIALS, MESHES
@@ -202,6 +204,98 @@ def test_a_failed_check_is_printed_with_its_bound_and_sets_exit_status_1(
     assert line.split()[1] == verdict
     assert f"{value:.4g} <= 0.5" in line and "half is enough" in line
     assert "a measured thing" in (tmp_path / "index.html").read_text()
+
+
+def test_checks_that_raise_fail_and_the_other_figures_are_drawn(tmp_path, monkeypatch):
+    with_check(monkeypatch, 0.25)
+    broken = replace(FIGURES["K02"], acceptance=lambda figure, renderer: {}["no such panel"])
+    monkeypatch.setattr(
+        "fixedpipe.effects.figures.FIGURES", {"K02": broken, "K12": fixedpipe.effects.figures.FIGURES["K12"]}
+    )
+    result = run("figures", "--check", "--profile", "GEFORCE_256", "--size", 16, "--out", tmp_path)
+    assert result.exit_code == 1
+    assert "1 acceptance check failed" in result.stderr and "1 acceptance check passed" in result.stdout
+    assert "KeyError: 'no such panel'" in (tmp_path / "K02.json").read_text()
+    assert {path.name for path in tmp_path.glob("*.json")} == {"K02.json", "K12.json"}
+    (line,) = (line for line in result.stdout.splitlines() if "<=" in line)  # what passed is not printed
+    assert line.startswith("K02      FAILED errors of the checks themselves, GEFORCE_256")
+
+
+def test_a_check_that_failed_is_shown_though_another_machine_drew_the_same_bits(tmp_path, monkeypatch):
+    def acceptance(figure, renderer):
+        value = float(renderer.profile is PROFILES["NV2A"])
+        return (Check("not on the NV2A", value, "<=", 0.5, "machine", "it is another"),)
+
+    methods = (Method("twice the same", FIGURES["K12"].methods[0].scene, ("GEFORCE_3", "NV2A")),)
+    figure = replace(FIGURES["K12"], methods=methods, acceptance=acceptance)
+    monkeypatch.setattr("fixedpipe.effects.figures.FIGURES", {"K12": figure})
+    assert run("figures", "--check", "--size", 16, "--out", tmp_path).exit_code == 1
+    page = (tmp_path / "index.html").read_text()
+    assert "The same bits on NV2A" in page
+    assert "1 of 2 acceptance checks failed" in page and "<td>NV2A</td>" in page
+
+
+def few_figures(monkeypatch, seconds):
+    """K02, K12 and F004-7 are all figures that there are, with these costs."""
+    monkeypatch.setattr(
+        "fixedpipe.effects.figures.FIGURES", {name: FIGURES[name] for name in ("F004-7", "K02", "K12")}
+    )
+    monkeypatch.setattr("fixedpipe.effects.figures.costs.SECONDS", seconds)
+
+
+def test_the_cheapest_figure_is_drawn_first_and_one_of_unknown_cost_last(tmp_path, monkeypatch):
+    few_figures(monkeypatch, {"K02": 7.0, "K12": 3.0})
+    results = tmp_path / "results.json"
+    arguments = "--profile", "GEFORCE_3", "--size", 8, "--out", tmp_path / "out", "--json", results
+    result = run("figures", *arguments)
+    drawn = [line.split(":")[0] for line in result.stderr.splitlines() if ": writing" in line]
+    assert drawn == ["K12", "K02", "F004-7"]
+    assert [record["id"] for record in json.loads(results.read_text())] == ["F004-7", "K02", "K12"]
+
+
+def test_what_was_drawn_before_an_error_is_in_the_gallery(tmp_path, monkeypatch):
+    def refused(*arguments, **parameters):
+        raise ValueError("no more")
+
+    few_figures(monkeypatch, {"K02": 7.0, "K12": 3.0})
+    wrong = replace(FIGURES["K02"], methods=(Method("never", refused, ("GEFORCE_3",)),))
+    monkeypatch.setitem(fixedpipe.effects.figures.FIGURES, "K02", wrong)
+    arguments = "--profile", "GEFORCE_3", "--size", 8, "--out", tmp_path
+    assert run("figures", *arguments).exit_code == 2
+    page = (tmp_path / "index.html").read_text()
+    assert 'id="K12"' in page and 'id="K02"' not in page
+
+
+@pytest.mark.parametrize(
+    ("seconds", "arguments", "plan"),
+    [
+        (
+            {"K02": 100.0, "K12": 50.0},
+            ("--check",),
+            "checks, the cheapest first: about 2 minutes on one core",
+        ),
+        ({"K02": 100.0, "K12": 50.0}, (), ", the cheapest first: less than 2 minutes on one core"),
+        ({"K02": 10.0, "K12": 5.5}, ("--check",), "about 16 seconds on one core"),
+        ({"K02": 100.0}, ("--check",), "with acceptance checks, the cheapest first.\n"),
+        ({"K02": 100.0, "K12": 50.0}, ("--check", "--size", "8"), "acceptance checks, the cheapest first.\n"),
+    ],
+)
+def test_what_is_coming_is_said_first(tmp_path, monkeypatch, seconds, arguments, plan):
+    few_figures(monkeypatch, seconds)
+    monkeypatch.setattr("fixedpipe.effects.reports.figure_record.render", stopped)
+    said = run("figures", "K02", "K12", *arguments, "--out", tmp_path).stderr
+    machines = [FIGURES[name].machines for name in ("K02", "K12")]
+    different, drawings = len({*machines[0], *machines[1]}), len(machines[0]) + len(machines[1])
+    assert f"2 figures on {different} machines, {drawings} drawings" in said
+    assert plan in said
+
+
+def stopped(*arguments):
+    raise Refusal("stopped")
+
+
+def test_costs_are_of_figures_that_there_are():
+    assert SECONDS.keys() <= FIGURES.keys()
 
 
 def test_the_gallery_keeps_figures_of_earlier_runs(tmp_path):
