@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fixedpipe.effects.acceptance import ray_caster
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.ray_caster import RayCaster, Visible
-from fixedpipe.effects.figures.figure import Check
 from fixedpipe.effects.geometry.vectors import cross, dot, normalize
 from fixedpipe.effects.geometry.views import View
 

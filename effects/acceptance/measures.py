@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.figures.figure import Check
+from fixedpipe.effects.acceptance.check import Check
 
 # Why the bounds of a highlight of exponent 8 are what they are.
 POWER_8 = (

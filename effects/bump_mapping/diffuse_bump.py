@@ -16,21 +16,8 @@ Kilgard 2000, section 4.
 import math
 
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors, light_vectors
-from fixedpipe.effects.passes.draws import (
-    ADD_GATED,
-    FIRST_PASS,
-    LATER_PASS,
-    NO_ALPHA,
-    NO_RGB,
-    OPAQUE,
-    REPEATED,
-    ZERO,
-    alpha_of,
-    draw,
-    expand,
-    opaque,
-    unit,
-)
+from fixedpipe.effects.passes.combiners import NO_ALPHA, NO_RGB, OPAQUE, ZERO, alpha_of, expand, opaque
+from fixedpipe.effects.passes.draws import ADD_GATED, FIRST_PASS, LATER_PASS, REPEATED, draw, unit
 from fixedpipe.effects.passes.encoding import encode_vertex_color
 from fixedpipe.pipeline.enums import CombinerScale, ComponentUsage, Register
 from fixedpipe.pipeline.state import (

@@ -28,6 +28,8 @@ from numbers import Real
 import numpy as np
 
 from fixedpipe.effects.geometry.vectors import cross, dot, normalize
+from fixedpipe.effects.passes.arguments import checked_rgb
+from fixedpipe.effects.passes.combiners import NO_ALPHA, ONE, OPAQUE, ZERO, alpha_of, expand, opaque
 from fixedpipe.effects.passes.draws import (
     ADD,
     ADD_GATED,
@@ -35,15 +37,7 @@ from fixedpipe.effects.passes.draws import (
     LATER_PASS,
     MODULATE,
     MULTIPLY_DESTINATION_TWICE,
-    NO_ALPHA,
-    ONE,
-    OPAQUE,
-    ZERO,
-    alpha_of,
-    checked_rgb,
     draw,
-    expand,
-    opaque,
     unit,
 )
 from fixedpipe.effects.passes.encoding import encode_factor, encode_vertex_color

@@ -12,7 +12,8 @@ import numpy as np
 
 from fixedpipe.effects.bump_mapping.diffuse_bump import blinn_phong_combiners, diffuse_pass
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors, light_vectors
-from fixedpipe.effects.passes.draws import LATER_PASS, alpha_of, draw, unit
+from fixedpipe.effects.passes.combiners import alpha_of
+from fixedpipe.effects.passes.draws import LATER_PASS, draw, unit
 from fixedpipe.effects.passes.encoding import encode_factor, encode_vertex_color
 from fixedpipe.pipeline.enums import BlendFactor, Register
 from fixedpipe.pipeline.state import AlphaPortion, Blending

@@ -26,26 +26,20 @@ import numpy as np
 from fixedpipe.effects.bump_mapping import diffuse_bump, normalization_cube_map
 from fixedpipe.effects.geometry.matrices import rotate
 from fixedpipe.effects.geometry.vectors import cross, from_frame, normalize
+from fixedpipe.effects.passes import host_images
+from fixedpipe.effects.passes.combiners import NO_ALPHA, ONE, OPAQUE, ZERO, alpha_of, expand, opaque
 from fixedpipe.effects.passes.draws import (
     ADD_GATED,
     EDGE,
     FIRST_PASS,
     LATER_PASS,
-    NO_ALPHA,
-    ONE,
-    OPAQUE,
     REPEATED,
     REPLACE,
-    ZERO,
-    alpha_of,
     draw,
-    expand,
-    opaque,
     unit,
 )
 from fixedpipe.effects.passes.encoding import encode_vertex_color
-from fixedpipe.effects.reflectance import imaging_subset
-from fixedpipe.effects.reflectance.dot_product_lookups import NO_TEXTURE, TEXTURE_STAGE, dot_product_stage
+from fixedpipe.effects.passes.texture_shaders import NO_TEXTURE, TEXTURE_STAGE, dot_product_stage
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.enums import BaseFormat, CombinerScale, ComponentUsage, InternalFormat, Register
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
@@ -251,7 +245,7 @@ def color_matrix_passes(
     turned = with_object_axes(surface, axes)
     to_light = light.light_vectors(surface.positions)
     halfway = normalize(to_light + view.view_vectors(surface.positions))
-    image = imaging_subset.HostImage.of(normals, profile)
+    image = host_images.HostImage.of(normals, profile)
     entries = profile.max_color_table_size if profile.exact else TABLE_ENTRIES
     lit = np.maximum(0.0, 2.0 * (np.arange(entries) / float(entries - 1)) - 1.0)
     square = lit * lit
@@ -273,7 +267,7 @@ def color_matrix_passes(
                 texture=what,
                 pixels=PixelImage(image.values, "RGB"),
                 internal_format=internal_format,
-                transfer=imaging_subset.transfer(vector, image.scale, table),
+                transfer=host_images.dot_product_transfer(vector, image.scale, table),
             ),
             draw(
                 f"draw the object with {what}",

@@ -12,6 +12,7 @@ import numpy as np
 
 from fixedpipe.effects.bump_mapping.diffuse_bump import diffuse_combiners
 from fixedpipe.effects.geometry.vectors import normalize
+from fixedpipe.effects.passes.combiners import NO_ALPHA, ONE, OPAQUE, ZERO, alpha_of, constant_product, expand
 from fixedpipe.effects.passes.draws import (
     ADD,
     EDGE,
@@ -19,14 +20,7 @@ from fixedpipe.effects.passes.draws import (
     INVERT_DESTINATION,
     LATER_PASS,
     MULTIPLY_DESTINATION,
-    NO_ALPHA,
-    ONE,
-    OPAQUE,
-    ZERO,
-    alpha_of,
-    constant_product,
     draw,
-    expand,
     keep_positive,
     unit,
 )

@@ -37,7 +37,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fixedpipe.effects.geometry.vectors import cross, dot, normalize
-from fixedpipe.effects.passes.draws import one_of
+from fixedpipe.effects.passes.arguments import one_of
 
 # Twice the signed area of a texture-space triangle over its longest edge's square, below which it counts as
 # none.  Assumed: 1e-9; an equilateral one has .87, and float32 coordinates of a mesh carry an error of 1e-7.

@@ -5,7 +5,8 @@ import importlib
 
 import click
 
-from fixedpipe.effects.cli.refusal import Refusal, Said
+from fixedpipe.effects.cli.refusal import Said
+from fixedpipe.effects.refusal import Refusal
 
 _COMMANDS = (
     "figures",

@@ -67,10 +67,13 @@ def bump(
 
     from fixedpipe.effects.bump_mapping.tangent_space import examine_surface
     from fixedpipe.effects.cli.compiling import announce_compiling
-    from fixedpipe.effects.cli.refusal import check_size, choose, refusals
-    from fixedpipe.effects.geometry.surfaces import read_obj
-    from fixedpipe.effects.reports.files import png, read_picture, read_text, writable_picture, write_whole
+    from fixedpipe.effects.cli.refusal import check_size
+    from fixedpipe.effects.geometry.triangle_meshes import read_obj
+    from fixedpipe.effects.refusal import choose, refusals
+    from fixedpipe.effects.reports.files import writable_picture, write_whole
+    from fixedpipe.effects.reports.pictures import png
     from fixedpipe.effects.user_pictures.bumped_mesh import commands, material, mesh
+    from fixedpipe.effects.user_pictures.inputs import read_picture, read_text
     from fixedpipe.pipeline.profiles import PROFILES
 
     machine = choose("profile", profile, PROFILES)
@@ -100,7 +103,7 @@ def bump(
 
 def _vector(text):
     """Three finite numbers, not all zero, from ``x,y,z``. Raises Refusal."""
-    from fixedpipe.effects.cli.refusal import Refusal
+    from fixedpipe.effects.refusal import Refusal
 
     try:
         vector = tuple(float(c) for c in text.split(","))

@@ -23,8 +23,8 @@ def combiners(file, profile, targets, notation):
     texture shaders, both in one text, or a Direct3D pixel shader ps.1.0 to ps.1.3, and print what it sets, as
     equations.
     """
-    from fixedpipe.effects.cli.refusal import Refusal, choose, refusals
-    from fixedpipe.effects.reports.files import read_text
+    from fixedpipe.effects.refusal import Refusal, choose, refusals
+    from fixedpipe.effects.user_pictures.inputs import read_text
     from fixedpipe.pipeline.description.describe import describe_program
     from fixedpipe.pipeline.notations.programs import parse_program
     from fixedpipe.pipeline.notations.tokens import ProgramTextError
@@ -61,7 +61,7 @@ def combiners(file, profile, targets, notation):
 
 def _target(given):
     """(unit, TextureTarget) of ``UNIT=TARGET``."""
-    from fixedpipe.effects.cli.refusal import Refusal, choose
+    from fixedpipe.effects.refusal import Refusal, choose
     from fixedpipe.pipeline.enums import TextureTarget
 
     unit, equals, name = given.partition("=")

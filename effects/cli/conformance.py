@@ -33,8 +33,8 @@ def conformance(folder, suites, text, list_only, inputs, json_file, html_file, t
     the pictures is not compared. Exit status 1: a case could not be redrawn because of an error.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
-    from fixedpipe.effects.cli.refusal import Refusal
     from fixedpipe.effects.conformance.captures import find_captures
+    from fixedpipe.effects.refusal import Refusal
     from fixedpipe.effects.reports.files import writable_file, write_whole
 
     if list_only:
@@ -51,7 +51,7 @@ def conformance(folder, suites, text, list_only, inputs, json_file, html_file, t
     from fixedpipe.effects.conformance.case import Inputs
     from fixedpipe.effects.conformance.redraw import known_suites
     from fixedpipe.effects.conformance.run import Totals, compare_all
-    from fixedpipe.effects.reports.conformance import Page
+    from fixedpipe.effects.reports.conformance import Page, record_of
 
     page, records, total, failed = Page() if html_path else None, [], Totals(), 0
     modules = known_suites()
@@ -91,19 +91,6 @@ def _line(case):
     return f"{case.suite}/{case.name}: {said}"
 
 
-def record_of(case):
-    """A Comparison as an object of the JSON list."""
-    return {
-        "suite": case.suite,
-        "case": case.name,
-        "covered": case.covered,
-        "pixels_equal": case.pixels_equal,
-        "pixels_compared": case.pixels_compared,
-        "exact": case.exact,
-        "note": case.note,
-    }
-
-
 def _list_suites():
     from fixedpipe.effects.conformance.redraw import known_suites
 
@@ -114,7 +101,7 @@ def _list_suites():
 
 def _folder_of_captures(folder):
     """The folder given, or the environment's; Refusal where it is none."""
-    from fixedpipe.effects.cli.refusal import Refusal
+    from fixedpipe.effects.refusal import Refusal
 
     folder = folder or os.environ.get("FIXEDPIPE_CAPTURES")
     if not folder:
@@ -129,7 +116,7 @@ def _folder_of_captures(folder):
 
 def _folder_of_inputs(inputs, folder):
     """Where textures and meshes lie: as given, the environment's, or beside the captures; None: nowhere."""
-    from fixedpipe.effects.cli.refusal import Refusal
+    from fixedpipe.effects.refusal import Refusal
 
     given = inputs or os.environ.get("FIXEDPIPE_INPUTS")
     if given and not Path(given).is_dir():

@@ -27,9 +27,10 @@ def figures(figure_ids, list_only, check, out, profile, size, threads, json_file
     Of all figures, --profile takes those that the machine can draw.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
-    from fixedpipe.effects.cli.refusal import Refusal, check_size, choose, refusals
+    from fixedpipe.effects.cli.refusal import check_size
     from fixedpipe.effects.figures import FIGURES
     from fixedpipe.effects.figures.costs import cheapest_first
+    from fixedpipe.effects.refusal import Refusal, choose, refusals
     from fixedpipe.effects.reports.files import writable_file, writable_folder, write_whole
     from fixedpipe.pipeline.profiles import PROFILES
 

@@ -19,8 +19,9 @@ def passes(figure_id, profile, trace, whole, size):
 
     Where the same few commands come for polygon after polygon, they are printed once, and how often.
     """
-    from fixedpipe.effects.cli.refusal import check_size, choose, refusals
+    from fixedpipe.effects.cli.refusal import check_size
     from fixedpipe.effects.figures import FIGURES
+    from fixedpipe.effects.refusal import choose, refusals
     from fixedpipe.effects.reports.files import writable_folder
     from fixedpipe.pipeline.description.describe import describe
     from fixedpipe.pipeline.profiles import PROFILES
@@ -46,7 +47,7 @@ def passes(figure_id, profile, trace, whole, size):
 
 def _check_trace(figure, machine, commands, size):
     """Raise Refusal where the framebuffers of so many commands would not fit into memory."""
-    from fixedpipe.effects.cli.refusal import Refusal
+    from fixedpipe.effects.refusal import Refusal
 
     width, height = figure.dimensions(size)
     needed = commands * width * height * _SNAPSHOT_BYTES
@@ -63,7 +64,8 @@ def _write_trace(commands, machine, dimensions, folder):
     """Write the snapshots' pictures, ``03-Draw-depth.png`` and so on; returns their names in order."""
     from pathlib import Path
 
-    from fixedpipe.effects.reports.files import png, write_whole
+    from fixedpipe.effects.reports.files import write_whole
+    from fixedpipe.effects.reports.pictures import png
     from fixedpipe.pipeline.execution.machine import execute
 
     folder, names = Path(folder), []

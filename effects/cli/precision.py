@@ -36,8 +36,9 @@ def precision(figure_id, profile, size, bits, parts):
     """
     from fixedpipe.effects.acceptance import precision as measured
     from fixedpipe.effects.cli.compiling import announce_compiling
-    from fixedpipe.effects.cli.refusal import Refusal, check_size, choose, refusals
+    from fixedpipe.effects.cli.refusal import check_size
     from fixedpipe.effects.figures import FIGURES
+    from fixedpipe.effects.refusal import Refusal, choose, refusals
     from fixedpipe.pipeline.profiles import PROFILES
 
     figure = choose("figure", figure_id, FIGURES)
@@ -69,7 +70,7 @@ def _numbers(measured):
 
 
 def _widths(text):
-    from fixedpipe.effects.cli.refusal import Refusal
+    from fixedpipe.effects.refusal import Refusal
 
     try:
         return tuple(int(word) for word in text.split(","))
@@ -78,7 +79,7 @@ def _widths(text):
 
 
 def _parts(text, usual):
-    from fixedpipe.effects.cli.refusal import Refusal
+    from fixedpipe.effects.refusal import Refusal
 
     if text == "all":
         return usual

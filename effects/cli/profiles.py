@@ -66,7 +66,7 @@ def profiles(names):
     from rich.console import Console
     from rich.table import Table
 
-    from fixedpipe.effects.cli.refusal import choose
+    from fixedpipe.effects.refusal import choose
     from fixedpipe.pipeline.profiles import PROFILES
     from fixedpipe.pipeline.profiles.profile import Profile
 

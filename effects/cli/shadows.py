@@ -46,10 +46,13 @@ def shadows(mesh, algorithm, light, out, size, profile, up, map_size, threads):
     depths in alpha; z-pass and z-fail are shadow volumes, and need a mesh that is closed.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
-    from fixedpipe.effects.cli.refusal import Refusal, check_size, choose, refusals
-    from fixedpipe.effects.reports.files import png, read_mesh, writable_picture, write_whole
+    from fixedpipe.effects.cli.refusal import check_size
+    from fixedpipe.effects.refusal import Refusal, choose, refusals
+    from fixedpipe.effects.reports.files import writable_picture, write_whole
+    from fixedpipe.effects.reports.pictures import png
     from fixedpipe.effects.shadows.lit_scene import map_edge
     from fixedpipe.effects.user_pictures import mesh_shadows
+    from fixedpipe.effects.user_pictures.inputs import read_mesh
     from fixedpipe.pipeline.profiles import PROFILES
 
     way = choose("algorithm", algorithm, mesh_shadows.ALGORITHMS)
@@ -84,8 +87,7 @@ def shadows(mesh, algorithm, light, out, size, profile, up, map_size, threads):
 def _drawn(algorithm, scene, lamp, machine, size, edge, threads):
     """The picture, and the ``Agreement`` of its mask with rays."""
     from fixedpipe.effects.acceptance import agreement
-    from fixedpipe.effects.figures.figure import BACKGROUND
-    from fixedpipe.effects.geometry.views import Panel
+    from fixedpipe.effects.geometry.views import BACKGROUND, Panel
     from fixedpipe.effects.user_pictures import mesh_shadows
     from fixedpipe.pipeline.execution.machine import execute
 
@@ -117,7 +119,7 @@ def _drawn(algorithm, scene, lamp, machine, size, edge, threads):
 
 def _position(text):
     """Three finite numbers from ``x,y,z``. Raises Refusal."""
-    from fixedpipe.effects.cli.refusal import Refusal
+    from fixedpipe.effects.refusal import Refusal
 
     try:
         position = tuple(float(c) for c in text.split(","))

@@ -1,9 +1,10 @@
 """``fixedpipe study``: an artefact of the hardware, measured: a table, what it says, and a plot."""
 
-import json
 import sys
 
 import click
+
+from fixedpipe.effects.reports.study_record import json_bytes, measured, plotted
 
 
 @click.command(short_help="Measure an artefact of the hardware: a table and a plot.")
@@ -23,7 +24,7 @@ def study(study_ids, profile, check, out, json_file):
     matplotlib: pip install 'fixedpipe[plots]'.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
-    from fixedpipe.effects.cli.refusal import Refusal, choose
+    from fixedpipe.effects.refusal import Refusal, choose
     from fixedpipe.effects.reports.files import writable_file, writable_folder, write_whole
     from fixedpipe.effects.studies import STUDIES
 
@@ -40,18 +41,18 @@ def study(study_ids, profile, check, out, json_file):
 
     records, missed, without_plot = [], 0, False
     for number, (s, key) in enumerate(zip(chosen, machines, strict=True)):
-        table, record = _measured(s, key, check)
+        table, record = measured(s, key, check)
         click.echo("\n" * bool(number) + _printed(s, key, table))
         missed += _print_checks(record["checks"])
-        picture = _plotted(s, table)
+        picture = plotted(s, table)
         without_plot |= picture is None
         if picture is not None:
             record["plot"] = f"{s.id}.png"
             write_whole(folder / record["plot"], picture)
-        write_whole(folder / f"{s.id}.json", _json(record))
+        write_whole(folder / f"{s.id}.json", json_bytes(record))
         records.append(record)
     if json_path:
-        write_whole(json_path, _json(records))
+        write_whole(json_path, json_bytes(records))
     if without_plot:
         raise Refusal(
             f"The tables are in {folder}; plots need matplotlib, which is not installed: "
@@ -65,7 +66,7 @@ def study(study_ids, profile, check, out, json_file):
 
 def _machine(s, profile, check):
     """The key of the machine to measure a study on, or None where no one machine is asked for."""
-    from fixedpipe.effects.cli.refusal import Refusal, choose
+    from fixedpipe.effects.refusal import Refusal, choose
     from fixedpipe.pipeline.profiles import PROFILES
 
     own = s.machines[0] if s.machines else None
@@ -78,39 +79,6 @@ def _machine(s, profile, check):
     if check and profile != own:
         raise Refusal(f"The expected numbers of {s.id} are for {own}; give that --profile, or no --check.")
     return profile
-
-
-def _measured(s, key, check):
-    """The study's table and the content of its JSON file."""
-    from dataclasses import asdict
-
-    from fixedpipe.effects.cli.refusal import refusals
-    from fixedpipe.pipeline.golden.provenance import provenance
-    from fixedpipe.pipeline.profiles import PROFILES
-
-    profile = PROFILES[key] if key else None
-    with refusals():
-        table = s.measure(profile)
-    checks = s.checks(table) if check else ()
-    record = {
-        "id": s.id,
-        "title": s.title,
-        "question": s.question,
-        "method": s.method,
-        "source": s.source,
-        "techniques": list(s.techniques),
-        "profile": key,
-        "units": {column.name: column.unit for column in table.columns},
-        "rows": table.records(),
-        "findings": list(s.findings(table)),
-        "checks": [asdict(c) | {"value": float(c.value), "passed": bool(c.passed)} for c in checks],
-        "provenance": provenance(profile),
-    }
-    return table, record
-
-
-def _json(content):
-    return (json.dumps(content, indent=2, allow_nan=False) + "\n").encode()
 
 
 def _printed(s, key, table):
@@ -138,28 +106,3 @@ def _print_checks(checks):
             f"{verdict} {c['name']}: {c['value']:.4g} {c['relation']} {c['bound']:.4g} ({c['reason']})"
         )
     return sum(not c["passed"] for c in checks)
-
-
-def _plotted(s, table):
-    """The study's plot as the bytes of a PNG file; None where matplotlib is not installed."""
-    try:
-        import matplotlib
-    except ImportError:
-        return None
-    import io
-
-    # The drawing library alone, without a window system and without what a user's settings change.
-    with matplotlib.rc_context():
-        matplotlib.rcdefaults()
-        matplotlib.rcParams.update({"axes.grid": True, "grid.alpha": 0.3, "axes.axisbelow": True})
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-
-        figure = Figure(figsize=(4.5 + 3.5 * s.panels, 5.0), dpi=110, layout="constrained")
-        FigureCanvasAgg(figure)
-        axes = figure.subplots(1, s.panels, squeeze=False)[0]
-        figure.suptitle(f"{s.id}: {s.title}")
-        s.plot(tuple(axes), table)
-        buffer = io.BytesIO()
-        figure.savefig(buffer, format="png", metadata={"Software": None})
-        return buffer.getvalue()

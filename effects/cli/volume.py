@@ -9,7 +9,6 @@ from fixedpipe.effects.cli.options import threads_option
 
 TYPES = {"uint8": "u1", "int8": "i1", "uint16": "u2", "int16": "i2", "float32": "f4", "float64": "f8"}
 ENDIANS = {"little": "<", "big": ">"}
-_LARGEST_FILE = 1 << 30  # voxels
 
 
 @click.command(short_help="Render an iso-surface of a volume, with shadows.")
@@ -64,10 +63,12 @@ def volume(
     axes.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
-    from fixedpipe.effects.cli.refusal import check_size, choose, refusals
-    from fixedpipe.effects.reports.files import png, writable_picture, write_whole
-    from fixedpipe.effects.user_pictures.volume import volume_of
-    from fixedpipe.effects.volumes.volume_rendering import method_of, picture_of
+    from fixedpipe.effects.cli.refusal import check_size
+    from fixedpipe.effects.refusal import choose, refusals
+    from fixedpipe.effects.reports.files import writable_picture, write_whole
+    from fixedpipe.effects.reports.pictures import png
+    from fixedpipe.effects.user_pictures.volume import picture_of, volume_of
+    from fixedpipe.effects.volumes.volume_rendering import method_of
     from fixedpipe.pipeline.profiles import PROFILES
 
     machine = choose("profile", profile, PROFILES)
@@ -101,7 +102,7 @@ def volume(
 
 def _numbers(text, what):
     """Three finite numbers, not all zero, from ``x,y,z``. Raises Refusal."""
-    from fixedpipe.effects.cli.refusal import Refusal
+    from fixedpipe.effects.refusal import Refusal
 
     try:
         numbers = tuple(float(c) for c in text.split(","))
@@ -114,7 +115,8 @@ def _numbers(text, what):
 
 def _read(name, dims, type_name, endian, skip):
     """Values [layers, rows, columns] and the voxels' spacing along x, y and z. Raises Refusal."""
-    from fixedpipe.effects.cli.refusal import Refusal, choose
+    from fixedpipe.effects.refusal import Refusal, choose
+    from fixedpipe.effects.user_pictures.inputs import read_nrrd, read_raw_volume
 
     equal = (1.0, 1.0, 1.0)
     if name.startswith("sample:"):
@@ -126,70 +128,8 @@ def _read(name, dims, type_name, endian, skip):
         problem = f"{name} is no file" if name and path.exists() else f"There is no file {name!r}"
         raise Refusal(f"{problem}. Give raw values with --dims, an NRRD file, or sample:engine.")
     if path.suffix.lower() in (".nrrd", ".nhdr"):
-        return _read_nrrd(path)
+        return read_nrrd(path)
     if dims is None:
         raise Refusal(f"{name} is read as raw values; say how many along each edge with --dims X,Y,Z.")
     kind, order = choose("type", type_name, TYPES), choose("endian", endian, ENDIANS)
-    return _read_raw(path, dims, order + kind, skip), equal
-
-
-def _read_raw(path, dims, dtype, skip):
-    import numpy as np
-
-    from fixedpipe.effects.cli.refusal import Refusal
-
-    try:
-        counts = tuple(int(c) for c in dims.split(","))
-    except ValueError:
-        counts = ()
-    if len(counts) != 3 or min(counts) < 2 or math.prod(counts) > _LARGEST_FILE:
-        raise Refusal(f"The dimensions are {dims!r}; give three whole numbers from 2, as 256,256,110.")
-    dtype = np.dtype(dtype)
-    needed = math.prod(counts) * dtype.itemsize
-    try:
-        there = path.stat().st_size - skip
-        if there != needed:
-            before = f" after the {skip} skipped" if skip else ""
-            raise Refusal(
-                f"{path} has {there} bytes{before}; {dims} values of {dtype.name} are {needed}. Give other "
-                "--dims, --type or --skip."
-            )
-        values = np.fromfile(path, dtype, math.prod(counts), offset=skip)
-    except OSError as error:
-        raise Refusal(f"{path} cannot be read: {error.strerror}.") from error
-    return values.reshape(counts[::-1])
-
-
-def _read_nrrd(path):
-
-    from fixedpipe.effects.cli.refusal import Refusal
-
-    try:
-        import nrrd
-    except ImportError as error:
-        raise Refusal("NRRD files need the extra `volumes`: pip install 'fixedpipe[volumes]'.") from error
-    # A decoder fed arbitrary bytes raises whatever it stumbles over.
-    try:
-        header = nrrd.read_header(str(path))
-        sizes = [int(n) for n in header["sizes"]]
-        if len(sizes) == 3 and math.prod(sizes) > _LARGEST_FILE:
-            raise ValueError(f"{'x'.join(map(str, sizes))} voxels are too many")
-        values, header = nrrd.read(str(path), index_order="C")
-    except Exception as error:
-        reason = str(error).split("\n")[0].rstrip(".") or type(error).__name__
-        raise Refusal(f"{path} cannot be read ({reason}). Give a whole NRRD file.") from error
-    return values, _nrrd_spacing(header)
-
-
-def _nrrd_spacing(header):
-    """Spacings of an NRRD header's axes, which may be negative; equal where it has none.
-
-    What is there but is no number is given back as it is, for ``volume_of`` to refuse.
-    """
-    import numpy as np
-
-    axes = header.get("space directions")
-    if axes is not None:
-        return tuple(np.sqrt((np.asarray(axes, float) ** 2).sum(axis=-1)).tolist())
-    spacing = header.get("spacings")
-    return (1.0, 1.0, 1.0) if spacing is None else tuple(abs(float(s)) for s in spacing)
+    return read_raw_volume(path, dims, order + kind, skip), equal

@@ -1,7 +1,7 @@
 """A folder of captures: SUITE/CASE.png, found, checked before anything is drawn, and read."""
 
-from fixedpipe.effects.cli.refusal import Refusal, choose
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH
+from fixedpipe.effects.refusal import Refusal, choose
 
 
 def _entries(folder):

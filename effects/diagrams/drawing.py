@@ -23,7 +23,8 @@ from PIL import ImageFont
 from fixedpipe.effects.geometry.matrices import orthographic, transform
 from fixedpipe.effects.geometry.vectors import cosine, sine
 from fixedpipe.effects.geometry.views import View
-from fixedpipe.effects.passes.draws import MODULATE, NEAREST, REPLACE, checked_rgb, unit
+from fixedpipe.effects.passes.arguments import checked_rgb
+from fixedpipe.effects.passes.draws import MODULATE, NEAREST, REPLACE, unit
 from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import BlendFactor, ComparisonFunction, InternalFormat
 from fixedpipe.pipeline.state import (

@@ -29,30 +29,19 @@ from fixedpipe.effects.environment_maps import environments
 from fixedpipe.effects.geometry.matrices import rotate
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.vertex_vectors import reflected
+from fixedpipe.effects.passes.combiners import NO_ALPHA, NO_RGB, ONE, OPAQUE, ZERO, alpha_of, opaque
 from fixedpipe.effects.passes.draws import (
     EDGE,
     FIRST_PASS,
     LATER_PASS,
     MULTIPLY_DESTINATION,
-    NO_ALPHA,
-    NO_RGB,
-    ONE,
-    OPAQUE,
     REPEATED,
     REPLACE,
-    ZERO,
-    alpha_of,
     draw,
-    opaque,
     unit,
 )
-from fixedpipe.effects.passes.encoding import encode_factor
-from fixedpipe.effects.reflectance.dot_product_lookups import (
-    NO_TEXTURE,
-    TEXTURE_STAGE,
-    dot_product_stage,
-    encode_dot_product,
-)
+from fixedpipe.effects.passes.encoding import encode_dot_product, encode_factor
+from fixedpipe.effects.passes.texture_shaders import NO_TEXTURE, TEXTURE_STAGE, dot_product_stage
 from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import (
     Face,

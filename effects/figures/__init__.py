@@ -3,16 +3,9 @@
 import re
 import sys
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.collection import Collection
-from fixedpipe.effects.figures.figure import (
-    DIFFERENCE_GAIN,
-    VIEWS,
-    Check,
-    Figure,
-    Method,
-    Renderer,
-    difference,
-)
+from fixedpipe.effects.figures.figure import DIFFERENCE_GAIN, VIEWS, Figure, Method, Renderer, difference
 
 __all__ = ["DIFFERENCE_GAIN", "FIGURES", "VIEWS", "Check", "Figure", "Method", "Renderer", "difference"]
 

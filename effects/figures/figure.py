@@ -13,7 +13,6 @@ import numpy as np
 
 from fixedpipe.pipeline.profiles import IDEAL, PROFILES
 
-BACKGROUND = (0.07, 0.075, 0.09)
 # Parameters of a scene that leave the highlight alone.
 DARK = {"diffuse": (0.0, 0.0, 0.0), "ambient": (0.0, 0.0, 0.0), "background": (0.0, 0.0, 0.0)}
 # Machines with two or more general combiners; the first is the one that the paper used.
@@ -29,27 +28,6 @@ DIAGRAM_MACHINES = ("OPENGL_1_2", "GEFORCE_256")
 # visible.
 VIEWS = ("machine", "ideal", "difference")
 DIFFERENCE_GAIN = 8.0
-
-
-@dataclass(frozen=True)
-class Check:
-    """One acceptance check: ``value relation bound``.
-
-    ``relation``: "<=" or ">=". ``on``: "ideal" (the algorithm itself) or "machine" (with its arithmetic).
-    ``reason``: why this bound.
-    """
-
-    name: str
-    value: float
-    relation: str
-    bound: float
-    on: str
-    reason: str
-
-    @property
-    def passed(self):
-        """Whether the value keeps the bound; a NaN does not."""
-        return self.value <= self.bound if self.relation == "<=" else self.value >= self.bound
 
 
 @dataclass(frozen=True, eq=False)

@@ -104,3 +104,12 @@ class Light:
         if self.point:
             return normalize(np.array(self.vector) - positions)
         return np.broadcast_to(unit_vector(self.vector, "The light's direction"), positions.shape)
+
+
+BACKGROUND = (0.07, 0.075, 0.09)
+
+
+def panel_of(image, number):
+    """Panel ``number`` of a row of square ones: [size, size, ...]."""
+    size = image.shape[0]
+    return image[:, number * size : (number + 1) * size]

@@ -1,18 +1,13 @@
-"""What the techniques' passes have in common: depth functions, texture units, and drawing a stored
-picture.
+"""What techniques write Draws with: depth tests, blending, samplers, a texture unit, one pass over a mesh,
+and a stored picture shown.
 """
 
-import math
-
-import numpy as np
-
+from fixedpipe.effects.passes.combiners import NO_ALPHA, NO_RGB, OPAQUE, ZERO, constant_product
 from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.enums import (
     BlendEquation,
     BlendFactor,
     ComparisonFunction,
-    ComponentUsage,
-    Mapping,
     Register,
     StencilOperation,
     TextureEnvironmentMode,
@@ -20,7 +15,6 @@ from fixedpipe.pipeline.enums import (
     WrapMode,
 )
 from fixedpipe.pipeline.state import (
-    AlphaPortion,
     Blending,
     CombinerInput,
     DepthTest,
@@ -28,7 +22,6 @@ from fixedpipe.pipeline.state import (
     GeneralCombiner,
     PassState,
     RegisterCombiners,
-    RGBPortion,
     Sampler,
     StencilTest,
     TextureEnvironment,
@@ -70,53 +63,6 @@ NEAREST = Sampler(
 EDGE = Sampler(TextureFilter.LINEAR, TextureFilter.LINEAR, WrapMode.CLAMP_TO_EDGE, WrapMode.CLAMP_TO_EDGE)
 
 
-NO_RGB = RGBPortion(a=CombinerInput(), sum_output=Register.DISCARD)
-NO_ALPHA = AlphaPortion(a=CombinerInput(usage=ComponentUsage.ALPHA), sum_output=Register.DISCARD)
-ZERO = CombinerInput()
-ONE = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT)
-OPAQUE = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, ComponentUsage.ALPHA)
-
-
-def expand(register):
-    """A register as a vector: EXPAND_NORMAL of its RGB."""
-    return CombinerInput(register, Mapping.EXPAND_NORMAL)
-
-
-def alpha_of(register):
-    """A register's alpha, replicated where RGB is asked for."""
-    return CombinerInput(register, usage=ComponentUsage.ALPHA)
-
-
-def checked_rgb(color, what="The colour"):
-    """RGB in [0, 1] as three floats: what a machine's colours, constants and tables hold.
-
-    Raises ValueError, naming ``what``, for anything else.
-    """
-    out = np.asarray(color)
-    if out.shape != (3,) or out.dtype.kind not in "iuf" or not ((out >= 0.0) & (out <= 1.0)).all():
-        raise ValueError(f"{what} is {color!r}; give red, green and blue from 0 to 1.")
-    return tuple(out.astype(np.float64).tolist())
-
-
-def one_of(choices, given, what):
-    """What was given. Raises ValueError, naming ``what``, where it is none of the choices."""
-    if given not in choices:
-        raise ValueError(f"{what} is {given!r}; give one of {', '.join(map(repr, choices))}.")
-    return given
-
-
-def positive(number, what):
-    """A number as a float. Raises ValueError, naming ``what``, where it is not finite and above zero."""
-    if not 0.0 < number < math.inf:
-        raise ValueError(f"{what} is {number!r}; give a positive number.")
-    return float(number)
-
-
-def opaque(color):
-    """RGB in [0, 1] as a combiner constant with alpha one."""
-    return (*checked_rgb(color), 1.0)
-
-
 def draw(label, mesh, view, combiners, units=(), *, depth_test=LATER_PASS, blending=None, **settings):
     """One pass over a mesh in a view; back-facing triangles are left to the depth test. ``settings``: more of
     PassState.
@@ -131,14 +77,6 @@ def draw(label, mesh, view, combiners, units=(), *, depth_test=LATER_PASS, blend
         **settings,
     )
     return Draw(label=label, mesh=mesh, state=state)
-
-
-def constant_product(factor, constant):
-    """Combiners that give ``factor``, a final combiner's input, times RGB ``constant`` in [0, 1]."""
-    final = FinalCombiner(a=factor, b=CombinerInput(Register.CONSTANT_COLOR0), c=ZERO, d=ZERO, g=OPAQUE)
-    return RegisterCombiners(
-        general=(GeneralCombiner(NO_RGB, NO_ALPHA),), final=final, constant_color0=opaque(constant)
-    )
 
 
 def keep_positive(mesh, view):

@@ -71,3 +71,15 @@ def encode_rgba(vectors, alpha, profile):
     rgb = encode_expand(vectors, profile)
     a = np.broadcast_to(encode_factor(alpha, profile), rgb.shape[:-1])
     return np.concatenate([rgb, a[..., None]], axis=-1)
+
+
+def encode_dot_product(vectors, alpha, profile):
+    """A texture image [h, w, 4]: vectors in [-1, 1] for a dot product's EXPAND_NORMAL, a factor in alpha.
+
+    Source: docs/numbers.md, section 12: (n - 128)/127. The exact machine stores v/2 + 1/2.
+    """
+    alpha = np.broadcast_to(encode_factor(alpha, profile), vectors.shape[:-1])[..., None]
+    if profile.exact:
+        return np.concatenate([vectors * 0.5 + 0.5, alpha], axis=-1)
+    stored = np.clip(np.floor(128.0 + 127.0 * vectors + 0.5), 0, 255).astype(np.uint8)
+    return np.concatenate([stored, alpha], axis=-1)

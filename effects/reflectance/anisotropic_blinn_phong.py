@@ -17,21 +17,23 @@ Source: Kautz, Seidel 2000, sections 3.2, 4 and 4.1, Eq. 1 (K07, K11 of the cata
 
 from fixedpipe.effects.geometry.vectors import from_frame, normalize
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors
+from fixedpipe.effects.passes.combiners import (
+    NO_ALPHA,
+    OPAQUE,
+    ZERO,
+    alpha_of,
+    constant_product,
+    expand,
+    opaque,
+)
 from fixedpipe.effects.passes.draws import (
     ADD,
     ADD_GATED,
     FIRST_PASS,
     INVERT_DESTINATION,
     LATER_PASS,
-    NO_ALPHA,
-    OPAQUE,
     REPEATED,
-    ZERO,
-    alpha_of,
-    constant_product,
     draw,
-    expand,
-    opaque,
     unit,
 )
 from fixedpipe.effects.passes.encoding import encode_vertex_color

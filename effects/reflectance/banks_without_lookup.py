@@ -27,23 +27,25 @@ exponent of the bracket, printed without, is one).
 from dataclasses import dataclass
 
 from fixedpipe.effects.geometry.vertex_vectors import light_vectors, view_vectors
+from fixedpipe.effects.passes.combiners import (
+    NO_ALPHA,
+    ONE,
+    OPAQUE,
+    ZERO,
+    alpha_of,
+    constant_product,
+    expand,
+    opaque,
+)
 from fixedpipe.effects.passes.draws import (
     ADD,
     FIRST_PASS,
     INVERT_DESTINATION,
     LATER_PASS,
     MULTIPLY_DESTINATION,
-    NO_ALPHA,
-    ONE,
-    OPAQUE,
     REPEATED,
     SUBTRACT,
-    ZERO,
-    alpha_of,
-    constant_product,
     draw,
-    expand,
-    opaque,
     unit,
 )
 from fixedpipe.effects.passes.encoding import encode_rgba, encode_vertex_color

@@ -17,18 +17,16 @@ from dataclasses import replace
 import numpy as np
 
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors
-from fixedpipe.effects.passes import software_pixel_texture
+from fixedpipe.effects.passes import pixel_texture_copies, software_pixel_texture
+from fixedpipe.effects.passes.arguments import one_of
+from fixedpipe.effects.passes.combiners import ONE, alpha_of, constant_product
 from fixedpipe.effects.passes.draws import (
     FIRST_PASS,
     MARK,
     MARKED,
     MULTIPLY_DESTINATION,
-    ONE,
     REPEATED,
-    alpha_of,
-    constant_product,
     draw,
-    one_of,
     unit,
 )
 from fixedpipe.effects.passes.encoding import encode_vertex_color
@@ -113,7 +111,7 @@ def blinn_phong(
         blending=MULTIPLY_DESTINATION,
     )
     return (
-        pixel_textures.begin(view),
+        pixel_texture_copies.begin(view),
         draw(
             "e = 1 - (h.t/ax)^2 - (h.b/ay)^2, N/128 to alpha",
             surface.mesh(colors=vectors),

@@ -25,25 +25,9 @@ import numpy as np
 
 from fixedpipe.effects.geometry.matrices import product
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors, light_vectors, view_vectors
-from fixedpipe.effects.passes.draws import (
-    EDGE,
-    FIRST_PASS,
-    LATER_PASS,
-    NEAREST,
-    NO_ALPHA,
-    NO_RGB,
-    ONE,
-    OPAQUE,
-    REPEATED,
-    ZERO,
-    alpha_of,
-    checked_rgb,
-    draw,
-    expand,
-    one_of,
-    opaque,
-    unit,
-)
+from fixedpipe.effects.passes.arguments import checked_rgb, one_of
+from fixedpipe.effects.passes.combiners import NO_ALPHA, NO_RGB, ONE, OPAQUE, ZERO, alpha_of, expand, opaque
+from fixedpipe.effects.passes.draws import EDGE, FIRST_PASS, LATER_PASS, NEAREST, REPEATED, draw, unit
 from fixedpipe.effects.passes.encoding import encode_rgba, encode_vertex_color
 from fixedpipe.effects.reflectance import brdfs
 from fixedpipe.effects.reflectance.lookup_framework import RESULT, STAGES

@@ -24,25 +24,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors, light_vectors, view_vectors
-from fixedpipe.effects.passes.draws import (
-    ADD,
-    ADD_GATED,
-    FIRST_PASS,
-    LATER_PASS,
-    NO_ALPHA,
-    OPAQUE,
-    REPEATED,
-    ZERO,
-    alpha_of,
-    draw,
-    expand,
-    opaque,
-    unit,
-)
-from fixedpipe.effects.passes.encoding import encode_factor, encode_vertex_color
+from fixedpipe.effects.passes.combiners import NO_ALPHA, OPAQUE, ZERO, alpha_of, expand, opaque
+from fixedpipe.effects.passes.draws import ADD, ADD_GATED, FIRST_PASS, LATER_PASS, REPEATED, draw, unit
+from fixedpipe.effects.passes.encoding import encode_dot_product, encode_vertex_color
+from fixedpipe.effects.passes.texture_shaders import NO_TEXTURE, TEXTURE_STAGE, dot_product_stage
 from fixedpipe.effects.reflectance import brdfs
 from fixedpipe.pipeline.commands import TexImage
-from fixedpipe.pipeline.enums import DotProductMapping, InternalFormat, Register
+from fixedpipe.pipeline.enums import InternalFormat, Register
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.state import (
     CombinerInput,
@@ -50,7 +38,6 @@ from fixedpipe.pipeline.state import (
     GeneralCombiner,
     RegisterCombiners,
     RGBPortion,
-    TextureShaderStage,
 )
 from fixedpipe.pipeline.textures.images import texture_2d
 
@@ -61,28 +48,6 @@ BANKS_TEXELS = 256
 # Texels of the Banks table outside [-1, 1] on either side, which hold the function at the ends: a texel's
 # byte may leave a dot product beyond one, and the filter reads a neighbour.
 _GUARD = 2
-
-NO_TEXTURE = None
-TEXTURE_STAGE = TextureShaderStage(Operation.TEXTURE_2D)
-
-
-def dot_product_stage(operation, previous):
-    """A stage whose dot product reads ``previous``'s texel as EXPAND_NORMAL does."""
-    return TextureShaderStage(
-        operation, previous_texture_input=previous, dot_product_mapping=DotProductMapping.EXPAND_NORMAL
-    )
-
-
-def encode_dot_product(vectors, alpha, profile):
-    """A texture image [h, w, 4]: vectors in [-1, 1] for a dot product's EXPAND_NORMAL, a factor in alpha.
-
-    Source: docs/numbers.md, section 12: (n - 128)/127. The exact machine stores v/2 + 1/2.
-    """
-    alpha = np.broadcast_to(encode_factor(alpha, profile), vectors.shape[:-1])[..., None]
-    if profile.exact:
-        return np.concatenate([vectors * 0.5 + 0.5, alpha], axis=-1)
-    stored = np.clip(np.floor(128.0 + 127.0 * vectors + 0.5), 0, 255).astype(np.uint8)
-    return np.concatenate([stored, alpha], axis=-1)
 
 
 def centered_table(function, texels, period, profile):

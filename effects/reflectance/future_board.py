@@ -27,24 +27,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors, light_vectors, view_vectors
-from fixedpipe.effects.passes.draws import (
-    ADD,
-    ADD_GATED,
-    EDGE,
-    FIRST_PASS,
-    LATER_PASS,
-    NO_ALPHA,
-    ONE,
-    OPAQUE,
-    REPEATED,
-    ZERO,
-    alpha_of,
-    checked_rgb,
-    draw,
-    expand,
-    opaque,
-    unit,
-)
+from fixedpipe.effects.passes.arguments import checked_rgb
+from fixedpipe.effects.passes.combiners import NO_ALPHA, ONE, OPAQUE, ZERO, alpha_of, expand, opaque
+from fixedpipe.effects.passes.draws import ADD, ADD_GATED, EDGE, FIRST_PASS, LATER_PASS, REPEATED, draw, unit
 from fixedpipe.effects.passes.encoding import encode_factor, encode_rgba, encode_vertex_color
 from fixedpipe.effects.reflectance import brdfs
 from fixedpipe.effects.reflectance.material_textures import LARGEST_EXPONENT

@@ -41,6 +41,7 @@ import numpy as np
 from fixedpipe.effects.geometry.surfaces import Surface
 from fixedpipe.effects.geometry.vectors import cross, dot, in_frame, normalize
 from fixedpipe.effects.geometry.views import View
+from fixedpipe.effects.passes.arguments import checked_rgb
 from fixedpipe.effects.passes.draws import (
     ADD,
     ADD_GATED,
@@ -52,13 +53,13 @@ from fixedpipe.effects.passes.draws import (
     REPEATED,
     REPLACE,
     SUBTRACT_FROM_SOURCE,
-    checked_rgb,
     draw,
 )
 from fixedpipe.effects.passes.encoding import encode_factor
+from fixedpipe.effects.passes.host_images import HostImage, dot_product_transfer
 from fixedpipe.pipeline.commands import Mesh, TexImage
 from fixedpipe.pipeline.enums import BaseFormat, BlendFactor, InternalFormat, TextureFilter, WrapMode
-from fixedpipe.pipeline.pixel_transfer import PixelImage, PixelTransfer
+from fixedpipe.pipeline.pixel_transfer import PixelImage
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.state import Blending, ColorMask, ColorTable, Sampler, TextureUnit
 from fixedpipe.pipeline.textures.images import texture_2d
@@ -158,23 +159,6 @@ def light_vectors(faces, light):
 
 
 @dataclass(frozen=True, eq=False)
-class HostImage:
-    """Vectors as the host keeps them: ``values`` = v / (2 ``scale``) + 1/2, floats [rows, columns, 3] in
-    [0, 1].
-    """
-
-    values: np.ndarray
-    scale: float
-
-    @classmethod
-    def of(cls, vectors, profile):
-        """Single precision, what OpenGL's FLOAT is; the exact machine's host has double."""
-        scale = float(np.abs(vectors).max())
-        values = vectors / (2.0 * scale) + 0.5
-        return cls(values if profile.exact else values.astype(np.float32), scale)
-
-
-@dataclass(frozen=True, eq=False)
 class Windows:
     """Which part of the material images each polygon reads, all of one size, and where its corners lie in it.
 
@@ -256,22 +240,6 @@ def _gate(count, gated):
     return ColorTable(tuple((g, g, g, a) for g, a in zip(gate.tolist(), lit.tolist(), strict=True)))
 
 
-def transfer(vector, scale, table, biased=True):
-    """The pixel transfer that makes a table's entries of dot products with ``vector``.
-
-    ``scale``: the image's (HostImage). ``biased``: the colour matrix's result d leaves as (1 + d)/2; else it
-    leaves as it is and what is negative becomes zero.
-    """
-    x, y, z = (float(c) for c in vector)
-    row = (2.0 * scale * x, 2.0 * scale * y, 2.0 * scale * z, -scale * ((x + y) + z))
-    return PixelTransfer(
-        color_matrix=(row,) * 4,
-        post_color_matrix_scale=(0.5 if biased else 1.0,) * 4,
-        post_color_matrix_bias=(0.5 if biased else 0.0,) * 4,
-        post_color_matrix_color_table=table,
-    )
-
-
 # --------------------------------------------------------------------------------------------- the passes
 
 
@@ -305,7 +273,7 @@ class Prepared:
                 texture=texture,
                 pixels=PixelImage(self.windows.part(image.values, number), "RGB"),
                 internal_format=internal_format,
-                transfer=transfer(vector, image.scale, table, biased),
+                transfer=dot_product_transfer(vector, image.scale, table, biased),
             )
             pairs.append((load, replace(first, mesh=mesh)))
         return pairs

@@ -22,23 +22,19 @@ import numpy as np
 from fixedpipe.effects.geometry import height_fields
 from fixedpipe.effects.geometry.vectors import cosine, dot, normalize, sine
 from fixedpipe.effects.geometry.vertex_vectors import light_vectors, view_vectors
-from fixedpipe.effects.passes import software_pixel_texture
+from fixedpipe.effects.passes import pixel_texture_copies, software_pixel_texture
+from fixedpipe.effects.passes.arguments import one_of
+from fixedpipe.effects.passes.combiners import NO_ALPHA, ZERO, alpha_of, expand
 from fixedpipe.effects.passes.draws import (
     FIRST_PASS,
     MARK,
     MARKED,
     MULTIPLY_DESTINATION,
-    NO_ALPHA,
     REPEATED,
-    ZERO,
-    alpha_of,
     draw,
-    expand,
-    one_of,
     unit,
 )
 from fixedpipe.effects.passes.encoding import encode_rgba, encode_vertex_color
-from fixedpipe.effects.reflectance import pixel_textures
 from fixedpipe.effects.reflectance.sampled_functions import sampled
 from fixedpipe.pipeline.commands import HostStep, TexImage
 from fixedpipe.pipeline.enums import Register
@@ -143,10 +139,10 @@ def woven_domes(size, *, bumps=4, height=0.6, cells=16, tilt=0.25, spread=10.0, 
 # ---------------------------------------------------------------------------- by pixel textures (Octane)
 
 _CHANNELS = (
-    pixel_textures.FROM_RED,
-    pixel_textures.FROM_GREEN,
-    pixel_textures.FROM_BLUE,
-    pixel_textures.FROM_ALPHA,
+    pixel_texture_copies.FROM_RED,
+    pixel_texture_copies.FROM_GREEN,
+    pixel_texture_copies.FROM_BLUE,
+    pixel_texture_copies.FROM_ALPHA,
 )
 RESULT = "F(s, t) G(u, v)"
 STAGES = ("s", "t", "u", "v", "F(s, t)", "G(u, v)", RESULT)
@@ -157,13 +153,13 @@ def parameters_by_color_matrix(surface, textures, view, light, profile, *, bits=
 
     ``surface`` flat, ``view`` of an infinite viewer, ``light`` directional, as in ``pixel_textures``.
     """
-    toward_light = pixel_textures.flat_vector(light_vectors(surface, light), "light vector")
-    toward_eye = pixel_textures.flat_vector(view_vectors(surface, view), "viewing vector")
-    dot_with, nothing = pixel_textures.dot_with, pixel_textures.NOTHING
+    toward_light = pixel_texture_copies.flat_vector(light_vectors(surface, light), "light vector")
+    toward_eye = pixel_texture_copies.flat_vector(view_vectors(surface, view), "viewing vector")
+    dot_with, nothing = pixel_texture_copies.dot_with, pixel_texture_copies.NOTHING
     drawn = {"surface": surface, "view": view, "sampler": sampler}
     return (
-        pixel_textures.begin(view),
-        pixel_textures.load_products(
+        pixel_texture_copies.begin(view),
+        pixel_texture_copies.load_products(
             "load a through l",
             "a",
             textures.directions,
@@ -171,22 +167,22 @@ def parameters_by_color_matrix(surface, textures, view, light, profile, *, bits=
             profile,
             bits,
         ),
-        pixel_textures.polygon(
-            "-s = (a.l)+ to red", texture="a", first=True, mask=pixel_textures.RED, **drawn
+        pixel_texture_copies.polygon(
+            "-s = (a.l)+ to red", texture="a", first=True, mask=pixel_texture_copies.RED, **drawn
         ),
-        pixel_textures.load_products(
+        pixel_texture_copies.load_products(
             "load n through e and l, v/8 as it is",
             "n",
             textures.normals,
-            [nothing, dot_with(toward_eye), dot_with(toward_light), pixel_textures.FROM_ALPHA],
+            [nothing, dot_with(toward_eye), dot_with(toward_light), pixel_texture_copies.FROM_ALPHA],
             profile,
             bits,
             alpha=textures.eighths,
         ),
-        pixel_textures.polygon(
+        pixel_texture_copies.polygon(
             "t = (n.e)+ to green, u = (n.l)+ to blue, v/8 to alpha",
             texture="n",
-            mask=pixel_textures.NOT_RED,
+            mask=pixel_texture_copies.NOT_RED,
             **drawn,
         ),
     )
@@ -198,18 +194,18 @@ def by_pixel_textures(surface, textures, view, light, profile, *, stage=RESULT, 
     Both lookups and their product are two copies; a third shows what it gave in red, green and blue.
     """
     one_of(STAGES, stage, "The stage")
-    red = pixel_textures.RED
-    look_up_f = pixel_textures.looked_up("look up F(s, t), to red", view, "F", *_CHANNELS[:2], mask=red)
-    times_g = pixel_textures.looked_up(
+    red = pixel_texture_copies.RED
+    look_up_f = pixel_texture_copies.looked_up("look up F(s, t), to red", view, "F", *_CHANNELS[:2], mask=red)
+    times_g = pixel_texture_copies.looked_up(
         "look up G(u, v), times red", view, "G", *_CHANNELS[2:], mask=red, blending=MULTIPLY_DESTINATION
     )
-    g_alone = pixel_textures.looked_up("look up G(u, v), to red", view, "G", *_CHANNELS[2:], mask=red)
+    g_alone = pixel_texture_copies.looked_up("look up G(u, v), to red", view, "G", *_CHANNELS[2:], mask=red)
     lookups = {STAGES[4]: (look_up_f,), STAGES[5]: (g_alone,), RESULT: (look_up_f, times_g)}
     channel = _CHANNELS[STAGES.index(stage)] if stage in STAGES[:4] else _CHANNELS[0]
     return (
         *parameters_by_color_matrix(surface, textures, view, light, profile, bits=bits, sampler=sampler),
         *lookups.get(stage, ()),
-        pixel_textures.copied(f"{stage} in grey", view, (channel,) * 3, profile),
+        pixel_texture_copies.copied(f"{stage} in grey", view, (channel,) * 3, profile),
     )
 
 
@@ -245,10 +241,10 @@ def parameters_by_combiners(surface, view, light, profile, *, sampler=REPEATED):
     toward_light, toward_eye = light_vectors(surface, light), view_vectors(surface, view)
     first = {"depth_test": FIRST_PASS, "stencil_test": MARK}
     return (
-        pixel_textures.begin(view),
-        dot_product("-s = (a.l)+ to red", toward_light, "a", pixel_textures.RED, **first),
-        dot_product("t = (n.e)+ to green", toward_eye, "n", pixel_textures.GREEN),
-        dot_product("u = (n.l)+ to blue, v/8 to alpha", toward_light, "n", pixel_textures.BLUE_ALPHA),
+        pixel_texture_copies.begin(view),
+        dot_product("-s = (a.l)+ to red", toward_light, "a", pixel_texture_copies.RED, **first),
+        dot_product("t = (n.e)+ to green", toward_eye, "n", pixel_texture_copies.GREEN),
+        dot_product("u = (n.l)+ to blue, v/8 to alpha", toward_light, "n", pixel_texture_copies.BLUE_ALPHA),
     )
 
 

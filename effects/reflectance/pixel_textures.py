@@ -22,26 +22,36 @@ Source: Kautz, Seidel 2000, sections 3.1 to 3.3, 4.2 and 5; SGIX_pixel_texture; 
 A-K06, A-K08 and A-K09 of the catalogue (K15: its cost).
 """
 
-import math
-from functools import lru_cache
-
 import numpy as np
 
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors, light_vectors, view_vectors
-from fixedpipe.effects.passes.draws import (
-    ADD,
-    EDGE,
-    FIRST_PASS,
-    LATER_PASS,
-    MARK,
-    MARKED,
-    MULTIPLY_DESTINATION,
-    REPEATED,
-    REPLACE,
-    SUBTRACT_FROM_SOURCE,
-    checked_rgb,
-    one_of,
-    positive,
+from fixedpipe.effects.passes.arguments import checked_rgb, one_of, positive
+from fixedpipe.effects.passes.draws import ADD, MULTIPLY_DESTINATION, REPEATED, SUBTRACT_FROM_SOURCE
+from fixedpipe.effects.passes.pixel_texture_copies import (
+    ALPHA,
+    BLUE,
+    FROM_ALPHA,
+    FROM_BLUE,
+    FROM_GREEN,
+    FROM_RED,
+    GREEN_BLUE,
+    NOTHING,
+    RED,
+    RGB,
+    RGBA,
+    begin,
+    color_table_size,
+    copied,
+    dot_with,
+    flat_vector,
+    float_image,
+    load_products,
+    load_squares,
+    looked_up,
+    polygon,
+    tabulated,
+    texture_format,
+    unchanged,
 )
 from fixedpipe.effects.reflectance import brdfs
 from fixedpipe.effects.reflectance.sampled_functions import (
@@ -51,33 +61,9 @@ from fixedpipe.effects.reflectance.sampled_functions import (
     sampled,
     stored_exponent,
 )
-from fixedpipe.pipeline.commands import Clear, CopyPixels, Draw, DrawPixels, HostStep, ReadPixels, TexImage
-from fixedpipe.pipeline.enums import InternalFormat, PixelCopyType
-from fixedpipe.pipeline.pixel_transfer import PixelImage, PixelTransfer
-from fixedpipe.pipeline.state import (
-    ColorMask,
-    ColorTable,
-    PassState,
-    PixelTexture,
-    RasterPosition,
-    TextureUnit,
-)
-
-RED = ColorMask(green=False, blue=False, alpha=False)
-GREEN = ColorMask(red=False, blue=False, alpha=False)
-BLUE = ColorMask(red=False, green=False, alpha=False)
-ALPHA = ColorMask(red=False, green=False, blue=False)
-GREEN_BLUE = ColorMask(red=False, alpha=False)
-BLUE_ALPHA = ColorMask(red=False, green=False)
-NOT_RED = ColorMask(red=False)
-RGB = ColorMask(alpha=False)
-RGBA = ColorMask()
-
-# Rows of a colour matrix: what a component of the result is made of.
-FROM_RED, FROM_GREEN, FROM_BLUE, FROM_ALPHA = (tuple(row) for row in np.eye(4).tolist())
-NOTHING = (0.0, 0.0, 0.0, 0.0)
-
-_FORMATS = {8: InternalFormat.RGBA8, 12: InternalFormat.RGBA12}
+from fixedpipe.pipeline.commands import TexImage
+from fixedpipe.pipeline.pixel_transfer import PixelTransfer
+from fixedpipe.pipeline.state import ColorTable
 
 # R(s) = sqrt(1 - s) falls with infinite slope at s = 1: 2048 texels, the Octane's most, leave an error of
 # sqrt(1/2 / 2048) = 0.016 between the last two, which codes of eight bits never meet (erratum E004.16).
@@ -91,185 +77,9 @@ M_TEXELS, D_TEXELS = 1024, 128
 LARGEST_S = 8.0
 
 
-# ------------------------------------------------------------------------------------- parameter stage
-
-
-def _same(index):
-    return index
-
-
-def _square(index):
-    """The square of d where the index is (d + 1) / 2."""
-    return (2.0 * index - 1.0) ** 2
-
-
-@lru_cache(maxsize=8)
-def _color_table(functions, size):
-    """A table after the color matrix: a function for each of R, G, B and A, of an index in [0, 1]."""
-    index = np.arange(size) / (size - 1.0)
-    return ColorTable(tuple(zip(*(function(index).tolist() for function in functions), strict=True)))
-
-
-def _table_size(profile):
-    # The Octane's largest, for each value of twelve bits; finer where nothing else is rounded.
-    return min(profile.max_color_table_size, 1 << 14)
-
-
-def _tabulated(profile, *functions):
-    return _color_table(functions, _table_size(profile))
-
-
-def _clamped(profile):
-    """What makes (.)+ of the color matrix's results: on machines what they are stored in is not negative."""
-    return _tabulated(profile, *[_same] * 4) if profile.exact else None
-
-
-def flat_vector(vectors, what):
-    """The one vector [3] that all vertices have. Raises ValueError, naming ``what``, where they differ."""
-    spread = float(np.abs(vectors - vectors[0]).max())
-    if not spread <= 1e-6:
-        raise ValueError(
-            f"The {what} changes by {spread:.2g} over the surface, and a color matrix holds one; give a flat "
-            "surface, a directional light and an infinite viewer, or draw polygon after polygon."
-        )
-    return vectors[0]
-
-
-def dot_with(vector, scale=1.0):
-    """A row of the color matrix: the dot product of a texel's RGB with a vector, times ``scale``."""
-    return (*(scale * float(c) for c in vector), 0.0)
-
-
-def _format(bits):
-    return _FORMATS[one_of(tuple(_FORMATS), bits, "The textures' bits")]
-
-
-def _image(values, alpha=1.0):
-    """Floats [h, w, 3], or [h, w] for R, G and B alike, as an image; alpha is one, or floats [h, w]."""
-    values = values[..., None] if values.ndim == 2 else values
-    image = np.empty((*values.shape[:2], 4))
-    image[..., :3], image[..., 3] = values, alpha
-    return PixelImage(image)
-
-
-def load_products(label, name, values, rows, profile, bits=8, *, alpha=1.0):
-    """The command that loads float vectors [h, w, 3], and alphas, through a color matrix whose rows make dot
-    products; negative ones are 0.
-    """
-    transfer = PixelTransfer(color_matrix=tuple(rows), post_color_matrix_color_table=_clamped(profile))
-    return TexImage(
-        label=label,
-        texture=name,
-        pixels=_image(values, alpha),
-        internal_format=_format(bits),
-        transfer=transfer,
-    )
-
-
-def load_squares(label, name, vectors, half, profile, bits=8, *, scale=1.0):
-    """The command that loads (v.h)^2 scale into R, G, B and A: products biased to (d + 1)/2 for the sake of
-    their sign, squared by the table after the color matrix. Beyond 1 they are 1.
-    """
-    transfer = PixelTransfer(
-        color_matrix=(dot_with(half, math.sqrt(scale)),) * 4,
-        post_color_matrix_scale=(0.5,) * 4,
-        post_color_matrix_bias=(0.5,) * 4,
-        post_color_matrix_color_table=_tabulated(profile, *[_square] * 4),
-    )
-    return TexImage(
-        label=label, texture=name, pixels=_image(vectors), internal_format=_format(bits), transfer=transfer
-    )
-
-
-def begin(view):
-    """The command that unmarks the panel's pixels."""
-    return Clear(label="no pixel is the polygon's yet", stencil=0, scissor=view.panel.scissor)
-
-
-def polygon(label, surface, view, texture=None, *, first=False, mask=RGBA, blending=None, sampler=REPEATED):
-    """Draw the polygon with a texture, or white; the ``first`` time its pixels are marked."""
-    units = () if texture is None else (TextureUnit(texture, sampler, environment=REPLACE),)
-    state = PassState(
-        vertex=view.vertex,
-        texture_units=units,
-        scissor=view.panel.scissor,
-        stencil_test=MARK if first else None,
-        depth_test=FIRST_PASS if first else LATER_PASS,
-        blending=blending,
-        color_mask=mask,
-    )
-    return Draw(label=label, mesh=surface.mesh(), state=state)
-
-
-# -------------------------------------------------------------------------------- copies and lookups
-
-
-def copied(label, view, rows, profile, *, mask=RGB, blending=None):
-    """Copy the marked pixels of the panel onto themselves through a color matrix; negative results are 0."""
-    return _copy(label, view, (*rows, NOTHING), mask, blending, table=_clamped(profile))
-
-
-def looked_up(label, view, table, s, t=NOTHING, *, mask=RGB, blending=None):
-    """A pixel texture: marked pixels become the texels of ``table`` at (s, t), rows of a color matrix."""
-    unit = TextureUnit(table, EDGE, environment=REPLACE)
-    return _copy(label, view, (s, t, NOTHING, NOTHING), mask, blending, (unit,), PixelTexture())
-
-
-def _copy(label, view, rows, mask, blending, units=(), pixel_texture=None, table=None):
-    panel = view.panel
-    return CopyPixels(
-        label=label,
-        x=panel.x,
-        y=panel.y,
-        width=panel.width,
-        height=panel.height,
-        state=PassState(texture_units=units, stencil_test=MARKED, blending=blending, color_mask=mask),
-        position=RasterPosition(position=(float(panel.x), float(panel.y), 0.0, 1.0), window=True),
-        # Alpha is one whatever the framebuffer's holds: q divides s and t.
-        transfer=PixelTransfer(
-            color_matrix=tuple(map(tuple, rows)),
-            post_color_matrix_bias=(0.0, 0.0, 0.0, 1.0),
-            post_color_matrix_color_table=table,
-        ),
-        pixel_texture=pixel_texture,
-    )
-
-
-def through_host(commands, type="UNSIGNED_BYTE"):
-    """The commands with every copy of colours made by way of the host's memory: ReadPixels, and DrawPixels of
-    what was read with the copy's pixel transfer and pixel texture.
-
-    ``type``: of ReadPixels; FLOAT keeps a framebuffer's twelve bits.
-    """
-    out = []
-    for number, command in enumerate(commands):
-        out += _by_host(command, f"copy {number}: {command.label}", type) if _copies(command) else (command,)
-    return tuple(out)
-
-
-def _copies(command):
-    return isinstance(command, CopyPixels) and command.type is PixelCopyType.COLOR
-
-
-def _by_host(copy, name, type):
-    box = {"x": copy.x, "y": copy.y, "width": copy.width, "height": copy.height}
-    same = {k: getattr(copy, k) for k in ("label", "state", "position", "zoom", "transfer", "pixel_texture")}
-
-    def drawn(pixels):
-        return (DrawPixels(image=PixelImage(pixels[name]), **same),)
-
-    return (
-        ReadPixels(label="read to host memory", name=name, type=type, read_buffer=copy.read_buffer, **box),
-        HostStep(label=f"the host: {copy.label}", reads=(name,), commands=drawn),
-    )
-
-
 def _colored(color):
     """Rows that make a colour of one value: times the colour's components."""
     return [(c, 0.0, 0.0, 0.0) for c in checked_rgb(color)]
-
-
-# -------------------------------------------------------------------------------------------- models
 
 
 def banks(
@@ -477,7 +287,7 @@ def diffuse(
     The table after the color matrix multiplies by the colour and adds the ambient term.
     """
     toward_light = flat_vector(light_vectors(surface, light), "light vector")
-    index = np.arange(_table_size(profile)) / (_table_size(profile) - 1.0)
+    index = np.arange(color_table_size(profile)) / (color_table_size(profile) - 1.0)
     color, ambient = checked_rgb(color), checked_rgb(ambient, "The ambient light's colour")
     columns = [c * index + a for c, a in zip((*color, 1.0), (*ambient, 0.0), strict=True)]
     transfer = PixelTransfer(
@@ -487,8 +297,8 @@ def diffuse(
     loading = TexImage(
         label="load n through l: (n.l)+ color + ambient",
         texture="diffuse",
-        pixels=_image(material.normals),
-        internal_format=_format(bits),
+        pixels=float_image(material.normals),
+        internal_format=texture_format(bits),
         transfer=transfer,
     )
     added = polygon("plus diffuse", surface, view, "diffuse", mask=RGB, blending=ADD, sampler=sampler)
@@ -529,7 +339,7 @@ def ward(
     gloss = brdfs.ward_scale(material.alpha_x, material.alpha_y, material.k_s)
     most = max(1.0, LARGEST_S_NL * float(gloss.max()))
     drawn = {"surface": surface, "view": view, "sampler": sampler}
-    roots = _tabulated(profile, np.sqrt, _same, _same, _same)
+    roots = tabulated(profile, np.sqrt, unchanged, unchanged, unchanged)
 
     def factor(name, vector, other):
         """sqrt(n.vector) in red, beside it ``other``."""
@@ -539,8 +349,8 @@ def ward(
         return TexImage(
             label=f"load n through {name}",
             texture=name,
-            pixels=_image(material.normals),
-            internal_format=_format(bits),
+            pixels=float_image(material.normals),
+            internal_format=texture_format(bits),
             transfer=transfer,
         )
 

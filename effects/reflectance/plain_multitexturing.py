@@ -31,6 +31,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors
+from fixedpipe.effects.passes.arguments import checked_rgb
 from fixedpipe.effects.passes.draws import (
     ADD,
     FIRST_PASS,
@@ -39,7 +40,6 @@ from fixedpipe.effects.passes.draws import (
     MODULATE,
     MULTIPLY_DESTINATION_TWICE,
     REPEATED,
-    checked_rgb,
     draw,
     unit,
 )

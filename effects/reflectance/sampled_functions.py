@@ -10,7 +10,7 @@ Source: Kautz, Seidel 2000, section 3 (complex functions, sampled and put into t
 
 import numpy as np
 
-from fixedpipe.effects.passes.draws import one_of
+from fixedpipe.effects.passes.arguments import one_of
 from fixedpipe.effects.reflectance import brdfs
 from fixedpipe.pipeline.enums import InternalFormat
 from fixedpipe.pipeline.textures.images import texture_1d, texture_2d

@@ -1,4 +1,6 @@
-"""The page of ``fixedpipe conformance --html``: one file, without scripts or anything from elsewhere."""
+"""What comes of comparing captures: the objects of the JSON list, and a page, one file without scripts or
+anything from elsewhere.
+"""
 
 from base64 import b64encode
 from html import escape
@@ -7,7 +9,7 @@ import numpy as np
 
 from fixedpipe.effects.conformance.redraw import TEXT
 from fixedpipe.effects.conformance.run import Totals
-from fixedpipe.effects.reports.files import png
+from fixedpipe.effects.reports.pictures import png
 from fixedpipe.effects.reports.style import STYLE
 
 # A difference's largest component, in bytes, from this one on; its colour and its words.
@@ -193,3 +195,16 @@ class Page:
             f'<p class="quiet legend">{legend}</p>'
             f"{_summary(self._totals)}{sections}</body></html>\n"
         )
+
+
+def record_of(case):
+    """A Comparison as an object of the JSON list."""
+    return {
+        "suite": case.suite,
+        "case": case.name,
+        "covered": case.covered,
+        "pixels_equal": case.pixels_equal,
+        "pixels_compared": case.pixels_compared,
+        "exact": case.exact,
+        "note": case.note,
+    }

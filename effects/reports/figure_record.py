@@ -6,9 +6,9 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from fixedpipe.effects.cli.refusal import refusals
 from fixedpipe.effects.figures import DIFFERENCE_GAIN, Check, Renderer, difference
-from fixedpipe.effects.reports.files import png
+from fixedpipe.effects.refusal import refusals
+from fixedpipe.effects.reports.pictures import png
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.golden.digests import digest
 from fixedpipe.pipeline.golden.provenance import provenance

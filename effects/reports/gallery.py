@@ -3,7 +3,7 @@
 import json
 from html import escape
 
-from fixedpipe.effects.cli.refusal import Refusal
+from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports.style import STYLE
 
 

@@ -1,4 +1,4 @@
-"""How the pages look that the command line writes: light and dark, no scripts, nothing from elsewhere."""
+"""How the pages look that reports write: light and dark, no scripts, nothing from elsewhere."""
 
 STYLE = """
 :root { color-scheme: light dark; --ink: #1c1e21; --paper: #fbfaf8; --quiet: #676c73; --line: #dddad4;

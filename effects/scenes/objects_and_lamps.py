@@ -20,8 +20,8 @@ from fixedpipe.effects.geometry.matrices import (
     transform,
 )
 from fixedpipe.effects.geometry.surfaces import Surface
-from fixedpipe.effects.geometry.views import View, perspective_view
-from fixedpipe.effects.passes.draws import checked_rgb, positive
+from fixedpipe.effects.geometry.views import View
+from fixedpipe.effects.passes.arguments import checked_rgb, positive
 
 # Maps clip coordinates [-1, 1] to texture coordinates and depths [0, 1] (document 003's matrix of halves).
 HALVES = ((0.5, 0.0, 0.0, 0.5), (0.0, 0.5, 0.0, 0.5), (0.0, 0.0, 0.5, 0.5), (0.0, 0.0, 0.0, 1.0))
@@ -210,56 +210,10 @@ def detail_of(size):
     return 12 if size < 64 else 24 if size < 200 else 40
 
 
-# A turned vase and a column with base and capital: (radius, height).
-_VASE = (
-    (0.0, 0.0), (0.34, 0.0), (0.36, 0.06), (0.22, 0.14), (0.20, 0.22), (0.34, 0.48), (0.44, 0.78),
-    (0.42, 1.02), (0.28, 1.26), (0.17, 1.40), (0.16, 1.52), (0.26, 1.66), (0.0, 1.66),
-)  # fmt: skip
-_COLUMN = (
-    (0.0, 0.0), (0.34, 0.0), (0.34, 0.12), (0.22, 0.2), (0.2, 1.9), (0.3, 2.02), (0.3, 2.14), (0.0, 2.14),
-)  # fmt: skip
 FLOOR_HALF_WIDTH = 2.6
-# The moving light: round the scene from the left to the right.
-LAMP_POSITIONS = ((-6.2, 7.0, 3.2), (-1.4, 8.8, 5.0), (5.6, 6.8, 4.4))
 
 
 def floor(half_width, cells):
     """A square in y = 0 that faces up, ``cells`` by ``cells`` squares: lights per vertex need vertices."""
     half_width = positive(half_width, "Half the floor's width")
     return surfaces.plane(cells, cells, half_width, half_width).rotated(rotation("x", -90.0))
-
-
-def still_life(detail=40):
-    """A ring that stands upright, a vase, a column, a sphere and a box on a floor.
-
-    ``detail``: segments of the round ones (``detail_of``).
-    """
-    across = detail // 2
-    ring = (
-        surfaces.torus(detail, across, 0.62, 0.17).rotated(rotation("x", 90.0)).rotated(rotation("y", 38.0))
-    )
-    return Scene(
-        (
-            Object("floor", floor(FLOOR_HALF_WIDTH, detail // 2), (0.62, 0.60, 0.56), closed=False),
-            Object("ring", ring.moved(-1.35, 0.79, 0.95), (0.80, 0.52, 0.16), 0.6),
-            Object("vase", surfaces.lathe(_VASE, detail).moved(0.15, 0.0, -0.35), (0.20, 0.42, 0.62), 0.5),
-            Object("column", surfaces.lathe(_COLUMN, detail).moved(-1.7, 0.0, -1.5), (0.66, 0.62, 0.55), 0.1),
-            Object(
-                "sphere",
-                surfaces.sphere(detail, across).scaled(0.5).moved(1.55, 0.5, 0.95),
-                (0.72, 0.22, 0.2),
-                0.7,
-            ),
-            Object(
-                "box",
-                surfaces.box(0.9, 1.2, 0.9).rotated(rotation("y", 25.0)).moved(1.75, 0.6, -1.3),
-                (0.34, 0.52, 0.34),
-                0.1,
-            ),
-        )
-    )
-
-
-def still_life_view(panel):
-    """The camera of ``still_life``."""
-    return perspective_view(panel, (0.6, 4.9, 8.4), (0.0, 0.62, 0.0), field_of_view=31.0, radius=4.5)

@@ -49,6 +49,8 @@ import numpy as np
 from fixedpipe.effects.geometry.matrices import eye_plane
 from fixedpipe.effects.geometry.surfaces import plane
 from fixedpipe.effects.geometry.views import Panel
+from fixedpipe.effects.passes.arguments import one_of
+from fixedpipe.effects.passes.combiners import NO_RGB, OPAQUE, ZERO, alpha_of
 from fixedpipe.effects.passes.draws import (
     ADD,
     EDGE,
@@ -57,13 +59,8 @@ from fixedpipe.effects.passes.draws import (
     MARK,
     MARKED,
     NEAREST,
-    NO_RGB,
-    OPAQUE,
     REPLACE,
     SUBTRACT,
-    ZERO,
-    alpha_of,
-    one_of,
     unit,
 )
 from fixedpipe.effects.shadows.lit_scene import NO_COLOR, draw_object, lit_lighting, lit_pass, unlit_pass

@@ -14,7 +14,7 @@ Source: document 003, "Terminology", "Hard and soft shadows"; the accumulation o
 
 from dataclasses import replace
 
-from fixedpipe.effects.passes.draws import positive
+from fixedpipe.effects.passes.arguments import positive
 from fixedpipe.effects.shadows.lit_scene import lit_pass, unlit_pass
 from fixedpipe.effects.shadows.shadow_volumes import (
     NOT_SHADOWED,

@@ -16,7 +16,7 @@ from itertools import pairwise
 import numpy as np
 
 from fixedpipe.effects.geometry.convex_bodies import clip_distances
-from fixedpipe.effects.passes.draws import positive
+from fixedpipe.effects.passes.arguments import positive
 
 LAMBDA = 0.5
 # Distances are rounded to a multiple of this, as a power may differ in its last bit between libraries; where

@@ -6,7 +6,8 @@ and the light white, so that what is lit can be read off the picture.
 """
 
 from fixedpipe.effects.geometry.matrices import transform
-from fixedpipe.effects.passes.draws import ADD, FIRST_PASS, LATER_PASS, one_of
+from fixedpipe.effects.passes.arguments import one_of
+from fixedpipe.effects.passes.draws import ADD, FIRST_PASS, LATER_PASS
 from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.state import ColorMask, Light, Lighting, Material, PassState, PolygonState
 

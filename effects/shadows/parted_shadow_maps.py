@@ -10,7 +10,7 @@ Source: document 003, "limited field of view" and "sampling problems"; A-Z11, A-
 
 from dataclasses import dataclass, replace
 
-from fixedpipe.effects.passes.draws import checked_rgb, one_of, positive
+from fixedpipe.effects.passes.arguments import checked_rgb, one_of, positive
 from fixedpipe.effects.scenes.objects_and_lamps import Scene
 from fixedpipe.effects.shadows import cube_of_maps, frustum_slices, light_space, shadow_maps
 from fixedpipe.effects.shadows.lit_scene import unlit_pass

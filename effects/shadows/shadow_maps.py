@@ -26,19 +26,8 @@ import numpy as np
 
 from fixedpipe.effects.geometry.matrices import eye_plane
 from fixedpipe.effects.geometry.views import Panel
-from fixedpipe.effects.passes.draws import (
-    FIRST_PASS,
-    LATER_PASS,
-    MARK,
-    MARKED,
-    MODULATE,
-    NO_ALPHA,
-    ONE,
-    OPAQUE,
-    REPLACE,
-    ZERO,
-    opaque,
-)
+from fixedpipe.effects.passes.combiners import NO_ALPHA, ONE, OPAQUE, ZERO, opaque
+from fixedpipe.effects.passes.draws import FIRST_PASS, LATER_PASS, MARK, MARKED, MODULATE, REPLACE
 from fixedpipe.effects.shadows.lit_scene import (
     NO_COLOR,
     depth_pass,

@@ -32,7 +32,8 @@ import numpy as np
 
 from fixedpipe.effects.geometry.surfaces import plane
 from fixedpipe.effects.geometry.vectors import cross, dot, unit_vector
-from fixedpipe.effects.passes.draws import MULTIPLY_DESTINATION, checked_rgb, positive
+from fixedpipe.effects.passes.arguments import checked_rgb, positive
+from fixedpipe.effects.passes.draws import MULTIPLY_DESTINATION
 from fixedpipe.effects.shadows.lit_scene import NO_COLOR, lit_pass, unlit_pass
 from fixedpipe.pipeline.commands import Clear, Draw, Mesh
 from fixedpipe.pipeline.enums import BlendFactor, ComparisonFunction, Face, StencilOperation

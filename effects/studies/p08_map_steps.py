@@ -11,12 +11,8 @@ from fixedpipe.effects.acceptance import agreement, ray_caster
 from fixedpipe.effects.figures import Check
 from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.geometry.views import Panel
-from fixedpipe.effects.scenes.objects_and_lamps import (
-    LAMP_POSITIONS,
-    lamp_around,
-    still_life,
-    still_life_view,
-)
+from fixedpipe.effects.scenes.objects_and_lamps import lamp_around
+from fixedpipe.effects.scenes.still_life import LAMP_POSITIONS, still_life, still_life_view
 from fixedpipe.effects.shadows import shadow_maps
 from fixedpipe.effects.shadows.lit_scene import depth_pass
 from fixedpipe.effects.studies.shared.strips import drawn

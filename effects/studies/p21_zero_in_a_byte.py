@@ -9,7 +9,8 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.figures import Check
-from fixedpipe.effects.passes.draws import NEAREST, NO_ALPHA, OPAQUE, ZERO
+from fixedpipe.effects.passes.combiners import NO_ALPHA, OPAQUE, ZERO
+from fixedpipe.effects.passes.draws import NEAREST
 from fixedpipe.effects.passes.encoding import encode_expand
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, material_textures
 from fixedpipe.effects.studies.shared.random_frames import eq_1

@@ -6,9 +6,10 @@ Source: Zwicker 2016 (artefact P22 of the catalogue).
 from itertools import pairwise
 
 from fixedpipe.effects.acceptance import agreement
+from fixedpipe.effects.acceptance.map_bias import acne, gap, shadows_under_offsets
 from fixedpipe.effects.figures import Check
-from fixedpipe.effects.figures.zwicker_2016.f003_21_three_biases import acne, gap, make, scene_of, view_of
 from fixedpipe.effects.geometry.views import Panel
+from fixedpipe.effects.scenes.board import board_view, ring_and_board
 from fixedpipe.effects.shadows.lit_scene import map_edge
 from fixedpipe.effects.shadows.shadow_maps import OFFSET_FACTOR, OFFSET_UNITS
 from fixedpipe.effects.studies.shared.strips import drawn
@@ -23,12 +24,14 @@ UNITS = (0.0, 4.0, 1e3, 1e4, 3e4, 1e5, 2e5, 4e5, 1e6)
 def measure(profile):
     """A row for each offset: speckle on the lit floor, and the gap behind a thin board."""
     offsets = (*((factor, OFFSET_UNITS) for factor in FACTORS), *((0.0, units) for units in UNITS))
-    scene, lamp = scene_of(_SIZE)
-    truth = agreement.truth_of(scene, view_of(Panel(0, 0, _SIZE, _SIZE)), lamp)
+    scene, lamp = ring_and_board(_SIZE)
+    truth = agreement.truth_of(scene, board_view(Panel(0, 0, _SIZE, _SIZE)), lamp)
     edge = map_edge(_SIZE, _RATIO)
     rows = []
     for factor, units in offsets:
-        commands = make(profile, _SIZE, ratio=_RATIO, offsets=((factor, units),), shading="mask")
+        commands = shadows_under_offsets(
+            profile, _SIZE, ratio=_RATIO, offsets=((factor, units),), shading="mask"
+        )
         mask = agreement.lit_mask(drawn(commands, profile, _SIZE, _SIZE))
         found = agreement.compare(mask, truth, where=truth.shown.object == 0)
         rows.append(

@@ -10,7 +10,8 @@ import numpy as np
 from fixedpipe.effects.bump_mapping import normal_maps
 from fixedpipe.effects.figures import Check
 from fixedpipe.effects.geometry.vectors import dot, normalize
-from fixedpipe.effects.passes.draws import NEAREST, NO_ALPHA, OPAQUE, ZERO, expand
+from fixedpipe.effects.passes.combiners import NO_ALPHA, OPAQUE, ZERO, expand
+from fixedpipe.effects.passes.draws import NEAREST
 from fixedpipe.effects.studies.shared.random_frames import random_directions
 from fixedpipe.effects.studies.shared.strips import drawn, strip
 from fixedpipe.effects.studies.study import BLUE, EXPECTED, ORANGE, Column, Study, Table

@@ -11,7 +11,8 @@ import numpy as np
 
 from fixedpipe.effects.figures import Check
 from fixedpipe.effects.geometry.views import Panel
-from fixedpipe.effects.scenes.objects_and_lamps import lamp_around, still_life, still_life_view
+from fixedpipe.effects.scenes.objects_and_lamps import lamp_around
+from fixedpipe.effects.scenes.still_life import still_life, still_life_view
 from fixedpipe.effects.shadows import alpha_coded_shadows as alpha
 from fixedpipe.effects.studies.study import BLUE, GREEN, ORANGE, Column, Study, Table
 from fixedpipe.pipeline.commands import MakeCurrent

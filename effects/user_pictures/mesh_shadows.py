@@ -1,4 +1,4 @@
-"""Somebody's mesh on a floor, under a lamp, with its shadow by an algorithm of document 000 or 003.
+"""A user's mesh on a floor, under a lamp, with its shadow by an algorithm of document 000 or 003.
 
 Each algorithm is the passes of its own module: ``shadow_maps`` (Z10), ``alpha_coded_shadows`` (H36 to H38),
 ``shadow_volumes`` (Z23, Z24).
@@ -10,18 +10,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fixedpipe.effects.geometry import surfaces
-from fixedpipe.effects.geometry.vectors import cross, dot, normalize
+from fixedpipe.effects.geometry.vectors import cross, dot
 from fixedpipe.effects.geometry.views import Panel, perspective_view
-from fixedpipe.effects.passes.draws import one_of
+from fixedpipe.effects.passes.arguments import one_of
 from fixedpipe.effects.scenes.objects_and_lamps import FLOOR_HALF_WIDTH, Object, Scene, floor, lamp_around
 from fixedpipe.effects.shadows import alpha_coded_shadows, shadow_maps, shadow_volumes
 from fixedpipe.pipeline.enums import BlendEquation
 from fixedpipe.pipeline.profiles import IDEAL, PROFILES
 from fixedpipe.pipeline.validation.validate import validate
 
-# Cosine of the bend from which an edge is sharp. Assumed: 40 degrees, as of ``meshes.lathe``.
-_SMOOTH = 0.766
-_MOST_NEIGHBOURS = 256
 # Which of the mesh's axes points up.
 AXES = ("x", "y", "z")
 # The mesh's largest extent on the floor, world units. Assumed: it fills the camera's picture.
@@ -40,52 +37,6 @@ _BITS = 8
 _CELLS = 20
 FLOOR_COLOR, MESH_COLOR = (0.62, 0.60, 0.56), (0.74, 0.40, 0.20)
 MAP = "shadow map"
-
-
-def triangle_mesh(vertices, faces, name):
-    """A surface from float [n, 3] and int [k, 3].
-
-    Raises ValueError, with ``name``, where there are no faces, one names a vertex that is not there, a
-    coordinate is no finite number, or none has an area.
-    """
-    vertices, faces = np.asarray(vertices, np.float64), np.asarray(faces, np.int64)
-    if vertices.ndim != 2 or vertices.shape[1:] != (3,) or faces.ndim != 2 or faces.shape[1:] != (3,):
-        raise ValueError(f"{name} has no triangles; there is nothing to draw.")
-    if not len(faces):
-        raise ValueError(f"{name} has no faces; there is nothing to draw.")
-    if faces.min() < 0 or faces.max() >= len(vertices):
-        raise ValueError(
-            f"{name} has a face with vertex {int(faces.max() if faces.min() >= 0 else faces.min())}; its "
-            f"vertices are 0 to {len(vertices) - 1}."
-        )
-    points = vertices[faces]
-    if not (np.abs(points) <= surfaces.LARGEST).all():
-        raise ValueError(
-            f"{name} has a vertex that is no finite number of at most {surfaces.LARGEST:g}; repair the mesh."
-        )
-    return surfaces.from_triangles(points, name=name)
-
-
-def with_creases(surface):
-    """The surface with normals of its own: faces' normals, weighted by area, averaged where corners share a
-    position and the faces bend by less than 40 degrees.
-    """
-    points = surface.positions[surface.triangles]
-    face = cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
-    unit = normalize(face)
-    _, place, counts = np.unique(points.reshape(-1, 3), axis=0, return_inverse=True, return_counts=True)
-    order = np.argsort(place.ravel(), kind="stable")
-    first = np.concatenate([[0], np.cumsum(counts)[:-1]])
-    normals = np.zeros((len(order), 3))
-    # The n-th neighbour of every corner at once. Assumed: where more faces meet they are all smooth.
-    for n in range(min(int(counts.max()), _MOST_NEIGHBOURS)):
-        own = place.ravel()
-        there = counts[own] > n
-        other = order[(first[own] + n)[there]] // 3
-        mine = np.arange(len(own))[there] // 3
-        smooth = dot(unit[mine], unit[other]) >= _SMOOTH
-        normals[there] += np.where(smooth[:, None], face[other], 0.0)
-    return surfaces.from_triangles(points, normals=normals.reshape(points.shape))
 
 
 def _upright(surface, up):

@@ -1,4 +1,5 @@
-"""Volumes that users bring, as the densities of a 3D texture: bytes, edges that are powers of two.
+"""A user's volume and its picture: densities of a 3D texture, bytes with edges that are powers of two, and
+the lamp and the camera that show all of its surface.
 
 Values are spread over the bytes from the least to the greatest. An edge that is no power of two, or longer
 than the machine's textures, is resampled: means of what a voxel covers where there are fewer, linear between
@@ -7,7 +8,14 @@ voxels' centres where there are more.
 
 import numpy as np
 
-from fixedpipe.effects.volumes.volume_rendering import Volume
+from fixedpipe.effects.geometry.matrices import look_at, perspective
+from fixedpipe.effects.geometry.vectors import cross, dot, normalize, unit_vector
+from fixedpipe.effects.geometry.views import Panel, View
+from fixedpipe.effects.scenes.objects_and_lamps import lamp_around
+from fixedpipe.effects.shadows.alpha_coded_shadows import BIAS, Coding
+from fixedpipe.effects.shadows.lit_scene import map_edge
+from fixedpipe.effects.volumes.slices import CORNER_BITS, Volume
+from fixedpipe.effects.volumes.volume_rendering import Picture
 
 # Assumed: texels along an edge that a host of today has memory for several times over; 512 would be 512 MB.
 LARGEST_EDGE = 256
@@ -102,3 +110,61 @@ def volume_of(values, name, profile, iso=None, spacing=(1.0, 1.0, 1.0)):
     extents = [n * (s / widest) for n, s in zip(values.shape[::-1], spacing, strict=True)]
     half = tuple(float(e / max(extents)) for e in extents)
     return Volume(name, density, half, fraction)
+
+
+_BACKGROUND = (0.07, 0.075, 0.09)
+
+
+def bias_of(bits, slices, edge):
+    """The map's bias in steps of depth: two steps of a byte, or as much as two slices or two of the map's
+    ``edge`` texels where these are coarser.
+
+    Both are no finer on a machine of 12 bits, whose steps are a sixteenth.
+    """
+    return BIAS * (2**bits - 1) / min(slices, edge, 255)
+
+
+def picture_of(volume, eye, up, light, profile, size, slices, shadows):
+    """A ``Picture`` of ``size`` by ``size`` pixels that shows all of a volume's surface.
+
+    ``eye``, ``up``, ``light``: directions, three floats; the first to the viewer, the last to the lamp.
+    Raises ValueError where the eye looks along ``up``, there is no surface, or a flat volume would fall
+    through between the slices.
+    """
+    corners = volume.corners()
+    center = corners.min(axis=0) * 0.5 + corners.max(axis=0) * 0.5
+    toward = unit_vector(eye, "The direction to the eye")
+    across = cross(unit_vector(up, "What is up"), toward)
+    if dot(across, across) < 1e-6:
+        raise ValueError(f"The eye looks along {up}, which is to be up; give another direction.")
+    side = normalize(across)
+    points = volume.brick_corners(volume.seen_bricks()[:, None] + CORNER_BITS).reshape(-1, 3) - center
+    x, y, z = (dot(points, axis) for axis in (side, cross(toward, side), toward))
+    # What is flat and seen aslant must be deeper along the view than slices are apart.
+    step = float(z.max() - z.min()) / slices
+    depths = 2.0 * np.array(volume.half_extents) / np.maximum(np.abs(toward), 1e-12)
+    if depths.min() < step:
+        raise ValueError(
+            f"Slices are {step:.3g} units apart, and {volume.name} is {depths.min():.3g} deep where the eye "
+            "looks through its thinnest edge: it would have holes. Give more slices, another direction to "
+            "the eye, or another spacing."
+        )
+    # A field of view of 24 degrees, 0.2126 its half's tangent, and a margin round what is seen.
+    distance = float((np.maximum(np.abs(x), np.abs(y)) * (1.04 / 0.2126) + z).max())
+    position = tuple((center + distance * toward).tolist())
+    # Slices come half a step nearer than the volume.
+    depth = 0.05 * float(z.max() - z.min())
+    projection = perspective(24.0, 1.0, distance - float(z.max()) - depth, distance - float(z.min()) + depth)
+    modelview = look_at(position, tuple(center.tolist()), up)
+    lamp = center + 4.0 * unit_vector(light, "The direction to the light")
+    edge = map_edge(size, 1)
+    bits = profile.color_bits[0]
+    return Picture(
+        volume,
+        View(Panel(0, 0, size, size), modelview, projection, position, False),
+        lamp_around(volume, tuple(lamp.tolist()), tuple(center.tolist()), infinite=True),
+        slices,
+        map_panel=Panel(0, 0, edge, edge) if shadows else None,
+        coding=Coding(bits=bits, bias=bias_of(bits, slices, edge)),
+        background=_BACKGROUND,
+    )

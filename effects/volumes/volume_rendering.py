@@ -36,38 +36,20 @@ Source: Heidrich 2001, section 2.1 and figure 7, which names Westermann and Ertl
 sequences A-H36 to A-H39 of the catalogue.
 """
 
-import math
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.geometry.matrices import look_at, perspective
-from fixedpipe.effects.geometry.vectors import cross, dot, normalize, unit_vector
+from fixedpipe.effects.geometry.vectors import normalize, unit_vector
 from fixedpipe.effects.geometry.views import Panel, View
-from fixedpipe.effects.passes.draws import (
-    ADD,
-    EDGE,
-    FIRST_PASS,
-    LATER_PASS,
-    MARK,
-    MARKED,
-    NO_ALPHA,
-    NO_RGB,
-    ONE,
-    OPAQUE,
-    REPLACE,
-    SUBTRACT,
-    ZERO,
-    alpha_of,
-    checked_rgb,
-    expand,
-)
+from fixedpipe.effects.passes.arguments import checked_rgb
+from fixedpipe.effects.passes.combiners import NO_ALPHA, NO_RGB, ONE, OPAQUE, ZERO, alpha_of, expand
+from fixedpipe.effects.passes.draws import ADD, MARK, MARKED, REPLACE, SUBTRACT
 from fixedpipe.effects.passes.encoding import encode_expand
-from fixedpipe.effects.scenes.objects_and_lamps import Lamp, lamp_around
+from fixedpipe.effects.scenes.objects_and_lamps import Lamp
 from fixedpipe.effects.shadows.alpha_coded_shadows import (
     ADD_WHERE_ALPHA_IS_ZERO,
-    BIAS,
     EQUAL_ZERO,
     MAP,
     ONLY_ALPHA,
@@ -78,19 +60,12 @@ from fixedpipe.effects.shadows.alpha_coded_shadows import (
     map_unit,
     scale_alpha,
 )
-from fixedpipe.effects.shadows.lit_scene import NO_COLOR, map_edge
-from fixedpipe.pipeline.commands import Clear, CopyPixels, CopyTexImage, Draw, Mesh, Saturate, TexImage
-from fixedpipe.pipeline.enums import (
-    ColorBuffer,
-    CombinerScale,
-    ComparisonFunction,
-    Register,
-    TextureTarget,
-    WrapMode,
-)
+from fixedpipe.effects.shadows.lit_scene import NO_COLOR
+from fixedpipe.effects.volumes.slices import Slices, Volume
+from fixedpipe.pipeline.commands import Clear, CopyPixels, CopyTexImage, Saturate, TexImage
+from fixedpipe.pipeline.enums import ColorBuffer, CombinerScale, Register, TextureTarget
 from fixedpipe.pipeline.pixel_transfer import PixelTransfer
 from fixedpipe.pipeline.state import (
-    AlphaTest,
     ColorTable,
     CombinerInput,
     FinalCombiner,
@@ -99,242 +74,16 @@ from fixedpipe.pipeline.state import (
     RasterPosition,
     RegisterCombiners,
     RGBPortion,
-    Sampler,
-    TextureUnit,
 )
-from fixedpipe.pipeline.textures.images import texture_3d
 
 # Source: catalogue, A-H39.
 EXPONENT = 30
-# Voxels along a brick's edge.  Measured: at 512 pixels with 256 slices bricks of 8, 16 and 32 voxels make 61,
-# 69 and 95 million fragments, and those of 16 are drawn fastest.
-BRICK = 16
 # A mask shows as lit what gets this much of the lamp's light, n.l, or more: below, bytes say little.
 LEAST = 1.0 / 128.0
 # Assumed: of a colour table, entries enough for every byte of n.l and the exponent's steepest place.
 TABLE_ENTRIES = 4096
 
 _NORMALS = ColorBuffer.AUX0
-_BACKGROUND = (0.07, 0.075, 0.09)
-_VOLUME = Sampler(EDGE.min_filter, EDGE.mag_filter, EDGE.wrap_s, EDGE.wrap_t, wrap_r=WrapMode.CLAMP_TO_EDGE)
-# A box's corners, whose numbers have bits x, y and z, and its twelve edges.
-_BITS = np.array([[k >> axis & 1 for axis in range(3)] for k in range(8)])
-_EDGES = np.array([(a, a | bit) for bit in (1, 2, 4) for a in range(8) if not a & bit])
-
-
-# ----------------------------------------------------------------------------------------------- volumes
-
-
-def stored_normals(density, spacing=(1.0, 1.0, 1.0), zero=127.5):
-    """Unit vectors n to where a density falls as ``zero`` + 127.5 n: uint8 [layers, rows, columns, 3].
-
-    ``density``: uint8 [layers, rows, columns]; beyond is nothing. ``spacing``: of the voxels along x
-    (columns), y and z. Differences are central; where all three are zero so is n, and 128 is stored.
-    """
-    out = np.full((*density.shape, 3), 128, np.uint8)
-    padded = np.pad(density, 1).astype(np.int16)
-    inside = slice(1, -1)
-    for k, layer in enumerate(out):
-        here = padded[k + 1]
-        falls = [
-            here[inside, :-2] - here[inside, 2:],
-            here[:-2, inside] - here[2:, inside],
-            (padded[k] - padded[k + 2])[inside, inside],
-        ]
-        where = np.nonzero((falls[0] != 0) | (falls[1] != 0) | (falls[2] != 0))
-        vectors = [fall[where] / width for fall, width in zip(falls, spacing, strict=True)]
-        normals = normalize(np.stack(vectors, axis=-1))
-        layer[where] = np.minimum(np.floor(zero + 127.5 * normals + 0.5), 255.0)
-    return out
-
-
-@dataclass(frozen=True, eq=False)
-class Volume:
-    """Densities and the iso-surface that is drawn of them.
-
-    name          the texture object's, too
-    density       uint8 [layers, rows, columns], z, y and x from the lowest
-    half_extents  of the box that the voxels fill, centred at the origin, world units
-    iso           density of the surface, (0, 1): what is as dense or denser is solid
-    """
-
-    name: str
-    density: np.ndarray
-    half_extents: tuple[float, float, float]
-    iso: float = 0.5
-    _stored: dict = field(default_factory=dict, repr=False)
-
-    def __post_init__(self):
-        if self.density.ndim != 3 or self.density.dtype != np.uint8:
-            raise ValueError(
-                f"The densities are {self.density.dtype} of shape {self.density.shape}; give bytes "
-                "[layers, rows, columns]."
-            )
-        if not 0.0 < self.iso < 1.0:
-            raise ValueError(f"The iso-surface's density is {self.iso}; give one between 0 and 1.")
-
-    def corners(self):
-        """The corners of the box round its bricks, float64 [8, 3], the bits of their numbers telling x, y and
-        z. Raises ValueError where the iso-surface is nowhere.
-        """
-        bricks = self.seen_bricks()
-        low, high = bricks.min(axis=0), bricks.max(axis=0)
-        return self.brick_corners(np.where(_BITS, high + 1, low))
-
-    def seen_bricks(self):
-        """``bricks`` of the densities. Raises ValueError where the iso-surface is nowhere."""
-        if not len(self._bricks):
-            raise ValueError(
-                f"No density of {self.name} reaches {self.iso:g}: it has no surface there; give less."
-            )
-        return self._bricks
-
-    def brick_corners(self, numbers):
-        """Where brick corners [..., 3] of these numbers lie, world coordinates."""
-        grid, half = np.array(self.density.shape[::-1]), np.array(self.half_extents)
-        return 2.0 * half * (np.minimum(numbers * BRICK, grid) / grid) - half
-
-    @cached_property
-    def _bricks(self):
-        return bricks(self.density, math.ceil(255.0 * self.iso))
-
-    def texture(self, zero):
-        """The 3D texture, RGBA8: normals n as ``zero`` + 127.5 n in RGB, densities in alpha.
-
-        The exact machine gets the same bytes: they are data, of which a scanner has no more.
-        """
-        if zero not in self._stored:
-            counts = reversed(self.density.shape)
-            spacing = [h / n for h, n in zip(self.half_extents, counts, strict=True)]
-            normals = stored_normals(self.density, spacing, zero)
-            self._stored[zero] = texture_3d(np.concatenate([normals, self.density[..., None]], axis=-1))
-        return self._stored[zero]
-
-
-# ------------------------------------------------------------------------------------------------ slices
-
-
-def bricks(density, iso, edge=BRICK):
-    """Which parts of a volume slices have to be drawn in: int64 [k, 3], x, y and z, counted in bricks.
-
-    Bricks of ``edge`` voxels along each axis are left out where nothing within a voxel of them is as dense as
-    the byte ``iso``, and where everything within ``edge`` voxels of them is: no camera's nearest slice beyond
-    the iso-surface lies there, if slices are less than ``edge`` voxels apart. Beyond the volume is nothing.
-    """
-    counts = [-(-n // edge) for n in density.shape]
-    padded = np.pad(
-        density, [(1, edge * c - n + 1) for c, n in zip(counts, density.shape, strict=True)], mode="edge"
-    )
-    dense, hollow = np.zeros(counts, bool), np.zeros(counts, bool)
-    for at in np.ndindex(*counts):
-        part = padded[tuple(slice(edge * k, edge * k + edge + 2) for k in at)]
-        dense[at], hollow[at] = part.max() >= iso, part.min() < iso
-    around = np.pad(hollow, 1, constant_values=True)
-    near = np.zeros_like(hollow)
-    for dz, dy, dx in np.ndindex(3, 3, 3):
-        near |= around[dz : dz + counts[0], dy : dy + counts[1], dx : dx + counts[2]]
-    return np.argwhere(dense & near)[:, ::-1]
-
-
-def slice_mesh(volume, view, count):
-    """A volume cut by ``count`` planes parallel to the image, evenly spaced from the nearest to the farthest
-    corner of its ``bricks``, in these alone, the nearest first: triangles with (s, t, r).
-
-    The surface lies in front of the first plane beyond it, by half a step on average; so much nearer to the
-    eye is a polygon than where it cuts the volume. What it shows is then as often too near as too far.
-
-    Raises ValueError where the iso-surface is nowhere.
-    """
-    # Brick by brick: the twelve edges of each, by their ends' distances from the eye along the view.
-    side, up, back, _ = view.modelview
-
-    def eye_depth(points):
-        return -(((points[..., 0] * back[0] + points[..., 1] * back[1]) + points[..., 2] * back[2]) + back[3])
-
-    corners = volume.brick_corners(volume.seen_bricks()[:, None] + _BITS)
-    depths = eye_depth(corners)
-    least, step = float(depths.min()), (float(depths.max()) - float(depths.min())) / count
-    # Plane k lies k + 1/2 steps behind the nearest corner.
-    first = np.ceil((depths.min(axis=1) - least) / step - 0.5).astype(np.int64)
-    last = np.floor((depths.max(axis=1) - least) / step - 0.5).astype(np.int64)
-    first, last = np.maximum(first, 0), np.minimum(last, count - 1)
-    number = np.maximum(last - first + 1, 0)
-    brick = np.repeat(np.arange(len(number)), number)
-    plane = np.arange(len(brick)) - np.repeat(np.cumsum(number) - number - first, number)
-    order = np.argsort(plane, kind="stable")
-    brick, distance = brick[order], (least + (plane[order] + 0.5) * step)[:, None]
-
-    ends = [corners[brick][:, _EDGES[:, k]] for k in (0, 1)]
-    near, far = (depths[brick][:, _EDGES[:, k]] for k in (0, 1))
-    # Half open, so that a plane through a corner still cuts a closed polygon.
-    cut = (near >= distance) != (far >= distance)
-    along = np.where(cut, (distance - near) / np.where(cut, far - near, 1.0), 0.0)[..., None]
-    points = ends[0] + along * (ends[1] - ends[0])
-    corner_count = cut.sum(axis=1)
-    kept = corner_count >= 3
-    cut, points, corner_count = cut[kept], points[kept], corner_count[kept]
-    # Round each polygon's middle, by a number that grows with the angle.
-    total = np.zeros((len(points), 3))
-    for k in range(len(_EDGES)):
-        total = total + np.where(cut[:, k, None], points[:, k], 0.0)
-    away = points - (total / corner_count[:, None])[:, None]
-    x, y = (((away[..., 0] * row[0] + away[..., 1] * row[1]) + away[..., 2] * row[2]) for row in (side, up))
-    size = np.abs(x) + np.abs(y)
-    turn = x / np.where(size > 0.0, size, 1.0)
-    order = np.argsort(np.where(cut, np.where(y < 0.0, turn - 1.0, 1.0 - turn), 9.0), axis=1, kind="stable")
-    ordered = np.take_along_axis(points, order[..., None], axis=1)[:, :6]
-    # A fan of as many triangles as there are corners after the first two.
-    fan = ordered[:, [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]]]
-    half = np.array(volume.half_extents)
-    found = fan[np.arange(4) < corner_count[:, None] - 2].reshape(-1, 3)
-    return Mesh(
-        positions=_half_a_step_nearer(found, view, eye_depth(found)[:, None], 0.5 * step),
-        texture_coordinates=((found + half) / (2.0 * half),),
-    )
-
-
-def _half_a_step_nearer(points, view, depths, distance):
-    """Points moved along their rays to the eye by a ``distance`` of depth."""
-    if view.infinite_viewer:
-        return points + distance * np.array(view.modelview[2][:3])
-    eye = np.array(view.eye)
-    return eye + (points - eye) * ((depths - distance) / depths)
-
-
-@dataclass(frozen=True, eq=False)
-class Slices:
-    """A volume's slices in one view, ``count`` of them."""
-
-    volume: Volume
-    view: View
-    count: int
-
-    @cached_property
-    def mesh(self):
-        """The polygons that every pass draws."""
-        return slice_mesh(self.volume, self.view, self.count)
-
-    @property
-    def unit(self):
-        """The texture unit that reads the volume."""
-        return TextureUnit(self.volume.name, _VOLUME, environment=REPLACE)
-
-    def solid(self, label, combiners=None, **settings):
-        """P1: the nearest slice at each pixel whose density is the iso-surface's or more."""
-        inside = AlphaTest(ComparisonFunction.GEQUAL, self.volume.iso)
-        settings = {"alpha_test": inside, "depth_test": FIRST_PASS, **settings}
-        return self.again(label, (self.unit,), combiners, **settings)
-
-    def again(self, label, units, combiners=None, **settings):
-        """The slices once more, with DF EQUAL."""
-        state = PassState(
-            vertex=self.view.vertex,
-            texture_units=tuple(units),
-            register_combiners=combiners,
-            scissor=self.view.panel.scissor,
-            **{"depth_test": LATER_PASS, **settings},
-        )
-        return Draw(label=label, mesh=self.mesh, state=state)
 
 
 # ----------------------------------------------------------------------------------- alpha-coded shadows
@@ -699,59 +448,4 @@ def method_of(profile):
     raise ValueError(
         f"The {profile.name} cannot light slices of a 3D texture: that takes 3D textures and a colour "
         "matrix, as the OCTANE's, or six general combiners, as the GEFORCE_3's."
-    )
-
-
-def bias_of(bits, slices, edge):
-    """The map's bias in steps of depth: two steps of a byte, or as much as two slices or two of the map's
-    ``edge`` texels where these are coarser.
-
-    Both are no finer on a machine of 12 bits, whose steps are a sixteenth.
-    """
-    return BIAS * (2**bits - 1) / min(slices, edge, 255)
-
-
-def picture_of(volume, eye, up, light, profile, size, slices, shadows):
-    """A ``Picture`` of ``size`` by ``size`` pixels that shows all of a volume's surface.
-
-    ``eye``, ``up``, ``light``: directions, three floats; the first to the viewer, the last to the lamp.
-    Raises ValueError where the eye looks along ``up``, there is no surface, or a flat volume would fall
-    through between the slices.
-    """
-    corners = volume.corners()
-    center = corners.min(axis=0) * 0.5 + corners.max(axis=0) * 0.5
-    toward = unit_vector(eye, "The direction to the eye")
-    across = cross(unit_vector(up, "What is up"), toward)
-    if dot(across, across) < 1e-6:
-        raise ValueError(f"The eye looks along {up}, which is to be up; give another direction.")
-    side = normalize(across)
-    points = volume.brick_corners(volume.seen_bricks()[:, None] + _BITS).reshape(-1, 3) - center
-    x, y, z = (dot(points, axis) for axis in (side, cross(toward, side), toward))
-    # What is flat and seen aslant must be deeper along the view than slices are apart.
-    step = float(z.max() - z.min()) / slices
-    depths = 2.0 * np.array(volume.half_extents) / np.maximum(np.abs(toward), 1e-12)
-    if depths.min() < step:
-        raise ValueError(
-            f"Slices are {step:.3g} units apart, and {volume.name} is {depths.min():.3g} deep where the eye "
-            "looks through its thinnest edge: it would have holes. Give more slices, another direction to "
-            "the eye, or another spacing."
-        )
-    # A field of view of 24 degrees, 0.2126 its half's tangent, and a margin round what is seen.
-    distance = float((np.maximum(np.abs(x), np.abs(y)) * (1.04 / 0.2126) + z).max())
-    position = tuple((center + distance * toward).tolist())
-    # Slices come half a step nearer than the volume.
-    depth = 0.05 * float(z.max() - z.min())
-    projection = perspective(24.0, 1.0, distance - float(z.max()) - depth, distance - float(z.min()) + depth)
-    modelview = look_at(position, tuple(center.tolist()), up)
-    lamp = center + 4.0 * unit_vector(light, "The direction to the light")
-    edge = map_edge(size, 1)
-    bits = profile.color_bits[0]
-    return Picture(
-        volume,
-        View(Panel(0, 0, size, size), modelview, projection, position, False),
-        lamp_around(volume, tuple(lamp.tolist()), tuple(center.tolist()), infinite=True),
-        slices,
-        map_panel=Panel(0, 0, edge, edge) if shadows else None,
-        coding=Coding(bits=bits, bias=bias_of(bits, slices, edge)),
-        background=_BACKGROUND,
     )

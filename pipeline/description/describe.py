@@ -29,21 +29,9 @@ from fixedpipe.pipeline.commands import (
 from fixedpipe.pipeline.description.equations import combiner_lines
 from fixedpipe.pipeline.description.states import differences, mask_words, numbered_lines, titled
 from fixedpipe.pipeline.description.words import counted, format_number, format_value
-from fixedpipe.pipeline.enums import (
-    AccumOperation,
-    ColorBuffer,
-    DepthFormat,
-    TextureTarget,
-    WindowOrigin,
-)
-from fixedpipe.pipeline.pixel_transfer import (
-    INITIAL_TRANSFER,
-)
-from fixedpipe.pipeline.state import (
-    ColorMask,
-    PixelTexture,
-    RasterPosition,
-)
+from fixedpipe.pipeline.enums import AccumOperation, ColorBuffer, DepthFormat, TextureTarget, WindowOrigin
+from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER
+from fixedpipe.pipeline.state import ColorMask, PixelTexture, RasterPosition
 
 
 def _clear(command):

@@ -29,9 +29,7 @@ from fixedpipe.pipeline.commands import (
 )
 from fixedpipe.pipeline.framebuffers.result import Result
 from fixedpipe.pipeline.framebuffers.texture_copies import defined_texture
-from fixedpipe.pipeline.framebuffers.transfer import (
-    PixelStatistics,
-)
+from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
 from fixedpipe.pipeline.ideal.buffers import IdealBuffers, accumulate, clear, read_pixels, saturate
 from fixedpipe.pipeline.ideal.per_fragment import write, write_tested, writes_depth
 from fixedpipe.pipeline.ideal.rectangles import draw_rectangle

@@ -33,12 +33,7 @@ distributed with OGRE 3D, for the correspondence.
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
-from fixedpipe.pipeline.enums import (
-    CombinerScale,
-    ComponentUsage,
-    Mapping,
-    Register,
-)
+from fixedpipe.pipeline.enums import CombinerScale, ComponentUsage, Mapping, Register
 from fixedpipe.pipeline.notations.pixel_shader_textures import WITHOUT_RESULT, ConstantPlace, texture_stages
 from fixedpipe.pipeline.notations.pixel_shaders import grouped, half_read, halves_read, read
 from fixedpipe.pipeline.notations.register_combiner_words import (

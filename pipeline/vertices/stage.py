@@ -7,12 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.pipeline.enums import (
-    PrimitiveType,
-    VertexStage,
-    WindowOrigin,
-    WrapMode,
-)
+from fixedpipe.pipeline.enums import PrimitiveType, VertexStage, WindowOrigin, WrapMode
 from fixedpipe.pipeline.state import needs_normals
 from fixedpipe.pipeline.vertices.arithmetic import (
     ONE,
@@ -44,11 +39,7 @@ from fixedpipe.pipeline.vertices.projection import (
     viewport_transform,
     window_coordinates,
 )
-from fixedpipe.pipeline.vertices.strokes import (
-    draws_points,
-    point_sizes,
-    stroked,
-)
+from fixedpipe.pipeline.vertices.strokes import draws_points, point_sizes, stroked
 from fixedpipe.pipeline.vertices.texture_coordinates import unit_coordinates
 from fixedpipe.raster.primitives.clip import MOST_VERTICES, clip_triangles, find_clipped
 from fixedpipe.raster.primitives.vertices import (

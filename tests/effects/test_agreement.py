@@ -6,16 +6,16 @@ import pytest
 from fixedpipe.effects.acceptance import agreement, ray_caster
 from fixedpipe.effects.geometry import surfaces, views
 from fixedpipe.effects.geometry.vectors import dot
-from fixedpipe.effects.scenes import objects_and_lamps
+from fixedpipe.effects.scenes import objects_and_lamps, still_life
 
 PANEL = views.Panel(0, 0, 128, 128)
 
 
 @pytest.fixture(scope="module")
 def truth():
-    scene = objects_and_lamps.still_life(24)
-    lamp = objects_and_lamps.lamp_around(scene, objects_and_lamps.LAMP_POSITIONS[0])
-    return agreement.truth_of(scene, objects_and_lamps.still_life_view(PANEL), lamp)
+    scene = still_life.still_life(24)
+    lamp = objects_and_lamps.lamp_around(scene, still_life.LAMP_POSITIONS[0])
+    return agreement.truth_of(scene, still_life.still_life_view(PANEL), lamp)
 
 
 def length(vectors):
@@ -83,7 +83,7 @@ def test_a_shadow_from_nearer_than_the_bias_may_be_missing(truth):
         )
     )
     lamp = objects_and_lamps.lamp_around(scene, (4.0, 9.0, 0.0))
-    truth = agreement.truth_of(scene, objects_and_lamps.still_life_view(PANEL), lamp)
+    truth = agreement.truth_of(scene, still_life.still_life_view(PANEL), lamp)
     everything = truth.shown.something
     assert agreement.compare(everything, truth, contact=0.3).other > 20
     found = agreement.compare(everything, truth, contact=0.7)

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from fixedpipe.effects.acceptance.measures import half_maximum_aspect, pixel_grid, principal_axis
+from fixedpipe.effects.acceptance.rings import RING_HALF, ring_energy
 from fixedpipe.effects.bump_mapping import diffuse_bump, gloss_map, normalization_cube_map
 from fixedpipe.effects.figures import FIGURES, Renderer
-from fixedpipe.effects.figures.kautz_seidel_2000.f004_02_rings import RING_HALF, ring_energy
 from fixedpipe.effects.figures.kautz_seidel_2000.f004_03_scratched_square import scratch_visibility
 from fixedpipe.effects.figures.kautz_seidel_2000.k14_dot_product_bumps import longest_row
-from fixedpipe.effects.geometry import height_fields, surfaces
+from fixedpipe.effects.geometry import height_fields, surfaces, triangle_meshes
 from fixedpipe.effects.geometry.matrices import look_at, orthographic, perspective, rotate, rotation
 from fixedpipe.effects.geometry.vectors import TRIGONOMETRY_STEP, cosine, cross, dot, normalize
 from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view, perspective_view
@@ -748,7 +748,7 @@ def test_light_on_a_bump_comes_from_the_side_of_the_light():
 
 
 def test_an_obj_mesh_takes_the_same_way():
-    triangle = surfaces.read_obj("v 0 0 0\nv 3 0 0\nv 0 3 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n")
+    triangle = triangle_meshes.read_obj("v 0 0 0\nv 3 0 0\nv 0 3 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n")
     commands = bumped_mesh.commands(
         pebbles(), triangle, "gold", (0, 0, 1), GEFORCE_256, 32, 32, background=(0, 0, 0)
     )

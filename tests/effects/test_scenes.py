@@ -10,15 +10,8 @@ from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import eye_plane, look_at, product, rigid_inverse, transform
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import Panel, perspective_view
-from fixedpipe.effects.scenes.objects_and_lamps import (
-    LAMP_POSITIONS,
-    Lamp,
-    Object,
-    Scene,
-    lamp_around,
-    still_life,
-    still_life_view,
-)
+from fixedpipe.effects.scenes.objects_and_lamps import Lamp, Object, Scene, lamp_around
+from fixedpipe.effects.scenes.still_life import LAMP_POSITIONS, still_life, still_life_view
 from fixedpipe.effects.shadows.lit_scene import (
     AMBIENT,
     LAMP_COLOR,

@@ -6,7 +6,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from fixedpipe.effects.geometry import surfaces
+from fixedpipe.effects.geometry import surfaces, triangle_meshes
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.vectors import TRIGONOMETRY_STEP, cross, dot
 
@@ -131,7 +131,7 @@ def test_a_surface_that_cannot_be_is_refused_in_a_sentence(make, what):
 
 
 def test_a_cube_is_read_from_obj_with_its_texture_coordinates():
-    cube = surfaces.read_obj(CUBE)
+    cube = triangle_meshes.read_obj(CUBE)
     assert len(cube.triangles) == 12
     _, face = faces(cube)
     assert dot(face, face) == pytest.approx(np.ones(12))
@@ -151,7 +151,7 @@ def test_joined_surfaces_keep_their_triangles_in_order():
 
 
 def test_normals_are_averaged_over_the_triangles_that_share_a_position():
-    cube = surfaces.read_obj(CUBE)
+    cube = triangle_meshes.read_obj(CUBE)
     at = np.flatnonzero((cube.positions == 1.0).all(axis=1))
     # In the corner (1, 1, 1) meet two triangles of the front face, one of the right and one of the upper
     # face.
@@ -160,15 +160,15 @@ def test_normals_are_averaged_over_the_triangles_that_share_a_position():
 
 def test_given_normals_and_negative_indices_are_used():
     text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0.6 0.8\nf -3//-1 -2//-1 -1//-1\n"
-    surface = surfaces.read_obj(text)
+    surface = triangle_meshes.read_obj(text)
     assert np.allclose(surface.normals, [0.0, 0.6, 0.8])
     assert np.abs(dot(surface.tangents, surface.normals)).max() < 1e-15
 
 
 def test_mirrored_texture_coordinates_turn_the_binormal_round():
     points = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
-    plain = surfaces.from_triangles(points, np.array([[[0.0, 0], [1, 0], [0, 1]]]))
-    mirrored = surfaces.from_triangles(points, np.array([[[0.0, 0], [-1, 0], [0, 1]]]))
+    plain = triangle_meshes.from_triangles(points, np.array([[[0.0, 0], [1, 0], [0, 1]]]))
+    mirrored = triangle_meshes.from_triangles(points, np.array([[[0.0, 0], [-1, 0], [0, 1]]]))
     assert np.allclose(plain.tangents, [1, 0, 0])
     assert np.allclose(plain.binormals, [0, 1, 0])
     assert np.allclose(mirrored.tangents, [-1, 0, 0])
@@ -177,7 +177,7 @@ def test_mirrored_texture_coordinates_turn_the_binormal_round():
 
 def test_texture_coordinates_are_made_where_they_are_missing_and_keep_triangles_together():
     bare = surfaces.sphere(16, 9)
-    surface = surfaces.from_triangles(bare.positions[bare.triangles])
+    surface = triangle_meshes.from_triangles(bare.positions[bare.triangles])
     spread = np.ptp(surface.texture_coordinates[surface.triangles][..., 0], axis=1)
     middle = np.abs(surface.positions[surface.triangles][..., 1]).max(axis=1) < 0.9
     assert spread[middle].max() < 0.2
@@ -205,7 +205,7 @@ def test_texture_coordinates_are_made_where_they_are_missing_and_keep_triangles_
 )
 def test_a_bad_obj_file_is_refused_with_the_line_and_what_is_wrong(text, sentence):
     with pytest.raises(ValueError, match=sentence):
-        surfaces.read_obj(text, "bad.obj")
+        triangle_meshes.read_obj(text, "bad.obj")
 
 
 def test_a_concave_face_is_cut_into_triangles_within_it():
@@ -216,7 +216,7 @@ def test_a_concave_face_is_cut_into_triangles_within_it():
     flat_area = 0.5 * abs(float((x * np.roll(y, -1) - np.roll(x, -1) * y).sum()))
     text = "".join(f"v {a!r} {b!r} {0.5 * a!r}\n" for a, b in np.stack([x, y], axis=-1).tolist())
     for order in [np.roll(np.arange(10), k) + 1 for k in range(10)] + [np.arange(10, 0, -1)]:
-        surface = surfaces.read_obj(text + "f " + " ".join(map(str, order)) + "\n")
+        surface = triangle_meshes.read_obj(text + "f " + " ".join(map(str, order)) + "\n")
         points = surface.positions[surface.triangles]
         face = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
         assert len(face) == 8
@@ -227,14 +227,14 @@ def test_a_concave_face_is_cut_into_triangles_within_it():
 def test_a_face_that_crosses_itself_or_has_too_many_corners_is_refused():
     bow = "v 0 0 0\nv 2 2 0\nv 2 0 0\nv 0 1 0\nf 1 2 3 4\n"
     with pytest.raises(ValueError, match="line 5: a face crosses itself"):
-        surfaces.read_obj(bow)
+        triangle_meshes.read_obj(bow)
     comb = "".join(f"v {k} {k % 2} 0\n" for k in range(300)) + "v 299 -1 0\nv 0 -1 0\n"
     face = " ".join(map(str, range(1, 303)))
     with pytest.raises(ValueError, match="302 corners; cut it into triangles"):
-        surfaces.read_obj(f"{comb}f {face}\n")
+        triangle_meshes.read_obj(f"{comb}f {face}\n")
     # Corners in one line, and one twice, are no crossing.
     hook = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 2 2 0\nv 1 3 0\nv 0 4 0\nv 0 2 0\n"
-    surface = surfaces.read_obj(hook + "f 4 5 6 7 1 1 2 3\n")
+    surface = triangle_meshes.read_obj(hook + "f 4 5 6 7 1 1 2 3\n")
     points = surface.positions[surface.triangles]
     face = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
     assert 0.5 * np.abs(face[:, 2]).sum() == pytest.approx(12.0)

@@ -11,22 +11,18 @@ from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import Panel, orthographic_view, perspective_view
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp
 from fixedpipe.effects.shadows.alpha_coded_shadows import Coding
-from fixedpipe.effects.user_pictures.volume import resampled, texture_edges, volume_of
+from fixedpipe.effects.user_pictures.volume import picture_of, resampled, texture_edges, volume_of
 from fixedpipe.effects.volumes import volume_rendering
 from fixedpipe.effects.volumes.engine_block import engine_block
+from fixedpipe.effects.volumes.slices import Volume, bricks, slice_mesh, stored_normals
 from fixedpipe.effects.volumes.volume_rendering import (
     LEAST,
     Picture,
     Shading,
-    Volume,
-    bricks,
     combiners,
     imaging,
     method_of,
-    picture_of,
     power,
-    slice_mesh,
-    stored_normals,
 )
 from fixedpipe.pipeline.enums import Register
 from fixedpipe.pipeline.execution.machine import execute

@@ -2,15 +2,16 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.ray_caster import scene_caster
 from fixedpipe.effects.diagrams import drawing
+from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, INK, RED, VISIBLE, YELLOW
-from fixedpipe.effects.figures.figure import BACKGROUND, DIAGRAM_MACHINES, Check, Figure, Method
-from fixedpipe.effects.figures.zwicker_2016.shared.bumps import drawn_check
+from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import look_at, rotation, transform
 from fixedpipe.effects.geometry.vectors import cosine, sine
-from fixedpipe.effects.geometry.views import perspective_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view, row_of_panels
 from fixedpipe.effects.passes.draws import FIRST_PASS
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp, Object, Scene, detail_of, floor
 from fixedpipe.effects.shadows.alpha_coded_shadows import MAP, Coding, store_map

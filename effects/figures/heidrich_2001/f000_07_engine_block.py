@@ -5,13 +5,15 @@ from functools import lru_cache
 import numpy as np
 
 from fixedpipe.effects.acceptance import volume_caster
-from fixedpipe.effects.figures.figure import BACKGROUND, IMAGING_MACHINES_8, Check, Figure, Method
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.figures.figure import IMAGING_MACHINES_8, Figure, Method
 from fixedpipe.effects.geometry.vectors import dot, normalize
-from fixedpipe.effects.geometry.views import Panel, perspective_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, perspective_view, row_of_panels
 from fixedpipe.effects.scenes.objects_and_lamps import lamp_around
 from fixedpipe.effects.shadows.lit_scene import map_edge
 from fixedpipe.effects.volumes.engine_block import HALF_EXTENTS, engine_block
-from fixedpipe.effects.volumes.volume_rendering import LEAST, Picture, Shading, Volume, combiners, imaging
+from fixedpipe.effects.volumes.slices import Volume
+from fixedpipe.effects.volumes.volume_rendering import LEAST, Picture, Shading, combiners, imaging
 
 
 @lru_cache(maxsize=4)

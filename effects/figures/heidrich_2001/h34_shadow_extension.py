@@ -3,10 +3,10 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
-from fixedpipe.effects.figures.zwicker_2016.f003_18_final_image import scene_of
-from fixedpipe.effects.geometry.views import Panel, row_of_panels
-from fixedpipe.effects.scenes.objects_and_lamps import still_life_view
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
+from fixedpipe.effects.scenes.still_life import still_life_and_lamp, still_life_view
 from fixedpipe.effects.shadows.lit_scene import map_edge
 from fixedpipe.effects.shadows.shadow_maps import ambient_form_pass, scene_passes, stencil_passes, store_map
 from fixedpipe.pipeline.commands import Draw
@@ -19,7 +19,7 @@ def make(profile, size, *, ratio, factor, share, from_red, shading="lit"):
     is a luminance, a copy makes alpha of it.
     """
     left, right = row_of_panels(2, size)
-    scene, light = scene_of(size)
+    scene, light = still_life_and_lamp(size)
     return (
         *store_map(scene, light, "shadow map", map_edge(size, ratio), (2 * size, size), factor=factor),
         left.clear(BACKGROUND),
@@ -47,7 +47,7 @@ def checks(figure, renderer):
     """Both masks against rays and against each other; the numbers of passes (E000.8)."""
     parameters = {**figure.parameters, **renderer.method.parameters}
     share, edge = parameters["share"], map_edge(_SIZE, parameters["ratio"])
-    scene, light = scene_of(_SIZE)
+    scene, light = still_life_and_lamp(_SIZE)
     truth = agreement.truth_of(scene, still_life_view(Panel(0, 0, _SIZE, _SIZE)), light)
     ground, outline = truth.shown.object == 0, agreement.silhouettes(truth)
     out = []

@@ -1,9 +1,11 @@
 """H35: one shadow map for a walk through a scene, and one for every frame where the light moves."""
 
 from fixedpipe.effects.acceptance import agreement
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
-from fixedpipe.effects.geometry.views import Panel, perspective_view, row_of_panels
-from fixedpipe.effects.scenes.objects_and_lamps import LAMP_POSITIONS, detail_of, lamp_around, still_life
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, perspective_view, row_of_panels
+from fixedpipe.effects.scenes.objects_and_lamps import detail_of, lamp_around
+from fixedpipe.effects.scenes.still_life import LAMP_POSITIONS, still_life
 from fixedpipe.effects.shadows.lit_scene import map_edge
 from fixedpipe.effects.shadows.shadow_maps import scene_passes, stencil_passes, store_map
 

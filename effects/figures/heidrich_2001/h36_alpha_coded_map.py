@@ -3,8 +3,9 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2001.shared.alpha_shadows import (
     COMBINERS,
     ENVIRONMENTS,
@@ -16,7 +17,7 @@ from fixedpipe.effects.figures.heidrich_2001.shared.alpha_shadows import (
     lit_scene_of,
     stored,
 )
-from fixedpipe.effects.geometry.views import Panel, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
 from fixedpipe.effects.shadows.alpha_coded_shadows import Coding, picture_from_light, show_alpha
 from fixedpipe.effects.shadows.lit_scene import LAMP_COLOR
 

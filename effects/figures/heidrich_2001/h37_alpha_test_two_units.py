@@ -1,6 +1,7 @@
 """H37: shadows by an alpha test, with two texture units: register combiners, texture environments."""
 
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2001.shared.alpha_shadows import (
     COMBINERS,
     ENVIRONMENTS,
@@ -14,7 +15,7 @@ from fixedpipe.effects.figures.heidrich_2001.shared.alpha_shadows import (
     stored,
     without_shadows,
 )
-from fixedpipe.effects.geometry.views import row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
 from fixedpipe.effects.shadows.alpha_coded_shadows import Coding
 
 

@@ -3,7 +3,8 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance.agreement import lit_mask
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2001.shared.alpha_shadows import (
     LAMP,
     ONE_UNIT,
@@ -16,8 +17,8 @@ from fixedpipe.effects.figures.heidrich_2001.shared.alpha_shadows import (
     pass_checks,
     stored,
 )
-from fixedpipe.effects.geometry.views import row_of_panels
-from fixedpipe.effects.scenes.objects_and_lamps import still_life_view
+from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
+from fixedpipe.effects.scenes.still_life import still_life_view
 from fixedpipe.effects.shadows.alpha_coded_shadows import Coding, difference_in_alpha, scale_alpha, show_alpha
 from fixedpipe.pipeline.commands import Saturate
 

@@ -1,12 +1,14 @@
 """H40: shadow volumes beside a shadow map of the same scene."""
 
 from fixedpipe.effects.acceptance.agreement import compare, lit_mask, truth_of
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.ray_caster import to_light
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.matrices import look_at, perspective
 from fixedpipe.effects.geometry.vectors import dot, normalize
-from fixedpipe.effects.geometry.views import Panel, View, row_of_panels
-from fixedpipe.effects.scenes.objects_and_lamps import detail_of, lamp_around, still_life, still_life_view
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, View, row_of_panels
+from fixedpipe.effects.scenes.objects_and_lamps import detail_of, lamp_around
+from fixedpipe.effects.scenes.still_life import still_life, still_life_view
 from fixedpipe.effects.shadows.lit_scene import map_edge
 from fixedpipe.effects.shadows.shadow_maps import modulated_passes, store_map
 from fixedpipe.effects.shadows.shadow_volumes import z_fail

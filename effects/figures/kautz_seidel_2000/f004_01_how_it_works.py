@@ -4,13 +4,15 @@ from functools import lru_cache
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.vectors import unit_vector
-from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, Panel, orthographic_view, row_of_panels
+from fixedpipe.effects.passes import pixel_texture_copies
 from fixedpipe.effects.passes.draws import EDGE
-from fixedpipe.effects.reflectance import dependent_lookups, lookup_framework, pixel_textures
+from fixedpipe.effects.reflectance import dependent_lookups, lookup_framework
 
 EYE = np.array([0.0, 0.0, 1.0])
 # The panels: textures, parameters, and these stages.
@@ -45,8 +47,8 @@ def _scene(profile, size, passes, *, map_size, bumps, height, cells, light, exte
         view = orthographic_view(quarter)
         label = f"show the texture {name}"
         out.append(
-            pixel_textures.polygon(
-                label, small, view, name, first=True, mask=pixel_textures.RGB, sampler=EDGE
+            pixel_texture_copies.polygon(
+                label, small, view, name, first=True, mask=pixel_texture_copies.RGB, sampler=EDGE
             )
         )
     for quarter, stage in zip(_quarters(panels[1]), lookup_framework.STAGES[:4], strict=True):

@@ -2,25 +2,18 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
+from fixedpipe.effects.acceptance.rings import RING_HALF, ring_energy
 from fixedpipe.effects.bump_mapping import diffuse_bump
-from fixedpipe.effects.figures.figure import (
-    BACKGROUND,
-    COMBINER_MACHINES,
-    DARK,
-    IMAGING_MACHINES,
-    Check,
-    Figure,
-    Method,
-)
+from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, IMAGING_MACHINES, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import normalize
-from fixedpipe.effects.geometry.views import Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
 from fixedpipe.effects.passes.draws import show
 from fixedpipe.effects.passes.encoding import encode_factor
 from fixedpipe.effects.reflectance import (
     anisotropic_blinn_phong,
-    brdfs,
     evaluate_then_interpolate,
     future_board,
     imaging_subset,
@@ -32,8 +25,6 @@ from fixedpipe.pipeline.state import RasterPosition
 
 EVALUATED_FIRST = "evaluation before filtering"
 SQUARED_FIRST = "imaging subset"
-# The halfway vector of the catalogue's ring measurements: tilted 24 degrees towards +x.
-RING_HALF = normalize(np.array([0.45, 0.0, 1.0]))
 
 
 def _dome_material(map_size, alpha_x, alpha_y):
@@ -122,24 +113,6 @@ def scene_evaluated_first(profile, size, **parameters):
 
 
 _HIGHLIGHT_ONLY = {**DARK, "domes": 1, "extent": 1.0, "specular": (1.0, 1.0, 1.0)}
-
-
-def ring_energy(image, map_size, alpha_x, alpha_y):
-    """Error energy in the annulus 1.5 texels wide on either side of the rim, over the true highlight's
-    energy.
-
-    ``image``: float64 [size, size] of one dome, bottom row first. Returns the ratio, and the image's maximum
-    where the true highlight in the annulus is zero.
-    """
-    size = image.shape[0]
-    s, t = height_fields.texel_centers(size, size)
-    _, tangent, binormal = height_fields.frames(*height_fields.dome_slopes(s, t))
-    true = brdfs.anisotropic_blinn_phong(RING_HALF, tangent, binormal, alpha_x, alpha_y)
-    x, y = pixel_grid(size, 1.0)
-    annulus = np.abs(np.sqrt(x * x + y * y) - 0.6) < 3.0 / map_size
-    error = (image - true)[annulus]
-    dark = annulus & (true == 0.0)
-    return float((error * error).sum() / (true * true).sum()), float(image[dark].max())
 
 
 # The catalogue's energies by the texels along a map's edge: of the combiners, of evaluate-then-interpolate.

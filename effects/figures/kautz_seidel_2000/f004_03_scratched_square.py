@@ -4,19 +4,13 @@ import math
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import pixel_grid
 from fixedpipe.effects.bump_mapping import diffuse_bump
-from fixedpipe.effects.figures.figure import (
-    BACKGROUND,
-    COMBINER_MACHINES,
-    IMAGING_MACHINES,
-    Check,
-    Figure,
-    Method,
-)
+from fixedpipe.effects.figures.figure import COMBINER_MACHINES, IMAGING_MACHINES, Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotate, rotation
-from fixedpipe.effects.geometry.views import Light, perspective_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, perspective_view, row_of_panels
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, imaging_subset, material_textures
 
 

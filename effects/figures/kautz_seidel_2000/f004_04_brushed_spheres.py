@@ -2,21 +2,14 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import half_maximum_aspect, principal_axis
 from fixedpipe.effects.bump_mapping import diffuse_bump
-from fixedpipe.effects.figures.figure import (
-    BACKGROUND,
-    COMBINER_MACHINES,
-    DARK,
-    IMAGING_MACHINES_8,
-    Check,
-    Figure,
-    Method,
-)
+from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, IMAGING_MACHINES_8, Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotate, rotation
 from fixedpipe.effects.geometry.vectors import cross, normalize
-from fixedpipe.effects.geometry.views import Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, imaging_subset, material_textures
 
 # The method that draws flat triangles.

@@ -2,20 +2,13 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
-from fixedpipe.effects.figures.figure import (
-    BACKGROUND,
-    COMBINER_MACHINES,
-    DARK,
-    IMAGING_MACHINES_8,
-    Check,
-    Figure,
-    Method,
-)
+from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, IMAGING_MACHINES_8, Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
-from fixedpipe.effects.geometry.views import Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, imaging_subset, material_textures
 
 # The catalogue's gold. Light that is reflected once has it; what the diffuse pass stands for has been

@@ -2,35 +2,15 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
-from fixedpipe.effects.figures.figure import (
-    BACKGROUND,
-    COMBINER_MACHINES,
-    DARK,
-    IMAGING_MACHINES_8,
-    Check,
-    Figure,
-    Method,
-)
+from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, IMAGING_MACHINES_8, Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
-from fixedpipe.effects.geometry.views import Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, imaging_subset, material_textures
-
-# What the marble is made of: the keywords of ``material_textures.marble`` besides its size. F004-7 shows the
-# textures of the same.
-MARBLE = {
-    "cells": 2,
-    "width": 8.0,
-    "relief": 1.5,
-    "alpha_x": 0.4,
-    "alpha_y": (0.4, 1.0),
-    "k_s": 1.0,
-    "light_color": (0.93, 0.88, 0.80),
-    "dark_color": (0.10, 0.15, 0.14),
-}
-MAP_SIZE = 256
+from fixedpipe.effects.scenes.marble import MAP_SIZE, MARBLE
 
 
 def _ball(

@@ -2,14 +2,15 @@
 
 import numpy as np
 
-from fixedpipe.effects.figures.figure import Check, Figure, Method
-from fixedpipe.effects.figures.kautz_seidel_2000.f004_06_marble import MAP_SIZE, MARBLE
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import row_of_panels
 from fixedpipe.effects.passes.draws import NEAREST, unit
 from fixedpipe.effects.passes.encoding import decode_expand
 from fixedpipe.effects.reflectance import material_textures
+from fixedpipe.effects.scenes.marble import MAP_SIZE, MARBLE
 from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.enums import TextureEnvironmentMode
 from fixedpipe.pipeline.profiles import IDEAL, PROFILES

@@ -4,12 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
-from fixedpipe.effects.figures.figure import BACKGROUND, DARK, Check, Figure, Method
+from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import normalize
-from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, Panel, orthographic_view, row_of_panels
 from fixedpipe.effects.passes.draws import ADD, LATER_PASS, show
 from fixedpipe.effects.passes.encoding import encode_factor
 from fixedpipe.effects.reflectance import (

@@ -4,11 +4,12 @@ import math
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
-from fixedpipe.effects.figures.figure import BACKGROUND, DARK, IMAGING_MACHINES_8, Check, Figure, Method
+from fixedpipe.effects.figures.figure import DARK, IMAGING_MACHINES_8, Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.vectors import cross, dot, in_frame, normalize
-from fixedpipe.effects.geometry.views import Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
 from fixedpipe.effects.passes.encoding import encode_factor
 from fixedpipe.effects.reflectance import evaluate_then_interpolate, imaging_subset, material_textures
 from fixedpipe.pipeline.commands import DrawPixels

@@ -2,11 +2,12 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
-from fixedpipe.effects.figures.figure import BACKGROUND, COMBINER_MACHINES, Check, Figure, Method
+from fixedpipe.effects.figures.figure import COMBINER_MACHINES, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
-from fixedpipe.effects.geometry.views import Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, material_textures
 
 

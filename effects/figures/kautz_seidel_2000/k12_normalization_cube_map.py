@@ -2,12 +2,13 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump, normalization_cube_map
-from fixedpipe.effects.figures.figure import BACKGROUND, COMBINER_MACHINES, DARK, Check, Figure, Method
+from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import normalize
-from fixedpipe.effects.geometry.views import Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, brdfs, material_textures
 
 

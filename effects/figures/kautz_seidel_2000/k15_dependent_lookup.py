@@ -6,13 +6,15 @@ from itertools import pairwise
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import unit_vector
 from fixedpipe.effects.geometry.vertex_vectors import light_vectors
-from fixedpipe.effects.geometry.views import Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
+from fixedpipe.effects.passes import pixel_texture_copies
 from fixedpipe.effects.passes.draws import ADD, EDGE, draw, unit
 from fixedpipe.effects.passes.encoding import encode_vertex_color
 from fixedpipe.effects.reflectance import blinn_phong_by_host, brdfs, material_textures, pixel_textures
@@ -132,7 +134,7 @@ def checks(figure, renderer):
         drawn = figure.commands(renderer.profile, size, renderer.method)
         pictures = [
             renderer.execute(c, renderer.profile, width, height).framebuffer.color.astype(int)
-            for c in (drawn, pixel_textures.through_host(drawn))
+            for c in (drawn, pixel_texture_copies.through_host(drawn))
         ]
         most = int(np.abs(pictures[1] - pictures[0]).max())
         reason = (

@@ -2,13 +2,14 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.acceptance.rings import RING_HALF, ring_energy
 from fixedpipe.effects.bump_mapping import diffuse_bump
-from fixedpipe.effects.figures.figure import BACKGROUND, DARK, Check, Figure, Method
-from fixedpipe.effects.figures.kautz_seidel_2000.f004_02_rings import RING_HALF, ring_energy
+from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import normalize
-from fixedpipe.effects.geometry.views import Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, brdfs, future_board, material_textures
 
 

@@ -6,13 +6,14 @@ from functools import lru_cache
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
-from fixedpipe.effects.figures.figure import BACKGROUND, DARK, Check, Figure, Method
+from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.vectors import dot, normalize
-from fixedpipe.effects.geometry.views import Light, perspective_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, perspective_view, row_of_panels
 from fixedpipe.effects.passes.draws import REPEATED, show
 from fixedpipe.effects.passes.encoding import encode_factor
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, material_textures

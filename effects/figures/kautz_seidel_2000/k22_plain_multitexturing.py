@@ -2,11 +2,12 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
-from fixedpipe.effects.figures.figure import BACKGROUND, DARK, Check, Figure, Method
+from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import cosine, cross, normalize, sine
-from fixedpipe.effects.geometry.views import Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
 from fixedpipe.effects.passes.encoding import encode_factor
 from fixedpipe.effects.reflectance import evaluate_then_interpolate, material_textures, plain_multitexturing
 from fixedpipe.pipeline.commands import DrawPixels

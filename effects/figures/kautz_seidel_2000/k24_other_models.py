@@ -2,11 +2,12 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import principal_axis, root_mean_square
-from fixedpipe.effects.figures.figure import BACKGROUND, DARK, Check, Figure, Method
+from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import cosine, cross, dot, normalize, sine
-from fixedpipe.effects.geometry.views import Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
 from fixedpipe.effects.reflectance import dependent_lookups, material_textures, phong_schlick_lafortune
 from fixedpipe.effects.reflectance.brdfs import BRDFS, Frame
 

@@ -2,23 +2,23 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import arithmetic_check
 from fixedpipe.effects.bump_mapping import diffuse_bump
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.bumps import (
     BRICK_COLORS,
     BRICK_NORMALS,
     load_colors,
     load_normals,
     map_normals,
-    panel_of,
     silhouette_check,
     slices,
     texels,
 )
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
-from fixedpipe.effects.geometry.views import Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, panel_of, row_of_panels
 from fixedpipe.effects.scenes import brick_wall
 
 FLAT = "normal map of nothing"

@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import arithmetic_check, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.bumps import (
     BRICK_COLORS,
     BRICK_NORMALS,
@@ -12,7 +13,6 @@ from fixedpipe.effects.figures.zwicker_2016.shared.bumps import (
     load_colors,
     load_normals,
     map_normals,
-    panel_of,
     recovered_normals,
     silhouette_check,
     texel_combiners,
@@ -20,7 +20,14 @@ from fixedpipe.effects.figures.zwicker_2016.shared.bumps import (
 )
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import normalize
-from fixedpipe.effects.geometry.views import Light, orthographic_view, perspective_view, row_of_panels
+from fixedpipe.effects.geometry.views import (
+    BACKGROUND,
+    Light,
+    orthographic_view,
+    panel_of,
+    perspective_view,
+    row_of_panels,
+)
 from fixedpipe.effects.passes.draws import draw, unit
 from fixedpipe.effects.scenes import brick_wall
 

@@ -4,13 +4,14 @@ import math
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.bump_mapping import normal_maps
 from fixedpipe.effects.diagrams import drawing
+from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, GREEN, INK, RED, VIOLET, YELLOW
-from fixedpipe.effects.figures.figure import BACKGROUND, DIAGRAM_MACHINES, Check, Figure, Method
-from fixedpipe.effects.figures.zwicker_2016.shared.bumps import drawn_check
+from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.geometry.vectors import cosine, normalize, sine
-from fixedpipe.effects.geometry.views import perspective_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view, row_of_panels
 from fixedpipe.pipeline.commands import Draw, Mesh
 from fixedpipe.pipeline.enums import PrimitiveType
 from fixedpipe.pipeline.state import PassState

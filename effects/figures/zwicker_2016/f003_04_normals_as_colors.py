@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.bump_mapping import normal_maps
-from fixedpipe.effects.figures.figure import Check, Figure, Method
-from fixedpipe.effects.figures.zwicker_2016.shared.bumps import panel_of
+from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
-from fixedpipe.effects.geometry.views import orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import orthographic_view, panel_of, row_of_panels
 from fixedpipe.effects.passes.draws import NEAREST, REPLACE, draw, unit
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.enums import InternalFormat

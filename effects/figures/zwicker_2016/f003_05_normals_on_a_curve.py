@@ -4,21 +4,17 @@ import math
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump, tangent_space
 from fixedpipe.effects.diagrams import drawing
+from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, GREEN, INK, RED, VIOLET, YELLOW
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
-from fixedpipe.effects.figures.zwicker_2016.shared.bumps import (
-    drawn_check,
-    load_normals,
-    panel_of,
-    slices,
-    texels,
-)
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.shared.bumps import load_normals, slices, texels
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import cosine, dot, from_frame, normalize, sine
-from fixedpipe.effects.geometry.views import Light, perspective_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, panel_of, perspective_view, row_of_panels
 
 NORMALS = "normal map of studs"
 # Studs round the half cylinder and along it, and the samples of one row of them that are drawn.

@@ -2,13 +2,14 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.bump_mapping import tangent_space
 from fixedpipe.effects.diagrams import drawing
+from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import BLUE, GREEN, RED, YELLOW
-from fixedpipe.effects.figures.figure import BACKGROUND, DIAGRAM_MACHINES, Check, Figure, Method
+from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared import parametric_triangle as triangle
-from fixedpipe.effects.figures.zwicker_2016.shared.bumps import drawn_check
-from fixedpipe.effects.geometry.views import row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
 
 # A place in the triangle, marked in both spaces.
 PLACE = np.array([0.47, 0.45])

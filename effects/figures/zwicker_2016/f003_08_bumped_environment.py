@@ -2,16 +2,17 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import arithmetic_check, root_mean_square
 from fixedpipe.effects.acceptance.ray_caster import RayCaster, primary_rays
 from fixedpipe.effects.environment_maps import bumped_reflections, environments
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
-from fixedpipe.effects.figures.zwicker_2016.shared.bumps import angles, map_normals, panel_of, slices, texels
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.shared.bumps import angles, map_normals, slices, texels
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.vectors import dot, from_frame, normalize
 from fixedpipe.effects.geometry.vertex_vectors import reflected
-from fixedpipe.effects.geometry.views import perspective_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, perspective_view, row_of_panels
 
 REPEATS = (2, 1)
 LEAN = 28.0

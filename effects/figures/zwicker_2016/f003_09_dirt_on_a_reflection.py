@@ -2,13 +2,14 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import arithmetic_check
 from fixedpipe.effects.environment_maps import bumped_reflections, environments
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
-from fixedpipe.effects.figures.zwicker_2016.shared.bumps import map_normals, panel_of, texels
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.shared.bumps import map_normals, texels
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.matrices import rotation
-from fixedpipe.effects.geometry.views import perspective_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, perspective_view, row_of_panels
 
 EYE, FIELD_OF_VIEW = (0.0, 1.3, 3.4), 36.0
 

@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement, ray_caster
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.matrices import rotate, rotation
-from fixedpipe.effects.geometry.views import row_of_panels
-from fixedpipe.effects.scenes import objects_and_lamps
+from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
+from fixedpipe.effects.scenes import objects_and_lamps, still_life
 from fixedpipe.effects.shadows import shadow_maps, shadow_volumes
 from fixedpipe.effects.shadows.lit_scene import map_edge
 
@@ -27,31 +28,31 @@ def map_scene(profile, size, *, positions, texels, factor, shading, background):
 
     ``texels``: of the map's edge for each pixel of a panel's, at most; ``factor``: of the polygon offset.
     """
-    still_life = objects_and_lamps.still_life(objects_and_lamps.detail_of(size))
+    scene = still_life.still_life(objects_and_lamps.detail_of(size))
     panels = row_of_panels(len(positions), size)
-    lamps = _lamps(still_life, positions)
+    lamps = _lamps(scene, positions)
     out, window = [], (len(panels) * size, size)
     for k, lamp in enumerate(lamps):
         name, edge = f"shadow map {k}", map_edge(size, texels)
-        out += shadow_maps.store_map(still_life, lamp, name, edge, window, factor=factor)
+        out += shadow_maps.store_map(scene, lamp, name, edge, window, factor=factor)
     for k, (panel, lamp) in enumerate(zip(panels, lamps, strict=True)):
-        view = objects_and_lamps.still_life_view(panel)
+        view = still_life.still_life_view(panel)
         out += (
             panel.clear(background),
-            *shadow_maps.modulated_passes(still_life, view, lamp, f"shadow map {k}", profile, shading),
+            *shadow_maps.modulated_passes(scene, view, lamp, f"shadow map {k}", profile, shading),
         )
     return tuple(out)
 
 
 def volume_scene(profile, size, *, positions, shading, background):
     """The same with shadow volumes."""
-    still_life = objects_and_lamps.still_life(objects_and_lamps.detail_of(size))
+    scene = still_life.still_life(objects_and_lamps.detail_of(size))
     out = []
-    for panel, lamp in zip(row_of_panels(len(positions), size), _lamps(still_life, positions), strict=True):
-        view = objects_and_lamps.still_life_view(panel)
+    for panel, lamp in zip(row_of_panels(len(positions), size), _lamps(scene, positions), strict=True):
+        view = still_life.still_life_view(panel)
         out += (
             panel.clear(background),
-            *shadow_volumes.z_pass(still_life, view, lamp, profile, shading),
+            *shadow_volumes.z_pass(scene, view, lamp, profile, shading),
         )
     return tuple(out)
 
@@ -71,13 +72,13 @@ def best_turn(mask, truth):
 def _compared(figure, renderer, on, size):
     """Of each panel its mask, on the machine or the ideal, the truth, and their Agreement."""
     positions = figure.parameters["positions"]
-    still_life = objects_and_lamps.still_life(objects_and_lamps.detail_of(size))
-    view = objects_and_lamps.still_life_view(row_of_panels(1, size)[0])
+    scene = still_life.still_life(objects_and_lamps.detail_of(size))
+    view = still_life.still_life_view(row_of_panels(1, size)[0])
     texels = renderer.method.parameters.get("texels")
     understood = {"map_edge": map_edge(size, texels), "contact": _BIAS, "grazing": 0.1} if texels else {}
     mask = agreement.lit_mask(getattr(renderer, on)(figure, size, shading="mask"))
-    for k, lamp in enumerate(_lamps(still_life, positions)):
-        part, truth = mask[:, k * size : (k + 1) * size], agreement.truth_of(still_life, view, lamp)
+    for k, lamp in enumerate(_lamps(scene, positions)):
+        part, truth = mask[:, k * size : (k + 1) * size], agreement.truth_of(scene, view, lamp)
         yield part, truth, agreement.compare(part, truth, **understood)
 
 
@@ -117,7 +118,7 @@ FIGURE = Figure(
     source="Zwicker2016",
     techniques=("Z29", "Z10", "Z23"),
     columns=3,
-    parameters={"positions": objects_and_lamps.LAMP_POSITIONS, "shading": "lit", "background": BACKGROUND},
+    parameters={"positions": still_life.LAMP_POSITIONS, "shading": "lit", "background": BACKGROUND},
     methods=(
         Method("shadow maps", map_scene, ("GEFORCE_3", "INFINITE_REALITY"), {"texels": 4, "factor": 2.0}),
         Method("shadow volumes", volume_scene, ("OPENGL_1_2",)),

@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import look_at, orthographic, rotate, rotation, transform
 from fixedpipe.effects.geometry.vectors import unit_vector
-from fixedpipe.effects.geometry.views import View, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, View, row_of_panels
 from fixedpipe.effects.scenes import objects_and_lamps
 from fixedpipe.effects.shadows import shadow_volumes
 from fixedpipe.effects.shadows.lit_scene import lit_pass, unlit_pass

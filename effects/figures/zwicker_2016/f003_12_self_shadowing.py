@@ -1,10 +1,11 @@
 """F003-12: why shadows are important, realism: two pairs with and without self-shadowing (Z29, Z23)."""
 
 from fixedpipe.effects.acceptance import agreement
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
-from fixedpipe.effects.geometry.views import perspective_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view, row_of_panels
 from fixedpipe.effects.scenes import objects_and_lamps
 from fixedpipe.effects.shadows import shadow_volumes
 from fixedpipe.effects.shadows.lit_scene import lit_pass, unlit_pass

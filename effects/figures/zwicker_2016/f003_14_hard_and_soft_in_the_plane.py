@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.drawing import INK
-from fixedpipe.effects.figures.figure import BACKGROUND, DIAGRAM_MACHINES, Check, Figure, Method
+from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.area_light import (
     BAR,
     FLOOR,
@@ -17,7 +18,7 @@ from fixedpipe.effects.figures.zwicker_2016.shared.area_light import (
     regions,
     things,
 )
-from fixedpipe.effects.geometry.views import row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
 
 
 def lights(extent, slope):

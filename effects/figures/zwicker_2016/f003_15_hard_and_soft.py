@@ -3,12 +3,13 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.acceptance.ray_caster import seen_fraction
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
-from fixedpipe.effects.geometry.views import perspective_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view, row_of_panels
 from fixedpipe.effects.scenes import objects_and_lamps
 from fixedpipe.effects.shadows.area_lights import POINTS, accumulated_lights, lamps_of
 from fixedpipe.effects.shadows.shadow_volumes import z_pass

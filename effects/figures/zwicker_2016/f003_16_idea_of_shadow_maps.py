@@ -2,13 +2,14 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.diagrams import drawing
+from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import FAINT, INK, RED, YELLOW
 from fixedpipe.effects.diagrams.flatland import Shape, first_hit, is_visible, pieces
-from fixedpipe.effects.figures.figure import BACKGROUND, DIAGRAM_MACHINES, Check, Figure, Method
-from fixedpipe.effects.figures.zwicker_2016.shared.bumps import drawn_check
+from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.geometry.vectors import cosine, sine
-from fixedpipe.effects.geometry.views import row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
 
 LIGHT = (-0.6, 0.80)
 LIT, UNLIT = (0.98, 0.86, 0.45), (0.26, 0.34, 0.62)

@@ -3,10 +3,11 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance import ray_caster
-from fixedpipe.effects.figures.figure import Check, Figure, Method
-from fixedpipe.effects.figures.zwicker_2016.f003_18_final_image import scene_of
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.matrices import transform
 from fixedpipe.effects.geometry.views import row_of_panels
+from fixedpipe.effects.scenes.still_life import still_life_and_lamp
 from fixedpipe.effects.shadows.lit_scene import depth_pass
 from fixedpipe.effects.shadows.shadow_maps import show_depths
 
@@ -16,7 +17,7 @@ DEPTHS = "depths from the light"
 def make(profile, size):
     """The first pass as it fills the depth buffer, and the depth buffer as grey."""
     (panel,) = row_of_panels(1, size)
-    scene, light = scene_of(size)
+    scene, light = still_life_and_lamp(size)
     return (
         panel.clear((0.0, 0.0, 0.0)),
         *depth_pass(scene, light.view(panel)),
@@ -29,7 +30,7 @@ _SIZE = 256
 
 def checks(figure, renderer):
     """The depths read, and the picture made of them, against rays from the light."""
-    scene, light = scene_of(_SIZE)
+    scene, light = still_life_and_lamp(_SIZE)
     (panel,) = row_of_panels(1, _SIZE)
     shown = ray_caster.visible(ray_caster.scene_caster(scene), light.view(panel))
     commands = figure.commands(renderer.profile, _SIZE, renderer.method)

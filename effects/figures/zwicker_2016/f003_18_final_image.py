@@ -1,39 +1,23 @@
 """F003-18: the final image with shadows, by a shadow map (Z10)."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
-from fixedpipe.effects.geometry.views import row_of_panels
-from fixedpipe.effects.scenes.objects_and_lamps import (
-    LAMP_POSITIONS,
-    detail_of,
-    lamp_around,
-    still_life,
-    still_life_view,
-)
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
+from fixedpipe.effects.scenes.still_life import still_life_and_lamp, still_life_view
 from fixedpipe.effects.shadows.lit_scene import AMBIENT, map_edge
 from fixedpipe.effects.shadows.shadow_maps import modulated_passes, store_map
 
 # World units that the map is wide at the middle of the scene, rounded up from 6.7; over its edge, a texel.
 _MAP_WIDTH = 7.0
-# Where the lamp looks, and its field of view: closer than the scene's box, whose upper corners are empty.
-# Measured: 39.4 degrees hold every vertex (figure F003-17 checks it).
-_TARGET, _FIELD_OF_VIEW = (0.2, -0.4, -0.4), 40.0
-
-
-def scene_of(size):
-    """The still life with the detail of a panel's size, and a lamp on its left that lights just that."""
-    scene = still_life(detail_of(size))
-    return scene, replace(lamp_around(scene, LAMP_POSITIONS[0], _TARGET), field_of_view=_FIELD_OF_VIEW)
 
 
 def make(profile, size, *, ratio, factor, units, filtered, shading="lit"):
     """Z10, Z12, Z19, Z20 on one panel."""
     (panel,) = row_of_panels(1, size)
-    scene, light = scene_of(size)
+    scene, light = still_life_and_lamp(size)
     view = still_life_view(panel)
     stored = store_map(
         scene, light, "shadow map", map_edge(size, ratio), (size, size), factor=factor, units=units
@@ -51,7 +35,7 @@ _SIZE = 256
 def checks(figure, renderer):
     """Lit and shadowed pixels against rays, with a large and a small map."""
     (panel,) = row_of_panels(1, _SIZE)
-    scene, light = scene_of(_SIZE)
+    scene, light = still_life_and_lamp(_SIZE)
     truth = agreement.truth_of(scene, still_life_view(panel), light)
     floor = truth.shown.object == 0
     out = []

@@ -6,8 +6,9 @@ from functools import lru_cache
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
-from fixedpipe.effects.geometry.views import Panel, row_of_panels
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
 from fixedpipe.effects.passes.draws import FIRST_PASS
 from fixedpipe.effects.scenes import lit_room
 from fixedpipe.effects.scenes.objects_and_lamps import detail_of

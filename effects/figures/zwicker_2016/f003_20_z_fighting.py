@@ -9,11 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.diagrams import drawing
+from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, INK, RED, VIOLET, YELLOW
-from fixedpipe.effects.figures.figure import BACKGROUND, DIAGRAM_MACHINES, Check, Figure, Method
-from fixedpipe.effects.figures.zwicker_2016.shared.bumps import drawn_check
-from fixedpipe.effects.geometry.views import row_of_panels
+from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
+from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
 
 # The map's plane, depth zero, and its ends; so many texels; depth one is at the bottom.
 TOP, LEFT, RIGHT, TEXELS, BOTTOM = 0.72, -0.9, 0.9, 9, -0.92

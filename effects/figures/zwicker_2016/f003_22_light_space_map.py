@@ -1,6 +1,7 @@
 """F003-22: one shadow map of a long ground, basic and in light-space perspective."""
 
-from fixedpipe.effects.figures.figure import Check, Figure, Method
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     NEAR_SHADOW,
     WHOLE,

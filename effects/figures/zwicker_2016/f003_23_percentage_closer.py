@@ -3,18 +3,18 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
-from fixedpipe.effects.geometry.views import Panel, perspective_view, row_of_panels
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, perspective_view, row_of_panels
 from fixedpipe.effects.scenes.objects_and_lamps import (
     FLOOR_HALF_WIDTH,
-    LAMP_POSITIONS,
     Object,
     Scene,
     detail_of,
     floor,
     lamp_around,
-    still_life,
 )
+from fixedpipe.effects.scenes.still_life import LAMP_POSITIONS, still_life
 from fixedpipe.effects.shadows.lit_scene import AMBIENT, map_edge
 from fixedpipe.effects.shadows.shadow_maps import accumulated_passes, modulated_passes, store_map
 

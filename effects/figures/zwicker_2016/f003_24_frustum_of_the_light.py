@@ -3,13 +3,13 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement, ray_caster
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.diagrams import drawing
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
-from fixedpipe.effects.figures.zwicker_2016.f003_18_final_image import scene_of
+from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.matrices import transform
 from fixedpipe.effects.geometry.vectors import cross, normalize
-from fixedpipe.effects.geometry.views import Panel, perspective_view, row_of_panels
-from fixedpipe.effects.scenes.objects_and_lamps import still_life_view
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, perspective_view, row_of_panels
+from fixedpipe.effects.scenes.still_life import still_life_and_lamp, still_life_view
 from fixedpipe.effects.shadows.lit_scene import depth_pass, map_edge
 from fixedpipe.effects.shadows.shadow_maps import modulated_passes, show_depths, store_map
 
@@ -61,7 +61,7 @@ def frustum(panel, lamp):
 def make(profile, size, *, ratio, factor, units, shading="lit"):
     """The four side by side."""
     final, from_light, depths, outside = row_of_panels(4, size)
-    scene, light = scene_of(size)
+    scene, light = still_life_and_lamp(size)
     passes = {"profile": profile, "shading": shading, "filtered": True}
     out = [
         drawing.load_font(),
@@ -104,7 +104,7 @@ def _drawn_edges(picture, lamp):
 
 def checks(figure, renderer):
     """T on the frustum's corners, shadows in the image and none from the light, and the depths."""
-    scene, light = scene_of(_SIZE)
+    scene, light = still_life_and_lamp(_SIZE)
     errors = []
     for number, corner in enumerate(frustum_corners(light).tolist()):
         *strp, q = transform(light.texture_matrix, (*corner, 1.0))

@@ -2,13 +2,20 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.agreement import compare, cosines, lit_mask, silhouettes, truth_of
+from fixedpipe.effects.acceptance.agreement import cosines, silhouettes, truth_of
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.diagrams import drawing
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.shared.counted_volumes import (
+    count_checks,
+    expected_counts,
+    lamp_without_frustum,
+)
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import look_at, perspective, product, rotation
-from fixedpipe.effects.geometry.views import Panel, View, row_of_panels
-from fixedpipe.effects.scenes.objects_and_lamps import Lamp, Object, Scene, detail_of, floor, still_life
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, View, row_of_panels
+from fixedpipe.effects.scenes.objects_and_lamps import Object, Scene, detail_of, floor
+from fixedpipe.effects.scenes.still_life import still_life
 from fixedpipe.effects.shadows import shadow_volumes
 from fixedpipe.effects.shadows.lit_scene import lit_pass, unlit_pass
 
@@ -38,15 +45,10 @@ def camera(panel):
     return View(panel, look_at(eye, (0.42, 0.62, 0.15)), perspective(31.5, 1.0, 4.5, 20.0), eye, False)
 
 
-def lamp_of(light, infinite=False):
-    """The light: it has no frustum, a shadow volume needs none."""
-    return Lamp(light, (0.0, 0.0, 0.0), 0.1, 40.0, infinite=infinite)
-
-
 def scene(profile, size, *, light, volume_color, volume_alpha, background):
     """Silhouettes, volumes, shadows, from left to right."""
     left, middle, right = (camera(panel) for panel in row_of_panels(3, size))
-    objects, lamp = solids(detail_of(size)), lamp_of(light)
+    objects, lamp = solids(detail_of(size)), lamp_without_frustum(light)
     volumes = shadow_volumes.shadow_volumes(objects, lamp.homogeneous)
     loops = [
         volume.positions[loop][:, :3]
@@ -85,53 +87,6 @@ def scene(profile, size, *, light, volume_color, volume_alpha, background):
 def odd_vertices(volumes):
     """How many vertices have an odd number of silhouette edges."""
     return sum(int((np.bincount(volume.silhouette.ravel()) % 2).sum()) for volume in volumes)
-
-
-def counted(renderer, algorithm, view, objects, lamp, on, operations=None):
-    """The stencil's counts and the lit mask after an algorithm, bottom row first; the panel is the window."""
-    panel, profile = view.panel, renderer.profile
-    passes = algorithm(objects, view, lamp, profile, "mask", operations=operations)
-    commands = (panel.clear((0.0, 0.0, 0.0)), *passes)
-    if on == "machine":
-        buffers = renderer.execute(commands, profile, panel.width, panel.height).framebuffer
-        color = buffers.color[..., :3] / (2.0**buffers.color_bits - 1.0)
-    else:
-        buffers = renderer.execute_ideal(commands, panel.width, panel.height)
-        color = buffers.color[..., :3]
-    return buffers.stencil[::-1].astype(np.int64), lit_mask(color[::-1])
-
-
-def expected_counts(volumes, truth, start=0.0):
-    """Z21's counter at what each pixel shows, int64 [h, w], zero where nothing is."""
-    seen, eye = truth.shown.something, np.array(truth.view.eye)
-    points = truth.shown.points[seen]
-    out = np.zeros(seen.shape, np.int64)
-    # What is lit is on a front cap: outside, as the depth test LESS has it.
-    out[seen] = shadow_volumes.ray_counter(volumes, truth.view.eye, points + 1e-9 * (eye - points), start)
-    return out
-
-
-def count_checks(renderer, view, objects, lamp, least, reason, ons=("ideal", "machine")):
-    """Both algorithms' counts against rays, and their masks' differences that nothing explains."""
-    truth = truth_of(objects, view, lamp)
-    volumes = shadow_volumes.shadow_volumes(objects, lamp.homogeneous)
-    expected, out = expected_counts(volumes, truth), []
-    for name, algorithm in (("z-pass", shadow_volumes.z_pass), ("z-fail", shadow_volumes.z_fail)):
-        for on in ons:
-            counts, mask = counted(renderer, algorithm, view, objects, lamp, on)
-            equal = float((counts == expected)[truth.shown.something].mean())
-            out.append(Check(f"{name}: pixels whose count is the rays'", equal, ">=", least, on, reason))
-            out.append(
-                Check(
-                    f"{name}: pixels lit or not unlike the rays', not on an edge",
-                    compare(mask, truth).other,
-                    "<=",
-                    0.0,
-                    on,
-                    "shadow volumes are exact in the picture: only edges may differ, by a pixel",
-                )
-            )
-    return out
 
 
 def _sides_over(tinted, plain, color, alpha):
@@ -184,7 +139,7 @@ def checks(figure, renderer):
     light = figure.parameters["light"]
     out = []
     for name, objects in (("cube and torus", solids(40)), ("the still life", still_life(40))):
-        for lamp in (lamp_of(light), lamp_of(light, infinite=True)):
+        for lamp in (lamp_without_frustum(light), lamp_without_frustum(light, infinite=True)):
             volumes = shadow_volumes.shadow_volumes(objects, lamp.homogeneous)
             kind = "a light at infinity" if lamp.infinite else "a point light"
             out.append(
@@ -199,9 +154,9 @@ def checks(figure, renderer):
             )
     view = camera(Panel(0, 0, size, size))
     reason = "the catalogue's; vertices snapped to sixteenths of a pixel move edges"
-    out += count_checks(renderer, view, solids(40), lamp_of(light), 0.999, reason)
-    volumes = shadow_volumes.shadow_volumes(solids(40), lamp_of(light).homogeneous)
-    out += panel_checks(figure, renderer, truth_of(solids(40), view, lamp_of(light)), volumes)
+    out += count_checks(renderer, view, solids(40), lamp_without_frustum(light), 0.999, reason)
+    volumes = shadow_volumes.shadow_volumes(solids(40), lamp_without_frustum(light).homogeneous)
+    out += panel_checks(figure, renderer, truth_of(solids(40), view, lamp_without_frustum(light)), volumes)
     return tuple(out)
 
 

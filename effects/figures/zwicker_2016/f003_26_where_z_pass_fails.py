@@ -2,12 +2,14 @@
 
 from fixedpipe.effects.acceptance import ray_caster
 from fixedpipe.effects.acceptance.agreement import compare, lit_mask, truth_of
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
-from fixedpipe.effects.figures.zwicker_2016.f003_25_shadow_volumes import counted, lamp_of
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.shared.counted_volumes import counted, lamp_without_frustum
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import look_at, perspective
-from fixedpipe.effects.geometry.views import Panel, View, row_of_panels
-from fixedpipe.effects.scenes.objects_and_lamps import Object, Scene, detail_of, still_life
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, View, row_of_panels
+from fixedpipe.effects.scenes.objects_and_lamps import Object, Scene, detail_of
+from fixedpipe.effects.scenes.still_life import still_life
 from fixedpipe.effects.shadows import shadow_volumes
 
 OPERATIONS = {"clamped counts": shadow_volumes.CLAMPED, "wrapping counts": shadow_volumes.WRAPPING}
@@ -27,7 +29,7 @@ def setting(case, panel, detail, *, light, hidden, shares, boards, nears):
     view = View(panel, look_at(EYE, CENTER), perspective(FIELD_OF_VIEW, 1.0, nears[k], 24.0), EYE, False)
     place = (at + shares[k] * (to - at) for at, to in zip(light, hidden[k], strict=True))
     board = Object("board", surfaces.box(*boards[k]).moved(*place), (0.5, 0.5, 0.5))
-    return Scene((*still_life(detail).objects, board)), lamp_of(light), view
+    return Scene((*still_life(detail).objects, board)), lamp_without_frustum(light), view
 
 
 def make_scene(operations):

@@ -2,40 +2,25 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check, root_mean_square
 from fixedpipe.effects.bump_mapping import lighting_spaces, normalization_cube_map
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
-from fixedpipe.effects.figures.zwicker_2016.shared.bumps import (
-    load_normals,
-    map_normals,
-    panel_of,
-    slices,
-    texels,
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.shared.bumps import load_normals, slices, texels
+from fixedpipe.effects.figures.zwicker_2016.shared.bumpy_sphere import (
+    FOR_DOT_PRODUCTS,
+    FOR_OBJECT,
+    FOR_TANGENT,
+    bump_normals,
+    object_normals,
 )
-from fixedpipe.effects.geometry import height_fields, surfaces
-from fixedpipe.effects.geometry.views import Light, perspective_view, row_of_panels
-from fixedpipe.effects.reflectance.dot_product_lookups import encode_dot_product
+from fixedpipe.effects.geometry import surfaces
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, panel_of, perspective_view, row_of_panels
+from fixedpipe.effects.passes.encoding import encode_dot_product
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.textures.images import texture_2d
 
 EYE = (1.3, 1.1, 3.4)
-FOR_DOT_PRODUCTS, FOR_OBJECT, FOR_TANGENT = (
-    "normal map for dot products",
-    "normal map in object space",
-    "normal map in tangent space",
-)
-
-
-def bump_normals(edge, relief):
-    """Round bumps for a whole sphere, float64 [edge, 2 edge, 3]: normals in tangent space."""
-    heights = height_fields.smooth(height_fields.pebbles(edge, edge, 6, 12), 3)
-    return np.tile(map_normals(relief * heights), (1, 2, 1))
-
-
-def object_normals(normals):
-    """The sphere's map in object space."""
-    s, t = height_fields.texel_centers(normals.shape[1], normals.shape[0])
-    return lighting_spaces.object_space_normals(normals, surfaces.sphere_frames(s, t))
 
 
 def scene(profile, size, *, relief, light, diffuse, ambient, specular, background, maps):

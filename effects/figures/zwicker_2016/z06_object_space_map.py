@@ -2,18 +2,19 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check, root_mean_square
 from fixedpipe.effects.bump_mapping import lighting_spaces
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
-from fixedpipe.effects.figures.zwicker_2016.shared.bumps import load_normals, panel_of, slices, texels
-from fixedpipe.effects.figures.zwicker_2016.z05_three_lighting_spaces import (
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.shared.bumps import load_normals, slices, texels
+from fixedpipe.effects.figures.zwicker_2016.shared.bumpy_sphere import (
     FOR_OBJECT,
     bump_normals,
     object_normals,
 )
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
-from fixedpipe.effects.geometry.views import Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, panel_of, row_of_panels
 from fixedpipe.effects.reflectance import brdfs
 
 TURNS = (0.0, 55.0)

@@ -1,6 +1,7 @@
 """Z13: one shadow map with a half, twice and eight times as many texels along an edge as the picture."""
 
-from fixedpipe.effects.figures.figure import Check, Figure, Method
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     NEAR_SHADOW,
     WHOLE,

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from fixedpipe.effects.figures.figure import Check, Figure, Method
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     NEAR_SHADOW,
     TINTED,

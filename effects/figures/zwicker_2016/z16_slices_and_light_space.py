@@ -1,6 +1,7 @@
 """Z16: basic shadow maps, slices, light-space perspective, and the last two together."""
 
-from fixedpipe.effects.figures.figure import Check, Figure, Method
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     NEAR_SHADOW,
     WHOLE,

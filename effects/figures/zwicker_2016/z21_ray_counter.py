@@ -2,11 +2,12 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.drawing import BLUE, GREEN, INK, RED, YELLOW
 from fixedpipe.effects.diagrams.flatland import Shape, crossings, first_hit, is_visible, shadow_volume
-from fixedpipe.effects.figures.figure import BACKGROUND, DIAGRAM_MACHINES, Check, Figure, Method
-from fixedpipe.effects.geometry.views import row_of_panels
+from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
+from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
 
 LIGHT, EYE = (-0.35, 0.88), (-0.90, 0.20)
 OBJECTS = (

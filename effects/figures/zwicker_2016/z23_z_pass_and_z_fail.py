@@ -5,17 +5,12 @@ from dataclasses import replace
 import numpy as np
 
 from fixedpipe.effects.acceptance.agreement import lit_mask, truth_of
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
-from fixedpipe.effects.figures.zwicker_2016.f003_25_shadow_volumes import count_checks, expected_counts
-from fixedpipe.effects.geometry.views import Panel, row_of_panels
-from fixedpipe.effects.scenes.objects_and_lamps import (
-    Lamp,
-    Scene,
-    detail_of,
-    lamp_around,
-    still_life,
-    still_life_view,
-)
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.shared.counted_volumes import count_checks, expected_counts
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
+from fixedpipe.effects.scenes.objects_and_lamps import Lamp, Scene, detail_of, lamp_around
+from fixedpipe.effects.scenes.still_life import still_life, still_life_view
 from fixedpipe.effects.shadows import shadow_volumes
 from fixedpipe.effects.shadows.lit_scene import lit_pass, unlit_pass
 

@@ -5,15 +5,16 @@ from itertools import pairwise
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check
 from fixedpipe.effects.bump_mapping import diffuse_bump, tangent_space
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.drawing import INK, RED, VIOLET, YELLOW
-from fixedpipe.effects.figures.figure import BACKGROUND, Check, Figure, Method
-from fixedpipe.effects.figures.zwicker_2016.shared.bumps import load_normals, panel_of, texels
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.shared.bumps import load_normals, texels
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import dot
-from fixedpipe.effects.geometry.views import Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, panel_of, row_of_panels
 
 NORMALS = "normal map of studs"
 # Rows of the mesh from the lowest up: what is wrong with each one's right half.

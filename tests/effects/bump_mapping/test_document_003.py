@@ -14,8 +14,7 @@ from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import Light, orthographic_view, perspective_view, row_of_panels
-from fixedpipe.effects.passes.encoding import encode_expand
-from fixedpipe.effects.reflectance.dot_product_lookups import encode_dot_product
+from fixedpipe.effects.passes.encoding import encode_dot_product, encode_expand
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.profiles import G400, GEFORCE_3, GEFORCE_256, IDEAL, OCTANE

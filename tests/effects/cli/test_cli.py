@@ -15,11 +15,12 @@ from PIL import Image
 
 import fixedpipe.effects.figures
 from fixedpipe.effects.cli import _COMMANDS, main
-from fixedpipe.effects.cli.refusal import Refusal
 from fixedpipe.effects.figures import FIGURES, Check, Method
 from fixedpipe.effects.figures.costs import SECONDS
+from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports import files
 from fixedpipe.effects.reports.gallery import gallery
+from fixedpipe.effects.user_pictures import inputs
 from fixedpipe.effects.user_pictures.bumped_mesh import MATERIALS, MESHES
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.golden.digests import digest
@@ -561,10 +562,10 @@ def test_heights_of_any_magnitude_are_scaled_alike(photo, tmp_path):
     assert made[0] == made[1] == made[2]
 
 
-@pytest.mark.parametrize("sample", files.SAMPLES)
+@pytest.mark.parametrize("sample", inputs.SAMPLES)
 def test_every_sample_is_read_from_an_installed_package(sample):
-    pytest.importorskip(files.SAMPLES[sample][0])
-    picture = files.read_picture(f"sample:{sample}")
+    pytest.importorskip(inputs.SAMPLES[sample][0])
+    picture = inputs.read_picture(f"sample:{sample}")
     assert min(picture.shape[:2]) >= 256 and picture.ndim == 2
 
 
@@ -589,7 +590,7 @@ def test_an_obj_file_is_a_mesh(photo, tmp_path):
 
 def test_the_help_of_bump_names_every_mesh_material_and_sample():
     text = " ".join(run("bump", "--help").stdout.split())
-    for name in (*MESHES, *MATERIALS, *(f"sample:{sample}" for sample in files.SAMPLES)):
+    for name in (*MESHES, *MATERIALS, *(f"sample:{sample}" for sample in inputs.SAMPLES)):
         assert name in text
 
 

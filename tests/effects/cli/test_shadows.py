@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from fixedpipe.effects.cli.refusal import Refusal
-from fixedpipe.effects.geometry import surfaces
+from fixedpipe.effects.geometry import surfaces, triangle_meshes
 from fixedpipe.effects.geometry.vectors import dot
+from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports import files
-from fixedpipe.effects.user_pictures import mesh_shadows
+from fixedpipe.effects.user_pictures import inputs, mesh_shadows
 from tests.effects.cli.test_cli import refusal_of, run
 
 trimesh = pytest.importorskip("trimesh")
@@ -199,7 +199,7 @@ def test_without_trimesh_a_ply_file_is_refused_with_what_to_install(tmp_path, mo
 
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(Refusal, match=r"fixedpipe\[meshes\]"):
-        files.read_mesh(str(mesh))
+        inputs.read_mesh(str(mesh))
 
 
 @pytest.mark.parametrize("up", mesh_shadows.AXES)
@@ -240,9 +240,9 @@ def test_both_sides_of_a_sheet_are_lit(tmp_path):
 
 
 def test_sharp_edges_stay_sharp_and_smooth_ones_smooth():
-    box = mesh_shadows.with_creases(
-        mesh_shadows.triangle_mesh(surfaces.box().positions, surfaces.box().triangles, "box")
+    box = triangle_meshes.with_creases(
+        triangle_meshes.triangle_mesh(surfaces.box().positions, surfaces.box().triangles, "box")
     )
     assert {tuple(np.abs(n).round(12)) for n in box.normals.tolist()} == {(1, 0, 0), (0, 1, 0), (0, 0, 1)}
-    ball = mesh_shadows.with_creases(surfaces.sphere(24, 12))
+    ball = triangle_meshes.with_creases(surfaces.sphere(24, 12))
     assert (dot(ball.normals, ball.positions) > 0.99).all()

@@ -10,6 +10,7 @@ from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.matrices import product, rotation
 from fixedpipe.effects.geometry.vectors import normalize
 from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view, perspective_view
+from fixedpipe.effects.passes import encoding
 from fixedpipe.effects.reflectance import (
     anisotropic_blinn_phong,
     brdfs,
@@ -118,7 +119,7 @@ def test_vectors_for_dot_products_are_stored_as_these_read_them():
     """(n - 128)/127: every multiple of 1/127 is a code, and no other scale has all of them."""
     codes = np.arange(-127, 128)
     vectors = np.repeat((codes / 127.0)[None, :, None], 3, axis=-1)
-    stored = dot_product_lookups.encode_dot_product(vectors, 1.0, NV2A)
+    stored = encoding.encode_dot_product(vectors, 1.0, NV2A)
     np.testing.assert_array_equal(stored[0, :, :3], np.repeat(128 + codes[:, None], 3, axis=-1))
 
 

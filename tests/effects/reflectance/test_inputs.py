@@ -18,6 +18,7 @@ from fixedpipe.effects.reflectance import (
     lookup_framework,
     material_textures,
     phong_schlick_lafortune,
+    phong_schlick_lafortune_copies,
     pixel_textures,
     plain_multitexturing,
 )
@@ -62,13 +63,13 @@ EFFECTS = {
     "pixel textures, Ward": of_material(pixel_textures.ward, OCTANE),
     "pixel textures, diffuse": of_material(pixel_textures.diffuse, OCTANE, **GREY),
     "Phong": of_names(load_others, phong_schlick_lafortune.phong_passes, GEFORCE_3, **BLACK),
-    "Phong by copies": of_material(phong_schlick_lafortune.phong_copies, OCTANE, **BLACK),
+    "Phong by copies": of_material(phong_schlick_lafortune_copies.phong_copies, OCTANE, **BLACK),
     "Schlick": of_names(load_others, phong_schlick_lafortune.schlick_passes, GEFORCE_3, **SCHLICK),
-    "Schlick by copies": of_material(phong_schlick_lafortune.schlick_copies, OCTANE, **SCHLICK),
+    "Schlick by copies": of_material(phong_schlick_lafortune_copies.schlick_copies, OCTANE, **SCHLICK),
     "Lafortune": of_names(
         load_others, phong_schlick_lafortune.lafortune_passes, GEFORCE_3, exponent=8.0, **BLACK
     ),
-    "Lafortune by copies": of_material(phong_schlick_lafortune.lafortune_copies, OCTANE, **LOBE),
+    "Lafortune by copies": of_material(phong_schlick_lafortune_copies.lafortune_copies, OCTANE, **LOBE),
     "dot products, Banks": of_names(
         dot_product_lookups.load_banks, dot_product_lookups.banks_pass, GEFORCE_3
     ),

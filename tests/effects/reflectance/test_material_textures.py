@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from fixedpipe.effects.bump_mapping import diffuse_bump
-from fixedpipe.effects.figures.kautz_seidel_2000.f004_06_marble import MARBLE
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, material_textures
+from fixedpipe.effects.scenes.marble import MARBLE
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL

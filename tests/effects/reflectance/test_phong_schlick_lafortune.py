@@ -10,7 +10,7 @@ from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import Light, orthographic_view, perspective_view, row_of_panels
-from fixedpipe.effects.reflectance import brdfs, phong_schlick_lafortune
+from fixedpipe.effects.reflectance import brdfs, phong_schlick_lafortune, phong_schlick_lafortune_copies
 from fixedpipe.effects.reflectance.brdfs import BRDFS, Frame
 from fixedpipe.effects.reflectance.dependent_lookups import load_screen
 from fixedpipe.effects.reflectance.sampled_functions import stored_exponent
@@ -88,7 +88,7 @@ def test_phong_s_table_is_for_one_angle_between_light_and_viewer():
 def test_copies_are_for_a_flat_surface():
     given = surfaces.sphere(8, 6), material(), VIEW, LIGHT, OCTANE
     with pytest.raises(ValueError, match="The light vector changes by"):
-        phong_schlick_lafortune.phong_copies(*given, **BLACK)
+        phong_schlick_lafortune_copies.phong_copies(*given, **BLACK)
 
 
 def passes(name, surface, m, profile, view=VIEW, light=LIGHT):
@@ -104,7 +104,7 @@ def test_the_last_copy_of_schlick_multiplies_by_fresnel_s_factor(reflectance):
     """Seen and lit from opposite sides, where the factor is not the reflectance alone."""
     tilted = surfaces.plane().rotated(rotation("y", 60.0))
     given = tilted, material(), VIEW, Light((1.0, 0.0, -0.45)), OCTANE
-    commands = phong_schlick_lafortune.schlick_copies(
+    commands = phong_schlick_lafortune_copies.schlick_copies(
         *given, **{**SCHLICK, "reflectance": reflectance}, **BLACK
     )
     (last,) = [c for c in commands if c.label == "times four, times S(h.v)"]
@@ -122,7 +122,9 @@ def test_a_light_behind_the_surface_makes_no_highlight(name):
     commands = passes(name, surfaces.plane(), m, GEFORCE_3, light=behind)
     assert not execute(commands, GEFORCE_3, 32, 32).framebuffer.color[..., :3].any()
     if name == "phong":
-        copies = phong_schlick_lafortune.phong_copies(surfaces.plane(), m, VIEW, behind, OCTANE, **BLACK)
+        copies = phong_schlick_lafortune_copies.phong_copies(
+            surfaces.plane(), m, VIEW, behind, OCTANE, **BLACK
+        )
         assert not execute(copies, OCTANE, 32, 32).framebuffer.color[..., :3].any()
 
 

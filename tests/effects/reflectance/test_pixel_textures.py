@@ -9,6 +9,7 @@ from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.vectors import cross, dot, normalize
 from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view, perspective_view
+from fixedpipe.effects.passes import pixel_texture_copies
 from fixedpipe.effects.passes.draws import NEAREST
 from fixedpipe.effects.reflectance import brdfs, pixel_textures
 from fixedpipe.effects.reflectance.material_textures import Material
@@ -183,14 +184,14 @@ def test_a_large_factor_of_ward_s_model_is_taken_back():
 def test_copies_by_way_of_the_host_s_memory_draw_the_same_bits(name):
     m = material()
     commands = drawn(name, m, OCTANE)
-    by_host = pixel_textures.through_host(commands)
+    by_host = pixel_texture_copies.through_host(commands)
     assert not any(isinstance(c, CopyPixels) for c in by_host)
     assert (on_octane(by_host) == on_octane(commands)).all()
     wide = drawn(name, m, OCTANE, bits=12)
-    floats = pixel_textures.through_host(wide, type="FLOAT")
+    floats = pixel_texture_copies.through_host(wide, type="FLOAT")
     assert (on_octane(floats, 12) == on_octane(wide, 12)).all()
     ideal = drawn(name, m, IDEAL)
-    pictures = [execute_ideal(c, SIZE, SIZE).color for c in (ideal, pixel_textures.through_host(ideal))]
+    pictures = [execute_ideal(c, SIZE, SIZE).color for c in (ideal, pixel_texture_copies.through_host(ideal))]
     assert (pictures[0] == pictures[1]).all()
 
 
@@ -261,7 +262,9 @@ def test_the_diffuse_pass_adds_a_colour_s_part_and_an_ambient_one():
     )  # some face away
     surface, view, light = surfaces.plane(), orthographic_view(PANEL), Light(tuple(LIGHT))
     expected = np.maximum(dot(m.normals, LIGHT), 0.0)[..., None] * color + ambient
-    depth = pixel_textures.polygon("depth alone", surface, view, first=True, mask=pixel_textures.ALPHA)
+    depth = pixel_texture_copies.polygon(
+        "depth alone", surface, view, first=True, mask=pixel_texture_copies.ALPHA
+    )
     for profile in (OCTANE, IDEAL):
         scene = surface, m, view, light, profile
         added = pixel_textures.diffuse(*scene, color=color, ambient=ambient, sampler=NEAREST)

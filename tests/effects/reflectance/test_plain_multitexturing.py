@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fixedpipe.effects.acceptance import rings
 from fixedpipe.effects.acceptance.measures import pixel_grid
 from fixedpipe.effects.figures import FIGURES
-from fixedpipe.effects.figures.kautz_seidel_2000 import f004_02_rings, k22_plain_multitexturing
+from fixedpipe.effects.figures.kautz_seidel_2000 import k22_plain_multitexturing
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import cross, dot, normalize
 from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view
@@ -151,15 +152,13 @@ def test_products_may_be_interpolated_first_where_vectors_make_rings(map_size, v
 
     def products(row, column):
         t, b = material.scaled_tangents[row, column], material.scaled_binormals[row, column]
-        return dot(t, f004_02_rings.RING_HALF) ** 2 + dot(b, f004_02_rings.RING_HALF) ** 2
+        return dot(t, rings.RING_HALF) ** 2 + dot(b, rings.RING_HALF) ** 2
 
     by_products = np.maximum(
         0.0, 1.0 - evaluate_then_interpolate.at_texels(products, map_size, map_size, s, t)
     )
-    by_vectors = evaluate_then_interpolate.interpolate_then_evaluate(material, f004_02_rings.RING_HALF, s, t)
-    energy = [
-        f004_02_rings.ring_energy(image, map_size, 0.25, 0.25)[0] for image in (by_products, by_vectors)
-    ]
+    by_vectors = evaluate_then_interpolate.interpolate_then_evaluate(material, rings.RING_HALF, s, t)
+    energy = [rings.ring_energy(image, map_size, 0.25, 0.25)[0] for image in (by_products, by_vectors)]
     assert energy[0] < 3e-4
     assert energy[1] == pytest.approx(vectors, rel=0.02)
 

@@ -8,16 +8,10 @@ import pytest
 
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.views import Panel
-from fixedpipe.effects.passes.draws import ADD, MARK, MODULATE, NEAREST, OPAQUE, REPLACE, SUBTRACT, unit
-from fixedpipe.effects.scenes.objects_and_lamps import (
-    LAMP_POSITIONS,
-    Lamp,
-    Object,
-    Scene,
-    lamp_around,
-    still_life,
-    still_life_view,
-)
+from fixedpipe.effects.passes.combiners import OPAQUE
+from fixedpipe.effects.passes.draws import ADD, MARK, MODULATE, NEAREST, REPLACE, SUBTRACT, unit
+from fixedpipe.effects.scenes.objects_and_lamps import Lamp, Object, Scene, lamp_around
+from fixedpipe.effects.scenes.still_life import LAMP_POSITIONS, still_life, still_life_view
 from fixedpipe.effects.shadows import alpha_coded_shadows as alpha
 from fixedpipe.effects.shadows.lit_scene import map_edge
 from fixedpipe.pipeline.commands import Clear, CopyTexImage, Draw, TexImage

@@ -10,7 +10,7 @@ from fixedpipe.effects.acceptance import agreement, ray_caster
 from fixedpipe.effects.figures import FIGURES
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.views import Panel
-from fixedpipe.effects.scenes import objects_and_lamps
+from fixedpipe.effects.scenes import objects_and_lamps, still_life
 from fixedpipe.effects.shadows import (
     area_lights,
     frustum_slices,
@@ -24,9 +24,9 @@ from fixedpipe.pipeline.profiles import GEFORCE_3, INFINITE_REALITY, OCTANE, PRO
 from fixedpipe.pipeline.validation.validate import validate
 
 NAN, INF = math.nan, math.inf
-SCENE, EMPTY = objects_and_lamps.still_life(12), objects_and_lamps.Scene(())
-VIEW = objects_and_lamps.still_life_view(Panel(0, 0, 16, 16))
-LAMP = objects_and_lamps.lamp_around(SCENE, objects_and_lamps.LAMP_POSITIONS[0])
+SCENE, EMPTY = still_life.still_life(12), objects_and_lamps.Scene(())
+VIEW = still_life.still_life_view(Panel(0, 0, 16, 16))
+LAMP = objects_and_lamps.lamp_around(SCENE, still_life.LAMP_POSITIONS[0])
 FLOOR = objects_and_lamps.Scene(SCENE.objects[:1])
 SUN = (1.0, 1.0, 0.0)
 
@@ -128,7 +128,7 @@ def test_what_cannot_be_drawn_is_refused_in_a_sentence(case):
 def test_tiny_and_huge_worlds_have_the_same_shadows(scale):
     """Rays, and the cameras of a lamp: nothing has a length of its own."""
     world = objects_and_lamps.Scene(tuple(replace(o, surface=o.surface.scaled(scale)) for o in SCENE.objects))
-    position = tuple(scale * v for v in objects_and_lamps.LAMP_POSITIONS[0])
+    position = tuple(scale * v for v in still_life.LAMP_POSITIONS[0])
     fitted = objects_and_lamps.lamp_around(world, position)
     assert fitted.near == pytest.approx(scale * LAMP.near)
     assert fitted.field_of_view == pytest.approx(LAMP.field_of_view, abs=0.011)

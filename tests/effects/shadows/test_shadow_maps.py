@@ -8,15 +8,8 @@ import pytest
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation, transform
 from fixedpipe.effects.geometry.views import Panel
-from fixedpipe.effects.scenes.objects_and_lamps import (
-    LAMP_POSITIONS,
-    Lamp,
-    Object,
-    Scene,
-    lamp_around,
-    still_life,
-    still_life_view,
-)
+from fixedpipe.effects.scenes.objects_and_lamps import Lamp, Object, Scene, lamp_around
+from fixedpipe.effects.scenes.still_life import LAMP_POSITIONS, still_life, still_life_view
 from fixedpipe.effects.shadows import shadow_maps
 from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.enums import BaseFormat, ComparisonFunction, TextureFilter, WrapMode

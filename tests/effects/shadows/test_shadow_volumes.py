@@ -18,13 +18,8 @@ from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.vectors import cross, dot
 from fixedpipe.effects.geometry.views import Panel, orthographic_view, perspective_view
 from fixedpipe.effects.scenes import objects_and_lamps
-from fixedpipe.effects.scenes.objects_and_lamps import (
-    LAMP_POSITIONS,
-    Lamp,
-    lamp_around,
-    still_life,
-    still_life_view,
-)
+from fixedpipe.effects.scenes.objects_and_lamps import Lamp, lamp_around
+from fixedpipe.effects.scenes.still_life import LAMP_POSITIONS, still_life, still_life_view
 from fixedpipe.effects.shadows import shadow_volumes
 from fixedpipe.pipeline.commands import Clear, Draw, ReadPixels
 from fixedpipe.pipeline.enums import StencilOperation

@@ -8,10 +8,11 @@ from functools import lru_cache
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement, ray_caster
-from fixedpipe.effects.figures.figure import Check
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import Panel
-from fixedpipe.effects.scenes.objects_and_lamps import Lamp, detail_of, still_life, still_life_view
+from fixedpipe.effects.scenes.objects_and_lamps import Lamp, detail_of
+from fixedpipe.effects.scenes.still_life import still_life, still_life_view
 from fixedpipe.effects.shadows import alpha_coded_shadows as alpha
 from fixedpipe.effects.shadows.lit_scene import lit_pass, map_edge, unlit_pass
 

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
-from fixedpipe.effects.figures.figure import Check
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.geometry.views import Panel, row_of_panels
 from fixedpipe.effects.scenes import avenue

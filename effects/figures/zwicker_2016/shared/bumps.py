@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.bump_mapping import normal_maps
-from fixedpipe.effects.diagrams import drawing
-from fixedpipe.effects.figures.figure import Check
 from fixedpipe.effects.geometry.vectors import dot, normalize
-from fixedpipe.effects.passes.draws import NO_ALPHA, NO_RGB, ONE, OPAQUE, ZERO
+from fixedpipe.effects.geometry.views import panel_of
+from fixedpipe.effects.passes.combiners import NO_ALPHA, NO_RGB, ONE, OPAQUE, ZERO
 from fixedpipe.effects.passes.encoding import encode_factor, encode_rgba
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.enums import InternalFormat, Register
@@ -68,12 +68,6 @@ def angles(a, b):
     return np.degrees(np.arccos(np.clip(dot(a, b), -1.0, 1.0)))
 
 
-def panel_of(image, number):
-    """Panel ``number`` of a row of square ones: [size, size, ...]."""
-    size = image.shape[0]
-    return image[:, number * size : (number + 1) * size]
-
-
 def silhouette_check(figure, renderer, size, without, with_bumps):
     """That an object covers the same pixels of the first panel with and without bumps.
 
@@ -91,28 +85,3 @@ def silhouette_check(figure, renderer, size, without, with_bumps):
         Check("largest difference between the two", float(np.abs(images[0] - images[1]).max()), ">=", 0.1,
               "machine", "one of them has bumps"),
     )  # fmt: skip
-
-
-def drawn_check(figure, renderer, places):
-    """That a diagram's marks are where the geometry has them.
-
-    ``places``: (panel's number, its view at half the figure's size, point, colour).
-    The largest distance of a pixel there from its colour.
-    """
-    size, out = figure.size // 2, []
-    for on in ("ideal", "machine"):
-        image, apart = getattr(renderer, on)(figure, size), 0.0
-        for number, view, point, color in places:
-            x, y = (int(c) for c in np.floor(drawing.project(view, point)[:2]))
-            apart = max(apart, float(np.abs(panel_of(image, number)[y, x] - np.array(color)).max()))
-        out.append(
-            Check(
-                f"colours of {len(places)} marks at the computed places, largest difference",
-                apart,
-                "<=",
-                0.5 / 255.0 + 1e-9 if on == "ideal" else 1.0 / 255.0,
-                on,
-                "a mark covers the pixel's middle",
-            )
-        )
-    return tuple(out)

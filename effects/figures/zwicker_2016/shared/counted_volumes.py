@@ -1,0 +1,62 @@
+"""What the stencil buffer counts by z-pass and z-fail, and what rays count: F003-25, F003-26 and Z23 compare
+them.
+"""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.agreement import compare, lit_mask, truth_of
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.scenes.objects_and_lamps import Lamp
+from fixedpipe.effects.shadows import shadow_volumes
+
+
+def lamp_without_frustum(light, infinite=False):
+    """The light: it has no frustum, a shadow volume needs none."""
+    return Lamp(light, (0.0, 0.0, 0.0), 0.1, 40.0, infinite=infinite)
+
+
+def counted(renderer, algorithm, view, objects, lamp, on, operations=None):
+    """The stencil's counts and the lit mask after an algorithm, bottom row first; the panel is the window."""
+    panel, profile = view.panel, renderer.profile
+    passes = algorithm(objects, view, lamp, profile, "mask", operations=operations)
+    commands = (panel.clear((0.0, 0.0, 0.0)), *passes)
+    if on == "machine":
+        buffers = renderer.execute(commands, profile, panel.width, panel.height).framebuffer
+        color = buffers.color[..., :3] / (2.0**buffers.color_bits - 1.0)
+    else:
+        buffers = renderer.execute_ideal(commands, panel.width, panel.height)
+        color = buffers.color[..., :3]
+    return buffers.stencil[::-1].astype(np.int64), lit_mask(color[::-1])
+
+
+def expected_counts(volumes, truth, start=0.0):
+    """Z21's counter at what each pixel shows, int64 [h, w], zero where nothing is."""
+    seen, eye = truth.shown.something, np.array(truth.view.eye)
+    points = truth.shown.points[seen]
+    out = np.zeros(seen.shape, np.int64)
+    # What is lit is on a front cap: outside, as the depth test LESS has it.
+    out[seen] = shadow_volumes.ray_counter(volumes, truth.view.eye, points + 1e-9 * (eye - points), start)
+    return out
+
+
+def count_checks(renderer, view, objects, lamp, least, reason, ons=("ideal", "machine")):
+    """Both algorithms' counts against rays, and their masks' differences that nothing explains."""
+    truth = truth_of(objects, view, lamp)
+    volumes = shadow_volumes.shadow_volumes(objects, lamp.homogeneous)
+    expected, out = expected_counts(volumes, truth), []
+    for name, algorithm in (("z-pass", shadow_volumes.z_pass), ("z-fail", shadow_volumes.z_fail)):
+        for on in ons:
+            counts, mask = counted(renderer, algorithm, view, objects, lamp, on)
+            equal = float((counts == expected)[truth.shown.something].mean())
+            out.append(Check(f"{name}: pixels whose count is the rays'", equal, ">=", least, on, reason))
+            out.append(
+                Check(
+                    f"{name}: pixels lit or not unlike the rays', not on an edge",
+                    compare(mask, truth).other,
+                    "<=",
+                    0.0,
+                    on,
+                    "shadow volumes are exact in the picture: only edges may differ, by a pixel",
+                )
+            )
+    return out

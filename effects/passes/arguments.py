@@ -1,0 +1,32 @@
+"""Arguments of techniques, checked: a colour, one of several names, a positive number. What does not fit is
+refused with a ValueError that names it.
+"""
+
+import math
+
+import numpy as np
+
+
+def checked_rgb(color, what="The colour"):
+    """RGB in [0, 1] as three floats: what a machine's colours, constants and tables hold.
+
+    Raises ValueError, naming ``what``, for anything else.
+    """
+    out = np.asarray(color)
+    if out.shape != (3,) or out.dtype.kind not in "iuf" or not ((out >= 0.0) & (out <= 1.0)).all():
+        raise ValueError(f"{what} is {color!r}; give red, green and blue from 0 to 1.")
+    return tuple(out.astype(np.float64).tolist())
+
+
+def one_of(choices, given, what):
+    """What was given. Raises ValueError, naming ``what``, where it is none of the choices."""
+    if given not in choices:
+        raise ValueError(f"{what} is {given!r}; give one of {', '.join(map(repr, choices))}.")
+    return given
+
+
+def positive(number, what):
+    """A number as a float. Raises ValueError, naming ``what``, where it is not finite and above zero."""
+    if not 0.0 < number < math.inf:
+        raise ValueError(f"{what} is {number!r}; give a positive number.")
+    return float(number)

@@ -1,0 +1,42 @@
+"""A ring, a sphere and a thin board on the floor: the board's shadow begins at its foot, and shows a gap
+where a shadow map's bias is too large.
+"""
+
+from fixedpipe.effects.geometry import surfaces
+from fixedpipe.effects.geometry.matrices import rotation
+from fixedpipe.effects.geometry.views import perspective_view
+from fixedpipe.effects.scenes.objects_and_lamps import (
+    FLOOR_HALF_WIDTH,
+    Object,
+    Scene,
+    detail_of,
+    floor,
+    lamp_around,
+)
+from fixedpipe.effects.scenes.still_life import still_life
+
+LAMP_POSITION = (-6.2, 7.0, 3.2)
+
+# The board: turned about y, so thin that its shadow begins at its foot on either side.
+BOARD_TURN, BOARD_PLACE, BOARD_WIDTH, BOARD_HEIGHT, BOARD_THICKNESS = 62.0, (-0.2, -0.55), 1.9, 1.15, 0.03
+
+
+def ring_and_board(size):
+    """A ring and a thin board on the floor, and a lamp."""
+    objects = {thing.name: thing for thing in still_life(detail_of(size)).objects}
+    x, z = BOARD_PLACE
+    board = surfaces.box(BOARD_WIDTH, BOARD_HEIGHT, BOARD_THICKNESS).rotated(rotation("y", BOARD_TURN))
+    scene = Scene(
+        (
+            Object("floor", floor(FLOOR_HALF_WIDTH, 12), objects["floor"].color, closed=False),
+            objects["ring"],
+            Object("board", board.moved(x, 0.5 * BOARD_HEIGHT, z), (0.34, 0.52, 0.34), 0.1),
+            Object("sphere", objects["sphere"].surface, objects["sphere"].color, 0.7),
+        )
+    )
+    return scene, lamp_around(scene, LAMP_POSITION)
+
+
+def board_view(panel):
+    """The feet of what stands there, and their shadows."""
+    return perspective_view(panel, (0.8, 3.9, 6.6), (-0.03, 0.3, 0.1), field_of_view=37.0, radius=4.5)

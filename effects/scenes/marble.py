@@ -1,0 +1,16 @@
+"""The marble of F004-6 and F004-7."""
+
+# What the marble is made of: the keywords of ``material_textures.marble`` besides its size. F004-7 shows the
+# textures of the same.
+MARBLE = {
+    "cells": 2,
+    "width": 8.0,
+    "relief": 1.5,
+    "alpha_x": 0.4,
+    "alpha_y": (0.4, 1.0),
+    "k_s": 1.0,
+    "light_color": (0.93, 0.88, 0.80),
+    "dark_color": (0.10, 0.15, 0.14),
+}
+
+MAP_SIZE = 256
