@@ -10,7 +10,6 @@ from PIL import Image
 from fixedpipe.effects.geometry import surfaces, triangle_meshes
 from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.refusal import Refusal
-from fixedpipe.effects.reports import files
 from fixedpipe.effects.user_pictures import inputs, mesh_shadows
 from tests.effects.cli.test_cli import refusal_of, run
 
@@ -181,10 +180,10 @@ def test_what_is_no_mesh_is_refused(ring, tmp_path, monkeypatch):
         assert words in refusal_of(*shadows(tmp_path / name, tmp_path / "out.png"))
     assert "out.png" in refusal_of(*shadows(ring, tmp_path / "new" / "out.jpg"))
     assert not (tmp_path / "new").exists()
-    monkeypatch.setattr(files, "_LARGEST_MESH", 100)
+    monkeypatch.setattr(inputs, "_LARGEST_MESH", 100)
     assert "Make it coarser" in refusal_of(*shadows(ring, tmp_path / "out.png"))
-    monkeypatch.setattr(files, "_LARGEST_MESH", 1 << 20)
-    monkeypatch.setattr(files, "_MOST_TRIANGLES", 10)
+    monkeypatch.setattr(inputs, "_LARGEST_MESH", 1 << 20)
+    monkeypatch.setattr(inputs, "_MOST_TRIANGLES", 10)
     assert "up to 10 are drawn" in refusal_of(*shadows(ring, tmp_path / "out.png"))
 
 
