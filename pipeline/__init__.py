@@ -1,1 +1,164 @@
-"""What a pass is (frozen state), what a machine is (a profile), and running one on the other."""
+'''What a pass is (frozen state), what a machine is (a profile), and running one on the other.
+
+What a user needs has its name here; the enumerations, OpenGL's tokens, are in ``fixedpipe.pipeline.enums``,
+and what few passes need of a state in ``fixedpipe.pipeline.state``. A name's module is imported when the name
+is first asked for, so states can be made without loading a kernel.
+
+A frame is a tuple of commands. ``execute`` runs it on a new machine, ``execute_ideal`` on none, in real
+numbers:
+
+>>> from fixedpipe.pipeline import GEFORCE_256, Clear, Draw, Mesh, PassState, execute, execute_ideal
+>>> triangle = Mesh([[-1, -1], [3, -1], [-1, 3]], colors=[[0.3, 0.6, 0.9]] * 3)
+>>> black = Clear(label="black", color=(0, 0, 0, 0))
+>>> frame = (black, Draw(label="one colour", mesh=triangle, state=PassState()))
+>>> execute(frame, GEFORCE_256, 4, 4).image()[0, 0].tolist()
+[76, 153, 229, 255]
+>>> execute_ideal(frame, 4, 4).color[0, 0].round(3).tolist()
+[0.3, 0.6, 0.9, 1.0]
+
+A state is whole, and its defaults are OpenGL's initial values. Here a second pass adds to the first:
+
+>>> from fixedpipe.pipeline import Blending
+>>> from fixedpipe.pipeline.enums import BlendFactor
+>>> added = PassState(blending=Blending(source=BlendFactor.ONE, destination=BlendFactor.ONE))
+>>> twice = (*frame, Draw(label="once more", mesh=triangle, state=added))
+>>> execute(twice, GEFORCE_256, 4, 4).image()[0, 0].tolist()
+[152, 255, 255, 255]
+
+A texture is made of an array and stored by a command; a unit names the one that it reads:
+
+>>> import numpy as np
+>>> from fixedpipe.pipeline import Sampler, TexImage, TextureUnit, texture_2d
+>>> from fixedpipe.pipeline.enums import TextureFilter
+>>> grey = texture_2d(np.full((2, 2, 4), 128, np.uint8))
+>>> nearest = Sampler(min_filter=TextureFilter.NEAREST, mag_filter=TextureFilter.NEAREST)
+>>> textured = PassState(texture_units=(TextureUnit("grey", nearest),))
+>>> corners = [[-1, -1], [3, -1], [-1, 3]]
+>>> mapped = Mesh(corners, colors=triangle.colors, texture_coordinates=([[0, 0], [1, 0], [0, 1]],))
+>>> modulated = (
+...     TexImage(label="grey texels", texture="grey", image=grey),
+...     Draw(label="colour times texel", mesh=mapped, state=textured),
+... )
+>>> execute(modulated, GEFORCE_256, 4, 4).image()[0, 0].tolist()
+[38, 77, 115, 128]
+
+Register combiners, texture shaders and pixel shaders can be written in the notations of the time:
+
+>>> from fixedpipe.pipeline import parse_program
+>>> program = parse_program("""!!RC1.0
+... {
+...   rgb {
+...     spare0 = col0 * col0;
+...   }
+... }
+... out.rgb = spare0;
+... out.a = col0.a;
+... """)
+>>> squared = PassState(register_combiners=program.combiners)
+>>> execute((Draw(label="squared", mesh=triangle, state=squared),), GEFORCE_256, 4, 4).image()[0, 0].tolist()
+[23, 92, 206, 255]
+
+A ``Machine`` keeps its framebuffers and textures from one frame to the next; reading back is a command:
+
+>>> from fixedpipe.pipeline import Machine, ReadPixels
+>>> machine = Machine(GEFORCE_256, 4, 4)
+>>> _ = machine.run(frame)
+>>> machine.run((ReadPixels(label="the corner", name="corner", width=1, height=1),)).pixels["corner"].tolist()
+[[[76, 153, 229, 255]]]
+
+What a machine cannot hold is refused before anything is drawn; ``validate`` asks without drawing:
+
+>>> from fixedpipe.pipeline import OPENGL_1_2, UnsupportedState, describe, validate
+>>> try:
+...     validate((Draw(label="squared", mesh=triangle, state=squared),), OPENGL_1_2, 4, 4)
+... except UnsupportedState as refused:
+...     print(refused)
+Command 0, "squared": OpenGL 1.2 has no register combiners; choose a profile that has them.
+
+``describe`` says in words what a frame is:
+
+>>> print(describe(frame[1:]).strip())
+0. Draw "one colour"
+   draws TRIANGLES, 3 vertices; with colors
+'''
+
+import importlib
+
+# Where each name is defined, below this package.
+_DOOR = {
+    "execution.machine": ("Machine", "execute"),
+    "framebuffers.result": ("Fragments", "Result"),
+    "ideal.evaluate": ("execute_ideal",),
+    "ideal.result": ("IdealResult",),
+    "commands": (
+        "Accum",
+        "BindTexImage",
+        "Bitmap",
+        "Clear",
+        "CopyPixels",
+        "CopyTexImage",
+        "CopyTexSubImage",
+        "Draw",
+        "DrawPixels",
+        "HostStep",
+        "MakeCurrent",
+        "Mesh",
+        "ReadPixels",
+        "ResetHistogram",
+        "ResetMinmax",
+        "Saturate",
+        "TexImage",
+    ),
+    "state": (
+        "AlphaTest",
+        "Blending",
+        "ColorMask",
+        "DepthTest",
+        "Fog",
+        "PassState",
+        "RegisterCombiners",
+        "Sampler",
+        "Scissor",
+        "StencilTest",
+        "TextureEnvironment",
+        "TextureShaderStage",
+        "TextureUnit",
+        "VertexState",
+    ),
+    "pixel_transfer": ("PixelImage", "PixelTransfer"),
+    "textures.images": ("Texture", "texture_1d", "texture_2d", "texture_3d", "texture_cube_map"),
+    "profiles": (
+        "FUTURE",
+        "G400",
+        "GEFORCE_256",
+        "GEFORCE_3",
+        "IDEAL",
+        "INFINITE_REALITY",
+        "MULTITEXTURE",
+        "NV2A",
+        "OCTANE",
+        "OPENGL_1_2",
+        "OPENGL_1_2_IMAGING",
+        "PROFILES",
+        "TEXRAM",
+    ),
+    "profiles.profile": ("Profile",),
+    "validation.validate": ("validate",),
+    "validation.walk": ("UnsupportedState",),
+    "notations.programs": ("Program", "parse_program"),
+    "description.describe": ("describe",),
+}
+_MODULE_OF = {name: module for module, names in _DOOR.items() for name in names}
+__all__ = sorted(_MODULE_OF)
+
+
+def __getattr__(name):
+    if name not in _MODULE_OF:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(importlib.import_module(f"{__name__}.{_MODULE_OF[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__():
+    return sorted({*globals(), *__all__})

@@ -1,0 +1,128 @@
+"""What a user installs: a wheel that claims one name, fixedpipe, and works beside folders that have our names."""
+
+import doctest
+import os
+import re
+import site
+import subprocess
+import sys
+import tomllib
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+FOLDERS = ("raster", "pipeline", "effects")
+
+
+def packages():
+    """Dotted names of the folders that hold modules."""
+    return {
+        ".".join(("fixedpipe", *path.parent.relative_to(ROOT).parts))
+        for folder in FOLDERS
+        for path in (ROOT / folder).rglob("__init__.py")
+    }
+
+
+def test_every_package_is_listed_and_every_module_lies_in_one():
+    listed = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
+    assert set(listed) == packages()
+    assert listed == sorted(listed)
+    for folder in FOLDERS:
+        for path in (ROOT / folder).rglob("*.py"):
+            assert (path.parent / "__init__.py").exists(), path
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    """The wheel of this checkout, built by the pinned setuptools of this environment."""
+    source, out = tmp_path_factory.mktemp("source"), tmp_path_factory.mktemp("wheel")
+    # A copy: building leaves build/ and *.egg-info where it is done.
+    for name in ("pyproject.toml", "README.md", "LICENSE", *FOLDERS):
+        (source / name).symlink_to(ROOT / name)
+    build = [
+        "wheel",
+        "--quiet",
+        "--no-deps",
+        "--no-index",
+        "--no-build-isolation",
+        "--wheel-dir",
+        out,
+        source,
+    ]
+    run = subprocess.run([sys.executable, "-m", "pip", *build], capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    (path,) = out.glob("*.whl")
+    return path
+
+
+def test_the_wheel_holds_fixedpipe_alone_and_all_of_it(wheel):
+    names = [name for name in zipfile.ZipFile(wheel).namelist() if not name.endswith("/")]
+    assert {name.split("/")[0].split("-")[0] for name in names} == {"fixedpipe"}
+    modules = {name.removeprefix("fixedpipe/") for name in names if name.endswith(".py")}
+    assert modules == {
+        path.relative_to(ROOT).as_posix() for folder in FOLDERS for path in (ROOT / folder).rglob("*.py")
+    }
+
+
+@pytest.fixture(scope="module")
+def installed(wheel, tmp_path_factory):
+    """A fresh environment with the wheel, and a project's folder that has packages of our names: run(code)."""
+    home, project = tmp_path_factory.mktemp("environment"), tmp_path_factory.mktemp("project")
+    venv.create(home, with_pip=False)
+    python = home / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+    install = ["--python", python, "install", "--quiet", "--no-deps", "--no-index", wheel]
+    run = subprocess.run([sys.executable, "-m", "pip", *install], capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    # Numpy, Numba and the rest are this environment's; what it has of fixedpipe is a hook that no path brings along.
+    (place,) = home.glob("**/site-packages")
+    (place / "dependencies.pth").write_text("\n".join(site.getsitepackages()))
+    for folder in FOLDERS:
+        (project / folder).mkdir()
+        (project / folder / "__init__.py").write_text(
+            f'raise RuntimeError("this is the project\'s {folder}")\n'
+        )
+    kept = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "COV_", "PYTEST"))}
+
+    def run(*arguments):
+        # Kernels are kept beside what is installed, as a user's are.
+        found = subprocess.run(
+            [python, *arguments], cwd=project, env=kept, capture_output=True, text=True, check=False
+        )
+        assert found.returncode == 0, found.stderr
+        return found.stdout
+
+    return run, place
+
+
+def test_it_is_found_beside_folders_of_our_names_and_is_the_wheel_s(installed):
+    run, place = installed
+    for name in ("fixedpipe.raster.codes", "fixedpipe.pipeline", "fixedpipe.effects.figures"):
+        assert run("-c", f"import {name} as found; print(found.__file__)").startswith(str(place))
+    names = "Clear, Draw, Mesh, PassState, GEFORCE_256, validate"
+    kernels = "print([m for m in sys.modules if m.startswith('fixedpipe.raster.portable')])"
+    assert run("-c", f"import sys\nfrom fixedpipe.pipeline import {names}\n{kernels}").strip() == "[]"
+
+
+def test_the_command_line_answers(installed):
+    run, place = installed
+    assert "F004-4" in run("-m", "fixedpipe.effects.cli", "figures", "--list")
+    assert (
+        run(place.parents[2] / "bin" / "fixedpipe", "--version").startswith("fixedpipe ") or os.name == "nt"
+    )
+
+
+@pytest.mark.slow
+def test_the_readme_s_examples_run_there(installed):
+    run, _ = installed
+    examples = doctest.DocTestParser().get_examples((ROOT / "README.md").read_text())
+    assert len(examples) >= 10
+    assert any(re.search(r"\bexecute\(", example.source) for example in examples)
+    code = (
+        "import doctest, sys\n"
+        f"results = doctest.testfile({str(ROOT / 'README.md')!r}, module_relative=False)\n"
+        "sys.exit(results.failed)"
+    )
+    run("-c", code)
