@@ -1,4 +1,4 @@
-"""What a user installs: a wheel that claims one name, fixedpipe, and works beside folders that have our names."""
+"""What a user installs: a wheel that claims one name, fixedpipe, and works beside folders that have ours."""
 
 import doctest
 import os
@@ -35,6 +35,13 @@ def test_every_package_is_listed_and_every_module_lies_in_one():
             assert (path.parent / "__init__.py").exists(), path
 
 
+def pip(*arguments):
+    """Run pip without a network."""
+    command = [sys.executable, "-m", "pip", *arguments, "--quiet", "--no-deps", "--no-index"]
+    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+
+
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory):
     """The wheel of this checkout, built by the pinned setuptools of this environment."""
@@ -42,18 +49,7 @@ def wheel(tmp_path_factory):
     # A copy: building leaves build/ and *.egg-info where it is done.
     for name in ("pyproject.toml", "README.md", "LICENSE", *FOLDERS):
         (source / name).symlink_to(ROOT / name)
-    build = [
-        "wheel",
-        "--quiet",
-        "--no-deps",
-        "--no-index",
-        "--no-build-isolation",
-        "--wheel-dir",
-        out,
-        source,
-    ]
-    run = subprocess.run([sys.executable, "-m", "pip", *build], capture_output=True, text=True, check=False)
-    assert run.returncode == 0, run.stderr
+    pip("wheel", "--no-build-isolation", "--wheel-dir", out, source)
     (path,) = out.glob("*.whl")
     return path
 
@@ -69,21 +65,17 @@ def test_the_wheel_holds_fixedpipe_alone_and_all_of_it(wheel):
 
 @pytest.fixture(scope="module")
 def installed(wheel, tmp_path_factory):
-    """A fresh environment with the wheel, and a project's folder that has packages of our names: run(code)."""
+    """A fresh environment with the wheel, and a project's folder with packages of our names: run(code)."""
     home, project = tmp_path_factory.mktemp("environment"), tmp_path_factory.mktemp("project")
     venv.create(home, with_pip=False)
     python = home / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
-    install = ["--python", python, "install", "--quiet", "--no-deps", "--no-index", wheel]
-    run = subprocess.run([sys.executable, "-m", "pip", *install], capture_output=True, text=True, check=False)
-    assert run.returncode == 0, run.stderr
-    # Numpy, Numba and the rest are this environment's; what it has of fixedpipe is a hook that no path brings along.
+    pip("--python", python, "install", wheel)
+    # Numpy, Numba and the rest are this environment's; its own fixedpipe is a hook, which no path brings.
     (place,) = home.glob("**/site-packages")
     (place / "dependencies.pth").write_text("\n".join(site.getsitepackages()))
     for folder in FOLDERS:
         (project / folder).mkdir()
-        (project / folder / "__init__.py").write_text(
-            f'raise RuntimeError("this is the project\'s {folder}")\n'
-        )
+        (project / folder / "__init__.py").write_text('raise RuntimeError("not ours")\n')
     kept = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "COV_", "PYTEST"))}
 
     def run(*arguments):
