@@ -15,7 +15,7 @@ ifneq ($(wildcard $(CAPTURES)),)
 export FIXEDPIPE_CAPTURES ?= $(CAPTURES)
 endif
 
-.PHONY: help setup figures conformance machines test test-all check bench accept accept-conformance clean
+.PHONY: help setup figures conformance machines layers test test-all check bench accept accept-conformance clean
 
 help:
 	@echo "make figures            render and check every figure into $(OUT)/; $(OUT)/index.html is a gallery"
@@ -24,6 +24,7 @@ help:
 	@echo "make check              style: ruff check, ruff format --check"
 	@echo "make bench              measure; BENCH='--peer llvmpipe' compares with Mesa"
 	@echo "make machines           write docs/machines.md: which machine has which feature"
+	@echo "make layers             write into docs/architecture.md which package imports which (tests/layers.py)"
 	@echo "make accept FIGURE=ID   accept a figure's digest (PROFILE=NAME: on that machine) once it was looked at"
 	@echo "make accept-conformance accept how many pixels agree with the captures (WORSE=yes: fewer too)"
 	@echo "make setup | clean      make or remove what is made here"
@@ -60,6 +61,9 @@ bench: $(READY)
 
 machines: $(READY)
 	$(BIN)/python -m tests.machines
+
+layers: $(READY)
+	$(BIN)/python -m tests.layers
 
 accept: $(READY)
 	@[ -n "$(FIGURE)" ] || { echo "Say which figure: make accept FIGURE=ID (fixedpipe figures --list names them)."; exit 2; }

@@ -1,9 +1,10 @@
-"""The project's rules: which layer may import which, where numbers come from, what a figure must have."""
+"""The project's rules: which package may import which, where numbers come from, what a figure must have."""
 
 import ast
 import re
 import subprocess
 import sys
+from collections import defaultdict
 from dataclasses import fields
 from pathlib import Path
 
@@ -13,49 +14,22 @@ from fixedpipe.effects.figures import FIGURES
 from fixedpipe.pipeline.profiles import PROFILES
 from fixedpipe.pipeline.profiles.profile import EVIDENCE_TAGS, Profile
 from fixedpipe.raster import codes, kernel
+from tests import layers
 
 ROOT = Path(__file__).parents[2]
 STANDARD = set(sys.stdlib_module_names)
-
-# What a folder may import besides the standard library; an entry with a dot allows that module alone.
-MAY_IMPORT = {
-    "raster": {"fixedpipe.raster", "numba", "llvmlite", "numpy"},
-    "pipeline": {"fixedpipe.pipeline", "fixedpipe.raster", "numpy"},
-    "effects/cli": {
-        "fixedpipe.effects",
-        "fixedpipe.pipeline",
-        "numpy",
-        "click",
-        "rich",
-        "PIL",
-        "imageio",
-        "matplotlib",
-        "trimesh",
-        "nrrd",
-    },
-    "effects/conformance": {"fixedpipe.effects", "fixedpipe.pipeline", "numpy", "PIL"},
-    # The ray caster is compiled as kernels are; diagrams have pillow's bitmap font.
-    "effects": {
-        "fixedpipe.effects",
-        "fixedpipe.pipeline",
-        "numpy",
-        "fixedpipe.raster.kernel",
-        "PIL.ImageFont",
-    },
-    "tests/reference": {
-        "tests.reference",
-        "fixedpipe.pipeline.enums",
-        "fixedpipe.pipeline.state",
-        "fixedpipe.pipeline.profiles.profile",
-        "fixedpipe.pipeline.profiles",
-    },
+LAYERS = ("raster", "pipeline", "effects")
+SOURCES = [path for layer in LAYERS for path in sorted((ROOT / layer).rglob("*.py"))]
+MODULES = {
+    ".".join(("fixedpipe", *path.relative_to(ROOT).with_suffix("").parts)).removesuffix(".__init__"): path
+    for path in SOURCES
 }
-SOURCES = [
-    (folder, path)
-    for folder in MAY_IMPORT
-    for path in sorted((ROOT / folder).rglob("*.py"))
-    if not (folder == "effects" and {"cli", "conformance"} & set(path.relative_to(ROOT).parts))
-]
+
+
+def package_of(path):
+    """The package of tests/layers.py that a file below a layer belongs to."""
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return "/".join(parts[:2]).removesuffix("/__init__")
 
 
 def imported_modules(tree):
@@ -69,24 +43,151 @@ def imported_modules(tree):
                 yield f"{node.module}.{alias.name}"
 
 
-def is_allowed(module, allowed):
-    return module.split(".")[0] in STANDARD or any(module == a or module.startswith(a + ".") for a in allowed)
+def imports_of(path, tree):
+    """What a module imports from outside its package: packages of ours, and libraries."""
+    found = set()
+    for name in imported_modules(tree):
+        first = name.split(".")[0]
+        if first != "fixedpipe":
+            found.add(first)
+            continue
+        module = name if name in MODULES else name.rpartition(".")[0]
+        found.add(package_of(MODULES[module]))
+    return found - STANDARD - {package_of(path)}
 
 
-@pytest.mark.parametrize(("folder", "path"), SOURCES, ids=lambda p: str(p).removeprefix(f"{ROOT}/"))
-def test_a_module_imports_only_what_its_layer_may(folder, path):
-    refused = [
-        m for m in imported_modules(ast.parse(path.read_text())) if not is_allowed(m, MAY_IMPORT[folder])
-    ]
-    assert not refused, f"{path.name} must not import {', '.join(refused)}"
+IMPORTS = defaultdict(set)
+for _path in SOURCES:
+    IMPORTS[package_of(_path)] |= imports_of(_path, ast.parse(_path.read_text()))
 
 
-def test_the_import_rule_refuses_what_it_should():
+def test_every_package_is_in_the_table_and_imports_what_stands_above_it():
+    assert layers.PACKAGES.keys() | set(LAYERS) == IMPORTS.keys()
+    above = []
+    for package in layers.PACKAGES:
+        assert set(layers.imports_of(package)) <= set(above), package
+        above.append(package)
+
+
+@pytest.mark.parametrize("package", layers.PACKAGES)
+def test_a_package_imports_what_the_table_says(package):
+    listed = {*layers.imports_of(package), *layers.LIBRARIES.get(package, ())}
+    assert IMPORTS[package] - {"numpy"} == listed
+
+
+@pytest.mark.parametrize("layer", LAYERS)
+def test_a_door_imports_nothing_before_it_is_asked(layer):
+    assert not IMPORTS[layer]
+
+
+def test_the_rule_sees_imports_inside_functions_and_through_a_package():
     tree = ast.parse(
-        "import numpy as np\nfrom fixedpipe.raster.portable import combine\ndef f():\n    import fixedpipe.effects.figures\n"
+        "import math\nimport numpy as np\nfrom fixedpipe.raster.portable import combine\n"
+        "def f():\n    from fixedpipe.pipeline import execute\n    import click\n"
     )
-    refused = [m for m in imported_modules(tree) if not is_allowed(m, MAY_IMPORT["tests/reference"])]
-    assert refused == ["numpy", "fixedpipe.raster.portable.combine", "fixedpipe.effects.figures"]
+    path = ROOT / "raster" / "columns" / "combine.py"
+    assert imports_of(path, tree) == {"numpy", "raster/portable", "pipeline", "click"}
+    # Each of which the table refuses.
+    allowed = {*layers.imports_of("raster/columns"), *layers.LIBRARIES.get("raster/columns", ()), "numpy"}
+    assert imports_of(path, tree) - allowed == {"raster/portable", "pipeline", "click"}
+
+
+def test_the_page_shows_the_table():
+    page = layers.PAGE.read_text()
+    assert layers.with_table(page) == page, "run `make layers`"
+
+
+# Who is what, in words that the table must keep.
+NEVER = {
+    "what a program is knows no validation": ("pipeline/programs", {"pipeline/validation"}),
+    "notations know no validation": ("pipeline/notations", {"pipeline/validation"}),
+    "validation asks no engine": (
+        "pipeline/validation",
+        {"pipeline/native", "pipeline/columns", "pipeline/execution", "pipeline/ideal", "raster/"},
+    ),
+    "the readable engine does not know the fast one": ("raster/portable", {"raster/vector"}),
+    "the column engine's arithmetic is not compiled": ("raster/columns", {"raster/kernel", "numba"}),
+    "whole images are not compiled": ("raster/pixels", {"raster/kernel", "numba"}),
+    "the ideal runs on no machine": ("pipeline/ideal", {"pipeline/execution", "pipeline/columns"}),
+    "reports need no command line": ("effects/reports", {"effects/cli", "click", "rich"}),
+    "scenes light nothing": ("effects/scenes", {"effects/shadows", "effects/acceptance"}),
+}
+
+
+@pytest.mark.parametrize("rule", NEVER)
+def test_some_things_are_never_known(rule):
+    package, never = NEVER[rule]
+    imported = IMPORTS[package]
+    assert not [name for name in imported for other in never if name == other or other == name[: len(other)]]
+
+
+def test_the_command_line_s_library_is_the_command_line_s():
+    assert [package for package, libraries in IMPORTS.items() if {"click", "rich"} & libraries] == [
+        "effects/cli"
+    ]
+
+
+@pytest.mark.parametrize("folder", [*LAYERS, "tests", "bench"])
+def test_nobody_uses_the_folders_names_as_modules(folder):
+    # From the checkout's root `raster.codes` could be imported, as a second copy of fixedpipe.raster.codes.
+    for path in sorted((ROOT / folder).rglob("*.py")):
+        tree = ast.parse(path.read_text())
+        assert not [m for m in imported_modules(tree) if m.split(".")[0] in LAYERS], path
+        texts = [n.value for n in ast.walk(tree) if isinstance(n, ast.Constant) and isinstance(n.value, str)]
+        assert not [
+            text for text in texts if re.match(r"(from |import )?(raster|pipeline|effects)\.\w+", text)
+        ], path
+
+
+# The stages of a fragment, and why an engine has no file of that name.
+STAGES = ("interpolate", "sample", "unit", "texture_shader", "combine", "per_fragment")
+WITHOUT = {
+    "raster/portable": {},
+    "raster/vector": {"texture_shader": "the vector engine's stages are paths of a unit"},
+    "raster/columns": {"unit": "pipeline/columns/textures.py reads a unit's state"},
+    "pipeline/ideal": {
+        "interpolate": "weights, which are not interpolated but computed: weights.py",
+        "unit": "sample.py reads a unit's state",
+    },
+    "tests/reference": {"unit": "sample.py reads a unit's state"},
+}
+
+
+@pytest.mark.parametrize("engine", WITHOUT)
+def test_a_stage_has_the_same_name_in_every_engine(engine):
+    there = {path.stem for path in (ROOT / engine).glob("*.py")}
+    assert set(STAGES) - there == WITHOUT[engine].keys()
+
+
+# Modules that are read as a whole, and longer than others may be.
+LONG = {
+    "pipeline/state.py": "the vocabulary",
+    "pipeline/enums.py": "the vocabulary",
+    "raster/vector/lanes.py": "the instructions of explicit vectors, a function each",
+}
+
+
+def test_modules_are_short_enough_to_be_read():
+    lines = {path.relative_to(ROOT).as_posix(): len(path.read_text().splitlines()) for path in SOURCES}
+    assert {name for name, count in lines.items() if count > 600} == LONG.keys()
+
+
+def public_functions(path):
+    """The functions of a module, or of a class in it, that others may call."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
+            yield node
+
+
+@pytest.mark.parametrize("layer", ["pipeline", "effects"])
+def test_public_functions_take_few_arguments_by_position(layer):
+    # Kernels take what a loop reads, and a subcommand its options.
+    for path in sorted((ROOT / layer).rglob("*.py")):
+        if package_of(path) == "effects/cli":
+            continue
+        for function in public_functions(path):
+            taken = len(function.args.posonlyargs) + len(function.args.args)
+            assert taken <= 8, f"{path}: {function.name} takes {taken}"
 
 
 def test_the_reference_runs_without_numpy_numba_or_kernels():
@@ -95,36 +196,51 @@ def test_the_reference_runs_without_numpy_numba_or_kernels():
         for p in (ROOT / "tests" / "reference").glob("*.py")
         if p.stem != "__init__"
     ]
+    assert len(modules) > 20
     code = f"import sys, {', '.join(modules)}; print(*sys.modules)"
     run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
-    loaded, package = set(run.stdout.split()), codes.__name__.removesuffix(".codes")
+    loaded = set(run.stdout.split())
     assert not loaded & {"numpy", "numba"}
     # The enumerations have their values from the list of codes, which imports nothing.
+    package = kernel.__name__.removesuffix(".kernel")
     assert {m for m in loaded if m.startswith(f"{package}.")} == {codes.__name__}
+
+
+REFERENCE_IMPORTS = {
+    "tests.reference",
+    "fixedpipe.pipeline.enums",
+    "fixedpipe.pipeline.state",
+    "fixedpipe.pipeline.profiles",
+}
+
+
+@pytest.mark.parametrize(
+    "path", sorted((ROOT / "tests" / "reference").glob("*.py")), ids=lambda path: path.stem
+)
+def test_the_reference_imports_the_vocabulary_alone(path):
+    for name in imported_modules(ast.parse(path.read_text())):
+        known = any(name == allowed or name.startswith(f"{allowed}.") for allowed in REFERENCE_IMPORTS)
+        assert known or name.split(".")[0] in STANDARD, name
 
 
 def test_only_one_module_knows_the_compiler():
     compiler = re.compile(r"\b(njit|numba\.jit|@jit|vectorize|guvectorize|cfunc|stencil\()")
-    for folder in ("raster", "pipeline", "effects"):
-        for path in sorted((ROOT / folder).rglob("*.py")):
-            if path != ROOT / "raster" / "kernel.py":
-                assert not compiler.search(path.read_text()), f"{path}: use @kernel from raster/kernel.py"
+    for path in SOURCES:
+        if path != ROOT / "raster" / "kernel.py":
+            assert not compiler.search(path.read_text()), f"{path}: use @kernel from raster/kernel.py"
 
 
 def test_no_kernel_is_made_of_a_source_that_the_name_of_the_cache_leaves_out():
-    folder, package = Path(kernel.__file__).parent, kernel.__name__.removesuffix(".kernel")
-    imports = {
-        path.relative_to(folder): set(imported_modules(ast.parse(path.read_text())))
-        for path in folder.rglob("*.py")
-    }
-    kept = set(kernel.kernel_sources(folder))
-    left_out = imports.keys() - kept
+    folder = Path(kernel.__file__).parent
+    left_out = {path.relative_to(folder) for path in folder.rglob("*.py")} - set(
+        kernel.kernel_sources(folder)
+    )
     assert left_out
-    for path in left_out:
-        assert not any(m.startswith(("numba", kernel.__name__)) for m in imports[path]), path
-    names = [".".join((package, *path.with_suffix("").parts)) for path in left_out]
-    for path in kept:
-        assert not any(is_allowed(m, names) for m in imports[path] if m.startswith(package)), path
+    packages = {package_of(folder / path) for path in left_out}
+    for package in packages:
+        assert not IMPORTS[package] & {"numba", "llvmlite", "raster/kernel"}, package
+    for path in kernel.kernel_sources(folder):
+        assert not imports_of(folder / path, ast.parse((folder / path).read_text())) & packages, path
 
 
 @pytest.mark.parametrize("name", PROFILES)
@@ -165,3 +281,31 @@ def test_every_figure_names_a_paper_of_the_bibliography(figure_id):
 def test_every_figure_has_an_accepted_digest_on_every_machine_and_every_digest_a_figure():
     accepted = {path.stem for path in (ROOT / "tests" / "golden").glob("*.json")}
     assert accepted == {f"{f.id}-{machine}" for f in FIGURES.values() for machine in f.machines}
+
+
+def is_figure(name):
+    """Whether a dotted name is a figure's module."""
+    return name.startswith("fixedpipe.effects.figures.") and re.match(r"[a-z]\d\d", name.split(".")[-1])
+
+
+# By a figure's number, or the letter of the technique that it shows, its paper's folder.
+PAPERS = {
+    **dict.fromkeys(("F000", "H"), "heidrich_2001"),
+    **dict.fromkeys(("F003", "Z"), "zwicker_2016"),
+    **dict.fromkeys(("F004", "K"), "kautz_seidel_2000"),
+}
+
+
+@pytest.mark.parametrize("figure_id", FIGURES)
+def test_a_figure_lies_in_its_paper_s_folder_and_takes_nothing_from_another(figure_id):
+    module = FIGURES.module_of(figure_id)
+    *_, folder, _ = module.split(".")
+    assert folder == PAPERS[re.match(r"F\d{3}|[A-Z]", figure_id)[0]]
+    imported = imported_modules(ast.parse(MODULES[module].read_text()))
+    assert not [name for name in imported for part in (name, name.rpartition(".")[0]) if is_figure(part)]
+
+
+def test_studies_share_by_their_folder_and_no_study_takes_from_another():
+    for path in (ROOT / "effects" / "studies").glob("p*.py"):
+        for name in imported_modules(ast.parse(path.read_text())):
+            assert not re.match(r"fixedpipe\.effects\.studies\.p\d\d", name), path

@@ -56,7 +56,7 @@ def sphere_at_pixels(size, radius, tilt):
 MODELS = {"exact": brdfs.banks, "R*": brdfs.banks_approximate}
 
 
-def software(size, material, light, radius, tilt, model, diffuse, ambient, specular, background):
+def software(size, material, light, radius, tilt, model, *, diffuse, ambient, specular, background):
     """A software renderer's picture: one of ``MODELS`` evaluated at the texels, then interpolated (K16).
 
     float64 [size, size, 3], 1.0 = full.
@@ -80,7 +80,8 @@ def scene(
     """K04: left a software renderer's image of ``model``, right R* on the machine, the diffuse pass added."""
     left, right = row_of_panels(2, size)
     material = _material(map_columns, map_rows, spread, depth, k_s)
-    picture = software(size, material, light, radius, tilt, model, diffuse, ambient, specular, background)
+    colors = {"diffuse": diffuse, "ambient": ambient, "specular": specular, "background": background}
+    picture = software(size, material, light, radius, tilt, model, **colors)
     surface = surfaces.sphere(slices, stacks).rotated(rotation("x", tilt))
     view, toward = orthographic_view(right, half_height=1.0 / radius), Light(light)
     loading, names = banks_without_lookup.load(material, "brushing", profile)

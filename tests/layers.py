@@ -1,0 +1,165 @@
+"""Which package may import which; ``python -m tests.layers`` writes the table into docs/architecture.md.
+
+test_layers holds the code to it in both directions: what is not listed may not be imported, and what is
+listed is. A package imports only what stands above it, so there is no circle.
+"""
+
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+PAGE = ROOT / "docs" / "architecture.md"
+BEGIN, END = "<!-- packages: begin -->\n", "<!-- packages: end -->\n"
+
+# By layer, a package or a module that stands at the layer's door, and what it imports of each layer. Folders
+# below these packages (a paper's figures, suites, what studies share) are the package's.
+PACKAGES = {
+    "raster/codes": {},
+    "raster/rows": {"raster": "codes"},
+    "raster/kernel": {},
+    "raster/fixed": {"raster": "kernel"},
+    "raster/primitives": {"raster": "codes rows kernel"},
+    "raster/portable": {"raster": "codes rows kernel fixed primitives"},
+    "raster/vector": {"raster": "codes rows kernel fixed primitives portable"},
+    "raster/columns": {"raster": "codes"},
+    "raster/pixels": {"raster": "codes"},
+    "pipeline/enums": {"raster": "codes"},
+    "pipeline/state": {"pipeline": "enums"},
+    "pipeline/pixel_transfer": {"pipeline": "enums state"},
+    "pipeline/textures": {"pipeline": "enums"},
+    "pipeline/commands": {"pipeline": "enums state pixel_transfer textures"},
+    "pipeline/profiles": {"pipeline": "enums textures"},
+    "pipeline/programs": {"pipeline": "enums state textures"},
+    "pipeline/notations": {"pipeline": "enums state programs"},
+    "pipeline/description": {"pipeline": "enums state pixel_transfer commands programs notations"},
+    "pipeline/vertices": {"raster": "codes rows primitives", "pipeline": "enums state commands"},
+    "pipeline/framebuffers": {
+        "raster": "codes primitives columns pixels",
+        "pipeline": "enums pixel_transfer textures",
+    },
+    "pipeline/validation": {
+        "pipeline": "enums state pixel_transfer textures commands profiles programs vertices framebuffers",
+    },
+    "pipeline/native": {
+        "raster": "codes rows primitives portable vector",
+        "pipeline": "enums state textures commands profiles programs vertices framebuffers",
+    },
+    "pipeline/columns": {
+        "raster": "codes rows primitives columns pixels",
+        "pipeline": "enums textures commands profiles programs vertices framebuffers",
+    },
+    "pipeline/execution": {
+        "raster": "primitives",
+        "pipeline": "enums textures commands profiles vertices framebuffers validation native columns",
+    },
+    "pipeline/ideal": {
+        "raster": "columns",
+        "pipeline": "enums textures commands profiles programs vertices framebuffers validation native",
+    },
+    "pipeline/golden": {"raster": "kernel"},
+    "effects/refusal": {},
+    "effects/collection": {},
+    "effects/geometry": {"pipeline": "state commands"},
+    "effects/passes": {"pipeline": "enums state pixel_transfer textures commands"},
+    "effects/scenes": {"effects": "geometry passes"},
+    "effects/bump_mapping": {
+        "pipeline": "enums state pixel_transfer textures commands",
+        "effects": "geometry passes",
+    },
+    "effects/reflectance": {
+        "pipeline": "enums state pixel_transfer textures commands profiles",
+        "effects": "geometry passes bump_mapping",
+    },
+    "effects/environment_maps": {
+        "pipeline": "enums state textures commands",
+        "effects": "geometry passes bump_mapping",
+    },
+    "effects/texture_filtering": {
+        "pipeline": "textures commands",
+        "effects": "geometry passes reflectance",
+    },
+    "effects/shadows": {
+        "raster": "kernel",
+        "pipeline": "enums state pixel_transfer textures commands",
+        "effects": "geometry passes scenes",
+    },
+    "effects/volumes": {
+        "pipeline": "enums state pixel_transfer textures commands",
+        "effects": "geometry passes scenes shadows",
+    },
+    "effects/acceptance": {
+        "raster": "kernel",
+        "pipeline": "enums execution ideal",
+        "effects": "geometry scenes reflectance shadows",
+    },
+    "effects/diagrams": {
+        "pipeline": "enums state textures commands",
+        "effects": "geometry passes acceptance",
+    },
+    "effects/figures": {
+        "pipeline": "enums state pixel_transfer textures commands profiles",
+        "effects": (
+            "collection geometry passes scenes bump_mapping reflectance environment_maps "
+            "texture_filtering shadows volumes acceptance diagrams"
+        ),
+    },
+    "effects/studies": {
+        "pipeline": "enums state pixel_transfer textures commands profiles validation execution ideal",
+        "effects": "collection geometry passes scenes bump_mapping reflectance shadows acceptance figures",
+    },
+    "effects/conformance": {
+        "pipeline": "enums state textures commands profiles vertices framebuffers native execution",
+        "effects": "refusal",
+    },
+    "effects/user_pictures": {
+        "pipeline": "enums profiles validation",
+        "effects": "refusal geometry passes scenes bump_mapping reflectance shadows volumes",
+    },
+    "effects/reports": {
+        "pipeline": "profiles execution ideal golden",
+        "effects": "refusal figures conformance",
+    },
+    "effects/cli": {
+        "pipeline": "enums profiles notations description validation execution golden",
+        "effects": (
+            "refusal geometry bump_mapping shadows volumes acceptance figures studies conformance "
+            "user_pictures reports"
+        ),
+    },
+}
+# Libraries beside NumPy, which every package may import.
+LIBRARIES = {
+    "raster/kernel": ("llvmlite", "numba"),
+    "raster/fixed": ("numba",),
+    "raster/primitives": ("numba",),
+    "raster/portable": ("numba",),
+    "raster/vector": ("llvmlite", "numba"),
+    "effects/diagrams": ("PIL",),
+    "effects/conformance": ("PIL",),
+    "effects/user_pictures": ("imageio", "nrrd", "trimesh"),
+    "effects/reports": ("PIL", "matplotlib"),
+    "effects/cli": ("click", "rich"),
+}
+
+
+def imports_of(package):
+    """The packages that a package may import, by their folders."""
+    return tuple(f"{layer}/{name}" for layer, names in PACKAGES[package].items() for name in names.split())
+
+
+def table():
+    """The packages as docs/architecture.md shows them."""
+    lines = ["| package | imports | libraries |", "|---|---|---|"]
+    for package, imports in PACKAGES.items():
+        listed = "; ".join(f"{layer}: {names.replace(' ', ', ')}" for layer, names in imports.items())
+        lines.append(f"| `{package}` | {listed} | {', '.join(LIBRARIES.get(package, ()))} |")
+    return "\n".join(lines) + "\n"
+
+
+def with_table(page):
+    """The page's text with the table as it is now."""
+    before, rest = page.split(BEGIN)
+    return before + BEGIN + "\n" + table() + "\n" + END + rest.split(END)[1]
+
+
+if __name__ == "__main__":
+    PAGE.write_text(with_table(PAGE.read_text()))
