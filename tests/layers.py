@@ -116,7 +116,7 @@ PACKAGES = {
     },
     "effects/reports": {
         "pipeline": "profiles execution ideal golden",
-        "effects": "refusal figures conformance",
+        "effects": "refusal acceptance figures conformance",
     },
     "effects/cli": {
         "pipeline": "enums profiles notations description validation execution golden",

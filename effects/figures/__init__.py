@@ -3,11 +3,10 @@
 import re
 import sys
 
-from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.collection import Collection
 from fixedpipe.effects.figures.figure import DIFFERENCE_GAIN, VIEWS, Figure, Method, Renderer, difference
 
-__all__ = ["DIFFERENCE_GAIN", "FIGURES", "VIEWS", "Check", "Figure", "Method", "Renderer", "difference"]
+__all__ = ["DIFFERENCE_GAIN", "FIGURES", "VIEWS", "Figure", "Method", "Renderer", "difference"]
 
 
 def _identify(name):

@@ -6,7 +6,8 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from fixedpipe.effects.figures import DIFFERENCE_GAIN, Check, Renderer, difference
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.figures import DIFFERENCE_GAIN, Renderer, difference
 from fixedpipe.effects.refusal import refusals
 from fixedpipe.effects.reports.pictures import png
 from fixedpipe.pipeline.execution.machine import execute

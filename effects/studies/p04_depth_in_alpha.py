@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.figures import Check
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.surfaces import plane
 from fixedpipe.effects.geometry.views import Panel, perspective_view

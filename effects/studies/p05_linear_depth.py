@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.figures import Check
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.passes.draws import FIRST_PASS, REPLACE
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp

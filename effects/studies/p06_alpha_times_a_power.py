@@ -9,7 +9,7 @@ Source: Heidrich 2001, section 2.1 (artefact P6 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.figures import Check
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.shadows.alpha_coded_shadows import scale_alpha
 from fixedpipe.effects.studies.study import BLUE, GREEN, ORANGE, RED, Column, Study, Table

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.effects.figures import Check
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.geometry.surfaces import plane
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.passes.draws import REPEATED

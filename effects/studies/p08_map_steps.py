@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement, ray_caster
-from fixedpipe.effects.figures import Check
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.scenes.objects_and_lamps import lamp_around

@@ -5,8 +5,8 @@ Source: Kautz, Seidel 2000, sections 4.1 and 5 (artefact P9 of the catalogue).
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
-from fixedpipe.effects.figures import Check
 from fixedpipe.effects.studies.shared.random_frames import ACROSS, EDGE, eq_1
 from fixedpipe.effects.studies.study import BLUE, EXPECTED, ORANGE, Column, Study, Table
 

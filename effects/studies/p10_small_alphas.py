@@ -5,7 +5,7 @@ Source: Kautz, Seidel 2000, section 4.1 (artefact P10 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.figures import Check
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.passes.draws import NEAREST
 from fixedpipe.effects.passes.encoding import decode_expand, encode_expand

@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.rings import RING_HALF, ring_energy
-from fixedpipe.effects.figures import Check
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import normalize
 from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view

@@ -9,8 +9,8 @@ Source: Kautz, Seidel 2000, sections 4.2 and 5 (artefact P15 of the catalogue).
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
-from fixedpipe.effects.figures import Check
 from fixedpipe.effects.studies.shared.paraboloid import by_imaging_subset, material, true
 from fixedpipe.effects.studies.study import BLUE, ORANGE, Column, Study, Table
 

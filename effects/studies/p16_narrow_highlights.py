@@ -5,8 +5,8 @@ Source: Kautz, Seidel 2000, section 4.2 (artefact P16 of the catalogue).
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
-from fixedpipe.effects.figures import Check
 from fixedpipe.effects.studies.shared.paraboloid import (
     by_imaging_subset,
     by_register_combiners,

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
-from fixedpipe.effects.figures import Check
 from fixedpipe.effects.geometry.surfaces import Surface
 from fixedpipe.effects.geometry.views import Panel, orthographic_view
 from fixedpipe.effects.reflectance import banks_without_lookup, material_textures

@@ -5,7 +5,7 @@ Source: Kautz, Seidel 2000, section 3.3 (artefact P18, pass sequence A-K09 of th
 
 import numpy as np
 
-from fixedpipe.effects.figures import Check
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.passes.draws import NEAREST
 from fixedpipe.effects.reflectance import brdfs
 from fixedpipe.effects.studies.shared.strips import drawn, strip

@@ -8,8 +8,8 @@ Source: Kautz, Seidel 2000, sections 4.2 and 5 (artefact P19 of the catalogue).
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
-from fixedpipe.effects.figures import Check
 from fixedpipe.effects.geometry.surfaces import Surface
 from fixedpipe.effects.geometry.vectors import cosine, sine
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors

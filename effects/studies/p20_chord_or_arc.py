@@ -5,7 +5,7 @@ Source: Kautz, Seidel 2000, section 5.1 (K17, artefact P20 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.figures import Check
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.geometry.vectors import cosine, sine
 from fixedpipe.effects.studies.shared.strips import drawn
 from fixedpipe.effects.studies.study import BLUE, EXPECTED, GREEN, Column, Study, Table

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
-from fixedpipe.effects.figures import Check
 from fixedpipe.effects.passes.combiners import NO_ALPHA, OPAQUE, ZERO
 from fixedpipe.effects.passes.draws import NEAREST
 from fixedpipe.effects.passes.encoding import encode_expand

@@ -6,8 +6,8 @@ Source: Zwicker 2016 (artefact P22 of the catalogue).
 from itertools import pairwise
 
 from fixedpipe.effects.acceptance import agreement
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.map_bias import acne, gap, shadows_under_offsets
-from fixedpipe.effects.figures import Check
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.scenes.board import board_view, ring_and_board
 from fixedpipe.effects.shadows.lit_scene import map_edge

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.figures import Check
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.views import Panel, orthographic_view

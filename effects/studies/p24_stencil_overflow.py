@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.effects.figures import Check
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.views import Panel, orthographic_view
 from fixedpipe.effects.shadows import shadow_volumes

@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.bump_mapping import normal_maps
-from fixedpipe.effects.figures import Check
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.passes.combiners import NO_ALPHA, OPAQUE, ZERO, expand
 from fixedpipe.effects.passes.draws import NEAREST

@@ -6,8 +6,8 @@ P32 of the catalogue).
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
-from fixedpipe.effects.figures import Check
 from fixedpipe.effects.studies.shared.strips import strip
 from fixedpipe.effects.studies.study import BLUE, EXPECTED, GREEN, ORANGE, RED, Column, Study, Table
 from fixedpipe.pipeline.commands import Clear, Draw

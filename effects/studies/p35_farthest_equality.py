@@ -5,7 +5,7 @@ Source: artefact P35 of the catalogue, of document 003's two-pass algorithm (Z10
 
 import numpy as np
 
-from fixedpipe.effects.figures import Check
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.views import Panel, orthographic_view
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp, Object, Scene

@@ -9,7 +9,7 @@ Source: Heidrich 2001, section 2.1 (artefact P36 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.figures import Check
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.scenes.objects_and_lamps import lamp_around
 from fixedpipe.effects.scenes.still_life import still_life, still_life_view

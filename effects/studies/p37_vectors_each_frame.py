@@ -5,7 +5,8 @@ Source: Kautz, Seidel 2000, section 5.1 (artefact P37 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.figures import FIGURES, Check
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.figures import FIGURES
 from fixedpipe.effects.studies.shared.traffic import FLOAT, counted, vertex_arrays
 from fixedpipe.effects.studies.study import BLUE, GREEN, ORANGE, RED, Column, Study, Table
 from fixedpipe.pipeline.commands import Draw

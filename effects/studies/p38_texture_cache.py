@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from fixedpipe.effects.figures import Check
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view
 from fixedpipe.effects.reflectance import material_textures, pixel_textures

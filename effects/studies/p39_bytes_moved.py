@@ -5,7 +5,7 @@ Source: Kautz, Seidel 2000, sections 4.2 and 5 (artefact P39 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.figures import Check
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view
 from fixedpipe.effects.reflectance import (

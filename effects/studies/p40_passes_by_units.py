@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.bump_mapping import diffuse_bump, emboss, normalization_cube_map
-from fixedpipe.effects.figures import Check
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors, light_vectors
 from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view

@@ -11,7 +11,8 @@ from dataclasses import fields, is_dataclass, replace
 import numpy as np
 import pytest
 
-from fixedpipe.effects.figures import FIGURES, Check, Figure, Method, Renderer, difference
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.figures import FIGURES, Figure, Method, Renderer, difference
 from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal

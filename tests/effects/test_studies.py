@@ -10,8 +10,8 @@ import pytest
 from click.testing import CliRunner
 from PIL import Image
 
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.cli import main
-from fixedpipe.effects.figures import Check
 from fixedpipe.effects.studies import STUDIES, p11_rings, p38_texture_cache
 from fixedpipe.effects.studies.shared import traffic
 from fixedpipe.effects.studies.shared.strips import strip

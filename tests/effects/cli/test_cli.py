@@ -14,8 +14,9 @@ from click.testing import CliRunner
 from PIL import Image
 
 import fixedpipe.effects.figures
+from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.cli import _COMMANDS, main
-from fixedpipe.effects.figures import FIGURES, Check, Method
+from fixedpipe.effects.figures import FIGURES, Method
 from fixedpipe.effects.figures.costs import SECONDS
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports import files
