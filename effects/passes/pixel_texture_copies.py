@@ -26,29 +26,23 @@ from fixedpipe.pipeline.state import (
 )
 
 RED = ColorMask(green=False, blue=False, alpha=False)
-
 GREEN = ColorMask(red=False, blue=False, alpha=False)
-
 BLUE = ColorMask(red=False, green=False, alpha=False)
-
 ALPHA = ColorMask(red=False, green=False, blue=False)
-
 GREEN_BLUE = ColorMask(red=False, alpha=False)
-
 BLUE_ALPHA = ColorMask(red=False, green=False)
-
 NOT_RED = ColorMask(red=False)
-
 RGB = ColorMask(alpha=False)
-
 RGBA = ColorMask()
 
 # Rows of a colour matrix: what a component of the result is made of.
 FROM_RED, FROM_GREEN, FROM_BLUE, FROM_ALPHA = (tuple(row) for row in np.eye(4).tolist())
-
 NOTHING = (0.0, 0.0, 0.0, 0.0)
 
 _FORMATS = {8: InternalFormat.RGBA8, 12: InternalFormat.RGBA12}
+
+
+# ------------------------------------------------------------------------------------- parameter stage
 
 
 def unchanged(index):
@@ -144,6 +138,9 @@ def load_squares(label, name, vectors, half, profile, bits=8, *, scale=1.0):
         internal_format=texture_format(bits),
         transfer=transfer,
     )
+
+
+# ---------------------------------------------------------------------------------- copies and lookups
 
 
 def begin(view):

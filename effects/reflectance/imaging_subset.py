@@ -155,7 +155,7 @@ def light_vectors(faces, light):
     return faces.to_local(light.light_vectors(faces.centers))
 
 
-# ------------------------------------------------------------------------ the host's images, and windows
+# ----------------------------------------------------------------------- windows of the host's images
 
 
 @dataclass(frozen=True, eq=False)

@@ -436,9 +436,6 @@ def combiners(picture, profile, load=True):
     )
 
 
-# ------------------------------------------------------------------------------------ pictures of any volume
-
-
 def method_of(profile):
     """``imaging`` or ``combiners``, which a machine can draw. Raises ValueError where it can neither."""
     if profile.max_3d_texture_size and profile.color_matrix and profile.auxiliary_buffers:
