@@ -224,7 +224,6 @@ def read_obj(text, name="The OBJ file"):
 
 # Cosine of the bend from which an edge is sharp. Assumed: 40 degrees, as of ``meshes.lathe``.
 _SMOOTH = 0.766
-
 _MOST_NEIGHBOURS = 256
 
 

@@ -12,13 +12,9 @@ from fixedpipe.pipeline.state import (
 )
 
 NO_RGB = RGBPortion(a=CombinerInput(), sum_output=Register.DISCARD)
-
 NO_ALPHA = AlphaPortion(a=CombinerInput(usage=ComponentUsage.ALPHA), sum_output=Register.DISCARD)
-
 ZERO = CombinerInput()
-
 ONE = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT)
-
 OPAQUE = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, ComponentUsage.ALPHA)
 
 

@@ -5,7 +5,6 @@ from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.state import TextureShaderStage
 
 NO_TEXTURE = None
-
 TEXTURE_STAGE = TextureShaderStage(Operation.TEXTURE_2D)
 
 

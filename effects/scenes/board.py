@@ -16,7 +16,6 @@ from fixedpipe.effects.scenes.objects_and_lamps import (
 from fixedpipe.effects.scenes.still_life import still_life
 
 LAMP_POSITION = (-6.2, 7.0, 3.2)
-
 # The board: turned about y, so thin that its shadow begins at its foot on either side.
 BOARD_TURN, BOARD_PLACE, BOARD_WIDTH, BOARD_HEIGHT, BOARD_THICKNESS = 62.0, (-0.2, -0.55), 1.9, 1.15, 0.03
 

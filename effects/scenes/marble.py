@@ -12,5 +12,4 @@ MARBLE = {
     "light_color": (0.93, 0.88, 0.80),
     "dark_color": (0.10, 0.15, 0.14),
 }
-
 MAP_SIZE = 256

@@ -14,31 +14,20 @@ from fixedpipe.effects.scenes.objects_and_lamps import (
     lamp_around,
 )
 
-# Where the lamp looks, and its field of view: closer than the scene's box, whose upper corners are empty.
-# Measured: 39.4 degrees hold every vertex (figure F003-17 checks it).
-_LAMP_TARGET, _LAMP_FIELD_OF_VIEW = (0.2, -0.4, -0.4), 40.0
-
-
-def still_life_and_lamp(size):
-    """The still life with the detail of a panel's size, and a lamp on its left that lights just that."""
-    scene = still_life(detail_of(size))
-    return scene, replace(
-        lamp_around(scene, LAMP_POSITIONS[0], _LAMP_TARGET), field_of_view=_LAMP_FIELD_OF_VIEW
-    )
-
-
 # A turned vase and a column with base and capital: (radius, height).
 _VASE = (
     (0.0, 0.0), (0.34, 0.0), (0.36, 0.06), (0.22, 0.14), (0.20, 0.22), (0.34, 0.48), (0.44, 0.78),
     (0.42, 1.02), (0.28, 1.26), (0.17, 1.40), (0.16, 1.52), (0.26, 1.66), (0.0, 1.66),
 )  # fmt: skip
-
 _COLUMN = (
     (0.0, 0.0), (0.34, 0.0), (0.34, 0.12), (0.22, 0.2), (0.2, 1.9), (0.3, 2.02), (0.3, 2.14), (0.0, 2.14),
 )  # fmt: skip
 
 # The moving light: round the scene from the left to the right.
 LAMP_POSITIONS = ((-6.2, 7.0, 3.2), (-1.4, 8.8, 5.0), (5.6, 6.8, 4.4))
+# Where the lamp looks, and its field of view: closer than the scene's box, whose upper corners are empty.
+# Measured: 39.4 degrees hold every vertex (figure F003-17 checks it).
+_LAMP_TARGET, _LAMP_FIELD_OF_VIEW = (0.2, -0.4, -0.4), 40.0
 
 
 def still_life(detail=40):
@@ -69,6 +58,14 @@ def still_life(detail=40):
                 0.1,
             ),
         )
+    )
+
+
+def still_life_and_lamp(size):
+    """The still life with the detail of a panel's size, and a lamp on its left that lights just that."""
+    scene = still_life(detail_of(size))
+    return scene, replace(
+        lamp_around(scene, LAMP_POSITIONS[0], _LAMP_TARGET), field_of_view=_LAMP_FIELD_OF_VIEW
     )
 
 

@@ -19,12 +19,9 @@ from fixedpipe.pipeline.textures.images import texture_3d
 # Voxels along a brick's edge.  Measured: at 512 pixels with 256 slices bricks of 8, 16 and 32 voxels make 61,
 # 69 and 95 million fragments, and those of 16 are drawn fastest.
 BRICK = 16
-
 _VOLUME = Sampler(EDGE.min_filter, EDGE.mag_filter, EDGE.wrap_s, EDGE.wrap_t, wrap_r=WrapMode.CLAMP_TO_EDGE)
-
 # A box's corners, whose numbers have bits x, y and z, and its twelve edges.
 CORNER_BITS = np.array([[k >> axis & 1 for axis in range(3)] for k in range(8)])
-
 _EDGES = np.array([(a, a | bit) for bit in (1, 2, 4) for a in range(8) if not a & bit])
 
 

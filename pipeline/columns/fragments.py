@@ -10,7 +10,6 @@ from fixedpipe.pipeline.vertices.arithmetic import keep_significant_bits
 from fixedpipe.raster.columns import numbers as wide
 
 _MANTISSA_BITS = 53
-
 COLOR_REACH = 1 << 10  # how far a vertex colour reaches, in ones, whose clamp is off
 
 

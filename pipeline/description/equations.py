@@ -28,9 +28,7 @@ from fixedpipe.pipeline.programs.texture_environment import arguments
 from fixedpipe.pipeline.state import RegisterCombiners, TextureEnvironment, TextureShaderStage
 
 _OP = TextureShaderOperation
-
 _REFLECTED = "2 n (n . e) / (n . n) - e"
-
 # What a unit's texel is, s to q its coordinates, dots the dot products, p the texel of the previous input.
 _SHADER_EQUATIONS = {
     _OP.TEXTURE_1D: "tex{i} = TEXTURE_1D(s{i}/q{i})",
@@ -60,7 +58,6 @@ _SHADER_EQUATIONS = {
     ),
     _OP.DOT_PRODUCT_DEPTH_REPLACE: "{dot}; depth = dot{h} / dot{i}; tex{i} = 0",
 }
-
 # The fields that the parts of an equation tell.
 _TOLD = {
     "kept": ("cull_modes",),
@@ -70,7 +67,6 @@ _TOLD = {
     "dot": ("previous_texture_input", "dot_product_mapping"),
     "eye": ("constant_eye",),
 }
-
 _DOT_MAPPINGS = {DotProductMapping.UNSIGNED_IDENTITY: "{}", DotProductMapping.EXPAND_NORMAL: "expand({})"}
 
 
@@ -109,7 +105,6 @@ def shader_stage_equation(i, stage):
 
 
 _ZERO_MAPPINGS = (Mapping.UNSIGNED_IDENTITY, Mapping.SIGNED_IDENTITY, Mapping.SIGNED_NEGATE)
-
 _SCALE_WORDS = {
     CombinerScale.SCALE_BY_TWO: "2",
     CombinerScale.SCALE_BY_FOUR: "4",

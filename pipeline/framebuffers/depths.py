@@ -16,7 +16,6 @@ FARTHEST = {
     DepthFormat.FLOAT_16: 511.9375,
     DepthFormat.FLOAT_24: (2.0 - 2.0**-16) * 2.0**127,
 }
-
 DEPTH_ROWS = {  # code, largest word
     DepthFormat.FIXED_16: (C.DEPTH_FIXED, 0xFFFF),
     DepthFormat.FIXED_23: (C.DEPTH_FIXED, 0x7FFFFF),

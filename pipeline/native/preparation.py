@@ -18,7 +18,6 @@ from fixedpipe.raster.primitives.bins import BAND_HEIGHT, CHUNK, count_bins, fil
 from fixedpipe.raster.vector.frame import fill_draw
 
 NO_RECORD = np.zeros((0, 4), np.int32)
-
 _NO_PAIRS = [NO_TEXELS] * 4
 
 

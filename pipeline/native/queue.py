@@ -16,11 +16,9 @@ from fixedpipe.raster.vector.arrays import Buffers, scratch
 from fixedpipe.raster.vector.frame import draw_frame, fill_clear
 
 BATCH = 2048  # fragments shaded together; any size gives the same bits. Measured: docs/decisions, page 0002
-
 # Pixels of the scissor boxes of all that waits: below this a second thread costs more than it saves
 # (docs/decisions, page 0002).
 _PARALLEL_FROM = 1 << 14
-
 # Bytes of vertices that wait to be drawn, or are kept for a repetition: enough for any figure's frame.
 _MOST_BYTES = 1 << 27
 

@@ -10,7 +10,6 @@ from fixedpipe.raster import rows as R
 from fixedpipe.raster.vector.sample import row_pairs
 
 NO_TEXELS = np.zeros(1, np.uint32)
-
 NO_LEVELS = np.ones((1, R.MAX_LEVELS, 3), np.int32)
 
 

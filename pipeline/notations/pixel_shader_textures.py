@@ -15,10 +15,8 @@ _ACCESSES = {
     TextureTarget.TEXTURE_3D: _OP.TEXTURE_3D,
     TextureTarget.TEXTURE_CUBE_MAP: _OP.TEXTURE_CUBE_MAP,
 }
-
 _2D, _RECTANGLE = TextureTarget.TEXTURE_2D, TextureTarget.TEXTURE_RECTANGLE
 _3D, _CUBE_MAP = TextureTarget.TEXTURE_3D, TextureTarget.TEXTURE_CUBE_MAP
-
 # What a texture instruction does, by the target of its unit; the first where no target was given.
 _TEXTURE_OPERATIONS = {
     "tex": {_2D: _OP.TEXTURE_2D} | _ACCESSES,
@@ -36,7 +34,6 @@ _TEXTURE_OPERATIONS = {
     "texm3x3spec": {_CUBE_MAP: _OP.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP},
     "texm3x3vspec": {_CUBE_MAP: _OP.DOT_PRODUCT_REFLECT_CUBE_MAP},
 }
-
 # NV_texture_shader3 has operations for the first three; fixedpipe.pipeline.enums has not.
 _WITHOUT_OPERATION = {
     "texreg2rgb": "DEPENDENT_RGB_TEXTURE; use texreg2ar or texreg2gb of a 2D texture",
@@ -44,15 +41,12 @@ _WITHOUT_OPERATION = {
     "texdp3tex": "DOT_PRODUCT_TEXTURE_1D; use texm3x2pad and texm3x2tex of a 2D texture",
     "texm3x3": "one that keeps the product of a matrix; look it up with texm3x3tex",
 }
-
 WITHOUT_RESULT = ("texkill", "texm3x2pad", "texm3x3pad", "texm3x2depth")
-
 # The instructions that may follow a first row, and a second one.
 _AFTER_PAD = {
     "texm3x2pad": (("texm3x2tex", "texm3x2depth"),),
     "texm3x3pad": (("texm3x3pad",), ("texm3x3tex", "texm3x3spec", "texm3x3vspec")),
 }
-
 _LAST_ROWS = {name for rows in _AFTER_PAD.values() for name in rows[-1]}
 
 

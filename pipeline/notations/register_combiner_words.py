@@ -48,13 +48,10 @@ SCALES = {
     "scale_by_two": (CombinerScale.SCALE_BY_TWO, CombinerBias.NONE),
     "scale_by_four": (CombinerScale.SCALE_BY_FOUR, CombinerBias.NONE),
 }
-
 SCALE_WORDS = {scale: word for word, scale in SCALES.items()}
 
 ZERO_INPUTS = {usage: CombinerInput(Register.ZERO, usage=usage) for usage in ComponentUsage}
-
 ONE_INPUTS = {usage: CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, usage) for usage in ComponentUsage}
-
 BLACK = (0.0, 0.0, 0.0, 0.0)
 
 
@@ -64,9 +61,7 @@ def _unused(kind, usage):
 
 
 UNUSED_RGB = _unused(RGBPortion, ComponentUsage.RGB)
-
 UNUSED_ALPHA = _unused(AlphaPortion, ComponentUsage.ALPHA)
-
 UNUSED_STAGE = GeneralCombiner(rgb=UNUSED_RGB, alpha=UNUSED_ALPHA)
 
 
