@@ -15,7 +15,7 @@ from fixedpipe.effects.bump_mapping import diffuse_bump
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.matrices import look_at, rotate, rotation
 from fixedpipe.effects.geometry.vectors import dot, unit_vector
-from fixedpipe.effects.geometry.views import Light, Panel, perspective_view
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, Panel, perspective_view
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, material_textures
 
 
@@ -149,7 +149,7 @@ def commands(
     width,
     height,
     *,
-    background=(0.07, 0.075, 0.09),
+    background=BACKGROUND,
     map_size=None,
     eye=(0.0, 1.0, 3.6),
 ):

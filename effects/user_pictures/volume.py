@@ -10,7 +10,7 @@ import numpy as np
 
 from fixedpipe.effects.geometry.matrices import look_at, perspective
 from fixedpipe.effects.geometry.vectors import cross, dot, normalize, unit_vector
-from fixedpipe.effects.geometry.views import Panel, View
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, View
 from fixedpipe.effects.scenes.objects_and_lamps import lamp_around
 from fixedpipe.effects.shadows.alpha_coded_shadows import BIAS, Coding
 from fixedpipe.effects.shadows.lit_scene import map_edge
@@ -112,9 +112,6 @@ def volume_of(values, name, profile, iso=None, spacing=(1.0, 1.0, 1.0)):
     return Volume(name, density, half, fraction)
 
 
-_BACKGROUND = (0.07, 0.075, 0.09)
-
-
 def bias_of(bits, slices, edge):
     """The map's bias in steps of depth: two steps of a byte, or as much as two slices or two of the map's
     ``edge`` texels where these are coarser.
@@ -166,5 +163,5 @@ def picture_of(volume, eye, up, light, profile, size, slices, shadows):
         slices,
         map_panel=Panel(0, 0, edge, edge) if shadows else None,
         coding=Coding(bits=bits, bias=bias_of(bits, slices, edge)),
-        background=_BACKGROUND,
+        background=BACKGROUND,
     )
