@@ -1,10 +1,8 @@
 """``fixedpipe bump``: a photograph or an elevation model as bumps on a mesh."""
 
-import math
-
 import click
 
-from fixedpipe.effects.cli.options import profile_option, threads_option
+from fixedpipe.effects.cli.options import profile_option, threads_option, three_numbers
 
 
 @click.command(short_help="Bump-map a mesh with a photograph.")
@@ -79,7 +77,7 @@ def bump(
     machine = choose("profile", profile, PROFILES)
     path = writable_picture(out)
     check_size("The picture", 1, size, machine)
-    direction = _vector(light)
+    direction = three_numbers(light, "The light's direction")
     changed = {"relief": height_scale, "alpha_x": alpha_x, "alpha_y": alpha_y}
     with refusals():
         parameters = replace(material(material_name), **{k: v for k, v in changed.items() if v is not None})
@@ -99,16 +97,3 @@ def bump(
     if result.dropped:
         click.echo(f"{result.dropped} triangles were left out: the camera is inside them.", err=True)
     click.echo(f"{path}: {result.fragments} fragments on the {machine.name}")
-
-
-def _vector(text):
-    """Three finite numbers, not all zero, from ``x,y,z``. Raises Refusal."""
-    from fixedpipe.effects.refusal import Refusal
-
-    try:
-        vector = tuple(float(c) for c in text.split(","))
-    except ValueError:
-        vector = ()
-    if len(vector) != 3 or not all(map(math.isfinite, vector)) or not any(vector):
-        raise Refusal(f"The light's direction is {text!r}; give three numbers, not all zero, as 1,2,3.")
-    return vector

@@ -1,10 +1,8 @@
 """``fixedpipe shadows``: a mesh's shadow on a floor, by the algorithms of the time."""
 
-import math
-
 import click
 
-from fixedpipe.effects.cli.options import profile_option, threads_option
+from fixedpipe.effects.cli.options import profile_option, threads_option, three_numbers
 
 
 @click.command(short_help="Throw a mesh's shadow, and compare it with rays.")
@@ -64,7 +62,7 @@ def shadows(mesh, algorithm, light, out, size, profile, up, map_size, threads):
         raise Refusal(f"{profile} cannot draw {algorithm}, which takes {way.needs}. Give one of {able}.")
     if map_size and not way.map:
         raise Refusal(f"{algorithm} has no map; leave --map-size out, or give an algorithm with one.")
-    position = _position(light)
+    position = three_numbers(light, "The lamp's place", "-3,6,4", zero=True)
     edge = map_size or min(map_edge(size, 4), machine.max_texture_size)
     if edge & (edge - 1) or edge > machine.max_texture_size:
         raise Refusal(
@@ -115,16 +113,3 @@ def _drawn(algorithm, scene, lamp, machine, size, edge, threads):
     if mesh_shadows.ALGORITHMS[algorithm].map:
         understood["map_edge"] = edge
     return drawn[0], agreement.compare(mask, truth, **understood)
-
-
-def _position(text):
-    """Three finite numbers from ``x,y,z``. Raises Refusal."""
-    from fixedpipe.effects.refusal import Refusal
-
-    try:
-        position = tuple(float(c) for c in text.split(","))
-    except ValueError:
-        position = ()
-    if len(position) != 3 or not all(map(math.isfinite, position)):
-        raise Refusal(f"The lamp's place is {text!r}; give three numbers, as -3,6,4.")
-    return position

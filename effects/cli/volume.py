@@ -1,11 +1,10 @@
 """``fixedpipe volume``: an iso-surface of a user's volume, with shadows."""
 
-import math
 from pathlib import Path
 
 import click
 
-from fixedpipe.effects.cli.options import threads_option
+from fixedpipe.effects.cli.options import threads_option, three_numbers
 
 TYPES = {"uint8": "u1", "int8": "i1", "uint16": "u2", "int16": "i2", "float32": "f4", "float64": "f8"}
 ENDIANS = {"little": "<", "big": ">"}
@@ -74,13 +73,13 @@ def volume(
     machine = choose("profile", profile, PROFILES)
     path = writable_picture(out)
     check_size("The picture", 1, size, machine)
-    directions = [_numbers(text, what) for text, what in (
+    directions = [three_numbers(text, what) for text, what in (
         (view, "The direction to the eye"), (up, "What is up"), (light, "The direction to the light"),
     )]  # fmt: skip
     with refusals():
         method = method_of(machine)
         values, own_spacing = _read(file, dims, type_name, endian, skip)
-        steps = own_spacing if spacing is None else _numbers(spacing, "The spacing")
+        steps = own_spacing if spacing is None else three_numbers(spacing, "The spacing")
         found = volume_of(values, file, machine, iso, steps)
         picture = picture_of(found, *directions, machine, size, slices, shadows)
         frame = method(picture, machine)
@@ -98,19 +97,6 @@ def volume(
         f"{low + found.iso * (high - low):g}"
     )
     click.echo(f"{path}: {slices} slices, {result.fragments} fragments on the {machine.name}")
-
-
-def _numbers(text, what):
-    """Three finite numbers, not all zero, from ``x,y,z``. Raises Refusal."""
-    from fixedpipe.effects.refusal import Refusal
-
-    try:
-        numbers = tuple(float(c) for c in text.split(","))
-    except ValueError:
-        numbers = ()
-    if len(numbers) != 3 or not all(map(math.isfinite, numbers)) or not any(numbers):
-        raise Refusal(f"{what} is {text!r}; give three numbers, not all zero, as 1,2,3.")
-    return numbers
 
 
 def _read(name, dims, type_name, endian, skip):
