@@ -45,6 +45,9 @@ class Collection(Mapping):
             )
         return value
 
+    def __contains__(self, identifier):
+        return identifier in self._modules
+
     def __iter__(self):
         return iter(self._modules)
 
