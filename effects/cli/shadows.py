@@ -48,7 +48,6 @@ def shadows(mesh, algorithm, light, out, size, profile, up, map_size, threads):
     from fixedpipe.effects.refusal import Refusal, choose, refusals
     from fixedpipe.effects.reports.files import writable_picture, write_whole
     from fixedpipe.effects.reports.pictures import png
-    from fixedpipe.effects.shadows.lit_scene import map_edge
     from fixedpipe.effects.user_pictures import mesh_shadows
     from fixedpipe.effects.user_pictures.inputs import read_mesh
     from fixedpipe.pipeline.profiles import PROFILES
@@ -57,59 +56,24 @@ def shadows(mesh, algorithm, light, out, size, profile, up, map_size, threads):
     machine = choose("profile", profile, PROFILES)
     path = writable_picture(out)
     check_size("The picture", 1, size, machine)
-    if not mesh_shadows.can_draw(algorithm, machine):
-        able = ", ".join(mesh_shadows.machines_with(algorithm))
-        raise Refusal(f"{profile} cannot draw {algorithm}, which takes {way.needs}. Give one of {able}.")
-    if map_size and not way.map:
-        raise Refusal(f"{algorithm} has no map; leave --map-size out, or give an algorithm with one.")
-    position = three_numbers(light, "The lamp's place", "-3,6,4", zero=True)
-    edge = map_size or min(map_edge(size, 4), machine.max_texture_size)
-    if edge & (edge - 1) or edge > machine.max_texture_size:
-        raise Refusal(
-            f"The map's edge is {edge} texels; give a power of two up to {machine.max_texture_size}, the "
-            f"{machine.name}'s largest."
-        )
     with refusals():
+        mesh_shadows.check_machine(algorithm, profile)
+        if map_size and not way.map:
+            raise Refusal(f"{algorithm} has no map; leave --map-size out, or give an algorithm with one.")
+        position = three_numbers(light, "The lamp's place", "-3,6,4", zero=True)
+        edge = mesh_shadows.checked_map_edge(size, machine, map_size)
         read = read_mesh(mesh)
         mesh_shadows.check_closed(algorithm, read, mesh)
         surface = mesh_shadows.stood_on_floor(read, up)
         scene = mesh_shadows.scene_of(surface, mesh)
         lamp = mesh_shadows.lamp_at(scene, position)
         announce_compiling()
-        result, found = _drawn(algorithm, scene, lamp, machine, size, edge, threads)
-    write_whole(path, png(result.image()))
-    click.echo(f"{path}: {way.title}, {result.fragments} fragments on the {machine.name}")
-    click.echo(f"shadows against rays: {found}")
-
-
-def _drawn(algorithm, scene, lamp, machine, size, edge, threads):
-    """The picture, and the ``Agreement`` of its mask with rays."""
-    from fixedpipe.effects.acceptance import agreement
-    from fixedpipe.effects.geometry.views import BACKGROUND, Panel
-    from fixedpipe.effects.user_pictures import mesh_shadows
-    from fixedpipe.pipeline.execution.machine import execute
-
-    view = mesh_shadows.camera(Panel(0, 0, size, size))
-    common = {"edge": edge, "background": BACKGROUND}
-    drawn = [
-        execute(
-            mesh_shadows.commands(algorithm, scene, lamp, machine, size, shading=shading, **common),
-            machine,
-            size,
-            size,
-            threads=threads,
-        )
-        for shading in ("lit", "mask")
-    ]
-    truth = agreement.truth_of(scene, view, lamp)
-    if algorithm == "z-pass" and mesh_shadows.in_shadow(truth.caster, view.eye, lamp):
+        found = mesh_shadows.drawn(algorithm, scene, lamp, machine, size, edge, threads)
+    if algorithm == "z-pass" and found.viewer_in_shadow:
         click.echo(
             "The viewer is in the mesh's shadow, where z-pass counts wrong; give --algorithm z-fail.",
             err=True,
         )
-    framebuffer = drawn[1].framebuffer
-    mask = agreement.lit_mask(framebuffer.color[::-1] / (2.0**framebuffer.color_bits - 1.0))
-    understood = {"contact": mesh_shadows.hidden_distance(algorithm, lamp), "grazing": 0.1}
-    if mesh_shadows.ALGORITHMS[algorithm].map:
-        understood["map_edge"] = edge
-    return drawn[0], agreement.compare(mask, truth, **understood)
+    write_whole(path, png(found.result.image()))
+    click.echo(f"{path}: {way.title}, {found.result.fragments} fragments on the {machine.name}")
+    click.echo(f"shadows against rays: {found.agreement}")

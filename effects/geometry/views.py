@@ -9,6 +9,9 @@ from fixedpipe.effects.geometry.vectors import normalize, unit_vector
 from fixedpipe.pipeline.commands import Clear
 from fixedpipe.pipeline.state import Matrix, Scissor, VertexState, Viewport
 
+# What figures and users' pictures are cleared to.
+BACKGROUND = (0.07, 0.075, 0.09)
+
 
 @dataclass(frozen=True)
 class Panel:
@@ -104,9 +107,6 @@ class Light:
         if self.point:
             return normalize(np.array(self.vector) - positions)
         return np.broadcast_to(unit_vector(self.vector, "The light's direction"), positions.shape)
-
-
-BACKGROUND = (0.07, 0.075, 0.09)
 
 
 def panel_of(image, number):

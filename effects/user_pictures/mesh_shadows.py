@@ -9,13 +9,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.agreement import Agreement, compare, lit_mask, truth_of
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.vectors import cross, dot
-from fixedpipe.effects.geometry.views import Panel, perspective_view
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, perspective_view
 from fixedpipe.effects.passes.arguments import one_of
 from fixedpipe.effects.scenes.objects_and_lamps import FLOOR_HALF_WIDTH, Object, Scene, floor, lamp_around
 from fixedpipe.effects.shadows import alpha_coded_shadows, shadow_maps, shadow_volumes
+from fixedpipe.effects.shadows.lit_scene import map_edge
 from fixedpipe.pipeline.enums import BlendEquation
+from fixedpipe.pipeline.framebuffers.result import Result
 from fixedpipe.pipeline.profiles import IDEAL, PROFILES
 from fixedpipe.pipeline.validation.validate import validate
 
@@ -251,7 +254,66 @@ def machines_with(algorithm):
     return tuple(key for key, profile in machines.items() if can_draw(algorithm, profile))
 
 
-def in_shadow(caster, point, lamp):
+def check_machine(algorithm, key):
+    """Raises ValueError, with the machines that can, where that one of PROFILES cannot draw the algorithm."""
+    if not can_draw(algorithm, PROFILES[key]):
+        needs, able = ALGORITHMS[algorithm].needs, ", ".join(machines_with(algorithm))
+        raise ValueError(f"{key} cannot draw {algorithm}, which takes {needs}. Give one of {able}.")
+
+
+def checked_map_edge(size, profile, edge=None):
+    """Texels along a map's edge; None: up to four for each of a picture's ``size`` pixels. Raises ValueError
+    where they are no power of two, or more than the machine's textures have.
+    """
+    largest = profile.max_texture_size
+    edge = edge or min(map_edge(size, 4), largest)
+    if edge & (edge - 1) or edge > largest:
+        raise ValueError(
+            f"The map's edge is {edge} texels; give a power of two up to {largest}, the {profile.name}'s "
+            "largest."
+        )
+    return edge
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """A mesh's shadow: the picture's ``Result``, how its mask agrees with rays, and whether the viewer is in
+    the shadow, where z-pass counts wrong.
+    """
+
+    result: Result
+    agreement: Agreement
+    viewer_in_shadow: bool
+
+
+def drawn(algorithm, scene, lamp, profile, size, edge, threads=None):
+    """The picture, and its mask compared with rays: ``Drawn``. ``edge``: of the map, in texels."""
+    # Whoever waits for kernels to be compiled is told first.
+    from fixedpipe.pipeline.execution.machine import execute
+
+    view = camera(Panel(0, 0, size, size))
+    picture, masked = (
+        execute(
+            commands(
+                algorithm, scene, lamp, profile, size, edge=edge, background=BACKGROUND, shading=shading
+            ),
+            profile,
+            size,
+            size,
+            threads=threads,
+        )
+        for shading in ("lit", "mask")
+    )
+    truth = truth_of(scene, view, lamp)
+    mask = lit_mask(masked.framebuffer.color[::-1] / (2.0**masked.framebuffer.color_bits - 1.0))
+    understood = {"contact": hidden_distance(algorithm, lamp), "grazing": 0.1}
+    if ALGORITHMS[algorithm].map:
+        understood["map_edge"] = edge
+    found = compare(mask, truth, **understood)
+    return Drawn(picture, found, _in_shadow(truth.caster, view.eye, lamp))
+
+
+def _in_shadow(caster, point, lamp):
     """Whether something is between a point and the lamp, for a RayCaster of the scene."""
     direction = np.array(lamp.position) - np.array(point)
     return bool(caster.occluded(np.array([point]), direction[None], longest=1.0)[0])
