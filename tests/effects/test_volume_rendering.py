@@ -12,7 +12,7 @@ from fixedpipe.effects.geometry.views import Panel, orthographic_view, perspecti
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp
 from fixedpipe.effects.shadows.alpha_coded_shadows import Coding
 from fixedpipe.effects.user_pictures.volume import picture_of, resampled, texture_edges, volume_of
-from fixedpipe.effects.volumes import volume_rendering
+from fixedpipe.effects.volumes import slices, volume_rendering
 from fixedpipe.effects.volumes.engine_block import engine_block
 from fixedpipe.effects.volumes.slices import Volume, bricks, slice_mesh, stored_normals
 from fixedpipe.effects.volumes.volume_rendering import (
@@ -211,7 +211,7 @@ def test_slices_fill_the_volume_and_their_coordinates_lie_on_their_rays(make_vie
 def test_bricks_that_are_left_out_change_no_pixel(monkeypatch):
     seen = drawn(imaging, picture(), OCTANE)
     everything = Volume("ball", BALL.density, BALL.half_extents)
-    monkeypatch.setattr(volume_rendering, "bricks", lambda density, iso: np.array(list(np.ndindex(2, 2, 2))))
+    monkeypatch.setattr(slices, "bricks", lambda density, iso: np.array(list(np.ndindex(2, 2, 2))))
     assert len(everything.seen_bricks()) == 8
     whole = drawn(imaging, replace(picture(), volume=everything), OCTANE)
     assert np.abs(seen - whole).max() <= 1.0 / 255.0
