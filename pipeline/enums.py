@@ -1,7 +1,7 @@
 """The tokens of OpenGL 1.2.1 and its extensions, without ``GL_`` and without vendor suffix.
 
 The integer values are this project's own. Those that kernels decide on come from ``raster/codes.py``, the one
-list of codes; ``pipeline/native/pack.py`` writes them into the rows that kernels read.
+list of codes; ``pipeline/native/`` writes them into the rows that kernels read.
 
 Source: OpenGL 1.2.1 (Segal, Akeley 1999); NV_register_combiners; EXT_texture_cube_map; NV_texgen_reflection;
 EXT_stencil_wrap; EXT_blend_minmax; EXT_blend_subtract; EXT_texture_lod_bias; NV_texture_shader; ARB_shadow;

@@ -1,7 +1,7 @@
 """The integer codes that rows, kernels and the column engine decide on: the ground floor.
 
 A code's name begins with what kind of thing it is. ``pipeline/enums.py`` takes the values of OpenGL's tokens
-from here; kinds that are no tokens are what ``pipeline/native/pack.py`` makes of a state. A kernel compares a row's
+from here; kinds that are no tokens are what ``pipeline/native/`` makes of a state. A kernel compares a row's
 entry with one of these names, never with a number: to Numba they are constants. Where codes are ordered, or
 made of bits, for a reason, the reason stands beside them.
 """

@@ -1,4 +1,4 @@
-"""Layout of the rows that ``pipeline/native/pack.py`` writes and kernels read. Every entry is an integer unless it
+"""Layout of the rows that ``pipeline/native/`` writes and kernels read. Every entry is an integer unless it
 says so.
 
 A state is packed so that two states that cannot differ in their result give equal rows: what is disabled is

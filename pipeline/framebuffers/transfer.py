@@ -293,8 +293,8 @@ def transfer_image(image, transfer, profile, statistics, dimensions=2):
 def packed_colors(groups, pixel_format, pixel_type):
     """Groups as ReadPixels returns them: Conversion to L and final conversion (section 4.3.2).
 
-    ``pixel_format``: one of ``fixedpipe.pipeline.framebuffers.framebuffer.READ_FORMATS``; ``pixel_type``: of READ_TYPES. Returns
-    uint8, uint16 or float64 [h, w(, c)].
+    ``pixel_format``: one of ``fixedpipe.pipeline.framebuffers.framebuffer.READ_FORMATS``; ``pixel_type``: of
+    READ_TYPES. Returns uint8, uint16 or float64 [h, w(, c)].
     """
     elements = IMAGE_FORMATS[pixel_format]
     columns = []

@@ -48,8 +48,9 @@ class Prepared:
     bound    (name, Texture) of each texture that it reads
     area     pixels of the scissor box; 0: nothing is left to draw, and what follows is not there
     size     bytes of vertices
-    texels   of four units: their _Texels, or None; ``levels`` int32 [units, MAX_LEVELS, 3]
-    order    primitives sorted into bands; ``ends``: where each band's end (``fixedpipe.raster.primitives.bins``)
+    texels   of four units: their Texels, or None; ``levels`` int32 [units, MAX_LEVELS, 3]
+    order    primitives sorted into bands (``fixedpipe.raster.primitives.bins``); ``ends``: where each band's
+             end
     job      a row of the vector engine's table; False: it is the portable engine's; None: not asked yet
     beside   arrays that only this row names
     """
@@ -81,7 +82,8 @@ class Prepared:
         )  # fmt: skip
         if count < 0:
             raise ValueError(
-                "A pass's rows would lead outside an array; take them from fixedpipe.pipeline.native.pack.pack."
+                "A pass's rows would lead outside an array; take them from "
+                "fixedpipe.pipeline.native.pack.pack."
             )
         return count
 

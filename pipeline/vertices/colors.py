@@ -78,7 +78,7 @@ def given_colors(mesh, columns, vertex, profile):
 
 
 def unrounded_colors(mesh, columns, vertex, profile):
-    """What ``_given_colors`` makes bytes of, as MeshColumns has it."""
+    """What ``given_colors`` makes bytes of, as MeshColumns has it."""
     key = vertex.two_side, vertex.secondary_color, _clamps_colors(profile)
     if key not in columns.unrounded:
         front, back = vertex_colors(mesh, vertex, None, None, None, profile)

@@ -1,6 +1,6 @@
 """Whether the rows of a pass keep every kernel inside its arrays, whoever wrote them.
 
-``pipeline/native/pack.py`` writes no others; a caller of kernels may. An entry that only changes a value is not
+``pipeline/native/`` writes no others; a caller of kernels may. An entry that only changes a value is not
 looked at: any bits give some picture. The cost is some hundred comparisons for a whole draw.
 """
 

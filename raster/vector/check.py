@@ -44,8 +44,8 @@ def usable_plan(plan):
 def usable_job(
     draw, draw_float, plan, factors, triangles, vertices, inverse_w, colors, coordinates, levels, units
 ):
-    """As ``usable``, for the vector engine, but for box and texels, which rows.JOB_USABLE and
-    ``frame.draw_frame`` are about.
+    """As ``fixedpipe.raster.portable.check.usable``, for the vector engine, but for box and texels, which
+    rows.JOB_USABLE and ``frame.draw_frame`` are about.
     """
     if draw.shape[0] < R.DRAW_SIZE or draw_float.shape[0] < R.DRAW_FLOAT_SIZE or triangles.shape[1] != 4:
         return False

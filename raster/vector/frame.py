@@ -86,7 +86,8 @@ def fill_draw(
     pairs1, pairs2, pairs3, levels, units, order, ends,
 ):  # fmt: skip
     """Row k of ``jobs`` from a Draw's arrays, which must outlive it; False where the vector engine does not
-    cover the Draw, or where its arrays would lead a kernel outside of them (``fixedpipe.raster.portable.check``).
+    cover the Draw, or where its arrays would lead a kernel outside of them
+    (``fixedpipe.raster.vector.check``).
     """
     if not usable_job(
         draw, draw_float, plan, factors, triangles, x.shape[0], inverse_w, colors, coordinates, levels, units
