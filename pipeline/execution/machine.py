@@ -5,7 +5,7 @@ Clears and Draws wait in a queue (``pipeline.native.queue``) until something rea
 
 import threading
 from collections import deque
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from numbers import Integral
 
 import numpy as np
@@ -145,7 +145,6 @@ class Machine:
         self._current = self.framebuffer
         self._samples = Samples(self.framebuffer, self.samples) if self.samples > 1 else None
         self._running, self._runner = threading.Lock(), None
-        self._unrounded = None
 
     def run(self, commands, *, trace=False, record=False):
         """Validate and run ``commands``; returns a Result.
@@ -355,10 +354,9 @@ class Machine:
     def _drawn_by_columns(self, command, target, position):
         """Draw by the column engine: its Fragments, and how many primitives were dropped."""
         state, profile = command.state, self.profile
-        if self._unrounded is None:  # vertices' colours are rounded where the fragment's width is known
-            self._unrounded = replace(profile, exact=True)
         size = target.width, target.height
-        primitives = stage.process(command.mesh, state, self._unrounded, *size, position)
+        # Vertices' colours are rounded where the fragment's width is known.
+        primitives = stage.process(command.mesh, state, profile, *size, position, rounded=False)
         if profile.subpixel_bits == NATIVE_SUBPIXEL_BITS:
             covered, lost = covered_pixels(primitives, state, profile, target.width, target.height)
         else:

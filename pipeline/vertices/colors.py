@@ -65,9 +65,11 @@ def _clamps_colors(profile):
     return Clamp.VERTEX_COLOR in profile.clamps
 
 
-def given_colors(mesh, columns, vertex, profile):
-    """Colours of vertices without lighting, as WindowPrimitives has them, and whether all are equal."""
-    bits = kept_color_bits(vertex, profile)
+def given_colors(mesh, columns, vertex, profile, bits):
+    """Colours of vertices without lighting, as WindowPrimitives has them, and whether all are equal.
+
+    ``bits``: ``kept_color_bits``, or None.
+    """
     key = vertex.two_side, vertex.secondary_color, bits, _clamps_colors(profile)
     if key not in columns.colors:
         front, back = vertex_colors(mesh, vertex, None, None, None, profile)

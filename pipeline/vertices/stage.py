@@ -53,7 +53,7 @@ from fixedpipe.raster.primitives.vertices import (
 _COLUMNS = ("x", "y", "z", "inverse_w", "colors", "coordinates", "fog")  # of WindowPrimitives
 
 
-def process(mesh, state, profile, width, height, sample=(0, 0)):
+def process(mesh, state, profile, width, height, sample=(0, 0), *, rounded=True):
     """Transform, light, clip, project and snap a mesh.
 
     Parameters
@@ -63,11 +63,13 @@ def process(mesh, state, profile, width, height, sample=(0, 0)):
     state : fixedpipe.pipeline.state.PassState
     profile : fixedpipe.pipeline.profiles.profile.Profile
         Read are ``subpixel_bits``, ``guard_band``, ``device_origin``, ``color_mantissa_bits``, ``exact``: an
-        exact profile's colours stay float64, not rounded; ``clamps``: whether VERTEX_COLOR is on.
+        exact profile's colours are not rounded; ``clamps``: whether VERTEX_COLOR is on.
     width, height : int
         The framebuffer's size in pixels.
     sample : tuple of int
         The place in a pixel that pixels are drawn for, (x, y) in 1/16 pixel from the middle, y up.
+    rounded : bool
+        Whether colours become bytes; else they stay float64.
 
     Returns
     -------
@@ -83,18 +85,21 @@ def process(mesh, state, profile, width, height, sample=(0, 0)):
     A vertex outside a clipping plane keeps its place in the columns, where no triangle names it.
     Source: OpenGL 1.2.1 sections 2.6 to 2.13; EXT_texture_cube_map; NV_texgen_reflection; EXT_fog_coord.
     """
-    columns = mesh_columns(mesh)
+    columns, bits = mesh_columns(mesh), kept_color_bits(state.vertex, profile) if rounded else None
     plan = plan_of(mesh, columns, state, profile, width, height)
     # Huge finite input may overflow to infinity and on to NaN. Such a triangle is dropped and counted below,
     # and colours and integers are made from clamped values only, so no warning is due.
     with np.errstate(all="ignore"):
         if plan is None:
-            return process_columns(mesh, state, profile, width, height, sample)
-        return _seen_from(_planned(mesh, columns, plan, state, profile), sample, profile.subpixel_bits)
+            return process_columns(mesh, state, profile, width, height, sample, rounded=rounded)
+        return _seen_from(_planned(mesh, columns, plan, state, profile, bits), sample, profile.subpixel_bits)
 
 
-def _planned(mesh, columns, plan, state, profile):
-    """What kernels compute, with lighting, fog and coordinates generated from normals column by column."""
+def _planned(mesh, columns, plan, state, profile, bits):
+    """What kernels compute, with lighting, fog and coordinates generated from normals column by column.
+
+    ``bits``: ``kept_color_bits``, or None.
+    """
     count = len(mesh.positions)
     x, y, z, inverse_w = _window_columns(count)
     coordinates = np.empty((count, plan.units, 4))
@@ -121,13 +126,13 @@ def _planned(mesh, columns, plan, state, profile):
             front, back = vertex_colors(mesh, state.vertex, position, eye, normal, profile)
             two_side = back is not front
             both = [*front, *back] if two_side else front
-            colors = stacked_colors(count, both, kept_color_bits(state.vertex, profile))
+            colors = stacked_colors(count, both, bits)
         if state.fog is not None:
             fog = filled(count, iterated_fog(mesh, state, eye, profile))
         if "projective" not in known:
             coordinates = stacked_units(count, unit_coordinates(mesh, state, position, eye, normal))
     if not lit:
-        colors, known["constant_color"] = given_colors(mesh, columns, state.vertex, profile)
+        colors, known["constant_color"] = given_colors(mesh, columns, state.vertex, profile, bits)
     primitives = WindowPrimitives(
         x=x,
         y=y,
@@ -143,7 +148,6 @@ def _planned(mesh, columns, plan, state, profile):
     if len(clipped):
         if not lit:
             both = unrounded_colors(mesh, columns, state.vertex, profile)
-        bits = kept_color_bits(state.vertex, profile)
         primitives, known = _clipped(primitives, known, plan, clipped, both, bits)
     return primitives.knowing(**known)
 
@@ -208,17 +212,18 @@ def _seen_from(primitives, sample, subpixel_bits):
     return replace(primitives, x=primitives.x - np.int32(across), y=primitives.y + np.int32(up))  # y down
 
 
-def process_columns(mesh, state, profile, width, height, sample=(0, 0)):
+def process_columns(mesh, state, profile, width, height, sample=(0, 0), *, rounded=True):
     """``process`` for any mesh and state, column by column."""
+    bits = kept_color_bits(state.vertex, profile) if rounded else None
     triangles = assemble(mesh, state.polygon.provoking_vertex)
-    primitives, origin, triangles, sizes = _process(mesh, triangles, state, profile, width, height)
+    primitives, origin, triangles, sizes = _process(mesh, triangles, state, profile, width, height, bits)
     primitives = _seen_from(primitives, sample, profile.subpixel_bits)
     return stroked(primitives, mesh, state, profile, triangles, origin, sizes)
 
 
-def _process(mesh, triangles, state, profile, width, height):
+def _process(mesh, triangles, state, profile, width, height, bits):
     """The primitives of a mesh, without strokes; which of ``triangles``, its rows, each came from; the rows
-    as clipping left them; and the sizes of points, a column.
+    as clipping left them; and the sizes of points, a column. ``bits``: ``kept_color_bits``, or None.
     """
     vertex = state.vertex
     position = columns_of(mesh.positions, (0.0, 0.0, 0.0, 1.0))
@@ -283,7 +288,7 @@ def _process(mesh, triangles, state, profile, width, height):
         y=filled(count, y, np.int32),
         z=filled(count, z if unclamped else np.fmin(positive(z), ONE)),
         inverse_w=filled(count, np.where(drawable, inverse_w, ONE)),
-        colors=stacked_colors(count, columns[first_color:fog], kept_color_bits(vertex, profile)),
+        colors=stacked_colors(count, columns[first_color:fog], bits),
         coordinates=stacked_units(count, columns[fog + 1 : -1]),
         fog=filled(count, columns[fog]),
         triangles=triangles,

@@ -751,10 +751,10 @@ def test_what_comes_before_an_error_is_drawn(monkeypatch, engine):
     machine = Machine(GEFORCE_256, WIDTH, HEIGHT, engine=engine)
     process = stage.process
 
-    def failing(mesh, *others):
+    def failing(mesh, *others, **named):
         if len(mesh.positions) > 3:
             raise MemoryError("no room for vertices")
-        return process(mesh, *others)
+        return process(mesh, *others, **named)
 
     monkeypatch.setattr(stage, "process", failing)
     with pytest.raises(MemoryError, match="no room for vertices"):

@@ -33,6 +33,7 @@ from fixedpipe.pipeline.state import (
     ColorMaterial,
     ColorSources,
     Composite,
+    DepthClamp,
     Fog,
     FogRegisters,
     Light,
@@ -47,6 +48,7 @@ from fixedpipe.pipeline.state import (
     Viewport,
 )
 from fixedpipe.pipeline.vertices.arithmetic import power
+from fixedpipe.pipeline.vertices.colors import color_byte, kept_color_bits
 from fixedpipe.pipeline.vertices.lighting import cosine_of_degrees
 from fixedpipe.pipeline.vertices.stage import process
 from tests.reference import vertex as reference
@@ -594,6 +596,28 @@ def test_an_exact_machine_keeps_colours_as_they_are():
     got = one_triangle(np.zeros((3, 2)), profile=IDEAL, colors=np.full((3, 3), 1.7))
     assert got.colors.dtype == np.float64
     assert got.colors[0, 1].tolist() == [1.7, 1.7, 1.7, 1.0, 0.0, 0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("lighting", [None, Lighting((Light(),))])
+@pytest.mark.parametrize("depth_clamp", [None, DepthClamp()])  # the second is none of the kernel's
+def test_colours_that_are_not_rounded_are_those_that_become_bytes(lighting, depth_clamp):
+    random = np.random.default_rng(5)
+    mesh = Mesh(
+        random.uniform(-4, 4, (30, 3)),
+        colors=random.uniform(0, 1, (30, 4)),
+        normals=random.normal(size=(30, 3)),
+    )
+    vertex = VertexState(TURNED, PERSPECTIVE, lighting=lighting)
+    state = PassState(vertex=vertex, depth_clamp=depth_clamp)
+    rounded = process(mesh, state, GEFORCE_256, WIDTH, HEIGHT)
+    got = process(mesh, state, GEFORCE_256, WIDTH, HEIGHT, rounded=False)
+    assert len(got.x) > 30  # some are clipped
+    assert (rounded.colors.dtype, got.colors.dtype) == (np.uint8, np.float64)
+    bits = kept_color_bits(vertex, GEFORCE_256)
+    np.testing.assert_array_equal(color_byte(got.colors, bits), rounded.colors)
+    assert (got.colors * 255.0 % 1.0 > 0.0).any()
+    exact = process(mesh, state, replace(GEFORCE_256, exact=True), WIDTH, HEIGHT)
+    np.testing.assert_array_equal(got.colors, exact.colors)
 
 
 # ------------------------------------------------------------------------------------------- lighting

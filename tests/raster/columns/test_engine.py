@@ -249,7 +249,7 @@ def test_passes_at_other_widths_are_the_specification_s(seed):
     commands = random_pass(random, profile)
     machine = Machine(profile, 14, 10, 24)
     framebuffer = machine.run(commands).framebuffer
-    primitives = stage.process(commands[1].mesh, commands[1].state, replace(profile, exact=True), 14, 10)
+    primitives = stage.process(commands[1].mesh, commands[1].state, profile, 14, 10, rounded=False)
     names = ("x", "y", "z", "inverse_w", "colors", "coordinates", "triangles")
     columns = SimpleNamespace(**{name: getattr(primitives, name).tolist() for name in names})
     stored = machine.textures["t"]
