@@ -44,9 +44,8 @@ from fixedpipe.pipeline.framebuffers.texture_copies import (
     replaced_texture,
 )
 from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
-from fixedpipe.pipeline.native import pack
 from fixedpipe.pipeline.native.coverage import covered_pixels, recorded_fragments
-from fixedpipe.pipeline.native.preparation import prepare
+from fixedpipe.pipeline.native.preparation import Prepared
 from fixedpipe.pipeline.native.queue import BATCH, KeptDraws, Queue
 from fixedpipe.pipeline.native.threads import default_threads
 from fixedpipe.pipeline.profiles.profile import NATIVE_SUBPIXEL_BITS, Profile
@@ -373,8 +372,7 @@ class Machine:
     def _prepared(self, command, position):
         state, target = command.state, self._current
         primitives = stage.process(command.mesh, state, self.profile, target.width, target.height, position)
-        packed = pack.pack(state, self.profile, target, self.textures, primitives)
-        return prepare(target, primitives, packed, self.textures)
+        return Prepared.of(primitives, state, self.profile, target, self.textures)
 
 
 def execute(

@@ -8,8 +8,7 @@ import numpy as np
 
 from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
 from fixedpipe.pipeline.framebuffers.result import Fragments
-from fixedpipe.pipeline.native import pack
-from fixedpipe.pipeline.native.preparation import NO_RECORD, prepare
+from fixedpipe.pipeline.native.preparation import NO_RECORD, Prepared
 from fixedpipe.pipeline.native.queue import BATCH, buffers_of
 from fixedpipe.pipeline.profiles import GEFORCE_256
 from fixedpipe.pipeline.state import ColorMask, PassState
@@ -61,8 +60,7 @@ def covered_pixels(primitives, state, profile, width, height):
         color_mask=ColorMask(False, False, False, False),
     )
     framebuffer = _unwritten(width, height)
-    packed = pack.pack(plain, profile, framebuffer, {}, uncolored)
-    prepared = prepare(framebuffer, uncolored, packed, {})
+    prepared = Prepared.of(uncolored, plain, profile, framebuffer, {})
     return recorded_fragments(prepared, framebuffer, BATCH), prepared.dropped
 
 
@@ -74,8 +72,8 @@ def rasterize(primitives, polygon, scissor, width, height):
     framebuffer, pixels.
     """
     state, framebuffer = _coverage_state(polygon, scissor), _unwritten(width, height)
-    packed = pack.pack(state, GEFORCE_256, framebuffer, {}, primitives)
-    return recorded_fragments(prepare(framebuffer, primitives, packed, {}), framebuffer, BATCH)
+    prepared = Prepared.of(primitives, state, GEFORCE_256, framebuffer, {})
+    return recorded_fragments(prepared, framebuffer, BATCH)
 
 
 @lru_cache(maxsize=64)

@@ -68,6 +68,28 @@ class Prepared:
     job: object = None
     beside: object = None
 
+    @classmethod
+    def of(cls, primitives, state, profile, framebuffer, textures):
+        """A Draw of window primitives, sorted into bands and with what kernels take brought together.
+
+        ``framebuffer``: any of the size and formats of those that it is drawn into.
+        """
+        p, packed = primitives, pack.pack(state, profile, framebuffer, textures, primitives)
+        bound = tuple([(name, textures[name]) for _, name, _ in packed.reads])
+        if len(p.triangles) == 0 or packed.area == 0:
+            return cls(p.dropped, bound)
+        order, ends, dropped = sort_into_bands(p, packed.draw, framebuffer.height)
+        if len(order) == 0:
+            return cls(dropped + p.dropped, bound)
+        texels, levels = [None] * 4, [NO_LEVELS] * len(packed.units)
+        for i, name, signed in packed.reads:
+            texels[i] = texels_of(textures[name], signed)
+            levels[i] = texels[i].levels
+        size = p.colors.nbytes + p.coordinates.nbytes + 40 * len(p.x) + 16 * len(p.triangles) + 4 * len(order)
+        return cls(
+            dropped + p.dropped, bound, packed.area, size, p, packed, texels, _stacked(levels), order, ends
+        )
+
     def bands(self, first, step, batch, buffers, record):
         """Draw bands ``first``, ``first + step``, ... by the portable engine: how many fragments."""
         from fixedpipe.raster.portable.draw import draw_bands
@@ -115,24 +137,6 @@ class Prepared:
             packed.depths, p.inverse_w, p.colors, p.coordinates, *pairs, levels, packed.units, self.order,
             self.ends,
         )  # fmt: skip
-
-
-def prepare(framebuffer, primitives, packed, textures):
-    """Sort primitives into bands and bring together what kernels take."""
-    p = primitives
-    empty = len(p.triangles) == 0 or packed.area == 0
-    order, ends, dropped = (None, None, 0) if empty else sort_into_bands(p, packed.draw, framebuffer.height)
-    bound = tuple([(name, textures[name]) for _, name, _ in packed.reads])
-    if empty or len(order) == 0:
-        return Prepared(dropped + p.dropped, bound)
-    texels, levels = [None] * 4, [NO_LEVELS] * len(packed.units)
-    for i, name, signed in packed.reads:
-        texels[i] = texels_of(textures[name], signed)
-        levels[i] = texels[i].levels
-    size = p.colors.nbytes + p.coordinates.nbytes + 40 * len(p.x) + 16 * len(p.triangles) + 4 * len(order)
-    return Prepared(
-        dropped + p.dropped, bound, packed.area, size, p, packed, texels, _stacked(levels), order, ends
-    )
 
 
 def _stacked(levels):
