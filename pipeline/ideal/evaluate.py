@@ -58,7 +58,7 @@ def _draw(command, buffers, textures, width, height, depth_bits, record, threads
     if record is None:
         # Coverage has no use for colours, and its kernels take bytes.
         uncolored = replace(primitives, colors=np.zeros(primitives.colors.shape, np.uint8))
-        fragments = rasterize(uncolored, state.polygon, state.scissor, width, height)
+        fragments = rasterize(uncolored, IDEAL, state.polygon, state.scissor, width, height)
         triangle, x, y = fragments.triangle, fragments.x, fragments.y
     else:
         passed = np.asarray(record.passed, bool)

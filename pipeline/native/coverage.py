@@ -10,7 +10,6 @@ from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
 from fixedpipe.pipeline.framebuffers.result import Fragments
 from fixedpipe.pipeline.native.preparation import NO_RECORD, Prepared
 from fixedpipe.pipeline.native.queue import BATCH, buffers_of
-from fixedpipe.pipeline.profiles import GEFORCE_256
 from fixedpipe.pipeline.state import ColorMask, PassState
 
 
@@ -64,15 +63,15 @@ def covered_pixels(primitives, state, profile, width, height):
     return recorded_fragments(prepared, framebuffer, BATCH), prepared.dropped
 
 
-def rasterize(primitives, polygon, scissor, width, height):
+def rasterize(primitives, profile, polygon, scissor, width, height):
     """Coverage alone: the Fragments of window primitives, culled and scissored, per pixel in draw order.
 
-    ``primitives``: as ``fixedpipe.pipeline.vertices.stage.process`` makes them, contiguous columns of one length; they are not
-    checked again. ``polygon``: a PolygonState; ``scissor``: a Scissor or None; ``width``, ``height`` of the
-    framebuffer, pixels.
+    ``primitives``: as ``fixedpipe.pipeline.vertices.stage.process`` makes them, contiguous columns of one
+    length; they are not checked again. ``profile``: the machine; ``polygon``: a PolygonState; ``scissor``: a
+    Scissor or None; ``width``, ``height`` of the framebuffer, pixels.
     """
     state, framebuffer = _coverage_state(polygon, scissor), _unwritten(width, height)
-    prepared = Prepared.of(primitives, state, GEFORCE_256, framebuffer, {})
+    prepared = Prepared.of(primitives, state, profile, framebuffer, {})
     return recorded_fragments(prepared, framebuffer, BATCH)
 
 

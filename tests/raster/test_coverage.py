@@ -92,9 +92,9 @@ def window_triangles(points):
 @pytest.mark.parametrize("vertex", [-1, 3])
 def test_a_triangle_that_names_a_vertex_out_of_range_is_not_drawn(place, vertex):
     primitives = window_triangles(np.array([[0, 0], [0, 128], [128, 0]]))
-    assert len(rasterize(primitives, PolygonState(), None, 8, 8).x) > 0
+    assert len(rasterize(primitives, GEFORCE_256, PolygonState(), None, 8, 8).x) > 0
     primitives.triangles[0, place] = vertex
-    assert len(rasterize(primitives, PolygonState(), None, 8, 8).x) == 0
+    assert len(rasterize(primitives, GEFORCE_256, PolygonState(), None, 8, 8).x) == 0
 
 
 @settings(max_examples=300)
@@ -107,7 +107,7 @@ def test_coverage_equals_the_specification_pixel_by_pixel(seed, reach, on_ties):
         points[1::3, 1] = np.where(random.random(30) < 0.3, points[0::3, 1], points[1::3, 1])
         points[2::3, 0] = np.where(random.random(30) < 0.3, points[0::3, 0], points[2::3, 0])
         points = points.reshape(30, 3, 2)[:, random.permutation(3)].reshape(90, 2)
-    got = rasterize(window_triangles(points), PolygonState(), None, 11, 9)
+    got = rasterize(window_triangles(points), GEFORCE_256, PolygonState(), None, 11, 9)
     expected = []
     for t, corners in enumerate(points.reshape(30, 3, 2).tolist()):
         triangle = coverage.make_triangle(*(tuple(corner) for corner in corners))

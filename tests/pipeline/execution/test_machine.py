@@ -198,7 +198,7 @@ def test_records_and_rasterization_name_the_same_fragments():
     draw = replace(draw, state=replace(draw.state, scissor=box, polygon=polygon))
     (record,) = run(draw, record=True).records
     primitives = stage.process(draw.mesh, draw.state, GEFORCE_256, WIDTH, HEIGHT)
-    coverage = rasterize(primitives, draw.state.polygon, box, WIDTH, HEIGHT)
+    coverage = rasterize(primitives, GEFORCE_256, draw.state.polygon, box, WIDTH, HEIGHT)
     for name in ("triangle", "x", "y"):
         np.testing.assert_array_equal(getattr(record, name), getattr(coverage, name))
     assert coverage.passed.all()
