@@ -10,8 +10,8 @@ from numbers import Integral
 
 import numpy as np
 
-from fixedpipe.pipeline.columns import engine as column_engine
-from fixedpipe.pipeline.columns import interpolate
+from fixedpipe.pipeline.columns.engine import column_draw, needs_columns
+from fixedpipe.pipeline.columns.interpolate import covered_triangles
 from fixedpipe.pipeline.columns.rectangles import draw_rectangle
 from fixedpipe.pipeline.commands import (
     Accum,
@@ -36,7 +36,7 @@ from fixedpipe.pipeline.framebuffers.accumulation import accumulate, clear_accum
 from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
 from fixedpipe.pipeline.framebuffers.multisample import SAMPLE_POSITIONS, Samples
 from fixedpipe.pipeline.framebuffers.result import Fragments, Result
-from fixedpipe.pipeline.framebuffers.snapshot import snapshot
+from fixedpipe.pipeline.framebuffers.snapshot import Snapshot, snapshot
 from fixedpipe.pipeline.framebuffers.texture_copies import (
     bound_texture,
     copied_texture,
@@ -57,7 +57,26 @@ from fixedpipe.pipeline.vertices import stage
 from fixedpipe.raster.primitives.bins import BAND_HEIGHT
 
 ENGINES = (None, "portable", "columns")
-_RECTANGLES = (DrawPixels, CopyPixels, Bitmap)
+
+
+@dataclass(eq=False)
+class _Frame:
+    """A frame while it runs: which of its commands still wait, and what the others gave (``Result``).
+
+    kept     Draws that come again
+    engine   of ``ENGINES``: which draws
+    record   whether every Draw's fragments are kept
+    """
+
+    waiting: deque
+    kept: KeptDraws
+    engine: str | None
+    record: bool
+    pixels: dict[str, np.ndarray] = field(default_factory=dict)
+    snapshots: list[Snapshot] = field(default_factory=list)
+    records: list[Fragments] = field(default_factory=list)
+    dropped: int = 0
+    undefined: int = 0
 
 
 @dataclass(eq=False)
@@ -170,117 +189,44 @@ class Machine:
                 self._runner = None
 
     def _run(self, commands, trace, record):
-        validate(
-            commands,
-            self.profile,
-            self.width,
-            self.height,
-            self.depth_bits,
-            self.textures,
-            self.surfaces,
-            self.statistics,
-        )
+        self._validate(commands)
         self._current = self.framebuffer
         # The engine that records draws alone, Clears as well: the other is then neither compiled nor read.
         engine = "portable" if record else self.engine
-        queue, repeated = self._queue, KeptDraws(commands, self.samples)
-        pixels, snapshots, records = {}, [], []
-        queue.fragments = dropped = undefined = 0
-        waiting = deque(commands)
+        frame = _Frame(deque(commands), KeptDraws(commands, self.samples), engine, record)
+        self._queue.fragments = 0
         try:
-            while waiting:
-                command = waiting.popleft()
+            while frame.waiting:
+                command = frame.waiting.popleft()
                 kind = type(command)
-                if kind is Draw:
-                    for surface, position in self._targets(command.state.draw_buffer):
-                        target = surface.buffer(command.state.draw_buffer)
-                        # What was prepared is the native engines'.
-                        draw = repeated.get(command, surface, self.textures)
-                        if draw is None and self._draws_columns(command.state, target):
-                            queue.flush()
-                            drawn, lost = self._drawn_by_columns(command, target, position)
-                            queue.fragments += len(drawn.x)
-                            if record:
-                                records.append(drawn)
-                            continue
-                        if draw is None:
-                            draw = self._prepared(command, position)
-                            repeated.keep(command, surface, draw)
-                        lost = draw.dropped
-                        if record:
-                            queue.flush()
-                            records.append(recorded_fragments(draw, target, self.batch))
-                            queue.fragments += len(records[-1].x)
-                        else:
-                            queue.draw(draw, target, engine)
-                    dropped += lost
-                elif kind is Clear:
-                    for surface, _ in self._targets(command.draw_buffer):
-                        target = surface.buffer(command.draw_buffer)
-                        queue.clear(command, target, engine if target.is_bytes else "portable")
-                    if command.accumulation is not None:
-                        clear_accumulation(self._current, command, self.profile)
-                elif kind in _RECTANGLES:
+                if kind not in _QUEUED:
                     self._flush()
-                    surfaces = [surface for surface, _ in self._targets(command.state.draw_buffer)]
-                    kept = self.textures, self.statistics
-                    parts = draw_rectangle(command, self.profile, self._current, surfaces, *kept)
-                    queue.fragments += sum(len(drawn.x) for drawn in parts)
-                    undefined += parts[0].undefined if parts else 0
-                    if record:
-                        columns = [drawn[:4] for drawn in parts] or [np.zeros((4, 0), np.int32)]
-                        records += [Fragments(*(c.astype(np.int32) for c in four)) for four in columns]
-                elif kind is Saturate:
-                    for surface, _ in self._targets(command.draw_buffer):
-                        if not (target := surface.buffer(command.draw_buffer)).is_bytes:
-                            self._flush()
-                            target.saturate(command)
-                elif kind is HostStep:
-                    self._flush()
-                    waiting = self._after_host(command, pixels, waiting)
-                else:
-                    if kind is TexImage:  # reads no framebuffer; what waits holds the textures that it reads
-                        queue.outlive(self.textures.get(command.texture))
-                    else:
-                        self._flush()
-                    self._transfer(command, pixels)
+                METHODS[kind](self, command, frame)
                 if trace:
                     self._flush()
                     written = getattr(command, "state", command)
                     shown = self._current.buffer(getattr(written, "draw_buffer", ColorBuffer.BACK))
-                    snapshots.append(snapshot(command, shown))
+                    frame.snapshots.append(snapshot(command, shown))
         finally:  # what was reached before an error is drawn
             self._flush()
         return Result(
             self.framebuffer,
             dict(self.surfaces),
             dict(self.textures),
-            pixels,
-            queue.fragments,
-            dropped,
-            undefined,
-            tuple(snapshots),
-            tuple(records),
+            frame.pixels,
+            self._queue.fragments,
+            frame.dropped,
+            frame.undefined,
+            tuple(frame.snapshots),
+            tuple(frame.records),
             dict(self.statistics.histograms),
             dict(self.statistics.minmaxes),
         )
 
-    def _after_host(self, step, pixels, waiting):
-        """What the host issued and then what waits, all of it validated now."""
-        issued = issued_by(step, pixels)
-        validate(
-            (*issued, *waiting),
-            self.profile,
-            self.width,
-            self.height,
-            self.depth_bits,
-            self.textures,
-            self.surfaces,
-            self.statistics,
-            read=pixels,
-            host_step=step.label,
-        )
-        return deque((*issued, *waiting))
+    def _validate(self, commands, **issued):
+        """Refuse commands that what is held now cannot execute. ``issued``: where a HostStep issued them."""
+        size = self.width, self.height, self.depth_bits
+        validate(commands, self.profile, *size, self.textures, self.surfaces, self.statistics, **issued)
 
     def _targets(self, draw_buffer):
         """The framebuffers that a command writes to, each with its place in a pixel."""
@@ -295,60 +241,37 @@ class Machine:
         if self._samples is not None:
             self._samples.resolve()
 
-    def _transfer(self, command, pixels):
-        """What is neither Clear nor Draw; nothing waits in the queue."""
-        kept = self.profile, self.statistics
-        match command:
-            case TexImage(pixels=None):
-                self.textures[command.texture] = stored_texture(command.image, self.profile)
-            case TexImage():
-                self._define(command, defined_texture(command, *kept))
-            case CopyTexImage():
-                self._define(
-                    command, copied_texture(self._current.buffer(command.read_buffer), command, *kept)
-                )
-            case CopyTexSubImage():
-                texture, source = self.textures[command.texture], self._current.buffer(command.read_buffer)
-                self._define(command, replaced_texture(source, command, texture, *kept))
-            case ReadPixels():
-                read = self._current.buffer(command.read_buffer).read(command, *kept)
-                if read is not None:
-                    pixels[command.name] = read
-            case ResetHistogram():
-                self.statistics.reset_histogram(command.name)
-            case ResetMinmax():
-                self.statistics.reset_minmax(command.name)
-            case Accum(operation=AccumOperation.RETURN) if self._samples is not None:
-                self._samples.share_accumulation()
-                for surface, _ in self._targets(command.draw_buffer):
-                    accumulate(surface, command, self.profile)
-            case Accum():
-                accumulate(self._current, command, self.profile)
-            case MakeCurrent():
-                self._current = self._surface(command)
-            case BindTexImage():
-                self.textures[command.texture] = bound_texture(self.surfaces[command.surface], command)
+    # Every command's method takes the command and the _Frame that it is of.
 
-    def _define(self, command, texture):
-        """Store a texture, unless a histogram's or minmax's sink took its image."""
-        if texture is not None:
-            self.textures[command.texture] = texture
-
-    def _surface(self, command):
-        """The framebuffer that a MakeCurrent names, made when it is named first."""
-        if command.surface is None:
-            return self.framebuffer
-        if command.surface not in self.surfaces:
-            self.surfaces[command.surface] = Framebuffer.new(
-                command.width, command.height, command.depth_bits, command.color_format
-            )
-        return self.surfaces[command.surface]
+    def _draw(self, command, frame):
+        state = command.state
+        for surface, position in self._targets(state.draw_buffer):
+            target = surface.buffer(state.draw_buffer)
+            draw = frame.kept.get(command, surface, self.textures)  # what is kept is the native engines'
+            if draw is None and self._draws_columns(state, target):
+                self._queue.flush()
+                drawn, lost = self._drawn_by_columns(command, target, position)
+                self._queue.fragments += len(drawn.x)
+                if frame.record:
+                    frame.records.append(drawn)
+                continue
+            if draw is None:
+                size = self._current.width, self._current.height
+                primitives = stage.process(command.mesh, state, self.profile, *size, position)
+                draw = Prepared.of(primitives, state, self.profile, self._current, self.textures)
+                frame.kept.keep(command, surface, draw)
+            lost = draw.dropped
+            if frame.record:
+                self._queue.flush()
+                frame.records.append(recorded_fragments(draw, target, self.batch))
+                self._queue.fragments += len(frame.records[-1].x)
+            else:
+                self._queue.draw(draw, target, frame.engine)
+        frame.dropped += lost  # as the last sample's: the same in each
 
     def _draws_columns(self, state, target):
         """Whether a Draw is the column engine's."""
-        return self.engine == "columns" or column_engine.needs_columns(
-            state, self.profile, target, self.textures
-        )
+        return self.engine == "columns" or needs_columns(state, self.profile, target, self.textures)
 
     def _drawn_by_columns(self, command, target, position):
         """Draw by the column engine: its Fragments, and how many primitives were dropped."""
@@ -357,22 +280,117 @@ class Machine:
         # Vertices' colours are rounded where the fragment's width is known.
         primitives = stage.process(command.mesh, state, profile, *size, position, rounded=False)
         if profile.subpixel_bits == NATIVE_SUBPIXEL_BITS:
-            covered, lost = covered_pixels(primitives, state, profile, target.width, target.height)
+            covered, lost = covered_pixels(primitives, state, profile, *size)
         else:
-            covered, lost = (
-                interpolate.covered_triangles(primitives, state, profile, target),
-                primitives.dropped,
-            )
-        passed = column_engine.column_draw(primitives, covered, state, profile, target, self.textures)
-        columns = (
-            np.asarray(column, np.int32) for column in (covered.triangle, covered.x, covered.y, passed)
-        )
-        return Fragments(*columns), lost
+            covered = covered_triangles(primitives, state, profile, target)
+            lost = primitives.dropped
+        passed = column_draw(primitives, covered, state, profile, target, self.textures)
+        columns = (covered.triangle, covered.x, covered.y, passed)
+        return Fragments(*(np.asarray(column, np.int32) for column in columns)), lost
 
-    def _prepared(self, command, position):
-        state, target = command.state, self._current
-        primitives = stage.process(command.mesh, state, self.profile, target.width, target.height, position)
-        return Prepared.of(primitives, state, self.profile, target, self.textures)
+    def _clear(self, command, frame):
+        for surface, _ in self._targets(command.draw_buffer):
+            target = surface.buffer(command.draw_buffer)
+            self._queue.clear(command, target, frame.engine if target.is_bytes else "portable")
+        if command.accumulation is not None:
+            clear_accumulation(self._current, command, self.profile)
+
+    def _rectangle(self, command, frame):
+        surfaces = [surface for surface, _ in self._targets(command.state.draw_buffer)]
+        held = self.textures, self.statistics
+        parts = draw_rectangle(command, self.profile, self._current, surfaces, *held)
+        self._queue.fragments += sum(len(drawn.x) for drawn in parts)
+        frame.undefined += parts[0].undefined if parts else 0
+        if frame.record:
+            columns = [drawn[:4] for drawn in parts] or [np.zeros((4, 0), np.int32)]
+            frame.records += [Fragments(*(c.astype(np.int32) for c in four)) for four in columns]
+
+    def _saturate(self, command, frame):
+        for surface, _ in self._targets(command.draw_buffer):
+            if not (target := surface.buffer(command.draw_buffer)).is_bytes:
+                self._flush()
+                target.saturate(command)
+
+    def _host_step(self, command, frame):
+        """What the host issues comes before what waits; all of it is validated now."""
+        frame.waiting = deque((*issued_by(command, frame.pixels), *frame.waiting))
+        self._validate(tuple(frame.waiting), read=frame.pixels, host_step=command.label)
+
+    def _tex_image(self, command, frame):
+        # It reads no framebuffer, and what waits holds the textures that it reads.
+        self._queue.outlive(self.textures.get(command.texture))
+        if command.pixels is None:
+            self.textures[command.texture] = stored_texture(command.image, self.profile)
+        else:
+            self._define(command, defined_texture(command, self.profile, self.statistics))
+
+    def _copy_tex_image(self, command, frame):
+        source = self._current.buffer(command.read_buffer)
+        self._define(command, copied_texture(source, command, self.profile, self.statistics))
+
+    def _copy_tex_sub_image(self, command, frame):
+        texture, source = self.textures[command.texture], self._current.buffer(command.read_buffer)
+        self._define(command, replaced_texture(source, command, texture, self.profile, self.statistics))
+
+    def _bind_tex_image(self, command, frame):
+        self.textures[command.texture] = bound_texture(self.surfaces[command.surface], command)
+
+    def _define(self, command, texture):
+        """Store a texture, unless a histogram's or minmax's sink took its image."""
+        if texture is not None:
+            self.textures[command.texture] = texture
+
+    def _read_pixels(self, command, frame):
+        read = self._current.buffer(command.read_buffer).read(command, self.profile, self.statistics)
+        if read is not None:
+            frame.pixels[command.name] = read
+
+    def _reset_histogram(self, command, frame):
+        self.statistics.reset_histogram(command.name)
+
+    def _reset_minmax(self, command, frame):
+        self.statistics.reset_minmax(command.name)
+
+    def _accum(self, command, frame):
+        if command.operation != AccumOperation.RETURN or self._samples is None:
+            accumulate(self._current, command, self.profile)
+            return
+        self._samples.share_accumulation()
+        for surface, _ in self._targets(command.draw_buffer):
+            accumulate(surface, command, self.profile)
+
+    def _make_current(self, command, frame):
+        """The framebuffer that is named is made when it is named first."""
+        if command.surface is None:
+            self._current = self.framebuffer
+            return
+        if command.surface not in self.surfaces:
+            self.surfaces[command.surface] = Framebuffer.new(
+                command.width, command.height, command.depth_bits, command.color_format
+            )
+        self._current = self.surfaces[command.surface]
+
+
+METHODS = {
+    Clear: Machine._clear,
+    Draw: Machine._draw,
+    TexImage: Machine._tex_image,
+    CopyTexImage: Machine._copy_tex_image,
+    CopyTexSubImage: Machine._copy_tex_sub_image,
+    ReadPixels: Machine._read_pixels,
+    HostStep: Machine._host_step,
+    Saturate: Machine._saturate,
+    Accum: Machine._accum,
+    DrawPixels: Machine._rectangle,
+    CopyPixels: Machine._rectangle,
+    Bitmap: Machine._rectangle,
+    MakeCurrent: Machine._make_current,
+    BindTexImage: Machine._bind_tex_image,
+    ResetHistogram: Machine._reset_histogram,
+    ResetMinmax: Machine._reset_minmax,
+}
+# What waits in the queue, or reads nothing of a framebuffer; before any other command all is drawn.
+_QUEUED = frozenset({Draw, Clear, Saturate, TexImage})
 
 
 def execute(
