@@ -1,7 +1,7 @@
 """Rows and columns that no state packs to, given to the kernels: no crash, and nothing outside an array.
 
-``python -m tests.hostile --frames N`` spoils what ``pipeline/native/`` made of N random frames, one array at a
-time: random bytes, small whole numbers, numbers at the ends of their type, NaN. It runs in a process of its
+``python -m tests.hostile --frames N`` spoils what ``pipeline/native/`` made of N random frames, one array at
+a time: random bytes, small whole numbers, numbers at the ends of their type, NaN. It runs in a process of its
 own, for a kernel that did leave its arrays could end it; with NUMBA_BOUNDSCHECK=1 such a kernel raises
 IndexError instead.
 """

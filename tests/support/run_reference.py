@@ -18,6 +18,8 @@ from fixedpipe.pipeline.commands import (
     HostStep,
     MakeCurrent,
     ReadPixels,
+    ResetHistogram,
+    ResetMinmax,
     Saturate,
     TexImage,
     vertex_of,
@@ -91,73 +93,97 @@ def _size(frame, command):
 
 
 def _run(frame, command, profile):
-    target, textures = frame.current, frame.textures
-    match command:
-        case Clear():
-            transfer.clear(frame.buffer(command.draw_buffer), command)
-            if command.accumulation is not None:
-                size, bits = (target.width, target.height), profile.accumulation_bits
-                accumulation.clear(frame.sums(), command.accumulation, command.scissor, size, bits)
-        case Accum():
-            read, written = frame.buffer(command.read_buffer), frame.buffer(command.draw_buffer)
-            size, bits = (target.width, target.height), profile.accumulation_bits
-            accumulation.accumulate(frame.sums(), read.color, written.color, command, size, 255, bits)
-        case DrawPixels() | CopyPixels() | Bitmap():
-            _run_rectangle(frame, command, profile)
-        case TexImage(pixels=None):
-            textures[command.texture] = render.plain_texture(command.image)
-        case TexImage():
-            textures[command.texture] = _texture_of_pixels(command, profile)
-        case Draw():
-            primitives = stage.process(command.mesh, command.state, profile, target.width, target.height)
-            written = frame.buffer(command.state.draw_buffer)
-            render.draw(written, primitives, command.state, textures, profile)
-        case CopyTexImage():
-            size, target = _size(frame, command), frame.buffer(command.read_buffer)
-            state, place = (command.transfer, profile), (command.x, command.y, *size)
-            texels = transfer.copy_texels(target, command, *state, *place)
-            levels = [[texels]]
-            while command.generate_mipmap and max(len(levels[-1][0]), len(levels[-1][0][0])) > 1:
-                levels.append([texel_formats.next_level(levels[-1][0])])
-            textures[command.texture] = SimpleNamespace(
-                target=command.target, internal_format=command.internal_format, levels=levels
-            )
-        case CopyTexSubImage():
-            texture = textures[command.texture]
-            size, target = (command.width, command.height), frame.buffer(command.read_buffer)
-            state, place = (command.transfer, profile), (command.x, command.y, *size)
-            texels = transfer.copy_texels(target, texture, *state, *place)
-            rows = texture.levels[command.level][command.face]
-            for j, row in enumerate(texels):
-                rows[command.y_offset + j][command.x_offset : command.x_offset + command.width] = row
-            if command.generate_mipmap:
-                del texture.levels[1:]
-                while max(len(texture.levels[-1][0]), len(texture.levels[-1][0][0])) > 1:
-                    texture.levels.append([texel_formats.next_level(face) for face in texture.levels[-1]])
-        case ReadPixels():
-            size, target = _size(frame, command), frame.buffer(command.read_buffer)
-            frame.pixels[command.name] = transfer.read_pixels(target, command, profile, *size)
-            frame.types[command.name] = np.uint32 if command.format == "DEPTH_COMPONENT" else np.uint8
-        case Saturate():
-            pass  # bytes are
-        case HostStep():
-            for issued in command.commands({name: _as_read(frame, name) for name in command.reads}):
-                _run(frame, issued, profile)
-        case MakeCurrent(surface=None):
-            frame.current = frame.target
-        case MakeCurrent():
-            if command.surface not in frame.surfaces:
-                frame.surfaces[command.surface] = render.Target(
-                    command.width, command.height, command.depth_bits, color_format=command.color_format
-                )
-            frame.current = frame.surfaces[command.surface]
-        case BindTexImage():
-            rows = transfer.texels_of(frame.surfaces[command.surface], command.internal_format)
-            textures[command.texture] = SimpleNamespace(
-                target=command.target,
-                internal_format=command.internal_format,
-                levels=[[rows if command.origin == WindowOrigin.UPPER_LEFT else rows[::-1]]],
-            )
+    OPERATIONS[type(command)](frame, command, profile)
+
+
+# Every command's function takes the ReferenceFrame, the command and the profile.
+
+
+def _clear(frame, command, profile):
+    transfer.clear(frame.buffer(command.draw_buffer), command)
+    if command.accumulation is not None:
+        size, bits = (frame.current.width, frame.current.height), profile.accumulation_bits
+        accumulation.clear(frame.sums(), command.accumulation, command.scissor, size, bits)
+
+
+def _draw(frame, command, profile):
+    size, written = (frame.current.width, frame.current.height), frame.buffer(command.state.draw_buffer)
+    primitives = stage.process(command.mesh, command.state, profile, *size)
+    render.draw(written, primitives, command.state, frame.textures, profile)
+
+
+def _accum(frame, command, profile):
+    read, written = frame.buffer(command.read_buffer), frame.buffer(command.draw_buffer)
+    size, bits = (frame.current.width, frame.current.height), profile.accumulation_bits
+    accumulation.accumulate(frame.sums(), read.color, written.color, command, size, 255, bits)
+
+
+def _tex_image(frame, command, profile):
+    if command.pixels is None:
+        frame.textures[command.texture] = render.plain_texture(command.image)
+    else:
+        frame.textures[command.texture] = _texture_of_pixels(command, profile)
+
+
+def _copy_tex_image(frame, command, profile):
+    size, target = _size(frame, command), frame.buffer(command.read_buffer)
+    state, place = (command.transfer, profile), (command.x, command.y, *size)
+    texels = transfer.copy_texels(target, command, *state, *place)
+    levels = [[texels]]
+    while command.generate_mipmap and max(len(levels[-1][0]), len(levels[-1][0][0])) > 1:
+        levels.append([texel_formats.next_level(levels[-1][0])])
+    frame.textures[command.texture] = SimpleNamespace(
+        target=command.target, internal_format=command.internal_format, levels=levels
+    )
+
+
+def _copy_tex_sub_image(frame, command, profile):
+    texture = frame.textures[command.texture]
+    size, target = (command.width, command.height), frame.buffer(command.read_buffer)
+    state, place = (command.transfer, profile), (command.x, command.y, *size)
+    texels = transfer.copy_texels(target, texture, *state, *place)
+    rows = texture.levels[command.level][command.face]
+    for j, row in enumerate(texels):
+        rows[command.y_offset + j][command.x_offset : command.x_offset + command.width] = row
+    if command.generate_mipmap:
+        del texture.levels[1:]
+        while max(len(texture.levels[-1][0]), len(texture.levels[-1][0][0])) > 1:
+            texture.levels.append([texel_formats.next_level(face) for face in texture.levels[-1]])
+
+
+def _read_pixels(frame, command, profile):
+    size, target = _size(frame, command), frame.buffer(command.read_buffer)
+    frame.pixels[command.name] = transfer.read_pixels(target, command, profile, *size)
+    frame.types[command.name] = np.uint32 if command.format == "DEPTH_COMPONENT" else np.uint8
+
+
+def _host_step(frame, command, profile):
+    for issued in command.commands({name: _as_read(frame, name) for name in command.reads}):
+        _run(frame, issued, profile)
+
+
+def _make_current(frame, command, profile):
+    if command.surface is None:
+        frame.current = frame.target
+        return
+    if command.surface not in frame.surfaces:
+        frame.surfaces[command.surface] = render.Target(
+            command.width, command.height, command.depth_bits, color_format=command.color_format
+        )
+    frame.current = frame.surfaces[command.surface]
+
+
+def _bind_tex_image(frame, command, profile):
+    rows = transfer.texels_of(frame.surfaces[command.surface], command.internal_format)
+    frame.textures[command.texture] = SimpleNamespace(
+        target=command.target,
+        internal_format=command.internal_format,
+        levels=[[rows if command.origin == WindowOrigin.UPPER_LEFT else rows[::-1]]],
+    )
+
+
+def _nothing(frame, command, profile):
+    """Bytes are clamped already, and histograms and minmaxes are not kept here."""
 
 
 def _as_read(frame, name):
@@ -190,7 +216,7 @@ def _texture_of_pixels(command, profile):
     return SimpleNamespace(target=command.target, internal_format=internal_format, levels=[[texels]])
 
 
-def _run_rectangle(frame, command, profile):
+def _rectangle(frame, command, profile):
     """A DrawPixels, CopyPixels or Bitmap."""
     current, state, position = frame.current, command.state, command.position
     written, size = frame.buffer(state.draw_buffer), (current.width, current.height)
@@ -254,3 +280,23 @@ def _groups(frame, command, kind, profile):
 
 def _listed(group):
     return group if isinstance(group, list) else [group]
+
+
+OPERATIONS = {
+    Clear: _clear,
+    Draw: _draw,
+    TexImage: _tex_image,
+    CopyTexImage: _copy_tex_image,
+    CopyTexSubImage: _copy_tex_sub_image,
+    ReadPixels: _read_pixels,
+    HostStep: _host_step,
+    Saturate: _nothing,
+    Accum: _accum,
+    DrawPixels: _rectangle,
+    CopyPixels: _rectangle,
+    Bitmap: _rectangle,
+    MakeCurrent: _make_current,
+    BindTexImage: _bind_tex_image,
+    ResetHistogram: _nothing,
+    ResetMinmax: _nothing,
+}

@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given, settings
 
 from fixedpipe.pipeline.commands import (
-    COMMANDS,
     Bitmap,
     Clear,
     CopyTexImage,
@@ -83,7 +82,7 @@ from fixedpipe.pipeline.state import (
 )
 from fixedpipe.pipeline.textures.images import Texture, texture_1d, texture_2d, texture_cube_map
 from fixedpipe.pipeline.validation.remembered import Remembered
-from fixedpipe.pipeline.validation.validate import VALIDATIONS, validate
+from fixedpipe.pipeline.validation.validate import validate
 from fixedpipe.pipeline.validation.walk import UnsupportedState, taken_by
 from tests.support.combiner_strategies import register_combiners
 
@@ -1290,7 +1289,3 @@ def test_a_lighting_unit_takes_what_equations_refuse():
     """No attenuation at all is defined there: 1/0 is infinity."""
     light = Light(position=(0.0, 0.0, 1.0, 1.0), constant_attenuation=0.0, range=1.0, spot=CONE)
     check(lit(light, viewer_direction=(0.0, 0.0, -1.0)), profile=UNIT)
-
-
-def test_every_command_has_its_validation():
-    assert set(VALIDATIONS) == set(COMMANDS)
