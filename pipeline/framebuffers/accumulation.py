@@ -3,6 +3,7 @@
 import numpy as np
 
 from fixedpipe.pipeline.enums import AccumOperation
+from fixedpipe.pipeline.framebuffers.boxes import scissored
 from fixedpipe.raster.pixels.accumulation import added, from_colors, from_value, multiplied, to_colors
 
 
@@ -13,10 +14,7 @@ def _full(profile):
 
 def box_of(scissor, width, height):
     """Slices of the scissor box's rows, counted from the top, and columns; None: the whole window."""
-    if scissor is None:
-        return slice(0, height), slice(0, width)
-    left, right = (min(max(x, 0), width) for x in (scissor.x, scissor.x + scissor.width))
-    top, bottom = (min(max(height - y, 0), height) for y in (scissor.y + scissor.height, scissor.y))
+    left, top, right, bottom = scissored(scissor, width, height)
     return slice(top, bottom), slice(left, right)
 
 
@@ -56,3 +54,5 @@ def accumulate(framebuffer, command, profile):
                 for channel, on in enumerate((mask.red, mask.green, mask.blue, mask.alpha)):
                     if on:
                         color[..., channel] = returned[..., channel]
+            case _:
+                raise ValueError(f"{command.operation!r} is no accumulation operation.")

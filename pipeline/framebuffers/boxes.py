@@ -7,13 +7,16 @@ def device_edges(box, height):
     return x, height - y - up, x + across, height - y
 
 
-def scissor_box(state, framebuffer):
-    """(x0, y0, x1, y1) in device pixels, half open: the screen cut by the scissor box."""
-    width, height = framebuffer.width, framebuffer.height
-    box = state.scissor
+def scissored(box, width, height):
+    """(x0, y0, x1, y1) in device pixels, half open: the window cut by a scissor box; None: all of it."""
     if box is None:
         return 0, 0, width, height
     left, top, right, bottom = device_edges(box, height)
     x0, x1 = max(left, 0), min(right, width)
     y0, y1 = max(top, 0), min(bottom, height)
     return x0, y0, max(x0, x1), max(y0, y1)
+
+
+def scissor_box(state, framebuffer):
+    """The same of a state's scissor box."""
+    return scissored(state.scissor, framebuffer.width, framebuffer.height)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fixedpipe.pipeline.enums import ColorBuffer, ColorFormat, DepthFormat
+from fixedpipe.pipeline.framebuffers.boxes import scissored
 from fixedpipe.pipeline.framebuffers.transfer import (
     changes_nothing,
     packed_colors,
@@ -132,15 +133,6 @@ class Framebuffer:
         """Slices of a window rectangle (origin lower left, y up) in rows from the top."""
         return slice(self.height - y - height, self.height - y), slice(x, x + width)
 
-    def _scissored(self, box):
-        """The scissor box, or None, in device pixels: left, top, right, bottom, half open."""
-        height, width, _ = self.color.shape
-        if box is None:
-            return 0, 0, width, height
-        left, right = max(box.x, 0), min(box.x + box.width, width)
-        top, bottom = max(height - box.y - box.height, 0), min(height - box.y, height)
-        return int(left), int(top), int(max(left, right)), int(max(top, bottom))
-
     def clear_words(self, command):
         """What a Clear (section 4.2.3) writes: (x0, y0, x1, y1) in device pixels, half open; which buffers
         (bits: codes.BUFFER_...); the colour's word and its mask, the depth's word, the stencil's byte and its
@@ -158,12 +150,12 @@ class Framebuffer:
         if command.stencil is not None:
             buffers |= C.BUFFER_STENCIL
         stencil = 0 if command.stencil is None else int(command.stencil)
-        box, mask = self._scissored(command.scissor), int(command.stencil_write_mask)
+        box, mask = scissored(command.scissor, self.width, self.height), int(command.stencil_write_mask)
         return box, buffers, color, color_mask, depth, stencil, mask
 
     def saturate(self, command):
         """Clamp what the scissor box holds to [0, 1]; bytes always are."""
-        left, top, right, bottom = self._scissored(command.scissor)
+        left, top, right, bottom = scissored(command.scissor, self.width, self.height)
         color = self.color[top:bottom, left:right]
         np.clip(color, 0, 2**self.color_bits - 1, out=color)
 

@@ -5,6 +5,7 @@ from copy import copy
 import numpy as np
 
 from fixedpipe.pipeline.enums import AccumOperation, ColorBuffer
+from fixedpipe.pipeline.framebuffers import boxes
 from fixedpipe.pipeline.framebuffers.transfer import (
     changes_nothing,
     transfer_colors,
@@ -66,10 +67,8 @@ def written_channels(color_mask):
 def scissored(scissor, buffers):
     """x, y, width, height of the scissor box inside the framebuffer."""
     height, width = buffers.depth.shape
-    s = scissor
-    x0, y0, x1, y1 = (0, 0, width, height) if s is None else (s.x, s.y, s.x + s.width, s.y + s.height)
-    x0, y0, x1, y1 = max(x0, 0), max(y0, 0), max(min(x1, width), 0), max(min(y1, height), 0)
-    return x0, y0, max(x1 - x0, 0), max(y1 - y0, 0)
+    left, top, right, bottom = boxes.scissored(scissor, width, height)
+    return left, height - bottom, right - left, bottom - top
 
 
 def clear(command, buffers):
@@ -111,6 +110,8 @@ def accumulate(command, buffers):
         case AccumOperation.RETURN:
             written, mask = buffers.rows(buffers.buffer(command.draw_buffer).color, *box), command.color_mask
             written[..., written_channels(mask)] = (value * sums)[..., written_channels(mask)]
+        case _:
+            raise ValueError(f"The ideal machine has no accumulation operation {command.operation.name}.")
 
 
 def transferred(region, command, statistics, dimensions=2):
