@@ -90,7 +90,7 @@ class Prepared:
             dropped + p.dropped, bound, packed.area, size, p, packed, texels, _stacked(levels), order, ends
         )
 
-    def bands(self, first, step, batch, buffers, record):
+    def bands(self, first, step, batch, buffers, record=NO_RECORD):
         """Draw bands ``first``, ``first + step``, ... by the portable engine: how many fragments."""
         from fixedpipe.raster.portable.draw import draw_bands
 

@@ -9,7 +9,6 @@ from collections import Counter
 import numpy as np
 
 from fixedpipe.pipeline.commands import Draw
-from fixedpipe.pipeline.native.preparation import NO_RECORD
 from fixedpipe.pipeline.native.threads import Threads
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.vector.arrays import Buffers, scratch
@@ -138,7 +137,7 @@ class Queue:
         else:
 
             def share(number):
-                return sum([d.bands(number, threads, self._batch, buffers, NO_RECORD) for d in draws])
+                return sum([d.bands(number, threads, self._batch, buffers) for d in draws])
 
         self.fragments += share(0) if threads == 1 else self._threads.run(share)
 
