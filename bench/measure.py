@@ -30,7 +30,7 @@ class Repeated:
 
 
 class Ours:
-    """The emulated machine as a party to a measurement: whole frames through ``fixedpipe.pipeline.execution.machine``."""
+    """The emulated machine as a party to a measurement: whole frames through ``Machine``."""
 
     name = "ours"
 

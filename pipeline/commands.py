@@ -1,4 +1,5 @@
-"""What a frame is made of. An effect returns a tuple of these; ``fixedpipe.pipeline.execution.machine`` runs them in order.
+"""What a frame is made of. An effect returns a tuple of these; ``fixedpipe.pipeline.execution`` runs them in
+order.
 
 Every command carries everything it needs and a ``label`` in the paper's words. Window coordinates are
 OpenGL's: origin lower left, y up. Images of textures and of ReadPixels have their bottom row first.
@@ -56,7 +57,7 @@ def _frozen(values, dtype, name):
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Vertex arrays of one primitive type (sections 2.6 to 2.8), checked by ``fixedpipe.pipeline.validation``.
+    """Vertex arrays of one primitive type (sections 2.6 to 2.8), which ``validate`` checks.
 
     positions           float64 [n, 2..4], object coordinates; missing components are z = 0, w = 1
     indices             int64 [k] into the vertices, or None: the vertices in order

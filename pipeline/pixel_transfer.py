@@ -2,10 +2,10 @@
 an image, the framebuffer and a texture, in the specification's words. Every default is the initial value.
 
 Nothing is current: each command that moves pixels carries a whole ``PixelTransfer``. The operations are
-applied in section 3.6.5's order, which is the order of the fields; ``fixedpipe.raster.pixels.transfer`` has the arithmetic and
-docs/numbers.md the rule. Tables and filters are given as they are once specified: clamping to [0, 1] (tables)
-and the bits of the internal format take place here, COLOR_TABLE_SCALE and _BIAS and CONVOLUTION_FILTER_SCALE
-and _BIAS are the caller's to multiply and add.
+applied in section 3.6.5's order, which is the order of the fields; ``fixedpipe.raster.pixels.transfer`` has
+the arithmetic and docs/numbers.md the rule. Tables and filters are given as they are once specified: clamping
+to [0, 1] (tables) and the bits of the internal format take place here, COLOR_TABLE_SCALE and _BIAS and
+CONVOLUTION_FILTER_SCALE and _BIAS are the caller's to multiply and add.
 
 Source: OpenGL 1.2.1 sections 3.6.3 and 3.6.5; SGI_color_table, SGI_color_matrix, EXT_convolution,
 EXT_histogram.

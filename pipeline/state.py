@@ -2,8 +2,8 @@
 
 Nothing is "current": a Draw carries a whole ``PassState``. Every default is the OpenGL initial value. Change
 a state with ``dataclasses.replace``; equal states compare equal. What a machine cannot hold is refused by
-``fixedpipe.pipeline.validation``, not here; what no machine could mean (three outputs to one register) is refused there
-too.
+``fixedpipe.pipeline.validation``, not here; what no machine could mean (three outputs to one register) is
+refused there too.
 
 Colours are RGBA tuples of floats; 1.0 is full intensity. Matrices are 4x4 tuples of rows, applied to column
 vectors (``clip = projection @ modelview @ object``).

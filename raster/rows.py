@@ -219,7 +219,7 @@ P00, P10, P01, P11, TEXEL_0, TEXEL_1, MAGNIFIED, LAYER_1, STAGE0 = range(9)
 SUM_EVEN, SUM_ODD = STAGE0 + 4, STAGE0 + 5  # an anisotropic filter's sums of bytes 0 and 2, and 1 and 3
 PACKED_COLUMNS = SUM_ODD + 1
 
-# ------------------------------------------------------------------- the vector engine (raster/vector/frame.py)
+# ----------------------------------------------------------------- the vector engine (raster/vector/frame.py)
 SLACK = 32  # elements of every column behind a batch: vectors may reach so far
 
 # More columns of floats: what fragments of mixed segments carry of their triangle: edge functions; 1/w of the

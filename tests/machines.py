@@ -11,11 +11,11 @@ PAGE = Path(__file__).parents[1] / "docs" / "machines.md"
 _HEAD = """\
 # The machines, and what they have
 
-This page is made by `make machines` from `pipeline/profiles/` and `tests/support/features.py`; a test fails where it
-is stale. Tests run every entry: `validate` accepts a feature's commands exactly where the tables say so, and
-elsewhere names the machine and what to do instead. A number is the machine's limit. `fixedpipe profiles NAME`
-prints all values of a machine, each with its evidence; [adding-things.md](adding-things.md) says how a
-machine or a feature is added.
+This page is made by `make machines` from `pipeline/profiles/` and `tests/support/features.py`; a test fails
+where it is stale. Tests run every entry: `validate` accepts a feature's commands exactly where the tables say
+so, and elsewhere names the machine and what to do instead. A number is the machine's limit.
+`fixedpipe profiles NAME` prints all values of a machine, each with its evidence;
+[adding-things.md](adding-things.md) says how a machine or a feature is added.
 
 """
 

@@ -4,7 +4,7 @@ import click
 
 
 def announce_compiling():
-    """Say so where no kernel has been compiled yet. Call it before ``fixedpipe.pipeline.execution.machine`` is imported."""
+    """Say so where no kernel has been compiled yet. Call it before anything imports an engine."""
     from fixedpipe.pipeline.golden.provenance import kernels_are_cold
 
     if kernels_are_cold():

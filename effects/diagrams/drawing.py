@@ -6,8 +6,9 @@ that strokes, dots and letters have their width on the screen; what is drawn are
 panel, with the depth that a vertex at the same place has. Lengths on the screen (``width``, ``radius``,
 ``head``, ``dash``, ``offset``) are in UNITs, 1/256 of the panel's height: diagrams scale with the panel.
 
-No lines, points or bitmaps: the ideal draws none (fixedpipe.pipeline.ideal.evaluate). No antialiasing: edges are the machine's.
-Every machine can draw all of it: vertex colours, one texture of alpha and the alpha test for labels.
+No lines, points or bitmaps: the ideal draws none (``fixedpipe.pipeline.ideal``). No antialiasing: edges are
+the machine's. Every machine can draw all of it: vertex colours, one texture of alpha and the alpha test for
+labels.
 
 Later commands lie over earlier ones. With a ``depth_test``, what lies behind other things is hidden; strokes
 then come forward by ``NEARER``, so that those on a surface are seen.

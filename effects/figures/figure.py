@@ -86,7 +86,7 @@ class Figure:
 
     @property
     def machines(self):
-        """Keys in ``fixedpipe.pipeline.profiles.PROFILES`` of the machines that can draw it, its own first."""
+        """Keys in ``fixedpipe.pipeline.profiles.PROFILES`` of machines that can draw it, its own first."""
         return tuple(key for method in self.methods for key in method.machines)
 
     def method(self, machine):
@@ -121,8 +121,8 @@ class Figure:
 
 @dataclass(frozen=True, eq=False)
 class Renderer:
-    """How checks get pictures: a machine, how it draws, and ``fixedpipe.pipeline.execution.machine.execute`` and
-    ``fixedpipe.pipeline.ideal.evaluate.execute_ideal``.
+    """How checks get pictures: a machine, how it draws, and ``execute`` and ``execute_ideal`` of
+    ``fixedpipe.pipeline``.
 
     ``kept``: pictures of the ideal, which machines that draw in the same way share.
     """

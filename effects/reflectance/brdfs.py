@@ -7,7 +7,7 @@ so a parameter may be an array of a value per pixel. What a model gives is the r
 under one directional light.
 
 ``BRDFS`` has a row for each model: what the paper claims of it, the ranges of its parameters, and one way to
-evaluate it, whatever vectors it takes. The tests of tests/effects/reflectance/test_brdfs.py are asked of every row.
+evaluate it, whatever vectors it takes. tests/effects/reflectance/test_brdfs.py tests every row.
 
 These functions use powers and exponentials, whose last bit differs between computers: what a figure stores
 of them in a texture is rounded to the texture's format at once.

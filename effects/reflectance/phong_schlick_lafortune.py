@@ -16,7 +16,7 @@ Lafortune   The diagonal matrix C, turned from the pixel's frame into the surfac
 
 By texture shaders (GeForce 3): stages that multiply a material texture's vector by texture coordinates and
 look two of the products up; what waits in the framebuffer is copied into a texture. By pixel textures
-(Octane), with vectors that change over the surface left out: ``fixedpipe.effects.reflectance.pixel_textures``.
+(Octane), with vectors that change over the surface left out: ``phong_schlick_lafortune_copies``.
 
 Source: Kautz, Seidel 2000, section 3.4 (K24 of the catalogue); NV_texture_shader; SGIX_pixel_texture.
 """

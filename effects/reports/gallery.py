@@ -87,7 +87,7 @@ def _section(record):
 
 
 def gallery(folder, figures):
-    """The page, as text, of the figures whose JSON files (of ``fixedpipe.effects.reports.figure_record``) lie in ``folder``.
+    """The page, as text, of the figures whose JSON files lie in ``folder`` (``figure_record`` writes them).
 
     ``figures``: the ids in the page's order. Raises Refusal for a JSON file that is not a figure's.
     """

@@ -42,7 +42,7 @@ def ground(across, along):
 
 
 def avenue(detail=24):
-    """The scene. ``detail``: segments of columns and trees (``fixedpipe.effects.scenes.objects_and_lamps.detail_of``); below 16 every
+    """The scene. ``detail``: segments of columns and trees (``objects_and_lamps.detail_of``); below 16 every
     other column and tree is left out.
     """
     gate = surfaces.joined(

@@ -37,7 +37,7 @@ def walls(cells):
 
 
 def lit_room(detail=24):
-    """The scene. ``detail``: segments of round things (``fixedpipe.effects.scenes.objects_and_lamps.detail_of``)."""
+    """The scene. ``detail``: segments of round things (``objects_and_lamps.detail_of``)."""
     across = max(detail // 2, 6)
     ring = surfaces.torus(detail, across, 0.55, 0.13).rotated(rotation("x", 62.0))
     table = surfaces.joined(
@@ -52,7 +52,10 @@ def lit_room(detail=24):
     things = (
         ("table", table.rotated(rotation("y", -18.0)).moved(1.2, 0.0, 1.1), (0.56, 0.36, 0.22), 0.1),
         ("vase", surfaces.lathe(_VASE, detail).moved(-1.2, 0.0, -1.5), (0.24, 0.46, 0.60), 0.5),
-        ("ball", surfaces.sphere(detail, across).scaled(0.42).moved(-1.2, 0.42, 1.5), (0.72, 0.28, 0.22), 0.6),
+        (
+            "ball", surfaces.sphere(detail, across).scaled(0.42).moved(-1.2, 0.42, 1.5),
+            (0.72, 0.28, 0.22), 0.6,
+        ),
         ("ring", ring.moved(-1.9, 2.1, -0.3), (0.76, 0.56, 0.2), 0.6),
         ("shelf", shelf, (0.42, 0.34, 0.26), 0.1),
         ("hanging shade", surfaces.lathe(_SHADE, detail).moved(0.9, 3.45, -1.1), (0.62, 0.60, 0.30), 0.2),

@@ -441,8 +441,8 @@ def with_one_unit(
     FUNC_REVERSE_SUBTRACT; the map is then ``store_map``'s with the same. Other parameters as of
     ``with_combiners``.
 
-    Raises ValueError for a window without alpha; where a machine cannot subtract, ``fixedpipe.pipeline.validation``
-    refuses the passes.
+    Raises ValueError for a window without alpha. ``fixedpipe.pipeline.validation`` refuses the passes where a
+    machine cannot subtract.
     """
     if alpha_bits < 1 or coding.component != "alpha":
         raise ValueError(

@@ -14,8 +14,9 @@ from fixedpipe.pipeline.commands import Draw
 # Slices and stacks of F004-4's spheres; 50 and 26 are the paper's 2500 triangles each.
 TESSELLATIONS = ((26, 14), (36, 19), (50, 26), (70, 37), (100, 51))
 PAPER = (50, 26)
-# Operations on floats for a vector at a vertex.  Source: fixedpipe.effects.geometry.vectors.in_frame, three dot products of 3
-# multiplications and 2 additions; fixedpipe.effects.passes.encoding.encode_expand, 3 multiplications and 3 additions.
+# Operations on floats for a vector at a vertex.  Source: fixedpipe.effects.geometry.vectors.in_frame, three
+# dot products of 3 multiplications and 2 additions; fixedpipe.effects.passes.encoding.encode_expand, 3
+# multiplications and 3 additions.
 _OPERATIONS = 3 * 5 + 3 * 2
 # A vertex program is given the matrix and one vector; at the vertices it reads the local frame as well.
 _PROGRAM_PARAMETERS, _LOCAL_FRAME = (4 * 4 + 4) * FLOAT, 9 * FLOAT

@@ -79,11 +79,11 @@ class Study:
     method      how the answer is measured
     source      key in docs/bibliography.bib
     techniques  the catalogue's ids of the techniques used
-    machines    keys of ``fixedpipe.pipeline.profiles.PROFILES`` on which it may be measured, its own first; none: what
-                it compares are machines, or no machine takes part
+    machines    keys of ``fixedpipe.pipeline.profiles.PROFILES`` on which it may be measured, its own first;
+                none: what it compares are machines, or no machine takes part
     measure     (profile) -> Table; the profile of one of ``machines``, None where there are none
     findings    (Table) -> tuple of sentences that say what the numbers say, made of the numbers
-    checks      (Table) -> tuple of fixedpipe.effects.figures.Check: the catalogue's numbers; of the study's own machine
+    checks      (Table) -> tuple of ``Check``: the catalogue's numbers; of the study's own machine
     plot        (axes, Table) -> None: draws on ``panels`` matplotlib axes
     """
 

@@ -15,7 +15,8 @@ _LARGEST_FILE = 1 << 30  # voxels
 
 
 def read_raw_volume(path, dims, dtype, skip):
-    """Values of a raw file, [slices, rows, columns], of ``dims`` (columns,rows,slices) and a type, after ``skip`` bytes.
+    """Values of a raw file, [slices, rows, columns]. ``dims``: columns, rows and slices; ``dtype``: a value's
+    type; ``skip``: bytes before the first.
 
     Raises Refusal for dimensions that are none or not the file's, and a file that cannot be read.
     """
@@ -42,7 +43,9 @@ def read_raw_volume(path, dims, dtype, skip):
 
 
 def read_nrrd(path):
-    """Values of an NRRD file, [slices, rows, columns], and the spacing of its voxels; Raises Refusal where it has none."""
+    """Values of an NRRD file, [slices, rows, columns], and the spacing of its voxels. Raises Refusal where it
+    has none.
+    """
     try:
         import nrrd
     except ImportError as error:

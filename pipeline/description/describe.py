@@ -272,9 +272,9 @@ def describe_program(texture_shader, combiners):
 def describe(commands, *, folded=False):
     """The commands as text: a numbered block for each, its label, and what differs from the initial state.
 
-    Commands are numbered from 0, as ``fixedpipe.pipeline.validation`` numbers them in its sentences. ``folded``: where
-    the same few commands come again and again, for polygon after polygon, they are described once, and how
-    often they come.
+    Commands are numbered from 0, as in the sentences of ``UnsupportedState``. ``folded``: where the same few
+    commands come again and again, for polygon after polygon, they are described once, and how often they
+    come.
     """
     blocks, commands, number = [], tuple(commands), 0
     names = [(type(c), re.sub(r"\d+", "", c.label)) for c in commands] if folded else []

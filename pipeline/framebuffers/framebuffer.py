@@ -196,8 +196,8 @@ class Framebuffer:
         return command.x, command.y, width, height
 
     def read(self, command, profile, statistics):
-        """Section 4.3.2: what a ReadPixels returns, as ``fixedpipe.pipeline.commands.ReadPixels`` says; None where a
-        sink took it. ``statistics``: the machine's PixelStatistics.
+        """Section 4.3.2: what ``fixedpipe.pipeline.commands.ReadPixels`` returns; None where a sink took it.
+        ``statistics``: the machine's PixelStatistics.
         """
         box, transfer = self.box_of(command), command.transfer
         if command.format == "DEPTH_COMPONENT":

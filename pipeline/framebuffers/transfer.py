@@ -1,9 +1,9 @@
 """Pixel transfer of images: a PixelTransfer's operations in order, what histograms and minmaxes keep, and the
 conversions of image data to pixel groups and back.
 
-``fixedpipe.raster.pixels.transfer`` has the arithmetic; here is what of it a state asks for. Colour groups are float64
-[height, width, 4], RGBA, before final conversion; depths are float64 and indices int64 [height, width]. The
-bottom row is first.
+``fixedpipe.raster.pixels.transfer`` has the arithmetic; here is what of it a state asks for. Colour groups
+are float64 [height, width, 4], RGBA, before final conversion; depths are float64 and indices int64 [height,
+width]. The bottom row is first.
 
 Source: OpenGL 1.2.1 sections 3.6.3 to 3.6.5 and 4.3.2.
 """

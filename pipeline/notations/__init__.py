@@ -1,1 +1,3 @@
-"""Texts of the time that can be read and written: register combiners, texture shaders, Direct3D's pixel shaders."""
+"""Notations of programs: register combiners and texture shaders, read and written; Direct3D's pixel shaders,
+read.
+"""

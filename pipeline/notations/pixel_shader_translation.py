@@ -116,7 +116,7 @@ def parse(text, targets=None, constants=None, start=(1, 1)):
     where there is none. ``start``: the line and column at which errors take the text to begin.
 
     Raises PixelShaderTextError with line and column, both from 1, where the text is no program, and where the
-    state cannot hold it. How many combiners and units a machine has is checked by ``fixedpipe.pipeline.validation``.
+    state cannot hold it. ``fixedpipe.pipeline.validation`` checks how many combiners and units a machine has.
     """
     listing = read(text, start)
     colors = {**(constants or {}), **listing.constants}

@@ -10,8 +10,7 @@
 
 A program is: the version; any ``def``; texture instructions; arithmetic ones. White space, line ends
 included, separates words; comments run from ``;`` or ``//`` to the end of the line, or between ``/*`` and
-``*/``; case does not matter. This module reads; ``pipeline/notations/pixel_shader_translation.py`` translates what it has
-read.
+``*/``; case does not matter. This module reads; ``pixel_shader_translation`` translates what it has read.
 
 Sources carry at most one of ``-`` and ``1-`` before the register, ``_bias`` or ``_bx2`` after it, and one of
 ``.a`` (``.w``) and ``.b`` (``.z``) last; ``.rgb``, ``.rgba`` and the like are accepted and choose nothing.

@@ -206,8 +206,9 @@ def store_texels(rgba, internal_format):
     """
     if internal_format not in COMPONENT_BITS:
         raise ValueError(
-            f"{internal_format.name} is not made from RGBA components; see fixedpipe.pipeline.textures.words, or give one "
-            f"of {', '.join(f.name for f in COMPONENT_BITS)}."
+            f"{internal_format.name} is not made from RGBA components; see "
+            f"fixedpipe.pipeline.textures.words, or give one of "
+            f"{', '.join(f.name for f in COMPONENT_BITS)}."
         )
     base = BASE_FORMAT[internal_format]
     components = np.empty((*rgba.shape[:-1], len(KEPT[base])), np.uint8)

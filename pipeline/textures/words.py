@@ -1,7 +1,7 @@
 """Textures from the words that memory holds: packed pixels, palettes, YCbCr pairs and S3TC blocks.
 
-Images given as components are ``fixedpipe.pipeline.textures.images``' business. Arrays of words are [rows, columns], or [faces
-or layers, rows, columns]; the first row is t = 0.
+``images`` makes textures from components. Arrays of words are [rows, columns], or [faces or layers, rows,
+columns]; the first row is t = 0.
 """
 
 from dataclasses import replace

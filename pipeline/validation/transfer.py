@@ -1,6 +1,8 @@
 """What a machine refuses of a PixelTransfer, of a ColorTable and of a PixelImage.
 
-Fields have the types that ``fixedpipe.pipeline.pixel_transfer`` says and are finite when these functions see them.
+Fields have the types that ``fixedpipe.pipeline.pixel_transfer`` says, and are finite, before these functions
+see them.
+
 Source: the errors of OpenGL 1.2.1 sections 3.6.3 and 3.6.4, SGI_color_table, EXT_convolution, EXT_histogram.
 """
 

@@ -112,7 +112,7 @@ def clip(triangles, columns, vertex_count, planes):
 
 
 def clip_lines(rows, columns, vertex_count, planes):
-    """Clip lines, or points, as ``clip`` clips triangles; rows as ``fixedpipe.pipeline.vertices.assembly.split_lines`` gives.
+    """Clip lines, or points, as ``clip`` clips triangles; rows as ``assembly.split_lines`` gives them.
 
     A point outside a plane is discarded. A line's end outside a plane moves to the intersection, computed
     from the other end as a triangle's is.

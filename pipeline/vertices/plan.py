@@ -1,5 +1,5 @@
-"""What one pass over a mesh's vertices has to compute, as rows that ``fixedpipe.raster.primitives.vertices`` reads, and what of
-it a mesh has already.
+"""Rows that ``fixedpipe.raster.primitives.vertices`` reads: what one pass over a mesh's vertices has to
+compute, and what of it the mesh has already.
 
 A Mesh cannot change, so what follows from it alone is made once and kept as long as it lives. Nothing that a
 matrix touches is kept.
@@ -30,7 +30,7 @@ class MeshColumns:
     coordinates  by each unit's texture coordinate set, None where it is disabled: float64 [n, units, 4], and
                  for each unit whether some q is not 1
     given        by texture coordinate sets: float64 [c, n], the positions' components, then the sets'
-    colors       of vertices without lighting, by how they become bytes (``fixedpipe.pipeline.vertices.stage``)
+    colors       of vertices without lighting, by how they become bytes (``colors.stacked_colors``)
     unrounded    the same before they become bytes: float64 [n, 8] or [n, 16]; [1, ...] where they are equal
     plans        by what of the state they follow from, the profile and the framebuffer's size
     no_fog       float64 [n], zeros
@@ -90,7 +90,7 @@ def _given(mesh, columns, sets):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Plan:
-    """The arguments of ``fixedpipe.raster.primitives.vertices.transform_vertices`` that a mesh and a state settle.
+    """The arguments of ``transform_vertices`` that a mesh and a state settle.
 
     triangles     int32 [k, 4], the mesh's
     rows          how many columns a chunk needs
@@ -120,7 +120,7 @@ class _Sums:
         self.rows, self.sums, self.coefficients = V.FIRST_GIVEN + given, [], []
 
     def add(self, coefficients, rows):
-        """The row of what ``fixedpipe.pipeline.vertices.arithmetic.weighted_sum`` gives for columns in ``rows``."""
+        """The row of what ``arithmetic.weighted_sum`` gives for columns in ``rows``."""
         terms = [(c, row) for c, row in zip(coefficients, rows, strict=True) if c != 0]
         if not terms:
             return V.ZEROS
@@ -133,7 +133,7 @@ class _Sums:
         return self.rows - 1
 
     def transform(self, matrix, rows):
-        """Rows of ``fixedpipe.pipeline.vertices.arithmetic.transform``."""
+        """Rows of what ``arithmetic.transform`` gives."""
         return [self.add(row, rows) for row in matrix]
 
 

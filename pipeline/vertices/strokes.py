@@ -1,7 +1,7 @@
 """Points and lines on their way to rasterization: sizes, outlines of polygons, and the squares of points.
 
-docs/numbers.md section 11 fixes the rules. A row is one of ``WindowPrimitives.triangles``; ``fixedpipe.raster.rows``
-has the codes of its kinds.
+docs/numbers.md section 11 fixes the rules. A row is one of ``WindowPrimitives.triangles``;
+``fixedpipe.raster.codes`` has the codes of its kinds.
 """
 
 from dataclasses import replace

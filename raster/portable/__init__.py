@@ -1,1 +1,3 @@
-"""The portable engine: plain loops, every state there is; a file for each stage, whose names the other engines repeat."""
+"""The portable engine: plain loops, every state there is. A module for each stage; the other engines use the
+same names.
+"""

@@ -237,11 +237,11 @@ def draw_bands(
 ):
     """Draw bands first_band, first_band + band_step, ... of the framebuffer.
 
-    Rows are laid out as ``fixedpipe.raster.rows`` says. ``order`` and ``ends`` are what ``fixedpipe.raster.primitives.bins.fill_bins``
-    leaves: the primitives of band b are ``order[ends[b - 1]:ends[b]]``. ``record`` int32[n, 4] takes
-    (primitive, x, y, passed) of every fragment while it has room (n = 0: nothing is recorded). Returns the
-    number of fragments drawn; -1, and nothing is drawn, where rows or columns would lead a kernel outside an
-    array (``fixedpipe.raster.portable.check``).
+    Rows are laid out as ``fixedpipe.raster.rows`` says. ``order`` and ``ends`` are what ``fill_bins`` leaves:
+    the primitives of band b are ``order[ends[b - 1]:ends[b]]``. ``record`` int32[n, 4] takes (primitive, x,
+    y, passed) of every fragment while it has room (n = 0: nothing is recorded). Returns the number of
+    fragments drawn; -1, and nothing is drawn, where rows or columns would lead a kernel outside an array
+    (``fixedpipe.raster.portable.check``).
     """
     if batch < 16 or band_step < 1 or not usable(
         draw, draw_float, program, final, constants, factors, triangles, strokes, x.shape[0], inverse_w,

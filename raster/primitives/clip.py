@@ -1,6 +1,7 @@
-"""Clipping of filled triangles, one after the other: what ``fixedpipe.pipeline.vertices.clip`` does in NumPy on all at once.
+"""Clipping of filled triangles, one after the other.
 
-That costs the same few hundred microseconds for one triangle as for a thousand, and mostly it is a few.
+``fixedpipe.pipeline.vertices.clip`` does the same in NumPy on all at once. That costs the same few hundred
+microseconds for one triangle as for a thousand, and mostly it is a few.
 """
 
 from numba import int32, int64
@@ -28,7 +29,7 @@ _INFINITY = float("inf")
 
 @kernel
 def _distance(v, plane, parameters):
-    """From clip coordinates to a plane, by number in the order of ``fixedpipe.pipeline.vertices.clip.clip_planes``."""
+    """From clip coordinates to a plane, by its number (``codes.PLANE_NEAR`` and what follows)."""
     if plane == C.PLANE_NEAR:
         return v[2] + v[3]
     if plane == C.PLANE_FAR:

@@ -1,7 +1,8 @@
 """Vertices to window coordinates: sums of columns, then the division by w, the viewport and snapping.
 
-docs/numbers.md section 2 fixes the operations and their order. ``fixedpipe.pipeline.vertices.stage`` does the same in NumPy,
-column by column, for every mesh; this is for vertices inside every clipping plane, which nearly all are.
+docs/numbers.md section 2 fixes the operations and their order. ``fixedpipe.pipeline.vertices.stage`` does the
+same in NumPy, column by column, for every mesh. These kernels take vertices inside every clipping plane:
+nearly all are.
 """
 
 from numba import float32, float64, int32, int64
@@ -158,7 +159,7 @@ def transform_vertices(
     results       int32[4 + 4 * units + j]: rows of clip x, y, z, w, of s, t, r, q of every unit of
                   ``coordinates``, and of ``kept``
     parameters    float64[PARAMETERS]
-    x, y          int32[n]; z, inverse_w: float64[n]; see fixedpipe.pipeline.vertices.primitives.WindowPrimitives
+    x, y          int32[n]; z, inverse_w: float64[n]; as WindowPrimitives has them
     coordinates   float64[n, units, 4]
     kept          float64[j, n]: columns that the caller asks for
     columns       float64[rows, CHUNK]: scratch

@@ -1,5 +1,5 @@
-"""Register combiners over a batch as explicit vectors: the operations that ``pipeline/native/combiner_plan.py``
-planned, one by one (docs/numbers.md, section 8).
+"""Register combiners over a batch as explicit vectors: the operations of a plan, one by one (docs/numbers.md,
+section 8). ``pipeline/native/combiner_plan.py`` plans them.
 
 An operation is one loop: it reads planes of ``int16[PLANES, batch + slack]``, maps them, computes, and writes
 one plane. Planes 0..REGISTERS * 4 - 1 are the registers of ``raster/rows.py``; an operation writes to none

@@ -1,7 +1,8 @@
 """Computed texture coordinates by vectors: divided by q, of a cube map's face, compared as a depth.
 
-What raster/portable/sample.py and raster/portable/shadow.py do with columns of float64, in the same order, up to the int32
-columns that raster/vector/sample.py reads. Columns are whole vectors longer than ``count`` asks for.
+The operations are those of raster/portable/sample.py and raster/portable/shadow.py, in the same order, on
+columns of float64, up to the int32 columns that raster/vector/sample.py reads. Columns are whole vectors
+longer than ``count`` asks for.
 """
 
 from numba import float64, int32, int64

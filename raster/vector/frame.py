@@ -1,9 +1,10 @@
 """The vector engine: every queued Clear and Draw of a frame, band by band of rows.
 
-A frame's commands wait in a table of jobs, each a row of numbers and addresses (``fixedpipe.raster.rows``, JOB_KIND and
-what follows). Each thread takes the next band that nobody has and runs all jobs on its rows, in order, so a
-band stays in the processor's nearest memory from the first Clear to the last Draw, and no pixel is ever two
-threads'. A Draw that ``fill_draw`` refuses is the portable engine's (``fixedpipe.raster.portable.draw``), whose bits these are.
+A frame's commands wait in a table of jobs, each a row of numbers and addresses (``rows.JOB_KIND`` and what
+follows). Each thread takes the next band that nobody has and runs all jobs on its rows, in order, so a band
+stays in the processor's nearest memory from the first Clear to the last Draw, and no pixel is ever two
+threads'. A Draw that ``fill_draw`` refuses goes to the portable engine (``fixedpipe.raster.portable.draw``),
+which gives the same bits.
 """
 
 from numba import float64, int16, int32, int64, uint8, uint32, void

@@ -1,4 +1,5 @@
-"""Weights of fragments and everything iterated with them, on vectors: ``fixedpipe.raster.portable.interpolate``'s values.
+"""Weights of fragments and everything iterated with them, on vectors: the values of
+``fixedpipe.raster.portable.interpolate``.
 
 A batch is made of segments. In a *run* all fragments belong to one triangle, whose numbers are the same in
 every lane. Where triangles are small a segment *mixes* them (owner -1): each fragment carries its triangle's

@@ -165,7 +165,7 @@ def level_of_detail(
     rho2,
     cells,
 ):
-    """As fixedpipe.raster.portable.level_of_detail.level_of_detail, of triangles; no cube maps and no 3D textures.
+    """As the portable engine's ``level_of_detail``, of triangles; no cube maps and no 3D textures.
 
     rho2, cells: scratch of at least half a batch and 24 more; what lies in LOD past the last run's end, up to
     15 fragments, is lost.

@@ -1,8 +1,10 @@
-"""Per-fragment operations of the vector engine: ``fixedpipe.raster.portable.per_fragment``'s results for two shapes of batch.
+"""Per-fragment operations of the vector engine: the results of ``fixedpipe.raster.portable.per_fragment`` for
+two shapes of batch.
 
 A *run* is a piece of a row and goes 16 or 32 pixels at a time. In a *mixed* stretch, of many small triangles,
 each fragment names its pixel, and the loops go fragment by fragment: two of them may name the same pixel, and
-the earlier one comes first. Whatever is rare is left to the loops of ``fixedpipe.raster.portable.per_fragment``, run by run.
+the earlier one comes first. Whatever is rare is left to the loops of
+``fixedpipe.raster.portable.per_fragment``, run by run.
 """
 
 from numba import int16, int32, int64, uint8, uint32, uint64

@@ -1,9 +1,9 @@
 """Every feature of the machines as data: which of them have it, the smallest commands that use it, and where
 its specification, its implementation and its tests are.
 
-``python -m tests.machines`` makes docs/machines.md of this list; tests/pipeline/validation/test_machines.py says that
-``validate`` accepts a feature's commands exactly where the machine has it, refuses them elsewhere in a
-sentence, and that they run. A new feature is one entry here.
+``python -m tests.machines`` makes docs/machines.md of this list. tests/pipeline/validation/test_machines.py
+says that ``validate`` accepts a feature's commands exactly where the machine has it, refuses them elsewhere
+in a sentence, and that they run. A new feature is one entry here.
 """
 
 from collections.abc import Callable

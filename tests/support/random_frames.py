@@ -1,9 +1,9 @@
 """Whole random frames from a seed alone: what ``tests.fuzz`` draws with every engine and compares.
 
-Unlike ``tests.support.strategies``, nothing here shrinks; it aims at what fast rasterization gets wrong: small and
-thin triangles, shared edges, vertices on pixel centres, ratios of w, textures of one row, coordinates at the
-ends of float64, states that change from draw to draw in one framebuffer, and draws that wait in a queue while
-what they read is replaced.
+Unlike ``tests.support.strategies``, nothing here shrinks; it aims at what fast rasterization gets wrong:
+small and thin triangles, shared edges, vertices on pixel centres, ratios of w, textures of one row,
+coordinates at the ends of float64, states that change from draw to draw in one framebuffer, and draws that
+wait in a queue while what they read is replaced.
 """
 
 import random as scalars

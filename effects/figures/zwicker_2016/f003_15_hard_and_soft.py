@@ -25,7 +25,9 @@ def things(detail):
     ring = surfaces.torus(detail, detail // 2, 0.5, 0.14).rotated(rotation("x", 90.0))
     return objects_and_lamps.Scene(
         (
-            objects_and_lamps.Object("floor", objects_and_lamps.floor(2.4, detail // 2), (0.64, 0.62, 0.58), closed=False),
+            objects_and_lamps.Object(
+                "floor", objects_and_lamps.floor(2.4, detail // 2), (0.64, 0.62, 0.58), closed=False
+            ),
             objects_and_lamps.Object("pole", pole.moved(-1.25, 0.0, 0.1), (0.34, 0.46, 0.62), 0.3),
             objects_and_lamps.Object(
                 "ball", surfaces.sphere(detail, detail // 2).scaled(0.42).moved(0.3, 0.42, 0.95),

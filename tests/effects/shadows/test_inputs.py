@@ -64,7 +64,10 @@ REFUSED = {
     "margin below one": (lambda: objects_and_lamps.lamp_around(SCENE, (9, 9, 9), margin=0.5), "above 1"),
     "margin NaN": (lambda: objects_and_lamps.lamp_around(SCENE, (9, 9, 9), margin=NAN), "above 1"),
     "a flat scene from above": (lambda: objects_and_lamps.lamp_around(FLOOR, (0, 5, 0)), "move it aside"),
-    "highlight": (lambda: objects_and_lamps.Object("a", surfaces.box(), (1, 1, 1), 2.0), "highlight of a is 2.0"),
+    "highlight": (
+        lambda: objects_and_lamps.Object("a", surfaces.box(), (1, 1, 1), 2.0),
+        "highlight of a is 2.0",
+    ),
     "highlight NaN": (lambda: objects_and_lamps.Object("a", surfaces.box(), (1, 1, 1), NAN), "from 0 to 1"),
     "a lamp round nothing": (lambda: objects_and_lamps.lamp_around(EMPTY, (1, 2, 3)), "no object"),
     "rays at nothing": (lambda: ray_caster.scene_caster(EMPTY), "no object"),

@@ -66,7 +66,7 @@ def unit_rows(kinds):
 
 
 def portable_colors(planes, packed, kinds, count):
-    """What the end of ``fixedpipe.raster.portable.draw.shade`` and ``pack_colors`` make of the same planes."""
+    """What the end of ``shade`` and ``pack_colors`` of the portable engine make of the same planes."""
     draw = packed.draw
     registers = np.zeros((R.REGISTERS * 4, count), np.int16)
     for register in (C.REGISTER_PRIMARY_COLOR, C.REGISTER_SECONDARY_COLOR):
