@@ -36,7 +36,7 @@ class Truth:
 
 
 def truth_of(scene, view, lamp, self_shadows=True):
-    """The ``Truth`` of a ``scenes.Scene``; ``self_shadows`` as of ``ray_caster.lit``."""
+    """The ``Truth`` of a ``Scene``; ``self_shadows`` as of ``ray_caster.lit``."""
     caster = ray_caster.scene_caster(scene)
     shown = ray_caster.visible(caster, view)
     return Truth(caster, view, lamp, shown, ray_caster.lit(caster, shown, lamp, self_shadows=self_shadows))

@@ -1,5 +1,6 @@
-"""What a shadow map's bias does to the board of ``scenes.board``: its shadows under several polygon offsets,
-the speckle that too little leaves on what is lit, and the gap that too much opens behind the board.
+"""What a shadow map's bias does to a thin board (``fixedpipe.effects.scenes.board``): its shadows under
+several polygon offsets, the speckle that too little bias leaves on lit surfaces, and the gap that too much
+opens behind the board.
 """
 
 import numpy as np

@@ -330,7 +330,7 @@ def _column(values, dtype, count, default):
 
 
 def scene_caster(scene):
-    """The RayCaster of a ``scenes.Scene``; its objects are numbered as in ``scene.objects``."""
+    """The RayCaster of a ``Scene``; its objects are numbered as in ``scene.objects``."""
     return RayCaster(scene.triangles(), scene.object_of_triangle())
 
 
@@ -427,9 +427,9 @@ def lit_points(caster, points, normals, light, *, triangles=None, objects=None):
 def lit(caster, shown, light, *, self_shadows=True):
     """Where a light reaches what is shown: bool [h, w], false where nothing is.
 
-    ``shown``: Visible. ``light``: a ``scenes.Lamp`` (``position``, ``target``, ``infinite``).
-    ``self_shadows`` False: an object's own shadow does not fall on it; its sides that are turned away stay
-    dark.
+    ``shown``: Visible. ``light``: a ``Lamp`` of ``fixedpipe.effects.scenes.objects_and_lamps`` (``position``,
+    ``target``, ``infinite``). ``self_shadows`` False: an object's own shadow does not fall on it; its sides
+    that are turned away stay dark.
     """
     out = shown.something.copy()
     objects = None if self_shadows else shown.object[out]

@@ -182,7 +182,7 @@ def object_space_normals(normals, frames):
 
     normals  float64 [rows, columns, 3], in tangent space
     frames   (normals, tangents, binormals) of the object at the texels, float64 [rows, columns, 3] each, as
-             ``meshes.sphere_frames`` gives them
+             ``surfaces.sphere_frames`` gives them
     """
     normal, tangent, binormal = frames
     return normalize(from_frame(normals, tangent, binormal, normal))
@@ -219,7 +219,8 @@ def _constant(vectors, what):
     if np.abs(vectors - vectors[:1]).max() > 1e-12:
         raise ValueError(
             f"{what} differs from vertex to vertex; a colour matrix holds one. Give a directional light and "
-            "an infinite viewer (views.orthographic_view), or draw polygon by polygon (imaging_subset)."
+            "an infinite viewer (fixedpipe.effects.geometry.views.orthographic_view), or draw polygon by "
+            "polygon (fixedpipe.effects.reflectance.imaging_subset)."
         )
     return vectors[0]
 

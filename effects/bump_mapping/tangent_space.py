@@ -9,8 +9,8 @@ and t = dx/du and b = dx/dv are M's first two columns; n = t x b.
 
 Z04. At a vertex t and b are averaged over the triangles that share it. Stored are t, the normal and one sign;
 b is computed on the fly, sign * n x t: along b where the coordinates turn as the triangle does, against it
-where they are mirrored. (``meshes.from_triangles``, which makes tangents for OBJ files, weights the mean by
-the triangles' areas instead.)
+where they are mirrored. (``triangle_meshes.from_triangles``, which makes tangents for OBJ files, weights the
+mean by the triangles' areas instead.)
 
 "No normalization necessary" (E003.2). With t and b as they are and n = t x b, the normal (-d_u, -d_v, 1) of a
 map becomes -d_u t - d_v b + t x b. A surface that is really displaced by d along its normal n^ has the normal
@@ -220,7 +220,7 @@ def examine(points, coordinates, largest_stretch=LARGEST_STRETCH):
 
 
 def examine_surface(surface, largest_stretch=LARGEST_STRETCH):
-    """The Report on a ``meshes.Surface``'s triangles."""
+    """The Report on a ``Surface``'s triangles."""
     return examine(*_corners(surface), largest_stretch)
 
 
@@ -269,7 +269,7 @@ def with_tangents(surface, zero_area="refuse", mirrored="sign"):
     Parameters
     ----------
     surface
-        A ``meshes.Surface``; positions, normals, texture coordinates and triangles are taken.
+        A ``surfaces.Surface``; positions, normals, texture coordinates and triangles are taken.
     zero_area
         What becomes of triangles without an area in texture space: "refuse" them (ValueError), "drop" them
         (a hole), or "keep" them with what their vertices have of other triangles.

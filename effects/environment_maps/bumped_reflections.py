@@ -340,7 +340,9 @@ def offset_passes(surface, names, view, *, across=16, along=12):
     viewer, as SPHERE_MAP takes the eye for the origin of eye coordinates.
     """
     if view.infinite_viewer:
-        raise ValueError("A sphere map needs the eye's position; give views.perspective_view.")
+        raise ValueError(
+            "A sphere map needs the eye's position; give fixedpipe.effects.geometry.views.perspective_view."
+        )
     out = []
     for number, part in enumerate(parts(surface, across, along)):
         seen = np.unique(part.triangles)

@@ -5,7 +5,8 @@ import math
 # On which SECONDS were measured.
 PROCESSOR = "one core of an AMD EPYC (family 25)"
 # Processor seconds of a figure on all its machines with its acceptance checks, by id.
-# Measured: time.process_time around effects.cli.rendering.render, one thread, kernels in the cache.
+# Measured: time.process_time around fixedpipe.effects.reports.figure_record.render, one thread, kernels in
+# the cache.
 SECONDS = {
     "F000-6": 2.2,
     "F000-7": 42,

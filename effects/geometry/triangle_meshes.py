@@ -222,7 +222,7 @@ def read_obj(text, name="The OBJ file"):
     )
 
 
-# Cosine of the bend from which an edge is sharp. Assumed: 40 degrees, as of ``meshes.lathe``.
+# Cosine of the bend from which an edge is sharp. Assumed: 40 degrees, as of ``surfaces.lathe``.
 _SMOOTH = 0.766
 _MOST_NEIGHBOURS = 256
 

@@ -97,7 +97,7 @@ def show(picture, panel, name, surface):
     displayed.
 
     ``picture``: [height, width, 3] of the panel's size, bottom row first, bytes or floats. ``surface``: a
-    rectangle (``meshes.plane``) of half width and half height one. The texture's edges are the next powers
+    rectangle (``surfaces.plane``) of half width and half height one. The texture's edges are the next powers
     of two.
     """
     height, width = picture.shape[:2]

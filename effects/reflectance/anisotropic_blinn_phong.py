@@ -150,7 +150,7 @@ def specular_pass(
     Parameters
     ----------
     surface, view, light
-        What is drawn, whence it is seen and lit (``meshes``, ``views``).
+        The surface, the view and the light.
     names
         The material's texture objects (``material_textures.MaterialNames``).
     specular

@@ -175,7 +175,7 @@ def specular_passes(
     Parameters
     ----------
     surface, view, light
-        What is drawn, whence it is seen and lit (``meshes``, ``views``).
+        The surface, the view and the light.
     names
         The material's texture objects (``BanksNames``).
     specular

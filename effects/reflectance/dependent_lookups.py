@@ -179,7 +179,8 @@ def storage_scale(material):
     if smallest < SMALLEST_ALPHA / 2.0:
         raise ValueError(
             f"The smallest alpha is {smallest:g}; combiners take vectors of alphas of "
-            f"{SMALLEST_ALPHA / 2.0:g} and more. Give larger alphas, or draw with dot_product_lookups."
+            f"{SMALLEST_ALPHA / 2.0:g} and more. Give larger alphas, or draw with "
+            "fixedpipe.effects.reflectance.dot_product_lookups."
         )
     return SMALLEST_ALPHA if smallest >= SMALLEST_ALPHA else SMALLEST_ALPHA / 2.0
 
@@ -294,7 +295,7 @@ def blinn_phong_passes(
     Parameters
     ----------
     surface, view, light
-        What is drawn, whence it is seen and lit (``meshes``, ``views``).
+        The surface, the view and the light.
     names
         Of ``load``. ``load_screen`` has made room on this panel.
     specular
@@ -562,9 +563,9 @@ def _shown(stage):
 
 
 def figure_1_passes(surface, view, light, profile, *, stage=RESULT, sampler=REPEATED):
-    """The paper's figure 1, exp(s/t) sqrt(u^v), as far as ``stage`` (``framework.STAGES``), that in grey.
+    """The paper's figure 1, exp(s/t) sqrt(u^v), up to ``stage`` (``lookup_framework.STAGES``), that in grey.
 
-    Textures "a", "n", "F" and "G" are ``framework``'s (``load_textures``, ``load_tables``).
+    Textures "a", "n", "F" and "G" are ``lookup_framework``'s (``load_textures``, ``load_tables``).
     """
     one_of(STAGES, stage, "The stage")
     parameters = surface.mesh(

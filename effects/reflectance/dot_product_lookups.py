@@ -157,7 +157,7 @@ def banks_pass(
     Parameters
     ----------
     surface, view, light
-        What is drawn, whence it is seen and lit (``meshes``, ``views``).
+        The surface, the view and the light.
     names
         Of ``load_banks``.
     specular

@@ -358,7 +358,7 @@ def blinn_phong(
     Parameters
     ----------
     surface, view, light
-        What is drawn, whence it is seen and lit (``meshes``, ``views``).
+        The surface, the view and the light.
     names
         The material's texture objects (``load``).
     specular

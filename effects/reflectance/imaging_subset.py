@@ -290,7 +290,7 @@ def prepare(surface, material, view, profile, *, name="material", triangles_per_
     """What the passes over a surface take: its polygons that face the viewer, and what they read.
 
     ``name``: what the texture objects' names begin with. ``triangles_per_polygon``: how many consecutive
-    triangles are one flat polygon, 2 for ``meshes.plane``. Raises ValueError where none faces the viewer.
+    triangles are one flat polygon, 2 for ``surfaces.plane``. Raises ValueError where none faces the viewer.
     """
     faces = polygons(surface, triangles_per_polygon)
     faces = faces.part(facing(faces, view))

@@ -322,7 +322,7 @@ def phong_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0, 1.
     Parameters
     ----------
     surface, view, light
-        What is drawn (``meshes``), an infinite viewer and a directional light (``views``).
+        The surface, an infinite viewer and a directional light.
     names
         The material's textures (``load``), N of 6 or more. ``dependent_lookups.load_screen`` has made room on
         this panel.

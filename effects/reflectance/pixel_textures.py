@@ -103,7 +103,7 @@ def banks(
     Parameters
     ----------
     surface, view, light
-        A flat surface (``meshes``), an infinite viewer and a directional light (``views``).
+        A flat surface, an infinite viewer and a directional light.
     material
         A ``material_textures.Material``; its alphas take no part.
     specular

@@ -44,7 +44,7 @@ LEAST_SINE = 0.02
 
 @dataclass(frozen=True)
 class LightCamera:
-    """A shadow map's camera, and the light it belongs to, as ``scenes.Lamp`` is.
+    """A shadow map's camera, and the light it belongs to, as ``Lamp`` is.
 
     ``modelview`` and ``projection``: as in VertexState. ``direction``: to the light, world coordinates.
     ``n``: the distance of the second perspective's centre from the nearest point; None: there is none.

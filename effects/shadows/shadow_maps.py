@@ -11,7 +11,7 @@ Z10     P1 the scene without the light, P2 the light, multiplied by the comparis
         (Z17); k x k of them, with the map moved from texel to texel, one or four in a pass, in the
         accumulation buffer (Z18, ``accumulated_passes``)
 
-A camera is whatever has ``view(panel)`` and ``texture_matrix``: a ``scenes.Lamp`` or a part of one.
+A camera is whatever has ``view(panel)`` and ``texture_matrix``: a ``Lamp`` or a part of one.
 
 SGIX_shadow names its operators by the texel: TEXTURE_LEQUAL_R is 1 where texel <= r, in shadow. ARB_shadow
 puts r first, and LEQUAL here is 1 where r <= texel, in the light: SGIX_shadow's TEXTURE_GEQUAL_R.

@@ -160,8 +160,8 @@ def commands(
     image
         The photograph or elevation array, top row first.
     surface
-        A ``meshes.Surface``: of ``mesh``, ``meshes.read_obj`` or ``meshes.from_triangles``; fitted into the
-        view.
+        A ``Surface``: of ``mesh``, ``triangle_meshes.read_obj`` or ``triangle_meshes.from_triangles``; fitted
+        into the view.
     parameters
         MaterialParameters, or the name of one of ``MATERIALS``.
     light

@@ -163,7 +163,7 @@ class Picture:
 
     volume      the Volume
     view        the camera's View; a lamp and a viewer as if infinitely far light it
-    lamp        an infinite ``scenes.Lamp``
+    lamp        an infinite ``Lamp``
     slices      how many, in both views
     shading     the Shading
     map_panel   a square Panel of the window in which the shadow map is drawn, of as many pixels as the map

@@ -1,7 +1,7 @@
 """DrawPixels, CopyPixels and Bitmap (OpenGL 1.2.1 sections 3.6.4, 3.7, 4.3.1 and 4.3.3): pixel groups become
 fragments, which the column engine shades, tests and writes.
 
-The arithmetic is in ``raster.pixels.rectangles``; docs/numbers.md has the rules.
+The arithmetic is in ``fixedpipe.raster.pixels.rectangles``; docs/numbers.md has the rules.
 """
 
 from dataclasses import replace

@@ -1,6 +1,6 @@
 """The machine: it validates a frame and runs its commands one after the other.
 
-Clears and Draws wait in a queue (``pipeline.native.queue``) until something reads what they draw.
+Clears and Draws wait in a queue (``fixedpipe.pipeline.native.queue``) until something reads what they draw.
 """
 
 import threading

@@ -1,7 +1,7 @@
 """A Draw up to its fragments: primitives sorted into bands of rows, and the arrays that kernels take.
 
-What the vector engine (``raster.vector.frame``) does not cover is drawn by the portable one
-(``raster.portable.draw``).
+The portable engine (``fixedpipe.raster.portable.draw``) draws what the vector engine
+(``fixedpipe.raster.vector.frame``) does not cover.
 """
 
 from dataclasses import dataclass

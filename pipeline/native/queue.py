@@ -1,7 +1,7 @@
 """Clears and Draws that wait until something reads what they draw, and Draws that are kept to come again.
 
-Every thread takes bands of rows and runs all that waits on each (``raster.vector.frame``); what those
-kernels do not cover is drawn by others (``raster.portable.draw``), Draw after Draw.
+Every thread takes bands of rows and runs all that waits on each (``fixedpipe.raster.vector.frame``). Draws
+that those kernels do not cover are drawn one after the other (``fixedpipe.raster.portable.draw``).
 """
 
 from collections import Counter

@@ -3,8 +3,8 @@
 Where register combiners are disabled, each enabled texture unit combines its texel with the colour that
 reaches it. ``environment_program`` writes the units of a pass as one ``RegisterCombiners``, which every
 engine runs as any other program. Such a program is the driver's, not the user's: it may have more stages than
-the machine offers, constants of each stage, and blue to alpha. Why: docs/decisions/0008; what comes out:
-docs/numbers.md, "Texture environments".
+the machine offers, constants of each stage, and blue to alpha. Why:
+docs/decisions/0008-texture-environments.md; what comes out: docs/numbers.md, "Texture environments".
 
 Every result is read through an unsigned mapping, which makes zero of what is negative; a result is at most
 one. So each unit's result is clamped to [0, 1], as the tables ask, with no stage for it.

@@ -1,5 +1,5 @@
 """Whether a Draw's rows and combiner plan keep the vector engine's kernels inside their arrays, whoever wrote
-them. ``raster.portable.check`` looks at what both engines read.
+them. ``fixedpipe.raster.portable.check`` looks at what both engines read.
 """
 
 from fixedpipe.raster import codes as C

@@ -66,7 +66,7 @@ def cube_faces(s, t, r, face, count):
 
 @kernel("void(f8[::1],i4[::1],f8,f8,f8,i8,i8,i8)")
 def fixed_from_floats(column, out, size, bias, scale, wrap, linear, count):
-    """F of a level of ``size`` texels, of any size, as ``vector_texture.locate`` takes it.
+    """F of a level of ``size`` texels, of any size, as ``sample.locate`` takes it.
 
     The texel coordinate is coordinate * (scale * size) + ``bias`` (``scale`` 1, or 1/2 for a cube face's
     doubled coordinates), or, for ``scale`` 0, coordinate + ``bias``; ``bias`` TAU or 0. ``wrap``: REPEAT,

@@ -222,7 +222,7 @@ def finish_batch(job, p, first, count, length, segments, runs, solid, buffers, s
 
     first: a triangle, whose colours are all triangles' where the job has JOB_ONE_COLOR; ``count``: fragments
     in columns; ``length``: of all runs together, which is another number where ``solid``
-    (``vector_fragments.write_fragments``).
+    (``per_fragment.write_fragments``).
     """
     separate_function()
     draw, triangles, colors = p.draw, p.triangles, p.colors

@@ -446,7 +446,7 @@ def texels_of(largest, exponent, total, to_fixed):
 
 @kernel
 def exact_steps(q0, q2, v1, d0, d2, size, repeat):
-    """As ``texel_steps``, of one fragment, where wrapping rounds: the portable kernels' every operation.
+    """As ``texels_of``, of one fragment, where wrapping rounds: the portable kernels' every operation.
 
     A linear filter's texel coordinate is a nearest one's as well.
     """

@@ -17,7 +17,7 @@ PANEL = Panel(0, 0, SIZE, SIZE)
 
 
 def reference(textures):
-    """Every stage in float64 at the texels, in ``framework.STAGES``' order."""
+    """Every stage in float64 at the texels, in ``lookup_framework.STAGES``' order."""
     minus_s, t, u, eighth = textures.parameters(unit_vector(LIGHT, "The light"), EYE)
     f, g = lookup_framework.exponential(minus_s, t), lookup_framework.root_of_power(u, eighth)
     return dict(zip(lookup_framework.STAGES, (minus_s, t, u, eighth, f, g, f * g), strict=True))
