@@ -96,7 +96,7 @@ def _compare(parties, scenes, options):
         print(
             f"{scene.name:5}{verdict}: largest difference {found.color} levels, "
             f"{found.beyond / found.pixels:.2%} of the pixels beyond {scene.levels}; "
-            f"drawn by one only {found.coverage}; depth {found.depth} units; stencil {found.stencil}",
+            f"pixels that only one drew {found.coverage}; depth {found.depth} units; stencil {found.stencil}",
             flush=True,
         )
     return same

@@ -1,4 +1,4 @@
-"""How this says no: one sentence that says why, and what to do instead."""
+"""Refusals: each is one sentence that says why something cannot be done, and what to do instead."""
 
 import difflib
 from contextlib import contextmanager

@@ -57,7 +57,7 @@ def power_below(value):
 @kernel
 def reciprocal_29(inverse):
     """1/D to 29 significant bits, from ``inverse``, the float64 nearest to it: a power of two is exact,
-    anything else is lessened by 2**21 units of the float64 and truncated.
+    anything else is reduced by 2**21 units of the float64 and truncated.
 
     Measured: 90676 of 90676 and 887880 of 887880 pixels (DepthFmt_z24, ZBuf24D_FloorQuad captures), which
     allow for 1.4 to 4.3 million units; simply truncated, 28 bits lose 32 pixels and 29 bits 34.

@@ -1,1 +1,1 @@
-"""What figures and studies measure with: checks, measures, rays, agreement."""
+"""Acceptance of pictures: checks and measures, rays as the truth, and agreement with them."""

@@ -1,4 +1,4 @@
-"""Check: one number that a picture, or a study's table, must keep, and why."""
+"""A Check: one number of a picture or of a study's table, the bound that it must keep, and why."""
 
 from dataclasses import dataclass
 

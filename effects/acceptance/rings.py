@@ -1,5 +1,5 @@
-"""How bright the rings are that interpolating vectors before they are used makes at the rim of a dome
-(F004-2, K16, P11).
+"""The brightness of the rings at the rim of a dome (F004-2, K16, P11): vectors that are interpolated before
+they are used make them.
 """
 
 import numpy as np

@@ -95,7 +95,7 @@ class Inputs:
     folder: Path | None
 
     def path(self, name):
-        """The file of that name in the folder or in a folder of it. Raises MissingInput."""
+        """The file of that name in the folder or below it. Raises MissingInput."""
         if self.folder is not None:
             for wanted in dict.fromkeys((name, _ALSO_CALLED.get(name, name))):
                 for path in (self.folder / wanted, *sorted(self.folder.glob(f"*/{wanted}"))):

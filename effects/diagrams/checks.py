@@ -1,4 +1,4 @@
-"""What a diagram is checked by: that its marks are where the geometry has them."""
+"""The check of diagrams: their marks are where the geometry has them."""
 
 import numpy as np
 
@@ -8,10 +8,10 @@ from fixedpipe.effects.geometry.views import panel_of
 
 
 def drawn_check(figure, renderer, places):
-    """That a diagram's marks are where the geometry has them.
+    """The Checks that a diagram's marks are where the geometry has them, on the ideal and on the machine.
 
-    ``places``: (panel's number, its view at half the figure's size, point, colour).
-    The largest distance of a pixel there from its colour.
+    ``places``: (panel's number, its view at half the figure's size, point, colour) of each mark. Measured is
+    the largest distance of a pixel there from its colour.
     """
     size, out = figure.size // 2, []
     for on in ("ideal", "machine"):

@@ -1,4 +1,4 @@
-"""What each figure costs: so the cheapest can be drawn first, and how long all take be said before."""
+"""The cost of each figure: the cheapest are drawn first, and how long all will take is said before."""
 
 import math
 

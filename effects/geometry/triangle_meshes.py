@@ -1,4 +1,4 @@
-"""Meshes of triangles that a file or a list gives: OBJ, creases, normals at vertices."""
+"""Triangle meshes from a file or a list: OBJ, creases, normals at vertices."""
 
 import math
 

@@ -1,5 +1,5 @@
-"""Arguments of techniques, checked: a colour, one of several names, a positive number. What does not fit is
-refused with a ValueError that names it.
+"""Checks of techniques' arguments: a colour, one of several names, a positive number. Each raises a
+ValueError that names what does not fit.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""What techniques write register combiners with: inputs, portions that do nothing, constants."""
+"""Parts of register combiners, for techniques: inputs, portions that do nothing, constants."""
 
 from fixedpipe.effects.passes.arguments import checked_rgb
 from fixedpipe.pipeline.enums import ComponentUsage, Mapping, Register

@@ -1,5 +1,5 @@
-"""What techniques write Draws with: depth tests, blending, samplers, a texture unit, one pass over a mesh,
-and a stored picture shown.
+"""Parts of Draws, for techniques: depth tests, blending, samplers, a texture unit; one pass over a mesh, and
+one that shows a stored picture.
 """
 
 from fixedpipe.effects.passes.combiners import NO_ALPHA, NO_RGB, OPAQUE, ZERO, constant_product

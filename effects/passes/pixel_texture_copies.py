@@ -1,6 +1,5 @@
-"""What pixel textures are written with: material textures loaded through a colour matrix, the polygon that
-puts their dot products into channels of the framebuffer, and copies of the framebuffer onto itself that look
-up.
+"""Passes with pixel textures: material textures are loaded through a colour matrix, a polygon puts their dot
+products into channels of the framebuffer, and copies of the framebuffer onto itself look them up.
 
 The stencil buffer marks the polygon's pixels, so that copies leave others alone. ``through_host`` makes the
 same of DrawPixels, as Kautz, Seidel 2000, section 5, has it (K15). Source: SGIX_pixel_texture.

@@ -1,4 +1,4 @@
-"""What techniques write texture shaders with: a unit's plain stage, and a dot product of a normal's texel."""
+"""Parts of texture shaders, for techniques: a unit's plain stage, and a dot product of a normal's texel."""
 
 from fixedpipe.pipeline.enums import DotProductMapping
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation

@@ -1,1 +1,1 @@
-"""What is written of what was drawn: records, galleries, pictures. No command line."""
+"""Reports of what was drawn: records, galleries and pages, pictures. No command line."""

@@ -1,4 +1,4 @@
-"""What comes of comparing captures: the objects of the JSON list, and a page, one file without scripts or
+"""The report on compared captures: the objects of the JSON list, and a page, one file without scripts or
 anything from elsewhere.
 """
 

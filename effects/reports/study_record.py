@@ -1,4 +1,4 @@
-"""One study, measured: its table, the content of its JSON file, and its plot."""
+"""The record of one study: its table, the content of its JSON file, and its plot."""
 
 import json
 

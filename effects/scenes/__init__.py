@@ -1,1 +1,1 @@
-"""Things to light. No technique, no check."""
+"""Scenes and objects to light. No technique, no check."""

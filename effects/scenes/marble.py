@@ -1,4 +1,4 @@
-"""The marble of F004-6 and F004-7."""
+"""The marble that F004-6 and F004-7 show."""
 
 # What the marble is made of: the keywords of ``material_textures.marble`` besides its size. F004-7 shows the
 # textures of the same.

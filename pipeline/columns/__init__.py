@@ -1,1 +1,1 @@
-"""The driver of the column engine."""
+"""The driver of the column engine: states are read, and columns given to ``fixedpipe.raster.columns``."""

@@ -1,9 +1,9 @@
 """The column engine: the machine's rules on int64 columns, every width a parameter, every clamp a switch.
 
-The third engine (docs/numbers.md, section 13; docs/decisions, page 0007). At the native widths its bits are
-the other two's; it alone draws at others, and it alone writes fragments that no primitive made
-(``shade_and_write``). The arithmetic is in ``raster/columns/``; in this folder states are read and columns
-brought together.
+The third engine (docs/numbers.md, section 13; docs/decisions/0007-column-engine.md). At the native widths its
+bits are the other two's; it alone draws at others, and it alone writes fragments that no primitive made
+(``shade_and_write``). The arithmetic is in ``fixedpipe.raster.columns``; this package reads states and brings
+columns together.
 """
 
 from dataclasses import replace

@@ -1,8 +1,7 @@
 """A pass sequence in words: each command, what differs from the initial state, combiners as equations.
 
 The words are OpenGL's: tokens where OpenGL has one (TEXTURE_MIN_FILTER LINEAR), registers as the ``!!RC1.0``
-notation calls them. Equations leave out what cannot contribute: factors of one, products with zero, discarded
-outputs. ``.`` is a dot product, ``1 - x`` is UNSIGNED_INVERT, 1/2 is the machine's half.
+notation calls them. ``equations`` says how equations are written.
 """
 
 import re

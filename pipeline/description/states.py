@@ -1,4 +1,4 @@
-"""What of a state differs from the initial one, a line for each part."""
+"""States in words: what differs from the initial state, a line for each part."""
 
 from dataclasses import MISSING, fields, is_dataclass
 

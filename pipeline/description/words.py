@@ -1,4 +1,4 @@
-"""What fields and values are called: OpenGL's tokens where it has one, numbers as short as they read back."""
+"""The words for fields and values: OpenGL's tokens where it has one, numbers as short as they read back."""
 
 from enum import Enum
 

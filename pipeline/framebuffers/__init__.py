@@ -1,1 +1,1 @@
-"""What a frame leaves in memory, and its copies."""
+"""Memory that frames write: framebuffers, their copies in textures, and a frame's Result."""

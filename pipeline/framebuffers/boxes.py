@@ -1,4 +1,4 @@
-"""Rectangles of the window, whose y points up, in device pixels, whose y points down."""
+"""Rectangles of the window, where y points up, in device pixels, where y points down."""
 
 
 def device_edges(box, height):

@@ -1,5 +1,5 @@
-"""Rectangles of pixels before any evaluator: which pixels they cover, and what their fragments take of raster
-position, pixel texture and volumes. Machines and the ideal read it alike.
+"""Rectangles of pixels as machines and the ideal both see them: which pixels they cover, and what their
+fragments take of raster position, pixel texture and volumes.
 """
 
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""What running a frame gives: framebuffers, textures, pixels, and where asked for traces and fragments."""
+"""The Result of a frame: framebuffers, textures, pixels, and on request a trace and fragments."""
 
 from dataclasses import dataclass
 

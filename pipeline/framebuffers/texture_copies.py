@@ -1,4 +1,4 @@
-"""Textures that commands make: of a host's pixels, of a framebuffer's rectangle, of a whole pbuffer."""
+"""Textures that commands make from a host's pixels, a framebuffer's rectangle or a whole pbuffer."""
 
 import numpy as np
 

@@ -1,1 +1,1 @@
-"""Digests of what was drawn, and what drew it."""
+"""Digests of pictures, and what the pictures were computed with."""

@@ -1,4 +1,4 @@
-"""What a result was computed with: versions, and the digest of the kernels' sources."""
+"""The provenance of a result: versions, and the digest of the kernels' sources."""
 
 import platform
 from importlib import metadata

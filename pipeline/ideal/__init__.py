@@ -1,1 +1,1 @@
-"""The second answer: the same passes in real numbers, cut as an engine is cut."""
+"""The ideal: the same passes in real numbers. Its modules have the names of an engine's stages."""

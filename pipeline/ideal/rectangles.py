@@ -1,5 +1,5 @@
-"""What DrawPixels, CopyPixels and Bitmap draw on the ideal machine: the machines' pixels, real values,
-nothing rounded but stencil values and numbers of volumes.
+"""DrawPixels, CopyPixels and Bitmap on the ideal machine: the machines' pixels with real values. Only stencil
+values and numbers of volumes are rounded.
 """
 
 from dataclasses import dataclass, replace

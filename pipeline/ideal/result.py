@@ -1,4 +1,4 @@
-"""What a frame leaves behind on the ideal machine, and real colours as bytes."""
+"""The IdealResult of a frame, and real colours as bytes."""
 
 from dataclasses import dataclass
 

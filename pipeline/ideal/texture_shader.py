@@ -1,4 +1,4 @@
-"""Texture shaders in real numbers: docs/numbers.md, section 12, without its roundings. Who runs them samples.
+"""Texture shaders in real numbers: docs/numbers.md, section 12, without its roundings. The caller samples.
 
 A stage's texel is float64 [k, 4], 1.0 = one. Where an operation reads its two's complement, or words of 16
 bits, the number is the texel times 2**bits - 1: of a texture of floats it need not be whole. EXPAND_NORMAL

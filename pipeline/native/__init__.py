@@ -1,1 +1,1 @@
-"""The driver of the two compiled engines: state to rows, queue, threads."""
+"""The driver of the two compiled engines: states become rows, Draws wait in a queue, threads run it."""

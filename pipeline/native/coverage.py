@@ -1,4 +1,4 @@
-"""Which pixels primitives cover, as Fragments: of a Draw that is recorded, or of coverage alone."""
+"""Fragments of primitives: those that a recorded Draw made, or the pixels that primitives cover."""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,5 @@
-"""Turn validated state into the rows that kernels read (``raster/rows.py``). Nothing else builds those rows.
+"""Packing: validated state becomes the rows that kernels read (``raster/rows.py``). Nothing outside this
+package builds those rows.
 
 What is disabled packs to zero and what cannot matter is not asked for, so two states that cannot differ in
 their result give equal rows, and kernels do no work whose result nobody reads.

@@ -1,4 +1,4 @@
-"""The entries of a pass beside combiners and texture units: culling, lines, holes, fog, tests, blending."""
+"""The row entries that are not of combiners or texture units: culling, lines, holes, fog, tests, blending."""
 
 import numpy as np
 

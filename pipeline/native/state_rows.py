@@ -1,4 +1,4 @@
-"""The rows of a pass as far as no vertex matters, kept for the next Draw of the same state."""
+"""The rows of a pass that depend on no vertex, kept for the next Draw of the same state."""
 
 import numpy as np
 

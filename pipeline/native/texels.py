@@ -1,4 +1,4 @@
-"""Textures as kernels read them, packed once for as long as a texture lives."""
+"""Textures as kernels read them: each is packed once, and its texels are kept as long as it lives."""
 
 import weakref
 from functools import cached_property

@@ -1,4 +1,4 @@
-"""What Direct3D 8's pixel shaders ask for, translated to texture shader stages and register combiners.
+"""The translation of Direct3D 8's pixel shaders to texture shader stages and register combiners.
 
 Texture register tN is texture unit N; r0 and r1 are SPARE0 and SPARE1, v0 and v1 the primary and the
 secondary color, and an arithmetic instruction, or a pair, is one general combiner:

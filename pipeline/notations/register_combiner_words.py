@@ -1,4 +1,6 @@
-"""The words of the ``!!RC1.0`` notation, for who reads programs and who writes them."""
+"""The words of the ``!!RC1.0`` notation: ``register_combiners`` reads them, ``register_combiner_format``
+writes them.
+"""
 
 from fixedpipe.pipeline.enums import CombinerBias, CombinerScale, ComponentUsage, Mapping, Register
 from fixedpipe.pipeline.state import AlphaPortion, CombinerInput, GeneralCombiner, RGBPortion

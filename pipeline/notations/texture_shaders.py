@@ -13,12 +13,14 @@ EXPAND_NORMAL of a dot product's. An operation over several units has an instruc
 or ``#`` to the end of the line, or between ``/*`` and ``*/``.
 
     nop()  texture_1d()  texture_2d()  texture_rectangle()  texture_3d()  texture_cube_map()  pass_through()
-    cull_fragment(c, c, c, c)                   each GEQUAL_TO_ZERO or LESS_THAN_ZERO, for s, t, r, q
-    offset_2d(texN, a1, a2, a3, a4)             offset_rectangle: the same offset_2d_scale(texN, a1, a2, a3,
-    a4, scale, bias)     offset_rectangle_scale: the same dependent_ar(texN)  dependent_gb(texN)
+    cull_fragment(c, c, c, c)                               each GEQUAL_TO_ZERO or LESS_THAN_ZERO: s, t, r, q
+    offset_2d(texN, a1, a2, a3, a4)                         offset_rectangle: the same
+    offset_2d_scale(texN, a1, a2, a3, a4, scale, bias)      offset_rectangle_scale: the same
+    dependent_ar(texN)  dependent_gb(texN)
     dot_product_2d_1of2(texN) ...  _rectangle_  _depth_replace_  _3d_1of3 ...  _cube_map_
-    dot_product_reflect_cube_map_eye_from_qs_1of3(texN) ... dot_product_reflect_cube_map_const_eye_1of3(texN,
-    x, y, z), _2of3(texN), _3of3(texN) dot_product_cube_map_and_reflect_cube_map_eye_from_qs_1of3(texN) ...
+    dot_product_reflect_cube_map_eye_from_qs_1of3(texN) ...
+    dot_product_reflect_cube_map_const_eye_1of3(texN, x, y, z), _2of3(texN), _3of3(texN)
+    dot_product_cube_map_and_reflect_cube_map_eye_from_qs_1of3(texN) ...
     and _const_eye_1of3(texN, x, y, z) ...
 
 Where nvparse's own translation is mistaken, what the notation means is followed: ``dot_product_3d_3of3``

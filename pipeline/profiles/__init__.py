@@ -1,4 +1,4 @@
-"""The machines, a module each or one for a family."""
+"""The machines, by their keys: each is a module, or shares its family's."""
 
 from fixedpipe.pipeline.profiles.future import FUTURE
 from fixedpipe.pipeline.profiles.geforce_3 import GEFORCE_3

@@ -1,7 +1,8 @@
 """What a machine can do and how wide its numbers are.
 
-One literal per machine in ``pipeline/profiles/``; every field is required and every field has an evidence tag
-in ``evidence``. Code asks what a machine can do, never which machine it is.
+A machine is one value of ``Profile``; this package has a module for each machine or family. Every field is
+required and every field has an evidence tag in ``evidence``. Code asks what a machine can do, never which
+machine it is.
 """
 
 from collections.abc import Mapping

@@ -1,1 +1,1 @@
-"""What a program is: combiners, texture shaders, texture environments, fog. Its rules and its normal form."""
+"""Programs of a pass: the rules and the normal forms of combiners, texture shaders, environments and fog."""

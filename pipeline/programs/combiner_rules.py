@@ -1,4 +1,6 @@
-"""What a combiner program is (NV_register_combiners): which inputs and outputs go together; a pass's."""
+"""Rules of combiner programs (NV_register_combiners): which inputs and outputs go together, and which program
+a pass runs.
+"""
 
 from fixedpipe.pipeline.enums import CombinerBias, CombinerScale, ComponentUsage, Mapping, MuxSelect, Register
 from fixedpipe.pipeline.programs.texture_environment import environment_program

@@ -1,4 +1,4 @@
-"""What fog is on machines with ROUNDED fog arithmetic: where its factor, a byte, changes."""
+"""Fog on machines with ROUNDED fog arithmetic: the coordinates at which its factor, a byte, changes."""
 
 from decimal import Decimal, localcontext
 from functools import lru_cache

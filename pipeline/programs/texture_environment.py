@@ -1,4 +1,4 @@
-"""Texture environments (section 3.8.9) as the combiner program that computes them; which are refused.
+"""Texture environments (section 3.8.9): the combiner program that computes them, and which are refused.
 
 Where register combiners are disabled, each enabled texture unit combines its texel with the colour that
 reaches it. ``environment_program`` writes the units of a pass as one ``RegisterCombiners``, which every

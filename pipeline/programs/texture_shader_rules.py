@@ -1,4 +1,4 @@
-"""What a texture shader is (NV_texture_shader): which stages go together, and what each reads."""
+"""Rules of texture shaders (NV_texture_shader): which stages go together, and what each reads."""
 
 from fixedpipe.pipeline.enums import DotProductMapping, TextureTarget
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation

@@ -1,1 +1,3 @@
-"""What a machine refuses, and why: a module for each section of a state, and the walk over commands."""
+"""Validation: what a machine refuses, and why. A module for each section of a state, and the walk over
+commands.
+"""

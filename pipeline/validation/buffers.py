@@ -1,4 +1,4 @@
-"""What a machine refuses of its buffers, and of the commands that clear, accumulate and read them."""
+"""Validation of buffers, and of the commands that clear, accumulate and read them."""
 
 from fixedpipe.pipeline.enums import AccumOperation, ColorBuffer
 from fixedpipe.pipeline.framebuffers.framebuffer import READ_FORMATS

@@ -1,4 +1,4 @@
-"""What a machine refuses of a Draw."""
+"""Validation of Draws."""
 
 from fixedpipe.pipeline.enums import ColorBuffer, LineRasterization, PolygonMode, PrimitiveType, VertexStage
 from fixedpipe.pipeline.profiles.profile import NATIVE_SUBPIXEL_BITS

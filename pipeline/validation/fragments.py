@@ -1,4 +1,4 @@
-"""What a machine refuses of a state's fragment stages: combiners, fog, tests and blending."""
+"""Validation of a state's fragment stages: combiners, fog, tests and blending."""
 
 from fixedpipe.pipeline.enums import FogCoordinateSource, FogMode
 from fixedpipe.pipeline.programs.combiner_rules import (

@@ -1,4 +1,4 @@
-"""What a frame is made of, and what a HostStep makes it go on with."""
+"""Validation of frames and HostSteps: what a frame is made of, and the commands that a HostStep issues."""
 
 from fixedpipe.pipeline.commands import COMMANDS
 from fixedpipe.pipeline.validation.sentences import shown

@@ -1,4 +1,4 @@
-"""What no machine could draw of a mesh."""
+"""Validation of meshes: what no machine could draw."""
 
 from weakref import WeakSet
 

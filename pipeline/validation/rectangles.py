@@ -1,6 +1,6 @@
-"""What a machine refuses of rectangles of pixels: DrawPixels, CopyPixels and Bitmap.
+"""Validation of rectangles of pixels: DrawPixels, CopyPixels and Bitmap.
 
-Fields have the types that the states say, and numbers are finite, when these functions see them.
+Fields have the types that the states say, and numbers are finite, before these functions see them.
 """
 
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What was found right before, so that it is looked at once."""
+"""Values that were found right before are remembered, so that each is looked at once."""
 
 
 class Remembered(dict):

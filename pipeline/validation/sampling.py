@@ -1,4 +1,4 @@
-"""What a machine refuses of a sampler: filters and wrap modes, comparisons and footprint assembly."""
+"""Validation of samplers: filters and wrap modes, comparisons and footprint assembly."""
 
 from fixedpipe.pipeline.enums import (
     InternalFormat,

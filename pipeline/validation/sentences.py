@@ -1,4 +1,4 @@
-"""Words that sentences of several sections are made of."""
+"""Words that the sentences of several sections share."""
 
 from fixedpipe.pipeline.enums import DepthFormat
 

@@ -1,4 +1,4 @@
-"""What a machine refuses of the window and of pbuffers: sizes, formats, and rectangles outside them."""
+"""Validation of the window and of pbuffers: sizes, formats, and rectangles outside them."""
 
 from fixedpipe.pipeline.enums import DepthFormat
 from fixedpipe.pipeline.validation.sentences import count, depth_words, listed, shown

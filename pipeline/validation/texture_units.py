@@ -1,4 +1,4 @@
-"""What a machine refuses of texture units: textures, stages of texture shaders, coordinates, environments."""
+"""Validation of texture units: textures, stages of texture shaders, coordinates, environments."""
 
 from fixedpipe.pipeline.enums import BaseFormat, TexGenMode, TextureShaderOperation, TextureTarget
 from fixedpipe.pipeline.programs.texture_environment import environment_problem, texture_format

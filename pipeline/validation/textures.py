@@ -1,4 +1,4 @@
-"""What a machine refuses of textures, and of the commands that make them."""
+"""Validation of textures, and of the commands that make them."""
 
 from numbers import Integral
 from weakref import WeakSet

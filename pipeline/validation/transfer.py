@@ -1,4 +1,4 @@
-"""What a machine refuses of a PixelTransfer, of a ColorTable and of a PixelImage.
+"""Validation of PixelTransfers, ColorTables and PixelImages.
 
 Fields have the types that ``fixedpipe.pipeline.pixel_transfer`` says, and are finite, before these functions
 see them.

@@ -1,6 +1,6 @@
-"""Whether values have the types that annotations say: bools, numbers, strings, enums, tuples, dataclasses.
+"""Validation of types: values are what annotations say, bools, numbers, strings, enums, tuples, dataclasses.
 
-Nothing here knows of graphics, but that OpenGL's integers have 32 bits.
+Of graphics this module knows only that OpenGL's integers have 32 bits.
 """
 
 import math

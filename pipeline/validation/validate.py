@@ -8,8 +8,8 @@ Source: the errors of OpenGL 1.2.1, NV_register_combiners and 2, EXT_texture_cub
 EXT_texture_lod_bias, EXT_stencil_wrap, EXT_fog_coord, NV_texture_shader, EXT_point_parameters,
 NV_point_sprite, ARB_texture_env_combine and _dot3, NV_texture_env_combine4. Where OpenGL clamps silently
 (clear colours, constant colours, alpha and stencil references) so do the stages that follow, and nothing is
-refused; where it calls the result undefined (pixels read outside the framebuffer, an incomplete texture) this
-module refuses.
+refused; where it calls the result undefined (pixels read outside the framebuffer, an incomplete texture)
+validation refuses.
 """
 
 from fixedpipe.pipeline.commands import (

@@ -1,4 +1,4 @@
-"""What a machine refuses of a state's vertex stage."""
+"""Validation of a state's vertex stage."""
 
 from dataclasses import fields
 

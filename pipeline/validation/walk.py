@@ -1,4 +1,4 @@
-"""What the validation knows when it reaches a command, and how it refuses one."""
+"""The Walk: what validation knows when it reaches a command, and how it refuses one."""
 
 from typing import NamedTuple
 from weakref import WeakKeyDictionary

@@ -1,1 +1,1 @@
-"""From a mesh to primitives in window coordinates."""
+"""The vertex stage: from a mesh to primitives in window coordinates."""

@@ -1,6 +1,6 @@
 """The fixed-function vertex stage (OpenGL 1.2.1, chapter 2): vertex arrays in, window primitives out.
 
-docs/numbers.md sections 1 and 2 fix every operation and its order; this module is that text on columns.
+docs/numbers.md sections 1 and 2 fix every operation and its order; this package is that text on columns.
 """
 
 from dataclasses import replace

@@ -1,3 +1,3 @@
-"""The portable engine: plain loops, every state there is. A module for each stage; the other engines use the
-same names.
+"""The portable engine: plain loops, for every state. Each stage is a module, and has the same name in the
+other engines.
 """

@@ -1,1 +1,1 @@
-"""What happens to geometry before any engine shades: shared by all three, knows no fragment."""
+"""Geometry before any engine shades: vertices, clipping, triangles, strokes, bands of rows. No fragments."""

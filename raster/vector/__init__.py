@@ -1,1 +1,3 @@
-"""The vector engine: the same bits on explicit vectors, a band of rows at a time; the common states."""
+"""The vector engine: the common states on explicit vectors, a band of rows at a time. Its bits are the
+portable engine's.
+"""

@@ -77,7 +77,7 @@ def round_significant_bits(value, bits):
 
 
 def low_reciprocal(inverse):
-    """1/D cut to 29 significant bits, from the float64 nearest to it, lessened by 2^21 of its units; exact
+    """1/D cut to 29 significant bits, from the float64 nearest to it, reduced by 2^21 of its units; exact
     where D is 2^k.
 
     Measured: 90676 and 887880 pixels (DepthFmt_z24, ZBuf24D_FloorQuad captures).

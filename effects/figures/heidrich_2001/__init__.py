@@ -1,1 +1,1 @@
-"""Figures of document 000."""
+"""Figures of document 000, and of its techniques."""

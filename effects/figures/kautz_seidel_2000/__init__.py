@@ -1,1 +1,1 @@
-"""Figures of document 004."""
+"""Figures of document 004, and of its techniques."""

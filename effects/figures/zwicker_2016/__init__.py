@@ -1,1 +1,1 @@
-"""Figures of document 003."""
+"""Figures of document 003, and of its techniques."""

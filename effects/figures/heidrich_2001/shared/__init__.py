@@ -1,1 +1,1 @@
-"""What figures of document 000 share."""
+"""Parts that figures of document 000 share."""

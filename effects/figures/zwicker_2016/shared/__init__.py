@@ -1,1 +1,1 @@
-"""What figures of document 003 share."""
+"""Parts that figures of document 003 share."""

@@ -1,5 +1,5 @@
-"""What the stencil buffer counts by z-pass and z-fail, and what rays count: F003-25, F003-26 and Z23 compare
-them.
+"""Counts of shadow volumes: the stencil buffer's by z-pass and by z-fail, and those of rays. F003-25, F003-26
+and Z23 compare them.
 """
 
 import numpy as np
