@@ -41,7 +41,7 @@ PACKAGES = {
     },
     "pipeline/native": {
         "raster": "codes rows primitives portable vector",
-        "pipeline": "enums state textures commands profiles programs vertices framebuffers",
+        "pipeline": "enums state textures commands programs vertices framebuffers",
     },
     "pipeline/columns": {
         "raster": "codes rows primitives columns pixels",
