@@ -1,12 +1,14 @@
-"""Fragments as columns, and how wide their colours are."""
+"""Fragments as columns: how wide their colours are, and which words their depths are."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from fixedpipe.pipeline.enums import LightingArithmetic
+from fixedpipe.pipeline.framebuffers.depths import DEPTH_WORDS
 from fixedpipe.pipeline.profiles.profile import NATIVE_BITS
 from fixedpipe.pipeline.vertices.arithmetic import keep_significant_bits
+from fixedpipe.raster.columns import interpolate
 from fixedpipe.raster.columns import numbers as wide
 
 _MANTISSA_BITS = 53
@@ -81,3 +83,15 @@ def fragment_colors(colors, state, profile, bits):
     limited = np.clip(np.nan_to_num(colors), -COLOR_REACH, COLOR_REACH)
     cut = keep_significant_bits(limited, min(kept, _MANTISSA_BITS))
     return np.floor(cut * np.float64(wide.one_of(bits)) + np.float64(0.5)).astype(np.int64)
+
+
+def fragment_depths(depths, state, framebuffer):
+    """Words of the depth buffer, int64 [k], of depths in its units; -1 where a fragment lies outside limits
+    that end it (docs/numbers.md, section 5).
+    """
+    limits, words = state.depth_clamp, DEPTH_WORDS[framebuffer.depth_format]
+    low, high = 0.0, words.farthest
+    if limits is not None:
+        low, high = limits.minimum, high if limits.maximum is None else limits.maximum
+    found, inside = interpolate.depth_words(depths, low, high, words.farthest, words.float_bits)
+    return np.where(inside, found, -1) if limits is not None and limits.cull else found

@@ -5,11 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from fixedpipe.pipeline.columns.combiners import arithmetic_of
-from fixedpipe.pipeline.columns.fragments import COLOR_REACH, FragmentColumns, fragment_colors
+from fixedpipe.pipeline.columns.fragments import (
+    COLOR_REACH,
+    FragmentColumns,
+    fragment_colors,
+    fragment_depths,
+)
 from fixedpipe.pipeline.columns.textures import unit_samplers
 from fixedpipe.pipeline.enums import Clamp, ColorWeights, Face, FrontFace, LineRasterization, ShadeModel
 from fixedpipe.pipeline.framebuffers.boxes import scissor_box
-from fixedpipe.pipeline.framebuffers.depths import FARTHEST, FLOAT_DEPTHS, depth_units
+from fixedpipe.pipeline.framebuffers.depths import depth_units
 from fixedpipe.pipeline.vertices.strokes import whole_size
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows
@@ -144,23 +149,13 @@ class IteratedPrimitives:
 
     def _depth(self, triangle, vertices, kinds, n, inverse_w, x, y, area):
         """Words of the depth buffer, -1 where a fragment lies outside limits that end it (section 5)."""
-        state, target = self.state, self.framebuffer
-        limits = state.depth_clamp
+        state, limits = self.state, self.state.depth_clamp
         if state.depth_test is None and not (limits is not None and limits.cull):
             return np.zeros(len(triangle), np.int64)
         w = inverse_w if state.w_buffering else None
         z = interpolate.iterate_depth(n, w, self.depths[vertices])
         offset, slope = self._offset(triangle, vertices, kinds, x, y, area)
-        z = z + (offset + slope * (z * z))
-        farthest = FARTHEST[target.depth_format]
-        low, high = 0.0, farthest
-        if limits is not None:
-            low, high = limits.minimum, farthest if limits.maximum is None else limits.maximum
-        float_bits = FLOAT_DEPTHS.get(int(target.depth_format))
-        words, inside = interpolate.depth_words(z, low, high, farthest, float_bits)
-        if limits is not None and limits.cull:
-            return np.where(inside, words, -1)
-        return words
+        return fragment_depths(z + (offset + slope * (z * z)), state, self.framebuffer)
 
     def _offset(self, triangle, vertices, kinds, x, y, area):
         """What is added to every depth, and what times its square: of the polygon that a fragment is of."""

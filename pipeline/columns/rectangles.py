@@ -11,10 +11,15 @@ from typing import NamedTuple
 import numpy as np
 
 from fixedpipe.pipeline.columns.engine import shade_and_write
-from fixedpipe.pipeline.columns.fragments import FragmentColumns, fragment_bits, fragment_colors
+from fixedpipe.pipeline.columns.fragments import (
+    FragmentColumns,
+    fragment_bits,
+    fragment_colors,
+    fragment_depths,
+)
 from fixedpipe.pipeline.commands import Bitmap, CopyPixels, kind_of
 from fixedpipe.pipeline.enums import PixelCopyType, PixelTexGenAlpha
-from fixedpipe.pipeline.framebuffers.depths import FARTHEST, FLOAT_DEPTHS, depth_units
+from fixedpipe.pipeline.framebuffers.depths import depth_units
 from fixedpipe.pipeline.framebuffers.rectangles import (
     covered_pixels,
     divided,
@@ -32,7 +37,6 @@ from fixedpipe.pipeline.framebuffers.transfer import (
     transfer_stencil,
 )
 from fixedpipe.pipeline.vertices.raster_position import raster_vertex
-from fixedpipe.raster.columns import interpolate
 from fixedpipe.raster.columns import numbers as wide
 from fixedpipe.raster.pixels import rectangles as arithmetic
 
@@ -184,15 +188,8 @@ def _raster_depth(where, state, framebuffer):
     """The depth word of fragments at the raster position: what a triangle has whose depth is the same
     everywhere; -1 beyond limits that end it.
     """
-    limits, farthest = state.depth_clamp, FARTHEST[framebuffer.depth_format]
     vertex = SimpleNamespace(z=np.array([where.z]), inverse_w=np.array([where.inverse_w]))
-    low, high = 0.0, farthest
-    if limits is not None:
-        low, high = limits.minimum, farthest if limits.maximum is None else limits.maximum
-    depth = depth_units(state, framebuffer, vertex)
-    float_bits = FLOAT_DEPTHS.get(int(framebuffer.depth_format))
-    words, inside = interpolate.depth_words(depth, low, high, farthest, float_bits)
-    return words[0] if limits is None or not limits.cull or inside[0] else -1
+    return fragment_depths(depth_units(state, framebuffer, vertex), state, framebuffer)[0]
 
 
 def _of_colors(command, groups, at, where, state, profile, framebuffer):

@@ -4,7 +4,7 @@ import numpy as np
 
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.enums import TextureTarget
-from fixedpipe.pipeline.framebuffers.depths import DEPTH_ROWS
+from fixedpipe.pipeline.framebuffers.depths import DEPTH_WORDS
 from fixedpipe.pipeline.programs.texture_shader_rules import CONVENTIONAL, shader_stages
 from fixedpipe.raster.columns import numbers, texture_shader
 
@@ -36,7 +36,7 @@ class _StageRun:
     def __init__(self, fragments, state, profile, framebuffer, samplers, bits):
         self.fragments, self.samplers, self.bits = fragments, samplers, bits
         self.stages, self.real_bits = shader_stages(state), profile.texture_bits
-        self.largest = DEPTH_ROWS[framebuffer.depth_format][1]
+        self.largest = DEPTH_WORDS[framebuffer.depth_format].largest
         self.depth_scale = 1.0 if profile.depth_units_in_coordinates else float(self.largest)
         self.depth, self.alive = fragments.depth, np.ones(len(fragments.x), bool)
         self.registers, self.texels, self.widths = {}, [], []

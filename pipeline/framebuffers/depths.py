@@ -1,27 +1,40 @@
 """Depth formats: the words and the depths that a buffer of each holds, and vertices' depths in its units."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from fixedpipe.pipeline.enums import DepthFormat
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.primitives.vertices import single_depths
 
-FLOAT_DEPTHS = {-16: (12, 7, 0xFFFF), -24: (16, 127, 0xFEFFFF)}  # mantissa, bias, largest word
 
-# The depth of a format's largest word.
-FARTHEST = {
-    DepthFormat.FIXED_16: 65535.0,
-    DepthFormat.FIXED_23: 8388607.0,
-    DepthFormat.FIXED_24: 16777215.0,
-    DepthFormat.FLOAT_16: 511.9375,
-    DepthFormat.FLOAT_24: (2.0 - 2.0**-16) * 2.0**127,
-}
-DEPTH_ROWS = {  # code, largest word
-    DepthFormat.FIXED_16: (C.DEPTH_FIXED, 0xFFFF),
-    DepthFormat.FIXED_23: (C.DEPTH_FIXED, 0x7FFFFF),
-    DepthFormat.FIXED_24: (C.DEPTH_FIXED, 0xFFFFFF),
-    DepthFormat.FLOAT_16: (C.DEPTH_FLOAT_16, 0xFFFF),
-    DepthFormat.FLOAT_24: (C.DEPTH_FLOAT_24, 0xFEFFFF),
+class DepthWords(NamedTuple):
+    """The words of a depth buffer.
+
+    code            of ``raster/codes.py``, the kind
+    largest         word, and ``farthest``: its depth
+    mantissa, bias  a float's bits of mantissa, and what is added to its exponent; None: fixed
+    """
+
+    code: int
+    largest: int
+    farthest: float
+    mantissa: int | None = None
+    bias: int | None = None
+
+    @property
+    def float_bits(self):
+        """(mantissa, bias, largest) of a float format, or None."""
+        return None if self.mantissa is None else (self.mantissa, self.bias, self.largest)
+
+
+DEPTH_WORDS = {
+    DepthFormat.FIXED_16: DepthWords(C.DEPTH_FIXED, 0xFFFF, 65535.0),
+    DepthFormat.FIXED_23: DepthWords(C.DEPTH_FIXED, 0x7FFFFF, 8388607.0),
+    DepthFormat.FIXED_24: DepthWords(C.DEPTH_FIXED, 0xFFFFFF, 16777215.0),
+    DepthFormat.FLOAT_16: DepthWords(C.DEPTH_FLOAT_16, 0xFFFF, 511.9375, 12, 7),
+    DepthFormat.FLOAT_24: DepthWords(C.DEPTH_FLOAT_24, 0xFEFFFF, (2.0 - 2.0**-16) * 2.0**127, 16, 127),
 }
 
 
@@ -46,4 +59,4 @@ def depth_units(state, framebuffer, primitives):
         is_float = framebuffer.depth_format < 0
         if is_float or state.vertex.depth_units:
             return _single(primitives.z)
-        return _single(primitives.z, FARTHEST[framebuffer.depth_format])
+        return _single(primitives.z, DEPTH_WORDS[framebuffer.depth_format].farthest)

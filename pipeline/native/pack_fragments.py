@@ -17,7 +17,7 @@ from fixedpipe.pipeline.enums import (
     StencilOperation,
 )
 from fixedpipe.pipeline.framebuffers.boxes import device_edges
-from fixedpipe.pipeline.framebuffers.depths import DEPTH_ROWS, FARTHEST
+from fixedpipe.pipeline.framebuffers.depths import DEPTH_WORDS
 from fixedpipe.pipeline.framebuffers.framebuffer import SURFACE_WORDS, color_bytes, to_byte
 from fixedpipe.pipeline.programs.fog import fog_thresholds
 from fixedpipe.pipeline.vertices.fog import table
@@ -55,9 +55,9 @@ def _pack_stencil_operation(operation, reference):
 
 
 def _pack_depth(state, framebuffer, draw, draw_float):
-    depth_format, test, polygon = framebuffer.depth_format, state.depth_test, state.polygon
-    draw[R.DEPTH_FORMAT], draw[R.DEPTH_MAX] = DEPTH_ROWS[depth_format]
-    draw_float[R.DEPTH_HIGH] = FARTHEST[depth_format]
+    words, test, polygon = DEPTH_WORDS[framebuffer.depth_format], state.depth_test, state.polygon
+    draw[R.DEPTH_FORMAT], draw[R.DEPTH_MAX] = words.code, words.largest
+    draw_float[R.DEPTH_HIGH] = words.farthest
     limits = state.depth_clamp
     if limits is not None:
         draw_float[R.DEPTH_LOW] = limits.minimum
