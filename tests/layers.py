@@ -111,7 +111,7 @@ PACKAGES = {
         "effects": "refusal",
     },
     "effects/user_pictures": {
-        "pipeline": "enums profiles validation framebuffers execution",
+        "pipeline": "enums profiles framebuffers validation execution",
         "effects": "refusal geometry passes scenes bump_mapping reflectance shadows volumes acceptance",
     },
     "effects/reports": {
@@ -121,8 +121,8 @@ PACKAGES = {
     "effects/cli": {
         "pipeline": "enums profiles notations description validation execution golden",
         "effects": (
-            "refusal geometry bump_mapping volumes acceptance figures studies conformance user_pictures "
-            "reports"
+            "refusal geometry bump_mapping volumes acceptance figures studies conformance "
+            "user_pictures reports"
         ),
     },
 }
