@@ -4,7 +4,7 @@ import numpy as np
 
 from fixedpipe.pipeline.enums import Clamp, ComponentUsage, Mapping, MuxSelect, ProductRounding, Register
 from fixedpipe.pipeline.programs.combiner_rules import has_color_sum
-from fixedpipe.raster.columns import combine as wide_combine
+from fixedpipe.raster.columns import combine as arithmetic
 from fixedpipe.raster.columns import future, numbers
 
 
@@ -13,12 +13,12 @@ def arithmetic_of(profile, bits, environments=False):
     environments, each of whose results is clamped to [0, 1] by its output's and the next mapping's clamps.
     """
     clamps, limit = profile.clamps, 1.0 if environments else profile.combiner_range
-    one, far = numbers.one_of(bits), wide_combine.FAR
+    one, far = numbers.one_of(bits), arithmetic.FAR
     high = int(limit * (one + 1)) - 1
     low = -high - (1 if profile.clamp_low == -256 else 0)
     bounded = (Clamp.TEXTURE_ENVIRONMENT if environments else Clamp.GENERAL_COMBINER) in clamps
     mapping = (Clamp.TEXTURE_ENVIRONMENT if environments else Clamp.MAPPING) in clamps
-    return wide_combine.Arithmetic(
+    return arithmetic.Arithmetic(
         one=one,
         half=1 << (bits - 1),
         low=low if bounded else -far,
@@ -79,30 +79,30 @@ def _portion(portion, registers, alpha, select, a):
     if all(output == Register.DISCARD for output in outputs):
         return []
     mapped = [
-        wide_combine.map_input(_read(registers, v, alpha), v.mapping, a)
+        arithmetic.map_input(_read(registers, v, alpha), v.mapping, a)
         for v in (portion.a, portion.b, portion.c, portion.d)
     ]
     shape = 1 if alpha else 3, mapped[0].shape[1]
     ab, cd = ([np.broadcast_to(mapped[i] * mapped[i + 1], shape)] for i in (0, 2))
     if not alpha:
-        ab = wide_combine.sum_of_three(ab) if portion.ab_dot_product else ab
-        cd = wide_combine.sum_of_three(cd) if portion.cd_dot_product else cd
+        ab = arithmetic.sum_of_three(ab) if portion.ab_dot_product else ab
+        cd = arithmetic.sum_of_three(cd) if portion.cd_dot_product else cd
     biased = bool(portion.bias)
     values = []
     for output, products in zip(outputs[:2], (ab, cd), strict=True):
         if output != Register.DISCARD:
-            values.append((output, wide_combine.output(products, portion.scale, biased, a)))
+            values.append((output, arithmetic.output(products, portion.scale, biased, a)))
     if outputs[2] != Register.DISCARD:
         if portion.function:
             sums = [sum(products) for products in (ab, cd)]
             made = future.applied(portion.function, *sums, a.one, a.high)
-            total = wide_combine.function_output(made, portion.scale, biased, a)
+            total = arithmetic.function_output(made, portion.scale, biased, a)
         elif portion.mux_sum:
-            chosen = wide_combine.takes_cd(registers[Register.SPARE0][3], select == MuxSelect.LSB, a)
-            pair = [wide_combine.output(products, portion.scale, biased, a) for products in (ab, cd)]
+            chosen = arithmetic.takes_cd(registers[Register.SPARE0][3], select == MuxSelect.LSB, a)
+            pair = [arithmetic.output(products, portion.scale, biased, a) for products in (ab, cd)]
             total = np.where(chosen, pair[1], pair[0])
         else:
-            total = wide_combine.output([*ab, *cd], portion.scale, biased, a)
+            total = arithmetic.output([*ab, *cd], portion.scale, biased, a)
         values.append((outputs[2], total))
     return values
 
@@ -146,7 +146,7 @@ def _final(program, registers, count, a):
 
     def value(variable, alpha=False):
         read = _read(registers, variable, alpha)
-        return wide_combine.map_final(read, variable.mapping == Mapping.UNSIGNED_INVERT, a)
+        return arithmetic.map_final(read, variable.mapping == Mapping.UNSIGNED_INVERT, a)
 
     used = {v.register for v in (final.a, final.b, final.c, final.d, final.g)}
     if Register.E_TIMES_F in used:
@@ -155,12 +155,12 @@ def _final(program, registers, count, a):
     if Register.SPARE0_PLUS_SECONDARY_COLOR in used:
         terms = ((Register.SPARE0, program.invert_spare0),)
         terms += ((Register.SECONDARY_COLOR, program.invert_secondary_color),)
-        total = sum(wide_combine.map_final(registers[r][:3], invert, a) for r, invert in terms)
+        total = sum(arithmetic.map_final(registers[r][:3], invert, a) for r, invert in terms)
         if program.color_sum_clamp and a.clamps_sum:
             total = np.minimum(total, a.one)
         registers[Register.SPARE0_PLUS_SECONDARY_COLOR] = np.concatenate([total, nothing])
     inputs = [np.broadcast_to(value(v), (3, count)) for v in (final.a, final.b, final.c, final.d)]
-    return wide_combine.final_color(*inputs, value(final.g, alpha=True), a)
+    return arithmetic.final_color(*inputs, value(final.g, alpha=True), a)
 
 
 def without_combiners(state, registers, count, a):

@@ -18,7 +18,7 @@ from fixedpipe.pipeline.columns.texture_shader import run_stages
 from fixedpipe.pipeline.columns.textures import unit_samplers
 from fixedpipe.pipeline.enums import Clamp
 from fixedpipe.pipeline.profiles.profile import NATIVE_BITS, NATIVE_SUBPIXEL_BITS
-from fixedpipe.raster.columns import numbers as wide
+from fixedpipe.raster.columns import numbers
 
 # Fragments shaded at a time: bounds the columns' memory, and changes no value.
 _CHUNK = 1 << 15
@@ -98,7 +98,7 @@ def shade_and_write(fragments, state, profile, framebuffer, textures):
             if state.texture_shader is not None:
                 registers, depth[part] = run_stages(some, state, profile, framebuffer, samplers, bits)
             shaded = shade(some, state, profile, bits, textures, samplers, registers)
-        color[part] = wide.convert(shaded, wide.one_of(bits), wide.one_of(framebuffer.color_bits))
+        color[part] = numbers.convert(shaded, numbers.one_of(bits), numbers.one_of(framebuffer.color_bits))
     return write(replace(fragments, depth=depth), color, state, profile, framebuffer)
 
 

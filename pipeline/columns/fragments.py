@@ -8,8 +8,7 @@ from fixedpipe.pipeline.enums import LightingArithmetic
 from fixedpipe.pipeline.framebuffers.depths import DEPTH_WORDS
 from fixedpipe.pipeline.profiles.profile import NATIVE_BITS
 from fixedpipe.pipeline.vertices.arithmetic import keep_significant_bits
-from fixedpipe.raster.columns import interpolate
-from fixedpipe.raster.columns import numbers as wide
+from fixedpipe.raster.columns import interpolate, numbers
 
 _MANTISSA_BITS = 53
 COLOR_REACH = 1 << 10  # how far a vertex colour reaches, in ones, whose clamp is off
@@ -82,7 +81,7 @@ def fragment_colors(colors, state, profile, bits):
     kept = _MANTISSA_BITS if exact else profile.color_mantissa_bits + max(bits - NATIVE_BITS, 0)
     limited = np.clip(np.nan_to_num(colors), -COLOR_REACH, COLOR_REACH)
     cut = keep_significant_bits(limited, min(kept, _MANTISSA_BITS))
-    return np.floor(cut * np.float64(wide.one_of(bits)) + np.float64(0.5)).astype(np.int64)
+    return np.floor(cut * np.float64(numbers.one_of(bits)) + np.float64(0.5)).astype(np.int64)
 
 
 def fragment_depths(depths, state, framebuffer):

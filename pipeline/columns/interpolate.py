@@ -18,8 +18,7 @@ from fixedpipe.pipeline.framebuffers.depths import depth_units
 from fixedpipe.pipeline.vertices.strokes import whole_size
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows
-from fixedpipe.raster.columns import future, interpolate
-from fixedpipe.raster.columns import numbers as wide
+from fixedpipe.raster.columns import future, interpolate, numbers
 from fixedpipe.raster.primitives.vertices import W_LARGEST, W_SMALLEST
 
 
@@ -107,14 +106,14 @@ class IteratedPrimitives:
             colors = interpolate.iterate_colors(q0, q2, corners, self.bits)
         else:
             corners = self.colors[vertices, back[:, None]]
-            one, clamps = wide.one_of(self.bits), Clamp.VERTEX_COLOR in self.profile.clamps
+            one, clamps = numbers.one_of(self.bits), Clamp.VERTEX_COLOR in self.profile.clamps
             low, high = (0, one) if clamps else (-COLOR_REACH * one, COLOR_REACH * one)
             colors = interpolate.iterate_exact_colors(e, corners, low, high)
         return colors[:, :4], colors[:, 4:]
 
     def _turned(self, color, corners, b0, b2):
         """A colour whose red, green and blue are a unit vector that turns steadily (section 20)."""
-        one, expanded = wide.one_of(self.bits), arithmetic_of(self.profile, self.bits).expanded
+        one, expanded = numbers.one_of(self.bits), arithmetic_of(self.profile, self.bits).expanded
         vector = future.spherical(b0, b2, future.from_color(corners, one, expanded))
         return np.concatenate([future.to_color(vector, one, expanded), color[:, 3:]], axis=1)
 

@@ -5,8 +5,7 @@ import numpy as np
 from fixedpipe.pipeline.enums import Clamp
 from fixedpipe.pipeline.framebuffers.framebuffer import SURFACE_WORDS
 from fixedpipe.raster import codes as C
-from fixedpipe.raster.columns import numbers as wide
-from fixedpipe.raster.columns import per_fragment
+from fixedpipe.raster.columns import numbers, per_fragment
 
 
 class _Surface:
@@ -48,12 +47,12 @@ class _Surface:
 
 def _written(state, source, stored, surface, bits, clamps):
     """What blending or a logic operation makes of fragments and what is stored, before the color mask."""
-    one, blending = wide.one_of(bits), state.blending
+    one, blending = numbers.one_of(bits), state.blending
     if state.logic_op is not None:
         source = surface.stored(np.clip(source, 0, one))
         return surface.padded(per_fragment.logic(state.logic_op, source, np.clip(stored, 0, one), one))
     if blending is not None:
-        constant = wide.fixed(blending.color, one)
+        constant = numbers.fixed(blending.color, one)
         source = per_fragment.blend(
             blending.equation,
             (blending.source, blending.destination),
@@ -77,7 +76,7 @@ def write(fragments, color, state, profile, framebuffer):
     depth, stencil = framebuffer.depth.reshape(-1), framebuffer.stencil.reshape(-1)
     alive = fragments.depth >= 0
     if state.alpha_test is not None:
-        reference = wide.fixed(state.alpha_test.reference, wide.one_of(bits))
+        reference = numbers.fixed(state.alpha_test.reference, numbers.one_of(bits))
         alive &= per_fragment.compare(state.alpha_test.function, color[:, 3], reference)
     mask = state.color_mask
     mask = np.array([mask.red, mask.green, mask.blue, mask.alpha])

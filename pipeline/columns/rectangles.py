@@ -37,7 +37,7 @@ from fixedpipe.pipeline.framebuffers.transfer import (
     transfer_stencil,
 )
 from fixedpipe.pipeline.vertices.raster_position import raster_vertex
-from fixedpipe.raster.columns import numbers as wide
+from fixedpipe.raster.columns import numbers
 from fixedpipe.raster.pixels import rectangles as arithmetic
 
 
@@ -84,7 +84,7 @@ def draw_rectangle(command, profile, framebuffer, surfaces, textures, statistics
         groups = at.of(groups).astype(np.int64)
         fragments, undefined = _of_colors(command, groups, at, where, state, profile, framebuffer)
         if command.pixel_texture is not None and command.pixel_texture.volumes is not None:
-            one = wide.one_of(framebuffer.color_bits)
+            one = numbers.one_of(framebuffer.color_bits)
             draws = _by_volume(command.pixel_texture, groups, one, fragments, state, textures)
     drawn = []
     for surface in surfaces:
@@ -111,7 +111,7 @@ def _color_groups(command, profile, framebuffer, statistics):
     units; None: a sink took them.
     """
     bits, transfer = framebuffer.color_bits, command.transfer
-    one = wide.one_of(bits)
+    one = numbers.one_of(bits)
     plain = changes_nothing(transfer)
     if isinstance(command, CopyPixels):
         colors = _part(framebuffer.buffer(command.read_buffer).color, command)
@@ -123,7 +123,7 @@ def _color_groups(command, profile, framebuffer, statistics):
         if plain and image.format == "RGBA" and image.values.dtype == np.uint8 and bits == 8:
             return image.values
         groups = transfer_image(image, transfer, profile, statistics)
-    return None if groups is None else wide.fixed(groups, one)
+    return None if groups is None else numbers.fixed(groups, one)
 
 
 def _depth_words(command, framebuffer):
@@ -196,8 +196,8 @@ def _of_colors(command, groups, at, where, state, profile, framebuffer):
     """FragmentColumns whose colours, or texture coordinates, are the groups', [k, 4]; how many q were
     undefined.
     """
-    texture, one = command.pixel_texture, wide.one_of(framebuffer.color_bits)
-    primary = wide.convert(groups, one, wide.one_of(fragment_bits(profile, framebuffer)))
+    texture, one = command.pixel_texture, numbers.one_of(framebuffer.color_bits)
+    primary = numbers.convert(groups, one, numbers.one_of(fragment_bits(profile, framebuffer)))
     if texture is None:
         return _fragments(at, where, state, profile, framebuffer, primary), 0
     undefined = 0

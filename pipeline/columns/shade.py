@@ -9,22 +9,22 @@ from fixedpipe.pipeline.programs.combiner_rules import has_color_sum
 from fixedpipe.pipeline.programs.future import units_along
 from fixedpipe.pipeline.programs.texture_environment import environment_program
 from fixedpipe.pipeline.vertices.fog import table
-from fixedpipe.raster.columns import numbers as wide
+from fixedpipe.raster.columns import numbers
 
 
 def _fog_register(fog, coordinates, profile, count, one):
     """The FOG register, int64 [4, count]."""
     if fog is None:
         return filled((0, 0, 0, one), count)
-    color = wide.fixed(fog.color, one)[:3]
+    color = numbers.fixed(fog.color, one)[:3]
     if profile.fog_arithmetic == FogArithmetic.TABLE:
         at = np.clip(np.floor(coordinates * 4096.0), 0.0, 8192.0)
         factor = table(fog.mode)[np.where(np.isnan(at), 0.0, at).astype(np.int64)].astype(np.int64)
-        factor = wide.convert(factor, 255, one)
+        factor = numbers.convert(factor, 255, one)
     else:
         rising = fog.mode == FogMode.LINEAR and fog.start > fog.end
-        numbers = int(fog.mode), float(fog.density), float(fog.start), float(fog.end)
-        factor = wide.fog_factor(coordinates, wide.fog_thresholds(*numbers, one), rising)
+        constants = int(fog.mode), float(fog.density), float(fog.start), float(fog.end)
+        factor = numbers.fog_factor(coordinates, numbers.fog_thresholds(*constants, one), rising)
     return np.concatenate([filled(color, count), factor[None]])
 
 
@@ -46,7 +46,7 @@ def _shade_before_filtering(fragments, state, profile, bits, textures, samplers,
     layers = columns if first.texture.target == TextureTarget.TEXTURE_3D else (0,)
 
     def mixed(parts, fraction, width):
-        return parts[0] if len(parts) == 1 else wide.lerp(*parts, fraction[:, None], width)
+        return parts[0] if len(parts) == 1 else numbers.lerp(*parts, fraction[:, None], width)
 
     def color(*tap):
         taps = dict.fromkeys(along, tap)
@@ -64,7 +64,7 @@ def _shade_before_filtering(fragments, state, profile, bits, textures, samplers,
 
 
 def _shade(fragments, state, profile, bits, textures, samplers, made, taps):
-    count, one = len(fragments.x), wide.one_of(bits)
+    count, one = len(fragments.x), numbers.one_of(bits)
     registers = Registers(samplers, fragments, bits, taps)
     registers.update({Register.TEXTURE0 + unit: register for unit, register in made.items()})
     registers[Register.PRIMARY_COLOR] = fragments.primary.T.astype(np.int64)
