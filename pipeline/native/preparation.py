@@ -49,8 +49,8 @@ class Prepared:
     area     pixels of the scissor box; 0: nothing is left to draw, and what follows is not there
     size     bytes of vertices
     texels   of four units: their Texels, or None; ``levels`` int32 [units, MAX_LEVELS, 3]
-    order    primitives sorted into bands (``fixedpipe.raster.primitives.bins``); ``ends``: where each band's
-             end
+    order    primitives sorted into bands (``fixedpipe.raster.primitives.bins``)
+    ends     where each band's primitives end in ``order``
     job      a row of the vector engine's table; False: it is the portable engine's; None: not asked yet
     beside   arrays that only this row names
     """
