@@ -25,6 +25,7 @@ LAYERS = (
     "pipeline/pixel_transfer.py",
     "pipeline/commands.py",
     "pipeline/profiles/",
+    "pipeline/__init__.py",
     "pipeline/textures/",
     "pipeline/programs/",
     "pipeline/validation/",

@@ -1,6 +1,7 @@
 """The documentation says only what is so: its examples run, its links lead somewhere."""
 
 import doctest
+import pkgutil
 import re
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from fixedpipe.effects.cli import main
 from fixedpipe.effects.figures import FIGURES
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.profiles import GEFORCE_256
+from tests.project.test_adding_things import expanded
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
@@ -62,7 +64,20 @@ def test_every_link_leads_somewhere(page):
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
 def test_every_file_that_is_named_exists(page):
     for name in re.findall(r"`((?:raster|pipeline|effects|tests|docs|bench)/[\w/.-]+)`", page.read_text()):
-        assert (ROOT / name).exists(), name
+        assert (ROOT / name).exists() or (ROOT / f"{name}.py").exists(), name
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_every_module_that_is_named_is_named_with_its_folders(page):
+    for name in re.findall(r"`([\w/{},-]+\.py)`", page.read_text()):
+        for path in expanded(name):
+            assert (ROOT / path).exists(), path
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_every_name_that_can_be_imported_is_there(page):
+    for name in re.findall(r"`(fixedpipe(?:\.\w+)+)(?:\(\w*\))?`", page.read_text()):
+        assert pkgutil.resolve_name(name), name
 
 
 def test_every_decision_is_in_the_index():
