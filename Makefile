@@ -27,7 +27,8 @@ help:
 	@echo "make layers             write into docs/architecture.md which package imports which (tests/layers.py)"
 	@echo "make accept FIGURE=ID   accept a figure's digest (PROFILE=NAME: on that machine) once it was looked at"
 	@echo "make accept-conformance accept how many pixels agree with the captures (WORSE=yes: fewer too)"
-	@echo "make setup | clean      make or remove what is made here"
+	@echo "make setup              make the virtual environment, .venv, as all of these do on first use"
+	@echo "make clean              remove what is made here, but .venv"
 
 setup: $(READY)
 

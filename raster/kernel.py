@@ -2,7 +2,7 @@
 
 Numba's on-disk cache watches only the file a kernel is written in, not the kernels it calls in other files,
 so an edit could go unnoticed. The cache folder is therefore named after a digest of every source in
-``raster/`` and its folders (and of the settings that change the code but not the sources).
+``raster/`` that a kernel may be made of (and of the settings that change the code but not the sources).
 """
 
 import hashlib

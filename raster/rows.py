@@ -1,5 +1,5 @@
-"""Layout of the rows that ``pipeline/native/`` writes and kernels read. Every entry is an integer unless it
-says so.
+"""Layout of the rows that kernels read: ``pipeline/native/`` writes them, and ``pipeline/vertices/`` those of
+lines. Every entry is an integer unless it says so.
 
 A state is packed so that two states that cannot differ in their result give equal rows: what is disabled is
 zero.

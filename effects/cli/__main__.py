@@ -1,4 +1,4 @@
-"""``python -m fixedpipe.effects.cli``: the command line of a checkout, without installing it."""
+"""``python -m fixedpipe.effects.cli``: the command line, by the interpreter that has it."""
 
 from fixedpipe.effects.cli import main
 

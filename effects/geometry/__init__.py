@@ -1,1 +1,1 @@
-"""Vectors, matrices, surfaces, views: no state, no pass."""
+"""Vectors, matrices, surfaces, views: no technique, no pass."""

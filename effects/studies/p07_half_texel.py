@@ -53,7 +53,7 @@ def errors(texels, profile, bits, *, corrected, repeated=False):
             row = replace(command.state.scissor, y=_PIXELS // 2, height=1)
             command = replace(command, state=replace(command.state, scissor=row))
         out.append(command)
-    if profile is IDEAL:
+    if profile.exact:
         read = execute_ideal(tuple(out), _PIXELS, _PIXELS).color[:, :, 3]
     else:
         framebuffer = execute(tuple(out), profile, _PIXELS, _PIXELS).framebuffer

@@ -19,7 +19,7 @@ from fixedpipe.effects.shadows import alpha_coded_shadows, shadow_maps, shadow_v
 from fixedpipe.effects.shadows.lit_scene import map_edge
 from fixedpipe.pipeline.enums import BlendEquation
 from fixedpipe.pipeline.framebuffers.result import Result
-from fixedpipe.pipeline.profiles import IDEAL, PROFILES
+from fixedpipe.pipeline.profiles import PROFILES
 from fixedpipe.pipeline.validation.validate import validate
 
 # Which of the mesh's axes points up.
@@ -250,7 +250,7 @@ def can_draw(algorithm, profile):
 
 def machines_with(algorithm):
     """Keys in ``fixedpipe.pipeline.profiles.PROFILES`` of the machines, the ideal aside, that can draw it."""
-    machines = {key: profile for key, profile in PROFILES.items() if profile is not IDEAL}
+    machines = {key: profile for key, profile in PROFILES.items() if not profile.exact}
     return tuple(key for key, profile in machines.items() if can_draw(algorithm, profile))
 
 

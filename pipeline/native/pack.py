@@ -1,5 +1,5 @@
-"""Packing: validated state becomes the rows that kernels read (``raster/rows.py``). Nothing outside this
-package builds those rows.
+"""Packing: validated state becomes the rows that kernels read (``raster/rows.py``). No other package packs
+a state.
 
 What is disabled packs to zero and what cannot matter is not asked for, so two states that cannot differ in
 their result give equal rows, and kernels do no work whose result nobody reads.

@@ -8,11 +8,16 @@ import ast
 import io
 import re
 import tokenize
+from enum import Enum
 from fnmatch import fnmatchcase
 from functools import cache
 from pathlib import Path
 
 import pytest
+
+from fixedpipe.pipeline import enums
+from fixedpipe.pipeline.commands import COMMANDS
+from fixedpipe.pipeline.profiles import PROFILES
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "adding-things.md"
@@ -128,8 +133,17 @@ def test_what_a_row_follows_and_its_files_are_there(what, follow, files):
         assert list(ROOT.glob(path)), f"{what}: {path} is not there"
 
 
-def test_the_page_has_its_tables():
-    assert len(STATE) >= 20
+def test_every_enumeration_and_command_s_kind_has_a_row():
+    followed = {name for _, follow, _ in STATE for name in follow}
+    kinds = {
+        name
+        for name, kind in vars(enums).items()
+        if isinstance(kind, type) and issubclass(kind, Enum) and kind.__module__ == enums.__name__
+    }
+    assert len(kinds) > 50
+    assert kinds - followed == set()
+    assert followed & {command.__name__ for command in COMMANDS}
+    assert followed & PROFILES.keys()
     assert len(THINGS) >= 4
 
 

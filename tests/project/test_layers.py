@@ -59,6 +59,7 @@ def imports_of(path, tree):
 IMPORTS = defaultdict(set)
 for _path in SOURCES:
     IMPORTS[package_of(_path)] |= imports_of(_path, ast.parse(_path.read_text()))
+IMPORTS = dict(IMPORTS)
 
 
 def test_every_package_is_in_the_table_and_imports_what_stands_above_it():
@@ -117,6 +118,8 @@ NEVER = {
 @pytest.mark.parametrize("rule", NEVER)
 def test_some_things_are_never_known(rule):
     package, never = NEVER[rule]
+    libraries = {name for names in layers.LIBRARIES.values() for name in names}
+    assert never <= {*layers.PACKAGES, *libraries, "raster/"}
     imported = IMPORTS[package]
     assert not [name for name in imported for other in never if name == other or other == name[: len(other)]]
 
@@ -127,16 +130,49 @@ def test_the_command_line_s_library_is_the_command_line_s():
     ]
 
 
+# Code that uses a folder's name as a module's, at a string's beginning or at a line's.
+BARE_NAME = re.compile(
+    r"(?m)(^|;)\s*(from|import) (raster|pipeline|effects)\b(?! of| that)|\A(raster|pipeline|effects)\.\w+"
+)
+
+
 @pytest.mark.parametrize("folder", [*LAYERS, "tests", "bench"])
 def test_nobody_uses_the_folders_names_as_modules(folder):
     # From the checkout's root `raster.codes` could be imported, as a second copy of fixedpipe.raster.codes.
-    for path in sorted((ROOT / folder).rglob("*.py")):
+    for path in sorted({*(ROOT / folder).rglob("*.py")} - {Path(__file__)}):
         tree = ast.parse(path.read_text())
         assert not [m for m in imported_modules(tree) if m.split(".")[0] in LAYERS], path
         texts = [n.value for n in ast.walk(tree) if isinstance(n, ast.Constant) and isinstance(n.value, str)]
-        assert not [
-            text for text in texts if re.match(r"(from |import )?(raster|pipeline|effects)\.\w+", text)
-        ], path
+        assert not [text for text in texts if BARE_NAME.search(text)], path
+
+
+@pytest.mark.parametrize(
+    "text", ["raster.codes.X", "import x\nfrom raster import codes", "x; import effects"]
+)
+def test_code_in_a_string_is_seen(text):
+    assert BARE_NAME.search(text)
+
+
+# The command line's subcommands, figures and studies, suites, and the names at the pipeline's door.
+FINDERS = {
+    "effects/cli/__init__.py",
+    "effects/collection.py",
+    "effects/conformance/redraw.py",
+    "pipeline/__init__.py",
+}
+
+
+def test_modules_are_found_by_name_in_four_places():
+    found = {path for path in SOURCES if re.search(r"import_module|__import__", path.read_text())}
+    assert {path.relative_to(ROOT).as_posix() for path in found} == FINDERS
+
+
+def test_nobody_asks_which_machine_it_is():
+    for path in SOURCES:
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.Compare):
+                compared = [n for n in (node.left, *node.comparators) if isinstance(n, ast.Name)]
+                assert not [n for n in compared if n.id in PROFILES], f"{path}:{node.lineno}: ask for a field"
 
 
 # The stages of a fragment, and why an engine has no file of that name.
@@ -224,7 +260,11 @@ def test_the_reference_imports_the_vocabulary_alone(path):
 
 
 def test_only_one_module_knows_the_compiler():
-    compiler = re.compile(r"\b(njit|numba\.jit|@jit|vectorize|guvectorize|cfunc|stencil\()")
+    compiler = re.compile(
+        r"\b(njit|numba\.jit|vectorize|guvectorize|cfunc)\b|@jit\b|import .*\bjit\b|\bstencil\("
+    )
+    for line in ("@jit(nopython=True)", "from numba import int64, jit", "numba.njit(f)", "@stencil()"):
+        assert compiler.search(line), line
     for path in SOURCES:
         if path != ROOT / "raster" / "kernel.py":
             assert not compiler.search(path.read_text()), f"{path}: use @kernel from raster/kernel.py"
@@ -297,15 +337,23 @@ PAPERS = {
 
 
 @pytest.mark.parametrize("figure_id", FIGURES)
-def test_a_figure_lies_in_its_paper_s_folder_and_takes_nothing_from_another(figure_id):
-    module = FIGURES.module_of(figure_id)
-    *_, folder, _ = module.split(".")
+def test_a_figure_lies_in_its_paper_s_folder(figure_id):
+    *_, folder, _ = FIGURES.module_of(figure_id).split(".")
     assert folder == PAPERS[re.match(r"F\d{3}|[A-Z]", figure_id)[0]]
-    imported = imported_modules(ast.parse(MODULES[module].read_text()))
-    assert not [name for name in imported for part in (name, name.rpartition(".")[0]) if is_figure(part)]
 
 
-def test_studies_share_by_their_folder_and_no_study_takes_from_another():
-    for path in (ROOT / "effects" / "studies").glob("p*.py"):
+def is_study(name):
+    """Whether a dotted name is a study's module."""
+    return re.match(r"fixedpipe\.effects\.studies\.p\d\d", name)
+
+
+def test_figures_and_studies_share_by_their_folder_and_take_nothing_from_another():
+    for path in sorted((ROOT / "effects" / "figures").glob("*/**/*.py")):
+        paper = ".".join(("fixedpipe", *path.relative_to(ROOT).parts[:3]))
         for name in imported_modules(ast.parse(path.read_text())):
-            assert not re.match(r"fixedpipe\.effects\.studies\.p\d\d", name), path
+            assert not is_figure(name) and not is_figure(name.rpartition(".")[0]), path
+            module = name if name in MODULES else name.rpartition(".")[0]
+            if re.match(r"fixedpipe\.effects\.figures\.\w+_\d{4}", module):
+                assert module.startswith(paper), f"{path} imports {name}"
+    for path in sorted((ROOT / "effects" / "studies").rglob("*.py")):
+        assert not [name for name in imported_modules(ast.parse(path.read_text())) if is_study(name)], path

@@ -8,7 +8,12 @@ from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import cosine, cross, dot, normalize, sine
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
-from fixedpipe.effects.reflectance import dependent_lookups, material_textures, phong_schlick_lafortune
+from fixedpipe.effects.reflectance import (
+    dependent_lookups,
+    material_textures,
+    phong_schlick_lafortune,
+    phong_schlick_lafortune_copies,
+)
 from fixedpipe.effects.reflectance.brdfs import BRDFS, Frame
 
 # The direction to the viewer, who is far away.
@@ -81,7 +86,8 @@ def texture_shaders_scene(profile, size, **parameters):
 def pixel_textures_scene(profile, size, **parameters):
     """The three models by pixel textures."""
     material, surface, toward, shown, views = _parts(size, parameters)
-    models, given = phong_schlick_lafortune, [(surface, material, view, toward, profile) for view in views]
+    models = phong_schlick_lafortune_copies
+    given = [(surface, material, view, toward, profile) for view in views]
     return (
         *models.phong_copies(*given[0], specular=parameters["phong"], **shown),
         *models.schlick_copies(
