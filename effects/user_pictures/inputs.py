@@ -11,70 +11,6 @@ import numpy as np
 
 from fixedpipe.effects.refusal import Refusal
 
-_LARGEST_FILE = 1 << 30  # voxels
-
-
-def read_raw_volume(path, dims, dtype, skip):
-    """Values of a raw file, [slices, rows, columns]. ``dims``: columns, rows and slices; ``dtype``: a value's
-    type; ``skip``: bytes before the first.
-
-    Raises Refusal for dimensions that are none or not the file's, and a file that cannot be read.
-    """
-    try:
-        counts = tuple(int(c) for c in dims.split(","))
-    except ValueError:
-        counts = ()
-    if len(counts) != 3 or min(counts) < 2 or math.prod(counts) > _LARGEST_FILE:
-        raise Refusal(f"The dimensions are {dims!r}; give three whole numbers from 2, as 256,256,110.")
-    dtype = np.dtype(dtype)
-    needed = math.prod(counts) * dtype.itemsize
-    try:
-        there = path.stat().st_size - skip
-        if there != needed:
-            before = f" after the {skip} skipped" if skip else ""
-            raise Refusal(
-                f"{path} has {there} bytes{before}; {dims} values of {dtype.name} are {needed}. Give other "
-                "--dims, --type or --skip."
-            )
-        values = np.fromfile(path, dtype, math.prod(counts), offset=skip)
-    except OSError as error:
-        raise Refusal(f"{path} cannot be read: {error.strerror}.") from error
-    return values.reshape(counts[::-1])
-
-
-def read_nrrd(path):
-    """Values of an NRRD file, [slices, rows, columns], and the spacing of its voxels. Raises Refusal where it
-    has none.
-    """
-    try:
-        import nrrd
-    except ImportError as error:
-        raise Refusal("NRRD files need the extra `volumes`: pip install 'fixedpipe[volumes]'.") from error
-    # A decoder fed arbitrary bytes raises whatever it stumbles over.
-    try:
-        header = nrrd.read_header(str(path))
-        sizes = [int(n) for n in header["sizes"]]
-        if len(sizes) == 3 and math.prod(sizes) > _LARGEST_FILE:
-            raise ValueError(f"{'x'.join(map(str, sizes))} voxels are too many")
-        values, header = nrrd.read(str(path), index_order="C")
-    except Exception as error:
-        reason = str(error).split("\n")[0].rstrip(".") or type(error).__name__
-        raise Refusal(f"{path} cannot be read ({reason}). Give a whole NRRD file.") from error
-    return values, _nrrd_spacing(header)
-
-
-def _nrrd_spacing(header):
-    """Spacings of an NRRD header's axes, which may be negative; equal where it has none.
-
-    What is there but is no number is given back as it is, for ``volume_of`` to refuse.
-    """
-    axes = header.get("space directions")
-    if axes is not None:
-        return tuple(np.sqrt((np.asarray(axes, float) ** 2).sum(axis=-1)).tolist())
-    spacing = header.get("spacings")
-    return (1.0, 1.0, 1.0) if spacing is None else tuple(abs(float(s)) for s in spacing)
-
-
 # Pictures inside the wheels of the extra `samples`; nothing is downloaded. Package, path, array of an NPZ.
 SAMPLES = {
     "gravel": ("skimage", "data/gravel.png", None),
@@ -214,3 +150,67 @@ def _read_ply(path):
         reason = (str(error) or type(error).__name__).split("\n")[0].rstrip(".")
         raise Refusal(f"{path} cannot be read ({reason}). Give a whole PLY or OBJ file.") from error
     return vertices, faces
+
+
+_LARGEST_FILE = 1 << 30  # voxels
+
+
+def read_raw_volume(path, dims, dtype, skip):
+    """Values of a raw file, [slices, rows, columns]. ``dims``: columns, rows and slices; ``dtype``: a value's
+    type; ``skip``: bytes before the first.
+
+    Raises Refusal for dimensions that are none or not the file's, and a file that cannot be read.
+    """
+    try:
+        counts = tuple(int(c) for c in dims.split(","))
+    except ValueError:
+        counts = ()
+    if len(counts) != 3 or min(counts) < 2 or math.prod(counts) > _LARGEST_FILE:
+        raise Refusal(f"The dimensions are {dims!r}; give three whole numbers from 2, as 256,256,110.")
+    dtype = np.dtype(dtype)
+    needed = math.prod(counts) * dtype.itemsize
+    try:
+        there = path.stat().st_size - skip
+        if there != needed:
+            before = f" after the {skip} skipped" if skip else ""
+            raise Refusal(
+                f"{path} has {there} bytes{before}; {dims} values of {dtype.name} are {needed}. Give other "
+                "--dims, --type or --skip."
+            )
+        values = np.fromfile(path, dtype, math.prod(counts), offset=skip)
+    except OSError as error:
+        raise Refusal(f"{path} cannot be read: {error.strerror}.") from error
+    return values.reshape(counts[::-1])
+
+
+def read_nrrd(path):
+    """Values of an NRRD file, [slices, rows, columns], and the spacing of its voxels. Raises Refusal where it
+    has none.
+    """
+    try:
+        import nrrd
+    except ImportError as error:
+        raise Refusal("NRRD files need the extra `volumes`: pip install 'fixedpipe[volumes]'.") from error
+    # A decoder fed arbitrary bytes raises whatever it stumbles over.
+    try:
+        header = nrrd.read_header(str(path))
+        sizes = [int(n) for n in header["sizes"]]
+        if len(sizes) == 3 and math.prod(sizes) > _LARGEST_FILE:
+            raise ValueError(f"{'x'.join(map(str, sizes))} voxels are too many")
+        values, header = nrrd.read(str(path), index_order="C")
+    except Exception as error:
+        reason = str(error).split("\n")[0].rstrip(".") or type(error).__name__
+        raise Refusal(f"{path} cannot be read ({reason}). Give a whole NRRD file.") from error
+    return values, _nrrd_spacing(header)
+
+
+def _nrrd_spacing(header):
+    """Spacings of an NRRD header's axes, which may be negative; equal where it has none.
+
+    What is there but is no number is given back as it is, for ``volume_of`` to refuse.
+    """
+    axes = header.get("space directions")
+    if axes is not None:
+        return tuple(np.sqrt((np.asarray(axes, float) ** 2).sum(axis=-1)).tolist())
+    spacing = header.get("spacings")
+    return (1.0, 1.0, 1.0) if spacing is None else tuple(abs(float(s)) for s in spacing)
