@@ -63,9 +63,8 @@ def fused_operations():
     """(kernels read, lines of machine code, fused multiply-adds among them) over everything in raster/."""
     kernels = lines = fused = 0
     for path in sorted(_ROOT.glob("raster/**/*.py")):
-        module = importlib.import_module(
-            ".".join(("fixedpipe", *path.relative_to(_ROOT).with_suffix("").parts))
-        )
+        name = ".".join(("fixedpipe", *path.relative_to(_ROOT).with_suffix("").parts))
+        module = importlib.import_module(name.removesuffix(".__init__"))
         for value in vars(module).values():
             if hasattr(value, "inspect_asm") and value.py_func.__module__ == module.__name__:
                 for text in value.inspect_asm().values():
