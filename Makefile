@@ -15,7 +15,8 @@ ifneq ($(wildcard $(CAPTURES)),)
 export FIXEDPIPE_CAPTURES ?= $(CAPTURES)
 endif
 
-.PHONY: help setup figures conformance machines layers test test-all check bench accept accept-conformance clean
+.PHONY: help setup figures conformance machines techniques layers test test-all check bench accept \
+	accept-conformance clean
 
 help:
 	@echo "make figures            render and check every figure into $(OUT)/; $(OUT)/index.html is a gallery"
@@ -24,6 +25,7 @@ help:
 	@echo "make check              style: ruff check, ruff format --check"
 	@echo "make bench              measure; BENCH='--peer llvmpipe' compares with Mesa"
 	@echo "make machines           write docs/machines.md: which machine has which feature"
+	@echo "make techniques         write docs/papers/index.md: which technique, figure or study an id is"
 	@echo "make layers             write into docs/architecture.md which package imports which (tests/layers.py)"
 	@echo "make accept FIGURE=ID   accept a figure's digest (PROFILE=NAME: on that machine) once it was looked at"
 	@echo "make accept-conformance accept how many pixels agree with the captures (WORSE=yes: fewer too)"
@@ -62,6 +64,9 @@ bench: $(READY)
 
 machines: $(READY)
 	$(BIN)/python -m tests.machines
+
+techniques: $(READY)
+	$(BIN)/python -m tests.techniques
 
 layers: $(READY)
 	$(BIN)/python -m tests.layers

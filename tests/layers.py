@@ -58,33 +58,37 @@ PACKAGES = {
     "pipeline/golden": {"raster": "kernel"},
     "effects/refusal": {},
     "effects/collection": {},
+    "effects/technique": {},
     "effects/geometry": {"pipeline": "state commands"},
-    "effects/passes": {"pipeline": "enums state pixel_transfer textures commands"},
+    "effects/passes": {
+        "pipeline": "enums state pixel_transfer textures commands",
+        "effects": "technique",
+    },
     "effects/scenes": {"effects": "geometry passes"},
     "effects/bump_mapping": {
         "pipeline": "enums state pixel_transfer textures commands",
-        "effects": "geometry passes",
+        "effects": "technique geometry passes",
     },
     "effects/reflectance": {
         "pipeline": "enums state pixel_transfer textures commands profiles",
-        "effects": "geometry passes bump_mapping",
+        "effects": "technique geometry passes bump_mapping",
     },
     "effects/environment_maps": {
         "pipeline": "enums state textures commands",
-        "effects": "geometry passes bump_mapping",
+        "effects": "technique geometry passes bump_mapping",
     },
     "effects/texture_filtering": {
         "pipeline": "textures commands",
-        "effects": "geometry passes reflectance",
+        "effects": "technique geometry passes reflectance",
     },
     "effects/shadows": {
         "raster": "kernel",
         "pipeline": "enums state pixel_transfer textures commands",
-        "effects": "geometry passes scenes",
+        "effects": "technique geometry passes scenes",
     },
     "effects/volumes": {
         "pipeline": "enums state pixel_transfer textures commands",
-        "effects": "geometry passes scenes shadows",
+        "effects": "technique geometry passes scenes shadows",
     },
     "effects/acceptance": {
         "raster": "kernel",

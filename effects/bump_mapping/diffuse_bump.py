@@ -19,6 +19,7 @@ from fixedpipe.effects.geometry.vertex_vectors import half_vectors, light_vector
 from fixedpipe.effects.passes.combiners import NO_ALPHA, NO_RGB, OPAQUE, ZERO, alpha_of, expand, opaque
 from fixedpipe.effects.passes.draws import ADD_GATED, FIRST_PASS, LATER_PASS, REPEATED, draw, unit
 from fixedpipe.effects.passes.encoding import encode_vertex_color
+from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.enums import CombinerScale, ComponentUsage, Register
 from fixedpipe.pipeline.state import (
     AlphaPortion,
@@ -27,6 +28,12 @@ from fixedpipe.pipeline.state import (
     GeneralCombiner,
     RegisterCombiners,
     RGBPortion,
+)
+
+TECHNIQUES = (
+    Technique("K10", "diffuse bump mapping: (n.l)+ at every fragment, times a colour", "3, 6"),
+    Technique("K14", "dot-product bump mapping: a map of normals, (n.l)+ and a highlight", "2"),
+    Technique("H43", "Kilgard's bump mapping: l and h turned at vertices, (n.h)^8 by squaring", "3"),
 )
 
 

@@ -41,6 +41,7 @@ from fixedpipe.effects.passes.draws import (
     unit,
 )
 from fixedpipe.effects.passes.encoding import encode_factor, encode_vertex_color
+from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.enums import (
     BlendFactor,
@@ -67,6 +68,8 @@ from fixedpipe.pipeline.state import (
     TextureEnvironment,
 )
 from fixedpipe.pipeline.textures.images import texture_2d
+
+TECHNIQUES = (Technique("K13", "embossing: bumps as the difference of two readings of a height map", "2"),)
 
 # How much the boards multiply H1 - H0 by; the second reading moves by the relief over it, and what is added
 # to one, or to n.l, is -dh/dl on each.

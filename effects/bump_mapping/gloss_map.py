@@ -15,8 +15,13 @@ from fixedpipe.effects.geometry.vertex_vectors import half_vectors, light_vector
 from fixedpipe.effects.passes.combiners import alpha_of
 from fixedpipe.effects.passes.draws import LATER_PASS, draw, unit
 from fixedpipe.effects.passes.encoding import encode_factor, encode_vertex_color
+from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.enums import BlendFactor, Register
 from fixedpipe.pipeline.state import AlphaPortion, Blending
+
+TECHNIQUES = (
+    Technique("K02", "a gloss map: the highlight's strength per texel, its width for a polygon", "1"),
+)
 
 MODULATED_BY_ALPHA = Blending(BlendFactor.SRC_ALPHA, BlendFactor.ONE)
 

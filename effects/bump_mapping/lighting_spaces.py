@@ -40,6 +40,7 @@ from fixedpipe.effects.passes.draws import (
 )
 from fixedpipe.effects.passes.encoding import encode_vertex_color
 from fixedpipe.effects.passes.texture_shaders import NO_TEXTURE, TEXTURE_STAGE, dot_product_stage
+from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.enums import BaseFormat, CombinerScale, ComponentUsage, InternalFormat, Register
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
@@ -52,6 +53,12 @@ from fixedpipe.pipeline.state import (
     GeneralCombiner,
     RegisterCombiners,
     RGBPortion,
+)
+
+TECHNIQUES = (
+    Technique("Z05", "bumps lit in camera space: normals turned at every pixel", "Rendering"),
+    Technique("Z06", "bumps lit in object space: a map of the object's own normals", "Variations"),
+    Technique("Z07", "bumps lit in tangent space: the light turned at every vertex", "Variations"),
 )
 
 # ------------------------------------------------------------------------------------ Z05: camera space

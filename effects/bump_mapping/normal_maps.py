@@ -22,6 +22,12 @@ import numpy as np
 
 from fixedpipe.effects.geometry import height_fields
 from fixedpipe.effects.geometry.vectors import cross, normalize
+from fixedpipe.effects.technique import Technique
+
+TECHNIQUES = (
+    Technique("Z01", "normals of a height field by central differences", "Generating bump maps"),
+    Technique("Z02", "normals stored as colours: [-1, 1] in bytes", "Storing bump maps"),
+)
 
 
 def differences(heights, du=1.0, dv=1.0, periodic=True):

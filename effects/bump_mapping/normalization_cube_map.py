@@ -25,6 +25,7 @@ from fixedpipe.effects.passes.draws import (
     unit,
 )
 from fixedpipe.effects.passes.encoding import encode_expand
+from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.enums import CombinerScale, InternalFormat, Mapping, Register
 from fixedpipe.pipeline.state import (
@@ -35,6 +36,8 @@ from fixedpipe.pipeline.state import (
     RGBPortion,
 )
 from fixedpipe.pipeline.textures.images import texture_cube_map
+
+TECHNIQUES = (Technique("K12", "a normalization cube map: interpolated vectors get their length back", "5"),)
 
 NAME = "normalization cube map"
 

@@ -38,6 +38,13 @@ import numpy as np
 
 from fixedpipe.effects.geometry.vectors import cross, dot, normalize
 from fixedpipe.effects.passes.arguments import one_of
+from fixedpipe.effects.technique import Technique
+
+TECHNIQUES = (
+    Technique("Z03", "a triangle's tangent space from its texture coordinates", "Tangent space"),
+    Technique("Z04", "tangents averaged at vertices, the binormal on the fly", "Storing tangent vectors"),
+    Technique("Z27", "triangles with no tangent space, mirrored or stretched: reported", "Caveats"),
+)
 
 # Twice the signed area of a texture-space triangle over its longest edge's square, below which it counts as
 # none.  Assumed: 1e-9; an equilateral one has .87, and float32 coordinates of a mesh carry an error of 1e-7.

@@ -42,6 +42,7 @@ from fixedpipe.effects.passes.draws import (
 )
 from fixedpipe.effects.passes.encoding import encode_dot_product, encode_factor
 from fixedpipe.effects.passes.texture_shaders import NO_TEXTURE, TEXTURE_STAGE, dot_product_stage
+from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import (
     Face,
@@ -65,6 +66,11 @@ from fixedpipe.pipeline.state import (
     TextureShaderStage,
 )
 from fixedpipe.pipeline.textures.images import texture_2d
+
+TECHNIQUES = (
+    Technique("Z08", "environment-mapped bump mapping by a cube map", "Combination with env. map"),
+    Technique("Z09", "dirt: a texture that takes some of the reflection away", "Env. mapped bump mapping"),
+)
 
 CUBE_MAP, SPHERE_MAP, PICTURE = "environment cube map", "environment sphere map", "environment behind"
 

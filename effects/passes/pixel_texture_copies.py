@@ -12,6 +12,7 @@ import numpy as np
 
 from fixedpipe.effects.passes.arguments import one_of
 from fixedpipe.effects.passes.draws import EDGE, FIRST_PASS, LATER_PASS, MARK, MARKED, REPEATED, REPLACE
+from fixedpipe.effects.technique import AnotherWay
 from fixedpipe.pipeline.commands import Clear, CopyPixels, Draw, DrawPixels, HostStep, ReadPixels, TexImage
 from fixedpipe.pipeline.enums import InternalFormat, PixelCopyType
 from fixedpipe.pipeline.pixel_transfer import PixelImage, PixelTransfer
@@ -23,6 +24,8 @@ from fixedpipe.pipeline.state import (
     RasterPosition,
     TextureUnit,
 )
+
+TECHNIQUES = (AnotherWay(("K15",), "the copies of which such passes are made"),)
 
 RED = ColorMask(green=False, blue=False, alpha=False)
 GREEN = ColorMask(red=False, blue=False, alpha=False)

@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from fixedpipe.effects.technique import AnotherWay
 from fixedpipe.pipeline.commands import Draw, DrawPixels, HostStep, Mesh, ReadPixels, TexImage
 from fixedpipe.pipeline.enums import (
     PrimitiveType,
@@ -25,6 +26,8 @@ from fixedpipe.pipeline.enums import (
 from fixedpipe.pipeline.pixel_transfer import PixelImage
 from fixedpipe.pipeline.state import PassState, RasterPosition, Sampler, TextureEnvironment, TextureUnit
 from fixedpipe.pipeline.textures.images import texture_2d
+
+TECHNIQUES = (AnotherWay(("K15",), "by the host, where a board has no pixel textures"),)
 
 _WRAPS = (WrapMode.REPEAT, WrapMode.CLAMP_TO_EDGE)
 

@@ -38,6 +38,7 @@ from fixedpipe.effects.passes.draws import (
 )
 from fixedpipe.effects.passes.encoding import encode_vertex_color
 from fixedpipe.effects.reflectance.material_textures import Material
+from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import Saturate
 from fixedpipe.pipeline.enums import CombinerScale, Mapping, Register
 from fixedpipe.pipeline.state import (
@@ -46,6 +47,11 @@ from fixedpipe.pipeline.state import (
     GeneralCombiner,
     RegisterCombiners,
     RGBPortion,
+)
+
+TECHNIQUES = (
+    Technique("K07", "Eq. 1, the simplified anisotropic Blinn-Phong model, by register combiners", "4.1"),
+    Technique("K11", "a material's vectors in the surface's frame, or baked in the world's", "4"),
 )
 
 

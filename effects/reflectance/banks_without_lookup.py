@@ -51,6 +51,7 @@ from fixedpipe.effects.passes.draws import (
 from fixedpipe.effects.passes.encoding import encode_rgba, encode_vertex_color
 from fixedpipe.effects.reflectance import brdfs
 from fixedpipe.effects.reflectance.evaluate_then_interpolate import at_texels
+from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import Saturate, TexImage
 from fixedpipe.pipeline.enums import BlendEquation, Mapping, Register
 from fixedpipe.pipeline.state import (
@@ -61,6 +62,10 @@ from fixedpipe.pipeline.state import (
     RGBPortion,
 )
 from fixedpipe.pipeline.textures.images import texture_2d
+
+TECHNIQUES = (
+    Technique("K04", "the Banks model with 1 - s in place of sqrt(1 - s): no dependent lookup", "3.1"),
+)
 
 
 @dataclass(frozen=True)

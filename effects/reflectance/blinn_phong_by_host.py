@@ -34,9 +34,12 @@ from fixedpipe.effects.reflectance import pixel_textures
 from fixedpipe.effects.reflectance.anisotropic_blinn_phong import combiners
 from fixedpipe.effects.reflectance.material_textures import LARGEST_EXPONENT
 from fixedpipe.effects.reflectance.sampled_functions import stored_exponent
+from fixedpipe.effects.technique import AnotherWay
 from fixedpipe.pipeline.commands import HostStep
 from fixedpipe.pipeline.enums import Register
 from fixedpipe.pipeline.state import PassState
+
+TECHNIQUES = (AnotherWay(("K05", "K15"), "parameters by register combiners, the lookup by the host"),)
 
 
 def _lobe_and_exponent():

@@ -26,6 +26,9 @@ import numpy as np
 
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.vertex_vectors import reflected
+from fixedpipe.effects.technique import Technique
+
+TECHNIQUES = (Technique("K20", "the software renderer: reflectance models in floating point", "6"),)
 
 
 def half_vector(light, view):

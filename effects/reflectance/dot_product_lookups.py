@@ -29,6 +29,7 @@ from fixedpipe.effects.passes.draws import ADD, ADD_GATED, FIRST_PASS, LATER_PAS
 from fixedpipe.effects.passes.encoding import encode_dot_product, encode_vertex_color
 from fixedpipe.effects.passes.texture_shaders import NO_TEXTURE, TEXTURE_STAGE, dot_product_stage
 from fixedpipe.effects.reflectance import brdfs
+from fixedpipe.effects.technique import AnotherWay
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.enums import InternalFormat, Register
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
@@ -40,6 +41,8 @@ from fixedpipe.pipeline.state import (
     RGBPortion,
 )
 from fixedpipe.pipeline.textures.images import texture_2d
+
+TECHNIQUES = (AnotherWay(("K03", "K05", "K06"), "on a GeForce 3, by a texture shader's dot products"),)
 
 # Two fifths of them are the lobe's where the smallest alpha is 1/4: 205 across. Assumed: a quarter of a
 # megabyte is small enough for a GeForce 3.

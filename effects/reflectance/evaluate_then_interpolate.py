@@ -11,6 +11,9 @@ Source: Kautz, Seidel 2000, section 5.1 (K16 of the catalogue; artefact P11).
 import numpy as np
 
 from fixedpipe.effects.geometry.vectors import dot
+from fixedpipe.effects.technique import Technique
+
+TECHNIQUES = (Technique("K16", "the order asked for: evaluate at the texels, then interpolate", "5.1"),)
 
 
 def _corners(s, t, columns, rows):

@@ -33,6 +33,7 @@ from fixedpipe.effects.passes.draws import ADD, ADD_GATED, EDGE, FIRST_PASS, LAT
 from fixedpipe.effects.passes.encoding import encode_factor, encode_rgba, encode_vertex_color
 from fixedpipe.effects.reflectance import brdfs
 from fixedpipe.effects.reflectance.material_textures import LARGEST_EXPONENT
+from fixedpipe.effects.technique import AnotherWay, Technique
 from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.enums import CombinerFunction, CombinerScale, ComponentUsage, Mapping, Register
 from fixedpipe.pipeline.state import (
@@ -45,6 +46,11 @@ from fixedpipe.pipeline.state import (
     RGBPortion,
 )
 from fixedpipe.pipeline.textures.images import texture_2d
+
+TECHNIQUES = (
+    Technique("K17", "the board asked for: roots, quotients, exponentials, lookups in combiners", "5.1"),
+    AnotherWay(("K03", "K05", "K09", "K16"), "on the board that the paper asks for"),
+)
 
 P, S = Register.PRIMARY_COLOR, Register.SECONDARY_COLOR
 SPARE0, SPARE1, DISCARD = Register.SPARE0, Register.SPARE1, Register.DISCARD

@@ -57,12 +57,18 @@ from fixedpipe.effects.passes.draws import (
 )
 from fixedpipe.effects.passes.encoding import encode_factor
 from fixedpipe.effects.passes.host_images import HostImage, dot_product_transfer
+from fixedpipe.effects.technique import AnotherWay, Technique
 from fixedpipe.pipeline.commands import Mesh, TexImage
 from fixedpipe.pipeline.enums import BaseFormat, BlendFactor, InternalFormat, TextureFilter, WrapMode
 from fixedpipe.pipeline.pixel_transfer import PixelImage
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.state import Blending, ColorMask, ColorTable, Sampler, TextureUnit
 from fixedpipe.pipeline.textures.images import texture_2d
+
+TECHNIQUES = (
+    Technique("K08", "Eq. 1 by the imaging subset: the colour matrix makes the dot products", "4.2"),
+    AnotherWay(("K10",), "by the imaging subset"),
+)
 
 # Assumed: entries of a colour table; any machine with one holds so many. 256 would cost |d| / 255 of accuracy
 # in d^2, as much as the byte that it is stored in; the exact machine has its longest table.

@@ -36,6 +36,7 @@ from fixedpipe.effects.passes.draws import (
 )
 from fixedpipe.effects.passes.encoding import encode_rgba, encode_vertex_color
 from fixedpipe.effects.reflectance.sampled_functions import sampled
+from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import HostStep, TexImage
 from fixedpipe.pipeline.enums import Register
 from fixedpipe.pipeline.state import (
@@ -47,6 +48,8 @@ from fixedpipe.pipeline.state import (
     RGBPortion,
 )
 from fixedpipe.pipeline.textures.images import texture_2d
+
+TECHNIQUES = (Technique("K01", "the framework: material textures, dot products, functions looked up", "3"),)
 
 TABLE_TEXELS = 256
 LARGEST_V = 8.0

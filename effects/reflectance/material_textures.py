@@ -24,8 +24,11 @@ from fixedpipe.effects.geometry.height_fields import (
 )
 from fixedpipe.effects.geometry.vectors import cosine, cross, dot, normalize, sine
 from fixedpipe.effects.passes.encoding import encode_factor, encode_rgba
+from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.textures.images import texture_2d
+
+TECHNIQUES = (Technique("K21", "material textures: scratches, brushed metal, gold, marble", "4.1, 6"),)
 
 # The machine multiplies by four after the dot product, so the textures hold a quarter.
 STORAGE_SCALE = 0.25

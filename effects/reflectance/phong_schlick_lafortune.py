@@ -47,6 +47,7 @@ from fixedpipe.effects.reflectance import brdfs
 from fixedpipe.effects.reflectance.dependent_lookups import copy_screen, screen_unit
 from fixedpipe.effects.reflectance.dot_product_lookups import centered_table
 from fixedpipe.effects.reflectance.sampled_functions import LARGEST_LOGARITHM, sampled, stored_exponent
+from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.enums import CombinerScale, DotProductMapping, InternalFormat, Register, TextureTarget
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
@@ -60,6 +61,8 @@ from fixedpipe.pipeline.state import (
     TextureShaderStage,
 )
 from fixedpipe.pipeline.textures.images import Texture, texture_2d
+
+TECHNIQUES = (Technique("K24", "other models that fit the framework: Phong, Schlick, Lafortune", "3.4"),)
 
 # Texels of a table along either parameter. Source: figure F004-1 of the catalogue (256^2 tables, LINEAR).
 TEXELS = 256

@@ -61,9 +61,18 @@ from fixedpipe.effects.reflectance.sampled_functions import (
     sampled,
     stored_exponent,
 )
+from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.pixel_transfer import PixelTransfer
 from fixedpipe.pipeline.state import ColorTable
+
+TECHNIQUES = (
+    Technique("K03", "the Banks model, exact: sqrt(1 - s) by a dependent lookup", "3.1"),
+    Technique("K05", "the anisotropic Blinn-Phong model with an exponent per texel", "3.2"),
+    Technique("K06", "the anisotropic Blinn-Phong model without an exponent", "3.2"),
+    Technique("K09", "Ward's model by two dependent lookups", "3.3"),
+    Technique("K15", "pixel textures as the dependent lookups, and what they cost", "5"),
+)
 
 # R(s) = sqrt(1 - s) falls with infinite slope at s = 1: 2048 texels, the Octane's most, leave an error of
 # sqrt(1/2 / 2048) = 0.016 between the last two, which codes of eight bits never meet (erratum E004.16).

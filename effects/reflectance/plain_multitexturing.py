@@ -44,6 +44,7 @@ from fixedpipe.effects.passes.draws import (
     unit,
 )
 from fixedpipe.effects.passes.encoding import encode_factor
+from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import Saturate, TexImage
 from fixedpipe.pipeline.enums import (
     CombineFunction,
@@ -54,6 +55,8 @@ from fixedpipe.pipeline.enums import (
 )
 from fixedpipe.pipeline.state import Combine, TextureEnvironment
 from fixedpipe.pipeline.textures.images import texture_2d
+
+TECHNIQUES = (Technique("K22", "plain multitexturing, found too limited: how far it comes", "5"),)
 
 # What a stored one is worth: entries of M up to it, alpha from 0.5 on. RGB_SCALE goes no higher.
 LARGEST = 4.0

@@ -64,6 +64,7 @@ from fixedpipe.effects.passes.draws import (
     unit,
 )
 from fixedpipe.effects.shadows.lit_scene import NO_COLOR, draw_object, lit_lighting, lit_pass, unlit_pass
+from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import (
     Clear,
     CopyPixels,
@@ -105,6 +106,12 @@ from fixedpipe.pipeline.state import (
     Viewport,
 )
 from fixedpipe.pipeline.textures.images import texture_1d, texture_2d
+
+TECHNIQUES = (
+    Technique("H36", "a shadow map in alpha: linear depth from the light by a ramp texture", "2.1"),
+    Technique("H37", "alpha-coded shadows by two units: the depths' difference in one pass", "2.1"),
+    Technique("H38", "alpha-coded shadows by one unit: the difference in destination alpha", "2.1"),
+)
 
 COMPONENTS = ("alpha", "red")
 ONLY_ALPHA, ONLY_RGB = ColorMask(False, False, False, True), ColorMask(True, True, True, False)

@@ -22,8 +22,11 @@ from fixedpipe.effects.shadows.shadow_volumes import (
     shadow_volumes,
     z_pass_counts,
 )
+from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import Accum, Clear
 from fixedpipe.pipeline.enums import AccumOperation
+
+TECHNIQUES = (Technique("Z26", "soft shadows: an area light as many point lights", "Hard and soft shadows"),)
 
 # Source: the catalogue's choice (A-Z26).
 POINTS = 64

@@ -16,6 +16,11 @@ import numpy as np
 
 from fixedpipe.effects.geometry.matrices import eye_plane
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp
+from fixedpipe.effects.technique import Technique
+
+TECHNIQUES = (
+    Technique("Z11", "six shadow maps round a point light, a cube's faces", "Limited field of view"),
+)
 
 # In the order of a cube map's faces.
 FACES = ("+x", "-x", "+y", "-y", "+z", "-z")

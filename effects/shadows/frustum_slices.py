@@ -17,6 +17,9 @@ import numpy as np
 
 from fixedpipe.effects.geometry.convex_bodies import clip_distances
 from fixedpipe.effects.passes.arguments import positive
+from fixedpipe.effects.technique import Technique
+
+TECHNIQUES = (Technique("Z14", "the viewer's frustum in slices, a shadow map for each", "Sampling problems"),)
 
 LAMBDA = 0.5
 # Distances are rounded to a multiple of this, as a power may differ in its last bit between libraries; where

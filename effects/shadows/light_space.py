@@ -34,7 +34,13 @@ from fixedpipe.effects.geometry.matrices import orthographic, product
 from fixedpipe.effects.geometry.vectors import cross, dot, in_frame, unit_vector
 from fixedpipe.effects.geometry.views import View
 from fixedpipe.effects.scenes.objects_and_lamps import HALVES
+from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.state import Matrix
+
+TECHNIQUES = (
+    Technique("Z15", "light-space perspective: more texels for what is near", "Sampling problems"),
+    Technique("Z30", "the light's frustum fitted to the scene", "First pass"),
+)
 
 # Below this sine of the angle between light and view the second perspective is left out.
 # Inferred: n is then more than 50 times (z_n + sqrt(z_n z_f)), which is at least as long as what is seen at

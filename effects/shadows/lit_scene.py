@@ -8,8 +8,13 @@ and the light white, so that what is lit can be read off the picture.
 from fixedpipe.effects.geometry.matrices import transform
 from fixedpipe.effects.passes.arguments import one_of
 from fixedpipe.effects.passes.draws import ADD, FIRST_PASS, LATER_PASS
+from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.state import ColorMask, Light, Lighting, Material, PassState, PolygonState
+
+TECHNIQUES = (
+    Technique("Z29", "what shadows tell: a scene with and without them", "Why are shadows important?"),
+)
 
 SHADINGS = ("lit", "mask")
 NO_COLOR = ColorMask(False, False, False, False)

@@ -14,6 +14,13 @@ from fixedpipe.effects.passes.arguments import checked_rgb, one_of, positive
 from fixedpipe.effects.scenes.objects_and_lamps import Scene
 from fixedpipe.effects.shadows import cube_of_maps, frustum_slices, light_space, shadow_maps
 from fixedpipe.effects.shadows.lit_scene import unlit_pass
+from fixedpipe.effects.technique import AnotherWay, Technique
+
+TECHNIQUES = (
+    Technique("Z13", "shadow maps with more texels", "Sampling problems"),
+    Technique("Z16", "slices and light-space perspective together", "Sampling problems"),
+    AnotherWay(("Z11", "Z14", "Z15"), "the passes that draw with several maps"),
+)
 
 WAYS = ("basic", "slices", "LiSPSM", "slices and LiSPSM")
 # Measured, on the avenue at 256 pixels and texels: of the pixels that face the light 0.11 % are in their own

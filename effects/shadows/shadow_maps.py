@@ -37,6 +37,7 @@ from fixedpipe.effects.shadows.lit_scene import (
     unlit_lighting,
     unlit_pass,
 )
+from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import (
     Accum,
     Clear,
@@ -75,6 +76,17 @@ from fixedpipe.pipeline.state import (
     Sampler,
     TexGen,
     TextureUnit,
+)
+
+TECHNIQUES = (
+    Technique("H34", "shadow maps by the shadow extension: a depth texture and the stencil", "2"),
+    Technique("H35", "a map once while only the eye moves, or a map for every frame", "2"),
+    Technique("Z10", "shadow mapping: depths from the light, then a comparison", "Shadow mapping"),
+    Technique("Z12", "a bias when the map is drawn: too small, right, too large", "Bias"),
+    Technique("Z17", "2 x 2 comparisons filtered by the texture unit", "Percentage closer filtering"),
+    Technique("Z18", "k x k comparisons, for softer edges", "Percentage closer filtering"),
+    Technique("Z19", "a depth texture read through a projective matrix", "Shadow mapping with OpenGL"),
+    Technique("Z20", "the light multiplied by the comparison's result", "GLSL specifics"),
 )
 
 # PolygonOffset for the map. Source: the catalogue's choice (A-H34); P22 sweeps both.

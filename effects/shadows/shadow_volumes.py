@@ -35,6 +35,7 @@ from fixedpipe.effects.geometry.vectors import cross, dot, unit_vector
 from fixedpipe.effects.passes.arguments import checked_rgb, positive
 from fixedpipe.effects.passes.draws import MULTIPLY_DESTINATION
 from fixedpipe.effects.shadows.lit_scene import NO_COLOR, lit_pass, unlit_pass
+from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import Clear, Draw, Mesh
 from fixedpipe.pipeline.enums import BlendFactor, ComparisonFunction, Face, StencilOperation
 from fixedpipe.pipeline.state import (
@@ -47,6 +48,15 @@ from fixedpipe.pipeline.state import (
     Viewport,
 )
 from fixedpipe.raster.kernel import kernel
+
+TECHNIQUES = (
+    Technique("Z21", "the ray counter: volumes entered, less those left", "In shadow or not"),
+    Technique("Z22", "silhouettes extruded to closed volumes", "Shadow volume construction"),
+    Technique("Z23", "z-pass: volumes before what is seen, counted in the stencil", "Z-pass approach"),
+    Technique("Z24", "z-fail: volumes behind what is seen, counted in the stencil", "Z-fail approach"),
+    Technique("Z25", "where z-pass fails: an eye in shadow, a volume cut by the near plane", "Issues"),
+    Technique("H40", "shadow volumes, the analytic contrast to maps", "2"),
+)
 
 NOT_SHADOWED = StencilTest(ComparisonFunction.EQUAL, reference=0)
 _TESTED = DepthTest(ComparisonFunction.LESS, write=False)

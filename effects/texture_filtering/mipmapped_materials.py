@@ -37,8 +37,13 @@ from fixedpipe.effects.reflectance.material_textures import (
     STORAGE_SCALE,
     MaterialNames,
 )
+from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.textures.images import Texture, texture_2d
+
+TECHNIQUES = (
+    Technique("K18", "mip-mapped materials: a model fitted to what each texel of a level covers", "7"),
+)
 
 
 @dataclass(frozen=True, eq=False)

@@ -61,6 +61,7 @@ from fixedpipe.effects.shadows.alpha_coded_shadows import (
     scale_alpha,
 )
 from fixedpipe.effects.shadows.lit_scene import NO_COLOR
+from fixedpipe.effects.technique import Technique
 from fixedpipe.effects.volumes.slices import Slices, Volume
 from fixedpipe.pipeline.commands import Clear, CopyPixels, CopyTexImage, Saturate, TexImage
 from fixedpipe.pipeline.enums import ColorBuffer, CombinerScale, Register, TextureTarget
@@ -74,6 +75,10 @@ from fixedpipe.pipeline.state import (
     RasterPosition,
     RegisterCombiners,
     RGBPortion,
+)
+
+TECHNIQUES = (
+    Technique("H39", "a volume's surface by slices of a 3D texture, with alpha-coded shadows", "2.1"),
 )
 
 # Source: catalogue, A-H39.

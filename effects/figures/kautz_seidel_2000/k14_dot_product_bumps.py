@@ -64,7 +64,7 @@ FIGURE = Figure(
     ),
     must_see=("Pebbles lit from the upper right with soft highlights; no seams round the tube or the axis."),
     source="Kilgard2000",
-    techniques=("K14", "K10"),
+    techniques=("K14", "K10", "H43"),
     columns=1,
     parameters={
         "cells": 6,

@@ -1,0 +1,64 @@
+"""What a technique's module declares near its top: ``TECHNIQUES``, the ids that it is, in words.
+
+An id is a letter for the paper and a number. Figures and studies name the ids of what they use;
+docs/papers/index.md is made of both.
+"""
+
+import re
+from dataclasses import dataclass
+
+# The page that says what every id is.
+INDEX = "docs/papers/index.md"
+# By an id's letter: the paper's number in the ids of figures and errata (F004-2, E004.1), and its key in
+# docs/bibliography.bib.
+PAPERS = {
+    "H": ("000", "Heidrich2001"),
+    "S": ("001", "Schilling1997"),
+    "G": ("002", "HeidrichDaubertKautzSeidel2000"),
+    "Z": ("003", "Zwicker2016"),
+    "K": ("004", "KautzSeidel2000"),
+}
+
+
+def _checked(identifier):
+    if re.fullmatch(rf"[{''.join(PAPERS)}]\d\d", identifier) is None:
+        raise ValueError(
+            f"{identifier!r} is no technique's id. Give one of {', '.join(PAPERS)} and two digits: K07."
+        )
+
+
+@dataclass(frozen=True)
+class Technique:
+    """A technique of a paper, declared by the one module that is it.
+
+    id       its letter says which paper: "K10"
+    what     what it is, in a line
+    section  where the paper has it: sections' numbers, "4.1, 6", or a slide's title
+
+    Raises ValueError for an id of no paper.
+    """
+
+    id: str
+    what: str
+    section: str
+
+    def __post_init__(self):
+        _checked(self.id)
+
+
+@dataclass(frozen=True)
+class AnotherWay:
+    """Techniques that other modules declare, drawn here by other means.
+
+    ids  tuple of techniques' ids
+    how  what differs, in a few words: "on a GeForce 3, by dot products"
+
+    Raises ValueError for an id of no paper.
+    """
+
+    ids: tuple[str, ...]
+    how: str
+
+    def __post_init__(self):
+        for identifier in self.ids:
+            _checked(identifier)

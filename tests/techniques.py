@@ -1,0 +1,189 @@
+"""docs/papers/index.md, of what techniques, figures and studies declare: ``python -m tests.techniques``."""
+
+import importlib
+import re
+from functools import cache
+from pathlib import Path
+
+from fixedpipe.effects.figures import FIGURES
+from fixedpipe.effects.reflectance.brdfs import BRDFS
+from fixedpipe.effects.studies import STUDIES
+from fixedpipe.effects.technique import INDEX, PAPERS, AnotherWay, Technique
+
+ROOT = Path(__file__).parents[1]
+PAGE = ROOT / INDEX
+# The page that goes through a document, by its number.
+PAGES = {"000": "000-shadows.md", "003": "003.md", "004": "004.md"}
+# What comments and pages name of the papers and no module here is, by id: what it is, and where.
+NAMED = {
+    "H03": ("factors of a reflectance model multiplied by blending, with one texture unit", "1.1"),
+    "H05": ("a table's coordinates computed at the vertices and interpolated", "1.1"),
+    "H13": (
+        "an elliptical Gaussian distribution of facets, its coordinates computed at the vertices",
+        "1.1.1",
+    ),
+    "H30": ("glossy transmission: a filtered environment map read along the refracted direction", "1.6"),
+    "H45": ("other bump mapping by hardware; by the colour matrix it is K08's and K10's", "3"),
+    "S16": ("a roughness map: the covariance of the normals that a texel covers", "8"),
+    "Z28": ("trapezoidal shadow maps, smoothies, robust shadow volumes: links", "Resources"),
+}
+
+_HEAD = """\
+# What the ids mean
+
+This page is made by `make techniques` from what the modules of `effects/` declare; a test fails where it is
+stale.
+
+An id of a technique, K07, is a letter for the paper that has it and a number. Both are this project's: the
+papers number no techniques. Modules of techniques declare the ids that they are, figures and studies those
+that they use.
+
+"""
+_OTHER_IDS = """
+The other ids:
+
+- **F004-2** is figure 2 of document 004 (003 numbers no pictures, so they are counted), drawn by
+  `fixedpipe figures F004-2`. A figure with a technique's id, K14, shows what the paper has no picture of.
+- **P11** is an artefact of the hardware, measured by a [study](#studies).
+- **E004.9** is an erratum of document 004, or a place that it leaves open; the document's page says what was
+  done.
+- **A-K07** is the sequence of passes of K07. The catalogue, which comments and checks cite for sequences,
+  artefacts, errata and expected numbers, was written from the papers before the code, and is not in the
+  repository.
+"""
+_STUDIES = """
+## Studies
+
+`fixedpipe study P11` measures one; [studies.md](../studies.md) has the numbers.
+
+"""
+_NAMED = """
+## Named, not drawn
+
+Comments and pages name these techniques of the papers; no module here is one.
+
+"""
+
+
+@cache
+def declared():
+    """What every module of effects/ declares: ((path in the repository, Technique or AnotherWay), ...)."""
+    found = []
+    for path in sorted((ROOT / "effects").rglob("*.py")):
+        if re.search(r"^TECHNIQUES = ", path.read_text(), re.MULTILINE):
+            name = ".".join(path.relative_to(ROOT).with_suffix("").parts)
+            module = importlib.import_module(f"fixedpipe.{name}")
+            found += [(str(path.relative_to(ROOT)), each) for each in module.TECHNIQUES]
+    return tuple(found)
+
+
+def claims():
+    """(path, Technique) of all techniques, by id."""
+    found = [(path, each) for path, each in declared() if isinstance(each, Technique)]
+    return sorted(found, key=lambda pair: pair[1].id)
+
+
+def other_ways(identifier):
+    """(path, how) of the modules that draw another module's technique by other means."""
+    return [
+        (path, each.how)
+        for path, each in declared()
+        if isinstance(each, AnotherWay) and identifier in each.ids
+    ]
+
+
+def users(identifier, collection):
+    """The ids of the figures or studies that name a technique."""
+    return [each for each in collection if identifier in collection[each].techniques]
+
+
+def _entry(key):
+    """The bibliography's fields of a paper, by name, without its marks of TeX."""
+    bibliography = (ROOT / "docs" / "bibliography.bib").read_text()
+    entry = re.search(rf"^@\w+\{{{key},\n(.*?)^\}}", bibliography, re.MULTILINE | re.DOTALL)[1]
+    fields = dict(re.findall(r"^  (\w+) = \{(.*)\},?$", entry, re.MULTILINE))
+    return {name: re.sub(r"[{}]", "", value) for name, value in fields.items()}
+
+
+def _paper(key):
+    entry = _entry(key)
+    return f"{entry['author'].replace(' and ', ', ')}, *{entry['title']}*, {entry['year']}"
+
+
+def _link(path, words=None):
+    return f"[{words or Path(path).stem}](../../{path})"
+
+
+def _module_link(collection, identifier):
+    path = collection.module_of(identifier).removeprefix("fixedpipe.").replace(".", "/")
+    return _link(f"{path}.py", identifier)
+
+
+def _row(cells):
+    return "| " + " | ".join(cells) + " |"
+
+
+def _table(head, rows):
+    return "\n".join([_row(head), _row(["---"] * len(head)), *map(_row, rows)]) + "\n"
+
+
+def _where(path, technique):
+    """The module, those that draw the same otherwise, and the equation's rows."""
+    ways = "".join(f"; {_link(other)}: {how}" for other, how in other_ways(technique.id))
+    models = ", ".join(f"`{name}`" for name, row in BRDFS.items() if row.technique == technique.id)
+    equations = f"; {_link('effects/reflectance/brdfs.py')}: {models}" if models else ""
+    return _link(path) + ways + equations
+
+
+def _papers():
+    rows = [
+        (
+            letter,
+            number,
+            _paper(key),
+            f"`{key}`",
+            f"[{PAGES[number]}]({PAGES[number]})" if number in PAGES else "",
+        )
+        for letter, (number, key) in PAPERS.items()
+    ]
+    return _table(("letter", "document", "paper", "[bibliography](../bibliography.bib)", "page"), rows)
+
+
+def _techniques(letter):
+    rows = [
+        (
+            technique.id,
+            technique.what,
+            technique.section,
+            _where(path, technique),
+            ", ".join(_module_link(FIGURES, each) for each in users(technique.id, FIGURES)),
+            ", ".join(_module_link(STUDIES, each) for each in users(technique.id, STUDIES)),
+        )
+        for path, technique in claims()
+        if technique.id[0] == letter
+    ]
+    place = "slide" if letter == "Z" else "section"
+    return _table(("id", "what it is", place, "modules", "figures", "studies"), rows)
+
+
+def _studies():
+    rows = [
+        (each, study.title, _module_link(STUDIES, each), ", ".join(study.techniques), f"`{study.source}`")
+        for each, study in STUDIES.items()
+    ]
+    return _table(("id", "what is measured", "module", "techniques", "paper"), rows)
+
+
+def page():
+    """The whole page as text."""
+    parts = [_HEAD, _papers(), _OTHER_IDS]
+    for letter, (number, key) in PAPERS.items():
+        if any(technique.id[0] == letter for _, technique in claims()):
+            parts += [f"\n## {letter}: document {number}, {key}\n\n", _techniques(letter)]
+    named = [(identifier, what, where) for identifier, (what, where) in NAMED.items()]
+    parts += [_STUDIES, _studies(), _NAMED, _table(("id", "what it is", "section or slide"), named)]
+    return "".join(parts)
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page())
