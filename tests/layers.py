@@ -120,12 +120,12 @@ PACKAGES = {
     },
     "effects/reports": {
         "pipeline": "profiles execution ideal golden",
-        "effects": "refusal acceptance figures conformance",
+        "effects": "refusal technique acceptance figures conformance",
     },
     "effects/cli": {
         "pipeline": "enums profiles notations description validation execution golden",
         "effects": (
-            "refusal geometry bump_mapping volumes acceptance figures studies conformance "
+            "refusal technique geometry bump_mapping volumes acceptance figures studies conformance "
             "user_pictures reports"
         ),
     },

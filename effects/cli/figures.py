@@ -32,12 +32,14 @@ def figures(figure_ids, list_only, check, out, profile, size, threads, json_file
     from fixedpipe.effects.figures.costs import cheapest_first
     from fixedpipe.effects.refusal import Refusal, choose, refusals
     from fixedpipe.effects.reports.files import writable_file, writable_folder, write_whole
+    from fixedpipe.effects.technique import INDEX
     from fixedpipe.pipeline.profiles import PROFILES
 
     if list_only:
         for figure in FIGURES.values():
             click.echo(f"{figure.id:8s} {figure.title} ({', '.join(figure.techniques)}; {figure.source})")
             click.echo(f"{'':8s} on {', '.join(figure.machines)}")
+        click.echo(f"{INDEX} says what the ids in brackets are.", err=True)
         return
     chosen = [choose("figure", i, FIGURES) for i in dict.fromkeys(figure_ids)] or list(FIGURES.values())
     if profile is not None:

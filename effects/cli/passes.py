@@ -23,6 +23,7 @@ def passes(figure_id, profile, trace, whole, size):
     from fixedpipe.effects.figures import FIGURES
     from fixedpipe.effects.refusal import choose, refusals
     from fixedpipe.effects.reports.files import writable_folder
+    from fixedpipe.effects.technique import INDEX
     from fixedpipe.pipeline.description.describe import describe
     from fixedpipe.pipeline.profiles import PROFILES
 
@@ -39,6 +40,7 @@ def passes(figure_id, profile, trace, whole, size):
     click.echo(f"{figure.id}: {figure.title} ({', '.join(figure.techniques)})")
     click.echo(f"on {machine.name}: {method.name}\n")
     click.echo(describe(commands, folded=not whole))
+    click.echo(f"{INDEX} says what the ids in brackets are.", err=True)
     if trace is not None:
         with refusals():
             names = _write_trace(commands, machine, figure.dimensions(size), trace)

@@ -27,10 +27,12 @@ def study(study_ids, profile, check, out, json_file):
     from fixedpipe.effects.refusal import Refusal, choose
     from fixedpipe.effects.reports.files import writable_file, writable_folder, write_whole
     from fixedpipe.effects.studies import STUDIES
+    from fixedpipe.effects.technique import INDEX
 
     if not study_ids:
         for s in STUDIES.values():
             click.echo(f"{s.id:4s} {s.title} ({', '.join(s.techniques)}; {s.source})")
+        click.echo(f"{INDEX} says what the ids in brackets are.", err=True)
         return
     ids = list(STUDIES) if "all" in study_ids else dict.fromkeys(study_ids)
     chosen = [choose("study", i, STUDIES) for i in ids]

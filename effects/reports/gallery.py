@@ -5,6 +5,7 @@ from html import escape
 
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports.style import STYLE
+from fixedpipe.effects.technique import INDEX
 
 
 def _checks_table(checks):
@@ -104,7 +105,8 @@ def gallery(folder, figures):
         '<!doctype html><html lang="en"><head><meta charset="utf-8"><title>fixedpipe: figures</title>'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<style>{STYLE}</style></head><body><h1>Figures</h1>"
-        '<p class="quiet">Each three times on a machine: the machine, the ideal, and their difference.</p>'
+        '<p class="quiet">Each three times on a machine: the machine, the ideal, and their difference. '
+        f"{INDEX} says what the ids in brackets are.</p>"
         f'<p class="quiet">{" · ".join(links)}</p>'
         f"{''.join(sections)}</body></html>\n"
     )

@@ -21,6 +21,7 @@ from fixedpipe.effects.figures.costs import SECONDS
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports import files
 from fixedpipe.effects.reports.gallery import gallery
+from fixedpipe.effects.technique import INDEX
 from fixedpipe.effects.user_pictures import inputs
 from fixedpipe.effects.user_pictures.bumped_mesh import MATERIALS, MESHES
 from fixedpipe.pipeline.execution.machine import execute
@@ -103,6 +104,7 @@ def test_an_unknown_subcommand_ends_with_status_2():
 
 def test_the_list_names_every_figure():
     result = run("figures", "--list")
+    assert INDEX in result.stderr
     assert [line.split()[0] for line in result.stdout.splitlines()[::2]] == list(FIGURES)
 
 
