@@ -3,7 +3,11 @@
 import importlib
 import pkgutil
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from types import ModuleType
+from typing import TypeVar
+
+Held = TypeVar("Held")  # a Figure, a Study
 
 
 def _parts(identifier):
@@ -11,7 +15,7 @@ def _parts(identifier):
     return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", identifier)]
 
 
-class Collection(Mapping):
+class Collection(Mapping[str, Held]):
     """What modules in or below a package hold, by id; in the ids' order.
 
     package     the package, imported
@@ -22,8 +26,9 @@ class Collection(Mapping):
     name claims an id holds something with another.
     """
 
-    def __init__(self, package, attribute, identify):
-        self._attribute, found = attribute, {}
+    def __init__(self, package: ModuleType, attribute: str, identify: Callable[[str], str | None]):
+        self._attribute = attribute
+        found: dict[str, str] = {}
         for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
             identifier = identify(module.name.rpartition(".")[2])
             if identifier is None:
@@ -35,7 +40,7 @@ class Collection(Mapping):
             found[identifier] = module.name
         self._modules = {identifier: found[identifier] for identifier in sorted(found, key=_parts)}
 
-    def __getitem__(self, identifier):
+    def __getitem__(self, identifier: str) -> Held:
         """The figure or study of that id; imports its module."""
         name = self._modules[identifier]
         value = getattr(importlib.import_module(name), self._attribute)
@@ -45,15 +50,15 @@ class Collection(Mapping):
             )
         return value
 
-    def __contains__(self, identifier):
+    def __contains__(self, identifier: object) -> bool:
         return identifier in self._modules
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[str]:
         return iter(self._modules)
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self._modules)
 
-    def module_of(self, identifier):
+    def module_of(self, identifier: str) -> str:
         """The dotted name of the module that claims an id."""
         return self._modules[identifier]

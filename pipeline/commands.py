@@ -5,12 +5,13 @@ Every command carries everything it needs and a ``label`` in the paper's words. 
 OpenGL's: origin lower left, y up. Images of textures and of ReadPixels have their bottom row first.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from fixedpipe.pipeline.enums import (
     AccumOperation,
@@ -27,16 +28,21 @@ from fixedpipe.pipeline.state import Color, ColorMask, PassState, PixelTexture, 
 from fixedpipe.pipeline.textures.images import Texture
 
 _INITIAL_STATE, _INITIAL_POSITION = PassState(), RasterPosition()
-_ARRAYS = (
-    "positions",
-    "colors",
-    "secondary_colors",
-    "normals",
-    "fog_coordinates",
-    "back_colors",
-    "back_secondary_colors",
-    "point_sizes",
-)
+
+# What ReadPixels returns, and colours as what.
+ReadFormat = Literal[
+    "RGBA",
+    "RGB",
+    "RED",
+    "GREEN",
+    "BLUE",
+    "ALPHA",
+    "LUMINANCE",
+    "LUMINANCE_ALPHA",
+    "DEPTH_COMPONENT",
+    "STENCIL_INDEX",
+]
+ReadType = Literal["UNSIGNED_BYTE", "UNSIGNED_SHORT", "FLOAT"]
 
 
 def _frozen(values, dtype, name):
@@ -55,7 +61,11 @@ def _frozen(values, dtype, name):
     return array
 
 
-@dataclass(frozen=True, eq=False)
+def _frozen_or_none(values, dtype, name):
+    return None if values is None else _frozen(values, dtype, name)
+
+
+@dataclass(frozen=True, eq=False, init=False)
 class Mesh:
     """Vertex arrays of one primitive type (sections 2.6 to 2.8), which ``validate`` checks.
 
@@ -78,31 +88,58 @@ class Mesh:
     Arrays are copied and made read-only. Raises ValueError for what is no array of (whole) numbers.
     """
 
-    positions: np.ndarray
-    primitive: PrimitiveType = PrimitiveType.TRIANGLES
-    indices: np.ndarray | None = None
-    counts: tuple[int, ...] | None = None
-    colors: np.ndarray | None = None
-    secondary_colors: np.ndarray | None = None
-    normals: np.ndarray | None = None
-    texture_coordinates: tuple[np.ndarray, ...] = ()
-    fog_coordinates: np.ndarray | None = None
-    back_colors: np.ndarray | None = None
-    back_secondary_colors: np.ndarray | None = None
-    point_sizes: np.ndarray | None = None
-    edge_flags: np.ndarray | None = None
+    positions: NDArray[np.float64]
+    primitive: PrimitiveType
+    indices: NDArray[np.int64] | None
+    counts: tuple[int, ...] | None
+    colors: NDArray[np.float64] | None
+    secondary_colors: NDArray[np.float64] | None
+    normals: NDArray[np.float64] | None
+    texture_coordinates: tuple[NDArray[np.float64], ...]
+    fog_coordinates: NDArray[np.float64] | None
+    back_colors: NDArray[np.float64] | None
+    back_secondary_colors: NDArray[np.float64] | None
+    point_sizes: NDArray[np.float64] | None
+    edge_flags: NDArray[np.bool_] | None
 
-    def __post_init__(self):
-        for name in _ARRAYS:
-            value = getattr(self, name)
-            if value is not None:
-                object.__setattr__(self, name, _frozen(value, np.float64, name))
-        if self.edge_flags is not None:
-            object.__setattr__(self, "edge_flags", _frozen(self.edge_flags, np.bool_, "edge_flags"))
-        if self.indices is not None:
-            object.__setattr__(self, "indices", _frozen(self.indices, np.int64, "indices"))
-        coordinates = (_frozen(t, np.float64, "texture_coordinates") for t in self.texture_coordinates)
-        object.__setattr__(self, "texture_coordinates", tuple(coordinates))
+    def __init__(
+        self,
+        positions: ArrayLike,
+        primitive: PrimitiveType = PrimitiveType.TRIANGLES,
+        indices: ArrayLike | None = None,
+        counts: tuple[int, ...] | None = None,
+        colors: ArrayLike | None = None,
+        secondary_colors: ArrayLike | None = None,
+        normals: ArrayLike | None = None,
+        texture_coordinates: Iterable[ArrayLike] = (),
+        fog_coordinates: ArrayLike | None = None,
+        back_colors: ArrayLike | None = None,
+        back_secondary_colors: ArrayLike | None = None,
+        point_sizes: ArrayLike | None = None,
+        edge_flags: ArrayLike | None = None,
+    ):
+        floats = {
+            "positions": positions,
+            "colors": colors,
+            "secondary_colors": secondary_colors,
+            "normals": normals,
+            "fog_coordinates": fog_coordinates,
+            "back_colors": back_colors,
+            "back_secondary_colors": back_secondary_colors,
+            "point_sizes": point_sizes,
+        }
+        kept = {name: _frozen_or_none(values, np.float64, name) for name, values in floats.items()}
+        kept |= {
+            "primitive": primitive,
+            "indices": _frozen_or_none(indices, np.int64, "indices"),
+            "counts": counts,
+            "texture_coordinates": tuple(
+                [_frozen(t, np.float64, "texture_coordinates") for t in texture_coordinates]
+            ),
+            "edge_flags": _frozen_or_none(edge_flags, np.bool_, "edge_flags"),
+        }
+        for name, value in kept.items():
+            object.__setattr__(self, name, value)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -210,12 +247,12 @@ class ReadPixels:
 
     label: str
     name: str
-    format: str = "RGBA"
+    format: ReadFormat = "RGBA"
     x: int = 0
     y: int = 0
     width: int | None = None
     height: int | None = None
-    type: str = "UNSIGNED_BYTE"
+    type: ReadType = "UNSIGNED_BYTE"
     transfer: PixelTransfer = INITIAL_TRANSFER
     read_buffer: ColorBuffer = ColorBuffer.BACK
 
@@ -234,7 +271,7 @@ class HostStep:
 
     label: str
     reads: tuple[str, ...]
-    commands: Callable
+    commands: Callable[[Mapping[str, NDArray[Any]]], "Iterable[Command]"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -293,7 +330,7 @@ class CopyPixels:
     read_buffer: ColorBuffer = ColorBuffer.BACK
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, init=False)
 class Bitmap:
     """Bitmap (section 3.7): fragments where ``bits`` is set, all with the raster position's data.
 
@@ -302,13 +339,23 @@ class Bitmap:
     """
 
     label: str
-    bits: np.ndarray
-    origin: tuple[float, float] = (0.0, 0.0)
-    state: PassState = _INITIAL_STATE
-    position: RasterPosition = _INITIAL_POSITION
+    bits: NDArray[np.bool_]
+    origin: tuple[float, float]
+    state: PassState
+    position: RasterPosition
 
-    def __post_init__(self):
-        object.__setattr__(self, "bits", read_only_copy(self.bits, "The bitmap's bits"))
+    def __init__(
+        self,
+        *,
+        label: str,
+        bits: ArrayLike,
+        origin: tuple[float, float] = (0.0, 0.0),
+        state: PassState = _INITIAL_STATE,
+        position: RasterPosition = _INITIAL_POSITION,
+    ):
+        kept = {"label": label, "bits": read_only_copy(bits, "The bitmap's bits"), "origin": origin}
+        for name, value in (kept | {"state": state, "position": position}).items():
+            object.__setattr__(self, name, value)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -398,7 +445,7 @@ Command = (
 COMMANDS = get_args(Command)
 
 
-def kind_of(command):
+def kind_of(command: DrawPixels | CopyPixels) -> PixelCopyType:
     """What the groups of a DrawPixels or CopyPixels are, as a PixelCopyType."""
     if isinstance(command, CopyPixels):
         return command.type
@@ -407,7 +454,7 @@ def kind_of(command):
 
 
 @lru_cache(maxsize=256)
-def vertex_of(position):
+def vertex_of(position: RasterPosition) -> Mesh:
     """A RasterPosition as a mesh of one vertex."""
     return Mesh(
         np.array([position.position]),

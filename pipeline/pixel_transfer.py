@@ -12,8 +12,10 @@ EXT_histogram.
 """
 
 from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from fixedpipe.pipeline.enums import BaseFormat, ConvolutionBorderMode
 from fixedpipe.pipeline.state import IDENTITY, Color, ColorTable, Matrix
@@ -22,7 +24,25 @@ _ONES: Color = (1.0, 1.0, 1.0, 1.0)
 _ZEROS: Color = (0.0, 0.0, 0.0, 0.0)
 
 
-def read_only_copy(values, what):
+# What the groups of an image in client memory are.
+ImageFormat = Literal[
+    "RGBA",
+    "RGB",
+    "BGRA",
+    "BGR",
+    "RED",
+    "GREEN",
+    "BLUE",
+    "ALPHA",
+    "LUMINANCE",
+    "LUMINANCE_ALPHA",
+    "DEPTH_COMPONENT",
+    "STENCIL_INDEX",
+    "COLOR_INDEX",
+]
+
+
+def read_only_copy(values: ArrayLike, what: str) -> NDArray[Any]:
     """An array of its own. Raises ValueError, about ``what``, for rows of different lengths."""
     try:
         array = np.array(values, order="C")
@@ -32,7 +52,7 @@ def read_only_copy(values, what):
     return array
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class PixelImage:
     """An image in client memory, bottom row first: what DrawPixels and TexImage take (section 3.6.4).
 
@@ -40,17 +60,17 @@ class PixelImage:
             holds a cube map's six faces or a volume's layers. uint8, uint16 and uint32 are fixed-point
             fractions of their type's largest value (table 2.6), floats are taken as they are. Indices are
             unsigned integers.
-    format  RGBA, RGB, BGRA, BGR, RED, GREEN, BLUE, ALPHA, LUMINANCE, LUMINANCE_ALPHA, DEPTH_COMPONENT,
-            STENCIL_INDEX or COLOR_INDEX
+    format  one of ``ImageFormat``, a string
 
     The array is copied and made read-only. Raises ValueError for rows of different lengths.
     """
 
-    values: np.ndarray
-    format: str = "RGBA"
+    values: NDArray[Any]
+    format: ImageFormat
 
-    def __post_init__(self):
-        object.__setattr__(self, "values", read_only_copy(self.values, "The image's values"))
+    def __init__(self, values: ArrayLike, format: ImageFormat = "RGBA"):
+        object.__setattr__(self, "values", read_only_copy(values, "The image's values"))
+        object.__setattr__(self, "format", format)
 
 
 @dataclass(frozen=True, slots=True)

@@ -228,7 +228,7 @@ class VertexState:
     composite: Composite | None = None
 
     @property
-    def depth_units(self):
+    def depth_units(self) -> bool:
         """Whether window z is in depth-buffer units, not in [0, 1]."""
         return self.stage == VertexStage.PROGRAM_RESULTS or self.composite is not None
 
@@ -605,7 +605,7 @@ class RasterPosition:
     texture_coordinates: tuple[Vector4, ...] = ()
     fog_coordinate: float = 0.0
 
-    def moved(self, x, y):
+    def moved(self, x: float, y: float) -> "RasterPosition":
         """The position that is left by a Bitmap which moves it by (x, y) pixels."""
         return replace(self, move=(self.move[0] + x, self.move[1] + y))
 
@@ -768,12 +768,12 @@ class PassState:
 _NORMAL_MODES = frozenset({TexGenMode.SPHERE_MAP, TexGenMode.NORMAL_MAP, TexGenMode.REFLECTION_MAP})
 
 
-def texgen_modes(state):
+def texgen_modes(state: PassState) -> set[TexGenMode]:
     """The modes by which units generate texture coordinates."""
     return {gen.mode for unit in state.texture_units if unit is not None for gen in unit.gen}
 
 
-def needs_normals(state):
+def needs_normals(state: PassState) -> bool:
     """Whether the state reads the vertices' normals: lights, or a texture coordinate generated from them."""
     lighting = state.vertex.lighting
     lit = lighting is not None and len(lighting.lights) > 0

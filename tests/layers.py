@@ -34,7 +34,7 @@ PACKAGES = {
     "pipeline/vertices": {"raster": "codes rows primitives", "pipeline": "enums state commands"},
     "pipeline/framebuffers": {
         "raster": "codes primitives columns pixels",
-        "pipeline": "enums pixel_transfer textures",
+        "pipeline": "enums state pixel_transfer textures commands profiles",
     },
     "pipeline/validation": {
         "pipeline": "enums state pixel_transfer textures commands profiles programs vertices framebuffers",

@@ -18,4 +18,4 @@ def _identify(name):
 
 
 # By id, in the catalogue's order.
-FIGURES = Collection(sys.modules[__name__], "FIGURE", _identify)
+FIGURES: Collection[Figure] = Collection(sys.modules[__name__], "FIGURE", _identify)

@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from fixedpipe.effects.geometry.matrices import rotate
 from fixedpipe.effects.geometry.vectors import cosine, cross, in_frame, normalize, sine
@@ -26,14 +27,19 @@ class Surface:
     triangles            int64 [k, 3], counter-clockwise seen from outside
     """
 
-    positions: np.ndarray
-    normals: np.ndarray
-    tangents: np.ndarray
-    binormals: np.ndarray
-    texture_coordinates: np.ndarray
-    triangles: np.ndarray
+    positions: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    tangents: NDArray[np.float64]
+    binormals: NDArray[np.float64]
+    texture_coordinates: NDArray[np.float64]
+    triangles: NDArray[np.int64]
 
-    def mesh(self, *coordinates, colors=None, secondary_colors=None):
+    def mesh(
+        self,
+        *coordinates: ArrayLike,
+        colors: ArrayLike | None = None,
+        secondary_colors: ArrayLike | None = None,
+    ) -> Mesh:
         """Vertex arrays with the given texture coordinate sets (default: the surface's own), vertex colours
         and secondary colours.
         """
@@ -46,13 +52,13 @@ class Surface:
             texture_coordinates=coordinates or (self.texture_coordinates,),
         )
 
-    def to_local(self, vectors):
+    def to_local(self, vectors: ArrayLike) -> NDArray[np.float64]:
         """World vectors [n, 3] (or one [3]) in the vertices' local frames: float64 [n, 3]."""
         return in_frame(
             np.broadcast_to(vectors, self.positions.shape), self.tangents, self.binormals, self.normals
         )
 
-    def rotated(self, matrix):
+    def rotated(self, matrix: NDArray[np.float64]) -> "Surface":
         """The surface turned by a 3x3 rotation about the origin."""
         turned = {
             name: rotate(matrix, getattr(self, name))
@@ -60,17 +66,17 @@ class Surface:
         }
         return replace(self, **turned)
 
-    def moved(self, x, y, z):
+    def moved(self, x: float, y: float, z: float) -> "Surface":
         """The surface moved by (x, y, z)."""
         return replace(self, positions=self.positions + np.array([float(x), float(y), float(z)]))
 
-    def scaled(self, factor):
+    def scaled(self, factor: float) -> "Surface":
         """The surface ``factor`` times as large about the origin, ``factor`` positive."""
         if not 0.0 < factor < math.inf:
             raise ValueError(f"A surface is scaled by {factor!r}; give a positive number.")
         return replace(self, positions=self.positions * float(factor))
 
-    def with_repeats(self, s, t):
+    def with_repeats(self, s: float, t: float) -> "Surface":
         """The surface with its texture coordinates multiplied: the material repeats s by t times."""
         return replace(self, texture_coordinates=self.texture_coordinates * np.array([float(s), float(t)]))
 
@@ -87,18 +93,20 @@ def _check_count(value, least, what):
         raise ValueError(f"{what} is {value}; give at least {least}.")
 
 
-def plane(columns=1, rows=1, half_width=1.0, half_height=1.0):
+def plane(columns: int = 1, rows: int = 1, half_width: float = 1.0, half_height: float = 1.0) -> Surface:
     """A rectangle in z = 0 that faces +z; t = +x, b = +y; texture coordinates 0..1."""
     _check_count(columns, 1, "The plane's number of columns")
     _check_count(rows, 1, "The plane's number of rows")
-    s, t = np.meshgrid(np.arange(columns + 1) / columns, np.arange(rows + 1) / rows)
-    s, t = s.ravel(), t.ravel()
+    grid = np.meshgrid(np.arange(columns + 1) / columns, np.arange(rows + 1) / rows)
+    s, t = (coordinate.ravel() for coordinate in grid)
     positions = np.stack([(2.0 * s - 1.0) * half_width, (2.0 * t - 1.0) * half_height, 0.0 * s], axis=-1)
     x, y, z = (np.tile(row, (len(s), 1)) for row in np.eye(3))
     return Surface(positions, z, x, y, np.stack([s, t], axis=-1), _grid_triangles(columns, rows))
 
 
-def sphere_frames(s, t):
+def sphere_frames(
+    s: NDArray[np.float64], t: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Normal, tangent and binormal of the unit sphere at texture coordinates (s, t): three float64 [...,
     3].
     """
@@ -110,7 +118,7 @@ def sphere_frames(s, t):
     return normals, tangents, binormals
 
 
-def sphere(slices=50, stacks=26):
+def sphere(slices: int = 50, stacks: int = 26) -> Surface:
     """The unit sphere with its poles on the y axis: 2 slices (stacks - 1) triangles, none degenerate.
 
     s runs eastward and is 1/2 where the sphere faces +z; t runs from the south to the north pole. The
@@ -137,7 +145,7 @@ def sphere(slices=50, stacks=26):
     )
 
 
-def torus(around=64, across=32, radius=0.7, tube_radius=0.3):
+def torus(around: int = 64, across: int = 32, radius: float = 0.7, tube_radius: float = 0.3) -> Surface:
     """A torus about the y axis: 2 around across triangles; s runs round the axis, t round the tube.
 
     ``radius``: of the circle of tube centres. s = 1/2 faces +z; t = 1/2 is the outer equator.
@@ -148,8 +156,8 @@ def torus(around=64, across=32, radius=0.7, tube_radius=0.3):
         raise ValueError(
             f"The tube's radius is {tube_radius}; give one between 0 and the torus's radius, {radius}."
         )
-    s, t = np.meshgrid(np.arange(around + 1) / around, np.arange(across + 1) / across)
-    s, t = s.ravel(), t.ravel()
+    grid = np.meshgrid(np.arange(around + 1) / around, np.arange(across + 1) / across)
+    s, t = (coordinate.ravel() for coordinate in grid)
     longitude, angle = 2.0 * math.pi * (s - 0.5), 2.0 * math.pi * (t - 0.5)
     sin_lon, cos_lon, sin_a, cos_a = sine(longitude), cosine(longitude), sine(angle), cosine(angle)
     normals = np.stack([cos_a * sin_lon, sin_a, cos_a * cos_lon], axis=-1)
@@ -162,7 +170,7 @@ def torus(around=64, across=32, radius=0.7, tube_radius=0.3):
     )
 
 
-def box(width=1.0, height=1.0, depth=1.0):
+def box(width: float = 1.0, height: float = 1.0, depth: float = 1.0) -> Surface:
     """A closed box about the origin, its faces flat: 12 triangles; texture coordinates 0..1 on each face.
 
     Raises ValueError where an edge is not positive.
@@ -189,7 +197,7 @@ def box(width=1.0, height=1.0, depth=1.0):
 _CREASE = 40.0
 
 
-def lathe(profile, segments=32):
+def lathe(profile: ArrayLike, segments: int = 32) -> Surface:
     """A closed surface turned about the y axis from a profile of (radius, height), from the lowest point on
     the axis to the highest: radius 0 at both ends, positive between.
 
@@ -240,13 +248,13 @@ def lathe(profile, segments=32):
     )
 
 
-def joined(*surfaces):
+def joined(*surfaces: Surface) -> Surface:
     """Several surfaces as one, their triangles in the order given. Raises ValueError where there is none."""
     _check_count(len(surfaces), 1, "The number of surfaces to join")
     starts = np.cumsum([0, *(len(surface.positions) for surface in surfaces[:-1])])
-    arrays = (
-        np.concatenate([getattr(surface, name) for surface in surfaces])
+    arrays = {
+        name: np.concatenate([getattr(surface, name) for surface in surfaces])
         for name in ("positions", "normals", "tangents", "binormals", "texture_coordinates")
-    )
+    }
     triangles = [surface.triangles + start for surface, start in zip(surfaces, starts, strict=True)]
-    return Surface(*arrays, np.concatenate(triangles))
+    return Surface(**arrays, triangles=np.concatenate(triangles))

@@ -1,8 +1,11 @@
 """Where a pass is drawn and seen from: camera, viewport and scissor, in world coordinates."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fixedpipe.effects.geometry.matrices import look_at, orthographic, perspective
 from fixedpipe.effects.geometry.vectors import normalize, unit_vector
@@ -29,16 +32,16 @@ class Panel:
             )
 
     @property
-    def scissor(self):
+    def scissor(self) -> Scissor:
         """The scissor rectangle that keeps a pass inside the panel."""
         return Scissor(self.x, self.y, self.width, self.height)
 
-    def clear(self, color, label="clear colour and depth"):
+    def clear(self, color: tuple[float, float, float], label: str = "clear colour and depth") -> Clear:
         """Clear the panel's colour (RGB in [0, 1]), destination alpha and depth."""
         return Clear(label=label, color=(*color, 0.0), depth=1.0, scissor=self.scissor)
 
 
-def row_of_panels(columns, size):
+def row_of_panels(columns: int, size: int) -> tuple[Panel, ...]:
     """Square panels side by side, each ``size`` pixels wide."""
     return tuple(Panel(i * size, 0, size, size) for i in range(columns))
 
@@ -58,23 +61,23 @@ class View:
     infinite_viewer: bool
 
     @property
-    def vertex(self):
+    def vertex(self) -> VertexState:
         """The vertex state of every pass of this view: equal states, so that depths are equal too."""
         p = self.panel
         return VertexState(self.modelview, self.projection, Viewport(p.x, p.y, p.width, p.height))
 
-    def vertex_with(self, **settings):
+    def vertex_with(self, **settings: Any) -> VertexState:
         """The same with more of VertexState: lighting, clip planes."""
         return replace(self.vertex, **settings)
 
-    def view_vectors(self, positions):
+    def view_vectors(self, positions: NDArray[np.float64]) -> NDArray[np.float64]:
         """Unit vectors from positions [n, 3] to the eye."""
         if self.infinite_viewer:
             return np.broadcast_to(normalize(np.array(self.eye)), positions.shape)
         return normalize(np.array(self.eye) - positions)
 
 
-def orthographic_view(panel, half_height=1.0, depth=4.0):
+def orthographic_view(panel: Panel, half_height: float = 1.0, depth: float = 4.0) -> View:
     """The world seen along -z by an infinite viewer; ``half_height`` world units above and below the
     centre.
     """
@@ -83,14 +86,21 @@ def orthographic_view(panel, half_height=1.0, depth=4.0):
     return View(panel, orthographic(-1, 1, -1, 1, 1, -1), projection, (0.0, 0.0, 1.0), True)
 
 
-def perspective_view(panel, eye, center=(0.0, 0.0, 0.0), field_of_view=30.0, radius=2.0):
+def perspective_view(
+    panel: Panel,
+    eye: Sequence[float] | NDArray[np.float64],
+    center: Sequence[float] | NDArray[np.float64] = (0.0, 0.0, 0.0),
+    field_of_view: float = 30.0,
+    radius: float = 2.0,
+) -> View:
     """A camera at ``eye`` that looks at ``center``; what lies within ``radius`` of the centre is not
     clipped.
     """
     distance = float(np.sqrt(sum((e - c) ** 2 for e, c in zip(eye, center, strict=True))))
     near, far = max(distance - radius, distance / 64.0), distance + radius
     projection = perspective(field_of_view, panel.width / panel.height, near, far)
-    return View(panel, look_at(eye, center), projection, tuple(float(e) for e in eye), False)
+    x, y, z = (float(e) for e in eye)
+    return View(panel, look_at(eye, center), projection, (x, y, z), False)
 
 
 @dataclass(frozen=True)
@@ -102,14 +112,14 @@ class Light:
     vector: tuple[float, float, float]
     point: bool = False
 
-    def light_vectors(self, positions):
+    def light_vectors(self, positions: NDArray[np.float64]) -> NDArray[np.float64]:
         """Unit vectors from positions [n, 3] to the light."""
         if self.point:
             return normalize(np.array(self.vector) - positions)
         return np.broadcast_to(unit_vector(self.vector, "The light's direction"), positions.shape)
 
 
-def panel_of(image, number):
+def panel_of(image: NDArray[Any], number: int) -> NDArray[Any]:
     """Panel ``number`` of a row of square ones: [size, size, ...]."""
     size = image.shape[0]
     return image[:, number * size : (number + 1) * size]

@@ -5,8 +5,12 @@ One module per artefact, named by its id and words; ``STUDIES`` has them by id, 
 
 import re
 import sys
+from typing import TYPE_CHECKING
 
 from fixedpipe.effects.collection import Collection
+
+if TYPE_CHECKING:
+    from fixedpipe.effects.studies.study import Study
 
 
 def _identify(name):
@@ -15,4 +19,4 @@ def _identify(name):
     return artefact and f"P{int(artefact[1])}"
 
 
-STUDIES = Collection(sys.modules[__name__], "STUDY", _identify)
+STUDIES: "Collection[Study]" = Collection(sys.modules[__name__], "STUDY", _identify)

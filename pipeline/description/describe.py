@@ -5,6 +5,7 @@ notation calls them. ``equations`` says how equations are written.
 """
 
 import re
+from collections.abc import Iterable
 from dataclasses import replace
 
 from fixedpipe.pipeline.commands import (
@@ -12,6 +13,7 @@ from fixedpipe.pipeline.commands import (
     BindTexImage,
     Bitmap,
     Clear,
+    Command,
     CopyPixels,
     CopyTexImage,
     CopyTexSubImage,
@@ -30,7 +32,13 @@ from fixedpipe.pipeline.description.states import differences, mask_words, numbe
 from fixedpipe.pipeline.description.words import counted, format_number, format_value
 from fixedpipe.pipeline.enums import AccumOperation, ColorBuffer, DepthFormat, TextureTarget, WindowOrigin
 from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER
-from fixedpipe.pipeline.state import ColorMask, PixelTexture, RasterPosition
+from fixedpipe.pipeline.state import (
+    ColorMask,
+    PixelTexture,
+    RasterPosition,
+    RegisterCombiners,
+    TextureShaderStage,
+)
 
 
 def _clear(command):
@@ -257,7 +265,9 @@ _LONGEST_PERIOD, _FEWEST_TIMES = 8, 6
 _LAYERED = (TextureTarget.TEXTURE_CUBE_MAP, TextureTarget.TEXTURE_3D)
 
 
-def describe_program(texture_shader, combiners):
+def describe_program(
+    texture_shader: tuple[TextureShaderStage, ...] | None, combiners: RegisterCombiners | None
+) -> str:
     """Texture shader stages and register combiners as equations, a line each; either may be None."""
     lines = []
     if texture_shader is not None:
@@ -268,7 +278,7 @@ def describe_program(texture_shader, combiners):
     return "".join(f"{line}\n" for line in lines)
 
 
-def describe(commands, *, folded=False):
+def describe(commands: Iterable[Command], *, folded: bool = False) -> str:
     """The commands as text: a numbered block for each, its label, and what differs from the initial state.
 
     Commands are numbered from 0, as in the sentences of ``UnsupportedState``. ``folded``: where the same few

@@ -5,10 +5,13 @@ Clears and Draws wait in a queue (``fixedpipe.pipeline.native.queue``) until som
 
 import threading
 from collections import deque
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from numbers import Integral
+from typing import Any, Literal, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fixedpipe.pipeline.columns.engine import column_draw, needs_columns
 from fixedpipe.pipeline.columns.interpolate import covered_triangles
@@ -18,6 +21,7 @@ from fixedpipe.pipeline.commands import (
     BindTexImage,
     Bitmap,
     Clear,
+    Command,
     CopyPixels,
     CopyTexImage,
     CopyTexSubImage,
@@ -56,7 +60,8 @@ from fixedpipe.pipeline.validation.validate import validate
 from fixedpipe.pipeline.vertices import stage
 from fixedpipe.raster.primitives.bins import BAND_HEIGHT
 
-ENGINES = (None, "portable", "columns")
+Engine = Literal["portable", "columns"]
+ENGINES = (None, *get_args(Engine))
 
 
 @dataclass(eq=False)
@@ -68,11 +73,11 @@ class _Frame:
     record   whether every Draw's fragments are kept
     """
 
-    waiting: deque
+    waiting: deque[Command]
     kept: KeptDraws
-    engine: str | None
+    engine: Engine | None
     record: bool
-    pixels: dict[str, np.ndarray] = field(default_factory=dict)
+    pixels: dict[str, NDArray[Any]] = field(default_factory=dict)
     snapshots: list[Snapshot] = field(default_factory=list)
     records: list[Fragments] = field(default_factory=list)
     dropped: int = 0
@@ -99,7 +104,7 @@ class Machine:
         number.
     batch : int
         Fragments shaded together, 16 to 4096. The bits are the same for any number.
-    engine : str or None
+    engine : Engine or None
         None: each Draw by the fastest kernels that cover it. "portable": every Draw by those that cover all.
         "columns": every Draw by the column engine that it covers. The bits are the same.
     samples : int or None
@@ -117,12 +122,12 @@ class Machine:
     batch: int = BATCH
     textures: dict[str, Texture] = field(default_factory=dict)
     surfaces: dict[str, Framebuffer] = field(default_factory=dict)
-    engine: str | None = None
+    engine: Engine | None = None
     statistics: PixelStatistics = field(default_factory=PixelStatistics)
     samples: int | None = None
     color_bits: int | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if not isinstance(self.profile, Profile):
             raise ValueError(
                 f"The machine's profile is {self.profile!r}; give a Profile, such as "
@@ -151,7 +156,7 @@ class Machine:
             self.samples = self.profile.samples[0]
         window = {"samples": self.samples, "color_bits": self.color_bits}
         validate((), self.profile, self.width, self.height, self.depth_bits, **window)
-        self.framebuffer = Framebuffer.new(
+        self.framebuffer: Framebuffer = Framebuffer.new(
             self.width,
             self.height,
             self.depth_bits,
@@ -159,12 +164,13 @@ class Machine:
             clamped=Clamp.BLENDING in self.profile.clamps,
         )
         bands = -(-self.height // BAND_HEIGHT)
-        self._queue = Queue(min(self.threads or default_threads(), bands), self.batch)
-        self._current = self.framebuffer
-        self._samples = Samples(self.framebuffer, self.samples) if self.samples > 1 else None
-        self._running, self._runner = threading.Lock(), None
+        self._queue: Queue = Queue(min(self.threads or default_threads(), bands), self.batch)
+        self._current: Framebuffer = self.framebuffer
+        self._samples: Samples | None = Samples(self.framebuffer, self.samples) if self.samples > 1 else None
+        self._running: threading.Lock = threading.Lock()
+        self._runner: int | None = None
 
-    def run(self, commands, *, trace=False, record=False):
+    def run(self, commands: Iterable[Command], *, trace: bool = False, record: bool = False) -> Result:
         """Validate and run ``commands``; returns a Result.
 
         ``trace``: keep the framebuffer after every command. ``record``: keep every Draw's fragments.
@@ -394,20 +400,20 @@ _QUEUED = frozenset({Draw, Clear, Saturate, TexImage})
 
 
 def execute(
-    commands,
-    profile,
-    width,
-    height,
+    commands: Iterable[Command],
+    profile: Profile,
+    width: int,
+    height: int,
     *,
-    depth_bits=None,
-    threads=None,
-    batch=BATCH,
-    trace=False,
-    record=False,
-    engine=None,
-    samples=None,
-    color_bits=None,
-):
+    depth_bits: int | None = None,
+    threads: int | None = None,
+    batch: int | None = BATCH,
+    trace: bool = False,
+    record: bool = False,
+    engine: Engine | None = None,
+    samples: int | None = None,
+    color_bits: int | None = None,
+) -> Result:
     """Run ``commands`` on a new machine. Returns a Result; see ``Machine`` for the parameters.
 
     Raises ``UnsupportedState`` for what the profile cannot hold and ValueError for what no

@@ -1,18 +1,24 @@
 """The framebuffer: colour, depth and stencil, top row first; how it is cleared and read."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from fixedpipe.pipeline.commands import Clear, ReadPixels, Saturate
 from fixedpipe.pipeline.enums import ColorBuffer, ColorFormat, DepthFormat
 from fixedpipe.pipeline.framebuffers.boxes import scissored
 from fixedpipe.pipeline.framebuffers.transfer import (
+    PixelStatistics,
     changes_nothing,
     packed_colors,
     transfer_colors,
     transfer_depths,
     transfer_stencil,
 )
+from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.columns.numbers import convert
 from fixedpipe.raster.pixels.transfer import fixed
@@ -33,7 +39,7 @@ SURFACE_WORDS = {
 }
 
 
-def surface_word(rgba, color_format):
+def surface_word(rgba: Sequence[int], color_format: ColorFormat) -> int:
     """A colour as a surface stores it, a word with red in the low byte. ``rgba``: four bytes."""
     keep, pad, alpha = SURFACE_WORDS[color_format]
     red, green, blue, a = rgba
@@ -50,7 +56,7 @@ def _write(words, value, mask, all_bits):
         words[...] = (words & (all_bits & ~mask)) | (value & mask)
 
 
-def to_byte(value):
+def to_byte(value: float) -> int:
     """``floor(255 c + 1/2)`` of c clamped to [0, 1]. Source: OpenGL 1.2.1 section 2.13.9."""
     return int(255.0 * min(max(value, 0.0), 1.0) + 0.5)
 
@@ -67,17 +73,25 @@ class Framebuffer:
     something is stored there.
     """
 
-    color: np.ndarray
-    depth: np.ndarray
-    stencil: np.ndarray
+    color: NDArray[np.uint8 | np.int32]
+    depth: NDArray[np.uint32]
+    stencil: NDArray[np.uint8]
     depth_format: DepthFormat
     color_format: ColorFormat = ColorFormat.A8R8G8B8
     color_bits: int = 8
-    accumulation: np.ndarray | None = None
-    _auxiliary: dict = field(default_factory=dict)
+    accumulation: NDArray[np.int32] | None = None
+    _auxiliary: dict[ColorBuffer, "Framebuffer"] = field(default_factory=dict)
 
     @classmethod
-    def new(cls, width, height, depth_bits=24, color_format=ColorFormat.A8R8G8B8, color_bits=8, clamped=True):
+    def new(
+        cls,
+        width: int,
+        height: int,
+        depth_bits: int = 24,
+        color_format: ColorFormat = ColorFormat.A8R8G8B8,
+        color_bits: int = 8,
+        clamped: bool = True,
+    ) -> "Framebuffer":
         """An empty framebuffer of ``width`` x ``height`` pixels. ``clamped``: blending clamps."""
         return cls(
             np.zeros((height, width, 4), np.uint8 if color_bits == 8 and clamped else np.int32),
@@ -89,21 +103,21 @@ class Framebuffer:
         )
 
     @property
-    def depth_bits(self):
+    def depth_bits(self) -> int:
         """How wide a word of the depth buffer is."""
         return abs(self.depth_format)
 
     @property
-    def width(self):
+    def width(self) -> int:
         """Pixels in a row."""
         return self.color.shape[1]
 
     @property
-    def height(self):
+    def height(self) -> int:
         """Rows."""
         return self.color.shape[0]
 
-    def buffer(self, which):
+    def buffer(self, which: ColorBuffer) -> "Framebuffer":
         """What a draw or read buffer, a ColorBuffer, stands for: this framebuffer, or one with an auxiliary
         buffer's colours, zero at first, and the same depths and stencil values.
         """
@@ -113,16 +127,16 @@ class Framebuffer:
             self._auxiliary[which] = replace(self, color=np.zeros_like(self.color), _auxiliary={})
         return self._auxiliary[which]
 
-    def image(self):
+    def image(self) -> NDArray[np.uint8]:
         """A copy of the colours for saving: uint8 [h, w, 4], top row first, clamped and to nearest."""
         return self.as_bytes(self.color).copy()
 
     @property
-    def is_bytes(self):
+    def is_bytes(self) -> bool:
         """Whether colours are the bytes that the native engines write."""
         return self.color.dtype == np.uint8
 
-    def as_bytes(self, color):
+    def as_bytes(self, color: NDArray[Any]) -> NDArray[np.uint8]:
         """Colours of this buffer as bytes."""
         if self.is_bytes:
             return color
@@ -133,16 +147,16 @@ class Framebuffer:
         """Slices of a window rectangle (origin lower left, y up) in rows from the top."""
         return slice(self.height - y - height, self.height - y), slice(x, x + width)
 
-    def clear_words(self, command):
+    def clear_words(self, command: Clear) -> tuple[tuple[int, int, int, int], int, int, int, int, int, int]:
         """What a Clear (section 4.2.3) writes: (x0, y0, x1, y1) in device pixels, half open; which buffers
         (bits: codes.BUFFER_...); the colour's word and its mask, the depth's word, the stencil's byte and its
         mask. ``command``: a Clear.
         """
         buffers, color, color_mask, depth = 0, 0, 0, 0
         if command.color is not None:
-            buffers, mask = C.BUFFER_COLOR, command.color_mask
+            buffers, channels = C.BUFFER_COLOR, command.color_mask
             color = surface_word([to_byte(c) for c in command.color], self.color_format)
-            for channel, on in enumerate((mask.red, mask.green, mask.blue, mask.alpha)):
+            for channel, on in enumerate((channels.red, channels.green, channels.blue, channels.alpha)):
                 color_mask |= 0xFF << (8 * channel) if on else 0
         if command.depth is not None:
             buffers |= C.BUFFER_DEPTH
@@ -153,13 +167,13 @@ class Framebuffer:
         box, mask = scissored(command.scissor, self.width, self.height), int(command.stencil_write_mask)
         return box, buffers, color, color_mask, depth, stencil, mask
 
-    def saturate(self, command):
+    def saturate(self, command: Saturate) -> None:
         """Clamp what the scissor box holds to [0, 1]; bytes always are."""
         left, top, right, bottom = scissored(command.scissor, self.width, self.height)
         color = self.color[top:bottom, left:right]
         np.clip(color, 0, 2**self.color_bits - 1, out=color)
 
-    def clear(self, command):
+    def clear(self, command: Clear) -> None:
         """Section 4.2.3: through the scissor box and the masks."""
         (x0, y0, x1, y1), buffers, color, color_mask, depth, stencil, mask = self.clear_words(command)
         where = slice(y0, y1), slice(x0, x1)
@@ -175,27 +189,27 @@ class Framebuffer:
         if buffers & 4:
             _write(self.stencil[where], stencil, mask, 0xFF)
 
-    def rectangle(self, x, y, width, height):
+    def rectangle(self, x: int, y: int, width: int, height: int) -> NDArray[np.uint8 | np.int32]:
         """Colours of a window rectangle, uint8 [h, w, 4], bottom row first."""
         return self.color[self._rows(x, y, width, height)][::-1]
 
-    def groups(self, x, y, width, height):
+    def groups(self, x: int, y: int, width: int, height: int) -> NDArray[np.float64]:
         """Colours of a window rectangle as pixel groups, float64 [h, w, 4], 1.0 = full intensity, bottom row
         first (section 4.3.2, Conversion of RGBA values).
         """
         return self.rectangle(x, y, width, height) / float(2**self.color_bits - 1)
 
-    def depths(self, x, y, width, height):
+    def depths(self, x: int, y: int, width: int, height: int) -> NDArray[np.float64]:
         """Depths of a window rectangle, float64 [h, w] in [0, 1], bottom row first; fixed formats alone."""
         return self.depth[self._rows(x, y, width, height)][::-1] / float(2**self.depth_bits - 1)
 
-    def box_of(self, command):
+    def box_of(self, command: ReadPixels) -> tuple[int, int, int, int]:
         """X, y, width, height of what a command reads; None: as far as the framebuffer reaches."""
         width = self.width - command.x if command.width is None else command.width
         height = self.height - command.y if command.height is None else command.height
         return command.x, command.y, width, height
 
-    def read(self, command, profile, statistics):
+    def read(self, command: ReadPixels, profile: Profile, statistics: PixelStatistics) -> NDArray[Any] | None:
         """Section 4.3.2: what ``fixedpipe.pipeline.commands.ReadPixels`` returns; None where a sink took it.
         ``statistics``: the machine's PixelStatistics.
         """
@@ -230,6 +244,6 @@ READ_FORMATS = {
 }
 
 
-def color_bytes(color):
+def color_bytes(color: Iterable[float]) -> list[int]:
     """A colour's components in [0, 1] as bytes."""
     return [to_byte(component) for component in color]

@@ -1,8 +1,10 @@
 """The Result of a frame: framebuffers, textures, pixels, and on request a trace and fragments."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
 from fixedpipe.pipeline.framebuffers.snapshot import Snapshot
@@ -19,10 +21,10 @@ class Fragments:
     Per pixel they are in draw order.
     """
 
-    triangle: np.ndarray
-    x: np.ndarray
-    y: np.ndarray
-    passed: np.ndarray
+    triangle: NDArray[np.int32]
+    x: NDArray[np.int32]
+    y: NDArray[np.int32]
+    passed: NDArray[np.int32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +47,7 @@ class Result:
     framebuffer: Framebuffer
     surfaces: dict[str, Framebuffer]
     textures: dict[str, Texture]
-    pixels: dict[str, np.ndarray]
+    pixels: dict[str, NDArray[Any]]
     fragments: int
     dropped: int
     undefined: int
@@ -54,6 +56,6 @@ class Result:
     histograms: dict[str, HistogramTable]
     minmaxes: dict[str, MinmaxTable]
 
-    def image(self):
+    def image(self) -> NDArray[np.uint8]:
         """The framebuffer's colours, uint8 [h, w, 4], top row first."""
         return self.framebuffer.image()

@@ -3,6 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
+
+from fixedpipe.pipeline.commands import Command
+from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
 
 
 @dataclass(frozen=True, eq=False)
@@ -16,12 +20,12 @@ class Snapshot:
 
     label: str
     kind: str
-    color: np.ndarray
-    depth: np.ndarray
-    stencil: np.ndarray
+    color: NDArray[np.uint8]
+    depth: NDArray[np.uint32]
+    stencil: NDArray[np.uint8]
     depth_bits: int
 
-    def pictures(self):
+    def pictures(self) -> dict[str, NDArray[np.uint8]]:
         """{"color": RGB, "alpha": grey, "depth": grey, "stencil": grey}, uint8, for saving.
 
         Depth shows its full range as 0..255; the stencil's values are shown as they are.
@@ -34,7 +38,7 @@ class Snapshot:
         }
 
 
-def snapshot(command, framebuffer):
+def snapshot(command: Command, framebuffer: Framebuffer) -> Snapshot:
     """Copy the framebuffer, colours of other widths as bytes."""
     return Snapshot(
         command.label,

@@ -11,9 +11,11 @@ Source: OpenGL 1.2.1 sections 3.6.3 to 3.6.5 and 4.3.2.
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fixedpipe.pipeline.enums import BaseFormat, ConvolutionBorderMode
-from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER
+from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER, Histogram, Minmax
+from fixedpipe.pipeline.state import ColorTable
 from fixedpipe.pipeline.textures.images import KEPT
 from fixedpipe.raster.pixels import transfer as arithmetic
 
@@ -57,7 +59,7 @@ class HistogramTable:
     """What a histogram counted: ``counts`` uint32 [width, components of ``base_format``]."""
 
     base_format: BaseFormat
-    counts: np.ndarray
+    counts: NDArray[np.uint32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +69,7 @@ class MinmaxTable:
     """
 
     base_format: BaseFormat
-    extremes: np.ndarray
+    extremes: NDArray[np.float64]
 
 
 @dataclass(eq=False)
@@ -77,17 +79,17 @@ class PixelStatistics:
     histograms: dict[str, HistogramTable] = field(default_factory=dict)
     minmaxes: dict[str, MinmaxTable] = field(default_factory=dict)
 
-    def reset_histogram(self, name):
+    def reset_histogram(self, name: str) -> None:
         """Every count becomes zero. Raises KeyError for an unknown name."""
         kept = self.histograms[name]
         self.histograms[name] = replace(kept, counts=np.zeros_like(kept.counts))
 
-    def reset_minmax(self, name):
+    def reset_minmax(self, name: str) -> None:
         """Nothing was seen. Raises KeyError for an unknown name."""
         kept = self.minmaxes[name]
         self.minmaxes[name] = replace(kept, extremes=_nothing_seen(kept.base_format))
 
-    def count(self, groups, histogram):
+    def count(self, groups: NDArray[np.float64], histogram: Histogram) -> None:
         """Count groups into the histogram that a state names, made new where it is another than before."""
         shape = histogram.width, len(KEPT[histogram.base_format])
         kept = self.histograms.get(histogram.name)
@@ -96,7 +98,7 @@ class PixelStatistics:
         counts = arithmetic.counted(groups, kept.counts, KEPT[histogram.base_format])
         self.histograms[histogram.name] = replace(kept, counts=counts)
 
-    def compare(self, groups, minmax):
+    def compare(self, groups: NDArray[np.float64], minmax: Minmax) -> None:
         """The same of a minmax."""
         kept = self.minmaxes.get(minmax.name)
         if kept is None or kept.base_format is not minmax.base_format:
@@ -202,7 +204,7 @@ def _transformed(groups, matrix):
 # Entries as they are stored, by the table's identity and their bits: a frame may send thousands of small
 # images through one table. A table is held for as long as it is remembered; all are forgotten when there are
 # so many.
-_stored_tables = {}
+_stored_tables: dict[tuple[int, int | None], tuple[ColorTable, NDArray[np.float64]]] = {}
 _MOST_TABLES = 64
 
 

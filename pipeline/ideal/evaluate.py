@@ -5,6 +5,7 @@ fragments are those of the snapped vertices.
 """
 
 from collections import deque
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from fixedpipe.pipeline.commands import (
     BindTexImage,
     Bitmap,
     Clear,
+    Command,
     CopyPixels,
     CopyTexImage,
     CopyTexSubImage,
@@ -260,7 +262,15 @@ OPERATIONS = {
 }
 
 
-def execute_ideal(commands, width, height, *, guide=None, depth_bits=None, threads=None):
+def execute_ideal(
+    commands: Iterable[Command],
+    width: int,
+    height: int,
+    *,
+    guide: Result | None = None,
+    depth_bits: int | None = None,
+    threads: int | None = None,
+) -> IdealResult:
     """Run ``commands`` in float64 on a framebuffer of width x height pixels: an IdealResult.
 
     guide       None (free mode): the ideal makes its own alpha, stencil and depth tests. A Result of
@@ -278,5 +288,5 @@ def execute_ideal(commands, width, height, *, guide=None, depth_bits=None, threa
     validate(commands, IDEAL, width, height, depth_bits=depth_bits)
     if guide is not None:
         _check_guide(guide, commands, width, height)
-    threads = Threads(threads or default_threads())
-    return _Evaluation(commands, width, height, guide, depth_bits, threads).run()
+    shared = Threads(threads or default_threads())
+    return _Evaluation(commands, width, height, guide, depth_bits, shared).run()

@@ -1,8 +1,10 @@
 """The IdealResult of a frame, and real colours as bytes."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from fixedpipe.pipeline.framebuffers.transfer import HistogramTable, MinmaxTable
 from fixedpipe.pipeline.textures.images import Texture
@@ -20,19 +22,19 @@ class IdealResult:
     histograms, minmaxes  as a Result's
     """
 
-    color: np.ndarray
-    depth: np.ndarray
-    stencil: np.ndarray
+    color: NDArray[np.float64]
+    depth: NDArray[np.float64]
+    stencil: NDArray[np.uint8]
     textures: dict[str, Texture]
-    pixels: dict[str, np.ndarray]
+    pixels: dict[str, NDArray[Any]]
     histograms: dict[str, HistogramTable]
     minmaxes: dict[str, MinmaxTable]
 
-    def image(self):
+    def image(self) -> NDArray[np.uint8]:
         """uint8 [h, w, 4]: the colours clamped to [0, 1] and rounded to the nearest byte."""
         return to_bytes(self.color)
 
 
-def to_bytes(values):
+def to_bytes(values: ArrayLike) -> NDArray[np.uint8]:
     """Reals to bytes: clamped to [0, 1], then the nearest of 0..255 (halves up), as OpenGL 1.2.1 converts."""
     return np.floor(np.clip(values, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)

@@ -5,6 +5,7 @@ writes them), or ``ps.1.0`` to ``ps.1.3``.
 """
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from fixedpipe.pipeline.enums import TextureTarget
@@ -12,7 +13,7 @@ from fixedpipe.pipeline.notations import pixel_shader_translation, register_comb
 from fixedpipe.pipeline.notations.pixel_shader_textures import ConstantPlace
 from fixedpipe.pipeline.notations.tokens import ProgramTextError
 from fixedpipe.pipeline.programs.texture_shader_rules import texture_target
-from fixedpipe.pipeline.state import RegisterCombiners, TextureShaderStage
+from fixedpipe.pipeline.state import Color, RegisterCombiners, TextureShaderStage
 
 # What may precede a header: white space, and the comments of either notation.
 _SKIPPED = re.compile(r"(?: \s+ | //[^\n]* | /\*.*?\*/ | \#[^\n]* | ;[^\n]* )*", re.VERBOSE | re.DOTALL)
@@ -41,13 +42,17 @@ def _place(text, at):
     return text.count("\n", 0, at) + 1, at - line_start + 1
 
 
-def parse_program(text, targets=None, constants=None):
+def parse_program(
+    text: str,
+    targets: Mapping[int, TextureTarget] | None = None,
+    constants: Mapping[int, Color] | None = None,
+) -> Program:
     """The Program that a text holds.
 
     ``targets`` {unit: TextureTarget} and ``constants`` {number: color}: what a pixel shader leaves to whoever
     binds textures and sets constants. Raises ProgramTextError with line and column, both from 1.
     """
-    at = _SKIPPED.match(text).end()
+    at = _SKIPPED.match(text).end()  # type: ignore[union-attr]  # it matches the empty string
     header = _HEADER.match(text, at)
     if header is None:
         found = text[at : at + 20].split("\n")[0].strip()
@@ -59,22 +64,21 @@ def parse_program(text, targets=None, constants=None):
     if not header.group().startswith("!!"):
         # Comments of the other notations, before the version, are none of this one's.
         shader = pixel_shader_translation.parse(text[at:], targets, constants, start=_place(text, at))
-        header = f"ps.{shader.version}"
         given = shader.texture_shader, shader.combiners, shader.constants, shader.notes
-        return _program((header,), *given)
+        return _program((f"ps.{shader.version}",), *given)
     second = _SECOND_HEADER.search(text, header.end())
     parts = [text[at:]] if second is None else [text[at : second.start()], text[second.start() :]]
     starts = [_place(text, at)] if second is None else [_place(text, at), _place(text, second.start())]
-    found = {}
+    programs = {}
     for part, start in zip(parts, starts, strict=True):
         name = part.strip()[:7].upper()
-        if name in found:
+        if name in programs:
             raise ProgramTextError(
                 f"a second {name}; a program has one of each notation. Split the text.", *start
             )
         module = register_combiners if name == "!!RC1.0" else texture_shaders
-        found[name] = module.parse(part, start)
-    return _program(tuple(found), found.get("!!TS1.0"), found.get("!!RC1.0"))
+        programs[name] = module.parse(part, start)
+    return _program(tuple(programs), programs.get("!!TS1.0"), programs.get("!!RC1.0"))
 
 
 def _program(notations, stages, combiners, constants=(), notes=()):

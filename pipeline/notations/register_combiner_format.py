@@ -117,7 +117,7 @@ def _without_a_word(combiners):
     return None
 
 
-def format_program(combiners):
+def format_program(combiners: RegisterCombiners) -> str:
     """The canonical ``!!RC1.0`` program of register combiners: ``parse`` gives them back, equal.
 
     Raises ValueError with a sentence where ``combiners`` is what no program can say: no general combiner or

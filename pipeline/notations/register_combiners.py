@@ -525,7 +525,7 @@ class _Parser(Reader):
         return b, a, c, d
 
 
-def parse(text, start=(1, 1)):
+def parse(text: str, start: tuple[int, int] = (1, 1)) -> RegisterCombiners:
     """The register combiners that an ``!!RC1.0`` program describes.
 
     ``start``: the line and column at which errors take the text to begin.

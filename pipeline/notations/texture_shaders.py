@@ -33,6 +33,7 @@ NV_texture_shader, NV_texture_shader2.
 """
 
 import re
+from collections.abc import Sequence
 from decimal import Decimal
 from math import isfinite
 from typing import NamedTuple
@@ -274,7 +275,7 @@ def _with_eyes(names, stages):
     return tuple(moved)
 
 
-def parse(text, start=(1, 1)):
+def parse(text: str, start: tuple[int, int] = (1, 1)) -> tuple[TextureShaderStage, ...]:
     """The stages, one for each instruction, that a ``!!TS1.0`` program describes, the first for unit 0.
 
     ``start``: the line and column at which errors take the text to begin. Raises TextureShaderTextError with
@@ -321,7 +322,7 @@ def _group_at(number, stages):
     )
 
 
-def format_stages(stages):
+def format_stages(stages: Sequence[TextureShaderStage]) -> str:
     """The canonical ``!!TS1.0`` program of texture shader stages: ``parse`` gives them back, equal, but for
     fields that their operations do not read, which are the initial ones then.
 

@@ -8,8 +8,10 @@ go (Source: NV_register_combiners table 2). Rows run bottom first, as TexImage2D
 
 from dataclasses import dataclass, replace
 from functools import cache
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from fixedpipe.pipeline.enums import BaseFormat, InternalFormat, TextureTarget
 
@@ -118,7 +120,7 @@ def widen_to_byte(component, bits):
     return value & 0xFF
 
 
-def register_components(components, base, one):
+def register_components(components: NDArray[Any], base: BaseFormat, one: Any) -> NDArray[Any]:
     """Base-format components [..., c] to register components [..., 4]; ``one`` is full intensity."""
     out = np.empty((*components.shape[:-1], 4), components.dtype)
     for k, what in enumerate(REGISTER_COMPONENTS[base]):
@@ -198,7 +200,7 @@ def stored_texels(rgba, internal_format, profile):
     return texels_at(registers, internal_format, bits, kept), bits
 
 
-def store_texels(rgba, internal_format):
+def store_texels(rgba: NDArray[Any], internal_format: InternalFormat) -> NDArray[np.uint8]:
     """RGBA in [0, 1] or bytes, [..., 4], to register bytes uint8 [..., 4] at the format's resolution.
 
     Conversion to n bits rounds to nearest (Source: OpenGL 1.2.1 section 2.13.9). Raises ValueError for a
@@ -221,7 +223,7 @@ def store_texels(rgba, internal_format):
     return register_components(components, base, np.uint8(255))
 
 
-def depth_texels(words):
+def depth_texels(words: NDArray[np.integer]) -> NDArray[np.uint8]:
     """Depth-buffer words [h, w] as the four bytes of depth texels, lowest byte first."""
     return np.ascontiguousarray(words.astype("<u4")).view(np.uint8).reshape(*words.shape, 4)
 
@@ -255,8 +257,8 @@ class Texture:
 
     target: TextureTarget
     internal_format: InternalFormat
-    levels: tuple[np.ndarray, ...]
-    ideal: tuple[np.ndarray, ...] | None = None
+    levels: tuple[NDArray[np.uint8 | np.uint16], ...]
+    ideal: tuple[NDArray[np.float64], ...] | None = None
     bits: int = 8
 
     def __post_init__(self):
@@ -264,17 +266,17 @@ class Texture:
             object.__setattr__(self, name, _frozen_levels(getattr(self, name)))
 
     @property
-    def width(self):
+    def width(self) -> int:
         """Texels along s of level 0."""
         return self.levels[0].shape[2]
 
     @property
-    def height(self):
+    def height(self) -> int:
         """Texels along t of level 0."""
         return self.levels[0].shape[1]
 
     @property
-    def depth(self):
+    def depth(self) -> int:
         """Texels along r of level 0: 1 but for 3D textures."""
         return self.levels[0].shape[0] if self.target is TextureTarget.TEXTURE_3D else 1
 
@@ -305,7 +307,7 @@ def _as_rgba(image, what):
     return out
 
 
-def halve(level, layered=False):
+def halve(level: NDArray[Any], layered: bool = False) -> NDArray[Any]:
     """The next mipmap level of whole numbers or float64 [faces, h, w, 4], boxes of 2x2 (or 2x1, 1x2) texels;
     of 2x2x2 where the faces are a 3D texture's layers (``layered``).
 
@@ -324,12 +326,12 @@ def halve(level, layered=False):
         corners = [c[k::2] if d > 1 else c for c in corners for k in (0, 1)]
     if level.dtype != np.float64:
         bits = 3 if layered else 2
-        total = sum(c.astype(np.uint32) for c in corners) + (1 << (bits - 1))
+        total = sum((c.astype(np.uint32) for c in corners), start=np.uint32(1 << (bits - 1)))
         return (total >> bits).astype(level.dtype)
-    return sum(corners) / len(corners)
+    return sum(corners) / len(corners)  # type: ignore[return-value]  # of arrays, not of none
 
 
-def pyramid(base, layered=False):
+def pyramid(base: NDArray[Any], layered: bool = False) -> tuple[NDArray[Any], ...]:
     """Every mipmap level from level 0 down to one texel: a tuple, each by ``halve``, read-only."""
     levels = [base]
     while max(levels[-1].shape[0 if layered else 1 : 3]) > 1:
@@ -339,7 +341,9 @@ def pyramid(base, layered=False):
     return tuple(levels)
 
 
-def build_texture(target, faces, internal_format, mipmaps):
+def build_texture(
+    target: TextureTarget, faces: NDArray[Any], internal_format: InternalFormat, mipmaps: bool
+) -> Texture:
     """A texture from RGBA images [faces, h, w, 4], bytes, or floats, which the ideal evaluator gets too."""
     source, bits, base_format = None, 8, BASE_FORMAT[internal_format]
     wide = internal_format in TWELVE_BIT_FORMATS
@@ -358,7 +362,9 @@ def build_texture(target, faces, internal_format, mipmaps):
     return Texture(target, internal_format, pyramid(base, layered), ideal, bits)
 
 
-def texture_1d(image, internal_format=InternalFormat.RGBA8, *, mipmaps=False):
+def texture_1d(
+    image: ArrayLike, internal_format: InternalFormat = InternalFormat.RGBA8, *, mipmaps: bool = False
+) -> Texture:
     """A 1D texture from [width, 1..4 components], bytes or floats in [0, 1]."""
     row = np.asarray(image)
     if row.ndim != 2:
@@ -368,7 +374,9 @@ def texture_1d(image, internal_format=InternalFormat.RGBA8, *, mipmaps=False):
     )
 
 
-def texture_2d(image, internal_format=InternalFormat.RGBA8, *, mipmaps=False):
+def texture_2d(
+    image: ArrayLike, internal_format: InternalFormat = InternalFormat.RGBA8, *, mipmaps: bool = False
+) -> Texture:
     """A 2D texture from [height, width, 1..4 components], bytes or floats in [0, 1], bottom row first.
 
     Floats are kept as the ideal evaluator's source (unclamped) beside the quantised texels.
@@ -380,7 +388,9 @@ def texture_2d(image, internal_format=InternalFormat.RGBA8, *, mipmaps=False):
     return build_texture(TextureTarget.TEXTURE_2D, rgba[None], internal_format, mipmaps)
 
 
-def texture_3d(image, internal_format=InternalFormat.RGBA8, *, mipmaps=False):
+def texture_3d(
+    image: ArrayLike, internal_format: InternalFormat = InternalFormat.RGBA8, *, mipmaps: bool = False
+) -> Texture:
     """A 3D texture from [layers, height, width, 1..4 components], bytes or floats in [0, 1], each layer as
     ``texture_2d`` takes it, r growing from layer to layer.
     """
@@ -392,7 +402,9 @@ def texture_3d(image, internal_format=InternalFormat.RGBA8, *, mipmaps=False):
     return build_texture(TextureTarget.TEXTURE_3D, rgba, internal_format, mipmaps)
 
 
-def texture_cube_map(faces, internal_format=InternalFormat.RGBA8, *, mipmaps=False):
+def texture_cube_map(
+    faces: ArrayLike, internal_format: InternalFormat = InternalFormat.RGBA8, *, mipmaps: bool = False
+) -> Texture:
     """A cube map from [6, size, size, components], faces +x, -x, +y, -y, +z, -z; rows as EXT_texture_cube_map
     orders t (row 0 is t = 0).
     """

@@ -1,11 +1,16 @@
 """Validation of frames and HostSteps: what a frame is made of, and the commands that a HostStep issues."""
 
-from fixedpipe.pipeline.commands import COMMANDS
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from numpy.typing import NDArray
+
+from fixedpipe.pipeline.commands import COMMANDS, Command, HostStep
 from fixedpipe.pipeline.validation.sentences import shown
-from fixedpipe.pipeline.validation.walk import UnsupportedState
+from fixedpipe.pipeline.validation.walk import UnsupportedState, Walk
 
 
-def frame_of(commands):
+def frame_of(commands: Iterable[Command]) -> tuple[Command, ...]:
     """The commands as a tuple. Raises UnsupportedState for what is none of them, one alone for instance."""
     if type(commands) in COMMANDS:
         raise UnsupportedState(
@@ -26,7 +31,7 @@ def _unwritable(array):
     return view
 
 
-def issued_by(step, pixels):
+def issued_by(step: HostStep, pixels: Mapping[str, NDArray[Any]]) -> tuple[Command, ...]:
     """The commands that a HostStep issues for the pixels read so far, as a tuple.
 
     Raises UnsupportedState where its function returns no tuple of commands, and what that function raises.
@@ -42,7 +47,7 @@ def issued_by(step, pixels):
         raise UnsupportedState(f'HostStep "{step.label}": {error}') from None
 
 
-def host_step(walk, command):
+def host_step(walk: Walk, command: HostStep) -> None:
     """Refuse a HostStep that reads what nothing has read, or where a pbuffer is current."""
     if not walk.in_window:
         walk.refuse("a pbuffer is current; make the window current first, which the host draws to.")

@@ -8,7 +8,7 @@ from dataclasses import fields, is_dataclass
 from enum import Enum
 from numbers import Integral, Real
 from types import NoneType, UnionType
-from typing import NamedTuple, get_args, get_origin
+from typing import Literal, NamedTuple, get_args, get_origin
 
 import numpy as np
 
@@ -183,6 +183,10 @@ class TypeChecks(dict):
             if inner[-1] is Ellipsis:
                 return _long_tuple_check(self[inner[0]])
             return _fixed_tuple_check(inner, self)
+        if get_origin(annotation) is Literal:  # which strings are allowed, the command's own rule says
+            return self[type(get_args(annotation)[0])]
+        if get_origin(annotation) is not None:  # an array or a function, whatever is in it
+            return instance_check(get_origin(annotation))
         if issubclass(annotation, Enum):
             return enum_check(annotation)
         if is_dataclass(annotation) and annotation not in self.whole:

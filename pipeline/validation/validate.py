@@ -12,11 +12,14 @@ refused; where it calls the result undefined (pixels read outside the framebuffe
 validation refuses.
 """
 
+from collections.abc import Iterable, Mapping
+
 from fixedpipe.pipeline.commands import (
     Accum,
     BindTexImage,
     Bitmap,
     Clear,
+    Command,
     CopyPixels,
     CopyTexImage,
     CopyTexSubImage,
@@ -31,9 +34,18 @@ from fixedpipe.pipeline.commands import (
     Saturate,
     TexImage,
 )
+from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
 from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
 from fixedpipe.pipeline.pixel_transfer import PixelMaps, PixelTransfer
-from fixedpipe.pipeline.state import ColorTable, PassState, RegisterCombiners, TextureUnit, VertexState
+from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.state import (
+    ColorTable,
+    PassState,
+    RegisterCombiners,
+    TextureShaderStage,
+    TextureUnit,
+    VertexState,
+)
 from fixedpipe.pipeline.textures.images import Texture
 from fixedpipe.pipeline.validation import texture_units
 from fixedpipe.pipeline.validation.buffers import accum, clear, read_pixels, saturate
@@ -87,20 +99,20 @@ VALIDATIONS = {
 
 
 def validate(
-    commands,
-    profile,
-    width,
-    height,
-    depth_bits=None,
-    textures=None,
-    surfaces=None,
-    statistics=None,
+    commands: Iterable[Command],
+    profile: Profile,
+    width: int,
+    height: int,
+    depth_bits: int | None = None,
+    textures: Mapping[str, Texture] | None = None,
+    surfaces: Mapping[str, Framebuffer] | None = None,
+    statistics: PixelStatistics | None = None,
     *,
-    samples=1,
-    color_bits=None,
-    read=(),
-    host_step=None,
-):
+    samples: int = 1,
+    color_bits: int | None = None,
+    read: Iterable[str] = (),
+    host_step: str | None = None,
+) -> None:
     """Refuse what the machine could not execute; return None if it can execute everything.
 
     commands       iterable of commands, in order
@@ -146,7 +158,11 @@ def validate(
         VALIDATIONS[type(command)](walk, command)
 
 
-def validate_program(texture_shader, combiners, profile):
+def validate_program(
+    texture_shader: tuple[TextureShaderStage, ...] | None,
+    combiners: RegisterCombiners | None,
+    profile: Profile,
+) -> None:
     """Refuse texture shader stages and register combiners that the machine does not have, whatever textures
     and meshes they meet; either may be None.
 

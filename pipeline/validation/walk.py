@@ -1,10 +1,15 @@
 """The Walk: what validation knows when it reaches a command, and how it refuses one."""
 
-from typing import NamedTuple
+from collections.abc import Callable, Hashable, Iterable, Mapping
+from typing import Any, NamedTuple, NoReturn
 from weakref import WeakKeyDictionary
 
-from fixedpipe.pipeline.commands import Clear, Draw
+from fixedpipe.pipeline.commands import Clear, Command, Draw, Mesh
 from fixedpipe.pipeline.enums import ColorFormat, InternalFormat, PrimitiveType, TextureTarget
+from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
+from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
+from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.textures.images import Texture
 from fixedpipe.pipeline.validation.meshes import checked_meshes
 from fixedpipe.pipeline.validation.remembered import Remembered
 from fixedpipe.pipeline.validation.sentences import depth_words
@@ -38,7 +43,7 @@ class KnownTexture(NamedTuple):
     faces: tuple[int, ...]
 
     @classmethod
-    def of(cls, image):
+    def of(cls, image: Texture) -> "KnownTexture":
         """What is remembered of a Texture."""
         sizes = tuple((level.shape[2], level.shape[1]) for level in image.levels)
         return cls(image.target, image.internal_format, sizes, tuple(len(level) for level in image.levels))
@@ -50,13 +55,14 @@ class Taken:
     """
 
     def __init__(self):
-        self.parts, self.states, self.textures = Remembered(), Remembered(), WeakKeyDictionary()
+        self.parts, self.states = Remembered(), Remembered()
+        self.textures: WeakKeyDictionary[Texture, KnownTexture] = WeakKeyDictionary()
 
 
 _taken = Remembered(16)
 
 
-def taken_by(profile):
+def taken_by(profile: Profile) -> Taken:
     """The Taken of a profile."""
     _, found = _taken.get(id(profile), (None, None))
     if found is None:
@@ -86,7 +92,18 @@ class Walk:
     histograms, minmaxes  names of those that count
     """
 
-    def __init__(self, profile, width, height, depth_bits, surfaces, statistics, read=()):
+    where: str
+
+    def __init__(
+        self,
+        profile: Profile,
+        width: int,
+        height: int,
+        depth_bits: int,
+        surfaces: Mapping[str, Framebuffer],
+        statistics: PixelStatistics,
+        read: Iterable[str] = (),
+    ):
         self.profile, self.width, self.height, self.depth_bits = profile, width, height, depth_bits
         self.taken = taken_by(profile)
         self.window = width, height, depth_bits
@@ -95,15 +112,15 @@ class Walk:
             name: KnownSurface(f.width, f.height, f.color_format, f.depth_format)
             for name, f in surfaces.items()
         }
-        self.textures = {}
+        self.textures: dict[str, KnownTexture] = {}
         self.read, self.given = set(read), set(read)  # names; those that a histogram's sink left pixels of
         self.histograms, self.minmaxes = set(statistics.histograms), set(statistics.minmaxes)
 
-    def refuse(self, sentence):
+    def refuse(self, sentence: str) -> NoReturn:
         """Raise UnsupportedState of the command at hand."""
         raise UnsupportedState(f"{self.where}: {sentence}")
 
-    def once(self, check, value, *beside):
+    def once(self, check: Callable[..., None], value: Any, *beside: Hashable) -> None:
         """``check(self, value, *beside)``, unless this machine was found to take the value beside these
         hashable ones.
         """
@@ -112,19 +129,18 @@ class Walk:
             check(self, value, *beside)
             self.taken.parts.add(value, *key[1:])
 
-    def takes(self, command):
+    def takes(self, command: Command) -> bool:
         """Whether the command is known to be right here: a Clear that was checked before, or a Draw of a
         state that was, with the same textures.
         """
-        kind = type(command)
-        if kind is Clear:
+        if type(command) is Clear:
             return id(command) in self.taken.states
-        if kind is not Draw or type(command.label) is not str or not command.label.strip():
+        if type(command) is not Draw or type(command.label) is not str or not command.label.strip():
             return False
         found = self.taken.states.get(id(command.state))
         return found is not None and found[1] == self.beside(command.mesh, found[1].names)
 
-    def beside(self, mesh, names):
+    def beside(self, mesh: Mesh, names: tuple[str, ...]) -> _Beside | None:
         """What the finding on a state that names these textures depends on; None for a mesh not checked."""
         if mesh not in checked_meshes:
             return None

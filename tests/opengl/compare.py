@@ -4,7 +4,8 @@ A *deviation* is how far a machine's number may lie from the real number that Op
 units of 1/255 (colours) or of the depth buffer; two machines may differ by the sum of theirs.
 """
 
-from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
+import inspect
+from dataclasses import dataclass, is_dataclass, replace
 from itertools import combinations, product
 
 import numpy as np
@@ -469,15 +470,10 @@ def spelled(value):
     if not is_dataclass(value):
         return f"{type(value).__name__}.{value.name}" if hasattr(value, "name") else repr(value)
     said = []
-    for f in fields(value):
-        default = (
-            f.default
-            if f.default is not MISSING
-            else f.default_factory is not MISSING and f.default_factory()
-        )
-        given = getattr(value, f.name)
-        if isinstance(given, np.ndarray) or given != default:
-            said.append(f"{f.name}={spelled(given)}")
+    for name, parameter in inspect.signature(type(value)).parameters.items():
+        given = getattr(value, name)
+        if isinstance(given, np.ndarray) or given != parameter.default:
+            said.append(f"{name}={spelled(given)}")
     return f"{type(value).__name__}({', '.join(said)})"
 
 
