@@ -83,79 +83,19 @@ Command 0, "squared": OpenGL 1.2 has no register combiners; choose a profile tha
 '''
 
 import importlib
+import pkgutil
+import re
 
-# Where each name is defined, below this package.
-_DOOR = {
-    "execution.machine": ("Machine", "execute"),
-    "framebuffers.result": ("Fragments", "Result"),
-    "ideal.evaluate": ("execute_ideal",),
-    "ideal.result": ("IdealResult",),
-    "commands": (
-        "Accum",
-        "BindTexImage",
-        "Bitmap",
-        "Clear",
-        "CopyPixels",
-        "CopyTexImage",
-        "CopyTexSubImage",
-        "Draw",
-        "DrawPixels",
-        "HostStep",
-        "MakeCurrent",
-        "Mesh",
-        "ReadPixels",
-        "ResetHistogram",
-        "ResetMinmax",
-        "Saturate",
-        "TexImage",
-    ),
-    "state": (
-        "AlphaTest",
-        "Blending",
-        "ColorMask",
-        "DepthTest",
-        "Fog",
-        "PassState",
-        "RegisterCombiners",
-        "Sampler",
-        "Scissor",
-        "StencilTest",
-        "TextureEnvironment",
-        "TextureShaderStage",
-        "TextureUnit",
-        "VertexState",
-    ),
-    "pixel_transfer": ("PixelImage", "PixelTransfer"),
-    "textures.images": ("Texture", "texture_1d", "texture_2d", "texture_3d", "texture_cube_map"),
-    "profiles": (
-        "FUTURE",
-        "G400",
-        "GEFORCE_256",
-        "GEFORCE_3",
-        "IDEAL",
-        "INFINITE_REALITY",
-        "MULTITEXTURE",
-        "NV2A",
-        "OCTANE",
-        "OPENGL_1_2",
-        "OPENGL_1_2_IMAGING",
-        "PROFILES",
-        "TEXRAM",
-    ),
-    "profiles.profile": ("Profile",),
-    "validation.validate": ("validate",),
-    "validation.walk": ("UnsupportedState",),
-    "notations.programs": ("Program", "parse_program"),
-    "description.describe": ("describe",),
-}
-_MODULE_OF = {name: module for module, names in _DOOR.items() for name in names}
+# Where each name is defined, as type checkers read it: a stub's lines are "from module import name as name".
+_STUB = pkgutil.get_data(__name__, "__init__.pyi").decode()
+_MODULE_OF = {name: module for module, name in re.findall(r"(?m)^from (\S+) import (\w+) as \2$", _STUB)}
 __all__ = sorted(_MODULE_OF)
 
 
 def __getattr__(name):
     if name not in _MODULE_OF:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(importlib.import_module(f"{__name__}.{_MODULE_OF[name]}"), name)
+    value = getattr(importlib.import_module(_MODULE_OF[name]), name)
     globals()[name] = value
     return value
 

@@ -30,7 +30,7 @@ LAYERS = (
     "pipeline/pixel_transfer.py",
     "pipeline/commands.py",
     "pipeline/profiles/",
-    "pipeline/__init__.py",
+    "pipeline/__init__.pyi",
     "pipeline/textures/",
     "pipeline/programs/",
     "pipeline/validation/",
@@ -71,7 +71,8 @@ def names_of(source):
 @cache
 def known_names(folders):
     """The names of every module in the folders, its own among them, by its path."""
-    paths = [path for folder in folders for path in sorted((ROOT / folder).rglob("*.py"))]
+    paths = [path for folder in folders for path in sorted((ROOT / folder).rglob("*.py*"))]
+    paths = [path for path in paths if path.suffix in (".py", ".pyi")]
     return {str(path.relative_to(ROOT)): {path.stem, *names_of(path.read_text())} for path in paths}
 
 

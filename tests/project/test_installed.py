@@ -57,9 +57,13 @@ def wheel(tmp_path_factory):
 def test_the_wheel_holds_fixedpipe_alone_and_all_of_it(wheel):
     names = [name for name in zipfile.ZipFile(wheel).namelist() if not name.endswith("/")]
     assert {name.split("/")[0].split("-")[0] for name in names} == {"fixedpipe"}
-    modules = {name.removeprefix("fixedpipe/") for name in names if name.endswith(".py")}
-    assert modules == {
-        path.relative_to(ROOT).as_posix() for folder in FOLDERS for path in (ROOT / folder).rglob("*.py")
+    files = {name.removeprefix("fixedpipe/") for name in names if name.startswith("fixedpipe/")}
+    ours = [path for folder in FOLDERS for path in (ROOT / folder).rglob("*") if path.is_file()]
+    assert files == {
+        path.relative_to(ROOT).as_posix() for path in ours if path.suffix in (".py", ".pyi", ".typed")
+    }
+    assert {name for name in files if name.endswith("py.typed")} == {
+        f"{folder}/py.typed" for folder in FOLDERS
     }
 
 
