@@ -123,3 +123,77 @@ def test_the_readme_s_examples_run_there(installed):
         "sys.exit(results.failed)"
     )
     run("-c", code)
+
+
+# A user's effect, as an editor reads it, and mistakes in it with what is said of them.
+EFFECT = """\
+import numpy as np
+
+from fixedpipe.pipeline import (
+    GEFORCE_256, Blending, Clear, Command, Draw, Mesh, PassState, Sampler, TexImage, TextureUnit,
+    describe, execute, execute_ideal, parse_program, texture_2d, validate,
+)
+from fixedpipe.pipeline.enums import BlendFactor, TextureFilter
+
+
+def one_pass(corners: list[list[float]], size: int) -> tuple[Command, ...]:
+    grey = texture_2d(np.full((2, 2, 4), 128, np.uint8))
+    unit = TextureUnit("grey", Sampler(min_filter=TextureFilter.NEAREST))
+    state = PassState(
+        texture_units=(unit,),
+        blending=Blending(source=BlendFactor.ONE, destination=BlendFactor.ONE),
+        register_combiners=parse_program("!!RC1.0 {rgb {spare0 = tex0;}} out.rgb = spare0;").combiners,
+    )
+    mesh = Mesh(corners, colors=np.ones((3, 3)), texture_coordinates=(np.zeros((3, 2)),))
+    return (
+        Clear(label="black", color=(0, 0, 0, 0)),
+        TexImage(label="grey texels", texture="grey", image=grey),
+        Draw(label="colour times texel", mesh=mesh, state=state),
+    )
+
+
+frame = one_pass([[-1, -1], [3, -1], [-1, 3]], 4)
+validate(frame, GEFORCE_256, 4, 4)
+result = execute(frame, GEFORCE_256, 4, 4, engine="portable", record=True)
+difference = execute_ideal(frame, 4, 4, guide=result).image() - result.framebuffer.color
+reveal_type(execute)
+reveal_type(result.image())
+reveal_type(frame[0].label)
+print(describe(frame), difference.max(), result.records[0].x)
+"""
+MISTAKES = {
+    ("execute(frame, GEFORCE_256, 4, 4,", 'execute(frame, "GEFORCE_256", 4, 4,'): '"str"; expected "Profile"',
+    ('engine="portable"', 'engine="fast"'): """expected "Literal['portable', 'columns'] | None\"""",
+    ("BlendFactor.ONE, d", "TextureFilter.LINEAR, d"): '"TextureFilter"; expected "BlendFactor"',
+    ("color=(0, 0, 0, 0)", "color=(0, 0, 0)"): 'expected "tuple[float, float, float, float] | None"',
+    ("(frame, GEFORCE_256, 4, 4)", "(frame[0], GEFORCE_256, 4, 4)"): 'expected "Iterable[Clear | Draw |',
+    ("Blending, Clear", "Blendings, Clear"): 'has no attribute "Blendings"',
+    ("result.framebuffer.color", "result.frame_buffer.color"): 'has no attribute "frame_buffer"',
+    ("Mesh(corners, ", "Mesh(corners, color=None, "): 'Unexpected keyword argument "color"',
+}
+
+
+@pytest.mark.slow
+def test_an_editor_knows_the_door_s_types_and_says_what_is_wrong(installed, tmp_path):
+    _, place = installed
+    python = place.parents[2] / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+    command = [sys.executable, "-m", "mypy", "--strict", "--python-executable", python, "effect.py"]
+
+    def said(source):
+        (tmp_path / "effect.py").write_text(source)
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        return done.returncode, done.stdout + done.stderr
+
+    status, text = said(EFFECT)
+    assert status == 0, text
+    shown = re.findall(r'Revealed type is "(.*)"', text)
+    assert re.match(
+        r"def \(commands: .*\[.*Clear \| .*\], profile: .*Profile, width: .*int, .*Result$", shown[0]
+    )
+    assert "ndarray" in shown[1] and "unsignedinteger" in shown[1]
+    assert "str" in shown[2]
+    for (right, wrong), sentence in MISTAKES.items():
+        assert EFFECT.count(right) == 1, right
+        status, text = said(EFFECT.replace(right, wrong))
+        assert status == 1
+        assert sentence in text, wrong

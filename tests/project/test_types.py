@@ -1,0 +1,119 @@
+"""Types at the door: every public function that users call says what it takes and gives; its stub is whole.
+
+``make check`` runs mypy over these modules; what it says of a user's file, test_installed asks.
+"""
+
+import ast
+import importlib
+import inspect
+import subprocess
+import tomllib
+from pathlib import Path
+from typing import get_args
+
+import pytest
+
+from fixedpipe import pipeline
+from fixedpipe.effects import collection
+from fixedpipe.effects.geometry import surfaces, views
+from fixedpipe.pipeline.commands import ReadFormat, ReadType
+from fixedpipe.pipeline.framebuffers.framebuffer import READ_FORMATS, Framebuffer
+from fixedpipe.pipeline.framebuffers.snapshot import Snapshot
+from fixedpipe.pipeline.framebuffers.transfer import (
+    DEPTH_FORMAT,
+    IMAGE_FORMATS,
+    INDEX_FORMATS,
+    READ_TYPES,
+    HistogramTable,
+    MinmaxTable,
+)
+from fixedpipe.pipeline.pixel_transfer import ImageFormat
+
+ROOT = Path(__file__).parents[2]
+STUB = ast.parse((ROOT / "pipeline" / "__init__.pyi").read_text())
+# What users call: the door's names, a Result's parts, and what effects are made of.
+# Not yet Profile, whose methods have no types.
+CALLED = {name: getattr(pipeline, name) for name in pipeline.__all__ if name != "Profile"}
+CALLED |= {kind.__name__: kind for kind in (Framebuffer, Snapshot, HistogramTable, MinmaxTable)}
+CALLED |= {
+    name: value
+    for module in (collection, surfaces, views)
+    for name, value in vars(module).items()
+    if not name.startswith("_") and getattr(value, "__module__", None) == module.__name__
+}
+
+
+def test_the_door_reads_every_line_of_its_stub():
+    lines = [(node.module, [(alias.name, alias.asname) for alias in node.names]) for node in STUB.body]
+    assert [names for _, names in lines] == [[(name, name)] for _, ((name, _),) in lines]
+    assert pipeline.__all__ == sorted(name for _, ((name, _),) in lines)
+    for module, ((name, _),) in lines:
+        assert getattr(pipeline, name) is getattr(importlib.import_module(module), name)
+
+
+def test_every_module_of_the_door_is_checked():
+    checked = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["mypy"]["modules"]
+    assert checked == sorted(checked)
+    assert {node.module for node in STUB.body} - {*checked, "fixedpipe.pipeline.profiles.profile"} == set()
+
+
+def public_functions(value):
+    """(name, function) of what users call of a function or class of the door, its properties too."""
+    if inspect.isfunction(value):
+        yield value.__name__, value
+    if not inspect.isclass(value):
+        return
+    for name, member in vars(value).items():
+        function = getattr(member, "fget", None) or getattr(member, "__func__", None) or member
+        if inspect.isfunction(function) and (name == "__init__" or not name.startswith("_")):
+            yield f"{value.__name__}.{name}", function
+
+
+def without_types(function):
+    """The names of a function's parameters that have no annotation, and "return"."""
+    signature = inspect.signature(function)
+    bare = [p.name for p in signature.parameters.values() if p.annotation is p.empty]
+    if signature.return_annotation is signature.empty and function.__name__ != "__init__":
+        bare.append("return")
+    return [name for name in bare if name not in ("self", "cls")]
+
+
+@pytest.mark.parametrize("name", CALLED)
+def test_what_users_call_says_its_types(name):
+    functions = dict(public_functions(CALLED[name]))
+    assert {what: bare for what, function in functions.items() if (bare := without_types(function))} == {}
+
+
+def test_the_rule_sees_what_has_no_types():
+    class Bare:
+        def __init__(self, x: int, y):
+            pass
+
+        @property
+        def width(self):
+            return 1
+
+        @classmethod
+        def new(cls, z) -> int:
+            return z
+
+        def _own(self, anything):
+            pass
+
+    found = {what: without_types(function) for what, function in public_functions(Bare)}
+    assert found == {"Bare.__init__": ["y"], "Bare.width": ["return"], "Bare.new": ["z"]}
+
+
+def test_strings_that_types_list_are_those_of_the_tables():
+    assert {*get_args(ImageFormat)} == {*IMAGE_FORMATS, DEPTH_FORMAT, *INDEX_FORMATS}
+    assert {*get_args(ReadFormat)} == {*READ_FORMATS, DEPTH_FORMAT, "STENCIL_INDEX"}
+    assert {*get_args(ReadType)} == {*READ_TYPES}
+
+
+def test_mypy_finds_the_folders_under_their_name(tmp_path):
+    (tmp_path / "Makefile").write_text((ROOT / "Makefile").read_text())
+    for folder in ("raster", "pipeline", "effects"):
+        (tmp_path / folder).mkdir()
+    subprocess.run(["make", "--silent", ".cache/types/fixedpipe"], cwd=tmp_path, check=True)
+    for folder in ("raster", "pipeline", "effects"):
+        assert (tmp_path / ".cache/types/fixedpipe" / folder).resolve() == tmp_path.resolve() / folder
