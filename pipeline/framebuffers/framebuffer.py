@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fixedpipe.pipeline.commands import Clear, ReadPixels, Saturate
+from fixedpipe.pipeline.commands import Clear, CopyPixels, CopyTexImage, CopyTexSubImage, ReadPixels, Saturate
 from fixedpipe.pipeline.enums import ColorBuffer, ColorFormat, DepthFormat
 from fixedpipe.pipeline.framebuffers.boxes import scissored
 from fixedpipe.pipeline.framebuffers.transfer import (
@@ -203,7 +203,9 @@ class Framebuffer:
         """Depths of a window rectangle, float64 [h, w] in [0, 1], bottom row first; fixed formats alone."""
         return self.depth[self._rows(x, y, width, height)][::-1] / float(2**self.depth_bits - 1)
 
-    def box_of(self, command: ReadPixels) -> tuple[int, int, int, int]:
+    def box_of(
+        self, command: ReadPixels | CopyPixels | CopyTexImage | CopyTexSubImage
+    ) -> tuple[int, int, int, int]:
         """X, y, width, height of what a command reads; None: as far as the framebuffer reaches."""
         width = self.width - command.x if command.width is None else command.width
         height = self.height - command.y if command.height is None else command.height
