@@ -16,19 +16,27 @@ Kilgard 2000, section 4.
 import math
 
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors, light_vectors
-from fixedpipe.effects.passes.combiners import NO_ALPHA, NO_RGB, OPAQUE, ZERO, alpha_of, expand, opaque
+from fixedpipe.effects.passes.combiners import (
+    CONSTANT0,
+    CONSTANT1,
+    NOTHING,
+    PRIMARY,
+    SPARE0,
+    SPARE1,
+    TEXTURE0,
+    TEXTURE1,
+    dot,
+    expand,
+    final,
+    gate,
+    product,
+    program,
+    square,
+    stage,
+)
 from fixedpipe.effects.passes.draws import ADD_GATED, FIRST_PASS, LATER_PASS, REPEATED, draw, unit
 from fixedpipe.effects.passes.encoding import encode_vertex_color
 from fixedpipe.effects.technique import Technique
-from fixedpipe.pipeline.enums import CombinerScale, ComponentUsage, Register
-from fixedpipe.pipeline.state import (
-    AlphaPortion,
-    CombinerInput,
-    FinalCombiner,
-    GeneralCombiner,
-    RegisterCombiners,
-    RGBPortion,
-)
 
 TECHNIQUES = (
     Technique("K10", "diffuse bump mapping: (n.l)+ at every fragment, times a colour", "3, 6"),
@@ -37,51 +45,21 @@ TECHNIQUES = (
 )
 
 
-def diffuse_combiners(
-    color, ambient=(0.0, 0.0, 0.0), light_register=Register.PRIMARY_COLOR, *, color_map=False
-):
-    """General combiners: dot product, gate; final combiner: (n.l)+ color + ambient, alpha = the gate.
+def diffuse_combiners(color, ambient=(0.0, 0.0, 0.0), light_register=PRIMARY, *, color_map=False):
+    """(n.l)+ color + ambient, alpha: the gate min(1, 4 (n.l)+).
 
-    ``color_map``: both colours are multiplied by texture 1.
+    ``light_register``: the register that has l. ``color_map``: both colours are multiplied by texture 1.
     """
-    dot_product = RGBPortion(
-        a=expand(Register.TEXTURE0),
-        b=expand(light_register),
-        ab_dot_product=True,
-        ab_output=Register.SPARE0,
-        sum_output=Register.DISCARD,
-    )
-    gate = AlphaPortion(
-        a=CombinerInput(Register.SPARE0, usage=ComponentUsage.BLUE),
-        b=OPAQUE,
-        ab_output=Register.SPARE0,
-        sum_output=Register.DISCARD,
-        scale=CombinerScale.SCALE_BY_FOUR,
-    )
-    lit, surface_color, always = NO_RGB, Register.CONSTANT_COLOR0, Register.CONSTANT_COLOR1
-    texels = CombinerInput(Register.TEXTURE1)
+    surface_color, always, lit = CONSTANT0, CONSTANT1, NOTHING
     if color_map:
-        lit = RGBPortion(
-            a=texels,
-            b=CombinerInput(Register.CONSTANT_COLOR0),
-            ab_output=Register.SPARE1,
-            sum_output=Register.DISCARD,
-        )
-        surface_color, always = Register.SPARE1, Register.E_TIMES_F
-    final = FinalCombiner(
-        a=CombinerInput(Register.SPARE0),
-        b=CombinerInput(surface_color),
-        c=ZERO,
-        d=CombinerInput(always),
-        e=CombinerInput(Register.CONSTANT_COLOR1) if color_map else ZERO,
-        f=texels if color_map else ZERO,
-        g=alpha_of(Register.SPARE0),
-    )
-    return RegisterCombiners(
-        general=(GeneralCombiner(dot_product, NO_ALPHA), GeneralCombiner(lit, gate)),
-        final=final,
-        constant_color0=opaque(color),
-        constant_color1=opaque(ambient),
+        lit = product(TEXTURE1, CONSTANT0, to=SPARE1)
+        surface_color, always = SPARE1, product(CONSTANT1, TEXTURE1)
+    return program(
+        dot(expand(TEXTURE0), expand(light_register), to=SPARE0),
+        stage(lit, alpha=gate(SPARE0)),
+        final(SPARE0, surface_color, plus=always, alpha=SPARE0),
+        constant0=color,
+        constant1=ambient,
     )
 
 
@@ -113,20 +91,12 @@ def diffuse_pass(
 
 
 def blinn_phong_combiners():
-    """General combiners: n.h, then its square; final combiner: squared twice more by E times F."""
-    dot_product = RGBPortion(
-        a=expand(Register.TEXTURE0),
-        b=expand(Register.PRIMARY_COLOR),
-        ab_dot_product=True,
-        ab_output=Register.SPARE0,
-        sum_output=Register.DISCARD,
-    )
-    spare0 = CombinerInput(Register.SPARE0)
-    square = RGBPortion(a=spare0, b=spare0, ab_output=Register.SPARE0, sum_output=Register.DISCARD)
-    power4 = CombinerInput(Register.E_TIMES_F)
-    final = FinalCombiner(a=power4, b=power4, c=ZERO, d=ZERO, e=spare0, f=spare0, g=OPAQUE)
-    return RegisterCombiners(
-        general=(GeneralCombiner(dot_product, NO_ALPHA), GeneralCombiner(square, NO_ALPHA)), final=final
+    """(n.h)^8: squared by a general combiner, again by E times F, and that by A times B."""
+    fourth_power = square(SPARE0)
+    return program(
+        dot(expand(TEXTURE0), expand(PRIMARY), to=SPARE0),
+        square(SPARE0, to=SPARE0),
+        final(fourth_power, fourth_power),
     )
 
 

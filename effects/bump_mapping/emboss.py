@@ -29,7 +29,26 @@ import numpy as np
 
 from fixedpipe.effects.geometry.vectors import cross, dot, normalize
 from fixedpipe.effects.passes.arguments import checked_rgb
-from fixedpipe.effects.passes.combiners import NO_ALPHA, ONE, OPAQUE, ZERO, alpha_of, expand, opaque
+from fixedpipe.effects.passes.combiners import (
+    CONSTANT0,
+    CONSTANT1,
+    PRIMARY,
+    SPARE0,
+    TEXTURE0,
+    TEXTURE1,
+    blue_of,
+    expand,
+    final,
+    less_half,
+    negated,
+    product,
+    program,
+    scaled,
+    signed,
+    square,
+    stage,
+    total,
+)
 from fixedpipe.effects.passes.draws import (
     ADD,
     ADD_GATED,
@@ -47,26 +66,11 @@ from fixedpipe.pipeline.enums import (
     BlendFactor,
     CombineFunction,
     CombineOperand,
-    CombinerBias,
-    CombinerScale,
     CombineSource,
-    ComponentUsage,
     InternalFormat,
-    Mapping,
-    Register,
     TextureEnvironmentMode,
 )
-from fixedpipe.pipeline.state import (
-    AlphaPortion,
-    Blending,
-    Combine,
-    CombinerInput,
-    FinalCombiner,
-    GeneralCombiner,
-    RegisterCombiners,
-    RGBPortion,
-    TextureEnvironment,
-)
+from fixedpipe.pipeline.state import Blending, Combine, TextureEnvironment
 from fixedpipe.pipeline.textures.images import texture_2d
 
 TECHNIQUES = (Technique("K13", "embossing: bumps as the difference of two readings of a height map", "2"),)
@@ -267,47 +271,21 @@ def two_unit_passes(
     return out
 
 
-def _difference():
-    """4 (H1 - H0) in spare 0."""
-    return RGBPortion(
-        a=CombinerInput(Register.TEXTURE1),
-        b=ONE,
-        c=CombinerInput(Register.TEXTURE0, Mapping.SIGNED_NEGATE),
-        d=ONE,
-        sum_output=Register.SPARE0,
-        scale=CombinerScale.SCALE_BY_FOUR,
-    )
+# 4 (H1 - H0) in spare 0.
+_DIFFERENCE = scaled(4, total(TEXTURE1, negated(TEXTURE0), to=SPARE0))
 
 
 def diffuse_combiners(color, ambient):
     """(n.l + 4 (H1 - H0))+ color + ambient with n.l in the primary colour; alpha: four times that, a gate."""
-    total = RGBPortion(
-        a=CombinerInput(Register.SPARE0, Mapping.SIGNED_IDENTITY),
-        b=ONE,
-        c=expand(Register.PRIMARY_COLOR),
-        d=ONE,
-        sum_output=Register.SPARE0,
-    )
-    gate = AlphaPortion(
-        a=CombinerInput(Register.SPARE0, Mapping.SIGNED_IDENTITY, ComponentUsage.BLUE),
-        b=OPAQUE,
-        c=CombinerInput(Register.PRIMARY_COLOR, Mapping.EXPAND_NORMAL, ComponentUsage.BLUE),
-        d=OPAQUE,
-        sum_output=Register.SPARE0,
-        scale=CombinerScale.SCALE_BY_FOUR,
-    )
-    final = FinalCombiner(
-        a=CombinerInput(Register.SPARE0),
-        b=CombinerInput(Register.CONSTANT_COLOR0),
-        c=ZERO,
-        d=CombinerInput(Register.CONSTANT_COLOR1),
-        g=alpha_of(Register.SPARE0),
-    )
-    return RegisterCombiners(
-        general=(GeneralCombiner(_difference(), NO_ALPHA), GeneralCombiner(total, gate)),
-        final=final,
-        constant_color0=opaque(color),
-        constant_color1=opaque(ambient),
+    return program(
+        _DIFFERENCE,
+        stage(
+            total(signed(SPARE0), expand(PRIMARY), to=SPARE0),
+            alpha=scaled(4, total(signed(blue_of(SPARE0)), expand(blue_of(PRIMARY)), to=SPARE0)),
+        ),
+        final(SPARE0, CONSTANT0, plus=CONSTANT1, alpha=SPARE0),
+        constant0=color,
+        constant1=ambient,
     )
 
 
@@ -317,22 +295,13 @@ def specular_combiners(specular):
 
     A highlight about as sharp as one of exponent 16; E times F squares once, A times B again.
     """
-    constant = CombinerInput(Register.CONSTANT_COLOR0)
-    total = RGBPortion(
-        a=CombinerInput(Register.SPARE0, Mapping.SIGNED_IDENTITY),
-        b=constant,
-        c=expand(Register.PRIMARY_COLOR),
-        d=constant,
-        sum_output=Register.SPARE0,
-        scale=CombinerScale.SCALE_BY_TWO,
-        bias=CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF,
-    )
-    spare0, square = CombinerInput(Register.SPARE0), CombinerInput(Register.E_TIMES_F)
     c = 0.5 + 0.5 * float(np.sqrt(np.sqrt(specular)))
-    return RegisterCombiners(
-        general=(GeneralCombiner(_difference(), NO_ALPHA), GeneralCombiner(total, NO_ALPHA)),
-        final=FinalCombiner(a=square, b=square, c=ZERO, d=ZERO, e=spare0, f=spare0, g=OPAQUE),
-        constant_color0=opaque((c, c, c)),
+    c_x = total(product(signed(SPARE0), CONSTANT0), product(expand(PRIMARY), CONSTANT0), to=SPARE0)
+    return program(
+        _DIFFERENCE,
+        scaled(2, less_half(c_x)),
+        final(square(SPARE0), square(SPARE0)),
+        constant0=(c, c, c),
     )
 
 

@@ -6,18 +6,27 @@ multiplies the highlight by it.
 Source: Kautz, Seidel 2000, section 1 (K02 of the catalogue).
 """
 
-from dataclasses import replace
-
 import numpy as np
 
-from fixedpipe.effects.bump_mapping.diffuse_bump import blinn_phong_combiners, diffuse_pass
+from fixedpipe.effects.bump_mapping.diffuse_bump import diffuse_pass
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors, light_vectors
-from fixedpipe.effects.passes.combiners import alpha_of
+from fixedpipe.effects.passes.combiners import (
+    PRIMARY,
+    SPARE0,
+    TEXTURE0,
+    dot,
+    expand,
+    final,
+    product,
+    program,
+    square,
+    stage,
+)
 from fixedpipe.effects.passes.draws import LATER_PASS, draw, unit
 from fixedpipe.effects.passes.encoding import encode_factor, encode_vertex_color
 from fixedpipe.effects.technique import Technique
-from fixedpipe.pipeline.enums import BlendFactor, Register
-from fixedpipe.pipeline.state import AlphaPortion, Blending
+from fixedpipe.pipeline.enums import BlendFactor
+from fixedpipe.pipeline.state import Blending
 
 TECHNIQUES = (
     Technique("K02", "a gloss map: the highlight's strength per texel, its width for a polygon", "1"),
@@ -27,17 +36,13 @@ MODULATED_BY_ALPHA = Blending(BlendFactor.SRC_ALPHA, BlendFactor.ONE)
 
 
 def gloss_combiners():
-    """K14's highlight; alpha = k_s of the normal map's alpha times the gate of the vertices' alpha."""
-    combiners = blinn_phong_combiners()
-    gloss = AlphaPortion(
-        a=alpha_of(Register.TEXTURE0),
-        b=alpha_of(Register.PRIMARY_COLOR),
-        ab_output=Register.SPARE0,
-        sum_output=Register.DISCARD,
+    """K14's (n.h)^8; alpha = k_s of the normal map's alpha times the gate of the vertices' alpha."""
+    fourth_power = square(SPARE0)
+    return program(
+        stage(dot(expand(TEXTURE0), expand(PRIMARY), to=SPARE0), alpha=product(TEXTURE0, PRIMARY, to=SPARE0)),
+        square(SPARE0, to=SPARE0),
+        final(fourth_power, fourth_power, alpha=SPARE0),
     )
-    first, second = combiners.general
-    final = replace(combiners.final, g=alpha_of(Register.SPARE0))
-    return replace(combiners, general=(replace(first, alpha=gloss), second), final=final)
 
 
 def specular_pass(surface, normal_map, view, light, profile):

@@ -27,7 +27,26 @@ from fixedpipe.effects.bump_mapping import diffuse_bump, normalization_cube_map
 from fixedpipe.effects.geometry.matrices import rotate
 from fixedpipe.effects.geometry.vectors import cross, from_frame, normalize
 from fixedpipe.effects.passes import host_images
-from fixedpipe.effects.passes.combiners import NO_ALPHA, ONE, OPAQUE, ZERO, alpha_of, expand, opaque
+from fixedpipe.effects.passes.combiners import (
+    CONSTANT0,
+    CONSTANT1,
+    PRIMARY,
+    SECONDARY,
+    SPARE0,
+    SPARE1,
+    TEXTURE3,
+    alpha_of,
+    both,
+    dot,
+    expand,
+    final,
+    gate,
+    product,
+    program,
+    square,
+    stage,
+    total,
+)
 from fixedpipe.effects.passes.draws import (
     ADD_GATED,
     EDGE,
@@ -39,21 +58,17 @@ from fixedpipe.effects.passes.draws import (
     unit,
 )
 from fixedpipe.effects.passes.encoding import encode_vertex_color
-from fixedpipe.effects.passes.texture_shaders import NO_TEXTURE, TEXTURE_STAGE, dot_product_stage
+from fixedpipe.effects.passes.texture_shaders import (
+    NO_TEXTURE,
+    TEXTURE_STAGE,
+    dot_product_stages,
+)
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import TexImage
-from fixedpipe.pipeline.enums import BaseFormat, CombinerScale, ComponentUsage, InternalFormat, Register
+from fixedpipe.pipeline.enums import BaseFormat, InternalFormat
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.pixel_transfer import PixelImage
-from fixedpipe.pipeline.state import (
-    AlphaPortion,
-    ColorTable,
-    CombinerInput,
-    FinalCombiner,
-    GeneralCombiner,
-    RegisterCombiners,
-    RGBPortion,
-)
+from fixedpipe.pipeline.state import ColorTable
 
 TECHNIQUES = (
     Technique("Z05", "bumps lit in camera space: normals turned at every pixel", "Rendering"),
@@ -78,54 +93,16 @@ def rows(surface, view):
 
 
 def _camera_combiners(color, ambient):
-    """The normal from unit 3, l the primary and h the secondary colour: four combiners and the final."""
-    normal = expand(Register.TEXTURE3)
-    dots = RGBPortion(
-        a=normal,
-        b=expand(Register.PRIMARY_COLOR),
-        c=normal,
-        d=expand(Register.SECONDARY_COLOR),
-        ab_dot_product=True,
-        cd_dot_product=True,
-        ab_output=Register.SPARE0,
-        cd_output=Register.SPARE1,
-        sum_output=Register.DISCARD,
-    )
-    gate = AlphaPortion(
-        a=CombinerInput(Register.SPARE0, usage=ComponentUsage.BLUE),
-        b=OPAQUE,
-        ab_output=Register.SPARE0,
-        sum_output=Register.DISCARD,
-        scale=CombinerScale.SCALE_BY_FOUR,
-    )
-    diffuse = RGBPortion(
-        a=CombinerInput(Register.SPARE0),
-        b=CombinerInput(Register.CONSTANT_COLOR0),
-        c=CombinerInput(Register.CONSTANT_COLOR1),
-        d=ONE,
-        sum_output=Register.SPARE0,
-    )
-    power = CombinerInput(Register.SPARE1)
-    square = RGBPortion(a=power, b=power, ab_output=Register.SPARE1, sum_output=Register.DISCARD)
-    final = FinalCombiner(
-        a=alpha_of(Register.SPARE0),
-        b=CombinerInput(Register.E_TIMES_F),
-        c=ZERO,
-        d=CombinerInput(Register.SPARE0),
-        e=power,
-        f=power,
-        g=OPAQUE,
-    )
-    return RegisterCombiners(
-        general=(
-            GeneralCombiner(dots, NO_ALPHA),
-            GeneralCombiner(diffuse, gate),
-            GeneralCombiner(square, NO_ALPHA),
-            GeneralCombiner(square, NO_ALPHA),
-        ),
-        final=final,
-        constant_color0=opaque(color),
-        constant_color1=opaque(ambient),
+    """(n.l)+ color + ambient + min(1, 4 (n.l)+) (n.h)^8: n of unit 3, l primary, h secondary."""
+    n = expand(TEXTURE3)
+    return program(
+        both(dot(n, expand(PRIMARY), to=SPARE0), dot(n, expand(SECONDARY), to=SPARE1)),
+        stage(total(product(SPARE0, CONSTANT0), CONSTANT1, to=SPARE0), alpha=gate(SPARE0)),
+        square(SPARE1, to=SPARE1),
+        square(SPARE1, to=SPARE1),
+        final(alpha_of(SPARE0), square(SPARE1), plus=SPARE0),
+        constant0=color,
+        constant1=ambient,
     )
 
 
@@ -162,12 +139,7 @@ def camera_space_pass(
         unit(NO_TEXTURE, coordinates=2),
         unit(normalization_cube_map.NAME, EDGE, coordinates=3),
     )
-    stages = (
-        TEXTURE_STAGE,
-        dot_product_stage(Operation.DOT_PRODUCT, 0),
-        dot_product_stage(Operation.DOT_PRODUCT, 0),
-        dot_product_stage(Operation.DOT_PRODUCT_TEXTURE_CUBE_MAP, 0),
-    )
+    stages = (TEXTURE_STAGE, *dot_product_stages(0, 0, 0, lookup=Operation.DOT_PRODUCT_TEXTURE_CUBE_MAP))
     return (
         draw(
             "camera space: n = modelview [t b n] bm, of length one; (n.l)+ and (n.h)^8",

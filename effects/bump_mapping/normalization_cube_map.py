@@ -12,7 +12,21 @@ import numpy as np
 
 from fixedpipe.effects.bump_mapping.diffuse_bump import diffuse_combiners
 from fixedpipe.effects.geometry.vectors import normalize
-from fixedpipe.effects.passes.combiners import NO_ALPHA, ONE, OPAQUE, ZERO, alpha_of, constant_product, expand
+from fixedpipe.effects.passes.combiners import (
+    ONE,
+    SPARE0,
+    TEXTURE0,
+    TEXTURE1,
+    alpha_of,
+    constant_product,
+    dot,
+    expand,
+    final,
+    program,
+    scaled,
+    signed,
+    square,
+)
 from fixedpipe.effects.passes.draws import (
     ADD,
     EDGE,
@@ -27,14 +41,7 @@ from fixedpipe.effects.passes.draws import (
 from fixedpipe.effects.passes.encoding import encode_expand
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import TexImage
-from fixedpipe.pipeline.enums import CombinerScale, InternalFormat, Mapping, Register
-from fixedpipe.pipeline.state import (
-    CombinerInput,
-    FinalCombiner,
-    GeneralCombiner,
-    RegisterCombiners,
-    RGBPortion,
-)
+from fixedpipe.pipeline.enums import InternalFormat
 from fixedpipe.pipeline.textures.images import texture_cube_map
 
 TECHNIQUES = (Technique("K12", "a normalization cube map: interpolated vectors get their length back", "5"),)
@@ -81,7 +88,7 @@ def diffuse_pass(
     their full length they are linear over a flat polygon, and the direction is then right at every fragment.
     """
     mesh = surface.mesh(surface.texture_coordinates, vectors)
-    combiners = diffuse_combiners(color, ambient, light_register=Register.TEXTURE1)
+    combiners = diffuse_combiners(color, ambient, light_register=TEXTURE1)
     units = (unit(normal_map), unit(NAME, EDGE, coordinates=1))
     label = "diffuse pass: (n.l)+, l from the normalization cube map"
     return (draw(label, mesh, view, combiners, units, depth_test=depth_test, blending=blending),)
@@ -89,19 +96,10 @@ def diffuse_pass(
 
 def _squared_dot_product():
     """(4 T'.h)^2 with h from the cube map."""
-    product = RGBPortion(
-        a=expand(Register.TEXTURE0),
-        b=expand(Register.TEXTURE1),
-        ab_dot_product=True,
-        ab_output=Register.SPARE0,
-        sum_output=Register.DISCARD,
-        scale=CombinerScale.SCALE_BY_FOUR,
-    )
-    spare0 = CombinerInput(Register.SPARE0, Mapping.SIGNED_IDENTITY)
-    square = RGBPortion(a=spare0, b=spare0, ab_output=Register.SPARE0, sum_output=Register.DISCARD)
-    final = FinalCombiner(a=CombinerInput(Register.SPARE0), b=ONE, c=ZERO, d=ZERO, g=OPAQUE)
-    return RegisterCombiners(
-        general=(GeneralCombiner(product, NO_ALPHA), GeneralCombiner(square, NO_ALPHA)), final=final
+    return program(
+        scaled(4, dot(expand(TEXTURE0), expand(TEXTURE1), to=SPARE0)),
+        square(signed(SPARE0), to=SPARE0),
+        final(SPARE0),
     )
 
 
@@ -113,7 +111,7 @@ def specular_passes(surface, vectors, names, view, *, specular=(1.0, 1.0, 1.0)):
     mesh = surface.mesh(surface.texture_coordinates, vectors)
     square, cube_map = _squared_dot_product(), unit(NAME, EDGE, coordinates=1)
     white = constant_product(ONE, (1.0, 1.0, 1.0))
-    k_s = constant_product(alpha_of(Register.TEXTURE0), specular)
+    k_s = constant_product(alpha_of(TEXTURE0), specular)
     tangent, binormal = unit(names.tangent), unit(names.binormal)
     return (
         draw("(h.t/ax)^2", mesh, view, square, (tangent, cube_map), depth_test=FIRST_PASS),

@@ -29,7 +29,16 @@ from fixedpipe.effects.environment_maps import environments
 from fixedpipe.effects.geometry.matrices import rotate
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.vertex_vectors import reflected
-from fixedpipe.effects.passes.combiners import NO_ALPHA, NO_RGB, ONE, OPAQUE, ZERO, alpha_of, opaque
+from fixedpipe.effects.passes.combiners import (
+    CONSTANT0,
+    ONE,
+    TEXTURE0,
+    TEXTURE3,
+    alpha_of,
+    final,
+    product,
+    program,
+)
 from fixedpipe.effects.passes.draws import (
     EDGE,
     FIRST_PASS,
@@ -41,25 +50,24 @@ from fixedpipe.effects.passes.draws import (
     unit,
 )
 from fixedpipe.effects.passes.encoding import encode_dot_product, encode_factor
-from fixedpipe.effects.passes.texture_shaders import NO_TEXTURE, TEXTURE_STAGE, dot_product_stage
+from fixedpipe.effects.passes.texture_shaders import (
+    NO_TEXTURE,
+    TEXTURE_STAGE,
+    dot_product_stages,
+)
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import (
     Face,
     InternalFormat,
     PrimitiveType,
-    Register,
     TexGenMode,
     TextureEnvironmentMode,
 )
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.state import (
-    CombinerInput,
-    FinalCombiner,
-    GeneralCombiner,
     PassState,
     PolygonState,
-    RegisterCombiners,
     SignedComponents,
     TexGen,
     TextureEnvironment,
@@ -128,18 +136,7 @@ def rows_and_eye(surface, view):
 
 def _tinted(texel, factor, tint):
     """A unit's texel times a constant, times a factor: combiners."""
-    final = FinalCombiner(
-        a=CombinerInput(Register.E_TIMES_F),
-        b=factor,
-        c=ZERO,
-        d=ZERO,
-        e=CombinerInput(texel),
-        f=CombinerInput(Register.CONSTANT_COLOR0),
-        g=OPAQUE,
-    )
-    return RegisterCombiners(
-        general=(GeneralCombiner(NO_RGB, NO_ALPHA),), final=final, constant_color0=opaque(tint)
-    )
+    return program(final(product(texel, CONSTANT0), factor), constant0=tint)
 
 
 def reflection_pass(surface, names, view, *, dirt=True, tint=(1.0, 1.0, 1.0), sampler=REPEATED):
@@ -151,19 +148,14 @@ def reflection_pass(surface, names, view, *, dirt=True, tint=(1.0, 1.0, 1.0), sa
         unit(NO_TEXTURE, coordinates=2),
         unit(CUBE_MAP, EDGE, coordinates=3),
     )
-    stages = (
-        TEXTURE_STAGE,
-        dot_product_stage(Operation.DOT_PRODUCT, 0),
-        dot_product_stage(Operation.DOT_PRODUCT, 0),
-        dot_product_stage(Operation.DOT_PRODUCT_REFLECT_CUBE_MAP, 0),
-    )
+    stages = (TEXTURE_STAGE, *dot_product_stages(0, 0, 0, lookup=Operation.DOT_PRODUCT_REFLECT_CUBE_MAP))
     label = "reflection: r of the bumped normal, looked up in the cube map"
     return (
         draw(
             f"{label}, times dirt" if dirt else label,
             mesh,
             view,
-            _tinted(Register.TEXTURE3, alpha_of(Register.TEXTURE0) if dirt else ONE, tint),
+            _tinted(TEXTURE3, alpha_of(TEXTURE0) if dirt else ONE, tint),
             units,
             depth_test=FIRST_PASS,
             texture_shader=stages,
@@ -221,7 +213,7 @@ _IDENTITY = tuple(tuple(float(i == j) for j in range(4)) for i in range(4))
 
 def backdrop(view):
     """The environment as the viewer sees it, from the cube map: one draw."""
-    combiners = _tinted(Register.TEXTURE0, ONE, (1.0, 1.0, 1.0))
+    combiners = _tinted(TEXTURE0, ONE, (1.0, 1.0, 1.0))
     return (
         _background(
             "the environment behind, from the cube map",

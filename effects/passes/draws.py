@@ -2,13 +2,12 @@
 one that shows a stored picture.
 """
 
-from fixedpipe.effects.passes.combiners import NO_ALPHA, NO_RGB, OPAQUE, ZERO, constant_product
+from fixedpipe.effects.passes.combiners import TEXTURE0, ZERO, constant_product, program, shown
 from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.enums import (
     BlendEquation,
     BlendFactor,
     ComparisonFunction,
-    Register,
     StencilOperation,
     TextureEnvironmentMode,
     TextureFilter,
@@ -16,12 +15,8 @@ from fixedpipe.pipeline.enums import (
 )
 from fixedpipe.pipeline.state import (
     Blending,
-    CombinerInput,
     DepthTest,
-    FinalCombiner,
-    GeneralCombiner,
     PassState,
-    RegisterCombiners,
     Sampler,
     StencilTest,
     TextureEnvironment,
@@ -109,16 +104,6 @@ def show(picture, panel, name, surface):
     image = picture.dtype.type(0) * picture[:1, :1]
     image = image.repeat(rows, axis=0).repeat(columns, axis=1)
     image[:height, :width] = picture
-    combiners = RegisterCombiners(
-        general=(GeneralCombiner(NO_RGB, NO_ALPHA),),
-        final=FinalCombiner(
-            a=ZERO,
-            b=ZERO,
-            c=ZERO,
-            d=CombinerInput(Register.TEXTURE0),
-            g=OPAQUE,
-        ),
-    )
     scaled = surface.with_repeats(width / columns, height / rows)
     return (
         TexImage(label=f"load {name}", texture=name, image=texture_2d(image)),
@@ -128,7 +113,7 @@ def show(picture, panel, name, surface):
             state=PassState(
                 vertex=VertexState(viewport=Viewport(panel.x, panel.y, panel.width, panel.height)),
                 texture_units=(unit(name, NEAREST),),
-                register_combiners=combiners,
+                register_combiners=program(shown(TEXTURE0)),
                 scissor=panel.scissor,
             ),
         ),

@@ -1,4 +1,4 @@
-"""Parts of texture shaders, for techniques: a unit's plain stage, and a dot product of a normal's texel."""
+"""The words in which techniques write texture shaders: plain stages, dependent lookups, dot products."""
 
 from fixedpipe.pipeline.enums import DotProductMapping
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
@@ -6,10 +6,22 @@ from fixedpipe.pipeline.state import TextureShaderStage
 
 NO_TEXTURE = None
 TEXTURE_STAGE = TextureShaderStage(Operation.TEXTURE_2D)
+PASS_THROUGH_STAGE = TextureShaderStage(Operation.PASS_THROUGH)
+# Lookups at unit 0's alpha and red, and at its green and blue.
+ALPHA_RED_STAGE = TextureShaderStage(Operation.DEPENDENT_AR_TEXTURE_2D)
+GREEN_BLUE_STAGE = TextureShaderStage(Operation.DEPENDENT_GB_TEXTURE_2D)
 
 
-def dot_product_stage(operation, previous):
-    """A stage whose dot product reads ``previous``'s texel as EXPAND_NORMAL does."""
-    return TextureShaderStage(
-        operation, previous_texture_input=previous, dot_product_mapping=DotProductMapping.EXPAND_NORMAL
+def dot_product_stages(
+    *previous, lookup=Operation.DOT_PRODUCT_TEXTURE_2D, mapping=DotProductMapping.EXPAND_NORMAL
+):
+    """Stages, each of which multiplies its texture coordinates with an earlier unit's texel, and the last of
+    which looks the products up.
+
+    ``previous``: the number of that unit for each stage. ``mapping``: how its texels are read.
+    """
+    operations = (*[Operation.DOT_PRODUCT] * (len(previous) - 1), lookup)
+    return tuple(
+        TextureShaderStage(operation, previous_texture_input=unit, dot_product_mapping=mapping)
+        for operation, unit in zip(operations, previous, strict=True)
     )

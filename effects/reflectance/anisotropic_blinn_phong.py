@@ -18,13 +18,26 @@ Source: Kautz, Seidel 2000, sections 3.2, 4 and 4.1, Eq. 1 (K07, K11 of the cata
 from fixedpipe.effects.geometry.vectors import from_frame, normalize
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors
 from fixedpipe.effects.passes.combiners import (
-    NO_ALPHA,
-    OPAQUE,
-    ZERO,
+    CONSTANT0,
+    PRIMARY,
+    SPARE0,
+    SPARE1,
+    TEXTURE0,
+    TEXTURE1,
     alpha_of,
+    both,
     constant_product,
+    dot,
     expand,
-    opaque,
+    final,
+    negated,
+    one_minus,
+    product,
+    program,
+    scaled,
+    signed,
+    square,
+    total,
 )
 from fixedpipe.effects.passes.draws import (
     ADD,
@@ -40,14 +53,6 @@ from fixedpipe.effects.passes.encoding import encode_vertex_color
 from fixedpipe.effects.reflectance.material_textures import Material
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import Saturate
-from fixedpipe.pipeline.enums import CombinerScale, Mapping, Register
-from fixedpipe.pipeline.state import (
-    CombinerInput,
-    FinalCombiner,
-    GeneralCombiner,
-    RegisterCombiners,
-    RGBPortion,
-)
 
 TECHNIQUES = (
     Technique("K07", "Eq. 1, the simplified anisotropic Blinn-Phong model, by register combiners", "4.1"),
@@ -57,34 +62,12 @@ TECHNIQUES = (
 
 def combiners(specular=(1.0, 1.0, 1.0)):
     """Eq. 1 as two general combiners and the final combiner; ``specular``: RGB by which k_s is multiplied."""
-    dot_products = RGBPortion(
-        a=expand(Register.TEXTURE0),
-        b=expand(Register.PRIMARY_COLOR),
-        c=expand(Register.TEXTURE1),
-        d=expand(Register.PRIMARY_COLOR),
-        ab_dot_product=True,
-        cd_dot_product=True,
-        ab_output=Register.SPARE0,
-        cd_output=Register.SPARE1,
-        sum_output=Register.DISCARD,
-        scale=CombinerScale.SCALE_BY_FOUR,
-    )
-    spare0 = CombinerInput(Register.SPARE0, Mapping.SIGNED_IDENTITY)
-    spare1 = CombinerInput(Register.SPARE1, Mapping.SIGNED_IDENTITY)
-    squares = RGBPortion(a=spare0, b=spare0, c=spare1, d=spare1, sum_output=Register.SPARE0)
-    final = FinalCombiner(
-        a=CombinerInput(Register.SPARE0, Mapping.UNSIGNED_INVERT),
-        b=CombinerInput(Register.E_TIMES_F),
-        c=ZERO,
-        d=ZERO,
-        e=CombinerInput(Register.CONSTANT_COLOR0),
-        f=alpha_of(Register.TEXTURE0),
-        g=OPAQUE,
-    )
-    return RegisterCombiners(
-        general=(GeneralCombiner(dot_products, NO_ALPHA), GeneralCombiner(squares, NO_ALPHA)),
-        final=final,
-        constant_color0=opaque(specular),
+    h = expand(PRIMARY)
+    return program(
+        scaled(4, both(dot(expand(TEXTURE0), h, to=SPARE0), dot(expand(TEXTURE1), h, to=SPARE1))),
+        total(square(signed(SPARE0)), square(signed(SPARE1)), to=SPARE0),
+        final(one_minus(SPARE0), product(CONSTANT0, alpha_of(TEXTURE0))),
+        constant0=specular,
     )
 
 
@@ -92,29 +75,11 @@ def square_combiners():
     """(4 T'.h)^2, at most one, by one general combiner: the final combiner squares the dot product's positive
     and negative half, of which one is zero, and adds them.
     """
-    product = RGBPortion(
-        a=expand(Register.TEXTURE0),
-        b=expand(Register.PRIMARY_COLOR),
-        c=CombinerInput(Register.TEXTURE0, Mapping.EXPAND_NEGATE),
-        d=expand(Register.PRIMARY_COLOR),
-        ab_dot_product=True,
-        cd_dot_product=True,
-        ab_output=Register.SPARE0,
-        cd_output=Register.SPARE1,
-        sum_output=Register.DISCARD,
-        scale=CombinerScale.SCALE_BY_FOUR,
+    t, h = expand(TEXTURE0), expand(PRIMARY)
+    return program(
+        scaled(4, both(dot(t, h, to=SPARE0), dot(negated(t), h, to=SPARE1))),
+        final(SPARE0, SPARE0, plus=square(SPARE1)),
     )
-    positive, negative = CombinerInput(Register.SPARE0), CombinerInput(Register.SPARE1)
-    final = FinalCombiner(
-        a=positive,
-        b=positive,
-        c=ZERO,
-        d=CombinerInput(Register.E_TIMES_F),
-        e=negative,
-        f=negative,
-        g=OPAQUE,
-    )
-    return RegisterCombiners(general=(GeneralCombiner(product, NO_ALPHA),), final=final)
 
 
 def specular_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0, 1.0), sampler=REPEATED):
@@ -129,7 +94,7 @@ def specular_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0,
     def later(label, combiners, units, blending):
         return draw(label, mesh, view, combiners, units, depth_test=LATER_PASS, blending=blending)
 
-    k_s = constant_product(alpha_of(Register.TEXTURE0), specular)
+    k_s = constant_product(alpha_of(TEXTURE0), specular)
     return (
         draw("(h.t/ax)^2", mesh, view, square_combiners(), (tangent,), depth_test=FIRST_PASS),
         later("add (h.b/ay)^2", square_combiners(), (binormal,), ADD),

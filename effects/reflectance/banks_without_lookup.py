@@ -28,14 +28,27 @@ from dataclasses import dataclass
 
 from fixedpipe.effects.geometry.vertex_vectors import light_vectors, view_vectors
 from fixedpipe.effects.passes.combiners import (
-    NO_ALPHA,
+    CONSTANT0,
     ONE,
-    OPAQUE,
-    ZERO,
+    PRIMARY,
+    SECONDARY,
+    SPARE0,
+    SPARE1,
+    TEXTURE0,
+    TEXTURE1,
     alpha_of,
+    both,
     constant_product,
+    dot,
     expand,
-    opaque,
+    final,
+    negated,
+    one_minus,
+    product,
+    program,
+    signed,
+    square,
+    total,
 )
 from fixedpipe.effects.passes.draws import (
     ADD,
@@ -53,14 +66,7 @@ from fixedpipe.effects.reflectance import brdfs
 from fixedpipe.effects.reflectance.evaluate_then_interpolate import at_texels
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import Saturate, TexImage
-from fixedpipe.pipeline.enums import BlendEquation, Mapping, Register
-from fixedpipe.pipeline.state import (
-    CombinerInput,
-    FinalCombiner,
-    GeneralCombiner,
-    RegisterCombiners,
-    RGBPortion,
-)
+from fixedpipe.pipeline.enums import BlendEquation
 from fixedpipe.pipeline.textures.images import texture_2d
 
 TECHNIQUES = (
@@ -88,79 +94,32 @@ def load(material, name, profile):
     ), names
 
 
-def _signed(register, negated=False):
-    return CombinerInput(register, Mapping.SIGNED_NEGATE if negated else Mapping.SIGNED_IDENTITY)
-
-
-def _final(a, b=ONE, **variables):
-    """A final combiner that gives ``a`` times ``b``, clamped to [0, 1]."""
-    return FinalCombiner(a=a, b=b, c=ZERO, d=ZERO, g=OPAQUE, **variables)
+# v.t in spare 0 and l.t in spare 1: t in texture 0, v the primary, l the secondary colour.
+_DOT_PRODUCTS = both(
+    dot(expand(TEXTURE0), expand(PRIMARY), to=SPARE0), dot(expand(TEXTURE0), expand(SECONDARY), to=SPARE1)
+)
 
 
 def _one_minus_square():
     """1 - (t.c)^2 with c the primary colour."""
-    product = RGBPortion(
-        a=expand(Register.TEXTURE0),
-        b=expand(Register.PRIMARY_COLOR),
-        ab_dot_product=True,
-        ab_output=Register.SPARE0,
-        sum_output=Register.DISCARD,
-    )
-    spare0 = _signed(Register.SPARE0)
-    square = RGBPortion(a=spare0, b=spare0, ab_output=Register.SPARE0, sum_output=Register.DISCARD)
-    return RegisterCombiners(
-        general=(GeneralCombiner(product, NO_ALPHA), GeneralCombiner(square, NO_ALPHA)),
-        final=_final(CombinerInput(Register.SPARE0, Mapping.UNSIGNED_INVERT)),
+    return program(
+        dot(expand(TEXTURE0), expand(PRIMARY), to=SPARE0),
+        square(signed(SPARE0), to=SPARE0),
+        final(one_minus(SPARE0)),
     )
 
 
-def _dot_products():
-    """v.t in spare 0 and l.t in spare 1: v is the primary, l the secondary colour."""
-    return RGBPortion(
-        a=expand(Register.TEXTURE0),
-        b=expand(Register.PRIMARY_COLOR),
-        c=expand(Register.TEXTURE0),
-        d=expand(Register.SECONDARY_COLOR),
-        ab_dot_product=True,
-        cd_dot_product=True,
-        ab_output=Register.SPARE0,
-        cd_output=Register.SPARE1,
-        sum_output=Register.DISCARD,
-    )
-
-
-def _product(negated):
-    """((v.t)(l.t))+, or with ``negated`` (-(v.t)(l.t))+."""
-    product = RGBPortion(
-        a=_signed(Register.SPARE0),
-        b=_signed(Register.SPARE1, negated),
-        ab_output=Register.SPARE0,
-        sum_output=Register.DISCARD,
-    )
-    return RegisterCombiners(
-        general=(GeneralCombiner(_dot_products(), NO_ALPHA), GeneralCombiner(product, NO_ALPHA)),
-        final=_final(CombinerInput(Register.SPARE0)),
-    )
+def _product(lt):
+    """((v.t)(l.t))+, or with ``lt`` negated (-(v.t)(l.t))+."""
+    return program(_DOT_PRODUCTS, product(signed(SPARE0), lt, to=SPARE0), final(SPARE0))
 
 
 def _irradiance(specular):
     """k_s (n.l)+: unit 0 has the normal map, unit 1 the tangent map, whose alpha is k_s."""
-    product = RGBPortion(
-        a=expand(Register.TEXTURE0),
-        b=expand(Register.PRIMARY_COLOR),
-        ab_dot_product=True,
-        ab_output=Register.SPARE0,
-        sum_output=Register.DISCARD,
-    )
-    return RegisterCombiners(
-        general=(GeneralCombiner(product, NO_ALPHA),),
-        final=_final(
-            CombinerInput(Register.SPARE0),
-            CombinerInput(Register.E_TIMES_F),
-            e=CombinerInput(Register.CONSTANT_COLOR0),
-            f=alpha_of(Register.TEXTURE1),
-        ),
-        constant_color0=opaque(specular),
+    return program(
+        dot(expand(TEXTURE0), expand(PRIMARY), to=SPARE0),
+        final(SPARE0, product(CONSTANT0, alpha_of(TEXTURE1))),
+        constant0=specular,
     )
 
 
@@ -204,7 +163,7 @@ def specular_passes(
         white = constant_product(ONE, (1.0, 1.0, 1.0))
         return later("one minus that", seen, white, (), INVERT_DESTINATION)
 
-    positive, negative = _product(negated=False), _product(negated=True)
+    positive, negative = _product(signed(SPARE1)), _product(negated(SPARE1))
     if subtract:
         take_away = (later("minus ((v.t)(l.t))+", both, positive, (tangent,), SUBTRACT),)
     else:
@@ -228,49 +187,15 @@ def combiners(specular=(1.0, 1.0, 1.0)):
 
     Unit 0 has the tangent map, unit 1 the normal map; v is the primary, l the secondary colour.
     """
-    vt, lt = _signed(Register.SPARE0), _signed(Register.SPARE1)
-    with_n_l = RGBPortion(
-        a=vt,
-        b=lt,
-        c=expand(Register.TEXTURE1),
-        d=expand(Register.SECONDARY_COLOR),
-        cd_dot_product=True,
-        ab_output=Register.TEXTURE0,
-        cd_output=Register.TEXTURE1,
-        sum_output=Register.DISCARD,
-    )
-    squares = RGBPortion(
-        a=vt,
-        b=vt,
-        c=lt,
-        d=lt,
-        ab_output=Register.SPARE0,
-        cd_output=Register.SPARE1,
-        sum_output=Register.DISCARD,
-    )
-    bracket = RGBPortion(
-        a=CombinerInput(Register.SPARE0, Mapping.UNSIGNED_INVERT),
-        b=CombinerInput(Register.SPARE1, Mapping.UNSIGNED_INVERT),
-        c=_signed(Register.TEXTURE0, negated=True),
-        d=ONE,
-        sum_output=Register.SPARE0,
-    )
-    irradiance = RGBPortion(
-        a=CombinerInput(Register.TEXTURE1),
-        b=CombinerInput(Register.CONSTANT_COLOR0),
-        ab_output=Register.SPARE1,
-        sum_output=Register.DISCARD,
-    )
-    portions = (_dot_products(), with_n_l, squares, bracket, irradiance)
-    return RegisterCombiners(
-        general=tuple(GeneralCombiner(rgb, NO_ALPHA) for rgb in portions),
-        final=_final(
-            CombinerInput(Register.SPARE0),
-            CombinerInput(Register.E_TIMES_F),
-            e=CombinerInput(Register.SPARE1),
-            f=alpha_of(Register.TEXTURE0),
-        ),
-        constant_color0=opaque(specular),
+    vt, lt = signed(SPARE0), signed(SPARE1)
+    return program(
+        _DOT_PRODUCTS,
+        both(product(vt, lt, to=TEXTURE0), dot(expand(TEXTURE1), expand(SECONDARY), to=TEXTURE1)),
+        both(square(vt, to=SPARE0), square(lt, to=SPARE1)),
+        total(product(one_minus(SPARE0), one_minus(SPARE1)), negated(TEXTURE0), to=SPARE0),
+        product(TEXTURE1, CONSTANT0, to=SPARE1),
+        final(SPARE0, product(SPARE1, alpha_of(TEXTURE0))),
+        constant0=specular,
     )
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors
 from fixedpipe.effects.passes import pixel_texture_copies, software_pixel_texture
 from fixedpipe.effects.passes.arguments import one_of
-from fixedpipe.effects.passes.combiners import ONE, alpha_of, constant_product
+from fixedpipe.effects.passes.combiners import ONE, TEXTURE0, TEXTURE1, alpha_of, constant_product
 from fixedpipe.effects.passes.draws import (
     FIRST_PASS,
     MARK,
@@ -36,7 +36,6 @@ from fixedpipe.effects.reflectance.material_textures import LARGEST_EXPONENT
 from fixedpipe.effects.reflectance.sampled_functions import stored_exponent
 from fixedpipe.effects.technique import AnotherWay
 from fixedpipe.pipeline.commands import HostStep
-from fixedpipe.pipeline.enums import Register
 from fixedpipe.pipeline.state import PassState
 
 TECHNIQUES = (AnotherWay(("K05", "K15"), "parameters by register combiners, the lookup by the host"),)
@@ -45,7 +44,7 @@ TECHNIQUES = (AnotherWay(("K05", "K15"), "parameters by register combiners, the 
 def _lobe_and_exponent():
     """Combiners: e in red, green and blue, N/128 in alpha."""
     program = combiners()
-    return replace(program, final=replace(program.final, b=ONE, g=alpha_of(Register.TEXTURE1)))
+    return replace(program, final=replace(program.final, b=ONE, g=alpha_of(TEXTURE1)))
 
 
 def coordinates(pixels):
@@ -109,7 +108,7 @@ def blinn_phong(
         "times k_s",
         surface.mesh(),
         view,
-        constant_product(alpha_of(Register.TEXTURE0), specular),
+        constant_product(alpha_of(TEXTURE0), specular),
         (unit(names.tangent, sampler),),
         blending=MULTIPLY_DESTINATION,
     )

@@ -23,29 +23,53 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fixedpipe.effects.geometry.matrices import product
+from fixedpipe.effects.geometry import matrices
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors, light_vectors, view_vectors
 from fixedpipe.effects.passes.arguments import checked_rgb, one_of
-from fixedpipe.effects.passes.combiners import NO_ALPHA, NO_RGB, ONE, OPAQUE, ZERO, alpha_of, expand, opaque
+from fixedpipe.effects.passes.combiners import (
+    CONSTANT0,
+    CONSTANT1,
+    ONE,
+    PRIMARY,
+    SECONDARY,
+    SPARE0,
+    SPARE1,
+    TEXTURE0,
+    TEXTURE1,
+    TEXTURE2,
+    TEXTURE3,
+    alpha_of,
+    blue_of,
+    both,
+    dot,
+    expand,
+    final,
+    gate,
+    one_minus,
+    opaque,
+    product,
+    program,
+    scaled,
+    shown,
+    signed,
+    square,
+    stage,
+    total,
+)
 from fixedpipe.effects.passes.draws import EDGE, FIRST_PASS, LATER_PASS, NEAREST, REPEATED, draw, unit
 from fixedpipe.effects.passes.encoding import encode_rgba, encode_vertex_color
+from fixedpipe.effects.passes.texture_shaders import (
+    ALPHA_RED_STAGE,
+    GREEN_BLUE_STAGE,
+    PASS_THROUGH_STAGE,
+    TEXTURE_STAGE,
+)
 from fixedpipe.effects.reflectance import brdfs
 from fixedpipe.effects.reflectance.lookup_framework import RESULT, STAGES
 from fixedpipe.effects.reflectance.material_textures import LARGEST_EXPONENT, SMALLEST_ALPHA
 from fixedpipe.effects.reflectance.sampled_functions import LARGEST_M, LARGEST_S_NL, sampled
 from fixedpipe.effects.technique import AnotherWay
 from fixedpipe.pipeline.commands import CopyTexSubImage, TexImage
-from fixedpipe.pipeline.enums import CombinerScale, ComponentUsage, Mapping, Register
-from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
-from fixedpipe.pipeline.state import (
-    AlphaPortion,
-    CombinerInput,
-    FinalCombiner,
-    GeneralCombiner,
-    RegisterCombiners,
-    RGBPortion,
-    TextureShaderStage,
-)
 from fixedpipe.pipeline.textures.images import texture_2d
 
 TECHNIQUES = (AnotherWay(("K01", "K05", "K09"), "on a GeForce 3, through a copy of the screen"),)
@@ -55,11 +79,7 @@ TABLE_TEXELS = 256
 BASE_TEXELS = 1024
 SCREEN = "parameters on the screen"
 
-_TEXTURE = TextureShaderStage(Operation.TEXTURE_2D)
-_PASS_THROUGH = TextureShaderStage(Operation.PASS_THROUGH)
-_AR = TextureShaderStage(Operation.DEPENDENT_AR_TEXTURE_2D)
-_GB = TextureShaderStage(Operation.DEPENDENT_GB_TEXTURE_2D)
-_SCALES = {1: CombinerScale.NONE, 2: CombinerScale.SCALE_BY_TWO, 4: CombinerScale.SCALE_BY_FOUR}
+RED, GREEN, BLUE = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
 # ------------------------------------------------------------------------------------- the screen's texture
@@ -100,57 +120,8 @@ def screen_unit(view, coordinates):
     panel, (columns, rows) = view.panel, _padded(view.panel)
     s, t = panel.width / columns / 2.0, panel.height / rows / 2.0
     to_texture = ((s, 0.0, 0.0, s), (0.0, t, 0.0, t), (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
-    matrix = product(to_texture, view.projection, view.modelview)
+    matrix = matrices.product(to_texture, view.projection, view.modelview)
     return unit(SCREEN, NEAREST, coordinates=coordinates, matrix=matrix)
-
-
-# --------------------------------------------------------------------------------------- combiners' parts
-
-
-def _dots(a, b, c, d, outputs=(Register.SPARE0, Register.SPARE1), scale=CombinerScale.NONE):
-    """The dot products a.b and c.d of vectors."""
-    return RGBPortion(
-        a=expand(a),
-        b=expand(b),
-        c=expand(c),
-        d=expand(d),
-        ab_dot_product=True,
-        cd_dot_product=True,
-        ab_output=outputs[0],
-        cd_output=outputs[1],
-        sum_output=Register.DISCARD,
-        scale=scale,
-    )
-
-
-def _squares(scale, output):
-    """Spare 0 squared plus spare 1 squared."""
-    spare0, spare1 = (
-        CombinerInput(register, Mapping.SIGNED_IDENTITY) for register in (Register.SPARE0, Register.SPARE1)
-    )
-    return RGBPortion(a=spare0, b=spare0, c=spare1, d=spare1, sum_output=output, scale=scale)
-
-
-def _times(a, b, output, scale=CombinerScale.NONE):
-    return RGBPortion(a=a, b=b, ab_output=output, sum_output=Register.DISCARD, scale=scale)
-
-
-def _program(portions, final, alphas=None, **constants):
-    alphas = alphas or {}
-    general = tuple(GeneralCombiner(rgb, alphas.get(i, NO_ALPHA)) for i, rgb in enumerate(portions))
-    return RegisterCombiners(general=general, final=final, **constants)
-
-
-def _read(register):
-    """(.)+ of a register."""
-    return CombinerInput(register)
-
-
-def _blue_of(register):
-    return CombinerInput(register, usage=ComponentUsage.BLUE)
-
-
-RED, GREEN, BLUE = ((1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0))
 
 
 # ------------------------------------------------------------------------------------- material textures
@@ -237,57 +208,34 @@ def load_power(profile):
     )
 
 
+def _dots(h):
+    """h.t/ax in spare 0 and h.b/ay in spare 1, as they are stored in units 0 and 1."""
+    return both(dot(expand(TEXTURE0), h, to=SPARE0), dot(expand(TEXTURE1), h, to=SPARE1))
+
+
+def _squares(to):
+    return total(square(signed(SPARE0)), square(signed(SPARE1)), to=to)
+
+
 def _e_and_n(scale):
     """RGB = 1 - (h.t/ax)^2 - (h.b/ay)^2, alpha = N/128."""
     # Dot products are four times the stored ones: h.t/ax where a quarter is stored, else half of it.
     ratio = round(SMALLEST_ALPHA / scale)
-    portions = (
-        _dots(
-            Register.TEXTURE0,
-            Register.PRIMARY_COLOR,
-            Register.TEXTURE1,
-            Register.PRIMARY_COLOR,
-            scale=CombinerScale.SCALE_BY_FOUR,
-        ),
-        _squares(_SCALES[ratio * ratio], Register.SPARE0),
+    return program(
+        scaled(4, _dots(expand(PRIMARY))),
+        scaled(ratio * ratio, _squares(to=SPARE0)),
+        final(one_minus(SPARE0), alpha=TEXTURE1),
     )
-    final = FinalCombiner(
-        a=CombinerInput(Register.SPARE0, Mapping.UNSIGNED_INVERT),
-        b=ONE,
-        c=ZERO,
-        d=ZERO,
-        g=alpha_of(Register.TEXTURE1),
-    )
-    return _program(portions, final)
 
 
 def _gated_lookup(specular, gated):
     """F of unit 1, times k_s of unit 2's alpha, times min(1, 4 (n.l)+) of unit 3."""
-    gate = AlphaPortion(
-        a=_blue_of(Register.SPARE0),
-        b=OPAQUE,
-        ab_output=Register.SPARE0,
-        sum_output=Register.DISCARD,
-        scale=CombinerScale.SCALE_BY_FOUR,
+    return program(
+        dot(expand(TEXTURE3), expand(PRIMARY), to=SPARE0),
+        stage(product(TEXTURE1, CONSTANT0, to=SPARE1), alpha=gate(SPARE0)),
+        final(alpha_of(SPARE0) if gated else ONE, product(SPARE1, alpha_of(TEXTURE2))),
+        constant0=specular,
     )
-    n_l = RGBPortion(
-        a=expand(Register.TEXTURE3),
-        b=expand(Register.PRIMARY_COLOR),
-        ab_dot_product=True,
-        ab_output=Register.SPARE0,
-        sum_output=Register.DISCARD,
-    )
-    colored = _times(_read(Register.TEXTURE1), _read(Register.CONSTANT_COLOR0), Register.SPARE1)
-    final = FinalCombiner(
-        a=alpha_of(Register.SPARE0) if gated else ONE,
-        b=_read(Register.E_TIMES_F),
-        c=ZERO,
-        d=ZERO,
-        e=_read(Register.SPARE1),
-        f=alpha_of(Register.TEXTURE2),
-        g=OPAQUE,
-    )
-    return _program((n_l, colored), final, {1: gate}, constant_color0=opaque(specular))
 
 
 def blinn_phong_passes(
@@ -330,7 +278,7 @@ def blinn_phong_passes(
             _gated_lookup(specular, gated),
             (screen_unit(view, 1), unit("F(N, e)", EDGE), tangent, normal),
             depth_test=LATER_PASS,
-            texture_shader=(_TEXTURE, _AR, _TEXTURE, _TEXTURE),
+            texture_shader=(TEXTURE_STAGE, ALPHA_RED_STAGE, TEXTURE_STAGE, TEXTURE_STAGE),
         ),
     )
 
@@ -371,35 +319,18 @@ def _d_p_and_m(scale):
 
     Units 0 to 2 have t/ax, b/ay and n, unit 3 v; h is the primary, l the secondary colour.
     """
-    half, light, viewer = Register.PRIMARY_COLOR, Register.SECONDARY_COLOR, Register.TEXTURE3
-    # Spare 0 and 1 are a quarter of h.t/ax and h.b/ay, so their squares sum to m/16.
-    ratio = _SCALES[round(SMALLEST_ALPHA / scale)]
-    d_and_p = RGBPortion(
-        a=expand(Register.TEXTURE2),
-        b=expand(half),
-        ab_dot_product=True,
-        c=_read(Register.SPARE0),
-        d=_read(Register.SPARE1),
-        ab_output=Register.TEXTURE1,
-        cd_output=Register.SPARE1,
-        sum_output=Register.DISCARD,
+    n, h, light, viewer = expand(TEXTURE2), expand(PRIMARY), expand(SECONDARY), expand(TEXTURE3)
+    return program(
+        # A quarter of h.t/ax and h.b/ay, so their squares sum to m/16.
+        scaled(round(SMALLEST_ALPHA / scale), _dots(h)),
+        scaled(2, _squares(to=TEXTURE0)),
+        both(dot(n, light, to=SPARE0), dot(n, viewer, to=SPARE1)),
+        both(dot(n, h, to=TEXTURE1), product(SPARE0, SPARE1, to=SPARE1)),
+        total(product(TEXTURE1, CONSTANT0), product(SPARE1, CONSTANT1), to=SPARE0),
+        shown(SPARE0, alpha=blue_of(TEXTURE0)),
+        constant0=RED,
+        constant1=(0.0, 1.0, 1.0),
     )
-    channels = RGBPortion(
-        a=_read(Register.TEXTURE1),
-        b=_read(Register.CONSTANT_COLOR0),
-        c=_read(Register.SPARE1),
-        d=_read(Register.CONSTANT_COLOR1),
-        sum_output=Register.SPARE0,
-    )
-    portions = (
-        _dots(Register.TEXTURE0, half, Register.TEXTURE1, half, scale=ratio),
-        _squares(CombinerScale.SCALE_BY_TWO, Register.TEXTURE0),
-        _dots(Register.TEXTURE2, light, Register.TEXTURE2, viewer),
-        d_and_p,
-        channels,
-    )
-    final = FinalCombiner(a=ZERO, b=ZERO, c=ZERO, d=_read(Register.SPARE0), g=_blue_of(Register.TEXTURE0))
-    return _program(portions, final, constant_color0=RED, constant_color1=(0.0, 1.0, 1.0, 1.0))
 
 
 def _ward_lookups(specular, largest_factor, largest_s):
@@ -415,27 +346,15 @@ def _ward_lookups(specular, largest_factor, largest_s):
             f"{4.0 / LARGEST_S_NL / max(specular):g}. Give larger alphas, or less k_s or specular colour."
         )
     color = [LARGEST_S_NL * largest_factor * float(c) / gain for c in specular]
-    n_l = RGBPortion(
-        a=expand(Register.TEXTURE3),
-        b=expand(Register.PRIMARY_COLOR),
-        ab_dot_product=True,
-        ab_output=Register.SPARE0,
-        sum_output=Register.DISCARD,
+    return program(
+        dot(expand(TEXTURE3), expand(PRIMARY), to=SPARE0),
+        scaled(round(largest_s / LARGEST_S_NL), product(SPARE0, TEXTURE2, to=SPARE0)),
+        product(SPARE0, TEXTURE1, to=SPARE0),
+        product(alpha_of(TEXTURE3), CONSTANT0, to=SPARE1),
+        scaled(gain, product(SPARE0, SPARE1, to=SPARE0)),
+        shown(SPARE0),
+        constant0=color,
     )
-    portions = (
-        n_l,
-        _times(
-            _read(Register.SPARE0),
-            _read(Register.TEXTURE2),
-            Register.SPARE0,
-            _SCALES[round(largest_s / LARGEST_S_NL)],
-        ),
-        _times(_read(Register.SPARE0), _read(Register.TEXTURE1), Register.SPARE0),
-        _times(alpha_of(Register.TEXTURE3), _read(Register.CONSTANT_COLOR0), Register.SPARE1),
-        _times(_read(Register.SPARE0), _read(Register.SPARE1), Register.SPARE0, _SCALES[gain]),
-    )
-    final = FinalCombiner(a=ZERO, b=ZERO, c=ZERO, d=_read(Register.SPARE0), g=OPAQUE)
-    return _program(portions, final, constant_color0=opaque(color))
 
 
 def ward_passes(
@@ -471,7 +390,7 @@ def ward_passes(
             _d_p_and_m(names.scale),
             (tangent, binormal, normal, unit(None, coordinates=1)),
             depth_test=FIRST_PASS,
-            texture_shader=(_TEXTURE, _TEXTURE, _TEXTURE, _PASS_THROUGH),
+            texture_shader=(TEXTURE_STAGE, TEXTURE_STAGE, TEXTURE_STAGE, PASS_THROUGH_STAGE),
         ),
         copy_screen(view),
         draw(
@@ -481,7 +400,7 @@ def ward_passes(
             _ward_lookups(specular, names.largest_factor, largest_s),
             (screen_unit(view, 1), unit("E(m, d)", EDGE), unit("S(p)", EDGE), normal),
             depth_test=LATER_PASS,
-            texture_shader=(_TEXTURE, _AR, _GB, _TEXTURE),
+            texture_shader=(TEXTURE_STAGE, ALPHA_RED_STAGE, GREEN_BLUE_STAGE, TEXTURE_STAGE),
         ),
     )
 
@@ -498,8 +417,8 @@ def _passed_through(vectors, profile):
 
 # ------------------------------------------------------------------------------------ the paper's figure 1
 
-# Where the parameter stage leaves each parameter.
-_CHANNELS = {"s": None, "t": RED, "u": GREEN, "v": BLUE}
+# Where the parameter stage leaves each parameter but s, which is in alpha.
+_CHANNELS = {"t": RED, "u": GREEN, "v": BLUE}
 
 
 def _figure_1_parameters():
@@ -507,62 +426,27 @@ def _figure_1_parameters():
 
     Unit 0 has a, unit 1 n with v/8 in alpha; l is the primary, e the secondary colour.
     """
-    portions = (
-        _dots(Register.TEXTURE0, Register.PRIMARY_COLOR, Register.TEXTURE1, Register.SECONDARY_COLOR),
-        RGBPortion(
-            a=expand(Register.TEXTURE1),
-            b=expand(Register.PRIMARY_COLOR),
-            ab_dot_product=True,
-            ab_output=Register.TEXTURE0,
-            sum_output=Register.DISCARD,
-        ),
-        RGBPortion(
-            a=_read(Register.SPARE1),
-            b=_read(Register.CONSTANT_COLOR0),
-            c=_read(Register.TEXTURE0),
-            d=_read(Register.CONSTANT_COLOR1),
-            sum_output=Register.SPARE1,
-        ),
-        _times(alpha_of(Register.TEXTURE1), _read(Register.CONSTANT_COLOR0), Register.TEXTURE0),
-    )
-    final = FinalCombiner(
-        a=ONE,
-        b=_read(Register.SPARE1),
-        c=ZERO,
-        d=_read(Register.TEXTURE0),
-        g=_blue_of(Register.SPARE0),
-    )
-    program = _program(portions, final, constant_color0=RED, constant_color1=GREEN)
-    last = GeneralCombiner(portions[3], NO_ALPHA, constant_color0=BLUE)
-    return RegisterCombiners(
-        general=(*program.general[:3], last),
-        final=final,
-        constant_color0=RED,
-        constant_color1=GREEN,
+    a, n, light, eye = expand(TEXTURE0), expand(TEXTURE1), expand(PRIMARY), expand(SECONDARY)
+    return program(
+        both(dot(a, light, to=SPARE0), dot(n, eye, to=SPARE1)),
+        dot(n, light, to=TEXTURE0),
+        total(product(SPARE1, CONSTANT0), product(TEXTURE0, CONSTANT1), to=SPARE1),
+        stage(product(alpha_of(TEXTURE1), CONSTANT0, to=TEXTURE0), constant0=opaque(BLUE)),
+        final(ONE, SPARE1, plus=TEXTURE0, alpha=blue_of(SPARE0)),
+        constant0=RED,
+        constant1=GREEN,
     )
 
 
-def _shown(stage):
+def _shown(what):
     """Combiners that show a stage of figure 1: unit 0 has the parameters, units 1 and 2 F and G."""
-    portions, constants = (NO_RGB,), {}
-    if stage == "s":
-        shown = alpha_of(Register.TEXTURE0)
-    elif stage in _CHANNELS:
-        component = RGBPortion(
-            a=_read(Register.TEXTURE0),
-            b=_read(Register.CONSTANT_COLOR0),
-            ab_dot_product=True,
-            ab_output=Register.SPARE0,
-            sum_output=Register.DISCARD,
-        )
-        portions, constants = (component,), {"constant_color0": _CHANNELS[stage]}
-        shown = _read(Register.SPARE0)
-    elif stage == RESULT:
-        portions = (_times(_read(Register.TEXTURE1), _read(Register.TEXTURE2), Register.SPARE0),)
-        shown = _read(Register.SPARE0)
-    else:
-        shown = _read(Register.TEXTURE1 if stage.startswith("F") else Register.TEXTURE2)
-    return _program(portions, FinalCombiner(a=ZERO, b=ZERO, c=ZERO, d=shown, g=OPAQUE), **constants)
+    if what == "s":
+        return program(shown(alpha_of(TEXTURE0)))
+    if what in _CHANNELS:
+        return program(dot(TEXTURE0, CONSTANT0, to=SPARE0), shown(SPARE0), constant0=_CHANNELS[what])
+    if what == RESULT:
+        return program(product(TEXTURE1, TEXTURE2, to=SPARE0), shown(SPARE0))
+    return program(shown(TEXTURE1 if what.startswith("F") else TEXTURE2))
 
 
 def figure_1_passes(surface, view, light, profile, *, stage=RESULT, sampler=REPEATED):
@@ -592,6 +476,6 @@ def figure_1_passes(surface, view, light, profile, *, stage=RESULT, sampler=REPE
             _shown(stage),
             (screen_unit(view, 0), unit("F", EDGE), unit("G", EDGE)),
             depth_test=LATER_PASS,
-            texture_shader=(_TEXTURE, _AR, _GB),
+            texture_shader=(TEXTURE_STAGE, ALPHA_RED_STAGE, GREEN_BLUE_STAGE),
         ),
     )

@@ -24,22 +24,29 @@ from dataclasses import dataclass
 import numpy as np
 
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors, light_vectors, view_vectors
-from fixedpipe.effects.passes.combiners import NO_ALPHA, OPAQUE, ZERO, alpha_of, expand, opaque
+from fixedpipe.effects.passes.combiners import (
+    CONSTANT0,
+    PRIMARY,
+    SPARE0,
+    TEXTURE0,
+    TEXTURE2,
+    TEXTURE3,
+    alpha_of,
+    dot,
+    expand,
+    final,
+    opaque,
+    product,
+    program,
+)
 from fixedpipe.effects.passes.draws import ADD, ADD_GATED, FIRST_PASS, LATER_PASS, REPEATED, draw, unit
 from fixedpipe.effects.passes.encoding import encode_dot_product, encode_vertex_color
-from fixedpipe.effects.passes.texture_shaders import NO_TEXTURE, TEXTURE_STAGE, dot_product_stage
+from fixedpipe.effects.passes.texture_shaders import NO_TEXTURE, TEXTURE_STAGE, dot_product_stages
 from fixedpipe.effects.reflectance import brdfs
 from fixedpipe.effects.technique import AnotherWay
 from fixedpipe.pipeline.commands import TexImage
-from fixedpipe.pipeline.enums import InternalFormat, Register
-from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
-from fixedpipe.pipeline.state import (
-    CombinerInput,
-    FinalCombiner,
-    GeneralCombiner,
-    RegisterCombiners,
-    RGBPortion,
-)
+from fixedpipe.pipeline.enums import InternalFormat
+from fixedpipe.pipeline.state import RegisterCombiners
 from fixedpipe.pipeline.textures.images import texture_2d
 
 TECHNIQUES = (AnotherWay(("K03", "K05", "K06"), "on a GeForce 3, by a texture shader's dot products"),)
@@ -111,37 +118,18 @@ def load_banks(material, name, profile, *, exponent=1.0):
 
 
 def _banks_combiners(specular):
-    n_l = RGBPortion(
-        a=expand(Register.TEXTURE3),
-        b=expand(Register.PRIMARY_COLOR),
-        ab_dot_product=True,
-        ab_output=Register.SPARE0,
-        sum_output=Register.DISCARD,
-    )
-    product = RGBPortion(
-        a=CombinerInput(Register.SPARE0),
-        b=CombinerInput(Register.TEXTURE2),
-        ab_output=Register.SPARE0,
-        sum_output=Register.DISCARD,
-    )
-    return RegisterCombiners(
-        general=(GeneralCombiner(n_l, NO_ALPHA), GeneralCombiner(product, NO_ALPHA)),
-        final=_times_gloss(Register.SPARE0),
-        constant_color0=opaque(specular),
+    """(n.l)+ times the bracket of unit 2 times k_s."""
+    return program(
+        dot(expand(TEXTURE3), expand(PRIMARY), to=SPARE0),
+        product(SPARE0, TEXTURE2, to=SPARE0),
+        _times_gloss(SPARE0),
+        constant0=specular,
     )
 
 
 def _times_gloss(register):
     """A register times constant color 0 and unit 0's alpha, k_s."""
-    return FinalCombiner(
-        a=CombinerInput(register),
-        b=CombinerInput(Register.E_TIMES_F),
-        c=ZERO,
-        d=ZERO,
-        e=CombinerInput(Register.CONSTANT_COLOR0),
-        f=alpha_of(Register.TEXTURE0),
-        g=OPAQUE,
-    )
+    return final(register, product(CONSTANT0, alpha_of(TEXTURE0)))
 
 
 def banks_pass(
@@ -183,12 +171,6 @@ def banks_pass(
         unit(names.table, REPEATED, coordinates=2),
         unit(names.normal, sampler),
     )
-    stages = (
-        TEXTURE_STAGE,
-        dot_product_stage(Operation.DOT_PRODUCT, 0),
-        dot_product_stage(Operation.DOT_PRODUCT_TEXTURE_2D, 0),
-        TEXTURE_STAGE,
-    )
     return (
         draw(
             "specular pass: k_s (n.l)+ (R((v.t)^2) R((l.t)^2) - (v.t)(l.t))+",
@@ -198,7 +180,7 @@ def banks_pass(
             units,
             depth_test=FIRST_PASS if first else LATER_PASS,
             blending=None if first else ADD,
-            texture_shader=stages,
+            texture_shader=(TEXTURE_STAGE, *dot_product_stages(0, 0), TEXTURE_STAGE),
         ),
     )
 
@@ -295,13 +277,7 @@ def blinn_phong_pass(
         unit(NO_TEXTURE, coordinates=1),
         unit(names.table, REPEATED, coordinates=1),
     )
-    stages = (
-        TEXTURE_STAGE,
-        TEXTURE_STAGE,
-        dot_product_stage(Operation.DOT_PRODUCT, 0),
-        dot_product_stage(Operation.DOT_PRODUCT_TEXTURE_2D, 1),
-    )
-    combiners = RegisterCombiners(final=_times_gloss(Register.TEXTURE3), constant_color0=opaque(specular))
+    combiners = RegisterCombiners(final=_times_gloss(TEXTURE3), constant_color0=opaque(specular))
     return (
         draw(
             "specular pass: k_s F(N, e), e = 1 - (h.t/ax)^2 - (h.b/ay)^2",
@@ -311,6 +287,6 @@ def blinn_phong_pass(
             units,
             depth_test=FIRST_PASS if first else LATER_PASS,
             blending=None if first else ADD_GATED if gated else ADD,
-            texture_shader=stages,
+            texture_shader=(TEXTURE_STAGE, TEXTURE_STAGE, *dot_product_stages(0, 1)),
         ),
     )

@@ -28,35 +28,48 @@ import numpy as np
 
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors, light_vectors, view_vectors
 from fixedpipe.effects.passes.arguments import checked_rgb
-from fixedpipe.effects.passes.combiners import NO_ALPHA, ONE, OPAQUE, ZERO, alpha_of, expand, opaque
+from fixedpipe.effects.passes.combiners import (
+    CONSTANT0,
+    CONSTANT1,
+    NOTHING,
+    PRIMARY,
+    SECONDARY,
+    SPARE0,
+    SPARE1,
+    TEXTURE0,
+    TEXTURE1,
+    TEXTURE2,
+    alpha_of,
+    blue_of,
+    both,
+    dot,
+    expand,
+    exponential,
+    final,
+    negated,
+    one_minus,
+    product,
+    program,
+    quotient,
+    scaled,
+    signed,
+    square,
+    square_root,
+    stage,
+    total,
+)
 from fixedpipe.effects.passes.draws import ADD, ADD_GATED, EDGE, FIRST_PASS, LATER_PASS, REPEATED, draw, unit
 from fixedpipe.effects.passes.encoding import encode_factor, encode_rgba, encode_vertex_color
 from fixedpipe.effects.reflectance import brdfs
 from fixedpipe.effects.reflectance.material_textures import LARGEST_EXPONENT
 from fixedpipe.effects.technique import AnotherWay, Technique
 from fixedpipe.pipeline.commands import Draw, TexImage
-from fixedpipe.pipeline.enums import CombinerFunction, CombinerScale, ComponentUsage, Mapping, Register
-from fixedpipe.pipeline.state import (
-    AlphaPortion,
-    CombinerInput,
-    CombinerLookup,
-    FinalCombiner,
-    GeneralCombiner,
-    RegisterCombiners,
-    RGBPortion,
-)
 from fixedpipe.pipeline.textures.images import texture_2d
 
 TECHNIQUES = (
     Technique("K17", "the board asked for: roots, quotients, exponentials, lookups in combiners", "5.1"),
     AnotherWay(("K03", "K05", "K09", "K16"), "on the board that the paper asks for"),
 )
-
-P, S = Register.PRIMARY_COLOR, Register.SECONDARY_COLOR
-SPARE0, SPARE1, DISCARD = Register.SPARE0, Register.SPARE1, Register.DISCARD
-T0, T1, T2 = Register.TEXTURE0, Register.TEXTURE1, Register.TEXTURE2
-C0, C1 = Register.CONSTANT_COLOR0, Register.CONSTANT_COLOR1
-FOUR = CombinerScale.SCALE_BY_FOUR
 
 # ln s = -2 y (1 + LOG_3 y^2 + LOG_5 y^4) with y = (1 - s)/(1 + s); Taylor's are 1/3 and 1/5.
 # Measured: by search on a grid of 0.0025 and 0.005; the error of (sqrt e)^N is at most 0.00124 for e in
@@ -136,120 +149,79 @@ def load(material, name, profile):
     return commands, names
 
 
-# ------------------------------------------------------------------------------------------------- inputs
-
-
-def _signed(register):
-    return CombinerInput(register, Mapping.SIGNED_IDENTITY)
-
-
-def _negated(register):
-    return CombinerInput(register, Mapping.SIGNED_NEGATE)
-
-
-def _one_minus(register):
-    return CombinerInput(register, Mapping.UNSIGNED_INVERT)
-
-
-def _blue(register):
-    return CombinerInput(register, usage=ComponentUsage.BLUE)
-
-
-def _dots(a, b, c, d, to, scale=CombinerScale.NONE):
-    """Both dot products of a stage, to two registers."""
-    return RGBPortion(
-        a=a, b=b, c=c, d=d, ab_dot_product=True, cd_dot_product=True,
-        ab_output=to[0], cd_output=to[1], sum_output=DISCARD, scale=scale,
-    )  # fmt: skip
-
-
-def _scalar(a, b, to, scale=CombinerScale.NONE, **others):
-    """An alpha portion's sum, to one register."""
-    return AlphaPortion(a=a, b=b, sum_output=to, scale=scale, **others)
-
-
-def _product(factor, value=SPARE0, color=C0):
-    """The final combiner: a register's value in [0, 1] times a factor times a colour, clamped at the end."""
-    return FinalCombiner(
-        a=CombinerInput(value), b=CombinerInput(Register.E_TIMES_F), c=ZERO, d=ZERO,
-        e=factor, f=CombinerInput(color), g=OPAQUE,
-    )  # fmt: skip
-
-
-def _lambert_and_color():
-    """The last stage of the Banks model: n.l to SPARE1, k_s times the light's colour to TEXTURE0."""
-    return RGBPortion(
-        a=expand(T1), b=expand(P), ab_dot_product=True, ab_output=SPARE1,
-        c=alpha_of(T0), d=CombinerInput(C0), cd_output=T0, sum_output=DISCARD,
-    )  # fmt: skip
-
-
 # ------------------------------------------------------------------------------------------------ combiners
 
 
 def _squared_lobe(multiplier):
-    """Two stages: h.t/ax and h.b/ay, then the sum of their squares in SPARE0: 1 - e, not clamped."""
-    dots = _dots(expand(T0), expand(P), expand(T1), expand(P), (SPARE0, SPARE1), FOUR)
-    x, y = _signed(SPARE0), _signed(SPARE1)
-    scale = FOUR if multiplier == 8.0 else CombinerScale.NONE
-    return dots, RGBPortion(a=x, b=x, c=y, d=y, sum_output=SPARE0, scale=scale)
+    """Two portions: h.t/ax and h.b/ay, then the sum of their squares in SPARE0: 1 - e, not clamped."""
+    h = expand(PRIMARY)
+    dots = both(dot(expand(TEXTURE0), h, to=SPARE0), dot(expand(TEXTURE1), h, to=SPARE1))
+    squares = total(square(signed(SPARE0)), square(signed(SPARE1)), to=SPARE0)
+    return scaled(4, dots), scaled(4 if multiplier == 8.0 else 1, squares)
 
 
 def blinn_phong_combiners(specular=(1.0, 1.0, 1.0), multiplier=4.0):
     """K05: k_s (sqrt e)^N with N per texel: eight stages, no lookup. Units: t/ax, b/ay; primary: h."""
     dots, squares = _squared_lobe(multiplier)
-    one = CombinerInput(C1)
-    # RGB (s, s, 1), so that a dot product with a constant is any sum of s and one.
-    root = RGBPortion(a=_one_minus(SPARE0), b=ONE, sum_output=SPARE0, function=CombinerFunction.SQUARE_ROOT)
-    fourth_root = RGBPortion(
-        a=CombinerInput(SPARE0), b=CombinerInput(C0), c=one, d=ONE,
-        sum_output=SPARE0, function=CombinerFunction.SQUARE_ROOT,
-    )  # fmt: skip
-    y = RGBPortion(
-        a=_one_minus(SPARE0), b=CombinerInput(C0), c=CombinerInput(SPARE0), d=one, ab_dot_product=True,
-        cd_dot_product=True, sum_output=SPARE0, function=CombinerFunction.DIVIDE,
-    )  # fmt: skip
-    scaled_y, square = CombinerInput(SPARE0), CombinerInput(SPARE1)
-    products = RGBPortion(
-        a=scaled_y, b=scaled_y, c=scaled_y, d=alpha_of(SPARE1), cd_dot_product=True,
-        ab_output=SPARE1, cd_output=SPARE0, sum_output=DISCARD, scale=FOUR,
-    )  # fmt: skip
-    polynomial = RGBPortion(a=square, b=CombinerInput(C0), c=square, d=square, sum_output=SPARE1)
-    power = RGBPortion(
-        a=_negated(SPARE0), b=ONE, c=_negated(SPARE0), d=square,
-        sum_output=SPARE0, function=CombinerFunction.EXPONENTIAL,
-    )  # fmt: skip
     # Meanwhile in SPARE1's alpha: N / (3 scale of y), 128 being 4 4 4 2; a dot product of three equal
     # components undoes the 3, which keeps 128 below the registers' 256.
-    four_n = _scalar(alpha_of(T1), OPAQUE, SPARE1, FOUR)
-    times_four = _scalar(alpha_of(SPARE1), OPAQUE, SPARE1, FOUR)
-    share = _scalar(alpha_of(SPARE1), alpha_of(C0), SPARE1, CombinerScale.SCALE_BY_TWO)
-    general = (
-        GeneralCombiner(dots, four_n),
-        GeneralCombiner(squares, times_four),
-        GeneralCombiner(root, times_four),
-        GeneralCombiner(fourth_root, share, (1.0, 1.0, 0.0, 1.0 / (3.0 * _Y)), (0.0, 0.0, 1.0, 0.0)),
-        GeneralCombiner(y, NO_ALPHA, (0.5 * _Y, 0.5 * _Y, 0.0, 0.0), (0.5, 0.5, 1.0, 0.0)),
-        GeneralCombiner(products, NO_ALPHA),
-        GeneralCombiner(polynomial, NO_ALPHA, (LOG_3 / (4.0 * _Y * _Y),) * 3 + (0.0,)),
-        GeneralCombiner(power, NO_ALPHA),
+    times_four = scaled(4, total(SPARE1, to=SPARE1))
+    return program(
+        stage(dots, scaled(4, total(TEXTURE1, to=SPARE1))),
+        stage(squares, times_four),
+        stage(square_root(one_minus(SPARE0), to=SPARE0), times_four),
+        # RGB (s, s, 1), so that a dot product with a constant is any sum of s and one.
+        stage(
+            square_root(product(SPARE0, CONSTANT0), CONSTANT1, to=SPARE0),
+            scaled(2, total(product(SPARE1, CONSTANT0), to=SPARE1)),
+            constant0=(1.0, 1.0, 0.0, 1.0 / (3.0 * _Y)),
+            constant1=(0.0, 0.0, 1.0, 0.0),
+        ),
+        stage(
+            quotient(dot(one_minus(SPARE0), CONSTANT0), dot(SPARE0, CONSTANT1), to=SPARE0),
+            constant0=(0.5 * _Y, 0.5 * _Y, 0.0, 0.0),
+            constant1=(0.5, 0.5, 1.0, 0.0),
+        ),
+        # y^2, and 2 N y; then the polynomial of y^2, and the power.
+        scaled(4, both(square(SPARE0, to=SPARE1), dot(SPARE0, alpha_of(SPARE1), to=SPARE0))),
+        stage(
+            total(product(SPARE1, CONSTANT0), square(SPARE1), to=SPARE1),
+            constant0=(LOG_3 / (4.0 * _Y * _Y),) * 3 + (0.0,),
+        ),
+        exponential(negated(SPARE0), product(negated(SPARE0), SPARE1), to=SPARE0),
+        final(SPARE0, product(alpha_of(TEXTURE0), CONSTANT0)),
+        constant0=specular,
     )
-    return RegisterCombiners(general, _product(alpha_of(T0)), opaque(specular))
+
+
+def _lambert_and_color():
+    """n.l to SPARE1, k_s times the light's colour to TEXTURE0."""
+    return both(
+        dot(expand(TEXTURE1), expand(PRIMARY), to=SPARE1),
+        product(alpha_of(TEXTURE0), CONSTANT0, to=TEXTURE0),
+    )
+
+
+def _vt_and_lt():
+    """v.t to SPARE0, l.t to SPARE1."""
+    t = expand(TEXTURE0)
+    return both(dot(t, expand(SECONDARY), to=SPARE0), dot(t, expand(PRIMARY), to=SPARE1))
 
 
 def banks_combiners(specular=(1.0, 1.0, 1.0)):
     """K03: k_s (n.l)+ (sqrt((1 - vt^2)(1 - lt^2)) - vt lt)+, five stages. Texture units: t, n; primary: l,
     secondary: v.
     """
-    vt, lt = _signed(SPARE0), _signed(SPARE1)
-    squares = RGBPortion(a=vt, b=vt, c=lt, d=lt, ab_output=S, cd_output=T0, sum_output=DISCARD)
-    root = RGBPortion(a=_one_minus(S), b=_one_minus(T0), sum_output=S, function=CombinerFunction.SQUARE_ROOT)
-    bracket = RGBPortion(a=CombinerInput(S), b=ONE, c=_negated(SPARE0), d=lt, sum_output=SPARE0)
-    dots = _dots(expand(T0), expand(S), expand(T0), expand(P), (SPARE0, SPARE1))
-    general = tuple(
-        GeneralCombiner(rgb, NO_ALPHA) for rgb in (dots, squares, root, bracket, _lambert_and_color())
+    vt, lt = signed(SPARE0), signed(SPARE1)
+    return program(
+        _vt_and_lt(),
+        both(square(vt, to=SECONDARY), square(lt, to=TEXTURE0)),
+        square_root(product(one_minus(SECONDARY), one_minus(TEXTURE0)), to=SECONDARY),
+        total(SECONDARY, product(negated(vt), lt), to=SPARE0),
+        _lambert_and_color(),
+        final(SPARE0, product(SPARE1, TEXTURE0)),
+        constant0=specular,
     )
-    return RegisterCombiners(general, _product(CombinerInput(SPARE1), SPARE0, T0), opaque(specular))
 
 
 def ward_combiners(specular=(1.0, 1.0, 1.0), multiplier=4.0):
@@ -257,64 +229,71 @@ def ward_combiners(specular=(1.0, 1.0, 1.0), multiplier=4.0):
     secondary: v. Zero where the light or the viewer is behind the surface.
     """
     twice = multiplier == 8.0
-    half = RGBPortion(a=expand(P), b=ONE, c=expand(S), d=ONE, sum_output=SPARE0)
-    cosines = _dots(expand(T2), expand(P), expand(T2), expand(S), (P, S))
-    lengths = _dots(expand(T0), _signed(SPARE0), expand(T1), _signed(SPARE0), (T0, T1), FOUR)
-    q_and_d = _dots(_signed(SPARE0), _signed(SPARE0), expand(T2), _signed(SPARE0), (SPARE1, SPARE0))
-    x, y = _signed(T0), _signed(T1)
-    m = RGBPortion(a=x, b=x, c=y, d=y, sum_output=T0, scale=FOUR if twice else CombinerScale.NONE)
-    divisor = RGBPortion(a=_signed(SPARE1), b=ONE, c=_signed(SPARE0), d=alpha_of(SPARE1), sum_output=SPARE1)
-    quotient = RGBPortion(
-        a=CombinerInput(T0), b=ONE, c=CombinerInput(SPARE1), d=ONE,
-        sum_output=SPARE0, function=CombinerFunction.DIVIDE,
-    )  # fmt: skip
-    lobe = RGBPortion(
-        a=_negated(SPARE0), b=ONE, c=_negated(SPARE0), d=ONE,
-        sum_output=SPARE0, function=CombinerFunction.EXPONENTIAL,
-    )  # fmt: skip
-    # sqrt((n.l)(n.v)) / (n.v), not sqrt((n.l) / (n.v)): 0 / 0 is 0, and the viewer's side needs no gate.
-    root_of_p = _scalar(_blue(P), _blue(S), P, function=CombinerFunction.SQUARE_ROOT)
-    over_nv = _scalar(alpha_of(P), OPAQUE, P, c=_blue(S), d=OPAQUE, function=CombinerFunction.DIVIDE)
-    root_of_q = _scalar(_blue(SPARE1), OPAQUE, SPARE1, function=CombinerFunction.SQUARE_ROOT)
-    scaled = _scalar(alpha_of(P), alpha_of(T2), P, FOUR)
-    again = _scalar(alpha_of(P), OPAQUE, P, FOUR) if twice else NO_ALPHA
-    rgb = (half, cosines, lengths, q_and_d, m, divisor, quotient, lobe)
-    alpha = (NO_ALPHA, NO_ALPHA, root_of_p, over_nv, root_of_q, scaled, again, NO_ALPHA)
-    general = tuple(map(GeneralCombiner, rgb, alpha))
+    t, b, n, light, viewer = map(expand, (TEXTURE0, TEXTURE1, TEXTURE2, PRIMARY, SECONDARY))
+    half = signed(SPARE0)
     # Stored is k_s / (multiplier^2 ax ay); after the scales by four 1 / pi is left of multiplier^2 / (4 pi).
     color = tuple(component / np.pi for component in checked_rgb(specular))
-    return RegisterCombiners(general, _product(alpha_of(P)), opaque(color))
+    return program(
+        # H = l + v; then n.l, n.v.
+        total(light, viewer, to=SPARE0),
+        both(dot(n, light, to=PRIMARY), dot(n, viewer, to=SECONDARY)),
+        # H.t/ax, H.b/ay. In alpha sqrt((n.l)(n.v)) / (n.v), not sqrt((n.l) / (n.v)): 0 / 0 is 0, and the
+        # viewer's side needs no gate.
+        stage(
+            scaled(4, both(dot(t, half, to=TEXTURE0), dot(b, half, to=TEXTURE1))),
+            square_root(product(blue_of(PRIMARY), blue_of(SECONDARY)), to=PRIMARY),
+        ),
+        # q = H.H, and H.n.
+        stage(
+            both(dot(half, half, to=SPARE1), dot(n, half, to=SPARE0)),
+            quotient(PRIMARY, blue_of(SECONDARY), to=PRIMARY),
+        ),
+        # (H.t/ax)^2 + (H.b/ay)^2, and in alpha sqrt(q).
+        stage(
+            scaled(4 if twice else 1, total(square(signed(TEXTURE0)), square(signed(TEXTURE1)), to=TEXTURE0)),
+            square_root(blue_of(SPARE1), to=SPARE1),
+        ),
+        # q + sqrt(q) H.n, and in alpha k_s / (ax ay) as it is stored.
+        stage(
+            total(signed(SPARE1), product(signed(SPARE0), alpha_of(SPARE1)), to=SPARE1),
+            scaled(4, total(product(PRIMARY, TEXTURE2), to=PRIMARY)),
+        ),
+        # One over the other, and exp of minus twice that.
+        stage(
+            quotient(TEXTURE0, SPARE1, to=SPARE0),
+            scaled(4, total(PRIMARY, to=PRIMARY)) if twice else NOTHING,
+        ),
+        exponential(negated(SPARE0), negated(SPARE0), to=SPARE0),
+        final(SPARE0, product(alpha_of(PRIMARY), CONSTANT0)),
+        constant0=color,
+    )
+
+
+def _looked_up(s, t):
+    """The stage that looks unit 2 up at two inputs: to SPARE0's red and green."""
+    place = total(product(s, CONSTANT0), product(t, CONSTANT1), to=SPARE0)
+    return stage(place, constant0=(1.0, 0.0, 0.0, 0.0), constant1=(0.0, 1.0, 0.0, 0.0), lookup=2)
 
 
 def blinn_phong_lookup_combiners(specular=(1.0, 1.0, 1.0), multiplier=4.0):
-    """K05 with F(N, e) looked up: three stages, unit 2 the table of ``exponent_table``."""
-    dots, squares = _squared_lobe(multiplier)
-    # Red N / 128, green e.
-    where = RGBPortion(
-        a=alpha_of(T1), b=CombinerInput(C0), c=_one_minus(SPARE0), d=CombinerInput(C1), sum_output=SPARE0
+    """K05 with F(N, e) looked up at N / 128 and e: three stages, unit 2 the table of ``exponent_table``."""
+    return program(
+        *_squared_lobe(multiplier),
+        _looked_up(alpha_of(TEXTURE1), one_minus(SPARE0)),
+        final(TEXTURE2, product(alpha_of(TEXTURE0), CONSTANT0)),
+        constant0=specular,
     )
-    general = (
-        GeneralCombiner(dots, NO_ALPHA),
-        GeneralCombiner(squares, NO_ALPHA),
-        GeneralCombiner(where, NO_ALPHA, (1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), CombinerLookup(2)),
-    )
-    return RegisterCombiners(general, _product(alpha_of(T0), T2), opaque(specular))
 
 
 def banks_lookup_combiners(specular=(1.0, 1.0, 1.0)):
     """K03 with the bracket looked up at (vt/2, lt/2): three stages, unit 2 the table of ``bracket_table``."""
-    dots = _dots(
-        expand(T0), expand(S), expand(T0), expand(P), (SPARE0, SPARE1), CombinerScale.SCALE_BY_ONE_HALF
+    return program(
+        scaled(0.5, _vt_and_lt()),
+        _looked_up(signed(SPARE0), signed(SPARE1)),
+        _lambert_and_color(),
+        final(TEXTURE2, product(SPARE1, TEXTURE0)),
+        constant0=specular,
     )
-    where = RGBPortion(
-        a=_signed(SPARE0), b=CombinerInput(C0), c=_signed(SPARE1), d=CombinerInput(C1), sum_output=SPARE0
-    )
-    general = (
-        GeneralCombiner(dots, NO_ALPHA),
-        GeneralCombiner(where, NO_ALPHA, (1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), CombinerLookup(2)),
-        GeneralCombiner(_lambert_and_color(), NO_ALPHA),
-    )
-    return RegisterCombiners(general, _product(CombinerInput(SPARE1), T2, T0), opaque(specular))
 
 
 # -------------------------------------------------------------------------------------------------- tables

@@ -19,12 +19,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fixedpipe.effects.geometry import height_fields
-from fixedpipe.effects.geometry.vectors import cosine, dot, normalize, sine
+from fixedpipe.effects.geometry import height_fields, vectors
+from fixedpipe.effects.geometry.vectors import cosine, normalize, sine
 from fixedpipe.effects.geometry.vertex_vectors import light_vectors, view_vectors
 from fixedpipe.effects.passes import pixel_texture_copies, software_pixel_texture
 from fixedpipe.effects.passes.arguments import one_of
-from fixedpipe.effects.passes.combiners import NO_ALPHA, ZERO, alpha_of, expand
+from fixedpipe.effects.passes.combiners import PRIMARY, SPARE0, TEXTURE0, dot, expand, program, shown
 from fixedpipe.effects.passes.draws import (
     FIRST_PASS,
     MARK,
@@ -38,15 +38,7 @@ from fixedpipe.effects.passes.encoding import encode_rgba, encode_vertex_color
 from fixedpipe.effects.reflectance.sampled_functions import sampled
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import HostStep, TexImage
-from fixedpipe.pipeline.enums import Register
-from fixedpipe.pipeline.state import (
-    CombinerInput,
-    FinalCombiner,
-    GeneralCombiner,
-    PassState,
-    RegisterCombiners,
-    RGBPortion,
-)
+from fixedpipe.pipeline.state import PassState
 from fixedpipe.pipeline.textures.images import texture_2d
 
 TECHNIQUES = (Technique("K01", "the framework: material textures, dot products, functions looked up", "3"),)
@@ -91,9 +83,9 @@ class Textures:
     def parameters(self, toward_light, toward_eye):
         """(-s, t, u, v/8) at every texel, float64 [rows, columns] each; vectors in the surface's frame."""
         return (
-            np.maximum(dot(self.directions, toward_light), 0.0),
-            np.maximum(dot(self.normals, toward_eye), 0.0),
-            np.maximum(dot(self.normals, toward_light), 0.0),
+            np.maximum(vectors.dot(self.directions, toward_light), 0.0),
+            np.maximum(vectors.dot(self.normals, toward_eye), 0.0),
+            np.maximum(vectors.dot(self.normals, toward_light), 0.0),
             self.eighths,
         )
 
@@ -217,17 +209,7 @@ def by_pixel_textures(surface, textures, view, light, profile, *, stage=RESULT, 
 
 def _dot_product():
     """Combiners: (texture . primary colour)+ in red, green and blue, and the texel's alpha."""
-    product = RGBPortion(
-        a=expand(Register.TEXTURE0),
-        b=expand(Register.PRIMARY_COLOR),
-        ab_dot_product=True,
-        ab_output=Register.SPARE0,
-        sum_output=Register.DISCARD,
-    )
-    final = FinalCombiner(
-        a=ZERO, b=ZERO, c=ZERO, d=CombinerInput(Register.SPARE0), g=alpha_of(Register.TEXTURE0)
-    )
-    return RegisterCombiners(general=(GeneralCombiner(product, NO_ALPHA),), final=final)
+    return program(dot(expand(TEXTURE0), expand(PRIMARY), to=SPARE0), shown(SPARE0, alpha=TEXTURE0))
 
 
 def parameters_by_combiners(surface, view, light, profile, *, sampler=REPEATED):
@@ -236,8 +218,8 @@ def parameters_by_combiners(surface, view, light, profile, *, sampler=REPEATED):
     curved, lights and viewers near.
     """
 
-    def dot_product(label, vectors, texture, mask, **settings):
-        mesh = surface.mesh(colors=encode_vertex_color(vectors, profile))
+    def dot_product(label, toward, texture, mask, **settings):
+        mesh = surface.mesh(colors=encode_vertex_color(toward, profile))
         units = (unit(texture, sampler),)
         return draw(label, mesh, view, _dot_product(), units, color_mask=mask, **settings)
 

@@ -30,7 +30,20 @@ from fixedpipe.effects.bump_mapping.diffuse_bump import diffuse_pass
 from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors, light_vectors, view_vectors
 from fixedpipe.effects.passes.arguments import checked_rgb, positive
-from fixedpipe.effects.passes.combiners import NO_ALPHA, NO_RGB, ONE, OPAQUE, ZERO, alpha_of, opaque
+from fixedpipe.effects.passes.combiners import (
+    CONSTANT0,
+    PRIMARY,
+    SPARE0,
+    TEXTURE0,
+    TEXTURE1,
+    TEXTURE2,
+    TEXTURE3,
+    alpha_of,
+    final,
+    product,
+    program,
+    scaled,
+)
 from fixedpipe.effects.passes.draws import (
     ADD,
     ADD_GATED,
@@ -42,24 +55,20 @@ from fixedpipe.effects.passes.draws import (
     unit,
 )
 from fixedpipe.effects.passes.encoding import encode_dot_product, encode_factor, encode_rgba
-from fixedpipe.effects.passes.texture_shaders import NO_TEXTURE, TEXTURE_STAGE, dot_product_stage
+from fixedpipe.effects.passes.texture_shaders import (
+    ALPHA_RED_STAGE,
+    NO_TEXTURE,
+    TEXTURE_STAGE,
+    dot_product_stages,
+)
 from fixedpipe.effects.reflectance import brdfs
 from fixedpipe.effects.reflectance.dependent_lookups import copy_screen, screen_unit
 from fixedpipe.effects.reflectance.dot_product_lookups import centered_table
 from fixedpipe.effects.reflectance.sampled_functions import LARGEST_LOGARITHM, sampled, stored_exponent
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import TexImage
-from fixedpipe.pipeline.enums import CombinerScale, DotProductMapping, InternalFormat, Register, TextureTarget
-from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
-from fixedpipe.pipeline.state import (
-    CombinerInput,
-    FinalCombiner,
-    GeneralCombiner,
-    RegisterCombiners,
-    RGBPortion,
-    SignedComponents,
-    TextureShaderStage,
-)
+from fixedpipe.pipeline.enums import CombinerScale, DotProductMapping, InternalFormat, TextureTarget
+from fixedpipe.pipeline.state import SignedComponents
 from fixedpipe.pipeline.textures.images import Texture, texture_2d
 
 TECHNIQUES = (Technique("K24", "other models that fit the framework: Phong, Schlick, Lafortune", "3.4"),)
@@ -69,6 +78,7 @@ TEXELS = 256
 # c = r.v below one half is stored as zero, and 2 c - 1 above: a step of eight bits is then 1/510 of c. The
 # highlight ends where it is 2^-N, 1/64 for N = 6; a smaller N shows that edge.
 SMALLEST_C = 0.5
+BLACK = (0.0, 0.0, 0.0)
 # The combiners' largest scale multiplies Schlick's two factors, each stored in [0, 1].
 GAIN = 4.0
 # Dot products of unit vectors lie in [-1, 1], which tables with a zero in their middle hold.
@@ -261,39 +271,6 @@ def _hilo(normals):
 # ------------------------------------------------------------------------------ by texture shaders
 
 
-def _looked_up(previous, first, mapping=DotProductMapping.EXPAND_NORMAL):
-    """Four stages that read textures, but for two, at ``first`` and after it: dot products with the texels of
-    the stages ``previous``, looked up where both are known.
-    """
-    stages, operations = [TEXTURE_STAGE] * 4, (Operation.DOT_PRODUCT, Operation.DOT_PRODUCT_TEXTURE_2D)
-    for k, operation in enumerate(operations):
-        stages[first + k] = replace(dot_product_stage(operation, previous[k]), dot_product_mapping=mapping)
-    return tuple(stages)
-
-
-def _texel(number):
-    """Texture unit ``number``'s colour."""
-    return CombinerInput(Register(Register.TEXTURE0 + number))
-
-
-# A final combiner's B and E: (E F) with E the specular colour.
-_SPECULAR = CombinerInput(Register.E_TIMES_F), CombinerInput(Register.CONSTANT_COLOR0)
-
-
-def _combiners(a, b, e=ZERO, *, f=ZERO, g=OPAQUE, constant=(0.0, 0.0, 0.0), general=(NO_RGB,)):
-    """Register combiners: the RGB portions ``general``, then A B, and G in alpha."""
-    return RegisterCombiners(
-        general=tuple(GeneralCombiner(rgb, NO_ALPHA) for rgb in general),
-        final=FinalCombiner(a=a, b=b, c=ZERO, d=ZERO, e=e, f=f, g=g),
-        constant_color0=opaque(constant),
-    )
-
-
-def _product(a, b, scale):
-    """An RGB portion that leaves ``a b scale`` in spare 0."""
-    return RGBPortion(a=a, b=b, ab_output=Register.SPARE0, sum_output=Register.DISCARD, scale=scale)
-
-
 def _one_value(cosines):
     """The one l.v that all vertices have. Raises ValueError where they differ."""
     low, high = float(cosines.min()), float(cosines.max())
@@ -343,7 +320,7 @@ def phong_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0, 1.
         "parameter stage: c = 2 (n.l)(n.v) - l.v in red, N in alpha",
         surface.mesh(coordinates, toward_light, toward_eye),
         view,
-        _combiners(_texel(2), ONE, g=alpha_of(Register.TEXTURE3)),
+        program(final(TEXTURE2, alpha=TEXTURE3), constant0=BLACK),
         (
             unit(names.fine, FINE),
             unit(NO_TEXTURE, coordinates=1),
@@ -351,21 +328,17 @@ def phong_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0, 1.
             unit(names.exponent),
         ),
         depth_test=FIRST_PASS,
-        texture_shader=_looked_up((0, 0), 1, HEMISPHERE),
+        texture_shader=(TEXTURE_STAGE, *dot_product_stages(0, 0, mapping=HEMISPHERE), TEXTURE_STAGE),
     )
     lookup = draw(
         "specular pass: look up F(N, c), times k_s",
         surface.mesh(coordinates, surface.positions),
         view,
-        _combiners(_texel(1), *_SPECULAR, f=_texel(2), constant=specular),
+        program(final(TEXTURE1, product(CONSTANT0, TEXTURE2)), constant0=specular),
         (screen_unit(view, 1), unit("F(N, c)", EDGE), unit(names.exponent)),
         depth_test=LATER_PASS,
         blending=ADD,
-        texture_shader=(
-            TEXTURE_STAGE,
-            TextureShaderStage(Operation.DEPENDENT_AR_TEXTURE_2D, previous_texture_input=0),
-            TEXTURE_STAGE,
-        ),
+        texture_shader=(TEXTURE_STAGE, ALPHA_RED_STAGE, TEXTURE_STAGE),
     )
     return (
         load_function("C(n.l, n.v) = 2 (n.l)(n.v) - l.v", "C(n.l, n.v)", phong_c(light_view), profile),
@@ -394,7 +367,7 @@ def schlick_passes(
         "first factor: k_s T(h.t, h.b)",
         surface.mesh(coordinates, half / PERIOD),
         view,
-        _combiners(_texel(3), alpha_of(Register.TEXTURE0)),
+        program(final(TEXTURE3, alpha_of(TEXTURE0)), constant0=BLACK),
         (
             unit(names.tangent),
             unit(names.binormal),
@@ -402,13 +375,15 @@ def schlick_passes(
             unit("T(h.t, h.b)", REPEATED, 1),
         ),
         depth_test=FIRST_PASS,
-        texture_shader=_looked_up((0, 1), 2),
+        texture_shader=(TEXTURE_STAGE, TEXTURE_STAGE, *dot_product_stages(0, 1)),
     )
     fresnel = fresnel_factor(half, toward_eye, reflectance)
     # S(h.v) comes first: the product times four may be more than one, where a register ends.
-    general = (
-        _product(_texel(2), CombinerInput(Register.PRIMARY_COLOR), CombinerScale.NONE),
-        _product(CombinerInput(Register.SPARE0), _texel(3), CombinerScale.SCALE_BY_FOUR),
+    product_of_three = program(
+        product(TEXTURE2, PRIMARY, to=SPARE0),
+        scaled(4, product(SPARE0, TEXTURE3, to=SPARE0)),
+        final(SPARE0),
+        constant0=BLACK,
     )
     second = draw(
         "specular pass: times S(h.v) G(n.l) G(n.v) / (4 pi (n.v))",
@@ -420,7 +395,7 @@ def schlick_passes(
             colors=np.clip(np.multiply.outer(fresnel, np.array(checked_rgb(specular))), 0.0, 1.0),
         ),
         view,
-        _combiners(CombinerInput(Register.SPARE0), ONE, general=general),
+        product_of_three,
         (
             unit(names.fine, FINE),
             unit(NO_TEXTURE, coordinates=1),
@@ -429,7 +404,7 @@ def schlick_passes(
         ),
         depth_test=LATER_PASS,
         blending=ADD,
-        texture_shader=_looked_up((0, 0), 1, HEMISPHERE),
+        texture_shader=(TEXTURE_STAGE, *dot_product_stages(0, 0, mapping=HEMISPHERE), TEXTURE_STAGE),
     )
     table = centered_table(schlick_t(roughness, isotropy), TEXELS, PERIOD, profile)
     return (
@@ -457,7 +432,7 @@ def lafortune_passes(surface, names, view, light, profile, *, exponent, specular
             "specular pass: k_s ((D.(l * v) + O.(l x v))+)^N, times (n.l)+",
             surface.mesh(surface.texture_coordinates, *(v / PERIOD for v in vectors)),
             view,
-            _combiners(_texel(3), *_SPECULAR, f=alpha_of(Register.TEXTURE0), constant=specular),
+            program(final(TEXTURE3, product(CONSTANT0, alpha_of(TEXTURE0))), constant0=specular),
             (
                 unit(names.diagonal),
                 unit(names.rest),
@@ -466,6 +441,6 @@ def lafortune_passes(surface, names, view, light, profile, *, exponent, specular
             ),
             depth_test=LATER_PASS,
             blending=ADD_GATED,
-            texture_shader=_looked_up((0, 1), 2),
+            texture_shader=(TEXTURE_STAGE, TEXTURE_STAGE, *dot_product_stages(0, 1)),
         ),
     )

@@ -50,7 +50,17 @@ from fixedpipe.effects.geometry.matrices import eye_plane
 from fixedpipe.effects.geometry.surfaces import plane
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.passes.arguments import one_of
-from fixedpipe.effects.passes.combiners import NO_RGB, OPAQUE, ZERO, alpha_of
+from fixedpipe.effects.passes.combiners import (
+    SPARE0,
+    TEXTURE0,
+    TEXTURE1,
+    ZERO,
+    negated,
+    program,
+    shown,
+    stage,
+    total,
+)
 from fixedpipe.effects.passes.draws import (
     ADD,
     EDGE,
@@ -80,26 +90,18 @@ from fixedpipe.pipeline.enums import (
     CombineOperand,
     CombineSource,
     ComparisonFunction,
-    ComponentUsage,
     InternalFormat,
-    Mapping,
-    Register,
     TexGenMode,
     TextureEnvironmentMode,
 )
 from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER, PixelTransfer
 from fixedpipe.pipeline.state import (
-    AlphaPortion,
     AlphaTest,
     Blending,
     ColorMask,
     Combine,
-    CombinerInput,
-    FinalCombiner,
-    GeneralCombiner,
     PassState,
     RasterPosition,
-    RegisterCombiners,
     TexGen,
     TextureEnvironment,
     VertexState,
@@ -292,16 +294,8 @@ def picture_from_light(
 
 def difference_combiners():
     """Register combiners whose alpha is max(0, texture 0's alpha - texture 1's)."""
-    minus_map = CombinerInput(Register.TEXTURE1, Mapping.SIGNED_NEGATE, ComponentUsage.ALPHA)
-    difference = AlphaPortion(
-        a=alpha_of(Register.TEXTURE0),
-        b=OPAQUE,
-        c=minus_map,
-        d=OPAQUE,
-        sum_output=Register.SPARE0,
-    )
-    final = FinalCombiner(a=ZERO, b=ZERO, c=ZERO, d=ZERO, g=alpha_of(Register.SPARE0))
-    return RegisterCombiners(general=(GeneralCombiner(NO_RGB, difference),), final=final)
+    difference = total(TEXTURE0, negated(TEXTURE1), to=SPARE0)
+    return program(stage(alpha=difference), shown(ZERO, alpha=SPARE0))
 
 
 EQUAL_ZERO = AlphaTest(ComparisonFunction.EQUAL, 0.0)

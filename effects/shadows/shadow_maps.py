@@ -26,7 +26,22 @@ import numpy as np
 
 from fixedpipe.effects.geometry.matrices import eye_plane
 from fixedpipe.effects.geometry.views import Panel
-from fixedpipe.effects.passes.combiners import NO_ALPHA, ONE, OPAQUE, ZERO, opaque
+from fixedpipe.effects.passes.combiners import (
+    CONSTANT0,
+    CONSTANT1,
+    PRIMARY,
+    SPARE0,
+    SPARE1,
+    TEXTURE0,
+    TEXTURE1,
+    TEXTURE2,
+    TEXTURE3,
+    final,
+    product,
+    program,
+    scaled,
+    total,
+)
 from fixedpipe.effects.passes.draws import FIRST_PASS, LATER_PASS, MARK, MARKED, MODULATE, REPLACE
 from fixedpipe.effects.shadows.lit_scene import (
     NO_COLOR,
@@ -53,10 +68,8 @@ from fixedpipe.pipeline.commands import (
 from fixedpipe.pipeline.enums import (
     AccumOperation,
     BaseFormat,
-    CombinerScale,
     ComparisonFunction,
     InternalFormat,
-    Register,
     TexGenMode,
     TextureCompareMode,
     TextureFilter,
@@ -66,13 +79,8 @@ from fixedpipe.pipeline.pixel_transfer import PixelImage, PixelTransfer
 from fixedpipe.pipeline.state import (
     IDENTITY,
     AlphaTest,
-    CombinerInput,
-    FinalCombiner,
-    GeneralCombiner,
     PassState,
     RasterPosition,
-    RegisterCombiners,
-    RGBPortion,
     Sampler,
     TexGen,
     TextureUnit,
@@ -96,10 +104,6 @@ MAP_FORMAT = InternalFormat.DEPTH_COMPONENT24
 _FARTHEST = 2.0**24 - 1.0
 # More than a half passes: the comparison is one where the light comes, zero elsewhere.
 _LIT = AlphaTest(ComparisonFunction.GREATER, 0.5)
-_HALF = CombinerScale.SCALE_BY_ONE_HALF
-_SPARE0_TIMES_PRIMARY = FinalCombiner(
-    a=CombinerInput(Register.SPARE0), b=CombinerInput(Register.PRIMARY_COLOR), c=ZERO, d=ZERO, g=OPAQUE
-)
 _ALPHA_FROM_RED = ((1.0, 0.0, 0.0, 0.0),) * 4
 
 
@@ -295,15 +299,11 @@ def _whole_lighting(thing, view, lamp, shading):
 
 def _dimmed(share):
     """Combiners that do what SHADOW_AMBIENT does: the primary colour times t + share (1 - t), t the texel."""
-    rest = CombinerInput(Register.CONSTANT_COLOR0)
-    kept = CombinerInput(Register.CONSTANT_COLOR1)
-    texel = CombinerInput(Register.TEXTURE0)
-    rgb = RGBPortion(a=texel, b=rest, c=kept, d=ONE)
-    return RegisterCombiners(
-        general=(GeneralCombiner(rgb, NO_ALPHA),),
-        final=_SPARE0_TIMES_PRIMARY,
-        constant_color0=opaque((1.0 - share,) * 3),
-        constant_color1=opaque((share,) * 3),
+    return program(
+        total(product(TEXTURE0, CONSTANT0), CONSTANT1, to=SPARE0),
+        final(SPARE0, PRIMARY),
+        constant0=(1.0 - share,) * 3,
+        constant1=(share,) * 3,
     )
 
 
@@ -368,18 +368,11 @@ def kernel_offsets(kernel):
 
 def _mean_of_four():
     """Combiners: the primary colour times the mean of four units' comparisons."""
-
-    def halves(a, b, output):
-        rgb = RGBPortion(a=CombinerInput(a), b=ONE, c=CombinerInput(b), d=ONE, sum_output=output, scale=_HALF)
-        return GeneralCombiner(rgb, NO_ALPHA)
-
-    return RegisterCombiners(
-        general=(
-            halves(Register.TEXTURE0, Register.TEXTURE1, Register.SPARE0),
-            halves(Register.TEXTURE2, Register.TEXTURE3, Register.SPARE1),
-            halves(Register.SPARE0, Register.SPARE1, Register.SPARE0),
-        ),
-        final=_SPARE0_TIMES_PRIMARY,
+    return program(
+        scaled(0.5, total(TEXTURE0, TEXTURE1, to=SPARE0)),
+        scaled(0.5, total(TEXTURE2, TEXTURE3, to=SPARE1)),
+        scaled(0.5, total(SPARE0, SPARE1, to=SPARE0)),
+        final(SPARE0, PRIMARY),
     )
 
 

@@ -9,7 +9,15 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
-from fixedpipe.effects.passes.combiners import NO_ALPHA, OPAQUE, ZERO
+from fixedpipe.effects.passes.combiners import (
+    ONE,
+    SPARE0,
+    negated,
+    product,
+    program,
+    shown,
+    signed,
+)
 from fixedpipe.effects.passes.draws import NEAREST
 from fixedpipe.effects.passes.encoding import encode_expand
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, material_textures
@@ -17,16 +25,7 @@ from fixedpipe.effects.studies.shared.random_frames import eq_1
 from fixedpipe.effects.studies.shared.strips import drawn, strip_of_vectors
 from fixedpipe.effects.studies.study import BLUE, EXPECTED, ORANGE, Column, Study, Table
 from fixedpipe.pipeline.commands import Draw
-from fixedpipe.pipeline.enums import Mapping, Register
-from fixedpipe.pipeline.state import (
-    CombinerInput,
-    FinalCombiner,
-    GeneralCombiner,
-    PassState,
-    RegisterCombiners,
-    RGBPortion,
-    TextureUnit,
-)
+from fixedpipe.pipeline.state import PassState, TextureUnit
 
 # What is taken as one half where vectors are stored, and where EXPAND_NORMAL reads them.
 _CONVENTIONS = ((128.0, 128.0), (127.5, 127.5), (127.5, 128.0), (128.0, 127.5))
@@ -35,16 +34,8 @@ _CONVENTIONS = ((128.0, 128.0), (127.5, 127.5), (127.5, 128.0), (128.0, 127.5))
 def _dot_product(sign):
     """Combiners that show 4 (h.t) where it has that sign, positive."""
     first = anisotropic_blinn_phong.combiners().general[0]
-    mapping = Mapping.SIGNED_IDENTITY if sign > 0 else Mapping.SIGNED_NEGATE
-    one = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT)
-    signed = RGBPortion(
-        a=CombinerInput(Register.SPARE0, mapping),
-        b=one,
-        ab_output=Register.SPARE0,
-        sum_output=Register.DISCARD,
-    )
-    final = FinalCombiner(a=ZERO, b=ZERO, c=ZERO, d=CombinerInput(Register.SPARE0), g=OPAQUE)
-    return RegisterCombiners(general=(first, GeneralCombiner(signed, NO_ALPHA)), final=final)
+    positive = signed(SPARE0) if sign > 0 else negated(SPARE0)
+    return program(first, product(positive, ONE, to=SPARE0), shown(SPARE0))
 
 
 def flat_dot_product(stored_half, read_half, profile):

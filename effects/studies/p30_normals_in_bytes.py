@@ -9,24 +9,35 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.bump_mapping import normal_maps
-from fixedpipe.effects.geometry.vectors import dot, normalize
-from fixedpipe.effects.passes.combiners import NO_ALPHA, OPAQUE, ZERO, expand
+from fixedpipe.effects.geometry import vectors
+from fixedpipe.effects.geometry.vectors import normalize
+from fixedpipe.effects.passes.combiners import (
+    ONE,
+    PRIMARY,
+    SPARE0,
+    TEXTURE0,
+    TEXTURE2,
+    dot,
+    expand,
+    negated,
+    product,
+    program,
+    scaled,
+    shown,
+    signed,
+)
 from fixedpipe.effects.passes.draws import NEAREST
 from fixedpipe.effects.studies.shared.random_frames import random_directions
 from fixedpipe.effects.studies.shared.strips import drawn, strip
 from fixedpipe.effects.studies.study import BLUE, EXPECTED, ORANGE, Column, Study, Table
 from fixedpipe.pipeline.commands import Draw, TexImage
-from fixedpipe.pipeline.enums import CombinerScale, DotProductMapping, Mapping, Register
+from fixedpipe.pipeline.enums import DotProductMapping
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.state import (
-    CombinerInput,
-    FinalCombiner,
-    GeneralCombiner,
     PassState,
     RegisterCombiners,
-    RGBPortion,
     TextureShaderStage,
     TextureUnit,
 )
@@ -42,26 +53,14 @@ _NORMALS = 20000
 GRAZING = 10.0
 
 
-def _axes_combiners(scale, mapping):
-    """Combiners that show n.axis times ``scale`` where it has the mapping's sign; the axis is the primary."""
-    product = RGBPortion(
-        a=expand(Register.TEXTURE0),
-        b=expand(Register.PRIMARY_COLOR),
-        ab_dot_product=True,
-        ab_output=Register.SPARE0,
-        sum_output=Register.DISCARD,
-        scale=scale,
-    )
-    one = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT)
-    signed = RGBPortion(
-        a=CombinerInput(Register.SPARE0, mapping),
-        b=one,
-        ab_output=Register.SPARE0,
-        sum_output=Register.DISCARD,
-    )
-    final = FinalCombiner(a=ZERO, b=ZERO, c=ZERO, d=CombinerInput(Register.SPARE0), g=OPAQUE)
-    return RegisterCombiners(
-        general=(GeneralCombiner(product, NO_ALPHA), GeneralCombiner(signed, NO_ALPHA)), final=final
+def _axes_combiners(factor, half):
+    """Combiners that show the positive part of n.axis times ``factor``, or of its negative, as ``half`` says
+    (``signed`` or ``negated``); the axis is the primary colour.
+    """
+    return program(
+        scaled(factor, dot(expand(TEXTURE0), expand(PRIMARY), to=SPARE0)),
+        product(half(SPARE0), ONE, to=SPARE0),
+        shown(SPARE0),
     )
 
 
@@ -72,20 +71,16 @@ def _loaded(stored):
 def _by_combiners(stored, profile):
     """(x, y, z) of a flat texel as combiners read it: x and y with the factor 4, taken back."""
     out = []
-    for axis, scale, factor in (
-        (0, CombinerScale.SCALE_BY_FOUR, 4.0),
-        (1, CombinerScale.SCALE_BY_FOUR, 4.0),
-        (2, CombinerScale.NONE, 1.0),
-    ):
+    for axis, factor in ((0, 4.0), (1, 4.0), (2, 1.0)):
         color = 0.5 + 0.5 * np.eye(3)[axis]
         if not profile.exact:
             color = np.where(color == 0.5, 128.0 / 255.0, color)
         mesh = strip(1, color[None], np.full((1, 2), 0.5))
         value = 0.0
-        for sign, mapping in ((1.0, Mapping.SIGNED_IDENTITY), (-1.0, Mapping.SIGNED_NEGATE)):
+        for sign, half in ((1.0, signed), (-1.0, negated)):
             state = PassState(
                 texture_units=(TextureUnit("flat", NEAREST),),
-                register_combiners=_axes_combiners(scale, mapping),
+                register_combiners=_axes_combiners(factor, half),
             )
             commands = (_loaded(stored), Draw(label="n.axis", mesh=mesh, state=state))
             value += sign * float(_picture(commands, profile)[4, 4, 0])
@@ -128,9 +123,7 @@ def _by_dot_products(stored, profile):
             TextureShaderStage(Operation.DOT_PRODUCT, 0, dot_product_mapping=normal),
             TextureShaderStage(Operation.DOT_PRODUCT_TEXTURE_2D, 0, dot_product_mapping=normal),
         ),
-        register_combiners=RegisterCombiners(
-            final=FinalCombiner(a=ZERO, b=ZERO, c=ZERO, d=CombinerInput(Register.TEXTURE2), g=OPAQUE)
-        ),
+        register_combiners=RegisterCombiners(final=shown(TEXTURE2)),
     )
     commands = (
         _loaded(stored),
@@ -169,10 +162,10 @@ def measure(profile):
             else:
                 read = _by_combiners(stored, IDEAL if reader == "fragment program" else profile)
             found = normalize(_decoded(encode(directions), reader))
-            errors = np.degrees(np.arccos(np.clip(dot(found, directions), -1.0, 1.0)))
+            errors = np.degrees(np.arccos(np.clip(vectors.dot(found, directions), -1.0, 1.0)))
             angle = math.radians(GRAZING)
             light = np.array([math.cos(angle), 0.0, math.sin(angle)])
-            change = float(dot(normalize(read), light)) / math.sin(angle) - 1.0
+            change = float(vectors.dot(normalize(read), light)) / math.sin(angle) - 1.0
             rows.append(
                 (
                     reader,

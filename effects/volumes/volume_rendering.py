@@ -36,7 +36,7 @@ Source: Heidrich 2001, section 2.1 and figure 7, which names Westermann and Ertl
 sequences A-H36 to A-H39 of the catalogue.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
@@ -44,7 +44,28 @@ import numpy as np
 from fixedpipe.effects.geometry.vectors import normalize, unit_vector
 from fixedpipe.effects.geometry.views import Panel, View
 from fixedpipe.effects.passes.arguments import checked_rgb
-from fixedpipe.effects.passes.combiners import NO_ALPHA, NO_RGB, ONE, OPAQUE, ZERO, alpha_of, expand
+from fixedpipe.effects.passes.combiners import (
+    CONSTANT0,
+    CONSTANT1,
+    NOTHING,
+    ONE,
+    SPARE0,
+    SPARE1,
+    TEXTURE0,
+    TEXTURE1,
+    ZERO,
+    both,
+    dot,
+    expand,
+    final,
+    product,
+    program,
+    scaled,
+    shown,
+    square,
+    stage,
+    total,
+)
 from fixedpipe.effects.passes.draws import ADD, MARK, MARKED, REPLACE, SUBTRACT
 from fixedpipe.effects.passes.encoding import encode_expand
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp
@@ -64,17 +85,12 @@ from fixedpipe.effects.shadows.lit_scene import NO_COLOR
 from fixedpipe.effects.technique import Technique
 from fixedpipe.effects.volumes.slices import Slices, Volume
 from fixedpipe.pipeline.commands import Clear, CopyPixels, CopyTexImage, Saturate, TexImage
-from fixedpipe.pipeline.enums import ColorBuffer, CombinerScale, Register, TextureTarget
+from fixedpipe.pipeline.enums import ColorBuffer, TextureTarget
 from fixedpipe.pipeline.pixel_transfer import PixelTransfer
 from fixedpipe.pipeline.state import (
     ColorTable,
-    CombinerInput,
-    FinalCombiner,
-    GeneralCombiner,
     PassState,
     RasterPosition,
-    RegisterCombiners,
-    RGBPortion,
 )
 
 TECHNIQUES = (
@@ -318,12 +334,6 @@ def imaging(picture, profile, load=True):
 
 # ------------------------------------------------------------------------------------- register combiners
 
-_TEXEL, _SPARE0, _SPARE1 = Register.TEXTURE0, Register.SPARE0, Register.SPARE1
-_CURRENT, _PRODUCT = CombinerInput(_SPARE1), CombinerInput(Register.TEXTURE1)
-_CONSTANT0, _CONSTANT1 = CombinerInput(Register.CONSTANT_COLOR0), CombinerInput(Register.CONSTANT_COLOR1)
-_NO_OUTPUT = dict.fromkeys(("ab_output", "cd_output", "sum_output"), Register.DISCARD)
-_NO_COMBINER = GeneralCombiner(NO_RGB, NO_ALPHA)
-
 
 def _encoded(vector, profile):
     stored = encode_expand(np.array(vector), profile)
@@ -332,73 +342,51 @@ def _encoded(vector, profile):
 
 def _dots(profile, first, second):
     """A general combiner: n.first to spare 0, n.second to spare 1."""
-    rgb = RGBPortion(
-        a=expand(_TEXEL),
-        b=expand(Register.CONSTANT_COLOR0),
-        c=expand(_TEXEL),
-        d=expand(Register.CONSTANT_COLOR1),
-        ab_output=_SPARE0,
-        cd_output=_SPARE1,
-        sum_output=Register.DISCARD,
-        ab_dot_product=True,
-        cd_dot_product=True,
+    n = expand(TEXTURE0)
+    return stage(
+        both(dot(n, expand(CONSTANT0), to=SPARE0), dot(n, expand(CONSTANT1), to=SPARE1)),
+        constant0=_encoded(first, profile),
+        constant1=_encoded(second, profile),
     )
-    constants = _encoded(first, profile), _encoded(second, profile)
-    return GeneralCombiner(rgb, NO_ALPHA, constant_color0=constants[0], constant_color1=constants[1])
 
 
 def _raised(exponent):
     """General combiners that raise spare 1 to a whole power: each squares it, and multiplies texture 1 by
     what was squared where the exponent has that bit. The last leaves the product in spare 1.
     """
-    stages, product = [], ONE
-    while exponent > 1 or (exponent and product is _PRODUCT):
-        rgb = RGBPortion(a=ZERO, **_NO_OUTPUT)
-        if exponent > 1:
-            rgb = replace(rgb, a=_CURRENT, b=_CURRENT, ab_output=_SPARE1)
+    stages, power = [], ONE
+    while exponent > 1 or (exponent and power is TEXTURE1):
+        last = exponent == 1
+        portion = NOTHING if last else square(SPARE1, to=SPARE1)
         if exponent & 1:
-            rgb = replace(
-                rgb, c=_CURRENT, d=product, cd_output=Register.TEXTURE1 if exponent > 1 else _SPARE1
-            )
-            product = _PRODUCT
-        stages.append(GeneralCombiner(rgb, NO_ALPHA))
+            portion = both(portion, product(SPARE1, power, to=SPARE1 if last else TEXTURE1))
+            power = TEXTURE1
+        stages.append(stage(portion))
         exponent >>= 1
     return tuple(stages)
 
 
-def _times_four(register):
-    rgb = RGBPortion(a=CombinerInput(register), b=ONE, sum_output=register, scale=CombinerScale.SCALE_BY_FOUR)
-    return GeneralCombiner(rgb, NO_ALPHA)
-
-
-def _final(a=ZERO, b=ZERO, d=ZERO, e=ZERO, f=ZERO, g=OPAQUE):
-    """A b + d, where d may be e f."""
-    return FinalCombiner(a=a, b=b, c=ZERO, d=d, e=e, f=f, g=g)
-
-
 def _shades(picture, profile):
     """The programs that draw what does not depend on the lamp, and its light."""
-    shading, density = picture.shading, alpha_of(_TEXEL)
+    shading = picture.shading
     dots = _dots(profile, picture.light, picture.half)
     if shading.mask:
-        black = RegisterCombiners(general=(_NO_COMBINER,), final=_final(g=density))
         # 64 n.l: above one half where n.l is above LEAST.
-        white = RegisterCombiners(
-            general=(dots, *(_times_four(_SPARE0),) * 3), final=_final(d=CombinerInput(_SPARE0))
-        )
-        return black, white
-    first = RegisterCombiners(
-        general=(_dots(profile, picture.eye, picture.eye),),
-        final=_final(CombinerInput(_SPARE0), _CONSTANT0, _CONSTANT1, g=density),
-        constant_color0=(*shading.times(shading.fill), 1.0),
-        constant_color1=(*shading.times(shading.ambient), 1.0),
+        times_four = scaled(4, total(SPARE0, to=SPARE0))
+        white = program(dots, times_four, times_four, times_four, shown(SPARE0))
+        return program(shown(ZERO, alpha=TEXTURE0)), white
+    first = program(
+        _dots(profile, picture.eye, picture.eye),
+        final(SPARE0, CONSTANT0, plus=CONSTANT1, alpha=TEXTURE0),
+        constant0=shading.times(shading.fill),
+        constant1=shading.times(shading.ambient),
     )
-    highlight = CombinerInput(Register.E_TIMES_F)
-    light = RegisterCombiners(
-        general=(dots, *_raised(shading.exponent)),
-        final=_final(CombinerInput(_SPARE0), _CONSTANT0, highlight, _CURRENT, _CONSTANT1),
-        constant_color0=(*shading.times(shading.diffuse), 1.0),
-        constant_color1=(*(shading.specular,) * 3, 1.0),
+    light = program(
+        dots,
+        *_raised(shading.exponent),
+        final(SPARE0, CONSTANT0, plus=product(SPARE1, CONSTANT1)),
+        constant0=shading.times(shading.diffuse),
+        constant1=(shading.specular,) * 3,
     )
     return first, light
 
@@ -415,7 +403,7 @@ def combiners(picture, profile, load=True):
     marked = {}
     if picture.map_panel is not None:
         coding, lamp = picture.coding, picture.lamp
-        texel = RegisterCombiners(general=(_NO_COMBINER,), final=_final(g=alpha_of(_TEXEL)))
+        texel = program(shown(ZERO, alpha=TEXTURE0))
         store = light_map(
             picture.volume, lamp, picture.map_panel, picture.slices, profile, coding, texel, texel
         )

@@ -8,7 +8,7 @@ import pytest
 
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.views import Panel
-from fixedpipe.effects.passes.combiners import OPAQUE
+from fixedpipe.effects.passes.combiners import ONE, alpha_of
 from fixedpipe.effects.passes.draws import ADD, MARK, MODULATE, NEAREST, REPLACE, SUBTRACT, unit
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp, Object, Scene, lamp_around
 from fixedpipe.effects.scenes.still_life import LAMP_POSITIONS, still_life, still_life_view
@@ -81,7 +81,7 @@ def test_a_product_with_expand_normal_of_zero_is_a_step_too_low_from_one_half_on
     portion = alpha.difference_combiners().general[0].alpha
     minus_one = CombinerInput(Register.ZERO, Mapping.EXPAND_NORMAL, ComponentUsage.ALPHA)
     texel = CombinerInput(Register.TEXTURE1, usage=ComponentUsage.ALPHA)
-    assert portion.d == OPAQUE
+    assert portion.d == alpha_of(ONE)
     general = alpha.difference_combiners().general[0]
     changed = GeneralCombiner(general.rgb, replace(portion, c=texel, d=minus_one))
     combiners = RegisterCombiners(general=(changed,), final=alpha.difference_combiners().final)

@@ -6,11 +6,10 @@ from fixedpipe.effects.acceptance.check import Check
 from fixedpipe.effects.bump_mapping import normal_maps
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import panel_of
-from fixedpipe.effects.passes.combiners import NO_ALPHA, NO_RGB, ONE, OPAQUE, ZERO
+from fixedpipe.effects.passes.combiners import TEXTURE0, final, program
 from fixedpipe.effects.passes.encoding import encode_factor, encode_rgba
 from fixedpipe.pipeline.commands import TexImage
-from fixedpipe.pipeline.enums import InternalFormat, Register
-from fixedpipe.pipeline.state import CombinerInput, FinalCombiner, GeneralCombiner, RegisterCombiners
+from fixedpipe.pipeline.enums import InternalFormat
 from fixedpipe.pipeline.textures.images import texture_2d
 
 BRICK_NORMALS, BRICK_COLORS = "normal map of bricks", "colours of bricks"
@@ -44,8 +43,7 @@ def load_colors(colors, name, profile):
 
 def texel_combiners():
     """Combiners that show texture 0 as it is."""
-    final = FinalCombiner(a=CombinerInput(Register.TEXTURE0), b=ONE, c=ZERO, d=ZERO, g=OPAQUE)
-    return RegisterCombiners(general=(GeneralCombiner(NO_RGB, NO_ALPHA),), final=final)
+    return program(final(TEXTURE0))
 
 
 def map_normals(heights):
