@@ -11,7 +11,8 @@ Eq. 1 of Kautz and Seidel, k_s (1 - (h.t/ax)^2 - (h.b/ay)^2)+, is
     )
 
 Inputs are registers, or what ``expand``, ``signed``, ``negated``, ``one_minus``, ``alpha_of`` and ``blue_of``
-make of them; a register by itself is read as (.)+, UNSIGNED_IDENTITY. ``ZERO`` and ``ONE`` are inputs too.
+make of them; a register by itself is read as (.)+, UNSIGNED_IDENTITY, where ``!!RC1.0`` reads its sign too.
+``ZERO`` and ``ONE`` are inputs.
 
 One product is ``product``, ``dot`` or ``square``. Two are a portion, the RGB or the alpha half of a general
 combiner: ``both`` keeps them apart, ``total`` adds them. ``scaled`` and ``less_half`` are said of a portion.
@@ -20,7 +21,7 @@ The same words make either half: where a stage's alpha reads a register, it read
 
 A ``stage`` is a general combiner, ``final`` and ``shown`` are final ones, and a ``program`` is made of both.
 
-Source: NV_register_combiners, section 3.8.11, whose texts (``!!RC1.0``) name registers and mappings so.
+Source: NV_register_combiners, section 3.8.12.
 """
 
 from dataclasses import replace

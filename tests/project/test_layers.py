@@ -175,6 +175,37 @@ def test_nobody_asks_which_machine_it_is():
                 assert not [n for n in compared if n.id in PROFILES], f"{path}:{node.lineno}: ask for a field"
 
 
+# What register combiners are made of, and who makes it in effects: the words of techniques, and suites, which
+# transcribe the fields that a capture's program set.
+COMBINERS = {
+    "RGBPortion", "AlphaPortion", "CombinerInput", "CombinerLookup", "GeneralCombiner", "FinalCombiner",
+}  # fmt: skip
+MAKERS = {"effects/passes", "effects/conformance"}
+
+
+def combiners_made(tree):
+    """Lines on which code makes a part of register combiners."""
+    calls = [node for node in ast.walk(tree) if isinstance(node, ast.Call)]
+    called = [(node.lineno, getattr(node.func, "id", getattr(node.func, "attr", ""))) for node in calls]
+    return [line for line, name in called if name in COMBINERS]
+
+
+def test_techniques_say_combiners_in_words():
+    made = {}
+    for path in sorted((ROOT / "effects").rglob("*.py")):
+        if lines := combiners_made(ast.parse(path.read_text())):
+            made.setdefault(package_of(path), []).append((path.name, lines))
+    assert made.keys() == MAKERS, "use the words of effects/passes/combiners.py"
+    assert [name for name, _ in made["effects/passes"]] == ["combiners.py"]
+
+
+def test_a_portion_that_is_made_by_hand_is_seen():
+    tree = ast.parse(
+        "a = RGBPortion(b)\nfrom x import state\nc = [state.FinalCombiner()]\nisinstance(a, RGBPortion)"
+    )
+    assert combiners_made(tree) == [1, 3]
+
+
 # The stages of a fragment, and why an engine has no file of that name.
 STAGES = ("interpolate", "sample", "unit", "texture_shader", "combine", "per_fragment")
 WITHOUT = {
