@@ -112,7 +112,7 @@ PACKAGES = {
     },
     "effects/conformance": {
         "pipeline": "enums state textures commands profiles vertices framebuffers native execution",
-        "effects": "refusal",
+        "effects": "refusal passes",
     },
     "effects/user_pictures": {
         "pipeline": "enums profiles framebuffers validation execution",

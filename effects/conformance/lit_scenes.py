@@ -13,17 +13,9 @@ import numpy as np
 from fixedpipe.effects.conformance import scenes, vertex_programs
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH
 from fixedpipe.effects.conformance.scenes import single
+from fixedpipe.effects.passes.combiners import PRIMARY, SECONDARY, SPARE0, program, shown, stage, total
 from fixedpipe.pipeline.commands import Mesh
-from fixedpipe.pipeline.enums import ComponentUsage, Register
-from fixedpipe.pipeline.state import (
-    AlphaPortion,
-    CombinerInput,
-    GeneralCombiner,
-    Light,
-    RegisterCombiners,
-    RGBPortion,
-    Spot,
-)
+from fixedpipe.pipeline.state import Light, Spot
 from fixedpipe.pipeline.vertices.arithmetic import columns_of, invert_upper_left
 from fixedpipe.pipeline.vertices.lighting_unit import light_vertices
 
@@ -58,16 +50,8 @@ def view(depth_maximum=16777215.0, near=1.0, far=200.0):
 
 def sum_of_colors():
     """Combiners whose result is primary plus secondary colour, alpha too."""
-    primary, secondary = Register.PRIMARY_COLOR, Register.SECONDARY_COLOR
-    one = scenes.shows(primary).general[0].rgb.b
-    alpha = ComponentUsage.ALPHA
-    stage = GeneralCombiner(
-        rgb=RGBPortion(c=CombinerInput(secondary), d=one),
-        alpha=AlphaPortion(
-            c=CombinerInput(secondary, usage=alpha), d=CombinerInput(one.register, one.mapping, alpha)
-        ),
-    )
-    return RegisterCombiners(general=(stage,), final=scenes.SHOWS_PRIMARY.final)
+    both_halves = total(PRIMARY, SECONDARY, to=SPARE0)
+    return program(stage(both_halves, alpha=both_halves), shown(SPARE0, alpha=SPARE0))
 
 
 @dataclass(frozen=True)

@@ -9,29 +9,22 @@ from dataclasses import replace
 import numpy as np
 
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH
+from fixedpipe.effects.passes.combiners import PRIMARY, SPARE0, TEXTURE0, program, shown, stage, total
 from fixedpipe.pipeline.commands import Clear, Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import (
     BlendFactor,
-    ComponentUsage,
     LineRasterization,
     PrimitiveType,
-    Register,
     TextureFilter,
     VertexStage,
     WrapMode,
 )
 from fixedpipe.pipeline.state import (
     IDENTITY,
-    AlphaPortion,
     Blending,
-    CombinerInput,
     Composite,
-    FinalCombiner,
-    GeneralCombiner,
     LineState,
     PassState,
-    RegisterCombiners,
-    RGBPortion,
     Sampler,
     TextureUnit,
     VertexState,
@@ -63,24 +56,12 @@ def abgr(word):
 
 def shows(register):
     """Combiners whose result is one register, colour and alpha."""
-    return RegisterCombiners(
-        general=(
-            GeneralCombiner(
-                rgb=RGBPortion(a=CombinerInput(register)),
-                alpha=AlphaPortion(a=CombinerInput(register, usage=ComponentUsage.ALPHA)),
-            ),
-        ),
-        final=FinalCombiner(
-            a=CombinerInput(),
-            b=CombinerInput(),
-            c=CombinerInput(),
-            d=CombinerInput(Register.SPARE0),
-        ),
-    )
+    both_halves = total(register, to=SPARE0)
+    return program(stage(both_halves, alpha=both_halves), shown(SPARE0, alpha=SPARE0))
 
 
-SHOWS_PRIMARY = shows(Register.PRIMARY_COLOR)
-SHOWS_TEXTURE0 = shows(Register.TEXTURE0)
+SHOWS_PRIMARY = shows(PRIMARY)
+SHOWS_TEXTURE0 = shows(TEXTURE0)
 RECTANGLES = LineState(rasterization=LineRasterization.RECTANGLE)
 DEFAULT = PassState(
     vertex=PROGRAM_RESULTS, register_combiners=SHOWS_PRIMARY, blending=BLENDED, line=RECTANGLES

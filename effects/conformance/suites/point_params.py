@@ -13,12 +13,10 @@ import numpy as np
 
 from fixedpipe.effects.conformance import scenes
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+from fixedpipe.effects.passes.combiners import PRIMARY, TEXTURE3, final
 from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
-from fixedpipe.pipeline.enums import ComponentUsage, Mapping, PrimitiveType, Register, WrapMode
+from fixedpipe.pipeline.enums import PrimitiveType, WrapMode
 from fixedpipe.pipeline.state import (
-    CombinerInput,
-    FinalCombiner,
-    GeneralCombiner,
     PointParameters,
     PointState,
     RegisterCombiners,
@@ -86,17 +84,10 @@ def _textured(state):
     """The same with texture times colour, opaque."""
     repeat = replace(scenes.NEAREST, wrap_s=WrapMode.REPEAT, wrap_t=WrapMode.REPEAT)
     unit = TextureUnit(CHECKERBOARD, repeat, coord_replace=True)
-    final = FinalCombiner(
-        a=CombinerInput(Register.TEXTURE3),
-        b=CombinerInput(Register.PRIMARY_COLOR),
-        c=CombinerInput(),
-        d=CombinerInput(),
-        g=CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, ComponentUsage.ALPHA),
-    )
     return replace(
         state,
         texture_units=(None, None, None, unit),
-        register_combiners=RegisterCombiners((GeneralCombiner(),), final),
+        register_combiners=RegisterCombiners(final=final(TEXTURE3, PRIMARY)),
     )
 
 

@@ -12,17 +12,15 @@ import numpy as np
 
 from fixedpipe.effects.conformance import control_flags, lit_scenes, scenes
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+from fixedpipe.effects.passes.combiners import ONE, SECONDARY, SPARE0, program, shown, stage, total
 from fixedpipe.pipeline.commands import Draw, Mesh
 from fixedpipe.pipeline.enums import (
-    ComponentUsage,
     Face,
     FrontFace,
-    Mapping,
     PrimitiveType,
-    Register,
     SecondaryColor,
 )
-from fixedpipe.pipeline.state import AlphaPortion, CombinerInput, Lighting, Material, PolygonState
+from fixedpipe.pipeline.state import Lighting, Material, PolygonState
 
 SUITE = "Specular"
 
@@ -83,7 +81,7 @@ def _parameters(coefficients, inputs):
     state = replace(
         scenes.DEFAULT,
         vertex=vertex,
-        register_combiners=scenes.shows(Register.SECONDARY_COLOR),
+        register_combiners=scenes.shows(SECONDARY),
         polygon=PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW),
     )
     draws = [
@@ -115,9 +113,9 @@ def _normals(length):
     lighting = _lighting(
         POWER_125, (light,), ambient=0.0, alpha=1.0, local_viewer=True, separate_specular_color=True
     )
-    shown = scenes.shows(Register.SECONDARY_COLOR)
-    one = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, ComponentUsage.ALPHA)
-    opaque = replace(shown, general=(replace(shown.general[0], alpha=AlphaPortion(a=one)),))
+    opaque = program(
+        stage(total(SECONDARY, to=SPARE0), alpha=total(ONE, to=SPARE0)), shown(SPARE0, alpha=SPARE0)
+    )
     state = replace(
         scenes.DEFAULT,
         vertex=replace(lit_scenes.view(), lighting=lighting),

@@ -10,14 +10,21 @@ import numpy as np
 
 from fixedpipe.effects.conformance import scenes
 from fixedpipe.effects.conformance.case import Case
+from fixedpipe.effects.passes.combiners import (
+    PRIMARY,
+    SPARE0,
+    TEXTURE0,
+    TEXTURE1,
+    shown,
+    signed,
+    stage,
+    total,
+)
 from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
-from fixedpipe.pipeline.enums import ComponentUsage, Mapping, PrimitiveType, Register, TexGenMode
+from fixedpipe.pipeline.enums import PrimitiveType, TexGenMode
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.state import (
     IDENTITY,
-    CombinerInput,
-    GeneralCombiner,
-    RGBPortion,
     TexGen,
     TextureShaderStage,
     TextureUnit,
@@ -35,19 +42,10 @@ MODES = {
     "ReflectionMap": TexGenMode.REFLECTION_MAP,
 }
 
-_OPAQUE = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, ComponentUsage.ALPHA)
-_ONE = replace(_OPAQUE, usage=ComponentUsage.RGB)
-_SHOWS_OPAQUE = replace(scenes.SHOWS_TEXTURE0, final=replace(scenes.SHOWS_TEXTURE0.final, g=_OPAQUE))
+_SHOWS_OPAQUE = replace(scenes.SHOWS_TEXTURE0, final=shown(SPARE0))
 
 # The combiner of what is passed through: texture 1 plus the coordinates that unit 0 passes, as signed.
-_SUM = GeneralCombiner(
-    rgb=RGBPortion(
-        a=CombinerInput(Register.TEXTURE1),
-        b=_ONE,
-        c=CombinerInput(Register.TEXTURE0, Mapping.SIGNED_IDENTITY),
-        d=_ONE,
-    )
-)
+_SUM = stage(total(TEXTURE1, signed(TEXTURE0), to=SPARE0), alpha=total(PRIMARY, to=SPARE0))
 
 CHECKERS = (0x60FF6060, 0x90FF9090)  # the program's words 0xFF606060, 0xFF909090, which are R8G8B8A8 there
 

@@ -12,17 +12,15 @@ import numpy as np
 
 from fixedpipe.effects.conformance import scenes, texture_memory, vertex_programs
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+from fixedpipe.effects.passes.combiners import ONE, SPARE0, TEXTURE0, TEXTURE1, alpha_of, stage, total
 from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.enums import (
-    ComponentUsage,
     InternalFormat,
-    Mapping,
     PrimitiveType,
-    Register,
     TexelWord,
     TextureTarget,
 )
-from fixedpipe.pipeline.state import AlphaPortion, CombinerInput, GeneralCombiner, RGBPortion, TextureUnit
+from fixedpipe.pipeline.state import TextureUnit
 from fixedpipe.pipeline.textures.words import compressed_texture, paletted_texture, texture_of_words
 
 SUITE = "Texture_format"
@@ -74,12 +72,9 @@ def square():
     return vertex_programs.perspective(points, eye=EYE, depth_maximum=0x7FFF, far=10.0), at[:, 2:]
 
 
-def _opaque(register, usage=ComponentUsage.RGB):
+def _opaque(register):
     """Combiners that show one register's colour, or its alpha, and an alpha of one."""
-    general = GeneralCombiner(
-        rgb=RGBPortion(a=CombinerInput(register, usage=usage)),
-        alpha=AlphaPortion(a=CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, ComponentUsage.ALPHA)),
-    )
+    general = stage(total(register, to=SPARE0), alpha=total(ONE, to=SPARE0))
     return replace(scenes.SHOWS_TEXTURE0, general=(general,))
 
 
@@ -106,14 +101,14 @@ def x_alpha(entry):
     commands = [
         scenes.clear(0xFF220022),
         TexImage(label="checkerboard", texture="checkerboard", image=background),
-        _textured("background", corners, "checkerboard", texels, _opaque(Register.TEXTURE0)),
+        _textured("background", corners, "checkerboard", texels, _opaque(TEXTURE0)),
     ]
     scale = PLAIN if entry.linear else 1
     for i, word in enumerate(X_ALPHA_WORDS[texture_memory.WORD_BYTES[entry.word]]):
         texture, left = f"{word:X}", LEFT + i * STEP
         image = texture_of_words(np.full((PLAIN, PLAIN), word), entry.word, entry.target)
         commands.append(TexImage(label=texture, texture=texture, image=image))
-        combiners = scenes.SHOWS_TEXTURE0 if i else _opaque(Register.TEXTURE1)
+        combiners = scenes.SHOWS_TEXTURE0 if i else _opaque(TEXTURE1)
         for half, blending in enumerate((None, scenes.BLENDED)):
             at = left + half * WIDE / 2
             corners = (at, TOPS[0], at + WIDE / 2, TOPS[0] + HIGH)
@@ -121,7 +116,7 @@ def x_alpha(entry):
             label = "blended" if blending else "unblended"
             commands.append(_textured(label, corners, texture, coordinates, combiners, blending))
         corners = (left, TOPS[1], left + WIDE, TOPS[1] + HIGH)
-        alpha = _opaque(Register.TEXTURE0, ComponentUsage.ALPHA)
+        alpha = _opaque(alpha_of(TEXTURE0))
         commands.append(_textured("alpha", corners, texture, scenes.UNIT_SQUARE * scale, alpha))
     return tuple(commands)
 
