@@ -226,18 +226,26 @@ def _free_beyond(truth, points, distance):
 
 
 def _checks(found, least, most, agreeing, explained):
-    """``found``: {"ideal" or "machine": Agreements, one for each panel}."""
-    out = []
+    """``found``: the Agreements of each Answer, one for each panel."""
     for on, panels in found.items():
-        out += (
-            Check("least agreement with rays", min(p.agreeing for p in panels), ">=", least, on, agreeing),
-            Check("pixels that nothing explains", sum(p.other for p in panels), "<=", most, on, explained),
+        yield Check(
+            "least agreement with rays",
+            min(p.agreeing for p in panels),
+            at_least=least,
+            on=on,
+            reason=agreeing,
         )
-    return tuple(out)
+        yield Check(
+            "pixels that nothing explains",
+            sum(p.other for p in panels),
+            at_most=most,
+            on=on,
+            reason=explained,
+        )
 
 
 def volume_checks(found, least=0.999):
-    """Checks of masks of shadow volumes. ``found``: {"ideal" or "machine": Agreements, one a panel};
+    """Checks of masks of shadow volumes. ``found``: the Agreements of each Answer, one a panel;
     ``least``: the fraction of pixels that agree.
     """
     return _checks(

@@ -1,24 +1,70 @@
 """A Check: one number of a picture or of a study's table, the bound that it must keep, and why."""
 
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
+from enum import Enum
+
+
+class Answer(Enum):
+    """Which answer to a pass a picture shows or a check is of; its value is the word that is printed."""
+
+    IDEAL = "ideal"  # the algorithm itself, in float64
+    MACHINE = "machine"  # with the hardware's arithmetic
 
 
 @dataclass(frozen=True)
 class Check:
-    """One acceptance check: ``value relation bound``.
+    """One acceptance check: a value and the bound that it keeps.
 
-    ``relation``: "<=" or ">=". ``on``: "ideal" (the algorithm itself) or "machine" (with its arithmetic).
-    ``reason``: why this bound.
+    name      what is measured, in words
+    value     the number
+    at_most   its upper bound, or None
+    at_least  its lower bound, or None; a Check has one bound
+    on        whose number it is: the algorithm's or, with its arithmetic, the machine's
+    reason    why this bound
+
+    Raises ValueError where it has no bound, or two.
     """
 
     name: str
     value: float
-    relation: str
-    bound: float
-    on: str
+    _: KW_ONLY
+    at_most: float | None = None
+    at_least: float | None = None
+    on: Answer
     reason: str
 
+    def __post_init__(self) -> None:
+        if (self.at_most is None) == (self.at_least is None):
+            given = "neither" if self.at_most is None else f"{self.at_most!r} and {self.at_least!r}"
+            raise ValueError(f"The check {self.name!r} has {given}; give one bound, at_most or at_least.")
+        if not isinstance(self.on, Answer):
+            raise ValueError(
+                f"The check {self.name!r} is on {self.on!r}; give an Answer: {', '.join(map(str, Answer))}."
+            )
+
     @property
-    def passed(self):
+    def relation(self) -> str:
+        """How the value and its bound are written with each other: "<=" or ">="."""
+        return ">=" if self.at_most is None else "<="
+
+    @property
+    def bound(self) -> float:
+        """The one bound."""
+        return self.at_least if self.at_most is None else self.at_most
+
+    @property
+    def passed(self) -> bool:
         """Whether the value keeps the bound; a NaN does not."""
-        return self.value <= self.bound if self.relation == "<=" else self.value >= self.bound
+        return bool(self.value >= self.bound if self.at_most is None else self.value <= self.bound)
+
+    def record(self) -> dict[str, str | float | bool]:
+        """The check in the words and numbers of a JSON file."""
+        return {
+            "name": self.name,
+            "value": float(self.value),
+            "relation": self.relation,
+            "bound": self.bound,
+            "on": self.on.value,
+            "reason": self.reason,
+            "passed": self.passed,
+        }

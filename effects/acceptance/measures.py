@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 
 # Why the bounds of a highlight of exponent 8 are what they are.
 POWER_8 = (
@@ -35,7 +35,13 @@ def arithmetic_check(figure, renderer, bound, reason):
     """The machine's picture against the free ideal's: RMS over the framebuffer at half the figure's size."""
     machine = renderer.machine(figure, figure.size // 2)
     ideal = np.clip(renderer.ideal(figure, figure.size // 2), 0.0, 1.0)
-    return Check("RMS of machine - ideal", root_mean_square(machine - ideal), "<=", bound, "machine", reason)
+    return Check(
+        "RMS of machine - ideal",
+        root_mean_square(machine - ideal),
+        at_most=bound,
+        on=Answer.MACHINE,
+        reason=reason,
+    )
 
 
 def principal_axis(image):

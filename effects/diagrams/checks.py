@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.geometry.views import panel_of
 
@@ -13,20 +13,16 @@ def drawn_check(figure, renderer, places):
     ``places``: (panel's number, its view at half the figure's size, point, colour) of each mark. Measured is
     the largest distance of a pixel there from its colour.
     """
-    size, out = figure.size // 2, []
-    for on in ("ideal", "machine"):
-        image, apart = getattr(renderer, on)(figure, size), 0.0
+    size = figure.size // 2
+    for on in Answer:
+        image, apart = renderer.picture(on, figure, size), 0.0
         for number, view, point, color in places:
             x, y = (int(c) for c in np.floor(drawing.project(view, point)[:2]))
             apart = max(apart, float(np.abs(panel_of(image, number)[y, x] - np.array(color)).max()))
-        out.append(
-            Check(
-                f"colours of {len(places)} marks at the computed places, largest difference",
-                apart,
-                "<=",
-                0.5 / 255.0 + 1e-9 if on == "ideal" else 1.0 / 255.0,
-                on,
-                "a mark covers the pixel's middle",
-            )
+        yield Check(
+            f"colours of {len(places)} marks at the computed places, largest difference",
+            apart,
+            at_most=0.5 / 255.0 + 1e-9 if on is Answer.IDEAL else 1.0 / 255.0,
+            on=on,
+            reason="a mark covers the pixel's middle",
         )
-    return tuple(out)

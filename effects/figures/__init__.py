@@ -4,9 +4,9 @@ import re
 import sys
 
 from fixedpipe.effects.collection import Collection
-from fixedpipe.effects.figures.figure import DIFFERENCE_GAIN, VIEWS, Figure, Method, Renderer, difference
+from fixedpipe.effects.figures.figure import DIFFERENCE_GAIN, Figure, Method, Renderer, difference
 
-__all__ = ["DIFFERENCE_GAIN", "FIGURES", "VIEWS", "Figure", "Method", "Renderer", "difference"]
+__all__ = ["DIFFERENCE_GAIN", "FIGURES", "Figure", "Method", "Renderer", "difference"]
 
 
 def _identify(name):

@@ -11,6 +11,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.pipeline.profiles import IDEAL, PROFILES
 
 # Parameters of a scene that leave the highlight alone.
@@ -24,9 +25,7 @@ IMAGING_MACHINES = ("OCTANE", "INFINITE_REALITY", "OPENGL_1_2_IMAGING")
 IMAGING_MACHINES_8 = ("OCTANE", "OPENGL_1_2_IMAGING")
 # Diagrams (fixedpipe.effects.diagrams.drawing) need nothing that a machine lacks; these stand for the others.
 DIAGRAM_MACHINES = ("OPENGL_1_2", "GEFORCE_256")
-# Each figure is made three times on a machine; "difference" is (machine - ideal) of the same fragments, made
-# visible.
-VIEWS = ("machine", "ideal", "difference")
+# How much larger than it is a figure's third picture shows (machine - ideal).
 DIFFERENCE_GAIN = 8.0
 
 
@@ -64,7 +63,7 @@ class Figure:
     size         default edge of a panel, pixels
     parameters   the scene's numbers; any may be given to ``commands`` again
     methods      how it is drawn, a machine in one of them at most; first the one that the paper used
-    acceptance   (figure, Renderer) -> tuple of Check
+    acceptance   (figure, Renderer) -> Checks, in a tuple or one after the other
     """
 
     id: str
@@ -116,7 +115,7 @@ class Figure:
 
     def checks(self, renderer):
         """The figure's acceptance checks, rendered by a ``Renderer``: a tuple of Check."""
-        return self.acceptance(self, renderer)
+        return tuple(self.acceptance(self, renderer))
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,6 +137,11 @@ class Renderer:
         commands = figure.commands(self.profile, size, self.method, **changes)
         framebuffer = self.execute(commands, self.profile, *figure.dimensions(size)).framebuffer
         return framebuffer.color[::-1, :, :3] / (2.0**framebuffer.color_bits - 1.0)
+
+    def picture(self, answer, figure, size, /, **changes):
+        """That answer's picture, ``machine`` or ``ideal``: RGB float64 [size, columns * size, 3]."""
+        draw = {Answer.MACHINE: self.machine, Answer.IDEAL: self.ideal}[answer]
+        return draw(figure, size, **changes)
 
     def ideal(self, figure, size, /, **changes):
         """RGB float64 [size, columns * size, 3] of the free ideal, bottom row first."""

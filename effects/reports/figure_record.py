@@ -2,11 +2,11 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures import DIFFERENCE_GAIN, Renderer, difference
 from fixedpipe.effects.refusal import refusals
 from fixedpipe.effects.reports.pictures import png
@@ -70,11 +70,7 @@ def render(figure, machines, size, threads, with_checks, step):
             step(f"{figure.id}: acceptance checks on the {PROFILES[machine].name}")
             method = figure.method(machine)
             checks = _checks(figure, Renderer(PROFILES[machine], method, execute, execute_ideal, kept))
-            record["checks"] = [
-                asdict(c) | {"value": float(c.value), "passed": bool(c.passed)}
-                for c in checks
-                if c.on == "machine" or method not in checked
-            ]
+            record["checks"] = [c.record() for c in checks if c.on is Answer.MACHINE or method not in checked]
             checked.add(method)
         drawn.append(record)
     record = {
@@ -103,7 +99,7 @@ def _checks(figure, renderer):
         return figure.checks(renderer)
     except Exception as error:
         reason = f"{type(error).__name__}: {error}"
-        return (Check("errors of the checks themselves", 1.0, "<=", 0.0, "machine", reason),)
+        return (Check("errors of the checks themselves", 1.0, at_most=0.0, on=Answer.MACHINE, reason=reason),)
 
 
 def _on_machine(figure, machine, size, threads, step):

@@ -5,8 +5,6 @@ import json
 
 def measured(s, key, check):
     """The study's table and the content of its JSON file."""
-    from dataclasses import asdict
-
     from fixedpipe.effects.refusal import refusals
     from fixedpipe.pipeline.golden.provenance import provenance
     from fixedpipe.pipeline.profiles import PROFILES
@@ -26,7 +24,7 @@ def measured(s, key, check):
         "units": {column.name: column.unit for column in table.columns},
         "rows": table.records(),
         "findings": list(s.findings(table)),
-        "checks": [asdict(c) | {"value": float(c.value), "passed": bool(c.passed)} for c in checks],
+        "checks": [c.record() for c in checks],
         "provenance": provenance(profile),
     }
     return table, record

@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.surfaces import plane
 from fixedpipe.effects.geometry.views import Panel, perspective_view
@@ -107,15 +107,15 @@ def checks(table):
     )
     row = {r["slope"]: r for r in table.records()}
     return (
-        Check("acne against the law of slope, texel, step and bias, largest difference, %", worst, "<=", 4.0,
-              "machine", "the map's vertices lie on sixteenths of a texel, which moves all its depths by up "
-              "to a thirty-second (Measured: with subpixel_bits of 8 the difference is 1); the step is the "
-              "catalogue's"),
-        Check("acne at slope 3.7 without a bias, 8 bits, %", row[3.7]["8 bits + 0"], ">=", 30.0, "machine",
-              "half of the plane lies beyond its texels' centres"),
+        Check("acne against the law of slope, texel, step and bias, largest difference, %", worst,
+              at_most=4.0, on=Answer.MACHINE, reason="the map's vertices lie on sixteenths of a texel, which "
+              "moves all its depths by up to a thirty-second (Measured: with subpixel_bits of 8 the "
+              "difference is 1); the step is the catalogue's"),
+        Check("acne at slope 3.7 without a bias, 8 bits, %", row[3.7]["8 bits + 0"], at_least=30.0,
+              on=Answer.MACHINE, reason="half of the plane lies beyond its texels' centres"),
         Check("acne of a plane that faces the light, with a bias of two, %",
-              max(row[0.0][_name(b, 2)] for b in (8, 12, 16)), "<=", 0.0, "machine",
-              "all depths are one; roundings are within a step"),
+              max(row[0.0][_name(b, 2)] for b in (8, 12, 16)), at_most=0.0, on=Answer.MACHINE,
+              reason="all depths are one; roundings are within a step"),
     )  # fmt: skip
 
 

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.passes.draws import FIRST_PASS, REPLACE
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp
@@ -133,33 +133,31 @@ def findings(table):
 
 def checks(table):
     """The catalogue's numbers."""
-    out = []
     row = {r["distance"]: r for r in table.records()}
     for z, linear, buffered in CATALOGUE:
         r = row[z]
-        out.append(
-            Check(f"linear step at {z:g}, of {linear:g}: relative deviation",
-                  abs(r["linear step, machine"] / linear - 1.0), "<=", 0.01, "machine",
-                  "the catalogue's three digits; a change is found to a thousandth of what is looked at")
+        yield Check(
+            f"linear step at {z:g}, of {linear:g}: relative deviation",
+            abs(r["linear step, machine"] / linear - 1.0), at_most=0.01, on=Answer.MACHINE,
+            reason="the catalogue's three digits; a change is found to a thousandth of what is looked at",
         )  # fmt: skip
-        out.append(
-            Check(f"z-buffer step at {z:g}, of {buffered:g}: relative deviation",
-                  abs(r["z-buffer step, machine"] / buffered - 1.0), "<=", 0.03, "machine",
-                  "the catalogue's two digits")
+        yield Check(
+            f"z-buffer step at {z:g}, of {buffered:g}: relative deviation",
+            abs(r["z-buffer step, machine"] / buffered - 1.0), at_most=0.03, on=Answer.MACHINE,
+            reason="the catalogue's two digits",
         )  # fmt: skip
     equal = row[10.0]
-    out.append(
-        Check("steps at sqrt(f n), linear over z-buffer: deviation from one",
-              abs(equal["linear step, machine"] / equal["z-buffer step, machine"] - 1.0), "<=", 0.01,
-              "machine", "the catalogue's")
+    yield Check(
+        "steps at sqrt(f n), linear over z-buffer: deviation from one",
+        abs(equal["linear step, machine"] / equal["z-buffer step, machine"] - 1.0), at_most=0.01,
+        on=Answer.MACHINE, reason="the catalogue's",
     )  # fmt: skip
     for name, wanted in (("linear", 255.0 * 50.0 / 99.0), ("z-buffer", 255.0 * 1.0 / 99.0)):
-        out.append(
-            Check(f"{name}: alphas beyond 50, of {wanted:.1f} steps and one: deviation",
-                  abs(_far_half(table, name) - wanted - 1.0), "<=", 1.0, "machine",
-                  "where the first and the last step begin is a matter of rounding")
+        yield Check(
+            f"{name}: alphas beyond 50, of {wanted:.1f} steps and one: deviation",
+            abs(_far_half(table, name) - wanted - 1.0), at_most=1.0, on=Answer.MACHINE,
+            reason="where the first and the last step begin is a matter of rounding",
         )  # fmt: skip
-    return tuple(out)
 
 
 def plot(axes, table):

@@ -9,7 +9,7 @@ Source: Heidrich 2001, section 2.1 (artefact P6 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.shadows.alpha_coded_shadows import scale_alpha
 from fixedpipe.effects.studies.study import BLUE, GREEN, ORANGE, RED, Column, Study, Table
@@ -84,20 +84,20 @@ def findings(table):
 
 def checks(table):
     """The catalogue's numbers, of every width."""
-    out = []
     for bits in dict.fromkeys(table.column("bits")):
         for scale in ("2^n", "2^(n+1)", "2^n, bias 1 - 2^n"):
-            out.append(
-                Check(f"{bits} bits, {scale}: alphas that are not decided",
-                      2**bits - 1 - _row(table, bits, scale)["decided as they should be"], "<=", 0.0,
-                      "machine", "the catalogue's: all of them; the one with the bias is exact likewise")
+            yield Check(
+                f"{bits} bits, {scale}: alphas that are not decided",
+                2**bits - 1 - _row(table, bits, scale)["decided as they should be"], at_most=0.0,
+                on=Answer.MACHINE,
+                reason="the catalogue's: all of them; the one with the bias is exact likewise",
             )  # fmt: skip
         left = _row(table, bits, "2^(n-1)")["nearest alpha becomes"]
-        out.append(
-            Check(f"{bits} bits, 2^(n-1): the smallest alpha's distance from one half", abs(left - 0.5), "<=",
-                  1.0 / 2**bits, "machine", "the catalogue's .5: 2^(n-1) / (2^n - 1), rounded")
+        yield Check(
+            f"{bits} bits, 2^(n-1): the smallest alpha's distance from one half", abs(left - 0.5),
+            at_most=1.0 / 2**bits, on=Answer.MACHINE,
+            reason="the catalogue's .5: 2^(n-1) / (2^n - 1), rounded",
         )  # fmt: skip
-    return tuple(out)
 
 
 def plot(axes, table):

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.geometry.surfaces import plane
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.passes.draws import REPEATED
@@ -104,23 +104,28 @@ def findings(table):
 
 def checks(table):
     """The catalogue's numbers."""
-    out, step = [], float(table.curves["step"][0])
+    step = float(table.curves["step"][0])
     for r in table.records():
         w = r["texels"]
-        out += [
-            Check(f"{w} texels, s: largest error over 1 / (2 W), deviation from one",
-                  abs(r["plain, ideal"] * 2.0 * w - 1.0), "<=", w / _PIXELS, "ideal",
-                  "the catalogue's, to the half pixel that the largest may lie aside"),
-            Check(f"{w} texels, s: the machine's largest error off the ideal's, in steps",
-                  abs(r["plain, machine"] - r["plain, ideal"]) / step, "<=", 0.75, "machine",
-                  "rounding to a step, of a filter whose weights have eight bits"),
-            Check(f"{w} texels, s': largest error", r["corrected, ideal"], "<=", 1e-12, "ideal",
-                  "the catalogue's: s' removes it"),
-            Check(f"{w} texels, s': largest error in steps", r["corrected, machine"] / step, "<=",
-                  1.0 + 1.0 / 256.0 / (w - 1.0) / step, "machine",
-                  "a texel and the result are rounded, and a weight of eight bits is cut"),
-        ]  # fmt: skip
-    return tuple(out)
+        yield Check(
+            f"{w} texels, s: largest error over 1 / (2 W), deviation from one",
+            abs(r["plain, ideal"] * 2.0 * w - 1.0), at_most=w / _PIXELS, on=Answer.IDEAL,
+            reason="the catalogue's, to the half pixel that the largest may lie aside",
+        )  # fmt: skip
+        yield Check(
+            f"{w} texels, s: the machine's largest error off the ideal's, in steps",
+            abs(r["plain, machine"] - r["plain, ideal"]) / step, at_most=0.75, on=Answer.MACHINE,
+            reason="rounding to a step, of a filter whose weights have eight bits",
+        )  # fmt: skip
+        yield Check(
+            f"{w} texels, s': largest error", r["corrected, ideal"], at_most=1e-12, on=Answer.IDEAL,
+            reason="the catalogue's: s' removes it",
+        )  # fmt: skip
+        yield Check(
+            f"{w} texels, s': largest error in steps", r["corrected, machine"] / step,
+            at_most=1.0 + 1.0 / 256.0 / (w - 1.0) / step, on=Answer.MACHINE,
+            reason="a texel and the result are rounded, and a weight of eight bits is cut",
+        )  # fmt: skip
 
 
 def plot(axes, table):

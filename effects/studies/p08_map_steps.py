@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement, ray_caster
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.scenes.objects_and_lamps import lamp_around
@@ -166,17 +166,18 @@ def checks(table):
     short, nearer_short = table.rows[len(EDGES)], table.rows[-1]
     return (
         Check("exponent of wrong pixels at edges by M, 64 to 512 texels, + 1: absolute", abs(exponent + 1.0),
-              "<=", 0.2, "machine", "the catalogue's: error pixels ~ 1/M; below a pixel's width it ends"),
-        Check("wrong pixels at edges over a / M + c, - 1: largest absolute", worst, "<=", 0.2, "machine",
-              "steps of edges that fall on texels differently; measured 0.06"),
-        Check("wrong pixels without a reason, %, largest", max(row[5] for row in table.rows), "<=", 0.05,
-              "machine", "texels at edges of two faces; measured 0.03"),
+              at_most=0.2, on=Answer.MACHINE,
+              reason="the catalogue's: error pixels ~ 1/M; below a pixel's width it ends"),
+        Check("wrong pixels at edges over a / M + c, - 1: largest absolute", worst, at_most=0.2,
+              on=Answer.MACHINE, reason="steps of edges that fall on texels differently; measured 0.06"),
+        Check("wrong pixels without a reason, %, largest", max(row[5] for row in table.rows), at_most=0.05,
+              on=Answer.MACHINE, reason="texels at edges of two faces; measured 0.03"),
         Check("depth error, 16 bits, near plane close to the lamp, steps, - 0.58: absolute",
-              abs(nearer_short[6] - 0.58), "<=", 0.2, "machine",
-              "a depth is cut to an integer (docs/numbers.md, section 5), which has an RMS of sqrt(1/3); "
-              "snapped vertices are the rest"),
-        Check("wrong pixels of 16 bits - those of 24, %", abs(short[3] - table.rows[3][3]), "<=", 0.05,
-              "machine", "a step is far smaller than the offset for a texel's slope"),
+              abs(nearer_short[6] - 0.58), at_most=0.2, on=Answer.MACHINE,
+              reason="a depth is cut to an integer (docs/numbers.md, section 5), which has an RMS of "
+              "sqrt(1/3); snapped vertices are the rest"),
+        Check("wrong pixels of 16 bits - those of 24, %", abs(short[3] - table.rows[3][3]), at_most=0.05,
+              on=Answer.MACHINE, reason="a step is far smaller than the offset for a texel's slope"),
     )  # fmt: skip
 
 

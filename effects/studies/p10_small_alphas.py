@@ -5,7 +5,7 @@ Source: Kautz, Seidel 2000, section 4.1 (artefact P10 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.passes.draws import NEAREST
 from fixedpipe.effects.passes.encoding import decode_expand, encode_expand
@@ -105,14 +105,14 @@ def checks(table):
     )
     printed = "the catalogue's, of its own random tangents, printed to three digits"
     return (
-        Check("half width against max(alpha, 1/4) sqrt(1/2): largest relative deviation", worst, "<=", 0.05,
-              "machine", steps + "in the middle of a step"),
+        Check("half width against max(alpha, 1/4) sqrt(1/2): largest relative deviation", worst, at_most=0.05,
+              on=Answer.MACHINE, reason=steps + "in the middle of a step"),
         Check("degrees aside in the mean at alpha 0.1, of 14.4: deviation",
-              abs(narrow["direction, mean"] - 14.4), "<=", 0.3, "machine", printed),
+              abs(narrow["direction, mean"] - 14.4), at_most=0.3, on=Answer.MACHINE, reason=printed),
         Check("degrees aside at most at alpha 0.1, of 21.6: deviation",
-              abs(narrow["direction, largest"] - 21.6), "<=", 0.5, "machine", printed),
-        Check("vectors cut at alpha 0.1, %", narrow["vectors cut"], ">=", 100.0, "machine",
-              "the catalogue's: every one, as its largest component is at least sqrt(1/3) > 0.4"),
+              abs(narrow["direction, largest"] - 21.6), at_most=0.5, on=Answer.MACHINE, reason=printed),
+        Check("vectors cut at alpha 0.1, %", narrow["vectors cut"], at_least=100.0, on=Answer.MACHINE,
+              reason="the catalogue's: every one, as its largest component is at least sqrt(1/3) > 0.4"),
     )  # fmt: skip
 
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.rings import RING_HALF, ring_energy
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import normalize
@@ -126,26 +126,34 @@ def findings(table):
 
 def checks(table):
     """The catalogue's energies (F004-2), and that NEAREST makes blocks."""
-    rows, out = _rows(table), []
+    rows = _rows(table)
     for map_size, (rings, software) in _CATALOGUED.items():
         before, after = rows[map_size, _BEFORE], rows[map_size, _AFTER]
-        out += [
-            Check(f"ring energy, {map_size} texels, of {rings:g}: relative deviation",
-                  abs(before["ring energy"] / rings - 1.0), "<=", 0.05, "machine",
-                  "the catalogue's, to two or three digits; bytes must not change it by more than 5 %"),
-            Check(f"ring energy evaluated first, {map_size} texels", after["ring energy"], "<=",
-                  1.1 * software, "ideal", "the catalogue's, with 10 % for its rounding to one digit"),
-            Check(f"brightest where the highlight is dark, {map_size} texels", before["brightest where dark"],
-                  ">=", 0.9, "machine", "the catalogue's acceptance: the rings are as bright as a highlight"),
-        ]  # fmt: skip
-    return (
-        *out,
-        Check("ring energy, machine against float64 in its order: largest relative deviation",
-              _arithmetic(rows), "<=", 0.05, "machine", "the catalogue's: rings come from interpolation"),
-        Check("steps at texels' borders with NEAREST, 64 texels, %", rows[64, _BLOCKS]["steps at borders"],
-              ">=", 99.9, "machine", "blocks: between the borders nothing changes"),
-        Check("the same, interpolated", rows[64, _BEFORE]["steps at borders"], "<=", 30.0, "machine",
-              "an eighth of the pixels lies at a border"),
+        yield Check(
+            f"ring energy, {map_size} texels, of {rings:g}: relative deviation",
+            abs(before["ring energy"] / rings - 1.0), at_most=0.05, on=Answer.MACHINE,
+            reason="the catalogue's, to two or three digits; bytes must not change it by more than 5 %",
+        )  # fmt: skip
+        yield Check(
+            f"ring energy evaluated first, {map_size} texels", after["ring energy"], at_most=1.1 * software,
+            on=Answer.IDEAL, reason="the catalogue's, with 10 % for its rounding to one digit",
+        )  # fmt: skip
+        yield Check(
+            f"brightest where the highlight is dark, {map_size} texels", before["brightest where dark"],
+            at_least=0.9, on=Answer.MACHINE,
+            reason="the catalogue's acceptance: the rings are as bright as a highlight",
+        )  # fmt: skip
+    yield Check(
+        "ring energy, machine against float64 in its order: largest relative deviation", _arithmetic(rows),
+        at_most=0.05, on=Answer.MACHINE, reason="the catalogue's: rings come from interpolation",
+    )  # fmt: skip
+    yield Check(
+        "steps at texels' borders with NEAREST, 64 texels, %", rows[64, _BLOCKS]["steps at borders"],
+        at_least=99.9, on=Answer.MACHINE, reason="blocks: between the borders nothing changes",
+    )  # fmt: skip
+    yield Check(
+        "the same, interpolated", rows[64, _BEFORE]["steps at borders"], at_most=30.0, on=Answer.MACHINE,
+        reason="an eighth of the pixels lies at a border",
     )  # fmt: skip
 
 

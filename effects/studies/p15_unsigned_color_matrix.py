@@ -9,7 +9,7 @@ Source: Kautz, Seidel 2000, sections 4.2 and 5 (artefact P15 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.studies.shared.paraboloid import by_imaging_subset, material, true
 from fixedpipe.effects.studies.study import BLUE, ORANGE, Column, Study, Table
@@ -83,15 +83,16 @@ def checks(table):
     rounding = "rounding two squares and a sum to bytes leaves about .0013"
     return (
         Check("share of the squares that is missing, of 1/2: deviation", abs(missing_squares(table) - 0.5),
-              "<=", 0.02, "machine", half),
-        Check("RMS with the bias", rows["all"]["RMS, (1 + d) / 2"], "<=", 0.004, "machine", rounding),
-        Check("RMS without it where both products are positive", right["RMS, d itself"], "<=", 0.004,
-              "machine", rounding),
-        Check("least mean without it where both are negative", wrong["mean, d itself"], ">=", 0.99, "machine",
-              "one minus two squares of zero"),
+              at_most=0.02, on=Answer.MACHINE, reason=half),
+        Check("RMS with the bias", rows["all"]["RMS, (1 + d) / 2"], at_most=0.004, on=Answer.MACHINE,
+              reason=rounding),
+        Check("RMS without it where both products are positive", right["RMS, d itself"], at_most=0.004,
+              on=Answer.MACHINE, reason=rounding),
+        Check("least mean without it where both are negative", wrong["mean, d itself"], at_least=0.99,
+              on=Answer.MACHINE, reason="one minus two squares of zero"),
         Check("pixels lit without it over those that should be, all quadrants",
-              _lit(table, "unsigned") / _lit(table, "true"), ">=", 1.3, "machine",
-              "three quadrants of four lose an edge"),
+              _lit(table, "unsigned") / _lit(table, "true"), at_least=1.3, on=Answer.MACHINE,
+              reason="three quadrants of four lose an edge"),
     )  # fmt: skip
 
 

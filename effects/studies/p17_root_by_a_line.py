@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.geometry.surfaces import Surface
 from fixedpipe.effects.geometry.views import Panel, orthographic_view
@@ -144,21 +144,25 @@ def checks(table):
     whole, cone, *_, machine = table.records()
     printed = "the catalogue's, printed to three digits, of another grid of samples"
     return (
-        Check("largest error on the square, of 0.25: deviation", abs(whole["largest"] - 0.25), "<=", 1e-4,
-              "ideal", "sqrt(a) - a is largest where a = 1/4; a grid of 401 passes it closely"),
-        Check("largest error on the cone, of 0.25: deviation", abs(cone["largest"] - 0.25), "<=", 1e-4,
-              "ideal", "the same, along the cone"),
+        Check("largest error on the square, of 0.25: deviation", abs(whole["largest"] - 0.25), at_most=1e-4,
+              on=Answer.IDEAL,
+              reason="sqrt(a) - a is largest where a = 1/4; a grid of 401 passes it closely"),
+        Check("largest error on the cone, of 0.25: deviation", abs(cone["largest"] - 0.25), at_most=1e-4,
+              on=Answer.IDEAL, reason="the same, along the cone"),
         Check("(v.t)^2 of the largest error on the cone, of 0.5: deviation",
-              abs(cone["there |v.t|"] ** 2 - 0.5), "<=", 0.01, "ideal", "the grid's step is 0.005"),
-        Check("RMS on the square, of 0.168: relative deviation", abs(whole["RMS"] / 0.168 - 1.0), "<=", 0.01,
-              "ideal", printed),
-        Check("mean on the square, of -0.144: relative deviation", abs(whole["mean"] / -0.144 - 1.0), "<=",
-              0.01, "ideal", printed),
-        Check("RMS of the machine's passes against R*", machine["RMS to R*"], "<=", 0.004, "machine",
-              "squares and products rounded to bytes, each within half a step; measured .0022"),
+              abs(cone["there |v.t|"] ** 2 - 0.5), at_most=0.01, on=Answer.IDEAL,
+              reason="the grid's step is 0.005"),
+        Check("RMS on the square, of 0.168: relative deviation", abs(whole["RMS"] / 0.168 - 1.0),
+              at_most=0.01, on=Answer.IDEAL, reason=printed),
+        Check("mean on the square, of -0.144: relative deviation", abs(whole["mean"] / -0.144 - 1.0),
+              at_most=0.01, on=Answer.IDEAL, reason=printed),
+        Check("RMS of the machine's passes against R*", machine["RMS to R*"], at_most=0.004,
+              on=Answer.MACHINE,
+              reason="squares and products rounded to bytes, each within half a step; measured .0022"),
         Check("RMS of the machine's passes against the exact bracket, of 0.168: relative deviation",
-              abs(machine["RMS"] / 0.168 - 1.0), "<=", 0.05, "machine",
-              "the model's error outweighs rounding; the middles of cells leave out the square's edges"),
+              abs(machine["RMS"] / 0.168 - 1.0), at_most=0.05, on=Answer.MACHINE,
+              reason="the model's error outweighs rounding; the "
+              "middles of cells leave out the square's edges"),
     )  # fmt: skip
 
 

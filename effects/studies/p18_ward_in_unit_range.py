@@ -5,7 +5,7 @@ Source: Kautz, Seidel 2000, section 3.3 (artefact P18, pass sequence A-K09 of th
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.passes.draws import NEAREST
 from fixedpipe.effects.reflectance import brdfs
 from fixedpipe.effects.studies.shared.strips import drawn, strip
@@ -97,20 +97,22 @@ def checks(table):
     printed = "the catalogue's, printed to three digits"
     edge = "the catalogue's edge, alpha_x alpha_y = 1 / (4 pi), lies between these alphas"
     return (
-        Check("factor at 0.25, of 1.27: deviation", abs(row[0.25]["1 / (4 pi ax ay)"] - 1.27), "<=", 0.005,
-              "ideal", printed),
-        Check("factor at 0.1, of 7.96: deviation", abs(row[0.1]["1 / (4 pi ax ay)"] - 7.96), "<=", 0.005,
-              "ideal", printed),
-        Check("largest factor that is stored", max(table.column("stored")), "<=", 1.0, "machine",
-              "colours end at 1"),
-        Check("largest product that is stored as 1", max(over), "<=", 0.0796, "machine", edge),
-        Check("smallest product that is stored as less", min(under), ">=", 0.0796, "machine", edge),
-        Check("p up to which S is clamped", largest, "<=", 1.0 / 64.0, "machine",
-              "the catalogue's: S is above 8 where p is below 1/64"),
-        Check("largest S that is stored", float(table.curves["S stored"].max()), "<=", LARGEST_S, "machine",
-              "the catalogue's: clamped at 8"),
-        Check("texels of S that are clamped", float(count), ">=", _TEXELS / 64.0, "machine",
-              "all whose centres lie below 1/64"),
+        Check("factor at 0.25, of 1.27: deviation", abs(row[0.25]["1 / (4 pi ax ay)"] - 1.27), at_most=0.005,
+              on=Answer.IDEAL, reason=printed),
+        Check("factor at 0.1, of 7.96: deviation", abs(row[0.1]["1 / (4 pi ax ay)"] - 7.96), at_most=0.005,
+              on=Answer.IDEAL, reason=printed),
+        Check("largest factor that is stored", max(table.column("stored")), at_most=1.0, on=Answer.MACHINE,
+              reason="colours end at 1"),
+        Check("largest product that is stored as 1", max(over), at_most=0.0796, on=Answer.MACHINE,
+              reason=edge),
+        Check("smallest product that is stored as less", min(under), at_least=0.0796, on=Answer.MACHINE,
+              reason=edge),
+        Check("p up to which S is clamped", largest, at_most=1.0 / 64.0, on=Answer.MACHINE,
+              reason="the catalogue's: S is above 8 where p is below 1/64"),
+        Check("largest S that is stored", float(table.curves["S stored"].max()), at_most=LARGEST_S,
+              on=Answer.MACHINE, reason="the catalogue's: clamped at 8"),
+        Check("texels of S that are clamped", float(count), at_least=_TEXELS / 64.0, on=Answer.MACHINE,
+              reason="all whose centres lie below 1/64"),
     )  # fmt: skip
 
 

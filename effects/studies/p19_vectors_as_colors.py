@@ -8,7 +8,7 @@ Source: Kautz, Seidel 2000, sections 4.2 and 5 (artefact P19 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.geometry.surfaces import Surface
 from fixedpipe.effects.geometry.vectors import cosine, sine
@@ -195,22 +195,28 @@ def checks(table):
     jumps, polygons = table.column("slope jump"), table.column("RMS, a vector a polygon")
     steps = "rounding each of three bytes twice, and 255 stands for 254/255"
     falls = "interpolation's error falls with the square, its kinks and the facets with the angle itself"
-    out = [
-        Check(f"|h| in the middle of an edge, {r['slices']} slices, off cos(angle / 2)",
-              abs(r["shortest |h|"] - r["cos half angle"]), "<=", 3.0 / 255.0, "machine", steps)
-        for r in table.records()
-    ]  # fmt: skip
-    return (
-        *out,
-        Check("power of the angle with which the RMS falls, of 2: deviation",
-              abs(_power(table, "RMS, float64") - 2.0), "<=", 0.2, "ideal", falls),
-        Check("power of the angle with which the slope's jump falls, of 1: deviation",
-              abs(_power(table, "slope jump") - 1.0), "<=", 0.2, "ideal", falls),
-        Check("slope's jump with 8 slices, %", jumps[0], ">=", 10.0, "ideal",
-              "the catalogue's artefact: a kink at the vertices; without one it would be 0"),
-        Check("RMS with a vector a polygon over that with vertex colours, 50 slices",
-              polygons[3] / rows[50]["RMS, machine"], ">=", 5.0, "machine",
-              "section 4.2's facets are an error of the first order; measured 12"),
+    for r in table.records():
+        yield Check(
+            f"|h| in the middle of an edge, {r['slices']} slices, off cos(angle / 2)",
+            abs(r["shortest |h|"] - r["cos half angle"]), at_most=3.0 / 255.0, on=Answer.MACHINE,
+            reason=steps,
+        )  # fmt: skip
+    yield Check(
+        "power of the angle with which the RMS falls, of 2: deviation",
+        abs(_power(table, "RMS, float64") - 2.0), at_most=0.2, on=Answer.IDEAL, reason=falls,
+    )  # fmt: skip
+    yield Check(
+        "power of the angle with which the slope's jump falls, of 1: deviation",
+        abs(_power(table, "slope jump") - 1.0), at_most=0.2, on=Answer.IDEAL, reason=falls,
+    )  # fmt: skip
+    yield Check(
+        "slope's jump with 8 slices, %", jumps[0], at_least=10.0, on=Answer.IDEAL,
+        reason="the catalogue's artefact: a kink at the vertices; without one it would be 0",
+    )  # fmt: skip
+    yield Check(
+        "RMS with a vector a polygon over that with vertex colours, 50 slices",
+        polygons[3] / rows[50]["RMS, machine"], at_least=5.0, on=Answer.MACHINE,
+        reason="section 4.2's facets are an error of the first order; measured 12",
     )  # fmt: skip
 
 

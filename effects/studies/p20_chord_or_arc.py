@@ -5,7 +5,7 @@ Source: Kautz, Seidel 2000, section 5.1 (K17, artefact P20 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.geometry.vectors import cosine, sine
 from fixedpipe.effects.studies.shared.strips import drawn
 from fixedpipe.effects.studies.study import BLUE, EXPECTED, GREEN, Column, Study, Table
@@ -87,24 +87,22 @@ def findings(table):
 
 def checks(table):
     """The catalogue's bound for the chord, and nothing left on the arc."""
-    out = []
     for r in table.records():
         at = f"at {r['angle between vertices']:g}"
-        out.append(
-            Check(f"radians off along the chord {at}", r["off along the chord"], "<=",
-                  r["angle squared / 16"], "machine", "the catalogue's: half of the angle's square / 8")
+        yield Check(
+            f"radians off along the chord {at}", r["off along the chord"], at_most=r["angle squared / 16"],
+            on=Answer.MACHINE, reason="the catalogue's: half of the angle's square / 8",
         )  # fmt: skip
-    out.append(
-        Check("radians off along the arc", max(table.column("off along the arc")), "<=", 2.0**-14, "machine",
-              "two components of 16 bits, each off by half a step of 2 / 65535 where it is stored and where "
-              "it is interpolated")
+    yield Check(
+        "radians off along the arc", max(table.column("off along the arc")), at_most=2.0**-14,
+        on=Answer.MACHINE, reason="two components of 16 bits, each off by half a step of 2 / 65535 where it "
+        "is stored and where it is interpolated",
     )  # fmt: skip
-    out.append(
-        Check("arc / chord at the largest angle",
-              table.column("off along the arc")[-1] / table.column("off along the chord")[-1], "<=", 0.01,
-              "machine", "what is asked for removes the error; without it the ratio would be 1")
+    yield Check(
+        "arc / chord at the largest angle",
+        table.column("off along the arc")[-1] / table.column("off along the chord")[-1], at_most=0.01,
+        on=Answer.MACHINE, reason="what is asked for removes the error; without it the ratio would be 1",
     )  # fmt: skip
-    return tuple(out)
 
 
 def plot(axes, table):

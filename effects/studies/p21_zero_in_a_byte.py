@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.passes.combiners import (
     ONE,
@@ -102,15 +102,16 @@ def checks(table):
     kept, real, mixed, other = table.records()
     return (
         Check("zero read with the half at 127.5, of 1/255: deviation", abs(real["zero read"] - 1.0 / 255.0),
-              "<=", 1e-9, "machine", "the catalogue's: 2 x 128 - 255 = 1"),
+              at_most=1e-9, on=Answer.MACHINE, reason="the catalogue's: 2 x 128 - 255 = 1"),
         Check("h.t of a flat map with the half at 127.5, of .016: deviation",
-              abs(real["h.t that should be 0"] - 0.016), "<=", 0.0005, "machine",
-              "the catalogue's, printed to two digits: 4/255"),
-        Check("h.t of a flat map with the half at 128", abs(kept["h.t that should be 0"]), "<=", 0.0,
-              "machine", "zero is stored exactly"),
+              abs(real["h.t that should be 0"] - 0.016), at_most=0.0005, on=Answer.MACHINE,
+              reason="the catalogue's, printed to two digits: 4/255"),
+        Check("h.t of a flat map with the half at 128", abs(kept["h.t that should be 0"]), at_most=0.0,
+              on=Answer.MACHINE, reason="zero is stored exactly"),
         Check("RMS in the highlight, conventions mixed / the same",
-              min(mixed["RMS in highlight"], other["RMS in highlight"]) / kept["RMS in highlight"], ">=", 1.8,
-              "machine", "half a step in all three components of both vectors; measured 1.9"),
+              min(mixed["RMS in highlight"], other["RMS in highlight"]) / kept["RMS in highlight"],
+              at_least=1.8, on=Answer.MACHINE,
+              reason="half a step in all three components of both vectors; measured 1.9"),
     )  # fmt: skip
 
 

@@ -6,7 +6,7 @@ Source: Zwicker 2016 (artefact P22 of the catalogue).
 from itertools import pairwise
 
 from fixedpipe.effects.acceptance import agreement
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.map_bias import acne, gap, shadows_under_offsets
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.scenes.board import board_view, ring_and_board
@@ -86,20 +86,21 @@ def checks(table):
     said = "the catalogue's (figure F003-21)"
     gaps = [r["gap behind the board"] for r in slopes]
     return (
-        Check("no offset: lit floor that is dark, %", none["lit floor that is dark"], ">=", 20.0,
-              "machine", said),
-        Check("1.1 and 4: lit floor that is dark, %", right["lit floor that is dark"], "<=", 0.1,
-              "machine", said),
-        Check("1.1 and 4: gap, texels", right["gap behind the board"], "<=", 1.0, "machine", said),
-        Check("14 and 4: gap, texels", gaps[-1], ">=", 3.0, "machine", said),
-        Check("factor that ends speckle", _first_clean(slopes)["factor"], ">=", 0.75, "machine",
-              "a pixel's place and its texel's centre are up to half a texel apart along both axes: up to "
-              "one greatest slope"),
-        Check("factor that ends speckle, at most", _first_clean(slopes)["factor"], "<=", 1.1, "machine",
-              "as before; factor 1 with a unit for each rounding"),
-        Check("the gap's largest fall as the factor grows, texels",
-              max(a - b for a, b in pairwise(gaps)), "<=", 0.5, "machine",
-              "more offset opens the gap; which texels the board's edge covers is chance within half of one"),
+        Check("no offset: lit floor that is dark, %", none["lit floor that is dark"], at_least=20.0,
+              on=Answer.MACHINE, reason=said),
+        Check("1.1 and 4: lit floor that is dark, %", right["lit floor that is dark"], at_most=0.1,
+              on=Answer.MACHINE, reason=said),
+        Check("1.1 and 4: gap, texels", right["gap behind the board"], at_most=1.0, on=Answer.MACHINE,
+              reason=said),
+        Check("14 and 4: gap, texels", gaps[-1], at_least=3.0, on=Answer.MACHINE, reason=said),
+        Check("factor that ends speckle", _first_clean(slopes)["factor"], at_least=0.75, on=Answer.MACHINE,
+              reason="a pixel's place and its texel's centre are up to half "
+              "a texel apart along both axes: up to one greatest slope"),
+        Check("factor that ends speckle, at most", _first_clean(slopes)["factor"], at_most=1.1,
+              on=Answer.MACHINE, reason="as before; factor 1 with a unit for each rounding"),
+        Check("the gap's largest fall as the factor grows, texels", max(a - b for a, b in pairwise(gaps)),
+              at_most=0.5, on=Answer.MACHINE, reason="more offset opens the gap; which texels the board's "
+              "edge covers is chance within half of one"),
     )  # fmt: skip
 
 

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.views import Panel, orthographic_view
@@ -179,17 +179,20 @@ def checks(table):
     beside = [middle(*table.curves[f"{row[0]} {row[1]}"][:2]) / row[2] for row in table.rows]
     products = [row[5] * int(row[1]) for row in rest]
     return (
-        Check("how far the edge is off over what texels explain, - 1: largest absolute", worst, "<=", 0.08,
-              "machine", "the catalogue's: jaggedness = texel footprint / pixel; measured 0.04, of the "
-              "finest and of a map with few stairs in the picture"),
-        Check("edge's middle beside the true edge, texels, largest absolute", max(map(abs, beside)), "<=",
-              0.1, "machine", "stairs lie on both sides of the edge alike; measured 0.06, of few stairs"),
-        Check("stairs without a filter, of full light, RMS", plain[5], ">=", 0.45, "machine",
-              "at the true edge each pixel is lit or not: one half"),
-        Check("stairs of k x k comparisons times k, largest", max(products), "<=", 0.36, "machine",
-              "steps of 1/k, of which a true edge sees any part: sqrt(1/12) = 0.29, and a little of rows"),
-        Check("stairs of the linear filter over those without", linear[5] / plain[5], "<=", 0.6, "machine",
-              "between texels' centres the ramp is linear, and rows of texels still are steps"),
+        Check("how far the edge is off over what texels explain, - 1: largest absolute", worst, at_most=0.08,
+              on=Answer.MACHINE, reason="the catalogue's: jaggedness = texel footprint / pixel; measured "
+              "0.04, of the finest and of a map with few stairs in the picture"),
+        Check("edge's middle beside the true edge, texels, largest absolute", max(map(abs, beside)),
+              at_most=0.1, on=Answer.MACHINE,
+              reason="stairs lie on both sides of the edge alike; measured 0.06, of few stairs"),
+        Check("stairs without a filter, of full light, RMS", plain[5], at_least=0.45, on=Answer.MACHINE,
+              reason="at the true edge each pixel is lit or not: one half"),
+        Check("stairs of k x k comparisons times k, largest", max(products), at_most=0.36, on=Answer.MACHINE,
+              reason="steps of 1/k, of which a true edge sees any "
+              "part: sqrt(1/12) = 0.29, and a little of rows"),
+        Check("stairs of the linear filter over those without", linear[5] / plain[5], at_most=0.6,
+              on=Answer.MACHINE,
+              reason="between texels' centres the ramp is linear, and rows of texels still are steps"),
     )  # fmt: skip
 
 

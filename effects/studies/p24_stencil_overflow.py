@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.views import Panel, orthographic_view
 from fixedpipe.effects.shadows import shadow_volumes
@@ -146,31 +146,46 @@ def findings(table):
 
 def checks(table):
     """Nothing is wrong up to 255, and beyond it what the arithmetic says."""
-    rows, out = table.records(), []
+    rows = table.records()
     pixel = 3.0 * _REACH / _COLUMNS
-    reason = "a pixel or two at the ends of the part that is lost"
-
-    def check(name, value, relation, bound, why):
-        out.append(Check(name, float(value), relation, bound, "machine", why))
-
+    ends = "a pixel or two at the ends of the part that is lost"
     for heading in ("z-pass INCR, DECR", "z-fail INCR, DECR"):
         few = max(row[heading] for row in rows if row["volumes"] <= _MOST)
-        check(f"{heading}: part of the shadow lost, up to 255 volumes", few, "<=", 0.0, "eight bits hold 255")
+        yield Check(
+            f"{heading}: part of the shadow lost, up to 255 volumes",
+            few,
+            at_most=0.0,
+            on=Answer.MACHINE,
+            reason="eight bits hold 255",
+        )
         off = max(abs(row[heading] - row["(n - 255)/2n"]) for row in rows)
-        check(f"{heading}: part lost - (n - 255)/2n, largest", off, "<=", pixel, reason)
+        yield Check(
+            f"{heading}: part lost - (n - 255)/2n, largest",
+            off,
+            at_most=pixel,
+            on=Answer.MACHINE,
+            reason=ends,
+        )
     many = next(row for row in rows if row["volumes"] == _SHOWN)
-    check(
-        f"z-pass INCR, DECR: part of the shadow of {_SHOWN} volumes lost", many["z-pass INCR, DECR"],
-        ">=", 0.05, "the catalogue's: wrong when the count exceeds 255",
-    )  # fmt: skip
-    check(
+    yield Check(
+        f"z-pass INCR, DECR: part of the shadow of {_SHOWN} volumes lost",
+        many["z-pass INCR, DECR"],
+        at_least=0.05,
+        on=Answer.MACHINE,
+        reason="the catalogue's: wrong when the count exceeds 255",
+    )
+    yield Check(
         "z-pass DECR, INCR: part of what is lit behind the shadow that is dark, least",
         min(row["z-pass DECR, INCR"] for row in rows),
-        ">=", 1.0, "E003.7: nothing is taken from zero, so the order matters",
-    )  # fmt: skip
+        at_least=1.0,
+        on=Answer.MACHINE,
+        reason="E003.7: nothing is taken from zero, so the order matters",
+    )
     for heading in ("z-pass wrapping", "z-pass wrapping, DECR first"):
         off = max(abs(row[heading] - row["[n/256]/n"]) for row in rows)
-        check(f"{heading}: part lost - [n/256]/n, largest", off, "<=", pixel, reason)
+        yield Check(
+            f"{heading}: part lost - [n/256]/n, largest", off, at_most=pixel, on=Answer.MACHINE, reason=ends
+        )
     entered, inside = table.curves["entered"], table.curves["volumes"]
     sums = {
         "z-pass INCR, DECR": np.maximum(np.minimum(entered, _MOST) - (entered - inside), 0),
@@ -180,8 +195,13 @@ def checks(table):
     }
     for heading, expected in sums.items():
         off = np.abs(table.curves[heading] - expected).max()
-        check(f"{heading}: stencil of {_SHOWN} volumes - its sum, largest", off, "<=", 0.0, "integers")
-    return tuple(out)
+        yield Check(
+            f"{heading}: stencil of {_SHOWN} volumes - its sum, largest",
+            off,
+            at_most=0.0,
+            on=Answer.MACHINE,
+            reason="integers",
+        )
 
 
 def plot(axes, table):

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.bump_mapping import normal_maps
 from fixedpipe.effects.geometry import vectors
 from fixedpipe.effects.geometry.vectors import normalize
@@ -215,19 +215,19 @@ def checks(table):
     real = row["fragment program", "rounded"]
     place = math.degrees(math.sqrt(2.0) / (_PLACES * _ENLARGED))
     return (
-        Check("lean of a flat area in degrees, of .318: deviation", abs(real["lean"] - 0.318), "<=", 0.001,
-              "machine", "the catalogue's: 1/255 in x and y"),
-        Check("x of a flat texel times 255, of 1: deviation", abs(255.0 * real["x read"] - 1.0), "<=", 1e-9,
-              "machine", "the catalogue's"),
-        Check("lean of a flat area in combiners, degrees", row["combiners", "rounded"]["lean"], "<=", 1e-9,
-              "machine", "their half is 128"),
-        Check("lean of a flat area in dot products, degrees", row["dot products", "rounded"]["lean"], "<=",
-              place, "machine", "zero is 128 there; one place of the table"),
+        Check("lean of a flat area in degrees, of .318: deviation", abs(real["lean"] - 0.318), at_most=0.001,
+              on=Answer.MACHINE, reason="the catalogue's: 1/255 in x and y"),
+        Check("x of a flat texel times 255, of 1: deviation", abs(255.0 * real["x read"] - 1.0), at_most=1e-9,
+              on=Answer.MACHINE, reason="the catalogue's"),
+        Check("lean of a flat area in combiners, degrees", row["combiners", "rounded"]["lean"], at_most=1e-9,
+              on=Answer.MACHINE, reason="their half is 128"),
+        Check("lean of a flat area in dot products, degrees", row["dot products", "rounded"]["lean"],
+              at_most=place, on=Answer.MACHINE, reason="zero is 128 there; one place of the table"),
         Check("lean in combiners where bytes were cut off, of .640: deviation",
-              abs(row["combiners", "cut off"]["lean"] - 0.640), "<=", 0.01, "machine",
-              "2/255 in x and y, over .996; read with a factor of 4 in combiners of nine bits"),
-        Check("all normals in the fragment program, RMS degrees", real["all normals, RMS"], "<=", 0.25,
-              "machine", "half a byte of 2/255 either way in three components"),
+              abs(row["combiners", "cut off"]["lean"] - 0.640), at_most=0.01, on=Answer.MACHINE,
+              reason="2/255 in x and y, over .996; read with a factor of 4 in combiners of nine bits"),
+        Check("all normals in the fragment program, RMS degrees", real["all normals, RMS"], at_most=0.25,
+              on=Answer.MACHINE, reason="half a byte of 2/255 either way in three components"),
     )  # fmt: skip
 
 

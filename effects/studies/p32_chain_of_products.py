@@ -6,7 +6,7 @@ P32 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.studies.shared.strips import strip
 from fixedpipe.effects.studies.study import BLUE, EXPECTED, GREEN, ORANGE, RED, Column, Study, Table
@@ -85,17 +85,17 @@ def checks(table):
     """The catalogue's law, a rounding for each product."""
     rows = table.records()
     law = "the catalogue's .0011 sqrt(n), to two digits; factors of .95 in the mean shrink earlier errors"
-    out = [
-        Check(f"RMS after {n} products of bytes near 1, of .0011 sqrt({n}): relative deviation",
-              abs(rows[n]["bytes .9 to 1"] / rows[n][".0011 sqrt(n)"] - 1.0), "<=", 0.1, "machine", law)
-        for n in range(1, 5)
-    ]  # fmt: skip
+    for n in range(1, 5):
+        yield Check(
+            f"RMS after {n} products of bytes near 1, of .0011 sqrt({n}): relative deviation",
+            abs(rows[n]["bytes .9 to 1"] / rows[n][".0011 sqrt(n)"] - 1.0), at_most=0.1, on=Answer.MACHINE,
+            reason=law,
+        )  # fmt: skip
     bits = rows[4]["bytes .9 to 1"] / rows[4]["12 bits .9 to 1"]
     reason = "4095 / 255 = 16.06: the step is that much smaller"
-    return (
-        *out,
-        Check("RMS in 8 bits over that in 12, of 16: relative deviation", abs(bits / 16.0 - 1.0), "<=", 0.05,
-              "machine", reason),
+    yield Check(
+        "RMS in 8 bits over that in 12, of 16: relative deviation", abs(bits / 16.0 - 1.0), at_most=0.05,
+        on=Answer.MACHINE, reason=reason,
     )  # fmt: skip
 
 

@@ -5,7 +5,7 @@ Source: artefact P35 of the catalogue, of document 003's two-pass algorithm (Z10
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.views import Panel, orthographic_view
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp, Object, Scene
@@ -103,19 +103,21 @@ def findings(table):
 
 def checks(table):
     """Unlit far pixels by one function and lit ones by the other."""
-    out = []
     for row in table.records():
         name = f"{row['light']} light, {row['square']}, {row['function']}: lit under an empty map, %"
         if row["square"] == "within" or row["function"] == "LEQUAL":
-            out.append(
-                Check(name, row["lit, map empty"], ">=", 100.0, "machine", "nothing is in the light's way")
+            yield Check(
+                name,
+                row["lit, map empty"],
+                at_least=100.0,
+                on=Answer.MACHINE,
+                reason="nothing is in the light's way",
             )
         elif row["square"] == "beyond" or row["light"] == "parallel":
-            out.append(
-                Check(name, row["lit, map empty"], "<=", 0.0, "machine",
-                      "the catalogue's unlit far pixels: r is held at the cleared map's depth")
+            yield Check(
+                name, row["lit, map empty"], at_most=0.0, on=Answer.MACHINE,
+                reason="the catalogue's unlit far pixels: r is held at the cleared map's depth",
             )  # fmt: skip
-    return tuple(out)
 
 
 def plot(axes, table):

@@ -9,7 +9,7 @@ Source: Heidrich 2001, section 2.1 (artefact P36 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.scenes.objects_and_lamps import lamp_around
 from fixedpipe.effects.scenes.still_life import still_life, still_life_view
@@ -119,33 +119,31 @@ def findings(table):
 
 def checks(table):
     """What must be refused and what must run."""
-    out = []
     for r in table.records():
         name = r["colours"]
-        out.append(
-            Check(f"{name}: H38 refused where there is no alpha, and nowhere else",
-                  float((r["H38 refused"] == "yes") == (r["bits of alpha"] == 0)), ">=", 1.0, "machine",
-                  "the catalogue's: it must report what it lacks")
+        yield Check(
+            f"{name}: H38 refused where there is no alpha, and nowhere else",
+            float((r["H38 refused"] == "yes") == (r["bits of alpha"] == 0)), at_least=1.0, on=Answer.MACHINE,
+            reason="the catalogue's: it must report what it lacks",
         )  # fmt: skip
         if r["bits of alpha"]:
-            out.append(
-                Check(f"{name}: light of H38 over H37's, deviation, %", abs(r["H38 lights"] - 100.0), "<=",
-                      0.0, "machine", "the same depths, compared in another place")
+            yield Check(
+                f"{name}: light of H38 over H37's, deviation, %", abs(r["H38 lights"] - 100.0), at_most=0.0,
+                on=Answer.MACHINE, reason="the same depths, compared in another place",
             )  # fmt: skip
         else:
             wrong = min(abs(r[f"{h} lights"] - 100.0) for h in ("H37", "H38"))
-            out.append(
-                Check(f"{name}: how far H37 and H38 by alpha are off, %", wrong, ">=", 10.0, "machine",
-                      "what is refused is no picture of shadows")
+            yield Check(
+                f"{name}: how far H37 and H38 by alpha are off, %", wrong, at_least=10.0, on=Answer.MACHINE,
+                reason="what is refused is no picture of shadows",
             )  # fmt: skip
         short = "R5" in name
-        out.append(
-            Check(f"{name}: pixels of H37 by red that are those of a window with alpha, %",
-                  r["of its pixels agree"], ">=", 95.0 if short else 100.0, "machine",
-                  "a bias of one step of five bits is that of eight steps of eight; measured at the first "
-                  "correct table" if short else "the catalogue's: H37 still runs; red has as many bits")
+        yield Check(
+            f"{name}: pixels of H37 by red that are those of a window with alpha, %",
+            r["of its pixels agree"], at_least=95.0 if short else 100.0, on=Answer.MACHINE,
+            reason="a bias of one step of five bits is that of eight steps of eight; measured at the "
+            "first correct table" if short else "the catalogue's: H37 still runs; red has as many bits",
         )  # fmt: skip
-    return tuple(out)
 
 
 def plot(axes, table):

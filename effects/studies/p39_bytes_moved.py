@@ -5,7 +5,7 @@ Source: Kautz, Seidel 2000, sections 4.2 and 5 (artefact P39 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view
 from fixedpipe.effects.reflectance import (
@@ -124,14 +124,16 @@ def checks(table):
     rows = {r["effect"]: r for r in table.records()}
     one, matrix, ward = (rows[name]["all"] for name in ("K07 GeForce 256", "K08 Octane", "K09 Octane"))
     return (
-        Check("KB of K07, with those of K08 / 1000 as bound", one, "<=", matrix / 1000.0, "machine",
-              "the catalogue's: the colour matrix loads textures for every frame, the combiners' stay"),
-        Check("KB of K09, with twice those of K08 as bound", ward, ">=", 2.0 * matrix, "machine",
-              "the catalogue's: pixel textures copy the framebuffer on top of twice as many loads"),
-        Check("copies of K09 that are lookups, and two more", float(rows["K09 Octane"]["copies"]), ">=", 4.0,
-              "machine", "S(p) and E(m, d), each through the framebuffer, and two that scale"),
-        Check("bytes loaded a pixel by K08", 1024 * rows["K08 Octane"]["from host"] / SIZE**2, ">=", 24.0,
-              "machine", "two vectors of three floats for each texel, a texel for each pixel"),
+        Check("KB of K07, with those of K08 / 1000 as bound", one, at_most=matrix / 1000.0, on=Answer.MACHINE,
+              reason="the catalogue's: the colour matrix loads "
+              "textures for every frame, the combiners' stay"),
+        Check("KB of K09, with twice those of K08 as bound", ward, at_least=2.0 * matrix, on=Answer.MACHINE,
+              reason="the catalogue's: pixel textures copy the framebuffer on top of twice as many loads"),
+        Check("copies of K09 that are lookups, and two more", float(rows["K09 Octane"]["copies"]),
+              at_least=4.0, on=Answer.MACHINE,
+              reason="S(p) and E(m, d), each through the framebuffer, and two that scale"),
+        Check("bytes loaded a pixel by K08", 1024 * rows["K08 Octane"]["from host"] / SIZE**2, at_least=24.0,
+              on=Answer.MACHINE, reason="two vectors of three floats for each texel, a texel for each pixel"),
     )  # fmt: skip
 
 

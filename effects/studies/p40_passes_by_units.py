@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.bump_mapping import diffuse_bump, emboss, normalization_cube_map
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors, light_vectors
@@ -205,18 +205,18 @@ def checks(table):
     ward = rows["K09 Ward"]
     lacking = sum(rows[name]["2/2"] is None for name in ("K03 Banks", "K05 one N", "K09 Ward"))
     return (
-        Check("passes of Eq. 1 with 2 units and 2 combiners", _number(one["2/2"]), "<=", 1.0, "machine",
-              "the paper's section 4.1: one pass"),
-        Check("passes of bumps with both terms, 2 and 2", _number(rows["K10, K07 bumps"]["2/2"]), "<=", 2.0,
-              "machine", "the paper's section 6: two passes"),
-        Check("passes of Eq. 1 with 1 unit and 1 combiner", _number(one["1/1"]), ">=", 2.0, "machine",
-              "the catalogue's: few stages and textures force several passes"),
-        Check("models with dependent lookups that 2 and 2 cannot draw, of 3", float(lacking), ">=", 3.0,
-              "machine", "two units hold no texture and a lookup of dot products with it"),
-        Check("passes of Ward's model with 4 and 8", _number(ward["4/8"]), "<=", 2.0, "machine",
-              "parameters, then lookups"),
-        Check("boards with more of either that need more passes", float(worse), "<=", 0.0, "machine",
-              "what fewer units and combiners hold, more do"),
+        Check("passes of Eq. 1 with 2 units and 2 combiners", _number(one["2/2"]), at_most=1.0,
+              on=Answer.MACHINE, reason="the paper's section 4.1: one pass"),
+        Check("passes of bumps with both terms, 2 and 2", _number(rows["K10, K07 bumps"]["2/2"]), at_most=2.0,
+              on=Answer.MACHINE, reason="the paper's section 6: two passes"),
+        Check("passes of Eq. 1 with 1 unit and 1 combiner", _number(one["1/1"]), at_least=2.0,
+              on=Answer.MACHINE, reason="the catalogue's: few stages and textures force several passes"),
+        Check("models with dependent lookups that 2 and 2 cannot draw, of 3", float(lacking), at_least=3.0,
+              on=Answer.MACHINE, reason="two units hold no texture and a lookup of dot products with it"),
+        Check("passes of Ward's model with 4 and 8", _number(ward["4/8"]), at_most=2.0, on=Answer.MACHINE,
+              reason="parameters, then lookups"),
+        Check("boards with more of either that need more passes", float(worse), at_most=0.0,
+              on=Answer.MACHINE, reason="what fewer units and combiners hold, more do"),
     )  # fmt: skip
 
 

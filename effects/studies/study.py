@@ -83,7 +83,8 @@ class Study:
                 none: what it compares are machines, or no machine takes part
     measure     (profile) -> Table; the profile of one of ``machines``, None where there are none
     findings    (Table) -> tuple of sentences that say what the numbers say, made of the numbers
-    checks      (Table) -> tuple of ``Check``: the catalogue's numbers; of the study's own machine
+    checks      (Table) -> Checks, in a tuple or one after the other: the catalogue's numbers; of the study's
+                own machine
     plot        (axes, Table) -> None: draws on ``panels`` matplotlib axes
     """
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from fixedpipe.effects.acceptance import agreement, ray_caster
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.geometry import surfaces, views
 from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.scenes import objects_and_lamps, still_life
@@ -151,12 +152,12 @@ def test_checks_are_of_the_worst_panel_and_of_all_faults(truth):
     good, bad = (agreement.compare(m, truth) for m in (truth.lit, ~truth.lit))
     assert bad.other > 100
     for found in ((good, bad), (bad, good)):
-        for made in (agreement.volume_checks({"machine": found}), agreement.map_checks({"ideal": found})):
-            least, other = made
+        for checks in (agreement.volume_checks, agreement.map_checks):
+            least, other = checks({Answer.MACHINE: found})
             assert (least.value, other.value) == (0.0, bad.other)
             assert not least.passed and not other.passed
-            assert least.on == other.on
-    assert all(c.passed for c in agreement.map_checks({"ideal": (good, good)}, 1.0, 0))
+            assert least.on is other.on is Answer.MACHINE
+    assert all(c.passed for c in agreement.map_checks({Answer.IDEAL: (good, good)}, 1.0, 0))
 
 
 def test_a_mask_is_lit_above_one_half():

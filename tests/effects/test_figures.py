@@ -11,7 +11,7 @@ from dataclasses import fields, is_dataclass, replace
 import numpy as np
 import pytest
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures import FIGURES, Figure, Method, Renderer, difference
 from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.execution.machine import execute
@@ -70,9 +70,11 @@ def test_every_acceptance_check_of_a_figure_passes(figure_id, machine):
     renderer = Renderer(PROFILES[machine], figure.method(machine), execute, execute_ideal)
     checks = figure.checks(renderer)
     assert checks
-    assert {c.on for c in checks} <= {"ideal", "machine"}
+    assert {c.on for c in checks} <= set(Answer)
     failed = [
-        f"{c.name} on the {c.on}: {c.value:.4g}, not {c.relation} {c.bound:g}" for c in checks if not c.passed
+        f"{c.name} on the {c.on.value}: {c.value:.4g}, not {c.relation} {c.bound:g}"
+        for c in checks
+        if not c.passed
     ]
     assert not failed
 
@@ -91,10 +93,31 @@ def test_a_figure_with_a_machine_twice_or_unknown_is_refused(machines):
         Figure(**values)
 
 
+def test_a_check_has_one_bound_and_an_answer():
+    most = Check("x", 1.0, at_most=1.0, on=Answer.IDEAL, reason="y")
+    least = Check("x", 1.0, at_least=2.0, on=Answer.MACHINE, reason="y")
+    assert (most.relation, most.bound, most.passed) == ("<=", 1.0, True)
+    assert (least.relation, least.bound, least.passed) == (">=", 2.0, False)
+    with pytest.raises(ValueError, match=r"'x' has neither; give one bound, at_most or at_least"):
+        Check("x", 1.0, on=Answer.IDEAL, reason="y")
+    with pytest.raises(ValueError, match=r"'x' has 1.0 and 0.0; give one bound"):
+        Check("x", 1.0, at_most=1.0, at_least=0.0, on=Answer.IDEAL, reason="y")
+    with pytest.raises(ValueError, match=r"'x' is on 'ideal'; give an Answer: Answer.IDEAL, Answer.MACHINE"):
+        Check("x", 1.0, at_most=1.0, on="ideal", reason="y")
+
+
+def test_a_check_is_written_in_the_words_of_the_json_files():
+    check = Check("x", np.float64(1.5), at_most=2, on=Answer.MACHINE, reason="y")
+    assert list(check.record().items()) == [
+        ("name", "x"), ("value", 1.5), ("relation", "<="), ("bound", 2), ("on", "machine"), ("reason", "y"),
+        ("passed", True),
+    ]  # fmt: skip
+
+
 def test_a_check_that_was_not_computed_does_not_pass():
-    assert not Check("x", float("nan"), "<=", 1.0, "ideal", "").passed
-    assert not Check("x", float("nan"), ">=", 1.0, "ideal", "").passed
-    assert Check("x", 1.0, "<=", 1.0, "ideal", "").passed
+    assert not Check("x", float("nan"), at_most=1.0, on=Answer.IDEAL, reason="").passed
+    assert not Check("x", float("nan"), at_least=1.0, on=Answer.IDEAL, reason="").passed
+    assert Check("x", 1.0, at_most=1.0, on=Answer.IDEAL, reason="").passed
 
 
 def test_checks_fail_on_a_broken_picture():
@@ -115,7 +138,7 @@ def test_checks_fail_on_a_broken_picture():
     checks = FIGURES["F004-4"].checks(
         Renderer(GEFORCE_256, FIGURES["F004-4"].methods[0], swapped, execute_ideal)
     )
-    assert not all(c.passed for c in checks if c.on == "machine")
+    assert not all(c.passed for c in checks if c.on is Answer.MACHINE)
 
 
 def test_a_difference_of_nothing_is_middle_grey_and_one_byte_is_the_gain():

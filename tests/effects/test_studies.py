@@ -67,7 +67,7 @@ def without_matplotlib(monkeypatch):
 
 @pytest.mark.parametrize("study_id", EVERY)
 def test_a_study_finds_the_expected_numbers(study_id, measured):
-    checks = STUDIES[study_id].checks(measured(study_id))
+    checks = tuple(STUDIES[study_id].checks(measured(study_id)))
     assert checks
     assert all(isinstance(c, Check) and c.reason for c in checks)
     assert [f"{c.name}: {c.value:.4g}, not {c.relation} {c.bound:.4g}" for c in checks if not c.passed] == []

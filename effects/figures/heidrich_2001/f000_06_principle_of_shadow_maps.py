@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.ray_caster import scene_caster
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
@@ -255,55 +255,49 @@ def checks(figure, renderer):
     found = caster.nearest(position, ways)
     met = position + found.distance[:, None] * ways
     wanted = np.array([LIT, HIDING])
-    out = [
-        Check(
-            "what the lamp's rays to P and Q meet first - where the diagram says, world units",
-            float(np.abs(met - wanted).max()),
-            "<=",
-            1e-9,
-            "ideal",
-            "P itself, and the point of the box's top, by rays cast at the scene's triangles",
+    yield Check(
+        "what the lamp's rays to P and Q meet first - where the diagram says, world units",
+        float(np.abs(met - wanted).max()),
+        at_most=1e-9,
+        on=Answer.IDEAL,
+        reason="P itself, and the point of the box's top, by rays cast at the scene's triangles",
+    )
+    yield Check(
+        "(s, t) on the image plane - (s, t) of what is behind it",
+        max(
+            abs(a - b)
+            for point in (LIT, HIDING, hidden, (-1.0, 0.5, 0.3))
+            for a, b in zip(
+                map_coordinates(lamp, on_image_plane(lamp, point)),
+                map_coordinates(lamp, point),
+                strict=True,
+            )
         ),
-        Check(
-            "(s, t) on the image plane - (s, t) of what is behind it",
-            max(
-                abs(a - b)
-                for point in (LIT, HIDING, hidden, (-1.0, 0.5, 0.3))
-                for a, b in zip(
-                    map_coordinates(lamp, on_image_plane(lamp, point)),
-                    map_coordinates(lamp, point),
-                    strict=True,
-                )
-            ),
-            "<=",
-            1e-12,
-            "ideal",
-            "one ray, one texel",
+        at_most=1e-12,
+        on=Answer.IDEAL,
+        reason="one ray, one texel",
+    )
+    yield Check(
+        "(s, t) of the image plane's corners - 0 and 1",
+        max(
+            abs(a - b)
+            for corner, st in zip(image_plane(lamp), ((0, 0), (1, 0), (1, 1), (0, 1)), strict=True)
+            for a, b in zip(map_coordinates(lamp, corner), st, strict=True)
         ),
-        Check(
-            "(s, t) of the image plane's corners - 0 and 1",
-            max(
-                abs(a - b)
-                for corner, st in zip(image_plane(lamp), ((0, 0), (1, 0), (1, 1), (0, 1)), strict=True)
-                for a, b in zip(map_coordinates(lamp, corner), st, strict=True)
-            ),
-            "<=",
-            1e-5,
-            "ideal",
-            "sines and cosines are rounded to 2^-20",
-        ),
-        Check(
-            "verdicts that are wrong",
-            float(not verdict(lamp, "P", LIT, tuple(met[0])).endswith("\nlit"))
-            + float(not verdict(lamp, "Q", hidden, tuple(met[1])).endswith("\nin shadow")),
-            "<=",
-            0.0,
-            "ideal",
-            "what the rays meet first is P, and is not Q",
-        ),
-        *drawn_check(figure, renderer, _marks(size)),
-    ]
-    for on in ("ideal", "machine"):
+        at_most=1e-5,
+        on=Answer.IDEAL,
+        reason="sines and cosines are rounded to 2^-20",
+    )
+    yield Check(
+        "verdicts that are wrong",
+        float(not verdict(lamp, "P", LIT, tuple(met[0])).endswith("\nlit"))
+        + float(not verdict(lamp, "Q", hidden, tuple(met[1])).endswith("\nin shadow")),
+        at_most=0.0,
+        on=Answer.IDEAL,
+        reason="what the rays meet first is P, and is not Q",
+    )
+    yield from drawn_check(figure, renderer, _marks(size))
+    for on in Answer:
         stored = _stored_map(figure, renderer, on, size)
         edge = len(stored)
         at = [
@@ -311,12 +305,18 @@ def checks(figure, renderer):
             for s, t in (map_coordinates(lamp, point) for point in (LIT, hidden))
         ]
         step = "a step of the depth, and the slope of what is seen under a texel"
-        out += [
-            Check("|P's depth - map|", abs(depth(lamp, LIT) - at[0]), "<=", 3 / 255, on, step),
-            Check("|depth of what hides Q - map|", abs(depth(lamp, HIDING) - at[1]), "<=", 3 / 255, on, step),
-            Check("Q's depth - map", depth(lamp, hidden) - at[1], ">=", 0.3, on, "Q is in shadow"),
-        ]
-        image = getattr(renderer, on)(figure, size)
+        yield Check("|P's depth - map|", abs(depth(lamp, LIT) - at[0]), at_most=3 / 255, on=on, reason=step)
+        yield Check(
+            "|depth of what hides Q - map|",
+            abs(depth(lamp, HIDING) - at[1]),
+            at_most=3 / 255,
+            on=on,
+            reason=step,
+        )
+        yield Check(
+            "Q's depth - map", depth(lamp, hidden) - at[1], at_least=0.3, on=on, reason="Q is in shadow"
+        )
+        image = renderer.picture(on, figure, size)
         for name, places, coordinates, bound, reason in (
             ("on the right", *_places_of_map(size), 0.95, "edges of things, dots and letters are elsewhere"),
             (
@@ -328,29 +328,25 @@ def checks(figure, renderer):
         ):
             shown = image[places[:, 1], places[:, 0], 0]
             near = np.abs(shown - _seen_depths(caster, coordinates)) <= 6 / 255
-            out.append(
-                Check(
-                    f"share of the map {name} that has the depths of rays",
-                    float(near.mean()),
-                    ">=",
-                    bound,
-                    on,
-                    reason,
-                )
+            yield Check(
+                f"share of the map {name} that has the depths of rays",
+                float(near.mean()),
+                at_least=bound,
+                on=on,
+                reason=reason,
             )
-    return tuple(out)
 
 
 def _stored_map(figure, renderer, on, size):
     """The depths that the frame stores, float64 [edge, edge], bottom row first: what is drawn before the
     font is loaded.
     """
-    profile = IDEAL if on == "ideal" else renderer.profile
+    profile = IDEAL if on is Answer.IDEAL else renderer.profile
     commands = figure.commands(profile, size, renderer.method)
     first = next(k for k, command in enumerate(commands) if command.label.startswith("load the font"))
     edge = map_edge(size, figure.parameters["map_ratio"])
     dimensions = figure.dimensions(size)
-    if on == "ideal":
+    if on is Answer.IDEAL:
         return renderer.execute_ideal(commands[:first], *dimensions).color[::-1, :, 0][:edge, :edge]
     framebuffer = renderer.execute(commands[:first], profile, *dimensions).framebuffer
     return framebuffer.color[::-1, :, 0][:edge, :edge] / (2.0**framebuffer.color_bits - 1.0)

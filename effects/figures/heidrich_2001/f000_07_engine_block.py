@@ -5,7 +5,7 @@ from functools import lru_cache
 import numpy as np
 
 from fixedpipe.effects.acceptance import volume_caster
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import IMAGING_MACHINES_8, Figure, Method
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, perspective_view, row_of_panels
@@ -116,7 +116,7 @@ def _compared(figure, renderer, on, size):
     fraction that neither do nor are understood, and where both are lit or both dark; with what rays found.
     """
     picture, surface, lit = _truth(figure, size)
-    image = getattr(renderer, on)(figure, size, shading="mask")
+    image = renderer.picture(on, figure, size, shading="mask")
     # Black on the background's colour.
     drawn = (image[:, size:] != image[0, 0]).any(axis=-1)
     mask, both = image[:, size:, 0] > 0.5, surface.seen & drawn
@@ -132,8 +132,8 @@ def _compared(figure, renderer, on, size):
 
 def checks(figure, renderer):
     """Masks and light against rays cast at the same densities; what shadows change, and what they do not."""
-    _, ideal_other, ideal_missing, _, _ = _compared(figure, renderer, "ideal", _IDEAL_SIZE)
-    agreeing, other, missing, agreed, phong = _compared(figure, renderer, "machine", _SIZE)
+    _, ideal_other, ideal_missing, _, _ = _compared(figure, renderer, Answer.IDEAL, _IDEAL_SIZE)
+    agreeing, other, missing, agreed, phong = _compared(figure, renderer, Answer.MACHINE, _SIZE)
     apart = np.abs(renderer.machine(figure, _SIZE)[:, _SIZE:] - phong)[agreed]
     # Both on the same panel: beside each other they differ where rounding takes another slice.
     size, swapped = _SMALL, {"shadows": (True, False)}
@@ -145,77 +145,68 @@ def checks(figure, renderer):
         Check(
             f"{rays} that differ from rays and are not understood",
             ideal_other,
-            "<=",
-            0.002,
-            "ideal",
-            "understood: some ray agrees that begins half a slice or a texel aside, or that has its "
+            at_most=0.002,
+            on=Answer.IDEAL,
+            reason="understood: some ray agrees that begins half a slice or a texel aside, or that has its "
             "only blocker within the bias; measured 0.0006 to 0.0011, one or two pixels",
         ),
         Check(
             f"pixels where either alone has a surface, {rays}",
             ideal_missing,
-            "<=",
-            0.02,
-            "ideal",
-            "the outline: rays are cast at points, slices are steps; measured 0.014",
+            at_most=0.02,
+            on=Answer.IDEAL,
+            reason="the outline: rays are cast at points, slices are steps; measured 0.014",
         ),
         Check(
             f"{rays} that are lit or dark as rays say",
             agreeing,
-            ">=",
-            0.970,
-            "machine",
-            "256 slices: edges of shadows move by half a slice; at 512 pixels 0.981 agree, with 512 "
+            at_least=0.970,
+            on=Answer.MACHINE,
+            reason="256 slices: edges of shadows move by half a slice; at 512 pixels 0.981 agree, with 512 "
             "slices 0.986, above the catalogue's 0.985; measured 0.975",
         ),
         Check(
             f"{rays} that differ from rays and are not understood",
             other,
-            "<=",
-            0.0005,
-            "machine",
-            "as on the ideal; measured 0.00007, two pixels",
+            at_most=0.0005,
+            on=Answer.MACHINE,
+            reason="as on the ideal; measured 0.00007, two pixels",
         ),
         Check(
             f"pixels where either alone has a surface, {rays}",
             missing,
-            "<=",
-            0.002,
-            "machine",
-            "the outline: vertices are snapped; measured 0.0009",
+            at_most=0.002,
+            on=Answer.MACHINE,
+            reason="the outline: vertices are snapped; measured 0.0009",
         ),
         Check(
             "median of |machine - Phong's model of the rays' surface|",
             float(np.median(apart)),
-            "<=",
-            0.007,
-            "machine",
-            "two bytes of rounding; creases, where filters shorten normals, and edges, which slices step "
-            "over, are few; measured 0.0047 to 0.0053",
+            at_most=0.007,
+            on=Answer.MACHINE,
+            reason="two bytes of rounding; creases, where filters shorten normals, and edges, which slices "
+            "step over, are few; measured 0.0047 to 0.0053",
         ),
         Check(
             "how much brighter shadows make any pixel",
             float((shadowed - plain).max()),
-            "<=",
-            1.0 / 255.0,
-            "machine",
-            "Source: catalogue; measured 0",
+            at_most=1.0 / 255.0,
+            on=Answer.MACHINE,
+            reason="Source: catalogue; measured 0",
         ),
         Check(
             "largest difference of pixels that are not in shadow",
             float(np.abs(shadowed - plain)[lit].max(initial=0.0)),
-            "<=",
-            1.0 / 255.0,
-            "machine",
-            "Source: catalogue; measured 0",
+            at_most=1.0 / 255.0,
+            on=Answer.MACHINE,
+            reason="Source: catalogue; measured 0",
         ),
         Check(
             f"{rays} that shadows darken",
             float(darker),
-            ">=",
-            0.1,
-            "machine",
-            "there are shadows; measured 0.14",
+            at_least=0.1,
+            on=Answer.MACHINE,
+            reason="there are shadows; measured 0.14",
         ),
     )
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
 from fixedpipe.effects.scenes.still_life import still_life_and_lamp, still_life_view
@@ -50,36 +50,30 @@ def checks(figure, renderer):
     scene, light = still_life_and_lamp(_SIZE)
     truth = agreement.truth_of(scene, still_life_view(Panel(0, 0, _SIZE, _SIZE)), light)
     ground, outline = truth.shown.object == 0, agreement.silhouettes(truth)
-    out = []
-    for on in ("ideal", "machine"):
-        picture = getattr(renderer, on)(figure, _SIZE, shading="mask")
+    for on in Answer:
+        picture = renderer.picture(on, figure, _SIZE, shading="mask")
         left, right = (picture[:, k * _SIZE : (k + 1) * _SIZE] for k in range(2))
         masks = agreement.lit_mask(left), right[..., 0] > 0.5 * (1.0 + share)
         for name, mask in zip(("stencil", "one pass"), masks, strict=True):
             told = {"map_edge": edge}
             on_floor = agreement.compare(mask, truth, where=ground, **told)
-            out += (
-                Check(
-                    f"{name}: floor that agrees with rays", on_floor.agreeing, ">=", 0.985, on,
-                    "a map of 256 texels; the catalogue asks for 0.98 of figure F003-18",
-                ),
-                Check(
-                    f"{name}: floor of no understood kind", on_floor.other, "<=", 0, on,
-                    "what differs lies at an edge or an outline",
-                ),
+            yield Check(
+                f"{name}: floor that agrees with rays", on_floor.agreeing, at_least=0.985, on=on,
+                reason="a map of 256 texels; the catalogue asks for 0.98 of figure F003-18",
+            )  # fmt: skip
+            yield Check(
+                f"{name}: floor of no understood kind", on_floor.other, at_most=0, on=on,
+                reason="what differs lies at an edge or an outline",
             )  # fmt: skip
         shadowed = right[ground & ~masks[1] & ~outline][:, 0]
-        out += (
-            Check(
-                "pixels where both forms find the same", float((masks[0] == masks[1]).mean()), ">=", 0.999,
-                on,
-                "the same comparison",
-            ),
-            Check(
-                "one pass: what shadows keep, distance from the share asked for",
-                float(np.abs(shadowed - share).max()), "<=", 1e-9 if on == "ideal" else 1.5 / 255.0, on,
-                "a byte's rounding, twice",
-            ),
+        yield Check(
+            "pixels where both forms find the same", float((masks[0] == masks[1]).mean()), at_least=0.999,
+            on=on, reason="the same comparison",
+        )  # fmt: skip
+        yield Check(
+            "one pass: what shadows keep, distance from the share asked for",
+            float(np.abs(shadowed - share).max()), at_most=1e-9 if on is Answer.IDEAL else 1.5 / 255.0, on=on,
+            reason="a byte's rounding, twice",
         )  # fmt: skip
     # With a map that the window holds.
     commands = figure.commands(renderer.profile, _SIZE, renderer.method, ratio=1)
@@ -92,11 +86,10 @@ def checks(figure, renderer):
     for name, drawn, expected in zip(
         ("with the stencil", "in one pass", "for the map"), times, (3, 1, 1), strict=True
     ):
-        out.append(
-            Check(f"times the scene is drawn {name}, off {expected}", abs(drawn - expected), "<=", 0,
-                  "machine", said)
+        yield Check(
+            f"times the scene is drawn {name}, off {expected}", abs(drawn - expected), at_most=0,
+            on=Answer.MACHINE, reason=said,
         )  # fmt: skip
-    return tuple(out)
 
 
 BY_ALPHA = "alpha test of the comparison; combiners in the place of SHADOW_AMBIENT"

@@ -1,7 +1,7 @@
 """H35: one shadow map for a walk through a scene, and one for every frame where the light moves."""
 
 from fixedpipe.effects.acceptance import agreement
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, perspective_view, row_of_panels
 from fixedpipe.effects.scenes.objects_and_lamps import detail_of, lamp_around
@@ -46,7 +46,6 @@ def checks(figure, renderer):
     """Every frame against rays, and how often the scene is drawn in a frame (E000.8)."""
     scene = still_life(detail_of(_SIZE))
     edge = map_edge(_SIZE, figure.parameters["ratio"])
-    out = []
     picture = renderer.machine(figure, _SIZE, shading="mask")
     for k, (lamp, eye) in enumerate(zip(LAMPS, EYES, strict=True)):
         light = lamp_around(scene, LAMP_POSITIONS[lamp])
@@ -54,15 +53,13 @@ def checks(figure, renderer):
         ground = truth.shown.object == 0
         mask = agreement.lit_mask(picture[:, k * _SIZE : (k + 1) * _SIZE])
         found = agreement.compare(mask, truth, map_edge=edge, where=ground)
-        out += (
-            Check(
-                f"frame {k + 1}: floor that agrees with rays", found.agreeing, ">=", 0.98, "machine",
-                "the catalogue's bound for maps of 256 texels (F003-18)",
-            ),
-            Check(
-                f"frame {k + 1}: floor of no understood kind", found.other, "<=", 0, "machine",
-                "what differs lies at an edge or an outline",
-            ),
+        yield Check(
+            f"frame {k + 1}: floor that agrees with rays", found.agreeing, at_least=0.98, on=Answer.MACHINE,
+            reason="the catalogue's bound for maps of 256 texels (F003-18)",
+        )  # fmt: skip
+        yield Check(
+            f"frame {k + 1}: floor of no understood kind", found.other, at_most=0, on=Answer.MACHINE,
+            reason="what differs lies at an edge or an outline",
         )  # fmt: skip
     # A map that the window holds, so that it is drawn once.
     once, always = (
@@ -74,16 +71,15 @@ def checks(figure, renderer):
         ("four frames, three lights: times the scene is drawn", once, 3 * 4 + 3),
         ("the same with a map for every frame", always, 4 * 4),
     ):
-        out.append(Check(f"{name}, off {expected}", abs(drawn - expected), "<=", 0, "machine", said))
+        yield Check(
+            f"{name}, off {expected}", abs(drawn - expected), at_most=0, on=Answer.MACHINE, reason=said
+        )
     with_all = renderer.machine(figure, _SIZE, always=True)
     different = (with_all != renderer.machine(figure, _SIZE)).sum()
-    out.append(
-        Check(
-            "values that a map for every frame changes", int(different), "<=", 0, "machine",
-            "a static light's map stays what it was",
-        )
+    yield Check(
+        "values that a map for every frame changes", int(different), at_most=0, on=Answer.MACHINE,
+        reason="a static light's map stays what it was",
     )  # fmt: skip
-    return tuple(out)
 
 
 FIGURE = Figure(

@@ -3,7 +3,7 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2001.shared.alpha_shadows import (
@@ -82,71 +82,60 @@ def checks(figure, renderer):
     depth, whole = depths_from_the_lamp(_SIZE, lamp)
     middle = slice(_SIZE, 2 * _SIZE)
     steps = 2.0 ** figure.parameters["bits"] - 1.0
-    out = []
     snapped = (
         "vertices lie on sixteenths of a pixel, where a surface falls away; measured at the first picture"
     )
     for on, bound, reason in (
-        ("ideal", 0.08, snapped),
-        ("machine", 0.33, "rounding to the nearest step alone gives sqrt(1/12) = .289; " + snapped),
+        (Answer.IDEAL, 0.08, snapped),
+        (Answer.MACHINE, 0.33, "rounding to the nearest step alone gives sqrt(1/12) = .289; " + snapped),
     ):
-        alpha = getattr(renderer, on)(figure, _SIZE)[:, middle, 0]
+        alpha = renderer.picture(on, figure, _SIZE)[:, middle, 0]
         error = root_mean_square((alpha - depth)[whole & (depth < 1.0)]) * steps
         name = "RMS of alpha - depth, away from outlines, in steps of 1/255"
-        out.append(Check(name, error, "<=", bound, on, reason))
+        yield Check(name, error, at_most=bound, on=on, reason=reason)
     scene, light = lit_scene_of(_SIZE, lamp)
     shown = agreement.truth_of(scene, light.view(Panel(0, 0, _SIZE, _SIZE)), light).shown
     # The floor has no highlight: its colour is one amount of light times its own.
     floor = whole & (shown.object == 0)
     color = np.array(scene.objects[0].color) * np.array(LAMP_COLOR[:3])
     share = renderer.machine(figure, _SIZE)[:, :_SIZE][floor] / color
-    out += (
-        Check(
-            "the floor from the lamp: light of its three colours, largest spread",
-            float(np.ptp(share, axis=1).max()),
-            "<=",
-            0.02,
-            "machine",
-            "a byte in each of two colours, of which 0.39 is the least at full light; measured 0.012",
-        ),
-        Check(
-            "the floor from the lamp: least light",
-            float(share.min()),
-            ">=",
-            0.5,
-            "machine",
-            "a lamp sees what it lights, and no shadow",
-        ),
+    yield Check(
+        "the floor from the lamp: light of its three colours, largest spread",
+        float(np.ptp(share, axis=1).max()),
+        at_most=0.02,
+        on=Answer.MACHINE,
+        reason="a byte in each of two colours, of which 0.39 is the least at full light; measured 0.012",
+    )
+    yield Check(
+        "the floor from the lamp: least light",
+        float(share.min()),
+        at_least=0.5,
+        on=Answer.MACHINE,
+        reason="a lamp sees what it lights, and no shadow",
     )
     seen = depth[whole & (depth < 1.0)]
-    return (
-        *out,
-        Check(
-            "pixels of the map that those errors are of",
-            float(whole.mean()),
-            ">=",
-            0.9,
-            "machine",
-            "outlines are thin",
-        ),
-        Check(
-            "depths from the nearest to the farthest that the light sees",
-            float(seen.max() - seen.min()),
-            ">=",
-            0.9,
-            "machine",
-            "the lamp's planes enclose the scene closely, so that alpha's steps are small",
-        ),
-        Check(
-            "vertices of the scene outside the lamp's view",
-            _outside(_SIZE, lamp),
-            "<=",
-            0.0,
-            "machine",
-            "what the lamp does not see is in no map (document 003's Z30)",
-        ),
-        *agreement_checks(figure, renderer, board, _SIZE, 2, least=0.976, least_facing=0.985, other=9),
+    yield Check(
+        "pixels of the map that those errors are of",
+        float(whole.mean()),
+        at_least=0.9,
+        on=Answer.MACHINE,
+        reason="outlines are thin",
     )
+    yield Check(
+        "depths from the nearest to the farthest that the light sees",
+        float(seen.max() - seen.min()),
+        at_least=0.9,
+        on=Answer.MACHINE,
+        reason="the lamp's planes enclose the scene closely, so that alpha's steps are small",
+    )
+    yield Check(
+        "vertices of the scene outside the lamp's view",
+        _outside(_SIZE, lamp),
+        at_most=0.0,
+        on=Answer.MACHINE,
+        reason="what the lamp does not see is in no map (document 003's Z30)",
+    )
+    yield from agreement_checks(figure, renderer, board, _SIZE, 2, least=0.976, least_facing=0.985, other=9)
 
 
 FIGURE = Figure(

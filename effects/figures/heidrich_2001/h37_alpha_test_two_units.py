@@ -1,6 +1,6 @@
 """H37: shadows by an alpha test, with two texture units: register combiners, texture environments."""
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2001.shared.alpha_shadows import (
     COMBINERS,
@@ -51,10 +51,9 @@ def checks(figure, renderer):
         Check(
             "pixels with acne where the map has no bias",
             spotted.other / spotted.compared,
-            ">=",
-            0.04,
-            "machine",
-            "two rasterizations never give the same depth (erratum E000.9)",
+            at_least=0.04,
+            on=Answer.MACHINE,
+            reason="two rasterizations never give the same depth (erratum E000.9)",
         ),
         *brightness_checks(figure, renderer, _SIZE, 2, 0),
         *pass_checks(figure, renderer, board, Coding(bits), 3, _PASSES),

@@ -3,7 +3,7 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance.agreement import lit_mask
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2001.shared.alpha_shadows import (
     LAMP,
@@ -72,34 +72,30 @@ def checks(figure, renderer):
         Check(
             "pixels whose alpha the copy leaves between zero and one",
             float(((scaled > 0.0) & (scaled < 1.0)).sum()),
-            "<=",
-            0.0,
-            "machine",
-            f"times 2^{bits} the smallest alpha, 1/(2^{bits} - 1), is above one (erratum E000.10)",
+            at_most=0.0,
+            on=Answer.MACHINE,
+            reason=f"times 2^{bits} the smallest alpha, 1/(2^{bits} - 1), is above one (erratum E000.10)",
         ),
         Check(
             "pixels where the copy's alpha is not what the difference says",
             float((dark != (scaled == 1.0)).mean()),
-            "<=",
-            1e-4,
-            "machine",
-            "the same passes, in another place of the window",
+            at_most=1e-4,
+            on=Answer.MACHINE,
+            reason="the same passes, in another place of the window",
         ),
         Check(
             "pixels of the scene that are lit and have an alpha of one, or neither",
             float((lit == (scaled == 1.0))[seen].mean()),
-            "<=",
-            1e-4,
-            "machine",
-            "the light times (1 - alpha), in another place of the window",
+            at_most=1e-4,
+            on=Answer.MACHINE,
+            reason="the light times (1 - alpha), in another place of the window",
         ),
         Check(
             "differences of depths, number",
             float(len(np.unique(np.round(difference * (2**bits - 1))))),
-            ">=",
-            20.0,
-            "machine",
-            "how far behind the map a pixel lies: many values",
+            at_least=20.0,
+            on=Answer.MACHINE,
+            reason="how far behind the map a pixel lies: many values",
         ),
         *pass_checks(figure, renderer, board, Coding(bits), 5, _PASSES),
     )

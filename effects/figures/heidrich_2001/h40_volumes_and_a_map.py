@@ -1,7 +1,7 @@
 """H40: shadow volumes beside a shadow map of the same scene."""
 
 from fixedpipe.effects.acceptance.agreement import compare, lit_mask, truth_of
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.ray_caster import to_light
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.matrices import look_at, perspective
@@ -58,62 +58,55 @@ _PLACES = (("all of the scene", 0.9986, 0.9928), ("from near", 0.9994, 0.984))
 def checks(figure, renderer):
     """Both against rays and against each other, all of the scene and the edge of one shadow."""
     size, p = 256, figure.parameters
-    objects, panel, out = still_life(detail_of(size)), Panel(0, 0, size, size), []
+    objects, panel = still_life(detail_of(size)), Panel(0, 0, size, size)
     lamp, edge = lamp_around(objects, p["light"]), map_edge(size, p["ratio"])
     views = still_life_view(panel), close_view(panel, **p["close"])
     truths = [truth_of(objects, view, lamp) for view in views]
     faced = [towards_light(truth) for truth in truths]
 
     def panels(on, **changes):
-        mask = lit_mask(getattr(renderer, on)(figure, size, shading="mask", **changes))
+        mask = lit_mask(renderer.picture(on, figure, size, shading="mask", **changes))
         return [mask[:, k * size : (k + 1) * size] for k in range(4)]
 
     def unlike(masks, k):
         return float((masks[k] != masks[2 + k])[faced[k]].mean())
 
-    for on in ("ideal", "machine"):
+    for on in Answer:
         masks = panels(on)
         for k, (place, least, alike) in enumerate(_PLACES):
             volumes = compare(masks[k], truths[k], where=faced[k])
             mapped = compare(
                 masks[2 + k], truths[k], map_edge=edge, contact=CONTACT_TEXELS / edge, where=faced[k]
             )
-            out += (
-                Check(
-                    f"shadow volumes: pixels that agree with rays, {place}", volumes.agreeing, ">=", least,
-                    on, "vertices snapped to sixteenths of a pixel" + _MEASURED,
-                ),
-                Check(
-                    f"shadow volumes: pixels unlike the rays', not on an edge, {place}", volumes.other, "<=",
-                    0.0, on, "shadow volumes are exact in the picture",
-                ),
-                Check(
-                    f"shadow map: part of pixels unlike the rays' for no understood reason, {place}",
-                    mapped.other / mapped.compared, "<=", 0.0002, on,
-                    "what differs is within a texel and a half of an edge, or where light grazes",
-                ),
-                Check(
-                    f"pixels that both draw alike, {place}", 1.0 - unlike(masks, k), ">=", alike, on,
-                    f"edges within texels of a map of {edge} by {edge}" + _MEASURED,
-                ),
+            yield Check(
+                f"shadow volumes: pixels that agree with rays, {place}", volumes.agreeing, at_least=least,
+                on=on, reason="vertices snapped to sixteenths of a pixel" + _MEASURED,
+            )  # fmt: skip
+            yield Check(
+                f"shadow volumes: pixels unlike the rays', not on an edge, {place}", volumes.other,
+                at_most=0.0, on=on, reason="shadow volumes are exact in the picture",
+            )  # fmt: skip
+            yield Check(
+                f"shadow map: part of pixels unlike the rays' for no understood reason, {place}",
+                mapped.other / mapped.compared, at_most=0.0002, on=on,
+                reason="what differs is within a texel and a half of an edge, or where light grazes",
+            )  # fmt: skip
+            yield Check(
+                f"pixels that both draw alike, {place}", 1.0 - unlike(masks, k), at_least=alike, on=on,
+                reason=f"edges within texels of a map of {edge} by {edge}" + _MEASURED,
             )  # fmt: skip
             if k == 1:
-                out.append(
-                    Check(
-                        "shadow map's pixels unlike the rays', over the volumes', from near",
-                        (1.0 - mapped.agreeing) / max(1.0 - volumes.agreeing, 1e-9), ">=", 20.0, on,
-                        "document 003: pixel accurate, no sampling issues; measured 27",
-                    )
+                yield Check(
+                    "shadow map's pixels unlike the rays', over the volumes', from near",
+                    (1.0 - mapped.agreeing) / max(1.0 - volumes.agreeing, 1e-9), at_least=20.0, on=on,
+                    reason="document 003: pixel accurate, no sampling issues; measured 27",
                 )  # fmt: skip
-    finer = panels("machine", ratio=4.0 * p["ratio"])
-    out.append(
-        Check(
-            "pixels that both draw unlike from near, with four times the map's edge, over those before",
-            unlike(finer, 1) / max(unlike(masks, 1), 1e-9), "<=", 0.33, "machine",
-            "P8: a map's errors at edges shrink as its texels, to a quarter, and a third of slack",
-        )
+    finer = panels(Answer.MACHINE, ratio=4.0 * p["ratio"])
+    yield Check(
+        "pixels that both draw unlike from near, with four times the map's edge, over those before",
+        unlike(finer, 1) / max(unlike(masks, 1), 1e-9), at_most=0.33, on=Answer.MACHINE,
+        reason="P8: a map's errors at edges shrink as its texels, to a quarter, and a third of slack",
     )  # fmt: skip
-    return tuple(out)
 
 
 FIGURE = Figure(

@@ -4,7 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import surfaces
@@ -92,61 +92,50 @@ def texture_shaders_scene(profile, size, **parameters):
 
 def checks(figure, renderer):
     """The result against float evaluation at the texels, its factors against it, and the tables alone."""
-    p, out = figure.parameters, []
+    p = figure.parameters
     size = p["map_size"]
     textures = _textures(size, p["bumps"], p["height"], p["cells"])
     toward_light = unit_vector(p["light"], "The light")
     expected = textures.evaluated(toward_light, EYE)
-    for on in ("ideal", "machine"):
+    for on in Answer:
         # The square fills the panel: a texel for each pixel, so that no filter of materials takes part.
-        colors = getattr(renderer, on)(figure, size, extent=1.0)
+        colors = renderer.picture(on, figure, size, extent=1.0)
         picture, half = colors[..., 0], size // 2
         shown = [colors[j : j + half, i : i + half] for j in (0, half) for i in range(0, 2 * size, half)]
         f, g, result = (picture[:, k * size : (k + 1) * size] for k in range(2, 5))
-        out += [
-            Check(
-                "RMS of the dependent tables' result - direct evaluation in float",
-                root_mean_square(result - expected),
-                "<=",
-                1.0 / 128.0,
-                on,
-                "the catalogue's acceptance",
-            ),
-            Check(
-                "largest difference of the result from F(s, t) G(u, v), as drawn",
-                float(np.abs(result - f * g).max()),
-                "<=",
-                1.01 / 255.0,
-                on,
-                "the product is rounded once or twice" if on == "machine" else "nothing is rounded",
-            ),
-        ]
-        out.append(
-            Check(
-                "smallest standard deviation of a texture's or parameter's small square, but t's",
-                min(float(q.std(axis=(0, 1)).max()) for k, q in enumerate(shown) if k != 7),
-                ">=",
-                0.1,
-                on,
-                "all are there; t alone differs little, from 0.86 to 1",
-            )
+        yield Check(
+            "RMS of the dependent tables' result - direct evaluation in float",
+            root_mean_square(result - expected),
+            at_most=1.0 / 128.0,
+            on=on,
+            reason="the catalogue's acceptance",
+        )
+        yield Check(
+            "largest difference of the result from F(s, t) G(u, v), as drawn",
+            float(np.abs(result - f * g).max()),
+            at_most=1.01 / 255.0,
+            on=on,
+            reason="the product is rounded once or twice" if on is Answer.MACHINE else "nothing is rounded",
+        )
+        yield Check(
+            "smallest standard deviation of a texture's or parameter's small square, but t's",
+            min(float(q.std(axis=(0, 1)).max()) for k, q in enumerate(shown) if k != 7),
+            at_least=0.1,
+            on=on,
+            reason="all are there; t alone differs little, from 0.86 to 1",
         )
     for name, function, table, edge in (
         ("F, t >= 1/16", lookup_framework.exponential, lookup_framework.exponential_table, 1.0 / 16.0),
         ("G", lookup_framework.root_of_power, lookup_framework.power_table, 0.0),
     ):
         error = _table_error(function, table(renderer.profile), edge)
-        out.append(
-            Check(
-                f"RMS over the domain of the table of {name}, 256 x 256 and LINEAR",
-                root_mean_square(error),
-                "<=",
-                1.0 / 128.0,
-                "machine",
-                "the catalogue's acceptance",
-            )
+        yield Check(
+            f"RMS over the domain of the table of {name}, 256 x 256 and LINEAR",
+            root_mean_square(error),
+            at_most=1.0 / 128.0,
+            on=Answer.MACHINE,
+            reason="the catalogue's acceptance",
         )
-    return tuple(out)
 
 
 def _table_error(function, table, edge):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.acceptance.rings import RING_HALF, ring_energy
 from fixedpipe.effects.bump_mapping import diffuse_bump
@@ -122,11 +122,13 @@ _ROUND = {"alpha_x": 0.25, "alpha_y": 0.25}
 
 def checks(figure, renderer):
     """The rings' energies, their brightness, and that they come from interpolation and not from 8 bits."""
-    if renderer.method.name == EVALUATED_FIRST:
-        return _checks_evaluated_first(figure, renderer)
-    if renderer.method.name == SQUARED_FIRST:
-        return _checks_squared_first(figure, renderer)
-    size, out = 512, []
+    by_method = {EVALUATED_FIRST: _checks_evaluated_first, SQUARED_FIRST: _checks_squared_first}
+    return by_method.get(renderer.method.name, _checks_interpolated_first)(figure, renderer)
+
+
+def _checks_interpolated_first(figure, renderer):
+    """The paper's pass: its rings are the catalogue's."""
+    size = 512
     for map_size, (expected, software_bound) in _CATALOGUED.items():
         parameters = {**_HIGHLIGHT_ONLY, **_ROUND, "map_size": map_size}
         ideal = renderer.ideal(figure, size, **parameters)[..., 0]
@@ -135,126 +137,110 @@ def checks(figure, renderer):
         ideal_energy, ideal_peak = ring_energy(ideal[:, size:], map_size, 0.25, 0.25)
         energy, peak = ring_energy(machine[:, size:], map_size, 0.25, 0.25)
         what = f"{map_size}x{map_size} maps"
-        out += [
-            Check(
-                f"ring energy of evaluate-then-interpolate, {what}",
-                software,
-                "<=",
-                1.1 * software_bound,
-                "ideal",
-                "the catalogue's computed energy with 10 % for its rounding to one digit",
-            ),
-            Check(
-                f"ring energy of the pass against {expected:g}, {what}: relative deviation",
-                abs(ideal_energy / expected - 1.0),
-                "<=",
-                0.05,
-                "ideal",
-                "the catalogue's computed energy, printed to two or three digits",
-            ),
-            Check(
-                f"ring energy, software / combiners, {what}",
-                software / energy if energy > 0.0 else float("nan"),
-                "<=",
-                0.05,
-                "machine",
-                "the catalogue's acceptance: rings stand out against the software renderer",
-            ),
-            Check(
-                f"brightest ring pixel where the true highlight is zero, {what}",
-                peak,
-                ">=",
-                0.9,
-                "machine",
-                "the catalogue's acceptance: the rings are as bright as a highlight",
-            ),
-            Check(
-                f"brightest ring pixel where the true highlight is zero, {what}",
-                ideal_peak,
-                ">=",
-                0.9,
-                "ideal",
-                "the same without the machine's arithmetic: interpolation alone makes the rings",
-            ),
-            Check(
-                f"ring energy, machine against ideal, {what}: relative deviation",
-                abs(energy / ideal_energy - 1.0),
-                "<=",
-                0.05,
-                "machine",
-                "the catalogue's acceptance: 8-bit textures must not change the energy by more than 5 %; "
-                "here with the 9-bit combiners included",
-            ),
-        ]
-    return tuple(out)
+        yield Check(
+            f"ring energy of evaluate-then-interpolate, {what}",
+            software,
+            at_most=1.1 * software_bound,
+            on=Answer.IDEAL,
+            reason="the catalogue's computed energy with 10 % for its rounding to one digit",
+        )
+        yield Check(
+            f"ring energy of the pass against {expected:g}, {what}: relative deviation",
+            abs(ideal_energy / expected - 1.0),
+            at_most=0.05,
+            on=Answer.IDEAL,
+            reason="the catalogue's computed energy, printed to two or three digits",
+        )
+        yield Check(
+            f"ring energy, software / combiners, {what}",
+            software / energy if energy > 0.0 else float("nan"),
+            at_most=0.05,
+            on=Answer.MACHINE,
+            reason="the catalogue's acceptance: rings stand out against the software renderer",
+        )
+        yield Check(
+            f"brightest ring pixel where the true highlight is zero, {what}",
+            peak,
+            at_least=0.9,
+            on=Answer.MACHINE,
+            reason="the catalogue's acceptance: the rings are as bright as a highlight",
+        )
+        yield Check(
+            f"brightest ring pixel where the true highlight is zero, {what}",
+            ideal_peak,
+            at_least=0.9,
+            on=Answer.IDEAL,
+            reason="the same without the machine's arithmetic: interpolation alone makes the rings",
+        )
+        yield Check(
+            f"ring energy, machine against ideal, {what}: relative deviation",
+            abs(energy / ideal_energy - 1.0),
+            at_most=0.05,
+            on=Answer.MACHINE,
+            reason="the catalogue's acceptance: 8-bit textures must not change the energy by more than "
+            "5 %; here with the 9-bit combiners included",
+        )
 
 
 def _checks_evaluated_first(figure, renderer):
     """No rings where the board evaluates first: it draws the software renderer's picture."""
-    size, out = 512, []
-    bounds = {"ideal": 1e-9, "machine": 0.0022}
+    size = 512
+    bounds = {Answer.IDEAL: 1e-9, Answer.MACHINE: 0.0022}
     reasons = {
-        "ideal": "the same equation on the same texels, in another order of operations",
-        "machine": "bytes of t / (4 alpha), times four; measured, with a third of slack",
+        Answer.IDEAL: "the same equation on the same texels, in another order of operations",
+        Answer.MACHINE: "bytes of t / (4 alpha), times four; measured, with a third of slack",
     }
     for map_size, (_, software_bound) in _CATALOGUED.items():
         parameters = {**_HIGHLIGHT_ONLY, **_ROUND, "map_size": map_size}
-        for on in ("ideal", "machine"):
-            image = getattr(renderer, on)(figure, size, **parameters)[..., 0]
+        for on in Answer:
+            image = renderer.picture(on, figure, size, **parameters)[..., 0]
             energy, _ = ring_energy(image[:, size:], map_size, 0.25, 0.25)
             what = f"{map_size}x{map_size} maps"
-            out += [
-                Check(
-                    f"ring energy of the pass, {what}",
-                    energy,
-                    "<=",
-                    1.1 * software_bound,
-                    on,
-                    "the catalogue's energy of evaluate-then-interpolate, with 10 % for its one digit",
-                ),
-                Check(
-                    f"RMS of the pass - software renderer, {what}",
-                    root_mean_square(image[:, size:] - image[:, :size]),
-                    "<=",
-                    bounds[on],
-                    on,
-                    reasons[on],
-                ),
-            ]
-    return tuple(out)
+            yield Check(
+                f"ring energy of the pass, {what}",
+                energy,
+                at_most=1.1 * software_bound,
+                on=on,
+                reason="the catalogue's energy of evaluate-then-interpolate, with 10 % for its one digit",
+            )
+            yield Check(
+                f"RMS of the pass - software renderer, {what}",
+                root_mean_square(image[:, size:] - image[:, :size]),
+                at_most=bounds[on],
+                on=on,
+                reason=reasons[on],
+            )
 
 
 def _checks_squared_first(figure, renderer):
     """No rings either where squares are made of texels and interpolated, and no vector is."""
-    size, out = 512, []
+    size = 512
     darker = "(.)+ is convex: of interpolated squares it is never more than interpolated (.)+"
-    bounds = {"ideal": (1e-9, darker), "machine": (0.5 / 255.0, f"{darker}; half a byte for rounding")}
+    bounds = {
+        Answer.IDEAL: (1e-9, darker),
+        Answer.MACHINE: (0.5 / 255.0, f"{darker}; half a byte for rounding"),
+    }
     for map_size, (_, software_bound) in _CATALOGUED.items():
         parameters = {**_HIGHLIGHT_ONLY, **_ROUND, "map_size": map_size}
         for on, (bound, reason) in bounds.items():
-            image = getattr(renderer, on)(figure, size, **parameters)[..., 0]
+            image = renderer.picture(on, figure, size, **parameters)[..., 0]
             _, software_peak = ring_energy(image[:, :size], map_size, 0.25, 0.25)
             energy, peak = ring_energy(image[:, size:], map_size, 0.25, 0.25)
             what = f"{map_size}x{map_size} maps"
-            out += [
-                Check(
-                    f"ring energy of the passes, {what}",
-                    energy,
-                    "<=",
-                    1.1 * software_bound,
-                    on,
-                    "the catalogue's energy of evaluate-then-interpolate, with 10 % for its one digit",
-                ),
-                Check(
-                    f"brightest ring pixel over the software renderer's, {what}",
-                    peak - software_peak,
-                    "<=",
-                    bound,
-                    on,
-                    reason,
-                ),
-            ]
-    return tuple(out)
+            yield Check(
+                f"ring energy of the passes, {what}",
+                energy,
+                at_most=1.1 * software_bound,
+                on=on,
+                reason="the catalogue's energy of evaluate-then-interpolate, with 10 % for its one digit",
+            )
+            yield Check(
+                f"brightest ring pixel over the software renderer's, {what}",
+                peak - software_peak,
+                at_most=bound,
+                on=on,
+                reason=reason,
+            )
 
 
 FIGURE = Figure(

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid
 from fixedpipe.effects.bump_mapping import diffuse_bump
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, IMAGING_MACHINES, Figure, Method
@@ -102,29 +102,28 @@ def scratch_visibility(image, material, extent):
 
 def checks(figure, renderer):
     """Which scratches each light shows, on the ideal and on the machine."""
-    size, out = 512, []
+    size = 512
     material = scratched_square(figure.parameters["seed"], figure.parameters["count"])
     reasons = {
-        "ideal": "the catalogue's acceptance",
-        "machine": "the catalogue's acceptance; the contrast is a mean over thousands of pixels, in which "
-        "rounding to bytes averages out",
+        Answer.IDEAL: "the catalogue's acceptance",
+        Answer.MACHINE: "the catalogue's acceptance; the contrast is a mean over thousands of pixels, in "
+        "which rounding to bytes averages out",
     }
-    for on in ("ideal", "machine"):
-        image = getattr(renderer, on)(figure, size).mean(axis=-1)
+    for on in Answer:
+        image = renderer.picture(on, figure, size).mean(axis=-1)
         from_x, from_y, top = (
             scratch_visibility(image[:, k * size : (k + 1) * size], material, figure.parameters["extent"])
             for k in range(3)
         )
-        for name, value, relation, bound in (
-            ("light from +x: scratches along y seen", from_x[1], ">=", 0.3),
-            ("light from +x: scratches along x not seen, |contrast|", abs(from_x[0]), "<=", 0.05),
-            ("light from +y: scratches along x seen", from_y[0], ">=", 0.3),
-            ("light from +y: scratches along y not seen, |contrast|", abs(from_y[1]), "<=", 0.05),
-            ("light from the top: scratches along x seen", top[0], ">=", 0.15),
-            ("light from the top: scratches along y seen", top[1], ">=", 0.15),
+        for name, value, bound in (
+            ("light from +x: scratches along y seen", from_x[1], {"at_least": 0.3}),
+            ("light from +x: scratches along x not seen, |contrast|", abs(from_x[0]), {"at_most": 0.05}),
+            ("light from +y: scratches along x seen", from_y[0], {"at_least": 0.3}),
+            ("light from +y: scratches along y not seen, |contrast|", abs(from_y[1]), {"at_most": 0.05}),
+            ("light from the top: scratches along x seen", top[0], {"at_least": 0.15}),
+            ("light from the top: scratches along y seen", top[1], {"at_least": 0.15}),
         ):
-            out.append(Check(name, value, relation, bound, on, reasons[on]))
-    return tuple(out)
+            yield Check(name, value, **bound, on=on, reason=reasons[on])
 
 
 FIGURE = Figure(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import half_maximum_aspect, principal_axis
 from fixedpipe.effects.bump_mapping import diffuse_bump
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, IMAGING_MACHINES_8, Figure, Method
@@ -77,49 +77,56 @@ def imaging_scene(profile, size, *, light, diffuse, ambient, specular, backgroun
 
 def checks(figure, renderer):
     """Orientation, elongation and aspect of the two spheres' highlights."""
-    size, out = 512, []
+    size = 512
     parameters, changes = figure.parameters, {**DARK, "specular": (1.0, 1.0, 1.0)}
-    for on in ("ideal", "machine"):
-        image = getattr(renderer, on)(figure, size, **changes)[..., 0]
+    for on in Answer:
+        image = renderer.picture(on, figure, size, **changes)[..., 0]
         (left, long_left), (right, long_right) = (
             principal_axis(image[:, k * size : (k + 1) * size]) for k in (0, 1)
         )
         turn = abs(left - right) % 180.0
         reason = "the catalogue's acceptance" + (
-            "; moments of the whole highlight average the 9-bit steps" if on == "machine" else ""
+            "; moments of the whole highlight average the 9-bit steps" if on is Answer.MACHINE else ""
         )
         across = (
             "highlights lie across the strokes, at 90 degrees to meridians and parallels; the sphere's "
             "curvature and the tilt of its axis turn them by a few degrees"
         )
-        out += [
-            Check(
-                "highlight orientations differ by 90 degrees, deviation",
-                abs(turn - 90.0),
-                "<=",
-                5.0,
-                on,
-                reason,
-            ),
-            Check(
-                "angle of the highlight to the horizontal, longitudinal brushing, degrees",
-                abs(left),
-                "<=",
-                15.0,
-                on,
-                across,
-            ),
-            Check(
-                "angle of the highlight to the vertical, latitudinal brushing, degrees",
-                90.0 - abs(right),
-                "<=",
-                15.0,
-                on,
-                across,
-            ),
-            Check("elongation of the highlight, longitudinal brushing", long_left, ">=", 2.5, on, reason),
-            Check("elongation of the highlight, latitudinal brushing", long_right, ">=", 2.5, on, reason),
-        ]
+        yield Check(
+            "highlight orientations differ by 90 degrees, deviation",
+            abs(turn - 90.0),
+            at_most=5.0,
+            on=on,
+            reason=reason,
+        )
+        yield Check(
+            "angle of the highlight to the horizontal, longitudinal brushing, degrees",
+            abs(left),
+            at_most=15.0,
+            on=on,
+            reason=across,
+        )
+        yield Check(
+            "angle of the highlight to the vertical, latitudinal brushing, degrees",
+            90.0 - abs(right),
+            at_most=15.0,
+            on=on,
+            reason=across,
+        )
+        yield Check(
+            "elongation of the highlight, longitudinal brushing",
+            long_left,
+            at_least=2.5,
+            on=on,
+            reason=reason,
+        )
+        yield Check(
+            "elongation of the highlight, latitudinal brushing",
+            long_right,
+            at_least=2.5,
+            on=on,
+            reason=reason,
+        )
     smooth = renderer.method.name != FLAT
     changes |= {"spread": 0.0, "depth": 0.0, "k_s": (1.0, 1.0)}
     changes |= {"slices": 200, "stacks": 101} if smooth else {}
@@ -129,20 +136,16 @@ def checks(figure, renderer):
     east = normalize(cross(axis, half))
     aspect = half_maximum_aspect(image, (east, cross(half, east), half), parameters["radius"])
     expected = parameters["alpha_y"] / parameters["alpha_x"]
-    out.append(
-        Check(
-            "aspect at half maximum over alpha_y / alpha_x, relative deviation",
-            abs(aspect / expected - 1.0),
-            "<=",
-            0.1,
-            "ideal",
-            "the catalogue's acceptance; smooth brushing and 200 slices, so that only Eq. 1 is measured"
-            if smooth
-            else "the catalogue's acceptance, for smooth brushing; on the figure's own flat triangles, as "
-            "40000 take minutes to load",
-        )
+    yield Check(
+        "aspect at half maximum over alpha_y / alpha_x, relative deviation",
+        abs(aspect / expected - 1.0),
+        at_most=0.1,
+        on=Answer.IDEAL,
+        reason="the catalogue's acceptance; smooth brushing and 200 slices, so that only Eq. 1 is measured"
+        if smooth
+        else "the catalogue's acceptance, for smooth brushing; on the figure's own flat triangles, as "
+        "40000 take minutes to load",
     )
-    return tuple(out)
 
 
 FIGURE = Figure(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, IMAGING_MACHINES_8, Figure, Method
@@ -86,60 +86,47 @@ def checks(figure, renderer):
     size, white = 256, {**DARK, "specular": (1.0, 1.0, 1.0)}
     ideal = np.clip(renderer.ideal(figure, size, **white)[..., 0], 0.0, 1.0)
     machine = renderer.machine(figure, size, **white)[..., 0]
-    out = [
-        Check(
-            "RMS of machine - ideal over highlight pixels, of a highlight of one",
-            root_mean_square((machine - ideal)[ideal > 0.05]),
-            "<=",
-            0.025,
-            "machine",
-            "the catalogue's acceptance; it expects 0.015 to 0.018 of 8-bit vectors and 9-bit registers",
-        )
-    ]
+    yield Check(
+        "RMS of machine - ideal over highlight pixels, of a highlight of one",
+        root_mean_square((machine - ideal)[ideal > 0.05]),
+        at_most=0.025,
+        on=Answer.MACHINE,
+        reason="the catalogue's acceptance; it expects 0.015 to 0.018 of 8-bit vectors and 9-bit registers",
+    )
     color = renderer.machine(figure, size, **DARK)[machine > 0.5].mean(axis=0)
-    out.append(
-        Check(
-            "colour of the highlights over red, largest deviation from gold's",
-            float(np.abs(color / color[0] - np.array(GOLD)).max()),
-            "<=",
-            0.01,
-            "machine",
-            "the catalogue's gold; products of bytes are cut off by less than one step of 255 each",
-        )
+    yield Check(
+        "colour of the highlights over red, largest deviation from gold's",
+        float(np.abs(color / color[0] - np.array(GOLD)).max()),
+        at_most=0.01,
+        on=Answer.MACHINE,
+        reason="the catalogue's gold; products of bytes are cut off by less than one step of 255 each",
     )
     # Upright, and with textures as wide as they are high where the sphere faces the eye.
     upright = {**white, "lean": 0.0}
     middle = slice(size // 4, 3 * size // 4)
-    for on in ("ideal", "machine"):
-        image = getattr(renderer, on)(figure, size, **upright)[middle, middle, 0]
+    for on in Answer:
+        image = renderer.picture(on, figure, size, **upright)[middle, middle, 0]
         across, along = chords(image > 0.4)
         isotropic = (figure.parameters["alpha_x"] + figure.parameters["alpha_y"]) / 2
-        plain = getattr(renderer, on)(
-            figure, size, **upright, alpha_x=isotropic, alpha_y=isotropic, spread=0.0
+        plain = renderer.picture(
+            on, figure, size, **upright, alpha_x=isotropic, alpha_y=isotropic, spread=0.0
         )[middle, middle, 0]
         plain_across, plain_along = chords(plain > 0.4)
-        out.append(
-            Check(
-                "highlights drawn out along b: mean chord along b over along t, against isotropic gold's",
-                (along / across) / (plain_along / plain_across),
-                ">=",
-                1.2,
-                on,
-                "alpha_y / alpha_x is 1.6; chords end at the bumps too, so that less of it is seen",
-            )
+        yield Check(
+            "highlights drawn out along b: mean chord along b over along t, against isotropic gold's",
+            (along / across) / (plain_along / plain_across),
+            at_least=1.2,
+            on=on,
+            reason="alpha_y / alpha_x is 1.6; chords end at the bumps too, so that less of it is seen",
         )
         pixels_per_bump = figure.parameters["radius"] * size * np.pi / 4 / (2 * figure.parameters["bumps"])
-        out.append(
-            Check(
-                "mean chord of the highlights along t, in widths of a bump",
-                across / pixels_per_bump,
-                "<=",
-                1.0,
-                on,
-                "every bump has highlights of its own; the same sphere without bumps has one",
-            )
+        yield Check(
+            "mean chord of the highlights along t, in widths of a bump",
+            across / pixels_per_bump,
+            at_most=1.0,
+            on=on,
+            reason="every bump has highlights of its own; the same sphere without bumps has one",
         )
-    return tuple(out)
 
 
 FIGURE = Figure(

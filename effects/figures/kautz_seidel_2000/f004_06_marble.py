@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, IMAGING_MACHINES_8, Figure, Method
@@ -91,26 +91,21 @@ def darkness(figure, renderer, size):
 
 def checks(figure, renderer):
     """The highlight's areas in dark and in light stone, the veins' relief, and the arithmetic."""
-    size, out = 256, []
+    size = 256
     shade = darkness(figure, renderer, size)
     dark, light, edges = shade > 0.5, shade < 0.35, (shade > 0.35) & (shade < 0.85)
-    for on in ("ideal", "machine"):
+    for on in Answer:
         for what, changes in (("", {}), (", veins made flat", {"relief": 0.0})):
             bright = (
-                getattr(renderer, on)(figure, size, **DARK, **{"specular": (1.0, 1.0, 1.0), **changes})[
-                    ..., 0
-                ]
+                renderer.picture(on, figure, size, **DARK, **{"specular": (1.0, 1.0, 1.0), **changes})[..., 0]
                 > 0.5
             )
-            out.append(
-                Check(
-                    f"area of the highlight, share of the dark stone / share of the light{what}",
-                    float(bright[dark].mean() / bright[light].mean()),
-                    ">=",
-                    1.2,
-                    on,
-                    "the catalogue's acceptance; alpha_y is up to 2.5 times as large",
-                )
+            yield Check(
+                f"area of the highlight, share of the dark stone / share of the light{what}",
+                float(bright[dark].mean() / bright[light].mean()),
+                at_least=1.2,
+                on=on,
+                reason="the catalogue's acceptance; alpha_y is up to 2.5 times as large",
             )
     white = {
         **DARK,
@@ -119,45 +114,35 @@ def checks(figure, renderer):
         "light_color": (1.0, 1.0, 1.0),
         "dark_color": (1.0, 1.0, 1.0),
     }
-    for on in ("ideal", "machine"):
+    for on in Answer:
         raised, level = (
-            getattr(renderer, on)(figure, size, **white, **c)[..., 0] for c in ({}, {"relief": 0.0})
+            renderer.picture(on, figure, size, **white, **c)[..., 0] for c in ({}, {"relief": 0.0})
         )
         change = raised - level
-        out.append(
-            Check(
-                "RMS of the change of (n.l)+ by the veins' relief, at their edges / in the light stone",
-                root_mean_square(change[edges]) / root_mean_square(change[shade < 0.1]),
-                ">=",
-                3.0,
-                on,
-                "normals deviate at the veins and nowhere else; the filter that levels the relief's foot "
-                "reaches one texel into the stone",
-            )
+        yield Check(
+            "RMS of the change of (n.l)+ by the veins' relief, at their edges / in the light stone",
+            root_mean_square(change[edges]) / root_mean_square(change[shade < 0.1]),
+            at_least=3.0,
+            on=on,
+            reason="normals deviate at the veins and nowhere else; the filter that levels the relief's "
+            "foot reaches one texel into the stone",
         )
-        out.append(
-            Check(
-                "RMS of the change of (n.l)+ by the veins' relief, at their edges",
-                root_mean_square(change[edges]),
-                ">=",
-                0.08,
-                on,
-                "a relief that is seen: measured at the first correct picture, with a quarter of slack",
-            )
+        yield Check(
+            "RMS of the change of (n.l)+ by the veins' relief, at their edges",
+            root_mean_square(change[edges]),
+            at_least=0.08,
+            on=on,
+            reason="a relief that is seen: measured at the first correct picture, with a quarter of slack",
         )
     error = renderer.machine(figure, size) - np.clip(renderer.ideal(figure, size), 0.0, 1.0)
-    out.append(
-        Check(
-            "RMS of machine - ideal on the sphere",
-            root_mean_square(error[~np.isnan(shade)]),
-            "<=",
-            0.0052,
-            "machine",
-            "a third of Eq. 1's own error of 0.015 where the highlight is, and a byte of the diffuse pass; "
-            "measured at the first correct picture, with a third of slack",
-        )
+    yield Check(
+        "RMS of machine - ideal on the sphere",
+        root_mean_square(error[~np.isnan(shade)]),
+        at_most=0.0052,
+        on=Answer.MACHINE,
+        reason="a third of Eq. 1's own error of 0.015 where the highlight is, and a byte of the diffuse "
+        "pass; measured at the first correct picture, with a third of slack",
     )
-    return tuple(out)
 
 
 FIGURE = Figure(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.vectors import dot, normalize
@@ -48,18 +48,18 @@ def scene(profile, size):
 
 def checks(figure, renderer):
     """The vectors read back from the picture, a texel per pixel: their lengths and their right angle."""
-    material, out = material_textures.marble(MAP_SIZE, **MARBLE).material, []
+    material = material_textures.marble(MAP_SIZE, **MARBLE).material
     for on, profile, length_bound, angle_bound, reason in (
-        ("ideal", IDEAL, 1e-6, 1e-6, "float64: what was authored"),
+        (Answer.IDEAL, IDEAL, 1e-6, 1e-6, "float64: what was authored"),
         (
-            "machine",
+            Answer.MACHINE,
             renderer.profile,
             4 * 2.0 / 255,
             0.03,
             "the catalogue's acceptance: one step of a stored component, 2/255, times the scale of four",
         ),
     ):
-        image = getattr(renderer, on)(figure, MAP_SIZE)
+        image = renderer.picture(on, figure, MAP_SIZE)
         stored = image if profile.exact else np.floor(255.0 * image + 0.5)
         decoded = decode_expand(stored, profile) / material_textures.STORAGE_SCALE
         tangents, binormals = decoded[:, :MAP_SIZE], decoded[:, MAP_SIZE:]
@@ -68,10 +68,9 @@ def checks(figure, renderer):
             ("B| = 1 / alpha_y", binormals, material.alpha_y),
         ):
             error = float(np.abs(np.sqrt(dot(vectors, vectors)) - 1.0 / alpha).max())
-            out.append(Check(f"|{name}, largest deviation", error, "<=", length_bound, on, reason))
+            yield Check(f"|{name}, largest deviation", error, at_most=length_bound, on=on, reason=reason)
         cosine = dot(normalize(tangents), normalize(binormals))
-        out.append(Check("t.b, largest", float(np.abs(cosine).max()), "<=", angle_bound, on, reason))
-    return tuple(out)
+        yield Check("t.b, largest", float(np.abs(cosine).max()), at_most=angle_bound, on=on, reason=reason)
 
 
 FIGURE = Figure(

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
 from fixedpipe.effects.figures.figure import DARK, Figure, Method
@@ -235,12 +235,12 @@ ON_THE_FUTURE_BOARD = "combiners with square root, division, exponential"
 # RMS from the models by method, on the ideal and on the machine, with the reasons.
 _BOUNDS = {
     IN_COMBINERS: {
-        "ideal": {
+        Answer.IDEAL: {
             "Banks": (1e-12, _SOFTWARE),
             "Blinn-Phong": (1e-12, _THE_MODEL),
             "Ward": (1e-12, _SOFTWARE),
         },
-        "machine": {
+        Answer.MACHINE: {
             "Banks": (0.0012, _BYTE),
             "Blinn-Phong": (
                 0.02,
@@ -250,20 +250,28 @@ _BOUNDS = {
         },
     },
     BY_TEXTURE_SHADERS: {
-        "ideal": {"Banks": (6e-5, _TABLES), "Blinn-Phong": (2.2e-4, _TABLES), "Ward": (1.2e-3, _TABLES)},
-        "machine": {"Banks": (0.0055, _BYTES), "Blinn-Phong": (0.0097, _BYTES), "Ward": (0.0114, _BYTES)},
+        Answer.IDEAL: {"Banks": (6e-5, _TABLES), "Blinn-Phong": (2.2e-4, _TABLES), "Ward": (1.2e-3, _TABLES)},
+        Answer.MACHINE: {
+            "Banks": (0.0055, _BYTES),
+            "Blinn-Phong": (0.0097, _BYTES),
+            "Ward": (0.0114, _BYTES),
+        },
     },
     BY_PIXEL_TEXTURES: {
-        "ideal": {"Banks": (6e-5, _TABLES), "Blinn-Phong": (1.5e-4, _TABLES), "Ward": (2.8e-4, _TABLES)},
-        "machine": {"Banks": (0.0042, _PASSES), "Blinn-Phong": (0.0023, _PASSES), "Ward": (0.006, _PASSES)},
+        Answer.IDEAL: {"Banks": (6e-5, _TABLES), "Blinn-Phong": (1.5e-4, _TABLES), "Ward": (2.8e-4, _TABLES)},
+        Answer.MACHINE: {
+            "Banks": (0.0042, _PASSES),
+            "Blinn-Phong": (0.0023, _PASSES),
+            "Ward": (0.006, _PASSES),
+        },
     },
     ON_THE_FUTURE_BOARD: {
-        "ideal": {
+        Answer.IDEAL: {
             "Banks": (1e-12, _THE_MODEL),
             "Blinn-Phong": (0.00022, "the logarithm is a polynomial; measured, with a third of slack"),
             "Ward": (1e-12, _THE_MODEL),
         },
-        "machine": {
+        Answer.MACHINE: {
             "Banks": (0.004, _VECTORS),
             "Blinn-Phong": (0.0158, _VECTORS),
             "Ward": (0.0088, _VECTORS),
@@ -331,42 +339,35 @@ def cone_deviation(image, material):
 def checks(figure, renderer):
     """Shapes of the three highlights, and each panel against its model in float."""
     parameters = {**figure.parameters, **renderer.method.parameters, **_MEASURED}
-    size, out = parameters["map_size"], []
+    size = parameters["map_size"]
     material = bumpy_material(**{name: parameters[name] for name in _MATERIAL})
     expected = parameters["alpha_x"] / parameters["alpha_y"]
     bounds = _BOUNDS[renderer.method.name]
-    for on in ("ideal", "machine"):
-        image = getattr(renderer, on)(figure, size, **_MEASURED)[..., 0]
+    for on in Answer:
+        image = renderer.picture(on, figure, size, **_MEASURED)[..., 0]
         panels = {name: image[:, k * size : (k + 1) * size] for k, name in enumerate(MODELS)}
         for name in ("Blinn-Phong", "Ward"):
             ratio = highlight_ratio(panels[name], material)
-            out.append(
-                Check(
-                    f"{name}: half widths of the highlight over alpha_x / alpha_y, relative deviation",
-                    abs(ratio / expected - 1.0),
-                    "<=",
-                    0.1,
-                    on,
-                    "the catalogue's acceptance",
-                )
+            yield Check(
+                f"{name}: half widths of the highlight over alpha_x / alpha_y, relative deviation",
+                abs(ratio / expected - 1.0),
+                at_most=0.1,
+                on=on,
+                reason="the catalogue's acceptance",
             )
-        if on == "ideal":
-            out.append(
-                Check(
-                    "Banks: deviation from constant on the cones l.t = -v.t",
-                    cone_deviation(panels["Banks"], material),
-                    "<=",
-                    0.02,
-                    on,
-                    "the catalogue's acceptance; a step of the cones is 1/256",
-                )
+        if on is Answer.IDEAL:
+            yield Check(
+                "Banks: deviation from constant on the cones l.t = -v.t",
+                cone_deviation(panels["Banks"], material),
+                at_most=0.02,
+                on=on,
+                reason="the catalogue's acceptance; a step of the cones is 1/256",
             )
         for name in MODELS:
             true = np.clip(radiance(name, material, _MEASURED["light"]), 0.0, 1.0)
             error = root_mean_square(np.clip(panels[name], 0.0, 1.0) - true)
             bound, reason = bounds[on][name]
-            out.append(Check(f"{name}: RMS from the model in float", error, "<=", bound, on, reason))
-    return tuple(out)
+            yield Check(f"{name}: RMS from the model in float", error, at_most=bound, on=on, reason=reason)
 
 
 FIGURE = Figure(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check
 from fixedpipe.effects.bump_mapping import gloss_map
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, Figure, Method
@@ -46,18 +46,16 @@ def checks(figure, renderer):
         Check(
             "smallest ratio of highlights - k_s of dull checks",
             abs(ratio.min() - parameters["dull"]),
-            "<=",
-            1e-9,
-            "ideal",
-            exact,
+            at_most=1e-9,
+            on=Answer.IDEAL,
+            reason=exact,
         ),
         Check(
             "largest ratio of highlights - k_s of polished checks",
             abs(ratio.max() - parameters["polished"]),
-            "<=",
-            1e-9,
-            "ideal",
-            exact,
+            at_most=1e-9,
+            on=Answer.IDEAL,
+            reason=exact,
         ),
         arithmetic_check(figure, renderer, 0.0075, POWER_8),
     )

@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import arithmetic_check, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
 from fixedpipe.effects.figures.figure import DARK, Figure, Method
@@ -113,66 +113,54 @@ def checks(figure, renderer):
     half = brdfs.half_vector(unit_vector(p["light"], "The light"), VIEWER)
     vectors = half, material.tangents, material.binormals, material.alpha_x, material.alpha_y, material.k_s
     models = [brdfs.anisotropic_blinn_phong(*vectors, n) for n in (1.0, material.exponent)]
-    out, bounds = [], _BOUNDS[renderer.method.name]
-    for on in ("ideal", "machine"):
+    bounds = _BOUNDS[renderer.method.name]
+    for on in Answer:
         # The square fills the panel: a texel for each pixel, so that no filter of materials takes part.
-        picture = getattr(renderer, on)(figure, size, **measured)[..., 0]
+        picture = renderer.picture(on, figure, size, **measured)[..., 0]
         panels = picture[:, :size], picture[:, size:]
         for name, panel, model in zip(("K06", "K05"), panels, models, strict=True):
-            bound, reason = (0.003, _FILTER) if on == "ideal" else bounds[name]
-            out.append(
-                Check(
-                    f"{name}: RMS from the float model",
-                    root_mean_square(panel - model),
-                    "<=",
-                    bound,
-                    on,
-                    reason,
-                )
+            bound, reason = (0.003, _FILTER) if on is Answer.IDEAL else bounds[name]
+            yield Check(
+                f"{name}: RMS from the float model",
+                root_mean_square(panel - model),
+                at_most=bound,
+                on=on,
+                reason=reason,
             )
         plain, sharpened = (_bright_areas(panel, columns, bright) for panel in panels)
-        out += [
-            Check(
-                "without N: largest over smallest area of a column's highlights",
-                float(plain.max() / plain.min()),
-                "<=",
-                1.1,
-                on,
-                "alphas and domes are the same everywhere; strokes and texels differ",
-            ),
-            Check(
-                "with N: largest deviation of a column's area from the model's, but the last's, relative",
-                float(np.abs(sharpened / _bright_areas(models[1], columns, bright) - 1.0)[:-1].max()),
-                "<=",
-                0.03 if on == "ideal" else bounds["area"][0],
-                on,
-                "the table's filter; a pixel more or less" if on == "ideal" else bounds["area"][1],
-            ),
-            Check(
-                "with N: largest area of a column's highlights over that of the column before",
-                float((sharpened[1:] / sharpened[:-1]).max()),
-                "<=",
-                0.45,
-                on,
-                "half of the peak lies at e = 2^(-2/N); 1 - e, and about so the area, falls from N to 4 N by "
-                "0.32 (N = 2) to 0.25",
-            ),
-        ]
+        yield Check(
+            "without N: largest over smallest area of a column's highlights",
+            float(plain.max() / plain.min()),
+            at_most=1.1,
+            on=on,
+            reason="alphas and domes are the same everywhere; strokes and texels differ",
+        )
+        yield Check(
+            "with N: largest deviation of a column's area from the model's, but the last's, relative",
+            float(np.abs(sharpened / _bright_areas(models[1], columns, bright) - 1.0)[:-1].max()),
+            at_most=0.03 if on is Answer.IDEAL else bounds["area"][0],
+            on=on,
+            reason="the table's filter; a pixel more or less" if on is Answer.IDEAL else bounds["area"][1],
+        )
+        yield Check(
+            "with N: largest area of a column's highlights over that of the column before",
+            float((sharpened[1:] / sharpened[:-1]).max()),
+            at_most=0.45,
+            on=on,
+            reason="half of the peak lies at e = 2^(-2/N); 1 - e, and about so the area, falls from N "
+            "to 4 N by 0.32 (N = 2) to 0.25",
+        )
     column = slice(0, size // columns)  # N = 2
     ideal = renderer.ideal(figure, size, **measured)[:, size:, 0]
     e = brdfs.lobe(*vectors[:-1])
-    out += [
-        Check(
-            "K05 at N = 2 is Eq. 1: RMS of the first column of domes",
-            root_mean_square(ideal[:, column] - (material.k_s * e)[:, column]),
-            "<=",
-            0.002,
-            "ideal",
-            "erratum E004.4; the table's ends, half a texel wide, hold F(N, 0) and F(N, 1)",
-        ),
-        arithmetic_check(figure, renderer, *bounds["arithmetic"]),
-    ]
-    return tuple(out)
+    yield Check(
+        "K05 at N = 2 is Eq. 1: RMS of the first column of domes",
+        root_mean_square(ideal[:, column] - (material.k_s * e)[:, column]),
+        at_most=0.002,
+        on=Answer.IDEAL,
+        reason="erratum E004.4; the table's ends, half a texel wide, hold F(N, 0) and F(N, 1)",
+    )
+    yield arithmetic_check(figure, renderer, *bounds["arithmetic"])
 
 
 _MATERIAL = ("map_size", "exponents", "rim_radius", "alpha_x", "alpha_y", "spread", "k_s")

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.figures.figure import DARK, IMAGING_MACHINES_8, Figure, Method
 from fixedpipe.effects.geometry import surfaces
@@ -85,7 +85,7 @@ def _largest_step(image, inside):
 
 def checks(figure, renderer):
     """That facets are seen, that they hold the smooth highlight's light, and what the bias is for."""
-    size, out, radius = 256, [], figure.parameters["radius"]
+    size, radius = 256, figure.parameters["radius"]
     inside, normals, _, _ = _sphere_at(size, radius * 0.97)
     inside &= np.abs(normals[..., 1]) < 0.8  # where a pixel is not as high as the triangles at the poles
     toward = normalize(np.array(figure.parameters["light"]))
@@ -96,55 +96,45 @@ def checks(figure, renderer):
     lit = inside & (dot(normals, toward) > 0.4)
     negative = lit & (dot(half, tangents) < -away) & (dot(half, cross(normals, tangents)) < -away)
     changes = {**DARK, "specular": (1.0, 1.0, 1.0), "spread": 0.0, "depth": 0.0, "k_s": (1.0, 1.0)}
-    images = {on: getattr(renderer, on)(figure, size, **changes)[..., 0] for on in ("ideal", "machine")}
+    images = {on: renderer.picture(on, figure, size, **changes)[..., 0] for on in Answer}
     for on, image in images.items():
         smooth, flat, lost = (image[:, k * size : (k + 1) * size] for k in range(3))
-        out += [
-            Check(
-                "largest step between pixels side by side, flat triangles over smooth",
-                _largest_step(flat, inside) / _largest_step(smooth, inside),
-                ">=",
-                4.0,
-                on,
-                "one halfway vector for each triangle: facets; a smooth highlight changes by a seventh of a "
-                "facet's step from pixel to pixel",
-            ),
-            Check(
-                "light of the highlight, flat triangles over smooth: deviation from one",
-                abs(float(flat[inside].sum() / smooth[inside].sum()) - 1.0),
-                "<=",
-                0.1,
-                on,
-                "a facet has the value of its middle; the catalogue's 10 % for the highlight's shape",
-            ),
-            Check(
-                "least of the highlight without the bias where both products are negative",
-                float(lost[negative].min()),
-                ">=",
-                0.98,
-                on,
-                "P15: both squares are zero, and one is left; the smooth highlight is dark there",
-            ),
-            Check(
-                "mean of the smooth highlight at the same pixels",
-                float(smooth[negative].mean()),
-                "<=",
-                0.5,
-                on,
-                "Eq. 1, of which the highlight without the bias is another",
-            ),
-        ]
-    out.append(
-        Check(
-            "RMS of machine - ideal, the highlight alone",
-            root_mean_square(images["machine"] - np.clip(images["ideal"], 0.0, 1.0)),
-            "<=",
-            0.004,
-            "machine",
-            "the catalogue's acceptance of Eq. 1 by the imaging subset (P16), whatever alpha is",
+        yield Check(
+            "largest step between pixels side by side, flat triangles over smooth",
+            _largest_step(flat, inside) / _largest_step(smooth, inside),
+            at_least=4.0,
+            on=on,
+            reason="one halfway vector for each triangle: facets; a smooth highlight changes by a "
+            "seventh of a facet's step from pixel to pixel",
         )
+        yield Check(
+            "light of the highlight, flat triangles over smooth: deviation from one",
+            abs(float(flat[inside].sum() / smooth[inside].sum()) - 1.0),
+            at_most=0.1,
+            on=on,
+            reason="a facet has the value of its middle; the catalogue's 10 % for the highlight's shape",
+        )
+        yield Check(
+            "least of the highlight without the bias where both products are negative",
+            float(lost[negative].min()),
+            at_least=0.98,
+            on=on,
+            reason="P15: both squares are zero, and one is left; the smooth highlight is dark there",
+        )
+        yield Check(
+            "mean of the smooth highlight at the same pixels",
+            float(smooth[negative].mean()),
+            at_most=0.5,
+            on=on,
+            reason="Eq. 1, of which the highlight without the bias is another",
+        )
+    yield Check(
+        "RMS of machine - ideal, the highlight alone",
+        root_mean_square(images[Answer.MACHINE] - np.clip(images[Answer.IDEAL], 0.0, 1.0)),
+        at_most=0.004,
+        on=Answer.MACHINE,
+        reason="the catalogue's acceptance of Eq. 1 by the imaging subset (P16), whatever alpha is",
     )
-    return tuple(out)
 
 
 FIGURE = Figure(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, Figure, Method
@@ -45,24 +45,29 @@ def scene(
 
 def checks(figure, renderer):
     """Both frames give the same picture."""
-    size, out = 256, []
+    size = 256
     for on, bound, reason in (
         (
-            "ideal",
+            Answer.IDEAL,
             0.0008,
             "interpolating a halfway vector over 7 degrees of turning frames; zero for infinitely many "
             "triangles",
         ),
-        ("machine", 0.0085, "the two frames round different components to bytes: twice the pass's own error"),
+        (
+            Answer.MACHINE,
+            0.0085,
+            "the two frames round different components to bytes: twice the pass's own error",
+        ),
     ):
-        image = getattr(renderer, on)(figure, size)
+        image = renderer.picture(on, figure, size)
         difference_of_frames = np.clip(image[:, :size], 0.0, 1.0) - np.clip(image[:, size:], 0.0, 1.0)
-        out.append(
-            Check(
-                "RMS of local - global frame", root_mean_square(difference_of_frames), "<=", bound, on, reason
-            )
+        yield Check(
+            "RMS of local - global frame",
+            root_mean_square(difference_of_frames),
+            at_most=bound,
+            on=on,
+            reason=reason,
         )
-    return tuple(out)
 
 
 FIGURE = Figure(

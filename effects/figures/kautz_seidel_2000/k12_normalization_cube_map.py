@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump, normalization_cube_map
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, Figure, Method
@@ -48,7 +48,7 @@ def checks(figure, renderer):
     """A flat square under a close light: the cube map gives (n.l)+, the vertex colours far less in the
     middle.
     """
-    size, out = 256, []
+    size = 256
     changes = {
         **DARK,
         "depth": 0.0,
@@ -60,30 +60,25 @@ def checks(figure, renderer):
     to_light = normalize(np.array(figure.parameters["light"]) - np.stack([x, y, np.zeros_like(x)], axis=-1))
     true = brdfs.lambert(np.array([0.0, 0.0, 1.0]), to_light)
     for on, bound, reason in (
-        ("ideal", 0.0008, "linear filtering between a 64-texel cube map's unit vectors"),
-        ("machine", 0.007, "a byte of the cube map and one of the normal: two half steps of 2/255"),
+        (Answer.IDEAL, 0.0008, "linear filtering between a 64-texel cube map's unit vectors"),
+        (Answer.MACHINE, 0.007, "a byte of the cube map and one of the normal: two half steps of 2/255"),
     ):
-        image = getattr(renderer, on)(figure, size, **changes)[..., 0]
+        image = renderer.picture(on, figure, size, **changes)[..., 0]
         error = (image[:, size:] - true)[inside]
-        out += [
-            Check(
-                "RMS of (n.l)+ with the cube map - Lambert's law",
-                root_mean_square(error),
-                "<=",
-                bound,
-                on,
-                reason,
-            ),
-            Check(
-                "(n.l)+ below the light with vertex colours, of a true value of one",
-                float(image[size // 2, size // 2]),
-                "<=",
-                0.5,
-                on,
-                "four unit vectors at the corners of the square sum to 0.44 in its middle",
-            ),
-        ]
-    return tuple(out)
+        yield Check(
+            "RMS of (n.l)+ with the cube map - Lambert's law",
+            root_mean_square(error),
+            at_most=bound,
+            on=on,
+            reason=reason,
+        )
+        yield Check(
+            "(n.l)+ below the light with vertex colours, of a true value of one",
+            float(image[size // 2, size // 2]),
+            at_most=0.5,
+            on=on,
+            reason="four unit vectors at the corners of the square sum to 0.44 in its middle",
+        )
 
 
 FIGURE = Figure(

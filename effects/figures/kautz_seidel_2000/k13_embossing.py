@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import emboss
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -91,7 +91,7 @@ def checks(figure, renderer):
     gain, added, like, unlike, rounding = _BOARDS[renderer.method.name]
 
     def panels(on, **changes):
-        image = getattr(renderer, on)(figure, MAP_SIZE, **_SQUARE, **changes)[..., 0]
+        image = renderer.picture(on, figure, MAP_SIZE, **_SQUARE, **changes)[..., 0]
         return (image[:, k * MAP_SIZE : (k + 1) * MAP_SIZE] for k in range(3))
 
     def embossed(image):
@@ -101,114 +101,98 @@ def checks(figure, renderer):
     low = 0.04
     field = heights(figure.parameters["cells"], low)
     relief, (slope_s, slope_t) = field.max(), height_fields.slopes(field)
-    lit, opposite, above = panels("ideal", depth=low)
+    lit, opposite, above = panels(Answer.IDEAL, depth=low)
     texels = relief / gain * MAP_SIZE
     moved = _second_reading(field / relief, -texels * _LIGHT[0], -texels * _LIGHT[1])
     difference = gain * (moved - field / relief)
     derivative = -(slope_s * _LIGHT[0] + slope_t * _LIGHT[1])
     first_order = root_mean_square(embossed(lit) - derivative) / root_mean_square(derivative)
     reflected = brdfs.lambert(height_fields.frames(slope_s, slope_t)[0], np.array(_LIGHT))
-    out = [
-        Check(
-            "embossed term - difference of two filtered heights, largest",
-            float(np.abs(embossed(lit) - difference).max()),
-            "<=",
-            1e-9,
-            "ideal",
-            "float64: the passes are this difference",
-        ),
-        Check(
-            "RMS of the embossed term - derivative along the light, over the derivative's",
-            first_order,
-            "<=",
-            0.28,
-            "ideal",
-            "a one-sided difference, over more than a texel's width, where pebbles meet in creases; measured "
-            "at the first correct picture, with at most a third of slack",
-        ),
-        Check(
-            "correlation with (n.l)+ on low bumps",
-            _correlation(lit, reflected),
-            ">=",
-            0.93,
-            "ideal",
-            "(n.l)+ is the derivative and n.l of the smooth surface to first order",
-        ),
-        Check(
-            "correlation under opposite lights",
-            _correlation(embossed(lit), embossed(opposite)),
-            "<=",
-            -0.8,
-            "ideal",
-            "the sign follows the light; the two differences are taken on either side of a texel",
-        ),
-        Check(
-            "contrast under a light right above",
-            float(above.max() - above.min()),
-            "<=",
-            0.0,
-            "ideal",
-            "the known failure: the two readings are the same",
-        ),
-        Check(
-            "least light under a light right above",
-            float(above.min()),
-            ">=",
-            1.0 - 1e-9,
-            "ideal",
-            "all of the smooth surface's light is there",
-        ),
-    ]
-    lit, opposite, above = panels("machine")
+    yield Check(
+        "embossed term - difference of two filtered heights, largest",
+        float(np.abs(embossed(lit) - difference).max()),
+        at_most=1e-9,
+        on=Answer.IDEAL,
+        reason="float64: the passes are this difference",
+    )
+    yield Check(
+        "RMS of the embossed term - derivative along the light, over the derivative's",
+        first_order,
+        at_most=0.28,
+        on=Answer.IDEAL,
+        reason="a one-sided difference, over more than a texel's width, where pebbles meet in creases; "
+        "measured at the first correct picture, with at most a third of slack",
+    )
+    yield Check(
+        "correlation with (n.l)+ on low bumps",
+        _correlation(lit, reflected),
+        at_least=0.93,
+        on=Answer.IDEAL,
+        reason="(n.l)+ is the derivative and n.l of the smooth surface to first order",
+    )
+    yield Check(
+        "correlation under opposite lights",
+        _correlation(embossed(lit), embossed(opposite)),
+        at_most=-0.8,
+        on=Answer.IDEAL,
+        reason="the sign follows the light; the two differences are taken on either side of a texel",
+    )
+    yield Check(
+        "contrast under a light right above",
+        float(above.max() - above.min()),
+        at_most=0.0,
+        on=Answer.IDEAL,
+        reason="the known failure: the two readings are the same",
+    )
+    yield Check(
+        "least light under a light right above",
+        float(above.min()),
+        at_least=1.0 - 1e-9,
+        on=Answer.IDEAL,
+        reason="all of the smooth surface's light is there",
+    )
+    lit, opposite, above = panels(Answer.MACHINE)
     field = heights(figure.parameters["cells"], figure.parameters["depth"])
     slope_s, slope_t = height_fields.slopes(field)
     apart = field.max() / gain * MAP_SIZE * np.sqrt(1.0 - _LIGHT[2] * _LIGHT[2])
     reflected = brdfs.lambert(height_fields.frames(slope_s, slope_t)[0], np.array(_LIGHT))
-    return (
-        *out,
-        Check(
-            "correlation with (n.l)+",
-            _correlation(lit, reflected),
-            ">=",
-            like,
-            "machine",
-            f"readings {apart:.1f} texels apart: the weaker a board's gain, the farther; measured at the "
-            "first correct picture",
-        ),
-        Check(
-            "correlation under opposite lights",
-            _correlation(embossed(lit), embossed(opposite)),
-            "<=",
-            unlike,
-            "machine",
-            "the sign follows the light, the readings are as far apart on its other side; measured at the "
-            "first correct picture",
-        ),
-        Check(
-            "contrast under a light right above",
-            float(above.max() - above.min()),
-            "<=",
-            0.0,
-            "machine",
-            "the known failure: the two readings are the same bytes",
-        ),
-        Check(
-            "least light under a light right above",
-            float(above.min()),
-            ">=",
-            254.0 / 255.0,
-            "machine",
-            "all of the smooth surface's light is there; (1/2 + 0) is half a byte off where it is doubled",
-        ),
-        Check(
-            "RMS of machine - ideal",
-            root_mean_square(renderer.machine(figure, 128) - np.clip(renderer.ideal(figure, 128), 0.0, 1.0)),
-            "<=",
-            rounding,
-            "machine",
-            "bytes of the height map times the board's gain; measured at the first correct picture, with at "
-            "most a third of slack",
-        ),
+    yield Check(
+        "correlation with (n.l)+",
+        _correlation(lit, reflected),
+        at_least=like,
+        on=Answer.MACHINE,
+        reason=f"readings {apart:.1f} texels apart: the weaker a board's gain, the farther; measured at "
+        "the first correct picture",
+    )
+    yield Check(
+        "correlation under opposite lights",
+        _correlation(embossed(lit), embossed(opposite)),
+        at_most=unlike,
+        on=Answer.MACHINE,
+        reason="the sign follows the light, the readings are as far apart on its other side; measured "
+        "at the first correct picture",
+    )
+    yield Check(
+        "contrast under a light right above",
+        float(above.max() - above.min()),
+        at_most=0.0,
+        on=Answer.MACHINE,
+        reason="the known failure: the two readings are the same bytes",
+    )
+    yield Check(
+        "least light under a light right above",
+        float(above.min()),
+        at_least=254.0 / 255.0,
+        on=Answer.MACHINE,
+        reason="all of the smooth surface's light is there; (1/2 + 0) is half a byte off where it is doubled",
+    )
+    yield Check(
+        "RMS of machine - ideal",
+        root_mean_square(renderer.machine(figure, 128) - np.clip(renderer.ideal(figure, 128), 0.0, 1.0)),
+        at_most=rounding,
+        on=Answer.MACHINE,
+        reason="bytes of the height map times the board's gain; measured at the first correct picture, "
+        "with at most a third of slack",
     )
 
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check
 from fixedpipe.effects.bump_mapping import diffuse_bump
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, Figure, Method
@@ -46,11 +46,10 @@ def checks(figure, renderer):
         Check(
             "longest row of pixels brighter than 0.7, in widths of a pebble",
             longest_row(image.mean(axis=-1) > 0.7) / pebble,
-            "<=",
-            1.35,
-            "machine",
-            "a highlight ends with its pebble; measured at the first correct picture, a third of slack "
-            "(pebbles of an eighth of this depth are lost in a glare 3.4 pebbles long)",
+            at_most=1.35,
+            on=Answer.MACHINE,
+            reason="a highlight ends with its pebble; measured at the first correct picture, a third of "
+            "slack (pebbles of an eighth of this depth are lost in a glare 3.4 pebbles long)",
         ),
         arithmetic_check(figure, renderer, 0.0083, POWER_8),
     )

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -83,7 +83,7 @@ def host_scene(
 
 def checks(figure, renderer):
     """The lookup against the float model, the host's picture against the Octane's, and what is copied."""
-    p, out = figure.parameters, []
+    p = figure.parameters
     size, by_host = p["map_size"], renderer.method.machines[0] != "OCTANE"
     black, white = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
     changes = {"diffuse": black, "background": black, "specular": white, "extent": 1.0}
@@ -93,41 +93,44 @@ def checks(figure, renderer):
     expected = brdfs.anisotropic_blinn_phong(*lobe, m.k_s, m.exponent)
     by_bytes = "; h, t and b are bytes, which e has in it" if by_host else ""
     reasons = {
-        "ideal": "F is sampled at 64 x 256 places and joined linearly between them",
-        "machine": "e has 256 steps, and N multiplies its error by up to N/2 = 16" + by_bytes,
+        Answer.IDEAL: "F is sampled at 64 x 256 places and joined linearly between them",
+        Answer.MACHINE: "e has 256 steps, and N multiplies its error by up to N/2 = 16" + by_bytes,
     }
     # Measured at the first correct picture, with a third of slack.
-    bounds = {"ideal": 0.0012, "machine": 0.0165 if by_host else 0.0052}
-    e_bounds = {"ideal": 1e-4, "machine": 0.0147 if by_host else 0.0019}
-    for on in ("ideal", "machine"):
-        whole = getattr(renderer, on)(figure, size, **changes)
+    bounds = {Answer.IDEAL: 0.0012, Answer.MACHINE: 0.0165 if by_host else 0.0052}
+    e_bounds = {Answer.IDEAL: 1e-4, Answer.MACHINE: 0.0147 if by_host else 0.0019}
+    for on in Answer:
+        whole = renderer.picture(on, figure, size, **changes)
         copied, picture, shaded = (whole[:, k * size : (k + 1) * size] for k in range(3))
         picture = picture[..., 0]
         error = root_mean_square(np.clip(copied[..., 1], 0.0, 1.0) - brdfs.lobe(*lobe))
-        reason = "a table of squares" if on == "ideal" else reasons[on].partition(",")[0] + by_bytes
-        out.append(Check("RMS of what is copied - e in float", error, "<=", e_bounds[on], on, reason))
+        reason = "a table of squares" if on is Answer.IDEAL else reasons[on].partition(",")[0] + by_bytes
+        yield Check("RMS of what is copied - e in float", error, at_most=e_bounds[on], on=on, reason=reason)
         error = root_mean_square(picture - expected)
-        out.append(Check("RMS of the lookup - F(N, e) in float", error, "<=", bounds[on], on, reasons[on]))
+        yield Check(
+            "RMS of the lookup - F(N, e) in float", error, at_most=bounds[on], on=on, reason=reasons[on]
+        )
         error = float(np.abs(shaded[..., 0] - picture).max())
         reason = "k_s is one and white, and no diffuse light is added"
-        out.append(Check("largest difference of the whole from the lookup", error, "<=", 0.0, on, reason))
+        yield Check(
+            "largest difference of the whole from the lookup", error, at_most=0.0, on=on, reason=reason
+        )
         strips = np.arange(size) * len(p["exponents"]) // size
         bright = [(picture[:, strips == k] > 0.5).mean() for k in range(len(p["exponents"]))]
         falls = max(b / a for a, b in pairwise(bright))
         reason = "twice the exponent takes about half the highlight's area; the pebbles differ"
-        out.append(Check("largest ratio of areas above 1/2, strip to strip", falls, "<=", 0.8, on, reason))
+        yield Check(
+            "largest ratio of areas above 1/2, strip to strip", falls, at_most=0.8, on=on, reason=reason
+        )
     commands = figure.commands(renderer.profile, size, renderer.method)
     counted = HostStep if by_host else CopyPixels
     copies = sum(isinstance(c, counted) for c in commands[_last_clear(commands) :])
-    out.append(
-        Check(
-            "lookups of the panel for one picture, " + ("by the host" if by_host else "by CopyPixels"),
-            copies,
-            "<=",
-            1,
-            "machine",
-            "two parameters and one function: one copy of the panel, or one from the board and one to it",
-        )
+    yield Check(
+        "lookups of the panel for one picture, " + ("by the host" if by_host else "by CopyPixels"),
+        copies,
+        at_most=1,
+        on=Answer.MACHINE,
+        reason="two parameters and one function: one copy of the panel, or one from the board and one to it",
     )
     width, height = figure.dimensions(size)
     if not by_host:
@@ -141,15 +144,16 @@ def checks(figure, renderer):
             "an extension's copy is its DrawPixels of the same pixels; the paper's route costs time alone"
         )
         name = "largest difference where each copy goes through host memory, codes"
-        out.append(Check(name, most, "<=", 0, "machine", reason))
+        yield Check(name, most, at_most=0, on=Answer.MACHINE, reason=reason)
     else:
         on_octane = figure.commands(OCTANE, size, figure.method("OCTANE"), **changes)
         other = renderer.execute(on_octane, OCTANE, width, height).framebuffer.color[::-1, :, :3] / 255.0
         error = root_mean_square(renderer.machine(figure, size, **changes)[:, size:] - other[:, size:])
         reason = "either machine's bound of the distance from the model, added"
-        bound = bounds["machine"] + 0.0052
-        out.append(Check("RMS of this picture - the Octane's", error, "<=", bound, "machine", reason))
-    return tuple(out)
+        bound = bounds[Answer.MACHINE] + 0.0052
+        yield Check(
+            "RMS of this picture - the Octane's", error, at_most=bound, on=Answer.MACHINE, reason=reason
+        )
 
 
 def _last_clear(commands):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
 from fixedpipe.effects.figures.figure import DARK, Figure, Method
@@ -113,27 +113,27 @@ def expected(name, size, parameters):
 
 def checks(figure, renderer):
     """Each model against its equation, and the coarse spheres' highlights against a round sphere's."""
-    size, out = 128, []
+    size = 128
     plain = {"depth": 0.0, "spread": 0.0, "k_s": (1.0, 1.0), "exponents": (30.0, 30.0)}
     parameters = {**figure.parameters, **plain}
     half = brdfs.half_vector(normalize(np.array(parameters["light"])), VIEWER)
     points, z2 = _pixel_points(size, parameters["radius"])
     round_one, inside = brdfs.blinn_phong(points, half, 8.0), z2 > 0.5
     bounds = {
-        "ideal": (
+        Answer.IDEAL: (
             {"banks": 0.004, "blinn_phong": 0.004, "ward": 0.004},
             "frames turn by 7 degrees from vertex to vertex; measured, with a third of slack",
         ),
-        "machine": (
+        Answer.MACHINE: (
             {"banks": 0.004, "blinn_phong": 0.019, "ward": 0.009},
             "that, and bytes in the textures, whose errors the exponent of 30 multiplies; measured, with a "
             "third of slack",
         ),
     }
-    for on in ("ideal", "machine"):
+    for on in Answer:
         peaks, errors = ([], []), ([], [])
         for turn in (0.0, 22.5):
-            image = getattr(renderer, on)(figure, size, **_WHITE, **plain, turn=turn)[..., 0]
+            image = renderer.picture(on, figure, size, **_WHITE, **plain, turn=turn)[..., 0]
             panels = [np.clip(image[:, k * size : (k + 1) * size], 0.0, 1.0) for k in range(5)]
             for panel, peak, error in zip(panels[3:], peaks, errors, strict=True):
                 peak.append(float(panel.max()))
@@ -142,35 +142,29 @@ def checks(figure, renderer):
             true, counts = expected(name, size, parameters)
             error = root_mean_square((panel - true)[counts])
             of, why = bounds[on]
-            out.append(Check(f"RMS of the pass - the model, {name}", error, "<=", of[name], on, why))
-        out += [
-            Check(
-                "faintest peak of a highlight of one as the coarse sphere turns, straight vectors",
-                min(peaks[0]),
-                "<=",
-                0.8,
-                on,
-                "midway between vertices 45 degrees apart a straight vector's length is cos(22.5), whose "
-                "eighth power is 0.53 (artefact P19)",
-            ),
-            Check(
-                "faintest peak of a highlight of one as the coarse sphere turns, steady vectors",
-                min(peaks[1]),
-                ">=",
-                0.99,
-                on,
-                "vectors of length one pass through every direction between the vertices'",
-            ),
-            Check(
-                "RMS against a round sphere's highlight, steady vectors / straight vectors",
-                max(errors[1]) / min(errors[0]),
-                "<=",
-                0.5,
-                on,
-                "measured 0.35: triangles are flat, and their vectors turn in the order of the vertices",
-            ),
-        ]
-    return tuple(out)
+            yield Check(f"RMS of the pass - the model, {name}", error, at_most=of[name], on=on, reason=why)
+        yield Check(
+            "faintest peak of a highlight of one as the coarse sphere turns, straight vectors",
+            min(peaks[0]),
+            at_most=0.8,
+            on=on,
+            reason="midway between vertices 45 degrees apart a straight vector's length is cos(22.5), "
+            "whose eighth power is 0.53 (artefact P19)",
+        )
+        yield Check(
+            "faintest peak of a highlight of one as the coarse sphere turns, steady vectors",
+            min(peaks[1]),
+            at_least=0.99,
+            on=on,
+            reason="vectors of length one pass through every direction between the vertices'",
+        )
+        yield Check(
+            "RMS against a round sphere's highlight, steady vectors / straight vectors",
+            max(errors[1]) / min(errors[0]),
+            at_most=0.5,
+            on=on,
+            reason="measured 0.35: triangles are flat, and their vectors turn in the order of the vertices",
+        )
 
 
 # A light alone, for each sphere.

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
@@ -98,7 +98,7 @@ _PLAIN = {**DARK, "specular": (1.0, 1.0, 1.0), "k_s": (1.0, 1.0), "joint": 1.0}
 
 def checks(figure, renderer):
     """What is lost without the signed products, and that halves of them bring it back."""
-    size, out = 128, []
+    size = 128
     x, y = pixel_grid(size, figure.parameters["extent"])
     inside = np.maximum(np.abs(x), np.abs(y)) < 0.98
     extent, light = figure.parameters["extent"], figure.parameters["light"]
@@ -108,13 +108,13 @@ def checks(figure, renderer):
     positive, negative = inside & (product > 0.0), inside & (product < 0.0)
 
     bounds = {
-        "ideal": (
+        Answer.IDEAL: (
             0.0034,
             0.0034,
             "vertex colours are quadratic in h and interpolated over 1/16 of the square; measured at the "
             "first correct picture, with at most a third of slack",
         ),
-        "machine": (
+        Answer.MACHINE: (
             0.0102,
             0.0118,
             "bytes of products that are scaled by four; measured at the first correct picture, with at most "
@@ -125,44 +125,41 @@ def checks(figure, renderer):
     for on, (unsigned_bound, signed_bound, reason) in bounds.items():
         pictures = {}
         for angle in (0, 45, 90, 135):
-            image = getattr(renderer, on)(figure, size, **_PLAIN, angles=(angle,))[..., 0]
+            image = renderer.picture(on, figure, size, **_PLAIN, angles=(angle,))[..., 0]
             pictures[angle] = [np.clip(image[:, k * size : (k + 1) * size], 0.0, 1.0) for k in range(3)]
         on_axes = np.stack([(pictures[a][1] - pictures[a][0])[inside] for a in (0, 90)])
         whole = np.stack([(pictures[a][2] - pictures[a][0])[inside] for a in pictures])
         (true, without, _), (other_true, other_without, _) = pictures[45], pictures[135]
         lost = without - true
-        out += [
-            Check(
-                "RMS of the unsigned passes - Eq. 1, strokes along the axes",
-                root_mean_square(on_axes), "<=", unsigned_bound, on, reason,
-            ),
-            Check(
-                "RMS of the signed passes - Eq. 1",
-                root_mean_square(whole), "<=", signed_bound, on, reason,
-            ),
-            Check(
-                "RMS of the unsigned passes - Eq. 1, strokes along a diagonal",
-                root_mean_square(lost[inside]), ">=", 0.16, on, fails,
-            ),
-            Check(
-                "what is lost, mean over the quadrants along the strokes",
-                float(lost[positive].mean()), ">=", 0.12, on, "too bright: the square of h.t is too small",
-            ),
-            Check(
-                "what is lost, mean over the quadrants across the strokes",
-                float(lost[negative].mean()), "<=", -0.14, on, "too dark: the square of h.b is too large",
-            ),
-            Check(
-                "unsigned passes, one diagonal - the other, largest",
-                float(np.abs(without - other_without)[inside].max()), "<=", 1e-9, on,
-                "the textures that are read are the same",
-            ),
-            Check(
-                "Eq. 1, RMS of one diagonal - the other",
-                root_mean_square((true - other_true)[inside]), ">=", 0.3, on, "what should be seen",
-            ),
-        ]  # fmt: skip
-    return tuple(out)
+        yield Check(
+            "RMS of the unsigned passes - Eq. 1, strokes along the axes", root_mean_square(on_axes),
+            at_most=unsigned_bound, on=on, reason=reason,
+        )  # fmt: skip
+        yield Check(
+            "RMS of the signed passes - Eq. 1", root_mean_square(whole), at_most=signed_bound, on=on,
+            reason=reason,
+        )  # fmt: skip
+        yield Check(
+            "RMS of the unsigned passes - Eq. 1, strokes along a diagonal", root_mean_square(lost[inside]),
+            at_least=0.16, on=on, reason=fails,
+        )  # fmt: skip
+        yield Check(
+            "what is lost, mean over the quadrants along the strokes", float(lost[positive].mean()),
+            at_least=0.12, on=on, reason="too bright: the square of h.t is too small",
+        )  # fmt: skip
+        yield Check(
+            "what is lost, mean over the quadrants across the strokes", float(lost[negative].mean()),
+            at_most=-0.14, on=on, reason="too dark: the square of h.b is too large",
+        )  # fmt: skip
+        yield Check(
+            "unsigned passes, one diagonal - the other, largest",
+            float(np.abs(without - other_without)[inside].max()), at_most=1e-9, on=on,
+            reason="the textures that are read are the same",
+        )  # fmt: skip
+        yield Check(
+            "Eq. 1, RMS of one diagonal - the other", root_mean_square((true - other_true)[inside]),
+            at_least=0.3, on=on, reason="what should be seen",
+        )  # fmt: skip
 
 
 FIGURE = Figure(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import principal_axis, root_mean_square
 from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
@@ -142,49 +142,46 @@ _BOUNDS = {
 def checks(figure, renderer):
     """The panels against their models in float, and what is to be seen of rows of domes."""
     parameters = {**figure.parameters, **renderer.method.parameters, **_MEASURED}
-    size, domes, exponents, out = (*(parameters[k] for k in ("map_size", "domes", "exponents")), [])
+    size, domes, exponents = (parameters[k] for k in ("map_size", "domes", "exponents"))
     shines = domed_material(**{name: parameters[name] for name in _MATERIAL}).k_s > 0.0
     rows = [slice(k * size // domes, (k + 1) * size // domes) for k in range(domes)]
     first_dome = slice(0, size // domes)
-    for on in ("ideal", "machine"):
-        image = np.clip(getattr(renderer, on)(figure, size, **_MEASURED)[..., 0], 0.0, 1.0)
+    for on in Answer:
+        image = np.clip(renderer.picture(on, figure, size, **_MEASURED)[..., 0], 0.0, 1.0)
         panels = {name: image[:, k * size : (k + 1) * size] for k, name in enumerate(MODELS)}
         for name, panel in panels.items():
             true = np.clip(radiance(name, parameters), 0.0, 1.0)
             bound, reason = 1.0 / 128.0, _TABLES
-            if on == "machine":
+            if on is Answer.MACHINE:
                 bound, reason = _BOUNDS.get((renderer.method.name, name), (bound, reason))
             error = root_mean_square((panel - true)[shines])
-            out.append(
-                Check(f"{name}: RMS from the model in float, on the domes", error, "<=", bound, on, reason)
+            yield Check(
+                f"{name}: RMS from the model in float, on the domes",
+                error,
+                at_most=bound,
+                on=on,
+                reason=reason,
             )
         areas = [float((panels["Phong"][row] > 0.5).mean()) for row in rows]
         expected = (1.0 - 0.5 ** (1.0 / exponents[0])) / (1.0 - 0.5 ** (1.0 / exponents[-1]))
-        out.append(
-            Check(
-                "Phong: area above one half, lowest row of domes over highest, relative deviation",
-                abs(areas[0] / areas[-1] / expected - 1.0),
-                "<=",
-                0.1,
-                on,
-                "a cap of directions with cosines above 2^(-1/N) has the area 1 - 2^(-1/N); projected, and "
-                "pixels are whole",
-            )
+        yield Check(
+            "Phong: area above one half, lowest row of domes over highest, relative deviation",
+            abs(areas[0] / areas[-1] / expected - 1.0),
+            at_most=0.1,
+            on=on,
+            reason="a cap of directions with cosines above 2^(-1/N) has the area 1 - 2^(-1/N); "
+            "projected, and pixels are whole",
         )
         for k, angle in enumerate(parameters["brushing"]):
             dome = panels["Schlick"][rows[k], first_dome]
             lies, _ = principal_axis(np.where(dome > 0.5 * dome.max(), dome, 0.0))
-            out.append(
-                Check(
-                    f"Schlick: angle of the highlight to the brushing along {angle:g} degrees, off 90",
-                    abs((lies - angle) % 180.0 - 90.0),
-                    "<=",
-                    5.0,
-                    on,
-                    "weak along t, so drawn out along b; the catalogue's bound for highlights' axes",
-                )
+            yield Check(
+                f"Schlick: angle of the highlight to the brushing along {angle:g} degrees, off 90",
+                abs((lies - angle) % 180.0 - 90.0),
+                at_most=5.0,
+                on=on,
+                reason="weak along t, so drawn out along b; the catalogue's bound for highlights' axes",
             )
-    return tuple(out)
 
 
 FIGURE = Figure(

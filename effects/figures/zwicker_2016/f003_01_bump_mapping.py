@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import arithmetic_check
 from fixedpipe.effects.bump_mapping import diffuse_bump
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -60,19 +60,17 @@ def checks(figure, renderer):
         Check(
             "share of the middle's pixels that the bumps change by more than 0.05",
             float((seen > 0.05).mean()),
-            ">=",
-            0.2,
-            "machine",
-            "the bevels of bricks and the noise between; measured at the first correct picture, with a third "
-            "of slack",
+            at_least=0.2,
+            on=Answer.MACHINE,
+            reason="the bevels of bricks and the noise between; measured "
+            "at the first correct picture, with a third of slack",
         ),
         Check(
             "mean brightness with bumps over that without",
             float(bumped.mean() / smooth.mean()),
-            ">=",
-            0.9,
-            "machine",
-            "bumps turn as many normals towards the light as away: the sphere is as bright as before",
+            at_least=0.9,
+            on=Answer.MACHINE,
+            reason="bumps turn as many normals towards the light as away: the sphere is as bright as before",
         ),
         arithmetic_check(figure, renderer, 0.0029, "8-bit normals and vectors; a third of slack"),
     )

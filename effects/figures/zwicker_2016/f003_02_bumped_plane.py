@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import arithmetic_check, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -78,7 +78,7 @@ def _measured(figure, renderer, on, size, panel):
     white, black = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
     changes = {"painted": False, "frontal": True, "maps": size, "diffuse": white, "ambient": black}
     pictures = [
-        panel_of(getattr(renderer, on)(figure, size, light=tuple(light), **changes), panel)[..., 0]
+        panel_of(renderer.picture(on, figure, size, light=tuple(light), **changes), panel)[..., 0]
         for light in LIGHTS.tolist()
     ]
     return recovered_normals(pictures, LIGHTS)
@@ -89,40 +89,36 @@ def checks(figure, renderer):
     size = 128
     heights = figure.parameters["relief"] * brick_wall.heights(size, ACROSS, COURSES)
     true = height_fields.frames(*height_fields.slopes(heights))[0]
-    error = {on: angles(_measured(figure, renderer, on, size, 1), true) for on in ("ideal", "machine")}
-    flat = angles(_measured(figure, renderer, "machine", size, 0), np.array([0.0, 0.0, 1.0]))
+    error = {on: angles(_measured(figure, renderer, on, size, 1), true) for on in Answer}
+    flat = angles(_measured(figure, renderer, Answer.MACHINE, size, 0), np.array([0.0, 0.0, 1.0]))
     return (
         Check(
             "normals recovered from three pictures, RMS degrees",
-            root_mean_square(error["ideal"]),
-            "<=",
-            1e-4,
-            "ideal",
-            "no byte lies between: float64, and the arc cosine of what is near one",
+            root_mean_square(error[Answer.IDEAL]),
+            at_most=1e-4,
+            on=Answer.IDEAL,
+            reason="no byte lies between: float64, and the arc cosine of what is near one",
         ),
         Check(
             "normals recovered from three pictures, RMS degrees",
-            root_mean_square(error["machine"]),
-            "<=",
-            1.5,
-            "machine",
-            "the catalogue's: bytes of the normal map, of the light and of the picture",
+            root_mean_square(error[Answer.MACHINE]),
+            at_most=1.5,
+            on=Answer.MACHINE,
+            reason="the catalogue's: bytes of the normal map, of the light and of the picture",
         ),
         Check(
             "the same of the plane without bumps, RMS degrees",
             root_mean_square(flat),
-            "<=",
-            1.5,
-            "machine",
-            "as above",
+            at_most=1.5,
+            on=Answer.MACHINE,
+            reason="as above",
         ),
         Check(
             "the bumps' RMS lean, degrees",
             root_mean_square(angles(true, np.array([0.0, 0.0, 1.0]))),
-            ">=",
-            10.0,
-            "ideal",
-            "what is recovered is far from flat",
+            at_least=10.0,
+            on=Answer.IDEAL,
+            reason="what is recovered is far from flat",
         ),
         *silhouette_check(figure, renderer, 128, {"shown": (FLAT, FLAT)}, {"shown": (BRICK_NORMALS, FLAT)}),
         arithmetic_check(figure, renderer, 0.0029, "8-bit normals and vectors; a third of slack"),

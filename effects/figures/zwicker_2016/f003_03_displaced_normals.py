@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.bump_mapping import normal_maps
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
@@ -236,34 +236,30 @@ def checks(figure, renderer):
         Check(
             "error ratio when du halves, largest - 4",
             float(np.abs(ratios - 4.0).max()),
-            "<=",
-            0.4,
-            "ideal",
-            "the catalogue's: O(du^2)",
+            at_most=0.4,
+            on=Answer.IDEAL,
+            reason="the catalogue's: O(du^2)",
         ),
         Check(
             "error ratio on the finest grids - 4",
             abs(float(ratios[-1]) - 4.0),
-            "<=",
-            0.01,
-            "ideal",
-            "the series' next term is a sixteenth of the first one's each time",
+            at_most=0.01,
+            on=Answer.IDEAL,
+            reason="the series' next term is a sixteenth of the first one's each time",
         ),
         Check(
             "the drawn normal's cosine to the analytic one",
             float((n * normalize(analytic)).sum()),
-            ">=",
-            0.99,
-            "ideal",
-            "eight samples of two waves",
+            at_least=0.99,
+            on=Answer.IDEAL,
+            reason="eight samples of two waves",
         ),
         Check(
             "the drawn normal times the drawn differences, largest",
             lean,
-            "<=",
-            1e-12,
-            "ideal",
-            "it is their cross product",
+            at_most=1e-12,
+            on=Answer.IDEAL,
+            reason="it is their cross product",
         ),
         *drawn_check(figure, renderer, marks),
     )

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.bump_mapping import normal_maps
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
@@ -75,39 +75,27 @@ def checks(figure, renderer):
     return (
         Check(
             "normals - those of the surface's tangents, largest component",
-            float(np.abs(normals - true).max()),
-            "<=",
-            1e-12,
-            "ideal",
-            "float64: the printed cross product, re-ordered, is (-d_u, -d_v, 1)",
+            float(np.abs(normals - true).max()), at_most=1e-12, on=Answer.IDEAL,
+            reason="float64: the printed cross product, re-ordered, is (-d_u, -d_v, 1)",
         ),
-        Check("share of flat texels", float(flat.mean()), ">=", 0.2, "ideal", "what is between the domes"),
+        Check("share of flat texels", float(flat.mean()), at_least=0.2, on=Answer.IDEAL,
+              reason="what is between the domes"),
         Check(
             "flat texels - (128, 128, 255), largest, as the machine shows them",
-            float(np.abs(panel_of(picture, 2)[flat] - np.array([128.0, 128.0, 255.0])).max()),
-            "<=",
-            1e-6,
-            "machine",
-            "half of 255 rounds upwards: the catalogue's",
+            float(np.abs(panel_of(picture, 2)[flat] - np.array([128.0, 128.0, 255.0])).max()), at_most=1e-6,
+            on=Answer.MACHINE, reason="half of 255 rounds upwards: the catalogue's",
         ),
         Check(
             "the same of the document's order - (255, 128, 128)",
-            float(np.abs(panel_of(picture, 1)[flat] - np.array([255.0, 128.0, 128.0])).max()),
-            "<=",
-            1e-6,
-            "machine",
-            "the height is the first component (E003.1)",
+            float(np.abs(panel_of(picture, 1)[flat] - np.array([255.0, 128.0, 128.0])).max()), at_most=1e-6,
+            on=Answer.MACHINE, reason="the height is the first component (E003.1)",
         ),
         Check(
-            "decode error, largest component",
-            float(np.abs(read - true).max()),
-            "<=",
-            1.0 / 255.0 + 1e-9,
-            "machine",
-            "half a byte of 2/255: the catalogue's",
+            "decode error, largest component", float(np.abs(read - true).max()), at_most=1.0 / 255.0 + 1e-9,
+            on=Answer.MACHINE, reason="half a byte of 2/255: the catalogue's",
         ),
-        Check("the picture - what is stored, bytes", float(max(shown)), "<=", 1e-6, "machine",
-              "a texture that replaces: the same bytes"),
+        Check("the picture - what is stored, bytes", float(max(shown)), at_most=1e-6, on=Answer.MACHINE,
+              reason="a texture that replaces: the same bytes"),
     )  # fmt: skip
 
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump, tangent_space
 from fixedpipe.effects.diagrams import drawing
@@ -199,52 +199,46 @@ def checks(figure, renderer):
         Check(
             "cosine to the surface's normal - that of the map's normal, largest",
             float(lean),
-            "<=",
-            2e-6,
-            "ideal",
-            "sines and cosines are rounded to 2^-20",
+            at_most=2e-6,
+            on=Answer.IDEAL,
+            reason="sines and cosines are rounded to 2^-20",
         ),
         Check(
             "turn from one stud to the next - 60 degrees, largest",
             float(turned),
-            "<=",
-            1e-3,
-            "ideal",
-            "equal in the map, turned with the surface in the world",
+            at_most=1e-3,
+            on=Answer.IDEAL,
+            reason="equal in the map, turned with the surface in the world",
         ),
         Check(
             "tangents from the texture coordinates . the circle's, smallest",
             float(dot(surface.tangents, around).min()),
-            ">=",
-            0.9998,
-            "ideal",
-            "averaged over two flat triangles of 1.9 degrees; at the ends, of one",
+            at_least=0.9998,
+            on=Answer.IDEAL,
+            reason="averaged over two flat triangles of 1.9 degrees; at the ends, of one",
         ),
         *drawn_check(figure, renderer, marks),
         Check(
             "t - differences of the row's places, largest",
             float(np.abs(along - t).max()),
-            "<=",
-            2e-4,
-            "ideal",
-            "places are rounded to 2^-20, and lie 2 pi/512 apart",
+            at_most=2e-4,
+            on=Answer.IDEAL,
+            reason="places are rounded to 2^-20, and lie 2 pi/512 apart",
         ),
         Check(
             "b - n x t, largest",
             float(np.abs(np.cross(n, t) - b).max()),
-            "<=",
-            2e-6,
-            "ideal",
-            "right-handed, sines and cosines as above",
+            at_most=2e-6,
+            on=Answer.IDEAL,
+            reason="right-handed, sines and cosines as above",
         ),
         Check(
             f"{len(wanted)} places of the lit studs - the equations, RMS",
             root_mean_square(seen - wanted),
-            "<=",
-            0.014,
-            "machine",
-            "the pixel's middle lies beside the place, and vectors are chords, to the eighth power; a third "
-            "of slack",
+            at_most=0.014,
+            on=Answer.MACHINE,
+            reason="the pixel's middle lies beside the place, and "
+            "vectors are chords, to the eighth power; a third of slack",
         ),
         arithmetic_check(figure, renderer, 0.003, POWER_8),
     )

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.bump_mapping import tangent_space
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
@@ -62,18 +62,16 @@ def checks(figure, renderer):
         Check(
             "x(u_i, v_i) - v_i, largest",
             float(np.abs(found - triangle.CORNERS).max()),
-            "<=",
-            1e-12,
-            "ideal",
-            "the catalogue's: float64",
+            at_most=1e-12,
+            on=Answer.IDEAL,
+            reason="the catalogue's: float64",
         ),
         Check(
             f"the same of {len(points)} random triangles",
             float(many),
-            "<=",
-            1e-12,
-            "ideal",
-            "none with less than a twentieth of the unit square, twice",
+            at_most=1e-12,
+            on=Answer.IDEAL,
+            reason="none with less than a twentieth of the unit square, twice",
         ),
         *drawn_check(figure, renderer, marks),
     )

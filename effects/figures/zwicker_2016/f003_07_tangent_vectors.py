@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.bump_mapping import tangent_space
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
@@ -86,19 +86,17 @@ def checks(figure, renderer):
         Check(
             "M's columns - finite differences of x(u, v), largest",
             error,
-            "<=",
-            1e-10,
-            "ideal",
-            "affine: differences are exact but for float64's roundings over a step of 1/256",
+            at_most=1e-10,
+            on=Answer.IDEAL,
+            reason="affine: differences are exact but for float64's roundings over a step of 1/256",
         ),
-        Check("n.t and n.b, largest", lean, "<=", 1e-12, "ideal", "n = t x b"),
+        Check("n.t and n.b, largest", lean, at_most=1e-12, on=Answer.IDEAL, reason="n = t x b"),
         Check(
             "cosine between t and b",
             abs(float(dot(normalize(t), normalize(b)))),
-            ">=",
-            0.1,
-            "ideal",
-            "not orthogonal in general: this triangle's are not",
+            at_least=0.1,
+            on=Answer.IDEAL,
+            reason="not orthogonal in general: this triangle's are not",
         ),
         *drawn_check(figure, renderer, marks),
     )

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import arithmetic_check, root_mean_square
 from fixedpipe.effects.acceptance.ray_caster import RayCaster, primary_rays
 from fixedpipe.effects.environment_maps import bumped_reflections, environments
@@ -151,28 +151,25 @@ def checks(figure, renderer):
     flat, _, _ = reference(surface, view, np.zeros((1, 1, 3)) + np.array([0.0, 0.0, 1.0]), size)
     inside = seen & (facing > 0.35)
     changes = {"environment": "directions", "maps": maps, "cube": 128, "tint": (1.0, 1.0, 1.0)}
-    out = []
-    for on, (bound, reason) in zip(("ideal", "machine"), _ERRORS[renderer.method.name], strict=True):
-        shown = panel_of(getattr(renderer, on)(figure, size, **changes), 1)[inside]
+    for on, (bound, reason) in zip(
+        (Answer.IDEAL, Answer.MACHINE), _ERRORS[renderer.method.name], strict=True
+    ):
+        shown = panel_of(renderer.picture(on, figure, size, **changes), 1)[inside]
         error = root_mean_square(angles(normalize(2.0 * shown - 1.0), true[inside]))
         name = "reflected direction against a ray cast at the mesh, RMS degrees"
-        out.append(Check(name, error, "<=", bound, on, reason))
-    return (
-        *out,
-        Check(
-            "how far the waves turn reflections, RMS degrees",
-            root_mean_square(angles(flat[inside], true[inside])),
-            ">=",
-            10.0,
-            "ideal",
-            "what is right to a degree is far from a mirror's",
-        ),
-        arithmetic_check(
-            figure,
-            renderer,
-            0.03,
-            "8-bit normals turn reflections by half a degree, seen at window bars; a quarter of slack",
-        ),
+        yield Check(name, error, at_most=bound, on=on, reason=reason)
+    yield Check(
+        "how far the waves turn reflections, RMS degrees",
+        root_mean_square(angles(flat[inside], true[inside])),
+        at_least=10.0,
+        on=Answer.IDEAL,
+        reason="what is right to a degree is far from a mirror's",
+    )
+    yield arithmetic_check(
+        figure,
+        renderer,
+        0.03,
+        "8-bit normals turn reflections by half a degree, seen at window bars; a quarter of slack",
     )
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import arithmetic_check
 from fixedpipe.effects.environment_maps import bumped_reflections, environments
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -91,26 +91,23 @@ def checks(figure, renderer):
         Check(
             "dirty - clean times dirt, largest",
             float(np.abs(dirty_exact - clean_exact * alone_exact)[seen].max()),
-            "<=",
-            1e-9,
-            "ideal",
-            "float64: one product",
+            at_most=1e-9,
+            on=Answer.IDEAL,
+            reason="float64: one product",
         ),
         Check(
             "dirty - clean times dirt, largest, in bytes",
             255.0 * float(error.max()),
-            "<=",
-            2.0,
-            "machine",
-            "the catalogue's: one product of bytes in the combiners, or in the framebuffer",
+            at_most=2.0,
+            on=Answer.MACHINE,
+            reason="the catalogue's: one product of bytes in the combiners, or in the framebuffer",
         ),
         Check(
             "share of the object that dirt makes darker by more than 0.1",
             float((np.abs(dirty - clean).max(axis=-1)[covered] > 0.1).mean()),
-            ">=",
-            0.3,
-            "machine",
-            "there is dirt",
+            at_least=0.3,
+            on=Answer.MACHINE,
+            reason="there is dirt",
         ),
         arithmetic_check(figure, renderer, 0.019, "8-bit normals, as F003-8's; a third of slack"),
     )

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement, ray_caster
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.matrices import rotate, rotation
 from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
@@ -76,7 +76,7 @@ def _compared(figure, renderer, on, size):
     view = still_life.still_life_view(row_of_panels(1, size)[0])
     texels = renderer.method.parameters.get("texels")
     understood = {"map_edge": map_edge(size, texels), "contact": _BIAS, "grazing": 0.1} if texels else {}
-    mask = agreement.lit_mask(getattr(renderer, on)(figure, size, shading="mask"))
+    mask = agreement.lit_mask(renderer.picture(on, figure, size, shading="mask"))
     for k, lamp in enumerate(_lamps(scene, positions)):
         part, truth = mask[:, k * size : (k + 1) * size], agreement.truth_of(scene, view, lamp)
         yield part, truth, agreement.compare(part, truth, **understood)
@@ -84,11 +84,11 @@ def _compared(figure, renderer, on, size):
 
 def checks(figure, renderer):
     """The masks against rays, and where the lamp is, read off the shadows."""
-    machine = list(_compared(figure, renderer, "machine", figure.size // 2))
+    machine = list(_compared(figure, renderer, Answer.MACHINE, figure.size // 2))
     # The ideal takes a second for four times the pixels.
-    ideal = list(_compared(figure, renderer, "ideal", figure.size // 4))
-    found = {"machine": [a for _, _, a in machine]}
-    coarse = {"ideal": [a for _, _, a in ideal]}
+    ideal = list(_compared(figure, renderer, Answer.IDEAL, figure.size // 4))
+    found = {Answer.MACHINE: [a for _, _, a in machine]}
+    coarse = {Answer.IDEAL: [a for _, _, a in ideal]}
     turns = [best_turn(mask, truth) for mask, truth, _ in machine]
     if "texels" in renderer.method.parameters:
         agreeing = (*agreement.map_checks(coarse, 0.97), *agreement.map_checks(found))
@@ -99,10 +99,9 @@ def checks(figure, renderer):
         Check(
             "lamp turned so that its shadows fit best - lamp, largest, degrees",
             max(map(abs, turns)),
-            "<=",
-            0.0,
-            "machine",
-            f"shadows tell where the light is; tried from {_TURNS[0]} to {_TURNS[-1]} in steps of 10",
+            at_most=0.0,
+            on=Answer.MACHINE,
+            reason=f"shadows tell where the light is; tried from {_TURNS[0]} to {_TURNS[-1]} in steps of 10",
         ),
     )
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import look_at, orthographic, rotate, rotation, transform
@@ -112,10 +112,7 @@ def checks(figure, renderer):
     panels = [slice(k * size, (k + 1) * size) for k in range(len(heights) + 1)]
     view = camera(row_of_panels(1, size)[0])
     truths = [agreement.truth_of(box_at(height), view, lamp()) for height in heights]
-    masks = {
-        on: agreement.lit_mask(getattr(renderer, on)(figure, size, shading="mask"))
-        for on in ("ideal", "machine")
-    }
+    masks = {on: agreement.lit_mask(renderer.picture(on, figure, size, shading="mask")) for on in Answer}
     found = {
         on: [agreement.compare(mask[:, p], t) for p, t in zip(panels[1:], truths, strict=True)]
         for on, mask in masks.items()
@@ -127,7 +124,9 @@ def checks(figure, renderer):
         for p, b in zip(panels[1:], box, strict=True)
     ]
     column = int(np.mean([_window(view, point)[0] for point in front_edge(0.0)]))
-    gaps = [gap(masks["machine"][:, p], t.shown, column) for p, t in zip(panels[1:], truths, strict=True)]
+    gaps = [
+        gap(masks[Answer.MACHINE][:, p], t.shown, column) for p, t in zip(panels[1:], truths, strict=True)
+    ]
     expected = [expected_gap(height, size, column) for height in heights]
     fit = np.polyfit(heights, gaps, 1)
     towards = agreement.cosines(truths[0]) > 0.0
@@ -137,52 +136,47 @@ def checks(figure, renderer):
             Check(
                 "without shadows: part of what faces the light that is lit",
                 float(mask[:, panels[0]][towards & truths[0].shown.something].mean()),
-                ">=",
-                0.999,
-                on,
-                "the first panel has no shadow; outlines are snapped",
+                at_least=0.999,
+                on=on,
+                reason="the first panel has no shadow; outlines are snapped",
             )
             for on, mask in masks.items()
         ),
         Check(
             "pixels of the box that differ between the panels",
             int(np.sum(changed)),
-            "<=",
-            0,
-            "machine",
-            "it moves along the line to a viewer far away: without its shadow its place cannot be told",
+            at_most=0,
+            on=Answer.MACHINE,
+            reason="it moves along the line to a viewer far "
+            "away: without its shadow its place cannot be told",
         ),
         Check(
             "gap below the box on the floor, pixels",
             gaps[0],
-            "<=",
-            0,
-            "machine",
-            "the box touches its shadow",
+            at_most=0,
+            on=Answer.MACHINE,
+            reason="the box touches its shadow",
         ),
         Check(
             "gap - expected, largest, pixels",
             max(abs(g - e) for g, e in zip(gaps, expected, strict=True)),
-            "<=",
-            1.0,
-            "machine",
-            "two edges, each at a pixel's centre",
+            at_most=1.0,
+            on=Answer.MACHINE,
+            reason="two edges, each at a pixel's centre",
         ),
         Check(
             "gap - line through the heights, largest, pixels",
             float(np.abs(np.polyval(fit, heights) - gaps).max()),
-            "<=",
-            1.0,
-            "machine",
-            "the gap grows linearly with the height (catalogue); a pixel of rounding",
+            at_most=1.0,
+            on=Answer.MACHINE,
+            reason="the gap grows linearly with the height (catalogue); a pixel of rounding",
         ),
         Check(
             "pixels of gap per edge of height",
             float(fit[0]),
-            ">=",
-            0.95 * expected[-1] / heights[-1],
-            "machine",
-            "and it does grow",
+            at_least=0.95 * expected[-1] / heights[-1],
+            on=Answer.MACHINE,
+            reason="and it does grow",
         ),
     )
 

@@ -1,7 +1,7 @@
 """F003-12: why shadows are important, realism: two pairs with and without self-shadowing (Z29, Z23)."""
 
 from fixedpipe.effects.acceptance import agreement
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
@@ -106,22 +106,20 @@ def checks(figure, renderer):
         own.append(float(differs[shown.object == 1].mean()))
         elsewhere += int((differs & (shown.object == 0) & ~agreement.silhouettes(truth)).sum())
     return (
-        *agreement.volume_checks({"machine": found}, 0.998),
+        *agreement.volume_checks({Answer.MACHINE: found}, 0.998),
         Check(
             "least share of an object that faces the light and is in its own shadow",
             min(own),
-            ">=",
-            0.1,
-            "machine",
-            "there are self-shadows to be missed; 0.13 and 0.15 at the first correct picture",
+            at_least=0.1,
+            on=Answer.MACHINE,
+            reason="there are self-shadows to be missed; 0.13 and 0.15 at the first correct picture",
         ),
         Check(
             "pixels of the floor that differ within a pair",
             elsewhere,
-            "<=",
-            0,
-            "machine",
-            "what an object throws on others is the same",
+            at_most=0,
+            on=Answer.MACHINE,
+            reason="what an object throws on others is the same",
         ),
     )
 

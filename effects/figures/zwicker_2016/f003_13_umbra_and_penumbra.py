@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.drawing import INK, YELLOW
 from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
@@ -62,40 +62,44 @@ def checks(figure, renderer):
     none = light.visible(np.array([inner_left + beside, inner_right - beside]), half_width)
     half = light.visible(0.5 * (inner_right + outer_right), half_width)
     counted = "counted at 2048 points of the light, without similar triangles"
-    out = [
-        Check(
-            "penumbra's width - s d2/d1, in either penumbra",
-            max(abs(inner_left - outer_left - expected), abs(outer_right - inner_right - expected)),
-            "<=",
-            1e-12,
-            "ideal",
-            "the catalogue's: similar triangles",
-        ),
-        Check("least part of the light seen outside", float(whole.min()), ">=", 1.0, "ideal", counted),
-        Check("largest part of it seen in the umbra", float(none.max()), "<=", 0.0, "ideal", counted),
-        Check(
-            "part of it seen in the penumbra's middle - 1/2",
-            abs(float(half) - 0.5),
-            "<=",
-            1e-3,
-            "ideal",
-            counted,
-        ),
-    ]
+    yield Check(
+        "penumbra's width - s d2/d1, in either penumbra",
+        max(abs(inner_left - outer_left - expected), abs(outer_right - inner_right - expected)),
+        at_most=1e-12,
+        on=Answer.IDEAL,
+        reason="the catalogue's: similar triangles",
+    )
+    yield Check(
+        "least part of the light seen outside",
+        float(whole.min()),
+        at_least=1.0,
+        on=Answer.IDEAL,
+        reason=counted,
+    )
+    yield Check(
+        "largest part of it seen in the umbra",
+        float(none.max()),
+        at_most=0.0,
+        on=Answer.IDEAL,
+        reason=counted,
+    )
+    yield Check(
+        "part of it seen in the penumbra's middle - 1/2",
+        abs(float(half) - 0.5),
+        at_most=1e-3,
+        on=Answer.IDEAL,
+        reason=counted,
+    )
     size = figure.size // 2
-    for on in ("ideal", "machine"):
-        drawn = drawn_edges(getattr(renderer, on)(figure, size))
-        out.append(
-            Check(
-                "drawn ends of the penumbras - computed ones, in pixels",
-                float(np.abs(drawn - light.edges(half_width)).max()) * 0.5 * size,
-                "<=",
-                1.5,
-                on,
-                "one for the middle of a ramp, which is read to a pixel, and half of one for its width",
-            )
+    for on in Answer:
+        drawn = drawn_edges(renderer.picture(on, figure, size))
+        yield Check(
+            "drawn ends of the penumbras - computed ones, in pixels",
+            float(np.abs(drawn - light.edges(half_width)).max()) * 0.5 * size,
+            at_most=1.5,
+            on=on,
+            reason="one for the middle of a ramp, which is read to a pixel, and half of one for its width",
         )
-    return tuple(out)
 
 
 FIGURE = Figure(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.drawing import INK
 from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
@@ -58,47 +58,38 @@ def checks(figure, renderer):
     """How far each light's shadow takes from dark to light, by geometry and in the picture."""
     p = figure.parameters
     half_width, expected = p["half_width"], p["extent"] * (OCCLUDER - FLOOR) / (LIGHT - OCCLUDER)
-    out, size = [], figure.size // 2
+    size = figure.size // 2
     for k, light in enumerate(lights(p["extent"], p["slope"])):
         edges = np.array(light.edges(half_width))
         wanted = expected if light.extent else 0.0
-        out.append(
-            Check(
-                f"{light.name}: penumbra's width - expected",
-                float(np.abs([edges[1] - edges[0] - wanted, edges[3] - edges[2] - wanted]).max()),
-                "<=",
-                1e-12,
-                "ideal",
-                "a point and parallel rays have no penumbra, an area light's is s d2/d1",
-            )
+        yield Check(
+            f"{light.name}: penumbra's width - expected",
+            float(np.abs([edges[1] - edges[0] - wanted, edges[3] - edges[2] - wanted]).max()),
+            at_most=1e-12,
+            on=Answer.IDEAL,
+            reason="a point and parallel rays have no penumbra, an area light's is s d2/d1",
         )
         beside = 1e-3 * np.array([-1.0, -1.0, 1.0, 1.0])
         outside = light.visible((edges + beside)[[0, 3]], half_width)
         inside = light.visible((edges - beside)[[1, 2]], half_width)
-        out.append(
-            Check(
-                f"{light.name}: least part seen outside - largest in the umbra",
-                float(outside.min() - inside.max()),
-                ">=",
-                1.0,
-                "ideal",
-                "all of the light, and none of it, counted without similar triangles",
-            )
+        yield Check(
+            f"{light.name}: least part seen outside - largest in the umbra",
+            float(outside.min() - inside.max()),
+            at_least=1.0,
+            on=Answer.IDEAL,
+            reason="all of the light, and none of it, counted without similar triangles",
         )
-        for on in ("ideal", "machine"):
-            panel = getattr(renderer, on)(figure, size)[:, k * size : (k + 1) * size]
+        for on in Answer:
+            panel = renderer.picture(on, figure, size)[:, k * size : (k + 1) * size]
             drawn = drawn_edges(panel, 0.5 * float(edges[1] + edges[2]))
-            out.append(
-                Check(
-                    f"{light.name}: drawn ends of the penumbras - computed ones, in pixels",
-                    float(np.abs(drawn - edges).max()) * 0.5 * size,
-                    "<=",
-                    1.5,
-                    on,
-                    "one for the middle of a ramp, which is read to a pixel, and half of one for its width",
-                )
+            yield Check(
+                f"{light.name}: drawn ends of the penumbras - computed ones, in pixels",
+                float(np.abs(drawn - edges).max()) * 0.5 * size,
+                at_most=1.5,
+                on=on,
+                reason="one for the middle of a ramp, which is "
+                "read to a pixel, and half of one for its width",
             )
-    return tuple(out)
 
 
 FIGURE = Figure(

@@ -3,7 +3,7 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.acceptance.ray_caster import seen_fraction
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -97,30 +97,25 @@ def checks(figure, renderer):
     """The penumbra's width; both masks against rays."""
     width, size = figure.parameters["width"], 128
     expected = width * _EDGE_HEIGHT / (_LIGHT_HEIGHT - _EDGE_HEIGHT)
-    out = []
-    for on in ("ideal", "machine"):
-        picture = getattr(renderer, on)(figure, size, measured=True, shading="mask")[..., 0]
+    for on in Answer:
+        picture = renderer.picture(on, figure, size, measured=True, shading="mask")[..., 0]
         hard, soft = (picture[:, k * size : (k + 1) * size].mean(axis=0) for k in (0, 1))
         spacing = 2.0 * _HALF_WIDTH / size
-        out += (
-            Check(
-                "penumbra's width over s d2 / d1 - 1",
-                abs(ramp_width(soft, spacing) / expected - 1.0),
-                "<=",
-                0.05,
-                on,
-                "light of width s, d1 above an edge that is d2 above the floor (catalogue: 5 %)",
-            ),
-            Check(
-                "point light's edge, pixels",
-                ramp_width(hard, spacing) / spacing,
-                "<=",
-                1.5,
-                on,
-                "no penumbra: from dark to light between two pixels",
-            ),
+        yield Check(
+            "penumbra's width over s d2 / d1 - 1",
+            abs(ramp_width(soft, spacing) / expected - 1.0),
+            at_most=0.05,
+            on=on,
+            reason="light of width s, d1 above an edge that is d2 above the floor (catalogue: 5 %)",
         )
-    return (*out, *_against_rays(figure, renderer, size))
+        yield Check(
+            "point light's edge, pixels",
+            ramp_width(hard, spacing) / spacing,
+            at_most=1.5,
+            on=on,
+            reason="no penumbra: from dark to light between two pixels",
+        )
+    yield from _against_rays(figure, renderer, size)
 
 
 def _against_rays(figure, renderer, size):
@@ -136,22 +131,20 @@ def _against_rays(figure, renderer, size):
     between = inside & (expected > 0.0) & (expected < 1.0)
     off = np.abs(picture[:, size:, 0] - expected)[inside]
     return (
-        *agreement.volume_checks({"machine": (found,)}, 0.99),
+        *agreement.volume_checks({Answer.MACHINE: (found,)}, 0.99),
         Check(
             "share of the light - rays to its points, RMS",
             root_mean_square(off),
-            "<=",
-            0.01,
-            "machine",
-            "a pixel at the edge of one point's shadow is 1/64 off; bytes round by 1/510",
+            at_most=0.01,
+            on=Answer.MACHINE,
+            reason="a pixel at the edge of one point's shadow is 1/64 off; bytes round by 1/510",
         ),
         Check(
             "pixels in penumbra, fraction",
             float(between.sum() / inside.sum()),
-            ">=",
-            0.05,
-            "machine",
-            "the shadows are soft at all",
+            at_least=0.05,
+            on=Answer.MACHINE,
+            reason="the shadows are soft at all",
         ),
     )
 

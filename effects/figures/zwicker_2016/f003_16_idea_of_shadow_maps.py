@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import FAINT, INK, RED, YELLOW
@@ -179,28 +179,25 @@ def checks(figure, renderer):
             for (u, depth), inside in zip(images, in_view, strict=True)
         ]
     )
-    out = [
-        Check(
-            "points in the camera's view where visible and nearest differ",
-            float((lit != nearest)[in_view].sum()),
-            "<=",
-            0.0,
-            "ideal",
-            "the idea itself: a ray blocked by an edge, and a depth behind the nearest on its line of sight",
-        ),
-        Check(
-            "share of those points that are lit, or in shadow, the smaller",
-            float(min(lit[in_view].mean(), 1.0 - lit[in_view].mean())),
-            ">=",
-            0.25,
-            "ideal",
-            "both are there to be seen",
-        ),
-    ]
+    yield Check(
+        "points in the camera's view where visible and nearest differ",
+        float((lit != nearest)[in_view].sum()),
+        at_most=0.0,
+        on=Answer.IDEAL,
+        reason="the idea itself: a ray blocked by an edge, "
+        "and a depth behind the nearest on its line of sight",
+    )
+    yield Check(
+        "share of those points that are lit, or in shadow, the smaller",
+        float(min(lit[in_view].mean(), 1.0 - lit[in_view].mean())),
+        at_least=0.25,
+        on=Answer.IDEAL,
+        reason="both are there to be seen",
+    )
     size = figure.size // 2
     # The parts whose middle no dot, ray or grazing edge of another part covers are most of them.
-    for on in ("ideal", "machine"):
-        image = getattr(renderer, on)(figure, size)
+    for on in Answer:
+        image = renderer.picture(on, figure, size)
 
         def color_at(x, y, column, image=image):
             j, i = int((y + 1.0) * 0.5 * size), int((x + 1.0) * 0.5 * size) + column * size
@@ -210,43 +207,36 @@ def checks(figure, renderer):
             np.abs(color_at(*middle, 0) - np.array(LIT if is_lit else UNLIT)).max() < 0.01
             for middle, is_lit in zip(middles, lit, strict=True)
         ]
-        out.append(
-            Check(
-                "share of outline points with the colour of their visibility",
-                float(np.mean(right)),
-                ">=",
-                0.85,
-                on,
-                "dots, rays' ends and neighbouring parts of a corner cover the others",
-            )
+        yield Check(
+            "share of outline points with the colour of their visibility",
+            float(np.mean(right)),
+            at_least=0.85,
+            on=on,
+            reason="dots, rays' ends and neighbouring parts of a corner cover the others",
         )
         toward, _ = axes()
         drawn = np.array(
             [color_at(*(np.array(image_point(u)) - toward * 0.04), 1)[0] for u in pixel_centers()]
         )
         depths = np.array([image_of(hit.point)[1] for hit in hits()])
-        out += [
-            Check(
-                "grey of the depth image - depth of the nearest point, largest",
-                float(np.abs(drawn - [shade(depth) for depth in depths]).max()),
-                "<=",
-                0.0021,
-                on,
-                "half a byte",
-            ),
-            Check(
-                "least rise of the grey from a pixel of the image to the next deeper one",
-                float(np.diff(drawn[np.argsort(depths)]).min()),
-                ">=",
-                -0.0021,
-                on,
-                "near is dark; half a byte",
-            ),
-        ]
+        yield Check(
+            "grey of the depth image - depth of the nearest point, largest",
+            float(np.abs(drawn - [shade(depth) for depth in depths]).max()),
+            at_most=0.0021,
+            on=on,
+            reason="half a byte",
+        )
+        yield Check(
+            "least rise of the grey from a pixel of the image to the next deeper one",
+            float(np.diff(drawn[np.argsort(depths)]).min()),
+            at_least=-0.0021,
+            on=on,
+            reason="near is dark; half a byte",
+        )
     sheets = [drawing.sheet(panel) for panel in row_of_panels(2, size)]
     marks = [(0, sheets[0], point, YELLOW if is_lit else RED) for point, is_lit in points()]
     marks += [(1, sheets[1], hit.point, LIT) for hit in hits()]
-    return (*out, *drawn_check(figure, renderer, marks))
+    yield from drawn_check(figure, renderer, marks)
 
 
 FIGURE = Figure(

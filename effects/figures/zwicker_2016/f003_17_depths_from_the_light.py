@@ -3,7 +3,7 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance import ray_caster
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.matrices import transform
 from fixedpipe.effects.geometry.views import row_of_panels
@@ -52,70 +52,63 @@ def checks(figure, renderer):
     ]
     widest = max(max(abs(x), abs(y)) / w for x, y, _, w in clip)
     step = 1.0 / 255.0
-    out = [
-        Check(
+    for name, machine, rays in (
+        ("least", depths[hit].min(), shown.depth[shown.something].min()),
+        ("greatest", depths[hit].max(), shown.depth[shown.something].max()),
+    ):
+        yield Check(
             f"{name} depth against the scene's, of rays",
             abs(float(machine) - float(rays)),
-            "<=",
-            0.004,
-            "machine",
-            "a pixel's centre beside the nearest and the farthest point; depths of triangles snapped to "
-            "sixteenths of a pixel",
+            at_most=0.004,
+            on=Answer.MACHINE,
+            reason="a pixel's centre beside the nearest and the farthest point; depths of triangles "
+            "snapped to sixteenths of a pixel",
         )
-        for name, machine, rays in (
-            ("least", depths[hit].min(), shown.depth[shown.something].min()),
-            ("greatest", depths[hit].max(), shown.depth[shown.something].max()),
-        )
-    ]
-    out += (
-        Check(
-            "vertices seen from the light: greatest distance from the middle",
-            widest,
-            "<=",
-            1.0,
-            "ideal",
-            "the frustum encloses what throws shadows (Z30)",
-        ),
-        Check(
-            "the same, at least",
-            widest,
-            ">=",
-            0.95,
-            "ideal",
-            "and hardly more, so that no texels are lost",
-        ),
-        Check(
-            "corners of the scene's box: least depth",
-            min(window),
-            ">=",
-            0.0,
-            "ideal",
-            "the frustum encloses the scene (Z30)",
-        ),
-        Check("corners of the scene's box: greatest depth", max(window), "<=", 1.0, "ideal", "as before"),
-        Check(
-            "corners of the scene's box: least depth, close to the near plane",
-            min(window),
-            "<=",
-            0.08,
-            "ideal",
-            "and hardly more than the scene: two hundredths of its extent on either side",
-        ),
+    yield Check(
+        "vertices seen from the light: greatest distance from the middle",
+        widest,
+        at_most=1.0,
+        on=Answer.IDEAL,
+        reason="the frustum encloses what throws shadows (Z30)",
     )
-    for on in ("machine", "ideal"):
-        grey = getattr(renderer, on)(figure, _SIZE)[..., 0]
-        alike = np.abs(grey - shown.depth) <= (0.75 * step if on == "machine" else 0.001)
-        out.append(
-            Check(
-                "pixels whose grey is the depth that a ray finds",
-                float(alike.mean()),
-                ">=",
-                0.99,
-                on,
-                "silhouettes alone may differ; a byte's rounding on the machine",
-            )
+    yield Check(
+        "the same, at least",
+        widest,
+        at_least=0.95,
+        on=Answer.IDEAL,
+        reason="and hardly more, so that no texels are lost",
+    )
+    yield Check(
+        "corners of the scene's box: least depth",
+        min(window),
+        at_least=0.0,
+        on=Answer.IDEAL,
+        reason="the frustum encloses the scene (Z30)",
+    )
+    yield Check(
+        "corners of the scene's box: greatest depth",
+        max(window),
+        at_most=1.0,
+        on=Answer.IDEAL,
+        reason="as before",
+    )
+    yield Check(
+        "corners of the scene's box: least depth, close to the near plane",
+        min(window),
+        at_most=0.08,
+        on=Answer.IDEAL,
+        reason="and hardly more than the scene: two hundredths of its extent on either side",
+    )
+    for on in (Answer.MACHINE, Answer.IDEAL):
+        grey = renderer.picture(on, figure, _SIZE)[..., 0]
+        alike = np.abs(grey - shown.depth) <= (0.75 * step if on is Answer.MACHINE else 0.001)
+        yield Check(
+            "pixels whose grey is the depth that a ray finds",
+            float(alike.mean()),
+            at_least=0.99,
+            on=on,
+            reason="silhouettes alone may differ; a byte's rounding on the machine",
         )
-    return tuple(out)
 
 
 FIGURE = Figure(

@@ -3,7 +3,7 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
 from fixedpipe.effects.scenes.still_life import still_life_and_lamp, still_life_view
@@ -38,58 +38,49 @@ def checks(figure, renderer):
     scene, light = still_life_and_lamp(_SIZE)
     truth = agreement.truth_of(scene, still_life_view(panel), light)
     floor = truth.shown.object == 0
-    out = []
     for edge, on, bound, reason in (
-        (1024, "machine", 0.995, "the catalogue's acceptance, of receivers' pixels: the floor's"),
-        (256, "machine", 0.98, "the catalogue's acceptance, of receivers' pixels: the floor's"),
-        (1024, "ideal", 0.995, "what sampling alone leaves"),
+        (1024, Answer.MACHINE, 0.995, "the catalogue's acceptance, of receivers' pixels: the floor's"),
+        (256, Answer.MACHINE, 0.98, "the catalogue's acceptance, of receivers' pixels: the floor's"),
+        (1024, Answer.IDEAL, 0.995, "what sampling alone leaves"),
     ):
-        picture = getattr(renderer, on)(figure, _SIZE, shading="mask", ratio=edge / _SIZE)
+        picture = renderer.picture(on, figure, _SIZE, shading="mask", ratio=edge / _SIZE)
         mask = agreement.lit_mask(picture)
         told = {"map_edge": edge, "contact": _MAP_WIDTH / edge}
         on_floor = agreement.compare(mask, truth, where=floor, **told)
         everywhere = agreement.compare(mask, truth, **told)
         name = f"map of {edge} by {edge}"
-        out += (
-            Check(f"{name}: floor that agrees with rays", on_floor.agreeing, ">=", bound, on, reason),
-            Check(
-                f"{name}: pixels of no understood kind, of all",
-                everywhere.other / everywhere.compared,
-                "<=",
-                0.001,
-                on,
-                "measured: none; what differs lies at an edge, at an outline, or where light grazes, "
-                "within a texel of it",
-            ),
+        yield Check(
+            f"{name}: floor that agrees with rays", on_floor.agreeing, at_least=bound, on=on, reason=reason
+        )
+        yield Check(
+            f"{name}: pixels of no understood kind, of all",
+            everywhere.other / everywhere.compared,
+            at_most=0.001,
+            on=on,
+            reason="measured: none; what differs lies at an edge, at an outline, or where light grazes, "
+            "within a texel of it",
         )
     inner = floor & ~truth.lit & ~agreement.silhouettes(truth)
     for axis in (0, 1):
         for by in (-3, 3):
             inner &= np.roll(~truth.lit, by, axis)
-    for on in ("ideal", "machine"):
-        seen = getattr(renderer, on)(figure, _SIZE)[inner]
+    for on in Answer:
+        seen = renderer.picture(on, figure, _SIZE)[inner]
         ambient = np.array(AMBIENT[:3]) * np.array(scene.objects[0].color)
-        near = np.abs(seen - ambient).max(axis=-1) <= (1e-9 if on == "ideal" else 1.5 / 255.0)
-        out.append(
-            Check(
-                "shadows on the floor that are the ambient light, of all well inside", float(near.mean()),
-                ">=", 0.98, on,
-                "E003.9: what the comparison multiplies is the light alone; a strip is lit where things "
-                "stand, as wide as the offset",
-            )
+        near = np.abs(seen - ambient).max(axis=-1) <= (1e-9 if on is Answer.IDEAL else 1.5 / 255.0)
+        yield Check(
+            "shadows on the floor that are the ambient light, of all well inside", float(near.mean()),
+            at_least=0.98, on=on, reason="E003.9: what the comparison multiplies is the light alone; a strip "
+            "is lit where things stand, as wide as the offset",
         )  # fmt: skip
     (lit, dark) = (np.float64(truth.lit[floor].mean()), np.float64((~truth.lit[floor]).mean()))
-    out.append(
-        Check(
-            "floor in the shade, of all",
-            float(min(lit, dark)),
-            ">=",
-            0.1,
-            "ideal",
-            "rays: there is light and shade to tell apart, so that no picture of one kind passes",
-        )
+    yield Check(
+        "floor in the shade, of all",
+        float(min(lit, dark)),
+        at_least=0.1,
+        on=Answer.IDEAL,
+        reason="rays: there is light and shade to tell apart, so that no picture of one kind passes",
     )
-    return tuple(out)
 
 
 FIGURE = Figure(

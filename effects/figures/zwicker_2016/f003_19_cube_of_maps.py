@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
 from fixedpipe.effects.passes.draws import FIRST_PASS
@@ -89,54 +89,48 @@ def checks(figure, renderer):
         Check(
             "tinted: pixels of the second picture's colours times their map's tint",
             float((off <= 2.5 / 255.0).mean()),
-            ">=",
-            0.999,
-            "machine",
-            "the same light and shadows; colours without a light and with it are rounded each; a bulb and "
-            "what the lamp's light makes of a neighbour's outline are the rest",
+            at_least=0.999,
+            on=Answer.MACHINE,
+            reason="the same light and shadows; colours without a light and with it are rounded each; a "
+            "bulb and what the lamp's light makes of a neighbour's outline are the rest",
         ),
         *(
             Check(
                 f"pixels that agree with rays, map {name}",
                 f.agreeing,
-                ">=",
-                0.993,
-                "machine",
-                "the catalogue's, of those that face the light; the rest lies along shadows' edges",
+                at_least=0.993,
+                on=Answer.MACHINE,
+                reason="the catalogue's, of those that face the light; the rest lies along shadows' edges",
             )
             for name, f in zip(cube_of_maps.FACES, found, strict=True)
         ),
         Check(
             "pixels that differ from rays without a reason",
             float(sum(f.other for f in found)),
-            "<=",
-            4.0,
-            "machine",
-            "of 59149; measured 1, on the beam below the ceiling",
+            at_most=4.0,
+            on=Answer.MACHINE,
+            reason="of 59149; measured 1, on the beam below the ceiling",
         ),
         Check(
             "pixels where two maps meet that agree with rays",
             float((kinds[meeting] == agreement.AGREES).mean()),
-            ">=",
-            0.99,
-            "machine",
-            "no line of light or shadow where the cube's faces meet; measured 0.994 of 2000",
+            at_least=0.99,
+            on=Answer.MACHINE,
+            reason="no line of light or shadow where the cube's faces meet; measured 0.994 of 2000",
         ),
         Check(
             "one map: pixels lit beyond its field of view",
             float((one & ~inside & away).sum()),
-            "<=",
-            0.0,
-            "machine",
-            "away from outlines and from where two maps meet",
+            at_most=0.0,
+            on=Answer.MACHINE,
+            reason="away from outlines and from where two maps meet",
         ),
         Check(
             "one map: pixels of its field of view unlike those of six maps",
             float((one != six)[inside & away].sum()),
-            "<=",
-            0.0,
-            "machine",
-            "it is one of the six",
+            at_most=0.0,
+            on=Answer.MACHINE,
+            reason="it is one of the six",
         ),
     )
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, INK, RED, VIOLET, YELLOW
@@ -193,37 +193,66 @@ def checks(figure, renderer):
     p = figure.parameters
     none, right, too_much = biases(p["right"], p["too_much"])
     least = polygon_offset(0.5, 0.5)
-    rows = (
-        ("no bias: share of the lit surface in shadow", shares(none)[0], ">=", 0.35,
-         "half of a texel's width is beyond its middle, more or less by the rounding"),
-        ("no bias: share of the plate's shadow that is lit", shares(none)[1], "<=", 0.0,
-         "the plate is far enough"),
-        ("correct bias: share of the lit surface in shadow", shares(right)[0], "<=", 0.0,
-         "half a texel's slope and half a step of the depth are enough"),
-        ("correct bias: share of the plate's shadow that is lit", shares(right)[1], "<=", 0.0,
-         "less than the gap"),
-        ("correct bias over the least that suffices for any surface", right / least, ">=", 1.0,
-         "half a texel's slope and half a step of the depth"),
-        ("half of the correct bias: share of the lit surface in shadow", shares(0.5 * right)[0], ">=", 0.01,
-         "not enough"),
-        ("too much bias: share of the plate's shadow that is lit", shares(too_much)[1], ">=", 1.0,
-         "more than the gap: the shadow is lost"),
-    )  # fmt: skip
-    out = [Check(name, float(value), *rest[:2], "ideal", rest[2]) for name, value, *rest in rows]
+    yield Check(
+        "no bias: share of the lit surface in shadow",
+        shares(none)[0],
+        at_least=0.35,
+        on=Answer.IDEAL,
+        reason="half of a texel's width is beyond its middle, more or less by the rounding",
+    )
+    yield Check(
+        "no bias: share of the plate's shadow that is lit",
+        shares(none)[1],
+        at_most=0.0,
+        on=Answer.IDEAL,
+        reason="the plate is far enough",
+    )
+    yield Check(
+        "correct bias: share of the lit surface in shadow",
+        shares(right)[0],
+        at_most=0.0,
+        on=Answer.IDEAL,
+        reason="half a texel's slope and half a step of the depth are enough",
+    )
+    yield Check(
+        "correct bias: share of the plate's shadow that is lit",
+        shares(right)[1],
+        at_most=0.0,
+        on=Answer.IDEAL,
+        reason="less than the gap",
+    )
+    yield Check(
+        "correct bias over the least that suffices for any surface",
+        right / least,
+        at_least=1.0,
+        on=Answer.IDEAL,
+        reason="half a texel's slope and half a step of the depth",
+    )
+    yield Check(
+        "half of the correct bias: share of the lit surface in shadow",
+        shares(0.5 * right)[0],
+        at_least=0.01,
+        on=Answer.IDEAL,
+        reason="not enough",
+    )
+    yield Check(
+        "too much bias: share of the plate's shadow that is lit",
+        shares(too_much)[1],
+        at_least=1.0,
+        on=Answer.IDEAL,
+        reason="more than the gap: the shadow is lost",
+    )
     misjudged = sum(_misjudged(bias) for bias in (none, right, too_much))
-    out.append(
-        Check(
-            "points in a part that is not what the map's texel says of them",
-            float(misjudged),
-            "<=",
-            0.0,
-            "ideal",
-            "farther than what is stored is in shadow, at 40 points of each texel",
-        )
+    yield Check(
+        "points in a part that is not what the map's texel says of them",
+        float(misjudged),
+        at_most=0.0,
+        on=Answer.IDEAL,
+        reason="farther than what is stored is in shadow, at 40 points of each texel",
     )
     size = figure.size // 2
-    for on in ("ideal", "machine"):
-        image, right_pixels, count = getattr(renderer, on)(figure, size), 0, 0
+    for on in Answer:
+        image, right_pixels, count = renderer.picture(on, figure, size), 0, 0
         for k, bias in enumerate((none, right, too_much)):
             for part in parts(bias):
                 if part.end - part.start < 0.3 * WIDTH:
@@ -234,17 +263,14 @@ def checks(figure, renderer):
                 wanted = RED if part.wrong else YELLOW if part.lit else _SHADOW
                 right_pixels += np.abs(image[j, i + k * size] - np.array(wanted)).max() < 0.01
                 count += 1
-        out.append(
-            Check(
-                "share of the surface's parts drawn in the colour of what the map says",
-                right_pixels / count,
-                ">=",
-                0.9,
-                on,
-                "steps at the surface's height cover the others",
-            )
+        yield Check(
+            "share of the surface's parts drawn in the colour of what the map says",
+            right_pixels / count,
+            at_least=0.9,
+            on=on,
+            reason="steps at the surface's height cover the others",
         )
-    return (*out, *drawn_check(figure, renderer, _marks(size, (none, right, too_much))))
+    yield from drawn_check(figure, renderer, _marks(size, (none, right, too_much)))
 
 
 FIGURE = Figure(

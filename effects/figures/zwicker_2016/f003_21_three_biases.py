@@ -1,7 +1,7 @@
 """F003-21: not enough bias, the right one, too much (Z12)."""
 
 from fixedpipe.effects.acceptance import agreement
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.map_bias import acne, gap, shadows_under_offsets
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.views import Panel
@@ -17,38 +17,32 @@ def checks(figure, renderer):
     scene, lamp = ring_and_board(_SIZE)
     truth = agreement.truth_of(scene, board_view(Panel(0, 0, _SIZE, _SIZE)), lamp)
     edge = map_edge(_SIZE, figure.parameters["ratio"])
-    out = []
-    for on in ("ideal", "machine"):
-        picture = getattr(renderer, on)(figure, _SIZE, shading="mask")
+    for on in Answer:
+        picture = renderer.picture(on, figure, _SIZE, shading="mask")
         masks = [agreement.lit_mask(picture[:, k * _SIZE : (k + 1) * _SIZE]) for k in range(3)]
         said = "the catalogue's acceptance"
         little, right, much = (acne(mask, truth) for mask in masks)
         gaps = [gap(mask, truth, edge) for mask in masks]
         found = agreement.compare(masks[1], truth, map_edge=edge, where=truth.shown.object == 0)
-        out += (
-            Check("not enough: lit floor that is dark", little, ">=", 0.2, on, said),
-            Check("correct: lit floor that is dark", right, "<=", 0.001, on, said),
-            Check("too much: lit floor that is dark", much, "<=", 0.001, on, said),
-            Check("correct: gap behind the board, texels", gaps[1], "<=", 1.0, on, said),
-            Check("too much: gap behind the board, texels", gaps[2], ">=", 3.0, on, said),
-            Check(
-                "correct: floor that agrees with rays",
-                found.agreeing,
-                ">=",
-                0.99,
-                on,
-                "shadows lie where rays have them; measured 0.995",
-            ),
-            Check(
-                "correct: floor of no understood kind",
-                found.other,
-                "<=",
-                0,
-                on,
-                "what differs lies at an edge or an outline",
-            ),
+        yield Check("not enough: lit floor that is dark", little, at_least=0.2, on=on, reason=said)
+        yield Check("correct: lit floor that is dark", right, at_most=0.001, on=on, reason=said)
+        yield Check("too much: lit floor that is dark", much, at_most=0.001, on=on, reason=said)
+        yield Check("correct: gap behind the board, texels", gaps[1], at_most=1.0, on=on, reason=said)
+        yield Check("too much: gap behind the board, texels", gaps[2], at_least=3.0, on=on, reason=said)
+        yield Check(
+            "correct: floor that agrees with rays",
+            found.agreeing,
+            at_least=0.99,
+            on=on,
+            reason="shadows lie where rays have them; measured 0.995",
         )
-    return tuple(out)
+        yield Check(
+            "correct: floor of no understood kind",
+            found.other,
+            at_most=0,
+            on=on,
+            reason="what differs lies at an edge or an outline",
+        )
 
 
 FIGURE = Figure(

@@ -1,6 +1,6 @@
 """F003-22: one shadow map of a long ground, basic and in light-space perspective."""
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     NEAR_SHADOW,
@@ -42,50 +42,45 @@ def checks(figure, renderer):
         Check(
             "texels on the nearest fifth of the screen: basic over LiSPSM",
             near / near_warped,
-            ">=",
-            3.0,
-            "ideal",
-            "the catalogue's: the mean side, on the ground, of a square as large as a texel",
+            at_least=3.0,
+            on=Answer.IDEAL,
+            reason="the catalogue's: the mean side, on the ground, of a square as large as a texel",
         ),
         Check(
             "texels at the ground's far end: LiSPSM over basic",
             far_warped / far,
-            "<=",
-            4.0,
-            "ideal",
-            "the catalogue's: what is near takes the texels of what is far, and not too many",
+            at_most=4.0,
+            on=Answer.IDEAL,
+            reason="the catalogue's: what is near takes the texels of what is far, and not too many",
         ),
         Check(
             "wrong pixels in the nearest fifth of the screen: basic over LiSPSM",
             basic / max(warped, 1e-9),
-            ">=",
-            2.5,
-            "machine",
-            "they lie along shadows' edges, in bands as wide as a texel; measured 4.6",
+            at_least=2.5,
+            on=Answer.MACHINE,
+            reason="they lie along shadows' edges, in bands as wide as a texel; measured 4.6",
         ),
         Check(
             "pixels that agree with rays, basic",
             found[0].agreeing,
-            ">=",
-            0.97,
-            "machine",
-            "of those that face the light; measured 0.979, the rest nearly all within texels of an edge",
+            at_least=0.97,
+            on=Answer.MACHINE,
+            reason="of those that face the light; measured "
+            "0.979, the rest nearly all within texels of an edge",
         ),
         Check(
             "pixels that agree with rays, LiSPSM",
             found[1].agreeing,
-            ">=",
-            0.98,
-            "machine",
-            "as before; measured 0.989",
+            at_least=0.98,
+            on=Answer.MACHINE,
+            reason="as before; measured 0.989",
         ),
         Check(
             "wrong pixels of the near shadow, magnified: basic over LiSPSM",
             wrong(found[2]) / wrong(found[3]),
-            ">=",
-            2.0,
-            "machine",
-            "as above, where only the ground, the stone and its shadow are seen; measured 2.8",
+            at_least=2.0,
+            on=Answer.MACHINE,
+            reason="as above, where only the ground, the stone and its shadow are seen; measured 2.8",
         ),
         others(found),
     )

@@ -3,7 +3,7 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, perspective_view, row_of_panels
 from fixedpipe.effects.scenes.objects_and_lamps import (
@@ -113,85 +113,68 @@ def checks(figure, renderer):
     truth = agreement.truth_of(scene, view_of(Panel(0, 0, _SIZE, _SIZE)), lamp)
     edge, ground = _edges(truth), truth.shown.object == 0
     light, umbra = _away_from_edges(truth)
-    out = []
-    for on in ("ideal", "machine"):
-        picture = getattr(renderer, on)(figure, _SIZE, shading="mask", ratio=_RATIO)[..., 0]
+    for on in Answer:
+        picture = renderer.picture(on, figure, _SIZE, shading="mask", ratio=_RATIO)[..., 0]
         hard, filtered, wide = (picture[:, k * _SIZE : (k + 1) * _SIZE] for k in range(3))
         levels = [len(np.unique(np.round(part[ground], 6))) for part in (hard, filtered, wide)]
         steps = np.abs(wide[ground] * kernel**2 - np.round(wide[ground] * kernel**2)) / kernel**2
         said = "the catalogue's acceptance"
-        out += (
-            Check("levels of one comparison", levels[HARD], "<=", 2, on, said),
-            Check("levels of one comparison, at least", levels[HARD], ">=", 2, on, said),
-            Check("levels of 2x2 filtered comparisons", levels[FILTERED], ">=", 9, on, said),
-            Check(
-                f"{kernel}x{kernel} comparisons: distance from a multiple of 1/{kernel**2}, largest",
-                float(steps.max()),
-                "<=",
-                1e-9 if on == "ideal" else 2.0 / 255.0,
-                on,
-                "a count of comparisons, none in between; the machine rounds halves of halves in bytes, "
-                "sixteen of them in the accumulation buffer",
-            ),
-            Check(
-                f"levels of {kernel}x{kernel} comparisons",
-                len(np.unique(np.round(wide[ground] * kernel**2))),
-                "<=",
-                kernel**2 + 1,
-                on,
-                said,
-            ),
-            Check(
-                f"levels of {kernel}x{kernel} comparisons, at least",
-                len(np.unique(np.round(wide[ground] * kernel**2))),
-                ">=",
-                kernel**2 // 2,
-                on,
-                "a soft edge goes through most of them",
-            ),
+        yield Check("levels of one comparison", levels[HARD], at_most=2, on=on, reason=said)
+        yield Check("levels of one comparison, at least", levels[HARD], at_least=2, on=on, reason=said)
+        yield Check("levels of 2x2 filtered comparisons", levels[FILTERED], at_least=9, on=on, reason=said)
+        yield Check(
+            f"{kernel}x{kernel} comparisons: distance from a multiple of 1/{kernel**2}, largest",
+            float(steps.max()),
+            at_most=1e-9 if on is Answer.IDEAL else 2.0 / 255.0,
+            on=on,
+            reason="a count of comparisons, none in between; the machine rounds halves of halves in "
+            "bytes, sixteen of them in the accumulation buffer",
+        )
+        yield Check(
+            f"levels of {kernel}x{kernel} comparisons",
+            len(np.unique(np.round(wide[ground] * kernel**2))),
+            at_most=kernel**2 + 1,
+            on=on,
+            reason=said,
+        )
+        yield Check(
+            f"levels of {kernel}x{kernel} comparisons, at least",
+            len(np.unique(np.round(wide[ground] * kernel**2))),
+            at_least=kernel**2 // 2,
+            on=on,
+            reason="a soft edge goes through most of them",
         )
         for name, part in (("1", hard), ("2x2", filtered), (f"{kernel}x{kernel}", wide)):
-            out.append(
-                Check(
-                    f"{name}: light on the floor away from shadows, mean", float(part[light].mean()), ">=",
-                    0.999, on, "no surface shades itself",
-                )
+            yield Check(
+                f"{name}: light on the floor away from shadows, mean", float(part[light].mean()),
+                at_least=0.999, on=on, reason="no surface shades itself",
             )  # fmt: skip
         reach = _reach(wide, truth, edge, map_edge(_SIZE, _RATIO))
-        out += (
-            Check(
-                f"{kernel}x{kernel}: how far the soft edge reaches on either side, texels", reach, "<=",
-                0.5 * kernel + 1.5, on,
-                "half the kernel's width, and a pixel's beside the edge's own pixels",
-            ),
-            Check(
-                f"{kernel}x{kernel}: how far the soft edge reaches, at least", reach, ">=", 0.4 * kernel, on,
-                "half the kernel's width less a texel",
-            ),
+        yield Check(
+            f"{kernel}x{kernel}: how far the soft edge reaches on either side, texels", reach,
+            at_most=0.5 * kernel + 1.5, on=on,
+            reason="half the kernel's width, and a pixel's beside the edge's own pixels",
+        )  # fmt: skip
+        yield Check(
+            f"{kernel}x{kernel}: how far the soft edge reaches, at least", reach, at_least=0.4 * kernel,
+            on=on, reason="half the kernel's width less a texel",
         )  # fmt: skip
         for name, part in (("2x2", filtered), (f"{kernel}x{kernel}", wide)):
-            out.append(
-                Check(
-                    f"{name} at the true edge: mean's distance from one half",
-                    abs(float(part[edge].mean()) - 0.5),
-                    "<=",
-                    0.05,
-                    on,
-                    "the catalogue's acceptance",
-                )
+            yield Check(
+                f"{name} at the true edge: mean's distance from one half",
+                abs(float(part[edge].mean()) - 0.5),
+                at_most=0.05,
+                on=on,
+                reason="the catalogue's acceptance",
             )
     picture = renderer.machine(figure, _SIZE, ratio=_RATIO)
     ambient = np.array(AMBIENT[:3]) * np.array(scene.objects[0].color)
     dark = [picture[:, k * _SIZE : (k + 1) * _SIZE][umbra] for k in range(3)]
-    out.append(
-        Check(
-            "umbra on the floor less the ambient light, largest",
-            float(np.abs(np.array(dark) - ambient).max()),
-            "<=", 1.5 / 255.0, "machine",
-            "E003.9: what comparisons multiply is the light alone; a byte's rounding",
-        )
+    yield Check(
+        "umbra on the floor less the ambient light, largest", float(np.abs(np.array(dark) - ambient).max()),
+        at_most=1.5 / 255.0, on=Answer.MACHINE,
+        reason="E003.9: what comparisons multiply is the light alone; a byte's rounding",
     )  # fmt: skip
-    return tuple(out)
 
 
 FIGURE = Figure(

@@ -3,7 +3,7 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement, ray_caster
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.matrices import transform
@@ -109,23 +109,21 @@ def checks(figure, renderer):
     for number, corner in enumerate(frustum_corners(light).tolist()):
         *strp, q = transform(light.texture_matrix, (*corner, 1.0))
         errors += (abs(v / q - (number >> bit & 1)) for v, bit in zip(strp, (2, 1, 0), strict=True))
-    out = [
-        Check(
-            "T maps the frustum's corners to a cube's, largest error", max(errors), "<=", 1e-6, "ideal",
-            "the catalogue's acceptance; sines and cosines are multiples of 2**-20",
-        )
-    ]  # fmt: skip
+    yield Check(
+        "T maps the frustum's corners to a cube's, largest error", max(errors), at_most=1e-6, on=Answer.IDEAL,
+        reason="the catalogue's acceptance; sines and cosines are multiples of 2**-20",
+    )  # fmt: skip
     outside = renderer.machine(figure, 2 * _SIZE)[:, 6 * _SIZE :]
-    out.append(
-        Check("edges of the frustum that are drawn where it is", _drawn_edges(outside, light), ">=", 9,
-              "machine", "three of twelve at most are behind the scene")
+    yield Check(
+        "edges of the frustum that are drawn where it is", _drawn_edges(outside, light), at_least=9,
+        on=Answer.MACHINE, reason="three of twelve at most are behind the scene",
     )  # fmt: skip
     panel = Panel(0, 0, _SIZE, _SIZE)
     edge = map_edge(_SIZE, figure.parameters["ratio"])
     truth = agreement.truth_of(scene, still_life_view(panel), light)
     seen = ray_caster.visible(truth.caster, light.view(panel))
-    for on in ("ideal", "machine"):
-        picture = getattr(renderer, on)(figure, _SIZE, shading="mask")
+    for on in Answer:
+        picture = renderer.picture(on, figure, _SIZE, shading="mask")
         final, from_light, depths = (picture[:, k * _SIZE : (k + 1) * _SIZE] for k in range(3))
         found = agreement.compare(
             agreement.lit_mask(final),
@@ -134,16 +132,19 @@ def checks(figure, renderer):
             where=truth.shown.object == 0,
         )
         grey = np.abs(depths[..., 0] - seen.depth) <= 0.75 / 255.0
-        out += (
-            Check("final image: floor that agrees with rays", found.agreeing, ">=", 0.98, on,
-                  "the catalogue's bound for maps of 256 texels (F003-18)"),
-            Check("from the light: what is lit, of all that is seen",
-                  float(agreement.lit_mask(from_light)[seen.something].mean()), ">=", 0.99, on,
-                  "a light sees no shadows; what differs lies at outlines"),
-            Check("depth map: pixels whose grey is the depth that a ray finds", float(grey.mean()), ">=",
-                  0.98, on, "outlines alone may differ; a byte's rounding on the machine"),
+        yield Check(
+            "final image: floor that agrees with rays", found.agreeing, at_least=0.98, on=on,
+            reason="the catalogue's bound for maps of 256 texels (F003-18)",
         )  # fmt: skip
-    return tuple(out)
+        yield Check(
+            "from the light: what is lit, of all that is seen",
+            float(agreement.lit_mask(from_light)[seen.something].mean()), at_least=0.99, on=on,
+            reason="a light sees no shadows; what differs lies at outlines",
+        )  # fmt: skip
+        yield Check(
+            "depth map: pixels whose grey is the depth that a ray finds", float(grey.mean()), at_least=0.98,
+            on=on, reason="outlines alone may differ; a byte's rounding on the machine",
+        )  # fmt: skip
 
 
 FIGURE = Figure(

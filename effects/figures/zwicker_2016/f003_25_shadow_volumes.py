@@ -3,7 +3,7 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance.agreement import cosines, silhouettes, truth_of
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.counted_volumes import (
@@ -117,18 +117,18 @@ def panel_checks(figure, renderer, truth, volumes):
     drawn = np.min([np.abs(at - c).max(axis=-1) for c in (_HIDDEN, drawing.YELLOW)], axis=0) < 1.5 / 255.0
     return (
         Check(
-            "silhouette edges whose middle has a line's colour", float(drawn.mean()), ">=", 0.98, "machine",
-            "each is drawn, whatever hides it",
+            "silhouette edges whose middle has a line's colour", float(drawn.mean()), at_least=0.98,
+            on=Answer.MACHINE, reason="each is drawn, whatever hides it",
         ),
         Check(
             "pixels with as many sides of volumes over them as entering and leaving takes",
-            float(matching[inner].mean()), ">=", 0.995, "machine",
-            "what is in n volumes lies behind n sides, and two for each that the ray leaves again",
+            float(matching[inner].mean()), at_least=0.995, on=Answer.MACHINE,
+            reason="what is in n volumes lies behind n sides, and two for each that the ray leaves again",
         ),
         Check(
             "pixels that face the light and are darker than without shadows where rays say so",
-            float((darkened == (counts > 0))[faced].mean()), ">=", 0.998, "machine",
-            "shadow volumes are exact in the picture; edges differ by a pixel",
+            float((darkened == (counts > 0))[faced].mean()), at_least=0.998, on=Answer.MACHINE,
+            reason="shadow volumes are exact in the picture; edges differ by a pixel",
         ),
     )  # fmt: skip
 
@@ -137,27 +137,24 @@ def checks(figure, renderer):
     """Closed loops, closed volumes, counts, and what the panels show."""
     size = 384
     light = figure.parameters["light"]
-    out = []
     for name, objects in (("cube and torus", solids(40)), ("the still life", still_life(40))):
         for lamp in (lamp_without_frustum(light), lamp_without_frustum(light, infinite=True)):
             volumes = shadow_volumes.shadow_volumes(objects, lamp.homogeneous)
             kind = "a light at infinity" if lamp.infinite else "a point light"
-            out.append(
-                Check(
-                    f"vertices of {name} with an odd number of silhouette edges, {kind}",
-                    odd_vertices(volumes),
-                    "<=",
-                    0.0,
-                    "ideal",
-                    "the catalogue's: silhouette edges form closed loops",
-                )
+            yield Check(
+                f"vertices of {name} with an odd number of silhouette edges, {kind}",
+                odd_vertices(volumes),
+                at_most=0.0,
+                on=Answer.IDEAL,
+                reason="the catalogue's: silhouette edges form closed loops",
             )
     view = camera(Panel(0, 0, size, size))
     reason = "the catalogue's; vertices snapped to sixteenths of a pixel move edges"
-    out += count_checks(renderer, view, solids(40), lamp_without_frustum(light), 0.999, reason)
+    yield from count_checks(renderer, view, solids(40), lamp_without_frustum(light), 0.999, reason)
     volumes = shadow_volumes.shadow_volumes(solids(40), lamp_without_frustum(light).homogeneous)
-    out += panel_checks(figure, renderer, truth_of(solids(40), view, lamp_without_frustum(light)), volumes)
-    return tuple(out)
+    yield from panel_checks(
+        figure, renderer, truth_of(solids(40), view, lamp_without_frustum(light)), volumes
+    )
 
 
 FIGURE = Figure(

@@ -2,7 +2,7 @@
 
 from fixedpipe.effects.acceptance import ray_caster
 from fixedpipe.effects.acceptance.agreement import compare, lit_mask, truth_of
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.counted_volumes import counted, lamp_without_frustum
 from fixedpipe.effects.geometry import surfaces
@@ -60,7 +60,7 @@ _WRONG = {
 
 def checks(figure, renderer):
     """How wrong z-pass is, and where; z-fail against rays."""
-    operations, size, out = OPERATIONS[renderer.method.name], 512, []
+    operations, size = OPERATIONS[renderer.method.name], 512
     least, reason = _WRONG[renderer.method.name]
     places = {name: value for name, value in figure.parameters.items() if name != "background"}
     drawn = lit_mask(renderer.machine(figure, size, shading="mask"))
@@ -72,14 +72,13 @@ def checks(figure, renderer):
         to_lamp, longest = ray_caster.to_light(on_plane, lamp)
         hidden = truth.caster.occluded(on_plane, to_lamp, longest=longest).reshape(size, size)
         seen = truth.shown.something
-        out.append(
-            Check(
-                f"part of the near plane that is in shadow, {case} in shadow", float(hidden.mean()), ">=",
-                1.0 if case == CASES[0] else 0.3, "ideal", "the board's shadow: all of it, or a part",
-            )
+        yield Check(
+            f"part of the near plane that is in shadow, {case} in shadow", float(hidden.mean()),
+            at_least=1.0 if case == CASES[0] else 0.3, on=Answer.IDEAL,
+            reason="the board's shadow: all of it, or a part",
         )  # fmt: skip
-        for on in ("ideal", "machine") if case == CASES[0] else ("machine",):
-            if on == "machine":
+        for on in (Answer.IDEAL, Answer.MACHINE) if case == CASES[0] else (Answer.MACHINE,):
+            if on is Answer.MACHINE:
                 first = 2 * CASES.index(case) * size
                 wrong, right = (drawn[:, x : x + size] for x in (first, first + size))
             else:
@@ -87,33 +86,26 @@ def checks(figure, renderer):
                     counted(renderer, algorithm, view, objects, lamp, on, operations)[1]
                     for algorithm in (shadow_volumes.z_pass, shadow_volumes.z_fail)
                 )
-            out += (
-                Check(
-                    f"z-pass: wrong pixels of those seen through the near plane's shadow, {case} in shadow",
-                    float((wrong != truth.lit)[seen & hidden].mean()), ">=", least, on, reason,
-                ),
-                Check(
-                    f"z-fail: pixels lit or not as rays say, {case} in shadow",
-                    float((right == truth.lit)[seen].mean()), ">=", 0.999, on, "the catalogue's",
-                ),
+            yield Check(
+                f"z-pass: wrong pixels of those seen through the near plane's shadow, {case} in shadow",
+                float((wrong != truth.lit)[seen & hidden].mean()), at_least=least, on=on, reason=reason,
+            )  # fmt: skip
+            yield Check(
+                f"z-fail: pixels lit or not as rays say, {case} in shadow",
+                float((right == truth.lit)[seen].mean()), at_least=0.999, on=on, reason="the catalogue's",
             )  # fmt: skip
             if not hidden.all():
-                out.append(
-                    Check(
-                        f"z-pass: wrong pixels of the others, {case} in shadow",
-                        float((wrong != truth.lit)[seen & ~hidden].mean()), "<=", 0.0011, on,
-                        "there z-pass counts from outside all volumes; edges differ by a pixel; measured at "
-                        "the first correct picture, with at most a third of slack",
-                    )
+                yield Check(
+                    f"z-pass: wrong pixels of the others, {case} in shadow",
+                    float((wrong != truth.lit)[seen & ~hidden].mean()), at_most=0.0011, on=on,
+                    reason="there z-pass counts from outside all volumes; edges differ by a pixel; measured "
+                    "at the first correct picture, with at most a third of slack",
                 )  # fmt: skip
-        out.append(
-            Check(
-                f"z-fail: pixels lit or not unlike the rays', not on an edge, {case} in shadow",
-                compare(right, truth).other, "<=", 0.0, "machine",
-                "shadow volumes are exact in the picture",
-            )
+        yield Check(
+            f"z-fail: pixels lit or not unlike the rays', not on an edge, {case} in shadow",
+            compare(right, truth).other, at_most=0.0, on=Answer.MACHINE,
+            reason="shadow volumes are exact in the picture",
         )  # fmt: skip
-    return tuple(out)
 
 
 FIGURE = Figure(

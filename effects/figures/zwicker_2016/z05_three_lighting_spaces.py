@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check, root_mean_square
 from fixedpipe.effects.bump_mapping import lighting_spaces, normalization_cube_map
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -56,53 +56,44 @@ def checks(figure, renderer):
     size, maps = 128, 256
     black = {"background": (0.0, 0.0, 0.0), "maps": maps}
     images = {
-        on: [panel_of(np.clip(getattr(renderer, on)(figure, size, **black), 0.0, 1.0), k) for k in range(3)]
-        for on in ("ideal", "machine")
+        on: [panel_of(np.clip(renderer.picture(on, figure, size, **black), 0.0, 1.0), k) for k in range(3)]
+        for on in Answer
     }
-    covered = images["ideal"][0].sum(axis=-1) > 0.0
-    out = []
+    covered = images[Answer.IDEAL][0].sum(axis=-1) > 0.0
     # By where and what: of nine pixels in ten, and of all.
     bounds = {
-        ("ideal", "object"): (0.0025, 0.008),
-        ("ideal", "tangent"): (0.011, 0.0105),
-        ("machine", "object"): (0.016, 0.013),
-        ("machine", "tangent"): (0.016, 0.0147),
+        (Answer.IDEAL, "object"): (0.0025, 0.008),
+        (Answer.IDEAL, "tangent"): (0.011, 0.0105),
+        (Answer.MACHINE, "object"): (0.016, 0.013),
+        (Answer.MACHINE, "tangent"): (0.016, 0.0147),
     }
     for (on, other), (most, every) in bounds.items():
         apart = np.abs(images[on][0] - images[on][("camera", "object", "tangent").index(other)])[covered]
-        arithmetic = "" if on == "ideal" else "; 8-bit vectors and normals, to the eighth power"
-        out += (
-            Check(
-                f"camera space - {other} space, nine pixels in ten are below",
-                float(np.percentile(apart, 90.0)),
-                "<=",
-                most,
-                on,
-                f"interpolated vectors are chords, of 7.5 degrees here{arithmetic}; a third of slack",
-            ),
-            Check(
-                f"camera space - {other} space, RMS",
-                root_mean_square(apart),
-                "<=",
-                every,
-                on,
-                "only camera space makes filtered normals of length one again, which matters in the "
-                f"creases between bumps{arithmetic}; a third of slack",
-            ),
+        arithmetic = "" if on is Answer.IDEAL else "; 8-bit vectors and normals, to the eighth power"
+        yield Check(
+            f"camera space - {other} space, nine pixels in ten are below",
+            float(np.percentile(apart, 90.0)),
+            at_most=most,
+            on=on,
+            reason=f"interpolated vectors are chords, of 7.5 degrees here{arithmetic}; a third of slack",
+        )
+        yield Check(
+            f"camera space - {other} space, RMS",
+            root_mean_square(apart),
+            at_most=every,
+            on=on,
+            reason="only camera space makes filtered normals of length one again, which matters in the "
+            f"creases between bumps{arithmetic}; a third of slack",
         )
     smooth = panel_of(renderer.ideal(figure, size, relief=0.0, **black), 0)
-    return (
-        *out,
-        Check(
-            "the bumps' own part of the picture, RMS",
-            root_mean_square(np.clip(smooth, 0.0, 1.0)[covered] - images["ideal"][0][covered]),
-            ">=",
-            0.1,
-            "ideal",
-            "the three agree on much more than a smooth sphere",
-        ),
-        arithmetic_check(figure, renderer, 0.006, POWER_8),
+    yield Check(
+        "the bumps' own part of the picture, RMS",
+        root_mean_square(np.clip(smooth, 0.0, 1.0)[covered] - images[Answer.IDEAL][0][covered]),
+        at_least=0.1,
+        on=Answer.IDEAL,
+        reason="the three agree on much more than a smooth sphere",
     )
+    yield arithmetic_check(figure, renderer, 0.006, POWER_8)
 
 
 FIGURE = Figure(

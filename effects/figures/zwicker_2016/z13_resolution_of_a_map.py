@@ -1,6 +1,6 @@
 """Z13: one shadow map with a half, twice and eight times as many texels along an edge as the picture."""
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     NEAR_SHADOW,
@@ -34,42 +34,39 @@ def checks(figure, renderer):
         Check(
             "wrong pixels: 1/2 texel a pixel over 2",
             coarse / middle,
-            ">=",
-            2.8,
-            "machine",
-            "bands along shadows' edges a quarter as wide; measured 3.7, as the finer map's are near a pixel",
+            at_least=2.8,
+            on=Answer.MACHINE,
+            reason="bands along shadows' edges a quarter as wide; "
+            "measured 3.7, as the finer map's are near a pixel",
         ),
         Check(
             "wrong pixels: 2 texels a pixel over 8",
             middle / fine,
-            ">=",
-            1.4,
-            "machine",
-            "what is left is within a pixel of an edge; measured 1.8",
+            at_least=1.4,
+            on=Answer.MACHINE,
+            reason="what is left is within a pixel of an edge; measured 1.8",
         ),
         Check(
             "pixels that agree with rays, 1/2 texel a pixel",
             found[0].agreeing,
-            ">=",
-            0.90,
-            "machine",
-            "of those that face the light; measured 0.918, the rest nearly all within texels of an edge",
+            at_least=0.90,
+            on=Answer.MACHINE,
+            reason="of those that face the light; measured "
+            "0.918, the rest nearly all within texels of an edge",
         ),
         Check(
             "pixels that agree with rays, 8 texels a pixel",
             found[2].agreeing,
-            ">=",
-            0.985,
-            "machine",
-            "of those that face the light; measured 0.988",
+            at_least=0.985,
+            on=Answer.MACHINE,
+            reason="of those that face the light; measured 0.988",
         ),
         Check(
             "wrong pixels of the near shadow, magnified: 1/2 texel a pixel over 8",
             wrong(shown[1]) / max(wrong(shown[3]), 1e-9),
-            ">=",
-            10.0,
-            "machine",
-            "sixteen times as many texels along an edge; measured 16",
+            at_least=10.0,
+            on=Answer.MACHINE,
+            reason="sixteen times as many texels along an edge; measured 16",
         ),
         others((*found, *shown)),
     )

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     NEAR_SHADOW,
@@ -53,42 +53,37 @@ def checks(figure, renderer):
         Check(
             "wrong pixels in the nearest fifth of the screen: basic over slices",
             basic / max(sliced, 1e-9),
-            ">=",
-            3.5,
-            "machine",
-            "the nearest slice is a fifth of the ground's length; measured 5.2",
+            at_least=3.5,
+            on=Answer.MACHINE,
+            reason="the nearest slice is a fifth of the ground's length; measured 5.2",
         ),
         Check(
             "wrong pixels: basic over slices",
             wrong(found[0]) / wrong(found[1]),
-            ">=",
-            2.0,
-            "machine",
-            "three maps instead of one; measured 2.5",
+            at_least=2.0,
+            on=Answer.MACHINE,
+            reason="three maps instead of one; measured 2.5",
         ),
         Check(
             "pixels that agree with rays, slices",
             found[1].agreeing,
-            ">=",
-            0.988,
-            "machine",
-            "of those that face the light; measured 0.992",
+            at_least=0.988,
+            on=Answer.MACHINE,
+            reason="of those that face the light; measured 0.992",
         ),
         Check(
             "ground that has its slice's tint",
             _tint_matches(tinted, truth(size, sun), panels[0][2]),
-            ">=",
-            0.9995,
-            "machine",
-            "away from slices' ends; trees and columns on the outline's pixels are the rest",
+            at_least=0.9995,
+            on=Answer.MACHINE,
+            reason="away from slices' ends; trees and columns on the outline's pixels are the rest",
         ),
         Check(
             "wrong pixels of the near shadow, magnified: basic over slices",
             wrong(shown[2]) / wrong(shown[3]),
-            ">=",
-            2.0,
-            "machine",
-            "as above, where only the ground, the stone and its shadow are seen; measured 2.6",
+            at_least=2.0,
+            on=Answer.MACHINE,
+            reason="as above, where only the ground, the stone and its shadow are seen; measured 2.6",
         ),
         others((*found, *shown)),
     )

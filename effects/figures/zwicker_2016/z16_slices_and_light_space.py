@@ -1,6 +1,6 @@
 """Z16: basic shadow maps, slices, light-space perspective, and the last two together."""
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     NEAR_SHADOW,
@@ -37,30 +37,27 @@ def checks(figure, renderer):
             Check(
                 f"wrong pixels in the nearest fifth of the screen: basic over {name}",
                 near[0] / near[k],
-                ">=",
-                bound,
-                "machine",
-                f"measured {measured} at the first correct picture",
+                at_least=bound,
+                on=Answer.MACHINE,
+                reason=f"measured {measured} at the first correct picture",
             )
             for name, k, bound, measured in ratios
         ),
         Check(
             "wrong pixels of both together over the least of the others",
             wrong(found[3]) / min(map(wrong, found[:3])),
-            "<=",
-            1.0,
-            "machine",
-            "measured 0.88: most of what slices leave is within a pixel of an edge",
+            at_most=1.0,
+            on=Answer.MACHINE,
+            reason="measured 0.88: most of what slices leave is within a pixel of an edge",
         ),
         *(
             Check(
                 f"pixels that agree with rays, {way}",
                 f.agreeing,
-                ">=",
-                bound,
-                "machine",
-                "of those that face the light, with half as many texels as pixels along an edge; measured "
-                f"{measured}",
+                at_least=bound,
+                on=Answer.MACHINE,
+                reason="of those that face the light, with half as many texels as pixels along an edge; "
+                f"measured {measured}",
             )
             for (way, *_), f, bound, measured in zip(
                 panels, found, (0.93, 0.98, 0.97, 0.982), (0.948, 0.986, 0.978, 0.987), strict=True
@@ -70,10 +67,10 @@ def checks(figure, renderer):
             Check(
                 f"wrong pixels of the near shadow, magnified: basic over {name}",
                 wrong(shown[1]) / wrong(shown[1 + k]),
-                ">=",
-                bound,
-                "machine",
-                f"as above, where only the ground, the stone and its shadow are seen; measured {measured}",
+                at_least=bound,
+                on=Answer.MACHINE,
+                reason="as above, where only the ground, the stone and its shadow are seen; "
+                f"measured {measured}",
             )
             for name, k, bound, measured in (
                 ("slices", 1, 2.1, 3.1),

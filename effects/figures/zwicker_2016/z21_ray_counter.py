@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.drawing import BLUE, GREEN, INK, RED, YELLOW
 from fixedpipe.effects.diagrams.flatland import Shape, crossings, first_hit, is_visible, shadow_volume
@@ -126,59 +126,49 @@ def checks(figure, renderer):
         dark.append(not is_visible(hit.point, LIGHT, (*OBJECTS, FLOOR)))
     counts, dark, inside = np.array(counts), np.array(dark), np.array(inside)
     totals = [counter(count(aim)[1]) for aim, _ in _AIMS]
-    out = [
-        Check(
-            "rays whose counter is not the number of volumes that the hit is in",
-            float((counts != inside).sum()),
-            "<=",
-            0.0,
-            "ideal",
-            f"{len(counts)} rays; each volume asked whether it contains the point",
-        ),
-        Check(
-            "rays where counter > 0 and a blocked way to the light differ",
-            float(((counts > 0) != dark).sum()),
-            "<=",
-            0.0,
-            "ideal",
-            "what the counter is for",
-        ),
-        Check(
-            "volumes that the eye is in",
-            float(sum(volume.contains(EYE) for volume in VOLUMES)),
-            "<=",
-            0.0,
-            "ideal",
-            "the counter begins at zero outside of all of them",
-        ),
-        Check(
-            "different counters among the diagram's rays",
-            float(len(set(totals))),
-            ">=",
-            3.0,
-            "ideal",
-            "0, 1 and 2 are shown",
-        ),
-    ]
+    yield Check(
+        "rays whose counter is not the number of volumes that the hit is in",
+        float((counts != inside).sum()),
+        at_most=0.0,
+        on=Answer.IDEAL,
+        reason=f"{len(counts)} rays; each volume asked whether it contains the point",
+    )
+    yield Check(
+        "rays where counter > 0 and a blocked way to the light differ",
+        float(((counts > 0) != dark).sum()),
+        at_most=0.0,
+        on=Answer.IDEAL,
+        reason="what the counter is for",
+    )
+    yield Check(
+        "volumes that the eye is in",
+        float(sum(volume.contains(EYE) for volume in VOLUMES)),
+        at_most=0.0,
+        on=Answer.IDEAL,
+        reason="the counter begins at zero outside of all of them",
+    )
+    yield Check(
+        "different counters among the diagram's rays",
+        float(len(set(totals))),
+        at_least=3.0,
+        on=Answer.IDEAL,
+        reason="0, 1 and 2 are shown",
+    )
     size = figure.size
-    for on in ("ideal", "machine"):
-        image, wrong = getattr(renderer, on)(figure, size), 0
+    for on in Answer:
+        image, wrong = renderer.picture(on, figure, size), 0
         for aim, _ in _AIMS:
             for c in count(aim)[1]:
                 j, i = (int((v + 1.0) * 0.5 * size) for v in reversed(c.point))
                 red, green = image[j, i, :2]
                 wrong += (red > green) != c.enters
-        out.append(
-            Check(
-                "drawn marks of the wrong sign",
-                float(wrong),
-                "<=",
-                0.0,
-                on,
-                "red where a ray enters, green where it leaves, at the computed point",
-            )
+        yield Check(
+            "drawn marks of the wrong sign",
+            float(wrong),
+            at_most=0.0,
+            on=on,
+            reason="red where a ray enters, green where it leaves, at the computed point",
         )
-    return tuple(out)
 
 
 FIGURE = Figure(

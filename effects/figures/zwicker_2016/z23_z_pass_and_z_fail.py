@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from fixedpipe.effects.acceptance.agreement import lit_mask, truth_of
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.counted_volumes import count_checks, expected_counts
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
@@ -67,37 +67,30 @@ def checks(figure, renderer):
         "vertices snapped to sixteenths of a pixel move the edges of five objects and of their shadows; "
         "measured at the first correct picture, with at most a third of slack"
     )
-    out = count_checks(renderer, view, objects, lamp, 0.9978, reason)
+    yield from count_checks(renderer, view, objects, lamp, 0.9978, reason)
     truth = truth_of(objects, view, lamp)
     expected = expected_counts(shadow_volumes.shadow_volumes(objects, lamp.homogeneous), truth)
-    for on in ("ideal", "machine"):
-        picture = getattr(renderer, on)(figure, size, shading="mask")
+    for on in Answer:
+        picture = renderer.picture(on, figure, size, shading="mask")
         mask = lit_mask(picture)
         alike = mask[:, :size] == mask[:, 3 * size :]
-        out.append(
-            Check(
-                "pixels that z-pass and z-fail draw alike",
-                float(alike.mean()),
-                ">=",
-                0.9995,
-                on,
-                "the same polygons counted before and behind what is seen; only depths without a far plane "
-                "round otherwise",
-            )
+        yield Check(
+            "pixels that z-pass and z-fail draw alike",
+            float(alike.mean()),
+            at_least=0.9995,
+            on=on,
+            reason="the same polygons counted before and behind what "
+            "is seen; only depths without a far plane round otherwise",
         )
         for k, name in ((1, "z-pass"), (2, "z-fail")):
             shown = coloured_counts(picture[:, k * size : (k + 1) * size], figure.parameters["colors"])
-            out.append(
-                Check(
-                    f"{name}: pixels in the colour of the rays' count",
-                    float((shown == np.minimum(expected, 3))[truth.shown.something].mean()),
-                    ">=",
-                    0.9978,
-                    on,
-                    reason,
-                )
+            yield Check(
+                f"{name}: pixels in the colour of the rays' count",
+                float((shown == np.minimum(expected, 3))[truth.shown.something].mean()),
+                at_least=0.9978,
+                on=on,
+                reason=reason,
             )
-    return tuple(out)
 
 
 FIGURE = Figure(

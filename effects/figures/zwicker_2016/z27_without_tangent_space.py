@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check
 from fixedpipe.effects.bump_mapping import diffuse_bump, tangent_space
 from fixedpipe.effects.diagrams import drawing
@@ -172,47 +172,54 @@ def checks(figure, renderer):
     ]
     reason = "a bump is bright on the light's side; mirrored, dents where bumps should be"
     return (
-        Check("triangles found wrongly or not found", float(wrong), "<=", 0.0, "ideal", "every class"),
+        Check(
+            "triangles found wrongly or not found",
+            float(wrong),
+            at_most=0.0,
+            on=Answer.IDEAL,
+            reason="every class",
+        ),
         Check(
             "stretch of the stretched ones - 4, largest",
             float(np.abs(stretch - 4.0).max()),
-            "<=",
-            1e-12,
-            "ideal",
-            "as they were made",
+            at_most=1e-12,
+            on=Answer.IDEAL,
+            reason="as they were made",
         ),
         Check(
             "triangles whose binormal turns round",
             float((frame[ends.triangles[:, 0]] < 0.0).sum()),
-            ">=",
-            float(len(report.mirrored)),
-            "ideal",
-            "the sign of the mirrored ones",
+            at_least=float(len(report.mirrored)),
+            on=Answer.IDEAL,
+            reason="the sign of the mirrored ones",
         ),
         Check(
             "light of the good half against the mirrored, one tangent for all",
             _alike(naive, 1),
-            "<=",
-            -0.05,
-            "machine",
-            reason,
+            at_most=-0.05,
+            on=Answer.MACHINE,
+            reason=reason,
         ),
         Check(
             "the same with the binormal's sign",
             _alike(right, 1),
-            ">=",
-            0.05,
-            "machine",
-            reason,
+            at_least=0.05,
+            on=Answer.MACHINE,
+            reason=reason,
         ),
-        Check("what is left of triangles without area", float(hole), "<=", 1.0 / 255.0, "machine", "dropped"),
+        Check(
+            "what is left of triangles without area",
+            float(hole),
+            at_most=1.0 / 255.0,
+            on=Answer.MACHINE,
+            reason="dropped",
+        ),
         Check(
             "colours of the found triangles, largest difference",
             float(np.abs(colors).max()),
-            "<=",
-            1.0 / 255.0,
-            "machine",
-            "what is found is shown",
+            at_most=1.0 / 255.0,
+            on=Answer.MACHINE,
+            reason="what is found is shown",
         ),
         arithmetic_check(figure, renderer, 0.0125, POWER_8),
     )

@@ -14,7 +14,7 @@ from click.testing import CliRunner
 from PIL import Image
 
 import fixedpipe.effects.figures
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.cli import _COMMANDS, main
 from fixedpipe.effects.figures import FIGURES, Method
 from fixedpipe.effects.figures.costs import SECONDS
@@ -186,7 +186,7 @@ def test_any_number_of_threads_gives_the_same_record(tmp_path):
 
 def with_check(monkeypatch, value):
     """Give K12 one cheap acceptance check, ``value`` <= 0.5."""
-    check = Check("a measured thing", value, "<=", 0.5, "machine", "half is enough")
+    check = Check("a measured thing", value, at_most=0.5, on=Answer.MACHINE, reason="half is enough")
     figure = replace(
         FIGURES["K12"],
         methods=(Method("register combiners", FIGURES["K12"].methods[0].scene, ("GEFORCE_256",)),),
@@ -228,7 +228,7 @@ def test_checks_that_raise_fail_and_the_other_figures_are_drawn(tmp_path, monkey
 def test_a_check_that_failed_is_shown_though_another_machine_drew_the_same_bits(tmp_path, monkeypatch):
     def acceptance(figure, renderer):
         value = float(renderer.profile is PROFILES["NV2A"])
-        return (Check("not on the NV2A", value, "<=", 0.5, "machine", "it is another"),)
+        return (Check("not on the NV2A", value, at_most=0.5, on=Answer.MACHINE, reason="it is another"),)
 
     methods = (Method("twice the same", FIGURES["K12"].methods[0].scene, ("GEFORCE_3", "NV2A")),)
     figure = replace(FIGURES["K12"], methods=methods, acceptance=acceptance)

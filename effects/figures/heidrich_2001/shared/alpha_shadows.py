@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement, ray_caster
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp, detail_of
@@ -134,44 +134,40 @@ def agreement_checks(figure, renderer, board, size, column, *, least, least_faci
         Check(
             "pixels whose shadow is the rays'",
             whole.agreeing,
-            ">=",
-            least,
-            "machine",
-            "what differs lies within a texel and a half of a shadow's edge, most of it where a round thing "
-            "turns away from the lamp; measured at the first correct picture",
+            at_least=least,
+            on=Answer.MACHINE,
+            reason="what differs lies within a texel and a half of a shadow's edge, most of it where a "
+            "round thing turns away from the lamp; measured at the first correct picture",
         ),
         Check(
             "the same of what faces the lamp, where a shadow can be seen",
             facing.agreeing,
-            ">=",
-            least_facing,
-            "machine",
-            "the catalogue's bound for the engine block with 8 bits and a bias of two steps",
+            at_least=least_facing,
+            on=Answer.MACHINE,
+            reason="the catalogue's bound for the engine block with 8 bits and a bias of two steps",
         ),
         Check(
             "differing pixels that nothing explains",
             whole.other,
-            "<=",
-            other,
-            "machine",
-            "acne that the bias leaves where the light comes in flat; measured at the first correct picture",
+            at_most=other,
+            on=Answer.MACHINE,
+            reason="acne that the bias leaves where the light "
+            "comes in flat; measured at the first correct picture",
         ),
         Check(
             "pixels that differ from the rays: the ideal's over the machine's",
             (1.0 - ideal.agreeing) / (1.0 - whole.agreeing),
-            "<=",
-            1.01,
-            "ideal",
-            "the same bias in the mean, and no rounding to steps: a bias of two steps leaves little of what "
-            "that costs, and twelve bits nothing",
+            at_most=1.01,
+            on=Answer.IDEAL,
+            reason="the same bias in the mean, and no rounding to steps: a bias of two steps leaves little "
+            "of what that costs, and twelve bits nothing",
         ),
         Check(
             "differing pixels that nothing explains",
             ideal.other,
-            "<=",
-            other,
-            "ideal",
-            "the algorithm's own: a texel's depth is its centre's",
+            at_most=other,
+            on=Answer.IDEAL,
+            reason="the algorithm's own: a texel's depth is its centre's",
         ),
     )
 
@@ -189,26 +185,24 @@ def brightness_checks(figure, renderer, size, shadowed, without):
         Check(
             "how much brighter a pixel is with shadows than without",
             float((a - b).max()),
-            "<=",
-            1.0 / 255.0,
-            "machine",
-            "the catalogue's: the same passes, in another place of the window",
+            at_most=1.0 / 255.0,
+            on=Answer.MACHINE,
+            reason="the catalogue's: the same passes, in another place of the window",
         ),
         Check(
             "largest difference where the light is not blocked",
             float(np.abs(a - b)[lit].max()),
-            "<=",
-            1.0 / 255.0,
-            "machine",
-            "the catalogue's: the same passes, in another place of the window",
+            at_most=1.0 / 255.0,
+            on=Answer.MACHINE,
+            reason="the catalogue's: the same passes, in another place of the window",
         ),
         Check(
             "mean of what is left in shadow on faces towards the lamp, of the light there",
             float(a[dark].sum() / b[dark].sum()) if dark.any() else float("nan"),
-            "<=",
-            0.43,
-            "machine",
-            "only ambient light is there; measured at the first correct picture, with a third of slack",
+            at_most=0.43,
+            on=Answer.MACHINE,
+            reason="only ambient light is there; measured at "
+            "the first correct picture, with a third of slack",
         ),
     )
 
@@ -220,13 +214,18 @@ def pass_checks(figure, renderer, board, coding, wanted, reason, size=32):
     frame = compared(panel, renderer.profile, board, coding, background=parameters["background"], **common)
     map_ = stored(panel, renderer.profile, board, coding, ratio=parameters["ratio"], **common)
     return (
-        Check("passes of a frame where nothing moves", alpha.passes(frame), "<=", wanted, "machine", reason),
+        Check(
+            "passes of a frame where nothing moves",
+            alpha.passes(frame),
+            at_most=wanted,
+            on=Answer.MACHINE,
+            reason=reason,
+        ),
         Check(
             "passes where light or objects move",
             alpha.passes((*map_, *frame)),
-            "<=",
-            wanted + 1,
-            "machine",
-            reason,
+            at_most=wanted + 1,
+            on=Answer.MACHINE,
+            reason=reason,
         ),
     )

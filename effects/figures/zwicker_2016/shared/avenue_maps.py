@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.geometry.views import Panel, row_of_panels
 from fixedpipe.effects.scenes import avenue
@@ -133,11 +133,10 @@ def others(found, bound=5e-4, measured=0.0002):
     return Check(
         "pixels that differ from rays without a reason, largest share",
         max(f.other / f.compared for f in found),
-        "<=",
-        bound,
-        "machine",
-        "texels at the edge of two faces have the one's polygon offset and shade the other, on crowns of "
-        f"trees and on the far gate; measured {measured}",
+        at_most=bound,
+        on=Answer.MACHINE,
+        reason="texels at the edge of two faces have the one's polygon offset and shade the other, on "
+        f"crowns of trees and on the far gate; measured {measured}",
     )
 
 

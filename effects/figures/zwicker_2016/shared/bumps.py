@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.bump_mapping import normal_maps
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import panel_of
@@ -77,9 +77,9 @@ def silhouette_check(figure, renderer, size, without, with_bumps):
     reason = "bump mapping turns normals and moves no vertex: the catalogue's"
     return (
         Check("pixels that are the object's with bumps or without, not both",
-              float((covered[0] != covered[1]).sum()), "<=", 0.0, "machine", reason),
-        Check("share of the panel that the object covers", float(covered[0].mean()), ">=", 0.2, "machine",
-              "there is something to compare"),
-        Check("largest difference between the two", float(np.abs(images[0] - images[1]).max()), ">=", 0.1,
-              "machine", "one of them has bumps"),
+              float((covered[0] != covered[1]).sum()), at_most=0.0, on=Answer.MACHINE, reason=reason),
+        Check("share of the panel that the object covers", float(covered[0].mean()), at_least=0.2,
+              on=Answer.MACHINE, reason="there is something to compare"),
+        Check("largest difference between the two", float(np.abs(images[0] - images[1]).max()), at_least=0.1,
+              on=Answer.MACHINE, reason="one of them has bumps"),
     )  # fmt: skip

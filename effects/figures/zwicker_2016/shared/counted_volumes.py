@@ -5,7 +5,7 @@ and Z23 compare them.
 import numpy as np
 
 from fixedpipe.effects.acceptance.agreement import compare, lit_mask, truth_of
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp
 from fixedpipe.effects.shadows import shadow_volumes
 
@@ -20,7 +20,7 @@ def counted(renderer, algorithm, view, objects, lamp, on, operations=None):
     panel, profile = view.panel, renderer.profile
     passes = algorithm(objects, view, lamp, profile, "mask", operations=operations)
     commands = (panel.clear((0.0, 0.0, 0.0)), *passes)
-    if on == "machine":
+    if on is Answer.MACHINE:
         buffers = renderer.execute(commands, profile, panel.width, panel.height).framebuffer
         color = buffers.color[..., :3] / (2.0**buffers.color_bits - 1.0)
     else:
@@ -39,24 +39,22 @@ def expected_counts(volumes, truth, start=0.0):
     return out
 
 
-def count_checks(renderer, view, objects, lamp, least, reason, ons=("ideal", "machine")):
+def count_checks(renderer, view, objects, lamp, least, reason):
     """Both algorithms' counts against rays, and their masks' differences that nothing explains."""
     truth = truth_of(objects, view, lamp)
     volumes = shadow_volumes.shadow_volumes(objects, lamp.homogeneous)
-    expected, out = expected_counts(volumes, truth), []
+    expected = expected_counts(volumes, truth)
     for name, algorithm in (("z-pass", shadow_volumes.z_pass), ("z-fail", shadow_volumes.z_fail)):
-        for on in ons:
+        for on in Answer:
             counts, mask = counted(renderer, algorithm, view, objects, lamp, on)
             equal = float((counts == expected)[truth.shown.something].mean())
-            out.append(Check(f"{name}: pixels whose count is the rays'", equal, ">=", least, on, reason))
-            out.append(
-                Check(
-                    f"{name}: pixels lit or not unlike the rays', not on an edge",
-                    compare(mask, truth).other,
-                    "<=",
-                    0.0,
-                    on,
-                    "shadow volumes are exact in the picture: only edges may differ, by a pixel",
-                )
+            yield Check(
+                f"{name}: pixels whose count is the rays'", equal, at_least=least, on=on, reason=reason
             )
-    return out
+            yield Check(
+                f"{name}: pixels lit or not unlike the rays', not on an edge",
+                compare(mask, truth).other,
+                at_most=0.0,
+                on=on,
+                reason="shadow volumes are exact in the picture: only edges may differ, by a pixel",
+            )
