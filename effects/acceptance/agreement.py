@@ -43,7 +43,7 @@ def truth_of(scene, view, lamp, self_shadows=True):
 
 
 def lit_mask(picture):
-    """Where a picture [h, w, 3] of ``lit_scene``'s shading "mask" is lit: its red is above one half."""
+    """Where a picture [h, w, 3] of ``SceneShading.MASK`` is lit: its red is above one half."""
     return picture[..., 0] > 0.5
 
 

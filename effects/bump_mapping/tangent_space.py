@@ -33,11 +33,12 @@ surface's normal); pass sequence A-Z03/Z04 of the catalogue; artefact Z27.
 """
 
 from dataclasses import dataclass, replace
+from enum import StrEnum
 
 import numpy as np
 
 from fixedpipe.effects.geometry.vectors import cross, dot, normalize
-from fixedpipe.effects.passes.arguments import one_of
+from fixedpipe.effects.passes.arguments import member_of
 from fixedpipe.effects.technique import Technique
 
 TECHNIQUES = (
@@ -84,7 +85,7 @@ def affine_maps(points, coordinates):
     if len(empty):
         raise ValueError(
             f"{_count(empty)} no area in texture space ({_listed(empty)}), so there is no x(u, v) for "
-            "them; give other texture coordinates, or leave them out (with_tangents, zero_area='drop')."
+            "them; give other texture coordinates, or leave them out (with_tangents, ZeroArea.DROP)."
         )
     corner, area = coordinates[:, 0], texture_areas(coordinates)[:, None]
     d1, d2 = coordinates[:, 1] - corner, coordinates[:, 2] - corner
@@ -270,7 +271,24 @@ def vertex_tangents(surface):
     return tangents, np.where(dot(cross(surface.normals, tangents), across) < 0.0, -1.0, 1.0)
 
 
-def with_tangents(surface, zero_area="refuse", mirrored="sign"):
+class ZeroArea(StrEnum):
+    """What becomes of triangles without an area in texture space."""
+
+    REFUSE = "refuse"  # ValueError
+    DROP = "drop"  # a hole
+    KEEP = "keep"  # with what their vertices have of other triangles
+
+
+class Mirrored(StrEnum):
+    """What becomes of triangles whose texture coordinates are mirrored."""
+
+    SIGN = "sign"  # they stay, and the sign of the binormal says so
+    DROP = "drop"
+    MIRROR = "mirror"  # mirrored back, each about the middle of its u, so that its bumps run the other way
+    REFUSE = "refuse"  # ValueError
+
+
+def with_tangents(surface, zero_area=ZeroArea.REFUSE, mirrored=Mirrored.SIGN):
     """A surface with the tangents and binormals that its texture coordinates give (Z03, Z04, Z27).
 
     Parameters
@@ -278,36 +296,33 @@ def with_tangents(surface, zero_area="refuse", mirrored="sign"):
     surface
         A ``surfaces.Surface``; positions, normals, texture coordinates and triangles are taken.
     zero_area
-        What becomes of triangles without an area in texture space: "refuse" them (ValueError), "drop" them
-        (a hole), or "keep" them with what their vertices have of other triangles.
+        What becomes of triangles without an area in texture space.
     mirrored
-        What becomes of mirrored triangles: keep them, and let the "sign" of the binormal say so; "drop" them;
-        "mirror" them back, each about the middle of its u, so that its bumps run the other way; or "refuse".
-        Vertices that a mirrored and another triangle share become two.
+        What becomes of mirrored triangles. Vertices that a mirrored and another triangle share become two.
 
-    Raises ValueError for another word, and where it refuses, with the Report's sentence.
+    Raises ValueError for anything else, and where it refuses, with the Report's sentence.
     """
-    one_of(("refuse", "drop", "keep"), zero_area, "What becomes of triangles without area")
-    one_of(("sign", "drop", "mirror", "refuse"), mirrored, "What becomes of mirrored triangles")
+    member_of(ZeroArea, zero_area, "What becomes of triangles without area")
+    member_of(Mirrored, mirrored, "What becomes of mirrored triangles")
     report = examine_surface(surface)
     refused = [
-        *(report.zero_area if zero_area == "refuse" else ()),
-        *(report.mirrored if mirrored == "refuse" else ()),
+        *(report.zero_area if zero_area is ZeroArea.REFUSE else ()),
+        *(report.mirrored if mirrored is Mirrored.REFUSE else ()),
     ]
     if refused:
         raise ValueError(
-            f"{report.text()} Give other texture coordinates, or zero_area='drop' and mirrored='sign'."
+            f"{report.text()} Give other texture coordinates, or ZeroArea.DROP and Mirrored.SIGN."
         )
     keep, turned = np.ones(len(surface.triangles), bool), np.zeros(len(surface.triangles), bool)
     turned[report.mirrored] = True
-    keep[report.zero_area] = zero_area != "drop"
-    keep[report.mirrored] &= mirrored != "drop"
+    keep[report.zero_area] = zero_area is not ZeroArea.DROP
+    keep[report.mirrored] &= mirrored is not Mirrored.DROP
     if not keep.any():
         raise ValueError(f"{report.text()} Nothing is left to draw; give other texture coordinates.")
     surface, turned = replace(surface, triangles=surface.triangles[keep]), turned[keep]
     if turned.any():
         surface = _split(surface, turned)
-        if mirrored == "mirror":
+        if mirrored is Mirrored.MIRROR:
             surface = _mirrored_back(surface, turned)
     tangents, signs = vertex_tangents(surface)
     return replace(surface, tangents=tangents, binormals=binormals(surface.normals, tangents, signs))

@@ -1,5 +1,5 @@
-"""Checks of techniques' arguments: a colour, one of several names, a positive number. Each raises a
-ValueError that names what does not fit.
+"""Checks of techniques' arguments: a colour, one of several names, a member of an Enum, a positive number.
+Each raises a ValueError that names what does not fit.
 """
 
 import math
@@ -22,6 +22,16 @@ def one_of(choices, given, what):
     """What was given. Raises ValueError, naming ``what``, where it is none of the choices."""
     if given not in choices:
         raise ValueError(f"{what} is {given!r}; give one of {', '.join(map(repr, choices))}.")
+    return given
+
+
+def member_of(kind, given, what):
+    """What was given. Raises ValueError, naming ``what``, where it is no member of the Enum ``kind``: a word
+    that only compares equal to one is none.
+    """
+    if not isinstance(given, kind):
+        choices = ", ".join(f"{kind.__name__}.{member.name}" for member in kind)
+        raise ValueError(f"{what} is {given!r}; give one of {choices}.")
     return given
 
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors
 from fixedpipe.effects.passes import pixel_texture_copies, software_pixel_texture
-from fixedpipe.effects.passes.arguments import one_of
+from fixedpipe.effects.passes.arguments import member_of
 from fixedpipe.effects.passes.combiners import ONE, TEXTURE0, TEXTURE1, alpha_of, constant_product
 from fixedpipe.effects.passes.draws import (
     FIRST_PASS,
@@ -33,6 +33,7 @@ from fixedpipe.effects.passes.encoding import encode_vertex_color
 from fixedpipe.effects.reflectance import pixel_textures
 from fixedpipe.effects.reflectance.anisotropic_blinn_phong import combiners
 from fixedpipe.effects.reflectance.material_textures import LARGEST_EXPONENT
+from fixedpipe.effects.reflectance.pixel_textures import UpTo
 from fixedpipe.effects.reflectance.sampled_functions import stored_exponent
 from fixedpipe.effects.technique import AnotherWay
 from fixedpipe.pipeline.commands import HostStep
@@ -72,7 +73,7 @@ def blinn_phong(
     specular=(1.0, 1.0, 1.0),
     sampler=REPEATED,
     with_exponent=True,
-    stage=None,
+    up_to=UpTo.GLOSS,
 ):
     """K05: k_s F(N, e), which replaces what the polygon covers; a diffuse pass is added afterwards. K06,
     where not ``with_exponent``: k_s sqrt(e).
@@ -85,10 +86,10 @@ def blinn_phong(
         The material's texture objects (``material_textures.MaterialNames``).
     specular
         RGB in [0, 1], by which k_s is multiplied.
-    stage
-        None; or "coordinates" or "lookup": draw the pixels (s, t) that are looked up, or F(N, e), and end.
+    up_to
+        Where it ends.
     """
-    one_of((None, "coordinates", "lookup"), stage, "The stage")
+    member_of(UpTo, up_to, "How far it is drawn")
     panel, tables = view.panel, (pixel_textures.root_table, pixel_textures.power_table)
     table = tables[with_exponent](profile)
     name = f"e, N from ({panel.x}, {panel.y}) on"
@@ -100,7 +101,7 @@ def blinn_phong(
         if not with_exponent:
             found[..., 0] = pixels[name][..., 0]
             label = "s = e"
-        if stage != "coordinates":
+        if up_to is not UpTo.COORDINATES:
             found, label = software_pixel_texture.look_up(found, table), function
         return (software_pixel_texture.drawn(label, found, x=panel.x, y=panel.y, state=marked),)
 
@@ -125,5 +126,5 @@ def blinn_phong(
         ),
         software_pixel_texture.read_back(name, x=panel.x, y=panel.y, width=panel.width, height=panel.height),
         HostStep(label=f"the host: look up {function}", reads=(name,), commands=looked_up),
-        *(() if stage else (gloss,)),
+        *((gloss,) if up_to is UpTo.GLOSS else ()),
     )

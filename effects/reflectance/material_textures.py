@@ -9,6 +9,7 @@ the catalogue; limits: its artefact P10; which alpha holds which: its section on
 """
 
 from dataclasses import dataclass
+from enum import Enum
 from functools import lru_cache
 
 import numpy as np
@@ -23,6 +24,7 @@ from fixedpipe.effects.geometry.height_fields import (
     value_noise,
 )
 from fixedpipe.effects.geometry.vectors import cosine, cross, dot, normalize, sine
+from fixedpipe.effects.passes.arguments import member_of
 from fixedpipe.effects.passes.encoding import encode_factor, encode_rgba
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import TexImage
@@ -167,18 +169,24 @@ def isotropic(columns, rows, alpha, k_s=1.0):
     return from_slopes(zero, zero, alpha, alpha, k_s)
 
 
-def _strokes(columns, rows, along, cells, seed):
-    """Noise in [-1, 1] of strokes along 's' or 't', one texel wide and 1/``cells`` of the texture long.
+class Brushing(Enum):
+    """Which of a texture's coordinates strokes run along."""
+
+    ALONG_S = "s"
+    ALONG_T = "t"
+
+
+def _strokes(columns, rows, brushing, cells, seed):
+    """Noise in [-1, 1] of strokes, one texel wide and 1/``cells`` of the texture long.
 
     Rounded to multiples of 1/256.
     """
-    if along not in ("s", "t"):
-        raise ValueError(f"The brushing runs along {along!r}; give 's' or 't'.")
-    size = (columns, rows) if along == "s" else (rows, columns)
+    along_s = member_of(Brushing, brushing, "The brushing") is Brushing.ALONG_S
+    size = (columns, rows) if along_s else (rows, columns)
     # As many lattice cells across the strokes as texels: every row of texels is a row of strokes.
     noise = value_noise(*size, cells, size[1], seed)
     noise = np.floor(noise * 256.0 + 0.5) / 256.0
-    return noise if along == "s" else noise.T
+    return noise if along_s else noise.T
 
 
 def _read_only(material):
@@ -188,19 +196,19 @@ def _read_only(material):
 
 
 @lru_cache(maxsize=2)
-def brushed(columns, rows, along, *, alpha_x, alpha_y, spread, depth=0.0, k_s=(0.7, 1.0), seed=1):
-    """A surface brushed along 's' or 't': tangents follow the strokes within +-``spread`` degrees.
+def brushed(columns, rows, brushing, *, alpha_x, alpha_y, spread, depth=0.0, k_s=(0.7, 1.0), seed=1):
+    """A brushed surface: tangents follow the strokes within +-``spread`` degrees.
 
     ``depth``: the largest slope across the strokes. ``k_s``: its range over the strokes. Strokes are one
     texel wide and a sixteenth of the texture long. Every amount is a multiple of 1/256 of its range.
     The last two are kept, for a figure is made for a machine and for the ideal: arrays are read-only.
     """
-    angles = np.radians(spread * _strokes(columns, rows, along, 16, seed))
-    angles = angles + (0.0 if along == "s" else np.pi / 2)
-    across = depth * _strokes(columns, rows, along, 16, seed + 1)
+    angles = np.radians(spread * _strokes(columns, rows, brushing, 16, seed))
+    angles = angles + (0.0 if brushing is Brushing.ALONG_S else np.pi / 2)
+    across = depth * _strokes(columns, rows, brushing, 16, seed + 1)
     zero = np.zeros(across.shape)
-    slope = (zero, across) if along == "s" else (across, zero)
-    gloss = k_s[0] + (k_s[1] - k_s[0]) * (0.5 + 0.5 * _strokes(columns, rows, along, 24, seed + 2))
+    slope = (zero, across) if brushing is Brushing.ALONG_S else (across, zero)
+    gloss = k_s[0] + (k_s[1] - k_s[0]) * (0.5 + 0.5 * _strokes(columns, rows, brushing, 24, seed + 2))
     return _read_only(_turned(angles, *slope, alpha_x, alpha_y, gloss))
 
 
@@ -214,9 +222,9 @@ def brushed_bumps(slope_s, slope_t, *, alpha_x, alpha_y, spread, stroke_depth, k
     Strokes are one texel wide and about an eighth of the texture long; their amounts are multiples of 1/256.
     """
     rows, columns = slope_s.shape
-    angles = np.radians(spread * _strokes(columns, rows, "s", 8, seed + 4))
-    across = slope_t + stroke_depth * _strokes(columns, rows, "s", 8, seed + 3)
-    gloss = k_s[0] + (k_s[1] - k_s[0]) * (0.5 + 0.5 * _strokes(columns, rows, "s", 12, seed + 5))
+    angles = np.radians(spread * _strokes(columns, rows, Brushing.ALONG_S, 8, seed + 4))
+    across = slope_t + stroke_depth * _strokes(columns, rows, Brushing.ALONG_S, 8, seed + 3)
+    gloss = k_s[0] + (k_s[1] - k_s[0]) * (0.5 + 0.5 * _strokes(columns, rows, Brushing.ALONG_S, 12, seed + 5))
     return _turned(angles, slope_s, across, alpha_x, alpha_y, gloss)
 
 

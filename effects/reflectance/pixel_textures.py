@@ -22,10 +22,12 @@ Source: Kautz, Seidel 2000, sections 3.1 to 3.3, 4.2 and 5; SGIX_pixel_texture; 
 A-K06, A-K08 and A-K09 of the catalogue (K15: its cost).
 """
 
+from enum import Enum
+
 import numpy as np
 
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors, light_vectors, view_vectors
-from fixedpipe.effects.passes.arguments import checked_rgb, one_of, positive
+from fixedpipe.effects.passes.arguments import checked_rgb, member_of, positive
 from fixedpipe.effects.passes.draws import ADD, MULTIPLY_DESTINATION, REPEATED, SUBTRACT_FROM_SOURCE
 from fixedpipe.effects.passes.pixel_texture_copies import (
     ALPHA,
@@ -221,6 +223,14 @@ def root_table(profile, bits=8):
     return sampled(np.sqrt, ROOT_TEXELS, profile=profile, bits=bits)
 
 
+class UpTo(Enum):
+    """How far K05 is drawn."""
+
+    COORDINATES = "coordinates"  # the pixels (s, t) that are looked up
+    LOOKUP = "lookup"  # F(N, e)
+    GLOSS = "gloss"  # k_s F(N, e)
+
+
 def blinn_phong(
     surface,
     material,
@@ -233,7 +243,7 @@ def blinn_phong(
     sampler=REPEATED,
     with_exponent=True,
     gated=False,
-    stage=None,
+    up_to=UpTo.GLOSS,
 ):
     """K05: k_s F(N, e) with F(N, e) = (sqrt e)^N looked up, e = 1 - (h.t/ax)^2 - (h.b/ay)^2 and N per texel;
     K06, where not ``with_exponent``: k_s sqrt(e), a one-dimensional lookup.
@@ -242,11 +252,10 @@ def blinn_phong(
     takes its place in red by a color mask, and the lookup reads s from red and t from green. One copy. Alphas
     below 1/4 are allowed.
 
-    ``gated``: times min(1, 4 (n.l)+), as ``diffuse_bump`` gates the register combiners' pass. ``stage``:
-    None; or "coordinates" or "lookup": end before or after the lookup. The other parameters are those of
-    ``banks``.
+    ``gated``: times min(1, 4 (n.l)+), as ``diffuse_bump`` gates the register combiners' pass. ``up_to``:
+    where it ends. The other parameters are those of ``banks``.
     """
-    one_of((None, "coordinates", "lookup"), stage, "The stage")
+    member_of(UpTo, up_to, "How far it is drawn")
     half = flat_vector(half_vectors(surface, view, light), "halfway vector")
     scaled_t = material.tangents / material.alpha_x[..., None]
     scaled_b = material.binormals / material.alpha_y[..., None]
@@ -273,8 +282,8 @@ def blinn_phong(
         toward_light = flat_vector(light_vectors(surface, light), "light vector")
         gate = _times_normal_light(material, toward_light, profile, bits, gain=4.0, **drawn)
     shaded = (*_times_gloss(material.k_s, specular, profile, bits, **drawn), *gate)
-    if stage is not None:
-        lookup, shaded = lookup if stage == "lookup" else lookup[:-1], ()
+    if up_to is not UpTo.GLOSS:
+        lookup, shaded = lookup if up_to is UpTo.LOOKUP else lookup[:-1], ()
     return (
         table,
         begin(view),

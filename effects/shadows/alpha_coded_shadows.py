@@ -43,13 +43,14 @@ A-H38); NV_register_combiners; EXT_blend_subtract; OpenGL 1.2.1 sections 2.10.4,
 """
 
 from dataclasses import dataclass, replace
+from enum import Enum
 
 import numpy as np
 
 from fixedpipe.effects.geometry.matrices import eye_plane
 from fixedpipe.effects.geometry.surfaces import plane
 from fixedpipe.effects.geometry.views import Panel
-from fixedpipe.effects.passes.arguments import one_of
+from fixedpipe.effects.passes.arguments import member_of
 from fixedpipe.effects.passes.combiners import (
     SPARE0,
     TEXTURE0,
@@ -73,7 +74,14 @@ from fixedpipe.effects.passes.draws import (
     SUBTRACT,
     unit,
 )
-from fixedpipe.effects.shadows.lit_scene import NO_COLOR, draw_object, lit_lighting, lit_pass, unlit_pass
+from fixedpipe.effects.shadows.lit_scene import (
+    NO_COLOR,
+    SceneShading,
+    draw_object,
+    lit_lighting,
+    lit_pass,
+    unlit_pass,
+)
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import (
     Clear,
@@ -115,7 +123,6 @@ TECHNIQUES = (
     Technique("H38", "alpha-coded shadows by one unit: the difference in destination alpha", "2.1"),
 )
 
-COMPONENTS = ("alpha", "red")
 ONLY_ALPHA, ONLY_RGB = ColorMask(False, False, False, True), ColorMask(True, True, True, False)
 ADD_WHERE_ALPHA_IS_ZERO = Blending(BlendFactor.ONE_MINUS_DST_ALPHA, BlendFactor.ONE)
 RAMP, MAP = "ramp of depths", "alpha-coded shadow map"
@@ -124,6 +131,13 @@ _ONE_MINUS_ALPHA = PixelTransfer(scale=(1.0, 1.0, 1.0, -1.0), bias=(0.0, 0.0, 0.
 # for the two roundings, one for the slope of what is seen under a texel.
 BIAS = 2.0
 _NOT_GENERATED = TexGen()
+
+
+class DepthComponent(Enum):
+    """The window's component that holds depths: alpha, or red where the window has no alpha."""
+
+    ALPHA = "alpha"
+    RED = "red"
 
 
 @dataclass(frozen=True)
@@ -136,7 +150,7 @@ class Coding:
     corrected  whether s is made s', for which the ramp is exact
     linear     the paper's linear depth; False: the depth that a z-buffer would have, for comparison (study
                P5), a division per pixel
-    component  of the window: "alpha", or "red" where it has no alpha
+    component  of the window
     """
 
     bits: int = 8
@@ -144,10 +158,10 @@ class Coding:
     bias: float = BIAS
     corrected: bool = True
     linear: bool = True
-    component: str = "alpha"
+    component: DepthComponent = DepthComponent.ALPHA
 
     def __post_init__(self):
-        one_of(COMPONENTS, self.component, "The component of depths")
+        member_of(DepthComponent, self.component, "The component of depths")
         if not 4 <= self.bits <= 16 or self.bits != int(self.bits):
             raise ValueError(f"Depths of {self.bits} bits; a machine's components have 4 to 16.")
         if self.width < 2 or self.width & (self.width - 1):
@@ -167,7 +181,7 @@ class Coding:
 
     def internal_format(self, profile):
         """Of the ramp and of the map: as wide as the machine's components where they are wider than bytes."""
-        base = "ALPHA" if self.component == "alpha" else "INTENSITY"
+        base = "ALPHA" if self.component is DepthComponent.ALPHA else "INTENSITY"
         wide = InternalFormat[f"{base}12"]
         if self.bits > 8 and wide in profile.internal_formats:
             return wide
@@ -212,7 +226,9 @@ def map_unit(lamp, view, name=MAP, **settings):
     return unit(name, NEAREST, gen=gen, **settings)
 
 
-def store_map(scene, lamp, panel, edge, profile, coding, *, name=MAP, subtract=True, shading="lit"):
+def store_map(
+    scene, lamp, panel, edge, profile, coding, *, name=MAP, subtract=True, shading=SceneShading.LIT
+):
     """P0, H36: the scene from the light, depth as alpha, and the copy of it as a texture.
 
     Parameters
@@ -262,7 +278,7 @@ def store_map(scene, lamp, panel, edge, profile, coding, *, name=MAP, subtract=T
 
 
 def picture_from_light(
-    scene, lamp, panel, coding, *, bias, viewport=None, shading="lit", background=(0.0, 0.0, 0.0)
+    scene, lamp, panel, coding, *, bias, viewport=None, shading=SceneShading.LIT, background=(0.0, 0.0, 0.0)
 ):
     """The scene as the light sees it, alpha its depth, ``bias`` steps farther; red where that is the depth.
 
@@ -272,7 +288,7 @@ def picture_from_light(
     view = lamp.view(panel if viewport is None else viewport)
     ramp = coding.ramp_unit(lamp, view, bias, environment=REPLACE)
     # Where nothing is drawn the map is as far as it goes.
-    rgb = background if coding.component == "alpha" else (1.0, 1.0, 1.0)
+    rgb = background if coding.component is DepthComponent.ALPHA else (1.0, 1.0, 1.0)
     label = "clear to the farthest depth"
     clear = Clear(label=label, color=(*rgb, 1.0), depth=1.0, scissor=panel.scissor)
     draws = (
@@ -330,7 +346,7 @@ def _marked_passes(scene, view, lamp, shading, background, marking):
     )
 
 
-def with_combiners(scene, view, lamp, profile, coding, *, background, shading="lit", name=MAP):
+def with_combiners(scene, view, lamp, profile, coding, *, background, shading=SceneShading.LIT, name=MAP):
     """H37 by register combiners: max(0, ramp - map) is alpha; what has none is lit.
 
     ``store_map`` before it; parameters as there. ``view``: the camera's View.
@@ -353,7 +369,7 @@ def with_combiners(scene, view, lamp, profile, coding, *, background, shading="l
     return _marked_passes(scene, view, lamp, shading, background, marking)
 
 
-def with_environments(scene, view, lamp, profile, coding, *, background, shading="lit", name=MAP):
+def with_environments(scene, view, lamp, profile, coding, *, background, shading=SceneShading.LIT, name=MAP):
     """H37 by the texture environments of two units: 1/2 + (ramp - map) is alpha; what has at most one half is
     lit.
 
@@ -403,7 +419,7 @@ def scale_alpha(panel, bits, *, subtract=True):
 
 
 def difference_in_alpha(
-    scene, view, lamp, profile, coding, *, background, subtract=True, shading="lit", name=MAP
+    scene, view, lamp, profile, coding, *, background, subtract=True, shading=SceneShading.LIT, name=MAP
 ):
     """P1 and the first two parts of H38's P2: the scene without the light, and ramp minus map as destination
     alpha; without ``subtract`` ramp plus one minus map, at most one. Parameters as of ``with_one_unit``.
@@ -434,7 +450,17 @@ def difference_in_alpha(
 
 
 def with_one_unit(
-    scene, view, lamp, profile, coding, *, background, alpha_bits=8, subtract=True, shading="lit", name=MAP
+    scene,
+    view,
+    lamp,
+    profile,
+    coding,
+    *,
+    background,
+    alpha_bits=8,
+    subtract=True,
+    shading=SceneShading.LIT,
+    name=MAP,
 ):
     """H38, one texture unit: the difference in destination alpha, made zero or one by a copy of the window.
 
@@ -445,7 +471,7 @@ def with_one_unit(
     Raises ValueError for a window without alpha. ``fixedpipe.pipeline.validation`` refuses the passes where a
     machine cannot subtract.
     """
-    if alpha_bits < 1 or coding.component != "alpha":
+    if alpha_bits < 1 or coding.component is not DepthComponent.ALPHA:
         raise ValueError(
             "H38 keeps the difference of depths in the window's alpha, and this window has none; ask for one "
             "with destination alpha, or compare in one pass with two texture units (H37)."

@@ -15,7 +15,7 @@ Source: document 003, "Terminology", "Hard and soft shadows"; the accumulation o
 from dataclasses import replace
 
 from fixedpipe.effects.passes.arguments import positive
-from fixedpipe.effects.shadows.lit_scene import lit_pass, unlit_pass
+from fixedpipe.effects.shadows.lit_scene import SceneShading, lit_pass, unlit_pass
 from fixedpipe.effects.shadows.shadow_volumes import (
     NOT_SHADOWED,
     counting_operations,
@@ -52,7 +52,7 @@ def lamps_of(lamp, width, count=POINTS):
     return tuple(out)
 
 
-def accumulated_lights(scene, view, lamps, profile, shading="lit"):
+def accumulated_lights(scene, view, lamps, profile, shading=SceneShading.LIT):
     """The scene under the mean light of ``lamps``. The panel's colours and depths have been cleared.
 
     Raises ValueError where there is no lamp.

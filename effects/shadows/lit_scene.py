@@ -1,12 +1,13 @@
 """The passes that every shadow algorithm shares: a scene without the light, its light, and its depths seen
 from the light.
 
-Lighting is OpenGL's, per vertex; one Draw for each object. With ``shading`` "mask" the first pass is black
-and the light white, so that what is lit can be read off the picture.
+Lighting is OpenGL's, per vertex; one Draw for each object.
 """
 
+from enum import StrEnum
+
 from fixedpipe.effects.geometry.matrices import transform
-from fixedpipe.effects.passes.arguments import one_of
+from fixedpipe.effects.passes.arguments import member_of
 from fixedpipe.effects.passes.draws import ADD, FIRST_PASS, LATER_PASS
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import Draw
@@ -16,7 +17,6 @@ TECHNIQUES = (
     Technique("Z29", "what shadows tell: a scene with and without them", "Why are shadows important?"),
 )
 
-SHADINGS = ("lit", "mask")
 NO_COLOR = ColorMask(False, False, False, False)
 _BLACK, _WHITE = (0.0, 0.0, 0.0, 1.0), (1.0, 1.0, 1.0, 1.0)
 # Assumed: light from everywhere that leaves shadows dark enough to be seen and light enough to see into.
@@ -27,20 +27,31 @@ LAMP_COLOR = (0.78, 0.76, 0.70, 1.0)
 SHININESS = 32.0
 
 
+class SceneShading(StrEnum):
+    """What the passes make of a scene. A figure's parameters print the value."""
+
+    LIT = "lit"  # its materials under ambient light and the lamp
+    MASK = "mask"  # white where it is lit, black elsewhere, so that shadows can be read off the picture
+
+
+def _is_mask(shading):
+    return member_of(SceneShading, shading, "The shading") is SceneShading.MASK
+
+
 def _emitting(color):
     return Lighting(model_ambient=_BLACK, front=Material(_BLACK, _BLACK, _BLACK, color))
 
 
 def unlit_lighting(thing, shading):
     """Lighting without the lamp: ambient light alone."""
-    if one_of(SHADINGS, shading, "The shading") == "mask":
+    if _is_mask(shading):
         return _emitting(_BLACK)
     return Lighting(model_ambient=AMBIENT, front=Material(ambient=(*thing.color, 1.0), diffuse=_BLACK))
 
 
 def lit_lighting(thing, view, lamp, shading):
     """The lamp's light alone, without any ambient light."""
-    if one_of(SHADINGS, shading, "The shading") == "mask":
+    if _is_mask(shading):
         return _emitting(_WHITE)
     strength = thing.specular
     light = Light(
@@ -69,7 +80,7 @@ def draw_object(label, thing, view, *, lighting=None, clip_planes=(), **settings
     return Draw(label=f"{label}: {thing.name}", mesh=thing.mesh, state=state)
 
 
-def unlit_pass(scene, view, shading="lit", **settings):
+def unlit_pass(scene, view, shading=SceneShading.LIT, **settings):
     """The scene without the light's contribution; it leaves the depths that later passes test for."""
     settings.setdefault("depth_test", FIRST_PASS)
     return tuple(
@@ -80,7 +91,9 @@ def unlit_pass(scene, view, shading="lit", **settings):
     )
 
 
-def lit_pass(scene, view, lamp, shading="lit", *, label="light where it is not blocked", **settings):
+def lit_pass(
+    scene, view, lamp, shading=SceneShading.LIT, *, label="light where it is not blocked", **settings
+):
     """The light's contribution, added. ``settings``: what lets it pass (a stencil test, texture units)."""
     settings.setdefault("depth_test", LATER_PASS)
     settings.setdefault("blending", ADD)

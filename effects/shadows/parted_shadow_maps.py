@@ -9,11 +9,12 @@ Source: document 003, "limited field of view" and "sampling problems"; A-Z11, A-
 """
 
 from dataclasses import dataclass, replace
+from enum import StrEnum
 
-from fixedpipe.effects.passes.arguments import checked_rgb, one_of, positive
+from fixedpipe.effects.passes.arguments import checked_rgb, member_of, one_of, positive
 from fixedpipe.effects.scenes.objects_and_lamps import Scene
 from fixedpipe.effects.shadows import cube_of_maps, frustum_slices, light_space, shadow_maps
-from fixedpipe.effects.shadows.lit_scene import unlit_pass
+from fixedpipe.effects.shadows.lit_scene import SceneShading, unlit_pass
 from fixedpipe.effects.technique import AnotherWay, Technique
 
 TECHNIQUES = (
@@ -22,10 +23,18 @@ TECHNIQUES = (
     AnotherWay(("Z11", "Z14", "Z15"), "the passes that draw with several maps"),
 )
 
-WAYS = ("basic", "slices", "LiSPSM", "slices and LiSPSM")
 # Measured, on the avenue at 256 pixels and texels: of the pixels that face the light 0.11 % are in their own
 # surface's shadow with a factor of 1.1 and LiSPSM, 0.02 % with 2; beyond, shadows leave what throws them.
 OFFSETS = {"factor": 2.0, "units": 4.0}
+
+
+class MapFit(StrEnum):
+    """What shadow maps of a light far away are fitted to. The value begins the names of their textures."""
+
+    BASIC = "basic"  # all of the scene
+    SLICES = "slices"  # what the viewer sees, in slices of the view
+    LISPSM = "LiSPSM"  # what the viewer sees, in perspective towards it
+    SLICES_AND_LISPSM = "slices and LiSPSM"
 
 
 @dataclass(frozen=True)
@@ -37,27 +46,27 @@ class Part:
     planes: tuple = ()
 
 
-def parts_of_view(way, scene, direction, view, edge, count=3):
-    """The parts of one of WAYS for a light far away, ``edge`` texels a map: a tuple of Part.
+def parts_of_view(fit, scene, direction, view, edge, count=3):
+    """The parts of a MapFit for a light far away, ``edge`` texels a map: a tuple of Part.
 
     ``direction``: to the light, world coordinates. ``count``: of slices. One texel is left free round each
     map, for filters. A slice that sees nothing of the scene has no part.
     """
-    one_of(WAYS, way, "The way to fit shadow maps")
+    member_of(MapFit, fit, "The way to fit shadow maps")
     border = 1.0 / positive(edge, "The map's edge")
-    if way == "basic":
+    if fit is MapFit.BASIC:
         return (Part("basic shadow map", light_space.whole_scene_camera(scene, direction, view, border)),)
     body = light_space.seen_body(scene, view)
-    if way == "LiSPSM":
-        return (Part(way, light_space.perspective_camera(body, scene, direction, view, border)),)
-    camera = light_space.uniform_camera if way == "slices" else light_space.perspective_camera
+    if fit is MapFit.LISPSM:
+        return (Part(fit.value, light_space.perspective_camera(body, scene, direction, view, border)),)
+    camera = light_space.uniform_camera if fit is MapFit.SLICES else light_space.perspective_camera
     distances = frustum_slices.view_slices(view, count)
     out = []
     for k in range(count):
         body = light_space.seen_body(scene, view, *distances[k : k + 2])
         if len(body):
             planes = frustum_slices.slice_planes(distances, k)
-            out.append(Part(f"{way}, {k + 1}", camera(body, scene, direction, view, border), planes))
+            out.append(Part(f"{fit.value}, {k + 1}", camera(body, scene, direction, view, border), planes))
     return tuple(out)
 
 
@@ -93,7 +102,9 @@ def tinted(scene, tint):
     )
 
 
-def parted_passes(parts, scene, view, lamp, profile, shading="lit", *, tints=None, lit=None, **settings):
+def parted_passes(
+    parts, scene, view, lamp, profile, shading=SceneShading.LIT, *, tints=None, lit=None, **settings
+):
     """Each part without the light, and with its light times the comparison with its map.
 
     ``lamp``: what lights. ``tints``: an RGB for each part, or None. ``lit``: names of the parts that get

@@ -45,6 +45,7 @@ from fixedpipe.effects.passes.combiners import (
 from fixedpipe.effects.passes.draws import FIRST_PASS, LATER_PASS, MARK, MARKED, MODULATE, REPLACE
 from fixedpipe.effects.shadows.lit_scene import (
     NO_COLOR,
+    SceneShading,
     depth_pass,
     draw_object,
     lit_lighting,
@@ -256,7 +257,7 @@ def _marked_by_copy(view):
 
 
 def stencil_passes(
-    scene, view, lamp, name, profile, shading="lit", *, camera=None, from_red=None, **sampling
+    scene, view, lamp, name, profile, shading=SceneShading.LIT, *, camera=None, from_red=None, **sampling
 ):
     """H34: P1 to P3 with the map ``name`` of ``camera`` (None: the lamp's own).
 
@@ -308,7 +309,17 @@ def _dimmed(share):
 
 
 def ambient_form_pass(
-    scene, view, lamp, name, profile, share, shading="lit", *, camera=None, combiners=None, **sampling
+    scene,
+    view,
+    lamp,
+    name,
+    profile,
+    share,
+    shading=SceneShading.LIT,
+    *,
+    camera=None,
+    combiners=None,
+    **sampling,
 ):
     """H34's short form: one pass, all of whose light is multiplied by one, or by ``share`` in shadow.
 
@@ -336,7 +347,9 @@ def ambient_form_pass(
     )
 
 
-def shadowed_light(scene, view, lamp, name, profile, shading="lit", *, camera=None, matrix=None, **settings):
+def shadowed_light(
+    scene, view, lamp, name, profile, shading=SceneShading.LIT, *, camera=None, matrix=None, **settings
+):
     """The light's pass, multiplied by the comparison with the map ``name`` (Z20).
 
     ``matrix``: the texture matrix in the place of the camera's own. ``settings``: of ``map_sampler``
@@ -349,7 +362,7 @@ def shadowed_light(scene, view, lamp, name, profile, shading="lit", *, camera=No
     return lit_pass(scene, view, lamp, shading, texture_units=(unit,), **settings)
 
 
-def modulated_passes(scene, view, lamp, name, profile, shading="lit", **settings):
+def modulated_passes(scene, view, lamp, name, profile, shading=SceneShading.LIT, **settings):
     """Z10 with Z19, Z20: the scene without the light, and its light times the comparison.
 
     Ambient light is added outside the product (E003.9). ``settings``: of ``shadowed_light``.
@@ -377,7 +390,7 @@ def _mean_of_four():
 
 
 def accumulated_passes(
-    scene, view, lamp, name, edge, profile, kernel, shading="lit", *, units=None, camera=None
+    scene, view, lamp, name, edge, profile, kernel, shading=SceneShading.LIT, *, units=None, camera=None
 ):
     """Z18: the mean of ``kernel`` by ``kernel`` comparisons in the accumulation buffer.
 

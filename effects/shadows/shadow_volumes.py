@@ -34,7 +34,7 @@ from fixedpipe.effects.geometry.surfaces import plane
 from fixedpipe.effects.geometry.vectors import cross, dot, unit_vector
 from fixedpipe.effects.passes.arguments import checked_rgb, positive
 from fixedpipe.effects.passes.draws import MULTIPLY_DESTINATION
-from fixedpipe.effects.shadows.lit_scene import NO_COLOR, lit_pass, unlit_pass
+from fixedpipe.effects.shadows.lit_scene import NO_COLOR, SceneShading, lit_pass, unlit_pass
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import Clear, Draw, Mesh
 from fixedpipe.pipeline.enums import BlendFactor, ComparisonFunction, Face, StencilOperation
@@ -402,7 +402,7 @@ def _passes(counts, scene, view, lamp, shading, **settings):
     )  # fmt: skip
 
 
-def z_pass(scene, view, lamp, profile, shading="lit", *, length=None, operations=None, **settings):
+def z_pass(scene, view, lamp, profile, shading=SceneShading.LIT, *, length=None, operations=None, **settings):
     """A-Z23: shadow volumes of a scene by z-pass. The panel's colours and depths have been cleared.
 
     ``length``: of the volumes, None: infinite. ``operations``: CLAMPED, WRAPPING or None, the machine's best.
@@ -413,7 +413,7 @@ def z_pass(scene, view, lamp, profile, shading="lit", *, length=None, operations
     return _passes(counts, scene, view, lamp, shading, **settings)
 
 
-def z_fail(scene, view, lamp, profile, shading="lit", *, length=None, operations=None, **settings):
+def z_fail(scene, view, lamp, profile, shading=SceneShading.LIT, *, length=None, operations=None, **settings):
     """A-Z24: shadow volumes of a scene by z-fail; arguments as of ``z_pass``.
 
     All passes are drawn without a far plane where the volumes are infinite (``length`` None), and with the

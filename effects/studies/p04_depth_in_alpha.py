@@ -18,6 +18,7 @@ from fixedpipe.effects.geometry.surfaces import plane
 from fixedpipe.effects.geometry.views import Panel, perspective_view
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp, Object, Scene
 from fixedpipe.effects.shadows import alpha_coded_shadows as alpha
+from fixedpipe.effects.shadows.lit_scene import SceneShading
 from fixedpipe.effects.studies.study import BLUE, GREEN, ORANGE, PURPLE, RED, SKY, Column, Study, Table
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.profiles import GEFORCE_256
@@ -57,9 +58,9 @@ def acne(slope, bits, bias):
     black = (0.0, 0.0, 0.0)
     commands = (
         coding.ramp(profile),
-        *alpha.store_map(scene, LAMP, panel, _EDGE, profile, coding, shading="mask"),
+        *alpha.store_map(scene, LAMP, panel, _EDGE, profile, coding, shading=SceneShading.MASK),
         *alpha.with_combiners(
-            scene, view, LAMP, profile, coding, background=black, shading="mask"
+            scene, view, LAMP, profile, coding, background=black, shading=SceneShading.MASK
         ),
     )  # fmt: skip
     framebuffer = execute(commands, profile, _SIZE, _SIZE).framebuffer

@@ -18,6 +18,7 @@ from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.passes.draws import REPEATED
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp, Object, Scene
 from fixedpipe.effects.shadows import alpha_coded_shadows as alpha
+from fixedpipe.effects.shadows.lit_scene import SceneShading
 from fixedpipe.effects.studies.study import BLUE, EXPECTED, GREEN, ORANGE, Column, Study, Table
 from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.execution.machine import execute
@@ -43,7 +44,7 @@ def errors(texels, profile, bits, *, corrected, repeated=False):
     coding = alpha.Coding(bits, texels=texels, bias=0.0, corrected=corrected)
     scene = Scene((Object("plane", _falling(), (1.0, 1.0, 1.0)),))
     panel, out = Panel(0, 0, _PIXELS, _PIXELS), [coding.ramp(profile)]
-    for command in alpha.picture_from_light(scene, _LAMP, panel, coding, bias=0.0, shading="mask"):
+    for command in alpha.picture_from_light(scene, _LAMP, panel, coding, bias=0.0, shading=SceneShading.MASK):
         if isinstance(command, Draw) and repeated:
             (unit,) = command.state.texture_units
             state = replace(command.state, texture_units=(replace(unit, sampler=REPEATED),))

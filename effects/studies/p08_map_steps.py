@@ -14,7 +14,7 @@ from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.scenes.objects_and_lamps import lamp_around
 from fixedpipe.effects.scenes.still_life import LAMP_POSITIONS, still_life, still_life_view
 from fixedpipe.effects.shadows import shadow_maps
-from fixedpipe.effects.shadows.lit_scene import depth_pass
+from fixedpipe.effects.shadows.lit_scene import SceneShading, depth_pass
 from fixedpipe.effects.studies.shared.strips import drawn
 from fixedpipe.effects.studies.study import BLUE, EXPECTED, GREEN, ORANGE, Column, Study, Table
 from fixedpipe.pipeline.commands import Clear, CopyTexImage, ReadPixels, TexImage
@@ -44,7 +44,7 @@ def _in_format(commands, bits):
 def mask(scene, view, lamp, edge, bits, profile):
     """What a map of ``edge`` texels and ``bits`` lets the machine light: bool [h, w], bottom row first."""
     stored = shadow_maps.store_map(scene, lamp, "map", edge, (_SIZE, _SIZE), **_OFFSETS)
-    drawing = shadow_maps.modulated_passes(scene, view, lamp, "map", profile, "mask")
+    drawing = shadow_maps.modulated_passes(scene, view, lamp, "map", profile, SceneShading.MASK)
     commands = (*_in_format(stored, bits), view.panel.clear((0.0, 0.0, 0.0)), *drawing)
     return agreement.lit_mask(drawn(commands, profile, _SIZE, _SIZE, depth_bits=bits))
 

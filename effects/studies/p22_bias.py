@@ -10,7 +10,7 @@ from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.map_bias import acne, gap, shadows_under_offsets
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.scenes.board import board_view, ring_and_board
-from fixedpipe.effects.shadows.lit_scene import map_edge
+from fixedpipe.effects.shadows.lit_scene import SceneShading, map_edge
 from fixedpipe.effects.shadows.shadow_maps import OFFSET_FACTOR, OFFSET_UNITS
 from fixedpipe.effects.studies.shared.strips import drawn
 from fixedpipe.effects.studies.study import BLUE, ORANGE, RED, Column, Study, Table
@@ -30,7 +30,7 @@ def measure(profile):
     rows = []
     for factor, units in offsets:
         commands = shadows_under_offsets(
-            profile, _SIZE, ratio=_RATIO, offsets=((factor, units),), shading="mask"
+            profile, _SIZE, ratio=_RATIO, offsets=((factor, units),), shading=SceneShading.MASK
         )
         mask = agreement.lit_mask(drawn(commands, profile, _SIZE, _SIZE))
         found = agreement.compare(mask, truth, where=truth.shown.object == 0)

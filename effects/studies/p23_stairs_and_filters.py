@@ -16,6 +16,7 @@ from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.views import Panel, orthographic_view
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp, Object, Scene
 from fixedpipe.effects.shadows import shadow_maps
+from fixedpipe.effects.shadows.lit_scene import SceneShading
 from fixedpipe.effects.studies.shared.strips import drawn
 from fixedpipe.effects.studies.study import BLUE, EXPECTED, GREEN, ORANGE, PURPLE, RED, Column, Study, Table
 
@@ -80,9 +81,11 @@ def picture(edge, kernel, profile):
     )
     given = things, view, light, "map"
     if kernel in ("1", FILTER):
-        passes = shadow_maps.modulated_passes(*given, profile, "mask", filtered=kernel == FILTER)
+        passes = shadow_maps.modulated_passes(*given, profile, SceneShading.MASK, filtered=kernel == FILTER)
     else:
-        passes = shadow_maps.accumulated_passes(*given, edge, profile, int(kernel), "mask", units=1)
+        passes = shadow_maps.accumulated_passes(
+            *given, edge, profile, int(kernel), SceneShading.MASK, units=1
+        )
     return drawn((*stored, view.panel.clear((0.0, 0.0, 0.0)), *passes), profile, _SIZE, _SIZE)[..., 0]
 
 

@@ -14,6 +14,7 @@ from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.scenes.objects_and_lamps import lamp_around
 from fixedpipe.effects.scenes.still_life import still_life, still_life_view
 from fixedpipe.effects.shadows import alpha_coded_shadows as alpha
+from fixedpipe.effects.shadows.lit_scene import SceneShading
 from fixedpipe.effects.studies.study import BLUE, GREEN, ORANGE, Column, Study, Table
 from fixedpipe.pipeline.commands import MakeCurrent
 from fixedpipe.pipeline.enums import ColorFormat
@@ -31,7 +32,7 @@ _SIZE, _LAMP = 128, (-6.4, 6.6, 1.0)
 _BIAS = {8: 2.0, 5: 1.0}
 
 
-def lit(profile, color_format, way, *, component="alpha", bits=8, alpha_bits=8):
+def lit(profile, color_format, way, *, component=alpha.DepthComponent.ALPHA, bits=8, alpha_bits=8):
     """What the machine lights of the still life on a surface of a format: bool [128, 128].
 
     Raises ValueError as ``alpha_coded_shadows`` does for what needs alpha where ``alpha_bits`` is 0.
@@ -46,10 +47,10 @@ def lit(profile, color_format, way, *, component="alpha", bits=8, alpha_bits=8):
             color_format=color_format,
         ),
         coding.ramp(profile),
-        *alpha.store_map(scene, lamp, panel, _SIZE, profile, coding, shading="mask"),
+        *alpha.store_map(scene, lamp, panel, _SIZE, profile, coding, shading=SceneShading.MASK),
         *way(
             scene, still_life_view(panel), lamp, profile, coding,
-            background=(0.0, 0.0, 0.0), shading="mask", **settings,
+            background=(0.0, 0.0, 0.0), shading=SceneShading.MASK, **settings,
         ),
     )  # fmt: skip
     color = execute(commands, profile, _SIZE, _SIZE).surfaces["window"].color
@@ -74,7 +75,9 @@ def measure(profile):
         def light(way, color_format=color_format, **settings):
             return 100.0 * float(lit(profile, color_format, way, **settings).sum() / whole.sum())
 
-        through_red = lit(profile, color_format, alpha.with_combiners, component="red", bits=red_bits)
+        through_red = lit(
+            profile, color_format, alpha.with_combiners, component=alpha.DepthComponent.RED, bits=red_bits
+        )
         rows.append(
             (
                 name,

@@ -16,7 +16,7 @@ from fixedpipe.effects.geometry.views import BACKGROUND, Panel, perspective_view
 from fixedpipe.effects.passes.arguments import one_of
 from fixedpipe.effects.scenes.objects_and_lamps import FLOOR_HALF_WIDTH, Object, Scene, floor, lamp_around
 from fixedpipe.effects.shadows import alpha_coded_shadows, shadow_maps, shadow_volumes
-from fixedpipe.effects.shadows.lit_scene import map_edge
+from fixedpipe.effects.shadows.lit_scene import SceneShading, map_edge
 from fixedpipe.pipeline.enums import BlendEquation
 from fixedpipe.pipeline.framebuffers.result import Result
 from fixedpipe.pipeline.profiles import PROFILES
@@ -219,7 +219,7 @@ ALGORITHMS = {
 }
 
 
-def commands(algorithm, scene, lamp, profile, size, *, edge, background, shading="lit"):
+def commands(algorithm, scene, lamp, profile, size, *, edge, background, shading=SceneShading.LIT):
     """The frame: a square of ``size`` pixels. ``algorithm``: a key of ALGORITHMS; ``edge``: its map's, in
     texels. Shadow volumes are those of what is closed (``check_closed``).
     """
@@ -302,7 +302,7 @@ def drawn(algorithm, scene, lamp, profile, size, edge, threads=None):
             size,
             threads=threads,
         )
-        for shading in ("lit", "mask")
+        for shading in SceneShading
     )
     truth = truth_of(scene, view, lamp)
     mask = lit_mask(masked.framebuffer.color[::-1] / (2.0**masked.framebuffer.color_bits - 1.0))

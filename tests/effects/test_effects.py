@@ -26,6 +26,7 @@ from fixedpipe.effects.reflectance import (
     evaluate_then_interpolate,
     material_textures,
 )
+from fixedpipe.effects.reflectance.material_textures import Brushing
 from fixedpipe.effects.user_pictures import bumped_mesh
 from fixedpipe.pipeline.commands import Draw, Mesh
 from fixedpipe.pipeline.enums import PrimitiveType
@@ -266,7 +267,9 @@ def test_the_longest_row_is_counted_within_one_row_of_the_picture():
 
 
 def test_stored_vectors_are_a_quarter_of_the_vector_over_alpha():
-    material = material_textures.brushed(32, 16, "s", alpha_x=0.25, alpha_y=0.8, spread=8.0, depth=0.2)
+    material = material_textures.brushed(
+        32, 16, Brushing.ALONG_S, alpha_x=0.25, alpha_y=0.8, spread=8.0, depth=0.2
+    )
     texture = material.tangent_texture(GEFORCE_256).levels[0][0]
     decoded = 4.0 * decode_expand(texture[..., :3], GEFORCE_256)
     assert np.abs(decoded - material.tangents / 0.25).max() <= 4.0 / 255 + 1e-12
@@ -293,10 +296,14 @@ def test_alpha_outside_its_range_is_refused(alpha):
 
 
 def test_brushing_stays_within_its_spread():
-    for along, axis in (("s", 0), ("t", 1)):
-        material = material_textures.brushed(64, 64, along, alpha_x=0.3, alpha_y=1.0, spread=8.0)
+    for brushing, axis in ((Brushing.ALONG_S, 0), (Brushing.ALONG_T, 1)):
+        material = material_textures.brushed(64, 64, brushing, alpha_x=0.3, alpha_y=1.0, spread=8.0)
         angle = np.degrees(np.arccos(np.clip(np.abs(material.tangents[..., axis]), 0, 1)))
         assert 4.0 < angle.max() <= 8.0 + 1e-3
+    with pytest.raises(
+        ValueError, match=r"The brushing is 's'; give one of Brushing.ALONG_S, Brushing.ALONG_T"
+    ):
+        material_textures.brushed(8, 8, "s", alpha_x=0.3, alpha_y=1.0, spread=8.0)
 
 
 def test_scratches_run_along_both_axes_and_keep_their_tangents_along_them():
@@ -503,7 +510,9 @@ def test_a_picture_is_shown_texel_for_pixel():
 
 
 def test_both_orders_agree_at_texel_centres_and_evaluate_eq_1_there():
-    material = material_textures.brushed(16, 8, "s", alpha_x=0.3, alpha_y=0.9, spread=20.0, depth=0.3)
+    material = material_textures.brushed(
+        16, 8, Brushing.ALONG_S, alpha_x=0.3, alpha_y=0.9, spread=20.0, depth=0.3
+    )
     s, t = height_fields.texel_centers(16, 8)
     half = normalize(np.array([0.2, 0.3, 1.0]))
     expected = brdfs.anisotropic_blinn_phong(
@@ -516,7 +525,9 @@ def test_both_orders_agree_at_texel_centres_and_evaluate_eq_1_there():
 
 
 def test_half_way_between_texels_the_results_are_averaged():
-    material = material_textures.brushed(8, 8, "s", alpha_x=0.3, alpha_y=0.9, spread=30.0, depth=0.3)
+    material = material_textures.brushed(
+        8, 8, Brushing.ALONG_S, alpha_x=0.3, alpha_y=0.9, spread=30.0, depth=0.3
+    )
     half = normalize(np.array([0.1, 0.2, 1.0]))
     s, t = height_fields.texel_centers(8, 8)
     at = evaluate_then_interpolate.specular(material, half, s, t)

@@ -16,6 +16,7 @@ from fixedpipe.effects.shadows.lit_scene import (
     AMBIENT,
     LAMP_COLOR,
     SHININESS,
+    SceneShading,
     depth_pass,
     lit_pass,
     map_edge,
@@ -131,12 +132,15 @@ def test_the_shared_passes_are_valid_on_a_plain_board():
         *depth_pass(scene, lamp.view(PANEL), factor=1.1, units=4.0),
         *unlit_pass(scene, view),
         *lit_pass(scene, view, lamp),
-        *unlit_pass(scene, view, "mask"),
-        *lit_pass(scene, view, lamp, "mask"),
+        *unlit_pass(scene, view, SceneShading.MASK),
+        *lit_pass(scene, view, lamp, SceneShading.MASK),
     )
     validate(commands, PROFILES["OPENGL_1_2"], 32, 32)
-    with pytest.raises(ValueError, match="The shading is 'bright'"):
-        unlit_pass(scene, view, "bright")
+    for word in ("bright", "mask"):
+        with pytest.raises(
+            ValueError, match=f"The shading is '{word}'; give one of SceneShading.LIT, SceneSh"
+        ):
+            unlit_pass(scene, view, word)
 
 
 def test_a_scene_names_each_triangles_object_and_its_box():

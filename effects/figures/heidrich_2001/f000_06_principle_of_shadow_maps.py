@@ -14,13 +14,13 @@ from fixedpipe.effects.geometry.vectors import cosine, sine
 from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view, row_of_panels
 from fixedpipe.effects.passes.draws import FIRST_PASS
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp, Object, Scene, detail_of, floor
-from fixedpipe.effects.shadows.alpha_coded_shadows import MAP, Coding, store_map
+from fixedpipe.effects.shadows.alpha_coded_shadows import MAP, Coding, DepthComponent, store_map
 from fixedpipe.effects.shadows.lit_scene import map_edge
 from fixedpipe.effects.shadows.shadow_volumes import z_pass
 from fixedpipe.pipeline.profiles import IDEAL
 
 # The depths themselves, of eight bits, as grey: the map is shown, not compared.
-CODING = Coding(component="red", bias=0.0)
+CODING = Coding(component=DepthComponent.RED, bias=0.0)
 LAMP, TARGET = (-1.8, 3.3, 2.1), (0.0, 0.15, 0.0)
 CAMERA, AIM = (2.0, 1.45, 1.6), (0.2, 0.1, 0.3)
 # How far from the lamp its image plane is drawn: any distance gives the same image.

@@ -10,7 +10,7 @@ from fixedpipe.effects.figures.figure import IMAGING_MACHINES_8, Figure, Method
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, perspective_view, row_of_panels
 from fixedpipe.effects.scenes.objects_and_lamps import lamp_around
-from fixedpipe.effects.shadows.lit_scene import map_edge
+from fixedpipe.effects.shadows.lit_scene import SceneShading, map_edge
 from fixedpipe.effects.volumes.engine_block import HALF_EXTENTS, engine_block
 from fixedpipe.effects.volumes.slices import Volume
 from fixedpipe.effects.volumes.volume_rendering import LEAST, Picture, Shading, combiners, imaging
@@ -36,7 +36,7 @@ def _picture(panel, size, slices, rows, shading, shadows):
         perspective_view(panel, (4.3, 3.3, 4.6), (0.0, -0.02, 0.0), 14.6, 1.3),
         lamp_around(volume, (-1.5, 3.1, 4.1), (0.0, 0.0, 0.0), infinite=True),
         min(slices, size),
-        Shading(mask=shading == "mask"),
+        Shading(mask=shading is SceneShading.MASK),
         Panel(panel.x, panel.y, edge, edge) if shadows else None,
         background=BACKGROUND,
     )
@@ -106,7 +106,7 @@ def _phong(picture, surface, lit):
 def _truth(figure, size):
     """The second panel's Picture, its surface by rays, and where the lamp lights it."""
     p = figure.parameters
-    picture = _picture(row_of_panels(2, size)[1], size, p["slices"], p["rows"], "lit", True)
+    picture = _picture(row_of_panels(2, size)[1], size, p["slices"], p["rows"], SceneShading.LIT, True)
     surface = volume_caster.visible(picture.volume, picture.view)
     return picture, surface, volume_caster.lit(picture.volume, surface, picture.light, LEAST)
 
@@ -116,7 +116,7 @@ def _compared(figure, renderer, on, size):
     fraction that neither do nor are understood, and where both are lit or both dark; with what rays found.
     """
     picture, surface, lit = _truth(figure, size)
-    image = renderer.picture(on, figure, size, shading="mask")
+    image = renderer.picture(on, figure, size, shading=SceneShading.MASK)
     # Black on the background's colour.
     drawn = (image[:, size:] != image[0, 0]).any(axis=-1)
     mask, both = image[:, size:, 0] > 0.5, surface.seen & drawn
@@ -138,7 +138,7 @@ def checks(figure, renderer):
     # Both on the same panel: beside each other they differ where rounding takes another slice.
     size, swapped = _SMALL, {"shadows": (True, False)}
     plain, shadowed = (renderer.machine(figure, size, **how)[:, :size] for how in ({}, swapped))
-    lit = renderer.machine(figure, size, shading="mask", **swapped)[:, :size, 0] > 0.5
+    lit = renderer.machine(figure, size, shading=SceneShading.MASK, **swapped)[:, :size, 0] > 0.5
     darker = (shadowed < plain - 0.05).any(axis=-1).sum() / (plain != plain[0, 0]).any(axis=-1).sum()
     rays = "fraction of the iso-surface's pixels"
     return (
@@ -221,7 +221,7 @@ FIGURE = Figure(
     source="Heidrich2001",
     techniques=("H39", "H36", "H37", "H38"),
     columns=2,
-    parameters={"slices": 256, "rows": 128, "shading": "lit", "shadows": (False, True)},
+    parameters={"slices": 256, "rows": 128, "shading": SceneShading.LIT, "shadows": (False, True)},
     methods=(
         # The InfiniteReality can draw it as the Octane does, but with twelve bits it makes 1.5 million
         # fragments a second (Measured), and this figure has 69 million.

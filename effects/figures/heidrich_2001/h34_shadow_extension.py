@@ -7,12 +7,12 @@ from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
 from fixedpipe.effects.scenes.still_life import still_life_and_lamp, still_life_view
-from fixedpipe.effects.shadows.lit_scene import map_edge
+from fixedpipe.effects.shadows.lit_scene import SceneShading, map_edge
 from fixedpipe.effects.shadows.shadow_maps import ambient_form_pass, scene_passes, stencil_passes, store_map
 from fixedpipe.pipeline.commands import Draw
 
 
-def make(profile, size, *, ratio, factor, share, from_red, shading="lit"):
+def make(profile, size, *, ratio, factor, share, from_red, shading=SceneShading.LIT):
     """Left P1 to P3 with the stencil, right one pass.
 
     ``share``: of the light that stays in shadow on the right. ``from_red``: as machines must whose comparison
@@ -51,7 +51,7 @@ def checks(figure, renderer):
     truth = agreement.truth_of(scene, still_life_view(Panel(0, 0, _SIZE, _SIZE)), light)
     ground, outline = truth.shown.object == 0, agreement.silhouettes(truth)
     for on in Answer:
-        picture = renderer.picture(on, figure, _SIZE, shading="mask")
+        picture = renderer.picture(on, figure, _SIZE, shading=SceneShading.MASK)
         left, right = (picture[:, k * _SIZE : (k + 1) * _SIZE] for k in range(2))
         masks = agreement.lit_mask(left), right[..., 0] > 0.5 * (1.0 + share)
         for name, mask in zip(("stencil", "one pass"), masks, strict=True):

@@ -6,7 +6,7 @@ from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, perspective_view, row_of_panels
 from fixedpipe.effects.scenes.objects_and_lamps import detail_of, lamp_around
 from fixedpipe.effects.scenes.still_life import LAMP_POSITIONS, still_life
-from fixedpipe.effects.shadows.lit_scene import map_edge
+from fixedpipe.effects.shadows.lit_scene import SceneShading, map_edge
 from fixedpipe.effects.shadows.shadow_maps import scene_passes, stencil_passes, store_map
 
 # What the eye sees from where: the first two are one walk under one light.
@@ -19,7 +19,9 @@ def view_of(panel, eye):
     return perspective_view(panel, eye, (0.0, 0.62, 0.0), field_of_view=32.0, radius=4.5)
 
 
-def frames(profile, scene, panels, lamps, eyes, edge, window, shading="lit", *, factor, always=False):
+def frames(
+    profile, scene, panels, lamps, eyes, edge, window, shading=SceneShading.LIT, *, factor, always=False
+):
     """A frame for each panel: a new map only where the lamp is another than before (or ``always``)."""
     out, stored = [], None
     for panel, lamp, eye in zip(panels, lamps, eyes, strict=True):
@@ -31,7 +33,7 @@ def frames(profile, scene, panels, lamps, eyes, edge, window, shading="lit", *, 
     return tuple(out)
 
 
-def make(profile, size, *, ratio, factor, shading="lit", always=False):
+def make(profile, size, *, ratio, factor, shading=SceneShading.LIT, always=False):
     """Four frames side by side; two of them share a map."""
     panels, scene = row_of_panels(4, size), still_life(detail_of(size))
     lamps = [lamp_around(scene, LAMP_POSITIONS[k]) for k in LAMPS]
@@ -46,7 +48,7 @@ def checks(figure, renderer):
     """Every frame against rays, and how often the scene is drawn in a frame (E000.8)."""
     scene = still_life(detail_of(_SIZE))
     edge = map_edge(_SIZE, figure.parameters["ratio"])
-    picture = renderer.machine(figure, _SIZE, shading="mask")
+    picture = renderer.machine(figure, _SIZE, shading=SceneShading.MASK)
     for k, (lamp, eye) in enumerate(zip(LAMPS, EYES, strict=True)):
         light = lamp_around(scene, LAMP_POSITIONS[lamp])
         truth = agreement.truth_of(scene, view_of(Panel(0, 0, _SIZE, _SIZE), eye), light)

@@ -19,7 +19,7 @@ from fixedpipe.effects.figures.heidrich_2001.shared.alpha_shadows import (
 )
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
 from fixedpipe.effects.shadows.alpha_coded_shadows import Coding, picture_from_light, show_alpha
-from fixedpipe.effects.shadows.lit_scene import LAMP_COLOR
+from fixedpipe.effects.shadows.lit_scene import LAMP_COLOR, SceneShading
 
 
 def make_scene(board):
@@ -160,7 +160,7 @@ FIGURE = Figure(
         "bits": 8,
         "bias": 2.0,
         "background": BACKGROUND,
-        "shading": "lit",
+        "shading": SceneShading.LIT,
     },
     methods=(
         Method("one texture unit", make_scene(ONE_UNIT), ("OCTANE",)),

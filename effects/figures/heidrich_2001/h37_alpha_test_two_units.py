@@ -17,6 +17,7 @@ from fixedpipe.effects.figures.heidrich_2001.shared.alpha_shadows import (
 )
 from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
 from fixedpipe.effects.shadows.alpha_coded_shadows import Coding
+from fixedpipe.effects.shadows.lit_scene import SceneShading
 
 
 def make_scene(board):
@@ -44,7 +45,7 @@ _PASSES = "the paper's count; a shadow extension that marks a stencil needs as m
 def checks(figure, renderer):
     """Shadows against rays, acne without a bias, that shadows only darken, and how many passes there are."""
     board, bits = _BOARDS[renderer.method.name], figure.parameters["bits"]
-    masks = renderer.machine(figure, _SIZE, shading="mask")
+    masks = renderer.machine(figure, _SIZE, shading=SceneShading.MASK)
     spotted, _ = agreements(figure, masks, _SIZE, 1, bits, 0.0)
     return (
         *agreement_checks(figure, renderer, board, _SIZE, 2, least=0.976, least_facing=0.985, other=9),
@@ -81,7 +82,7 @@ FIGURE = Figure(
         "bits": 8,
         "bias": 2.0,
         "background": BACKGROUND,
-        "shading": "lit",
+        "shading": SceneShading.LIT,
     },
     methods=(
         Method("register combiners", make_scene(COMBINERS), ("GEFORCE_256", "GEFORCE_3", "NV2A")),

@@ -20,6 +20,7 @@ from fixedpipe.effects.figures.heidrich_2001.shared.alpha_shadows import (
 from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
 from fixedpipe.effects.scenes.still_life import still_life_view
 from fixedpipe.effects.shadows.alpha_coded_shadows import Coding, difference_in_alpha, scale_alpha, show_alpha
+from fixedpipe.effects.shadows.lit_scene import SceneShading
 from fixedpipe.pipeline.commands import Saturate
 
 
@@ -61,7 +62,7 @@ def checks(figure, renderer):
     """Shadows against rays, and that the copy makes alpha zero or one, as the difference is."""
     board = _BOARDS[renderer.method.name]
     bits = {**figure.parameters, **renderer.method.parameters}["bits"]
-    picture = renderer.machine(figure, _SIZE, shading="mask")
+    picture = renderer.machine(figure, _SIZE, shading=SceneShading.MASK)
     difference, scaled = (picture[:, k * _SIZE : (k + 1) * _SIZE, 0] for k in (0, 1))
     # Subtracted, what is above zero is in shadow; added, what is one.
     dark = difference > 0.0 if board is not ONE_UNIT_ADDED else difference == 1.0
@@ -123,7 +124,7 @@ FIGURE = Figure(
         "bits": 8,
         "bias": 2.0,
         "background": BACKGROUND,
-        "shading": "lit",
+        "shading": SceneShading.LIT,
     },
     methods=(
         Method("one texture unit", make_scene(ONE_UNIT), ("OCTANE", "OPENGL_1_2_IMAGING")),

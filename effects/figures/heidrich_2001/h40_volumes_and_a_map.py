@@ -9,7 +9,7 @@ from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, View, row_of_panels
 from fixedpipe.effects.scenes.objects_and_lamps import detail_of, lamp_around
 from fixedpipe.effects.scenes.still_life import still_life, still_life_view
-from fixedpipe.effects.shadows.lit_scene import map_edge
+from fixedpipe.effects.shadows.lit_scene import SceneShading, map_edge
 from fixedpipe.effects.shadows.shadow_maps import modulated_passes, store_map
 from fixedpipe.effects.shadows.shadow_volumes import z_fail
 
@@ -24,7 +24,7 @@ def close_view(panel, *, eye, center, field_of_view):
     return View(panel, look_at(eye, center), projection, tuple(map(float, eye)), False)
 
 
-def scene(profile, size, *, light, close, ratio, factor, units, background, shading="lit"):
+def scene(profile, size, *, light, close, ratio, factor, units, background, shading=SceneShading.LIT):
     """By shadow volumes, all and from near; by a shadow map, all and from near."""
     objects, panels = still_life(detail_of(size)), row_of_panels(4, size)
     lamp, edge = lamp_around(objects, light), map_edge(size, ratio)
@@ -65,7 +65,7 @@ def checks(figure, renderer):
     faced = [towards_light(truth) for truth in truths]
 
     def panels(on, **changes):
-        mask = lit_mask(renderer.picture(on, figure, size, shading="mask", **changes))
+        mask = lit_mask(renderer.picture(on, figure, size, shading=SceneShading.MASK, **changes))
         return [mask[:, k * size : (k + 1) * size] for k in range(4)]
 
     def unlike(masks, k):

@@ -11,6 +11,7 @@ from fixedpipe.effects.geometry.matrices import rotate, rotation
 from fixedpipe.effects.geometry.vectors import cross, normalize
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, imaging_subset, material_textures
+from fixedpipe.effects.reflectance.material_textures import Brushing
 
 # The method that draws flat triangles.
 FLAT = "imaging subset"
@@ -19,13 +20,16 @@ FLAT = "imaging subset"
 def _spheres(size, slices, stacks, map_columns, map_rows, spread, depth, k_s, alpha_x, alpha_y, tilt, radius):
     """(name, panel, view, surface, material) of the sphere brushed along its meridians, then of the other."""
     surface = surfaces.sphere(slices, stacks).rotated(rotation("x", tilt))
-    for panel, along, name in zip(
-        row_of_panels(2, size), ("t", "s"), ("longitudinal", "latitudinal"), strict=True
+    for panel, brushing, name in zip(
+        row_of_panels(2, size),
+        (Brushing.ALONG_T, Brushing.ALONG_S),
+        ("longitudinal", "latitudinal"),
+        strict=True,
     ):
         material = material_textures.brushed(
             map_columns,
             map_rows,
-            along,
+            brushing,
             alpha_x=alpha_x,
             alpha_y=alpha_y,
             spread=spread,

@@ -20,11 +20,12 @@ from fixedpipe.effects.reflectance import (
     evaluate_then_interpolate,
     material_textures,
 )
+from fixedpipe.effects.reflectance.material_textures import Brushing
 
 
 def _material(columns, rows, spread, depth, k_s):
     return material_textures.brushed(
-        columns, rows, "s", alpha_x=1.0, alpha_y=1.0, spread=spread, depth=depth, k_s=k_s
+        columns, rows, Brushing.ALONG_S, alpha_x=1.0, alpha_y=1.0, spread=spread, depth=depth, k_s=k_s
     )
 
 

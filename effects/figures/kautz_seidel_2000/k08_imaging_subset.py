@@ -12,6 +12,7 @@ from fixedpipe.effects.geometry.vectors import cross, dot, in_frame, normalize
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
 from fixedpipe.effects.passes.encoding import encode_factor
 from fixedpipe.effects.reflectance import evaluate_then_interpolate, imaging_subset, material_textures
+from fixedpipe.effects.reflectance.material_textures import Brushing
 from fixedpipe.pipeline.commands import DrawPixels
 from fixedpipe.pipeline.pixel_transfer import PixelImage
 from fixedpipe.pipeline.state import RasterPosition
@@ -54,7 +55,7 @@ def scene(
     """Left the float picture, in the middle K08, on the right K08 without the colour matrix's bias."""
     left, *others = row_of_panels(3, size)
     material = material_textures.brushed(
-        128, 64, "s", alpha_x=alpha_x, alpha_y=alpha_y, spread=spread, depth=depth, k_s=k_s
+        128, 64, Brushing.ALONG_S, alpha_x=alpha_x, alpha_y=alpha_y, spread=spread, depth=depth, k_s=k_s
     )
     surface, toward = surfaces.sphere(slices, stacks), Light(light)
     picture = _smooth(size, material, toward, radius, diffuse, ambient, specular, background)

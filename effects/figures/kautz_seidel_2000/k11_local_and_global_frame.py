@@ -9,6 +9,7 @@ from fixedpipe.effects.figures.figure import COMBINER_MACHINES, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, material_textures
+from fixedpipe.effects.reflectance.material_textures import Brushing
 
 
 def scene(
@@ -19,7 +20,7 @@ def scene(
     """
     columns, rows = 512, 256
     material = material_textures.brushed(
-        columns, rows, "s", alpha_x=alpha_x, alpha_y=alpha_y, spread=spread, depth=0.0
+        columns, rows, Brushing.ALONG_S, alpha_x=alpha_x, alpha_y=alpha_y, spread=spread, depth=0.0
     )
     normals, tangents, binormals = surfaces.sphere_frames(*height_fields.texel_centers(columns, rows))
     baked = anisotropic_blinn_phong.bake(material, normals, tangents, binormals)

@@ -18,11 +18,11 @@ from fixedpipe.effects.passes import pixel_texture_copies
 from fixedpipe.effects.passes.draws import ADD, EDGE, draw, unit
 from fixedpipe.effects.passes.encoding import encode_vertex_color
 from fixedpipe.effects.reflectance import blinn_phong_by_host, brdfs, material_textures, pixel_textures
+from fixedpipe.effects.reflectance.pixel_textures import UpTo
 from fixedpipe.pipeline.commands import Clear, CopyPixels, HostStep
 from fixedpipe.pipeline.profiles import OCTANE
 
 EYE = np.array([0.0, 0.0, 1.0])
-STAGES = ("coordinates", "lookup", None)
 
 
 @lru_cache(maxsize=2)
@@ -42,13 +42,13 @@ def pixel_textures_scene(
     """K15 by the color matrix and a pixel texture."""
     material = _material(map_size, bumps, depth, alpha_x, alpha_y, exponents)
     surface, toward, out = surfaces.plane(1, 1, extent, extent), Light(light), []
-    for panel, stage in zip(row_of_panels(3, size), STAGES, strict=True):
+    for panel, up_to in zip(row_of_panels(3, size), UpTo, strict=True):
         scene = surface, material, orthographic_view(panel), toward, profile
-        color = {} if stage else {"specular": specular}
+        color = {"specular": specular} if up_to is UpTo.GLOSS else {}
         out += (
             panel.clear(background),
-            *pixel_textures.blinn_phong(*scene, stage=stage, sampler=EDGE, **color),
-            *(() if stage else pixel_textures.diffuse(*scene, color=diffuse, sampler=EDGE)),
+            *pixel_textures.blinn_phong(*scene, up_to=up_to, sampler=EDGE, **color),
+            *(pixel_textures.diffuse(*scene, color=diffuse, sampler=EDGE) if up_to is UpTo.GLOSS else ()),
         )
     return tuple(out)
 
@@ -62,11 +62,11 @@ def host_scene(
     surface, toward = surfaces.plane(1, 1, extent, extent), Light(light)
     loading, names = material_textures.load(material, "pebbles", profile)
     out = list(loading)
-    for panel, stage in zip(row_of_panels(3, size), STAGES, strict=True):
+    for panel, up_to in zip(row_of_panels(3, size), UpTo, strict=True):
         view = orthographic_view(panel)
-        color = {} if stage else {"specular": specular}
+        color = {"specular": specular} if up_to is UpTo.GLOSS else {}
         effect = blinn_phong_by_host.blinn_phong(
-            surface, names, view, toward, profile, stage=stage, sampler=EDGE, **color
+            surface, names, view, toward, profile, up_to=up_to, sampler=EDGE, **color
         )
         vectors = encode_vertex_color(light_vectors(surface, toward), profile)
         added = draw(
@@ -77,7 +77,7 @@ def host_scene(
             (unit(names.normal, EDGE),),
             blending=ADD,
         )
-        out += (panel.clear(background), *effect, *(() if stage else (added,)))
+        out += (panel.clear(background), *effect, *((added,) if up_to is UpTo.GLOSS else ()))
     return tuple(out)
 
 

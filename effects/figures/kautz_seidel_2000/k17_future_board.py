@@ -13,6 +13,7 @@ from fixedpipe.effects.geometry.matrices import rotate, rotation
 from fixedpipe.effects.geometry.vectors import normalize
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
 from fixedpipe.effects.reflectance import brdfs, future_board, material_textures
+from fixedpipe.effects.reflectance.material_textures import Brushing
 
 MODELS = ("banks", "blinn_phong", "ward")
 TILT = 20.0
@@ -31,7 +32,7 @@ def materials(map_size, depth, spread, k_s, alphas, exponents, squares):
         *height_fields.pebble_slopes(map_size, 8, depth), *alphas[0], k_s[1]
     )
     brushing = {"spread": spread, "depth": 0.5 * depth, "k_s": k_s}
-    size = map_size, map_size, "s"
+    size = map_size, map_size, Brushing.ALONG_S
     return {
         "banks": material_textures.brushed(*size, alpha_x=1.0, alpha_y=1.0, **brushing),
         "blinn_phong": replace(pebbles, exponent=np.where(polished, exponents[1], exponents[0])),

@@ -11,7 +11,7 @@ from fixedpipe.effects.geometry.matrices import rotate, rotation
 from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
 from fixedpipe.effects.scenes import objects_and_lamps, still_life
 from fixedpipe.effects.shadows import shadow_maps, shadow_volumes
-from fixedpipe.effects.shadows.lit_scene import map_edge
+from fixedpipe.effects.shadows.lit_scene import SceneShading, map_edge
 
 # World units along the light that the polygon offset hides, largest: measured, where a lamp grazes most.
 _BIAS = 0.05
@@ -76,7 +76,7 @@ def _compared(figure, renderer, on, size):
     view = still_life.still_life_view(row_of_panels(1, size)[0])
     texels = renderer.method.parameters.get("texels")
     understood = {"map_edge": map_edge(size, texels), "contact": _BIAS, "grazing": 0.1} if texels else {}
-    mask = agreement.lit_mask(renderer.picture(on, figure, size, shading="mask"))
+    mask = agreement.lit_mask(renderer.picture(on, figure, size, shading=SceneShading.MASK))
     for k, lamp in enumerate(_lamps(scene, positions)):
         part, truth = mask[:, k * size : (k + 1) * size], agreement.truth_of(scene, view, lamp)
         yield part, truth, agreement.compare(part, truth, **understood)
@@ -117,7 +117,11 @@ FIGURE = Figure(
     source="Zwicker2016",
     techniques=("Z29", "Z10", "Z23"),
     columns=3,
-    parameters={"positions": still_life.LAMP_POSITIONS, "shading": "lit", "background": BACKGROUND},
+    parameters={
+        "positions": still_life.LAMP_POSITIONS,
+        "shading": SceneShading.LIT,
+        "background": BACKGROUND,
+    },
     methods=(
         Method("shadow maps", map_scene, ("GEFORCE_3", "INFINITE_REALITY"), {"texels": 4, "factor": 2.0}),
         Method("shadow volumes", volume_scene, ("OPENGL_1_2",)),

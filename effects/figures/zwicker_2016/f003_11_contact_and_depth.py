@@ -13,7 +13,7 @@ from fixedpipe.effects.geometry.vectors import unit_vector
 from fixedpipe.effects.geometry.views import BACKGROUND, View, row_of_panels
 from fixedpipe.effects.scenes import objects_and_lamps
 from fixedpipe.effects.shadows import shadow_volumes
-from fixedpipe.effects.shadows.lit_scene import lit_pass, unlit_pass
+from fixedpipe.effects.shadows.lit_scene import SceneShading, lit_pass, unlit_pass
 
 # To the viewer, who is far away, and to the light, which is so too.
 _EYE = tuple(unit_vector((0.0, 0.52, 0.86), "The direction to the viewer").tolist())
@@ -112,7 +112,9 @@ def checks(figure, renderer):
     panels = [slice(k * size, (k + 1) * size) for k in range(len(heights) + 1)]
     view = camera(row_of_panels(1, size)[0])
     truths = [agreement.truth_of(box_at(height), view, lamp()) for height in heights]
-    masks = {on: agreement.lit_mask(renderer.picture(on, figure, size, shading="mask")) for on in Answer}
+    masks = {
+        on: agreement.lit_mask(renderer.picture(on, figure, size, shading=SceneShading.MASK)) for on in Answer
+    }
     found = {
         on: [agreement.compare(mask[:, p], t) for p, t in zip(panels[1:], truths, strict=True)]
         for on, mask in masks.items()
@@ -195,7 +197,7 @@ FIGURE = Figure(
     source="Zwicker2016",
     techniques=("Z29", "Z23"),
     columns=4,
-    parameters={"heights": (0.0, 0.4, 0.8), "shading": "lit", "background": BACKGROUND},
+    parameters={"heights": (0.0, 0.4, 0.8), "shading": SceneShading.LIT, "background": BACKGROUND},
     methods=(Method("shadow volumes", scene, ("OPENGL_1_2", "GEFORCE_256")),),
     acceptance=checks,
 )

@@ -8,7 +8,7 @@ from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view, row_of_panels
 from fixedpipe.effects.scenes import objects_and_lamps
 from fixedpipe.effects.shadows import shadow_volumes
-from fixedpipe.effects.shadows.lit_scene import lit_pass, unlit_pass
+from fixedpipe.effects.shadows.lit_scene import SceneShading, lit_pass, unlit_pass
 from fixedpipe.pipeline.commands import Clear
 
 _LAMP = (3.4, 5.6, 3.0)
@@ -91,7 +91,7 @@ def scene(profile, size, *, shading, background):
 def checks(figure, renderer):
     """Each panel's mask against rays; what the self-shadows are."""
     size, found, own, elsewhere = 256, [], [], 0
-    mask = agreement.lit_mask(renderer.machine(figure, size, shading="mask"))
+    mask = agreement.lit_mask(renderer.machine(figure, size, shading=SceneShading.MASK))
     view = camera(row_of_panels(1, size)[0])
     for k, subject in enumerate(subjects(objects_and_lamps.detail_of(size))):
         lamp = objects_and_lamps.lamp_around(subject, _LAMP)
@@ -138,7 +138,7 @@ FIGURE = Figure(
     source="Zwicker2016",
     techniques=("Z29", "Z23"),
     columns=4,
-    parameters={"shading": "lit", "background": BACKGROUND},
+    parameters={"shading": SceneShading.LIT, "background": BACKGROUND},
     methods=(Method("shadow volumes", scene, ("OPENGL_1_2", "GEFORCE_256")),),
     acceptance=checks,
 )

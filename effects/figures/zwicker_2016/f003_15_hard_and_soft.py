@@ -12,6 +12,7 @@ from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view, row_of_panels
 from fixedpipe.effects.scenes import objects_and_lamps
 from fixedpipe.effects.shadows.area_lights import POINTS, accumulated_lights, lamps_of
+from fixedpipe.effects.shadows.lit_scene import SceneShading
 from fixedpipe.effects.shadows.shadow_volumes import z_pass
 
 # What is measured: an edge above the floor, along z, and the square around its penumbra, seen from above.
@@ -98,7 +99,7 @@ def checks(figure, renderer):
     width, size = figure.parameters["width"], 128
     expected = width * _EDGE_HEIGHT / (_LIGHT_HEIGHT - _EDGE_HEIGHT)
     for on in Answer:
-        picture = renderer.picture(on, figure, size, measured=True, shading="mask")[..., 0]
+        picture = renderer.picture(on, figure, size, measured=True, shading=SceneShading.MASK)[..., 0]
         hard, soft = (picture[:, k * size : (k + 1) * size].mean(axis=0) for k in (0, 1))
         spacing = 2.0 * _HALF_WIDTH / size
         yield Check(
@@ -125,7 +126,7 @@ def _against_rays(figure, renderer, size):
     truth = agreement.truth_of(thing, view, lamp)
     lamps = lamps_of(lamp, width, points)
     expected = seen_fraction(truth.caster, truth.shown, lamps)
-    picture = renderer.machine(figure, size, shading="mask")
+    picture = renderer.machine(figure, size, shading=SceneShading.MASK)
     found = agreement.compare(agreement.lit_mask(picture[:, :size]), truth)
     inside = truth.shown.something & ~agreement.silhouettes(truth)
     between = inside & (expected > 0.0) & (expected < 1.0)
@@ -165,7 +166,7 @@ FIGURE = Figure(
         "width": 1.6,
         "points": POINTS,
         "measured": False,
-        "shading": "lit",
+        "shading": SceneShading.LIT,
         "background": BACKGROUND,
     },
     methods=(Method("shadow volumes", scene, ("OPENGL_1_2", "GEFORCE_256", "INFINITE_REALITY")),),

@@ -7,14 +7,14 @@ from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
 from fixedpipe.effects.scenes.still_life import still_life_and_lamp, still_life_view
-from fixedpipe.effects.shadows.lit_scene import AMBIENT, map_edge
+from fixedpipe.effects.shadows.lit_scene import AMBIENT, SceneShading, map_edge
 from fixedpipe.effects.shadows.shadow_maps import modulated_passes, store_map
 
 # World units that the map is wide at the middle of the scene, rounded up from 6.7; over its edge, a texel.
 _MAP_WIDTH = 7.0
 
 
-def make(profile, size, *, ratio, factor, units, filtered, shading="lit"):
+def make(profile, size, *, ratio, factor, units, filtered, shading=SceneShading.LIT):
     """Z10, Z12, Z19, Z20 on one panel."""
     (panel,) = row_of_panels(1, size)
     scene, light = still_life_and_lamp(size)
@@ -43,7 +43,7 @@ def checks(figure, renderer):
         (256, Answer.MACHINE, 0.98, "the catalogue's acceptance, of receivers' pixels: the floor's"),
         (1024, Answer.IDEAL, 0.995, "what sampling alone leaves"),
     ):
-        picture = renderer.picture(on, figure, _SIZE, shading="mask", ratio=edge / _SIZE)
+        picture = renderer.picture(on, figure, _SIZE, shading=SceneShading.MASK, ratio=edge / _SIZE)
         mask = agreement.lit_mask(picture)
         told = {"map_edge": edge, "contact": _MAP_WIDTH / edge}
         on_floor = agreement.compare(mask, truth, where=floor, **told)

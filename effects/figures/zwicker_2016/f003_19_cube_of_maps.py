@@ -13,7 +13,7 @@ from fixedpipe.effects.passes.draws import FIRST_PASS
 from fixedpipe.effects.scenes import lit_room
 from fixedpipe.effects.scenes.objects_and_lamps import detail_of
 from fixedpipe.effects.shadows import cube_of_maps, parted_shadow_maps
-from fixedpipe.effects.shadows.lit_scene import draw_object, map_edge
+from fixedpipe.effects.shadows.lit_scene import SceneShading, draw_object, map_edge
 
 CHECKED_SIZE = 256
 # Of the faces +x, -x, +y, -y, +z, -z.
@@ -23,7 +23,7 @@ TINTS = (
 )  # fmt: skip
 
 
-def scene(profile, size, *, shading="lit", ratio, one, background):
+def scene(profile, size, *, shading=SceneShading.LIT, ratio, one, background):
     """F003-19: a room lit through one map, through six, and which of them lights what."""
     room, row, edge = lit_room.lit_room(detail_of(size)), row_of_panels(3, size), map_edge(size, ratio)
     parts = [
@@ -34,7 +34,7 @@ def scene(profile, size, *, shading="lit", ratio, one, background):
     for number, (panel, of_panel) in enumerate(zip(row, parts, strict=True)):
         view = lit_room.lit_room_view(panel)
         out += (
-            panel.clear(background if shading == "lit" else (0.0, 0.0, 0.0)),
+            panel.clear(background if shading is SceneShading.LIT else (0.0, 0.0, 0.0)),
             *parted_shadow_maps.parted_passes(
                 of_panel,
                 room,
@@ -46,7 +46,7 @@ def scene(profile, size, *, shading="lit", ratio, one, background):
                 lit=(f"shadow map {one}",) if number == 0 else None,
             ),
         )
-        if shading == "lit":
+        if shading is SceneShading.LIT:
             out.append(draw_object("where the light is", lit_room.bulb(), view, depth_test=FIRST_PASS))
     return tuple(out)
 
@@ -66,7 +66,7 @@ def checks(figure, renderer):
     parts = parted_shadow_maps.parts_of_cube(
         lit_room.lit_room(detail_of(size)), lit_room.LAMP, rays.view, edge
     )
-    picture = agreement.lit_mask(renderer.machine(figure, size, shading="mask"))
+    picture = agreement.lit_mask(renderer.machine(figure, size, shading=SceneShading.MASK))
     one, six = picture[:, :size], picture[:, size : 2 * size]
     to_light = np.array(lit_room.LAMP) - rays.shown.points
     facing = (rays.shown.normals * to_light).sum(axis=-1) > 0.0

@@ -6,7 +6,7 @@ from fixedpipe.effects.acceptance.map_bias import acne, gap, shadows_under_offse
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.scenes.board import board_view, ring_and_board
-from fixedpipe.effects.shadows.lit_scene import map_edge
+from fixedpipe.effects.shadows.lit_scene import SceneShading, map_edge
 from fixedpipe.effects.shadows.shadow_maps import OFFSET_UNITS
 
 _SIZE = 256
@@ -18,7 +18,7 @@ def checks(figure, renderer):
     truth = agreement.truth_of(scene, board_view(Panel(0, 0, _SIZE, _SIZE)), lamp)
     edge = map_edge(_SIZE, figure.parameters["ratio"])
     for on in Answer:
-        picture = renderer.picture(on, figure, _SIZE, shading="mask")
+        picture = renderer.picture(on, figure, _SIZE, shading=SceneShading.MASK)
         masks = [agreement.lit_mask(picture[:, k * _SIZE : (k + 1) * _SIZE]) for k in range(3)]
         said = "the catalogue's acceptance"
         little, right, much = (acne(mask, truth) for mask in masks)

@@ -17,11 +17,13 @@ from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
 )
 from fixedpipe.effects.scenes import avenue
 from fixedpipe.effects.scenes.objects_and_lamps import detail_of
+from fixedpipe.effects.shadows.lit_scene import SceneShading
+from fixedpipe.effects.shadows.parted_shadow_maps import MapFit
 
 CHECKED_SIZE = 256
 
 
-def scene(profile, size, *, shading="lit", panels, background, sun):
+def scene(profile, size, *, shading=SceneShading.LIT, panels, background, sun):
     """F003-22: the avenue with a basic map and with LiSPSM."""
     return panels_of_avenue(profile, size, panels, shading, background, sun)
 
@@ -32,11 +34,11 @@ def checks(figure, renderer):
     rays, things = truth(size, sun), avenue.avenue(detail_of(size))
     (near, far), (near_warped, far_warped) = (
         mean_footprints(
-            parts_for(way, ratio, slices, size, things, sun)[0].camera, edge_of(size, ratio), rays
+            parts_for(fit, ratio, slices, size, things, sun)[0].camera, edge_of(size, ratio), rays
         )
-        for way, ratio, slices, _ in panels[:2]
+        for fit, ratio, slices, _ in panels[:2]
     )
-    found = agreements(renderer.machine(figure, size, shading="mask"), size, panels, sun)
+    found = agreements(renderer.machine(figure, size, shading=SceneShading.MASK), size, panels, sun)
     basic, warped = (wrong(f, nearest_rows(size)) for f in found[:2])
     return (
         Check(
@@ -103,10 +105,10 @@ FIGURE = Figure(
     columns=4,
     parameters={
         "panels": (
-            ("basic", 1.0, 1, WHOLE),
-            ("LiSPSM", 1.0, 1, WHOLE),
-            ("basic", 1.0, 1, NEAR_SHADOW),
-            ("LiSPSM", 1.0, 1, NEAR_SHADOW),
+            (MapFit.BASIC, 1.0, 1, WHOLE),
+            (MapFit.LISPSM, 1.0, 1, WHOLE),
+            (MapFit.BASIC, 1.0, 1, NEAR_SHADOW),
+            (MapFit.LISPSM, 1.0, 1, NEAR_SHADOW),
         ),
         "background": avenue.SKY,
         "sun": avenue.SUN,

@@ -15,7 +15,7 @@ from fixedpipe.effects.scenes.objects_and_lamps import (
     lamp_around,
 )
 from fixedpipe.effects.scenes.still_life import LAMP_POSITIONS, still_life
-from fixedpipe.effects.shadows.lit_scene import AMBIENT, map_edge
+from fixedpipe.effects.shadows.lit_scene import AMBIENT, SceneShading, map_edge
 from fixedpipe.effects.shadows.shadow_maps import accumulated_passes, modulated_passes, store_map
 
 HARD, FILTERED, KERNEL = range(3)
@@ -34,7 +34,7 @@ def view_of(panel):
     return perspective_view(panel, (1.6, 4.2, 4.6), (0.75, 0.35, -0.35), field_of_view=26.0, radius=4.0)
 
 
-def make(profile, size, *, ratio, factors, kernel, shading="lit"):
+def make(profile, size, *, ratio, factors, kernel, shading=SceneShading.LIT):
     """The three side by side. ``factors``: PolygonOffset's for each; ``ratio``: the map's edge over size.
 
     What is compared lies up to half a texel beside the place, or one, or half the kernel: the offset must
@@ -114,7 +114,7 @@ def checks(figure, renderer):
     edge, ground = _edges(truth), truth.shown.object == 0
     light, umbra = _away_from_edges(truth)
     for on in Answer:
-        picture = renderer.picture(on, figure, _SIZE, shading="mask", ratio=_RATIO)[..., 0]
+        picture = renderer.picture(on, figure, _SIZE, shading=SceneShading.MASK, ratio=_RATIO)[..., 0]
         hard, filtered, wide = (picture[:, k * _SIZE : (k + 1) * _SIZE] for k in range(3))
         levels = [len(np.unique(np.round(part[ground], 6))) for part in (hard, filtered, wide)]
         steps = np.abs(wide[ground] * kernel**2 - np.round(wide[ground] * kernel**2)) / kernel**2

@@ -10,7 +10,7 @@ from fixedpipe.effects.geometry.matrices import transform
 from fixedpipe.effects.geometry.vectors import cross, normalize
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, perspective_view, row_of_panels
 from fixedpipe.effects.scenes.still_life import still_life_and_lamp, still_life_view
-from fixedpipe.effects.shadows.lit_scene import depth_pass, map_edge
+from fixedpipe.effects.shadows.lit_scene import SceneShading, depth_pass, map_edge
 from fixedpipe.effects.shadows.shadow_maps import modulated_passes, show_depths, store_map
 
 # Edges of a box whose corners are numbered by their coordinates' bits: z is the lowest.
@@ -58,7 +58,7 @@ def frustum(panel, lamp):
     )
 
 
-def make(profile, size, *, ratio, factor, units, shading="lit"):
+def make(profile, size, *, ratio, factor, units, shading=SceneShading.LIT):
     """The four side by side."""
     final, from_light, depths, outside = row_of_panels(4, size)
     scene, light = still_life_and_lamp(size)
@@ -123,7 +123,7 @@ def checks(figure, renderer):
     truth = agreement.truth_of(scene, still_life_view(panel), light)
     seen = ray_caster.visible(truth.caster, light.view(panel))
     for on in Answer:
-        picture = renderer.picture(on, figure, _SIZE, shading="mask")
+        picture = renderer.picture(on, figure, _SIZE, shading=SceneShading.MASK)
         final, from_light, depths = (picture[:, k * _SIZE : (k + 1) * _SIZE] for k in range(3))
         found = agreement.compare(
             agreement.lit_mask(final),

@@ -11,6 +11,7 @@ from fixedpipe.effects.geometry.views import BACKGROUND, Panel, View, row_of_pan
 from fixedpipe.effects.scenes.objects_and_lamps import Object, Scene, detail_of
 from fixedpipe.effects.scenes.still_life import still_life
 from fixedpipe.effects.shadows import shadow_volumes
+from fixedpipe.effects.shadows.lit_scene import SceneShading
 
 OPERATIONS = {"clamped counts": shadow_volumes.CLAMPED, "wrapping counts": shadow_volumes.WRAPPING}
 EYE, CENTER, FIELD_OF_VIEW = (0.6, 4.9, 8.4), (0.0, 0.62, 0.0), 31.0
@@ -35,7 +36,7 @@ def setting(case, panel, detail, *, light, hidden, shares, boards, nears):
 def make_scene(operations):
     """The scene drawn with CLAMPED or WRAPPING operations."""
 
-    def scene(profile, size, *, background, shading="lit", **places):
+    def scene(profile, size, *, background, shading=SceneShading.LIT, **places):
         """Each case by z-pass, which fails, and z-fail."""
         ways = [(c, a) for c in CASES for a in (shadow_volumes.z_pass, shadow_volumes.z_fail)]
         out = []
@@ -63,7 +64,7 @@ def checks(figure, renderer):
     operations, size = OPERATIONS[renderer.method.name], 512
     least, reason = _WRONG[renderer.method.name]
     places = {name: value for name, value in figure.parameters.items() if name != "background"}
-    drawn = lit_mask(renderer.machine(figure, size, shading="mask"))
+    drawn = lit_mask(renderer.machine(figure, size, shading=SceneShading.MASK))
     for case in CASES:
         objects, lamp, view = setting(case, Panel(0, 0, size, size), 40, **places)
         truth = truth_of(objects, view, lamp)

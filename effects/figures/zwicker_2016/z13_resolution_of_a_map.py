@@ -11,11 +11,13 @@ from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     wrong,
 )
 from fixedpipe.effects.scenes import avenue
+from fixedpipe.effects.shadows.lit_scene import SceneShading
+from fixedpipe.effects.shadows.parted_shadow_maps import MapFit
 
 CHECKED_SIZE = 128
 
 
-def scene(profile, size, *, shading="lit", panels, background, sun):
+def scene(profile, size, *, shading=SceneShading.LIT, panels, background, sun):
     """Z13: the avenue with basic maps of several resolutions."""
     return panels_of_avenue(profile, size, panels, shading, background, sun)
 
@@ -23,11 +25,11 @@ def scene(profile, size, *, shading="lit", panels, background, sun):
 def checks(figure, renderer):
     """How many pixels are wrong at each resolution."""
     size, panels = CHECKED_SIZE, figure.parameters["panels"]
-    picture = renderer.machine(figure, size, shading="mask")
+    picture = renderer.machine(figure, size, shading=SceneShading.MASK)
     shown = agreements(picture, size, panels, figure.parameters["sun"])
     # The same maps over all that the viewer sees.
     panels = tuple((*panel[:3], WHOLE) for panel in panels[1:])
-    picture = renderer.machine(figure, size, shading="mask", panels=panels)
+    picture = renderer.machine(figure, size, shading=SceneShading.MASK, panels=panels)
     found = agreements(picture, size, panels, figure.parameters["sun"])
     coarse, middle, fine = map(wrong, found)
     return (
@@ -89,10 +91,10 @@ FIGURE = Figure(
     columns=4,
     parameters={
         "panels": (
-            ("basic", 0.5, 1, WHOLE),
-            ("basic", 0.5, 1, NEAR_SHADOW),
-            ("basic", 2.0, 1, NEAR_SHADOW),
-            ("basic", 8.0, 1, NEAR_SHADOW),
+            (MapFit.BASIC, 0.5, 1, WHOLE),
+            (MapFit.BASIC, 0.5, 1, NEAR_SHADOW),
+            (MapFit.BASIC, 2.0, 1, NEAR_SHADOW),
+            (MapFit.BASIC, 8.0, 1, NEAR_SHADOW),
         ),
         "background": avenue.SKY,
         "sun": avenue.SUN,

@@ -17,11 +17,13 @@ from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
 )
 from fixedpipe.effects.scenes import avenue
 from fixedpipe.effects.shadows import frustum_slices
+from fixedpipe.effects.shadows.lit_scene import SceneShading
+from fixedpipe.effects.shadows.parted_shadow_maps import MapFit
 
 CHECKED_SIZE = 256
 
 
-def scene(profile, size, *, shading="lit", panels, background, sun):
+def scene(profile, size, *, shading=SceneShading.LIT, panels, background, sun):
     """Z14: the avenue with slices, and a near shadow with a basic map and with slices."""
     return panels_of_avenue(profile, size, panels, shading, background, sun)
 
@@ -43,9 +45,9 @@ def _tint_matches(picture, rays, slices):
 def checks(figure, renderer):
     """What slices bring, and whether each pixel is of the slice that its depth says."""
     size, sun, panels = CHECKED_SIZE, figure.parameters["sun"], figure.parameters["panels"]
-    shown = agreements(renderer.machine(figure, size, shading="mask"), size, panels, sun)
-    compared = (("basic", *panels[1][1:3], WHOLE), panels[1])
-    picture = renderer.machine(figure, size, shading="mask", panels=compared)
+    shown = agreements(renderer.machine(figure, size, shading=SceneShading.MASK), size, panels, sun)
+    compared = ((MapFit.BASIC, *panels[1][1:3], WHOLE), panels[1])
+    picture = renderer.machine(figure, size, shading=SceneShading.MASK, panels=compared)
     found = agreements(picture, size, compared, sun)
     basic, sliced = (wrong(f, nearest_rows(size)) for f in found)
     tinted = renderer.machine(figure, size)[:, :size]
@@ -106,10 +108,10 @@ FIGURE = Figure(
     columns=4,
     parameters={
         "panels": (
-            ("slices", 1.0, 3, TINTED),
-            ("slices", 1.0, 3, WHOLE),
-            ("basic", 1.0, 1, NEAR_SHADOW),
-            ("slices", 1.0, 3, NEAR_SHADOW),
+            (MapFit.SLICES, 1.0, 3, TINTED),
+            (MapFit.SLICES, 1.0, 3, WHOLE),
+            (MapFit.BASIC, 1.0, 1, NEAR_SHADOW),
+            (MapFit.SLICES, 1.0, 3, NEAR_SHADOW),
         ),
         "background": avenue.SKY,
         "sun": avenue.SUN,

@@ -12,11 +12,13 @@ from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     wrong,
 )
 from fixedpipe.effects.scenes import avenue
+from fixedpipe.effects.shadows.lit_scene import SceneShading
+from fixedpipe.effects.shadows.parted_shadow_maps import MapFit
 
 CHECKED_SIZE = 256
 
 
-def scene(profile, size, *, shading="lit", panels, background, sun):
+def scene(profile, size, *, shading=SceneShading.LIT, panels, background, sun):
     """Z16: the avenue in all four ways to fit shadow maps."""
     return panels_of_avenue(profile, size, panels, shading, background, sun)
 
@@ -24,11 +26,11 @@ def scene(profile, size, *, shading="lit", panels, background, sun):
 def checks(figure, renderer):
     """How many pixels are wrong in each way."""
     size, panels = CHECKED_SIZE, figure.parameters["panels"]
-    picture = renderer.machine(figure, size, shading="mask")
+    picture = renderer.machine(figure, size, shading=SceneShading.MASK)
     shown = agreements(picture, size, panels, figure.parameters["sun"])
     # The same maps over all that the viewer sees.
     panels = tuple((*panel[:3], WHOLE) for panel in panels[1:])
-    picture = renderer.machine(figure, size, shading="mask", panels=panels)
+    picture = renderer.machine(figure, size, shading=SceneShading.MASK, panels=panels)
     found = agreements(picture, size, panels, figure.parameters["sun"])
     near = [max(wrong(f, nearest_rows(size)), 1e-9) for f in found]
     ratios = (("slices", 1, 3.2, 4.8), ("LiSPSM", 2, 2.5, 3.5), ("both", 3, 4.8, 6.8))
@@ -52,14 +54,14 @@ def checks(figure, renderer):
         ),
         *(
             Check(
-                f"pixels that agree with rays, {way}",
+                f"pixels that agree with rays, {fit}",
                 f.agreeing,
                 at_least=bound,
                 on=Answer.MACHINE,
                 reason="of those that face the light, with half as many texels as pixels along an edge; "
                 f"measured {measured}",
             )
-            for (way, *_), f, bound, measured in zip(
+            for (fit, *_), f, bound, measured in zip(
                 panels, found, (0.93, 0.98, 0.97, 0.982), (0.948, 0.986, 0.978, 0.987), strict=True
             )
         ),
@@ -100,11 +102,11 @@ FIGURE = Figure(
     size=384,
     parameters={
         "panels": (
-            ("slices and LiSPSM", 0.67, 3, WHOLE),
-            ("basic", 0.67, 1, NEAR_SHADOW),
-            ("slices", 0.67, 3, NEAR_SHADOW),
-            ("LiSPSM", 0.67, 1, NEAR_SHADOW),
-            ("slices and LiSPSM", 0.67, 3, NEAR_SHADOW),
+            (MapFit.SLICES_AND_LISPSM, 0.67, 3, WHOLE),
+            (MapFit.BASIC, 0.67, 1, NEAR_SHADOW),
+            (MapFit.SLICES, 0.67, 3, NEAR_SHADOW),
+            (MapFit.LISPSM, 0.67, 1, NEAR_SHADOW),
+            (MapFit.SLICES_AND_LISPSM, 0.67, 3, NEAR_SHADOW),
         ),
         "background": avenue.SKY,
         "sun": avenue.SUN,

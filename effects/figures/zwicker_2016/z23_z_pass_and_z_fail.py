@@ -12,7 +12,7 @@ from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp, Scene, detail_of, lamp_around
 from fixedpipe.effects.scenes.still_life import still_life, still_life_view
 from fixedpipe.effects.shadows import shadow_volumes
-from fixedpipe.effects.shadows.lit_scene import lit_pass, unlit_pass
+from fixedpipe.effects.shadows.lit_scene import SceneShading, lit_pass, unlit_pass
 
 
 def _shown_counts(profile, objects, view, lamp, counts, colors):
@@ -28,7 +28,7 @@ def _shown_counts(profile, objects, view, lamp, counts, colors):
     )
 
 
-def scene(profile, size, *, light, infinite, colors, background, shading="lit"):
+def scene(profile, size, *, light, infinite, colors, background, shading=SceneShading.LIT):
     """Shadows by z-pass, its counts, z-fail's counts, shadows by z-fail."""
     objects = still_life(detail_of(size))
     lamp = lamp_around(objects, light, infinite=infinite)
@@ -71,7 +71,7 @@ def checks(figure, renderer):
     truth = truth_of(objects, view, lamp)
     expected = expected_counts(shadow_volumes.shadow_volumes(objects, lamp.homogeneous), truth)
     for on in Answer:
-        picture = renderer.picture(on, figure, size, shading="mask")
+        picture = renderer.picture(on, figure, size, shading=SceneShading.MASK)
         mask = lit_mask(picture)
         alike = mask[:, :size] == mask[:, 3 * size :]
         yield Check(

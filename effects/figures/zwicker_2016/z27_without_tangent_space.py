@@ -246,7 +246,7 @@ FIGURE = Figure(
         "diffuse": (0.50, 0.42, 0.32),
         "ambient": (0.05, 0.05, 0.05),
         "background": BACKGROUND,
-        "handled": ("drop", "sign"),
+        "handled": (tangent_space.ZeroArea.DROP, tangent_space.Mirrored.SIGN),
     },
     methods=(Method("register combiners", scene, ("GEFORCE_256", "GEFORCE_3")),),
     acceptance=checks,

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fixedpipe.effects.bump_mapping import tangent_space
+from fixedpipe.effects.bump_mapping.tangent_space import Mirrored, ZeroArea
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.vectors import cross, dot, normalize
@@ -179,13 +180,13 @@ def test_a_stretch_is_the_ratio_of_singular_values():
 
 def test_bad_triangles_are_refused_dropped_or_handled_as_asked():
     surface = bad_plane()
-    with pytest.raises(ValueError, match=r"2 triangles have no area .* zero_area='drop'"):
+    with pytest.raises(ValueError, match=r"2 triangles have no area .* ZeroArea.DROP"):
         tangent_space.with_tangents(surface)
     with pytest.raises(ValueError, match="mirrored"):
-        tangent_space.with_tangents(surface, "drop", "refuse")
-    with pytest.raises(ValueError, match="give one of 'refuse', 'drop', 'keep'"):
+        tangent_space.with_tangents(surface, ZeroArea.DROP, Mirrored.REFUSE)
+    with pytest.raises(ValueError, match=r"give one of ZeroArea.REFUSE, ZeroArea.DROP, ZeroArea.KEEP"):
         tangent_space.with_tangents(surface, "ignore")
-    kept = tangent_space.with_tangents(surface, "drop")
+    kept = tangent_space.with_tangents(surface, ZeroArea.DROP)
     assert len(kept.triangles) == 6
     x = np.array([1.0, 0.0, 0.0])
     good, mirrored = (kept.triangles[k] for k in (0, 2))
@@ -193,9 +194,9 @@ def test_bad_triangles_are_refused_dropped_or_handled_as_asked():
     np.testing.assert_allclose(kept.tangents[mirrored], [-x] * 3)
     # n x t turns round with t; the sign turns b back, along which v grows.
     np.testing.assert_allclose(kept.binormals[np.concatenate([good, mirrored])], [(0.0, 1.0, 0.0)] * 6)
-    assert len(tangent_space.with_tangents(surface, "drop", "drop").triangles) == 4
-    assert len(tangent_space.with_tangents(surface, "keep").triangles) == 8
-    turned = tangent_space.with_tangents(surface, "drop", "mirror")
+    assert len(tangent_space.with_tangents(surface, ZeroArea.DROP, Mirrored.DROP).triangles) == 4
+    assert len(tangent_space.with_tangents(surface, ZeroArea.KEEP).triangles) == 8
+    turned = tangent_space.with_tangents(surface, ZeroArea.DROP, Mirrored.MIRROR)
     assert tangent_space.examine_surface(turned).mirrored.size == 0
     np.testing.assert_allclose(turned.tangents[turned.triangles[2]], [x] * 3)
     np.testing.assert_allclose(cross(turned.tangents, turned.binormals), turned.normals, atol=1e-12)

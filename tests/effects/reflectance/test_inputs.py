@@ -25,7 +25,9 @@ from fixedpipe.effects.reflectance import (
 from fixedpipe.pipeline.profiles import FUTURE, GEFORCE_3, GEFORCE_256, MULTITEXTURE, OCTANE, OPENGL_1_2
 
 NAN = float("nan")
-MATERIAL = material_textures.brushed(8, 8, "s", alpha_x=0.5, alpha_y=0.9, spread=10.0)
+MATERIAL = material_textures.brushed(
+    8, 8, material_textures.Brushing.ALONG_S, alpha_x=0.5, alpha_y=0.9, spread=10.0
+)
 SURFACE, VIEW, LIGHT = surfaces.plane(), orthographic_view(Panel(0, 0, 8, 8)), Light((0.3, 0.4, 1.0))
 GREY = {"color": (0.5, 0.5, 0.5)}
 BLACK = {"background": (0, 0, 0), "color": (0, 0, 0), "ambient": (0, 0, 0)}
@@ -122,8 +124,8 @@ def test_the_strength_of_an_embossed_highlight_is_one_number(name, strength):
             r"The bracket's exponent is 0\.0; give a positive number",
         ),
         ("pixel textures, Banks", {"exponent": NAN}, "The bracket's exponent is nan"),
-        ("pixel textures, Blinn-Phong", {"stage": "sum"}, "stage is 'sum'; give one of None, 'coord"),
-        ("by the host", {"stage": "sum"}, "stage is 'sum'; give one of None, 'coordinates', 'lookup'"),
+        ("pixel textures, Blinn-Phong", {"up_to": "sum"}, "drawn is 'sum'; give one of UpTo"),
+        ("by the host", {"up_to": "lookup"}, "How far it is drawn is 'lookup'; give one of UpTo"),
         ("pixel textures, Ward", {"largest_s": 0.0}, r"The largest S is 0\.0; give a positive number"),
         ("pixel textures, Ward", {"largest_m": NAN}, "The largest m is nan"),
         ("lookups, Ward", {"largest_s": 3.0}, r"The largest S is 3\.0; give one of 2\.0, 4\.0, 8\.0"),

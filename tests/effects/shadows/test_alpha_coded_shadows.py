@@ -13,7 +13,7 @@ from fixedpipe.effects.passes.draws import ADD, MARK, MODULATE, NEAREST, REPLACE
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp, Object, Scene, lamp_around
 from fixedpipe.effects.scenes.still_life import LAMP_POSITIONS, still_life, still_life_view
 from fixedpipe.effects.shadows import alpha_coded_shadows as alpha
-from fixedpipe.effects.shadows.lit_scene import map_edge
+from fixedpipe.effects.shadows.lit_scene import SceneShading, map_edge
 from fixedpipe.pipeline.commands import Clear, CopyTexImage, Draw, TexImage
 from fixedpipe.pipeline.enums import ComponentUsage, InternalFormat, Mapping, Register
 from fixedpipe.pipeline.execution.machine import execute
@@ -113,7 +113,9 @@ def test_the_copy_makes_every_pair_of_alphas_zero_or_one(machine, subtract):
     assert (color[..., :3] == (51, 102, 153)).all()
 
 
-def a_scene(size, profile, way, *, moves=True, bias=2.0, shading="mask", bits=8, lamp=None, **settings):
+def a_scene(
+    size, profile, way, *, moves=True, bias=2.0, shading=SceneShading.MASK, bits=8, lamp=None, **settings
+):
     """The still life in one panel: commands of a whole frame; the map's only where something ``moves``."""
     scene = still_life(12)
     lamp = lamp or lamp_around(scene, LAMP_POSITIONS[0])
@@ -150,7 +152,10 @@ def test_ramp_and_map_are_as_wide_as_the_components():
         (8, GEFORCE_256.name): "ALPHA8",
         (12, GEFORCE_256.name): "ALPHA8",
     }
-    assert alpha.Coding(12, component="red").internal_format(INFINITE_REALITY).name == "INTENSITY12"
+    assert (
+        alpha.Coding(12, component=alpha.DepthComponent.RED).internal_format(INFINITE_REALITY).name
+        == "INTENSITY12"
+    )
 
 
 def test_three_passes_a_frame_and_four_where_something_moves():
@@ -221,7 +226,7 @@ def test_without_destination_alpha_the_depth_goes_through_red():
     scene = still_life(12)
     lamp, view = lamp_around(scene, LAMP_POSITIONS[0]), still_life_view(Panel(0, 0, 64, 64))
     pictures = []
-    for component in alpha.COMPONENTS:
+    for component in alpha.DepthComponent:
         coding = alpha.Coding(component=component)
         commands = (
             coding.ramp(GEFORCE_256),
@@ -255,7 +260,10 @@ def test_what_a_board_lacks_is_refused():
 
 
 def test_wrong_codings_and_maps_are_refused():
-    with pytest.raises(ValueError, match="The component of depths is 'blue'"):
+    with pytest.raises(
+        ValueError,
+        match=r"The component of depths is 'blue'; give one of DepthComponent.ALPHA, DepthComponent.RED",
+    ):
         alpha.Coding(component="blue")
     with pytest.raises(ValueError, match="Depths of 3 bits"):
         alpha.Coding(bits=3)

@@ -20,6 +20,7 @@ from fixedpipe.effects.shadows import (
     shadow_volumes,
 )
 from fixedpipe.effects.shadows.alpha_coded_shadows import Coding
+from fixedpipe.effects.shadows.parted_shadow_maps import MapFit
 from fixedpipe.pipeline.profiles import GEFORCE_3, INFINITE_REALITY, OCTANE, PROFILES
 from fixedpipe.pipeline.validation.validate import validate
 
@@ -47,7 +48,7 @@ def compared(**given):
 
 
 def parts():
-    return parted_shadow_maps.parts_of_view("slices", SCENE, SUN, VIEW, 8)
+    return parted_shadow_maps.parts_of_view(MapFit.SLICES, SCENE, SUN, VIEW, 8)
 
 
 def passes(**given):
@@ -106,7 +107,7 @@ REFUSED = {
     "slices NaN": (lambda: frustum_slices.split_distances(1.0, 2.0, NAN), "whole number"),
     "slices without end": (lambda: frustum_slices.split_distances(1.0, 2.0, INF), "whole number"),
     "part of a map of 0": (
-        lambda: parted_shadow_maps.parts_of_view("basic", SCENE, SUN, VIEW, 0), "positive number",
+        lambda: parted_shadow_maps.parts_of_view(MapFit.BASIC, SCENE, SUN, VIEW, 0), "positive number",
     ),
     "cube of maps of 0": (
         lambda: parted_shadow_maps.parts_of_cube(SCENE, (0, 1, 0), VIEW, 0), "positive number",

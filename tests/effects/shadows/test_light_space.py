@@ -10,6 +10,8 @@ from fixedpipe.effects.geometry import convex_bodies
 from fixedpipe.effects.geometry.views import Panel, orthographic_view
 from fixedpipe.effects.scenes import avenue, lit_room
 from fixedpipe.effects.shadows import cube_of_maps, frustum_slices, light_space, lit_scene, parted_shadow_maps
+from fixedpipe.effects.shadows.lit_scene import SceneShading
+from fixedpipe.effects.shadows.parted_shadow_maps import MapFit
 from fixedpipe.pipeline.enums import Face
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.profiles import GEFORCE_3, INFINITE_REALITY
@@ -288,8 +290,8 @@ def _times_drawn(scene, view, parts, profile):
     )
     commands = [view.panel.clear((0.0, 0.0, 0.0))]
     for planes in parts:
-        commands += lit_scene.unlit_pass(scene, view, "mask", clip_planes=planes, polygon=front)
-        lit = lit_scene.lit_pass(scene, view, SUN, "mask", clip_planes=planes, polygon=front)
+        commands += lit_scene.unlit_pass(scene, view, SceneShading.MASK, clip_planes=planes, polygon=front)
+        lit = lit_scene.lit_pass(scene, view, SUN, SceneShading.MASK, clip_planes=planes, polygon=front)
         commands += (
             replace(draw, state=replace(draw.state, vertex=replace(draw.state.vertex, lighting=glow)))
             for draw in lit
@@ -377,8 +379,9 @@ def test_the_cube_reaches_every_corner_of_the_scene():
 
 def test_each_part_has_a_map_of_what_is_between_its_planes():
     """Slices cover the view, each part's camera what its planes leave of it, and names are unlike."""
-    for way, count in (("basic", 1), ("LiSPSM", 1), ("slices", 4), ("slices and LiSPSM", 4)):
-        parts = parted_shadow_maps.parts_of_view(way, SCENE, avenue.SUN, VIEW, 64, 4)
+    for fit in MapFit:
+        count = 4 if "slices" in fit.value else 1
+        parts = parted_shadow_maps.parts_of_view(fit, SCENE, avenue.SUN, VIEW, 64, 4)
         assert len({part.name for part in parts}) == len(parts) == count
         points = inside_body(light_space.seen_body(SCENE, VIEW))
         eye = points @ np.array(VIEW.modelview)[:3, :3].T + np.array(VIEW.modelview)[:3, 3]
@@ -395,7 +398,7 @@ def test_each_part_has_a_map_of_what_is_between_its_planes():
 def test_a_slice_that_sees_nothing_has_no_map():
     """A scene that ends long before the camera's far plane."""
     near_things = replace(SCENE, objects=(SCENE.objects[-1],))
-    parts = parted_shadow_maps.parts_of_view("slices", near_things, avenue.SUN, VIEW, 64)
+    parts = parted_shadow_maps.parts_of_view(MapFit.SLICES, near_things, avenue.SUN, VIEW, 64)
     assert [part.name for part in parts] == ["slices, 1"]
 
 
@@ -428,7 +431,7 @@ def test_bad_input_is_refused_in_a_sentence():
         frustum_slices.slice_planes((1.0, 2.0, 3.0, 4.0), 3)
     with pytest.raises(ValueError, match="no face 'up'"):
         cube_of_maps.face_lamp((0.0, 0.0, 0.0), "up", 0.1, 1.0)
-    with pytest.raises(ValueError, match="The way to fit shadow maps is 'best'; give one of 'basic'"):
+    with pytest.raises(ValueError, match=r"The way to fit shadow maps is 'best'; give one of MapFit.BASIC"):
         parted_shadow_maps.parts_of_view("best", SCENE, avenue.SUN, VIEW, 64)
     with pytest.raises(ValueError, match="The tint is"):
         parted_shadow_maps.tinted(SCENE, (1.2, 1.0, 1.0))

@@ -11,6 +11,7 @@ from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp, Object, Scene, lamp_around
 from fixedpipe.effects.scenes.still_life import LAMP_POSITIONS, still_life, still_life_view
 from fixedpipe.effects.shadows import shadow_maps
+from fixedpipe.effects.shadows.lit_scene import SceneShading
 from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.enums import BaseFormat, ComparisonFunction, TextureFilter, WrapMode
 from fixedpipe.pipeline.execution.machine import Machine, execute
@@ -27,11 +28,15 @@ GREY = (0.5, 0.5, 0.5)
 PANEL = Panel(0, 0, SIZE, SIZE)
 VIEW = still_life_view(PANEL)
 PASSES = {
-    "stencil": lambda profile: shadow_maps.stencil_passes(SCENE, VIEW, LAMP, "map", profile, "mask"),
-    "ambient form": lambda profile: shadow_maps.ambient_form_pass(
-        SCENE, VIEW, LAMP, "map", profile, 0.25, "mask"
+    "stencil": lambda profile: shadow_maps.stencil_passes(
+        SCENE, VIEW, LAMP, "map", profile, SceneShading.MASK
     ),
-    "modulated": lambda profile: shadow_maps.modulated_passes(SCENE, VIEW, LAMP, "map", profile, "mask"),
+    "ambient form": lambda profile: shadow_maps.ambient_form_pass(
+        SCENE, VIEW, LAMP, "map", profile, 0.25, SceneShading.MASK
+    ),
+    "modulated": lambda profile: shadow_maps.modulated_passes(
+        SCENE, VIEW, LAMP, "map", profile, SceneShading.MASK
+    ),
 }
 
 
@@ -196,14 +201,14 @@ def test_faults_show():
         "offset towards the light": frame(PASSES["modulated"], factor=-1.1, units=-4.0),
         "SGIX_shadow's operator by its name": frame(
             lambda p: shadow_maps.modulated_passes(
-                SCENE, VIEW, LAMP, "map", p, "mask", function=ComparisonFunction.GEQUAL
+                SCENE, VIEW, LAMP, "map", p, SceneShading.MASK, function=ComparisonFunction.GEQUAL
             )
         ),
         "a map moved by a texel and a half": frame(
             lambda p: (
-                *shadow_maps.unlit_pass(SCENE, VIEW, "mask"),
+                *shadow_maps.unlit_pass(SCENE, VIEW, SceneShading.MASK),
                 *shadow_maps.shadowed_light(
-                    SCENE, VIEW, LAMP, "map", p, "mask",
+                    SCENE, VIEW, LAMP, "map", p, SceneShading.MASK,
                     matrix=shadow_maps.moved(LAMP.texture_matrix, 1.5 / EDGE, 0.0),
                 ),
             )
@@ -230,7 +235,7 @@ def test_the_ideal_of_the_machines_fragments_has_a_map_too():
 def kernel_frame(units, kernel, profile=GEFORCE_3):
     return frame(
         lambda p: shadow_maps.accumulated_passes(
-            SCENE, VIEW, LAMP, "map", EDGE, p, kernel, "mask", units=units
+            SCENE, VIEW, LAMP, "map", EDGE, p, kernel, SceneShading.MASK, units=units
         ),
         profile,
         factor=3.0,
@@ -283,13 +288,17 @@ def test_a_map_s_sampler_ends_at_its_edge_and_filters_near_and_far():
 
 CAMERA = replace(LAMP, field_of_view=LAMP.field_of_view + 12.0)
 THROUGH_A_CAMERA = {
-    "stencil": lambda p: shadow_maps.stencil_passes(SCENE, VIEW, LAMP, "map", p, "mask", camera=CAMERA),
-    "ambient form": lambda p: shadow_maps.ambient_form_pass(
-        SCENE, VIEW, LAMP, "map", p, 0.25, "mask", camera=CAMERA
+    "stencil": lambda p: shadow_maps.stencil_passes(
+        SCENE, VIEW, LAMP, "map", p, SceneShading.MASK, camera=CAMERA
     ),
-    "modulated": lambda p: shadow_maps.modulated_passes(SCENE, VIEW, LAMP, "map", p, "mask", camera=CAMERA),
+    "ambient form": lambda p: shadow_maps.ambient_form_pass(
+        SCENE, VIEW, LAMP, "map", p, 0.25, SceneShading.MASK, camera=CAMERA
+    ),
+    "modulated": lambda p: shadow_maps.modulated_passes(
+        SCENE, VIEW, LAMP, "map", p, SceneShading.MASK, camera=CAMERA
+    ),
     "accumulated": lambda p: shadow_maps.accumulated_passes(
-        SCENE, VIEW, LAMP, "map", EDGE, p, 1, "mask", camera=CAMERA
+        SCENE, VIEW, LAMP, "map", EDGE, p, 1, SceneShading.MASK, camera=CAMERA
     ),
 }
 

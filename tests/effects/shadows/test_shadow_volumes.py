@@ -21,6 +21,7 @@ from fixedpipe.effects.scenes import objects_and_lamps
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp, lamp_around
 from fixedpipe.effects.scenes.still_life import LAMP_POSITIONS, still_life, still_life_view
 from fixedpipe.effects.shadows import shadow_volumes
+from fixedpipe.effects.shadows.lit_scene import SceneShading
 from fixedpipe.pipeline.commands import Clear, Draw, ReadPixels
 from fixedpipe.pipeline.enums import StencilOperation
 from fixedpipe.pipeline.execution.machine import execute
@@ -221,7 +222,7 @@ def masks(scene, view, lamp, profile=GL, **settings):
         commands = (
             # Whatever a frame before has left in the stencil.
             replace(view.panel.clear((0.0, 0.0, 0.0)), stencil=3),
-            *passes(scene, view, lamp, profile, "mask", **settings),
+            *passes(scene, view, lamp, profile, SceneShading.MASK, **settings),
         )
         result = execute(commands, profile, view.panel.width, view.panel.height)
         assert result.dropped == 0

@@ -14,7 +14,7 @@ from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp, detail_of
 from fixedpipe.effects.scenes.still_life import still_life, still_life_view
 from fixedpipe.effects.shadows import alpha_coded_shadows as alpha
-from fixedpipe.effects.shadows.lit_scene import lit_pass, map_edge, unlit_pass
+from fixedpipe.effects.shadows.lit_scene import SceneShading, lit_pass, map_edge, unlit_pass
 
 # Position, target, near, far, field of view of a Lamp. From the left, so that the ring's shadow lies on the
 # floor and the vase's on the box; as narrow as encloses the scene itself, not its bounding box, whose upper
@@ -126,9 +126,9 @@ def agreement_checks(figure, renderer, board, size, column, *, least, least_faci
     parameters = {**figure.parameters, **renderer.method.parameters}
     bits, bias = parameters["bits"], parameters["bias"]
     ideal_bias = bias + board.ideal_more
-    masks = renderer.machine(figure, size, shading="mask")
+    masks = renderer.machine(figure, size, shading=SceneShading.MASK)
     whole, facing = agreements(figure, masks, size, column, bits, bias)
-    masks = renderer.ideal(figure, size, shading="mask", bias=ideal_bias)
+    masks = renderer.ideal(figure, size, shading=SceneShading.MASK, bias=ideal_bias)
     ideal, _ = agreements(figure, masks, size, column, bits, ideal_bias)
     return (
         Check(
@@ -175,7 +175,7 @@ def agreement_checks(figure, renderer, board, size, column, *, least, least_faci
 def brightness_checks(figure, renderer, size, shadowed, without):
     """Checks that shadows only darken: columns ``shadowed`` and ``without`` of a lit picture."""
     picture = renderer.machine(figure, size)
-    mask = renderer.machine(figure, size, shading="mask")
+    mask = renderer.machine(figure, size, shading=SceneShading.MASK)
     columns = [slice(k * size, (k + 1) * size) for k in (shadowed, without)]
     a, b = (picture[:, c] for c in columns)
     lit = agreement.lit_mask(mask[:, columns[0]])
@@ -210,7 +210,7 @@ def brightness_checks(figure, renderer, size, shadowed, without):
 def pass_checks(figure, renderer, board, coding, wanted, reason, size=32):
     """Checks of how many passes a frame has: ``wanted`` where nothing moves, and one more otherwise."""
     panel, parameters = Panel(0, 0, size, size), figure.parameters
-    common = {"lamp": parameters["lamp"], "shading": "lit"}
+    common = {"lamp": parameters["lamp"], "shading": SceneShading.LIT}
     frame = compared(panel, renderer.profile, board, coding, background=parameters["background"], **common)
     map_ = stored(panel, renderer.profile, board, coding, ratio=parameters["ratio"], **common)
     return (

@@ -14,7 +14,7 @@ from fixedpipe.effects.geometry.views import Panel, row_of_panels
 from fixedpipe.effects.scenes import avenue
 from fixedpipe.effects.scenes.objects_and_lamps import detail_of
 from fixedpipe.effects.shadows import light_space, parted_shadow_maps
-from fixedpipe.effects.shadows.lit_scene import map_edge
+from fixedpipe.effects.shadows.lit_scene import SceneShading, map_edge
 
 # The lower part of the picture that is near, and the farthest of the ground's rows. Source: the catalogue's
 # F003-22 has the nearest 20 % of the screen. Assumed: the farthest twentieth of the ground's rows is "the far
@@ -43,26 +43,26 @@ def camera_of(look, panel):
     return avenue.near_shadow_view(panel) if look == NEAR_SHADOW else avenue.avenue_view(panel)
 
 
-def parts_for(way, ratio, slices, size, scene, sun):
+def parts_for(fit, ratio, slices, size, scene, sun):
     """The maps of a panel, fitted to all that the viewer sees however the panel shows it: tuple of Part."""
     edge, whole = edge_of(size, ratio), avenue.avenue_view(Panel(0, 0, size, size))
-    parts = parted_shadow_maps.parts_of_view(way, scene, sun, whole, edge, slices)
+    parts = parted_shadow_maps.parts_of_view(fit, scene, sun, whole, edge, slices)
     return tuple(replace(part, name=f"{part.name}, {edge} texels") for part in parts)
 
 
 def panels_of_avenue(profile, size, panels, shading, background, sun):
-    """Commands that draw the avenue on a row of panels, as many as ``panels`` has, which are (way, ratio of
-    the map's edge to the panel's, number of slices, look). Panels of the same maps share them.
+    """Commands that draw the avenue on a row of panels, as many as ``panels`` has, which are (MapFit, ratio
+    of the map's edge to the panel's, number of slices, look). Panels of the same maps share them.
     """
     scene, window = avenue.avenue(detail_of(size)), (len(panels) * size, size)
     stored, drawn, names = [], [], set()
-    for panel, (way, ratio, slices, look) in zip(row_of_panels(len(panels), size), panels, strict=True):
-        parts = parts_for(way, ratio, slices, size, scene, sun)
+    for panel, (fit, ratio, slices, look) in zip(row_of_panels(len(panels), size), panels, strict=True):
+        parts = parts_for(fit, ratio, slices, size, scene, sun)
         new = [part for part in parts if part.name not in names]
         names.update(part.name for part in new)
         stored += parted_shadow_maps.store_parts(new, scene, edge_of(size, ratio), window, units=OFFSET_UNITS)
         drawn += (
-            panel.clear(background if shading == "lit" else (0.0, 0.0, 0.0)),
+            panel.clear(background if shading is SceneShading.LIT else (0.0, 0.0, 0.0)),
             *parted_shadow_maps.parted_passes(
                 parts,
                 scene,
@@ -84,18 +84,18 @@ def truth(size, sun, look=WHOLE):
 
 
 def agreements(picture, size, panels, sun, **settings):
-    """An agreement.Agreement for each panel of a picture [size, n size, 3] of shading "mask".
+    """An agreement.Agreement for each panel of a picture [size, n size, 3] of ``SceneShading.MASK``.
 
     A slice's pixels are compared with its own camera's texels. Compared are surfaces that face the light: the
     others are dark by themselves, whatever a map says of them.
     """
     scene, out = avenue.avenue(detail_of(size)), []
-    for number, (way, ratio, slices, look) in enumerate(panels):
+    for number, (fit, ratio, slices, look) in enumerate(panels):
         rays = truth(size, sun, look)
         facing = dot(rays.shown.normals, np.array(sun)) > 0.0
         mask = agreement.lit_mask(picture[:, number * size : (number + 1) * size])
         kinds = np.zeros(mask.shape, np.uint8)
-        for part in parts_for(way, ratio, slices, size, scene, sun):
+        for part in parts_for(fit, ratio, slices, size, scene, sun):
             where = between(part.planes, rays) & facing
             found = agreement.compare(
                 mask,

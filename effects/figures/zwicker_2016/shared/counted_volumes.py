@@ -8,6 +8,7 @@ from fixedpipe.effects.acceptance.agreement import compare, lit_mask, truth_of
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp
 from fixedpipe.effects.shadows import shadow_volumes
+from fixedpipe.effects.shadows.lit_scene import SceneShading
 
 
 def lamp_without_frustum(light, infinite=False):
@@ -18,7 +19,7 @@ def lamp_without_frustum(light, infinite=False):
 def counted(renderer, algorithm, view, objects, lamp, on, operations=None):
     """The stencil's counts and the lit mask after an algorithm, bottom row first; the panel is the window."""
     panel, profile = view.panel, renderer.profile
-    passes = algorithm(objects, view, lamp, profile, "mask", operations=operations)
+    passes = algorithm(objects, view, lamp, profile, SceneShading.MASK, operations=operations)
     commands = (panel.clear((0.0, 0.0, 0.0)), *passes)
     if on is Answer.MACHINE:
         buffers = renderer.execute(commands, profile, panel.width, panel.height).framebuffer
