@@ -100,7 +100,7 @@ PACKAGES = {
         "effects": "geometry passes acceptance",
     },
     "effects/figures": {
-        "pipeline": "enums state pixel_transfer textures commands profiles",
+        "pipeline": "enums state pixel_transfer textures commands profiles framebuffers ideal",
         "effects": (
             "collection geometry passes scenes bump_mapping reflectance environment_maps "
             "texture_filtering shadows volumes acceptance diagrams"

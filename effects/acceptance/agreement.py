@@ -6,15 +6,19 @@ map knows to a texel and a stencil to a pixel; where all that throws the shadow 
 where light grazes the surface. What is none of these is ``other``, and a fault.
 """
 
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fixedpipe.effects.acceptance import ray_caster
-from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.ray_caster import RayCaster, Visible
 from fixedpipe.effects.geometry.vectors import cross, dot, normalize
 from fixedpipe.effects.geometry.views import View
+from fixedpipe.effects.scenes.objects_and_lamps import Lamp, Scene
 
 # What a pixel is, in the order in which a differing one is asked.
 NOT_COMPARED, AGREES, SILHOUETTE, SHADOW_EDGE, CONTACT, GRAZING, OTHER = range(7)
@@ -30,19 +34,19 @@ class Truth:
 
     caster: RayCaster
     view: View
-    lamp: object
+    lamp: Lamp
     shown: Visible
-    lit: np.ndarray
+    lit: NDArray[np.bool_]
 
 
-def truth_of(scene, view, lamp, self_shadows=True):
+def truth_of(scene: Scene, view: View, lamp: Lamp, self_shadows: bool = True) -> Truth:
     """The ``Truth`` of a ``Scene``; ``self_shadows`` as of ``ray_caster.lit``."""
     caster = ray_caster.scene_caster(scene)
     shown = ray_caster.visible(caster, view)
     return Truth(caster, view, lamp, shown, ray_caster.lit(caster, shown, lamp, self_shadows=self_shadows))
 
 
-def lit_mask(picture):
+def lit_mask(picture: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Where a picture [h, w, 3] of ``SceneShading.MASK`` is lit: its red is above one half."""
     return picture[..., 0] > 0.5
 
@@ -68,9 +72,9 @@ class Agreement:
     contact: int
     grazing: int
     other: int
-    kinds: np.ndarray
+    kinds: NDArray[np.uint8]
 
-    def __str__(self):
+    def __str__(self) -> str:
         return (
             f"{100.0 * self.agreeing:.2f} % of {self.compared} pixels agree; differing: "
             f"{self.silhouette} silhouette, {self.shadow_edge} shadow edge, {self.contact} contact, "
@@ -79,8 +83,16 @@ class Agreement:
 
 
 def compare(
-    mask, truth, *, edge_pixels=1, map_edge=None, edge_texels=1.5, contact=0.0, grazing=0.05, where=None
-):  # fmt: skip
+    mask: NDArray[np.bool_],
+    truth: Truth,
+    *,
+    edge_pixels: int = 1,
+    map_edge: int | None = None,
+    edge_texels: float = 1.5,
+    contact: float = 0.0,
+    grazing: float = 0.05,
+    where: NDArray[np.bool_] | None = None,
+) -> Agreement:
     """``Agreement`` of a machine's mask (bool [h, w], bottom row first) with a ``Truth``.
 
     edge_pixels  a shadow's edge may be off by so many pixels
@@ -122,11 +134,18 @@ def compare(
     counts = np.bincount(kinds.ravel(), minlength=OTHER + 1)
     total = int(compared.sum())
     return Agreement(
-        total, float(counts[AGREES] / total) if total else 1.0, *map(int, counts[SILHOUETTE:]), kinds
+        compared=total,
+        agreeing=float(counts[AGREES] / total) if total else 1.0,
+        silhouette=int(counts[SILHOUETTE]),
+        shadow_edge=int(counts[SHADOW_EDGE]),
+        contact=int(counts[CONTACT]),
+        grazing=int(counts[GRAZING]),
+        other=int(counts[OTHER]),
+        kinds=kinds,
     )
 
 
-def cosines(truth):
+def cosines(truth: Truth) -> NDArray[np.float64]:
     """Cosine between the normal on the side that is seen and the light: float64 [h, w]."""
     points = truth.shown.points
     directions, _ = ray_caster.to_light(points.reshape(-1, 3), truth.lamp)
@@ -143,7 +162,7 @@ def _shifted(array, dy, dx, fill):
     return out
 
 
-def silhouettes(truth):
+def silhouettes(truth: Truth) -> NDArray[np.bool_]:
     """Pixels that have another object, or a part of the same one that is not its continuation, among their
     eight neighbours: bool [h, w]. The picture's edge is none.
     """
@@ -225,8 +244,11 @@ def _free_beyond(truth, points, distance):
     return ~truth.caster.occluded(moved, directions, longest=longest)
 
 
-def _checks(found, least, most, agreeing, explained):
-    """``found``: the Agreements of each Answer, one for each panel."""
+# Of each Answer its Agreements, one for each panel.
+Found: TypeAlias = Mapping[Answer, Sequence[Agreement]]
+
+
+def _checks(found: Found, least: float, most: int, agreeing: str, explained: str) -> Iterator[Check]:
     for on, panels in found.items():
         yield Check(
             "least agreement with rays",
@@ -244,7 +266,7 @@ def _checks(found, least, most, agreeing, explained):
         )
 
 
-def volume_checks(found, least=0.999):
+def volume_checks(found: Found, least: float = 0.999) -> Iterator[Check]:
     """Checks of masks of shadow volumes. ``found``: the Agreements of each Answer, one a panel;
     ``least``: the fraction of pixels that agree.
     """
@@ -257,7 +279,7 @@ def volume_checks(found, least=0.999):
     )
 
 
-def map_checks(found, least=0.98, most=3):
+def map_checks(found: Found, least: float = 0.98, most: int = 3) -> Iterator[Check]:
     """The same of shadow maps: ``most`` pixels in all panels may be unexplained."""
     return _checks(
         found,

@@ -34,13 +34,17 @@ class Check:
     reason: str
 
     def __post_init__(self) -> None:
-        if (self.at_most is None) == (self.at_least is None):
-            given = "neither" if self.at_most is None else f"{self.at_most!r} and {self.at_least!r}"
+        if len(self._bounds) != 1:
+            given = " and ".join(map(repr, self._bounds)) or "neither"
             raise ValueError(f"The check {self.name!r} has {given}; give one bound, at_most or at_least.")
         if not isinstance(self.on, Answer):
             raise ValueError(
                 f"The check {self.name!r} is on {self.on!r}; give an Answer: {', '.join(map(str, Answer))}."
             )
+
+    @property
+    def _bounds(self) -> tuple[float, ...]:
+        return tuple(bound for bound in (self.at_most, self.at_least) if bound is not None)
 
     @property
     def relation(self) -> str:
@@ -50,7 +54,7 @@ class Check:
     @property
     def bound(self) -> float:
         """The one bound."""
-        return self.at_least if self.at_most is None else self.at_most
+        return self._bounds[0]
 
     @property
     def passed(self) -> bool:

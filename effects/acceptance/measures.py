@@ -6,8 +6,11 @@ the free ideal; the machine has bounds of its own.
 """
 
 import math
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from fixedpipe.effects.acceptance.check import Answer, Check
 
@@ -18,7 +21,7 @@ POWER_8 = (
 )
 
 
-def pixel_grid(size, extent):
+def pixel_grid(size: int, extent: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Coordinates in [-1, 1] of pixel centres on a square that fills ``extent`` of a panel, bottom row
     first.
     """
@@ -26,13 +29,15 @@ def pixel_grid(size, extent):
     return np.meshgrid(edge, edge)
 
 
-def root_mean_square(a):
+def root_mean_square(a: NDArray[np.float64]) -> float:
     """Root of the mean of an array's squares."""
     return float(np.sqrt((a * a).mean()))
 
 
-def arithmetic_check(figure, renderer, bound, reason):
-    """The machine's picture against the free ideal's: RMS over the framebuffer at half the figure's size."""
+def arithmetic_check(figure: Any, renderer: Any, bound: float, reason: str) -> Check:
+    """A Figure's picture by a Renderer's machine against the free ideal's: RMS over the framebuffer at
+    half the figure's size.
+    """
     machine = renderer.machine(figure, figure.size // 2)
     ideal = np.clip(renderer.ideal(figure, figure.size // 2), 0.0, 1.0)
     return Check(
@@ -44,7 +49,7 @@ def arithmetic_check(figure, renderer, bound, reason):
     )
 
 
-def principal_axis(image):
+def principal_axis(image: NDArray[np.float64]) -> tuple[float, float]:
     """Orientation in degrees and elongation of a bright region by its second moments.
 
     ``image``: float64 [h, w] intensities. Elongation is the ratio of the standard deviations along and
@@ -59,7 +64,7 @@ def principal_axis(image):
     return angle, math.sqrt((xx + yy + root) / max(xx + yy - root, 1e-12))
 
 
-def half_maximum_aspect(image, frame, radius):
+def half_maximum_aspect(image: NDArray[np.float64], frame: Sequence[ArrayLike], radius: float) -> float:
     """Width ratio of a highlight on a sphere at half its peak, along b over along t, in the tangent plane of
     the peak.
 

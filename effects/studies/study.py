@@ -1,13 +1,19 @@
 """A study as data: an artefact of the hardware, how it is measured on the emulator, and what comes out."""
 
 import textwrap
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import Any, TypeAlias
 
-import numpy as np
+from numpy.typing import NDArray
+
+from fixedpipe.effects.acceptance.check import Check
+from fixedpipe.pipeline.profiles.profile import Profile
 
 # Columns of a terminal that a printed table fits.
 WIDTH = 80
+# What a row of a table has under a heading.
+Value: TypeAlias = float | int | str | None
 
 
 @dataclass(frozen=True)
@@ -18,7 +24,7 @@ class Column:
     unit: str = ""
     form: str = ""
 
-    def written(self, value):
+    def written(self, value: Value) -> str:
         """A value in words; None, which stands for what a row does not have, as a dash."""
         return "-" if value is None else format(value, self.form)
 
@@ -28,25 +34,25 @@ class Table:
     """What a study measured: rows of numbers and words under headings.
 
     columns   Column, in order
-    rows      tuples as long as ``columns``: float, int, str, or None where a row has no such value
+    rows      tuples as long as ``columns``: numbers, words, or None where a row has no such value
     curves    what a plot shows and the rows do not have: float64 arrays by name
     """
 
     columns: tuple[Column, ...]
-    rows: tuple[tuple, ...]
-    curves: Mapping[str, np.ndarray] = field(default_factory=dict)
+    rows: tuple[tuple[Value, ...], ...]
+    curves: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
-    def column(self, name):
+    def column(self, name: str) -> list[Any]:
         """The values of the column with this heading, in order."""
         (k,) = [k for k, column in enumerate(self.columns) if column.name == name]
         return [row[k] for row in self.rows]
 
-    def records(self):
+    def records(self) -> list[dict[str, Any]]:
         """The rows as dicts by heading, for a JSON file."""
         names = [column.name for column in self.columns]
         return [dict(zip(names, row, strict=True)) for row in self.rows]
 
-    def text(self):
+    def text(self) -> str:
         """The table as lines of plain text: headings over their units, numbers to the right."""
         cells = [[c.written(v) for c, v in zip(self.columns, row, strict=True)] for row in self.rows]
         out = []
@@ -96,10 +102,10 @@ class Study:
     techniques: tuple[str, ...]
     machines: tuple[str, ...] = ()
     panels: int = 1
-    measure: Callable
-    findings: Callable
-    checks: Callable
-    plot: Callable
+    measure: Callable[[Profile | None], Table]
+    findings: Callable[[Table], tuple[str, ...]]
+    checks: Callable[[Table], Iterable[Check]]
+    plot: Callable[[Any, Table], None]
 
 
 # Colours of plots that people with any colour vision tell apart.  Source: Okabe, Ito 2008.
