@@ -15,7 +15,11 @@ from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_vie
 from fixedpipe.effects.reflectance import brdfs, future_board, material_textures
 from fixedpipe.effects.reflectance.material_textures import Brushing
 
-MODELS = ("banks", "blinn_phong", "ward")
+MODELS = {
+    "banks": future_board.banks,
+    "blinn_phong": future_board.blinn_phong,
+    "ward": future_board.ward,
+}
 TILT = 20.0
 VIEWER = np.array([0.0, 0.0, 1.0])
 
@@ -49,7 +53,9 @@ def scene(
     toward, surface = Light(light), surfaces.sphere(slices, stacks).with_repeats(*repeats)
     surface = surface.rotated(rotation("x", TILT))
     made, out = materials(map_size, depth, spread, k_s, alphas, exponents, squares), []
-    for panel, name, color, bright in zip(model_panels, MODELS, diffuse[:3], specular, strict=True):
+    for panel, (name, passes), color, bright in zip(
+        model_panels, MODELS.items(), diffuse[:3], specular, strict=True
+    ):
         view = orthographic_view(panel, half_height=1.0 / radius)
         loading, names = future_board.load(made[name], name, profile)
         lit = diffuse_bump.diffuse_pass(
@@ -59,7 +65,7 @@ def scene(
             panel.clear(background),
             *loading,
             *future_board.turned_steadily(lit),
-            *getattr(future_board, name)(surface, names, view, toward, profile, specular=bright),
+            *passes(surface, names, view, toward, profile, specular=bright),
         )
     few = surfaces.sphere(*coarse).rotated(rotation("y", turn)).rotated(rotation("x", TILT))
     loading, names = material_textures.load(material_textures.isotropic(1, 1, 1.0), "smooth", profile)
