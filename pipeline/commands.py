@@ -26,6 +26,7 @@ from fixedpipe.pipeline.enums import (
 from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER, PixelImage, PixelTransfer, read_only_copy
 from fixedpipe.pipeline.state import Color, ColorMask, PassState, PixelTexture, RasterPosition, Scissor
 from fixedpipe.pipeline.textures.images import Texture
+from fixedpipe.pipeline.textures.pixel_formats import DEPTH_FORMAT, STENCIL_FORMAT
 
 _INITIAL_STATE, _INITIAL_POSITION = PassState(), RasterPosition()
 
@@ -449,8 +450,17 @@ def kind_of(command: DrawPixels | CopyPixels) -> PixelCopyType:
     """What the groups of a DrawPixels or CopyPixels are, as a PixelCopyType."""
     if isinstance(command, CopyPixels):
         return command.type
-    formats = {"DEPTH_COMPONENT": PixelCopyType.DEPTH, "STENCIL_INDEX": PixelCopyType.STENCIL}
+    formats = {DEPTH_FORMAT: PixelCopyType.DEPTH, STENCIL_FORMAT: PixelCopyType.STENCIL}
     return formats.get(command.image.format, PixelCopyType.COLOR)
+
+
+def box_read(command, width, height):
+    """(x, y, width, height) of what a ReadPixels, CopyPixels, CopyTexImage or CopyTexSubImage reads of a
+    framebuffer of ``width`` x ``height`` pixels; None: as far as it reaches.
+    """
+    across = width - command.x if command.width is None else command.width
+    up = height - command.y if command.height is None else command.height
+    return command.x, command.y, across, up
 
 
 @lru_cache(maxsize=256)

@@ -27,6 +27,11 @@ class PrimitiveType(IntEnum):
     LINE_STRIP = 8
     LINE_LOOP = 9
 
+    @property
+    def is_polygons(self):
+        """Whether triangles or polygons are made, which come first; else points or lines."""
+        return self < PrimitiveType.POINTS
+
 
 class VertexStage(IntEnum):
     """What turns vertices into window coordinates: chapter 2's transformation, or a vertex program whose
@@ -77,7 +82,8 @@ class DepthFormat(IntEnum):
     """What a depth buffer's words are. A fixed format's code is its width, a float format's minus its width.
 
     The floats have no sign; 16 bits are 4 of exponent and 12 of fraction, up to 511.9375, 24 bits are 8 and
-    16, up to almost 2**128. Their words grow with the depth, as a fixed format's do.
+    16, up to almost 2**128. Their words grow with the depth, as a fixed format's do
+    (``fixedpipe.pipeline.textures.depth_words``).
     """
 
     FIXED_16 = 16
@@ -85,6 +91,16 @@ class DepthFormat(IntEnum):
     FIXED_24 = 24
     FLOAT_16 = -16
     FLOAT_24 = -24
+
+    @property
+    def is_float(self):
+        """Whether words are floats."""
+        return self < 0
+
+    @property
+    def bits(self):
+        """How wide a word is."""
+        return abs(self)
 
 
 class StencilOperation(IntEnum):

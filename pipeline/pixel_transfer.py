@@ -180,3 +180,38 @@ class PixelTransfer:
 
 
 INITIAL_TRANSFER = PixelTransfer()  # changes no pixel
+
+
+def convolution(transfer, dimensions):
+    """The filter that applies to an image of so many dimensions, or None."""
+    if dimensions == 1:
+        return transfer.convolution_1d
+    if dimensions == 2:
+        return transfer.convolution_2d or transfer.separable_2d
+    return None
+
+
+def filter_size(kernel):
+    """Width and height of a ConvolutionFilter or SeparableFilter, pixels."""
+    if hasattr(kernel, "row"):
+        return len(kernel.row), len(kernel.column)
+    return len(kernel.rows[0]) if kernel.rows else 0, len(kernel.rows)
+
+
+def transferred_size(width, height, transfer, dimensions=2):
+    """Width and height that an image has after pixel transfer: smaller by a convolution that reduces it."""
+    kernel = convolution(transfer, dimensions)
+    if kernel is None or kernel.border_mode is not ConvolutionBorderMode.REDUCE:
+        return width, height
+    wide, high = filter_size(kernel)
+    return max(width - wide + 1, 0), max(height - high + 1, 0)
+
+
+def has_sink(transfer):
+    """Whether the image ends in a histogram or minmax."""
+    return any(table is not None and table.sink for table in (transfer.histogram, transfer.minmax))
+
+
+def changes_nothing(transfer):
+    """Whether the state is the initial one, which changes no pixel and counts none."""
+    return transfer is INITIAL_TRANSFER or transfer == INITIAL_TRANSFER

@@ -29,7 +29,7 @@ MIPMAP_NONE, MIPMAP_NEAREST, MIPMAP_LINEAR = range(3)
 # What a texel is compared with (ARB_shadow): nothing, the coordinate r, zero.
 COMPARE_MODE_NONE, COMPARE_MODE_R_TO_TEXTURE, COMPARE_MODE_ZERO_TO_TEXTURE = range(3)
 # In a comparison function's place where texels are not compared: they are bytes, or words of 16 bits.
-UNCOMPARED_BYTES, UNCOMPARED_WORDS = -1, -2
+UNCOMPARED = UNCOMPARED_BYTES, UNCOMPARED_WORDS = -1, -2
 
 FOG_MODE_LINEAR, FOG_MODE_EXP, FOG_MODE_EXP2 = range(3)
 # How a fragment's fog factor is found; zero: it has none.
@@ -66,8 +66,9 @@ FOG_BY_THRESHOLDS, FOG_BY_TABLE = 1, 2
     OPERATION_DOT_PRODUCT_DEPTH_REPLACE,
     OPERATION_BRDF_TEXTURE_3D,
 ) = range(24)
-# Operations that kernels treat alike: those that move iterated coordinates, those of them that multiply what
-# they read by a magnitude, those that take two bytes as coordinates, and those that read a direction's texel.
+# Operations that are alike: those that move iterated coordinates, those of them that multiply what they read
+# by a magnitude, those whose coordinates are two dot products or three, those of these that reflect an eye,
+# those that take two bytes as coordinates, and those that read a direction's texel.
 OPERATIONS_WITH_OFFSET = (
     OPERATION_OFFSET_TEXTURE_2D,
     OPERATION_OFFSET_TEXTURE_2D_SCALE,
@@ -75,6 +76,19 @@ OPERATIONS_WITH_OFFSET = (
     OPERATION_OFFSET_TEXTURE_RECTANGLE_SCALE,
 )
 OPERATIONS_WITH_SCALE = (OPERATION_OFFSET_TEXTURE_2D_SCALE, OPERATION_OFFSET_TEXTURE_RECTANGLE_SCALE)
+OPERATIONS_OF_TWO_DOT_PRODUCTS = (
+    OPERATION_DOT_PRODUCT_TEXTURE_2D,
+    OPERATION_DOT_PRODUCT_TEXTURE_RECTANGLE,
+)
+OPERATIONS_REFLECTING = (
+    OPERATION_DOT_PRODUCT_REFLECT_CUBE_MAP,
+    OPERATION_DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP,
+)
+OPERATIONS_OF_THREE_DOT_PRODUCTS = (
+    OPERATION_DOT_PRODUCT_TEXTURE_3D,
+    OPERATION_DOT_PRODUCT_TEXTURE_CUBE_MAP,
+    *OPERATIONS_REFLECTING,
+)
 DEPENDENT_OPERATIONS = (OPERATION_DEPENDENT_AR_TEXTURE_2D, OPERATION_DEPENDENT_GB_TEXTURE_2D)
 OPERATIONS_OF_DIRECTIONS = (
     OPERATION_TEXTURE_CUBE_MAP,

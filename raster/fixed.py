@@ -6,12 +6,14 @@ narrower.
 
 from numba import int32, int64
 
+from fixedpipe.raster import codes as C
+from fixedpipe.raster import floats
+from fixedpipe.raster.float_depths import FLOAT_16, FLOAT_24
 from fixedpipe.raster.kernel import bits_of, float_of, kernel
 
-_LOW_24 = int64(-1 << 24)  # 29 significant bits
-_EXPONENT = int64(0x7FF << 52)
-_FRACTION = int64((1 << 52) - 1)  # a float64's mantissa without its leading one: 0 in a power of two
-_LOW_29 = int64(-1 << 29)  # keeps sign, exponent and 23 mantissa bits: 24 significant bits
+EXPONENT = int64(floats.EXPONENT)
+FRACTION = int64(floats.FRACTION)
+KEEP_24, KEEP_29 = int64(floats.kept(24)), int64(floats.kept(29))  # significant bits
 
 
 @kernel
@@ -36,7 +38,7 @@ def clamp(value, low, high):
 @kernel
 def is_power_of_two(value):
     """Whether a positive float64 is 2**k."""
-    return (bits_of(value) & _FRACTION) == int64(0)
+    return (bits_of(value) & FRACTION) == int64(0)
 
 
 @kernel
@@ -45,13 +47,13 @@ def truncate_24(value):
 
     Measured: colour weights and the reciprocal of their sum (Depth_buffer and Alpha_func captures).
     """
-    return float_of(bits_of(value) & _LOW_29)
+    return float_of(bits_of(value) & KEEP_24)
 
 
 @kernel
 def power_below(value):
     """The largest power of two that is not above a float64 (0 for 0): its exponent alone."""
-    return float_of(bits_of(value) & _EXPONENT)
+    return float_of(bits_of(value) & EXPONENT)
 
 
 @kernel
@@ -62,10 +64,13 @@ def reciprocal_29(inverse):
     Measured: 90676 of 90676 and 887880 of 887880 pixels (DepthFmt_z24, ZBuf24D_FloorQuad captures), which
     allow for 1.4 to 4.3 million units; simply truncated, 28 bits lose 32 pixels and 29 bits 34.
     """
-    return float_of((bits_of(inverse) - int64(0 if is_power_of_two(inverse) else 1 << 21)) & _LOW_24)
+    return float_of((bits_of(inverse) - int64(0 if is_power_of_two(inverse) else 1 << 21)) & KEEP_29)
 
 
-SMALLEST = 2.0**-100  # of the largest term of a sum: below it nothing is told from zero
+@kernel
+def float_depth(number_format):
+    """The FloatDepth of DEPTH_FLOAT_16 or DEPTH_FLOAT_24."""
+    return FLOAT_16 if number_format == C.DEPTH_FLOAT_16 else FLOAT_24
 
 
 @kernel
@@ -73,5 +78,5 @@ def step_24(value):
     """(2**(e - 23), 2**(23 - e)) for a positive float64 in [2**e, 2**(e + 1)), at least SMALLEST: the last of
     24 bits, and how many of it make one.
     """
-    exponent = bits_of(value) & _EXPONENT
+    exponent = bits_of(value) & EXPONENT
     return float_of(exponent - int64(23 << 52)), float_of(int64(2069 << 52) - exponent)

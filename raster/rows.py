@@ -146,7 +146,7 @@ FINAL_SIZE = 3
     COMPARE_FAILED,
     HILO,  # 1: texels are two words of 16 bits, alpha and red, green and blue
     DEPTH_TEXEL_MAX,  # the largest depth word of a compared texture
-    DEPTH_TEXEL_MANTISSA,  # mantissa bits of its depths; 0: integers
+    DEPTH_TEXEL_FORMAT,  # codes.DEPTH_...
     ANISOTROPY,  # the largest ratio, a float64's bit pattern; 0: isotropic
     PROBES,  # the most probes of a footprint, a power of two; 0: none are assembled
     OFFSET_MATRIX,  # four entries; these and the following are bit patterns of float64

@@ -14,46 +14,51 @@ BEGIN, END = "<!-- packages: begin -->\n", "<!-- packages: end -->\n"
 # below these packages (a paper's figures, suites, what studies share) are the package's.
 PACKAGES = {
     "raster/codes": {},
+    "raster/floats": {},
+    "raster/float_depths": {"raster": "codes floats"},
     "raster/rows": {"raster": "codes"},
     "raster/kernel": {},
-    "raster/fixed": {"raster": "kernel"},
-    "raster/primitives": {"raster": "codes rows kernel"},
-    "raster/portable": {"raster": "codes rows kernel fixed primitives"},
-    "raster/vector": {"raster": "codes rows kernel fixed primitives portable"},
-    "raster/columns": {"raster": "codes"},
+    "raster/fixed": {"raster": "codes floats float_depths kernel"},
+    "raster/primitives": {"raster": "codes floats rows kernel"},
+    "raster/portable": {"raster": "codes floats rows kernel fixed primitives"},
+    "raster/vector": {"raster": "codes floats rows kernel fixed primitives portable"},
+    "raster/columns": {"raster": "codes floats float_depths"},
     "raster/pixels": {"raster": "codes"},
     "pipeline/enums": {"raster": "codes"},
+    "pipeline/sentences": {"pipeline": "enums"},
     "pipeline/state": {"pipeline": "enums"},
     "pipeline/pixel_transfer": {"pipeline": "enums state"},
-    "pipeline/textures": {"pipeline": "enums"},
+    "pipeline/textures": {"raster": "codes float_depths", "pipeline": "enums"},
     "pipeline/commands": {"pipeline": "enums state pixel_transfer textures"},
     "pipeline/profiles": {"pipeline": "enums textures"},
-    "pipeline/programs": {"pipeline": "enums state textures"},
+    "pipeline/programs": {"raster": "codes", "pipeline": "enums sentences state textures"},
     "pipeline/notations": {"pipeline": "enums state programs"},
-    "pipeline/description": {"pipeline": "enums state pixel_transfer commands programs notations"},
-    "pipeline/vertices": {"raster": "codes rows primitives", "pipeline": "enums state commands"},
+    "pipeline/description": {"pipeline": "enums sentences state pixel_transfer commands programs notations"},
+    "pipeline/vertices": {"raster": "codes floats rows primitives", "pipeline": "enums state commands"},
     "pipeline/framebuffers": {
         "raster": "codes primitives columns pixels",
         "pipeline": "enums state pixel_transfer textures commands profiles",
     },
     "pipeline/validation": {
-        "pipeline": "enums state pixel_transfer textures commands profiles programs vertices framebuffers",
+        "pipeline": "enums sentences state pixel_transfer textures commands profiles programs vertices",
     },
     "pipeline/native": {
         "raster": "codes rows primitives portable vector",
         "pipeline": "enums state textures commands programs vertices framebuffers",
     },
     "pipeline/columns": {
-        "raster": "codes rows primitives columns pixels",
-        "pipeline": "enums textures commands profiles programs vertices framebuffers",
+        "raster": "codes floats rows primitives columns pixels",
+        "pipeline": "enums pixel_transfer textures commands profiles programs vertices framebuffers",
     },
     "pipeline/execution": {
         "raster": "primitives",
         "pipeline": "enums textures commands profiles vertices framebuffers validation native columns",
     },
     "pipeline/ideal": {
-        "raster": "columns",
-        "pipeline": "enums textures commands profiles programs vertices framebuffers validation native",
+        "raster": "codes floats columns",
+        "pipeline": (
+            "enums pixel_transfer textures commands profiles programs vertices framebuffers validation native"
+        ),
     },
     "pipeline/golden": {"raster": "kernel"},
     "effects/refusal": {},
@@ -123,7 +128,7 @@ PACKAGES = {
         "effects": "refusal technique acceptance figures conformance",
     },
     "effects/cli": {
-        "pipeline": "enums profiles notations description validation execution golden",
+        "pipeline": "enums sentences profiles notations description validation execution golden",
         "effects": (
             "refusal technique geometry bump_mapping volumes acceptance figures studies conformance "
             "user_pictures reports"

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 import click
 
 from fixedpipe.effects.cli.options import threads_option
+from fixedpipe.pipeline.sentences import count
 
 
 @click.command(short_help="Render figures, check them, make a gallery.")
@@ -76,10 +77,10 @@ def figures(figure_ids, list_only, check, out, profile, size, threads, json_file
     # Of all figures hundreds pass; the gallery has them.
     passed, failed = _print_checks(records, only_failed=not figure_ids)
     if check:
-        click.echo(f"{_count(passed, 'acceptance check')} passed.")
-    click.echo(f"{_count(len(records), 'figure')} in {folder}; open {folder / 'index.html'}")
+        click.echo(f"{count(passed, 'acceptance check')} passed.")
+    click.echo(f"{count(len(records), 'figure')} in {folder}; open {folder / 'index.html'}")
     if failed:
-        click.echo(f"{_count(failed, 'acceptance check')} failed.", err=True)
+        click.echo(f"{count(failed, 'acceptance check')} failed.", err=True)
         sys.exit(1)
 
 
@@ -89,19 +90,15 @@ def _plan(chosen, machines, check, own_sizes):
 
     drawings = sum(len(names) for names in machines.values())
     different = len({name for names in machines.values() for name in names})
-    what = f"{_count(len(chosen), 'figure')} on {_count(different, 'machine')}, {_count(drawings, 'drawing')}"
+    what = f"{count(len(chosen), 'figure')} on {count(different, 'machine')}, {count(drawings, 'drawing')}"
     if check:
         what += " with acceptance checks"
     what += ", the cheapest first" * (len(chosen) > 1)
     if not own_sizes or not SECONDS.keys() >= machines.keys():
         return f"{what}."
     seconds = sum(SECONDS[f.id] * len(machines[f.id]) / len(f.machines) for f in chosen)
-    time = _count(round(seconds / 60), "minute") if seconds >= 90 else _count(int(seconds) + 1, "second")
+    time = count(round(seconds / 60), "minute") if seconds >= 90 else count(int(seconds) + 1, "second")
     return f"{what}: {'about' if check else 'less than'} {time} on {PROCESSOR}."
-
-
-def _count(number, noun):
-    return f"{number} {noun}{'s' * (number != 1)}"
 
 
 def _only(figure, machine):

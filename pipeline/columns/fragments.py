@@ -5,12 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from fixedpipe.pipeline.enums import LightingArithmetic
-from fixedpipe.pipeline.framebuffers.depths import DEPTH_WORDS
 from fixedpipe.pipeline.profiles.profile import NATIVE_BITS
-from fixedpipe.pipeline.vertices.arithmetic import keep_significant_bits
+from fixedpipe.pipeline.textures.depth_words import DEPTH_WORDS
 from fixedpipe.raster.columns import interpolate, numbers
+from fixedpipe.raster.floats import SIGNIFICANT_BITS, keep_significant_bits
 
-_MANTISSA_BITS = 53
 COLOR_REACH = 1 << 10  # how far a vertex colour reaches, in ones, whose clamp is off
 
 
@@ -78,9 +77,9 @@ def fragment_colors(colors, state, profile, bits):
     """
     lighting = state.vertex.lighting
     exact = lighting is not None and profile.lighting == LightingArithmetic.EQUATIONS
-    kept = _MANTISSA_BITS if exact else profile.color_mantissa_bits + max(bits - NATIVE_BITS, 0)
+    kept = SIGNIFICANT_BITS if exact else profile.color_mantissa_bits + max(bits - NATIVE_BITS, 0)
     limited = np.clip(np.nan_to_num(colors), -COLOR_REACH, COLOR_REACH)
-    cut = keep_significant_bits(limited, min(kept, _MANTISSA_BITS))
+    cut = keep_significant_bits(limited, min(kept, SIGNIFICANT_BITS))
     return np.floor(cut * np.float64(numbers.one_of(bits)) + np.float64(0.5)).astype(np.int64)
 
 
@@ -92,5 +91,5 @@ def fragment_depths(depths, state, framebuffer):
     low, high = 0.0, words.farthest
     if limits is not None:
         low, high = limits.minimum, high if limits.maximum is None else limits.maximum
-    found, inside = interpolate.depth_words(depths, low, high, words.farthest, words.float_bits)
+    found, inside = interpolate.depth_words(depths, low, high, words.farthest, words.form)
     return np.where(inside, found, -1) if limits is not None and limits.cull else found

@@ -104,7 +104,7 @@ class IteratedPrimitives:
         elif self.profile.color_weights == ColorWeights.EIGHT_BITS:
             corners = self.colors[vertices, back[:, None]]
             colors = interpolate.iterate_colors(q0, q2, corners, self.bits)
-        else:
+        else:  # ColorWeights.EXACT
             corners = self.colors[vertices, back[:, None]]
             one, clamps = numbers.one_of(self.bits), Clamp.VERTEX_COLOR in self.profile.clamps
             low, high = (0, one) if clamps else (-COLOR_REACH * one, COLOR_REACH * one)
@@ -126,7 +126,7 @@ class IteratedPrimitives:
             if given is None:
                 continue
             corners = self.primitives.coordinates[vertices, k]
-            coordinates[:, k] = interpolate.iterate_coordinates(q0, q2, corners)
+            coordinates[:, k], _ = interpolate.iterate_coordinates(q0, q2, corners)
             if given.spherical_coordinates:
                 coordinates[:, k, :3] = future.spherical(b0, b2, corners[:, :, :3])
             if unit is None or not (unit.needs_lambda or unit.anisotropic or unit.probes):
@@ -176,7 +176,7 @@ class IteratedPrimitives:
             slope = np.clip(steep, -(2.0**128), 2.0**128)
             return np.where(enabled, float(polygon.offset_units), 0.0), np.where(enabled, slope, 0.0)
         offset = np.clip(polygon.offset_units + steep, -(2.0**128), 2.0**128)
-        if self.framebuffer.depth_format > 0:
+        if not self.framebuffer.depth_format.is_float:
             offset = np.trunc(np.clip(offset, -(2.0**30), 2.0**30))
         return np.where(enabled, offset, 0.0), 0.0
 

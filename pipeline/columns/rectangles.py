@@ -29,13 +29,13 @@ from fixedpipe.pipeline.framebuffers.rectangles import (
     without_footprints,
 )
 from fixedpipe.pipeline.framebuffers.transfer import (
-    changes_nothing,
     image_groups,
     transfer_colors,
     transfer_depths,
     transfer_image,
     transfer_stencil,
 )
+from fixedpipe.pipeline.pixel_transfer import changes_nothing
 from fixedpipe.pipeline.vertices.raster_position import raster_vertex
 from fixedpipe.raster.columns import numbers
 from fixedpipe.raster.pixels import rectangles as arithmetic
@@ -98,14 +98,6 @@ def draw_rectangle(command, profile, framebuffer, surfaces, textures, statistics
 # ---------------------------------------------------------------------------------------------- groups
 
 
-def _part(plane, command):
-    """What a CopyPixels reads of a buffer, bottom row first: a view."""
-    x, y = command.x, command.y
-    right = None if command.width is None else x + command.width
-    top = None if command.height is None else y + command.height
-    return plane[::-1][y:top, x:right]
-
-
 def _color_groups(command, profile, framebuffer, statistics):
     """Colour groups after pixel transfer and final conversion, whole numbers [h, w, 4] in the framebuffer's
     units; None: a sink took them.
@@ -114,7 +106,7 @@ def _color_groups(command, profile, framebuffer, statistics):
     one = numbers.one_of(bits)
     plain = changes_nothing(transfer)
     if isinstance(command, CopyPixels):
-        colors = _part(framebuffer.buffer(command.read_buffer).color, command)
+        colors = framebuffer.part(framebuffer.buffer(command.read_buffer).color, command)
         if plain:
             return np.clip(colors, 0, one) if colors.dtype != np.uint8 else colors.copy()
         groups = transfer_colors(colors / one, transfer, profile, statistics)
@@ -133,7 +125,7 @@ def _depth_words(command, framebuffer):
     """
     full = float(2**framebuffer.depth_bits - 1)
     if isinstance(command, CopyPixels):
-        depths = _part(framebuffer.depth, command)
+        depths = framebuffer.part(framebuffer.depth, command)
         if (command.transfer.depth_scale, command.transfer.depth_bias) == (1.0, 0.0):
             return depths.astype(np.int64)
         depths = depths / full
@@ -145,7 +137,7 @@ def _depth_words(command, framebuffer):
 def _stencil_indices(command, framebuffer):
     """Stencil indices after pixel transfer, masked to a byte, int64 [h, w]."""
     if isinstance(command, CopyPixels):
-        indices = _part(framebuffer.stencil, command).astype(np.int64)
+        indices = framebuffer.part(framebuffer.stencil, command).astype(np.int64)
     else:
         indices = image_groups(command.image)
     return transfer_stencil(indices, command.transfer) & 0xFF

@@ -6,6 +6,7 @@ from fixedpipe.pipeline.columns.combiners import Registers, arithmetic_of, combi
 from fixedpipe.pipeline.columns.textures import LAMBDA_BITS
 from fixedpipe.pipeline.enums import FogArithmetic, FogMode, Register, TextureTarget
 from fixedpipe.pipeline.programs.combiner_rules import has_color_sum
+from fixedpipe.pipeline.programs.fog import fog_thresholds
 from fixedpipe.pipeline.programs.future import units_along
 from fixedpipe.pipeline.programs.texture_environment import environment_program
 from fixedpipe.pipeline.vertices.fog import table
@@ -23,8 +24,7 @@ def _fog_register(fog, coordinates, profile, count, one):
         factor = numbers.convert(factor, 255, one)
     else:
         rising = fog.mode == FogMode.LINEAR and fog.start > fog.end
-        constants = int(fog.mode), float(fog.density), float(fog.start), float(fog.end)
-        factor = numbers.fog_factor(coordinates, numbers.fog_thresholds(*constants, one), rising)
+        factor = numbers.fog_factor(coordinates, fog_thresholds(fog, one), rising)
     return np.concatenate([filled(color, count), factor[None]])
 
 

@@ -4,20 +4,10 @@ import numpy as np
 
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.enums import TextureTarget
-from fixedpipe.pipeline.framebuffers.depths import DEPTH_WORDS
 from fixedpipe.pipeline.programs.texture_shader_rules import CONVENTIONAL, shader_stages
+from fixedpipe.pipeline.textures.depth_words import DEPTH_WORDS
+from fixedpipe.raster import codes as C
 from fixedpipe.raster.columns import numbers, texture_shader
-
-_WITH_SCALE = (Operation.OFFSET_TEXTURE_2D_SCALE, Operation.OFFSET_TEXTURE_RECTANGLE_SCALE)
-_WITH_OFFSET = (Operation.OFFSET_TEXTURE_2D, Operation.OFFSET_TEXTURE_RECTANGLE, *_WITH_SCALE)
-_PLANES = (Operation.DOT_PRODUCT_TEXTURE_2D, Operation.DOT_PRODUCT_TEXTURE_RECTANGLE)
-_TO_FACES = (
-    Operation.TEXTURE_CUBE_MAP,
-    Operation.DOT_PRODUCT_TEXTURE_CUBE_MAP,
-    Operation.DOT_PRODUCT_REFLECT_CUBE_MAP,
-    Operation.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP,
-    Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP,
-)
 
 
 def run_stages(fragments, state, profile, framebuffer, samplers, bits):
@@ -62,7 +52,7 @@ class _StageRun:
             texel = self._texel(i)
             register = sampler.as_register(texel, self.fragments, self.bits).T
             texel = texel & sampler.one
-            if operation in _WITH_SCALE:
+            if operation in C.OPERATIONS_WITH_SCALE:
                 stage = self.stages[i]
                 of = stage.previous_texture_input
                 magnitude = self.texels[of][:, 0], self.widths[of]
@@ -84,10 +74,10 @@ class _StageRun:
             strq = own[:, :3]
         else:
             return sampler.filtered(self.fragments)
-        if operation in _TO_FACES and not cube_map:
+        if operation in C.OPERATIONS_OF_DIRECTIONS and not cube_map:
             strq = texture_shader.face_planes(strq)
         flat = cube_map and operation == Operation.DOT_PRODUCT_TEXTURE_3D
-        return sampler.at_level_zero(strq, own[:, 2], operation not in _WITH_OFFSET, flat)
+        return sampler.at_level_zero(strq, own[:, 2], operation not in C.OPERATIONS_WITH_OFFSET, flat)
 
     def _made(self, i):
         """Coordinates (s, t, r) that stage i makes, float64 [k, 3]."""
@@ -95,25 +85,27 @@ class _StageRun:
         nothing, previous = np.zeros(len(self.alive)), stage.previous_texture_input
         if operation == Operation.BRDF_TEXTURE_3D:
             made = texture_shader.brdf(self.texels[i - 2], self.texels[i - 1])
-        elif operation in _WITH_OFFSET:
+        elif operation in C.OPERATIONS_WITH_OFFSET:
             given, width = self.texels[previous], self.widths[previous]
             own = self.fragments.coordinates[:, i]
             made = (*texture_shader.offset(own, given, stage.offset_texture_matrix, width), nothing)
-        elif operation in (Operation.DEPENDENT_AR_TEXTURE_2D, Operation.DEPENDENT_GB_TEXTURE_2D):
+        elif operation in C.DEPENDENT_OPERATIONS:
             pair = (3, 0) if operation == Operation.DEPENDENT_AR_TEXTURE_2D else (1, 2)
             one = float(numbers.one_of(self.widths[previous]))
             made = (*(self.texels[previous][:, k] / one for k in pair), nothing)
-        elif operation in _PLANES:
+        elif operation in C.OPERATIONS_OF_TWO_DOT_PRODUCTS:
             made = self.dot_product(i - 1), self.dot_product(i), nothing
         elif operation == Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP:
             made = tuple(self.dot_product(k) for k in (i - 1, i, i + 1))
-        else:
+        elif operation in C.OPERATIONS_OF_THREE_DOT_PRODUCTS:
             made = tuple(self.dot_product(k) for k in (i - 2, i - 1, i))
             if operation == Operation.DOT_PRODUCT_REFLECT_CUBE_MAP:
                 eye = tuple(self.fragments.coordinates[:, k, 3] for k in (i - 2, i - 1, i))
                 made = texture_shader.reflected(made, eye)
             elif operation == Operation.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP:
                 made = texture_shader.reflected(made, tuple(float(e) for e in stage.constant_eye))
+        else:
+            raise ValueError(f"{operation!r} makes no coordinates.")
         return np.stack(made, axis=1)
 
     def dot_product(self, i):

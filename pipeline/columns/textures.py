@@ -74,8 +74,8 @@ class UnitSampler:
         self.depth_scale = 1.0
         self.compares = s.compare_mode != TextureCompareMode.NONE
         if self.compares:
-            self.largest, self.mantissa = DEPTH_TEXELS[texture.internal_format]
-            self.depth_scale = 1.0 if profile.depth_units_in_coordinates else float(self.largest)
+            self.words = DEPTH_TEXELS[texture.internal_format]
+            self.depth_scale = 1.0 if profile.depth_units_in_coordinates else float(self.words.largest)
             base, failed = depth_texture_mode(s, profile), numbers.fixed(s.compare_fail_value, self.one)
             self.compared = [
                 register_components(np.array([value], np.int64), base, self.one)
@@ -124,7 +124,7 @@ class UnitSampler:
         if self.compares:
             if self.sampler.compare_mode != TextureCompareMode.COMPARE_R_TO_TEXTURE:
                 r = np.zeros(len(strq))
-            compared = sample.depth_reference(r * self.depth_scale, self.mantissa, self.largest)
+            compared = sample.depth_reference(r * self.depth_scale, self.words.form, self.words.largest)
         linear = self.sampler.mag_filter == TextureFilter.LINEAR
         return self._level(0, linear, strq, False, compared, lifted, flat=flat)
 
@@ -168,7 +168,7 @@ class UnitSampler:
                 r = strq[:, 2]
                 if divided and self.texture.target != TextureTarget.TEXTURE_CUBE_MAP:
                     r = r / np.where(strq[:, 3] == 0.0, 1.0, strq[:, 3])
-            compared = sample.depth_reference(r * self.depth_scale, self.mantissa, self.largest)
+            compared = sample.depth_reference(r * self.depth_scale, self.words.form, self.words.largest)
         if self.texture.target == TextureTarget.TEXTURE_CUBE_MAP:
             divided = False
         lod = np.zeros(len(strq), np.int64)

@@ -29,9 +29,10 @@ from fixedpipe.pipeline.commands import (
 )
 from fixedpipe.pipeline.description.equations import combiner_lines
 from fixedpipe.pipeline.description.states import differences, mask_words, numbered_lines, titled
-from fixedpipe.pipeline.description.words import counted, format_number, format_value
+from fixedpipe.pipeline.description.words import format_number, format_value
 from fixedpipe.pipeline.enums import AccumOperation, ColorBuffer, DepthFormat, TextureTarget, WindowOrigin
 from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER
+from fixedpipe.pipeline.sentences import count
 from fixedpipe.pipeline.state import (
     ColorMask,
     PixelTexture,
@@ -62,11 +63,11 @@ def _of_buffer(preposition, buffer):
 
 
 def _mesh(mesh):
-    text = f"{mesh.primitive.name}, {counted(len(mesh.positions), 'vertex', 'vertices')}"
+    text = f"{mesh.primitive.name}, {count(len(mesh.positions), 'vertex', 'vertices')}"
     if mesh.indices is not None:
-        text += f", {counted(len(mesh.indices), 'index', 'indices')}"
+        text += f", {count(len(mesh.indices), 'index', 'indices')}"
     if mesh.counts is not None:
-        text += f" in {counted(len(mesh.counts), 'run', 'runs')}"
+        text += f" in {count(len(mesh.counts), 'run')}"
     arrays = [
         name.replace("_", " ")
         for name in (
@@ -80,9 +81,7 @@ def _mesh(mesh):
         if getattr(mesh, name) is not None
     ]
     if mesh.texture_coordinates:
-        arrays.append(
-            counted(len(mesh.texture_coordinates), "texture coordinate set", "texture coordinate sets")
-        )
+        arrays.append(count(len(mesh.texture_coordinates), "texture coordinate set"))
     return f"draws {text}" + (f"; with {', '.join(arrays)}" if arrays else "")
 
 
@@ -107,7 +106,7 @@ def _tex_image(command):
         stored = f"{command.target.name}, {command.internal_format.name}"
         first = f'texture "{command.texture}": {stored}, {source}{_generated(command)}'
         return [first, *_pixel_transfer(command.transfer)]
-    levels = counted(len(image.levels), "level", "levels")
+    levels = count(len(image.levels), "level")
     size = f"{image.width}x{image.height}"
     return [
         f'texture "{command.texture}": {image.target.name}, {image.internal_format.name}, {size}, {levels}'
@@ -122,8 +121,8 @@ def _rectangle(command):
 def _place(command):
     if (command.x, command.y, command.width, command.height) == (0, 0, None, None):
         return "the whole framebuffer"
-    width = "all columns" if command.width is None else counted(command.width, "column", "columns")
-    height = "all rows" if command.height is None else counted(command.height, "row", "rows")
+    width = "all columns" if command.width is None else count(command.width, "column")
+    height = "all rows" if command.height is None else count(command.height, "row")
     return f"the framebuffer from ({command.x}, {command.y}), {width} and {height}"
 
 
@@ -232,7 +231,8 @@ def _make_current(command):
     if command.surface is None:
         return ["the window"]
     size, formats = f"{command.width}x{command.height}", f"{command.color_format.name}, depth"
-    depth = f"{command.depth_bits} bits" if command.depth_bits > 0 else DepthFormat(command.depth_bits).name
+    depth_format = DepthFormat(command.depth_bits)
+    depth = depth_format.name if depth_format.is_float else f"{command.depth_bits} bits"
     return [f'pbuffer "{command.surface}": {size}, {formats} {depth}']
 
 

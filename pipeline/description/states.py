@@ -3,9 +3,10 @@
 from dataclasses import MISSING, fields, is_dataclass
 
 from fixedpipe.pipeline.description.equations import combiner_lines, environment_lines, shader_stage_equation
-from fixedpipe.pipeline.description.words import ALWAYS_SHOWN, FIELD_WORDS, counted, format_value
+from fixedpipe.pipeline.description.words import ALWAYS_SHOWN, FIELD_WORDS, format_value
 from fixedpipe.pipeline.enums import ConvolutionBorderMode
 from fixedpipe.pipeline.pixel_transfer import ConvolutionFilter, SeparableFilter
+from fixedpipe.pipeline.sentences import count
 from fixedpipe.pipeline.state import (
     ColorMask,
     ColorTable,
@@ -85,7 +86,7 @@ def mask_words(mask):
 
 def _table_line(word, table):
     """A colour table: all of a short one's entries, a longer one's ends."""
-    bits = "" if table.bits is None else f" of {counted(table.bits, 'bit', 'bits')}"
+    bits = "" if table.bits is None else f" of {count(table.bits, 'bit')}"
     entries = table.entries
     shown = (
         format_value(entries)

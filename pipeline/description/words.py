@@ -165,8 +165,3 @@ def format_value(value):
     if isinstance(value, tuple):
         return f"({', '.join(format_value(v) for v in value)})"
     return "whole framebuffer" if value is None else format_number(value)
-
-
-def counted(number, one, many):
-    """A number with its noun."""
-    return f"{number} {one if number == 1 else many}"

@@ -3,19 +3,13 @@
 import numpy as np
 
 from fixedpipe.pipeline.enums import AccumOperation
-from fixedpipe.pipeline.framebuffers.boxes import scissored
+from fixedpipe.pipeline.framebuffers.boxes import scissored_part
 from fixedpipe.raster.pixels.accumulation import added, from_colors, from_value, multiplied, to_colors
 
 
 def _full(profile):
     """The buffer's 1.0."""
     return 2 ** (profile.accumulation_bits - 1) - 1
-
-
-def box_of(scissor, width, height):
-    """Slices of the scissor box's rows, counted from the top, and columns; None: the whole window."""
-    left, top, right, bottom = scissored(scissor, width, height)
-    return slice(top, bottom), slice(left, right)
 
 
 def accumulation_of(framebuffer):
@@ -27,14 +21,14 @@ def accumulation_of(framebuffer):
 
 def clear_accumulation(framebuffer, command, profile):
     """What a Clear with ``accumulation`` does to it."""
-    box = box_of(command.scissor, framebuffer.width, framebuffer.height)
+    box = scissored_part(command.scissor, framebuffer.width, framebuffer.height)
     full = _full(profile)
     accumulation_of(framebuffer)[box] = [from_value(component, full) for component in command.accumulation]
 
 
 def accumulate(framebuffer, command, profile):
     """An Accum. ``framebuffer``: the window's."""
-    box = box_of(command.scissor, framebuffer.width, framebuffer.height)
+    box = scissored_part(command.scissor, framebuffer.width, framebuffer.height)
     buffer, full, value = accumulation_of(framebuffer)[box], _full(profile), float(command.value)
     one = 2**framebuffer.color_bits - 1
     with np.errstate(over="ignore"):  # what overflows is clamped

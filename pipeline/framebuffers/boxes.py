@@ -17,6 +17,12 @@ def scissored(box, width, height):
     return x0, y0, max(x0, x1), max(y0, y1)
 
 
+def scissored_part(box, width, height):
+    """The same as slices of rows, counted from the top, and of columns."""
+    left, top, right, bottom = scissored(box, width, height)
+    return slice(top, bottom), slice(left, right)
+
+
 def scissor_box(state, framebuffer):
-    """The same of a state's scissor box."""
+    """``scissored`` of a state's scissor box."""
     return scissored(state.scissor, framebuffer.width, framebuffer.height)

@@ -1,41 +1,9 @@
-"""Depth formats: the words and the depths that a buffer of each holds, and vertices' depths in its units."""
-
-from typing import NamedTuple
+"""Vertices' depths in a depth buffer's units."""
 
 import numpy as np
 
-from fixedpipe.pipeline.enums import DepthFormat
-from fixedpipe.raster import codes as C
+from fixedpipe.pipeline.textures.depth_words import DEPTH_WORDS
 from fixedpipe.raster.primitives.vertices import single_depths
-
-
-class DepthWords(NamedTuple):
-    """The words of a depth buffer.
-
-    code            of ``raster/codes.py``, the kind
-    largest         word, and ``farthest``: its depth
-    mantissa, bias  a float's bits of mantissa, and what is added to its exponent; None: fixed
-    """
-
-    code: int
-    largest: int
-    farthest: float
-    mantissa: int | None = None
-    bias: int | None = None
-
-    @property
-    def float_bits(self):
-        """(mantissa, bias, largest) of a float format, or None."""
-        return None if self.mantissa is None else (self.mantissa, self.bias, self.largest)
-
-
-DEPTH_WORDS = {
-    DepthFormat.FIXED_16: DepthWords(C.DEPTH_FIXED, 0xFFFF, 65535.0),
-    DepthFormat.FIXED_23: DepthWords(C.DEPTH_FIXED, 0x7FFFFF, 8388607.0),
-    DepthFormat.FIXED_24: DepthWords(C.DEPTH_FIXED, 0xFFFFFF, 16777215.0),
-    DepthFormat.FLOAT_16: DepthWords(C.DEPTH_FLOAT_16, 0xFFFF, 511.9375, 12, 7),
-    DepthFormat.FLOAT_24: DepthWords(C.DEPTH_FLOAT_24, 0xFEFFFF, (2.0 - 2.0**-16) * 2.0**127, 16, 127),
-}
 
 
 def _single(depths, scale=1.0):
@@ -56,7 +24,6 @@ def depth_units(state, framebuffer, primitives):
     with np.errstate(all="ignore"):  # what overflows is limited; what is no number becomes one
         if state.w_buffering:
             return _single(1.0 / primitives.inverse_w)
-        is_float = framebuffer.depth_format < 0
-        if is_float or state.vertex.depth_units:
+        if framebuffer.depth_format.is_float or state.vertex.depth_units:
             return _single(primitives.z)
         return _single(primitives.z, DEPTH_WORDS[framebuffer.depth_format].farthest)

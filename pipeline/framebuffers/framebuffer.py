@@ -7,18 +7,28 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fixedpipe.pipeline.commands import Clear, CopyPixels, CopyTexImage, CopyTexSubImage, ReadPixels, Saturate
+from fixedpipe.pipeline.commands import (
+    Clear,
+    CopyPixels,
+    CopyTexImage,
+    CopyTexSubImage,
+    ReadPixels,
+    Saturate,
+    box_read,
+)
 from fixedpipe.pipeline.enums import ColorBuffer, ColorFormat, DepthFormat
-from fixedpipe.pipeline.framebuffers.boxes import scissored
+from fixedpipe.pipeline.framebuffers.boxes import scissored, scissored_part
 from fixedpipe.pipeline.framebuffers.transfer import (
     PixelStatistics,
-    changes_nothing,
+    packed_bytes,
     packed_colors,
     transfer_colors,
     transfer_depths,
     transfer_stencil,
 )
+from fixedpipe.pipeline.pixel_transfer import changes_nothing
 from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.textures.pixel_formats import DEPTH_FORMAT, STENCIL_FORMAT
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.columns.numbers import convert
 from fixedpipe.raster.pixels.transfer import fixed
@@ -95,7 +105,7 @@ class Framebuffer:
         """An empty framebuffer of ``width`` x ``height`` pixels. ``clamped``: blending clamps."""
         return cls(
             np.zeros((height, width, 4), np.uint8 if color_bits == 8 and clamped else np.int32),
-            np.full((height, width), 2 ** abs(depth_bits) - 1, np.uint32),
+            np.full((height, width), 2 ** DepthFormat(depth_bits).bits - 1, np.uint32),
             np.zeros((height, width), np.uint8),
             DepthFormat(depth_bits),
             color_format,
@@ -105,7 +115,7 @@ class Framebuffer:
     @property
     def depth_bits(self) -> int:
         """How wide a word of the depth buffer is."""
-        return abs(self.depth_format)
+        return self.depth_format.bits
 
     @property
     def width(self) -> int:
@@ -169,24 +179,23 @@ class Framebuffer:
 
     def saturate(self, command: Saturate) -> None:
         """Clamp what the scissor box holds to [0, 1]; bytes always are."""
-        left, top, right, bottom = scissored(command.scissor, self.width, self.height)
-        color = self.color[top:bottom, left:right]
+        color = self.color[scissored_part(command.scissor, self.width, self.height)]
         np.clip(color, 0, 2**self.color_bits - 1, out=color)
 
     def clear(self, command: Clear) -> None:
         """Section 4.2.3: through the scissor box and the masks."""
         (x0, y0, x1, y1), buffers, color, color_mask, depth, stencil, mask = self.clear_words(command)
         where = slice(y0, y1), slice(x0, x1)
-        if buffers & 1 and not self.is_bytes:
+        if buffers & C.BUFFER_COLOR and not self.is_bytes:
             on = command.color_mask
             channels = np.array([on.red, on.green, on.blue, on.alpha])
             wide = fixed(np.array(command.color), self.color_bits)
             self.color[where] = np.where(channels, wide, self.color[where])
-        elif buffers & 1:
+        elif buffers & C.BUFFER_COLOR:
             _write(self.color.view(np.uint32)[..., 0][where], color, color_mask, 0xFFFFFFFF)
-        if buffers & 2:
+        if buffers & C.BUFFER_DEPTH:
             self.depth[where] = depth
-        if buffers & 4:
+        if buffers & C.BUFFER_STENCIL:
             _write(self.stencil[where], stencil, mask, 0xFF)
 
     def rectangle(self, x: int, y: int, width: int, height: int) -> NDArray[np.uint8 | np.int32]:
@@ -206,44 +215,29 @@ class Framebuffer:
     def box_of(
         self, command: ReadPixels | CopyPixels | CopyTexImage | CopyTexSubImage
     ) -> tuple[int, int, int, int]:
-        """X, y, width, height of what a command reads; None: as far as the framebuffer reaches."""
-        width = self.width - command.x if command.width is None else command.width
-        height = self.height - command.y if command.height is None else command.height
-        return command.x, command.y, width, height
+        """The box that a command reads."""
+        return box_read(command, self.width, self.height)
+
+    def part(self, plane, command):
+        """What a command reads of a buffer of this size, bottom row first: a view."""
+        return plane[self._rows(*self.box_of(command))][::-1]
 
     def read(self, command: ReadPixels, profile: Profile, statistics: PixelStatistics) -> NDArray[Any] | None:
         """Section 4.3.2: what ``fixedpipe.pipeline.commands.ReadPixels`` returns; None where a sink took it.
         ``statistics``: the machine's PixelStatistics.
         """
         box, transfer = self.box_of(command), command.transfer
-        if command.format == "DEPTH_COMPONENT":
+        if command.format == DEPTH_FORMAT:
             if (transfer.depth_scale, transfer.depth_bias) == (1.0, 0.0):
-                return self.depth[self._rows(*box)][::-1].copy()
+                return self.part(self.depth, command).copy()
             return fixed(transfer_depths(self.depths(*box), transfer), self.depth_bits).astype(np.uint32)
-        if command.format == "STENCIL_INDEX":
-            indices = self.stencil[self._rows(*box)][::-1].astype(np.int64)
+        if command.format == STENCIL_FORMAT:
+            indices = self.part(self.stencil, command).astype(np.int64)
             return (transfer_stencil(indices, transfer) & 0xFF).astype(np.uint8)
         if self.is_bytes and command.type == "UNSIGNED_BYTE" and changes_nothing(transfer):
-            return READ_FORMATS[command.format](self.rectangle(*box)).copy()
+            return packed_bytes(self.rectangle(*box), command.format)
         groups = transfer_colors(self.groups(*box), transfer, profile, statistics)
         return None if groups is None else packed_colors(groups, command.format, command.type)
-
-
-def _luminance(rgba):
-    return np.minimum(rgba[..., :3].astype(np.uint16).sum(-1), 255).astype(np.uint8)
-
-
-# Source: OpenGL 1.2.1 section 4.3.2, conversion of RGBA to luminance: R + G + B, clamped.
-READ_FORMATS = {
-    "RGBA": lambda rgba: rgba,
-    "RGB": lambda rgba: rgba[..., :3],
-    "RED": lambda rgba: rgba[..., 0],
-    "GREEN": lambda rgba: rgba[..., 1],
-    "BLUE": lambda rgba: rgba[..., 2],
-    "ALPHA": lambda rgba: rgba[..., 3],
-    "LUMINANCE": _luminance,
-    "LUMINANCE_ALPHA": lambda rgba: np.stack([_luminance(rgba), rgba[..., 3]], -1),
-}
 
 
 def color_bytes(color: Iterable[float]) -> list[int]:

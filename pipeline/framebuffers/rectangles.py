@@ -14,8 +14,8 @@ from fixedpipe.raster.pixels import rectangles as arithmetic
 def takes_raster_color(texture):
     """(whether the RGB, whether the alpha of a pixel texture's fragments is the raster position's)."""
     if texture.mode is not None:
-        mode = texture.mode
-        return mode >= PixelTexGenMode.RGB, mode in (PixelTexGenMode.ALPHA, PixelTexGenMode.RGBA)
+        mode = PixelTexGenMode
+        return texture.mode in (mode.RGB, mode.RGBA), texture.mode in (mode.ALPHA, mode.RGBA)
     current = PixelFragmentSource.CURRENT_RASTER_COLOR
     return texture.rgb_source == current, texture.alpha_source == current
 

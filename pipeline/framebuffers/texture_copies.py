@@ -2,15 +2,14 @@
 
 import numpy as np
 
-from fixedpipe.pipeline.enums import ColorFormat, InternalFormat, TextureTarget, WindowOrigin
+from fixedpipe.pipeline.enums import TextureTarget, WindowOrigin
 from fixedpipe.pipeline.framebuffers.transfer import (
-    changes_nothing,
     image_groups,
     transfer_colors,
     transfer_depths,
     transfer_image,
 )
-from fixedpipe.pipeline.pixel_transfer import PixelImage
+from fixedpipe.pipeline.pixel_transfer import PixelImage, changes_nothing
 from fixedpipe.pipeline.textures.images import (
     BASE_FORMAT,
     COMPONENT_BITS,
@@ -48,7 +47,7 @@ def defined_texture(command, profile, statistics):
 
 def depth_texture(target, internal_format, depths):
     """A depth texture of depths in [0, 1], float64 [h, w]; each is its ``ideal`` texel's four components."""
-    most, _ = DEPTH_TEXELS[internal_format]
+    most = DEPTH_TEXELS[internal_format].largest
     texels = depth_texels(fixed(depths, most.bit_length()))
     texels.setflags(write=False)
     ideal = np.broadcast_to(depths[None, ..., None], (1, *texels.shape))
@@ -102,33 +101,6 @@ def replaced_texture(framebuffer, command, texture, profile, statistics):
     else:
         levels = (*texture.levels[: command.level], level, *texture.levels[command.level + 1 :])
     return Texture(texture.target, texture.internal_format, levels, bits=texture.bits)
-
-
-# Which internal formats read a surface's words: those of its width and components.
-# Source: WGL_ARB_render_texture (BIND_TO_TEXTURE_RGB_ARB and RGBA_ARB).
-READABLE_AS = {
-    **dict.fromkeys(
-        (
-            ColorFormat.A8R8G8B8,
-            ColorFormat.X8R8G8B8_Z8R8G8B8,
-            ColorFormat.X8R8G8B8_O8R8G8B8,
-            ColorFormat.X1A7R8G8B8_Z1A7R8G8B8,
-            ColorFormat.X1A7R8G8B8_O1A7R8G8B8,
-        ),
-        (InternalFormat.RGBA8, InternalFormat.RGB8),
-    ),
-    ColorFormat.R5G6B5: (InternalFormat.R5_G6_B5,),
-    ColorFormat.X1R5G5B5_Z1R5G5B5: (InternalFormat.RGB5, InternalFormat.RGB5_A1),
-    ColorFormat.X1R5G5B5_O1R5G5B5: (InternalFormat.RGB5, InternalFormat.RGB5_A1),
-}
-
-# Which depth format reads a surface's depth words. Source: WGL_NV_render_depth_texture.
-DEPTH_READABLE_AS = {
-    16: InternalFormat.DEPTH_COMPONENT16,
-    24: InternalFormat.DEPTH_COMPONENT24,
-    -16: InternalFormat.DEPTH_COMPONENT16_FLOAT,
-    -24: InternalFormat.DEPTH_COMPONENT24_FLOAT,
-}
 
 
 def bound_texture(framebuffer, command):

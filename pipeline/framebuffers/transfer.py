@@ -14,9 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fixedpipe.pipeline.enums import BaseFormat, ConvolutionBorderMode
-from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER, Histogram, Minmax
+from fixedpipe.pipeline.pixel_transfer import Histogram, Minmax, convolution
 from fixedpipe.pipeline.state import ColorTable
 from fixedpipe.pipeline.textures.images import KEPT
+from fixedpipe.pipeline.textures.pixel_formats import (
+    COLOR_INDEX_FORMAT,
+    DEPTH_FORMAT,
+    IMAGE_FORMATS,
+    INDEX_FORMATS,
+    READ_TYPES,
+)
 from fixedpipe.raster.pixels import transfer as arithmetic
 
 # Which component of a table's or filter's entry goes with a pixel's R, G, B and A; None: the pixel's stays.
@@ -30,24 +37,6 @@ ENTRY_COMPONENTS = {
     BaseFormat.RGBA: (0, 1, 2, 3),
 }
 
-# Which of R, G, B and A each element of an image's group is: L is all three colours.
-# Source: OpenGL 1.2.1 table 3.6 and section 3.6.4, Conversion to RGB and Final Expansion to RGBA.
-IMAGE_FORMATS = {
-    "RGBA": ("R", "G", "B", "A"),
-    "RGB": ("R", "G", "B"),
-    "BGRA": ("B", "G", "R", "A"),
-    "BGR": ("B", "G", "R"),
-    "RED": ("R",),
-    "GREEN": ("G",),
-    "BLUE": ("B",),
-    "ALPHA": ("A",),
-    "LUMINANCE": ("L",),
-    "LUMINANCE_ALPHA": ("L", "A"),
-}
-DEPTH_FORMAT, INDEX_FORMATS = "DEPTH_COMPONENT", ("STENCIL_INDEX", "COLOR_INDEX")
-
-# What ReadPixels returns colours as: bits of a component, None: floats.  Source: OpenGL 1.2.1 table 4.7.
-READ_TYPES = {"UNSIGNED_BYTE": 8, "UNSIGNED_SHORT": 16, "FLOAT": None}
 _READ_DTYPES = {8: np.uint8, 16: np.uint16}
 
 
@@ -113,36 +102,6 @@ def _nothing_seen(base_format):
 
 
 # ------------------------------------------------------------------------------------ the operations
-
-
-def convolution(transfer, dimensions):
-    """The filter that applies to an image of so many dimensions, or None."""
-    if dimensions == 1:
-        return transfer.convolution_1d
-    if dimensions == 2:
-        return transfer.convolution_2d or transfer.separable_2d
-    return None
-
-
-def filter_size(kernel):
-    """Width and height of a ConvolutionFilter or SeparableFilter, pixels."""
-    if hasattr(kernel, "row"):
-        return len(kernel.row), len(kernel.column)
-    return len(kernel.rows[0]) if kernel.rows else 0, len(kernel.rows)
-
-
-def transferred_size(width, height, transfer, dimensions=2):
-    """Width and height that an image has after pixel transfer: smaller by a convolution that reduces it."""
-    kernel = convolution(transfer, dimensions)
-    if kernel is None or kernel.border_mode is not ConvolutionBorderMode.REDUCE:
-        return width, height
-    wide, high = filter_size(kernel)
-    return max(width - wide + 1, 0), max(height - high + 1, 0)
-
-
-def has_sink(transfer):
-    """Whether the image ends in a histogram or minmax."""
-    return any(table is not None and table.sink for table in (transfer.histogram, transfer.minmax))
 
 
 def transfer_colors(groups, transfer, profile, statistics, dimensions=2):
@@ -288,30 +247,35 @@ def _one_element(values):
 
 def transfer_image(image, transfer, profile, statistics, dimensions=2):
     """A PixelImage of colours or colour indices, [h, w(, c)], through pixel transfer: ``transfer_colors``."""
-    convert = transfer_color_indices if image.format == "COLOR_INDEX" else transfer_colors
+    convert = transfer_color_indices if image.format == COLOR_INDEX_FORMAT else transfer_colors
     return convert(image_groups(image), transfer, profile, statistics, dimensions)
+
+
+def elements_of(groups, pixel_format):
+    """The elements of a format, [h, w(, c)], of RGBA groups; L is R + G + B (section 4.3.2)."""
+    if pixel_format in ("RGBA", "RGB"):  # as they lie
+        return groups[..., : len(pixel_format)].copy()
+    columns = [
+        groups[..., 0] + groups[..., 1] + groups[..., 2] if e == "L" else groups[..., "RGBA".index(e)]
+        for e in IMAGE_FORMATS[pixel_format]
+    ]
+    return np.stack(columns, -1) if len(columns) > 1 else columns[0].copy()
 
 
 def packed_colors(groups, pixel_format, pixel_type):
     """Groups as ReadPixels returns them: Conversion to L and final conversion (section 4.3.2).
 
-    ``pixel_format``: one of ``fixedpipe.pipeline.framebuffers.framebuffer.READ_FORMATS``; ``pixel_type``: of
-    READ_TYPES. Returns uint8, uint16 or float64 [h, w(, c)].
+    ``pixel_format``: one of READ_FORMATS; ``pixel_type``: of READ_TYPES. Returns uint8, uint16 or float64
+    [h, w(, c)].
     """
-    elements = IMAGE_FORMATS[pixel_format]
-    columns = []
-    for element in elements:
-        if element == "L":
-            columns.append(groups[..., 0] + groups[..., 1] + groups[..., 2])
-        else:
-            columns.append(groups[..., "RGBA".index(element)])
-    values = columns[0] if len(columns) == 1 else np.stack(columns, -1)
-    bits = READ_TYPES[pixel_type]
+    values, bits = elements_of(groups, pixel_format), READ_TYPES[pixel_type]
     if bits is None:
         return np.clip(values, 0.0, 1.0)
     return arithmetic.fixed(values, bits).astype(_READ_DTYPES[bits])
 
 
-def changes_nothing(transfer):
-    """Whether the state is the initial one, which changes no pixel and counts none."""
-    return transfer is INITIAL_TRANSFER or transfer == INITIAL_TRANSFER
+def packed_bytes(rgba, pixel_format):
+    """The same of bytes as bytes: L is clamped."""
+    if "L" not in IMAGE_FORMATS[pixel_format]:
+        return elements_of(rgba, pixel_format)
+    return np.minimum(elements_of(rgba.astype(np.uint16), pixel_format), 255).astype(np.uint8)

@@ -4,24 +4,18 @@ from copy import copy
 
 import numpy as np
 
+from fixedpipe.pipeline.commands import box_read
 from fixedpipe.pipeline.enums import AccumOperation, ColorBuffer
 from fixedpipe.pipeline.framebuffers import boxes
 from fixedpipe.pipeline.framebuffers.transfer import (
-    changes_nothing,
+    elements_of,
     transfer_colors,
     transfer_depths,
     transfer_stencil,
 )
+from fixedpipe.pipeline.pixel_transfer import changes_nothing
 from fixedpipe.pipeline.profiles import IDEAL
-
-_COLOR_COMPONENTS = {
-    "RGBA": [0, 1, 2, 3],
-    "RGB": [0, 1, 2],
-    "RED": 0,
-    "GREEN": 1,
-    "BLUE": 2,
-    "ALPHA": 3,
-}
+from fixedpipe.pipeline.textures.pixel_formats import DEPTH_FORMAT, STENCIL_FORMAT
 
 
 class IdealBuffers:
@@ -45,14 +39,9 @@ class IdealBuffers:
         return self._auxiliary[which]
 
     def box_of(self, command):
-        """x, y, width, height of a CopyTexImage or ReadPixels; None: as far as the framebuffer reaches."""
+        """The box that a command reads."""
         height, width = self.depth.shape
-        return (
-            command.x,
-            command.y,
-            width - command.x if command.width is None else command.width,
-            height - command.y if command.height is None else command.height,
-        )
+        return box_read(command, width, height)
 
     def rows(self, plane, x, y, width, height):
         """A window rectangle (y up) of a buffer, bottom row first; a view."""
@@ -124,21 +113,16 @@ def transferred(region, command, statistics, dimensions=2):
 def read_pixels(command, buffers, guide, statistics):
     """What a ReadPixels reads, bottom row first; None where a sink took it. ``guide``: a Result or None."""
     box, transfer = buffers.box_of(command), command.transfer
-    if command.format == "STENCIL_INDEX":
+    if command.format == STENCIL_FORMAT:
         if guide:
             return guide.pixels[command.name]
         indices = transfer_stencil(buffers.rows(buffers.stencil, *box).astype(np.int64), transfer)
         return (indices & 0xFF).astype(np.uint8)
-    if command.format == "DEPTH_COMPONENT":
+    if command.format == DEPTH_FORMAT:
         if guide:
             return guide.pixels[command.name] / (2.0**guide.framebuffer.depth_bits - 1.0)
         return transfer_depths(buffers.rows(buffers.depth, *box), transfer)
     color = transferred(buffers.rows(buffers.color, *box), command, statistics)
     if color is None:
         return None
-    luminance = color[..., :3].sum(axis=-1)
-    if command.format == "LUMINANCE":
-        return luminance
-    if command.format == "LUMINANCE_ALPHA":
-        return np.stack([luminance, color[..., 3]], axis=-1)
-    return color[..., _COLOR_COMPONENTS[command.format]].copy()
+    return elements_of(color, command.format)

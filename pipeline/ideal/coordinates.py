@@ -8,15 +8,8 @@ import numpy as np
 
 from fixedpipe.pipeline.enums import TextureTarget
 from fixedpipe.pipeline.ideal.weights import change_of, iterate, iterate_as_machines
-
-# Texels: a nearest filter's shift off an exact texel boundary, and what the machines add to coordinates that
-# they divided.  Source: docs/numbers.md, section 6.
-TAU = 2.0**-24
-
-# Component and sign of sc and tc for the faces +x, -x, +y, -y, +z, -z.
-# Source: EXT_texture_cube_map, section 3.8.6.
-_SC_COMPONENT, _SC_SIGN = np.array([2, 2, 0, 0, 0, 0]), np.array([-1.0, 1.0, 1.0, 1.0, 1.0, -1.0])
-_TC_COMPONENT, _TC_SIGN = np.array([1, 1, 2, 2, 1, 1]), np.array([-1.0, -1.0, 1.0, -1.0, -1.0, -1.0])
+from fixedpipe.raster.columns.interpolate import on_face
+from fixedpipe.raster.floats import TAU
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +19,7 @@ class TextureCoordinates:
     position  float64 [k, 2], or [k, 3] in a volume, 1.0 = the whole image; the others that follow likewise
     face      int64 [k], 0 unless a cube map
     slip      float64 [k, 2], by how much the machines' coordinates lie beside ``position``, their bias aside
-    bias      float64 [k, 1], texels that the machines add to coordinates that they divided: tau or 0
+    bias      float64 [k, 1], texels that the machines add to coordinates that they divided: TAU or 0
     dx, dy    float64 [k, 2], derivatives of ``position`` per pixel
     """
 
@@ -80,10 +73,9 @@ def _axes(target):
 
 
 def _on_face(vector, face):
-    """sc and tc, float64 [k, 2], of vectors [k, 3] on their faces [k]."""
-    rows = np.arange(len(vector))
-    sc, tc = vector[rows, _SC_COMPONENT[face]], vector[rows, _TC_COMPONENT[face]]
-    return np.stack([_SC_SIGN[face] * sc, _TC_SIGN[face] * tc], axis=1)
+    """sc and tc, float64 [k, 2], and |ma|, float64 [k, 1], of vectors [k, 3] on their faces [k]."""
+    sc, tc, major = on_face(vector, face)
+    return np.stack([sc, tc], axis=1), np.abs(major)[:, None]
 
 
 def _place_on_face(direction, face):
@@ -91,8 +83,8 @@ def _place_on_face(direction, face):
 
     Source: EXT_texture_cube_map, section 3.8.6; docs/numbers.md, section 6 (the 0).
     """
-    magnitude = np.abs(direction[np.arange(len(direction)), face // 2])[:, None]
-    ratio = _on_face(direction, face) / np.where(magnitude == 0.0, 1.0, magnitude)
+    sc_tc, magnitude = _on_face(direction, face)
+    ratio = sc_tc / np.where(magnitude == 0.0, 1.0, magnitude)
     return np.where(magnitude == 0.0, 0.0, (ratio + 1.0) * 0.5)
 
 
@@ -107,10 +99,10 @@ def project_on_cube(direction, dx, dy):
     magnitude = np.where(major == 0.0, 1.0, np.abs(major))[:, None]
     sign = np.where(major < 0.0, -1.0, 1.0)[:, None]
 
-    ratio = _on_face(direction, face) / magnitude
+    ratio = _on_face(direction, face)[0] / magnitude
 
     def derivative(step):
-        return 0.5 * (_on_face(step, face) - ratio * sign * step[rows, axis][:, None]) / magnitude
+        return 0.5 * (_on_face(step, face)[0] - ratio * sign * step[rows, axis][:, None]) / magnitude
 
     return TextureCoordinates(
         _place_on_face(direction, face),

@@ -6,10 +6,11 @@ import numpy as np
 
 from fixedpipe.pipeline.enums import TextureFilter, TextureTarget, WrapMode
 from fixedpipe.pipeline.framebuffers.transfer import looked_up
-from fixedpipe.pipeline.ideal.coordinates import TAU, TextureCoordinates
+from fixedpipe.pipeline.ideal.coordinates import TextureCoordinates
 from fixedpipe.pipeline.ideal.per_fragment import compare
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.textures.images import BASE_FORMAT, KEPT, depth_texture_mode, register_components
+from fixedpipe.raster.floats import TAU
 
 _MIPMAPPED = {
     # minification filter: (linear within a level, linear between levels)

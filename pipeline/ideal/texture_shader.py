@@ -14,11 +14,9 @@ from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.ideal.sample import signed, signed_flags
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.programs.texture_shader_rules import CONVENTIONAL, WITHOUT_TEXTURE, shader_stages
+from fixedpipe.raster import codes as C
 
-_WITH_SCALE = (Operation.OFFSET_TEXTURE_2D_SCALE,)
-_WITH_OFFSET = (Operation.OFFSET_TEXTURE_2D, *_WITH_SCALE)
 _PAIRS = {Operation.DEPENDENT_AR_TEXTURE_2D: (3, 0), Operation.DEPENDENT_GB_TEXTURE_2D: (1, 2)}
-_REFLECTING = (Operation.DOT_PRODUCT_REFLECT_CUBE_MAP, Operation.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP)
 _OPAQUE_BLACK = (0.0, 0.0, 0.0, 1.0)
 
 
@@ -73,9 +71,14 @@ def run_stages(state, textures, count, own, conventional, made, register):
                     texel = conventional(i, unit, texture)
                 else:
                     texel = made(
-                        i, unit, texture, run.coordinates(i), own(i)[:, 2], operation not in _WITH_OFFSET
+                        i,
+                        unit,
+                        texture,
+                        run.coordinates(i),
+                        own(i)[:, 2],
+                        operation not in C.OPERATIONS_WITH_OFFSET,
                     )
-                if operation in _WITH_SCALE:
+                if operation in C.OPERATIONS_WITH_SCALE:
                     texel = seen = run.scaled(i, texel)
                 else:
                     seen = register(texel, unit)
@@ -152,7 +155,7 @@ class _Stages:
         """The (s, t, r) that stage i makes, float64 [k, 3]."""
         stage, operation = self.stages[i], self.stages[i].operation
         previous, nothing = stage.previous_texture_input, np.zeros(len(self.alive))
-        if operation in _WITH_OFFSET:
+        if operation in C.OPERATIONS_WITH_OFFSET:
             # In units of half a range.  Measured: BumpEnvMap captures (docs/numbers.md, section 12).
             ds, dt = (
                 signed(self.number(previous, k), self.bits[previous]) / 2.0 ** (self.bits[previous] - 1)
@@ -166,17 +169,19 @@ class _Stages:
         elif operation is Operation.BRDF_TEXTURE_3D:
             (eye_theta, eye_phi), (light_theta, light_phi) = self.words(i - 2), self.words(i - 1)
             made = eye_theta / 65535.0, light_theta / 65535.0, (light_phi - eye_phi) / 65536.0
-        elif operation is Operation.DOT_PRODUCT_TEXTURE_2D:
+        elif operation in C.OPERATIONS_OF_TWO_DOT_PRODUCTS:
             made = self.dot_product(i - 1), self.dot_product(i), nothing
         elif operation is Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP:
             made = tuple(self.dot_product(k) for k in (i - 1, i, i + 1))
-        else:
+        elif operation in C.OPERATIONS_OF_THREE_DOT_PRODUCTS:
             made = tuple(self.dot_product(k) for k in (i - 2, i - 1, i))
-            if operation in _REFLECTING:
+            if operation in C.OPERATIONS_REFLECTING:
                 eye = stage.constant_eye
                 if operation is Operation.DOT_PRODUCT_REFLECT_CUBE_MAP:
                     eye = tuple(self.own(k)[:, 3] for k in (i - 2, i - 1, i))
                 made = _reflected(made, eye)
+        else:
+            raise ValueError(f"The ideal machine makes no coordinates for {operation.name}.")
         return np.stack(made, axis=1)
 
 

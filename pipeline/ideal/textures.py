@@ -17,7 +17,7 @@ def with_ideal(texture):
         return texture
     one = 2.0**texture.bits - 1.0
     if texture.internal_format in DEPTH_TEXELS:
-        most, _ = DEPTH_TEXELS[texture.internal_format]
+        most = DEPTH_TEXELS[texture.internal_format].largest
         words = [np.ascontiguousarray(level).view("<u4") for level in texture.levels]
         return replace(texture, ideal=tuple(np.repeat(w / most, 4, axis=3) for w in words))
     return replace(texture, ideal=tuple(level / one for level in texture.levels))

@@ -8,7 +8,10 @@ from functools import cached_property
 import numpy as np
 
 from fixedpipe.pipeline.enums import FrontFace
-from fixedpipe.pipeline.vertices.arithmetic import SINGLE_BITS, keep_significant_bits
+from fixedpipe.pipeline.profiles import IDEAL
+from fixedpipe.raster.columns.interpolate import edge_functions, iterate_coordinates, iteration_weights
+
+_PIXEL = float(1 << IDEAL.subpixel_bits)  # in subpixels
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +52,8 @@ class Weights:
         return self._derivative(x20 - x10, -x20, x10)
 
     def _derivative(self, *steps):
-        # Steps of n over one pixel, 16 subpixels.
-        step = 16.0 * np.stack(steps, axis=1) * np.where(self._area < 0, -1, 1)[:, None]
+        # Steps of n over one pixel.
+        step = _PIXEL * np.stack(steps, axis=1) * np.where(self._area < 0, -1, 1)[:, None]
         total = (self._edges * self._inverse_w).sum(axis=1, keepdims=True)
         de = step * self._inverse_w
         return (de - self.perspective * de.sum(axis=1, keepdims=True)) / total
@@ -58,16 +61,15 @@ class Weights:
     @cached_property
     def machine(self):
         """The machines' weights q0 and q2, float64 [k, 2], which decide at exact texel boundaries."""
-        e = self._edges * self._inverse_w
-        return _machine_weights(e, e.sum(axis=1, keepdims=True))
+        return np.stack(iteration_weights((self._edges * self._inverse_w).T), axis=1)
 
     @cached_property
     def depth_slope(self):
         """max(abs(dz/dx), abs(dz/dy)) of window depth per pixel, float64 [k]."""
         x10, y10, x20, y20 = self._sides
         z10, z20 = self._z[:, 1] - self._z[:, 0], self._z[:, 2] - self._z[:, 0]
-        slope_x = (z10 * y20 - z20 * y10) * 16.0 / self._area
-        slope_y = (z20 * x10 - z10 * x20) * 16.0 / self._area
+        slope_x = (z10 * y20 - z20 * y10) * _PIXEL / self._area
+        slope_y = (z20 * x10 - z10 * x20) * _PIXEL / self._area
         return np.maximum(np.abs(slope_x), np.abs(slope_y))
 
 
@@ -78,14 +80,12 @@ def weigh(primitives, front_face, triangle, x, y):
     """
     vertices = primitives.triangles[triangle, :3].astype(np.int64)
     corner_x, corner_y = primitives.x[vertices].astype(np.int64), primitives.y[vertices].astype(np.int64)
-    sample_x, sample_y = 16 * x.astype(np.int64) + 8, 16 * y.astype(np.int64) + 8
     x10, x20 = corner_x[:, 1] - corner_x[:, 0], corner_x[:, 2] - corner_x[:, 0]
     y10, y20 = corner_y[:, 1] - corner_y[:, 0], corner_y[:, 2] - corner_y[:, 0]
-    px, py = sample_x - corner_x[:, 0], sample_y - corner_y[:, 0]
-    area = x10 * y20 - x20 * y10
-    sign = np.where(area < 0, -1, 1)
-    n1, n2 = sign * (px * y20 - x20 * py), sign * (x10 * py - px * y10)
-    n = np.stack([np.abs(area) - n1 - n2, n1, n2], axis=1).astype(np.float64)
+    edges, area = edge_functions(
+        corner_x, corner_y, x.astype(np.int64), y.astype(np.int64), IDEAL.subpixel_bits
+    )
+    n = np.stack(edges, axis=1).astype(np.float64)
 
     inverse_w = primitives.inverse_w[vertices]
     equal = (inverse_w[:, 0] == inverse_w[:, 1]) & (inverse_w[:, 1] == inverse_w[:, 2])
@@ -95,17 +95,6 @@ def weigh(primitives, front_face, triangle, x, y):
     perspective = e / e.sum(axis=1, keepdims=True)
     sides = x10, y10, x20, y20
     return Weights(vertices, front, perspective, n, area, sides, inverse_w, primitives.z[vertices])
-
-
-def _machine_weights(e, total):
-    """q0 and q2 of docs/numbers.md, section 4: float64 [k, 2]."""
-    reciprocal = keep_significant_bits(1.0 / total, SINGLE_BITS)
-    q = keep_significant_bits(e * reciprocal, SINGLE_BITS)
-    c0, c1, c2 = ((q >= 0.5).astype(np.int64) + (q >= 0.25)).T
-    q0, q1, q2 = q.T
-    first = (c0 > c2) & (c0 >= c1)
-    last = ~first & ~((c1 > c0) & (c1 >= c2))
-    return np.stack([np.where(first, (1.0 - q1) - q2, q0), np.where(last, (1.0 - q0) - q1, q2)], axis=1)
 
 
 def iterate(weights, values):
@@ -122,11 +111,7 @@ def iterate(weights, values):
 
 def iterate_as_machines(weights, corners):
     """s, t, r, q by docs/numbers.md, section 6, and the unit to which their terms are cut: float64 [k, 4]."""
-    v0, v1, v2 = (corners[:, k] for k in range(3))
-    q0, q2 = (weights.machine[:, k, None] for k in range(2))
-    terms = np.stack([v1, q0 * (v0 - v1), q2 * (v2 - v1)])
-    unit = np.ldexp(1.0, np.frexp(np.maximum(np.abs(terms).max(axis=0), 2.0**-100))[1] - 24)
-    return (np.trunc(terms / unit) * unit).sum(axis=0), unit
+    return iterate_coordinates(*weights.machine.T, corners)
 
 
 def change_of(step, values):

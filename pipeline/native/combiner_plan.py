@@ -273,7 +273,9 @@ def _read(registers, row, channel):
 
 
 def _first_registers(stages, fog, units):
-    """What every plane holds before the first stage; units: 0 disabled, 1 bytes, 2 signed texels."""
+    """What every plane holds before the first stage; units: the least that a texel of each is; None: it is
+    disabled.
+    """
     registers = [_number(0)] * (R.REGISTERS * 4)
     for k in range(3):
         registers[C.REGISTER_FOG * 4 + k] = _Value("constant", 8 * (stages + 1) + k, 0, 255)
@@ -287,11 +289,12 @@ def _first_registers(stages, fog, units):
         registers[at] = _Value("plane", at, 0, 255)
     for unit in range(4):
         at = (C.REGISTER_TEXTURE0 + unit) * 4
-        kind = units[unit] if unit < len(units) else 0
+        least = units[unit] if unit < len(units) else None
         for k in range(4):
-            texel = _Value("plane", at + k, -256 if kind == 2 else 0, 255)
-            # Measured: what a disabled unit leaves (combiner captures).
-            registers[at + k] = texel if kind else _number(255 if k == 3 else 0)
+            if least is not None:
+                registers[at + k] = _Value("plane", at + k, least, 255)
+            else:  # Measured: what a disabled unit leaves (combiner captures).
+                registers[at + k] = _number(255 if k == 3 else 0)
     registers[C.REGISTER_SPARE0 * 4 + 3] = registers[C.REGISTER_TEXTURE0 * 4 + 3]
     return registers
 
@@ -410,8 +413,8 @@ def plan_combiners(draw, program, final, constants, arithmetic, units):
 
     Programs that differ in their constants alone share a plan, which is remembered.
     """
-    kinds = tuple(
-        (2 if row[R.SIGNED] or draw[R.TEXTURE_SHADER] else 1) if row[R.ENABLED] else 0 for row in units
+    least = tuple(
+        (-256 if row[R.SIGNED] or draw[R.TEXTURE_SHADER] else 0) if row[R.ENABLED] else None for row in units
     )
     rows, planes, where = _plan(
         program.tobytes(),
@@ -420,7 +423,7 @@ def plan_combiners(draw, program, final, constants, arithmetic, units):
         int(draw[R.COLOR_SUM]),
         bool(draw[R.FOG_ENABLED]),
         tuple(arithmetic.tolist()),
-        kinds,
+        least,
     )
     rows = rows.copy()  # kernels take writable arrays
     if len(where):

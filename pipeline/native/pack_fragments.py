@@ -17,9 +17,9 @@ from fixedpipe.pipeline.enums import (
     StencilOperation,
 )
 from fixedpipe.pipeline.framebuffers.boxes import device_edges
-from fixedpipe.pipeline.framebuffers.depths import DEPTH_WORDS
 from fixedpipe.pipeline.framebuffers.framebuffer import SURFACE_WORDS, color_bytes, to_byte
 from fixedpipe.pipeline.programs.fog import fog_thresholds
+from fixedpipe.pipeline.textures.depth_words import DEPTH_WORDS
 from fixedpipe.pipeline.vertices.fog import table
 from fixedpipe.pipeline.vertices.strokes import whole_size
 from fixedpipe.raster import codes as C

@@ -82,7 +82,8 @@ def _pack_comparison(sampler, internal_format, profile, row):
     for at, byte in ((R.COMPARE_HELD, 255), (R.COMPARE_FAILED, failed)):
         texel = register_components(np.array([byte], np.uint8), base, np.uint8(255))
         row[at] = int.from_bytes(texel.tobytes(), "little")
-    row[R.DEPTH_TEXEL_MAX], row[R.DEPTH_TEXEL_MANTISSA] = DEPTH_TEXELS[internal_format]
+    words = DEPTH_TEXELS[internal_format]
+    row[R.DEPTH_TEXEL_FORMAT], row[R.DEPTH_TEXEL_MAX] = words.code, words.largest
     units = profile.depth_units_in_coordinates
     row[R.COORDINATE_DEPTH] = _pattern(1.0 if units else row[R.DEPTH_TEXEL_MAX])
 

@@ -1,4 +1,4 @@
-"""Fog on machines with ROUNDED fog arithmetic: the coordinates at which its factor, a byte, changes."""
+"""Fog on machines with ROUNDED fog arithmetic: the coordinates at which its factor, rounded, changes."""
 
 from decimal import Decimal, localcontext
 from functools import lru_cache
@@ -9,21 +9,23 @@ from fixedpipe.pipeline.enums import FogMode
 
 
 @lru_cache(maxsize=64)
-def fog_thresholds(fog):
-    """float64 [255]: the coordinates at which 255 f crosses k - 1/2, k = 1..255 (docs/numbers.md, section 9).
+def fog_thresholds(fog, one=255):
+    """float64 [one]: the coordinates at which ``one f`` crosses k - 1/2, k = 1..one (docs/numbers.md, 9).
 
-    Correctly rounded from 40 decimal digits, so they are the same bits on every machine.
+    From 40 decimal digits, so that they are the same bits on every machine; not to be written to.
     """
-    out = np.empty(255, np.float64)
-    with localcontext() as context:
-        context.prec = 40
-        for k in range(1, 256):
-            if fog.mode == FogMode.LINEAR:
-                out[k - 1] = fog.end - ((k - 0.5) / 255.0) * (fog.end - fog.start)
-                continue
-            exponent = -((Decimal(2 * k - 1) / Decimal(510)).ln())
+    if fog.mode == FogMode.LINEAR:
+        out = fog.end - ((np.arange(1, one + 1) - 0.5) / float(one)) * (fog.end - fog.start)
+    elif fog.mode not in (FogMode.EXP, FogMode.EXP2):
+        raise ValueError(f"{fog.mode!r} is no fog mode.")
+    elif fog.density == 0.0:
+        out = np.full(one, np.inf)
+    else:
+        with localcontext() as context:
+            context.prec = 40
+            distances = [-(Decimal(2 * k - 1) / Decimal(2 * one)).ln() for k in range(1, one + 1)]
             if fog.mode == FogMode.EXP2:
-                exponent = exponent.sqrt()
-            out[k - 1] = float(exponent / Decimal(fog.density)) if fog.density else np.inf
+                distances = [d.sqrt() for d in distances]
+            out = np.array([float(d / Decimal(fog.density)) for d in distances])
     out.setflags(write=False)
     return out

@@ -29,6 +29,7 @@ from fixedpipe.pipeline.enums import (
     TextureEnvironmentMode,
     TextureShaderOperation,
 )
+from fixedpipe.pipeline.sentences import listed
 from fixedpipe.pipeline.state import (
     AlphaPortion,
     CombinerInput,
@@ -378,10 +379,6 @@ def _portions(kind, half):
 # --------------------------------------------------------------------------------------- what is refused
 
 
-def _listed(members):
-    return ", ".join(m.name for m in sorted(members)) or "none"
-
-
 def environment_problem(number, environment, base, profile):
     """What is wrong with texture unit ``number``'s environment, a sentence, or None.
 
@@ -398,7 +395,7 @@ def environment_problem(number, environment, base, profile):
         )
     if mode not in modes:
         return (
-            f"texture unit {number}'s environment is {mode.name}; {name} has {_listed(modes)}. Give one of "
+            f"texture unit {number}'s environment is {mode.name}; {name} has {listed(modes)}. Give one of "
             "these."
         )
     if mode is TextureEnvironmentMode.DECAL and base not in (BaseFormat.RGB, BaseFormat.RGBA, None):
@@ -422,7 +419,7 @@ def _combine_problem(mode, name, half, profile):
     if name == "alpha" and half.function in _DOT_PRODUCTS:
         return f"has {half.function.name} in alpha; a dot product is an rgb function, DOT3_RGBA for all four."
     if half.function not in functions:
-        takes = f"a {mode.name} environment of {profile.name} takes {_listed(functions)}"
+        takes = f"a {mode.name} environment of {profile.name} takes {listed(functions)}"
         return f"has {half.function.name} in {name}; {takes}."
     if half.scale not in _SCALES:
         return f"scales {name} by {half.scale:g}; a scale is 1, 2 or 4."

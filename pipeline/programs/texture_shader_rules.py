@@ -3,6 +3,7 @@
 from fixedpipe.pipeline.enums import DotProductMapping, TextureTarget
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.state import TextureShaderStage
+from fixedpipe.raster import codes as C
 
 # Stages that sample the unit's own texture, as units without texture shaders do.
 CONVENTIONAL = frozenset(
@@ -67,8 +68,7 @@ TARGETS_READ = {
     Operation.BRDF_TEXTURE_3D: (TextureTarget.TEXTURE_3D,),
 }
 # Of an unsigned texture's colours.  Source: NV_texture_shader, table 3.B.
-SCALING = (Operation.OFFSET_TEXTURE_2D_SCALE, Operation.OFFSET_TEXTURE_RECTANGLE_SCALE)
-_REFLECTING = (Operation.DOT_PRODUCT_REFLECT_CUBE_MAP, Operation.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP)
+SCALING = tuple(map(Operation, C.OPERATIONS_WITH_SCALE))
 _WITHOUT_RESULT = (
     Operation.NONE,
     Operation.CULL_FRAGMENT,
@@ -115,7 +115,7 @@ def stage_problem(i, stages):
     before = 1 if operation.name.endswith(("2D", "RECTANGLE", "REPLACE", "DIFFUSE_CUBE_MAP")) else 2
     for k in range(1, before + 1):
         allowed = (Operation.DOT_PRODUCT,)
-        if k == 1 and operation in _REFLECTING:
+        if k == 1 and operation in C.OPERATIONS_REFLECTING:
             allowed = (Operation.DOT_PRODUCT, Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP)
         if i < k or operations[i - k] not in allowed:
             return (
@@ -123,11 +123,11 @@ def stage_problem(i, stages):
                 f"{' or '.join(a.name for a in allowed)}."
             )
     if operation is Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP and (
-        i + 1 >= len(stages) or operations[i + 1] not in _REFLECTING
+        i + 1 >= len(stages) or operations[i + 1] not in C.OPERATIONS_REFLECTING
     ):
         return (
             f"texture shader stage {i} is DOT_PRODUCT_DIFFUSE_CUBE_MAP; the stage after it must be "
-            f"{' or '.join(a.name for a in _REFLECTING)}."
+            f"{' or '.join(a.name for a in C.OPERATIONS_REFLECTING)}."
         )
     if operation is Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP and stages[i + 1].previous_texture_input == i:
         return (

@@ -1,13 +1,11 @@
 """Validation of buffers, and of the commands that clear, accumulate and read them."""
 
-from fixedpipe.pipeline.enums import AccumOperation, ColorBuffer
-from fixedpipe.pipeline.framebuffers.framebuffer import READ_FORMATS
-from fixedpipe.pipeline.framebuffers.transfer import DEPTH_FORMAT, READ_TYPES, has_sink
+from fixedpipe.pipeline.enums import AccumOperation, ColorBuffer, DepthFormat
+from fixedpipe.pipeline.pixel_transfer import has_sink
+from fixedpipe.pipeline.sentences import count, depth_words
+from fixedpipe.pipeline.textures.pixel_formats import DEPTH_FORMAT, READ_FORMATS, READ_TYPES, STENCIL_FORMAT
 from fixedpipe.pipeline.validation import surfaces
-from fixedpipe.pipeline.validation.sentences import count, depth_words
 from fixedpipe.pipeline.validation.transfer import transferred
-
-_READ_FORMATS = (*READ_FORMATS, "DEPTH_COMPONENT", "STENCIL_INDEX")
 
 
 def color_buffer(walk, which):
@@ -46,7 +44,7 @@ def stencil_value(walk, what, value):
 
 def fixed_depths(walk, read, what):
     """Refuse what computes with depths that are floats."""
-    if read and walk.depth_bits < 0:
+    if read and DepthFormat(walk.depth_bits).is_float:
         walk.refuse(
             f"it {what} of {depth_words(walk.depth_bits)}; only fixed-point depths go through pixel "
             "transfer. Give the depth buffer a fixed format."
@@ -96,9 +94,10 @@ def saturate(walk, command):
 
 def read_pixels(walk, command):
     """Refuse a ReadPixels of what is not there, or under a name that is taken."""
-    if command.format not in _READ_FORMATS:
-        walk.refuse(f"ReadPixels knows no format {command.format!r}; give one of {', '.join(_READ_FORMATS)}.")
-    if command.format == "STENCIL_INDEX":
+    known = (*READ_FORMATS, DEPTH_FORMAT, STENCIL_FORMAT)
+    if command.format not in known:
+        walk.refuse(f"ReadPixels knows no format {command.format!r}; give one of {', '.join(known)}.")
+    if command.format == STENCIL_FORMAT:
         stencil_buffer(walk, "reads the stencil buffer")
     if command.name in walk.read:
         walk.refuse(f"an earlier ReadPixels already has the name {command.name!r}; give this one another.")

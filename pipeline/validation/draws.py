@@ -1,6 +1,6 @@
 """Validation of Draws."""
 
-from fixedpipe.pipeline.enums import ColorBuffer, LineRasterization, PolygonMode, PrimitiveType, VertexStage
+from fixedpipe.pipeline.enums import ColorBuffer, LineRasterization, PolygonMode, VertexStage
 from fixedpipe.pipeline.profiles.profile import NATIVE_SUBPIXEL_BITS
 from fixedpipe.pipeline.programs.future import future_problem
 from fixedpipe.pipeline.validation import buffers, fragments, surfaces, texture_units, vertices
@@ -62,13 +62,13 @@ def pass_state(walk, state, mesh):
 def _points_and_lines(walk, state, mesh):
     profile, point, polygon = walk.profile, state.point, state.polygon
     filled = PolygonMode.FILL == polygon.front_mode == polygon.back_mode and polygon.stipple is None
-    if profile.exact and not (filled and mesh.primitive < PrimitiveType.POINTS):
+    if profile.exact and not (filled and mesh.primitive.is_polygons):
         walk.refuse(
             f"the {profile.name} evaluates filled polygons without stipple only; draw triangles in "
             "polygon mode FILL, or choose a machine."
         )
     others = not profile.exact and profile.subpixel_bits != NATIVE_SUBPIXEL_BITS
-    if others and not (filled and mesh.primitive < PrimitiveType.POINTS and state.window_clip is None):
+    if others and not (filled and mesh.primitive.is_polygons and state.window_clip is None):
         walk.refuse(
             f"{profile.name} has {profile.subpixel_bits} subpixel bits, with which filled polygons are "
             f"drawn alone, without stipple and window clip; draw these, or keep 4 bits."

@@ -7,8 +7,8 @@ from fixedpipe.pipeline.programs.combiner_rules import (
     nv2a_flag,
     registers_named,
 )
+from fixedpipe.pipeline.sentences import count, listed
 from fixedpipe.pipeline.validation import buffers, surfaces
-from fixedpipe.pipeline.validation.sentences import count, listed
 
 
 def register_combiners(walk, combiners):

@@ -6,7 +6,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from fixedpipe.pipeline.commands import COMMANDS, Command, HostStep
-from fixedpipe.pipeline.validation.sentences import shown
+from fixedpipe.pipeline.sentences import quoted, shown
 from fixedpipe.pipeline.validation.walk import UnsupportedState, Walk
 
 
@@ -52,7 +52,7 @@ def host_step(walk: Walk, command: HostStep) -> None:
     if not walk.in_window:
         walk.refuse("a pbuffer is current; make the window current first, which the host draws to.")
     if missing := [name for name in command.reads if name not in walk.given]:
-        names = ", ".join(map(repr, sorted(walk.given))) or "none"
+        names = quoted(sorted(walk.given))
         walk.refuse(
             f"nothing has read {missing[0]!r} before (read so far: {names}); put a ReadPixels of this "
             "name before it."

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 from fixedpipe.pipeline.commands import kind_of, vertex_of
 from fixedpipe.pipeline.enums import PixelCopyType, PixelTexGenAlpha, PixelTexGenQ, TextureTarget, VertexStage
+from fixedpipe.pipeline.sentences import count
 from fixedpipe.pipeline.state import VertexState
 from fixedpipe.pipeline.validation import buffers, surfaces
 from fixedpipe.pipeline.validation.draws import pass_state
-from fixedpipe.pipeline.validation.sentences import count
 from fixedpipe.pipeline.validation.transfer import pixel_image_problem, transferred
 
 

@@ -7,9 +7,9 @@ from fixedpipe.pipeline.enums import (
     TextureTarget,
     WrapMode,
 )
+from fixedpipe.pipeline.sentences import count, listed
 from fixedpipe.pipeline.state import SignedComponents
 from fixedpipe.pipeline.textures.images import DEPTH_TEXELS
-from fixedpipe.pipeline.validation.sentences import count, listed
 from fixedpipe.pipeline.validation.textures import complete_levels
 
 _LOD_LIMIT = 1000.0  # the initial limits of table 3.17

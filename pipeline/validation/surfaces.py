@@ -1,7 +1,8 @@
 """Validation of the window and of pbuffers: sizes, formats, and rectangles outside them."""
 
+from fixedpipe.pipeline.commands import box_read
 from fixedpipe.pipeline.enums import DepthFormat
-from fixedpipe.pipeline.validation.sentences import count, depth_words, listed, shown
+from fixedpipe.pipeline.sentences import count, depth_words, listed, shown
 from fixedpipe.pipeline.validation.types import check_int
 from fixedpipe.pipeline.validation.walk import KnownSurface, UnsupportedState
 
@@ -20,7 +21,9 @@ def check_framebuffer(profile, width, height, depth_bits, what="The framebuffer"
             f"{profile.max_viewport}x{profile.max_viewport}. Draw it in tiles."
         )
     if depth_bits not in profile.depth_bits:
-        formats = " or ".join(str(b) if b > 0 else DepthFormat(b).name for b in profile.depth_bits)
+        formats = " or ".join(
+            f.name if f.is_float else str(f.bits) for f in map(DepthFormat, profile.depth_bits)
+        )
         raise UnsupportedState(
             f"{what} has {depth_words(depth_bits)}; {profile.name} has {formats}. Give one of these."
         )
@@ -96,10 +99,9 @@ def inside(walk, what, rectangle, width, height):
 
 def framebuffer_rectangle(walk, command):
     """Width and height of what a command reads of the framebuffer; refuse what is outside."""
-    width = walk.width - command.x if command.width is None else command.width
-    height = walk.height - command.y if command.height is None else command.height
-    inside(walk, "the framebuffer", (command.x, command.y, width, height), walk.width, walk.height)
-    return width, height
+    box = box_read(command, walk.width, walk.height)
+    inside(walk, "the framebuffer", box, walk.width, walk.height)
+    return box[2:]
 
 
 def scissor(walk, scissor):

@@ -11,10 +11,10 @@ from fixedpipe.pipeline.programs.texture_shader_rules import (
     stage_problem,
     stage_width_problem,
 )
+from fixedpipe.pipeline.sentences import count, listed
 from fixedpipe.pipeline.state import SignedComponents
 from fixedpipe.pipeline.textures.images import stored_widths
 from fixedpipe.pipeline.validation.sampling import sampler
-from fixedpipe.pipeline.validation.sentences import count, listed
 from fixedpipe.pipeline.validation.textures import known_texture
 from fixedpipe.pipeline.validation.transfer import color_table_problem
 

@@ -6,11 +6,17 @@ from weakref import WeakSet
 import numpy as np
 
 from fixedpipe.pipeline.enums import InternalFormat, TextureTarget
-from fixedpipe.pipeline.framebuffers.texture_copies import DEPTH_READABLE_AS, READABLE_AS
-from fixedpipe.pipeline.framebuffers.transfer import DEPTH_FORMAT, IMAGE_FORMATS, has_sink
+from fixedpipe.pipeline.pixel_transfer import has_sink
+from fixedpipe.pipeline.sentences import count, depth_words, listed, nearest_power_of_two, quoted
 from fixedpipe.pipeline.textures.images import COMPONENT_BITS, DEPTH_TEXELS, TWELVE_BIT_FORMATS, Texture
+from fixedpipe.pipeline.textures.pixel_formats import (
+    COLOR_INDEX_FORMAT,
+    DEPTH_FORMAT,
+    DEPTH_READABLE_AS,
+    IMAGE_FORMATS,
+    READABLE_AS,
+)
 from fixedpipe.pipeline.validation import buffers, surfaces
-from fixedpipe.pipeline.validation.sentences import count, depth_words, listed, nearest_power_of_two
 from fixedpipe.pipeline.validation.transfer import pixel_image_problem, transferred
 from fixedpipe.pipeline.validation.types import enum_check, instance_check
 from fixedpipe.pipeline.validation.walk import KnownTexture
@@ -106,7 +112,7 @@ def tex_image(walk, command):
     deep = internal_format in _FIXED_DEPTHS
     _copied_format(walk, internal_format)
     axes = 3 if target in _PARTS else 2
-    formats = (DEPTH_FORMAT,) if deep else (*IMAGE_FORMATS, "COLOR_INDEX")
+    formats = (DEPTH_FORMAT,) if deep else (*IMAGE_FORMATS, COLOR_INDEX_FORMAT)
     if problem := pixel_image_problem(command.pixels, formats, axes):
         walk.refuse(problem)
     layers, height, width = ((1,) * (3 - axes) + command.pixels.values.shape)[:3]
@@ -235,7 +241,7 @@ def copy_tex_sub_image(walk, command):
 def bind_tex_image(walk, command):
     """Refuse a BindTexImage that does not read the pbuffer's words; remember its texture."""
     if command.surface not in walk.surfaces:
-        made = ", ".join(repr(n) for n in walk.surfaces) or "none"
+        made = quoted(walk.surfaces)
         walk.refuse(
             f"there is no pbuffer {command.surface!r} yet (made so far: {made}); put a MakeCurrent before."
         )
@@ -292,7 +298,7 @@ def _texture_storage(walk, target, internal_format, width, height, layers=1):
 def known_texture(walk, name):
     """The KnownTexture of this name; refuse where there is none."""
     if name not in walk.textures:
-        defined = ", ".join(repr(n) for n in walk.textures) or "none"
+        defined = quoted(walk.textures)
         walk.refuse(
             f"there is no texture {name!r} yet (defined so far: {defined}); put a TexImage or "
             "CopyTexImage before."

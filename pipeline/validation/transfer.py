@@ -11,15 +11,9 @@ from itertools import chain
 import numpy as np
 
 from fixedpipe.pipeline.enums import BaseFormat
-from fixedpipe.pipeline.framebuffers.transfer import (
-    DEPTH_FORMAT,
-    IMAGE_FORMATS,
-    INDEX_FORMATS,
-    convolution,
-    filter_size,
-    transferred_size,
-)
-from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER
+from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER, convolution, filter_size, transferred_size
+from fixedpipe.pipeline.sentences import quoted
+from fixedpipe.pipeline.textures.pixel_formats import DEPTH_FORMAT, IMAGE_FORMATS, INDEX_FORMATS
 
 # Source: OpenGL 1.2.1 section 2.1.1: the magnitude that every machine's floating-point numbers reach; the
 # arithmetic of pixel transfer stays far inside float64's range then.
@@ -58,7 +52,7 @@ def reset_minmax(walk, command):
 
 def _known_table(walk, what, name, known):
     if name not in known:
-        made = ", ".join(map(repr, sorted(known))) or "none"
+        made = quoted(sorted(known))
         walk.refuse(
             f"there is no {what} {name!r} yet (counted so far: {made}); name it in a pixel transfer before."
         )

@@ -12,8 +12,8 @@ from typing import Literal, NamedTuple, get_args, get_origin
 
 import numpy as np
 
+from fixedpipe.pipeline.sentences import shown
 from fixedpipe.pipeline.validation.remembered import Remembered
-from fixedpipe.pipeline.validation.sentences import shown
 
 
 class Wrong(NamedTuple):

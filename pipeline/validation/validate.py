@@ -38,6 +38,7 @@ from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
 from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
 from fixedpipe.pipeline.pixel_transfer import PixelMaps, PixelTransfer
 from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.sentences import count, shown
 from fixedpipe.pipeline.state import (
     ColorTable,
     PassState,
@@ -53,7 +54,6 @@ from fixedpipe.pipeline.validation.draws import draw
 from fixedpipe.pipeline.validation.fragments import register_combiners
 from fixedpipe.pipeline.validation.frames import frame_of, host_step
 from fixedpipe.pipeline.validation.rectangles import bitmap, copy_pixels, draw_pixels
-from fixedpipe.pipeline.validation.sentences import count, shown
 from fixedpipe.pipeline.validation.surfaces import (
     check_color_bits,
     check_framebuffer,
@@ -136,7 +136,6 @@ def validate(
     check_samples(profile, samples)
     if color_bits is not None:
         check_color_bits(profile, color_bits)
-    statistics = statistics or PixelStatistics()
     walk = Walk(profile, width, height, depth_bits, surfaces or {}, statistics, read)
     for name, image in (textures or {}).items():
         walk.where = f"Texture {name!r}, which the machine holds"
@@ -168,7 +167,7 @@ def validate_program(
 
     Raises UnsupportedState (a ValueError) that names what was given, what the machine allows, what to do.
     """
-    walk = Walk(profile, 1, 1, profile.widest_depth, {}, PixelStatistics())
+    walk = Walk(profile, 1, 1, profile.widest_depth, {}, None)
     walk.where = "This program"
     if texture_shader is not None:
         units = len(texture_shader)

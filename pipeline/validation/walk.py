@@ -9,10 +9,10 @@ from fixedpipe.pipeline.enums import ColorFormat, InternalFormat, PrimitiveType,
 from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
 from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
 from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.sentences import depth_words
 from fixedpipe.pipeline.textures.images import Texture
 from fixedpipe.pipeline.validation.meshes import checked_meshes
 from fixedpipe.pipeline.validation.remembered import Remembered
-from fixedpipe.pipeline.validation.sentences import depth_words
 
 
 class UnsupportedState(ValueError):  # noqa: N818 (it names what was asked for)
@@ -114,7 +114,9 @@ class Walk:
         }
         self.textures: dict[str, KnownTexture] = {}
         self.read, self.given = set(read), set(read)  # names; those that a histogram's sink left pixels of
-        self.histograms, self.minmaxes = set(statistics.histograms), set(statistics.minmaxes)
+        kept = statistics is not None
+        self.histograms = set(statistics.histograms) if kept else set()
+        self.minmaxes = set(statistics.minmaxes) if kept else set()
 
     def refuse(self, sentence: str) -> NoReturn:
         """Raise UnsupportedState of the command at hand."""

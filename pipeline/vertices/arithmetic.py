@@ -7,16 +7,12 @@ Python floats stay out of the columns, because they raise where IEEE 754 says in
 
 import numpy as np
 
+from fixedpipe.raster.floats import SINGLE_BITS, keep_significant_bits
+
 Column = np.ndarray | np.float64
 
 ZERO = np.float64(0.0)
 ONE = np.float64(1.0)
-SINGLE_BITS = 24  # significant bits of single precision
-
-
-def keep_significant_bits(column, bits):
-    """Truncate toward zero to so many significant bits: the others of a float64's 53 become zero."""
-    return (column.view(np.int64) & np.int64(-1 << (53 - bits))).view(np.float64)
 
 
 def columns_of(array, defaults):

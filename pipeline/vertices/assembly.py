@@ -24,8 +24,10 @@ def split(primitive, counts, provoking):
         triangles_in = 2 * (counts // 4)
     elif primitive == PrimitiveType.QUAD_STRIP:
         triangles_in = np.maximum(counts // 2 - 1, 0) * 2
-    else:
+    elif primitive in (PrimitiveType.TRIANGLE_STRIP, PrimitiveType.TRIANGLE_FAN, PrimitiveType.POLYGON):
         triangles_in = np.maximum(counts - 2, 0)
+    else:
+        raise ValueError(f"{primitive!r} has no triangles.")
 
     run = np.repeat(np.arange(len(counts)), triangles_in)
     start = (np.cumsum(counts) - counts)[run]
@@ -46,7 +48,7 @@ def split(primitive, counts, provoking):
     elif primitive == PrimitiveType.QUADS:
         base = start + 2 * (i - odd)
         columns = (base, base + 1 + odd, base + 2 + odd, base + 3)
-    else:
+    else:  # QUAD_STRIP
         base = start + i
         columns = (base + odd, base + 1 - odd, base + 2, base - odd + 3)
     return np.stack(columns, axis=1), run
@@ -71,7 +73,7 @@ def split_lines(primitive, counts, provoking):
         first = second = start + i
     elif primitive == PrimitiveType.LINES:
         first, second = start + 2 * i, start + 2 * i + 1
-    else:
+    else:  # LINE_STRIP, LINE_LOOP
         first, second = start + i, start + (i + 1) % counts[run]
     rows = [second, first, first, first if provoking == ProvokingVertex.FIRST else second]
     return np.stack(rows, axis=1), run
@@ -106,7 +108,7 @@ def stipple_groups(mesh):
     """
     stream = len(mesh.positions) if mesh.indices is None else len(mesh.indices)
     counts = np.array([stream] if mesh.counts is None else mesh.counts)
-    splits = split_lines if mesh.primitive >= PrimitiveType.POINTS else split
+    splits = split if mesh.primitive.is_polygons else split_lines
     rows, run = splits(mesh.primitive, counts, ProvokingVertex.LAST)
     if mesh.primitive in (PrimitiveType.LINE_STRIP, PrimitiveType.LINE_LOOP, PrimitiveType.POLYGON):
         return run
@@ -120,10 +122,8 @@ def assemble(mesh, provoking):
     """
     stream = len(mesh.positions) if mesh.indices is None else len(mesh.indices)
     counts = [stream] if mesh.counts is None else mesh.counts
-    if mesh.primitive >= PrimitiveType.POINTS:
-        triangles, _ = split_lines(mesh.primitive, counts, provoking)
-    else:
-        triangles, _ = split(mesh.primitive, counts, provoking)
+    splits = split if mesh.primitive.is_polygons else split_lines
+    triangles, _ = splits(mesh.primitive, counts, provoking)
     if mesh.indices is not None:
         triangles = mesh.indices[triangles]
     return triangles.astype(np.int32)

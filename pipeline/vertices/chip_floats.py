@@ -11,10 +11,10 @@ from math import isqrt
 import numpy as np
 
 from fixedpipe.pipeline.vertices.arithmetic import ONE, ZERO
+from fixedpipe.raster.floats import LEAST_SINGLE, SINGLE_BITS, keep_significant_bits
 
-TRANSFORM_BITS, LIGHTING_BITS = 24, 14  # significant bits
+TRANSFORM_BITS, LIGHTING_BITS = SINGLE_BITS, 14  # significant bits
 SUM_GUARD_BITS = 5  # how many bits below its largest term's last one a sum keeps
-_FLOAT64_BITS = 53
 
 # Seeds, with 7 bits: of 1/x for x in [1, 2) at the middle of each 64th, and of 1/sqrt(x) for x in [1, 2),
 # then in [2, 4). Source: envytools' tables are these values, truncated or rounded.
@@ -24,7 +24,7 @@ _ROOTS = [(isqrt((65536 * scale) // (129 + 2 * k)) + 1) // 2 for scale in (128, 
 TRANSFORM_ROOTS = np.minimum(np.array(_ROOTS, np.uint64), np.uint64(127))
 
 
-_SMALLEST, _LIMIT = np.float64(2.0**-126), np.float64(2.0**128)
+_SMALLEST, _LIMIT = np.float64(LEAST_SINGLE), np.float64(2.0**128)
 
 
 def _in_range(column, significant_bits):
@@ -52,10 +52,8 @@ def to_lighting(column):
 
 def truncated(column, significant_bits):
     """The column with its mantissa cut to so many significant bits, toward zero."""
-    mask = np.int64(-1 << (_FLOAT64_BITS - significant_bits))
     values = np.asarray(column, np.float64)
-    kept = (values.view(np.int64) & mask).view(np.float64)
-    return np.where(np.isfinite(values), kept, values)
+    return np.where(np.isfinite(values), keep_significant_bits(values, significant_bits), values)
 
 
 def product(a, b, significant_bits):

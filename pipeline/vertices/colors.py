@@ -8,7 +8,6 @@ from fixedpipe.pipeline.vertices.arithmetic import (
     ONE,
     columns_of,
     invert_upper_left,
-    keep_significant_bits,
     length,
     normalize,
     positive,
@@ -16,8 +15,7 @@ from fixedpipe.pipeline.vertices.arithmetic import (
 )
 from fixedpipe.pipeline.vertices.lighting import light_vertices
 from fixedpipe.pipeline.vertices.primitives import is_constant
-
-_FLOAT64_MANTISSA_BITS = 53
+from fixedpipe.raster.floats import SIGNIFICANT_BITS, keep_significant_bits
 
 
 def eye_normal(mesh, vertex):
@@ -94,7 +92,7 @@ def kept_color_bits(vertex, profile):
     if profile.exact:
         return None
     exact = vertex.lighting is not None and profile.lighting == LightingArithmetic.EQUATIONS
-    return _FLOAT64_MANTISSA_BITS if exact else profile.color_mantissa_bits
+    return SIGNIFICANT_BITS if exact else profile.color_mantissa_bits
 
 
 def stacked_colors(count, columns, significant_bits):

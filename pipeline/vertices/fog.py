@@ -11,18 +11,17 @@ import numpy as np
 
 from fixedpipe.pipeline.enums import FogArithmetic, FogCoordinateSource, FogGeneration, FogMode, VertexStage
 from fixedpipe.pipeline.vertices.arithmetic import (
-    SINGLE_BITS,
     ZERO,
     columns_of,
-    keep_significant_bits,
     length,
     weighted_sum,
 )
+from fixedpipe.pipeline.vertices.chip_floats import LIGHTING_BITS
+from fixedpipe.raster.floats import SINGLE_BITS, keep_significant_bits
 
 LN_256 = 5.545177444479562  # Source: the natural logarithm, rounded to float64
 TABLE_SIZE = 8193  # entries of ``table``
 _NODES, _STEPS = 32, 64  # Measured: straight lines between 32 nodes of 64 steps of 1/4096 (Fog captures)
-_LIGHTING_BITS = 14  # significant bits
 _LARGEST = np.float64(2.0**127)  # what an infinite vertex value becomes. Assumed: any large number
 
 
@@ -44,7 +43,7 @@ def line(fog):
 
 
 def _bits(mode):
-    return SINGLE_BITS if mode == FogMode.LINEAR else _LIGHTING_BITS
+    return SINGLE_BITS if mode == FogMode.LINEAR else LIGHTING_BITS
 
 
 def _rounded(value, bits):
@@ -117,7 +116,9 @@ def _fog_coordinate(mesh, state, eye):
         coordinate = columns_of(mesh.secondary_colors, (0.0, 0.0, 0.0, 0.0))[3]
     elif generation == FogGeneration.RADIAL:
         coordinate = length(eye[:3])
-    else:
+    elif generation in (FogGeneration.PLANAR, FogGeneration.ABSOLUTE_PLANAR):
         coordinate = weighted_sum(registers.plane, eye)
+    else:
+        raise ValueError(f"{generation!r} is no way to make fog coordinates.")
     absolute = registers.absolute or generation == FogGeneration.ABSOLUTE_PLANAR
     return np.abs(coordinate) if absolute else coordinate

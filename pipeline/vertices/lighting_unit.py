@@ -271,4 +271,6 @@ def secondary_output(colors, output):
         return colors
     if output == SecondaryColor.OPAQUE:
         return [*colors[:7], ONE]
-    return [*colors[:4], ZERO, ZERO, ZERO, ONE]
+    if output == SecondaryColor.DISABLED:
+        return [*colors[:4], ZERO, ZERO, ZERO, ONE]
+    raise ValueError(f"{output!r} is no secondary colour.")

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fixedpipe.pipeline.enums import PolygonMode, PrimitiveType, TexGenMode, VertexStage, WindowOrigin
+from fixedpipe.pipeline.enums import PolygonMode, TexGenMode, VertexStage, WindowOrigin
 from fixedpipe.pipeline.state import IDENTITY
 from fixedpipe.pipeline.vertices.arithmetic import columns_of
 from fixedpipe.pipeline.vertices.assembly import assemble
@@ -165,7 +165,7 @@ def _is_covered(mesh, state):
         and vertex.composite is None
         and not vertex.clip_planes
         and state.depth_clamp is None
-        and mesh.primitive < PrimitiveType.POINTS
+        and mesh.primitive.is_polygons
         and (polygon.front_mode, polygon.back_mode) == (PolygonMode.FILL, PolygonMode.FILL)
         and not any(unit is not None and any(unit.cylinder_wrap) for unit in state.texture_units)
     )

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from fixedpipe.pipeline.vertices.arithmetic import ONE, SINGLE_BITS, keep_significant_bits
+from fixedpipe.pipeline.vertices.arithmetic import ONE
+from fixedpipe.raster.floats import SINGLE_BITS, keep_significant_bits
 
 
 def viewport_transform(viewport, width, height):

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.pipeline.enums import PrimitiveType, VertexStage, WindowOrigin, WrapMode
+from fixedpipe.pipeline.enums import VertexStage, WindowOrigin, WrapMode
 from fixedpipe.pipeline.state import needs_normals
 from fixedpipe.pipeline.vertices.arithmetic import (
     ONE,
@@ -250,7 +250,7 @@ def _process(mesh, triangles, state, profile, width, height, bits):
         *unit_coordinates(mesh, state, position, eye, normal),
         point_sizes(mesh, state, profile, eye) if draws_points(mesh, state.polygon) else ONE,
     ]
-    polygons = mesh.primitive < PrimitiveType.POINTS
+    polygons = mesh.primitive.is_polygons
     if programmed:
         origin, dropped = np.arange(len(triangles)), 0
     else:

@@ -12,13 +12,13 @@ from fixedpipe.pipeline.enums import Face, FrontFace, PolygonMode, PrimitiveType
 from fixedpipe.pipeline.vertices.arithmetic import (
     ONE,
     columns_of,
-    keep_significant_bits,
     length,
     positive,
     weighted_sum,
 )
 from fixedpipe.pipeline.vertices.assembly import boundary_edges, stipple_groups
 from fixedpipe.raster import codes as C
+from fixedpipe.raster.floats import keep_significant_bits
 from fixedpipe.raster.rows import COUNTER, END_STEP, FIRST_STEP, KIND
 
 _EDGES = ((1, 2), (2, 0), (0, 1))  # in the order in which a triangle's outline is drawn
@@ -162,7 +162,7 @@ def with_squares(primitives, sizes, units, profile):
     AlphaTest, 305506 of 305506 pixels; which corners these are shows on exact texel boundaries (section 6's
     rule of ties), 189 of the pixels.
     """
-    points = np.flatnonzero(primitives.strokes[:, 0] == C.PRIMITIVE_POINT)
+    points = np.flatnonzero(primitives.strokes[:, KIND] == C.PRIMITIVE_POINT)
     at = primitives.triangles[points, 0].repeat(3)  # lower left, lower right, upper right
     sizes = np.broadcast_to(sizes, len(primitives.x))[at]
     half = (8 * whole_size(sizes) if profile.diamond_exit_lines else np.trunc(sizes * 8.0)).astype(np.int32)
@@ -200,7 +200,7 @@ def stroked(primitives, mesh, state, profile, clipped, origin, sizes):
     """
     if mesh.primitive == PrimitiveType.POINTS:
         primitives = with_strokes(primitives, C.PRIMITIVE_POINT)
-    elif mesh.primitive > PrimitiveType.POINTS:
+    elif not mesh.primitive.is_polygons:
         groups = stipple_groups(mesh)[origin]
         return with_steps(with_strokes(primitives, C.PRIMITIVE_LINE), groups, state.line, profile)
     elif (state.polygon.front_mode, state.polygon.back_mode) == (PolygonMode.FILL, PolygonMode.FILL):
@@ -213,7 +213,7 @@ def stroked(primitives, mesh, state, profile, clipped, origin, sizes):
         primitives = replace(primitives, triangles=rows, strokes=strokes)
         groups = stipple_groups(mesh)[origin[owners]]
         primitives = with_steps(primitives, groups, state.line, profile)
-    if not (primitives.strokes[:, 0] == C.PRIMITIVE_POINT).any():
+    if not (primitives.strokes[:, KIND] == C.PRIMITIVE_POINT).any():
         return primitives
     return with_squares(primitives, sizes, sprite_units(state), profile)
 

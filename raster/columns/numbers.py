@@ -3,12 +3,7 @@
 A width of n bits has ``one = 2**n - 1`` as its value of one. NumPy only, one fragment in each row.
 """
 
-from decimal import Decimal, localcontext
-from functools import lru_cache
-
 import numpy as np
-
-from fixedpipe.raster import codes as C
 
 
 def one_of(bits):
@@ -40,30 +35,6 @@ def lerp(p, q, fraction, bits):
 
 
 # --------------------------------------------------------------------------------------------------- fog
-
-
-@lru_cache(maxsize=16)
-def fog_thresholds(mode, density, start, end, one):
-    """float64 [one]: the coordinates at which ``one f`` crosses k - 1/2, k = 1..one (docs/numbers.md, 9).
-
-    From 40 decimal digits, so that they are the same bits on every machine.
-    """
-    k = np.arange(1, one + 1)
-    if mode == C.FOG_MODE_LINEAR:
-        out = end - ((k - 0.5) / float(one)) * (end - start)
-    elif mode not in (C.FOG_MODE_EXP, C.FOG_MODE_EXP2):
-        raise ValueError(f"{mode!r} is no fog mode.")
-    elif density == 0.0:
-        out = np.full(one, np.inf)
-    else:
-        with localcontext() as context:
-            context.prec = 40
-            distances = [-(Decimal(2 * n - 1) / Decimal(2 * one)).ln() for n in range(1, one + 1)]
-            if mode == C.FOG_MODE_EXP2:
-                distances = [d.sqrt() for d in distances]
-            out = np.array([float(d / Decimal(density)) for d in distances])
-    out.setflags(write=False)
-    return out
 
 
 def fog_factor(coordinate, thresholds, rising):

@@ -6,11 +6,11 @@ A level is [faces or layers, h, w, c] of whole numbers, bottom row first. Coordi
 import numpy as np
 
 from fixedpipe.raster import codes as C
+from fixedpipe.raster import float_depths
 from fixedpipe.raster.columns.interpolate import major_axis, on_face
 from fixedpipe.raster.columns.numbers import lerp
 from fixedpipe.raster.columns.per_fragment import compare
-
-TAU = 2.0**-24  # texels: lifts computed coordinates over the noise of float64
+from fixedpipe.raster.floats import TAU
 
 
 def wrapped(texel, mode, size):
@@ -143,15 +143,15 @@ def comparison(reference, function, held, failed):
     return compared
 
 
-def depth_reference(value, mantissa_bits, largest):
-    """Depth units float64 [k] as the words of a depth texture (section 12)."""
+def depth_reference(value, form, largest):
+    """Depth units float64 [k] as the words of a depth texture (section 12). ``form``: a FloatDepth; None: it
+    is fixed.
+    """
     positive = value > 0.0
     limited = np.where(positive, np.minimum(value, 2.0**200), 0.0)
-    if mantissa_bits == 0:
+    if form is None:
         return np.minimum(limited, float(largest)).astype(np.int64)
-    bias = 7 if mantissa_bits == 12 else 127
-    words = (limited.view(np.int64) >> (52 - mantissa_bits)) - ((1023 - bias) << mantissa_bits)
-    return np.where(positive, np.clip(words, 0, largest), 0)
+    return np.where(positive, np.clip(float_depths.words(limited, form), 0, largest), 0)
 
 
 def taps(ratio, pair):

@@ -74,7 +74,7 @@ def usable_levels(row, levels, texels, pairs):
 def usable_stage(row, unit, units):
     """Whether a texture shader stage reads stages and units that there are."""
     operation = row[R.OPERATION]
-    if operation < 0 or operation > C.LAST_OPERATION or not 0 <= row[R.PREVIOUS] < R.MAX_UNITS:
+    if not C.OPERATION_NONE <= operation <= C.LAST_OPERATION or not 0 <= row[R.PREVIOUS] < R.MAX_UNITS:
         return False
     if operation == C.OPERATION_DOT_PRODUCT_DIFFUSE_CUBE_MAP and unit + 1 >= units:
         return False

@@ -98,7 +98,7 @@ def finish(products, source, count, bias, scale, low, rounding, results, out):
     elif rounding == C.ROUNDING_DONE:
         for i in range(count):
             results[r, i] = int16(clamp(scaled(int32(products[p, i] + bias), scale), low, high))
-    else:
+    else:  # ROUNDING_BEFORE_SCALE
         for i in range(count):
             results[r, i] = int16(clamp(scaled(int32(divide_255(products[p, i]) + bias), scale), low, high))
 
@@ -161,7 +161,9 @@ def fill_plane(planes, p, count, value):
 def plane_of(row, at, channel):
     """Which plane the input at row[at] reads for a channel: its own, alpha or blue."""
     usage = row[at + 1]
-    return row[at] * 4 + (channel if usage == C.USAGE_RGB else (3 if usage == C.USAGE_ALPHA else 2))
+    if usage == C.USAGE_RGB:
+        return row[at] * 4 + channel
+    return row[at] * 4 + (3 if usage == C.USAGE_ALPHA else 2)  # or USAGE_BLUE
 
 
 @kernel("void(i2[:,::1],i8,i8,i8,i4[::1],i4[::1],i4[:,::1],i4[:,::1],i2[:,::1])")

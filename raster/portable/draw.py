@@ -279,7 +279,7 @@ def draw_bands(
     needs_weights = draw[R.NEEDS_WEIGHTS] or draw[R.NEEDS_ITERATION_WEIGHTS] or draw[R.NEEDS_COLOR_WEIGHTS]
     needs_depth, needs_color = draw[R.NEEDS_DEPTH], draw[R.NEEDS_COLOR]
     has_strokes, has_offset = draw[R.STROKES], draw[R.POLYGON_OFFSET]
-    holes = draw[R.WINDOW_CLIP] != 0 or draw[R.STIPPLE] != 0
+    holes = draw[R.WINDOW_CLIP] != C.WINDOW_CLIP_NONE or draw[R.STIPPLE] != 0
     cut_lines = draw[R.LINE_FACTOR] != 0 or (
         draw[R.LINE_STEPS] == C.LINE_IN_DIAMONDS and draw[R.LINE_WIDTH] > R.PIXEL_WIDE
     )

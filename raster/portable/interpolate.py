@@ -12,10 +12,11 @@ from numba import float64, int16, int32, int64, uint64
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.fixed import SMALLEST, power_below, reciprocal_29, step_24, truncate_24
+from fixedpipe.raster.fixed import float_depth, power_below, reciprocal_29, step_24, truncate_24
+from fixedpipe.raster.floats import LEAST_SINGLE, SMALLEST
 from fixedpipe.raster.kernel import bits_of, kernel, separate_loop
 
-_TINY = 2.0**-256  # far below any depth: where all terms are 0, their unit is not
+TINY = 2.0**-256  # far below any depth: where all terms are 0, their unit is not
 
 
 @kernel("void(f8[::1],f8[::1],f8[::1],i8,i8,f8,f8,f8,f8,f8,f8,f8,f8,f8)")
@@ -37,7 +38,7 @@ def depth_difference(z, base):
     Measured: 12 squares of a 24-bit float buffer take one vertex's depth (DepthFmt_z24 FZy captures).
     """
     difference = truncate_24(z - base)
-    return difference if abs(difference) >= 2.0**-126 else 0.0
+    return difference if abs(difference) >= LEAST_SINGLE else 0.0
 
 
 @kernel(
@@ -75,7 +76,7 @@ def emit_depth(
         base = z0 if first else (z2 if last else z1)
         a = (q1 if first else q0) * (d10 if first else (d02 if last else d01))
         b = (q1 if last else q2) * (d20 if first else (d12 if last else d21))
-        unit = power_below(max(max(abs(base), _TINY), max(abs(a), abs(b)))) * 2.0**-28
+        unit = power_below(max(max(abs(base), TINY), max(abs(a), abs(b)))) * 2.0**-28
         scale = 1.0 / unit
         z = (base + float64(int32(a * scale)) * unit) + float64(int32(b * scale)) * unit
         floats[row, at + uint64(i)] = z + (offset + slope * (z * z))
@@ -98,11 +99,8 @@ def depth_words(floats, count, draw, draw_float, depth):
             word = int32(min(max(min(max(z, low), high), 0.0), top))  # not negative: truncation is floor
             depth[uint64(i)] = int32(-1) if cull & ((z < low) | (z > high)) else word
         return
-    # A float's upper bits, its exponent moved to the format's: 4 bits that count from 2**-7 and 12 of
-    # fraction, or 8 from 2**-127 and 16. Exponent 0 holds nothing but 0.
-    shift = int64(40 if number_format == C.DEPTH_FLOAT_16 else 36)
-    zero = int64((1023 - 7) << 12 if number_format == C.DEPTH_FLOAT_16 else (1023 - 127) << 16)
-    smallest = int32(1 << 12 if number_format == C.DEPTH_FLOAT_16 else 1 << 16)
+    form = float_depth(number_format)
+    shift, zero, smallest = form.dropped, form.rebias, int32(1 << form.fraction_bits)
     for i in range(count):
         z = floats[row, uint64(i)]
         bits = bits_of(min(max(min(max(z, low), high), 0.0), 2.0**128))

@@ -167,11 +167,12 @@ def blend_equation(equation, s, fs, d, fd):
     if equation == C.EQUATION_MAX:
         return max(s, d)
     source, destination = int32(s * fs), int32(d * fd)
-    total = int32(source + destination)
     if equation == C.EQUATION_FUNC_SUBTRACT:
         total = int32(source - destination)
     elif equation == C.EQUATION_FUNC_REVERSE_SUBTRACT:
         total = int32(destination - source)
+    else:  # EQUATION_FUNC_ADD; the two signed ones are the surface's
+        total = int32(source + destination)
     return min(divide_255(max(total, int32(0))), int32(255))
 
 
@@ -280,7 +281,7 @@ def read_surface(word, alpha):
         seven = uint32(uint32(word >> uint32(24)) & uint32(0x7F))
         replicated = uint32(uint32(seven << uint32(1)) | uint32(seven >> uint32(6)))
         return uint32(uint32(word & uint32(0x00FFFFFF)) | uint32(replicated << uint32(24)))
-    return word
+    return word  # SURFACE_ALPHA_STORED
 
 
 @kernel
@@ -420,7 +421,7 @@ def per_fragment(
                 add_run(color, y, x, n, packed, alive, start, mask)
             elif mode == C.BLEND_LOGIC:
                 logic_run(color, y, x, n, packed, alive, start, draw[R.LOGIC_OPERATION], mask)
-            elif tested or mask != uint32(0xFFFFFFFF):
+            elif tested or mask != uint32(0xFFFFFFFF):  # BLEND_REPLACE, as what follows
                 write_run(color, y, x, n, packed, alive, start, mask)
             else:
                 store_run(color, y, x, n, packed, start)

@@ -10,10 +10,9 @@ from numba import float64, int16, int32, int64, uint32, uint64
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION, FRACTION_BITS, TAU
 from fixedpipe.raster.kernel import bits_of, float_of, kernel, separate_function, separate_loop
 from fixedpipe.raster.portable.shadow import compare_texels
-
-TAU = 2.0**-24  # texels: lifts computed coordinates over the noise of float64 (docs/numbers.md, section 6)
 
 # 2 ** (k / 128) for k = 0 .. 127, each the nearest float64: thresholds of the mantissa of rho squared.
 # Computed from the integer root: floor(2**(52 + k/128) + 1/2) by exact comparison of 128th powers.
@@ -40,8 +39,8 @@ FAR = int32(1 << 20)  # a lambda beyond every level
 def log2_q7(x):
     """floor(128 log2 x) of a positive finite float64, by exponent and comparison with exact powers."""
     bits = bits_of(x)
-    exponent = (bits >> int64(52)) - int64(1023)
-    mantissa = float_of((bits & int64((1 << 52) - 1)) | int64(1023 << 52))  # in [1, 2)
+    exponent = (bits >> int64(FRACTION_BITS)) - int64(EXPONENT_BIAS)
+    mantissa = float_of((bits & int64(FRACTION)) | int64(EXPONENT_BIAS << FRACTION_BITS))  # in [1, 2)
     low, high = 0, 127
     while low < high:
         middle = (low + high + 1) >> 1
@@ -75,7 +74,7 @@ def on_face(face, s, t, r):
         return s, -r, -t
     if face == C.FACE_POSITIVE_Z:
         return s, -t, r
-    return -s, -t, -r
+    return -s, -t, -r  # FACE_NEGATIVE_Z
 
 
 @kernel("void(f8[:,::1],i8,i4[:,::1])")
@@ -217,7 +216,7 @@ def wrap_axis(mode, floats, size, count, linear, ints, first):
         wrap_clamp(floats, size, count, linear, -0.5, 0, ints, first)
     elif mode == C.WRAP_CLAMP_TO_BORDER:
         wrap_clamp(floats, size, count, linear, 0.5, 1, ints, first)
-    else:
+    else:  # WRAP_MIRRORED_REPEAT
         wrap_mirrored(floats, size, count, linear, ints, first)
 
 
@@ -467,7 +466,7 @@ def fetch_and_filter(texels, ints, linear, bordered, border, function, held, fai
             fetch_bordered(texels, ints, count, R.I0, R.J0, border, packed, out)
         else:
             fetch_nearest(texels, ints, count, packed, out)
-        if function >= 0:
+        if function not in C.UNCOMPARED:
             compare_texels(packed, out, ints, int32(function), held, failed, count)
         return
     if bordered:
@@ -477,7 +476,7 @@ def fetch_and_filter(texels, ints, linear, bordered, border, function, held, fai
         fetch_bordered(texels, ints, count, R.I1, R.J1, border, packed, R.P11)
     else:
         fetch_linear(texels, ints, count, packed)
-    if function >= 0:
+    if function not in C.UNCOMPARED:
         for column in (R.P00, R.P10, R.P01, R.P11):
             compare_texels(packed, column, ints, int32(function), held, failed, count)
     if function == C.UNCOMPARED_WORDS:

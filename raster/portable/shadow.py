@@ -3,31 +3,32 @@
 import numpy as np
 from numba import float64, int32, uint64
 
+from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.fixed import float_depth
 from fixedpipe.raster.kernel import bits_of, kernel, separate_loop
 from fixedpipe.raster.portable.per_fragment import passes
 
 
 @kernel
-def depth_word(value, mantissa_bits, maximum):
+def depth_word(value, number_format, maximum):
     """A depth in units as the integer that a buffer stores: cut, and limited to 0..``maximum``.
 
-    ``mantissa_bits``: 0 for fixed formats; of floats the mantissa's, whose exponents are biased by 7 (12
-    bits) or 127. Measured: 48 captures of fixed depths (Texture_shadow_comparator).
+    ``number_format``: codes.DEPTH_.... Measured: 48 captures of fixed depths (Texture_shadow_comparator).
     """
     if not value > 0.0:  # also where it is not a number
         return int32(0)
-    if mantissa_bits == 0:
+    if number_format == C.DEPTH_FIXED:
         return int32(value) if value < float64(maximum) else maximum
     if not value < np.inf:
         return maximum
-    bias = 7 if mantissa_bits == 12 else 127
-    bits = (bits_of(value) >> (52 - mantissa_bits)) - ((1023 - bias) << mantissa_bits)
+    form = float_depth(number_format)
+    bits = (bits_of(value) >> form.dropped) - form.rebias
     return int32(min(max(bits, 0), maximum))
 
 
 @kernel("void(f8[:,::1],i8,i8,i8,f8,i8,i4,i4[:,::1])")
-def shadow_reference(floats, column, divided, count, scale, mantissa_bits, maximum, ints):
+def shadow_reference(floats, column, divided, count, scale, number_format, maximum, ints):
     """REFERENCE of every fragment: r (``column``), over q (EXTRA) where ``divided``, as a depth word."""
     separate_loop()
     p = uint64(column)
@@ -35,7 +36,7 @@ def shadow_reference(floats, column, divided, count, scale, mantissa_bits, maxim
         r = floats[p, i]
         if divided:
             r = r / (floats[R.EXTRA, i] if floats[R.EXTRA, i] != 0.0 else 1.0)
-        ints[R.REFERENCE, i] = depth_word(r * scale, mantissa_bits, maximum)
+        ints[R.REFERENCE, i] = depth_word(r * scale, number_format, maximum)
 
 
 @kernel("void(u4[:,::1],i8,i4[:,::1],i4,u4,u4,i8)")

@@ -114,7 +114,7 @@ def mapped_component(byte, mapping):
         return (2.0 * signed + 1.0) / 255.0
     if mapping == C.DOT_MAPPING_SIGNED_IDENTITY:
         return signed / 127.0
-    return float64(byte) / 255.0
+    return float64(byte) / 255.0  # DOT_MAPPING_UNSIGNED_IDENTITY; words have a loop of their own
 
 
 @kernel("void(f8[:,::1],u4[:,::1],i8,i8,i8,i8)")
@@ -314,7 +314,7 @@ def shader_stage(
             )
         if operation == C.OPERATION_PASS_THROUGH:
             pass_through(floats, R.COORDINATE0, count, packed, R.STAGE0 + u)
-        else:
+        else:  # OPERATION_CULL_FRAGMENT
             cull_fragment(floats, R.COORDINATE0, count, row[R.CULL_MODES], alive)
             no_texel(packed, R.STAGE0 + u, count)
     elif operation in C.OPERATIONS_WITH_OFFSET or operation in C.DEPENDENT_OPERATIONS:
@@ -323,7 +323,7 @@ def shader_stage(
             dependent_coordinates(floats, packed, previous, 24, 0, count)
         elif operation == C.OPERATION_DEPENDENT_GB_TEXTURE_2D:
             dependent_coordinates(floats, packed, previous, 8, 16, count)
-        else:
+        else:  # OPERATIONS_WITH_OFFSET
             iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 0, floats, R.S)
             iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 1, floats, R.T)
             offset_coordinates(
@@ -337,7 +337,7 @@ def shader_stage(
                 float_of(row[R.OFFSET_MATRIX + 3]),
             )
         return 1
-    else:
+    else:  # OPERATION_DOT_PRODUCT and those that are named after it
         stage_dot_product(starts, owners, segments, triangles, coordinates, u, units, count, floats, packed)
         if operation == C.OPERATION_DOT_PRODUCT:
             no_texel(packed, R.STAGE0 + u, count)
@@ -345,11 +345,8 @@ def shader_stage(
             scale = float_of(row[R.COORDINATE_DEPTH])
             replace_depth(floats, R.DOT0 + u - 1, count, scale, depth, alive, maximum)
             no_texel(packed, R.STAGE0 + u, count)
-        else:
-            if operation in (
-                C.OPERATION_DOT_PRODUCT_TEXTURE_2D,
-                C.OPERATION_DOT_PRODUCT_TEXTURE_RECTANGLE,
-            ):
+        else:  # OPERATIONS_OF_TWO_DOT_PRODUCTS or of three, OPERATION_DOT_PRODUCT_DIFFUSE_CUBE_MAP
+            if operation in C.OPERATIONS_OF_TWO_DOT_PRODUCTS:
                 copy_column(floats, R.DOT0 + u - 1, R.S, count)
                 copy_column(floats, R.DOT0 + u, R.T, count)
             elif operation == C.OPERATION_DOT_PRODUCT_DIFFUSE_CUBE_MAP:
@@ -358,10 +355,7 @@ def shader_stage(
                 )
                 for k in range(3):
                     copy_column(floats, R.DOT0 + u - 1 + k, (R.S, R.T, R.EXTRA)[k], count)
-            elif operation in (
-                C.OPERATION_DOT_PRODUCT_REFLECT_CUBE_MAP,
-                C.OPERATION_DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP,
-            ):
+            elif operation in C.OPERATIONS_REFLECTING:
                 for k in range(3):
                     if operation == C.OPERATION_DOT_PRODUCT_REFLECT_CUBE_MAP:
                         iterate_coordinate(
@@ -378,7 +372,7 @@ def shader_stage(
                     else:
                         fill_column(floats, R.COORDINATE0 + k, float_of(row[R.CONSTANT_EYE + k]), count)
                 reflect(floats, R.DOT0 + u - 2, R.COORDINATE0, count)
-            else:
+            else:  # the others of OPERATIONS_OF_THREE_DOT_PRODUCTS
                 for k in range(3):
                     copy_column(floats, R.DOT0 + u - 2 + k, (R.S, R.T, R.EXTRA)[k], count)
             return 1

@@ -80,7 +80,7 @@ def sample_unit(
             iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 2, floats, R.COORDINATE0)
         shadow_reference(
             floats, R.COORDINATE0, divided, count, float_of(row[R.COORDINATE_DEPTH]),
-            row[R.DEPTH_TEXEL_MANTISSA], int32(row[R.DEPTH_TEXEL_MAX]), ints,
+            row[R.DEPTH_TEXEL_FORMAT], int32(row[R.DEPTH_TEXEL_MAX]), ints,
         )  # fmt: skip
     if row[R.ANISOTROPY] or row[R.PROBES] > 1:
         footprints(

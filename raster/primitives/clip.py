@@ -40,7 +40,7 @@ def _distance(v, plane, parameters):
         return parameters[HIGH_X] * v[3] - v[0] * parameters[HALF_X]
     if plane == C.PLANE_BOTTOM:
         return v[1] * parameters[HALF_Y] + parameters[LOW_Y] * v[3]
-    return parameters[HIGH_Y] * v[3] - v[1] * parameters[HALF_Y]
+    return parameters[HIGH_Y] * v[3] - v[1] * parameters[HALF_Y]  # PLANE_TOP
 
 
 @kernel

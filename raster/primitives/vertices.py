@@ -7,6 +7,7 @@ nearly all are.
 
 from numba import float32, float64, int32, int64
 
+from fixedpipe.raster.floats import LEAST_SINGLE
 from fixedpipe.raster.kernel import kernel, separate_loop
 
 CHUNK = 128  # vertices: some 20 columns of them stay in the first level cache
@@ -42,7 +43,7 @@ CLIPPED, UNUSUAL_W, FIRST_PROJECTIVE = 1, 2, 2
 # 1/w beyond these would overflow the weights' products; such a triangle is dropped and counted.
 W_SMALLEST, W_LARGEST = 2.0**-400, 2.0**400
 _INFINITY = float("inf")
-_LARGEST_SINGLE, _SMALLEST_SINGLE = (2.0 - 2.0**-23) * 2.0**127, 2.0**-126
+_LARGEST_SINGLE = (2.0 - 2.0**-23) * 2.0**127
 
 
 @kernel
@@ -214,4 +215,4 @@ def single_depths(depths, scale, out):
         depth = depth if depth > -_LARGEST_SINGLE else -_LARGEST_SINGLE
         depth = depth if depth < _LARGEST_SINGLE else _LARGEST_SINGLE
         single = float64(float32(depth))
-        out[i] = 0.0 if abs(single) < _SMALLEST_SINGLE else single
+        out[i] = 0.0 if abs(single) < LEAST_SINGLE else single

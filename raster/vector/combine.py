@@ -264,7 +264,7 @@ def combine(registers, plan, count, scratch, packed):
         elif operation == C.PLAN_SELECT:
             portable.copy_plane(registers, row[OPERANDS], registers, C.REGISTER_SPARE0 * 4 + 3, count)
             portable.mux(scratch, row[TARGET], row[SECOND], registers, count, scratch[TOTAL:], row[MUX])
-        else:
+        else:  # PLAN_FINISH
             bias, scale, lowest, rounding = row[BIAS], row[SCALE], row[LOWEST], row[ROUNDING]
             portable.finish(
                 scratch, row[SECOND], count, bias, scale, lowest, rounding, registers, row[TARGET]

@@ -8,6 +8,7 @@ longer than ``count`` asks for.
 from numba import float64, int32, int64
 
 from fixedpipe.raster import codes as C
+from fixedpipe.raster.fixed import float_depth
 from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
 from fixedpipe.raster.vector.lanes import (
     absolute,
@@ -96,19 +97,19 @@ def fixed_from_floats(column, out, size, bias, scale, wrap, linear, count):
 
 
 @kernel("void(f8[::1],i4[::1],f8,i8,i4,i8)")
-def depth_words(column, out, scale, mantissa_bits, maximum_word, count):
+def depth_words(column, out, scale, number_format, maximum_word, count):
     """The depth words that texels are compared with: a coordinate times ``scale``, in units, as
     fixedpipe.raster.portable.shadow.depth_word makes it.
     """
     separate_loop()
     largest = float64(maximum_word)
-    if mantissa_bits == 0:
+    if number_format == C.DEPTH_FIXED:
         for at in range(0, count, 16):
             value = maximum(load_f64x16(column, at) * scale, 0.0)
             store(out, at, to_int32(minimum(value, largest)))
         return
-    shift = int64(52 - mantissa_bits)
-    zero = int64(1023 - (7 if mantissa_bits == 12 else 127)) << int64(mantissa_bits)
+    form = float_depth(number_format)
+    shift, zero = form.dropped, form.rebias
     for at in range(0, count, 16):
         value = maximum(load_f64x16(column, at) * scale, 0.0)
         bits = (bits_of_lanes(value) >> shift) - zero

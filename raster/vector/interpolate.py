@@ -14,9 +14,18 @@ import numpy as np
 from numba import float64, int16, int32, int64
 
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.fixed import SMALLEST, reciprocal_29, step_24, truncate_24
+from fixedpipe.raster.fixed import (
+    EXPONENT,
+    FRACTION,
+    KEEP_24,
+    KEEP_29,
+    reciprocal_29,
+    step_24,
+    truncate_24,
+)
+from fixedpipe.raster.floats import SMALLEST
 from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
-from fixedpipe.raster.portable.interpolate import depth_difference
+from fixedpipe.raster.portable.interpolate import TINY, depth_difference
 from fixedpipe.raster.vector.lanes import (
     absolute,
     all_lanes,
@@ -41,11 +50,6 @@ from fixedpipe.raster.vector.lanes import (
     widen_unsigned_i32,
 )
 
-_LOW_29 = int64(-1 << 29)  # 24 significant bits of a float64, as fixedpipe.raster.fixed
-_LOW_24 = int64(-1 << 24)  # 29 of them
-_EXPONENT = int64(0x7FF << 52)
-_FRACTION = int64((1 << 52) - 1)
-_TINY = 2.0**-256  # as fixedpipe.raster.portable.interpolate
 EXACT_FROM = 2.0**-30  # a coordinate whose largest term is not below this wraps without rounding
 LARGEST_COORDINATE = 512.0  # then 256 times the largest texture, twice, is an int32
 LARGEST_REPEATED = 11  # log2 of the largest texture
@@ -56,13 +60,13 @@ _FIXED = 8  # fraction bits of a texel coordinate
 @kernel
 def keep_24(value):
     """24 significant bits of each lane."""
-    return floats_of_lanes(bits_of_lanes(value) & _LOW_29)
+    return floats_of_lanes(bits_of_lanes(value) & KEEP_24)
 
 
 @kernel
 def power_of(value):
     """The largest power of two that is not above each lane."""
-    return floats_of_lanes(bits_of_lanes(value) & _EXPONENT)
+    return floats_of_lanes(bits_of_lanes(value) & EXPONENT)
 
 
 @kernel
@@ -155,8 +159,8 @@ def mixed_weights(floats, start, end, perspective):
 @kernel
 def depth_sum(base, a, b):
     """A vertex's depth and what the two others add to it, at 29 bits from the largest's highest."""
-    largest = maximum(maximum(absolute(base), _TINY), maximum(absolute(a), absolute(b)))
-    exponent = bits_of_lanes(largest) & _EXPONENT
+    largest = maximum(maximum(absolute(base), TINY), maximum(absolute(a), absolute(b)))
+    exponent = bits_of_lanes(largest) & EXPONENT
     unit = floats_of_lanes(exponent - int64(28 << 52))
     scale = floats_of_lanes(int64(2074 << 52) - exponent)  # 1 / unit
     return (base + truncated(a * scale) * unit) + truncated(b * scale) * unit
@@ -217,8 +221,8 @@ def run_depth(words, position, count, n0, n1, n2, right0, right1, right2, z0, z1
     for i in range(0, count, 16):
         e0, e1, e2 = keep_24(a0), keep_24(a1), keep_24(a2)
         inverse = bits_of_lanes(1.0 / ((e0 + e1) + e2))
-        exact = (inverse & _FRACTION) == int64(0)
-        lessened = select(exact, inverse, inverse - int64(1 << 21)) & _LOW_24
+        exact = (inverse & FRACTION) == int64(0)
+        lessened = select(exact, inverse, inverse - int64(1 << 21)) & KEEP_29
         z = depth_of(e0, e1, e2, floats_of_lanes(lessened), v0, v1, v2, v10, v20, v21)
         store(words, position + i, fixed_depth(z, offset, low, high))
         a0, a1, a2 = a0 + step0, a1 + step1, a2 + step2
@@ -407,7 +411,7 @@ def terms_of(q0, q2, v1, d0, d2):
     """
     p0, p2 = q0 * d0, q2 * d2
     largest = maximum(maximum(maximum(absolute(p0), absolute(p2)), absolute(v1)), SMALLEST)
-    exponent = bits_of_lanes(largest) & _EXPONENT
+    exponent = bits_of_lanes(largest) & EXPONENT
     steps = floats_of_lanes(int64(2069 << 52) - exponent)
     total = (truncated(v1 * steps) + truncated(p0 * steps)) + truncated(p2 * steps)
     return largest, exponent, total
@@ -418,7 +422,7 @@ def term_of(q, d):
     """The same where vertices 1 and either 0 or 2 have the coordinate zero: one term is left."""
     p = q * d
     largest = maximum(absolute(p), SMALLEST)
-    exponent = bits_of_lanes(largest) & _EXPONENT
+    exponent = bits_of_lanes(largest) & EXPONENT
     return largest, exponent, truncated(p * floats_of_lanes(int64(2069 << 52) - exponent))
 
 

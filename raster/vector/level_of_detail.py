@@ -8,6 +8,7 @@ from numba import float64, int32, int64
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION, FRACTION_BITS
 from fixedpipe.raster.kernel import kernel, separate_function
 from fixedpipe.raster.portable.sample import FAR, POWERS_OF_TWO
 from fixedpipe.raster.vector.lanes import (
@@ -27,8 +28,6 @@ from fixedpipe.raster.vector.lanes import (
     twice,
 )
 
-_MANTISSA = (1 << 52) - 1
-
 
 def _logarithm_cells():
     """For each of 256 parts of a mantissa's range what makes 128 log2 of it, cut, when added to the mantissa
@@ -41,7 +40,7 @@ def _logarithm_cells():
     cells = np.empty(256, np.int64)
     for k in range(256):
         below = sum(threshold <= k << 44 for threshold in thresholds) - 1
-        cells[k] = ((below + 1) << 52) - thresholds[below + 1]
+        cells[k] = ((below + 1) << FRACTION_BITS) - thresholds[below + 1]
     return cells
 
 
@@ -132,8 +131,8 @@ def lambdas(rho2, cells, first, blocks, row, lod, start, odd):
         value = load_f64x8(rho2, first + at)
         bits = bits_of_lanes(value)
         part = load_each_i64x8(CELLS, cells, first + at)
-        logarithm = (((bits & int64(_MANTISSA)) + part) >> int64(52)) + (
-            (bits >> int64(52)) - int64(1023)
+        logarithm = (((bits & int64(FRACTION)) + part) >> int64(FRACTION_BITS)) + (
+            (bits >> int64(FRACTION_BITS)) - int64(EXPONENT_BIAS)
         ) * int64(128)
         logarithm = select(value == 0.0, i64x8(int64(-FAR)), logarithm)
         logarithm = select(value == np.inf, i64x8(int64(FAR)), logarithm)

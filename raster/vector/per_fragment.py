@@ -483,7 +483,7 @@ def write_fragments(
                 elif mode == C.BLEND_LOGIC:
                     operation = draw[R.LOGIC_OPERATION]
                     portable.logic_run(color, y, x, n, packed, alive, start, operation, mask)
-                elif stores:
+                elif stores:  # BLEND_REPLACE, as what follows
                     portable.store_run(color, y, x, n, packed, start)
                 else:
                     portable.write_run(color, y, x, n, packed, alive, start, mask)

@@ -4,8 +4,8 @@ from numba import float64, int32, int64, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.floats import TAU
 from fixedpipe.raster.kernel import float_of, kernel, separate_function
-from fixedpipe.raster.portable.sample import TAU
 from fixedpipe.raster.vector.arrays import JOB, PASS, SCRATCH
 from fixedpipe.raster.vector.coordinates import cube_faces, depth_words, divide_by_q, fixed_from_floats
 from fixedpipe.raster.vector.interpolate import (
@@ -159,8 +159,8 @@ def sample_computed(job, p, u, count, segments, scratch):
                 divide_by_q(r, extra, count)
         else:
             r[:count] = 0.0
-        scale, mantissa = float_of(row[R.COORDINATE_DEPTH]), row[R.DEPTH_TEXEL_MANTISSA]
-        depth_words(r, ints[R.REFERENCE], scale, mantissa, int32(row[R.DEPTH_TEXEL_MAX]), count)
+        scale, depth_format = float_of(row[R.COORDINATE_DEPTH]), row[R.DEPTH_TEXEL_FORMAT]
+        depth_words(r, ints[R.REFERENCE], scale, depth_format, int32(row[R.DEPTH_TEXEL_MAX]), count)
     bias = TAU if cube or projective else 0.0
     scale = 0.5 if cube else (0.0 if row[R.TARGET] == C.TARGET_RECTANGLE else 1.0)
     edge = int64(C.WRAP_CLAMP_TO_EDGE)

@@ -25,7 +25,10 @@ PAGE = ROOT / "docs" / "adding-things.md"
 # What knows a piece of state, in the order in which one would write it: from words to bits to witnesses.
 LAYERS = (
     "raster/codes.py",
+    "raster/float_depths.py",
+    "raster/fixed.py",
     "pipeline/enums.py",
+    "pipeline/sentences.py",
     "pipeline/state.py",
     "pipeline/pixel_transfer.py",
     "pipeline/commands.py",

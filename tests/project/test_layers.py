@@ -106,6 +106,10 @@ NEVER = {
         "pipeline/validation",
         {"pipeline/native", "pipeline/columns", "pipeline/execution", "pipeline/ideal", "raster/"},
     ),
+    "nor what an engine leaves": (
+        "pipeline/validation",
+        {"pipeline/framebuffers"},
+    ),
     "the readable engine does not know the fast one": ("raster/portable", {"raster/vector"}),
     "the column engine's arithmetic is not compiled": ("raster/columns", {"raster/kernel", "numba"}),
     "whole images are not compiled": ("raster/pixels", {"raster/kernel", "numba"}),

@@ -1016,7 +1016,7 @@ def _framebuffers():
             asked=bits.name if bits < 0 else f"{int(bits)} bits of depth",
             framebuffer={"depth_bits": bits},
             reference=("tests/reference/depth.py",),
-            implementation=("pipeline/framebuffers/depths.py",),
+            implementation=("pipeline/textures/depth_words.py",),
             tests=("tests/pipeline/execution/test_random_states.py",),
         )
     for color_format in (ColorFormat.A8R8G8B8, ColorFormat.R5G6B5):

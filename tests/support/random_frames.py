@@ -60,8 +60,6 @@ from fixedpipe.pipeline.enums import (
     WindowOrigin,
     WrapMode,
 )
-from fixedpipe.pipeline.framebuffers.texture_copies import DEPTH_READABLE_AS, READABLE_AS
-from fixedpipe.pipeline.framebuffers.transfer import IMAGE_FORMATS, READ_TYPES
 from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER, ConvolutionFilter, PixelMaps, PixelTransfer
 from fixedpipe.pipeline.profiles import GEFORCE_3, GEFORCE_256, NV2A
 from fixedpipe.pipeline.profiles.profile import Profile
@@ -104,6 +102,12 @@ from fixedpipe.pipeline.textures.images import (
     texture_2d,
     texture_3d,
     texture_cube_map,
+)
+from fixedpipe.pipeline.textures.pixel_formats import (
+    DEPTH_READABLE_AS,
+    IMAGE_FORMATS,
+    READ_TYPES,
+    READABLE_AS,
 )
 from fixedpipe.pipeline.textures.words import internal_format_of, texture_of_words
 from tests.support.random_environments import random_environment

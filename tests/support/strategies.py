@@ -41,7 +41,6 @@ from fixedpipe.pipeline.enums import (
     WindowOrigin,
     WrapMode,
 )
-from fixedpipe.pipeline.framebuffers.texture_copies import READABLE_AS
 from fixedpipe.pipeline.profiles import GEFORCE_256, NV2A
 from fixedpipe.pipeline.state import (
     IDENTITY,
@@ -72,6 +71,7 @@ from fixedpipe.pipeline.state import (
     WindowClip,
 )
 from fixedpipe.pipeline.textures.images import COMPONENT_BITS, texture_1d, texture_2d, texture_cube_map
+from fixedpipe.pipeline.textures.pixel_formats import READABLE_AS
 from tests.support.combiner_strategies import colors, register_combiners
 from tests.support.random_environments import random_environment
 

@@ -31,8 +31,7 @@ from fixedpipe.pipeline.enums import (
     TextureTarget,
 )
 from fixedpipe.pipeline.execution.machine import Machine, execute
-from fixedpipe.pipeline.framebuffers.framebuffer import READ_FORMATS
-from fixedpipe.pipeline.framebuffers.transfer import packed_colors
+from fixedpipe.pipeline.framebuffers.transfer import packed_bytes, packed_colors
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.pixel_transfer import (
     INITIAL_TRANSFER,
@@ -61,6 +60,7 @@ from fixedpipe.pipeline.state import (
     TextureEnvironment,
     TextureUnit,
 )
+from fixedpipe.pipeline.textures.pixel_formats import READ_FORMATS
 from fixedpipe.pipeline.validation.walk import UnsupportedState
 from tests.reference import pixel_transfer as reference
 from tests.reference import texel_formats
@@ -127,7 +127,7 @@ def test_bytes_are_read_as_pixel_transfer_would_give_them(pixel_format):
     red, green = np.meshgrid(np.arange(256), np.arange(256))
     for blue in (0, 1, 100, 255):
         colors = np.stack([red, green, np.full_like(red, blue), red ^ green], -1).astype(np.uint8)
-        direct = READ_FORMATS[pixel_format](colors)
+        direct = packed_bytes(colors, pixel_format)
         assert (packed_colors(colors / 255.0, pixel_format, "UNSIGNED_BYTE") == direct).all()
 
 

@@ -20,9 +20,9 @@ from fixedpipe.pipeline.enums import (
     WindowOrigin,
 )
 from fixedpipe.pipeline.execution.machine import Machine, execute
-from fixedpipe.pipeline.framebuffers.texture_copies import READABLE_AS
 from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL, NV2A
 from fixedpipe.pipeline.state import Blending, ColorMask, PassState, Scissor, StencilTest, WindowClip
+from fixedpipe.pipeline.textures.pixel_formats import READABLE_AS
 from fixedpipe.pipeline.validation.validate import validate
 from fixedpipe.pipeline.validation.walk import UnsupportedState
 from tests.support.run_reference import run_reference

@@ -39,12 +39,14 @@ from fixedpipe.pipeline.enums import (
 from fixedpipe.pipeline.execution.machine import Machine, execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.profiles import GEFORCE_3, GEFORCE_256, INFINITE_REALITY, OCTANE
+from fixedpipe.pipeline.programs.fog import fog_thresholds
 from fixedpipe.pipeline.state import (
     AlphaTest,
     Blending,
     CombinerInput,
     DepthTest,
     FinalCombiner,
+    Fog,
     GeneralCombiner,
     PassState,
     RegisterCombiners,
@@ -152,7 +154,7 @@ _COLUMN, _COLORS = np.zeros(1, np.int64), np.zeros((1, 4), np.int64)
         (CombinerFunction.NONE, lambda code: future.applied(code, _COLUMN, _COLUMN, 255, 255)),
         (5, lambda code: texture_shader.vector(_COLORS, code, 8)),
         (len(WrapMode), lambda code: sample.index_of(_COLUMN, code, 1, False)),
-        (len(FogMode), lambda code: numbers.fog_thresholds(code, 1.0, 0.0, 1.0, 255)),
+        (len(FogMode), lambda code: fog_thresholds(Fog(code))),
         (len(PixelTexGenQ), lambda code: rectangles.chosen_volumes(_COLUMN, 255, 1, code)),
     ],
 )
@@ -203,7 +205,7 @@ def test_blending_filters_and_colours_are_the_specification_s(bits):
 @pytest.mark.parametrize(("mode", "rising"), [(0, False), (0, True), (1, False), (2, False)])
 def test_fog_counts_the_thresholds_that_are_kept(mode, rising):
     start, end = (2.0, 1.0) if rising else (1.0, 2.0)
-    thresholds = numbers.fog_thresholds(mode, 0.7, start, end, 15)
+    thresholds = fog_thresholds(Fog(mode, density=0.7, start=start, end=end), 15)
     coordinates = np.concatenate([thresholds, np.nextafter(thresholds, -9), np.linspace(0, 5, 40), [np.nan]])
     kept = [sum((c >= t) if rising else (c <= t) for t in thresholds) for c in coordinates]
     assert numbers.fog_factor(coordinates, thresholds, rising).tolist() == kept

@@ -10,8 +10,6 @@ from hypothesis import strategies as st
 from fixedpipe.pipeline.enums import BaseFormat, ConvolutionBorderMode
 from fixedpipe.pipeline.framebuffers.transfer import (
     ENTRY_COMPONENTS,
-    IMAGE_FORMATS,
-    READ_TYPES,
     PixelStatistics,
     image_groups,
     packed_colors,
@@ -20,7 +18,6 @@ from fixedpipe.pipeline.framebuffers.transfer import (
     transfer_colors,
     transfer_depths,
     transfer_stencil,
-    transferred_size,
 )
 from fixedpipe.pipeline.pixel_transfer import (
     INITIAL_TRANSFER,
@@ -31,9 +28,11 @@ from fixedpipe.pipeline.pixel_transfer import (
     PixelMaps,
     PixelTransfer,
     SeparableFilter,
+    transferred_size,
 )
 from fixedpipe.pipeline.profiles import IDEAL, OCTANE, OPENGL_1_2_IMAGING
 from fixedpipe.pipeline.state import ColorTable
+from fixedpipe.pipeline.textures.pixel_formats import IMAGE_FORMATS, READ_TYPES
 from fixedpipe.raster.pixels import transfer as arithmetic
 from tests.reference import pixel_transfer as reference
 

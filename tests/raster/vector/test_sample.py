@@ -8,7 +8,7 @@ import pytest
 from fixedpipe.pipeline.enums import InternalFormat, TextureFilter, TextureTarget, WrapMode
 from fixedpipe.pipeline.state import Sampler
 from fixedpipe.pipeline.textures.images import Texture
-from fixedpipe.raster import rows
+from fixedpipe.raster import codes, rows
 from fixedpipe.raster.portable import sample, shadow
 from fixedpipe.raster.vector import coordinates as vc
 from fixedpipe.raster.vector import sample as vt
@@ -368,10 +368,16 @@ def test_a_face_that_a_cube_map_has_not_is_limited():
 
 
 @pytest.mark.parametrize(
-    ("mantissa", "largest"), [(0, 2**16 - 1), (0, 2**24 - 1), (12, 2**16 - 1), (16, 2**24 - 1)]
+    ("number_format", "largest"),
+    [
+        (codes.DEPTH_FIXED, 2**16 - 1),
+        (codes.DEPTH_FIXED, 2**24 - 1),
+        (codes.DEPTH_FLOAT_16, 2**16 - 1),
+        (codes.DEPTH_FLOAT_24, 2**24 - 1),
+    ],
 )
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-def test_depth_words_are_those_of_the_portable_kernel(mantissa, largest):
+def test_depth_words_are_those_of_the_portable_kernel(number_format, largest):
     rng = np.random.default_rng(12)
     values = rng.uniform(-0.2, 1.3, COUNT + SLACK)
     values = np.where(rng.random(values.size) < 0.3, np.exp2(rng.uniform(-140, 140, values.size)), values)
@@ -379,9 +385,9 @@ def test_depth_words_are_those_of_the_portable_kernel(mantissa, largest):
     for scale in (1.0, float(largest), 2.0**20):
         floats, ints, _, _ = scratch()
         floats[rows.P] = values
-        shadow.shadow_reference(floats, rows.P, 0, COUNT, scale, mantissa, largest, ints)
+        shadow.shadow_reference(floats, rows.P, 0, COUNT, scale, number_format, largest, ints)
         words = np.zeros(COUNT + SLACK, np.int32)
-        vc.depth_words(values, words, scale, mantissa, largest, COUNT)
+        vc.depth_words(values, words, scale, number_format, largest, COUNT)
         assert (words[:COUNT] == ints[rows.REFERENCE, :COUNT]).all()
 
 

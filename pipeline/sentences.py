@@ -1,4 +1,4 @@
-"""Words that the sentences of several sections share."""
+"""Small words that sentences share: of errors, and of descriptions."""
 
 from fixedpipe.pipeline.enums import DepthFormat
 
@@ -14,9 +14,14 @@ def listed(members):
     return ", ".join(m.name for m in sorted(members)) or "none"
 
 
-def count(number, noun):
-    """A number and its noun."""
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+def quoted(names):
+    """Names as they are given, in their order."""
+    return ", ".join(map(repr, names)) or "none"
+
+
+def count(number, noun, many=None):
+    """A number and its noun. ``many``: the noun of several, where it is not made by an s."""
+    return f"{number} {noun if number == 1 else many or noun + 's'}"
 
 
 def nearest_power_of_two(edge):
