@@ -13,6 +13,7 @@ validation refuses.
 """
 
 from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
 
 from fixedpipe.pipeline.commands import (
     Accum,
@@ -34,8 +35,6 @@ from fixedpipe.pipeline.commands import (
     Saturate,
     TexImage,
 )
-from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
-from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
 from fixedpipe.pipeline.pixel_transfer import PixelMaps, PixelTransfer
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.sentences import count, shown
@@ -71,6 +70,10 @@ from fixedpipe.pipeline.validation.transfer import reset_histogram, reset_minmax
 from fixedpipe.pipeline.validation.types import TypeChecks
 from fixedpipe.pipeline.validation.walk import Walk
 
+if TYPE_CHECKING:  # for annotations alone: the law asks no framebuffer
+    from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
+    from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
+
 # Parts that many states share, because dataclasses.replace keeps them, are looked at once.
 _CHECKS = TypeChecks(
     whole=(Mesh, Texture),
@@ -105,8 +108,8 @@ def validate(
     height: int,
     depth_bits: int | None = None,
     textures: Mapping[str, Texture] | None = None,
-    surfaces: Mapping[str, Framebuffer] | None = None,
-    statistics: PixelStatistics | None = None,
+    surfaces: "Mapping[str, Framebuffer] | None" = None,
+    statistics: "PixelStatistics | None" = None,
     *,
     samples: int = 1,
     color_bits: int | None = None,

@@ -1,18 +1,20 @@
 """The Walk: what validation knows when it reaches a command, and how it refuses one."""
 
 from collections.abc import Callable, Hashable, Iterable, Mapping
-from typing import Any, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 from weakref import WeakKeyDictionary
 
 from fixedpipe.pipeline.commands import Clear, Command, Draw, Mesh
 from fixedpipe.pipeline.enums import ColorFormat, InternalFormat, PrimitiveType, TextureTarget
-from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
-from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.sentences import depth_words
 from fixedpipe.pipeline.textures.images import Texture
 from fixedpipe.pipeline.validation.meshes import checked_meshes
 from fixedpipe.pipeline.validation.remembered import Remembered
+
+if TYPE_CHECKING:  # for annotations alone: the law asks no framebuffer
+    from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
+    from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
 
 
 class UnsupportedState(ValueError):  # noqa: N818 (it names what was asked for)
@@ -100,8 +102,8 @@ class Walk:
         width: int,
         height: int,
         depth_bits: int,
-        surfaces: Mapping[str, Framebuffer],
-        statistics: PixelStatistics,
+        surfaces: "Mapping[str, Framebuffer]",
+        statistics: "PixelStatistics | None",
         read: Iterable[str] = (),
     ):
         self.profile, self.width, self.height, self.depth_bits = profile, width, height, depth_bits
@@ -114,9 +116,8 @@ class Walk:
         }
         self.textures: dict[str, KnownTexture] = {}
         self.read, self.given = set(read), set(read)  # names; those that a histogram's sink left pixels of
-        kept = statistics is not None
-        self.histograms = set(statistics.histograms) if kept else set()
-        self.minmaxes = set(statistics.minmaxes) if kept else set()
+        self.histograms = set() if statistics is None else set(statistics.histograms)
+        self.minmaxes = set() if statistics is None else set(statistics.minmaxes)
 
     def refuse(self, sentence: str) -> NoReturn:
         """Raise UnsupportedState of the command at hand."""

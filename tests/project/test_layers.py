@@ -33,8 +33,18 @@ def package_of(path):
 
 
 def imported_modules(tree):
-    """Dotted names of everything a module imports, at its top or inside a function."""
+    """Dotted names of everything a module imports, at its top or inside a function; not what it imports
+    ``if TYPE_CHECKING``, for annotations alone.
+    """
+    only_types = {
+        inner
+        for node in ast.walk(tree)
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+        for inner in ast.walk(node)
+    }
     for node in ast.walk(tree):
+        if node in only_types:
+            continue
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):

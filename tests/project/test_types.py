@@ -17,17 +17,17 @@ from fixedpipe import pipeline
 from fixedpipe.effects import collection
 from fixedpipe.effects.geometry import surfaces, views
 from fixedpipe.pipeline.commands import ReadFormat, ReadType
-from fixedpipe.pipeline.framebuffers.framebuffer import READ_FORMATS, Framebuffer
+from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
 from fixedpipe.pipeline.framebuffers.snapshot import Snapshot
-from fixedpipe.pipeline.framebuffers.transfer import (
+from fixedpipe.pipeline.framebuffers.transfer import HistogramTable, MinmaxTable
+from fixedpipe.pipeline.pixel_transfer import ImageFormat
+from fixedpipe.pipeline.textures.pixel_formats import (
     DEPTH_FORMAT,
     IMAGE_FORMATS,
     INDEX_FORMATS,
+    READ_FORMATS,
     READ_TYPES,
-    HistogramTable,
-    MinmaxTable,
 )
-from fixedpipe.pipeline.pixel_transfer import ImageFormat
 
 ROOT = Path(__file__).parents[2]
 STUB = ast.parse((ROOT / "pipeline" / "__init__.pyi").read_text())
