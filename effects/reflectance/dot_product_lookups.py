@@ -35,7 +35,6 @@ from fixedpipe.effects.passes.combiners import (
     dot,
     expand,
     final,
-    opaque,
     product,
     program,
 )
@@ -46,7 +45,6 @@ from fixedpipe.effects.reflectance import brdfs
 from fixedpipe.effects.technique import AnotherWay
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.enums import InternalFormat
-from fixedpipe.pipeline.state import RegisterCombiners
 from fixedpipe.pipeline.textures.images import texture_2d
 
 TECHNIQUES = (AnotherWay(("K03", "K05", "K06"), "on a GeForce 3, by a texture shader's dot products"),)
@@ -277,7 +275,7 @@ def blinn_phong_pass(
         unit(NO_TEXTURE, coordinates=1),
         unit(names.table, REPEATED, coordinates=1),
     )
-    combiners = RegisterCombiners(final=_times_gloss(TEXTURE3), constant_color0=opaque(specular))
+    combiners = program(_times_gloss(TEXTURE3), constant0=specular)
     return (
         draw(
             "specular pass: k_s F(N, e), e = 1 - (h.t/ax)^2 - (h.b/ay)^2",

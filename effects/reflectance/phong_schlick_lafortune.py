@@ -78,7 +78,6 @@ TEXELS = 256
 # c = r.v below one half is stored as zero, and 2 c - 1 above: a step of eight bits is then 1/510 of c. The
 # highlight ends where it is 2^-N, 1/64 for N = 6; a smaller N shows that edge.
 SMALLEST_C = 0.5
-BLACK = (0.0, 0.0, 0.0)
 # The combiners' largest scale multiplies Schlick's two factors, each stored in [0, 1].
 GAIN = 4.0
 # Dot products of unit vectors lie in [-1, 1], which tables with a zero in their middle hold.
@@ -320,7 +319,7 @@ def phong_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0, 1.
         "parameter stage: c = 2 (n.l)(n.v) - l.v in red, N in alpha",
         surface.mesh(coordinates, toward_light, toward_eye),
         view,
-        program(final(TEXTURE2, alpha=TEXTURE3), constant0=BLACK),
+        program(final(TEXTURE2, alpha=TEXTURE3)),
         (
             unit(names.fine, FINE),
             unit(NO_TEXTURE, coordinates=1),
@@ -367,7 +366,7 @@ def schlick_passes(
         "first factor: k_s T(h.t, h.b)",
         surface.mesh(coordinates, half / PERIOD),
         view,
-        program(final(TEXTURE3, alpha_of(TEXTURE0)), constant0=BLACK),
+        program(final(TEXTURE3, alpha_of(TEXTURE0))),
         (
             unit(names.tangent),
             unit(names.binormal),
@@ -383,7 +382,6 @@ def schlick_passes(
         product(TEXTURE2, PRIMARY, to=SPARE0),
         scaled(4, product(SPARE0, TEXTURE3, to=SPARE0)),
         final(SPARE0),
-        constant0=BLACK,
     )
     second = draw(
         "specular pass: times S(h.v) G(n.l) G(n.v) / (4 pi (n.v))",

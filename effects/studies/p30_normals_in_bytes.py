@@ -37,7 +37,6 @@ from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.state import (
     PassState,
-    RegisterCombiners,
     TextureShaderStage,
     TextureUnit,
 )
@@ -123,7 +122,7 @@ def _by_dot_products(stored, profile):
             TextureShaderStage(Operation.DOT_PRODUCT, 0, dot_product_mapping=normal),
             TextureShaderStage(Operation.DOT_PRODUCT_TEXTURE_2D, 0, dot_product_mapping=normal),
         ),
-        register_combiners=RegisterCombiners(final=shown(TEXTURE2)),
+        register_combiners=program(shown(TEXTURE2)),
     )
     commands = (
         _loaded(stored),

@@ -13,13 +13,12 @@ import numpy as np
 
 from fixedpipe.effects.conformance import scenes
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
-from fixedpipe.effects.passes.combiners import PRIMARY, TEXTURE3, final
+from fixedpipe.effects.passes.combiners import PRIMARY, TEXTURE3, final, program
 from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import PrimitiveType, WrapMode
 from fixedpipe.pipeline.state import (
     PointParameters,
     PointState,
-    RegisterCombiners,
     TextureUnit,
 )
 from fixedpipe.pipeline.textures.images import texture_2d
@@ -87,7 +86,7 @@ def _textured(state):
     return replace(
         state,
         texture_units=(None, None, None, unit),
-        register_combiners=RegisterCombiners(final=final(TEXTURE3, PRIMARY)),
+        register_combiners=program(final(TEXTURE3, PRIMARY)),
     )
 
 
