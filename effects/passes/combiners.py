@@ -45,9 +45,8 @@ from fixedpipe.pipeline.state import (
     RGBPortion,
 )
 
-TEXTURE0, TEXTURE1, TEXTURE2, TEXTURE3 = TEXTURES = (
-    Register.TEXTURE0, Register.TEXTURE1, Register.TEXTURE2, Register.TEXTURE3,
-)  # fmt: skip
+TEXTURE0, TEXTURE1 = Register.TEXTURE0, Register.TEXTURE1
+TEXTURE2, TEXTURE3 = Register.TEXTURE2, Register.TEXTURE3
 PRIMARY, SECONDARY = Register.PRIMARY_COLOR, Register.SECONDARY_COLOR
 SPARE0, SPARE1 = Register.SPARE0, Register.SPARE1
 CONSTANT0, CONSTANT1 = Register.CONSTANT_COLOR0, Register.CONSTANT_COLOR1
