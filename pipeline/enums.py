@@ -328,6 +328,20 @@ class TextureFilter(IntEnum):
     NEAREST_MIPMAP_LINEAR = 4
     LINEAR_MIPMAP_LINEAR = 5
 
+    @property
+    def is_linear(self):
+        """Whether texels of a level are blended."""
+        linear = TextureFilter.LINEAR, TextureFilter.LINEAR_MIPMAP_NEAREST, TextureFilter.LINEAR_MIPMAP_LINEAR
+        return self in linear
+
+    @property
+    def mipmap(self):
+        """Which levels are read: a ``MIPMAP_`` code of ``raster/codes.py``."""
+        if self in (TextureFilter.NEAREST, TextureFilter.LINEAR):
+            return C.MIPMAP_NONE
+        nearest = TextureFilter.NEAREST_MIPMAP_NEAREST, TextureFilter.LINEAR_MIPMAP_NEAREST
+        return C.MIPMAP_NEAREST if self in nearest else C.MIPMAP_LINEAR
+
 
 class WrapMode(IntEnum):
     """Section 3.8.4, SGIS_texture_edge_clamp, ARB_texture_border_clamp, ARB_texture_mirrored_repeat."""

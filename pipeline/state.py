@@ -359,6 +359,12 @@ class Sampler:
     max_probes: int = 1
     depth_texture_mode: BaseFormat | None = None
 
+    @property
+    def magnifies_late(self) -> bool:
+        """Whether OpenGL magnifies up to a lambda of 1/2 instead of 0 (section 3.8.6)."""
+        late = TextureFilter.NEAREST_MIPMAP_NEAREST, TextureFilter.NEAREST_MIPMAP_LINEAR
+        return self.mag_filter == TextureFilter.LINEAR and self.min_filter in late
+
 
 @dataclass(frozen=True, slots=True)
 class Combine:

@@ -6,7 +6,6 @@ from fixedpipe.pipeline.enums import (
     InternalFormat,
     MagnificationThreshold,
     TextureCompareMode,
-    TextureFilter,
     TextureTarget,
 )
 from fixedpipe.pipeline.framebuffers.transfer import ENTRY_COMPONENTS, table_entries
@@ -21,14 +20,6 @@ from fixedpipe.raster import codes as C
 from fixedpipe.raster.columns import numbers, sample
 from fixedpipe.raster.pixels.transfer import texture_color_table
 
-_LINEAR_IN_LEVEL = (
-    TextureFilter.LINEAR,
-    TextureFilter.LINEAR_MIPMAP_NEAREST,
-    TextureFilter.LINEAR_MIPMAP_LINEAR,
-)
-_COUNTED = (TextureFilter.NEAREST, TextureFilter.LINEAR)
-_NEAREST_MIPMAP = (TextureFilter.NEAREST_MIPMAP_NEAREST, TextureFilter.LINEAR_MIPMAP_NEAREST)
-_BETWEEN_LEVELS = (TextureFilter.NEAREST_MIPMAP_LINEAR, TextureFilter.LINEAR_MIPMAP_LINEAR)
 LAMBDA_BITS = 8
 
 
@@ -64,13 +55,8 @@ class UnitSampler:
         self.levels = texture.levels[: s.max_level + 1]
         self.anisotropic, self.probes = s.max_anisotropy > 1, s.max_probes > 1
         self.needs_lambda = s.min_filter != s.mag_filter
-        # Source: OpenGL 1.2.1 section 3.8.6; Measured: 0 on the chip.
         opengl_c = profile.magnification_threshold == MagnificationThreshold.OPENGL_C
-        late = s.mag_filter == TextureFilter.LINEAR and s.min_filter in (
-            TextureFilter.NEAREST_MIPMAP_NEAREST,
-            TextureFilter.NEAREST_MIPMAP_LINEAR,
-        )
-        self.threshold = 128 if opengl_c and late else 0
+        self.threshold = 128 if opengl_c and s.magnifies_late else 0
         self.depth_scale = 1.0
         self.compares = s.compare_mode != TextureCompareMode.NONE
         if self.compares:
@@ -125,7 +111,7 @@ class UnitSampler:
             if self.sampler.compare_mode != TextureCompareMode.COMPARE_R_TO_TEXTURE:
                 r = np.zeros(len(strq))
             compared = sample.depth_reference(r * self.depth_scale, self.words.form, self.words.largest)
-        linear = self.sampler.mag_filter == TextureFilter.LINEAR
+        linear = self.sampler.mag_filter.is_linear
         return self._level(0, linear, strq, False, compared, lifted, flat=flat)
 
     def fractions(self, fragments, level):
@@ -137,12 +123,12 @@ class UnitSampler:
     @property
     def linear(self):
         """Whether a filter reads several texels of a level."""
-        return self.sampler.mag_filter == TextureFilter.LINEAR or self.sampler.min_filter in _LINEAR_IN_LEVEL
+        return self.sampler.mag_filter.is_linear or self.sampler.min_filter.is_linear
 
     @property
     def between_levels(self):
         """Whether the minification filter reads two levels."""
-        return self.sampler.min_filter in _BETWEEN_LEVELS
+        return self.sampler.min_filter.mipmap == C.MIPMAP_LINEAR
 
     def as_register(self, texel, fragments, bits):
         """What the unit's register receives of its texels, int64 [4, k]."""
@@ -222,10 +208,10 @@ class UnitSampler:
             return self._level(number, linear, strq[chosen], divided, reference, lifted, tap and tap[1:])
 
         every = slice(None)
-        magnifies_linear = s.mag_filter == TextureFilter.LINEAR
+        magnifies_linear = s.mag_filter.is_linear
         if s.min_filter == s.mag_filter:
             return level(0, magnifies_linear, every)
-        linear = s.min_filter in _LINEAR_IN_LEVEL
+        linear = s.min_filter.is_linear
         out = np.zeros((len(strq), 4 if tap is None else 8), np.int64)
         magnified = lod <= self.threshold
         if magnified.any():
@@ -233,12 +219,12 @@ class UnitSampler:
         minified = ~magnified
         if not minified.any():
             return out
-        if s.min_filter in _COUNTED:
+        if s.min_filter.mipmap == C.MIPMAP_NONE:
             out[minified] = level(0, linear, minified)
             return out
         last = len(self.levels) - 1
         lod = np.clip(lod, 0, 256 * last)
-        nearest = s.min_filter in _NEAREST_MIPMAP
+        nearest = s.min_filter.mipmap == C.MIPMAP_NEAREST
         lower = (lod + 127) >> 8 if nearest else lod >> 8
         upper = lower if nearest else np.minimum(lower + 1, last)
         fraction = (lod & 255)[:, None]

@@ -4,21 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.pipeline.enums import TextureFilter, TextureTarget, WrapMode
+from fixedpipe.pipeline.enums import TextureTarget, WrapMode
 from fixedpipe.pipeline.framebuffers.transfer import looked_up
 from fixedpipe.pipeline.ideal.coordinates import TextureCoordinates
 from fixedpipe.pipeline.ideal.per_fragment import compare
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.textures.images import BASE_FORMAT, KEPT, depth_texture_mode, register_components
+from fixedpipe.raster import codes as C
 from fixedpipe.raster.floats import TAU
-
-_MIPMAPPED = {
-    # minification filter: (linear within a level, linear between levels)
-    TextureFilter.NEAREST_MIPMAP_NEAREST: (False, False),
-    TextureFilter.LINEAR_MIPMAP_NEAREST: (True, False),
-    TextureFilter.NEAREST_MIPMAP_LINEAR: (False, True),
-    TextureFilter.LINEAR_MIPMAP_LINEAR: (True, True),
-}
 
 
 def level_of_detail(coordinates, width, height, lod_bias, depth=1):
@@ -225,13 +218,14 @@ def sample(texture, unit, coordinates, reference=None, tap=None):
         lod = np.clip(lod, sampler.min_lod, sampler.max_lod)
         minified = lod > 0.0
     if not minified.any():
-        return at_level(0, slice(None), sampler.mag_filter is TextureFilter.LINEAR)
+        return at_level(0, slice(None), sampler.mag_filter.is_linear)
     magnified = ~minified
-    out[magnified] = at_level(0, magnified, sampler.mag_filter is TextureFilter.LINEAR)
-    if sampler.min_filter not in _MIPMAPPED:
-        out[minified] = at_level(0, minified, sampler.min_filter is TextureFilter.LINEAR)
+    out[magnified] = at_level(0, magnified, sampler.mag_filter.is_linear)
+    linear, mipmap = sampler.min_filter.is_linear, sampler.min_filter.mipmap
+    if mipmap == C.MIPMAP_NONE:
+        out[minified] = at_level(0, minified, linear)
         return out
-    linear, between = _MIPMAPPED[sampler.min_filter]
+    between = mipmap == C.MIPMAP_LINEAR
     last = len(levels) - 1
     lod = np.clip(np.where(minified, lod, 0.0), 0.0, last)
     if between:

@@ -7,7 +7,6 @@ from fixedpipe.pipeline.enums import (
     MagnificationThreshold,
     Register,
     TextureCompareMode,
-    TextureFilter,
     TextureShaderOperation,
     TextureTarget,
 )
@@ -27,16 +26,6 @@ from fixedpipe.pipeline.textures.images import (
 )
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
-
-# Which levels a minification filter reads (section 3.8.5).
-_MIPMAPS = {
-    TextureFilter.NEAREST: C.MIPMAP_NONE,
-    TextureFilter.LINEAR: C.MIPMAP_NONE,
-    TextureFilter.NEAREST_MIPMAP_NEAREST: C.MIPMAP_NEAREST,
-    TextureFilter.LINEAR_MIPMAP_NEAREST: C.MIPMAP_NEAREST,
-    TextureFilter.NEAREST_MIPMAP_LINEAR: C.MIPMAP_LINEAR,
-    TextureFilter.LINEAR_MIPMAP_LINEAR: C.MIPMAP_LINEAR,
-}
 
 
 def border_texel(color, internal_format):
@@ -109,32 +98,22 @@ def pack_units(state, profile, textures, used, draw):
                 units[i, R.ENABLED] = 1
                 continue
         texture, sampler = textures[unit.texture], unit.sampler
-        mag_linear = sampler.mag_filter == TextureFilter.LINEAR
-        minification = sampler.min_filter
+        magnification, minification = sampler.mag_filter, sampler.min_filter
         levels = min(len(texture.levels), sampler.max_level + 1)
-        mipmap = _MIPMAPS[minification] if levels > 1 else C.MIPMAP_NONE
-        linear = minification in (
-            TextureFilter.LINEAR,
-            TextureFilter.LINEAR_MIPMAP_NEAREST,
-            TextureFilter.LINEAR_MIPMAP_LINEAR,
-        )
         row = units[i]
         row[R.ENABLED], row[R.TARGET], row[R.LEVELS] = 1, texture.target, levels
         row[R.WRAP_S], row[R.WRAP_T] = sampler.wrap_s, sampler.wrap_t
         if texture.target == TextureTarget.TEXTURE_3D:
             row[R.WRAP_R], row[R.LAYERS] = sampler.wrap_r, texture.depth
-        row[R.MAG_LINEAR], row[R.MIN_LINEAR], row[R.MIPMAP] = mag_linear, linear, mipmap
+        row[R.MAG_LINEAR], row[R.MIN_LINEAR] = magnification.is_linear, minification.is_linear
+        row[R.MIPMAP] = minification.mipmap if levels > 1 else C.MIPMAP_NONE
         row[R.LOD_BIAS] = int(256 * float(unit.lod_bias))  # Assumed: truncation (docs/numbers.md, section 7)
         row[R.MIN_LOD], row[R.MAX_LOD] = (int(256 * float(lod)) for lod in (sampler.min_lod, sampler.max_lod))
         if sampler.max_anisotropy > 1:
             row[R.ANISOTROPY] = np.float64(sampler.max_anisotropy).view(np.int64)
         if sampler.max_probes > 1:
             row[R.PROBES] = sampler.max_probes
-        if (
-            profile.magnification_threshold == MagnificationThreshold.OPENGL_C
-            and mag_linear
-            and minification in (TextureFilter.NEAREST_MIPMAP_NEAREST, TextureFilter.NEAREST_MIPMAP_LINEAR)
-        ):
+        if profile.magnification_threshold == MagnificationThreshold.OPENGL_C and sampler.magnifies_late:
             row[R.THRESHOLD] = 128
         row[R.HILO] = texture.internal_format == InternalFormat.HILO16
         row[R.SIGNED] = signed_bits(sampler.signed_components)
