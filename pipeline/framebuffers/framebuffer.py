@@ -218,7 +218,9 @@ class Framebuffer:
         """The box that a command reads."""
         return box_read(command, self.width, self.height)
 
-    def part(self, plane, command):
+    def part(
+        self, plane: NDArray[Any], command: ReadPixels | CopyPixels | CopyTexImage | CopyTexSubImage
+    ) -> NDArray[Any]:
         """What a command reads of a buffer of this size, bottom row first: a view."""
         return plane[self._rows(*self.box_of(command))][::-1]
 
