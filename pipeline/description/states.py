@@ -1,6 +1,7 @@
 """States in words: what differs from the initial state, a line for each part."""
 
 from dataclasses import MISSING, fields, is_dataclass
+from types import NoneType
 
 from fixedpipe.pipeline.description.equations import combiner_lines, environment_lines, shader_stage_equation
 from fixedpipe.pipeline.description.words import ALWAYS_SHOWN, FIELD_WORDS, format_value
@@ -35,20 +36,12 @@ def differences(value, initial=None):
         if given == usual and field.name not in ALWAYS_SHOWN.get(type(value), ()):
             continue
         word = FIELD_WORDS.get((type(value), field.name), field.name.replace("_", " "))
-        if isinstance(given, RegisterCombiners):
-            parts += combiner_lines(given)
-        elif isinstance(given, TextureEnvironment):
-            parts += environment_lines(given)
-        elif isinstance(given, ColorMask):
-            parts.append(f"color mask {mask_words(given)}")
+        if type(given) in _PARTS:
+            parts += _PARTS[type(given)](word, given)
         elif isinstance(given, tuple) and any(is_dataclass(g) for g in given):
             parts += numbered_lines(word, given)
         elif field.name == "clip_planes":
             parts += [f"{word}{i} {format_value(plane)}" for i, plane in enumerate(given)]
-        elif isinstance(given, ColorTable):
-            parts.append(_table_line(word, given))
-        elif isinstance(given, ConvolutionFilter | SeparableFilter):
-            parts += _filter_lines(word, given)
         elif is_dataclass(given):
             parts += titled(word, differences(given, usual if is_dataclass(usual) else None))
         elif given is None:
@@ -62,14 +55,24 @@ def numbered_lines(word, parts):
     """Lines for the states of a tuple, by number; None is left out."""
     lines = []
     for i, part in enumerate(parts):
-        if isinstance(part, TexGen):
-            if part != TexGen():
-                lines += titled(f"{word}_{'STRQ'[i]}", differences(part))
-        elif isinstance(part, TextureShaderStage):
-            lines.append(f"{word} {i}: {shader_stage_equation(i, part)}")
-        elif part is not None:
-            lines += titled(f"{word} {i}", differences(part))
+        lines += _NUMBERED.get(type(part), _numbered)(word, i, part)
     return lines
+
+
+def _numbered(word, i, part):
+    return titled(f"{word} {i}", differences(part))
+
+
+def _generation(word, i, gen):
+    return [] if gen == TexGen() else titled(f"{word}_{'STRQ'[i]}", differences(gen))
+
+
+# How a part of a tuple is written that is not as its differences are.
+_NUMBERED = {
+    NoneType: lambda word, i, part: [],
+    TexGen: _generation,
+    TextureShaderStage: lambda word, i, stage: [f"{word} {i}: {shader_stage_equation(i, stage)}"],
+}
 
 
 def titled(title, lines):
@@ -96,14 +99,29 @@ def _table_line(word, table):
     return f"{word} enabled: {len(entries)} {table.base_format.name} entries{bits}, {shown}"
 
 
-def _filter_lines(word, kernel):
+def _rows(word, kernel):
+    return _filter_lines(word, kernel, [(f"row {j}", row) for j, row in enumerate(kernel.rows)])
+
+
+def _row_and_column(word, kernel):
+    return _filter_lines(word, kernel, [("row", kernel.row), ("column", kernel.column)])
+
+
+def _filter_lines(word, kernel, lines):
     """A convolution filter: how it treats borders, then its rows from the bottom, or its row and column."""
-    if isinstance(kernel, ConvolutionFilter):
-        lines = [(f"row {j}", row) for j, row in enumerate(kernel.rows)]
-    else:
-        lines = [("row", kernel.row), ("column", kernel.column)]
     border = kernel.border_mode.name
     if kernel.border_mode is ConvolutionBorderMode.CONSTANT_BORDER:
         border += f" {format_value(kernel.border_color)}"
     title = f"{word} enabled: {kernel.base_format.name}, {border}"
     return [title, *(f"  {name} {format_value(weights)}" for name, weights in lines)]
+
+
+# How a part of a state is written that is not as its differences are.
+_PARTS = {
+    RegisterCombiners: lambda word, combiners: combiner_lines(combiners),
+    TextureEnvironment: lambda word, environment: environment_lines(environment),
+    ColorMask: lambda word, mask: [f"{word} {mask_words(mask)}"],
+    ColorTable: lambda word, table: [_table_line(word, table)],
+    ConvolutionFilter: _rows,
+    SeparableFilter: _row_and_column,
+}

@@ -1,6 +1,7 @@
 """The words for fields and values: OpenGL's tokens where it has one, numbers as short as they read back."""
 
 from enum import Enum
+from types import NoneType
 
 from fixedpipe.pipeline.pixel_transfer import Histogram, Minmax, PixelMaps, PixelTransfer
 from fixedpipe.pipeline.state import (
@@ -152,16 +153,25 @@ def format_number(value):
 
 def format_value(value):
     """A field's value: a token, a number, a vector or a matrix."""
-    if isinstance(value, bool):
-        return "enabled" if value else "disabled"
-    if isinstance(value, Enum):
-        return value.name
-    if isinstance(value, str):
-        return f'"{value}"'
-    if isinstance(value, bytes):
-        return value.hex(" ", 4)
-    if isinstance(value, tuple) and value and isinstance(value[0], tuple):
-        return "[" + " | ".join(" ".join(format_number(v) for v in row) for row in value) + "]"
-    if isinstance(value, tuple):
-        return f"({', '.join(format_value(v) for v in value)})"
-    return "whole framebuffer" if value is None else format_number(value)
+    for kind, written in _WRITTEN.items():
+        if isinstance(value, kind):
+            return written(value)
+    return format_number(value)
+
+
+def _format_tuple(values):
+    """A matrix, whose rows are tuples, or a vector."""
+    if values and isinstance(values[0], tuple):
+        return "[" + " | ".join(" ".join(format_number(v) for v in row) for row in values) + "]"
+    return f"({', '.join(format_value(v) for v in values)})"
+
+
+# By kind of value; what is of none is a number. The first that fits: a bool and a token may be integers.
+_WRITTEN = {
+    bool: lambda value: "enabled" if value else "disabled",
+    Enum: lambda token: token.name,
+    str: lambda name: f'"{name}"',
+    bytes: lambda data: data.hex(" ", 4),
+    tuple: _format_tuple,
+    NoneType: lambda value: "whole framebuffer",
+}

@@ -33,6 +33,14 @@ def sampler(walk, unit, known, number):
             f"{profile.name} has no {sampler.compare_mode.name}, which {place} asks for compare_mode; it "
             f"has {listed(profile.texture_compare_modes)}."
         )
+    _comparison(walk, unit, known, place)
+    _levels(walk, unit, known, place)
+    _footprints(walk, unit, known, place)
+
+
+def _comparison(walk, unit, known, place):
+    """Refuse a depth texture that is not compared, and a comparison of what is none or that is not there."""
+    profile, sampler = walk.profile, unit.sampler
     deep = known.internal_format in DEPTH_TEXELS
     compares = sampler.compare_mode is not TextureCompareMode.NONE
     if deep is not compares:
@@ -47,7 +55,11 @@ def sampler(walk, unit, known, number):
             f"{place} compares and may read its border colour, which is no depth; use CLAMP_TO_EDGE or "
             "REPEAT."
         )
-    width, height = known.sizes[0]
+
+
+def _levels(walk, unit, known, place):
+    """Refuse a minification filter that asks for levels which the texture does not have."""
+    sampler, (width, height) = unit.sampler, known.sizes[0]
     mipmapped = sampler.min_filter not in (TextureFilter.NEAREST, TextureFilter.LINEAR)
     if known.target is TextureTarget.TEXTURE_RECTANGLE:
         _rectangle_sampler(walk, place, sampler, mipmapped)
@@ -61,6 +73,11 @@ def sampler(walk, unit, known, number):
             f"has {count(len(known.sizes), 'level')} of {complete}; build it with mipmaps=True, set "
             f"max_level to {len(known.sizes) - 1}, or set min_filter to LINEAR or NEAREST."
         )
+
+
+def _footprints(walk, unit, known, place):
+    """Refuse limits and biases of the level of detail, and footprints, that the machine does not have."""
+    profile, sampler = walk.profile, unit.sampler
     if abs(sampler.min_lod) > _LOD_LIMIT or abs(sampler.max_lod) > _LOD_LIMIT:
         walk.refuse(
             f"{place} limits the level of detail to {sampler.min_lod} .. {sampler.max_lod}; give limits "

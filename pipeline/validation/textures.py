@@ -44,6 +44,33 @@ def _faces(image, level):
     return 6 if image.target is TextureTarget.TEXTURE_CUBE_MAP else 1
 
 
+def _level_problem(image, level, array):
+    """What no machine could hold in a Texture's level, or None."""
+    bits = image.bits
+    dtype = np.dtype(np.uint8 if bits == 8 else np.uint16)
+    if not isinstance(array, np.ndarray) or array.dtype != dtype or array.ndim != 4 or array.shape[3] != 4:
+        return (
+            f"level {level} of the texture is not {dtype} [faces, height, width, 4]; make textures with "
+            "texture_2d."
+        )
+    if array.size and int(array.max()) >= 1 << bits:
+        return f"level {level} of the texture holds {int(array.max())}; one is {(1 << bits) - 1}."
+    faces = _faces(image, level)
+    if array.shape[0] != faces:
+        given = count(array.shape[0], _PARTS.get(image.target, ("", "faces"))[1].removesuffix("s"))
+        return f"level {level} of a {image.target.name} has {given}; it takes {faces}."
+    height, width = array.shape[1:3]
+    if not height or not width:
+        return f"level {level} of the texture is {width}x{height} texels; a texture needs at least 1x1."
+    expected = (max(1, image.height >> level), max(1, image.width >> level))
+    if (height, width) != expected:
+        return (
+            f"level {level} of a {image.width}x{image.height} texture is {width}x{height}; it takes "
+            f"{expected[1]}x{expected[0]}. Build the levels with mipmaps=True."
+        )
+    return None
+
+
 def _texture_problem(image):
     """What no machine could hold in a Texture, or None."""
     for name, check in (("target", _check_target), ("internal_format", _check_format)):
@@ -54,33 +81,9 @@ def _texture_problem(image):
     bits = image.bits
     if isinstance(bits, bool) or not isinstance(bits, Integral) or not 4 <= bits <= 16:
         return f"the texture's components have {bits!r} bits; give 4 to 16."
-    dtype = np.dtype(np.uint8 if bits == 8 else np.uint16)
     for level, array in enumerate(image.levels):
-        if (
-            not isinstance(array, np.ndarray)
-            or array.dtype != dtype
-            or array.ndim != 4
-            or array.shape[3] != 4
-        ):
-            return (
-                f"level {level} of the texture is not {dtype} [faces, height, width, 4]; make textures with "
-                "texture_2d."
-            )
-        if array.size and int(array.max()) >= 1 << bits:
-            return f"level {level} of the texture holds {int(array.max())}; one is {(1 << bits) - 1}."
-        faces = _faces(image, level)
-        if array.shape[0] != faces:
-            given = count(array.shape[0], _PARTS.get(image.target, ("", "faces"))[1].removesuffix("s"))
-            return f"level {level} of a {image.target.name} has {given}; it takes {faces}."
-        height, width = array.shape[1:3]
-        if not height or not width:
-            return f"level {level} of the texture is {width}x{height} texels; a texture needs at least 1x1."
-        expected = (max(1, image.height >> level), max(1, image.width >> level))
-        if (height, width) != expected:
-            return (
-                f"level {level} of a {image.width}x{image.height} texture is {width}x{height}; it takes "
-                f"{expected[1]}x{expected[0]}. Build the levels with mipmaps=True."
-            )
+        if problem := _level_problem(image, level, array):
+            return problem
     if len(image.levels) > complete_levels(image.width, max(image.height, image.depth)):
         return (
             f"the texture has {len(image.levels)} levels but a {image.width}x{image.height} image ends at "

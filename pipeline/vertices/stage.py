@@ -165,11 +165,11 @@ def _clipped(primitives, known, plan, chosen, colors, color_bits):
         np.take(plan.given, vertices, axis=1), plan.sums, plan.coefficients, plan.clip, plan.parameters, x, y,
         z, inverse_w, np.empty((n, 0, 4)), clip_coordinates, np.empty((plan.rows, CHUNK)),
     )  # fmt: skip
-    units = primitives.coordinates.shape[1]
-    fog = 4 + (len(colors) if isinstance(colors, list) else colors.shape[1])
+    units, in_columns = primitives.coordinates.shape[1], isinstance(colors, list)
+    fog = 4 + (len(colors) if in_columns else colors.shape[1])
     corners = np.empty((n, fog + 1 + 4 * units))
     corners[:, :4] = clip_coordinates.T
-    if isinstance(colors, list):
+    if in_columns:
         for index, column in enumerate(colors):
             corners[:, 4 + index] = column[vertices] if column.ndim else column
     else:
@@ -221,26 +221,19 @@ def process_columns(mesh, state, profile, width, height, sample=(0, 0), *, round
     return stroked(primitives, mesh, state, profile, triangles, origin, sizes)
 
 
-def _process(mesh, triangles, state, profile, width, height, bits):
-    """The primitives of a mesh, without strokes; which of ``triangles``, its rows, each came from; the rows
-    as clipping left them; and the sizes of points, a column. ``bits``: ``kept_color_bits``, or None.
+def _vertex_columns(mesh, state, profile, position):
+    """What is clipped, a column each (clip coordinates, eye coordinates where planes clip, colours, fog,
+    texture coordinates, sizes of points), and whether back colours are others than the front's.
     """
     vertex = state.vertex
-    position = columns_of(mesh.positions, (0.0, 0.0, 0.0, 1.0))
-    programmed = vertex.stage == VertexStage.PROGRAM_RESULTS
     eye = transform(vertex.modelview, position)
     normal = eye_normal(mesh, vertex) if needs_normals(state) else None
     front, back = vertex_colors(mesh, vertex, position, eye, normal, profile)
     two_side = back is not front
-    composite = vertex.composite
-    if composite is None:
-        half_size, center = viewport_transform(vertex.viewport, width, height)
+    if vertex.composite is None:
         clip_coordinates = transform(vertex.projection, eye)
     else:
-        offset = [np.float64(np.float32(component)) for component in composite.offset]
-        half_size, center = [ONE, ONE], offset[:2]
-        clip_coordinates = transform_single(composite.matrix, position)
-
+        clip_coordinates = transform_single(vertex.composite.matrix, position)
     columns = [
         *clip_coordinates,
         *(eye if vertex.clip_planes else ()),
@@ -250,25 +243,60 @@ def _process(mesh, triangles, state, profile, width, height, bits):
         *unit_coordinates(mesh, state, position, eye, normal),
         point_sizes(mesh, state, profile, eye) if draws_points(mesh, state.polygon) else ONE,
     ]
+    return columns, two_side
+
+
+def _offset(composite):
+    return [np.float64(np.float32(component)) for component in composite.offset]
+
+
+def _half_size_and_center(vertex, width, height):
+    """Of the viewport, (x, y) each."""
+    if vertex.composite is None:
+        return viewport_transform(vertex.viewport, width, height)
+    return [ONE, ONE], _offset(vertex.composite)[:2]
+
+
+def _clipped_columns(mesh, triangles, columns, state, profile, width, height):
+    """The rows of triangles after clipping, the columns with the vertices that it made, which row each came
+    from, and how many were dropped. What a vertex program wrote is not clipped.
+    """
+    vertex = state.vertex
     polygons = mesh.primitive.is_polygons
-    if programmed:
+    if vertex.stage == VertexStage.PROGRAM_RESULTS:
         origin, dropped = np.arange(len(triangles)), 0
     else:
-        clamped = state.depth_clamp is not None or composite is not None
+        half_size, center = _half_size_and_center(vertex, width, height)
+        clamped = state.depth_clamp is not None or vertex.composite is not None
         size = width, height
         planes = clip_planes(vertex.clip_planes, half_size, center, size, profile.guard_band, clamped)
         clipped = (clip if polygons else clip_lines)(triangles, columns, len(mesh.positions), planes)
         triangles, columns, origin, dropped = clipped
-    count = max((len(column) for column in columns if column.ndim), default=len(mesh.positions))
+    return triangles, columns, origin, dropped
 
+
+def _window(vertex, position, clip_coordinates, width, height):
+    """Window x and y (up), z and 1/w: a vertex program's results, or of clip coordinates."""
+    if vertex.stage == VertexStage.PROGRAM_RESULTS:
+        return *position[:3], program_reciprocal(position[3])
+    if vertex.composite is not None:
+        return composite_coordinates(clip_coordinates, _offset(vertex.composite), height)
+    half_size, center = _half_size_and_center(vertex, width, height)
+    return window_coordinates(clip_coordinates, vertex.viewport, half_size, center)
+
+
+def _process(mesh, triangles, state, profile, width, height, bits):
+    """The primitives of a mesh, without strokes; which of ``triangles``, its rows, each came from; the rows
+    as clipping left them; and the sizes of points, a column. ``bits``: ``kept_color_bits``, or None.
+    """
+    vertex, position = state.vertex, columns_of(mesh.positions, (0.0, 0.0, 0.0, 1.0))
+    columns, two_side = _vertex_columns(mesh, state, profile, position)
+    clipped = _clipped_columns(mesh, triangles, columns, state, profile, width, height)
+    triangles, columns, origin, dropped = clipped
+    count = max((len(column) for column in columns if column.ndim), default=len(mesh.positions))
     first_color = 8 if vertex.clip_planes else 4
     fog = first_color + (16 if two_side else 8)
-    if programmed:
-        x, y, z, inverse_w = *position[:3], program_reciprocal(position[3])
-    elif composite is not None:
-        x, y, z, inverse_w = composite_coordinates(columns[:4], offset, height)
-    else:
-        x, y, z, inverse_w = window_coordinates(columns[:4], vertex.viewport, half_size, center)
+    x, y, z, inverse_w = _window(vertex, position, columns[:4], width, height)
     drawable = (inverse_w > 0) & np.isfinite(inverse_w) & np.isfinite(x) & np.isfinite(y) & np.isfinite(z)
     if not np.all(drawable):
         drawable = np.broadcast_to(drawable, count)
