@@ -10,7 +10,8 @@ from pathlib import Path
 from bench import growth, pictures, roofline
 from bench.figures import FIGURES
 from bench.measure import Ours, summarize, take_turns
-from bench.peers.llvmpipe import Llvmpipe, PeerError
+from bench.peers.llvmpipe import Llvmpipe
+from bench.peers.mesa import PeerError
 from bench.scenes import SCENES
 
 PEERS = {"llvmpipe": Llvmpipe}

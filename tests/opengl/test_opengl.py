@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bench.peers.llvmpipe import PeerError
+from bench.peers.mesa import PeerError
 from fixedpipe.pipeline.commands import Clear, Draw, Mesh
 from fixedpipe.pipeline.enums import BlendFactor, StencilOperation
 from fixedpipe.pipeline.profiles import OPENGL_1_2

@@ -13,6 +13,7 @@ from bench import __main__ as command_line
 from bench import figures, growth, largest_frame, measure, pictures, roofline
 from bench.meshes import torus
 from bench.peers import llvmpipe
+from bench.peers.mesa import PeerError
 from bench.scenes import BUMP, MODULATE, SCENES, bump
 from bench.shadow import balls_on_floor, shadow_map
 from fixedpipe.effects.figures import FIGURES
@@ -63,11 +64,14 @@ def test_the_bump_scenes_use_the_whole_machine():
     assert len(MODULATE.general) == 1
 
 
-def test_the_torus_is_closed_and_has_80000_triangles_facing_outwards():
-    mesh = torus()
+def triangles_and_normals(mesh):
     triangles = mesh.positions[mesh.indices].reshape(-1, 3, 3)
+    return triangles, np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+
+
+def test_the_torus_is_closed_and_has_80000_triangles_facing_outwards():
+    triangles, normals = triangles_and_normals(torus())
     assert len(triangles) == 80_000
-    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     # A closed surface with outward normals encloses a volume: 2 pi^2 R r^2 for a torus. Polygons of 200 edges
     # inscribed in the two circles each enclose sin(x)/x of it, x = 2 pi / 200: together 3.3e-4 less.
     volume = (triangles.mean(1) * normals).sum() / 6
@@ -75,10 +79,8 @@ def test_the_torus_is_closed_and_has_80000_triangles_facing_outwards():
 
 
 def test_the_balls_are_closed_and_lie_within_the_map_that_shadows_them():
-    mesh = balls_on_floor()
-    triangles = mesh.positions[mesh.indices].reshape(-1, 3, 3)
+    triangles, normals = triangles_and_normals(balls_on_floor())
     assert len(triangles) == 10_442
-    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     # The floor lies at height 0, where it adds nothing to the volume between it and the origin. Inscribed in
     # a sphere, 60 meridians and 30 parallels enclose 0.9 % less.
     volume = (triangles.mean(1) * normals).sum() / 6
@@ -180,7 +182,7 @@ def nothing_installed(monkeypatch):
 
 @pytest.mark.usefixtures("nothing_installed")
 def test_the_peer_says_what_is_missing():
-    with pytest.raises(llvmpipe.PeerError, match=r"PyOpenGL is not installed.*libEGL\.so\.1 is missing"):
+    with pytest.raises(PeerError, match=r"PyOpenGL is not installed.*libEGL\.so\.1 is missing"):
         llvmpipe.Llvmpipe(2)
 
 
@@ -487,7 +489,7 @@ def test_a_point_is_the_median_of_its_frames(monkeypatch, capsys):
 def peer():
     try:
         party = llvmpipe.Llvmpipe(1)
-    except llvmpipe.PeerError as problem:
+    except PeerError as problem:
         pytest.skip(str(problem))
     with party:
         yield party

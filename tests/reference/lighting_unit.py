@@ -14,6 +14,15 @@ LIGHTING, TRANSFORM = 14, 24  # significant bits
 SMALLEST, LIMIT = Fraction(1, 2**126), Fraction(2**128)
 INFINITY, NAN = math.inf, math.nan
 
+# Which of a material's colours are the vertex's. Source: OpenGL 1.2.1 section 2.13.3.
+TRACKED = {
+    ColorMaterialParameter.AMBIENT: ["ambient"],
+    ColorMaterialParameter.DIFFUSE: ["diffuse"],
+    ColorMaterialParameter.AMBIENT_AND_DIFFUSE: ["ambient", "diffuse"],
+    ColorMaterialParameter.SPECULAR: ["specular"],
+    ColorMaterialParameter.EMISSION: ["emission"],
+}
+
 
 # ----------------------------------------------------------------------------------------------- numbers
 
@@ -306,14 +315,7 @@ def sources_of(lighting, side):
         return given
     if tracking is None or tracking.face not in (side, Face.FRONT_AND_BACK):
         return ColorSources()
-    names = {
-        ColorMaterialParameter.AMBIENT: ["ambient"],
-        ColorMaterialParameter.DIFFUSE: ["diffuse"],
-        ColorMaterialParameter.AMBIENT_AND_DIFFUSE: ["ambient", "diffuse"],
-        ColorMaterialParameter.SPECULAR: ["specular"],
-        ColorMaterialParameter.EMISSION: ["emission"],
-    }[tracking.parameter]
-    return ColorSources(**{name: ColorSource.PRIMARY for name in names})
+    return ColorSources(**{name: ColorSource.PRIMARY for name in TRACKED[tracking.parameter]})
 
 
 def start(lighting, material, side, follows):

@@ -360,11 +360,11 @@ def sample_level(triangle, strq, texture, sampler, level, filter_mode, *, flat=F
     return [fixed.lerp_q8(p, q, fraction) for p, q in zip(found[0], found[-1], strict=True)]
 
 
-def block_footprint(triangle, px, py, texture, maximum):
-    """The longer step from the 2x2 block's origin to its neighbours in texture coordinates, how many times
-    longer it is than the other or than one texel, and lambda of that part of it.
+def block_steps(triangle, px, py, texture):
+    """The steps from the 2x2 block's origin to its neighbours to the right and below in texture coordinates,
+    and their squared lengths in texels; None where they are not finite numbers.
 
-    Measured: Texture_anisotropy; Source: EXT_texture_filter_anisotropic (what the ratio is).
+    Measured: Texture_anisotropy.
     """
     x, y = px & ~1, py & ~1
     width, height = texel_scales(texture, 0)[:2]
@@ -373,13 +373,24 @@ def block_footprint(triangle, px, py, texture, maximum):
         e = interpolate.perspective_terms(coverage.edge_values(triangle.edges, *at), triangle.inverse_w)
         d = interpolate.denominator(e)
         if d <= 0.0:
-            return 0.0, 0.0, 1.0, LARGEST_LAMBDA
+            return None
         strq = exact_coordinates(triangle.coordinates, e[0] * (1.0 / d), e[2] * (1.0 / d))
         points.append(divide_by_q(strq, triangle.divided)[:2])
     steps = [(s - points[0][0], t - points[0][1]) for s, t in points[1:]]
     squares = [(s * width) * (s * width) + (t * height) * (t * height) for s, t in steps]
-    if not all(isfinite(square) for square in squares):
+    return (steps, squares) if all(isfinite(square) for square in squares) else None
+
+
+def block_footprint(triangle, px, py, texture, maximum):
+    """The longer step from the 2x2 block's origin to its neighbours in texture coordinates, how many times
+    longer it is than the other or than one texel, and lambda of that part of it.
+
+    Measured: Texture_anisotropy; Source: EXT_texture_filter_anisotropic (what the ratio is).
+    """
+    found = block_steps(triangle, px, py, texture)
+    if found is None:
         return 0.0, 0.0, 1.0, LARGEST_LAMBDA
+    steps, squares = found
     ratio = min(max(sqrt(max(squares)) / max(sqrt(min(squares)), 1.0), 1.0), maximum)
     rho2 = max(squares) / (ratio * ratio)
     step = steps[0] if squares[0] >= squares[1] else steps[1]
@@ -426,20 +437,10 @@ def block_probes(triangle, px, py, texture, most):
     Source: Schilling, Knittel, Strasser 1996 (footprint assembly); Assumed: the nearest power of two of the
     ratio of the steps, in octaves, and the shorter step counted as one texel where it is less.
     """
-    x, y = px & ~1, py & ~1
-    width, height = texel_scales(texture, 0)[:2]
-    points = []
-    for at in ((x, y), (x + 1, y), (x, y + 1)):
-        e = interpolate.perspective_terms(coverage.edge_values(triangle.edges, *at), triangle.inverse_w)
-        d = interpolate.denominator(e)
-        if d <= 0.0:
-            return 0.0, 0.0, 1, LARGEST_LAMBDA
-        strq = exact_coordinates(triangle.coordinates, e[0] * (1.0 / d), e[2] * (1.0 / d))
-        points.append(divide_by_q(strq, triangle.divided)[:2])
-    steps = [(s - points[0][0], t - points[0][1]) for s, t in points[1:]]
-    squares = [(s * width) * (s * width) + (t * height) * (t * height) for s, t in steps]
-    if not all(isfinite(square) for square in squares):
+    found = block_steps(triangle, px, py, texture)
+    if found is None:
         return 0.0, 0.0, 1, LARGEST_LAMBDA
+    steps, squares = found
     longer, shorter = max(squares), min(squares)
     wanted = 1
     while longer >= 2.0 * wanted * wanted * max(shorter, 1.0) and wanted <= most:

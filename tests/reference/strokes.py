@@ -19,13 +19,11 @@ def draws_its_edge(normal):
 
 
 @dataclass(frozen=True)
-class Line:
-    """A line from a to b, a width in 1/8 pixel and a LineRasterization."""
+class Segment:
+    """From a to b."""
 
     a: tuple
     b: tuple
-    width: int
-    rasterization: LineRasterization
 
     @property
     def direction(self):
@@ -37,6 +35,14 @@ class Line:
         """0 where the line is at least as wide as high, else 1. Source: OpenGL 1.2.1 section 3.4.1."""
         dx, dy = self.direction
         return 0 if abs(dx) >= abs(dy) else 1
+
+
+@dataclass(frozen=True)
+class Line(Segment):
+    """A line from a to b, a width in 1/8 pixel and a LineRasterization."""
+
+    width: int
+    rasterization: LineRasterization
 
     @property
     def length(self):
@@ -92,23 +98,10 @@ TINY = 2.0**-50  # of a pixel's sixteenth; Assumed: nothing, its square and it a
 
 
 @dataclass(frozen=True)
-class DiamondLine:
+class DiamondLine(Segment):
     """A line from a to b by the rule of diamonds, a width in whole pixels."""
 
-    a: tuple
-    b: tuple
     width: int
-
-    @property
-    def direction(self):
-        """B - a. Source: OpenGL 1.2.1 section 3.4."""
-        return self.b[0] - self.a[0], self.b[1] - self.a[1]
-
-    @property
-    def axis(self):
-        """0: x-major, 1: y-major. Source: OpenGL 1.2.1 section 3.4.1."""
-        dx, dy = self.direction
-        return 0 if abs(dx) >= abs(dy) else 1
 
     @property
     def ends(self):

@@ -7,7 +7,6 @@ from decimal import Decimal, localcontext
 from fractions import Fraction
 
 from fixedpipe.pipeline.enums import (
-    ColorMaterialParameter,
     Face,
     FogArithmetic,
     FogCoordinateSource,
@@ -221,13 +220,7 @@ def material_colors(material, side, tracking, color):
     colors = {name: getattr(material, name) for name in ("ambient", "diffuse", "specular", "emission")}
     followers = []
     if tracking is not None and tracking.face in (side, Face.FRONT_AND_BACK):
-        followers = {
-            ColorMaterialParameter.AMBIENT: ["ambient"],
-            ColorMaterialParameter.DIFFUSE: ["diffuse"],
-            ColorMaterialParameter.AMBIENT_AND_DIFFUSE: ["ambient", "diffuse"],
-            ColorMaterialParameter.SPECULAR: ["specular"],
-            ColorMaterialParameter.EMISSION: ["emission"],
-        }[tracking.parameter]
+        followers = lighting_unit.TRACKED[tracking.parameter]
     for name in followers:
         colors[name] = color
     return colors, "specular" in followers

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from hypothesis import strategies as st
 
-from fixedpipe.pipeline.enums import CombinerBias, CombinerScale, ComponentUsage, Mapping, MuxSelect, Register
+from fixedpipe.pipeline.enums import ComponentUsage, Mapping, MuxSelect, Register
 from fixedpipe.pipeline.state import (
     AlphaPortion,
     CombinerInput,
@@ -13,16 +13,7 @@ from fixedpipe.pipeline.state import (
     RegisterCombiners,
     RGBPortion,
 )
-
-TEXTURE_REGISTERS = (Register.TEXTURE0, Register.TEXTURE1, Register.TEXTURE2, Register.TEXTURE3)
-
-_WRITABLE = (Register.PRIMARY_COLOR, Register.SECONDARY_COLOR, Register.SPARE0, Register.SPARE1)
-_READ_ONLY = (Register.ZERO, Register.CONSTANT_COLOR0, Register.CONSTANT_COLOR1, Register.FOG)
-_SCALES_AND_BIASES = (
-    *((scale, CombinerBias.NONE) for scale in CombinerScale),
-    (CombinerScale.NONE, CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF),
-    (CombinerScale.SCALE_BY_TWO, CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF),
-)
+from tests.support.combiner_words import READ_ONLY, SCALES_AND_BIASES, TEXTURE_REGISTERS, WRITABLE
 
 # Constants: the bytes' own values, their neighbourhoods, and any other number in [0, 1].
 _components = st.one_of(st.integers(0, 255).map(lambda n: n / 255.0), st.floats(0.0, 1.0))
@@ -30,12 +21,12 @@ colors = st.tuples(_components, _components, _components, _components)
 
 
 def _writable(units):
-    return _WRITABLE + TEXTURE_REGISTERS[:units]
+    return WRITABLE + TEXTURE_REGISTERS[:units]
 
 
 @st.composite
 def _general_inputs(draw, units, usages):
-    register = draw(st.sampled_from(_READ_ONLY + _writable(units)))
+    register = draw(st.sampled_from(READ_ONLY + _writable(units)))
     # The fog factor is available in the final combiner only.
     allowed = [u for u in usages if (register, u) != (Register.FOG, ComponentUsage.ALPHA)]
     return CombinerInput(register, draw(st.sampled_from(Mapping)), draw(st.sampled_from(allowed)))
@@ -48,7 +39,7 @@ def _portions(draw, kind, units, flags=False):
     outputs = draw(st.permutations(_writable(units)))[:3]
     kept = draw(st.tuples(st.booleans(), st.booleans(), st.booleans()))
     ab, cd, total = (o if k else Register.DISCARD for o, k in zip(outputs, kept, strict=True))
-    scale, bias = draw(st.sampled_from(_SCALES_AND_BIASES))
+    scale, bias = draw(st.sampled_from(SCALES_AND_BIASES))
     dots = {}
     if kind is RGBPortion:
         dots = {"ab_dot_product": draw(st.booleans()), "cd_dot_product": draw(st.booleans())}
@@ -96,7 +87,7 @@ def general_combiners(units=2, per_stage_constants=False, flags=False):
 
 @st.composite
 def _final_inputs(draw, units, variable):
-    registers = _READ_ONLY + _writable(units)
+    registers = READ_ONLY + _writable(units)
     if variable in "abcd":
         registers += (Register.E_TIMES_F,)
     if variable in "bcd":

@@ -27,8 +27,6 @@ from fixedpipe.pipeline.enums import (
     BlendEquation,
     BlendFactor,
     ColorWeights,
-    CombinerBias,
-    CombinerScale,
     ComparisonFunction,
     ComponentUsage,
     ConvolutionBorderMode,
@@ -110,20 +108,13 @@ from fixedpipe.pipeline.textures.pixel_formats import (
     READABLE_AS,
 )
 from fixedpipe.pipeline.textures.words import internal_format_of, texture_of_words
+from tests.support.combiner_words import READ_ONLY, SCALES_AND_BIASES, TEXTURE_REGISTERS, WRITABLE
 from tests.support.random_environments import random_environment
 
 _SMALL_AREA = 480  # pixels: the specification takes some 0.1 ms for each fragment
 _COUNTED = (TextureFilter.NEAREST, TextureFilter.LINEAR)
 _POLYGONS = tuple(p for p in PrimitiveType if p < PrimitiveType.POINTS)
 _STROKES = tuple(p for p in PrimitiveType if p >= PrimitiveType.POINTS)
-_TEXTURES = (Register.TEXTURE0, Register.TEXTURE1, Register.TEXTURE2, Register.TEXTURE3)
-_WRITABLE = (Register.PRIMARY_COLOR, Register.SECONDARY_COLOR, Register.SPARE0, Register.SPARE1)
-_READ_ONLY = (Register.ZERO, Register.CONSTANT_COLOR0, Register.CONSTANT_COLOR1, Register.FOG)
-_SCALES_AND_BIASES = (
-    *((scale, CombinerBias.NONE) for scale in CombinerScale),
-    (CombinerScale.NONE, CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF),
-    (CombinerScale.SCALE_BY_TWO, CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF),
-)
 _USUAL_BLENDINGS = (
     Blending(BlendFactor.ONE, BlendFactor.ONE),
     Blending(BlendFactor.SRC_ALPHA, BlendFactor.ONE_MINUS_SRC_ALPHA),
@@ -647,7 +638,9 @@ class _Maker:
         elif kind == 1:
             register = self.one_of(self.live)
         else:
-            register = self.one_of((*_READ_ONLY, *_WRITABLE, *_TEXTURES[:units], *_TEXTURES[:units]))
+            register = self.one_of(
+                (*READ_ONLY, *WRITABLE, *TEXTURE_REGISTERS[:units], *TEXTURE_REGISTERS[:units])
+            )
         usage = self.one_of(usages)
         if register is Register.FOG:  # its factor is the final combiner's
             usage = usages[0]
@@ -658,13 +651,13 @@ class _Maker:
 
     def portion(self, kind, units):
         usages = (ComponentUsage.RGB if kind is RGBPortion else ComponentUsage.BLUE, ComponentUsage.ALPHA)
-        outputs = self.chooser.sample((*_WRITABLE, *_TEXTURES[:units]), 3)
+        outputs = self.chooser.sample((*WRITABLE, *TEXTURE_REGISTERS[:units]), 3)
         if self.chance(0.6):
             outputs = [*[o for o in outputs if o is not Register.SPARE0][:2], Register.SPARE0]
         kept = [
             o if self.chance(p) else Register.DISCARD for o, p in zip(outputs, (0.3, 0.3, 0.8), strict=True)
         ]
-        scale, bias = self.one_of(_SCALES_AND_BIASES) if self.chance(0.5) else _SCALES_AND_BIASES[0]
+        scale, bias = self.one_of(SCALES_AND_BIASES) if self.chance(0.5) else SCALES_AND_BIASES[0]
         flags = {}
         if kind is RGBPortion:
             flags = {"ab_dot_product": self.chance(0.2), "cd_dot_product": self.chance(0.2)}
@@ -694,7 +687,7 @@ class _Maker:
         return GeneralCombiner(rgb, alpha, **own)
 
     def final_input(self, variable, units):
-        registers = [*_READ_ONLY, *_WRITABLE, *_TEXTURES[:units]]
+        registers = [*READ_ONLY, *WRITABLE, *TEXTURE_REGISTERS[:units]]
         if variable in "abcd":
             registers.append(Register.E_TIMES_F)
         if variable in "bcd":
@@ -724,7 +717,7 @@ class _Maker:
 
     def simple_combiners(self, units):
         """One stage that shows textures and colours: nothing hides a wrong texel."""
-        sources = [Register.PRIMARY_COLOR, *_TEXTURES[:units], *_TEXTURES[:units]]
+        sources = [Register.PRIMARY_COLOR, *TEXTURE_REGISTERS[:units], *TEXTURE_REGISTERS[:units]]
         a, b, c, d = (self.one_of(sources) for _ in range(4))
         second = self.chance(0.5)
         alpha = ComponentUsage.ALPHA
@@ -764,7 +757,7 @@ class _Maker:
         if self.chance(0.45):
             return self.simple_combiners(units)
         most = self.profile.max_general_combiners
-        self.live = [Register.CONSTANT_COLOR0, Register.PRIMARY_COLOR, *_TEXTURES[:units]]
+        self.live = [Register.CONSTANT_COLOR0, Register.PRIMARY_COLOR, *TEXTURE_REGISTERS[:units]]
         self.first_written = len(self.live)
         if self.small:
             most = min(most, 4) if self.chance(0.8) else most

@@ -141,12 +141,15 @@ def test_without_the_bias_negative_dot_products_are_lost():
     assert equation(material, halfway)[negative].min() == 0.0
 
 
+def widest_material(seed, halfway):
+    """With alpha = 1 the highlight reaches where the gate is not open."""
+    one = np.ones((SIZE, SIZE))
+    return replace(random_material(seed, 0.4, halfway), alpha_x=one, alpha_y=one)
+
+
 def test_the_diffuse_pass_adds_the_colour_and_gates_what_was_there():
     halfway = normalize(np.array([0.2, -0.3, 1.0]))
-    # With alpha = 1 the highlight reaches where the gate is not open.
-    one = np.ones((SIZE, SIZE))
-    material = replace(random_material(6, 0.4, halfway), alpha_x=one, alpha_y=one)
-    light = light_of(halfway)
+    material, light = widest_material(6, halfway), light_of(halfway)
     (panel,) = row_of_panels(1, SIZE)
     color, ambient = np.array([0.5, 0.3, 0.4]), np.array([0.05, 0.1, 0.02])
     n_l = np.maximum(0.0, dot(material.normals, np.array(light.vector)))[..., None]
@@ -166,10 +169,7 @@ def test_the_diffuse_pass_adds_the_colour_and_gates_what_was_there():
 
 def test_a_colour_map_multiplies_diffuse_and_ambient_light_and_not_the_highlight():
     halfway = normalize(np.array([0.2, -0.3, 1.0]))
-    # With alpha = 1 the highlight reaches where the gate is not open.
-    one = np.ones((SIZE, SIZE))
-    material = replace(random_material(8, 0.4, halfway), alpha_x=one, alpha_y=one)
-    light = light_of(halfway)
+    material, light = widest_material(8, halfway), light_of(halfway)
     (panel,) = row_of_panels(1, SIZE)
     colors = np.random.Generator(np.random.PCG64(9)).random((SIZE, SIZE, 3))
     color, ambient, specular_color = np.array([0.5, 0.3, 0.4]), np.array([0.05, 0.1, 0.02]), 0.3

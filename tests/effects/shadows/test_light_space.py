@@ -39,6 +39,12 @@ def clip(camera, points):
     return np.asarray(points) @ matrix[:, :3].T + matrix[:, 3]
 
 
+def fitted(kind, light):
+    """A light's direction, the body that the viewer sees and the camera that is fitted to it."""
+    direction, body = LIGHTS[light], light_space.seen_body(SCENE, VIEW)
+    return direction, body, CAMERAS[kind](body, SCENE, direction, VIEW)
+
+
 def inside_body(body, count=400):
     """Points of a convex body: random means of its corners, and the corners."""
     weights = np.random.default_rng(7).dirichlet(np.full(len(body), 0.3), count)
@@ -115,9 +121,7 @@ def test_what_is_seen_is_in_the_frustum_and_in_the_scene():
 @pytest.mark.parametrize("kind", CAMERAS)
 def test_what_is_seen_and_what_shadows_it_is_in_the_map(kind, light):
     """The body fills the map to its edges, and everything of the scene's box above it is in its depths."""
-    direction = LIGHTS[light]
-    body = light_space.seen_body(SCENE, VIEW)
-    camera = CAMERAS[kind](body, SCENE, direction, VIEW)
+    direction, body, camera = fitted(kind, light)
     points = inside_body(body)
     q = clip(camera, points)
     assert (q[:, 3] > 0.0).all()
@@ -135,9 +139,7 @@ def test_what_is_seen_and_what_shadows_it_is_in_the_map(kind, light):
 @pytest.mark.parametrize("light", LIGHTS)
 @pytest.mark.parametrize("kind", CAMERAS)
 def test_a_ray_of_light_is_one_texel_and_depth_grows_along_it(kind, light):
-    direction = LIGHTS[light]
-    body = light_space.seen_body(SCENE, VIEW)
-    camera = CAMERAS[kind](body, SCENE, direction, VIEW)
+    direction, body, camera = fitted(kind, light)
     z = np.array(direction) / np.linalg.norm(direction)
     points = inside_body(body, 100)
     ray = points[:, None, :] + np.linspace(0.0, 5.0, 12)[None, :, None] * z
@@ -151,9 +153,7 @@ def test_a_ray_of_light_is_one_texel_and_depth_grows_along_it(kind, light):
 @pytest.mark.parametrize("kind", CAMERAS)
 def test_faces_that_the_light_sees_stay_front_faces(kind, light):
     """A triangle that turns its counter-clockwise side to the light is counter-clockwise in the map."""
-    direction = LIGHTS[light]
-    body = light_space.seen_body(SCENE, VIEW)
-    camera = CAMERAS[kind](body, SCENE, direction, VIEW)
+    direction, body, camera = fitted(kind, light)
     x, y, _ = light_space.light_axes(direction, VIEW)
     for corner in inside_body(body, 50):
         q = clip(camera, np.stack([corner, corner + 0.1 * x, corner + 0.1 * y]))

@@ -979,6 +979,18 @@ def test_interpolated_colours_differ_from_the_machines_by_its_quantisation(seed)
     np.testing.assert_array_equal(guided.color, execute_ideal(frame, 24, 20).color)
 
 
+def largest_difference(texture, sampler, coordinates, size):
+    """Of a textured window's colours on the machine from the ideal's of the same fragments, in bytes."""
+    state = PassState(texture_units=(TextureUnit("t", sampler),), register_combiners=TEXTURE0_ALONE)
+    frame = (
+        TexImage(label="t", texture="t", image=texture),
+        Draw(label="d", mesh=quad(texture_coordinates=(coordinates,)), state=state),
+    )
+    machine = execute(frame, GEFORCE_256, size, size, record=True)
+    guided = execute_ideal(frame, size, size, guide=machine)
+    return np.abs(255 * guided.color - machine.framebuffer.color).max()
+
+
 @pytest.mark.parametrize("wrap", list(WrapMode))
 def test_filtered_textures_differ_from_the_machines_by_its_quantisation(wrap):
     # Machine: each fraction is floored to 1/256, which moves at most 255/256 byte from one texel to the
@@ -988,14 +1000,7 @@ def test_filtered_textures_differ_from_the_machines_by_its_quantisation(wrap):
     texture = texture_2d(rng.integers(0, 256, (8, 16, 4)).astype(np.uint8), InternalFormat.RGBA8)
     sampler = replace(LINEAR, wrap_s=wrap, wrap_t=wrap, border_color=(1.0, 0.0, 0.0, 1.0))
     coordinates = np.array([[-0.7, -0.6], [1.9, -0.2], [1.6, 1.3], [-0.3, 1.8]])
-    state = PassState(texture_units=(TextureUnit("t", sampler),), register_combiners=TEXTURE0_ALONE)
-    frame = (
-        TexImage(label="t", texture="t", image=texture),
-        Draw(label="d", mesh=quad(texture_coordinates=(coordinates,)), state=state),
-    )
-    machine = execute(frame, GEFORCE_256, 30, 30, record=True)
-    guided = execute_ideal(frame, 30, 30, guide=machine)
-    assert np.abs(255 * guided.color - machine.framebuffer.color).max() <= bound
+    assert largest_difference(texture, sampler, coordinates, 30) <= bound
 
 
 def test_mipmaps_differ_from_the_machines_by_its_quantisation():
@@ -1006,16 +1011,9 @@ def test_mipmaps_differ_from_the_machines_by_its_quantisation():
     texture = texture_2d(
         rng.integers(0, 256, (32, 32, 4)).astype(np.uint8), InternalFormat.RGBA8, mipmaps=True
     )
-    unit = TextureUnit("t", Sampler(TextureFilter.LINEAR_MIPMAP_LINEAR))
-    state = PassState(texture_units=(unit,), register_combiners=TEXTURE0_ALONE)
     coordinates = np.array([[0.1, 0.0], [1.3, 0.9], [0.6, 2.2], [-0.6, 1.3]])
-    frame = (
-        TexImage(label="t", texture="t", image=texture),
-        Draw(label="d", mesh=quad(texture_coordinates=(coordinates,)), state=state),
-    )
-    machine = execute(frame, GEFORCE_256, 20, 20, record=True)
-    guided = execute_ideal(frame, 20, 20, guide=machine)
-    assert np.abs(255 * guided.color - machine.framebuffer.color).max() <= bound
+    sampler = Sampler(TextureFilter.LINEAR_MIPMAP_LINEAR)
+    assert largest_difference(texture, sampler, coordinates, 20) <= bound
 
 
 def bump_frame(normals, light, profile):

@@ -27,6 +27,7 @@ from fixedpipe.pipeline.validation.validate import validate_program
 from fixedpipe.pipeline.validation.walk import UnsupportedState
 from tests.reference import combine, pixel_shader
 from tests.support.program_strategies import pixel_shaders
+from tests.support.text_errors import assert_says_where_and_what
 
 NO_FOG = [0, 0, 0, 255]
 CHIP = pixel_shader.Arithmetic(half=NV2A.expand_half, lowest=NV2A.clamp_low)
@@ -469,13 +470,7 @@ ERRORS = [
 
 @pytest.mark.parametrize(("text", "line", "column", "words"), ERRORS, ids=[repr(e[0][-40:]) for e in ERRORS])
 def test_an_error_says_where_and_what(text, line, column, words):
-    with pytest.raises(PixelShaderTextError) as caught:
-        parse(text)
-    message = str(caught.value)
-    assert (caught.value.line, caught.value.column) == (line, column), message
-    assert message.startswith(f"line {line}, column {column}: ")
-    assert all(word in message for word in words), message
-    assert message.endswith(".")
+    assert_says_where_and_what(PixelShaderTextError, parse, text, line, column, words)
 
 
 def test_every_instruction_of_the_tables_is_read():

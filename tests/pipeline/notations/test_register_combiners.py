@@ -17,6 +17,7 @@ from fixedpipe.pipeline.state import (
     RGBPortion,
 )
 from tests.support.combiner_strategies import register_combiners
+from tests.support.text_errors import assert_says_where_and_what
 
 RGB, ALPHA, BLUE = ComponentUsage
 R, M = Register, Mapping
@@ -454,13 +455,7 @@ ERRORS = [
 
 @pytest.mark.parametrize(("text", "line", "column", "words"), ERRORS, ids=[repr(e[0][-40:]) for e in ERRORS])
 def test_an_error_says_where_and_what(text, line, column, words):
-    with pytest.raises(CombinerTextError) as caught:
-        parse(text)
-    message = str(caught.value)
-    assert (caught.value.line, caught.value.column) == (line, column), message
-    assert message.startswith(f"line {line}, column {column}: ")
-    assert all(word in message for word in words), message
-    assert message.endswith(".")
+    assert_says_where_and_what(CombinerTextError, parse, text, line, column, words)
 
 
 def test_every_cut_of_a_program_is_an_error_or_a_program():

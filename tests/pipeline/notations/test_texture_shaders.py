@@ -17,6 +17,7 @@ from fixedpipe.pipeline.profiles import GEFORCE_3, NV2A
 from fixedpipe.pipeline.state import TextureShaderStage
 from fixedpipe.pipeline.validation.validate import validate_program
 from tests.support.program_strategies import texture_shaders
+from tests.support.text_errors import assert_says_where_and_what
 
 Stage = TextureShaderStage
 EXPAND = DotProductMapping.EXPAND_NORMAL
@@ -176,10 +177,4 @@ ERRORS = [
 
 @pytest.mark.parametrize(("text", "line", "column", "words"), ERRORS, ids=[repr(e[0][-40:]) for e in ERRORS])
 def test_an_error_says_where_and_what(text, line, column, words):
-    with pytest.raises(TextureShaderTextError) as caught:
-        parse(text)
-    message = str(caught.value)
-    assert (caught.value.line, caught.value.column) == (line, column), message
-    assert message.startswith(f"line {line}, column {column}: ")
-    assert all(word in message for word in words), message
-    assert message.endswith(".")
+    assert_says_where_and_what(TextureShaderTextError, parse, text, line, column, words)

@@ -124,30 +124,27 @@ def assert_equal(combiners, profile=GEFORCE_256, kinds=(SIGNED_UNIT,) * 4, seed=
     assert [hex(c) for c in got] == [hex(c) for c in expected]
 
 
-UNIT_KINDS = st.tuples(*[st.sampled_from((DISABLED, BYTES_UNIT, SIGNED_UNIT))] * 4)
-
-
-@settings(max_examples=400)
-@given(
-    register_combiners(4, units=4, per_stage_constants=True, flags=True),
+OTHERS = (  # than programs: machines, kinds of units, seeds and whether there is fog
     st.sampled_from(MACHINES),
-    UNIT_KINDS,
+    st.tuples(*[st.sampled_from((DISABLED, BYTES_UNIT, SIGNED_UNIT))] * 4),
     st.integers(0, 2**32 - 1),
     st.booleans(),
 )
+
+
+def programs(stages):
+    return register_combiners(stages, units=4, per_stage_constants=True, flags=True)
+
+
+@settings(max_examples=400)
+@given(programs(4), *OTHERS)
 def test_random_programs(combiners, profile, kinds, seed, fog):
     assert_equal(combiners, profile, kinds, seed, fog=fog)
 
 
 @pytest.mark.slow
 @settings(max_examples=5000)
-@given(
-    register_combiners(8, units=4, per_stage_constants=True, flags=True),
-    st.sampled_from(MACHINES),
-    UNIT_KINDS,
-    st.integers(0, 2**32 - 1),
-    st.booleans(),
-)
+@given(programs(8), *OTHERS)
 def test_many_random_programs(combiners, profile, kinds, seed, fog):
     assert_equal(combiners, profile, kinds, seed, fog=fog)
 
