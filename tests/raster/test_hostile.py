@@ -1,10 +1,5 @@
 """Kernels given rows and columns that no state packs to stay inside their arrays."""
 
-import os
-import subprocess
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -17,24 +12,14 @@ from fixedpipe.raster import rows as R
 from fixedpipe.raster.portable.interpolate import iterate_fog_table
 from tests import fuzz
 from tests.hostile import Arrays, draws_of
+from tests.support.processes import output_of
 from tests.support.random_frames import Frame, random_frame
 from tests.support.strategies import SHOW_TEXTURE
-
-ROOT = Path(__file__).parents[2]
 
 
 def run(frames, **environment):
     """The line that ``python -m tests.hostile`` prints; a crash would end that process, not this one."""
-    finished = subprocess.run(
-        [sys.executable, "-m", "tests.hostile", "--frames", str(frames)],
-        cwd=ROOT,
-        env={**os.environ, **environment},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert finished.returncode == 0, finished.stdout + finished.stderr
-    return finished.stdout
+    return output_of("tests.hostile", "--frames", frames, **environment)
 
 
 def test_spoilt_rows_crash_nothing():

@@ -1,15 +1,12 @@
 """One digest for any processor, thread count and batch size; and no fused multiply-add in any kernel."""
 
-import os
 import platform
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).parents[2]
+from tests.support.processes import output_of
+
 ON_X86 = platform.machine().lower() in ("x86_64", "amd64")
 # NumPy's loops for newer processors; disabling them leaves the plain ones (their sin, exp and pow may
 # differ).
@@ -19,16 +16,7 @@ NUMPY_EXTRAS = " ".join(f for f in _CORE.__cpu_dispatch__ if _CORE.__cpu_feature
 
 def run(threads, batch, *options, **environment):
     """The lines that ``python -m tests.support.bits`` prints."""
-    finished = subprocess.run(
-        [sys.executable, "-m", "tests.support.bits", str(threads), str(batch), *options],
-        cwd=ROOT,
-        env={**os.environ, **environment},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert finished.returncode == 0, finished.stderr
-    return finished.stdout.split("\n")
+    return output_of("tests.support.bits", threads, batch, *options, **environment).split("\n")
 
 
 @pytest.fixture(scope="module")

@@ -1,12 +1,8 @@
 """The fuzz: a few hundred frames here, ten minutes of it in ``make test-all``; and it finds what is wrong."""
 
 import math
-import os
 import platform
-import subprocess
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,9 +10,9 @@ import pytest
 from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.description.describe import describe
 from tests import fuzz
+from tests.support.processes import output_of
 from tests.support.random_frames import random_frame
 
-ROOT = Path(__file__).parents[3]
 ON_X86 = platform.machine().lower() in ("x86_64", "amd64")
 # Ten minutes against the specification in all. Seeds that no other run of the suite draws.
 NATIVE_SECONDS, AVX2_SECONDS, GENERIC_SECONDS, THREADS_SECONDS = 240, 120, 120, 120
@@ -73,18 +69,10 @@ def test_the_command_line_checks_one_seed(capsys):
 
 def run(seconds, first_seed, *options, **environment):
     """The fuzz in a process of its own: under another processor, or with every index checked."""
-    command = [sys.executable, "-m", "tests.fuzz", "--seconds", str(seconds), "--first-seed", str(first_seed)]
-    finished = subprocess.run(
-        [*command, *options],
-        cwd=ROOT,
-        env={**os.environ, **environment},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert finished.returncode == 0, finished.stdout + finished.stderr
-    assert "no difference" in finished.stdout
-    print(finished.stdout)
+    arguments = "--seconds", seconds, "--first-seed", first_seed, *options
+    said = output_of("tests.fuzz", *arguments, **environment)
+    assert "no difference" in said
+    print(said)
 
 
 @pytest.mark.slow
