@@ -396,20 +396,6 @@ def _converter(element, emit, doc):
     return convert
 
 
-def _regrouped(element, factor, doc):
-    @intrinsic
-    def regroup(typing_context, a):
-        result = Vector(element, int(a.lanes * factor))
-
-        def codegen(context, builder, signature, args):
-            return builder.bitcast(args[0], result.ir)
-
-        return result(a), codegen
-
-    regroup.__doc__ = doc
-    return regroup
-
-
 to_int32 = _converter(types.int32, "fptosi", "A float's integer part; undefined beyond int32.")
 narrow_i32 = _converter(types.int32, "trunc", "The lower 32 bits.")
 narrow_i16 = _converter(types.int16, "trunc", "The lower 16 bits.")
@@ -417,10 +403,6 @@ narrow_u8 = _converter(types.uint8, "trunc", "The lower 8 bits.")
 widen_i32 = _converter(types.int32, "sext", "The same integer in 32 bits.")
 widen_unsigned_i16 = _converter(types.int16, "zext", "The bits as an unsigned integer in 16 bits.")
 widen_unsigned_i32 = _converter(types.int32, "zext", "The bits as an unsigned integer in 32 bits.")
-halves_of_lanes = _regrouped(types.int16, 2, "Twice as many 16-bit lanes, lower halves first.")
-lanes_of_halves = _regrouped(
-    types.int32, 0.5, "Half as many 32-bit lanes, as ``halves_of_lanes`` splits them."
-)
 
 
 def _reinterpreter(element, factor, doc):

@@ -1,6 +1,9 @@
-"""A function does one thing: what is done of a value by its class stands in a table keyed by classes."""
+"""A function does one thing: what is done of a value by its class stands in a table keyed by classes. And a
+module gives a name once.
+"""
 
 import ast
+from collections import Counter
 
 import pytest
 
@@ -78,3 +81,24 @@ def apart(x, y):
 @pytest.mark.parametrize(("source", "names"), [(CHAIN, {"chain"}), (ROW, {"row"}), (APART, set())])
 def test_a_chain_is_seen_and_one_question_is_none(source, names):
     assert asks_twice(source) == names
+
+
+def given_twice(source):
+    """Names that a module gives to two functions, classes or values, of which the first is never seen."""
+    given = Counter()
+    for node in ast.parse(source).body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            given[node.name] += 1
+        elif isinstance(node, ast.Assign):
+            names = [n for target in node.targets for n in ast.walk(target) if isinstance(n, ast.Name)]
+            given.update(n.id for n in names if isinstance(n.ctx, ast.Store))
+    return {name for name, times in given.items() if times > 1}
+
+
+@pytest.mark.parametrize("folder", ["raster", "pipeline", "effects", "bench"])
+def test_a_module_gives_a_name_once(folder):
+    assert not [(p.stem, n) for p in (ROOT / folder).rglob("*.py") for n in given_twice(p.read_text())]
+
+
+def test_a_name_that_is_given_twice_is_seen():
+    assert given_twice("x = 1\ndef f(): y = 1\ny, x = 2, 3\nf = {z: z for z in x}") == {"x", "f"}
