@@ -7,81 +7,94 @@ zero.
 
 from fixedpipe.raster.codes import REGISTER_DISCARD
 
+
+class _Row:
+    """Hands out a row's places in order: ``row()`` is the next, ``row(n)`` the first of the next n."""
+
+    def __init__(self, first=0):
+        self.size = first
+
+    def __call__(self, width=1):
+        place, self.size = self.size, self.size + width
+        return place
+
+
 # ------------------------------------------------------------------ draw: int64[DRAW_SIZE]
-(
-    X0,  # device pixels, half open: the screen cut by the scissor box
-    Y0,
-    X1,
-    Y1,
-    CULL_POSITIVE,  # cull triangles whose area is positive
-    CULL_NEGATIVE,
-    BACK_SIGN,  # 0: all front; 1: A > 0 takes the back colour; -1: A < 0 does
-    FLAT,  # codes.COLORS_...; 0: they are iterated
-    DEPTH_FORMAT,  # codes.DEPTH_...
-    DEPTH_MAX,  # fixed: 2**bits - 1
-    DEPTH_CULL,  # 1: a depth outside its limits ends the fragment; 0: it is clamped
-    W_BUFFERING,
-    POLYGON_OFFSET,
-    NEEDS_COLOR,  # 0: no colour is written and no alpha test looks at it
-    NEEDS_PRIMARY,
-    NEEDS_SECONDARY,
-    NEEDS_COLOR_WEIGHTS,  # codes.WEIGHTS_...; 0: none
-    NEEDS_ITERATION_WEIGHTS,  # weights with 24 significant bits: those, or texture coordinates
-    NEEDS_WEIGHTS,  # full-precision weights
-    NEEDS_DEPTH,
-    UNITS,
-    DIRECT,  # 1: the fragment is its primary colour, no combiners
-    STAGES,
-    COLOR_SUM,  # bits: codes.COLOR_SUM_...
-    USES_E_TIMES_F,
-    USES_SPARE0_PLUS_SECONDARY,
-    WRITES_TEXTURE,  # 1: a stage writes the register of a disabled unit, which each batch must find unset
-    STAGE_CONSTANTS,  # 1: constants change from stage to stage
-    FOG_ENABLED,  # codes.FOG_BY_...: 255 thresholds, or a table of floor(4096 v); 0: no fog
-    FOG_RISING,  # 1: the factor grows with the coordinate
-    FOG_RED,
-    FOG_GREEN,
-    FOG_BLUE,
-    ALPHA_TEST,
-    ALPHA_FUNCTION,  # codes.COMPARISON_..., as every function here
-    ALPHA_REFERENCE,
-    STENCIL_TEST,
-    STENCIL_FUNCTION,
-    STENCIL_REFERENCE,
-    STENCIL_MASK,
-    STENCIL_WRITE_MASK,
-    STENCIL_FAIL,  # three operations of STENCIL_OPERATION_SIZE entries
-) = range(42)
 STENCIL_OPERATION_SIZE = 5  # and, xor, add, low, high: clamp(((s & and) ^ xor) + add, low, high) & 255
-STENCIL_DEPTH_FAIL = STENCIL_FAIL + STENCIL_OPERATION_SIZE
-STENCIL_DEPTH_PASS = STENCIL_DEPTH_FAIL + STENCIL_OPERATION_SIZE
-DEPTH_FUNCTION = STENCIL_DEPTH_PASS + STENCIL_OPERATION_SIZE
-DEPTH_WRITE = DEPTH_FUNCTION + 1
-BLEND = DEPTH_WRITE + 1  # codes.BLEND_...
-BLEND_EQUATION = BLEND + 1  # codes.EQUATION_...
-LOGIC_OPERATION = BLEND_EQUATION + 1  # codes.LOGIC_...
-COLOR_MASK = LOGIC_OPERATION + 1  # 32 bits, as stored
-TEXTURE_SHADER = COLOR_MASK + 1  # 1: stages read earlier stages' texels
-DISCARDS = TEXTURE_SHADER + 1  # 1: shading may discard fragments
-SURFACE = DISCARDS + 1  # 1: not four bytes, or a signed blend equation: through the three that follow
-SURFACE_KEEP = SURFACE + 1  # 32 bits, as stored: those that the surface's format keeps
-SURFACE_PAD = SURFACE_KEEP + 1  # 32 bits: those that are always one
-SURFACE_ALPHA = SURFACE_PAD + 1  # as a factor: codes.SURFACE_ALPHA_...
-STROKES = SURFACE_ALPHA + 1  # 1: some primitives are no triangles
-LINE_WIDTH = STROKES + 1  # 1/8 pixel
-PIXEL_WIDE = 8  # a line of one pixel
-LINE_STEPS = LINE_WIDTH + 1  # codes.LINE_...
-OFFSET_LINE = LINE_STEPS + 1  # polygon offset, of polygons drawn as lines and as points
-OFFSET_POINT = OFFSET_LINE + 1
-STIPPLE = OFFSET_POINT + 1
-STIPPLE_WORD = STIPPLE + 1  # 32 words, device row 0 first, the leftmost pixel in the highest bit
-LINE_FACTOR = STIPPLE_WORD + 32  # line stipple: how often each bit is used; 0: none
-LINE_PATTERN = LINE_FACTOR + 1  # 16 bits, the first in the lowest
-WINDOW_CLIP = LINE_PATTERN + 1  # codes.WINDOW_CLIP_...
-CLIP_RECTANGLES = WINDOW_CLIP + 1
-CLIP_RECTANGLE = CLIP_RECTANGLES + 1  # left, top, right, bottom of each in device pixels, half open
+PIXEL_WIDE = 8  # a LINE_WIDTH of one pixel
 MAX_CLIP_RECTANGLES = 8
-DRAW_SIZE = CLIP_RECTANGLE + 4 * MAX_CLIP_RECTANGLES
+_draw = _Row()
+X0 = _draw()  # device pixels, half open: the screen cut by the scissor box
+Y0 = _draw()
+X1 = _draw()
+Y1 = _draw()
+CULL_POSITIVE = _draw()  # cull triangles whose area is positive
+CULL_NEGATIVE = _draw()
+BACK_SIGN = _draw()  # 0: all front; 1: A > 0 takes the back colour; -1: A < 0 does
+FLAT = _draw()  # codes.COLORS_...; 0: they are iterated
+DEPTH_FORMAT = _draw()  # codes.DEPTH_...
+DEPTH_MAX = _draw()  # fixed: 2**bits - 1
+DEPTH_CULL = _draw()  # 1: a depth outside its limits ends the fragment; 0: it is clamped
+W_BUFFERING = _draw()
+POLYGON_OFFSET = _draw()
+NEEDS_COLOR = _draw()  # 0: no colour is written and no alpha test looks at it
+NEEDS_PRIMARY = _draw()
+NEEDS_SECONDARY = _draw()
+NEEDS_COLOR_WEIGHTS = _draw()  # codes.WEIGHTS_...; 0: none
+NEEDS_ITERATION_WEIGHTS = _draw()  # weights with 24 significant bits: those, or texture coordinates
+NEEDS_WEIGHTS = _draw()  # full-precision weights
+NEEDS_DEPTH = _draw()
+UNITS = _draw()
+DIRECT = _draw()  # 1: the fragment is its primary colour, no combiners
+STAGES = _draw()
+COLOR_SUM = _draw()  # bits: codes.COLOR_SUM_...
+USES_E_TIMES_F = _draw()
+USES_SPARE0_PLUS_SECONDARY = _draw()
+WRITES_TEXTURE = (
+    _draw()
+)  # 1: a stage writes the register of a disabled unit, which each batch must find unset
+STAGE_CONSTANTS = _draw()  # 1: constants change from stage to stage
+FOG_ENABLED = _draw()  # codes.FOG_BY_...: 255 thresholds, or a table of floor(4096 v); 0: no fog
+FOG_RISING = _draw()  # 1: the factor grows with the coordinate
+FOG_RED = _draw()
+FOG_GREEN = _draw()
+FOG_BLUE = _draw()
+ALPHA_TEST = _draw()
+ALPHA_FUNCTION = _draw()  # codes.COMPARISON_..., as every function here
+ALPHA_REFERENCE = _draw()
+STENCIL_TEST = _draw()
+STENCIL_FUNCTION = _draw()
+STENCIL_REFERENCE = _draw()
+STENCIL_MASK = _draw()
+STENCIL_WRITE_MASK = _draw()
+STENCIL_FAIL = _draw(STENCIL_OPERATION_SIZE)
+STENCIL_DEPTH_FAIL = _draw(STENCIL_OPERATION_SIZE)
+STENCIL_DEPTH_PASS = _draw(STENCIL_OPERATION_SIZE)
+DEPTH_FUNCTION = _draw()
+DEPTH_WRITE = _draw()
+BLEND = _draw()  # codes.BLEND_...
+BLEND_EQUATION = _draw()  # codes.EQUATION_...
+LOGIC_OPERATION = _draw()  # codes.LOGIC_...
+COLOR_MASK = _draw()  # 32 bits, as stored
+TEXTURE_SHADER = _draw()  # 1: stages read earlier stages' texels
+DISCARDS = _draw()  # 1: shading may discard fragments
+SURFACE = _draw()  # 1: not four bytes, or a signed blend equation: through the three that follow
+SURFACE_KEEP = _draw()  # 32 bits, as stored: those that the surface's format keeps
+SURFACE_PAD = _draw()  # 32 bits: those that are always one
+SURFACE_ALPHA = _draw()  # as a factor: codes.SURFACE_ALPHA_...
+STROKES = _draw()  # 1: some primitives are no triangles
+LINE_WIDTH = _draw()  # 1/8 pixel
+LINE_STEPS = _draw()  # codes.LINE_...
+OFFSET_LINE = _draw()  # polygon offset, of polygons drawn as lines and as points
+OFFSET_POINT = _draw()
+STIPPLE = _draw()
+STIPPLE_WORD = _draw(32)  # words, device row 0 first, the leftmost pixel in the highest bit
+LINE_FACTOR = _draw()  # line stipple: how often each bit is used; 0: none
+LINE_PATTERN = _draw()  # 16 bits, the first in the lowest
+WINDOW_CLIP = _draw()  # codes.WINDOW_CLIP_...
+CLIP_RECTANGLES = _draw()
+CLIP_RECTANGLE = _draw(4 * MAX_CLIP_RECTANGLES)  # of each left, top, right, bottom: device pixels, half open
+DRAW_SIZE = _draw.size
 
 # -------- strokes: int32[primitives, STROKE_SIZE], or none: kind (codes.PRIMITIVE_...), takes the back
 # colour, three source vertices; of a line in steps the first pixel along its longer axis and the one behind
@@ -100,62 +113,60 @@ DEPTH_LOW, DEPTH_HIGH, OFFSET_FACTOR, OFFSET_UNITS, DRAW_FLOAT_SIZE = range(5)
 # Four inputs of INPUT_SIZE entries: register, usage (codes.REGISTER_..., USAGE_...), and the mapping as
 # min(max(x, low) * factor + addend, 255).
 INPUT_SIZE = 5
-(
-    AB_OUTPUT,
-    CD_OUTPUT,
-    SUM_OUTPUT,
-    AB_DOT,
-    CD_DOT,
-    MUX,  # the bit of SPARE0's alpha that selects, 128 or 1; 0: a sum
-    BIAS,
-    SCALE,  # codes.SCALE_...
-    AB_BLUE,  # 1: blue goes to the output's alpha as well
-    CD_BLUE,
-    PORTION_SIZE,
-) = range(4 * INPUT_SIZE, 4 * INPUT_SIZE + 11)
+_portion = _Row(4 * INPUT_SIZE)
+AB_OUTPUT = _portion()
+CD_OUTPUT = _portion()
+SUM_OUTPUT = _portion()
+AB_DOT = _portion()
+CD_DOT = _portion()
+MUX = _portion()  # the bit of SPARE0's alpha that selects, 128 or 1; 0: a sum
+BIAS = _portion()
+SCALE = _portion()  # codes.SCALE_...
+AB_BLUE = _portion()  # 1: blue goes to the output's alpha as well
+CD_BLUE = _portion()
+PORTION_SIZE = _portion.size
 
 # -------------------------------------- final combiner: int32[7, FINAL_SIZE]: register, usage, invert
 FINAL_SIZE = 3
 
 # --------------------------------------------------------------- units: int64[units, UNIT_SIZE]
-(
-    ENABLED,
-    TARGET,  # codes.TARGET_...
-    LEVELS,
-    WRAP_S,  # codes.WRAP_..., as WRAP_T and WRAP_R
-    WRAP_T,
-    MAG_LINEAR,
-    MIN_LINEAR,  # within a level
-    MIPMAP,  # codes.MIPMAP_...
-    LOD_BIAS,  # 8 fraction bits
-    THRESHOLD,  # lambda up to which the texture is magnified, 8 fraction bits
-    BORDER,  # packed RGBA
-    PROJECTIVE,  # 1: divide by q
-    WRAP_R,
-    LAYERS,  # of level 0 of a 3D texture
-    MIN_LOD,  # 8 fraction bits, as MAX_LOD
-    MAX_LOD,
-    SIGNED,  # packed: 0x80 in each signed component, whose texels and border come with that bit inverted
-    OPERATION,  # codes.OPERATION_...; 0: the unit samples its texture
-    PREVIOUS,  # previous texture input
-    MAPPING,  # codes.DOT_MAPPING_...
-    CULL_MODES,  # bit k: coordinate k's codes.CULL_MODE_...
-    COMPARE,  # codes.COMPARE_MODE_...
-    COMPARE_FUNCTION,
-    COMPARE_HELD,  # packed: what takes a texel's place where the comparison holds
-    COMPARE_FAILED,
-    HILO,  # 1: texels are two words of 16 bits, alpha and red, green and blue
-    DEPTH_TEXEL_MAX,  # the largest depth word of a compared texture
-    DEPTH_TEXEL_FORMAT,  # codes.DEPTH_...
-    ANISOTROPY,  # the largest ratio, a float64's bit pattern; 0: isotropic
-    PROBES,  # the most probes of a footprint, a power of two; 0: none are assembled
-    OFFSET_MATRIX,  # four entries; these and the following are bit patterns of float64
-) = range(31)
-OFFSET_SCALE = OFFSET_MATRIX + 4
-OFFSET_BIAS = OFFSET_SCALE + 1
-CONSTANT_EYE = OFFSET_BIAS + 1  # three entries
-COORDINATE_DEPTH = CONSTANT_EYE + 3  # depth units for one unit of a coordinate that is a depth
-UNIT_SIZE = COORDINATE_DEPTH + 1
+_unit = _Row()
+ENABLED = _unit()
+TARGET = _unit()  # codes.TARGET_...
+LEVELS = _unit()
+WRAP_S = _unit()  # codes.WRAP_..., as WRAP_T and WRAP_R
+WRAP_T = _unit()
+MAG_LINEAR = _unit()
+MIN_LINEAR = _unit()  # within a level
+MIPMAP = _unit()  # codes.MIPMAP_...
+LOD_BIAS = _unit()  # 8 fraction bits
+THRESHOLD = _unit()  # lambda up to which the texture is magnified, 8 fraction bits
+BORDER = _unit()  # packed RGBA
+PROJECTIVE = _unit()  # 1: divide by q
+WRAP_R = _unit()
+LAYERS = _unit()  # of level 0 of a 3D texture
+MIN_LOD = _unit()  # 8 fraction bits, as MAX_LOD
+MAX_LOD = _unit()
+SIGNED = _unit()  # packed: 0x80 in each signed component, whose texels and border come with that bit inverted
+OPERATION = _unit()  # codes.OPERATION_...; 0: the unit samples its texture
+PREVIOUS = _unit()  # previous texture input
+MAPPING = _unit()  # codes.DOT_MAPPING_...
+CULL_MODES = _unit()  # bit k: coordinate k's codes.CULL_MODE_...
+COMPARE = _unit()  # codes.COMPARE_MODE_...
+COMPARE_FUNCTION = _unit()
+COMPARE_HELD = _unit()  # packed: what takes a texel's place where the comparison holds
+COMPARE_FAILED = _unit()
+HILO = _unit()  # 1: texels are two words of 16 bits, alpha and red, green and blue
+DEPTH_TEXEL_MAX = _unit()  # the largest depth word of a compared texture
+DEPTH_TEXEL_FORMAT = _unit()  # codes.DEPTH_...
+ANISOTROPY = _unit()  # the largest ratio, a float64's bit pattern; 0: isotropic
+PROBES = _unit()  # the most probes of a footprint, a power of two; 0: none are assembled
+OFFSET_MATRIX = _unit(4)  # this and those that follow are bit patterns of float64
+OFFSET_SCALE = _unit()
+OFFSET_BIAS = _unit()
+CONSTANT_EYE = _unit(3)
+COORDINATE_DEPTH = _unit()  # depth units for one unit of a coordinate that is a depth
+UNIT_SIZE = _unit.size
 
 # ------------------------------ texture levels: int32[units, MAX_LEVELS, 3]: offset, width, height
 MAX_UNITS = 4
@@ -163,118 +174,122 @@ MAX_LEVELS = 16  # the ideal profile's largest texture, 2**14 texels an edge, ha
 
 REGISTERS = REGISTER_DISCARD  # those before it have four planes each: red, green, blue, alpha
 
-# Scratch columns of a batch. floats float64[FLOAT_COLUMNS, batch]: texture coordinates (for a cube map, of
-# its face, doubled), weights of vertices 0 and 2 with 24 significant bits, sizes of each fragment's level, a
-# texel coordinate, a cube map's r or q, weights of vertices 0 and 2, depth before it is a word; a 3D
-# texture's r with its size.
-(
-    S,
-    T,
-    Q0,
-    Q2,
-    S_SIZE,
-    T_SIZE,
-    TEXEL,
-    EXTRA,
-    B0,
-    B2,
-    P,
-    P_SIZE,
-    COORDINATE0,  # four coordinates of a texture shader stage
-) = range(13)
-DOT0 = COORDINATE0 + 4  # the stages' dot products
-DEPTH = DOT0 + 4
-# Anisotropic filters: a fragment's own S and T, its footprint's longer side, and how much longer that is, or
-# how many probes it takes.
-CENTER_S, CENTER_T, ALONG_S, ALONG_T, RATIO = range(DEPTH + 1, DEPTH + 6)
-FLOAT_COLUMNS = RATIO + 1
-# ints int32[INT_COLUMNS, batch]: cube face; where the level begins and its width; neighbouring columns and
-# rows with their fractions; level, fraction between levels, lambda; colour weights; the triangle of a run;
-# neighbouring layers with their fraction; the depth word that texels are compared with.
-(
-    FACE,
-    BASE,
-    WIDTH,
-    I0,
-    I1,
-    I_FRACTION,
-    J0,
-    J1,
-    J_FRACTION,
-    LEVEL,
-    FRACTION,
-    LOD,
-    W0,
-    W2,
-    OWNER,
-    K0,
-    K1,
-    K_FRACTION,
-    REFERENCE,
-    INT_COLUMNS,
-) = range(20)
-# packed uint32[PACKED_COLUMNS, batch]: the four texels of a linear filter; filtered texels, the upper layer's
-# among them; the texel of each texture shader stage.
-P00, P10, P01, P11, TEXEL_0, TEXEL_1, MAGNIFIED, LAYER_1, STAGE0 = range(9)
-SUM_EVEN, SUM_ODD = STAGE0 + 4, STAGE0 + 5  # an anisotropic filter's sums of bytes 0 and 2, and 1 and 3
-PACKED_COLUMNS = SUM_ODD + 1
+# ------------------------------------- scratch columns of a batch: floats float64[FLOAT_COLUMNS, batch]
+_floats = _Row()
+S = _floats()  # texture coordinates; for a cube map, of its face, doubled
+T = _floats()
+Q0 = _floats()  # weights of vertices 0 and 2 with 24 significant bits
+Q2 = _floats()
+S_SIZE = _floats()  # sizes of each fragment's level
+T_SIZE = _floats()
+TEXEL = _floats()  # a texel coordinate
+EXTRA = _floats()  # a cube map's r, or q
+B0 = _floats()  # weights of vertices 0 and 2
+B2 = _floats()
+P = _floats()  # a 3D texture's r
+P_SIZE = _floats()
+COORDINATE0 = _floats(4)  # coordinates of a texture shader stage
+DOT0 = _floats(4)  # the stages' dot products
+DEPTH = _floats()  # before it is a word
+CENTER_S = _floats()  # of anisotropic filters: a fragment's own S and T
+CENTER_T = _floats()
+ALONG_S = _floats()  # its footprint's longer side
+ALONG_T = _floats()
+RATIO = _floats()  # how much longer that is, or how many probes it takes
+FLOAT_COLUMNS = _floats.size
+# ints int32[INT_COLUMNS, batch]
+_ints = _Row()
+FACE = _ints()  # of a cube map
+BASE = _ints()  # where the level begins
+WIDTH = _ints()  # and its width
+I0 = _ints()  # neighbouring columns
+I1 = _ints()
+I_FRACTION = _ints()
+J0 = _ints()  # neighbouring rows
+J1 = _ints()
+J_FRACTION = _ints()
+LEVEL = _ints()
+FRACTION = _ints()  # between levels
+LOD = _ints()  # lambda
+W0 = _ints()  # colour weights
+W2 = _ints()
+OWNER = _ints()  # the triangle of a run
+K0 = _ints()  # neighbouring layers
+K1 = _ints()
+K_FRACTION = _ints()
+REFERENCE = _ints()  # the depth word that texels are compared with
+INT_COLUMNS = _ints.size
+# packed uint32[PACKED_COLUMNS, batch]
+_packed = _Row()
+P00 = _packed()  # the four texels of a linear filter
+P10 = _packed()
+P01 = _packed()
+P11 = _packed()
+TEXEL_0 = _packed()  # filtered texels
+TEXEL_1 = _packed()
+MAGNIFIED = _packed()
+LAYER_1 = _packed()  # the upper layer's
+STAGE0 = _packed(4)  # the texel of each texture shader stage
+SUM_EVEN = _packed()  # an anisotropic filter's sums of bytes 0 and 2
+SUM_ODD = _packed()  # of bytes 1 and 3
+PACKED_COLUMNS = _packed.size
+# lists int32[LISTS, batch + 1]: segments and runs of a batch (``fixedpipe.raster.arrays``). In the vector
+# engine a run with RUN_Y -1 is a mixed segment.
+STARTS, OWNERS, BACKS, RUN_STARTS, RUN_X, RUN_Y, LISTS = range(7)
 
 # ----------------------------------------------------------------- the vector engine (raster/vector/frame.py)
 SLACK = 32  # elements of every column behind a batch: vectors may reach so far
 
-# More columns of floats: what fragments of mixed segments carry of their triangle: edge functions; 1/w of the
-# vertices, or in the first the reciprocal of the area; depths of the vertices, their differences, the
-# reciprocal of the area for depths, polygon offset; of each texture unit, for s, t, r and q, the coordinate
-# of vertex 1 and how far vertices 0 and 2 are from it.
-N0, N1, N2, INVERSE_W0, INVERSE_W1, INVERSE_W2 = range(FLOAT_COLUMNS, FLOAT_COLUMNS + 6)
-Z0, Z1, Z2, Z10, Z20, Z21, Z_RECIPROCAL, Z_OFFSET, TERMS = range(INVERSE_W2 + 1, INVERSE_W2 + 10)
-VECTOR_FLOAT_COLUMNS = TERMS + 12 * 4
-# More columns of ints: floor(256 u size) of s and t of each unit; the pixel, y * width + x, of each fragment
-# of a mixed segment; depth words.
-FIXED0 = INT_COLUMNS
-PIXEL, DEPTH_WORD, VECTOR_INT_COLUMNS = range(FIXED0 + 2 * 4, FIXED0 + 2 * 4 + 3)
+# More columns of floats: what fragments of mixed segments carry of their triangle.
+_floats = _Row(FLOAT_COLUMNS)
+N0 = _floats()  # edge functions
+N1 = _floats()
+N2 = _floats()
+INVERSE_W0 = _floats()  # 1/w of the vertices, or the reciprocal of the area
+INVERSE_W1 = _floats()
+INVERSE_W2 = _floats()
+Z0 = _floats()  # depths of the vertices, and their differences
+Z1 = _floats()
+Z2 = _floats()
+Z10 = _floats()
+Z20 = _floats()
+Z21 = _floats()
+Z_RECIPROCAL = _floats()  # of the area, for depths
+Z_OFFSET = _floats()  # polygon offset
+TERMS = _floats(12 * 4)  # of each unit, for s, t, r, q: vertex 1's, and how far vertices 0 and 2 are from it
+VECTOR_FLOAT_COLUMNS = _floats.size
+# More columns of ints.
+_ints = _Row(INT_COLUMNS)
+FIXED0 = _ints(2 * 4)  # floor(256 u size) of s and t of each unit
+PIXEL = _ints()  # y * width + x of each fragment of a mixed segment
+DEPTH_WORD = _ints()
+VECTOR_INT_COLUMNS = _ints.size
 # More planes behind the registers: base and two differences of each colour channel in mixed segments.
 SPARE_PLANES = 24  # for what combiners compute
 COLOR_TERMS = REGISTERS * 4 + SPARE_PLANES
 VECTOR_PLANES = COLOR_TERMS + 3 * 8
 # More columns of packed: the fragments' colours.
 SHADED, VECTOR_PACKED_COLUMNS = PACKED_COLUMNS, PACKED_COLUMNS + 1
-# lists int32[LISTS, batch + SLACK]: segments and runs of a batch. A run with RUN_Y -1 is a mixed segment.
-STARTS, OWNERS, BACKS, RUN_STARTS, RUN_X, RUN_Y, LISTS = range(7)
-
-# jobs int64[n, JOB_SIZE]: what a queued command is. A Clear: device pixels, half open; buffers
-# (codes.BUFFER_...), values and masks as stored. A Draw: addresses of its arrays, in the order of
-# ``frame.fill_draw``'s arguments but for the textures, their lengths, and how it is drawn.
-(
-    JOB_KIND,  # codes.JOB_...
-    JOB_X0,
-    JOB_Y0,
-    JOB_X1,
-    JOB_Y1,
-    JOB_BUFFERS,
-    JOB_COLOR,
-    JOB_COLOR_MASK,
-    JOB_DEPTH,
-    JOB_STENCIL,
-    JOB_STENCIL_MASK,
-    JOB_ROW_RUNS,  # 1: every row of a small triangle is a run (lambda needs them)
-    JOB_USABLE,  # 1: what the units read lies inside their row pairs
-    JOB_PERSPECTIVE,  # 1: some 1/w differ
-    JOB_ONE_COLOR,  # 1: no vertex has colours of its own
-    JOB_VERTICES,
-    JOB_PRIMITIVES,
-    JOB_UNITS,  # of the coordinates
-    JOB_ROWS,  # of the units' table
-    JOB_MEMBERS,
-    JOB_BANDS,
-    JOB_OPERATIONS,  # of the combiner plan
-    JOB_UNIT_PATH,  # of each unit: codes.PATH_...
-) = range(23)
-JOB_LOG2_S = JOB_UNIT_PATH + 4
-JOB_LOG2_T = JOB_LOG2_S + 4
-JOB_COORDINATES_OF = JOB_LOG2_T + 4  # the first unit with the same texel coordinates
-JOB_COMPONENTS = JOB_COORDINATES_OF + 4  # coordinates that it iterates, bits 1, 2, 4, 8 for s, t, r, q
-JOB_PAIRS = JOB_COMPONENTS + 4  # textures as row pairs
-JOB_PAIR_COUNT = JOB_PAIRS + 4
-JOB_ADDRESS = JOB_PAIR_COUNT + 4
-JOB_SIZE = JOB_ADDRESS + 15
+# jobs int64[n, arrays.JOB_SIZE]: what a queued command is.
+_job = _Row()
+JOB_KIND = _job()  # codes.JOB_...
+JOB_X0 = _job()  # device pixels, half open
+JOB_Y0 = _job()
+JOB_X1 = _job()
+JOB_Y1 = _job()
+JOB_BUFFERS = _job()  # of a Clear: codes.BUFFER_...; values and masks as stored
+JOB_COLOR = _job()
+JOB_COLOR_MASK = _job()
+JOB_DEPTH = _job()
+JOB_STENCIL = _job()
+JOB_STENCIL_MASK = _job()
+JOB_ROW_RUNS = _job()  # 1: every row of a small triangle is a run (lambda needs them)
+JOB_USABLE = _job()  # 1: what the units read lies inside their row pairs
+JOB_PERSPECTIVE = _job()  # 1: some 1/w differ
+JOB_ONE_COLOR = _job()  # 1: no vertex has colours of its own
+JOB_UNIT_PATH = _job(4)  # of each unit: codes.PATH_...
+JOB_LOG2_S = _job(4)
+JOB_LOG2_T = _job(4)
+JOB_COORDINATES_OF = _job(4)  # the first unit with the same texel coordinates
+JOB_COMPONENTS = _job(4)  # coordinates that it iterates, bits 1, 2, 4, 8 for s, t, r, q
+JOB_ARRAYS = _job.size  # addresses and shapes of a Draw's arrays (``fixedpipe.raster.vector.addresses``)

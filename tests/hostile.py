@@ -19,9 +19,11 @@ from fixedpipe.pipeline.native.combiner_plan import plan_combiners
 from fixedpipe.pipeline.native.texels import texels_of
 from fixedpipe.pipeline.vertices import stage
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.arrays import Bands, Buffers, State, Textures, Vertices
+from fixedpipe.raster.portable import arrays as portable
 from fixedpipe.raster.portable.draw import draw_bands
 from fixedpipe.raster.primitives.bins import BAND_HEIGHT, count_bins, fill_bins
-from fixedpipe.raster.vector.arrays import Buffers, scratch
+from fixedpipe.raster.vector import arrays as vector
 from fixedpipe.raster.vector.frame import draw_frame, fill_clear, fill_draw
 from tests.support.random_frames import random_frame
 
@@ -32,7 +34,7 @@ COLUMNS = (
     "plan",
 )  # fmt: skip
 BATCH = 256
-SCRATCH = scratch(BATCH)
+SCRATCH = vector.scratch(BATCH)
 WAYS = ("bytes", "small", "extreme")
 _WHOLE = (-1, -(2**31), 2**31 - 1, 2**15, 255, 256, 1 << 20, -(1 << 20), 7, 3, 0)
 _REAL = (np.nan, np.inf, -np.inf, 1e308, -1e308, 1e38, -1e38, 5e-324, -0.0, 2.0**31, -(2.0**63))
@@ -94,22 +96,25 @@ class Arrays(dict):
         order = np.empty(int(counts.sum()), np.int32)
         fill_bins(spans, ends, order)
         buffers = Buffers(target.color.view(np.uint32)[..., 0], target.depth, target.stencil)
-        rows = [a[name] for name in ("draw", "draw_float", *SHARED)]
-        columns = [
-            a[name] for name in ("depths", "inverse_w", "colors", "coordinates", "fog", "fog_thresholds")
-        ]
-        portable = draw_bands(
-            *rows, triangles, strokes, x, y, *columns, *a["texels"], a["levels"], a["units"], order, ends,
-            0, 1, BATCH, *buffers, np.zeros((0, 4), np.int32),
-        )  # fmt: skip
-        jobs = np.zeros((2, R.JOB_SIZE), np.int64)
+        state = State(*(a[name] for name in ("draw", "draw_float", "factors")))
+        columns = ("x", "y", "depths", "inverse_w", "colors", "coordinates")
+        vertices, bins = Vertices(*(a[name] for name in columns)), Bands(order, ends)
+        arrays = portable.Pass(
+            state,
+            portable.Combiners(*(a[name] for name in ("program", "final", "constants", "arithmetic"))),
+            triangles,
+            strokes,
+            vertices,
+            portable.Fog(a["fog"], a["fog_thresholds"]),
+            Textures(tuple(a["texels"]), a["levels"], a["units"]),
+        )
+        drawn = draw_bands(arrays, bins, 0, 1, BATCH, buffers, np.zeros((0, 4), np.int32))
+        jobs = np.zeros((2, vector.JOB_SIZE), np.int64)
         fill_clear(jobs, 0, *a["draw"][:4].tolist(), 7, 0, 0xFF00FF, 5, 6, 0xF0)
-        covered = fill_draw(
-            jobs, 1, a["draw"], a["draw_float"], a["plan"], a["factors"], triangles, x, y, *columns[:4],
-            *a["pairs"], a["pair_levels"], a["units"], order, ends,
-        )  # fmt: skip
+        textures = Textures(tuple(a["pairs"]), a["pair_levels"], a["units"])
+        covered = fill_draw(jobs, 1, vector.Pass(state, a["plan"], triangles, vertices, textures), bins)
         draw_frame(jobs, 1 + covered, np.zeros(1, np.int64), BATCH, buffers, SCRATCH)
-        return portable >= 0, bool(covered and jobs[1, R.JOB_USABLE])
+        return drawn >= 0, bool(covered and jobs[1, R.JOB_USABLE])
 
 
 def draws_of(frame):

@@ -18,10 +18,11 @@ PACKAGES = {
     "raster/float_depths": {"raster": "codes floats"},
     "raster/rows": {"raster": "codes"},
     "raster/kernel": {},
+    "raster/arrays": {},
     "raster/fixed": {"raster": "codes floats float_depths kernel"},
     "raster/primitives": {"raster": "codes floats rows kernel"},
-    "raster/portable": {"raster": "codes floats rows kernel fixed primitives"},
-    "raster/vector": {"raster": "codes floats rows kernel fixed primitives portable"},
+    "raster/portable": {"raster": "codes floats rows kernel arrays fixed primitives"},
+    "raster/vector": {"raster": "codes floats rows kernel arrays fixed primitives portable"},
     "raster/columns": {"raster": "codes floats float_depths"},
     "raster/pixels": {"raster": "codes"},
     "pipeline/enums": {"raster": "codes"},
@@ -43,7 +44,7 @@ PACKAGES = {
         "pipeline": "enums sentences state pixel_transfer textures commands profiles programs vertices",
     },
     "pipeline/native": {
-        "raster": "codes rows primitives portable vector",
+        "raster": "codes rows arrays primitives portable vector",
         "pipeline": "enums state textures commands programs vertices framebuffers",
     },
     "pipeline/columns": {
@@ -138,6 +139,7 @@ PACKAGES = {
 # Libraries beside NumPy, which every package may import.
 LIBRARIES = {
     "raster/kernel": ("llvmlite", "numba"),
+    "raster/arrays": ("numba",),
     "raster/fixed": ("numba",),
     "raster/primitives": ("numba",),
     "raster/portable": ("numba",),

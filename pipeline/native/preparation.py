@@ -14,7 +14,10 @@ from fixedpipe.pipeline.native.texels import NO_LEVELS, NO_TEXELS, texels_of
 from fixedpipe.pipeline.vertices.primitives import WindowPrimitives
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.arrays import Bands, State, Textures, Vertices
+from fixedpipe.raster.portable import arrays as portable
 from fixedpipe.raster.primitives.bins import BAND_HEIGHT, CHUNK, count_bins, fill_bins, sort_triangles
+from fixedpipe.raster.vector import arrays as vector
 from fixedpipe.raster.vector.frame import fill_draw
 
 NO_RECORD = np.zeros((0, 4), np.int32)
@@ -95,13 +98,17 @@ class Prepared:
         from fixedpipe.raster.portable.draw import draw_bands
 
         p, packed = self.primitives, self.packed
-        texels = [NO_TEXELS if texels is None else texels.packed for texels in self.texels]
-        count = draw_bands(
-            packed.draw, packed.draw_float, packed.program, packed.final, packed.constants, packed.arithmetic,
-            packed.factors, p.triangles, p.strokes, p.x, p.y, packed.depths, p.inverse_w, p.colors,
-            p.coordinates, p.fog, packed.fog_thresholds, *texels, self.levels, packed.units,
-            self.order, self.ends, first, step, batch, *buffers, record,
-        )  # fmt: skip
+        texels = tuple([NO_TEXELS if texels is None else texels.packed for texels in self.texels])
+        arrays = portable.Pass(
+            self._state(),
+            portable.Combiners(packed.program, packed.final, packed.constants, packed.arithmetic),
+            p.triangles,
+            p.strokes,
+            self._vertices(),
+            portable.Fog(p.fog, packed.fog_thresholds),
+            Textures(texels, self.levels, packed.units),
+        )
+        count = draw_bands(arrays, Bands(self.order, self.ends), first, step, batch, buffers, record)
         if count < 0:
             raise ValueError(
                 "A pass's rows would lead outside an array; take them from "
@@ -111,7 +118,7 @@ class Prepared:
 
     def fill_job(self):
         """Make ``job``."""
-        job = np.zeros((1, R.JOB_SIZE), np.int64)
+        job = np.zeros((1, vector.JOB_SIZE), np.int64)
         if not self._fill(job, _NO_PAIRS, self.levels):
             self.job = False
             return
@@ -127,16 +134,21 @@ class Prepared:
             self._fill(job, *self.beside)
 
     def _fill(self, job, pairs, levels):
-        p, packed = self.primitives, self.packed
+        packed = self.packed
         if (plan := packed.derived.get("plan")) is None:
             plan = packed.derived["plan"] = plan_combiners(
                 packed.draw, packed.program, packed.final, packed.constants, packed.arithmetic, packed.units
             ).rows
-        return fill_draw(
-            job, 0, packed.draw, packed.draw_float, plan, packed.factors, p.triangles, p.x, p.y,
-            packed.depths, p.inverse_w, p.colors, p.coordinates, *pairs, levels, packed.units, self.order,
-            self.ends,
-        )  # fmt: skip
+        textures = Textures(tuple(pairs), levels, packed.units)
+        arrays = vector.Pass(self._state(), plan, self.primitives.triangles, self._vertices(), textures)
+        return fill_draw(job, 0, arrays, Bands(self.order, self.ends))
+
+    def _state(self):
+        return State(self.packed.draw, self.packed.draw_float, self.packed.factors)
+
+    def _vertices(self):
+        p = self.primitives
+        return Vertices(p.x, p.y, self.packed.depths, p.inverse_w, p.colors, p.coordinates)
 
 
 def _stacked(levels):

@@ -10,8 +10,8 @@ import numpy as np
 
 from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.native.threads import Threads
-from fixedpipe.raster import rows as R
-from fixedpipe.raster.vector.arrays import Buffers, scratch
+from fixedpipe.raster.arrays import Buffers
+from fixedpipe.raster.vector.arrays import JOB_SIZE, scratch
 from fixedpipe.raster.vector.frame import draw_frame, fill_clear
 
 BATCH = 2048  # fragments shaded together; any size gives the same bits. Measured: docs/decisions, page 0002
@@ -57,7 +57,7 @@ class Queue:
     def __init__(self, threads, batch):
         self.fragments = 0
         self._threads, self._batch = Threads(threads), batch
-        self._jobs, self._counter = np.zeros((64, R.JOB_SIZE), np.int64), np.zeros(1, np.int64)
+        self._jobs, self._counter = np.zeros((64, JOB_SIZE), np.int64), np.zeros(1, np.int64)
         self._scratch = {}
         self._empty()
 

@@ -3,10 +3,11 @@
 """
 
 import numpy as np
-from numba import float64, int32, int64, uint32
+from numba import float64, int32, int64, uint32, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.arrays import RUNS, VERTICES
 from fixedpipe.raster.kernel import float_of, kernel, separate_function, separate_loop
 from fixedpipe.raster.portable.footprint import probes_along
 from fixedpipe.raster.portable.level_of_detail import coordinates_at
@@ -15,22 +16,17 @@ from fixedpipe.raster.portable.texture_shader import copy_column
 
 
 @kernel
-def block_footprint(draw, kind, v0, v1, v2, x, y, inverse_w, coordinates, unit, row, width, height, bx, by):
+def block_footprint(draw, kind, indices, vertices, unit, row, sizes, bx, by):
     """(along s, along t, ratio or probes, lambda) of the block whose origin is (bx, by).
 
     The longer of the two steps to the block's neighbours, in texture coordinates; how many times longer than
     the other, or than one texel, it is; lambda of the step divided by that, 8 fraction bits, without bias.
+    ``sizes``: width and height of level 0.
     """
-    divided = row[R.PROJECTIVE]
-    ok0, s0, t0, _r0 = coordinates_at(
-        draw, kind, v0, v1, v2, x, y, inverse_w, coordinates, unit, divided, bx, by
-    )
-    ok1, s1, t1, _r1 = coordinates_at(
-        draw, kind, v0, v1, v2, x, y, inverse_w, coordinates, unit, divided, bx + 1, by
-    )
-    ok2, s2, t2, _r2 = coordinates_at(
-        draw, kind, v0, v1, v2, x, y, inverse_w, coordinates, unit, divided, bx, by + 1
-    )
+    divided, (width, height) = row[R.PROJECTIVE], sizes
+    ok0, s0, t0, _r0 = coordinates_at(draw, kind, indices, vertices, unit, divided, bx, by)
+    ok1, s1, t1, _r1 = coordinates_at(draw, kind, indices, vertices, unit, divided, bx + 1, by)
+    ok2, s2, t2, _r2 = coordinates_at(draw, kind, indices, vertices, unit, divided, bx, by + 1)
     sx, tx, sy, ty = (s1 - s0) * width, (t1 - t0) * height, (s2 - s0) * width, (t2 - t0) * height
     dx2, dy2 = sx * sx + tx * tx, sy * sy + ty * ty
     if not (ok0 and ok1 and ok2 and dx2 < np.inf and dy2 < np.inf):
@@ -47,27 +43,12 @@ def block_footprint(draw, kind, v0, v1, v2, x, y, inverse_w, coordinates, unit, 
 
 
 @kernel(
-    "void(i8[::1],i4[::1],i4[::1],i4[::1],i8,i4[:,::1],i4[:,::1],i4[::1],i4[::1],f8[::1],f8[:,:,::1],i8,i8[::1],"
-    "i4[:,::1],f8[:,::1],i4[:,::1])"
-)
-def footprints(
-    draw,
-    run_starts,
-    run_x,
-    run_y,
-    runs,
-    triangles,
-    strokes,
-    x,
-    y,
-    inverse_w,
-    coordinates,
-    unit,
-    row,
-    levels,
-    floats,
-    ints,
-):
+    void(
+        int64[::1], RUNS, int32[:, ::1], int32[:, ::1], VERTICES, int64, int64[::1], int32[:, ::1],
+        float64[:, ::1], int32[:, ::1],
+    )
+)  # fmt: skip
+def footprints(draw, runs, triangles, strokes, vertices, unit, row, levels, floats, ints):
     """ALONG_S, ALONG_T, RATIO (of footprint assembly: probes) of every fragment's block, and LOD.
 
     Arguments as in level_of_detail.
@@ -77,17 +58,17 @@ def footprints(
     if row[R.TARGET] == C.TARGET_RECTANGLE:  # coordinates that count texels already
         width = height = 1.0
     bias, low, high = int32(row[R.LOD_BIAS]), int32(row[R.MIN_LOD]), int32(row[R.MAX_LOD])
-    for k in range(runs):
+    for k in range(runs.count):
         t = ints[R.OWNER, k]
         kind = int64(strokes[t, 0]) if draw[R.STROKES] else int64(C.PRIMITIVE_TRIANGLE)
-        v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
-        px, by, block = int64(run_x[k]), int64(run_y[k]) & ~1, int64(-1)
+        indices = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        px, by, block = int64(runs.x[k]), int64(runs.y[k]) & ~1, int64(-1)
         along_s, along_t, ratio, value = 0.0, 0.0, 1.0, int32(0)
-        for i in range(run_starts[k], run_starts[k + 1]):
+        for i in range(runs.starts[k], runs.starts[k + 1]):
             if px & ~1 != block:
                 block = px & ~1
                 along_s, along_t, ratio, value = block_footprint(
-                    draw, kind, v0, v1, v2, x, y, inverse_w, coordinates, unit, row, width, height, block, by
+                    draw, kind, indices, vertices, unit, row, (width, height), block, by
                 )
             floats[R.ALONG_S, i], floats[R.ALONG_T, i], floats[R.RATIO, i] = along_s, along_t, ratio
             ints[R.LOD, i] = min(max(int32(value + bias), low), high)

@@ -4,11 +4,12 @@
 looked at: any bits give some picture. The cost is some hundred comparisons for a whole draw.
 """
 
-from numba import int64
+from numba import boolean, int64
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.kernel import float_of, kernel
+from fixedpipe.raster.portable.arrays import PASS
 
 FOG_TABLE = 8193  # entries of a table of factors; of thresholds there are 255
 MOST_PROBES = 16  # of a footprint: sums of 16 bytes leave room in 16 bits
@@ -22,8 +23,9 @@ def usable_input(row, at):
 
 
 @kernel
-def usable_program(draw, program, final, constants):
+def usable_program(draw, combiners):
     """Whether stages and constants are there, and inputs and outputs name registers."""
+    program, final, constants = combiners.program, combiners.final, combiners.constants
     stages = draw[R.STAGES]
     if stages < 0 or stages > program.shape[0] or constants.shape[1] < 8:
         return False
@@ -84,8 +86,9 @@ def usable_stage(row, unit, units):
 
 
 @kernel
-def usable_units(draw, units, levels):
+def usable_units(draw, textures):
     """Whether the texture units are there, and their stages read what there is."""
+    units, levels = textures.units, textures.levels
     count = draw[R.UNITS]
     if count < 0 or count > min(4, min(units.shape[0], levels.shape[0])):
         return False
@@ -117,19 +120,22 @@ def reads_texture(operation):
 
 
 @kernel
-def usable_texels(draw, units, levels, sizes):
-    """Whether what units read lies inside their texels (``sizes``: of the four units' textures)."""
+def usable_texels(draw, textures):
+    """Whether what units read lies inside their texels."""
+    units, levels = textures.units, textures.levels
     for u in range(draw[R.UNITS]):
         if not reads_texture(units[u, R.OPERATION]):
             continue
-        if units[u, R.ENABLED] and not usable_levels(units[u], levels[u], sizes[u], False):
+        size = textures.texels[u].shape[0]
+        if units[u, R.ENABLED] and not usable_levels(units[u], levels[u], size, False):
             return False
     return True
 
 
 @kernel
-def usable_draw(draw, draw_float, factors, fog_thresholds, height, width):
+def usable_draw(state, fog, height, width):
     """Whether the box lies in the framebuffer, and what the other entries count is there."""
+    draw, draw_float, factors = state.draw, state.draw_float, state.factors
     if draw.shape[0] < R.DRAW_SIZE or draw_float.shape[0] < R.DRAW_FLOAT_SIZE:
         return False
     if not (0 <= draw[R.X0] <= width and 0 <= draw[R.X1] <= width):
@@ -142,22 +148,24 @@ def usable_draw(draw, draw_float, factors, fog_thresholds, height, width):
         return False
     if factors.shape[0] < 2 or factors.shape[1] < 4 * R.FACTOR_SIZE:
         return False
-    return fog_thresholds.shape[0] >= (FOG_TABLE if draw[R.FOG_ENABLED] == C.FOG_BY_TABLE else 255)
+    return fog.thresholds.shape[0] >= (FOG_TABLE if draw[R.FOG_ENABLED] == C.FOG_BY_TABLE else 255)
 
 
 @kernel
-def usable_columns(draw, triangles, strokes, vertices, inverse_w, colors, coordinates):
-    """Whether primitives have every column that the draw reads, and strokes name vertices."""
-    if (
-        triangles.shape[1] < 4
-        or strokes.shape[1] < R.STROKE_SIZE
-        or colors.shape[1] < 2
-        or colors.shape[2] < 8
-    ):
+def usable_vertices(draw, vertices):
+    """Whether vertices have every column that the draw reads."""
+    count, colors, coordinates = vertices.x.shape[0], vertices.colors, vertices.coordinates
+    if colors.shape[0] < count or coordinates.shape[0] < count or vertices.inverse_w.shape[0] < count:
         return False
-    if coordinates.shape[1] < draw[R.UNITS] or coordinates.shape[2] < 4 or inverse_w.shape[0] < vertices:
+    if colors.shape[1] < 2 or colors.shape[2] < 8:
         return False
-    if colors.shape[0] < vertices or coordinates.shape[0] < vertices:
+    return coordinates.shape[1] >= draw[R.UNITS] and coordinates.shape[2] >= 4
+
+
+@kernel
+def usable_strokes(draw, triangles, strokes, vertices):
+    """Whether primitives have every column that the draw reads, and strokes name vertices, of so many."""
+    if triangles.shape[1] < 4 or strokes.shape[1] < R.STROKE_SIZE:
         return False
     if not draw[R.STROKES]:
         return True
@@ -172,21 +180,15 @@ def usable_columns(draw, triangles, strokes, vertices, inverse_w, colors, coordi
     return True
 
 
-@kernel(
-    "b1(i8[::1],f8[::1],i4[:,:,::1],i4[:,::1],i2[:,::1],i4[:,::1],i4[:,::1],i4[:,::1],i8,f8[::1],u1[:,:,::1],"
-    "f8[:,:,::1],f8[::1],i8,i8,i8,i8,i4[:,:,::1],i8[:,::1],i8,i8)"
-)
-def usable(
-    draw, draw_float, program, final, constants, factors, triangles, strokes, vertices, inverse_w, colors,
-    coordinates, fog_thresholds, texels0, texels1, texels2, texels3, levels, units, height, width,
-):  # fmt: skip
-    """Whether a Draw's rows and columns can be given to kernels; as ``draw.draw_bands`` takes them, but the
-    numbers of vertices and of each unit's texels, and the framebuffer's size.
-    """
+@kernel(boolean(PASS, int64, int64))
+def usable(p, height, width):
+    """Whether a Draw's arrays can be given to kernels; ``height``, ``width`` of the framebuffer."""
+    draw = p.state.draw
     return (
-        usable_draw(draw, draw_float, factors, fog_thresholds, height, width)
-        and usable_program(draw, program, final, constants)
-        and usable_columns(draw, triangles, strokes, vertices, inverse_w, colors, coordinates)
-        and usable_units(draw, units, levels)
-        and usable_texels(draw, units, levels, (texels0, texels1, texels2, texels3))
+        usable_draw(p.state, p.fog, height, width)
+        and usable_program(draw, p.combiners)
+        and usable_vertices(draw, p.vertices)
+        and usable_strokes(draw, p.triangles, p.strokes, p.vertices.x.shape[0])
+        and usable_units(draw, p.textures)
+        and usable_texels(draw, p.textures)
     )

@@ -2,27 +2,30 @@
 to 6).
 
 Loops index with unsigned integers: NumPy's negative indices would cost every access a comparison and keep
-LLVM from vectorising. A batch's fragments are columns. ``e0, e1, e2`` are the edge functions times 1/w
-(float64). A segment is a run of consecutive fragments of one triangle: ``starts`` int32[segments + 1],
-``owners`` int32[segments] (triangle), ``backs`` int32[segments] (1: the back colour).
+LLVM from vectorising. A batch's fragments are columns, which belong to triangles by ``segments``; ``edges``
+are their edge functions times 1/w.
 """
 
 import numpy as np
-from numba import float64, int16, int32, int64, uint64
+from numba import float64, int16, int32, int64, uint8, uint64, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.arrays import SEGMENTS, THREE
 from fixedpipe.raster.fixed import float_depth, power_below, reciprocal_29, step_24, truncate_24
 from fixedpipe.raster.floats import LEAST_SINGLE, SMALLEST
 from fixedpipe.raster.kernel import bits_of, kernel, separate_loop
+from fixedpipe.raster.portable.arrays import EDGES, FOG
 
 TINY = 2.0**-256  # far below any depth: where all terms are 0, their unit is not
 
 
-@kernel("void(f8[::1],f8[::1],f8[::1],i8,i8,f8,f8,f8,f8,f8,f8,f8,f8,f8)")
-def emit_weights(e0, e1, e2, position, count, n0, n1, n2, step0, step1, step2, iw0, iw1, iw2):
-    """Edge functions of ``count`` pixels to the right of the one with n0, n1, n2, times the vertices' 1/w."""
+@kernel(void(EDGES, int64, int64, THREE, THREE, THREE))
+def emit_weights(edges, position, count, n, step, inverse_w):
+    """Edge functions of ``count`` pixels to the right of the one that has ``n``, times the vertices' 1/w."""
     separate_loop()
+    e0, e1, e2 = edges
+    (n0, n1, n2), (step0, step1, step2), (iw0, iw1, iw2) = n, step, inverse_w
     at = uint64(position)
     for i in range(count):
         k = float64(int32(i))
@@ -41,18 +44,15 @@ def depth_difference(z, base):
     return difference if abs(difference) >= LEAST_SINGLE else 0.0
 
 
-@kernel(
-    "void(f8[:,::1],i8,i8,f8,f8,f8,f8,f8,f8,f8,f8,f8,f8,f8,f8,f8,f8)",
-)
-def emit_depth(
-    floats, position, count, n0, n1, n2, step0, step1, step2, iw0, iw1, iw2, z0, z1, z2, offset, slope
-):
-    """Depths of ``count`` pixels to the right of the one with n0, n1, n2, into the column DEPTH.
+@kernel(void(float64[:, ::1], int64, int64, THREE, THREE, THREE, THREE, float64, float64))
+def emit_depth(floats, position, count, n, step, inverse_w, z, offset, slope):
+    """Depths of ``count`` pixels to the right of the one whose edge functions are ``n``, into DEPTH.
 
-    z0, z1, z2: the vertices' depths (or clip w), singles; iw0, iw1, iw2: 1, or 1/w where depth is w.
-    ``offset`` is added, and ``slope`` times the depth's square. docs/numbers.md, section 5.
+    z: the vertices' depths (or clip w), singles; inverse_w: 1, or 1/w where depth is w. ``offset`` is added,
+    and ``slope`` times the depth's square. docs/numbers.md, section 5.
     """
     separate_loop()
+    (n0, n1, n2), (step0, step1, step2), (iw0, iw1, iw2), (z0, z1, z2) = n, step, inverse_w, z
     at, row = uint64(position), uint64(R.DEPTH)
     if z0 == z1 and z1 == z2:  # differences of zero: whatever the weights, the sum below is the base
         for i in range(count):
@@ -78,8 +78,8 @@ def emit_depth(
         b = (q1 if last else q2) * (d20 if first else (d12 if last else d21))
         unit = power_below(max(max(abs(base), TINY), max(abs(a), abs(b)))) * 2.0**-28
         scale = 1.0 / unit
-        z = (base + float64(int32(a * scale)) * unit) + float64(int32(b * scale)) * unit
-        floats[row, at + uint64(i)] = z + (offset + slope * (z * z))
+        depth = (base + float64(int32(a * scale)) * unit) + float64(int32(b * scale)) * unit
+        floats[row, at + uint64(i)] = depth + (offset + slope * (depth * depth))
 
 
 @kernel("void(f8[:,::1],i8,i8[::1],f8[::1],i4[::1])")
@@ -109,10 +109,11 @@ def depth_words(floats, count, draw, draw_float, depth):
         depth[uint64(i)] = int32(-1) if cull & ((z < low) | (z > high)) else word
 
 
-@kernel("void(f8[::1],f8[::1],f8[::1],i8,f8[:,::1])")
-def full_weights(e0, e1, e2, count, floats):
+@kernel(void(EDGES, int64, float64[:, ::1]))
+def full_weights(edges, count, floats):
     """Perspective-correct weights of vertices 0 and 2, into B0 and B2."""
     separate_loop()
+    e0, e1, e2 = edges
     for i in range(count):
         inverse = 1.0 / ((e0[i] + e1[i]) + e2[i])
         floats[R.B0, i] = e0[i] * inverse
@@ -125,8 +126,8 @@ def weight_class(q):
     return 2.0 if q >= 0.5 else (1.0 if q >= 0.25 else 0.0)
 
 
-@kernel("void(f8[::1],f8[::1],f8[::1],i8,f8[:,::1])")
-def iteration_weights(e0, e1, e2, count, floats):
+@kernel(void(EDGES, int64, float64[:, ::1]))
+def iteration_weights(edges, count, floats):
     """Weights of vertices 0 and 2 with 24 significant bits, into Q0 and Q2; the vertex with the largest one
     takes what the two others leave.
 
@@ -134,6 +135,7 @@ def iteration_weights(e0, e1, e2, count, floats):
     M00ffff, Line_width Fill, Alpha_func captures).
     """
     separate_loop()
+    e0, e1, e2 = edges
     for i in range(count):
         reciprocal = truncate_24(1.0 / ((e0[i] + e1[i]) + e2[i]))
         q0 = truncate_24(e0[i] * reciprocal)
@@ -155,16 +157,16 @@ def color_weights(floats, count, ints):
         ints[R.W2, i] = int32(floats[R.Q2, i] * 256.0)
 
 
-@kernel("void(i4[::1],i4[::1],i4[::1],i8,i4[:,::1],u1[:,:,::1],i8,i8,i4[:,::1],i2[:,::1],i8)")
-def iterate_color(starts, owners, backs, segments, triangles, colors, channel, flat, ints, out, plane):
+@kernel(void(SEGMENTS, int32[:, ::1], uint8[:, :, ::1], int64, int64, int32[:, ::1], int16[:, ::1], int64))
+def iterate_color(segments, triangles, colors, channel, flat, ints, out, plane):
     """One colour channel into a plane of ``out``: ``(w0 c0 + w1 c1 + w2 c2 + 128) >> 8``, or the provoking
     vertex's.
 
     Measured: over a million pixels (3D_primitive, Texture_perspective captures).
     """
     separate_loop()
-    p = uint64(plane)
-    for s in range(segments):
+    p, starts, owners, backs = uint64(plane), segments.starts, segments.owners, segments.backs
+    for s in range(segments.count):
         t = owners[s]
         side = backs[s]
         at, count = uint64(starts[s]), starts[s + 1] - starts[s]
@@ -186,10 +188,8 @@ def iterate_color(starts, owners, backs, segments, triangles, colors, channel, f
                 out[p, k] = int16(total >> int32(8))
 
 
-@kernel("void(i4[::1],i4[::1],i4[::1],i8,i4[:,::1],u1[:,:,::1],i8,i8,f8[::1],f8[::1],f8[::1],i2[:,::1],i8)")
-def iterate_exact_color(
-    starts, owners, backs, segments, triangles, colors, channel, flat, e0, e1, e2, out, plane
-):
+@kernel(void(SEGMENTS, int32[:, ::1], uint8[:, :, ::1], int64, int64, EDGES, int16[:, ::1], int64))
+def iterate_exact_color(segments, triangles, colors, channel, flat, edges, out, plane):
     """One colour channel into a plane of ``out``, rounded to nearest:
     ``floor((2 ((e0 c0 + e1 c1) + e2 c2) + D) / (2 D))`` with ``D = (e0 + e1) + e2``.
 
@@ -197,8 +197,9 @@ def iterate_exact_color(
     its quotient lies further from the next integer than float64 rounds it.
     """
     separate_loop()
-    p = uint64(plane)
-    for s in range(segments):
+    p, (e0, e1, e2) = uint64(plane), edges
+    starts, owners, backs = segments.starts, segments.owners, segments.backs
+    for s in range(segments.count):
         t = owners[s]
         side = backs[s]
         at, count = uint64(starts[s]), starts[s + 1] - starts[s]
@@ -216,8 +217,8 @@ def iterate_exact_color(
             out[p, k] = int16(value if value < 255.0 else 255.0)
 
 
-@kernel("void(i4[::1],i4[::1],i8,i4[:,::1],f8[:,:,::1],i8,i8,f8[:,::1],i8)")
-def iterate_coordinate(starts, owners, segments, triangles, coordinates, unit, component, floats, column):
+@kernel(void(SEGMENTS, int32[:, ::1], float64[:, :, ::1], int64, int64, float64[:, ::1], int64))
+def iterate_coordinate(segments, triangles, coordinates, unit, component, floats, column):
     """One texture coordinate into a column: the sum of ``v1``, ``q0 (v0 - v1)`` and ``q2 (v2 - v1)``, each
     cut to 24 bits from the highest bit of the largest.
 
@@ -226,8 +227,8 @@ def iterate_coordinate(starts, owners, segments, triangles, coordinates, unit, c
     some.
     """
     separate_loop()
-    p = uint64(column)
-    for s in range(segments):
+    p, starts, owners = uint64(column), segments.starts, segments.owners
+    for s in range(segments.count):
         t = owners[s]
         v1 = coordinates[triangles[t, 1], unit, component]
         d0 = coordinates[triangles[t, 0], unit, component] - v1
@@ -242,17 +243,18 @@ def iterate_coordinate(starts, owners, segments, triangles, coordinates, unit, c
             floats[p, k] = total * step
 
 
-@kernel("void(i4[::1],i4[::1],i8,i4[:,::1],f8[::1],f8[:,::1],f8[::1],i8,i2[:,::1],i8)")
-def iterate_fog(starts, owners, segments, triangles, fog, floats, thresholds, rising, out, plane):
+@kernel(void(SEGMENTS, int32[:, ::1], FOG, float64[:, ::1], int64, int16[:, ::1], int64))
+def iterate_fog(segments, triangles, fog, floats, rising, out, plane):
     """The fog factor's byte into a plane of ``out``: how many of the 255 thresholds (falling with k, or
     rising) the coordinate keeps.
     """
     separate_loop()
-    for s in range(segments):
+    starts, owners, of_vertex, thresholds = segments.starts, segments.owners, fog.coordinates, fog.thresholds
+    for s in range(segments.count):
         t = owners[s]
-        v1 = fog[triangles[t, 1]]
-        d0 = fog[triangles[t, 0]] - v1
-        d2 = fog[triangles[t, 2]] - v1
+        v1 = of_vertex[triangles[t, 1]]
+        d0 = of_vertex[triangles[t, 0]] - v1
+        d2 = of_vertex[triangles[t, 2]] - v1
         for i in range(starts[s], starts[s + 1]):
             c = (v1 + floats[R.B0, i] * d0) + floats[R.B2, i] * d2
             low, high = 0, 255  # thresholds[k - 1] is T_k; the first `low` hold, those from `high` on do not
@@ -266,17 +268,18 @@ def iterate_fog(starts, owners, segments, triangles, fog, floats, thresholds, ri
             out[plane, i] = int16(low)
 
 
-@kernel("void(i4[::1],i4[::1],i8,i4[:,::1],f8[::1],f8[:,::1],f8[::1],i2[:,::1],i8)")
-def iterate_fog_table(starts, owners, segments, triangles, fog, floats, table, out, plane):
+@kernel(void(SEGMENTS, int32[:, ::1], FOG, float64[:, ::1], int16[:, ::1], int64))
+def iterate_fog_table(segments, triangles, fog, floats, out, plane):
     """The fog factor's byte into a plane of ``out``: the entry of a table of 8193 at floor(4096 v).
 
     Measured: 374 of 374 squares and all pixels of 6 captures (FogGen, Fog, Fog_vsh).
     """
-    for s in range(segments):
+    starts, owners, of_vertex, table = segments.starts, segments.owners, fog.coordinates, fog.thresholds
+    for s in range(segments.count):
         t = owners[s]
-        v1 = fog[triangles[t, 1]]
-        d0 = fog[triangles[t, 0]] - v1
-        d2 = fog[triangles[t, 2]] - v1
+        v1 = of_vertex[triangles[t, 1]]
+        d0 = of_vertex[triangles[t, 0]] - v1
+        d2 = of_vertex[triangles[t, 2]] - v1
         for i in range(starts[s], starts[s + 1]):
             v = (v1 + floats[R.B0, i] * d0) + floats[R.B2, i] * d2
             step = np.floor(v * 4096.0)

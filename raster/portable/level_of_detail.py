@@ -1,20 +1,23 @@
 """Lambda: one value per 2x2 block of device pixels (docs/numbers.md, section 7)."""
 
 import numpy as np
-from numba import float64, int32, int64
+from numba import float64, int32, int64, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.arrays import RUNS, VERTICES
 from fixedpipe.raster.kernel import kernel, separate_function
 from fixedpipe.raster.portable.sample import FAR, log2_q7, major_axis, on_face
 from fixedpipe.raster.primitives.strokes import along_line
+from fixedpipe.raster.primitives.triangle import corners_of
 
 
 @kernel
-def edge_functions(x0, y0, x1, y1, x2, y2, px, py):
-    """Area and the edge functions n0, n2 of pixel (px, py)'s sample, int64, in 1/256 square pixel, made
-    positive.
+def edge_functions(corners, px, py):
+    """The edge functions n0, n1, n2 of pixel (px, py)'s sample, int64, in 1/256 square pixel, turned so that
+    the area is positive.
     """
+    x0, y0, x1, y1, x2, y2 = corners
     sx, sy = px * 16 + 8, py * 16 + 8
     area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
     n1 = (sx - x0) * (y2 - y0) - (x2 - x0) * (sy - y0)
@@ -25,14 +28,19 @@ def edge_functions(x0, y0, x1, y1, x2, y2, px, py):
 
 
 @kernel
-def coordinates_at(draw, kind, v0, v1, v2, x, y, inverse_w, coordinates, unit, projective, px, py):
-    """(whether D > 0, s, t, r) of a pixel, inside or not; divided by q if projective."""
-    x0, y0, x1, y1 = int64(x[v0]), int64(y[v0]), int64(x[v1]), int64(y[v1])
+def coordinates_at(draw, kind, indices, vertices, unit, projective, px, py):
+    """(whether D > 0, s, t, r) of a pixel, inside a primitive or not; divided by q if projective.
+
+    ``kind``: codes.PRIMITIVE_...; ``indices``: of its three vertices.
+    """
+    (v0, v1, v2), inverse_w, coordinates = indices, vertices.inverse_w, vertices.coordinates
+    corners = corners_of(vertices, v0, v1, v2)
     if kind == C.PRIMITIVE_LINE:
+        x0, y0, x1, y1, _x2, _y2 = corners
         n0, n2 = along_line(draw, x0, y0, x1, y1, int64(px) * 16 + 8, int64(py) * 16 + 8)
         n1 = int64(0)
     else:
-        n0, n1, n2 = edge_functions(x0, y0, x1, y1, int64(x[v2]), int64(y[v2]), int64(px), int64(py))
+        n0, n1, n2 = edge_functions(corners, int64(px), int64(py))
     w0, w1, w2 = inverse_w[v0], inverse_w[v1], inverse_w[v2]
     if w0 == w1 and w1 == w2:
         w0 = w1 = w2 = 1.0
@@ -55,19 +63,15 @@ def coordinates_at(draw, kind, v0, v1, v2, x, y, inverse_w, coordinates, unit, p
 
 
 @kernel
-def block_lambda(
-    draw, kind, v0, v1, v2, x, y, inverse_w, coordinates, unit, row, width, height, depth, bx, by
-):
-    """Lambda with 8 fraction bits, without bias, of the block whose origin is (bx, by)."""
-    ok0, s0, t0, r0 = coordinates_at(
-        draw, kind, v0, v1, v2, x, y, inverse_w, coordinates, unit, row[R.PROJECTIVE], bx, by
-    )
-    ok1, s1, t1, r1 = coordinates_at(
-        draw, kind, v0, v1, v2, x, y, inverse_w, coordinates, unit, row[R.PROJECTIVE], bx + 1, by
-    )
-    ok2, s2, t2, r2 = coordinates_at(
-        draw, kind, v0, v1, v2, x, y, inverse_w, coordinates, unit, row[R.PROJECTIVE], bx, by + 1
-    )
+def block_lambda(draw, kind, indices, vertices, unit, row, sizes, bx, by):
+    """Lambda with 8 fraction bits, without bias, of the block whose origin is (bx, by).
+
+    ``sizes``: width, height and depth of level 0.
+    """
+    divided, (width, height, depth) = row[R.PROJECTIVE], sizes
+    ok0, s0, t0, r0 = coordinates_at(draw, kind, indices, vertices, unit, divided, bx, by)
+    ok1, s1, t1, r1 = coordinates_at(draw, kind, indices, vertices, unit, divided, bx + 1, by)
+    ok2, s2, t2, r2 = coordinates_at(draw, kind, indices, vertices, unit, divided, bx, by + 1)
     if not (ok0 and ok1 and ok2):
         return FAR
     if row[R.TARGET] == C.TARGET_CUBE_MAP:
@@ -100,28 +104,14 @@ def block_lambda(
 
 
 @kernel(
-    "void(i8[::1],i4[::1],i4[::1],i4[::1],i8,i4[:,::1],i4[:,::1],i4[::1],i4[::1],f8[::1],f8[:,:,::1],i8,i8[::1],"
-    "i4[:,::1],i4[:,::1])"
-)
-def level_of_detail(
-    draw,
-    run_starts,
-    run_x,
-    run_y,
-    runs,
-    triangles,
-    strokes,
-    x,
-    y,
-    inverse_w,
-    coordinates,
-    unit,
-    row,
-    levels,
-    ints,
-):
-    """Lambda plus bias of every fragment, limited, 8 fraction bits, into LOD. Runs (primitives in OWNER):
-    consecutive pixels of one row of one primitive.
+    void(
+        int64[::1], RUNS, int32[:, ::1], int32[:, ::1], VERTICES, int64, int64[::1], int32[:, ::1],
+        int32[:, ::1],
+    )
+)  # fmt: skip
+def level_of_detail(draw, runs, triangles, strokes, vertices, unit, row, levels, ints):
+    """Lambda plus bias of every fragment, limited, 8 fraction bits, into LOD. A run is of one primitive,
+    which is in OWNER.
 
     Measured: one value per 2x2 block (Texture_anisotropy), axis steps (LODBias 61440 of 61440).
     """
@@ -129,34 +119,18 @@ def level_of_detail(
     width, height, depth = float64(levels[0, 1]), float64(levels[0, 2]), float64(row[R.LAYERS])
     if row[R.TARGET] == C.TARGET_RECTANGLE:  # coordinates that count texels already
         width = height = 1.0
+    sizes = width, height, depth
     bias, low, high = int32(row[R.LOD_BIAS]), int32(row[R.MIN_LOD]), int32(row[R.MAX_LOD])
-    for k in range(runs):
+    for k in range(runs.count):
         t = ints[R.OWNER, k]
         kind = int64(strokes[t, 0]) if draw[R.STROKES] else int64(C.PRIMITIVE_TRIANGLE)
-        v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        indices = triangles[t, 0], triangles[t, 1], triangles[t, 2]
         block, value = int64(-1), int32(0)
-        px = int64(run_x[k])
-        by = int64(run_y[k]) & ~1
-        for i in range(run_starts[k], run_starts[k + 1]):
+        px = int64(runs.x[k])
+        by = int64(runs.y[k]) & ~1
+        for i in range(runs.starts[k], runs.starts[k + 1]):
             if px & ~1 != block:
                 block = px & ~1
-                value = block_lambda(
-                    draw,
-                    kind,
-                    v0,
-                    v1,
-                    v2,
-                    x,
-                    y,
-                    inverse_w,
-                    coordinates,
-                    unit,
-                    row,
-                    width,
-                    height,
-                    depth,
-                    block,
-                    by,
-                )
+                value = block_lambda(draw, kind, indices, vertices, unit, row, sizes, block, by)
             ints[R.LOD, i] = min(max(int32(value + bias), low), high)
             px += 1

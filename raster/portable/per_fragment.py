@@ -5,10 +5,11 @@ over it may be vectorised; runs follow each other in draw order. Colour is ``uin
 the low byte.
 """
 
-from numba import int32, uint8, uint32, uint64
+from numba import int16, int32, int64, uint8, uint32, uint64, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.arrays import BUFFERS, RUNS
 from fixedpipe.raster.fixed import clamp, divide_255
 from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
 
@@ -363,25 +364,9 @@ def all_alive(alive, count):
 
 
 @kernel(
-    "void(i8[::1],i8,i4[::1],i4[::1],i4[::1],i8,i2[:,::1],u4[::1],i4[::1],u1[::1],i4[:,::1],"
-    "u4[:,::1],u4[:,::1],u1[:,::1])"
+    void(int64[::1], int64, RUNS, int16[:, ::1], uint32[::1], int32[::1], uint8[::1], int32[:, ::1], BUFFERS)
 )
-def per_fragment(
-    draw,
-    count,
-    run_starts,
-    run_x,
-    run_y,
-    runs,
-    colors,
-    packed,
-    depth,
-    alive,
-    factors,
-    color,
-    depth_buffer,
-    stencil,
-):
+def per_fragment(draw, count, runs, colors, packed, depth, alive, factors, buffers):
     """Alpha, stencil and depth test, blending or logic operation, and masks, of a batch.
 
     colors int16[4, batch] (0..255), depth int32[batch] (-1: outside its limits); scratch: packed
@@ -389,6 +374,7 @@ def per_fragment(
     factors int32[2, 4 * FACTOR_SIZE]: the blend factors of source and destination.
     """
     separate_function()
+    color, depth_buffer, stencil = buffers
     if not draw[R.DISCARDS]:
         all_alive(alive, count)
     if draw[R.ALPHA_TEST]:
@@ -401,9 +387,9 @@ def per_fragment(
         pack_colors(colors, count, packed)
     mask = uint32(draw[R.COLOR_MASK])
     mode = draw[R.BLEND]
-    for k in range(runs):
-        start, x, y = run_starts[k], run_x[k], run_y[k]
-        n = run_starts[k + 1] - start
+    for k in range(runs.count):
+        start, x, y = runs.starts[k], runs.x[k], runs.y[k]
+        n = runs.starts[k + 1] - start
         if draw[R.STENCIL_TEST]:
             stencil_run(stencil, depth_buffer, y, x, n, alive, start, depth, draw)
             tested = True

@@ -5,11 +5,13 @@ stay in DOT0 + unit.
 """
 
 import numpy as np
-from numba import float64, int32, uint8, uint32, uint64
+from numba import float64, int32, int64, uint8, uint32, uint64, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.arrays import SEGMENTS
 from fixedpipe.raster.kernel import float_of, kernel, separate_function, separate_loop
+from fixedpipe.raster.portable.arrays import SCRATCH
 from fixedpipe.raster.portable.interpolate import iterate_coordinate
 from fixedpipe.raster.portable.sample import major_axis, on_face, unpack
 
@@ -262,56 +264,43 @@ def no_texel(packed, out, count):
         packed[p, i] = uint32(0)
 
 
-@kernel("void(i4[::1],i4[::1],i8,i4[:,::1],f8[:,:,::1],i8,i8[:,::1],i8,f8[:,::1],u4[:,::1])")
-def stage_dot_product(starts, owners, segments, triangles, coordinates, unit, units, count, floats, packed):
+@kernel(
+    void(
+        SEGMENTS, int32[:, ::1], float64[:, :, ::1], int64, int64[:, ::1], int64, float64[:, ::1],
+        uint32[:, ::1],
+    )
+)  # fmt: skip
+def stage_dot_product(segments, triangles, coordinates, unit, units, count, floats, packed):
     """A unit's dot product into DOT0 + unit."""
     separate_function()
-    iterate_coordinate(starts, owners, segments, triangles, coordinates, unit, 0, floats, R.S)
-    iterate_coordinate(starts, owners, segments, triangles, coordinates, unit, 1, floats, R.T)
-    iterate_coordinate(starts, owners, segments, triangles, coordinates, unit, 2, floats, R.EXTRA)
+    iterate_coordinate(segments, triangles, coordinates, unit, 0, floats, R.S)
+    iterate_coordinate(segments, triangles, coordinates, unit, 1, floats, R.T)
+    iterate_coordinate(segments, triangles, coordinates, unit, 2, floats, R.EXTRA)
     previous, mapping = R.STAGE0 + units[unit, R.PREVIOUS], units[unit, R.MAPPING]
     dot_products(floats, packed, previous, mapping, count, R.DOT0 + unit)
 
 
-@kernel(
-    "i8(i8,i8[:,::1],i4[::1],i4[::1],i8,i4[:,::1],f8[:,:,::1],i8,f8[:,::1],u4[:,::1],i2[:,::1],i4[::1],u1[::1],i4)"
-)
-def shader_stage(
-    unit,
-    units,
-    starts,
-    owners,
-    segments,
-    triangles,
-    coordinates,
-    count,
-    floats,
-    packed,
-    registers,
-    depth,
-    alive,
-    maximum,
-):
+@kernel(int64(int64, int64[:, ::1], SEGMENTS, int32[:, ::1], float64[:, :, ::1], int64, SCRATCH, int32))
+def shader_stage(unit, units, segments, triangles, coordinates, count, scratch, maximum):
     """One stage up to its texture access: coordinates in S, T and EXTRA; returns whether it has an access.
 
     A stage without one has its register and its STAGE0 + unit filled in.
     """
     separate_function()
     row, u = units[unit], unit
+    floats, packed, alive = scratch.floats, scratch.packed, scratch.alive
     operation = row[R.OPERATION]
     if operation == C.OPERATION_TEXTURE_CUBE_MAP:
         for k in range(3):
             column = (R.S, R.T, R.EXTRA)[k]
-            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, k, floats, column)
+            iterate_coordinate(segments, triangles, coordinates, u, k, floats, column)
         return 1
     if operation == C.OPERATION_BRDF_TEXTURE_3D:
         brdf_coordinates(floats, packed, R.STAGE0 + u - 2, R.STAGE0 + u - 1, count)
         return 1
     if operation <= C.OPERATION_CULL_FRAGMENT:  # or PASS_THROUGH: rows have NONE for those before it
         for k in range(4):
-            iterate_coordinate(
-                starts, owners, segments, triangles, coordinates, u, k, floats, R.COORDINATE0 + k
-            )
+            iterate_coordinate(segments, triangles, coordinates, u, k, floats, R.COORDINATE0 + k)
         if operation == C.OPERATION_PASS_THROUGH:
             pass_through(floats, R.COORDINATE0, count, packed, R.STAGE0 + u)
         else:  # OPERATION_CULL_FRAGMENT
@@ -324,8 +313,8 @@ def shader_stage(
         elif operation == C.OPERATION_DEPENDENT_GB_TEXTURE_2D:
             dependent_coordinates(floats, packed, previous, 8, 16, count)
         else:  # OPERATIONS_WITH_OFFSET
-            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 0, floats, R.S)
-            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 1, floats, R.T)
+            iterate_coordinate(segments, triangles, coordinates, u, 0, floats, R.S)
+            iterate_coordinate(segments, triangles, coordinates, u, 1, floats, R.T)
             offset_coordinates(
                 floats,
                 packed,
@@ -338,37 +327,26 @@ def shader_stage(
             )
         return 1
     else:  # OPERATION_DOT_PRODUCT and those that are named after it
-        stage_dot_product(starts, owners, segments, triangles, coordinates, u, units, count, floats, packed)
+        stage_dot_product(segments, triangles, coordinates, u, units, count, floats, packed)
         if operation == C.OPERATION_DOT_PRODUCT:
             no_texel(packed, R.STAGE0 + u, count)
         elif operation == C.OPERATION_DOT_PRODUCT_DEPTH_REPLACE:
             scale = float_of(row[R.COORDINATE_DEPTH])
-            replace_depth(floats, R.DOT0 + u - 1, count, scale, depth, alive, maximum)
+            replace_depth(floats, R.DOT0 + u - 1, count, scale, scratch.depth, alive, maximum)
             no_texel(packed, R.STAGE0 + u, count)
         else:  # OPERATIONS_OF_TWO_DOT_PRODUCTS or of three, OPERATION_DOT_PRODUCT_DIFFUSE_CUBE_MAP
             if operation in C.OPERATIONS_OF_TWO_DOT_PRODUCTS:
                 copy_column(floats, R.DOT0 + u - 1, R.S, count)
                 copy_column(floats, R.DOT0 + u, R.T, count)
             elif operation == C.OPERATION_DOT_PRODUCT_DIFFUSE_CUBE_MAP:
-                stage_dot_product(
-                    starts, owners, segments, triangles, coordinates, u + 1, units, count, floats, packed
-                )
+                stage_dot_product(segments, triangles, coordinates, u + 1, units, count, floats, packed)
                 for k in range(3):
                     copy_column(floats, R.DOT0 + u - 1 + k, (R.S, R.T, R.EXTRA)[k], count)
             elif operation in C.OPERATIONS_REFLECTING:
                 for k in range(3):
                     if operation == C.OPERATION_DOT_PRODUCT_REFLECT_CUBE_MAP:
-                        iterate_coordinate(
-                            starts,
-                            owners,
-                            segments,
-                            triangles,
-                            coordinates,
-                            u - 2 + k,
-                            3,
-                            floats,
-                            R.COORDINATE0 + k,
-                        )
+                        column = R.COORDINATE0 + k
+                        iterate_coordinate(segments, triangles, coordinates, u - 2 + k, 3, floats, column)
                     else:
                         fill_column(floats, R.COORDINATE0 + k, float_of(row[R.CONSTANT_EYE + k]), count)
                 reflect(floats, R.DOT0 + u - 2, R.COORDINATE0, count)
@@ -376,5 +354,5 @@ def shader_stage(
                 for k in range(3):
                     copy_column(floats, R.DOT0 + u - 2 + k, (R.S, R.T, R.EXTRA)[k], count)
             return 1
-    unpack(packed, R.STAGE0 + u, count, registers, (C.REGISTER_TEXTURE0 + u) * 4)
+    unpack(packed, R.STAGE0 + u, count, scratch.registers, (C.REGISTER_TEXTURE0 + u) * 4)
     return 0

@@ -1,11 +1,13 @@
 """A texture unit over a batch: which of the steps of sampling its state asks for."""
 
-from numba import int32, uint32
+from numba import int32, int64, uint32, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.arrays import RUNS, SEGMENTS
 from fixedpipe.raster.kernel import float_of, kernel, separate_function
 from fixedpipe.raster.portable.anisotropic import filter_along, footprints
+from fixedpipe.raster.portable.arrays import PASS, SCRATCH
 from fixedpipe.raster.portable.combine import fill_plane
 from fixedpipe.raster.portable.footprint import assemble_probes
 from fixedpipe.raster.portable.interpolate import iterate_coordinate
@@ -30,37 +32,32 @@ def unbound_texture(registers, unit, count):
         fill_plane(registers, (C.REGISTER_TEXTURE0 + unit) * 4 + c, count, int32(255 if c == 3 else 0))
 
 
-@kernel(
-    "void(i8[::1],i8,i8[:,::1],i8,i4[::1],i4[::1],i8,i4[:,::1],i4[:,::1],i4[::1],i4[::1],f8[::1],f8[:,:,::1],"
-    "u4[::1],i4[:,::1],i4[::1],i4[::1],i4[::1],i8,f8[:,::1],i4[:,::1],u4[:,::1],i2[:,::1],i4[::1],u1[::1])"
-)
-def sample_unit(
-    draw, u, units, count, starts, owners, segments, triangles, strokes, x, y, inverse_w, coordinates,
-    texels, levels, run_starts, run_x, run_y, runs, floats, ints, packed, registers, depth, alive,
-):  # fmt: skip
+@kernel(void(PASS, int64, int64, SEGMENTS, RUNS, SCRATCH))
+def sample_unit(p, u, count, segments, runs, scratch):
     """Texture unit ``u`` of a batch into its register: coordinates, texture shader stage, filter."""
     separate_function()
+    draw, triangles, strokes, vertices = p.state.draw, p.triangles, p.strokes, p.vertices
+    coordinates, units = vertices.coordinates, p.textures.units
+    texels, levels = p.textures.texels[u], p.textures.levels[u]
+    floats, ints, packed, registers = scratch.floats, scratch.ints, scratch.packed, scratch.registers
     row = units[u]
     if not row[R.ENABLED]:
         return
     if row[R.OPERATION]:
         maximum = int32(draw[R.DEPTH_MAX])
-        if not shader_stage(
-            u, units, starts, owners, segments, triangles, coordinates, count, floats, packed, registers,
-            depth, alive, maximum,
-        ):  # fmt: skip
+        if not shader_stage(u, units, segments, triangles, coordinates, count, scratch, maximum):
             return
         if row[R.TARGET] == C.TARGET_3D:
             copy_column(floats, R.EXTRA, R.P, count)
     else:
-        iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 0, floats, R.S)
-        iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 1, floats, R.T)
+        iterate_coordinate(segments, triangles, coordinates, u, 0, floats, R.S)
+        iterate_coordinate(segments, triangles, coordinates, u, 1, floats, R.T)
         if row[R.TARGET] == C.TARGET_3D:
-            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 2, floats, R.P)
+            iterate_coordinate(segments, triangles, coordinates, u, 2, floats, R.P)
         if row[R.TARGET] == C.TARGET_CUBE_MAP:
-            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 2, floats, R.EXTRA)
+            iterate_coordinate(segments, triangles, coordinates, u, 2, floats, R.EXTRA)
         elif row[R.PROJECTIVE]:
-            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 3, floats, R.EXTRA)
+            iterate_coordinate(segments, triangles, coordinates, u, 3, floats, R.EXTRA)
             divide_by_q(floats, R.S, count)
             divide_by_q(floats, R.T, count)
             if row[R.TARGET] == C.TARGET_3D:
@@ -77,26 +74,20 @@ def sample_unit(
         if row[R.COMPARE] == C.COMPARE_MODE_ZERO_TO_TEXTURE:
             fill_column(floats, R.COORDINATE0, 0.0, count)
         else:
-            iterate_coordinate(starts, owners, segments, triangles, coordinates, u, 2, floats, R.COORDINATE0)
+            iterate_coordinate(segments, triangles, coordinates, u, 2, floats, R.COORDINATE0)
         shadow_reference(
             floats, R.COORDINATE0, divided, count, float_of(row[R.COORDINATE_DEPTH]),
             row[R.DEPTH_TEXEL_FORMAT], int32(row[R.DEPTH_TEXEL_MAX]), ints,
         )  # fmt: skip
     if row[R.ANISOTROPY] or row[R.PROBES] > 1:
-        footprints(
-            draw, run_starts, run_x, run_y, runs, triangles, strokes, x, y, inverse_w, coordinates, u,
-            row, levels, floats, ints,
-        )  # fmt: skip
+        footprints(draw, runs, triangles, strokes, vertices, u, row, levels, floats, ints)
         if row[R.PROBES] > 1:
             assemble_probes(texels, levels, row, count, floats, ints, packed)
         else:
             filter_along(texels, levels, row, count, floats, ints, packed)
     else:
         if row[R.MIPMAP] != C.MIPMAP_NONE or row[R.MAG_LINEAR] != row[R.MIN_LINEAR]:
-            level_of_detail(
-                draw, run_starts, run_x, run_y, runs, triangles, strokes, x, y, inverse_w, coordinates, u,
-                row, levels, ints,
-            )  # fmt: skip
+            level_of_detail(draw, runs, triangles, strokes, vertices, u, row, levels, ints)
         filter_unit(texels, levels, row, count, floats, ints, packed)
     unpack_unit(row, count, packed, registers, (C.REGISTER_TEXTURE0 + u) * 4)
     if draw[R.TEXTURE_SHADER]:

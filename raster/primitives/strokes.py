@@ -53,12 +53,13 @@ def stippled_away(draw, stroke, step):
 
 
 @kernel
-def line_run(draw, stroke, x0, y0, x1, y1, row, first, end):
+def line_run(draw, stroke, corners, row, first, end):
     """The first run of pixels of a row, within [first, end), of which stipple leaves all and which take their
     values alike: (from, to, x, y, 1 where all take those of one sample), (x, y) the pixel whose sample gives
     the first its values.
     """
     separate_function()
+    x0, y0, x1, y1, _x2, _y2 = corners
     dx, dy = x0 - x1, y0 - y1
     replicates = draw[R.LINE_STEPS] == C.LINE_IN_DIAMONDS and draw[R.LINE_WIDTH] > R.PIXEL_WIDE
     if abs(dx) < abs(dy):
@@ -112,10 +113,11 @@ def owned(nx, ny):
 
 
 @kernel
-def line_bounds(draw, stroke, x0, y0, x1, y1, sx, sy):
+def line_bounds(draw, stroke, corners, sx, sy):
     """Four values that are all >= 0 where the line draws the sample: behind its start, before its end, and to
     its two sides.
     """
+    x0, y0, x1, y1, _x2, _y2 = corners
     dx, dy = x0 - x1, y0 - y1
     longer, shorter = max(abs(dx), abs(dy)), min(abs(dx), abs(dy))
     width = draw[R.LINE_WIDTH]
@@ -162,24 +164,25 @@ def power_of_two(n):
 
 
 @kernel
-def point_bounds(x0, y0, x1, y1, x2, y2, sx, sy):
+def point_bounds(corners, sx, sy):
     """Four values that are all >= 0 where the point draws the sample.
 
     On the left and the top edge it does; on the others too, unless the side is a power of two: how far across
     the point a sample lies comes from a reciprocal that is exact only there.
     Measured: Point_size PointSmoothOff_01_FF, 208 of 208 points.
     """
+    x0, _y0, x1, y1, _x2, y2 = corners
     right = int64(-1) if power_of_two(x1 - x0) else int64(0)
     bottom = int64(-1) if power_of_two(y1 - y2) else int64(0)
     return sx - x0, x1 - sx + right, sy - y2, y1 - sy + bottom
 
 
 @kernel
-def stroke_bounds(draw, stroke, x0, y0, x1, y1, x2, y2, sx, sy):
+def stroke_bounds(draw, stroke, corners, sx, sy):
     """``line_bounds`` or ``point_bounds``."""
     if stroke[R.KIND] == C.PRIMITIVE_LINE:
-        return line_bounds(draw, stroke, x0, y0, x1, y1, sx, sy)
-    return point_bounds(x0, y0, x1, y1, x2, y2, sx, sy)
+        return line_bounds(draw, stroke, corners, sx, sy)
+    return point_bounds(corners, sx, sy)
 
 
 @kernel

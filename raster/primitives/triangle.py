@@ -1,5 +1,7 @@
 """Triangles: the span of a row inside one, and what polygon offset adds to one's depths."""
 
+from typing import NamedTuple
+
 from numba import float64, int64
 
 from fixedpipe.raster import codes as C
@@ -7,6 +9,30 @@ from fixedpipe.raster import rows as R
 from fixedpipe.raster.kernel import kernel
 
 NARROW = 16  # pixels: boxes up to this wide are searched pixel by pixel, wider ones by division
+
+
+class Corners(NamedTuple):
+    """A row's three vertices in the window, int64, 1/16 pixel."""
+
+    x0: int
+    y0: int
+    x1: int
+    y1: int
+    x2: int
+    y2: int
+
+
+@kernel
+def corners_of(vertices, v0, v1, v2):
+    """The Corners of three vertices."""
+    x, y = vertices.x, vertices.y
+    return Corners(int64(x[v0]), int64(y[v0]), int64(x[v1]), int64(y[v1]), int64(x[v2]), int64(y[v2]))
+
+
+@kernel
+def edge_tie(right, down):
+    """What an edge function may fall short of 0: the interior lies right of a left edge, below a top one."""
+    return int64(0) if right > 0 or (right == 0 and down > 0) else int64(-1)
 
 
 @kernel
@@ -40,15 +66,16 @@ def row_span(n0, n1, n2, step0, step1, step2, first, last):
 
 
 @kernel
-def polygon_offset(draw, draw_float, v0, v1, v2, x, y, z, inverse_w):
+def polygon_offset(state, vertices, v0, v1, v2):
     """(what a polygon adds to its depths, what times their squares); one without an area has no slope.
 
     Measured: whole numbers in fixed formats, for axis-aligned slopes (W_buffering captures).
     """
-    x0, y0, x1, y1 = int64(x[v0]), int64(y[v0]), int64(x[v1]), int64(y[v1])
-    x2, y2 = int64(x[v2]), int64(y[v2])
+    draw, draw_float = state.draw, state.draw_float
+    x0, y0, x1, y1, x2, y2 = corners_of(vertices, v0, v1, v2)
     area = float64((x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0))
-    linear = inverse_w if draw[R.W_BUFFERING] else z  # depth, or 1 over it: what is linear on the screen
+    # Depth, or 1 over it: what is linear on the screen.
+    linear = vertices.inverse_w if draw[R.W_BUFFERING] else vertices.z
     steep = 0.0
     if area != 0.0:
         d1, d2 = linear[v1] - linear[v0], linear[v2] - linear[v0]

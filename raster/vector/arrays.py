@@ -1,4 +1,4 @@
-"""Arrays that the vector engine's kernels take together: a thread's, a framebuffer's, a Draw's."""
+"""Arrays that the vector engine's kernels take together: a thread's, and a Draw's."""
 
 from typing import NamedTuple
 
@@ -6,6 +6,17 @@ import numpy as np
 from numba import typeof, types
 
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.arrays import (
+    BANDS,
+    STATE,
+    TEXTURES,
+    VERTICES,
+    State,
+    Textures,
+    Vertices,
+    type_of,
+)
+from fixedpipe.raster.vector.addresses import places
 from fixedpipe.raster.vector.combine import SCRATCH_PLANES
 from fixedpipe.raster.vector.sample import LOCATED
 
@@ -38,45 +49,22 @@ def scratch(batch):
     )
 
 
-class Buffers(NamedTuple):
-    """A framebuffer: colours packed, depth words, stencil, each [height, width]."""
-
-    color: np.ndarray
-    depth: np.ndarray
-    stencil: np.ndarray
-
-
 class Pass(NamedTuple):
-    """A Draw's arrays (``rows``: what is in them)."""
+    """A Draw's arrays. plan int32[operations, OPERATION_SIZE]: the combiners' (``combine``); triangles
+    int32[n, 4]: three vertices, and the provoking one; textures: as row pairs (``sample``).
+    """
 
-    draw: np.ndarray
-    draw_float: np.ndarray
+    state: State
     plan: np.ndarray
-    factors: np.ndarray
     triangles: np.ndarray
-    x: np.ndarray
-    y: np.ndarray
-    z: np.ndarray
-    inverse_w: np.ndarray
-    colors: np.ndarray
-    coordinates: np.ndarray
-    pairs0: np.ndarray
-    pairs1: np.ndarray
-    pairs2: np.ndarray
-    pairs3: np.ndarray
-    levels: np.ndarray
-    units: np.ndarray
+    vertices: Vertices
+    textures: Textures
 
 
-_u8, _i32, _i64, _u32, _f64 = types.uint8, types.int32, types.int64, types.uint32, types.float64
-_FOUR_TEXTURES = (_u32[::1],) * 4
-JOB, JOBS = _i64[::1], _i64[:, ::1]
+JOB, JOBS = types.int64[::1], types.int64[:, ::1]
 SCRATCH = typeof(scratch(0))
-BUFFERS = types.NamedTuple((_u32[:, ::1], _u32[:, ::1], _u8[:, ::1]), Buffers)
-PASS = types.NamedTuple(
-    (
-        _i64[::1], _f64[::1], _i32[:, ::1], _i32[:, ::1], _i32[:, ::1], _i32[::1], _i32[::1], _f64[::1],
-        _f64[::1], _u8[:, :, ::1], _f64[:, :, ::1], *_FOUR_TEXTURES, _i32[:, :, ::1], _i64[:, ::1],
-    ),
-    Pass,
-)  # fmt: skip
+PASS = type_of(Pass, STATE, types.int32[:, ::1], types.int32[:, ::1], VERTICES, TEXTURES)
+# Where a job has the addresses of its Draw's bands and pass, and how long its row is.
+JOB_BANDS = R.JOB_ARRAYS
+JOB_PASS = JOB_BANDS + places(BANDS)
+JOB_SIZE = JOB_PASS + places(PASS)

@@ -2,10 +2,13 @@
 them. ``fixedpipe.raster.portable.check`` looks at what both engines read.
 """
 
+from numba import boolean
+
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.kernel import kernel
 from fixedpipe.raster.portable.check import usable_units
+from fixedpipe.raster.vector.arrays import PASS
 from fixedpipe.raster.vector.combine import (
     OPERANDS,
     OPERATION,
@@ -38,21 +41,19 @@ def usable_plan(plan):
     return True
 
 
-@kernel(
-    "b1(i8[::1],f8[::1],i4[:,::1],i4[:,::1],i4[:,::1],i8,f8[::1],u1[:,:,::1],f8[:,:,::1],i4[:,:,::1],i8[:,::1])"
-)
-def usable_job(
-    draw, draw_float, plan, factors, triangles, vertices, inverse_w, colors, coordinates, levels, units
-):
+@kernel(boolean(PASS))
+def usable_job(p):
     """As ``fixedpipe.raster.portable.check.usable``, for the vector engine, but for box and texels, which
     rows.JOB_USABLE and ``frame.draw_frame`` are about.
     """
-    if draw.shape[0] < R.DRAW_SIZE or draw_float.shape[0] < R.DRAW_FLOAT_SIZE or triangles.shape[1] != 4:
+    (draw, draw_float, factors), vertices = p.state, p.vertices
+    count, colors, coordinates = vertices.x.shape[0], vertices.colors, vertices.coordinates
+    if draw.shape[0] < R.DRAW_SIZE or draw_float.shape[0] < R.DRAW_FLOAT_SIZE or p.triangles.shape[1] != 4:
         return False
-    if factors.shape[0] < 2 or factors.shape[1] != 4 * R.FACTOR_SIZE or inverse_w.shape[0] < vertices:
+    if factors.shape[0] < 2 or factors.shape[1] != 4 * R.FACTOR_SIZE or vertices.inverse_w.shape[0] < count:
         return False
-    if colors.shape[0] < vertices or colors.shape[1] != 2 or colors.shape[2] != 8:
+    if colors.shape[0] < count or colors.shape[1] != 2 or colors.shape[2] != 8:
         return False
-    if coordinates.shape[0] < vertices or coordinates.shape[2] != 4 or coordinates.shape[1] < draw[R.UNITS]:
+    if coordinates.shape[0] < count or coordinates.shape[2] != 4 or coordinates.shape[1] < draw[R.UNITS]:
         return False
-    return usable_plan(plan) and usable_units(draw, units, levels)
+    return usable_plan(p.plan) and usable_units(draw, p.textures)

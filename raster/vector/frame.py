@@ -7,29 +7,20 @@ threads'. A Draw that ``fill_draw`` refuses goes to the portable engine (``fixed
 which gives the same bits.
 """
 
-from numba import float64, int16, int32, int64, uint8, uint32, void
+from numba import boolean, float64, int16, int32, int64, uint8, uint32, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.arrays import BANDS, BUFFERS, Runs
 from fixedpipe.raster.fixed import truncate_24
 from fixedpipe.raster.kernel import kernel, next_of, separate_function, separate_loop
 from fixedpipe.raster.portable.check import usable_levels
 from fixedpipe.raster.primitives.bins import BAND_HEIGHT
-from fixedpipe.raster.primitives.triangle import polygon_offset, row_span
-from fixedpipe.raster.vector.addresses import (
-    bytes_at,
-    float_tables_at,
-    floats_at,
-    integers_at,
-    long_table_at,
-    longs_at,
-    table_at,
-    tables_at,
-    texels_at,
-)
-from fixedpipe.raster.vector.arrays import BUFFERS, JOB, JOBS, PASS, SCRATCH, Pass
+from fixedpipe.raster.primitives.triangle import corners_of, edge_tie, polygon_offset, row_span
+from fixedpipe.raster.vector.addresses import keep_arrays, reader
+from fixedpipe.raster.vector.arrays import JOB, JOB_BANDS, JOB_PASS, JOBS, PASS, SCRATCH
 from fixedpipe.raster.vector.check import usable_job
-from fixedpipe.raster.vector.combine import OPERATION_SIZE, combine
+from fixedpipe.raster.vector.combine import combine
 from fixedpipe.raster.vector.interpolate import (
     iterate_colors,
     iterate_packed,
@@ -63,6 +54,8 @@ SMALL = 32  # pixels: triangles whose box is not wider share segments
 LARGEST_SMALL = 2048
 ALONE = 32  # fragments: from here on a triangle is a segment of its own
 
+bands_of, pass_of = reader(BANDS), reader(PASS)
+
 
 @kernel("void(i8[:,::1],i8,i8,i8,i8,i8,i8,i8,i8,i8,i8,i8)")
 def fill_clear(jobs, k, x0, y0, x1, y1, buffers, color, color_mask, depth, stencil, stencil_mask):
@@ -78,22 +71,16 @@ def fill_clear(jobs, k, x0, y0, x1, y1, buffers, color, color_mask, depth, stenc
     job[R.JOB_DEPTH], job[R.JOB_STENCIL], job[R.JOB_STENCIL_MASK] = depth, stencil, stencil_mask
 
 
-@kernel(
-    "b1(i8[:,::1],i8,i8[::1],f8[::1],i4[:,::1],i4[:,::1],i4[:,::1],i4[::1],i4[::1],"
-    "f8[::1],f8[::1],u1[:,:,::1],f8[:,:,::1],u4[::1],u4[::1],u4[::1],u4[::1],i4[:,:,::1],i8[:,::1],i4[::1],i4[::1])"
-)
-def fill_draw(
-    jobs, k, draw, draw_float, plan, factors, triangles, x, y, z, inverse_w, colors, coordinates, pairs0,
-    pairs1, pairs2, pairs3, levels, units, order, ends,
-):  # fmt: skip
+@kernel(boolean(JOBS, int64, PASS, BANDS))
+def fill_draw(jobs, k, p, bands):
     """Row k of ``jobs`` from a Draw's arrays, which must outlive it; False where the vector engine does not
     cover the Draw, or where its arrays would lead a kernel outside of them
     (``fixedpipe.raster.vector.check``).
     """
-    if not usable_job(
-        draw, draw_float, plan, factors, triangles, x.shape[0], inverse_w, colors, coordinates, levels, units
-    ):
+    if not usable_job(p):
         return False
+    draw, vertices, textures = p.state.draw, p.vertices, p.textures
+    inverse_w = vertices.inverse_w
     unusual = (
         draw[R.STROKES] | draw[R.STIPPLE] | draw[R.WINDOW_CLIP] | draw[R.W_BUFFERING] | draw[R.DEPTH_FORMAT]
     ) | (draw[R.DEPTH_CULL] | draw[R.FOG_ENABLED] | draw[R.TEXTURE_SHADER] | draw[R.DISCARDS])
@@ -101,7 +88,7 @@ def fill_draw(
         return False
     job = jobs[k]
     job[R.JOB_KIND] = C.JOB_DRAW
-    if not plan_units(job, draw, units, levels, coordinates):
+    if not plan_units(job, draw, textures, vertices.coordinates):
         return False
     job[R.JOB_ROW_RUNS] = 0
     for u in range(4):
@@ -115,50 +102,23 @@ def fill_draw(
     job[R.JOB_PERSPECTIVE] = perspective
     for edge in range(4):
         job[R.JOB_X0 + edge] = draw[R.X0 + edge]
-    sizes = (pairs0.shape[0], pairs1.shape[0], pairs2.shape[0], pairs3.shape[0])
     job[R.JOB_USABLE] = 1
     for u in range(draw[R.UNITS]):
-        reads = job[R.JOB_UNIT_PATH + u] != C.PATH_DISABLED
-        if reads and not usable_levels(units[u], levels[u], sizes[u], True):
+        size, reads = textures.texels[u].shape[0], job[R.JOB_UNIT_PATH + u] != C.PATH_DISABLED
+        if reads and not usable_levels(textures.units[u], textures.levels[u], size, True):
             job[R.JOB_USABLE] = 0
     job[R.JOB_ONE_COLOR] = draw[R.FLAT] == C.COLORS_EQUAL and draw[R.BACK_SIGN] == 0
-    job[R.JOB_VERTICES], job[R.JOB_PRIMITIVES] = x.shape[0], triangles.shape[0]
-    job[R.JOB_UNITS], job[R.JOB_MEMBERS] = coordinates.shape[1], order.shape[0]
-    job[R.JOB_ROWS], job[R.JOB_BANDS] = units.shape[0], ends.shape[0]
-    job[R.JOB_OPERATIONS] = plan.shape[0]
-    job[R.JOB_ADDRESS] = draw.ctypes.data
-    job[R.JOB_ADDRESS + 1] = draw_float.ctypes.data
-    job[R.JOB_ADDRESS + 2] = plan.ctypes.data
-    job[R.JOB_ADDRESS + 3] = factors.ctypes.data
-    job[R.JOB_ADDRESS + 4] = triangles.ctypes.data
-    job[R.JOB_ADDRESS + 5] = x.ctypes.data
-    job[R.JOB_ADDRESS + 6] = y.ctypes.data
-    job[R.JOB_ADDRESS + 7] = z.ctypes.data
-    job[R.JOB_ADDRESS + 8] = inverse_w.ctypes.data
-    job[R.JOB_ADDRESS + 9] = colors.ctypes.data
-    job[R.JOB_ADDRESS + 10] = coordinates.ctypes.data
-    job[R.JOB_ADDRESS + 11] = levels.ctypes.data
-    job[R.JOB_ADDRESS + 12] = units.ctypes.data
-    job[R.JOB_ADDRESS + 13] = order.ctypes.data
-    job[R.JOB_ADDRESS + 14] = ends.ctypes.data
-    job[R.JOB_PAIRS] = pairs0.ctypes.data
-    job[R.JOB_PAIRS + 1] = pairs1.ctypes.data
-    job[R.JOB_PAIRS + 2] = pairs2.ctypes.data
-    job[R.JOB_PAIRS + 3] = pairs3.ctypes.data
-    job[R.JOB_PAIR_COUNT] = pairs0.shape[0]
-    job[R.JOB_PAIR_COUNT + 1] = pairs1.shape[0]
-    job[R.JOB_PAIR_COUNT + 2] = pairs2.shape[0]
-    job[R.JOB_PAIR_COUNT + 3] = pairs3.shape[0]
+    keep_arrays(job, int64(JOB_BANDS), bands)
+    keep_arrays(job, int64(JOB_PASS), p)
     return True
 
 
 @kernel
-def fits(job, height, width, bands):
-    """Whether a job's pixels and bands are the framebuffer's, and its textures there."""
+def fits(job, height, width):
+    """Whether a job's pixels are the framebuffer's, and its textures there."""
     inside = 0 <= job[R.JOB_X0] <= width and 0 <= job[R.JOB_X1] <= width
     inside = inside and 0 <= job[R.JOB_Y0] <= height and 0 <= job[R.JOB_Y1] <= height
-    usable = job[R.JOB_USABLE] != 0 and job[R.JOB_BANDS] >= bands
-    return inside and (job[R.JOB_KIND] == C.JOB_CLEAR or usable)
+    return inside and (job[R.JOB_KIND] == C.JOB_CLEAR or job[R.JOB_USABLE] != 0)
 
 
 @kernel("void(u4[::1],u4,u4)")
@@ -225,10 +185,11 @@ def finish_batch(job, p, first, count, length, segments, runs, solid, buffers, s
     (``per_fragment.write_fragments``).
     """
     separate_function()
-    draw, triangles, colors = p.draw, p.triangles, p.colors
+    draw, triangles, colors = p.state.draw, p.triangles, p.vertices.colors
     floats, ints, packed, planes = scratch.floats, scratch.ints, scratch.packed, scratch.planes
     lists = scratch.lists
     lists[R.STARTS, segments], lists[R.RUN_STARTS, runs] = int32(count), int32(length)
+    of_rows = Runs(lists[R.RUN_STARTS], lists[R.RUN_X], lists[R.RUN_Y], runs)
     flat, terms, varies = draw[R.FLAT], planes[R.COLOR_TERMS :], not job[R.JOB_ONE_COLOR]
     if draw[R.NEEDS_COLOR] and draw[R.DIRECT]:
         if varies:
@@ -243,19 +204,12 @@ def finish_batch(job, p, first, count, length, segments, runs, solid, buffers, s
             second, plane = terms[12:], C.REGISTER_SECONDARY_COLOR * 4
             iterate_colors(lists, segments, triangles, colors, 4, flat, floats, second, planes, plane)
         for u in range(draw[R.UNITS]):
-            sample(job, p, u, count, segments, runs, scratch)
+            sample(job, p, u, count, segments, of_rows, scratch)
         combine(planes, p.plan, count, scratch.products, packed[R.SHADED])
     write_fragments(
-        draw, count, lists[R.RUN_STARTS], lists[R.RUN_X], lists[R.RUN_Y], runs, solid, packed[R.SHADED],
-        ints[R.PIXEL], ints[R.DEPTH_WORD], scratch.alive, p.factors, buffers.color, buffers.depth,
-        buffers.stencil,
+        draw, count, of_rows, solid, packed[R.SHADED], ints[R.PIXEL], ints[R.DEPTH_WORD], scratch.alive,
+        p.state.factors, buffers,
     )  # fmt: skip
-
-
-@kernel
-def edge_tie(right, down):
-    """What an edge function may fall short of 0: the interior lies right of a left edge, below a top one."""
-    return int64(0) if right > 0 or (right == 0 and down > 0) else int64(-1)
 
 
 @kernel
@@ -278,9 +232,8 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
     kept, and no columns (a solid batch).
     """
     separate_function()
-    draw = p.draw
-    triangles, x, y, z, inverse_w = p.triangles, p.x, p.y, p.z, p.inverse_w
-    colors, coordinates = p.colors, p.coordinates
+    draw, draw_float, triangles, vertices = p.state.draw, p.state.draw_float, p.triangles, p.vertices
+    z, inverse_w, colors, coordinates = vertices.z, vertices.inverse_w, vertices.colors, vertices.coordinates
     floats, ints, planes, lists = scratch.floats, scratch.ints, scratch.planes, scratch.lists
     needs_depth, has_offset = draw[R.NEEDS_DEPTH], draw[R.POLYGON_OFFSET]
     needs_weights, needs_color = draw[R.NEEDS_ITERATION_WEIGHTS], draw[R.NEEDS_COLOR]
@@ -293,8 +246,8 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
     channels = int64(8 if draw[R.NEEDS_SECONDARY] else 4)
     solid_state = not needs_color or (draw[R.DIRECT] and job[R.JOB_ONE_COLOR])
     flat, farthest = draw[R.FLAT], float64(draw[R.DEPTH_MAX])
-    low = min(max(p.draw_float[R.DEPTH_LOW], 0.0), farthest)
-    high = min(max(p.draw_float[R.DEPTH_HIGH], 0.0), farthest)
+    low = min(max(draw_float[R.DEPTH_LOW], 0.0), farthest)
+    high = min(max(draw_float[R.DEPTH_HIGH], 0.0), farthest)
     width = int64(buffers.color.shape[1])
     top, bottom = max(band * BAND_HEIGHT, draw[R.Y0]), min((band + 1) * BAND_HEIGHT, draw[R.Y1])
     x_first, x_last = draw[R.X0], draw[R.X1] - 1
@@ -306,8 +259,7 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
         finished = k == members.shape[0]
         t = members[k] if not finished else members[0]
         v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
-        x0, y0, x1, y1 = int64(x[v0]), int64(y[v0]), int64(x[v1]), int64(y[v1])
-        x2, y2 = int64(x[v2]), int64(y[v2])
+        x0, y0, x1, y1, x2, y2 = corners_of(vertices, v0, v1, v2)
         x_least, x_most = min(x0, min(x1, x2)), max(x0, max(x1, x2))
         y_least, y_most = min(y0, min(y1, y2)), max(y0, max(y1, y2))
         first_row, last_row = max((y_least + 7) >> 4, top), min((y_most - 8) >> 4, bottom - 1)
@@ -316,7 +268,7 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
         if needs_depth:
             z0, z1, z2 = z[v0], z[v1], z[v2]
             if has_offset:
-                offset, _ = polygon_offset(draw, p.draw_float, v0, v1, v2, x, y, z, inverse_w)
+                offset, _ = polygon_offset(p.state, vertices, v0, v1, v2)
         plain = solid_state and z0 == z1 and z1 == z2
         word = int32(min(max(z0 + offset, low), high)) if plain else int32(0)
         small = mixes and not (finished or plain) and right - left < SMALL
@@ -417,10 +369,10 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
                 segments += 1
                 doubled = float64(area)
                 if needs_weights:
-                    triangle_weights(floats, begin, n, iw0, iw1, iw2, doubled)
+                    triangle_weights(floats, begin, n, (iw0, iw1, iw2), doubled)
                 if needs_depth:
                     words = ints[R.DEPTH_WORD]
-                    triangle_depth(floats, words, begin, n, z0, z1, z2, doubled, offset, low, high)
+                    triangle_depth(floats, words, begin, n, (z0, z1, z2), doubled, offset, low, high)
                 continue
             if mixed_from < 0:
                 mixed_from = begin
@@ -434,7 +386,7 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
                 else:
                     spread(floats[R.INVERSE_W0], begin, n, truncate_24(1.0 / float64(area)))
             if needs_depth:
-                spread_depth(floats, begin, n, z0, z1, z2, float64(area), offset)
+                spread_depth(floats, begin, n, (z0, z1, z2), float64(area), offset)
             if varies:
                 terms, provoking = planes[R.COLOR_TERMS :], triangles[t, 3]
                 spread_colors(terms, begin, n, colors, channels, v0, v1, v2, provoking, back, flat)
@@ -457,15 +409,16 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
                         lists[R.BACKS, segments] = back
                         segments += 1
                     ahead = start - left
-                    m0, m1 = float64(n0 + ahead * right0), float64(n1 + ahead * right1)
-                    m2 = float64(n2 + ahead * right2)
+                    here = (
+                        float64(n0 + ahead * right0),
+                        float64(n1 + ahead * right1),
+                        float64(n2 + ahead * right2),
+                    )
                     if needs_weights:
-                        run_weights(floats, position, n, m0, m1, m2, s0, s1, s2, iw0, iw1, iw2)
+                        run_weights(floats, position, n, here, (s0, s1, s2), (iw0, iw1, iw2))
                     if needs_depth:
-                        run_depth(
-                            ints[R.DEPTH_WORD], position, n, m0, m1, m2, s0, s1, s2, z0, z1, z2, offset, low,
-                            high,
-                        )  # fmt: skip
+                        words, depths = ints[R.DEPTH_WORD], (z0, z1, z2)
+                        run_depth(words, position, n, here, (s0, s1, s2), depths, offset, low, high)
                 position += n
                 longest = max(longest, n)
                 start += n
@@ -495,36 +448,17 @@ def draw_frame(jobs, count, counter, batch, buffers, scratch):
     while band < bands:
         for k in range(count):
             job = jobs[k]
-            if not fits(job, height, width, bands):
+            if not fits(job, height, width):
                 continue
             if job[R.JOB_KIND] == C.JOB_CLEAR:
                 clear_band(job, band, buffers.color, buffers.depth, buffers.stencil)
                 continue
-            vertices, units = job[R.JOB_VERTICES], job[R.JOB_UNITS]
-            ends = integers_at(job[R.JOB_ADDRESS + 14], (job[R.JOB_BANDS],))
-            begin, end = int64(ends[band - 1]) if band > 0 else int64(0), int64(ends[band])
-            if begin == end:
+            order, ends = bands_of(job, int64(JOB_BANDS))
+            if ends.shape[0] < bands:
                 continue
-            arrays = Pass(
-                longs_at(job[R.JOB_ADDRESS], (int64(R.DRAW_SIZE),)),
-                floats_at(job[R.JOB_ADDRESS + 1], (int64(R.DRAW_FLOAT_SIZE),)),
-                table_at(job[R.JOB_ADDRESS + 2], (job[R.JOB_OPERATIONS], int64(OPERATION_SIZE))),
-                table_at(job[R.JOB_ADDRESS + 3], (int64(2), int64(4 * R.FACTOR_SIZE))),
-                table_at(job[R.JOB_ADDRESS + 4], (job[R.JOB_PRIMITIVES], int64(4))),
-                integers_at(job[R.JOB_ADDRESS + 5], (vertices,)),
-                integers_at(job[R.JOB_ADDRESS + 6], (vertices,)),
-                floats_at(job[R.JOB_ADDRESS + 7], (vertices,)),
-                floats_at(job[R.JOB_ADDRESS + 8], (vertices,)),
-                bytes_at(job[R.JOB_ADDRESS + 9], (vertices, int64(2), int64(8))),
-                float_tables_at(job[R.JOB_ADDRESS + 10], (vertices, units, int64(4))),
-                texels_at(job[R.JOB_PAIRS], (job[R.JOB_PAIR_COUNT],)),
-                texels_at(job[R.JOB_PAIRS + 1], (job[R.JOB_PAIR_COUNT + 1],)),
-                texels_at(job[R.JOB_PAIRS + 2], (job[R.JOB_PAIR_COUNT + 2],)),
-                texels_at(job[R.JOB_PAIRS + 3], (job[R.JOB_PAIR_COUNT + 3],)),
-                tables_at(job[R.JOB_ADDRESS + 11], (job[R.JOB_ROWS], int64(R.MAX_LEVELS), int64(3))),
-                long_table_at(job[R.JOB_ADDRESS + 12], (job[R.JOB_ROWS], int64(R.UNIT_SIZE))),
-            )
-            order = integers_at(job[R.JOB_ADDRESS + 13], (job[R.JOB_MEMBERS],))
-            fragments += draw_band(job, arrays, order[begin:end], band, batch, buffers, scratch)
+            begin, end = int64(ends[band - 1]) if band > 0 else int64(0), int64(ends[band])
+            if begin < end:
+                p = pass_of(job, int64(JOB_PASS))
+                fragments += draw_band(job, p, order[begin:end], band, batch, buffers, scratch)
         band = next_of(counter)
     return fragments

@@ -11,9 +11,10 @@ segment belongs to the next one, which therefore comes later.
 """
 
 import numpy as np
-from numba import float64, int16, int32, int64
+from numba import float64, int16, int32, int64, void
 
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.arrays import THREE
 from fixedpipe.raster.fixed import (
     EXPONENT,
     FRACTION,
@@ -93,10 +94,11 @@ def rest_to_largest(q0, q1, q2):
     return select(first, (1.0 - q1) - q2, q0), select(last, (1.0 - q0) - q1, q2)
 
 
-@kernel("void(f8[:,::1],i8,i8,f8,f8,f8,f8,f8,f8,f8,f8,f8)")
-def run_weights(floats, position, count, n0, n1, n2, right0, right1, right2, iw0, iw1, iw2):
-    """Q0 and Q2 of ``count`` pixels to the right of the one whose edge functions are n0, n1, n2."""
+@kernel(void(float64[:, ::1], int64, int64, THREE, THREE, THREE))
+def run_weights(floats, position, count, n, right, inverse_w):
+    """Q0 and Q2 of ``count`` pixels to the right of the one whose edge functions are ``n``."""
     separate_loop()
+    (n0, n1, n2), (right0, right1, right2), (iw0, iw1, iw2) = n, right, inverse_w
     out0, out2 = floats[R.Q0], floats[R.Q2]
     ramp = ramp_f64x16()
     a0, a1, a2 = ramp * right0 + n0, ramp * right1 + n1, ramp * right2 + n2  # exact: integers below 2**53
@@ -119,10 +121,11 @@ def run_weights(floats, position, count, n0, n1, n2, right0, right1, right2, iw0
         a0, a1, a2 = a0 + step0, a1 + step1, a2 + step2
 
 
-@kernel("void(f8[:,::1],i8,i8,f8,f8,f8,f8)")
-def triangle_weights(floats, position, count, iw0, iw1, iw2, area):
+@kernel(void(float64[:, ::1], int64, int64, THREE, float64))
+def triangle_weights(floats, position, count, inverse_w, area):
     """Q0 and Q2 of a triangle's fragments, which carry their edge functions in columns."""
     separate_loop()
+    iw0, iw1, iw2 = inverse_w
     n0, n1, n2 = floats[R.N0], floats[R.N1], floats[R.N2]
     out0, out2 = floats[R.Q0], floats[R.Q2]
     perspective = not (iw0 == 1.0 and iw1 == 1.0 and iw2 == 1.0)
@@ -195,10 +198,11 @@ def fixed_depth(z, offset, low, high):
     return to_int32(minimum(maximum(z + offset, low), high))
 
 
-@kernel("void(i4[::1],i8,i8,f8,f8,f8,f8,f8,f8,f8,f8,f8,f8,f8,f8)")
-def run_depth(words, position, count, n0, n1, n2, right0, right1, right2, z0, z1, z2, offset, low, high):
-    """Depth words of ``count`` pixels to the right of the one whose edge functions are n0, n1, n2."""
+@kernel(void(int32[::1], int64, int64, THREE, THREE, THREE, float64, float64, float64))
+def run_depth(words, position, count, n, right, depths, offset, low, high):
+    """Depth words of ``count`` pixels to the right of the one whose edge functions are ``n``."""
     separate_loop()
+    (n0, n1, n2), (right0, right1, right2), (z0, z1, z2) = n, right, depths
     if z0 == z1 and z1 == z2:  # differences of zero: whatever the weights, the depth is the base
         word = fixed_depth(f64x16(z0), offset, low, high)
         for i in range(0, count, 16):
@@ -228,10 +232,11 @@ def run_depth(words, position, count, n0, n1, n2, right0, right1, right2, z0, z1
         a0, a1, a2 = a0 + step0, a1 + step1, a2 + step2
 
 
-@kernel("void(f8[:,::1],i4[::1],i8,i8,f8,f8,f8,f8,f8,f8,f8)")
-def triangle_depth(floats, words, position, count, z0, z1, z2, area, offset, low, high):
+@kernel(void(float64[:, ::1], int32[::1], int64, int64, THREE, float64, float64, float64, float64))
+def triangle_depth(floats, words, position, count, depths, area, offset, low, high):
     """Depth words of a triangle's fragments, which carry their edge functions; its area is below 2**24."""
     separate_loop()
+    z0, z1, z2 = depths
     n0, n1, n2 = floats[R.N0], floats[R.N1], floats[R.N2]
     reciprocal = f64x16(reciprocal_29(1.0 / area))
     v0, v1, v2 = f64x16(z0), f64x16(z1), f64x16(z2)
@@ -266,10 +271,11 @@ def spread(column, position, count, value):
         store(column, i, f64x8(value))
 
 
-@kernel("void(f8[:,::1],i8,i8,f8,f8,f8,f8,f8)")
-def spread_depth(floats, position, count, z0, z1, z2, area, offset):
+@kernel(void(float64[:, ::1], int64, int64, THREE, float64, float64))
+def spread_depth(floats, position, count, depths, area, offset):
     """A small triangle's numbers for ``mixed_depth``."""
     separate_function()
+    z0, z1, z2 = depths
     spread(floats[R.Z_RECIPROCAL], position, count, reciprocal_29(1.0 / area))
     spread(floats[R.Z0], position, count, z0)
     spread(floats[R.Z1], position, count, z1)

@@ -4,13 +4,15 @@ The arithmetic is that of raster/portable/level_of_detail.py in the same order, 
 """
 
 import numpy as np
-from numba import float64, int32, int64
+from numba import float64, int32, int64, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.arrays import RUNS, VERTICES
 from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION, FRACTION_BITS
 from fixedpipe.raster.kernel import kernel, separate_function
 from fixedpipe.raster.portable.sample import FAR, POWERS_OF_TWO
+from fixedpipe.raster.primitives.triangle import corners_of
 from fixedpipe.raster.vector.lanes import (
     bits_of_lanes,
     f64x8,
@@ -80,17 +82,14 @@ def _differences(coordinates, v0, v1, v2, unit, k):
 
 
 @kernel
-def _scale_factors(
-    draw_x, draw_y, vertices, inverse_w, coordinates, unit, sizes, modes, px, py, blocks, rho2, cells
-):
+def _scale_factors(indices, vertices, unit, sizes, modes, px, py, blocks, rho2, cells):
     """The squared scale factor of each block from the one at (px, py) on to the right, infinite where it has
     none, and the part of ``CELLS`` that its mantissa lies in.
     """
-    v0, v1, v2 = vertices
+    v0, v1, v2 = indices
+    inverse_w, coordinates = vertices.inverse_w, vertices.coordinates
     (width, height), (flat, projective) = sizes, modes
-    x0, y0 = int64(draw_x[v0]), int64(draw_y[v0])
-    x1, y1 = int64(draw_x[v1]), int64(draw_y[v1])
-    x2, y2 = int64(draw_x[v2]), int64(draw_y[v2])
+    x0, y0, x1, y1, x2, y2 = corners_of(vertices, v0, v1, v2)
     sign = int64(-1 if (x1 - x0) * (y2 - y0) < (x2 - x0) * (y1 - y0) else 1)
     n0, right0, down0 = _linear_edge(x1, y1, x2, y2, px, py, sign)
     n1, right1, down1 = _linear_edge(x2, y2, x0, y0, px, py, sign)
@@ -144,26 +143,19 @@ def lambdas(rho2, cells, first, blocks, row, lod, start, odd):
 
 
 @kernel(
-    "void(i4[::1],i4[::1],i4[::1],i8,i4[:,::1],i4[::1],i4[::1],f8[::1],f8[:,:,::1],i8,i8[::1],"
-    "i4[:,::1],i4[:,::1],f8[::1],i4[::1])"
+    void(
+        RUNS,
+        int32[:, ::1],
+        VERTICES,
+        int64,
+        int64[::1],
+        int32[:, ::1],
+        int32[:, ::1],
+        float64[::1],
+        int32[::1],
+    )
 )
-def level_of_detail(
-    run_starts,
-    run_x,
-    run_y,
-    runs,
-    triangles,
-    x,
-    y,
-    inverse_w,
-    coordinates,
-    unit,
-    row,
-    levels,
-    ints,
-    rho2,
-    cells,
-):
+def level_of_detail(runs, triangles, vertices, unit, row, levels, ints, rho2, cells):
     """As the portable engine's ``level_of_detail``, of triangles; no cube maps and no 3D textures.
 
     rho2, cells: scratch of at least half a batch and 24 more; what lies in LOD past the last run's end, up to
@@ -178,19 +170,16 @@ def level_of_detail(
     # A block's value serves both of its rows. One block more is computed at either end of a run where that
     # costs no further vector, or a small part: the next row's run often reaches there.
     last_owner, last_y, from_x, to_x = int64(-1), int64(0), int64(0), int64(0)
-    for k in range(runs):
+    for k in range(runs.count):
         owner = int64(ints[R.OWNER, k])
-        v0, v1, v2 = triangles[owner, 0], triangles[owner, 1], triangles[owner, 2]
-        start, end = int64(run_starts[k]), int64(run_starts[k + 1])
-        px, py = int64(run_x[k]), int64(run_y[k]) & ~1
+        start, end = int64(runs.starts[k]), int64(runs.starts[k + 1])
+        px, py = int64(runs.x[k]), int64(runs.y[k]) & ~1
         odd = px & 1
         blocks = (end - start + odd + 1) >> 1
         begin = px - odd
         if owner != last_owner or py != last_y or begin < from_x or begin + 2 * blocks > to_x:
             more = 1 if blocks >= 32 or 0 < blocks & 7 < 7 else 0
             last_owner, last_y, from_x, to_x = owner, py, begin - 2 * more, begin + 2 * (blocks + more)
-            _scale_factors(
-                x, y, (v0, v1, v2), inverse_w, coordinates, unit, sizes, modes, from_x, py, blocks + 2 * more,
-                rho2, cells,
-            )  # fmt: skip
+            indices = triangles[owner, 0], triangles[owner, 1], triangles[owner, 2]
+            _scale_factors(indices, vertices, unit, sizes, modes, from_x, py, blocks + 2 * more, rho2, cells)
         lambdas(rho2, cells, (begin - from_x) >> 1, blocks, row, lod, start, odd)

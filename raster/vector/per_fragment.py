@@ -7,13 +7,14 @@ the earlier one comes first. Whatever is rare is left to the loops of
 ``fixedpipe.raster.portable.per_fragment``, run by run.
 """
 
-from numba import int16, int32, int64, uint8, uint32, uint64
+from numba import int16, int32, int64, uint8, uint32, uint64, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.arrays import BUFFERS, RUNS
 from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
 from fixedpipe.raster.portable import per_fragment as portable
-from fixedpipe.raster.vector.addresses import texels_at
+from fixedpipe.raster.vector.addresses import words_at
 from fixedpipe.raster.vector.combine import divide_bytes
 from fixedpipe.raster.vector.lanes import (
     add_saturated,
@@ -383,20 +384,26 @@ def spread_first(packed, depth, count):
 
 
 @kernel(
-    "void(i8[::1],i8,i4[::1],i4[::1],i4[::1],i8,i8,u4[::1],i4[::1],i4[::1],u1[::1],i4[:,::1],"
-    "u4[:,::1],u4[:,::1],u1[:,::1])"
+    void(
+        int64[::1],
+        int64,
+        RUNS,
+        int64,
+        uint32[::1],
+        int32[::1],
+        int32[::1],
+        uint8[::1],
+        int32[:, ::1],
+        BUFFERS,
+    )
 )
-def write_fragments(
-    draw, count, run_starts, run_x, run_y, runs, solid, packed, pixel, depth, alive, factors,
-    color, depth_buffer, stencil,
-):  # fmt: skip
+def write_fragments(draw, count, runs, solid, packed, pixel, depth, alive, factors, buffers):
     """Alpha, stencil and depth test, blending or logic operation, and masks, of a batch, like
     ``portable.per_fragment``.
 
     count       fragments; columns have SLACK elements more
-    run_starts  int32[runs + 1]: where each run begins; its pixels begin at run_x, run_y. Where run_y is -1
-                fragments are mixed instead: each has its own ``pixel``, y * width + x
-    solid       1: ``packed[0]`` and ``depth[0]`` are those of every fragment, run_starts tells no more than
+    runs        where a run's y is -1 fragments are mixed instead: each has its own ``pixel``, y * width + x
+    solid       1: ``packed[0]`` and ``depth[0]`` are those of every fragment, runs tell no more than
                 each run's length, and ``count`` is the length of the longest: the columns need hold no more.
                 Nothing is mixed then, nor discarded
     packed      uint32: the fragments' colors, which nothing reads unless draw[NEEDS_COLOR]; undefined
@@ -407,6 +414,7 @@ def write_fragments(
     factors     int32[2, 4 * FACTOR_SIZE]: the blend factors of source and destination
     """
     separate_function()
+    color, depth_buffer, stencil = buffers
     mode, mask, width = draw[R.BLEND], uint32(draw[R.COLOR_MASK]), int64(color.shape[1])
     writes, surface = draw[R.NEEDS_COLOR] != 0 and mask != uint32(0), draw[R.SURFACE] != 0
     tests_stencil, tests_depth = draw[R.STENCIL_TEST] != 0, draw[R.NEEDS_DEPTH] != 0
@@ -429,11 +437,11 @@ def write_fragments(
     untested = not (limited or tests_depth or tests_stencil)
     replaces = mode == C.BLEND_REPLACE and not surface and mask == uint32(0xFFFFFFFF)
     stores = untested and replaces
-    color_words = texels_at(int64(color.ctypes.data), (int64(color.size),))
-    depth_words = texels_at(int64(depth_buffer.ctypes.data), (int64(depth_buffer.size),))
-    for k in range(runs):
-        start, end = int64(run_starts[k]), int64(run_starts[k + 1])
-        y, x = int64(run_y[k]), int64(run_x[k])
+    color_words = words_at(int64(color.ctypes.data), int64(color.size))
+    depth_words = words_at(int64(depth_buffer.ctypes.data), int64(depth_buffer.size))
+    for k in range(runs.count):
+        start, end = int64(runs.starts[k]), int64(runs.starts[k + 1])
+        y, x = int64(runs.y[k]), int64(runs.x[k])
         mixed = y < 0
         if mixed and not rare:
             if tests_depth:

@@ -1,9 +1,10 @@
 """Texture units of the vector engine: how each is sampled, and sampling a batch so."""
 
-from numba import float64, int32, int64, void
+from numba import boolean, float64, int32, int64, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.arrays import RUNS, TEXTURES
 from fixedpipe.raster.floats import TAU
 from fixedpipe.raster.kernel import float_of, kernel, separate_function
 from fixedpipe.raster.vector.arrays import JOB, PASS, SCRATCH
@@ -101,10 +102,11 @@ def components_of(row, path):
     return int64(3) | third | (int64(8) if row[R.PROJECTIVE] else int64(0))
 
 
-@kernel("b1(i8[::1],i8[::1],i8[:,::1],i4[:,:,::1],f8[:,:,::1])")
-def plan_units(job, draw, units, levels, coordinates):
+@kernel(boolean(JOB, int64[::1], TEXTURES, float64[:, :, ::1]))
+def plan_units(job, draw, textures, coordinates):
     """Fill in how a Draw's units are sampled; False where one of them is the portable engine's."""
     separate_function()
+    units, levels = textures.units, textures.levels
     for u in range(4):
         job[R.JOB_UNIT_PATH + u] = job[R.JOB_COMPONENTS + u] = 0
     if not draw[R.NEEDS_COLOR]:
@@ -138,23 +140,24 @@ def plan_units(job, draw, units, levels, coordinates):
 def sample_computed(job, p, u, count, segments, scratch):
     """A unit whose coordinates are computed from the iterated ones."""
     separate_function()
-    row, levels, floats, ints = p.units[u], p.levels[u], scratch.floats, scratch.ints
+    triangles, coordinates = p.triangles, p.vertices.coordinates
+    row, levels, floats, ints = p.textures.units[u], p.textures.levels[u], scratch.floats, scratch.ints
     located, f_s, f_t = scratch.located[u], ints[R.FIXED0 + 2 * u], ints[R.FIXED0 + 2 * u + 1]
     s, t, extra, r = floats[R.S], floats[R.T], floats[R.EXTRA], floats[R.COORDINATE0]
     cube, projective = row[R.TARGET] == C.TARGET_CUBE_MAP, row[R.PROJECTIVE] != 0
     compared = row[R.COMPARE] != C.COMPARE_MODE_NONE
-    iterate_floats(scratch.lists, segments, p.triangles, p.coordinates, u, 0, floats, s)
-    iterate_floats(scratch.lists, segments, p.triangles, p.coordinates, u, 1, floats, t)
+    iterate_floats(scratch.lists, segments, triangles, coordinates, u, 0, floats, s)
+    iterate_floats(scratch.lists, segments, triangles, coordinates, u, 1, floats, t)
     if cube:
-        iterate_floats(scratch.lists, segments, p.triangles, p.coordinates, u, 2, floats, extra)
+        iterate_floats(scratch.lists, segments, triangles, coordinates, u, 2, floats, extra)
         cube_faces(s, t, extra, ints[R.FACE], count)
     elif projective:
-        iterate_floats(scratch.lists, segments, p.triangles, p.coordinates, u, 3, floats, extra)
+        iterate_floats(scratch.lists, segments, triangles, coordinates, u, 3, floats, extra)
         divide_by_q(s, extra, count)
         divide_by_q(t, extra, count)
     if compared:
         if row[R.COMPARE] == C.COMPARE_MODE_R_TO_TEXTURE:
-            iterate_floats(scratch.lists, segments, p.triangles, p.coordinates, u, 2, floats, r)
+            iterate_floats(scratch.lists, segments, triangles, coordinates, u, 2, floats, r)
             if projective:
                 divide_by_q(r, extra, count)
         else:
@@ -171,8 +174,7 @@ def sample_computed(job, p, u, count, segments, scratch):
     locate(levels, row, f_s, f_t, count, located)
     if cube:
         move_to_faces(levels, ints[R.FACE], count, located)
-    first, second = (p.pairs0 if u == 0 else p.pairs1), (p.pairs2 if u == 2 else p.pairs3)
-    pairs = first if u < 2 else second
+    pairs = p.textures.texels[u]
     plane = (C.REGISTER_TEXTURE0 + u) * 4
     if compared:
         function = row[R.COMPARE_FUNCTION]
@@ -181,33 +183,30 @@ def sample_computed(job, p, u, count, segments, scratch):
         filter_located(pairs, row, located, count, scratch.planes, plane)
 
 
-@kernel(void(JOB, PASS, int64, int64, int64, int64, SCRATCH))
+@kernel(void(JOB, PASS, int64, int64, int64, RUNS, SCRATCH))
 def sample(job, p, u, count, segments, runs, scratch):
     """Texture unit ``u`` of a batch into its register's planes."""
     separate_function()
-    path, row, lists = job[R.JOB_UNIT_PATH + u], p.units[u], scratch.lists
+    path, row, lists = job[R.JOB_UNIT_PATH + u], p.textures.units[u], scratch.lists
+    triangles, coordinates = p.triangles, p.vertices.coordinates
     floats, ints, planes, plane = scratch.floats, scratch.ints, scratch.planes, (C.REGISTER_TEXTURE0 + u) * 4
     if path == C.PATH_DISABLED:
         return
     if path == C.PATH_COMPUTED:
         sample_computed(job, p, u, count, segments, scratch)
         return
-    source, levels = job[R.JOB_COORDINATES_OF + u], p.levels[u]
+    source, levels = job[R.JOB_COORDINATES_OF + u], p.textures.levels[u]
     f_s, f_t = ints[R.FIXED0 + 2 * source], ints[R.FIXED0 + 2 * source + 1]
     if source == u:
         repeat_s, repeat_t = row[R.WRAP_S] == C.WRAP_REPEAT, row[R.WRAP_T] == C.WRAP_REPEAT
         log2_s, log2_t = job[R.JOB_LOG2_S + u], job[R.JOB_LOG2_T + u]
-        iterate_texels(lists, segments, p.triangles, p.coordinates, u, 0, log2_s, repeat_s, floats, f_s)
-        iterate_texels(lists, segments, p.triangles, p.coordinates, u, 1, log2_t, repeat_t, floats, f_t)
+        iterate_texels(lists, segments, triangles, coordinates, u, 0, log2_s, repeat_s, floats, f_s)
+        iterate_texels(lists, segments, triangles, coordinates, u, 1, log2_t, repeat_t, floats, f_t)
         if path == C.PATH_ITERATED:
             locate(levels, row, f_s, f_t, count, scratch.located[u])
-    first, second = (p.pairs0 if u == 0 else p.pairs1), (p.pairs2 if u == 2 else p.pairs3)
-    pairs = first if u < 2 else second
+    pairs = p.textures.texels[u]
     if path == C.PATH_ITERATED:
         filter_located(pairs, row, scratch.located[source], count, planes, plane)
         return
-    level_of_detail(
-        lists[R.RUN_STARTS], lists[R.RUN_X], lists[R.RUN_Y], runs, p.triangles, p.x, p.y, p.inverse_w,
-        p.coordinates, u, row, levels, ints, floats[R.TEXEL], ints[R.LEVEL],
-    )  # fmt: skip
+    level_of_detail(runs, triangles, p.vertices, u, row, levels, ints, floats[R.TEXEL], ints[R.LEVEL])
     filter_mipmapped(pairs, levels, row, f_s, f_t, ints[R.LOD], count, scratch.located[u], planes, plane)

@@ -9,6 +9,8 @@ from fixedpipe.pipeline.profiles import NV2A
 from fixedpipe.pipeline.state import DepthTest, PassState, Sampler, TextureUnit, VertexState
 from fixedpipe.pipeline.textures.images import texture_2d
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.arrays import Segments
+from fixedpipe.raster.portable.arrays import Fog
 from fixedpipe.raster.portable.interpolate import iterate_fog_table
 from tests import fuzz
 from tests.hostile import Arrays, draws_of
@@ -87,11 +89,12 @@ def test_jobs_that_lead_outside_are_refused(name, place, value):
 
 def test_fog_coordinates_that_are_no_numbers_read_the_first_entry_of_the_table():
     out = np.full((1, 1), -1, np.int16)
-    starts, owners, triangles = np.array([0, 1], np.int32), np.zeros(1, np.int32), np.zeros((1, 4), np.int32)
+    zero, triangles = np.zeros(1, np.int32), np.zeros((1, 4), np.int32)
+    segments = Segments(np.array([0, 1], np.int32), zero, zero, 1)
     for coordinate in (np.nan, -np.inf, np.inf):  # the last two differ by what is no number
         table, fog = np.arange(8193.0), np.full(1, coordinate)
         floats = np.zeros((R.FLOAT_COLUMNS, 1))
-        iterate_fog_table(starts, owners, 1, triangles, fog, floats, table, out, 0)
+        iterate_fog_table(segments, triangles, Fog(fog, table), floats, out, 0)
         assert out[0, 0] == 0
 
 

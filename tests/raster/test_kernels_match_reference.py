@@ -68,7 +68,9 @@ from fixedpipe.pipeline.textures.images import (
 )
 from fixedpipe.pipeline.vertices.primitives import WindowPrimitives
 from fixedpipe.raster import rows
+from fixedpipe.raster.arrays import Segments
 from fixedpipe.raster.fixed import divide_255, reciprocal_29, truncate_24
+from fixedpipe.raster.portable.arrays import Edges
 from fixedpipe.raster.portable.combine import final_combiner, general_combiner
 from fixedpipe.raster.portable.interpolate import (
     color_weights,
@@ -789,7 +791,7 @@ def kernel_color_weights(n, inverse_w):
     count = len(n)
     floats = np.empty((rows.FLOAT_COLUMNS, count))
     ints = np.empty((rows.INT_COLUMNS, count), np.int32)
-    iteration_weights(*columns, count, floats)
+    iteration_weights(Edges(*columns), count, floats)
     color_weights(floats, count, ints)
     columns = (ints[rows.W0], ints[rows.W2], floats[rows.Q0], floats[rows.Q2])
     return [((a, 256 - a - b, b), p, q) for a, b, p, q in zip(*(c.tolist() for c in columns), strict=True)]
@@ -819,7 +821,7 @@ def kernel_exact_colors(n, inverse_w, colors):
     stored[:, 0, 5] = colors
     starts, zero = np.array([0, len(n)], np.int32), np.zeros(1, np.int32)
     triangle, out = np.array([[0, 1, 2, 2]], np.int32), np.zeros((2, len(n)), np.int16)
-    iterate_exact_color(starts, zero, zero, 1, triangle, stored, 5, 0, *columns, out, 1)
+    iterate_exact_color(Segments(starts, zero, zero, 1), triangle, stored, 5, 0, Edges(*columns), out, 1)
     return out[1].tolist()
 
 
@@ -867,7 +869,8 @@ def kernel_depths(n, inverse_w, z, offset, slope):
     floats = np.zeros((rows.FLOAT_COLUMNS, 4))
     values = []
     for edges in n.tolist():
-        emit_depth(floats, 1, 1, *map(float, edges), 0.0, 0.0, 0.0, *inverse_w, *z, offset, slope)
+        triples = tuple(map(float, edges)), (0.0, 0.0, 0.0), tuple(inverse_w), tuple(z)
+        emit_depth(floats, 1, 1, *triples, offset, slope)
         values.append(floats[rows.DEPTH, 1])
     return values
 

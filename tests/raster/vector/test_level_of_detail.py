@@ -5,6 +5,7 @@ import pytest
 
 from fixedpipe.pipeline.vertices.primitives import no_strokes
 from fixedpipe.raster import rows
+from fixedpipe.raster.arrays import Runs, Vertices
 from fixedpipe.raster.portable.level_of_detail import level_of_detail as portable
 from fixedpipe.raster.portable.sample import FAR, POWERS_OF_TWO, log2_q7
 from fixedpipe.raster.vector.level_of_detail import lambdas, level_of_detail
@@ -99,11 +100,13 @@ def test_every_fragment_has_the_lambda_of_the_portable_kernel(kind, target):
             starts, run_x, run_y, owner = random_runs(rng, len(triangles))
             ints = np.full((2, rows.INT_COLUMNS, BATCH + SLACK), -9, np.int32)
             ints[:, rows.OWNER] = owner
-            runs = starts, run_x, run_y, starts.size - 1, triangles
-            rest = x, y, inverse_w, coordinates, 1, unit, levels
-            portable(np.zeros(rows.DRAW_SIZE, np.int64), *runs, no_strokes(), *rest, ints[0])
+            runs = Runs(starts, run_x, run_y, starts.size - 1)
+            colors = np.zeros((len(x), 2, 8), np.uint8)
+            rest = Vertices(x, y, np.zeros(len(x)), inverse_w, colors, coordinates), 1, unit, levels
+            portable(np.zeros(rows.DRAW_SIZE, np.int64), runs, triangles, no_strokes(), *rest, ints[0])
             scratch = BATCH // 2 + 24
-            level_of_detail(*runs, *rest, ints[1], np.zeros(scratch), np.full(scratch, 1 << 30, np.int32))
+            cells = np.full(scratch, 1 << 30, np.int32)
+            level_of_detail(runs, triangles, *rest, ints[1], np.zeros(scratch), cells)
             assert (ints[0, :, :BATCH] == ints[1, :, :BATCH]).all()
             if limits is NO_LIMITS and kind != "hostile":
                 assert np.unique(ints[0, rows.LOD, :BATCH]).size > 4

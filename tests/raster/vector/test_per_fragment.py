@@ -11,6 +11,7 @@ from fixedpipe.pipeline.enums import BlendFactor, ColorFormat, ComparisonFunctio
 from fixedpipe.pipeline.framebuffers.framebuffer import SURFACE_WORDS
 from fixedpipe.pipeline.native.pack_fragments import _FACTOR_TERMS, _pack_factor, _pack_stencil_operation
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.arrays import Buffers, Runs
 from fixedpipe.raster.portable.per_fragment import per_fragment
 from fixedpipe.raster.vector import per_fragment as V
 
@@ -44,7 +45,7 @@ class Batch:
             self.pixel[self.starts[k] :][:n] = y * WIDTH + x + np.arange(n)
 
     def buffers(self):
-        return self.color.copy(), self.depth_buffer.copy(), self.stencil.copy()
+        return Buffers(self.color.copy(), self.depth_buffer.copy(), self.stencil.copy())
 
     def portable(self, draw, factors):
         buffers = self.buffers()
@@ -53,8 +54,8 @@ class Batch:
             colors[c] = (self.packed[:BATCH] >> (8 * c)) & 0xFF
         scratch = np.empty(BATCH, np.uint32)
         per_fragment(
-            draw, self.count, self.starts, self.x, self.y, len(self.x), colors, scratch,
-            self.depth[:BATCH].copy(), self.alive[:BATCH].copy(), factors, *buffers,
+            draw, self.count, Runs(self.starts, self.x, self.y, len(self.x)), colors, scratch,
+            self.depth[:BATCH].copy(), self.alive[:BATCH].copy(), factors, buffers,
         )  # fmt: skip
         return buffers
 
@@ -67,8 +68,8 @@ class Batch:
             x, y = np.delete(x, slice(first + 1, last)), np.delete(y, slice(first + 1, last))
             y[first] = -1
         V.write_fragments(
-            draw, self.count, starts, x, y, len(x), 0, self.packed.copy(), self.pixel, self.depth.copy(),
-            self.alive.copy(), factors, *buffers,
+            draw, self.count, Runs(starts, x, y, len(x)), 0, self.packed.copy(), self.pixel,
+            self.depth.copy(), self.alive.copy(), factors, buffers,
         )  # fmt: skip
         return buffers
 
@@ -239,8 +240,8 @@ def test_runs_of_one_color_and_one_depth(word, depth, stencil, blend):
         batch.packed[:], batch.depth[:] = shade, word
         buffers, columns = batch.buffers(), WIDTH + R.SLACK
         V.write_fragments(
-            draw, WIDTH, batch.starts, batch.x, batch.y, len(runs), 1, np.full(columns, shade, np.uint32),
-            np.zeros(columns, np.int32), np.full(columns, word, np.int32), np.zeros(columns, np.uint8),
-            PLAIN, *buffers,
+            draw, WIDTH, Runs(batch.starts, batch.x, batch.y, len(runs)), 1,
+            np.full(columns, shade, np.uint32), np.zeros(columns, np.int32),
+            np.full(columns, word, np.int32), np.zeros(columns, np.uint8), PLAIN, buffers,
         )  # fmt: skip
         assert_same(buffers, batch.portable(draw, PLAIN))

@@ -1,0 +1,88 @@
+"""Arrays that the portable engine's kernels take together: a Draw's, and a batch's columns."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import types
+
+from fixedpipe.raster.arrays import STATE, TEXTURES, VERTICES, State, Textures, Vertices, type_of
+
+_u8, _i16, _i32, _i64 = types.uint8, types.int16, types.int32, types.int64
+_u32, _f64 = types.uint32, types.float64
+
+
+class Combiners(NamedTuple):
+    """Register combiners (``rows``), and how they compute (``portable.combine``)."""
+
+    program: np.ndarray
+    final: np.ndarray
+    constants: np.ndarray
+    arithmetic: np.ndarray
+
+
+COMBINERS = type_of(Combiners, _i32[:, :, ::1], _i32[:, ::1], _i16[:, ::1], _i32[::1])
+
+
+class Fog(NamedTuple):
+    """float64: each vertex's fog coordinate, and the thresholds or the table that make it a factor."""
+
+    coordinates: np.ndarray
+    thresholds: np.ndarray
+
+
+FOG = type_of(Fog, _f64[::1], _f64[::1])
+
+
+class Pass(NamedTuple):
+    """A Draw's arrays. triangles int32[n, 4]: three vertices, and the provoking one; strokes as ``rows``."""
+
+    state: State
+    combiners: Combiners
+    triangles: np.ndarray
+    strokes: np.ndarray
+    vertices: Vertices
+    fog: Fog
+    textures: Textures
+
+
+PASS = type_of(Pass, STATE, COMBINERS, _i32[:, ::1], _i32[:, ::1], VERTICES, FOG, TEXTURES)
+
+
+class Edges(NamedTuple):
+    """Edge functions times 1/w of each fragment, float64[batch]."""
+
+    e0: np.ndarray
+    e1: np.ndarray
+    e2: np.ndarray
+
+
+EDGES = type_of(Edges, _f64[::1], _f64[::1], _f64[::1])
+
+
+class Scratch(NamedTuple):
+    """Columns that a batch is drawn in (``rows``: which is what of floats, ints, packed and lists).
+
+    registers  int16[4 * REGISTERS, batch]: planes of the combiners' registers
+    products   int32[8, batch], total int32[1, batch]: what combiners compute
+    results    int16[12, batch]: planes 0..3 are the fragments' colours
+    shaded     uint32[batch]: those, packed
+    depth      int32[batch]: depth words; -1: outside its limits
+    alive      uint8[batch]: 1: the fragment has passed so far
+    """
+
+    edges: Edges
+    floats: np.ndarray
+    ints: np.ndarray
+    packed: np.ndarray
+    registers: np.ndarray
+    products: np.ndarray
+    total: np.ndarray
+    results: np.ndarray
+    shaded: np.ndarray
+    depth: np.ndarray
+    alive: np.ndarray
+    lists: np.ndarray
+
+
+_COLUMNS = (_f64[:, ::1], _i32[:, ::1], _u32[:, ::1], _i16[:, ::1], _i32[:, ::1], _i32[:, ::1], _i16[:, ::1])
+SCRATCH = type_of(Scratch, EDGES, *_COLUMNS, _u32[::1], _i32[::1], _u8[::1], _i32[:, ::1])
