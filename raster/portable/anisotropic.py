@@ -10,13 +10,13 @@ from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import RUNS, VERTICES
 from fixedpipe.raster.kernel import float_of, kernel, separate_function, separate_loop
 from fixedpipe.raster.portable.footprint import probes_along
-from fixedpipe.raster.portable.level_of_detail import coordinates_at
+from fixedpipe.raster.portable.level_of_detail import coordinates_at, iterated
 from fixedpipe.raster.portable.sample import FAR, filter_unit, log2_q7
 from fixedpipe.raster.portable.texture_shader import copy_column
 
 
 @kernel
-def block_footprint(draw, kind, indices, vertices, unit, row, sizes, bx, by):
+def block_footprint(draw, kind, source, row, sizes, bx, by):
     """(along s, along t, ratio or probes, lambda) of the block whose origin is (bx, by).
 
     The longer of the two steps to the block's neighbours, in texture coordinates; how many times longer than
@@ -24,9 +24,9 @@ def block_footprint(draw, kind, indices, vertices, unit, row, sizes, bx, by):
     ``sizes``: width and height of level 0.
     """
     divided, (width, height) = row[R.PROJECTIVE], sizes
-    ok0, s0, t0, _r0 = coordinates_at(draw, kind, indices, vertices, unit, divided, bx, by)
-    ok1, s1, t1, _r1 = coordinates_at(draw, kind, indices, vertices, unit, divided, bx + 1, by)
-    ok2, s2, t2, _r2 = coordinates_at(draw, kind, indices, vertices, unit, divided, bx, by + 1)
+    ok0, s0, t0, _r0 = coordinates_at(draw, kind, source, divided, bx, by)
+    ok1, s1, t1, _r1 = coordinates_at(draw, kind, source, divided, bx + 1, by)
+    ok2, s2, t2, _r2 = coordinates_at(draw, kind, source, divided, bx, by + 1)
     sx, tx, sy, ty = (s1 - s0) * width, (t1 - t0) * height, (s2 - s0) * width, (t2 - t0) * height
     dx2, dy2 = sx * sx + tx * tx, sy * sy + ty * ty
     if not (ok0 and ok1 and ok2 and dx2 < np.inf and dy2 < np.inf):
@@ -57,19 +57,18 @@ def footprints(draw, runs, triangles, strokes, vertices, unit, row, levels, floa
     width, height = float64(levels[0, 1]), float64(levels[0, 2])
     if row[R.TARGET] == C.TARGET_RECTANGLE:  # coordinates that count texels already
         width = height = 1.0
+    sizes = width, height
     bias, low, high = int32(row[R.LOD_BIAS]), int32(row[R.MIN_LOD]), int32(row[R.MAX_LOD])
     for k in range(runs.count):
         t = ints[R.OWNER, k]
         kind = int64(strokes[t, 0]) if draw[R.STROKES] else int64(C.PRIMITIVE_TRIANGLE)
-        indices = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        source = iterated(vertices, triangles[t, 0], triangles[t, 1], triangles[t, 2], unit)
         px, by, block = int64(runs.x[k]), int64(runs.y[k]) & ~1, int64(-1)
         along_s, along_t, ratio, value = 0.0, 0.0, 1.0, int32(0)
         for i in range(runs.starts[k], runs.starts[k + 1]):
             if px & ~1 != block:
                 block = px & ~1
-                along_s, along_t, ratio, value = block_footprint(
-                    draw, kind, indices, vertices, unit, row, (width, height), block, by
-                )
+                along_s, along_t, ratio, value = block_footprint(draw, kind, source, row, sizes, block, by)
             floats[R.ALONG_S, i], floats[R.ALONG_T, i], floats[R.RATIO, i] = along_s, along_t, ratio
             ints[R.LOD, i] = min(max(int32(value + bias), low), high)
             px += 1

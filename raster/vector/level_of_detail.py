@@ -11,8 +11,8 @@ from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import RUNS, VERTICES
 from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION, FRACTION_BITS
 from fixedpipe.raster.kernel import kernel, separate_function
+from fixedpipe.raster.portable.level_of_detail import iterated, weighted
 from fixedpipe.raster.portable.sample import FAR, POWERS_OF_TWO
-from fixedpipe.raster.primitives.triangle import corners_of
 from fixedpipe.raster.vector.lanes import (
     bits_of_lanes,
     f64x8,
@@ -65,40 +65,25 @@ def _coordinates(n0, n1, n2, w0, w1, w2, s, t, q, projective):
     total = (e0 + e1) + e2
     inverse = 1.0 / total
     b0, b2 = e0 * inverse, e2 * inverse
-    at_s = (s[0] + b0 * s[1]) + b2 * s[2]
-    at_t = (t[0] + b0 * t[1]) + b2 * t[2]
+    at_s, at_t = weighted(b0, b2, s), weighted(b0, b2, t)
     if projective:
-        at_q = (q[0] + b0 * q[1]) + b2 * q[2]
+        at_q = weighted(b0, b2, q)
         at_q = select(at_q != 0.0, at_q, f64x8(1.0))
         at_s, at_t = at_s / at_q, at_t / at_q
     return total > 0.0, at_s, at_t
 
 
 @kernel
-def _differences(coordinates, v0, v1, v2, unit, k):
-    """A coordinate of vertex 1, and what vertices 0 and 2 have more."""
-    middle = coordinates[v1, unit, k]
-    return middle, coordinates[v0, unit, k] - middle, coordinates[v2, unit, k] - middle
-
-
-@kernel
-def _scale_factors(indices, vertices, unit, sizes, modes, px, py, blocks, rho2, cells):
+def _scale_factors(source, sizes, modes, px, py, blocks, rho2, cells):
     """The squared scale factor of each block from the one at (px, py) on to the right, infinite where it has
-    none, and the part of ``CELLS`` that its mantissa lies in.
+    none, and the part of ``CELLS`` that its mantissa lies in. ``source``: what coordinates are iterated from.
     """
-    v0, v1, v2 = indices
-    inverse_w, coordinates = vertices.inverse_w, vertices.coordinates
+    (x0, y0, x1, y1, x2, y2), (w0, w1, w2), s, t, _r, q = source
     (width, height), (flat, projective) = sizes, modes
-    x0, y0, x1, y1, x2, y2 = corners_of(vertices, v0, v1, v2)
     sign = int64(-1 if (x1 - x0) * (y2 - y0) < (x2 - x0) * (y1 - y0) else 1)
     n0, right0, down0 = _linear_edge(x1, y1, x2, y2, px, py, sign)
     n1, right1, down1 = _linear_edge(x2, y2, x0, y0, px, py, sign)
     n2, right2, down2 = _linear_edge(x0, y0, x1, y1, px, py, sign)
-    w0, w1, w2 = inverse_w[v0], inverse_w[v1], inverse_w[v2]
-    if w0 == w1 and w1 == w2:
-        w0 = w1 = w2 = 1.0
-    s, t = _differences(coordinates, v0, v1, v2, unit, 0), _differences(coordinates, v0, v1, v2, unit, 1)
-    q = _differences(coordinates, v0, v1, v2, unit, 3)
     if flat:
         t = (0.0, 0.0, 0.0)
     for at in range(0, blocks, 8):
@@ -180,6 +165,7 @@ def level_of_detail(runs, triangles, vertices, unit, row, levels, ints, rho2, ce
         if owner != last_owner or py != last_y or begin < from_x or begin + 2 * blocks > to_x:
             more = 1 if blocks >= 32 or 0 < blocks & 7 < 7 else 0
             last_owner, last_y, from_x, to_x = owner, py, begin - 2 * more, begin + 2 * (blocks + more)
-            indices = triangles[owner, 0], triangles[owner, 1], triangles[owner, 2]
-            _scale_factors(indices, vertices, unit, sizes, modes, from_x, py, blocks + 2 * more, rho2, cells)
+            v0, v1, v2 = triangles[owner, 0], triangles[owner, 1], triangles[owner, 2]
+            source = iterated(vertices, v0, v1, v2, unit)
+            _scale_factors(source, sizes, modes, from_x, py, blocks + 2 * more, rho2, cells)
         lambdas(rho2, cells, (begin - from_x) >> 1, blocks, row, lod, start, odd)
