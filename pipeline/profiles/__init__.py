@@ -1,13 +1,16 @@
-"""The machines, by their keys: each is a module, or shares its family's."""
+"""The machines, by their keys: each has a module, where it is written whole or made from its ancestor."""
 
 from fixedpipe.pipeline.profiles.future import FUTURE
+from fixedpipe.pipeline.profiles.g400 import G400
 from fixedpipe.pipeline.profiles.geforce_3 import GEFORCE_3
 from fixedpipe.pipeline.profiles.geforce_256 import GEFORCE_256
 from fixedpipe.pipeline.profiles.ideal import IDEAL
-from fixedpipe.pipeline.profiles.multitexture import G400, MULTITEXTURE, TEXRAM
+from fixedpipe.pipeline.profiles.infinite_reality import INFINITE_REALITY
+from fixedpipe.pipeline.profiles.multitexture import MULTITEXTURE
 from fixedpipe.pipeline.profiles.nv2a import NV2A
+from fixedpipe.pipeline.profiles.octane import OCTANE
 from fixedpipe.pipeline.profiles.opengl_1_2 import OPENGL_1_2, OPENGL_1_2_IMAGING
-from fixedpipe.pipeline.profiles.silicon_graphics import INFINITE_REALITY, OCTANE
+from fixedpipe.pipeline.profiles.texram import TEXRAM
 
 PROFILES = {
     "OPENGL_1_2": OPENGL_1_2,

@@ -1,8 +1,6 @@
 """NVIDIA GeForce 256 (NV10, 1999): two texture units, two general combiners, 9-bit signed registers."""
 
 from fixedpipe.pipeline.enums import (
-    BlendEquation,
-    BlendFactor,
     Clamp,
     ColorWeights,
     CombineFunction,
@@ -19,218 +17,220 @@ from fixedpipe.pipeline.enums import (
     WindowOrigin,
     WrapMode,
 )
+from fixedpipe.pipeline.profiles.known import known
 from fixedpipe.pipeline.profiles.profile import Profile
-from fixedpipe.pipeline.textures.images import COMPONENT_BITS
+from fixedpipe.pipeline.profiles.sections import (
+    Arithmetic,
+    Combiners,
+    Fragments,
+    Framebuffers,
+    Pixels,
+    Primitives,
+    Textures,
+    TextureShaders,
+    Vertices,
+)
+from fixedpipe.pipeline.profiles.specified import (
+    CONSTANT_FACTORS,
+    CORE_DESTINATION_FACTORS,
+    CORE_FORMATS,
+    CORE_SOURCE_FACTORS,
+    SUBSET_EQUATIONS,
+)
 
-_SOURCE_FACTORS = frozenset(BlendFactor) - {BlendFactor.SRC_COLOR, BlendFactor.ONE_MINUS_SRC_COLOR}
-_DESTINATION_FACTORS = frozenset(BlendFactor) - {
-    BlendFactor.DST_COLOR,
-    BlendFactor.ONE_MINUS_DST_COLOR,
-    BlendFactor.SRC_ALPHA_SATURATE,
-}
-_TEXTURE_TARGETS = frozenset(TextureTarget) - {TextureTarget.TEXTURE_3D, TextureTarget.TEXTURE_RECTANGLE}
-
-_EQUATIONS = frozenset(BlendEquation) - {
-    BlendEquation.FUNC_ADD_SIGNED,
-    BlendEquation.FUNC_REVERSE_SUBTRACT_SIGNED,
-}
+_NO_IMAGING = "Assumed: none; a driver of 1999 that lists ARB_imaging would settle it"
+_ASKED_FOR = "Source: Kautz, Seidel 2000, section 5.1 (asked for, so not there)"
+_LATER = "Source: NV_texture_shader (GeForce 3 and later)"
+_NO_SHADOW = "Assumed: none; a driver of 1999 that lists SGIX_shadow would settle it"
+_OCTANES_ALONE = "Source: Kautz, Seidel 2000, section 5 (pixel textures on Octanes alone)"
 
 GEFORCE_256 = Profile(
     name="GeForce 256",
     description="NVIDIA NV10, 1999: register combiners, two texture units, cube maps",
-    exact=False,
-    max_texture_units=2,
-    max_general_combiners=2,
-    per_stage_constants=False,
-    max_texture_size=2048,
-    max_cube_map_texture_size=512,
-    max_3d_texture_size=0,
-    power_of_two_textures=True,
-    max_lod_bias=4.0,
-    max_anisotropy=2.0,
-    max_lights=8,
-    max_clip_planes=6,
-    max_viewport=2048,
-    max_shininess=128.0,
-    max_point_size=63.875,
-    max_line_width=63.875,
-    max_window_rectangles=0,
-    max_probes=1,
-    max_color_table_size=0,
-    max_convolution_size=0,
-    max_pixel_map_table=256,
-    auxiliary_buffers=0,
-    accumulation_bits=16,
-    color_bits=(8,),
-    samples=(1,),
-    depth_bits=(16, 24),
-    stencil_bits=8,
-    texture_targets=_TEXTURE_TARGETS,
-    internal_formats=frozenset(COMPONENT_BITS),
-    wrap_modes=frozenset(WrapMode),
-    texgen_modes=frozenset(TexGenMode),
-    blend_factors_source=_SOURCE_FACTORS,
-    blend_factors_destination=_DESTINATION_FACTORS,
-    blend_equations=_EQUATIONS,
-    stencil_operations=frozenset(StencilOperation),
-    surface_formats=frozenset(),
-    texture_shader_operations=frozenset(),
-    dot_product_mappings=frozenset(),
-    texture_compare_modes=frozenset({TextureCompareMode.NONE}),
-    point_sprite_units=frozenset(),
-    shadow_functions=frozenset(),
-    depth_texture_modes=(),
-    texture_environment_modes=frozenset(TextureEnvironmentMode) - {TextureEnvironmentMode.NONE},
-    combine_functions=frozenset(CombineFunction) - {CombineFunction.SUBTRACT},
-    combiner_functions=frozenset({CombinerFunction.NONE}),
-    logic_op=True,
-    fog_coordinate=True,
-    separate_specular_color=True,
-    color_sum=True,
-    fog_registers=False,
-    composite_matrix=False,
-    depth_units_in_coordinates=False,
-    combiner_flags=False,
-    foreign_texture_targets=False,
-    signed_components=False,
-    cylinder_wrap=False,
-    perspective_hint=False,
-    point_parameters=False,
-    depth_clamp=False,
-    w_buffering=False,
-    line_stipple=True,
-    texture_environment_crossbar=False,
-    shadow_ambient=False,
-    texture_color_table=False,
-    color_matrix=False,
-    color_tables=False,
-    convolution=False,
-    histogram=False,
-    pixel_texture=False,
-    pixel_texture_sgis=False,
-    impact_pixel_texture=False,
-    combiner_lookup=False,
-    evaluate_before_filtering=False,
-    spherical_interpolation=False,
-    expand_half=128,
-    product_rounding=ProductRounding.JOINT,
-    round_before_scale=True,
-    clamp_low=-256,
-    add_signed_scale_by_four=False,
-    color_mantissa_bits=14,
-    subpixel_bits=4,
-    guard_band=8192,
-    device_origin=WindowOrigin.UPPER_LEFT,
-    magnification_threshold=MagnificationThreshold.ZERO,
-    fog_arithmetic=FogArithmetic.ROUNDED,
-    dithered_s3tc_dxt1=False,
-    lighting=LightingArithmetic.EQUATIONS,
-    color_weights=ColorWeights.EIGHT_BITS,
-    diamond_exit_lines=False,
-    clamps_color_matrix=False,
-    combiner_bits=8,
-    combiner_range=1.0,
-    texture_bits=8,
-    filter_fraction_bits=8,
-    clamps=frozenset(Clamp),
-    evidence={
-        "max_probes": "Assumed: none; no paper names such a board but Schilling's",
-        "max_color_table_size": "Assumed: none; a driver of 1999 that lists ARB_imaging would settle it",
-        "max_convolution_size": "Assumed: none; a driver of 1999 that lists ARB_imaging would settle it",
-        "max_pixel_map_table": "Assumed: 256; OpenGL 1.2.1 section 3.6.3 asks for 32",
-        "auxiliary_buffers": "Assumed: none; a pixel format of a driver of 1999 would settle it",
-        "accumulation_bits": "Assumed: 16 with its sign; a query of ACCUM_RED_BITS would settle it",
-        "color_bits": "Inferred: from the NV2A's surface formats",
-        "samples": "Assumed: 1; a driver that lists ARB_multisample would settle it",
-        "shadow_functions": "Assumed: none; a driver of 1999 that lists SGIX_shadow would settle it",
-        "depth_texture_modes": "Assumed: none; the machine compares no textures",
-        "texture_environment_modes": "Source: OpenGL 1.2.1 section 3.8.9, ARB_texture_env_add; "
-        "NV_texture_env_combine4 (its implementation details name the GeForce)",
-        "combine_functions": "Source: ARB_texture_env_combine (SUBTRACT is what it adds to the EXT one), "
-        "ARB_texture_env_dot3",
-        "combiner_functions": "Source: NV_register_combiners, which names none",
-        "line_stipple": "Source: OpenGL 1.2.1 section 3.4.2",
-        "texture_environment_crossbar": "Source: NV_texture_env_combine4 alone names other units' textures",
-        "add_signed_scale_by_four": "Source: NV_texture_env_combine4, NVIDIA Implementation Details",
-        "shadow_ambient": "Assumed: none; the machine compares no textures",
-        "texture_color_table": "Assumed: none; a driver of 1999 with SGI_texture_color_table would settle it",
-        "color_matrix": "Assumed: none; a driver of 1999 that lists ARB_imaging would settle it",
-        "color_tables": "Assumed: none; a driver of 1999 that lists ARB_imaging would settle it",
-        "convolution": "Assumed: none; a driver of 1999 that lists ARB_imaging would settle it",
-        "histogram": "Assumed: none; a driver of 1999 that lists ARB_imaging would settle it",
-        "pixel_texture": "Source: Kautz, Seidel 2000, section 5 (pixel textures on Octanes alone)",
-        "pixel_texture_sgis": "Source: Kautz, Seidel 2000, section 5 (pixel textures on Octanes alone)",
-        "impact_pixel_texture": "Source: SGIX_impact_pixel_texture (for the Impact)",
-        "combiner_lookup": "Source: Kautz, Seidel 2000, section 5.1 (asked for, so not there)",
-        "evaluate_before_filtering": "Source: Kautz, Seidel 2000, section 5.1 (asked for, so not there)",
-        "spherical_interpolation": "Source: Kautz, Seidel 2000, section 5.1 (asked for, so not there)",
-        "color_weights": "Inferred: from the NV2A's eight-bit weights (Depth_buffer captures)",
-        "diamond_exit_lines": "Inferred: from the NV2A's steps (3D_primitive captures)",
-        "clamps_color_matrix": "Source: OpenGL 1.2.1 section 3.6.5 (no clamp after the color matrix)",
-        "combiner_bits": "Source: NV_register_combiners, Issues: NV10's registers have 9 bits, one the sign",
-        "combiner_range": "Source: NV_register_combiners (registers hold -1 to 1)",
-        "texture_bits": "Inferred: from the NV2A's texels (Texture_format captures)",
-        "filter_fraction_bits": "Inferred: from the NV2A, 349524 of 349524 texels (Texture_DXT captures)",
-        "clamps": "Source: NV_register_combiners; OpenGL 1.2.1 sections 2.13.6, 3.8.9, 3.9, 3.10, 4.1.6",
-        "exact": "Source: NV_register_combiners, Issues: NV10 computes in 9-bit signed fixed point",
-        "max_texture_units": "Source: Kautz, Seidel 2000, section 5 (limited to two textures)",
-        "max_general_combiners": "Source: NV_register_combiners; Kautz, Seidel 2000, section 4.1",
-        "per_stage_constants": "Source: NV_register_combiners2 (introduced with the GeForce 3)",
-        "max_texture_size": "Assumed: 2048; a MAX_TEXTURE_SIZE query of a board of the time would settle it",
-        "max_cube_map_texture_size": "Assumed: 512; a MAX_CUBE_MAP_TEXTURE_SIZE query would settle it",
-        "max_3d_texture_size": "Source: EXT_texture3D is none of its extensions",
-        "power_of_two_textures": "Source: OpenGL 1.2.1 section 3.8.1",
-        "max_anisotropy": "Assumed: 2; a MAX_TEXTURE_MAX_ANISOTROPY_EXT query would settle it",
-        "max_lod_bias": "Assumed: 4; a MAX_TEXTURE_LOD_BIAS_EXT query would settle it",
-        "max_lights": "Source: OpenGL 1.2.1 table 6.24 (the minimum)",
-        "max_clip_planes": "Source: OpenGL 1.2.1 table 6.24 (the minimum)",
-        "max_viewport": "Assumed: 2048; a MAX_VIEWPORT_DIMS query would settle it",
-        "max_shininess": "Source: OpenGL 1.2.1 table 2.7",
-        "max_point_size": "Inferred: from the NV2A's 6.3-bit sizes (Point_size captures)",
-        "max_line_width": "Inferred: from the NV2A's 6.3-bit widths (Line_width captures)",
-        "max_window_rectangles": "Assumed: none; a capture would settle it",
-        "depth_bits": "Inferred: from the NV2A's 16- and 24-bit fixed formats (Depth_buffer captures)",
-        "stencil_bits": "Inferred: from the NV2A's 24-bit depth, 8-bit stencil format",
-        "texture_targets": "Source: OpenGL 1.2.1 section 3.8; EXT_texture_cube_map; no 3D textures",
-        "internal_formats": "Source: OpenGL 1.2.1 table 3.16 (requested resolutions are kept)",
-        "wrap_modes": "Inferred: from the NV2A's five wrap modes (Texture_border captures)",
-        "texgen_modes": "Source: OpenGL 1.2.1 section 2.10.4; EXT_texture_cube_map; NV_texgen_reflection",
-        "blend_factors_source": "Source: OpenGL 1.2.1 table 4.1 with EXT_blend_color",
-        "blend_factors_destination": "Source: OpenGL 1.2.1 table 4.2 with EXT_blend_color",
-        "blend_equations": "Source: EXT_blend_minmax, EXT_blend_subtract",
-        "stencil_operations": "Source: OpenGL 1.2.1 section 4.1.4; EXT_stencil_wrap",
-        "texture_shader_operations": "Source: NV_texture_shader (GeForce 3 and later)",
-        "dot_product_mappings": "Source: NV_texture_shader (GeForce 3 and later)",
-        "texture_compare_modes": "Assumed: none; a driver of 1999 that lists SGIX_shadow would settle it",
-        "foreign_texture_targets": "Source: NV_texture_shader (GeForce 3 and later)",
-        "depth_units_in_coordinates": "Assumed: false; the machine has no such coordinates",
-        "surface_formats": "Assumed: none; a driver of 1999 that lists WGL_ARB_pbuffer would settle it",
-        "point_sprite_units": "Source: NV_point_sprite (introduced after the GeForce 256)",
-        "logic_op": "Source: OpenGL 1.2.1 section 4.1.8",
-        "fog_coordinate": "Source: EXT_fog_coord",
-        "separate_specular_color": "Source: OpenGL 1.2.1 section 2.13.1",
-        "color_sum": "Source: OpenGL 1.2.1 section 3.9; EXT_secondary_color",
-        "combiner_flags": "Source: NV_register_combiners, which names none of them",
-        "composite_matrix": "Source: OpenGL 1.2.1 section 2.10: projection and viewport are apart",
-        "fog_registers": "Source: OpenGL 1.2.1 section 3.10 has no such parameters",
-        "signed_components": "Source: NV_texture_shader (introduced with the GeForce 3)",
-        "cylinder_wrap": "Source: no OpenGL extension has it",
-        "perspective_hint": "Source: OpenGL 1.2.1 section 5.6 (a hint may be ignored)",
-        "point_parameters": "Assumed: none; a driver of 1999 that lists EXT_point_parameters would settle it",
-        "depth_clamp": "Source: NV_depth_clamp, an extension of later chips",
-        "w_buffering": "Assumed: none; no extension of OpenGL reaches it",
-        "expand_half": "Inferred: the NV2A's output half is 128, and normal maps of the time put zero at 128",
-        "product_rounding": "Inferred: from the NV2A's blender: one rounding after the sum (Blend captures)",
-        "round_before_scale": "Inferred: from the NV2A's order of bias and scale (Combiner captures)",
-        "clamp_low": "Assumed: -256, the lowest 9-bit value; a capture of a negative sum would settle it",
-        "color_mantissa_bits": "Inferred: from the NV2A, 1984 of 1984 colours (Depth_buffer captures)",
-        "subpixel_bits": "Inferred: from the NV2A, 294000 of 294000 pixels (TopLeftRaster capture)",
-        "guard_band": "Inferred: from the NV2A's off-screen vertices, unclipped (tex_diff_pers captures)",
-        "device_origin": "Inferred: from the NV2A (TopLeftRaster capture)",
-        "dithered_s3tc_dxt1": "Assumed: its formats here include no S3TC",
-        "magnification_threshold": "Inferred: from the NV2A, 61440 of 61440 pixels (LODBias capture)",
-        "fog_arithmetic": "Assumed: rounding to nearest; a capture of a smooth fog would settle it",
-        "lighting": "Assumed: exact, so that lighting shows what a paper's equations give; envytools models "
-        "the NV10's own unit, LIGHTING_UNIT",
-    },
+    textures=Textures(
+        max_texture_units=known(2, "Source: Kautz, Seidel 2000, section 5 (limited to two textures)"),
+        max_texture_size=known(
+            2048, "Assumed: 2048; a MAX_TEXTURE_SIZE query of a board of the time would settle it"
+        ),
+        max_cube_map_texture_size=known(
+            512, "Assumed: 512; a MAX_CUBE_MAP_TEXTURE_SIZE query would settle it"
+        ),
+        max_3d_texture_size=known(0, "Source: EXT_texture3D is none of its extensions"),
+        power_of_two_textures=known(True, "Source: OpenGL 1.2.1 section 3.8.1"),
+        texture_targets=known(
+            frozenset({TextureTarget.TEXTURE_1D, TextureTarget.TEXTURE_2D, TextureTarget.TEXTURE_CUBE_MAP}),
+            "Source: OpenGL 1.2.1 section 3.8; EXT_texture_cube_map; no 3D textures",
+        ),
+        internal_formats=known(
+            CORE_FORMATS, "Source: OpenGL 1.2.1 table 3.16 (requested resolutions are kept)"
+        ),
+        wrap_modes=known(
+            frozenset(WrapMode), "Inferred: from the NV2A's five wrap modes (Texture_border captures)"
+        ),
+        cylinder_wrap=known(False, "Source: no OpenGL extension has it"),
+        signed_components=known(False, "Source: NV_texture_shader (introduced with the GeForce 3)"),
+        max_lod_bias=known(4.0, "Assumed: 4; a MAX_TEXTURE_LOD_BIAS_EXT query would settle it"),
+        max_anisotropy=known(2.0, "Assumed: 2; a MAX_TEXTURE_MAX_ANISOTROPY_EXT query would settle it"),
+        max_probes=known(1, "Assumed: none; no paper names such a board but Schilling's"),
+        texture_color_table=known(
+            False, "Assumed: none; a driver of 1999 with SGI_texture_color_table would settle it"
+        ),
+        evaluate_before_filtering=known(False, _ASKED_FOR),
+        texture_compare_modes=known(frozenset({TextureCompareMode.NONE}), _NO_SHADOW),
+        shadow_functions=known(frozenset(), _NO_SHADOW),
+        shadow_ambient=known(False, "Assumed: none; the machine compares no textures"),
+        depth_texture_modes=known((), "Assumed: none; the machine compares no textures"),
+        depth_units_in_coordinates=known(False, "Assumed: false; the machine has no such coordinates"),
+    ),
+    texture_shaders=TextureShaders(
+        texture_shader_operations=known(frozenset(), _LATER),
+        dot_product_mappings=known(frozenset(), _LATER),
+        foreign_texture_targets=known(False, _LATER),
+    ),
+    combiners=Combiners(
+        texture_environment_modes=known(
+            frozenset(TextureEnvironmentMode) - {TextureEnvironmentMode.NONE},
+            "Source: OpenGL 1.2.1 section 3.8.9, ARB_texture_env_add; NV_texture_env_combine4 (its "
+            "implementation details name the GeForce)",
+        ),
+        combine_functions=known(
+            frozenset(CombineFunction) - {CombineFunction.SUBTRACT},
+            "Source: ARB_texture_env_combine (SUBTRACT is what it adds to the EXT one), ARB_texture_env_dot3",
+        ),
+        texture_environment_crossbar=known(
+            False, "Source: NV_texture_env_combine4 alone names other units' textures"
+        ),
+        max_general_combiners=known(2, "Source: NV_register_combiners; Kautz, Seidel 2000, section 4.1"),
+        per_stage_constants=known(False, "Source: NV_register_combiners2 (introduced with the GeForce 3)"),
+        combiner_functions=known(
+            frozenset({CombinerFunction.NONE}), "Source: NV_register_combiners, which names none"
+        ),
+        combiner_lookup=known(False, _ASKED_FOR),
+        combiner_flags=known(False, "Source: NV_register_combiners, which names none of them"),
+    ),
+    vertices=Vertices(
+        max_lights=known(8, "Source: OpenGL 1.2.1 table 6.24 (the minimum)"),
+        max_clip_planes=known(6, "Source: OpenGL 1.2.1 table 6.24 (the minimum)"),
+        max_shininess=known(128.0, "Source: OpenGL 1.2.1 table 2.7"),
+        separate_specular_color=known(True, "Source: OpenGL 1.2.1 section 2.13.1"),
+        texgen_modes=known(
+            frozenset(TexGenMode),
+            "Source: OpenGL 1.2.1 section 2.10.4; EXT_texture_cube_map; NV_texgen_reflection",
+        ),
+        fog_coordinate=known(True, "Source: EXT_fog_coord"),
+        point_parameters=known(
+            False, "Assumed: none; a driver of 1999 that lists EXT_point_parameters would settle it"
+        ),
+        composite_matrix=known(False, "Source: OpenGL 1.2.1 section 2.10: projection and viewport are apart"),
+    ),
+    primitives=Primitives(
+        max_point_size=known(63.875, "Inferred: from the NV2A's 6.3-bit sizes (Point_size captures)"),
+        max_line_width=known(63.875, "Inferred: from the NV2A's 6.3-bit widths (Line_width captures)"),
+        line_stipple=known(True, "Source: OpenGL 1.2.1 section 3.4.2"),
+        point_sprite_units=known(frozenset(), "Source: NV_point_sprite (introduced after the GeForce 256)"),
+        perspective_hint=known(False, "Source: OpenGL 1.2.1 section 5.6 (a hint may be ignored)"),
+        spherical_interpolation=known(False, _ASKED_FOR),
+    ),
+    fragments=Fragments(
+        color_sum=known(True, "Source: OpenGL 1.2.1 section 3.9; EXT_secondary_color"),
+        fog_registers=known(False, "Source: OpenGL 1.2.1 section 3.10 has no such parameters"),
+        depth_clamp=known(False, "Source: NV_depth_clamp, an extension of later chips"),
+        w_buffering=known(False, "Assumed: none; no extension of OpenGL reaches it"),
+        max_window_rectangles=known(0, "Assumed: none; a capture would settle it"),
+        stencil_operations=known(
+            frozenset(StencilOperation), "Source: OpenGL 1.2.1 section 4.1.4; EXT_stencil_wrap"
+        ),
+        blend_factors_source=known(
+            CORE_SOURCE_FACTORS | CONSTANT_FACTORS, "Source: OpenGL 1.2.1 table 4.1 with EXT_blend_color"
+        ),
+        blend_factors_destination=known(
+            CORE_DESTINATION_FACTORS | CONSTANT_FACTORS, "Source: OpenGL 1.2.1 table 4.2 with EXT_blend_color"
+        ),
+        blend_equations=known(SUBSET_EQUATIONS, "Source: EXT_blend_minmax, EXT_blend_subtract"),
+        logic_op=known(True, "Source: OpenGL 1.2.1 section 4.1.8"),
+    ),
+    framebuffers=Framebuffers(
+        max_viewport=known(2048, "Assumed: 2048; a MAX_VIEWPORT_DIMS query would settle it"),
+        color_bits=known((8,), "Inferred: from the NV2A's surface formats"),
+        depth_bits=known(
+            (16, 24), "Inferred: from the NV2A's 16- and 24-bit fixed formats (Depth_buffer captures)"
+        ),
+        stencil_bits=known(8, "Inferred: from the NV2A's 24-bit depth, 8-bit stencil format"),
+        accumulation_bits=known(16, "Assumed: 16 with its sign; a query of ACCUM_RED_BITS would settle it"),
+        auxiliary_buffers=known(0, "Assumed: none; a pixel format of a driver of 1999 would settle it"),
+        samples=known((1,), "Assumed: 1; a driver that lists ARB_multisample would settle it"),
+        surface_formats=known(
+            frozenset(), "Assumed: none; a driver of 1999 that lists WGL_ARB_pbuffer would settle it"
+        ),
+    ),
+    pixels=Pixels(
+        max_pixel_map_table=known(256, "Assumed: 256; OpenGL 1.2.1 section 3.6.3 asks for 32"),
+        color_matrix=known(False, _NO_IMAGING),
+        color_tables=known(False, _NO_IMAGING),
+        max_color_table_size=known(0, _NO_IMAGING),
+        convolution=known(False, _NO_IMAGING),
+        max_convolution_size=known(0, _NO_IMAGING),
+        histogram=known(False, _NO_IMAGING),
+        pixel_texture=known(False, _OCTANES_ALONE),
+        pixel_texture_sgis=known(False, _OCTANES_ALONE),
+        impact_pixel_texture=known(False, "Source: SGIX_impact_pixel_texture (for the Impact)"),
+    ),
+    arithmetic=Arithmetic(
+        exact=known(
+            False, "Source: NV_register_combiners, Issues: NV10 computes in 9-bit signed fixed point"
+        ),
+        clamps=known(
+            frozenset(Clamp),
+            "Source: NV_register_combiners; OpenGL 1.2.1 sections 2.13.6, 3.8.9, 3.9, 3.10, 4.1.6",
+        ),
+        lighting=known(
+            LightingArithmetic.EQUATIONS,
+            "Assumed: exact, so that lighting shows what a paper's equations give; envytools models the "
+            "NV10's own unit, LIGHTING_UNIT",
+        ),
+        color_mantissa_bits=known(
+            14, "Inferred: from the NV2A, 1984 of 1984 colours (Depth_buffer captures)"
+        ),
+        fog_arithmetic=known(
+            FogArithmetic.ROUNDED, "Assumed: rounding to nearest; a capture of a smooth fog would settle it"
+        ),
+        subpixel_bits=known(4, "Inferred: from the NV2A, 294000 of 294000 pixels (TopLeftRaster capture)"),
+        guard_band=known(
+            8192, "Inferred: from the NV2A's off-screen vertices, unclipped (tex_diff_pers captures)"
+        ),
+        device_origin=known(WindowOrigin.UPPER_LEFT, "Inferred: from the NV2A (TopLeftRaster capture)"),
+        color_weights=known(
+            ColorWeights.EIGHT_BITS, "Inferred: from the NV2A's eight-bit weights (Depth_buffer captures)"
+        ),
+        diamond_exit_lines=known(False, "Inferred: from the NV2A's steps (3D_primitive captures)"),
+        magnification_threshold=known(
+            MagnificationThreshold.ZERO, "Inferred: from the NV2A, 61440 of 61440 pixels (LODBias capture)"
+        ),
+        filter_fraction_bits=known(
+            8, "Inferred: from the NV2A, 349524 of 349524 texels (Texture_DXT captures)"
+        ),
+        texture_bits=known(8, "Inferred: from the NV2A's texels (Texture_format captures)"),
+        dithered_s3tc_dxt1=known(False, "Assumed: its formats here include no S3TC"),
+        combiner_bits=known(
+            8, "Source: NV_register_combiners, Issues: NV10's registers have 9 bits, one the sign"
+        ),
+        combiner_range=known(1.0, "Source: NV_register_combiners (registers hold -1 to 1)"),
+        clamp_low=known(-256, "Assumed: -256, the lowest 9-bit value, as on the NV2A"),
+        expand_half=known(
+            128, "Inferred: from the NV2A's output half of 128, where normal maps of the time put zero"
+        ),
+        product_rounding=known(
+            ProductRounding.JOINT,
+            "Inferred: from the NV2A's blender: one rounding after the sum (Blend captures)",
+        ),
+        round_before_scale=known(
+            True, "Inferred: from the NV2A's order of bias and scale (Combiner captures)"
+        ),
+        add_signed_scale_by_four=known(
+            False, "Source: NV_texture_env_combine4, NVIDIA Implementation Details"
+        ),
+        clamps_color_matrix=known(
+            False, "Source: OpenGL 1.2.1 section 3.6.5 (no clamp after the color matrix)"
+        ),
+    ),
 )

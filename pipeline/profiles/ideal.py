@@ -3,84 +3,175 @@
 ``fixedpipe.pipeline.ideal.evaluate`` evaluates passes on it.
 """
 
-from dataclasses import fields, replace
-
 from fixedpipe.pipeline.enums import (
     BaseFormat,
     BlendFactor,
+    ColorWeights,
     CombineFunction,
     CombinerFunction,
     ComparisonFunction,
     DotProductMapping,
+    FogArithmetic,
     InternalFormat,
+    LightingArithmetic,
+    MagnificationThreshold,
+    ProductRounding,
+    StencilOperation,
+    TexGenMode,
     TextureCompareMode,
     TextureEnvironmentMode,
     TextureShaderOperation,
     TextureTarget,
+    WindowOrigin,
+    WrapMode,
 )
-from fixedpipe.pipeline.profiles.geforce_256 import GEFORCE_256
+from fixedpipe.pipeline.profiles.known import known
 from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.profiles.sections import (
+    Arithmetic,
+    Combiners,
+    Fragments,
+    Framebuffers,
+    Pixels,
+    Primitives,
+    Textures,
+    TextureShaders,
+    Vertices,
+)
+from fixedpipe.pipeline.profiles.specified import CORE_FORMATS, SUBSET_EQUATIONS
 from fixedpipe.pipeline.textures.images import TWELVE_BIT_FORMATS
 
-_BY_DEFINITION = "Assumed: nothing; limits are what a state can say, or far beyond any machine of the time"
 
-# It has no textures whose coordinates count texels.
-_OF_RECTANGLES = frozenset(o for o in TextureShaderOperation if "RECTANGLE" in o.name)
+def _given(value):
+    """A value by definition of the ideal machine."""
+    return known(
+        value, "Assumed: nothing; limits are what a state can say, or far beyond any machine of the time"
+    )
 
-IDEAL = replace(
-    GEFORCE_256,
+
+IDEAL = Profile(
     name="ideal",
     description="no machine: float64 throughout, what the algorithm itself gives",
-    exact=True,
-    max_texture_units=4,
-    max_general_combiners=8,
-    per_stage_constants=True,
-    max_texture_size=1 << 14,
-    max_cube_map_texture_size=1 << 14,
-    power_of_two_textures=False,
-    max_lod_bias=16.0,
-    max_anisotropy=1.0,
-    max_lights=64,
-    max_clip_planes=64,
-    max_viewport=1 << 13,
-    expand_half=127.5,
-    blend_factors_source=frozenset(BlendFactor),
-    blend_factors_destination=frozenset(BlendFactor),
-    max_3d_texture_size=1 << 10,
-    max_probes=64,
-    max_color_table_size=1 << 16,
-    max_convolution_size=64,
-    max_pixel_map_table=1 << 16,
-    auxiliary_buffers=4,
-    texture_targets=GEFORCE_256.texture_targets | {TextureTarget.TEXTURE_3D},
-    internal_formats=GEFORCE_256.internal_formats
-    | TWELVE_BIT_FORMATS
-    | {InternalFormat.DEPTH_COMPONENT16, InternalFormat.DEPTH_COMPONENT24, InternalFormat.HILO16},
-    signed_components=True,
-    texture_shader_operations=frozenset(TextureShaderOperation) - _OF_RECTANGLES,
-    dot_product_mappings=frozenset(DotProductMapping),
-    texture_compare_modes=frozenset({TextureCompareMode.NONE, TextureCompareMode.COMPARE_R_TO_TEXTURE}),
-    shadow_functions=frozenset(ComparisonFunction),
-    texture_environment_modes=frozenset(TextureEnvironmentMode),
-    depth_texture_modes=(BaseFormat.LUMINANCE, BaseFormat.INTENSITY, BaseFormat.ALPHA),
-    combine_functions=frozenset(CombineFunction),
-    combiner_functions=frozenset(CombinerFunction),
-    texture_environment_crossbar=True,
-    add_signed_scale_by_four=True,
-    shadow_ambient=True,
-    texture_color_table=True,
-    color_matrix=True,
-    color_tables=True,
-    convolution=True,
-    histogram=True,
-    pixel_texture=True,
-    pixel_texture_sgis=True,
-    impact_pixel_texture=True,
-    combiner_lookup=True,
-    evaluate_before_filtering=True,
-    spherical_interpolation=True,
-    clamps=frozenset(),
-    evidence={
-        f.name: _BY_DEFINITION for f in fields(Profile) if f.name not in ("name", "description", "evidence")
-    },
+    textures=Textures(
+        max_texture_units=_given(4),
+        max_texture_size=_given(16384),
+        max_cube_map_texture_size=_given(16384),
+        max_3d_texture_size=_given(1024),
+        power_of_two_textures=_given(False),
+        texture_targets=_given(frozenset(TextureTarget) - {TextureTarget.TEXTURE_RECTANGLE}),
+        internal_formats=_given(
+            CORE_FORMATS
+            | TWELVE_BIT_FORMATS
+            | {InternalFormat.DEPTH_COMPONENT16, InternalFormat.DEPTH_COMPONENT24, InternalFormat.HILO16}
+        ),
+        wrap_modes=_given(frozenset(WrapMode)),
+        cylinder_wrap=_given(False),
+        signed_components=_given(True),
+        max_lod_bias=_given(16.0),
+        max_anisotropy=_given(1.0),
+        max_probes=_given(64),
+        texture_color_table=_given(True),
+        evaluate_before_filtering=_given(True),
+        texture_compare_modes=_given(
+            frozenset({TextureCompareMode.NONE, TextureCompareMode.COMPARE_R_TO_TEXTURE})
+        ),
+        shadow_functions=_given(frozenset(ComparisonFunction)),
+        shadow_ambient=_given(True),
+        depth_texture_modes=_given((BaseFormat.LUMINANCE, BaseFormat.INTENSITY, BaseFormat.ALPHA)),
+        depth_units_in_coordinates=_given(False),
+    ),
+    texture_shaders=TextureShaders(
+        # It has no textures whose coordinates count texels.
+        texture_shader_operations=_given(
+            frozenset(o for o in TextureShaderOperation if "RECTANGLE" not in o.name)
+        ),
+        dot_product_mappings=_given(frozenset(DotProductMapping)),
+        foreign_texture_targets=_given(False),
+    ),
+    combiners=Combiners(
+        texture_environment_modes=_given(frozenset(TextureEnvironmentMode)),
+        combine_functions=_given(frozenset(CombineFunction)),
+        texture_environment_crossbar=_given(True),
+        max_general_combiners=_given(8),
+        per_stage_constants=_given(True),
+        combiner_functions=_given(frozenset(CombinerFunction)),
+        combiner_lookup=_given(True),
+        combiner_flags=_given(False),
+    ),
+    vertices=Vertices(
+        max_lights=_given(64),
+        max_clip_planes=_given(64),
+        max_shininess=_given(128.0),
+        separate_specular_color=_given(True),
+        texgen_modes=_given(frozenset(TexGenMode)),
+        fog_coordinate=_given(True),
+        point_parameters=_given(False),
+        composite_matrix=_given(False),
+    ),
+    primitives=Primitives(
+        max_point_size=_given(63.875),
+        max_line_width=_given(63.875),
+        line_stipple=_given(True),
+        point_sprite_units=_given(frozenset()),
+        perspective_hint=_given(False),
+        spherical_interpolation=_given(True),
+    ),
+    fragments=Fragments(
+        color_sum=_given(True),
+        fog_registers=_given(False),
+        depth_clamp=_given(False),
+        w_buffering=_given(False),
+        max_window_rectangles=_given(0),
+        stencil_operations=_given(frozenset(StencilOperation)),
+        blend_factors_source=_given(frozenset(BlendFactor)),
+        blend_factors_destination=_given(frozenset(BlendFactor)),
+        blend_equations=_given(SUBSET_EQUATIONS),
+        logic_op=_given(True),
+    ),
+    framebuffers=Framebuffers(
+        max_viewport=_given(8192),
+        color_bits=_given((8,)),
+        depth_bits=_given((16, 24)),
+        stencil_bits=_given(8),
+        accumulation_bits=_given(16),
+        auxiliary_buffers=_given(4),
+        samples=_given((1,)),
+        surface_formats=_given(frozenset()),
+    ),
+    pixels=Pixels(
+        max_pixel_map_table=_given(65536),
+        color_matrix=_given(True),
+        color_tables=_given(True),
+        max_color_table_size=_given(65536),
+        convolution=_given(True),
+        max_convolution_size=_given(64),
+        histogram=_given(True),
+        pixel_texture=_given(True),
+        pixel_texture_sgis=_given(True),
+        impact_pixel_texture=_given(True),
+    ),
+    arithmetic=Arithmetic(
+        exact=_given(True),
+        clamps=_given(frozenset()),
+        lighting=_given(LightingArithmetic.EQUATIONS),
+        color_mantissa_bits=_given(14),
+        fog_arithmetic=_given(FogArithmetic.ROUNDED),
+        subpixel_bits=_given(4),
+        guard_band=_given(8192),
+        device_origin=_given(WindowOrigin.UPPER_LEFT),
+        color_weights=_given(ColorWeights.EIGHT_BITS),
+        diamond_exit_lines=_given(False),
+        magnification_threshold=_given(MagnificationThreshold.ZERO),
+        filter_fraction_bits=_given(8),
+        texture_bits=_given(8),
+        dithered_s3tc_dxt1=_given(False),
+        combiner_bits=_given(8),
+        combiner_range=_given(1.0),
+        clamp_low=_given(-256),
+        expand_half=_given(127.5),
+        product_rounding=_given(ProductRounding.JOINT),
+        round_before_scale=_given(True),
+        add_signed_scale_by_four=_given(True),
+        clamps_color_matrix=_given(False),
+    ),
 )

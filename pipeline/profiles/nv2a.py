@@ -3,152 +3,237 @@
 Thousands of framebuffer captures exist; ``fixedpipe conformance`` redraws them (docs/silicon.md).
 """
 
-from dataclasses import replace
-
 from fixedpipe.pipeline.enums import (
     BaseFormat,
     BlendEquation,
     BlendFactor,
+    Clamp,
     ColorFormat,
+    ColorWeights,
     CombineFunction,
+    CombinerFunction,
     ComparisonFunction,
     DepthFormat,
     DotProductMapping,
     FogArithmetic,
     InternalFormat,
     LightingArithmetic,
+    MagnificationThreshold,
+    ProductRounding,
+    StencilOperation,
+    TexGenMode,
     TextureCompareMode,
     TextureEnvironmentMode,
     TextureShaderOperation,
     TextureTarget,
+    WindowOrigin,
+    WrapMode,
 )
-from fixedpipe.pipeline.profiles.geforce_256 import GEFORCE_256
+from fixedpipe.pipeline.profiles.known import known
+from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.profiles.sections import (
+    Arithmetic,
+    Combiners,
+    Fragments,
+    Framebuffers,
+    Pixels,
+    Primitives,
+    Textures,
+    TextureShaders,
+    Vertices,
+)
 from fixedpipe.pipeline.textures.images import TWELVE_BIT_FORMATS
 
 _NOT_ASKED = "Assumed: none; no capture asks for it"
-_MEASURED = {
-    **dict.fromkeys(
-        (
-            "max_probes",
-            "max_color_table_size",
-            "max_convolution_size",
-            "auxiliary_buffers",
-            "samples",
-            "texture_environment_crossbar",
-            "shadow_ambient",
-            "texture_color_table",
-            "color_matrix",
-            "color_tables",
-            "convolution",
-            "histogram",
-        ),
-        _NOT_ASKED,
-    ),
-    "combine_functions": "Assumed: all; register combiners compute them",
-    "line_stipple": "Assumed: as OpenGL 1.2.1 section 3.4.2 says; no capture asks for it",
-    "color_bits": "Measured: surfaces of 8 bits a component and less (Blend_surface captures)",
-    "color_weights": "Measured: weights of eight bits (Depth_buffer captures)",
-    "diamond_exit_lines": "Measured: steps, not diamonds (3D_primitive captures)",
-    "texture_bits": "Measured: texels of 8 bits (Texture_format captures)",
-    "filter_fraction_bits": "Measured: 349524 of 349524 texels (Texture_DXT captures)",
-    "exact": "Measured: 8-bit combiner registers (Combiner captures)",
-    "max_texture_units": "Measured: four texture units (Pixel_shader captures)",
-    "max_general_combiners": "Source: NV_register_combiners2 (MAX_GENERAL_COMBINERS_NV 8)",
-    "per_stage_constants": "Measured: constants change from stage to stage (Combiner captures)",
-    "max_texture_size": "Assumed: 4096; a capture of a larger texture would settle it",
-    "max_cube_map_texture_size": "Assumed: 4096; a capture of a larger cube map would settle it",
-    "max_3d_texture_size": "Assumed: 512; a capture of a larger volume would settle it",
-    "power_of_two_textures": "Measured: powers of two but for rectangles (Texture_format captures)",
-    "max_anisotropy": "Source: nxdk_pgraph_tests, texture_anisotropy_tests (1, 2, 4 and 8)",
-    "max_lod_bias": "Measured: s5.8, biases of -15 to 15 (LODBias capture)",
-    "max_viewport": "Assumed: 4096; a capture of a larger surface would settle it",
-    "max_point_size": "Measured: 6.3 bits (Point_size, Point_sprite captures)",
-    "max_line_width": "Source: SET_LINE_WIDTH, 6.3 bits",
-    "max_window_rectangles": "Source: SET_WINDOW_CLIP_HORIZONTAL and _VERTICAL, eight of each",
-    "point_sprite_units": "Source: point_params_tests.cpp of nxdk_pgraph_tests (unit 3 alone)",
-    "point_parameters": "Measured: 192 of 192 points (Point_params Scale_0_0_1_FF capture)",
-    "depth_bits": "Measured: fixed and float formats of 16 and 24 bits (Depth_buffer captures)",
-    "depth_clamp": "Measured: Depth_Clamp captures",
-    "w_buffering": "Measured: Depth_Clamp captures",
-    "stencil_bits": "Measured: 24-bit depth, 8-bit stencil (Stencil captures)",
-    "wrap_modes": "Measured: five wrap modes, 78720 of 78720 pixels (Texture_border captures)",
-    "texture_targets": "Measured: 3D and unnormalised coordinates (Volume_texture, Texture_format captures)",
-    "internal_formats": "Measured: Texture_format, Volume_texture and Texture_DXT captures",
-    "blend_factors_source": "Measured: all of them, in 1673 captures (Blend_tests)",
-    "blend_factors_destination": "Measured: all of them, in 1673 captures (Blend_tests)",
-    "blend_equations": "Measured: 1673 captures (Blend_tests)",
-    "stencil_operations": "Measured: Stencil captures",
-    "texture_shader_operations": "Measured: Pixel_shader, Texture_cubemap, Texture_BRDF; rectangles Inferred",
-    "dot_product_mappings": "Measured: six mappings, 56909 pixels each (DotSTRCube captures)",
-    "texture_compare_modes": "Measured: 8150016 of 8150016 pixels of each (Texture_shadow_comparator)",
-    "shadow_functions": "Measured: all eight (Texture_shadow_comparator captures)",
-    "depth_texture_modes": "Measured: 255 in all four components (Texture_shadow_comparator captures)",
-    "foreign_texture_targets": "Measured: 56909 pixels each (DotSTR3D, Texture_2D_as_cubemap captures)",
-    "depth_units_in_coordinates": "Measured: Texture_shadow_comparator and DotZW captures",
-    "surface_formats": "Source: nv_objects.h, SET_SURFACE_FORMAT_COLOR",
-    "texture_environment_modes": "Source: NV_texture_env_combine4, NV_texture_shader (NONE)",
-    "add_signed_scale_by_four": "Inferred: from the GeForce 256; its combiners scale a biased sum by two too",
-    "combiner_flags": "Measured: 110441 of 110441 pixels (Combiner captures)",
-    "signed_components": "Measured: 732800 of 732800 pixels (Texture_signed_component_tests captures)",
-    "cylinder_wrap": "Measured: CylinderWrapping capture",
-    "perspective_hint": "Measured: colours and texels linear on the screen (Texture_perspective captures)",
-    "expand_half": "Inferred: the output half is 128 (CombinerOps capture); no capture uses EXPAND",
-    "product_rounding": "Inferred: from the blender: one rounding after the sum (Blend_tests captures)",
-    "round_before_scale": "Measured: bias before scale (CombinerOps capture)",
-    "color_mantissa_bits": "Measured: 1984 of 1984 colours (Depth_buffer captures)",
-    "subpixel_bits": "Measured: 294000 of 294000 pixels (TopLeftRaster capture)",
-    "guard_band": "Measured: off-screen vertices stay unclipped (tex_diff_pers captures); its width Assumed",
-    "device_origin": "Measured: TopLeftRaster capture",
-    "dithered_s3tc_dxt1": "Measured: 2048 of 2048 texels (Texture_DXT captures)",
-    "magnification_threshold": "Measured: 61440 of 61440 pixels (LODBias capture)",
-    "composite_matrix": "Measured: Viewport, TopLeftRaster_Fixed captures",
-    "fog_registers": "Measured: bias, multiplier, PLANAR (Fog captures); other generations Assumed",
-    "fog_arithmetic": "Measured: all but 1 pixel in each of 2 captures (Fog, Fog_vsh, FogGen)",
-    "lighting": "Measured: the NV10's unit as envytools models it (Lighting_*, Material_alpha captures)",
-}
 
-NV2A = replace(
-    GEFORCE_256,
+NV2A = Profile(
     name="NV2A",
     description="NVIDIA NV2A, 2001: texture shaders, eight general combiners, four texture units",
-    max_texture_units=4,
-    max_general_combiners=8,
-    per_stage_constants=True,
-    max_texture_size=4096,
-    max_cube_map_texture_size=4096,
-    max_3d_texture_size=512,
-    max_lod_bias=16.0,
-    max_anisotropy=8.0,
-    max_window_rectangles=8,
-    point_sprite_units=frozenset({3}),
-    point_parameters=True,
-    max_viewport=4096,
-    depth_bits=(DepthFormat.FIXED_16, DepthFormat.FIXED_24, DepthFormat.FLOAT_16, DepthFormat.FLOAT_24),
-    depth_clamp=True,
-    w_buffering=True,
-    texture_targets=frozenset(TextureTarget),
-    internal_formats=frozenset(InternalFormat) - TWELVE_BIT_FORMATS,
-    signed_components=True,
-    cylinder_wrap=True,
-    perspective_hint=True,
-    dithered_s3tc_dxt1=True,
-    blend_factors_source=frozenset(BlendFactor),
-    blend_factors_destination=frozenset(BlendFactor),
-    texture_shader_operations=frozenset(TextureShaderOperation),
-    dot_product_mappings=frozenset(DotProductMapping),
-    texture_compare_modes=frozenset(TextureCompareMode),
-    shadow_functions=frozenset(ComparisonFunction),
-    depth_texture_modes=(BaseFormat.INTENSITY,),
-    combine_functions=frozenset(CombineFunction),
-    depth_units_in_coordinates=True,
-    blend_equations=frozenset(BlendEquation),
-    surface_formats=frozenset(ColorFormat),
-    combiner_flags=True,
-    texture_environment_modes=frozenset(TextureEnvironmentMode),
-    fog_registers=True,
-    composite_matrix=True,
-    fog_arithmetic=FogArithmetic.TABLE,
-    foreign_texture_targets=True,
-    lighting=LightingArithmetic.LIGHTING_UNIT,
-    evidence={**GEFORCE_256.evidence, **_MEASURED},
+    textures=Textures(
+        max_texture_units=known(4, "Measured: four texture units (Pixel_shader captures)"),
+        max_texture_size=known(4096, "Assumed: 4096; a capture of a larger texture would settle it"),
+        max_cube_map_texture_size=known(
+            4096, "Assumed: 4096; a capture of a larger cube map would settle it"
+        ),
+        max_3d_texture_size=known(512, "Assumed: 512; a capture of a larger volume would settle it"),
+        power_of_two_textures=known(
+            True, "Measured: powers of two but for rectangles (Texture_format captures)"
+        ),
+        texture_targets=known(
+            frozenset(TextureTarget),
+            "Measured: 3D and unnormalised coordinates (Volume_texture, Texture_format captures)",
+        ),
+        internal_formats=known(
+            frozenset(InternalFormat) - TWELVE_BIT_FORMATS,
+            "Measured: Texture_format, Volume_texture and Texture_DXT captures",
+        ),
+        wrap_modes=known(
+            frozenset(WrapMode), "Measured: five wrap modes, 78720 of 78720 pixels (Texture_border captures)"
+        ),
+        cylinder_wrap=known(True, "Measured: CylinderWrapping capture"),
+        signed_components=known(
+            True, "Measured: 732800 of 732800 pixels (Texture_signed_component_tests captures)"
+        ),
+        max_lod_bias=known(16.0, "Measured: s5.8, biases of -15 to 15 (LODBias capture)"),
+        max_anisotropy=known(8.0, "Source: nxdk_pgraph_tests, texture_anisotropy_tests (1, 2, 4 and 8)"),
+        max_probes=known(1, _NOT_ASKED),
+        texture_color_table=known(False, _NOT_ASKED),
+        evaluate_before_filtering=known(False, _NOT_ASKED),
+        texture_compare_modes=known(
+            frozenset(TextureCompareMode),
+            "Measured: 8150016 of 8150016 pixels of each (Texture_shadow_comparator)",
+        ),
+        shadow_functions=known(
+            frozenset(ComparisonFunction), "Measured: all eight (Texture_shadow_comparator captures)"
+        ),
+        shadow_ambient=known(False, _NOT_ASKED),
+        depth_texture_modes=known(
+            (BaseFormat.INTENSITY,),
+            "Measured: 255 in all four components (Texture_shadow_comparator captures)",
+        ),
+        depth_units_in_coordinates=known(True, "Measured: Texture_shadow_comparator and DotZW captures"),
+    ),
+    texture_shaders=TextureShaders(
+        texture_shader_operations=known(
+            frozenset(TextureShaderOperation),
+            "Measured: Pixel_shader, Texture_cubemap, Texture_BRDF; rectangles Inferred",
+        ),
+        dot_product_mappings=known(
+            frozenset(DotProductMapping), "Measured: six mappings, 56909 pixels each (DotSTRCube captures)"
+        ),
+        foreign_texture_targets=known(
+            True, "Measured: 56909 pixels each (DotSTR3D, Texture_2D_as_cubemap captures)"
+        ),
+    ),
+    combiners=Combiners(
+        texture_environment_modes=known(
+            frozenset(TextureEnvironmentMode), "Source: NV_texture_env_combine4, NV_texture_shader (NONE)"
+        ),
+        combine_functions=known(frozenset(CombineFunction), "Assumed: all; register combiners compute them"),
+        texture_environment_crossbar=known(False, _NOT_ASKED),
+        max_general_combiners=known(8, "Source: NV_register_combiners2 (MAX_GENERAL_COMBINERS_NV 8)"),
+        per_stage_constants=known(True, "Measured: constants change from stage to stage (Combiner captures)"),
+        combiner_functions=known(
+            frozenset({CombinerFunction.NONE}), "Source: NV_register_combiners, which names none"
+        ),
+        combiner_lookup=known(False, _NOT_ASKED),
+        combiner_flags=known(True, "Measured: 110441 of 110441 pixels (Combiner captures)"),
+    ),
+    vertices=Vertices(
+        max_lights=known(8, "Source: OpenGL 1.2.1 table 6.24 (the minimum)"),
+        max_clip_planes=known(6, "Source: OpenGL 1.2.1 table 6.24 (the minimum)"),
+        max_shininess=known(128.0, "Source: OpenGL 1.2.1 table 2.7"),
+        separate_specular_color=known(True, "Source: OpenGL 1.2.1 section 2.13.1"),
+        texgen_modes=known(
+            frozenset(TexGenMode),
+            "Source: OpenGL 1.2.1 section 2.10.4; EXT_texture_cube_map; NV_texgen_reflection",
+        ),
+        fog_coordinate=known(True, "Source: EXT_fog_coord"),
+        point_parameters=known(True, "Measured: 192 of 192 points (Point_params Scale_0_0_1_FF capture)"),
+        composite_matrix=known(True, "Measured: Viewport, TopLeftRaster_Fixed captures"),
+    ),
+    primitives=Primitives(
+        max_point_size=known(63.875, "Measured: 6.3 bits (Point_size, Point_sprite captures)"),
+        max_line_width=known(63.875, "Source: SET_LINE_WIDTH, 6.3 bits"),
+        line_stipple=known(True, "Assumed: as OpenGL 1.2.1 section 3.4.2 says; no capture asks for it"),
+        point_sprite_units=known(
+            frozenset({3}), "Source: point_params_tests.cpp of nxdk_pgraph_tests (unit 3 alone)"
+        ),
+        perspective_hint=known(
+            True, "Measured: colours and texels linear on the screen (Texture_perspective captures)"
+        ),
+        spherical_interpolation=known(False, _NOT_ASKED),
+    ),
+    fragments=Fragments(
+        color_sum=known(True, "Source: OpenGL 1.2.1 section 3.9; EXT_secondary_color"),
+        fog_registers=known(
+            True, "Measured: bias, multiplier, PLANAR (Fog captures); other generations Assumed"
+        ),
+        depth_clamp=known(True, "Measured: Depth_Clamp captures"),
+        w_buffering=known(True, "Measured: Depth_Clamp captures"),
+        max_window_rectangles=known(8, "Source: SET_WINDOW_CLIP_HORIZONTAL and _VERTICAL, eight of each"),
+        stencil_operations=known(frozenset(StencilOperation), "Measured: Stencil captures"),
+        blend_factors_source=known(
+            frozenset(BlendFactor), "Measured: all of them, in 1673 captures (Blend_tests)"
+        ),
+        blend_factors_destination=known(
+            frozenset(BlendFactor), "Measured: all of them, in 1673 captures (Blend_tests)"
+        ),
+        blend_equations=known(frozenset(BlendEquation), "Measured: 1673 captures (Blend_tests)"),
+        logic_op=known(True, "Source: OpenGL 1.2.1 section 4.1.8"),
+    ),
+    framebuffers=Framebuffers(
+        max_viewport=known(4096, "Assumed: 4096; a capture of a larger surface would settle it"),
+        color_bits=known((8,), "Measured: surfaces of 8 bits a component and less (Blend_surface captures)"),
+        depth_bits=known(
+            (DepthFormat.FIXED_16, DepthFormat.FIXED_24, DepthFormat.FLOAT_16, DepthFormat.FLOAT_24),
+            "Measured: fixed and float formats of 16 and 24 bits (Depth_buffer captures)",
+        ),
+        stencil_bits=known(8, "Measured: 24-bit depth, 8-bit stencil (Stencil captures)"),
+        accumulation_bits=known(16, "Assumed: as on the GeForce 256; no capture asks for it"),
+        auxiliary_buffers=known(0, _NOT_ASKED),
+        samples=known((1,), _NOT_ASKED),
+        surface_formats=known(frozenset(ColorFormat), "Source: nv_objects.h, SET_SURFACE_FORMAT_COLOR"),
+    ),
+    pixels=Pixels(
+        max_pixel_map_table=known(256, "Assumed: as on the GeForce 256; no capture asks for it"),
+        color_matrix=known(False, _NOT_ASKED),
+        color_tables=known(False, _NOT_ASKED),
+        max_color_table_size=known(0, _NOT_ASKED),
+        convolution=known(False, _NOT_ASKED),
+        max_convolution_size=known(0, _NOT_ASKED),
+        histogram=known(False, _NOT_ASKED),
+        pixel_texture=known(False, _NOT_ASKED),
+        pixel_texture_sgis=known(False, _NOT_ASKED),
+        impact_pixel_texture=known(False, "Source: SGIX_impact_pixel_texture (for the Impact)"),
+    ),
+    arithmetic=Arithmetic(
+        exact=known(False, "Measured: 8-bit combiner registers (Combiner captures)"),
+        clamps=known(
+            frozenset(Clamp),
+            "Source: NV_register_combiners; OpenGL 1.2.1 sections 2.13.6, 3.8.9, 3.9, 3.10, 4.1.6",
+        ),
+        lighting=known(
+            LightingArithmetic.LIGHTING_UNIT,
+            "Measured: as envytools models the NV10's unit (Lighting_*, Material_alpha captures)",
+        ),
+        color_mantissa_bits=known(14, "Measured: 1984 of 1984 colours (Depth_buffer captures)"),
+        fog_arithmetic=known(
+            FogArithmetic.TABLE, "Measured: all but 1 pixel in each of 2 captures (Fog, Fog_vsh, FogGen)"
+        ),
+        subpixel_bits=known(4, "Measured: 294000 of 294000 pixels (TopLeftRaster capture)"),
+        guard_band=known(
+            8192, "Measured: off-screen vertices stay unclipped (tex_diff_pers captures); its width Assumed"
+        ),
+        device_origin=known(WindowOrigin.UPPER_LEFT, "Measured: TopLeftRaster capture"),
+        color_weights=known(
+            ColorWeights.EIGHT_BITS, "Measured: weights of eight bits (Depth_buffer captures)"
+        ),
+        diamond_exit_lines=known(False, "Measured: steps, not diamonds (3D_primitive captures)"),
+        magnification_threshold=known(
+            MagnificationThreshold.ZERO, "Measured: 61440 of 61440 pixels (LODBias capture)"
+        ),
+        filter_fraction_bits=known(8, "Measured: 349524 of 349524 texels (Texture_DXT captures)"),
+        texture_bits=known(8, "Measured: texels of 8 bits (Texture_format captures)"),
+        dithered_s3tc_dxt1=known(True, "Measured: 2048 of 2048 texels (Texture_DXT captures)"),
+        combiner_bits=known(8, "Measured: 8-bit combiner registers (Combiner captures)"),
+        combiner_range=known(1.0, "Source: NV_register_combiners (registers hold -1 to 1)"),
+        clamp_low=known(
+            -256, "Assumed: -256, the lowest 9-bit value; a capture of a negative sum would settle it"
+        ),
+        expand_half=known(
+            128, "Inferred: the output half is 128 (CombinerOps capture); no capture uses EXPAND"
+        ),
+        product_rounding=known(
+            ProductRounding.JOINT,
+            "Inferred: from the blender: one rounding after the sum (Blend_tests captures)",
+        ),
+        round_before_scale=known(True, "Measured: bias before scale (CombinerOps capture)"),
+        add_signed_scale_by_four=known(
+            False, "Inferred: from the GeForce 256; its combiners scale a biased sum by two too"
+        ),
+        clamps_color_matrix=known(
+            False, "Source: OpenGL 1.2.1 section 3.6.5 (no clamp after the color matrix)"
+        ),
+    ),
 )

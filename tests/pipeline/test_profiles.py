@@ -1,0 +1,172 @@
+"""Machines as data: every value has its evidence, and no machine carries another's by accident."""
+
+import copy
+import pickle
+import re
+from dataclasses import fields, replace
+from itertools import combinations
+
+import pytest
+
+from fixedpipe.pipeline.enums import Clamp
+from fixedpipe.pipeline.profiles import PROFILES
+from fixedpipe.pipeline.profiles.known import EVIDENCE_TAGS, known
+from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.profiles.sections import SECTION_OF, SECTIONS, Vertices
+
+GEFORCE_256, NV2A = PROFILES["GEFORCE_256"], PROFILES["NV2A"]
+KEYS = {id(profile): key for key, profile in PROFILES.items()}
+
+# What evidence calls each machine. Captures, the tests that drew them and the registers are the NV2A's.
+NAMES = {
+    "OPENGL_1_2": "plain board",
+    "OPENGL_1_2_IMAGING": "imaging board",
+    "MULTITEXTURE": "TNT",
+    "GEFORCE_256": "GeForce 256|NV10",
+    "GEFORCE_3": "GeForce 3|NV20",
+    "NV2A": r"NV2A|nxdk_pgraph_tests|nv_objects\.h|SET_[A-Z]|captures|(?<!a )capture",
+    "OCTANE": "Octane|Impact",
+    "INFINITE_REALITY": "InfiniteReality|RealityEngine|Montrym",
+    "G400": "G400|Matrox",
+    "TEXRAM": "TEXRAM|Schilling",
+    "FUTURE": "future board",
+    "IDEAL": "ideal machine",
+}
+# How evidence names another machine on purpose: as what it is drawn from, or as what a source speaks of.
+ON_PURPOSE = (
+    r"\b(from|as on|as wide as|introduced with|for|models) the ({names})\b|({names}) and later"
+    r"|on ({names})s alone|but ({names})"
+)
+# Words of a specification or a paper hold of every machine that they are about.
+SPECIFIED = re.compile(
+    r"Source: (OpenGL 1\.2\.1|no OpenGL extension|(ARB|ATI|EXT|NV|SGIS|SGIX|WGL)_\w+"
+    r"|[A-Z][\w, ]* \d{4}, section)"
+)
+YEAR = re.compile(r"\b(?:199|200)\d\b")
+
+
+def line_of(key):
+    """A machine and all that it was made from, by their keys."""
+    profile, line = PROFILES[key], set()
+    while profile is not None:
+        line.add(KEYS[id(profile)])
+        profile = profile.ancestor
+    return line
+
+
+def facts():
+    """(machine's key, field, evidence) of every field of every machine."""
+    return [(key, field, fact.evidence) for key, p in PROFILES.items() for field, fact in p.facts.items()]
+
+
+def test_every_value_says_how_it_is_known():
+    for key, field, evidence in facts():
+        tag, _, what = evidence.partition(" ")
+        assert tag in EVIDENCE_TAGS, f"{key}.{field}"
+        assert len(what) > 8, f"{key}.{field}: the tag needs a reason"
+
+
+def test_two_machines_share_a_sentence_only_by_descent_or_from_a_specification():
+    said = {key: {} for key in PROFILES}
+    for key, field, evidence in facts():
+        said[key].setdefault(evidence, field)
+    for one, other in combinations(PROFILES, 2):
+        if one in line_of(other) or other in line_of(one):
+            continue
+        for evidence in said[one].keys() & said[other].keys():
+            where = f"{one}.{said[one][evidence]} and {other}.{said[other][evidence]}: {evidence}"
+            assert SPECIFIED.match(evidence) and "Assumed" not in evidence, where
+
+
+def test_evidence_that_names_another_machine_says_what_it_has_of_it():
+    for key, field, evidence in facts():
+        for other, names in NAMES.items():
+            if other not in line_of(key) and re.search(rf"\b({names})", evidence):
+                assert re.search(ON_PURPOSE.format(names=names), evidence), f"{key}.{field}: {evidence}"
+
+
+def test_measurements_are_of_the_machine_itself():
+    assert {key for key, _, evidence in facts() if evidence.startswith("Measured:")} == {"NV2A"}
+
+
+def test_evidence_is_no_older_than_its_machine():
+    """A paper cannot say what a later chip lacks, nor a driver of another year what this one's did."""
+    for key, field, evidence in facts():
+        built = YEAR.search(PROFILES[key].description)
+        for year in YEAR.findall(evidence):
+            assert built is None or year >= built[0], f"{key}.{field}: {evidence}"
+        for year in re.findall(r"(?:driver|board|query) of (\d{4})", evidence):
+            assert built is not None and year == built[0], f"{key}.{field}: {evidence}"
+
+
+def test_a_section_has_values_and_how_they_are_known():
+    assert NV2A.vertices.max_lights == 8
+    assert NV2A.vertices.evidence["max_lights"] == NV2A.facts["max_lights"].evidence
+    assert NV2A.facts["max_lights"].value == 8
+    assert list(NV2A.facts) == list(SECTION_OF)
+
+
+def test_sections_are_the_profiles_and_no_two_have_a_field_of_one_name():
+    assert [f.name for f in fields(Profile)][2:-1] == list(SECTIONS)
+    assert len(SECTION_OF) == sum(len(kind.names()) for kind in SECTIONS.values())
+
+
+def test_a_value_without_evidence_is_refused():
+    given = {name: known(0, "Assumed: for this test") for name in Vertices.names()}
+    assert Vertices(**given).max_lights == 0
+    with pytest.raises(ValueError, match=r"Vertices.max_lights is 8, without evidence; give known"):
+        Vertices(**{**given, "max_lights": 8})
+    with pytest.raises(ValueError, match="without evidence"):
+        replace(NV2A.vertices, max_lights=known(4, "Assumed: for this test"))
+    with pytest.raises(ValueError, match="begin it with one of Source:"):
+        known(8, "I think so")
+    with pytest.raises(TypeError, match="max_lights"):
+        Vertices(**{name: given[name] for name in given if name != "max_lights"})
+
+
+def test_a_changed_machine_does_not_keep_what_was_said_of_the_value():
+    changed = NV2A.changed(max_lights=4, subpixel_bits=5)
+    assert (changed.vertices.max_lights, changed.arithmetic.subpixel_bits) == (4, 5)
+    assert changed.name == NV2A.name and changed.ancestor is None
+    for field, fact in changed.facts.items():
+        if field in ("max_lights", "subpixel_bits"):
+            assert fact.evidence == "Assumed: nothing; a value that was asked for"
+        else:
+            assert fact == NV2A.facts[field]
+    named = NV2A.changed(max_lights=4, name="half an NV2A", evidence="Assumed: half as many")
+    assert (named.name, named.facts["max_lights"].evidence) == ("half an NV2A", "Assumed: half as many")
+    assert NV2A.vertices.max_lights == 8
+    with pytest.raises(TypeError, match="no field max_lamps; its fields are max_texture_units"):
+        NV2A.changed(max_lamps=4)
+
+
+def test_widths_and_clamps_that_were_asked_for_say_so():
+    narrow = GEFORCE_256.with_precision(combiner_bits=6, framebuffer_bits=5)
+    assert narrow.arithmetic.combiner_bits == 6 and narrow.framebuffers.color_bits == (5,)
+    assert narrow.facts["color_bits"].evidence == "Assumed: nothing; a width that was asked for"
+    free = narrow.without_clamps(Clamp.BLENDING)
+    assert free.arithmetic.clamps == frozenset(Clamp) - {Clamp.BLENDING}
+    assert free.facts["clamps"].evidence == "Assumed: nothing; clamps that were asked to be off"
+    assert free.facts["combiner_bits"] == narrow.facts["combiner_bits"]
+
+
+def test_a_descendant_says_what_is_inherited_in_its_own_words():
+    settled = known(4, "Assumed: for this test")
+    made = NV2A.descendant(name="n", description="d", inherited="Inferred: from the NV2A", max_lights=settled)
+    assert made.ancestor is NV2A and (made.name, made.description) == ("n", "d")
+    assert made.facts["max_lights"] == settled
+    assert {fact.evidence for name, fact in made.facts.items() if name != "max_lights"} == {
+        "Inferred: from the NV2A"
+    }
+    assert all(
+        fact.value == NV2A.facts[name].value for name, fact in made.facts.items() if name != "max_lights"
+    )
+    same = NV2A.descendant(name="n", description="d", max_lights=settled)
+    assert same.facts["max_clip_planes"] == NV2A.facts["max_clip_planes"]
+    with pytest.raises(ValueError, match="without evidence"):
+        NV2A.descendant(name="n", description="d", max_lights=4)
+
+
+def test_profiles_can_be_copied_and_sent():
+    for profile in PROFILES.values():
+        assert pickle.loads(pickle.dumps(profile)) == profile == copy.deepcopy(profile)
