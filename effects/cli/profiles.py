@@ -25,7 +25,7 @@ def _value_text(value):
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, tuple):
-        return ", ".join(map(str, value))
+        return ", ".join(getattr(v, "name", str(v)) for v in value)
     return getattr(value, "name", f"{value:g}" if isinstance(value, float) else str(value))
 
 
@@ -40,15 +40,38 @@ def _overview(profiles, width):
     for heading in ("units", "combiners", "color", "depth"):
         table.add_column(heading, justify="right", no_wrap=True)
     for name, profile in profiles.items():
-        depths = sorted({abs(bits) for bits in profile.depth_bits})
+        framebuffers, exact = profile.framebuffers, profile.arithmetic.exact
+        depths = sorted({abs(bits) for bits in framebuffers.depth_bits})
         table.add_row(
             name,
             profile.description if width >= _WIDE else profile.description.partition(":")[0],
-            str(profile.max_texture_units),
-            str(profile.max_general_combiners or "-"),
-            "float" if profile.exact else ", ".join(map(str, profile.color_bits)),
-            "float" if profile.exact else ", ".join(map(str, depths)),
+            str(profile.textures.max_texture_units),
+            str(profile.combiners.max_general_combiners or "-"),
+            "float" if exact else ", ".join(map(str, framebuffers.color_bits)),
+            "float" if exact else ", ".join(map(str, depths)),
         )
+    return table
+
+
+def _values(profile):
+    """A table of all values of a machine, by section, and each one's evidence unless all have the same."""
+    from rich import box
+    from rich.table import Table
+
+    from fixedpipe.pipeline.profiles.sections import SECTIONS
+
+    facts = profile.facts
+    table = Table(box=box.SIMPLE, pad_edge=False)
+    table.add_column("what", no_wrap=True)
+    table.add_column("value", ratio=3, overflow="fold")
+    if len({fact.evidence for fact in facts.values()}) > 1:
+        table.add_column("evidence", ratio=4, overflow="fold")
+    for section, kind in SECTIONS.items():
+        table.add_section()
+        table.add_row(section.replace("_", " "), style="bold")
+        for name in kind.names():
+            row = name, _value_text(facts[name].value), facts[name].evidence
+            table.add_row(*row[: len(table.columns)])
     return table
 
 
@@ -60,15 +83,10 @@ def profiles(names):
 
     Evidence: Source (a specification or paper), Measured (on silicon), Inferred (from those), Assumed.
     """
-    from dataclasses import fields
-
-    from rich import box
     from rich.console import Console
-    from rich.table import Table
 
     from fixedpipe.effects.refusal import choose
     from fixedpipe.pipeline.profiles import PROFILES
-    from fixedpipe.pipeline.profiles.profile import Profile
 
     console = Console(soft_wrap=False, highlight=False)
     if not names:
@@ -79,16 +97,9 @@ def profiles(names):
     chosen = {name: choose("profile", name, PROFILES) for name in names}
     for name, profile in chosen.items():
         console.print(f"{name}: {profile.description}", style="bold")
-        said = set(profile.evidence.values())
+        if profile.ancestor is not None:
+            console.print(f"Made from: {profile.ancestor.name}.")
+        said = {fact.evidence for fact in profile.facts.values()}
         if len(said) == 1:
             console.print(f"All values: {said.pop()}.")
-        table = Table(box=box.SIMPLE, pad_edge=False)
-        table.add_column("what", no_wrap=True)
-        table.add_column("value", ratio=3, overflow="fold")
-        if len(said) > 1:
-            table.add_column("evidence", ratio=4, overflow="fold")
-        for field in fields(Profile):
-            if field.name not in ("name", "description", "evidence"):
-                row = field.name, _value_text(getattr(profile, field.name)), profile.evidence[field.name]
-                table.add_row(*row[: len(table.columns)])
-        console.print(table)
+        console.print(_values(profile))

@@ -5,14 +5,13 @@ import re
 import subprocess
 import sys
 from collections import defaultdict
-from dataclasses import fields
 from pathlib import Path
 
 import pytest
 
 from fixedpipe.effects.figures import FIGURES
 from fixedpipe.pipeline.profiles import PROFILES
-from fixedpipe.pipeline.profiles.profile import EVIDENCE_TAGS, Profile
+from fixedpipe.pipeline.profiles.known import EVIDENCE_TAGS
 from fixedpipe.raster import codes, kernel
 from tests import layers
 
@@ -326,16 +325,6 @@ def test_no_kernel_is_made_of_a_source_that_the_name_of_the_cache_leaves_out():
         assert not IMPORTS[package] & {"numba", "llvmlite", "raster/kernel"}, package
     for path in kernel.kernel_sources(folder):
         assert not imports_of(folder / path, ast.parse((folder / path).read_text())) & packages, path
-
-
-@pytest.mark.parametrize("name", PROFILES)
-def test_every_field_of_a_profile_says_where_its_value_comes_from(name):
-    profile = PROFILES[name]
-    for field in fields(Profile):
-        if field.name not in ("name", "description", "evidence"):
-            tag, _, what = profile.evidence[field.name].partition(" ")
-            assert tag in EVIDENCE_TAGS, f"{name}.{field.name}"
-            assert len(what) > 8, f"{name}.{field.name}: the tag needs a reason"
 
 
 REFERENCE_FUNCTIONS = [

@@ -27,7 +27,8 @@ from fixedpipe.effects.user_pictures.bumped_mesh import MATERIALS, MESHES
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.golden.digests import digest
 from fixedpipe.pipeline.profiles import GEFORCE_256, PROFILES
-from fixedpipe.pipeline.profiles.profile import EVIDENCE_TAGS, Profile
+from fixedpipe.pipeline.profiles.known import EVIDENCE_TAGS
+from fixedpipe.pipeline.profiles.sections import SECTION_OF, SECTIONS
 
 ROOT = Path(__file__).parents[3]
 COLUMNS = {"COLUMNS": "200"}
@@ -493,15 +494,15 @@ def test_profiles_shows_every_field_of_every_machine_with_its_tag():
     for name, profile in PROFILES.items():
         assert name in result.stdout
         assert profile.description in result.stdout
-    for field in Profile.__dataclass_fields__.keys() - {"name", "description", "evidence"}:
+    for field in SECTION_OF:
         assert result.stdout.count(field) >= len(PROFILES)
+    headings = result.stdout.splitlines()
+    for section in SECTIONS:
+        assert sum(line.strip() == section.replace("_", " ") for line in headings) == len(PROFILES)
     # Evidence that is the same for every value of a machine is said once.
     tags = sum(result.stdout.count(tag) for tag in EVIDENCE_TAGS)
-    said = [set(profile.evidence.values()) for profile in PROFILES.values()]
-    assert tags >= sum(
-        len(profile.evidence) if len(values) > 1 else 1
-        for profile, values in zip(PROFILES.values(), said, strict=True)
-    )
+    said = [{fact.evidence for fact in profile.facts.values()} for profile in PROFILES.values()]
+    assert tags >= sum(len(SECTION_OF) if len(values) > 1 else 1 for values in said)
     assert all(
         text in " ".join(result.stdout.split()) for values in said if len(values) == 1 for text in values
     )

@@ -3,7 +3,7 @@ that says so.
 """
 
 import re
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,7 +12,7 @@ from fixedpipe.pipeline.enums import ColorWeights, CombinerFunction
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.profiles import PROFILES
-from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.profiles.sections import SECTION_OF, SECTIONS
 from fixedpipe.pipeline.validation.validate import validate
 from fixedpipe.pipeline.validation.walk import UnsupportedState
 from tests.fuzz import Way, differing, outcome
@@ -125,14 +125,17 @@ def test_a_features_modules_exist(feature):
 
 
 class Asked:
-    """A profile that remembers which of its fields were asked for."""
+    """A profile, or a section of one, that remembers which of its fields were asked for."""
 
-    def __init__(self, profile):
-        self._profile, self.fields = profile, set()
+    def __init__(self, of, fields):
+        self._of, self.fields = of, fields
 
     def __getattr__(self, name):
+        value = getattr(self._of, name)
+        if name in SECTIONS:
+            return Asked(value, self.fields)
         self.fields.add(name)
-        return getattr(self._profile, name)
+        return value
 
 
 # Fields that say how a machine computes, or how large something may be that every machine has.
@@ -150,10 +153,9 @@ def test_every_limit_set_and_switch_of_a_profile_decides_about_a_feature():
     asked = set()
     for feature in FEATURES:
         for profile in PROFILES.values():
-            witness = Asked(profile)
+            witness = Asked(profile, set())
             if feature.has(witness) and feature.limit is not None:
                 feature.limit(witness)
             asked |= witness.fields
-    names = [f.name for f in fields(Profile)]
-    capabilities = set(names[names.index("max_texture_units") : names.index("expand_half")])
+    capabilities = {name for name, section in SECTION_OF.items() if section != "arithmetic"}
     assert capabilities - asked == WITHOUT_A_FEATURE
