@@ -30,7 +30,7 @@ class Curve:
 
 def _by_edge():
     # A GeForce 256 draws 2048 x 2048 pixels at most; this one, which computes the same, has room for more.
-    scene = replace(SCENES["c"], profile=replace(GEFORCE_256, max_viewport=max(EDGES)))
+    scene = replace(SCENES["c"], profile=GEFORCE_256.changed(max_viewport=max(EDGES)))
     for edge in EDGES:
         yield edge, scene, edge
 
@@ -54,7 +54,7 @@ def _with_combiners(scene, stages):
 
 
 def _by_stages():
-    scene = replace(SCENES["c"], profile=replace(GEFORCE_256, max_general_combiners=max(STAGES)))
+    scene = replace(SCENES["c"], profile=GEFORCE_256.changed(max_general_combiners=max(STAGES)))
     for stages in STAGES:
         yield stages, _with_combiners(scene, stages), scene.size
 

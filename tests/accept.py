@@ -92,7 +92,9 @@ def loads_for_each_polygon(figure, method):
 
 def is_specified(machine):
     """Whether the executable specification has whole frames of the machine: of colours of eight bits."""
-    return PROFILES[machine].combiner_bits == 8 and PROFILES[machine].color_bits[0] == 8
+    return (
+        PROFILES[machine].arithmetic.combiner_bits == 8 and PROFILES[machine].framebuffers.color_bits[0] == 8
+    )
 
 
 def same_as(figure, machine, golden):
@@ -113,7 +115,7 @@ def problem(figure, machine, golden):
     if not is_specified(machine):
         error, widened = error_from_ideal(figure, machine), f"{machine} with 16 bits"
         print(f"{figure.id}: RMS from the ideal on {widened} at {width}x{height}: {error:.5f}.")
-        bound = FROM_IDEAL + BYTES_KEPT * (PROFILES[machine].texture_bits > 8)
+        bound = FROM_IDEAL + BYTES_KEPT * (PROFILES[machine].arithmetic.texture_bits > 8)
         return None if error <= bound else f"that is more than {bound:.5f}"
     began = time.perf_counter()
     different = differences_from_reference(figure, machine)

@@ -49,8 +49,8 @@ def _widths(bits):
 
 
 def _depths(profile):
-    fixed = _widths(b for b in profile.depth_bits if b > 0)
-    return fixed if min(profile.depth_bits) > 0 else f"{fixed}, float"
+    fixed = _widths(b for b in profile.framebuffers.depth_bits if b > 0)
+    return fixed if min(profile.framebuffers.depth_bits) > 0 else f"{fixed}, float"
 
 
 def _machines():
@@ -59,10 +59,10 @@ def _machines():
             f"`{name}`",
             _SHORT[name],
             p.description,
-            str(p.max_texture_units),
-            str(p.max_general_combiners or "-"),
-            _widths(p.color_bits),
-            str(p.texture_bits),
+            str(p.textures.max_texture_units),
+            str(p.combiners.max_general_combiners or "-"),
+            _widths(p.framebuffers.color_bits),
+            str(p.arithmetic.texture_bits),
             _depths(p),
         )
         for name, p in PROFILES.items()

@@ -68,5 +68,7 @@ def table(figure, profile, size, widths=WIDTHS, parts=PARTS, method=None):
 def clamps(figure, profile, size, method=None):
     """(Clamp, Measured) of the machine at its own widths without each of its clamps, one at a time."""
     return [
-        (c, measure(figure, profile.without_clamps(c), size, method)) for c in Clamp if c in profile.clamps
+        (c, measure(figure, profile.without_clamps(c), size, method))
+        for c in Clamp
+        if c in profile.arithmetic.clamps
     ]

@@ -50,7 +50,7 @@ def specular_pass(surface, normal_map, view, light, profile):
     vectors = encode_vertex_color(half_vectors(surface, view, light), profile)
     gate = np.clip(8.0 * light_vectors(surface, light)[:, 2:], 0.0, 1.0)
     stored = encode_factor(gate, profile)
-    colors = np.concatenate([vectors, stored if profile.exact else stored / 255.0], axis=-1)
+    colors = np.concatenate([vectors, stored if profile.arithmetic.exact else stored / 255.0], axis=-1)
     label = "specular pass: k_s (h.n)^8, k_s from the gloss map"
     mesh = surface.mesh(colors=colors)
     units = (unit(normal_map),)

@@ -226,7 +226,7 @@ def color_matrix_passes(
     to_light = light.light_vectors(surface.positions)
     halfway = normalize(to_light + view.view_vectors(surface.positions))
     image = host_images.HostImage.of(normals, profile)
-    entries = profile.max_color_table_size if profile.exact else TABLE_ENTRIES
+    entries = profile.pixels.max_color_table_size if profile.arithmetic.exact else TABLE_ENTRIES
     lit = np.maximum(0.0, 2.0 * (np.arange(entries) / float(entries - 1)) - 1.0)
     square = lit * lit
     power = specular * ((square * square) * (square * square))

@@ -44,7 +44,7 @@ def precision(figure_id, profile, size, bits, parts):
     figure = choose("figure", figure_id, FIGURES)
     key = profile or figure.machines[0]
     machine = choose("profile", key, PROFILES)
-    if machine.exact:
+    if machine.arithmetic.exact:
         raise Refusal("The ideal machine's numbers have no width to change; choose another --profile.")
     check_size(figure.id, figure.columns, size, machine)
     widths, of = _widths(bits), _parts(parts, measured.PARTS)

@@ -17,7 +17,7 @@ class Said(click.ClickException):
 
 def check_size(what, columns, size, profile):
     """Raise Refusal when a row of ``columns`` panels of ``size`` pixels is larger than the machine draws."""
-    largest = profile.max_viewport
+    largest = profile.framebuffers.max_viewport
     if columns * size > largest:
         raise Refusal(
             f"{what} with --size {size} is {columns * size}x{size} pixels; the {profile.name} draws up to "

@@ -263,12 +263,12 @@ def offset_texels(normals, profile):
     Source: docs/numbers.md, section 12: s/128 of a two's complement byte. The exact machine's are not whole.
     """
     offsets = np.clip(128.0 * np.asarray(normals, np.float64)[..., :2], -128.0, 127.0)
-    if not profile.exact:
+    if not profile.arithmetic.exact:
         offsets = np.floor(offsets + 0.5)
     stored = np.where(offsets < 0.0, offsets + 256.0, offsets)
     texels = np.zeros((*stored.shape[:-1], 4))
     texels[..., 2], texels[..., 1] = stored[..., 0], stored[..., 1]
-    return texels / 255.0 if profile.exact else texels.astype(np.uint8)
+    return texels / 255.0 if profile.arithmetic.exact else texels.astype(np.uint8)
 
 
 def load_offsets(normals, dirt, name, profile):

@@ -125,7 +125,7 @@ def room(toward):
 
 
 def _texels(colors, profile):
-    return colors if profile.exact else np.floor(255.0 * colors + 0.5).astype(np.uint8)
+    return colors if profile.arithmetic.exact else np.floor(255.0 * colors + 0.5).astype(np.uint8)
 
 
 def _averaged(function, toward, texel):

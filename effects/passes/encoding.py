@@ -14,9 +14,9 @@ import numpy as np
 
 def _zero(profile):
     """The stored byte, as a real number, that EXPAND_NORMAL reads as zero."""
-    if profile.expand_half != 128:
+    if profile.arithmetic.expand_half != 128:
         return 127.5
-    return 255.0 * 2 ** (profile.combiner_bits - 1) / (2**profile.combiner_bits - 1)
+    return 255.0 * 2 ** (profile.arithmetic.combiner_bits - 1) / (2**profile.arithmetic.combiner_bits - 1)
 
 
 def encode_expand(vectors, profile):
@@ -29,7 +29,7 @@ def encode_expand(vectors, profile):
         clamped.
     """
     vectors = np.asarray(vectors, np.float64)
-    if profile.exact:
+    if profile.arithmetic.exact:
         return vectors * 0.5 + 0.5
     return np.clip(np.floor(_zero(profile) + 127.5 * vectors + 0.5), 0, 255).astype(np.uint8)
 
@@ -38,7 +38,7 @@ def decode_expand(stored, profile):
     """What EXPAND_NORMAL makes of stored values, as float64 with 1.0 = 255: the inverse of
     ``encode_expand``.
     """
-    if profile.exact:
+    if profile.arithmetic.exact:
         return 2.0 * np.asarray(stored, np.float64) - 1.0
     return (2.0 * np.asarray(stored, np.float64) - 2.0 * _zero(profile)) / 255.0
 
@@ -46,7 +46,7 @@ def decode_expand(stored, profile):
 def encode_factor(values, profile):
     """Factors in [0, 1] (k_s, a colour) as bytes, rounded to nearest; for an exact profile unchanged."""
     values = np.asarray(values, np.float64)
-    if profile.exact:
+    if profile.arithmetic.exact:
         return values
     return np.floor(255.0 * np.clip(values, 0.0, 1.0) + 0.5).astype(np.uint8)
 
@@ -58,9 +58,9 @@ def encode_vertex_color(vectors, profile):
     conversion of vertex colours turns back into the same integers (Measured: a float colour keeps 14
     significant bits, then rounds).
     """
-    if profile.exact:
+    if profile.arithmetic.exact:
         return encode_expand(vectors, profile)
-    one = 2.0**profile.combiner_bits - 1.0
+    one = 2.0**profile.arithmetic.combiner_bits - 1.0
     # For bytes these are encode_expand's numbers, to the bit.
     stored = np.floor(one / 255.0 * _zero(profile) + one / 2.0 * np.asarray(vectors, np.float64) + 0.5)
     return np.clip(stored, 0.0, one) / one
@@ -79,7 +79,7 @@ def encode_dot_product(vectors, alpha, profile):
     Source: docs/numbers.md, section 12: (n - 128)/127. The exact machine stores v/2 + 1/2.
     """
     alpha = np.broadcast_to(encode_factor(alpha, profile), vectors.shape[:-1])[..., None]
-    if profile.exact:
+    if profile.arithmetic.exact:
         return np.concatenate([vectors * 0.5 + 0.5, alpha], axis=-1)
     stored = np.clip(np.floor(128.0 + 127.0 * vectors + 0.5), 0, 255).astype(np.uint8)
     return np.concatenate([stored, alpha], axis=-1)

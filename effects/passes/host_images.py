@@ -23,7 +23,7 @@ class HostImage:
         """Single precision, what OpenGL's FLOAT is; the exact machine's host has double."""
         scale = float(np.abs(vectors).max())
         values = vectors / (2.0 * scale) + 0.5
-        return cls(values if profile.exact else values.astype(np.float32), scale)
+        return cls(values if profile.arithmetic.exact else values.astype(np.float32), scale)
 
 
 def dot_product_transfer(vector, scale, table, biased=True):

@@ -67,7 +67,7 @@ def _color_table(functions, size):
 def color_table_size(profile):
     """How many entries a machine's color table has here."""
     # The Octane's largest, for each value of twelve bits; finer where nothing else is rounded.
-    return min(profile.max_color_table_size, 1 << 14)
+    return min(profile.pixels.max_color_table_size, 1 << 14)
 
 
 def tabulated(profile, *functions):
@@ -77,7 +77,7 @@ def tabulated(profile, *functions):
 
 def _clamped(profile):
     """What makes (.)+ of the color matrix's results: on machines what they are stored in is not negative."""
-    return tabulated(profile, *[unchanged] * 4) if profile.exact else None
+    return tabulated(profile, *[unchanged] * 4) if profile.arithmetic.exact else None
 
 
 def flat_vector(vectors, what):

@@ -149,7 +149,7 @@ def specular_passes(
         do (seven); None: as the machine's blend equations allow.
     """
     if subtract is None:
-        subtract = BlendEquation.FUNC_REVERSE_SUBTRACT in profile.blend_equations
+        subtract = BlendEquation.FUNC_REVERSE_SUBTRACT in profile.fragments.blend_equations
     toward_viewer = encode_vertex_color(view_vectors(surface, view), profile)
     toward_light = encode_vertex_color(light_vectors(surface, light), profile)
     seen, lit = surface.mesh(colors=toward_viewer), surface.mesh(colors=toward_light)

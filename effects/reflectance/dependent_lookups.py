@@ -410,7 +410,7 @@ def _passed_through(vectors, profile):
 
     PASS_THROUGH cuts to bytes, so the half by which a vertex colour is rounded is added here.
     """
-    if profile.exact:
+    if profile.arithmetic.exact:
         return 0.5 * vectors + 0.5
     return (encode_vertex_color(np.zeros(3), profile)[0] * 255.0 + 0.5 + 127.5 * vectors) / 255.0
 

@@ -66,7 +66,7 @@ def centered_table(function, texels, period, profile):
     place = (np.arange(texels) + 0.5) / texels
     argument = period * np.where(place < 0.5, place, place - 1.0)
     values = np.clip(function(argument[None, :], argument[:, None]), 0.0, 1.0)
-    if not profile.exact:
+    if not profile.arithmetic.exact:
         values = np.floor(255.0 * values + 0.5).astype(np.uint8)
     return texture_2d(values[..., None], InternalFormat.LUMINANCE8)
 

@@ -212,7 +212,7 @@ def windows(surface, faces, rows, columns, magnification=TextureFilter.LINEAR):
 
 
 def _entries(profile, count):
-    return profile.max_color_table_size if profile.exact else count or TABLE_ENTRIES
+    return profile.pixels.max_color_table_size if profile.arithmetic.exact else count or TABLE_ENTRIES
 
 
 def _signed(count, biased):

@@ -42,7 +42,7 @@ def sampled(function, columns, rows=None, *, profile, bits=8):
     s = positions(columns)
     values = function(s) if rows is None else function(s[None, :], positions(rows)[:, None])
     values = np.clip(values, 0.0, 1.0)
-    if not profile.exact:
+    if not profile.arithmetic.exact:
         one = 2.0**bits - 1.0
         values = np.floor(values * one + 0.5) / one
     make = texture_1d if rows is None else texture_2d

@@ -183,7 +183,7 @@ class Coding:
         """Of the ramp and of the map: as wide as the machine's components where they are wider than bytes."""
         base = "ALPHA" if self.component is DepthComponent.ALPHA else "INTENSITY"
         wide = InternalFormat[f"{base}12"]
-        if self.bits > 8 and wide in profile.internal_formats:
+        if self.bits > 8 and wide in profile.textures.internal_formats:
             return wide
         return InternalFormat[f"{base}8"]
 

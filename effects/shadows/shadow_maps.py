@@ -196,7 +196,7 @@ def map_unit(texture_matrix, name, profile, *, view=None, environment=MODULATE, 
     generate eye coordinates in that view (A-H34). ``sampling``: of ``map_sampler``.
     """
     rows = [tuple(row) for row in texture_matrix]
-    if profile.depth_units_in_coordinates:
+    if profile.textures.depth_units_in_coordinates:
         rows[2] = tuple(_FARTHEST * value for value in rows[2])
     if view is None:
         planes, mode, matrix = IDENTITY, TexGenMode.OBJECT_LINEAR, tuple(rows)
@@ -218,7 +218,7 @@ def map_unit(texture_matrix, name, profile, *, view=None, environment=MODULATE, 
 def _mode_with_alpha(profile):
     """A DEPTH_TEXTURE_MODE of the machine whose alpha is the comparison's result, or None: it has none."""
     for mode in (BaseFormat.ALPHA, BaseFormat.INTENSITY):
-        if mode in profile.depth_texture_modes:
+        if mode in profile.textures.depth_texture_modes:
             return mode
     return None
 
@@ -329,7 +329,7 @@ def ambient_form_pass(
     if not 0.0 <= share <= 1.0:
         raise ValueError(f"Shadows keep {share!r} of the light; give a share from 0 to 1.")
     camera = lamp if camera is None else camera
-    combiners = not profile.shadow_ambient if combiners is None else combiners
+    combiners = not profile.textures.shadow_ambient if combiners is None else combiners
     unit = map_unit(
         camera.texture_matrix, name, profile, view=view, fail_value=0.0 if combiners else share, **sampling
     )
@@ -401,7 +401,7 @@ def accumulated_passes(
     """
     camera = lamp if camera is None else camera
     if units is None:
-        units = 4 if profile.max_texture_units >= 4 and kernel % 2 == 0 else 1
+        units = 4 if profile.textures.max_texture_units >= 4 and kernel % 2 == 0 else 1
     if kernel != int(kernel) or kernel < 1 or edge < 1:
         raise ValueError(
             f"A kernel of {kernel!r} texels along its edge, of a map of {edge}; give whole numbers from 1."

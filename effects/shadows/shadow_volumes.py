@@ -308,7 +308,7 @@ WRAPPING = StencilOperation.INCR_WRAP, StencilOperation.DECR_WRAP
 
 def counting_operations(profile):
     """How a machine counts best: WRAPPING where it can, else CLAMPED."""
-    return WRAPPING if set(WRAPPING) <= profile.stencil_operations else CLAMPED
+    return WRAPPING if set(WRAPPING) <= profile.fragments.stencil_operations else CLAMPED
 
 
 def _count(label, mesh, view, face, **operation):

@@ -38,7 +38,7 @@ def copied(bits, exponent, profile, *, subtract=True):
 def measure(profile):
     """A row for each width of the machine's colours and each scale."""
     rows, curves = [], {}
-    for bits in profile.color_bits:
+    for bits in profile.framebuffers.color_bits:
         one = 2**bits - 1
         for name, exponent, subtract in (
             ("2^(n-1)", bits - 1, True),

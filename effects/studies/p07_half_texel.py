@@ -54,7 +54,7 @@ def errors(texels, profile, bits, *, corrected, repeated=False):
             row = replace(command.state.scissor, y=_PIXELS // 2, height=1)
             command = replace(command, state=replace(command.state, scissor=row))
         out.append(command)
-    if profile.exact:
+    if profile.arithmetic.exact:
         read = execute_ideal(tuple(out), _PIXELS, _PIXELS).color[:, :, 3]
     else:
         framebuffer = execute(tuple(out), profile, _PIXELS, _PIXELS).framebuffer
@@ -65,7 +65,7 @@ def errors(texels, profile, bits, *, corrected, repeated=False):
 
 def measure(profile):
     """A row for each ramp."""
-    bits, rows, curves = profile.color_bits[0], [], {}
+    bits, rows, curves = profile.framebuffers.color_bits[0], [], {}
     for texels in WIDTHS:
         half, exact, wrapped = (
             errors(texels, profile, bits, corrected=c, repeated=r)

@@ -75,7 +75,7 @@ def highlight(surface, profile):
     loading, names = material_textures.load(material, "smooth", profile)
     passes = anisotropic_blinn_phong.specular_pass(surface, names, _VIEW, _LIGHT, profile, first=True)
     commands = (_PANEL.clear((0.0, 0.0, 0.0)), *loading, *passes)
-    if profile.exact:
+    if profile.arithmetic.exact:
         return execute_ideal(commands, _WIDTH, _HEIGHT).color[_HEIGHT // 2, :, 0]
     return drawn(commands, profile, _WIDTH, _HEIGHT)[_HEIGHT // 2, :, 0]
 

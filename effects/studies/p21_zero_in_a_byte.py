@@ -3,8 +3,6 @@
 Source: Kautz, Seidel 2000, section 4.1 (artefact P21 of the catalogue).
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
@@ -40,8 +38,8 @@ def _dot_product(sign):
 
 def flat_dot_product(stored_half, read_half, profile):
     """4 (h.t) on the machine for a flat material, whose t is +x, under h = +z: zero if zero is kept."""
-    storing = replace(profile, expand_half=stored_half)
-    reading = replace(profile, expand_half=read_half)
+    storing = profile.changed(expand_half=stored_half)
+    reading = profile.changed(expand_half=read_half)
     material = material_textures.isotropic(1, 1, 1.0)
     loading, names = material_textures.load(material, "flat", storing)
     units = tuple(TextureUnit(name, NEAREST) for name in (names.tangent, names.binormal))
@@ -58,8 +56,8 @@ def measure(profile):
     """A row for each pair of conventions."""
     rows = []
     for stored_half, read_half in _CONVENTIONS:
-        storing = replace(profile, expand_half=stored_half)
-        reading = replace(profile, expand_half=read_half)
+        storing = profile.changed(expand_half=stored_half)
+        reading = profile.changed(expand_half=read_half)
         zero = int(encode_expand(np.array(0.0), storing))
         machine, true = eq_1(0.25, 0.25, reading, storing=storing)
         lit = true > 0.0

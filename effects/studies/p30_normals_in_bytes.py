@@ -72,7 +72,7 @@ def _by_combiners(stored, profile):
     out = []
     for axis, factor in ((0, 4.0), (1, 4.0), (2, 1.0)):
         color = 0.5 + 0.5 * np.eye(3)[axis]
-        if not profile.exact:
+        if not profile.arithmetic.exact:
             color = np.where(color == 0.5, 128.0 / 255.0, color)
         mesh = strip(1, color[None], np.full((1, 2), 0.5))
         value = 0.0
@@ -88,7 +88,7 @@ def _by_combiners(stored, profile):
 
 
 def _picture(commands, profile):
-    if profile.exact:
+    if profile.arithmetic.exact:
         return execute_ideal(commands, 8, 8).color[::-1, :, :3]
     return drawn(commands, profile, 8, 8)
 

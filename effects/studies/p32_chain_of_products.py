@@ -31,7 +31,7 @@ def errors(least, profile, *, exact=True):
     exactly, or if not ``exact`` real numbers that the vertex colours round. The first pass writes its factor
     unchanged, so that a chain of n + 1 passes makes n products.
     """
-    one = 2 ** profile.color_bits[0] - 1
+    one = 2 ** profile.framebuffers.color_bits[0] - 1
     random = np.random.Generator(np.random.PCG64(32))
     differences = [[] for _ in range(PRODUCTS + 1)]
     machine = Machine(profile, _ACROSS, 8)

@@ -61,7 +61,7 @@ def measure(profile):
     for light, infinite in LIGHTS:
         for place, depth in PLACES:
             for function in FUNCTIONS:
-                if function in profile.shadow_functions:
+                if function in profile.textures.shadow_functions:
                     parts = (
                         100.0 * lit(profile, infinite, depth, function, cast)
                         for cast in (None, (OFFSET_FACTOR, OFFSET_UNITS), (0.0, 0.0))

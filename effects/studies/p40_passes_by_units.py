@@ -6,8 +6,6 @@ and ``fixedpipe.pipeline.validation`` says whether that machine holds it; the fe
 Source: Kautz, Seidel 2000, section 5 (artefact P40 of the catalogue).
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
@@ -157,7 +155,7 @@ def fewest_passes(ways, profile):
 
 def measure(profile):
     """A row for each effect, a column for each board."""
-    boards = [replace(profile, max_texture_units=u, max_general_combiners=c) for u, c in BOARDS]
+    boards = [profile.changed(max_texture_units=u, max_general_combiners=c) for u, c in BOARDS]
     rows = tuple((name, *(fewest_passes(ways, board) for board in boards)) for name, ways in EFFECTS.items())
     return Table((Column("effect"), *(Column(f"{u}/{c}", form="d") for u, c in BOARDS)), rows)
 

@@ -110,11 +110,12 @@ def material_map(image, parameters, profile, map_size=None, *, repeated=True):
     if repeated:
         heights = height_fields.tileable(heights)
     if map_size is None:
-        largest = min(512, profile.max_texture_size)
+        largest = min(512, profile.textures.max_texture_size)
         rows, columns = (max(4, _power_of_two(edge, largest)) for edge in heights.shape)
-    elif map_size < 4 or map_size & (map_size - 1) or map_size > profile.max_texture_size:
+    elif map_size < 4 or map_size & (map_size - 1) or map_size > profile.textures.max_texture_size:
         raise ValueError(
-            f"The map's size is {map_size}; give a power of two from 4 to {profile.max_texture_size} "
+            f"The map's size is {map_size}; give a power of two from 4 to "
+            f"{profile.textures.max_texture_size} "
             f"({profile.name} allows no larger texture)."
         )
     else:

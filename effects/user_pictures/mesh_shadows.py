@@ -147,14 +147,14 @@ def _alpha_coded(passes, scene, view, lamp, profile, edge, background, shading, 
 def _multitexture(scene, view, lamp, profile, *rest):
     passes = (
         alpha_coded_shadows.with_combiners
-        if profile.max_general_combiners
+        if profile.combiners.max_general_combiners
         else alpha_coded_shadows.with_environments
     )
     return _alpha_coded(passes, scene, view, lamp, profile, *rest)
 
 
 def _single_texture(scene, view, lamp, profile, *rest):
-    subtract = BlendEquation.FUNC_REVERSE_SUBTRACT in profile.blend_equations
+    subtract = BlendEquation.FUNC_REVERSE_SUBTRACT in profile.fragments.blend_equations
     return _alpha_coded(
         alpha_coded_shadows.with_one_unit, scene, view, lamp, profile, *rest, subtract=subtract
     )
@@ -250,7 +250,7 @@ def can_draw(algorithm, profile):
 
 def machines_with(algorithm):
     """Keys in ``fixedpipe.pipeline.profiles.PROFILES`` of the machines, the ideal aside, that can draw it."""
-    machines = {key: profile for key, profile in PROFILES.items() if not profile.exact}
+    machines = {key: profile for key, profile in PROFILES.items() if not profile.arithmetic.exact}
     return tuple(key for key, profile in machines.items() if can_draw(algorithm, profile))
 
 
@@ -265,7 +265,7 @@ def checked_map_edge(size, profile, edge=None):
     """Texels along a map's edge; None: up to four for each of a picture's ``size`` pixels. Raises ValueError
     where they are no power of two, or more than the machine's textures have.
     """
-    largest = profile.max_texture_size
+    largest = profile.textures.max_texture_size
     edge = edge or min(map_edge(size, 4), largest)
     if edge & (edge - 1) or edge > largest:
         raise ValueError(

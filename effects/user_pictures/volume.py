@@ -99,7 +99,7 @@ def volume_of(values, name, profile, iso=None, spacing=(1.0, 1.0, 1.0)):
     unit = np.empty(values.shape, np.float32)
     for into, layer in zip(unit, values, strict=True):
         into[...] = (layer.astype(np.float64) - low) / (high - low)
-    edges = texture_edges(values.shape, min(profile.max_3d_texture_size, LARGEST_EDGE))
+    edges = texture_edges(values.shape, min(profile.textures.max_3d_texture_size, LARGEST_EDGE))
     density = np.floor(np.float32(255.0) * resampled(unit, edges) + np.float32(0.5)).astype(np.uint8)
     if density.max() < np.ceil(255.0 * fraction):
         raise ValueError(
@@ -155,7 +155,7 @@ def picture_of(volume, eye, up, light, profile, size, slices, shadows):
     modelview = look_at(position, tuple(center.tolist()), up)
     lamp = center + 4.0 * unit_vector(light, "The direction to the light")
     edge = map_edge(size, 1)
-    bits = profile.color_bits[0]
+    bits = profile.framebuffers.color_bits[0]
     return Picture(
         volume,
         View(Panel(0, 0, size, size), modelview, projection, position, False),

@@ -140,7 +140,7 @@ def _shadow_alpha(slices, lamp, profile, coding):
         slices.again("alpha = depth from the light", (ramp,), color_mask=ONLY_ALPHA),
         slices.again("minus the map", (projected,), blending=SUBTRACT, color_mask=ONLY_ALPHA),
         Saturate(label="alpha in [0, 1]", scissor=view.panel.scissor),
-        scale_alpha(view.panel, profile.color_bits[0]),
+        scale_alpha(view.panel, profile.framebuffers.color_bits[0]),
         Saturate(label="alpha 0 or 1", scissor=view.panel.scissor),
     )
 
@@ -264,7 +264,11 @@ def _step(count):
 
 
 def _entries(profile):
-    return profile.max_color_table_size if profile.exact else min(profile.max_color_table_size, TABLE_ENTRIES)
+    return (
+        profile.pixels.max_color_table_size
+        if profile.arithmetic.exact
+        else min(profile.pixels.max_color_table_size, TABLE_ENTRIES)
+    )
 
 
 def _through(vector, table):
@@ -337,7 +341,7 @@ def imaging(picture, profile, load=True):
 
 def _encoded(vector, profile):
     stored = encode_expand(np.array(vector), profile)
-    return (*(stored if profile.exact else stored / 255.0).tolist(), 0.0)
+    return (*(stored if profile.arithmetic.exact else stored / 255.0).tolist(), 0.0)
 
 
 def _dots(profile, first, second):
@@ -420,7 +424,7 @@ def combiners(picture, profile, load=True):
         )
         marked = {"stencil_test": MARKED}
     return (
-        *((picture.load(127.5 if profile.exact else 128.0),) if load else ()),
+        *((picture.load(127.5 if profile.arithmetic.exact else 128.0),) if load else ()),
         *store,
         clear_window(picture.view, checked_rgb(picture.background)),
         slices.solid("slices: light that is not the lamp's", first),
@@ -431,9 +435,17 @@ def combiners(picture, profile, load=True):
 
 def method_of(profile):
     """``imaging`` or ``combiners``, which a machine can draw. Raises ValueError where it can neither."""
-    if profile.max_3d_texture_size and profile.color_matrix and profile.auxiliary_buffers:
+    if (
+        profile.textures.max_3d_texture_size
+        and profile.pixels.color_matrix
+        and profile.framebuffers.auxiliary_buffers
+    ):
         return imaging
-    if profile.max_3d_texture_size and profile.max_general_combiners >= 6 and profile.per_stage_constants:
+    if (
+        profile.textures.max_3d_texture_size
+        and profile.combiners.max_general_combiners >= 6
+        and profile.combiners.per_stage_constants
+    ):
         return combiners
     raise ValueError(
         f"The {profile.name} cannot light slices of a 3D texture: that takes 3D textures and a colour "

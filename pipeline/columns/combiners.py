@@ -12,10 +12,10 @@ def arithmetic_of(profile, bits, environments=False):
     """The combiners' Arithmetic at ``bits``. ``environments``: of a program that stands for texture
     environments, each of whose results is clamped to [0, 1] by its output's and the next mapping's clamps.
     """
-    clamps, limit = profile.clamps, 1.0 if environments else profile.combiner_range
+    clamps, limit = profile.arithmetic.clamps, 1.0 if environments else profile.arithmetic.combiner_range
     one, far = numbers.one_of(bits), arithmetic.FAR
     high = int(limit * (one + 1)) - 1
-    low = -high - (1 if profile.clamp_low == -256 else 0)
+    low = -high - (1 if profile.arithmetic.clamp_low == -256 else 0)
     bounded = (Clamp.TEXTURE_ENVIRONMENT if environments else Clamp.GENERAL_COMBINER) in clamps
     mapping = (Clamp.TEXTURE_ENVIRONMENT if environments else Clamp.MAPPING) in clamps
     return arithmetic.Arithmetic(
@@ -23,9 +23,9 @@ def arithmetic_of(profile, bits, environments=False):
         half=1 << (bits - 1),
         low=low if bounded else -far,
         high=high if bounded else far,
-        expanded=one + 1 if profile.expand_half == 128 else one,
-        per_product=profile.product_rounding == ProductRounding.PER_PRODUCT,
-        round_first=profile.round_before_scale,
+        expanded=one + 1 if profile.arithmetic.expand_half == 128 else one,
+        per_product=profile.arithmetic.product_rounding == ProductRounding.PER_PRODUCT,
+        round_first=profile.arithmetic.round_before_scale,
         clamps_mapping=mapping,
         clamps_sum=Clamp.COLOR_SUM in clamps,
         clamps_final=Clamp.FINAL_COMBINER in clamps,

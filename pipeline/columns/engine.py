@@ -51,10 +51,10 @@ def needs_columns(state, profile, framebuffer, textures):
 def has_future(profile):
     """Whether a machine has any stage of the future board."""
     return (
-        profile.combiner_lookup
-        or profile.evaluate_before_filtering
-        or profile.spherical_interpolation
-        or len(profile.combiner_functions) > 1
+        profile.combiners.combiner_lookup
+        or profile.textures.evaluate_before_filtering
+        or profile.primitives.spherical_interpolation
+        or len(profile.combiners.combiner_functions) > 1
     )
 
 
@@ -74,10 +74,10 @@ def uses_future(state):
 def is_native(profile):
     """Whether a machine's combiners, filters and window coordinates are the native engines'."""
     return (
-        profile.combiner_bits == profile.filter_fraction_bits == NATIVE_BITS
-        and profile.combiner_range == 1.0
-        and profile.subpixel_bits == NATIVE_SUBPIXEL_BITS
-        and len(profile.clamps) == len(Clamp)
+        profile.arithmetic.combiner_bits == profile.arithmetic.filter_fraction_bits == NATIVE_BITS
+        and profile.arithmetic.combiner_range == 1.0
+        and profile.arithmetic.subpixel_bits == NATIVE_SUBPIXEL_BITS
+        and len(profile.arithmetic.clamps) == len(Clamp)
     )
 
 

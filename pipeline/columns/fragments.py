@@ -65,9 +65,9 @@ def fragment_bits(profile, framebuffer):
     """How wide fragments' colours are: as the combiners; where a buffer is wider than the machine's usual
     one, as much wider.
     """
-    if framebuffer.color_bits not in profile.color_bits:  # a pbuffer's bytes
-        return profile.combiner_bits
-    return profile.combiner_bits + framebuffer.color_bits - profile.color_bits[0]
+    if framebuffer.color_bits not in profile.framebuffers.color_bits:  # a pbuffer's bytes
+        return profile.arithmetic.combiner_bits
+    return profile.arithmetic.combiner_bits + framebuffer.color_bits - profile.framebuffers.color_bits[0]
 
 
 def fragment_colors(colors, state, profile, bits):
@@ -76,8 +76,8 @@ def fragment_colors(colors, state, profile, bits):
     Inferred: a mantissa grows with the width it is rounded to.
     """
     lighting = state.vertex.lighting
-    exact = lighting is not None and profile.lighting == LightingArithmetic.EQUATIONS
-    kept = SIGNIFICANT_BITS if exact else profile.color_mantissa_bits + max(bits - NATIVE_BITS, 0)
+    exact = lighting is not None and profile.arithmetic.lighting == LightingArithmetic.EQUATIONS
+    kept = SIGNIFICANT_BITS if exact else profile.arithmetic.color_mantissa_bits + max(bits - NATIVE_BITS, 0)
     limited = np.clip(np.nan_to_num(colors), -COLOR_REACH, COLOR_REACH)
     cut = keep_significant_bits(limited, min(kept, SIGNIFICANT_BITS))
     return np.floor(cut * np.float64(numbers.one_of(bits)) + np.float64(0.5)).astype(np.int64)

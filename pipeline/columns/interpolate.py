@@ -41,7 +41,7 @@ class IteratedPrimitives:
         vertices, provoking = corners[:, :3], corners[:, 3]
         x, y = p.x[vertices].astype(np.int64), p.y[vertices].astype(np.int64)
         kinds = p.strokes[triangle, rows.KIND] if len(p.strokes) else None
-        area = interpolate.edge_functions(x, y, px, py, profile.subpixel_bits)[1]
+        area = interpolate.edge_functions(x, y, px, py, profile.arithmetic.subpixel_bits)[1]
 
         n, inverse_w = self._edges(x, y, kinds, px, py, True), p.inverse_w[vertices]
         e = interpolate.perspective_terms(n, inverse_w)
@@ -72,11 +72,11 @@ class IteratedPrimitives:
         """(n0, n1, n2) of pixels; ``drawn``: of the fragments themselves, which in a wide line of diamonds
         take another pixel's.
         """
-        line, bits = self.state.line, self.profile.subpixel_bits
+        line, bits = self.state.line, self.profile.arithmetic.subpixel_bits
         n, _ = interpolate.edge_functions(x, y, px, py, bits)
         if kinds is None or not (lines := kinds == C.PRIMITIVE_LINE).any():
             return n
-        if self.profile.diamond_exit_lines:
+        if self.profile.arithmetic.diamond_exit_lines:
             width = whole_size(line.width)
             if drawn and width > 1:
                 px, py = interpolate.repeated_pixels(x, y, px, py, width, bits)
@@ -101,12 +101,12 @@ class IteratedPrimitives:
     def _colors(self, vertices, provoking, back, e, q0, q2):
         if self.state.polygon.shade_model == ShadeModel.FLAT:
             colors = self.colors[provoking, back]
-        elif self.profile.color_weights == ColorWeights.EIGHT_BITS:
+        elif self.profile.arithmetic.color_weights == ColorWeights.EIGHT_BITS:
             corners = self.colors[vertices, back[:, None]]
             colors = interpolate.iterate_colors(q0, q2, corners, self.bits)
         else:  # ColorWeights.EXACT
             corners = self.colors[vertices, back[:, None]]
-            one, clamps = numbers.one_of(self.bits), Clamp.VERTEX_COLOR in self.profile.clamps
+            one, clamps = numbers.one_of(self.bits), Clamp.VERTEX_COLOR in self.profile.arithmetic.clamps
             low, high = (0, one) if clamps else (-COLOR_REACH * one, COLOR_REACH * one)
             colors = interpolate.iterate_exact_colors(e, corners, low, high)
         return colors[:, :4], colors[:, 4:]
@@ -171,7 +171,9 @@ class IteratedPrimitives:
         if not enabled.any() or not (polygon.offset_factor or polygon.offset_units):
             return 0.0, 0.0
         values = p.inverse_w[vertices] if self.state.w_buffering else self.depths[vertices]
-        steep = interpolate.depth_slope(x, y, area, values, polygon.offset_factor, self.profile.subpixel_bits)
+        steep = interpolate.depth_slope(
+            x, y, area, values, polygon.offset_factor, self.profile.arithmetic.subpixel_bits
+        )
         if self.state.w_buffering:
             slope = np.clip(steep, -(2.0**128), 2.0**128)
             return np.where(enabled, float(polygon.offset_units), 0.0), np.where(enabled, slope, 0.0)
@@ -201,7 +203,7 @@ def covered_triangles(primitives, state, profile, framebuffer):
         culled = polygon.cull_face in (Face.FRONT_AND_BACK, Face.FRONT if front else Face.BACK)
         if area == 0 or culled or min(w) < W_SMALLEST or max(w) > W_LARGEST:
             continue
-        px, py = interpolate.covered_pixels(x, y, box, profile.subpixel_bits)
+        px, py = interpolate.covered_pixels(x, y, box, profile.arithmetic.subpixel_bits)
         parts.append((np.full(len(px), number), px, py))
     if not parts:
         return Covered(*(np.zeros(0, np.int64) for _ in range(3)))

@@ -70,7 +70,7 @@ def write(fragments, color, state, profile, framebuffer):
     buffer's units.
     """
     bits, width = framebuffer.color_bits, framebuffer.width
-    clamps = framebuffer.is_bytes or Clamp.BLENDING in profile.clamps
+    clamps = framebuffer.is_bytes or Clamp.BLENDING in profile.arithmetic.clamps
     surface = _Surface(framebuffer)
     stored = framebuffer.color.reshape(-1, 4)
     depth, stencil = framebuffer.depth.reshape(-1), framebuffer.stencil.reshape(-1)

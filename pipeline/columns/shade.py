@@ -18,7 +18,7 @@ def _fog_register(fog, coordinates, profile, count, one):
     if fog is None:
         return filled((0, 0, 0, one), count)
     color = numbers.fixed(fog.color, one)[:3]
-    if profile.fog_arithmetic == FogArithmetic.TABLE:
+    if profile.arithmetic.fog_arithmetic == FogArithmetic.TABLE:
         at = np.clip(np.floor(coordinates * 4096.0), 0.0, 8192.0)
         factor = table(fog.mode)[np.where(np.isnan(at), 0.0, at).astype(np.int64)].astype(np.int64)
         factor = numbers.convert(factor, 255, one)
@@ -52,7 +52,7 @@ def _shade_before_filtering(fragments, state, profile, bits, textures, samplers,
         taps = dict.fromkeys(along, tap)
         return _shade(fragments, state, profile, bits, textures, samplers, made, taps)
 
-    levels, width = [], profile.filter_fraction_bits
+    levels, width = [], profile.arithmetic.filter_fraction_bits
     for level in (0, 1) if first.between_levels else (0,):
         across, up, deep, between = first.fractions(fragments, level).T
         planes = [

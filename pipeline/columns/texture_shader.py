@@ -25,9 +25,9 @@ class _StageRun:
 
     def __init__(self, fragments, state, profile, framebuffer, samplers, bits):
         self.fragments, self.samplers, self.bits = fragments, samplers, bits
-        self.stages, self.real_bits = shader_stages(state), profile.texture_bits
+        self.stages, self.real_bits = shader_stages(state), profile.arithmetic.texture_bits
         self.largest = DEPTH_WORDS[framebuffer.depth_format].largest
-        self.depth_scale = 1.0 if profile.depth_units_in_coordinates else float(self.largest)
+        self.depth_scale = 1.0 if profile.textures.depth_units_in_coordinates else float(self.largest)
         self.depth, self.alive = fragments.depth, np.ones(len(fragments.x), bool)
         self.registers, self.texels, self.widths = {}, [], []
 

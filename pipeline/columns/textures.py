@@ -43,7 +43,7 @@ class UnitSampler:
 
     def __init__(self, number, unit, texture, profile):
         self.number, self.unit, self.texture, self.sampler = number, unit, texture, unit.sampler
-        self.fraction_bits = profile.filter_fraction_bits
+        self.fraction_bits = profile.arithmetic.filter_fraction_bits
         self.bits, self.one = texture.bits, numbers.one_of(texture.bits)
         width, height = float(texture.width), float(texture.height)
         self.sizes = {
@@ -55,13 +55,15 @@ class UnitSampler:
         self.levels = texture.levels[: s.max_level + 1]
         self.anisotropic, self.probes = s.max_anisotropy > 1, s.max_probes > 1
         self.needs_lambda = s.min_filter != s.mag_filter
-        opengl_c = profile.magnification_threshold == MagnificationThreshold.OPENGL_C
+        opengl_c = profile.arithmetic.magnification_threshold == MagnificationThreshold.OPENGL_C
         self.threshold = 128 if opengl_c and s.magnifies_late else 0
         self.depth_scale = 1.0
         self.compares = s.compare_mode != TextureCompareMode.NONE
         if self.compares:
             self.words = DEPTH_TEXELS[texture.internal_format]
-            self.depth_scale = 1.0 if profile.depth_units_in_coordinates else float(self.words.largest)
+            self.depth_scale = (
+                1.0 if profile.textures.depth_units_in_coordinates else float(self.words.largest)
+            )
             base, failed = depth_texture_mode(s, profile), numbers.fixed(s.compare_fail_value, self.one)
             self.compared = [
                 register_components(np.array([value], np.int64), base, self.one)

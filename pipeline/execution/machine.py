@@ -98,7 +98,8 @@ class Machine:
     width, height : int
         Framebuffer size in pixels.
     depth_bits : int, DepthFormat or None
-        One of ``profile.depth_bits``: a fixed format's width, or a format. None: the widest fixed one.
+        One of ``profile.framebuffers.depth_bits``: a fixed format's width, or a format. None: the widest
+        fixed one.
     threads : int or None
         Threads that share a Draw's bands of rows; None: one per processor. The bits are the same for any
         number.
@@ -108,10 +109,12 @@ class Machine:
         None: each Draw by the fastest kernels that cover it. "portable": every Draw by those that cover all.
         "columns": every Draw by the column engine that it covers. The bits are the same.
     samples : int or None
-        How many samples a pixel of the window has, one of ``profile.samples``; None: the profile's first.
+        How many samples a pixel of the window has, one of ``profile.framebuffers.samples``; None: the
+        profile's first.
         pbuffers have one.
     color_bits : int or None
-        One of ``profile.color_bits``, the width of the window's colour components. None: the usual one.
+        One of ``profile.framebuffers.color_bits``, the width of the window's colour components. None: the
+        usual one.
     """
 
     profile: Profile
@@ -133,7 +136,7 @@ class Machine:
                 f"The machine's profile is {self.profile!r}; give a Profile, such as "
                 'fixedpipe.pipeline.profiles.PROFILES["GEFORCE_256"].'
             )
-        if self.profile.exact:
+        if self.profile.arithmetic.exact:
             raise ValueError(
                 f"The {self.profile.name} profile has no hardware; evaluate it with execute_ideal."
             )
@@ -149,11 +152,11 @@ class Machine:
                 "that covers a Draw."
             )
         if self.color_bits is None:
-            self.color_bits = self.profile.color_bits[0]
+            self.color_bits = self.profile.framebuffers.color_bits[0]
         if self.depth_bits is None:
             self.depth_bits = self.profile.widest_depth
         if self.samples is None:
-            self.samples = self.profile.samples[0]
+            self.samples = self.profile.framebuffers.samples[0]
         window = {"samples": self.samples, "color_bits": self.color_bits}
         validate((), self.profile, self.width, self.height, self.depth_bits, **window)
         self.framebuffer: Framebuffer = Framebuffer.new(
@@ -161,7 +164,7 @@ class Machine:
             self.height,
             self.depth_bits,
             color_bits=self.color_bits,
-            clamped=Clamp.BLENDING in self.profile.clamps,
+            clamped=Clamp.BLENDING in self.profile.arithmetic.clamps,
         )
         bands = -(-self.height // BAND_HEIGHT)
         self._queue: Queue = Queue(min(self.threads or default_threads(), bands), self.batch)
@@ -285,7 +288,7 @@ class Machine:
         size = target.width, target.height
         # Vertices' colours are rounded where the fragment's width is known.
         primitives = stage.process(command.mesh, state, profile, *size, position, rounded=False)
-        if profile.subpixel_bits == NATIVE_SUBPIXEL_BITS:
+        if profile.arithmetic.subpixel_bits == NATIVE_SUBPIXEL_BITS:
             covered, lost = covered_pixels(primitives, state, profile, *size)
         else:
             covered = covered_triangles(primitives, state, profile, target)

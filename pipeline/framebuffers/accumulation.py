@@ -9,7 +9,7 @@ from fixedpipe.raster.pixels.accumulation import added, from_colors, from_value,
 
 def _full(profile):
     """The buffer's 1.0."""
-    return 2 ** (profile.accumulation_bits - 1) - 1
+    return 2 ** (profile.framebuffers.accumulation_bits - 1) - 1
 
 
 def accumulation_of(framebuffer):

@@ -137,7 +137,7 @@ def _from_color_table(groups, transfer, profile, statistics, dimensions):
     groups = looked_up(groups, transfer.post_convolution_color_table, profile)
     groups = _transformed(groups, transfer.color_matrix)
     groups = arithmetic.scaled(groups, transfer.post_color_matrix_scale, transfer.post_color_matrix_bias)
-    if profile.clamps_color_matrix:
+    if profile.arithmetic.clamps_color_matrix:
         groups = np.clip(groups, 0.0, 1.0)
     groups = looked_up(groups, transfer.post_color_matrix_color_table, profile)
     if transfer.histogram is not None:
@@ -171,7 +171,7 @@ def table_entries(table, profile):
     """A ColorTable's entries as a machine stores them, float64 [n, 4], not to be written to; exactly on an
     exact one.
     """
-    key = id(table), None if profile.exact else table.bits
+    key = id(table), None if profile.arithmetic.exact else table.bits
     found = _stored_tables.get(key)
     if found is None:
         if len(_stored_tables) >= _MOST_TABLES:

@@ -49,7 +49,12 @@ def run_stages(state, textures, count, own, conventional, made, register):
     """
     run = _Stages(shader_stages(state), count, own)
     for i, stage in enumerate(run.stages):
-        unit, texel, seen, bits = state.texture_units[i], np.zeros((count, 4)), None, IDEAL.texture_bits
+        unit, texel, seen, bits = (
+            state.texture_units[i],
+            np.zeros((count, 4)),
+            None,
+            IDEAL.arithmetic.texture_bits,
+        )
         match stage.operation:
             case Operation.NONE:
                 seen = np.broadcast_to(np.array(_OPAQUE_BLACK), (count, 4))

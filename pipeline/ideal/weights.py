@@ -11,7 +11,7 @@ from fixedpipe.pipeline.enums import FrontFace
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.raster.columns.interpolate import edge_functions, iterate_coordinates, iteration_weights
 
-_PIXEL = float(1 << IDEAL.subpixel_bits)  # in subpixels
+_PIXEL = float(1 << IDEAL.arithmetic.subpixel_bits)  # in subpixels
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +83,7 @@ def weigh(primitives, front_face, triangle, x, y):
     x10, x20 = corner_x[:, 1] - corner_x[:, 0], corner_x[:, 2] - corner_x[:, 0]
     y10, y20 = corner_y[:, 1] - corner_y[:, 0], corner_y[:, 2] - corner_y[:, 0]
     edges, area = edge_functions(
-        corner_x, corner_y, x.astype(np.int64), y.astype(np.int64), IDEAL.subpixel_bits
+        corner_x, corner_y, x.astype(np.int64), y.astype(np.int64), IDEAL.arithmetic.subpixel_bits
     )
     n = np.stack(edges, axis=1).astype(np.float64)
 

@@ -108,7 +108,7 @@ def pack_combiners(state, profile, textures, draw):
             zero((1, 8), np.int16),
             set(),
         )
-    half, select = profile.expand_half, program.mux_select
+    half, select = profile.arithmetic.expand_half, program.mux_select
     stages = [
         [_pack_portion(stage.rgb, False, half, select), _pack_portion(stage.alpha, True, half, select)]
         for stage in program.general

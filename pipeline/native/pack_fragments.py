@@ -33,7 +33,7 @@ def pack_fog(state, profile, used, draw):
     if Register.FOG not in used or state.fog is None:
         return _NO_FOG
     draw[R.FOG_RED : R.FOG_BLUE + 1] = color_bytes(state.fog.color)[:3]
-    if profile.fog_arithmetic == FogArithmetic.TABLE:
+    if profile.arithmetic.fog_arithmetic == FogArithmetic.TABLE:
         draw[R.FOG_ENABLED] = C.FOG_BY_TABLE
         return table(state.fog.mode).copy()  # kernels take writable arrays
     draw[R.FOG_ENABLED] = C.FOG_BY_THRESHOLDS
@@ -185,7 +185,7 @@ def pack_lines(line, profile, draw):
     steps = line.rasterization == LineRasterization.STEPS
     draw[R.LINE_STEPS] = C.LINE_IN_STEPS if steps else C.LINE_AS_RECTANGLE
     draw[R.LINE_WIDTH] = eighths(line.width)
-    if profile.diamond_exit_lines:
+    if profile.arithmetic.diamond_exit_lines:
         draw[R.LINE_STEPS] = C.LINE_IN_DIAMONDS
         draw[R.LINE_WIDTH] = R.PIXEL_WIDE * whole_size(line.width)
     if line.stipple is not None:

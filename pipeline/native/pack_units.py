@@ -61,7 +61,7 @@ def _pack_shader_stage(stage, target, profile, maximum, row):
         _pattern(stage.offset_texture_bias),
     )
     row[R.CONSTANT_EYE : R.CONSTANT_EYE + 3] = [_pattern(e) for e in stage.constant_eye]
-    row[R.COORDINATE_DEPTH] = _pattern(1.0 if profile.depth_units_in_coordinates else maximum)
+    row[R.COORDINATE_DEPTH] = _pattern(1.0 if profile.textures.depth_units_in_coordinates else maximum)
 
 
 def _pack_comparison(sampler, internal_format, profile, row):
@@ -73,7 +73,7 @@ def _pack_comparison(sampler, internal_format, profile, row):
         row[at] = int.from_bytes(texel.tobytes(), "little")
     words = DEPTH_TEXELS[internal_format]
     row[R.DEPTH_TEXEL_FORMAT], row[R.DEPTH_TEXEL_MAX] = words.code, words.largest
-    units = profile.depth_units_in_coordinates
+    units = profile.textures.depth_units_in_coordinates
     row[R.COORDINATE_DEPTH] = _pattern(1.0 if units else row[R.DEPTH_TEXEL_MAX])
 
 
@@ -113,7 +113,10 @@ def pack_units(state, profile, textures, used, draw):
             row[R.ANISOTROPY] = np.float64(sampler.max_anisotropy).view(np.int64)
         if sampler.max_probes > 1:
             row[R.PROBES] = sampler.max_probes
-        if profile.magnification_threshold == MagnificationThreshold.OPENGL_C and sampler.magnifies_late:
+        if (
+            profile.arithmetic.magnification_threshold == MagnificationThreshold.OPENGL_C
+            and sampler.magnifies_late
+        ):
             row[R.THRESHOLD] = 128
         row[R.HILO] = texture.internal_format == InternalFormat.HILO16
         row[R.SIGNED] = signed_bits(sampler.signed_components)

@@ -78,7 +78,7 @@ class StateRows:
         self.reads_color = bool(
             draw[R.NEEDS_COLOR] and (draw[R.DIRECT] or draw[R.NEEDS_PRIMARY] or draw[R.NEEDS_SECONDARY])
         )
-        eight_bits = profile.color_weights == ColorWeights.EIGHT_BITS
+        eight_bits = profile.arithmetic.color_weights == ColorWeights.EIGHT_BITS
         self.color_weights = C.WEIGHTS_EIGHT_BITS if eight_bits else C.WEIGHTS_EXACT
         self.textured = bool((self.units[:, R.ENABLED] != 0).any())
         self.needs_depth = bool(draw[R.NEEDS_DEPTH])
@@ -90,9 +90,9 @@ class StateRows:
         )
         arithmetic = np.array(
             [
-                profile.product_rounding == ProductRounding.PER_PRODUCT,
-                profile.round_before_scale,
-                profile.clamp_low,
+                profile.arithmetic.product_rounding == ProductRounding.PER_PRODUCT,
+                profile.arithmetic.round_before_scale,
+                profile.arithmetic.clamp_low,
             ],
             np.int32,
         )

@@ -22,12 +22,12 @@ def future_problem(state, profile):
             return problem
     if state.evaluate_before_filtering and (problem := _filtering_problem(state, profile)):
         return problem
-    return None if profile.spherical_interpolation else _turning_problem(state, profile)
+    return None if profile.primitives.spherical_interpolation else _turning_problem(state, profile)
 
 
 def _function_problem(number, portion, profile):
     function = portion.function
-    if function not in profile.combiner_functions:
+    if function not in profile.combiners.combiner_functions:
         return (
             f"{profile.name} has no {CombinerFunction(function).name} in general combiners; stage {number} "
             "uses it. Approximate it by more stages or a texture, or choose a profile that has it."
@@ -41,7 +41,7 @@ def _function_problem(number, portion, profile):
 
 
 def _lookup_problem(number, lookup, state, profile):
-    if not profile.combiner_lookup:
+    if not profile.combiners.combiner_lookup:
         return (
             f"{profile.name} has no texture lookup after a general combiner; stage {number} has one. Draw a "
             "pass for each lookup, or choose a profile that has it."
@@ -58,7 +58,7 @@ def _lookup_problem(number, lookup, state, profile):
 
 
 def _filtering_problem(state, profile):
-    if not profile.evaluate_before_filtering:
+    if not profile.textures.evaluate_before_filtering:
         return (
             f"{profile.name} evaluates combiners after its textures are filtered; leave "
             "evaluate_before_filtering False, or choose a profile that has it."
@@ -77,7 +77,7 @@ def _filtering_problem(state, profile):
             "max_anisotropy and max_probes of 1."
         )
     unequal = units[0].sampler.min_filter is not units[0].sampler.mag_filter
-    if profile.exact and unequal:
+    if profile.arithmetic.exact and unequal:
         return (
             f"the {profile.name} evaluates before filtering with one filter alone; give unit 0 the same "
             "minification and magnification filter."

@@ -136,8 +136,8 @@ def environment_program(state, textures, profile, color_sum=False):
         return None
     # Source: NV_texture_env_combine4 (a disabled unit's texture is one); ARB_texture_env_crossbar (a unit
     # that names a disabled one is disabled itself).
-    ones = TextureEnvironmentMode.COMBINE4 in profile.texture_environment_modes
-    return _program(units, ones, profile.add_signed_scale_by_four, color_sum)
+    ones = TextureEnvironmentMode.COMBINE4 in profile.combiners.texture_environment_modes
+    return _program(units, ones, profile.arithmetic.add_signed_scale_by_four, color_sum)
 
 
 @lru_cache(maxsize=256)
@@ -387,7 +387,7 @@ def environment_problem(number, environment, base, profile):
 
     Source: the errors of ARB_texture_env_combine, _dot3 and NV_texture_env_combine4.
     """
-    mode, modes, name = environment.mode, profile.texture_environment_modes, profile.name
+    mode, modes, name = environment.mode, profile.combiners.texture_environment_modes, profile.name
     if not modes:
         return (
             f"texture unit {number} is enabled without register combiners, and {name} has no texture "
@@ -413,7 +413,7 @@ def environment_problem(number, environment, base, profile):
 
 def _combine_problem(mode, name, half, profile):
     """The predicate of what is wrong with one half, or None."""
-    functions = profile.combine_functions
+    functions = profile.combiners.combine_functions
     if mode is TextureEnvironmentMode.COMBINE4:
         functions = functions & {CombineFunction.ADD, CombineFunction.ADD_SIGNED}
     if name == "alpha" and half.function in _DOT_PRODUCTS:
@@ -430,26 +430,27 @@ def _combine_problem(mode, name, half, profile):
                 f"has {len(given)} {what} in {name}; {half.function.name} takes {count} there. Name each of "
                 "them."
             )
-    combine4 = TextureEnvironmentMode.COMBINE4 in profile.texture_environment_modes
+    combine4 = TextureEnvironmentMode.COMBINE4 in profile.combiners.texture_environment_modes
     for source in half.sources:
         if source is CombineSource.ZERO and not combine4:
             return f"reads ZERO in {name}, a source of COMBINE4, which {profile.name} lacks. Use CONSTANT."
         if source in _NUMBERED:
-            if not (combine4 or profile.texture_environment_crossbar):
+            if not (combine4 or profile.combiners.texture_environment_crossbar):
                 return (
                     f"reads {source.name} in {name}; on {profile.name} a unit reads its own texture alone. "
                     "Use TEXTURE."
                 )
-            if _NUMBERED.index(source) >= profile.max_texture_units:
+            if _NUMBERED.index(source) >= profile.textures.max_texture_units:
                 return (
-                    f"reads {source.name} in {name}; {profile.name} has {profile.max_texture_units} texture "
+                    f"reads {source.name} in {name}; {profile.name} has "
+                    f"{profile.textures.max_texture_units} texture "
                     "units. Name one of them."
                 )
     if name == "alpha" and any(operand not in _OF_ALPHA for operand in half.operands):
         return "has an operand of color in alpha; take SRC_ALPHA or ONE_MINUS_SRC_ALPHA there."
     # Source: ARB_texture_env_combine, issue 7 (what EXT_texture_env_combine lacks).
     third = half.operands[2:3] if half.function is CombineFunction.INTERPOLATE else ()
-    any_third = combine4 or CombineFunction.SUBTRACT in profile.combine_functions
+    any_third = combine4 or CombineFunction.SUBTRACT in profile.combiners.combine_functions
     if third and third[0] is not CombineOperand.SRC_ALPHA and not any_third:
         return f"has {third[0].name} as the third operand in {name}; {profile.name} takes SRC_ALPHA there."
     return None

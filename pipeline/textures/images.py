@@ -104,7 +104,7 @@ def depth_texture_mode(sampler, profile):
     """The BaseFormat as which comparisons of a depth texture reach the registers (ARB_depth_texture)."""
     if sampler.depth_texture_mode is not None:
         return sampler.depth_texture_mode
-    return profile.depth_texture_modes[0]
+    return profile.textures.depth_texture_modes[0]
 
 
 def widen_to_byte(component, bits):
@@ -157,8 +157,8 @@ def stored_widths(internal_format, profile):
     own = _ALL_COMPONENT_BITS.get(internal_format)
     if own is None:
         return None
-    widest = 12 if profile.internal_formats & TWELVE_BIT_FORMATS else 8
-    most = profile.texture_bits
+    widest = 12 if profile.textures.internal_formats & TWELVE_BIT_FORMATS else 8
+    most = profile.arithmetic.texture_bits
     kept = tuple(most if b >= widest else min(b, most) for b in own)
     return (max(kept) if max(kept) > 8 else min(8, most)), kept
 

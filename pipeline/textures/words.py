@@ -212,7 +212,7 @@ def dithered_level(level):
 def stored_texture(texture, profile):
     """The texture as a machine holds it: components at its width; DXT1 dithered, where it does that."""
     dxt1 = texture.internal_format is InternalFormat.COMPRESSED_RGBA_S3TC_DXT1
-    if not (dxt1 and profile.dithered_s3tc_dxt1):
+    if not (dxt1 and profile.arithmetic.dithered_s3tc_dxt1):
         return at_machine_width(texture, profile)
     return replace(texture, levels=tuple(dithered_level(level) for level in texture.levels))
 

@@ -10,7 +10,7 @@ from fixedpipe.pipeline.validation.transfer import transferred
 
 def color_buffer(walk, which):
     """Refuse a colour buffer that is not there."""
-    most = walk.profile.auxiliary_buffers
+    most = walk.profile.framebuffers.auxiliary_buffers
     if which > most:
         walk.refuse(
             f"{walk.profile.name} has {count(most, 'auxiliary buffer')} and so no {which.name}; use "
@@ -22,7 +22,7 @@ def color_buffer(walk, which):
 
 def accumulation_buffer(walk):
     """Refuse where there is no accumulation buffer."""
-    if walk.profile.accumulation_bits == 0:
+    if walk.profile.framebuffers.accumulation_bits == 0:
         walk.refuse(
             f"{walk.profile.name} has no accumulation buffer; add up by blending with ONE, ONE instead."
         )
@@ -32,7 +32,7 @@ def accumulation_buffer(walk):
 
 def stencil_buffer(walk, what):
     """Refuse what a command does with the stencil buffer (``what``) where there is none."""
-    if walk.profile.stencil_bits == 0:
+    if walk.profile.framebuffers.stencil_bits == 0:
         walk.refuse(f"it {what}, and {walk.profile.name} has none; choose a profile that has one.")
 
 

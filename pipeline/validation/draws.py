@@ -31,9 +31,9 @@ def pass_state(walk, state, mesh):
     combiners = state.register_combiners
     if combiners is not None:
         walk.once(fragments.register_combiners, combiners)
-    if state.color_sum and not walk.profile.color_sum:
+    if state.color_sum and not walk.profile.fragments.color_sum:
         walk.refuse(f"{walk.profile.name} has no color sum; add the secondary color in a second pass.")
-    if not state.perspective_correction and not walk.profile.perspective_hint:
+    if not state.perspective_correction and not walk.profile.primitives.perspective_hint:
         walk.refuse(
             f"{walk.profile.name} always corrects for perspective; leave perspective_correction on, or "
             "give every vertex the same w."
@@ -48,11 +48,11 @@ def pass_state(walk, state, mesh):
         fragments.stencil_test(walk, state.stencil_test)
     if state.blending is not None:
         fragments.blending(walk, state.blending)
-    if state.logic_op is not None and not walk.profile.logic_op:
+    if state.logic_op is not None and not walk.profile.fragments.logic_op:
         walk.refuse(f"{walk.profile.name} has no logic operations on colors; use blending.")
     if state.depth_clamp is not None:
         fragments.depth_clamp(walk, state.depth_clamp)
-    if state.w_buffering and not walk.profile.w_buffering:
+    if state.w_buffering and not walk.profile.fragments.w_buffering:
         walk.refuse(f"{walk.profile.name} has no W buffering; leave w_buffering False.")
     buffers.color_buffer(walk, state.draw_buffer)
     if problem := future_problem(state, walk.profile):
@@ -62,26 +62,27 @@ def pass_state(walk, state, mesh):
 def _points_and_lines(walk, state, mesh):
     profile, point, polygon = walk.profile, state.point, state.polygon
     filled = PolygonMode.FILL == polygon.front_mode == polygon.back_mode and polygon.stipple is None
-    if profile.exact and not (filled and mesh.primitive.is_polygons):
+    if profile.arithmetic.exact and not (filled and mesh.primitive.is_polygons):
         walk.refuse(
             f"the {profile.name} evaluates filled polygons without stipple only; draw triangles in "
             "polygon mode FILL, or choose a machine."
         )
-    others = not profile.exact and profile.subpixel_bits != NATIVE_SUBPIXEL_BITS
+    others = not profile.arithmetic.exact and profile.arithmetic.subpixel_bits != NATIVE_SUBPIXEL_BITS
     if others and not (filled and mesh.primitive.is_polygons and state.window_clip is None):
         walk.refuse(
-            f"{profile.name} has {profile.subpixel_bits} subpixel bits, with which filled polygons are "
+            f"{profile.name} has {profile.arithmetic.subpixel_bits} subpixel bits, with which filled "
+            f"polygons are "
             f"drawn alone, without stipple and window clip; draw these, or keep 4 bits."
         )
     for what, size, most in (
-        ("the point size", point.size, profile.max_point_size),
-        ("the line width", state.line.width, profile.max_line_width),
+        ("the point size", point.size, profile.primitives.max_point_size),
+        ("the line width", state.line.width, profile.primitives.max_line_width),
     ):
         if not 0 <= size <= most:
             walk.refuse(f"{what} is {size}; {profile.name} draws sizes from 0 to {most} pixels. Give one.")
     if problem := _line_problem(state.line, profile):
         walk.refuse(problem)
-    if point.parameters is not None and not profile.point_parameters:
+    if point.parameters is not None and not profile.vertices.point_parameters:
         walk.refuse(f"{profile.name} has no point parameters; give the points one size.")
     if point.parameters is not None and min(point.parameters.attenuation) < 0:
         walk.refuse("point.parameters.attenuation has a negative term; give terms that are not negative.")
@@ -93,27 +94,27 @@ def _points_and_lines(walk, state, mesh):
             f"point.{other}."
         )
     replaced = [i for i, u in enumerate(state.texture_units) if u is not None and u.coord_replace]
-    if wrong := [i for i in replaced if i not in profile.point_sprite_units]:
-        allowed = ", ".join(map(str, sorted(profile.point_sprite_units))) or "none"
+    if wrong := [i for i in replaced if i not in profile.primitives.point_sprite_units]:
+        allowed = ", ".join(map(str, sorted(profile.primitives.point_sprite_units))) or "none"
         walk.refuse(
             f"texture unit {wrong[0]} has coord_replace; point sprites of {profile.name} replace the "
             f"coordinates of units: {allowed}. Use another unit, or texture coordinates of the mesh."
         )
-    if point.sprite and not profile.point_sprite_units:
+    if point.sprite and not profile.primitives.point_sprite_units:
         walk.refuse(f"{profile.name} has no point sprites; draw quads.")
 
 
 def _line_problem(line, profile):
     """What is wrong with a LineState on a machine, a sentence, or None."""
     rectangle = line.rasterization == LineRasterization.RECTANGLE
-    if rectangle and profile.diamond_exit_lines:
+    if rectangle and profile.arithmetic.diamond_exit_lines:
         return (
             f"{profile.name} draws lines in steps along their longer axis; give line.rasterization STEPS, or "
             "choose a profile without diamond_exit_lines."
         )
     if line.stipple is None:
         return None
-    if not profile.line_stipple:
+    if not profile.primitives.line_stipple:
         return f"{profile.name} has no line stipple; draw the line's parts, or choose another profile."
     if rectangle:
         return "line stipple counts the steps of a line; give line.rasterization STEPS."

@@ -14,37 +14,42 @@ from fixedpipe.pipeline.validation import buffers, surfaces
 def register_combiners(walk, combiners):
     """Refuse combiners that the machine does not have, or no machine could, whatever texels they meet."""
     profile, stages = walk.profile, len(combiners.general)
-    if profile.max_general_combiners == 0:
+    if profile.combiners.max_general_combiners == 0:
         walk.refuse(f"{profile.name} has no register combiners; choose a profile that has them.")
     if stages == 0:
         walk.refuse(
             "register combiners need at least one general combiner; this pass has none. Add "
             "GeneralCombiner()."
         )
-    if stages > profile.max_general_combiners:
+    if stages > profile.combiners.max_general_combiners:
         walk.refuse(
-            f"{profile.name} has {count(profile.max_general_combiners, 'general combiner')}; this pass "
+            f"{profile.name} has {count(profile.combiners.max_general_combiners, 'general combiner')}; this "
+            f"pass "
             f"uses {stages}. Split the pass or choose a profile with more."
         )
     for number, stage in enumerate(combiners.general):
         own = stage.constant_color0 is not None or stage.constant_color1 is not None
-        if own and not profile.per_stage_constants:
+        if own and not profile.combiners.per_stage_constants:
             walk.refuse(
                 f"general combiner {number} has its own constant colors; {profile.name} has two for all "
                 "stages together. Set constant_color0 and constant_color1 of the RegisterCombiners, or "
                 "choose a profile with per-stage constants."
             )
-    if not profile.combiner_flags and (flag := nv2a_flag(combiners)):
+    if not profile.combiners.combiner_flags and (flag := nv2a_flag(combiners)):
         walk.refuse(
             f"{profile.name} has no {flag}; leave it at its default, or choose a profile with combiner_flags."
         )
     for _, sentence in combiner_problems(combiners):
         walk.refuse(sentence)
     for place, register in registers_named(combiners):
-        if register in TEXTURE_REGISTERS and TEXTURE_REGISTERS.index(register) >= profile.max_texture_units:
+        if (
+            register in TEXTURE_REGISTERS
+            and TEXTURE_REGISTERS.index(register) >= profile.textures.max_texture_units
+        ):
             walk.refuse(
                 f"{place} names {register.name}; {profile.name} has "
-                f"{count(profile.max_texture_units, 'texture unit')}, so that register does not exist. "
+                f"{count(profile.textures.max_texture_units, 'texture unit')}, so that register does not "
+                f"exist. "
                 "Use a spare register, or choose a profile with more."
             )
 
@@ -55,18 +60,21 @@ def fog(walk, fog):
         walk.refuse(f"the fog density is {fog.density}; densities are not negative.")
     if fog.mode is FogMode.LINEAR and fog.start == fog.end:
         walk.refuse(f"linear fog starts and ends at {fog.start}, which divides by zero; move one of them.")
-    if fog.registers is not None and not walk.profile.fog_registers:
+    if fog.registers is not None and not walk.profile.fragments.fog_registers:
         walk.refuse(
             f"{walk.profile.name} has no FogRegisters; give density, or start and end, and leave "
             "fog.registers unset."
         )
-    if fog.coordinate_source is FogCoordinateSource.FOG_COORDINATE and not walk.profile.fog_coordinate:
+    if (
+        fog.coordinate_source is FogCoordinateSource.FOG_COORDINATE
+        and not walk.profile.vertices.fog_coordinate
+    ):
         walk.refuse(f"{walk.profile.name} has no FOG_COORDINATE; use FRAGMENT_DEPTH.")
 
 
 def window_clip(walk, clip):
     """Refuse a window clip of more rectangles than the machine has."""
-    most = walk.profile.max_window_rectangles
+    most = walk.profile.fragments.max_window_rectangles
     if not 0 < len(clip.rectangles) <= most:
         walk.refuse(
             f"the window clip has {count(len(clip.rectangles), 'rectangle')}; {walk.profile.name} takes "
@@ -78,7 +86,7 @@ def window_clip(walk, clip):
 
 def depth_clamp(walk, limits):
     """Refuse depth limits that the machine does not have, or that cross."""
-    if not walk.profile.depth_clamp:
+    if not walk.profile.fragments.depth_clamp:
         walk.refuse(f"{walk.profile.name} has no DEPTH_CLAMP; leave depth_clamp None.")
     if limits.maximum is not None and limits.maximum < limits.minimum:
         walk.refuse(
@@ -94,10 +102,10 @@ def stencil_test(walk, test):
     buffers.stencil_value(walk, "the stencil write_mask", test.write_mask)
     for name in ("fail", "depth_fail", "depth_pass"):
         operation = getattr(test, name)
-        if operation not in walk.profile.stencil_operations:
+        if operation not in walk.profile.fragments.stencil_operations:
             walk.refuse(
                 f"{walk.profile.name} has no stencil operation {operation.name} ({name}); it has "
-                f"{listed(walk.profile.stencil_operations)}."
+                f"{listed(walk.profile.fragments.stencil_operations)}."
             )
 
 
@@ -105,8 +113,8 @@ def blending(walk, blending):
     """Refuse blend factors and equations that the machine does not have."""
     profile = walk.profile
     for side, factors in (
-        ("source", profile.blend_factors_source),
-        ("destination", profile.blend_factors_destination),
+        ("source", profile.fragments.blend_factors_source),
+        ("destination", profile.fragments.blend_factors_destination),
     ):
         factor = getattr(blending, side)
         if factor not in factors:
@@ -114,8 +122,8 @@ def blending(walk, blending):
                 f"{profile.name} does not take {factor.name} as its {side} blend factor; it takes "
                 f"{listed(factors)}."
             )
-    if blending.equation not in profile.blend_equations:
+    if blending.equation not in profile.fragments.blend_equations:
         walk.refuse(
             f"{profile.name} has no blend equation {blending.equation.name}; it has "
-            f"{listed(profile.blend_equations)}."
+            f"{listed(profile.fragments.blend_equations)}."
         )

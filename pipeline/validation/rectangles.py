@@ -101,7 +101,7 @@ def _pixel_texture_problem(texture, kind, state, textures, profile):
     ``textures``: for each enabled unit (number, target, layers of level 0).
     """
     sgix = texture.mode is not None
-    if not (profile.pixel_texture if sgix else profile.pixel_texture_sgis):
+    if not (profile.pixels.pixel_texture if sgix else profile.pixels.pixel_texture_sgis):
         return (
             f"{profile.name} has no {'SGIX' if sgix else 'SGIS'}_pixel_texture; read the pixels, look them "
             "up on the host (fixedpipe.effects.passes.software_pixel_texture) and draw what is found."
@@ -120,7 +120,7 @@ def _pixel_texture_problem(texture, kind, state, textures, profile):
 
 def _impact_problem(texture, textures, profile):
     plain = texture.volumes is None and not texture.alpha_replace
-    if not plain and not profile.impact_pixel_texture:
+    if not plain and not profile.pixels.impact_pixel_texture:
         return (
             f"{profile.name} has no SGIX_impact_pixel_texture; leave volumes None and alpha_replace False, "
             "or blend the passes by a texture's own alpha."

@@ -23,15 +23,15 @@ def sampler(walk, unit, known, number):
             f"{place} magnifies with {sampler.mag_filter.name}; a magnification filter is NEAREST or LINEAR."
         )
     for name in ("wrap_s", "wrap_t", "wrap_r"):
-        if getattr(sampler, name) not in profile.wrap_modes:
+        if getattr(sampler, name) not in profile.textures.wrap_modes:
             walk.refuse(
                 f"{profile.name} has no {getattr(sampler, name).name}, which {place} asks for {name}; "
-                f"it has {listed(profile.wrap_modes)}."
+                f"it has {listed(profile.textures.wrap_modes)}."
             )
-    if sampler.compare_mode not in profile.texture_compare_modes:
+    if sampler.compare_mode not in profile.textures.texture_compare_modes:
         walk.refuse(
             f"{profile.name} has no {sampler.compare_mode.name}, which {place} asks for compare_mode; it "
-            f"has {listed(profile.texture_compare_modes)}."
+            f"has {listed(profile.textures.texture_compare_modes)}."
         )
     _comparison(walk, unit, known, place)
     _levels(walk, unit, known, place)
@@ -83,10 +83,10 @@ def _footprints(walk, unit, known, place):
             f"{place} limits the level of detail to {sampler.min_lod} .. {sampler.max_lod}; give limits "
             f"from -{_LOD_LIMIT:g} to {_LOD_LIMIT:g}."
         )
-    if not 1 <= sampler.max_anisotropy <= profile.max_anisotropy:
+    if not 1 <= sampler.max_anisotropy <= profile.textures.max_anisotropy:
         walk.refuse(
             f"{place} has the maximum anisotropy {sampler.max_anisotropy:g}; {profile.name} takes 1 to "
-            f"{profile.max_anisotropy:g}. Set max_anisotropy to one of these."
+            f"{profile.textures.max_anisotropy:g}. Set max_anisotropy to one of these."
         )
     if sampler.max_anisotropy > 1 and (
         known.target not in (TextureTarget.TEXTURE_2D, TextureTarget.TEXTURE_RECTANGLE)
@@ -98,13 +98,13 @@ def _footprints(walk, unit, known, place):
         )
     if problem := _probes_problem(place, sampler, known.target, known.internal_format, profile):
         walk.refuse(problem)
-    if sampler.signed_components != SignedComponents() and not profile.signed_components:
+    if sampler.signed_components != SignedComponents() and not profile.textures.signed_components:
         walk.refuse(f"{profile.name} has no signed texels; bias them and use EXPAND_NORMAL mappings.")
-    if abs(unit.lod_bias) > profile.max_lod_bias:
-        least = -profile.max_lod_bias or 0.0
+    if abs(unit.lod_bias) > profile.textures.max_lod_bias:
+        least = -profile.textures.max_lod_bias or 0.0
         walk.refuse(
             f"{place} has the level-of-detail bias {unit.lod_bias}; {profile.name} takes {least} to "
-            f"{profile.max_lod_bias}. Set lod_bias to one of these."
+            f"{profile.textures.max_lod_bias}. Set lod_bias to one of these."
         )
 
 
@@ -127,12 +127,12 @@ def _shadow_problem(place, sampler, profile):
     """What is wrong with a sampler's comparison, a sentence, or None. ``place``: which texture unit."""
     mode, value = sampler.depth_texture_mode, sampler.compare_fail_value
     compares = sampler.compare_mode is not TextureCompareMode.NONE
-    if compares and sampler.compare_function not in profile.shadow_functions:
+    if compares and sampler.compare_function not in profile.textures.shadow_functions:
         return (
             f"{profile.name} does not compare textures by {sampler.compare_function.name}, which {place} "
-            f"asks for; give one of {listed(profile.shadow_functions)}."
+            f"asks for; give one of {listed(profile.textures.shadow_functions)}."
         )
-    if value != 0 and not (compares and profile.shadow_ambient):
+    if value != 0 and not (compares and profile.textures.shadow_ambient):
         return f"{place} has the compare_fail_value {value:g}; " + (
             f"{profile.name} has no shadow ambient. Give 0, and add ambient light in a pass of its own."
             if compares
@@ -140,8 +140,8 @@ def _shadow_problem(place, sampler, profile):
         )
     if not 0 <= value <= 1:
         return f"{place} has the compare_fail_value {value:g}; give 0 to 1."
-    if mode is not None and not (compares and mode in profile.depth_texture_modes):
-        has = listed(profile.depth_texture_modes) if compares else "none without a compare_mode"
+    if mode is not None and not (compares and mode in profile.textures.depth_texture_modes):
+        has = listed(profile.textures.depth_texture_modes) if compares else "none without a compare_mode"
         return f"{place} has the depth_texture_mode {mode.name}; {profile.name} has {has}. Give None."
     return None
 
@@ -151,8 +151,8 @@ def _probes_problem(place, sampler, target, internal_format, profile):
     probes = sampler.max_probes
     if probes < 1 or probes & (probes - 1):
         return f"{place} assembles footprints of {probes} probes; give a power of two, or 1 for none."
-    if probes > profile.max_probes:
-        most = profile.max_probes
+    if probes > profile.textures.max_probes:
+        most = profile.textures.max_probes
         given = f"{place} assembles footprints of {probes} probes"
         return f"{given}; {profile.name} takes up to {most}: set max_probes to it."
     if probes == 1:

@@ -15,14 +15,14 @@ def check_framebuffer(profile, width, height, depth_bits, what="The framebuffer"
     if width < 1 or height < 1:
         raise UnsupportedState(f"{what} is {width}x{height}; give at least 1x1.")
     # Source: OpenGL 1.2.1 section 2.10.1: the largest viewport covers whatever can be displayed.
-    if max(width, height) > profile.max_viewport:
+    if max(width, height) > profile.framebuffers.max_viewport:
         raise UnsupportedState(
             f"{what} is {width}x{height}; {profile.name} draws up to "
-            f"{profile.max_viewport}x{profile.max_viewport}. Draw it in tiles."
+            f"{profile.framebuffers.max_viewport}x{profile.framebuffers.max_viewport}. Draw it in tiles."
         )
-    if depth_bits not in profile.depth_bits:
+    if depth_bits not in profile.framebuffers.depth_bits:
         formats = " or ".join(
-            f.name if f.is_float else str(f.bits) for f in map(DepthFormat, profile.depth_bits)
+            f.name if f.is_float else str(f.bits) for f in map(DepthFormat, profile.framebuffers.depth_bits)
         )
         raise UnsupportedState(
             f"{what} has {depth_words(depth_bits)}; {profile.name} has {formats}. Give one of these."
@@ -33,8 +33,8 @@ def check_samples(profile, samples):
     """Refuse a number of samples that the machine does not have."""
     if wrong := check_int(samples):
         raise UnsupportedState(f"The framebuffer's samples {wrong.predicate}.")
-    if samples not in profile.samples:
-        allowed = " or ".join(map(str, profile.samples))
+    if samples not in profile.framebuffers.samples:
+        allowed = " or ".join(map(str, profile.framebuffers.samples))
         raise UnsupportedState(
             f"The framebuffer has {count(samples, 'sample')} in each pixel; {profile.name} has {allowed}. "
             "Give one of these, or draw the scene several times, shifted, and accumulate."
@@ -45,8 +45,8 @@ def check_color_bits(profile, color_bits):
     """Refuse colours of a width that the machine does not have."""
     if wrong := check_int(color_bits):
         raise UnsupportedState(f"The framebuffer's color_bits {wrong.predicate}.")
-    if color_bits not in profile.color_bits:
-        widths = " or ".join(map(str, profile.color_bits))
+    if color_bits not in profile.framebuffers.color_bits:
+        widths = " or ".join(map(str, profile.framebuffers.color_bits))
         raise UnsupportedState(
             f"The framebuffer's colors have {shown(color_bits)} bits a component; {profile.name} has "
             f"{widths}. Give one of these, or change the machine by with_precision."
@@ -62,12 +62,12 @@ def make_current(walk, command):
         walk.width, walk.height, walk.depth_bits = walk.window
         walk.in_window = True
         return
-    if not walk.profile.surface_formats:
+    if not walk.profile.framebuffers.surface_formats:
         walk.refuse(f"{walk.profile.name} has no pbuffers; draw to the window and use CopyTexImage.")
-    if command.color_format not in walk.profile.surface_formats:
+    if command.color_format not in walk.profile.framebuffers.surface_formats:
         walk.refuse(
             f"{walk.profile.name} has no surface format {command.color_format.name}; it has "
-            f"{listed(walk.profile.surface_formats)}."
+            f"{listed(walk.profile.framebuffers.surface_formats)}."
         )
     if command.width is None or command.height is None:
         walk.refuse(f"pbuffer {name!r} has no width or no height; give both.")

@@ -28,7 +28,7 @@ _GENERATED_BY = {
 
 def texture_units(walk, state, mesh):
     """Refuse texture units, and stages, that the machine does not have or that do not fit their textures."""
-    units, allowed = state.texture_units, walk.profile.max_texture_units
+    units, allowed = state.texture_units, walk.profile.textures.max_texture_units
     if len(units) > allowed:
         walk.refuse(
             f"{walk.profile.name} has {count(allowed, 'texture unit')}; this pass has {len(units)}. "
@@ -76,7 +76,7 @@ def texture_units(walk, state, mesh):
 
 
 def _color_table(walk, number, table):
-    if table is not None and not walk.profile.texture_color_table:
+    if table is not None and not walk.profile.textures.texture_color_table:
         walk.refuse(
             f"texture unit {number} has a color_table; {walk.profile.name} has none after its filters. "
             "Use the table's colours in the texture, or choose a profile that has it."
@@ -95,7 +95,7 @@ def texture_shader(walk, state):
     if state.texture_shader is None:
         return None
     profile, units = walk.profile, len(state.texture_units)
-    if not profile.texture_shader_operations:
+    if not profile.texture_shaders.texture_shader_operations:
         walk.refuse(f"{profile.name} has no texture shaders; leave texture_shader None.")
     if len(state.texture_shader) > units:
         walk.refuse(
@@ -106,16 +106,16 @@ def texture_shader(walk, state):
     for i, stage in enumerate(stages):
         if stage.operation is TextureShaderOperation.NONE:
             continue
-        if stage.operation not in profile.texture_shader_operations:
+        if stage.operation not in profile.texture_shaders.texture_shader_operations:
             walk.refuse(
                 f"{profile.name} has no {stage.operation.name} (texture shader stage {i}); it has "
-                f"{listed(profile.texture_shader_operations)}."
+                f"{listed(profile.texture_shaders.texture_shader_operations)}."
             )
         dotted = stage.operation.name.startswith("DOT_PRODUCT")
-        if dotted and stage.dot_product_mapping not in profile.dot_product_mappings:
+        if dotted and stage.dot_product_mapping not in profile.texture_shaders.dot_product_mappings:
             walk.refuse(
                 f"{profile.name} has no dot product mapping {stage.dot_product_mapping.name} (texture "
-                f"shader stage {i}); it has {listed(profile.dot_product_mappings)}."
+                f"shader stage {i}); it has {listed(profile.texture_shaders.dot_product_mappings)}."
             )
         if state.texture_units[i] is None:
             walk.refuse(
@@ -133,7 +133,7 @@ def _stage_widths(walk, units, stages):
     for unit, stage in zip(units, stages, strict=True):
         known = None if unit is None or unit.texture is None else known_texture(walk, unit.texture)
         if known is None or stage.operation in WITHOUT_TEXTURE:
-            widths.append(walk.profile.texture_bits)
+            widths.append(walk.profile.arithmetic.texture_bits)
         else:
             widths.append((stored_widths(known.internal_format, walk.profile) or (8,))[0])
     if problem := stage_width_problem(stages, widths, walk.profile):
@@ -143,7 +143,7 @@ def _stage_widths(walk, units, stages):
 def _accessible(walk, operation):
     """The targets of textures that an operation reads here."""
     targets = TARGETS_READ[operation]
-    return targets if walk.profile.foreign_texture_targets else targets[:1]
+    return targets if walk.profile.texture_shaders.foreign_texture_targets else targets[:1]
 
 
 def _dependent_access(walk, number, unit, known, operation):
@@ -190,7 +190,7 @@ def _unit_coordinates(walk, number, unit, needed, mesh):
 
 def _generation(walk, number, unit):
     profile, place = walk.profile, f"texture unit {number}"
-    if any(unit.cylinder_wrap) and not profile.cylinder_wrap:
+    if any(unit.cylinder_wrap) and not profile.textures.cylinder_wrap:
         walk.refuse(
             f"{profile.name} does not wrap texture coordinates; give the triangles that cross the seam "
             "vertices of their own."
@@ -198,10 +198,10 @@ def _generation(walk, number, unit):
     for coordinate, gen in zip("strq", unit.gen, strict=True):
         if gen.mode is TexGenMode.NONE:
             continue
-        if gen.mode not in profile.texgen_modes:
+        if gen.mode not in profile.vertices.texgen_modes:
             walk.refuse(
                 f"{profile.name} cannot generate {coordinate} by {gen.mode.name}; it has "
-                f"{listed(profile.texgen_modes)}."
+                f"{listed(profile.vertices.texgen_modes)}."
             )
         if coordinate not in _GENERATED_BY.get(gen.mode, "strq"):
             walk.refuse(

@@ -264,19 +264,21 @@ def bind_tex_image(walk, command):
 
 def _texture_storage(walk, target, internal_format, width, height, layers=1):
     profile = walk.profile
-    if target not in profile.texture_targets:
-        walk.refuse(f"{profile.name} has no {target.name}; it has {listed(profile.texture_targets)}.")
-    if internal_format not in profile.internal_formats:
+    if target not in profile.textures.texture_targets:
+        walk.refuse(
+            f"{profile.name} has no {target.name}; it has {listed(profile.textures.texture_targets)}."
+        )
+    if internal_format not in profile.textures.internal_formats:
         walk.refuse(
             f"{profile.name} does not store {internal_format.name}; it stores "
-            f"{listed(profile.internal_formats)}."
+            f"{listed(profile.textures.internal_formats)}."
         )
     if width < 1 or height < 1:
         walk.refuse(f"the texture is {width}x{height} texels; a texture needs at least 1x1.")
     what, limit = {
-        TextureTarget.TEXTURE_CUBE_MAP: ("cube map faces", profile.max_cube_map_texture_size),
-        TextureTarget.TEXTURE_3D: ("3D textures", profile.max_3d_texture_size),
-    }.get(target, ("textures", profile.max_texture_size))
+        TextureTarget.TEXTURE_CUBE_MAP: ("cube map faces", profile.textures.max_cube_map_texture_size),
+        TextureTarget.TEXTURE_3D: ("3D textures", profile.textures.max_3d_texture_size),
+    }.get(target, ("textures", profile.textures.max_texture_size))
     if max(width, height, layers) > limit:
         walk.refuse(
             f"the texture is {width}x{height}; {profile.name} holds {what} up to {limit}x{limit}. Scale "
@@ -285,7 +287,7 @@ def _texture_storage(walk, target, internal_format, width, height, layers=1):
             else f"the texture is {width}x{height}x{layers}; {profile.name} holds {what} up to {limit} "
             "texels an edge. Scale it down or split it."
         )
-    two = profile.power_of_two_textures and target is not TextureTarget.TEXTURE_RECTANGLE
+    two = profile.textures.power_of_two_textures and target is not TextureTarget.TEXTURE_RECTANGLE
     if two and layers & (layers - 1):
         walk.refuse(
             f"the texture has {layers} layers; {profile.name} takes edges that are powers of two. Give "

@@ -91,22 +91,22 @@ def _subset_problem(transfer, profile):
 
     for has, names, instead in (
         (
-            profile.color_matrix,
+            profile.pixels.color_matrix,
             asked("color_matrix", *_POST_MATRIX),
             "no colour matrix; combine components in a pass",
         ),
         (
-            profile.color_tables,
+            profile.pixels.color_tables,
             asked(*_TABLES),
             "no colour tables in pixel transfer; use pixel maps (map_color)",
         ),
         (
-            profile.convolution,
+            profile.pixels.convolution,
             asked(*_FILTERS, *_POST_CONVOLUTION),
             "no convolution; add shifted copies by blending",
         ),
         (
-            profile.histogram,
+            profile.pixels.histogram,
             asked("histogram", "minmax"),
             "no histogram and no minmax; count what ReadPixels returns",
         ),
@@ -138,7 +138,7 @@ def _maps_problem(maps, profile):
     if maps is INITIAL_TRANSFER.maps:
         return None
     for name in maps.__dataclass_fields__:
-        table, most = getattr(maps, name), profile.max_pixel_map_table
+        table, most = getattr(maps, name), profile.pixels.max_pixel_map_table
         if not 1 <= len(table) <= most:
             return f"pixel map {name} has {len(table)} entries; {profile.name} takes 1 to {most}."
         if name[0] in "is" and not _is_power_of_two(len(table)):
@@ -155,7 +155,7 @@ def color_table_problem(what, table, profile):
     """What is wrong with a ColorTable (or None: disabled), called ``what``."""
     if table is None:
         return None
-    size, most = len(table.entries), profile.max_color_table_size
+    size, most = len(table.entries), profile.pixels.max_color_table_size
     if not _is_power_of_two(size):
         return f"{what} has {size} entries; a colour table has a power of two of them. Pad it, or give None."
     if size > most:
@@ -176,7 +176,7 @@ def _filter_problem(name, kernel, profile):
         return f"convolution_1d has {high} rows; a one-dimensional filter has one. Use convolution_2d."
     if name != "separable_2d" and any(len(row) != wide for row in rows):
         return f"the rows of {name} have different lengths; give each {wide} pixels."
-    most = profile.max_convolution_size
+    most = profile.pixels.max_convolution_size
     if max(wide, high) > most:
         return (
             f"{name} has {wide}x{high} pixels; {profile.name} convolves with up to {most}x{most}. Split the "
@@ -194,10 +194,10 @@ def _counting_problem(name, table, profile):
         return f"the {name}'s base format is INTENSITY, which it cannot have; give LUMINANCE."
     if name == "histogram" and not _is_power_of_two(table.width):
         return f"the histogram has {table.width} entries; give a power of two."
-    if name == "histogram" and table.width > profile.max_color_table_size:
+    if name == "histogram" and table.width > profile.pixels.max_color_table_size:
         return (
             f"the histogram has {table.width} entries; {profile.name} holds up to "
-            f"{profile.max_color_table_size}. Give fewer."
+            f"{profile.pixels.max_color_table_size}. Give fewer."
         )
     return None
 

@@ -174,11 +174,12 @@ def validate_program(
     walk.where = "This program"
     if texture_shader is not None:
         units = len(texture_shader)
-        if not profile.texture_shader_operations:
+        if not profile.texture_shaders.texture_shader_operations:
             walk.refuse(f"{profile.name} has no texture shaders; choose a profile that has them.")
-        if units > profile.max_texture_units:
+        if units > profile.textures.max_texture_units:
             walk.refuse(
-                f"{profile.name} has {count(profile.max_texture_units, 'texture unit')}; this program has "
+                f"{profile.name} has {count(profile.textures.max_texture_units, 'texture unit')}; this "
+                f"program has "
                 f"{units} stages. Split the pass or choose a profile with more."
             )
         texture_units.texture_shader(

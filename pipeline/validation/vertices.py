@@ -11,7 +11,7 @@ from fixedpipe.pipeline.vertices.arithmetic import invert_upper_left
 def vertex(walk, vertex):
     """Refuse a vertex stage that the machine does not have."""
     if vertex.stage == VertexStage.PROGRAM_RESULTS:
-        if walk.profile.exact:
+        if walk.profile.arithmetic.exact:
             walk.refuse(
                 f"the vertex stage is PROGRAM_RESULTS, whose depths are a buffer's words; "
                 f"{walk.profile.name} has no such buffer: choose FIXED_FUNCTION, or a machine."
@@ -36,9 +36,10 @@ def vertex(walk, vertex):
     if vertex.composite is not None:
         _composite(walk, vertex)
     _viewport(walk, vertex.viewport)
-    if len(vertex.clip_planes) > walk.profile.max_clip_planes:
+    if len(vertex.clip_planes) > walk.profile.vertices.max_clip_planes:
         walk.refuse(
-            f"{walk.profile.name} has {count(walk.profile.max_clip_planes, 'clip plane')}; this pass "
+            f"{walk.profile.name} has {count(walk.profile.vertices.max_clip_planes, 'clip plane')}; this "
+            f"pass "
             f"enables {len(vertex.clip_planes)}. Clip the mesh, or draw it in parts."
         )
     if vertex.lighting is not None:
@@ -47,7 +48,7 @@ def vertex(walk, vertex):
 
 def _unit_only(walk, path, given, plain, names):
     """Refuse fields of ``given`` that only a lighting unit has, where they are not as in ``plain``."""
-    if walk.profile.lighting is LightingArithmetic.LIGHTING_UNIT:
+    if walk.profile.arithmetic.lighting is LightingArithmetic.LIGHTING_UNIT:
         return
     for name in names:
         if getattr(given, name) != getattr(plain, name):
@@ -59,7 +60,7 @@ def _unit_only(walk, path, given, plain, names):
 
 
 def _composite(walk, vertex):
-    if not walk.profile.composite_matrix:
+    if not walk.profile.vertices.composite_matrix:
         walk.refuse(
             f"{walk.profile.name} has no Composite; give the projection matrix and the viewport instead."
         )
@@ -91,10 +92,10 @@ def _viewport(walk, viewport):
     height = walk.height if viewport.height is None else viewport.height
     if width < 0 or height < 0:
         walk.refuse(f"the viewport is {width}x{height}; give sizes that are not negative.")
-    if max(width, height) > profile.max_viewport:
+    if max(width, height) > profile.framebuffers.max_viewport:
         walk.refuse(
             f"the viewport is {width}x{height}; {profile.name} takes up to "
-            f"{profile.max_viewport}x{profile.max_viewport}."
+            f"{profile.framebuffers.max_viewport}x{profile.framebuffers.max_viewport}."
         )
     for name in ("near", "far"):
         if not 0 <= getattr(viewport, name) <= 1:
@@ -103,24 +104,24 @@ def _viewport(walk, viewport):
 
 def _lighting(walk, lighting):
     profile = walk.profile
-    if len(lighting.lights) > profile.max_lights:
+    if len(lighting.lights) > profile.vertices.max_lights:
         walk.refuse(
-            f"{profile.name} has {count(profile.max_lights, 'light')}; this pass enables "
+            f"{profile.name} has {count(profile.vertices.max_lights, 'light')}; this pass enables "
             f"{len(lighting.lights)}. Add the others in a second pass with blending ONE, ONE."
         )
-    if lighting.separate_specular_color and not profile.separate_specular_color:
+    if lighting.separate_specular_color and not profile.vertices.separate_specular_color:
         walk.refuse(f"{profile.name} has no SEPARATE_SPECULAR_COLOR; use single color, or a second pass.")
     unit = ("front_sources", "back_sources", "back_model_ambient", "viewer_direction")
     _unit_only(walk, "lighting", lighting, Lighting(), unit)
     for face in ("front", "back"):
         _unit_only(walk, f"lighting.{face}", getattr(lighting, face), Material(), ("specular_coefficients",))
         shininess = getattr(lighting, face).shininess
-        if not 0 <= shininess <= profile.max_shininess:
+        if not 0 <= shininess <= profile.vertices.max_shininess:
             walk.refuse(
                 f"the {face} material's shininess is {shininess}; {profile.name} takes 0 to "
-                f"{profile.max_shininess}."
+                f"{profile.vertices.max_shininess}."
             )
-    has_unit = profile.lighting is LightingArithmetic.LIGHTING_UNIT
+    has_unit = profile.arithmetic.lighting is LightingArithmetic.LIGHTING_UNIT
     for i, light in enumerate(lighting.lights):
         unit = ("range", "half_vector", "spot", "back_ambient", "back_diffuse", "back_specular")
         _unit_only(walk, f"light {i}", light, Light(), unit)
@@ -134,10 +135,10 @@ def _lighting(walk, lighting):
                 f"light {i}'s spot cutoff is {light.spot_cutoff} degrees; {profile.name}'s lighting unit "
                 "takes a cone as the light's spot. Set that, and leave the cutoff at 180."
             )
-        if not 0 <= light.spot_exponent <= profile.max_shininess:
+        if not 0 <= light.spot_exponent <= profile.vertices.max_shininess:
             walk.refuse(
                 f"light {i}'s spot exponent is {light.spot_exponent}; {profile.name} takes 0 to "
-                f"{profile.max_shininess}."
+                f"{profile.vertices.max_shininess}."
             )
         if not (0 <= light.spot_cutoff <= 90 or light.spot_cutoff == 180):
             walk.refuse(

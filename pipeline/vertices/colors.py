@@ -43,7 +43,7 @@ def vertex_colors(mesh, vertex, position, eye, normal, profile):
         if vertex.two_side:
             black = (0.0, 0.0, 0.0, 1.0)
             back = columns_of(mesh.back_colors, black) + columns_of(mesh.back_secondary_colors, black)
-    elif profile.lighting == LightingArithmetic.LIGHTING_UNIT:
+    elif profile.arithmetic.lighting == LightingArithmetic.LIGHTING_UNIT:
         inverse = invert_upper_left(vertex.modelview) if vertex.lighting.lights else None
         given = columns_of(mesh.normals, (0.0, 0.0, 1.0))
         front, back = lighting_unit.light_vertices(vertex, inverse, position, given, color, secondary)
@@ -60,7 +60,7 @@ def vertex_colors(mesh, vertex, position, eye, normal, profile):
 
 
 def _clamps_colors(profile):
-    return Clamp.VERTEX_COLOR in profile.clamps
+    return Clamp.VERTEX_COLOR in profile.arithmetic.clamps
 
 
 def given_colors(mesh, columns, vertex, profile, bits):
@@ -89,10 +89,10 @@ def unrounded_colors(mesh, columns, vertex, profile):
 
 def kept_color_bits(vertex, profile):
     """How many bits of a colour's mantissa are kept on its way to a byte; None: it stays float64."""
-    if profile.exact:
+    if profile.arithmetic.exact:
         return None
-    exact = vertex.lighting is not None and profile.lighting == LightingArithmetic.EQUATIONS
-    return SIGNIFICANT_BITS if exact else profile.color_mantissa_bits
+    exact = vertex.lighting is not None and profile.arithmetic.lighting == LightingArithmetic.EQUATIONS
+    return SIGNIFICANT_BITS if exact else profile.arithmetic.color_mantissa_bits
 
 
 def stacked_colors(count, columns, significant_bits):

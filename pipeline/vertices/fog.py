@@ -100,7 +100,9 @@ def iterated_fog(mesh, state, eye, profile):
         return ZERO
     coordinate = _fog_coordinate(mesh, state, eye)
     return (
-        vertex_value(state.fog, coordinate) if profile.fog_arithmetic == FogArithmetic.TABLE else coordinate
+        vertex_value(state.fog, coordinate)
+        if profile.arithmetic.fog_arithmetic == FogArithmetic.TABLE
+        else coordinate
     )
 
 

@@ -143,7 +143,7 @@ def _vector(first, components):
 
 
 def _parameters(state, profile, half_size, center, width, height):
-    viewport, band = state.vertex.viewport, profile.guard_band
+    viewport, band = state.vertex.viewport, profile.arithmetic.guard_band
     near, far = np.float64(viewport.near), np.float64(viewport.far)
     row = np.empty(V.PARAMETERS)
     row[[V.HALF_X, V.HALF_Y]] = half_size
@@ -152,8 +152,8 @@ def _parameters(state, profile, half_size, center, width, height):
     row[[V.HIGH_X, V.HIGH_Y]] = (width + band) - center[0], (height + band) - center[1]
     row[V.DEPTH_SCALE], row[V.DEPTH_OFFSET] = (far - near) * np.float64(0.5), (far + near) * np.float64(0.5)
     row[V.SNAP_LOW], row[V.SNAP_HIGH_X], row[V.SNAP_HIGH_Y] = -band, width + band, height + band
-    row[V.STEPS], row[V.HEIGHT] = 1 << profile.subpixel_bits, height
-    row[V.UPPER_LEFT] = profile.device_origin == WindowOrigin.UPPER_LEFT
+    row[V.STEPS], row[V.HEIGHT] = 1 << profile.arithmetic.subpixel_bits, height
+    row[V.UPPER_LEFT] = profile.arithmetic.device_origin == WindowOrigin.UPPER_LEFT
     row[V.PERSPECTIVE] = state.perspective_correction
     return row
 

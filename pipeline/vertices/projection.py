@@ -48,6 +48,6 @@ def program_reciprocal(w):
 
 def snap(device, extent, profile):
     """Truncate toward zero to the subpixel grid, after clamping (and a NaN) to the guard band."""
-    low, high = np.float64(-profile.guard_band), np.float64(extent + profile.guard_band)
-    steps = np.float64(1 << profile.subpixel_bits)
+    low, high = np.float64(-profile.arithmetic.guard_band), np.float64(extent + profile.arithmetic.guard_band)
+    steps = np.float64(1 << profile.arithmetic.subpixel_bits)
     return np.trunc(np.fmin(np.fmax(device, low), high) * steps)

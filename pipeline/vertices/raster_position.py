@@ -65,7 +65,7 @@ def _given(position, state, profile):
         y,
         near + min(max(z, 0.0), 1.0) * (far - near),
         1.0,
-        colors if profile.exact else np.clip(colors, 0.0, 1.0),
+        colors if profile.arithmetic.exact else np.clip(colors, 0.0, 1.0),
         coordinates,
         fog,
     )

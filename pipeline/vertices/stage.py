@@ -92,7 +92,9 @@ def process(mesh, state, profile, width, height, sample=(0, 0), *, rounded=True)
     with np.errstate(all="ignore"):
         if plan is None:
             return process_columns(mesh, state, profile, width, height, sample, rounded=rounded)
-        return _seen_from(_planned(mesh, columns, plan, state, profile, bits), sample, profile.subpixel_bits)
+        return _seen_from(
+            _planned(mesh, columns, plan, state, profile, bits), sample, profile.arithmetic.subpixel_bits
+        )
 
 
 def _planned(mesh, columns, plan, state, profile, bits):
@@ -217,7 +219,7 @@ def process_columns(mesh, state, profile, width, height, sample=(0, 0), *, round
     bits = kept_color_bits(state.vertex, profile) if rounded else None
     triangles = assemble(mesh, state.polygon.provoking_vertex)
     primitives, origin, triangles, sizes = _process(mesh, triangles, state, profile, width, height, bits)
-    primitives = _seen_from(primitives, sample, profile.subpixel_bits)
+    primitives = _seen_from(primitives, sample, profile.arithmetic.subpixel_bits)
     return stroked(primitives, mesh, state, profile, triangles, origin, sizes)
 
 
@@ -269,7 +271,9 @@ def _clipped_columns(mesh, triangles, columns, state, profile, width, height):
         half_size, center = _half_size_and_center(vertex, width, height)
         clamped = state.depth_clamp is not None or vertex.composite is not None
         size = width, height
-        planes = clip_planes(vertex.clip_planes, half_size, center, size, profile.guard_band, clamped)
+        planes = clip_planes(
+            vertex.clip_planes, half_size, center, size, profile.arithmetic.guard_band, clamped
+        )
         clipped = (clip if polygons else clip_lines)(triangles, columns, len(mesh.positions), planes)
         triangles, columns, origin, dropped = clipped
     return triangles, columns, origin, dropped
@@ -305,10 +309,10 @@ def _process(mesh, triangles, state, profile, width, height, bits):
         triangles, origin = triangles[kept], origin[kept]
         dropped += len(lost)
     unclamped = vertex.depth_units or state.depth_clamp is not None
-    if profile.device_origin == WindowOrigin.UPPER_LEFT:
+    if profile.arithmetic.device_origin == WindowOrigin.UPPER_LEFT:
         y = snap(height - y, height, profile)
     else:
-        y = (height << profile.subpixel_bits) - snap(y, height, profile)
+        y = (height << profile.arithmetic.subpixel_bits) - snap(y, height, profile)
     if not state.perspective_correction:
         inverse_w = ONE
     primitives = WindowPrimitives(

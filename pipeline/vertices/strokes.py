@@ -53,7 +53,7 @@ def point_sizes(mesh, state, profile, eye):
         under = keep_significant_bits(np.asarray(positive(under)), _SIZE_BITS)
         factor = np.fmin(positive(ONE / np.sqrt(under) + np.float64(given.bias)), ONE)
         size = factor * np.float64(given.range) + np.float64(given.minimum)
-    return np.fmin(np.fmax(size, np.float64(_SMALLEST)), np.float64(profile.max_point_size))
+    return np.fmin(np.fmax(size, np.float64(_SMALLEST)), np.float64(profile.primitives.max_point_size))
 
 
 def outlined(triangles, boundary, x, y, polygon):
@@ -136,7 +136,7 @@ def with_steps(primitives, groups, line, profile):
     x, y = primitives.x[ends].astype(np.int64), primitives.y[ends].astype(np.int64)
     across, down = x[:, 1] - x[:, 0], y[:, 1] - y[:, 0]
     y_is_major = abs(across) < abs(down)
-    if profile.diamond_exit_lines:
+    if profile.arithmetic.diamond_exit_lines:
         beside = 8 * (whole_size(line.width) - 1)
         x, y = np.where(y_is_major[:, None], x - beside, x), np.where(y_is_major[:, None], y, y + beside)
         major, minor = np.where(y_is_major, [y.T, x.T], [x.T, y.T])
@@ -165,14 +165,16 @@ def with_squares(primitives, sizes, units, profile):
     points = np.flatnonzero(primitives.strokes[:, KIND] == C.PRIMITIVE_POINT)
     at = primitives.triangles[points, 0].repeat(3)  # lower left, lower right, upper right
     sizes = np.broadcast_to(sizes, len(primitives.x))[at]
-    half = (8 * whole_size(sizes) if profile.diamond_exit_lines else np.trunc(sizes * 8.0)).astype(np.int32)
+    half = (8 * whole_size(sizes) if profile.arithmetic.diamond_exit_lines else np.trunc(sizes * 8.0)).astype(
+        np.int32
+    )
     right, low = np.tile([False, True, True], len(points)), np.tile([True, True, False], len(points))
     grown = {
         name: np.concatenate([getattr(primitives, name), getattr(primitives, name)[at]])
         for name in ("x", "y", "z", "inverse_w", "colors", "coordinates", "fog")
     }
     first = len(primitives.x)
-    if profile.diamond_exit_lines:
+    if profile.arithmetic.diamond_exit_lines:
         odd, x, y = (half & 8) != 0, primitives.x[at], primitives.y[at]
         grown["x"][first:] = np.where(odd, (x & -16) + 8, (x + 8) & -16)
         grown["y"][first:] = np.where(odd, -(-y & -16) - 8, -((8 - y) & -16))  # window y runs upwards

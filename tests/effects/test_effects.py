@@ -81,7 +81,7 @@ def test_expand_on_the_machine_reads_back_zero_exactly_and_all_else_within_half_
 
 
 def test_expand_with_the_half_at_127_5_is_the_naive_encoding():
-    other = replace(GEFORCE_256, expand_half=127.5)
+    other = GEFORCE_256.changed(expand_half=127.5)
     v = np.linspace(-1.0, 1.0, 777)
     assert np.array_equal(encode_expand(v, other), np.floor(255 * (v / 2 + 0.5) + 0.5))
 
@@ -648,7 +648,7 @@ def machine_and_truth(alpha_x, alpha_y, half_stored_at=None):
 
     ``half_stored_at``: 127.5 stores vectors naively, for another machine than the one that reads them.
     """
-    storing = GEFORCE_256 if half_stored_at is None else replace(GEFORCE_256, expand_half=half_stored_at)
+    storing = GEFORCE_256 if half_stored_at is None else GEFORCE_256.changed(expand_half=half_stored_at)
     material, half = random_material(alpha_x, alpha_y), upper_directions(16, 12)
     loading, names = material_textures.load(material, "random", storing)
     cell = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])

@@ -265,7 +265,7 @@ def test_rays_are_stopped_by_what_lies_before_them():
     ],
 )
 def test_a_ball_is_lit_by_phongs_model(method, profile, bound):
-    what = picture(bits=profile.color_bits[0])
+    what = picture(bits=profile.framebuffers.color_bits[0])
     surface = volume_caster.visible(BALL, what.view)
     s, n = what.shading, surface.normals
     fill, light, half = (np.maximum(dot(n, v), 0.0)[..., None] for v in (what.eye, what.light, what.half))
@@ -348,7 +348,7 @@ def test_each_machine_has_its_method_or_says_why_not():
     for name, profile in PROFILES.items():
         if name in with_matrix:
             assert method_of(profile) is imaging
-        elif profile.max_general_combiners >= 8:
+        elif profile.combiners.max_general_combiners >= 8:
             assert method_of(profile) is combiners
         else:
             with pytest.raises(ValueError, match="OCTANE"):

@@ -60,12 +60,11 @@ from tests.support.random_environments import random_environment
 WIDTH, HEIGHT = 32, 16  # powers of two: window coordinates are exact, in float32 too
 
 # A board with OpenGL's rules and the extensions that both sides have.
-EXTENDED = replace(
-    MULTITEXTURE,
+EXTENDED = MULTITEXTURE.changed(
     name="OpenGL with extensions",
     blend_factors_source=frozenset(BlendFactor),
     blend_factors_destination=frozenset(BlendFactor) - {BlendFactor.SRC_ALPHA_SATURATE},
-    blend_equations=OPENGL_1_2_IMAGING.blend_equations,
+    blend_equations=OPENGL_1_2_IMAGING.fragments.blend_equations,
     stencil_operations=frozenset(StencilOperation),
     fog_coordinate=True,
     texture_environment_modes=frozenset(TextureEnvironmentMode) - {TextureEnvironmentMode.NONE},
@@ -76,7 +75,7 @@ EXTENDED = replace(
 PROFILES = (
     EXTENDED,
     OPENGL_1_2,
-    replace(MULTITEXTURE, add_signed_scale_by_four=True),  # as EXT_texture_env_combine has it
+    MULTITEXTURE.changed(add_signed_scale_by_four=True),  # as EXT_texture_env_combine has it
     OPENGL_1_2_IMAGING,
 )
 
@@ -200,7 +199,7 @@ def meshes(draw, primitives=POLYGONS, exact_colors=False, aligned=False):
 
 
 def _stencil_tests(profile):
-    operations = st.sampled_from(sorted(profile.stencil_operations))
+    operations = st.sampled_from(sorted(profile.fragments.stencil_operations))
     return st.builds(
         StencilTest,
         function=_functions,
@@ -216,9 +215,9 @@ def _stencil_tests(profile):
 def _blendings(profile):
     return st.builds(
         Blending,
-        source=st.sampled_from(sorted(profile.blend_factors_source)),
-        destination=st.sampled_from(sorted(profile.blend_factors_destination)),
-        equation=st.sampled_from(sorted(profile.blend_equations)),
+        source=st.sampled_from(sorted(profile.fragments.blend_factors_source)),
+        destination=st.sampled_from(sorted(profile.fragments.blend_factors_destination)),
+        equation=st.sampled_from(sorted(profile.fragments.blend_equations)),
         color=byte_colors,
     )
 
@@ -236,7 +235,9 @@ _scissors = st.builds(
 
 
 def _fogs(profile):
-    sources = FogCoordinateSource if profile.fog_coordinate else (FogCoordinateSource.FRAGMENT_DEPTH,)
+    sources = (
+        FogCoordinateSource if profile.vertices.fog_coordinate else (FogCoordinateSource.FRAGMENT_DEPTH,)
+    )
     distances = st.sampled_from((0.0, 1.0, 2.0, -1.0, 0.25, 3.5))
     return st.builds(
         Fog,
@@ -272,7 +273,7 @@ _FILTERS = (TextureFilter.NEAREST, TextureFilter.LINEAR)
 @st.composite
 def textures(draw, profile, name):
     """A texture of one to eight texels along each edge, of noise; with mipmaps or without."""
-    targets = profile.texture_targets & {TextureTarget.TEXTURE_1D, TextureTarget.TEXTURE_2D}
+    targets = profile.textures.texture_targets & {TextureTarget.TEXTURE_1D, TextureTarget.TEXTURE_2D}
     random, mipmaps = np.random.default_rng(draw(seeds)), draw(st.booleans())
     width, height = (1 << draw(st.integers(0, 3)) for _ in range(2))
     internal_format = draw(st.sampled_from(_FORMATS))
@@ -295,7 +296,7 @@ def texture_units(draw, profile, texture, number, exact, aligned):
     """A unit that reads the texture; ``exact``: and hands on a texel's bytes; ``aligned``: all pixels have
     one lambda, and mipmaps may be read.
     """
-    image, wraps = texture.image, st.sampled_from(sorted(profile.wrap_modes))
+    image, wraps = texture.image, st.sampled_from(sorted(profile.textures.wrap_modes))
     filters = st.just(TextureFilter.NEAREST) if exact else st.sampled_from(_FILTERS)
     magnified = minified = draw(filters)
     gen, matrix = (TexGen(),) * 4, IDENTITY
@@ -391,7 +392,7 @@ def draws(draw, profile, bitwise, offset, images):
             )
     if not offset:
         polygon = replace(polygon, offset_fill=False)
-    color_sum = profile.color_sum and lighting is None and draw(st.booleans())
+    color_sum = profile.fragments.color_sum and lighting is None and draw(st.booleans())
     fog = draw(maybe(_fogs(profile))) if not bitwise else None
     if (color_sum and images) or (lighting is not None and lighting.separate_specular_color):
         fog = None
@@ -461,7 +462,9 @@ def frames(draw, profile, offset=True, textured=False):
     bitwise = draw(st.integers(0, 5)) == 5
     images = ()
     if textured:
-        images = tuple(draw(textures(profile, f"texture {i}")) for i in range(profile.max_texture_units))
+        images = tuple(
+            draw(textures(profile, f"texture {i}")) for i in range(profile.textures.max_texture_units)
+        )
     return (
         *images,
         *clears,

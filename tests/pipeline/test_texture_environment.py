@@ -46,8 +46,8 @@ from tests.support.run_reference import run_reference
 
 MODE, FUNCTION = TextureEnvironmentMode, CombineFunction
 SOURCE, OPERAND = CombineSource, CombineOperand
-ADD_SIGNED_BY_FOUR = replace(GEFORCE_3, add_signed_scale_by_four=True)
-CROSSBAR = replace(MULTITEXTURE, texture_environment_crossbar=True)
+ADD_SIGNED_BY_FOUR = GEFORCE_3.changed(add_signed_scale_by_four=True)
+CROSSBAR = MULTITEXTURE.changed(texture_environment_crossbar=True)
 # An internal format for each base format.
 FORMATS = {
     BaseFormat.ALPHA: InternalFormat.ALPHA8,
@@ -339,8 +339,7 @@ def test_every_source_and_operand():
 def random_pass(chooser):
     """A profile, a state with one to four units and the formats of their textures."""
     machine = chooser.choice((GEFORCE_256, GEFORCE_3, MULTITEXTURE, G400, CROSSBAR, IDEAL))
-    profile = replace(
-        machine,
+    profile = machine.changed(
         product_rounding=chooser.choice(list(ProductRounding)),
         round_before_scale=chooser.random() < 0.5,
         expand_half=chooser.choice((128, 127.5)),
@@ -350,7 +349,7 @@ def random_pass(chooser):
     bases = [chooser.choice(list(FORMATS)) for _ in range(4)]
     textures = images(*(FORMATS[base] for base in bases))
     units = []
-    for i in range(chooser.randint(1, profile.max_texture_units)):
+    for i in range(chooser.randint(1, profile.textures.max_texture_units)):
         environment = random_environment(chooser, profile, FORMATS[bases[i]])
         units.append(TextureUnit("abcd"[i], environment=environment) if chooser.random() < 0.85 else None)
     state = PassState(
@@ -470,7 +469,9 @@ def rendered_frames(count, seed):
     chooser = random.Random(seed)
     for number in range(count):
         profile = chooser.choice((GEFORCE_256, GEFORCE_3, MULTITEXTURE, G400))
-        formats = [chooser.choice(sorted(FORMATS.values())) for _ in range(profile.max_texture_units)]
+        formats = [
+            chooser.choice(sorted(FORMATS.values())) for _ in range(profile.textures.max_texture_units)
+        ]
         units = tuple(
             TextureUnit("abcd"[i], NEAREST, environment=random_environment(chooser, profile, f))
             if chooser.random() < 0.9
@@ -599,7 +600,7 @@ def test_the_ideal_keeps_what_exceeds_one_between_units_and_nothing_negative():
 
 def test_machine_and_ideal_differ_by_rounding_alone():
     chooser, largest = random.Random(8), 0.0
-    conventional = replace(GEFORCE_256, texture_environment_modes=frozenset(CONVENTIONAL[:4]))
+    conventional = GEFORCE_256.changed(texture_environment_modes=frozenset(CONVENTIONAL[:4]))
     for number in range(12):
         environment = random_environment(chooser, conventional, InternalFormat.RGBA8)
         state = PassState(texture_units=(TextureUnit("a", NEAREST, environment=environment),))
@@ -654,7 +655,7 @@ COMBINE4 = {
     "rgb": Combine(FUNCTION.ADD, FOUR, FOUR_OPERANDS),
     "alpha": Combine(FUNCTION.ADD, FOUR, (OPERAND.SRC_ALPHA,) * 4),
 }
-NO_ENVIRONMENTS = replace(GEFORCE_256, texture_environment_modes=frozenset())
+NO_ENVIRONMENTS = GEFORCE_256.changed(texture_environment_modes=frozenset())
 REFUSED = {
     "no environments at all": (
         NO_ENVIRONMENTS,

@@ -59,8 +59,8 @@ def test_every_texture_unit_has_an_environment_for_the_peer(name):
 
 
 def test_the_bump_scenes_use_the_whole_machine():
-    assert len(BUMP.general) == GEFORCE_256.max_general_combiners
-    assert len(SCENES["c"].draw(64).state.texture_units) == GEFORCE_256.max_texture_units
+    assert len(BUMP.general) == GEFORCE_256.combiners.max_general_combiners
+    assert len(SCENES["c"].draw(64).state.texture_units) == GEFORCE_256.textures.max_texture_units
     assert len(MODULATE.general) == 1
 
 

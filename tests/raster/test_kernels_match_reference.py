@@ -86,8 +86,7 @@ from tests.support.run_reference import run_reference
 from tests.support.strategies import SHOW_TEXTURE, seeds
 
 MACHINES = [
-    replace(
-        GEFORCE_256,
+    GEFORCE_256.changed(
         max_general_combiners=8,
         per_stage_constants=True,
         expand_half=half,
@@ -264,7 +263,7 @@ def test_all_512_by_512_products_with_every_scale_and_bias(profile, scale, bias)
 @pytest.mark.parametrize("half", [128, 127.5])
 @pytest.mark.parametrize("mapping", Mapping)
 def test_every_mapping_over_its_whole_domain(mapping, half):
-    profile = replace(GEFORCE_256, expand_half=half)
+    profile = GEFORCE_256.changed(expand_half=half)
     file = Registers(512)
     file.planes[:] = SIGNED
     file.planes[4 * Register.ZERO : 4 * Register.ZERO + 4] = 0
@@ -458,8 +457,8 @@ def colors_of_all_pairs():
 
 
 CONSTANT = (0.2, 0.6, 1.0, 0.35)
-FACTORS = [("source", f) for f in sorted(GEFORCE_256.blend_factors_source)] + [
-    ("destination", f) for f in sorted(GEFORCE_256.blend_factors_destination)
+FACTORS = [("source", f) for f in sorted(GEFORCE_256.fragments.blend_factors_source)] + [
+    ("destination", f) for f in sorted(GEFORCE_256.fragments.blend_factors_destination)
 ]
 
 
@@ -482,12 +481,12 @@ def test_every_blend_factor_over_all_pairs_of_bytes(side, factor):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("equation", sorted(GEFORCE_256.blend_equations))
-@pytest.mark.parametrize("source_factor", sorted(GEFORCE_256.blend_factors_source))
+@pytest.mark.parametrize("equation", sorted(GEFORCE_256.fragments.blend_equations))
+@pytest.mark.parametrize("source_factor", sorted(GEFORCE_256.fragments.blend_factors_source))
 def test_every_pair_of_blend_factors(source_factor, equation):
     some, more = np.linspace(0, 255, 32).astype(int), np.linspace(0, 255, 64).astype(int)
     source, destination = (image[np.ix_(some, more)] for image in colors_of_all_pairs())
-    for destination_factor in sorted(GEFORCE_256.blend_factors_destination):
+    for destination_factor in sorted(GEFORCE_256.fragments.blend_factors_destination):
         blending = Blending(source_factor, destination_factor, equation, CONSTANT)
         got = drawn_over(source, destination, blending=blending).color
         for s, d, result in zip(
@@ -750,7 +749,7 @@ def test_wrap_modes_are_alike_on_and_around_every_step(mode, size, texture_filte
 @pytest.mark.parametrize("minification", list(TextureFilter)[2:])
 def test_every_lambda_reads_the_same_levels(minification, magnification, threshold):
     # One texel a pixel, so that lambda is the bias (or 1/256 less, where the iteration rounds down).
-    profile = replace(GEFORCE_256, magnification_threshold=threshold)
+    profile = GEFORCE_256.changed(magnification_threshold=threshold)
     random = np.random.default_rng(5)
     image = texture_2d(random.integers(0, 256, (8, 8, 4), np.uint8), mipmaps=True)
     corners = np.array([[-1.0, -1.0], [3.0, -1.0], [-1.0, 3.0]])

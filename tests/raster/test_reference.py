@@ -479,7 +479,7 @@ def test_mipmap_filters_choose_their_levels(texels_per_pixel, minification, expe
 
 
 def test_opengls_threshold_keeps_a_linear_magnifier_half_a_level_longer():
-    opengl = replace(GEFORCE_256, magnification_threshold=MagnificationThreshold.OPENGL_C)
+    opengl = GEFORCE_256.changed(magnification_threshold=MagnificationThreshold.OPENGL_C)
     sampler = Sampler(min_filter=TextureFilter.NEAREST_MIPMAP_LINEAR, mag_filter=TextureFilter.LINEAR)
     assert sample.magnification_threshold(sampler, opengl) == 128
     assert sample.magnification_threshold(sampler, GEFORCE_256) == 0
@@ -535,8 +535,8 @@ def test_expansion_by_the_real_half():
 NO_SCALE, TWO, FOUR, HALF = CombinerScale
 BIASED = CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF
 UNBIASED = CombinerBias.NONE
-PER_PRODUCT = replace(GEFORCE_256, product_rounding=ProductRounding.PER_PRODUCT)
-SCALE_FIRST = replace(GEFORCE_256, round_before_scale=False)
+PER_PRODUCT = GEFORCE_256.changed(product_rounding=ProductRounding.PER_PRODUCT)
+SCALE_FIRST = GEFORCE_256.changed(round_before_scale=False)
 
 
 @pytest.mark.parametrize(
@@ -546,7 +546,7 @@ SCALE_FIRST = replace(GEFORCE_256, round_before_scale=False)
         ([200 * 255], NO_SCALE, BIASED, GEFORCE_256, 72),
         ([100 * 255], FOUR, UNBIASED, GEFORCE_256, 255),
         ([-100 * 255], FOUR, UNBIASED, GEFORCE_256, -256),
-        ([-100 * 255], FOUR, UNBIASED, replace(GEFORCE_256, clamp_low=-255), -255),
+        ([-100 * 255], FOUR, UNBIASED, GEFORCE_256.changed(clamp_low=-255), -255),
         ([-1 * 255], HALF, UNBIASED, GEFORCE_256, 0),
         ([-3 * 255], HALF, UNBIASED, GEFORCE_256, -1),
         ([3 * 255], HALF, UNBIASED, GEFORCE_256, 2),

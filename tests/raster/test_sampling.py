@@ -30,12 +30,11 @@ from tests.support.strategies import SHOW_TEXTURE, seeds, textured_frame
 WIDTH, HEIGHT = 16, 8
 MODES = (BaseFormat.LUMINANCE, BaseFormat.INTENSITY, BaseFormat.ALPHA)
 # A machine that no one built: everything that a sampler may ask for.
-MACHINE = replace(
-    GEFORCE_3,
+MACHINE = GEFORCE_3.changed(
     max_probes=16,
     shadow_ambient=True,
     depth_texture_modes=MODES,
-    device_origin=OPENGL_1_2.device_origin,
+    device_origin=OPENGL_1_2.arithmetic.device_origin,
 )
 NEAREST, LINEAR = TextureFilter.NEAREST, TextureFilter.LINEAR
 COMPARES = TextureCompareMode.COMPARE_R_TO_TEXTURE
@@ -151,7 +150,7 @@ def test_as_many_probes_as_texels_lie_along_a_pixel_are_averaged(turned):
         TexImage(label="t", texture="t", image=texture_2d(image, mipmaps=True)),
         window(SQUARE, (TextureUnit("t", replace(PYRAMID, max_probes=8)),), register_combiners=SHOW_TEXTURE),
     ]
-    machine = replace(MACHINE, max_probes=8)
+    machine = MACHINE.changed(max_probes=8)
     got = execute(commands, machine, 8, 8, depth_bits=24).framebuffer.color[::-1]
     np.testing.assert_array_equal(got.swapaxes(0, 1) if turned else got, expected)
 
@@ -170,7 +169,7 @@ def test_probes_are_limited_and_then_read_coarser_levels(texels_across, most, pr
         TexImage(label="t", texture="t", image=image),
         window(SQUARE, (unit,), register_combiners=SHOW_TEXTURE),
     ]
-    got = execute(commands, replace(MACHINE, max_probes=most), 8, 8, depth_bits=24).framebuffer.color[::-1]
+    got = execute(commands, MACHINE.changed(max_probes=most), 8, 8, depth_bits=24).framebuffer.color[::-1]
     wide = levels[level][0].shape[1]
     at = np.arange(8)[:, None] + (2 * np.arange(probes) + 1) / (2 * probes)  # the probes, in pixels
     rows = np.arange(8) >> level
@@ -205,7 +204,7 @@ def test_what_a_comparison_gives(mode, held, failed):
         TexImage(label="t", texture="t", image=image),
         window(coordinates, (TextureUnit("t", sampler),), register_combiners=SHOW_TEXTURE),
     ]
-    machine = replace(MACHINE, depth_texture_modes=(BaseFormat.LUMINANCE, *MODES[1:]))
+    machine = MACHINE.changed(depth_texture_modes=(BaseFormat.LUMINANCE, *MODES[1:]))
     row = execute(commands, machine, 8, 2, depth_bits=24).framebuffer.color[0].tolist()
     assert row == [list(held)] * 4 + [list(failed)] * 4
 
@@ -274,7 +273,7 @@ def test_the_ideal_s_footprints_are_the_machine_s_but_for_rounding():
             TexImage(label="t", texture="t", image=image),
             window(coordinates, (unit,), register_combiners=SHOW_TEXTURE),
         ]
-        machine = execute(commands, replace(MACHINE, max_probes=8), 16, 16).framebuffer.color / 255.0
+        machine = execute(commands, MACHINE.changed(max_probes=8), 16, 16).framebuffer.color / 255.0
         assert np.abs(machine - execute_ideal(commands, 16, 16).color).max() < 3.5 / 255
 
 
@@ -298,7 +297,7 @@ def test_the_ideal_compares_before_it_filters():
     held = np.array([0.25, 0.25, 0.75, 0.75, 0.25, 0.25, 0.75, 0.75])
     np.testing.assert_allclose(color[0, :, 0], 0.3 + 0.7 * held, atol=1e-9)
     assert (color[..., 3] == 1.0).all()
-    machine = execute(commands, replace(MACHINE, depth_texture_modes=MODES), 8, 2).framebuffer.color
+    machine = execute(commands, MACHINE.changed(depth_texture_modes=MODES), 8, 2).framebuffer.color
     assert np.abs(machine / 255.0 - color).max() <= 2 / 255
 
 
@@ -366,7 +365,7 @@ SHADOW = Sampler(NEAREST, NEAREST, compare_mode=COMPARES)
         (replace(PYRAMID, max_probes=16), TEXRAM, COLORS, "takes up to 8"),
         (
             replace(PYRAMID, max_probes=2, max_anisotropy=2.0),
-            replace(GEFORCE_256, max_probes=8),
+            GEFORCE_256.changed(max_probes=8),
             COLORS,
             "one of them",
         ),

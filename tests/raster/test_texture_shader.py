@@ -183,13 +183,13 @@ def test_words_of_sixteen_bits_are_filtered_as_the_specification_filters_them(ma
 @pytest.mark.parametrize("kind", [TexelWord.Y16_FIXED, TexelWord.Y16_FLOAT, TexelWord.X8_Y24_FIXED])
 @pytest.mark.parametrize("profile", [NV2A, GEFORCE_3])
 def test_depth_textures_are_compared_alike(filtered, mode, kind, profile):
-    if mode not in profile.texture_compare_modes:
+    if mode not in profile.textures.texture_compare_modes:
         return
     random = np.random.default_rng(kind)
     words = random.integers(0, 1 << 12, (4, 4)) << (8 if kind == TexelWord.X8_Y24_FIXED else 0)
     for function in ComparisonFunction:
         sampler = Sampler(filtered, filtered, compare_mode=mode, compare_function=function)
-        scale = 1.0 if profile.depth_units_in_coordinates else 2.0**-16
+        scale = 1.0 if profile.textures.depth_units_in_coordinates else 2.0**-16
         sets = np.column_stack([random.uniform(-1, 2, (6, 2)), random.uniform(0, 4096, 6) * scale])
         mesh = Mesh(
             np.column_stack([random.uniform(0, WIDTH, 6), random.uniform(0, HEIGHT, 6), np.zeros(6)]),
@@ -231,10 +231,10 @@ def test_what_is_inconsistent_is_refused():
     refused((two, two, BRDF), "22c", "give it a TEXTURE_3D")
     refused((two, two, BRDF), "223", "has no BRDF_TEXTURE_3D", GEFORCE_3)
     refused((Operation.TEXTURE_1D,), "2", "is a TEXTURE_2D")
-    few = replace(NV2A, texture_shader_operations=frozenset({two}))
+    few = NV2A.changed(texture_shader_operations=frozenset({two}))
     refused((two, offset), "22", "has no OFFSET_TEXTURE_2D .*; it has TEXTURE_2D", few)
     identity = frozenset({DotProductMapping.UNSIGNED_IDENTITY})
-    narrow = replace(NV2A, dot_product_mappings=identity)
+    narrow = NV2A.changed(dot_product_mappings=identity)
     expanded = {"dot_product_mapping": DotProductMapping.EXPAND_NORMAL}
     refused((two, DOT), "2", "no dot product mapping EXPAND_NORMAL", narrow, **expanded)
 
@@ -259,7 +259,7 @@ def test_a_unit_whose_stage_reads_no_texture_is_checked_all_the_same():
         validate((generated,), NV2A, WIDTH, HEIGHT)
 
 
-GEFORCE_256_WITH_UNITS = replace(GEFORCE_256, max_texture_units=4)
+GEFORCE_256_WITH_UNITS = GEFORCE_256.changed(max_texture_units=4)
 
 
 # ------------------------------------------------------------------------- boards without register combiners
@@ -316,7 +316,7 @@ def bumped(stages, environments, filters=TextureFilter.NEAREST, seed=0):
 def test_offset_bump_maps_through_texture_environments(profile, filters, modulates):
     stages = (
         (BUMPS, SCALED)
-        if Operation.OFFSET_TEXTURE_2D_SCALE in profile.texture_shader_operations
+        if Operation.OFFSET_TEXTURE_2D_SCALE in profile.texture_shaders.texture_shader_operations
         else (BUMPS,)
     )
     for seed, program in enumerate(stages):

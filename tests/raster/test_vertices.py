@@ -184,7 +184,7 @@ def states(modes, element, lighting, fog):
 
 
 machines = st.sampled_from(
-    [GEFORCE_256, NV2A, IDEAL, replace(GEFORCE_256, device_origin=WindowOrigin.LOWER_LEFT, subpixel_bits=3)]
+    [GEFORCE_256, NV2A, IDEAL, GEFORCE_256.changed(device_origin=WindowOrigin.LOWER_LEFT, subpixel_bits=3)]
 )
 
 
@@ -302,13 +302,13 @@ clip_vertices = st.tuples(near_planes, near_planes, near_planes, ws) | tuples(ne
     viewports,
 )
 def test_triangles_clipped_one_by_one_are_those_clipped_at_once(places, rows, others, profile, viewport):
-    profile = replace(profile, guard_band=16)
+    profile = profile.changed(guard_band=16)
     count = len(places)
     columns = [*np.array(places).T, *np.array(others)[:, :count]]
     rows = np.array(rows, np.int32).reshape(-1, 4) % count
     state = PassState(vertex=VertexState(viewport=viewport))
     half_size, center = projection.viewport_transform(viewport, WIDTH, HEIGHT)
-    planes = clip_planes((), half_size, center, (WIDTH, HEIGHT), profile.guard_band, False)
+    planes = clip_planes((), half_size, center, (WIDTH, HEIGHT), profile.arithmetic.guard_band, False)
     with np.errstate(all="ignore"):
         expected, clipped, origin, dropped = clip(rows, columns, count, planes)
         x, y, z, inverse_w = projection.window_coordinates(clipped[:4], viewport, half_size, center)
@@ -382,7 +382,7 @@ def test_plans_of_states_that_come_and_go_are_forgotten():
 
 def test_each_machine_and_framebuffer_has_its_own_plan():
     mesh, state = grid(), PassState()
-    other = replace(GEFORCE_256, subpixel_bits=5)
+    other = GEFORCE_256.changed(subpixel_bits=5)
     for _ in range(2):
         for size in (64, 32), (32, 64), (64, 64):
             for profile in (GEFORCE_256, other):

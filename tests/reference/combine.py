@@ -77,14 +77,14 @@ def combiner_output(products, scale, bias, profile):
     Products that are rounded one by one leave no exact sum to scale first.
     """
     half = HALF if bias == CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF else 0
-    if profile.product_rounding == ProductRounding.PER_PRODUCT:
+    if profile.arithmetic.product_rounding == ProductRounding.PER_PRODUCT:
         total = scale_rounded(sum(fixed.divide_by_255(n) for n in products) - half, scale)
-    elif profile.round_before_scale:
+    elif profile.arithmetic.round_before_scale:
         total = scale_rounded(fixed.divide_by_255(sum(products)) - half, scale)
     else:
         total = scaled_quotient(sum(products), scale)
         total -= 2 * half if scale == CombinerScale.SCALE_BY_TWO else half
-    return fixed.clamp(total, profile.clamp_low, ONE)
+    return fixed.clamp(total, profile.arithmetic.clamp_low, ONE)
 
 
 def mux_takes_cd(spare0_alpha, select=MuxSelect.MSB):
@@ -101,7 +101,9 @@ def portion_outputs(registers, portion, components, dot_products, profile, mux_s
     variables = (portion.a, portion.b, portion.c, portion.d)
     ab, cd = {}, {}
     for k in components:
-        a, b, c, d = (read_component(registers, variable, k, profile.expand_half) for variable in variables)
+        a, b, c, d = (
+            read_component(registers, variable, k, profile.arithmetic.expand_half) for variable in variables
+        )
         ab[k], cd[k] = [a * b], [c * d]
     if dot_products[0]:
         ab = {k: [ab[other][0] for other in components] for k in components}

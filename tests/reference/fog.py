@@ -36,7 +36,7 @@ def thresholds(mode, density, start, end):
 
 def fog_factor(coordinate, fog, profile):
     """The factor as a byte. Measured: FogGen, its width; Assumed: rounding to nearest (ROUNDED)."""
-    if profile.fog_arithmetic == FogArithmetic.TABLE:
+    if profile.arithmetic.fog_arithmetic == FogArithmetic.TABLE:
         return table_factor(coordinate, fog.mode)
     limits = thresholds(fog.mode, fog.density, fog.start, fog.end)
     if fog.mode == FogMode.LINEAR and fog.start > fog.end:

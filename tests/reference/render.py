@@ -146,7 +146,7 @@ def shape_of(primitives, vertices, kind, state, profile):
     """(what has a row's edge values, whether it draws a pixel). Source: docs/numbers.md sections 3, 11."""
     if kind == LINE:
         b, a = ((primitives.x[v], primitives.y[v]) for v in vertices[:2])
-        if profile.diamond_exit_lines:
+        if profile.arithmetic.diamond_exit_lines:
             line = strokes.DiamondLine(a, b, max(1, math.floor(state.line.width + 0.5)))
             return line, line.covers
         line = strokes.Line(a, b, math.floor(8 * state.line.width), state.line.rasterization)
@@ -200,7 +200,7 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
         weights = interpolate.weights(n, inverse_w)
         color = [
             interpolate.exact_color_channel(n, inverse_w, [c[k] for c in colors])
-            if profile.color_weights == ColorWeights.EXACT
+            if profile.arithmetic.color_weights == ColorWeights.EXACT
             else interpolate.iterate_color_channel(weights.color, [c[k] for c in colors])
             for k in range(8)
         ]

@@ -181,7 +181,7 @@ def level_of_detail(triangle, px, py, texture, bias):
 def magnification_threshold(sampler, profile):
     """The largest lambda that magnifies. Source: OpenGL 1.2.1 section 3.8.6; Measured: 0 on the chip."""
     if (
-        profile.magnification_threshold == MagnificationThreshold.OPENGL_C
+        profile.arithmetic.magnification_threshold == MagnificationThreshold.OPENGL_C
         and sampler.mag_filter == TextureFilter.LINEAR
         and sampler.min_filter in (TextureFilter.NEAREST_MIPMAP_NEAREST, TextureFilter.NEAREST_MIPMAP_LINEAR)
     ):

@@ -44,7 +44,7 @@ def reference_word(strq, projective, internal_format, mode, profile):
     if projective:
         r = r / (q if q != 0.0 else 1.0)
     largest = FIXED[internal_format] if internal_format in FIXED else FLOAT[internal_format][0]
-    units = 1.0 if profile.depth_units_in_coordinates else float(largest)
+    units = 1.0 if profile.textures.depth_units_in_coordinates else float(largest)
     return depth_word(r * units, internal_format)
 
 
@@ -65,7 +65,7 @@ def comparison(texel, sampler, reference, profile):
     """
     word = sum(byte << (8 * k) for k, byte in enumerate(texel))
     mode = sampler.depth_texture_mode
-    mode = profile.depth_texture_modes[0] if mode is None else mode
+    mode = profile.textures.depth_texture_modes[0] if mode is None else mode
     failed = fixed.color_to_bytes([sampler.compare_fail_value] * 4)[0]
     return as_mode(255 if HOLDS[sampler.compare_function](reference, word) else failed, mode)
 

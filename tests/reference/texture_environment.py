@@ -58,7 +58,7 @@ def base_format(internal_format, sampler, profile):
         return None
     if internal_format in _DEPTHS:
         return (
-            profile.depth_texture_modes[0]
+            profile.textures.depth_texture_modes[0]
             if sampler.depth_texture_mode is None
             else sampler.depth_texture_mode
         )
@@ -90,7 +90,7 @@ def looked_up(base, table):
 
 def rounded(products, profile):
     """A sum of products over 255, rounded as the machine does it. Inferred: jointly, as combiners."""
-    if profile.product_rounding == ProductRounding.PER_PRODUCT:
+    if profile.arithmetic.product_rounding == ProductRounding.PER_PRODUCT:
         return sum(fixed.divide_by_255(n) for n in products)
     return fixed.divide_by_255(sum(products))
 
@@ -103,7 +103,7 @@ def finished(products, half, scale, profile):
     """
     scale = int(scale)
     if half and scale == 4:
-        if not profile.add_signed_scale_by_four:
+        if not profile.arithmetic.add_signed_scale_by_four:
             scale = 2
         else:  # Assumed: two times two
             return fixed.clamp(2 * _scaled(products, HALF, 2, profile), 0, ONE)
@@ -112,7 +112,10 @@ def finished(products, half, scale, profile):
 
 def _scaled(products, half, scale, profile):
     """Before the clamp. Inferred: as combiners have it; products rounded one by one are scaled after."""
-    if profile.round_before_scale or profile.product_rounding == ProductRounding.PER_PRODUCT:
+    if (
+        profile.arithmetic.round_before_scale
+        or profile.arithmetic.product_rounding == ProductRounding.PER_PRODUCT
+    ):
         return (rounded(products, profile) - half) * scale
     return fixed.divide_by_255(sum(products) * scale) - half * scale
 
@@ -178,7 +181,7 @@ def dot_product(combine, read, profile):
 
     Inferred: the half, as EXPAND_NORMAL's (128 where the machine has bytes).
     """
-    one = int(2 * profile.expand_half)
+    one = int(2 * profile.arithmetic.expand_half)
     first, second = (
         [2 * read(source, operand, k) - one for k in range(3)]
         for source, operand in zip(combine.sources[:2], combine.operands[:2], strict=True)
@@ -292,7 +295,7 @@ def textured_color(primary, texels, state, textures, profile):
         formats.append(base)
         colors.append(texture_color(texels[i], base))
     colors += [None] * (4 - len(colors))
-    ones = TextureEnvironmentMode.COMBINE4 in profile.texture_environment_modes
+    ones = TextureEnvironmentMode.COMBINE4 in profile.combiners.texture_environment_modes
     color = list(primary)
     for i, base in enumerate(formats):
         if base is None:

@@ -125,7 +125,7 @@ class Stages:
         self.stages = (*given, *(TextureShaderStage(),) * (len(units) - len(given)))
         self.units, self.weights, self.access = units, weights, access
         self.depth_max = depth_max
-        self.depth_scale = 1.0 if profile.depth_units_in_coordinates else float(depth_max)
+        self.depth_scale = 1.0 if profile.textures.depth_units_in_coordinates else float(depth_max)
         self.samplers = [None if unit is None else unit.sampler for unit in state.texture_units]
         self.texels, self.bytes, self.alive, self.depth = [], [], True, None
 

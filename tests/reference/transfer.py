@@ -34,7 +34,9 @@ def groups(target, state, profile, x, y, width, height, dimensions=2):
     """
     pixels = rectangle(target.color, x, y, width, height)
     image = [[[c / 255.0 for c in pixel] for pixel in row] for row in pixels]
-    return pixel_transfer.transfer(image, state, dimensions, profile.clamps_color_matrix, None, None)
+    return pixel_transfer.transfer(
+        image, state, dimensions, profile.arithmetic.clamps_color_matrix, None, None
+    )
 
 
 def copy_texels(target, texture, state, profile, x, y, width, height):

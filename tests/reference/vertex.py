@@ -303,7 +303,7 @@ def vertex_colors(vertex_state, profile, position, eye, normal, object_normal, g
     lighting, color = vertex_state.lighting, given[:4]
     if lighting is None:
         front, back = given, given_back if vertex_state.two_side else given
-    elif profile.lighting == LightingArithmetic.LIGHTING_UNIT:
+    elif profile.arithmetic.lighting == LightingArithmetic.LIGHTING_UNIT:
         front, back = unit_colors(vertex_state, position, object_normal, given)
     else:
         front = light_vertex(lighting, Face.FRONT, eye, normal, color)
@@ -314,7 +314,7 @@ def vertex_colors(vertex_state, profile, position, eye, normal, object_normal, g
 
 def exactly_lit(state, profile):
     """Whether lighting is OpenGL's equations, which keep all bits. Source: OpenGL 1.2.1 section 2.13.9."""
-    return state.vertex.lighting is not None and profile.lighting == LightingArithmetic.EQUATIONS
+    return state.vertex.lighting is not None and profile.arithmetic.lighting == LightingArithmetic.EQUATIONS
 
 
 def color_bytes(color, lit, profile):
@@ -323,7 +323,7 @@ def color_bytes(color, lit, profile):
     Measured: a colour of the vertex array or of a lighting unit keeps 14 significant bits (NV2A).
     """
     if not lit:
-        color = [fixed.keep_significant_bits(c, profile.color_mantissa_bits) for c in color]
+        color = [fixed.keep_significant_bits(c, profile.arithmetic.color_mantissa_bits) for c in color]
     return [math.floor(255.0 * c + 0.5) for c in color]
 
 
@@ -377,7 +377,7 @@ def clip_distances(vertex_state, profile, width, height, depth_clamp):
     Source: OpenGL 1.2.1 section 2.11; Measured: the sides of the view volume do not clip, nor do near and far
     with a composite matrix (NV2A, Fog captures). With NV_depth_clamp the eye's plane takes their place.
     """
-    guard = profile.guard_band
+    guard = profile.arithmetic.guard_band
     near_and_far = [lambda v: v.clip[2] + v.clip[3], lambda v: v.clip[3] - v.clip[2]]
     if vertex_state.composite is None:
         (half_x, half_y), (center_x, center_y) = viewport_frame(vertex_state.viewport, width, height)
@@ -444,8 +444,11 @@ def snap(device, extent, profile):
 
     Measured: truncation toward zero (NV2A, TopLeftRaster); Inferred: the guard band's clamp.
     """
-    device = device if device > -profile.guard_band else float(-profile.guard_band)
-    return math.trunc(min(device, float(extent + profile.guard_band)) * float(2**profile.subpixel_bits))
+    device = device if device > -profile.arithmetic.guard_band else float(-profile.arithmetic.guard_band)
+    return math.trunc(
+        min(device, float(extent + profile.arithmetic.guard_band))
+        * float(2**profile.arithmetic.subpixel_bits)
+    )
 
 
 def composite_to_window(v, composite, height):
@@ -482,10 +485,10 @@ def to_window(v, state, profile, width, height):
         window_x, window_y, window_z, inverse_w = viewport_to_window(v, state.vertex.viewport, width, height)
     if not inverse_w > 0 or not all(map(math.isfinite, (window_x, window_y, window_z, inverse_w))):
         return None
-    if profile.device_origin == WindowOrigin.UPPER_LEFT:
+    if profile.arithmetic.device_origin == WindowOrigin.UPPER_LEFT:
         snapped_y = snap(height - window_y, height, profile)
     else:
-        snapped_y = height * 2**profile.subpixel_bits - snap(window_y, height, profile)
+        snapped_y = height * 2**profile.arithmetic.subpixel_bits - snap(window_y, height, profile)
     return WindowVertex(
         snap(window_x, width, profile),
         snapped_y,
@@ -515,7 +518,7 @@ def fog_of_vertex(mesh, i, state, eye, profile):
     if state.fog is None:
         return 0.0
     coordinate = fog_coordinate(mesh, i, state, eye)
-    if profile.fog_arithmetic == FogArithmetic.TABLE:
+    if profile.arithmetic.fog_arithmetic == FogArithmetic.TABLE:
         return fog.vertex_value(state.fog, coordinate)
     return coordinate
 

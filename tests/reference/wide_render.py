@@ -132,14 +132,14 @@ def draw(target, primitives, state, textures, profile, widths):
 
     Source: docs/numbers.md, sections 3 to 10 and 13.
     """
-    bits, clamps = widths.combiner, profile.clamps
+    bits, clamps = widths.combiner, profile.arithmetic.clamps
     machine = wide.Machine(
         2**bits - 1,
-        profile.combiner_range,
-        profile.expand_half,
-        profile.clamp_low,
-        profile.product_rounding,
-        profile.round_before_scale,
+        profile.arithmetic.combiner_range,
+        profile.arithmetic.expand_half,
+        profile.arithmetic.clamp_low,
+        profile.arithmetic.product_rounding,
+        profile.arithmetic.round_before_scale,
         Clamp.MAPPING in clamps,
         Clamp.GENERAL_COMBINER in clamps,
         Clamp.FINAL_COMBINER in clamps,
@@ -148,7 +148,8 @@ def draw(target, primitives, state, textures, profile, widths):
         triangle = coverage.make_triangle(*((primitives.x[v], primitives.y[v]) for v in vertices))
         inverse_w = tuple(primitives.inverse_w[v] for v in vertices)
         colors = [
-            [color(c, bits, profile.color_mantissa_bits) for c in primitives.colors[v][0]] for v in vertices
+            [color(c, bits, profile.arithmetic.color_mantissa_bits) for c in primitives.colors[v][0]]
+            for v in vertices
         ]
         depths = depth.vertex_depths(primitives, vertices, state, target.depth_bits, False)
         for px, py in coverage.fragments(triangle, range(target.width), range(target.height)):

@@ -44,7 +44,7 @@ def digest(threads, batch):
         max_examples=60, derandomize=True, database=None, deadline=None,
         phases=(Phase.generate,), suppress_health_check=list(HealthCheck),
     )  # fmt: skip
-    @given(frames(160, 130), st.sampled_from(GEFORCE_256.depth_bits))
+    @given(frames(160, 130), st.sampled_from(GEFORCE_256.framebuffers.depth_bits))
     def random_frames(commands, depth_bits):
         add(commands, GEFORCE_256, 160, 130, depth_bits)
 

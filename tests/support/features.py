@@ -321,26 +321,26 @@ def _texture_units():
         yield Feature(
             name=f"{number} texture units",
             group="Texture units",
-            has=lambda p, number=number: p.max_texture_units >= number,
+            has=lambda p, number=number: p.textures.max_texture_units >= number,
             commands=(_store(texture_2d(_PICTURE)), _draw(texture_units=(_unit(),) * number)),
             asked="texture unit",
-            limit=lambda p: p.max_texture_units,
+            limit=lambda p: p.textures.max_texture_units,
             **_UNITS,
         )
     images = {
-        TextureTarget.TEXTURE_3D: (_VOLUME, lambda p: p.max_3d_texture_size),
+        TextureTarget.TEXTURE_3D: (_VOLUME, lambda p: p.textures.max_3d_texture_size),
         TextureTarget.TEXTURE_CUBE_MAP: (
             _CUBE_MAP,
-            lambda p: p.max_cube_map_texture_size,
+            lambda p: p.textures.max_cube_map_texture_size,
         ),
-        TextureTarget.TEXTURE_RECTANGLE: (_RECTANGLE, lambda p: p.max_texture_size),
+        TextureTarget.TEXTURE_RECTANGLE: (_RECTANGLE, lambda p: p.textures.max_texture_size),
     }
     for target, (image, limit) in images.items():
         sampler = replace(_NEAREST, **_ON_EDGE)
         yield Feature(
             name=f"{target.name} textures",
             group="Texture units",
-            has=lambda p, target=target: target in p.texture_targets,
+            has=lambda p, target=target: target in p.textures.texture_targets,
             commands=_textured(image, _unit(sampler)),
             asked=target.name,
             limit=limit,
@@ -350,7 +350,7 @@ def _texture_units():
     yield Feature(
         name="edges that are no powers of two",
         group="Texture units",
-        has=lambda p: not p.power_of_two_textures,
+        has=lambda p: not p.textures.power_of_two_textures,
         commands=_textured(texture_2d(_PICTURE[:3])),
         asked="4x3",
         **_SAMPLING,
@@ -359,7 +359,7 @@ def _texture_units():
         yield Feature(
             name=f"wrap mode {mode.name}",
             group="Texture units",
-            has=lambda p, mode=mode: mode in p.wrap_modes,
+            has=lambda p, mode=mode: mode in p.textures.wrap_modes,
             commands=_textured(unit=_unit(replace(_NEAREST, wrap_s=mode))),
             asked=mode.name,
             **_SAMPLING,
@@ -367,10 +367,10 @@ def _texture_units():
     yield Feature(
         name="level of detail bias (EXT_texture_lod_bias)",
         group="Texture units",
-        has=lambda p: p.max_lod_bias >= 1,
+        has=lambda p: p.textures.max_lod_bias >= 1,
         commands=_textured(texture_2d(_PICTURE, mipmaps=True), _unit(Sampler(), lod_bias=1.0)),
         asked="bias",
-        limit=lambda p: f"{p.max_lod_bias:g}",
+        limit=lambda p: f"{p.textures.max_lod_bias:g}",
         reference=("tests/reference/sample.py",),
         implementation=("raster/portable/level_of_detail.py", "raster/vector/level_of_detail.py"),
         tests=("tests/raster/vector/test_level_of_detail.py",),
@@ -378,10 +378,10 @@ def _texture_units():
     yield Feature(
         name="anisotropic filtering (EXT_texture_filter_anisotropic)",
         group="Texture units",
-        has=lambda p: p.max_anisotropy > 1,
+        has=lambda p: p.textures.max_anisotropy > 1,
         commands=_textured(texture_2d(_PICTURE, mipmaps=True), _unit(Sampler(max_anisotropy=2.0))),
         asked="anisotropy 2",
-        limit=lambda p: f"{p.max_anisotropy:g}",
+        limit=lambda p: f"{p.textures.max_anisotropy:g}",
         reference=("tests/reference/sample.py",),
         implementation=("raster/portable/anisotropic.py",),
         tests=("tests/raster/test_anisotropic.py",),
@@ -389,10 +389,10 @@ def _texture_units():
     yield Feature(
         name="footprint assembly",
         group="Texture units",
-        has=lambda p: p.max_probes > 1,
+        has=lambda p: p.textures.max_probes > 1,
         commands=_textured(texture_2d(_PICTURE, mipmaps=True), _unit(Sampler(max_probes=2))),
         asked="2 probes",
-        limit=lambda p: f"{p.max_probes} probes",
+        limit=lambda p: f"{p.textures.max_probes} probes",
         reference=("tests/reference/sample.py",),
         implementation=("raster/portable/footprint.py", "raster/columns/interpolate.py"),
         tests=("tests/raster/test_sampling.py",),
@@ -400,7 +400,7 @@ def _texture_units():
     yield Feature(
         name="texture wrapping of triangles (cylinder_wrap)",
         group="Texture units",
-        has=lambda p: p.cylinder_wrap,
+        has=lambda p: p.textures.cylinder_wrap,
         commands=_textured(unit=_unit(cylinder_wrap=(True, False, False, False))),
         asked="wrap",
         **_UNITS,
@@ -408,7 +408,7 @@ def _texture_units():
     yield Feature(
         name="coordinates linear on the screen (PERSPECTIVE_CORRECTION_HINT)",
         group="Texture units",
-        has=lambda p: p.perspective_hint,
+        has=lambda p: p.primitives.perspective_hint,
         commands=_textured(perspective_correction=False),
         asked="perspective",
         **_UNITS,
@@ -416,7 +416,7 @@ def _texture_units():
     yield Feature(
         name="signed components (NV_texture_shader's signed formats)",
         group="Texture units",
-        has=lambda p: p.signed_components,
+        has=lambda p: p.textures.signed_components,
         commands=_textured(unit=_unit(replace(_NEAREST, signed_components=SignedComponents(red=True)))),
         asked="signed",
         ideal=False,
@@ -425,7 +425,7 @@ def _texture_units():
     yield Feature(
         name="color table of texels (SGI_texture_color_table)",
         group="Texture units",
-        has=lambda p: p.texture_color_table,
+        has=lambda p: p.textures.texture_color_table,
         commands=_textured(unit=_unit(color_table=_TABLE)),
         asked="color_table",
         **_TRANSFER,
@@ -438,7 +438,7 @@ def _texture_units():
         yield Feature(
             name=f"coordinate generation {mode.name}",
             group="Texture units",
-            has=lambda p, mode=mode: mode in p.texgen_modes,
+            has=lambda p, mode=mode: mode in p.vertices.texgen_modes,
             commands=_generated(mode, axes),
             asked=mode.name if mode is TexGenMode.SPHERE_MAP else "TEXTURE_CUBE_MAP",
             **_VERTICES,
@@ -449,7 +449,7 @@ def _formats():
     yield Feature(
         name="twelve bits a component (RGBA12)",
         group="Texture formats",
-        has=lambda p: InternalFormat.RGBA12 in p.internal_formats,
+        has=lambda p: InternalFormat.RGBA12 in p.textures.internal_formats,
         commands=_textured(texture_2d(_PICTURE, InternalFormat.RGBA12)),
         asked="RGBA12",
         **_FORMATS,
@@ -473,7 +473,7 @@ def _formats():
         yield Feature(
             name=name,
             group="Texture formats",
-            has=lambda p, f=internal_format: f in p.internal_formats,
+            has=lambda p, f=internal_format: f in p.textures.internal_formats,
             commands=(_store(image),),
             asked=internal_format.name,
             **_FORMATS,
@@ -481,7 +481,7 @@ def _formats():
     yield Feature(
         name="depth textures (SGIX_depth_texture, ARB_depth_texture)",
         group="Texture formats",
-        has=lambda p: InternalFormat.DEPTH_COMPONENT24 in p.internal_formats,
+        has=lambda p: InternalFormat.DEPTH_COMPONENT24 in p.textures.internal_formats,
         commands=(_store(texture_of_words(_WORDS, TexelWord.X8_Y24_FIXED)),),
         asked="DEPTH_COMPONENT24",
         **_FORMATS,
@@ -493,7 +493,7 @@ def _shadows():
     yield Feature(
         name="shadow comparison (SGIX_shadow, ARB_shadow)",
         group="Shadow maps",
-        has=lambda p: compare.COMPARE_R_TO_TEXTURE in p.texture_compare_modes,
+        has=lambda p: compare.COMPARE_R_TO_TEXTURE in p.textures.texture_compare_modes,
         commands=_compared(compare_function=ComparisonFunction.GEQUAL),
         asked="DEPTH_COMPONENT24",
         **_SHADOWS,
@@ -501,7 +501,7 @@ def _shadows():
     yield Feature(
         name="comparison with zero (COMPARE_ZERO_TO_TEXTURE)",
         group="Shadow maps",
-        has=lambda p: compare.COMPARE_ZERO_TO_TEXTURE in p.texture_compare_modes,
+        has=lambda p: compare.COMPARE_ZERO_TO_TEXTURE in p.textures.texture_compare_modes,
         commands=_compared(compare.COMPARE_ZERO_TO_TEXTURE),
         asked="DEPTH_COMPONENT24|COMPARE_ZERO_TO_TEXTURE",
         **_SHADOWS,
@@ -509,7 +509,7 @@ def _shadows():
     yield Feature(
         name="all eight comparisons (EXT_shadow_funcs)",
         group="Shadow maps",
-        has=lambda p: ComparisonFunction.NEVER in p.shadow_functions,
+        has=lambda p: ComparisonFunction.NEVER in p.textures.shadow_functions,
         commands=_compared(compare_function=ComparisonFunction.NEVER),
         asked="DEPTH_COMPONENT24|NEVER",
         **_SHADOWS,
@@ -517,7 +517,7 @@ def _shadows():
     yield Feature(
         name="shadow ambient (SGIX_shadow_ambient)",
         group="Shadow maps",
-        has=lambda p: p.shadow_ambient,
+        has=lambda p: p.textures.shadow_ambient,
         commands=_compared(compare_fail_value=0.5),
         asked="DEPTH_COMPONENT24|shadow ambient",
         **_SHADOWS,
@@ -526,7 +526,7 @@ def _shadows():
         yield Feature(
             name=f"DEPTH_TEXTURE_MODE {mode.name} (ARB_depth_texture)",
             group="Shadow maps",
-            has=lambda p, mode=mode: mode in p.depth_texture_modes,
+            has=lambda p, mode=mode: mode in p.textures.depth_texture_modes,
             commands=_compared(depth_texture_mode=mode),
             asked=f"DEPTH_COMPONENT24|{mode.name}",
             **_SHADOWS,
@@ -546,7 +546,7 @@ def _environments():
         yield Feature(
             name=f"environment {mode.name}",
             group="Texture environments",
-            has=lambda p, mode=mode: mode in p.texture_environment_modes,
+            has=lambda p, mode=mode: mode in p.combiners.texture_environment_modes,
             commands=_textured(unit=_unit(environment=TextureEnvironment(mode=mode, **halves))),
             asked=mode.name,
             **_ENVIRONMENT,
@@ -555,7 +555,7 @@ def _environments():
         yield Feature(
             name=f"COMBINE's {function.name}",
             group="Texture environments",
-            has=lambda p, function=function: function in p.combine_functions,
+            has=lambda p, function=function: function in p.combiners.combine_functions,
             commands=_combine(function),
             asked=f"{function.name}|COMBINE",
             **_ENVIRONMENT,
@@ -564,7 +564,8 @@ def _environments():
         name="other units' texels (ARB_texture_env_crossbar, NV_texture_env_combine4)",
         group="Texture environments",
         has=lambda p: (
-            p.texture_environment_crossbar or TextureEnvironmentMode.COMBINE4 in p.texture_environment_modes
+            p.combiners.texture_environment_crossbar
+            or TextureEnvironmentMode.COMBINE4 in p.combiners.texture_environment_modes
         ),
         commands=_combine(sources=(CombineSource.TEXTURE0, CombineSource.PREVIOUS, CombineSource.CONSTANT)),
         asked="TEXTURE0|COMBINE",
@@ -577,16 +578,16 @@ def _combiners():
         yield Feature(
             name=f"{number} general combiner{'s' * (number > 1)} (NV_register_combiners)",
             group="Register combiners",
-            has=lambda p, number=number: p.max_general_combiners >= number,
+            has=lambda p, number=number: p.combiners.max_general_combiners >= number,
             commands=_combined(general=(GeneralCombiner(),) * number),
             asked="combiner",
-            limit=lambda p: p.max_general_combiners,
+            limit=lambda p: p.combiners.max_general_combiners,
             **_COMBINERS,
         )
     yield Feature(
         name="constants of each stage (NV_register_combiners2)",
         group="Register combiners",
-        has=lambda p: p.per_stage_constants,
+        has=lambda p: p.combiners.per_stage_constants,
         commands=_combined(general=(GeneralCombiner(constant_color0=(0.5, 0.5, 0.5, 0.5)),)),
         asked="constant|register combiners",
         **_COMBINERS,
@@ -594,7 +595,7 @@ def _combiners():
     yield Feature(
         name="muxes by the lowest bit, blue to alpha, inverted color sum",
         group="Register combiners",
-        has=lambda p: p.combiner_flags,
+        has=lambda p: p.combiners.combiner_flags,
         commands=_combined(mux_select=MuxSelect.LSB),
         asked="mux|register combiners",
         **_COMBINERS,
@@ -612,7 +613,7 @@ def _future():
             yield Feature(
                 name=f"combiner function {function.name}",
                 group="What the papers ask for",
-                has=lambda p, function=function: function in p.combiner_functions,
+                has=lambda p, function=function: function in p.combiners.combiner_functions,
                 commands=_combined(general=(GeneralCombiner(rgb=RGBPortion(function=function)),)),
                 asked=f"{function.name}|register combiners",
                 **where,
@@ -621,7 +622,7 @@ def _future():
     yield Feature(
         name="texture lookups after general combiners",
         group="What the papers ask for",
-        has=lambda p: p.combiner_lookup,
+        has=lambda p: p.combiners.combiner_lookup,
         commands=_textured(register_combiners=lookup),
         asked="lookup|register combiners",
         **where,
@@ -629,7 +630,7 @@ def _future():
     yield Feature(
         name="combiners evaluated before textures are filtered",
         group="What the papers ask for",
-        has=lambda p: p.evaluate_before_filtering,
+        has=lambda p: p.textures.evaluate_before_filtering,
         commands=_textured(
             unit=_unit(_LINEAR), register_combiners=RegisterCombiners(), evaluate_before_filtering=True
         ),
@@ -643,7 +644,7 @@ def _future():
         yield Feature(
             name=f"{name} along arcs (spherical interpolation)",
             group="What the papers ask for",
-            has=lambda p: p.spherical_interpolation,
+            has=lambda p: p.primitives.spherical_interpolation,
             commands=commands,
             asked="along arcs",
             **where,
@@ -655,7 +656,7 @@ def _shaders():
         yield Feature(
             name=operation.name,
             group="Texture shaders",
-            has=lambda p, needed=frozenset(program): needed <= p.texture_shader_operations,
+            has=lambda p, needed=frozenset(program): needed <= p.texture_shaders.texture_shader_operations,
             commands=_shaded(*program, last=_READ_LAST.get(operation)),
             asked=f"{operation.name}|texture shaders|texture unit|DOT_PRODUCT|TEXTURE_3D|TEXTURE_CUBE_MAP",
             ideal=False,
@@ -664,7 +665,7 @@ def _shaders():
     yield Feature(
         name="2D textures read as cube maps, cube maps as volumes",
         group="Texture shaders",
-        has=lambda p: p.foreign_texture_targets,
+        has=lambda p: p.texture_shaders.foreign_texture_targets,
         commands=_shaded(_OP.TEXTURE_CUBE_MAP),
         asked="texture shaders|TEXTURE_2D|TEXTURE_CUBE_MAP",
         ideal=False,
@@ -673,7 +674,7 @@ def _shaders():
     yield Feature(
         name="signed dot products (SIGNED_IDENTITY)",
         group="Texture shaders",
-        has=lambda p: DotProductMapping.SIGNED_IDENTITY in p.dot_product_mappings,
+        has=lambda p: DotProductMapping.SIGNED_IDENTITY in p.texture_shaders.dot_product_mappings,
         commands=_shaded(
             _OP.TEXTURE_2D,
             _OP.DOT_PRODUCT,
@@ -690,25 +691,25 @@ def _vertices():
     yield Feature(
         name="9 lights",
         group="Vertices",
-        has=lambda p: p.max_lights >= 9,
+        has=lambda p: p.vertices.max_lights >= 9,
         commands=_lit(lights=(Light(),) * 9),
         asked="light",
-        limit=lambda p: p.max_lights,
+        limit=lambda p: p.vertices.max_lights,
         **_VERTICES,
     )
     yield Feature(
         name="7 clip planes",
         group="Vertices",
-        has=lambda p: p.max_clip_planes >= 7,
+        has=lambda p: p.vertices.max_clip_planes >= 7,
         commands=(_draw(vertex=VertexState(clip_planes=((0.0, 0.0, 0.0, 1.0),) * 7)),),
         asked="clip plane",
-        limit=lambda p: p.max_clip_planes,
+        limit=lambda p: p.vertices.max_clip_planes,
         **_VERTICES,
     )
     yield Feature(
         name="separate specular color",
         group="Vertices",
-        has=lambda p: p.separate_specular_color,
+        has=lambda p: p.vertices.separate_specular_color,
         commands=_lit(separate_specular_color=True),
         asked="SEPARATE_SPECULAR_COLOR",
         **_VERTICES,
@@ -716,7 +717,7 @@ def _vertices():
     yield Feature(
         name="lights with a range (a lighting unit)",
         group="Vertices",
-        has=lambda p: p.lighting is LightingArithmetic.LIGHTING_UNIT,
+        has=lambda p: p.arithmetic.lighting is LightingArithmetic.LIGHTING_UNIT,
         commands=_lit(lights=(Light(position=(0.0, 0.0, 1.0, 1.0), range=9.0),)),
         asked="range",
         reference=("tests/reference/lighting_unit.py",),
@@ -726,7 +727,7 @@ def _vertices():
     yield Feature(
         name="secondary color (EXT_secondary_color)",
         group="Vertices",
-        has=lambda p: p.color_sum,
+        has=lambda p: p.fragments.color_sum,
         commands=(_draw(color_sum=True),),
         asked="color sum",
         **_FRAGMENTS,
@@ -734,7 +735,7 @@ def _vertices():
     yield Feature(
         name="fog coordinate (EXT_fog_coord)",
         group="Vertices",
-        has=lambda p: p.fog_coordinate,
+        has=lambda p: p.vertices.fog_coordinate,
         commands=(_draw(fog=Fog(coordinate_source=FogCoordinateSource.FOG_COORDINATE)),),
         asked="FOG_COORDINATE",
         reference=("tests/reference/fog.py",),
@@ -744,7 +745,7 @@ def _vertices():
     yield Feature(
         name="fog registers",
         group="Vertices",
-        has=lambda p: p.fog_registers,
+        has=lambda p: p.fragments.fog_registers,
         commands=(_draw(fog=Fog(registers=FogRegisters())),),
         asked="FogRegisters",
         reference=("tests/reference/fog.py",),
@@ -754,7 +755,7 @@ def _vertices():
     yield Feature(
         name="composite matrix",
         group="Vertices",
-        has=lambda p: p.composite_matrix,
+        has=lambda p: p.vertices.composite_matrix,
         commands=(_draw(vertex=VertexState(composite=Composite())),),
         asked="Composite",
         **_VERTICES,
@@ -765,7 +766,7 @@ def _rasterization():
     yield Feature(
         name="line stipple",
         group="Points and lines",
-        has=lambda p: p.line_stipple and not p.exact,
+        has=lambda p: p.primitives.line_stipple and not p.arithmetic.exact,
         commands=(_draw(_LINE, line=LineState(stipple=(1, 0x5555))),),
         asked="polygons|stipple",
         **_STROKES,
@@ -773,7 +774,7 @@ def _rasterization():
     yield Feature(
         name="point parameters (EXT_point_parameters)",
         group="Points and lines",
-        has=lambda p: p.point_parameters,
+        has=lambda p: p.vertices.point_parameters,
         commands=(_draw(_POINT, point=PointState(parameters=PointParameters())),),
         asked="point parameters|polygons",
         **_STROKES,
@@ -781,19 +782,21 @@ def _rasterization():
     yield Feature(
         name="point sprites (NV_point_sprite)",
         group="Points and lines",
-        has=lambda p: bool(p.point_sprite_units),
+        has=lambda p: bool(p.primitives.point_sprite_units),
         commands=(_draw(_POINT, point=PointState(sprite=True)),),
         asked="point sprites|polygons",
-        limit=lambda p: f"unit {min(p.point_sprite_units)}",
+        limit=lambda p: f"unit {min(p.primitives.point_sprite_units)}",
         **_STROKES,
     )
     yield Feature(
         name="points and lines of 64 pixels",
         group="Points and lines",
-        has=lambda p: min(p.max_point_size, p.max_line_width) >= 64 and not p.exact,
+        has=lambda p: (
+            min(p.primitives.max_point_size, p.primitives.max_line_width) >= 64 and not p.arithmetic.exact
+        ),
         commands=(_draw(_POINT, point=PointState(size=64.0)),),
         asked="point size|polygons",
-        limit=lambda p: f"{p.max_point_size:g}",
+        limit=lambda p: f"{p.primitives.max_point_size:g}",
         **_STROKES,
     )
 
@@ -802,16 +805,16 @@ def _fragments():
     yield Feature(
         name="window rectangles",
         group="Fragments",
-        has=lambda p: p.max_window_rectangles > 0,
+        has=lambda p: p.fragments.max_window_rectangles > 0,
         commands=(_draw(window_clip=WindowClip((Scissor(1, 1, 4, 4),))),),
         asked="rectangle",
-        limit=lambda p: p.max_window_rectangles,
+        limit=lambda p: p.fragments.max_window_rectangles,
         **_STROKES,
     )
     yield Feature(
         name="depth clamp (NV_depth_clamp)",
         group="Fragments",
-        has=lambda p: p.depth_clamp,
+        has=lambda p: p.fragments.depth_clamp,
         commands=(_draw(depth_clamp=DepthClamp()),),
         asked="DEPTH_CLAMP",
         reference=("tests/reference/depth.py",),
@@ -821,7 +824,7 @@ def _fragments():
     yield Feature(
         name="W buffering",
         group="Fragments",
-        has=lambda p: p.w_buffering,
+        has=lambda p: p.fragments.w_buffering,
         commands=(_draw(w_buffering=True),),
         asked="W buffering",
         reference=("tests/reference/depth.py",),
@@ -832,7 +835,7 @@ def _fragments():
         yield Feature(
             name=f"stencil operation {operation.name} (EXT_stencil_wrap)",
             group="Fragments",
-            has=lambda p, operation=operation: operation in p.stencil_operations,
+            has=lambda p, operation=operation: operation in p.fragments.stencil_operations,
             commands=(_draw(stencil_test=StencilTest(depth_pass=operation)),),
             asked=operation.name,
             **_FRAGMENTS,
@@ -842,7 +845,7 @@ def _fragments():
             yield Feature(
                 name=f"blend equation {equation.name}",
                 group="Fragments",
-                has=lambda p, equation=equation: equation in p.blend_equations,
+                has=lambda p, equation=equation: equation in p.fragments.blend_equations,
                 commands=(_draw(blending=Blending(equation=equation)),),
                 asked=equation.name,
                 **_FRAGMENTS,
@@ -850,7 +853,7 @@ def _fragments():
     yield Feature(
         name="constant blend factors (EXT_blend_color)",
         group="Fragments",
-        has=lambda p: BlendFactor.CONSTANT_COLOR in p.blend_factors_source,
+        has=lambda p: BlendFactor.CONSTANT_COLOR in p.fragments.blend_factors_source,
         commands=(_draw(blending=Blending(BlendFactor.CONSTANT_COLOR)),),
         asked="CONSTANT_COLOR",
         **_FRAGMENTS,
@@ -858,7 +861,7 @@ def _fragments():
     yield Feature(
         name="the source times itself (SRC_COLOR as source factor)",
         group="Fragments",
-        has=lambda p: BlendFactor.SRC_COLOR in p.blend_factors_source,
+        has=lambda p: BlendFactor.SRC_COLOR in p.fragments.blend_factors_source,
         commands=(_draw(blending=Blending(BlendFactor.SRC_COLOR)),),
         asked="SRC_COLOR",
         **_FRAGMENTS,
@@ -866,7 +869,7 @@ def _fragments():
     yield Feature(
         name="logic operations",
         group="Fragments",
-        has=lambda p: p.logic_op,
+        has=lambda p: p.fragments.logic_op,
         commands=(_draw(logic_op=LogicOperation.XOR),),
         asked="logic operation",
         ideal=False,
@@ -879,26 +882,26 @@ def _pixels():
     yield Feature(
         name="color tables",
         group="Pixel transfer",
-        has=lambda p: p.color_tables,
+        has=lambda p: p.pixels.color_tables,
         commands=_moved(**table),
         asked="color_table",
-        limit=lambda p: p.max_color_table_size,
+        limit=lambda p: p.pixels.max_color_table_size,
         **_TRANSFER,
     )
     yield Feature(
         name="convolution",
         group="Pixel transfer",
-        has=lambda p: p.convolution,
+        has=lambda p: p.pixels.convolution,
         commands=(ReadPixels(label="use", name="pixels", transfer=PixelTransfer(convolution_2d=_SHARPEN)),),
         asked="convol",
-        limit=lambda p: p.max_convolution_size,
+        limit=lambda p: p.pixels.max_convolution_size,
         **_TRANSFER,
     )
     swap = ((0.0, 0.0, 1.0, 0.0), (0.0, 1.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
     yield Feature(
         name="color matrix",
         group="Pixel transfer",
-        has=lambda p: p.color_matrix,
+        has=lambda p: p.pixels.color_matrix,
         commands=_moved(color_matrix=swap),
         asked="color_matrix",
         **_TRANSFER,
@@ -906,7 +909,7 @@ def _pixels():
     yield Feature(
         name="histogram",
         group="Pixel transfer",
-        has=lambda p: p.histogram,
+        has=lambda p: p.pixels.histogram,
         commands=_moved(histogram=Histogram("counts")),
         asked="histogram",
         **_TRANSFER,
@@ -914,7 +917,7 @@ def _pixels():
     yield Feature(
         name="minmax",
         group="Pixel transfer",
-        has=lambda p: p.histogram,
+        has=lambda p: p.pixels.histogram,
         commands=_moved(minmax=Minmax("bounds")),
         asked="minmax",
         **_TRANSFER,
@@ -945,9 +948,9 @@ def _rectangles():
     store = _store(_VOLUME)
     state = PassState(texture_units=(_unit(replace(_NEAREST, **_ON_EDGE)),))
     for name, has, texture in (
-        ("SGIX_pixel_texture", lambda p: p.pixel_texture, PixelTexture(PixelTexGenMode.RGB)),
-        ("SGIS_pixel_texture", lambda p: p.pixel_texture_sgis, PixelTexture(None)),
-        ("SGIX_impact_pixel_texture", lambda p: p.impact_pixel_texture, PixelTexture(volumes=2)),
+        ("SGIX_pixel_texture", lambda p: p.pixels.pixel_texture, PixelTexture(PixelTexGenMode.RGB)),
+        ("SGIS_pixel_texture", lambda p: p.pixels.pixel_texture_sgis, PixelTexture(None)),
+        ("SGIX_impact_pixel_texture", lambda p: p.pixels.impact_pixel_texture, PixelTexture(volumes=2)),
     ):
         yield Feature(
             name=f"pixel textures ({name})",
@@ -964,7 +967,7 @@ def _framebuffers():
         yield Feature(
             name=f"{bits} bits a component",
             group="Framebuffers",
-            has=lambda p, bits=bits: bits in p.color_bits,
+            has=lambda p, bits=bits: bits in p.framebuffers.color_bits,
             commands=(_draw(),),
             asked=f"{bits} bits a component",
             ideal=False,
@@ -976,10 +979,10 @@ def _framebuffers():
     yield Feature(
         name="accumulation buffer",
         group="Framebuffers",
-        has=lambda p: p.accumulation_bits > 0,
+        has=lambda p: p.framebuffers.accumulation_bits > 0,
         commands=(_draw(), Accum(label="use", operation=AccumOperation.LOAD)),
         asked="accumulation",
-        limit=lambda p: f"{p.accumulation_bits} bits",
+        limit=lambda p: f"{p.framebuffers.accumulation_bits} bits",
         reference=("tests/reference/accumulation.py",),
         implementation=("raster/pixels/accumulation.py", "pipeline/framebuffers/accumulation.py"),
         tests=("tests/raster/pixels/test_accumulation.py",),
@@ -987,10 +990,10 @@ def _framebuffers():
     yield Feature(
         name="auxiliary buffers",
         group="Framebuffers",
-        has=lambda p: p.auxiliary_buffers > 0,
+        has=lambda p: p.framebuffers.auxiliary_buffers > 0,
         commands=(_draw(draw_buffer=ColorBuffer.AUX0),),
         asked="AUX0|auxiliary",
-        limit=lambda p: p.auxiliary_buffers,
+        limit=lambda p: p.framebuffers.auxiliary_buffers,
         reference=("tests/reference/render.py",),
         implementation=("pipeline/framebuffers/framebuffer.py",),
         tests=("tests/raster/pixels/test_accumulation.py",),
@@ -999,7 +1002,7 @@ def _framebuffers():
         yield Feature(
             name=f"{samples} samples in a pixel",
             group="Framebuffers",
-            has=lambda p, samples=samples: samples in p.samples,
+            has=lambda p, samples=samples: samples in p.framebuffers.samples,
             commands=(_draw(),),
             asked=f"{samples} samples",
             framebuffer={"samples": samples},
@@ -1011,7 +1014,7 @@ def _framebuffers():
         yield Feature(
             name=f"depth buffer {bits.name}",
             group="Framebuffers",
-            has=lambda p, bits=bits: bits in p.depth_bits,
+            has=lambda p, bits=bits: bits in p.framebuffers.depth_bits,
             commands=(_draw(),),
             asked=bits.name if bits < 0 else f"{int(bits)} bits of depth",
             framebuffer={"depth_bits": bits},
@@ -1025,7 +1028,7 @@ def _framebuffers():
         yield Feature(
             name=f"pbuffers of {color_format.name}",
             group="Framebuffers",
-            has=lambda p, color_format=color_format: color_format in p.surface_formats,
+            has=lambda p, color_format=color_format: color_format in p.framebuffers.surface_formats,
             commands=(
                 make,
                 _draw(),

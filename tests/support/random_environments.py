@@ -25,23 +25,23 @@ def random_color(random):
 
 def _sources(profile):
     """Sources that the machine's environments read."""
-    combine4 = _MODE.COMBINE4 in profile.texture_environment_modes
+    combine4 = _MODE.COMBINE4 in profile.combiners.texture_environment_modes
     sources = [*_OWN, *_OWN]
     if combine4:
         sources.append(_SOURCE.ZERO)
-    if combine4 or profile.texture_environment_crossbar:
-        sources += [_SOURCE(_SOURCE.TEXTURE0 + i) for i in range(profile.max_texture_units)]
+    if combine4 or profile.combiners.texture_environment_crossbar:
+        sources += [_SOURCE(_SOURCE.TEXTURE0 + i) for i in range(profile.textures.max_texture_units)]
     return sources
 
 
 def _combine(random, profile, mode, alpha):
-    functions = profile.combine_functions
+    functions = profile.combiners.combine_functions
     if alpha:
         functions = functions - {_FUNCTION.DOT3_RGB, _FUNCTION.DOT3_RGBA}
     if mode is _MODE.COMBINE4:
         functions = functions & {_FUNCTION.ADD, _FUNCTION.ADD_SIGNED}
     operands = [random.choice(_ALPHAS if alpha else tuple(CombineOperand)) for _ in range(4)]
-    if _FUNCTION.SUBTRACT not in profile.combine_functions and mode is not _MODE.COMBINE4:
+    if _FUNCTION.SUBTRACT not in profile.combiners.combine_functions and mode is not _MODE.COMBINE4:
         operands[2] = CombineOperand.SRC_ALPHA
     return Combine(
         random.choice(sorted(functions)),
@@ -53,7 +53,7 @@ def _combine(random, profile, mode, alpha):
 
 def random_environment(random, profile, internal_format):
     """A TextureEnvironment for a unit that reads a texture of this format. ``random``: a random.Random."""
-    modes = sorted(profile.texture_environment_modes)
+    modes = sorted(profile.combiners.texture_environment_modes)
     colors = BASE_FORMAT[internal_format] in (BaseFormat.RGB, BaseFormat.RGBA)
     if internal_format in DEPTH_TEXELS or not colors:
         modes.remove(_MODE.DECAL)

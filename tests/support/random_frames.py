@@ -221,7 +221,7 @@ class _Maker:
         self.plain = self.chance(0.4)  # common states alone
         self.window = self.width, self.height = size or self.size()
         if depth_bits is None:
-            depth_bits = self.one_of((24, 24, 16, *self.profile.depth_bits))
+            depth_bits = self.one_of((24, 24, 16, *self.profile.framebuffers.depth_bits))
         self.window_depth = self.depth_bits = int(depth_bits)
         commands = [self.tex_image(self.name("image")) for _ in range(self.whole(0, 3))]
         if begins_cleared:
@@ -258,12 +258,12 @@ class _Maker:
             convolution=self.chance(0.5),
             max_convolution_size=3,
             clamps_color_matrix=self.chance(0.5),
-            depth_texture_modes=machine.depth_texture_modes
+            depth_texture_modes=machine.textures.depth_texture_modes
             and (BaseFormat.INTENSITY, BaseFormat.LUMINANCE, BaseFormat.ALPHA),
         )
         if fields["diamond_exit_lines"]:  # no machine has them with other colours
             fields["color_weights"] = ColorWeights.EXACT
-        return replace(machine, **fields)
+        return machine.changed(**fields)
 
     def size(self):
         if self.small:
@@ -313,7 +313,7 @@ class _Maker:
             if not redefinable:
                 return [self.tex_image(self.name("image"))]
             return [self.tex_image(self.one_of(redefinable))]
-        if self.profile.surface_formats:
+        if self.profile.framebuffers.surface_formats:
             return self.other_surface()
         return [self.draw()]
 
@@ -411,13 +411,13 @@ class _Maker:
         if self.chance(0.6):
             return INITIAL_TRANSFER
         profile, more = self.profile, {}
-        if profile.color_matrix:
+        if profile.pixels.color_matrix:
             more["color_matrix"] = tuple(self.factors() for _ in range(4))
             more["post_color_matrix_bias"] = self.factors()
-        if profile.color_tables:
+        if profile.pixels.color_tables:
             more["color_table"] = self.maybe(0.4, self.color_table)
             more["post_color_matrix_color_table"] = self.maybe(0.4, self.color_table)
-        if profile.convolution and self.chance(0.4):
+        if profile.pixels.convolution and self.chance(0.4):
             rows = tuple(tuple(self.factors() for _ in range(2)) for _ in range(self.whole(1, 3)))
             modes = ConvolutionBorderMode.CONSTANT_BORDER, ConvolutionBorderMode.REPLICATE_BORDER
             border = self.one_of(BaseFormat), self.one_of(modes), self.factors()
@@ -449,7 +449,7 @@ class _Maker:
             (self.width, self.height), self.depth_bits = self.window, self.window_depth
             return [MakeCurrent(label="window")]
         color_format = self.one_of(self.surface_formats())
-        depth_bits = int(self.one_of(self.profile.depth_bits))
+        depth_bits = int(self.one_of(self.profile.framebuffers.depth_bits))
         most = 16 if self.small else 64
         width, height = self.power_of_two(most), self.power_of_two(most)
         if self.chance(0.3):
@@ -469,7 +469,7 @@ class _Maker:
         return [command, cleared, self.draw()]
 
     def surface_formats(self):
-        return sorted(self.profile.surface_formats)
+        return sorted(self.profile.framebuffers.surface_formats)
 
     def bind(self, surface):
         two = not (surface.width & (surface.width - 1) or surface.height & (surface.height - 1))
@@ -505,7 +505,7 @@ class _Maker:
         if old is None:
             target = TextureTarget.TEXTURE_2D
             if not self.plain and self.chance(0.25):
-                target = self.one_of(sorted(self.profile.texture_targets))
+                target = self.one_of(sorted(self.profile.textures.texture_targets))
             deep = target is TextureTarget.TEXTURE_2D and self.shadows() and self.chance(0.15)
             mipmaps = self.chance(0.5)
         else:
@@ -515,19 +515,21 @@ class _Maker:
         if not self.small and self.chance(0.1):
             width, height = 256, self.one_of((1, 128, 256))
         if self.chance(0.12):
-            limit = self.profile.max_texture_size
+            limit = self.profile.textures.max_texture_size
             width, height = self.one_of([s for s in _LONG if max(s) <= limit])
         image = self.image(target, deep, mipmaps, width, height)
         self.textures[name] = image
         return TexImage(label=name, texture=name, image=image)
 
     def shadows(self):
-        return len(self.profile.texture_compare_modes) > 1
+        return len(self.profile.textures.texture_compare_modes) > 1
 
     def image(self, target, deep, mipmaps, width, height):
         if deep:
             kinds = (TexelWord.Y16_FIXED, TexelWord.X8_Y24_FIXED, TexelWord.Y16_FLOAT)
-            kind = self.one_of([k for k in kinds if internal_format_of(k) in self.profile.internal_formats])
+            kind = self.one_of(
+                [k for k in kinds if internal_format_of(k) in self.profile.textures.internal_formats]
+            )
             shift = 8 if kind is TexelWord.X8_Y24_FIXED else 0
             most = 8 if self.small else 64  # the specification compares every texel for every fragment
             words = self.random.integers(0, 1 << 16, (min(height, most), min(width, most))) << shift
@@ -555,7 +557,11 @@ class _Maker:
         rectangle = texture.target is TextureTarget.TEXTURE_RECTANGLE
         complete = len(texture.levels) == max(texture.width, texture.height, texture.depth).bit_length()
         mipmapped = complete and not rectangle
-        wraps = (WrapMode.REPEAT, WrapMode.CLAMP_TO_EDGE) if self.plain else sorted(self.profile.wrap_modes)
+        wraps = (
+            (WrapMode.REPEAT, WrapMode.CLAMP_TO_EDGE)
+            if self.plain
+            else sorted(self.profile.textures.wrap_modes)
+        )
         if rectangle:
             wraps = (WrapMode.CLAMP, WrapMode.CLAMP_TO_EDGE, WrapMode.CLAMP_TO_BORDER)
         if deep:
@@ -570,14 +576,14 @@ class _Maker:
             border_color=self.color(),
         )
         if deep:
-            modes = sorted(self.profile.texture_compare_modes - {TextureCompareMode.NONE})
+            modes = sorted(self.profile.textures.texture_compare_modes - {TextureCompareMode.NONE})
             sampler = replace(
                 sampler,
                 compare_mode=self.one_of(modes),
-                compare_function=self.one_of(sorted(self.profile.shadow_functions)),
-                depth_texture_mode=self.one_of((None, *self.profile.depth_texture_modes)),
+                compare_function=self.one_of(sorted(self.profile.textures.shadow_functions)),
+                depth_texture_mode=self.one_of((None, *self.profile.textures.depth_texture_modes)),
             )
-            if self.profile.shadow_ambient and self.chance(0.5):
+            if self.profile.textures.shadow_ambient and self.chance(0.5):
                 sampler = replace(sampler, compare_fail_value=self.uniform(0.0, 1.0))
         if self.plain or deep:
             return sampler
@@ -585,12 +591,16 @@ class _Maker:
             sampler = replace(sampler, min_lod=self.uniform(-2.0, 3.0), max_lod=self.uniform(-2.0, 6.0))
         if mipmapped and self.chance(0.1):
             sampler = replace(sampler, max_level=self.whole(0, 8))
-        most = self.profile.max_anisotropy
+        most = self.profile.textures.max_anisotropy
         if most > 1 and texture.target is TextureTarget.TEXTURE_2D and self.chance(0.06):
             sampler = replace(sampler, max_anisotropy=self.one_of((most, min(2.0, most), 1.5)))
-        elif self.profile.max_probes > 1 and texture.target is TextureTarget.TEXTURE_2D and self.chance(0.2):
+        elif (
+            self.profile.textures.max_probes > 1
+            and texture.target is TextureTarget.TEXTURE_2D
+            and self.chance(0.2)
+        ):
             sampler = replace(sampler, max_probes=self.one_of((2, 4, 8)))
-        if self.profile.signed_components and self.chance(0.05):
+        if self.profile.textures.signed_components and self.chance(0.05):
             signs = SignedComponents(*(self.chance(0.5) for _ in range(4)))
             sampler = replace(sampler, signed_components=signs)
         return sampler
@@ -601,7 +611,7 @@ class _Maker:
         if self.chance(0.1):
             scale = self.one_of((0.25, 7.0, -1.0, 2.0**-60))
             matrix = tuple(tuple(scale * v for v in row) if i < 2 else row for i, row in enumerate(IDENTITY))
-        limit = self.profile.max_lod_bias
+        limit = self.profile.textures.max_lod_bias
         bias = self.one_of((0.5, -0.5, limit, -limit, self.uniform(-limit, limit)))
         return TextureUnit(
             name,
@@ -674,7 +684,7 @@ class _Maker:
         rgb, alpha = self.portion(RGBPortion, units), self.portion(AlphaPortion, units)
         written = (rgb.ab_output, rgb.cd_output, rgb.sum_output)
         self.live += [register for register in written if register is not Register.DISCARD]
-        if self.profile.combiner_flags and self.chance(0.1):
+        if self.profile.combiners.combiner_flags and self.chance(0.1):
             written = {alpha.ab_output, alpha.cd_output, alpha.sum_output}
             rgb = replace(
                 rgb,
@@ -682,7 +692,7 @@ class _Maker:
                 cd_blue_to_alpha=rgb.cd_output not in written,
             )
         own = {}
-        if self.profile.per_stage_constants and self.chance(0.2):
+        if self.profile.combiners.per_stage_constants and self.chance(0.2):
             own = {"constant_color0": self.color(), "constant_color1": self.maybe(0.5, self.color)}
         return GeneralCombiner(rgb, alpha, **own)
 
@@ -756,13 +766,13 @@ class _Maker:
     def register_combiners(self, units):
         if self.chance(0.45):
             return self.simple_combiners(units)
-        most = self.profile.max_general_combiners
+        most = self.profile.combiners.max_general_combiners
         self.live = [Register.CONSTANT_COLOR0, Register.PRIMARY_COLOR, *TEXTURE_REGISTERS[:units]]
         self.first_written = len(self.live)
         if self.small:
             most = min(most, 4) if self.chance(0.8) else most
         own = {}
-        if self.profile.combiner_flags and self.chance(0.2):
+        if self.profile.combiners.combiner_flags and self.chance(0.2):
             own = {
                 "mux_select": self.one_of(MuxSelect),
                 "invert_spare0": self.chance(0.5),
@@ -796,7 +806,7 @@ class _Maker:
 
     def stencil_test(self):
         functions = (ComparisonFunction.ALWAYS, *ComparisonFunction)
-        operations = sorted(self.profile.stencil_operations)
+        operations = sorted(self.profile.fragments.stencil_operations)
         return StencilTest(
             function=self.one_of(functions),
             reference=self.one_of((0, 1, 2, 255, self.whole(-5, 300))),
@@ -817,10 +827,10 @@ class _Maker:
         profile = self.profile
         equation = BlendEquation.FUNC_ADD
         if self.chance(0.4):
-            equation = self.one_of(sorted(profile.blend_equations))
+            equation = self.one_of(sorted(profile.fragments.blend_equations))
         return Blending(
-            source=self.one_of(sorted(profile.blend_factors_source)),
-            destination=self.one_of(sorted(profile.blend_factors_destination)),
+            source=self.one_of(sorted(profile.fragments.blend_factors_source)),
+            destination=self.one_of(sorted(profile.fragments.blend_factors_destination)),
             equation=equation,
             color=self.color(),
         )
@@ -833,7 +843,9 @@ class _Maker:
             start=start,
             end=start + self.one_of((1.0, -1.0, 3.5)),
             color=self.color(),
-            coordinate_source=self.one_of(FogCoordinateSource if self.profile.fog_coordinate else [_DEPTH]),
+            coordinate_source=self.one_of(
+                FogCoordinateSource if self.profile.vertices.fog_coordinate else [_DEPTH]
+            ),
         )
 
     def polygon(self):
@@ -889,7 +901,7 @@ class _Maker:
         for i in range(1, len(units)):
             if units[i] is not None and self.chance(0.6):
                 operations[i] = self.dependent_operation(i, operations, units[i])
-        mappings = sorted(self.profile.dot_product_mappings)
+        mappings = sorted(self.profile.texture_shaders.dot_product_mappings)
         results = [k for k, operation in enumerate(operations) if operation not in _WITHOUT_TEXEL]
         return tuple(
             TextureShaderStage(
@@ -922,11 +934,11 @@ class _Maker:
                 for operation, needed, targets in _DEPENDENT
                 if target in targets and dots >= needed and (unsigned or not operation.name.endswith("SCALE"))
             ]
-        return self.one_of([o for o in found if o in self.profile.texture_shader_operations])
+        return self.one_of([o for o in found if o in self.profile.texture_shaders.texture_shader_operations])
 
     def state(self):
         profile, plain = self.profile, self.plain
-        most = profile.max_texture_units
+        most = profile.textures.max_texture_units
         combiners = units = stages = None
         self.sets = self.whole(1, 3)
         if self.chance(0.85):
@@ -934,22 +946,22 @@ class _Maker:
             units = ()
             for _ in range(count):
                 units += (self.unit_after(units),)
-            if profile.max_general_combiners:
+            if profile.combiners.max_general_combiners:
                 combiners = self.register_combiners(max(count, 1))
             if any(units) and (combiners is None or self.chance(0.2)):
                 combiners, units = None, self.with_environments(units)
-            shaders = TextureShaderOperation.PASS_THROUGH in profile.texture_shader_operations
+            shaders = TextureShaderOperation.PASS_THROUGH in profile.texture_shaders.texture_shader_operations
             if units and not plain and shaders and self.chance(0.06):
                 stages = self.stages(units)
         polygon = self.polygon()
         rare = {}
         if not plain:
             rare = {
-                "color_sum": profile.color_sum and self.chance(0.2),
+                "color_sum": profile.fragments.color_sum and self.chance(0.2),
                 "logic_op": self.maybe(0.1, lambda: self.one_of(LogicOperation)),
-                "depth_clamp": self.maybe(0.12, self.depth_clamp) if profile.depth_clamp else None,
-                "w_buffering": profile.w_buffering and self.chance(0.1),
-                "perspective_correction": not (profile.perspective_hint and self.chance(0.05)),
+                "depth_clamp": self.maybe(0.12, self.depth_clamp) if profile.fragments.depth_clamp else None,
+                "w_buffering": profile.fragments.w_buffering and self.chance(0.1),
+                "perspective_correction": not (profile.primitives.perspective_hint and self.chance(0.05)),
             }
             if self.chance(0.05):
                 stipple = self.random.integers(0, 256, 128, np.uint8).tobytes()
@@ -962,11 +974,11 @@ class _Maker:
                     offset_line=self.chance(0.5),
                     offset_point=self.chance(0.5),
                 )
-            if profile.max_window_rectangles and self.chance(0.06):
+            if profile.fragments.max_window_rectangles and self.chance(0.06):
                 boxes = tuple(self.scissor() for _ in range(self.whole(1, 3)))
                 rare["window_clip"] = WindowClip(boxes, self.chance(0.5))
             rare["line"] = self.line()
-            sprite = bool(profile.point_sprite_units) and self.chance(0.3)
+            sprite = bool(profile.primitives.point_sprite_units) and self.chance(0.3)
             rare["point"] = PointState(self.one_of((1.0, 2.0, 3.5, self.uniform(0.0, 9.0))), sprite)
         return PassState(
             vertex=self.vertex(),
@@ -991,7 +1003,7 @@ class _Maker:
     def line(self):
         width = self.one_of((1.0, 0.0, 3.0, self.uniform(0.0, 6.0)))
         stipple = self.maybe(0.3, lambda: (self.one_of((1, 2, 5, 256)), self.whole(0, 0xFFFF)))
-        steps = self.profile.diamond_exit_lines or stipple is not None or self.chance(0.5)
+        steps = self.profile.arithmetic.diamond_exit_lines or stipple is not None or self.chance(0.5)
         return LineState(width, LineRasterization.STEPS if steps else LineRasterization.RECTANGLE, stipple)
 
     def mesh_for(self, state):

@@ -102,7 +102,7 @@ def _run(frame, command, profile):
 def _clear(frame, command, profile):
     transfer.clear(frame.buffer(command.draw_buffer), command)
     if command.accumulation is not None:
-        size, bits = (frame.current.width, frame.current.height), profile.accumulation_bits
+        size, bits = (frame.current.width, frame.current.height), profile.framebuffers.accumulation_bits
         accumulation.clear(frame.sums(), command.accumulation, command.scissor, size, bits)
 
 
@@ -114,7 +114,7 @@ def _draw(frame, command, profile):
 
 def _accum(frame, command, profile):
     read, written = frame.buffer(command.read_buffer), frame.buffer(command.draw_buffer)
-    size, bits = (frame.current.width, frame.current.height), profile.accumulation_bits
+    size, bits = (frame.current.width, frame.current.height), profile.framebuffers.accumulation_bits
     accumulation.accumulate(frame.sums(), read.color, written.color, command, size, 255, bits)
 
 
@@ -210,7 +210,9 @@ def _texture_of_pixels(command, profile):
         for row in values.tolist()
     ]
     dimensions = 1 if command.target == TextureTarget.TEXTURE_1D else 2
-    image = pixel_transfer.transfer(image, state, dimensions, profile.clamps_color_matrix, None, None)
+    image = pixel_transfer.transfer(
+        image, state, dimensions, profile.arithmetic.clamps_color_matrix, None, None
+    )
     store, internal_format = texel_formats.store_texel, command.internal_format
     texels = [[store(group, internal_format, floats=True) for group in row] for row in image]
     return SimpleNamespace(target=command.target, internal_format=internal_format, levels=[[texels]])
@@ -274,7 +276,7 @@ def _groups(frame, command, kind, profile):
         [pixel_transfer.pixel_of([v / most for v in _listed(group)], read_format) for group in row]
         for row in values
     ]
-    groups = pixel_transfer.transfer(groups, state, 2, profile.clamps_color_matrix, None, None)
+    groups = pixel_transfer.transfer(groups, state, 2, profile.arithmetic.clamps_color_matrix, None, None)
     return [[[pixel_transfer.to_fixed(c, 8) for c in group] for group in row] for row in groups]
 
 

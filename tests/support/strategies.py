@@ -106,7 +106,7 @@ def _noise(seed, shape):
 @st.composite
 def textures(draw, name):
     """Small textures of every target and internal format, with or without mipmaps."""
-    target = draw(st.sampled_from(sorted(GEFORCE_256.texture_targets)))
+    target = draw(st.sampled_from(sorted(GEFORCE_256.textures.texture_targets)))
     internal_format = draw(st.sampled_from(sorted(COMPONENT_BITS)))
     seed, mipmaps = draw(seeds), draw(st.sampled_from((True, True, False)))
     width, height = (1 << draw(st.integers(0, 3)) for _ in range(2))
@@ -136,7 +136,7 @@ def texture_units(draw, texture):
     )
     scale = draw(st.sampled_from((1.0, 1.0, 0.25, 7.0)))
     matrix = tuple(tuple(scale * v for v in row) if i < 2 else row for i, row in enumerate(IDENTITY))
-    limit = GEFORCE_256.max_lod_bias
+    limit = GEFORCE_256.textures.max_lod_bias
     bias = draw(st.sampled_from((0.0, 0.0, 0.5, -0.5)) | st.floats(-limit, limit))
     return TextureUnit(
         texture.name, sampler, lod_bias=bias, coordinates=draw(st.integers(0, 1)), matrix=matrix
@@ -150,8 +150,8 @@ def texture_environments(image):
 
 # ----------------------------------------------------------------------------------------------------- states
 
-_factors_source = st.sampled_from(sorted(GEFORCE_256.blend_factors_source))
-_factors_destination = st.sampled_from(sorted(GEFORCE_256.blend_factors_destination))
+_factors_source = st.sampled_from(sorted(GEFORCE_256.fragments.blend_factors_source))
+_factors_destination = st.sampled_from(sorted(GEFORCE_256.fragments.blend_factors_destination))
 _bytes = st.integers(0, 255)
 _functions = st.sampled_from(ComparisonFunction)
 _operations = st.sampled_from(StencilOperation)
@@ -177,7 +177,7 @@ def blendings(nv2a=False):
         Blending,
         source=_factors_source,
         destination=_factors_destination,
-        equation=st.sampled_from(sorted(profile.blend_equations)),
+        equation=st.sampled_from(sorted(profile.fragments.blend_equations)),
         color=colors,
     )
 
@@ -450,7 +450,7 @@ def textured_frame(seed, width, height):
     random = np.random.default_rng(seed)
     sizes, mipmaps = 1 << random.integers(0, 5, 2), random.random() < 0.8
     internal_format = _one_of(random, COMPONENT_BITS)
-    target = _one_of(random, sorted(GEFORCE_256.texture_targets))
+    target = _one_of(random, sorted(GEFORCE_256.textures.texture_targets))
     texels = random.integers(0, 256, (6, *sizes, 4), np.uint8)
     if target is TextureTarget.TEXTURE_1D:
         image = texture_1d(texels[0, 0], internal_format, mipmaps=mipmaps)

@@ -60,7 +60,7 @@ def checks(figure, renderer):
         ),
     ):
         image = renderer.picture(on, figure, MAP_SIZE)
-        stored = image if profile.exact else np.floor(255.0 * image + 0.5)
+        stored = image if profile.arithmetic.exact else np.floor(255.0 * image + 0.5)
         decoded = decode_expand(stored, profile) / material_textures.STORAGE_SCALE
         tangents, binormals = decoded[:, :MAP_SIZE], decoded[:, MAP_SIZE:]
         for name, vectors, alpha in (

@@ -484,7 +484,7 @@ def test_profiles_lists_the_machines_in_lines_that_fit(columns):
     for name, profile in PROFILES.items():
         (line,) = [line for line in result.stdout.splitlines() if line.split()[:1] == [name]]
         assert profile.description.split()[0] in line
-        assert f" {profile.max_texture_units} " in line
+        assert f" {profile.textures.max_texture_units} " in line
     assert "fixedpipe profiles NAME" in result.stdout
 
 

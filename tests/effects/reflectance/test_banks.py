@@ -165,7 +165,7 @@ def test_a_machine_subtracts_in_the_blender_where_it_can():
         )
         return sum(isinstance(command, Draw) for command in passes)
 
-    plain = replace(GEFORCE_256, blend_equations=MULTITEXTURE.blend_equations)
+    plain = GEFORCE_256.changed(blend_equations=MULTITEXTURE.fragments.blend_equations)
     assert (count(GEFORCE_256), count(plain)) == (5, 7)
 
 
@@ -173,7 +173,7 @@ def test_a_machine_subtracts_in_the_blender_where_it_can():
     ("units", "general_combiners", "allowed"), [(2, 5, True), (4, 8, True), (2, 4, False), (1, 5, False)]
 )
 def test_the_single_pass_asks_for_two_units_and_five_general_combiners(units, general_combiners, allowed):
-    profile = replace(GEFORCE_3, max_texture_units=units, max_general_combiners=general_combiners)
+    profile = GEFORCE_3.changed(max_texture_units=units, max_general_combiners=general_combiners)
     commands = square(profile, fibres(6), LIGHTS[0], banks_without_lookup.specular_pass)
     if allowed:
         validate(commands, profile, SIZE, SIZE, 24)
@@ -226,7 +226,7 @@ def test_eq_1_in_three_passes_is_the_single_pass_within_the_framebuffers_roundin
 
 @pytest.mark.parametrize(("units", "general_combiners"), [(1, 1), (1, 2), (2, 1)])
 def test_eq_1_in_three_passes_asks_for_one_unit_and_one_general_combiner(units, general_combiners):
-    profile = replace(GEFORCE_256, max_texture_units=units, max_general_combiners=general_combiners)
+    profile = GEFORCE_256.changed(max_texture_units=units, max_general_combiners=general_combiners)
     light = LIGHTS[0]
     validate(
         eq_1(profile, fibres(8), light, anisotropic_blinn_phong.specular_passes), profile, SIZE, SIZE, 24

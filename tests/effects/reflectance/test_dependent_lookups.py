@@ -53,7 +53,7 @@ def pebbles(alpha_x=0.25, alpha_y=0.6, exponent=2.0):
 def picture(commands, profile, view=VIEW, width=SIZE, height=SIZE):
     """Red of the panel, float64, bottom row first; black behind."""
     commands = (view.panel.clear((0.0, 0.0, 0.0)), *commands)
-    if profile.exact:
+    if profile.arithmetic.exact:
         color = execute_ideal(commands, width, height, threads=1).color
     else:
         color = execute(commands, profile, width, height, threads=1).framebuffer.color / 255.0
@@ -180,7 +180,7 @@ def test_what_lies_far_beyond_the_lobe_is_dark():
             got = picture((*loading, *passes), profile)
             half = normalize(np.array(light.vector) + TO_VIEWER)
             expected = max(0.0, 1.0 - (half[0] / 0.25) ** 2)
-            np.testing.assert_allclose(got, expected, atol=1e-4 if profile.exact else 0.02)
+            np.testing.assert_allclose(got, expected, atol=1e-4 if profile.arithmetic.exact else 0.02)
 
 
 @pytest.mark.parametrize("exponent", [1.0, 4.0])
@@ -206,7 +206,7 @@ def test_banks_keeps_the_sign_of_its_product():
             loading, names = dot_product_lookups.load_banks(material, "m", profile)
             passes = dot_product_lookups.banks_pass(SURFACE, names, tilted, light, profile, first=True)
             got = picture((*loading, *passes), profile)
-            np.testing.assert_allclose(got, 0.8 * expected, atol=1e-4 if profile.exact else 0.012)
+            np.testing.assert_allclose(got, 0.8 * expected, atol=1e-4 if profile.arithmetic.exact else 0.012)
 
 
 # ----------------------------------------------------------------- parameters on the screen, then lookups
@@ -263,7 +263,7 @@ def test_ward_s_colour_and_large_factors_are_restored():
         n, t, b = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
         expected = 0.9 * brdfs.ward(to_light, TO_VIEWER, n, t, b, 0.2, 0.2)
         np.testing.assert_allclose(
-            picture(commands, profile), expected, atol=0.004 if profile.exact else 0.02
+            picture(commands, profile), expected, atol=0.004 if profile.arithmetic.exact else 0.02
         )
 
 
@@ -323,7 +323,7 @@ def test_the_gate_darkens_what_faces_away_from_the_light():
             shared = dependent_lookups.load_power(profile), dependent_lookups.load_screen(PANEL)
             got = picture((*loading, *shared, *passes), profile)
             expected = min(1.0, max(0.0, 4.0 * to_light[2])) * (1.0 - half[0] ** 2)
-            np.testing.assert_allclose(got, expected, atol=0.001 if profile.exact else 0.03)
+            np.testing.assert_allclose(got, expected, atol=0.001 if profile.arithmetic.exact else 0.03)
 
 
 # --------------------------------------------------------------------------------- sequences, tables, limits

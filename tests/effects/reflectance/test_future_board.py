@@ -50,7 +50,7 @@ def drawn(name, material, profile, light=LIGHT, **options):
     )  # fmt: skip
     assert len(passes) == 1
     commands = (*loading, *table, *passes)
-    if profile.exact:
+    if profile.arithmetic.exact:
         return execute_ideal(commands, SIZE, SIZE).color[::-1, :, 0]
     return execute(commands, profile, SIZE, SIZE).framebuffer.image()[::-1, :, 0] / 255.0
 

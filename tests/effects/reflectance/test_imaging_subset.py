@@ -54,7 +54,7 @@ def square(material, light, profile, **options):
 
 def pixels(commands, panel, profile):
     commands = (panel.clear((0.0, 0.0, 0.0)), *commands)
-    if profile.exact:
+    if profile.arithmetic.exact:
         return execute_ideal(commands, panel.width, panel.height).color[::-1, :, :3]
     framebuffer = execute(commands, profile, panel.width, panel.height).framebuffer
     return framebuffer.color[::-1, :, :3] / (2.0**framebuffer.color_bits - 1.0)
@@ -105,7 +105,7 @@ def test_the_ideal_draws_equation_1():
     material = random_material(3, 0.1, halfway)
     error = square(material, light_of(halfway), IDEAL) - equation(material, halfway)
     # Twice the step of the longest table.
-    assert np.abs(error).max() < 4.0 / (IDEAL.max_color_table_size - 1)
+    assert np.abs(error).max() < 4.0 / (IDEAL.pixels.max_color_table_size - 1)
 
 
 def test_a_table_of_256_entries_costs_more_than_the_bytes_do():
@@ -125,7 +125,7 @@ def test_without_the_bias_negative_dot_products_are_lost():
     """
     halfway = normalize(np.array([0.2, -0.3, 1.0]))
     material = replace(random_material(5, 0.3, halfway), k_s=np.ones((SIZE, SIZE)))
-    for profile, bound in ((IDEAL, 4.0 / (IDEAL.max_color_table_size - 1)), (OCTANE, error_bound())):
+    for profile, bound in ((IDEAL, 4.0 / (IDEAL.pixels.max_color_table_size - 1)), (OCTANE, error_bound())):
         drawn = square(material, light_of(halfway), profile, biased=False)
         x, y = (
             np.maximum(0.0, dot(halfway, vectors)) / alpha

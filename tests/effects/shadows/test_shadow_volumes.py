@@ -283,7 +283,11 @@ def test_polygons_at_infinity_have_depth_one_and_are_not_clipped():
         counts = []
         for seen, of in ((infinite, caps), (view, caps)):
             commands = (clear, *shadow_volumes.z_fail_counts(of, seen))
-            run = execute_ideal if profile.exact else lambda c, w, h: execute(c, GL, w, h).framebuffer
+            run = (
+                execute_ideal
+                if profile.arithmetic.exact
+                else lambda c, w, h: execute(c, GL, w, h).framebuffer
+            )
             counts.append(run(commands, 64, 64).stencil > 0)
         assert not counts[1].any()  # the lamp's own far plane clips them
         hidden = truth_of(objects_and_lamps.Scene(tuple(o for o in scene.objects if o.closed)), view, lamp)

@@ -1,7 +1,5 @@
 """All engines and the specification draw the same where a fast path ends: what the fuzz once found."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -80,7 +78,7 @@ def test_lines_by_diamonds_are_clamped_in_color_beyond_their_ends(width):
     colors = random.integers(0, 2, (80, 4)).astype(np.float64)
     mesh = Mesh(positions, primitive=PrimitiveType.LINES, colors=colors)
     line = LineState(width=width, rasterization=LineRasterization.STEPS)
-    profile = replace(NV2A, diamond_exit_lines=True, color_weights=ColorWeights.EXACT)
+    profile = NV2A.changed(diamond_exit_lines=True, color_weights=ColorWeights.EXACT)
     draw = Draw(label="lines", mesh=mesh, state=PassState(vertex=PROGRAMMED, line=line))
     assert_all_equal([draw], 16, 16, profile=profile)
 

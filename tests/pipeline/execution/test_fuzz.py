@@ -2,7 +2,6 @@
 
 import math
 import platform
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -39,7 +38,7 @@ def test_a_wrong_bit_is_found_and_its_frame_made_small(monkeypatch):
     right = fuzz.run_reference
 
     def wrong(commands, profile, *rest):
-        return right(commands, replace(profile, expand_half=120), *rest)
+        return right(commands, profile.changed(expand_half=120), *rest)
 
     monkeypatch.setattr(fuzz, "run_reference", wrong)
     monkeypatch.setattr(fuzz, "SHRINKING_SECONDS", math.inf)

@@ -41,13 +41,12 @@ WIDTH, HEIGHT = 16, 8  # powers of two: vertices on pixel centers and corners st
 
 # A machine that no one built: every arithmetic field that a profile has, with eight general combiners.
 machines = st.builds(
-    lambda **fields: replace(
-        GEFORCE_256,
+    lambda **fields: GEFORCE_256.changed(
         max_general_combiners=8,
         per_stage_constants=True,
         combiner_flags=True,
-        blend_equations=NV2A.blend_equations,
-        surface_formats=NV2A.surface_formats,
+        blend_equations=NV2A.fragments.blend_equations,
+        surface_formats=NV2A.framebuffers.surface_formats,
         depth_bits=tuple(DepthFormat),
         depth_clamp=True,
         w_buffering=True,
@@ -83,7 +82,7 @@ def assert_equal_to_reference(commands, profile, depth_bits, batch):
 
 
 batches = st.sampled_from((16, 17, 64, 256))
-depths = st.sampled_from(GEFORCE_256.depth_bits)
+depths = st.sampled_from(GEFORCE_256.framebuffers.depth_bits)
 depth_formats = st.sampled_from(DepthFormat)
 
 
@@ -133,9 +132,9 @@ def stippled_frame(seed):
 # Lines by diamonds and colours: all pairs that a machine may have.
 line_machines = st.sampled_from(
     [
-        replace(NV2A, diamond_exit_lines=True, color_weights=ColorWeights.EXACT),
+        NV2A.changed(diamond_exit_lines=True, color_weights=ColorWeights.EXACT),
         NV2A,
-        replace(NV2A, color_weights=ColorWeights.EXACT),
+        NV2A.changed(color_weights=ColorWeights.EXACT),
     ]
 )
 
@@ -198,7 +197,7 @@ def test_the_mux_reads_texture_0_though_no_input_names_it():
 
 
 def test_the_final_combiner_has_its_own_constants_beside_a_single_stage_s():
-    profile = replace(GEFORCE_256, per_stage_constants=True)
+    profile = GEFORCE_256.changed(per_stage_constants=True)
     final = FinalCombiner(
         a=CombinerInput(), b=CombinerInput(), c=CombinerInput(Register.CONSTANT_COLOR0), d=CombinerInput()
     )

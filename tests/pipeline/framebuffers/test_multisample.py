@@ -50,7 +50,7 @@ TEXTURED = TextureUnit(texture="noise", sampler=Sampler(min_filter=TextureFilter
 STORE = TexImage(label="store", texture="noise", image=texture_2d(PICTURE))
 COUNTS = [4, 8]
 # Its arithmetic with windows of 8 bits, which draw faster.
-MULTISAMPLED = replace(INFINITE_REALITY, color_bits=(8,))
+MULTISAMPLED = INFINITE_REALITY.changed(color_bits=(8,))
 
 
 def scene(position, seed=5, primitive=PrimitiveType.TRIANGLES):

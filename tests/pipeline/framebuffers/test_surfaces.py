@@ -1,7 +1,5 @@
 """Pbuffers: MakeCurrent, BindTexImage, and what each colour format keeps."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -150,7 +148,7 @@ def test_machines_without_pbuffers_refuse_them(profile):
 
 
 def test_a_format_that_a_machine_lacks_is_refused():
-    profile = replace(NV2A, surface_formats=frozenset({ColorFormat.A8R8G8B8}))
+    profile = NV2A.changed(surface_formats=frozenset({ColorFormat.A8R8G8B8}))
     with pytest.raises(UnsupportedState, match="has no surface format R5G6B5; it has A8R8G8B8"):
         validate((pbuffer(color_format=ColorFormat.R5G6B5),), profile, WIDTH, HEIGHT)
 

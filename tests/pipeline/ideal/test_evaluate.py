@@ -771,7 +771,7 @@ def scalar_factor(factor, s, d, constant, channel):
     return 1.0 - value if factor.name.startswith("ONE_MINUS_") else value
 
 
-@pytest.mark.parametrize("equation", sorted(IDEAL.blend_equations))
+@pytest.mark.parametrize("equation", sorted(IDEAL.fragments.blend_equations))
 @pytest.mark.parametrize("source", list(BlendFactor))
 def test_blending_equals_a_scalar_evaluation_and_does_not_clamp(equation, source):
     rng = np.random.default_rng(11)

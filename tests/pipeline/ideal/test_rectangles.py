@@ -180,7 +180,7 @@ STEPS = {
 @pytest.mark.parametrize("name", FRAMES)
 def test_the_machine_is_the_ideal_but_for_rounding(name):
     frame = FRAMES[name]
-    profile = replace(OCTANE, auxiliary_buffers=2)
+    profile = OCTANE.changed(auxiliary_buffers=2)
     machine = execute(frame, profile, SIZE, SIZE, record=True)
     ideal = execute_ideal(frame, SIZE, SIZE)
     guided = execute_ideal(frame, SIZE, SIZE, guide=machine)

@@ -1,7 +1,6 @@
 """Pixel shaders ps.1.0 to ps.1.3: what they compute on the combiners they become, and their errors."""
 
 import random
-from dataclasses import replace
 
 import pytest
 from hypothesis import given, reject, settings
@@ -30,7 +29,7 @@ from tests.support.program_strategies import pixel_shaders
 from tests.support.text_errors import assert_says_where_and_what
 
 NO_FOG = [0, 0, 0, 255]
-CHIP = pixel_shader.Arithmetic(half=NV2A.expand_half, lowest=NV2A.clamp_low)
+CHIP = pixel_shader.Arithmetic(half=NV2A.arithmetic.expand_half, lowest=NV2A.arithmetic.clamp_low)
 TEXELS = st.tuples(*[st.integers(0, 255)] * 4)
 
 
@@ -266,7 +265,7 @@ def test_what_a_program_becomes_can_be_written_as_combiners(text):
 
 def test_one_minus_a_value_is_subtracted_through_minus_one():
     """Where one half is 127.5, minus one is exact."""
-    exact_half = replace(NV2A, expand_half=127.5, clamp_low=-255)
+    exact_half = NV2A.changed(expand_half=127.5, clamp_low=-255)
     check(
         HEAD + "sub r1, v0, 1-t0\nmad_sat r0, -r1, t1, v1\n",
         profile=exact_half,

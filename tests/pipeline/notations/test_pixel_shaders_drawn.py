@@ -14,7 +14,7 @@ from fixedpipe.pipeline.validation.validate import validate_program
 from tests.reference import pixel_shader
 
 COUNT, SIDE = 64, 8
-CHIP = pixel_shader.Arithmetic(half=NV2A.expand_half, lowest=NV2A.clamp_low)
+CHIP = pixel_shader.Arithmetic(half=NV2A.arithmetic.expand_half, lowest=NV2A.arithmetic.clamp_low)
 NEAREST = Sampler(
     TextureFilter.NEAREST, TextureFilter.NEAREST, WrapMode.CLAMP_TO_EDGE, WrapMode.CLAMP_TO_EDGE
 )

@@ -3,7 +3,6 @@ that says so.
 """
 
 import re
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -21,7 +20,7 @@ from tests.support.features import FEATURES, SIZE
 from tests.support.random_frames import random_frame
 
 ROOT = Path(__file__).parents[3]
-MACHINES = [profile for profile in PROFILES.values() if not profile.exact]
+MACHINES = [profile for profile in PROFILES.values() if not profile.arithmetic.exact]
 # What a refusal tells to do: a verb, or what the machine has instead.
 HINT = re.compile(
     r"[;.:,] (or )?(add|bias|choose|combine|copy|disable|draw|enable|give|leave|put|read|scale|set|split|use"
@@ -51,15 +50,15 @@ def test_a_feature_is_accepted_exactly_where_the_machine_has_it(feature):
 
 def test_a_machine_of_diamonds_has_no_weights_of_eight_bits():
     with pytest.raises(ValueError, match=r"^NV2A: diamond_exit_lines with .*EIGHT_BITS.* Give color_weights"):
-        replace(PROFILES["NV2A"], diamond_exit_lines=True)
+        PROFILES["NV2A"].changed(diamond_exit_lines=True)
     with pytest.raises(ValueError, match="color_weights EIGHT_BITS"):
-        replace(PROFILES["OCTANE"], color_weights=ColorWeights.EIGHT_BITS)
-    assert replace(PROFILES["NV2A"], diamond_exit_lines=True, color_weights=ColorWeights.EXACT)
+        PROFILES["OCTANE"].changed(color_weights=ColorWeights.EIGHT_BITS)
+    assert PROFILES["NV2A"].changed(diamond_exit_lines=True, color_weights=ColorWeights.EXACT)
 
 
 def runs_on(feature, profile):
     """Run the feature's commands; the picture."""
-    if profile.exact:
+    if profile.arithmetic.exact:
         return execute_ideal(feature.commands, SIZE, SIZE).image()
     return execute(feature.commands, profile, SIZE, SIZE, threads=1, **feature.framebuffer).image()
 
@@ -86,7 +85,7 @@ def test_a_feature_runs_on_every_machine_that_has_it(feature):
 OF_BYTES = {
     name: profile.with_precision(combiner_bits=8, texture_bits=8, framebuffer_bits=8)
     for name, profile in PROFILES.items()
-    if not profile.exact and CombinerFunction.DIVIDE not in profile.combiner_functions
+    if not profile.arithmetic.exact and CombinerFunction.DIVIDE not in profile.combiners.combiner_functions
 }
 
 

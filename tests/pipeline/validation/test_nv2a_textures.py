@@ -90,7 +90,7 @@ REFUSED = {
         shown(flat()),
     ),
     "a volume that is too large": (
-        replace(NV2A, max_3d_texture_size=4),
+        NV2A.changed(max_3d_texture_size=4),
         shown(volume(8), components=3),
         "2x2x8.* up to 4 texels an edge",
         shown(volume(4), components=3),

@@ -150,7 +150,7 @@ def store(image, texture="made"):
 
 def without(**fields):
     """A GeForce 256 that lacks something."""
-    return replace(GEFORCE_256, **fields)
+    return GEFORCE_256.changed(**fields)
 
 
 ALPHA, BLUE, RGB = ComponentUsage.ALPHA, ComponentUsage.BLUE, ComponentUsage.RGB
@@ -1113,8 +1113,8 @@ def test_what_was_found_right_is_refused_where_it_is_not():
         ({"commands": (store_, replace(pass_, mesh=None))}, "mesh is None"),
         ({"commands": (store_, replace(pass_, label=""))}, "label is empty"),
         ({"commands": (store_, replace(pass_, label=7))}, "label is 7"),
-        ({"commands": (store_, pass_), "profile": replace(GEFORCE_256, max_texture_units=0)}, "0 texture"),
-        ({"commands": (store_, pass_), "profile": replace(GEFORCE_256, max_texture_size=2)}, "up to 2x2"),
+        ({"commands": (store_, pass_), "profile": GEFORCE_256.changed(max_texture_units=0)}, "0 texture"),
+        ({"commands": (store_, pass_), "profile": GEFORCE_256.changed(max_texture_size=2)}, "up to 2x2"),
     ]
     for options, words in refusals * 2:
         with pytest.raises(UnsupportedState, match=words):
@@ -1263,7 +1263,7 @@ def test_vertex_columns_have_one_value_for_each_vertex(name):
         check(draw(replace(MESH, **{name: np.ones(2, bool if name == "edge_flags" else float)})))
 
 
-UNIT = replace(GEFORCE_256, lighting=LightingArithmetic.LIGHTING_UNIT)
+UNIT = GEFORCE_256.changed(lighting=LightingArithmetic.LIGHTING_UNIT)
 CONE = Spot((0.0, 0.0, -1.0, 0.0), (0.0, 1.0, 0.0))
 
 

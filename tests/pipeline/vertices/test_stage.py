@@ -252,7 +252,7 @@ unit_lightings = st.builds(
     back_model_ambient=st.none() | colors(),
     viewer_direction=st.sampled_from([(0.0, 0.0, 1.0), (0.0, 0.0, 0.0), (0.6, 0.0, -0.8)]),
 )
-UNIT = replace(GEFORCE_256, lighting=LightingArithmetic.LIGHTING_UNIT)
+UNIT = GEFORCE_256.changed(lighting=LightingArithmetic.LIGHTING_UNIT)
 LINEAR = [TexGenMode.NONE, TexGenMode.OBJECT_LINEAR, TexGenMode.EYE_LINEAR]
 VECTOR = [*LINEAR, TexGenMode.NORMAL_MAP, TexGenMode.REFLECTION_MAP]
 
@@ -350,14 +350,14 @@ def test_random_lighting_gives_the_bits_of_the_specification(lighting, normals, 
 @given(meshes(), states().filter(lambda state: state.fog is not None))
 def test_table_fog_gives_the_bits_of_the_specification(mesh, state):
     assume(has_inverse(state.vertex.modelview))
-    assert_equals_the_specification(mesh, state, replace(GEFORCE_256, fog_arithmetic=FogArithmetic.TABLE))
+    assert_equals_the_specification(mesh, state, GEFORCE_256.changed(fog_arithmetic=FogArithmetic.TABLE))
 
 
 @settings(max_examples=150)
 @given(meshes(st.floats(-4, 4, width=32)), states(), st.sampled_from([0, 3, 8192]))
 def test_triangles_through_every_plane_give_the_bits_of_the_specification(mesh, state, guard_band):
     vertex = replace(state.vertex, modelview=TURNED, projection=PERSPECTIVE)
-    profile = replace(GEFORCE_256, guard_band=guard_band)
+    profile = GEFORCE_256.changed(guard_band=guard_band)
     assert_equals_the_specification(mesh, replace(state, vertex=vertex), profile)
 
 
@@ -399,7 +399,7 @@ def test_composite_matrices_give_the_bits_of_the_specification(mesh, offset, gua
     """What is seen lies on both sides of the screen's edges and of depth 0."""
     matrix = ((40.0, 3.0, 30.0, 60.0), (0.0, -40.0, 20.0, 50.0), (0.1, 0.0, 90.0, 9.0), (0.0, 0.0, 0.7, 2.0))
     state = PassState(vertex=VertexState(composite=Composite(matrix, offset)))
-    assert_equals_the_specification(mesh, state, replace(GEFORCE_256, guard_band=guard_band))
+    assert_equals_the_specification(mesh, state, GEFORCE_256.changed(guard_band=guard_band))
 
 
 def test_a_composite_matrix_is_applied_in_single_precision_toward_zero():
@@ -513,7 +513,7 @@ def test_window_coordinates_are_truncated_toward_zero_with_y_down():
 
 
 def test_a_device_with_rows_from_below_truncates_toward_the_lower_edge():
-    below = replace(GEFORCE_256, device_origin=WindowOrigin.LOWER_LEFT)
+    below = GEFORCE_256.changed(device_origin=WindowOrigin.LOWER_LEFT)
     positions = [[0.0, 0.001], [0.25, 0.5], [0.0, -1.0]]
     assert one_triangle(positions).y.tolist()[0] == 383  # trunc(384 * 0.999)
     assert one_triangle(positions, profile=below).y.tolist()[0] == 768 - 384  # 768 - trunc(384 * 1.001)
@@ -616,7 +616,7 @@ def test_colours_that_are_not_rounded_are_those_that_become_bytes(lighting, dept
     bits = kept_color_bits(vertex, GEFORCE_256)
     np.testing.assert_array_equal(color_byte(got.colors, bits), rounded.colors)
     assert (got.colors * 255.0 % 1.0 > 0.0).any()
-    exact = process(mesh, state, replace(GEFORCE_256, exact=True), WIDTH, HEIGHT)
+    exact = process(mesh, state, GEFORCE_256.changed(exact=True), WIDTH, HEIGHT)
     np.testing.assert_array_equal(got.colors, exact.colors)
 
 
@@ -1009,6 +1009,6 @@ def test_an_overflow_along_one_axis_of_a_clipped_edge_drops_the_triangle(axis):
     """
     inside, outside = [0.0, 0.0, 0.0, 1.2e308], [0.0, 0.0, -1.7e308, 1e308]
     inside[axis], outside[axis] = 1e308, -1e308
-    profile = replace(GEFORCE_256, guard_band=0)
+    profile = GEFORCE_256.changed(guard_band=0)
     got = process(Mesh([inside, outside, inside]), PassState(), profile, 1, 1)
     assert (len(got.triangles), got.dropped) == (0, 1)

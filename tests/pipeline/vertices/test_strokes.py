@@ -318,7 +318,7 @@ def test_a_polygon_s_edges_share_one_stipple_counter(profile, primitive, groups)
         (LineState(rasterization=RECTANGLE, stipple=(1, 1)), GEFORCE_256, "counts the steps"),
         (LineState(stipple=(0, 1)), GEFORCE_256, "a factor of 1 to 256"),
         (LineState(stipple=(1, 1 << 16)), OPENGL_1_2, "16 bits"),
-        (LineState(stipple=(1, 1)), replace(OPENGL_1_2, line_stipple=False), "no line stipple"),
+        (LineState(stipple=(1, 1)), OPENGL_1_2.changed(line_stipple=False), "no line stipple"),
     ],
 )
 def test_lines_that_a_machine_does_not_draw_are_refused(line, profile, words):
@@ -330,7 +330,7 @@ def test_lines_that_a_machine_does_not_draw_are_refused(line, profile, words):
 @pytest.mark.parametrize("exclusive", [False, True])
 def test_window_clip_keeps_what_is_in_any_rectangle_or_in_none(exclusive):
     clip = WindowClip((Scissor(1, 1, 3, 2), Scissor(3, 2, 9, 9), Scissor(5, 5, 0, 1)), exclusive)
-    machine = replace(GEFORCE_256, max_window_rectangles=8)
+    machine = GEFORCE_256.changed(max_window_rectangles=8)
     mesh = Mesh([[-1.0, -1.0], [3.0, -1.0], [-1.0, 3.0]])
     draw = Draw(label="d", mesh=mesh, state=PassState(window_clip=clip))
     (found,) = execute((draw,), machine, WIDTH, HEIGHT, record=True).records

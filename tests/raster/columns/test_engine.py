@@ -368,7 +368,7 @@ def assert_the_same_however_it_is_run(seed):
     for other in others:
         for name in ("color", "depth", "stencil"):
             assert np.array_equal(getattr(whole, name), getattr(other, name)), (seed, name)
-    if Clamp.BLENDING in profile.clamps:
+    if Clamp.BLENDING in profile.arithmetic.clamps:
         assert whole.color.min() >= 0 and whole.color.max() < 1 << whole.color_bits
 
 

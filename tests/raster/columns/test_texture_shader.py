@@ -187,7 +187,10 @@ def test_a_replaced_depth_is_the_quotient_at_every_width():
 
 
 def test_the_future_board_has_the_geforce_3_s_stages():
-    assert FUTURE.texture_shader_operations == GEFORCE_3.texture_shader_operations
+    assert (
+        FUTURE.texture_shaders.texture_shader_operations
+        == GEFORCE_3.texture_shaders.texture_shader_operations
+    )
     for name in ("offset", "reflect", "diffuse"):
         commands = frame(*CHAINS[name], np.random.default_rng(1))
         target = execute(commands, FUTURE, WIDTH, HEIGHT, depth_bits=24).framebuffer

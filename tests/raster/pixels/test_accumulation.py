@@ -81,7 +81,7 @@ def by_reference(commands, profile):
     for command in commands:
         if isinstance(command, Accum):
             read, written = planes[command.read_buffer], planes[command.draw_buffer]
-            bits = profile.accumulation_bits
+            bits = profile.framebuffers.accumulation_bits
             reference.accumulate(accumulation, copy.deepcopy(read), written, command, size, 255, bits)
             continue
         if command.color is not None:
@@ -90,7 +90,7 @@ def by_reference(commands, profile):
             before.framebuffer.color[:] = planes[command.draw_buffer]
             planes[command.draw_buffer] = before.run((plain,)).framebuffer.color.tolist()
         if command.accumulation is not None:
-            scissor, bits = command.scissor, profile.accumulation_bits
+            scissor, bits = command.scissor, profile.framebuffers.accumulation_bits
             reference.clear(accumulation, command.accumulation, scissor, size, bits)
     return planes, accumulation
 
@@ -143,7 +143,7 @@ def test_auxiliary_buffers_share_depths_and_are_drawn_to_read_and_copied():
         ReadPixels(label="read", name="aux", read_buffer=ColorBuffer.AUX0),
         ReadPixels(label="read", name="back"),
     )
-    profile = replace(OPENGL_1_2, power_of_two_textures=False)
+    profile = OPENGL_1_2.changed(power_of_two_textures=False)
     for engine in (None, "portable"):
         result = execute(commands, profile, WIDTH, HEIGHT, engine=engine, trace=True)
         kept = result.textures["kept"].levels[0][0]
@@ -155,7 +155,7 @@ def test_auxiliary_buffers_share_depths_and_are_drawn_to_read_and_copied():
     assert result.textures["kept"].internal_format is InternalFormat.RGBA8
 
 
-WITHOUT = replace(GEFORCE_256, accumulation_bits=0)
+WITHOUT = GEFORCE_256.changed(accumulation_bits=0)
 REFUSED = [
     (WITHOUT, accum(AccumOperation.LOAD), "no accumulation buffer"),
     (WITHOUT, clear_to(None, accumulation=(0.0,) * 4), "no accumulation buffer"),
@@ -177,7 +177,7 @@ def test_what_a_machine_lacks_is_refused(profile, command, words):
 
 
 def test_a_pbuffer_has_neither_even_after_the_window_took_the_same_commands():
-    profile = replace(NV2A, auxiliary_buffers=1, accumulation_bits=16)
+    profile = NV2A.changed(auxiliary_buffers=1, accumulation_bits=16)
     state = PassState(draw_buffer=ColorBuffer.AUX0)
     current = MakeCurrent(label="pbuffer", surface="p", width=4, height=4)
     for command in (
@@ -210,7 +210,7 @@ def test_accumulation_prints_as_words():
 
 def test_a_wider_buffer_is_that_of_its_machine():
     commands = (clear_to((1.0, 0.5, 0.0, 1.0)), accum(AccumOperation.LOAD, 0.5))
-    result = execute(commands, INFINITE_REALITY, 2, 2, depth_bits=INFINITE_REALITY.depth_bits[0])
+    result = execute(commands, INFINITE_REALITY, 2, 2, depth_bits=INFINITE_REALITY.framebuffers.depth_bits[0])
     full, one = 2**23 - 1, 2**result.framebuffer.color_bits - 1
     half = np.floor(0.5 * one + 0.5) / one
     stored = [np.floor(c * 0.5 * full + 0.5) for c in (1.0, half, 0.0, 1.0)]

@@ -580,7 +580,7 @@ def test_twelve_bit_groups_are_twelve_bit_coordinates():
         sampler=Sampler(TextureFilter.NEAREST, TextureFilter.NEAREST, wrap_s=WrapMode.CLAMP_TO_EDGE),
         environment=TextureEnvironment(TextureEnvironmentMode.REPLACE),
     )
-    profile = replace(OCTANE, max_texture_size=4096)
+    profile = OCTANE.changed(max_texture_size=4096)
     groups = np.zeros((1, 4096, 4), np.uint16)
     groups[0, :, 0], groups[0, :, 3] = np.floor(ramp * 65535 / 4095 + 0.5), 65535
     draw = DrawPixels(
@@ -591,7 +591,7 @@ def test_twelve_bit_groups_are_twelve_bit_coordinates():
         pixel_texture=PixelTexture(),
     )
     store = TexImage(label="t", texture="ramp", image=texture_2d(texels[None]))
-    profile = replace(profile, max_viewport=4096)
+    profile = profile.changed(max_viewport=4096)
     result = execute((store, draw), profile, 4096, 1, color_bits=12)
     found = result.framebuffer.color[0].astype(np.int64)
     assert (found[:, 0] == np.floor((ramp >> 4) * 4095 / 255 + 0.5)).all()
@@ -611,7 +611,7 @@ REFUSED = [
     (OPENGL_1_2, LOOKUP, "OpenGL 1.2 has no SGIX_pixel_texture"),
     (OPENGL_1_2, replace(LOOKUP, pixel_texture=PixelTexture(mode=None)), "no SGIS_pixel_texture"),
     (
-        replace(OCTANE, impact_pixel_texture=False),
+        OCTANE.changed(impact_pixel_texture=False),
         replace(LOOKUP, pixel_texture=PixelTexture(alpha_replace=True)),
         "no SGIX_impact_pixel_texture",
     ),
@@ -632,7 +632,7 @@ REFUSED = [
     (OCTANE, replace(DRAW, image=PixelImage(np.zeros((2, 2)))), "shape"),
     (OCTANE, replace(DRAW, image=PixelImage(np.zeros((0, 2, 4)))), "at least one pixel"),
     (
-        replace(OCTANE, stencil_bits=0),
+        OCTANE.changed(stencil_bits=0),
         replace(DRAW, image=PixelImage(np.zeros((2, 2), np.uint8), "STENCIL_INDEX")),
         "writes the stencil buffer",
     ),

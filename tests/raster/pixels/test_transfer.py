@@ -131,7 +131,13 @@ def _same_as_reference(image, transfer, profile, dimensions, indices=False):
         extremes = reference.new_extremes(transfer.minmax)
     for _ in range(2):
         expected = reference.transfer(
-            image.tolist(), transfer, dimensions, profile.clamps_color_matrix, counts, extremes, indices
+            image.tolist(),
+            transfer,
+            dimensions,
+            profile.arithmetic.clamps_color_matrix,
+            counts,
+            extremes,
+            indices,
         )
         convert = transfer_color_indices if indices else transfer_colors
         groups = convert(image, transfer, profile, statistics, dimensions)

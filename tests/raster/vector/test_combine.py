@@ -259,7 +259,7 @@ def test_dot_products_on_every_machine(machine):
 
 
 def operations(combiners):
-    packed = packed_combiners(combiners, replace(GEFORCE_256, product_rounding=ProductRounding.JOINT))
+    packed = packed_combiners(combiners, GEFORCE_256.changed(product_rounding=ProductRounding.JOINT))
     plan = plan_combiners(
         packed.draw,
         packed.program,
