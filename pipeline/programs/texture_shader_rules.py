@@ -69,6 +69,7 @@ TARGETS_READ = {
 }
 # Of an unsigned texture's colours.  Source: NV_texture_shader, table 3.B.
 SCALING = tuple(map(Operation, C.OPERATIONS_WITH_SCALE))
+_REFLECTING = tuple(map(Operation, C.OPERATIONS_REFLECTING))
 _WITHOUT_RESULT = (
     Operation.NONE,
     Operation.CULL_FRAGMENT,
@@ -112,10 +113,10 @@ def stage_problem(i, stages):
         )
     if not dotted or operation is Operation.DOT_PRODUCT:
         return None
-    before = 1 if operation.name.endswith(("2D", "RECTANGLE", "REPLACE", "DIFFUSE_CUBE_MAP")) else 2
+    before = 2 if operation in C.OPERATIONS_OF_THREE_DOT_PRODUCTS else 1
     for k in range(1, before + 1):
         allowed = (Operation.DOT_PRODUCT,)
-        if k == 1 and operation in C.OPERATIONS_REFLECTING:
+        if k == 1 and operation in _REFLECTING:
             allowed = (Operation.DOT_PRODUCT, Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP)
         if i < k or operations[i - k] not in allowed:
             return (
@@ -123,11 +124,11 @@ def stage_problem(i, stages):
                 f"{' or '.join(a.name for a in allowed)}."
             )
     if operation is Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP and (
-        i + 1 >= len(stages) or operations[i + 1] not in C.OPERATIONS_REFLECTING
+        i + 1 >= len(stages) or operations[i + 1] not in _REFLECTING
     ):
         return (
             f"texture shader stage {i} is DOT_PRODUCT_DIFFUSE_CUBE_MAP; the stage after it must be "
-            f"{' or '.join(a.name for a in C.OPERATIONS_REFLECTING)}."
+            f"{' or '.join(a.name for a in _REFLECTING)}."
         )
     if operation is Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP and stages[i + 1].previous_texture_input == i:
         return (
