@@ -26,3 +26,5 @@ PROFILES = {
     "FUTURE": FUTURE,
     "IDEAL": IDEAL,
 }
+
+__all__ = ["PROFILES", *PROFILES]

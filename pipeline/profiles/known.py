@@ -40,7 +40,7 @@ class Section:
 
     evidence: Mapping[str, str] = field(init=False, repr=False)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         evidence = {}
         for name in self.names():
             given = getattr(self, name)
@@ -54,6 +54,6 @@ class Section:
         object.__setattr__(self, "evidence", evidence)
 
     @classmethod
-    def names(cls):
+    def names(cls) -> tuple[str, ...]:
         """The names of the fields that have evidence, in order."""
         return tuple(f.name for f in fields(cls) if f.name != "evidence")

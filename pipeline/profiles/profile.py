@@ -8,6 +8,7 @@ Code asks what a machine can do, never which machine it is.
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from numbers import Integral
+from typing import Any
 
 from fixedpipe.pipeline.enums import Clamp, ColorWeights
 from fixedpipe.pipeline.profiles.known import Known, known
@@ -51,7 +52,7 @@ class Profile:
     arithmetic: Arithmetic
     ancestor: "Profile | None" = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         # Weights of eight bits are measured between 0 and 1 and clamp nothing; a line of diamonds takes
         # values beyond its ends (docs/numbers.md, sections 4 and 11).
         if self.arithmetic.diamond_exit_lines and self.arithmetic.color_weights == ColorWeights.EIGHT_BITS:
@@ -62,7 +63,7 @@ class Profile:
             )
 
     @property
-    def widest_depth(self):
+    def widest_depth(self) -> int:
         """The widest fixed format that a depth buffer may have: the one it has where none is asked for."""
         return max(self.framebuffers.depth_bits)
 
@@ -75,7 +76,13 @@ class Profile:
             everything[name] = Known(getattr(fields, name), fields.evidence[name])
         return everything
 
-    def changed(self, *, evidence="Assumed: nothing; a value that was asked for", name=None, **values):
+    def changed(
+        self,
+        *,
+        evidence: str = "Assumed: nothing; a value that was asked for",
+        name: str | None = None,
+        **values: Any,
+    ) -> "Profile":
         """The same machine with other ``values`` by their fields' names, for a study or a test.
 
         ``evidence`` is said of each of them; ``name``: the changed machine's, None: this one's.
@@ -85,7 +92,9 @@ class Profile:
         given = {field: known(value, evidence) for field, value in values.items()}
         return self._with(given, name=self.name if name is None else name)
 
-    def descendant(self, *, name, description, inherited=None, **own):
+    def descendant(
+        self, *, name: str, description: str, inherited: str | None = None, **own: Any
+    ) -> "Profile":
         """A machine that is made from this one and differs in ``own``: fields as known(value, evidence).
 
         ``inherited``: the evidence of every other field; None: this machine's, where what is said of it holds
@@ -113,12 +122,12 @@ class Profile:
     def with_precision(
         self,
         *,
-        combiner_bits=None,
-        texture_bits=None,
-        framebuffer_bits=None,
-        filter_fraction_bits=None,
-        subpixel_bits=None,
-    ):
+        combiner_bits: int | None = None,
+        texture_bits: int | None = None,
+        framebuffer_bits: int | None = None,
+        filter_fraction_bits: int | None = None,
+        subpixel_bits: int | None = None,
+    ) -> "Profile":
         """The same machine with other widths, each of 4 to 16 bits; None: its own.
 
         ``combiner_bits``: of a value of one in combiners and texture environments (registers have a sign
@@ -128,27 +137,27 @@ class Profile:
 
         Raises ValueError for a width that is not 4 to 16.
         """
-        given = {
+        asked = {
             "combiner_bits": combiner_bits,
             "texture_bits": texture_bits,
             "framebuffer_bits": framebuffer_bits,
             "filter_fraction_bits": filter_fraction_bits,
             "subpixel_bits": subpixel_bits,
         }
-        given = {name: bits for name, bits in given.items() if bits is not None}
+        given = {name: bits for name, bits in asked.items() if bits is not None}
         for name, bits in given.items():
             if isinstance(bits, bool) or not isinstance(bits, Integral) or not 4 <= bits <= 16:
                 raise ValueError(f"{name} is {bits!r}; a machine's numbers may have 4 to 16 bits.")
         if not given:
             return self
         words = ", ".join(f"{name} {bits}" for name, bits in given.items())
-        widths = {name: int(bits) for name, bits in given.items()}
+        widths: dict[str, Any] = {name: int(bits) for name, bits in given.items()}
         if "framebuffer_bits" in widths:
             widths["color_bits"] = (widths.pop("framebuffer_bits"),)
         evidence = "Assumed: nothing; a width that was asked for"
         return self.changed(name=f"{self.name} with {words}", evidence=evidence, **widths)
 
-    def without_clamps(self, *clamps):
+    def without_clamps(self, *clamps: Clamp) -> "Profile":
         """The same machine with these of its clamps (``fixedpipe.pipeline.enums.Clamp``) switched off.
 
         Raises ValueError for what is no Clamp.

@@ -195,7 +195,7 @@ class Arithmetic(Section):
 
 
 # The sections by their names in a profile, in order; and each field's.
-SECTIONS = {
+SECTIONS: dict[str, type[Section]] = {
     "textures": Textures,
     "texture_shaders": TextureShaders,
     "combiners": Combiners,
