@@ -3,7 +3,6 @@ module gives a name once.
 """
 
 import ast
-from collections import Counter
 
 import pytest
 
@@ -84,15 +83,21 @@ def test_a_chain_is_seen_and_one_question_is_none(source, names):
 
 
 def given_twice(source):
-    """Names that a module gives to two functions, classes or values, of which the first is never seen."""
-    given = Counter()
+    """Names that a module gives to two functions, classes or values, of which the first is never read: not
+    by a statement between them. What a function reads is the last.
+    """
+    unread, found = set(), set()
     for node in ast.parse(source).body:
-        if isinstance(node, ast.FunctionDef | ast.ClassDef):
-            given[node.name] += 1
-        elif isinstance(node, ast.Assign):
-            names = [n for target in node.targets for n in ast.walk(target) if isinstance(n, ast.Name)]
-            given.update(n.id for n in names if isinstance(n.ctx, ast.Store))
-    return {name for name, times in given.items() if times > 1}
+        defines = isinstance(node, ast.FunctionDef | ast.ClassDef)
+        targets = node.targets if isinstance(node, ast.Assign) else ()
+        parts = (*node.decorator_list, node.args) if isinstance(node, ast.FunctionDef) else (node,)
+        names = [name for part in parts for name in ast.walk(part) if isinstance(name, ast.Name)]
+        unread -= {name.id for name in names if isinstance(name.ctx, ast.Load)}
+        names = [name for target in targets for name in ast.walk(target) if isinstance(name, ast.Name)]
+        given = {node.name} if defines else {name.id for name in names if isinstance(name.ctx, ast.Store)}
+        found |= unread & given
+        unread |= given
+    return found
 
 
 @pytest.mark.parametrize("folder", ["raster", "pipeline", "effects", "bench"])
@@ -101,4 +106,5 @@ def test_a_module_gives_a_name_once(folder):
 
 
 def test_a_name_that_is_given_twice_is_seen():
-    assert given_twice("x = 1\ndef f(): y = 1\ny, x = 2, 3\nf = {z: z for z in x}") == {"x", "f"}
+    assert given_twice("x = 1\ndef f(): return x\ny, x = 2, 3\nf = {z: z for z in y}") == {"x", "f"}
+    assert given_twice("x = 1\ny = x\nx = 2\nclass C: x = y\ny = x") == set()
