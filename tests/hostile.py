@@ -105,7 +105,7 @@ class Arrays(dict):
             triangles,
             strokes,
             vertices,
-            portable.Fog(a["fog"], a["fog_thresholds"]),
+            portable.FogFactors(a["fog"], a["fog_thresholds"]),
             Textures(tuple(a["texels"]), a["levels"], a["units"]),
         )
         drawn = draw_bands(arrays, bins, 0, 1, BATCH, buffers, np.zeros((0, 4), np.int32))

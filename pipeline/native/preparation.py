@@ -105,7 +105,7 @@ class Prepared:
             p.triangles,
             p.strokes,
             self._vertices(),
-            portable.Fog(p.fog, packed.fog_thresholds),
+            portable.FogFactors(p.fog, packed.fog_thresholds),
             Textures(texels, self.levels, packed.units),
         )
         count = draw_bands(arrays, Bands(self.order, self.ends), first, step, batch, buffers, record)

@@ -23,14 +23,14 @@ class Combiners(NamedTuple):
 COMBINERS = type_of(Combiners, _i32[:, :, ::1], _i32[:, ::1], _i16[:, ::1], _i32[::1])
 
 
-class Fog(NamedTuple):
+class FogFactors(NamedTuple):
     """float64: each vertex's fog coordinate, and the thresholds or the table that make it a factor."""
 
     coordinates: np.ndarray
     thresholds: np.ndarray
 
 
-FOG = type_of(Fog, _f64[::1], _f64[::1])
+FOG_FACTORS = type_of(FogFactors, _f64[::1], _f64[::1])
 
 
 class Pass(NamedTuple):
@@ -41,11 +41,11 @@ class Pass(NamedTuple):
     triangles: np.ndarray
     strokes: np.ndarray
     vertices: Vertices
-    fog: Fog
+    fog: FogFactors
     textures: Textures
 
 
-PASS = type_of(Pass, STATE, COMBINERS, _i32[:, ::1], _i32[:, ::1], VERTICES, FOG, TEXTURES)
+PASS = type_of(Pass, STATE, COMBINERS, _i32[:, ::1], _i32[:, ::1], VERTICES, FOG_FACTORS, TEXTURES)
 
 
 class Edges(NamedTuple):

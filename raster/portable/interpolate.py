@@ -15,7 +15,7 @@ from fixedpipe.raster.arrays import SEGMENTS, THREE
 from fixedpipe.raster.fixed import float_depth, power_below, reciprocal_29, step_24, truncate_24
 from fixedpipe.raster.floats import LEAST_SINGLE, SMALLEST
 from fixedpipe.raster.kernel import bits_of, kernel, separate_loop
-from fixedpipe.raster.portable.arrays import EDGES, FOG
+from fixedpipe.raster.portable.arrays import EDGES, FOG_FACTORS
 
 TINY = 2.0**-256  # far below any depth: where all terms are 0, their unit is not
 
@@ -243,7 +243,7 @@ def iterate_coordinate(segments, triangles, coordinates, unit, component, floats
             floats[p, k] = total * step
 
 
-@kernel(void(SEGMENTS, int32[:, ::1], FOG, float64[:, ::1], int64, int16[:, ::1], int64))
+@kernel(void(SEGMENTS, int32[:, ::1], FOG_FACTORS, float64[:, ::1], int64, int16[:, ::1], int64))
 def iterate_fog(segments, triangles, fog, floats, rising, out, plane):
     """The fog factor's byte into a plane of ``out``: how many of the 255 thresholds (falling with k, or
     rising) the coordinate keeps.
@@ -268,7 +268,7 @@ def iterate_fog(segments, triangles, fog, floats, rising, out, plane):
             out[plane, i] = int16(low)
 
 
-@kernel(void(SEGMENTS, int32[:, ::1], FOG, float64[:, ::1], int16[:, ::1], int64))
+@kernel(void(SEGMENTS, int32[:, ::1], FOG_FACTORS, float64[:, ::1], int16[:, ::1], int64))
 def iterate_fog_table(segments, triangles, fog, floats, out, plane):
     """The fog factor's byte into a plane of ``out``: the entry of a table of 8193 at floor(4096 v).
 

@@ -5,6 +5,8 @@ table, and makes arrays of its rows as it goes. An array takes a place for its a
 extents; tuples of arrays take their members' places, in order. Whoever fills a row keeps the arrays alive.
 """
 
+from itertools import count
+
 from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
@@ -31,66 +33,54 @@ def _array(context, builder, kind, data, shape):
     return made._getvalue()
 
 
-@intrinsic
-def keep_arrays(typing_context, row, place, arrays):
-    """Fill in a row int64[:] from ``place`` on: the addresses and shapes of a tuple's arrays."""
-
-    def codegen(context, builder, signature, args):
-        data = context.make_array(row)(context, builder, args[0]).data
-        place = args[1]
-
-        def keep(kind, value):
-            nonlocal place
-            if not isinstance(kind, types.Array):
-                for k, member in enumerate(kind):
-                    keep(member, builder.extract_value(value, k))
-                return
-            array = context.make_array(kind)(context, builder, value)
-            extents = [builder.extract_value(array.shape, k) for k in range(kind.ndim)]
-            for number in (builder.ptrtoint(array.data, _INTEGER), *extents):
-                builder.store(number, builder.gep(data, [place]))
-                place = builder.add(place, ir.Constant(_INTEGER, 1))
-
-        keep(arrays, args[2])
-        return context.get_dummy_value()
-
-    return types.void(row, types.int64, arrays), codegen
-
-
-def reader(kind):
-    """The function that makes a tuple of this type of what ``keep_arrays`` left in a row, from a place on."""
+def kept_arrays(kind, first):
+    """Two functions for a row int64[:]: ``keep(row, arrays)`` fills in what a tuple of this type takes from
+    place ``first`` on, and ``read(row)`` makes the tuple of it again.
+    """
 
     @intrinsic
-    def arrays_of(typing_context, row, place):
-        """The arrays whose addresses and shapes are in a row from ``place`` on."""
-
+    def keep(typing_context, row, arrays):
         def codegen(context, builder, signature, args):
-            data = context.make_array(row)(context, builder, args[0]).data
-            place = args[1]
+            data, place = context.make_array(row)(context, builder, args[0]).data, count(first)
 
-            def following():
-                nonlocal place
-                number = builder.load(builder.gep(data, [place]))
-                place = builder.add(place, ir.Constant(_INTEGER, 1))
-                return number
+            def fill(kind, value):
+                if not isinstance(kind, types.Array):
+                    for k, member in enumerate(kind):
+                        fill(member, builder.extract_value(value, k))
+                    return
+                array = context.make_array(kind)(context, builder, value)
+                extents = [builder.extract_value(array.shape, k) for k in range(kind.ndim)]
+                for number in (builder.ptrtoint(array.data, _INTEGER), *extents):
+                    builder.store(number, builder.gep(data, [ir.Constant(_INTEGER, next(place))]))
 
-            def read(kind):
+            fill(kind, args[1])
+            return context.get_dummy_value()
+
+        return types.void(row, kind), codegen
+
+    @intrinsic
+    def read(typing_context, row):
+        def codegen(context, builder, signature, args):
+            data, place = context.make_array(row)(context, builder, args[0]).data, count(first)
+
+            def number():
+                return builder.load(builder.gep(data, [ir.Constant(_INTEGER, next(place))]))
+
+            def made(kind):
                 if isinstance(kind, types.Array):
-                    return _array(
-                        context, builder, kind, following(), [following() for _ in range(kind.ndim)]
-                    )
-                return context.make_tuple(builder, kind, [read(member) for member in kind])
+                    return _array(context, builder, kind, number(), [number() for _ in range(kind.ndim)])
+                return context.make_tuple(builder, kind, [made(member) for member in kind])
 
-            return read(kind)
+            return made(kind)
 
-        return kind(row, types.int64), codegen
+        return kind(row), codegen
 
-    return arrays_of
+    return keep, read
 
 
 @intrinsic
-def words_at(typing_context, address, count):
-    """The uint32[count] that lies at an address."""
+def words_at(typing_context, address, size):
+    """The uint32[size] that lies at an address."""
     kind = types.uint32[::1]
 
     def codegen(context, builder, signature, args):

@@ -17,8 +17,16 @@ from fixedpipe.raster.kernel import kernel, next_of, separate_function, separate
 from fixedpipe.raster.portable.check import usable_levels
 from fixedpipe.raster.primitives.bins import BAND_HEIGHT
 from fixedpipe.raster.primitives.triangle import corners_of, edge_tie, polygon_offset, row_span
-from fixedpipe.raster.vector.addresses import keep_arrays, reader
-from fixedpipe.raster.vector.arrays import JOB, JOB_BANDS, JOB_PASS, JOBS, PASS, SCRATCH
+from fixedpipe.raster.vector.arrays import (
+    JOB,
+    JOBS,
+    PASS,
+    SCRATCH,
+    bands_of,
+    keep_bands,
+    keep_pass,
+    pass_of,
+)
 from fixedpipe.raster.vector.check import usable_job
 from fixedpipe.raster.vector.combine import combine
 from fixedpipe.raster.vector.interpolate import (
@@ -53,8 +61,6 @@ SMALL = 32  # pixels: triangles whose box is not wider share segments
 # and its area more than the 24 of ``mixed_depth``.
 LARGEST_SMALL = 2048
 ALONE = 32  # fragments: from here on a triangle is a segment of its own
-
-bands_of, pass_of = reader(BANDS), reader(PASS)
 
 
 @kernel("void(i8[:,::1],i8,i8,i8,i8,i8,i8,i8,i8,i8,i8,i8)")
@@ -108,8 +114,8 @@ def fill_draw(jobs, k, p, bands):
         if reads and not usable_levels(textures.units[u], textures.levels[u], size, True):
             job[R.JOB_USABLE] = 0
     job[R.JOB_ONE_COLOR] = draw[R.FLAT] == C.COLORS_EQUAL and draw[R.BACK_SIGN] == 0
-    keep_arrays(job, int64(JOB_BANDS), bands)
-    keep_arrays(job, int64(JOB_PASS), p)
+    keep_bands(job, bands)
+    keep_pass(job, p)
     return True
 
 
@@ -176,8 +182,8 @@ def one_color(color, planes):
             store(secondary, i, i16x16(int16(color[4 + c])))
 
 
-@kernel(void(JOB, PASS, int32, int64, int64, int64, int64, int64, BUFFERS, SCRATCH))
-def finish_batch(job, p, first, count, length, segments, runs, solid, buffers, scratch):
+@kernel(void(JOB, int32, int64, int64, int64, int64, int64, BUFFERS, SCRATCH))
+def finish_batch(job, first, count, length, segments, runs, solid, buffers, scratch):
     """Shade a batch whose weights and depth words are there, and write it.
 
     first: a triangle, whose colours are all triangles' where the job has JOB_ONE_COLOR; ``count``: fragments
@@ -185,6 +191,7 @@ def finish_batch(job, p, first, count, length, segments, runs, solid, buffers, s
     (``per_fragment.write_fragments``).
     """
     separate_function()
+    p = pass_of(job)
     draw, triangles, colors = p.state.draw, p.triangles, p.vertices.colors
     floats, ints, packed, planes = scratch.floats, scratch.ints, scratch.packed, scratch.planes
     lists = scratch.lists
@@ -204,7 +211,7 @@ def finish_batch(job, p, first, count, length, segments, runs, solid, buffers, s
             second, plane = terms[12:], C.REGISTER_SECONDARY_COLOR * 4
             iterate_colors(lists, segments, triangles, colors, 4, flat, floats, second, planes, plane)
         for u in range(draw[R.UNITS]):
-            sample(job, p, u, count, segments, of_rows, scratch)
+            sample(job, u, count, segments, of_rows, scratch)
         combine(planes, p.plan, count, scratch.products, packed[R.SHADED])
     write_fragments(
         draw, count, of_rows, solid, packed[R.SHADED], ints[R.PIXEL], ints[R.DEPTH_WORD], scratch.alive,
@@ -223,8 +230,8 @@ def close_mixed(job, draw, floats, ints, start, end, low, high):
     return int64(-1)
 
 
-@kernel(int64(JOB, PASS, int32[::1], int64, int64, BUFFERS, SCRATCH))
-def draw_band(job, p, members, band, batch, buffers, scratch):
+@kernel(int64(JOB, int32[::1], int64, int64, BUFFERS, SCRATCH))
+def draw_band(job, members, band, batch, buffers, scratch):
     """The rows of ``band`` of a Draw whose triangles there are ``members``; returns how many fragments.
 
     Fragments fill a batch of columns. Triangles whose box is small share a mixed segment; others are segments
@@ -232,6 +239,7 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
     kept, and no columns (a solid batch).
     """
     separate_function()
+    p = pass_of(job)
     draw, draw_float, triangles, vertices = p.state.draw, p.state.draw_float, p.triangles, p.vertices
     z, inverse_w, colors, coordinates = vertices.z, vertices.inverse_w, vertices.colors, vertices.coordinates
     floats, ints, planes, lists = scratch.floats, scratch.ints, scratch.planes, scratch.lists
@@ -284,7 +292,7 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
         if full:
             if position > 0:
                 count = longest if solid else position
-                finish_batch(job, p, t, count, position, segments, runs, solid, buffers, scratch)
+                finish_batch(job, t, count, position, segments, runs, solid, buffers, scratch)
                 fragments += position
             position, longest, segments, runs = int64(0), int64(0), int64(0), int64(0)
             solid, solid_word = plain, word
@@ -424,7 +432,7 @@ def draw_band(job, p, members, band, batch, buffers, scratch):
                 start += n
                 if (runs if solid else position) >= batch:
                     count = longest if solid else position
-                    finish_batch(job, p, t, count, position, segments, runs, solid, buffers, scratch)
+                    finish_batch(job, t, count, position, segments, runs, solid, buffers, scratch)
                     fragments += position
                     position, longest, segments, runs = int64(0), int64(0), int64(0), int64(0)
             n0 += down0
@@ -453,12 +461,11 @@ def draw_frame(jobs, count, counter, batch, buffers, scratch):
             if job[R.JOB_KIND] == C.JOB_CLEAR:
                 clear_band(job, band, buffers.color, buffers.depth, buffers.stencil)
                 continue
-            order, ends = bands_of(job, int64(JOB_BANDS))
+            order, ends = bands_of(job)
             if ends.shape[0] < bands:
                 continue
             begin, end = int64(ends[band - 1]) if band > 0 else int64(0), int64(ends[band])
             if begin < end:
-                p = pass_of(job, int64(JOB_PASS))
-                fragments += draw_band(job, p, order[begin:end], band, batch, buffers, scratch)
+                fragments += draw_band(job, order[begin:end], band, batch, buffers, scratch)
         band = next_of(counter)
     return fragments

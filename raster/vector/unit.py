@@ -7,7 +7,7 @@ from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import RUNS, TEXTURES
 from fixedpipe.raster.floats import TAU
 from fixedpipe.raster.kernel import float_of, kernel, separate_function
-from fixedpipe.raster.vector.arrays import JOB, PASS, SCRATCH
+from fixedpipe.raster.vector.arrays import JOB, SCRATCH, pass_of
 from fixedpipe.raster.vector.coordinates import cube_faces, depth_words, divide_by_q, fixed_from_floats
 from fixedpipe.raster.vector.interpolate import (
     LARGEST_COORDINATE,
@@ -136,10 +136,11 @@ def plan_units(job, draw, textures, coordinates):
     return True
 
 
-@kernel(void(JOB, PASS, int64, int64, int64, SCRATCH))
-def sample_computed(job, p, u, count, segments, scratch):
+@kernel(void(JOB, int64, int64, int64, SCRATCH))
+def sample_computed(job, u, count, segments, scratch):
     """A unit whose coordinates are computed from the iterated ones."""
     separate_function()
+    p = pass_of(job)
     triangles, coordinates = p.triangles, p.vertices.coordinates
     row, levels, floats, ints = p.textures.units[u], p.textures.levels[u], scratch.floats, scratch.ints
     located, f_s, f_t = scratch.located[u], ints[R.FIXED0 + 2 * u], ints[R.FIXED0 + 2 * u + 1]
@@ -183,17 +184,18 @@ def sample_computed(job, p, u, count, segments, scratch):
         filter_located(pairs, row, located, count, scratch.planes, plane)
 
 
-@kernel(void(JOB, PASS, int64, int64, int64, RUNS, SCRATCH))
-def sample(job, p, u, count, segments, runs, scratch):
+@kernel(void(JOB, int64, int64, int64, RUNS, SCRATCH))
+def sample(job, u, count, segments, runs, scratch):
     """Texture unit ``u`` of a batch into its register's planes."""
     separate_function()
+    p = pass_of(job)
     path, row, lists = job[R.JOB_UNIT_PATH + u], p.textures.units[u], scratch.lists
     triangles, coordinates = p.triangles, p.vertices.coordinates
     floats, ints, planes, plane = scratch.floats, scratch.ints, scratch.planes, (C.REGISTER_TEXTURE0 + u) * 4
     if path == C.PATH_DISABLED:
         return
     if path == C.PATH_COMPUTED:
-        sample_computed(job, p, u, count, segments, scratch)
+        sample_computed(job, u, count, segments, scratch)
         return
     source, levels = job[R.JOB_COORDINATES_OF + u], p.textures.levels[u]
     f_s, f_t = ints[R.FIXED0 + 2 * source], ints[R.FIXED0 + 2 * source + 1]

@@ -10,7 +10,7 @@ from fixedpipe.pipeline.state import DepthTest, PassState, Sampler, TextureUnit,
 from fixedpipe.pipeline.textures.images import texture_2d
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import Segments
-from fixedpipe.raster.portable.arrays import Fog
+from fixedpipe.raster.portable.arrays import FogFactors
 from fixedpipe.raster.portable.interpolate import iterate_fog_table
 from tests import fuzz
 from tests.hostile import Arrays, draws_of
@@ -94,7 +94,7 @@ def test_fog_coordinates_that_are_no_numbers_read_the_first_entry_of_the_table()
     for coordinate in (np.nan, -np.inf, np.inf):  # the last two differ by what is no number
         table, fog = np.arange(8193.0), np.full(1, coordinate)
         floats = np.zeros((R.FLOAT_COLUMNS, 1))
-        iterate_fog_table(segments, triangles, Fog(fog, table), floats, out, 0)
+        iterate_fog_table(segments, triangles, FogFactors(fog, table), floats, out, 0)
         assert out[0, 0] == 0
 
 
