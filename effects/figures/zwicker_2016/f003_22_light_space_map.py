@@ -10,8 +10,8 @@ from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     mean_footprints,
     nearest_rows,
     others,
-    panels_of_avenue,
     parts_for,
+    scene,
     truth,
     wrong,
 )
@@ -21,11 +21,6 @@ from fixedpipe.effects.shadows.lit_scene import SceneShading
 from fixedpipe.effects.shadows.parted_shadow_maps import MapFit
 
 CHECKED_SIZE = 256
-
-
-def scene(profile, size, *, shading=SceneShading.LIT, panels, background, sun):
-    """F003-22: the avenue with a basic map and with LiSPSM."""
-    return panels_of_avenue(profile, size, panels, shading, background, sun)
 
 
 def checks(figure, renderer):

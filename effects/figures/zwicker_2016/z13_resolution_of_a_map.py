@@ -5,32 +5,20 @@ from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     NEAR_SHADOW,
     WHOLE,
-    agreements,
     others,
-    panels_of_avenue,
+    scene,
+    shown_and_whole,
     wrong,
 )
 from fixedpipe.effects.scenes import avenue
-from fixedpipe.effects.shadows.lit_scene import SceneShading
 from fixedpipe.effects.shadows.parted_shadow_maps import MapFit
 
 CHECKED_SIZE = 128
 
 
-def scene(profile, size, *, shading=SceneShading.LIT, panels, background, sun):
-    """Z13: the avenue with basic maps of several resolutions."""
-    return panels_of_avenue(profile, size, panels, shading, background, sun)
-
-
 def checks(figure, renderer):
     """How many pixels are wrong at each resolution."""
-    size, panels = CHECKED_SIZE, figure.parameters["panels"]
-    picture = renderer.machine(figure, size, shading=SceneShading.MASK)
-    shown = agreements(picture, size, panels, figure.parameters["sun"])
-    # The same maps over all that the viewer sees.
-    panels = tuple((*panel[:3], WHOLE) for panel in panels[1:])
-    picture = renderer.machine(figure, size, shading=SceneShading.MASK, panels=panels)
-    found = agreements(picture, size, panels, figure.parameters["sun"])
+    shown, found = shown_and_whole(figure, renderer, CHECKED_SIZE)
     coarse, middle, fine = map(wrong, found)
     return (
         Check(

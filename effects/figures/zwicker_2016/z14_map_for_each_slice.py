@@ -11,7 +11,7 @@ from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     agreements,
     nearest_rows,
     others,
-    panels_of_avenue,
+    scene,
     truth,
     wrong,
 )
@@ -21,11 +21,6 @@ from fixedpipe.effects.shadows.lit_scene import SceneShading
 from fixedpipe.effects.shadows.parted_shadow_maps import MapFit
 
 CHECKED_SIZE = 256
-
-
-def scene(profile, size, *, shading=SceneShading.LIT, panels, background, sun):
-    """Z14: the avenue with slices, and a near shadow with a basic map and with slices."""
-    return panels_of_avenue(profile, size, panels, shading, background, sun)
 
 
 def _tint_matches(picture, rays, slices):

@@ -5,34 +5,22 @@ from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     NEAR_SHADOW,
     WHOLE,
-    agreements,
     nearest_rows,
     others,
-    panels_of_avenue,
+    scene,
+    shown_and_whole,
     wrong,
 )
 from fixedpipe.effects.scenes import avenue
-from fixedpipe.effects.shadows.lit_scene import SceneShading
 from fixedpipe.effects.shadows.parted_shadow_maps import MapFit
 
 CHECKED_SIZE = 256
 
 
-def scene(profile, size, *, shading=SceneShading.LIT, panels, background, sun):
-    """Z16: the avenue in all four ways to fit shadow maps."""
-    return panels_of_avenue(profile, size, panels, shading, background, sun)
-
-
 def checks(figure, renderer):
     """How many pixels are wrong in each way."""
-    size, panels = CHECKED_SIZE, figure.parameters["panels"]
-    picture = renderer.machine(figure, size, shading=SceneShading.MASK)
-    shown = agreements(picture, size, panels, figure.parameters["sun"])
-    # The same maps over all that the viewer sees.
-    panels = tuple((*panel[:3], WHOLE) for panel in panels[1:])
-    picture = renderer.machine(figure, size, shading=SceneShading.MASK, panels=panels)
-    found = agreements(picture, size, panels, figure.parameters["sun"])
-    near = [max(wrong(f, nearest_rows(size)), 1e-9) for f in found]
+    shown, found = shown_and_whole(figure, renderer, CHECKED_SIZE)
+    near = [max(wrong(f, nearest_rows(CHECKED_SIZE)), 1e-9) for f in found]
     ratios = (("slices", 1, 3.2, 4.8), ("LiSPSM", 2, 2.5, 3.5), ("both", 3, 4.8, 6.8))
     return (
         *(
@@ -62,7 +50,11 @@ def checks(figure, renderer):
                 f"measured {measured}",
             )
             for (fit, *_), f, bound, measured in zip(
-                panels, found, (0.93, 0.98, 0.97, 0.982), (0.948, 0.986, 0.978, 0.987), strict=True
+                figure.parameters["panels"][1:],
+                found,
+                (0.93, 0.98, 0.97, 0.982),
+                (0.948, 0.986, 0.978, 0.987),
+                strict=True,
             )
         ),
         *(

@@ -50,22 +50,24 @@ def parts_for(fit, ratio, slices, size, scene, sun):
     return tuple(replace(part, name=f"{part.name}, {edge} texels") for part in parts)
 
 
-def panels_of_avenue(profile, size, panels, shading, background, sun):
+def scene(profile, size, *, shading=SceneShading.LIT, panels, background, sun):
     """Commands that draw the avenue on a row of panels, as many as ``panels`` has, which are (MapFit, ratio
     of the map's edge to the panel's, number of slices, look). Panels of the same maps share them.
     """
-    scene, window = avenue.avenue(detail_of(size)), (len(panels) * size, size)
+    things, window = avenue.avenue(detail_of(size)), (len(panels) * size, size)
     stored, drawn, names = [], [], set()
     for panel, (fit, ratio, slices, look) in zip(row_of_panels(len(panels), size), panels, strict=True):
-        parts = parts_for(fit, ratio, slices, size, scene, sun)
+        parts = parts_for(fit, ratio, slices, size, things, sun)
         new = [part for part in parts if part.name not in names]
         names.update(part.name for part in new)
-        stored += parted_shadow_maps.store_parts(new, scene, edge_of(size, ratio), window, units=OFFSET_UNITS)
+        stored += parted_shadow_maps.store_parts(
+            new, things, edge_of(size, ratio), window, units=OFFSET_UNITS
+        )
         drawn += (
             panel.clear(background if shading is SceneShading.LIT else (0.0, 0.0, 0.0)),
             *parted_shadow_maps.parted_passes(
                 parts,
-                scene,
+                things,
                 camera_of(look, panel),
                 parts[0].camera,
                 profile,
@@ -110,6 +112,18 @@ def agreements(picture, size, panels, sun, **settings):
         agreeing = counts[agreement.AGREES] / total
         out.append(agreement.Agreement(total, agreeing, *counts[agreement.SILHOUETTE :], kinds))
     return out
+
+
+def shown_and_whole(figure, renderer, size):
+    """``agreements`` of the machine's panels as the figure shows them, and of the same maps as those after
+    the first have, over all that the viewer sees.
+    """
+    panels, sun = figure.parameters["panels"], figure.parameters["sun"]
+    whole = tuple((*panel[:3], WHOLE) for panel in panels[1:])
+    picture = renderer.machine(figure, size, shading=SceneShading.MASK)
+    shown = agreements(picture, size, panels, sun)
+    picture = renderer.machine(figure, size, shading=SceneShading.MASK, panels=whole)
+    return shown, agreements(picture, size, whole, sun)
 
 
 def between(planes, rays):
