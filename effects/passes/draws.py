@@ -1,9 +1,9 @@
 """Parts of Draws, for techniques: depth tests, blending, samplers, a texture unit; one pass over a mesh, and
-one that shows a stored picture.
+one that shows a stored picture; rectangles of pixels at a panel's place.
 """
 
 from fixedpipe.effects.passes.combiners import TEXTURE0, ZERO, constant_product, program, shown
-from fixedpipe.pipeline.commands import Draw, TexImage
+from fixedpipe.pipeline.commands import CopyPixels, Draw, TexImage
 from fixedpipe.pipeline.enums import (
     BlendEquation,
     BlendFactor,
@@ -17,6 +17,7 @@ from fixedpipe.pipeline.state import (
     Blending,
     DepthTest,
     PassState,
+    RasterPosition,
     Sampler,
     StencilTest,
     TextureEnvironment,
@@ -85,6 +86,28 @@ def unit(texture, sampler=REPEATED, coordinates=0, **settings):
     TextureUnit.
     """
     return TextureUnit(texture, sampler, coordinates=coordinates, **settings)
+
+
+def at_pixel(x, y):
+    """The raster position of the pixel (x, y) of the window, where a rectangle's lower left pixel comes."""
+    return RasterPosition(position=(float(x), float(y), 0.0, 1.0), window=True)
+
+
+def copy_of_panel(label, panel, state, transfer, **settings):
+    """The command that copies a panel onto itself through a pixel transfer; ``settings``: more of
+    CopyPixels.
+    """
+    return CopyPixels(
+        label=label,
+        x=panel.x,
+        y=panel.y,
+        width=panel.width,
+        height=panel.height,
+        state=state,
+        position=at_pixel(panel.x, panel.y),
+        transfer=transfer,
+        **settings,
+    )
 
 
 def show(picture, panel, name, surface):

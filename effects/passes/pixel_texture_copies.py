@@ -11,7 +11,16 @@ from functools import lru_cache
 import numpy as np
 
 from fixedpipe.effects.passes.arguments import one_of
-from fixedpipe.effects.passes.draws import EDGE, FIRST_PASS, LATER_PASS, MARK, MARKED, REPEATED, REPLACE
+from fixedpipe.effects.passes.draws import (
+    EDGE,
+    FIRST_PASS,
+    LATER_PASS,
+    MARK,
+    MARKED,
+    REPEATED,
+    REPLACE,
+    copy_of_panel,
+)
 from fixedpipe.effects.technique import AnotherWay
 from fixedpipe.pipeline.commands import Clear, CopyPixels, Draw, DrawPixels, HostStep, ReadPixels, TexImage
 from fixedpipe.pipeline.enums import InternalFormat, PixelCopyType
@@ -21,7 +30,6 @@ from fixedpipe.pipeline.state import (
     ColorTable,
     PassState,
     PixelTexture,
-    RasterPosition,
     TextureUnit,
 )
 
@@ -177,23 +185,14 @@ def looked_up(label, view, table, s, t=NOTHING, *, mask=RGB, blending=None):
 
 
 def _copy(label, view, rows, mask, blending, units=(), pixel_texture=None, table=None):
-    panel = view.panel
-    return CopyPixels(
-        label=label,
-        x=panel.x,
-        y=panel.y,
-        width=panel.width,
-        height=panel.height,
-        state=PassState(texture_units=units, stencil_test=MARKED, blending=blending, color_mask=mask),
-        position=RasterPosition(position=(float(panel.x), float(panel.y), 0.0, 1.0), window=True),
-        # Alpha is one whatever the framebuffer's holds: q divides s and t.
-        transfer=PixelTransfer(
-            color_matrix=tuple(map(tuple, rows)),
-            post_color_matrix_bias=(0.0, 0.0, 0.0, 1.0),
-            post_color_matrix_color_table=table,
-        ),
-        pixel_texture=pixel_texture,
+    state = PassState(texture_units=units, stencil_test=MARKED, blending=blending, color_mask=mask)
+    # Alpha is one whatever the framebuffer's holds: q divides s and t.
+    transfer = PixelTransfer(
+        color_matrix=tuple(map(tuple, rows)),
+        post_color_matrix_bias=(0.0, 0.0, 0.0, 1.0),
+        post_color_matrix_color_table=table,
     )
+    return copy_of_panel(label, view.panel, state, transfer, pixel_texture=pixel_texture)
 
 
 def through_host(commands, type="UNSIGNED_BYTE"):

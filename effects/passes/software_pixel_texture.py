@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from fixedpipe.effects.passes.draws import at_pixel
 from fixedpipe.effects.technique import AnotherWay
 from fixedpipe.pipeline.commands import Draw, DrawPixels, HostStep, Mesh, ReadPixels, TexImage
 from fixedpipe.pipeline.enums import (
@@ -24,7 +25,7 @@ from fixedpipe.pipeline.enums import (
     WrapMode,
 )
 from fixedpipe.pipeline.pixel_transfer import PixelImage
-from fixedpipe.pipeline.state import PassState, RasterPosition, Sampler, TextureEnvironment, TextureUnit
+from fixedpipe.pipeline.state import PassState, Sampler, TextureEnvironment, TextureUnit
 from fixedpipe.pipeline.textures.images import texture_2d
 
 TECHNIQUES = (AnotherWay(("K15",), "by the host, where a board has no pixel textures"),)
@@ -177,8 +178,9 @@ def _blended(pair, fraction, exact):
 
 def drawn(label, image, *, x=0, y=0, state=None):
     """The command that draws what was looked up, its lower left pixel at (x, y): DrawPixels."""
-    position = RasterPosition(position=(float(x), float(y), 0.0, 1.0), window=True)
-    return DrawPixels(label=label, image=PixelImage(image), position=position, state=state or PassState())
+    return DrawPixels(
+        label=label, image=PixelImage(image), position=at_pixel(x, y), state=state or PassState()
+    )
 
 
 def textured_quad(label, image, name, *, state=None):

@@ -67,6 +67,12 @@ def _load_signed(label, name, vectors, vector, profile):
     )
 
 
+def _load_cosines(material, toward_light, toward_eye, profile):
+    """The command that loads (n.l)+ into red and (n.v)+ into green."""
+    rows = [dot_with(toward_light), dot_with(toward_eye)] * 2
+    return load_products("load n through l and v", "n.l, n.v", material.normals, rows, profile)
+
+
 def _after_copies(material, view, profile, surface, toward_light, *, specular, color, ambient, lit=False):
     """What follows a model's value: times (n.l)+ if ``lit``, times k_s, plus the diffuse reflection."""
     everywhere, drawn = np.ones((1, 1)), {"surface": surface, "view": view}
@@ -114,13 +120,7 @@ def phong_copies(
         load_function("F(N, c) = c^N", "F(N, c)", phong_f, profile),
         view.panel.clear(background),
         begin(view),
-        load_products(
-            "load n through l and v",
-            "n.l, n.v",
-            material.normals,
-            [dot_with(toward_light), dot_with(toward_eye)] * 2,
-            profile,
-        ),
+        _load_cosines(material, toward_light, toward_eye, profile),
         polygon("(n.l)+ to red, (n.v)+ to green", surface, view, "n.l, n.v", first=True),
         looked_up(
             "look up c = 2 (n.l)(n.v) - l.v, to blue", view, "C(n.l, n.v)", FROM_RED, FROM_GREEN, mask=BLUE
@@ -157,13 +157,7 @@ def schlick_copies(
         _load_signed("load b through h", "h.b", material.binormals, half, profile),
         polygon("h.b, biased, to green", surface, view, "h.b", mask=GREEN),
         looked_up("look up T(h.t, h.b), to blue", view, "T(h.t, h.b)", FROM_RED, FROM_GREEN, mask=BLUE),
-        load_products(
-            "load n through l and v",
-            "n.l, n.v",
-            material.normals,
-            [dot_with(toward_light), dot_with(toward_eye)] * 2,
-            profile,
-        ),
+        _load_cosines(material, toward_light, toward_eye, profile),
         polygon("(n.l)+ to red, (n.v)+ to green", surface, view, "n.l, n.v", mask=RED_GREEN),
         looked_up(
             "look up G(n.l) G(n.v) / (n.v), times blue",

@@ -67,19 +67,19 @@ from fixedpipe.effects.passes.draws import (
     EDGE,
     FIRST_PASS,
     LATER_PASS,
-    MARK,
     MARKED,
     NEAREST,
     REPLACE,
     SUBTRACT,
+    copy_of_panel,
     unit,
 )
 from fixedpipe.effects.shadows.lit_scene import (
-    NO_COLOR,
     SceneShading,
     draw_object,
     lit_lighting,
     lit_pass,
+    marking_pass,
     unlit_pass,
 )
 from fixedpipe.effects.technique import Technique
@@ -109,7 +109,6 @@ from fixedpipe.pipeline.state import (
     ColorMask,
     Combine,
     PassState,
-    RasterPosition,
     TexGen,
     TextureEnvironment,
     VertexState,
@@ -351,20 +350,13 @@ def with_combiners(scene, view, lamp, profile, coding, *, background, shading=Sc
 
     ``store_map`` before it; parameters as there. ``view``: the camera's View.
     """
-    units = (coding.ramp_unit(lamp, view), map_unit(lamp, view, name))
-    marking = tuple(
-        draw_object(
-            "mark what is not behind the map: ramp - map = 0",
-            thing,
-            view,
-            texture_units=units,
-            register_combiners=difference_combiners(),
-            alpha_test=EQUAL_ZERO,
-            stencil_test=MARK,
-            depth_test=LATER_PASS,
-            color_mask=NO_COLOR,
-        )
-        for thing in scene.objects
+    marking = marking_pass(
+        "mark what is not behind the map: ramp - map = 0",
+        scene,
+        view,
+        texture_units=(coding.ramp_unit(lamp, view), map_unit(lamp, view, name)),
+        register_combiners=difference_combiners(),
+        alpha_test=EQUAL_ZERO,
     )
     return _marked_passes(scene, view, lamp, shading, background, marking)
 
@@ -375,22 +367,15 @@ def with_environments(scene, view, lamp, profile, coding, *, background, shading
 
     Parameters as of ``with_combiners``.
     """
-    units = (
-        coding.ramp_unit(lamp, view, environment=REPLACE),
-        map_unit(lamp, view, name, environment=DIFFERENCE_BY_ADD_SIGNED),
-    )
-    marking = tuple(
-        draw_object(
-            "mark what is not behind the map: 1/2 + ramp - map <= 1/2",
-            thing,
-            view,
-            texture_units=units,
-            alpha_test=AT_MOST_HALF,
-            stencil_test=MARK,
-            depth_test=LATER_PASS,
-            color_mask=NO_COLOR,
-        )
-        for thing in scene.objects
+    marking = marking_pass(
+        "mark what is not behind the map: 1/2 + ramp - map <= 1/2",
+        scene,
+        view,
+        texture_units=(
+            coding.ramp_unit(lamp, view, environment=REPLACE),
+            map_unit(lamp, view, name, environment=DIFFERENCE_BY_ADD_SIGNED),
+        ),
+        alpha_test=AT_MOST_HALF,
     )
     return _marked_passes(scene, view, lamp, shading, background, marking)
 
@@ -404,17 +389,11 @@ def scale_alpha(panel, bits, *, subtract=True):
     ``subtract`` False: with a bias of 1 - 2^bits beside it; all below one become zero.
     """
     scale = 2.0**bits
-    return CopyPixels(
-        label=f"copy the window onto itself, alpha times 2^{bits}",
-        x=panel.x,
-        y=panel.y,
-        width=panel.width,
-        height=panel.height,
-        state=PassState(scissor=panel.scissor, color_mask=ONLY_ALPHA),
-        position=RasterPosition(position=(float(panel.x), float(panel.y), 0.0, 1.0), window=True),
-        transfer=PixelTransfer(
-            scale=(1.0, 1.0, 1.0, scale), bias=(0.0, 0.0, 0.0, 0.0 if subtract else 1.0 - scale)
-        ),
+    return copy_of_panel(
+        f"copy the window onto itself, alpha times 2^{bits}",
+        panel,
+        PassState(scissor=panel.scissor, color_mask=ONLY_ALPHA),
+        PixelTransfer(scale=(1.0, 1.0, 1.0, scale), bias=(0.0, 0.0, 0.0, 0.0 if subtract else 1.0 - scale)),
     )
 
 

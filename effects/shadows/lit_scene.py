@@ -8,7 +8,7 @@ from enum import StrEnum
 
 from fixedpipe.effects.geometry.matrices import transform
 from fixedpipe.effects.passes.arguments import member_of
-from fixedpipe.effects.passes.draws import ADD, FIRST_PASS, LATER_PASS
+from fixedpipe.effects.passes.draws import ADD, FIRST_PASS, LATER_PASS, MARK
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.state import ColorMask, Light, Lighting, Material, PassState, PolygonState
@@ -99,6 +99,16 @@ def lit_pass(
     settings.setdefault("blending", ADD)
     return tuple(
         draw_object(label, thing, view, lighting=lit_lighting(thing, view, lamp, shading), **settings)
+        for thing in scene.objects
+    )
+
+
+def marking_pass(label, scene, view, **settings):
+    """What passes the alpha test of ``settings`` is marked in the stencil; no colour changes."""
+    return tuple(
+        draw_object(
+            label, thing, view, stencil_test=MARK, depth_test=LATER_PASS, color_mask=NO_COLOR, **settings
+        )
         for thing in scene.objects
     )
 

@@ -42,7 +42,16 @@ from fixedpipe.effects.passes.combiners import (
     scaled,
     total,
 )
-from fixedpipe.effects.passes.draws import FIRST_PASS, LATER_PASS, MARK, MARKED, MODULATE, REPLACE
+from fixedpipe.effects.passes.draws import (
+    FIRST_PASS,
+    LATER_PASS,
+    MARK,
+    MARKED,
+    MODULATE,
+    REPLACE,
+    at_pixel,
+    copy_of_panel,
+)
 from fixedpipe.effects.shadows.lit_scene import (
     NO_COLOR,
     SceneShading,
@@ -50,6 +59,7 @@ from fixedpipe.effects.shadows.lit_scene import (
     draw_object,
     lit_lighting,
     lit_pass,
+    marking_pass,
     unlit_lighting,
     unlit_pass,
 )
@@ -57,7 +67,6 @@ from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import (
     Accum,
     Clear,
-    CopyPixels,
     CopyTexImage,
     CopyTexSubImage,
     Draw,
@@ -81,7 +90,6 @@ from fixedpipe.pipeline.state import (
     IDENTITY,
     AlphaTest,
     PassState,
-    RasterPosition,
     Sampler,
     TexGen,
     TextureUnit,
@@ -225,34 +233,24 @@ def _mode_with_alpha(profile):
 
 def _marked_by_alpha(scene, view, unit, **settings):
     """P2: what the comparison finds lit is marked in the stencil through the alpha test."""
-    return tuple(
-        draw_object(
-            "compare with the shadow map, mark what is lit",
-            thing,
-            view,
-            texture_units=(unit,),
-            alpha_test=_LIT,
-            stencil_test=MARK,
-            depth_test=LATER_PASS,
-            color_mask=NO_COLOR,
-            **settings,
-        )
-        for thing in scene.objects
+    return marking_pass(
+        "compare with the shadow map, mark what is lit",
+        scene,
+        view,
+        texture_units=(unit,),
+        alpha_test=_LIT,
+        **settings,
     )
 
 
 def _marked_by_copy(view):
     """The picture of comparisons onto itself, red as alpha: what is lit is marked in the stencil."""
     panel = view.panel
-    return CopyPixels(
-        label="copy with red as alpha, mark what is lit",
-        x=panel.x,
-        y=panel.y,
-        width=panel.width,
-        height=panel.height,
-        state=PassState(scissor=panel.scissor, alpha_test=_LIT, stencil_test=MARK, color_mask=NO_COLOR),
-        position=RasterPosition(position=(float(panel.x), float(panel.y), 0.0, 1.0), window=True),
-        transfer=PixelTransfer(color_matrix=_ALPHA_FROM_RED),
+    return copy_of_panel(
+        "copy with red as alpha, mark what is lit",
+        panel,
+        PassState(scissor=panel.scissor, alpha_test=_LIT, stencil_test=MARK, color_mask=NO_COLOR),
+        PixelTransfer(color_matrix=_ALPHA_FROM_RED),
     )
 
 
@@ -460,7 +458,7 @@ def show_depths(panel, name, profile):
                 label="show depths as grey",
                 image=PixelImage(depths, "LUMINANCE"),
                 state=PassState(scissor=panel.scissor),
-                position=RasterPosition(position=(float(panel.x), float(panel.y), 0.0, 1.0), window=True),
+                position=at_pixel(panel.x, panel.y),
             ),
         )
 

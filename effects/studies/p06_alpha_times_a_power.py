@@ -11,12 +11,12 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.geometry.views import Panel
+from fixedpipe.effects.passes.draws import at_pixel
 from fixedpipe.effects.shadows.alpha_coded_shadows import scale_alpha
 from fixedpipe.effects.studies.study import BLUE, GREEN, ORANGE, RED, Column, Study, Table
 from fixedpipe.pipeline.commands import DrawPixels
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.pixel_transfer import PixelImage
-from fixedpipe.pipeline.state import RasterPosition
 
 _WIDTH = 64
 
@@ -25,10 +25,9 @@ def copied(bits, exponent, profile, *, subtract=True):
     """Every alpha of a window of ``bits`` bits after the copy with a scale of 2^exponent: int64 [2^bits]."""
     rows = 2**bits // _WIDTH
     alphas = np.arange(2**bits).reshape(rows, _WIDTH) / (2.0**bits - 1.0)
-    position = RasterPosition(position=(0.0, 0.0, 0.0, 1.0), window=True)
     image = PixelImage(np.repeat(alphas[..., None], 4, axis=-1))
     commands = (
-        DrawPixels(label="every alpha", image=image, position=position),
+        DrawPixels(label="every alpha", image=image, position=at_pixel(0, 0)),
         scale_alpha(Panel(0, 0, _WIDTH, rows), exponent, subtract=subtract),
     )
     framebuffer = execute(commands, profile, _WIDTH, rows, color_bits=bits).framebuffer

@@ -66,7 +66,7 @@ from fixedpipe.effects.passes.combiners import (
     stage,
     total,
 )
-from fixedpipe.effects.passes.draws import ADD, MARK, MARKED, REPLACE, SUBTRACT
+from fixedpipe.effects.passes.draws import ADD, MARK, MARKED, REPLACE, SUBTRACT, copy_of_panel
 from fixedpipe.effects.passes.encoding import encode_expand
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp
 from fixedpipe.effects.shadows.alpha_coded_shadows import (
@@ -84,13 +84,12 @@ from fixedpipe.effects.shadows.alpha_coded_shadows import (
 from fixedpipe.effects.shadows.lit_scene import NO_COLOR
 from fixedpipe.effects.technique import Technique
 from fixedpipe.effects.volumes.slices import Slices, Volume
-from fixedpipe.pipeline.commands import Clear, CopyPixels, CopyTexImage, Saturate, TexImage
+from fixedpipe.pipeline.commands import Clear, CopyTexImage, Saturate, TexImage
 from fixedpipe.pipeline.enums import ColorBuffer, TextureTarget
 from fixedpipe.pipeline.pixel_transfer import PixelTransfer
 from fixedpipe.pipeline.state import (
     ColorTable,
     PassState,
-    RasterPosition,
 )
 
 TECHNIQUES = (
@@ -282,18 +281,8 @@ def _through(vector, table):
 
 def _copy(label, view, transfer, **settings):
     """Marked pixels of a panel, from the buffer of normals to the window's."""
-    panel = view.panel
-    return CopyPixels(
-        label=label,
-        x=panel.x,
-        y=panel.y,
-        width=panel.width,
-        height=panel.height,
-        state=PassState(scissor=panel.scissor, stencil_test=MARKED, color_mask=ONLY_RGB, **settings),
-        position=RasterPosition(position=(float(panel.x), float(panel.y), 0.0, 1.0), window=True),
-        transfer=transfer,
-        read_buffer=_NORMALS,
-    )
+    state = PassState(scissor=view.panel.scissor, stencil_test=MARKED, color_mask=ONLY_RGB, **settings)
+    return copy_of_panel(label, view.panel, state, transfer, read_buffer=_NORMALS)
 
 
 def imaging(picture, profile, load=True):
