@@ -34,7 +34,7 @@ from fixedpipe.effects.passes.combiners import (
     square,
     stage,
 )
-from fixedpipe.effects.passes.draws import ADD_GATED, FIRST_PASS, LATER_PASS, REPEATED, draw, unit
+from fixedpipe.effects.passes.draws import ADD_GATED, FIRST_PASS, REPEATED, draw, unit
 from fixedpipe.effects.passes.encoding import encode_vertex_color
 from fixedpipe.effects.technique import Technique
 
@@ -115,9 +115,7 @@ def blinn_phong_pass(surface, normal_map, view, light, profile, *, specular=1.0)
     mesh = surface.mesh(colors=vectors)
     label = "specular pass: (h.n)^8"
     units = (unit(normal_map),)
-    return (
-        draw(label, mesh, view, blinn_phong_combiners(), units, depth_test=LATER_PASS, blending=ADD_GATED),
-    )
+    return (draw(label, mesh, view, blinn_phong_combiners(), units, blending=ADD_GATED),)
 
 
 def commands(surface, normal_map, view, light, profile, *, color, ambient=(0.0, 0.0, 0.0), specular=1.0):

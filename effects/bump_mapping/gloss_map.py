@@ -22,7 +22,7 @@ from fixedpipe.effects.passes.combiners import (
     square,
     stage,
 )
-from fixedpipe.effects.passes.draws import LATER_PASS, draw, unit
+from fixedpipe.effects.passes.draws import draw, unit
 from fixedpipe.effects.passes.encoding import encode_factor, encode_vertex_color
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.enums import BlendFactor
@@ -54,9 +54,7 @@ def specular_pass(surface, normal_map, view, light, profile):
     label = "specular pass: k_s (h.n)^8, k_s from the gloss map"
     mesh = surface.mesh(colors=colors)
     units = (unit(normal_map),)
-    return (
-        draw(label, mesh, view, gloss_combiners(), units, depth_test=LATER_PASS, blending=MODULATED_BY_ALPHA),
-    )
+    return (draw(label, mesh, view, gloss_combiners(), units, blending=MODULATED_BY_ALPHA),)
 
 
 def commands(surface, normal_map, view, light, profile, *, color, ambient=(0.0, 0.0, 0.0)):

@@ -115,18 +115,10 @@ def specular_passes(surface, vectors, names, view, *, specular=(1.0, 1.0, 1.0)):
     tangent, binormal = unit(names.tangent), unit(names.binormal)
     return (
         draw("(h.t/ax)^2", mesh, view, square, (tangent, cube_map), depth_test=FIRST_PASS),
-        draw("add (h.b/ay)^2", mesh, view, square, (binormal, cube_map), depth_test=LATER_PASS, blending=ADD),
-        draw("subtract from one", mesh, view, white, depth_test=LATER_PASS, blending=INVERT_DESTINATION),
+        draw("add (h.b/ay)^2", mesh, view, square, (binormal, cube_map), blending=ADD),
+        draw("subtract from one", mesh, view, white, blending=INVERT_DESTINATION),
         keep_positive(mesh, view),
-        draw(
-            "multiply by k_s",
-            mesh,
-            view,
-            k_s,
-            (tangent,),
-            depth_test=LATER_PASS,
-            blending=MULTIPLY_DESTINATION,
-        ),
+        draw("multiply by k_s", mesh, view, k_s, (tangent,), blending=MULTIPLY_DESTINATION),
     )
 
 

@@ -60,8 +60,8 @@ EDGE = Sampler(TextureFilter.LINEAR, TextureFilter.LINEAR, WrapMode.CLAMP_TO_EDG
 
 
 def draw(label, mesh, view, combiners, units=(), *, depth_test=LATER_PASS, blending=None, **settings):
-    """One pass over a mesh in a view; back-facing triangles are left to the depth test. ``settings``: more of
-    PassState.
+    """One pass over a mesh in a view, a later one unless ``depth_test`` is ``FIRST_PASS``; back-facing
+    triangles are left to the depth test. ``settings``: more of PassState.
     """
     state = PassState(
         vertex=view.vertex,
@@ -78,7 +78,7 @@ def draw(label, mesh, view, combiners, units=(), *, depth_test=LATER_PASS, blend
 def keep_positive(mesh, view):
     """(.)+ of what the framebuffer holds where the mesh was drawn: the maximum with black."""
     black = constant_product(ZERO, (0.0, 0.0, 0.0))
-    return draw("keep (.)+", mesh, view, black, depth_test=LATER_PASS, blending=AT_LEAST_ZERO)
+    return draw("keep (.)+", mesh, view, black, blending=AT_LEAST_ZERO)
 
 
 def unit(texture, sampler=REPEATED, coordinates=0, **settings):

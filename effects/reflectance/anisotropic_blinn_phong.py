@@ -91,15 +91,12 @@ def specular_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0,
     mesh = surface.mesh(colors=encode_vertex_color(half_vectors(surface, view, light), profile))
     tangent, binormal = unit(names.tangent, sampler), unit(names.binormal, sampler)
 
-    def later(label, combiners, units, blending):
-        return draw(label, mesh, view, combiners, units, depth_test=LATER_PASS, blending=blending)
-
     k_s = constant_product(alpha_of(TEXTURE0), specular)
     return (
         draw("(h.t/ax)^2", mesh, view, square_combiners(), (tangent,), depth_test=FIRST_PASS),
-        later("add (h.b/ay)^2", square_combiners(), (binormal,), ADD),
+        draw("add (h.b/ay)^2", mesh, view, square_combiners(), (binormal,), blending=ADD),
         Saturate(label="at most one, as the framebuffer holds it", scissor=view.panel.scissor),
-        later("k_s times one minus that", k_s, (tangent,), INVERT_DESTINATION),
+        draw("k_s times one minus that", mesh, view, k_s, (tangent,), blending=INVERT_DESTINATION),
     )
 
 

@@ -54,7 +54,6 @@ from fixedpipe.effects.passes.draws import (
     ADD,
     FIRST_PASS,
     INVERT_DESTINATION,
-    LATER_PASS,
     MULTIPLY_DESTINATION,
     REPEATED,
     SUBTRACT,
@@ -156,29 +155,31 @@ def specular_passes(
     both = surface.mesh(colors=toward_viewer, secondary_colors=toward_light)
     tangent, normal = unit(names.tangent, sampler), unit(names.normal, sampler)
 
-    def later(label, mesh, combiners, units, blending):
-        return draw(label, mesh, view, combiners, units, depth_test=LATER_PASS, blending=blending)
-
-    def one_minus():
-        white = constant_product(ONE, (1.0, 1.0, 1.0))
-        return later("one minus that", seen, white, (), INVERT_DESTINATION)
-
+    white = constant_product(ONE, (1.0, 1.0, 1.0))
+    inverted = draw("one minus that", seen, view, white, blending=INVERT_DESTINATION)
     positive, negative = _product(signed(SPARE1)), _product(negated(SPARE1))
     if subtract:
-        take_away = (later("minus ((v.t)(l.t))+", both, positive, (tangent,), SUBTRACT),)
+        take_away = (draw("minus ((v.t)(l.t))+", both, view, positive, (tangent,), blending=SUBTRACT),)
     else:
         take_away = (
-            one_minus(),
-            later("plus ((v.t)(l.t))+", both, positive, (tangent,), ADD),
-            one_minus(),
+            inverted,
+            draw("plus ((v.t)(l.t))+", both, view, positive, (tangent,), blending=ADD),
+            inverted,
         )
     return (
         draw("1 - (v.t)^2", seen, view, _one_minus_square(), (tangent,), depth_test=FIRST_PASS),
-        later("times 1 - (l.t)^2", lit, _one_minus_square(), (tangent,), MULTIPLY_DESTINATION),
-        later("plus (-(v.t)(l.t))+", both, negative, (tangent,), ADD),
+        draw("times 1 - (l.t)^2", lit, view, _one_minus_square(), (tangent,), blending=MULTIPLY_DESTINATION),
+        draw("plus (-(v.t)(l.t))+", both, view, negative, (tangent,), blending=ADD),
         *take_away,
         Saturate(label="(.)+: the framebuffer does not fall below zero", scissor=view.panel.scissor),
-        later("times k_s (n.l)+", lit, _irradiance(specular), (normal, tangent), MULTIPLY_DESTINATION),
+        draw(
+            "times k_s (n.l)+",
+            lit,
+            view,
+            _irradiance(specular),
+            (normal, tangent),
+            blending=MULTIPLY_DESTINATION,
+        ),
     )
 
 

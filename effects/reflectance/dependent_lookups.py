@@ -56,7 +56,7 @@ from fixedpipe.effects.passes.combiners import (
     stage,
     total,
 )
-from fixedpipe.effects.passes.draws import EDGE, FIRST_PASS, LATER_PASS, NEAREST, REPEATED, draw, unit
+from fixedpipe.effects.passes.draws import EDGE, FIRST_PASS, NEAREST, REPEATED, draw, unit
 from fixedpipe.effects.passes.encoding import encode_rgba, encode_vertex_color
 from fixedpipe.effects.passes.texture_shaders import (
     ALPHA_RED_STAGE,
@@ -277,7 +277,6 @@ def blinn_phong_passes(
             view,
             _gated_lookup(specular, gated),
             (screen_unit(view, 1), unit("F(N, e)", EDGE), tangent, normal),
-            depth_test=LATER_PASS,
             texture_shader=(TEXTURE_STAGE, ALPHA_RED_STAGE, TEXTURE_STAGE, TEXTURE_STAGE),
         ),
     )
@@ -399,7 +398,6 @@ def ward_passes(
             view,
             _ward_lookups(specular, names.largest_factor, largest_s),
             (screen_unit(view, 1), unit("E(m, d)", EDGE), unit("S(p)", EDGE), normal),
-            depth_test=LATER_PASS,
             texture_shader=(TEXTURE_STAGE, ALPHA_RED_STAGE, GREEN_BLUE_STAGE, TEXTURE_STAGE),
         ),
     )
@@ -475,7 +473,6 @@ def figure_1_passes(surface, view, light, profile, *, stage=RESULT, sampler=REPE
             view,
             _shown(stage),
             (screen_unit(view, 0), unit("F", EDGE), unit("G", EDGE)),
-            depth_test=LATER_PASS,
             texture_shader=(TEXTURE_STAGE, ALPHA_RED_STAGE, GREEN_BLUE_STAGE),
         ),
     )

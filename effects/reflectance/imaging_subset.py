@@ -289,7 +289,7 @@ class Prepared:
         units = () if texture is None else (TextureUnit(texture, REPEATED, environment=MODULATE),)
         colors = np.tile(np.array(checked_rgb(color)), (len(self.surface.positions), 1))
         mesh = self.surface.mesh(colors=colors)
-        return draw(label, mesh, self.view, None, units, depth_test=LATER_PASS, blending=blending)
+        return draw(label, mesh, self.view, None, units, blending=blending)
 
 
 def prepare(surface, material, view, profile, *, name="material", triangles_per_polygon=1):

@@ -49,7 +49,6 @@ from fixedpipe.effects.passes.draws import (
     ADD_GATED,
     EDGE,
     FIRST_PASS,
-    LATER_PASS,
     REPEATED,
     draw,
     unit,
@@ -335,7 +334,6 @@ def phong_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0, 1.
         view,
         program(final(TEXTURE1, product(CONSTANT0, TEXTURE2)), constant0=specular),
         (screen_unit(view, 1), unit("F(N, c)", EDGE), unit(names.exponent)),
-        depth_test=LATER_PASS,
         blending=ADD,
         texture_shader=(TEXTURE_STAGE, ALPHA_RED_STAGE, TEXTURE_STAGE),
     )
@@ -400,7 +398,6 @@ def schlick_passes(
             unit("G G / (n.v)", EDGE, 2),
             screen_unit(view, 3),
         ),
-        depth_test=LATER_PASS,
         blending=ADD,
         texture_shader=(TEXTURE_STAGE, *dot_product_stages(0, 0, mapping=HEMISPHERE), TEXTURE_STAGE),
     )
@@ -437,7 +434,6 @@ def lafortune_passes(surface, names, view, light, profile, *, exponent, specular
                 unit(NO_TEXTURE, coordinates=1),
                 unit("(a + b)^N", REPEATED, 2),
             ),
-            depth_test=LATER_PASS,
             blending=ADD_GATED,
             texture_shader=(TEXTURE_STAGE, TEXTURE_STAGE, *dot_product_stages(0, 1)),
         ),
