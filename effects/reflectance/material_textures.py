@@ -229,25 +229,15 @@ def brushed_bumps(slope_s, slope_t, *, alpha_x, alpha_y, spread, stroke_depth, k
 
 
 @lru_cache(maxsize=2)
-def gold(size, *, bumps, depth, alpha_x, alpha_y, spread, stroke_depth, k_s, seed=3):
+def gold(size, *, bumps, depth, seed=3, **strokes):
     """Slightly brushed, bumpy metal, ``size`` x ``size`` texels: rounded bumps under strokes along s.
 
     ``bumps``: about how many along an edge of the texture. ``depth``: the largest slope of the bumps, about.
-    The others: ``brushed_bumps``.
+    ``strokes``: the other keywords of ``brushed_bumps``.
     """
     # Assumed: gradient noise of amplitude one climbs by three per cell at most; a test holds the slopes.
     heights = gradient_noise(*texel_centers(size, size), bumps, seed) * (depth / (3.0 * bumps))
-    return _read_only(
-        brushed_bumps(
-            *slopes(smooth(heights)),
-            alpha_x=alpha_x,
-            alpha_y=alpha_y,
-            spread=spread,
-            stroke_depth=stroke_depth,
-            k_s=k_s,
-            seed=seed,
-        )
-    )
+    return _read_only(brushed_bumps(*slopes(smooth(heights)), seed=seed, **strokes))
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,20 +6,10 @@ from fixedpipe.effects.acceptance import agreement
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.figures.figure import Figure, Method
-from fixedpipe.effects.figures.heidrich_2001.shared.alpha_shadows import (
-    COMBINERS,
-    ENVIRONMENTS,
-    LAMP,
-    ONE_UNIT,
-    RATIO,
-    agreement_checks,
-    compared,
-    lit_scene_of,
-    stored,
-)
-from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
+from fixedpipe.effects.figures.heidrich_2001.shared import alpha_shadows
+from fixedpipe.effects.geometry.views import Panel, row_of_panels
 from fixedpipe.effects.shadows.alpha_coded_shadows import Coding, picture_from_light, show_alpha
-from fixedpipe.effects.shadows.lit_scene import LAMP_COLOR, SceneShading
+from fixedpipe.effects.shadows.lit_scene import LAMP_COLOR
 
 
 def make_scene(board):
@@ -28,7 +18,7 @@ def make_scene(board):
     def scene(profile, size, *, lamp, ratio, bits, bias, background, shading):
         """H36: the picture from the light, its alpha as grey, and the picture from the camera."""
         left, middle, right = row_of_panels(3, size)
-        things, light = lit_scene_of(size, lamp)
+        things, light = alpha_shadows.lit_scene_of(size, lamp)
         plain, biased = Coding(bits, bias=0.0), Coding(bits, bias=bias - board.free)
         common = {"lamp": lamp, "shading": shading}
         return (
@@ -36,17 +26,17 @@ def make_scene(board):
             *picture_from_light(things, light, left, plain, bias=0.0, shading=shading, background=background),
             *picture_from_light(things, light, middle, plain, bias=0.0, shading=shading),
             show_alpha(middle),
-            *stored(right, profile, board, biased, ratio=ratio, **common),
-            *compared(right, profile, board, biased, background=background, **common),
+            *alpha_shadows.stored(right, profile, board, biased, ratio=ratio, **common),
+            *alpha_shadows.compared(right, profile, board, biased, background=background, **common),
         )
 
     return scene
 
 
 _BOARDS = {
-    "register combiners": COMBINERS,
-    "texture environments": ENVIRONMENTS,
-    "one texture unit": ONE_UNIT,
+    "register combiners": alpha_shadows.COMBINERS,
+    "texture environments": alpha_shadows.ENVIRONMENTS,
+    "one texture unit": alpha_shadows.ONE_UNIT,
 }
 _SIZE = 256
 
@@ -55,7 +45,7 @@ def depths_from_the_lamp(size, lamp):
     """The linear depth, float64 [size, size], of what rays from the lamp meet, one where they meet nothing;
     and bool [size, size], where that is the depth of one surface: nothing else is seen in the pixels beside.
     """
-    scene, light = lit_scene_of(size, lamp)
+    scene, light = alpha_shadows.lit_scene_of(size, lamp)
     view = light.view(Panel(0, 0, size, size))
     known = agreement.truth_of(scene, view, light)
     shown, plane = known.shown, np.array(light.depth_plane)
@@ -69,7 +59,7 @@ def depths_from_the_lamp(size, lamp):
 
 def _outside(size, lamp):
     """How many of the scene's vertices have no place in the map, or no depth from zero to one."""
-    scene, light = lit_scene_of(size, lamp)
+    scene, light = alpha_shadows.lit_scene_of(size, lamp)
     points = scene.triangles().reshape(-1, 3)
     s, t, r, q = (points @ np.array(row[:3]) + row[3] for row in light.texture_matrix)
     held = [(a >= 0.0) & (a <= q) for a in (s, t, r)]
@@ -93,7 +83,7 @@ def checks(figure, renderer):
         error = root_mean_square((alpha - depth)[whole & (depth < 1.0)]) * steps
         name = "RMS of alpha - depth, away from outlines, in steps of 1/255"
         yield Check(name, error, at_most=bound, on=on, reason=reason)
-    scene, light = lit_scene_of(_SIZE, lamp)
+    scene, light = alpha_shadows.lit_scene_of(_SIZE, lamp)
     shown = agreement.truth_of(scene, light.view(Panel(0, 0, _SIZE, _SIZE)), light).shown
     # The floor has no highlight: its colour is one amount of light times its own.
     floor = whole & (shown.object == 0)
@@ -135,7 +125,9 @@ def checks(figure, renderer):
         on=Answer.MACHINE,
         reason="what the lamp does not see is in no map (document 003's Z30)",
     )
-    yield from agreement_checks(figure, renderer, board, _SIZE, 2, least=0.976, least_facing=0.985, other=9)
+    yield from alpha_shadows.agreement_checks(
+        figure, renderer, board, _SIZE, 2, least=0.976, least_facing=0.985, other=9
+    )
 
 
 FIGURE = Figure(
@@ -154,18 +146,11 @@ FIGURE = Figure(
     techniques=("H36",),
     columns=3,
     size=384,
-    parameters={
-        "lamp": LAMP,
-        "ratio": RATIO,
-        "bits": 8,
-        "bias": 2.0,
-        "background": BACKGROUND,
-        "shading": SceneShading.LIT,
-    },
+    parameters=alpha_shadows.PARAMETERS,
     methods=(
-        Method("one texture unit", make_scene(ONE_UNIT), ("OCTANE",)),
-        Method("texture environments", make_scene(ENVIRONMENTS), ("MULTITEXTURE",)),
-        Method("register combiners", make_scene(COMBINERS), ("GEFORCE_256",)),
+        Method("one texture unit", make_scene(alpha_shadows.ONE_UNIT), ("OCTANE",)),
+        Method("texture environments", make_scene(alpha_shadows.ENVIRONMENTS), ("MULTITEXTURE",)),
+        Method("register combiners", make_scene(alpha_shadows.COMBINERS), ("GEFORCE_256",)),
     ),
     acceptance=checks,
 )

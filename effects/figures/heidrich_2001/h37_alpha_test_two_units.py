@@ -2,20 +2,8 @@
 
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
-from fixedpipe.effects.figures.heidrich_2001.shared.alpha_shadows import (
-    COMBINERS,
-    ENVIRONMENTS,
-    LAMP,
-    RATIO,
-    agreement_checks,
-    agreements,
-    brightness_checks,
-    compared,
-    pass_checks,
-    stored,
-    without_shadows,
-)
-from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
+from fixedpipe.effects.figures.heidrich_2001.shared import alpha_shadows
+from fixedpipe.effects.geometry.views import row_of_panels
 from fixedpipe.effects.shadows.alpha_coded_shadows import Coding
 from fixedpipe.effects.shadows.lit_scene import SceneShading
 
@@ -27,17 +15,22 @@ def make_scene(board):
         """H37: without shadows, with a map that has no bias, and with one that has."""
         left, middle, right = row_of_panels(3, size)
         common = {"lamp": lamp, "shading": shading}
-        out = [Coding(bits).ramp(profile), *without_shadows(left, background=background, **common)]
+        out = [
+            Coding(bits).ramp(profile),
+            *alpha_shadows.without_shadows(left, background=background, **common),
+        ]
         for panel, steps in ((middle, 0.0), (right, bias)):
             coding, name = Coding(bits, bias=steps - board.free), f"map, {steps:g} steps away"
-            out += stored(panel, profile, board, coding, ratio=ratio, name=name, **common)
-            out += compared(panel, profile, board, coding, background=background, name=name, **common)
+            out += alpha_shadows.stored(panel, profile, board, coding, ratio=ratio, name=name, **common)
+            out += alpha_shadows.compared(
+                panel, profile, board, coding, background=background, name=name, **common
+            )
         return tuple(out)
 
     return scene
 
 
-_BOARDS = {"register combiners": COMBINERS, "texture environments": ENVIRONMENTS}
+_BOARDS = {"register combiners": alpha_shadows.COMBINERS, "texture environments": alpha_shadows.ENVIRONMENTS}
 _SIZE = 256
 _PASSES = "the paper's count; a shadow extension that marks a stencil needs as many (erratum E000.8)"
 
@@ -46,9 +39,11 @@ def checks(figure, renderer):
     """Shadows against rays, acne without a bias, that shadows only darken, and how many passes there are."""
     board, bits = _BOARDS[renderer.method.name], figure.parameters["bits"]
     masks = renderer.machine(figure, _SIZE, shading=SceneShading.MASK)
-    spotted, _ = agreements(figure, masks, _SIZE, 1, bits, 0.0)
+    spotted, _ = alpha_shadows.agreements(figure, masks, _SIZE, 1, bits, 0.0)
     return (
-        *agreement_checks(figure, renderer, board, _SIZE, 2, least=0.976, least_facing=0.985, other=9),
+        *alpha_shadows.agreement_checks(
+            figure, renderer, board, _SIZE, 2, least=0.976, least_facing=0.985, other=9
+        ),
         Check(
             "pixels with acne where the map has no bias",
             spotted.other / spotted.compared,
@@ -56,8 +51,8 @@ def checks(figure, renderer):
             on=Answer.MACHINE,
             reason="two rasterizations never give the same depth (erratum E000.9)",
         ),
-        *brightness_checks(figure, renderer, _SIZE, 2, 0),
-        *pass_checks(figure, renderer, board, Coding(bits), 3, _PASSES),
+        *alpha_shadows.brightness_checks(figure, renderer, _SIZE, 2, 0),
+        *alpha_shadows.pass_checks(figure, renderer, board, Coding(bits), 3, _PASSES),
     )
 
 
@@ -76,17 +71,12 @@ FIGURE = Figure(
     techniques=("H36", "H37"),
     columns=3,
     size=384,
-    parameters={
-        "lamp": LAMP,
-        "ratio": RATIO,
-        "bits": 8,
-        "bias": 2.0,
-        "background": BACKGROUND,
-        "shading": SceneShading.LIT,
-    },
+    parameters=alpha_shadows.PARAMETERS,
     methods=(
-        Method("register combiners", make_scene(COMBINERS), ("GEFORCE_256", "GEFORCE_3", "NV2A")),
-        Method("texture environments", make_scene(ENVIRONMENTS), ("MULTITEXTURE", "G400")),
+        Method(
+            "register combiners", make_scene(alpha_shadows.COMBINERS), ("GEFORCE_256", "GEFORCE_3", "NV2A")
+        ),
+        Method("texture environments", make_scene(alpha_shadows.ENVIRONMENTS), ("MULTITEXTURE", "G400")),
     ),
     acceptance=checks,
 )

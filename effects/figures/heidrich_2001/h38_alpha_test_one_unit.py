@@ -5,19 +5,8 @@ import numpy as np
 from fixedpipe.effects.acceptance.agreement import lit_mask
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
-from fixedpipe.effects.figures.heidrich_2001.shared.alpha_shadows import (
-    LAMP,
-    ONE_UNIT,
-    ONE_UNIT_ADDED,
-    ONE_UNIT_OF_TWELVE_BITS,
-    RATIO,
-    agreement_checks,
-    compared,
-    lit_scene_of,
-    pass_checks,
-    stored,
-)
-from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
+from fixedpipe.effects.figures.heidrich_2001.shared import alpha_shadows
+from fixedpipe.effects.geometry.views import row_of_panels
 from fixedpipe.effects.scenes.still_life import still_life_view
 from fixedpipe.effects.shadows.alpha_coded_shadows import Coding, difference_in_alpha, scale_alpha, show_alpha
 from fixedpipe.effects.shadows.lit_scene import SceneShading
@@ -31,9 +20,9 @@ def make_scene(board):
         """H38: the difference of depths in destination alpha; what the copy makes of it; the picture."""
         coding, common = Coding(bits, bias=bias), {"lamp": lamp, "shading": shading}
         left, middle, right = row_of_panels(3, size)
-        things, light = lit_scene_of(size, lamp)
+        things, light = alpha_shadows.lit_scene_of(size, lamp)
         out = [coding.ramp(profile)]
-        out += stored(left, profile, board, coding, ratio=ratio, **common)
+        out += alpha_shadows.stored(left, profile, board, coding, ratio=ratio, **common)
         subtract = board.stored.get("subtract", True)
         for panel in (left, middle):
             view = still_life_view(panel)
@@ -43,16 +32,16 @@ def make_scene(board):
                 out.append(scale_alpha(panel, bits, subtract=subtract))
                 out.append(Saturate(label="alpha 0 or 1", scissor=panel.scissor))
             out.append(show_alpha(panel))
-        out += compared(right, profile, board, coding, background=background, **common)
+        out += alpha_shadows.compared(right, profile, board, coding, background=background, **common)
         return tuple(out)
 
     return scene
 
 
 _BOARDS = {
-    "one texture unit": ONE_UNIT,
-    "one texture unit, twelve bits": ONE_UNIT_OF_TWELVE_BITS,
-    "one texture unit, added": ONE_UNIT_ADDED,
+    "one texture unit": alpha_shadows.ONE_UNIT,
+    "one texture unit, twelve bits": alpha_shadows.ONE_UNIT_OF_TWELVE_BITS,
+    "one texture unit, added": alpha_shadows.ONE_UNIT_ADDED,
 }
 _SIZE = 256
 _PASSES = 'without the light, ramp, map, copy of the window, light; "at least three", says the paper'
@@ -65,11 +54,13 @@ def checks(figure, renderer):
     picture = renderer.machine(figure, _SIZE, shading=SceneShading.MASK)
     difference, scaled = (picture[:, k * _SIZE : (k + 1) * _SIZE, 0] for k in (0, 1))
     # Subtracted, what is above zero is in shadow; added, what is one.
-    dark = difference > 0.0 if board is not ONE_UNIT_ADDED else difference == 1.0
+    dark = difference > 0.0 if board is not alpha_shadows.ONE_UNIT_ADDED else difference == 1.0
     lit = lit_mask(picture[:, 2 * _SIZE :])
     seen = lit | (scaled == 1.0)
     return (
-        *agreement_checks(figure, renderer, board, _SIZE, 2, least=0.976, least_facing=0.985, other=9),
+        *alpha_shadows.agreement_checks(
+            figure, renderer, board, _SIZE, 2, least=0.976, least_facing=0.985, other=9
+        ),
         Check(
             "pixels whose alpha the copy leaves between zero and one",
             float(((scaled > 0.0) & (scaled < 1.0)).sum()),
@@ -98,7 +89,7 @@ def checks(figure, renderer):
             on=Answer.MACHINE,
             reason="how far behind the map a pixel lies: many values",
         ),
-        *pass_checks(figure, renderer, board, Coding(bits), 5, _PASSES),
+        *alpha_shadows.pass_checks(figure, renderer, board, Coding(bits), 5, _PASSES),
     )
 
 
@@ -118,25 +109,18 @@ FIGURE = Figure(
     techniques=("H36", "H38"),
     columns=3,
     size=384,
-    parameters={
-        "lamp": LAMP,
-        "ratio": RATIO,
-        "bits": 8,
-        "bias": 2.0,
-        "background": BACKGROUND,
-        "shading": SceneShading.LIT,
-    },
+    parameters=alpha_shadows.PARAMETERS,
     methods=(
-        Method("one texture unit", make_scene(ONE_UNIT), ("OCTANE", "OPENGL_1_2_IMAGING")),
+        Method("one texture unit", make_scene(alpha_shadows.ONE_UNIT), ("OCTANE", "OPENGL_1_2_IMAGING")),
         # The bias of 8 bits, with the half step that rounding adds there, in steps of 12: what it hides is
         # the slope of what lies under a texel (study P4).
         Method(
             "one texture unit, twelve bits",
-            make_scene(ONE_UNIT_OF_TWELVE_BITS),
+            make_scene(alpha_shadows.ONE_UNIT_OF_TWELVE_BITS),
             ("INFINITE_REALITY",),
             {"bits": 12, "bias": 40.0},
         ),
-        Method("one texture unit, added", make_scene(ONE_UNIT_ADDED), ("OPENGL_1_2", "TEXRAM")),
+        Method("one texture unit, added", make_scene(alpha_shadows.ONE_UNIT_ADDED), ("OPENGL_1_2", "TEXRAM")),
     ),
     acceptance=checks,
 )

@@ -12,12 +12,13 @@ from fixedpipe.effects.geometry.vectors import cross, normalize
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, imaging_subset, material_textures
 from fixedpipe.effects.reflectance.material_textures import Brushing
+from fixedpipe.effects.scenes.spheres import BRUSHED_SPHERE
 
 # The method that draws flat triangles.
 FLAT = "imaging subset"
 
 
-def _spheres(size, slices, stacks, map_columns, map_rows, spread, depth, k_s, alpha_x, alpha_y, tilt, radius):
+def _spheres(size, slices, stacks, map_columns, map_rows, tilt, radius, **strokes):
     """(name, panel, view, surface, material) of the sphere brushed along its meridians, then of the other."""
     surface = surfaces.sphere(slices, stacks).rotated(rotation("x", tilt))
     for panel, brushing, name in zip(
@@ -26,16 +27,7 @@ def _spheres(size, slices, stacks, map_columns, map_rows, spread, depth, k_s, al
         ("longitudinal", "latitudinal"),
         strict=True,
     ):
-        material = material_textures.brushed(
-            map_columns,
-            map_rows,
-            brushing,
-            alpha_x=alpha_x,
-            alpha_y=alpha_y,
-            spread=spread,
-            depth=depth,
-            k_s=k_s,
-        )
+        material = material_textures.brushed(map_columns, map_rows, brushing, **strokes)
         view = orthographic_view(panel, half_height=1.0 / radius)
         yield f"{name} brushing", panel, view, surface, material
 
@@ -167,13 +159,7 @@ FIGURE = Figure(
     techniques=("K07", "K08", "K10", "K21"),
     columns=2,
     parameters={
-        "slices": 50,
-        "stacks": 26,
-        "map_columns": 512,
-        "map_rows": 256,
-        "spread": 8.0,
-        "depth": 0.25,
-        "k_s": (0.5, 1.0),
+        **BRUSHED_SPHERE,
         "alpha_x": 0.25,
         "alpha_y": 1.0,
         "tilt": 6.0,

@@ -6,36 +6,19 @@ from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, IMAGING_MACHINES_8, Figure, Method
-from fixedpipe.effects.geometry import surfaces
-from fixedpipe.effects.geometry.matrices import rotation
-from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, imaging_subset, material_textures
+from fixedpipe.effects.scenes.spheres import leaning_sphere
 
 # The catalogue's gold. Light that is reflected once has it; what the diffuse pass stands for has been
 # reflected between bumps at least twice, and its colour is near the square.
 GOLD = (1.0, 0.77, 0.34)
 
 
-def _ball(
-    size, map_size, repeats, bumps, depth, alpha_x, alpha_y, spread, stroke_depth, k_s, lean, slices, stacks,
-    radius,
-):  # fmt: skip
-    """The panel, the view, the sphere, its axis leaning so that the texture's poles lie at the rim, and the
-    gold.
-    """
-    (panel,) = row_of_panels(1, size)
-    surface = surfaces.sphere(slices, stacks).with_repeats(*repeats).rotated(rotation("z", lean))
-    gold = material_textures.gold(
-        map_size,
-        bumps=bumps,
-        depth=depth,
-        alpha_x=alpha_x,
-        alpha_y=alpha_y,
-        spread=spread,
-        stroke_depth=stroke_depth,
-        k_s=k_s,
-    )
-    return panel, orthographic_view(panel, half_height=1.0 / radius), surface, gold
+def _ball(size, map_size, repeats, lean, slices, stacks, radius, **gold):
+    """The panel, the view, the sphere and the gold."""
+    sphere = leaning_sphere(size, slices=slices, stacks=stacks, repeats=repeats, lean=lean, radius=radius)
+    return *sphere, material_textures.gold(map_size, **gold)
 
 
 def scene(profile, size, *, light, diffuse, ambient, specular, background, **ball):

@@ -6,32 +6,16 @@ from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, IMAGING_MACHINES_8, Figure, Method
-from fixedpipe.effects.geometry import surfaces
-from fixedpipe.effects.geometry.matrices import rotation
-from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, imaging_subset, material_textures
 from fixedpipe.effects.scenes.marble import MAP_SIZE, MARBLE
+from fixedpipe.effects.scenes.spheres import leaning_sphere
 
 
-def _ball(
-    size, map_size, repeats, cells, width, relief, alpha_x, alpha_y, k_s, light_color, dark_color, lean,
-    slices, stacks, radius,
-):  # fmt: skip
+def _ball(size, map_size, repeats, lean, slices, stacks, radius, **marble):
     """The panel, the view, the sphere and the marble."""
-    (panel,) = row_of_panels(1, size)
-    surface = surfaces.sphere(slices, stacks).with_repeats(*repeats).rotated(rotation("z", lean))
-    marble = material_textures.marble(
-        map_size,
-        cells=cells,
-        width=width,
-        relief=relief,
-        alpha_x=alpha_x,
-        alpha_y=alpha_y,
-        k_s=k_s,
-        light_color=light_color,
-        dark_color=dark_color,
-    )
-    return panel, orthographic_view(panel, half_height=1.0 / radius), surface, marble
+    sphere = leaning_sphere(size, slices=slices, stacks=stacks, repeats=repeats, lean=lean, radius=radius)
+    return *sphere, material_textures.marble(map_size, **marble)
 
 
 _COLORS = "colour map of marble"

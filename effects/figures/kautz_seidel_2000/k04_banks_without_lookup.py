@@ -21,6 +21,7 @@ from fixedpipe.effects.reflectance import (
     material_textures,
 )
 from fixedpipe.effects.reflectance.material_textures import Brushing
+from fixedpipe.effects.scenes.spheres import BRUSHED_SPHERE
 
 
 def _material(columns, rows, spread, depth, k_s):
@@ -171,13 +172,7 @@ FIGURE = Figure(
     parameters={
         "single_pass": False,
         "model": "exact",
-        "slices": 50,
-        "stacks": 26,
-        "map_columns": 512,
-        "map_rows": 256,
-        "spread": 8.0,
-        "depth": 0.25,
-        "k_s": (0.5, 1.0),
+        **BRUSHED_SPHERE,
         "tilt": 8.0,
         "light": (0.8, 0.4, 0.6),
         "radius": 0.92,

@@ -10,7 +10,7 @@ import numpy as np
 from fixedpipe.effects.acceptance import agreement, ray_caster
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.geometry.vectors import dot, normalize
-from fixedpipe.effects.geometry.views import Panel
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp, detail_of
 from fixedpipe.effects.scenes.still_life import still_life, still_life_view
 from fixedpipe.effects.shadows import alpha_coded_shadows as alpha
@@ -22,6 +22,15 @@ from fixedpipe.effects.shadows.lit_scene import SceneShading, lit_pass, map_edge
 LAMP = ((-6.4, 6.6, 1.0), (-1.1, 0.45, -0.2), 6.45, 11.4, 37.6)
 # Of maps: texels along an edge, over a panel's pixels.
 RATIO = 2.0
+# The figures' parameters: 8 bits of alpha, a bias of two of its steps.
+PARAMETERS = {
+    "lamp": LAMP,
+    "ratio": RATIO,
+    "bits": 8,
+    "bias": 2.0,
+    "background": BACKGROUND,
+    "shading": SceneShading.LIT,
+}
 
 
 @dataclass(frozen=True)
