@@ -11,8 +11,9 @@ import numpy as np
 from fixedpipe.effects.conformance import scenes, texture_memory
 from fixedpipe.effects.conformance.case import Case
 from fixedpipe.pipeline.commands import Draw, TexImage
-from fixedpipe.pipeline.enums import InternalFormat, TextureFilter
-from fixedpipe.pipeline.state import TextureUnit
+from fixedpipe.pipeline.enums import InternalFormat, Register, TextureFilter
+from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
+from fixedpipe.pipeline.state import TextureShaderStage, TextureUnit
 from fixedpipe.pipeline.textures.images import texture_2d
 from fixedpipe.pipeline.textures.words import compressed_texture
 
@@ -82,9 +83,19 @@ def case_of(image, linear, stages, register, signs, checkers, coordinates):
     return Case(commands=tuple(commands))
 
 
-def single_matrix(matrix):
-    """An offset matrix (a1, a2, a3, a4) as the chip reads it, in single precision."""
-    return tuple(scenes.single(matrix).tolist())
+def offset_case(colors, entry, operation, matrix, signs, checkers, **scaled):
+    """The frame of four colours in a format (``texture_of``) whose texels, through an offset matrix
+    (a1, a2, a3, a4), offset the checkerboard's coordinates.
+
+    ``operation``: of unit 1. ``scaled``: more of its TextureShaderStage.
+    """
+    image, linear = texture_of(colors, entry)
+    stages = (
+        TextureShaderStage(Operation.TEXTURE_RECTANGLE if linear else Operation.TEXTURE_2D),
+        # The chip reads the matrix in single precision.
+        TextureShaderStage(operation, offset_texture_matrix=tuple(scenes.single(matrix).tolist()), **scaled),
+    )
+    return case_of(image, linear, stages, Register.TEXTURE1, signs, checkers, (scenes.UNIT_SQUARE,))
 
 
 def formats(without):

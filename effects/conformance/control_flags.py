@@ -12,8 +12,7 @@ from fixedpipe.effects.conformance import lit_scenes, scenes, vertex_programs
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH
 from fixedpipe.effects.conformance.scenes import single
 from fixedpipe.pipeline.commands import Draw, Mesh
-from fixedpipe.pipeline.enums import Face, FrontFace, PrimitiveType, Register, SecondaryColor
-from fixedpipe.pipeline.state import PolygonState
+from fixedpipe.pipeline.enums import PrimitiveType, Register, SecondaryColor
 
 STAGES = ("FF", "VS")
 NAMES = [f"ControlFlags{light}_{stage}" for light in ("LightDisable", "NoLight", "") for stage in STAGES]
@@ -85,12 +84,10 @@ def _program(name, corners, lighting, secondary, places):
     return _mesh(mesh.positions, corners, **arrays), vertex
 
 
-def draws(name, corners, lighting, polygon=None):
-    """The quads of the case ``name``; ``lighting`` as the case ControlFlags_FF has it.
-
-    ``polygon``: facing and culling, None: front faces only.
+def draws(name, corners, lighting, polygon=scenes.FRONT_FACES):
+    """The quads of the case ``name``; ``lighting`` as the case ControlFlags_FF has it; ``polygon``: facing
+    and culling.
     """
-    polygon = PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW) if polygon is None else polygon
     if name.startswith("ControlFlagsNoLight"):
         lighting = replace(lighting, lights=())
     build = _program if name.endswith("VS") else _fixed_function

@@ -14,7 +14,7 @@ from fixedpipe.effects.conformance import scenes, vertex_programs
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH
 from fixedpipe.effects.conformance.scenes import single
 from fixedpipe.effects.passes.combiners import PRIMARY, SECONDARY, SPARE0, program, shown, stage, total
-from fixedpipe.pipeline.commands import Mesh
+from fixedpipe.pipeline.commands import Draw, Mesh
 from fixedpipe.pipeline.state import Light, Spot
 from fixedpipe.pipeline.vertices.arithmetic import columns_of, invert_upper_left
 from fixedpipe.pipeline.vertices.lighting_unit import light_vertices
@@ -54,6 +54,19 @@ def sum_of_colors():
     return program(stage(both_halves, alpha=both_halves), shown(SPARE0, alpha=SPARE0))
 
 
+def state(lighting, combiners=None, *, polygon=scenes.FRONT_FACES, **vertex):
+    """The state of a lit Draw in the default view.
+
+    ``combiners``: None: ``sum_of_colors``. ``vertex``: more of VertexState.
+    """
+    return replace(
+        scenes.DEFAULT,
+        vertex=replace(view(), lighting=lighting, **vertex),
+        register_combiners=combiners or sum_of_colors(),
+        polygon=polygon,
+    )
+
+
 @dataclass(frozen=True)
 class Model:
     """Vertices of a .mesh file: positions and normals, float64 [n, 3], three for each triangle."""
@@ -77,6 +90,11 @@ def model(inputs, name):
     positions = np.frombuffer(data, "<f4", size, 8).reshape(-1, 3)
     normals = np.frombuffer(data, "<f4", size, 12 + 4 * size).reshape(-1, 3)
     return Model(positions.astype(np.float64), normals.astype(np.float64))
+
+
+def model_draws(inputs, names, color, secondary, state):
+    """A Draw for each model, with one primary and one secondary colour."""
+    return [Draw(label=name, mesh=model(inputs, name).mesh(color, secondary), state=state) for name in names]
 
 
 def unit(vector):

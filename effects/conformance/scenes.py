@@ -13,6 +13,8 @@ from fixedpipe.effects.passes.combiners import PRIMARY, SPARE0, TEXTURE0, progra
 from fixedpipe.pipeline.commands import Clear, Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import (
     BlendFactor,
+    Face,
+    FrontFace,
     LineRasterization,
     PrimitiveType,
     TextureFilter,
@@ -25,6 +27,7 @@ from fixedpipe.pipeline.state import (
     Composite,
     LineState,
     PassState,
+    PolygonState,
     Sampler,
     TextureUnit,
     VertexState,
@@ -63,6 +66,8 @@ def shows(register):
 SHOWS_PRIMARY = shows(PRIMARY)
 SHOWS_TEXTURE0 = shows(TEXTURE0)
 RECTANGLES = LineState(rasterization=LineRasterization.RECTANGLE)
+# Faces whose corners turn clockwise on the screen; the others are culled.
+FRONT_FACES = PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW)
 DEFAULT = PassState(
     vertex=PROGRAM_RESULTS, register_combiners=SHOWS_PRIMARY, blending=BLENDED, line=RECTANGLES
 )

@@ -3,10 +3,9 @@
 Source: src/tests/bump_env_lum_tests.cpp of nxdk_pgraph_tests.
 """
 
-from fixedpipe.effects.conformance import bump_quads, scenes
-from fixedpipe.pipeline.enums import Register
+from fixedpipe.effects.conformance import bump_quads
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
-from fixedpipe.pipeline.state import SignedComponents, TextureShaderStage
+from fixedpipe.pipeline.state import SignedComponents
 
 SUITE = "Bump_env_lum"
 
@@ -40,16 +39,13 @@ def case(name, inputs):
     if name not in CASES:
         return None
     form, crossed, turned = CASES[name]
-    image, linear = bump_quads.texture_of(CROSSED if crossed else COLORS, FORMATS[form])
-    stages = (
-        TextureShaderStage(Operation.TEXTURE_RECTANGLE if linear else Operation.TEXTURE_2D),
-        TextureShaderStage(
-            Operation.OFFSET_TEXTURE_2D_SCALE,
-            offset_texture_matrix=bump_quads.single_matrix(TURNED if turned else MATRIX),
-            offset_texture_scale=0.7,
-            offset_texture_bias=0.3,
-        ),
-    )
-    return bump_quads.case_of(
-        image, linear, stages, Register.TEXTURE1, _signs, (0x7F0000FE, 0x7F202122), (scenes.UNIT_SQUARE,)
+    return bump_quads.offset_case(
+        CROSSED if crossed else COLORS,
+        FORMATS[form],
+        Operation.OFFSET_TEXTURE_2D_SCALE,
+        TURNED if turned else MATRIX,
+        _signs,
+        (0x7F0000FE, 0x7F202122),
+        offset_texture_scale=0.7,
+        offset_texture_bias=0.3,
     )

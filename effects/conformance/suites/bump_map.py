@@ -71,21 +71,12 @@ def case(name, inputs):
     if name not in CASES:
         return None
     form, crossed, turned = CASES[name]
-    image, linear = bump_quads.texture_of(CROSSED if crossed else COLORS, FORMATS[form])
-    stages = (
-        TextureShaderStage(Operation.TEXTURE_RECTANGLE if linear else Operation.TEXTURE_2D),
-        TextureShaderStage(
-            Operation.OFFSET_TEXTURE_2D,
-            offset_texture_matrix=bump_quads.single_matrix(TURNED if turned else MATRIX),
-        ),
-    )
-    found = bump_quads.case_of(
-        image,
-        linear,
-        stages,
-        Register.TEXTURE1,
+    found = bump_quads.offset_case(
+        CROSSED if crossed else COLORS,
+        FORMATS[form],
+        Operation.OFFSET_TEXTURE_2D,
+        TURNED if turned else MATRIX,
         lambda column, row: SignedComponents(green=row, blue=column),
         CHECKERS,
-        (scenes.UNIT_SQUARE,),
     )
     return replace(found, explanation=EXPLANATIONS.get(name, ""))

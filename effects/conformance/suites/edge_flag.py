@@ -10,8 +10,7 @@ import numpy as np
 from fixedpipe.effects.conformance import scenes, shapes
 from fixedpipe.effects.conformance.case import Case
 from fixedpipe.pipeline.commands import Draw
-from fixedpipe.pipeline.enums import Face, FrontFace, PolygonMode, PrimitiveType
-from fixedpipe.pipeline.state import PolygonState
+from fixedpipe.pipeline.enums import PolygonMode, PrimitiveType
 
 SUITE = "Edge_flag"
 
@@ -46,7 +45,7 @@ def case(name, inputs):
     if name not in names():
         return None
     line = PolygonMode.LINE
-    polygon = PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW, front_mode=line, back_mode=line)
+    polygon = replace(scenes.FRONT_FACES, front_mode=line, back_mode=line)
     state = replace(scenes.DEFAULT, polygon=polygon)
     drawn = [(shape, np.full(len(shape[1]), name == "Enabled")) for shape in shapes.SHAPES]
     for primitive, vertices, parity in OWN:

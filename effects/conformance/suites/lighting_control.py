@@ -13,8 +13,8 @@ import numpy as np
 from fixedpipe.effects.conformance import lit_scenes, scenes, vertex_programs
 from fixedpipe.effects.conformance.case import Case
 from fixedpipe.pipeline.commands import Draw
-from fixedpipe.pipeline.enums import Face, FrontFace, PrimitiveType, SecondaryColor
-from fixedpipe.pipeline.state import Lighting, Material, PolygonState
+from fixedpipe.pipeline.enums import PrimitiveType, SecondaryColor
+from fixedpipe.pipeline.state import Lighting, Material
 
 SUITE = "Lighting_control"
 
@@ -100,7 +100,7 @@ def case(name, inputs):
         scenes.DEFAULT,
         vertex=replace(vertex, secondary_color=secondary),
         register_combiners=lit_scenes.sum_of_colors(),
-        polygon=PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW),
+        polygon=scenes.FRONT_FACES,
     )
     draws = []
     for model_name in lit_scenes.MODELS:

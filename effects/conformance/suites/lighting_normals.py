@@ -11,8 +11,8 @@ import numpy as np
 from fixedpipe.effects.conformance import lit_scenes, scenes
 from fixedpipe.effects.conformance.case import Case
 from fixedpipe.pipeline.commands import Draw, Mesh
-from fixedpipe.pipeline.enums import Face, FrontFace, SecondaryColor
-from fixedpipe.pipeline.state import Light, Lighting, Material, PolygonState
+from fixedpipe.pipeline.enums import SecondaryColor
+from fixedpipe.pipeline.state import Light, Lighting, Material
 
 SUITE = "Lighting_normals"
 
@@ -60,10 +60,7 @@ def case(name, inputs):
         separate_specular_color=True,
         viewer_direction=lit_scenes.EYE_DIRECTION,
     )
-    vertex = replace(lit_scenes.view(), lighting=lighting)
-    state = replace(
-        scenes.DEFAULT, vertex=vertex, polygon=PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW)
-    )
+    state = lit_scenes.state(lighting, scenes.SHOWS_PRIMARY)
     commands = [scenes.clear(0xFF303030)]
     zero = (0.0, 0.0, 0.0)
     if normal is not None:
@@ -72,6 +69,6 @@ def case(name, inputs):
     order = (2, 0, 1) if sent == "elements" else (0, 1, 2)
     mesh = _triangle(0.0, RIGHT, 1.0, np.tile(zero if normal is None else normal, (3, 1)), order)
     local = replace(lighting, local_viewer=True)
-    vertex = replace(vertex, lighting=local, secondary_color=SecondaryColor.OPAQUE)
+    vertex = replace(state.vertex, lighting=local, secondary_color=SecondaryColor.OPAQUE)
     commands.append(Draw(label="without normals", mesh=mesh, state=replace(state, vertex=vertex)))
     return Case(commands=tuple(commands))

@@ -10,8 +10,8 @@ import numpy as np
 from fixedpipe.effects.conformance import lit_scenes, scenes
 from fixedpipe.effects.conformance.case import WIDTH, Case
 from fixedpipe.pipeline.commands import Draw, Mesh
-from fixedpipe.pipeline.enums import Face, FrontFace, PrimitiveType
-from fixedpipe.pipeline.state import Lighting, Material, PolygonState
+from fixedpipe.pipeline.enums import PrimitiveType
+from fixedpipe.pipeline.state import Lighting, Material
 
 SUITE = "Lighting_range"
 
@@ -76,12 +76,7 @@ def case(name, inputs):
         separate_specular_color=True,
         viewer_direction=lit_scenes.EYE_DIRECTION,
     )
-    state = replace(
-        scenes.DEFAULT,
-        vertex=replace(lit_scenes.view(), lighting=lighting),
-        register_combiners=lit_scenes.sum_of_colors(),
-        polygon=PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW),
-    )
+    state = lit_scenes.state(lighting)
     return Case(
         commands=(
             scenes.clear(0xFF232623),

@@ -4,13 +4,9 @@ of the outer and the inner one) and attenuation (At).
 Source: src/tests/lighting_spotlight_tests.cpp of nxdk_pgraph_tests.
 """
 
-from dataclasses import replace
-
 from fixedpipe.effects.conformance import lit_scenes, scenes
 from fixedpipe.effects.conformance.case import Case
-from fixedpipe.pipeline.commands import Draw
-from fixedpipe.pipeline.enums import Face, FrontFace
-from fixedpipe.pipeline.state import Lighting, Material, PolygonState
+from fixedpipe.pipeline.state import Lighting, Material
 
 SUITE = "Lighting_spotlight"
 
@@ -73,20 +69,9 @@ def case(name, inputs):
         separate_specular_color=True,
         viewer_direction=lit_scenes.EYE_DIRECTION,
     )
-    state = replace(
-        scenes.DEFAULT,
-        vertex=replace(lit_scenes.view(), lighting=lighting),
-        register_combiners=lit_scenes.sum_of_colors(),
-        polygon=PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW),
+    draws = lit_scenes.model_draws(
+        inputs, MODELS, VERTEX_DIFFUSE, VERTEX_SPECULAR, lit_scenes.state(lighting)
     )
-    draws = [
-        Draw(
-            label=model,
-            mesh=lit_scenes.model(inputs, model).mesh(VERTEX_DIFFUSE, VERTEX_SPECULAR),
-            state=state,
-        )
-        for model in MODELS
-    ]
     lost = "drawn unlit: the program's cone has no finite axis, and what the chip makes of it is unknown"
     return Case(
         commands=(scenes.clear(0xFF232623), *scenes.background(0xFF111111, 0xFF000000, 16), *draws),

@@ -9,8 +9,7 @@ from dataclasses import replace
 from fixedpipe.effects.conformance import scenes, shapes
 from fixedpipe.effects.conformance.case import Case
 from fixedpipe.pipeline.commands import Draw
-from fixedpipe.pipeline.enums import Face, FrontFace, PolygonMode
-from fixedpipe.pipeline.state import PolygonState
+from fixedpipe.pipeline.enums import PolygonMode
 
 SUITE = "Line_width"
 
@@ -49,7 +48,7 @@ def case(name, inputs):
     mode, width = _CASES[name]
     state = replace(
         scenes.DEFAULT,
-        polygon=PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW, front_mode=mode, back_mode=mode),
+        polygon=replace(scenes.FRONT_FACES, front_mode=mode, back_mode=mode),
         line=replace(scenes.RECTANGLES, width=(width if width <= HIGHEST else ONE) / 8),
     )
     draws = [

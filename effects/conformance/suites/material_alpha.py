@@ -10,7 +10,7 @@ from dataclasses import replace
 from fixedpipe.effects.conformance import lit_scenes, scenes
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
 from fixedpipe.pipeline.commands import Draw, Mesh
-from fixedpipe.pipeline.enums import ColorSource, Face, FrontFace, SecondaryColor
+from fixedpipe.pipeline.enums import ColorSource, SecondaryColor
 from fixedpipe.pipeline.state import (
     IDENTITY,
     ColorSources,
@@ -18,7 +18,6 @@ from fixedpipe.pipeline.state import (
     Light,
     Lighting,
     Material,
-    PolygonState,
     VertexState,
 )
 
@@ -108,7 +107,7 @@ def case(name, inputs):
     state = replace(
         scenes.DEFAULT,
         vertex=VertexState(composite=COMPOSITE, lighting=lighting, secondary_color=SecondaryColor.OPAQUE),
-        polygon=PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW),
+        polygon=scenes.FRONT_FACES,
     )
     return Case(commands=(scenes.clear(0xFF303030), Draw(label="two quads", mesh=_mesh(), state=state)))
 

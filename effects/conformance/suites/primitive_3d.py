@@ -9,8 +9,8 @@ from dataclasses import replace
 from fixedpipe.effects.conformance import scenes
 from fixedpipe.effects.conformance.case import Case
 from fixedpipe.pipeline.commands import Draw, Mesh
-from fixedpipe.pipeline.enums import ComparisonFunction, Face, FrontFace, LineRasterization, PrimitiveType
-from fixedpipe.pipeline.state import DepthTest, LineState, PolygonState
+from fixedpipe.pipeline.enums import ComparisonFunction, LineRasterization, PrimitiveType
+from fixedpipe.pipeline.state import DepthTest, LineState
 
 SUITE = "3D_primitive"
 
@@ -101,7 +101,7 @@ def case(name, inputs):
     state = replace(
         scenes.DEFAULT,
         vertex=scenes.xdk_vertex(depth_maximum=65535.0),
-        polygon=PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW),
+        polygon=scenes.FRONT_FACES,
         line=LineState(rasterization=LineRasterization.STEPS),
         depth_test=DepthTest(ComparisonFunction.LESS),
     )

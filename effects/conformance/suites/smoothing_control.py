@@ -9,8 +9,8 @@ from dataclasses import replace
 from fixedpipe.effects.conformance import scenes, shapes
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
 from fixedpipe.pipeline.commands import Draw
-from fixedpipe.pipeline.enums import Face, FrontFace, LineRasterization
-from fixedpipe.pipeline.state import LineState, PolygonState
+from fixedpipe.pipeline.enums import LineRasterization
+from fixedpipe.pipeline.state import LineState
 
 SUITE = "Smoothing_control"
 
@@ -31,7 +31,7 @@ def case(name, inputs):
         return None
     state = replace(
         scenes.DEFAULT,
-        polygon=PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW),
+        polygon=scenes.FRONT_FACES,
         line=LineState(rasterization=CONTROLS[name]),
     )
     draws = [

@@ -6,8 +6,6 @@ third row show the secondary and the others the primary colour; the upper two ro
 FF: the fixed-function stage, VS: a vertex program that hands on the vertex's colours.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from fixedpipe.effects.conformance import control_flags, lit_scenes, scenes
@@ -15,12 +13,10 @@ from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
 from fixedpipe.effects.passes.combiners import ONE, SECONDARY, SPARE0, program, shown, stage, total
 from fixedpipe.pipeline.commands import Draw, Mesh
 from fixedpipe.pipeline.enums import (
-    Face,
-    FrontFace,
     PrimitiveType,
     SecondaryColor,
 )
-from fixedpipe.pipeline.state import Lighting, Material, PolygonState
+from fixedpipe.pipeline.state import Lighting, Material
 
 SUITE = "Specular"
 
@@ -77,21 +73,9 @@ def _parameters(coefficients, inputs):
     point = lit_scenes.point((1.5, 1.0, -2.5), 4.0, (0.025, 0.15, 0.02), **COLORS)
     lights = (lit_scenes.directional(ALONG, **COLORS), point)
     lighting = _lighting(coefficients, lights, ambient=0.1, separate_specular_color=True)
-    vertex = replace(lit_scenes.view(), lighting=lighting, secondary_color=SecondaryColor.OPAQUE)
-    state = replace(
-        scenes.DEFAULT,
-        vertex=vertex,
-        register_combiners=scenes.shows(SECONDARY),
-        polygon=PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW),
-    )
-    draws = [
-        Draw(
-            label=model,
-            mesh=lit_scenes.model(inputs, model).mesh(VERTEX_DIFFUSE, VERTEX_SPECULAR),
-            state=state,
-        )
-        for model in lit_scenes.MODELS
-    ]
+    combiners = scenes.shows(SECONDARY)
+    state = lit_scenes.state(lighting, combiners, secondary_color=SecondaryColor.OPAQUE)
+    draws = lit_scenes.model_draws(inputs, lit_scenes.MODELS, VERTEX_DIFFUSE, VERTEX_SPECULAR, state)
     return Case(commands=(scenes.clear(CLEAR_PARAMETERS), *scenes.background(DARK, BLACK, 20), *draws))
 
 
@@ -116,13 +100,7 @@ def _normals(length):
     opaque = program(
         stage(total(SECONDARY, to=SPARE0), alpha=total(ONE, to=SPARE0)), shown(SPARE0, alpha=SPARE0)
     )
-    state = replace(
-        scenes.DEFAULT,
-        vertex=replace(lit_scenes.view(), lighting=lighting),
-        register_combiners=opaque,
-        polygon=PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW),
-    )
-    draw = Draw(label="disc", mesh=_fan(length), state=state)
+    draw = Draw(label="disc", mesh=_fan(length), state=lit_scenes.state(lighting, opaque))
     return Case(commands=(scenes.clear(CLEAR_FLAGS), *scenes.background(DARK, LIGHT, 14), draw))
 
 

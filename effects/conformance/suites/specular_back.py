@@ -8,8 +8,9 @@ from dataclasses import replace
 
 from fixedpipe.effects.conformance import control_flags, lit_scenes, scenes
 from fixedpipe.effects.conformance.case import Case
+from fixedpipe.effects.passes.combiners import SECONDARY
 from fixedpipe.pipeline.commands import Draw
-from fixedpipe.pipeline.enums import Face, FrontFace, Register, SecondaryColor
+from fixedpipe.pipeline.enums import Face, FrontFace, SecondaryColor
 from fixedpipe.pipeline.state import Lighting, Material, PolygonState
 
 SUITE = "Specular_back"
@@ -78,13 +79,8 @@ def _parameters(coefficients, inputs):
         lit_scenes.point((1.5, 1.0, -2.5), 4.0, (0.025, 0.15, 0.02), **front, **_back(*POINT_BACK_COLORS)),
     )
     lighting = _lighting(coefficients, lights, 0.1, separate_specular_color=True)
-    vertex = replace(lit_scenes.view(), lighting=lighting, secondary_color=SecondaryColor.OPAQUE)
-    state = replace(
-        scenes.DEFAULT,
-        vertex=vertex,
-        register_combiners=scenes.shows(Register.SECONDARY_COLOR),
-        polygon=POLYGON,
-    )
+    combiners = scenes.shows(SECONDARY)
+    state = lit_scenes.state(lighting, combiners, polygon=POLYGON, secondary_color=SecondaryColor.OPAQUE)
     draws = []
     for name in lit_scenes.MODELS:
         model = lit_scenes.model(inputs, name)

@@ -13,8 +13,6 @@ import numpy as np
 from fixedpipe.effects.conformance import scenes, shapes
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
 from fixedpipe.pipeline.commands import Draw
-from fixedpipe.pipeline.enums import Face, FrontFace
-from fixedpipe.pipeline.state import PolygonState
 
 SUITE = "Stipple_tests"
 
@@ -50,7 +48,7 @@ def case(name, inputs):
     pattern, switch = name.split("_")
     upwards = np.array(PATTERNS[pattern][::-1], ">u4").tobytes()
     stipple = upwards if switch == "On" else None
-    polygon = PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW, stipple=stipple)
+    polygon = replace(scenes.FRONT_FACES, stipple=stipple)
     state = replace(scenes.DEFAULT, polygon=polygon)
     draws = [
         Draw(label=shape[0].name, mesh=shapes.mesh(shape, LEFT, TOP), state=state) for shape in shapes.SHAPES

@@ -14,8 +14,8 @@ import numpy as np
 from fixedpipe.effects.conformance import scenes
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
 from fixedpipe.pipeline.commands import BindTexImage, Draw, MakeCurrent, TexImage
-from fixedpipe.pipeline.enums import Face, FrontFace, PrimitiveType, TextureTarget, WindowOrigin
-from fixedpipe.pipeline.state import PolygonState, TextureUnit
+from fixedpipe.pipeline.enums import PrimitiveType, TextureTarget, WindowOrigin
+from fixedpipe.pipeline.state import TextureUnit
 from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Swath_width"
@@ -61,7 +61,7 @@ def names():
 
 def _surface():
     """Commands that draw the scene on the surface."""
-    state = replace(scenes.DEFAULT, polygon=PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW))
+    state = replace(scenes.DEFAULT, polygon=scenes.FRONT_FACES)
     squares = [
         corner
         for x in range(0, WIDTH, 32)

@@ -10,8 +10,8 @@ from itertools import product
 from fixedpipe.effects.conformance import scenes
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
 from fixedpipe.pipeline.commands import BindTexImage, MakeCurrent
-from fixedpipe.pipeline.enums import Face, FrontFace, WindowOrigin
-from fixedpipe.pipeline.state import PolygonState, Scissor, WindowClip
+from fixedpipe.pipeline.enums import WindowOrigin
+from fixedpipe.pipeline.state import Scissor, WindowClip
 
 SUITE = "Window_clip"
 
@@ -60,7 +60,7 @@ def case(name, inputs):
         return None
     off_screen, swapped, exclusive, first, second = _CASES[name]
     height = SIZE if off_screen else HEIGHT
-    state = replace(scenes.DEFAULT, polygon=PolygonState(cull_face=Face.BACK, front_face=FrontFace.CW))
+    state = replace(scenes.DEFAULT, polygon=scenes.FRONT_FACES)
     clip = _clip(height, exclusive, (first,) if swapped else (first, second))
     box = scenes.rectangle(0, 0, SIZE, SIZE)
     quads = (
