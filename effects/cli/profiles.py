@@ -5,28 +5,40 @@ import click
 _WIDE = 110  # columns of a terminal that shows whole descriptions
 
 
+def _set_text(values):
+    """A set in words; one that holds all its enumeration's members, or none, says so."""
+    if not values:
+        return "none"
+    members = sorted(values)
+    kind = type(members[0])
+    if kind is int:
+        return ", ".join(map(str, members))
+    missing = [m.name for m in kind if m not in values]
+    if not missing:
+        return f"all {len(members)}: {', '.join(m.name for m in members)}"
+    return (
+        f"{len(members)}, all but {', '.join(missing)}"
+        if len(missing) < len(members)
+        else ", ".join(m.name for m in members)
+    )
+
+
+def _name(value):
+    return getattr(value, "name", str(value))
+
+
+# By a value's class; the others are said by their name.
+_TEXTS = {
+    frozenset: _set_text,
+    bool: lambda value: "yes" if value else "no",
+    tuple: lambda values: ", ".join(map(_name, values)),
+    float: lambda value: f"{value:g}",
+}
+
+
 def _value_text(value):
-    """A profile's value in words; a set that holds all its enumeration's members, or none, says so."""
-    if isinstance(value, frozenset):
-        if not value:
-            return "none"
-        members = sorted(value)
-        kind = type(members[0])
-        if kind is int:
-            return ", ".join(map(str, members))
-        missing = [m.name for m in kind if m not in value]
-        if not missing:
-            return f"all {len(members)}: {', '.join(m.name for m in members)}"
-        return (
-            f"{len(members)}, all but {', '.join(missing)}"
-            if len(missing) < len(members)
-            else ", ".join(m.name for m in members)
-        )
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, tuple):
-        return ", ".join(getattr(v, "name", str(v)) for v in value)
-    return getattr(value, "name", f"{value:g}" if isinstance(value, float) else str(value))
+    """A profile's value in words."""
+    return _TEXTS.get(type(value), _name)(value)
 
 
 def _overview(profiles, width):

@@ -36,6 +36,16 @@ def _falling():
     return replace(flat, positions=flat.positions + flat.positions[:, :1] * np.array([0.0, 0.0, 0.5]))
 
 
+def _row(draw, repeated):
+    """A Draw in one row of pixels, which is enough; with a texture that repeats or as it is."""
+    state = draw.state
+    if repeated:
+        (unit,) = state.texture_units
+        state = replace(state, texture_units=(replace(unit, sampler=REPEATED),))
+    row = replace(state.scissor, y=_PIXELS // 2, height=1)
+    return replace(draw, state=replace(state, scissor=row))
+
+
 def errors(texels, profile, bits, *, corrected, repeated=False):
     """Alpha minus depth in a row of pixels from the near plane to the far one: float64 [1024].
 
@@ -43,21 +53,14 @@ def errors(texels, profile, bits, *, corrected, repeated=False):
     """
     coding = alpha.Coding(bits, texels=texels, bias=0.0, corrected=corrected)
     scene = Scene((Object("plane", _falling(), (1.0, 1.0, 1.0)),))
-    panel, out = Panel(0, 0, _PIXELS, _PIXELS), [coding.ramp(profile)]
-    for command in alpha.picture_from_light(scene, _LAMP, panel, coding, bias=0.0, shading=SceneShading.MASK):
-        if isinstance(command, Draw) and repeated:
-            (unit,) = command.state.texture_units
-            state = replace(command.state, texture_units=(replace(unit, sampler=REPEATED),))
-            command = replace(command, state=state)
-        if isinstance(command, Draw):
-            # A row is enough.
-            row = replace(command.state.scissor, y=_PIXELS // 2, height=1)
-            command = replace(command, state=replace(command.state, scissor=row))
-        out.append(command)
+    panel = Panel(0, 0, _PIXELS, _PIXELS)
+    picture = alpha.picture_from_light(scene, _LAMP, panel, coding, bias=0.0, shading=SceneShading.MASK)
+    drawn = (_row(c, repeated) if isinstance(c, Draw) else c for c in picture)
+    out = (coding.ramp(profile), *drawn)
     if profile.arithmetic.exact:
-        read = execute_ideal(tuple(out), _PIXELS, _PIXELS).color[:, :, 3]
+        read = execute_ideal(out, _PIXELS, _PIXELS).color[:, :, 3]
     else:
-        framebuffer = execute(tuple(out), profile, _PIXELS, _PIXELS).framebuffer
+        framebuffer = execute(out, profile, _PIXELS, _PIXELS).framebuffer
         read = framebuffer.color[..., 3] / (2.0**framebuffer.color_bits - 1.0)
     depth = 1.0 - (np.arange(_PIXELS) + 0.5) / _PIXELS
     return read[::-1][_PIXELS // 2] - depth

@@ -47,7 +47,7 @@ def asks_twice(source):
     return found
 
 
-@pytest.mark.parametrize("folder", ["raster", "pipeline", "bench"])
+@pytest.mark.parametrize("folder", ["raster", "pipeline", "effects", "bench"])
 def test_what_is_done_of_a_value_by_its_class_stands_in_a_table(folder):
     paths = sorted((ROOT / folder).rglob("*.py"))
     found = {(p.relative_to(ROOT).as_posix(), name) for p in paths for name in asks_twice(p.read_text())}

@@ -60,6 +60,56 @@ def _same_image(a, b):
     return a.transfer == b.transfer and np.array_equal(a.pixels.values, b.pixels.values)
 
 
+class _Counts:
+    """What has been counted, and what was read to the host: black pixels, by name."""
+
+    def __init__(self):
+        names = ("kept", "loaded", "vertices", "drawn", "copied", "read", "passes", "copies", "loads")
+        self.bytes, self.pixels = dict.fromkeys(names, 0), {}
+
+    def add(self, **counts):
+        for name, count in counts.items():
+            self.bytes[name] += count
+
+    def load(self, old, new):
+        same = _same_image(old, new)
+        self.add(**{"kept" if same else "loaded": image_bytes(new)}, loads=not same)
+
+    def draw(self, old, new):
+        self.add(passes=1)
+        were = vertex_arrays(old)
+        for name, (array, size) in vertex_arrays(new).items():
+            same = np.array_equal(array, were[name][0])
+            self.add(**{"kept" if same else "vertices": size})
+
+    def copy(self, old, new):
+        del old
+        self.add(copies=1, copied=2 * PIXEL * new.width * new.height)
+
+    def read(self, old, new):
+        del old
+        self.add(copies=1, read=PIXEL * new.width * new.height)
+        self.pixels[new.name] = np.zeros((new.height, new.width, 4), np.uint8)
+
+    def step(self, old, new):
+        del old
+        for issued in new.commands({name: self.pixels[name] for name in new.reads}):
+            assert isinstance(issued, DrawPixels), f"{issued.label} is not counted"
+            self.add(copies=1, drawn=_image_bytes(issued.image))
+
+
+# What is counted of a command, by its class; of the others nothing.
+_COUNTED = {
+    TexImage: _Counts.load,
+    Draw: _Counts.draw,
+    CopyPixels: _Counts.copy,
+    CopyTexImage: _Counts.copy,
+    CopyTexSubImage: _Counts.copy,
+    ReadPixels: _Counts.read,
+    HostStep: _Counts.step,
+}
+
+
 def counted(before, after):
     """What the second of two frames moves, each a tuple of commands that draws the same otherwise: a dict.
 
@@ -68,31 +118,8 @@ def counted(before, after):
     from the framebuffer and written again, "read" goes to the host. All in bytes; "passes", "copies" and
     "loads" count commands. A HostStep counts as what it issues for black pixels.
     """
-    out = dict.fromkeys(
-        ("kept", "loaded", "vertices", "drawn", "copied", "read", "passes", "copies", "loads"), 0
-    )
-    read = {}
+    counts = _Counts()
     for old, new in zip(before, after, strict=True):
-        if isinstance(new, TexImage):
-            same = _same_image(old, new)
-            out["kept" if same else "loaded"] += image_bytes(new)
-            out["loads"] += not same
-        elif isinstance(new, Draw):
-            out["passes"] += 1
-            moved, were = vertex_arrays(new), vertex_arrays(old)
-            for name, (array, size) in moved.items():
-                same = np.array_equal(array, were[name][0])
-                out["kept" if same else "vertices"] += size
-        elif isinstance(new, (CopyPixels, CopyTexImage, CopyTexSubImage)):
-            out["copies"] += 1
-            out["copied"] += 2 * PIXEL * new.width * new.height
-        elif isinstance(new, ReadPixels):
-            out["copies"] += 1
-            out["read"] += PIXEL * new.width * new.height
-            read[new.name] = np.zeros((new.height, new.width, 4), np.uint8)
-        elif isinstance(new, HostStep):
-            for issued in new.commands({name: read[name] for name in new.reads}):
-                assert isinstance(issued, DrawPixels), f"{issued.label} is not counted"
-                out["copies"] += 1
-                out["drawn"] += _image_bytes(issued.image)
-    return out
+        if count := _COUNTED.get(type(new)):
+            count(counts, old, new)
+    return counts.bytes
