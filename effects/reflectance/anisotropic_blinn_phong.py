@@ -122,10 +122,12 @@ def specular_pass(
     names
         The material's texture objects (``material_textures.MaterialNames``).
     specular
-        RGB in [0, 1].
+        RGB in [0, 1], by which k_s is multiplied.
     first
         The only pass over the surface: tests and writes depth, and replaces. Otherwise it is added to the
         diffuse pass where depths are equal, and if ``gated`` multiplied by the gate in destination alpha.
+    sampler
+        Of the material's textures.
     global_frame
         K11: the material textures are in world coordinates, and so is the halfway vector.
     """

@@ -123,29 +123,13 @@ def _irradiance(specular):
 
 
 def specular_passes(
-    surface,
-    names,
-    view,
-    light,
-    profile,
-    *,
-    specular=(1.0, 1.0, 1.0),
-    subtract=None,
-    sampler=REPEATED,
+    surface, names, view, light, profile, *, specular=(1.0, 1.0, 1.0), subtract=None, sampler=REPEATED
 ):
     """The model in passes of two units and two general combiners; they replace what the framebuffer holds.
 
-    Parameters
-    ----------
-    surface, view, light
-        The surface, the view and the light.
-    names
-        The material's texture objects (``BanksNames``).
-    specular
-        RGB in [0, 1], by which k_s is multiplied.
-    subtract
-        Whether a blend equation takes ((v.t)(l.t))+ away (five passes) or two inversions of the framebuffer
-        do (seven); None: as the machine's blend equations allow.
+    Parameters as of ``anisotropic_blinn_phong.specular_pass``; ``names``: of ``load``. ``subtract``: whether
+    a blend equation takes ((v.t)(l.t))+ away (five passes) or two inversions of the framebuffer do (seven);
+    None: as the machine's blend equations allow.
     """
     if subtract is None:
         subtract = BlendEquation.FUNC_REVERSE_SUBTRACT in profile.fragments.blend_equations

@@ -243,16 +243,8 @@ def blinn_phong_passes(
 ):
     """K05 with an exponent per texel: k_s F(N, e), F looked up in "F(N, e)" (``load_power``).
 
-    Parameters
-    ----------
-    surface, view, light
-        The surface, the view and the light.
-    names
-        Of ``load``. ``load_screen`` has made room on this panel.
-    specular
-        RGB in [0, 1], by which k_s is multiplied.
-    gated
-        Times min(1, 4 (n.l)+).
+    Parameters as of ``anisotropic_blinn_phong.specular_pass``; ``names``: of ``load``; ``gated``: times
+    min(1, 4 (n.l)+). ``load_screen`` has made room on this panel.
     """
     parameters = surface.mesh(colors=encode_vertex_color(half_vectors(surface, view, light), profile))
     lit = surface.mesh(
@@ -357,15 +349,7 @@ def _ward_lookups(specular, largest_factor, largest_s):
 
 
 def ward_passes(
-    surface,
-    names,
-    view,
-    light,
-    profile,
-    *,
-    specular=(1.0, 1.0, 1.0),
-    largest_s=4.0,
-    sampler=REPEATED,
+    surface, names, view, light, profile, *, specular=(1.0, 1.0, 1.0), largest_s=4.0, sampler=REPEATED
 ):
     """K09: k_s / (4 pi ax ay) S(p) E(m, d) (n.l)+, looked up in what ``load_ward_functions`` loaded.
 

@@ -131,29 +131,11 @@ def _times_gloss(register):
 
 
 def banks_pass(
-    surface,
-    names,
-    view,
-    light,
-    profile,
-    *,
-    specular=(1.0, 1.0, 1.0),
-    first=False,
-    sampler=REPEATED,
+    surface, names, view, light, profile, *, specular=(1.0, 1.0, 1.0), first=False, sampler=REPEATED
 ):
     """K03, k_s (n.l)+ times the bracket, in one draw.
 
-    Parameters
-    ----------
-    surface, view, light
-        The surface, the view and the light.
-    names
-        Of ``load_banks``.
-    specular
-        RGB in [0, 1], by which k_s is multiplied.
-    first
-        The only pass over the surface, which tests and writes depth, and replaces; otherwise it is added
-        where depths are equal.
+    Parameters as of ``anisotropic_blinn_phong.specular_pass``; ``names``: of ``load_banks``.
     """
     scale = 1.0 / banks_period()
     to_light, to_viewer = light_vectors(surface, light), view_vectors(surface, view)
@@ -264,8 +246,7 @@ def blinn_phong_pass(
 ):
     """K05 with one N for the surface, or K06: k_s (sqrt e)^N in one draw.
 
-    ``names``: of ``load_blinn_phong``. ``gated``: multiplied by the gate that the diffuse pass leaves in
-    destination alpha. Other parameters as of ``banks_pass``.
+    Parameters as of ``anisotropic_blinn_phong.specular_pass``; ``names``: of ``load_blinn_phong``.
     """
     scale = 1.0 / names.smallest_alpha / blinn_phong_period(names.smallest_alpha)
     mesh = surface.mesh(surface.texture_coordinates, scale * half_vectors(surface, view, light))

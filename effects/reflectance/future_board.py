@@ -340,19 +340,8 @@ def blinn_phong(
 ):  # fmt: skip
     """K05 in one draw.
 
-    Parameters
-    ----------
-    surface, view, light
-        The surface, the view and the light.
-    names
-        The material's texture objects (``load``).
-    specular
-        RGB in [0, 1].
-    first
-        The only pass over the surface: tests and writes depth, and replaces. Otherwise it is added to the
-        diffuse pass where depths are equal, and if ``gated`` multiplied by the gate in destination alpha.
-    steady
-        The vertices' vectors turn along arcs, at unit length.
+    Parameters as of ``anisotropic_blinn_phong.specular_pass``; ``names``: of ``load``; ``steady``: the
+    vertices' vectors turn along arcs, at unit length.
     """
     units = unit(names.tangent, sampler), unit(names.binormal, sampler)
     return _pass(
