@@ -67,7 +67,7 @@ PACKAGES = {
     "effects/technique": {},
     "effects/geometry": {"pipeline": "state commands"},
     "effects/passes": {
-        "pipeline": "enums state pixel_transfer textures commands",
+        "pipeline": "enums sentences state pixel_transfer textures commands",
         "effects": "technique",
     },
     "effects/scenes": {"effects": "geometry passes"},

@@ -21,6 +21,8 @@ The same words make either half: where a stage's alpha reads a register, it read
 
 A ``stage`` is a general combiner, ``final`` and ``shown`` are final ones, and a ``program`` is made of both.
 
+The words raise ValueError for what they cannot take; what a machine does not have, validation refuses.
+
 Source: NV_register_combiners, section 3.8.12.
 """
 
@@ -35,6 +37,7 @@ from fixedpipe.pipeline.enums import (
     Mapping,
     Register,
 )
+from fixedpipe.pipeline.sentences import shown as in_words
 from fixedpipe.pipeline.state import (
     AlphaPortion,
     CombinerInput,
@@ -69,7 +72,21 @@ _SCALES = {
 
 
 def _input(value):
-    return value if isinstance(value, CombinerInput) else CombinerInput(value)
+    if isinstance(value, CombinerInput):
+        return value
+    if not isinstance(value, Register):
+        raise ValueError(
+            f"{in_words(value)} is no input; give a register, SPARE0 for instance, or what expand, signed, "
+            "negated, one_minus, alpha_of and blue_of make of one."
+        )
+    return CombinerInput(value)
+
+
+def _output(register):
+    """A register as it is. Raises ValueError for what is none."""
+    if not isinstance(register, Register):
+        raise ValueError(f"{in_words(register)} is no register to write; give SPARE0, DISCARD or another.")
+    return register
 
 
 def _mapped(word, value, mappings):
@@ -123,7 +140,7 @@ def blue_of(register):
 
 def product(a, b, to=DISCARD):
     """a b, to a register; without one for ``total`` and its like."""
-    return RGBPortion(a=_input(a), b=_input(b), ab_output=to, sum_output=DISCARD)
+    return RGBPortion(a=_input(a), b=_input(b), ab_output=_output(to), sum_output=DISCARD)
 
 
 def square(a, to=DISCARD):
@@ -136,12 +153,22 @@ def dot(a, b, to=DISCARD):
     return replace(product(a, b, to), ab_dot_product=True)
 
 
+def _portion(value):
+    """A portion as it is. Raises ValueError for what is none."""
+    if not isinstance(value, RGBPortion):
+        raise ValueError(
+            f"{in_words(value)} is no portion; give what product, dot, square, both, total or gate makes."
+        )
+    return value
+
+
 def _one_product(value):
-    """A product as it is. Raises ValueError for what is more than one."""
+    """A product as it is. Raises ValueError for what is none, or more than one."""
+    value = _portion(value)
     plain = replace(product(value.a, value.b, value.ab_output), ab_dot_product=value.ab_dot_product)
     if value != plain:
         raise ValueError(
-            f"{value} is more than one product; scale, add and halve the portion, not its products."
+            f"{in_words(value)} is more than one product; scale, add and halve the portion, not its products."
         )
     return value
 
@@ -169,7 +196,7 @@ def total(*terms, to):
     if not 1 <= len(terms) <= 2:
         raise ValueError(f"A portion adds two products at most, not {len(terms)} terms; use more stages.")
     products = [term if isinstance(term, RGBPortion) else product(term, ONE) for term in terms]
-    return replace(both(*products) if len(products) == 2 else products[0], sum_output=to)
+    return replace(both(*products) if len(products) == 2 else products[0], sum_output=_output(to))
 
 
 def square_root(*terms, to):
@@ -189,13 +216,15 @@ def quotient(dividend, divisor, to):
 
 def scaled(factor, portion):
     """All that a portion writes times 1/2, 1, 2 or 4."""
-    one_of((CombinerScale.NONE,), portion.scale, "The scale of a portion that is to be scaled")
+    one_of((CombinerScale.NONE,), _portion(portion).scale, "The scale of a portion that is to be scaled")
     return replace(portion, scale=_SCALES[one_of(tuple(_SCALES), factor, "The scale of a portion")])
 
 
 def less_half(portion):
-    """All that a portion writes less 1/2: of one that is not scaled yet, for the bias comes first."""
-    one_of((CombinerScale.NONE,), portion.scale, "The scale of a portion that is to be less by a half")
+    """All that a portion writes less 1/2, once: of one that is not scaled yet, for the bias comes first."""
+    what = "of a portion that is to be less by a half"
+    one_of((CombinerScale.NONE,), _portion(portion).scale, f"The scale {what}")
+    one_of((CombinerBias.NONE,), portion.bias, f"The bias {what}")
     return replace(portion, bias=CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF)
 
 
@@ -214,6 +243,7 @@ def _of_alpha(value):
 
 
 def _alpha_half(portion):
+    portion = _portion(portion)
     if portion.ab_dot_product or portion.cd_dot_product:
         raise ValueError("An alpha half has no dot product; take blue_of one that the RGB half made.")
     return AlphaPortion(
@@ -240,7 +270,7 @@ def stage(rgb=NOTHING, alpha=NOTHING, constant0=None, constant1=None, lookup=Non
         On the future board: the texture unit that is then looked up at SPARE0's red, green and blue.
     """
     lookup = None if lookup is None else CombinerLookup(lookup)
-    return GeneralCombiner(rgb, _alpha_half(alpha), constant0, constant1, lookup)
+    return GeneralCombiner(_portion(rgb), _alpha_half(alpha), constant0, constant1, lookup)
 
 
 def final(a, b=ONE, *, plus=ZERO, alpha=ONE):
@@ -249,9 +279,12 @@ def final(a, b=ONE, *, plus=ZERO, alpha=ONE):
     One of the three, or one product in several places, may be a ``product`` or a ``square``: E times F.
     Raises ValueError for two different ones.
     """
-    products = {value for value in (a, b, plus) if isinstance(value, RGBPortion)}
-    if products - {product(value.a, value.b) for value in products} or len(products) > 1:
-        raise ValueError("A final combiner has one product beside A B, E times F; give the others a stage.")
+    products = dict.fromkeys(value for value in (a, b, plus) if isinstance(value, RGBPortion))
+    if len(products) > 1 or any(value != product(value.a, value.b) for value in products):
+        raise ValueError(
+            "A final combiner has one product beside A B, E times F, which goes to no register; give a stage "
+            f"what is more than that of {' and '.join(map(in_words, products))}."
+        )
     a, b, plus = (Register.E_TIMES_F if isinstance(value, RGBPortion) else value for value in (a, b, plus))
     e, f = next(((value.a, value.b) for value in products), (ZERO, ZERO))
     return FinalCombiner(_input(a), _input(b), ZERO, _input(plus), e, f, _of_alpha(alpha))
@@ -268,10 +301,11 @@ def program(*combiners, constant0=None, constant1=None):
     ``combiners``: a portion by itself is a stage whose alpha half writes nothing; without any the program has
     a stage that does nothing. ``constant0``, ``constant1``: RGB in [0, 1], with an alpha of one; None: zero.
     """
-    *general, last = combiners
-    if not isinstance(last, FinalCombiner):
+    if not combiners or not isinstance(combiners[-1], FinalCombiner):
+        last = in_words(combiners[-1]) if combiners else "nothing"
         raise ValueError(f"A program ends with its final combiner, not with {last}; add final or shown.")
-    general = tuple(stage(given) if isinstance(given, RGBPortion) else given for given in general)
+    *general, last = combiners
+    general = tuple(given if isinstance(given, GeneralCombiner) else stage(given) for given in general)
     constants = ((0.0, 0.0, 0.0, 0.0) if c is None else opaque(c) for c in (constant0, constant1))
     return RegisterCombiners(general or (stage(),), last, *constants)
 

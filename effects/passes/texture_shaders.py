@@ -19,7 +19,10 @@ def dot_product_stages(
     which looks the products up.
 
     ``previous``: the number of that unit for each stage. ``mapping``: how its texels are read.
+    Raises ValueError for no stage.
     """
+    if not previous:
+        raise ValueError("There is no stage; give the unit whose texel each multiplies: (0, 0) for two.")
     operations = (*[Operation.DOT_PRODUCT] * (len(previous) - 1), lookup)
     return tuple(
         TextureShaderStage(operation, previous_texture_input=unit, dot_product_mapping=mapping)

@@ -9,10 +9,13 @@ from fixedpipe.effects.passes.combiners import (
     NOTHING,
     ONE,
     PRIMARY,
+    SECONDARY,
     SPARE0,
     SPARE1,
     TEXTURE0,
     TEXTURE1,
+    TEXTURE2,
+    TEXTURE3,
     ZERO,
     alpha_of,
     blue_of,
@@ -37,7 +40,14 @@ from fixedpipe.effects.passes.combiners import (
     stage,
     total,
 )
-from fixedpipe.effects.passes.texture_shaders import dot_product_stages
+from fixedpipe.effects.passes.texture_shaders import (
+    ALPHA_RED_STAGE,
+    GREEN_BLUE_STAGE,
+    NO_TEXTURE,
+    PASS_THROUGH_STAGE,
+    TEXTURE_STAGE,
+    dot_product_stages,
+)
 from fixedpipe.pipeline.enums import (
     CombinerBias,
     CombinerFunction,
@@ -75,6 +85,14 @@ def drawn(combiners, **registers):
 
 
 # ----------------------------------------------------------------------------------------------- fields
+
+
+def test_registers_are_called_as_in_the_notation_of_the_time():
+    textures = Register.TEXTURE0, Register.TEXTURE1, Register.TEXTURE2, Register.TEXTURE3
+    assert textures == (TEXTURE0, TEXTURE1, TEXTURE2, TEXTURE3)
+    assert (PRIMARY, SECONDARY) == (Register.PRIMARY_COLOR, Register.SECONDARY_COLOR)
+    assert (SPARE0, SPARE1, DISCARD) == (Register.SPARE0, Register.SPARE1, Register.DISCARD)
+    assert (CONSTANT0, CONSTANT1) == (Register.CONSTANT_COLOR0, Register.CONSTANT_COLOR1)
 
 
 @pytest.mark.parametrize(
@@ -193,6 +211,14 @@ def test_a_program_s_portions_are_stages_and_its_constants_opaque():
     assert constant_product(A, (0, 0, 1)) == program(final(A, CONSTANT0), constant0=(0, 0, 1))
 
 
+def test_stages_of_texture_shaders_are_the_operations_of_their_names():
+    assert NO_TEXTURE is None
+    assert TextureShaderStage(Operation.TEXTURE_2D) == TEXTURE_STAGE
+    assert TextureShaderStage(Operation.PASS_THROUGH) == PASS_THROUGH_STAGE
+    assert TextureShaderStage(Operation.DEPENDENT_AR_TEXTURE_2D) == ALPHA_RED_STAGE
+    assert TextureShaderStage(Operation.DEPENDENT_GB_TEXTURE_2D) == GREEN_BLUE_STAGE
+
+
 def test_dot_product_stages_end_with_the_lookup():
     first, second = dot_product_stages(0, 1)
     expands = {"dot_product_mapping": DotProductMapping.EXPAND_NORMAL}
@@ -204,6 +230,8 @@ def test_dot_product_stages_end_with_the_lookup():
         Operation.DOT_PRODUCT,
         cube,
     ]
+    unsigned = DotProductMapping.UNSIGNED_IDENTITY
+    assert {s.dot_product_mapping for s in dot_product_stages(0, 0, mapping=unsigned)} == {unsigned}
 
 
 # ---------------------------------------------------------------------------------------------- refusals
@@ -219,17 +247,73 @@ def test_dot_product_stages_end_with_the_lookup():
         (lambda: scaled(3, square(A)), "scale of a portion is 3"),
         (lambda: scaled(2, scaled(2, square(A))), "portion that is to be scaled"),
         (lambda: less_half(scaled(2, square(A))), "less by a half"),
+        (lambda: less_half(less_half(square(A))), "bias of a portion that is to be less by a half"),
         (lambda: stage(alpha=dot(A, B, to=SPARE0)), "no dot product; take blue_of"),
+        (lambda: stage(alpha=both(square(A), dot(A, B, to=SPARE0))), "no dot product; take blue_of"),
         (lambda: final(square(A), square(B)), "one product beside A B"),
         (lambda: final(dot(A, B)), "one product beside A B"),
         (lambda: final(square(A, to=SPARE0)), "one product beside A B"),
         (lambda: program(square(A, to=SPARE0)), "ends with its final combiner"),
+        (lambda: square(dot(A, B)), "is no input"),
+        (lambda: final(A, alpha=square(A)), "is no input"),
+        (lambda: program(), "final combiner, not with nothing; add final or shown"),
+        (lambda: program(TEXTURE0), "not with <Register.TEXTURE0"),
         (lambda: program(shown(A), constant0=(1.0, 1.0, 1.0, 1.0)), "red, green and blue from 0 to 1"),
     ],
 )
 def test_what_no_combiner_does_is_refused(make, words):
     with pytest.raises(ValueError, match=words):
         make()
+
+
+@pytest.mark.parametrize("given", [3, 0.5, "spare0", None, (1.0, 0.0, 0.0), shown(A)], ids=repr)
+@pytest.mark.parametrize(
+    "word",
+    [
+        expand,
+        negated,
+        alpha_of,
+        blue_of,
+        square,
+        shown,
+        lambda given: product(A, given),
+        lambda given: dot(given, A),
+        lambda given: final(A, alpha=given),
+    ],
+)
+def test_what_is_no_input_is_refused(word, given):
+    with pytest.raises(ValueError, match=r"is no input; give a register, SPARE0 for instance"):
+        word(given)
+
+
+@pytest.mark.parametrize("given", [3, "scaled", TEXTURE0, A, shown(A)], ids=repr)
+@pytest.mark.parametrize(
+    "word",
+    [
+        less_half,
+        stage,
+        lambda given: scaled(2, given),
+        lambda given: both(given, square(A)),
+        lambda given: both(square(A), given),
+        lambda given: stage(alpha=given),
+        lambda given: program(given, shown(A)),
+    ],
+)
+def test_what_is_no_portion_is_refused(word, given):
+    with pytest.raises(ValueError, match=r"is no portion; give what product, dot, square, both"):
+        word(given)
+
+
+@pytest.mark.parametrize("given", [3, None, "spare0", A, square(A)], ids=repr)
+@pytest.mark.parametrize("word", [product, dot, lambda a, b, to: total(a, b, to=to), quotient])
+def test_what_is_no_register_is_not_written(word, given):
+    with pytest.raises(ValueError, match=r"is no register to write; give SPARE0, DISCARD or another"):
+        word(A, B, given)
+
+
+def test_no_stage_multiplies_nothing():
+    with pytest.raises(ValueError, match=r"There is no stage; give the unit whose texel each multiplies"):
+        dot_product_stages()
 
 
 # ---------------------------------------------------------------------------------------------- meaning
