@@ -47,6 +47,7 @@ from fixedpipe.pipeline.profiles.specified import (
 from fixedpipe.pipeline.textures.images import TWELVE_BIT_FORMATS
 
 _DRIVER = "Assumed: as on the plain board; a query of an InfiniteReality's driver would settle it"
+_SUBSET = "Assumed: as on the imaging board; a query of an InfiniteReality's driver would settle it"
 _PICTURE = "Assumed: as on the plain board; a picture of an InfiniteReality would settle it"
 _NO_COMBINERS = "Assumed: does not matter; an InfiniteReality has no register combiners"
 
@@ -159,9 +160,9 @@ INFINITE_REALITY = Profile(
         max_pixel_map_table=known(256, _DRIVER),
         color_matrix=known(True, OF_SUBSET),
         color_tables=known(True, OF_SUBSET),
-        max_color_table_size=known(4096, _DRIVER),
+        max_color_table_size=known(4096, _SUBSET),
         convolution=known(True, OF_SUBSET),
-        max_convolution_size=known(11, _DRIVER),
+        max_convolution_size=known(11, _SUBSET),
         histogram=known(True, OF_SUBSET),
         pixel_texture=known(False, NOT_CORE),
         pixel_texture_sgis=known(False, NOT_CORE),

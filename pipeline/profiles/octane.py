@@ -44,6 +44,7 @@ from fixedpipe.pipeline.profiles.specified import (
 from fixedpipe.pipeline.textures.images import TWELVE_BIT_FORMATS
 
 _DRIVER = "Assumed: as on the plain board; a query of an Octane's driver would settle it"
+_SUBSET = "Assumed: as on the imaging board; a query of an Octane's driver would settle it"
 _PICTURE = "Assumed: as on the plain board; a picture of an Octane would settle it"
 _NO_COMBINERS = "Assumed: does not matter; an Octane has no register combiners"
 
@@ -144,9 +145,9 @@ OCTANE = Profile(
         max_pixel_map_table=known(256, _DRIVER),
         color_matrix=known(True, OF_SUBSET),
         color_tables=known(True, OF_SUBSET),
-        max_color_table_size=known(4096, _DRIVER),
+        max_color_table_size=known(4096, _SUBSET),
         convolution=known(True, OF_SUBSET),
-        max_convolution_size=known(11, _DRIVER),
+        max_convolution_size=known(11, _SUBSET),
         histogram=known(True, OF_SUBSET),
         pixel_texture=known(True, "Source: SGIX_pixel_texture; Kautz, Seidel 2000, section 5"),
         pixel_texture_sgis=known(

@@ -66,7 +66,7 @@ TEXRAM = Profile(
         signed_components=known(True, "Inferred: from Schilling 1997's offset vectors, which have signs"),
         max_lod_bias=known(0.0, NOT_CORE),
         max_anisotropy=known(1.0, NOT_CORE),
-        max_probes=known(8, NOT_CORE),
+        max_probes=known(8, "Assumed: 8; Schilling, Knittel, Strasser 1996 would settle it"),
         texture_color_table=known(False, NOT_CORE),
         evaluate_before_filtering=known(
             False, "Source: Kautz, Seidel 2000, section 5.1 (asked for, so not there)"
