@@ -21,7 +21,7 @@ PAPERS = {
 
 
 def _checked(identifier):
-    if re.fullmatch(rf"[{''.join(PAPERS)}]\d\d", identifier) is None:
+    if not isinstance(identifier, str) or re.fullmatch(rf"[{''.join(PAPERS)}]\d\d", identifier) is None:
         raise ValueError(
             f"{identifier!r} is no technique's id. Give one of {', '.join(PAPERS)} and two digits: K07."
         )
@@ -53,12 +53,14 @@ class AnotherWay:
     ids  tuple of techniques' ids
     how  what differs, in a few words: "on a GeForce 3, by dot products"
 
-    Raises ValueError for an id of no paper.
+    Raises ValueError for an id of no paper, and for ids that are no tuple.
     """
 
     ids: tuple[str, ...]
     how: str
 
     def __post_init__(self):
+        if not isinstance(self.ids, tuple):
+            raise ValueError(f"The ids are {self.ids!r}; give a tuple of them: ('K07',).")
         for identifier in self.ids:
             _checked(identifier)

@@ -35,8 +35,8 @@ class Check:
 
     def __post_init__(self) -> None:
         if len(self._bounds) != 1:
-            given = " and ".join(map(repr, self._bounds)) or "neither"
-            raise ValueError(f"The check {self.name!r} has {given}; give one bound, at_most or at_least.")
+            given = f"the bounds {self.at_most!r} and {self.at_least!r}" if self._bounds else "no bound"
+            raise ValueError(f"The check {self.name!r} has {given}; give one, at_most or at_least.")
         if not isinstance(self.on, Answer):
             raise ValueError(
                 f"The check {self.name!r} is on {self.on!r}; give an Answer: {', '.join(map(str, Answer))}."

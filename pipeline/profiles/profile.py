@@ -8,7 +8,7 @@ Code asks what a machine can do, never which machine it is.
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from numbers import Integral
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fixedpipe.pipeline.enums import Clamp, ColorWeights
 from fixedpipe.pipeline.profiles.known import Known, known
@@ -62,6 +62,13 @@ class Profile:
                 f"steps (diamond_exit_lines False)."
             )
 
+    if not TYPE_CHECKING:  # to which any name would be there
+
+        def __getattr__(self, name):
+            section = SECTION_OF.get(name)
+            hint = f"ask {section}.{name}" if section else f"its sections are {', '.join(SECTIONS)}"
+            raise AttributeError(f"A profile has no {name}; {hint}.")
+
     @property
     def widest_depth(self) -> int:
         """The widest fixed format that a depth buffer may have: the one it has where none is asked for."""
@@ -87,7 +94,7 @@ class Profile:
 
         ``evidence`` is said of each of them; ``name``: the changed machine's, None: this one's.
 
-        Raises TypeError for a name that no section has.
+        Raises TypeError for a name that no section has, and for a value that is not what its field is.
         """
         given = {field: known(value, evidence) for field, value in values.items()}
         return self._with(given, name=self.name if name is None else name)

@@ -98,9 +98,9 @@ def test_a_check_has_one_bound_and_an_answer():
     least = Check("x", 1.0, at_least=2.0, on=Answer.MACHINE, reason="y")
     assert (most.relation, most.bound, most.passed) == ("<=", 1.0, True)
     assert (least.relation, least.bound, least.passed) == (">=", 2.0, False)
-    with pytest.raises(ValueError, match=r"'x' has neither; give one bound, at_most or at_least"):
+    with pytest.raises(ValueError, match=r"'x' has no bound; give one, at_most or at_least"):
         Check("x", 1.0, on=Answer.IDEAL, reason="y")
-    with pytest.raises(ValueError, match=r"'x' has 1.0 and 0.0; give one bound"):
+    with pytest.raises(ValueError, match=r"'x' has the bounds 1.0 and 0.0; give one"):
         Check("x", 1.0, at_most=1.0, at_least=0.0, on=Answer.IDEAL, reason="y")
     with pytest.raises(ValueError, match=r"'x' is on 'ideal'; give an Answer: Answer.IDEAL, Answer.MACHINE"):
         Check("x", 1.0, at_most=1.0, on="ideal", reason="y")

@@ -8,11 +8,11 @@ from itertools import combinations
 
 import pytest
 
-from fixedpipe.pipeline.enums import Clamp
+from fixedpipe.pipeline.enums import Clamp, CombinerFunction, TextureCompareMode, WrapMode
 from fixedpipe.pipeline.profiles import PROFILES
 from fixedpipe.pipeline.profiles.known import EVIDENCE_TAGS, known
 from fixedpipe.pipeline.profiles.profile import Profile
-from fixedpipe.pipeline.profiles.sections import SECTION_OF, SECTIONS, Vertices
+from fixedpipe.pipeline.profiles.sections import SECTION_OF, SECTIONS, Framebuffers, Vertices
 
 GEFORCE_256, NV2A = PROFILES["GEFORCE_256"], PROFILES["NV2A"]
 KEYS = {id(profile): key for key, profile in PROFILES.items()}
@@ -42,6 +42,19 @@ SPECIFIED = re.compile(
     r"Source: (OpenGL 1\.2\.1|no OpenGL extension|(ARB|ATI|EXT|NV|SGIS|SGIX|WGL)_\w+"
     r"|[A-Z][\w, ]* \d{4}, section)"
 )
+# What evidence says of a value: that there is none of it, a number, the other machine that has it, and what
+# OpenGL 1.2.1 gives (tables 6.24 and 2.7).
+LACKS = re.compile(
+    r"Assumed: none|no part of it$|\(asked for, so not there\)|subset alone$|no OpenGL extension has it"
+)
+NUMBER = re.compile(r"Assumed: (?:-?\d+ to )?(-?\d+)")
+AS_ON = r"(Inferred: from|as on|as wide as) the ({names})"
+OPENGL = {
+    "(the minimum)": {"max_lights": 8, "max_clip_planes": 6, "subpixel_bits": 4},
+    "table 2.7": {"max_shininess": 128},
+}
+# Some of what the other machine has: fixed formats of depth, and Schilling's offsets.
+SOME = {("GEFORCE_256", "depth_bits"), ("TEXRAM", "texture_shader_operations")}
 YEAR = re.compile(r"\b(?:199|200)\d\b")
 
 
@@ -99,6 +112,40 @@ def test_evidence_is_no_older_than_its_machine():
             assert built is not None and year == built[0], f"{key}.{field}: {evidence}"
 
 
+def elements(value):
+    """A set's or tuple's elements, or a value by itself."""
+    return value if isinstance(value, frozenset | tuple) else (value,)
+
+
+def test_a_value_is_nothing_where_its_evidence_says_that_there_is_none():
+    for key, profile in PROFILES.items():
+        for field, fact in profile.facts.items():
+            if LACKS.search(fact.evidence):
+                nothing = (False, 0, TextureCompareMode.NONE, CombinerFunction.NONE)
+                nothing += (1,) if field in ("max_anisotropy", "max_probes", "samples") else ()
+                assert all(each in nothing for each in elements(fact.value)), f"{key}.{field}: {fact}"
+
+
+def test_a_value_is_the_number_that_its_evidence_gives():
+    for key, profile in PROFILES.items():
+        for field, (value, evidence) in profile.facts.items():
+            if number := NUMBER.match(evidence):
+                assert int(number[1]) in elements(value), f"{key}.{field}: {value}, {evidence}"
+            for words, given in OPENGL.items():
+                if words in evidence:
+                    assert value == given[field], f"{key}.{field}: {value}, {evidence}"
+
+
+def test_a_value_is_the_machine_s_that_its_evidence_has_it_from():
+    for key, profile in PROFILES.items():
+        for field, (value, evidence) in profile.facts.items():
+            for other, names in NAMES.items():
+                if re.search(AS_ON.format(names=names), evidence):
+                    theirs = PROFILES[other].facts[field].value
+                    some = (key, field) in SOME and set(value) < set(theirs)
+                    assert value == theirs or some, f"{key}.{field}: {value}, {other} {theirs}, {evidence}"
+
+
 def test_a_section_has_values_and_how_they_are_known():
     assert NV2A.vertices.max_lights == 8
     assert NV2A.vertices.evidence["max_lights"] == NV2A.facts["max_lights"].evidence
@@ -112,14 +159,18 @@ def test_sections_are_the_profiles_and_no_two_have_a_field_of_one_name():
 
 
 def test_a_value_without_evidence_is_refused():
-    given = {name: known(0, "Assumed: for this test") for name in Vertices.names()}
-    assert Vertices(**given).max_lights == 0
+    given = {name: known(NV2A.facts[name].value, "Assumed: for this test") for name in Vertices.names()}
+    assert Vertices(**given).max_lights == 8
     with pytest.raises(ValueError, match=r"Vertices.max_lights is 8, without evidence; give known"):
         Vertices(**{**given, "max_lights": 8})
     with pytest.raises(ValueError, match="without evidence"):
         replace(NV2A.vertices, max_lights=known(4, "Assumed: for this test"))
     with pytest.raises(ValueError, match="begin it with one of Source:"):
         known(8, "I think so")
+    with pytest.raises(ValueError, match="begin it with one of Source:"):
+        known(8, 8)
+    with pytest.raises(ValueError, match=r"Framebuffers.color_bits is \(8,\), without evidence"):
+        Framebuffers(**{name: NV2A.facts[name] for name in Framebuffers.names()} | {"color_bits": (8,)})
     with pytest.raises(TypeError, match="max_lights"):
         Vertices(**{name: given[name] for name in given if name != "max_lights"})
 
@@ -138,6 +189,45 @@ def test_a_changed_machine_does_not_keep_what_was_said_of_the_value():
     assert NV2A.vertices.max_lights == 8
     with pytest.raises(TypeError, match="no field max_lamps; its fields are max_texture_units"):
         NV2A.changed(max_lamps=4)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"max_lights": "many"}, r"Vertices.max_lights is 'many'; its type is int"),
+        ({"max_lights": None}, r"max_lights is None; its type is int"),
+        ({"max_lights": True}, r"max_lights is True; its type is int"),
+        ({"fog_coordinate": 1}, r"fog_coordinate is 1; its type is bool"),
+        ({"max_lod_bias": "4"}, r"max_lod_bias is '4'; its type is float"),
+        ({"wrap_modes": WrapMode.REPEAT}, r"wrap_modes is .*REPEAT.*; its type is frozenset of WrapMode"),
+        ({"wrap_modes": frozenset({"REPEAT"})}, r"its type is frozenset of WrapMode"),
+        ({"depth_bits": (16.0,)}, r"its type is tuple of DepthFormat or int"),
+        ({"max_lights": known(4, "Assumed: x")}, r"max_lights is Known\(.*; its type is int"),
+    ],
+)
+def test_a_value_of_another_type_is_refused(values, words):
+    with pytest.raises(TypeError, match=words):
+        NV2A.changed(**values)
+
+
+def test_who_asks_for_what_is_elsewhere_is_told_where():
+    with pytest.raises(AttributeError, match=r"A profile has no max_lights; ask vertices.max_lights\."):
+        NV2A.max_lights  # noqa: B018 (asking is what is tested)
+    with pytest.raises(AttributeError, match="no lamps; its sections are textures, texture_shaders, comb"):
+        NV2A.lamps  # noqa: B018
+    with pytest.raises(AttributeError, match="Vertices has no lamps; its fields are max_lights, max_clip"):
+        NV2A.vertices.lamps  # noqa: B018
+
+
+@pytest.mark.parametrize("bits", [3, 17, 8.0, True, "8"])
+def test_a_width_that_no_machine_has_is_refused(bits):
+    with pytest.raises(ValueError, match=f"texture_bits is {bits!r}; .* may have 4 to 16 bits"):
+        NV2A.with_precision(texture_bits=bits)
+
+
+def test_the_widest_depth_is_the_widest_fixed_format():
+    assert NV2A.changed(depth_bits=(24, 16)).widest_depth == 24
+    assert NV2A.widest_depth == 24 == GEFORCE_256.widest_depth
 
 
 def test_widths_and_clamps_that_were_asked_for_say_so():

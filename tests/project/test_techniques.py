@@ -123,9 +123,14 @@ def test_the_table_of_a_document_s_page_names_the_module_that_is_the_technique(n
         assert not named or owners[identifier] in named, f"{identifier} is {owners[identifier]}"
 
 
-@pytest.mark.parametrize("identifier", ["K7", "X07", "k07", "K007"])
+@pytest.mark.parametrize("identifier", ["K7", "X07", "k07", "K007", 7])
 def test_an_id_of_no_paper_is_refused(identifier):
     with pytest.raises(ValueError, match="no technique's id"):
         Technique(identifier, "what", "1")
     with pytest.raises(ValueError, match="no technique's id"):
-        AnotherWay((identifier,), "how")
+        AnotherWay(("K07", identifier), "how")
+
+
+def test_ids_are_a_tuple():
+    with pytest.raises(ValueError, match=r"The ids are 'K07'; give a tuple of them: \('K07',\)"):
+        AnotherWay("K07", "how")
