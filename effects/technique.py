@@ -1,7 +1,8 @@
-"""What a technique's module declares near its top: ``TECHNIQUES``, the ids that it is, in words.
+"""Ids of techniques, with what they mean. A technique's module declares its own under its imports, as
+``TECHNIQUES``, a tuple of ``Technique`` and ``AnotherWay``.
 
-An id is a letter for the paper and a number. Figures and studies name the ids of what they use;
-docs/papers/index.md is made of both.
+An id is a letter for the paper and a number. Figures and studies name the ids of the techniques that they
+use; docs/papers/index.md is made of both.
 """
 
 import re
@@ -29,13 +30,13 @@ def _checked(identifier):
 
 @dataclass(frozen=True)
 class Technique:
-    """A technique of a paper, declared by the one module that is it.
+    """A technique of a paper, declared by one module alone.
 
     id       its letter says which paper: "K10"
     what     what it is, in a line
     section  where the paper has it: sections' numbers, "4.1, 6", or a slide's title
 
-    Raises ValueError for an id of no paper.
+    Raises ValueError for an id that is not a paper's letter and two digits.
     """
 
     id: str
@@ -53,7 +54,7 @@ class AnotherWay:
     ids  tuple of techniques' ids
     how  what differs, in a few words: "on a GeForce 3, by dot products"
 
-    Raises ValueError for an id of no paper, and for ids that are no tuple.
+    Raises ValueError for an id that is not a paper's letter and two digits, and for ids that are no tuple.
     """
 
     ids: tuple[str, ...]

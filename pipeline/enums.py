@@ -29,7 +29,7 @@ class PrimitiveType(IntEnum):
 
     @property
     def is_polygons(self):
-        """Whether triangles or polygons are made, which come first; else points or lines."""
+        """Whether it makes triangles or polygons, whose codes come before those of points and lines."""
         return self < PrimitiveType.POINTS
 
 

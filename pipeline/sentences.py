@@ -1,4 +1,4 @@
-"""Small words that sentences share: of errors, and of descriptions."""
+"""Small words that the sentences of errors and descriptions share."""
 
 from fixedpipe.pipeline.enums import DepthFormat
 

@@ -35,17 +35,18 @@ This page is made by `make techniques` from what the modules of `effects/` decla
 stale.
 
 An id of a technique, K07, is a letter for the paper that has it and a number. Both are this project's: the
-papers number no techniques. Modules of techniques declare the ids that they are, figures and studies those
-that they use.
+papers number no techniques. A technique's module declares its ids; figures and studies declare those that
+they use.
 
 """
 _OTHER_IDS = """
 The other ids:
 
-- **F004-2** is figure 2 of document 004 (003 numbers no pictures, so they are counted), drawn by
-  `fixedpipe figures F004-2`. A figure with a technique's id, K14, shows what the paper has no picture of.
+- **F004-2** is figure 2 of document 004, drawn by `fixedpipe figures F004-2`. Document 003 numbers no
+  pictures; here they are counted. A figure with a technique's id, K14, shows what the paper has no picture
+  of.
 - **P11** is an artefact of the hardware, measured by a [study](#studies).
-- **E004.9** is an erratum of document 004, or a place that it leaves open; the document's page says what was
+- **E004.9** is an erratum of document 004, or a point that it leaves open; the document's page says what was
   done.
 - **A-K07** is the sequence of passes of K07. The catalogue, which comments and checks cite for sequences,
   artefacts, errata and expected numbers, was written from the papers before the code, and is not in the
@@ -60,7 +61,7 @@ _STUDIES = """
 _NAMED = """
 ## Named, not drawn
 
-Comments and pages name these techniques of the papers; no module here is one.
+Comments and pages name these techniques of the papers; no module here draws them.
 
 """
 

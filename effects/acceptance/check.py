@@ -5,7 +5,7 @@ from enum import Enum
 
 
 class Answer(Enum):
-    """Which answer to a pass a picture shows or a check is of; its value is the word that is printed."""
+    """The answer to a pass that a picture shows or a check measures. Its value is the printed word."""
 
     IDEAL = "ideal"  # the algorithm itself, in float64
     MACHINE = "machine"  # with the hardware's arithmetic
@@ -19,10 +19,10 @@ class Check:
     value     the number
     at_most   its upper bound, or None
     at_least  its lower bound, or None; a Check has one bound
-    on        whose number it is: the algorithm's or, with its arithmetic, the machine's
+    on        the Answer that it is of
     reason    why this bound
 
-    Raises ValueError where it has no bound, or two.
+    Raises ValueError where it has no bound, or two, or where ``on`` is no Answer.
     """
 
     name: str

@@ -31,7 +31,7 @@ IMAGING_MACHINES = ("OCTANE", "INFINITE_REALITY", "OPENGL_1_2_IMAGING")
 IMAGING_MACHINES_8 = ("OCTANE", "OPENGL_1_2_IMAGING")
 # Diagrams (fixedpipe.effects.diagrams.drawing) need nothing that a machine lacks; these stand for the others.
 DIAGRAM_MACHINES = ("OPENGL_1_2", "GEFORCE_256")
-# How much larger than it is a figure's third picture shows (machine - ideal).
+# A figure's third picture shows (machine - ideal) so many times as large.
 DIFFERENCE_GAIN = 8.0
 
 # (profile, size, **parameters) -> commands for a framebuffer of the figure's dimensions.

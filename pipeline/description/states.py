@@ -67,7 +67,7 @@ def _generation(word, i, gen):
     return [] if gen == TexGen() else titled(f"{word}_{'STRQ'[i]}", differences(gen))
 
 
-# How a part of a tuple is written that is not as its differences are.
+# Parts of a tuple that are written in a way of their own, not by their differences.
 _NUMBERED = {
     NoneType: lambda word, i, part: [],
     TexGen: _generation,
@@ -116,7 +116,7 @@ def _filter_lines(word, kernel, lines):
     return [title, *(f"  {name} {format_value(weights)}" for name, weights in lines)]
 
 
-# How a part of a state is written that is not as its differences are.
+# Parts of a state that are written in a way of their own, not by their differences.
 _PARTS = {
     RegisterCombiners: lambda word, combiners: combiner_lines(combiners),
     TextureEnvironment: lambda word, environment: environment_lines(environment),

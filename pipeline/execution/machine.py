@@ -110,8 +110,7 @@ class Machine:
         "columns": every Draw by the column engine that it covers. The bits are the same.
     samples : int or None
         How many samples a pixel of the window has, one of ``profile.framebuffers.samples``; None: the
-        profile's first.
-        pbuffers have one.
+        profile's first. A pbuffer's pixels have one.
     color_bits : int or None
         One of ``profile.framebuffers.color_bits``, the width of the window's colour components. None: the
         usual one.

@@ -1,4 +1,4 @@
-"""Values that are known from somewhere: what a profile's sections are made of."""
+"""Values with their evidence, and the sections of a profile that are made of them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields

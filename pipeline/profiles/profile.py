@@ -1,6 +1,6 @@
 """What a machine can do and how wide its numbers are.
 
-A machine is one value of ``Profile``; this package has a literal for each that is not made from another.
+A machine is one value of ``Profile``; this package has a literal for each that descends from no other.
 Every value stands beside its evidence, in a section by subject (``fixedpipe.pipeline.profiles.sections``).
 Code asks what a machine can do, never which machine it is.
 """
@@ -37,6 +37,8 @@ class Profile:
 
     ``name`` is what errors call it, ``description`` one line. ``ancestor`` is the machine that it was made
     from (``descendant``); None: it was written whole.
+
+    Raises ValueError for ``diamond_exit_lines`` with ``color_weights`` EIGHT_BITS.
     """
 
     name: str
@@ -94,7 +96,8 @@ class Profile:
 
         ``evidence`` is said of each of them; ``name``: the changed machine's, None: this one's.
 
-        Raises TypeError for a name that no section has, and for a value that is not what its field is.
+        Raises TypeError for a name that no section has, and for a value that is not what its field is;
+        ValueError for evidence without a tag.
         """
         given = {field: known(value, evidence) for field, value in values.items()}
         return self._with(given, name=self.name if name is None else name)

@@ -1,8 +1,8 @@
-"""What a machine has, by subject: sections of a profile, whose fields have what they mean beside them.
+"""What a machine has, by subject: the sections of a profile. Each field has its meaning beside it.
 
-All but ``Arithmetic`` say what a machine has, so what it refuses: numbers are the most that it takes (0: it
-has none), sets what it accepts. ``Arithmetic`` says how it computes what it accepts. No two sections have a
-field of one name (``SECTION_OF``).
+All but ``Arithmetic`` say what a machine has, and so what it refuses: numbers are the most that it takes (0:
+it has none), sets are what it accepts. ``Arithmetic`` says how it computes what it accepts. No two sections
+have a field of one name (``SECTION_OF``).
 """
 
 from dataclasses import dataclass
@@ -194,7 +194,7 @@ class Arithmetic(Section):
     clamps_color_matrix: bool  # components are clamped to [0, 1] after the colour matrix's scale and bias
 
 
-# The sections by their names in a profile, in order; and each field's.
+# The sections by their names in a profile, in order; the name of each field's section.
 SECTIONS: dict[str, type[Section]] = {
     "textures": Textures,
     "texture_shaders": TextureShaders,

@@ -1,4 +1,4 @@
-"""What OpenGL 1.2.1 specifies: sets that machines take whole, and sentences of evidence that hold of any."""
+"""What OpenGL 1.2.1 specifies: sets that machines take whole, and evidence that holds of any machine."""
 
 from fixedpipe.pipeline.enums import (
     BlendEquation,
@@ -11,7 +11,7 @@ from fixedpipe.pipeline.enums import (
 )
 from fixedpipe.pipeline.textures.images import COMPONENT_BITS
 
-# Evidence of what a machine lacks as OpenGL asks for none of it, and of the imaging subset (section 3.6.2).
+# Evidence for what a machine lacks because OpenGL does not ask for it, and for the imaging subset.
 NOT_CORE = "Source: OpenGL 1.2.1: no part of it"
 OF_SUBSET_ALONE = "Source: OpenGL 1.2.1 section 3.6.2: part of the imaging subset alone"
 OF_SUBSET = "Source: OpenGL 1.2.1 section 3.6.2, the imaging subset"

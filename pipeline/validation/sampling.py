@@ -39,7 +39,7 @@ def sampler(walk, unit, known, number):
 
 
 def _comparison(walk, unit, known, place):
-    """Refuse a depth texture that is not compared, and a comparison of what is none or that is not there."""
+    """Refuse a depth texture that is not compared, another texture that is, and what comparisons lack."""
     profile, sampler = walk.profile, unit.sampler
     deep = known.internal_format in DEPTH_TEXELS
     compares = sampler.compare_mode is not TextureCompareMode.NONE
