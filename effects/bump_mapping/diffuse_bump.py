@@ -64,19 +64,9 @@ def diffuse_combiners(color, ambient=(0.0, 0.0, 0.0), light_register=PRIMARY, *,
 
 
 def diffuse_pass(
-    surface,
-    normal_map,
-    view,
-    light,
-    profile,
-    *,
-    color,
-    ambient=(0.0, 0.0, 0.0),
-    color_map=None,
-    depth_test=FIRST_PASS,
-    blending=None,
-    sampler=REPEATED,
-):
+    surface, normal_map, view, light, profile, *,
+    color, ambient=(0.0, 0.0, 0.0), color_map=None, depth_test=FIRST_PASS, blending=None, sampler=REPEATED,
+):  # fmt: skip
     """K10: one draw. ``normal_map``: the name of a texture with normals for EXPAND_NORMAL; colours RGB in
     [0, 1]. ``color_map``: the name of a texture by whose colours both are multiplied. ``depth_test``,
     ``blending``: where it is added to passes before it.

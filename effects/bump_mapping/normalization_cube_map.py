@@ -72,16 +72,9 @@ def load(size, profile):
 
 
 def diffuse_pass(
-    surface,
-    vectors,
-    normal_map,
-    view,
-    *,
-    color,
-    ambient=(0.0, 0.0, 0.0),
-    depth_test=FIRST_PASS,
-    blending=None,
-):
+    surface, vectors, normal_map, view, *,
+    color, ambient=(0.0, 0.0, 0.0), depth_test=FIRST_PASS, blending=None,
+):  # fmt: skip
     """K10 with light vectors from the cube map.
 
     ``vectors``: float64 [n, 3], from the vertices to the light in their local frames, of any length. Left at

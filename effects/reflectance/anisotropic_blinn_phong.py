@@ -101,18 +101,9 @@ def specular_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0,
 
 
 def specular_pass(
-    surface,
-    names,
-    view,
-    light,
-    profile,
-    *,
-    specular=(1.0, 1.0, 1.0),
-    first=False,
-    gated=True,
-    global_frame=False,
-    sampler=REPEATED,
-):
+    surface, names, view, light, profile, *,
+    specular=(1.0, 1.0, 1.0), first=False, gated=True, global_frame=False, sampler=REPEATED,
+):  # fmt: skip
     """Eq. 1 in one draw.
 
     Parameters

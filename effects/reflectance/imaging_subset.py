@@ -312,15 +312,9 @@ def prepare(surface, material, view, profile, *, name="material", triangles_per_
 
 
 def specular_passes(
-    prepared,
-    material,
-    light,
-    *,
-    specular=(1.0, 1.0, 1.0),
-    internal_format=InternalFormat.LUMINANCE8,
-    table_entries=None,
-    biased=True,
-):
+    prepared, material, light, *,
+    specular=(1.0, 1.0, 1.0), internal_format=InternalFormat.LUMINANCE8, table_entries=None, biased=True,
+):  # fmt: skip
     """Eq. 1 into the framebuffer: a load and a draw for each of two squares and each polygon, then three
     draws.
 
@@ -363,16 +357,9 @@ def specular_passes(
 
 
 def diffuse_pass(
-    prepared,
-    material,
-    light,
-    *,
-    color,
-    ambient=(0.0, 0.0, 0.0),
-    color_map=None,
-    gated=True,
-    table_entries=None,
-):
+    prepared, material, light, *,
+    color, ambient=(0.0, 0.0, 0.0), color_map=None, gated=True, table_entries=None,
+):  # fmt: skip
     """K10 over what the specular passes left: framebuffer = colour (n.l)+ + ambient + gate framebuffer.
 
     ``gated``: the gate is min(1, 4 (n.l)+); else it is one. ``color_map``: the name of a texture by whose
