@@ -1,4 +1,4 @@
-"""What the 64 bits of a float64 are, cutting its significant bits, and what is small beside a number.
+"""The 64 bits of a float64, how its significant bits are cut, and what is small beside a number.
 
 A sign, eleven bits of exponent and 52 of fraction (IEEE 754).
 """

@@ -50,9 +50,7 @@ STAGES = _draw()
 COLOR_SUM = _draw()  # bits: codes.COLOR_SUM_...
 USES_E_TIMES_F = _draw()
 USES_SPARE0_PLUS_SECONDARY = _draw()
-WRITES_TEXTURE = (
-    _draw()
-)  # 1: a stage writes the register of a disabled unit, which each batch must find unset
+WRITES_TEXTURE = _draw()  # 1: a stage writes a disabled unit's register; each batch must find it unset
 STAGE_CONSTANTS = _draw()  # 1: constants change from stage to stage
 FOG_ENABLED = _draw()  # codes.FOG_BY_...: 255 thresholds, or a table of floor(4096 v); 0: no fog
 FOG_RISING = _draw()  # 1: the factor grows with the coordinate
