@@ -96,6 +96,16 @@ def rectangle(left, top, right, bottom, z=0.0):
 
 
 UNIT_SQUARE = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])  # a quad's texture coordinates
+TWO_TRIANGLES = ((0, 0), (1, 0), (1, 1), (0, 0), (1, 1), (0, 1))  # that make the square
+
+
+def textured_triangles(positions, coordinates):
+    """A mesh of triangles at device places [n, 3] with texture coordinates [n, 2..4] of unit 0."""
+    return Mesh(
+        single(positions),
+        PrimitiveType.TRIANGLES,
+        texture_coordinates=(np.array(coordinates, np.float64),),
+    )
 
 
 def quad(label, corners, color, state=DEFAULT, height=HEIGHT):

@@ -10,8 +10,8 @@ import numpy as np
 
 from fixedpipe.effects.conformance import scenes
 from fixedpipe.effects.conformance.case import Case
-from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
-from fixedpipe.pipeline.enums import PrimitiveType, TexelWord, TextureFilter, WrapMode
+from fixedpipe.pipeline.commands import Draw, TexImage
+from fixedpipe.pipeline.enums import TexelWord, TextureFilter, WrapMode
 from fixedpipe.pipeline.state import TextureUnit
 from fixedpipe.pipeline.textures.words import texture_of_words
 
@@ -62,14 +62,10 @@ def _tiles(panel):
     positions, coordinates = [], []
     for row in range(3):
         for column in range(3):
-            for s, t in ((0, 0), (1, 0), (1, 1), (0, 0), (1, 1), (0, 1)):
+            for s, t in scenes.TWO_TRIANGLES:
                 positions.append((left + (column + s) * width, top - (row + t) * height, DEPTH))
                 coordinates.append((column - 1 + s, row - 1 + t))
-    return Mesh(
-        scenes.single(positions),
-        PrimitiveType.TRIANGLES,
-        texture_coordinates=(np.array(coordinates, np.float64),),
-    )
+    return scenes.textured_triangles(positions, coordinates)
 
 
 def case(name, inputs):

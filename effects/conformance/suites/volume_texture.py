@@ -12,11 +12,10 @@ import numpy as np
 from fixedpipe.effects.conformance import scenes, texture_memory
 from fixedpipe.effects.conformance.case import Case
 from fixedpipe.effects.conformance.suites.texture_format import palette
-from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
+from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.enums import (
     ComparisonFunction,
     InternalFormat,
-    PrimitiveType,
     TexelWord,
     TextureCompareMode,
     TextureTarget,
@@ -63,15 +62,11 @@ def mesh():
     for number, (column, row) in enumerate(PLACES):
         left, top = LEFT + column * (WIDTH + SPACING), TOP - row * (HEIGHT + SPACING)
         layer = 1.0 if number == QUADS - 1 else float(r)
-        for s, t in ((0, 0), (1, 0), (1, 1), (0, 0), (1, 1), (0, 1)):
+        for s, t in scenes.TWO_TRIANGLES:
             positions.append((left + s * WIDTH, top - t * HEIGHT, 0.0))
             coordinates.append((s, t, layer))
         r += np.float32(1 / QUADS)
-    return Mesh(
-        scenes.single(positions),
-        PrimitiveType.TRIANGLES,
-        texture_coordinates=(np.array(coordinates, np.float64),),
-    )
+    return scenes.textured_triangles(positions, coordinates)
 
 
 def case(name, inputs):
