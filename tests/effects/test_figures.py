@@ -118,6 +118,7 @@ def test_a_check_that_was_not_computed_does_not_pass():
     assert not Check("x", float("nan"), at_most=1.0, on=Answer.IDEAL, reason="").passed
     assert not Check("x", float("nan"), at_least=1.0, on=Answer.IDEAL, reason="").passed
     assert Check("x", 1.0, at_most=1.0, on=Answer.IDEAL, reason="").passed
+    assert Check("x", 1.0, at_least=1.0, on=Answer.IDEAL, reason="").passed
 
 
 def test_checks_fail_on_a_broken_picture():

@@ -196,6 +196,26 @@ def test_every_way_to_write_a_surface_equals_the_specification(color_format, sta
         )
 
 
+@pytest.mark.parametrize("depth_bits", NV2A.framebuffers.depth_bits)
+@pytest.mark.parametrize("color_format", ColorFormat)
+def test_a_texture_reads_the_words_of_a_surface_of_its_width_alone(color_format, depth_bits):
+    """Source: WGL_ARB_render_texture, WGL_NV_render_depth_texture."""
+    bits = color_format.name.partition("_")[0]
+    reads = {"R5G6B5": {"R5_G6_B5"}, "X1R5G5B5": {"RGB5", "RGB5_A1"}}.get(bits, {"RGBA8", "RGB8"})
+    floats = "_FLOAT" if depth_bits < 0 else ""
+    reads = reads | {f"DEPTH_COMPONENT{abs(depth_bits)}{floats}"}
+    for internal_format in NV2A.textures.internal_formats:
+        frame = (
+            pbuffer(color_format=color_format, depth_bits=depth_bits),
+            bind(internal_format=internal_format),
+        )
+        if internal_format.name in reads:
+            validate(frame, NV2A, WIDTH, HEIGHT)
+        else:
+            with pytest.raises(UnsupportedState, match="does not read the words of"):
+                validate(frame, NV2A, WIDTH, HEIGHT)
+
+
 def test_a_pbuffer_of_float_depths_keeps_them_from_run_to_run():
     machine = Machine(NV2A, WIDTH, HEIGHT, threads=1)
     current = pbuffer(depth_bits=DepthFormat.FLOAT_24)
