@@ -108,7 +108,7 @@ class Arrays(dict):
             portable.FogFactors(a["fog"], a["fog_thresholds"]),
             Textures(tuple(a["texels"]), a["levels"], a["units"]),
         )
-        drawn = draw_bands(arrays, bins, 0, 1, BATCH, buffers, np.zeros((0, 4), np.int32))
+        drawn = draw_bands(arrays, bins, 0, 1, portable.scratch(BATCH), buffers, np.zeros((0, 4), np.int32))
         jobs = np.zeros((2, vector.JOB_SIZE), np.int64)
         fill_clear(jobs, 0, *a["draw"][:4].tolist(), 7, 0, 0xFF00FF, 5, 6, 0xF0)
         textures = Textures(tuple(a["pairs"]), a["pair_levels"], a["units"])

@@ -108,7 +108,8 @@ class Prepared:
             portable.FogFactors(p.fog, packed.fog_thresholds),
             Textures(texels, self.levels, packed.units),
         )
-        count = draw_bands(arrays, Bands(self.order, self.ends), first, step, batch, buffers, record)
+        bands, scratch = Bands(self.order, self.ends), portable.scratch(batch)
+        count = draw_bands(arrays, bands, first, step, scratch, buffers, record)
         if count < 0:
             raise ValueError(
                 "A pass's rows would lead outside an array; take them from "

@@ -6,14 +6,13 @@ operations). A fragment's value depends on its primitive and pixel alone, so nei
 can change a bit.
 """
 
-import numpy as np
-from numba import float64, int16, int32, int64, uint8, void
+from numba import float64, int32, int64, uint8, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import BANDS, BUFFERS, RUNS, SEGMENTS, Runs, Segments
 from fixedpipe.raster.kernel import kernel, separate_function
-from fixedpipe.raster.portable.arrays import COMBINERS, PASS, SCRATCH, Edges, Scratch
+from fixedpipe.raster.portable.arrays import PASS, SCRATCH
 from fixedpipe.raster.portable.check import usable
 from fixedpipe.raster.portable.combine import copy_plane, fill_plane, final_combiner, general_combiner
 from fixedpipe.raster.portable.interpolate import (
@@ -65,30 +64,6 @@ def iterate_four(draw, segments, triangles, colors, first, ints, edges, out, pla
             iterate_color(segments, triangles, colors, k, flat, ints, out, to)
 
 
-@kernel(void(int64[::1], COMBINERS, int64, int16[:, ::1], int32[:, ::1], int32[:, ::1], int16[:, ::1]))
-def run_combiners(draw, combiners, count, registers, products, total, results):
-    """General combiners and the final one, of a batch."""
-    separate_function()
-    program, constants, arithmetic = combiners.program, combiners.constants, combiners.arithmetic
-    for c in range(3):
-        fill_plane(registers, C.REGISTER_SPARE0 * 4 + c, count, int32(0))
-    copy_plane(registers, C.REGISTER_TEXTURE0 * 4 + 3, registers, C.REGISTER_SPARE0 * 4 + 3, count)
-    for c in range(4):
-        fill_plane(registers, C.REGISTER_SPARE1 * 4 + c, count, int32(0))
-    for stage in range(draw[R.STAGES]):
-        if draw[R.STAGE_CONSTANTS]:
-            for c in range(8):
-                fill_plane(registers, C.REGISTER_CONSTANT_COLOR0 * 4 + c, count, int32(constants[stage, c]))
-        general_combiner(registers, program[stage], count, arithmetic, products, total, results)
-    if draw[R.STAGE_CONSTANTS]:
-        for c in range(8):
-            fill_plane(
-                registers, C.REGISTER_CONSTANT_COLOR0 * 4 + c, count, int32(constants[draw[R.STAGES], c])
-            )
-    uses_ef, uses_sum = draw[R.USES_E_TIMES_F], draw[R.USES_SPARE0_PLUS_SECONDARY]
-    final_combiner(registers, combiners.final, count, uses_ef, uses_sum, draw[R.COLOR_SUM], results)
-
-
 @kernel(void(PASS, int64, SEGMENTS, RUNS, SCRATCH))
 def shade(p, count, segments, runs, scratch):
     """Fragment colours of a batch, into ``results`` planes 0..3: interpolation, texture units, combiners.
@@ -127,7 +102,26 @@ def shade(p, count, segments, runs, scratch):
             unbound_texture(registers, u, count)
     for u in range(draw[R.UNITS]):
         sample_unit(p, u, count, segments, runs, scratch)
-    run_combiners(draw, p.combiners, count, registers, scratch.products, scratch.total, results)
+    program, constants, arithmetic = p.combiners.program, p.combiners.constants, p.combiners.arithmetic
+    for c in range(3):
+        fill_plane(registers, C.REGISTER_SPARE0 * 4 + c, count, int32(0))
+    copy_plane(registers, C.REGISTER_TEXTURE0 * 4 + 3, registers, C.REGISTER_SPARE0 * 4 + 3, count)
+    for c in range(4):
+        fill_plane(registers, C.REGISTER_SPARE1 * 4 + c, count, int32(0))
+    for stage in range(draw[R.STAGES]):
+        if draw[R.STAGE_CONSTANTS]:
+            for c in range(8):
+                fill_plane(registers, C.REGISTER_CONSTANT_COLOR0 * 4 + c, count, int32(constants[stage, c]))
+        general_combiner(
+            registers, program[stage], count, arithmetic, scratch.products, scratch.total, results
+        )
+    if draw[R.STAGE_CONSTANTS]:
+        for c in range(8):
+            fill_plane(
+                registers, C.REGISTER_CONSTANT_COLOR0 * 4 + c, count, int32(constants[draw[R.STAGES], c])
+            )
+    uses_ef, uses_sum = draw[R.USES_E_TIMES_F], draw[R.USES_SPARE0_PLUS_SECONDARY]
+    final_combiner(registers, p.combiners.final, count, uses_ef, uses_sum, draw[R.COLOR_SUM], results)
 
 
 @kernel(void(int32[:, ::1], int64, RUNS, int32[::1], uint8[::1]))
@@ -144,34 +138,19 @@ def record_batch(record, recorded, runs, owners, alive):
                 record[row, 3] = int32(alive[i])
 
 
-@kernel(void(PASS, int64, int64, int64, SCRATCH, BUFFERS, int32[:, ::1], int64))
-def finish_batch(p, count, segments, runs, scratch, buffers, record, recorded):
-    """Shade a batch of ``count`` fragments in so many segments and runs, write it, and record it in rows of
-    ``record`` from ``recorded`` on.
+@kernel(int64(PASS, BANDS, int64, int64, SCRATCH, BUFFERS, int32[:, ::1]))
+def draw_bands(p, bands, first_band, band_step, scratch, buffers, record):
+    """Draw bands first_band, first_band + band_step, ... of the framebuffer, a batch of fragments at a time.
+
+    ``scratch``: of a batch's columns, new (``arrays.scratch``). ``record`` int32[n, 4] takes (primitive, x,
+    y, passed) of every fragment while it has room (n = 0: nothing is recorded). Returns the number of
+    fragments drawn; -1, and nothing is drawn, where rows or columns would lead a kernel outside an array
+    (``fixedpipe.raster.portable.check``).
     """
-    separate_function()
-    draw, lists = p.state.draw, scratch.lists
-    lists[R.STARTS, segments], lists[R.RUN_STARTS, runs] = int32(count), int32(count)
-    of_rows = Runs(lists[R.RUN_STARTS], lists[R.RUN_X], lists[R.RUN_Y], runs)
-    if draw[R.NEEDS_DEPTH]:
-        depth_words(scratch.floats, count, draw, p.state.draw_float, scratch.depth)
-    if draw[R.NEEDS_COLOR]:
-        of_triangles = Segments(lists[R.STARTS], lists[R.OWNERS], lists[R.BACKS], segments)
-        shade(p, count, of_triangles, of_rows, scratch)
-    per_fragment(
-        draw, count, of_rows, scratch.results, scratch.shaded, scratch.depth, scratch.alive, p.state.factors,
-        buffers,
-    )  # fmt: skip
-    record_batch(record, recorded, of_rows, scratch.ints[R.OWNER], scratch.alive)
-
-
-@kernel(int64(PASS, int32[::1], int64, int64, SCRATCH, BUFFERS, int32[:, ::1], int64))
-def draw_band(p, members, band, batch, scratch, buffers, record, recorded):
-    """The rows of ``band`` of a Draw whose primitives there are ``members``; returns how many fragments.
-
-    ``recorded``: of the bands before.
-    """
-    separate_function()
+    height, width = buffers.color.shape
+    batch = int64(scratch.depth.shape[0])
+    if batch < 16 or band_step < 1 or not usable(p, height, width):
+        return int64(-1)
     draw, triangles, strokes, vertices = p.state.draw, p.triangles, p.strokes, p.vertices
     z, inverse_w = vertices.z, vertices.inverse_w
     floats, ints, lists = scratch.floats, scratch.ints, scratch.lists
@@ -182,141 +161,7 @@ def draw_band(p, members, band, batch, scratch, buffers, record, recorded):
     cut_lines = draw[R.LINE_FACTOR] != 0 or (
         draw[R.LINE_STEPS] == C.LINE_IN_DIAMONDS and draw[R.LINE_WIDTH] > R.PIXEL_WIDE
     )
-    top, bottom = max(band * BAND_HEIGHT, draw[R.Y0]), min((band + 1) * BAND_HEIGHT, draw[R.Y1])
-    position, segments, runs, fragments = int64(0), int64(0), int64(0), int64(0)
-    for k in range(members.shape[0] + 1):
-        finished = k == members.shape[0]
-        t = members[k] if not finished else members[0]
-        v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
-        corners = corners_of(vertices, v0, v1, v2)
-        x0, y0, x1, y1, x2, y2 = corners
-        kind, margin = int64(C.PRIMITIVE_TRIANGLE), int64(0)
-        if has_strokes and not finished:
-            kind = int64(strokes[t, 0])
-            margin = stroke_margin(draw, kind) if kind != C.PRIMITIVE_TRIANGLE else int64(0)
-        first_row = max((min(y0, min(y1, y2)) - margin + 7) >> 4, top)
-        last_row = min((max(y0, max(y1, y2)) + margin - 8) >> 4, bottom - 1)
-        left = max((min(x0, min(x1, x2)) - margin + 7) >> 4, draw[R.X0])
-        right = min((max(x0, max(x1, x2)) + margin - 8) >> 4, draw[R.X1] - 1)
-        if finished:
-            last_row = first_row  # one turn of the row loop, to flush
-        # Edge functions n1 and n2 step by these from pixel to pixel and row to row; the rest of the area
-        # is n0.
-        area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
-        sign = int64(-1) if area < 0 else int64(1)
-        area *= sign
-        right1, down1 = (y2 - y0) * 16 * sign, -(x2 - x0) * 16 * sign
-        right2, down2 = -(y1 - y0) * 16 * sign, (x1 - x0) * 16 * sign
-        right0, down0 = -(right1 + right2), -(down1 + down2)
-        sx, sy = left * 16 + 8, first_row * 16 + 8
-        n1 = ((sx - x0) * (y2 - y0) - (x2 - x0) * (sy - y0)) * sign
-        n2 = ((x1 - x0) * (sy - y0) - (sx - x0) * (y1 - y0)) * sign
-        n0 = area - n1 - n2
-        if kind == C.PRIMITIVE_LINE:
-            n0, n2 = along_line(draw, x0, y0, x1, y1, sx, sy)
-            ahead0, _ = along_line(draw, x0, y0, x1, y1, sx + 16, sy)
-            below0, _ = along_line(draw, x0, y0, x1, y1, sx, sy + 16)
-            area, n1 = n0 + n2, int64(0)
-            right0, down0 = ahead0 - n0, below0 - n0
-            right1, down1, right2, down2 = int64(0), int64(0), -right0, -down0
-        tie0, tie1, tie2 = edge_tie(right0, down0), edge_tie(right1, down1), edge_tie(right2, down2)
-        iw0, iw1, iw2 = inverse_w[v0], inverse_w[v1], inverse_w[v2]
-        if iw0 == iw1 and iw1 == iw2:
-            iw0 = iw1 = iw2 = 1.0
-        back = int32(1) if draw[R.BACK_SIGN] == sign else int32(0)
-        if kind != C.PRIMITIVE_TRIANGLE:
-            back = strokes[t, 1]
-        z0, z1, z2, offset, slope = 0.0, 0.0, 0.0, 0.0, 0.0
-        over_w = 1.0, 1.0, 1.0  # what edge functions are multiplied with for depths
-        if needs_depth and not finished:
-            z0, z1, z2 = z[v0], z[v1], z[v2]
-            if draw[R.W_BUFFERING]:
-                over_w = inverse_w[v0], inverse_w[v1], inverse_w[v2]
-            if has_offset and kind == C.PRIMITIVE_TRIANGLE:
-                offset, slope = polygon_offset(p.state, vertices, v0, v1, v2)
-            elif kind != C.PRIMITIVE_TRIANGLE and strokes[t, 2] >= 0 and stroke_offset(draw, kind):
-                a0, a1, a2 = strokes[t, 2], strokes[t, 3], strokes[t, 4]
-                offset, slope = polygon_offset(p.state, vertices, a0, a1, a2)
-        for row in range(first_row, last_row + 1):
-            start, end = left, left
-            if not finished and kind == C.PRIMITIVE_TRIANGLE:
-                start, end = row_span(n0 + tie0, n1 + tie1, n2 + tie2, right0, right1, right2, left, right)
-            elif not finished:
-                start, end = stroke_span(draw, strokes[t], corners, row, left, right)
-            while start < end or (finished and position > 0):
-                stop = end
-                if holes and start < end:
-                    start, stop = open_run(draw, kind, row, start, end)
-                column, line, alike = start, row, int64(0)
-                if cut_lines and kind == C.PRIMITIVE_LINE and start < stop:
-                    start, stop, column, line, alike = line_run(draw, strokes[t], corners, row, start, stop)
-                if start < stop:
-                    n = min(stop - start, batch - position)
-                    if segments == 0 or lists[R.OWNERS, segments - 1] != t:
-                        lists[R.STARTS, segments], lists[R.OWNERS, segments] = int32(position), t
-                        lists[R.BACKS, segments] = back
-                        segments += 1
-                    lists[R.RUN_STARTS, runs] = int32(position)
-                    lists[R.RUN_X, runs], lists[R.RUN_Y, runs] = int32(start), int32(row)
-                    ints[R.OWNER, runs] = t
-                    runs += 1
-                    ahead, below = column - left, line - row
-                    here = (
-                        float64(n0 + ahead * right0 + below * down0),
-                        float64(n1 + ahead * right1 + below * down1),
-                        float64(n2 + ahead * right2 + below * down2),
-                    )
-                    step = 0.0, 0.0, 0.0
-                    if not alike:
-                        step = float64(right0), float64(right1), float64(right2)
-                    if needs_weights:
-                        emit_weights(scratch.edges, position, n, here, step, (iw0, iw1, iw2))
-                    if needs_depth:
-                        emit_depth(floats, position, n, here, step, over_w, (z0, z1, z2), offset, slope)
-                    position += n
-                    start += n
-                if position == batch or finished:
-                    finish_batch(p, position, segments, runs, scratch, buffers, record, recorded + fragments)
-                    fragments += position
-                    position, segments, runs = int64(0), int64(0), int64(0)
-            n0 += down0
-            n1 += down1
-            n2 += down2
-    return fragments
-
-
-@kernel(allocates=True)
-def new_scratch(batch):
-    """A Scratch of ``batch`` columns."""
-    return Scratch(
-        Edges(np.empty(batch, np.float64), np.empty(batch, np.float64), np.empty(batch, np.float64)),
-        np.empty((R.FLOAT_COLUMNS, batch), np.float64),
-        np.empty((R.INT_COLUMNS, batch), np.int32),
-        np.empty((R.PACKED_COLUMNS, batch), np.uint32),
-        np.zeros((R.REGISTERS * 4, batch), np.int16),
-        np.empty((8, batch), np.int32),
-        np.empty((1, batch), np.int32),
-        np.empty((12, batch), np.int16),
-        np.empty(batch, np.uint32),
-        np.empty(batch, np.int32),
-        np.empty(batch, np.uint8),
-        np.empty((R.LISTS, batch + 1), np.int32),
-    )
-
-
-@kernel(int64(PASS, BANDS, int64, int64, int64, BUFFERS, int32[:, ::1]), allocates=True)
-def draw_bands(p, bands, first_band, band_step, batch, buffers, record):
-    """Draw bands first_band, first_band + band_step, ... of the framebuffer, ``batch`` fragments at a time.
-
-    ``record`` int32[n, 4] takes (primitive, x, y, passed) of every fragment while it has room (n = 0: nothing
-    is recorded). Returns the number of fragments drawn; -1, and nothing is drawn, where rows or columns would
-    lead a kernel outside an array (``fixedpipe.raster.portable.check``).
-    """
-    height, width = buffers.color.shape
-    if batch < 16 or band_step < 1 or not usable(p, height, width):
-        return int64(-1)
-    draw, constants, scratch = p.state.draw, p.combiners.constants, new_scratch(batch)
-    registers = scratch.registers
+    registers, constants = scratch.registers, p.combiners.constants
     for c in range(8):
         fill_plane(registers, C.REGISTER_CONSTANT_COLOR0 * 4 + c, batch, int32(constants[0, c]))
     for c in range(3):
@@ -327,7 +172,122 @@ def draw_bands(p, bands, first_band, band_step, batch, buffers, record):
     order, ends, recorded = bands.order, bands.ends, int64(0)
     for band in range(first_band, ends.shape[0], band_step):
         begin, end = int64(ends[band - 1]) if band > 0 else int64(0), int64(ends[band])
-        if begin < end:
-            members = order[begin:end]
-            recorded += draw_band(p, members, band, batch, scratch, buffers, record, recorded)
+        if begin == end:
+            continue
+        members = order[begin:end]
+        top, bottom = max(band * BAND_HEIGHT, draw[R.Y0]), min((band + 1) * BAND_HEIGHT, draw[R.Y1])
+        position, segments, runs = int64(0), int64(0), int64(0)
+        for k in range(members.shape[0] + 1):
+            finished = k == members.shape[0]
+            t = members[k] if not finished else members[0]
+            v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+            corners = corners_of(vertices, v0, v1, v2)
+            x0, y0, x1, y1, x2, y2 = corners
+            kind, margin = int64(C.PRIMITIVE_TRIANGLE), int64(0)
+            if has_strokes and not finished:
+                kind = int64(strokes[t, 0])
+                margin = stroke_margin(draw, kind) if kind != C.PRIMITIVE_TRIANGLE else int64(0)
+            first_row = max((min(y0, min(y1, y2)) - margin + 7) >> 4, top)
+            last_row = min((max(y0, max(y1, y2)) + margin - 8) >> 4, bottom - 1)
+            left = max((min(x0, min(x1, x2)) - margin + 7) >> 4, draw[R.X0])
+            right = min((max(x0, max(x1, x2)) + margin - 8) >> 4, draw[R.X1] - 1)
+            if finished:
+                last_row = first_row  # one turn of the row loop, to flush
+            # Edge functions n1 and n2 step by these from pixel to pixel and row to row; the rest of the area
+            # is n0.
+            area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
+            sign = int64(-1) if area < 0 else int64(1)
+            area *= sign
+            right1, down1 = (y2 - y0) * 16 * sign, -(x2 - x0) * 16 * sign
+            right2, down2 = -(y1 - y0) * 16 * sign, (x1 - x0) * 16 * sign
+            right0, down0 = -(right1 + right2), -(down1 + down2)
+            sx, sy = left * 16 + 8, first_row * 16 + 8
+            n1 = ((sx - x0) * (y2 - y0) - (x2 - x0) * (sy - y0)) * sign
+            n2 = ((x1 - x0) * (sy - y0) - (sx - x0) * (y1 - y0)) * sign
+            n0 = area - n1 - n2
+            if kind == C.PRIMITIVE_LINE:
+                n0, n2 = along_line(draw, x0, y0, x1, y1, sx, sy)
+                ahead0, _ = along_line(draw, x0, y0, x1, y1, sx + 16, sy)
+                below0, _ = along_line(draw, x0, y0, x1, y1, sx, sy + 16)
+                area, n1 = n0 + n2, int64(0)
+                right0, down0 = ahead0 - n0, below0 - n0
+                right1, down1, right2, down2 = int64(0), int64(0), -right0, -down0
+            tie0, tie1, tie2 = edge_tie(right0, down0), edge_tie(right1, down1), edge_tie(right2, down2)
+            iw0, iw1, iw2 = inverse_w[v0], inverse_w[v1], inverse_w[v2]
+            if iw0 == iw1 and iw1 == iw2:
+                iw0 = iw1 = iw2 = 1.0
+            back = int32(1) if draw[R.BACK_SIGN] == sign else int32(0)
+            if kind != C.PRIMITIVE_TRIANGLE:
+                back = strokes[t, 1]
+            z0, z1, z2, offset, slope = 0.0, 0.0, 0.0, 0.0, 0.0
+            over_w = 1.0, 1.0, 1.0  # what edge functions are multiplied with for depths
+            if needs_depth and not finished:
+                z0, z1, z2 = z[v0], z[v1], z[v2]
+                if draw[R.W_BUFFERING]:
+                    over_w = inverse_w[v0], inverse_w[v1], inverse_w[v2]
+                if has_offset and kind == C.PRIMITIVE_TRIANGLE:
+                    offset, slope = polygon_offset(p.state, vertices, v0, v1, v2)
+                elif kind != C.PRIMITIVE_TRIANGLE and strokes[t, 2] >= 0 and stroke_offset(draw, kind):
+                    a0, a1, a2 = strokes[t, 2], strokes[t, 3], strokes[t, 4]
+                    offset, slope = polygon_offset(p.state, vertices, a0, a1, a2)
+            for row in range(first_row, last_row + 1):
+                start, end = left, left
+                if not finished and kind == C.PRIMITIVE_TRIANGLE:
+                    start, end = row_span(
+                        n0 + tie0, n1 + tie1, n2 + tie2, right0, right1, right2, left, right
+                    )
+                elif not finished:
+                    start, end = stroke_span(draw, strokes[t], corners, row, left, right)
+                while start < end or (finished and position > 0):
+                    stop = end
+                    if holes and start < end:
+                        start, stop = open_run(draw, kind, row, start, end)
+                    column, line, alike = start, row, int64(0)
+                    if cut_lines and kind == C.PRIMITIVE_LINE and start < stop:
+                        start, stop, column, line, alike = line_run(
+                            draw, strokes[t], corners, row, start, stop
+                        )
+                    if start < stop:
+                        n = min(stop - start, batch - position)
+                        if segments == 0 or lists[R.OWNERS, segments - 1] != t:
+                            lists[R.STARTS, segments], lists[R.OWNERS, segments] = int32(position), t
+                            lists[R.BACKS, segments] = back
+                            segments += 1
+                        lists[R.RUN_STARTS, runs] = int32(position)
+                        lists[R.RUN_X, runs], lists[R.RUN_Y, runs] = int32(start), int32(row)
+                        ints[R.OWNER, runs] = t
+                        runs += 1
+                        ahead, below = column - left, line - row
+                        here = (
+                            float64(n0 + ahead * right0 + below * down0),
+                            float64(n1 + ahead * right1 + below * down1),
+                            float64(n2 + ahead * right2 + below * down2),
+                        )
+                        step = 0.0, 0.0, 0.0
+                        if not alike:
+                            step = float64(right0), float64(right1), float64(right2)
+                        if needs_weights:
+                            emit_weights(scratch.edges, position, n, here, step, (iw0, iw1, iw2))
+                        if needs_depth:
+                            emit_depth(floats, position, n, here, step, over_w, (z0, z1, z2), offset, slope)
+                        position += n
+                        start += n
+                    if position == batch or finished:
+                        lists[R.STARTS, segments] = lists[R.RUN_STARTS, runs] = int32(position)
+                        in_rows = Runs(lists[R.RUN_STARTS], lists[R.RUN_X], lists[R.RUN_Y], runs)
+                        if needs_depth:
+                            depth_words(floats, position, draw, p.state.draw_float, scratch.depth)
+                        if draw[R.NEEDS_COLOR]:
+                            owned = Segments(lists[R.STARTS], lists[R.OWNERS], lists[R.BACKS], segments)
+                            shade(p, position, owned, in_rows, scratch)
+                        per_fragment(
+                            draw, position, in_rows, scratch.results, scratch.shaded, scratch.depth,
+                            scratch.alive, p.state.factors, buffers,
+                        )  # fmt: skip
+                        record_batch(record, recorded, in_rows, ints[R.OWNER], scratch.alive)
+                        recorded += position
+                        position, segments, runs = int64(0), int64(0), int64(0)
+                n0 += down0
+                n1 += down1
+                n2 += down2
     return recorded
