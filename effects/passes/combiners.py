@@ -71,15 +71,17 @@ _SCALES = {
 # ------------------------------------------------------------------------------------------------ inputs
 
 
+# What is read as an input, by its class.
+_INPUTS = {CombinerInput: lambda given: given, Register: CombinerInput}
+
+
 def _input(value):
-    if isinstance(value, CombinerInput):
-        return value
-    if not isinstance(value, Register):
+    if type(value) not in _INPUTS:
         raise ValueError(
             f"{in_words(value)} is no input; give a register, SPARE0 for instance, or what expand, signed, "
             "negated, one_minus, alpha_of and blue_of make of one."
         )
-    return CombinerInput(value)
+    return _INPUTS[type(value)](value)
 
 
 def _output(register):
