@@ -8,11 +8,37 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import types
+from numba.core.imputils import impl_ret_borrowed
+from numba.extending import intrinsic
 
 
 def type_of(kind, *members):
     """Numba's type of a named tuple (or, of ``tuple``, a plain one) whose members have these types."""
     return types.BaseTuple.from_types(members, None if kind is tuple else kind)
+
+
+def plain(kind):
+    """The type of plain tuples that hold what named ones of a type hold.
+
+    Kernels that Python calls for each Draw take these: naming four tuples costs a call 2 microseconds
+    (Measured: AMD EPYC), which is half of what a small Draw's row takes.
+    """
+    if isinstance(kind, types.BaseTuple):
+        return types.BaseTuple.from_types([plain(member) for member in kind])
+    return kind
+
+
+def named(kind):
+    """The function, for kernels, that makes a named tuple of this type of plain ones."""
+
+    @intrinsic
+    def name(typing_context, arrays):
+        def codegen(context, builder, signature, args):
+            return impl_ret_borrowed(context, builder, kind, args[0])  # they are the same in memory
+
+        return kind(plain(kind)), codegen
+
+    return name
 
 
 _u8, _i32, _i64, _u32, _f64 = types.uint8, types.int32, types.int64, types.uint32, types.float64
@@ -74,6 +100,7 @@ class Bands(NamedTuple):
 
 
 BANDS = type_of(Bands, _i32[::1], _i32[::1])
+as_bands = named(BANDS)
 
 
 class Buffers(NamedTuple):
@@ -85,6 +112,7 @@ class Buffers(NamedTuple):
 
 
 BUFFERS = type_of(Buffers, _u32[:, ::1], _u32[:, ::1], _u8[:, ::1])
+as_buffers = named(BUFFERS)
 
 
 class Segments(NamedTuple):

@@ -67,15 +67,15 @@ CACHE_FOLDER = _cache_folder()
 numba.config.CACHE_DIR = str(CACHE_FOLDER)
 
 
-def kernel(signature=None):
+def kernel(signature=None, *, allocates=False):
     """Compile to machine code: ``@kernel`` or ``@kernel("signature")``.
 
     No ``fastmath``: it would let LLVM reorder sums and fuse multiply-adds, and either changes bits. ``numpy``
     error model: a division by zero gives infinity instead of raising. ``nogil``: bands run in threads.
-    Kernels make no arrays and count no references to those that they borrow: the atomic counting of every
-    slice would cost a batch more than its arithmetic.
+    Only a kernel that makes arrays (``allocates``) counts references: the others borrow what they are given,
+    and the atomic counting of every slice would cost a batch more than its arithmetic.
     """
-    options = {"cache": True, "fastmath": False, "error_model": "numpy", "nogil": True, "_nrt": False}
+    options = {"cache": True, "fastmath": False, "error_model": "numpy", "nogil": True, "_nrt": allocates}
     if inspect.isfunction(signature):
         return numba.njit(signature, **options)
 

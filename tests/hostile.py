@@ -19,11 +19,10 @@ from fixedpipe.pipeline.native.combiner_plan import plan_combiners
 from fixedpipe.pipeline.native.texels import texels_of
 from fixedpipe.pipeline.vertices import stage
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.arrays import Bands, Buffers, State, Textures, Vertices
-from fixedpipe.raster.portable import arrays as portable
+from fixedpipe.raster.arrays import Buffers
 from fixedpipe.raster.portable.draw import draw_bands
 from fixedpipe.raster.primitives.bins import BAND_HEIGHT, count_bins, fill_bins
-from fixedpipe.raster.vector import arrays as vector
+from fixedpipe.raster.vector.arrays import JOB_SIZE, scratch
 from fixedpipe.raster.vector.frame import draw_frame, fill_clear, fill_draw
 from tests.support.random_frames import random_frame
 
@@ -34,7 +33,7 @@ COLUMNS = (
     "plan",
 )  # fmt: skip
 BATCH = 256
-SCRATCH = vector.scratch(BATCH)
+SCRATCH = scratch(BATCH)
 WAYS = ("bytes", "small", "extreme")
 _WHOLE = (-1, -(2**31), 2**31 - 1, 2**15, 255, 256, 1 << 20, -(1 << 20), 7, 3, 0)
 _REAL = (np.nan, np.inf, -np.inf, 1e308, -1e308, 1e38, -1e38, 5e-324, -0.0, 2.0**31, -(2.0**63))
@@ -96,23 +95,23 @@ class Arrays(dict):
         order = np.empty(int(counts.sum()), np.int32)
         fill_bins(spans, ends, order)
         buffers = Buffers(target.color.view(np.uint32)[..., 0], target.depth, target.stencil)
-        state = State(*(a[name] for name in ("draw", "draw_float", "factors")))
-        columns = ("x", "y", "depths", "inverse_w", "colors", "coordinates")
-        vertices, bins = Vertices(*(a[name] for name in columns)), Bands(order, ends)
-        arrays = portable.Pass(
-            state,
-            portable.Combiners(*(a[name] for name in ("program", "final", "constants", "arithmetic"))),
-            triangles,
-            strokes,
-            vertices,
-            portable.FogFactors(a["fog"], a["fog_thresholds"]),
-            Textures(tuple(a["texels"]), a["levels"], a["units"]),
+        state, combiners, vertices, fog = (
+            tuple([a[name] for name in names])
+            for names in (
+                ("draw", "draw_float", "factors"),
+                ("program", "final", "constants", "arithmetic"),
+                ("x", "y", "depths", "inverse_w", "colors", "coordinates"),
+                ("fog", "fog_thresholds"),
+            )
         )
-        drawn = draw_bands(arrays, bins, 0, 1, portable.scratch(BATCH), buffers, np.zeros((0, 4), np.int32))
-        jobs = np.zeros((2, vector.JOB_SIZE), np.int64)
+        textures = tuple(a["texels"]), a["levels"], a["units"]
+        arrays, bins = (state, combiners, triangles, strokes, vertices, fog, textures), (order, ends)
+        record = np.zeros((0, 4), np.int32)
+        drawn = draw_bands(arrays, bins, 0, 1, BATCH, tuple(buffers), record)
+        jobs = np.zeros((2, JOB_SIZE), np.int64)
         fill_clear(jobs, 0, *a["draw"][:4].tolist(), 7, 0, 0xFF00FF, 5, 6, 0xF0)
-        textures = Textures(tuple(a["pairs"]), a["pair_levels"], a["units"])
-        covered = fill_draw(jobs, 1, vector.Pass(state, a["plan"], triangles, vertices, textures), bins)
+        pairs = tuple(a["pairs"]), a["pair_levels"], a["units"]
+        covered = fill_draw(jobs, 1, (state, a["plan"], triangles, vertices, pairs), bins)
         draw_frame(jobs, 1 + covered, np.zeros(1, np.int64), BATCH, buffers, SCRATCH)
         return drawn >= 0, bool(covered and jobs[1, R.JOB_USABLE])
 

@@ -14,10 +14,8 @@ from fixedpipe.pipeline.native.texels import NO_LEVELS, NO_TEXELS, texels_of
 from fixedpipe.pipeline.vertices.primitives import WindowPrimitives
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.arrays import Bands, State, Textures, Vertices
-from fixedpipe.raster.portable import arrays as portable
 from fixedpipe.raster.primitives.bins import BAND_HEIGHT, CHUNK, count_bins, fill_bins, sort_triangles
-from fixedpipe.raster.vector import arrays as vector
+from fixedpipe.raster.vector.arrays import JOB_SIZE
 from fixedpipe.raster.vector.frame import fill_draw
 
 NO_RECORD = np.zeros((0, 4), np.int32)
@@ -99,17 +97,17 @@ class Prepared:
 
         p, packed = self.primitives, self.packed
         texels = tuple([NO_TEXELS if texels is None else texels.packed for texels in self.texels])
-        arrays = portable.Pass(
+        arrays = (
             self._state(),
-            portable.Combiners(packed.program, packed.final, packed.constants, packed.arithmetic),
+            (packed.program, packed.final, packed.constants, packed.arithmetic),
             p.triangles,
             p.strokes,
             self._vertices(),
-            portable.FogFactors(p.fog, packed.fog_thresholds),
-            Textures(texels, self.levels, packed.units),
+            (p.fog, packed.fog_thresholds),
+            (texels, self.levels, packed.units),
         )
-        bands, scratch = Bands(self.order, self.ends), portable.scratch(batch)
-        count = draw_bands(arrays, bands, first, step, scratch, buffers, record)
+        bands = self.order, self.ends
+        count = draw_bands(arrays, bands, first, step, batch, tuple(buffers), record)
         if count < 0:
             raise ValueError(
                 "A pass's rows would lead outside an array; take them from "
@@ -119,7 +117,7 @@ class Prepared:
 
     def fill_job(self):
         """Make ``job``."""
-        job = np.zeros((1, vector.JOB_SIZE), np.int64)
+        job = np.zeros((1, JOB_SIZE), np.int64)
         if not self._fill(job, _NO_PAIRS, self.levels):
             self.job = False
             return
@@ -140,16 +138,18 @@ class Prepared:
             plan = packed.derived["plan"] = plan_combiners(
                 packed.draw, packed.program, packed.final, packed.constants, packed.arithmetic, packed.units
             ).rows
-        textures = Textures(tuple(pairs), levels, packed.units)
-        arrays = vector.Pass(self._state(), plan, self.primitives.triangles, self._vertices(), textures)
-        return fill_draw(job, 0, arrays, Bands(self.order, self.ends))
+        textures = tuple(pairs), levels, packed.units
+        arrays = self._state(), plan, self.primitives.triangles, self._vertices(), textures
+        return fill_draw(job, 0, arrays, (self.order, self.ends))
+
+    # What kernels take of both engines' arrays: ``raster/arrays.py`` names the members.
 
     def _state(self):
-        return State(self.packed.draw, self.packed.draw_float, self.packed.factors)
+        return self.packed.draw, self.packed.draw_float, self.packed.factors
 
     def _vertices(self):
         p = self.primitives
-        return Vertices(p.x, p.y, self.packed.depths, p.inverse_w, p.colors, p.coordinates)
+        return p.x, p.y, self.packed.depths, p.inverse_w, p.colors, p.coordinates
 
 
 def _stacked(levels):

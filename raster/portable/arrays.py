@@ -3,12 +3,11 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import typeof, types
+from numba import types
 
-from fixedpipe.raster import rows as R
-from fixedpipe.raster.arrays import STATE, TEXTURES, VERTICES, State, Textures, Vertices, type_of
+from fixedpipe.raster.arrays import STATE, TEXTURES, VERTICES, State, Textures, Vertices, named, type_of
 
-_i16, _i32, _f64 = types.int16, types.int32, types.float64
+_u8, _i16, _i32, _u32, _f64 = types.uint8, types.int16, types.int32, types.uint32, types.float64
 
 
 class Combiners(NamedTuple):
@@ -46,6 +45,7 @@ class Pass(NamedTuple):
 
 
 PASS = type_of(Pass, STATE, COMBINERS, _i32[:, ::1], _i32[:, ::1], VERTICES, FOG_FACTORS, TEXTURES)
+as_pass = named(PASS)
 
 
 class Edges(NamedTuple):
@@ -84,22 +84,5 @@ class Scratch(NamedTuple):
     lists: np.ndarray
 
 
-def scratch(batch):
-    """A new Scratch of ``batch`` columns, of which registers alone need a value."""
-    return Scratch(
-        edges=Edges(*[np.empty(batch, np.float64) for _ in range(3)]),
-        floats=np.empty((R.FLOAT_COLUMNS, batch), np.float64),
-        ints=np.empty((R.INT_COLUMNS, batch), np.int32),
-        packed=np.empty((R.PACKED_COLUMNS, batch), np.uint32),
-        registers=np.zeros((R.REGISTERS * 4, batch), np.int16),
-        products=np.empty((8, batch), np.int32),
-        total=np.empty((1, batch), np.int32),
-        results=np.empty((12, batch), np.int16),
-        shaded=np.empty(batch, np.uint32),
-        depth=np.empty(batch, np.int32),
-        alive=np.empty(batch, np.uint8),
-        lists=np.empty((R.LISTS, batch + 1), np.int32),
-    )
-
-
-SCRATCH = typeof(scratch(0))
+_COLUMNS = (_f64[:, ::1], _i32[:, ::1], _u32[:, ::1], _i16[:, ::1], _i32[:, ::1], _i32[:, ::1], _i16[:, ::1])
+SCRATCH = type_of(Scratch, EDGES, *_COLUMNS, _u32[::1], _i32[::1], _u8[::1], _i32[:, ::1])

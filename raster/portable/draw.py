@@ -6,13 +6,23 @@ operations). A fragment's value depends on its primitive and pixel alone, so nei
 can change a bit.
 """
 
+import numpy as np
 from numba import float64, int32, int64, uint8, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.arrays import BANDS, BUFFERS, RUNS, SEGMENTS, Runs, Segments
+from fixedpipe.raster.arrays import (
+    BANDS,
+    BUFFERS,
+    RUNS,
+    SEGMENTS,
+    Runs,
+    Segments,
+    as_buffers,
+    plain,
+)
 from fixedpipe.raster.kernel import kernel, separate_function
-from fixedpipe.raster.portable.arrays import PASS, SCRATCH
+from fixedpipe.raster.portable.arrays import PASS, SCRATCH, Edges, Scratch, as_pass
 from fixedpipe.raster.portable.check import usable
 from fixedpipe.raster.portable.combine import copy_plane, fill_plane, final_combiner, general_combiner
 from fixedpipe.raster.portable.interpolate import (
@@ -138,22 +148,35 @@ def record_batch(record, recorded, runs, owners, alive):
                 record[row, 3] = int32(alive[i])
 
 
-@kernel(int64(PASS, BANDS, int64, int64, SCRATCH, BUFFERS, int32[:, ::1]))
-def draw_bands(p, bands, first_band, band_step, scratch, buffers, record):
-    """Draw bands first_band, first_band + band_step, ... of the framebuffer, a batch of fragments at a time.
+@kernel(int64(plain(PASS), plain(BANDS), int64, int64, int64, plain(BUFFERS), int32[:, ::1]), allocates=True)
+def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
+    """Draw bands first_band, first_band + band_step, ... of the framebuffer, ``batch`` fragments at a time.
 
-    ``scratch``: of a batch's columns, new (``arrays.scratch``). ``record`` int32[n, 4] takes (primitive, x,
-    y, passed) of every fragment while it has room (n = 0: nothing is recorded). Returns the number of
-    fragments drawn; -1, and nothing is drawn, where rows or columns would lead a kernel outside an array
-    (``fixedpipe.raster.portable.check``).
+    ``arrays``, ``bands``, ``buffers``: those of a Pass, Bands and Buffers, in plain tuples. ``record``
+    int32[n, 4] takes (primitive, x, y, passed) of every fragment while it has room (n = 0: nothing is
+    recorded). Returns the number of fragments drawn; -1, and nothing is drawn, where rows or columns would
+    lead a kernel outside an array (``fixedpipe.raster.portable.check``).
     """
-    height, width = buffers.color.shape
-    batch = int64(scratch.depth.shape[0])
+    p, target = as_pass(arrays), as_buffers(buffers)
+    height, width = target.color.shape
     if batch < 16 or band_step < 1 or not usable(p, height, width):
         return int64(-1)
-    draw, triangles, strokes, vertices = p.state.draw, p.triangles, p.strokes, p.vertices
+    edges = Edges(np.empty(batch, np.float64), np.empty(batch, np.float64), np.empty(batch, np.float64))
+    floats, ints = np.empty((R.FLOAT_COLUMNS, batch), np.float64), np.empty((R.INT_COLUMNS, batch), np.int32)
+    packed, registers = (
+        np.empty((R.PACKED_COLUMNS, batch), np.uint32),
+        np.zeros((R.REGISTERS * 4, batch), np.int16),
+    )
+    products, total = np.empty((8, batch), np.int32), np.empty((1, batch), np.int32)
+    results, shaded = np.empty((12, batch), np.int16), np.empty(batch, np.uint32)
+    depth, alive = np.empty(batch, np.int32), np.empty(batch, np.uint8)
+    lists = np.empty((R.LISTS, batch + 1), np.int32)
+    scratch = Scratch(
+        edges, floats, ints, packed, registers, products, total, results, shaded, depth, alive, lists
+    )
+    state, triangles, strokes, vertices = p.state, p.triangles, p.strokes, p.vertices
+    draw, draw_float, factors, constants = state.draw, state.draw_float, state.factors, p.combiners.constants
     z, inverse_w = vertices.z, vertices.inverse_w
-    floats, ints, lists = scratch.floats, scratch.ints, scratch.lists
     needs_weights = draw[R.NEEDS_WEIGHTS] or draw[R.NEEDS_ITERATION_WEIGHTS] or draw[R.NEEDS_COLOR_WEIGHTS]
     needs_depth = draw[R.NEEDS_DEPTH]
     has_strokes, has_offset = draw[R.STROKES], draw[R.POLYGON_OFFSET]
@@ -161,7 +184,6 @@ def draw_bands(p, bands, first_band, band_step, scratch, buffers, record):
     cut_lines = draw[R.LINE_FACTOR] != 0 or (
         draw[R.LINE_STEPS] == C.LINE_IN_DIAMONDS and draw[R.LINE_WIDTH] > R.PIXEL_WIDE
     )
-    registers, constants = scratch.registers, p.combiners.constants
     for c in range(8):
         fill_plane(registers, C.REGISTER_CONSTANT_COLOR0 * 4 + c, batch, int32(constants[0, c]))
     for c in range(3):
@@ -169,7 +191,7 @@ def draw_bands(p, bands, first_band, band_step, scratch, buffers, record):
     fill_plane(registers, C.REGISTER_FOG * 4 + 3, batch, int32(255))
     for u in range(4):
         unbound_texture(registers, u, batch)
-    order, ends, recorded = bands.order, bands.ends, int64(0)
+    (order, ends), recorded = bands, int64(0)
     for band in range(first_band, ends.shape[0], band_step):
         begin, end = int64(ends[band - 1]) if band > 0 else int64(0), int64(ends[band])
         if begin == end:
@@ -226,10 +248,10 @@ def draw_bands(p, bands, first_band, band_step, scratch, buffers, record):
                 if draw[R.W_BUFFERING]:
                     over_w = inverse_w[v0], inverse_w[v1], inverse_w[v2]
                 if has_offset and kind == C.PRIMITIVE_TRIANGLE:
-                    offset, slope = polygon_offset(p.state, vertices, v0, v1, v2)
+                    offset, slope = polygon_offset(state, vertices, v0, v1, v2)
                 elif kind != C.PRIMITIVE_TRIANGLE and strokes[t, 2] >= 0 and stroke_offset(draw, kind):
                     a0, a1, a2 = strokes[t, 2], strokes[t, 3], strokes[t, 4]
-                    offset, slope = polygon_offset(p.state, vertices, a0, a1, a2)
+                    offset, slope = polygon_offset(state, vertices, a0, a1, a2)
             for row in range(first_row, last_row + 1):
                 start, end = left, left
                 if not finished and kind == C.PRIMITIVE_TRIANGLE:
@@ -267,7 +289,7 @@ def draw_bands(p, bands, first_band, band_step, scratch, buffers, record):
                         if not alike:
                             step = float64(right0), float64(right1), float64(right2)
                         if needs_weights:
-                            emit_weights(scratch.edges, position, n, here, step, (iw0, iw1, iw2))
+                            emit_weights(edges, position, n, here, step, (iw0, iw1, iw2))
                         if needs_depth:
                             emit_depth(floats, position, n, here, step, over_w, (z0, z1, z2), offset, slope)
                         position += n
@@ -276,15 +298,12 @@ def draw_bands(p, bands, first_band, band_step, scratch, buffers, record):
                         lists[R.STARTS, segments] = lists[R.RUN_STARTS, runs] = int32(position)
                         in_rows = Runs(lists[R.RUN_STARTS], lists[R.RUN_X], lists[R.RUN_Y], runs)
                         if needs_depth:
-                            depth_words(floats, position, draw, p.state.draw_float, scratch.depth)
+                            depth_words(floats, position, draw, draw_float, depth)
                         if draw[R.NEEDS_COLOR]:
                             owned = Segments(lists[R.STARTS], lists[R.OWNERS], lists[R.BACKS], segments)
                             shade(p, position, owned, in_rows, scratch)
-                        per_fragment(
-                            draw, position, in_rows, scratch.results, scratch.shaded, scratch.depth,
-                            scratch.alive, p.state.factors, buffers,
-                        )  # fmt: skip
-                        record_batch(record, recorded, in_rows, ints[R.OWNER], scratch.alive)
+                        per_fragment(draw, position, in_rows, results, shaded, depth, alive, factors, target)
+                        record_batch(record, recorded, in_rows, ints[R.OWNER], alive)
                         recorded += position
                         position, segments, runs = int64(0), int64(0), int64(0)
                 n0 += down0

@@ -14,6 +14,7 @@ from fixedpipe.raster.arrays import (
     State,
     Textures,
     Vertices,
+    named,
     type_of,
 )
 from fixedpipe.raster.vector.addresses import kept_arrays, places
@@ -70,3 +71,4 @@ _PASS = R.JOB_ARRAYS + places(BANDS)
 JOB_SIZE = _PASS + places(PASS)
 keep_bands, bands_of = kept_arrays(BANDS, R.JOB_ARRAYS)
 keep_pass, pass_of = kept_arrays(PASS, _PASS)
+as_pass = named(PASS)

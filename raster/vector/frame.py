@@ -11,7 +11,7 @@ from numba import boolean, float64, int16, int32, int64, uint8, uint32, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.arrays import BANDS, BUFFERS, Runs
+from fixedpipe.raster.arrays import BANDS, BUFFERS, Runs, as_bands, plain
 from fixedpipe.raster.fixed import truncate_24
 from fixedpipe.raster.kernel import kernel, next_of, separate_function, separate_loop
 from fixedpipe.raster.portable.check import usable_levels
@@ -22,6 +22,7 @@ from fixedpipe.raster.vector.arrays import (
     JOBS,
     PASS,
     SCRATCH,
+    as_pass,
     bands_of,
     keep_bands,
     keep_pass,
@@ -77,12 +78,13 @@ def fill_clear(jobs, k, x0, y0, x1, y1, buffers, color, color_mask, depth, stenc
     job[R.JOB_DEPTH], job[R.JOB_STENCIL], job[R.JOB_STENCIL_MASK] = depth, stencil, stencil_mask
 
 
-@kernel(boolean(JOBS, int64, PASS, BANDS))
-def fill_draw(jobs, k, p, bands):
-    """Row k of ``jobs`` from a Draw's arrays, which must outlive it; False where the vector engine does not
-    cover the Draw, or where its arrays would lead a kernel outside of them
-    (``fixedpipe.raster.vector.check``).
+@kernel(boolean(JOBS, int64, plain(PASS), plain(BANDS)))
+def fill_draw(jobs, k, arrays, bands):
+    """Row k of ``jobs`` from a Draw's arrays, which must outlive it: those of a Pass and of Bands, in plain
+    tuples. False where the vector engine does not cover the Draw, or where its arrays would lead a kernel
+    outside of them (``fixedpipe.raster.vector.check``).
     """
+    p = as_pass(arrays)
     if not usable_job(p):
         return False
     draw, vertices, textures = p.state.draw, p.vertices, p.textures
@@ -114,7 +116,7 @@ def fill_draw(jobs, k, p, bands):
         if reads and not usable_levels(textures.units[u], textures.levels[u], size, True):
             job[R.JOB_USABLE] = 0
     job[R.JOB_ONE_COLOR] = draw[R.FLAT] == C.COLORS_EQUAL and draw[R.BACK_SIGN] == 0
-    keep_bands(job, bands)
+    keep_bands(job, as_bands(bands))
     keep_pass(job, p)
     return True
 
