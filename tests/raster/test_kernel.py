@@ -1,4 +1,9 @@
-"""No stale kernel is loaded: the cache's name changes with every source that a kernel may be made of."""
+"""No stale kernel is loaded: the cache's name changes with every source that a kernel may be made of. And no
+kernel takes a long list of arguments.
+"""
+
+import ast
+from pathlib import Path
 
 import pytest
 
@@ -40,3 +45,15 @@ def test_what_is_no_source_leaves_the_digest(sources):
     before = kernel.source_digest(sources)
     (sources / "portable" / "notes.txt").write_text("")
     assert kernel.source_digest(sources) == before
+
+
+RASTER, MOST_ARGUMENTS = Path(kernel.__file__).parent, 12
+
+
+@pytest.mark.parametrize("path", kernel.kernel_sources(RASTER), ids=str)
+def test_what_belongs_together_is_one_argument(path):
+    functions = [
+        n for n in ast.walk(ast.parse((RASTER / path).read_text())) if isinstance(n, ast.FunctionDef)
+    ]
+    long = [f.name for f in functions if len(f.args.args) + len(f.args.kwonlyargs) > MOST_ARGUMENTS]
+    assert not long, f"{path}: {', '.join(long)}: take named tuples (raster/arrays.py)"
