@@ -12,7 +12,7 @@ def test_a_long_value_is_shown_by_its_beginning():
 
 
 def test_names_are_in_the_enum_s_order_and_none_is_said():
-    assert listed({BlendEquation.MAX, BlendEquation.FUNC_ADD}) == "FUNC_ADD, MAX"
+    assert listed((BlendEquation.MAX, BlendEquation.FUNC_ADD)) == "FUNC_ADD, MAX"
     assert quoted(["b", "a"]) == "'b', 'a'"
     assert listed(()) == quoted(()) == "none"
 
