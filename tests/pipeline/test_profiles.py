@@ -9,7 +9,7 @@ from itertools import combinations
 import pytest
 
 from fixedpipe.pipeline.enums import Clamp, CombinerFunction, TextureCompareMode, WrapMode
-from fixedpipe.pipeline.profiles import PROFILES
+from fixedpipe.pipeline.profiles import PROFILES, specified
 from fixedpipe.pipeline.profiles.known import EVIDENCE_TAGS, known
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.profiles.sections import SECTION_OF, SECTIONS, Framebuffers, Vertices
@@ -151,6 +151,26 @@ def test_a_section_has_values_and_how_they_are_known():
     assert NV2A.vertices.evidence["max_lights"] == NV2A.facts["max_lights"].evidence
     assert NV2A.facts["max_lights"].value == 8
     assert list(NV2A.facts) == list(SECTION_OF)
+
+
+TABLES = {  # of OpenGL 1.2.1
+    "CORE_SOURCE_FACTORS": "ZERO ONE DST_COLOR ONE_MINUS_DST_COLOR SRC_ALPHA ONE_MINUS_SRC_ALPHA DST_ALPHA "
+    "ONE_MINUS_DST_ALPHA SRC_ALPHA_SATURATE",  # 4.1
+    "CORE_DESTINATION_FACTORS": "ZERO ONE SRC_COLOR ONE_MINUS_SRC_COLOR SRC_ALPHA ONE_MINUS_SRC_ALPHA "
+    "DST_ALPHA ONE_MINUS_DST_ALPHA",  # 4.2
+    "CONSTANT_FACTORS": "CONSTANT_COLOR ONE_MINUS_CONSTANT_COLOR CONSTANT_ALPHA ONE_MINUS_CONSTANT_ALPHA",
+    "SUBSET_EQUATIONS": "FUNC_ADD FUNC_SUBTRACT FUNC_REVERSE_SUBTRACT MIN MAX",  # section 4.1.6
+    "CORE_STENCIL_OPERATIONS": "KEEP ZERO REPLACE INCR DECR INVERT",  # section 4.1.4
+    "CORE_WRAP_MODES": "REPEAT CLAMP CLAMP_TO_EDGE",  # section 3.8.4
+    "CORE_TEXGEN_MODES": "NONE OBJECT_LINEAR EYE_LINEAR SPHERE_MAP",  # section 2.10.4
+    "CORE_ENVIRONMENTS": "MODULATE REPLACE DECAL BLEND",  # section 3.8.9
+    "CORE_TARGETS": "TEXTURE_1D TEXTURE_2D TEXTURE_3D",  # section 3.8
+}
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_sets_that_machines_share_are_the_specification_s(name):
+    assert {member.name for member in getattr(specified, name)} == set(TABLES[name].split())
 
 
 def test_sections_are_the_profiles_and_no_two_have_a_field_of_one_name():

@@ -414,12 +414,23 @@ def test_a_composite_matrix_is_applied_in_single_precision_toward_zero():
 @settings(max_examples=50)
 @given(meshes(), st.booleans())
 def test_program_results_give_the_bits_of_the_specification(mesh, two_side):
-    """Positions are window coordinates, so only the colours are compared here."""
+    """Positions are window coordinates and are not clipped, so only the colours are compared here."""
     state = PassState(vertex=VertexState(stage=VertexStage.PROGRAM_RESULTS, two_side=two_side))
     got = process(mesh, state, GEFORCE_256, WIDTH, HEIGHT)
     for i, colors in enumerate(got.colors.tolist()):
         vertex = reference.process_vertex(mesh, i, state, GEFORCE_256)
         assert colors == [reference.color_bytes(side, False, GEFORCE_256) for side in vertex.colors]
+
+
+def test_of_program_results_only_what_has_no_place_is_dropped():
+    """A triangle far outside the window stays; one with a w below zero is dropped, and counted."""
+    state = PassState(vertex=VertexState(stage=VertexStage.PROGRAM_RESULTS))
+    corners = np.array([(-900.0, 1.0, 0.5, 1.0), (900.0, 1.0, 0.5, 1.0), (1.0, 900.0, 0.5, 1.0)])
+    kept = process(Mesh(corners), state, GEFORCE_256, WIDTH, HEIGHT)
+    assert (kept.triangles[:, :3].tolist(), kept.dropped) == ([[0, 1, 2]], 0)
+    corners[2, 3] = -1.0
+    lost = process(Mesh(corners), state, GEFORCE_256, WIDTH, HEIGHT)
+    assert (lost.triangles.tolist(), lost.dropped) == ([], 1)
 
 
 def test_a_program_s_back_colours_are_taken_with_two_sides_and_are_opaque_black_if_absent():
@@ -525,6 +536,18 @@ def test_the_viewport_and_depth_range_place_the_unit_cube():
     assert got.x.tolist() == [8 * 16, 40 * 16, 24 * 16]
     assert got.y.tolist() == [(48 - 4) * 16, (48 - 20) * 16, (48 - 12) * 16]
     assert got.z.tolist() == [0.25, 0.75, 0.5]
+
+
+def test_with_a_depth_clamp_depth_is_neither_clipped_nor_limited():
+    mesh = Mesh(np.array([(-1.0, -1.0, -3.0), (1.0, -1.0, 0.5), (0.0, 1.0, 5.0)]))
+    clamped = assert_equals_the_specification(mesh, PassState(depth_clamp=DepthClamp()))
+    assert clamped.triangles[:, :3].tolist() == [[0, 1, 2]]
+    assert clamped.z.tolist() == [-1.0, 0.75, 3.0]
+    clipped = assert_equals_the_specification(mesh, PassState())
+    assert len(clipped.triangles) > 1 and ((clipped.z[3:] >= 0.0) & (clipped.z[3:] <= 1.0)).all()
+    endless = Mesh(np.array([(-0.1, -0.1, 1e308, 0.1), (0.1, -0.1, 0.0, 0.1), (0.0, 0.1, 0.0, 0.1)]))
+    lost = assert_equals_the_specification(endless, PassState(depth_clamp=DepthClamp()))
+    assert (len(lost.triangles), lost.dropped) == (0, 1)
 
 
 def test_perspective_gives_the_inverse_of_the_distance():
