@@ -216,17 +216,28 @@ def quotient(dividend, divisor, to):
     return replace(total(dividend, divisor, to=to), function=CombinerFunction.DIVIDE)
 
 
+def _unscaled(portion):
+    """A portion as it is. Raises ValueError for one that is scaled: its scale is the last of what is done."""
+    if _portion(portion).scale is not CombinerScale.NONE:
+        raise ValueError(
+            f"The portion has {portion.scale.name} already; scale once, with the whole factor, and take the "
+            "half off before."
+        )
+    return portion
+
+
 def scaled(factor, portion):
     """All that a portion writes times 1/2, 1, 2 or 4."""
-    one_of((CombinerScale.NONE,), _portion(portion).scale, "The scale of a portion that is to be scaled")
-    return replace(portion, scale=_SCALES[one_of(tuple(_SCALES), factor, "The scale of a portion")])
+    scale = _SCALES[one_of(tuple(_SCALES), factor, "The scale of a portion")]
+    return replace(_unscaled(portion), scale=scale)
 
 
 def less_half(portion):
     """All that a portion writes less 1/2, once: of one that is not scaled yet, for the bias comes first."""
-    what = "of a portion that is to be less by a half"
-    one_of((CombinerScale.NONE,), _portion(portion).scale, f"The scale {what}")
-    one_of((CombinerBias.NONE,), portion.bias, f"The bias {what}")
+    if _unscaled(portion).bias is not CombinerBias.NONE:
+        raise ValueError(
+            "The portion is less a half already; a combiner has one bias. Give a stage the other."
+        )
     return replace(portion, bias=CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF)
 
 

@@ -7,6 +7,7 @@ Code asks what a machine can do, never which machine it is.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from numbers import Integral
 from typing import TYPE_CHECKING, Any
 
@@ -119,9 +120,14 @@ class Profile:
     def _with(self, given, **changes):
         """The machine with fields as ``given``, each with its evidence, and other changes of its own."""
         if unknown := given.keys() - SECTION_OF.keys():
+            near = [field for name in sorted(unknown) for field in get_close_matches(name, SECTION_OF)]
             raise TypeError(
-                f"A profile has no field {', '.join(sorted(unknown))}; its fields are "
-                f"{', '.join(SECTION_OF)}."
+                f"A profile has no field {', '.join(sorted(unknown))}; "
+                + (
+                    f"the nearest are {', '.join(near)}."
+                    if near
+                    else "Profile.facts has those that there are."
+                )
             )
         whole = {**self.facts, **given}
         for section in dict.fromkeys(SECTION_OF[field] for field in given):

@@ -207,8 +207,10 @@ def test_a_changed_machine_does_not_keep_what_was_said_of_the_value():
     named = NV2A.changed(max_lights=4, name="half an NV2A", evidence="Assumed: half as many")
     assert (named.name, named.facts["max_lights"].evidence) == ("half an NV2A", "Assumed: half as many")
     assert NV2A.vertices.max_lights == 8
-    with pytest.raises(TypeError, match="no field max_lamps; its fields are max_texture_units"):
-        NV2A.changed(max_lamps=4)
+    with pytest.raises(TypeError, match="no field max_lightz; the nearest are max_lights"):
+        NV2A.changed(max_lightz=4)
+    with pytest.raises(TypeError, match=r"no field qqq; Profile\.facts has those that there are"):
+        NV2A.changed(qqq=4)
 
 
 @pytest.mark.parametrize(
