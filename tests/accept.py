@@ -18,8 +18,8 @@ import numpy as np
 from fixedpipe.effects.acceptance.precision import measure
 from fixedpipe.effects.figures import FIGURES
 from fixedpipe.effects.reports.files import write_whole
-from fixedpipe.effects.reports.pictures import png
 from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.framebuffers.pictures import png
 from fixedpipe.pipeline.golden.digests import GOLDEN_SIZE, Golden, digest, from_text, to_text
 from fixedpipe.pipeline.profiles import PROFILES
 from tests.support.run_reference import run_reference

@@ -125,11 +125,11 @@ PACKAGES = {
         "effects": "refusal geometry passes scenes bump_mapping reflectance shadows volumes acceptance",
     },
     "effects/reports": {
-        "pipeline": "profiles execution ideal golden",
+        "pipeline": "profiles framebuffers execution ideal golden",
         "effects": "refusal technique acceptance figures conformance",
     },
     "effects/cli": {
-        "pipeline": "enums sentences profiles notations description validation execution golden",
+        "pipeline": "enums sentences profiles notations description framebuffers validation execution golden",
         "effects": (
             "refusal technique geometry bump_mapping volumes acceptance figures studies conformance "
             "user_pictures reports"
@@ -144,10 +144,11 @@ LIBRARIES = {
     "raster/primitives": ("numba",),
     "raster/portable": ("numba",),
     "raster/vector": ("llvmlite", "numba"),
+    "pipeline/framebuffers": ("PIL",),
     "effects/diagrams": ("PIL",),
     "effects/conformance": ("PIL",),
     "effects/user_pictures": ("imageio", "nrrd", "trimesh"),
-    "effects/reports": ("PIL", "matplotlib"),
+    "effects/reports": ("matplotlib",),
     "effects/cli": ("click", "rich"),
 }
 

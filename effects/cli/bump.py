@@ -69,9 +69,9 @@ def bump(
     from fixedpipe.effects.geometry.triangle_meshes import read_obj
     from fixedpipe.effects.refusal import choose, refusals
     from fixedpipe.effects.reports.files import writable_picture, write_whole
-    from fixedpipe.effects.reports.pictures import png
     from fixedpipe.effects.user_pictures.bumped_mesh import commands, material, mesh
     from fixedpipe.effects.user_pictures.inputs import read_picture, read_text
+    from fixedpipe.pipeline.framebuffers.pictures import png
     from fixedpipe.pipeline.profiles import PROFILES
 
     machine = choose("profile", profile, PROFILES)

@@ -67,8 +67,8 @@ def _write_trace(commands, machine, dimensions, folder):
     from pathlib import Path
 
     from fixedpipe.effects.reports.files import write_whole
-    from fixedpipe.effects.reports.pictures import png
     from fixedpipe.pipeline.execution.machine import execute
+    from fixedpipe.pipeline.framebuffers.pictures import png
 
     folder, names = Path(folder), []
     snapshots = execute(commands, machine, *dimensions, trace=True).trace

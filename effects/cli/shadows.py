@@ -47,9 +47,9 @@ def shadows(mesh, algorithm, light, out, size, profile, up, map_size, threads):
     from fixedpipe.effects.cli.refusal import check_size
     from fixedpipe.effects.refusal import Refusal, choose, refusals
     from fixedpipe.effects.reports.files import writable_picture, write_whole
-    from fixedpipe.effects.reports.pictures import png
     from fixedpipe.effects.user_pictures import mesh_shadows
     from fixedpipe.effects.user_pictures.inputs import read_mesh
+    from fixedpipe.pipeline.framebuffers.pictures import png
     from fixedpipe.pipeline.profiles import PROFILES
 
     way = choose("algorithm", algorithm, mesh_shadows.ALGORITHMS)

@@ -65,9 +65,9 @@ def volume(
     from fixedpipe.effects.cli.refusal import check_size
     from fixedpipe.effects.refusal import choose, refusals
     from fixedpipe.effects.reports.files import writable_picture, write_whole
-    from fixedpipe.effects.reports.pictures import png
     from fixedpipe.effects.user_pictures.volume import picture_of, volume_of
     from fixedpipe.effects.volumes.volume_rendering import method_of
+    from fixedpipe.pipeline.framebuffers.pictures import png
     from fixedpipe.pipeline.profiles import PROFILES
 
     machine = choose("profile", profile, PROFILES)

@@ -9,8 +9,8 @@ import numpy as np
 
 from fixedpipe.effects.conformance.redraw import TEXT
 from fixedpipe.effects.conformance.run import Totals
-from fixedpipe.effects.reports.pictures import png
 from fixedpipe.effects.reports.style import STYLE
+from fixedpipe.pipeline.framebuffers.pictures import png
 
 # A difference's largest component, in bytes, from this one on; its colour and its words.
 _STEPS = (

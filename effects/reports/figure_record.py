@@ -9,8 +9,8 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures import DIFFERENCE_GAIN, Renderer, difference
 from fixedpipe.effects.refusal import refusals
-from fixedpipe.effects.reports.pictures import png
 from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.framebuffers.pictures import png
 from fixedpipe.pipeline.golden.digests import digest
 from fixedpipe.pipeline.golden.provenance import provenance
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal

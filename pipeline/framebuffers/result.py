@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
+from fixedpipe.pipeline.framebuffers.pictures import Pictured
 from fixedpipe.pipeline.framebuffers.snapshot import Snapshot
 from fixedpipe.pipeline.framebuffers.transfer import HistogramTable, MinmaxTable
 from fixedpipe.pipeline.textures.images import Texture
@@ -28,13 +29,13 @@ class Fragments:
 
 
 @dataclass(frozen=True, eq=False)
-class Result:
-    """What running commands gave.
+class Result(Pictured):
+    """What running commands gave. A notebook shows its picture, ``save`` writes it.
 
-    framebuffer   the window's framebuffer (the same object in every Result of one Machine)
+    framebuffer   the window's framebuffer, top row first (the same object in every Result of one Machine)
     surfaces      the pbuffers' framebuffers by name (the same objects likewise)
-    textures      texture objects by name, as they are afterwards
-    pixels        what each ReadPixels read, by its name
+    textures      texture objects by name, as they are afterwards, bottom row first
+    pixels        what each ReadPixels read, by its name, bottom row first
     fragments     how many fragments the Draws and rectangles of pixels made
     dropped       how many primitives were dropped because a projected position was not usable
     undefined     how many groups of pixel textures had no positive q, which then counted as 1

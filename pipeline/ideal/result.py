@@ -6,18 +6,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fixedpipe.pipeline.framebuffers.pictures import Pictured
 from fixedpipe.pipeline.framebuffers.transfer import HistogramTable, MinmaxTable
 from fixedpipe.pipeline.textures.images import Texture
 
 
 @dataclass(frozen=True, eq=False)
-class IdealResult:
-    """What a frame leaves behind on the ideal machine. Arrays of the framebuffer have their top row first.
+class IdealResult(Pictured):
+    """What a frame leaves behind on the ideal machine; arrays of the framebuffer have their top row first. A
+    notebook shows the picture, ``save`` writes it.
 
     color     float64 [h, w, 4], 1.0 = full intensity, not clamped: additive passes may exceed 1
     depth     float64 [h, w], window depth in [0, 1]
     stencil   uint8 [h, w]
-    textures  name to Texture, every one with its ``ideal`` levels
+    textures  name to Texture, bottom row first, every one with its ``ideal`` levels
     pixels    name to array, of ReadPixels, bottom row first: colours, depths float64; stencil uint8
     histograms, minmaxes  as a Result's
     """
@@ -31,7 +33,7 @@ class IdealResult:
     minmaxes: dict[str, MinmaxTable]
 
     def image(self) -> NDArray[np.uint8]:
-        """uint8 [h, w, 4]: the colours clamped to [0, 1] and rounded to the nearest byte."""
+        """uint8 [h, w, 4], top row first: the colours clamped to [0, 1] and rounded to the nearest byte."""
         return to_bytes(self.color)
 
 
