@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 from dataclasses import replace
@@ -29,6 +30,7 @@ from fixedpipe.pipeline.golden.digests import digest
 from fixedpipe.pipeline.profiles import GEFORCE_256, PROFILES
 from fixedpipe.pipeline.profiles.known import EVIDENCE_TAGS
 from fixedpipe.pipeline.profiles.sections import SECTION_OF, SECTIONS
+from fixedpipe.raster.kernel import CACHE_FOLDER
 
 ROOT = Path(__file__).parents[3]
 COLUMNS = {"COLUMNS": "200"}
@@ -153,9 +155,19 @@ arguments = ["F004-4", "--profile", "GEFORCE_256", "--size", "8", "--out", {str(
 main(["figures", *arguments], standalone_mode=False)
 print("numba.np.arraymath" in sys.modules)
 """
+    # A cache of its own, in which no other process writes at the same time: one that does may undo what the
+    # first of the two adds.
+    written = shutil.ignore_patterns("*.tmp.*")  # as Numba calls a file that is not whole yet
+    shutil.copytree(CACHE_FOLDER, tmp_path / "kernels" / CACHE_FOLDER.name, ignore=written)
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
     outputs = [
         subprocess.run(
-            [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True
+            [sys.executable, "-c", code],
+            cwd=ROOT,
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=True,
         ).stdout
         for _ in range(2)  # the first may have to compile
     ]

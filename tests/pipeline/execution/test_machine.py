@@ -2,8 +2,8 @@
 
 import gc
 import os
+import signal
 import threading
-import time
 import warnings
 import weakref
 from concurrent.futures import ThreadPoolExecutor
@@ -630,25 +630,49 @@ def test_machines_in_several_python_threads_draw_what_one_draws():
 
 def test_runs_of_one_machine_from_several_threads_follow_each_other(monkeypatch):
     machine = Machine(GEFORCE_256, WIDTH, HEIGHT, threads=1, engine="portable")
-    clear = machine.framebuffer.clear
+    clear, running = machine.framebuffer.clear, machine._running
+    first_is_in, second_is_there = threading.Event(), threading.Event()
 
-    def slow_clear(command):
+    class Turn:
+        """The machine's lock; it says when the second thread comes to it."""
+
+        def __enter__(self):
+            if first_is_in.is_set():
+                second_is_there.set()
+            return running.__enter__()
+
+        def __exit__(self, *error):
+            return running.__exit__(*error)
+
+    def interrupted_clear(command):
         clear(command)
-        time.sleep(0.005)  # another thread's chance to interfere
+        if not first_is_in.is_set():
+            first_is_in.set()
+            assert second_is_there.wait(HANGS)
+        else:
+            second_is_there.set()  # a machine without turns comes here while the first thread waits
 
-    monkeypatch.setattr(machine.framebuffer, "clear", slow_clear)
+    monkeypatch.setattr(machine, "_running", Turn())
+    monkeypatch.setattr(machine.framebuffer, "clear", interrupted_clear)
 
     def read_what_was_cleared(n):
         commands = (Clear(label="c", color=color_of(n)), ReadPixels(label="r", name="r"))
         return machine.run(commands).pixels["r"]
 
-    with ThreadPoolExecutor(4) as pool:
-        for n, pixels in enumerate(pool.map(read_what_was_cleared, range(40))):
-            assert (pixels == [n, n + 1, n + 2, n + 3]).all()
+    with ThreadPoolExecutor(2) as pool:
+        first = pool.submit(read_what_was_cleared, 1)
+        assert first_is_in.wait(HANGS)
+        second = pool.submit(read_what_was_cleared, 2)
+        for n, job in enumerate((first, second), 1):
+            assert (job.result() == [n, n + 1, n + 2, n + 3]).all()
+
+
+def is_drawing_thread(thread=None):
+    return (thread or threading.current_thread()).name.startswith("fixedpipe")
 
 
 def drawing_threads():
-    return [t for t in threading.enumerate() if t.name.startswith("fixedpipe")]
+    return [t for t in threading.enumerate() if is_drawing_thread(t)]
 
 
 def test_threads_end_with_their_machine():
@@ -689,21 +713,14 @@ def test_a_machine_draws_on_in_a_forked_process():
     if child == 0:
         same = False
         try:
+            signal.alarm(int(HANGS))  # ends a child that waits for threads that it does not have
             again = machine.run(scene(1)).framebuffer.color
             same = bool(
                 (again == run(*scene(1), size=(PARALLEL, PARALLEL), threads=1).framebuffer.color).all()
             )
         finally:
             os._exit(0 if same else 1)
-    deadline = time.monotonic() + HANGS
-    ended, status = os.waitpid(child, os.WNOHANG)
-    while not ended and time.monotonic() < deadline:
-        time.sleep(0.02)
-        ended, status = os.waitpid(child, os.WNOHANG)
-    if not ended:
-        os.kill(child, 9)
-        os.waitpid(child, 0)
-    assert ended, "the child waits for threads that it does not have"
+    _, status = os.waitpid(child, 0)
     assert os.waitstatus_to_exitcode(status) == 0
 
 
@@ -716,7 +733,7 @@ def test_an_exception_in_a_drawing_thread_reaches_the_caller(monkeypatch, engine
     draw = getattr(*kernel)
 
     def failing(*arguments):
-        if threading.current_thread().name.startswith("fixedpipe"):
+        if is_drawing_thread():
             raise MemoryError("no room for a batch")
         return draw(*arguments)
 
@@ -731,19 +748,29 @@ def test_an_exception_in_a_drawing_thread_reaches_the_caller(monkeypatch, engine
 @pytest.mark.parametrize(("engine", "kernel"), KERNELS)
 def test_when_a_run_fails_no_thread_draws_on(monkeypatch, engine, kernel):
     machine = Machine(GEFORCE_256, PARALLEL, PARALLEL, threads=2, engine=engine)
-    finished = []
+    finished, may_finish = [], threading.Event()
+
+    class Inbox(SimpleQueue):
+        def get(self):
+            if not is_drawing_thread():
+                may_finish.set()  # the caller waits for the others, as it must
+            return super().get()
 
     def failing(*arguments):
-        if not threading.current_thread().name.startswith("fixedpipe"):
+        if not is_drawing_thread():
             raise MemoryError("no room for a batch")
-        time.sleep(0.2)
+        assert may_finish.wait(HANGS)
         finished.append(True)
         return 0
 
+    monkeypatch.setattr(threads_module, "SimpleQueue", Inbox)
     monkeypatch.setattr(*kernel, failing)
-    with pytest.raises(MemoryError, match="no room"):
-        machine.run((flood(7),))
-    assert finished == [True]
+    try:
+        with pytest.raises(MemoryError, match="no room"):
+            machine.run((flood(7),))
+        assert finished == [True]
+    finally:
+        may_finish.set()
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -869,7 +896,7 @@ def test_threads_keep_nothing_of_what_they_did(monkeypatch):
 
     class Inbox(SimpleQueue):
         def get(self):
-            if threading.current_thread().name.startswith("fixedpipe"):
+            if is_drawing_thread():
                 waits.release()
             return super().get()
 
