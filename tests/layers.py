@@ -108,7 +108,7 @@ PACKAGES = {
     "effects/figures": {
         "pipeline": "enums state pixel_transfer textures commands profiles framebuffers ideal",
         "effects": (
-            "collection geometry passes scenes bump_mapping reflectance environment_maps "
+            "refusal collection geometry passes scenes bump_mapping reflectance environment_maps "
             "texture_filtering shadows volumes acceptance diagrams"
         ),
     },

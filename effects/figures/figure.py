@@ -6,7 +6,8 @@ validated, rendered on any machine and compared. Machines that have to draw it i
 """
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from numbers import Integral
 from types import MappingProxyType
 from typing import Any, Concatenate, TypeAlias
 
@@ -14,6 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures.parameters import Parameter, internal
+from fixedpipe.effects.refusal import nearest
 from fixedpipe.pipeline.commands import Command
 from fixedpipe.pipeline.framebuffers.result import Result
 from fixedpipe.pipeline.ideal.result import IdealResult
@@ -50,15 +53,18 @@ class Method:
     name        in the words of a caption: "register combiners"
     scene       draws it: a Scene
     machines    keys in ``fixedpipe.pipeline.profiles.PROFILES`` of the machines that draw it so
-    parameters  those of the scene's numbers that differ from the figure's own
+    values      where it differs from the figure's own: a parameter's name to its value
+    parameters  what this way alone has
     """
 
     name: str
     scene: Scene
     machines: tuple[str, ...]
-    parameters: Mapping[str, Any] = field(default_factory=dict)
+    values: Mapping[str, Any] = field(default_factory=dict)
+    parameters: Mapping[str, Parameter] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "values", MappingProxyType(dict(self.values)))
         object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
 
 
@@ -74,7 +80,7 @@ class Figure:
     techniques   the catalogue's ids of the techniques used
     columns      how many square panels side by side
     size         default edge of a panel, pixels
-    parameters   the scene's numbers; any may be given to ``commands`` again
+    parameters   what may be changed of it, by name; ``commands`` takes other values by these names
     methods      how it is drawn, a machine in one of them at most; first the one that the paper used
     acceptance   its checks: an Acceptance
     """
@@ -87,12 +93,16 @@ class Figure:
     techniques: tuple[str, ...]
     columns: int
     size: int = 512
-    parameters: Mapping[str, Any] = field(default_factory=dict)
+    parameters: Mapping[str, Parameter] = field(default_factory=dict)
     methods: tuple[Method, ...]
     acceptance: Acceptance
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
+        declared = {
+            name: value if isinstance(value, Parameter) else internal(value, "It is not declared yet.")
+            for name, value in self.parameters.items()
+        }
+        object.__setattr__(self, "parameters", MappingProxyType(declared))
         if len(set(self.machines)) < len(self.machines) or not set(self.machines) <= set(PROFILES):
             raise ValueError(f"{self.id} names a machine twice, or one that is not known: {self.machines}.")
 
@@ -100,6 +110,11 @@ class Figure:
     def machines(self) -> tuple[str, ...]:
         """Keys in ``fixedpipe.pipeline.profiles.PROFILES`` of machines that can draw it, its own first."""
         return tuple(key for method in self.methods for key in method.machines)
+
+    @property
+    def values(self) -> Mapping[str, Any]:
+        """The parameters' own values, by name."""
+        return {name: parameter.default for name, parameter in self.parameters.items()}
 
     def method(self, machine: str) -> Method:
         """How a machine draws it, by the machine's key.
@@ -111,22 +126,107 @@ class Figure:
                 return method
         raise ValueError(f"{self.id} cannot be drawn on {machine}; it can on {', '.join(self.machines)}.")
 
+    def method_for(self, profile: Profile) -> Method:
+        """How a machine draws it: a machine that was changed as the one it was made from, the ideal as the
+        figure's own.
+
+        Raises ValueError where it cannot.
+        """
+        origin: Profile | None = profile
+        while origin is not None:
+            for key, known in PROFILES.items():
+                if origin == known:
+                    return self.methods[0] if known.arithmetic.exact else self.method(key)
+            origin = origin.changed_from or origin.ancestor
+        raise ValueError(
+            f"{profile.name} is made from no machine that is known, so {self.id} has no way to be drawn on "
+            f"it; give one of its methods, as method=FIGURES[{self.id!r}].methods[0]."
+        )
+
+    def parameters_of(self, method: Method) -> Mapping[str, Parameter]:
+        """What may be changed where it is drawn in that way, with the defaults that it then has."""
+        every = {**self.parameters, **method.parameters}
+        return {name: replace(p, default=method.values.get(name, p.default)) for name, p in every.items()}
+
+    def values_of(self, method: Method) -> Mapping[str, Any]:
+        """The values of ``parameters_of``."""
+        return {name: parameter.default for name, parameter in self.parameters_of(method).items()}
+
+    def parameter(self, name: str, method: Method) -> Parameter:
+        """What may be changed under that name where the figure is drawn in that way.
+
+        Raises ValueError, which names what there is, for another name.
+        """
+        known = self.parameters_of(method)
+        if name in known:
+            return known[name]
+        offered = [key for key, parameter in known.items() if parameter.offered]
+        if not offered:
+            raise ValueError(f"{self.id} has no parameters, so {name!r} cannot be changed.")
+        elsewhere = [m.name for m in self.methods if name in m.parameters]
+        there = f" where it is drawn with {method.name}" if elsewhere else ""
+        raise ValueError(
+            f"{self.id} has no parameter {name!r}{there}.{nearest(name, offered)} "
+            f"It has: {', '.join(offered)}."
+        )
+
+    def changed(self, method: Method, changes: Mapping[str, Any]) -> Mapping[str, Any]:
+        """The parameters' values with ``changes``, as the method's scene takes them.
+
+        Raises ValueError for a name or a value that is none.
+        """
+        accepted = {
+            name: self.parameter(name, method).accept(value, f"{self.id}'s {name}")
+            for name, value in changes.items()
+        }
+        return {**self.values_of(method), **accepted}
+
     def dimensions(self, size: int | None = None) -> tuple[int, int]:
-        """Width and height of the framebuffer in pixels for panels of ``size``."""
+        """Width and height of the framebuffer in pixels for panels of ``size``.
+
+        Raises ValueError for a size that is no whole number from 1.
+        """
         edge = self.size if size is None else size
-        return self.columns * edge, edge
+        if isinstance(edge, bool) or not isinstance(edge, Integral) or edge < 1:
+            raise ValueError(
+                f"The size of {self.id} is {size!r}; give a panel's edge in whole pixels, from 1."
+            )
+        return self.columns * int(edge), int(edge)
 
     def commands(
-        self, profile: Profile, size: int | None = None, method: Method | None = None, **changes: Any
+        self, profile: Profile | str, size: int | None = None, method: Method | None = None, **changes: Any
     ) -> tuple[Command, ...]:
         """The scene with the figure's own parameters, some replaced.
 
-        ``method``: one of ``methods``; None: the first. ``profile``: one of the method's machines, or such a
-        machine changed, or the ideal.
+        profile  the machine, as a value or a key of ``PROFILES``: one that can draw the figure, such a
+                 machine changed, or the ideal
+        size     a panel's edge in pixels; None: the figure's own
+        method   one of ``methods``; None: the machine's (the ideal's: the first)
+        changes  other values of parameters, by name
+
+        Raises ValueError, a sentence that says what there is, for a machine that cannot draw it and for what
+        is none: a machine, a size, a method, a parameter, a parameter's value.
         """
-        method = self.methods[0] if method is None else method
-        edge = self.size if size is None else size
-        return method.scene(profile, edge, **{**self.parameters, **method.parameters, **changes})
+        machine = self._machine(profile)
+        if method is None:
+            method = self.method_for(machine)
+        elif not isinstance(method, Method):
+            raise ValueError(
+                f"The method is {method!r}; leave it out, and {self.id} is drawn as the machine draws it, or "
+                f"give one of FIGURES[{self.id!r}].methods."
+            )
+        _, edge = self.dimensions(size)
+        return method.scene(machine, edge, **self.changed(method, changes))
+
+    def _machine(self, profile: object) -> Profile:
+        if isinstance(profile, Profile):
+            return profile
+        there = f"{self.id} can be drawn on {', '.join(self.machines)}, and as IDEAL"
+        if not isinstance(profile, str):
+            raise ValueError(f"The machine is {profile!r}; give its name or its Profile. {there}.")
+        if profile not in PROFILES:
+            raise ValueError(f"There is no machine {profile!r}.{nearest(profile, PROFILES)} {there}.")
+        return PROFILES[profile]
 
     def checks(self, renderer: "Renderer") -> tuple[Check, ...]:
         """The figure's acceptance checks, rendered by a ``Renderer``: a tuple of Check."""

@@ -1,20 +1,8 @@
-"""The spheres of document 004: one that fills a picture, and how a brushed one is made."""
+"""The sphere of document 004 that fills a picture."""
 
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.views import orthographic_view, row_of_panels
-
-# What F004-4 and K04 have in common: how finely the sphere is cut, and how ``material_textures.brushed`` is
-# asked to brush it.
-BRUSHED_SPHERE = {
-    "slices": 50,
-    "stacks": 26,
-    "map_columns": 512,
-    "map_rows": 256,
-    "spread": 8.0,
-    "depth": 0.25,
-    "k_s": (0.5, 1.0),
-}
 
 
 def leaning_sphere(size, *, slices, stacks, repeats, lean, radius):

@@ -6,7 +6,7 @@ Code asks what a machine can do, never which machine it is.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from numbers import Integral
 from typing import TYPE_CHECKING, Any
@@ -37,7 +37,8 @@ class Profile:
     """A machine.
 
     ``name`` is what errors call it, ``description`` one line. ``ancestor`` is the machine that it was made
-    from (``descendant``); None: it was written whole.
+    from (``descendant``); None: it was written whole. ``changed_from`` is the machine that this one is with
+    other values (``changed``); equal machines may differ in it.
 
     Raises ValueError for ``diamond_exit_lines`` with ``color_weights`` EIGHT_BITS.
     """
@@ -54,6 +55,7 @@ class Profile:
     pixels: Pixels
     arithmetic: Arithmetic
     ancestor: "Profile | None" = None
+    changed_from: "Profile | None" = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         # Weights of eight bits are measured between 0 and 1 and clamp nothing; a line of diamonds takes
@@ -101,7 +103,7 @@ class Profile:
         ValueError for evidence without a tag.
         """
         given = {field: known(value, evidence) for field, value in values.items()}
-        return self._with(given, name=self.name if name is None else name)
+        return self._with(given, name=self.name if name is None else name, changed_from=self)
 
     def descendant(
         self, *, name: str, description: str, inherited: str | None = None, **own: Any
@@ -115,7 +117,7 @@ class Profile:
         """
         if inherited is not None:
             own = {field: known(was.value, inherited) for field, was in self.facts.items()} | own
-        return self._with(own, name=name, description=description, ancestor=self)
+        return self._with(own, name=name, description=description, ancestor=self, changed_from=None)
 
     def _with(self, given, **changes):
         """The machine with fields as ``given``, each with its evidence, and other changes of its own."""
@@ -130,9 +132,9 @@ class Profile:
                 )
             )
         whole = {**self.facts, **given}
-        for section in dict.fromkeys(SECTION_OF[field] for field in given):
+        for section in dict.fromkeys(SECTION_OF[name] for name in given):
             kind = SECTIONS[section]
-            changes[section] = kind(**{field: whole[field] for field in kind.names()})
+            changes[section] = kind(**{name: whole[name] for name in kind.names()})
         return replace(self, **changes)
 
     def with_precision(

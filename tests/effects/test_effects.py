@@ -249,7 +249,8 @@ def test_a_bed_of_pebbles_that_could_not_repeat_is_refused(cells):
 def test_pebbles_that_are_lost_in_a_glare_fail_the_check_of_their_figure():
     figure = FIGURES["K14"]
     renderer = Renderer(GEFORCE_256, figure.methods[0], execute, execute_ideal)
-    flattened = replace(figure, parameters={**figure.parameters, "depth": 0.1})
+    flat = replace(figure.parameters["depth"], default=0.1)
+    flattened = replace(figure, parameters={**figure.parameters, "depth": flat})
     glare, _ = flattened.checks(renderer)
     assert not glare.passed
     assert all(check.passed for check in figure.checks(renderer))

@@ -242,7 +242,7 @@ def test_anisotropic_filtering_needs_fitted_textures_too():
 
 def test_the_reference_is_the_closed_form_where_the_plane_is_flat():
     """Without bumps and strokes it is Eq. 1 of the halfway vector at each pixel's place."""
-    p = FIGURES["K18"].parameters
+    p = FIGURES["K18"].values
     flat = k18_mipmapped_materials._gold(8, 1, 0.0, 0.3, 0.4, 0.0, 0.0, (1.0, 1.0))
     toward = tuple(normalize(np.array(p["light"])))
     diffuse, specular, covered = k18_mipmapped_materials.reference(

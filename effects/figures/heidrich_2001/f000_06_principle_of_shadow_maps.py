@@ -344,7 +344,7 @@ def _stored_map(figure, renderer, on, size):
     profile = IDEAL if on is Answer.IDEAL else renderer.profile
     commands = figure.commands(profile, size, renderer.method)
     first = next(k for k, command in enumerate(commands) if command.label.startswith("load the font"))
-    edge = map_edge(size, figure.parameters["map_ratio"])
+    edge = map_edge(size, figure.values["map_ratio"])
     dimensions = figure.dimensions(size)
     if on is Answer.IDEAL:
         return renderer.execute_ideal(commands[:first], *dimensions).color[::-1, :, 0][:edge, :edge]

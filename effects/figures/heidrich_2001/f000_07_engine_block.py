@@ -105,7 +105,7 @@ def _phong(picture, surface, lit):
 
 def _truth(figure, size):
     """The second panel's Picture, its surface by rays, and where the lamp lights it."""
-    p = figure.parameters
+    p = figure.values
     picture = _picture(row_of_panels(2, size)[1], size, p["slices"], p["rows"], SceneShading.LIT, True)
     surface = volume_caster.visible(picture.volume, picture.view)
     return picture, surface, volume_caster.lit(picture.volume, surface, picture.light, LEAST)

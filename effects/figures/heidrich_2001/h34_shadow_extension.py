@@ -4,6 +4,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
 from fixedpipe.effects.scenes.still_life import still_life_and_lamp, still_life_view
@@ -12,7 +13,7 @@ from fixedpipe.effects.shadows.shadow_maps import ambient_form_pass, scene_passe
 from fixedpipe.pipeline.commands import Draw
 
 
-def make(profile, size, *, ratio, factor, share, from_red, shading=SceneShading.LIT):
+def make(profile, size, *, ratio, factor, share, from_red, shading):
     """Left P1 to P3 with the stencil, right one pass.
 
     ``share``: of the light that stays in shadow on the right. ``from_red``: as machines must whose comparison
@@ -45,7 +46,7 @@ _SIZE = 192
 
 def checks(figure, renderer):
     """Both masks against rays and against each other; the numbers of passes (E000.8)."""
-    parameters = {**figure.parameters, **renderer.method.parameters}
+    parameters = figure.values_of(renderer.method)
     share, edge = parameters["share"], map_edge(_SIZE, parameters["ratio"])
     scene, light = still_life_and_lamp(_SIZE)
     truth = agreement.truth_of(scene, still_life_view(Panel(0, 0, _SIZE, _SIZE)), light)
@@ -112,7 +113,13 @@ FIGURE = Figure(
     source="Heidrich2001",
     techniques=("H34",),
     columns=2,
-    parameters={"ratio": 2, "factor": 2.2, "share": 0.4, "from_red": False},
+    parameters={
+        "ratio": 2,
+        "factor": 2.2,
+        "share": 0.4,
+        "from_red": False,
+        "shading": word.SHADING(SceneShading.LIT),
+    },
     methods=(
         Method(BY_COPY, make, ("INFINITE_REALITY",), {"from_red": True}),
         Method(BY_ALPHA, make, ("GEFORCE_3", "NV2A")),

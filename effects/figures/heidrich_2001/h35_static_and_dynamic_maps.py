@@ -2,6 +2,7 @@
 
 from fixedpipe.effects.acceptance import agreement
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, perspective_view, row_of_panels
 from fixedpipe.effects.scenes.objects_and_lamps import detail_of, lamp_around
@@ -33,7 +34,7 @@ def frames(
     return tuple(out)
 
 
-def make(profile, size, *, ratio, factor, shading=SceneShading.LIT, always=False):
+def make(profile, size, *, ratio, factor, shading, always):
     """Four frames side by side; two of them share a map."""
     panels, scene = row_of_panels(4, size), still_life(detail_of(size))
     lamps = [lamp_around(scene, LAMP_POSITIONS[k]) for k in LAMPS]
@@ -47,7 +48,7 @@ _SIZE = 128
 def checks(figure, renderer):
     """Every frame against rays, and how often the scene is drawn in a frame (E000.8)."""
     scene = still_life(detail_of(_SIZE))
-    edge = map_edge(_SIZE, figure.parameters["ratio"])
+    edge = map_edge(_SIZE, figure.values["ratio"])
     picture = renderer.machine(figure, _SIZE, shading=SceneShading.MASK)
     for k, (lamp, eye) in enumerate(zip(LAMPS, EYES, strict=True)):
         light = lamp_around(scene, LAMP_POSITIONS[lamp])
@@ -100,7 +101,14 @@ FIGURE = Figure(
     techniques=("H34", "H35"),
     columns=4,
     size=384,
-    parameters={"ratio": 2, "factor": 2.2},
+    parameters={
+        "ratio": 2,
+        "factor": 2.2,
+        "shading": word.SHADING(SceneShading.LIT),
+        "always": word.FLAG(
+            False, "Whether a map is stored for every panel, where the lamp stands as before too."
+        ),
+    },
     methods=(Method("alpha test of the comparison", make, ("GEFORCE_3", "NV2A")),),
     acceptance=checks,
 )

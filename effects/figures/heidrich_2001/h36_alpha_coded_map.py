@@ -68,10 +68,10 @@ def _outside(size, lamp):
 
 def checks(figure, renderer):
     """The map's alpha against depths by rays, and the shadows that it throws."""
-    board, lamp = _BOARDS[renderer.method.name], figure.parameters["lamp"]
+    board, lamp = _BOARDS[renderer.method.name], figure.values["lamp"]
     depth, whole = depths_from_the_lamp(_SIZE, lamp)
     middle = slice(_SIZE, 2 * _SIZE)
-    steps = 2.0 ** figure.parameters["bits"] - 1.0
+    steps = 2.0 ** figure.values["bits"] - 1.0
     snapped = (
         "vertices lie on sixteenths of a pixel, where a surface falls away; measured at the first picture"
     )

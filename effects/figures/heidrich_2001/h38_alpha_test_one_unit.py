@@ -50,7 +50,7 @@ _PASSES = 'without the light, ramp, map, copy of the window, light; "at least th
 def checks(figure, renderer):
     """Shadows against rays, and that the copy makes alpha zero or one, as the difference is."""
     board = _BOARDS[renderer.method.name]
-    bits = {**figure.parameters, **renderer.method.parameters}["bits"]
+    bits = figure.values_of(renderer.method)["bits"]
     picture = renderer.machine(figure, _SIZE, shading=SceneShading.MASK)
     difference, scaled = (picture[:, k * _SIZE : (k + 1) * _SIZE, 0] for k in (0, 1))
     # Subtracted, what is above zero is in shadow; added, what is one.

@@ -3,6 +3,7 @@
 from fixedpipe.effects.acceptance.agreement import compare, lit_mask, truth_of
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.ray_caster import to_light
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.matrices import look_at, perspective
 from fixedpipe.effects.geometry.vectors import dot, normalize
@@ -24,7 +25,7 @@ def close_view(panel, *, eye, center, field_of_view):
     return View(panel, look_at(eye, center), projection, tuple(map(float, eye)), False)
 
 
-def scene(profile, size, *, light, close, ratio, factor, units, background, shading=SceneShading.LIT):
+def scene(profile, size, *, light, close, ratio, factor, units, background, shading):
     """By shadow volumes, all and from near; by a shadow map, all and from near."""
     objects, panels = still_life(detail_of(size)), row_of_panels(4, size)
     lamp, edge = lamp_around(objects, light), map_edge(size, ratio)
@@ -57,7 +58,7 @@ _PLACES = (("all of the scene", 0.9986, 0.9928), ("from near", 0.9994, 0.984))
 
 def checks(figure, renderer):
     """Both against rays and against each other, all of the scene and the edge of one shadow."""
-    size, p = 256, figure.parameters
+    size, p = 256, figure.values
     objects, panel = still_life(detail_of(size)), Panel(0, 0, size, size)
     lamp, edge = lamp_around(objects, p["light"]), map_edge(size, p["ratio"])
     views = still_life_view(panel), close_view(panel, **p["close"])
@@ -131,6 +132,7 @@ FIGURE = Figure(
         "factor": 2.0,
         "units": 4.0,
         "background": BACKGROUND,
+        "shading": word.SHADING(SceneShading.LIT),
     },
     methods=(Method("stencil buffer and depth texture", scene, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
     acceptance=checks,

@@ -6,6 +6,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.vectors import unit_vector
@@ -92,7 +93,7 @@ def texture_shaders_scene(profile, size, **parameters):
 
 def checks(figure, renderer):
     """The result against float evaluation at the texels, its factors against it, and the tables alone."""
-    p = figure.parameters
+    p = figure.values
     size = p["map_size"]
     textures = _textures(size, p["bumps"], p["height"], p["cells"])
     toward_light = unit_vector(p["light"], "The light")
@@ -168,14 +169,14 @@ FIGURE = Figure(
     columns=5,
     size=384,
     parameters={
-        "map_size": 256,
-        "bumps": 4,
-        "height": 0.6,
-        "cells": 16,
-        "light": (0.55, 0.35, 0.75),
-        "extent": 0.94,
-        "inset": 0.88,
-        "background": BACKGROUND,
+        "map_size": word.TEXELS(256),
+        "bumps": word.COUNT(4, "Domes along an edge of the square."),
+        "height": word.NUMBER(0.6, "The domes' slopes over those of domes of 45 degrees.", low=0.0, high=2.0),
+        "cells": word.COUNT(16, "Cells of the weave along an edge of the square."),
+        "light": word.LIGHT((0.55, 0.35, 0.75)),
+        "extent": word.EXTENT(0.94),
+        "inset": word.EXTENT(0.88, "The half edge of the small squares, of which four share a panel."),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(
         Method("pixel textures", pixel_textures_scene, ("OCTANE",)),

@@ -6,6 +6,7 @@ from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.acceptance.rings import RING_HALF, ring_energy
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, IMAGING_MACHINES, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import normalize
@@ -260,15 +261,15 @@ FIGURE = Figure(
     techniques=("K07", "K08", "K10", "K16"),
     columns=2,
     parameters={
-        "map_size": 64,
-        "alpha_x": 0.25,
-        "alpha_y": 1.0,
-        "domes": 2,
-        "extent": 0.9,
-        "diffuse": (0.36, 0.40, 0.50),
-        "ambient": (0.04, 0.045, 0.06),
-        "specular": (0.9, 0.9, 0.85),
-        "background": BACKGROUND,
+        "map_size": word.TEXELS(64),
+        "alpha_x": word.ALPHA_X(0.25),
+        "alpha_y": word.ALPHA_Y(1.0),
+        "domes": word.COUNT(2, "Domes along an edge of the square."),
+        "extent": word.EXTENT(0.9),
+        "diffuse": word.DIFFUSE((0.36, 0.40, 0.50)),
+        "ambient": word.AMBIENT((0.04, 0.045, 0.06)),
+        "specular": word.SPECULAR((0.9, 0.9, 0.85)),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(
         Method("register combiners", scene, tuple(key for key in COMBINER_MACHINES if key != "FUTURE")),

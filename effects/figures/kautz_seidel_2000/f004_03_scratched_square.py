@@ -7,6 +7,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, IMAGING_MACHINES, Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotate, rotation
@@ -103,7 +104,7 @@ def scratch_visibility(image, material, extent):
 def checks(figure, renderer):
     """Which scratches each light shows, on the ideal and on the machine."""
     size = 512
-    material = scratched_square(figure.parameters["seed"], figure.parameters["count"])
+    material = scratched_square(figure.values["seed"], figure.values["count"])
     reasons = {
         Answer.IDEAL: "the catalogue's acceptance",
         Answer.MACHINE: "the catalogue's acceptance; the contrast is a mean over thousands of pixels, in "
@@ -112,7 +113,7 @@ def checks(figure, renderer):
     for on in Answer:
         image = renderer.picture(on, figure, size).mean(axis=-1)
         from_x, from_y, top = (
-            scratch_visibility(image[:, k * size : (k + 1) * size], material, figure.parameters["extent"])
+            scratch_visibility(image[:, k * size : (k + 1) * size], material, figure.values["extent"])
             for k in range(3)
         )
         for name, value, bound in (
@@ -141,14 +142,16 @@ FIGURE = Figure(
     techniques=("K07", "K08", "K10", "K21"),
     columns=3,
     parameters={
-        "seed": 7,
-        "count": 30,
-        "elevation": 20.0,
-        "extent": 0.9,
-        "diffuse": (0.28, 0.32, 0.38),
-        "ambient": (0.05, 0.055, 0.07),
-        "specular": (1.0, 0.97, 0.90),
-        "background": BACKGROUND,
+        "seed": word.SEED(7, "Which scratches there are."),
+        "count": word.COUNT(30, "Scratches along each axis."),
+        "elevation": word.DEGREES(
+            20.0, "How high the two low lights stand over the square.", low=0.0, high=90.0
+        ),
+        "extent": word.EXTENT(0.9),
+        "diffuse": word.DIFFUSE((0.28, 0.32, 0.38)),
+        "ambient": word.AMBIENT((0.05, 0.055, 0.07)),
+        "specular": word.SPECULAR((1.0, 0.97, 0.90)),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(
         Method("register combiners", scene, COMBINER_MACHINES),

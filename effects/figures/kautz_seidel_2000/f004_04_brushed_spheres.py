@@ -5,14 +5,15 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import half_maximum_aspect, principal_axis
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, IMAGING_MACHINES_8, Figure, Method
+from fixedpipe.effects.figures.kautz_seidel_2000.shared.brushed_sphere import BRUSHED_SPHERE
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotate, rotation
 from fixedpipe.effects.geometry.vectors import cross, normalize
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, imaging_subset, material_textures
 from fixedpipe.effects.reflectance.material_textures import Brushing
-from fixedpipe.effects.scenes.spheres import BRUSHED_SPHERE
 
 # The method that draws flat triangles.
 FLAT = "imaging subset"
@@ -74,7 +75,7 @@ def imaging_scene(profile, size, *, light, diffuse, ambient, specular, backgroun
 def checks(figure, renderer):
     """Orientation, elongation and aspect of the two spheres' highlights."""
     size = 512
-    parameters, changes = figure.parameters, {**DARK, "specular": (1.0, 1.0, 1.0)}
+    parameters, changes = figure.values, {**DARK, "specular": (1.0, 1.0, 1.0)}
     for on in Answer:
         image = renderer.picture(on, figure, size, **changes)[..., 0]
         (left, long_left), (right, long_right) = (
@@ -160,15 +161,15 @@ FIGURE = Figure(
     columns=2,
     parameters={
         **BRUSHED_SPHERE,
-        "alpha_x": 0.25,
-        "alpha_y": 1.0,
-        "tilt": 6.0,
-        "light": (0.40, 0.30, 0.87),
-        "radius": 0.92,
-        "diffuse": (0.30, 0.33, 0.40),
-        "ambient": (0.03, 0.03, 0.04),
-        "specular": (0.85, 0.85, 0.82),
-        "background": BACKGROUND,
+        "alpha_x": word.ALPHA_X(0.25),
+        "alpha_y": word.ALPHA_Y(1.0),
+        "tilt": word.DEGREES(6.0, "How far the spheres' upper poles lean towards the viewer."),
+        "light": word.LIGHT((0.40, 0.30, 0.87)),
+        "radius": word.RADIUS(0.92),
+        "diffuse": word.DIFFUSE((0.30, 0.33, 0.40)),
+        "ambient": word.AMBIENT((0.03, 0.03, 0.04)),
+        "specular": word.SPECULAR((0.85, 0.85, 0.82)),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(
         Method("register combiners", scene, COMBINER_MACHINES),

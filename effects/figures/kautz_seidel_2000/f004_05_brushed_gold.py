@@ -5,6 +5,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, IMAGING_MACHINES_8, Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, Light
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, imaging_subset, material_textures
@@ -90,7 +91,7 @@ def checks(figure, renderer):
     for on in Answer:
         image = renderer.picture(on, figure, size, **upright)[middle, middle, 0]
         across, along = chords(image > 0.4)
-        isotropic = (figure.parameters["alpha_x"] + figure.parameters["alpha_y"]) / 2
+        isotropic = (figure.values["alpha_x"] + figure.values["alpha_y"]) / 2
         plain = renderer.picture(
             on, figure, size, **upright, alpha_x=isotropic, alpha_y=isotropic, spread=0.0
         )[middle, middle, 0]
@@ -102,7 +103,7 @@ def checks(figure, renderer):
             on=on,
             reason="alpha_y / alpha_x is 1.6; chords end at the bumps too, so that less of it is seen",
         )
-        pixels_per_bump = figure.parameters["radius"] * size * np.pi / 4 / (2 * figure.parameters["bumps"])
+        pixels_per_bump = figure.values["radius"] * size * np.pi / 4 / (2 * figure.values["bumps"])
         yield Check(
             "mean chord of the highlights along t, in widths of a bump",
             across / pixels_per_bump,
@@ -124,24 +125,24 @@ FIGURE = Figure(
     techniques=("K07", "K08", "K10", "K21"),
     columns=1,
     parameters={
-        "map_size": 128,
-        "repeats": (4, 2),
-        "bumps": 8,
-        "depth": 2.0,
-        "alpha_x": 0.5,
-        "alpha_y": 0.8,
-        "spread": 10.0,
-        "stroke_depth": 0.3,
-        "k_s": (0.6, 1.0),
-        "lean": -25.0,
-        "light": (-0.45, 0.55, 0.75),
-        "slices": 50,
-        "stacks": 26,
-        "radius": 0.92,
-        "diffuse": (0.40, 0.237, 0.06),
-        "ambient": (0.07, 0.045, 0.015),
-        "specular": tuple(0.75 * c for c in GOLD),
-        "background": BACKGROUND,
+        "map_size": word.TEXELS(128),
+        "repeats": word.REPEATS((4, 2)),
+        "bumps": word.COUNT(8, "Bumps along an edge of the texture, about."),
+        "depth": word.SLOPE(2.0, "The largest slope of the bumps, about."),
+        "alpha_x": word.ALPHA_X(0.5),
+        "alpha_y": word.ALPHA_Y(0.8),
+        "spread": word.SPREAD(10.0),
+        "stroke_depth": word.STROKE_DEPTH(0.3),
+        "k_s": word.K_S((0.6, 1.0)),
+        "lean": word.LEAN(-25.0),
+        "light": word.LIGHT((-0.45, 0.55, 0.75)),
+        "slices": word.SLICES(50),
+        "stacks": word.STACKS(26),
+        "radius": word.RADIUS(0.92),
+        "diffuse": word.DIFFUSE((0.40, 0.237, 0.06)),
+        "ambient": word.AMBIENT((0.07, 0.045, 0.015)),
+        "specular": word.SPECULAR(tuple(0.75 * c for c in GOLD)),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(
         Method("register combiners", scene, COMBINER_MACHINES),

@@ -5,6 +5,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, IMAGING_MACHINES_8, Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, Light
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, imaging_subset, material_textures
@@ -142,18 +143,31 @@ FIGURE = Figure(
     techniques=("K07", "K08", "K10", "K21"),
     columns=1,
     parameters={
-        "map_size": MAP_SIZE,
-        "repeats": (4, 2),
-        **MARBLE,
-        "lean": -25.0,
-        "light": (-0.5, 0.5, 0.72),
-        "slices": 50,
-        "stacks": 26,
-        "radius": 0.92,
-        "diffuse": (0.85, 0.85, 0.85),
-        "ambient": (0.07, 0.075, 0.085),
-        "specular": (0.35, 0.34, 0.33),
-        "background": BACKGROUND,
+        "map_size": word.TEXELS(MAP_SIZE),
+        "repeats": word.REPEATS((4, 2)),
+        "cells": word.COUNT(MARBLE["cells"], "Veins across an edge of the texture, about."),
+        "width": word.NUMBER(
+            MARBLE["width"], "The veins' width from their middle.", "texels", low=0.0, high=64.0
+        ),
+        "relief": word.NUMBER(MARBLE["relief"], "How high the veins stand.", "texels", low=0.0, high=16.0),
+        "alpha_x": word.ALPHA_X(MARBLE["alpha_x"]),
+        "alpha_y": word.of(
+            word.Several((word.ALPHA_KIND,) * 2, "two numbers from 0.05 to 1"),
+            MARBLE["alpha_y"],
+            "The highlight's width along the binormals in the light stone, then in the veins.",
+        ),
+        "k_s": word.SHARE(MARBLE["k_s"], "The strength of the highlights.", word.FULL),
+        "light_color": word.COLOR(MARBLE["light_color"], "The colour of the stone."),
+        "dark_color": word.COLOR(MARBLE["dark_color"], "The colour of the veins."),
+        "lean": word.LEAN(-25.0),
+        "light": word.LIGHT((-0.5, 0.5, 0.72)),
+        "slices": word.SLICES(50),
+        "stacks": word.STACKS(26),
+        "radius": word.RADIUS(0.92),
+        "diffuse": word.DIFFUSE((0.85, 0.85, 0.85)),
+        "ambient": word.AMBIENT((0.07, 0.075, 0.085)),
+        "specular": word.SPECULAR((0.35, 0.34, 0.33)),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(
         Method("register combiners", scene, COMBINER_MACHINES),

@@ -7,6 +7,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import normalize
@@ -338,7 +339,7 @@ def cone_deviation(image, material):
 
 def checks(figure, renderer):
     """Shapes of the three highlights, and each panel against its model in float."""
-    parameters = {**figure.parameters, **renderer.method.parameters, **_MEASURED}
+    parameters = {**figure.values_of(renderer.method), **_MEASURED}
     size = parameters["map_size"]
     material = bumpy_material(**{name: parameters[name] for name in _MATERIAL})
     expected = parameters["alpha_x"] / parameters["alpha_y"]
@@ -387,22 +388,22 @@ FIGURE = Figure(
     columns=3,
     size=384,
     parameters={
-        "map_size": 256,
-        "bumps": 6,
-        "depth": 0.75,
-        "alpha_x": 0.2,
-        "alpha_y": 0.5,
-        "spread": 6.0,
-        "stroke_depth": 0.08,
-        "k_s": (0.75, 1.0),
-        "light": (0.75, 0.45, 1.0),
-        "extent": 0.92,
-        "diffuse": (0.26, 0.29, 0.34),
-        "ambient": (0.02, 0.025, 0.035),
-        "banks": (0.56, 0.54, 0.49),
-        "blinn_phong": (0.74, 0.72, 0.66),
-        "ward": (1.0, 0.97, 0.90),
-        "background": BACKGROUND,
+        "map_size": word.TEXELS(256),
+        "bumps": word.EVEN(6, "Pebbles along an edge of the square."),
+        "depth": word.SLOPE(0.75, "The pebbles' height over half balls."),
+        "alpha_x": word.ALPHA_X(0.2),
+        "alpha_y": word.ALPHA_Y(0.5),
+        "spread": word.SPREAD(6.0),
+        "stroke_depth": word.STROKE_DEPTH(0.08),
+        "k_s": word.K_S((0.75, 1.0)),
+        "light": word.LIGHT((0.75, 0.45, 1.0)),
+        "extent": word.EXTENT(0.92),
+        "diffuse": word.DIFFUSE((0.26, 0.29, 0.34)),
+        "ambient": word.AMBIENT((0.02, 0.025, 0.035)),
+        "banks": word.SPECULAR((0.56, 0.54, 0.49), "The colour of the highlights by Banks's model."),
+        "blinn_phong": word.SPECULAR((0.74, 0.72, 0.66), "The colour of the highlights by Eq. 1."),
+        "ward": word.SPECULAR((1.0, 0.97, 0.90), "The colour of the highlights by Ward's model."),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(
         Method(

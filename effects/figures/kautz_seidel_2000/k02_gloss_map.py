@@ -5,6 +5,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check
 from fixedpipe.effects.bump_mapping import gloss_map
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
@@ -37,7 +38,7 @@ def scene(profile, size, *, cells, depth, dull, polished, light, diffuse, ambien
 def checks(figure, renderer):
     """The highlight under the gloss map is the plain one times k_s."""
     size = 256
-    parameters = figure.parameters
+    parameters = figure.values
     image = renderer.ideal(figure, size, **DARK)[..., 0]
     plain, glossy = image[:, :size], image[:, size:]
     ratio = glossy[plain > 0.05] / plain[plain > 0.05]
@@ -72,14 +73,18 @@ FIGURE = Figure(
     techniques=("K02", "K14"),
     columns=2,
     parameters={
-        "cells": 12,
-        "depth": 0.25,
-        "dull": 0.1,
-        "polished": 1.0,
-        "light": (0.6, 0.5, 0.5),
-        "diffuse": (0.12, 0.22, 0.24),
-        "ambient": (0.02, 0.03, 0.04),
-        "background": BACKGROUND,
+        "cells": word.EVEN(
+            12, "Pebbles along an edge of the texture, which comes four times around the sphere."
+        ),
+        "depth": word.SLOPE(0.25, "The pebbles' height over half balls."),
+        "dull": word.SHARE(
+            0.1, "The highlight's strength in one kind of the gloss map's squares.", word.FULL
+        ),
+        "polished": word.SHARE(1.0, "The highlight's strength in the other.", word.FULL),
+        "light": word.LIGHT((0.6, 0.5, 0.5)),
+        "diffuse": word.DIFFUSE((0.12, 0.22, 0.24)),
+        "ambient": word.AMBIENT((0.02, 0.03, 0.04)),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(Method("register combiners", scene, COMBINER_MACHINES),),
     acceptance=checks,

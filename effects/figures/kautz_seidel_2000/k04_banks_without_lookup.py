@@ -7,7 +7,9 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DARK, Figure, Method
+from fixedpipe.effects.figures.kautz_seidel_2000.shared.brushed_sphere import BRUSHED_SPHERE
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotate, rotation
 from fixedpipe.effects.geometry.vectors import in_frame, unit_vector
@@ -21,7 +23,6 @@ from fixedpipe.effects.reflectance import (
     material_textures,
 )
 from fixedpipe.effects.reflectance.material_textures import Brushing
-from fixedpipe.effects.scenes.spheres import BRUSHED_SPHERE
 
 
 def _material(columns, rows, spread, depth, k_s):
@@ -105,7 +106,7 @@ def checks(figure, renderer):
     """R* on the machine against the model in float, and R* beside the exact model."""
     size = 160
     white = {**DARK, "specular": (1.0, 1.0, 1.0), "slices": 100, "stacks": 50}
-    x, y = pixel_grid(size, figure.parameters["radius"])
+    x, y = pixel_grid(size, figure.values["radius"])
     inside = x * x + y * y < 0.9
     in_float = {**white, "model": "R*"}
     for on, bound, reason in (
@@ -170,16 +171,22 @@ FIGURE = Figure(
     techniques=("K04", "K10", "K16"),
     columns=2,
     parameters={
-        "single_pass": False,
-        "model": "exact",
+        "single_pass": word.FLAG(
+            False, "Whether the highlight is drawn in one pass, for which GeForce 256 has too few units."
+        ),
+        "model": word.of(
+            word.Choice({name: name for name in MODELS}),
+            "exact",
+            "What the left picture evaluates: Banks's model, or the R* that passes compute.",
+        ),
         **BRUSHED_SPHERE,
-        "tilt": 8.0,
-        "light": (0.8, 0.4, 0.6),
-        "radius": 0.92,
-        "diffuse": (0.20, 0.10, 0.07),
-        "ambient": (0.05, 0.03, 0.025),
-        "specular": (0.95, 0.80, 0.66),
-        "background": BACKGROUND,
+        "tilt": word.DEGREES(8.0, "How far the sphere's upper pole leans towards the viewer."),
+        "light": word.LIGHT((0.8, 0.4, 0.6)),
+        "radius": word.RADIUS(0.92),
+        "diffuse": word.DIFFUSE((0.20, 0.10, 0.07)),
+        "ambient": word.AMBIENT((0.05, 0.03, 0.025)),
+        "specular": word.SPECULAR((0.95, 0.80, 0.66)),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(
         Method("register combiners, several passes", scene, ("GEFORCE_256",)),

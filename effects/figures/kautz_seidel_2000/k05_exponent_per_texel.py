@@ -8,6 +8,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import arithmetic_check, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import unit_vector
@@ -106,7 +107,7 @@ def _bright_areas(image, columns, threshold):
 
 def checks(figure, renderer):
     """The models themselves, the highlights' sizes from column to column, K07 at N = 2, and the machine."""
-    p = figure.parameters
+    p = figure.values
     size, columns, bright = figure.size // 2, len(p["exponents"]), 0.5 * p["k_s"][0]
     measured = {**DARK, "specular": (1.0, 1.0, 1.0), "extent": 1.0, "map_size": size}
     material = domes(**{name: p[name] for name in _MATERIAL} | {"map_size": size})
@@ -216,19 +217,25 @@ FIGURE = Figure(
     columns=2,
     size=512,
     parameters={
-        "map_size": 512,
-        "exponents": (2.0, 8.0, 32.0, 128.0),
-        "rim_radius": 0.93,
-        "alpha_x": 0.3,
-        "alpha_y": 0.8,
-        "spread": 6.0,
-        "k_s": (0.9, 1.0),
-        "light": (-0.56, 0.45, 0.66),
-        "extent": 0.92,
-        "diffuse": (0.26, 0.16, 0.10),
-        "ambient": (0.05, 0.035, 0.03),
-        "specular": (0.95, 0.85, 0.70),
-        "background": BACKGROUND,
+        "map_size": word.TEXELS(512),
+        "exponents": word.of(
+            word.Several(word.EXPONENT_KIND, 1, 8),
+            (2.0, 8.0, 32.0, 128.0),
+            "The exponent N of each column of domes; there are as many rows.",
+        ),
+        "rim_radius": word.NUMBER(
+            0.93, "The radius of the domes, over half the distance of two.", low=0.1, high=1.0
+        ),
+        "alpha_x": word.ALPHA_X(0.3),
+        "alpha_y": word.ALPHA_Y(0.8),
+        "spread": word.SPREAD(6.0),
+        "k_s": word.K_S((0.9, 1.0)),
+        "light": word.LIGHT((-0.56, 0.45, 0.66)),
+        "extent": word.EXTENT(0.92),
+        "diffuse": word.DIFFUSE((0.26, 0.16, 0.10)),
+        "ambient": word.AMBIENT((0.05, 0.035, 0.03)),
+        "specular": word.SPECULAR((0.95, 0.85, 0.70)),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(
         Method("texture shaders", texture_shaders_scene, ("GEFORCE_3", "NV2A", "FUTURE")),

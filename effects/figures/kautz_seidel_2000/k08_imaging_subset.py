@@ -6,6 +6,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DARK, IMAGING_MACHINES_8, Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.vectors import cross, dot, in_frame, normalize
@@ -86,14 +87,14 @@ def _largest_step(image, inside):
 
 def checks(figure, renderer):
     """That facets are seen, that they hold the smooth highlight's light, and what the bias is for."""
-    size, radius = 256, figure.parameters["radius"]
+    size, radius = 256, figure.values["radius"]
     inside, normals, _, _ = _sphere_at(size, radius * 0.97)
     inside &= np.abs(normals[..., 1]) < 0.8  # where a pixel is not as high as the triangles at the poles
-    toward = normalize(np.array(figure.parameters["light"]))
+    toward = normalize(np.array(figure.values["light"]))
     half = normalize(toward + np.array([0.0, 0.0, 1.0]))
     tangents = normalize(cross(np.array([0.0, 1.0, 0.0]), normals))
     # A triangle's width away from where the products change sign, and where the light's gate is open.
-    away = 2.0 * math.pi / figure.parameters["slices"]
+    away = 2.0 * math.pi / figure.values["slices"]
     lit = inside & (dot(normals, toward) > 0.4)
     negative = lit & (dot(half, tangents) < -away) & (dot(half, cross(normals, tangents)) < -away)
     changes = {**DARK, "specular": (1.0, 1.0, 1.0), "spread": 0.0, "depth": 0.0, "k_s": (1.0, 1.0)}
@@ -154,19 +155,19 @@ FIGURE = Figure(
     techniques=("K08", "K10", "K21"),
     columns=3,
     parameters={
-        "slices": 24,
-        "stacks": 13,
-        "spread": 8.0,
-        "depth": 0.2,
-        "k_s": (0.6, 1.0),
-        "alpha_x": 0.5,
-        "alpha_y": 0.9,
-        "light": (0.35, 0.45, 0.82),
-        "radius": 0.92,
-        "diffuse": (0.30, 0.17, 0.10),
-        "ambient": (0.04, 0.02, 0.02),
-        "specular": (0.95, 0.78, 0.64),
-        "background": BACKGROUND,
+        "slices": word.SLICES(24),
+        "stacks": word.STACKS(13),
+        "spread": word.SPREAD(8.0),
+        "depth": word.STROKE_DEPTH(0.2),
+        "k_s": word.K_S((0.6, 1.0)),
+        "alpha_x": word.ALPHA_X(0.5),
+        "alpha_y": word.ALPHA_Y(0.9),
+        "light": word.LIGHT((0.35, 0.45, 0.82)),
+        "radius": word.RADIUS(0.92),
+        "diffuse": word.DIFFUSE((0.30, 0.17, 0.10)),
+        "ambient": word.AMBIENT((0.04, 0.02, 0.02)),
+        "specular": word.SPECULAR((0.95, 0.78, 0.64)),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(Method("imaging subset", scene, IMAGING_MACHINES_8),),
     acceptance=checks,

@@ -5,6 +5,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
@@ -83,16 +84,16 @@ FIGURE = Figure(
     techniques=("K11", "K07", "K10"),
     columns=2,
     parameters={
-        "spread": 8.0,
-        "alpha_x": 0.3,
-        "alpha_y": 1.0,
-        "slices": 50,
-        "stacks": 26,
-        "light": (0.35, 0.45, 0.82),
-        "diffuse": (0.30, 0.17, 0.10),
-        "ambient": (0.04, 0.02, 0.02),
-        "specular": (1.0, 0.82, 0.68),
-        "background": BACKGROUND,
+        "spread": word.SPREAD(8.0),
+        "alpha_x": word.ALPHA_X(0.3),
+        "alpha_y": word.ALPHA_Y(1.0),
+        "slices": word.SLICES(50),
+        "stacks": word.STACKS(26),
+        "light": word.LIGHT((0.35, 0.45, 0.82)),
+        "diffuse": word.DIFFUSE((0.30, 0.17, 0.10)),
+        "ambient": word.AMBIENT((0.04, 0.02, 0.02)),
+        "specular": word.SPECULAR((1.0, 0.82, 0.68)),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(Method("register combiners", scene, COMBINER_MACHINES),),
     acceptance=checks,

@@ -5,6 +5,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump, normalization_cube_map
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import normalize
@@ -57,7 +58,7 @@ def checks(figure, renderer):
     }
     x, y = pixel_grid(size, 1.0 / 1.06)
     inside = np.maximum(np.abs(x), np.abs(y)) < 0.98
-    to_light = normalize(np.array(figure.parameters["light"]) - np.stack([x, y, np.zeros_like(x)], axis=-1))
+    to_light = normalize(np.array(figure.values["light"]) - np.stack([x, y, np.zeros_like(x)], axis=-1))
     true = brdfs.lambert(np.array([0.0, 0.0, 1.0]), to_light)
     for on, bound, reason in (
         (Answer.IDEAL, 0.0008, "linear filtering between a 64-texel cube map's unit vectors"),
@@ -93,16 +94,18 @@ FIGURE = Figure(
     techniques=("K12", "K07", "K10"),
     columns=2,
     parameters={
-        "cube_map_size": 64,
-        "light": (0.0, 0.0, 0.7),
-        "cells": 10,
-        "depth": 0.15,
-        "alpha_x": 0.4,
-        "alpha_y": 0.4,
-        "diffuse": (0.55, 0.42, 0.28),
-        "ambient": (0.03, 0.03, 0.03),
-        "specular": (0.5, 0.5, 0.5),
-        "background": BACKGROUND,
+        "cube_map_size": word.TEXELS(64, "The edge of the cube map's faces."),
+        "light": word.POSITION(
+            (0.0, 0.0, 0.7), "Where the light is: the square reaches from -1 to 1 in x and y, at z = 0."
+        ),
+        "cells": word.EVEN(10, "Pebbles along an edge of the square."),
+        "depth": word.SLOPE(0.15, "The pebbles' height over half balls."),
+        "alpha_x": word.ALPHA_X(0.4),
+        "alpha_y": word.ALPHA_Y(0.4),
+        "diffuse": word.DIFFUSE((0.55, 0.42, 0.28)),
+        "ambient": word.AMBIENT((0.03, 0.03, 0.03)),
+        "specular": word.SPECULAR((0.5, 0.5, 0.5)),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(Method("register combiners", scene, COMBINER_MACHINES),),
     acceptance=checks,

@@ -5,6 +5,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import emboss
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.matrices import rotation
@@ -99,7 +100,7 @@ def checks(figure, renderer):
         return image - _LIGHT[2] if added else image / _LIGHT[2] - 1.0
 
     low = 0.04
-    field = heights(figure.parameters["cells"], low)
+    field = heights(figure.values["cells"], low)
     relief, (slope_s, slope_t) = field.max(), height_fields.slopes(field)
     lit, opposite, above = panels(Answer.IDEAL, depth=low)
     texels = relief / gain * MAP_SIZE
@@ -152,7 +153,7 @@ def checks(figure, renderer):
         reason="all of the smooth surface's light is there",
     )
     lit, opposite, above = panels(Answer.MACHINE)
-    field = heights(figure.parameters["cells"], figure.parameters["depth"])
+    field = heights(figure.values["cells"], figure.values["depth"])
     slope_s, slope_t = height_fields.slopes(field)
     apart = field.max() / gain * MAP_SIZE * np.sqrt(1.0 - _LIGHT[2] * _LIGHT[2])
     reflected = brdfs.lambert(height_fields.frames(slope_s, slope_t)[0], np.array(_LIGHT))
@@ -211,15 +212,23 @@ FIGURE = Figure(
     techniques=("K13",),
     columns=3,
     parameters={
-        "square": False,
-        "cells": 6,
-        "depth": 0.35,
-        "tilt": 90.0,
-        "lights": ((-0.75, 0.5, 0.55), (0.75, 0.5, 0.55), (0.0, 0.0, 1.0)),
-        "diffuse": (0.50, 0.36, 0.24),
-        "ambient": (0.05, 0.04, 0.04),
-        "specular": 0.3,
-        "background": BACKGROUND,
+        "square": word.FLAG(
+            False, "Whether a square is drawn that fills the panel, in the place of a torus."
+        ),
+        "cells": word.EVEN(
+            6, "Pebbles along an edge of the height map, which comes five times around the torus."
+        ),
+        "depth": word.SLOPE(0.35, "The pebbles' height over half balls."),
+        "tilt": word.DEGREES(90.0, "How far the torus's axis leans towards the viewer."),
+        "lights": word.of(
+            word.Several((word.DIRECTION_KIND,) * 3),
+            ((-0.75, 0.5, 0.55), (0.75, 0.5, 0.55), (0.0, 0.0, 1.0)),
+            "The direction towards the light of each panel, of any length.",
+        ),
+        "diffuse": word.DIFFUSE((0.50, 0.36, 0.24)),
+        "ambient": word.AMBIENT((0.05, 0.04, 0.04)),
+        "specular": word.SHARE(0.3, "The strength of the highlights, which are white.", word.FULL),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(
         Method("one texture unit", make_scene(emboss.one_unit_passes), ("OPENGL_1_2",)),

@@ -7,6 +7,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.matrices import rotation
@@ -41,7 +42,7 @@ def checks(figure, renderer):
     size = figure.size // 2
     image = renderer.machine(figure, size)
     # Five beds of pebbles lie round the circle of tube centres, of radius 0.7; 2.2 units fill the picture.
-    pebble = 2.0 * math.pi * 0.7 / (5 * figure.parameters["cells"]) * size / 2.2
+    pebble = 2.0 * math.pi * 0.7 / (5 * figure.values["cells"]) * size / 2.2
     return (
         Check(
             "longest row of pixels brighter than 0.7, in widths of a pebble",
@@ -66,13 +67,15 @@ FIGURE = Figure(
     techniques=("K14", "K10", "H43"),
     columns=1,
     parameters={
-        "cells": 6,
-        "depth": 0.8,
-        "tilt": 50.0,
-        "light": (0.6, 0.6, 0.5),
-        "diffuse": (0.42, 0.28, 0.17),
-        "ambient": (0.04, 0.03, 0.03),
-        "background": BACKGROUND,
+        "cells": word.EVEN(
+            6, "Pebbles along an edge of the texture, which comes five times around the torus."
+        ),
+        "depth": word.SLOPE(0.8, "The pebbles' height over half balls."),
+        "tilt": word.DEGREES(50.0, "How far the torus's axis leans towards the viewer."),
+        "light": word.LIGHT((0.6, 0.6, 0.5)),
+        "diffuse": word.DIFFUSE((0.42, 0.28, 0.17)),
+        "ambient": word.AMBIENT((0.04, 0.03, 0.03)),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(Method("register combiners", scene, COMBINER_MACHINES),),
     acceptance=checks,

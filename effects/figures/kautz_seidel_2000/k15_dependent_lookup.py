@@ -9,6 +9,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import unit_vector
@@ -83,7 +84,7 @@ def host_scene(
 
 def checks(figure, renderer):
     """The lookup against the float model, the host's picture against the Octane's, and what is copied."""
-    p = figure.parameters
+    p = figure.values
     size, by_host = p["map_size"], renderer.method.machines[0] != "OCTANE"
     black, white = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
     changes = {"diffuse": black, "background": black, "specular": white, "extent": 1.0}
@@ -178,17 +179,21 @@ FIGURE = Figure(
     columns=3,
     size=512,
     parameters={
-        "map_size": 256,
-        "bumps": 10,
-        "depth": 0.5,
-        "alpha_x": 0.5,
-        "alpha_y": 1.0,
-        "exponents": (2.0, 4.0, 8.0, 16.0, 32.0),
-        "light": (0.45, 0.35, 0.82),
-        "extent": 0.94,
-        "diffuse": (0.26, 0.30, 0.36),
-        "specular": (0.68, 0.66, 0.60),
-        "background": BACKGROUND,
+        "map_size": word.TEXELS(256),
+        "bumps": word.EVEN(10, "Pebbles along an edge of the square."),
+        "depth": word.SLOPE(0.5, "The pebbles' height over half balls."),
+        "alpha_x": word.ALPHA_X(0.5),
+        "alpha_y": word.ALPHA_Y(1.0),
+        "exponents": word.of(
+            word.Several(word.EXPONENT_KIND, 1, 16),
+            (2.0, 4.0, 8.0, 16.0, 32.0),
+            "The exponent N of each strip of the square, from left to right.",
+        ),
+        "light": word.LIGHT((0.45, 0.35, 0.82)),
+        "extent": word.EXTENT(0.94),
+        "diffuse": word.DIFFUSE((0.26, 0.30, 0.36)),
+        "specular": word.SPECULAR((0.68, 0.66, 0.60)),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(
         Method("pixel textures", pixel_textures_scene, ("OCTANE",)),

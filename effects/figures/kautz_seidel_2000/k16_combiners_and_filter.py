@@ -6,6 +6,7 @@ from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.acceptance.rings import RING_HALF, ring_energy
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import normalize
@@ -66,7 +67,7 @@ def checks(figure, renderer):
     """Evaluating first is right at the crease, and wrong on the smooth bump."""
     size = 256
     changes = {**DARK, "specular": (1.0, 1.0, 1.0), "extent": 1.0}
-    map_size, alpha = (figure.parameters[name] for name in ("map_size", "alpha"))
+    map_size, alpha = (figure.values[name] for name in ("map_size", "alpha"))
     for on in Answer:
         image = renderer.picture(on, figure, size, **changes)[..., 0]
         panels = [image[:, k * size : (k + 1) * size] for k in range(4)]
@@ -121,13 +122,15 @@ FIGURE = Figure(
     columns=4,
     size=256,
     parameters={
-        "map_size": 32,
-        "alpha": 0.25,
-        "extent": 0.94,
-        "diffuse": (0.36, 0.40, 0.50),
-        "ambient": (0.04, 0.045, 0.06),
-        "specular": (0.9, 0.9, 0.85),
-        "background": BACKGROUND,
+        "map_size": word.TEXELS(32),
+        "alpha": word.ALPHA_X(
+            0.25, "The highlight's width along tangents and binormals: the smaller, the narrower."
+        ),
+        "extent": word.EXTENT(0.94),
+        "diffuse": word.DIFFUSE((0.36, 0.40, 0.50)),
+        "ambient": word.AMBIENT((0.04, 0.045, 0.06)),
+        "specular": word.SPECULAR((0.9, 0.9, 0.85)),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(Method("both orders", scene, ("FUTURE",)),),
     acceptance=checks,

@@ -7,6 +7,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.matrices import rotate, rotation
@@ -122,7 +123,7 @@ def checks(figure, renderer):
     """Each model against its equation, and the coarse spheres' highlights against a round sphere's."""
     size = 128
     plain = {"depth": 0.0, "spread": 0.0, "k_s": (1.0, 1.0), "exponents": (30.0, 30.0)}
-    parameters = {**figure.parameters, **plain}
+    parameters = {**figure.values, **plain}
     half = brdfs.half_vector(normalize(np.array(parameters["light"])), VIEWER)
     points, z2 = _pixel_points(size, parameters["radius"])
     round_one, inside = brdfs.blinn_phong(points, half, 8.0), z2 > 0.5
@@ -197,24 +198,49 @@ FIGURE = Figure(
     columns=5,
     size=256,
     parameters={
-        "slices": 50,
-        "stacks": 26,
-        "coarse": (8, 6),
-        "turn": 12.0,
-        "radius": 0.92,
-        "light": (0.45, 0.5, 0.74),
-        "repeats": (4, 2),
-        "map_size": 128,
-        "depth": 0.2,
-        "spread": 6.0,
-        "k_s": (0.6, 1.0),
-        "alphas": ((0.8, 1.0), (0.2, 0.5)),
-        "exponents": (6.0, 100.0),
-        "squares": 4,
-        "diffuse": ((0.08, 0.16, 0.30), (0.30, 0.10, 0.08), (0.34, 0.22, 0.07), (0.12, 0.28, 0.16)),
-        "ambient": (0.03, 0.03, 0.035),
-        "specular": ((0.62, 0.72, 0.85), (0.9, 0.85, 0.8), (0.9, 0.7, 0.4)),
-        "background": BACKGROUND,
+        "slices": word.SLICES(50),
+        "stacks": word.STACKS(26),
+        "coarse": word.of(
+            word.Several((word.Whole(3, 256), word.Whole(2, 128))),
+            (8, 6),
+            "Segments of the coarse spheres around their axis, and from pole to pole.",
+        ),
+        "turn": word.DEGREES(12.0, "How far the coarse spheres are turned about their axis."),
+        "radius": word.RADIUS(0.92),
+        "light": word.LIGHT((0.45, 0.5, 0.74)),
+        "repeats": word.REPEATS((4, 2)),
+        "map_size": word.TEXELS(128),
+        "depth": word.SLOPE(
+            0.2,
+            "The height of the second sphere's pebbles over half balls; the strokes' slope is half as large.",
+        ),
+        "spread": word.SPREAD(6.0),
+        "k_s": word.K_S((0.6, 1.0)),
+        "alphas": word.of(
+            word.Several((word.Several((word.ALPHA_KIND,) * 2),) * 2),
+            ((0.8, 1.0), (0.2, 0.5)),
+            "The highlight's widths along t and b of Blinn and Phong's sphere, then of Ward's.",
+        ),
+        "exponents": word.of(
+            word.Several((word.EXPONENT_KIND,) * 2),
+            (6.0, 100.0),
+            "The exponents of the two kinds of squares of Blinn and Phong's sphere.",
+        ),
+        "squares": word.COUNT(4, "Squares of either exponent along an edge of the texture."),
+        "diffuse": word.of(
+            word.Several((word.COLOR_KIND,) * 4),
+            ((0.08, 0.16, 0.30), (0.30, 0.10, 0.08), (0.34, 0.22, 0.07), (0.12, 0.28, 0.16)),
+            "The colours of the scattered light, of each model's sphere, then of the coarse ones.",
+            word.FULL,
+        ),
+        "ambient": word.AMBIENT((0.03, 0.03, 0.035)),
+        "specular": word.of(
+            word.Several((word.COLOR_KIND,) * 3),
+            ((0.62, 0.72, 0.85), (0.9, 0.85, 0.8), (0.9, 0.7, 0.4)),
+            "The colours of the highlights, of Banks's, Blinn and Phong's and Ward's sphere.",
+            word.FULL,
+        ),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(Method("functions in the combiners", scene, ("FUTURE",)),),
     acceptance=checks,

@@ -9,6 +9,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
@@ -199,7 +200,7 @@ def _split(error, filled):
 def checks(figure, renderer):
     """The highlight's errors against the reference, over the pixels that the plane fills."""
     size, images = 256, {}
-    p = figure.parameters
+    p = figure.values
     names = ("map_size", "bumps", "slope", "alpha_x", "alpha_y", "spread", "stroke_depth", "k_s")
     camera = (p[name] for name in ("pitch", "field_of_view", "width", "length", "repeat"))
     toward = tuple(normalize(np.array(p["light"])))
@@ -274,26 +275,39 @@ FIGURE = Figure(
     columns=4,
     size=384,
     parameters={
-        "filtering": ("none", "vectors", "fit"),
-        "map_size": 128,
-        "bumps": 10,
-        "slope": 0.9,
-        "alpha_x": 0.3,
-        "alpha_y": 0.4,
-        "spread": 8.0,
-        "stroke_depth": 0.15,
-        "k_s": (0.6, 1.0),
-        "pitch": 15.0,
-        "field_of_view": 38.0,
-        "width": 12.0,
-        "length": 40.0,
-        "repeat": 1.0,
-        "light": (0.0, 0.42, -1.0),
-        "diffuse": (0.06, 0.12, 0.16),
-        "ambient": (0.02, 0.04, 0.06),
-        "specular": (0.92, 0.72, 0.50),
-        "background": BACKGROUND,
-        "anisotropy": 1.0,
+        "filtering": word.of(
+            word.Several((word.Choice({name: name for name in ("none", *FILTERS)}),) * 3),
+            ("none", "vectors", "fit"),
+            "How each of the three panels' textures are made smaller: not at all, or one of the filters.",
+        ),
+        "map_size": word.TEXELS(128),
+        "bumps": word.COUNT(10, "Bumps along an edge of the texture, about."),
+        "slope": word.SLOPE(0.9, "The largest slope of the bumps, about."),
+        "alpha_x": word.ALPHA_X(0.3),
+        "alpha_y": word.ALPHA_Y(0.4),
+        "spread": word.SPREAD(8.0),
+        "stroke_depth": word.STROKE_DEPTH(0.15),
+        "k_s": word.K_S((0.6, 1.0)),
+        "pitch": word.DEGREES(15.0, "How far the viewer looks down at the plane.", low=0.0, high=80.0),
+        "field_of_view": word.DEGREES(
+            38.0, "The angle between the picture's lower and upper edge.", low=1.0, high=120.0
+        ),
+        "width": word.NUMBER(12.0, "Half the plane's width, over the eye's height.", low=1.0, high=64.0),
+        "length": word.NUMBER(40.0, "The plane's length, over the eye's height.", low=1.0, high=128.0),
+        "repeat": word.NUMBER(
+            1.0, "The edge of the texture on the plane, over the eye's height.", low=0.125, high=16.0
+        ),
+        "light": word.LIGHT(
+            (0.0, 0.42, -1.0),
+            "The direction towards the light, of any length: x to the right, y up, z towards the near edge.",
+        ),
+        "diffuse": word.DIFFUSE((0.06, 0.12, 0.16)),
+        "ambient": word.AMBIENT((0.02, 0.04, 0.06)),
+        "specular": word.SPECULAR((0.92, 0.72, 0.50)),
+        "background": word.BACKDROP(BACKGROUND),
+        "anisotropy": word.NUMBER(
+            1.0, "The most samples along a pixel's footprint, on machines that have them.", low=1.0, high=8.0
+        ),
     },
     methods=(Method("register combiners", scene, ("GEFORCE_256", "GEFORCE_3", "NV2A")),),
     acceptance=checks,

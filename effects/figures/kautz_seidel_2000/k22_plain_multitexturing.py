@@ -4,6 +4,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import cosine, cross, normalize, sine
@@ -99,9 +100,9 @@ _PLAIN = {**DARK, "specular": (1.0, 1.0, 1.0), "k_s": (1.0, 1.0), "joint": 1.0}
 def checks(figure, renderer):
     """What is lost without the signed products, and that halves of them bring it back."""
     size = 128
-    x, y = pixel_grid(size, figure.parameters["extent"])
+    x, y = pixel_grid(size, figure.values["extent"])
     inside = np.maximum(np.abs(x), np.abs(y)) < 0.98
-    extent, light = figure.parameters["extent"], figure.parameters["light"]
+    extent, light = figure.values["extent"], figure.values["light"]
     half, _ = halfway(extent * x, extent * y, light)
     # The product that the unsigned passes lose is 2 m_xy h_x h_y; for strokes at 45 degrees m_xy > 0.
     product = half[..., 0] * half[..., 1]
@@ -178,19 +179,28 @@ FIGURE = Figure(
     techniques=("K22", "K16"),
     columns=3,
     parameters={
-        "tiles": 4,
-        "angles": (0, 45, 90, 135),
-        "alpha_x": 0.5,
-        "alpha_y": 1.0,
-        "k_s": (0.55, 1.0),
-        "joint": 0.1,
-        "light": (-0.23, 0.23, 0.6),
-        "extent": 0.92,
-        "subdivisions": 16,
-        "diffuse": (0.16, 0.19, 0.22),
-        "ambient": (0.03, 0.035, 0.04),
-        "specular": (0.82, 0.80, 0.74),
-        "background": BACKGROUND,
+        "tiles": word.of(word.Whole(1, 32, power=True), 4, "Tiles along an edge of the square."),
+        "angles": word.of(
+            word.Several(word.Choice({str(a): a for a in (0, 45, 90, 135)}), 1, 4),
+            (0, 45, 90, 135),
+            "The directions in which tiles are brushed, one after the other.",
+            "degrees",
+        ),
+        "alpha_x": word.ALPHA_X(0.5),
+        "alpha_y": word.ALPHA_Y(1.0),
+        "k_s": word.K_S((0.55, 1.0)),
+        "joint": word.SHARE(0.1, "The strength of the highlights between the tiles.", word.FULL),
+        "light": word.POSITION(
+            (-0.23, 0.23, 0.6), "Where the light is: the square reaches from -1 to 1 in x and y, at z = 0."
+        ),
+        "extent": word.EXTENT(0.92),
+        "subdivisions": word.COUNT(
+            16, "Parts of the square along an edge, at whose corners vectors are computed."
+        ),
+        "diffuse": word.DIFFUSE((0.16, 0.19, 0.22)),
+        "ambient": word.AMBIENT((0.03, 0.035, 0.04)),
+        "specular": word.SPECULAR((0.82, 0.80, 0.74)),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(Method("texture environments", scene, ("MULTITEXTURE", "G400")),),
     acceptance=checks,

@@ -4,6 +4,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import principal_axis, root_mean_square
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import cosine, cross, dot, normalize, sine
@@ -141,7 +142,7 @@ _BOUNDS = {
 
 def checks(figure, renderer):
     """The panels against their models in float, and what is to be seen of rows of domes."""
-    parameters = {**figure.parameters, **renderer.method.parameters, **_MEASURED}
+    parameters = {**figure.values_of(renderer.method), **_MEASURED}
     size, domes, exponents = (parameters[k] for k in ("map_size", "domes", "exponents"))
     shines = domed_material(**{name: parameters[name] for name in _MATERIAL}).k_s > 0.0
     rows = [slice(k * size // domes, (k + 1) * size // domes) for k in range(domes)]
@@ -203,25 +204,44 @@ FIGURE = Figure(
     columns=3,
     size=384,
     parameters={
-        "map_size": 256,
-        "domes": 3,
-        "rim": 0.9,
-        "exponents": (6.0, 14.0, 32.0),
-        "brushing": (0.0, 45.0, 90.0),
-        "k_s": 1.0,
-        "roughness": 0.1,
-        "isotropy": 0.4,
-        "reflectance": 0.8,
-        "coefficients": (-0.98, -0.3, 0.98),
-        "exponent": 9.0,
-        "light": (0.6, 0.5, 1.0),
-        "extent": 0.92,
-        "diffuse": (0.26, 0.29, 0.34),
-        "ambient": (0.02, 0.025, 0.035),
-        "phong": (0.7, 0.68, 0.62),
-        "schlick": (0.7, 0.68, 0.62),
-        "lafortune": (1.0, 0.97, 0.9),
-        "background": BACKGROUND,
+        "map_size": word.TEXELS(256),
+        "domes": word.internal(
+            3, "There are as many domes along an edge as exponents and brushing directions, three."
+        ),
+        "rim": word.NUMBER(0.9, "The radius of the domes, over half the distance of two.", low=0.1, high=1.0),
+        "exponents": word.of(
+            word.Several((word.EXPONENT_KIND,) * 3),
+            (6.0, 14.0, 32.0),
+            "The exponent N of each row of Phong's domes, from the bottom up.",
+        ),
+        "brushing": word.of(
+            word.Several((word.Number(-180.0, 180.0),) * 3),
+            (0.0, 45.0, 90.0),
+            "The direction in which each row of domes is brushed, from the bottom up.",
+            "degrees",
+        ),
+        "k_s": word.SHARE(1.0, "The strength of the highlights.", word.FULL),
+        "roughness": word.NUMBER(
+            0.1, "The roughness of Schlick's model: 0 a mirror, 1 scatters evenly.", low=0.01, high=1.0
+        ),
+        "isotropy": word.NUMBER(
+            0.4, "The isotropy of Schlick's model: 1 where no direction is another.", low=0.01, high=1.0
+        ),
+        "reflectance": word.SHARE(0.8, "What Schlick's model reflects at right angles.", word.FULL),
+        "coefficients": word.of(
+            word.Several((word.Number(-1.0, 1.0),) * 3),
+            (-0.98, -0.3, 0.98),
+            "The coefficients C_x, C_y, C_z of Lafortune's model.",
+        ),
+        "exponent": word.of(word.EXPONENT_KIND, 9.0, "The exponent of Lafortune's model."),
+        "light": word.LIGHT((0.6, 0.5, 1.0)),
+        "extent": word.EXTENT(0.92),
+        "diffuse": word.DIFFUSE((0.26, 0.29, 0.34)),
+        "ambient": word.AMBIENT((0.02, 0.025, 0.035)),
+        "phong": word.SPECULAR((0.7, 0.68, 0.62), "The colour of the highlights by Phong's model."),
+        "schlick": word.SPECULAR((0.7, 0.68, 0.62), "The colour of the highlights by Schlick's model."),
+        "lafortune": word.SPECULAR((1.0, 0.97, 0.9), "The colour of the highlights by Lafortune's model."),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(
         Method(BY_TEXTURE_SHADERS, texture_shaders_scene, ("GEFORCE_3", "NV2A", "FUTURE")),

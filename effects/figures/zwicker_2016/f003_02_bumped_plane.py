@@ -87,7 +87,7 @@ def _measured(figure, renderer, on, size, panel):
 def checks(figure, renderer):
     """The normal field recovered from pictures under three lights, and that no pixel of the outline moved."""
     size = 128
-    heights = figure.parameters["relief"] * brick_wall.heights(size, ACROSS, COURSES)
+    heights = figure.values["relief"] * brick_wall.heights(size, ACROSS, COURSES)
     true = height_fields.frames(*height_fields.slopes(heights))[0]
     error = {on: angles(_measured(figure, renderer, on, size, 1), true) for on in Answer}
     flat = angles(_measured(figure, renderer, Answer.MACHINE, size, 0), np.array([0.0, 0.0, 1.0]))

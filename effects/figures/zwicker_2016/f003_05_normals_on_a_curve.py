@@ -160,11 +160,11 @@ def _expected(figure, view):
     around = np.stack([np.cos(angle), 0.0 * u, -np.sin(angle)], axis=-1)
     normals = normalize(outward - slope_u[:, None] * around - slope_v[:, None] * np.array([0.0, 1.0, 0.0]))
     points = RADIUS * outward + np.stack([0.0 * u, HEIGHT * (v / REPEATS[1] - 0.5), 0.0 * u], axis=-1)
-    light = normalize(np.array(figure.parameters["light"]))
+    light = normalize(np.array(figure.values["light"]))
     to_eye = normalize(np.array(view.eye) - points)
     lit = np.maximum(dot(normals, light), 0.0)
     shine = np.minimum(4.0 * lit, 1.0) * np.maximum(dot(normals, normalize(light + to_eye)), 0.0) ** 8
-    colors = lit[:, None] * np.array(figure.parameters["diffuse"]) + np.array(figure.parameters["ambient"])
+    colors = lit[:, None] * np.array(figure.values["diffuse"]) + np.array(figure.values["ambient"])
     kept &= dot(outward, to_eye) > 0.2
     return points[kept], np.clip(colors + shine[:, None], 0.0, 1.0)[kept]
 

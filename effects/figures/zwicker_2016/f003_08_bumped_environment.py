@@ -144,7 +144,7 @@ _ERRORS = {
 def checks(figure, renderer):
     """The direction that a picture of directions shows against the reflection in the bumped normal."""
     size, maps = 128, 128
-    relief = figure.parameters["relief"]
+    relief = figure.values["relief"]
     view = perspective_view(row_of_panels(2, size)[1], EYE, field_of_view=FIELD_OF_VIEW, radius=1.1)
     surface = the_sphere(size)
     true, facing, seen = reference(surface, view, bumps(maps, relief), size)

@@ -6,6 +6,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance import agreement, ray_caster
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.matrices import rotate, rotation
 from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
@@ -71,10 +72,10 @@ def best_turn(mask, truth):
 
 def _compared(figure, renderer, on, size):
     """Of each panel its mask, on the machine or the ideal, the truth, and their Agreement."""
-    positions = figure.parameters["positions"]
+    positions = figure.values["positions"]
     scene = still_life.still_life(objects_and_lamps.detail_of(size))
     view = still_life.still_life_view(row_of_panels(1, size)[0])
-    texels = renderer.method.parameters.get("texels")
+    texels = figure.values_of(renderer.method).get("texels")
     understood = {"map_edge": map_edge(size, texels), "contact": _BIAS, "grazing": 0.1} if texels else {}
     mask = agreement.lit_mask(renderer.picture(on, figure, size, shading=SceneShading.MASK))
     for k, lamp in enumerate(_lamps(scene, positions)):
@@ -123,7 +124,12 @@ FIGURE = Figure(
         "background": BACKGROUND,
     },
     methods=(
-        Method("shadow maps", map_scene, ("GEFORCE_3", "INFINITE_REALITY"), {"texels": 4, "factor": 2.0}),
+        Method(
+            "shadow maps",
+            map_scene,
+            ("GEFORCE_3", "INFINITE_REALITY"),
+            parameters={"texels": word.RATIO(4), "factor": word.FACTOR(2.0)},
+        ),
         Method("shadow volumes", volume_scene, ("OPENGL_1_2",)),
     ),
     acceptance=checks,

@@ -108,7 +108,7 @@ def gap(mask, shown, column):
 
 def checks(figure, renderer):
     """Masks against rays; the box's picture is one and the same; the gap is linear in the height."""
-    heights, size = figure.parameters["heights"], figure.size // 2
+    heights, size = figure.values["heights"], figure.size // 2
     panels = [slice(k * size, (k + 1) * size) for k in range(len(heights) + 1)]
     view = camera(row_of_panels(1, size)[0])
     truths = [agreement.truth_of(box_at(height), view, lamp()) for height in heights]

@@ -53,7 +53,7 @@ def scene(profile, size, *, extent, half_width, background):
 
 def checks(figure, renderer):
     """The penumbra's width by similar triangles, by what is seen of the light, and in the picture."""
-    half_width, extent = figure.parameters["half_width"], figure.parameters["extent"]
+    half_width, extent = figure.values["half_width"], figure.values["extent"]
     light = Light("area light", extent=extent)
     outer_left, inner_left, inner_right, outer_right = light.edges(half_width)
     expected = extent * (OCCLUDER - FLOOR) / (LIGHT - OCCLUDER)

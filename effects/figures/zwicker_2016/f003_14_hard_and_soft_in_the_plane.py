@@ -56,7 +56,7 @@ def scene(profile, size, *, extent, slope, half_width, background):
 
 def checks(figure, renderer):
     """How far each light's shadow takes from dark to light, by geometry and in the picture."""
-    p = figure.parameters
+    p = figure.values
     half_width, expected = p["half_width"], p["extent"] * (OCCLUDER - FLOOR) / (LIGHT - OCCLUDER)
     size = figure.size // 2
     for k, light in enumerate(lights(p["extent"], p["slope"])):

@@ -96,7 +96,7 @@ def ramp_width(row, spacing):
 
 def checks(figure, renderer):
     """The penumbra's width; both masks against rays."""
-    width, size = figure.parameters["width"], 128
+    width, size = figure.values["width"], 128
     expected = width * _EDGE_HEIGHT / (_LIGHT_HEIGHT - _EDGE_HEIGHT)
     for on in Answer:
         picture = renderer.picture(on, figure, size, measured=True, shading=SceneShading.MASK)[..., 0]
@@ -121,7 +121,7 @@ def checks(figure, renderer):
 
 def _against_rays(figure, renderer, size):
     """How much of the light reaches each pixel, against rays to each of its points."""
-    width, points = figure.parameters["width"], figure.parameters["points"]
+    width, points = figure.values["width"], figure.values["points"]
     thing, view, lamp = _shown(False, row_of_panels(1, size)[0], size)
     truth = agreement.truth_of(thing, view, lamp)
     lamps = lamps_of(lamp, width, points)

@@ -4,6 +4,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
 from fixedpipe.effects.scenes.still_life import still_life_and_lamp, still_life_view
@@ -14,7 +15,7 @@ from fixedpipe.effects.shadows.shadow_maps import modulated_passes, store_map
 _MAP_WIDTH = 7.0
 
 
-def make(profile, size, *, ratio, factor, units, filtered, shading=SceneShading.LIT):
+def make(profile, size, *, ratio, factor, units, filtered, shading):
     """Z10, Z12, Z19, Z20 on one panel."""
     (panel,) = row_of_panels(1, size)
     scene, light = still_life_and_lamp(size)
@@ -98,7 +99,13 @@ FIGURE = Figure(
     source="Zwicker2016",
     techniques=("Z10", "Z12", "Z19", "Z20", "Z30"),
     columns=1,
-    parameters={"ratio": 2, "factor": 2.2, "units": 4.0, "filtered": True},
+    parameters={
+        "ratio": 2,
+        "factor": 2.2,
+        "units": 4.0,
+        "filtered": True,
+        "shading": word.SHADING(SceneShading.LIT),
+    },
     methods=(Method("depth texture times the light", make, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
     acceptance=checks,
 )

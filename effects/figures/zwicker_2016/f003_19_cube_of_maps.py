@@ -7,6 +7,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
 from fixedpipe.effects.passes.draws import FIRST_PASS
@@ -23,7 +24,7 @@ TINTS = (
 )  # fmt: skip
 
 
-def scene(profile, size, *, shading=SceneShading.LIT, ratio, one, background):
+def scene(profile, size, *, shading, ratio, one, background):
     """F003-19: a room lit through one map, through six, and which of them lights what."""
     room, row, edge = lit_room.lit_room(detail_of(size)), row_of_panels(3, size), map_edge(size, ratio)
     parts = [
@@ -62,7 +63,7 @@ def truth(size):
 def checks(figure, renderer):
     """The six maps' shadows against rays, map by map, and what one map lights."""
     size = CHECKED_SIZE
-    rays, edge = truth(size), map_edge(size, figure.parameters["ratio"])
+    rays, edge = truth(size), map_edge(size, figure.values["ratio"])
     parts = parted_shadow_maps.parts_of_cube(
         lit_room.lit_room(detail_of(size)), lit_room.LAMP, rays.view, edge
     )
@@ -77,7 +78,7 @@ def checks(figure, renderer):
         found.append(agreement.compare(six, replace(rays, lamp=part.camera), map_edge=edge, where=here))
     kinds = np.max([f.kinds for f in found], axis=0)
     meeting = _beside_another(face) & (kinds != agreement.NOT_COMPARED)
-    inside = face == cube_of_maps.FACES.index(figure.parameters["one"])
+    inside = face == cube_of_maps.FACES.index(figure.values["one"])
     away = facing & ~agreement.silhouettes(rays) & ~_beside_another(face)
     _, plain, tinted = np.split(renderer.machine(figure, size), 3, axis=1)
     # A highlight is white, whatever a surface's tint.
@@ -164,7 +165,12 @@ FIGURE = Figure(
     techniques=("Z11",),
     columns=3,
     size=384,
-    parameters={"ratio": 2.0, "one": "-z", "background": BACKGROUND},
+    parameters={
+        "ratio": 2.0,
+        "one": "-z",
+        "background": BACKGROUND,
+        "shading": word.SHADING(SceneShading.LIT),
+    },
     methods=(Method("depth textures and clip planes", scene, ("GEFORCE_3", "NV2A")),),
     acceptance=checks,
 )

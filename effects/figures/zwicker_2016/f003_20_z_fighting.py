@@ -190,7 +190,7 @@ def _marks(size, settings):
 
 def checks(figure, renderer):
     """What the map gets wrong with each bias, and that the picture has it where it is computed."""
-    p = figure.parameters
+    p = figure.values
     none, right, too_much = biases(p["right"], p["too_much"])
     least = polygon_offset(0.5, 0.5)
     yield Check(

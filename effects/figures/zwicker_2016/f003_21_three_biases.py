@@ -3,6 +3,7 @@
 from fixedpipe.effects.acceptance import agreement
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.map_bias import acne, gap, shadows_under_offsets
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.scenes.board import board_view, ring_and_board
@@ -16,7 +17,7 @@ def checks(figure, renderer):
     """Speckle on the lit floor, and the gap between the board and its shadow."""
     scene, lamp = ring_and_board(_SIZE)
     truth = agreement.truth_of(scene, board_view(Panel(0, 0, _SIZE, _SIZE)), lamp)
-    edge = map_edge(_SIZE, figure.parameters["ratio"])
+    edge = map_edge(_SIZE, figure.values["ratio"])
     for on in Answer:
         picture = renderer.picture(on, figure, _SIZE, shading=SceneShading.MASK)
         masks = [agreement.lit_mask(picture[:, k * _SIZE : (k + 1) * _SIZE]) for k in range(3)]
@@ -62,7 +63,11 @@ FIGURE = Figure(
     techniques=("Z10", "Z12"),
     columns=3,
     size=384,
-    parameters={"ratio": 1, "offsets": ((0.0, 0.0), (1.5, OFFSET_UNITS), (14.0, OFFSET_UNITS))},
+    parameters={
+        "ratio": 1,
+        "offsets": ((0.0, 0.0), (1.5, OFFSET_UNITS), (14.0, OFFSET_UNITS)),
+        "shading": word.SHADING(SceneShading.LIT),
+    },
     methods=(
         Method(
             "depth texture times the light", shadows_under_offsets, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")

@@ -1,6 +1,7 @@
 """F003-22: one shadow map of a long ground, basic and in light-space perspective."""
 
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     NEAR_SHADOW,
@@ -25,7 +26,7 @@ CHECKED_SIZE = 256
 
 def checks(figure, renderer):
     """Texels on the screen, computed from the matrices, and the machine's shadows against rays."""
-    size, sun, panels = CHECKED_SIZE, figure.parameters["sun"], figure.parameters["panels"]
+    size, sun, panels = CHECKED_SIZE, figure.values["sun"], figure.values["panels"]
     rays, things = truth(size, sun), avenue.avenue(detail_of(size))
     (near, far), (near_warped, far_warped) = (
         mean_footprints(
@@ -107,6 +108,7 @@ FIGURE = Figure(
         ),
         "background": avenue.SKY,
         "sun": avenue.SUN,
+        "shading": word.SHADING(SceneShading.LIT),
     },
     methods=(Method("depth textures", scene, ("GEFORCE_3", "NV2A")),),
     acceptance=checks,

@@ -4,6 +4,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, perspective_view, row_of_panels
 from fixedpipe.effects.scenes.objects_and_lamps import (
@@ -34,7 +35,7 @@ def view_of(panel):
     return perspective_view(panel, (1.6, 4.2, 4.6), (0.75, 0.35, -0.35), field_of_view=26.0, radius=4.0)
 
 
-def make(profile, size, *, ratio, factors, kernel, shading=SceneShading.LIT):
+def make(profile, size, *, ratio, factors, kernel, shading):
     """The three side by side. ``factors``: PolygonOffset's for each; ``ratio``: the map's edge over size.
 
     What is compared lies up to half a texel beside the place, or one, or half the kernel: the offset must
@@ -108,7 +109,7 @@ def _reach(values, truth, edge, texels):
 
 def checks(figure, renderer):
     """Levels of light on the floor, and how much of it there is at the true edge."""
-    kernel = figure.parameters["kernel"]
+    kernel = figure.values["kernel"]
     scene, lamp = scene_of(_SIZE)
     truth = agreement.truth_of(scene, view_of(Panel(0, 0, _SIZE, _SIZE)), lamp)
     edge, ground = _edges(truth), truth.shown.object == 0
@@ -193,7 +194,12 @@ FIGURE = Figure(
     techniques=("Z10", "Z12", "Z17", "Z18"),
     columns=3,
     size=256,
-    parameters={"ratio": 0.7, "factors": (2.0, 3.0, 9.0), "kernel": 8},
+    parameters={
+        "ratio": 0.7,
+        "factors": (2.0, 3.0, 9.0),
+        "kernel": 8,
+        "shading": word.SHADING(SceneShading.LIT),
+    },
     methods=(Method("four comparisons in a pass", make, ("GEFORCE_3", "NV2A")),),
     acceptance=checks,
 )

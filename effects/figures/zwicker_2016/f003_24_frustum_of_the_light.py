@@ -5,6 +5,7 @@ import numpy as np
 from fixedpipe.effects.acceptance import agreement, ray_caster
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.diagrams import drawing
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.matrices import transform
 from fixedpipe.effects.geometry.vectors import cross, normalize
@@ -58,7 +59,7 @@ def frustum(panel, lamp):
     )
 
 
-def make(profile, size, *, ratio, factor, units, shading=SceneShading.LIT):
+def make(profile, size, *, ratio, factor, units, shading):
     """The four side by side."""
     final, from_light, depths, outside = row_of_panels(4, size)
     scene, light = still_life_and_lamp(size)
@@ -119,7 +120,7 @@ def checks(figure, renderer):
         on=Answer.MACHINE, reason="three of twelve at most are behind the scene",
     )  # fmt: skip
     panel = Panel(0, 0, _SIZE, _SIZE)
-    edge = map_edge(_SIZE, figure.parameters["ratio"])
+    edge = map_edge(_SIZE, figure.values["ratio"])
     truth = agreement.truth_of(scene, still_life_view(panel), light)
     seen = ray_caster.visible(truth.caster, light.view(panel))
     for on in Answer:
@@ -163,7 +164,12 @@ FIGURE = Figure(
     techniques=("Z10", "Z12", "Z19", "Z20", "Z30"),
     columns=4,
     size=384,
-    parameters={"ratio": 2, "factor": 2.2, "units": 4.0},
+    parameters={
+        "ratio": 2,
+        "factor": 2.2,
+        "units": 4.0,
+        "shading": word.SHADING(SceneShading.LIT),
+    },
     methods=(Method("depth texture times the light", make, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
     acceptance=checks,
 )

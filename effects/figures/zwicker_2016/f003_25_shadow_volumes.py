@@ -97,7 +97,7 @@ def _sides_over(tinted, plain, color, alpha):
 
 def panel_checks(figure, renderer, truth, volumes):
     """The figure's own panels on the machine: silhouettes, sides and shadows, each where rays have them."""
-    size, p = truth.view.panel.width, figure.parameters
+    size, p = truth.view.panel.width, figure.values
     left, middle, right = np.split(renderer.machine(figure, size), 3, axis=1)
     _, plain, _ = np.split(renderer.machine(figure, size, volume_alpha=0.0), 3, axis=1)
     counts = expected_counts(volumes, truth)
@@ -136,7 +136,7 @@ def panel_checks(figure, renderer, truth, volumes):
 def checks(figure, renderer):
     """Closed loops, closed volumes, counts, and what the panels show."""
     size = 384
-    light = figure.parameters["light"]
+    light = figure.values["light"]
     for name, objects in (("cube and torus", solids(40)), ("the still life", still_life(40))):
         for lamp in (lamp_without_frustum(light), lamp_without_frustum(light, infinite=True)):
             volumes = shadow_volumes.shadow_volumes(objects, lamp.homogeneous)

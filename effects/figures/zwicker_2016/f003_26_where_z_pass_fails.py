@@ -3,6 +3,7 @@
 from fixedpipe.effects.acceptance import ray_caster
 from fixedpipe.effects.acceptance.agreement import compare, lit_mask, truth_of
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.counted_volumes import counted, lamp_without_frustum
 from fixedpipe.effects.geometry import surfaces
@@ -36,7 +37,7 @@ def setting(case, panel, detail, *, light, hidden, shares, boards, nears):
 def make_scene(operations):
     """The scene drawn with CLAMPED or WRAPPING operations."""
 
-    def scene(profile, size, *, background, shading=SceneShading.LIT, **places):
+    def scene(profile, size, *, background, shading, **places):
         """Each case by z-pass, which fails, and z-fail."""
         ways = [(c, a) for c in CASES for a in (shadow_volumes.z_pass, shadow_volumes.z_fail)]
         out = []
@@ -63,7 +64,7 @@ def checks(figure, renderer):
     """How wrong z-pass is, and where; z-fail against rays."""
     operations, size = OPERATIONS[renderer.method.name], 512
     least, reason = _WRONG[renderer.method.name]
-    places = {name: value for name, value in figure.parameters.items() if name != "background"}
+    places = {name: value for name, value in figure.values.items() if name != "background"}
     drawn = lit_mask(renderer.machine(figure, size, shading=SceneShading.MASK))
     for case in CASES:
         objects, lamp, view = setting(case, Panel(0, 0, size, size), 40, **places)
@@ -134,6 +135,7 @@ FIGURE = Figure(
         "boards": ((0.8, 0.8, 0.8), (0.5, 0.8, 0.3)),
         "nears": (0.5, 4.9),
         "background": BACKGROUND,
+        "shading": word.SHADING(SceneShading.LIT),
     },
     methods=tuple(
         Method(name, make_scene(OPERATIONS[name]), machines)

@@ -62,7 +62,7 @@ def color_matrix_scene(profile, size, **parameters):
 def checks(figure, renderer):
     """The picture's diffuse part against the equation at the sphere's points, as it stands and turned."""
     size = 128
-    light = np.array(figure.parameters["light"])
+    light = np.array(figure.values["light"])
     light = light / np.sqrt((light * light).sum())
     edge = ((np.arange(size) + 0.5) / size * 2.0 - 1.0) * 1.1
     x, y = np.meshgrid(edge, edge)

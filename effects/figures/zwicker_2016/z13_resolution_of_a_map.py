@@ -1,6 +1,7 @@
 """Z13: one shadow map with a half, twice and eight times as many texels along an edge as the picture."""
 
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     NEAR_SHADOW,
@@ -11,6 +12,7 @@ from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     wrong,
 )
 from fixedpipe.effects.scenes import avenue
+from fixedpipe.effects.shadows.lit_scene import SceneShading
 from fixedpipe.effects.shadows.parted_shadow_maps import MapFit
 
 CHECKED_SIZE = 128
@@ -86,6 +88,7 @@ FIGURE = Figure(
         ),
         "background": avenue.SKY,
         "sun": avenue.SUN,
+        "shading": word.SHADING(SceneShading.LIT),
     },
     methods=(Method("depth textures", scene, ("GEFORCE_3", "NV2A")),),
     acceptance=checks,

@@ -3,6 +3,7 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     NEAR_SHADOW,
@@ -39,7 +40,7 @@ def _tint_matches(picture, rays, slices):
 
 def checks(figure, renderer):
     """What slices bring, and whether each pixel is of the slice that its depth says."""
-    size, sun, panels = CHECKED_SIZE, figure.parameters["sun"], figure.parameters["panels"]
+    size, sun, panels = CHECKED_SIZE, figure.values["sun"], figure.values["panels"]
     shown = agreements(renderer.machine(figure, size, shading=SceneShading.MASK), size, panels, sun)
     compared = ((MapFit.BASIC, *panels[1][1:3], WHOLE), panels[1])
     picture = renderer.machine(figure, size, shading=SceneShading.MASK, panels=compared)
@@ -110,6 +111,7 @@ FIGURE = Figure(
         ),
         "background": avenue.SKY,
         "sun": avenue.SUN,
+        "shading": word.SHADING(SceneShading.LIT),
     },
     methods=(Method("depth textures and clip planes", scene, ("GEFORCE_3", "NV2A")),),
     acceptance=checks,

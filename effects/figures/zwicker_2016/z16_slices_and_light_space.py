@@ -1,6 +1,7 @@
 """Z16: basic shadow maps, slices, light-space perspective, and the last two together."""
 
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     NEAR_SHADOW,
@@ -12,6 +13,7 @@ from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     wrong,
 )
 from fixedpipe.effects.scenes import avenue
+from fixedpipe.effects.shadows.lit_scene import SceneShading
 from fixedpipe.effects.shadows.parted_shadow_maps import MapFit
 
 CHECKED_SIZE = 256
@@ -50,7 +52,7 @@ def checks(figure, renderer):
                 f"measured {measured}",
             )
             for (fit, *_), f, bound, measured in zip(
-                figure.parameters["panels"][1:],
+                figure.values["panels"][1:],
                 found,
                 (0.93, 0.98, 0.97, 0.982),
                 (0.948, 0.986, 0.978, 0.987),
@@ -102,6 +104,7 @@ FIGURE = Figure(
         ),
         "background": avenue.SKY,
         "sun": avenue.SUN,
+        "shading": word.SHADING(SceneShading.LIT),
     },
     methods=(Method("depth textures and clip planes", scene, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
     acceptance=checks,

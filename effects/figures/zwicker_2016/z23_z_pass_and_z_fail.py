@@ -6,6 +6,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.agreement import lit_mask, truth_of
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.counted_volumes import count_checks, expected_counts
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
@@ -28,7 +29,7 @@ def _shown_counts(profile, objects, view, lamp, counts, colors):
     )
 
 
-def scene(profile, size, *, light, infinite, colors, background, shading=SceneShading.LIT):
+def scene(profile, size, *, light, infinite, colors, background, shading):
     """Shadows by z-pass, its counts, z-fail's counts, shadows by z-fail."""
     objects = still_life(detail_of(size))
     lamp = lamp_around(objects, light, infinite=infinite)
@@ -61,7 +62,7 @@ def checks(figure, renderer):
     """Counts against rays, and one algorithm's picture against the other's."""
     size = 256
     objects = still_life(detail_of(size))
-    lamp = lamp_around(objects, figure.parameters["light"], infinite=figure.parameters["infinite"])
+    lamp = lamp_around(objects, figure.values["light"], infinite=figure.values["infinite"])
     view = still_life_view(Panel(0, 0, size, size))
     reason = (
         "vertices snapped to sixteenths of a pixel move the edges of five objects and of their shadows; "
@@ -83,7 +84,7 @@ def checks(figure, renderer):
             "is seen; only depths without a far plane round otherwise",
         )
         for k, name in ((1, "z-pass"), (2, "z-fail")):
-            shown = coloured_counts(picture[:, k * size : (k + 1) * size], figure.parameters["colors"])
+            shown = coloured_counts(picture[:, k * size : (k + 1) * size], figure.values["colors"])
             yield Check(
                 f"{name}: pixels in the colour of the rays' count",
                 float((shown == np.minimum(expected, 3))[truth.shown.something].mean()),
@@ -114,6 +115,7 @@ FIGURE = Figure(
         "infinite": False,
         "colors": ((1.0, 1.0, 1.0), (1.0, 0.82, 0.30), (1.0, 0.46, 0.16), (0.85, 0.12, 0.16)),
         "background": BACKGROUND,
+        "shading": word.SHADING(SceneShading.LIT),
     },
     methods=(Method("stencil buffer", scene, ("OPENGL_1_2", "GEFORCE_256", "OCTANE", "INFINITE_REALITY")),),
     acceptance=checks,

@@ -159,12 +159,12 @@ def checks(figure, renderer):
     }
     wrong = sum(len(np.setxor1d(wanted[kind], found[kind])) for kind in found)
     stretch = report.stretch[wanted["stretched"]]
-    ends = tangent_space.with_tangents(surface, *figure.parameters["handled"])
+    ends = tangent_space.with_tangents(surface, *figure.values["handled"])
     frame = dot(np.cross(ends.tangents, ends.binormals), ends.normals)
     size = 192
     image = renderer.machine(figure, size)
     naive, shown, right = (panel_of(image, k) for k in range(3))
-    plain = figure.parameters["background"]
+    plain = figure.values["background"]
     hole = np.abs(_half(right, 2, 1) - np.array(plain)).max()
     colors = [
         np.median(_half(shown, row, 1).reshape(-1, 3), axis=0) - np.array(COLORS[kind])

@@ -121,7 +121,7 @@ def test_a_sign_takes_this_many_draws(slope, unsigned, signed):
 
 def test_the_unsigned_passes_are_closer_than_halves_of_the_vectors():
     """The other attempt that needs no sign, t and b with their positive components alone, in float."""
-    parameters = FIGURES["K22"].parameters
+    parameters = FIGURES["K22"].values
     material = k22_plain_multitexturing.parquet(4, parameters["angles"], 0.5, 1.0, (1.0, 1.0), 1.0)
     x, y = pixel_grid(k22_plain_multitexturing.MAP_SIZE, 1.0)
     half, _ = k22_plain_multitexturing.halfway(0.92 * x, 0.92 * y, parameters["light"])

@@ -115,7 +115,7 @@ def agreements(figure, masks, size, column, bits, bias):
     """``Agreement`` with rays of one column of a picture of masks, of all pixels and of those that face the
     lamp. ``bias``: in all, in steps of ``bits`` bits.
     """
-    lamp, ratio = figure.parameters["lamp"], figure.parameters["ratio"]
+    lamp, ratio = figure.values["lamp"], figure.values["ratio"]
     picture = masks[:, column * size : (column + 1) * size]
     known, mask = truth(size, lamp), agreement.lit_mask(picture)
     # The bias and a step that roundings take hide what is nearer to the surface behind it.
@@ -132,7 +132,7 @@ def agreement_checks(figure, renderer, board, size, column, *, least, least_faci
     """Checks that a column's shadows are the rays', as ``least`` and ``least_facing`` fractions of pixels and
     but for ``other`` unexplained ones; and that the ideal, with the same bias in the mean, agrees better.
     """
-    parameters = {**figure.parameters, **renderer.method.parameters}
+    parameters = figure.values_of(renderer.method)
     bits, bias = parameters["bits"], parameters["bias"]
     ideal_bias = bias + board.ideal_more
     masks = renderer.machine(figure, size, shading=SceneShading.MASK)
@@ -189,7 +189,7 @@ def brightness_checks(figure, renderer, size, shadowed, without):
     a, b = (picture[:, c] for c in columns)
     lit = agreement.lit_mask(mask[:, columns[0]])
     seen = agreement.lit_mask(mask[:, columns[1]])
-    dark = seen & ~lit & faces_the_lamp(size, figure.parameters["lamp"])
+    dark = seen & ~lit & faces_the_lamp(size, figure.values["lamp"])
     return (
         Check(
             "how much brighter a pixel is with shadows than without",
@@ -218,7 +218,7 @@ def brightness_checks(figure, renderer, size, shadowed, without):
 
 def pass_checks(figure, renderer, board, coding, wanted, reason, size=32):
     """Checks of how many passes a frame has: ``wanted`` where nothing moves, and one more otherwise."""
-    panel, parameters = Panel(0, 0, size, size), figure.parameters
+    panel, parameters = Panel(0, 0, size, size), figure.values
     common = {"lamp": parameters["lamp"], "shading": SceneShading.LIT}
     frame = compared(panel, renderer.profile, board, coding, background=parameters["background"], **common)
     map_ = stored(panel, renderer.profile, board, coding, ratio=parameters["ratio"], **common)

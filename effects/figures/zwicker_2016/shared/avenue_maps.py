@@ -50,7 +50,7 @@ def parts_for(fit, ratio, slices, size, scene, sun):
     return tuple(replace(part, name=f"{part.name}, {edge} texels") for part in parts)
 
 
-def scene(profile, size, *, shading=SceneShading.LIT, panels, background, sun):
+def scene(profile, size, *, shading, panels, background, sun):
     """Commands that draw the avenue on a row of panels, as many as ``panels`` has, which are (MapFit, ratio
     of the map's edge to the panel's, number of slices, look). Panels of the same maps share them.
     """
@@ -118,7 +118,7 @@ def shown_and_whole(figure, renderer, size):
     """``agreements`` of the machine's panels as the figure shows them, and of the same maps as those after
     the first have, over all that the viewer sees.
     """
-    panels, sun = figure.parameters["panels"], figure.parameters["sun"]
+    panels, sun = figure.values["panels"], figure.values["sun"]
     whole = tuple((*panel[:3], WHOLE) for panel in panels[1:])
     picture = renderer.machine(figure, size, shading=SceneShading.MASK)
     shown = agreements(picture, size, panels, sun)
