@@ -55,7 +55,7 @@ def bump(
     map_size,
     threads,
 ):
-    """Bump-map a mesh with PHOTO: a PNG, TIFF or NPY file, or a sample.
+    """Bump-map a mesh with PHOTO: a PNG, TIFF (its first page), JPEG or NPY file, or a sample.
 
     Samples: sample:gravel, sample:brick, sample:grass, sample:coins, sample:moon (photographs) and
     sample:jacksboro (an elevation model). Light is high, dark is low. The light's +x is right, +y up, +z
@@ -75,7 +75,7 @@ def bump(
     from fixedpipe.pipeline.profiles import PROFILES
 
     machine = choose("profile", profile, PROFILES)
-    path = writable_picture(out)
+    path = writable_picture(out, (photo, mesh_name))
     check_size("The picture", 1, size, machine)
     direction = three_numbers(light, "The light's direction")
     changed = {"relief": height_scale, "alpha_x": alpha_x, "alpha_y": alpha_y}

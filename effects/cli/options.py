@@ -1,10 +1,11 @@
-"""Options that several subcommands share, and three numbers as an option gives them."""
+"""Options that several subcommands share: what each takes, and which go together."""
 
 import math
 
 import click
+from click.core import ParameterSource
 
-from fixedpipe.effects.refusal import Refusal
+from fixedpipe.effects.refusal import Refusal, choose
 
 profile_option = click.option(
     "--profile",
@@ -31,3 +32,45 @@ def three_numbers(text, what, example="1,2,3", zero=False):
         not_zero = "" if zero else "not all zero, "
         raise Refusal(f"{what} is {text!r}; give three numbers, {not_zero}as {example}.")
     return numbers
+
+
+def machine_of(key):
+    """The Profile of a machine, by its key. Raises Refusal for another, and for the ideal, which is none."""
+    from fixedpipe.pipeline.profiles import PROFILES
+
+    machines = {k: p for k, p in PROFILES.items() if not p.arithmetic.exact}
+    if key in PROFILES.keys() - machines.keys():
+        raise Refusal(
+            f"{key} is no machine, and its numbers have no width to change or measure; give one of "
+            f"{', '.join(machines)}."
+        )
+    return choose("profile", key, machines)
+
+
+def given_options(context, names=None):
+    """What of a subcommand was given on the command line, in the order of its help: options as they are
+    written, arguments in capitals. ``names``: of the parameters that are looked at; None: all.
+    """
+    return [
+        p.opts[-1] if isinstance(p, click.Option) else p.human_readable_name.strip("[]").partition(" ")[0]
+        for p in context.command.params
+        if (names is None or p.name in names)
+        and context.get_parameter_source(p.name) is ParameterSource.COMMANDLINE
+    ]
+
+
+def refuse_ignored(context, names, why):
+    """Raise Refusal where parameters were given that would be ignored.
+
+    ``names``: of these parameters; ``why``: a sentence without its stop, that ends in what to do.
+    """
+    ignored = given_options(context, names)
+    if ignored:
+        raise Refusal(f"{' and '.join(ignored)} would be ignored: {why}.")
+
+
+def refuse_beside(context, option):
+    """Raise Refusal where anything was given beside ``option``, with which nothing else is looked at."""
+    others = [given for given in given_options(context) if given != option]
+    if others:
+        raise Refusal(f"{option} names what there is and ends; leave {' and '.join(others)} out.")

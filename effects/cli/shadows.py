@@ -54,7 +54,7 @@ def shadows(mesh, algorithm, light, out, size, profile, up, map_size, threads):
 
     way = choose("algorithm", algorithm, mesh_shadows.ALGORITHMS)
     machine = choose("profile", profile, PROFILES)
-    path = writable_picture(out)
+    path = writable_picture(out, (mesh,))
     check_size("The picture", 1, size, machine)
     with refusals():
         mesh_shadows.check_machine(algorithm, profile)

@@ -4,9 +4,10 @@ from pathlib import Path
 
 import click
 
-from fixedpipe.effects.cli.options import threads_option, three_numbers
+from fixedpipe.effects.cli.options import refuse_ignored, threads_option, three_numbers
 
 TYPES = {"uint8": "u1", "int8": "i1", "uint16": "u2", "int16": "i2", "float32": "f4", "float64": "f8"}
+_WITH_HEADERS = (".nrrd", ".nhdr")
 ENDIANS = {"little": "<", "big": ">"}
 
 
@@ -66,12 +67,14 @@ def volume(
     from fixedpipe.effects.refusal import choose, refusals
     from fixedpipe.effects.reports.files import writable_picture, write_whole
     from fixedpipe.effects.user_pictures.volume import picture_of, volume_of
+    from fixedpipe.effects.user_pictures.volume_files import data_file_of
     from fixedpipe.effects.volumes.volume_rendering import method_of
     from fixedpipe.pipeline.framebuffers.pictures import png
     from fixedpipe.pipeline.profiles import PROFILES
 
     machine = choose("profile", profile, PROFILES)
-    path = writable_picture(out)
+    _check_raw_options(file)
+    path = writable_picture(out, (file, data_file_of(Path(file)) or file))
     check_size("The picture", 1, size, machine)
     directions = [three_numbers(text, what) for text, what in (
         (view, "The direction to the eye"), (up, "What is up"), (light, "The direction to the light"),
@@ -99,10 +102,20 @@ def volume(
     click.echo(f"{path}: {slices} slices, {result.fragments} fragments on the {machine.name}")
 
 
+def _check_raw_options(name):
+    """Raise Refusal where options of a raw file are given of another."""
+    sample, header = name.startswith("sample:"), Path(name).suffix.lower() in _WITH_HEADERS
+    if sample or header:
+        why = "a sample is no raw file" if sample else f"the header of {name} says what its values are"
+        refuse_ignored(
+            click.get_current_context(), ("dims", "type_name", "endian", "skip"), f"{why}; leave them out"
+        )
+
+
 def _read(name, dims, type_name, endian, skip):
     """Values [layers, rows, columns] and the voxels' spacing along x, y and z. Raises Refusal."""
     from fixedpipe.effects.refusal import Refusal, choose
-    from fixedpipe.effects.user_pictures.inputs import read_nrrd, read_raw_volume
+    from fixedpipe.effects.user_pictures.volume_files import read_nrrd, read_raw_volume
 
     equal = (1.0, 1.0, 1.0)
     if name.startswith("sample:"):
@@ -113,7 +126,7 @@ def _read(name, dims, type_name, endian, skip):
     if not path.is_file():
         problem = f"{name} is no file" if name and path.exists() else f"There is no file {name!r}"
         raise Refusal(f"{problem}. Give raw values with --dims, an NRRD file, or sample:engine.")
-    if path.suffix.lower() in (".nrrd", ".nhdr"):
+    if path.suffix.lower() in _WITH_HEADERS:
         return read_nrrd(path)
     if dims is None:
         raise Refusal(f"{name} is read as raw values; say how many along each edge with --dims X,Y,Z.")

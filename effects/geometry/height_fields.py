@@ -82,7 +82,9 @@ def from_image(image):
     Raises ValueError for another shape, an empty image, a value that is not finite, or a constant image.
     """
     array = np.asarray(image)
-    if array.ndim not in (2, 3) or 0 in array.shape or (array.ndim == 3 and array.shape[2] > 4):
+    if array.ndim in (2, 3) and 0 in array.shape:
+        raise ValueError(f"The image has shape {array.shape} and is empty; give one with pixels.")
+    if array.ndim not in (2, 3) or (array.ndim == 3 and array.shape[2] > 4):
         raise ValueError(
             f"The image has shape {array.shape}; give [rows, columns] or [rows, columns, 1 to 4]."
         )

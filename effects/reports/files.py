@@ -39,11 +39,24 @@ def writable_file(name):
     return path
 
 
-def writable_picture(name):
-    """``writable_file`` of a PNG file. Raises Refusal for another ending, before any folder is made."""
+def _are_one(path, other):
+    """Whether two names are of one file: equal, or by links of either kind."""
+    try:
+        return os.path.samefile(path, other)
+    except (OSError, ValueError):  # a file that is not there is no other
+        return False
+
+
+def writable_picture(name, inputs=()):
+    """``writable_file`` of a PNG file. Raises Refusal for another ending, before any folder is made, and for
+    one of the ``inputs``, files by whatever names, from which the picture is made.
+    """
     path = Path(name)
     if path.name and not os.path.isdir(path) and path.suffix.lower() != ".png":
         raise Refusal(f"The picture is written as PNG; name it {path.with_suffix('.png')} instead of {path}.")
+    for read in inputs:
+        if _are_one(path, read):
+            raise Refusal(f"{path} is {read}, of which the picture is made; give --out another name.")
     return writable_file(name)
 
 

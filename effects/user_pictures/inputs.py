@@ -1,10 +1,14 @@
-"""What users bring, read whole or refused: texts, photographs, elevation models, meshes and volumes, and the
-samples that need no file.
+"""What users bring, read whole or refused: texts, photographs, elevation models and meshes, and the samples
+that need no file.
+
+What decoders say of arbitrary bytes is no sentence for a user; each refusal here is one.
 """
 
 import importlib.util
+import io
 import math
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -39,8 +43,8 @@ def _sample_path(name):
 def read_picture(name):
     """A photograph or an elevation array, top row first: [rows, columns] or [rows, columns, components].
 
-    ``name``: a PNG, TIFF or other image file, a NumPy array (.npy), or ``sample:`` and a name of ``SAMPLES``.
-    Raises Refusal for anything that cannot be read whole.
+    ``name``: a PNG, TIFF (its first page) or JPEG file, told apart by how they begin, a NumPy array
+    (.npy), or ``sample:`` and a name of ``SAMPLES``. Raises Refusal for anything that cannot be read whole.
     """
     if name.startswith("sample:"):
         path, array = _sample_path(name.removeprefix("sample:"))
@@ -51,24 +55,75 @@ def read_picture(name):
         path = Path(name)
     if not path.is_file():
         problem = f"{name} is no file" if name and path.exists() else f"There is no file {name!r}"
-        raise Refusal(f"{problem}. Give a PNG, TIFF or NPY file, or sample:gravel.")
+        raise Refusal(f"{problem}. {_PICTURES}")
     try:
-        if path.suffix.lower() == ".npy":
-            picture = np.load(path, allow_pickle=False)
-        else:
-            import imageio.v3 as imageio
-
-            with imageio.imopen(path, "r", plugin="pillow") as file:
-                mode = file.metadata(index=0)["mode"]
-                picture = np.asarray(file.read(index=0, mode="RGB" if mode in _OTHER_COLORS else None))
-    # A decoder fed arbitrary bytes raises whatever it stumbles over: struct.error, SyntaxError, EOFError.
-    except Exception as error:
-        # imageio wraps the decoder's own words.
-        reason = str(error.__cause__ or error).split("\n")[0].rstrip(".")
-        raise Refusal(f"{name} cannot be read ({reason}). Give a whole PNG, TIFF or NPY file.") from error
+        picture = _read_array(path) if path.suffix.lower() == ".npy" else _read_image(path)
+    except OSError as error:
+        raise Refusal(f"{name} cannot be read: {error.strerror}.") from error
     if picture.dtype.kind not in "biuf":
         raise Refusal(f"{name} holds values of type {picture.dtype}; give an array of numbers.")
     return picture
+
+
+_PICTURES = "Give a PNG, TIFF, JPEG or NPY file, or sample:gravel."
+# How files begin. Source: their specifications.
+_BEGINNINGS = {
+    b"\x89PNG\r\n\x1a\n": "PNG",
+    b"II*\0": "TIFF",
+    b"MM\0*": "TIFF",
+    b"\xff\xd8\xff": "JPEG",
+}
+
+
+def _read_image(path):
+    """The values of a PNG, TIFF or JPEG file. Raises Refusal and OSError."""
+    with path.open("rb") as file:
+        begin = file.read(8)
+    kind = next((kind for first, kind in _BEGINNINGS.items() if begin.startswith(first)), None)
+    if kind is None:
+        raise Refusal(f"{path} {'is empty' if not begin else 'is no picture that is read here'}. {_PICTURES}")
+    import imageio.v3 as imageio
+
+    try:
+        with warnings.catch_warnings(), imageio.imopen(path, "r", plugin="pillow") as file:
+            warnings.simplefilter("ignore")
+            mode = file.metadata(index=0)["mode"]
+            return np.asarray(file.read(index=0, mode="RGB" if mode in _OTHER_COLORS else None))
+    # A decoder fed arbitrary bytes raises whatever it stumbles over: struct.error, SyntaxError, EOFError.
+    except Exception as error:
+        raise Refusal(
+            f"{path} begins as a {kind} file and cannot be read to its end: it is cut off, damaged, or has "
+            "too many pixels. Save it again."
+        ) from error
+
+
+def _read_array(path):
+    """The values of an NPY file. Raises Refusal and OSError."""
+    formats, again = np.lib.format, "Write it with numpy.save, as an array of numbers."
+    with path.open("rb") as file, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        begin = file.read(len(formats.MAGIC_PREFIX))
+        if begin != formats.MAGIC_PREFIX:
+            raise Refusal(f"{path} {'is no NPY file' if begin else 'is empty'}. {again}")
+        try:
+            file.seek(0)
+            read_header = {1: formats.read_array_header_1_0, 2: formats.read_array_header_2_0}
+            shape, _, dtype = read_header[formats.read_magic(file)[0]](file)
+        except Exception as error:
+            raise Refusal(f"{path} has a damaged NPY header. {again}") from error
+        if dtype.hasobject:
+            raise Refusal(f"{path} holds Python's objects. {again}")
+        there, needed = path.stat().st_size - file.tell(), math.prod(shape) * dtype.itemsize
+        if min(shape, default=0) < 0 or there < needed:
+            raise Refusal(
+                f"{path} is cut off: an array of shape {shape} and type {dtype} has {needed} bytes, and "
+                f"{there} are there. {again}"
+            )
+        file.seek(0)
+        try:
+            return np.load(file, allow_pickle=False)
+        except Exception as error:
+            raise Refusal(f"{path} holds no array that can be read. {again}") from error
 
 
 def read_text(name, otherwise=None):
@@ -140,77 +195,26 @@ def _read_ply(path):
             f"{path} needs the extra `meshes`: pip install 'fixedpipe[meshes]'. OBJ files need nothing."
         ) from error
     try:
-        # Vertices and faces as they are: nothing merged, nothing left out.
-        mesh = trimesh.load_mesh(path, file_type="ply", process=False)
-        vertices, faces = np.array(mesh.vertices), np.array(getattr(mesh, "faces", np.zeros((0, 3))))
+        data = path.read_bytes()
     except OSError as error:
         raise Refusal(f"{path} cannot be read: {error.strerror}.") from error
+    header, end, _ = data.partition(b"end_header")
+    if not header.startswith(b"ply"):
+        raise Refusal(f"{path} does not begin with ply and is no PLY file. Give a whole PLY or OBJ file.")
+    words = [line.split() for line in header.splitlines()]
+    vertices = [line[-1] for line in words if line[:1] == [b"property"]]
+    if not end or not {b"x", b"y", b"z"} <= set(vertices):
+        lacking = "x, y and z of its vertices" if end else "its end, end_header"
+        raise Refusal(f"{path} has a PLY header without {lacking}. Give a whole PLY or OBJ file.")
+    try:
+        # Vertices and faces as they are: nothing merged, nothing left out, and no texture's file opened.
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")
+            mesh = trimesh.load_mesh(io.BytesIO(data), file_type="ply", process=False, skip_materials=True)
+            return np.array(mesh.vertices), np.array(getattr(mesh, "faces", np.zeros((0, 3))))
     # A reader fed arbitrary bytes raises whatever it stumbles over.
     except Exception as error:
-        reason = (str(error) or type(error).__name__).split("\n")[0].rstrip(".")
-        raise Refusal(f"{path} cannot be read ({reason}). Give a whole PLY or OBJ file.") from error
-    return vertices, faces
-
-
-_LARGEST_FILE = 1 << 30  # voxels
-
-
-def read_raw_volume(path, dims, dtype, skip):
-    """Values of a raw file, [slices, rows, columns]. ``dims``: columns, rows and slices; ``dtype``: a value's
-    type; ``skip``: bytes before the first.
-
-    Raises Refusal for dimensions that are none or not the file's, and a file that cannot be read.
-    """
-    try:
-        counts = tuple(int(c) for c in dims.split(","))
-    except ValueError:
-        counts = ()
-    if len(counts) != 3 or min(counts) < 2 or math.prod(counts) > _LARGEST_FILE:
-        raise Refusal(f"The dimensions are {dims!r}; give three whole numbers from 2, as 256,256,110.")
-    dtype = np.dtype(dtype)
-    needed = math.prod(counts) * dtype.itemsize
-    try:
-        there = path.stat().st_size - skip
-        if there != needed:
-            before = f" after the {skip} skipped" if skip else ""
-            raise Refusal(
-                f"{path} has {there} bytes{before}; {dims} values of {dtype.name} are {needed}. Give other "
-                "--dims, --type or --skip."
-            )
-        values = np.fromfile(path, dtype, math.prod(counts), offset=skip)
-    except OSError as error:
-        raise Refusal(f"{path} cannot be read: {error.strerror}.") from error
-    return values.reshape(counts[::-1])
-
-
-def read_nrrd(path):
-    """Values of an NRRD file, [slices, rows, columns], and the spacing of its voxels. Raises Refusal where it
-    has none.
-    """
-    try:
-        import nrrd
-    except ImportError as error:
-        raise Refusal("NRRD files need the extra `volumes`: pip install 'fixedpipe[volumes]'.") from error
-    # A decoder fed arbitrary bytes raises whatever it stumbles over.
-    try:
-        header = nrrd.read_header(str(path))
-        sizes = [int(n) for n in header["sizes"]]
-        if len(sizes) == 3 and math.prod(sizes) > _LARGEST_FILE:
-            raise ValueError(f"{'x'.join(map(str, sizes))} voxels are too many")
-        values, header = nrrd.read(str(path), index_order="C")
-    except Exception as error:
-        reason = str(error).split("\n")[0].rstrip(".") or type(error).__name__
-        raise Refusal(f"{path} cannot be read ({reason}). Give a whole NRRD file.") from error
-    return values, _nrrd_spacing(header)
-
-
-def _nrrd_spacing(header):
-    """Spacings of an NRRD header's axes, which may be negative; equal where it has none.
-
-    What is there but is no number is given back as it is, for ``volume_of`` to refuse.
-    """
-    axes = header.get("space directions")
-    if axes is not None:
-        return tuple(np.sqrt((np.asarray(axes, float) ** 2).sum(axis=-1)).tolist())
-    spacing = header.get("spacings")
-    return (1.0, 1.0, 1.0) if spacing is None else tuple(abs(float(s)) for s in spacing)
+        raise Refusal(
+            f"{path} has a damaged header, or fewer vertices and faces than it names. Give a whole PLY or "
+            "OBJ file."
+        ) from error

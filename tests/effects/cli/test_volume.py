@@ -87,9 +87,10 @@ def test_shadows_darken_and_can_be_left_out(tmp_path):
         (("--dims", "12,10"), ["dimensions", "256,256,110"]),
         (("--dims", "12,10,1"), ["dimensions"]),
         (("--dims", "a,b,c"), ["dimensions"]),
-        (("--dims", "99999,99999,99999"), ["dimensions"]),
+        (("--dims", "99999,99999,99999"), ["up to 1073741824 (1024x1024x1024) are read"]),
         (("--dims", "12,10,9"), ["2165 bytes", "uint8 are 1080"]),
-        ((*RAW, "--skip", 9999), ["bytes after the 9999 skipped"]),
+        ((*RAW, "--skip", 9999), ["2165 bytes, and --skip 9999 leaves none"]),
+        ((*RAW, "--skip", 9), ["2156 bytes after the 9 skipped"]),
         (("--dims", "12,10,9", "--type", "uint61"), ["uint61", "Did you mean uint16?"]),
         (("--dims", "12,10,9", "--endian", "middle"), ["middle", "little, big"]),
         ((*RAW, "--iso", 5000), ["5000", "give one between"]),
@@ -116,15 +117,22 @@ def test_a_volume_that_cannot_be_drawn_is_refused(raw, tmp_path, more, words):
     [
         ("a.nrrd", b"nothing of the kind", "NRRD"),
         ("a.nrrd", b"", "NRRD"),
-        ("a.nrrd", HEADER + b"sizes: 9 9 9\nendian: little\n\n12", "read"),
-        ("a.nrrd", HEADER + b"sizes: 99999 99999 99999\n\n", "many"),
-        ("a.nhdr", HEADER + b"sizes: 9 9 9\ndata file: none.raw\n", "read"),
+        ("a.nrrd", HEADER + b"sizes: 9 9 9\nendian: little\n\n12", "2 bytes of values"),
+        ("a.nrrd", HEADER + b"sizes: 99999 99999 99999\n\n", "up to 1073741824"),
+        ("a.nhdr", HEADER + b"sizes: 9 9 9\nendian: little\ndata file: none.raw\n", "none.raw"),
     ],
 )
 def test_a_file_that_is_no_nrrd_is_refused(tmp_path, name, data, word):
     file = tmp_path / name
     file.write_bytes(data)
     assert word in refusal_of(*volume(file, tmp_path / "none.png"))
+
+
+@pytest.mark.parametrize("file", ["sample:engine", "a.nrrd", "a.NHDR"])
+def test_options_of_a_raw_file_are_refused_of_another(tmp_path, file):
+    for option in (("--dims", "8,8,8"), ("--type", "uint8"), ("--endian", "little"), ("--skip", 0)):
+        sentence = refusal_of(*volume(file, tmp_path / "none.png", *option))
+        assert f"{option[0]} would be ignored" in sentence
 
 
 def test_an_nrrd_picture_is_no_volume(tmp_path):
