@@ -5,8 +5,7 @@ import importlib
 
 import click
 
-from fixedpipe.effects.cli.refusal import Said
-from fixedpipe.effects.refusal import Refusal
+from fixedpipe.effects.cli.refusal import said
 
 _COMMANDS = (
     "figures",
@@ -55,12 +54,15 @@ class LazyGroup(click.Group):
             return None
         return getattr(importlib.import_module(f"fixedpipe.effects.cli.{cmd_name}"), cmd_name)
 
+    def make_context(self, *arguments, **settings):
+        """The group's context; what it cannot read of the command line is said as Refusals are."""
+        with said():
+            return super().make_context(*arguments, **settings)
+
     def invoke(self, ctx):
-        """Run the subcommand; a Refusal becomes its sentence and exit status 2."""
-        try:
+        """Run the subcommand; a Refusal, or a wrong option, becomes a sentence and exit status 2."""
+        with said():
             return super().invoke(ctx)
-        except Refusal as error:
-            raise Said(str(error)) from error
 
 
 @click.group(

@@ -2,6 +2,8 @@
 
 import click
 
+from fixedpipe.effects.cli.options import refuse_ignored
+
 
 @click.command(short_help="Check a program of the time (RC1.0, TS1.0, ps.1.x), print it in words.")
 @click.argument("file", metavar="FILE")
@@ -32,12 +34,18 @@ def combiners(file, profile, targets, notation):
     from fixedpipe.pipeline.validation.validate import validate_program
 
     machine = None if profile is None else choose("profile", profile, PROFILES)
-    bound = dict(_target(given) for given in targets)
+    bound = _targets(targets)
     try:
         # Of the time: comments in any encoding, which the notations skip.
         program = parse_program(read_text(file, otherwise="latin-1"), bound)
     except ProgramTextError as error:
         raise Refusal(f"{'standard input' if file == '-' else file}, {error}") from error
+    if not any(name.startswith("ps.") for name in program.notations):
+        refuse_ignored(
+            click.get_current_context(),
+            ("targets",),
+            f"{' and '.join(program.notations)} says what its units read, and a pixel shader alone does not",
+        )
     with refusals():
         if machine is not None:
             validate_program(program.texture_shader, program.combiners, machine)
@@ -57,6 +65,18 @@ def combiners(file, profile, targets, notation):
         click.echo(f"  c{place.constant} is {where}")
     for note in program.notes:
         click.echo(f"note: {note}")
+
+
+def _targets(options):
+    """{unit: TextureTarget} of every ``UNIT=TARGET``. Raises Refusal where a unit is given twice."""
+    from fixedpipe.effects.refusal import Refusal
+
+    found = {}
+    for given in options:
+        unit, target = _target(given)
+        if found.setdefault(unit, target) is not target:
+            raise Refusal(f"--target gives unit {unit} two targets; give it one.")
+    return found
 
 
 def _target(given):

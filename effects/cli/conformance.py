@@ -9,6 +9,8 @@ from pathlib import Path
 
 import click
 
+from fixedpipe.effects.cli.options import refuse_beside
+
 _HOW = (
     "Clone https://github.com/abaire/nxdk_pgraph_tests_golden_results and give its folder `results`, "
     "or set FIXEDPIPE_CAPTURES to it."
@@ -38,6 +40,7 @@ def conformance(folder, suites, text, list_only, inputs, json_file, html_file, t
     from fixedpipe.effects.reports.files import writable_file, write_whole
 
     if list_only:
+        refuse_beside(click.get_current_context(), "--list")
         _list_suites()
         return
     folder = _folder_of_captures(folder)

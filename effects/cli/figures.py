@@ -6,7 +6,7 @@ from contextlib import contextmanager
 
 import click
 
-from fixedpipe.effects.cli.options import threads_option
+from fixedpipe.effects.cli.options import refuse_beside, threads_option
 from fixedpipe.pipeline.sentences import count
 
 
@@ -37,6 +37,7 @@ def figures(figure_ids, list_only, check, out, profile, size, threads, json_file
     from fixedpipe.pipeline.profiles import PROFILES
 
     if list_only:
+        refuse_beside(click.get_current_context(), "--list")
         for figure in FIGURES.values():
             click.echo(f"{figure.id:8s} {figure.title} ({', '.join(figure.techniques)}; {figure.source})")
             click.echo(f"{'':8s} on {', '.join(figure.machines)}")

@@ -2,6 +2,8 @@
 
 import click
 
+from fixedpipe.effects.cli.options import machine_of
+
 
 @click.command(short_help="Was it the clamp or the bits? A figure's error by each.")
 @click.argument("figure_id", metavar="ID", default="F004-4")
@@ -38,14 +40,11 @@ def precision(figure_id, profile, size, bits, parts):
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.cli.refusal import check_size
     from fixedpipe.effects.figures import FIGURES
-    from fixedpipe.effects.refusal import Refusal, choose, refusals
-    from fixedpipe.pipeline.profiles import PROFILES
+    from fixedpipe.effects.refusal import choose, refusals
 
     figure = choose("figure", figure_id, FIGURES)
     key = profile or figure.machines[0]
-    machine = choose("profile", key, PROFILES)
-    if machine.arithmetic.exact:
-        raise Refusal("The ideal machine's numbers have no width to change; choose another --profile.")
+    machine = machine_of(key)
     check_size(figure.id, figure.columns, size, machine)
     widths, of = _widths(bits), _parts(parts, measured.PARTS)
     announce_compiling()

@@ -1,18 +1,39 @@
 """How the command line says no: the sentence on the error stream, and exit status 2."""
 
+from contextlib import contextmanager
+
 import click
 
 from fixedpipe.effects.refusal import Refusal
 
 
 class Said(click.ClickException):
-    """A Refusal's sentence as the command line ends with it."""
+    """A Refusal's sentence as the command line ends with it; ``before``: lines above it."""
 
     exit_code = 2
 
+    def __init__(self, message, before=""):
+        super().__init__(message)
+        self.before = before
+
     def show(self, file=None):
         """Print the sentence."""
-        click.echo(f"fixedpipe: {self.format_message()}", file=file, err=True)
+        click.echo(f"{self.before}fixedpipe: {self.format_message()}", file=file, err=True)
+
+
+@contextmanager
+def said():
+    """What cannot be done, or was asked for in words that are none, ends as Said: with one prefix."""
+    try:
+        yield
+    except Refusal as error:
+        raise Said(str(error)) from error
+    except click.UsageError as error:
+        context = error.ctx
+        before = (
+            f"{context.get_usage()}\nTry '{context.command_path} --help' for help.\n\n" if context else ""
+        )
+        raise Said(error.format_message(), before) from error
 
 
 def check_size(what, columns, size, profile):

@@ -4,6 +4,7 @@ import sys
 
 import click
 
+from fixedpipe.effects.cli.options import machine_of, refuse_ignored
 from fixedpipe.effects.reports.study_record import json_bytes, measured, plotted
 
 
@@ -18,7 +19,8 @@ from fixedpipe.effects.reports.study_record import json_bytes, measured, plotted
 )
 @click.option("--json", "json_file", metavar="FILE", help="Write all results as one JSON list as well.")
 def study(study_ids, profile, check, out, json_file):
-    """Measure the studies with the given IDs, or all, on the emulated machines; without an ID, name them.
+    """Measure the studies with the given IDs, or all, on the emulated machines. Without an ID --check
+    measures all, and nothing but their names is printed otherwise.
 
     Prints each table and what its numbers say, and writes ID.png, a plot, and ID.json beside it. Plots need
     matplotlib: pip install 'fixedpipe[plots]'.
@@ -29,13 +31,19 @@ def study(study_ids, profile, check, out, json_file):
     from fixedpipe.effects.studies import STUDIES
     from fixedpipe.effects.technique import INDEX
 
-    if not study_ids:
+    if not study_ids and not check:
+        refuse_ignored(
+            click.get_current_context(),
+            ("profile", "out", "json_file"),
+            "without an ID studies are named, not measured; give IDs, or all",
+        )
         for s in STUDIES.values():
             click.echo(f"{s.id:4s} {s.title} ({', '.join(s.techniques)}; {s.source})")
         click.echo(f"{INDEX} says what the ids in brackets are.", err=True)
         return
-    ids = list(STUDIES) if "all" in study_ids else dict.fromkeys(study_ids)
-    chosen = [choose("study", i, STUDIES) for i in ids]
+    chosen = [choose("study", i, STUDIES) for i in dict.fromkeys(study_ids) if i != "all"]
+    if "all" in study_ids or not study_ids:
+        chosen = list(STUDIES.values())
     machines = [_machine(s, profile, check) for s in chosen]
     folder = writable_folder(out)
     json_path = writable_file(json_file) if json_file else None
@@ -68,13 +76,12 @@ def study(study_ids, profile, check, out, json_file):
 
 def _machine(s, profile, check):
     """The key of the machine to measure a study on, or None where no one machine is asked for."""
-    from fixedpipe.effects.refusal import Refusal, choose
-    from fixedpipe.pipeline.profiles import PROFILES
+    from fixedpipe.effects.refusal import Refusal
 
     own = s.machines[0] if s.machines else None
     if profile is None:
         return own
-    choose("profile", profile, PROFILES)
+    machine_of(profile)
     if profile not in s.machines:
         instead = f"one of {', '.join(s.machines)}" if s.machines else "no --profile"
         raise Refusal(f"{s.id} cannot be measured on {profile}; give {instead}.")

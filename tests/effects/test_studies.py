@@ -174,6 +174,27 @@ def test_without_an_id_the_studies_are_listed():
     assert [line.split()[0] for line in result.stdout.splitlines()] == list(STUDIES)
 
 
+@pytest.mark.parametrize("ids", [(), ("all",), ("P9", "all")])
+def test_all_studies_are_checked_without_an_id(ids, tmp_path, monkeypatch):
+    monkeypatch.setattr("fixedpipe.effects.studies.STUDIES", {key: STUDIES[key] for key in ("P9", "P10")})
+    result = run(*ids, "--check", "--out", tmp_path)
+    assert result.exit_code == 0, result.output
+    assert "2 studies in" in result.stdout and result.stdout.count("ok ") > 2
+    assert {path.stem for path in tmp_path.glob("*.json")} == {"P9", "P10"}
+
+
+def test_a_missed_number_of_any_study_is_found_without_an_id(tmp_path, monkeypatch):
+    from fixedpipe.effects.studies import p09_nine_bit_registers
+
+    monkeypatch.setattr("fixedpipe.effects.studies.STUDIES", {"P9": STUDIES["P9"]})
+    monkeypatch.setattr(p09_nine_bit_registers, "_CATALOGUED", {(1.0, 1.0, True): 0.1})
+    assert run("--check", "--out", tmp_path).exit_code == 1
+
+
+def test_an_unknown_study_is_refused_beside_all():
+    assert "There is no study 'P99'" in refusal_of("all", "P99")
+
+
 def test_a_study_prints_its_table_and_writes_its_plot_and_record(tmp_path):
     pytest.importorskip("matplotlib")
     results = tmp_path / "all.json"
@@ -222,6 +243,7 @@ def test_an_unknown_study_is_refused_with_the_likely_one():
     [
         (("P9", "--profile", "OCTANE"), "P9 cannot be measured on OCTANE; give one of GEFORCE_256"),
         (("P9", "--profile", "VOODOO"), "GEFORCE_256"),
+        (("P9", "--profile", "IDEAL"), "IDEAL is no machine"),
         (("P9", "--profile", "GEFORCE_3", "--check"), "expected numbers of P9 are for GEFORCE_256"),
     ],
 )

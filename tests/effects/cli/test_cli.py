@@ -102,6 +102,55 @@ def test_an_unknown_subcommand_ends_with_status_2():
     assert run("render").exit_code == 2
 
 
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("render",), "fixedpipe: No such command 'render'."),
+        (("--fast",), "fixedpipe: No such option '--fast'."),
+        (("bump",), "fixedpipe: Missing argument 'PHOTO'."),
+        (("bump", "a.png", "--size", "0", "--out", "b.png"), "fixedpipe: Invalid value for '--size'"),
+        (("bump", "a.txt", "--out", "b.png"), "fixedpipe: There is no file 'a.txt'."),
+    ],
+)
+def test_every_refusal_begins_with_one_prefix(arguments, sentence):
+    result = run(*arguments)
+    assert result.exit_code == 2
+    assert result.stderr.splitlines()[-1].startswith(sentence)
+    assert "Error" not in result.stderr and result.stdout == ""
+
+
+RC, PS = "!!RC1.0\n{ rgb { spare0 = col0; } }\nout.rgb = spare0;\n", "ps.1.1\ntex t0\nmov r0, t0\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("figures", "--list", "K12"), "leave ID out"),
+        (("figures", "--list", "--check", "--json", "a.json"), "leave --check and --json out"),
+        (("conformance", "--list", "folder"), "leave FOLDER out"),
+        (("study", "--json", "a.json"), "--json would be ignored"),
+        (("study", "--out", "a", "--profile", "NV2A"), "--profile and --out would be ignored"),
+        (("combiners", "rc.txt", "--target", "1=TEXTURE_CUBE_MAP"), "--target would be ignored"),
+        (
+            ("combiners", "ps.txt", "--target", "0=TEXTURE_CUBE_MAP", "--target", "0=TEXTURE_2D"),
+            "gives unit 0 two targets",
+        ),
+    ],
+)
+def test_what_would_be_ignored_is_refused(tmp_path, monkeypatch, arguments, words):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "rc.txt").write_text(RC)
+    (tmp_path / "ps.txt").write_text(PS)
+    assert words in refusal_of(*arguments)
+    assert {path.name for path in tmp_path.iterdir()} == {"rc.txt", "ps.txt"}
+
+
+def test_options_that_are_looked_at_are_not_refused(tmp_path):
+    (tmp_path / "ps.txt").write_text(PS)
+    twice = ("--target", "0=TEXTURE_CUBE_MAP") * 2
+    assert run("combiners", tmp_path / "ps.txt", *twice).exit_code == 0
+
+
 # ------------------------------------------------------------------------------------------------ figures
 
 
@@ -685,13 +734,13 @@ def constant(path, photo):
     ("name", "spoil", "words"),
     [
         ("a.png", truncated, "cannot be read"),
-        ("a.png", not_an_image, "cannot be read"),
-        ("a.tiff", not_an_image, "cannot be read"),
-        ("a.png", empty, "cannot be read"),
-        ("a.npy", not_an_image, "cannot be read"),
-        ("a.npy", empty, "cannot be read"),
-        ("a.npy", truncated_array, "cannot be read"),
-        ("a.npy", array_of_objects, "cannot be read"),
+        ("a.png", not_an_image, "no picture that is read here"),
+        ("a.tiff", not_an_image, "no picture that is read here"),
+        ("a.png", empty, "is empty"),
+        ("a.npy", not_an_image, "is no NPY file"),
+        ("a.npy", empty, "is empty"),
+        ("a.npy", truncated_array, "has 512 bytes, and 412 are there"),
+        ("a.npy", array_of_objects, "Python's objects"),
         ("a.npy", array_of_text, "array of numbers"),
         ("a.npy", array_with_nan, "NaN"),
         ("a.npy", array_of_one_axis, "shape (5,)"),
@@ -820,7 +869,8 @@ def test_precision_prints_a_row_for_each_width_and_clamp():
         (("--bits", "8,x"), "give whole numbers from 4 to 16"),
         (("--bits", "3"), "may have 4 to 16 bits"),
         (("--of", "colour"), "there are: combiner, texture, framebuffer, filter_fraction, subpixel"),
-        (("--profile", "IDEAL"), "no width to change"),
+        (("--profile", "IDEAL"), "IDEAL is no machine, and its numbers have no width to change"),
+        (("--profile", "VOODOO"), "TEXRAM, FUTURE."),
     ],
 )
 def test_precision_refuses_what_it_cannot_measure(arguments, said):
