@@ -36,21 +36,25 @@ stale.
 
 An id of a technique, K07, is a letter for the paper that has it and a number. Both are this project's: the
 papers number no techniques. A technique's module declares its ids; figures and studies declare those that
-they use.
+they use. Each id leads to its entry in the [catalogue](catalogue/README.md): what the paper has there, the
+passes, what must be seen, and by which numbers a picture is accepted.
 
 """
 _OTHER_IDS = """
 The other ids:
 
 - **F004-2** is figure 2 of document 004, drawn by `fixedpipe figures F004-2`. Document 003 numbers no
-  pictures; here they are counted. A figure with a technique's id, K14, shows what the paper has no picture
-  of.
+  pictures; here they are counted. A [figure](#figures) with a technique's id, K14, shows what the paper has
+  no picture of.
 - **P11** is an artefact of the hardware, measured by a [study](#studies).
-- **E004.9** is an erratum of document 004, or a point that it leaves open; the document's page says what was
-  done.
-- **A-K07** is the sequence of passes of K07. The catalogue, which comments and checks cite for sequences,
-  artefacts, errata and expected numbers, was written from the papers before the code, and is not in the
-  repository.
+- **E004.9** is an erratum of document 004, or a point that it leaves open, with what was done.
+- **A-K07** is the sequence of passes of K07.
+"""
+_FIGURES = """
+## Figures
+
+`fixedpipe figures F004-2` draws one; `--check` holds it to its acceptance.
+
 """
 _STUDIES = """
 ## Studies
@@ -120,6 +124,21 @@ def _module_link(collection, identifier):
     return _link(f"{path}.py", identifier)
 
 
+def entry_of(identifier):
+    """Where an id stands in the catalogue, of whatever kind: "004.md#a-k07"."""
+    if identifier[0] == "P":
+        page = "artefacts"
+    elif identifier[0] in "EFT":
+        page = identifier[1:4]
+    else:
+        page = PAPERS[identifier.removeprefix("A-")[0]][0]
+    return f"{page}.md#{identifier.lower().replace('.', '-')}"
+
+
+def _entry_link(identifier):
+    return f"[{identifier}](catalogue/{entry_of(identifier)})"
+
+
 def _row(cells):
     return "| " + " | ".join(cells) + " |"
 
@@ -143,17 +162,19 @@ def _papers():
             number,
             _paper(key),
             f"`{key}`",
+            f"[{number}](catalogue/{number}.md)",
             f"[{PAGES[number]}]({PAGES[number]})" if number in PAGES else "",
         )
         for letter, (number, key) in PAPERS.items()
     ]
-    return _table(("letter", "document", "paper", "[bibliography](../bibliography.bib)", "page"), rows)
+    head = ("letter", "document", "paper", "[bibliography](../bibliography.bib)", "catalogue", "what is drawn")
+    return _table(head, rows)
 
 
 def _techniques(letter):
     rows = [
         (
-            technique.id,
+            _entry_link(technique.id),
             technique.what,
             technique.section,
             _where(path, technique),
@@ -167,9 +188,23 @@ def _techniques(letter):
     return _table(("id", "what it is", place, "modules", "figures", "studies"), rows)
 
 
+def _figures():
+    rows = [
+        (_entry_link(each), figure.title, _module_link(FIGURES, each), ", ".join(figure.techniques))
+        for each, figure in FIGURES.items()
+    ]
+    return _table(("id", "what is drawn", "module", "techniques"), rows)
+
+
 def _studies():
     rows = [
-        (each, study.title, _module_link(STUDIES, each), ", ".join(study.techniques), f"`{study.source}`")
+        (
+            _entry_link(each),
+            study.title,
+            _module_link(STUDIES, each),
+            ", ".join(study.techniques),
+            f"`{study.source}`",
+        )
         for each, study in STUDIES.items()
     ]
     return _table(("id", "what is measured", "module", "techniques", "paper"), rows)
@@ -181,8 +216,9 @@ def page():
     for letter, (number, key) in PAPERS.items():
         if any(technique.id[0] == letter for _, technique in claims()):
             parts += [f"\n## {letter}: document {number}, {key}\n\n", _techniques(letter)]
-    named = [(identifier, what, where) for identifier, (what, where) in NAMED.items()]
-    parts += [_STUDIES, _studies(), _NAMED, _table(("id", "what it is", "section or slide"), named)]
+    named = [(_entry_link(identifier), what, where) for identifier, (what, where) in NAMED.items()]
+    parts += [_FIGURES, _figures(), _STUDIES, _studies()]
+    parts += [_NAMED, _table(("id", "what it is", "section or slide"), named)]
     return "".join(parts)
 
 

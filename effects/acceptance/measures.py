@@ -1,6 +1,6 @@
 """What the figures' acceptance checks measure pictures with.
 
-Bounds of checks are the catalogue's (docs/reading-guide.md) where it computed or proposed them; others were
+Bounds of checks are the catalogue's (docs/papers/catalogue) where it computed or proposed them; others were
 measured at the first correct picture and frozen with about a third of slack. The mathematics is asserted on
 the free ideal; the machine has bounds of its own.
 """

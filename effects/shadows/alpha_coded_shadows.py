@@ -24,7 +24,7 @@ What is chosen here:
 - The ramp's texels are i / (W - 1). With LINEAR it is exact for s' = s (W - 1) / W + 1 / (2 W), which goes
   into the plane of the generation; uncorrected it is off by half a texel at its ends (study P7).
 - Combiners subtract by SIGNED_NEGATE; the final combiner's clamp leaves max(0, difference) and the alpha test
-  is EQUAL 0. The catalogue's product with -1, EXPAND_NORMAL of zero, is one with -256/255 where one half is
+  is EQUAL 0. A product with -1, EXPAND_NORMAL of zero, is one with -256/255 where one half is
   128: from a map's 128 on it is a step too low. Environments of the time have no SUBTRACT: ADD_SIGNED of
   one and the other's complement gives 1/2 + difference, and the test is LEQUAL 128/255. Where a machine takes
   one half as 128, equal alphas give 127, so that a difference of one step passes too: a bias of b - 1 there
@@ -32,8 +32,8 @@ What is chosen here:
 - H38 needs destination alpha and FUNC_REVERSE_SUBTRACT (EXT_blend_subtract, the imaging subset). Without the
   latter, ``subtract=False``: the map is copied as 1 - z and added. The sum clamps at one where the fragment
   is in shadow, and the copy onto itself has a bias of 1 - 2^n beside the scale of 2^n: one stays one and all
-  below becomes zero. Equal alphas are then in shadow, so that this map's bias is one step more. The
-  catalogue holds this not to be expressible; pixel transfer's scale and bias are in OpenGL 1.0.
+  below becomes zero. Equal alphas are then in shadow, so that this map's bias is one step more. Pixel
+  transfer's scale and bias are in OpenGL 1.0.
 - The smallest alpha above zero is 1/(2^n - 1), not 1/2^n (erratum E000.10); times 2^n it is above one too.
 - The map needs destination alpha as well. In a window that has none the ramp goes through red: an INTENSITY
   ramp, and a map copied as INTENSITY, whose alpha is the window's red. H37 then still runs; H38 does not.

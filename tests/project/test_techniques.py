@@ -23,9 +23,11 @@ HELPERS = {
     "effects/volumes/engine_block.py",
     "effects/volumes/slices.py",
 }
+# The catalogue has entries of what is not drawn, too: test_catalogue.py.
+CATALOGUE = ROOT / "docs" / "papers" / "catalogue"
 TEXTS = [
     *sorted(ROOT.glob("*.md")),
-    *sorted((ROOT / "docs").rglob("*.md")),
+    *(page for page in sorted((ROOT / "docs").rglob("*.md")) if page.parent != CATALOGUE),
     *sorted((ROOT / "effects").rglob("*.py")),
 ]
 
