@@ -167,7 +167,8 @@ def _papers():
         )
         for letter, (number, key) in PAPERS.items()
     ]
-    head = ("letter", "document", "paper", "[bibliography](../bibliography.bib)", "catalogue", "what is drawn")
+    bibliography = "[bibliography](../bibliography.bib)"
+    head = ("letter", "document", "paper", bibliography, "catalogue", "what is drawn")
     return _table(head, rows)
 
 
