@@ -55,7 +55,7 @@ def dome_slopes(s, t, rim_radius=0.6):
     at the rim.
 
     ``rim_radius`` in half the square's edge. The slope jumps at the rim: there the local frame has a crease.
-    Source: catalogue of document 004, figure 2: domes with a 45 degree rim.
+    Source: the catalogue's figure F004-2: domes with a 45 degree rim.
     """
     u, v = (s - np.floor(s)) * 2.0 - 1.0, (t - np.floor(t)) * 2.0 - 1.0
     r2, rim2 = u * u + v * v, rim_radius * rim_radius

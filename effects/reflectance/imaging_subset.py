@@ -29,8 +29,8 @@ What is chosen here:
 
 Squares are made of texels before any filter, where register combiners filter vectors and then square.
 
-Source: Kautz, Seidel 2000, sections 4.2 and 5 (K08, K10 of the catalogue; pass sequence A-K08, and H45 in its
-section 2.6 for diffuse light); OpenGL 1.2.1 section 3.6.
+Source: Kautz, Seidel 2000, sections 4.2 and 5 (K08, K10 of the catalogue; pass sequence A-K08, and A-H45
+for diffuse light); OpenGL 1.2.1 section 3.6.
 """
 
 from dataclasses import dataclass, replace

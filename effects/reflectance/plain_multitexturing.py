@@ -22,7 +22,7 @@ of (.)+. Eight bits are few for it where alpha is small: at 0.25 Eq. 1 has a six
 No environment sums the channels of a colour, and only INTERPOLATE adds a product to what an earlier unit
 gives, which it weighs down: here each product is a draw, and of two units one is idle.
 
-Source: Kautz, Seidel 2000, section 5 (K22 of the catalogue; its line in section 2.6);
+Source: Kautz, Seidel 2000, section 5 (K22 of the catalogue; pass sequence A-K22);
 ARB_texture_env_combine. The quadratic form: Inferred, from Eq. 1.
 """
 

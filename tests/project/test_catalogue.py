@@ -14,9 +14,7 @@ ROOT = Path(__file__).parents[2]
 CATALOGUE = ROOT / "docs" / "papers" / "catalogue"
 ENTRIES = sorted(CATALOGUE.glob("*.md"))
 PAGES = [
-    page
-    for page in sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
-    if page.parent != CATALOGUE
+    page for page in sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")]) if page.parent != CATALOGUE
 ]
 TEXTS = [
     *PAGES,
