@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterator, Mapping
 from types import ModuleType
 from typing import TypeVar
 
+from fixedpipe.effects.refusal import Refusal
+
 Held = TypeVar("Held")  # a Figure, a Study
 
 
@@ -21,20 +23,37 @@ class Collection(Mapping[str, Held]):
     package     the package, imported
     attribute   the name of what each module holds: "FIGURE"
     identify    (a module's name without its packages) -> the id it claims, or None where it claims none
+    form        how a module is named that claims an id, for sentences
+    beside      names of modules in the package itself that claim none
 
-    Listing the ids imports nothing. Raises ValueError where two modules claim an id, and when a module whose
-    name claims an id holds something with another.
+    What lies in a folder ``shared`` claims no id either. Listing the ids imports nothing. Raises Refusal
+    where two modules claim an id, or a module is named in another way, and would not be found; and, when an
+    id is asked for, where its module holds nothing, or something with another id.
     """
 
-    def __init__(self, package: ModuleType, attribute: str, identify: Callable[[str], str | None]):
+    def __init__(
+        self,
+        package: ModuleType,
+        attribute: str,
+        identify: Callable[[str], str | None],
+        form: str,
+        beside: tuple[str, ...] = (),
+    ):
         self._attribute = attribute
+        helpers = {f"{package.__name__}.{name}" for name in beside}
         found: dict[str, str] = {}
         for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
-            identifier = identify(module.name.rpartition(".")[2])
-            if identifier is None:
+            *folders, name = module.name.split(".")
+            if module.ispkg or "shared" in folders or module.name in helpers:
                 continue
+            identifier = identify(name)
+            if identifier is None:
+                raise Refusal(
+                    f"{module.name} is named by no id, so what it holds would not be found. Call it "
+                    f"{form}; what several share goes into the folder's shared."
+                )
             if identifier in found:
-                raise ValueError(
+                raise Refusal(
                     f"{found[identifier]} and {module.name} both claim {identifier}. Give one another id."
                 )
             found[identifier] = module.name
@@ -43,9 +62,15 @@ class Collection(Mapping[str, Held]):
     def __getitem__(self, identifier: str) -> Held:
         """The figure or study of that id; imports its module."""
         name = self._modules[identifier]
-        value = getattr(importlib.import_module(name), self._attribute)
+        value = getattr(importlib.import_module(name), self._attribute, None)
+        if value is None:
+            raise Refusal(
+                f"{name} claims {identifier} by its name, and holds no {self._attribute}. End it with "
+                f"{self._attribute} = {self._attribute.capitalize()}(id={identifier!r}, ...), or put it into "
+                "the folder's shared."
+            )
         if value.id != identifier:
-            raise ValueError(
+            raise Refusal(
                 f"{name} claims {identifier} by its name, and holds {value.id}. Rename one of them."
             )
         return value

@@ -1,8 +1,8 @@
 """Ids of techniques, with what they mean. A technique's module declares its own under its imports, as
 ``TECHNIQUES``, a tuple of ``Technique`` and ``AnotherWay``.
 
-An id is a letter for the paper and a number. Figures and studies name the ids of the techniques that they
-use; docs/papers/index.md is made of both.
+An id is a letter for the paper, or X for an effect of one's own, and a number. Figures and studies name the
+ids of the techniques that they use; docs/papers/index.md is made of both.
 """
 
 import re
@@ -19,12 +19,15 @@ PAPERS = {
     "Z": ("003", "Zwicker2016"),
     "K": ("004", "KautzSeidel2000"),
 }
+# The letter of effects that are of none of these papers.
+OWN = "X"
 
 
 def _checked(identifier):
-    if not isinstance(identifier, str) or re.fullmatch(rf"[{''.join(PAPERS)}]\d\d", identifier) is None:
+    if not isinstance(identifier, str) or re.fullmatch(rf"[{''.join(PAPERS)}{OWN}]\d\d", identifier) is None:
         raise ValueError(
-            f"{identifier!r} is no technique's id. Give one of {', '.join(PAPERS)} and two digits: K07."
+            f"{identifier!r} is no technique's id. Give one of {', '.join(PAPERS)} and two digits: K07; or {OWN} "
+            "and two digits for an effect of your own."
         )
 
 
@@ -36,7 +39,7 @@ class Technique:
     what     what it is, in a line
     section  where the paper has it: sections' numbers, "4.1, 6", or a slide's title
 
-    Raises ValueError for an id that is not a paper's letter and two digits.
+    Raises ValueError for an id that is not a paper's letter, or X, and two digits.
     """
 
     id: str
@@ -54,7 +57,8 @@ class AnotherWay:
     ids  tuple of techniques' ids
     how  what differs, in a few words: "on a GeForce 3, by dot products"
 
-    Raises ValueError for an id that is not a paper's letter and two digits, and for ids that are no tuple.
+    Raises ValueError for an id that is not a paper's letter, or X, and two digits, and for ids that are
+    no tuple.
     """
 
     ids: tuple[str, ...]

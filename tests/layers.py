@@ -63,7 +63,7 @@ PACKAGES = {
     },
     "pipeline/golden": {"raster": "kernel"},
     "effects/refusal": {},
-    "effects/collection": {},
+    "effects/collection": {"effects": "refusal"},
     "effects/technique": {},
     "effects/geometry": {"pipeline": "state commands"},
     "effects/passes": {

@@ -8,7 +8,7 @@ from pathlib import Path
 from fixedpipe.effects.figures import FIGURES
 from fixedpipe.effects.reflectance.brdfs import BRDFS
 from fixedpipe.effects.studies import STUDIES
-from fixedpipe.effects.technique import INDEX, PAPERS, AnotherWay, Technique
+from fixedpipe.effects.technique import INDEX, OWN, PAPERS, AnotherWay, Technique
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / INDEX
@@ -214,9 +214,10 @@ def _studies():
 def page():
     """The whole page as text."""
     parts = [_HEAD, _papers(), _OTHER_IDS]
-    for letter, (number, key) in PAPERS.items():
+    heads = {letter: f"{letter}: document {number}, {key}" for letter, (number, key) in PAPERS.items()}
+    for letter, head in {**heads, OWN: f"{OWN}: of none of these papers"}.items():
         if any(technique.id[0] == letter for _, technique in claims()):
-            parts += [f"\n## {letter}: document {number}, {key}\n\n", _techniques(letter)]
+            parts += [f"\n## {head}\n\n", _techniques(letter)]
     named = [(_entry_link(identifier), what, where) for identifier, (what, where) in NAMED.items()]
     parts += [_FIGURES, _figures(), _STUDIES, _studies()]
     parts += [_NAMED, _table(("id", "what it is", "section or slide"), named)]

@@ -65,11 +65,16 @@ def module_name(suite):
 def known_suites():
     """Module of every suite, by the name of its captures' folder.
 
-    Raises ValueError for a module that is not named as its suite, so no two can claim one.
+    Raises ValueError for a module that says no suite, or is not named as its suite, so no two can claim one.
     """
     found = {}
     for name in (m.name for m in iter_modules(suites.__path__)):
         module = import_module(f"{suites.__name__}.{name}")
+        if not hasattr(module, "SUITE"):
+            raise ValueError(
+                f"{name}.py lies among the suites and has no SUITE; give it the name of its captures' "
+                "folder, or move what suites share to effects/conformance/."
+            )
         if module_name(module.SUITE) != name:
             raise ValueError(
                 f"{name}.py says that it is {module.SUITE}; call it {module_name(module.SUITE)}.py, or give "

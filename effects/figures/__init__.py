@@ -17,5 +17,9 @@ def _identify(name):
     return technique and technique[1].upper()
 
 
+# How a figure's module is named.
+FORM = "f004_02_rings for F004-2, or k14_dot_product_bumps for K14: two digits, then words"
 # By id, in the catalogue's order.
-FIGURES: Collection[Figure] = Collection(sys.modules[__name__], "FIGURE", _identify)
+FIGURES: Collection[Figure] = Collection(
+    sys.modules[__name__], "FIGURE", _identify, FORM, beside=("costs", "figure")
+)

@@ -19,4 +19,6 @@ def _identify(name):
     return artefact and f"P{int(artefact[1])}"
 
 
-STUDIES: "Collection[Study]" = Collection(sys.modules[__name__], "STUDY", _identify)
+# How a study's module is named.
+FORM = "p09_nine_bit_registers for P9: two digits, then words"
+STUDIES: "Collection[Study]" = Collection(sys.modules[__name__], "STUDY", _identify, FORM, beside=("study",))

@@ -520,6 +520,16 @@ def test_a_second_module_that_claims_a_suite_is_refused(monkeypatch):
         redraw.known_suites()
 
 
+def test_a_module_without_a_suite_is_refused(monkeypatch):
+    from fixedpipe.effects.conformance.suites import alpha_func
+
+    monkeypatch.delattr(alpha_func, "SUITE")
+    with pytest.raises(
+        ValueError, match=r"alpha_func.py lies among the suites and has no SUITE; give it the"
+    ):
+        redraw.known_suites()
+
+
 @pytest.mark.parametrize(
     ("suite", "name"),
     [("2D_Lines", "lines_2d"), ("TextureWrapMode", "texture_wrap_mode"), ("Fog_vsh", "fog_vsh")],

@@ -9,6 +9,7 @@ import pytest
 
 from fixedpipe.effects.collection import Collection
 from fixedpipe.effects.figures import FIGURES
+from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.studies import STUDIES
 
 COLLECTIONS = {"figures.FIGURES": (FIGURES, "K12"), "studies.STUDIES": (STUDIES, "P9")}
@@ -43,7 +44,7 @@ def identify(name):
 
 
 def collected(package):
-    return Collection(package, "THING", identify)
+    return Collection(package, "THING", identify, "a1_words for A1", beside=("helper",))
 
 
 def loaded_by(statements):
@@ -87,7 +88,7 @@ def test_a_module_is_imported_when_its_id_is_asked_for(package):
 
 
 def test_ids_come_in_the_order_of_their_numbers(package):
-    names = ("b2_x", "a10_x", "deeper/a9_x", "deeper/b1_x", "a1_x", "shared", "deeper/no_id")
+    names = ("b2_x", "a10_x", "deeper/a9_x", "deeper/b1_x", "a1_x", "helper", "deeper/shared/no_id")
     things = collected(package({f"{name}.py": "" for name in names}))
     assert list(things) == ["A1", "A9", "A10", "B1", "B2"]
     assert things.module_of("A9") == "things.deeper.a9_x"
@@ -107,3 +108,17 @@ def test_a_module_whose_name_disagrees_with_what_it_holds_is_refused(package):
     assert things["A1"].id == "A1"
     with pytest.raises(ValueError, match=r"things.a2_second claims A2 by its name, and holds A3\."):
         things["A2"]
+
+
+@pytest.mark.parametrize("name", ["toon", "deeper/a_2", "deeper/helper"])
+def test_a_module_that_would_not_be_found_is_refused_by_how_to_name_it(package, name):
+    found = package({f"{name}.py": holds("A1")})
+    module = re.escape(f"things.{name}".replace("/", "."))
+    with pytest.raises(Refusal, match=rf"^{module} is named by no id, .* Call it a1_words for A1;"):
+        collected(found)
+
+
+def test_a_module_that_holds_nothing_is_refused_by_what_to_write(package):
+    things = collected(package({"a1_first.py": "FIGURE = 1"}))
+    with pytest.raises(Refusal, match=r"things\.a1_first claims A1 .* holds no THING\. End it with THING = "):
+        things["A1"]

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from fixedpipe.effects import technique
 from fixedpipe.effects.figures import FIGURES
 from fixedpipe.effects.reflectance.brdfs import BRDFS
 from fixedpipe.effects.studies import STUDIES
@@ -125,7 +126,12 @@ def test_the_table_of_a_document_s_page_names_the_module_that_is_the_technique(n
         assert not named or owners[identifier] in named, f"{identifier} is {owners[identifier]}"
 
 
-@pytest.mark.parametrize("identifier", ["K7", "X07", "k07", "K007", 7])
+def test_an_effect_of_one_s_own_has_a_letter_of_its_own():
+    assert technique.OWN not in technique.PAPERS
+    assert Technique(f"{technique.OWN}07", "what", "1").id == "X07"
+
+
+@pytest.mark.parametrize("identifier", ["K7", "Y07", "k07", "K007", 7])
 def test_an_id_of_no_paper_is_refused(identifier):
     with pytest.raises(ValueError, match="no technique's id"):
         Technique(identifier, "what", "1")
