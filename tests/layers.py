@@ -121,7 +121,7 @@ PACKAGES = {
         "effects": "refusal passes",
     },
     "effects/user_pictures": {
-        "pipeline": "enums profiles framebuffers validation execution",
+        "pipeline": "enums profiles validation execution ideal",
         "effects": "refusal geometry passes scenes bump_mapping reflectance shadows volumes acceptance",
     },
     "effects/reports": {

@@ -57,6 +57,9 @@ def bump(
 ):
     """Bump-map a mesh with PHOTO: a PNG, TIFF (its first page), JPEG or NPY file, or a sample.
 
+    Machines with register combiners draw every pixel's highlight, those with the imaging subset (OCTANE,
+    INFINITE_REALITY, OPENGL_1_2_IMAGING) every triangle's; IDEAL draws without rounding.
+
     Samples: sample:gravel, sample:brick, sample:grass, sample:coins, sample:moon (photographs) and
     sample:jacksboro (an elevation model). Light is high, dark is low. The light's +x is right, +y up, +z
     towards you.
@@ -69,7 +72,8 @@ def bump(
     from fixedpipe.effects.geometry.triangle_meshes import read_obj
     from fixedpipe.effects.refusal import choose, refusals
     from fixedpipe.effects.reports.files import writable_picture, write_whole
-    from fixedpipe.effects.user_pictures.bumped_mesh import commands, material, mesh
+    from fixedpipe.effects.user_pictures.bumped_mesh import commands, material, mesh, way_of
+    from fixedpipe.effects.user_pictures.drawing import drawn
     from fixedpipe.effects.user_pictures.inputs import read_picture, read_text
     from fixedpipe.pipeline.framebuffers.pictures import png
     from fixedpipe.pipeline.profiles import PROFILES
@@ -80,6 +84,7 @@ def bump(
     direction = three_numbers(light, "The light's direction")
     changed = {"relief": height_scale, "alpha_x": alpha_x, "alpha_y": alpha_y}
     with refusals():
+        way = way_of(machine)
         parameters = replace(material(material_name), **{k: v for k, v in changed.items() if v is not None})
         is_file = mesh_name.lower().endswith(".obj")
         surface = read_obj(read_text(mesh_name), mesh_name) if is_file else mesh(mesh_name)
@@ -88,12 +93,9 @@ def bump(
         frame = commands(
             read_picture(photo), surface, parameters, direction, machine, size, size, map_size=map_size
         )
-
         announce_compiling()
-        from fixedpipe.pipeline.execution.machine import execute
-
-        result = execute(frame, machine, size, size, threads=threads)
-    write_whole(path, png(result.image()))
-    if result.dropped:
-        click.echo(f"{result.dropped} triangles were left out: the camera is inside them.", err=True)
-    click.echo(f"{path}: {result.fragments} fragments on the {machine.name}")
+        drawing = drawn(frame, machine, size, size, threads)
+    write_whole(path, png(drawing.image))
+    if drawing.dropped:
+        click.echo(f"{drawing.dropped} triangles were left out: the camera is inside them.", err=True)
+    click.echo(f"{path}: {way.title}, {drawing.summary}")

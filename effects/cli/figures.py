@@ -17,7 +17,7 @@ from fixedpipe.pipeline.sentences import count
 @click.option(
     "--out", metavar="DIR", default="out", show_default=True, help="Folder of the pictures and the gallery."
 )
-@click.option("--profile", metavar="NAME", help="One machine; otherwise every one that can draw the figure.")
+@click.option("--profile", metavar="NAME", help="One machine, or IDEAL; else every one that can draw it.")
 @click.option("--size", type=click.IntRange(min=1), metavar="N", help="Edge of a figure's panels, pixels.")
 @threads_option
 @click.option("--json", "json_file", metavar="FILE", help="Write all results as one JSON list as well.")
@@ -45,8 +45,10 @@ def figures(figure_ids, list_only, check, out, profile, size, threads, json_file
         return
     chosen = [choose("figure", i, FIGURES) for i in dict.fromkeys(figure_ids)] or list(FIGURES.values())
     if profile is not None:
-        choose("profile", profile, PROFILES)
-        chosen = [figure for figure in chosen if figure_ids or profile in figure.machines]
+        exact = choose("profile", profile, PROFILES).arithmetic.exact
+        if exact and check:
+            raise Refusal(f"--check compares machines with {profile}; leave it out, or give a machine.")
+        chosen = [figure for figure in chosen if figure_ids or exact or profile in figure.machines]
         if not chosen:
             raise Refusal(
                 f"No figure can be drawn on {profile}; fixedpipe figures --list has their machines."

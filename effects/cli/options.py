@@ -12,7 +12,7 @@ profile_option = click.option(
     metavar="NAME",
     default="GEFORCE_256",
     show_default=True,
-    help="Machine.",
+    help="Machine, or IDEAL.",
 )
 threads_option = click.option(
     "--threads",

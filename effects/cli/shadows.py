@@ -74,6 +74,6 @@ def shadows(mesh, algorithm, light, out, size, profile, up, map_size, threads):
             "The viewer is in the mesh's shadow, where z-pass counts wrong; give --algorithm z-fail.",
             err=True,
         )
-    write_whole(path, png(found.result.image()))
-    click.echo(f"{path}: {way.title}, {found.result.fragments} fragments on the {machine.name}")
+    write_whole(path, png(found.picture.image))
+    click.echo(f"{path}: {way.title}, {found.picture.summary}")
     click.echo(f"shadows against rays: {found.agreement}")

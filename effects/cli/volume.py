@@ -50,7 +50,7 @@ ENDIANS = {"little": "<", "big": ">"}
 @click.option(
     "--size", type=click.IntRange(min=8), metavar="N", default=512, show_default=True, help="Pixels an edge."
 )
-@click.option("--profile", metavar="NAME", default="OCTANE", show_default=True, help="Machine.")
+@click.option("--profile", metavar="NAME", default="OCTANE", show_default=True, help="Machine, or IDEAL.")
 @threads_option
 def volume(
     file, iso, out, dims, type_name, endian, skip, spacing, view, up, light, shadows, slices, size, profile,
@@ -66,9 +66,9 @@ def volume(
     from fixedpipe.effects.cli.refusal import check_size
     from fixedpipe.effects.refusal import choose, refusals
     from fixedpipe.effects.reports.files import writable_picture, write_whole
-    from fixedpipe.effects.user_pictures.volume import picture_of, volume_of
+    from fixedpipe.effects.user_pictures.drawing import drawn
+    from fixedpipe.effects.user_pictures.volume import method_for, picture_of, volume_of
     from fixedpipe.effects.user_pictures.volume_files import data_file_of
-    from fixedpipe.effects.volumes.volume_rendering import method_of
     from fixedpipe.pipeline.framebuffers.pictures import png
     from fixedpipe.pipeline.profiles import PROFILES
 
@@ -80,18 +80,15 @@ def volume(
         (view, "The direction to the eye"), (up, "What is up"), (light, "The direction to the light"),
     )]  # fmt: skip
     with refusals():
-        method = method_of(machine)
+        method = method_for(machine)
         values, own_spacing = _read(file, dims, type_name, endian, skip)
         steps = own_spacing if spacing is None else three_numbers(spacing, "The spacing")
         found = volume_of(values, file, machine, iso, steps)
         picture = picture_of(found, *directions, machine, size, slices, shadows)
         frame = method(picture, machine)
-
         announce_compiling()
-        from fixedpipe.pipeline.execution.machine import execute
-
-        result = execute(frame, machine, size, size, threads=threads)
-    write_whole(path, png(result.image()))
+        drawing = drawn(frame, machine, size, size, threads)
+    write_whole(path, png(drawing.image))
     low, high = float(values.min()), float(values.max())
     given, kept = ("x".join(map(str, a.shape[::-1])) for a in (values, found.density))
     changed = "" if given == kept else f" resampled from {given}"
@@ -99,7 +96,7 @@ def volume(
         f"{file}: {kept} voxels{changed}, {low:g} to {high:g} as bytes, surface at "
         f"{low + found.iso * (high - low):g}"
     )
-    click.echo(f"{path}: {slices} slices, {result.fragments} fragments on the {machine.name}")
+    click.echo(f"{path}: {slices} slices, {drawing.summary}")
 
 
 def _check_raw_options(name):

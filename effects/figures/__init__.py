@@ -21,5 +21,5 @@ def _identify(name):
 FORM = "f004_02_rings for F004-2, or k14_dot_product_bumps for K14: two digits, then words"
 # By id, in the catalogue's order.
 FIGURES: Collection[Figure] = Collection(
-    sys.modules[__name__], "FIGURE", _identify, FORM, beside=("costs", "figure")
+    sys.modules[__name__], "FIGURE", _identify, FORM, beside=("costs", "figure", "parameters")
 )

@@ -117,10 +117,12 @@ class Figure:
         return {name: parameter.default for name, parameter in self.parameters.items()}
 
     def method(self, machine: str) -> Method:
-        """How a machine draws it, by the machine's key.
+        """How a machine draws it, by the machine's key; the ideal, which can do all, draws as the first does.
 
         Raises ValueError where it cannot.
         """
+        if machine in PROFILES and PROFILES[machine].arithmetic.exact:
+            return self.methods[0]
         for method in self.methods:
             if machine in method.machines:
                 return method

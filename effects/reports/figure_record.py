@@ -105,6 +105,8 @@ def _checks(figure, renderer):
 def _on_machine(figure, machine, size, threads, step):
     """Its three pictures by view, and what the record says of them."""
     profile, method, (width, height) = PROFILES[machine], figure.method(machine), figure.dimensions(size)
+    if profile.arithmetic.exact:
+        return _by_the_ideal(figure, machine, size, threads, step)
     step(f"{figure.id}: on the {profile.name}, {width}x{height}")
     with refusals():
         commands = figure.commands(profile, size, method)
@@ -137,3 +139,27 @@ def _on_machine(figure, machine, size, threads, step):
         "provenance": provenance(profile),
     }
     return pictures, record
+
+
+def _by_the_ideal(figure, machine, size, threads, step):
+    """The one picture of the ideal by itself, with its own tests of depth and stencil, and its record."""
+    profile, method, (width, height) = PROFILES[machine], figure.method(machine), figure.dimensions(size)
+    step(f"{figure.id}: by the ideal, {width}x{height}")
+    with refusals():
+        commands = figure.commands(profile, size, method)
+        image = execute_ideal(commands, width, height, threads=threads).image()
+    step(f"{figure.id}: rounding to bytes")
+    step(f"{figure.id}: writing")
+    caption = f"{profile.name}, {method.name}: float64, rounded to bytes at the end"
+    record = {
+        "profile": machine,
+        "method": method.name,
+        "parameters": dict(method.parameters),
+        "sha256": digest(image),
+        "difference_rms": 0.0,
+        "difference_max": 0.0,
+        "pictures": {"ideal": {"file": picture_name(figure.id, machine, "machine"), "caption": caption}},
+        "checks": [],
+        "provenance": provenance(profile),
+    }
+    return {"machine": image}, record

@@ -1,12 +1,13 @@
-"""Bump mapping of a height field on a mesh with an anisotropic material: K10, then K07, from arrays to
-commands.
+"""Bump mapping of a height field on a mesh with an anisotropic material, from arrays to commands.
 
 A photograph or an elevation model becomes a height field, the height field local frames, the frames and a
-material's parameters the three material textures; two passes then draw the mesh.
+material's parameters a material. Machines with register combiners draw the mesh in two passes (K10, then
+K07), machines with the imaging subset triangle by triangle (K08).
 
-Source: Kautz, Seidel 2000, sections 4.1 and 6 (K07, K10, K21 of the catalogue).
+Source: Kautz, Seidel 2000, sections 4.1, 4.2 and 6 (K07, K08, K10, K21 of the catalogue).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -16,7 +17,9 @@ from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.matrices import look_at, rotate, rotation
 from fixedpipe.effects.geometry.vectors import dot, unit_vector
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, Panel, perspective_view
-from fixedpipe.effects.reflectance import anisotropic_blinn_phong, material_textures
+from fixedpipe.effects.reflectance import anisotropic_blinn_phong, imaging_subset, material_textures
+from fixedpipe.pipeline.profiles import PROFILES
+from fixedpipe.pipeline.validation.validate import validate
 
 
 @dataclass(frozen=True)
@@ -141,6 +144,93 @@ def fitted(surface, eye):
     return replace(surface, positions=centered / reach)
 
 
+def _by_combiners(surface, material, view, light, profile, parameters, ambient):
+    loading, names = material_textures.load(material, "material", profile)
+    color, specular = parameters.diffuse, parameters.specular
+    return (
+        *loading,
+        *diffuse_bump.diffuse_pass(surface, names.normal, view, light, profile, color=color, ambient=ambient),
+        *anisotropic_blinn_phong.specular_pass(surface, names, view, light, profile, specular=specular),
+    )
+
+
+# Triangles that face the viewer. Assumed: each is loaded three times; so many take a minute or two.
+_MOST_FLAT_TRIANGLES = 20_000
+
+
+def _by_imaging_subset(surface, material, view, light, profile, parameters, ambient):
+    faces = imaging_subset.polygons(surface)
+    seen = int(imaging_subset.facing(faces, view).sum())
+    if seen > _MOST_FLAT_TRIANGLES:
+        raise ValueError(
+            f"The mesh has {seen} triangles in front, and the {profile.name} loads each by itself, up to "
+            f"{_MOST_FLAT_TRIANGLES}; make it coarser, or give a machine with register combiners: "
+            f"{', '.join(machines_with(WAYS[0]))}."
+        )
+    return imaging_subset.commands(
+        surface,
+        material,
+        view,
+        light,
+        profile,
+        color=parameters.diffuse,
+        ambient=ambient,
+        specular=parameters.specular,
+    )
+
+
+@dataclass(frozen=True)
+class Way:
+    """One of the ways in which a machine draws a bumped mesh.
+
+    title  in a few words, with the catalogue's ids
+    draw   (surface, Material, view, light, profile, parameters, ambient) -> commands
+    needs  what a machine must have, in words
+    """
+
+    title: str
+    draw: Callable
+    needs: str
+
+
+# The best that a machine has is taken: per fragment, then per triangle.
+WAYS = (
+    Way("register combiners (K10, K07)", _by_combiners, "two general combiners and two texture units"),
+    Way("imaging subset, flat triangles (K08)", _by_imaging_subset, "a colour matrix with colour tables"),
+)
+
+
+def can_draw(way, profile):
+    """Whether a machine can draw by one of WAYS: its passes are validated for a small picture of a square."""
+    size, hills = 16, np.arange(16.0).reshape(4, 4)
+    try:
+        frame = _commands(
+            way, hills, surfaces.plane(), material("stone"), (0.0, 0.0, 1.0), profile, size, size
+        )
+        validate(frame, profile, size, size)
+    except ValueError:
+        return False
+    return True
+
+
+def machines_with(*ways):
+    """Keys in ``fixedpipe.pipeline.profiles.PROFILES`` of what can draw by these WAYS; none: by any."""
+    return tuple(k for k, p in PROFILES.items() if any(can_draw(way, p) for way in ways or WAYS))
+
+
+def way_of(profile):
+    """The first of WAYS by which a machine can draw. Raises ValueError, with the machines that can, where it
+    can by none.
+    """
+    for way in WAYS:
+        if can_draw(way, profile):
+            return way
+    raise ValueError(
+        f"The {profile.name} cannot draw bumps with a highlight, which takes "
+        f"{', or '.join(way.needs for way in WAYS)}. Give one of {', '.join(machines_with())}."
+    )
+
+
 def commands(
     image,
     surface,
@@ -154,7 +244,7 @@ def commands(
     map_size=None,
     eye=(0.0, 1.0, 3.6),
 ):
-    """Everything from the height field's picture to the two passes.
+    """Everything from the height field's picture to the passes, by the way of the machine (``way_of``).
 
     Parameters
     ----------
@@ -175,7 +265,20 @@ def commands(
         Texels along the material textures' edges, or None (``material_map``).
     eye
         The viewer's position; the surface lies round the origin and is about two units wide.
+
+    Raises ValueError for what is none of these, and a machine that can draw by none of WAYS.
     """
+    way = way_of(profile)
+    return _commands(
+        way, image, surface, parameters, light, profile, width, height,
+        background=background, map_size=map_size, eye=eye,
+    )  # fmt: skip
+
+
+def _commands(
+    way, image, surface, parameters, light, profile, width, height, *,
+    background=BACKGROUND, map_size=None, eye=(0.0, 1.0, 3.6),
+):  # fmt: skip
     parameters = material(parameters) if isinstance(parameters, str) else parameters
     panel = Panel(0, 0, width, height)
     toward = tuple(float(c) for c in unit_vector(light, "The light's direction"))
@@ -187,15 +290,5 @@ def commands(
     view = perspective_view(panel, eye, field_of_view=field_of_view, radius=1.05 * radius)
     repeated = bool(np.ptp(surface.texture_coordinates, axis=0).max() > 1.0)
     maps = material_map(image, parameters, profile, map_size, repeated=repeated)
-    loading, names = material_textures.load(maps, "material", profile)
     ambient = tuple(0.12 * c for c in parameters.diffuse)
-    return (
-        panel.clear(background),
-        *loading,
-        *diffuse_bump.diffuse_pass(
-            surface, names.normal, view, lit, profile, color=parameters.diffuse, ambient=ambient
-        ),
-        *anisotropic_blinn_phong.specular_pass(
-            surface, names, view, lit, profile, specular=parameters.specular
-        ),
-    )
+    return (panel.clear(background), *way.draw(surface, maps, view, lit, profile, parameters, ambient))

@@ -17,8 +17,9 @@ from fixedpipe.effects.passes.arguments import one_of
 from fixedpipe.effects.scenes.objects_and_lamps import FLOOR_HALF_WIDTH, Object, Scene, floor, lamp_around
 from fixedpipe.effects.shadows import alpha_coded_shadows, shadow_maps, shadow_volumes
 from fixedpipe.effects.shadows.lit_scene import SceneShading, map_edge
+from fixedpipe.effects.user_pictures import drawing
+from fixedpipe.effects.user_pictures.drawing import Drawing
 from fixedpipe.pipeline.enums import BlendEquation
-from fixedpipe.pipeline.framebuffers.result import Result
 from fixedpipe.pipeline.profiles import PROFILES
 from fixedpipe.pipeline.validation.validate import validate
 
@@ -249,9 +250,8 @@ def can_draw(algorithm, profile):
 
 
 def machines_with(algorithm):
-    """Keys in ``fixedpipe.pipeline.profiles.PROFILES`` of the machines, the ideal aside, that can draw it."""
-    machines = {key: profile for key, profile in PROFILES.items() if not profile.arithmetic.exact}
-    return tuple(key for key, profile in machines.items() if can_draw(algorithm, profile))
+    """Keys in ``fixedpipe.pipeline.profiles.PROFILES`` of what can draw it."""
+    return tuple(key for key, profile in PROFILES.items() if can_draw(algorithm, profile))
 
 
 def check_machine(algorithm, key):
@@ -277,35 +277,32 @@ def checked_map_edge(size, profile, edge=None):
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """A mesh's shadow: the picture's ``Result``, how its mask agrees with rays, and whether the viewer is in
+    """A mesh's shadow: the picture's ``Drawing``, how its mask agrees with rays, and whether the viewer is in
     the shadow, where z-pass counts wrong.
     """
 
-    result: Result
+    picture: Drawing
     agreement: Agreement
     viewer_in_shadow: bool
 
 
 def drawn(algorithm, scene, lamp, profile, size, edge, threads=None):
     """The picture, and its mask compared with rays: ``Drawn``. ``edge``: of the map, in texels."""
-    # Whoever waits for kernels to be compiled is told first.
-    from fixedpipe.pipeline.execution.machine import execute
-
     view = camera(Panel(0, 0, size, size))
     picture, masked = (
-        execute(
+        drawing.drawn(
             commands(
                 algorithm, scene, lamp, profile, size, edge=edge, background=BACKGROUND, shading=shading
             ),
             profile,
             size,
             size,
-            threads=threads,
+            threads,
         )
         for shading in SceneShading
     )
     truth = truth_of(scene, view, lamp)
-    mask = lit_mask(masked.framebuffer.color[::-1] / (2.0**masked.framebuffer.color_bits - 1.0))
+    mask = lit_mask(masked.color[::-1])
     understood = {"contact": hidden_distance(algorithm, lamp), "grazing": 0.1}
     if ALGORITHMS[algorithm].map:
         understood["map_edge"] = edge

@@ -15,11 +15,32 @@ from fixedpipe.effects.scenes.objects_and_lamps import lamp_around
 from fixedpipe.effects.shadows.alpha_coded_shadows import BIAS, Coding
 from fixedpipe.effects.shadows.lit_scene import map_edge
 from fixedpipe.effects.volumes.slices import CORNER_BITS, Volume
-from fixedpipe.effects.volumes.volume_rendering import Picture
+from fixedpipe.effects.volumes.volume_rendering import Picture, method_of
+from fixedpipe.pipeline.profiles import PROFILES
 
 # Assumed: texels along an edge that a host of today has memory for several times over; 512 would be 512 MB.
 LARGEST_EDGE = 256
 _LARGEST = 1e30  # Assumed: no measured volume holds more
+
+
+def _method_or_none(profile):
+    try:
+        return method_of(profile)
+    except ValueError:
+        return None
+
+
+def machines_that_can():
+    """Keys in ``fixedpipe.pipeline.profiles.PROFILES`` of what can light a volume's slices."""
+    return tuple(key for key, profile in PROFILES.items() if _method_or_none(profile))
+
+
+def method_for(profile):
+    """How a profile draws a volume. Raises ValueError, with the machines that can, where it cannot."""
+    try:
+        return method_of(profile)
+    except ValueError as error:
+        raise ValueError(f"{error} Give one of {', '.join(machines_that_can())}.") from error
 
 
 def texture_edges(counts, largest):

@@ -437,6 +437,6 @@ def method_of(profile):
     ):
         return combiners
     raise ValueError(
-        f"The {profile.name} cannot light slices of a 3D texture: that takes 3D textures and a colour "
-        "matrix, as the OCTANE's, or six general combiners, as the GEFORCE_3's."
+        f"The {profile.name} cannot light slices of a 3D texture, which takes 3D textures and either a "
+        "colour matrix and auxiliary buffers, or six general combiners."
     )

@@ -23,11 +23,12 @@ from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports import files
 from fixedpipe.effects.reports.gallery import gallery
 from fixedpipe.effects.technique import INDEX
-from fixedpipe.effects.user_pictures import inputs
-from fixedpipe.effects.user_pictures.bumped_mesh import MATERIALS, MESHES
+from fixedpipe.effects.user_pictures import bumped_mesh, inputs
+from fixedpipe.effects.user_pictures.bumped_mesh import MATERIALS, MESHES, machines_with
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.golden.digests import digest
-from fixedpipe.pipeline.profiles import GEFORCE_256, PROFILES
+from fixedpipe.pipeline.ideal.evaluate import execute_ideal
+from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL, PROFILES
 from fixedpipe.pipeline.profiles.known import EVIDENCE_TAGS
 from fixedpipe.pipeline.profiles.sections import SECTION_OF, SECTIONS
 from fixedpipe.raster.kernel import CACHE_FOLDER
@@ -388,13 +389,54 @@ def test_an_unknown_profile_is_refused_with_the_names_there_are(tmp_path):
     assert all(name in sentence for name in PROFILES)
 
 
-def test_the_ideal_is_no_machine_to_render_on(tmp_path):
-    refusal = refusal_of("figures", "K12", "--profile", "IDEAL", "--out", tmp_path)
-    assert "K12 cannot be drawn on IDEAL; it can on GEFORCE_256" in refusal
+def test_the_ideal_draws_every_figure_once_and_is_compared_with_nothing(tmp_path, monkeypatch):
+    few = {name: FIGURES[name] for name in ("F004-7", "K12")}
+    monkeypatch.setattr("fixedpipe.effects.figures.FIGURES", few)
+    assert run("figures", "--profile", "IDEAL", "--size", 16, "--out", tmp_path).exit_code == 0
+    pictures = {f"{name}-IDEAL.png" for name in few}
+    assert {path.name for path in tmp_path.glob("*.png")} == pictures
+    ideal = execute_ideal(few["K12"].commands(IDEAL, 16), *few["K12"].dimensions(16)).image()
+    written = np.asarray(Image.open(tmp_path / "K12-IDEAL.png"))
+    np.testing.assert_array_equal(written, ideal[..., :3])
+    (drawn,) = json.loads((tmp_path / "K12.json").read_text())["machines"]
+    assert (drawn["profile"], drawn["sha256"]) == ("IDEAL", digest(ideal))
+    assert all(name in (tmp_path / "index.html").read_text() for name in pictures)
+    sentence = refusal_of("figures", "K12", "--check", "--profile", "IDEAL", "--out", tmp_path)
+    assert "compares machines with IDEAL" in sentence
 
 
-def test_a_machine_without_figures_is_refused_and_of_all_figures_it_draws_those_it_can(tmp_path, monkeypatch):
-    assert "No figure can be drawn on IDEAL" in refusal_of("figures", "--profile", "IDEAL", "--out", tmp_path)
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("bump", "hills.png", "--mesh", "plane"),
+        ("shadows", "mesh.obj"),
+        ("volume", "sample:engine", "--slices", 32),
+    ],
+)
+def test_a_user_s_picture_is_drawn_by_the_ideal(photo, tmp_path, monkeypatch, command):
+    monkeypatch.chdir(tmp_path)
+    Path("mesh.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    pictures = []
+    for profile in ("IDEAL", "FUTURE"):
+        result = run(*command, "--profile", profile, "--size", 24, "--out", "a.png")
+        assert result.exit_code == 0, result.output
+        pictures.append(np.asarray(Image.open("a.png")).astype(int))
+        assert ("by the ideal, in float64" in result.stdout) is (profile == "IDEAL")
+    assert len(np.unique(pictures[0])) > 20
+    assert np.abs(pictures[0] - pictures[1]).mean() < 3.0
+
+
+def test_no_message_about_the_ideal_has_a_name_of_python_s(photo, tmp_path):
+    result = run("passes", "F004-4", "--profile", "IDEAL", "--size", 16)
+    assert result.exit_code == 0 and "diffuse pass" in result.stdout
+    for arguments in (("precision", "F004-4"), ("study", "P9")):
+        sentence = refusal_of(*arguments, "--profile", "IDEAL")
+        assert "IDEAL is no machine" in sentence and "execute_ideal" not in sentence
+        assert "IDEAL" not in sentence.split("give one of")[1]
+    assert "IDEAL" not in refusal_of("precision", "F004-4", "--profile", "VOODOO")
+
+
+def test_a_machine_of_all_figures_draws_those_it_can(tmp_path, monkeypatch):
     few = {name: FIGURES[name] for name in ("F004-7", "K12")}
     monkeypatch.setattr("fixedpipe.effects.figures.FIGURES", few)
     assert run("figures", "--profile", "TEXRAM", "--size", 8, "--out", tmp_path).exit_code == 0
@@ -589,6 +631,37 @@ def test_a_photograph_becomes_a_picture(photo, tmp_path):
         assert picture.size == (24, 24)
         assert len(np.unique(np.asarray(picture))) > 20
     assert "fragments" in result.stdout
+
+
+def test_every_machine_that_can_draws_the_same_bumps(photo, tmp_path):
+    able = machines_with()
+    assert {"GEFORCE_256", "GEFORCE_3", "NV2A", "OCTANE", "INFINITE_REALITY", "OPENGL_1_2_IMAGING"} <= {*able}
+    pictures = {}
+    for machine in able:
+        result = run("bump", photo, "--out", tmp_path / "a.png", "--size", 32, "--mesh", "plane",
+                     "--profile", machine, "--material", "gold", "--map-size", 16)  # fmt: skip
+        assert result.exit_code == 0, result.output
+        assert (
+            "register combiners" if "GEFORCE" in machine else "imaging subset" if machine == "OCTANE" else ""
+        ) in result.stdout
+        pictures[machine] = np.asarray(Image.open(tmp_path / "a.png")).astype(int)
+    for machine, picture in pictures.items():
+        # Flat triangles have one halfway vector each; of a plane's neighbours they hardly differ.
+        assert np.abs(picture - pictures["IDEAL"]).mean() < 2.5, machine
+    assert pictures["IDEAL"].max() > 150
+
+
+def test_a_machine_that_cannot_draw_bumps_is_told_which_can(photo, tmp_path):
+    for machine in PROFILES.keys() - machines_with():
+        sentence = refusal_of(*bump(photo, tmp_path / "out.png", "--profile", machine))
+        assert f"The {PROFILES[machine].name} cannot draw bumps" in sentence
+        assert sentence.endswith(f"Give one of {', '.join(machines_with())}.")
+
+
+def test_a_mesh_of_too_many_flat_triangles_is_refused(photo, tmp_path, monkeypatch):
+    monkeypatch.setattr(bumped_mesh, "_MOST_FLAT_TRIANGLES", 100)
+    sentence = refusal_of(*bump(photo, tmp_path / "out.png", "--profile", "OCTANE"))
+    assert "2048 triangles in front" in sentence and "GEFORCE_3" in sentence
 
 
 def test_png_tiff_and_npy_of_the_same_heights_give_the_same_picture(photo, tmp_path):

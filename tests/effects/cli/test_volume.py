@@ -99,7 +99,7 @@ def test_shadows_darken_and_can_be_left_out(tmp_path):
         ((*RAW, "--light", "0,0,0"), ["direction to the light"]),
         ((*RAW, "--view", "1,2"), ["direction to the eye"]),
         ((*RAW, "--view", "0,3,0"), ["looks along"]),
-        ((*RAW, "--profile", "GEFORCE_256"), ["GeForce 256", "OCTANE"]),
+        ((*RAW, "--profile", "GEFORCE_256"), ["GeForce 256", "OCTANE", "GEFORCE_3", "FUTURE, IDEAL."]),
         ((*RAW, "--profile", "OCTAN"), ["Did you mean OCTANE?"]),
         ((*RAW, "--size", 4096), ["2048x2048"]),
     ],

@@ -1,0 +1,41 @@
+"""A user's picture drawn: on a machine, bit for bit, or by the ideal, as bytes in the end."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """What drawing gave.
+
+    color      float64 [h, w, 4], 1.0 = full, top row first: what the framebuffer holds
+    image      uint8 [h, w, 4], top row first: the same as bytes
+    dropped    triangles that were left out because the camera is inside them; the ideal counts none
+    summary    by what it was drawn, in words
+    """
+
+    color: np.ndarray
+    image: np.ndarray
+    dropped: int
+    summary: str
+
+
+def drawn(commands, profile, width, height, threads=None):
+    """The Drawing of a frame on a new machine, or of the ideal where the profile is exact.
+
+    Raises ValueError for what the profile cannot hold.
+    """
+    # Whoever waits for kernels to be compiled is told before they are imported.
+    if profile.arithmetic.exact:
+        from fixedpipe.pipeline.ideal.evaluate import execute_ideal
+
+        result = execute_ideal(commands, width, height, threads=threads)
+        summary = "by the ideal, in float64; its colours are rounded to bytes at the end"
+        return Drawing(result.color, result.image(), 0, summary)
+    from fixedpipe.pipeline.execution.machine import execute
+
+    result = execute(commands, profile, width, height, threads=threads)
+    color = result.framebuffer.color / (2.0**result.framebuffer.color_bits - 1.0)
+    summary = f"{result.fragments} fragments on the {profile.name}"
+    return Drawing(color, result.image(), result.dropped, summary)
