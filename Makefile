@@ -17,7 +17,7 @@ ifneq ($(wildcard $(CAPTURES)),)
 export FIXEDPIPE_CAPTURES ?= $(CAPTURES)
 endif
 
-.PHONY: help setup figures conformance machines techniques layers test test-all check bench accept \
+.PHONY: help setup figures conformance machines techniques layers docs docs-check test test-all check bench accept \
 	accept-conformance clean
 
 help:
@@ -29,6 +29,8 @@ help:
 	@echo "make machines           write docs/machines.md: which machine has which feature"
 	@echo "make techniques         write docs/papers/index.md: which technique, figure or study an id is"
 	@echo "make layers             write into docs/architecture.md which package imports which (tests/layers.py)"
+	@echo "make docs               write into the pages what commands measure (ONLY='F004-2 P9': these alone), 15 minutes"
+	@echo "make docs-check         measure the pages' numbers again; page, line and both numbers where they differ"
 	@echo "make accept FIGURE=ID   accept a figure's digest (PROFILE=NAME: on that machine) once it was looked at"
 	@echo "make accept-conformance accept how many pixels agree with the captures (WORSE=yes: fewer too)"
 	@echo "make setup              make the virtual environment, .venv, as all of these do on first use"
@@ -77,6 +79,12 @@ techniques: $(READY)
 
 layers: $(READY)
 	$(BIN)/python -m tests.layers
+
+docs: $(READY)
+	$(BIN)/python -m tests.documents $(ONLY)
+
+docs-check: $(READY)
+	$(BIN)/python -m tests.documents --check $(ONLY)
 
 accept: $(READY)
 	@[ -n "$(FIGURE)" ] || { echo "Say which figure: make accept FIGURE=ID (fixedpipe figures --list names them)."; exit 2; }

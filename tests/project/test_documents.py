@@ -1,0 +1,130 @@
+"""Pages print what is measured: numbers that a command gives are compared, and others have a reason."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from fixedpipe.effects.figures import FIGURES
+from fixedpipe.effects.studies import STUDIES
+from tests import documents
+
+ROOT = Path(__file__).parents[2]
+TEXTS = {page: page.read_text() for page in documents.PAGES}
+SOURCES = [
+    pytest.param(
+        page,
+        source,
+        id=f"{page.relative_to(ROOT)}-{source}",
+        marks=[pytest.mark.slow] * (not documents.is_quick(source)),
+    )
+    for page, text in TEXTS.items()
+    for source in documents.sources(text)
+]
+# What has a decimal point and is no number that a command gives.
+_NO_NUMBERS = (
+    r"^```[\s\S]*?^```",  # programs
+    r"^    .*$",  # and commands
+    r"`[^`]*`",
+    r"<img [^>]*>",
+    r"\]\([^)]*\)",
+    r"(?:^.+\n)*^.*llvmpipe.*\n(?:.+\n)*",  # speed, which `make bench` measures on its own computer
+    r"^\*Expected:\*[\s\S]*?\n\n",  # the catalogue's, of before anything was drawn
+    r"\bE\d+\.\d+\b",  # an erratum
+    r"\b[Ss]ections? [\d.]+\d(?: (?:and|to) [\d.]+\d)?",
+    r"\bOpenGL 1\.\d(?:\.\d)?|\bPython 3\.\d+|ps\.1\.\d",
+)
+# Numbers that nothing measures: what the papers and the figures' scenes give, and bounds that checks have.
+GIVEN = {
+    "README.md": {},
+    "docs/precision.md": {},
+    "docs/machine-beside-ideal.md": {},
+    "docs/studies.md": {},
+    "docs/papers/000-shadows.md": {
+        "98.5": "the catalogue's proposal for F000-7",
+        "0.29": "a uniform error of one step: the root of 1/12",
+    },
+    "docs/papers/003.md": {
+        "0.5": "F003-20's PolygonOffset",
+        "1.1": "the catalogue's PolygonOffset",
+        "1.5": "F003-21's PolygonOffset",
+        "2.2": "F003-18's PolygonOffset",
+        "0.1": "an example that can be computed by hand, as are the next four",
+        "0.15": "",
+        "0.2": "",
+        "0.3": "",
+        "9.9": "",
+        "0.4": "a board's thickness",
+    },
+    "docs/papers/004.md": {},
+}
+
+
+@pytest.mark.parametrize(("page", "source"), SOURCES)
+def test_a_page_says_what_is_measured(page, source):
+    assert [str(each) for each in documents.stale(page, TEXTS[page], source)] == []
+
+
+@pytest.mark.parametrize("page", documents.PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_a_number_with_decimals_is_measured_or_has_a_reason(page):
+    text = documents.without_measured(TEXTS[page])
+    for pattern in _NO_NUMBERS:
+        text = re.sub(pattern, "", text, flags=re.MULTILINE)
+    printed = set(re.findall(r"(?<![\w.])[\d,]*\.\d+", text))
+    assert sorted(printed) == sorted(GIVEN[str(page.relative_to(ROOT))])
+
+
+@pytest.mark.parametrize("page", documents.PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_comments_of_a_page_are_marks_that_are_understood(page):
+    assert "<!--" not in documents.without_measured(TEXTS[page])
+    for source in documents.sources(TEXTS[page]):
+        name, _, machine = source.partition("@")
+        assert name in {*FIGURES, *STUDIES, *documents.BLOCKS, "costs"}, source
+        assert not machine or machine in FIGURES[name].machines, source
+
+
+def test_a_number_keeps_the_decimals_that_it_is_printed_with():
+    assert documents.written(0.12345, "0.50") == "0.12"
+    assert documents.written(115500.2, "1,000") == "115,500"
+    assert documents.written(99.6, "98") == "100"
+    assert documents.written(-0.001, "0.00") == "0.00"
+    assert documents.written(-0.5, "0.25") == "-0.50"
+
+
+@pytest.fixture
+def measured(monkeypatch):
+    """Sources of a test's own: F gives 0.125 and 3 of two checks, T a table."""
+    monkeypatch.setattr(documents, "values", {"F": {"a b": 0.125, "c b": 3.0, "ideal: a b": 0.5}}.get)
+    monkeypatch.setattr(documents, "BLOCKS", {"T": lambda: "| 1 |\n| 2 |\n"})
+    documents.block.cache_clear()
+    yield
+    documents.block.cache_clear()
+
+
+PAGE = (
+    "One\n12.0<!--F: a * 100--> % and 3<!--F: c-->,\n<!-- T: begin -->\n\n| 1 |\n| 3 |\n\n<!-- T: end -->\n"
+)
+
+
+def test_what_is_stale_is_said_with_page_line_and_both_numbers(measured):
+    page = ROOT / "docs" / "page.md"
+    assert [str(each) for source in ("F", "T") for each in documents.stale(page, PAGE, source)] == [
+        "docs/page.md:2: F: a: the page says '12.0', measured is '12.5'",
+        "docs/page.md:6: T: the page says '| 3 |', measured is '| 2 |'",
+    ]
+
+
+def test_a_page_that_is_written_again_is_not_stale(measured):
+    text = PAGE
+    for source in documents.sources(PAGE):
+        text = documents.measured_again(text, source)
+    assert text == PAGE.replace("12.0", "12.5").replace("| 3 |", "| 2 |")
+    assert not [each for source in ("F", "T") for each in documents.stale(ROOT / "page.md", text, source)]
+
+
+def test_words_that_name_no_number_or_several_are_an_error(measured):
+    assert documents.value("F", "ideal: a") == 0.5
+    with pytest.raises(LookupError, match="F has 0 numbers named 'd'; there are: a b; c b"):
+        documents.value("F", "d")
+    with pytest.raises(LookupError, match="F has 2 numbers named 'b'"):
+        documents.value("F", "b")
