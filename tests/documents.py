@@ -41,7 +41,7 @@ from fixedpipe.effects.reports.figure_record import render
 from fixedpipe.effects.studies import STUDIES
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
-from fixedpipe.pipeline.profiles import FUTURE, GEFORCE_256, PROFILES
+from fixedpipe.pipeline.profiles import FUTURE, GEFORCE_3, GEFORCE_256, PROFILES
 from tests.support.studies import SLOW as SLOW_STUDIES
 
 ROOT = Path(__file__).parents[1]
@@ -118,10 +118,6 @@ def _checked(source):
     return found
 
 
-def _costs():
-    return {"minutes": sum(SECONDS.values()) / 60.0}
-
-
 @cache
 def studied(study_id):
     """A study's table, measured on its own machine."""
@@ -146,8 +142,8 @@ def _tabled(study_id):
 @cache
 def values(source):
     """What a source measures: numbers by what they are. Raises KeyError where there is no such source."""
-    if source == "costs":
-        return _costs()
+    if source in NUMBERS:
+        return NUMBERS[source]()
     return _tabled(source) if source in STUDIES else _checked(source)
 
 
@@ -173,27 +169,89 @@ def written(number, like):
     return text if text.strip("-0.,") else text.removeprefix("-")
 
 
-# ------------------------------------------------------------------------------- what is written whole
+# ------------------------------------------------------------------------------------ what is measured
 
 
 def _hundredths(number):
     return f"{255.0 * number:.2f}"
 
 
+# Of docs/precision.md: document 004's figures of the paper's own technique, and how they are drawn there.
+_IDS, _SIZE, _WIDTHS = ("F004-2", "F004-3", "F004-4"), 96, (4, 6, 8, 10, 12, 16)
+
+
+@cache
+def _by_width(figure_id):
+    """Rows of ``precision.table`` on the GeForce 256."""
+    return precision.table(FIGURES[figure_id], GEFORCE_256, _SIZE, _WIDTHS)
+
+
+def _costs():
+    return {"minutes of all figures": sum(SECONDS.values()) / 60.0}
+
+
+def _per_bit():
+    """By what a further bit divides the error as it is shown, of all widths and figures."""
+    quotients = []
+    for figure_id in _IDS:
+        for (bits, wide, _), (more, narrow, _) in itertools.pairwise(_by_width(figure_id)):
+            quotients.append((wide.shown / narrow.shown) ** (1.0 / (more - bits)))
+    return {"least": min(quotients), "largest": max(quotients)}
+
+
+def _left_by_clamps():
+    """What 16 bits leave of the error as it is computed, 1/255."""
+    return {figure_id: 255.0 * _by_width(figure_id)[-1][1].computed for figure_id in _IDS}
+
+
+# Numbers of a source that is neither a figure nor a study, by its name: a function that gives them by theirs.
+NUMBERS: dict[str, Callable[[], dict[str, float]]] = {
+    "costs": _costs,
+    "per-bit": _per_bit,
+    "clamps-at-16-bits": _left_by_clamps,
+}
+
+
 def _precision_widths():
-    """Document 004's figures by the width of everything, with the machine's clamps and without."""
-    ids, size, widths = ("F004-2", "F004-3", "F004-4"), 96, (4, 6, 8, 10, 12, 16)
-    by_figure = [precision.table(FIGURES[i], GEFORCE_256, size, widths) for i in ids]
+    """Figures by the width of everything, with the machine's clamps and without."""
     head = ["bits of everything"]
-    head += [f"{i} {what}" for i in ids for what in ("shown", "computed", "without its clamps")]
+    head += [f"{i} {what}" for i in _IDS for what in ("shown", "computed", "without its clamps")]
     rows = []
-    for of_one_width in zip(*by_figure, strict=True):
+    for of_one_width in zip(*map(_by_width, _IDS), strict=True):
         bits = of_one_width[0][0]
         cells = [f"{bits} (the chip)" if bits == 8 else str(bits)]
         for _, clamped, free in of_one_width:
             cells += [_hundredths(clamped.shown), _hundredths(clamped.computed), _hundredths(free.computed)]
         rows.append(cells)
     return table(head, rows)
+
+
+def _precision_clamps():
+    """The error as it is computed without each clamp that changes it."""
+    found = [dict(precision.clamps(FIGURES[i], GEFORCE_256, _SIZE)) for i in _IDS]
+    whole = [precision.measure(FIGURES[i], GEFORCE_256, _SIZE) for i in _IDS]
+    rows = [("none", [measured.computed for measured in whole])]
+    for clamp in found[0]:
+        without = [of_figure[clamp].computed for of_figure in found]
+        if without != rows[0][1]:
+            rows.append((clamp.name, without))
+    return table(("clamp left out", *_IDS), [(name, *map(_hundredths, row)) for name, row in rows])
+
+
+def _precision_parts():
+    """F004-1 by the width of each part of a GeForce 3."""
+    rows = []
+    for part in precision.PARTS:
+        eight, sixteen = (
+            precision.measure(
+                FIGURES["F004-1"], precision.at_width(GEFORCE_3, bits, (part,)), _SIZE,
+                FIGURES["F004-1"].method("GEFORCE_3"),
+            ).shown
+            for bits in (8, 16)
+        )  # fmt: skip
+        name = part.removesuffix("_bits").replace("_", " ")
+        rows.append((name, _hundredths(eight), _hundredths(sixteen)))
+    return table(("what is made wider", "8 bits", "16 bits"), rows)
 
 
 def _precision_order():
@@ -281,6 +339,8 @@ def _study(study_id):
 # What is written whole, by the name of its source: a function that gives the text.
 BLOCKS: dict[str, Callable[[], str]] = {
     "precision-widths": _precision_widths,
+    "precision-clamps": _precision_clamps,
+    "precision-parts": _precision_parts,
     "precision-order": _precision_order,
     "ring-energies": _ring_energies,
     "errors": _errors,
@@ -309,12 +369,10 @@ def without_measured(text):
 
 def is_quick(source):
     """Whether a source takes a second or two, and not minutes."""
-    if source in BLOCKS:
-        return False
     if source in STUDIES:
         return source not in SLOW_STUDIES
-    if source == "costs":
-        return True
+    if source in BLOCKS or source in NUMBERS:
+        return source == "costs"
     figure, _ = _split(source)
     return SECONDS[figure.id] / len(figure.machines) <= QUICK
 

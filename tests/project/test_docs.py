@@ -26,8 +26,9 @@ def test_the_readme_example_gives_what_it_says():
     assert results.failed == 0
 
 
-def test_the_precision_page_s_example_gives_what_it_says():
-    results = doctest.testfile(str(ROOT / "docs" / "precision.md"), module_relative=False)
+@pytest.mark.parametrize("page", ["precision", "machine-beside-ideal"])
+def test_a_page_s_example_gives_what_it_says(page):
+    results = doctest.testfile(str(ROOT / "docs" / f"{page}.md"), module_relative=False)
     assert results.attempted >= 5
     assert results.failed == 0
 

@@ -79,7 +79,7 @@ def test_comments_of_a_page_are_marks_that_are_understood(page):
     assert "<!--" not in documents.without_measured(TEXTS[page])
     for source in documents.sources(TEXTS[page]):
         name, _, machine = source.partition("@")
-        assert name in {*FIGURES, *STUDIES, *documents.BLOCKS, "costs"}, source
+        assert name in {*FIGURES, *STUDIES, *documents.BLOCKS, *documents.NUMBERS}, source
         assert not machine or machine in FIGURES[name].machines, source
 
 
