@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fixedpipe.effects.acceptance.check import Answer, Check
-from fixedpipe.effects.figures.parameters import Parameter, internal
+from fixedpipe.effects.figures.parameters import Parameter
 from fixedpipe.effects.refusal import nearest
 from fixedpipe.pipeline.commands import Command
 from fixedpipe.pipeline.framebuffers.result import Result
@@ -98,11 +98,13 @@ class Figure:
     acceptance: Acceptance
 
     def __post_init__(self) -> None:
-        declared = {
-            name: value if isinstance(value, Parameter) else internal(value, "It is not declared yet.")
-            for name, value in self.parameters.items()
-        }
-        object.__setattr__(self, "parameters", MappingProxyType(declared))
+        object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
+        for name, parameter in self.parameters.items():
+            if not isinstance(parameter, Parameter):
+                raise ValueError(
+                    f"{self.id}'s parameter {name} is {parameter!r}; declare what it is by a word of "
+                    "fixedpipe.effects.figures.parameters."
+                )
         if len(set(self.machines)) < len(self.machines) or not set(self.machines) <= set(PROFILES):
             raise ValueError(f"{self.id} names a machine twice, or one that is not known: {self.machines}.")
 

@@ -158,11 +158,11 @@ class Choice:
 
     def accept(self, value: Any) -> Any:
         """The member."""
-        if isinstance(value, str):
-            return self.parse(value)
         for member in self.members.values():
             if type(value) is type(member) and value == member:
                 return member
+        if isinstance(value, str):
+            return self.parse(value)
         raise ValueError
 
     def parse(self, text: str) -> Any:
@@ -177,9 +177,9 @@ class Choice:
         return next(name for name, member in self.members.items() if value is member or value == member)
 
 
-def of_enum(enum: type[Enum], *members: Enum) -> Choice:
-    """A Choice among an enum's members, or among some of them."""
-    return Choice({member.name: member for member in members or enum})
+def of_enum(*members: Enum) -> Choice:
+    """A Choice among an enum's members; ``of_enum(*Kind)``: among all."""
+    return Choice({member.name: member for member in members})
 
 
 # What stands between the parts of a value on the command line, by how many levels of parts are in them.
@@ -244,6 +244,31 @@ class Several:
         """Parts between commas, slashes, semicolons."""
         kinds = self._kinds(len(value))
         return _SEPARATORS[self.depth].join(k.show(v) for k, v in zip(kinds, value, strict=True))
+
+
+@dataclass(frozen=True)
+class Maybe:
+    """A value of ``kind``, or None, which means what ``none`` says."""
+
+    kind: Kind
+    none: str
+
+    @property
+    def allowed(self) -> str:
+        """What may be given."""
+        return f"{self.kind.allowed}, or None: {self.none}"
+
+    def accept(self, value: Any) -> Any:
+        """None, or as the kind does."""
+        return None if value is None else self.kind.accept(value)
+
+    def parse(self, text: str) -> Any:
+        """None, in any case, or as the kind does."""
+        return None if text.casefold() == "none" else self.kind.parse(text)
+
+    def show(self, value: Any) -> str:
+        """None, or as the kind does."""
+        return "None" if value is None else self.kind.show(value)
 
 
 @dataclass(frozen=True)
@@ -407,8 +432,13 @@ RADIUS = Word(Number(0.1, 1.0), "The radius of the sphere.", "half edges of a pa
 EXTENT = Word(Number(0.1, 1.0), "The half edge of the square.", "half edges of a panel")
 RATIO = Word(Number(0.125, 8.0), "Texels of the shadow map for each of the panel's pixels, along an edge.")
 FACTOR = Word(Number(0.0, 64.0), "The factor of the polygon offset, which multiplies the depth's slope.")
-UNITS = Word(Number(0.0, 1024.0), "The units of the polygon offset, steps of the depth buffer.")
+UNITS = Word(Number(0.0, 65536.0), "The units of the polygon offset, steps of the depth buffer.")
+OFFSET_KIND = Several(
+    (Number(0.0, 64.0), Number(0.0, 65536.0)), what="a factor and units, two numbers from 0"
+)
+RELIEF = Word(Number(0.0, 8.0), "How high the bumps stand: 0 is a flat surface.")
+FITTED_TEXELS = Word(Maybe(Whole(4, 1024, power=True), "as large as fits the panel"), unit="texels")
 SHADING = Word(
-    of_enum(SceneShading),
+    of_enum(*SceneShading),
     "Whether the scene is shown lit, or white where the light reaches it and black elsewhere.",
 )

@@ -7,6 +7,7 @@ from fixedpipe.effects.acceptance.ray_caster import scene_caster
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, INK, RED, VISIBLE, YELLOW
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import look_at, rotation, transform
@@ -392,7 +393,12 @@ FIGURE = Figure(
     source="Heidrich2001",
     techniques=("H34", "H36"),
     columns=2,
-    parameters={"map_ratio": 0.5, "background": BACKGROUND},
+    parameters={
+        "map_ratio": word.RATIO(
+            0.5, "Texels of the depth map for each of the panel's pixels, along an edge."
+        ),
+        "background": word.BACKDROP(BACKGROUND),
+    },
     methods=(Method("diagram", scene, DIAGRAM_MACHINES),),
     acceptance=checks,
 )

@@ -6,6 +6,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance import volume_caster
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import IMAGING_MACHINES_8, Figure, Method
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, perspective_view, row_of_panels
@@ -221,7 +222,22 @@ FIGURE = Figure(
     source="Heidrich2001",
     techniques=("H39", "H36", "H37", "H38"),
     columns=2,
-    parameters={"slices": 256, "rows": 128, "shading": SceneShading.LIT, "shadows": (False, True)},
+    parameters={
+        "slices": word.of(
+            word.Whole(2, 512), 256, "Slices through the volume, as many as the panel has pixels at most."
+        ),
+        "rows": word.of(
+            word.Whole(8, 128, power=True),
+            128,
+            "Voxels of the volume along its longest edge, about half the panel's pixels at most.",
+        ),
+        "shading": word.SHADING(SceneShading.LIT),
+        "shadows": word.of(
+            word.Several((word.Flag(),) * 2),
+            (False, True),
+            "Whether the engine throws shadows, in either panel.",
+        ),
+    },
     methods=(
         # The InfiniteReality can draw it as the Octane does, but with twelve bits it makes 1.5 million
         # fragments a second (Measured), and this figure has 69 million.

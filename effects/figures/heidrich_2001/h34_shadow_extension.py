@@ -114,10 +114,12 @@ FIGURE = Figure(
     techniques=("H34",),
     columns=2,
     parameters={
-        "ratio": 2,
-        "factor": 2.2,
-        "share": 0.4,
-        "from_red": False,
+        "ratio": word.RATIO(2),
+        "factor": word.FACTOR(2.2),
+        "share": word.SHARE(0.4, "The share of the light that stays in shadow on the right."),
+        "from_red": word.FLAG(
+            False, "Whether a copy makes alpha of the comparison's luminance, as some machines must."
+        ),
         "shading": word.SHADING(SceneShading.LIT),
     },
     methods=(

@@ -102,8 +102,8 @@ FIGURE = Figure(
     columns=4,
     size=384,
     parameters={
-        "ratio": 2,
-        "factor": 2.2,
+        "ratio": word.RATIO(2),
+        "factor": word.FACTOR(2.2),
         "shading": word.SHADING(SceneShading.LIT),
         "always": word.FLAG(
             False, "Whether a map is stored for every panel, where the lamp stands as before too."

@@ -19,7 +19,7 @@ _MAP = "shadow map"
 CONTACT_TEXELS = 20.0
 
 
-def close_view(panel, *, eye, center, field_of_view):
+def close_view(panel, eye, center, field_of_view):
     """A camera that looks closely at the edge of a shadow."""
     projection = perspective(field_of_view, 1.0, 4.0, 16.0)
     return View(panel, look_at(eye, center), projection, tuple(map(float, eye)), False)
@@ -30,7 +30,7 @@ def scene(profile, size, *, light, close, ratio, factor, units, background, shad
     objects, panels = still_life(detail_of(size)), row_of_panels(4, size)
     lamp, edge = lamp_around(objects, light), map_edge(size, ratio)
     views = [
-        still_life_view(panel) if k % 2 == 0 else close_view(panel, **close) for k, panel in enumerate(panels)
+        still_life_view(panel) if k % 2 == 0 else close_view(panel, *close) for k, panel in enumerate(panels)
     ]
     out = [*store_map(objects, lamp, _MAP, edge, (4 * size, size), factor=factor, units=units)]
     for view in views[:2]:
@@ -61,7 +61,7 @@ def checks(figure, renderer):
     size, p = 256, figure.values
     objects, panel = still_life(detail_of(size)), Panel(0, 0, size, size)
     lamp, edge = lamp_around(objects, p["light"]), map_edge(size, p["ratio"])
-    views = still_life_view(panel), close_view(panel, **p["close"])
+    views = still_life_view(panel), close_view(panel, *p["close"])
     truths = [truth_of(objects, view, lamp) for view in views]
     faced = [towards_light(truth) for truth in truths]
 
@@ -126,12 +126,16 @@ FIGURE = Figure(
     columns=4,
     size=384,
     parameters={
-        "light": (-6.2, 7.0, 3.2),
-        "close": {"eye": (0.6, 4.9, 8.4), "center": (1.02, 0.6, -0.8), "field_of_view": 7.5},
-        "ratio": 1.4,
-        "factor": 2.0,
-        "units": 4.0,
-        "background": BACKGROUND,
+        "light": word.POSITION((-6.2, 7.0, 3.2), "Where the light is."),
+        "close": word.of(
+            word.Several((word.POSITION_KIND, word.POSITION_KIND, word.Number(1.0, 90.0))),
+            ((0.6, 4.9, 8.4), (1.02, 0.6, -0.8), 7.5),
+            "The camera of the panels from near: its place, what it looks at, its field of view in degrees.",
+        ),
+        "ratio": word.RATIO(1.4),
+        "factor": word.FACTOR(2.0),
+        "units": word.UNITS(4.0),
+        "background": word.BACKDROP(BACKGROUND),
         "shading": word.SHADING(SceneShading.LIT),
     },
     methods=(Method("stencil buffer and depth texture", scene, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),

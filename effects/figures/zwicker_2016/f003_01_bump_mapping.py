@@ -5,6 +5,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import arithmetic_check
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.bumps import (
     BRICK_COLORS,
@@ -92,14 +93,20 @@ FIGURE = Figure(
     techniques=("Z01", "Z02", "Z07", "K10"),
     columns=2,
     parameters={
-        "relief": 1.6,
-        "tilt": 20.0,
-        "turn": 20.0,
-        "light": (-0.62, 0.55, 0.56),
-        "diffuse": (1.0, 1.0, 1.0),
-        "ambient": (0.10, 0.10, 0.11),
-        "background": BACKGROUND,
-        "shown": (FLAT, BRICK_NORMALS),
+        "relief": word.RELIEF(1.6),
+        "tilt": word.DEGREES(20.0, "How far the sphere's upper pole leans towards the viewer."),
+        "turn": word.DEGREES(20.0, "How far the sphere is turned about its axis."),
+        "light": word.LIGHT((-0.62, 0.55, 0.56)),
+        "diffuse": word.DIFFUSE(
+            (1.0, 1.0, 1.0), "The colour of the light, which the bricks' colours multiply."
+        ),
+        "ambient": word.AMBIENT((0.10, 0.10, 0.11)),
+        "background": word.BACKDROP(BACKGROUND),
+        "shown": word.of(
+            word.Several((word.Choice({"flat": FLAT, "bricks": BRICK_NORMALS}),) * 2),
+            (FLAT, BRICK_NORMALS),
+            "The normal map of each panel.",
+        ),
     },
     methods=(Method("register combiners", scene, ("GEFORCE_256", "GEFORCE_3", "NV2A")),),
     acceptance=checks,

@@ -5,6 +5,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import arithmetic_check, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.bumps import (
     BRICK_COLORS,
@@ -141,15 +142,21 @@ FIGURE = Figure(
     columns=3,
     size=384,
     parameters={
-        "relief": 0.8,
-        "light": (-0.75, 0.35, 0.56),
-        "diffuse": (1.0, 1.0, 1.0),
-        "ambient": (0.10, 0.10, 0.11),
-        "background": BACKGROUND,
-        "painted": True,
-        "frontal": False,
-        "maps": None,
-        "shown": (FLAT, BRICK_NORMALS),
+        "relief": word.RELIEF(0.8),
+        "light": word.LIGHT((-0.75, 0.35, 0.56)),
+        "diffuse": word.DIFFUSE(
+            (1.0, 1.0, 1.0), "The colour of the light, which the bricks' colours multiply."
+        ),
+        "ambient": word.AMBIENT((0.10, 0.10, 0.11)),
+        "background": word.BACKDROP(BACKGROUND),
+        "painted": word.FLAG(True, "Whether the bricks have colours."),
+        "frontal": word.FLAG(False, "Whether the wall is seen straight on and fills its panel."),
+        "maps": word.FITTED_TEXELS(None, "The edge of the wall's maps."),
+        "shown": word.of(
+            word.Several((word.Choice({"flat": FLAT, "bricks": BRICK_NORMALS}),) * 2),
+            (FLAT, BRICK_NORMALS),
+            "The normal map of the first two panels.",
+        ),
     },
     methods=(Method("register combiners", scene, ("GEFORCE_256", "GEFORCE_3", "NV2A")),),
     acceptance=checks,

@@ -9,6 +9,7 @@ from fixedpipe.effects.bump_mapping import normal_maps
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, GREEN, INK, RED, VIOLET, YELLOW
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.geometry.vectors import cosine, normalize, sine
 from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view, row_of_panels
@@ -281,7 +282,9 @@ FIGURE = Figure(
     techniques=("Z01",),
     columns=3,
     size=512,
-    parameters={"background": BACKGROUND},
+    parameters={
+        "background": word.BACKDROP(BACKGROUND),
+    },
     methods=(Method("diagram", scene, DIAGRAM_MACHINES),),
     acceptance=checks,
 )

@@ -10,6 +10,7 @@ from fixedpipe.effects.bump_mapping import diffuse_bump, tangent_space
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, GREEN, INK, RED, VIOLET, YELLOW
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.bumps import load_normals, slices, texels
 from fixedpipe.effects.geometry import height_fields, surfaces
@@ -259,10 +260,10 @@ FIGURE = Figure(
     techniques=("Z03", "Z04", "Z07"),
     columns=3,
     parameters={
-        "light": (-0.5, 0.62, 0.6),
-        "diffuse": (0.34, 0.42, 0.55),
-        "ambient": (0.05, 0.06, 0.08),
-        "background": BACKGROUND,
+        "light": word.LIGHT((-0.5, 0.62, 0.6)),
+        "diffuse": word.DIFFUSE((0.34, 0.42, 0.55)),
+        "ambient": word.AMBIENT((0.05, 0.06, 0.08)),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(Method("diagram, and register combiners", scene, ("GEFORCE_256", "GEFORCE_3")),),
     acceptance=checks,

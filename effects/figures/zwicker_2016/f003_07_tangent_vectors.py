@@ -7,6 +7,7 @@ from fixedpipe.effects.bump_mapping import tangent_space
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import FAINT, GREEN, RED, VIOLET
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared import parametric_triangle as triangle
 from fixedpipe.effects.geometry.vectors import dot, normalize
@@ -116,7 +117,9 @@ FIGURE = Figure(
     source="Zwicker2016",
     techniques=("Z03",),
     columns=2,
-    parameters={"background": BACKGROUND},
+    parameters={
+        "background": word.BACKDROP(BACKGROUND),
+    },
     methods=(Method("diagram", scene, DIAGRAM_MACHINES),),
     acceptance=checks,
 )

@@ -6,6 +6,7 @@ from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import arithmetic_check, root_mean_square
 from fixedpipe.effects.acceptance.ray_caster import RayCaster, primary_rays
 from fixedpipe.effects.environment_maps import bumped_reflections, environments
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.bumps import angles, map_normals, slices, texels
 from fixedpipe.effects.geometry import height_fields, surfaces
@@ -188,11 +189,17 @@ FIGURE = Figure(
     techniques=("Z08",),
     columns=2,
     parameters={
-        "relief": 0.035,
-        "tint": (1.0, 1.0, 1.0),
-        "environment": "room",
-        "maps": None,
-        "cube": None,
+        "relief": word.RELIEF(0.035, low=0.0, high=1.0),
+        "tint": word.COLOR(
+            (1.0, 1.0, 1.0), "What the reflection is multiplied by, where texture shaders draw it."
+        ),
+        "environment": word.of(
+            word.Choice({name: name for name in ENVIRONMENTS}),
+            "room",
+            "What is reflected: a room, or colours that are the directions.",
+        ),
+        "maps": word.FITTED_TEXELS(None, "The edge of the normal map."),
+        "cube": word.FITTED_TEXELS(None, "The edge of the cube map's faces, and half the sphere map's."),
     },
     methods=(
         Method("texture shaders", cube_scene, ("GEFORCE_3", "NV2A")),

@@ -5,6 +5,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import arithmetic_check
 from fixedpipe.effects.environment_maps import bumped_reflections, environments
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.bumps import map_normals, texels
 from fixedpipe.effects.geometry import height_fields, surfaces
@@ -128,7 +129,15 @@ FIGURE = Figure(
     techniques=("Z09", "Z08"),
     columns=3,
     size=384,
-    parameters={"relief": 0.3, "tint": (1.0, 0.86, 0.62), "second_pass": False},
+    parameters={
+        "relief": word.RELIEF(0.3),
+        "tint": word.COLOR(
+            (1.0, 0.86, 0.62), "What the reflection is multiplied by, where texture shaders draw it."
+        ),
+        "second_pass": word.FLAG(
+            False, "Whether dirt is drawn by itself; with offsets of a sphere map it always is."
+        ),
+    },
     methods=(
         Method("texture shaders", cube_scene, ("GEFORCE_3",)),
         Method("texture shaders, dirt as a second pass", cube_scene, ("NV2A",), {"second_pass": True}),

@@ -119,9 +119,14 @@ FIGURE = Figure(
     techniques=("Z29", "Z10", "Z23"),
     columns=3,
     parameters={
-        "positions": still_life.LAMP_POSITIONS,
-        "shading": SceneShading.LIT,
-        "background": BACKGROUND,
+        "positions": word.of(
+            word.Several((word.POSITION_KIND,) * len(still_life.LAMP_POSITIONS)),
+            still_life.LAMP_POSITIONS,
+            "Where the lamp is in each panel.",
+            "world coordinates",
+        ),
+        "shading": word.SHADING(SceneShading.LIT),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(
         Method(

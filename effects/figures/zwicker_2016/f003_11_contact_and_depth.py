@@ -6,6 +6,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import look_at, orthographic, rotate, rotation, transform
@@ -197,7 +198,16 @@ FIGURE = Figure(
     source="Zwicker2016",
     techniques=("Z29", "Z23"),
     columns=4,
-    parameters={"heights": (0.0, 0.4, 0.8), "shading": SceneShading.LIT, "background": BACKGROUND},
+    parameters={
+        "heights": word.of(
+            word.Several((word.Number(0.0, 4.0),) * 3),
+            (0.0, 0.4, 0.8),
+            "How high above the floor the box is in the panels after the first.",
+            "edges of the box",
+        ),
+        "shading": word.SHADING(SceneShading.LIT),
+        "background": word.BACKDROP(BACKGROUND),
+    },
     methods=(Method("shadow volumes", scene, ("OPENGL_1_2", "GEFORCE_256")),),
     acceptance=checks,
 )

@@ -2,6 +2,7 @@
 
 from fixedpipe.effects.acceptance import agreement
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
@@ -138,7 +139,10 @@ FIGURE = Figure(
     source="Zwicker2016",
     techniques=("Z29", "Z23"),
     columns=4,
-    parameters={"shading": SceneShading.LIT, "background": BACKGROUND},
+    parameters={
+        "shading": word.SHADING(SceneShading.LIT),
+        "background": word.BACKDROP(BACKGROUND),
+    },
     methods=(Method("shadow volumes", scene, ("OPENGL_1_2", "GEFORCE_256")),),
     acceptance=checks,
 )

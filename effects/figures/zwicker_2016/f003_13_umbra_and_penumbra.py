@@ -5,6 +5,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.drawing import INK, YELLOW
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.area_light import (
     BAR,
@@ -116,7 +117,13 @@ FIGURE = Figure(
     source="Zwicker2016",
     techniques=("Z26",),
     columns=1,
-    parameters={"extent": 0.34, "half_width": 0.30, "background": BACKGROUND},
+    parameters={
+        "extent": word.NUMBER(0.34, "The width of the light.", "half edges of a panel", low=0.0, high=1.0),
+        "half_width": word.NUMBER(
+            0.30, "Half the width of the occluder.", "half edges of a panel", low=0.01, high=0.5
+        ),
+        "background": word.BACKDROP(BACKGROUND),
+    },
     methods=(Method("diagram", scene, DIAGRAM_MACHINES),),
     acceptance=checks,
 )

@@ -6,6 +6,7 @@ from fixedpipe.effects.acceptance import agreement
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.acceptance.ray_caster import seen_fraction
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
@@ -163,11 +164,17 @@ FIGURE = Figure(
     columns=2,
     size=256,
     parameters={
-        "width": 1.6,
-        "points": POINTS,
-        "measured": False,
-        "shading": SceneShading.LIT,
-        "background": BACKGROUND,
+        "width": word.NUMBER(1.6, "The edge of the square light.", "world units", low=0.01, high=8.0),
+        "points": word.of(
+            word.Whole(1, 256, power=True),
+            POINTS,
+            "Points of the square light; panels below 128 pixels take an eighth.",
+        ),
+        "measured": word.internal(
+            False, "It shows a plate whose penumbra checks measure, in the place of the scene."
+        ),
+        "shading": word.SHADING(SceneShading.LIT),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(Method("shadow volumes", scene, ("OPENGL_1_2", "GEFORCE_256", "INFINITE_REALITY")),),
     acceptance=checks,

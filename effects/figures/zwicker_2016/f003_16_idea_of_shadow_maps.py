@@ -7,6 +7,7 @@ from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import FAINT, INK, RED, YELLOW
 from fixedpipe.effects.diagrams.flatland import Shape, first_hit, is_visible, pieces
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.geometry.vectors import cosine, sine
 from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
@@ -255,7 +256,9 @@ FIGURE = Figure(
     source="Zwicker2016",
     techniques=("Z10",),
     columns=2,
-    parameters={"background": BACKGROUND},
+    parameters={
+        "background": word.BACKDROP(BACKGROUND),
+    },
     methods=(Method("diagram", scene, DIAGRAM_MACHINES),),
     acceptance=checks,
 )

@@ -166,9 +166,13 @@ FIGURE = Figure(
     columns=3,
     size=384,
     parameters={
-        "ratio": 2.0,
-        "one": "-z",
-        "background": BACKGROUND,
+        "ratio": word.RATIO(2.0),
+        "one": word.of(
+            word.Choice({face: face for face in cube_of_maps.FACES}),
+            "-z",
+            "The face whose map alone lights the first panel.",
+        ),
+        "background": word.BACKDROP(BACKGROUND),
         "shading": word.SHADING(SceneShading.LIT),
     },
     methods=(Method("depth textures and clip planes", scene, ("GEFORCE_3", "NV2A")),),

@@ -13,6 +13,7 @@ from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, INK, RED, VIOLET, YELLOW
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
 
@@ -289,7 +290,15 @@ FIGURE = Figure(
     source="Zwicker2016",
     techniques=("Z12",),
     columns=3,
-    parameters={"right": (0.5, 1.0), "too_much": (2.0, 4.0), "background": BACKGROUND},
+    parameters={
+        "right": word.of(
+            word.OFFSET_KIND, (0.5, 1.0), "The polygon offset of the second panel, factor and units."
+        ),
+        "too_much": word.of(
+            word.OFFSET_KIND, (2.0, 4.0), "The polygon offset of the third panel, factor and units."
+        ),
+        "background": word.BACKDROP(BACKGROUND),
+    },
     methods=(Method("diagram", scene, DIAGRAM_MACHINES),),
     acceptance=checks,
 )

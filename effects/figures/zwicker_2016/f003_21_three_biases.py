@@ -64,8 +64,12 @@ FIGURE = Figure(
     columns=3,
     size=384,
     parameters={
-        "ratio": 1,
-        "offsets": ((0.0, 0.0), (1.5, OFFSET_UNITS), (14.0, OFFSET_UNITS)),
+        "ratio": word.RATIO(1),
+        "offsets": word.of(
+            word.Several((word.OFFSET_KIND,) * 3),
+            ((0.0, 0.0), (1.5, OFFSET_UNITS), (14.0, OFFSET_UNITS)),
+            "The polygon offset of each panel, factor and units.",
+        ),
         "shading": word.SHADING(SceneShading.LIT),
     },
     methods=(

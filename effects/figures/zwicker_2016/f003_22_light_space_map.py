@@ -5,12 +5,14 @@ from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     NEAR_SHADOW,
+    SUN,
     WHOLE,
     agreements,
     edge_of,
     mean_footprints,
     nearest_rows,
     others,
+    panels_of,
     parts_for,
     scene,
     truth,
@@ -100,14 +102,16 @@ FIGURE = Figure(
     techniques=("Z15", "Z30"),
     columns=4,
     parameters={
-        "panels": (
-            (MapFit.BASIC, 1.0, 1, WHOLE),
-            (MapFit.LISPSM, 1.0, 1, WHOLE),
-            (MapFit.BASIC, 1.0, 1, NEAR_SHADOW),
-            (MapFit.LISPSM, 1.0, 1, NEAR_SHADOW),
+        "panels": panels_of(
+            (
+                (MapFit.BASIC, 1.0, 1, WHOLE),
+                (MapFit.LISPSM, 1.0, 1, WHOLE),
+                (MapFit.BASIC, 1.0, 1, NEAR_SHADOW),
+                (MapFit.LISPSM, 1.0, 1, NEAR_SHADOW),
+            )
         ),
-        "background": avenue.SKY,
-        "sun": avenue.SUN,
+        "background": word.BACKDROP(avenue.SKY),
+        "sun": SUN,
         "shading": word.SHADING(SceneShading.LIT),
     },
     methods=(Method("depth textures", scene, ("GEFORCE_3", "NV2A")),),

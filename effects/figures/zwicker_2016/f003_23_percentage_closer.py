@@ -195,9 +195,13 @@ FIGURE = Figure(
     columns=3,
     size=256,
     parameters={
-        "ratio": 0.7,
-        "factors": (2.0, 3.0, 9.0),
-        "kernel": 8,
+        "ratio": word.RATIO(0.7),
+        "factors": word.of(
+            word.Several((word.FACTOR.kind,) * 3),
+            (2.0, 3.0, 9.0),
+            "The factor of the polygon offset of each panel.",
+        ),
+        "kernel": word.of(word.Whole(1, 16), 8, "Comparisons along an edge of the third panel's kernel."),
         "shading": word.SHADING(SceneShading.LIT),
     },
     methods=(Method("four comparisons in a pass", make, ("GEFORCE_3", "NV2A")),),

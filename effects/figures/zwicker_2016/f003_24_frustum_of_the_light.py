@@ -165,9 +165,9 @@ FIGURE = Figure(
     columns=4,
     size=384,
     parameters={
-        "ratio": 2,
-        "factor": 2.2,
-        "units": 4.0,
+        "ratio": word.RATIO(2),
+        "factor": word.FACTOR(2.2),
+        "units": word.UNITS(4.0),
         "shading": word.SHADING(SceneShading.LIT),
     },
     methods=(Method("depth texture times the light", make, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),

@@ -5,6 +5,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.agreement import cosines, silhouettes, truth_of
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.diagrams import drawing
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.counted_volumes import (
     count_checks,
@@ -173,10 +174,10 @@ FIGURE = Figure(
     techniques=("Z21", "Z22", "Z24"),
     columns=3,
     parameters={
-        "light": (-1.9, 5.9, -1.8),
-        "volume_color": (0.99, 0.80, 0.30),
-        "volume_alpha": 0.2,
-        "background": BACKGROUND,
+        "light": word.POSITION((-1.9, 5.9, -1.8), "Where the light is."),
+        "volume_color": word.COLOR((0.99, 0.80, 0.30), "The colour of the volumes' sides."),
+        "volume_alpha": word.SHARE(0.2, "How much each side of a volume covers."),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(Method("stencil buffer", scene, ("OPENGL_1_2", "GEFORCE_256", "OCTANE", "INFINITE_REALITY")),),
     acceptance=checks,

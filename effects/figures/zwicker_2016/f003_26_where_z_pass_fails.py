@@ -129,12 +129,31 @@ FIGURE = Figure(
     columns=4,
     size=384,
     parameters={
-        "light": (-5.0, 5.2, -2.0),
-        "hidden": (EYE, (0.95, 2.75, 4.0)),
-        "shares": (0.6, 0.35),
-        "boards": ((0.8, 0.8, 0.8), (0.5, 0.8, 0.3)),
-        "nears": (0.5, 4.9),
-        "background": BACKGROUND,
+        "light": word.POSITION((-5.0, 5.2, -2.0), "Where the light is."),
+        "hidden": word.of(
+            word.Several((word.POSITION_KIND,) * 2),
+            (EYE, (0.95, 2.75, 4.0)),
+            "The middle of the board's shadow, where the eye is in shadow, then where the near plane is.",
+            "world coordinates",
+        ),
+        "shares": word.of(
+            word.Several((word.Number(0.05, 0.95),) * 2),
+            (0.6, 0.35),
+            "How far along the way from the light to there the board is, of either.",
+        ),
+        "boards": word.of(
+            word.Several((word.Several((word.Number(0.01, 4.0),) * 3),) * 2),
+            ((0.8, 0.8, 0.8), (0.5, 0.8, 0.3)),
+            "The board's edges along x, y and z, of either.",
+            "world units",
+        ),
+        "nears": word.of(
+            word.Several((word.Number(0.05, 8.0),) * 2),
+            (0.5, 4.9),
+            "The distance of the near plane, of either.",
+            "world units",
+        ),
+        "background": word.BACKDROP(BACKGROUND),
         "shading": word.SHADING(SceneShading.LIT),
     },
     methods=tuple(

@@ -5,6 +5,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check, root_mean_square
 from fixedpipe.effects.bump_mapping import lighting_spaces, normalization_cube_map
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.bumps import load_normals, slices, texels
 from fixedpipe.effects.figures.zwicker_2016.shared.bumpy_sphere import (
@@ -109,13 +110,13 @@ FIGURE = Figure(
     columns=3,
     size=384,
     parameters={
-        "relief": 0.45,
-        "light": (-0.55, 0.6, 0.58),
-        "diffuse": (0.56, 0.34, 0.20),
-        "ambient": (0.05, 0.04, 0.04),
-        "specular": 0.4,
-        "background": BACKGROUND,
-        "maps": None,
+        "relief": word.RELIEF(0.45),
+        "light": word.LIGHT((-0.55, 0.6, 0.58)),
+        "diffuse": word.DIFFUSE((0.56, 0.34, 0.2)),
+        "ambient": word.AMBIENT((0.05, 0.04, 0.04)),
+        "specular": word.SHARE(0.4, "The strength of the highlights, which are white.", word.FULL),
+        "background": word.BACKDROP(BACKGROUND),
+        "maps": word.FITTED_TEXELS(None, "The height of the normal maps, which are twice as wide."),
     },
     methods=(Method("texture shaders and register combiners", scene, ("GEFORCE_3", "NV2A")),),
     acceptance=checks,

@@ -5,6 +5,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check, root_mean_square
 from fixedpipe.effects.bump_mapping import lighting_spaces
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.bumps import load_normals, slices, texels
 from fixedpipe.effects.figures.zwicker_2016.shared.bumpy_sphere import (
@@ -99,12 +100,12 @@ FIGURE = Figure(
     columns=2,
     size=384,
     parameters={
-        "relief": 0.45,
-        "light": (-0.55, 0.6, 0.58),
-        "diffuse": (0.30, 0.42, 0.50),
-        "ambient": (0.04, 0.05, 0.06),
-        "specular": 0.4,
-        "background": BACKGROUND,
+        "relief": word.RELIEF(0.45),
+        "light": word.LIGHT((-0.55, 0.6, 0.58)),
+        "diffuse": word.DIFFUSE((0.3, 0.42, 0.5)),
+        "ambient": word.AMBIENT((0.04, 0.05, 0.06)),
+        "specular": word.SHARE(0.4, "The strength of the highlights, which are white.", word.FULL),
+        "background": word.BACKDROP(BACKGROUND),
     },
     methods=(
         Method("register combiners", combiner_scene, ("GEFORCE_256",)),

@@ -5,8 +5,10 @@ from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     NEAR_SHADOW,
+    SUN,
     WHOLE,
     others,
+    panels_of,
     scene,
     shown_and_whole,
     wrong,
@@ -80,14 +82,16 @@ FIGURE = Figure(
     techniques=("Z13", "Z30"),
     columns=4,
     parameters={
-        "panels": (
-            (MapFit.BASIC, 0.5, 1, WHOLE),
-            (MapFit.BASIC, 0.5, 1, NEAR_SHADOW),
-            (MapFit.BASIC, 2.0, 1, NEAR_SHADOW),
-            (MapFit.BASIC, 8.0, 1, NEAR_SHADOW),
+        "panels": panels_of(
+            (
+                (MapFit.BASIC, 0.5, 1, WHOLE),
+                (MapFit.BASIC, 0.5, 1, NEAR_SHADOW),
+                (MapFit.BASIC, 2.0, 1, NEAR_SHADOW),
+                (MapFit.BASIC, 8.0, 1, NEAR_SHADOW),
+            )
         ),
-        "background": avenue.SKY,
-        "sun": avenue.SUN,
+        "background": word.BACKDROP(avenue.SKY),
+        "sun": SUN,
         "shading": word.SHADING(SceneShading.LIT),
     },
     methods=(Method("depth textures", scene, ("GEFORCE_3", "NV2A")),),

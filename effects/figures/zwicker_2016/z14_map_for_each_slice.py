@@ -7,11 +7,13 @@ from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     NEAR_SHADOW,
+    SUN,
     TINTED,
     WHOLE,
     agreements,
     nearest_rows,
     others,
+    panels_of,
     scene,
     truth,
     wrong,
@@ -103,14 +105,16 @@ FIGURE = Figure(
     techniques=("Z14",),
     columns=4,
     parameters={
-        "panels": (
-            (MapFit.SLICES, 1.0, 3, TINTED),
-            (MapFit.SLICES, 1.0, 3, WHOLE),
-            (MapFit.BASIC, 1.0, 1, NEAR_SHADOW),
-            (MapFit.SLICES, 1.0, 3, NEAR_SHADOW),
+        "panels": panels_of(
+            (
+                (MapFit.SLICES, 1.0, 3, TINTED),
+                (MapFit.SLICES, 1.0, 3, WHOLE),
+                (MapFit.BASIC, 1.0, 1, NEAR_SHADOW),
+                (MapFit.SLICES, 1.0, 3, NEAR_SHADOW),
+            )
         ),
-        "background": avenue.SKY,
-        "sun": avenue.SUN,
+        "background": word.BACKDROP(avenue.SKY),
+        "sun": SUN,
         "shading": word.SHADING(SceneShading.LIT),
     },
     methods=(Method("depth textures and clip planes", scene, ("GEFORCE_3", "NV2A")),),

@@ -5,9 +5,11 @@ from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     NEAR_SHADOW,
+    SUN,
     WHOLE,
     nearest_rows,
     others,
+    panels_of,
     scene,
     shown_and_whole,
     wrong,
@@ -95,15 +97,17 @@ FIGURE = Figure(
     columns=5,
     size=384,
     parameters={
-        "panels": (
-            (MapFit.SLICES_AND_LISPSM, 0.67, 3, WHOLE),
-            (MapFit.BASIC, 0.67, 1, NEAR_SHADOW),
-            (MapFit.SLICES, 0.67, 3, NEAR_SHADOW),
-            (MapFit.LISPSM, 0.67, 1, NEAR_SHADOW),
-            (MapFit.SLICES_AND_LISPSM, 0.67, 3, NEAR_SHADOW),
+        "panels": panels_of(
+            (
+                (MapFit.SLICES_AND_LISPSM, 0.67, 3, WHOLE),
+                (MapFit.BASIC, 0.67, 1, NEAR_SHADOW),
+                (MapFit.SLICES, 0.67, 3, NEAR_SHADOW),
+                (MapFit.LISPSM, 0.67, 1, NEAR_SHADOW),
+                (MapFit.SLICES_AND_LISPSM, 0.67, 3, NEAR_SHADOW),
+            )
         ),
-        "background": avenue.SKY,
-        "sun": avenue.SUN,
+        "background": word.BACKDROP(avenue.SKY),
+        "sun": SUN,
         "shading": word.SHADING(SceneShading.LIT),
     },
     methods=(Method("depth textures and clip planes", scene, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),

@@ -6,6 +6,7 @@ from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.drawing import BLUE, GREEN, INK, RED, YELLOW
 from fixedpipe.effects.diagrams.flatland import Shape, crossings, first_hit, is_visible, shadow_volume
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
 
@@ -185,7 +186,9 @@ FIGURE = Figure(
     source="Zwicker2016",
     techniques=("Z21",),
     columns=1,
-    parameters={"background": BACKGROUND},
+    parameters={
+        "background": word.BACKDROP(BACKGROUND),
+    },
     methods=(Method("diagram", scene, DIAGRAM_MACHINES),),
     acceptance=checks,
 )

@@ -10,6 +10,7 @@ from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check
 from fixedpipe.effects.bump_mapping import diffuse_bump, tangent_space
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.drawing import INK, RED, VIOLET, YELLOW
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.bumps import load_normals, texels
 from fixedpipe.effects.geometry import height_fields, surfaces
@@ -242,11 +243,22 @@ FIGURE = Figure(
     techniques=("Z27", "Z03", "Z04"),
     columns=3,
     parameters={
-        "light": (-0.72, 0.48, 0.5),
-        "diffuse": (0.50, 0.42, 0.32),
-        "ambient": (0.05, 0.05, 0.05),
-        "background": BACKGROUND,
-        "handled": (tangent_space.ZeroArea.DROP, tangent_space.Mirrored.SIGN),
+        "light": word.LIGHT((-0.72, 0.48, 0.5)),
+        "diffuse": word.DIFFUSE((0.50, 0.42, 0.32)),
+        "ambient": word.AMBIENT((0.05, 0.05, 0.05)),
+        "background": word.BACKDROP(BACKGROUND),
+        "handled": word.of(
+            word.Several(
+                (
+                    word.of_enum(tangent_space.ZeroArea.DROP, tangent_space.ZeroArea.KEEP),
+                    word.of_enum(
+                        *(way for way in tangent_space.Mirrored if way is not tangent_space.Mirrored.REFUSE)
+                    ),
+                )
+            ),
+            (tangent_space.ZeroArea.DROP, tangent_space.Mirrored.SIGN),
+            "What becomes of triangles without area in the map, and of mirrored ones.",
+        ),
     },
     methods=(Method("register combiners", scene, ("GEFORCE_256", "GEFORCE_3")),),
     acceptance=checks,

@@ -9,6 +9,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance import agreement, ray_caster
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp, detail_of
@@ -24,12 +25,24 @@ LAMP = ((-6.4, 6.6, 1.0), (-1.1, 0.45, -0.2), 6.45, 11.4, 37.6)
 RATIO = 2.0
 # The figures' parameters: 8 bits of alpha, a bias of two of its steps.
 PARAMETERS = {
-    "lamp": LAMP,
-    "ratio": RATIO,
-    "bits": 8,
-    "bias": 2.0,
-    "background": BACKGROUND,
-    "shading": SceneShading.LIT,
+    "lamp": word.of(
+        word.Several(
+            (
+                word.POSITION_KIND,
+                word.POSITION_KIND,
+                word.Number(0.01, 1000.0),
+                word.Number(0.01, 1000.0),
+                word.Number(1.0, 150.0),
+            )
+        ),
+        LAMP,
+        "The lamp: its place, what it looks at, its near and its far plane, its field of view in degrees.",
+    ),
+    "ratio": word.RATIO(RATIO),
+    "bits": word.of(word.Whole(4, 12), 8, "Bits of the depths in alpha.", "bits"),
+    "bias": word.NUMBER(2.0, "How far depths are moved away.", "steps of alpha", low=0.0, high=255.0),
+    "background": word.BACKDROP(BACKGROUND),
+    "shading": word.SHADING(SceneShading.LIT),
 }
 
 

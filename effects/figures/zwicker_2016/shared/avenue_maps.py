@@ -9,6 +9,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.geometry.views import Panel, row_of_panels
 from fixedpipe.effects.scenes import avenue
@@ -36,6 +37,30 @@ def edge_of(size, ratio):
 
 # How a panel shows the avenue: all that the viewer sees, with its slices tinted, or a near shadow magnified.
 WHOLE, TINTED, NEAR_SHADOW = "whole", "tinted slices", "near shadow"
+
+
+# Of a figure's panels.
+PANEL_KIND = word.Several(
+    (
+        word.of_enum(*parted_shadow_maps.MapFit),
+        word.Number(0.125, 8.0),
+        word.Whole(1, 8),
+        word.Choice({look: look for look in (WHOLE, TINTED, NEAR_SHADOW)}),
+    )
+)
+SUN = word.of(
+    word.DIRECTION_KIND, avenue.SUN, "The direction towards the sun, of any length: x to the right, y up."
+)
+
+
+def panels_of(panels):
+    """The parameter ``panels`` of a figure: what each shows, of as many as it has or fewer."""
+    return word.of(
+        word.Several(PANEL_KIND, 1, len(panels)),
+        panels,
+        "Of each panel: what the maps are fitted to, their texels for each pixel along an edge, how many "
+        "slices the view has, and what is shown.",
+    )
 
 
 def camera_of(look, panel):
