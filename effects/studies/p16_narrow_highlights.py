@@ -74,10 +74,10 @@ def checks(table):
         Check("RMS of K08, largest of all alphas", max(matrix), at_most=0.004, on=Answer.MACHINE,
               reason="the catalogue's"),
         Check("RMS of K08, largest over smallest", max(matrix) / min(matrix), at_most=1.5, on=Answer.MACHINE,
-              reason="the catalogue's: it does not depend on "
-              "alpha; slopes of 1.2, at alpha 1, bend the bump"),
+              reason="P16: it does not depend on "
+              "alpha; the factor is ours: slopes of 1.2, at alpha 1, bend the bump"),
         Check("RMS of K07 at alpha 0.02", rows[0.02]["K07, RMS"], at_least=0.1, on=Answer.MACHINE,
-              reason="the catalogue's: K07 fails below 1/4; all of the bump is as bright as the highlight"),
+              reason="P16: K07 fails below 1/4; all of the bump is as bright as the highlight"),
         Check("RMS of K07 at alpha 0.25", rows[0.25]["K07, RMS"], at_most=0.02, on=Answer.MACHINE,
               reason="the smallest alpha that it stores; P9's error"),
     )  # fmt: skip

@@ -211,7 +211,7 @@ def checks(table):
     )  # fmt: skip
     yield Check(
         "slope's jump with 8 slices, %", jumps[0], at_least=10.0, on=Answer.IDEAL,
-        reason="the catalogue's artefact: a kink at the vertices; without one it would be 0",
+        reason="P19: a kink at the vertices; without one it would be 0",
     )  # fmt: skip
     yield Check(
         "RMS with a vector a polygon over that with vertex colours, 50 slices",

@@ -183,7 +183,7 @@ def checks(table):
     products = [row[5] * int(row[1]) for row in rest]
     return (
         Check("how far the edge is off over what texels explain, - 1: largest absolute", worst, at_most=0.08,
-              on=Answer.MACHINE, reason="the catalogue's: jaggedness = texel footprint / pixel; measured "
+              on=Answer.MACHINE, reason="P23: jaggedness = texel footprint / pixel; measured "
               "0.04, of the finest and of a map with few stairs in the picture"),
         Check("edge's middle beside the true edge, texels, largest absolute", max(map(abs, beside)),
               at_most=0.1, on=Answer.MACHINE,

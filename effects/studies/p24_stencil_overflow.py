@@ -172,7 +172,7 @@ def checks(table):
         many["z-pass INCR, DECR"],
         at_least=0.05,
         on=Answer.MACHINE,
-        reason="the catalogue's: wrong when the count exceeds 255",
+        reason="P24: wrong where the count exceeds 255; (300 - 255) / 600 of the shadow is 0.075",
     )
     yield Check(
         "z-pass DECR, INCR: part of what is lit behind the shadow that is dark, least",

@@ -113,7 +113,7 @@ def checks(table):
               reason=arrays),
         Check("bytes a frame, vertex program / all sent again",
               program["each frame"] / everything["each frame"], at_most=0.01, on=Answer.MACHINE,
-              reason="the catalogue's: a vertex program removes it"),
+              reason="P37: a vertex program removes it, but for its few constants"),
         Check("CPU operations of a vertex program", float(program["CPU operations a frame"]), at_most=0.0,
               on=Answer.MACHINE, reason="likewise"),
         Check("bytes per triangle, finest / coarsest spheres", float(growth[-1] / growth[0]), at_least=0.9,

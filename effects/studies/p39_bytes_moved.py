@@ -125,10 +125,10 @@ def checks(table):
     one, matrix, ward = (rows[name]["all"] for name in ("K07 GeForce 256", "K08 Octane", "K09 Octane"))
     return (
         Check("KB of K07, with those of K08 / 1000 as bound", one, at_most=matrix / 1000.0, on=Answer.MACHINE,
-              reason="the catalogue's: the colour matrix loads "
-              "textures for every frame, the combiners' stay"),
+              reason="P39: the colour matrix loads textures for every frame, "
+              "the combiners' stay; the factor is ours"),
         Check("KB of K09, with twice those of K08 as bound", ward, at_least=2.0 * matrix, on=Answer.MACHINE,
-              reason="the catalogue's: pixel textures copy the framebuffer on top of twice as many loads"),
+              reason="P39: pixel textures copy the framebuffer on top of the loads; the factor is ours"),
         Check("copies of K09 that are lookups, and two more", float(rows["K09 Octane"]["copies"]),
               at_least=4.0, on=Answer.MACHINE,
               reason="S(p) and E(m, d), each through the framebuffer, and two that scale"),

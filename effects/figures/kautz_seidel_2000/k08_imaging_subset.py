@@ -114,7 +114,7 @@ def checks(figure, renderer):
             abs(float(flat[inside].sum() / smooth[inside].sum()) - 1.0),
             at_most=0.1,
             on=on,
-            reason="a facet has the value of its middle; the catalogue's 10 % for the highlight's shape",
+            reason="a facet has the value of its middle; as much as F004-4 allows the highlight's shape",
         )
         yield Check(
             "least of the highlight without the bias where both products are negative",
