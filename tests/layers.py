@@ -106,7 +106,7 @@ PACKAGES = {
         "effects": "geometry passes acceptance",
     },
     "effects/figures": {
-        "pipeline": "enums state pixel_transfer textures commands profiles framebuffers ideal",
+        "pipeline": "enums state pixel_transfer textures commands profiles framebuffers execution ideal",
         "effects": (
             "refusal collection geometry passes scenes bump_mapping reflectance environment_maps "
             "texture_filtering shadows volumes acceptance diagrams"

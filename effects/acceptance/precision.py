@@ -4,6 +4,7 @@ Each picture is compared with the ideal evaluation of the same fragments, so tha
 """
 
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -31,14 +32,16 @@ class Measured:
     computed: float
 
 
-def measure(figure, profile, size, method=None):
+def measure(figure, profile, size, method=None, changes=MappingProxyType({})):
     """A figure on a machine beside the ideal evaluation of its fragments: a Measured.
 
-    ``method``: one of the figure's; None: its first.
+    ``method``: one of the figure's; None: the machine's. ``changes``: other values of its parameters, by
+    name.
 
     Raises ValueError where the machine cannot hold the figure.
     """
-    commands, (width, height) = figure.commands(profile, size, method), figure.dimensions(size)
+    commands = figure.commands(profile, size, method, **changes)
+    width, height = figure.dimensions(size)
     result = execute(commands, profile, width, height, record=True)
     ideal = execute_ideal(commands, width, height, guide=result).color[..., :3]
     color = result.framebuffer.color[..., :3] / (2.0**result.framebuffer.color_bits - 1.0)
@@ -55,20 +58,20 @@ def at_width(profile, bits, parts=PARTS):
     return profile.with_precision(**dict.fromkeys(parts, bits))
 
 
-def table(figure, profile, size, widths=WIDTHS, parts=PARTS, method=None):
+def table(figure, profile, size, widths=WIDTHS, parts=PARTS, method=None, changes=MappingProxyType({})):
     """(bits, Measured with every clamp, Measured without those that only machines have) for each width."""
     rows = []
     for bits in widths:
         machine = at_width(profile, bits, parts)
         free = machine.without_clamps(*MACHINE_CLAMPS)
-        rows.append((bits, measure(figure, machine, size, method), measure(figure, free, size, method)))
+        rows.append((bits, *(measure(figure, m, size, method, changes) for m in (machine, free))))
     return rows
 
 
-def clamps(figure, profile, size, method=None):
+def clamps(figure, profile, size, method=None, changes=MappingProxyType({})):
     """(Clamp, Measured) of the machine at its own widths without each of its clamps, one at a time."""
     return [
-        (c, measure(figure, profile.without_clamps(c), size, method))
+        (c, measure(figure, profile.without_clamps(c), size, method, changes))
         for c in Clamp
         if c in profile.arithmetic.clamps
     ]

@@ -10,6 +10,7 @@ from fixedpipe.effects.cli.refusal import said
 _COMMANDS = (
     "figures",
     "passes",
+    "parameters",
     "bump",
     "shadows",
     "volume",
@@ -27,6 +28,7 @@ What to do next:
   fixedpipe figures             render every figure into ./out, with a gallery: out/index.html
   fixedpipe figures --list      which figures there are
   fixedpipe passes F004-4       how one is made, pass by pass
+  fixedpipe parameters F004-4   what may be changed of it; fixedpipe figures F004-4 --set alpha_x=0.15
   fixedpipe bump sample:gravel --mesh torus --material gold --light 1,2,3 --out gravel.png
                                 bump-map a mesh with a photograph
   fixedpipe shadows MESH.obj --algorithm z-fail --out shadows.png

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 
 import click
 
-from fixedpipe.effects.cli.options import refuse_beside, threads_option
+from fixedpipe.effects.cli.options import refuse_beside, set_option, threads_option
 from fixedpipe.pipeline.sentences import count
 
 
@@ -19,15 +19,18 @@ from fixedpipe.pipeline.sentences import count
 )
 @click.option("--profile", metavar="NAME", help="One machine, or IDEAL; else every one that can draw it.")
 @click.option("--size", type=click.IntRange(min=1), metavar="N", help="Edge of a figure's panels, pixels.")
+@set_option
 @threads_option
 @click.option("--json", "json_file", metavar="FILE", help="Write all results as one JSON list as well.")
-def figures(figure_ids, list_only, check, out, profile, size, threads, json_file):
+def figures(figure_ids, list_only, check, out, profile, size, settings, threads, json_file):
     """Render figures (all, or those with the given IDs): machine, ideal, and their difference made visible.
 
     Writes PNG files, a JSON file beside each figure, and a gallery, index.html, the cheapest figures first.
-    Of all figures, --profile takes those that the machine can draw.
+    Of all figures, --profile takes those that the machine can draw. With --set a figure is a variant, whose
+    files have names of their own and say what was changed.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
+    from fixedpipe.effects.cli.options import changes_of
     from fixedpipe.effects.cli.refusal import check_size
     from fixedpipe.effects.figures import FIGURES
     from fixedpipe.effects.figures.costs import cheapest_first
@@ -55,21 +58,32 @@ def figures(figure_ids, list_only, check, out, profile, size, threads, json_file
             )
     with refusals():
         machines = {f.id: f.machines if profile is None else _only(f, profile) for f in chosen}
+    if settings and not figure_ids:
+        raise Refusal("--set changes a figure; name it, as in fixedpipe figures F004-4 --set alpha_x=0.15.")
+    if settings and check:
+        raise Refusal("--check holds for a figure's own values; leave out --check, or --set.")
+    changes = {f.id: changes_of(settings, f, {f.method(m): m for m in machines[f.id]}) for f in chosen}
     folder = writable_folder(out)
     json_path = writable_file(json_file) if json_file else None
     for figure in chosen:
         for machine in machines[figure.id]:
             check_size(figure.id, figure.columns, size or figure.size, PROFILES[machine])
 
+    for figure in chosen:
+        for name in changes[figure.id]:
+            known = figure.parameter(name, figure.method(machines[figure.id][0]))
+            own = f"{figure.id}'s own is {name}={known.kind.show(known.default)}"
+            click.echo(f"{own}. {known.does}", err=True)
     announce_compiling()
-    click.echo(_plan(chosen, machines, check, own_sizes=size is None), err=True)
+    click.echo(_plan(chosen, machines, check, own_sizes=size is None and not settings), err=True)
     from fixedpipe.effects.reports.figure_record import render, steps
     from fixedpipe.effects.reports.gallery import gallery
 
     records = {}
     with _progress(sum(steps(len(names), check) for names in machines.values())) as step:
         for figure in cheapest_first(chosen):
-            rendered = render(figure, machines[figure.id], size, threads, check, step)
+            changed = changes[figure.id]
+            rendered = render(figure, machines[figure.id], size, threads, check, step, changed)
             for name, data in rendered.files.items():
                 write_whole(folder / name, data)
             write_whole(folder / "index.html", gallery(folder, FIGURES).encode())

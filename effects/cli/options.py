@@ -5,7 +5,7 @@ import math
 import click
 from click.core import ParameterSource
 
-from fixedpipe.effects.refusal import Refusal, choose
+from fixedpipe.effects.refusal import Refusal, choose, refusals
 
 profile_option = click.option(
     "--profile",
@@ -20,6 +20,35 @@ threads_option = click.option(
     metavar="N",
     help="Threads; any number gives the same bits.",
 )
+
+set_option = click.option(
+    "--set",
+    "settings",
+    metavar="NAME=VALUE",
+    multiple=True,
+    help="Another value of a figure's parameter, as alpha_x=0.15 or light=1,1,1; fixedpipe parameters ID "
+    "names them.",
+)
+
+
+def changes_of(settings, figure, methods):
+    """What --set says, by name: values as ``methods``' scenes of the figure take them.
+
+    Raises Refusal for what has not the form NAME=VALUE, for a name given twice, for one that the figure has
+    not on one of the methods' machines, and for a value that the parameter cannot have.
+    """
+    changes = {}
+    with refusals():
+        for setting in settings:
+            name, equals, text = (part.strip() for part in setting.partition("="))
+            if not (name and equals):
+                raise Refusal(f"--set is {setting!r}; give NAME=VALUE, as alpha_x=0.15.")
+            if name in changes:
+                raise Refusal(f"--set names {name} twice; give it once.")
+            for method in methods:
+                parameter = figure.offer(name, method)
+                changes[name] = parameter.parse(text, f"{figure.id}'s {name}")
+    return changes
 
 
 def three_numbers(text, what, example="1,2,3", zero=False):

@@ -2,6 +2,8 @@
 
 import click
 
+from fixedpipe.effects.cli.options import changes_of, set_option
+
 # Colour, depth and stencil of a pixel, and how much memory a trace may take: 400 commands of 1024x512.
 _SNAPSHOT_BYTES, _MOST_BYTES = 9, 1 << 31
 
@@ -14,7 +16,8 @@ _SNAPSHOT_BYTES, _MOST_BYTES = 9, 1 << 31
 )
 @click.option("--all", "whole", is_flag=True, help="Print commands that are repeated as well.")
 @click.option("--size", type=click.IntRange(min=1), metavar="N", help="Edge of a traced panel, pixels.")
-def passes(figure_id, profile, trace, whole, size):
+@set_option
+def passes(figure_id, profile, trace, whole, size, settings):
     """Print the pass sequence of figure ID: every command, and every state that differs from the default.
 
     Where the same few commands come for polygon after polygon, they are printed once, and how often.
@@ -33,12 +36,14 @@ def passes(figure_id, profile, trace, whole, size):
     check_size(figure.id, figure.columns, size or figure.size, machine)
     with refusals():
         method = figure.method(key)
-        commands = figure.commands(machine, size, method)
+        changes = changes_of(settings, figure, (method,))
+        commands = figure.commands(machine, size, method, **changes)
     if trace is not None:
         _check_trace(figure, machine, len(commands), size or figure.size)
         writable_folder(trace)
     click.echo(f"{figure.id}: {figure.title} ({', '.join(figure.techniques)})")
-    click.echo(f"on {machine.name}: {method.name}\n")
+    changed = f", with {figure.said(method, changes)}" if changes else ""
+    click.echo(f"on {machine.name}: {method.name}{changed}\n")
     click.echo(describe(commands, folded=not whole))
     click.echo(f"{INDEX} says what the ids in brackets are.", err=True)
     if trace is not None:

@@ -2,7 +2,7 @@
 
 import click
 
-from fixedpipe.effects.cli.options import machine_of
+from fixedpipe.effects.cli.options import changes_of, machine_of, set_option
 
 
 @click.command(short_help="Was it the clamp or the bits? A figure's error by each.")
@@ -28,7 +28,8 @@ from fixedpipe.effects.cli.options import machine_of
     help="What has these widths: combiner, texture, framebuffer, filter_fraction, subpixel; all: the first "
     "four.",
 )
-def precision(figure_id, profile, size, bits, parts):
+@set_option
+def precision(figure_id, profile, size, bits, parts, settings):
     """Render figure ID on the same machine with numbers of several widths, with and without its clamps.
 
     Printed are root mean squares of (machine - ideal) in units of 1/255, of the same fragments: "shown" as
@@ -50,9 +51,11 @@ def precision(figure_id, profile, size, bits, parts):
     announce_compiling()
     with refusals():
         method = figure.method(key)
-        rows = measured.table(figure, machine, size, widths, of, method)
-        single = measured.clamps(figure, machine, size, method)
-    click.echo(f"{figure.id}: {figure.title}, on {machine.name}, panels of {size} pixels")
+        changes = changes_of(settings, figure, (method,))
+        rows = measured.table(figure, machine, size, widths, of, method, changes)
+        single = measured.clamps(figure, machine, size, method, changes)
+    changed = f", with {figure.said(method, changes)}" if changes else ""
+    click.echo(f"{figure.id}: {figure.title}, on {machine.name}, panels of {size} pixels{changed}")
     click.echo("Root mean square of (machine - ideal), 1/255 of full intensity\n")
     click.echo(f"Bits of {', '.join(part.removesuffix('_bits').replace('_', ' ') for part in of)}:")
     click.echo(f"{'':22}{'with clamps':>20}{'without its own':>23}")

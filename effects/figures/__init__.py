@@ -4,9 +4,10 @@ import re
 import sys
 
 from fixedpipe.effects.collection import Collection
-from fixedpipe.effects.figures.figure import DIFFERENCE_GAIN, Figure, Method, Renderer, difference
+from fixedpipe.effects.figures.figure import Figure, Method, Renderer
+from fixedpipe.effects.figures.rendering import DIFFERENCE_GAIN, Rendering, difference
 
-__all__ = ["DIFFERENCE_GAIN", "FIGURES", "Figure", "Method", "Renderer", "difference"]
+__all__ = ["DIFFERENCE_GAIN", "FIGURES", "Figure", "Method", "Renderer", "Rendering", "difference"]
 
 
 def _identify(name):
@@ -21,5 +22,5 @@ def _identify(name):
 FORM = "f004_02_rings for F004-2, or k14_dot_product_bumps for K14: two digits, then words"
 # By id, in the catalogue's order.
 FIGURES: Collection[Figure] = Collection(
-    sys.modules[__name__], "FIGURE", _identify, FORM, beside=("costs", "figure", "parameters")
+    sys.modules[__name__], "FIGURE", _identify, FORM, beside=("costs", "figure", "parameters", "rendering")
 )

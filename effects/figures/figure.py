@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.parameters import Parameter
+from fixedpipe.effects.figures.rendering import Rendering
 from fixedpipe.effects.refusal import nearest
 from fixedpipe.pipeline.commands import Command
 from fixedpipe.pipeline.framebuffers.result import Result
@@ -34,8 +35,6 @@ IMAGING_MACHINES = ("OCTANE", "INFINITE_REALITY", "OPENGL_1_2_IMAGING")
 IMAGING_MACHINES_8 = ("OCTANE", "OPENGL_1_2_IMAGING")
 # Diagrams (fixedpipe.effects.diagrams.drawing) need nothing that a machine lacks; these stand for the others.
 DIAGRAM_MACHINES = ("OPENGL_1_2", "GEFORCE_256")
-# A figure's third picture shows (machine - ideal) so many times as large.
-DIFFERENCE_GAIN = 8.0
 
 # (profile, size, **parameters) -> commands for a framebuffer of the figure's dimensions.
 Scene: TypeAlias = Callable[Concatenate[Profile, int, ...], tuple[Command, ...]]
@@ -140,7 +139,7 @@ class Figure:
         while origin is not None:
             for key, known in PROFILES.items():
                 if origin == known:
-                    return self.methods[0] if known.arithmetic.exact else self.method(key)
+                    return self.method(key)
             origin = origin.changed_from or origin.ancestor
         raise ValueError(
             f"{profile.name} is made from no machine that is known, so {self.id} has no way to be drawn on "
@@ -167,23 +166,37 @@ class Figure:
         offered = [key for key, parameter in known.items() if parameter.offered]
         if not offered:
             raise ValueError(f"{self.id} has no parameters, so {name!r} cannot be changed.")
-        elsewhere = [m.name for m in self.methods if name in m.parameters]
-        there = f" where it is drawn with {method.name}" if elsewhere else ""
+        others = [key for m in self.methods if name in m.parameters for key in m.machines]
+        there = f" on {', '.join(method.machines)}; it has on {', '.join(others)}" if others else ""
         raise ValueError(
             f"{self.id} has no parameter {name!r}{there}.{nearest(name, offered)} "
-            f"It has: {', '.join(offered)}."
+            f"There are: {', '.join(offered)}."
         )
 
-    def changed(self, method: Method, changes: Mapping[str, Any]) -> Mapping[str, Any]:
-        """The parameters' values with ``changes``, as the method's scene takes them.
+    def offer(self, name: str, method: Method) -> Parameter:
+        """``parameter``, where users may set it.
+
+        Raises ValueError where checks alone do, with the reason, and as ``parameter``.
+        """
+        found = self.parameter(name, method)
+        if not found.offered:
+            raise ValueError(f"{self.id}'s {name} is for its checks alone: {found.does}")
+        return found
+
+    def accepted(self, method: Method, changes: Mapping[str, Any]) -> dict[str, Any]:
+        """Other values of parameters as the method's scene takes them.
 
         Raises ValueError for a name or a value that is none.
         """
-        accepted = {
+        return {
             name: self.parameter(name, method).accept(value, f"{self.id}'s {name}")
             for name, value in changes.items()
         }
-        return {**self.values_of(method), **accepted}
+
+    def said(self, method: Method, changes: Mapping[str, Any]) -> str:
+        """Accepted values as the command line takes them: "alpha_x=0.15 light=1,1,1"."""
+        known = self.parameters_of(method)
+        return " ".join(f"{name}={known[name].kind.show(value)}" for name, value in changes.items())
 
     def dimensions(self, size: int | None = None) -> tuple[int, int]:
         """Width and height of the framebuffer in pixels for panels of ``size``.
@@ -220,7 +233,48 @@ class Figure:
                 f"give one of FIGURES[{self.id!r}].methods."
             )
         _, edge = self.dimensions(size)
-        return method.scene(machine, edge, **self.changed(method, changes))
+        changes = self.accepted(method, changes)
+        try:
+            return method.scene(machine, edge, **{**self.values_of(method), **changes})
+        except ValueError as error:
+            if not changes:
+                raise
+            raise ValueError(f"{self.id} with {self.said(method, changes)}: {error}") from error
+
+    def render(
+        self,
+        profile: Profile | str,
+        size: int | None = None,
+        *,
+        method: Method | None = None,
+        threads: int | None = None,
+        **changes: Any,
+    ) -> Rendering:
+        """The figure on a machine, and its ideal of the same fragments: a Rendering.
+
+        As of ``commands``; ``IDEAL`` gives the ideal's own picture. ``threads``: any number gives the same
+        bits; None: one per processor.
+
+        Raises ValueError as ``commands`` does, for a parameter that checks alone change, and for what the
+        machine cannot hold (UnsupportedState).
+        """
+        from fixedpipe.pipeline.execution.machine import execute
+        from fixedpipe.pipeline.ideal.evaluate import execute_ideal
+
+        machine = self._machine(profile)
+        commands = self.commands(machine, size, method, **changes)
+        way = self.method_for(machine) if method is None else method
+        changes = self.accepted(way, changes)
+        for name in changes:
+            self.offer(name, way)
+        width, height = self.dimensions(size)
+        result: Result | IdealResult
+        if machine.arithmetic.exact:
+            result = execute_ideal(commands, width, height, threads=threads)
+        else:
+            # The run that records what the ideal is guided by draws the picture as well.
+            result = execute(commands, machine, width, height, threads=threads, record=True)
+        return Rendering(self, machine, way, height, changes, result, threads)
 
     def _machine(self, profile: object) -> Profile:
         if isinstance(profile, Profile):
@@ -269,18 +323,3 @@ class Renderer:
             commands = figure.commands(IDEAL, size, self.method, **changes)
             self.kept[key] = self.execute_ideal(commands, *figure.dimensions(size)).color[::-1, :, :3]
         return self.kept[key]
-
-
-def difference(
-    machine: NDArray[np.uint8], ideal: NDArray[np.float64], gain: float = DIFFERENCE_GAIN
-) -> NDArray[np.uint8]:
-    """(machine - ideal) made visible: uint8 RGBA, middle grey where equal, lighter where the machine is
-    lighter.
-
-    ``machine``: uint8 [h, w, 4]; ``ideal``: float64 [h, w, 4], 1.0 = full. A difference of one byte is
-    ``gain`` bytes.
-    """
-    delta = np.asarray(machine[..., :3], np.float64) - 255.0 * np.clip(ideal[..., :3], 0.0, 1.0)
-    out = np.full(machine.shape, 255, np.uint8)
-    out[..., :3] = np.clip(np.floor(128.0 + gain * delta + 0.5), 0, 255)
-    return out

@@ -184,7 +184,6 @@ def of_enum(*members: Enum) -> Choice:
 
 # What stands between the parts of a value on the command line, by how many levels of parts are in them.
 _SEPARATORS = ",/;"
-_COUNTS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
 
 
 @dataclass(frozen=True)
@@ -204,12 +203,13 @@ class Several:
     @property
     def allowed(self) -> str:
         """What may be given."""
-        if isinstance(self.parts, tuple):
-            return self.what or "(" + "; ".join(part.allowed for part in self.parts) + ")"
         if self.what:
             return self.what
-        many = _COUNTS[self.least] if self.least == self.most else f"{self.least} to {self.most}"
-        return f"{many} of: {self.parts.allowed}"
+        if not isinstance(self.parts, tuple):
+            return f"{self.least} to {self.most} times {self.parts.allowed}"
+        if len(set(self.parts)) == 1:
+            return f"{len(self.parts)} times {self.parts[0].allowed}"
+        return "(" + "; ".join(part.allowed for part in self.parts) + ")"
 
     def _kinds(self, count: int) -> Sequence[Kind]:
         kinds = self.parts if isinstance(self.parts, tuple) else (self.parts,) * count
@@ -415,8 +415,16 @@ DIFFUSE = Word(COLOR_KIND, "The colour of the light that the surface scatters ev
 AMBIENT = Word(COLOR_KIND, "The colour that the surface has without the light.", FULL)
 SPECULAR = Word(COLOR_KIND, "The colour of the highlights.", FULL)
 BACKDROP = Word(COLOR_KIND, "The colour of the panels where nothing is drawn.", FULL)
-ALPHA_X = Word(ALPHA_KIND, "The highlight's width along the tangents: the smaller, the narrower.")
-ALPHA_Y = Word(ALPHA_KIND, "The highlight's width along the binormals: the smaller, the narrower.")
+ALPHA_X = Word(
+    ALPHA_KIND,
+    "The highlight's width along the tangents: the smaller, the narrower, with register combiners down to "
+    "0.25.",
+)
+ALPHA_Y = Word(
+    ALPHA_KIND,
+    "The highlight's width along the binormals: the smaller, the narrower, with register combiners down to "
+    "0.25.",
+)
 K_S = Word(RANGE_KIND, "The strength of the highlights, from the dullest stroke to the brightest.", FULL)
 SPREAD = Word(Number(0.0, 45.0), "The strokes' directions vary by so much to either side.", "degrees")
 TEXELS = Word(Whole(4, 1024, power=True), "The edge of the material's textures.", "texels")

@@ -1,20 +1,22 @@
 """One figure on its machines, rendered three times on each, as the bytes of its files."""
 
+import hashlib
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
-from fixedpipe.effects.figures import DIFFERENCE_GAIN, Renderer, difference
+from fixedpipe.effects.figures import DIFFERENCE_GAIN, Renderer
 from fixedpipe.effects.refusal import refusals
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.framebuffers.pictures import png
 from fixedpipe.pipeline.golden.digests import digest
 from fixedpipe.pipeline.golden.provenance import provenance
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
-from fixedpipe.pipeline.profiles import IDEAL, PROFILES
+from fixedpipe.pipeline.profiles import PROFILES
 
 # What each of the three pictures is, in the words of its caption.
 PICTURES = {
@@ -32,9 +34,27 @@ class Rendered:
     record: dict
 
 
-def picture_name(figure_id, machine, view):
+def variant_name(figure, changes):
+    """What a figure is called with other values of parameters: F004-4+alpha_x=0.15+light=1,1,1; its id where
+    nothing is changed. Its files begin with it, so long or odd values are a digest there.
+    """
+    if not changes:
+        return figure.id
+    said = "+".join(f"{name}={text}" for name, text in _texts(figure, changes).items())
+    if len(said) > 100 or re.search(r"[^\w.,=+-]", said):
+        said = hashlib.sha256(said.encode()).hexdigest()[:16]
+    return f"{figure.id}+{said}"
+
+
+def _texts(figure, changes):
+    """Changed values as the command line takes them, by name."""
+    known = {name: p for method in figure.methods for name, p in figure.parameters_of(method).items()}
+    return {name: known[name].kind.show(value) for name, value in changes.items()}
+
+
+def picture_name(name, machine, view):
     """The file name of a picture: F004-4-OCTANE.png, F004-4-OCTANE-ideal.png ..."""
-    return f"{figure_id}-{machine}{'' if view == 'machine' else f'-{view}'}.png"
+    return f"{name}-{machine}{'' if view == 'machine' else f'-{view}'}.png"
 
 
 def steps(machines, with_checks):
@@ -42,7 +62,7 @@ def steps(machines, with_checks):
     return (3 + with_checks) * machines
 
 
-def render(figure, machines, size, threads, with_checks, step):
+def render(figure, machines, size, threads, with_checks, step, changes=None):
     """Render a figure.
 
     Parameters
@@ -57,15 +77,19 @@ def render(figure, machines, size, threads, with_checks, step):
         Run the acceptance checks as well.
     step
         Called with a line of text at the beginning of each step.
+    changes : dict, optional
+        Other values of parameters, by name: a variant, whose files and record have a name of their own and
+        say what was changed. Its acceptance is nobody's: checks hold for the figure's own values.
 
     Raises Refusal for what a machine cannot hold.
     """
     size = size or figure.size
     width, height = figure.dimensions(size)
-    files, drawn, kept, checked = {}, [], {}, set()
+    files, drawn, kept, checked, changes = {}, [], {}, set(), changes or {}
+    name = variant_name(figure, changes)
     for machine in machines:
-        pictures, record = _on_machine(figure, machine, size, threads, step)
-        files |= {picture_name(figure.id, machine, view): png(image) for view, image in pictures.items()}
+        pictures, record = _on_machine(figure, machine, size, threads, step, changes)
+        files |= {picture_name(name, machine, view): png(image) for view, image in pictures.items()}
         if with_checks:
             step(f"{figure.id}: acceptance checks on the {PROFILES[machine].name}")
             method = figure.method(machine)
@@ -74,20 +98,24 @@ def render(figure, machines, size, threads, with_checks, step):
             checked.add(method)
         drawn.append(record)
     record = {
-        "id": figure.id,
+        "id": name,
         "title": figure.title,
         "caption": figure.caption,
         "must_see": figure.must_see,
         "source": figure.source,
         "techniques": list(figure.techniques),
-        "parameters": dict(figure.parameters),
+        "parameters": dict(figure.values),
         "size": size,
         "width": width,
         "height": height,
         "difference_gain": DIFFERENCE_GAIN,
         "machines": drawn,
     }
-    files[f"{figure.id}.json"] = (json.dumps(record, indent=2) + "\n").encode()
+    if changes:
+        # What must be seen is of the figure's own values.
+        del record["must_see"]
+        record |= {"figure": figure.id, "set": changes}
+    files[f"{name}.json"] = (json.dumps(record, indent=2) + "\n").encode()
     return Rendered(files, record)
 
 
@@ -102,36 +130,31 @@ def _checks(figure, renderer):
         return (Check("errors of the checks themselves", 1.0, at_most=0.0, on=Answer.MACHINE, reason=reason),)
 
 
-def _on_machine(figure, machine, size, threads, step):
+def _on_machine(figure, machine, size, threads, step, changes):
     """Its three pictures by view, and what the record says of them."""
-    profile, method, (width, height) = PROFILES[machine], figure.method(machine), figure.dimensions(size)
+    profile, (width, height) = PROFILES[machine], figure.dimensions(size)
+    name, texts = variant_name(figure, changes), _texts(figure, changes)
+    changed = "".join(f"; {key} = {text}" for key, text in texts.items())
     if profile.arithmetic.exact:
         return _by_the_ideal(figure, machine, size, threads, step)
-    step(f"{figure.id}: on the {profile.name}, {width}x{height}")
+    step(f"{name}: on the {profile.name}, {width}x{height}")
     with refusals():
-        commands = figure.commands(profile, size, method)
-        # The run that records what the ideal is guided by draws the picture as well.
-        guide = execute(commands, profile, width, height, threads=threads, record=True)
-        framebuffer = guide.framebuffer
-        color = framebuffer.as_bytes(framebuffer.color)
-        step(f"{figure.id}: the same on the ideal")
-        commands = figure.commands(IDEAL, size, method)
-        ideal = execute_ideal(commands, width, height, guide=guide, threads=threads)
-    step(f"{figure.id}: writing")
-    pictures = {"machine": color, "ideal": ideal.image(), "difference": difference(color, ideal.color)}
-    exact = framebuffer.color[..., :3] / (2.0**framebuffer.color_bits - 1.0)
-    error = np.clip(exact, 0.0, 1.0) - np.clip(ideal.color[..., :3], 0.0, 1.0)
+        drawn = figure.render(machine, size, threads=threads, **changes)
+        step(f"{name}: the same on the ideal")
+        pictures = {"machine": drawn.image(), "ideal": drawn.ideal.image()}
+    step(f"{name}: writing")
+    pictures["difference"] = drawn.difference.image()
     record = {
         "profile": machine,
-        "method": method.name,
-        "parameters": dict(method.parameters),
-        "sha256": digest(color),
-        "difference_rms": float(np.sqrt((error * error).mean())),
-        "difference_max": float(np.abs(error).max()),
+        "method": drawn.method.name,
+        "parameters": {**drawn.method.values, **{n: p.default for n, p in drawn.method.parameters.items()}},
+        "sha256": digest(pictures["machine"]),
+        "difference_rms": float(np.sqrt((drawn.error * drawn.error).mean())),
+        "difference_max": float(np.abs(drawn.error).max()),
         "pictures": {
             view: {
-                "file": picture_name(figure.id, machine, view),
-                "caption": caption.format(profile=profile.name, method=method.name),
+                "file": picture_name(name, machine, view),
+                "caption": caption.format(profile=profile.name, method=drawn.method.name) + changed,
             }
             for view, caption in PICTURES.items()
         },

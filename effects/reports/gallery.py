@@ -75,12 +75,24 @@ def _same_bits(others):
     return f"The same bits on {escape(', '.join(drawn['profile'] for drawn in others))}."
 
 
+def _said(record):
+    """What must be seen of a figure; of a variant, what was changed."""
+    if "set" not in record:
+        return f"<p><b>Must be seen:</b> {escape(record['must_see'])}</p>"
+    changed = ", ".join(f"{name} = {json.dumps(value)}" for name, value in record["set"].items())
+    figure = escape(record["figure"])
+    return (
+        f'<p><b>A variant of <a href="#{figure}">{figure}</a>:</b> {escape(changed)}. What must be seen, and '
+        "what is checked, is of the figure's own values.</p>"
+    )
+
+
 def _section(record):
     figure_id = escape(record["id"])
     groups = enumerate(_groups(record["machines"]))
     return (
         f'<section id="{figure_id}"><h2><span>{figure_id}</span> {escape(record["title"])}</h2>'
-        f"<p>{escape(record['caption'])}</p><p><b>Must be seen:</b> {escape(record['must_see'])}</p>"
+        f"<p>{escape(record['caption'])}</p>{_said(record)}"
         f"{''.join(_machines(record, group, index == 0) for index, group in groups)}"
         f'<p class="quiet">Source: {escape(record["source"])} ({escape(", ".join(record["techniques"]))}). '
         f'<a href="{figure_id}.json">All numbers (JSON)</a></p></section>'
@@ -88,17 +100,18 @@ def _section(record):
 
 
 def gallery(folder, figures):
-    """The page, as text, of the figures whose JSON files lie in ``folder`` (``figure_record`` writes them).
+    """The page, as text, of the figures whose JSON files lie in ``folder`` (``figure_record`` writes them),
+    each with its variants after it.
 
     ``figures``: the ids in the page's order. Raises Refusal for a JSON file that is not a figure's.
     """
     sections, links = [], []
     for figure_id in figures:
-        path = folder / f"{figure_id}.json"
-        if path.is_file():
+        own = folder / f"{figure_id}.json"
+        for path in (*([own] if own.is_file() else ()), *sorted(folder.glob(f"{figure_id}+*.json"))):
             try:
                 sections.append(_section(json.loads(path.read_text())))
-                links.append(f'<a href="#{escape(figure_id)}">{escape(figure_id)}</a>')
+                links.append(f'<a href="#{escape(path.stem)}">{escape(path.stem)}</a>')
             except (ValueError, KeyError, TypeError) as error:
                 raise Refusal(f"{path} is not what fixedpipe wrote; delete it and render again.") from error
     return (

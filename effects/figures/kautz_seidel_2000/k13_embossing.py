@@ -218,7 +218,7 @@ FIGURE = Figure(
         "cells": word.EVEN(
             6, "Pebbles along an edge of the height map, which comes five times around the torus."
         ),
-        "depth": word.SLOPE(0.35, "The pebbles' height over half balls."),
+        "depth": word.SLOPE(0.35, "The pebbles' height over half balls.", low=0.01),
         "tilt": word.DEGREES(90.0, "How far the torus's axis leans towards the viewer."),
         "lights": word.of(
             word.Several((word.DIRECTION_KIND,) * 3),

@@ -118,7 +118,7 @@ FIGURE = Figure(
     techniques=("Z26",),
     columns=1,
     parameters={
-        "extent": word.NUMBER(0.34, "The width of the light.", "half edges of a panel", low=0.0, high=1.0),
+        "extent": word.NUMBER(0.34, "The width of the light.", "half edges of a panel", low=0.01, high=1.0),
         "half_width": word.NUMBER(
             0.30, "Half the width of the occluder.", "half edges of a panel", low=0.01, high=0.5
         ),

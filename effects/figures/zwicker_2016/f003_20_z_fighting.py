@@ -274,6 +274,11 @@ def checks(figure, renderer):
     yield from drawn_check(figure, renderer, _marks(size, (none, right, too_much)))
 
 
+# Larger ones move the surface out of the diagram.
+_OFFSET_KIND = word.Several(
+    (word.Number(0.0, 2.0), word.Number(0.0, 4.0)), what="a factor from 0 to 2 and units from 0 to 4"
+)
+
 FIGURE = Figure(
     id="F003-20",
     title="Z-fighting and the bias",
@@ -292,10 +297,10 @@ FIGURE = Figure(
     columns=3,
     parameters={
         "right": word.of(
-            word.OFFSET_KIND, (0.5, 1.0), "The polygon offset of the second panel, factor and units."
+            _OFFSET_KIND, (0.5, 1.0), "The polygon offset of the second panel, factor and units."
         ),
         "too_much": word.of(
-            word.OFFSET_KIND, (2.0, 4.0), "The polygon offset of the third panel, factor and units."
+            _OFFSET_KIND, (2.0, 4.0), "The polygon offset of the third panel, factor and units."
         ),
         "background": word.BACKDROP(BACKGROUND),
     },

@@ -45,7 +45,7 @@ PANEL_KIND = word.Several(
         word.of_enum(*parted_shadow_maps.MapFit),
         word.Number(0.125, 8.0),
         word.Whole(1, 8),
-        word.Choice({look: look for look in (WHOLE, TINTED, NEAR_SHADOW)}),
+        word.Choice({"whole": WHOLE, "tinted": TINTED, "near": NEAR_SHADOW}),
     )
 )
 SUN = word.of(

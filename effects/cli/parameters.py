@@ -1,0 +1,67 @@
+"""``fixedpipe parameters``: what may be changed of a figure."""
+
+import json
+import shlex
+
+import click
+
+
+@click.command(short_help="What may be changed of a figure.")
+@click.argument("figure_id", metavar="ID")
+@click.option("--json", "json_file", metavar="FILE", help="Write them as a JSON list as well.")
+def parameters(figure_id, json_file):
+    """Print the parameters of figure ID: each with its value, unit and range, and what it does.
+
+    Values are written as --set of figures, passes and precision takes them: numbers between commas, and where
+    there are several of several, these between slashes.
+    """
+    from fixedpipe.effects.figures import FIGURES
+    from fixedpipe.effects.refusal import choose
+    from fixedpipe.effects.reports.files import writable_file, write_whole
+
+    figure = choose("figure", figure_id, FIGURES)
+    path = writable_file(json_file) if json_file else None
+    rows = _rows(figure)
+    if path:
+        write_whole(path, (json.dumps(rows, indent=2) + "\n").encode())
+    if not rows:
+        click.echo(f"{figure.id} has no parameters: {figure.title}.")
+        return
+    click.echo(f"{figure.id}: {figure.title}\n")
+    for row in rows:
+        unit = f" ({row['unit']})" if row["unit"] else ""
+        click.echo(f"{row['name']}={row['default']}{unit}")
+        for machines, value in row["on"].items():
+            click.echo(f"    {value} on {machines}")
+        click.echo(f"    {row['does']}")
+        click.echo(f"    Give {row['allowed']}.")
+    setting = shlex.quote(f"{rows[0]['name']}={rows[0]['default']}")
+    click.echo(f"\nAs in fixedpipe figures {figure.id} --set {setting}")
+
+
+def _rows(figure):
+    """A dict for each parameter that users may set, in the figure's order, values as texts."""
+    known = {
+        name: p for method in reversed(figure.methods) for name, p in figure.parameters_of(method).items()
+    }
+    rows = []
+    for name, parameter in known.items():
+        if not parameter.offered:
+            continue
+        own = figure.parameters.get(name, parameter)
+        on = {}
+        for method in figure.methods:
+            there = figure.parameters_of(method).get(name)
+            if there is not None and (there.default != own.default or name not in figure.parameters):
+                on[", ".join(method.machines)] = there.kind.show(there.default)
+        rows.append(
+            {
+                "name": name,
+                "default": own.kind.show(own.default),
+                "unit": own.unit,
+                "allowed": own.kind.allowed,
+                "does": own.does,
+                "on": on,
+            }
+        )
+    return rows
