@@ -15,11 +15,11 @@ from fixedpipe.effects.scenes.board import (
     board_view,
     ring_and_board,
 )
-from fixedpipe.effects.shadows.lit_scene import SceneShading, map_edge
+from fixedpipe.effects.shadows.lit_scene import map_edge
 from fixedpipe.effects.shadows.shadow_maps import modulated_passes, store_map
 
 
-def shadows_under_offsets(profile, size, *, ratio, offsets, shading=SceneShading.LIT):
+def shadows_under_offsets(profile, size, *, ratio, offsets, shading):
     """The same map once for each of the offsets (factor, units) by which it is moved away from the light."""
     count = len(offsets)
     panels, edge = row_of_panels(count, size), map_edge(size, ratio)

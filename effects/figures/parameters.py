@@ -207,7 +207,7 @@ class Several:
             return self.what
         if not isinstance(self.parts, tuple):
             return f"{self.least} to {self.most} times {self.parts.allowed}"
-        if len(set(self.parts)) == 1:
+        if all(part == self.parts[0] for part in self.parts):
             return f"{len(self.parts)} times {self.parts[0].allowed}"
         return "(" + "; ".join(part.allowed for part in self.parts) + ")"
 

@@ -217,7 +217,7 @@ FIGURE = Figure(
         "spread": word.SPREAD(6.0),
         "k_s": word.K_S((0.6, 1.0)),
         "alphas": word.of(
-            word.Several((word.Several((word.ALPHA_KIND,) * 2),) * 2),
+            word.Several((word.Several((word.Number(0.125, 1.0),) * 2),) * 2),
             ((0.8, 1.0), (0.2, 0.5)),
             "The highlight's widths along t and b of Blinn and Phong's sphere, then of Ward's.",
         ),

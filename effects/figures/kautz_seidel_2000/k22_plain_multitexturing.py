@@ -186,8 +186,12 @@ FIGURE = Figure(
             "The directions in which tiles are brushed, one after the other.",
             "degrees",
         ),
-        "alpha_x": word.ALPHA_X(0.5),
-        "alpha_y": word.ALPHA_Y(1.0),
+        "alpha_x": word.ALPHA_X(
+            0.5, "The highlight's width along the tangents: the smaller, the narrower.", low=0.5
+        ),
+        "alpha_y": word.ALPHA_Y(
+            1.0, "The highlight's width along the binormals: the smaller, the narrower.", low=0.5
+        ),
         "k_s": word.K_S((0.55, 1.0)),
         "joint": word.SHARE(0.1, "The strength of the highlights between the tiles.", word.FULL),
         "light": word.POSITION(

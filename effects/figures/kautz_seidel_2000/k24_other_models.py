@@ -222,10 +222,10 @@ FIGURE = Figure(
         ),
         "k_s": word.SHARE(1.0, "The strength of the highlights.", word.FULL),
         "roughness": word.NUMBER(
-            0.1, "The roughness of Schlick's model: 0 a mirror, 1 scatters evenly.", low=0.01, high=1.0
+            0.1, "The roughness of Schlick's model: 0 a mirror, 1 scatters evenly.", low=0.05, high=1.0
         ),
         "isotropy": word.NUMBER(
-            0.4, "The isotropy of Schlick's model: 1 where no direction is another.", low=0.01, high=1.0
+            0.4, "The isotropy of Schlick's model: 1 where no direction is another.", low=0.1, high=1.0
         ),
         "reflectance": word.SHARE(0.8, "What Schlick's model reflects at right angles.", word.FULL),
         "coefficients": word.of(
