@@ -65,7 +65,7 @@ PACKAGES = {
     "effects/refusal": {},
     "effects/collection": {"effects": "refusal"},
     "effects/technique": {},
-    "effects/geometry": {"pipeline": "state commands"},
+    "effects/geometry": {"pipeline": "state textures commands"},
     "effects/passes": {
         "pipeline": "enums sentences state pixel_transfer textures commands",
         "effects": "technique",

@@ -27,6 +27,7 @@ from numbers import Real
 
 import numpy as np
 
+from fixedpipe.effects.geometry import height_fields
 from fixedpipe.effects.geometry.vectors import cross, dot, normalize
 from fixedpipe.effects.passes.arguments import checked_rgb
 from fixedpipe.effects.passes.combiners import (
@@ -111,12 +112,10 @@ class HeightMap:
 def load(heights, name, profile):
     """The command that loads a height field and its ``HeightMap``.
 
-    ``heights``: float64 [rows, columns], bottom row first, in units of the map's edge, none below zero and
+    ``heights``: numbers [rows, columns], bottom row first, in units of the map's edge, none below zero and
     not all zero; the highest is stored as one. Raises ValueError for others.
     """
-    heights = np.asarray(heights, np.float64)
-    if heights.ndim != 2 or not heights.size:
-        raise ValueError(f"The heights have shape {heights.shape}; give some rows and columns.")
+    heights = height_fields.numbers(heights)
     low, relief = float(heights.min()), float(heights.max())
     if not (low >= 0.0 and 0.0 < relief < np.inf):
         raise ValueError(f"The heights range over {low:g}..{relief:g}; give some above zero and none below.")

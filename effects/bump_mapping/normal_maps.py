@@ -23,6 +23,7 @@ import numpy as np
 from fixedpipe.effects.geometry import height_fields
 from fixedpipe.effects.geometry.vectors import cross, normalize
 from fixedpipe.effects.technique import Technique
+from fixedpipe.pipeline.textures.pixels import unit_numbers
 
 TECHNIQUES = (
     Technique("Z01", "normals of a height field by central differences", "Generating bump maps"),
@@ -63,7 +64,7 @@ def normals(heights, du=1.0, dv=1.0, periodic=True):
 
 def encode(vectors):
     """Components in [-1, 1] as bytes: round((x + 1)/2 * 255), a half upwards; uint8 of the same shape."""
-    scaled = (np.asarray(vectors, np.float64) + 1.0) / 2.0 * 255.0
+    scaled = (unit_numbers(vectors, "The array of vectors") + 1.0) / 2.0 * 255.0
     return np.clip(np.floor(scaled + 0.5), 0, 255).astype(np.uint8)
 
 

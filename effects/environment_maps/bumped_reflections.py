@@ -74,6 +74,7 @@ from fixedpipe.pipeline.state import (
     TextureShaderStage,
 )
 from fixedpipe.pipeline.textures.images import texture_2d
+from fixedpipe.pipeline.textures.pixels import unit_numbers
 
 TECHNIQUES = (
     Technique("Z08", "environment-mapped bump mapping by a cube map", "Combination with env. map"),
@@ -110,7 +111,7 @@ def load(normals, dirt, name, profile):
     normals  float64 [rows, columns, 3], in tangent space
     dirt     float64 [rows, columns] in [0, 1]: what is left of the reflection; or one number
     """
-    dirt = np.broadcast_to(np.asarray(dirt, np.float64), normals.shape[:2])
+    dirt = np.broadcast_to(unit_numbers(dirt, "The dirt"), normals.shape[:2])
     names = Names(f"{name} n, dirt", f"{name} dirt")
     return (
         TexImage(
@@ -262,7 +263,7 @@ def offset_texels(normals, profile):
 
     Source: docs/numbers.md, section 12: s/128 of a two's complement byte. The exact machine's are not whole.
     """
-    offsets = np.clip(128.0 * np.asarray(normals, np.float64)[..., :2], -128.0, 127.0)
+    offsets = np.clip(128.0 * unit_numbers(normals, "The normal map")[..., :2], -128.0, 127.0)
     if not profile.arithmetic.exact:
         offsets = np.floor(offsets + 0.5)
     stored = np.where(offsets < 0.0, offsets + 256.0, offsets)
@@ -274,7 +275,7 @@ def offset_texels(normals, profile):
 def load_offsets(normals, dirt, name, profile):
     """Commands that load an offset map and dirt, and their Names; arguments as of ``load``."""
     names = Names(f"{name} offsets", f"{name} dirt")
-    dirt = np.broadcast_to(np.asarray(dirt, np.float64), normals.shape[:2])
+    dirt = np.broadcast_to(unit_numbers(dirt, "The dirt"), normals.shape[:2])
     return (
         TexImage(
             label=f"load offset map of {name}: (du, dv)",

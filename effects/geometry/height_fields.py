@@ -9,6 +9,7 @@ Source: Blinn 1978 (the perturbed normal); Kilgard 2000, section 5 (normals by f
 import numpy as np
 
 from fixedpipe.effects.geometry.vectors import cross, normalize
+from fixedpipe.pipeline.textures.pixels import array_of, refused_type
 
 # Luminance of a colour: Rec. 601 weights, as photographs of the time were made grey.
 _LUMINANCE = (0.299, 0.587, 0.114)
@@ -24,6 +25,24 @@ def frames(slope_s, slope_t):
     normal = normalize(np.stack([-slope_s, -slope_t, one], axis=-1))
     tangent = normalize(np.stack([one, zero, slope_s], axis=-1))
     return normal, tangent, cross(normal, tangent)
+
+
+def numbers(heights):
+    """A height field's numbers as float64. Heights are measured in a unit, so whole numbers are what they say
+    whatever their type, a byte of 64 too.
+
+    Raises ValueError for what is no number, NaN or infinity, another shape, or no texels.
+    """
+    array = array_of(heights, "The height field")
+    if array.dtype.kind not in "biuf":
+        raise refused_type(array, "The height field", "real numbers, whole ones or floats")
+    if array.ndim != 2 or 0 in array.shape:
+        empty = ", so it is empty" if 0 in array.shape else ""
+        raise ValueError(f"The height field has shape {array.shape}{empty}; give some [rows, columns].")
+    array = array.astype(np.float64, copy=False)
+    if not np.isfinite(array).all():
+        raise ValueError("The height field holds NaN or infinity; fill the missing values first.")
+    return array
 
 
 def _neighbours(heights, axis, periodic):
@@ -42,7 +61,7 @@ def slopes(heights, periodic=True):
     The field covers a unit square, and heights are in units of its edge. Without ``periodic`` it continues
     level beyond its edges.
     """
-    heights = np.asarray(heights, np.float64)
+    heights = numbers(heights)
     out = []
     for axis in (1, 0):
         after, before = _neighbours(heights, axis, periodic)
@@ -77,13 +96,16 @@ def from_image(image):
     ----------
     image
         [rows, columns] or [rows, columns, 1..4 components], top row first, any numeric type. Colours become
-        luminance; alpha is ignored. The lowest value becomes 0 and the highest 1.
+        luminance; alpha is ignored. The lowest value becomes 0 and the highest 1, so bytes, the 16 bits of an
+        elevation model and metres need no scale.
 
     Raises ValueError for another shape, an empty image, a value that is not finite, or a constant image.
     """
-    array = np.asarray(image)
-    if array.ndim in (2, 3) and 0 in array.shape:
-        raise ValueError(f"The image has shape {array.shape} and is empty; give one with pixels.")
+    array = array_of(image, "The image")
+    if array.dtype.kind not in "biuf":
+        raise refused_type(array, "The image", "real numbers, whole ones or floats")
+    if 0 in array.shape:
+        raise ValueError(f"The image has shape {array.shape}, so it is empty; give at least one pixel.")
     if array.ndim not in (2, 3) or (array.ndim == 3 and array.shape[2] > 4):
         raise ValueError(
             f"The image has shape {array.shape}; give [rows, columns] or [rows, columns, 1 to 4]."
@@ -110,7 +132,7 @@ def resample(heights, columns, rows):
     """A height field at another size: halved by boxes while twice too large, then bilinear between texel
     centres.
     """
-    heights = np.asarray(heights, np.float64)
+    heights = numbers(heights)
     for axis, size in ((0, rows), (1, columns)):
         heights = np.swapaxes(heights, 0, axis)
         while len(heights) >= 2 * size:
@@ -130,7 +152,7 @@ def tileable(heights, margin=1 / 8):
     The last strip of the field, ``margin`` wide, is faded into the first: what leaves on one side comes in on
     the other. Fields of fewer than eight texels along an axis are left alone there.
     """
-    heights = np.asarray(heights, np.float64)
+    heights = numbers(heights)
     for axis in (0, 1):
         heights = np.swapaxes(heights, 0, axis)
         strip = int(len(heights) * margin)
@@ -145,6 +167,7 @@ def tileable(heights, margin=1 / 8):
 
 def smooth(heights, passes=1, periodic=True):
     """A height field after ``passes`` binomial filters (1 2 1)/4 along both axes."""
+    heights = numbers(heights)
     for _ in range(passes):
         for axis in (0, 1):
             after, before = _neighbours(heights, axis, periodic)

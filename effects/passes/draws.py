@@ -26,6 +26,7 @@ from fixedpipe.pipeline.state import (
     Viewport,
 )
 from fixedpipe.pipeline.textures.images import texture_2d
+from fixedpipe.pipeline.textures.pixels import bytes_or_floats
 
 FIRST_PASS = DepthTest(ComparisonFunction.LESS, write=True)
 LATER_PASS = DepthTest(ComparisonFunction.EQUAL, write=False)
@@ -118,6 +119,7 @@ def show(picture, panel, name, surface):
     rectangle (``surfaces.plane``) of half width and half height one. The texture's edges are the next powers
     of two.
     """
+    picture = bytes_or_floats(picture, "The picture")
     height, width = picture.shape[:2]
     if (width, height) != (panel.width, panel.height):
         raise ValueError(

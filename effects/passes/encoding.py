@@ -11,6 +11,8 @@ Source: NV_register_combiners, table 4 (EXPAND_NORMAL); normal maps of the time 
 
 import numpy as np
 
+from fixedpipe.pipeline.textures.pixels import unit_numbers
+
 
 def _zero(profile):
     """The stored byte, as a real number, that EXPAND_NORMAL reads as zero."""
@@ -28,7 +30,7 @@ def encode_expand(vectors, profile):
         uint8 of the same shape, components outside [-1, 1] clamped; for an exact profile float64, not
         clamped.
     """
-    vectors = np.asarray(vectors, np.float64)
+    vectors = unit_numbers(vectors, "The array of vectors")
     if profile.arithmetic.exact:
         return vectors * 0.5 + 0.5
     return np.clip(np.floor(_zero(profile) + 127.5 * vectors + 0.5), 0, 255).astype(np.uint8)
@@ -45,7 +47,7 @@ def decode_expand(stored, profile):
 
 def encode_factor(values, profile):
     """Factors in [0, 1] (k_s, a colour) as bytes, rounded to nearest; for an exact profile unchanged."""
-    values = np.asarray(values, np.float64)
+    values = unit_numbers(values, "The array of factors")
     if profile.arithmetic.exact:
         return values
     return np.floor(255.0 * np.clip(values, 0.0, 1.0) + 0.5).astype(np.uint8)
@@ -62,7 +64,9 @@ def encode_vertex_color(vectors, profile):
         return encode_expand(vectors, profile)
     one = 2.0**profile.arithmetic.combiner_bits - 1.0
     # For bytes these are encode_expand's numbers, to the bit.
-    stored = np.floor(one / 255.0 * _zero(profile) + one / 2.0 * np.asarray(vectors, np.float64) + 0.5)
+    stored = np.floor(
+        one / 255.0 * _zero(profile) + one / 2.0 * unit_numbers(vectors, "The array of vectors") + 0.5
+    )
     return np.clip(stored, 0.0, one) / one
 
 
@@ -78,6 +82,7 @@ def encode_dot_product(vectors, alpha, profile):
 
     Source: docs/numbers.md, section 12: (n - 128)/127. The exact machine stores v/2 + 1/2.
     """
+    vectors = unit_numbers(vectors, "The array of vectors")
     alpha = np.broadcast_to(encode_factor(alpha, profile), vectors.shape[:-1])[..., None]
     if profile.arithmetic.exact:
         return np.concatenate([vectors * 0.5 + 0.5, alpha], axis=-1)

@@ -29,6 +29,7 @@ from fixedpipe.effects.passes.encoding import encode_factor, encode_rgba
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.textures.images import texture_2d
+from fixedpipe.pipeline.textures.pixels import unit_numbers
 
 TECHNIQUES = (Technique("K21", "material textures: scratches, brushed metal, gold, marble", "4.1, 6"),)
 
@@ -61,16 +62,18 @@ class Material:
 
     def __post_init__(self):
         for name in ("normals", "tangents", "binormals"):
-            vectors, shape = getattr(self, name), self.normals.shape
+            vectors, shape = unit_numbers(getattr(self, name), f"The array of {name}"), np.shape(self.normals)
+            object.__setattr__(self, name, vectors)
             if vectors.shape != shape or vectors.ndim != 3 or shape[2] != 3 or not vectors.size:
                 raise ValueError(
                     f"The {name} have shape {vectors.shape}; give all three vectors as [rows, columns, 3]."
                 )
-            if not np.isfinite(vectors).all():
-                raise ValueError(f"The {name} hold NaN or infinity; give finite vectors.")
         shape = self.normals.shape[:2]
         for name in ("alpha_x", "alpha_y", "k_s", "exponent"):
-            value = np.asarray(getattr(self, name), np.float64)
+            value = np.asarray(getattr(self, name))
+            if value.dtype.kind not in "biuf":
+                raise ValueError(f"{name} holds {value.dtype}; give numbers.")
+            value = value.astype(np.float64)
             object.__setattr__(self, name, np.ascontiguousarray(np.broadcast_to(value, shape)))
         for name in ("alpha_x", "alpha_y"):
             value = getattr(self, name)
@@ -81,7 +84,8 @@ class Material:
                 )
         if not (self.k_s >= 0.0).all() or not (self.k_s <= 1.0).all():
             raise ValueError(
-                f"k_s ranges over {self.k_s.min():g}..{self.k_s.max():g}; give values from 0 to 1."
+                f"k_s ranges over {self.k_s.min():g}..{self.k_s.max():g}; give values from 0 to 1: / 255.0 "
+                "if they are bytes."
             )
         if not (self.exponent >= 1.0).all() or not (self.exponent <= LARGEST_EXPONENT).all():
             raise ValueError(

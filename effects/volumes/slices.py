@@ -65,10 +65,10 @@ class Volume:
     _stored: dict = field(default_factory=dict, repr=False)
 
     def __post_init__(self):
-        if self.density.ndim != 3 or self.density.dtype != np.uint8:
+        if self.density.ndim != 3 or self.density.dtype != np.uint8 or not self.density.size:
             raise ValueError(
                 f"The densities are {self.density.dtype} of shape {self.density.shape}; give bytes "
-                "[layers, rows, columns]."
+                "[layers, rows, columns], some of each."
             )
         if not 0.0 < self.iso < 1.0:
             raise ValueError(f"The iso-surface's density is {self.iso}; give one between 0 and 1.")

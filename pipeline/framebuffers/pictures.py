@@ -12,10 +12,16 @@ from numpy.typing import NDArray
 
 def png(image: NDArray[Any]) -> bytes:
     """A picture as the bytes of a PNG file: uint8 [h, w, 3 or 4], or grey [h, w], top row first; alpha is
-    left out.
+    left out. Raises ValueError for an array of anything else.
 
     A framebuffer's alpha holds whatever a pass kept there (a gate, a factor) and is no transparency.
     """
+    is_shaped = image.ndim == 2 or image.shape[2:] in ((3,), (4,))
+    if image.dtype != np.uint8 or not is_shaped or 0 in image.shape:
+        raise ValueError(
+            f"The picture is {image.dtype} of shape {image.shape}; give uint8 [h, w, 3 or 4], as "
+            "Result.image() is, or [h, w]."
+        )
     from PIL import Image
 
     # Of zlib's ways this is a third of the time, and a twentieth more bytes.

@@ -17,7 +17,9 @@ def digest(color):
     """SHA-256, in hexadecimal, of a framebuffer's shape and colour bytes: uint8 [h, w, 4], top row first."""
     color = np.ascontiguousarray(color)
     if color.dtype != np.uint8:
-        raise ValueError(f"A digest is of bytes; this picture holds {color.dtype}.")
+        raise ValueError(
+            f"A digest is of bytes; this picture holds {color.dtype}; give uint8, as Result.image() is."
+        )
     shape = "x".join(map(str, color.shape))
     return hashlib.sha256(f"{shape}\n".encode() + color.tobytes()).hexdigest()
 

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fixedpipe.pipeline.enums import BaseFormat, DepthFormat, InternalFormat, TextureTarget
 from fixedpipe.pipeline.textures.depth_words import DEPTH_WORDS
+from fixedpipe.pipeline.textures.pixels import bytes_or_floats, refused_type
 
 # Component resolutions in the order of the base format's components, of the formats that store an image's
 # components. Source: OpenGL 1.2.1 table 3.16.
@@ -212,6 +213,8 @@ def store_texels(rgba: NDArray[Any], internal_format: InternalFormat) -> NDArray
             f"fixedpipe.pipeline.textures.words, or give one of "
             f"{', '.join(f.name for f in COMPONENT_BITS)}."
         )
+    if rgba.dtype != np.uint8 and rgba.dtype.kind != "f":
+        raise refused_type(rgba, "The image", "bytes (uint8, 255 is one) or floats (1.0 is one)")
     base = BASE_FORMAT[internal_format]
     components = np.empty((*rgba.shape[:-1], len(KEPT[base])), np.uint8)
     for k, (kept, bits) in enumerate(zip(KEPT[base], COMPONENT_BITS[internal_format], strict=True)):
@@ -281,22 +284,17 @@ class Texture:
         return self.levels[0].shape[0] if self.target is TextureTarget.TEXTURE_3D else 1
 
 
-def _as_rgba(image, what):
-    image = np.asarray(image)
-    if image.dtype != np.uint8:
-        image = image.astype(np.float64)
-        if not np.isfinite(image).all():
-            raise ValueError(
-                f"{what} holds NaN or infinity; texels must be finite numbers in [0, 1], or bytes."
-            )
-    if image.ndim < 3 or image.shape[-1] not in (1, 2, 3, 4):
-        raise ValueError(
-            f"{what} has shape {image.shape}; give [height, width, components] with 1 to 4 components "
-            "(L, LA, RGB or RGBA)."
-        )
+def _as_rgba(image, what, axes):
+    """An image as RGBA, bytes or floats: ``axes`` are the names of its axes but the last, its components."""
+    image = bytes_or_floats(image, what)
     if 0 in image.shape:
         raise ValueError(
-            f"{what} is {image.shape[-2]}x{image.shape[-3]} texels; a texture needs at least 1x1."
+            f"{what} has shape {image.shape}, so it is empty; a texture needs at least 1x1 texels."
+        )
+    if image.ndim != len(axes) + 1 or image.shape[-1] > 4:
+        raise ValueError(
+            f"{what} has shape {image.shape}; give [{', '.join(axes)}, components] with 1 to 4 components "
+            "(L, LA, RGB or RGBA)."
         )
     one = np.uint8(255) if image.dtype == np.uint8 else 1.0
     c = image.shape[-1]
@@ -365,26 +363,21 @@ def build_texture(
 def texture_1d(
     image: ArrayLike, internal_format: InternalFormat = InternalFormat.RGBA8, *, mipmaps: bool = False
 ) -> Texture:
-    """A 1D texture from [width, 1..4 components], bytes or floats in [0, 1]."""
-    row = np.asarray(image)
-    if row.ndim != 2:
-        raise ValueError(f"A 1D texture's image has shape {row.shape}; give [width, components].")
-    return build_texture(
-        TextureTarget.TEXTURE_1D, _as_rgba(row[None], "The image")[None], internal_format, mipmaps
-    )
+    """A 1D texture from [width, 1..4 components], bytes or floats in [0, 1], as ``texture_2d`` takes them."""
+    row = _as_rgba(image, "A 1D texture's image", ("width",))
+    return build_texture(TextureTarget.TEXTURE_1D, row[None, None], internal_format, mipmaps)
 
 
 def texture_2d(
     image: ArrayLike, internal_format: InternalFormat = InternalFormat.RGBA8, *, mipmaps: bool = False
 ) -> Texture:
-    """A 2D texture from [height, width, 1..4 components], bytes or floats in [0, 1], bottom row first.
+    """A 2D texture from [height, width, 1..4 components], bottom row first: bytes, which are uint8 alone, or
+    floats in [0, 1].
 
     Floats are kept as the ideal evaluator's source (unclamped) beside the quantised texels.
-    Raises ValueError for zero sizes, NaN, or another shape.
+    Raises ValueError for another type of numbers, booleans too, zero sizes, NaN, or another shape.
     """
-    rgba = _as_rgba(image, "The image")
-    if rgba.ndim != 3:
-        raise ValueError(f"A 2D texture's image has shape {rgba.shape}; give [height, width, components].")
+    rgba = _as_rgba(image, "A 2D texture's image", ("height", "width"))
     return build_texture(TextureTarget.TEXTURE_2D, rgba[None], internal_format, mipmaps)
 
 
@@ -394,11 +387,7 @@ def texture_3d(
     """A 3D texture from [layers, height, width, 1..4 components], bytes or floats in [0, 1], each layer as
     ``texture_2d`` takes it, r growing from layer to layer.
     """
-    rgba = _as_rgba(image, "The image")
-    if rgba.ndim != 4:
-        raise ValueError(
-            f"A 3D texture's image has shape {rgba.shape}; give [layers, height, width, components]."
-        )
+    rgba = _as_rgba(image, "A 3D texture's image", ("layers", "height", "width"))
     return build_texture(TextureTarget.TEXTURE_3D, rgba, internal_format, mipmaps)
 
 
@@ -408,8 +397,8 @@ def texture_cube_map(
     """A cube map from [6, size, size, components], faces +x, -x, +y, -y, +z, -z; rows as EXT_texture_cube_map
     orders t (row 0 is t = 0).
     """
-    rgba = _as_rgba(faces, "The cube map")
-    if rgba.ndim != 4 or rgba.shape[0] != 6 or rgba.shape[1] != rgba.shape[2]:
+    rgba = _as_rgba(faces, "A cube map's image", ("6", "size", "size"))
+    if rgba.shape[0] != 6 or rgba.shape[1] != rgba.shape[2]:
         raise ValueError(
             f"A cube map has shape {rgba.shape[:-1]}; give six square faces [6, size, size, components]."
         )

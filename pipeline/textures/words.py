@@ -10,6 +10,7 @@ import numpy as np
 
 from fixedpipe.pipeline.enums import InternalFormat, TexelWord, TextureTarget
 from fixedpipe.pipeline.textures.images import Texture, at_machine_width, widen_to_byte
+from fixedpipe.pipeline.textures.pixels import whole_numbers
 
 ONE = None  # a component that is full intensity
 
@@ -73,7 +74,7 @@ def _ycbcr_texels(words, kind):
 
 def texels_of_words(words, kind):
     """Register bytes uint8 [..., 4] of an array of words: see Texture for what depths and HILO are."""
-    words = np.asarray(words).astype(np.int64)
+    words = whole_numbers(words, "The array of words")
     if kind in (TexelWord.YUY2, TexelWord.UYVY):
         return _ycbcr_texels(words, kind).astype(np.uint8)
     if kind in _DEPTHS:
@@ -117,7 +118,7 @@ def paletted_texture(indices, palette, target=TextureTarget.TEXTURE_2D):
     colors = texels_of_words(palette, TexelWord.A8R8G8B8)
     if len(colors) & (len(colors) - 1) or not len(colors):
         raise ValueError(f"The palette has {len(colors)} colours; give a power of two.")
-    texels = colors[np.asarray(indices) & (len(colors) - 1)]
+    texels = colors[whole_numbers(indices, "The array of indices") & (len(colors) - 1)]
     return Texture(target, InternalFormat.COLOR_INDEX8, _levels([texels]))
 
 
@@ -217,10 +218,17 @@ def stored_texture(texture, profile):
     return replace(texture, levels=tuple(dithered_level(level) for level in texture.levels))
 
 
+def _bytes_of(data):
+    """What bytes, or an array of uint8, hold. Raises ValueError for an array of anything else."""
+    if isinstance(data, np.ndarray) and data.dtype != np.uint8:
+        raise ValueError(f"The compressed data is an array of {data.dtype}; give bytes: .astype(np.uint8).")
+    return np.frombuffer(data, np.uint8)
+
+
 def compressed_texture(data, internal_format, width, height, levels=1):
     """CompressedTexImage2D: a 2D texture from the bytes of its levels behind one another, level 0 first."""
     size, images, at = S3TC_BLOCK_BYTES[internal_format], [], 0
-    data = np.frombuffer(data, np.uint8)
+    data = _bytes_of(data)
     for level in range(levels):
         w, h = max(1, width >> level), max(1, height >> level)
         shape = (-(-h // 4), -(-w // 4), size)
@@ -242,7 +250,7 @@ def compressed_volume(data, internal_format, width, height, depth):
     fewer layers is as much shorter. Source: NV_texture_compression_vtc; Assumed: the NV2A keeps to it.
     """
     size, rows, columns = S3TC_BLOCK_BYTES[internal_format], -(-height // 4), -(-width // 4)
-    data, layers = np.frombuffer(data, np.uint8), []
+    data, layers = _bytes_of(data), []
     needed = depth * rows * columns * size
     if len(data) < needed:
         raise ValueError(

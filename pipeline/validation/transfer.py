@@ -233,12 +233,17 @@ def pixel_image_problem(image, formats=(*IMAGE_FORMATS, DEPTH_FORMAT, *INDEX_FOR
         return f"the image has shape {shape}; give at least one pixel."
     if image.format in INDEX_FORMATS:
         if values.dtype.kind != "u" or values.dtype.itemsize > 4:
-            return f"the image's indices are {values.dtype}; give uint8, uint16 or uint32."
+            return (
+                f"the image's indices are {values.dtype}; give uint8, uint16 or uint32: .astype(np.uint32)."
+            )
         return None
     if values.dtype.kind == "u" and values.dtype.itemsize <= 4:
         return None
     if values.dtype.kind != "f":
-        return f"the image's values are {values.dtype}; give uint8, uint16, uint32 or floats."
+        return (
+            f"the image's values are {values.dtype}; give uint8, uint16 or uint32, of which the type's "
+            "largest value is one, or floats: .astype(np.uint8) if they are bytes."
+        )
     most = values.dtype.type(min(_MOST, float(np.finfo(values.dtype).max)))  # half floats end before
     if not (np.abs(values) <= most).all():  # NaN is not
         return "the image holds NaN, infinity or a magnitude above 2**32; give finite, smaller values."

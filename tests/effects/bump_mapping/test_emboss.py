@@ -170,5 +170,5 @@ def test_a_board_refuses_the_passes_of_a_better_one(form, profile):
 
 @pytest.mark.parametrize("heights", [np.zeros((4, 4)), np.array([[0.1, -0.1]]), np.array([[np.nan, 1.0]])])
 def test_heights_below_zero_or_all_zero_are_refused(heights):
-    with pytest.raises(ValueError, match="give some above zero"):
+    with pytest.raises(ValueError, match=r"give some above zero|holds NaN or infinity"):
         emboss.load(heights, "heights", GEFORCE_256)

@@ -155,7 +155,7 @@ def test_figure_1_has_its_stages():
 
 @pytest.mark.parametrize("heights", [np.zeros((0, 0)), np.ones(4), np.ones((4, 4, 3))])
 def test_heights_to_emboss_are_rows_and_columns(heights):
-    with pytest.raises(ValueError, match="The heights have shape"):
+    with pytest.raises(ValueError, match="The height field has shape"):
         emboss.load(heights, "h", GEFORCE_256)
 
 
@@ -164,7 +164,7 @@ def test_heights_to_emboss_are_rows_and_columns(heights):
     [
         ({"tangents": np.zeros((4, 8, 3))}, r"The tangents have shape \(4, 8, 3\)"),
         ({"normals": np.zeros((8, 8))}, r"The normals have shape \(8, 8\)"),
-        ({"binormals": np.full((8, 8, 3), NAN)}, "The binormals hold NaN or infinity"),
+        ({"binormals": np.full((8, 8, 3), NAN)}, "The array of binormals holds NaN or infinity"),
         ({"k_s": 1.5}, r"k_s ranges over 1\.5\.\.1\.5; give values from 0 to 1"),
         ({"k_s": NAN}, "k_s ranges over nan"),
         ({"alpha_x": 0.0}, "alpha_x ranges over 0"),
