@@ -125,7 +125,7 @@ PACKAGES = {
         "effects": "refusal geometry passes scenes bump_mapping reflectance shadows volumes acceptance",
     },
     "effects/reports": {
-        "pipeline": "profiles framebuffers execution ideal golden",
+        "pipeline": "commands profiles framebuffers execution ideal golden",
         "effects": "refusal technique acceptance figures conformance",
     },
     "effects/cli": {
@@ -148,7 +148,7 @@ LIBRARIES = {
     "effects/diagrams": ("PIL",),
     "effects/conformance": ("PIL",),
     "effects/user_pictures": ("imageio", "nrrd", "trimesh"),
-    "effects/reports": ("matplotlib",),
+    "effects/reports": ("PIL", "matplotlib"),
     "effects/cli": ("click", "rich"),
 }
 

@@ -2,25 +2,40 @@
 
 import click
 
-from fixedpipe.effects.cli.options import changes_of, set_option
+from fixedpipe.effects.cli.options import changes_of, refuse_ignored, set_option
 
-# Colour, depth and stencil of a pixel, and how much memory a trace may take: 400 commands of 1024x512.
-_SNAPSHOT_BYTES, _MOST_BYTES = 9, 1 << 31
+# Of a trace that was not asked for as --all. Assumed: what one looks through, and what a disk has room for.
+_MOST_FILES, _MOST_BYTES = 1000, 1000 << 20
 
 
 @click.command(short_help="Print a figure's passes in words.")
 @click.argument("figure_id", metavar="ID")
-@click.option("--profile", metavar="NAME", help="Machine; otherwise the figure's own.")
+@click.option("--profile", metavar="NAME", help="Machine, or IDEAL; otherwise the figure's own.")
 @click.option(
     "--trace", metavar="DIR", help="Write colour, alpha, depth and stencil after each command as PNG."
 )
-@click.option("--all", "whole", is_flag=True, help="Print commands that are repeated as well.")
+@click.option(
+    "--commands", "numbers", metavar="A:B", help="Of a trace: commands number A to B, both included."
+)
+@click.option(
+    "--every", type=click.IntRange(min=1), metavar="N", default=1, help="Of a trace: each N-th of them."
+)
+@click.option(
+    "--ideal", is_flag=True, help="Of a trace: machine, ideal and difference beside each other as well."
+)
+@click.option(
+    "--all",
+    "whole",
+    is_flag=True,
+    help="Print commands that are repeated as well; trace however many there are.",
+)
 @click.option("--size", type=click.IntRange(min=1), metavar="N", help="Edge of a traced panel, pixels.")
 @set_option
-def passes(figure_id, profile, trace, whole, size, settings):
+def passes(figure_id, profile, trace, numbers, every, ideal, whole, size, settings):
     """Print the pass sequence of figure ID: every command, and every state that differs from the default.
 
-    Where the same few commands come for polygon after polygon, they are printed once, and how often.
+    Where the same few commands come for polygon after polygon, they are printed once, and how often. A trace
+    has a page, index.html; commands that draw nothing have no picture, and equal pictures are written once.
     """
     from fixedpipe.effects.cli.refusal import check_size
     from fixedpipe.effects.figures import FIGURES
@@ -30,6 +45,9 @@ def passes(figure_id, profile, trace, whole, size, settings):
     from fixedpipe.pipeline.description.describe import describe
     from fixedpipe.pipeline.profiles import PROFILES
 
+    if trace is None:
+        names = "numbers", "every", "ideal"
+        refuse_ignored(click.get_current_context(), names, "nothing is traced without --trace DIR; give one")
     figure = choose("figure", figure_id, FIGURES)
     key = profile or figure.machines[0]
     machine = choose("profile", key, PROFILES)
@@ -39,47 +57,84 @@ def passes(figure_id, profile, trace, whole, size, settings):
         changes = changes_of(settings, figure, (method,))
         commands = figure.commands(machine, size, method, **changes)
     if trace is not None:
-        _check_trace(figure, machine, len(commands), size or figure.size)
-        writable_folder(trace)
+        chosen = _chosen(numbers, every, len(commands))
+        beside = _of_the_ideal(figure, machine, method, commands, size, changes) if ideal else None
+        announcement, drawing = _planned(figure, machine, commands, chosen, size, ideal, whole)
+        folder = writable_folder(trace)
     click.echo(f"{figure.id}: {figure.title} ({', '.join(figure.techniques)})")
     changed = f", with {figure.said(method, changes)}" if changes else ""
     click.echo(f"on {machine.name}: {method.name}{changed}\n")
     click.echo(describe(commands, folded=not whole))
     click.echo(f"{INDEX} says what the ids in brackets are.", err=True)
     if trace is not None:
-        with refusals():
-            names = _write_trace(commands, machine, figure.dimensions(size), trace)
-        click.echo(f"\n{len(names)} pictures in {trace}: {names[0]} to {names[-1]}")
+        from fixedpipe.effects.cli.compiling import announce_compiling
+        from fixedpipe.effects.cli.progress import progress
+
+        announce_compiling()
+        from fixedpipe.effects.reports.trace import Traced, write_trace
+
+        click.echo(announcement, err=True)
+        title = f"{figure.id} on {machine.name}: {method.name}{changed}"
+        traced = Traced(title, machine, commands, figure.dimensions(size), beside)
+        with progress(drawing * (1 + ideal)) as step:
+            written = write_trace(traced, folder, chosen, step)
+        click.echo(f"\n{written} pictures in {folder}; open {folder / 'index.html'}")
 
 
-def _check_trace(figure, machine, commands, size):
-    """Raise Refusal where the framebuffers of so many commands would not fit into memory."""
+def _chosen(text, every, commands):
+    """The numbers of the commands that ``A:B`` and ``--every`` choose: a range. Raises Refusal."""
     from fixedpipe.effects.refusal import Refusal
 
-    width, height = figure.dimensions(size)
-    needed = commands * width * height * _SNAPSHOT_BYTES
-    if needed > _MOST_BYTES:
-        fits = int(size * (_MOST_BYTES / needed) ** 0.5)
-        instead = f"--size {fits} or less, or another --profile" if fits else "another --profile"
+    first, colon, last = (text or ":").partition(":")
+    try:
+        begin = int(first or 0)
+        end = begin if not colon else int(last) if last else max(begin, commands - 1)
+    except ValueError:
+        begin = end = -1
+    if not 0 <= begin <= end:
+        raise Refusal(f"--commands is {text!r}; give the first and the last command's number, as 10:60.")
+    if begin >= commands:
+        raise Refusal(f"--commands begins at {begin}; the commands' numbers are 0 to {commands - 1}.")
+    return range(begin, min(end, commands - 1) + 1, every)
+
+
+def _of_the_ideal(figure, machine, method, commands, size, changes):
+    """The commands that the ideal evaluates beside the machine's. Raises Refusal where it cannot."""
+    from fixedpipe.effects.refusal import Refusal, refusals
+    from fixedpipe.pipeline.profiles import IDEAL
+    from fixedpipe.pipeline.validation.validate import validate
+
+    if machine.arithmetic.exact:
         raise Refusal(
-            f"{figure.id} on the {machine.name} has {commands} commands; their framebuffers of "
-            f"{width}x{height} pixels take {needed / 2**30:.0f} GiB of memory. Give {instead}."
+            "--ideal shows a machine beside the ideal; give a machine as --profile, or leave it out."
         )
+    with refusals():
+        ideal = figure.commands(IDEAL, size, method, **changes)
+        validate(ideal, IDEAL, *figure.dimensions(size))
+    if [type(c) for c in ideal] != [type(c) for c in commands]:
+        raise Refusal(
+            f"{figure.id} has other commands by the ideal than on the {machine.name}; leave --ideal out."
+        )
+    return ideal
 
 
-def _write_trace(commands, machine, dimensions, folder):
-    """Write the snapshots' pictures, ``03-Draw-depth.png`` and so on; returns their names in order."""
-    from pathlib import Path
+def _planned(figure, machine, commands, chosen, size, ideal, whole):
+    """What will be written, in a sentence, and how many commands draw. Raises Refusal for too much."""
+    from fixedpipe.effects.refusal import Refusal
+    from fixedpipe.effects.reports.trace import plan
+    from fixedpipe.pipeline.sentences import count
 
-    from fixedpipe.effects.reports.files import write_whole
-    from fixedpipe.pipeline.execution.machine import execute
-    from fixedpipe.pipeline.framebuffers.pictures import png
-
-    folder, names = Path(folder), []
-    snapshots = execute(commands, machine, *dimensions, trace=True).trace
-    digits = max(2, len(str(len(snapshots) - 1)))
-    for number, snapshot in enumerate(snapshots):
-        for buffer, picture in snapshot.pictures().items():
-            names.append(f"{number:0{digits}d}-{snapshot.kind}-{buffer}.png")
-            write_whole(folder / names[-1], png(picture))
-    return names
+    found = plan(commands, chosen, figure.dimensions(size), ideal)
+    if not found.drawing:
+        raise Refusal(f"None of the {count(found.commands, 'command')} chosen draws; choose others.")
+    what = (
+        f"{figure.id} on the {machine.name} has {count(len(commands), 'command')}; of {found.commands} "
+        f"chosen {found.drawing} draw, which is at most {found.files} files and "
+        f"{-(-found.bytes // 1_000_000)} MB"
+    )
+    if not whole and (found.files > _MOST_FILES or found.bytes > _MOST_BYTES):
+        raise Refusal(
+            f"{what}. Choose some with --commands 10:60 or --every {max(2, len(commands) // 100)}, make them "
+            "smaller with --size, or write them with --all."
+        )
+    return f"{what}.", found.drawing

@@ -5,10 +5,11 @@ Clears and Draws wait in a queue (``fixedpipe.pipeline.native.queue``) until som
 
 import threading
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from functools import partial
 from numbers import Integral
-from typing import Any, Literal, get_args
+from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,6 +63,8 @@ from fixedpipe.raster.primitives.bins import BAND_HEIGHT
 
 Engine = Literal["portable", "columns"]
 ENGINES = (None, *get_args(Engine))
+# (command that has run, function that makes its Snapshot, good until the next one runs)
+Watch: TypeAlias = Callable[[Command, Callable[[], Snapshot]], None]
 
 
 @dataclass(eq=False)
@@ -172,10 +175,13 @@ class Machine:
         self._running: threading.Lock = threading.Lock()
         self._runner: int | None = None
 
-    def run(self, commands: Iterable[Command], *, trace: bool = False, record: bool = False) -> Result:
+    def run(
+        self, commands: Iterable[Command], *, trace: bool | Watch = False, record: bool = False
+    ) -> Result:
         """Validate and run ``commands``; returns a Result.
 
-        ``trace``: keep the framebuffer after every command. ``record``: keep every Draw's fragments.
+        ``trace``: keep the framebuffer after every command; a Watch is called after each instead, and takes
+        what it wants to see. ``record``: keep every Draw's fragments.
         Raises ``UnsupportedState`` or ValueError, before anything is drawn; for what a
         HostStep issues, before any of that is.
         """
@@ -210,11 +216,10 @@ class Machine:
                 if kind not in _QUEUED:
                     self._flush()
                 METHODS[kind](self, command, frame)
-                if trace:
-                    self._flush()
-                    written = getattr(command, "state", command)
-                    shown = self._current.buffer(getattr(written, "draw_buffer", ColorBuffer.BACK))
-                    frame.snapshots.append(snapshot(command, shown))
+                if callable(trace):
+                    trace(command, partial(self._snapshot, command))
+                elif trace:
+                    frame.snapshots.append(self._snapshot(command))
         finally:  # what was reached before an error is drawn
             self._flush()
         return Result(
@@ -230,6 +235,13 @@ class Machine:
             dict(self.statistics.histograms),
             dict(self.statistics.minmaxes),
         )
+
+    def _snapshot(self, command):
+        """The Snapshot of what a command that has just run draws to."""
+        self._flush()
+        written = getattr(command, "state", command)
+        shown = self._current.buffer(getattr(written, "draw_buffer", ColorBuffer.BACK))
+        return snapshot(command, shown)
 
     def _validate(self, commands, **issued):
         """Refuse commands that what is held now cannot execute. ``issued``: where a HostStep issued them."""
@@ -410,7 +422,7 @@ def execute(
     depth_bits: int | None = None,
     threads: int | None = None,
     batch: int | None = BATCH,
-    trace: bool = False,
+    trace: bool | Watch = False,
     record: bool = False,
     engine: Engine | None = None,
     samples: int | None = None,

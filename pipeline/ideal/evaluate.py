@@ -5,10 +5,11 @@ fragments are those of the snapped vertices.
 """
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fixedpipe.pipeline.commands import (
     Accum,
@@ -29,6 +30,7 @@ from fixedpipe.pipeline.commands import (
     Saturate,
     TexImage,
 )
+from fixedpipe.pipeline.enums import ColorBuffer
 from fixedpipe.pipeline.framebuffers.result import Result
 from fixedpipe.pipeline.framebuffers.texture_copies import defined_texture
 from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
@@ -139,7 +141,8 @@ def _check_guide(guide, commands, width, height):
 class _Evaluation:
     """A frame on its way: buffers, textures, what was read, and the commands that are still to come."""
 
-    def __init__(self, commands, width, height, guide, depth_bits, threads):
+    def __init__(self, commands, width, height, guide, depth_bits, threads, watch):
+        self.watch = watch
         self.width, self.height, self.depth_bits = width, height, depth_bits
         self.guide, self.drawn, self.threads = guide, 0, threads
         self.buffers, self.textures, self.pixels = IdealBuffers(width, height), {}, {}
@@ -150,6 +153,11 @@ class _Evaluation:
         while self.waiting:
             command = self.waiting.popleft()
             OPERATIONS[type(command)](self, command)
+            if self.watch is not None:
+                written = getattr(command, "state", command)
+                self.watch(
+                    command, self.buffers.buffer(getattr(written, "draw_buffer", ColorBuffer.BACK)).color
+                )
         guide, buffers, statistics = self.guide, self.buffers, self.statistics
         depth, stencil = buffers.depth, buffers.stencil
         if guide is not None:
@@ -270,6 +278,7 @@ def execute_ideal(
     guide: Result | None = None,
     depth_bits: int | None = None,
     threads: int | None = None,
+    trace: Callable[[Command, NDArray[np.float64]], None] | None = None,
 ) -> IdealResult:
     """Run ``commands`` in float64 on a framebuffer of width x height pixels: an IdealResult.
 
@@ -280,6 +289,8 @@ def execute_ideal(
                 copied to textures are the exact ones of these fragments.
     depth_bits  the depth buffer whose smallest step is the unit of polygon offset (free mode); None: 24
     threads     how many shade fragments; None: one per processor
+    trace       called after every command with it and the colours that it draws to, float64 [h, w, 4], top
+                row first, as an IdealResult's: good until the next one runs
 
     Raises UnsupportedState or ValueError as ``validate`` does, and ValueError where the guide does not fit.
     """
@@ -289,4 +300,4 @@ def execute_ideal(
     if guide is not None:
         _check_guide(guide, commands, width, height)
     shared = Threads(threads or default_threads())
-    return _Evaluation(commands, width, height, guide, depth_bits, shared).run()
+    return _Evaluation(commands, width, height, guide, depth_bits, shared, trace).run()

@@ -546,34 +546,6 @@ def test_passes_fold_what_is_repeated_for_every_polygon():
     assert f" to {len(commands) - 1}. the 2 commands" in again[-1]
 
 
-def test_a_trace_that_would_not_fit_into_memory_is_refused(tmp_path):
-    out = tmp_path / "trace"
-    words = refusal_of("passes", "F004-4", "--profile", "OCTANE", "--trace", out)
-    assert re.search(
-        r"has \d{5} commands; their framebuffers of 1024x512 pixels take \d+ GiB of memory", words
-    )
-    assert not out.exists()
-    assert "Give --size 1024 or less" in refusal_of("passes", "F004-4", "--size", 5000)
-
-
-def test_passes_keep_each_command_s_framebuffer_as_pictures(tmp_path):
-    result = run("passes", "F004-4", "--trace", tmp_path / "trace", "--size", 24)
-    assert result.exit_code == 0, result.output
-    figure = FIGURES["F004-4"]
-    commands = figure.commands(GEFORCE_256, 24)
-    buffers = ("color", "alpha", "depth", "stencil")
-    names = {f"{n:02d}-{type(c).__name__}-{b}.png" for n, c in enumerate(commands) for b in buffers}
-    assert {path.name for path in (tmp_path / "trace").iterdir()} == names
-    framebuffer = execute(commands, GEFORCE_256, *figure.dimensions(24)).framebuffer
-    last = f"{len(commands) - 1:02d}-{type(commands[-1]).__name__}"
-    color, alpha, depth, stencil = (np.array(Image.open(tmp_path / f"trace/{last}-{b}.png")) for b in buffers)
-    np.testing.assert_array_equal(color, framebuffer.color[..., :3])
-    np.testing.assert_array_equal(alpha, framebuffer.color[..., 3])
-    np.testing.assert_array_equal(depth, framebuffer.depth >> 16)
-    np.testing.assert_array_equal(stencil, framebuffer.stencil)
-    assert len(np.unique(depth)) > 2
-
-
 def test_passes_of_an_unknown_figure_are_refused_with_the_likely_one():
     assert "Did you mean F004-3?" in refusal_of("passes", "F004-33")
     assert "Did you mean F004-3?" in refusal_of("passes", "f004-3")
