@@ -26,8 +26,8 @@ OWN = "X"
 def _checked(identifier):
     if not isinstance(identifier, str) or re.fullmatch(rf"[{''.join(PAPERS)}{OWN}]\d\d", identifier) is None:
         raise ValueError(
-            f"{identifier!r} is no technique's id. Give one of {', '.join(PAPERS)} and two digits: K07; "
-            f"or {OWN} and two digits for an effect of your own."
+            f"{identifier!r} is no technique's id. Give one of {', '.join(PAPERS)} and two digits: K07; or "
+            f"{OWN} and two digits for an effect of your own."
         )
 
 

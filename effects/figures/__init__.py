@@ -10,7 +10,7 @@ from fixedpipe.effects.figures.rendering import DIFFERENCE_GAIN, Rendering, diff
 __all__ = ["DIFFERENCE_GAIN", "FIGURES", "Figure", "Method", "Renderer", "Rendering", "difference"]
 
 
-def _identify(name):
+def identify(name):
     """F004-2 of f004_02_rings, K12 of k12_normalization_cube_map."""
     if of_paper := re.fullmatch(r"f(\d{3})_(\d\d)_\w+", name):
         return f"F{of_paper[1]}-{int(of_paper[2])}"
@@ -20,7 +20,7 @@ def _identify(name):
 
 # How a figure's module is named.
 FORM = "f004_02_rings for F004-2, or k14_dot_product_bumps for K14: two digits, then words"
+# Modules of this folder that are no figures.
+BESIDE = ("costs", "figure", "parameters", "rendering")
 # By id, in the catalogue's order.
-FIGURES: Collection[Figure] = Collection(
-    sys.modules[__name__], "FIGURE", _identify, FORM, beside=("costs", "figure", "parameters", "rendering")
-)
+FIGURES: Collection[Figure] = Collection(sys.modules[__name__], "FIGURE", identify, FORM, beside=BESIDE)
