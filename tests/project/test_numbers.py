@@ -1,0 +1,91 @@
+"""docs/numbers.md can be cited: its rules are numbered, short, and where code and pages say that they are."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "docs" / "numbers.md"
+TEXT = PAGE.read_text()
+SECTIONS = re.findall(r"^## ((\d+)\. .*)$", TEXT, re.MULTILINE)
+RULES = re.findall(r'^- <a id="(N\d+\.\d+)"></a>\*\*(N\d+\.\d+)\*\* ', TEXT, re.MULTILINE)
+CITING = [
+    path
+    for pattern in (
+        "*.md",
+        "docs/**/*.md",
+        "raster/**/*.py",
+        "pipeline/**/*.py*",
+        "effects/**/*.py",
+        "tests/**/*.py",
+    )
+    for path in sorted(ROOT.glob(pattern))
+    if path.suffix in (".md", ".py", ".pyi") and path != Path(__file__)
+]
+
+
+def slug(heading):
+    """The anchor that a heading gets."""
+    return re.sub(r"[^\w\s-]", "", heading.lower()).replace(" ", "-")
+
+
+def bullets(text):
+    """Every item of a list, its lines joined."""
+    for item in re.findall(r"^- .*(?:\n(?!-|\n|#|\|).*)*", text, re.MULTILINE):
+        yield re.sub(r"\s+", " ", item)
+
+
+def cited(text):
+    """Rules that a text cites, N5.3, and sections that it cites of this page by name."""
+    rules = re.findall(r"\bN\d+\.\d+\b", text)
+    sections = re.findall(r"numbers\.md[`)]*,?\s+section\s+(\d+)", re.sub(r"\n\s*#?\s*", " ", text))
+    return set(rules), set(sections)
+
+
+def test_the_contents_are_the_headings():
+    contents = re.search(r"^## Contents\n\n(.*?)\n\n", TEXT, re.MULTILINE | re.DOTALL)[1]
+    assert contents.splitlines() == [f"- [{heading}](#{slug(heading)})" for heading, _ in SECTIONS]
+    assert [int(number) for _, number in SECTIONS] == list(range(1, len(SECTIONS) + 1))
+
+
+def test_the_rules_of_a_section_are_numbered_in_order():
+    assert all(anchor == shown for anchor, shown in RULES)
+    expected = []
+    for section in re.split(r"^## ", TEXT, flags=re.MULTILINE)[1:]:
+        if number := re.match(r"\d+", section):
+            items = re.findall(r"^- ", section, re.MULTILINE)
+            expected += [f"N{number[0]}.{k + 1}" for k in range(len(items))]
+    assert [shown for _, shown in RULES] == expected
+    assert len(expected) > 150
+
+
+def test_every_paragraph_of_a_section_is_a_numbered_rule():
+    for section in re.split(r"^## \d+\. .*\n", TEXT, flags=re.MULTILINE)[1:]:
+        for block in re.split(r"\n\n+", section.strip()):
+            assert block.startswith(("- ", "| ", "#")), block
+
+
+def test_no_rule_is_longer_than_a_thousand_characters():
+    assert {item[:40]: len(item) for item in bullets(TEXT) if len(item) > 1000} == {}
+
+
+@pytest.mark.parametrize("kind", ["raster", "pipeline", "effects", "tests", "docs", "."])
+def test_what_code_and_pages_cite_is_there(kind):
+    known = {shown for _, shown in RULES}, {number for _, number in SECTIONS}
+    found = [
+        path
+        for path in CITING
+        if path.relative_to(ROOT).parts[0] == kind or (kind == "." == str(path.relative_to(ROOT).parent))
+    ]
+    assert found
+    for path in found:
+        rules, sections = cited(path.read_text())
+        assert rules <= known[0], f"{path}: {rules - known[0]}"
+        assert sections <= known[1], f"{path}: {sections - known[1]}"
+
+
+def test_a_citation_of_what_is_not_there_is_noticed():
+    text = "Source: docs/numbers.md,\n    # section 77, and N99.1; docs/numbers.md section 5."
+    assert cited(text) == ({"N99.1"}, {"77", "5"})
+    assert list(bullets("- one\n  two\n- three\n\nfour")) == ["- one two", "- three"]
