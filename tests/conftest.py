@@ -44,7 +44,7 @@ def pytest_sessionstart(session):
     from fixedpipe.raster.kernel import is_cold  # not before: `pytest --help` needs no compiler
 
     if is_cold():
-        print("compiling the kernels, once: a minute or two", flush=True)
+        print("compiling the kernels, once: about a minute", flush=True)
         bits = [sys.executable, "-m", "tests.support.bits", "1", "1024"]
         # Where that fails, the tests that need it will say so.
         subprocess.run(bits, cwd=root, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
