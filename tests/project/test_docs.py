@@ -62,6 +62,21 @@ def test_every_link_leads_somewhere(page):
         assert target.startswith("http") or (page.parent / target).exists(), target
 
 
+def anchors(page):
+    """What links may name behind a "#": a page's headings as GitHub spells them, and ids of its own."""
+    text = re.sub(r"^```[\s\S]*?^```", "", page.read_text(), flags=re.MULTILINE)
+    headings = re.findall(r"^#+ (.*)$", text, re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", h.lower()).replace(" ", "-") for h in headings} | set(
+        re.findall(r'<a id="([^"]+)">', text)
+    )
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_every_link_into_a_page_names_a_part_of_it(page):
+    for target, anchor in re.findall(r"\]\(([^)#\s:]*\.md|)#([^)\s]+)\)", page.read_text()):
+        assert anchor in anchors(page.parent / target if target else page), f"{target}#{anchor}"
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
 def test_every_file_that_is_named_exists(page):
     for name in re.findall(r"`((?:raster|pipeline|effects|tests|docs|bench)/[\w/.-]+)`", page.read_text()):

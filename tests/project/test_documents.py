@@ -56,7 +56,21 @@ GIVEN = {
         "9.9": "",
         "0.4": "a board's thickness",
     },
-    "docs/papers/004.md": {},
+    "docs/papers/004.md": {
+        "0.02": "study P16's alpha",
+        "0.044": "R at the centre of the last texel of 256: the root of 1/512",
+        "0.1": "alphas of study P10 and of Ward's albedo",
+        "0.12": "Ward's albedo: tests/effects/reflectance/test_brdfs.py, as the next two",
+        "0.50": "",
+        "0.98": "",
+        "0.2": "F004-8's alpha",
+        "0.5": "F004-8's alpha",
+        "0.625": "F004-8's alpha on a GeForce 256",
+        "0.64": "0.2 times 0.5 over 0.25 times 0.625",
+        "0.25": "the combiners' smallest alpha",
+        "1.5": "texels of the rim that ring_energy looks at; an angle of study P20",
+        "127.5": "half of a byte's range",
+    },
 }
 
 

@@ -83,7 +83,7 @@ def checks(figure, renderer):
         )
         turn = abs(left - right) % 180.0
         reason = "the catalogue's acceptance" + (
-            "; moments of the whole highlight average the 9-bit steps" if on is Answer.MACHINE else ""
+            "; moments of the whole highlight average the steps of rounding" if on is Answer.MACHINE else ""
         )
         across = (
             "highlights lie across the strokes, at 90 degrees to meridians and parallels; the sphere's "
