@@ -63,4 +63,5 @@ from fixedpipe.pipeline.textures.images import texture_2d as texture_2d
 from fixedpipe.pipeline.textures.images import texture_3d as texture_3d
 from fixedpipe.pipeline.textures.images import texture_cube_map as texture_cube_map
 from fixedpipe.pipeline.validation.validate import validate as validate
+from fixedpipe.pipeline.validation.walk import DisabledTexture as DisabledTexture
 from fixedpipe.pipeline.validation.walk import UnsupportedState as UnsupportedState

@@ -2,6 +2,7 @@
 
 import gc
 import importlib
+import warnings
 
 import click
 
@@ -43,6 +44,20 @@ What to do next:
   fixedpipe --help              all commands and options"""
 
 
+def _say(otherwise):
+    """How warnings are shown: those of what is drawn as a sentence, and only once; ``otherwise`` the rest."""
+    said = set()
+
+    def show(message, category, *where, **more):
+        if category.__name__ != "DisabledTexture":  # whose module loads an array library
+            otherwise(message, category, *where, **more)
+        elif (sentence := str(message)) not in said:
+            said.add(sentence)
+            click.echo(f"fixedpipe: {sentence}", err=True)
+
+    return show
+
+
 class LazyGroup(click.Group):
     """A group that imports a subcommand's module when the subcommand is looked up."""
 
@@ -62,7 +77,11 @@ class LazyGroup(click.Group):
             return super().make_context(*arguments, **settings)
 
     def invoke(self, ctx):
-        """Run the subcommand; a Refusal, or a wrong option, becomes a sentence and exit status 2."""
+        """Run the subcommand; a Refusal, or a wrong option, becomes a sentence and exit status 2, a warning its
+        sentence.
+        """
+        ctx.with_resource(warnings.catch_warnings())
+        warnings.showwarning = _say(warnings.showwarning)
         with said():
             return super().invoke(ctx)
 

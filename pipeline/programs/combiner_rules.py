@@ -169,6 +169,35 @@ def registers_named(combiners):
         yield "The final combiner", getattr(combiners.final, variable).register
 
 
+def textures_read(combiners):
+    """Whose texels the combiners read: yields (place, number of a texture unit), once each. A texture
+    register of which the same components were written before holds no texel any more.
+    """
+    written, found = set(), set()
+
+    def of(place, reads):
+        for given in reads:
+            part = "alpha" if given.usage is ComponentUsage.ALPHA else "rgb"
+            if given.register in TEXTURE_REGISTERS and (given.register, part) not in written:
+                number = TEXTURE_REGISTERS.index(given.register)
+                if number not in found:
+                    found.add(number)
+                    yield place, number
+
+    for number, stage in enumerate(combiners.general):
+        outputs = set()
+        for part, portion in (("rgb", stage.rgb), ("alpha", stage.alpha)):
+            kept = {portion.ab_output, portion.cd_output, portion.sum_output} - {Register.DISCARD}
+            if kept:
+                yield from of(f"General combiner {number}", (getattr(portion, v) for v in "abcd"))
+            outputs |= {(register, part) for register in kept}
+        for half in ("ab", "cd"):
+            if getattr(stage.rgb, f"{half}_blue_to_alpha"):
+                outputs.add((getattr(stage.rgb, f"{half}_output"), "alpha"))
+        written |= outputs
+    yield from of("The final combiner", (getattr(combiners.final, v) for v in "abcdefg"))
+
+
 # ---------------------------------------------------------------------------------- the program of a pass
 
 # What register combiners compute when they are disabled: the fragment's colour with color sum and fog.

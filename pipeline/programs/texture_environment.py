@@ -147,7 +147,7 @@ def _program(units, ones, by_four, color_sum):
         environment = unit.environment
         if unit.base is None or environment.mode == TextureEnvironmentMode.NONE:
             continue
-        if not ones and any(n not in compiler.enabled for n in _textures_named(environment)):
+        if not ones and any(n not in compiler.enabled for n in textures_named(environment)):
             continue
         compiler.compile(unit)
     if not compiler.stages:
@@ -156,7 +156,7 @@ def _program(units, ones, by_four, color_sum):
     return RegisterCombiners(tuple(compiler.stages), FinalCombiner(b=CombinerInput(shown)))
 
 
-def _textures_named(environment):
+def textures_named(environment):
     """Numbers of the units that an environment's functions read by number."""
     named = set()
     for half in _halves(environment):

@@ -1,6 +1,9 @@
 """The Walk: what validation knows when it reaches a command, and how it refuses one."""
 
+import sys
+import warnings
 from collections.abc import Callable, Hashable, Iterable, Mapping
+from types import FrameType
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 from weakref import WeakKeyDictionary
 
@@ -19,6 +22,15 @@ if TYPE_CHECKING:  # for annotations alone: the law asks no framebuffer
 
 class UnsupportedState(ValueError):  # noqa: N818 (it names what was asked for)
     """A command that the machine could not execute; the message is a sentence that says what to do."""
+
+
+class DisabledTexture(UserWarning):
+    """A pass reads the texture of a unit that it does not enable; the message says what it gets instead.
+
+    It is a warning, because machines draw it: NV_register_combiners leaves such a register undefined, the
+    NV2A was measured to hold opaque black there (docs/numbers.md, section 7); a texture environment gets what
+    NV_texture_env_combine4 or ARB_texture_env_crossbar says. But who wrote the pass meant a texture.
+    """
 
 
 class KnownSurface(NamedTuple):
@@ -122,6 +134,14 @@ class Walk:
     def refuse(self, sentence: str) -> NoReturn:
         """Raise UnsupportedState of the command at hand."""
         raise UnsupportedState(f"{self.where}: {sentence}")
+
+    def warn(self, sentence: str) -> None:
+        """Warn that the command at hand reads a DisabledTexture, at the line that called the project."""
+        frame: FrameType | None = sys._getframe(1)
+        level = 2
+        while frame is not None and frame.f_globals.get("__name__", "").startswith("fixedpipe."):
+            frame, level = frame.f_back, level + 1
+        warnings.warn(f"{self.where}: {sentence}", DisabledTexture, stacklevel=level)
 
     def once(self, check: Callable[..., None], value: Any, *beside: Hashable) -> None:
         """``check(self, value, *beside)``, unless this machine was found to take the value beside these
