@@ -129,7 +129,7 @@ PACKAGES = {
         "effects": "refusal technique acceptance figures conformance",
     },
     "effects/cli": {
-        "pipeline": "enums sentences profiles notations description framebuffers validation execution golden",
+        "pipeline": "enums sentences profiles notations description framebuffers validation native golden",
         "effects": (
             "refusal technique geometry bump_mapping volumes acceptance figures studies conformance "
             "user_pictures reports"
@@ -145,6 +145,7 @@ LIBRARIES = {
     "raster/portable": ("numba",),
     "raster/vector": ("llvmlite", "numba"),
     "pipeline/framebuffers": ("PIL",),
+    "pipeline/native": ("numba",),
     "effects/diagrams": ("PIL",),
     "effects/conformance": ("PIL",),
     "effects/user_pictures": ("imageio", "nrrd", "trimesh"),

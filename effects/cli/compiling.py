@@ -1,15 +1,67 @@
-"""The one long wait: kernels are compiled the first time they are needed."""
+"""The one long wait: kernels are compiled when they are first needed, and again after a change of them."""
+
+import time
+from functools import cache
 
 import click
 
+from fixedpipe.effects.cli.progress import error_console
 
+_COLD = (
+    "Compiling the kernels for this machine. This happens once, and after a change of them. The first "
+    "picture then took 34 seconds on an AMD EPYC (Zen 5), and 77 on an Intel Xeon at 2.1 GHz."
+)
+_MORE = "Compiling kernels that nothing needed before."
+_SECONDS = 5.0  # between lines, where there is no terminal
+
+
+class _Shown:
+    """What is being compiled: a bar on a terminal, lines elsewhere. ``said``: a sentence stands above it."""
+
+    def __init__(self, said):
+        self.said, self.bar, self.task, self.line_at = said, None, None, -_SECONDS
+
+    def begin(self, kernel, done, needed):
+        if not self.said:
+            click.echo(_MORE, err=True)
+            self.said = True
+        if self.bar is None and error_console().is_terminal:
+            self._start()
+        if self.bar is not None:
+            what = f"compiling {kernel}"
+            self.bar.update(self.task, description=what, completed=done, total=needed)
+        elif (now := time.monotonic()) - self.line_at >= _SECONDS:
+            self.line_at = now
+            click.echo(f"compiling kernel {done + 1} of {needed}: {kernel}", err=True)
+
+    def end(self):
+        if self.bar is not None:
+            self.bar.stop()
+            self.bar = None
+
+    def _start(self):
+        from rich.errors import LiveError
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+        columns = TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn()
+        bar = Progress(*columns, TimeElapsedColumn(), console=error_console(), transient=True)
+        try:
+            bar.start()
+        except LiveError:  # beside a figure's bar, where rich has one at a time
+            return
+        self.bar, self.task = bar, bar.add_task("", total=None)
+
+
+@cache
 def announce_compiling():
-    """Say so where no kernel has been compiled yet. Call it before anything imports an engine."""
+    """Say so where kernels have still to be compiled, and show how many are. Call it before anything imports
+    an engine; once is enough.
+    """
     from fixedpipe.pipeline.golden.provenance import kernels_are_cold
+    from fixedpipe.pipeline.native.compiling import watch_compiling
 
-    if kernels_are_cold():
-        click.echo(
-            "Compiling the kernels for this machine, once. The first picture then took 34 seconds on an AMD "
-            "EPYC (Zen 5), and 77 on an Intel Xeon at 2.1 GHz.",
-            err=True,
-        )
+    cold = kernels_are_cold()
+    if cold:
+        click.echo(_COLD, err=True)
+    shown = _Shown(said=cold)
+    watch_compiling(shown.begin, shown.end)

@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 
 from fixedpipe.effects.cli.options import refuse_beside
+from fixedpipe.effects.cli.progress import error_console
 
 _HOW = (
     "Clone https://github.com/abaire/nxdk_pgraph_tests_golden_results and give its folder `results`, "
@@ -131,10 +132,9 @@ def _folder_of_inputs(inputs, folder):
 @contextmanager
 def _progress(cases):
     """Two functions: print a line; name the case just compared, on a terminal's progress bar."""
-    from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-    console = Console(stderr=True, highlight=False)
+    console = error_console()
     if not console.is_terminal:
         yield click.echo, lambda text: None
         return

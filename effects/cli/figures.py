@@ -7,6 +7,7 @@ from contextlib import contextmanager
 import click
 
 from fixedpipe.effects.cli.options import refuse_beside, set_option, threads_option
+from fixedpipe.effects.cli.progress import error_console
 from fixedpipe.pipeline.sentences import count
 
 
@@ -127,10 +128,9 @@ def _only(figure, machine):
 @contextmanager
 def _progress(steps):
     """A function that says what is being done: a progress bar on a terminal, else a line per step."""
-    from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-    console = Console(stderr=True, highlight=False)
+    console = error_console()
     if not console.is_terminal:
         yield lambda text: click.echo(text, err=True)
         return

@@ -84,10 +84,10 @@ class _Pages:
         style = f"{STYLE} td img {{ max-width: 24rem; image-rendering: pixelated }}"
         return (
             '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-            f"<title>{escape(title)}</title><style>{style}</style></head><body>"
-            f"<h1>{escape(title)}</h1><p>What each command left. Commands that draw nothing are left "
-            "out, and of equal pictures only the first is shown. Beside the ideal: the machine, the same "
-            f"fragments in float64, and (machine - ideal) x {DIFFERENCE_GAIN:g} about middle grey.</p>"
+            f"<title>{escape(title)}</title><style>{style}</style></head><body><h1>{escape(title)}</h1>"
+            "<p>What each command left. Commands that draw nothing are left out, and of equal pictures only "
+            "the first is shown. Beside the ideal: the machine, the same fragments in float64, and "
+            f"(machine - ideal) x {DIFFERENCE_GAIN:g} about middle grey.</p>"
             f'<div class="table"><table><tr>{head}</tr>{rows}</table></div></body></html>\n'
         )
 

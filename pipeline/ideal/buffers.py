@@ -38,6 +38,11 @@ class IdealBuffers:
             self._auxiliary[which].color = np.zeros_like(self.color)
         return self._auxiliary[which]
 
+    def drawn_to(self, command):
+        """The buffer that a command draws to; the back buffer where it draws to none."""
+        written = getattr(command, "state", command)
+        return self.buffer(getattr(written, "draw_buffer", ColorBuffer.BACK))
+
     def box_of(self, command):
         """The box that a command reads."""
         height, width = self.depth.shape

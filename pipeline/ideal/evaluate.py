@@ -30,7 +30,6 @@ from fixedpipe.pipeline.commands import (
     Saturate,
     TexImage,
 )
-from fixedpipe.pipeline.enums import ColorBuffer
 from fixedpipe.pipeline.framebuffers.result import Result
 from fixedpipe.pipeline.framebuffers.texture_copies import defined_texture
 from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
@@ -154,10 +153,7 @@ class _Evaluation:
             command = self.waiting.popleft()
             OPERATIONS[type(command)](self, command)
             if self.watch is not None:
-                written = getattr(command, "state", command)
-                self.watch(
-                    command, self.buffers.buffer(getattr(written, "draw_buffer", ColorBuffer.BACK)).color
-                )
+                self.watch(command, self.buffers.drawn_to(command).color)
         guide, buffers, statistics = self.guide, self.buffers, self.statistics
         depth, stencil = buffers.depth, buffers.stencil
         if guide is not None:

@@ -885,7 +885,7 @@ def test_compiling_is_announced_on_the_first_start_only(tmp_path):
         "--size",
         "16",
     ]
-    announced = []
+    announced, counted = [], []
     for _ in range(2):
         done = subprocess.run(
             [*command, "--out", str(tmp_path / "out")],
@@ -896,7 +896,11 @@ def test_compiling_is_announced_on_the_first_start_only(tmp_path):
             check=True,
         )
         announced.append(done.stderr.startswith("Compiling the kernels"))
+        lines = re.findall(r"^compiling kernel (\d+) of (\d+): \w+$", done.stderr, re.MULTILINE)
+        counted.append([int(number) for number, of in lines if int(number) <= int(of)])
+        assert len(counted[-1]) == len(lines)
     assert announced == [True, False]
+    assert counted[0] and counted[0] == sorted(counted[0]) and counted[1] == []
 
 
 def test_precision_prints_a_row_for_each_width_and_clamp():

@@ -1,0 +1,64 @@
+"""Kernels that are compiled because a cache has none: how many are needed, and which is being compiled."""
+
+import types
+from collections.abc import Callable
+from functools import partial
+
+from numba.core import event
+from numba.core.dispatcher import Dispatcher
+
+# (name of the kernel whose compiling begins, how many are compiled, of how many): called at each.
+Say = Callable[[str, int, int], None]
+_COMPILING = "numba:compile"
+
+
+def _called(dispatcher):
+    """The kernels that a kernel's code names, by themselves or as a module's."""
+    function = dispatcher.py_func
+    names = function.__code__.co_names
+    values = [function.__globals__.get(name) for name in names]
+    modules = [value for value in values if isinstance(value, types.ModuleType)]
+    values += [getattr(module, name, None) for module in modules for name in names]
+    return [value for value in values if isinstance(value, Dispatcher)]
+
+
+def needed_by(kernel):
+    """A kernel and all that it calls, those aside that are compiled: a set."""
+    found, waiting = set(), [kernel]
+    while waiting:
+        dispatcher = waiting.pop()
+        if dispatcher not in found and not dispatcher.overloads:
+            found.add(dispatcher)
+            waiting += _called(dispatcher)
+    return found
+
+
+class _Listener(event.Listener):
+    def __init__(self, say, ended):
+        self.say, self.ended = say, ended
+        self.depth, self.done, self.needed = 0, 0, set()
+
+    def on_start(self, event):
+        kernel = event.data["dispatcher"]
+        if not self.depth:
+            # Counted when the first of them is asked for: which are depends on the frame.
+            self.needed |= needed_by(kernel)
+        self.needed.add(kernel)
+        self.depth += 1
+        self.say(kernel.py_func.__name__, self.done, max(len(self.needed), self.done + 1))
+
+    def on_end(self, event):
+        self.depth -= 1
+        self.done += 1
+        if not self.depth:
+            self.done = len(self.needed)  # others came from the cache
+            self.ended()
+
+
+def watch_compiling(say: Say, ended: Callable[[], None]) -> Callable[[], None]:
+    """From now on ``say`` is called as the compiling of each kernel begins, and ``ended`` when one and all
+    that it calls are compiled. Kernels that a cache has are not. Returns a function that ends the watching.
+    """
+    listener = _Listener(say, ended)
+    event.register(_COMPILING, listener)
+    return partial(event.unregister, _COMPILING, listener)
