@@ -77,7 +77,7 @@ class LazyGroup(click.Group):
             return super().make_context(*arguments, **settings)
 
     def invoke(self, ctx):
-        """Run the subcommand; a Refusal or a wrong option becomes a sentence and exit status 2, a warning one."""
+        """Run the subcommand; a Refusal or a wrong option becomes a sentence and status 2, a warning one."""
         ctx.with_resource(warnings.catch_warnings())
         warnings.showwarning = _say(warnings.showwarning)
         with said():

@@ -57,8 +57,8 @@ def bump(
 ):
     """Bump-map a mesh with PHOTO: a PNG, TIFF (its first page), JPEG or NPY file, or a sample.
 
-    Machines with register combiners draw every pixel's highlight, those with the imaging subset (OCTANE,
-    INFINITE_REALITY, OPENGL_1_2_IMAGING) every triangle's; IDEAL draws without rounding.
+    Machines with register combiners have a halfway vector at every pixel, those with the imaging subset one
+    for every triangle; IDEAL draws without rounding. Of other machines it is said which can.
 
     Samples: sample:gravel, sample:brick, sample:grass, sample:coins, sample:moon (photographs) and
     sample:jacksboro (an elevation model). Light is high, dark is low. The light's +x is right, +y up, +z

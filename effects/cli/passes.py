@@ -18,7 +18,7 @@ _MOST_FILES, _MOST_BYTES = 1000, 1000 << 20
     "--commands", "numbers", metavar="A:B", help="Of a trace: commands number A to B, both included."
 )
 @click.option(
-    "--every", type=click.IntRange(min=1), metavar="N", default=1, help="Of a trace: each N-th of them."
+    "--every", type=click.IntRange(min=1), metavar="N", default=1, help="Of a trace: every N-th command."
 )
 @click.option(
     "--ideal", is_flag=True, help="Of a trace: machine, ideal and difference beside each other as well."
