@@ -47,7 +47,9 @@ def truth_of(scene: Scene, view: View, lamp: Lamp, self_shadows: bool = True) ->
 
 
 def lit_mask(picture: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Where a picture [h, w, 3] of ``SceneShading.MASK`` is lit: its red is above one half."""
+    """Where a picture [h, w, 3] of ``SceneShading.MASK`` is lit, in its order of rows: its red is above one
+    half.
+    """
     return picture[..., 0] > 0.5
 
 
@@ -62,7 +64,7 @@ class Agreement:
     contact     differing pixels that are lit, and would be if nothing nearer than the bias threw a shadow
     grazing     differing pixels where the light all but grazes the surface
     other       differing pixels that are none of these
-    kinds       uint8 [h, w]: NOT_COMPARED, AGREES, SILHOUETTE ... OTHER
+    kinds       uint8 [h, w], bottom row first: NOT_COMPARED, AGREES, SILHOUETTE ... OTHER
     """
 
     compared: int

@@ -353,7 +353,7 @@ class Visible:
 
     @property
     def something(self):
-        """Where there is a surface: bool [h, w]."""
+        """Where there is a surface: bool [h, w], bottom row first."""
         return self.triangle >= 0
 
 
@@ -425,7 +425,7 @@ def lit_points(caster, points, normals, light, *, triangles=None, objects=None):
 
 
 def lit(caster, shown, light, *, self_shadows=True):
-    """Where a light reaches what is shown: bool [h, w], false where nothing is.
+    """Where a light reaches what is shown: bool [h, w], bottom row first, false where nothing is.
 
     ``shown``: Visible. ``light``: a ``Lamp`` of ``fixedpipe.effects.scenes.objects_and_lamps`` (``position``,
     ``target``, ``infinite``). ``self_shadows`` False: an object's own shadow does not fall on it; its sides

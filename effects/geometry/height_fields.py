@@ -85,7 +85,7 @@ def dome_slopes(s, t, rim_radius=0.6):
 
 
 def texel_centers(columns, rows):
-    """Texture coordinates (s, t) of texel centres: two float64 [rows, columns]."""
+    """Texture coordinates (s, t) of texel centres: two float64 [rows, columns], bottom row first."""
     return np.meshgrid((np.arange(columns) + 0.5) / columns, (np.arange(rows) + 0.5) / rows)
 
 

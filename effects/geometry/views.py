@@ -120,6 +120,6 @@ class Light:
 
 
 def panel_of(image: NDArray[Any], number: int) -> NDArray[Any]:
-    """Panel ``number`` of a row of square ones: [size, size, ...]."""
+    """Panel ``number`` of a row of square ones: [size, size, ...], in the image's order of rows."""
     size = image.shape[0]
     return image[:, number * size : (number + 1) * size]

@@ -53,7 +53,7 @@ class Volume:
     """Densities and the iso-surface that is drawn of them.
 
     name          the texture object's, too
-    density       uint8 [layers, rows, columns], z, y and x from the lowest
+    density       uint8 [layers, rows, columns], z, y and x from the lowest, so bottom row first
     half_extents  of the box that the voxels fill, centred at the origin, world units
     iso           density of the surface, (0, 1): what is as dense or denser is solid
     """

@@ -46,7 +46,9 @@ def defined_texture(command, profile, statistics):
 
 
 def depth_texture(target, internal_format, depths):
-    """A depth texture of depths in [0, 1], float64 [h, w]; each is its ``ideal`` texel's four components."""
+    """A depth texture of depths in [0, 1], float64 [h, w], bottom row first; each is its ``ideal`` texel's
+    four components.
+    """
     most = DEPTH_TEXELS[internal_format].largest
     texels = depth_texels(fixed(depths, most.bit_length()))
     texels.setflags(write=False)

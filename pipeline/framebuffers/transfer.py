@@ -246,13 +246,17 @@ def _one_element(values):
 
 
 def transfer_image(image, transfer, profile, statistics, dimensions=2):
-    """A PixelImage of colours or colour indices, [h, w(, c)], through pixel transfer: ``transfer_colors``."""
+    """A PixelImage of colours or colour indices, [h, w(, c)], bottom row first, through pixel transfer:
+    ``transfer_colors``.
+    """
     convert = transfer_color_indices if image.format == COLOR_INDEX_FORMAT else transfer_colors
     return convert(image_groups(image), transfer, profile, statistics, dimensions)
 
 
 def elements_of(groups, pixel_format):
-    """The elements of a format, [h, w(, c)], of RGBA groups; L is R + G + B (section 4.3.2)."""
+    """The elements of a format, [h, w(, c)], of RGBA groups, in their order; L is R + G + B (section
+    4.3.2).
+    """
     if pixel_format in ("RGBA", "RGB"):  # as they lie
         return groups[..., : len(pixel_format)].copy()
     columns = [

@@ -227,7 +227,7 @@ def store_texels(rgba: NDArray[Any], internal_format: InternalFormat) -> NDArray
 
 
 def depth_texels(words: NDArray[np.integer]) -> NDArray[np.uint8]:
-    """Depth-buffer words [h, w] as the four bytes of depth texels, lowest byte first."""
+    """Depth-buffer words [h, w], bottom row first, as the four bytes of depth texels, lowest byte first."""
     return np.ascontiguousarray(words.astype("<u4")).view(np.uint8).reshape(*words.shape, 4)
 
 
@@ -342,7 +342,9 @@ def pyramid(base: NDArray[Any], layered: bool = False) -> tuple[NDArray[Any], ..
 def build_texture(
     target: TextureTarget, faces: NDArray[Any], internal_format: InternalFormat, mipmaps: bool
 ) -> Texture:
-    """A texture from RGBA images [faces, h, w, 4], bytes, or floats, which the ideal evaluator gets too."""
+    """A texture from RGBA images [faces, h, w, 4], bottom row first: bytes, or floats, which the ideal
+    evaluator gets too.
+    """
     source, bits, base_format = None, 8, BASE_FORMAT[internal_format]
     wide = internal_format in TWELVE_BIT_FORMATS
     if faces.dtype != np.uint8 or wide:

@@ -169,7 +169,8 @@ def _s3tc_alphas(blocks):
 
 
 def texels_of_blocks(blocks, internal_format, width, height):
-    """Register bytes uint8 [height, width, 4] of S3TC blocks uint8 [rows, columns, bytes of a block].
+    """Register bytes uint8 [height, width, 4] of S3TC blocks uint8 [rows, columns, bytes of a block]; the
+    first row is t = 0.
 
     DXT3's four bits of alpha become a byte by replication. Assumed: DXT5's alphas are cut.
     """
