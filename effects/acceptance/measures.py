@@ -38,8 +38,8 @@ def arithmetic_check(figure: Any, renderer: Any, bound: float, reason: str) -> C
     """A Figure's picture by a Renderer's machine against the free ideal's: RMS over the framebuffer at
     half the figure's size.
     """
-    machine = renderer.machine(figure, figure.size // 2)
-    ideal = np.clip(renderer.ideal(figure, figure.size // 2), 0.0, 1.0)
+    machine = renderer.machine_window(figure, figure.size // 2)
+    ideal = np.clip(renderer.ideal_window(figure, figure.size // 2), 0.0, 1.0)
     return Check(
         "RMS of machine - ideal",
         root_mean_square(machine - ideal),

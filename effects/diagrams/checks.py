@@ -15,7 +15,7 @@ def drawn_check(figure, renderer, places):
     """
     size = figure.size // 2
     for on in Answer:
-        image, apart = renderer.picture(on, figure, size), 0.0
+        image, apart = renderer.window(on, figure, size), 0.0
         for number, view, point, color in places:
             x, y = (int(c) for c in np.floor(drawing.project(view, point)[:2]))
             apart = max(apart, float(np.abs(panel_of(image, number)[y, x] - np.array(color)).max()))

@@ -291,10 +291,12 @@ class Figure:
 
 @dataclass(frozen=True, eq=False)
 class Renderer:
-    """How checks get pictures: a machine, how it draws, and ``execute`` and ``execute_ideal`` of
+    """How checks get what they measure: a machine, how it draws, and ``execute`` and ``execute_ideal`` of
     ``fixedpipe.pipeline``.
 
-    ``kept``: pictures of the ideal, which machines that draw in the same way share.
+    Checks measure windows, not pictures: [y, x] are window coordinates, so row 0 is at the bottom and y grows
+    upwards as in the equations. ``kept``: windows of the ideal, which machines that draw in the same way
+    share.
     """
 
     profile: Profile
@@ -303,19 +305,21 @@ class Renderer:
     execute_ideal: ExecuteIdeal
     kept: dict[object, NDArray[np.float64]] = field(default_factory=dict)
 
-    def machine(self, figure: Figure, size: int, /, **changes: Any) -> NDArray[np.float64]:
-        """RGB float64 [size, columns * size, 3] of the machine's picture, bottom row first, 1.0 = full."""
+    def machine_window(self, figure: Figure, size: int, /, **changes: Any) -> NDArray[np.float64]:
+        """RGB float64 [size, columns * size, 3] of the machine's window, 1.0 = full."""
         commands = figure.commands(self.profile, size, self.method, **changes)
         framebuffer = self.execute(commands, self.profile, *figure.dimensions(size)).framebuffer
         return framebuffer.color[::-1, :, :3] / (2.0**framebuffer.color_bits - 1.0)
 
-    def picture(self, answer: Answer, figure: Figure, size: int, /, **changes: Any) -> NDArray[np.float64]:
-        """That answer's picture, ``machine`` or ``ideal``: RGB float64 [size, columns * size, 3]."""
-        draw = {Answer.MACHINE: self.machine, Answer.IDEAL: self.ideal}[answer]
+    def window(self, answer: Answer, figure: Figure, size: int, /, **changes: Any) -> NDArray[np.float64]:
+        """That answer's window, ``machine_window`` or ``ideal_window``: RGB float64 [size, columns * size,
+        3].
+        """
+        draw = {Answer.MACHINE: self.machine_window, Answer.IDEAL: self.ideal_window}[answer]
         return draw(figure, size, **changes)
 
-    def ideal(self, figure: Figure, size: int, /, **changes: Any) -> NDArray[np.float64]:
-        """RGB float64 [size, columns * size, 3] of the free ideal, bottom row first."""
+    def ideal_window(self, figure: Figure, size: int, /, **changes: Any) -> NDArray[np.float64]:
+        """RGB float64 [size, columns * size, 3] of the free ideal's window."""
         key = figure, self.method, size, repr(sorted(changes.items()))
         if key not in self.kept:
             commands = figure.commands(IDEAL, size, self.method, **changes)

@@ -232,7 +232,9 @@ def test_anisotropic_filtering_needs_fitted_textures_too():
     renderer = Renderer(GEFORCE_3, figure.method("GEFORCE_3"), execute, execute_ideal)
     found = {}
     for anisotropy in (1.0, 8.0):
-        image = renderer.machine(figure, 256, **DARK, specular=(1.0, 1.0, 1.0), anisotropy=anisotropy)[..., 0]
+        image = renderer.machine_window(figure, 256, **DARK, specular=(1.0, 1.0, 1.0), anisotropy=anisotropy)[
+            ..., 0
+        ]
         _, plain, fit, reference = (image[:128, 256 * k : 256 * (k + 1)] for k in range(4))
         found[anisotropy] = tuple(root_mean_square(part - reference) for part in (plain, fit))
     assert found[8.0][0] < found[1.0][0]

@@ -317,7 +317,7 @@ def checks(figure, renderer):
         yield Check(
             "Q's depth - map", depth(lamp, hidden) - at[1], at_least=0.3, on=on, reason="Q is in shadow"
         )
-        image = renderer.picture(on, figure, size)
+        image = renderer.window(on, figure, size)
         for name, places, coordinates, bound, reason in (
             ("on the right", *_places_of_map(size), 0.95, "edges of things, dots and letters are elsewhere"),
             (

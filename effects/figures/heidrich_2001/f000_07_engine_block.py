@@ -117,7 +117,7 @@ def _compared(figure, renderer, on, size):
     fraction that neither do nor are understood, and where both are lit or both dark; with what rays found.
     """
     picture, surface, lit = _truth(figure, size)
-    image = renderer.picture(on, figure, size, shading=SceneShading.MASK)
+    image = renderer.window(on, figure, size, shading=SceneShading.MASK)
     # Black on the background's colour.
     drawn = (image[:, size:] != image[0, 0]).any(axis=-1)
     mask, both = image[:, size:, 0] > 0.5, surface.seen & drawn
@@ -135,11 +135,11 @@ def checks(figure, renderer):
     """Masks and light against rays cast at the same densities; what shadows change, and what they do not."""
     _, ideal_other, ideal_missing, _, _ = _compared(figure, renderer, Answer.IDEAL, _IDEAL_SIZE)
     agreeing, other, missing, agreed, phong = _compared(figure, renderer, Answer.MACHINE, _SIZE)
-    apart = np.abs(renderer.machine(figure, _SIZE)[:, _SIZE:] - phong)[agreed]
+    apart = np.abs(renderer.machine_window(figure, _SIZE)[:, _SIZE:] - phong)[agreed]
     # Both on the same panel: beside each other they differ where rounding takes another slice.
     size, swapped = _SMALL, {"shadows": (True, False)}
-    plain, shadowed = (renderer.machine(figure, size, **how)[:, :size] for how in ({}, swapped))
-    lit = renderer.machine(figure, size, shading=SceneShading.MASK, **swapped)[:, :size, 0] > 0.5
+    plain, shadowed = (renderer.machine_window(figure, size, **how)[:, :size] for how in ({}, swapped))
+    lit = renderer.machine_window(figure, size, shading=SceneShading.MASK, **swapped)[:, :size, 0] > 0.5
     darker = (shadowed < plain - 0.05).any(axis=-1).sum() / (plain != plain[0, 0]).any(axis=-1).sum()
     rays = "fraction of the iso-surface's pixels"
     return (

@@ -52,7 +52,7 @@ def checks(figure, renderer):
     truth = agreement.truth_of(scene, still_life_view(Panel(0, 0, _SIZE, _SIZE)), light)
     ground, outline = truth.shown.object == 0, agreement.silhouettes(truth)
     for on in Answer:
-        picture = renderer.picture(on, figure, _SIZE, shading=SceneShading.MASK)
+        picture = renderer.window(on, figure, _SIZE, shading=SceneShading.MASK)
         left, right = (picture[:, k * _SIZE : (k + 1) * _SIZE] for k in range(2))
         masks = agreement.lit_mask(left), right[..., 0] > 0.5 * (1.0 + share)
         for name, mask in zip(("stencil", "one pass"), masks, strict=True):

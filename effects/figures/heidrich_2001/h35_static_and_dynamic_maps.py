@@ -49,7 +49,7 @@ def checks(figure, renderer):
     """Every frame against rays, and how often the scene is drawn in a frame (E000.8)."""
     scene = still_life(detail_of(_SIZE))
     edge = map_edge(_SIZE, figure.values["ratio"])
-    picture = renderer.machine(figure, _SIZE, shading=SceneShading.MASK)
+    picture = renderer.machine_window(figure, _SIZE, shading=SceneShading.MASK)
     for k, (lamp, eye) in enumerate(zip(LAMPS, EYES, strict=True)):
         light = lamp_around(scene, LAMP_POSITIONS[lamp])
         truth = agreement.truth_of(scene, view_of(Panel(0, 0, _SIZE, _SIZE), eye), light)
@@ -77,8 +77,8 @@ def checks(figure, renderer):
         yield Check(
             f"{name}, off {expected}", abs(drawn - expected), at_most=0, on=Answer.MACHINE, reason=said
         )
-    with_all = renderer.machine(figure, _SIZE, always=True)
-    different = (with_all != renderer.machine(figure, _SIZE)).sum()
+    with_all = renderer.machine_window(figure, _SIZE, always=True)
+    different = (with_all != renderer.machine_window(figure, _SIZE)).sum()
     yield Check(
         "values that a map for every frame changes", int(different), at_most=0, on=Answer.MACHINE,
         reason="a static light's map stays what it was",

@@ -79,7 +79,7 @@ def checks(figure, renderer):
         (Answer.IDEAL, 0.08, snapped),
         (Answer.MACHINE, 0.33, "rounding to the nearest step alone gives sqrt(1/12) = .289; " + snapped),
     ):
-        alpha = renderer.picture(on, figure, _SIZE)[:, middle, 0]
+        alpha = renderer.window(on, figure, _SIZE)[:, middle, 0]
         error = root_mean_square((alpha - depth)[whole & (depth < 1.0)]) * steps
         name = "RMS of alpha - depth, away from outlines, in steps of 1/255"
         yield Check(name, error, at_most=bound, on=on, reason=reason)
@@ -88,7 +88,7 @@ def checks(figure, renderer):
     # The floor has no highlight: its colour is one amount of light times its own.
     floor = whole & (shown.object == 0)
     color = np.array(scene.objects[0].color) * np.array(LAMP_COLOR[:3])
-    share = renderer.machine(figure, _SIZE)[:, :_SIZE][floor] / color
+    share = renderer.machine_window(figure, _SIZE)[:, :_SIZE][floor] / color
     yield Check(
         "the floor from the lamp: light of its three colours, largest spread",
         float(np.ptp(share, axis=1).max()),

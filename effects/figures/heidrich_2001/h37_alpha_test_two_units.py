@@ -38,7 +38,7 @@ _PASSES = "the paper's count; a shadow extension that marks a stencil needs as m
 def checks(figure, renderer):
     """Shadows against rays, acne without a bias, that shadows only darken, and how many passes there are."""
     board, bits = _BOARDS[renderer.method.name], figure.values["bits"]
-    masks = renderer.machine(figure, _SIZE, shading=SceneShading.MASK)
+    masks = renderer.machine_window(figure, _SIZE, shading=SceneShading.MASK)
     spotted, _ = alpha_shadows.agreements(figure, masks, _SIZE, 1, bits, 0.0)
     return (
         *alpha_shadows.agreement_checks(

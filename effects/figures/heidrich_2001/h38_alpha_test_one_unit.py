@@ -51,7 +51,7 @@ def checks(figure, renderer):
     """Shadows against rays, and that the copy makes alpha zero or one, as the difference is."""
     board = _BOARDS[renderer.method.name]
     bits = figure.values_of(renderer.method)["bits"]
-    picture = renderer.machine(figure, _SIZE, shading=SceneShading.MASK)
+    picture = renderer.machine_window(figure, _SIZE, shading=SceneShading.MASK)
     difference, scaled = (picture[:, k * _SIZE : (k + 1) * _SIZE, 0] for k in (0, 1))
     # Subtracted, what is above zero is in shadow; added, what is one.
     dark = difference > 0.0 if board is not alpha_shadows.ONE_UNIT_ADDED else difference == 1.0

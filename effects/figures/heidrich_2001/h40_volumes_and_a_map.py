@@ -66,7 +66,7 @@ def checks(figure, renderer):
     faced = [towards_light(truth) for truth in truths]
 
     def panels(on, **changes):
-        mask = lit_mask(renderer.picture(on, figure, size, shading=SceneShading.MASK, **changes))
+        mask = lit_mask(renderer.window(on, figure, size, shading=SceneShading.MASK, **changes))
         return [mask[:, k * size : (k + 1) * size] for k in range(4)]
 
     def unlike(masks, k):

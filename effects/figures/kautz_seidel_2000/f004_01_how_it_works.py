@@ -100,7 +100,7 @@ def checks(figure, renderer):
     expected = textures.evaluated(toward_light, EYE)
     for on in Answer:
         # The square fills the panel: a texel for each pixel, so that no filter of materials takes part.
-        colors = renderer.picture(on, figure, size, extent=1.0)
+        colors = renderer.window(on, figure, size, extent=1.0)
         picture, half = colors[..., 0], size // 2
         shown = [colors[j : j + half, i : i + half] for j in (0, half) for i in range(0, 2 * size, half)]
         f, g, result = (picture[:, k * size : (k + 1) * size] for k in range(2, 5))

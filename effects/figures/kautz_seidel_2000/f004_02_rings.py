@@ -132,8 +132,8 @@ def _checks_interpolated_first(figure, renderer):
     size = 512
     for map_size, (expected, software_bound) in _CATALOGUED.items():
         parameters = {**_HIGHLIGHT_ONLY, **_ROUND, "map_size": map_size}
-        ideal = renderer.ideal(figure, size, **parameters)[..., 0]
-        machine = renderer.machine(figure, size, **parameters)[..., 0]
+        ideal = renderer.ideal_window(figure, size, **parameters)[..., 0]
+        machine = renderer.machine_window(figure, size, **parameters)[..., 0]
         software, _ = ring_energy(ideal[:, :size], map_size, 0.25, 0.25)
         ideal_energy, ideal_peak = ring_energy(ideal[:, size:], map_size, 0.25, 0.25)
         energy, peak = ring_energy(machine[:, size:], map_size, 0.25, 0.25)
@@ -194,7 +194,7 @@ def _checks_evaluated_first(figure, renderer):
     for map_size, (_, software_bound) in _CATALOGUED.items():
         parameters = {**_HIGHLIGHT_ONLY, **_ROUND, "map_size": map_size}
         for on in Answer:
-            image = renderer.picture(on, figure, size, **parameters)[..., 0]
+            image = renderer.window(on, figure, size, **parameters)[..., 0]
             energy, _ = ring_energy(image[:, size:], map_size, 0.25, 0.25)
             what = f"{map_size}x{map_size} maps"
             yield Check(
@@ -224,7 +224,7 @@ def _checks_squared_first(figure, renderer):
     for map_size, (_, software_bound) in _CATALOGUED.items():
         parameters = {**_HIGHLIGHT_ONLY, **_ROUND, "map_size": map_size}
         for on, (bound, reason) in bounds.items():
-            image = renderer.picture(on, figure, size, **parameters)[..., 0]
+            image = renderer.window(on, figure, size, **parameters)[..., 0]
             _, software_peak = ring_energy(image[:, :size], map_size, 0.25, 0.25)
             energy, peak = ring_energy(image[:, size:], map_size, 0.25, 0.25)
             what = f"{map_size}x{map_size} maps"

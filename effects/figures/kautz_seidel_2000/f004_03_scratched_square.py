@@ -111,7 +111,7 @@ def checks(figure, renderer):
         "which rounding to bytes averages out",
     }
     for on in Answer:
-        image = renderer.picture(on, figure, size).mean(axis=-1)
+        image = renderer.window(on, figure, size).mean(axis=-1)
         from_x, from_y, top = (
             scratch_visibility(image[:, k * size : (k + 1) * size], material, figure.values["extent"])
             for k in range(3)

@@ -77,7 +77,7 @@ def checks(figure, renderer):
     size = 512
     parameters, changes = figure.values, {**DARK, "specular": (1.0, 1.0, 1.0)}
     for on in Answer:
-        image = renderer.picture(on, figure, size, **changes)[..., 0]
+        image = renderer.window(on, figure, size, **changes)[..., 0]
         (left, long_left), (right, long_right) = (
             principal_axis(image[:, k * size : (k + 1) * size]) for k in (0, 1)
         )
@@ -127,7 +127,7 @@ def checks(figure, renderer):
     smooth = renderer.method.name != FLAT
     changes |= {"spread": 0.0, "depth": 0.0, "k_s": (1.0, 1.0)}
     changes |= {"slices": 200, "stacks": 101} if smooth else {}
-    image = renderer.ideal(figure, size, **changes)[:, size:, 0]
+    image = renderer.ideal_window(figure, size, **changes)[:, size:, 0]
     half = normalize(normalize(np.array(parameters["light"])) + np.array([0.0, 0.0, 1.0]))
     axis = rotate(rotation("x", parameters["tilt"]), np.array([0.0, 1.0, 0.0]))
     east = normalize(cross(axis, half))

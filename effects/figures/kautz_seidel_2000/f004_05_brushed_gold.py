@@ -68,8 +68,8 @@ def chords(mask):
 def checks(figure, renderer):
     """The highlights' arithmetic and colour, and that bumps have anisotropic ones of their own."""
     size, white = 256, {**DARK, "specular": (1.0, 1.0, 1.0)}
-    ideal = np.clip(renderer.ideal(figure, size, **white)[..., 0], 0.0, 1.0)
-    machine = renderer.machine(figure, size, **white)[..., 0]
+    ideal = np.clip(renderer.ideal_window(figure, size, **white)[..., 0], 0.0, 1.0)
+    machine = renderer.machine_window(figure, size, **white)[..., 0]
     yield Check(
         "RMS of machine - ideal over highlight pixels, of a highlight of one",
         root_mean_square((machine - ideal)[ideal > 0.05]),
@@ -77,7 +77,7 @@ def checks(figure, renderer):
         on=Answer.MACHINE,
         reason="the catalogue's acceptance; it expects 0.015 to 0.018 of 8-bit vectors and 9-bit registers",
     )
-    color = renderer.machine(figure, size, **DARK)[machine > 0.5].mean(axis=0)
+    color = renderer.machine_window(figure, size, **DARK)[machine > 0.5].mean(axis=0)
     yield Check(
         "colour of the highlights over red, largest deviation from gold's",
         float(np.abs(color / color[0] - np.array(GOLD)).max()),
@@ -89,10 +89,10 @@ def checks(figure, renderer):
     upright = {**white, "lean": 0.0}
     middle = slice(size // 4, 3 * size // 4)
     for on in Answer:
-        image = renderer.picture(on, figure, size, **upright)[middle, middle, 0]
+        image = renderer.window(on, figure, size, **upright)[middle, middle, 0]
         across, along = chords(image > 0.4)
         isotropic = (figure.values["alpha_x"] + figure.values["alpha_y"]) / 2
-        plain = renderer.picture(
+        plain = renderer.window(
             on, figure, size, **upright, alpha_x=isotropic, alpha_y=isotropic, spread=0.0
         )[middle, middle, 0]
         plain_across, plain_along = chords(plain > 0.4)

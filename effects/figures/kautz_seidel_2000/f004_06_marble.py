@@ -64,7 +64,7 @@ def darkness(figure, renderer, size):
 
     From the ideal's picture of the colour map alone: black veins in white stone, ambient light only.
     """
-    image = renderer.ideal(
+    image = renderer.ideal_window(
         figure,
         size,
         **{**DARK, "ambient": (1.0, 1.0, 1.0), "specular": (0.0, 0.0, 0.0)},
@@ -82,7 +82,7 @@ def checks(figure, renderer):
     for on in Answer:
         for what, changes in (("", {}), (", veins made flat", {"relief": 0.0})):
             bright = (
-                renderer.picture(on, figure, size, **DARK, **{"specular": (1.0, 1.0, 1.0), **changes})[..., 0]
+                renderer.window(on, figure, size, **DARK, **{"specular": (1.0, 1.0, 1.0), **changes})[..., 0]
                 > 0.5
             )
             yield Check(
@@ -101,7 +101,7 @@ def checks(figure, renderer):
     }
     for on in Answer:
         raised, level = (
-            renderer.picture(on, figure, size, **white, **c)[..., 0] for c in ({}, {"relief": 0.0})
+            renderer.window(on, figure, size, **white, **c)[..., 0] for c in ({}, {"relief": 0.0})
         )
         change = raised - level
         yield Check(
@@ -119,7 +119,7 @@ def checks(figure, renderer):
             on=on,
             reason="a relief that is seen: measured at the first correct picture, with a quarter of slack",
         )
-    error = renderer.machine(figure, size) - np.clip(renderer.ideal(figure, size), 0.0, 1.0)
+    error = renderer.machine_window(figure, size) - np.clip(renderer.ideal_window(figure, size), 0.0, 1.0)
     yield Check(
         "RMS of machine - ideal on the sphere",
         root_mean_square(error[~np.isnan(shade)]),

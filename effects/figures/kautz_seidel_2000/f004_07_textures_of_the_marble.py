@@ -59,7 +59,7 @@ def checks(figure, renderer):
             "the catalogue's acceptance: one step of a stored component, 2/255, times the scale of four",
         ),
     ):
-        image = renderer.picture(on, figure, MAP_SIZE)
+        image = renderer.window(on, figure, MAP_SIZE)
         stored = image if profile.arithmetic.exact else np.floor(255.0 * image + 0.5)
         decoded = decode_expand(stored, profile) / material_textures.STORAGE_SCALE
         tangents, binormals = decoded[:, :MAP_SIZE], decoded[:, MAP_SIZE:]

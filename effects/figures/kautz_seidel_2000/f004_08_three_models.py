@@ -345,7 +345,7 @@ def checks(figure, renderer):
     expected = parameters["alpha_x"] / parameters["alpha_y"]
     bounds = _BOUNDS[renderer.method.name]
     for on in Answer:
-        image = renderer.picture(on, figure, size, **_MEASURED)[..., 0]
+        image = renderer.window(on, figure, size, **_MEASURED)[..., 0]
         panels = {name: image[:, k * size : (k + 1) * size] for k, name in enumerate(MODELS)}
         for name in ("Blinn-Phong", "Ward"):
             ratio = highlight_ratio(panels[name], material)

@@ -39,7 +39,7 @@ def checks(figure, renderer):
     """The highlight under the gloss map is the plain one times k_s."""
     size = 256
     parameters = figure.values
-    image = renderer.ideal(figure, size, **DARK)[..., 0]
+    image = renderer.ideal_window(figure, size, **DARK)[..., 0]
     plain, glossy = image[:, :size], image[:, size:]
     ratio = glossy[plain > 0.05] / plain[plain > 0.05]
     exact = "float64: a product; the factor is between the two k_s everywhere and reaches both"

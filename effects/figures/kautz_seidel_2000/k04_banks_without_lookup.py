@@ -123,7 +123,7 @@ def checks(figure, renderer):
             "register (0.0011 each, P32); measured at the first correct picture, at most a third of slack",
         ),
     ):
-        image = renderer.picture(on, figure, size, **in_float)[..., 0]
+        image = renderer.window(on, figure, size, **in_float)[..., 0]
         error = root_mean_square((image[:, size:] - image[:, :size])[inside])
         yield Check("RMS of the passes - R* in float", error, at_most=bound, on=on, reason=reason)
 
@@ -139,7 +139,7 @@ def checks(figure, renderer):
         ),
         (Answer.MACHINE, 0.02, 0.01, "the same, and two bytes of either picture; a mean over a meridian"),
     ):
-        image = renderer.picture(on, figure, size, **smooth)[..., 0]
+        image = renderer.window(on, figure, size, **smooth)[..., 0]
         exact, approximate = image[:, :size], image[:, size:]
         darker = (exact - approximate)[inside]
         ratio = float((approximate[on_the_cone] / exact[on_the_cone]).mean())

@@ -117,7 +117,7 @@ def checks(figure, renderer):
     bounds = _BOUNDS[renderer.method.name]
     for on in Answer:
         # The square fills the panel: a texel for each pixel, so that no filter of materials takes part.
-        picture = renderer.picture(on, figure, size, **measured)[..., 0]
+        picture = renderer.window(on, figure, size, **measured)[..., 0]
         panels = picture[:, :size], picture[:, size:]
         for name, panel, model in zip(("K06", "K05"), panels, models, strict=True):
             bound, reason = (0.003, _FILTER) if on is Answer.IDEAL else bounds[name]
@@ -152,7 +152,7 @@ def checks(figure, renderer):
             "to 4 N by 0.32 (N = 2) to 0.25",
         )
     column = slice(0, size // columns)  # N = 2
-    ideal = renderer.ideal(figure, size, **measured)[:, size:, 0]
+    ideal = renderer.ideal_window(figure, size, **measured)[:, size:, 0]
     e = brdfs.lobe(*vectors[:-1])
     yield Check(
         "K05 at N = 2 is Eq. 1: RMS of the first column of domes",

@@ -98,7 +98,7 @@ def checks(figure, renderer):
     lit = inside & (dot(normals, toward) > 0.4)
     negative = lit & (dot(half, tangents) < -away) & (dot(half, cross(normals, tangents)) < -away)
     changes = {**DARK, "specular": (1.0, 1.0, 1.0), "spread": 0.0, "depth": 0.0, "k_s": (1.0, 1.0)}
-    images = {on: renderer.picture(on, figure, size, **changes)[..., 0] for on in Answer}
+    images = {on: renderer.window(on, figure, size, **changes)[..., 0] for on in Answer}
     for on, image in images.items():
         smooth, flat, lost = (image[:, k * size : (k + 1) * size] for k in range(3))
         yield Check(

@@ -61,7 +61,7 @@ def checks(figure, renderer):
             "the two frames round different components to bytes: twice the pass's own error",
         ),
     ):
-        image = renderer.picture(on, figure, size)
+        image = renderer.window(on, figure, size)
         difference_of_frames = np.clip(image[:, :size], 0.0, 1.0) - np.clip(image[:, size:], 0.0, 1.0)
         yield Check(
             "RMS of local - global frame",

@@ -64,7 +64,7 @@ def checks(figure, renderer):
         (Answer.IDEAL, 0.0008, "linear filtering between a 64-texel cube map's unit vectors"),
         (Answer.MACHINE, 0.007, "a byte of the cube map and one of the normal: two half steps of 2/255"),
     ):
-        image = renderer.picture(on, figure, size, **changes)[..., 0]
+        image = renderer.window(on, figure, size, **changes)[..., 0]
         error = (image[:, size:] - true)[inside]
         yield Check(
             "RMS of (n.l)+ with the cube map - Lambert's law",

@@ -92,7 +92,7 @@ def checks(figure, renderer):
     gain, added, like, unlike, rounding = _BOARDS[renderer.method.name]
 
     def panels(on, **changes):
-        image = renderer.picture(on, figure, MAP_SIZE, **_SQUARE, **changes)[..., 0]
+        image = renderer.window(on, figure, MAP_SIZE, **_SQUARE, **changes)[..., 0]
         return (image[:, k * MAP_SIZE : (k + 1) * MAP_SIZE] for k in range(3))
 
     def embossed(image):
@@ -189,7 +189,9 @@ def checks(figure, renderer):
     )
     yield Check(
         "RMS of machine - ideal",
-        root_mean_square(renderer.machine(figure, 128) - np.clip(renderer.ideal(figure, 128), 0.0, 1.0)),
+        root_mean_square(
+            renderer.machine_window(figure, 128) - np.clip(renderer.ideal_window(figure, 128), 0.0, 1.0)
+        ),
         at_most=rounding,
         on=Answer.MACHINE,
         reason="bytes of the height map times the board's gain; measured at the first correct picture, "

@@ -40,7 +40,7 @@ def longest_row(mask):
 def checks(figure, renderer):
     """That every pebble of the torus has a highlight of its own, and the torus against the ideal."""
     size = figure.size // 2
-    image = renderer.machine(figure, size)
+    image = renderer.machine_window(figure, size)
     # Five beds of pebbles lie round the circle of tube centres, of radius 0.7; 2.2 units fill the picture.
     pebble = 2.0 * math.pi * 0.7 / (5 * figure.values["cells"]) * size / 2.2
     return (

@@ -101,7 +101,7 @@ def checks(figure, renderer):
     bounds = {Answer.IDEAL: 0.0012, Answer.MACHINE: 0.0165 if by_host else 0.0052}
     e_bounds = {Answer.IDEAL: 1e-4, Answer.MACHINE: 0.0147 if by_host else 0.0019}
     for on in Answer:
-        whole = renderer.picture(on, figure, size, **changes)
+        whole = renderer.window(on, figure, size, **changes)
         copied, picture, shaded = (whole[:, k * size : (k + 1) * size] for k in range(3))
         picture = picture[..., 0]
         error = root_mean_square(np.clip(copied[..., 1], 0.0, 1.0) - brdfs.lobe(*lobe))
@@ -149,7 +149,7 @@ def checks(figure, renderer):
     else:
         on_octane = figure.commands(OCTANE, size, figure.method("OCTANE"), **changes)
         other = renderer.execute(on_octane, OCTANE, width, height).framebuffer.color[::-1, :, :3] / 255.0
-        error = root_mean_square(renderer.machine(figure, size, **changes)[:, size:] - other[:, size:])
+        error = root_mean_square(renderer.machine_window(figure, size, **changes)[:, size:] - other[:, size:])
         reason = "either machine's bound of the distance from the model, added"
         bound = bounds[Answer.MACHINE] + 0.0052
         yield Check(

@@ -69,7 +69,7 @@ def checks(figure, renderer):
     changes = {**DARK, "specular": (1.0, 1.0, 1.0), "extent": 1.0}
     map_size, alpha = (figure.values[name] for name in ("map_size", "alpha"))
     for on in Answer:
-        image = renderer.picture(on, figure, size, **changes)[..., 0]
+        image = renderer.window(on, figure, size, **changes)[..., 0]
         panels = [image[:, k * size : (k + 1) * size] for k in range(4)]
         filtered_first, evaluated_first = (ring_energy(p, map_size, alpha, alpha)[0] for p in panels[:2])
         smooth_first, smooth_after = (highlight_error(p, alpha) for p in panels[2:])

@@ -141,7 +141,7 @@ def checks(figure, renderer):
     for on in Answer:
         peaks, errors = ([], []), ([], [])
         for turn in (0.0, 22.5):
-            image = renderer.picture(on, figure, size, **_WHITE, **plain, turn=turn)[..., 0]
+            image = renderer.window(on, figure, size, **_WHITE, **plain, turn=turn)[..., 0]
             panels = [np.clip(image[:, k * size : (k + 1) * size], 0.0, 1.0) for k in range(5)]
             for panel, peak, error in zip(panels[3:], peaks, errors, strict=True):
                 peak.append(float(panel.max()))

@@ -207,7 +207,7 @@ def checks(figure, renderer):
     _, highlight, covered = reference(size, *camera, toward, **_gold(*(p[name] for name in names)))
     filled = covered == 1.0
     for on in Answer:
-        image = renderer.picture(on, figure, size, **DARK, specular=(1.0, 1.0, 1.0))[..., 0]
+        image = renderer.window(on, figure, size, **DARK, specular=(1.0, 1.0, 1.0))[..., 0]
         parts = {name: image[:, k * size :][:, :size] for k, name in enumerate(p["filtering"])}
         images[on] = parts["fit"]
         rms = {name: root_mean_square((part - highlight)[filled]) for name, part in parts.items()}

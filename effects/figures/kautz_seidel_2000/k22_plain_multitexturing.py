@@ -126,7 +126,7 @@ def checks(figure, renderer):
     for on, (unsigned_bound, signed_bound, reason) in bounds.items():
         pictures = {}
         for angle in (0, 45, 90, 135):
-            image = renderer.picture(on, figure, size, **_PLAIN, angles=(angle,))[..., 0]
+            image = renderer.window(on, figure, size, **_PLAIN, angles=(angle,))[..., 0]
             pictures[angle] = [np.clip(image[:, k * size : (k + 1) * size], 0.0, 1.0) for k in range(3)]
         on_axes = np.stack([(pictures[a][1] - pictures[a][0])[inside] for a in (0, 90)])
         whole = np.stack([(pictures[a][2] - pictures[a][0])[inside] for a in pictures])

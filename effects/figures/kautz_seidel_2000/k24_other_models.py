@@ -148,7 +148,7 @@ def checks(figure, renderer):
     rows = [slice(k * size // domes, (k + 1) * size // domes) for k in range(domes)]
     first_dome = slice(0, size // domes)
     for on in Answer:
-        image = np.clip(renderer.picture(on, figure, size, **_MEASURED)[..., 0], 0.0, 1.0)
+        image = np.clip(renderer.window(on, figure, size, **_MEASURED)[..., 0], 0.0, 1.0)
         panels = {name: image[:, k * size : (k + 1) * size] for k, name in enumerate(MODELS)}
         for name, panel in panels.items():
             true = np.clip(radiance(name, parameters), 0.0, 1.0)

@@ -53,7 +53,7 @@ def scene(profile, size, *, relief, tilt, turn, light, diffuse, ambient, backgro
 def checks(figure, renderer):
     """That the bumps change the shading and not the silhouette."""
     size = 192
-    image = renderer.machine(figure, size)
+    image = renderer.machine_window(figure, size)
     smooth, bumped = (panel_of(image, k).mean(axis=-1) for k in (0, 1))
     seen = np.abs(smooth - bumped)[size // 4 : -size // 4, size // 4 : -size // 4]
     return (

@@ -79,7 +79,7 @@ def _measured(figure, renderer, on, size, panel):
     white, black = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
     changes = {"painted": False, "frontal": True, "maps": size, "diffuse": white, "ambient": black}
     pictures = [
-        panel_of(renderer.picture(on, figure, size, light=tuple(light), **changes), panel)[..., 0]
+        panel_of(renderer.window(on, figure, size, light=tuple(light), **changes), panel)[..., 0]
         for light in LIGHTS.tolist()
     ]
     return recovered_normals(pictures, LIGHTS)

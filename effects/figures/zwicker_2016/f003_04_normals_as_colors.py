@@ -69,7 +69,7 @@ def checks(figure, renderer):
     images = stored(size)
     true = height_fields.frames(*height_fields.slopes(heights))[0]
     flat = (true[..., :2] == 0.0).all(axis=-1)
-    picture = 255.0 * renderer.machine(figure, size)
+    picture = 255.0 * renderer.machine_window(figure, size)
     shown = [np.abs(panel_of(picture, k) - image).max() for k, image in enumerate(images)]
     read = normal_maps.decode(panel_of(picture, 2) + 0.0)
     return (

@@ -195,7 +195,7 @@ def checks(figure, renderer):
     lit = _views(size)[2]
     points, wanted = _expected(figure, lit)
     x, y = np.floor(drawing.project(lit, points)[:, :2]).astype(int).T
-    seen = panel_of(renderer.machine(figure, size), 2)[y, x]
+    seen = panel_of(renderer.machine_window(figure, size), 2)[y, x]
     return (
         Check(
             "cosine to the surface's normal - that of the map's normal, largest",

@@ -155,7 +155,7 @@ def checks(figure, renderer):
     for on, (bound, reason) in zip(
         (Answer.IDEAL, Answer.MACHINE), _ERRORS[renderer.method.name], strict=True
     ):
-        shown = panel_of(renderer.picture(on, figure, size, **changes), 1)[inside]
+        shown = panel_of(renderer.window(on, figure, size, **changes), 1)[inside]
         error = root_mean_square(angles(normalize(2.0 * shown - 1.0), true[inside]))
         name = "reflected direction against a ray cast at the mesh, RMS degrees"
         yield Check(name, error, at_most=bound, on=on, reason=reason)

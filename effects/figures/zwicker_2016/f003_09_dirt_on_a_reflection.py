@@ -81,11 +81,11 @@ def offset_scene(profile, size, *, relief, tint, second_pass):
 def checks(figure, renderer):
     """That the third panel is the first times the second, and that both differ from it."""
     size = 128
-    image = renderer.machine(figure, size)
+    image = renderer.machine_window(figure, size)
     clean, alone, dirty = (panel_of(image, k) for k in range(3))
     covered = np.abs(clean - alone).max(axis=-1) > 0.0
     error = np.abs(dirty - clean * alone)[covered]
-    exact = np.clip(renderer.ideal(figure, size), 0.0, 1.0)
+    exact = np.clip(renderer.ideal_window(figure, size), 0.0, 1.0)
     clean_exact, alone_exact, dirty_exact = (panel_of(exact, k) for k in range(3))
     seen = np.abs(clean_exact - alone_exact).max(axis=-1) > 0.0
     return (

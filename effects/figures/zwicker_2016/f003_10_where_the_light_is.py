@@ -77,7 +77,7 @@ def _compared(figure, renderer, on, size):
     view = still_life.still_life_view(row_of_panels(1, size)[0])
     texels = figure.values_of(renderer.method).get("texels")
     understood = {"map_edge": map_edge(size, texels), "contact": _BIAS, "grazing": 0.1} if texels else {}
-    mask = agreement.lit_mask(renderer.picture(on, figure, size, shading=SceneShading.MASK))
+    mask = agreement.lit_mask(renderer.window(on, figure, size, shading=SceneShading.MASK))
     for k, lamp in enumerate(_lamps(scene, positions)):
         part, truth = mask[:, k * size : (k + 1) * size], agreement.truth_of(scene, view, lamp)
         yield part, truth, agreement.compare(part, truth, **understood)

@@ -114,13 +114,13 @@ def checks(figure, renderer):
     view = camera(row_of_panels(1, size)[0])
     truths = [agreement.truth_of(box_at(height), view, lamp()) for height in heights]
     masks = {
-        on: agreement.lit_mask(renderer.picture(on, figure, size, shading=SceneShading.MASK)) for on in Answer
+        on: agreement.lit_mask(renderer.window(on, figure, size, shading=SceneShading.MASK)) for on in Answer
     }
     found = {
         on: [agreement.compare(mask[:, p], t) for p, t in zip(panels[1:], truths, strict=True)]
         for on, mask in masks.items()
     }
-    picture = renderer.machine(figure, size)
+    picture = renderer.machine_window(figure, size)
     box = [(t.shown.object == len(_TILES)) & ~agreement.silhouettes(t) for t in truths]
     changed = [
         (picture[:, p] != picture[:, panels[0]]).any(axis=-1) & b

@@ -92,7 +92,7 @@ def scene(profile, size, *, shading, background):
 def checks(figure, renderer):
     """Each panel's mask against rays; what the self-shadows are."""
     size, found, own, elsewhere = 256, [], [], 0
-    mask = agreement.lit_mask(renderer.machine(figure, size, shading=SceneShading.MASK))
+    mask = agreement.lit_mask(renderer.machine_window(figure, size, shading=SceneShading.MASK))
     view = camera(row_of_panels(1, size)[0])
     for k, subject in enumerate(subjects(objects_and_lamps.detail_of(size))):
         lamp = objects_and_lamps.lamp_around(subject, _LAMP)

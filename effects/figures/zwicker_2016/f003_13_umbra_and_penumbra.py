@@ -93,7 +93,7 @@ def checks(figure, renderer):
     )
     size = figure.size // 2
     for on in Answer:
-        drawn = drawn_edges(renderer.picture(on, figure, size))
+        drawn = drawn_edges(renderer.window(on, figure, size))
         yield Check(
             "drawn ends of the penumbras - computed ones, in pixels",
             float(np.abs(drawn - light.edges(half_width)).max()) * 0.5 * size,

@@ -81,7 +81,7 @@ def checks(figure, renderer):
             reason="all of the light, and none of it, counted without similar triangles",
         )
         for on in Answer:
-            panel = renderer.picture(on, figure, size)[:, k * size : (k + 1) * size]
+            panel = renderer.window(on, figure, size)[:, k * size : (k + 1) * size]
             drawn = drawn_edges(panel, 0.5 * float(edges[1] + edges[2]))
             yield Check(
                 f"{light.name}: drawn ends of the penumbras - computed ones, in pixels",

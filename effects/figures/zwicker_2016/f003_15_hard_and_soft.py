@@ -100,7 +100,7 @@ def checks(figure, renderer):
     width, size = figure.values["width"], 128
     expected = width * _EDGE_HEIGHT / (_LIGHT_HEIGHT - _EDGE_HEIGHT)
     for on in Answer:
-        picture = renderer.picture(on, figure, size, measured=True, shading=SceneShading.MASK)[..., 0]
+        picture = renderer.window(on, figure, size, measured=True, shading=SceneShading.MASK)[..., 0]
         hard, soft = (picture[:, k * size : (k + 1) * size].mean(axis=0) for k in (0, 1))
         spacing = 2.0 * _HALF_WIDTH / size
         yield Check(
@@ -127,7 +127,7 @@ def _against_rays(figure, renderer, size):
     truth = agreement.truth_of(thing, view, lamp)
     lamps = lamps_of(lamp, width, points)
     expected = seen_fraction(truth.caster, truth.shown, lamps)
-    picture = renderer.machine(figure, size, shading=SceneShading.MASK)
+    picture = renderer.machine_window(figure, size, shading=SceneShading.MASK)
     found = agreement.compare(agreement.lit_mask(picture[:, :size]), truth)
     inside = truth.shown.something & ~agreement.silhouettes(truth)
     between = inside & (expected > 0.0) & (expected < 1.0)

@@ -198,7 +198,7 @@ def checks(figure, renderer):
     size = figure.size // 2
     # The parts whose middle no dot, ray or grazing edge of another part covers are most of them.
     for on in Answer:
-        image = renderer.picture(on, figure, size)
+        image = renderer.window(on, figure, size)
 
         def color_at(x, y, column, image=image):
             j, i = int((y + 1.0) * 0.5 * size), int((x + 1.0) * 0.5 * size) + column * size

@@ -100,7 +100,7 @@ def checks(figure, renderer):
         reason="and hardly more than the scene: two hundredths of its extent on either side",
     )
     for on in (Answer.MACHINE, Answer.IDEAL):
-        grey = renderer.picture(on, figure, _SIZE)[..., 0]
+        grey = renderer.window(on, figure, _SIZE)[..., 0]
         alike = np.abs(grey - shown.depth) <= (0.75 * step if on is Answer.MACHINE else 0.001)
         yield Check(
             "pixels whose grey is the depth that a ray finds",

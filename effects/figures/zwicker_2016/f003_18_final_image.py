@@ -44,7 +44,7 @@ def checks(figure, renderer):
         (256, Answer.MACHINE, 0.98, "the catalogue's acceptance, of receivers' pixels: the floor's"),
         (1024, Answer.IDEAL, 0.995, "what sampling alone leaves"),
     ):
-        picture = renderer.picture(on, figure, _SIZE, shading=SceneShading.MASK, ratio=edge / _SIZE)
+        picture = renderer.window(on, figure, _SIZE, shading=SceneShading.MASK, ratio=edge / _SIZE)
         mask = agreement.lit_mask(picture)
         told = {"map_edge": edge, "contact": _MAP_WIDTH / edge}
         on_floor = agreement.compare(mask, truth, where=floor, **told)
@@ -66,7 +66,7 @@ def checks(figure, renderer):
         for by in (-3, 3):
             inner &= np.roll(~truth.lit, by, axis)
     for on in Answer:
-        seen = renderer.picture(on, figure, _SIZE)[inner]
+        seen = renderer.window(on, figure, _SIZE)[inner]
         ambient = np.array(AMBIENT[:3]) * np.array(scene.objects[0].color)
         near = np.abs(seen - ambient).max(axis=-1) <= (1e-9 if on is Answer.IDEAL else 1.5 / 255.0)
         yield Check(

@@ -67,7 +67,7 @@ def checks(figure, renderer):
     parts = parted_shadow_maps.parts_of_cube(
         lit_room.lit_room(detail_of(size)), lit_room.LAMP, rays.view, edge
     )
-    picture = agreement.lit_mask(renderer.machine(figure, size, shading=SceneShading.MASK))
+    picture = agreement.lit_mask(renderer.machine_window(figure, size, shading=SceneShading.MASK))
     one, six = picture[:, :size], picture[:, size : 2 * size]
     to_light = np.array(lit_room.LAMP) - rays.shown.points
     facing = (rays.shown.normals * to_light).sum(axis=-1) > 0.0
@@ -80,7 +80,7 @@ def checks(figure, renderer):
     meeting = _beside_another(face) & (kinds != agreement.NOT_COMPARED)
     inside = face == cube_of_maps.FACES.index(figure.values["one"])
     away = facing & ~agreement.silhouettes(rays) & ~_beside_another(face)
-    _, plain, tinted = np.split(renderer.machine(figure, size), 3, axis=1)
+    _, plain, tinted = np.split(renderer.machine_window(figure, size), 3, axis=1)
     # A highlight is white, whatever a surface's tint.
     objects = lit_room.lit_room(detail_of(size)).objects
     dull = np.array([thing.specular == 0.0 for thing in objects])[rays.shown.object] & rays.shown.something

@@ -253,7 +253,7 @@ def checks(figure, renderer):
     )
     size = figure.size // 2
     for on in Answer:
-        image, right_pixels, count = renderer.picture(on, figure, size), 0, 0
+        image, right_pixels, count = renderer.window(on, figure, size), 0, 0
         for k, bias in enumerate((none, right, too_much)):
             for part in parts(bias):
                 if part.end - part.start < 0.3 * WIDTH:

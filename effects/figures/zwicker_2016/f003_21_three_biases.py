@@ -19,7 +19,7 @@ def checks(figure, renderer):
     truth = agreement.truth_of(scene, board_view(Panel(0, 0, _SIZE, _SIZE)), lamp)
     edge = map_edge(_SIZE, figure.values["ratio"])
     for on in Answer:
-        picture = renderer.picture(on, figure, _SIZE, shading=SceneShading.MASK)
+        picture = renderer.window(on, figure, _SIZE, shading=SceneShading.MASK)
         masks = [agreement.lit_mask(picture[:, k * _SIZE : (k + 1) * _SIZE]) for k in range(3)]
         said = "the catalogue's acceptance"
         little, right, much = (acne(mask, truth) for mask in masks)

@@ -36,7 +36,7 @@ def checks(figure, renderer):
         )
         for fit, ratio, slices, _ in panels[:2]
     )
-    found = agreements(renderer.machine(figure, size, shading=SceneShading.MASK), size, panels, sun)
+    found = agreements(renderer.machine_window(figure, size, shading=SceneShading.MASK), size, panels, sun)
     basic, warped = (wrong(f, nearest_rows(size)) for f in found[:2])
     return (
         Check(

@@ -115,7 +115,7 @@ def checks(figure, renderer):
     edge, ground = _edges(truth), truth.shown.object == 0
     light, umbra = _away_from_edges(truth)
     for on in Answer:
-        picture = renderer.picture(on, figure, _SIZE, shading=SceneShading.MASK, ratio=_RATIO)[..., 0]
+        picture = renderer.window(on, figure, _SIZE, shading=SceneShading.MASK, ratio=_RATIO)[..., 0]
         hard, filtered, wide = (picture[:, k * _SIZE : (k + 1) * _SIZE] for k in range(3))
         levels = [len(np.unique(np.round(part[ground], 6))) for part in (hard, filtered, wide)]
         steps = np.abs(wide[ground] * kernel**2 - np.round(wide[ground] * kernel**2)) / kernel**2
@@ -168,7 +168,7 @@ def checks(figure, renderer):
                 on=on,
                 reason="the catalogue's acceptance",
             )
-    picture = renderer.machine(figure, _SIZE, ratio=_RATIO)
+    picture = renderer.machine_window(figure, _SIZE, ratio=_RATIO)
     ambient = np.array(AMBIENT[:3]) * np.array(scene.objects[0].color)
     dark = [picture[:, k * _SIZE : (k + 1) * _SIZE][umbra] for k in range(3)]
     yield Check(

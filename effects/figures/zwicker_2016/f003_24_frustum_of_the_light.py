@@ -114,7 +114,7 @@ def checks(figure, renderer):
         "T maps the frustum's corners to a cube's, largest error", max(errors), at_most=1e-6, on=Answer.IDEAL,
         reason="the catalogue's acceptance; sines and cosines are multiples of 2**-20",
     )  # fmt: skip
-    outside = renderer.machine(figure, 2 * _SIZE)[:, 6 * _SIZE :]
+    outside = renderer.machine_window(figure, 2 * _SIZE)[:, 6 * _SIZE :]
     yield Check(
         "edges of the frustum that are drawn where it is", _drawn_edges(outside, light), at_least=9,
         on=Answer.MACHINE, reason="three of twelve at most are behind the scene",
@@ -124,7 +124,7 @@ def checks(figure, renderer):
     truth = agreement.truth_of(scene, still_life_view(panel), light)
     seen = ray_caster.visible(truth.caster, light.view(panel))
     for on in Answer:
-        picture = renderer.picture(on, figure, _SIZE, shading=SceneShading.MASK)
+        picture = renderer.window(on, figure, _SIZE, shading=SceneShading.MASK)
         final, from_light, depths = (picture[:, k * _SIZE : (k + 1) * _SIZE] for k in range(3))
         found = agreement.compare(
             agreement.lit_mask(final),

@@ -99,8 +99,8 @@ def _sides_over(tinted, plain, color, alpha):
 def panel_checks(figure, renderer, truth, volumes):
     """The figure's own panels on the machine: silhouettes, sides and shadows, each where rays have them."""
     size, p = truth.view.panel.width, figure.values
-    left, middle, right = np.split(renderer.machine(figure, size), 3, axis=1)
-    _, plain, _ = np.split(renderer.machine(figure, size, volume_alpha=0.0), 3, axis=1)
+    left, middle, right = np.split(renderer.machine_window(figure, size), 3, axis=1)
+    _, plain, _ = np.split(renderer.machine_window(figure, size, volume_alpha=0.0), 3, axis=1)
     counts = expected_counts(volumes, truth)
     inner = truth.shown.something & ~silhouettes(truth)
     sides = _sides_over(middle, plain, p["volume_color"], p["volume_alpha"])

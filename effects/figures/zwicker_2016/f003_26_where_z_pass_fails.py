@@ -64,8 +64,8 @@ def checks(figure, renderer):
     """How wrong z-pass is, and where; z-fail against rays."""
     operations, size = OPERATIONS[renderer.method.name], 512
     least, reason = _WRONG[renderer.method.name]
-    places = {name: value for name, value in figure.values.items() if name != "background"}
-    drawn = lit_mask(renderer.machine(figure, size, shading=SceneShading.MASK))
+    places = {name: value for name, value in figure.values.items() if name not in ("background", "shading")}
+    drawn = lit_mask(renderer.machine_window(figure, size, shading=SceneShading.MASK))
     for case in CASES:
         objects, lamp, view = setting(case, Panel(0, 0, size, size), 40, **places)
         truth = truth_of(objects, view, lamp)

@@ -57,7 +57,7 @@ def checks(figure, renderer):
     size, maps = 128, 256
     black = {"background": (0.0, 0.0, 0.0), "maps": maps}
     images = {
-        on: [panel_of(np.clip(renderer.picture(on, figure, size, **black), 0.0, 1.0), k) for k in range(3)]
+        on: [panel_of(np.clip(renderer.window(on, figure, size, **black), 0.0, 1.0), k) for k in range(3)]
         for on in Answer
     }
     covered = images[Answer.IDEAL][0].sum(axis=-1) > 0.0
@@ -86,7 +86,7 @@ def checks(figure, renderer):
             reason="only camera space makes filtered normals of length one again, which matters in the "
             f"creases between bumps{arithmetic}; a third of slack",
         )
-    smooth = panel_of(renderer.ideal(figure, size, relief=0.0, **black), 0)
+    smooth = panel_of(renderer.ideal_window(figure, size, relief=0.0, **black), 0)
     yield Check(
         "the bumps' own part of the picture, RMS",
         root_mean_square(np.clip(smooth, 0.0, 1.0)[covered] - images[Answer.IDEAL][0][covered]),

@@ -69,7 +69,9 @@ def checks(figure, renderer):
     x, y = np.meshgrid(edge, edge)
     inside = x * x + y * y < 0.8
     z = np.sqrt(np.where(inside, 1.0 - x * x - y * y, 0.0))
-    shown = renderer.machine(figure, size, relief=0.0, diffuse=(1.0, 0.0, 0.0), ambient=(0.0, 0.0, 0.0))
+    shown = renderer.machine_window(
+        figure, size, relief=0.0, diffuse=(1.0, 0.0, 0.0), ambient=(0.0, 0.0, 0.0)
+    )
     for k, degrees in enumerate(TURNS):
         lit = brdfs.lambert(np.stack([x, y, z], axis=-1), light)
         # The highlight is white and the diffuse light red, so that their difference is the diffuse part.

@@ -43,12 +43,12 @@ def _tint_matches(picture, rays, slices):
 def checks(figure, renderer):
     """What slices bring, and whether each pixel is of the slice that its depth says."""
     size, sun, panels = CHECKED_SIZE, figure.values["sun"], figure.values["panels"]
-    shown = agreements(renderer.machine(figure, size, shading=SceneShading.MASK), size, panels, sun)
+    shown = agreements(renderer.machine_window(figure, size, shading=SceneShading.MASK), size, panels, sun)
     compared = ((MapFit.BASIC, *panels[1][1:3], WHOLE), panels[1])
-    picture = renderer.machine(figure, size, shading=SceneShading.MASK, panels=compared)
+    picture = renderer.machine_window(figure, size, shading=SceneShading.MASK, panels=compared)
     found = agreements(picture, size, compared, sun)
     basic, sliced = (wrong(f, nearest_rows(size)) for f in found)
-    tinted = renderer.machine(figure, size)[:, :size]
+    tinted = renderer.machine_window(figure, size)[:, :size]
     return (
         Check(
             "wrong pixels in the nearest fifth of the screen: basic over slices",

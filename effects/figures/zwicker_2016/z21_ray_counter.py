@@ -157,7 +157,7 @@ def checks(figure, renderer):
     )
     size = figure.size
     for on in Answer:
-        image, wrong = renderer.picture(on, figure, size), 0
+        image, wrong = renderer.window(on, figure, size), 0
         for aim, _ in _AIMS:
             for c in count(aim)[1]:
                 j, i = (int((v + 1.0) * 0.5 * size) for v in reversed(c.point))

@@ -72,7 +72,7 @@ def checks(figure, renderer):
     truth = truth_of(objects, view, lamp)
     expected = expected_counts(shadow_volumes.shadow_volumes(objects, lamp.homogeneous), truth)
     for on in Answer:
-        picture = renderer.picture(on, figure, size, shading=SceneShading.MASK)
+        picture = renderer.window(on, figure, size, shading=SceneShading.MASK)
         mask = lit_mask(picture)
         alike = mask[:, :size] == mask[:, 3 * size :]
         yield Check(

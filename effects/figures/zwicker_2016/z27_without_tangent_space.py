@@ -163,7 +163,7 @@ def checks(figure, renderer):
     ends = tangent_space.with_tangents(surface, *figure.values["handled"])
     frame = dot(np.cross(ends.tangents, ends.binormals), ends.normals)
     size = 192
-    image = renderer.machine(figure, size)
+    image = renderer.machine_window(figure, size)
     naive, shown, right = (panel_of(image, k) for k in range(3))
     plain = figure.values["background"]
     hole = np.abs(_half(right, 2, 1) - np.array(plain)).max()

@@ -165,7 +165,8 @@ def test_evaluation_before_the_filter_draws_the_software_renderer_s_picture():
     figure, size = FIGURES["F004-2"], 64
     renderer = Renderer(FUTURE, figure.method("FUTURE"), execute, execute_ideal)
     ideal, machine = (
-        np.clip(of(figure, size, extent=1.0), 0.0, 1.0) for of in (renderer.ideal, renderer.machine)
+        np.clip(of(figure, size, extent=1.0), 0.0, 1.0)
+        for of in (renderer.ideal_window, renderer.machine_window)
     )
     assert np.abs(ideal[:, :size] - ideal[:, size:]).max() < 1e-9
     assert np.sqrt(((machine[:, :size] - machine[:, size:]) ** 2).mean()) < 0.006

@@ -148,9 +148,9 @@ def agreement_checks(figure, renderer, board, size, column, *, least, least_faci
     parameters = figure.values_of(renderer.method)
     bits, bias = parameters["bits"], parameters["bias"]
     ideal_bias = bias + board.ideal_more
-    masks = renderer.machine(figure, size, shading=SceneShading.MASK)
+    masks = renderer.machine_window(figure, size, shading=SceneShading.MASK)
     whole, facing = agreements(figure, masks, size, column, bits, bias)
-    masks = renderer.ideal(figure, size, shading=SceneShading.MASK, bias=ideal_bias)
+    masks = renderer.ideal_window(figure, size, shading=SceneShading.MASK, bias=ideal_bias)
     ideal, _ = agreements(figure, masks, size, column, bits, ideal_bias)
     return (
         Check(
@@ -196,8 +196,8 @@ def agreement_checks(figure, renderer, board, size, column, *, least, least_faci
 
 def brightness_checks(figure, renderer, size, shadowed, without):
     """Checks that shadows only darken: columns ``shadowed`` and ``without`` of a lit picture."""
-    picture = renderer.machine(figure, size)
-    mask = renderer.machine(figure, size, shading=SceneShading.MASK)
+    picture = renderer.machine_window(figure, size)
+    mask = renderer.machine_window(figure, size, shading=SceneShading.MASK)
     columns = [slice(k * size, (k + 1) * size) for k in (shadowed, without)]
     a, b = (picture[:, c] for c in columns)
     lit = agreement.lit_mask(mask[:, columns[0]])

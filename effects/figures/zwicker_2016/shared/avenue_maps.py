@@ -145,9 +145,9 @@ def shown_and_whole(figure, renderer, size):
     """
     panels, sun = figure.values["panels"], figure.values["sun"]
     whole = tuple((*panel[:3], WHOLE) for panel in panels[1:])
-    picture = renderer.machine(figure, size, shading=SceneShading.MASK)
+    picture = renderer.machine_window(figure, size, shading=SceneShading.MASK)
     shown = agreements(picture, size, panels, sun)
-    picture = renderer.machine(figure, size, shading=SceneShading.MASK, panels=whole)
+    picture = renderer.machine_window(figure, size, shading=SceneShading.MASK, panels=whole)
     return shown, agreements(picture, size, whole, sun)
 
 

@@ -72,7 +72,9 @@ def silhouette_check(figure, renderer, size, without, with_bumps):
     ``without``, ``with_bumps``: what of the figure's parameters differs. The background alone is blue.
     """
     colors = {"background": (0.0, 0.0, 1.0), "diffuse": (1.0, 1.0, 0.0), "ambient": (0.25, 0.25, 0.0)}
-    images = [panel_of(renderer.machine(figure, size, **colors, **c), 0) for c in (without, with_bumps)]
+    images = [
+        panel_of(renderer.machine_window(figure, size, **colors, **c), 0) for c in (without, with_bumps)
+    ]
     covered = [image[..., 2] < 0.5 for image in images]
     reason = "bump mapping turns normals and moves no vertex: the catalogue's"
     return (
