@@ -15,7 +15,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from fixedpipe.pipeline.enums import BaseFormat, DepthFormat, InternalFormat, TextureTarget
 from fixedpipe.pipeline.textures.depth_words import DEPTH_WORDS
-from fixedpipe.pipeline.textures.pixels import bytes_or_floats, refused_type
+from fixedpipe.pipeline.textures.pixels import (
+    PillowImage,
+    bottom_row_first,
+    bytes_or_floats,
+    refused_type,
+)
 
 # Component resolutions in the order of the base format's components, of the formats that store an image's
 # components. Source: OpenGL 1.2.1 table 3.16.
@@ -371,14 +376,18 @@ def texture_1d(
 
 
 def texture_2d(
-    image: ArrayLike, internal_format: InternalFormat = InternalFormat.RGBA8, *, mipmaps: bool = False
+    image: ArrayLike | PillowImage,
+    internal_format: InternalFormat = InternalFormat.RGBA8,
+    *,
+    mipmaps: bool = False,
 ) -> Texture:
     """A 2D texture from [height, width, 1..4 components], bottom row first: bytes, which are uint8 alone, or
-    floats in [0, 1].
+    floats in [0, 1]. A Pillow image is a picture, top row first, and is turned over.
 
     Floats are kept as the ideal evaluator's source (unclamped) beside the quantised texels.
     Raises ValueError for another type of numbers, booleans too, zero sizes, NaN, or another shape.
     """
+    image = bottom_row_first(image, "A 2D texture's image")
     rgba = _as_rgba(image, "A 2D texture's image", ("height", "width"))
     return build_texture(TextureTarget.TEXTURE_2D, rgba[None], internal_format, mipmaps)
 

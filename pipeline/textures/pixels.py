@@ -6,16 +6,49 @@ they are refused. OpenGL's own images are the exception (``PixelImage``): their 
 fractions of their type's largest value (OpenGL 1.2.1 table 2.6).
 """
 
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+
+class PillowImage(Protocol):
+    """An image of the library Pillow."""
+
+    @property
+    def mode(self) -> str:
+        """What its pixels are: "RGB"."""
+
+    def getbands(self) -> tuple[str, ...]:
+        """The names of its components."""
+
+    def convert(self, mode: str) -> Any:
+        """The same picture with pixels of another mode."""
+
+
+# Of Pillow's modes, those whose pixels are components in bytes, and those that are one of these in short.
+_MODES = {"L": "L", "LA": "LA", "RGB": "RGB", "RGBA": "RGBA", "1": "L", "P": "RGBA", "PA": "RGBA"}
 
 _ADVICE = {
     "b": ": .astype(float) if true is one",
     "i": ": .astype(np.uint8) if they are bytes, / 65535.0 if they are 16-bit",
     "u": ": .astype(np.uint8) if they are bytes, / 65535.0 if they are 16-bit",
 }
+
+
+def bottom_row_first(image: ArrayLike | PillowImage, what: str) -> Any:
+    """A Pillow image, whose top row is first, as uint8 [height, width, 1..4] with its bottom row first;
+    anything else as it is. Raises ValueError, about ``what``, for a mode whose components are no bytes.
+    """
+    if not hasattr(image, "getbands"):
+        return image
+    if image.mode not in _MODES:
+        raise ValueError(
+            f"{what} is a Pillow image of mode {image.mode}; give .convert('RGB'), or its numbers as floats "
+            "(1.0 is one), bottom row first."
+        )
+    pixels = np.asarray(image.convert(_MODES[image.mode]))[::-1]
+    return pixels[..., None] if pixels.ndim == 2 else pixels
 
 
 def array_of(values: ArrayLike, what: str) -> NDArray[Any]:
