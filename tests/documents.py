@@ -283,7 +283,7 @@ def _ring_energies():
         renderer = Renderer(PROFILES[machine], figure.method(machine), execute, execute_ideal, kept)
         found = []
         for map_size in maps:
-            image = renderer.picture(
+            image = renderer.window(
                 answer, figure, size, **DARK, domes=1, extent=1.0, specular=(1.0, 1.0, 1.0), alpha_x=0.25,
                 alpha_y=0.25, map_size=map_size,
             )[:, panel * size : (panel + 1) * size, 0]  # fmt: skip

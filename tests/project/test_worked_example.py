@@ -77,7 +77,7 @@ def test_without_its_guard_the_table_begins_again_on_the_machine_alone(example, 
     assert ideal.passed and not machine.passed
     said = re.search(r"(\d+) black pixels on the GeForce 3, on the ideal none", PAGE.read_text())
     assert machine.value == int(said[1])
-    picture = renderer.picture(Answer.IDEAL, figure, figure.size // 2).max(axis=-1)
+    picture = renderer.window(Answer.IDEAL, figure, figure.size // 2).max(axis=-1)
     edge = np.abs(np.arange(picture.shape[0]) - (picture.shape[0] - 1) / 2)
     middle = np.hypot(*np.meshgrid(edge, edge)) < 0.25 * picture.shape[0] / 2
     assert picture[middle].min() > 0.2
