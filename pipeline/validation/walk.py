@@ -27,9 +27,10 @@ class UnsupportedState(ValueError):  # noqa: N818 (it names what was asked for)
 class DisabledTexture(UserWarning):
     """A pass reads the texture of a unit that it does not enable; the message says what it gets instead.
 
-    It is a warning, because machines draw it: NV_register_combiners leaves such a register undefined, the
-    NV2A was measured to hold opaque black there (docs/numbers.md, section 7); a texture environment gets what
-    NV_texture_env_combine4 or ARB_texture_env_crossbar says. But who wrote the pass meant a texture.
+    It is a warning, because machines draw it: NV_register_combiners leaves such a register undefined, but the
+    NV2A was measured to hold opaque black there (docs/numbers.md, section 7), which captures of the suites
+    Combiner, Depth_buffer and Texture_format show; a texture environment gets what NV_texture_env_combine4 or
+    ARB_texture_env_crossbar says. Who wrote a pass that reads one mostly meant a texture.
     """
 
 
