@@ -35,7 +35,7 @@ from fixedpipe.effects.passes.combiners import (
     stage,
 )
 from fixedpipe.effects.passes.draws import ADD_GATED, FIRST_PASS, REPEATED, draw, unit
-from fixedpipe.effects.passes.encoding import encode_vertex_color
+from fixedpipe.effects.passes.encoding import vector_colors
 from fixedpipe.effects.technique import Technique
 
 TECHNIQUES = (
@@ -71,7 +71,7 @@ def diffuse_pass(
     [0, 1]. ``color_map``: the name of a texture by whose colours both are multiplied. ``depth_test``,
     ``blending``: where it is added to passes before it.
     """
-    vectors = encode_vertex_color(light_vectors(surface, light), profile)
+    vectors = vector_colors(light_vectors(surface, light), profile)
     combiners = diffuse_combiners(color, ambient, color_map=color_map is not None)
     mesh = surface.mesh(colors=vectors)
     units, label = (unit(normal_map, sampler),), "diffuse pass: (n.l)+"
@@ -101,7 +101,7 @@ def blinn_phong_pass(surface, normal_map, view, light, profile, *, specular=1.0)
     """K14's specular pass: ``specular`` (n.h)^8 of a white light, multiplied by the gate in destination alpha
     and added.
     """
-    vectors = encode_vertex_color(eighth_root(specular) * half_vectors(surface, view, light), profile)
+    vectors = vector_colors(eighth_root(specular) * half_vectors(surface, view, light), profile)
     mesh = surface.mesh(colors=vectors)
     label = "specular pass: (h.n)^8"
     units = (unit(normal_map),)

@@ -60,7 +60,7 @@ from fixedpipe.effects.passes.draws import (
     draw,
     unit,
 )
-from fixedpipe.effects.passes.encoding import encode_factor, encode_vertex_color
+from fixedpipe.effects.passes.encoding import factor_texels, vector_colors
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.enums import (
@@ -119,7 +119,7 @@ def load(heights, name, profile):
     low, relief = float(heights.min()), float(heights.max())
     if not (low >= 0.0 and 0.0 < relief < np.inf):
         raise ValueError(f"The heights range over {low:g}..{relief:g}; give some above zero and none below.")
-    image = texture_2d(encode_factor(heights / relief, profile)[..., None], InternalFormat.LUMINANCE8)
+    image = texture_2d(factor_texels(heights / relief, profile)[..., None], InternalFormat.LUMINANCE8)
     return (TexImage(label=f"load {name}", texture=name, image=image),), HeightMap(name, relief)
 
 
@@ -316,7 +316,7 @@ def combiner_passes(
     def readings(vectors):
         coordinates = _coordinates(surface, height_map, vectors, COMBINERS_GAIN)
         cosines = np.repeat(dot(surface.normals, vectors)[:, None], 3, axis=1)
-        return surface.mesh(*coordinates, colors=encode_vertex_color(cosines, profile))
+        return surface.mesh(*coordinates, colors=vector_colors(cosines, profile))
 
     lit = readings(_light_vectors(surface, light))
     label = "(n.l + 4 (H1 - H0))+"

@@ -23,7 +23,7 @@ from fixedpipe.effects.passes.combiners import (
     stage,
 )
 from fixedpipe.effects.passes.draws import draw, unit
-from fixedpipe.effects.passes.encoding import encode_factor, encode_vertex_color
+from fixedpipe.effects.passes.encoding import colors_of, factor_texels, vector_colors
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.enums import BlendFactor
 from fixedpipe.pipeline.state import Blending
@@ -47,10 +47,9 @@ def gloss_combiners():
 
 def specular_pass(surface, normal_map, view, light, profile):
     """k_s (h.n)^8, added: one draw. The vertices' alpha is min(1, 8 (n.l)+) of the smooth surface."""
-    vectors = encode_vertex_color(half_vectors(surface, view, light), profile)
+    vectors = vector_colors(half_vectors(surface, view, light), profile)
     gate = np.clip(8.0 * light_vectors(surface, light)[:, 2:], 0.0, 1.0)
-    stored = encode_factor(gate, profile)
-    colors = np.concatenate([vectors, stored if profile.arithmetic.exact else stored / 255.0], axis=-1)
+    colors = np.concatenate([vectors, colors_of(factor_texels(gate, profile))], axis=-1)
     label = "specular pass: k_s (h.n)^8, k_s from the gloss map"
     mesh = surface.mesh(colors=colors)
     units = (unit(normal_map),)

@@ -57,7 +57,7 @@ from fixedpipe.effects.passes.draws import (
     draw,
     unit,
 )
-from fixedpipe.effects.passes.encoding import encode_vertex_color
+from fixedpipe.effects.passes.encoding import vector_colors
 from fixedpipe.effects.passes.texture_shaders import (
     NO_TEXTURE,
     TEXTURE_STAGE,
@@ -113,7 +113,7 @@ def camera_space_pass(
     """Z05 in one draw; ``normalization_cube_map.load`` has loaded the cube map.
 
     ``normal_map``: the name of a texture with normals for dot products
-    (``dot_product_lookups.encode_dot_product``); colours RGB in [0, 1]; ``specular``: k, in [0, 1].
+    (``dot_product_lookups.dot_product_texels``); colours RGB in [0, 1]; ``specular``: k, in [0, 1].
     """
     turn = np.array(view.modelview)[:3, :3]
     to_light = light.light_vectors(surface.positions)
@@ -122,8 +122,8 @@ def camera_space_pass(
     mesh = surface.mesh(
         surface.texture_coordinates,
         *rows(surface, view),
-        colors=encode_vertex_color(to_light, profile),
-        secondary_colors=encode_vertex_color(diffuse_bump.eighth_root(specular) * halfway, profile),
+        colors=vector_colors(to_light, profile),
+        secondary_colors=vector_colors(diffuse_bump.eighth_root(specular) * halfway, profile),
     )
     units = (
         unit(normal_map, sampler),

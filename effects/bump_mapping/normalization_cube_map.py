@@ -38,7 +38,7 @@ from fixedpipe.effects.passes.draws import (
     keep_positive,
     unit,
 )
-from fixedpipe.effects.passes.encoding import encode_expand
+from fixedpipe.effects.passes.encoding import vector_texels
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.enums import InternalFormat
@@ -67,7 +67,7 @@ def directions(size):
 
 def load(size, profile):
     """The command that loads the cube map, ``size`` texels along an edge."""
-    image = texture_cube_map(encode_expand(directions(size), profile), InternalFormat.RGB8)
+    image = texture_cube_map(vector_texels(directions(size), profile), InternalFormat.RGB8)
     return TexImage(label="load the normalization cube map", texture=NAME, image=image)
 
 

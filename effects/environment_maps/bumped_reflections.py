@@ -49,7 +49,7 @@ from fixedpipe.effects.passes.draws import (
     draw,
     unit,
 )
-from fixedpipe.effects.passes.encoding import encode_dot_product, encode_factor
+from fixedpipe.effects.passes.encoding import dot_product_texels, factor_texels
 from fixedpipe.effects.passes.texture_shaders import (
     NO_TEXTURE,
     TEXTURE_STAGE,
@@ -102,13 +102,13 @@ def load_environment(size, profile, environment=environments.room):
 
 
 def _dirt_image(dirt, profile):
-    return texture_2d(encode_factor(dirt, profile)[..., None], InternalFormat.LUMINANCE8)
+    return texture_2d(factor_texels(dirt, profile)[..., None], InternalFormat.LUMINANCE8)
 
 
 def load(normals, dirt, name, profile):
     """Commands that load a normal map with dirt in alpha, and dirt alone; and their Names.
 
-    normals  float64 [rows, columns, 3], in tangent space
+    normals  float64 [rows, columns, 3], bottom row first, in tangent space
     dirt     float64 [rows, columns] in [0, 1]: what is left of the reflection; or one number
     """
     dirt = np.broadcast_to(unit_numbers(dirt, "The dirt"), normals.shape[:2])
@@ -117,7 +117,7 @@ def load(normals, dirt, name, profile):
         TexImage(
             label=f"load normal map of {name}, dirt in alpha",
             texture=names.normal,
-            image=texture_2d(encode_dot_product(normals, dirt, profile)),
+            image=texture_2d(dot_product_texels(normals, dirt, profile)),
         ),
         TexImage(label=f"load dirt of {name}", texture=names.dirt, image=_dirt_image(dirt, profile)),
     ), names

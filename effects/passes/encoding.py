@@ -1,5 +1,20 @@
 """How vectors and factors are stored in textures and vertex colours so that the combiners read them back.
 
+What ends in ``_texels`` is for ``texture_2d`` and ``PixelImage``: bytes, uint8, on a machine; float64, 1.0
+is one and nothing rounded, where ``profile.arithmetic.exact``. What ends in ``_colors`` is for vertex colours
+and constant colours: float64, 1.0 is one, on every profile; ``colors_of`` makes it of texels.
+
+Every scene is also built for an exact profile, IDEAL, whose evaluator has no formats: there nothing may be
+rounded, clamped or biased for a format's sake, or the difference of machine and ideal would hide it. What a
+scene computes is the same for both; only what it *stores* asks ``exact``, and mostly these functions do.
+
+A table needs a guard where its coordinate may leave [0, 1] by rounding: n.v of two vectors stored in bytes
+comes out above one, and with REPEAT the table begins again there: dark specks in a highlight that the ideal
+does not have. CLAMP_TO_EDGE (``draws.EDGE``) guards a table that ends at one. A table that is to repeat, of
+arguments of either sign, reaches some texels beyond what is asked (``dot_product_lookups.banks_period``).
+Where the ends have to be met, the first and the last texel hold the function at 0 and at 1
+(``sampled_functions.positions``).
+
 EXPAND_NORMAL maps a stored byte x to 2x - 256 on a machine whose half is 128, so zero is stored as 128 and
 the vector component v as ``128 + 127.5 v``. With the half at 127.5 (the extension's real-number reading, 2x -
 255) it is ``127.5 + 127.5 v``. Wider combiners of c bits read a texel's byte as a fraction of 2**c - 1 and
@@ -21,8 +36,8 @@ def _zero(profile):
     return 255.0 * 2 ** (profile.arithmetic.combiner_bits - 1) / (2**profile.arithmetic.combiner_bits - 1)
 
 
-def encode_expand(vectors, profile):
-    """Vector components in [-1, 1] as what EXPAND_NORMAL reads back.
+def vector_texels(vectors, profile):
+    """Vector components in [-1, 1] as texels that EXPAND_NORMAL reads back.
 
     Returns
     -------
@@ -36,24 +51,31 @@ def encode_expand(vectors, profile):
     return np.clip(np.floor(_zero(profile) + 127.5 * vectors + 0.5), 0, 255).astype(np.uint8)
 
 
-def decode_expand(stored, profile):
+def vectors_of_texels(stored, profile):
     """What EXPAND_NORMAL makes of stored values, as float64 with 1.0 = 255: the inverse of
-    ``encode_expand``.
+    ``vector_texels``.
     """
     if profile.arithmetic.exact:
         return 2.0 * np.asarray(stored, np.float64) - 1.0
     return (2.0 * np.asarray(stored, np.float64) - 2.0 * _zero(profile)) / 255.0
 
 
-def encode_factor(values, profile):
-    """Factors in [0, 1] (k_s, a colour) as bytes, rounded to nearest; for an exact profile unchanged."""
+def factor_texels(values, profile):
+    """Factors in [0, 1] (k_s, a colour) as texels: uint8, rounded to nearest; for an exact profile float64,
+    unchanged.
+    """
     values = unit_numbers(values, "The array of factors")
     if profile.arithmetic.exact:
         return values
     return np.floor(255.0 * np.clip(values, 0.0, 1.0) + 0.5).astype(np.uint8)
 
 
-def encode_vertex_color(vectors, profile):
+def colors_of(texels):
+    """Texels, uint8 or float64, as the floats, 1.0 is one, that vertex colours and constant colours take."""
+    return texels / 255.0 if texels.dtype == np.uint8 else texels
+
+
+def vector_colors(vectors, profile):
     """Vectors [n, 3] as the primary colour of n vertices, for EXPAND_NORMAL: float64 [n, 3].
 
     On a machine the floats are the combiners' integers divided by their one, bytes by 255, which its
@@ -61,29 +83,32 @@ def encode_vertex_color(vectors, profile):
     significant bits, then rounds).
     """
     if profile.arithmetic.exact:
-        return encode_expand(vectors, profile)
+        return vector_texels(vectors, profile)
     one = 2.0**profile.arithmetic.combiner_bits - 1.0
-    # For bytes these are encode_expand's numbers, to the bit.
+    # For bytes these are vector_texels's numbers, to the bit.
     stored = np.floor(
         one / 255.0 * _zero(profile) + one / 2.0 * unit_numbers(vectors, "The array of vectors") + 0.5
     )
     return np.clip(stored, 0.0, one) / one
 
 
-def encode_rgba(vectors, alpha, profile):
-    """A texture image [h, w, 4]: vectors for EXPAND_NORMAL in RGB, a factor in [0, 1] in alpha."""
-    rgb = encode_expand(vectors, profile)
-    a = np.broadcast_to(encode_factor(alpha, profile), rgb.shape[:-1])
+def vector_and_factor_texels(vectors, alpha, profile):
+    """Texels [h, w, 4], the rows in the vectors' order: vectors for EXPAND_NORMAL in RGB, a factor in [0, 1]
+    in alpha.
+    """
+    rgb = vector_texels(vectors, profile)
+    a = np.broadcast_to(factor_texels(alpha, profile), rgb.shape[:-1])
     return np.concatenate([rgb, a[..., None]], axis=-1)
 
 
-def encode_dot_product(vectors, alpha, profile):
-    """A texture image [h, w, 4]: vectors in [-1, 1] for a dot product's EXPAND_NORMAL, a factor in alpha.
+def dot_product_texels(vectors, alpha, profile):
+    """Texels [h, w, 4], the rows in the vectors' order: vectors in [-1, 1] for a dot product's EXPAND_NORMAL,
+    a factor in alpha.
 
     Source: docs/numbers.md, section 12: (n - 128)/127. The exact machine stores v/2 + 1/2.
     """
     vectors = unit_numbers(vectors, "The array of vectors")
-    alpha = np.broadcast_to(encode_factor(alpha, profile), vectors.shape[:-1])[..., None]
+    alpha = np.broadcast_to(factor_texels(alpha, profile), vectors.shape[:-1])[..., None]
     if profile.arithmetic.exact:
         return np.concatenate([vectors * 0.5 + 0.5, alpha], axis=-1)
     stored = np.clip(np.floor(128.0 + 127.0 * vectors + 0.5), 0, 255).astype(np.uint8)

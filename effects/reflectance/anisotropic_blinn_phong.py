@@ -49,7 +49,7 @@ from fixedpipe.effects.passes.draws import (
     draw,
     unit,
 )
-from fixedpipe.effects.passes.encoding import encode_vertex_color
+from fixedpipe.effects.passes.encoding import vector_colors
 from fixedpipe.effects.reflectance.material_textures import Material
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import Saturate
@@ -88,7 +88,7 @@ def specular_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0,
 
     Parameters as of ``specular_pass``.
     """
-    mesh = surface.mesh(colors=encode_vertex_color(half_vectors(surface, view, light), profile))
+    mesh = surface.mesh(colors=vector_colors(half_vectors(surface, view, light), profile))
     tangent, binormal = unit(names.tangent, sampler), unit(names.binormal, sampler)
 
     k_s = constant_product(alpha_of(TEXTURE0), specular)
@@ -130,7 +130,7 @@ def specular_pass(
     return (
         draw(
             "specular pass: k_s (1 - (h.t/ax)^2 - (h.b/ay)^2)+",
-            surface.mesh(colors=encode_vertex_color(vectors, profile)),
+            surface.mesh(colors=vector_colors(vectors, profile)),
             view,
             combiners(specular),
             (unit(names.tangent, sampler), unit(names.binormal, sampler)),

@@ -60,7 +60,7 @@ from fixedpipe.effects.passes.draws import (
     draw,
     unit,
 )
-from fixedpipe.effects.passes.encoding import encode_rgba, encode_vertex_color
+from fixedpipe.effects.passes.encoding import vector_and_factor_texels, vector_colors
 from fixedpipe.effects.reflectance import brdfs
 from fixedpipe.effects.reflectance.evaluate_then_interpolate import at_texels
 from fixedpipe.effects.technique import Technique
@@ -84,7 +84,7 @@ class BanksNames:
 def load(material, name, profile):
     """Commands that load a material's normal map and tangent map, and their names."""
     names = BanksNames(f"{name} n", f"{name} t")
-    tangents = texture_2d(encode_rgba(material.tangents, material.k_s, profile))
+    tangents = texture_2d(vector_and_factor_texels(material.tangents, material.k_s, profile))
     return (
         TexImage(
             label=f"load normal map of {name}", texture=names.normal, image=material.normal_texture(profile)
@@ -133,8 +133,8 @@ def specular_passes(
     """
     if subtract is None:
         subtract = BlendEquation.FUNC_REVERSE_SUBTRACT in profile.fragments.blend_equations
-    toward_viewer = encode_vertex_color(view_vectors(surface, view), profile)
-    toward_light = encode_vertex_color(light_vectors(surface, light), profile)
+    toward_viewer = vector_colors(view_vectors(surface, view), profile)
+    toward_light = vector_colors(light_vectors(surface, light), profile)
     seen, lit = surface.mesh(colors=toward_viewer), surface.mesh(colors=toward_light)
     both = surface.mesh(colors=toward_viewer, secondary_colors=toward_light)
     tangent, normal = unit(names.tangent, sampler), unit(names.normal, sampler)
@@ -190,8 +190,8 @@ def specular_pass(surface, names, view, light, profile, *, specular=(1.0, 1.0, 1
     Parameters as of ``specular_passes``.
     """
     mesh = surface.mesh(
-        colors=encode_vertex_color(view_vectors(surface, view), profile),
-        secondary_colors=encode_vertex_color(light_vectors(surface, light), profile),
+        colors=vector_colors(view_vectors(surface, view), profile),
+        secondary_colors=vector_colors(light_vectors(surface, light), profile),
     )
     units = (unit(names.tangent, sampler), unit(names.normal, sampler))
     label = "k_s (n.l)+ ((1 - (v.t)^2)(1 - (l.t)^2) - (v.t)(l.t))+"

@@ -29,7 +29,7 @@ from fixedpipe.effects.passes.draws import (
     draw,
     unit,
 )
-from fixedpipe.effects.passes.encoding import encode_vertex_color
+from fixedpipe.effects.passes.encoding import vector_colors
 from fixedpipe.effects.reflectance import pixel_textures
 from fixedpipe.effects.reflectance.anisotropic_blinn_phong import combiners
 from fixedpipe.effects.reflectance.material_textures import LARGEST_EXPONENT
@@ -76,7 +76,7 @@ def blinn_phong(
     panel, tables = view.panel, (pixel_textures.root_table, pixel_textures.power_table)
     table = tables[with_exponent](profile)
     name = f"e, N from ({panel.x}, {panel.y}) on"
-    vectors = encode_vertex_color(half_vectors(surface, view, light), profile)
+    vectors = vector_colors(half_vectors(surface, view, light), profile)
     marked, function = PassState(stencil_test=MARKED), "F(N, e)" if with_exponent else "sqrt(e)"
 
     def looked_up(pixels):

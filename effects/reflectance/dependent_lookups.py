@@ -57,7 +57,7 @@ from fixedpipe.effects.passes.combiners import (
     total,
 )
 from fixedpipe.effects.passes.draws import EDGE, FIRST_PASS, NEAREST, REPEATED, draw, unit
-from fixedpipe.effects.passes.encoding import encode_rgba, encode_vertex_color
+from fixedpipe.effects.passes.encoding import vector_and_factor_texels, vector_colors
 from fixedpipe.effects.passes.texture_shaders import (
     ALPHA_RED_STAGE,
     GREEN_BLUE_STAGE,
@@ -170,7 +170,7 @@ def load(material, name, profile):
     binormals = scale * material.binormals / material.alpha_y[..., None]
 
     def image(vectors, alpha):
-        return texture_2d(encode_rgba(vectors, alpha, profile))
+        return texture_2d(vector_and_factor_texels(vectors, alpha, profile))
 
     return (
         TexImage(
@@ -246,11 +246,11 @@ def blinn_phong_passes(
     Parameters as of ``anisotropic_blinn_phong.specular_pass``; ``names``: of ``load``; ``gated``: times
     min(1, 4 (n.l)+). ``load_screen`` has made room on this panel.
     """
-    parameters = surface.mesh(colors=encode_vertex_color(half_vectors(surface, view, light), profile))
+    parameters = surface.mesh(colors=vector_colors(half_vectors(surface, view, light), profile))
     lit = surface.mesh(
         surface.texture_coordinates,
         surface.positions,
-        colors=encode_vertex_color(light_vectors(surface, light), profile),
+        colors=vector_colors(light_vectors(surface, light), profile),
     )
     tangent, binormal, normal = (unit(n, sampler) for n in (names.tangent, names.binormal, names.normal))
     return (
@@ -356,11 +356,11 @@ def ward_passes(
     The viewing vector is a texture coordinate that passes through unit 3. ``largest_s`` as the table's.
     Other parameters as of ``blinn_phong_passes``.
     """
-    toward_light = encode_vertex_color(light_vectors(surface, light), profile)
+    toward_light = vector_colors(light_vectors(surface, light), profile)
     parameters = surface.mesh(
         surface.texture_coordinates,
         _passed_through(view_vectors(surface, view), profile),
-        colors=encode_vertex_color(half_vectors(surface, view, light), profile),
+        colors=vector_colors(half_vectors(surface, view, light), profile),
         secondary_colors=toward_light,
     )
     lit = surface.mesh(surface.texture_coordinates, surface.positions, colors=toward_light)
@@ -394,7 +394,7 @@ def _passed_through(vectors, profile):
     """
     if profile.arithmetic.exact:
         return 0.5 * vectors + 0.5
-    return (encode_vertex_color(np.zeros(3), profile)[0] * 255.0 + 0.5 + 127.5 * vectors) / 255.0
+    return (vector_colors(np.zeros(3), profile)[0] * 255.0 + 0.5 + 127.5 * vectors) / 255.0
 
 
 # ------------------------------------------------------------------------------------ the paper's figure 1
@@ -438,8 +438,8 @@ def figure_1_passes(surface, view, light, profile, *, stage=RESULT, sampler=REPE
     """
     one_of(STAGES, stage, "The stage")
     parameters = surface.mesh(
-        colors=encode_vertex_color(light_vectors(surface, light), profile),
-        secondary_colors=encode_vertex_color(view_vectors(surface, view), profile),
+        colors=vector_colors(light_vectors(surface, light), profile),
+        secondary_colors=vector_colors(view_vectors(surface, view), profile),
     )
     return (
         draw(

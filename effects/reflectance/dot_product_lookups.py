@@ -39,7 +39,7 @@ from fixedpipe.effects.passes.combiners import (
     program,
 )
 from fixedpipe.effects.passes.draws import ADD, ADD_GATED, FIRST_PASS, LATER_PASS, REPEATED, draw, unit
-from fixedpipe.effects.passes.encoding import encode_dot_product, encode_vertex_color
+from fixedpipe.effects.passes.encoding import dot_product_texels, factor_texels, vector_colors
 from fixedpipe.effects.passes.texture_shaders import NO_TEXTURE, TEXTURE_STAGE, dot_product_stages
 from fixedpipe.effects.reflectance import brdfs
 from fixedpipe.effects.technique import AnotherWay
@@ -66,9 +66,7 @@ def centered_table(function, texels, period, profile):
     place = (np.arange(texels) + 0.5) / texels
     argument = period * np.where(place < 0.5, place, place - 1.0)
     values = np.clip(function(argument[None, :], argument[:, None]), 0.0, 1.0)
-    if not profile.arithmetic.exact:
-        values = np.floor(255.0 * values + 0.5).astype(np.uint8)
-    return texture_2d(values[..., None], InternalFormat.LUMINANCE8)
+    return texture_2d(factor_texels(values, profile)[..., None], InternalFormat.LUMINANCE8)
 
 
 # ------------------------------------------------------------------------------------------------ Banks
@@ -101,7 +99,7 @@ def banks_table(profile, exponent=1.0):
 def load_banks(material, name, profile, *, exponent=1.0):
     """Commands that load what ``banks_pass`` reads, and its names."""
     names = BanksNames(f"{name} n", f"{name} t", f"bracket^{exponent:g}")
-    tangents = texture_2d(encode_dot_product(material.tangents, material.k_s, profile))
+    tangents = texture_2d(dot_product_texels(material.tangents, material.k_s, profile))
     return (
         TexImage(
             label=f"load normal map of {name}", texture=names.normal, image=material.normal_texture(profile)
@@ -143,7 +141,7 @@ def banks_pass(
         surface.texture_coordinates,
         scale * to_light,
         scale * to_viewer,
-        colors=encode_vertex_color(to_light, profile),
+        colors=vector_colors(to_light, profile),
     )
     units = (
         unit(names.tangent, sampler),
@@ -211,7 +209,7 @@ def load_blinn_phong(material, name, profile, *, exponent=2.0):
     )
 
     def scaled(vectors, alpha, factor):
-        return texture_2d(encode_dot_product(smallest * vectors / alpha[..., None], factor, profile))
+        return texture_2d(dot_product_texels(smallest * vectors / alpha[..., None], factor, profile))
 
     return (
         TexImage(

@@ -59,7 +59,7 @@ from fixedpipe.effects.passes.combiners import (
     total,
 )
 from fixedpipe.effects.passes.draws import ADD, ADD_GATED, EDGE, FIRST_PASS, LATER_PASS, REPEATED, draw, unit
-from fixedpipe.effects.passes.encoding import encode_factor, encode_rgba, encode_vertex_color
+from fixedpipe.effects.passes.encoding import factor_texels, vector_and_factor_texels, vector_colors
 from fixedpipe.effects.reflectance import brdfs
 from fixedpipe.effects.reflectance.material_textures import LARGEST_EXPONENT
 from fixedpipe.effects.technique import AnotherWay, Technique
@@ -142,7 +142,7 @@ def load(material, name, profile):
         TexImage(
             label=f"load material texture {texture}",
             texture=texture,
-            image=texture_2d(encode_rgba(vectors, alpha, profile)),
+            image=texture_2d(vector_and_factor_texels(vectors, alpha, profile)),
         )
         for texture, vectors, alpha in images
     )
@@ -304,7 +304,7 @@ def exponent_table(profile, size=256):
     exponent, e = np.meshgrid(
         (np.arange(size) + 0.5) / size * LARGEST_EXPONENT, (np.arange(size) + 0.5) / size
     )
-    table = encode_factor(brdfs.blinn_phong_f(exponent, e), profile)
+    table = factor_texels(brdfs.blinn_phong_f(exponent, e), profile)
     return TexImage(label="load table F(N, e)", texture="F(N, e)", image=texture_2d(table[..., None]))
 
 
@@ -314,7 +314,7 @@ def bracket_table(profile, size=256):
     """
     at = (np.arange(size) + 0.5) / size
     products = 2.0 * np.where(at < 0.5, at, at - 1.0)
-    table = encode_factor(brdfs.banks_bracket(products[None, :], products[:, None]), profile)
+    table = factor_texels(brdfs.banks_bracket(products[None, :], products[:, None]), profile)
     return TexImage(label="load table of the bracket", texture="bracket", image=texture_2d(table[..., None]))
 
 
@@ -323,7 +323,7 @@ def bracket_table(profile, size=256):
 
 def _pass(label, surface, view, vectors, combiners, units, profile, *, gated, first, steady):
     """One Draw with one or two vectors per vertex, primary and secondary colour."""
-    colors = [encode_vertex_color(v, profile) for v in vectors]
+    colors = [vector_colors(v, profile) for v in vectors]
     mesh = surface.mesh(colors=colors[0])
     if len(colors) > 1:
         mesh = replace(mesh, secondary_colors=colors[1])

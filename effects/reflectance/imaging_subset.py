@@ -55,7 +55,7 @@ from fixedpipe.effects.passes.draws import (
     SUBTRACT_FROM_SOURCE,
     draw,
 )
-from fixedpipe.effects.passes.encoding import encode_factor
+from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.passes.host_images import HostImage, dot_product_transfer
 from fixedpipe.effects.technique import AnotherWay, Technique
 from fixedpipe.pipeline.commands import Mesh, TexImage
@@ -341,7 +341,7 @@ def specular_passes(
         command for pairs in zip(tangents, binormals, strict=True) for pair in pairs for command in pair
     ]
     k_s = f"{prepared.name}: k_s"
-    image = texture_2d(encode_factor(material.k_s, profile)[..., None], InternalFormat.LUMINANCE8)
+    image = texture_2d(factor_texels(material.k_s, profile)[..., None], InternalFormat.LUMINANCE8)
     return (
         *squares,
         prepared.draw_all("white polygons: one minus the framebuffer", SUBTRACT_FROM_SOURCE),

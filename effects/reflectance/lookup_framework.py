@@ -34,7 +34,7 @@ from fixedpipe.effects.passes.draws import (
     draw,
     unit,
 )
-from fixedpipe.effects.passes.encoding import encode_rgba, encode_vertex_color
+from fixedpipe.effects.passes.encoding import vector_and_factor_texels, vector_colors
 from fixedpipe.effects.reflectance.sampled_functions import sampled
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import HostStep, TexImage
@@ -105,8 +105,8 @@ def load_tables(profile, bits=8):
 
 def load_textures(textures, profile):
     """The commands that load the material textures as "a" and "n", vectors as EXPAND_NORMAL reads them."""
-    a = texture_2d(encode_rgba(textures.directions, 1.0, profile))
-    n = texture_2d(encode_rgba(textures.normals, textures.eighths, profile))
+    a = texture_2d(vector_and_factor_texels(textures.directions, 1.0, profile))
+    n = texture_2d(vector_and_factor_texels(textures.normals, textures.eighths, profile))
     return (
         TexImage(label="load material texture: a", texture="a", image=a),
         TexImage(label="load material texture: n, v/8", texture="n", image=n),
@@ -219,7 +219,7 @@ def parameters_by_combiners(surface, view, light, profile, *, sampler=REPEATED):
     """
 
     def dot_product(label, toward, texture, mask, **settings):
-        mesh = surface.mesh(colors=encode_vertex_color(toward, profile))
+        mesh = surface.mesh(colors=vector_colors(toward, profile))
         units = (unit(texture, sampler),)
         return draw(label, mesh, view, _dot_product(), units, color_mask=mask, **settings)
 

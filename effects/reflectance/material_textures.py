@@ -25,7 +25,7 @@ from fixedpipe.effects.geometry.height_fields import (
 )
 from fixedpipe.effects.geometry.vectors import cosine, cross, dot, normalize, sine
 from fixedpipe.effects.passes.arguments import member_of
-from fixedpipe.effects.passes.encoding import encode_factor, encode_rgba
+from fixedpipe.effects.passes.encoding import factor_texels, vector_and_factor_texels
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.textures.images import texture_2d
@@ -105,16 +105,16 @@ class Material:
 
     def tangent_texture(self, profile):
         """T': RGB = t / (4 alpha_x) for EXPAND_NORMAL, alpha = k_s."""
-        return texture_2d(encode_rgba(STORAGE_SCALE * self.scaled_tangents, self.k_s, profile))
+        return texture_2d(vector_and_factor_texels(STORAGE_SCALE * self.scaled_tangents, self.k_s, profile))
 
     def binormal_texture(self, profile):
         """B': RGB = b / (4 alpha_y) for EXPAND_NORMAL, alpha = N / 128."""
         stored = self.exponent / LARGEST_EXPONENT
-        return texture_2d(encode_rgba(STORAGE_SCALE * self.scaled_binormals, stored, profile))
+        return texture_2d(vector_and_factor_texels(STORAGE_SCALE * self.scaled_binormals, stored, profile))
 
     def normal_texture(self, profile):
         """The normal map: RGB = n for EXPAND_NORMAL, alpha = k_s, which serves as gloss map."""
-        return texture_2d(encode_rgba(self.normals, self.k_s, profile))
+        return texture_2d(vector_and_factor_texels(self.normals, self.k_s, profile))
 
 
 @dataclass(frozen=True)
@@ -149,7 +149,7 @@ def load(material, name, profile):
 
 def load_colors(colors, name, profile):
     """The command that loads a colour map: RGB in [0, 1], float64 [rows, columns, 3], texture ``name``."""
-    return TexImage(label=f"load {name}", texture=name, image=texture_2d(encode_factor(colors, profile)))
+    return TexImage(label=f"load {name}", texture=name, image=texture_2d(factor_texels(colors, profile)))
 
 
 def from_slopes(slope_s, slope_t, alpha_x, alpha_y, k_s=1.0):

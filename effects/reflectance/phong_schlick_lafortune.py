@@ -53,7 +53,7 @@ from fixedpipe.effects.passes.draws import (
     draw,
     unit,
 )
-from fixedpipe.effects.passes.encoding import encode_dot_product, encode_factor, encode_rgba
+from fixedpipe.effects.passes.encoding import dot_product_texels, factor_texels, vector_and_factor_texels
 from fixedpipe.effects.passes.texture_shaders import (
     ALPHA_RED_STAGE,
     NO_TEXTURE,
@@ -238,12 +238,12 @@ def load(material, name, profile, coefficients):
     factors = np.stack([material.k_s, stored_exponent(material.exponent)], axis=-1)
 
     def stored(vectors, alpha):
-        return texture_2d(encode_dot_product(vectors, alpha, profile))
+        return texture_2d(dot_product_texels(vectors, alpha, profile))
 
     images = {
-        names.normal: ("normal", texture_2d(encode_rgba(material.normals, 1.0, profile))),
+        names.normal: ("normal", texture_2d(vector_and_factor_texels(material.normals, 1.0, profile))),
         names.fine: ("normal, 16 bits", _hilo(material.normals)),
-        names.exponent: ("k_s, log2(N) / 7", texture_2d(encode_factor(factors, profile))),
+        names.exponent: ("k_s, log2(N) / 7", texture_2d(factor_texels(factors, profile))),
         names.tangent: ("tangent, k_s", stored(material.tangents, material.k_s)),
         names.binormal: ("binormal", stored(material.binormals, 1.0)),
         names.diagonal: ("diagonal of Lafortune's matrix, k_s", stored(diagonal, material.k_s)),

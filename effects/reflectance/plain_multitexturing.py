@@ -43,7 +43,7 @@ from fixedpipe.effects.passes.draws import (
     draw,
     unit,
 )
-from fixedpipe.effects.passes.encoding import encode_factor
+from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import Saturate, TexImage
 from fixedpipe.pipeline.enums import (
@@ -101,7 +101,7 @@ def load(material, name, profile):
     commands = []
 
     def luminance(what, values):
-        image = texture_2d(encode_factor(values, profile)[..., None], InternalFormat.LUMINANCE8)
+        image = texture_2d(factor_texels(values, profile)[..., None], InternalFormat.LUMINANCE8)
         commands.append(TexImage(label=f"load {what} of {name}", texture=f"{name} {what}", image=image))
         return f"{name} {what}"
 

@@ -8,7 +8,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.passes.draws import NEAREST
-from fixedpipe.effects.passes.encoding import decode_expand, encode_expand
+from fixedpipe.effects.passes.encoding import vector_texels, vectors_of_texels
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, brdfs, material_textures
 from fixedpipe.effects.studies.shared.random_frames import random_directions
 from fixedpipe.effects.studies.shared.strips import drawn, strip_of_vectors
@@ -31,7 +31,7 @@ def highlight(alpha, profile):
     state = PassState(texture_units=units, register_combiners=anisotropic_blinn_phong.combiners())
     command = Draw(label="Eq. 1", mesh=strip_of_vectors(half, profile), state=state)
     values = drawn((*loading, command), profile, _STEPS, 8)[4, :, 0]
-    return decode_expand(encode_expand(half, profile), profile)[:, 0], values
+    return vectors_of_texels(vector_texels(half, profile), profile)[:, 0], values
 
 
 def half_width(sines, values):
@@ -46,7 +46,7 @@ def direction_errors(alpha, profile):
     """
     tangents = random_directions(_TANGENTS, 13)
     wanted = material_textures.STORAGE_SCALE * tangents / alpha
-    read = normalize(decode_expand(encode_expand(wanted, profile), profile))
+    read = normalize(vectors_of_texels(vector_texels(wanted, profile), profile))
     angles = np.degrees(np.arccos(np.clip(dot(read, tangents), -1.0, 1.0)))
     return angles, np.abs(wanted).max(axis=-1) > 1.0
 

@@ -14,7 +14,7 @@ from fixedpipe.effects.geometry.surfaces import Surface
 from fixedpipe.effects.geometry.vectors import cosine, sine
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors
 from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view
-from fixedpipe.effects.passes.encoding import decode_expand, encode_vertex_color
+from fixedpipe.effects.passes.encoding import vector_colors, vectors_of_texels
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, brdfs, material_textures
 from fixedpipe.effects.studies.shared.strips import drawn
 from fixedpipe.effects.studies.study import (
@@ -93,12 +93,12 @@ def shortest(surface, profile):
     """The least length of the halfway vector that is interpolated between two vertices, as the machine's
     framebuffer has it.
     """
-    colors = encode_vertex_color(half_vectors(surface, _VIEW, _LIGHT), profile)
+    colors = vector_colors(half_vectors(surface, _VIEW, _LIGHT), profile)
     state = PassState(vertex=_VIEW.vertex)
     picture = drawn(
         (Draw(label="h", mesh=surface.mesh(colors=colors), state=state),), profile, _WIDTH, _HEIGHT
     )
-    read = decode_expand(255.0 * picture[_HEIGHT // 2], profile)
+    read = vectors_of_texels(255.0 * picture[_HEIGHT // 2], profile)
     inner = slice(_WIDTH // 4, 3 * _WIDTH // 4)
     return float(np.sqrt((read * read).sum(axis=-1))[inner].min())
 

@@ -17,7 +17,7 @@ from fixedpipe.effects.passes.combiners import (
     signed,
 )
 from fixedpipe.effects.passes.draws import NEAREST
-from fixedpipe.effects.passes.encoding import encode_expand
+from fixedpipe.effects.passes.encoding import vector_texels
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, material_textures
 from fixedpipe.effects.studies.shared.random_frames import eq_1
 from fixedpipe.effects.studies.shared.strips import drawn, strip_of_vectors
@@ -58,7 +58,7 @@ def measure(profile):
     for stored_half, read_half in _CONVENTIONS:
         storing = profile.changed(expand_half=stored_half)
         reading = profile.changed(expand_half=read_half)
-        zero = int(encode_expand(np.array(0.0), storing))
+        zero = int(vector_texels(np.array(0.0), storing))
         machine, true = eq_1(0.25, 0.25, reading, storing=storing)
         lit = true > 0.0
         rows.append(

@@ -15,7 +15,7 @@ from fixedpipe.pipeline.commands import Draw
 TESSELLATIONS = ((26, 14), (36, 19), (50, 26), (70, 37), (100, 51))
 PAPER = (50, 26)
 # Operations on floats for a vector at a vertex.  Source: fixedpipe.effects.geometry.vectors.in_frame, three
-# dot products of 3 multiplications and 2 additions; fixedpipe.effects.passes.encoding.encode_expand, 3
+# dot products of 3 multiplications and 2 additions; fixedpipe.effects.passes.encoding.vector_texels, 3
 # multiplications and 3 additions.
 _OPERATIONS = 3 * 5 + 3 * 2
 # A vertex program is given the matrix and one vector; at the vertices it reads the local frame as well.

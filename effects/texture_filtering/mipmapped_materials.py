@@ -30,7 +30,7 @@ from functools import lru_cache
 import numpy as np
 
 from fixedpipe.effects.geometry.vectors import cross, dot, normalize
-from fixedpipe.effects.passes.encoding import encode_rgba
+from fixedpipe.effects.passes.encoding import vector_and_factor_texels
 from fixedpipe.effects.reflectance.material_textures import (
     LARGEST_EXPONENT,
     SMALLEST_ALPHA,
@@ -48,7 +48,7 @@ TECHNIQUES = (
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """One mipmap level of a material: what is stored of it, unencoded.
+    """One mipmap level of a material: what is stored of it, unencoded, bottom row first.
 
     normals                         float64 [rows, columns, 3]: means, not longer than one
     scaled_tangents, scaled_binormals  float64 [rows, columns, 3]: T and B of Eq. 1
@@ -402,7 +402,7 @@ def load(levels, name, profile, exponent=2.0):
         TexImage(
             label=f"load {what} of {name}, {len(levels)} levels",
             texture=texture,
-            image=_texture([encode_rgba(rgb, alpha, profile) for rgb, alpha in images]),
+            image=_texture([vector_and_factor_texels(rgb, alpha, profile) for rgb, alpha in images]),
         )
         for texture, what, images in pictures
     )

@@ -67,7 +67,7 @@ from fixedpipe.effects.passes.combiners import (
     total,
 )
 from fixedpipe.effects.passes.draws import ADD, MARK, MARKED, REPLACE, SUBTRACT, copy_of_panel
-from fixedpipe.effects.passes.encoding import encode_expand
+from fixedpipe.effects.passes.encoding import colors_of, vector_texels
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp
 from fixedpipe.effects.shadows.alpha_coded_shadows import (
     ADD_WHERE_ALPHA_IS_ZERO,
@@ -329,8 +329,7 @@ def imaging(picture, profile, load=True):
 
 
 def _encoded(vector, profile):
-    stored = encode_expand(np.array(vector), profile)
-    return (*(stored if profile.arithmetic.exact else stored / 255.0).tolist(), 0.0)
+    return (*colors_of(vector_texels(vector, profile)).tolist(), 0.0)
 
 
 def _dots(profile, first, second):

@@ -18,8 +18,14 @@ from fixedpipe.effects.geometry import height_fields, surfaces, triangle_meshes
 from fixedpipe.effects.geometry.matrices import look_at, orthographic, perspective, rotate, rotation
 from fixedpipe.effects.geometry.vectors import TRIGONOMETRY_STEP, cosine, cross, dot, normalize
 from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view, perspective_view
+from fixedpipe.effects.passes import encoding
 from fixedpipe.effects.passes.draws import EDGE, NEAREST, show
-from fixedpipe.effects.passes.encoding import decode_expand, encode_expand, encode_rgba, encode_vertex_color
+from fixedpipe.effects.passes.encoding import (
+    vector_and_factor_texels,
+    vector_colors,
+    vector_texels,
+    vectors_of_texels,
+)
 from fixedpipe.effects.reflectance import (
     anisotropic_blinn_phong,
     brdfs,
@@ -62,39 +68,39 @@ def upper_directions(count, seed):
 def test_expand_at_other_widths_reads_back_within_half_a_step_of_the_texel_and_of_the_colour(bits):
     machine, v = GEFORCE_256.with_precision(combiner_bits=bits), np.linspace(-0.99, 0.99, 397)
     one = 2**bits - 1
-    texel = encode_expand(v, machine).astype(np.int64)
+    texel = vector_texels(v, machine).astype(np.int64)
     wide = (2 * texel * one + 255) // (2 * 255)
     coarser = 1.0 / min(one, 255)
     assert np.abs((2 * wide - (one + 1)) / one - v).max() <= coarser * (1 + 255 / one) + 1e-12
-    color = encode_vertex_color(v[:, None], machine)[:, 0] * one
+    color = vector_colors(v[:, None], machine)[:, 0] * one
     assert np.allclose(color, np.round(color), atol=1e-9)
     assert np.abs((2 * color - (one + 1)) / one - v).max() <= 1.0 / one + 1e-12
 
 
 def test_expand_on_the_machine_reads_back_zero_exactly_and_all_else_within_half_a_step():
     v = np.linspace(-1.0, 1.0, 2001)
-    back = decode_expand(encode_expand(v, GEFORCE_256), GEFORCE_256)
+    back = vectors_of_texels(vector_texels(v, GEFORCE_256), GEFORCE_256)
     assert back[1000] == 0.0
     # Half a step of 2/255; at +1 the byte 255 stands for 254/255.
     assert np.abs(back - v).max() <= 1.0 / 255 + 1e-12
-    assert encode_expand(np.array([-1.0, 0.0, 1.0, -2.0, 2.0]), GEFORCE_256).tolist() == [1, 128, 255, 0, 255]
+    assert vector_texels(np.array([-1.0, 0.0, 1.0, -2.0, 2.0]), GEFORCE_256).tolist() == [1, 128, 255, 0, 255]
 
 
 def test_expand_with_the_half_at_127_5_is_the_naive_encoding():
     other = GEFORCE_256.changed(expand_half=127.5)
     v = np.linspace(-1.0, 1.0, 777)
-    assert np.array_equal(encode_expand(v, other), np.floor(255 * (v / 2 + 0.5) + 0.5))
+    assert np.array_equal(vector_texels(v, other), np.floor(255 * (v / 2 + 0.5) + 0.5))
 
 
 def test_the_exact_profile_keeps_vectors_unrounded():
     v = np.array([-3.0, -0.123456789, 0.0, 1.0])
-    assert np.allclose(decode_expand(encode_expand(v, IDEAL), IDEAL), v, atol=1e-15)
+    assert np.allclose(vectors_of_texels(vector_texels(v, IDEAL), IDEAL), v, atol=1e-15)
 
 
 def test_a_vertex_colour_arrives_as_the_byte_that_was_encoded():
     v = np.stack([np.linspace(-1, 1, 256)] * 3, axis=-1)
-    stored = encode_expand(v, GEFORCE_256)
-    image = execute(colored_columns(encode_vertex_color(v, GEFORCE_256)), GEFORCE_256, 256, 1)
+    stored = vector_texels(v, GEFORCE_256)
+    image = execute(colored_columns(vector_colors(v, GEFORCE_256)), GEFORCE_256, 256, 1)
     assert np.array_equal(image.framebuffer.color[0, :, :3], stored)
 
 
@@ -272,12 +278,12 @@ def test_stored_vectors_are_a_quarter_of_the_vector_over_alpha():
         32, 16, Brushing.ALONG_S, alpha_x=0.25, alpha_y=0.8, spread=8.0, depth=0.2
     )
     texture = material.tangent_texture(GEFORCE_256).levels[0][0]
-    decoded = 4.0 * decode_expand(texture[..., :3], GEFORCE_256)
+    decoded = 4.0 * vectors_of_texels(texture[..., :3], GEFORCE_256)
     assert np.abs(decoded - material.tangents / 0.25).max() <= 4.0 / 255 + 1e-12
     # F004-7's reading of such textures: the length is 1/alpha_x within four steps, and T stands
     # perpendicular to B.
     assert np.abs(np.sqrt(dot(decoded, decoded)) - 4.0).max() <= 4 * 2.0 / 255
-    other = 4.0 * decode_expand(material.binormal_texture(GEFORCE_256).levels[0][0][..., :3], GEFORCE_256)
+    other = 4.0 * vectors_of_texels(material.binormal_texture(GEFORCE_256).levels[0][0][..., :3], GEFORCE_256)
     assert np.abs(dot(normalize(decoded), normalize(other))).max() <= 0.03
     assert np.abs(texture[..., 3] / 255 - material.k_s).max() <= HALF_BYTE
 
@@ -657,7 +663,7 @@ def machine_and_truth(alpha_x, alpha_y, half_stored_at=None):
     mesh = Mesh(
         corners,
         PrimitiveType.QUADS,
-        colors=np.repeat(encode_vertex_color(half, storing), 4, axis=0),
+        colors=np.repeat(vector_colors(half, storing), 4, axis=0),
         texture_coordinates=(np.tile(cell, (16, 1)),),
     )
     units = tuple(TextureUnit(name, NEAREST) for name in (names.tangent, names.binormal))
@@ -696,8 +702,8 @@ def test_the_naive_encoding_doubles_the_error():
 
 def test_a_flat_normal_is_read_back_without_a_tilt():
     """P30: zero is stored exactly, so a flat map under a vertical light gives all of the light."""
-    image = encode_rgba(np.array([[[0.0, 0.0, 1.0]]]), 1.0, GEFORCE_256)
-    assert decode_expand(image[0, 0, :2], GEFORCE_256).tolist() == [0.0, 0.0]
+    image = vector_and_factor_texels(np.array([[[0.0, 0.0, 1.0]]]), 1.0, GEFORCE_256)
+    assert vectors_of_texels(image[0, 0, :2], GEFORCE_256).tolist() == [0.0, 0.0]
 
 
 # ---------------------------------------------------------------------------------------------------- bump
@@ -809,3 +815,22 @@ def test_texture_images_of_the_machine_are_bytes_and_of_the_ideal_floats():
     assert material.tangent_texture(GEFORCE_256).ideal is None
     assert material.tangent_texture(IDEAL).ideal is not None
     assert texture_2d(np.zeros((4, 4, 4), np.uint8)).ideal is None
+
+
+@pytest.mark.parametrize("profile", [GEFORCE_256, IDEAL])
+def test_what_is_for_textures_is_bytes_or_unrounded_and_what_is_for_colours_is_floats(profile):
+    vectors = np.random.default_rng(2).uniform(-1.0, 1.0, (4, 4, 3))
+    factors = vectors[..., 0] ** 2
+    stored = np.float64 if profile.arithmetic.exact else np.uint8
+    for texels in (
+        encoding.vector_texels(vectors, profile),
+        encoding.factor_texels(factors, profile),
+        encoding.vector_and_factor_texels(vectors, factors, profile),
+        encoding.dot_product_texels(vectors, factors, profile),
+    ):
+        assert texels.dtype == stored
+        assert encoding.colors_of(texels).dtype == np.float64
+        assert 0.0 <= encoding.colors_of(texels).min() <= encoding.colors_of(texels).max() <= 1.0
+    assert encoding.vector_colors(vectors[0], profile).dtype == np.float64
+    read = encoding.vectors_of_texels(encoding.vector_texels(vectors, profile), profile)
+    assert np.abs(read - vectors).max() < (1e-15 if profile.arithmetic.exact else 1 / 127)

@@ -11,7 +11,7 @@ from fixedpipe.effects.figures import FIGURES, Renderer
 from fixedpipe.effects.figures.figure import DARK
 from fixedpipe.effects.figures.kautz_seidel_2000 import k18_mipmapped_materials
 from fixedpipe.effects.geometry.vectors import cross, dot, normalize
-from fixedpipe.effects.passes.encoding import decode_expand
+from fixedpipe.effects.passes.encoding import vectors_of_texels
 from fixedpipe.effects.reflectance import brdfs, material_textures
 from fixedpipe.effects.texture_filtering import mipmapped_materials as mipmaps
 from fixedpipe.pipeline.execution.machine import execute
@@ -204,10 +204,12 @@ def test_textures_have_every_level():
             assert [level.shape for level in command.image.levels] == [
                 (1, 64 >> k, 64 >> k, 4) for k in range(7)
             ]
-    stored = decode_expand(commands[1].image.ideal[5][0, ..., :3], IDEAL)
+    stored = vectors_of_texels(commands[1].image.ideal[5][0, ..., :3], IDEAL)
     assert np.allclose(4.0 * stored, fit[5].scaled_tangents, atol=1e-12)
     machine = mipmaps.load(fit, "gold", GEFORCE_256)[0][2].image.levels[5][0]
-    assert np.abs(4.0 * decode_expand(machine[..., :3], GEFORCE_256) - fit[5].scaled_binormals).max() < 0.016
+    assert (
+        np.abs(4.0 * vectors_of_texels(machine[..., :3], GEFORCE_256) - fit[5].scaled_binormals).max() < 0.016
+    )
     assert (machine[..., 3] == 4).all()
 
 

@@ -105,15 +105,17 @@ DOORS = {
     "digest": Door(digest, (4, 4, 4), floats=False),
     "png": Door(png, (4, 4, 4), floats=False),
     "densities": Door(lambda a: Volume("v", a, (1.0, 1.0, 1.0)), (4, 4, 4), floats=False),
-    "encode_expand": Door(lambda a: encoding.encode_expand(a, GEFORCE_256), (4, 4, 3), frozenset()),
-    "encode_factor": Door(lambda a: encoding.encode_factor(a, GEFORCE_256), (4, 4), frozenset()),
-    "encode_vertex_color": Door(lambda a: encoding.encode_vertex_color(a, GEFORCE_256), (4, 3), frozenset()),
-    "encode_rgba": Door(lambda a: encoding.encode_rgba(a, 1.0, GEFORCE_256), (4, 4, 3), frozenset()),
-    "a factor in alpha": Door(
-        lambda a: encoding.encode_rgba(np.zeros((4, 4, 3)), a, GEFORCE_256), (4, 4), frozenset()
+    "vector_texels": Door(lambda a: encoding.vector_texels(a, GEFORCE_256), (4, 4, 3), frozenset()),
+    "factor_texels": Door(lambda a: encoding.factor_texels(a, GEFORCE_256), (4, 4), frozenset()),
+    "vector_colors": Door(lambda a: encoding.vector_colors(a, GEFORCE_256), (4, 3), frozenset()),
+    "vector_and_factor_texels": Door(
+        lambda a: encoding.vector_and_factor_texels(a, 1.0, GEFORCE_256), (4, 4, 3), frozenset()
     ),
-    "encode_dot_product": Door(
-        lambda a: encoding.encode_dot_product(a, 1.0, GEFORCE_256), (4, 4, 3), frozenset()
+    "a factor in alpha": Door(
+        lambda a: encoding.vector_and_factor_texels(np.zeros((4, 4, 3)), a, GEFORCE_256), (4, 4), frozenset()
+    ),
+    "dot_product_texels": Door(
+        lambda a: encoding.dot_product_texels(a, 1.0, GEFORCE_256), (4, 4, 3), frozenset()
     ),
     "normals as bytes": Door(normal_maps.encode, (4, 4, 3), frozenset()),
     "offset map": Door(lambda a: bumped_reflections.offset_texels(a, GEFORCE_256), (4, 4, 3), frozenset()),
@@ -220,7 +222,7 @@ def test_a_texture_s_refusal_says_what_to_do(name):
 def test_whole_numbers_that_are_no_bytes_are_the_same_factors_as_floats():
     for dtype in INTEGERS:
         np.testing.assert_array_equal(
-            encoding.encode_factor(np.array([0, 1], dtype), GEFORCE_256), np.array([0, 255], np.uint8)
+            encoding.factor_texels(np.array([0, 1], dtype), GEFORCE_256), np.array([0, 255], np.uint8)
         )
 
 

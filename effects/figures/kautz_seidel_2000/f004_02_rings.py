@@ -12,7 +12,7 @@ from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import normalize
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
 from fixedpipe.effects.passes.draws import show
-from fixedpipe.effects.passes.encoding import encode_factor
+from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.reflectance import (
     anisotropic_blinn_phong,
     evaluate_then_interpolate,
@@ -61,7 +61,7 @@ def scene(profile, size, **parameters):
     return (
         left.clear(parameters["background"]),
         right.clear(parameters["background"]),
-        *show(encode_factor(picture, profile), left, "software renderer's image", surfaces.plane()),
+        *show(factor_texels(picture, profile), left, "software renderer's image", surfaces.plane()),
         *loading,
         *diffuse_bump.diffuse_pass(
             surface,
@@ -89,7 +89,7 @@ def imaging_scene(profile, size, **parameters):
         right.clear(parameters["background"]),
         DrawPixels(
             label="show software renderer's image",
-            image=PixelImage(encode_factor(picture, profile), "RGB"),
+            image=PixelImage(factor_texels(picture, profile), "RGB"),
             position=RasterPosition((float(left.x), float(left.y), 0.0, 1.0), window=True),
         ),
         *imaging_subset.commands(

@@ -8,7 +8,7 @@ from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import row_of_panels
 from fixedpipe.effects.passes.draws import NEAREST, unit
-from fixedpipe.effects.passes.encoding import decode_expand
+from fixedpipe.effects.passes.encoding import vectors_of_texels
 from fixedpipe.effects.reflectance import material_textures
 from fixedpipe.effects.scenes.marble import MAP_SIZE, MARBLE
 from fixedpipe.pipeline.commands import Draw
@@ -61,7 +61,7 @@ def checks(figure, renderer):
     ):
         image = renderer.window(on, figure, MAP_SIZE)
         stored = image if profile.arithmetic.exact else np.floor(255.0 * image + 0.5)
-        decoded = decode_expand(stored, profile) / material_textures.STORAGE_SCALE
+        decoded = vectors_of_texels(stored, profile) / material_textures.STORAGE_SCALE
         tangents, binormals = decoded[:, :MAP_SIZE], decoded[:, MAP_SIZE:]
         for name, vectors, alpha in (
             ("T| = 1 / alpha_x", tangents, material.alpha_x),

@@ -13,7 +13,7 @@ from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import normalize
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, Panel, orthographic_view, row_of_panels
 from fixedpipe.effects.passes.draws import ADD, LATER_PASS, show
-from fixedpipe.effects.passes.encoding import encode_factor
+from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.reflectance import (
     anisotropic_blinn_phong,
     brdfs,
@@ -125,7 +125,7 @@ def _software_image(square, model, panel):
     picture = picture + values[..., None] * np.array(square.colors[model])
     covered = (np.maximum(np.abs(x), np.abs(y)) < 1.0)[..., None]
     picture = np.clip(np.where(covered, picture, np.array(square.background)), 0.0, 1.0)
-    stored = encode_factor(picture, square.profile)
+    stored = factor_texels(picture, square.profile)
     return show(stored, panel, f"software renderer's image: {model}", surfaces.plane())
 
 

@@ -15,7 +15,7 @@ from fixedpipe.effects.geometry.matrices import rotate, rotation
 from fixedpipe.effects.geometry.vectors import in_frame, unit_vector
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
 from fixedpipe.effects.passes.draws import ADD, LATER_PASS, show
-from fixedpipe.effects.passes.encoding import encode_factor
+from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.reflectance import (
     banks_without_lookup,
     brdfs,
@@ -92,7 +92,7 @@ def scene(
     return (
         left.clear(background),
         right.clear(background),
-        *show(encode_factor(picture, profile), left, "software renderer's image", surfaces.plane()),
+        *show(factor_texels(picture, profile), left, "software renderer's image", surfaces.plane()),
         *loading,
         *highlight(surface, names, view, toward, profile, specular=specular),
         *diffuse_bump.diffuse_pass(

@@ -11,7 +11,7 @@ from fixedpipe.effects.figures.figure import DARK, IMAGING_MACHINES_8, Figure, M
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.vectors import cross, dot, in_frame, normalize
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
-from fixedpipe.effects.passes.encoding import encode_factor
+from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.reflectance import evaluate_then_interpolate, imaging_subset, material_textures
 from fixedpipe.effects.reflectance.material_textures import Brushing
 from fixedpipe.pipeline.commands import DrawPixels
@@ -64,7 +64,7 @@ def scene(
         left.clear(background),
         DrawPixels(
             label="show what a halfway vector for every pixel gives",
-            image=PixelImage(encode_factor(picture, profile), "RGB"),
+            image=PixelImage(factor_texels(picture, profile), "RGB"),
             position=RasterPosition((float(left.x), float(left.y), 0.0, 1.0), window=True),
         ),
     ]

@@ -17,7 +17,7 @@ from fixedpipe.effects.geometry.vertex_vectors import light_vectors
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
 from fixedpipe.effects.passes import pixel_texture_copies
 from fixedpipe.effects.passes.draws import ADD, EDGE, draw, unit
-from fixedpipe.effects.passes.encoding import encode_vertex_color
+from fixedpipe.effects.passes.encoding import vector_colors
 from fixedpipe.effects.reflectance import blinn_phong_by_host, brdfs, material_textures, pixel_textures
 from fixedpipe.effects.reflectance.pixel_textures import UpTo
 from fixedpipe.pipeline.commands import Clear, CopyPixels, HostStep
@@ -69,7 +69,7 @@ def host_scene(
         effect = blinn_phong_by_host.blinn_phong(
             surface, names, view, toward, profile, up_to=up_to, sampler=EDGE, **color
         )
-        vectors = encode_vertex_color(light_vectors(surface, toward), profile)
+        vectors = vector_colors(light_vectors(surface, toward), profile)
         added = draw(
             "plus (n.l)+",
             surface.mesh(colors=vectors),

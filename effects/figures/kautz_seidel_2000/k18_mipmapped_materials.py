@@ -16,7 +16,7 @@ from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, perspective_view, row_of_panels
 from fixedpipe.effects.passes.draws import REPEATED, show
-from fixedpipe.effects.passes.encoding import encode_factor
+from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, material_textures
 from fixedpipe.effects.texture_filtering import mipmapped_materials
 from fixedpipe.pipeline.enums import TextureFilter, WrapMode
@@ -178,7 +178,7 @@ def scene(
     return (
         *out,
         last.clear(background),
-        *show(encode_factor(picture, profile), last, "supersampled image", surfaces.plane()),
+        *show(factor_texels(picture, profile), last, "supersampled image", surfaces.plane()),
     )
 
 

@@ -9,7 +9,7 @@ from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import cosine, cross, normalize, sine
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
-from fixedpipe.effects.passes.encoding import encode_factor
+from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.reflectance import evaluate_then_interpolate, material_textures, plain_multitexturing
 from fixedpipe.pipeline.commands import DrawPixels
 from fixedpipe.pipeline.pixel_transfer import PixelImage
@@ -67,7 +67,7 @@ def scene(
     highlight = evaluate_then_interpolate.specular(material, half, s, t)[..., None] * np.array(specular)
     covered = (np.maximum(np.abs(x), np.abs(y)) < 1.0)[..., None]
     picture = np.where(covered, gloss[..., None] * lit + highlight, np.array(background))
-    image = encode_factor(np.clip(picture, 0.0, 1.0), profile)
+    image = factor_texels(np.clip(picture, 0.0, 1.0), profile)
 
     surface = surfaces.plane(subdivisions, subdivisions, extent, extent)
     toward = Light(light, point=True)

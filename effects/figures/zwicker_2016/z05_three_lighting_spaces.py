@@ -17,7 +17,7 @@ from fixedpipe.effects.figures.zwicker_2016.shared.bumpy_sphere import (
 )
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, panel_of, perspective_view, row_of_panels
-from fixedpipe.effects.passes.encoding import encode_dot_product
+from fixedpipe.effects.passes.encoding import dot_product_texels
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.textures.images import texture_2d
 
@@ -29,7 +29,7 @@ def scene(profile, size, *, relief, light, diffuse, ambient, specular, backgroun
     n = slices(size)
     surface = surfaces.sphere(n, n // 2)
     normals = bump_normals(texels(size) if maps is None else maps, relief)
-    dot_products = texture_2d(encode_dot_product(normals, 1.0, profile))
+    dot_products = texture_2d(dot_product_texels(normals, 1.0, profile))
     out = [
         normalization_cube_map.load(64, profile),
         TexImage(label=f"load {FOR_DOT_PRODUCTS}", texture=FOR_DOT_PRODUCTS, image=dot_products),

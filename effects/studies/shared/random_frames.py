@@ -6,7 +6,7 @@ import numpy as np
 
 from fixedpipe.effects.geometry.vectors import cross, normalize
 from fixedpipe.effects.passes.draws import NEAREST
-from fixedpipe.effects.passes.encoding import encode_rgba, encode_vertex_color
+from fixedpipe.effects.passes.encoding import vector_and_factor_texels, vector_colors
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, brdfs, material_textures
 from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import CombinerScale, PrimitiveType
@@ -41,7 +41,7 @@ def cells(vectors, profile):
     cell = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     places = [np.array([k % ACROSS, k // ACROSS]) for k in range(ACROSS * ACROSS)]
     corners = np.concatenate([(cell + place) * (2.0 / ACROSS) - 1.0 for place in places])
-    colors = np.repeat(encode_vertex_color(vectors, profile), 4, axis=0)
+    colors = np.repeat(vector_colors(vectors, profile), 4, axis=0)
     coordinates = np.tile(cell, (len(places), 1))
     return Mesh(corners, PrimitiveType.QUADS, colors=colors, texture_coordinates=(coordinates,))
 
@@ -65,7 +65,11 @@ def eq_1(alpha_x, alpha_y, profile, *, storing=None, scaled=True):
         combiners = replace(combiners, general=(unscaled, *combiners.general[1:]))
     stored = {"t": material.scaled_tangents, "b": material.scaled_binormals}
     loading = (
-        TexImage(label=f"load {name}", texture=name, image=texture_2d(encode_rgba(scale * v, 1.0, storing)))
+        TexImage(
+            label=f"load {name}",
+            texture=name,
+            image=texture_2d(vector_and_factor_texels(scale * v, 1.0, storing)),
+        )
         for name, v in stored.items()
     )
     state = PassState(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.passes.encoding import encode_vertex_color
+from fixedpipe.effects.passes.encoding import vector_colors
 from fixedpipe.pipeline.commands import Mesh
 from fixedpipe.pipeline.enums import PrimitiveType
 from fixedpipe.pipeline.execution.machine import execute
@@ -27,7 +27,7 @@ def strip_of_vectors(vectors, profile):
     """``strip`` of the vectors [n, 3] as primary colours for EXPAND_NORMAL; its texture coordinates are the
     middle of a texture of one texel.
     """
-    return strip(len(vectors), encode_vertex_color(vectors, profile), np.full((len(vectors), 2), 0.5))
+    return strip(len(vectors), vector_colors(vectors, profile), np.full((len(vectors), 2), 0.5))
 
 
 def drawn(commands, profile, width, height, **arguments):

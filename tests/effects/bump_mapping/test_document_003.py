@@ -14,7 +14,7 @@ from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import Light, orthographic_view, perspective_view, row_of_panels
-from fixedpipe.effects.passes.encoding import encode_dot_product, encode_expand
+from fixedpipe.effects.passes.encoding import dot_product_texels, vector_texels
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.profiles import G400, GEFORCE_3, GEFORCE_256, IDEAL, OCTANE
@@ -128,8 +128,8 @@ def test_every_space_gives_the_document_s_lighting(space, light):
     settings = {"color": (0.5, 0.0, 0.0), "ambient": (0.1, 0.1, 0.0), "specular": 0.6}
     where = surface, "map", view, Light(light)
     machine = {"camera": GEFORCE_3, "colour matrix": OCTANE}.get(space, GEFORCE_256)
-    encoded = (encode_dot_product(normals, 1.0, machine) if space == "camera"
-               else encode_expand(normals, machine))  # fmt: skip
+    encoded = (dot_product_texels(normals, 1.0, machine) if space == "camera"
+               else vector_texels(normals, machine))  # fmt: skip
     load = (
         normalization_cube_map.load(256, machine),
         TexImage(label="map", texture="map", image=texture_2d(encoded)),

@@ -119,7 +119,7 @@ def test_vectors_for_dot_products_are_stored_as_these_read_them():
     """(n - 128)/127: every multiple of 1/127 is a code, and no other scale has all of them."""
     codes = np.arange(-127, 128)
     vectors = np.repeat((codes / 127.0)[None, :, None], 3, axis=-1)
-    stored = encoding.encode_dot_product(vectors, 1.0, NV2A)
+    stored = encoding.dot_product_texels(vectors, 1.0, NV2A)
     np.testing.assert_array_equal(stored[0, :, :3], np.repeat(128 + codes[:, None], 3, axis=-1))
 
 

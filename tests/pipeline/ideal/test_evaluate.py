@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fixedpipe.effects.passes.encoding import encode_expand, encode_vertex_color
+from fixedpipe.effects.passes.encoding import vector_colors, vector_texels
 from fixedpipe.pipeline.commands import (
     Clear,
     CopyTexImage,
@@ -1019,7 +1019,7 @@ def test_mipmaps_differ_from_the_machines_by_its_quantisation():
 def bump_frame(normals, light, profile):
     """Diffuse bump mapping: max(0, n.l) with both vectors encoded for EXPAND_NORMAL."""
     size = len(normals)
-    texture = texture_2d(encode_expand(normals, profile), InternalFormat.RGB8)
+    texture = texture_2d(vector_texels(normals, profile), InternalFormat.RGB8)
     combiners = RegisterCombiners(
         general=(
             GeneralCombiner(
@@ -1035,7 +1035,7 @@ def bump_frame(normals, light, profile):
         final=FinalCombiner(a=CombinerInput(), c=CombinerInput(), d=CombinerInput(Register.SPARE0)),
     )
     mesh = quad(
-        colors=encode_vertex_color(np.tile(light, (4, 1)), profile),
+        colors=vector_colors(np.tile(light, (4, 1)), profile),
         texture_coordinates=UNIT_SQUARE,
     )
     state = PassState(texture_units=(TextureUnit("normals", NEAREST),), register_combiners=combiners)

@@ -7,7 +7,7 @@ from fixedpipe.effects.bump_mapping import normal_maps
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import panel_of
 from fixedpipe.effects.passes.combiners import TEXTURE0, final, program
-from fixedpipe.effects.passes.encoding import encode_factor, encode_rgba
+from fixedpipe.effects.passes.encoding import factor_texels, vector_and_factor_texels
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.enums import InternalFormat
 from fixedpipe.pipeline.textures.images import texture_2d
@@ -31,13 +31,13 @@ def texels(size, most=256):
 
 def load_normals(normals, name, profile, alpha=1.0):
     """The command that loads normals [rows, columns, 3] as a texture for EXPAND_NORMAL."""
-    image = texture_2d(encode_rgba(normals, alpha, profile))
+    image = texture_2d(vector_and_factor_texels(normals, alpha, profile))
     return TexImage(label=f"load {name}", texture=name, image=image)
 
 
 def load_colors(colors, name, profile):
     """The command that loads colours [rows, columns, 3] in [0, 1] as a texture."""
-    image = texture_2d(encode_factor(colors, profile), InternalFormat.RGB8)
+    image = texture_2d(factor_texels(colors, profile), InternalFormat.RGB8)
     return TexImage(label=f"load {name}", texture=name, image=image)
 
 
