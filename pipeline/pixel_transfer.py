@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fixedpipe.pipeline.enums import BaseFormat, ConvolutionBorderMode
-from fixedpipe.pipeline.state import IDENTITY, Color, ColorTable, Matrix
+from fixedpipe.pipeline.state import IDENTITY, Color, ColorTable, Matrix, refuse_whole_numbers
 
 _ONES: Color = (1.0, 1.0, 1.0, 1.0)
 _ZEROS: Color = (0.0, 0.0, 0.0, 0.0)
@@ -77,7 +77,8 @@ class PixelImage:
 class PixelMaps:
     """The pixel maps (table 3.3), those that take an index with 2**n entries.
 
-    I_TO_I has no place: colour buffers hold RGBA, and a colour index becomes one on its way.
+    I_TO_I has no place: colour buffers hold RGBA, and a colour index becomes one on its way. Raises
+    ValueError for colours that are whole numbers but 0 and 1, as ColorTable does.
     """
 
     i_to_r: tuple[float, ...] = (0.0,)
@@ -89,6 +90,10 @@ class PixelMaps:
     b_to_b: tuple[float, ...] = (0.0,)
     a_to_a: tuple[float, ...] = (0.0,)
     s_to_s: tuple[int, ...] = (0,)
+
+    def __post_init__(self) -> None:
+        for name in ("i_to_r", "i_to_g", "i_to_b", "i_to_a", "r_to_r", "g_to_g", "b_to_b", "a_to_a"):
+            refuse_whole_numbers(f"The pixel map {name}'s entries", getattr(self, name))
 
 
 @dataclass(frozen=True, slots=True)

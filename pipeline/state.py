@@ -9,7 +9,9 @@ Colours are RGBA tuples of floats; 1.0 is full intensity. Matrices are 4x4 tuple
 vectors (``clip = projection @ modelview @ object``).
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from numbers import Integral
 
 from fixedpipe.pipeline.enums import (
     BaseFormat,
@@ -315,6 +317,18 @@ class SignedComponents:
     alpha: bool = False
 
 
+def refuse_whole_numbers(what: str, numbers: Iterable[float]) -> None:
+    """Raise ValueError, about ``what``, where a tuple of colours' components has a whole number that is
+    neither 0 nor 1; what is no tuple, validation refuses.
+    """
+    for number in numbers if isinstance(numbers, tuple) else ():
+        if type(number) is not float and isinstance(number, Integral) and number not in (0, 1):
+            raise ValueError(
+                f"{what} hold {number}, a whole number; 1.0 is one: / 255.0 if they are bytes, / 65535.0 if "
+                "they are 16-bit."
+            )
+
+
 @dataclass(frozen=True, slots=True)
 class ColorTable:
     """A colour lookup table (section 3.6.3, SGI_color_table, SGI_texture_color_table).
@@ -322,11 +336,17 @@ class ColorTable:
     ``entries``: 2**n colours; ``base_format`` says which of a colour's components the table replaces, and
     with what (table 3.14): an INTENSITY table's entries replace all four by their first, for instance.
     ``bits``: of each entry's components, rounded to nearest; None: as they are.
+
+    Raises ValueError for whole numbers but 0 and 1: they are bytes, or words, whose one is another.
     """
 
     entries: tuple[Color, ...]
     base_format: BaseFormat = BaseFormat.RGBA
     bits: int | None = None
+
+    def __post_init__(self) -> None:
+        for entry in self.entries if isinstance(self.entries, tuple) else ():
+            refuse_whole_numbers("A colour table's entries", entry)
 
 
 @dataclass(frozen=True, slots=True)

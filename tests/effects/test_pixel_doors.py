@@ -27,6 +27,8 @@ from fixedpipe.pipeline.commands import Bitmap
 from fixedpipe.pipeline.enums import InternalFormat, TexelWord, TextureTarget
 from fixedpipe.pipeline.framebuffers.pictures import png
 from fixedpipe.pipeline.golden.digests import digest
+from fixedpipe.pipeline.pixel_transfer import PixelMaps
+from fixedpipe.pipeline.state import ColorTable
 from fixedpipe.pipeline.textures import images, words
 
 INTEGERS = tuple(np.dtype(c) for c in np.typecodes["AllInteger"])
@@ -232,3 +234,17 @@ def test_heights_do_not_depend_on_their_type():
             expected = door.take(values(door, np.float64))
             for dtype in INTEGERS:
                 np.testing.assert_array_equal(door.take(values(door, dtype)), expected)
+
+
+@pytest.mark.parametrize(
+    "make", [lambda numbers: ColorTable((numbers,)), lambda numbers: PixelMaps(r_to_r=numbers)]
+)
+def test_tables_of_colours_take_no_bytes(make):
+    for dtype in INTEGERS:
+        for number in (dtype.type(64), 64):
+            with pytest.raises(
+                ValueError, match=r"hold 64, a whole number; 1\.0 is one: / 255\.0 if they are byt"
+            ):
+                make((0, 1, number, 1.0))
+        make((0, 1, dtype.type(1), 1.0))
+    make((0.0, 64.0, 1.0, 0.5))  # floats are what they say, and clamped
