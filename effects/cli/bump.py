@@ -58,7 +58,8 @@ def bump(
     """Bump-map a mesh with PHOTO: a PNG, TIFF (its first page), JPEG or NPY file, or a sample.
 
     Machines with register combiners have a halfway vector at every pixel, those with the imaging subset one
-    for every triangle; IDEAL draws without rounding. Of other machines it is said which can.
+    for every triangle; any other takes some fifty passes, and has wide highlights alone: stone, or --alpha-x
+    and --alpha-y from 0.71. IDEAL draws without rounding.
 
     Samples: sample:gravel, sample:brick, sample:grass, sample:coins, sample:moon (photographs) and
     sample:jacksboro (an elevation model). Light is high, dark is low. The light's +x is right, +y up, +z

@@ -5,7 +5,7 @@ import click
 from fixedpipe.effects.cli.options import changes_of, refuse_ignored, set_option
 
 # Of a trace that was not asked for as --all. Assumed: what one looks through, and what a disk has room for.
-_MOST_FILES, _MOST_BYTES = 1000, 1000 << 20
+_MOST_FILES, _MOST_BYTES = 1000, 4000 << 20
 
 
 @click.command(short_help="Print a figure's passes in words.")
@@ -130,7 +130,7 @@ def _planned(figure, machine, commands, chosen, size, ideal, whole):
     what = (
         f"{figure.id} on the {machine.name} has {count(len(commands), 'command')}; of {found.commands} "
         f"chosen {found.drawing} draw, which is at most {found.files} files and "
-        f"{-(-found.bytes // 1_000_000)} MB"
+        f"{-(-found.bytes // 1_000_000)} MB before compression"
     )
     if not whole and (found.files > _MOST_FILES or found.bytes > _MOST_BYTES):
         raise Refusal(

@@ -14,7 +14,8 @@ right, strokes along either diagonal give one and the same round highlight.
 ``signed_passes`` has the sign after all, as two unsigned halves of either factor and a framebuffer that is
 inverted in between: four draws for a product, and what is subtracted has to be scaled down to leave room for
 what is added again. So the paper's judgement, that unsigned environments and two textures are too little, is
-about a pass; a board whose passes are free could have Eq. 1.
+about a pass; a board whose passes are free could have Eq. 1. ``bumped_diffuse_passes`` makes K10's dot
+product of such halves.
 
 What is linear in the textures may be interpolated first: M has none of the rings of figure 2, but for those
 of (.)+. Eight bits are few for it where alpha is small: at 0.25 Eq. 1 has a sixteenth of M's range.
@@ -22,7 +23,7 @@ of (.)+. Eight bits are few for it where alpha is small: at 0.25 Eq. 1 has a six
 No environment sums the channels of a colour, and only INTERPOLATE adds a product to what an earlier unit
 gives, which it weighs down: here each product is a draw, and of two units one is idle.
 
-Source: Kautz, Seidel 2000, section 5 (K22 of the catalogue; pass sequence A-K22);
+Source: Kautz, Seidel 2000, section 5 (K22 of the catalogue; its line in section 2.6);
 ARB_texture_env_combine. The quadratic form: Inferred, from Eq. 1.
 """
 
@@ -38,13 +39,14 @@ from fixedpipe.effects.passes.draws import (
     INVERT_DESTINATION,
     LATER_PASS,
     MODULATE,
+    MULTIPLY_DESTINATION,
     MULTIPLY_DESTINATION_TWICE,
     REPEATED,
     draw,
     unit,
 )
 from fixedpipe.effects.passes.encoding import factor_texels
-from fixedpipe.effects.technique import Technique
+from fixedpipe.effects.technique import AnotherWay, Technique
 from fixedpipe.pipeline.commands import Saturate, TexImage
 from fixedpipe.pipeline.enums import (
     CombineFunction,
@@ -56,7 +58,10 @@ from fixedpipe.pipeline.enums import (
 from fixedpipe.pipeline.state import Combine, TextureEnvironment
 from fixedpipe.pipeline.textures.images import texture_2d
 
-TECHNIQUES = (Technique("K22", "plain multitexturing, found too limited: how far it comes", "5"),)
+TECHNIQUES = (
+    Technique("K22", "plain multitexturing, found too limited: how far it comes", "5"),
+    AnotherWay(("K10",), "by unsigned texture environments"),
+)
 
 # What a stored one is worth: entries of M up to it, alpha from 0.5 on. RGB_SCALE goes no higher.
 LARGEST = 4.0
@@ -212,3 +217,57 @@ def diffuse_pass(surface, names, view, light, profile, *, color, ambient=(0.0, 0
     lit = np.maximum(0.0, vectors[:, 2:]) * np.array(color) + np.array(ambient)
     units = (unit(names.k_s, sampler, environment=MODULATE),)
     return (draw("k_s (color (n.l)+ + ambient)", surface.mesh(colors=lit), view, None, units, blending=ADD),)
+
+
+# ------------------------------------------------------------------------------- (n.l)+ of a normal map
+
+
+def load_normals(normals, name, profile):
+    """Commands that load the two unsigned halves of a normal map's components, and their names by (component,
+    sign). Halves that are zero everywhere are left out. ``normals``: float64 [rows, columns, 3].
+    """
+    commands, names = [], {}
+    for i, axis in enumerate(_AXES):
+        for sign, word in ((1, ""), (-1, "-")):
+            half = np.maximum(0.0, sign * normals[..., i])
+            if half.any():
+                texture = f"{name} ({word}n_{axis})+"
+                names[i, sign] = texture
+                image = texture_2d(factor_texels(half, profile)[..., None], InternalFormat.LUMINANCE8)
+                commands.append(TexImage(label=f"load {texture}", texture=texture, image=image))
+    return tuple(commands), names
+
+
+def bumped_diffuse_passes(
+    surface, names, view, light, profile, *, color, ambient=(0.0, 0.0, 0.0), sampler=REPEATED
+):
+    """K10's color (n.l)+ + ambient without a sign: a draw for each product of two halves, up to fourteen with
+    what inverts and colours. They replace what the framebuffer holds where depths are equal.
+
+    Positive products sum to one at most, and negative ones as well, so nothing saturates; (.)+ is the
+    framebuffer's. ``names``: of ``load_normals``. The surface has been drawn, so that depths are there.
+    """
+    toward, passes = surface.to_local(light.light_vectors(surface.positions)), []
+
+    def add(label, colors, texture=None, blending=ADD):
+        units = () if texture is None else (unit(texture, sampler, environment=MODULATE),)
+        passes.append(draw(label, surface.mesh(colors=colors), view, None, units, blending=blending))
+
+    def add_products(sign):
+        for (i, of_texel), texture in names.items():
+            half = _grey(np.maximum(0.0, sign * of_texel * toward[:, i]))
+            label = f"plus ({'-' * (of_texel < 0)}n_{_AXES[i]})+ ({'-' * (sign * of_texel < 0)}l_{_AXES[i]})+"
+            add(label, half, texture)
+
+    black, white = np.zeros((len(toward), 3)), None
+    add("black", black, blending=None)
+    add_products(1)
+    add("one minus that", white, blending=INVERT_DESTINATION)
+    add_products(-1)
+    add("one minus that", white, blending=INVERT_DESTINATION)
+    clamp = Saturate(label="(.)+: the framebuffer does not fall below zero", scissor=view.panel.scissor)
+    passes.append(clamp)
+    colors = np.tile(np.array(checked_rgb(color)), (len(toward), 1))
+    add("times the color", colors, blending=MULTIPLY_DESTINATION)
+    add("plus ambient", black + np.array(checked_rgb(ambient, "The ambient light's colour")))
+    return tuple(passes)

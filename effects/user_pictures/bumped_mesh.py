@@ -2,9 +2,10 @@
 
 A photograph or an elevation model becomes a height field, the height field local frames, the frames and a
 material's parameters a material. Machines with register combiners draw the mesh in two passes (K10, then
-K07), machines with the imaging subset triangle by triangle (K08).
+K07), machines with the imaging subset triangle by triangle (K08), and any other in some fifty passes, where
+the highlight is wide (K22).
 
-Source: Kautz, Seidel 2000, sections 4.1, 4.2 and 6 (K07, K08, K10, K21 of the catalogue).
+Source: Kautz, Seidel 2000, sections 4.1, 4.2, 5 and 6 (K07, K08, K10, K21, K22 of the catalogue).
 """
 
 from collections.abc import Callable
@@ -17,7 +18,14 @@ from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.matrices import look_at, rotate, rotation
 from fixedpipe.effects.geometry.vectors import dot, unit_vector
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, Panel, perspective_view
-from fixedpipe.effects.reflectance import anisotropic_blinn_phong, imaging_subset, material_textures
+from fixedpipe.effects.passes.draws import ADD, MULTIPLY_DESTINATION, REPLACE, draw
+from fixedpipe.effects.reflectance import (
+    anisotropic_blinn_phong,
+    dependent_lookups,
+    imaging_subset,
+    material_textures,
+    plain_multitexturing,
+)
 from fixedpipe.pipeline.profiles import PROFILES
 from fixedpipe.pipeline.validation.validate import validate
 
@@ -179,6 +187,39 @@ def _by_imaging_subset(surface, material, view, light, profile, parameters, ambi
     )
 
 
+# Sums of unsigned products are kept over 4 (``plain_multitexturing.signed_passes``).
+_LARGEST_FORM = plain_multitexturing.LARGEST
+
+
+def _by_unsigned_environments(surface, material, view, light, profile, parameters, ambient):
+    """The highlight first, which is kept as a texture while the diffuse term needs the framebuffer."""
+    largest = parameters.alpha_x**-2 + parameters.alpha_y**-2
+    if largest > _LARGEST_FORM:
+        raise ValueError(
+            f"The highlight is too narrow for the {profile.name}, whose textures have no sign. Give "
+            f"--alpha-x and --alpha-y of {(2.0 / _LARGEST_FORM) ** 0.5:.2f} or more, the material stone, or "
+            f"one of {', '.join(machines_with(*WAYS[:2]))}."
+        )
+    loading, names = plain_multitexturing.load(material, "material", profile)
+    loading_normals, normals = plain_multitexturing.load_normals(material.normals, "material", profile)
+    lit = np.maximum(0.0, surface.to_local(light.light_vectors(surface.positions))[:, 2:])
+    gate = surface.mesh(colors=np.repeat(np.minimum(1.0, 4.0 * lit), 3, axis=1))
+    highlight = replace(dependent_lookups.screen_unit(view, 0), environment=REPLACE)
+    passes = view, light, profile
+    return (
+        *loading,
+        *loading_normals,
+        dependent_lookups.load_screen(view.panel),
+        *plain_multitexturing.signed_passes(surface, names, *passes, specular=parameters.specular),
+        draw("times min(1, 4 (n.l)+) of the vertices", gate, view, None, blending=MULTIPLY_DESTINATION),
+        dependent_lookups.copy_screen(view),
+        *plain_multitexturing.bumped_diffuse_passes(
+            surface, normals, *passes, color=parameters.diffuse, ambient=ambient
+        ),
+        draw("plus the highlight", surface.mesh(surface.positions), view, None, (highlight,), blending=ADD),
+    )
+
+
 @dataclass(frozen=True)
 class Way:
     """One of the ways in which a machine draws a bumped mesh.
@@ -193,10 +234,15 @@ class Way:
     needs: str
 
 
-# The best that a machine has is taken: per fragment, then per triangle.
+# The best that a machine has is taken.
 WAYS = (
     Way("register combiners (K10, K07)", _by_combiners, "two general combiners and two texture units"),
     Way("imaging subset, flat triangles (K08)", _by_imaging_subset, "a colour matrix with colour tables"),
+    Way(
+        "plain multitexturing, unsigned halves of signed products (K22)",
+        _by_unsigned_environments,
+        "texture environments and copies of the framebuffer",
+    ),
 )
 
 

@@ -605,17 +605,16 @@ def test_a_photograph_becomes_a_picture(photo, tmp_path):
     assert "fragments" in result.stdout
 
 
-def test_every_machine_that_can_draws_the_same_bumps(photo, tmp_path):
-    able = machines_with()
-    assert {"GEFORCE_256", "GEFORCE_3", "NV2A", "OCTANE", "INFINITE_REALITY", "OPENGL_1_2_IMAGING"} <= {*able}
-    pictures = {}
-    for machine in able:
+@pytest.mark.parametrize(("material", "ways"), [("stone", bumped_mesh.WAYS), ("gold", bumped_mesh.WAYS[:2])])
+def test_every_machine_that_can_draws_the_same_bumps(photo, tmp_path, material, ways):
+    pictures, machines = {}, machines_with(*ways)
+    assert set(machines) == set(PROFILES) or ways != bumped_mesh.WAYS
+    for machine in machines:
         result = run("bump", photo, "--out", tmp_path / "a.png", "--size", 32, "--mesh", "plane",
-                     "--profile", machine, "--material", "gold", "--map-size", 16)  # fmt: skip
+                     "--profile", machine, "--material", material, "--map-size", 16)  # fmt: skip
         assert result.exit_code == 0, result.output
-        assert (
-            "register combiners" if "GEFORCE" in machine else "imaging subset" if machine == "OCTANE" else ""
-        ) in result.stdout
+        way = next(way for way in bumped_mesh.WAYS if machine in machines_with(way))
+        assert way.title in result.stdout
         pictures[machine] = np.asarray(Image.open(tmp_path / "a.png")).astype(int)
     for machine, picture in pictures.items():
         # Flat triangles have one halfway vector each; of a plane's neighbours they hardly differ.
@@ -623,11 +622,17 @@ def test_every_machine_that_can_draws_the_same_bumps(photo, tmp_path):
     assert pictures["IDEAL"].max() > 150
 
 
-def test_a_machine_that_cannot_draw_bumps_is_told_which_can(photo, tmp_path):
-    for machine in PROFILES.keys() - machines_with():
-        sentence = refusal_of(*bump(photo, tmp_path / "out.png", "--profile", machine))
-        assert f"The {PROFILES[machine].name} cannot draw bumps" in sentence
-        assert sentence.endswith(f"Give one of {', '.join(machines_with())}.")
+def test_a_machine_that_cannot_draw_is_told_which_can(photo, tmp_path, monkeypatch):
+    able = machines_with(*bumped_mesh.WAYS[:2])
+    assert {"GEFORCE_256", "GEFORCE_3", "NV2A", "OCTANE", "INFINITE_REALITY", "OPENGL_1_2_IMAGING"} <= {*able}
+    more = ("--profile", "G400", "--material", "gold")
+    sentence = refusal_of(*bump(photo, tmp_path / "out.png", *more))
+    assert "too narrow for the Matrox G400" in sentence and sentence.endswith(f"one of {', '.join(able)}.")
+    assert run(*bump(photo, tmp_path / "out.png", *more, "--alpha-x", 0.71, "--alpha-y", 0.71)).exit_code == 0
+    monkeypatch.setattr(bumped_mesh, "WAYS", bumped_mesh.WAYS[:2])
+    sentence = refusal_of(*bump(photo, tmp_path / "out.png", *more))
+    assert "The Matrox G400 cannot draw bumps with a highlight, which takes two general" in sentence
+    assert sentence.endswith(f"Give one of {', '.join(able)}.")
 
 
 def test_a_mesh_of_too_many_flat_triangles_is_refused(photo, tmp_path, monkeypatch):

@@ -70,7 +70,7 @@ def test_what_will_be_written_is_said_first(tmp_path, commands):
     drawing = sum(isinstance(c, DRAWING) for c in commands)
     said = (
         f"F004-4 on the GeForce 256 has {len(commands)} commands; of {len(commands)} chosen {drawing} draw, "
-        f"which is at most {4 * drawing + 1} files and 1 MB."
+        f"which is at most {4 * drawing + 1} files and 1 MB before compression."
     )
     lines = result.stderr.splitlines()
     assert said in lines and lines.index(said) < len(lines) - 1  # progress comes after it
@@ -96,8 +96,16 @@ def test_a_part_of_the_commands_is_traced(tmp_path, commands, options, chosen):
     np.testing.assert_array_equal(read(tmp_path / cells(tmp_path, drawing[-1])[0]), expected[..., :3])
 
 
-def test_machine_ideal_and_difference_stand_beside_each_other(tmp_path, commands):
+def test_machine_ideal_and_difference_stand_beside_each_other(tmp_path, commands, monkeypatch):
+    guides = []
+
+    def noted(*arguments, guide, **settings):
+        guides.append(guide)
+        return execute_ideal(*arguments, guide=guide, **settings)
+
+    monkeypatch.setattr("fixedpipe.effects.reports.trace.execute_ideal", noted)
     assert run(*trace(tmp_path, "--ideal", "--commands", "4:")).exit_code == 0
+    assert [len(guide.records) for guide in guides] == [4]
     last = numbers(tmp_path)[-1]
     sheet = read(tmp_path / cells(tmp_path, last)[-1]).astype(int)
     width, height = FIGURE.dimensions(SIZE)
@@ -122,7 +130,7 @@ def test_a_trace_of_thousands_is_refused_until_it_is_asked_for(tmp_path):
     octane = ("--profile", "OCTANE")
     words = refusal_of(*trace(tmp_path / "a", *octane))
     assert re.search(
-        r"has \d{5} commands; of \d{5} chosen \d+ draw, which is at most \d{5} files and \d+ MB", words
+        r"has \d{5} commands; of \d{5} chosen \d+ draw, which is at most \d{5} files and \d+ MB before", words
     )
     assert all(way in words for way in ("--commands 10:60", "--every ", "--size", "--all"))
     assert not (tmp_path / "a").exists()

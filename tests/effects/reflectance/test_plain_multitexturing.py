@@ -73,6 +73,32 @@ def test_the_signed_passes_are_eq_1_on_the_ideal(slope):
     assert eq_1(material).max() > 0.5
 
 
+@pytest.mark.parametrize("light", [LIGHT, (0.9, 0.4, 0.2), (-0.5, -0.8, -0.3)])
+def test_a_diffuse_term_of_unsigned_halves_is_that_of_bumps(light):
+    """Also from below, where no normal is lit."""
+    material, panel, light = strokes(3, 0.8), Panel(0, 0, SIZE, SIZE), np.array(light)
+    color, ambient = (0.9, 0.5, 0.3), (0.05, 0.1, 0.0)
+    expected = brdfs.lambert(material.normals, normalize(light))[..., None] * np.array(color) + np.array(
+        ambient
+    )
+
+    def commands(profile):
+        normals, halves = plain_multitexturing.load_normals(material.normals, "strokes", profile)
+        return (
+            *square(profile, material, plain_multitexturing.signed_passes, light),
+            *normals,
+            *plain_multitexturing.bumped_diffuse_passes(
+                surfaces.plane(), halves, orthographic_view(panel), Light(tuple(light)), profile,
+                color=color, ambient=ambient, sampler=NEAREST_REPEATED,
+            ),
+        )  # fmt: skip
+
+    image = execute_ideal(commands(IDEAL), SIZE, SIZE).color[::-1, :, :3]
+    assert np.abs(image - expected).max() < 1e-12
+    drawn = execute(commands(OPENGL_1_2), OPENGL_1_2, SIZE, SIZE).image()[::-1, :, :3] / 255.0
+    assert np.abs(drawn - expected).max() < 8.0 / 255.0  # ten products of bytes
+
+
 def test_the_unsigned_passes_are_eq_1_without_the_products_of_two_axes_on_the_ideal():
     material = strokes(2, 0.4)
     commands = square(IDEAL, material, plain_multitexturing.unsigned_passes)
