@@ -263,7 +263,8 @@ def _precision_order():
         ("future board, 16-bit combiners", FUTURE, figure.methods[0]),
         ("future board, evaluated before filtering", FUTURE, figure.method("FUTURE")),
     ):
-        image = Renderer(profile, method, execute, execute_ideal).machine(figure, size)
+        commands = figure.commands(profile, size, method)
+        image = execute(commands, profile, *figure.dimensions(size)).framebuffer.color[..., :3] / 255.0
         aside = 255.0 * (image[:, size:] - image[:, :size])
         rows.append((name, f"{root_mean_square(aside):.2f}", f"{np.abs(aside).max():.0f}"))
     return table(("F004-2, panels of 256 pixels", "RMS of right - left, 1/255", "largest"), rows)
