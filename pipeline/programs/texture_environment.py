@@ -134,10 +134,17 @@ def environment_program(state, textures, profile, color_sum=False):
     units = _units(state, textures, profile)
     if not units:
         return None
-    # Source: NV_texture_env_combine4 (a disabled unit's texture is one); ARB_texture_env_crossbar (a unit
-    # that names a disabled one is disabled itself).
-    ones = TextureEnvironmentMode.COMBINE4 in profile.combiners.texture_environment_modes
+    ones = disabled_textures_are_ones(profile)
     return _program(units, ones, profile.arithmetic.add_signed_scale_by_four, color_sum)
+
+
+def disabled_textures_are_ones(profile):
+    """What an environment reads that names a disabled unit: ones, or nothing, for it is disabled itself.
+
+    Source: NV_texture_env_combine4 (a disabled unit's texture is one); ARB_texture_env_crossbar (a unit that
+    names a disabled one is disabled itself).
+    """
+    return TextureEnvironmentMode.COMBINE4 in profile.combiners.texture_environment_modes
 
 
 @lru_cache(maxsize=256)

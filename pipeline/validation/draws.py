@@ -31,7 +31,7 @@ def pass_state(walk, state, mesh):
     combiners = state.register_combiners
     if combiners is not None:
         walk.once(fragments.register_combiners, combiners)
-    fragments.disabled_textures(walk, state)
+    texture_units.disabled_textures(walk, state)
     if state.color_sum and not walk.profile.fragments.color_sum:
         walk.refuse(f"{walk.profile.name} has no color sum; add the secondary color in a second pass.")
     if not state.perspective_correction and not walk.profile.primitives.perspective_hint:

@@ -1,20 +1,12 @@
 """Validation of a state's fragment stages: combiners, fog, tests and blending."""
 
-from fixedpipe.pipeline.enums import (
-    FogCoordinateSource,
-    FogMode,
-    TextureEnvironmentMode,
-    TextureShaderOperation,
-)
+from fixedpipe.pipeline.enums import FogCoordinateSource, FogMode
 from fixedpipe.pipeline.programs.combiner_rules import (
     TEXTURE_REGISTERS,
     combiner_problems,
     nv2a_flag,
     registers_named,
-    textures_read,
 )
-from fixedpipe.pipeline.programs.texture_environment import textures_named
-from fixedpipe.pipeline.programs.texture_shader_rules import shader_stages
 from fixedpipe.pipeline.sentences import count, listed
 from fixedpipe.pipeline.validation import buffers, surfaces
 
@@ -59,45 +51,6 @@ def register_combiners(walk, combiners):
                 f"{count(profile.textures.max_texture_units, 'texture unit')}, so that register does not "
                 f"exist. "
                 "Use a spare register, or choose a profile with more."
-            )
-
-
-def disabled_textures(walk, state):
-    """Warn of texture units that combiners or environments read and that the pass does not enable."""
-    stages = shader_stages(state)
-    enabled = tuple(
-        unit is not None and (stages is None or stages[i].operation is not TextureShaderOperation.NONE)
-        for i, unit in enumerate(state.texture_units)
-    )
-    if state.register_combiners is not None:
-        walk.once(_textures_of_combiners, state.register_combiners, enabled)
-        return
-    for i, unit in enumerate(state.texture_units):
-        if enabled[i]:
-            walk.once(_textures_of_environment, unit, i, enabled)
-
-
-def _is_disabled(number, enabled):
-    return number >= len(enabled) or not enabled[number]
-
-
-def _textures_of_combiners(walk, combiners, enabled):
-    for place, number in textures_read(combiners):
-        if _is_disabled(number, enabled):
-            walk.warn(
-                f"{place} reads TEXTURE{number}, and texture unit {number} is disabled, so it reads "
-                "opaque black, (0, 0, 0, 1). Enable the unit, or read another register."
-            )
-
-
-def _textures_of_environment(walk, unit, i, enabled):
-    ones = TextureEnvironmentMode.COMBINE4 in walk.profile.combiners.texture_environment_modes
-    gets = "reads ones" if ones else "is disabled itself"
-    for number in sorted(textures_named(unit.environment)):
-        if _is_disabled(number, enabled):
-            walk.warn(
-                f"the environment of texture unit {i} reads TEXTURE{number}, and texture unit {number} is "
-                f"disabled, so it {gets}. Enable the unit, or name another source."
             )
 
 

@@ -1,7 +1,13 @@
 """Validation of texture units: textures, stages of texture shaders, coordinates, environments."""
 
 from fixedpipe.pipeline.enums import BaseFormat, TexGenMode, TextureShaderOperation, TextureTarget
-from fixedpipe.pipeline.programs.texture_environment import environment_problem, texture_format
+from fixedpipe.pipeline.programs.combiner_rules import textures_read
+from fixedpipe.pipeline.programs.texture_environment import (
+    disabled_textures_are_ones,
+    environment_problem,
+    texture_format,
+    textures_named,
+)
 from fixedpipe.pipeline.programs.texture_shader_rules import (
     DEPENDENT,
     SCALING,
@@ -208,4 +214,42 @@ def _generation(walk, number, unit):
                 f"{place} generates {coordinate} by {gen.mode.name}, which makes "
                 f"{', '.join(_GENERATED_BY[gen.mode])} only; use OBJECT_LINEAR or EYE_LINEAR for it, or "
                 "NONE."
+            )
+
+
+def disabled_textures(walk, state):
+    """Warn of texture units that combiners or environments read and that the pass does not enable."""
+    stages = shader_stages(state)
+    enabled = tuple(
+        unit is not None and (stages is None or stages[i].operation is not TextureShaderOperation.NONE)
+        for i, unit in enumerate(state.texture_units)
+    )
+    if state.register_combiners is not None:
+        walk.once(_textures_of_combiners, state.register_combiners, enabled)
+        return
+    for i, unit in enumerate(state.texture_units):
+        if enabled[i]:
+            walk.once(_textures_of_environment, unit, i, enabled)
+
+
+def _is_disabled(number, enabled):
+    return number >= len(enabled) or not enabled[number]
+
+
+def _textures_of_combiners(walk, combiners, enabled):
+    for place, number in textures_read(combiners):
+        if _is_disabled(number, enabled):
+            walk.warn(
+                f"{place} reads TEXTURE{number}, and texture unit {number} is disabled, so it reads "
+                "opaque black, (0, 0, 0, 1). Enable the unit, or read another register."
+            )
+
+
+def _textures_of_environment(walk, unit, i, enabled):
+    gets = "reads ones" if disabled_textures_are_ones(walk.profile) else "is disabled itself"
+    for number in sorted(textures_named(unit.environment)):
+        if _is_disabled(number, enabled):
+            walk.warn(
+                f"the environment of texture unit {i} reads TEXTURE{number}, and texture unit {number} is "
+                f"disabled, so it {gets}. Enable the unit, or name another source."
             )
