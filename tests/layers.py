@@ -105,11 +105,15 @@ PACKAGES = {
         "pipeline": "enums state textures commands",
         "effects": "geometry passes acceptance",
     },
+    "effects/user_pictures": {
+        "pipeline": "enums profiles validation execution ideal",
+        "effects": "refusal geometry passes scenes bump_mapping reflectance shadows volumes acceptance",
+    },
     "effects/figures": {
         "pipeline": "enums state pixel_transfer textures commands profiles framebuffers execution ideal",
         "effects": (
             "refusal collection geometry passes scenes bump_mapping reflectance environment_maps "
-            "texture_filtering shadows volumes acceptance diagrams"
+            "texture_filtering shadows volumes acceptance diagrams user_pictures"
         ),
     },
     "effects/studies": {
@@ -119,10 +123,6 @@ PACKAGES = {
     "effects/conformance": {
         "pipeline": "enums state textures commands profiles vertices framebuffers native execution",
         "effects": "refusal passes",
-    },
-    "effects/user_pictures": {
-        "pipeline": "enums profiles validation execution ideal",
-        "effects": "refusal geometry passes scenes bump_mapping reflectance shadows volumes acceptance",
     },
     "effects/reports": {
         "pipeline": "commands profiles framebuffers execution ideal golden",

@@ -12,7 +12,7 @@ from fixedpipe.effects.geometry.vectors import cross, normalize
 from fixedpipe.pipeline.textures.pixels import array_of, refused_type
 
 # Luminance of a colour: Rec. 601 weights, as photographs of the time were made grey.
-_LUMINANCE = (0.299, 0.587, 0.114)
+LUMINANCE = (0.299, 0.587, 0.114)
 
 
 def frames(slope_s, slope_t):
@@ -113,7 +113,7 @@ def from_image(image):
     array = array.astype(np.float64)
     if array.ndim == 3:
         red, green, blue = (array[..., k if array.shape[2] >= 3 else 0] for k in range(3))
-        array = (_LUMINANCE[0] * red + _LUMINANCE[1] * green) + _LUMINANCE[2] * blue
+        array = (LUMINANCE[0] * red + LUMINANCE[1] * green) + LUMINANCE[2] * blue
     if not np.isfinite(array).all():
         raise ValueError(
             "The image holds NaN or infinity; fill the missing values before making a height field."

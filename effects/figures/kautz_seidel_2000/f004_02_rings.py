@@ -6,6 +6,7 @@ from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.acceptance.rings import RING_HALF, ring_energy
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, IMAGING_MACHINES, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
@@ -28,9 +29,13 @@ EVALUATED_FIRST = "evaluation before filtering"
 SQUARED_FIRST = "imaging subset"
 
 
-def _dome_material(map_size, alpha_x, alpha_y):
+def _dome_material(map_size, alpha_x, alpha_y, k_s, domes, height_field, height_scale):
     s, t = height_fields.texel_centers(map_size, map_size)
-    return material_textures.from_slopes(*height_fields.dome_slopes(s, t), alpha_x, alpha_y)
+    if height_field is None:
+        slopes = height_fields.dome_slopes(s, t)
+    else:
+        slopes = height_field.slopes(map_size, height_scale, repeated=domes > 1)
+    return material_textures.from_slopes(*slopes, alpha_x, alpha_y, k_s)
 
 
 def _reference(size, material, toward_light, domes, extent, diffuse, ambient, specular, background):
@@ -43,9 +48,17 @@ def _reference(size, material, toward_light, domes, extent, diffuse, ambient, sp
     return np.clip(np.where(covered, (lit + np.array(ambient)) + highlight, np.array(background)), 0.0, 1.0)
 
 
-def _lit_domes(size, *, map_size, alpha_x, alpha_y, domes, extent, diffuse, ambient, specular, background):
+def _lit_domes(
+    size, *, map_size, alpha_x, alpha_y, domes, extent, diffuse, ambient, specular, background,
+    height_field, height_scale, material,
+):  # fmt: skip
     """The material, the surface, the light and the reference's picture."""
-    material = _dome_material(map_size, alpha_x, alpha_y)
+    k_s = getattr(material, "k_s", 1.0)
+    material = own_maps.material_or(
+        lambda: _dome_material(map_size, alpha_x, alpha_y, k_s, domes, height_field, height_scale),
+        material,
+        height_field,
+    )
     toward_light = normalize(2.0 * RING_HALF[2] * RING_HALF - np.array([0.0, 0.0, 1.0]))
     surface = surfaces.plane(1, 1, extent, extent).with_repeats(domes, domes)
     picture = _reference(size, material, toward_light, domes, extent, diffuse, ambient, specular, background)
@@ -54,6 +67,7 @@ def _lit_domes(size, *, map_size, alpha_x, alpha_y, domes, extent, diffuse, ambi
 
 def scene(profile, size, **parameters):
     """F004-2: left the float reference (K16) shown as a picture, right the register combiners (K10, K07)."""
+    parameters = own_maps.with_material(parameters, parameters["material"])
     left, right = row_of_panels(2, size)
     material, surface, light, picture = _lit_domes(size, **parameters)
     view = orthographic_view(right)
@@ -82,6 +96,7 @@ def imaging_scene(profile, size, **parameters):
     """The same with the imaging subset on the right (K08): one flat polygon, one load of each material
     image.
     """
+    parameters = own_maps.with_material(parameters, parameters["material"])
     left, right = row_of_panels(2, size)
     material, surface, light, picture = _lit_domes(size, **parameters)
     return (
@@ -270,6 +285,9 @@ FIGURE = Figure(
         "ambient": word.AMBIENT((0.04, 0.045, 0.06)),
         "specular": word.SPECULAR((0.9, 0.9, 0.85)),
         "background": word.BACKDROP(BACKGROUND),
+        "height_field": own_maps.height_field("each dome"),
+        "height_scale": own_maps.HEIGHT_SCALE(0.15),
+        "material": own_maps.MATERIAL,
     },
     methods=(
         Method("register combiners", scene, tuple(key for key in COMBINER_MACHINES if key != "FUTURE")),

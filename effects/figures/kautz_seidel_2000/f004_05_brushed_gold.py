@@ -5,6 +5,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, IMAGING_MACHINES_8, Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, Light
@@ -16,14 +17,28 @@ from fixedpipe.effects.scenes.spheres import leaning_sphere
 GOLD = (1.0, 0.77, 0.34)
 
 
-def _ball(size, map_size, repeats, lean, slices, stacks, radius, **gold):
+def _ball(
+    size, map_size, repeats, lean, slices, stacks, radius, height_field, height_scale, material, bumps, depth,
+    **strokes,
+):  # fmt: skip
     """The panel, the view, the sphere and the gold."""
     sphere = leaning_sphere(size, slices=slices, stacks=stacks, repeats=repeats, lean=lean, radius=radius)
-    return *sphere, material_textures.gold(map_size, **gold)
+
+    def made():
+        if height_field is None:
+            return material_textures.gold(map_size, bumps=bumps, depth=depth, **strokes)
+        slopes = height_field.slopes(map_size, height_scale, repeated=True)
+        return material_textures.brushed_bumps(*slopes, **strokes)
+
+    return *sphere, own_maps.material_or(made, material, height_field)
 
 
-def scene(profile, size, *, light, diffuse, ambient, specular, background, **ball):
+def scene(profile, size, **parameters):
     """F004-5: one sphere, with register combiners."""
+    return _scene(profile, size, **own_maps.with_material(parameters, parameters["material"]))
+
+
+def _scene(profile, size, *, light, diffuse, ambient, specular, background, **ball):
     panel, view, surface, gold = _ball(size, **ball)
     loading, names = material_textures.load(gold, "gold", profile)
     return (
@@ -38,8 +53,12 @@ def scene(profile, size, *, light, diffuse, ambient, specular, background, **bal
     )
 
 
-def imaging_scene(profile, size, *, light, diffuse, ambient, specular, background, **ball):
+def imaging_scene(profile, size, **parameters):
     """The same with the imaging subset (K08), flat triangles."""
+    return _imaging_scene(profile, size, **own_maps.with_material(parameters, parameters["material"]))
+
+
+def _imaging_scene(profile, size, *, light, diffuse, ambient, specular, background, **ball):
     panel, view, surface, gold = _ball(size, **ball)
     return (
         panel.clear(background),
@@ -143,6 +162,9 @@ FIGURE = Figure(
         "ambient": word.AMBIENT((0.07, 0.045, 0.015)),
         "specular": word.SPECULAR(tuple(0.75 * c for c in GOLD)),
         "background": word.BACKDROP(BACKGROUND),
+        "height_field": own_maps.height_field("the bumps"),
+        "height_scale": own_maps.HEIGHT_SCALE(0.06),
+        "material": own_maps.MATERIAL,
     },
     methods=(
         Method("register combiners", scene, COMBINER_MACHINES),

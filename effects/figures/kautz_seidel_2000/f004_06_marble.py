@@ -7,16 +7,17 @@ from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, IMAGING_MACHINES_8, Figure, Method
+from fixedpipe.effects.figures.kautz_seidel_2000.shared.own_marble import OWN, marble
 from fixedpipe.effects.geometry.views import BACKGROUND, Light
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, imaging_subset, material_textures
 from fixedpipe.effects.scenes.marble import MAP_SIZE, MARBLE
 from fixedpipe.effects.scenes.spheres import leaning_sphere
 
 
-def _ball(size, map_size, repeats, lean, slices, stacks, radius, **marble):
+def _ball(size, map_size, repeats, lean, slices, stacks, radius, **veins):
     """The panel, the view, the sphere and the marble."""
     sphere = leaning_sphere(size, slices=slices, stacks=stacks, repeats=repeats, lean=lean, radius=radius)
-    return *sphere, material_textures.marble(map_size, **marble)
+    return *sphere, marble(map_size, **veins)
 
 
 _COLORS = "colour map of marble"
@@ -24,13 +25,13 @@ _COLORS = "colour map of marble"
 
 def scene(profile, size, *, light, diffuse, ambient, specular, background, **ball):
     """F004-6: a diffuse pass with the marble's colours, then Eq. 1 with alpha_y larger in the dark parts."""
-    panel, view, surface, marble = _ball(size, **ball)
-    loading, names = material_textures.load(marble.material, "marble", profile)
+    panel, view, surface, stone = _ball(size, **ball)
+    loading, names = material_textures.load(stone.material, "marble", profile)
     toward = Light(light)
     return (
         panel.clear(background),
         *loading,
-        material_textures.load_colors(marble.colors, _COLORS, profile),
+        material_textures.load_colors(stone.colors, _COLORS, profile),
         *diffuse_bump.diffuse_pass(
             surface, names.normal, view, toward, profile, color=diffuse, ambient=ambient, color_map=_COLORS
         ),
@@ -40,13 +41,13 @@ def scene(profile, size, *, light, diffuse, ambient, specular, background, **bal
 
 def imaging_scene(profile, size, *, light, diffuse, ambient, specular, background, **ball):
     """The same with the imaging subset (K08), flat triangles."""
-    panel, view, surface, marble = _ball(size, **ball)
+    panel, view, surface, stone = _ball(size, **ball)
     return (
         panel.clear(background),
-        material_textures.load_colors(marble.colors, _COLORS, profile),
+        material_textures.load_colors(stone.colors, _COLORS, profile),
         *imaging_subset.commands(
             surface,
-            marble.material,
+            stone.material,
             view,
             Light(light),
             profile,
@@ -168,6 +169,7 @@ FIGURE = Figure(
         "ambient": word.AMBIENT((0.07, 0.075, 0.085)),
         "specular": word.SPECULAR((0.35, 0.34, 0.33)),
         "background": word.BACKDROP(BACKGROUND),
+        **OWN,
     },
     methods=(
         Method("register combiners", scene, COMBINER_MACHINES),

@@ -4,6 +4,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.kautz_seidel_2000.shared.own_marble import OWN, marble
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import row_of_panels
@@ -20,13 +21,13 @@ from fixedpipe.pipeline.state import PassState, TextureEnvironment, VertexState,
 MACHINES = ("GEFORCE_256", *(key for key in PROFILES if key not in ("GEFORCE_256", "IDEAL")))
 
 
-def scene(profile, size):
+def scene(profile, size, *, height_field, height_scale, photograph):
     """F004-7: left T' = t / (4 alpha_x), right B' = b / (4 alpha_y), as the colours that are stored.
 
     One texture unit and the environment REPLACE: any board can show them.
     """
-    marble = material_textures.marble(MAP_SIZE, **MARBLE)
-    (_, *loading), names = material_textures.load(marble.material, "marble", profile)
+    stone = marble(MAP_SIZE, height_field, height_scale, photograph, **MARBLE)
+    (_, *loading), names = material_textures.load(stone.material, "marble", profile)
     out = list(loading)
     for panel, name in zip(row_of_panels(2, size), (names.tangent, names.binormal), strict=True):
         out += (
@@ -87,6 +88,7 @@ FIGURE = Figure(
     source="KautzSeidel2000",
     techniques=("K21",),
     columns=2,
+    parameters=OWN,
     methods=(Method("texture environments", scene, MACHINES),),
     acceptance=checks,
 )

@@ -7,6 +7,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
@@ -34,10 +35,16 @@ LARGEST_S = 2.0
 _MATERIAL = ("map_size", "bumps", "depth", "alpha_x", "alpha_y", "spread", "stroke_depth", "k_s")
 
 
-def bumpy_material(map_size, bumps, depth, alpha_x, alpha_y, spread, stroke_depth, k_s):
-    """The slightly brushed bump map of all three panels."""
+def bumpy_material(
+    map_size, bumps, depth, alpha_x, alpha_y, spread, stroke_depth, k_s, height_field=None, height_scale=0.0
+):
+    """The slightly brushed bump map of all three panels: of pebbles, or of a height field."""
+    if height_field is None:
+        slopes = height_fields.pebble_slopes(map_size, bumps, depth)
+    else:
+        slopes = height_field.slopes(map_size, height_scale, repeated=False)
     return material_textures.brushed_bumps(
-        *height_fields.pebble_slopes(map_size, bumps, depth),
+        *slopes,
         alpha_x=alpha_x,
         alpha_y=alpha_y,
         spread=spread,
@@ -94,11 +101,17 @@ class _Square:
         )
 
 
-def _square(
-    profile, size, *, map_size, bumps, depth, alpha_x, alpha_y, spread, stroke_depth, k_s, light, extent,
-    diffuse, ambient, banks, blinn_phong, ward, background,
+def _square(profile, size, **parameters):
+    return _made_square(profile, size, **own_maps.with_material(parameters, parameters["material"]))
+
+
+def _made_square(
+    profile, size, *, light, extent, diffuse, ambient, banks, blinn_phong, ward, background, material,
+    height_field, **of_bumps,
 ):  # fmt: skip
-    material = bumpy_material(map_size, bumps, depth, alpha_x, alpha_y, spread, stroke_depth, k_s)
+    material = own_maps.material_or(
+        lambda: bumpy_material(height_field=height_field, **of_bumps), material, height_field
+    )
     return _Square(
         profile=profile,
         panels=row_of_panels(3, size),
@@ -404,6 +417,9 @@ FIGURE = Figure(
         "blinn_phong": word.SPECULAR((0.74, 0.72, 0.66), "The colour of the highlights by Eq. 1."),
         "ward": word.SPECULAR((1.0, 0.97, 0.90), "The colour of the highlights by Ward's model."),
         "background": word.BACKDROP(BACKGROUND),
+        "height_field": own_maps.height_field("the pebbles", repeats=False),
+        "height_scale": own_maps.HEIGHT_SCALE(0.05),
+        "material": own_maps.MATERIAL,
     },
     methods=(
         Method(

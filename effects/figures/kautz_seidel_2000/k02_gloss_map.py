@@ -5,6 +5,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check
 from fixedpipe.effects.bump_mapping import gloss_map
+from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
@@ -17,13 +18,21 @@ def _checkered_gloss(size, cells, dull, polished):
     return np.where((cell[:, None] + cell[None, :]) % 2 == 0, polished, dull)
 
 
-def scene(profile, size, *, cells, depth, dull, polished, light, diffuse, ambient, background):
+def scene(
+    profile, size, *, cells, depth, dull, polished, light, diffuse, ambient, background, height_field,
+    height_scale, photograph,
+):  # fmt: skip
     """K02: a bumpy sphere with the same exponent everywhere; left k_s = 1, right k_s from a checkered gloss
     map.
     """
     surface, out = surfaces.sphere().with_repeats(4, 2), []
-    slope_s, slope_t = height_fields.pebble_slopes(256, cells, depth)
+    if height_field is None:
+        slope_s, slope_t = height_fields.pebble_slopes(256, cells, depth)
+    else:
+        slope_s, slope_t = height_field.slopes(256, height_scale, repeated=True)
     gloss = {"constant": 1.0, "checkered": _checkered_gloss(256, 4, dull, polished)}
+    if photograph is not None:
+        gloss["checkered"] = dull + (polished - dull) * photograph.brightness(256, 256, repeated=True)
     for panel, (name, k_s) in zip(row_of_panels(2, size), gloss.items(), strict=True):
         material = material_textures.from_slopes(slope_s, slope_t, 1.0, 1.0, k_s)
         view = orthographic_view(panel, half_height=1.1)
@@ -85,6 +94,11 @@ FIGURE = Figure(
         "diffuse": word.DIFFUSE((0.12, 0.22, 0.24)),
         "ambient": word.AMBIENT((0.02, 0.03, 0.04)),
         "background": word.BACKDROP(BACKGROUND),
+        "height_field": own_maps.height_field("the pebbles"),
+        "height_scale": own_maps.HEIGHT_SCALE(0.05),
+        "photograph": own_maps.photograph(
+            "the gloss map's squares, its brightness from the one strength to the other"
+        ),
     },
     methods=(Method("register combiners", scene, COMBINER_MACHINES),),
     acceptance=checks,

@@ -5,6 +5,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump, normalization_cube_map
+from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
@@ -15,14 +16,16 @@ from fixedpipe.effects.reflectance import anisotropic_blinn_phong, brdfs, materi
 
 def scene(
     profile, size, *, cube_map_size, light, cells, depth, alpha_x, alpha_y,
-    diffuse, ambient, specular, background,
+    diffuse, ambient, specular, background, height_field, height_scale,
 ):  # fmt: skip
     """K12: a single square under a close light; left vectors as vertex colours, right from the cube map."""
     left, right = row_of_panels(2, size)
     surface = surfaces.plane()
-    material = material_textures.from_slopes(
-        *height_fields.pebble_slopes(256, cells, depth), alpha_x, alpha_y, 0.8
-    )
+    if height_field is None:
+        slopes = height_fields.pebble_slopes(256, cells, depth)
+    else:
+        slopes = height_field.slopes(256, height_scale, repeated=False)
+    material = material_textures.from_slopes(*slopes, alpha_x, alpha_y, 0.8)
     near = Light(light, point=True)
     loading, names = material_textures.load(material, "pebbles", profile)
     views = [orthographic_view(panel, half_height=1.06) for panel in (left, right)]
@@ -106,6 +109,8 @@ FIGURE = Figure(
         "ambient": word.AMBIENT((0.03, 0.03, 0.03)),
         "specular": word.SPECULAR((0.5, 0.5, 0.5)),
         "background": word.BACKDROP(BACKGROUND),
+        "height_field": own_maps.height_field("the pebbles", repeats=False),
+        "height_scale": own_maps.HEIGHT_SCALE(0.02),
     },
     methods=(Method("register combiners", scene, COMBINER_MACHINES),),
     acceptance=checks,

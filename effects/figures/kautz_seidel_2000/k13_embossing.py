@@ -5,6 +5,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import emboss
+from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
@@ -25,6 +26,7 @@ def make_scene(passes):
 
     def scene(
         profile, size, *, square, cells, depth, tilt, lights, diffuse, ambient, specular, background,
+        height_field, height_scale,
     ):  # fmt: skip
         """K13: a pebbled torus, or ``square``, in a panel for each light."""
         surface = (
@@ -32,7 +34,11 @@ def make_scene(passes):
             if square
             else surfaces.torus(48, 24).with_repeats(5, 2).rotated(rotation("x", tilt))
         )
-        loading, height_map = emboss.load(heights(cells, depth), "height map of pebbles", profile)
+        if height_field is None:
+            field = heights(cells, depth)
+        else:
+            field = height_field.fitted(MAP_SIZE, MAP_SIZE, height_scale, repeated=not square)
+        loading, height_map = emboss.load(field, "height map of pebbles", profile)
         out = list(loading)
         for panel, light in zip(row_of_panels(len(lights), size), lights, strict=True):
             view = orthographic_view(panel, half_height=1.0 if square else 1.1)
@@ -231,6 +237,8 @@ FIGURE = Figure(
         "ambient": word.AMBIENT((0.05, 0.04, 0.04)),
         "specular": word.SHARE(0.3, "The strength of the highlights, which are white.", word.FULL),
         "background": word.BACKDROP(BACKGROUND),
+        "height_field": own_maps.height_field("the pebbles"),
+        "height_scale": own_maps.HEIGHT_SCALE(0.05),
     },
     methods=(
         Method("one texture unit", make_scene(emboss.one_unit_passes), ("OPENGL_1_2",)),

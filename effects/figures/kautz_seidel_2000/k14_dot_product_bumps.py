@@ -7,6 +7,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
@@ -15,11 +16,17 @@ from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_vie
 from fixedpipe.effects.reflectance import material_textures
 
 
-def scene(profile, size, *, cells, depth, tilt, light, diffuse, ambient, background):
+def scene(
+    profile, size, *, cells, depth, tilt, light, diffuse, ambient, background, height_field, height_scale
+):
     """K14: a pebbled torus under a white light."""
     (panel,) = row_of_panels(1, size)
     surface = surfaces.torus(96, 48).with_repeats(5, 2).rotated(rotation("x", tilt))
-    material = material_textures.from_slopes(*height_fields.pebble_slopes(256, cells, depth), 1.0, 1.0)
+    if height_field is None:
+        slopes = height_fields.pebble_slopes(256, cells, depth)
+    else:
+        slopes = height_field.slopes(256, height_scale, repeated=True)
+    material = material_textures.from_slopes(*slopes, 1.0, 1.0)
     view = orthographic_view(panel, half_height=1.1)
     loading, names = material_textures.load(material, "pebbles", profile)
     return (
@@ -76,6 +83,8 @@ FIGURE = Figure(
         "diffuse": word.DIFFUSE((0.42, 0.28, 0.17)),
         "ambient": word.AMBIENT((0.04, 0.03, 0.03)),
         "background": word.BACKDROP(BACKGROUND),
+        "height_field": own_maps.height_field("the pebbles"),
+        "height_scale": own_maps.HEIGHT_SCALE(0.08),
     },
     methods=(Method("register combiners", scene, COMBINER_MACHINES),),
     acceptance=checks,

@@ -9,6 +9,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
@@ -27,9 +28,12 @@ EYE = np.array([0.0, 0.0, 1.0])
 
 
 @lru_cache(maxsize=2)
-def _material(map_size, bumps, depth, alpha_x, alpha_y, exponents):
-    """Pebbles whose exponent changes from strip to strip, from left to right."""
-    slopes = height_fields.pebble_slopes(map_size, bumps, depth)
+def _material(map_size, bumps, depth, alpha_x, alpha_y, exponents, height_field=None, height_scale=0.0):
+    """Pebbles, or a height field, whose exponent changes from strip to strip, from left to right."""
+    if height_field is None:
+        slopes = height_fields.pebble_slopes(map_size, bumps, depth)
+    else:
+        slopes = height_field.slopes(map_size, height_scale, repeated=False)
     material = material_textures.from_slopes(*slopes, alpha_x, alpha_y)
     strip = np.arange(map_size) * len(exponents) // map_size
     exponent = np.broadcast_to(np.array(exponents)[strip], (map_size, map_size))
@@ -38,10 +42,10 @@ def _material(map_size, bumps, depth, alpha_x, alpha_y, exponents):
 
 def pixel_textures_scene(
     profile, size, *, map_size, bumps, depth, alpha_x, alpha_y, exponents, light, extent, diffuse, specular,
-    background,
+    background, height_field, height_scale,
 ):  # fmt: skip
     """K15 by the color matrix and a pixel texture."""
-    material = _material(map_size, bumps, depth, alpha_x, alpha_y, exponents)
+    material = _material(map_size, bumps, depth, alpha_x, alpha_y, exponents, height_field, height_scale)
     surface, toward, out = surfaces.plane(1, 1, extent, extent), Light(light), []
     for panel, up_to in zip(row_of_panels(3, size), UpTo, strict=True):
         scene = surface, material, orthographic_view(panel), toward, profile
@@ -56,10 +60,10 @@ def pixel_textures_scene(
 
 def host_scene(
     profile, size, *, map_size, bumps, depth, alpha_x, alpha_y, exponents, light, extent, diffuse, specular,
-    background,
+    background, height_field, height_scale,
 ):  # fmt: skip
     """K15 by register combiners and the host."""
-    material = _material(map_size, bumps, depth, alpha_x, alpha_y, exponents)
+    material = _material(map_size, bumps, depth, alpha_x, alpha_y, exponents, height_field, height_scale)
     surface, toward = surfaces.plane(1, 1, extent, extent), Light(light)
     loading, names = material_textures.load(material, "pebbles", profile)
     out = list(loading)
@@ -194,6 +198,8 @@ FIGURE = Figure(
         "diffuse": word.DIFFUSE((0.26, 0.30, 0.36)),
         "specular": word.SPECULAR((0.68, 0.66, 0.60)),
         "background": word.BACKDROP(BACKGROUND),
+        "height_field": own_maps.height_field("the pebbles", repeats=False),
+        "height_scale": own_maps.HEIGHT_SCALE(0.03),
     },
     methods=(
         Method("pixel textures", pixel_textures_scene, ("OCTANE",)),

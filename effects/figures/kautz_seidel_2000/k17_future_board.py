@@ -7,6 +7,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
@@ -25,17 +26,20 @@ TILT = 20.0
 VIEWER = np.array([0.0, 0.0, 1.0])
 
 
-def materials(map_size, depth, spread, k_s, alphas, exponents, squares):
+def materials(map_size, depth, spread, k_s, alphas, exponents, squares, height_field=None, height_scale=0.0):
     """What the models' spheres are made of, by their names in ``future_board``.
 
     ``alphas``: (alpha_x, alpha_y) of the Blinn-Phong model, then of Ward's. ``exponents``: of the Blinn-Phong
-    sphere's two kinds of squares, ``squares`` of them along an edge.
+    sphere's two kinds of squares, ``squares`` of them along an edge. ``height_field``: in the place of that
+    sphere's pebbles.
     """
     s, t = height_fields.texel_centers(map_size, map_size)
     polished = (np.floor(s * squares) + np.floor(t * squares)) % 2.0 == 0.0
-    pebbles = material_textures.from_slopes(
-        *height_fields.pebble_slopes(map_size, 8, depth), *alphas[0], k_s[1]
-    )
+    if height_field is None:
+        slopes = height_fields.pebble_slopes(map_size, 8, depth)
+    else:
+        slopes = height_field.slopes(map_size, height_scale, repeated=True)
+    pebbles = material_textures.from_slopes(*slopes, *alphas[0], k_s[1])
     brushing = {"spread": spread, "depth": 0.5 * depth, "k_s": k_s}
     size = map_size, map_size, Brushing.ALONG_S
     return {
@@ -47,13 +51,14 @@ def materials(map_size, depth, spread, k_s, alphas, exponents, squares):
 
 def scene(
     profile, size, *, slices, stacks, coarse, turn, radius, light, repeats, map_size, depth, spread, k_s,
-    alphas,     exponents, squares, diffuse, ambient, specular, background,
+    alphas, exponents, squares, diffuse, ambient, specular, background, height_field, height_scale,
 ):  # fmt: skip
     """K17: a finely divided sphere in each model, then a coarse one twice: straight and steady vectors."""
     *model_panels, straight, steady = row_of_panels(len(MODELS) + 2, size)
     toward, surface = Light(light), surfaces.sphere(slices, stacks).with_repeats(*repeats)
     surface = surface.rotated(rotation("x", TILT))
-    made, out = materials(map_size, depth, spread, k_s, alphas, exponents, squares), []
+    made = materials(map_size, depth, spread, k_s, alphas, exponents, squares, height_field, height_scale)
+    out = []
     for panel, (name, passes), color, bright in zip(
         model_panels, MODELS.items(), diffuse[:3], specular, strict=True
     ):
@@ -241,6 +246,8 @@ FIGURE = Figure(
             word.FULL,
         ),
         "background": word.BACKDROP(BACKGROUND),
+        "height_field": own_maps.height_field("the second sphere's pebbles"),
+        "height_scale": own_maps.HEIGHT_SCALE(0.03),
     },
     methods=(Method("functions in the combiners", scene, ("FUTURE",)),),
     acceptance=checks,

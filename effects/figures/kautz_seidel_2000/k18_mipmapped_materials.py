@@ -9,6 +9,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import surfaces
@@ -32,12 +33,20 @@ FILTERS = {
 }
 
 
+def _metal(size, *, bumps, depth, height_field=None, height_scale=0.0, **strokes):
+    """Brushed, bumpy metal: of noise, or of a height field."""
+    if height_field is None:
+        return material_textures.gold(size=size, bumps=bumps, depth=depth, **strokes)
+    slopes = height_field.slopes(size, height_scale, repeated=True)
+    return material_textures.brushed_bumps(*slopes, **strokes)
+
+
 @lru_cache(maxsize=2)
 def _levels(filtering, **material):
-    return FILTERS[filtering](material_textures.gold(**material))
+    return FILTERS[filtering](_metal(**material))
 
 
-def _gold(map_size, bumps, slope, alpha_x, alpha_y, spread, stroke_depth, k_s):
+def _gold(map_size, bumps, slope, alpha_x, alpha_y, spread, stroke_depth, k_s, **own):
     return {
         "size": map_size,
         "bumps": bumps,
@@ -47,6 +56,7 @@ def _gold(map_size, bumps, slope, alpha_x, alpha_y, spread, stroke_depth, k_s):
         "spread": spread,
         "stroke_depth": stroke_depth,
         "k_s": k_s,
+        **own,
     }
 
 
@@ -97,7 +107,7 @@ def reference(edge, pitch, field_of_view, width, length, repeat, light, **materi
     The points lie on the surface that the machine's level 0 describes, vectors interpolated between texels;
     nothing is rounded and nothing filtered but the results.
     """
-    gold, factor = material_textures.gold(**material), 4
+    gold, factor = _metal(**material), 4
     fields = np.concatenate(
         [gold.scaled_tangents, gold.scaled_binormals, gold.normals, gold.k_s[..., None]], axis=-1
     )
@@ -142,13 +152,14 @@ def reference(edge, pitch, field_of_view, width, length, repeat, light, **materi
 def scene(
     profile, size, *, filtering, map_size, bumps, slope, alpha_x, alpha_y, spread, stroke_depth, k_s, pitch,
     field_of_view, width, length, repeat, light, diffuse, ambient, specular, background,
-    anisotropy,
+    anisotropy, height_field, height_scale,
 ):  # fmt: skip
     """K18: a panel for each of ``filtering``, "none" or keys of FILTERS; then the reference, as a picture.
 
     ``anisotropy``: EXT_texture_filter_anisotropic's, for machines alone: the ideal has none.
     """
-    gold = _gold(map_size, bumps, slope, alpha_x, alpha_y, spread, stroke_depth, k_s)
+    own = {"height_field": height_field, "height_scale": height_scale}
+    gold = _gold(map_size, bumps, slope, alpha_x, alpha_y, spread, stroke_depth, k_s, **own)
     *panels, last = row_of_panels(len(filtering) + 1, size)
     surface = _plane(width, length, repeat)
     toward = tuple(normalize(np.array(light)))
@@ -308,6 +319,8 @@ FIGURE = Figure(
         "anisotropy": word.NUMBER(
             1.0, "The most samples along a pixel's footprint, on machines that have them.", low=1.0, high=8.0
         ),
+        "height_field": own_maps.height_field("the bumps"),
+        "height_scale": own_maps.HEIGHT_SCALE(0.05),
     },
     methods=(Method("register combiners", scene, ("GEFORCE_256", "GEFORCE_3", "NV2A")),),
     acceptance=checks,

@@ -5,6 +5,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import arithmetic_check
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.bumps import (
@@ -13,6 +14,7 @@ from fixedpipe.effects.figures.zwicker_2016.shared.bumps import (
     load_colors,
     load_normals,
     map_normals,
+    own_normals,
     silhouette_check,
     slices,
     texels,
@@ -26,17 +28,27 @@ FLAT = "normal map of nothing"
 ACROSS, COURSES = 5, 10
 
 
-def scene(profile, size, *, relief, tilt, turn, light, diffuse, ambient, background, shown):
+def scene(
+    profile, size, *, relief, tilt, turn, light, diffuse, ambient, background, shown, height_field,
+    height_scale, photograph,
+):  # fmt: skip
     """F003-1: the same sphere, colour map and light twice; ``shown``: the normal map of each."""
     edge = texels(size)
     n = slices(size)
     surface = surfaces.sphere(n, n // 2).with_repeats(2, 1)
     surface = surface.rotated(rotation("y", turn)).rotated(rotation("x", tilt))
-    normals = map_normals(relief * brick_wall.heights(edge, ACROSS, COURSES))
+    if height_field is None:
+        normals = map_normals(relief * brick_wall.heights(edge, ACROSS, COURSES))
+    else:
+        normals = own_normals(height_field, edge, edge, height_scale)
+    if photograph is None:
+        colors = brick_wall.colors(edge, ACROSS, COURSES)
+    else:
+        colors = photograph.fitted(edge, edge, repeated=True)
     out = [
         load_normals(np.zeros((1, 1, 3)) + np.array([0.0, 0.0, 1.0]), FLAT, profile),
         load_normals(normals, BRICK_NORMALS, profile),
-        load_colors(brick_wall.colors(edge, ACROSS, COURSES), BRICK_COLORS, profile),
+        load_colors(colors, BRICK_COLORS, profile),
     ]
     for panel, normal_map in zip(row_of_panels(2, size), shown, strict=True):
         view = orthographic_view(panel, half_height=1.1)
@@ -107,6 +119,9 @@ FIGURE = Figure(
             (FLAT, BRICK_NORMALS),
             "The normal map of each panel.",
         ),
+        "height_field": own_maps.height_field("the bricks' relief"),
+        "height_scale": own_maps.HEIGHT_SCALE(0.05),
+        "photograph": own_maps.photograph("the bricks' colours"),
     },
     methods=(Method("register combiners", scene, ("GEFORCE_256", "GEFORCE_3", "NV2A")),),
     acceptance=checks,

@@ -5,6 +5,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import arithmetic_check, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.bumps import (
@@ -14,6 +15,7 @@ from fixedpipe.effects.figures.zwicker_2016.shared.bumps import (
     load_colors,
     load_normals,
     map_normals,
+    own_normals,
     recovered_normals,
     silhouette_check,
     texel_combiners,
@@ -38,7 +40,10 @@ FLAT = "normal map of nothing"
 LIGHTS = normalize(np.array([(0.4663, 0.0, 1.0), (-0.2332, 0.4038, 1.0), (-0.2332, -0.4038, 1.0)]))
 
 
-def scene(profile, size, *, relief, light, diffuse, ambient, background, painted, frontal, maps, shown):
+def scene(
+    profile, size, *, relief, light, diffuse, ambient, background, painted, frontal, maps, shown,
+    height_field, height_scale, photograph,
+):  # fmt: skip
     """F003-2: a wall, flat and with bumps, and its normal map.
 
     ``frontal``: seen straight on and filling its panel. ``maps``: the maps' edge, None: fit for the panel.
@@ -46,11 +51,18 @@ def scene(profile, size, *, relief, light, diffuse, ambient, background, painted
     """
     edge = texels(size) if maps is None else maps
     surface = surfaces.plane(8, 8)
-    normals = map_normals(relief * brick_wall.heights(edge, ACROSS, COURSES))
+    if height_field is None:
+        normals = map_normals(relief * brick_wall.heights(edge, ACROSS, COURSES))
+    else:
+        normals = own_normals(height_field, edge, edge, height_scale, repeated=False)
+    if photograph is None:
+        wall = brick_wall.colors(edge, ACROSS, COURSES)
+    else:
+        wall = photograph.fitted(edge, edge, repeated=False)
     out = [
         load_normals(np.zeros((1, 1, 3)) + np.array([0.0, 0.0, 1.0]), FLAT, profile),
         load_normals(normals, BRICK_NORMALS, profile),
-        load_colors(brick_wall.colors(edge, ACROSS, COURSES), BRICK_COLORS, profile),
+        load_colors(wall, BRICK_COLORS, profile),
     ]
     colors = BRICK_COLORS if painted else None
     for number, panel in enumerate(row_of_panels(3, size)):
@@ -157,6 +169,9 @@ FIGURE = Figure(
             (FLAT, BRICK_NORMALS),
             "The normal map of the first two panels.",
         ),
+        "height_field": own_maps.height_field("the bricks' relief", repeats=False),
+        "height_scale": own_maps.HEIGHT_SCALE(0.03),
+        "photograph": own_maps.photograph("the bricks' colours", repeats=False),
     },
     methods=(Method("register combiners", scene, ("GEFORCE_256", "GEFORCE_3", "NV2A")),),
     acceptance=checks,

@@ -4,6 +4,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.bump_mapping import normal_maps
+from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.views import orthographic_view, panel_of, row_of_panels
@@ -31,14 +32,16 @@ def rosette(edge):
     return 0.5 * height_fields.smooth(heights, 2)
 
 
-def stored(size):
+def stored(size, height_field=None, height_scale=0.0):
     """The figure's bytes: three uint8 [edge, edge, 3], one texel for each pixel where the size is a power of
-    two: the heights, the document's order, tangent space's.
+    two: the heights, the document's order, tangent space's. Of the medal, or of a height field.
     """
     edge = 1 << (size - 1).bit_length()
-    heights = rosette(edge)
-    grey = np.floor(255.0 * heights / heights.max() + 0.5).astype(np.uint8)
-    printed = normal_maps.height_first_normals(heights, 1.0 / edge, 1.0 / edge)
+    own = height_field is not None
+    heights = height_field.fitted(edge, edge, height_scale, repeated=False) if own else rosette(edge)
+    highest = heights.max() or 1.0
+    grey = np.floor(255.0 * heights / highest + 0.5).astype(np.uint8)
+    printed = normal_maps.height_first_normals(heights, 1.0 / edge, 1.0 / edge, periodic=not own)
     vectors = (printed, normal_maps.tangent_space_order(printed))
     return np.repeat(grey[..., None], 3, axis=-1), *(normal_maps.encode(v) for v in vectors)
 
@@ -46,10 +49,10 @@ def stored(size):
 NAMES = ("displacement map", "normals, height first", "normals, height last")
 
 
-def scene(profile, size):
+def scene(profile, size, *, height_field, height_scale):
     """F003-4: three pictures, drawn as textures on squares that fill their panels."""
-    out = []
-    for panel, name, image in zip(row_of_panels(3, size), NAMES, stored(size), strict=True):
+    images, out = stored(size, height_field, height_scale), []
+    for panel, name, image in zip(row_of_panels(3, size), NAMES, images, strict=True):
         texture = texture_2d(image, InternalFormat.RGB8)
         view = orthographic_view(panel)
         show = unit(name, NEAREST, environment=REPLACE)
@@ -114,6 +117,10 @@ FIGURE = Figure(
     techniques=("Z01", "Z02"),
     columns=3,
     size=256,
+    parameters={
+        "height_field": own_maps.height_field("the medal", repeats=False),
+        "height_scale": own_maps.HEIGHT_SCALE(0.1),
+    },
     methods=(Method("texture environments", scene, ("OPENGL_1_2", "GEFORCE_256", "OCTANE")),),
     acceptance=checks,
 )

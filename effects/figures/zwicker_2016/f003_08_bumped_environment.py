@@ -6,9 +6,16 @@ from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import arithmetic_check, root_mean_square
 from fixedpipe.effects.acceptance.ray_caster import RayCaster, primary_rays
 from fixedpipe.effects.environment_maps import bumped_reflections, environments
+from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
-from fixedpipe.effects.figures.zwicker_2016.shared.bumps import angles, map_normals, slices, texels
+from fixedpipe.effects.figures.zwicker_2016.shared.bumps import (
+    angles,
+    map_normals,
+    own_normals,
+    slices,
+    texels,
+)
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.vectors import dot, from_frame, normalize
@@ -42,23 +49,26 @@ def the_sphere(size):
     return surfaces.sphere(n, n // 2).with_repeats(*REPEATS).rotated(rotation("z", LEAN))
 
 
-def _maps(profile, size, relief, maps):
+def _maps(size, relief, maps, height_field, height_scale):
     edge = texels(size) if maps is None else maps
     flat = np.zeros((1, 1, 3)) + np.array([0.0, 0.0, 1.0])
-    return (("mirror", flat), ("waves", bumps(edge, relief)))
+    if height_field is None:
+        waves = bumps(edge, relief)
+    else:
+        waves = own_normals(height_field, edge, edge, height_scale)
+    return (("mirror", flat), ("waves", waves))
 
 
-def cube_scene(profile, size, *, relief, tint, environment, maps, cube):
+def cube_scene(profile, size, *, tint, environment, cube, photograph, **waves):
     """F003-8 by texture shaders: a mirror, and a mirror with waves.
 
-    ``maps``, ``cube``: edges of the normal map and the cube map's faces; None: fit for the panel.
+    ``waves``: of ``_maps``. ``cube``: the edge of the cube map's faces; None: fit for the panel.
     """
     surface = the_sphere(size)
     cube = texels(size) if cube is None else cube
-    out = [bumped_reflections.load_environment(cube, profile, ENVIRONMENTS[environment])]
-    for panel, (name, normals) in zip(
-        row_of_panels(2, size), _maps(profile, size, relief, maps), strict=True
-    ):
+    room = photograph.panorama if photograph else ENVIRONMENTS[environment]
+    out = [bumped_reflections.load_environment(cube, profile, room)]
+    for panel, (name, normals) in zip(row_of_panels(2, size), _maps(size, **waves), strict=True):
         view = perspective_view(panel, EYE, field_of_view=FIELD_OF_VIEW, radius=1.1)
         loading, names = bumped_reflections.load(normals, 1.0, name, profile)
         out += (
@@ -70,15 +80,14 @@ def cube_scene(profile, size, *, relief, tint, environment, maps, cube):
     return tuple(out)
 
 
-def offset_scene(profile, size, *, relief, tint, environment, maps, cube):
+def offset_scene(profile, size, *, tint, environment, cube, photograph, **waves):
     """F003-8 by offsets of a sphere map, whose edge is twice ``cube``; ``tint`` takes no part."""
-    surface, room = the_sphere(size), ENVIRONMENTS[environment]
+    surface = the_sphere(size)
+    room = photograph.panorama if photograph else ENVIRONMENTS[environment]
     across, along = (8, 6) if size < 64 else (16, 12)
     edge = texels(size) if cube is None else cube
     out = []
-    for panel, (name, normals) in zip(
-        row_of_panels(2, size), _maps(profile, size, relief, maps), strict=True
-    ):
+    for panel, (name, normals) in zip(row_of_panels(2, size), _maps(size, **waves), strict=True):
         view = perspective_view(panel, EYE, field_of_view=FIELD_OF_VIEW, radius=1.1)
         loading, names = bumped_reflections.load_offsets(normals, 1.0, name, profile)
         load, show = bumped_reflections.picture_backdrop(view, edge, profile, room)
@@ -200,6 +209,9 @@ FIGURE = Figure(
         ),
         "maps": word.FITTED_TEXELS(None, "The edge of the normal map."),
         "cube": word.FITTED_TEXELS(None, "The edge of the cube map's faces, and half the sphere map's."),
+        "height_field": own_maps.height_field("the waves"),
+        "height_scale": own_maps.HEIGHT_SCALE(0.03),
+        "photograph": own_maps.PANORAMA,
     },
     methods=(
         Method("texture shaders", cube_scene, ("GEFORCE_3", "NV2A")),

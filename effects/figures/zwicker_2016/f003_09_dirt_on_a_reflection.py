@@ -5,9 +5,10 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import arithmetic_check
 from fixedpipe.effects.environment_maps import bumped_reflections, environments
+from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
-from fixedpipe.effects.figures.zwicker_2016.shared.bumps import map_normals, texels
+from fixedpipe.effects.figures.zwicker_2016.shared.bumps import map_normals, own_normals, texels
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, perspective_view, row_of_panels
@@ -33,10 +34,19 @@ def _surface(size):
     return surfaces.torus(around, around // 2, 0.72, 0.34).with_repeats(3, 1).rotated(rotation("x", 14.0))
 
 
-def cube_scene(profile, size, *, relief, tint, second_pass):
+def _metal(edge, relief, height_field, height_scale, photograph):
+    """Normals, and what dirt leaves of the reflection."""
+    if height_field is None:
+        normals = waves(edge, relief)
+    else:
+        normals = own_normals(height_field, edge, edge, height_scale)
+    return normals, photograph.brightness(edge, edge, repeated=True) if photograph else dirt(edge)
+
+
+def cube_scene(profile, size, *, tint, second_pass, **metal):
     """F003-9 by texture shaders. ``second_pass``: dirt is a draw of its own, not the normal map's alpha."""
     edge, surface = texels(size), _surface(size)
-    loading, names = bumped_reflections.load(waves(edge, relief), dirt(edge), "hammered metal", profile)
+    loading, names = bumped_reflections.load(*_metal(edge, **metal), "hammered metal", profile)
     out = [bumped_reflections.load_environment(texels(size), profile, environments.room), *loading]
     for number, panel in enumerate(row_of_panels(3, size)):
         view = perspective_view(panel, EYE, field_of_view=FIELD_OF_VIEW, radius=1.2)
@@ -53,15 +63,13 @@ def cube_scene(profile, size, *, relief, tint, second_pass):
     return tuple(out)
 
 
-def offset_scene(profile, size, *, relief, tint, second_pass):
+def offset_scene(profile, size, *, tint, second_pass, **metal):
     """F003-9 by offsets of a sphere map; dirt is a second draw, as both units are taken. ``tint`` and
     ``second_pass`` take no part.
     """
     edge, surface = texels(size), _surface(size)
     parts = (8, 6) if size < 64 else (18, 8)
-    loading, names = bumped_reflections.load_offsets(
-        waves(edge, relief), dirt(edge), "hammered metal", profile
-    )
+    loading, names = bumped_reflections.load_offsets(*_metal(edge, **metal), "hammered metal", profile)
     out = list(loading)
     for number, panel in enumerate(row_of_panels(3, size)):
         view = perspective_view(panel, EYE, field_of_view=FIELD_OF_VIEW, radius=1.2)
@@ -137,6 +145,9 @@ FIGURE = Figure(
         "second_pass": word.FLAG(
             False, "Whether dirt is drawn by itself; with offsets of a sphere map it always is."
         ),
+        "height_field": own_maps.height_field("the hammered metal's relief"),
+        "height_scale": own_maps.HEIGHT_SCALE(0.1),
+        "photograph": own_maps.photograph("the dirt: where it is dark, little is left of the reflection"),
     },
     methods=(
         Method("texture shaders", cube_scene, ("GEFORCE_3",)),

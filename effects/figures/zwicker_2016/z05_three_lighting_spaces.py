@@ -5,6 +5,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check, root_mean_square
 from fixedpipe.effects.bump_mapping import lighting_spaces, normalization_cube_map
+from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.bumps import load_normals, slices, texels
@@ -24,11 +25,14 @@ from fixedpipe.pipeline.textures.images import texture_2d
 EYE = (1.3, 1.1, 3.4)
 
 
-def scene(profile, size, *, relief, light, diffuse, ambient, specular, background, maps):
+def scene(
+    profile, size, *, relief, light, diffuse, ambient, specular, background, maps, height_field, height_scale
+):
     """Z05: a panel for each space; ``maps``: the height of the normal maps, None: fit for the panel."""
     n = slices(size)
     surface = surfaces.sphere(n, n // 2)
-    normals = bump_normals(texels(size) if maps is None else maps, relief)
+    edge = texels(size) if maps is None else maps
+    normals = bump_normals(edge, relief, height_field, height_scale)
     dot_products = texture_2d(dot_product_texels(normals, 1.0, profile))
     out = [
         normalization_cube_map.load(64, profile),
@@ -117,6 +121,8 @@ FIGURE = Figure(
         "specular": word.SHARE(0.4, "The strength of the highlights, which are white.", word.FULL),
         "background": word.BACKDROP(BACKGROUND),
         "maps": word.FITTED_TEXELS(None, "The height of the normal maps, which are twice as wide."),
+        "height_field": own_maps.height_field("the bumps"),
+        "height_scale": own_maps.HEIGHT_SCALE(0.06),
     },
     methods=(Method("texture shaders and register combiners", scene, ("GEFORCE_3", "NV2A")),),
     acceptance=checks,

@@ -5,6 +5,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check, root_mean_square
 from fixedpipe.effects.bump_mapping import lighting_spaces
+from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.bumps import load_normals, slices, texels
@@ -21,10 +22,10 @@ from fixedpipe.effects.reflectance import brdfs
 TURNS = (0.0, 55.0)
 
 
-def _scene(profile, size, load, passes, *, relief, light, diffuse, ambient, specular, background):
+def _scene(profile, size, load, passes, *, light, diffuse, ambient, specular, background, **bumps):
     """Two panels: the sphere, and the sphere turned about its axis, with the same map."""
     n = slices(size)
-    normals = object_normals(bump_normals(texels(size), relief))
+    normals = object_normals(bump_normals(texels(size), **bumps))
     out = list(load(normals, profile))
     for panel, degrees in zip(row_of_panels(2, size), TURNS, strict=True):
         turn = rotation("y", degrees)
@@ -108,6 +109,8 @@ FIGURE = Figure(
         "ambient": word.AMBIENT((0.04, 0.05, 0.06)),
         "specular": word.SHARE(0.4, "The strength of the highlights, which are white.", word.FULL),
         "background": word.BACKDROP(BACKGROUND),
+        "height_field": own_maps.height_field("the bumps"),
+        "height_scale": own_maps.HEIGHT_SCALE(0.06),
     },
     methods=(
         Method("register combiners", combiner_scene, ("GEFORCE_256",)),

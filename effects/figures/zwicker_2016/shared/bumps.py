@@ -52,6 +52,12 @@ def map_normals(heights):
     return normal_maps.normals(heights, 1.0 / columns, 1.0 / rows)
 
 
+def own_normals(height_field, columns, rows, scale, repeated=True):
+    """Normals in tangent space of a user's height field (``own_maps``): float64 [rows, columns, 3]."""
+    heights = height_field.fitted(columns, rows, scale, repeated=repeated)
+    return normal_maps.normals(heights, 1.0 / columns, 1.0 / rows, repeated)
+
+
 def recovered_normals(pictures, lights):
     """Unit normals from pictures of (n.l)+ under three lights: float64 [h, w, 3].
 

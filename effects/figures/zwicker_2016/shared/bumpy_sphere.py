@@ -3,7 +3,7 @@
 import numpy as np
 
 from fixedpipe.effects.bump_mapping import lighting_spaces
-from fixedpipe.effects.figures.zwicker_2016.shared.bumps import map_normals
+from fixedpipe.effects.figures.zwicker_2016.shared.bumps import map_normals, own_normals
 from fixedpipe.effects.geometry import height_fields, surfaces
 
 FOR_DOT_PRODUCTS, FOR_OBJECT, FOR_TANGENT = (
@@ -13,8 +13,12 @@ FOR_DOT_PRODUCTS, FOR_OBJECT, FOR_TANGENT = (
 )
 
 
-def bump_normals(edge, relief):
-    """Round bumps for a whole sphere, float64 [edge, 2 edge, 3]: normals in tangent space."""
+def bump_normals(edge, relief, height_field=None, height_scale=0.0):
+    """Round bumps, or a height field twice, for a whole sphere, float64 [edge, 2 edge, 3]: normals in tangent
+    space.
+    """
+    if height_field is not None:
+        return np.tile(own_normals(height_field, edge, edge, height_scale), (1, 2, 1))
     heights = height_fields.smooth(height_fields.pebbles(edge, edge, 6, 12), 3)
     return np.tile(map_normals(relief * heights), (1, 2, 1))
 

@@ -1,0 +1,119 @@
+"""Parameters by which a figure shows a height field, a photograph or a material of a user's own.
+
+None of them changes a figure that is drawn without. ``height_field``, ``photograph`` and ``material`` are
+None then; ``height_scale`` takes no part.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from fixedpipe.effects.figures.parameters import Maybe, Number, Parameter, Unfit, Word
+from fixedpipe.effects.reflectance.material_textures import Material
+from fixedpipe.effects.user_pictures import maps
+from fixedpipe.effects.user_pictures.bumped_mesh import MaterialParameters
+
+
+@dataclass(frozen=True)
+class Own:
+    """What ``read`` takes, which raises ValueError with a sentence for all else.
+
+    allowed   what that is, in words
+    called    (what ``read`` gave) -> the text that it was
+    """
+
+    read: Callable[[Any], Any]
+    allowed: str
+    called: Callable[[Any], str]
+
+    def accept(self, value: Any) -> Any:
+        """As scenes take it."""
+        try:
+            return self.read(value)
+        except ValueError as error:
+            raise Unfit(str(error)) from error
+
+    def parse(self, text: str) -> Any:
+        """The same, of a file's name, a sample's or a material's."""
+        return self.accept(text)
+
+    def show(self, value: Any) -> str:
+        """The name, or what it is in words."""
+        return self.called(value)
+
+
+_FILE = "a PNG, TIFF, JPEG or NPY file, or sample:gravel; in Python also an array or a Pillow image"
+_NONE = "the figure's own"
+_HEIGHTS = Maybe(Own(maps.height_field, _FILE, lambda value: value.called), _NONE)
+_PHOTOGRAPH = Maybe(Own(maps.photograph, _FILE, lambda value: value.called), _NONE)
+_MATERIAL = Maybe(
+    Own(
+        maps.material,
+        "gold, steel, brushed, stone or plastic; in Python also a Material",
+        maps.material_name,
+    ),
+    _NONE,
+)
+
+_ROWS = "its top row is the top of what is drawn"
+HEIGHT_SCALE = Word(
+    Number(0.0, 1.0),
+    "How far the highest point of height_field stands above the lowest, in widths of it.",
+)
+
+
+def height_field(instead: str, repeats: bool = True) -> Parameter:
+    """A Parameter: heights in the place of what ``instead`` names. ``repeats``: on the surface."""
+    faded = "; as it repeats, its edges are faded into each other" if repeats else ""
+    return Parameter(
+        None,
+        _HEIGHTS,
+        f"A height field in the place of {instead}: light is high, dark is low, {_ROWS}{faded}.",
+    )
+
+
+def photograph(instead: str, repeats: bool = True) -> Parameter:
+    """A Parameter: a photograph in the place of what ``instead`` names. ``repeats``: on the surface."""
+    faded = "; as it repeats, its edges are faded into each other" if repeats else ""
+    return Parameter(None, _PHOTOGRAPH, f"A photograph in the place of {instead}: {_ROWS}{faded}.")
+
+
+PANORAMA = Parameter(
+    None,
+    _PHOTOGRAPH,
+    "A panorama in the place of environment, all around from left to right and from straight down to "
+    "straight up: its middle is what the viewer looks at, its top row is above.",
+)
+MATERIAL = Parameter(
+    None,
+    _MATERIAL,
+    "A material in the place of the figure's: by a name its widths of the highlight, strength and colours, "
+    "on the figure's surface; a Material of Python has a surface of its own, its bottom row first.",
+)
+
+
+def with_material(values: Mapping[str, Any], material: object) -> dict[str, Any]:
+    """A scene's values with those of a material that is given by name, of which each name is looked at."""
+    if not isinstance(material, MaterialParameters):
+        return dict(values)
+    own: dict[str, Any] = {
+        "alpha_x": material.alpha_x,
+        "alpha_y": material.alpha_y,
+        "k_s": (material.k_s, material.k_s),
+        "diffuse": material.diffuse,
+        "ambient": tuple(0.12 * c for c in material.diffuse),
+    }
+    own |= dict.fromkeys(("specular", "banks", "blinn_phong", "ward"), material.specular)
+    return {name: own.get(name, value) for name, value in values.items()}
+
+
+def material_or(made: Callable[[], Material], material: object, height_field: object) -> Material:
+    """The user's Material, or what ``made`` makes. Raises ValueError where a height field is given too."""
+    if not isinstance(material, Material):
+        return made()
+    if height_field is not None:
+        raise ValueError(
+            "A Material has a surface of its own, so height_field would be ignored: give one of them, or "
+            "the material by a name."
+        )
+    return material
