@@ -171,7 +171,7 @@ def material(value):
                 f"The material has {rows} rows and {columns} columns of texels; textures have powers of two."
             )
     elif not isinstance(value, MaterialParameters):
-        raise ValueError(f"This is a {type(value).__name__}; give {_NAMES} or a Material.")
+        raise ValueError(f"The material is of type {type(value).__name__}; give {_NAMES} or a Material.")
     return value
 
 

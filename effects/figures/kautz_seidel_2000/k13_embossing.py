@@ -238,7 +238,7 @@ FIGURE = Figure(
         "specular": word.SHARE(0.3, "The strength of the highlights, which are white.", word.FULL),
         "background": word.BACKDROP(BACKGROUND),
         "height_field": own_maps.height_field("the pebbles"),
-        "height_scale": own_maps.HEIGHT_SCALE(0.05),
+        "height_scale": own_maps.HEIGHT_SCALE(0.05, low=0.001),
     },
     methods=(
         Method("one texture unit", make_scene(emboss.one_unit_passes), ("OPENGL_1_2",)),

@@ -1,0 +1,200 @@
+"""Height fields, photographs and materials of one's own in figures: drawn, or refused in a sentence."""
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from fixedpipe.effects.figures import FIGURES
+from fixedpipe.effects.reflectance import material_textures
+from fixedpipe.effects.user_pictures import maps
+from fixedpipe.effects.user_pictures.bumped_mesh import MATERIALS
+from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.profiles import OCTANE, PROFILES
+
+BOTH = ["F003-1", "F003-2", "F003-8", "F003-9", "F004-6", "F004-7", "K02"]
+WITH_MATERIAL = ["F004-2", "F004-5", "F004-8"]
+OTHERS = ["F003-4", "K12", "K13", "K14", "K15", "K17", "K18", "Z05", "Z06"]
+
+# One bump, off the middle so that no symmetry of a figure hides it.
+BUMP = np.zeros((16, 16))
+BUMP[4:8, 9:13] = ((1, 2, 2, 1), (2, 4, 4, 2), (2, 4, 4, 2), (1, 2, 2, 1))
+HALF = np.zeros((8, 8, 3), np.uint8)
+HALF[:, 4:] = (255, 200, 90)
+
+
+def picture(figure, method, **changes):
+    """What the first machine of a method draws at a small size: uint8 [32, w, 4], top row first."""
+    profile = PROFILES[method.machines[0]]
+    # Each triangle is loaded by itself.
+    few = {"slices": 10, "stacks": 6} if "slices" in figure.parameters and profile is OCTANE else {}
+    changes = {**few, **changes}
+    drawn = execute(figure.commands(profile, 32, method, **changes), profile, *figure.dimensions(32))
+    return drawn.image()
+
+
+def scenes(*ids):
+    return [pytest.param(FIGURES[i], m, id=f"{i} {m.name}") for i in ids for m in FIGURES[i].methods]
+
+
+@pytest.mark.parametrize(
+    ("name", "ids"),
+    [("height_field", BOTH + WITH_MATERIAL + OTHERS), ("photograph", BOTH), ("material", WITH_MATERIAL)],
+)
+def test_which_figures_show_what_is_ones_own(name, ids):
+    assert [i for i, figure in FIGURES.items() if name in figure.parameters] == sorted(ids)
+
+
+@pytest.mark.parametrize(("figure", "method"), scenes(*BOTH, *WITH_MATERIAL, *OTHERS))
+def test_a_height_field_is_drawn_and_is_a_plane_at_scale_zero(figure, method):
+    own, bumped = picture(figure, method), picture(figure, method, height_field=BUMP)
+    assert (bumped != own).any()
+    if figure.id == "K13":  # What is embossed is stored over the highest point, so there is one.
+        return
+    level = picture(figure, method, height_field=BUMP, height_scale=0.0)
+    assert (bumped != level).any()
+    np.testing.assert_array_equal(
+        picture(figure, method, height_field=BUMP[::-1, ::2], height_scale=0.0), level
+    )
+
+
+@pytest.mark.parametrize(("figure", "method"), scenes(*BOTH))
+def test_a_photograph_is_drawn(figure, method):
+    shown = picture(figure, method, photograph=HALF)
+    assert (shown != picture(figure, method)).any()
+    assert (shown != picture(figure, method, photograph=255 - HALF)).any()
+
+
+@pytest.mark.parametrize(("figure", "method"), scenes(*WITH_MATERIAL))
+def test_a_material_is_drawn(figure, method):
+    own, gold = picture(figure, method), picture(figure, method, material="gold")
+    assert (gold != own).any()
+    assert (picture(figure, method, material="gold", height_field=BUMP) != gold).any()
+    smooth = material_textures.isotropic(8, 4, 0.5)
+    assert (picture(figure, method, material=smooth) != own).any()
+    with pytest.raises(ValueError, match="height_field would be ignored: give one of them"):
+        figure.commands(method.machines[0], 32, method, material=smooth, height_field=BUMP)
+
+
+def test_top_row_is_the_top_of_the_picture():
+    ramp = np.linspace(1.0, 0.0, 16)[:, None] + np.zeros(16)
+    grey = FIGURES["F003-4"].render("OPENGL_1_2", 16, height_field=ramp).image()[:, :16, 0]
+    assert grey[0].min() > 200
+    assert grey[-1].max() < 60
+    assert (np.diff(grey.astype(int), axis=0) <= 0).all()
+    colors = FIGURES["F003-2"].render(
+        "GEFORCE_256", 32, photograph=np.stack([ramp, 0.0 * ramp, 1.0 - ramp], axis=-1)
+    )
+    # A column through the middle of the first panel's wall.
+    red, _, blue, _ = colors.image()[:, 16].astype(int).T
+    wall = red + blue > 60
+    assert red[wall][0] > blue[wall][0]
+    assert red[wall][-1] < blue[wall][-1]
+
+
+def test_a_panorama_is_seen_in_its_directions():
+    rows, columns = np.mgrid[0:90, 0:180]
+    around = maps.photograph(np.stack([columns / 179.0, rows / 89.0, 0.0 * rows], axis=-1))
+    seen = around.panorama(np.array([(0, 0, -1), (1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0)], float))
+    np.testing.assert_allclose(seen[:3, 0], (0.5, 0.75, 0.25), atol=0.01)
+    np.testing.assert_allclose(seen[[0, 3, 4], 1], (0.5, 0.0, 1.0), atol=0.01)
+
+
+def test_files_arrays_and_pillow_give_the_same(tmp_path):
+    image = Image.fromarray(HALF)
+    image.save(tmp_path / "half.png")
+    np.save(tmp_path / "half.npy", HALF / 255.0)
+    given = (
+        HALF,
+        image,
+        image.convert("P", palette=Image.Palette.ADAPTIVE),
+        str(tmp_path / "half.png"),
+        tmp_path / "half.npy",
+    )
+    for value in given:
+        np.testing.assert_allclose(maps.photograph(value).colors, HALF[::-1] / 255.0, atol=1e-12)
+        heights = maps.height_field(value).heights
+        assert heights[:, :4].max() == 0.0
+        assert heights[:, 4:].min() == pytest.approx(1.0)
+    # What was taken is taken again.
+    taken = maps.height_field(HALF)
+    assert maps.height_field(taken) is taken
+
+
+def test_a_repeated_field_joins_its_edges_and_one_that_is_not_keeps_them():
+    ramp = maps.height_field(np.arange(64.0) + np.zeros((64, 1)))
+    joined = ramp.fitted(64, 64, 1.0, repeated=True)
+    assert abs(joined[:, 0] - joined[:, -1]).max() < 0.2
+    kept = ramp.fitted(64, 64, 0.5, repeated=False)
+    assert kept[:, 0].max() < 0.02
+    assert kept[:, -1].min() > 0.48
+
+
+def test_the_command_line_names_files_and_shows_what_was_given(tmp_path):
+    figure = FIGURES["F004-8"]
+    parameter = figure.offer("height_field", figure.methods[0])
+    np.save(tmp_path / "bump.npy", BUMP)
+    path = str(tmp_path / "bump.npy")
+    assert parameter.kind.show(parameter.parse(path, "F004-8's height_field")) == path
+    assert parameter.kind.show(parameter.parse("None", "")) == "None"
+    assert parameter.kind.show(parameter.accept(BUMP, "")) == "an array of shape (16, 16), float64"
+    material = figure.offer("material", figure.methods[0])
+    assert material.kind.show(material.parse("Gold", "")) == "gold"
+    assert material.kind.show(material_textures.isotropic(8, 4, 0.5)) == "a Material of 4 x 8 texels"
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "sentence"),
+    [
+        ("height_field", "nowhere.png", "F004-6's height_field: There is no file 'nowhere.png'. Give a PNG"),
+        ("height_field", "sample:grovel", "Did you mean gravel"),
+        ("height_field", np.ones((8, 8)), "Every value of the image is 1"),
+        ("height_field", np.full((8, 8), np.nan), "NaN or infinity"),
+        ("height_field", np.ma.masked_less(BUMP, 1.0), "masked values; fill them"),
+        ("height_field", np.arange(8.0), "has shape \\(8,\\)"),
+        ("height_field", np.zeros((0, 5)), "is empty"),
+        ("height_field", np.arange(8.0)[None], "1 x 8 heights; give two rows and two columns"),
+        ("height_field", BUMP * 1j, "complex128; give numbers"),
+        ("height_field", [["a", "b"]], "give numbers"),
+        ("photograph", np.full((4, 4, 3), 64), "type int64, whose full brightness is not known; give uint8"),
+        ("photograph", np.full((4, 4, 3), 64.0), "ranges over 64..64; give uint8"),
+        ("photograph", np.full((4, 4), np.nan), "ranges over nan..nan"),
+        ("photograph", np.zeros((4, 4, 5)), "has shape \\(4, 4, 5\\)"),
+        ("photograph", np.zeros((0, 4)), "has shape \\(0, 4\\)"),
+    ],
+)
+def test_what_is_no_picture_is_refused(name, value, sentence):
+    with pytest.raises(ValueError, match=f"^F004-6's {name}: ") as refused:
+        FIGURES["F004-6"].commands("GEFORCE_256", 32, **{name: value})
+    refused.match(sentence)
+
+
+@pytest.mark.parametrize(
+    ("value", "sentence"),
+    [
+        ("gild", "There is no material 'gild'; give gold, steel, brushed, stone or plastic"),
+        (3, "The material is of type int; give gold"),
+        (
+            material_textures.isotropic(8, 6, 0.5),
+            "The material has 6 rows and 8 columns of texels; textures have powers of two",
+        ),
+    ],
+)
+def test_what_is_no_material_is_refused(value, sentence):
+    with pytest.raises(ValueError, match=f"^F004-8's material: {sentence}"):
+        FIGURES["F004-8"].commands("GEFORCE_256", 32, material=value)
+
+
+def test_a_named_material_has_the_values_of_bump():
+    figure, steel = FIGURES["F004-5"], MATERIALS["steel"]
+    method = figure.methods[0]
+    by_hand = picture(
+        figure,
+        method,
+        alpha_x=steel.alpha_x,
+        alpha_y=steel.alpha_y,
+        k_s=(steel.k_s, steel.k_s),
+        diffuse=steel.diffuse,
+        ambient=tuple(0.12 * c for c in steel.diffuse),
+        specular=steel.specular,
+    )
+    np.testing.assert_array_equal(picture(figure, method, material="steel"), by_hand)
