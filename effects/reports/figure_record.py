@@ -46,6 +46,9 @@ def variant_name(figure, changes):
     return f"{figure.id}+{said}"
 
 
+_PLAIN = (bool, int, float, str, tuple)
+
+
 def _texts(figure, changes):
     """Changed values as the command line takes them, by name."""
     known = {name: p for method in figure.methods for name, p in figure.parameters_of(method).items()}
@@ -114,7 +117,10 @@ def render(figure, machines, size, threads, with_checks, step, changes=None):
     if changes:
         # What must be seen is of the figure's own values.
         del record["must_see"]
-        record |= {"figure": figure.id, "set": changes}
+        texts = _texts(figure, changes)
+        # Numbers as numbers; what JSON has no form for, a height field, as the command line takes it.
+        plain = {n: v if isinstance(v, _PLAIN) else texts[n] for n, v in changes.items()}
+        record |= {"figure": figure.id, "set": plain}
     files[f"{name}.json"] = (json.dumps(record, indent=2) + "\n").encode()
     return Rendered(files, record)
 
