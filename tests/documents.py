@@ -36,7 +36,7 @@ from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.acceptance.rings import ring_energy
 from fixedpipe.effects.figures import FIGURES, Renderer
 from fixedpipe.effects.figures.costs import SECONDS
-from fixedpipe.effects.figures.figure import DARK
+from fixedpipe.effects.figures.kautz_seidel_2000.f004_02_rings import CATALOGUED_DOME
 from fixedpipe.effects.reports.figure_record import render
 from fixedpipe.effects.studies import STUDIES
 from fixedpipe.pipeline.execution.machine import execute
@@ -284,10 +284,9 @@ def _ring_energies():
         renderer = Renderer(PROFILES[machine], figure.method(machine), execute, execute_ideal, kept)
         found = []
         for map_size in maps:
-            image = renderer.window(
-                answer, figure, size, **DARK, domes=1, extent=1.0, specular=(1.0, 1.0, 1.0), alpha_x=0.25,
-                alpha_y=0.25, map_size=map_size,
-            )[:, panel * size : (panel + 1) * size, 0]  # fmt: skip
+            image = renderer.window(answer, figure, size, **{**CATALOGUED_DOME, "map_size": map_size})[
+                :, panel * size : (panel + 1) * size, 0
+            ]
             found.append(ring_energy(image, map_size, 0.25, 0.25)[0])
         return " / ".join(_energy(energy) for energy in found)
 

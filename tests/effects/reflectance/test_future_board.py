@@ -153,7 +153,8 @@ def test_a_whole_model_goes_before_the_filter(name):
 
 
 def test_only_draws_that_filter_are_evaluated_first():
-    commands = FIGURES["F004-2"].commands(FUTURE, 16)
+    figure = FIGURES["F004-2"]
+    commands = figure.commands(FUTURE, 16, figure.methods[0])
     after = future_board.evaluated_first(commands)
     for was, now in zip(commands, after, strict=True):
         filters = isinstance(was, Draw) and bool(was.state.texture_units)

@@ -136,7 +136,7 @@ def test_combiners_come_before_the_filter_where_that_is_asked(before):
 
 def test_the_rings_of_f004_2_go_where_evaluation_comes_first():
     figure, size = FIGURES["F004-2"], 96
-    commands, apart = figure.commands(FUTURE, size), []
+    commands, apart = figure.commands(FUTURE, size, figure.methods[0]), []
     for before in (False, True):
         frame = [
             replace(c, state=replace(c.state, evaluate_before_filtering=True))
