@@ -5,6 +5,7 @@ import json
 import re
 import shutil
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -97,6 +98,14 @@ def test_the_first_check_sees_a_table_whose_axes_are_swapped(example, monkeypatc
     monkeypatch.setattr(toon_shading, "load_table", swapped)
     renderer = Renderer(GEFORCE_3, figure.method("GEFORCE_3"), execute, execute_ideal)
     assert not figure.checks(renderer)[0].passed
+
+
+def test_a_figure_is_drawn_wherever_it_is_made(example):
+    _, known = example
+    figure = replace(known["X01"], id="mine")
+    drawn = figure.render("GEFORCE_3", 32)
+    assert drawn.image().shape == drawn.difference.image().shape == (32, 32, 4)
+    assert "mine on GeForce 3" in repr(drawn)
 
 
 def test_the_example_under_another_name_is_not_found_without_a_word(example):
