@@ -29,7 +29,7 @@ def _picture(value):
         return read_picture(str(value)), str(value)
     if hasattr(value, "convert") and hasattr(value, "mode"):
         value = value if value.mode in _MODES else value.convert("RGB")
-    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+    if np.ma.is_masked(value):
         raise ValueError("The array has masked values; fill them before.")
     array = np.asarray(value)
     called = f"an array of shape {array.shape}, {array.dtype}"
@@ -155,27 +155,36 @@ def photograph(value):
     return Photograph(np.ascontiguousarray(colors[::-1]), called)
 
 
+_NAMES = f"{', '.join(list(MATERIALS)[:-1])} or {list(MATERIALS)[-1]}"
+
+
+def _named(value):
+    if value.casefold() not in MATERIALS:
+        raise ValueError(f"There is no material {value!r}; give {_NAMES}.")
+    return MATERIALS[value.casefold()]
+
+
+def _loadable(value):
+    rows, columns = value.k_s.shape
+    if rows & (rows - 1) or columns & (columns - 1):
+        raise ValueError(
+            f"The material has {rows} rows and {columns} columns of texels; textures have powers of two."
+        )
+    return value
+
+
+_MATERIALS = {str: _named, Material: _loadable, MaterialParameters: lambda value: value}
+
+
 def material(value):
     """A ``material_textures.Material``, or the MaterialParameters of a name, as they are.
 
     Raises ValueError for anything else, and for a Material whose edges are no powers of two.
     """
-    if isinstance(value, str):
-        if value.casefold() not in MATERIALS:
-            raise ValueError(f"There is no material {value!r}; give {_NAMES}.")
-        return MATERIALS[value.casefold()]
-    if isinstance(value, Material):
-        rows, columns = value.k_s.shape
-        if rows & (rows - 1) or columns & (columns - 1):
-            raise ValueError(
-                f"The material has {rows} rows and {columns} columns of texels; textures have powers of two."
-            )
-    elif not isinstance(value, MaterialParameters):
-        raise ValueError(f"The material is of type {type(value).__name__}; give {_NAMES} or a Material.")
-    return value
-
-
-_NAMES = f"{', '.join(list(MATERIALS)[:-1])} or {list(MATERIALS)[-1]}"
+    for kind, read in _MATERIALS.items():
+        if isinstance(value, kind):
+            return read(value)
+    raise ValueError(f"The material is of type {type(value).__name__}; give {_NAMES}, or a Material.")
 
 
 def material_name(value):

@@ -1,9 +1,13 @@
 """Height fields, photographs and materials of one's own in figures: drawn, or refused in a sentence."""
 
+import json
+
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from PIL import Image
 
+from fixedpipe.effects.cli import main
 from fixedpipe.effects.figures import FIGURES
 from fixedpipe.effects.reflectance import material_textures
 from fixedpipe.effects.user_pictures import maps
@@ -172,7 +176,7 @@ def test_what_is_no_picture_is_refused(name, value, sentence):
     ("value", "sentence"),
     [
         ("gild", "There is no material 'gild'; give gold, steel, brushed, stone or plastic"),
-        (3, "The material is of type int; give gold"),
+        (3, "The material is of type int; give gold, steel"),
         (
             material_textures.isotropic(8, 6, 0.5),
             "The material has 6 rows and 8 columns of texels; textures have powers of two",
@@ -198,3 +202,15 @@ def test_a_named_material_has_the_values_of_bump():
         specular=steel.specular,
     )
     np.testing.assert_array_equal(picture(figure, method, material="steel"), by_hand)
+
+
+def test_a_record_says_whose_height_field_was_drawn(tmp_path):
+    np.save(tmp_path / "bump.npy", BUMP)
+    path = str(tmp_path / "bump.npy")
+    given = ["--set", f"height_field={path}", "--set", "material=gold", "--set", "alpha_x=0.3"]
+    options = ["--profile", "GEFORCE_3", "--size", "16", "--out", str(tmp_path / "out")]
+    result = CliRunner().invoke(main, ["figures", "F004-8", *given, *options])
+    assert result.exit_code == 0, result.output
+    (record,) = (tmp_path / "out").glob("F004-8+*.json")
+    said = json.loads(record.read_text())["set"]
+    assert said == {"height_field": path, "material": "gold", "alpha_x": 0.3}

@@ -36,7 +36,17 @@ _MATERIAL = ("map_size", "bumps", "depth", "alpha_x", "alpha_y", "spread", "stro
 
 
 def bumpy_material(
-    map_size, bumps, depth, alpha_x, alpha_y, spread, stroke_depth, k_s, height_field=None, height_scale=0.0
+    *,
+    map_size,
+    bumps,
+    depth,
+    alpha_x,
+    alpha_y,
+    spread,
+    stroke_depth,
+    k_s,
+    height_field=None,
+    height_scale=0.0,
 ):
     """The slightly brushed bump map of all three panels: of pebbles, or of a height field."""
     if height_field is None:

@@ -26,7 +26,9 @@ TILT = 20.0
 VIEWER = np.array([0.0, 0.0, 1.0])
 
 
-def materials(map_size, depth, spread, k_s, alphas, exponents, squares, height_field=None, height_scale=0.0):
+def materials(
+    map_size, depth, spread, k_s, alphas, exponents, squares, *, height_field=None, height_scale=0.0
+):
     """What the models' spheres are made of, by their names in ``future_board``.
 
     ``alphas``: (alpha_x, alpha_y) of the Blinn-Phong model, then of Ward's. ``exponents``: of the Blinn-Phong
@@ -57,7 +59,8 @@ def scene(
     *model_panels, straight, steady = row_of_panels(len(MODELS) + 2, size)
     toward, surface = Light(light), surfaces.sphere(slices, stacks).with_repeats(*repeats)
     surface = surface.rotated(rotation("x", TILT))
-    made = materials(map_size, depth, spread, k_s, alphas, exponents, squares, height_field, height_scale)
+    own = {"height_field": height_field, "height_scale": height_scale}
+    made = materials(map_size, depth, spread, k_s, alphas, exponents, squares, **own)
     out = []
     for panel, (name, passes), color, bright in zip(
         model_panels, MODELS.items(), diffuse[:3], specular, strict=True
