@@ -4,7 +4,7 @@ Pictures may come from files, arrays or Pillow; all have their top row first, an
 is drawn. Scenes have the bottom row first, as textures do.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -38,9 +38,9 @@ def _picture(value):
     return array, called
 
 
-def _fitted(field, columns, rows, repeated):
-    """A field [rows, columns] at another size; ``repeated``: its edges are faded into each other before."""
-    return resample(tileable(field) if repeated else field, columns, rows)
+def _fitted(values, columns, rows, repeated):
+    """Values [rows, columns] at another size; ``repeated``: its edges are faded into each other before."""
+    return resample(tileable(values) if repeated else values, columns, rows)
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ class HeightField:
     ``called``: where they come from, in words.
     """
 
-    heights: np.ndarray
+    heights: np.ndarray = field(repr=False)
     called: str
 
     def fitted(self, columns, rows, scale, *, repeated):
@@ -92,7 +92,7 @@ class Photograph:
     ``called``: where they come from, in words.
     """
 
-    colors: np.ndarray
+    colors: np.ndarray = field(repr=False)
     called: str
 
     def fitted(self, columns, rows, *, repeated):

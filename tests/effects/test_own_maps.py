@@ -122,6 +122,7 @@ def test_files_arrays_and_pillow_give_the_same(tmp_path):
     # What was taken is taken again.
     taken = maps.height_field(HALF)
     assert maps.height_field(taken) is taken
+    assert repr(taken) == "HeightField(called='an array of shape (8, 8, 3), uint8')"
 
 
 def test_a_repeated_field_joins_its_edges_and_one_that_is_not_keeps_them():

@@ -428,7 +428,11 @@ FIGURE = Figure(
         "ward": word.SPECULAR((1.0, 0.97, 0.90), "The colour of the highlights by Ward's model."),
         "background": word.BACKDROP(BACKGROUND),
         "height_field": own_maps.height_field("the pebbles", repeats=False),
-        "height_scale": own_maps.HEIGHT_SCALE(0.05),
+        "height_scale": own_maps.HEIGHT_SCALE(
+            0.05,
+            "How far the highest point of height_field stands above the lowest, in widths of it. Where it is "
+            "so steep that (n.l)(n.v) is below 1/4, Ward's model by tables is dimmer than it should be.",
+        ),
         "material": own_maps.MATERIAL,
     },
     methods=(
