@@ -118,10 +118,12 @@ class Figure:
         return {name: parameter.default for name, parameter in self.parameters.items()}
 
     def method(self, machine: str) -> Method:
-        """How a machine draws it, by the machine's key.
+        """How a machine draws it, by the machine's key; the ideal, which can do all, draws as the first does.
 
         Raises ValueError where it cannot.
         """
+        if machine in PROFILES and PROFILES[machine].arithmetic.exact:
+            return self.methods[0]
         for method in self.methods:
             if machine in method.machines:
                 return method
@@ -137,7 +139,7 @@ class Figure:
         while origin is not None:
             for key, known in PROFILES.items():
                 if origin == known:
-                    return self.methods[0] if known.arithmetic.exact else self.method(key)
+                    return self.method(key)
             origin = origin.changed_from or origin.ancestor
         raise ValueError(
             f"{profile.name} is made from no machine that is known, so {self.id} has no way to be drawn on "

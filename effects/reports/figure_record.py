@@ -142,7 +142,7 @@ def _on_machine(figure, machine, size, threads, step, changes):
     name, texts = variant_name(figure, changes), _texts(figure, changes)
     changed = "".join(f"; {key} = {text}" for key, text in texts.items())
     if profile.arithmetic.exact:
-        return _by_the_ideal(figure, machine, size, threads, step)
+        return _by_the_ideal(figure, machine, size, threads, step, changes)
     step(f"{name}: on the {profile.name}, {width}x{height}")
     with refusals():
         drawn = figure.render(machine, size, threads=threads, **changes)
@@ -153,7 +153,7 @@ def _on_machine(figure, machine, size, threads, step, changes):
     record = {
         "profile": machine,
         "method": drawn.method.name,
-        "parameters": {**drawn.method.values, **{n: p.default for n, p in drawn.method.parameters.items()}},
+        "parameters": _own_values(drawn.method),
         "sha256": digest(pictures["machine"]),
         "difference_rms": float(np.sqrt((drawn.error * drawn.error).mean())),
         "difference_max": float(np.abs(drawn.error).max()),
@@ -170,25 +170,32 @@ def _on_machine(figure, machine, size, threads, step, changes):
     return pictures, record
 
 
-def _by_the_ideal(figure, machine, size, threads, step):
+def _by_the_ideal(figure, machine, size, threads, step, changes):
     """The one picture of the ideal by itself, with its own tests of depth and stencil, and its record."""
-    profile, method, (width, height) = PROFILES[machine], figure.method(machine), figure.dimensions(size)
-    step(f"{figure.id}: by the ideal, {width}x{height}")
+    profile, (width, height) = PROFILES[machine], figure.dimensions(size)
+    name, texts = variant_name(figure, changes), _texts(figure, changes)
+    step(f"{name}: by the ideal, {width}x{height}")
     with refusals():
-        commands = figure.commands(profile, size, method)
-        image = execute_ideal(commands, width, height, threads=threads).image()
-    step(f"{figure.id}: rounding to bytes")
-    step(f"{figure.id}: writing")
-    caption = f"{profile.name}, {method.name}: float64, rounded to bytes at the end"
+        drawn = figure.render(machine, size, threads=threads, **changes)
+    step(f"{name}: rounding to bytes")
+    image = drawn.image()
+    step(f"{name}: writing")
+    caption = f"{profile.name}, {drawn.method.name}: float64, rounded to bytes at the end"
+    caption += "".join(f"; {key} = {text}" for key, text in texts.items())
     record = {
         "profile": machine,
-        "method": method.name,
-        "parameters": dict(method.parameters),
+        "method": drawn.method.name,
+        "parameters": _own_values(drawn.method),
         "sha256": digest(image),
         "difference_rms": 0.0,
         "difference_max": 0.0,
-        "pictures": {"ideal": {"file": picture_name(figure.id, machine, "machine"), "caption": caption}},
+        "pictures": {"ideal": {"file": picture_name(name, machine, "machine"), "caption": caption}},
         "checks": [],
         "provenance": provenance(profile),
     }
     return {"machine": image}, record
+
+
+def _own_values(method):
+    """What of the parameters' values is the method's, by name."""
+    return {**method.values, **{name: p.default for name, p in method.parameters.items()}}

@@ -163,3 +163,14 @@ def test_parameters_of_no_figure_are_refused_with_the_nearest():
     done = run("parameters", "F004-44")
     assert done.exit_code == 2
     assert "There is no figure 'F004-44'. Did you mean F004-4?" in done.output
+
+
+def test_a_variant_by_the_ideal_is_no_picture_of_the_figure_either(tmp_path):
+    done = run("figures", "K14", "--profile", "IDEAL", "--set", "cells=8", "--size", "16", "--out", tmp_path)
+    assert done.exit_code == 0, done.output
+    assert {p.name for p in tmp_path.iterdir()} == {"index.html", "K14+cells=8.json", "K14+cells=8-IDEAL.png"}
+    drawn = FIGURES["K14"].render("IDEAL", 16, cells=8)
+    written = np.asarray(Image.open(tmp_path / "K14+cells=8-IDEAL.png"))
+    np.testing.assert_array_equal(written, drawn.image()[..., :3])
+    (machine,) = json.loads((tmp_path / "K14+cells=8.json").read_text())["machines"]
+    assert machine["pictures"]["ideal"]["caption"].endswith("; cells = 8")
