@@ -277,8 +277,9 @@ class Figure:
         return Rendering(self, machine, way, height, changes, result, threads)
 
     def _machine(self, profile: object) -> Profile:
-        if isinstance(profile, Profile):
-            return profile
+        return profile if isinstance(profile, Profile) else self._machine_called(profile)
+
+    def _machine_called(self, profile: object) -> Profile:
         there = f"{self.id} can be drawn on {', '.join(self.machines)}, and as IDEAL"
         if not isinstance(profile, str):
             raise ValueError(f"The machine is {profile!r}; give its name or its Profile. {there}.")

@@ -47,6 +47,11 @@ def _number(value: float) -> str:
     return f"{value:g}" if isinstance(value, float) and float(f"{value:g}") == value else str(value)
 
 
+def _plain(value: Real) -> int | float:
+    """A number of whatever library as Python's own."""
+    return int(value) if isinstance(value, Integral) else float(value)
+
+
 @dataclass(frozen=True)
 class Number:
     """A finite number from ``low`` to ``high``; ``above``: more than ``low``."""
@@ -73,7 +78,7 @@ class Number:
         """A float, or the whole number that was given."""
         if isinstance(value, bool | np.bool_) or not isinstance(value, Real):
             raise ValueError
-        number = int(value) if isinstance(value, Integral) else float(value)
+        number = _plain(value)
         if not math.isfinite(number) or not self.low <= number <= self.high:
             raise ValueError
         if self.above and number == self.low:
@@ -212,9 +217,10 @@ class Several:
         return "(" + "; ".join(part.allowed for part in self.parts) + ")"
 
     def _kinds(self, count: int) -> Sequence[Kind]:
-        kinds = self.parts if isinstance(self.parts, tuple) else (self.parts,) * count
-        most = len(kinds) if isinstance(self.parts, tuple) else self.most
-        least = len(kinds) if isinstance(self.parts, tuple) else self.least
+        if isinstance(self.parts, tuple):
+            kinds, least, most = self.parts, len(self.parts), len(self.parts)
+        else:
+            kinds, least, most = (self.parts,) * count, self.least, self.most
         if not least <= count <= most:
             raise ValueError
         return kinds

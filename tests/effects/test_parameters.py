@@ -80,7 +80,7 @@ def changed(figure_id="F004-4", machine="GEFORCE_3", size=16, **changes):
         ({"figure_id": "K04", "model": "best"}, r"K04's model is 'best'; give exact or R\*, as 'exact'"),
         ({"figure_id": "K02", "cells": 5}, "K02's cells is 5; give an even number from 2 to 64"),
         ({"figure_id": "F003-2", "maps": 3}, "maps is 3; give a power of two from 4 to 1024, or None"),
-        ({"figure_id": "F004-7", "alpha_x": 1}, "F004-7 has no parameters, so 'alpha_x' cannot be changed"),
+        ({"figure_id": "F003-17", "alpha_x": 1}, "F003-17 has no parameters, so 'alpha_x' cannot be changed"),
         (
             {"figure_id": "F003-10", "machine": "OPENGL_1_2", "texels": 2},
             "F003-10 has no parameter 'texels' on OPENGL_1_2; it has on GEFORCE_3, INFINITE_REALITY",

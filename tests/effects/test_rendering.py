@@ -35,6 +35,15 @@ def test_a_rendering_has_the_machine_s_picture_and_the_ideal_s_of_the_same_fragm
     assert DIFFERENCE_GAIN == 8.0
 
 
+def test_the_ideal_is_guided_where_a_test_of_depths_would_decide_otherwise():
+    figure = FIGURES["H37"]
+    drawn = figure.render("GEFORCE_256", 32)
+    commands = figure.commands(IDEAL, 32)
+    guided, free = (execute_ideal(commands, 96, 32, guide=g).color for g in (drawn.result, None))
+    assert (guided != free).any()
+    np.testing.assert_array_equal(drawn.ideal.color, guided)
+
+
 def test_its_arrays_have_their_top_row_first(drawn):
     """The light is above: the spheres' upper halves are the brighter ones, in every array."""
     upper, lower = slice(0, SIZE // 2), slice(SIZE // 2, None)
