@@ -399,7 +399,10 @@ FIGURE = Figure(
     title="The same bumps in three reflectance models",
     caption=(
         "One square with a slightly brushed bump map, lit from the upper right: Banks's model (left), the "
-        "anisotropic Blinn-Phong model (middle), Ward's (right)."
+        "anisotropic Blinn-Phong model (middle), Ward's (right). The white lines along the creases between "
+        "bumps are F004-2's rings, where vectors are filtered before they are used: on a GeForce 256 in the "
+        "middle, where they are plainest. Its alphas are 0.25 and 0.625, for it stores none below 0.25, and "
+        "elsewhere 0.2 and 0.5; Ward divides by alpha_x alpha_y, so his highlights are dimmer there."
     ),
     must_see=(
         "The same bumps three times. Banks: broad bands of light across the brushing, as bright far from the "
