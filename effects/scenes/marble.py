@@ -4,12 +4,12 @@
 # textures of the same.
 MARBLE = {
     "cells": 2,
-    "width": 8.0,
+    "width": 10.0,
     "relief": 1.5,
-    "alpha_x": 0.4,
-    "alpha_y": (0.4, 1.0),
+    "alpha_x": 0.5,
+    "alpha_y": (0.3, 1.0),
     "k_s": 1.0,
     "light_color": (0.93, 0.88, 0.80),
-    "dark_color": (0.10, 0.15, 0.14),
+    "dark_color": (0.20, 0.30, 0.27),
 }
 MAP_SIZE = 256

@@ -91,7 +91,7 @@ def checks(figure, renderer):
                 float(bright[dark].mean() / bright[light].mean()),
                 at_least=1.2,
                 on=on,
-                reason="the catalogue's acceptance; alpha_y is up to 2.5 times as large",
+                reason="the catalogue's acceptance; alpha_y is up to 3.3 times as large",
             )
     white = {
         **DARK,
@@ -124,21 +124,24 @@ def checks(figure, renderer):
     yield Check(
         "RMS of machine - ideal on the sphere",
         root_mean_square(error[~np.isnan(shade)]),
-        at_most=0.0052,
+        at_most=0.0075,
         on=Answer.MACHINE,
-        reason="a third of Eq. 1's own error of 0.015 where the highlight is, and a byte of the diffuse "
-        "pass; measured at the first correct picture, with a third of slack",
+        reason="Eq. 1's own error of 0.015, where the highlight of 0.6 is, and a byte of the diffuse pass; "
+        "measured at the first correct picture, with a third of slack",
     )
 
 
 FIGURE = Figure(
     id="F004-6",
     title="Marble with elevated veins",
-    caption="A marble sphere; its veins stand out of the surface, and alpha_y is larger in its dark parts.",
+    caption=(
+        "A marble sphere; its veins stand out of the surface. alpha_y is 0.3 in the light stone and 1 in the "
+        "dark parts, which therefore reflect the light from farther around."
+    ),
     must_see=(
-        "Light polished stone with a network of dark veins, each with a lit and a shaded flank; the "
-        "highlight spreads further in the dark parts than in the light ones. With the imaging subset flat "
-        "triangles are seen."
+        "Polished grey stone with a network of dark green veins, each with a lit and a shaded flank. Round "
+        "the small highlight of the stone veins shine pale far out, brighter than the stone beside "
+        "them; elsewhere they are dark. With the imaging subset flat triangles are seen."
     ),
     source="KautzSeidel2000",
     techniques=("K07", "K08", "K10", "K21"),
@@ -165,9 +168,9 @@ FIGURE = Figure(
         "slices": word.SLICES(50),
         "stacks": word.STACKS(26),
         "radius": word.RADIUS(0.92),
-        "diffuse": word.DIFFUSE((0.85, 0.85, 0.85)),
+        "diffuse": word.DIFFUSE((0.62, 0.62, 0.62)),
         "ambient": word.AMBIENT((0.07, 0.075, 0.085)),
-        "specular": word.SPECULAR((0.35, 0.34, 0.33)),
+        "specular": word.SPECULAR((0.60, 0.60, 0.58)),
         "background": word.BACKDROP(BACKGROUND),
         **OWN,
     },
