@@ -28,11 +28,20 @@ VIEWER = np.array([0.0, 0.0, 1.0])
 
 @lru_cache(maxsize=4)
 def domes(map_size, exponents, rim_radius, alpha_x, alpha_y, spread, k_s):
-    """Domes on a square, brushed along s, as many rows and columns as ``exponents``, one for each column."""
+    """Domes on a square, brushed along s, as many rows and columns as ``exponents``, one for each column.
+
+    ``alpha_y``: that of the lowest row and of the highest; the rows between have steps of equal size.
+    """
     s, t = height_fields.texel_centers(map_size, map_size)
     slopes = height_fields.dome_slopes(s * len(exponents), t * len(exponents), rim_radius)
+    row = np.floor(t * len(exponents)) / max(len(exponents) - 1, 1)
     material = material_textures.brushed_bumps(
-        *slopes, alpha_x=alpha_x, alpha_y=alpha_y, spread=spread, stroke_depth=0.0, k_s=k_s
+        *slopes,
+        alpha_x=alpha_x,
+        alpha_y=alpha_y[0] + (alpha_y[1] - alpha_y[0]) * row,
+        spread=spread,
+        stroke_depth=0.0,
+        k_s=k_s,
     )
     return replace(material, exponent=np.array(exponents)[(s * len(exponents)).astype(int)])
 
@@ -134,7 +143,7 @@ def checks(figure, renderer):
             float(plain.max() / plain.min()),
             at_most=1.1,
             on=on,
-            reason="alphas and domes are the same everywhere; strokes and texels differ",
+            reason="alphas and domes are the same in every column; strokes and texels differ",
         )
         yield Check(
             "with N: largest deviation of a column's area from the model's, but the last's, relative",
@@ -204,13 +213,15 @@ FIGURE = Figure(
     id="K05",
     title="Anisotropic Blinn-Phong with an exponent per texel",
     caption=(
-        "Domes brushed along the horizontal. Left: without N, as the paper proposes, F = sqrt(e), and only "
-        "alpha says how sharp. Right: F(N, e) = (sqrt e)^N looked up with N from a material texture: 2, 8, "
-        "32 and 128 from column to column."
+        "Domes brushed along the horizontal; alpha_y falls from 1 in the lowest row to 0.3, which is "
+        "alpha_x, in the highest. Left: without N, as the paper proposes, F = sqrt(e), and only alpha says "
+        "how sharp. Right: F(N, e) = (sqrt e)^N looked up with N from a material texture: 2, 8, 32 and 128 "
+        "from column to column."
     ),
     must_see=(
-        "Left, the highlights of all domes are alike and end in an edge; right, they are softer and shrink "
-        "from column to column, to a point in the last, and keep their shape."
+        "Left, the highlights end in an edge, are alike in a row and get shorter from row to row: drawn out "
+        "across the brushing in the lowest and nearly round in the highest. Right, they are softer and "
+        "shrink from column to column, to a point in the last, and are round in the highest row too."
     ),
     source="KautzSeidel2000",
     techniques=("K05", "K06", "K01", "K10"),
@@ -227,7 +238,11 @@ FIGURE = Figure(
             0.93, "The radius of the domes, over half the distance of two.", low=0.1, high=1.0
         ),
         "alpha_x": word.ALPHA_X(0.3),
-        "alpha_y": word.ALPHA_Y(0.8),
+        "alpha_y": word.of(
+            word.Several((word.ALPHA_KIND,) * 2, "two numbers from 0.05 to 1"),
+            (1.0, 0.3),
+            "The highlight's width along the binormals in the lowest row of domes, then in the highest.",
+        ),
         "spread": word.SPREAD(6.0),
         "k_s": word.K_S((0.9, 1.0)),
         "light": word.LIGHT((-0.56, 0.45, 0.66)),

@@ -29,13 +29,13 @@ BY_TEXTURE_SHADERS, BY_PIXEL_TEXTURES = "texture shaders", "pixel textures"
 def domed_material(map_size, domes, rim, exponents, brushing, k_s):
     """``domes`` x ``domes`` domes of k_s on a dull plate.
 
-    Each row of domes, from the bottom up, has its N of ``exponents`` and is brushed along its angle of
+    Each dome, row by row from the lower left, has its N of ``exponents`` and is brushed along its angle of
     ``brushing``, degrees from the s axis.
     """
     s, t = height_fields.texel_centers(map_size, map_size)
     normals, _, _ = height_fields.frames(*height_fields.dome_slopes(s * domes, t * domes, rim))
-    row = np.floor(t * domes).astype(int)
-    angles = np.radians(np.array(brushing))[row]
+    dome = (np.floor(t * domes) * domes + np.floor(s * domes)).astype(int)
+    angles = np.radians(np.array(brushing))[dome]
     along = np.stack([cosine(angles), sine(angles), np.zeros(angles.shape)], axis=-1)
     tangents = normalize(along - dot(along, normals)[..., None] * normals)
     u, v = (2.0 * (c * domes - np.floor(c * domes)) - 1.0 for c in (s, t))
@@ -43,7 +43,7 @@ def domed_material(map_size, domes, rim, exponents, brushing, k_s):
     reach = rim - 4.0 * domes / map_size
     gloss = np.where(u * u + v * v < reach * reach, k_s, 0.0)
     return material_textures.Material(
-        normals, tangents, cross(normals, tangents), 1.0, 1.0, gloss, exponent=np.array(exponents)[row]
+        normals, tangents, cross(normals, tangents), 1.0, 1.0, gloss, exponent=np.array(exponents)[dome]
     )
 
 
@@ -134,8 +134,8 @@ _TABLES = "the catalogue's acceptance of dependent tables of 256 x 256 texels (F
 _BOUNDS = {
     (BY_PIXEL_TEXTURES, "Phong"): (
         0.0125,
-        "n.l and n.v wait in the framebuffer as bytes, which leaves c = 2 (n.l)(n.v) - l.v off by 1/300, "
-        "and N multiplies that; measured at the first correct picture, a third of slack",
+        "n.l and n.v are bytes in a texture and in the framebuffer, which leaves c = 2 (n.l)(n.v) - l.v off "
+        "by 1/300, and N multiplies that; measured at the first correct picture, a third of slack",
     )
 }
 
@@ -146,7 +146,7 @@ def checks(figure, renderer):
     size, domes, exponents = (parameters[k] for k in ("map_size", "domes", "exponents"))
     shines = domed_material(**{name: parameters[name] for name in _MATERIAL}).k_s > 0.0
     rows = [slice(k * size // domes, (k + 1) * size // domes) for k in range(domes)]
-    first_dome = slice(0, size // domes)
+    caps = 1.0 - 0.5 ** (1.0 / np.array(exponents))
     for on in Answer:
         image = np.clip(renderer.window(on, figure, size, **_MEASURED)[..., 0], 0.0, 1.0)
         panels = {name: image[:, k * size : (k + 1) * size] for k, name in enumerate(MODELS)}
@@ -164,7 +164,7 @@ def checks(figure, renderer):
                 reason=reason,
             )
         areas = [float((panels["Phong"][row] > 0.5).mean()) for row in rows]
-        expected = (1.0 - 0.5 ** (1.0 / exponents[0])) / (1.0 - 0.5 ** (1.0 / exponents[-1]))
+        expected = caps[:domes].sum() / caps[-domes:].sum()
         yield Check(
             "Phong: area above one half, lowest row of domes over highest, relative deviation",
             abs(areas[0] / areas[-1] / expected - 1.0),
@@ -174,7 +174,7 @@ def checks(figure, renderer):
             "projected, and pixels are whole",
         )
         for k, angle in enumerate(parameters["brushing"]):
-            dome = panels["Schlick"][rows[k], first_dome]
+            dome = panels["Schlick"][rows[k // domes], rows[k % domes]]
             lies, _ = principal_axis(np.where(dome > 0.5 * dome.max(), dome, 0.0))
             yield Check(
                 f"Schlick: angle of the highlight to the brushing along {angle:g} degrees, off 90",
@@ -189,15 +189,18 @@ FIGURE = Figure(
     id="K24",
     title="Other models that fit the scheme",
     caption=(
-        "The same domes in three models. Left: Phong, with N of 6, 14 and 32 in the rows from the bottom up. "
-        "Middle: Schlick's anisotropic model, the rows brushed along 0, 45 and 90 degrees. Right: one lobe "
-        "of Lafortune's model in the same frames."
+        "The same domes in three models. Left: Phong, with N from 4 in the lower left to 32 in the upper "
+        "right. Middle: Schlick's anisotropic model, the brushing turned by 20 degrees from dome to dome. "
+        "Right: one lobe of Lafortune's model in the same frames. On the Octane Phong's smallest highlights "
+        "are stepped: n.l and n.v are bytes in the texture that they are loaded into and again in the "
+        "framebuffer, and the power N multiplies their steps."
     ),
     must_see=(
-        "Left: highlights that shrink from the lowest row of domes to the highest. Middle: narrow highlights "
-        "across the brushing, upright in the lowest row, lying in the highest, each pinched at its centre, "
-        "where Schlick's azimuth factor jumps. Right: soft highlights that turn with the brushing and are "
-        "brightest in the middle row. No dark or bright lines round the domes."
+        "Left: highlights that shrink from dome to dome, row by row from the lower left; on the Octane those "
+        "of the upper row have steps. Middle: narrow highlights across the brushing, upright in the lower "
+        "left and turned from dome to dome, each pinched at its centre, where Schlick's azimuth factor "
+        "jumps. Right: soft highlights that turn with the brushing, of several brightnesses. No dark or "
+        "bright lines round the domes."
     ),
     source="KautzSeidel2000",
     techniques=("K24", "K10"),
@@ -205,19 +208,17 @@ FIGURE = Figure(
     size=384,
     parameters={
         "map_size": word.TEXELS(256),
-        "domes": word.internal(
-            3, "There are as many domes along an edge as exponents and brushing directions, three."
-        ),
+        "domes": word.internal(3, "There are as many domes as exponents and brushing directions, nine."),
         "rim": word.NUMBER(0.9, "The radius of the domes, over half the distance of two.", low=0.1, high=1.0),
         "exponents": word.of(
-            word.Several((word.EXPONENT_KIND,) * 3),
-            (6.0, 14.0, 32.0),
-            "The exponent N of each row of Phong's domes, from the bottom up.",
+            word.Several((word.EXPONENT_KIND,) * 9),
+            (4.0, 5.0, 7.0, 9.0, 11.0, 15.0, 19.0, 25.0, 32.0),
+            "The exponent N of each of Phong's domes, row by row from the lower left.",
         ),
         "brushing": word.of(
-            word.Several((word.Number(-180.0, 180.0),) * 3),
-            (0.0, 45.0, 90.0),
-            "The direction in which each row of domes is brushed, from the bottom up.",
+            word.Several((word.Number(-180.0, 180.0),) * 9),
+            (0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0, 160.0),
+            "The direction in which each dome is brushed, row by row from the lower left.",
             "degrees",
         ),
         "k_s": word.SHARE(1.0, "The strength of the highlights.", word.FULL),
