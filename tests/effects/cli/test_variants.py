@@ -40,6 +40,18 @@ def test_a_variant_is_what_render_draws_and_says_what_was_changed(tmp_path):
     assert "F004-4's own is light=0.4,0.3,0.87. The direction towards the light" in done.output
 
 
+def test_the_ideal_draws_a_variant_too_and_leaves_the_figures_own_files(tmp_path):
+    small = ("--size", "16", "--profile", "IDEAL", "--out", tmp_path)
+    assert run("figures", "K14", *small).exit_code == 0
+    own = (tmp_path / "K14-IDEAL.png").read_bytes()
+    assert run("figures", "K14", "--set", "cells=8", *small).exit_code == 0
+    assert (tmp_path / "K14-IDEAL.png").read_bytes() == own
+    written = np.asarray(Image.open(tmp_path / "K14+cells=8-IDEAL.png"))
+    ideal = FIGURES["K14"].render("IDEAL", 16, cells=8).image()[..., :3]
+    np.testing.assert_array_equal(written, ideal)
+    assert (written != np.asarray(Image.open(tmp_path / "K14-IDEAL.png"))).any()
+
+
 def test_a_gallery_has_a_card_for_the_figure_and_one_for_each_variant(tmp_path):
     small = ("--size", "16", "--profile", "GEFORCE_256", "--out", tmp_path)
     assert run("figures", "K14", *small).exit_code == 0
