@@ -6,14 +6,14 @@ import shlex
 import click
 
 
-@click.command(short_help="What may be changed of a figure.")
+@click.command(short_help="Name what may be changed in a figure.")
 @click.argument("figure_id", metavar="ID")
 @click.option("--json", "json_file", metavar="FILE", help="Write them as a JSON list as well.")
 def parameters(figure_id, json_file):
     """Print the parameters of figure ID: each with its value, unit and range, and what it does.
 
-    Values are written as --set of figures, passes and precision takes them: numbers between commas, and where
-    there are several of several, these between slashes.
+    Values are written as figures, passes and precision take them after --set: the numbers of one value with
+    commas between them, several such values with slashes between them.
     """
     from fixedpipe.effects.figures import FIGURES
     from fixedpipe.effects.refusal import choose
@@ -35,7 +35,9 @@ def parameters(figure_id, json_file):
             click.echo(f"    {value} on {machines}")
         click.echo(f"    {row['does']}")
         click.echo(f"    Give {row['allowed']}.")
-    setting = shlex.quote(f"{rows[0]['name']}={rows[0]['default']}")
+    # None is a value too, but no example of one.
+    shown = next((row for row in rows if row["default"] != "None"), rows[0])
+    setting = shlex.quote(f"{shown['name']}={shown['default']}")
     click.echo(f"\nAs in fixedpipe figures {figure.id} --set {setting}")
 
 

@@ -19,8 +19,8 @@ from fixedpipe.effects.reports.study_record import json_bytes, measured, plotted
 )
 @click.option("--json", "json_file", metavar="FILE", help="Write all results as one JSON list as well.")
 def study(study_ids, profile, check, out, json_file):
-    """Measure the studies with the given IDs, or all, on the emulated machines. Without an ID --check
-    measures all, and nothing but their names is printed otherwise.
+    """Measure the studies with the given IDs, or all, on the emulated machines. Without an ID
+    their names are printed; --check without an ID measures all.
 
     Prints each table and what its numbers say, and writes ID.png, a plot, and ID.json beside it. Plots need
     matplotlib: pip install 'fixedpipe[plots]'.

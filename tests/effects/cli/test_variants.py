@@ -171,6 +171,10 @@ def test_a_figure_without_parameters_says_so():
     assert done.output == "F003-17 has no parameters: Depth image seen from the light.\n"
 
 
+def test_the_example_of_parameters_changes_a_value_that_there_is():
+    assert "fixedpipe figures F004-7 --set height_scale=0.02\n" in run("parameters", "F004-7").output
+
+
 def test_parameters_of_no_figure_are_refused_with_the_nearest():
     done = run("parameters", "F004--4")
     assert done.exit_code == 2

@@ -7,7 +7,7 @@ from fixedpipe.effects.reflectance import material_textures
 # The parameters of both figures.
 OWN = {
     "photograph": own_maps.photograph(
-        "the stone's colours: where it is dark it stands up, and alpha_y is the veins'"
+        "the stone's colours, whose dark parts are raised and have the veins' alpha_y"
     ),
     "height_field": own_maps.height_field("the veins' relief"),
     "height_scale": own_maps.HEIGHT_SCALE(0.02),
