@@ -87,8 +87,8 @@ PANORAMA = Parameter(
 MATERIAL = Parameter(
     None,
     _MATERIAL,
-    "A material in the place of the figure's. A name gives the figure's surface that material's widths of the "
-    "highlight, strength and colours; a Material of Python brings its own surface, bottom row first.",
+    "A material in the place of the figure's. A name gives the figure's surface that material's widths of "
+    "the highlight, strength and colours; a Material of Python brings its own surface, bottom row first.",
 )
 
 
