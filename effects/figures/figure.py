@@ -235,7 +235,7 @@ class Figure:
         _, edge = self.dimensions(size)
         changes = self.accepted(method, changes)
         try:
-            return method.scene(machine, edge, **{**self.values_of(method), **changes})
+            return method.scene(machine, edge, **self._scene_values(method, changes))
         except ValueError as error:
             if not changes:
                 raise
@@ -275,6 +275,13 @@ class Figure:
             # The run that records what the ideal is guided by draws the picture as well.
             result = execute(commands, machine, width, height, threads=threads, record=True)
         return Rendering(self, machine, way, height, changes, result, threads)
+
+    def _scene_values(self, method: Method, changes: Mapping[str, Any]) -> dict[str, Any]:
+        """All that the scene is given: what is changed before what that brings, and that before its own."""
+        values, known = dict(self.values_of(method)), self.parameters_of(method)
+        for name, value in changes.items():
+            values |= {n: v for n, v in known[name].brings(value).items() if n in values}
+        return values | dict(changes)
 
     def _machine(self, profile: object) -> Profile:
         return profile if isinstance(profile, Profile) else self._machine_called(profile)

@@ -84,18 +84,12 @@ PANORAMA = Parameter(
     "A panorama in the place of environment, all around from left to right and from straight down to "
     "straight up: its middle is what the viewer looks at, its top row is above.",
 )
-MATERIAL = Parameter(
-    None,
-    _MATERIAL,
-    "A material in the place of the figure's. A name gives the figure's surface that material's widths of "
-    "the highlight, strength and colours; a Material of Python brings its own surface, bottom row first.",
-)
 
 
-def with_material(values: Mapping[str, Any], material: object) -> dict[str, Any]:
-    """A scene's values with those of a material that is given by name, of which each name is looked at."""
+def _of_material(material: object) -> Mapping[str, Any]:
+    """What a material that is given by name brings for other parameters."""
     if not isinstance(material, MaterialParameters):
-        return dict(values)
+        return {}
     own: dict[str, Any] = {
         "alpha_x": material.alpha_x,
         "alpha_y": material.alpha_y,
@@ -103,8 +97,17 @@ def with_material(values: Mapping[str, Any], material: object) -> dict[str, Any]
         "diffuse": material.diffuse,
         "ambient": tuple(0.12 * c for c in material.diffuse),
     }
-    own |= dict.fromkeys(("specular", "banks", "blinn_phong", "ward"), material.specular)
-    return {name: own.get(name, value) for name, value in values.items()}
+    return own | dict.fromkeys(("specular", "banks", "blinn_phong", "ward"), material.specular)
+
+
+MATERIAL = Parameter(
+    None,
+    _MATERIAL,
+    "A material in the place of the figure's. A name gives the figure's surface that material's widths of "
+    "the highlight, strength and colours, where these are not given too; a Material of Python brings its own "
+    "surface, bottom row first.",
+    brings=_of_material,
+)
 
 
 def material_or(made: Callable[[], Material], material: object, height_field: object) -> Material:

@@ -299,6 +299,10 @@ class Internal:
         return repr(value)
 
 
+def _nothing(value: Any) -> Mapping[str, Any]:
+    return {}
+
+
 @dataclass(frozen=True, eq=False)
 class Parameter:
     """What may be changed of a figure.
@@ -307,12 +311,14 @@ class Parameter:
     kind     which values there may be
     does     what it does, a sentence
     unit     of the numbers; "" where they have none
+    brings   value -> values that it brings for other parameters, by name, where these are not given
     """
 
     default: Any
     kind: Kind
     does: str
     unit: str = ""
+    brings: Callable[[Any], Mapping[str, Any]] = _nothing
 
     @property
     def offered(self) -> bool:

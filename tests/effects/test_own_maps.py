@@ -203,6 +203,10 @@ def test_a_named_material_has_the_values_of_bump():
         specular=steel.specular,
     )
     np.testing.assert_array_equal(picture(figure, method, material="steel"), by_hand)
+    # What is given beside it is not the material's.
+    wide = picture(figure, method, material="steel", alpha_x=1.0)
+    assert (wide != by_hand).any()
+    assert (wide != picture(figure, method, alpha_x=1.0)).any()
 
 
 def test_a_record_says_whose_height_field_was_drawn(tmp_path):

@@ -76,7 +76,6 @@ def _lit_domes(
 
 def scene(profile, size, **parameters):
     """F004-2: left the float reference (K16) shown as a picture, right the register combiners (K10, K07)."""
-    parameters = own_maps.with_material(parameters, parameters["material"])
     left, right = row_of_panels(2, size)
     material, surface, light, picture = _lit_domes(size, **parameters)
     view = orthographic_view(right)
@@ -105,7 +104,6 @@ def imaging_scene(profile, size, **parameters):
     """The same with the imaging subset on the right (K08): one flat polygon, one load of each material
     image.
     """
-    parameters = own_maps.with_material(parameters, parameters["material"])
     left, right = row_of_panels(2, size)
     material, surface, light, picture = _lit_domes(size, **parameters)
     return (

@@ -33,12 +33,8 @@ def _ball(
     return *sphere, own_maps.material_or(made, material, height_field)
 
 
-def scene(profile, size, **parameters):
+def scene(profile, size, *, light, diffuse, ambient, specular, background, **ball):
     """F004-5: one sphere, with register combiners."""
-    return _scene(profile, size, **own_maps.with_material(parameters, parameters["material"]))
-
-
-def _scene(profile, size, *, light, diffuse, ambient, specular, background, **ball):
     panel, view, surface, gold = _ball(size, **ball)
     loading, names = material_textures.load(gold, "gold", profile)
     return (
@@ -53,12 +49,8 @@ def _scene(profile, size, *, light, diffuse, ambient, specular, background, **ba
     )
 
 
-def imaging_scene(profile, size, **parameters):
+def imaging_scene(profile, size, *, light, diffuse, ambient, specular, background, **ball):
     """The same with the imaging subset (K08), flat triangles."""
-    return _imaging_scene(profile, size, **own_maps.with_material(parameters, parameters["material"]))
-
-
-def _imaging_scene(profile, size, *, light, diffuse, ambient, specular, background, **ball):
     panel, view, surface, gold = _ball(size, **ball)
     return (
         panel.clear(background),

@@ -111,11 +111,7 @@ class _Square:
         )
 
 
-def _square(profile, size, **parameters):
-    return _made_square(profile, size, **own_maps.with_material(parameters, parameters["material"]))
-
-
-def _made_square(
+def _square(
     profile, size, *, light, extent, diffuse, ambient, banks, blinn_phong, ward, background, material,
     height_field, **of_bumps,
 ):  # fmt: skip
