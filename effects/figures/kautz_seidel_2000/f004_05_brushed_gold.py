@@ -18,11 +18,13 @@ GOLD = (1.0, 0.77, 0.34)
 
 
 def _ball(
-    size, map_size, repeats, lean, slices, stacks, radius, height_field, height_scale, material, bumps, depth,
+    size, map_size, repeats, lean, tilt, slices, stacks, radius, height_field, height_scale, material, bumps, depth,
     **strokes,
 ):  # fmt: skip
     """The panel, the view, the sphere and the gold."""
-    sphere = leaning_sphere(size, slices=slices, stacks=stacks, repeats=repeats, lean=lean, radius=radius)
+    sphere = leaning_sphere(
+        size, slices=slices, stacks=stacks, repeats=repeats, lean=lean, tilt=tilt, radius=radius
+    )
 
     def made():
         if height_field is None:
@@ -97,7 +99,7 @@ def checks(figure, renderer):
         reason="the catalogue's gold; products of bytes are cut off by less than one step of 255 each",
     )
     # Upright, and with textures as wide as they are high where the sphere faces the eye.
-    upright = {**white, "lean": 0.0}
+    upright = {**white, "lean": 0.0, "tilt": 0.0}
     middle = slice(size // 4, 3 * size // 4)
     for on in Answer:
         image = renderer.window(on, figure, size, **upright)[middle, middle, 0]
@@ -130,7 +132,8 @@ FIGURE = Figure(
     caption="A sphere of bumpy gold, brushed slightly along its parallels.",
     must_see=(
         "Gold: bumps with anisotropic highlights of their own, drawn out across the fine strokes that cover "
-        "them, bright yellow on deep brown. With the imaging subset flat triangles are seen."
+        "them; strokes are seen as streaks from lower left to upper right, over light bumps and dark ones. "
+        "With the imaging subset flat triangles are seen where the picture is enlarged."
     ),
     source="KautzSeidel2000",
     techniques=("K07", "K08", "K10", "K21"),
@@ -139,19 +142,21 @@ FIGURE = Figure(
         "map_size": word.TEXELS(128),
         "repeats": word.REPEATS((4, 2)),
         "bumps": word.COUNT(8, "Bumps along an edge of the texture, about."),
-        "depth": word.SLOPE(2.0, "The largest slope of the bumps, about."),
+        "depth": word.SLOPE(1.6, "The largest slope of the bumps, about."),
         "alpha_x": word.ALPHA_X(0.5),
         "alpha_y": word.ALPHA_Y(0.8),
-        "spread": word.SPREAD(10.0),
-        "stroke_depth": word.STROKE_DEPTH(0.3),
-        "k_s": word.K_S((0.6, 1.0)),
-        "lean": word.LEAN(-25.0),
+        "spread": word.SPREAD(14.0),
+        "stroke_depth": word.STROKE_DEPTH(0.65),
+        "k_s": word.K_S((0.3, 1.0)),
+        # Towards the light, and the near pole turned into the dark: the textures' pinches are not seen.
+        "lean": word.LEAN(39.0),
+        "tilt": word.DEGREES(10.0, "How far the axis' upper end is turned away from the viewer."),
         "light": word.LIGHT((-0.45, 0.55, 0.75)),
         "slices": word.SLICES(50),
         "stacks": word.STACKS(26),
         "radius": word.RADIUS(0.92),
-        "diffuse": word.DIFFUSE((0.40, 0.237, 0.06)),
-        "ambient": word.AMBIENT((0.07, 0.045, 0.015)),
+        "diffuse": word.DIFFUSE((0.60, 0.39, 0.12)),
+        "ambient": word.AMBIENT((0.12, 0.08, 0.03)),
         "specular": word.SPECULAR(tuple(0.75 * c for c in GOLD)),
         "background": word.BACKDROP(BACKGROUND),
         "height_field": own_maps.height_field("the bumps"),
