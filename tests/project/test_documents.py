@@ -64,6 +64,7 @@ GIVEN = {
         "0.50": "",
         "0.98": "",
         "0.2": "F004-8's alpha",
+        "0.3": "F004-6's alpha",
         "0.5": "F004-8's alpha",
         "0.625": "F004-8's alpha on a GeForce 256",
         "0.64": "0.2 times 0.5 over 0.25 times 0.625",
