@@ -18,8 +18,8 @@ GOLD = (1.0, 0.77, 0.34)
 
 
 def _ball(
-    size, map_size, repeats, lean, tilt, slices, stacks, radius, height_field, height_scale, material, bumps, depth,
-    **strokes,
+    size, map_size, repeats, lean, tilt, slices, stacks, radius, height_field, height_scale, material, bumps,
+    depth, **strokes,
 ):  # fmt: skip
     """The panel, the view, the sphere and the gold."""
     sphere = leaning_sphere(
