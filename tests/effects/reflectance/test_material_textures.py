@@ -92,7 +92,7 @@ def test_marble_has_raised_veins_that_are_darker_and_wider_along_b():
     assert np.allclose(material.alpha_y, stone + (veins - stone) * dark)
     assert 0.05 < (dark > 0.5).mean() < 0.35
     luminance = marble.colors.mean(axis=-1)
-    assert luminance[dark > 0.9].max() < 0.3 < 0.6 < luminance[dark == 0.0].min()
+    assert luminance[dark > 0.9].max() < 0.5 * luminance[dark == 0.0].min()
     # Raised: on the flank that faces +s the stone gets lighter towards +s.
     change = np.roll(dark, -1, 1) - np.roll(dark, 1, 1)
     flank = np.abs(change) > 0.2
