@@ -53,7 +53,7 @@ def passes(figure_id, profile, trace, numbers, every, ideal, whole, size, settin
     machine = choose("profile", key, PROFILES)
     check_size(figure.id, figure.columns, size or figure.size, machine)
     with refusals():
-        method = figure.method(key)
+        method = figure.method_for(machine)
         changes = changes_of(settings, figure, (method,))
         commands = figure.commands(machine, size, method, **changes)
     if trace is not None:
