@@ -105,7 +105,7 @@ def _check_raw_options(name):
     if sample or header:
         why = "a sample is no raw file" if sample else f"the header of {name} says what its values are"
         refuse_ignored(
-            click.get_current_context(), ("dims", "type_name", "endian", "skip"), f"{why}; leave them out"
+            click.get_current_context(), ("dims", "type_name", "endian", "skip"), f"{why}; draw it without"
         )
 
 

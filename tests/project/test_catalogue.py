@@ -31,7 +31,7 @@ ID = re.compile(r"\b(?:[HSGZK]\d\d|[FT]00\d-\d+|E00\d\.\d+|P(?:[4-9]|[1-9]\d))\b
 # Sequences of several techniques have one name: A-Z14/Z15/Z16.
 SEQUENCE = re.compile(r"\bA-([HSGZK]\d\d(?:/[HSGZK]\d\d)*)")
 # What tests ask for to be refused.
-NOWHERE = {"F004-9", "F004-33", "F004-99", "P99"}
+NOWHERE = {"F004-9", "F004-33", "F004-44", "F004-99", "P99"}
 # Figures that a paper describes and does not number.
 UNNUMBERED = {("001.md", "f001-cylinder")}
 ANCHOR = re.compile(r'<a id="([^"]*)"></a>')
