@@ -30,7 +30,7 @@ help:
 	@echo "make techniques         write docs/papers/index.md: which technique, figure or study an id is"
 	@echo "make layers             write into docs/architecture.md which package imports which (tests/layers.py)"
 	@echo "make docs               write into the pages what commands measure (ONLY='F004-2 P9': these alone): 5 minutes"
-	@echo "make docs-check         measure the pages' numbers again; page, line and both numbers where they differ"
+	@echo "make docs-check         measure the pages' numbers again, and print those that differ, with page and line"
 	@echo "make accept FIGURE=ID   accept a figure's digest (PROFILE=NAME: on that machine) once it was looked at"
 	@echo "make accept-conformance accept how many pixels agree with the captures (WORSE=yes: fewer too)"
 	@echo "make setup              make the virtual environment, .venv, as all of these do on first use"
