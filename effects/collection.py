@@ -4,6 +4,7 @@ import importlib
 import pkgutil
 import re
 from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
 from types import ModuleType
 from typing import TypeVar
 
@@ -27,8 +28,9 @@ class Collection(Mapping[str, Held]):
     beside      names of modules in the package itself that claim none
 
     What lies in a folder ``shared`` claims no id either. Listing the ids imports nothing. Raises Refusal
-    where two modules claim an id, or a module is named in another way, and would not be found; and, when an
-    id is asked for, where its module holds nothing, or something with another id.
+    where two modules claim an id, or a module is named in another way or lies in a folder that is no package,
+    and would not be found; and, when an id is asked for, where its module holds nothing, something with
+    another id, or what refuses to be made.
     """
 
     def __init__(
@@ -40,6 +42,13 @@ class Collection(Mapping[str, Held]):
         beside: tuple[str, ...] = (),
     ):
         self._attribute = attribute
+        modules = (file for root in package.__path__ for file in Path(root).glob("*/*.py"))
+        for folder in sorted({file.parent for file in modules}):
+            if not (folder / "__init__.py").exists():
+                raise Refusal(
+                    f"The folder {folder.name} of {package.__name__} has no __init__.py, so what is in it "
+                    "would not be found. Give it one that says in a line whose it is."
+                )
         helpers = {f"{package.__name__}.{name}" for name in beside}
         found: dict[str, str] = {}
         for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
@@ -62,7 +71,10 @@ class Collection(Mapping[str, Held]):
     def __getitem__(self, identifier: str) -> Held:
         """The figure or study of that id; imports its module."""
         name = self._modules[identifier]
-        value = getattr(importlib.import_module(name), self._attribute, None)
+        try:
+            value = getattr(importlib.import_module(name), self._attribute, None)
+        except ValueError as error:
+            raise Refusal(f"{name} cannot be used: {error}") from error
         if value is None:
             raise Refusal(
                 f"{name} claims {identifier} by its name, and holds no {self._attribute}. End it with "

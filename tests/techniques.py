@@ -138,6 +138,8 @@ def entry_of(identifier):
 
 
 def _entry_link(identifier):
+    if identifier[0] == OWN:
+        return identifier
     return f"[{identifier}](catalogue/{entry_of(identifier)})"
 
 

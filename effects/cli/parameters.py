@@ -34,11 +34,14 @@ def parameters(figure_id, json_file):
         for machines, value in row["on"].items():
             click.echo(f"    {value} on {machines}")
         click.echo(f"    {row['does']}")
+        if row["of"]:
+            click.echo(f"    It takes part beside {row['of']} alone.")
         click.echo(f"    Give {row['allowed']}.")
-    # None is a value too, but no example of one.
-    shown = next((row for row in rows if row["default"] != "None"), rows[0])
-    setting = shlex.quote(f"{shown['name']}={shown['default']}")
-    click.echo(f"\nAs in fixedpipe figures {figure.id} --set {setting}")
+    # None is a value too, but no example of one; and what takes part beside another alone is none by itself.
+    shown = next((row for row in rows if row["default"] != "None" and not row["of"]), None)
+    if shown is not None:
+        setting = shlex.quote(f"{shown['name']}={shown['default']}")
+        click.echo(f"\nAs in fixedpipe figures {figure.id} --set {setting}")
 
 
 def _rows(figure):
@@ -63,6 +66,7 @@ def _rows(figure):
                 "unit": own.unit,
                 "allowed": own.kind.allowed,
                 "does": own.does,
+                "of": own.of,
                 "on": on,
             }
         )

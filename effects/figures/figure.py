@@ -7,6 +7,7 @@ validated, rendered on any machine and compared. Machines that have to draw it i
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from inspect import signature
 from numbers import Integral
 from types import MappingProxyType
 from typing import Any, Concatenate, TypeAlias
@@ -104,6 +105,15 @@ class Figure:
                     f"{self.id}'s parameter {name} is {parameter!r}; declare what it is by a word of "
                     "fixedpipe.effects.figures.parameters."
                 )
+        for method in self.methods:
+            try:
+                signature(method.scene).bind(None, None, **self.values_of(method))
+            except TypeError as error:
+                raise ValueError(
+                    f"{self.id}'s parameters are {', '.join(self.parameters_of(method)) or 'none'}, and its "
+                    f"way by {method.name} takes others ({error}). Declare each that the scene takes, and no "
+                    "other."
+                ) from None
         if len(set(self.machines)) < len(self.machines) or not set(self.machines) <= set(PROFILES):
             raise ValueError(f"{self.id} names a machine twice, or one that is not known: {self.machines}.")
 
@@ -186,12 +196,17 @@ class Figure:
     def accepted(self, method: Method, changes: Mapping[str, Any]) -> dict[str, Any]:
         """Other values of parameters as the method's scene takes them.
 
-        Raises ValueError for a name or a value that is none.
+        Raises ValueError for a name or a value that is none, and for one that would be ignored.
         """
-        return {
+        taken = {
             name: self.parameter(name, method).accept(value, f"{self.id}'s {name}")
             for name, value in changes.items()
         }
+        for name in taken:
+            of = self.parameter(name, method).of
+            if of and taken.get(of) is None:
+                raise ValueError(f"{self.id}'s {name} would be ignored: it is of {of}; give {of} too.")
+        return taken
 
     def said(self, method: Method, changes: Mapping[str, Any]) -> str:
         """Accepted values as the command line takes them: "alpha_x=0.15 light=1,1,1"."""

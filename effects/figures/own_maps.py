@@ -59,6 +59,7 @@ _ROWS = "its top row is the top of what is drawn"
 HEIGHT_SCALE = Word(
     Number(0.0, 1.0),
     "How far the highest point of height_field stands above the lowest, in widths of it.",
+    of="height_field",
 )
 
 

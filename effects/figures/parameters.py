@@ -312,6 +312,7 @@ class Parameter:
     does     what it does, a sentence
     unit     of the numbers; "" where they have none
     brings   value -> values that it brings for other parameters, by name, where these are not given
+    of       the parameter without which this one takes no part; "" where there is none
     """
 
     default: Any
@@ -319,6 +320,7 @@ class Parameter:
     does: str
     unit: str = ""
     brings: Callable[[Any], Mapping[str, Any]] = _nothing
+    of: str = ""
 
     @property
     def offered(self) -> bool:
@@ -366,6 +368,7 @@ class Word:
     kind: Kind
     does: str = ""
     unit: str = ""
+    of: str = ""
 
     def __call__(
         self,
@@ -379,7 +382,7 @@ class Word:
         """A Parameter with the figure's ``default``; sentence, unit and range where they are its own."""
         bounds = {name: v for name, v in (("low", low), ("high", high)) if v is not None}
         kind = replace(self.kind, **bounds) if bounds else self.kind  # type: ignore[type-var]
-        return Parameter(default, kind, does or self.does, unit or self.unit)
+        return Parameter(default, kind, does or self.does, unit or self.unit, self.of)
 
 
 def of(kind: Kind, default: Any, does: str, unit: str = "") -> Parameter:
@@ -429,13 +432,13 @@ SPECULAR = Word(COLOR_KIND, "The colour of the highlights.", FULL)
 BACKDROP = Word(COLOR_KIND, "The colour of the panels where nothing is drawn.", FULL)
 ALPHA_X = Word(
     ALPHA_KIND,
-    "The highlight's width along the tangents: the smaller, the narrower, with register combiners down to "
-    "0.25.",
+    "The highlight's width along the tangents: the smaller, the narrower. Two textures and register "
+    "combiners hold 0.25 and more; less is drawn as 0.25 there.",
 )
 ALPHA_Y = Word(
     ALPHA_KIND,
-    "The highlight's width along the binormals: the smaller, the narrower, with register combiners down to "
-    "0.25.",
+    "The highlight's width along the binormals: the smaller, the narrower. Two textures and register "
+    "combiners hold 0.25 and more; less is drawn as 0.25 there.",
 )
 K_S = Word(RANGE_KIND, "The strength of the highlights, from the dullest stroke to the brightest.", FULL)
 SPREAD = Word(Number(0.0, 45.0), "The strokes' directions vary by so much to either side.", "degrees")

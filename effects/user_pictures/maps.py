@@ -31,7 +31,10 @@ def _picture(value):
         value = value if value.mode in _MODES else value.convert("RGB")
     if np.ma.is_masked(value):
         raise ValueError("The array has masked values; fill them before.")
-    array = np.asarray(value)
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        raise ValueError("The rows are not all of one length; give [rows, columns].") from None
     called = f"an array of shape {array.shape}, {array.dtype}"
     if array.dtype.kind not in "biuf":
         raise ValueError(f"This is {called}; give numbers.")

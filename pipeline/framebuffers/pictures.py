@@ -45,7 +45,8 @@ class Pictured:
         """
         path = Path(path)
         if path.suffix.lower() != ".png":
-            raise ValueError(f"A picture is saved as PNG; name it {path.with_suffix('.png')}, not {path}.")
+            better = path.with_suffix(".png") if path.name else "picture.png"
+            raise ValueError(f"A picture is saved as PNG; name it {better}, not {path}.")
         path.write_bytes(png(self.image()))
 
     def _repr_png_(self) -> bytes:

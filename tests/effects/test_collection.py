@@ -4,6 +4,7 @@ import importlib
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -116,6 +117,22 @@ def test_a_module_that_would_not_be_found_is_refused_by_how_to_name_it(package, 
     module = re.escape(f"things.{name}".replace("/", "."))
     with pytest.raises(Refusal, match=rf"^{module} is named by no id, .* Call it a1_words for A1;"):
         collected(found)
+
+
+def test_a_folder_that_is_no_package_is_refused(package):
+    found = package({"a1_first.py": holds("A1"), "deeper/a2_second.py": holds("A2")})
+    folder = Path(found.__path__[0]) / "deeper"
+    (folder / "__init__.py").unlink()
+    with pytest.raises(Refusal, match=r"^The folder deeper of things has no __init__\.py, .* Give it one"):
+        collected(found)
+    (folder / "a2_second.py").unlink()
+    assert list(collected(found)) == ["A1"]
+
+
+def test_what_refuses_to_be_made_is_refused_by_its_module_and_its_sentence(package):
+    things = collected(package({"a1_first.py": "raise ValueError('A1 names a machine twice.')"}))
+    with pytest.raises(Refusal, match=r"^things\.a1_first cannot be used: A1 names a machine twice\.$"):
+        things["A1"]
 
 
 def test_a_module_that_holds_nothing_is_refused_by_what_to_write(package):

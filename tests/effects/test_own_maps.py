@@ -160,6 +160,7 @@ def test_the_command_line_names_files_and_shows_what_was_given(tmp_path):
         ("height_field", np.arange(8.0)[None], "1 x 8 heights; give two rows and two columns"),
         ("height_field", BUMP * 1j, "complex128; give numbers"),
         ("height_field", [["a", "b"]], "give numbers"),
+        ("height_field", [[1, 2], [3]], "The rows are not all of one length; give"),
         ("photograph", np.full((4, 4, 3), 64), "type int64, whose full brightness is not known; give uint8"),
         ("photograph", np.full((4, 4, 3), 64.0), "ranges over 64..64; give uint8"),
         ("photograph", np.full((4, 4), np.nan), "ranges over nan..nan"),
@@ -219,3 +220,20 @@ def test_a_record_says_whose_height_field_was_drawn(tmp_path):
     (record,) = (tmp_path / "out").glob("F004-8+*.json")
     said = json.loads(record.read_text())["set"]
     assert said == {"height_field": path, "material": "gold", "alpha_x": 0.3}
+
+
+def test_a_scale_of_no_height_field_is_refused():
+    figure = FIGURES["K14"]
+    for changes in ({"height_scale": 0.2}, {"height_scale": 0.2, "height_field": None}):
+        with pytest.raises(
+            ValueError, match=r"^K14's height_scale would be ignored: .* give height_field too"
+        ):
+            figure.render("GEFORCE_256", 16, **changes)
+    done = CliRunner().invoke(main, ["passes", "K14", "--set", "height_scale=0.2"])
+    assert done.exit_code == 2 and "would be ignored" in done.output
+
+
+def test_what_is_ones_own_is_named_where_a_rendering_shows_itself():
+    drawn = FIGURES["K14"].render("GEFORCE_256", 16, height_field=np.eye(64), height_scale=0.2)
+    own = "height_field=an array of shape (64, 64), float64, height_scale=0.2"
+    assert repr(drawn) == f"<K14 on GeForce 256, 16x16 pixels, {own}>"

@@ -154,8 +154,20 @@ def test_a_number_that_is_not_declared_is_refused_where_the_figure_is_made():
         Figure(**values)
 
 
+@pytest.mark.parametrize("other", [{}, {"gloss": word.SHARE(0.5, "How glossy it is.")}])
+def test_a_scene_that_takes_other_parameters_is_refused_where_the_figure_is_made(other):
+    figure = FIGURES["K14"]
+    less = {name: parameter for name, parameter in figure.parameters.items() if other or name != "light"}
+    with pytest.raises(
+        ValueError, match=r"^K14's parameters are .*'(light|gloss)'\)\. Declare each that the"
+    ):
+        replace(figure, parameters={**less, **other})
+
+
 def test_a_way_s_own_values_and_parameters_stand_over_the_figure_s():
-    scene = FIGURES["K14"].methods[0].scene
+    def scene(profile, size, *, more, **others):
+        return FIGURES["K14"].methods[0].scene(profile, size, **others)
+
     method = Method("a way", scene, ("NV2A",), {"cells": 8}, {"more": word.COUNT(3, "How many more.")})
     figure = replace(FIGURES["K14"], methods=(method,))
     assert figure.values_of(method) == {**figure.values, "cells": 8, "more": 3}

@@ -172,7 +172,9 @@ def test_a_figure_without_parameters_says_so():
 
 
 def test_the_example_of_parameters_changes_a_value_that_there_is():
-    assert "fixedpipe figures F004-7 --set height_scale=0.02\n" in run("parameters", "F004-7").output
+    assert "fixedpipe figures F004-2 --set map_size=128\n" in run("parameters", "F004-2").output
+    assert "It takes part beside height_field alone." in run("parameters", "F004-7").output
+    assert "As in fixedpipe" not in run("parameters", "F004-7").output
 
 
 def test_parameters_of_no_figure_are_refused_with_the_nearest():
