@@ -48,6 +48,8 @@ def changes_of(settings, figure, methods):
             for method in methods:
                 parameter = figure.offer(name, method)
                 changes[name] = parameter.parse(text, f"{figure.id}'s {name}")
+        for method in methods:
+            figure.accepted(method, changes)
     return changes
 
 

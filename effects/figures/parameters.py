@@ -382,7 +382,7 @@ class Word:
         """A Parameter with the figure's ``default``; sentence, unit and range where they are its own."""
         bounds = {name: v for name, v in (("low", low), ("high", high)) if v is not None}
         kind = replace(self.kind, **bounds) if bounds else self.kind  # type: ignore[type-var]
-        return Parameter(default, kind, does or self.does, unit or self.unit, self.of)
+        return Parameter(default, kind, does or self.does, unit or self.unit, of=self.of)
 
 
 def of(kind: Kind, default: Any, does: str, unit: str = "") -> Parameter:

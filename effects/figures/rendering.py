@@ -103,8 +103,5 @@ class Rendering(Pictured):
 
     def __repr__(self) -> str:
         width, height = self.figure.dimensions(self.size)
-        known, changed = self.figure.parameters_of(self.method), ""
-        for name, value in self.changes.items():
-            text = repr(value)  # An array's is a page of numbers; its own words say what it is.
-            changed += f", {name}={text if len(text) <= 80 else known[name].kind.show(value)}"
+        changed = "".join(f", {name}={value!r}" for name, value in self.changes.items())
         return f"<{self.figure.id} on {self.profile.name}, {width}x{height} pixels{changed}>"

@@ -235,5 +235,5 @@ def test_a_scale_of_no_height_field_is_refused():
 
 def test_what_is_ones_own_is_named_where_a_rendering_shows_itself():
     drawn = FIGURES["K14"].render("GEFORCE_256", 16, height_field=np.eye(64), height_scale=0.2)
-    own = "height_field=an array of shape (64, 64), float64, height_scale=0.2"
+    own = "height_field=HeightField(called='an array of shape (64, 64), float64'), height_scale=0.2"
     assert repr(drawn) == f"<K14 on GeForce 256, 16x16 pixels, {own}>"

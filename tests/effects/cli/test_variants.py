@@ -152,6 +152,7 @@ def test_parameters_are_printed_with_value_unit_range_and_sentence(tmp_path):
         "unit": "degrees",
         "allowed": "a number from 0 to 45",
         "does": "The strokes' directions vary by so much to either side.",
+        "of": "",
         "on": {},
     }
 
