@@ -69,14 +69,12 @@ def slopes(heights, periodic=True):
     return tuple(out)
 
 
-def dome_slopes(s, t, rim_radius=0.6, rim_slope=1.0, groove=0.0):
+def dome_slopes(s, t, rim_radius=0.6, rim_slope=1.0):
     """Slopes of one spherical cap per unit square of (s, t), flat between. The slope jumps at the rim: there
     the local frame has a crease.
 
-    rim_radius  in half the square's edge
-    rim_slope   the slope at the rim, of any shape that broadcasts with s; 1 is an angle of 45 degrees
-    groove      the width of a wall round the rim, in half the square's edge, that climbs outwards by the
-                rim's slope: the rim's crease is then twice as sharp, and the wall's outer edge is one more
+    rim_radius  in half the square's edge, of any shape that broadcasts with s
+    rim_slope   the slope at the rim; 1 is an angle of 45 degrees
 
     Source: the catalogue's figure F004-2: domes with a 45 degree rim.
     """
@@ -85,9 +83,7 @@ def dome_slopes(s, t, rim_radius=0.6, rim_slope=1.0, groove=0.0):
     inside = r2 < rim2
     # The cap's sphere has radius rim_radius / sin(rim's angle): at 45 degrees its square is twice the rim's.
     z = np.sqrt((1.0 + 1.0 / (rim_slope * rim_slope)) * rim2 - np.where(inside, r2, 0.0))
-    wall = ~inside & (r2 < (rim_radius + groove) ** 2)
-    climb = np.where(wall, rim_slope / np.sqrt(np.where(wall, r2, 1.0)), 0.0)
-    return tuple(np.where(inside, -x / z, np.where(wall, x * climb, 0.0)) for x in (u, v))
+    return np.where(inside, -u / z, 0.0), np.where(inside, -v / z, 0.0)
 
 
 def texel_centers(columns, rows):

@@ -1,10 +1,10 @@
-"""F004-2: domes in grooves; interpolating tangents before they are used makes rings at the creases."""
+"""F004-2: domes in moats; interpolating tangents before they are used makes rings at the creases."""
 
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
-from fixedpipe.effects.acceptance.rings import RING_HALF, ring_energy
+from fixedpipe.effects.acceptance.rings import RING_HALF, ring_energy, rings_round_rims
 from fixedpipe.effects.bump_mapping import diffuse_bump
 from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
@@ -29,20 +29,33 @@ EVALUATED_FIRST = "evaluation before filtering"
 SQUARED_FIRST = "imaging subset"
 
 
-def _dome_slopes(map_size, domes, rim_radius, rim_slopes, groove):
-    """Slopes of domes x domes domes in one map; those of their rims are spread over a range."""
-    s, t = (c * domes for c in height_fields.texel_centers(map_size, map_size))
+def rim_radii(i, j, domes, radii):
+    """The radius of dome (i, j) of domes x domes, in half distances of two: spread over ``radii``."""
     # Multiples of the golden ratio's fraction: domes that are near each other differ.
-    share = ((np.floor(s) + domes * np.floor(t)) * 0.618034) % 1.0
-    slope = rim_slopes[0] + (rim_slopes[1] - rim_slopes[0]) * share
-    return height_fields.dome_slopes(s, t, rim_radius, slope, groove * (2.0 * domes / map_size))
+    share = ((i + domes * j) * 0.618034) % 1.0
+    return radii[0] + (radii[1] - radii[0]) * share
+
+
+def _domes_material(map_size, alpha_x, alpha_y, k_s, domes, radii, rim_slope, moat, plate):
+    """Domes, each with a moat round it that climbs from the rim, ever less, to the level plate between."""
+    s, t = (c * domes for c in height_fields.texel_centers(map_size, map_size))
+    i, j = np.floor(s), np.floor(t)
+    u, v = 2.0 * (s - i) - 1.0, 2.0 * (t - j) - 1.0
+    radius, r = rim_radii(i, j, domes, radii), np.sqrt(u * u + v * v)
+    # How steep the moat is: 1 at the rim, 0 half way to the next dome, level at both ends.
+    q = np.clip((1.0 - r) / (1.0 - radius), 0.0, 1.0)
+    steep = q * q * (3.0 - 2.0 * q)
+    climb = np.where(r < radius, 0.0, moat * rim_slope * steep)
+    inside = height_fields.dome_slopes(s, t, radius, rim_slope)
+    slopes = (slope + climb * (c / np.maximum(r, radius)) for slope, c in zip(inside, (u, v), strict=True))
+    shine = k_s * (1.0 - (1.0 - plate) * (1.0 - steep * steep))
+    return material_textures.from_slopes(*slopes, alpha_x, alpha_y, shine)
 
 
 def _bumps_material(map_size, alpha_x, alpha_y, k_s, height_field, height_scale, domes):
     if height_field is None:
-        slopes = _dome_slopes(map_size, **domes)
-    else:
-        slopes = height_field.slopes(map_size, height_scale, repeated=False)
+        return _domes_material(map_size, alpha_x, alpha_y, k_s, **domes)
+    slopes = height_field.slopes(map_size, height_scale, repeated=False)
     return material_textures.from_slopes(*slopes, alpha_x, alpha_y, k_s)
 
 
@@ -141,9 +154,10 @@ CATALOGUED_DOME = {
     "specular": (1.0, 1.0, 1.0),
     "extent": 1.0,
     "domes": 1,
-    "rim_radius": 0.6,
-    "rim_slopes": (1.0, 1.0),
-    "groove": 0.0,
+    "radii": (0.6, 0.6),
+    "rim_slope": 1.0,
+    "moat": 0.0,
+    "plate": 1.0,
     "alpha_x": 0.25,
     "alpha_y": 0.25,
     "light": tuple(2.0 * RING_HALF[2] * RING_HALF - np.array([0.0, 0.0, 1.0])),
@@ -153,9 +167,41 @@ _CATALOGUED = {32: (0.2574, 7e-4), 64: (0.115, 1e-4), 128: (0.058, 1e-4)}
 
 
 def checks(figure, renderer):
-    """The rings' energies, their brightness, and that they come from interpolation and not from 8 bits."""
+    """The rings' energies, their brightness, that they come from interpolation and not from 8 bits, and how
+    far they go round the domes.
+    """
     by_method = {EVALUATED_FIRST: _checks_evaluated_first, SQUARED_FIRST: _checks_squared_first}
-    return by_method.get(renderer.method.name, _checks_interpolated_first)(figure, renderer)
+    yield from by_method.get(renderer.method.name, _checks_interpolated_first)(figure, renderer)
+    yield from _checks_of_the_picture(figure, renderer)
+
+
+def _checks_of_the_picture(figure, renderer):
+    """The figure as it is looked at: rings go all round its domes, or there are none."""
+    size, values = figure.size, figure.values_of(renderer.method)
+    i, j = np.meshgrid(*2 * [np.arange(values["domes"])])
+    radii = rim_radii(i, j, values["domes"], values["radii"])
+    for on in Answer:
+        image = np.clip(renderer.window(on, figure, size)[..., 0], 0.0, 1.0)
+        excess = image[:, size:] - image[:, :size]
+        shares = rings_round_rims(excess, radii, values["extent"], values["map_size"])
+        if renderer.method.name in (EVALUATED_FIRST, SQUARED_FIRST):
+            yield Check(
+                "azimuth of a ring where it is brighter than the left panel by 0.2, the largest of the domes",
+                float(shares.max()),
+                at_most=0.0,
+                on=on,
+                reason="results are interpolated and no vector is, so no pixel at a rim is so bright",
+            )
+        else:
+            yield Check(
+                "azimuth of a ring where it is brighter than the left panel by 0.2, the least of the domes",
+                float(shares.min()),
+                at_least=0.9,
+                on=on,
+                reason="vectors filtered across the rim pass the halfway vector at most 8 degrees off, the "
+                "sine 0.14, and the highlight reaches to alpha, 0.4; a ring is a pixel or two wide, so a "
+                "sector may miss it",
+            )
 
 
 def _checks_interpolated_first(figure, renderer):
@@ -279,38 +325,40 @@ FIGURE = Figure(
     id="F004-2",
     title="Rings from interpolating tangents before they are used",
     caption=(
-        "Domes of several heights, each in a narrow groove, in the anisotropic Blinn-Phong model with both "
-        "alphas 0.25. Slopes jump at the rim and at the groove's outer edge. Left: evaluated at the texels "
-        "and interpolated afterwards, in float. Right: register combiners, which interpolate tangents and "
-        "binormals first, so that between two texels on either side of a crease vectors point where no "
+        "Domes of several sizes in the anisotropic Blinn-Phong model, each in a moat that climbs from its "
+        "rim to the plate between. The slope jumps at the rim, and nowhere else. Left: evaluated at the "
+        "texels and interpolated afterwards, in float. Right: register combiners, which interpolate tangents "
+        "and binormals first, so that between two texels on either side of the rim vectors point where no "
         "surface does, some of them towards the highlight; on a machine with the imaging subset, squares "
         "that were made while a texture was loaded; on the future board, combiners before the filter."
     ),
     must_see=(
-        "The highlights on the domes are alike left and right, and no groove is bright on the left. With "
-        "register combiners bright lines follow the grooves on the right: rings round every dome, brightest "
-        "towards the light and away from it, faint at right angles to it. The other machines have none."
+        "A highlight on every dome, alike left and right, and a dark rim round each on the left. With "
+        "register combiners a thin bright line goes all the way round every dome on the right, along its "
+        "rim: the rings. The other machines have none."
     ),
     source="KautzSeidel2000",
     techniques=("K07", "K08", "K10", "K16"),
     columns=2,
     parameters={
         "map_size": word.TEXELS(128),
-        "alpha_x": word.ALPHA_X(0.25),
-        "alpha_y": word.ALPHA_Y(0.25),
-        "domes": word.COUNT(4, "Domes along an edge of the square."),
-        "rim_radius": word.NUMBER(
-            0.75, "The domes' radius.", "half distances of two domes", low=0.1, high=1.0
+        "alpha_x": word.ALPHA_X(0.4),
+        "alpha_y": word.ALPHA_Y(0.4),
+        "domes": word.COUNT(3, "Domes along an edge of the square."),
+        "radii": word.of(
+            word.Several((word.Number(0.1, 0.95),) * 2, what="two numbers from 0.1 to 0.95"),
+            (0.47, 0.72),
+            "The radius of the smallest dome and of the largest.",
+            "half distances of two domes",
         ),
-        "rim_slopes": word.of(
-            word.Several((word.Number(0.1, 8.0),) * 2, what="two numbers from 0.1 to 8"),
-            (0.6, 1.0),
-            "The slope at the domes' rims, of the lowest dome and of the highest.",
+        "rim_slope": word.NUMBER(0.84, "The slope at the domes' rims.", "1 = 45 degrees", low=0.1, high=8.0),
+        "moat": word.SHARE(
+            0.8, "How steeply the moat round each dome climbs from the rim, over rim_slope; 0 is none."
         ),
-        "groove": word.NUMBER(
-            2.6, "The width of the wall that climbs away from each dome's rim.", "texels", low=0.0, high=16.0
+        "plate": word.SHARE(
+            0.0, "The strength of highlights on the level plate between the moats, over that on the domes."
         ),
-        "light": word.LIGHT((0.42, 0.29, 0.86)),
+        "light": word.LIGHT((0.24, 0.16, 0.98)),
         "extent": word.EXTENT(0.9),
         "diffuse": word.DIFFUSE((0.28, 0.31, 0.40)),
         "ambient": word.AMBIENT((0.04, 0.045, 0.06)),
