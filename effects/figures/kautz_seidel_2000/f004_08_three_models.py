@@ -395,10 +395,13 @@ FIGURE = Figure(
     title="The same bumps in three reflectance models",
     caption=(
         "One square with a slightly brushed bump map, lit from the upper right: Banks's model (left), the "
-        "anisotropic Blinn-Phong model (middle), Ward's (right). The white lines along the creases between "
-        "bumps are F004-2's rings, where vectors are filtered before they are used: on a GeForce 256 in the "
-        "middle, where they are plainest. Its alphas are 0.25 and 0.625, for it stores none below 0.25, and "
-        "elsewhere 0.2 and 0.5; Ward divides by alpha_x alpha_y, so his highlights are dimmer there."
+        "anisotropic Blinn-Phong model (middle), Ward's (right). Thin white lines where bumps meet are "
+        "F004-2's rings, vectors filtered across a crease: on a GeForce 256 in the middle alone, for Banks "
+        "and Ward are a software renderer's, which evaluates first; on a GeForce 3, an NV2A and the future "
+        "board in the middle and on the right; on an Octane nowhere. Softer lines are the creases' own "
+        "highlights, for they are rounded. On a GeForce 256 the alphas are 0.25 and 0.625, for its textures "
+        "hold none below 0.25, and elsewhere 0.2 and 0.5: Ward's highlights, divided by their product, are "
+        "dimmer there, 0.64 as bright."
     ),
     must_see=(
         "The same bumps three times. Banks: broad bands of light across the brushing, as bright far from the "

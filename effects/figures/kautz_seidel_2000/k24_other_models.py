@@ -134,8 +134,9 @@ _TABLES = "the catalogue's acceptance of dependent tables of 256 x 256 texels (F
 _BOUNDS = {
     (BY_PIXEL_TEXTURES, "Phong"): (
         0.0125,
-        "n.l and n.v are bytes in a texture and in the framebuffer, which leaves c = 2 (n.l)(n.v) - l.v off "
-        "by 1/300, and N multiplies that; measured at the first correct picture, a third of slack",
+        "n.l and n.v are bytes in a texture, in the fragment and in the framebuffer, which leaves "
+        "c = 2 (n.l)(n.v) - l.v off by 1/300, and N multiplies that; measured at the first correct picture, "
+        "a third of slack",
     )
 }
 
@@ -192,8 +193,8 @@ FIGURE = Figure(
         "The same domes in three models. Left: Phong, with N from 4 in the lower left to 32 in the upper "
         "right. Middle: Schlick's anisotropic model, the brushing turned by 20 degrees from dome to dome. "
         "Right: one lobe of Lafortune's model in the same frames. On the Octane Phong's smallest highlights "
-        "are stepped: n.l and n.v are bytes in the texture that they are loaded into and again in the "
-        "framebuffer, and the power N multiplies their steps."
+        "are stepped: n.l and n.v are bytes in the texture that they are loaded into, in the fragment and in "
+        "the framebuffer, and the power N multiplies their steps: with N = 32 one is a fifth of full light."
     ),
     must_see=(
         "Left: highlights that shrink from dome to dome, row by row from the lower left; on the Octane those "
