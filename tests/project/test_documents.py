@@ -71,6 +71,11 @@ GIVEN = {
         "0.25": "the combiners' smallest alpha",
         "1.5": "texels of the rim that ring_energy looks at; an angle of study P20",
         "127.5": "half of a byte's range",
+        "0.945": "n.l where the highlights of K24 with N = 32 are",
+        "0.0074": "2/255 times 0.945",
+        "2.9": "K24 with bytes; 12 bits everywhere, and all but one place, are the next two",
+        "0.4": "",
+        "2.8": "",
     },
 }
 
