@@ -44,12 +44,16 @@ What to do next:
   fixedpipe --help              all commands and options"""
 
 
+# Warnings of what is drawn.
+_SAID = ("DisabledTexture", "StoredAlpha")
+
+
 def _say(otherwise):
     """How warnings are shown: those of what is drawn as a sentence, and only once; ``otherwise`` the rest."""
     said = set()
 
     def show(message, category, *where, **more):
-        if category.__name__ != "DisabledTexture":  # whose module loads an array library
+        if category.__name__ not in _SAID:  # by name, as their modules load an array library
             otherwise(message, category, *where, **more)
         elif (sentence := str(message)) not in said:
             said.add(sentence)

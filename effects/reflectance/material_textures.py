@@ -8,6 +8,7 @@ Source: Kautz, Seidel 2000, sections 3.2, 4 and 4.1: N and k_s go into the textu
 the catalogue; limits: its artefact P10; which alpha holds which: its section on material textures).
 """
 
+import warnings
 from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
@@ -126,13 +127,34 @@ class MaterialNames:
     binormal: str
 
 
+class StoredAlpha(UserWarning):
+    """An alpha of a material is less than its textures can hold, so a wider highlight is drawn."""
+
+
+def load_normals(material, name, profile):
+    """The command that loads the normal map alone, and the texture's name."""
+    normal = f"{name} n"
+    image = material.normal_texture(profile)
+    return TexImage(label=f"load normal map of {name}", texture=normal, image=image), normal
+
+
 def load(material, name, profile):
-    """Commands that load the three material textures once, and their names."""
-    names = MaterialNames(f"{name} n", f"{name} t/ax", f"{name} b/ay")
+    """Commands that load the three material textures once, and their names.
+
+    Warns of StoredAlpha where an alpha is less than SMALLEST_ALPHA, which is stored in its place.
+    """
+    least = float(min(material.alpha_x.min(), material.alpha_y.min()))
+    if least < SMALLEST_ALPHA:
+        warnings.warn(
+            f"The textures of {name} hold alphas of {SMALLEST_ALPHA:g} and more, so {least:g} is drawn as "
+            f"{SMALLEST_ALPHA:g}. Give a larger alpha, or a machine with the imaging subset, as OCTANE.",
+            StoredAlpha,
+            stacklevel=2,
+        )
+    normal_map, normal = load_normals(material, name, profile)
+    names = MaterialNames(normal, f"{name} t/ax", f"{name} b/ay")
     commands = (
-        TexImage(
-            label=f"load normal map of {name}", texture=names.normal, image=material.normal_texture(profile)
-        ),
+        normal_map,
         TexImage(
             label=f"load material texture of {name}: tangent / (4 alpha_x), k_s",
             texture=names.tangent,

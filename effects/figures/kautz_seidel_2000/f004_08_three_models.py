@@ -179,7 +179,7 @@ def texture_shaders_scene(profile, size, **parameters):
         square.material, "Blinn-Phong", profile
     )
     ward_loading, ward = dependent_lookups.load(square.material, "Ward", profile)
-    maps_loading, names = material_textures.load(square.material, "brushed bumps", profile)
+    normal_map, normals = material_textures.load_normals(square.material, "brushed bumps", profile)
 
     def specular_pass(passes, loaded, panel, model, **options):
         view, color = orthographic_view(panel), square.colors[model]
@@ -192,13 +192,13 @@ def texture_shaders_scene(profile, size, **parameters):
         *ward_loading,
         *dependent_lookups.load_ward_functions(profile, largest_s=LARGEST_S),
         dependent_lookups.load_screen(right),
-        maps_loading[0],
-        *square.diffuse_pass(names.normal, left),
+        normal_map,
+        *square.diffuse_pass(normals, left),
         *specular_pass(dot_product_lookups.banks_pass, banks, left, "Banks"),
-        *square.diffuse_pass(names.normal, middle),
+        *square.diffuse_pass(normals, middle),
         *specular_pass(dot_product_lookups.blinn_phong_pass, blinn_phong, middle, "Blinn-Phong"),
         *specular_pass(dependent_lookups.ward_passes, ward, right, "Ward", largest_s=LARGEST_S),
-        *square.diffuse_pass(names.normal, right, depth_test=LATER_PASS, blending=ADD),
+        *square.diffuse_pass(normals, right, depth_test=LATER_PASS, blending=ADD),
     )
 
 

@@ -136,3 +136,11 @@ def test_a_colour_map_multiplies_both_lights_of_the_diffuse_pass():
     assert np.abs(machine[..., :3] / 255.0 - expected).max() < 3.0 / 255
     # The gate stays in destination alpha: min(1, 4 n.l).
     assert (machine[..., 3] == 255).all()
+
+
+def test_an_alpha_that_textures_cannot_hold_is_said():
+    said = "The textures of flat hold alphas of 0.25 and more, so 0.2 is drawn as 0.25"
+    with pytest.warns(material_textures.StoredAlpha, match=said):
+        material_textures.load(material_textures.isotropic(4, 4, 0.2), "flat", GEFORCE_256)
+    # Warnings are errors: 0.25 is held as it is.
+    material_textures.load(material_textures.isotropic(4, 4, 0.25), "flat", GEFORCE_256)
