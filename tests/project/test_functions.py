@@ -10,8 +10,6 @@ from tests.layers import ROOT
 
 # Functions that ask twice, and why no table would say it better.
 ASKS_TWICE = {
-    ("effects/figures/figure.py", "_machine"): "a machine is right, and its name is taken for it",
-    ("effects/figures/parameters.py", "accept"): "a truth is a number by its class, and none that is meant",
     ("pipeline/validation/types.py", "check"): "one class is right, and a string is a likely slip for it",
 }
 FUNCTIONS = ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda
