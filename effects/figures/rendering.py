@@ -36,7 +36,7 @@ def difference(
     return out
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Difference(Pictured):
     """(machine - ideal) made visible, by ``difference``. A notebook shows it, ``save`` writes it."""
 
@@ -45,6 +45,10 @@ class Difference(Pictured):
     def image(self) -> NDArray[np.uint8]:
         """Uint8 [h, w, 4], top row first."""
         return self.pixels
+
+    def __repr__(self) -> str:
+        height, width = self.pixels.shape[:2]
+        return f"<a difference of {width}x{height} pixels>"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

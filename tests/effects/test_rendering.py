@@ -61,6 +61,7 @@ def test_a_notebook_shows_it_and_a_file_keeps_it(drawn, tmp_path):
         kept = np.asarray(Image.open(tmp_path / f"{name}.png"))
         np.testing.assert_array_equal(kept, image.image()[..., :3])
     assert repr(drawn) == ("<F004-4 on GeForce 3, 32x16 pixels, light=(0.0, 1.0, 0.2), slices=6, stacks=4>")
+    assert repr(drawn.difference) == "<a difference of 32x16 pixels>"
 
 
 def test_the_machine_is_its_name_its_profile_or_a_changed_one():
