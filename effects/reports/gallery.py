@@ -80,10 +80,9 @@ def _said(record):
     if "set" not in record:
         return f"<p><b>Must be seen:</b> {escape(record['must_see'])}</p>"
     changed = ", ".join(f"{name} = {json.dumps(value)}" for name, value in record["set"].items())
-    figure = escape(record["figure"])
     return (
-        f'<p><b>A variant of <a href="#{figure}">{figure}</a>:</b> {escape(changed)}. What must be seen, and '
-        "what is checked, is of the figure's own values.</p>"
+        f"<p><b>A variant of {escape(record['figure'])}:</b> {escape(changed)}. What must be seen, and what "
+        "is checked, is of the figure's own values.</p>"
     )
 
 
