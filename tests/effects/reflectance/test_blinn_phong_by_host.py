@@ -1,6 +1,7 @@
 """The Blinn-Phong model with N per texel through the host's lookup, against the model in float64."""
 
 import numpy as np
+import pytest
 
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.vectors import normalize
@@ -21,6 +22,8 @@ def commands(profile, surface, m, view, light, **more):
     return (PANEL.clear((0.0, 0.0, 0.0)), *loading, *effect)
 
 
+# The material's alphas go down to 0.2: what is drawn is compared with what textures hold.
+@pytest.mark.filterwarnings("ignore:The textures of material hold alphas:UserWarning")
 def test_the_host_s_blinn_phong_is_the_float_model_on_a_flat_surface():
     m = material()
     half = brdfs.half_vector(LIGHT, VIEW)
@@ -62,6 +65,8 @@ def test_coordinates_are_the_codes_of_n_and_e():
     assert np.abs(exact - found / 255.0).max() < 0.003
 
 
+# The material's alphas go down to 0.2: what is drawn is compared with what textures hold.
+@pytest.mark.filterwarnings("ignore:The textures of material hold alphas:UserWarning")
 def test_without_the_exponent_the_host_looks_up_the_root():
     m = material()
     half = brdfs.half_vector(LIGHT, VIEW)
