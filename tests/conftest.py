@@ -14,8 +14,13 @@ CAPTURES = Path(os.environ.get("FIXEDPIPE_CAPTURES") or SHARED / "silicon" / "go
 # How long an example takes decides nothing: machines are slow, and busy. Derandomised: the same examples
 # everywhere, so a failure on one machine is a failure on all. `pytest --hypothesis-profile=random` searches
 # at random.
+# Hypothesis's own defaults differ where the variable CI is set, so each setting that matters is said.
 settings.register_profile(
-    "random", deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True
+    "random",
+    derandomize=False,
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow],
+    print_blob=True,
 )
 settings.register_profile("fixedpipe", settings.get_profile("random"), derandomize=True)
 settings.load_profile("fixedpipe")
