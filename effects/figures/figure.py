@@ -41,6 +41,9 @@ DIAGRAM_MACHINES = ("OPENGL_1_2", "GEFORCE_256")
 Scene: TypeAlias = Callable[Concatenate[Profile, int, ...], tuple[Command, ...]]
 # (figure, renderer) -> its Checks, in a tuple or one after the other.
 Acceptance: TypeAlias = Callable[["Figure", "Renderer"], Iterable[Check]]
+# (size, **parameters) -> RGBA float64 [height, width, 4] of the figure's dimensions, top row first, 1.0 =
+# full; alpha 0 where a panel has no reference.
+Reference: TypeAlias = Callable[Concatenate[int, ...], NDArray[np.float64]]
 # As of ``execute`` and ``execute_ideal`` of ``fixedpipe.pipeline``.
 Execute: TypeAlias = Callable[[tuple[Command, ...], Profile, int, int], Result]
 ExecuteIdeal: TypeAlias = Callable[[tuple[Command, ...], int, int], IdealResult]
@@ -78,11 +81,14 @@ class Figure:
     must_see     what must be visible for the figure to be right
     source       key in docs/bibliography.bib
     techniques   the catalogue's ids of the techniques used
-    columns      how many square panels side by side
+    panels       what each of its square panels shows, from left to right, in a label's few words; whatever
+                 presents the figure draws the labels, the machine does not
     size         default edge of a panel, pixels
     parameters   what may be changed of it, by name; ``commands`` takes other values by these names
     methods      how it is drawn, a machine in one of them at most; first the one that the paper used
     acceptance   its checks: an Acceptance
+    reference    what its algorithm approximates, computed without it: a Reference; None where the ideal of
+                 the same commands is that
     """
 
     id: str
@@ -91,14 +97,17 @@ class Figure:
     must_see: str
     source: str
     techniques: tuple[str, ...]
-    columns: int
+    panels: tuple[str, ...] = ("",)
     size: int = 512
     parameters: Mapping[str, Parameter] = field(default_factory=dict)
     methods: tuple[Method, ...]
     acceptance: Acceptance
+    reference: Reference | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
+        if len(self.panels) > 1 and not all(self.panels):
+            raise ValueError(f"{self.id} has {len(self.panels)} panels; give each a label: {self.panels}.")
         for name, parameter in self.parameters.items():
             if not isinstance(parameter, Parameter):
                 raise ValueError(
@@ -116,6 +125,11 @@ class Figure:
                 ) from None
         if len(set(self.machines)) < len(self.machines) or not set(self.machines) <= set(PROFILES):
             raise ValueError(f"{self.id} names a machine twice, or one that is not known: {self.machines}.")
+
+    @property
+    def columns(self) -> int:
+        """How many square panels there are, side by side."""
+        return len(self.panels)
 
     @property
     def machines(self) -> tuple[str, ...]:

@@ -392,7 +392,7 @@ FIGURE = Figure(
     ),
     source="Heidrich2001",
     techniques=("H34", "H36"),
-    columns=2,
+    panels=("principle", "depth map"),
     parameters={
         "map_ratio": word.RATIO(
             0.5, "Texels of the depth map for each of the panel's pixels, along an edge."

@@ -221,7 +221,7 @@ FIGURE = Figure(
     "Right, the manifold's shadows on the wall, dark bores, a dark front; what is lit is as it is left.",
     source="Heidrich2001",
     techniques=("H39", "H36", "H37", "H38"),
-    columns=2,
+    panels=("without shadows", "with shadow map"),
     parameters={
         "slices": word.of(
             word.Whole(2, 512), 256, "Slices through the volume, as many as the panel has pixels at most."

@@ -112,7 +112,7 @@ FIGURE = Figure(
     ),
     source="Heidrich2001",
     techniques=("H34",),
-    columns=2,
+    panels=("light where marked", "light x comparison"),
     parameters={
         "ratio": word.RATIO(2),
         "factor": word.FACTOR(2.2),

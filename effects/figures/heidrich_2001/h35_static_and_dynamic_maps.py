@@ -99,7 +99,7 @@ FIGURE = Figure(
     ),
     source="Heidrich2001",
     techniques=("H34", "H35"),
-    columns=4,
+    panels=("static map", "static map, moved on", "dynamic map", "dynamic map, moved on"),
     size=384,
     parameters={
         "ratio": word.RATIO(2),

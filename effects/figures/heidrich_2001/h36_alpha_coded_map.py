@@ -144,7 +144,7 @@ FIGURE = Figure(
     ),
     source="Heidrich2001",
     techniques=("H36",),
-    columns=3,
+    panels=("from the lamp", "depth in alpha", "camera"),
     size=384,
     parameters=alpha_shadows.PARAMETERS,
     methods=(

@@ -69,7 +69,7 @@ FIGURE = Figure(
     ),
     source="Heidrich2001",
     techniques=("H36", "H37"),
-    columns=3,
+    panels=("no shadows", "unbiased", "two steps of bias"),
     size=384,
     parameters=alpha_shadows.PARAMETERS,
     methods=(

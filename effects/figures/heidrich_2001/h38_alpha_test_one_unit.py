@@ -107,7 +107,7 @@ FIGURE = Figure(
     ),
     source="Heidrich2001",
     techniques=("H36", "H38"),
-    columns=3,
+    panels=("alpha - depth", "times 2^n", "picture"),
     size=384,
     parameters=alpha_shadows.PARAMETERS,
     methods=(

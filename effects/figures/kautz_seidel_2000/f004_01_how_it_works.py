@@ -189,7 +189,7 @@ FIGURE = Figure(
     ),
     source="KautzSeidel2000",
     techniques=("K01", "K15"),
-    columns=5,
+    panels=("texture memory", "-s, t, u, v/8", "F(s, t)", "G(u, v)", "product"),
     size=384,
     parameters={
         "map_size": word.TEXELS(256),

@@ -339,7 +339,7 @@ FIGURE = Figure(
     ),
     source="KautzSeidel2000",
     techniques=("K07", "K08", "K10", "K16"),
-    columns=2,
+    panels=("evaluated at the texels, in float", "as the machine does"),
     parameters={
         "map_size": word.TEXELS(128),
         "alpha_x": word.ALPHA_X(0.4),

@@ -140,7 +140,7 @@ FIGURE = Figure(
     ),
     source="KautzSeidel2000",
     techniques=("K07", "K08", "K10", "K21"),
-    columns=3,
+    panels=("light from +x", "from +y", "from the top"),
     parameters={
         "seed": word.SEED(7, "Which scratches there are."),
         "count": word.COUNT(30, "Scratches along each axis."),

@@ -158,7 +158,7 @@ FIGURE = Figure(
     ),
     source="KautzSeidel2000",
     techniques=("K07", "K08", "K10", "K21"),
-    columns=2,
+    panels=("along meridians", "along parallels"),
     parameters={
         **BRUSHED_SPHERE,
         "alpha_x": word.ALPHA_X(0.25),

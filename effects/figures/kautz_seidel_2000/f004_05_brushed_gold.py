@@ -137,7 +137,6 @@ FIGURE = Figure(
     ),
     source="KautzSeidel2000",
     techniques=("K07", "K08", "K10", "K21"),
-    columns=1,
     parameters={
         "map_size": word.TEXELS(128),
         "repeats": word.REPEATS((4, 2)),

@@ -145,7 +145,6 @@ FIGURE = Figure(
     ),
     source="KautzSeidel2000",
     techniques=("K07", "K08", "K10", "K21"),
-    columns=1,
     parameters={
         "map_size": word.TEXELS(MAP_SIZE),
         "repeats": word.REPEATS((4, 2)),

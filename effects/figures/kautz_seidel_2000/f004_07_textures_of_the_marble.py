@@ -87,7 +87,7 @@ FIGURE = Figure(
     ),
     source="KautzSeidel2000",
     techniques=("K21",),
-    columns=2,
+    panels=("T/alpha_x", "B/alpha_y"),
     parameters=OWN,
     methods=(Method("texture environments", scene, MACHINES),),
     acceptance=checks,

@@ -410,7 +410,7 @@ FIGURE = Figure(
     ),
     source="KautzSeidel2000",
     techniques=("K03", "K07", "K09", "K10", "K20"),
-    columns=3,
+    panels=("Banks", "Blinn-Phong", "Ward"),
     size=384,
     parameters={
         "map_size": word.TEXELS(256),

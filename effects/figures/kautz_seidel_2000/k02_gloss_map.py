@@ -80,7 +80,7 @@ FIGURE = Figure(
     ),
     source="KautzSeidel2000",
     techniques=("K02", "K14"),
-    columns=2,
+    panels=("k_s constant", "gloss map"),
     parameters={
         "cells": word.EVEN(
             12, "Pebbles along an edge of the texture, which comes four times around the sphere."

@@ -169,7 +169,7 @@ FIGURE = Figure(
     ),
     source="KautzSeidel2000",
     techniques=("K04", "K10", "K16"),
-    columns=2,
+    panels=("exact", "R* = 1 - s"),
     parameters={
         "single_pass": word.FLAG(
             False, "Whether the highlight is drawn in one pass, for which GeForce 256 has too few units."

@@ -225,7 +225,7 @@ FIGURE = Figure(
     ),
     source="KautzSeidel2000",
     techniques=("K05", "K06", "K01", "K10"),
-    columns=2,
+    panels=("sqrt(e)", "F(N, e)"),
     size=512,
     parameters={
         "map_size": word.TEXELS(512),

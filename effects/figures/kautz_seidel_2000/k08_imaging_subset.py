@@ -153,7 +153,7 @@ FIGURE = Figure(
     ),
     source="KautzSeidel2000",
     techniques=("K08", "K10", "K21"),
-    columns=3,
+    panels=("per pixel", "per triangle", "without bias"),
     parameters={
         "slices": word.SLICES(24),
         "stacks": word.STACKS(13),

@@ -82,7 +82,7 @@ FIGURE = Figure(
     must_see="The same picture twice.",
     source="KautzSeidel2000",
     techniques=("K11", "K07", "K10"),
-    columns=2,
+    panels=("local frame", "world frame"),
     parameters={
         "spread": word.SPREAD(8.0),
         "alpha_x": word.ALPHA_X(0.3),

@@ -95,7 +95,7 @@ FIGURE = Figure(
     must_see=("On the right a bright pool of light below the lamp; on the left the square is dull there."),
     source="KautzSeidel2000",
     techniques=("K12", "K07", "K10"),
-    columns=2,
+    panels=("vertex colors", "normalization cube map"),
     parameters={
         "cube_map_size": word.TEXELS(64, "The edge of the cube map's faces."),
         "light": word.POSITION(

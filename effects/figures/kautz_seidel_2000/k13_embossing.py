@@ -218,7 +218,7 @@ FIGURE = Figure(
     ),
     source="KautzSeidel2000",
     techniques=("K13",),
-    columns=3,
+    panels=("upper left", "upper right", "from the viewer"),
     parameters={
         "square": word.FLAG(
             False, "Whether a square is drawn that fills the panel, in the place of a torus."

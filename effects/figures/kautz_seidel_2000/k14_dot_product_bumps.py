@@ -72,7 +72,6 @@ FIGURE = Figure(
     must_see=("Pebbles lit from the upper right with soft highlights; no seams round the tube or the axis."),
     source="Kilgard2000",
     techniques=("K14", "K10", "H43"),
-    columns=1,
     parameters={
         "cells": word.EVEN(
             6, "Pebbles along an edge of the texture, which comes five times around the torus."

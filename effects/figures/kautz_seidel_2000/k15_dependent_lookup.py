@@ -180,7 +180,7 @@ FIGURE = Figure(
     ),
     source="KautzSeidel2000",
     techniques=("K05", "K15"),
-    columns=3,
+    panels=("s, e, e", "F(N, e)", "lit"),
     size=512,
     parameters={
         "map_size": word.TEXELS(256),

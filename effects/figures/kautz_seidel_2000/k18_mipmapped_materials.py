@@ -283,7 +283,7 @@ FIGURE = Figure(
     ),
     source="KautzSeidel2000",
     techniques=("K18", "K07", "K10"),
-    columns=4,
+    panels=("no mip-maps", "averaged vectors", "fitted", "reference"),
     size=384,
     parameters={
         "filtering": word.of(

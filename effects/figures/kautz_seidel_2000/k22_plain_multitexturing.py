@@ -177,7 +177,7 @@ FIGURE = Figure(
     ),
     source="KautzSeidel2000",
     techniques=("K22", "K16"),
-    columns=3,
+    panels=("Eq. 1 in software", "unsigned", "signed halves"),
     parameters={
         "tiles": word.of(word.Whole(1, 32, power=True), 4, "Tiles along an edge of the square."),
         "angles": word.of(

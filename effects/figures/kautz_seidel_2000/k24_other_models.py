@@ -205,7 +205,7 @@ FIGURE = Figure(
     ),
     source="KautzSeidel2000",
     techniques=("K24", "K10"),
-    columns=3,
+    panels=("Phong", "Schlick", "Lafortune"),
     size=384,
     parameters={
         "map_size": word.TEXELS(256),

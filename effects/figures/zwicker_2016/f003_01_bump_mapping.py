@@ -103,7 +103,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z01", "Z02", "Z07", "K10"),
-    columns=2,
+    panels=("own normals", "normal map"),
     parameters={
         "relief": word.RELIEF(1.6),
         "tilt": word.DEGREES(20.0, "How far the sphere's upper pole leans towards the viewer."),

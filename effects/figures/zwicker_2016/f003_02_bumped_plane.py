@@ -151,7 +151,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z01", "Z02", "Z07", "K10"),
-    columns=3,
+    panels=("flat", "bumped", "bump texture"),
     size=384,
     parameters={
         "relief": word.RELIEF(0.8),

@@ -280,7 +280,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z01",),
-    columns=3,
+    panels=("displacement map", "cut along u", "largest error"),
     size=512,
     parameters={
         "background": word.BACKDROP(BACKGROUND),

@@ -115,7 +115,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z01", "Z02"),
-    columns=3,
+    panels=("displacement", "(h, u, v)", "(u, v, h)"),
     size=256,
     parameters={
         "height_field": own_maps.height_field("the medal", repeats=False),

@@ -258,7 +258,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z03", "Z04", "Z07"),
-    columns=3,
+    panels=("row of the map", "on a cylinder", "lit"),
     parameters={
         "light": word.LIGHT((-0.5, 0.62, 0.6)),
         "diffuse": word.DIFFUSE((0.34, 0.42, 0.55)),

@@ -91,7 +91,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z03",),
-    columns=2,
+    panels=("texture space", "object space"),
     parameters={
         "background": word.BACKDROP(BACKGROUND),
     },

@@ -196,7 +196,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z08",),
-    columns=2,
+    panels=("mirror", "normal map"),
     parameters={
         "relief": word.RELIEF(0.035, low=0.0, high=1.0),
         "tint": word.COLOR(

@@ -135,7 +135,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z09", "Z08"),
-    columns=3,
+    panels=("reflection", "dirt", "reflection x dirt"),
     size=384,
     parameters={
         "relief": word.RELIEF(0.3),

@@ -117,7 +117,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z29", "Z10", "Z23"),
-    columns=3,
+    panels=("lamp at the left", "in front", "at the right"),
     parameters={
         "positions": word.of(
             word.Several((word.POSITION_KIND,) * len(still_life.LAMP_POSITIONS)),

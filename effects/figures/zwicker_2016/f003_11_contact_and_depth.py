@@ -197,7 +197,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z29", "Z23"),
-    columns=4,
+    panels=("no shadow", "standing", "raised by 0.4", "raised by 0.8"),
     parameters={
         "heights": word.of(
             word.Several((word.Number(0.0, 4.0),) * 3),

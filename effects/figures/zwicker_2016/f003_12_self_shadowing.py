@@ -138,7 +138,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z29", "Z23"),
-    columns=4,
+    panels=("gate, all shadows", "on others only", "bowl, all shadows", "on others only"),
     parameters={
         "shading": word.SHADING(SceneShading.LIT),
         "background": word.BACKDROP(BACKGROUND),

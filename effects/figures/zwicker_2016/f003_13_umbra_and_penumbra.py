@@ -116,7 +116,6 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z26",),
-    columns=1,
     parameters={
         "extent": word.NUMBER(0.34, "The width of the light.", "half edges of a panel", low=0.01, high=1.0),
         "half_width": word.NUMBER(

@@ -107,7 +107,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z26",),
-    columns=3,
+    panels=("point light", "directional light", "area light"),
     parameters={
         "extent": word.NUMBER(
             0.34, "The width of the area light.", "half edges of a panel", low=0.0, high=1.0

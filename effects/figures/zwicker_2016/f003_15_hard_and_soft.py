@@ -161,7 +161,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z26", "Z23"),
-    columns=2,
+    panels=("point light", "area light"),
     size=256,
     parameters={
         "width": word.NUMBER(1.6, "The edge of the square light.", "world units", low=0.01, high=8.0),

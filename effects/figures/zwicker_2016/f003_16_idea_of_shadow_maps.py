@@ -255,7 +255,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z10",),
-    columns=2,
+    panels=("rays", "depth image"),
     parameters={
         "background": word.BACKDROP(BACKGROUND),
     },

@@ -122,7 +122,6 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z10", "Z30"),
-    columns=1,
     methods=(Method("depths read and drawn", make, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
     acceptance=checks,
 )

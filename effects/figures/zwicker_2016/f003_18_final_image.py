@@ -98,7 +98,6 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z10", "Z12", "Z19", "Z20", "Z30"),
-    columns=1,
     parameters={
         "ratio": word.RATIO(2),
         "factor": word.FACTOR(2.2),

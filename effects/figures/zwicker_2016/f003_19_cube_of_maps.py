@@ -163,7 +163,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z11",),
-    columns=3,
+    panels=("one map, 90 degrees", "cube of six", "what each lights"),
     size=384,
     parameters={
         "ratio": word.RATIO(2.0),

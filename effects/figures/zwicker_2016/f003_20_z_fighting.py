@@ -294,7 +294,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z12",),
-    columns=3,
+    panels=("no bias", "PolygonOffset", "four times as much"),
     parameters={
         "right": word.of(
             _OFFSET_KIND, (0.5, 1.0), "The polygon offset of the second panel, factor and units."

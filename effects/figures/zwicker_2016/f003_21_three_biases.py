@@ -61,7 +61,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z10", "Z12"),
-    columns=3,
+    panels=("too little", "correct", "too much"),
     size=384,
     parameters={
         "ratio": word.RATIO(1),

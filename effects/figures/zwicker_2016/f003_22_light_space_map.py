@@ -100,7 +100,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z15", "Z30"),
-    columns=4,
+    panels=("basic map", "light-space map", "basic, magnified", "light-space, magnified"),
     parameters={
         "panels": panels_of(
             (

@@ -192,7 +192,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z10", "Z12", "Z17", "Z18"),
-    columns=3,
+    panels=("one comparison", "2x2 filtered", "8x8"),
     size=256,
     parameters={
         "ratio": word.RATIO(0.7),

@@ -162,7 +162,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z10", "Z12", "Z19", "Z20", "Z30"),
-    columns=4,
+    panels=("final image", "from the light", "depths", "from outside"),
     size=384,
     parameters={
         "ratio": word.RATIO(2),

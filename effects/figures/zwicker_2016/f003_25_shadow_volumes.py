@@ -172,7 +172,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z21", "Z22", "Z24"),
-    columns=3,
+    panels=("silhouettes", "volumes", "shadows"),
     parameters={
         "light": word.POSITION((-1.9, 5.9, -1.8), "Where the light is."),
         "volume_color": word.COLOR((0.99, 0.80, 0.30), "The colour of the volumes' sides."),

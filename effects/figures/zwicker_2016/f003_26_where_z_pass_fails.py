@@ -126,7 +126,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z22", "Z23", "Z24", "Z25"),
-    columns=4,
+    panels=("z-pass, eye in shadow", "z-fail", "z-pass, cut by near", "z-fail"),
     size=384,
     parameters={
         "light": word.POSITION((-5.0, 5.2, -2.0), "Where the light is."),

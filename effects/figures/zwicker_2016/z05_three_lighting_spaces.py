@@ -111,7 +111,7 @@ FIGURE = Figure(
     must_see="Three times the same picture: bumps lit from the upper left, each with a highlight of its own.",
     source="Zwicker2016",
     techniques=("Z05", "Z06", "Z07", "K14", "K12"),
-    columns=3,
+    panels=("camera space", "object space", "tangent space"),
     size=384,
     parameters={
         "relief": word.RELIEF(0.45),

@@ -100,7 +100,7 @@ FIGURE = Figure(
     must_see="Bumps lit from the upper left on both; the right ones are others, lit from the same side.",
     source="Zwicker2016",
     techniques=("Z06", "K14"),
-    columns=2,
+    panels=("as made", "turned by 55 degrees"),
     size=384,
     parameters={
         "relief": word.RELIEF(0.45),

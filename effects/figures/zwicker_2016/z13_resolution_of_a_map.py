@@ -80,7 +80,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z13", "Z30"),
-    columns=4,
+    panels=("basic map", "256 texels", "1024 texels", "4096 texels"),
     parameters={
         "panels": panels_of(
             (

@@ -103,7 +103,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z14",),
-    columns=4,
+    panels=("three slices", "slices tinted", "basic, magnified", "slices, magnified"),
     parameters={
         "panels": panels_of(
             (

@@ -94,7 +94,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z13", "Z14", "Z15", "Z16"),
-    columns=5,
+    panels=("slices and light space", "basic", "three slices", "light space", "both"),
     size=384,
     parameters={
         "panels": panels_of(

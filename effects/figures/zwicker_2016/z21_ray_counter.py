@@ -185,7 +185,6 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z21",),
-    columns=1,
     parameters={
         "background": word.BACKDROP(BACKGROUND),
     },

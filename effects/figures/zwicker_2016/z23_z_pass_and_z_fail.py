@@ -108,7 +108,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z21", "Z22", "Z23", "Z24"),
-    columns=4,
+    panels=("z-pass", "its counts", "z-fail's counts", "z-fail"),
     size=384,
     parameters={
         "light": word.POSITION((-6.2, 7.0, 3.2), "Where the light is, or from where it comes."),

@@ -241,7 +241,7 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z27", "Z03", "Z04"),
-    columns=3,
+    panels=("tangents along x", "triangles found", "coordinates' own"),
     parameters={
         "light": word.LIGHT((-0.72, 0.48, 0.5)),
         "diffuse": word.DIFFUSE((0.50, 0.42, 0.32)),
