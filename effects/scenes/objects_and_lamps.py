@@ -33,7 +33,8 @@ class Object:
 
     ``color``: diffuse and ambient RGB; ``specular``: how strong its white highlight is, [0, 1]. ``closed``:
     whether the surface bounds a volume, so that it may be extruded to a shadow volume. ``two_sided``: whether
-    its back faces are lit too, by their normals turned round (LIGHT_MODEL_TWO_SIDE).
+    its back faces are lit too, by their normals turned round (LIGHT_MODEL_TWO_SIDE). ``throws``: whether it
+    throws shadows; what throws none, as the ground far about, is in no shadow map, and no lamp encloses it.
     """
 
     name: str
@@ -42,6 +43,7 @@ class Object:
     specular: float = 0.0
     closed: bool = True
     two_sided: bool = False
+    throws: bool = True
 
     def __post_init__(self):
         checked_rgb(self.color, f"The colour of {self.name}")
@@ -63,9 +65,14 @@ class Object:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What is lit and throws shadows."""
+    """What is lit, and what of it throws shadows."""
 
     objects: tuple[Object, ...]
+
+    @property
+    def throwing(self):
+        """The objects that throw shadows, in their order."""
+        return tuple(thing for thing in self.objects if thing.throws)
 
     def _some(self):
         if not self.objects:
@@ -81,12 +88,12 @@ class Scene:
         return np.repeat(np.arange(len(self.objects)), [len(o.surface.triangles) for o in self.objects])
 
     def bounds(self):
-        """The least and the greatest coordinates, two float64 [3]."""
-        positions = np.concatenate([o.surface.positions for o in self._some()])
+        """The least and the greatest coordinates of what throws shadows, two float64 [3]."""
+        positions = np.concatenate([o.surface.positions for o in Scene(self.throwing)._some()])
         return positions.min(axis=0), positions.max(axis=0)
 
     def corners(self):
-        """The eight corners of the bounding box, float64 [8, 3]."""
+        """The eight corners of the bounding box of what throws shadows, float64 [8, 3]."""
         ends = np.stack(self.bounds())
         return np.array(
             [[ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)]

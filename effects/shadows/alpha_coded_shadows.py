@@ -186,9 +186,15 @@ class Coding:
             return wide
         return InternalFormat[f"{base}8"]
 
-    def ramp(self, profile):
-        """The command that stores the ramp."""
+    def ramp(self, profile, subtract=True):
+        """The command that stores the ramp.
+
+        ``subtract``: as of ``with_one_unit``; False: the ramp ends a step below one. What lies beyond the
+        lamp's far plane then stays below one when nothing of a map is added to it, and is lit.
+        """
         alphas = np.arange(self.width) / float(self.width - 1)
+        if not subtract:
+            alphas = np.minimum(alphas, 1.0 - self.step)
         image = texture_1d(np.repeat(alphas[:, None], 4, axis=1), self.internal_format(profile))
         label = f"load the ramp: depth to alpha, {self.width} texels"
         return TexImage(label=label, texture=RAMP, image=image)
@@ -299,7 +305,7 @@ def picture_from_light(
             texture_units=(ramp,),
             depth_test=FIRST_PASS,
         )
-        for thing in scene.objects
+        for thing in scene.throwing
     )
     return clear, *(replace(d, state=replace(d.state, scissor=panel.scissor)) for d in draws)
 

@@ -114,7 +114,11 @@ def marking_pass(label, scene, view, **settings):
 
 
 def depth_pass(scene, view, *, factor=0.0, units=0.0, label="depths seen from the light"):
-    """The scene's depths, no colours, moved away from the viewer by PolygonOffset(factor, units)."""
+    """Depths of what throws shadows, no colours, moved away from the viewer by PolygonOffset(factor, units).
+
+    What throws none stays out: a map holds the farthest depth beyond what the lamp encloses, so that a
+    place outside the map, whose coordinates are clamped to its edge, is lit.
+    """
     polygon = PolygonState(
         offset_fill=(factor, units) != (0.0, 0.0),
         offset_factor=factor,
@@ -122,7 +126,7 @@ def depth_pass(scene, view, *, factor=0.0, units=0.0, label="depths seen from th
     )
     return tuple(
         draw_object(label, thing, view, depth_test=FIRST_PASS, color_mask=NO_COLOR, polygon=polygon)
-        for thing in scene.objects
+        for thing in scene.throwing
     )
 
 

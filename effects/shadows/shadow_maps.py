@@ -478,4 +478,5 @@ def show_depths(panel, name, profile):
 
 def scene_passes(commands, scene):
     """How many times the scene's geometry is drawn."""
-    return sum(isinstance(command, Draw) for command in commands) // len(scene.objects)
+    first = scene.objects[0].mesh
+    return sum(isinstance(command, Draw) and command.mesh is first for command in commands)

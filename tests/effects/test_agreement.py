@@ -19,6 +19,12 @@ def truth():
     return agreement.truth_of(scene, still_life.still_life_view(PANEL), lamp)
 
 
+@pytest.fixture(scope="module")
+def throwing():
+    """What throws shadows alone, which is what a map holds."""
+    return ray_caster.scene_caster(objects_and_lamps.Scene(still_life.still_life(24).throwing))
+
+
 def length(vectors):
     return np.sqrt(dot(vectors, vectors))
 
@@ -54,10 +60,10 @@ def test_no_shadow_or_nothing_but_shadow_is_seen(truth, answer):
     assert found.other > 0.2 * (1.0 - found.agreeing) * found.compared
 
 
-def test_a_coarse_shadow_map_differs_within_its_texels_and_its_bias(truth):
+def test_a_coarse_shadow_map_differs_within_its_texels_and_its_bias(truth, throwing):
     """A map of exact distances, looked up as NEAREST does: what is wrong is its resolution and its bias."""
     edge, bias = 128, 0.3
-    from_lamp = ray_caster.visible(truth.caster, truth.lamp.view(views.Panel(0, 0, edge, edge)))
+    from_lamp = ray_caster.visible(throwing, truth.lamp.view(views.Panel(0, 0, edge, edge)))
     distances = np.where(from_lamp.something, length(from_lamp.points - truth.lamp.position), np.inf)
     s, t, _, q = (truth.shown.points @ row[:3] + row[3] for row in np.array(truth.lamp.texture_matrix))
     column, row = (np.clip(np.floor(c / q * edge).astype(int), 0, edge - 1) for c in (s, t))

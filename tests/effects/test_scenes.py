@@ -35,7 +35,7 @@ def test_a_lamp_around_a_scene_has_all_of_it_in_its_map(position, infinite):
     scene = still_life(12)
     lamp = lamp_around(scene, position, infinite=infinite)
     depths = []
-    for point in np.concatenate([o.surface.positions for o in scene.objects]).tolist():
+    for point in np.concatenate([o.surface.positions for o in scene.throwing]).tolist():
         s, t, r, q = transform(lamp.texture_matrix, (*point, 1.0))
         assert q > 0.0
         assert all(0.0 <= c <= q for c in (s, t, r))
@@ -47,6 +47,30 @@ def test_a_lamp_around_a_scene_has_all_of_it_in_its_map(position, infinite):
     assert (np.diff(linear) >= -1e-12).all()
     if not infinite:
         assert np.abs(window - linear).max() > 0.05
+
+
+def test_the_ground_is_in_no_map_and_the_floor_goes_on_in_it_without_a_gap():
+    scene = still_life(12)
+    by_name = {thing.name: thing for thing in scene.objects}
+    assert set(scene.objects) - set(scene.throwing) == {by_name["ground"]}
+    drawn = [draw.mesh for draw in depth_pass(scene, still_life_view(PANEL))]
+    assert [thing.mesh for thing in scene.throwing] == drawn
+    floor, ground = (by_name[name].surface for name in ("floor", "ground"))
+    half = scene.bounds()[1][0]
+    assert half == floor.positions.max() < ground.positions.max()
+    on_rim = np.abs(floor.positions[:, [0, 2]]).max(axis=1) == half
+    inner = np.abs(ground.positions[:, [0, 2]]).max(axis=1) == half
+    assert {tuple(p) for p in floor.positions[on_rim]} == {tuple(p) for p in ground.positions[inner]}
+    # All that the camera sees is the scene: it has no background.
+    assert ray_caster.visible(ray_caster.scene_caster(scene), still_life_view(PANEL)).something.all()
+
+
+def test_every_side_of_the_still_lifes_box_is_lit_clearly_or_turned_away_clearly():
+    """A side that light grazes looks unlit and counts as lit."""
+    (box,) = (thing.surface for thing in still_life(12).objects if thing.name == "box")
+    for position in LAMP_POSITIONS:
+        cosines = dot(box.normals, normalize(np.array(position) - box.positions))
+        assert np.abs(cosines).min() > 0.1
 
 
 def test_a_lamp_in_the_midst_of_a_scene_is_refused():

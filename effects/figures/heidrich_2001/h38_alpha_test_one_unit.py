@@ -21,9 +21,9 @@ def make_scene(board):
         coding, common = Coding(bits, bias=bias), {"lamp": lamp, "shading": shading}
         left, middle, right = row_of_panels(3, size)
         things, light = alpha_shadows.lit_scene_of(size, lamp)
-        out = [coding.ramp(profile)]
-        out += alpha_shadows.stored(left, profile, board, coding, ratio=ratio, **common)
         subtract = board.stored.get("subtract", True)
+        out = [coding.ramp(profile, subtract)]
+        out += alpha_shadows.stored(left, profile, board, coding, ratio=ratio, **common)
         for panel in (left, middle):
             view = still_life_view(panel)
             settings = {"background": background, "subtract": subtract, "shading": shading}

