@@ -11,9 +11,9 @@ from hypothesis import HealthCheck, settings
 SHARED = Path(__file__).resolve().parents[2] / "shared"
 CAPTURES = Path(os.environ.get("FIXEDPIPE_CAPTURES") or SHARED / "silicon" / "golden" / "results")
 
-# How long an example takes decides nothing: machines are slow, and busy. Derandomised: the same examples
-# everywhere, so a failure on one machine is a failure on all. `pytest --hypothesis-profile=random` searches
-# at random.
+# How long an example takes decides nothing: machines are slow, and busy. Derandomised: the same examples on
+# every machine where the same modules are loaded, whose constants are among the values that are tried.
+# `pytest --hypothesis-profile=random` searches at random.
 # Hypothesis's own defaults differ where the variable CI is set, so each setting that matters is said.
 settings.register_profile(
     "random",

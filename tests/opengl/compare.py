@@ -454,7 +454,11 @@ def _alpha_steps(command):
     """
     if not isinstance(command, Draw) or command.state.alpha_test is None:
         return (0,)
-    steps = int(np.ceil(source(command, True).alpha + source(command, False).alpha))
+    apart = source(command, True).alpha + source(command, False).alpha
+    if command.state.polygon.shade_model is ShadeModel.SMOOTH:
+        # Mesa multiplies by an interpolated w what it divided by each vertex's, equal alphas too.
+        apart += SINGLE
+    steps = int(np.ceil(apart))
     return (0, *(sign * step for step in range(1, steps + 1) for sign in (-1, 1)))
 
 

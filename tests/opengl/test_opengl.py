@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from bench.peers.mesa import PeerError
 from fixedpipe.pipeline.commands import Clear, Draw, Mesh
-from fixedpipe.pipeline.enums import BlendFactor, StencilOperation
+from fixedpipe.pipeline.enums import BlendFactor, ComparisonFunction, StencilOperation
 from fixedpipe.pipeline.profiles import OPENGL_1_2
-from fixedpipe.pipeline.state import Blending, PassState, StencilTest
+from fixedpipe.pipeline.state import AlphaTest, Blending, PassState, StencilTest
 from tests.opengl.compare import compare, diamond_ties, edge_pixels, example
 from tests.opengl.mesa import Mesa
 from tests.opengl.passes import EXTENDED, HEIGHT, PROFILES, WIDTH, anywhere, frames, strokes
@@ -112,6 +112,15 @@ def test_thousands_of_passes_are_softpipe_s(softpipe, textured, data):
 @given(anywhere())
 def test_thousands_of_meshes_cover_what_llvmpipe_covers(llvmpipe, commands):
     assert_alike_off_edges(llvmpipe, commands, OPENGL_1_2, 0.1)
+
+
+def test_softpipe_s_alpha_may_lie_beside_its_vertices_one_alpha(softpipe):
+    """Where w varies, softpipe's alpha is a last place beside the vertices', so that rows of LESS pass."""
+    positions = np.array([[4.0, -4.0, 4.0, 4.0], [-0.25, -4.0, 4.0, 4.0], [0.9375, 0.25, 1.0, 1.0]])
+    mesh = Mesh(positions, colors=np.full((3, 4), 1 / 255.0), secondary_colors=np.zeros((3, 3)))
+    state = PassState(alpha_test=AlphaTest(ComparisonFunction.LESS, 1 / 255.0))
+    commands = (Clear(label="clear"), Draw(label="draw", mesh=mesh, state=state))
+    assert assert_alike(softpipe, commands, OPENGL_1_2).undecided.any()
 
 
 # -------------------------------------------------------------------------------------- does it see anything?
