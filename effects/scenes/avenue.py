@@ -79,16 +79,20 @@ def avenue_view(panel):
 
 # What ``near_shadow_view`` shows of ``avenue_view``: its middle, and half its width, in the picture's half
 # widths.
-_MIDDLE, _HALF_DETAIL = (-0.53, -0.43), 0.27
+_MIDDLE, _HALF_DETAIL = (-0.40, -0.38), 0.41
 
 
 def near_shadow_view(panel):
-    """A magnified part of ``avenue_view``: the shadow's tip that the stone and its ball throw before the
-    viewer.
-    """
+    """A magnified part of ``avenue_view``: the stone, its ball and their shadow before the viewer."""
     view, zoom = avenue_view(panel), 1.0 / _HALF_DETAIL
     x, y = _MIDDLE
     magnified = (
         (zoom, 0.0, 0.0, -zoom * x), (0.0, zoom, 0.0, -zoom * y), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0),
     )  # fmt: skip
     return replace(view, projection=product(magnified, view.projection))
+
+
+def near_shadow_outline():
+    """What ``near_shadow_view`` shows of ``avenue_view``: a closed outline, in the picture's half widths."""
+    (x, y), half = _MIDDLE, _HALF_DETAIL
+    return tuple((x + i * half, y + j * half) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)))

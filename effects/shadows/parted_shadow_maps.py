@@ -46,10 +46,11 @@ class Part:
     planes: tuple = ()
 
 
-def parts_of_view(fit, scene, direction, view, edge, count=3):
+def parts_of_view(fit, scene, direction, view, edge, count=3, mixture=frustum_slices.LAMBDA):
     """The parts of a MapFit for a light far away, ``edge`` texels a map: a tuple of Part.
 
-    ``direction``: to the light, world coordinates. ``count``: of slices. One texel is left free round each
+    ``direction``: to the light, world coordinates. ``count``: of slices, ``mixture``: as of
+    ``frustum_slices.split_distances``. One texel is left free round each
     map, for filters. A slice that sees nothing of the scene has no part.
     """
     member_of(MapFit, fit, "The way to fit shadow maps")
@@ -60,7 +61,7 @@ def parts_of_view(fit, scene, direction, view, edge, count=3):
     if fit is MapFit.LISPSM:
         return (Part(fit.value, light_space.perspective_camera(body, scene, direction, view, border)),)
     camera = light_space.uniform_camera if fit is MapFit.SLICES else light_space.perspective_camera
-    distances = frustum_slices.view_slices(view, count)
+    distances = frustum_slices.view_slices(view, count, mixture)
     out = []
     for k in range(count):
         body = light_space.seen_body(scene, view, *distances[k : k + 2])
@@ -91,15 +92,14 @@ def store_parts(parts, scene, edge, window, **settings):
     )
 
 
+def tinted_color(color, tint):
+    """An RGB colour half way to the RGB ``tint``: a product would leave a tree black in red."""
+    return tuple((c + t) / 2.0 for c, t in zip(color, checked_rgb(tint, "The tint"), strict=True))
+
+
 def tinted(scene, tint):
-    """The scene with its colours multiplied by an RGB ``tint``."""
-    tint = checked_rgb(tint, "The tint")
-    return Scene(
-        tuple(
-            replace(thing, color=tuple(c * t for c, t in zip(thing.color, tint, strict=True)))
-            for thing in scene.objects
-        )
-    )
+    """The scene with each colour as of ``tinted_color``."""
+    return Scene(tuple(replace(thing, color=tinted_color(thing.color, tint)) for thing in scene.objects))
 
 
 def parted_passes(

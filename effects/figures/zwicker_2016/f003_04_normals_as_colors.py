@@ -116,7 +116,6 @@ FIGURE = Figure(
     source="Zwicker2016",
     techniques=("Z01", "Z02"),
     panels=("displacement", "(h, u, v)", "(u, v, h)"),
-    size=256,
     parameters={
         "height_field": own_maps.height_field("the medal", repeats=False),
         "height_scale": own_maps.HEIGHT_SCALE(0.1),

@@ -7,6 +7,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
@@ -19,12 +20,29 @@ from fixedpipe.effects.shadows.lit_scene import SceneShading, draw_object, map_e
 CHECKED_SIZE = 256
 # Of the faces +x, -x, +y, -y, +z, -z.
 TINTS = (
-    (1.0, 0.60, 0.56), (0.56, 0.95, 1.0), (0.62, 1.0, 0.56),
-    (1.0, 0.62, 1.0), (0.62, 0.66, 1.0), (1.0, 0.96, 0.50),
+    (0.95, 0.35, 0.30), (0.25, 0.75, 0.85), (0.40, 0.80, 0.30),
+    (0.80, 0.35, 0.80), (0.35, 0.42, 0.90), (0.95, 0.85, 0.25),
 )  # fmt: skip
 
 
-def scene(profile, size, *, shading, ratio, one, background):
+# Half the edge of the cube that is drawn round the lamp, and the colour of its lines.
+_CUBE, _LINES = 0.62, (1.0, 0.97, 0.72)
+
+
+def frustum_lines(face, reach):
+    """The field of view of a face's map as lines in world coordinates: from the lamp to the corners of a
+    square ``reach`` before it, and the square; a list of float64 [2 or 5, 3].
+    """
+    axis, sign = cube_of_maps.FACES.index(face) // 2, 1.0 if face[0] == "+" else -1.0
+    corners = np.array([np.insert(np.array(c, float), axis, sign) for c in _SQUARE]) * reach
+    lamp = np.array(lit_room.LAMP)
+    return [*(np.stack([lamp, lamp + c]) for c in corners[:-1]), lamp + corners]
+
+
+_SQUARE = ((-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1))
+
+
+def scene(profile, size, *, shading, ratio, one, background, frusta):
     """F003-19: a room lit through one map, through six, and which of them lights what."""
     room, row, edge = lit_room.lit_room(detail_of(size)), row_of_panels(3, size), map_edge(size, ratio)
     parts = [
@@ -49,7 +67,20 @@ def scene(profile, size, *, shading, ratio, one, background):
         )
         if shading is SceneShading.LIT:
             out.append(draw_object("where the light is", lit_room.bulb(), view, depth_test=FIRST_PASS))
+        if shading is SceneShading.LIT and frusta and number < 2:
+            faces, reach = ((one,), _to_wall(one)) if number == 0 else (cube_of_maps.FACES, _CUBE)
+            lines = [line for face in faces for line in frustum_lines(face, reach)]
+            out.append(drawing.strokes("the maps' fields of view", view, lines, _LINES, width=0.8, alpha=0.8))
     return tuple(out)
+
+
+def _to_wall(face):
+    """How far the lamp is from the wall, floor or ceiling that a face's map looks at."""
+    ends = (
+        (lit_room.HALF_WIDTH, -lit_room.HALF_WIDTH), (lit_room.HEIGHT, 0.0), (lit_room.FRONT, lit_room.BACK)
+    )  # fmt: skip
+    axis = cube_of_maps.FACES.index(face) // 2
+    return abs(ends[axis][face[0] == "-"] - lit_room.LAMP[axis])
 
 
 @lru_cache(maxsize=2)
@@ -80,20 +111,24 @@ def checks(figure, renderer):
     meeting = _beside_another(face) & (kinds != agreement.NOT_COMPARED)
     inside = face == cube_of_maps.FACES.index(figure.values["one"])
     away = facing & ~agreement.silhouettes(rays) & ~_beside_another(face)
-    _, plain, tinted = np.split(renderer.machine_window(figure, size), 3, axis=1)
+    _, plain, tinted = np.split(renderer.machine_window(figure, size, frusta=False), 3, axis=1)
     # A highlight is white, whatever a surface's tint.
     objects = lit_room.lit_room(detail_of(size)).objects
     dull = np.array([thing.specular == 0.0 for thing in objects])[rays.shown.object] & rays.shown.something
     dull &= ~agreement.silhouettes(rays) & ~_beside_another(face) & (plain.max(axis=-1) < 1.0)
-    off = np.abs(tinted - plain * np.array(TINTS)[face]).max(axis=-1)[dull]
+    colors = np.array([thing.color for thing in objects])
+    mixed = [[parted_shadow_maps.tinted_color(color, tint) for tint in TINTS] for color in colors]
+    ratio = np.array(mixed)[rays.shown.object, face] / colors[rays.shown.object]
+    off = (np.abs(tinted - plain * ratio) / (1.0 + ratio)).max(axis=-1)[dull]
     return (
         Check(
-            "tinted: pixels of the second picture's colours times their map's tint",
-            float((off <= 2.5 / 255.0).mean()),
+            "tinted: pixels with the second picture's light on their map's tint",
+            float((off <= 1.25 / 255.0).mean()),
             at_least=0.999,
             on=Answer.MACHINE,
-            reason="the same light and shadows; colours without a light and with it are rounded each; a "
-            "bulb and what the lamp's light makes of a neighbour's outline are the rest",
+            reason="the same light and shadows on other colours: a byte and a quarter for the roundings of "
+            "the one, and as much times the colours' ratio for those of the other; a bulb and what the "
+            "lamp's light makes of a neighbour's outline are the rest",
         ),
         *(
             Check(
@@ -152,19 +187,18 @@ FIGURE = Figure(
     id="F003-19",
     title="A cube of six shadow maps",
     caption=(
-        "A lamp in the middle of a room, its front wall left out. Left the field of view of one shadow map, "
-        "90 degrees wide; middle six of them, arranged in a cube; right the parts of the room that each "
-        "lights are tinted."
+        "A lamp in a room, its front wall left out. Left the field of view of one shadow map, 90 degrees "
+        "wide, drawn as lines to the wall; middle six of them, arranged in a cube round the lamp; right the "
+        "parts of the room that each lights are tinted."
     ),
     must_see=(
-        "Left only the back wall, and what is before it, has light, inside a square. In the middle every "
+        "Left only what is inside the four lines has light, a square of the back wall. In the middle every "
         "wall, the floor and the ceiling have light and shadows, without a seam or a line of light where two "
         "maps meet: those lines are seen right."
     ),
     source="Zwicker2016",
     techniques=("Z11",),
     panels=("one map, 90 degrees", "cube of six", "what each lights"),
-    size=384,
     parameters={
         "ratio": word.RATIO(2.0),
         "one": word.of(
@@ -173,6 +207,7 @@ FIGURE = Figure(
             "The face whose map alone lights the first panel.",
         ),
         "background": word.BACKDROP(BACKGROUND),
+        "frusta": word.of(word.Flag(), True, "Whether lines show the maps' fields of view."),
         "shading": word.SHADING(SceneShading.LIT),
     },
     methods=(Method("depth textures and clip planes", scene, ("GEFORCE_3", "NV2A")),),

@@ -80,7 +80,7 @@ def checks(figure, renderer):
             wrong(found[2]) / wrong(found[3]),
             at_least=2.0,
             on=Answer.MACHINE,
-            reason="as above, where only the ground, the stone and its shadow are seen; measured 2.8",
+            reason="as above, where only the ground, the stone and its shadow are seen; measured 2.2",
         ),
         others(found),
     )
@@ -91,8 +91,8 @@ FIGURE = Figure(
     title="A basic and a light-space perspective shadow map",
     caption=(
         "A long ground in the evening sun. First a shadow map that covers the scene evenly, then one of as "
-        "many texels whose matrix has a second perspective, towards the viewer. Third and fourth the same "
-        "two with a near shadow magnified."
+        "many texels whose matrix has a second perspective, towards the viewer. Third and fourth of the "
+        "same two what the frame encloses, magnified."
     ),
     must_see=(
         "Stairs along the near shadow's edge in the third picture; in the fourth they are a third as large. "

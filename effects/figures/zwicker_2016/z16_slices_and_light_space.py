@@ -6,7 +6,6 @@ from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     NEAR_SHADOW,
     SUN,
-    WHOLE,
     nearest_rows,
     others,
     panels_of,
@@ -54,7 +53,7 @@ def checks(figure, renderer):
                 f"measured {measured}",
             )
             for (fit, *_), f, bound, measured in zip(
-                figure.values["panels"][1:],
+                figure.values["panels"],
                 found,
                 (0.93, 0.98, 0.97, 0.982),
                 (0.948, 0.986, 0.978, 0.987),
@@ -64,16 +63,16 @@ def checks(figure, renderer):
         *(
             Check(
                 f"wrong pixels of the near shadow, magnified: basic over {name}",
-                wrong(shown[1]) / wrong(shown[1 + k]),
+                wrong(shown[0]) / wrong(shown[k]),
                 at_least=bound,
                 on=Answer.MACHINE,
                 reason="as above, where only the ground, the stone and its shadow are seen; "
                 f"measured {measured}",
             )
             for name, k, bound, measured in (
-                ("slices", 1, 2.1, 3.1),
+                ("slices", 1, 2.6, 3.8),
                 ("LiSPSM", 2, 2.2, 3.3),
-                ("both", 3, 3.3, 4.9),
+                ("both", 3, 3.7, 5.5),
             )
         ),
         others((*found, *shown), 8e-4, 0.0004),
@@ -84,22 +83,22 @@ FIGURE = Figure(
     id="Z16",
     title="Slices and light-space perspective together",
     caption=(
-        "A long ground with three slices in light-space perspective, and a near shadow magnified: with one "
-        "basic map, with three slices, with one map in light-space perspective, and with both. Every map has "
-        "two texels for three pixels along the picture's edge."
+        "A shadow before the viewer of F003-22's long ground, magnified: with one basic map, with three "
+        "slices, with one map in light-space perspective, and with both. Every map has two texels for three "
+        "pixels along the picture's edge. The polygon offset is counted in steps of the depth buffer: on the "
+        "InfiniteReality, whose 23 bits have half as many as the others' 24, the same offset is twice as "
+        "far, and corners of shadows are lost."
     ),
     must_see=(
-        "The stairs along the near shadow's edge are largest with the basic map, small with either, smallest "
-        "with both together; no seam in the first picture."
+        "The stairs along the shadow's edge are largest with the basic map, small with either, smallest with "
+        "both together."
     ),
     source="Zwicker2016",
     techniques=("Z13", "Z14", "Z15", "Z16"),
-    panels=("slices and light space", "basic", "three slices", "light space", "both"),
-    size=384,
+    panels=("basic", "three slices", "light space", "both"),
     parameters={
         "panels": panels_of(
             (
-                (MapFit.SLICES_AND_LISPSM, 0.67, 3, WHOLE),
                 (MapFit.BASIC, 0.67, 1, NEAR_SHADOW),
                 (MapFit.SLICES, 0.67, 3, NEAR_SHADOW),
                 (MapFit.LISPSM, 0.67, 1, NEAR_SHADOW),

@@ -9,12 +9,13 @@ import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.geometry.views import Panel, row_of_panels
 from fixedpipe.effects.scenes import avenue
 from fixedpipe.effects.scenes.objects_and_lamps import detail_of
-from fixedpipe.effects.shadows import light_space, parted_shadow_maps
+from fixedpipe.effects.shadows import frustum_slices, light_space, parted_shadow_maps
 from fixedpipe.effects.shadows.lit_scene import SceneShading, map_edge
 
 # The lower part of the picture that is near, and the farthest of the ground's rows. Source: the catalogue's
@@ -25,7 +26,9 @@ NEAREST, FARTHEST = 0.2, 0.05
 # metres. A texel is larger than what is round here, and holds the depth of another part of it. Measured: with
 # 4 steps 45 pixels of F003-22's LiSPSM picture are dark without a reason, with these 6.
 OFFSET_UNITS = 16384.0
-TINTS = ((1.0, 0.55, 0.50), (0.55, 1.0, 0.55), (0.60, 0.66, 1.0))
+TINTS = ((1.0, 0.25, 0.20), (0.20, 0.85, 0.25), (0.25, 0.42, 1.0))
+# Of the frame round what other panels show magnified.
+FRAME = (1.0, 0.96, 0.55)
 
 
 def edge_of(size, ratio):
@@ -68,21 +71,23 @@ def camera_of(look, panel):
     return avenue.near_shadow_view(panel) if look == NEAR_SHADOW else avenue.avenue_view(panel)
 
 
-def parts_for(fit, ratio, slices, size, scene, sun):
+def parts_for(fit, ratio, slices, size, scene, sun, mixture=frustum_slices.LAMBDA):
     """The maps of a panel, fitted to all that the viewer sees however the panel shows it: tuple of Part."""
     edge, whole = edge_of(size, ratio), avenue.avenue_view(Panel(0, 0, size, size))
-    parts = parted_shadow_maps.parts_of_view(fit, scene, sun, whole, edge, slices)
+    parts = parted_shadow_maps.parts_of_view(fit, scene, sun, whole, edge, slices, mixture)
     return tuple(replace(part, name=f"{part.name}, {edge} texels") for part in parts)
 
 
-def scene(profile, size, *, shading, panels, background, sun):
+def scene(profile, size, *, shading, panels, background, sun, mixture=frustum_slices.LAMBDA):
     """Commands that draw the avenue on a row of panels, as many as ``panels`` has, which are (MapFit, ratio
-    of the map's edge to the panel's, number of slices, look). Panels of the same maps share them.
+    of the map's edge to the panel's, number of slices, look). Panels of the same maps share them. A frame on
+    panels that show the whole says what the others magnify.
     """
+    magnified = NEAR_SHADOW in {look for *_, look in panels} and shading is SceneShading.LIT
     things, window = avenue.avenue(detail_of(size)), (len(panels) * size, size)
     stored, drawn, names = [], [], set()
     for panel, (fit, ratio, slices, look) in zip(row_of_panels(len(panels), size), panels, strict=True):
-        parts = parts_for(fit, ratio, slices, size, things, sun)
+        parts = parts_for(fit, ratio, slices, size, things, sun, mixture)
         new = [part for part in parts if part.name not in names]
         names.update(part.name for part in new)
         stored += parted_shadow_maps.store_parts(
@@ -100,6 +105,9 @@ def scene(profile, size, *, shading, panels, background, sun):
                 tints=TINTS if look == TINTED else None,
             ),
         )
+        if magnified and look != NEAR_SHADOW:
+            outline = avenue.near_shadow_outline()
+            drawn.append(drawing.stroke("the part that is magnified", drawing.sheet(panel), outline, FRAME))
     return (*stored, *drawn)
 
 
@@ -110,7 +118,7 @@ def truth(size, sun, look=WHOLE):
     return agreement.truth_of(scene, view, light_space.whole_scene_camera(scene, sun, view))
 
 
-def agreements(picture, size, panels, sun, **settings):
+def agreements(picture, size, panels, sun, mixture=frustum_slices.LAMBDA):
     """An agreement.Agreement for each panel of a picture [size, n size, 3] of ``SceneShading.MASK``.
 
     A slice's pixels are compared with its own camera's texels. Compared are surfaces that face the light: the
@@ -122,14 +130,13 @@ def agreements(picture, size, panels, sun, **settings):
         facing = dot(rays.shown.normals, np.array(sun)) > 0.0
         mask = agreement.lit_mask(picture[:, number * size : (number + 1) * size])
         kinds = np.zeros(mask.shape, np.uint8)
-        for part in parts_for(fit, ratio, slices, size, scene, sun):
+        for part in parts_for(fit, ratio, slices, size, scene, sun, mixture):
             where = between(part.planes, rays) & facing
             found = agreement.compare(
                 mask,
                 replace(rays, lamp=part.camera),
                 map_edge=edge_of(size, ratio),
                 where=where,
-                **settings,
             )
             kinds[where] = found.kinds[where]
         counts = np.bincount(kinds.ravel(), minlength=agreement.OTHER + 1).tolist()
@@ -140,13 +147,14 @@ def agreements(picture, size, panels, sun, **settings):
 
 
 def shown_and_whole(figure, renderer, size):
-    """``agreements`` of the machine's panels as the figure shows them, and of the same maps as those after
-    the first have, over all that the viewer sees.
+    """``agreements`` of the machine's panels that are magnified, and of the same maps over all that the
+    viewer sees.
     """
     panels, sun = figure.values["panels"], figure.values["sun"]
-    whole = tuple((*panel[:3], WHOLE) for panel in panels[1:])
-    picture = renderer.machine_window(figure, size, shading=SceneShading.MASK)
-    shown = agreements(picture, size, panels, sun)
+    near = tuple(panel for panel in panels if panel[3] == NEAR_SHADOW)
+    whole = tuple((*panel[:3], WHOLE) for panel in near)
+    picture = renderer.machine_window(figure, size, shading=SceneShading.MASK, panels=near)
+    shown = agreements(picture, size, near, sun)
     picture = renderer.machine_window(figure, size, shading=SceneShading.MASK, panels=whole)
     return shown, agreements(picture, size, whole, sun)
 
