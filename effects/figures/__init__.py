@@ -5,9 +5,9 @@ import sys
 
 from fixedpipe.effects.collection import Collection
 from fixedpipe.effects.figures.figure import Figure, Method, Renderer
-from fixedpipe.effects.figures.rendering import DIFFERENCE_GAIN, Rendering, difference
+from fixedpipe.effects.figures.rendering import Difference, Rendering, difference
 
-__all__ = ["DIFFERENCE_GAIN", "FIGURES", "Figure", "Method", "Renderer", "Rendering", "difference"]
+__all__ = ["FIGURES", "Difference", "Figure", "Method", "Renderer", "Rendering", "difference"]
 
 
 def identify(name):

@@ -305,6 +305,31 @@ class Figure:
             result = execute(commands, machine, width, height, threads=threads, record=True)
         return Rendering(self, machine, way, height, changes, result, threads)
 
+    def reference_picture(
+        self, size: int | None = None, method: Method | None = None, **changes: Any
+    ) -> NDArray[np.float64] | None:
+        """What the algorithm approximates, by ``reference``, of the parameters that every method has: RGBA
+        float64 [height, width, 4], top row first, 1.0 = full, alpha 0 where a panel has none. None where the
+        figure has no reference.
+
+        size     a panel's edge in pixels; None: the figure's own
+        method   one of ``methods``, whose values of parameters it takes; None: the first
+        changes  other values of parameters, by name
+
+        Raises ValueError as ``commands`` does.
+        """
+        if self.reference is None:
+            return None
+        method = self.methods[0] if method is None else method
+        width, height = self.dimensions(size)
+        values = self._scene_values(method, self.accepted(method, changes))
+        picture = self.reference(height, **{name: values[name] for name in self.parameters})
+        if picture.shape != (height, width, 4):
+            raise ValueError(
+                f"{self.id}'s reference has the shape {picture.shape}; it must be {(height, width, 4)}."
+            )
+        return picture
+
     def _scene_values(self, method: Method, changes: Mapping[str, Any]) -> dict[str, Any]:
         """All that the scene is given: what is changed before what that brings, and that before its own."""
         values, known = dict(self.values_of(method)), self.parameters_of(method)

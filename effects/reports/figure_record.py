@@ -6,10 +6,8 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
 from fixedpipe.effects.acceptance.check import Answer, Check
-from fixedpipe.effects.figures import DIFFERENCE_GAIN, Renderer
+from fixedpipe.effects.figures import Renderer
 from fixedpipe.effects.refusal import refusals
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.framebuffers.pictures import png
@@ -22,7 +20,7 @@ from fixedpipe.pipeline.profiles import PROFILES
 PICTURES = {
     "machine": "{profile}, {method}, bit for bit",
     "ideal": "the same fragments in float64",
-    "difference": f"(machine - ideal) x {DIFFERENCE_GAIN:g} about middle grey",
+    "difference": "{difference}",
 }
 
 
@@ -111,7 +109,6 @@ def render(figure, machines, size, threads, with_checks, step, changes=None):
         "size": size,
         "width": width,
         "height": height,
-        "difference_gain": DIFFERENCE_GAIN,
         "machines": drawn,
     }
     if changes:
@@ -150,17 +147,23 @@ def _on_machine(figure, machine, size, threads, step, changes):
         pictures = {"machine": drawn.image(), "ideal": drawn.ideal.image()}
     step(f"{name}: writing")
     pictures["difference"] = drawn.difference.image()
+    difference = f"(machine - ideal) x {drawn.gain} about middle grey"
+    if drawn.difference.identical:
+        difference = "identical: no code of the machine differs from the ideal's, rounded"
     record = {
         "profile": machine,
         "method": drawn.method.name,
         "parameters": _own_values(drawn.method),
         "sha256": digest(pictures["machine"]),
-        "difference_rms": float(np.sqrt((drawn.error * drawn.error).mean())),
-        "difference_max": float(np.abs(drawn.error).max()),
+        "difference_rms": drawn.difference.rms,
+        "difference_max": drawn.difference.largest,
         "pictures": {
             view: {
                 "file": picture_name(name, machine, view),
-                "caption": caption.format(profile=profile.name, method=drawn.method.name) + changed,
+                "caption": caption.format(
+                    profile=profile.name, method=drawn.method.name, difference=difference
+                )
+                + changed,
             }
             for view, caption in PICTURES.items()
         },

@@ -7,7 +7,8 @@ from html import escape
 
 import numpy as np
 
-from fixedpipe.effects.figures import DIFFERENCE_GAIN, difference
+from fixedpipe.effects.figures import difference
+from fixedpipe.effects.figures.rendering import delta_of, gain_for
 from fixedpipe.effects.refusal import refusals
 from fixedpipe.effects.reports.files import write_whole
 from fixedpipe.effects.reports.style import STYLE
@@ -52,7 +53,7 @@ class _Pages:
 
     def __init__(self, folder, digits, chosen, step):
         self.folder, self.digits, self.chosen, self.step = folder, digits, chosen, step
-        self.number, self.files, self.rows = -1, {}, {}
+        self.number, self.files, self.rows, self.notes = -1, {}, {}, {}
 
     def next_of(self, command):
         """Whether the next command, which is this one, is chosen and draws."""
@@ -78,7 +79,9 @@ class _Pages:
         head = "".join(f"<th>{escape(c)}</th>" for c in ("", "command", *columns))
         seen, rows = set(), ""
         for number, (command, row) in self.rows.items():
-            cells = "".join(_cell(row.get(what), seen) for what in columns)
+            cells = "".join(
+                _cell(row.get(what), seen, self.notes.get((number, what), "")) for what in columns
+            )
             label = f"{type(command).__name__}<br>{escape(command.label)}"
             rows += f'<tr id="{number}"><td>{number}</td><td>{label}</td>{cells}</tr>'
         style = f"{STYLE} td img {{ max-width: 24rem; image-rendering: pixelated }}"
@@ -87,18 +90,19 @@ class _Pages:
             f"<title>{escape(title)}</title><style>{style}</style></head><body><h1>{escape(title)}</h1>"
             "<p>What each command left. Commands that draw nothing are left out, and of equal pictures only "
             "the first is shown. Beside the ideal: the machine, the same fragments in float64, and "
-            f"(machine - ideal) x {DIFFERENCE_GAIN:g} about middle grey.</p>"
+            "(machine - ideal) about middle grey, so many times as large as is written under it.</p>"
             f'<div class="table"><table><tr>{head}</tr>{rows}</table></div></body></html>\n'
         )
 
 
-def _cell(name, seen):
+def _cell(name, seen, note):
     if name is None:
         return "<td></td>"
     if name in seen:
         return f'<td><a href="{escape(name)}">as {escape(name.split("-")[0])}</a></td>'
     seen.add(name)
-    return f'<td><a href="{escape(name)}"><img src="{escape(name)}" loading="lazy" alt=""></a></td>'
+    image = f'<a href="{escape(name)}"><img src="{escape(name)}" loading="lazy" alt=""></a>'
+    return f"<td>{image}{f'<br>{escape(note)}' * bool(note)}</td>"
 
 
 @dataclass(frozen=True)
@@ -149,12 +153,13 @@ def _trace_machine(traced, pages):
     if not beside:
         return
     again = _Pages(pages.folder, pages.digits, pages.chosen, pages.step)
-    again.rows, again.files = pages.rows, pages.files
+    again.rows, again.files, again.notes = pages.rows, pages.files, pages.notes
 
     def watch_ideal(command, color):
         if again.next_of(command):
             machine = _read(again.folder / again.rows[again.number][1]["color"])
-            again.add(command, {_SHEET: _sheet(machine, color)})
+            sheet, again.notes[again.number, _SHEET] = _sheet(machine, color)
+            again.add(command, {_SHEET: sheet})
 
     execute_ideal(traced.ideal, *traced.dimensions, guide=guide, trace=watch_ideal)
 
@@ -172,7 +177,15 @@ def _read(path):
 
 
 def _sheet(machine, ideal):
-    """Machine, ideal and their difference beside each other: uint8 [h, 3 w + gaps, 3]."""
-    pictures = machine, _bytes(ideal)[..., :3], difference(machine, ideal[..., :3])
+    """Machine, ideal and their difference beside each other, uint8 [h, 3 w + gaps, 3], and the difference's
+    gain in words; where nothing differs, the first two alone.
+    """
+    pictures, note = [machine, _bytes(ideal)[..., :3]], "identical"
+    delta = delta_of(machine, ideal)
+    if delta.any():
+        gain = gain_for(delta)
+        pictures.append(difference(machine, ideal, gain)[..., :3])
+        note = f"difference x {gain}"
     gap = np.full((machine.shape[0], _GAP, 3), 255, np.uint8)
-    return np.concatenate([pictures[0], gap, pictures[1], gap, pictures[2]], axis=1)
+    parts = [part for picture in pictures for part in (gap, picture)][1:]
+    return np.concatenate(parts, axis=1), note

@@ -2,44 +2,91 @@
 
 import io
 import os
+import struct
 import zlib
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 
 def png(image: NDArray[Any]) -> bytes:
-    """A picture as the bytes of a PNG file: uint8 [h, w, 3 or 4], or grey [h, w], top row first; alpha is
-    left out. Raises ValueError for an array of anything else.
+    """A picture as the bytes of a PNG file: uint8 or uint16 [h, w, 3 or 4], or grey [h, w], top row first;
+    alpha is left out. Raises ValueError for an array of anything else.
 
     A framebuffer's alpha holds whatever a pass kept there (a gate, a factor) and is no transparency.
     """
     is_shaped = image.ndim == 2 or image.shape[2:] in ((3,), (4,))
-    if image.dtype != np.uint8 or not is_shaped or 0 in image.shape:
+    if image.dtype not in (np.uint8, np.uint16) or not is_shaped or 0 in image.shape:
         raise ValueError(
-            f"The picture is {image.dtype} of shape {image.shape}; give uint8 [h, w, 3 or 4], as "
+            f"The picture is {image.dtype} of shape {image.shape}; give uint8 or uint16 [h, w, 3 or 4], as "
             "Result.image() is, or [h, w]."
         )
+    picture = np.ascontiguousarray(image if image.ndim == 2 else image[..., :3])
+    if picture.dtype == np.uint16:
+        return _png_of_16_bits(picture)
     from PIL import Image
 
     # Of zlib's ways this is a third of the time, and a twentieth more bytes.
     buffer, way = io.BytesIO(), zlib.Z_RLE
-    picture = image if image.ndim == 2 else image[..., :3]
-    Image.fromarray(np.ascontiguousarray(picture)).save(buffer, "PNG", compress_type=way)
+    Image.fromarray(picture).save(buffer, "PNG", compress_type=way)
     return buffer.getvalue()
 
 
+def _png_of_16_bits(picture: NDArray[np.uint16]) -> bytes:
+    """Chunk by chunk, because pillow writes no colours of 16 bits. Source: PNG specification, second edition,
+    sections 5 (chunks), 7.2 (most significant byte first) and 9.2 (filter 2, Up).
+    """
+    height, width = picture.shape[:2]
+    rows = picture.astype(">u2").reshape(height, -1).view(np.uint8)
+    filtered = np.empty((height, 1 + rows.shape[1]), np.uint8)
+    filtered[:, 0] = 2
+    filtered[0, 1:] = rows[0]
+    np.subtract(rows[1:], rows[:-1], out=filtered[1:, 1:])  # modulo 256
+    color_type = 0 if picture.ndim == 2 else 2
+    chunks = (
+        (b"IHDR", struct.pack(">IIBBBBB", width, height, 16, color_type, 0, 0, 0)),
+        (b"IDAT", zlib.compress(filtered.tobytes())),
+        (b"IEND", b""),
+    )
+    return b"\x89PNG\r\n\x1a\n" + b"".join(
+        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        for kind, data in chunks
+    )
+
+
+def to_codes(values: ArrayLike, bits: int) -> NDArray[np.int32]:
+    """Reals to codes of ``bits`` bits: clamped to [0, 1], then the nearest of 0 .. 2**bits - 1, halves up.
+
+    Source: OpenGL 1.2.1 section 2.13.9.
+    """
+    return np.floor(np.clip(values, 0.0, 1.0) * (2.0**bits - 1.0) + 0.5).astype(np.int32)
+
+
+def deep_picture(codes: NDArray[Any], bits: int) -> NDArray[np.uint8 | np.uint16]:
+    """Codes of ``bits`` bits as a picture that keeps them apart: uint8 for 8 bits or fewer, else uint16, each
+    scaled to the full range and to nearest, halves up.
+    """
+    one, full = 2**bits - 1, 255 if bits <= 8 else 65535
+    scaled = (np.asarray(codes, np.int64) * (2 * full) + one) // (2 * one)
+    return scaled.astype(np.uint8 if bits <= 8 else np.uint16)
+
+
 class Pictured:
-    """What has a picture, ``image()``: notebooks show it, ``save`` writes it."""
+    """What has a picture, ``image()``: notebooks show it, ``save`` writes it with all bits that it has."""
 
     def image(self) -> NDArray[np.uint8]:
         """The picture, uint8 [h, w, 4], top row first."""
         raise NotImplementedError
 
+    def deep_image(self) -> NDArray[np.uint8 | np.uint16]:
+        """``image()``, or where a component has more than 8 bits the same as uint16, 65535 = full."""
+        return self.image()
+
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the picture as a PNG file, top row first, without the alpha of ``image()`` (see ``png``).
+        """Write the picture as a PNG file, top row first, without the alpha of ``image()`` (see ``png``): 16
+        bits a component where the machine has more than 8.
 
         Raises ValueError when the name does not end in .png, OSError when the file cannot be written.
         """
@@ -47,8 +94,8 @@ class Pictured:
         if path.suffix.lower() != ".png":
             better = path.with_suffix(".png") if path.name else "picture.png"
             raise ValueError(f"A picture is saved as PNG; name it {better}, not {path}.")
-        path.write_bytes(png(self.image()))
+        path.write_bytes(png(self.deep_image()))
 
-    def _repr_png_(self) -> bytes:
-        """What a notebook shows: the bytes that ``save`` writes."""
-        return png(self.image())
+    def _repr_png_(self) -> bytes | None:
+        """What a notebook shows: the bytes that ``save`` writes; None where there is nothing to show."""
+        return png(self.deep_image())

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
-from fixedpipe.pipeline.framebuffers.pictures import Pictured
+from fixedpipe.pipeline.framebuffers.pictures import Pictured, deep_picture
 from fixedpipe.pipeline.framebuffers.snapshot import Snapshot
 from fixedpipe.pipeline.framebuffers.transfer import HistogramTable, MinmaxTable
 from fixedpipe.pipeline.textures.images import Texture
@@ -57,6 +57,23 @@ class Result(Pictured):
     histograms: dict[str, HistogramTable]
     minmaxes: dict[str, MinmaxTable]
 
+    @property
+    def bits(self) -> int:
+        """How many bits a component of a colour has: 8, InfiniteReality's 12."""
+        return self.framebuffer.color_bits
+
     def image(self) -> NDArray[np.uint8]:
-        """The framebuffer's colours, uint8 [h, w, 4], top row first."""
+        """The framebuffer's colours as bytes, uint8 [h, w, 4], top row first: of components of other widths
+        the nearest byte (``codes`` has them as they are).
+        """
         return self.framebuffer.image()
+
+    def codes(self) -> NDArray[np.int32]:
+        """The framebuffer's colours as they are, int32 [h, w, 4], top row first; 0 .. 2**bits - 1, even where
+        the machine does not clamp.
+        """
+        return np.clip(self.framebuffer.color, 0, 2**self.bits - 1).astype(np.int32)
+
+    def deep_image(self) -> NDArray[np.uint8 | np.uint16]:
+        """``image()``, or of more than 8 bits a component uint16, 65535 = full, to nearest."""
+        return self.image() if self.bits <= 8 else deep_picture(self.codes(), self.bits)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fixedpipe.pipeline.framebuffers.pictures import Pictured
+from fixedpipe.pipeline.framebuffers.pictures import Pictured, to_codes
 from fixedpipe.pipeline.framebuffers.transfer import HistogramTable, MinmaxTable
 from fixedpipe.pipeline.textures.images import Texture
 
@@ -36,7 +36,13 @@ class IdealResult(Pictured):
         """uint8 [h, w, 4], top row first: the colours clamped to [0, 1] and rounded to the nearest byte."""
         return to_bytes(self.color)
 
+    def codes(self, bits: int = 8) -> NDArray[np.int32]:
+        """The colours as a machine of ``bits`` bits a component would hold them, int32 [h, w, 4], top row
+        first: clamped to [0, 1] and to the nearest code.
+        """
+        return to_codes(self.color, bits)
+
 
 def to_bytes(values: ArrayLike) -> NDArray[np.uint8]:
     """Reals to bytes: clamped to [0, 1], then the nearest of 0..255 (halves up), as OpenGL 1.2.1 converts."""
-    return np.floor(np.clip(values, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
+    return to_codes(values, 8).astype(np.uint8)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from fixedpipe.effects.acceptance.check import Answer, Check
-from fixedpipe.effects.figures import FIGURES, Figure, Method, Renderer, difference
+from fixedpipe.effects.figures import FIGURES, Figure, Method, Renderer
 from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
@@ -140,13 +140,6 @@ def test_checks_fail_on_a_broken_picture():
         Renderer(GEFORCE_256, FIGURES["F004-4"].methods[0], swapped, execute_ideal)
     )
     assert not all(c.passed for c in checks if c.on is Answer.MACHINE)
-
-
-def test_a_difference_of_nothing_is_middle_grey_and_one_byte_is_the_gain():
-    machine = np.array([[[10, 20, 30, 0]]], np.uint8)
-    ideal = machine / 255.0
-    assert difference(machine, ideal)[0, 0].tolist() == [128, 128, 128, 255]
-    assert difference(machine + np.uint8(1), ideal, gain=8.0)[0, 0].tolist() == [136, 136, 136, 255]
 
 
 def bits_of(value):

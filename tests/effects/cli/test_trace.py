@@ -9,6 +9,7 @@ from PIL import Image
 
 from fixedpipe.effects.cli import passes as command
 from fixedpipe.effects.figures import FIGURES, difference
+from fixedpipe.effects.figures.rendering import delta_of, gain_for
 from fixedpipe.effects.reports.trace import DRAWING
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
@@ -42,6 +43,12 @@ def cells(folder, number):
     """The files that the page names for a command, in the order of its columns."""
     row = re.search(rf'<tr id="{number}">.*?</tr>', (folder / "index.html").read_text()).group()
     return re.findall(r'<a href="([^"]+)"', row)
+
+
+def cell_texts(folder, number):
+    """What stands in words under a command's pictures, those without any left out."""
+    row = re.search(rf'<tr id="{number}">.*?</tr>', (folder / "index.html").read_text()).group()
+    return re.findall(r"</a><br>([^<]+)</td>", row)
 
 
 def read(path):
@@ -116,6 +123,17 @@ def test_machine_ideal_and_difference_stand_beside_each_other(tmp_path, commands
     for k, part in enumerate(parts):
         np.testing.assert_array_equal(sheet[:, k * (width + 4) :][:, :width], part[..., :3])
     assert (parts[0] != parts[1]).any()
+    shown = delta_of(guide.image(), ideal.color)
+    assert cell_texts(tmp_path, last)[-1] == f"difference x {gain_for(shown)}"
+
+
+def test_a_sheet_without_any_difference_says_so_and_draws_none(tmp_path):
+    """The first command clears to a colour that a byte holds to its nearest."""
+    assert run(*trace(tmp_path, "--ideal", "--commands", "0:6")).exit_code == 0
+    first = numbers(tmp_path)[0]
+    width, height = FIGURE.dimensions(SIZE)
+    assert read(tmp_path / cells(tmp_path, first)[-1]).shape == (height, 2 * width + 4, 3)
+    assert cell_texts(tmp_path, first)[-1] == "identical"
 
 
 def test_the_ideal_is_traced_by_itself(tmp_path):
