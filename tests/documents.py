@@ -319,7 +319,7 @@ def _errors():
         figure = FIGURES[figure_id]
         drawn = tuple(machine for machine in machines if machine in figure.machines)
         record = render(figure, drawn, None, None, False, lambda _: None).record
-        found = {m["profile"]: _hundredths(m["difference_rms"]) for m in record["machines"]}
+        found = {m["profile"]: _hundredths(m["difference"]["rms"]) for m in record["machines"]}
         rows.append((figure_id, *(found.get(machine, "-") for machine in machines)))
     return table(("figure", *machines.values()), rows)
 

@@ -65,6 +65,7 @@ PACKAGES = {
     "effects/refusal": {},
     "effects/collection": {"effects": "refusal"},
     "effects/technique": {},
+    "effects/bibliography": {},
     "effects/geometry": {"pipeline": "state textures commands"},
     "effects/passes": {
         "pipeline": "enums sentences state pixel_transfer textures commands",
@@ -126,7 +127,7 @@ PACKAGES = {
     },
     "effects/reports": {
         "pipeline": "commands profiles framebuffers execution ideal golden",
-        "effects": "refusal technique acceptance figures conformance",
+        "effects": "refusal technique bibliography acceptance figures conformance",
     },
     "effects/cli": {
         "pipeline": "enums sentences profiles notations description framebuffers validation native golden",

@@ -15,20 +15,20 @@ from fixedpipe.pipeline.sentences import count
 @click.argument("figure_ids", metavar="[ID …]", nargs=-1)
 @click.option("--list", "list_only", is_flag=True, help="Name the figures and end.")
 @click.option("--check", is_flag=True, help="Run the acceptance checks; exit status 1 if one fails.")
-@click.option(
-    "--out", metavar="DIR", default="out", show_default=True, help="Folder of the pictures and the gallery."
-)
+@click.option("--out", metavar="DIR", default="out", show_default=True, help="Folder of the gallery.")
+@click.option("--png", metavar="DIR", help="Write every picture as PNG, F004-4-OCTANE.png, there as well.")
 @click.option("--profile", metavar="NAME", help="One machine, or IDEAL; else every one that can draw it.")
 @click.option("--size", type=click.IntRange(min=1), metavar="N", help="Edge of a figure's panels, pixels.")
 @set_option
 @threads_option
 @click.option("--json", "json_file", metavar="FILE", help="Write all results as one JSON list as well.")
-def figures(figure_ids, list_only, check, out, profile, size, settings, threads, json_file):
+def figures(figure_ids, list_only, check, out, png, profile, size, settings, threads, json_file):
     """Render figures (all, or those with the given IDs): machine, ideal, and their difference made visible.
 
-    Writes PNG files, a JSON file beside each figure, and a gallery, index.html, the cheapest figures first.
-    Of all figures, --profile takes those that the machine can draw. With --set a figure is a variant, whose
-    files have names of their own and say what was changed.
+    Writes a gallery, index.html, with a JSON file for each figure and its pictures, the cheapest figures
+    first. Of all figures, --profile takes those that the machine can draw. With --set a figure is a variant,
+    whose files have names of their own and say what was changed. PNG files have 16 bits a component where
+    the machine has more than 8; a difference of nothing has no file.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.cli.options import changes_of
@@ -64,7 +64,7 @@ def figures(figure_ids, list_only, check, out, profile, size, settings, threads,
     if settings and check:
         raise Refusal("--check holds for a figure's own values; leave out --check, or --set.")
     changes = {f.id: changes_of(settings, f, {f.method(m): m for m in machines[f.id]}) for f in chosen}
-    folder = writable_folder(out)
+    folder, named = writable_folder(out), writable_folder(png) if png else None
     json_path = writable_file(json_file) if json_file else None
     for figure in chosen:
         for machine in machines[figure.id]:
@@ -77,17 +77,16 @@ def figures(figure_ids, list_only, check, out, profile, size, settings, threads,
             click.echo(f"{own}. {known.does}", err=True)
     announce_compiling()
     click.echo(_plan(chosen, machines, check, own_sizes=size is None and not settings), err=True)
+    from fixedpipe.effects.reports.figure_files import tidy, write_figure
     from fixedpipe.effects.reports.figure_record import render, steps
-    from fixedpipe.effects.reports.gallery import gallery
 
     records = {}
-    with _progress(sum(steps(len(names), check) for names in machines.values())) as step:
+    with _progress(sum(steps(figure, machines[figure.id], check) for figure in chosen)) as step:
         for figure in cheapest_first(chosen):
             changed = changes[figure.id]
             rendered = render(figure, machines[figure.id], size, threads, check, step, changed)
-            for name, data in rendered.files.items():
-                write_whole(folder / name, data)
-            write_whole(folder / "index.html", gallery(folder, FIGURES).encode())
+            step(f"{rendered.record['id']}: writing")
+            write_figure(folder, rendered, FIGURES, named)
             records[figure.id] = rendered.record
     records = [records[figure.id] for figure in chosen]
     if json_path:
@@ -96,7 +95,9 @@ def figures(figure_ids, list_only, check, out, profile, size, settings, threads,
     passed, failed = _print_checks(records, only_failed=not figure_ids)
     if check:
         click.echo(f"{count(passed, 'acceptance check')} passed.")
-    click.echo(f"{count(len(records), 'figure')} in {folder}; open {folder / 'index.html'}")
+    number, size = tidy(folder, FIGURES)
+    kept = f"{count(number, 'figure')} in {folder}, {size / 1e6:.1f} MB"
+    click.echo(f"{kept}; open {folder / 'index.html'}")
     if failed:
         click.echo(f"{count(failed, 'acceptance check')} failed.", err=True)
         sys.exit(1)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from inspect import signature
 from numbers import Integral
 from types import MappingProxyType
-from typing import Any, Concatenate, TypeAlias
+from typing import TYPE_CHECKING, Any, Concatenate, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,9 @@ from fixedpipe.pipeline.framebuffers.result import Result
 from fixedpipe.pipeline.ideal.result import IdealResult
 from fixedpipe.pipeline.profiles import IDEAL, PROFILES
 from fixedpipe.pipeline.profiles.profile import Profile
+
+if TYPE_CHECKING:
+    from fixedpipe.pipeline.execution.machine import Watch
 
 # Parameters of a scene that leave the highlight alone.
 DARK = {"diffuse": (0.0, 0.0, 0.0), "ambient": (0.0, 0.0, 0.0), "background": (0.0, 0.0, 0.0)}
@@ -277,12 +280,14 @@ class Figure:
         *,
         method: Method | None = None,
         threads: int | None = None,
+        watch: Callable[[tuple[Command, ...]], "Watch"] | None = None,
         **changes: Any,
     ) -> Rendering:
         """The figure on a machine, and its ideal of the same fragments: a Rendering.
 
         As of ``commands``; ``IDEAL`` gives the ideal's own picture. ``threads``: any number gives the same
-        bits; None: one per processor.
+        bits; None: one per processor. ``watch``: is given the commands, and gives what is called after each,
+        as ``execute`` has it; on a machine alone.
 
         Raises ValueError as ``commands`` does, for a parameter that checks alone change, and for what the
         machine cannot hold (UnsupportedState).
@@ -302,7 +307,8 @@ class Figure:
             result = execute_ideal(commands, width, height, threads=threads)
         else:
             # The run that records what the ideal is guided by draws the picture as well.
-            result = execute(commands, machine, width, height, threads=threads, record=True)
+            seen = False if watch is None else watch(commands)
+            result = execute(commands, machine, width, height, threads=threads, record=True, trace=seen)
         return Rendering(self, machine, way, height, changes, result, threads)
 
     def reference_picture(

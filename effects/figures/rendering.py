@@ -217,12 +217,16 @@ class Rendering(Pictured):
     @cached_property
     def reference_difference(self) -> Difference | None:
         """(machine - reference) made visible: a Difference of codes; None where there is no reference."""
-        if self.reference is None:
-            return None
-        where = self.reference[..., 3] > 0.0
-        exact, codes = self._exact(), self.codes()[..., :3]
-        error = np.where(where[..., None], exact - np.clip(self.reference[..., :3], 0.0, 1.0), 0.0)
-        delta = np.where(where[..., None], delta_of(codes, self.reference, self.bits), 0)
+        return None if self.reference is None else self.compared_with(self.reference)
+
+    def compared_with(self, reference: NDArray[np.float64]) -> Difference:
+        """(machine - reference) made visible, of any reference: RGBA float64 [h, w, 4], 1.0 = full, alpha 0
+        where there is none.
+        """
+        where = reference[..., 3] > 0.0
+        error = self._exact() - np.clip(reference[..., :3], 0.0, 1.0)
+        delta = delta_of(self.codes(), reference, self.bits)
+        error[~where], delta[~where] = 0.0, 0
         return Difference(delta, error, self.bits, "reference", where)
 
     def _exact(self) -> NDArray[np.float64]:

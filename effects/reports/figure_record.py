@@ -1,35 +1,52 @@
-"""One figure on its machines, rendered three times on each, as the bytes of its files."""
+"""One figure on its machines: its record, which is what its JSON file says, and its pictures."""
 
 import hashlib
-import json
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass
+import shlex
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
-from fixedpipe.effects.figures import Renderer
+from fixedpipe.effects.bibliography import citation
+from fixedpipe.effects.figures import Figure, Method, Renderer
 from fixedpipe.effects.refusal import refusals
+from fixedpipe.effects.reports.figure_passes import Passes
+from fixedpipe.effects.reports.pictures import LOSSLESS, REDUCED, SMALL, Pictures
+from fixedpipe.effects.technique import OWN, PAPERS
 from fixedpipe.pipeline.execution.machine import execute
-from fixedpipe.pipeline.framebuffers.pictures import png
+from fixedpipe.pipeline.framebuffers.pictures import deep_picture, to_codes
 from fixedpipe.pipeline.golden.digests import digest
 from fixedpipe.pipeline.golden.provenance import provenance
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.profiles import PROFILES
 
-# What each of the three pictures is, in the words of its caption.
-PICTURES = {
+# What each picture is, in the words of its caption.
+CAPTIONS = {
     "machine": "{profile}, {method}, bit for bit",
     "ideal": "the same fragments in float64",
-    "difference": "{difference}",
+    "reference": "what it approximates, without the algorithm",
 }
+IDENTICAL = "identical: no code of the machine differs from the {of}'s, rounded"
+DIFFERS = "(machine - {of}) x {gain} about middle grey"
+OF_THE_IDEAL = "{profile}, {method}: float64, rounded to bytes at the end"
+# A finer picture's byte where the code is the shown byte, scaled to the code's bits.
+FINER_ZERO = 128
 
 
 @dataclass(frozen=True)
 class Rendered:
-    """What a figure writes: ``files``, file name to bytes, and ``record``, the content of its JSON file."""
+    """A figure that was drawn.
 
-    files: Mapping[str, bytes]
+    record    the content of its JSON file
+    pictures  Pictures that the record names by digest
+    named     the same and the differences under readable names, F004-4-OCTANE.png, as ``png`` takes them
+    """
+
     record: dict
+    pictures: Pictures
+    named: Mapping[str, np.ndarray]
 
 
 def variant_name(figure, changes):
@@ -54,13 +71,15 @@ def _texts(figure, changes):
 
 
 def picture_name(name, machine, view):
-    """The file name of a picture: F004-4-OCTANE.png, F004-4-OCTANE-ideal.png ..."""
-    return f"{name}-{machine}{'' if view == 'machine' else f'-{view}'}.png"
+    """The readable file name of a picture: F004-4-OCTANE.png, F004-4-OCTANE-reference-difference.png ..."""
+    return f"{name}-{machine}{'' if view == 'machine' else f'-{view}'.replace('_', '-')}.png"
 
 
-def steps(machines, with_checks):
-    """How many steps ``render`` takes for so many machines."""
-    return (3 + with_checks) * machines
+def steps(figure, machines, with_checks):
+    """How many steps ``render`` takes for these machines, and one for writing what it gives."""
+    methods = {figure.method(machine) for machine in machines}
+    on_machines = sum(2 + with_checks - PROFILES[m].arithmetic.exact for m in machines)
+    return on_machines + len(methods) * (figure.reference is not None) + 1
 
 
 def render(figure, machines, size, threads, with_checks, step, changes=None):
@@ -86,29 +105,38 @@ def render(figure, machines, size, threads, with_checks, step, changes=None):
     """
     size = size or figure.size
     width, height = figure.dimensions(size)
-    files, drawn, kept, checked, changes = {}, [], {}, set(), changes or {}
-    name = variant_name(figure, changes)
+    changes = changes or {}
+    drawing = _Drawing(figure, variant_name(figure, changes), size, threads, changes, step)
+    drawn, kept = [], {}
     for machine in machines:
-        pictures, record = _on_machine(figure, machine, size, threads, step, changes)
-        files |= {picture_name(name, machine, view): png(image) for view, image in pictures.items()}
+        record = drawing.on(machine)
         if with_checks:
             step(f"{figure.id}: acceptance checks on the {PROFILES[machine].name}")
             method = figure.method(machine)
             checks = _checks(figure, Renderer(PROFILES[machine], method, execute, execute_ideal, kept))
-            record["checks"] = [c.record() for c in checks if c.on is Answer.MACHINE or method not in checked]
-            checked.add(method)
+            checked = {m["method"] for m in drawn}
+            record["checks"] = [
+                c.record() for c in checks if c.on is Answer.MACHINE or method.name not in checked
+            ]
         drawn.append(record)
     record = {
-        "id": name,
+        "id": drawing.name,
         "title": figure.title,
         "caption": figure.caption,
         "must_see": figure.must_see,
         "source": figure.source,
+        "citation": _citation(figure),
+        "page": _page(figure),
         "techniques": list(figure.techniques),
+        "command": _command(figure, machines, size, changes, with_checks),
         "parameters": dict(figure.values),
         "size": size,
         "width": width,
         "height": height,
+        "panels": [
+            {"x": n * size, "y": 0, "width": size, "height": size, "label": label}
+            for n, label in enumerate(figure.panels)
+        ],
         "machines": drawn,
     }
     if changes:
@@ -118,8 +146,33 @@ def render(figure, machines, size, threads, with_checks, step, changes=None):
         # Numbers as numbers; what JSON has no form for, a height field, as the command line takes it.
         plain = {n: v if isinstance(v, _PLAIN) else texts[n] for n, v in changes.items()}
         record |= {"figure": figure.id, "set": plain}
-    files[f"{name}.json"] = (json.dumps(record, indent=2) + "\n").encode()
-    return Rendered(files, record)
+    return Rendered(record, drawing.pictures, drawing.named)
+
+
+def _citation(figure):
+    paper = citation(figure.source)
+    words = {"authors": paper.authors, "title": paper.title, "year": paper.year}
+    return {**words, "key": paper.key, "bibtex": paper.bibtex}
+
+
+def _page(figure):
+    """Where the project's documents have the figure; None for an effect of no paper."""
+    if figure.id[0] == OWN:
+        return None
+    number = figure.id[1:4] if figure.id[0] == "F" else PAPERS[figure.id[0]][0]
+    return f"docs/papers/catalogue/{number}.md#{figure.id.lower()}"
+
+
+def _command(figure, machines, size, changes, with_checks):
+    """What draws these pictures again."""
+    words = ["fixedpipe", "figures", figure.id, *["--check"] * with_checks]
+    if tuple(machines) != figure.machines:
+        words += ["--profile", machines[0]]
+    if size != figure.size:
+        words += ["--size", str(size)]
+    for name, text in _texts(figure, changes).items():
+        words += ["--set", f"{name}={text}"]
+    return shlex.join(words)
 
 
 def _checks(figure, renderer):
@@ -133,70 +186,146 @@ def _checks(figure, renderer):
         return (Check("errors of the checks themselves", 1.0, at_most=0.0, on=Answer.MACHINE, reason=reason),)
 
 
-def _on_machine(figure, machine, size, threads, step, changes):
-    """Its three pictures by view, and what the record says of them."""
-    profile, (width, height) = PROFILES[machine], figure.dimensions(size)
-    name, texts = variant_name(figure, changes), _texts(figure, changes)
-    changed = "".join(f"; {key} = {text}" for key, text in texts.items())
-    if profile.arithmetic.exact:
-        return _by_the_ideal(figure, machine, size, threads, step, changes)
-    step(f"{name}: on the {profile.name}, {width}x{height}")
-    with refusals():
-        drawn = figure.render(machine, size, threads=threads, **changes)
-        step(f"{name}: the same on the ideal")
-        pictures = {"machine": drawn.image(), "ideal": drawn.ideal.image()}
-    step(f"{name}: writing")
-    pictures["difference"] = drawn.difference.image()
-    difference = f"(machine - ideal) x {drawn.gain} about middle grey"
-    if drawn.difference.identical:
-        difference = "identical: no code of the machine differs from the ideal's, rounded"
-    record = {
-        "profile": machine,
-        "method": drawn.method.name,
-        "parameters": _own_values(drawn.method),
-        "sha256": digest(pictures["machine"]),
-        "difference_rms": drawn.difference.rms,
-        "difference_max": drawn.difference.largest,
-        "pictures": {
-            view: {
-                "file": picture_name(name, machine, view),
-                "caption": caption.format(
-                    profile=profile.name, method=drawn.method.name, difference=difference
-                )
-                + changed,
-            }
-            for view, caption in PICTURES.items()
-        },
-        "checks": [],
-        "provenance": provenance(profile),
-    }
-    return pictures, record
+@dataclass
+class _Drawing:
+    """A figure while it is drawn on one machine after the other: its pictures, and what machines share."""
+
+    figure: Figure
+    name: str
+    size: int
+    threads: int | None
+    changes: Mapping[str, object]
+    step: Callable[[str], None]
+    pictures: Pictures = field(default_factory=Pictures)
+    named: dict[str, np.ndarray] = field(default_factory=dict)
+    references: dict[Method, np.ndarray | None] = field(default_factory=dict)
+    machines: dict[tuple, str] = field(default_factory=dict)  # the first with these bits
+
+    def on(self, machine):
+        """What the record says of a machine; its pictures are kept."""
+        profile, method = PROFILES[machine], self.figure.method(machine)
+        is_first, is_exact = method not in self.references, profile.arithmetic.exact
+        drawn, passes = self._drawn(machine, is_first and not is_exact)
+        reference = self._reference(method)
+        pictures, differences = {"machine": (drawn.image(), drawn.codes())}, {}
+        if not is_exact:
+            pictures["ideal"] = drawn.ideal.image(), drawn.ideal.codes(drawn.bits)
+            differences["difference"] = drawn.difference
+        if reference is not None:
+            pictures["reference"] = _codes_of(reference, 8), _codes_of(reference, drawn.bits)
+            differences["reference_difference"] = drawn.compared_with(reference)
+        endings = [LOSSLESS, REDUCED] if is_first else [LOSSLESS]
+        shown = {}
+        for view, (image, codes) in pictures.items():
+            image = image if view == "reference" else image[..., :3]
+            of_grid = [SMALL] * (view == "machine" and not self.machines)
+            shown[view] = self._picture(image, codes, drawn, [*endings, *of_grid])
+            self.named[picture_name(self.name, machine, view)] = deep_picture(codes, drawn.bits)
+        for view, found in differences.items():
+            shown[view] = {}
+            if not found.identical:
+                self.named[picture_name(self.name, machine, view)] = found.image()
+                if is_first:
+                    shown[view]["digest"] = self.pictures.add(found.image(), REDUCED)
+        for view, said in shown.items():
+            said["caption"] = self._caption(view, drawn, differences.get(view))
+        same = self.machines.setdefault((drawn.bits, drawn.codes()[..., :3].tobytes()), machine)
+        record = {
+            "profile": machine,
+            "name": profile.name,
+            "method": method.name,
+            "parameters": _own_values(method),
+            "bits": drawn.bits,
+            "sha256": digest(drawn.image()),
+            "same_bits_as": None if same == machine else same,
+            "difference": None,
+            **{view: _measures(found) for view, found in differences.items()},
+            "pictures": shown,
+            "checks": [],
+            "provenance": provenance(profile),
+        }
+        if is_first:
+            record["passes"] = [self._pass(one) for one in passes]
+        return record
+
+    def _drawn(self, machine, with_passes):
+        """The Rendering, with its ideal, and the Passes where they are asked for."""
+        profile, (width, height) = PROFILES[machine], self.figure.dimensions(self.size)
+        where = "by the ideal" if profile.arithmetic.exact else f"on the {profile.name}"
+        self.step(f"{self.name}: {where}, {width}x{height}")
+        seen = []
+
+        def watch(commands):
+            seen.append(Passes(commands, (height, width)))
+            return seen[0]
+
+        with refusals():
+            given = {"threads": self.threads, "watch": watch if with_passes else None}
+            drawn = self.figure.render(machine, self.size, **given, **self.changes)
+            if not profile.arithmetic.exact:
+                self.step(f"{self.name}: the same on the ideal")
+                _ = drawn.ideal
+        return drawn, seen[0].passes(drawn.image()) if seen else []
+
+    def _reference(self, method):
+        """The figure's reference with a method's values, computed once."""
+        if method not in self.references:
+            if self.figure.reference is not None:
+                self.step(f"{self.name}: the reference")
+            with refusals():
+                found = self.figure.reference_picture(self.size, method, **self.changes)
+            self.references[method] = found
+        return self.references[method]
+
+    def _picture(self, image, codes, drawn, endings):
+        """What the record says of a picture that is kept without loss: bytes, and of longer codes what bytes
+        leave.
+        """
+        finer = None
+        if drawn.bits > 8:
+            one = 2**drawn.bits - 1
+            coarse = (2 * image[..., :3].astype(np.int32) * one + 255) // 510
+            finer = self.pictures.add((codes[..., :3] - coarse + FINER_ZERO).astype(np.uint8), LOSSLESS)
+        height, width = image.shape[:2]
+        kept = {"digest": self.pictures.add(image, *endings), "width": width, "height": height}
+        return {**kept, "bits": drawn.bits, "finer": finer}
+
+    def _caption(self, view, drawn, found):
+        """What a picture is, in words. ``found``: the Difference that it shows, if it shows one."""
+        names = {"profile": drawn.profile.name, "method": drawn.method.name}
+        if found is not None:
+            said = IDENTICAL if found.identical else DIFFERS
+            words = said.format(of=found.of, gain=found.gain)
+        else:
+            is_exact = drawn.profile.arithmetic.exact
+            words = (OF_THE_IDEAL if is_exact and view == "machine" else CAPTIONS[view]).format(**names)
+        return words + "".join(
+            f"; {name} = {text}" for name, text in _texts(self.figure, self.changes).items()
+        )
+
+    def _pass(self, seen):
+        preview = self.pictures.add(seen.picture[..., :3], REDUCED)
+        said = {"number": seen.number, "label": seen.label, "commands": list(seen.commands)}
+        return {**said, "preview": preview}
 
 
-def _by_the_ideal(figure, machine, size, threads, step, changes):
-    """The one picture of the ideal by itself, with its own tests of depth and stencil, and its record."""
-    profile, (width, height) = PROFILES[machine], figure.dimensions(size)
-    name, texts = variant_name(figure, changes), _texts(figure, changes)
-    step(f"{name}: by the ideal, {width}x{height}")
-    with refusals():
-        drawn = figure.render(machine, size, threads=threads, **changes)
-    step(f"{name}: rounding to bytes")
-    image = drawn.image()
-    step(f"{name}: writing")
-    caption = f"{profile.name}, {drawn.method.name}: float64, rounded to bytes at the end"
-    caption += "".join(f"; {key} = {text}" for key, text in texts.items())
-    record = {
-        "profile": machine,
-        "method": drawn.method.name,
-        "parameters": _own_values(drawn.method),
-        "sha256": digest(image),
-        "difference_rms": 0.0,
-        "difference_max": 0.0,
-        "pictures": {"ideal": {"file": picture_name(name, machine, "machine"), "caption": caption}},
-        "checks": [],
-        "provenance": provenance(profile),
+def _codes_of(reference, bits):
+    """A reference as codes, [h, w, 4]; alpha is all or nothing, and bytes are uint8."""
+    codes = to_codes(reference, bits)
+    codes[..., 3] = np.where(reference[..., 3] > 0.0, 2**bits - 1, 0)
+    return codes.astype(np.uint8) if bits == 8 else codes
+
+
+def _measures(found):
+    """A Difference in numbers."""
+    return {
+        "identical": found.identical,
+        "gain": found.gain,
+        "rms": found.rms,
+        "max": found.largest,
+        "at": found.at and list(found.at),
+        "pixels": found.pixels,
     }
-    return {"machine": image}, record
 
 
 def _own_values(method):

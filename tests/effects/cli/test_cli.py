@@ -32,6 +32,7 @@ from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL, PROFILES
 from fixedpipe.pipeline.profiles.known import EVIDENCE_TAGS
 from fixedpipe.pipeline.profiles.sections import SECTION_OF, SECTIONS
 from fixedpipe.raster.kernel import CACHE_FOLDER
+from tests.effects.reports import kept
 
 ROOT = Path(__file__).parents[3]
 COLUMNS = {"COLUMNS": "200"}
@@ -161,26 +162,16 @@ def test_the_list_names_every_figure():
     assert [line.split()[0] for line in result.stdout.splitlines()[::2]] == list(FIGURES)
 
 
-def test_a_figure_is_written_three_times_with_a_record_and_a_gallery(tmp_path):
-    results = tmp_path / "results.json"
-    result = run(
-        "figures",
-        "F004-4",
-        "--profile",
-        "GEFORCE_256",
-        "--size",
-        20,
-        "--out",
-        tmp_path / "out",
-        "--json",
-        results,
-    )
+def test_a_figure_is_written_with_a_record_pictures_and_a_gallery(tmp_path):
+    results, out = tmp_path / "results.json", tmp_path / "out"
+    arguments = "F004-4", "--profile", "GEFORCE_256", "--size", 20, "--out", out, "--json", results
+    result = run("figures", *arguments)
     assert result.exit_code == 0, result.output
-    names = {path.name for path in (tmp_path / "out").iterdir()}
-    pictures = {f"F004-4-GEFORCE_256{view}.png" for view in ("", "-ideal", "-difference")}
-    assert names == pictures | {"F004-4.json", "index.html"}
+    assert {path.name for path in out.iterdir()} == {"F004-4.json", "index.html", "pictures", "records"}
+    size = sum(path.stat().st_size for path in out.rglob("*") if path.is_file())
+    assert result.stdout.endswith(f"1 figure in {out}, {size / 1e6:.1f} MB; open {out / 'index.html'}\n")
 
-    record = json.loads((tmp_path / "out" / "F004-4.json").read_text())
+    record = kept.record(out, "F004-4")
     assert json.loads(results.read_text()) == [record]
     figure = FIGURES["F004-4"]
     color = execute(figure.commands(GEFORCE_256, 20), GEFORCE_256, 40, 20).framebuffer.color
@@ -188,13 +179,12 @@ def test_a_figure_is_written_three_times_with_a_record_and_a_gallery(tmp_path):
     assert drawn["sha256"] == digest(color)
     assert (drawn["profile"], record["width"], record["height"]) == ("GEFORCE_256", 40, 20)
     assert {"caption", "source", "parameters"} <= record.keys() and "provenance" in drawn
-    with Image.open(tmp_path / "out" / "F004-4-GEFORCE_256.png") as picture:
-        np.testing.assert_array_equal(np.asarray(picture), color[..., :3])
+    np.testing.assert_array_equal(kept.codes(out, drawn["pictures"]["machine"]), color[..., :3])
 
-    page = (tmp_path / "out" / "index.html").read_text()
-    assert all(name in page for name in pictures | {"F004-4.json"})
-    assert 'src="http' not in page and "<script" not in page
-    assert str(tmp_path) not in page + (tmp_path / "out" / "F004-4.json").read_text()
+    page = (out / "index.html").read_text()
+    assert "F004-4.json" in page and drawn["pictures"]["machine"]["digest"] in page
+    assert 'src="http' not in page
+    assert str(tmp_path) not in page + (out / "F004-4.json").read_text()
 
 
 def test_kernels_in_the_cache_are_read_without_what_compiles(tmp_path):
@@ -226,7 +216,7 @@ print("numba.np.arraymath" in sys.modules)
 
 def test_the_difference_is_middle_grey_where_machine_and_ideal_are_equal(tmp_path):
     arguments = "F004-4", "--profile", "GEFORCE_256", "--size", 24
-    assert run("figures", *arguments, "--out", tmp_path).exit_code == 0
+    assert run("figures", *arguments, "--out", tmp_path / "out", "--png", tmp_path).exit_code == 0
     machine, ideal, difference = (
         np.asarray(Image.open(tmp_path / f"F004-4-GEFORCE_256{view}.png")).astype(int)
         for view in ("", "-ideal", "-difference")
@@ -391,14 +381,12 @@ def test_the_ideal_draws_every_figure_once_and_is_compared_with_nothing(tmp_path
     few = {name: FIGURES[name] for name in ("F004-7", "K12")}
     monkeypatch.setattr("fixedpipe.effects.figures.FIGURES", few)
     assert run("figures", "--profile", "IDEAL", "--size", 16, "--out", tmp_path).exit_code == 0
-    pictures = {f"{name}-IDEAL.png" for name in few}
-    assert {path.name for path in tmp_path.glob("*.png")} == pictures
     ideal = execute_ideal(few["K12"].commands(IDEAL, 16), *few["K12"].dimensions(16)).image()
-    written = np.asarray(Image.open(tmp_path / "K12-IDEAL.png"))
-    np.testing.assert_array_equal(written, ideal[..., :3])
-    (drawn,) = json.loads((tmp_path / "K12.json").read_text())["machines"]
-    assert (drawn["profile"], drawn["sha256"]) == ("IDEAL", digest(ideal))
-    assert all(name in (tmp_path / "index.html").read_text() for name in pictures)
+    (drawn,) = kept.record(tmp_path, "K12")["machines"]
+    assert (drawn["profile"], drawn["sha256"], drawn["difference"]) == ("IDEAL", digest(ideal), None)
+    assert drawn["pictures"].keys() == {"machine"} and drawn["passes"] == []
+    np.testing.assert_array_equal(kept.codes(tmp_path, drawn["pictures"]["machine"]), ideal[..., :3])
+    assert all(f"{name}.json" in (tmp_path / "index.html").read_text() for name in few)
     sentence = refusal_of("figures", "K12", "--check", "--profile", "IDEAL", "--out", tmp_path)
     assert "compares machines with IDEAL" in sentence
 

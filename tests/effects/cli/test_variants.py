@@ -5,17 +5,22 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from PIL import Image
 
 from fixedpipe.effects.cli import main
 from fixedpipe.effects.figures import FIGURES
 from fixedpipe.effects.reports.figure_record import variant_name
+from tests.effects.reports import kept
 
 SMALL = ("--set", "slices=6", "--set", "stacks=4", "--size", "16", "--profile", "GEFORCE_3")
 
 
 def run(*arguments):
     return CliRunner().invoke(main, [str(a) for a in arguments])
+
+
+def picture_of(folder, name):
+    """The codes of the first machine's picture."""
+    return kept.codes(folder, kept.record(folder, name)["machines"][0]["pictures"]["machine"])
 
 
 def test_a_variant_is_what_render_draws_and_says_what_was_changed(tmp_path):
@@ -25,12 +30,15 @@ def test_a_variant_is_what_render_draws_and_says_what_was_changed(tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {
         "index.html",
         f"{name}.json",
-        *(f"{name}-GEFORCE_3{view}.png" for view in ("", "-ideal", "-difference")),
+        "pictures",
+        "records",
     }
     drawn = FIGURES["F004-4"].render("GEFORCE_3", 16, slices=6, stacks=4, light=(0, 1, 0.2))
-    written = np.asarray(Image.open(tmp_path / f"{name}-GEFORCE_3.png"))
+    record = kept.record(tmp_path, name)
+    written = kept.codes(tmp_path, record["machines"][0]["pictures"]["machine"])
     np.testing.assert_array_equal(written, drawn.image()[..., :3])
-    record = json.loads((tmp_path / f"{name}.json").read_text())
+    changed = " ".join(f"--set {part}" for part in ("slices=6", "stacks=4", "light=0,1,0.2"))
+    assert record["command"] == f"fixedpipe figures F004-4 --profile GEFORCE_3 --size 16 {changed}"
     assert record["id"] == name
     assert record["figure"] == "F004-4"
     assert record["set"] == {"slices": 6, "stacks": 4, "light": [0.0, 1.0, 0.2]}
@@ -43,13 +51,13 @@ def test_a_variant_is_what_render_draws_and_says_what_was_changed(tmp_path):
 def test_the_ideal_draws_a_variant_too_and_leaves_the_figures_own_files(tmp_path):
     small = ("--size", "16", "--profile", "IDEAL", "--out", tmp_path)
     assert run("figures", "K14", *small).exit_code == 0
-    own = (tmp_path / "K14-IDEAL.png").read_bytes()
+    own = kept.record(tmp_path, "K14")
     assert run("figures", "K14", "--set", "cells=8", *small).exit_code == 0
-    assert (tmp_path / "K14-IDEAL.png").read_bytes() == own
-    written = np.asarray(Image.open(tmp_path / "K14+cells=8-IDEAL.png"))
+    assert kept.record(tmp_path, "K14") == own
+    written = picture_of(tmp_path, "K14+cells=8")
     ideal = FIGURES["K14"].render("IDEAL", 16, cells=8).image()[..., :3]
     np.testing.assert_array_equal(written, ideal)
-    assert (written != np.asarray(Image.open(tmp_path / "K14-IDEAL.png"))).any()
+    assert (written != picture_of(tmp_path, "K14")).any()
 
 
 def test_a_gallery_has_a_card_for_the_figure_and_one_for_each_variant(tmp_path):
@@ -187,9 +195,7 @@ def test_parameters_of_no_figure_are_refused_with_the_nearest():
 def test_a_variant_by_the_ideal_is_no_picture_of_the_figure_either(tmp_path):
     done = run("figures", "K14", "--profile", "IDEAL", "--set", "cells=8", "--size", "16", "--out", tmp_path)
     assert done.exit_code == 0, done.output
-    assert {p.name for p in tmp_path.iterdir()} == {"index.html", "K14+cells=8.json", "K14+cells=8-IDEAL.png"}
     drawn = FIGURES["K14"].render("IDEAL", 16, cells=8)
-    written = np.asarray(Image.open(tmp_path / "K14+cells=8-IDEAL.png"))
-    np.testing.assert_array_equal(written, drawn.image()[..., :3])
-    (machine,) = json.loads((tmp_path / "K14+cells=8.json").read_text())["machines"]
-    assert machine["pictures"]["ideal"]["caption"].endswith("; cells = 8")
+    np.testing.assert_array_equal(picture_of(tmp_path, "K14+cells=8"), drawn.image()[..., :3])
+    (machine,) = kept.record(tmp_path, "K14+cells=8")["machines"]
+    assert machine["pictures"]["machine"]["caption"].endswith("; cells = 8")

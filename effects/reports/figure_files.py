@@ -1,0 +1,92 @@
+"""The files of drawn figures in a folder: records, pictures, the page; what nothing names any more goes.
+
+index.html              the gallery
+ID.json                 a figure's record
+records/ID.js           the same as a script
+pictures/DIGEST.js      a picture without loss, as a script (fixedpipe.effects.reports.pictures)
+pictures/DIGEST.webp    reduced, for the page without script; DIGEST-480.webp for the grid
+"""
+
+import json
+import re
+from contextlib import suppress
+from pathlib import Path
+
+from fixedpipe.effects.reports.files import writable_folder, write_whole
+from fixedpipe.effects.reports.gallery import gallery
+from fixedpipe.pipeline.framebuffers.pictures import png
+
+INDEX, RECORDS, PICTURES = "index.html", "records", "pictures"
+_PICTURE = re.compile(r"([0-9a-f]{16})(?:\.js|\.webp|-480\.webp)")
+
+
+def write_figure(folder, rendered, figures, named=None):
+    """Write a Rendered figure and the page of all that ``folder`` has.
+
+    folder   a Path of a folder that is there
+    figures  the ids that the page has, in its order
+    named    a Path of a folder for every picture as a PNG file under its readable name; None: none
+
+    A picture that is there already is not written again. Raises Refusal when something cannot be written.
+    """
+    record = rendered.record
+    pictures, records = writable_folder(folder / PICTURES), writable_folder(folder / RECORDS)
+    for name, data in rendered.pictures.files():
+        if not (pictures / name).is_file():
+            write_whole(pictures / name, data())
+    if named is not None:
+        for name, image in rendered.named.items():
+            write_whole(named / name, png(image))
+    # The record comes after what it names.
+    write_whole(records / f"{record['id']}.js", f"record({json.dumps(record)})\n".encode())
+    write_whole(folder / f"{record['id']}.json", (json.dumps(record, indent=2) + "\n").encode())
+    write_whole(folder / INDEX, gallery(folder, figures).encode())
+
+
+def digests_of(value):
+    """Every digest that a record, or a part of one, names."""
+    if isinstance(value, dict):
+        for key, part in value.items():
+            if key in ("digest", "finer", "preview") and isinstance(part, str):
+                yield part
+            else:
+                yield from digests_of(part)
+    elif isinstance(value, list):
+        for part in value:
+            yield from digests_of(part)
+
+
+def files_of(folder, figures):
+    """The files of the gallery in ``folder``: its page, the records of ``figures`` and of their variants, and
+    those in its own two folders whose names are of the form above and that a record names. Second, those of
+    that form that none names.
+    """
+    records = [path for path in _records(folder) if path.stem.partition("+")[0] in figures]
+    named, ours, stale = set(), [folder / INDEX, *records], []
+    for path in _records(folder):
+        with suppress(ValueError, OSError):
+            named.update(digests_of(json.loads(path.read_text())))
+    stems = {path.stem for path in records}
+    for path in sorted((folder / RECORDS).glob("*.js")):
+        if path.stem.partition("+")[0] in figures:
+            (ours if path.stem in stems else stale).append(path)
+    for path in sorted((folder / PICTURES).glob("*")):
+        if form := _PICTURE.fullmatch(path.name):
+            (ours if form[1] in named else stale).append(path)
+    return [path for path in ours if path.is_file()], [path for path in stale if path.is_file()]
+
+
+def tidy(folder, figures):
+    """Remove the pictures and records of the gallery that no record names any more; returns how many figures
+    and variants there are, and how many bytes their files are.
+    """
+    ours, stale = files_of(Path(folder), figures)
+    for path in stale:
+        with suppress(OSError):
+            path.unlink()
+    number = sum(path.suffix == ".json" for path in ours)
+    return number, sum(path.stat().st_size for path in ours)
+
+
+def _records(folder):
+    return sorted(folder.glob("*.json"))

@@ -1,0 +1,121 @@
+"""Pictures as the gallery keeps them: named by a digest, lossless as scripts, and reduced for a first look.
+
+A page that was opened from a file may read no image file into a canvas, because every file is an origin of
+its own there. A script it may load: so a picture to be measured is a script that hands over the bytes of a
+WebP file (docs/decisions/0018-pictures-and-the-gallery.md).
+"""
+
+import hashlib
+import io
+from dataclasses import dataclass, field
+
+import numpy as np
+from PIL import Image
+
+# Widths of the reduced pictures: the plain page's and a pass's, the grid's.
+PREVIEW, THUMBNAIL = 960, 480
+# Quality of a lossy WebP file. Assumed: where rings and edges of the figures are not yet seen to suffer.
+_QUALITY = 80
+# What may not stand as it is in a string literal between double quotes.
+_ESCAPES = {0x5C: rb"\\", 0x22: rb"\"", 0x0D: rb"\r", 0x0A: rb"\n"}
+
+
+def canonical(image):
+    """A picture as it is kept: uint8 [h, w, 4], top row first, alpha 255; 0 with no colour where a reference
+    has nothing.
+
+    ``image``: uint8 [h, w, 3], or [h, w, 4], whose alpha then counts.
+    """
+    pixels = np.full((*image.shape[:2], 4), 255, np.uint8)
+    pixels[..., : image.shape[2]] = image
+    pixels[pixels[..., 3] == 0] = 0
+    return pixels
+
+
+def digest_of(pixels):
+    """A picture's name: the first 16 hexadecimal digits of the SHA-256 of its width, height and bytes.
+
+    ``pixels``: as of ``canonical``.
+    """
+    height, width = pixels.shape[:2]
+    return hashlib.sha256(f"{width}x{height}\n".encode() + pixels.tobytes()).hexdigest()[:16]
+
+
+def lossless(pixels):
+    """The bytes of a lossless WebP file that keeps every byte of a ``canonical`` picture."""
+    return _webp(Image.fromarray(_without_alpha(pixels)), lossless=True, exact=True)
+
+
+def preview(pixels, width):
+    """The bytes of a lossy WebP file of a ``canonical`` picture, at most ``width`` pixels wide."""
+    return _webp(Image.fromarray(_without_alpha(reduced(pixels, width))), quality=_QUALITY)
+
+
+def reduced(pixels, width):
+    """A picture at most ``width`` pixels wide, each pixel the mean of those that it covers."""
+    height, full = pixels.shape[:2]
+    if full <= width:
+        return pixels
+    size = width, max(1, round(height * width / full))
+    return np.asarray(Image.fromarray(pixels).resize(size, Image.Resampling.BOX))
+
+
+def script(digest, width, height, data):
+    """A script that calls ``picture(digest, width, height, text)``: bytes, to be read as windows-1252.
+
+    Every byte of ``data`` is one character of the text. Four would end the literal or begin an escape and are
+    escaped; a line's ends of Unicode do not exist in windows-1252. A reader turns the characters back: the
+    bytes 0x80 to 0x9F are other code points there, five of them (0x81, 0x8D, 0x8F, 0x90, 0x9D) the control
+    characters of the same number. Source: WHATWG Encoding, index windows-1252.
+    """
+    text = data
+    for byte, escaped in _ESCAPES.items():  # the backslash first
+        text = text.replace(bytes([byte]), escaped)
+    return b'picture("%s",%d,%d,"%s")\n' % (digest.encode(), width, height, text)
+
+
+def _without_alpha(pixels):
+    return pixels if (pixels[..., 3] == 0).any() else np.ascontiguousarray(pixels[..., :3])
+
+
+def _webp(image, **how):
+    buffer = io.BytesIO()
+    image.save(buffer, "WEBP", method=4, **how)
+    return buffer.getvalue()
+
+
+@dataclass
+class Pictures:
+    """Pictures by digest, each once, and the files that each is to have: endings of their names."""
+
+    pixels: dict[str, np.ndarray] = field(default_factory=dict)
+    endings: dict[str, set[str]] = field(default_factory=dict)
+
+    def add(self, image, *endings):
+        """Keep a picture, as of ``canonical``, with files of the ``endings``: keys of ``FILES``. Returns its
+        digest.
+        """
+        pixels = canonical(image)
+        digest = digest_of(pixels)
+        self.pixels[digest] = pixels
+        self.endings.setdefault(digest, set()).update(endings)
+        return digest
+
+    def files(self):
+        """(name, function that gives the bytes) of every file."""
+        for digest, endings in self.endings.items():
+            for ending in sorted(endings):
+                yield digest + ending, lambda d=digest, e=ending: FILES[e](d, self.pixels[d])
+
+
+def _script_of(digest, pixels):
+    return script(digest, pixels.shape[1], pixels.shape[0], lossless(pixels))
+
+
+# What a file's ending means: lossless for canvases, for the plain page and passes, for the grid.
+LOSSLESS, REDUCED, SMALL = ".js", ".webp", f"-{THUMBNAIL}.webp"
+FILES = {
+    LOSSLESS: _script_of,
+    REDUCED: lambda digest, pixels: preview(pixels, PREVIEW),
+    SMALL: lambda digest, pixels: preview(pixels, THUMBNAIL),
+}

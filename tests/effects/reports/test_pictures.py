@@ -1,0 +1,99 @@
+"""Pictures as the gallery keeps them: scripts that give every byte back, and digests for names."""
+
+import io
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from fixedpipe.effects.reports.pictures import (
+    LOSSLESS,
+    REDUCED,
+    SMALL,
+    Pictures,
+    canonical,
+    digest_of,
+    lossless,
+    preview,
+    reduced,
+    script,
+)
+from tests.effects.reports.kept import CHARACTERS, CONTROLS, called
+
+NAME = "0123456789abcdef"
+
+
+def noise(*shape):
+    return np.random.default_rng(5).integers(0, 256, shape, np.uint8)
+
+
+def test_the_characters_of_a_browser_are_256():
+    assert len(CHARACTERS) == 256 and len(set(CHARACTERS.values())) == 256
+    assert all(CHARACTERS[chr(byte)] == byte for byte in CONTROLS)
+    assert CHARACTERS["\N{EURO SIGN}"] == 0x80
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        bytes(range(256)),
+        bytes(range(255, -1, -1)) * 3,
+        b'\\"\r\n',
+        b'\r\n"\\\\"\n\r\\n\\r\\\\n',  # what escapes would make of escapes
+        bytes(CONTROLS) + b"\x00\x0b\x0c\x1a\x85\xa0\xff\xfe\xef\xbb\xbf",
+        b"</script><!--*/'`${}\xe2\x80\xa8",
+        b"",
+    ],
+)
+def test_a_script_gives_back_every_byte(data):
+    assert called(script(NAME, 3, 5, data)) == (NAME, 3, 5, data)
+
+
+@pytest.mark.parametrize("shape", [(17, 31, 3), (1, 1, 3), (9, 40, 4)])
+def test_a_picture_comes_back_from_its_script_as_it_was(shape):
+    pixels = canonical(noise(*shape))
+    name = digest_of(pixels)
+    _, width, height, data = called(script(name, shape[1], shape[0], lossless(pixels)))
+    with Image.open(io.BytesIO(data)) as picture:
+        assert picture.size == (width, height)
+        np.testing.assert_array_equal(np.asarray(picture.convert("RGBA")), pixels)
+
+
+def test_where_alpha_is_nothing_there_is_no_colour():
+    image = noise(6, 6, 4)
+    image[:3, :, 3], image[3:, :, 3] = 0, 255
+    pixels = canonical(image)
+    assert not pixels[:3].any()
+    np.testing.assert_array_equal(pixels[3:], image[3:])
+
+
+def test_a_digest_is_of_the_shape_too():
+    square, row = np.zeros((2, 2, 4), np.uint8), np.zeros((1, 4, 4), np.uint8)
+    assert digest_of(square) != digest_of(row)
+    assert digest_of(square) == digest_of(square.copy())
+
+
+def test_a_preview_is_at_most_so_wide_and_keeps_the_proportions():
+    pixels = canonical(noise(512, 1536, 3))
+    for width, size in ((960, (960, 320)), (480, (480, 160)), (4000, (1536, 512))):
+        with Image.open(io.BytesIO(preview(pixels, width))) as picture:
+            assert picture.size == size
+    grey = np.array([[[0, 0, 0, 255], [200, 100, 50, 255]]], np.uint8)
+    np.testing.assert_array_equal(reduced(grey, 1), [[[100, 50, 25, 255]]])
+
+
+def test_of_equal_pictures_there_is_one_with_all_files_that_were_asked_for():
+    pictures, one, other = Pictures(), noise(4, 4, 3), noise(5, 4, 3)
+    first = pictures.add(one, LOSSLESS)
+    assert pictures.add(one.copy(), LOSSLESS, REDUCED) == pictures.add(one, SMALL) == first
+    second = pictures.add(other, REDUCED)
+    assert {name for name, _ in pictures.files()} == {
+        f"{first}.js",
+        f"{first}.webp",
+        f"{first}-480.webp",
+        f"{second}.webp",
+    }
+    files = {name: data() for name, data in pictures.files()}
+    assert called(files[f"{first}.js"])[:3] == (first, 4, 4)
+    with Image.open(io.BytesIO(files[f"{second}.webp"])) as picture:
+        assert picture.size == (4, 5)
