@@ -26,8 +26,13 @@ _COLUMN = (
 )  # fmt: skip
 
 # Where the ground's vertices are beyond the floor's edge, world units from the middle: the farther the
-# coarser, as the light changes less from place to place. The camera sees no farther than 17.
-_GROUND = (3.4, 4.6, 6.4, 9.0, 13.0, 20.0)
+# coarser, as the light changes less from place to place. The camera sees no farther than 17; cameras that
+# show the lamp too see farther.
+_GROUND = (3.4, 4.6, 6.4, 9.0, 13.0, 20.0, 30.0, 45.0)
+
+# Two points of the floor: one that the first lamp reaches, and one in the sphere's shadow; and what of the
+# sphere is between. Computed by rays (figure F003-18 checks them).
+LIT_POINT, SHADOWED_POINT, BETWEEN = (-0.1, 0.0, 2.2), (2.18, 0.0, 0.66), (1.394, 0.974, 0.931)
 
 # The moving light: round the scene from the left to the right. High, so that no shadow leaves the picture.
 # Every side of the box is lit clearly or turned away clearly.
@@ -36,16 +41,6 @@ LAMP_POSITIONS = ((-4.6, 8.4, 3.0), (-0.8, 8.8, 5.4), (4.1, 8.6, 4.2))
 # where the lamp looks, its planes and its field of view.
 # Measured: 39.8 degrees and distances from 7.74 to 11.83 hold every vertex (figure F003-17 checks it).
 _LAMP_TARGET, _LAMP_NEAR, _LAMP_FAR, _LAMP_FIELD_OF_VIEW = (-0.5, -0.2, 0.2), 7.5, 12.5, 41.4
-
-# Where the ground's vertices are beyond the floor's edge, world units from the middle: the farther the
-# coarser, as the light changes less from place to place. The camera sees no farther than 17.
-_GROUND = (3.4, 4.6, 6.4, 9.0, 13.0, 20.0)
-
-# The moving light: round the scene from the left to the right.
-LAMP_POSITIONS = ((-4.6, 8.4, 3.0), (-0.8, 8.8, 5.4), (4.1, 8.6, 4.2))
-# Where the lamp looks, and its field of view: closer than the scene's box, whose upper corners are empty.
-# Measured: 39.4 degrees hold every vertex (figure F003-17 checks it).
-_LAMP_TARGET, _LAMP_FIELD_OF_VIEW = (0.2, -0.4, -0.4), 40.0
 
 
 def _part(surface, triangles):

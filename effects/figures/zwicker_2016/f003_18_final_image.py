@@ -1,51 +1,101 @@
-"""F003-18: the final image with shadows, by a shadow map (Z10)."""
+"""F003-18: the final image with shadows, by a shadow map (Z10), and the two distances that it compares."""
 
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
-from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
-from fixedpipe.effects.scenes.still_life import still_life_and_lamp, still_life_view
+from fixedpipe.effects.geometry.matrices import look_at, perspective
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, View, row_of_panels
+from fixedpipe.effects.scenes.still_life import (
+    BETWEEN,
+    LIT_POINT,
+    SHADOWED_POINT,
+    still_life_and_lamp,
+    still_life_view,
+)
 from fixedpipe.effects.shadows.lit_scene import AMBIENT, SceneShading, map_edge
 from fixedpipe.effects.shadows.shadow_maps import modulated_passes, store_map
 
-# World units that the map is wide at the middle of the scene, rounded up from 6.7; over its edge, a texel.
-_MAP_WIDTH = 7.0
+# World units that the map is wide at the middle of the scene, rounded up; over its edge, a texel.
+_MAP_WIDTH = 7.5
+# What a line of the map's value is drawn beside that of the distance, world units.
+_BESIDE = 0.13
 
 
-def make(profile, size, *, ratio, factor, units, filtered, shading):
-    """Z10, Z12, Z19, Z20 on one panel."""
-    (panel,) = row_of_panels(1, size)
-    scene, light = still_life_and_lamp(size)
-    view = still_life_view(panel)
-    stored = store_map(
-        scene, light, "shadow map", map_edge(size, ratio), (size, size), factor=factor, units=units
-    )
+def lamp_view(panel):
+    """The still life and its first lamp, from farther than the final image."""
+    eye = (4.2, 13.6, 14.2)
+    return View(panel, look_at(eye, (-1.2, 3.45, 1.2)), perspective(33.0, 1.0, 3.0, 80.0), eye, False)
+
+
+def distances(view, lamp):
+    """The lamp, two points, and for each its distance from the light beside the map's value for it."""
+    points, ends, position = (LIT_POINT, SHADOWED_POINT), (LIT_POINT, BETWEEN), np.array(lamp.position)
+    across = np.array(view.modelview[0][:3]) * _BESIDE
+    yellow = [np.stack([position, np.array(point)]) for point in points]
+    red = [np.stack([position, np.array(end)]) - across for end in ends]
     return (
-        *stored,
-        panel.clear(BACKGROUND),
-        *modulated_passes(scene, view, light, "shadow map", profile, shading, filtered=filtered),
+        drawing.strokes("distances from the light", view, yellow, drawing.YELLOW, width=1.6),
+        drawing.strokes("values in the shadow map", view, red, drawing.RED, width=1.6),
+        drawing.dots("the lamp", view, [position], drawing.YELLOW, radius=4.0),
+        drawing.dots("where the map's values end", view, [line[1] for line in red], drawing.RED, radius=2.4),
+        *marked_points(view),
+        drawing.text("light", view, position, drawing.INK, align=(-1, 0), offset=(7.0, 1.0)),
     )
+
+
+def marked_points(view):
+    """The two points and what each is."""
+    lit, dark = LIT_POINT, SHADOWED_POINT
+    black = (0.05, 0.05, 0.06)
+    return (
+        drawing.dots("the two points", view, [lit, dark], drawing.YELLOW, radius=2.6),
+        drawing.text("lit", view, lit, drawing.INK, align=(0, 1), offset=(0.0, -5.0), outline=black),
+        drawing.text("in shadow", view, dark, drawing.INK, align=(0, 1), offset=(0.0, -5.0), outline=black),
+    )
+
+
+def make(profile, size, *, ratio, factor, units, filtered, shading, marks):
+    """Z10, Z12, Z19, Z20, then the same from afar with the distances that are compared."""
+    near, afar = row_of_panels(2, size)
+    scene, light = still_life_and_lamp(size)
+    out = [
+        drawing.load_font(),
+        *store_map(
+            scene, light, "shadow map", map_edge(size, ratio), (2 * size, size), factor=factor, units=units
+        ),
+    ]
+    for view in (still_life_view(near), lamp_view(afar)):
+        out.append(view.panel.clear(BACKGROUND))
+        out += modulated_passes(scene, view, light, "shadow map", profile, shading, filtered=filtered)
+    if marks:
+        out += (*marked_points(still_life_view(near)), *distances(lamp_view(afar), light))
+    return tuple(out)
 
 
 _SIZE = 256
 
 
+def _final(renderer, on, figure, **changes):
+    """The final image without marks."""
+    return renderer.window(on, figure, _SIZE, marks=False, **changes)[:, :_SIZE]
+
+
 def checks(figure, renderer):
-    """Lit and shadowed pixels against rays, with a large and a small map."""
+    """Lit and shadowed pixels against rays, with a large and a small map; the two distances."""
     (panel,) = row_of_panels(1, _SIZE)
     scene, light = still_life_and_lamp(_SIZE)
     truth = agreement.truth_of(scene, still_life_view(panel), light)
-    floor = truth.shown.object == 0
+    floor = np.isin(truth.shown.object, [n for n, o in enumerate(scene.objects) if not o.closed])
     for edge, on, bound, reason in (
         (1024, Answer.MACHINE, 0.995, "the catalogue's acceptance, of receivers' pixels: the floor's"),
         (256, Answer.MACHINE, 0.98, "the catalogue's acceptance, of receivers' pixels: the floor's"),
         (1024, Answer.IDEAL, 0.995, "what sampling alone leaves"),
     ):
-        picture = renderer.window(on, figure, _SIZE, shading=SceneShading.MASK, ratio=edge / _SIZE)
-        mask = agreement.lit_mask(picture)
+        mask = agreement.lit_mask(_final(renderer, on, figure, shading=SceneShading.MASK, ratio=edge / _SIZE))
         told = {"map_edge": edge, "contact": _MAP_WIDTH / edge}
         on_floor = agreement.compare(mask, truth, where=floor, **told)
         everywhere = agreement.compare(mask, truth, **told)
@@ -66,7 +116,7 @@ def checks(figure, renderer):
         for by in (-3, 3):
             inner &= np.roll(~truth.lit, by, axis)
     for on in Answer:
-        seen = renderer.window(on, figure, _SIZE)[inner]
+        seen = _final(renderer, on, figure)[inner]
         ambient = np.array(AMBIENT[:3]) * np.array(scene.objects[0].color)
         near = np.abs(seen - ambient).max(axis=-1) <= (1e-9 if on is Answer.IDEAL else 1.5 / 255.0)
         yield Check(
@@ -74,27 +124,58 @@ def checks(figure, renderer):
             at_least=0.98, on=on, reason="E003.9: what the comparison multiplies is the light alone; a strip "
             "is lit where things stand, as wide as the offset",
         )  # fmt: skip
-    (lit, dark) = (np.float64(truth.lit[floor].mean()), np.float64((~truth.lit[floor]).mean()))
+    shaded = np.float64((~truth.lit[floor]).mean())
     yield Check(
         "floor in the shade, of all",
-        float(min(lit, dark)),
-        at_least=0.1,
+        float(min(shaded, 1.0 - shaded)),
+        at_least=0.05,
         on=Answer.IDEAL,
         reason="rays: there is light and shade to tell apart, so that no picture of one kind passes",
     )
+    yield from _distance_checks(figure, renderer, truth)
+
+
+def _distance_checks(figure, renderer, truth):
+    """The map's values at the two points, and that their lines are drawn as long as they are."""
+    position, lines = np.array(truth.lamp.position), []
+    for name, point, end in (("lit", LIT_POINT, LIT_POINT), ("shadowed", SHADOWED_POINT, BETWEEN)):
+        way = np.array(point) - position
+        share = float(truth.caster.nearest(position[None], way[None]).distance[0])
+        off = position + share * way - np.array(end)
+        yield Check(
+            f"{name} point: end of the map's value from what a ray of the light meets first, world units",
+            float(np.sqrt((off * off).sum())), at_most=0.005, on=Answer.IDEAL,
+            reason="the point is rounded to thousandths, and the sphere has corners",
+        )  # fmt: skip
+        lines.append((way, share))
+    view = lamp_view(Panel(0, 0, 2 * _SIZE, 2 * _SIZE))
+    picture = renderer.machine_window(figure, 2 * _SIZE)[:, 2 * _SIZE :]
+    beside, drawn = np.array(view.modelview[0][:3]) * _BESIDE, []
+    for way, share in lines:
+        for part in np.arange(0.3, 0.95, 0.05):
+            for color, moved, length in ((drawing.YELLOW, 0.0, 1.0), (drawing.RED, -beside, share)):
+                x, y, _ = drawing.project(view, position + part * length * way + moved)
+                drawn.append(np.abs(picture[int(y), int(x)] - np.array(color)).max() < 2.0 / 255.0)
+    yield Check(
+        "places along the four lines that have their colour", float(np.mean(drawn)), at_least=0.98,
+        on=Answer.MACHINE, reason="no label lies over them",
+    )  # fmt: skip
 
 
 FIGURE = Figure(
     id="F003-18",
     title="Final image with shadows",
+    panels=("final image", "yellow: distance; red: map's value"),
     caption=(
-        "A still life on a floor, its shadows by a shadow map: every pixel's distance from the light is "
-        "compared with what the light sees in that direction."
+        "A still life, its shadows by a shadow map. For every pixel the distance from the light is compared "
+        "with what the light sees in that direction, the map's value. Right, from farther: both for two "
+        "points, the distance yellow, the map's value red."
     ),
     must_see=(
         "Every object throws one shadow away from the light at the upper left, joined to it where they "
         "touch; the vase's falls on the floor and up the box; the ring shades itself; no speckle "
-        "on lit surfaces; shadows are dark, not black."
+        "on lit surfaces; shadows are dark, not black. Right, the lit point's two lines are equally long; "
+        "at the point in shadow the red one is shorter and ends on the ball."
     ),
     source="Zwicker2016",
     techniques=("Z10", "Z12", "Z19", "Z20", "Z30"),
@@ -104,6 +185,7 @@ FIGURE = Figure(
         "units": word.UNITS(4.0),
         "filtered": word.FLAG(True, "Whether the results of the comparison are filtered."),
         "shading": word.SHADING(SceneShading.LIT),
+        "marks": word.FLAG(True, "Whether the two points and their distances are drawn."),
     },
     methods=(Method("depth texture times the light", make, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
     acceptance=checks,
