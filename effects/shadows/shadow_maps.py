@@ -443,10 +443,10 @@ def accumulated_passes(
     return tuple(out)
 
 
-def show_depths(panel, name, profile):
+def show_depths(panel, name, profile, white=1.0):
     """The depths that a panel holds, read by the application as ``name`` and drawn there as grey.
 
-    0 is black, 1 white. (Here a depth texture can be compared and nothing else, so it cannot be shown.)
+    0 is black, 1 ``white``. (Here a depth texture can be compared and nothing else, so it cannot be shown.)
     """
 
     def drawn(read):
@@ -456,7 +456,7 @@ def show_depths(panel, name, profile):
         return (
             DrawPixels(
                 label="show depths as grey",
-                image=PixelImage(depths, "LUMINANCE"),
+                image=PixelImage(white * depths, "LUMINANCE"),
                 state=PassState(scissor=panel.scissor),
                 position=at_pixel(panel.x, panel.y),
             ),

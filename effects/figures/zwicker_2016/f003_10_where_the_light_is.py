@@ -6,10 +6,11 @@ import numpy as np
 
 from fixedpipe.effects.acceptance import agreement, ray_caster
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.matrices import rotate, rotation
-from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
 from fixedpipe.effects.scenes import objects_and_lamps, still_life
 from fixedpipe.effects.shadows import shadow_maps, shadow_volumes
 from fixedpipe.effects.shadows.lit_scene import SceneShading, map_edge
@@ -24,7 +25,39 @@ def _lamps(scene, positions):
     return [objects_and_lamps.lamp_around(scene, position) for position in positions]
 
 
-def map_scene(profile, size, *, positions, texels, factor, shading, background):
+def plan(panel, scene, position):
+    """The scene, the lamp and the camera from above, in the upper right corner of a panel: the lamp is beside
+    or above the picture.
+    """
+    edge = panel.height // 4
+    inset = Panel(panel.x + panel.width - edge - edge // 8, panel.height - edge - edge // 8, edge, edge)
+    # x to the right, z towards the viewer down.
+    sheet = drawing.sheet(inset, 6.9, (0.0, -3.9))
+    eye, dark = still_life.still_life_view(panel).eye, (0.10, 0.10, 0.12)
+    middles = {thing.name: thing.surface.positions.mean(axis=0) for thing in scene.objects if thing.closed}
+    lamp, middle = (position[0], -position[2]), (0.0, 0.0)
+    out = [
+        inset.clear(dark, "clear the plan"),
+        drawing.polygon(
+            "floor", sheet, [(-2.6, -2.6), (2.6, -2.6), (2.6, 2.6), (-2.6, 2.6)], (0.24, 0.24, 0.26)
+        ),
+        drawing.stroke("from the lamp", sheet, [lamp, middle], drawing.YELLOW, width=4.0),
+    ]
+    for thing in scene.objects:
+        if thing.closed:
+            x, _, z = middles[thing.name]
+            out.append(drawing.dots(thing.name, sheet, (x, -z), thing.color, radius=15.0))
+    # The camera: its position, and the two sides of what it sees.
+    x, z = eye[0], -eye[2]
+    sides = [[(x, z), (x + side * 1.4, z + 2.8)] for side in (-1.0, 1.0)]
+    return (
+        *out,
+        drawing.dots("the lamp", sheet, lamp, drawing.YELLOW, radius=18.0),
+        drawing.strokes("the camera", sheet, sides, drawing.INK, width=6.0),
+    )
+
+
+def map_scene(profile, size, *, positions, texels, factor, shading, background, plans):
     """The still life with a shadow map of its own for each of the lamp's ``positions``.
 
     ``texels``: of the map's edge for each pixel of a panel's, at most; ``factor``: of the polygon offset.
@@ -42,10 +75,12 @@ def map_scene(profile, size, *, positions, texels, factor, shading, background):
             panel.clear(background),
             *shadow_maps.modulated_passes(scene, view, lamp, f"shadow map {k}", profile, shading),
         )
+        if plans:
+            out += plan(panel, scene, positions[k])
     return tuple(out)
 
 
-def volume_scene(profile, size, *, positions, shading, background):
+def volume_scene(profile, size, *, positions, shading, background, plans):
     """The same with shadow volumes."""
     scene = still_life.still_life(objects_and_lamps.detail_of(size))
     out = []
@@ -55,6 +90,8 @@ def volume_scene(profile, size, *, positions, shading, background):
             panel.clear(background),
             *shadow_volumes.z_pass(scene, view, lamp, profile, shading),
         )
+        if plans:
+            out += plan(panel, scene, lamp.position)
     return tuple(out)
 
 
@@ -77,7 +114,7 @@ def _compared(figure, renderer, on, size):
     view = still_life.still_life_view(row_of_panels(1, size)[0])
     texels = figure.values_of(renderer.method).get("texels")
     understood = {"map_edge": map_edge(size, texels), "contact": _BIAS, "grazing": 0.1} if texels else {}
-    mask = agreement.lit_mask(renderer.window(on, figure, size, shading=SceneShading.MASK))
+    mask = agreement.lit_mask(renderer.window(on, figure, size, shading=SceneShading.MASK, plans=False))
     for k, lamp in enumerate(_lamps(scene, positions)):
         part, truth = mask[:, k * size : (k + 1) * size], agreement.truth_of(scene, view, lamp)
         yield part, truth, agreement.compare(part, truth, **understood)
@@ -110,10 +147,15 @@ def checks(figure, renderer):
 FIGURE = Figure(
     id="F003-10",
     title="Shadows tell where the light is",
-    caption="One scene, one camera, and a lamp that moves from the left over the front to the right.",
+    caption=(
+        "One scene, one camera, and a lamp that moves from the left over the front to the right. The plan in "
+        "the corner shows from above where the lamp (yellow) and the camera (white) are; the lamp is "
+        "above the picture."
+    ),
     must_see=(
-        "Only light and shadows change: they fall to the right, then short and back, then to the left. "
-        "Left the vase throws its shadow on the box, and the ring its own on the vase's foot."
+        "Only light and shadows change: they fall to the right, then short and back, then to the left, "
+        "always away from the plan's lamp, and none is cut by the picture's edge. Left the vase throws its "
+        "shadow on the box, and shades its own foot."
     ),
     source="Zwicker2016",
     techniques=("Z29", "Z10", "Z23"),
@@ -127,6 +169,7 @@ FIGURE = Figure(
         ),
         "shading": word.SHADING(SceneShading.LIT),
         "background": word.BACKDROP(BACKGROUND),
+        "plans": word.FLAG(True, "Whether a plan shows where the lamp is."),
     },
     methods=(
         Method(
