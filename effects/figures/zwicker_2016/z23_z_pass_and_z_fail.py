@@ -11,14 +11,21 @@ from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.counted_volumes import count_checks, expected_counts
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp, Scene, detail_of, lamp_around
-from fixedpipe.effects.scenes.still_life import still_life, still_life_view
+from fixedpipe.effects.scenes.still_life import LAMP_POSITIONS, still_life, still_life_view
 from fixedpipe.effects.shadows import shadow_volumes
 from fixedpipe.effects.shadows.lit_scene import SceneShading, lit_pass, unlit_pass
 
 
 def _shown_counts(profile, objects, view, lamp, counts, colors):
-    """The scene in grey, lit from the eye, times a colour for each count."""
-    grey = Scene(tuple(replace(thing, color=(0.9, 0.9, 0.9), specular=0.0) for thing in objects.objects))
+    """The scene in grey, lit from the eye, times a colour for each count. The floor is darker, so that a box's
+    top is seen on it.
+    """
+    grey = Scene(
+        tuple(
+            replace(thing, color=(0.9 if thing.closed else 0.6,) * 3, specular=0.0)
+            for thing in objects.objects
+        )
+    )
     volumes = shadow_volumes.shadow_volumes(objects, lamp.homogeneous)
     from_the_eye = Lamp(view.eye, (0.0, 0.0, 0.0), 0.1, 40.0)
     return (
@@ -99,19 +106,21 @@ FIGURE = Figure(
     title="Shadow volumes by z-pass and z-fail",
     caption=(
         "Shadows by z-pass (left) and z-fail (right). Between them what each counts in the stencil buffer: "
-        "grey where the count is zero, yellow, orange and red where it is one, two, three or more."
+        "grey where the count is zero, yellow, orange and red where it is one, two, three or more. On round "
+        "things the colours end in steps: a volume begins at the edges of their triangles, where the light "
+        "is all but gone."
     ),
     must_see=(
         "The outer pictures are alike, and so are the inner ones. Every shadow on the floor and on other "
-        "objects, and every side that is turned away from the light, is coloured; where shadows overlap the "
-        "count is two."
+        "objects, and every side that is turned away from the light, is coloured, the box's dark side too; "
+        "where shadows overlap the count is two, as in the ring's, whose near and far side lie behind each "
+        "other in the light."
     ),
     source="Zwicker2016",
     techniques=("Z21", "Z22", "Z23", "Z24"),
-    panels=("z-pass", "its counts", "z-fail's counts", "z-fail"),
-    size=384,
+    panels=("z-pass", "its counts: 1 yellow, 2 orange, 3 red", "z-fail's counts, the same", "z-fail"),
     parameters={
-        "light": word.POSITION((-6.2, 7.0, 3.2), "Where the light is, or from where it comes."),
+        "light": word.POSITION(LAMP_POSITIONS[0], "Where the light is, or from where it comes."),
         "infinite": word.FLAG(False, "Whether the light is infinitely far."),
         "colors": word.of(
             word.Several((word.COLOR_KIND,) * 4),
