@@ -129,11 +129,15 @@ PACKAGES = {
         "pipeline": "commands profiles framebuffers execution ideal golden",
         "effects": "refusal technique bibliography acceptance figures conformance",
     },
+    "effects/presentation": {
+        "pipeline": "profiles",
+        "effects": "refusal bibliography",
+    },
     "effects/cli": {
         "pipeline": "enums sentences profiles notations description framebuffers validation native golden",
         "effects": (
             "refusal technique geometry bump_mapping volumes acceptance figures studies conformance "
-            "user_pictures reports"
+            "user_pictures reports presentation"
         ),
     },
 }
@@ -151,6 +155,7 @@ LIBRARIES = {
     "effects/conformance": ("PIL",),
     "effects/user_pictures": ("imageio", "nrrd", "trimesh"),
     "effects/reports": ("PIL", "matplotlib"),
+    "effects/presentation": ("PIL", "matplotlib"),
     "effects/cli": ("click", "rich"),
 }
 

@@ -12,6 +12,7 @@ _COMMANDS = (
     "figures",
     "passes",
     "parameters",
+    "print",
     "bump",
     "shadows",
     "volume",
@@ -30,6 +31,7 @@ What to do next:
   fixedpipe figures --list      which figures there are
   fixedpipe passes F004-4       how one is made, pass by pass
   fixedpipe parameters F004-4   what may be changed of it; fixedpipe figures F004-4 --set alpha_x=0.15
+  fixedpipe print F003-21       for a page: machine, ideal, reference, difference, with labels and caption
   fixedpipe bump sample:gravel --mesh torus --material gold --light 1,2,3 --out gravel.png
                                 bump-map a mesh with a photograph
   fixedpipe shadows MESH.obj --algorithm z-fail --out shadows.png

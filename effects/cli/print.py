@@ -1,0 +1,80 @@
+"""``fixedpipe print``: a figure for a page or a slide, with its labels, its caption and its source."""
+
+from pathlib import Path
+
+import click
+
+from fixedpipe.effects.cli.options import changes_of, refuse_ignored, set_option, threads_option
+
+_STYLES = "paper: 170 mm wide, white, the caption below; slide, light-slide: 16:9, the title on top"
+
+
+@click.command(short_help="Compose a figure for a page or a slide: PNG, PDF or SVG.")
+@click.argument("figure_id", metavar="ID")
+@click.option("--profile", metavar="NAME", help="Machine, or IDEAL; otherwise the figure's own.")
+@click.option("--style", metavar="STYLE", default="paper", show_default=True, help=f"{_STYLES}.")
+@click.option("--width", type=float, metavar="MM", help="Of the sheet, mm; otherwise the style's.")
+@click.option(
+    "--dpi", type=float, metavar="N", help="Of a PNG file; otherwise as panels then fill the sheet."
+)
+@click.option(
+    "--pictures",
+    metavar="NAME,...",
+    help="machine, ideal, reference, difference, reference-difference; otherwise the first four, as far as "
+    "the figure has them.",
+)
+@click.option(
+    "--out", metavar="FILE", help=".png, .pdf or .svg; otherwise a PNG file named by figure and machine."
+)
+@click.option("--size", type=click.IntRange(min=1), metavar="N", help="Edge of the figure's panels, pixels.")
+@set_option
+@threads_option
+def print(figure_id, profile, style, width, dpi, pictures, out, size, settings, threads):
+    """Compose machine, ideal, reference and difference of figure ID on one sheet, with labels and its source.
+
+    Pixels stay pixels: in a PNG file each is a square of whole pixels, in PDF and SVG files the figure's own.
+    The caption, the command and the paper's BibTeX entry are in the file's own fields, and beside it in a
+    file that ends in .bib. Needs matplotlib: pip install 'fixedpipe[plots]'.
+    """
+    from fixedpipe.effects.cli.compiling import announce_compiling
+    from fixedpipe.effects.cli.refusal import check_size
+    from fixedpipe.effects.figures import FIGURES
+    from fixedpipe.effects.presentation.pictures import names_of
+    from fixedpipe.effects.presentation.sheet import asked_of, sheet
+    from fixedpipe.effects.presentation.sheet_files import KINDS, file_of
+    from fixedpipe.effects.presentation.typesetting import drawing_library
+    from fixedpipe.effects.refusal import Refusal, choose, refusals
+    from fixedpipe.effects.reports.figure_record import variant_name
+    from fixedpipe.effects.reports.files import writable_file, write_whole
+    from fixedpipe.pipeline.profiles import PROFILES
+
+    figure = choose("figure", figure_id, FIGURES)
+    key = profile or figure.machines[0]
+    machine = choose("profile", key, PROFILES)
+    asked_of(style, width, dpi)
+    with refusals():
+        method = figure.method(key)
+    changes = changes_of(settings, figure, (method,))
+    named = None if pictures is None else tuple(word.strip() for word in pictures.split(","))
+    names_of(figure, machine, named)
+    check_size(figure.id, figure.columns, size or figure.size, machine)
+    name = Path(out or f"{variant_name(figure, changes)}-{key}-{style}.png")
+    kind = name.suffix.lower().removeprefix(".")
+    if kind not in KINDS:
+        raise Refusal(f"{name} is no sheet's name; end it with .{', .'.join(KINDS)}.")
+    if kind != "png":
+        refuse_ignored(
+            click.get_current_context(),
+            ("dpi",),
+            f"a {kind.upper()} file keeps pixels as they are; leave it out",
+        )
+    drawing_library()
+    path, beside = writable_file(name), writable_file(name.with_suffix(".bib"))
+    announce_compiling()
+    with refusals():
+        drawn = figure.render(machine, size, threads=threads, **changes)
+        composed = sheet(drawn, kind, style=style, width=width, dpi=dpi, pictures=named)
+    write_whole(path, file_of(composed, kind))
+    write_whole(beside, composed.bib.encode())
+    click.echo(f"{path}: {composed.said}")
+    click.echo(f"{beside}: its caption, its command and the paper's BibTeX entry")

@@ -1,0 +1,153 @@
+"""Where a sheet's panels stand: pictures, each a row of square panels, on a page of a given width and height.
+
+All lengths are millimetres; x grows to the right, y downwards, from the left top corner of their area.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+# Assumed: a row of four panels or more that would be smaller than this is broken, where that is worth it.
+SMALL = 40.0
+# Of the largest panel that any arrangement allows: what a flatter arrangement may cost.
+FLATTER = 2 / 3
+# Rows are broken where that makes panels so many times as large.
+WORTH = 1.1
+
+
+@dataclass(frozen=True)
+class Area:
+    """What the panels have to fit into.
+
+    width, height   of all pictures with what is written at them
+    gutter          between panels of a picture
+    gap             between pictures
+    label           height of what is written above a panel; 0 where nothing is
+    heading         height of a picture's name, which stands above it where pictures stand side by side, and
+                    otherwise left of it, upright
+    notes           heights of what is written below each picture; 0 where nothing is
+    """
+
+    width: float
+    height: float
+    gutter: float
+    gap: float
+    label: float
+    heading: float
+    notes: Sequence[float]
+
+
+@dataclass(frozen=True)
+class Arrangement:
+    """How many pictures stand in a line, how many panels in a row, and the edge of a panel in millimetres."""
+
+    pictures: int
+    panels: int
+    edge: float
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a picture stands: ``left``, ``top`` and ``width`` of its panels with their labels, ``bottom``;
+    ``panels``: the left top corner of each.
+    """
+
+    left: float
+    top: float
+    width: float
+    bottom: float
+    panels: tuple[tuple[float, float], ...]
+
+
+def _lines(area, arrangement):
+    """The notes' heights of the pictures of each line."""
+    step = arrangement.pictures
+    return [area.notes[i : i + step] for i in range(0, len(area.notes), step)]
+
+
+def _labels(area, arrangement, rows, line):
+    """Heights of the labels above each row of panels: where a picture stands alone in each line and its
+    panels in one row, the first line's labels serve all.
+    """
+    if arrangement.pictures == 1 and rows == 1 and line:
+        return [0.0]
+    return [area.label] * rows
+
+
+def _side(area, arrangement):
+    """(left of the panels, above them) for a picture's name."""
+    return (area.heading, 0.0) if arrangement.pictures == 1 else (0.0, area.heading)
+
+
+def _fixed(area, columns, arrangement):
+    """Width and height of all that is no panel."""
+    p, c = arrangement.pictures, arrangement.panels
+    rows = math.ceil(columns / c)
+    left, above = _side(area, arrangement)
+    width = left + p * (c - 1) * area.gutter + (p - 1) * area.gap
+    lines = _lines(area, arrangement)
+    height = (len(lines) - 1) * area.gap
+    for number, notes in enumerate(lines):
+        height += (
+            above + sum(_labels(area, arrangement, rows, number)) + (rows - 1) * area.gutter + max(notes)
+        )
+    return width, height
+
+
+def _edge(area, columns, pictures, panels):
+    """An arrangement with the largest panels that fit."""
+    trial = Arrangement(pictures, panels, 0.0)
+    width, height = _fixed(area, columns, trial)
+    rows = math.ceil(columns / panels) * math.ceil(len(area.notes) / pictures)
+    edge = min((area.width - width) / (pictures * panels), (area.height - height) / rows)
+    return Arrangement(pictures, panels, edge)
+
+
+def height_of(area, columns, arrangement):
+    """Of all pictures with what is written at them."""
+    rows = math.ceil(columns / arrangement.panels) * math.ceil(len(area.notes) / arrangement.pictures)
+    return _fixed(area, columns, arrangement)[1] + rows * arrangement.edge
+
+
+def arrange(area, columns):
+    """How pictures of ``columns`` panels stand: an Arrangement.
+
+    The rows of panels stay whole while a panel is not SMALL. Among the ways that lines are equally long the
+    flattest whose panels are nearly the largest is taken. Its edge may be zero or less: then nothing fits.
+    """
+    count = len(area.notes)
+    shares = [n for n in range(1, count + 1) if count % n == 0]
+    found = [_edge(area, columns, pictures, columns) for pictures in shares]
+    largest = max(a.edge for a in found)
+    if columns >= 4 and largest < SMALL:
+        broken = [_edge(area, columns, pictures, math.ceil(columns / 2)) for pictures in shares]
+        if max(a.edge for a in broken) > WORTH * largest:
+            found = broken
+            largest = max(a.edge for a in found)
+    return min(
+        (a for a in found if a.edge >= min(largest, FLATTER * largest)),
+        key=lambda a: height_of(area, columns, a),
+    )
+
+
+def place(area, columns, arrangement):
+    """Where each picture stands: a Place each. What is narrower than the area stands in its middle."""
+    c, edge = arrangement.panels, arrangement.edge
+    rows = math.ceil(columns / c)
+    left, above = _side(area, arrangement)
+    width = c * edge + (c - 1) * area.gutter
+    total = left + arrangement.pictures * width + (arrangement.pictures - 1) * area.gap
+    start = max(0.0, (area.width - total) / 2) + left
+    places, y = [], 0.0
+    for number, notes in enumerate(_lines(area, arrangement)):
+        labels = _labels(area, arrangement, rows, number)
+        tops, top = [], y + above
+        for row, label in enumerate(labels):
+            tops.append(top + label)
+            top += label + edge + area.gutter * (row < rows - 1)
+        for i in range(len(notes)):
+            x = start + i * (width + area.gap)
+            panels = tuple((x + (n % c) * (edge + area.gutter), tops[n // c]) for n in range(columns))
+            places.append(Place(x, y, width, top, panels))
+        y = top + max(notes) + area.gap
+    return tuple(places)

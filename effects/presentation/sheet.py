@@ -1,0 +1,384 @@
+"""A figure on a sheet: its pictures with their labels, its title or caption and its source, in millimetres.
+
+``sheet`` composes; ``fixedpipe.effects.presentation.sheet_files`` writes it as PNG, PDF or SVG.
+"""
+
+import math
+import shlex
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fixedpipe.effects.bibliography import citation
+from fixedpipe.effects.presentation.layout import Area, arrange, height_of, place
+from fixedpipe.effects.presentation.pictures import names_of, pictures_of
+from fixedpipe.effects.presentation.styles import LEAST_POINTS, MILLIMETRES, POINTS, STYLES, Style
+from fixedpipe.effects.presentation.typesetting import Font, broken
+from fixedpipe.effects.refusal import Refusal, choose
+from fixedpipe.pipeline.profiles import PROFILES
+
+# Of a line's height in its size.
+LEADING = 1.25
+# Where a line's letters stand in it, from its top.
+BASELINE = 0.93
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """A panel on a sheet: its left top corner and its edge in mm, the picture and the label that it has, and
+    its ``pixels``, uint8 [n, n, 3], top row first.
+    """
+
+    x: float
+    y: float
+    edge: float
+    picture: str
+    label: str
+    pixels: NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of text on a sheet: where its baseline begins, mm; ``upright``: it runs upwards."""
+
+    x: float
+    y: float
+    text: str
+    font: Font
+    color: str
+    upright: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """A figure on a sheet.
+
+    width, height   mm
+    style           its Style
+    panels, lines   what is on it
+    dpi, scale      of a PNG file: pixels an inch, and an edge of the square that shows one of the figure's
+                    pixels; None of one that keeps pixels as they are
+    title, caption, source, bibtex, command   for the file's own fields, and for the file beside it
+    """
+
+    width: float
+    height: float
+    style: Style
+    panels: tuple[Panel, ...]
+    lines: tuple[Line, ...]
+    dpi: float | None
+    scale: int | None
+    title: str
+    caption: str
+    source: str
+    bibtex: str
+    command: str
+
+    @property
+    def said(self):
+        """Its size in words, and how large the figure's pixels are."""
+        size = f"{self.width:g} x {self.height:.1f} mm"
+        if self.scale is None:
+            return f"{size}, every panel with its own pixels"
+        each = (
+            f"each pixel of the figure is {self.scale}x{self.scale}" if self.scale > 1 else "pixel for pixel"
+        )
+        return f"{size} at {self.dpi:.4g} dpi, {each}"
+
+    @property
+    def bib(self):
+        """The text of the file beside it: caption and command as comments, and the paper's entry."""
+        said = (self.title, *self.caption.splitlines(), f"Drawn by: {self.command}")
+        return "".join(f"% {line}\n" for line in said) + f"\n{self.bibtex}"
+
+
+def sheet(drawn, kind="png", *, style="paper", width=None, dpi=None, pictures=None):
+    """Compose a figure's pictures on a sheet.
+
+    Parameters
+    ----------
+    drawn : fixedpipe.effects.figures.Rendering
+        A figure as a machine drew it: ``FIGURES["F003-21"].render("GEFORCE_3")``.
+    kind : str
+        Of ``fixedpipe.effects.presentation.sheet_files.KINDS``: png, pdf, svg. In a PNG file every pixel of
+        the figure is a square of whole pixels; the others hold the figure's own pixels.
+    style : str
+        Of ``fixedpipe.effects.presentation.styles.STYLES``.
+    width : float, optional
+        Of the sheet in mm; None: the style's.
+    dpi : float, optional
+        Pixels an inch of a PNG file; None: the least, from the style's, with which panels are as large as
+        they can be.
+    pictures : sequence of str, optional
+        Of ``fixedpipe.effects.presentation.pictures.PICTURES``; None: machine, ideal, reference, difference,
+        as far as there are.
+
+    Returns
+    -------
+    Sheet
+
+    Raises Refusal for a name that is none, a width or a dpi out of range, where panels would have no room,
+    and where matplotlib is not installed.
+    """
+    look, width = asked_of(style, width, dpi)
+    shown = pictures_of(drawn, names_of(drawn.figure, drawn.profile, pictures))
+    return _Composition(drawn, kind, _scaled(look, width), width, shown).sheet(style, dpi)
+
+
+def asked_of(style, width=None, dpi=None):
+    """The Style of that name and the width in mm, as ``sheet`` takes them. Raises Refusal likewise."""
+    look = choose("style", style, STYLES)
+    width = look.width if width is None else width
+    if not look.least <= width <= look.most:
+        raise Refusal(f"The width is {width:g} mm; give {look.least:g} to {look.most:g} for {style}.")
+    if dpi is not None and not 36 <= dpi <= 4800:
+        raise Refusal(f"The resolution is {dpi:g} pixels an inch; give 36 to 4800.")
+    return look, width
+
+
+def _scaled(style, width):
+    """The style for a sheet of that width."""
+    if not style.scales:
+        return style
+    factor = width / style.width
+    lengths = ("title", "text", "label", "note", "margin", "gutter", "gap")
+    changed = {name: factor * getattr(style, name) for name in lengths}
+    sizes = {name: max(LEAST_POINTS, changed[name]) for name in lengths[:4]}
+    return replace(style, **changed | sizes)
+
+
+def _line_height(points):
+    return LEADING * points * MILLIMETRES / POINTS
+
+
+class _Composition:
+    """What a sheet is composed of, and where: one attempt after another at how many lines the labels take."""
+
+    def __init__(self, drawn, kind, style, width, shown):
+        self.drawn, self.kind, self.style, self.width = drawn, kind, style, width
+        figure = drawn.figure
+        self.pictures = tuple(picture for picture in shown if picture.panels)
+        self.said = tuple(picture for picture in shown if not picture.panels)
+        self.columns = figure.columns
+        self.labels = figure.panels
+        self.inner = width - 2 * style.margin
+        face, label, note = style.face, style.label, style.note
+        self.fonts = {
+            "title": Font(face, style.title, bold=True),
+            "text": Font(face, style.text),
+            "label": Font(face, label),
+            "heading": Font(face, label, bold=True),
+            "note": Font(face, note),
+        }
+        self.paper = citation(figure.source)
+        self.title = f"{figure.id}. {figure.title}"
+
+    # ------------------------------------------------------------------------------------------- words
+
+    def _texts(self):
+        """What is written above the pictures and below them: (text, font's name, color) each."""
+        figure, style = self.drawn.figure, self.style
+        said = [(picture.note, "note", style.quiet) for picture in self.said]
+        source = (f"After {self.paper.words}.", "note", style.quiet)
+        if style.caption:
+            below = [(self.title, "title", style.ink), (self.caption, "text", style.ink)]
+            return [], [*said, *below, (self.made, "note", style.quiet), source]
+        return [(figure.title, "title", style.ink)], [*said, (self.made, "note", style.quiet), source]
+
+    @property
+    def caption(self):
+        """The figure's caption, with what was changed of it."""
+        drawn = self.drawn
+        changed = drawn.figure.said(drawn.method, drawn.changes)
+        return f"{drawn.figure.caption} Drawn with {changed}." if changed else drawn.figure.caption
+
+    @property
+    def made(self):
+        """Who drew the pictures and how, in a sentence."""
+        drawn = self.drawn
+        names = {picture.name for picture in (*self.pictures, *self.said)}
+        said = [f"{drawn.figure.id} on the {drawn.profile.name} ({drawn.method.name}), bit for bit"]
+        if drawn.profile.arithmetic.exact:
+            said = [f"{drawn.figure.id} by the ideal ({drawn.method.name}), in float64"]
+        elif "ideal" in names:
+            said.append("ideal: the same fragments in float64")
+        if "reference" in names:
+            said.append("reference: what the algorithm approximates, computed without it")
+        return f"{'; '.join(said)}. Panels of {drawn.size} pixels."
+
+    def _set(self, texts):
+        """Lines of texts in the whole width: (text, font, color) each."""
+        return [
+            (line, self.fonts[name], color)
+            for text, name, color in texts
+            for line in broken(text, self.fonts[name], self.inner)
+        ]
+
+    # ----------------------------------------------------------------------------------------- layout
+
+    def _area(self, height, lines_of_label, lines_of_heading, lines_of_notes):
+        style = self.style
+        label = lines_of_label * _line_height(style.label)
+        return Area(
+            self.inner,
+            height,
+            style.gutter,
+            style.gap,
+            label,
+            lines_of_heading * _line_height(style.label),
+            tuple(n * _line_height(style.note) for n in lines_of_notes),
+        )
+
+    def _arranged(self, height):
+        """The Area and the Arrangement in it, with as many lines as labels, headings and notes then take."""
+        labels, heading, notes = int(any(self.labels)), 1, [int(bool(p.note)) for p in self.pictures]
+        for _ in range(6):
+            area = self._area(height, labels, heading, notes)
+            arrangement = arrange(area, self.columns)
+            if arrangement.edge <= 0:
+                break
+            room = arrangement.panels * arrangement.edge + (arrangement.panels - 1) * area.gutter
+            rows = math.ceil(self.columns / arrangement.panels)
+            long = rows * arrangement.edge if arrangement.pictures == 1 else room
+            needed = (
+                max(len(broken(text, self.fonts["label"], arrangement.edge)) for text in self.labels)
+                if any(self.labels)
+                else 0,
+                max(len(broken(p.heading, self.fonts["heading"], long)) for p in self.pictures),
+                [len(broken(p.note, self.fonts["note"], room)) if p.note else 0 for p in self.pictures],
+            )
+            if needed == (labels, heading, notes):
+                return area, arrangement
+            # What once needed more lines keeps them: so the search ends.
+            labels, heading = max(labels, needed[0]), max(heading, needed[1])
+            notes = [max(pair) for pair in zip(notes, needed[2], strict=True)]
+        return area, arrangement
+
+    def _whole(self, area, arrangement, dpi):
+        """(arrangement, dpi, scale) of a PNG file: panels whose pixels are squares of ``scale`` pixels."""
+        size = self.drawn.size
+        inches = arrangement.edge / MILLIMETRES
+        if dpi is None:
+            scale = max(1, math.ceil(self.style.dpi * inches / size))
+            return arrangement, scale * size / inches, scale
+        scale = int(dpi * inches / size + 1e-6)
+        if scale == 0:
+            there, needed = int(dpi * inches), math.ceil(size / inches)
+            raise Refusal(
+                f"Panels of {size} pixels have {there} here at {dpi:g} dpi, and pixels are never merged. "
+                f"Give --dpi {needed} or more, --size {there} or less, more --width, or a PDF or SVG file."
+            )
+        return replace(arrangement, edge=scale * size / dpi * MILLIMETRES), dpi, scale
+
+    # ------------------------------------------------------------------------------------------ sheet
+
+    def sheet(self, style_name, dpi):
+        """The Sheet."""
+        style, gap = self.style, self.style.gap
+        above, below = (self._set(texts) for texts in self._texts())
+        tall = style.height(self.width)
+        text = sum(_line_height(font.points) for _, font, _ in (*above, *below))
+        room = tall - 2 * style.margin - text - gap * ((len(above) > 0) + (len(below) > 0))
+        if not self.pictures:
+            raise Refusal(
+                f"Nothing is left to be drawn: {self.said[0].note} Ask for the machine's picture as well."
+            )
+        area, arrangement = self._arranged(room)
+        if arrangement.edge < 4:
+            raise Refusal(
+                f"On {self.width:g} mm panels would be {max(0.0, arrangement.edge):.1f} mm; give a larger "
+                "--width or fewer --pictures."
+            )
+        scale = None
+        if self.kind == "png":
+            arrangement, dpi, scale = self._whole(area, arrangement, dpi)
+        pictured = height_of(area, self.columns, arrangement)
+        lines = []
+        y = self._write(lines, above, style.margin) + gap * (len(above) > 0)
+        height = tall
+        if style.fixed:
+            last = tall - style.margin - sum(_line_height(font.points) for _, font, _ in below)
+            y += max(0.0, (last - gap - y - pictured) / 2)
+            self._write(lines, below, last)
+        else:
+            height = self._write(lines, below, y + pictured + gap) + style.margin
+        panels = self._place(lines, area, arrangement, y)
+        return Sheet(
+            width=self.width,
+            height=height,
+            style=style,
+            panels=tuple(panels),
+            lines=tuple(lines),
+            dpi=dpi,
+            scale=scale,
+            title=self.title,
+            caption="\n".join((self.caption, self.made, *(p.note for p in self.pictures if p.note))),
+            source=self.paper.words,
+            bibtex=self.paper.bibtex,
+            command=self._command(style_name),
+        )
+
+    def _write(self, lines, texts, y):
+        """Set lines of text from ``y`` down; returns where they end."""
+        for text, font, color in texts:
+            height = _line_height(font.points)
+            lines.append(Line(self.style.margin, y + BASELINE * height / LEADING, text, font, color))
+            y += height
+        return y
+
+    def _place(self, lines, area, arrangement, top):
+        """The panels; their labels, headings and notes go to ``lines``."""
+        style, edge = self.style, arrangement.edge
+        for number, (picture, spot) in enumerate(
+            zip(self.pictures, place(area, self.columns, arrangement), strict=True)
+        ):
+            corners = [(style.margin + x, top + y) for x, y in spot.panels]
+            left = style.margin + spot.left
+            self._head(lines, area, arrangement, picture, left, top + spot.top, corners)
+            labelled = number == 0 or arrangement.pictures > 1 or arrangement.panels < self.columns
+            for (x, y), label, pixels in zip(corners, self.labels, picture.panels, strict=True):
+                if labelled:
+                    self._above(lines, label, "label", style.ink, x, y, edge)
+                if pixels is not None:
+                    yield Panel(x, y, edge, picture.name, label, pixels)
+            height = _line_height(style.note)
+            for n, text in enumerate(broken(picture.note, self.fonts["note"], spot.width)):
+                y = top + spot.bottom + n * height + BASELINE * height / LEADING
+                lines.append(Line(left, y, text, self.fonts["note"], style.quiet))
+
+    def _head(self, lines, area, arrangement, picture, left, top, corners):
+        """A picture's name: above it, or upright at its left."""
+        font, height = self.fonts["heading"], _line_height(self.style.label)
+        if arrangement.pictures > 1:
+            room = arrangement.panels * arrangement.edge + (arrangement.panels - 1) * area.gutter
+            for n, text in enumerate(broken(picture.heading, font, room)):
+                y = top + n * height + BASELINE * height / LEADING
+                lines.append(Line(left, y, text, font, self.style.ink))
+            return
+        bottom = max(y for _, y in corners) + arrangement.edge
+        middle = (min(y for _, y in corners) + bottom) / 2
+        texts = broken(picture.heading, font, bottom - min(y for _, y in corners))
+        for n, text in enumerate(texts):
+            x = left - area.heading + n * height + 0.75 * height
+            lines.append(Line(x, middle + font.width(text) / 2, text, font, self.style.ink, upright=True))
+
+    def _above(self, lines, text, name, color, x, y, edge):
+        """A text of one or more lines above a panel, in its middle."""
+        font = self.fonts[name]
+        height = _line_height(font.points)
+        texts = broken(text, font, edge)
+        for n, line in enumerate(texts):
+            baseline = y - (len(texts) - n) * height + BASELINE * height / LEADING
+            lines.append(Line(x + (edge - font.width(line)) / 2, baseline, line, font, color))
+
+    def _command(self, style_name):
+        """What draws the sheet again; the machine by its name where it is none of PROFILES."""
+        drawn = self.drawn
+        keys = [key for key, profile in PROFILES.items() if profile == drawn.profile]
+        words = ["fixedpipe", "print", drawn.figure.id, "--profile", keys[0] if keys else drawn.profile.name]
+        words += ["--size", str(drawn.size), "--style", style_name, "--width", f"{self.width:g}"]
+        known = drawn.figure.parameters_of(drawn.method)
+        for name, value in drawn.changes.items():
+            words += ["--set", f"{name}={known[name].kind.show(value)}"]
+        return shlex.join(words)

@@ -1,0 +1,127 @@
+"""A sheet as the bytes of a PNG, PDF or SVG file: the same sheet, the same bytes."""
+
+import io
+
+import numpy as np
+
+from fixedpipe.effects.presentation.styles import MILLIMETRES
+from fixedpipe.effects.presentation.typesetting import drawing_library
+
+
+def _canvas(matplotlib, sheet):
+    """A matplotlib figure with the sheet's text on its ground."""
+    from matplotlib.figure import Figure
+
+    size = sheet.width / MILLIMETRES, sheet.height / MILLIMETRES
+    figure = Figure(figsize=size, dpi=sheet.dpi or 72.0, facecolor=sheet.style.paper)
+    for line in sheet.lines:
+        figure.text(
+            line.x / sheet.width,
+            1.0 - line.y / sheet.height,
+            line.text,
+            fontproperties=line.font.properties(),
+            color=line.color,
+            rotation=90.0 if line.upright else 0.0,
+            rotation_mode="anchor",
+            ha="left",
+            va="baseline",
+            parse_math=False,
+        )
+    return figure
+
+
+def _png(matplotlib, sheet):
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from PIL import Image
+    from PIL.PngImagePlugin import PngInfo
+
+    canvas = FigureCanvasAgg(_canvas(matplotlib, sheet))
+    canvas.draw()
+    page = np.array(canvas.buffer_rgba())[..., :3]
+    pixels = sheet.dpi / MILLIMETRES
+    for panel in sheet.panels:
+        large = panel.pixels.repeat(sheet.scale, 0).repeat(sheet.scale, 1)
+        x, y = (round(v * pixels) for v in (panel.x, panel.y))
+        page[y : y + large.shape[0], x : x + large.shape[1]] = large
+    info = PngInfo()
+    for key, text in _fields(sheet).items():
+        info.add_itxt(key, text)
+    buffer = io.BytesIO()
+    Image.fromarray(page).save(buffer, "PNG", dpi=(sheet.dpi, sheet.dpi), pnginfo=info)
+    return buffer.getvalue()
+
+
+def _fields(sheet):
+    """What the file says of itself, by the names of PNG's text chunks."""
+    return {
+        "Title": sheet.title,
+        "Description": sheet.caption,
+        "Source": sheet.source,
+        "BibTeX": sheet.bibtex,
+        "Comment": sheet.command,
+        "Software": "fixedpipe",
+    }
+
+
+def _with_panels(matplotlib, sheet):
+    """``_canvas`` with the panels as images that keep their own pixels."""
+    figure = _canvas(matplotlib, sheet)
+    for panel in sheet.panels:
+        left, bottom = panel.x / sheet.width, 1.0 - (panel.y + panel.edge) / sheet.height
+        axes = figure.add_axes((left, bottom, panel.edge / sheet.width, panel.edge / sheet.height))
+        axes.set_axis_off()
+        axes.imshow(panel.pixels, interpolation="none", aspect="auto")
+    return figure
+
+
+def _pdf(matplotlib, sheet):
+    from matplotlib.backends.backend_pdf import FigureCanvasPdf
+
+    metadata = {
+        "Title": sheet.title,
+        "Subject": sheet.caption,
+        "Keywords": f"{sheet.source}; {sheet.bibtex}",
+        "Creator": sheet.command,
+        "Producer": None,
+        "CreationDate": None,
+    }
+    buffer = io.BytesIO()
+    FigureCanvasPdf(_with_panels(matplotlib, sheet)).print_pdf(buffer, metadata=metadata)
+    return buffer.getvalue()
+
+
+def _svg(matplotlib, sheet):
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    metadata = {
+        "Title": sheet.title,
+        "Description": sheet.caption,
+        "Source": f"{sheet.source}\n{sheet.bibtex}",
+        "Creator": sheet.command,
+        "Date": None,
+    }
+    buffer = io.BytesIO()
+    FigureCanvasSVG(_with_panels(matplotlib, sheet)).print_svg(buffer, metadata=metadata)
+    return buffer.getvalue()
+
+
+# By the ending of a file's name.
+KINDS = {"png": _png, "pdf": _pdf, "svg": _svg}
+# Text stays text, which can be searched and set in another face; fonts are in the PDF file; no name or order
+# depends on chance.
+_SETTINGS = {
+    "pdf.fonttype": 42,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "fixedpipe",
+    "svg.image_inline": True,
+}
+
+
+def file_of(sheet, kind):
+    """The bytes of a file of that kind, of a sheet that was composed for it."""
+    matplotlib = drawing_library()
+    # Without what a user's settings change.
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(_SETTINGS)
+        return KINDS[kind](matplotlib, sheet)

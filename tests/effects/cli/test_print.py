@@ -1,0 +1,78 @@
+"""``fixedpipe print``: the files that it writes, and what it refuses before anything is drawn."""
+
+import sys
+
+import pytest
+from click.testing import CliRunner
+from PIL import Image
+
+from fixedpipe.effects.bibliography import citation
+from fixedpipe.effects.cli import main
+from fixedpipe.effects.figures import FIGURES
+
+pytest.importorskip("matplotlib")
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, ["print", *map(str, arguments)], env={"COLUMNS": "200"})
+
+
+def refusal_of(*arguments):
+    result = run(*arguments)
+    assert result.exit_code == 2 and result.stdout == "", result.output
+    return result.stderr.strip().splitlines()[-1]
+
+
+def test_it_writes_a_sheet_and_its_citation_under_a_name_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = run("K14", "--size", 32, "--width", 90)
+    assert result.exit_code == 0, result.output
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "K14-GEFORCE_256-paper.png",
+        "K14-GEFORCE_256-paper.bib",
+    }
+    assert result.stdout.startswith("K14-GEFORCE_256-paper.png: 90 x ")
+    with Image.open(tmp_path / "K14-GEFORCE_256-paper.png") as page:
+        assert page.info["Title"] == f"K14. {FIGURES['K14'].title}"
+    beside = (tmp_path / "K14-GEFORCE_256-paper.bib").read_text()
+    assert beside.endswith(citation(FIGURES["K14"].source).bibtex)
+
+
+@pytest.mark.parametrize("kind", ["pdf", "svg"])
+def test_the_name_says_which_file_it_is(tmp_path, kind):
+    out = tmp_path / f"sheet.{kind}"
+    result = run(
+        "K14", "--profile", "IDEAL", "--size", 32, "--style", "slide", "--set", "light=1,1,1", "--out", out
+    )
+    assert result.exit_code == 0, result.output
+    assert "every panel with its own pixels" in result.stdout
+    assert out.read_bytes().startswith(b"%PDF" if kind == "pdf" else b"<?xml")
+    assert "--set light=1,1,1" in (tmp_path / "sheet.bib").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("K99",), "There is no figure 'K99'"),
+        (("K14", "--profile", "OCTANE"), "K14 cannot be drawn on OCTANE"),
+        (("K14", "--out", "sheet.gif"), "end it with .png, .pdf, .svg"),
+        (("K14", "--out", "sheet.pdf", "--dpi", "300"), "--dpi would be ignored"),
+        (("K14", "--style", "postre"), "There is no style 'postre'"),
+        (("K14", "--width", "1"), "The width is 1 mm"),
+        (("K14", "--pictures", "machine,refrence"), "Did you mean reference"),
+        (("K14", "--size", "4096"), "draws up to 2048x2048"),
+        (("K14", "--set", "light=0,0,0"), "not all zero"),
+        (("K14", "--size", "512", "--width", "50", "--dpi", "72"), "pixels are never merged"),
+    ],
+)
+def test_what_cannot_be_printed_is_refused_and_nothing_is_written(tmp_path, monkeypatch, arguments, words):
+    monkeypatch.chdir(tmp_path)
+    assert words in refusal_of(*arguments)
+    assert not list(tmp_path.iterdir())
+
+
+def test_without_matplotlib_it_says_what_to_install(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    assert refusal_of("K14").endswith("which is not installed: pip install 'fixedpipe[plots]'.")
+    assert not list(tmp_path.iterdir())
