@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 # Assumed: a row of four panels or more that would be smaller than this is broken, where that is worth it.
 SMALL = 40.0
-# Of the largest panel that any arrangement allows: what a flatter arrangement may cost.
+# Of the largest panel that any arrangement allows: as small they may be, where a figure has one, to make the
+# sheet flatter.
 FLATTER = 2 / 3
 # Rows are broken where that makes panels so many times as large.
 WORTH = 1.1
@@ -112,8 +113,9 @@ def height_of(area, columns, arrangement):
 def arrange(area, columns):
     """How pictures of ``columns`` panels stand: an Arrangement.
 
-    The rows of panels stay whole while a panel is not SMALL. Among the ways that lines are equally long the
-    flattest whose panels are nearly the largest is taken. Its edge may be zero or less: then nothing fits.
+    The rows of panels stay whole while a panel is not SMALL. Of the ways in which lines are equally long the
+    one with the largest panels is taken; of pictures of one panel, which may well stand side by side, the
+    flattest whose panels are nearly as large. Its edge may be zero or less: then nothing fits.
     """
     count = len(area.notes)
     shares = [n for n in range(1, count + 1) if count % n == 0]
@@ -124,10 +126,8 @@ def arrange(area, columns):
         if max(a.edge for a in broken) > WORTH * largest:
             found = broken
             largest = max(a.edge for a in found)
-    return min(
-        (a for a in found if a.edge >= min(largest, FLATTER * largest)),
-        key=lambda a: height_of(area, columns, a),
-    )
+    enough = min(largest, FLATTER * largest) if columns == 1 else largest
+    return min((a for a in found if a.edge >= enough), key=lambda a: height_of(area, columns, a))
 
 
 def place(area, columns, arrangement):

@@ -54,7 +54,7 @@ def _difference(drawn, name, columns):
     }[name]
     difference = found()
     if difference.identical:
-        note = f"{drawn.profile.name} and {of} are identical: every pixel is right to its last bit."
+        note = f"{drawn.profile.name} and {of} are identical: no bit of any pixel differs."
         return Shown(name, f"difference from the {of}", note, ())
     note = (
         f"({drawn.profile.name} \N{MINUS SIGN} {of}) \N{MULTIPLICATION SIGN} {difference.gain:g} about "

@@ -157,7 +157,7 @@ class _Composition:
 
     def __init__(self, drawn, kind, style, width, shown):
         self.drawn, self.kind, self.style, self.width = drawn, kind, style, width
-        figure = drawn.figure
+        figure, self.shown = drawn.figure, shown
         self.pictures = tuple(picture for picture in shown if picture.panels)
         self.said = tuple(picture for picture in shown if not picture.panels)
         self.columns = figure.columns
@@ -177,14 +177,15 @@ class _Composition:
     # ------------------------------------------------------------------------------------------- words
 
     def _texts(self):
-        """What is written above the pictures and below them: (text, font's name, color) each."""
-        figure, style = self.drawn.figure, self.style
-        said = [(picture.note, "note", style.quiet) for picture in self.said]
-        source = (f"After {self.paper.words}.", "note", style.quiet)
+        """What is written above the pictures, of differences that are none, and below: (text, font's name,
+        color) each.
+        """
+        style = self.style
+        said = [(picture.note, "label", style.ink) for picture in self.said]
+        source = [(self.made, "note", style.quiet), (f"After {self.paper.words}.", "note", style.quiet)]
         if style.caption:
-            below = [(self.title, "title", style.ink), (self.caption, "text", style.ink)]
-            return [], [*said, *below, (self.made, "note", style.quiet), source]
-        return [(figure.title, "title", style.ink)], [*said, (self.made, "note", style.quiet), source]
+            return [], said, [(self.title, "title", style.ink), (self.caption, "text", style.ink), *source]
+        return [(self.drawn.figure.title, "title", style.ink)], said, source
 
     @property
     def caption(self):
@@ -273,13 +274,17 @@ class _Composition:
 
     # ------------------------------------------------------------------------------------------ sheet
 
-    def sheet(self, style_name, dpi):
+    def sheet(self, style_name, asked_dpi):
         """The Sheet."""
+        dpi = asked_dpi
         style, gap = self.style, self.style.gap
-        above, below = (self._set(texts) for texts in self._texts())
+        above, said, below = (self._set(texts) for texts in self._texts())
         tall = style.height(self.width)
-        text = sum(_line_height(font.points) for _, font, _ in (*above, *below))
-        room = tall - 2 * style.margin - text - gap * ((len(above) > 0) + (len(below) > 0))
+        over, beside, under = (
+            sum(_line_height(font.points) for _, font, _ in texts) + gap * bool(texts)
+            for texts in (above, said, below)
+        )
+        room = tall - 2 * style.margin - over - beside - under
         if not self.pictures:
             raise Refusal(
                 f"Nothing is left to be drawn: {self.said[0].note} Ask for the machine's picture as well."
@@ -294,15 +299,17 @@ class _Composition:
         if self.kind == "png":
             arrangement, dpi, scale = self._whole(area, arrangement, dpi)
         pictured = height_of(area, self.columns, arrangement)
-        lines = []
-        y = self._write(lines, above, style.margin) + gap * (len(above) > 0)
+        lines: list[Line] = []
+        self._write(lines, above, style.margin)
+        y = style.margin + over
         height = tall
         if style.fixed:
-            last = tall - style.margin - sum(_line_height(font.points) for _, font, _ in below)
-            y += max(0.0, (last - gap - y - pictured) / 2)
-            self._write(lines, below, last)
+            y += (room - pictured) / 2
+            self._write(lines, below, tall - style.margin - under + gap)
         else:
-            height = self._write(lines, below, y + pictured + gap) + style.margin
+            height = y + pictured + beside + under + style.margin
+            self._write(lines, below, y + pictured + beside + gap)
+        self._write(lines, said, y + pictured + gap)
         panels = self._place(lines, area, arrangement, y)
         return Sheet(
             width=self.width,
@@ -316,16 +323,15 @@ class _Composition:
             caption="\n".join((self.caption, self.made, *(p.note for p in self.pictures if p.note))),
             source=self.paper.words,
             bibtex=self.paper.bibtex,
-            command=self._command(style_name),
+            command=self._command(style_name, asked_dpi),
         )
 
     def _write(self, lines, texts, y):
-        """Set lines of text from ``y`` down; returns where they end."""
+        """Set lines of text from ``y`` down."""
         for text, font, color in texts:
             height = _line_height(font.points)
             lines.append(Line(self.style.margin, y + BASELINE * height / LEADING, text, font, color))
             y += height
-        return y
 
     def _place(self, lines, area, arrangement, top):
         """The panels; their labels, headings and notes go to ``lines``."""
@@ -372,12 +378,15 @@ class _Composition:
             baseline = y - (len(texts) - n) * height + BASELINE * height / LEADING
             lines.append(Line(x + (edge - font.width(line)) / 2, baseline, line, font, color))
 
-    def _command(self, style_name):
+    def _command(self, style_name, dpi):
         """What draws the sheet again; the machine by its name where it is none of PROFILES."""
         drawn = self.drawn
         keys = [key for key, profile in PROFILES.items() if profile == drawn.profile]
         words = ["fixedpipe", "print", drawn.figure.id, "--profile", keys[0] if keys else drawn.profile.name]
         words += ["--size", str(drawn.size), "--style", style_name, "--width", f"{self.width:g}"]
+        words += [] if dpi is None else ["--dpi", f"{dpi:g}"]
+        names = tuple(picture.name for picture in self.shown)
+        words += ["--pictures", ",".join(names)] if names != names_of(drawn.figure, drawn.profile) else []
         known = drawn.figure.parameters_of(drawn.method)
         for name, value in drawn.changes.items():
             words += ["--set", f"{name}={known[name].kind.show(value)}"]

@@ -211,6 +211,7 @@ def test_rows_of_small_panels_are_broken_where_that_makes_them_larger():
 def test_pictures_of_one_panel_stand_side_by_side_and_rows_one_above_the_other():
     assert arrange(area(170.0, 240.0), 1).pictures == 3
     assert arrange(area(170.0, 240.0), 3).pictures == 1
+    assert arrange(area(310.0, 150.0, (0.0, 0.0)), 3).pictures == 1
     four = area(170.0, 240.0, (0.0,) * 4)
     assert arrange(four, 1).pictures == 2
     for columns in range(1, 6):
@@ -287,6 +288,9 @@ def test_the_file_beside_it_says_what_was_drawn_and_cites(spheres):
     assert "Drawn with slices=8 stacks=6." in comments[1]
     command = "fixedpipe print F004-4 --profile GEFORCE_256 --size 32 --style paper --width 170"
     assert comments[-1] == f"% Drawn by: {command} --set slices=8 --set stacks=6"
+    again = sheet(spheres, "png", dpi=400.0, pictures=("ideal", "machine")).command
+    assert " --dpi 400 --pictures ideal,machine " in again
+    assert not [line for line in comments if "@" in line]  # at which BibTeX would begin to read
 
 
 @pytest.mark.parametrize("figure", FIGURES)
