@@ -60,7 +60,9 @@ def test_the_wheel_holds_fixedpipe_alone_and_all_of_it(wheel):
     files = {name.removeprefix("fixedpipe/") for name in names if name.startswith("fixedpipe/")}
     ours = [path for folder in FOLDERS for path in (ROOT / folder).rglob("*") if path.is_file()]
     assert files == {
-        path.relative_to(ROOT).as_posix() for path in ours if path.suffix in (".py", ".pyi", ".typed", ".bib")
+        path.relative_to(ROOT).as_posix()
+        for path in ours
+        if path.suffix in (".py", ".pyi", ".typed", ".bib", ".js", ".css")
     }
     assert {name for name in files if name.endswith("py.typed")} == {
         f"{folder}/py.typed" for folder in FOLDERS

@@ -1,0 +1,131 @@
+// What stands below the stage: what is to be seen beside what was measured, and how it was made.
+
+async function copied(text, button) {
+  try {
+    await navigator.clipboard.writeText(text);
+  } catch {
+    // A page opened from a file may have no clipboard: by a selection, as pages did before.
+    const area = el("textarea", { class: "away" }, text);
+    document.body.append(area);
+    area.select();
+    document.execCommand("copy");
+    area.remove();
+    button.focus();
+  }
+  button.textContent = "Copied";
+  button.addEventListener("blur", () => { button.textContent = "Copy"; }, { once: true });
+}
+
+function copyable(name, text) {
+  const button = el("button", { type: "button", class: "plain copy", "aria-label": `Copy ${name}`, onclick: () => copied(text, button) }, "Copy");
+  return el("div", { class: "copyable" }, el("pre", {}, text), button);
+}
+
+const section = (title, name, ...children) =>
+  el("section", { class: name }, el("h2", {}, title), children);
+
+const fourDigits = (number) => {
+  if (typeof number !== "number") return String(number);
+  return Number.isInteger(number) ? String(number) : String(+number.toPrecision(4));
+};
+
+function mustSee(record, figure) {
+  if (record.set) {
+    const changed = Object.entries(record.set).map(([name, value]) => `${name} = ${JSON.stringify(value)}`).join(", ");
+    return section(`A variant of ${record.figure}`, "must-see", el("p", {}, `${changed}. What must be seen, and what is checked, is of the figure\u2019s own values.`));
+  }
+  return section("Must be seen", "must-see", el("ul", { class: "checklist" },
+    figure.must_see.map((sentence) => el("li", {}, el("label", {}, el("input", { type: "checkbox" }), el("span", {}, sentence))))));
+}
+
+// The checks of a machine, and those of the ideal, which are with the first machine that draws in the same
+// way. What is checked of both stands in one row.
+function checksOf(record, drawn) {
+  const first = record.machines.find((other) => other.method === drawn.method);
+  const rows = new Map();
+  const every = [...first.checks.filter((check) => check.on === "ideal"), ...drawn.checks.filter((check) => check.on !== "ideal")];
+  for (const check of every) {
+    const key = `${check.name} ${check.relation} ${check.bound}`;
+    rows.set(key, { ...(rows.get(key) || { name: check.name, relation: check.relation, bound: check.bound, reason: check.reason }), [check.on]: check });
+  }
+  return [...rows.values()];
+}
+
+function verdict(check) {
+  if (!check) return el("td", { class: "number" });
+  return el("td", { class: "number" },
+    el("span", { class: check.passed ? "ok" : "failed" }, check.passed ? "ok" : "failed"), ` ${fourDigits(check.value)}`);
+}
+
+function measured(record, drawn) {
+  const rows = checksOf(record, drawn);
+  if (!rows.length) {
+    return section("Measured", "measured", el("p", { class: "quiet" }, record.set
+      ? "A variant is not checked." : "Not checked. The command below checks it where --check is added."));
+  }
+  const failed = rows.filter((row) => [row.ideal, row.machine].some((check) => check && !check.passed)).length;
+  return section("Measured", "measured",
+    el("p", { class: "summary" }, failed ? el("span", { class: "failed" }, `${failed} of ${rows.length} failed`) : el("span", { class: "ok" }, `${rows.length} checks, all kept`)),
+    el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "checks" }, el("table", {},
+      el("thead", {}, el("tr", {}, ["check", "ideal", nameOf(drawn.profile), "bound"].map((h) => el("th", { scope: "col" }, h)))),
+      el("tbody", {}, rows.map((row) => el("tr", {},
+        el("th", { scope: "row" }, row.name, el("span", { class: "reason" }, row.reason)),
+        verdict(row.ideal), verdict(row.machine),
+        el("td", { class: "number" }, `${row.relation === "<=" ? "\u2264" : "\u2265"} ${fourDigits(row.bound)}`)))))));
+}
+
+function machineTable(record, drawn, set) {
+  const number = (text) => el("td", { class: "number" }, text);
+  return section("Machines", "machines", el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "machines" }, el("table", {},
+    el("thead", {}, el("tr", {}, ["machine", "key", "draws it by", "bits", "RMS", "largest", "pixels that differ"].map((h) => el("th", { scope: "col" }, h)))),
+    el("tbody", {}, record.machines.map((one) => {
+      const { difference } = one;
+      const name = el("button", { type: "button", class: "link", "aria-current": one === drawn ? "true" : null, onclick: () => set({ machine: one.profile }) }, nameOf(one.profile));
+      const begin = [el("th", { scope: "row" }, name), el("td", {}, el("code", {}, one.profile)), el("td", {}, one.method), number(one.bits ?? "")];
+      if (one.same_bits_as) return el("tr", {}, begin, el("td", { colspan: 3 }, `the same bits as ${nameOf(one.same_bits_as)}`));
+      if (!difference) return el("tr", {}, begin, el("td", { colspan: 3 }, ""));
+      if (difference.identical) return el("tr", {}, begin, number(difference.rms.toExponential(1)), number(fourDigits(difference.max)), number("identical"));
+      return el("tr", {}, begin, number(fourDigits(difference.rms)), number(fourDigits(difference.max)), number(difference.pixels.toLocaleString("en")));
+    })))),
+    el("p", { class: "quiet" }, "RMS and largest difference from the unrounded ideal, 1 = full intensity; pixels that differ from the ideal rounded to the machine\u2019s bits."));
+}
+
+function passesOf(record, drawn) {
+  const first = record.machines.find((one) => one.method === drawn.method && one.passes);
+  const passes = (Array.isArray(record.passes) ? record.passes : record.passes?.[first?.profile] || record.passes?.[drawn.method]) || first?.passes || [];
+  if (!passes.length) return null;
+  return section("Passes", "passes",
+    el("ol", {}, passes.map((pass) => el("li", {},
+      el("a", { href: `pictures/${pass.preview}.webp`, target: "_blank" },
+        el("img", { src: `pictures/${pass.preview}.webp`, loading: "lazy", decoding: "async", alt: `after pass ${pass.number}`, width: record.width, height: record.height })),
+      el("p", {}, el("b", {}, pass.number), ` ${pass.label}`),
+      pass.commands ? el("details", {}, el("summary", {}, "Commands"), el("pre", {}, [pass.commands].flat().join("\n"))) : null))));
+}
+
+function parametersOf(record, drawn) {
+  const values = Object.entries({ ...record.parameters, ...drawn.parameters, ...record.set });
+  if (!values.length) return null;
+  return section("Parameters", "parameters", el("dl", {}, values.flatMap(([name, value]) =>
+    [el("dt", {}, name), el("dd", {}, typeof value === "string" ? value : JSON.stringify(value).replaceAll(",", ", "))])));
+}
+
+function sources(record) {
+  const { citation } = record;
+  const place = record.page ? (INDEX.docs === null ? el("code", {}, record.page) : el("a", { href: INDEX.docs + record.page }, record.page)) : null;
+  return section("Source", "source",
+    el("p", {}, [citation.authors, citation.title, citation.year].filter(Boolean).join(". "), "."),
+    el("p", { class: "quiet" }, record.techniques.join(", "), place ? " \u00b7 page: " : "", place, " \u00b7 ", el("a", { href: `${encodeURIComponent(record.id)}.json` }, "all numbers (JSON)")),
+    citation.bibtex ? el("details", {}, el("summary", {}, "BibTeX"), copyable("BibTeX", citation.bibtex)) : null);
+}
+
+function below(record, drawn, figure, set) {
+  return [
+    el("p", { class: "caption" }, record.caption),
+    el("div", { class: "beside" }, mustSee(record, figure), measured(record, drawn)),
+    machineTable(record, drawn, set),
+    passesOf(record, drawn),
+    el("div", { class: "beside" },
+      el("div", {}, record.command ? section("Draw it again", "command", copyable("the command", record.command)) : null, sources(record)),
+      parametersOf(record, drawn)),
+  ];
+}

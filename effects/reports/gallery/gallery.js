@@ -1,0 +1,103 @@
+// The gallery: grid or figure, by what the address says, and the keys of both.
+
+const KEYS = [
+  ["1 2 3 4", "machine, ideal, reference, difference"], ["5", "difference from the reference"],
+  ["b, 6", "machine B, and A \u2212 B"], ["w, p", "wipe, pair"], ["+ \u2212 0", "zoom, fit"],
+  ["Shift + arrows", "move what is seen"], ["l", "loupe; then arrows move it, with Shift by 16"],
+  ["v", "say the loupe\u2019s numbers"], ["d", "go to the largest difference"], ["[ ]", "gain"],
+  ["c", "signed, absolute, false color"], ["t", "panels\u2019 labels"], ["s", "save what is shown as PNG"],
+  ["\u2190 \u2192", "figure before, after"], ["Esc", "all figures"], ["/", "search"], ["?", "these keys"],
+];
+
+function makeTheme() {
+  const root = document.documentElement;
+  const system = matchMedia("(prefers-color-scheme: dark)");
+  const stored = () => {
+    try {
+      return localStorage.getItem("fixedpipe theme");
+    } catch {
+      return null; // a browser may keep nothing for files
+    }
+  };
+  const isDark = () => (root.dataset.theme ? root.dataset.theme === "dark" : system.matches);
+  const button = el("button", { type: "button", class: "plain theme", onclick() {
+    root.dataset.theme = isDark() ? "light" : "dark";
+    try {
+      localStorage.setItem("fixedpipe theme", root.dataset.theme);
+    } catch { /* the switch holds until the page is left */ }
+    name();
+  } });
+  const name = () => {
+    button.textContent = isDark() ? "Light" : "Dark";
+    button.setAttribute("aria-label", `${button.textContent} colors`);
+  };
+  if (["light", "dark"].includes(stored())) root.dataset.theme = stored();
+  system.addEventListener("change", name);
+  name();
+  return button;
+}
+
+const voice = el("p", { class: "away", role: "status", "aria-live": "polite" });
+const announce = (text) => { voice.textContent = text; };
+const keys = el("dialog", { "aria-label": "Keys" }, el("h2", {}, "Keys"),
+  el("dl", {}, KEYS.flatMap(([key, does]) => [el("dt", {}, key), el("dd", {}, does)])),
+  el("form", { method: "dialog" }, el("button", { class: "plain" }, "Close")));
+
+let now = stateOf(location.hash), scrolled = 0;
+
+// Changes what is shown. The address follows without a new entry of the history: only figures are entries.
+function set(changes) {
+  now = { ...now, ...changes };
+  history.replaceState(null, "", addressOf(now));
+  show();
+}
+
+const grid = makeGrid(set), figure = makeFigure(set, announce);
+const main = el("main", { id: "main", tabindex: -1 });
+document.body.append(
+  el("a", { class: "skip", href: "#main", onclick: (event) => { event.preventDefault(); main.focus(); } }, "Skip to the figures"),
+  el("header", { class: "top" },
+    el("a", { class: "home", href: "#" }, "fixedpipe"), el("span", { class: "quiet" }, INDEX.says),
+    el("button", { type: "button", class: "plain", "aria-keyshortcuts": "?", onclick: () => keys.showModal() }, "Keys"), makeTheme()),
+  main, keys, voice,
+);
+
+let shown = null;
+function show() {
+  const page = now.id ? figure : grid;
+  document.title = now.id ? `${now.id} ${FIGURES.get(now.id).title}` : "fixedpipe: figures";
+  page.update(now);
+  if (page.element.parentElement !== main) main.replaceChildren(page.element);
+  if (now.id) figure.update(now); // its width is known only in the page
+}
+
+function follow() {
+  const next = stateOf(location.hash), left = now.id;
+  if (!left) scrolled = window.scrollY;
+  now = next;
+  show();
+  if (now.id && now.id !== shown) {
+    window.scrollTo(0, 0);
+    figure.title.focus({ preventScroll: true });
+  } else if (!now.id && left) {
+    window.scrollTo(0, scrolled);
+    main.querySelector(`[data-id="${CSS.escape(left)}"]`)?.focus({ preventScroll: true });
+  }
+  shown = now.id;
+}
+
+document.addEventListener("keydown", (event) => {
+  const isTyping = event.target.closest("input:not([type=checkbox]), select, textarea, dialog");
+  if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (isTyping) {
+    if (event.key === "Escape" && event.target === grid.search) grid.search.blur();
+    return;
+  }
+  if (event.key === "?") keys.showModal();
+  else if (event.key === "/" && !now.id) grid.search.focus();
+  else if (!now.id || !figure.key(event)) return;
+  event.preventDefault();
+});
+window.addEventListener("hashchange", follow);
+shown = now.id;
+show();

@@ -1,0 +1,123 @@
+"""The gallery's page: what its script knows from the beginning, and the plain page for who has no script."""
+
+import json
+import os
+import re
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from urllib.parse import quote
+
+from fixedpipe.effects.refusal import Refusal
+from fixedpipe.effects.reports.gallery.plain import plain_page
+from fixedpipe.effects.reports.style import PALETTE
+
+# In the order in which they use each other.
+SCRIPTS = ("data", "state", "grid", "views", "stage", "loupe", "below", "figure", "gallery")
+
+
+def gallery(folder, figures):
+    """The page, as text, of the figures whose JSON files lie in ``folder`` (``figure_record`` writes them),
+    each with its variants after it.
+
+    ``figures``: the ids in the page's order. Raises Refusal for a JSON file that is not a figure's.
+    """
+    records, summaries, plain, docs = [], [], [], _documents_from(folder)
+    for figure_id in figures:
+        own = folder / f"{figure_id}.json"
+        for path in (*([own] if own.is_file() else ()), *sorted(folder.glob(f"{figure_id}+*.json"))):
+            try:
+                record = json.loads(path.read_text())
+                summaries.append(_summary(record))
+                plain.append(plain_page(record, folder, docs))
+                records.append(record)
+            except (ValueError, KeyError, TypeError, AttributeError) as error:
+                raise Refusal(f"{path} is not what fixedpipe wrote; delete it and render again.") from error
+    says = f"{len(records)} figure{'s' * (len(records) != 1)}, drawn bit for bit{_version_of(records)}"
+    index = {
+        "says": says,
+        "docs": docs,
+        "machines": {m["profile"]: m["name"] for record in records for m in record["machines"]},
+        "papers": {record["source"]: _paper(record) for record in records},
+        "figures": summaries,
+    }
+    links = "".join(
+        f'<li><a href="#{escape(r["id"])}">{escape(r["id"])} {escape(r["title"])}</a></li>' for r in records
+    )
+    return (
+        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>fixedpipe: figures</title>'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<style>{PALETTE}{_text('gallery.css')}</style></head>\n<body>"
+        '<noscript><header class="top"><b class="home">fixedpipe</b>'
+        f'<span class="quiet">{escape(says)}. With scripts allowed this page finds, compares and magnifies.'
+        "</span></header>"
+        f'<main class="plain-page"><ul class="index">{links}</ul>{"".join(plain)}</main></noscript>\n'
+        f'<script type="application/json" id="index">{json_in_html(index)}</script>\n'
+        f'<script>(() => {{\n"use strict";\n{"".join(_text(f"{name}.js") for name in SCRIPTS)}}})();</script>'
+        "</body></html>\n"
+    )
+
+
+def json_in_html(value):
+    """A value as JSON that may stand in a script element, and in JavaScript: no "<" ends the element, and no
+    character in it ends a line.
+    """
+    text = json.dumps(value, ensure_ascii=False, separators=(",", ":"))
+    return re.sub("[<>&\u2028\u2029]", lambda found: f"\\u{ord(found[0]):04x}", text)
+
+
+def sentences(text):
+    """A paragraph cut into its sentences, for a list: a new one begins with a capital after a full stop, and
+    not after a single letter or an abbreviation.
+    """
+    shortened = "".join(rf"(?<!\b{word}\.)" for word in ("Eq", "Fig", "cf", "vs", "[A-Za-z]"))
+    return re.split(rf"(?<=[.!?]){shortened}\s+(?=[A-Z(])", text.strip())
+
+
+def _text(name):
+    return (files("fixedpipe.effects.reports.gallery") / name).read_text(encoding="utf-8")
+
+
+def _documents_from(folder):
+    """How a page in ``folder`` names the checkout's root, "../" for instance; None where only a wheel is."""
+    root = Path(__file__).resolve().parents[3]
+    if not (root / "docs" / "papers").is_dir():
+        return None
+    try:
+        return quote(Path(os.path.relpath(root, folder.resolve())).as_posix()) + "/"
+    except ValueError:  # another drive
+        return root.as_uri() + "/"
+
+
+def _version_of(records):
+    versions = {m["provenance"]["fixedpipe"] for record in records for m in record["machines"]}
+    return f", version {versions.pop()}" if len(versions) == 1 else ""
+
+
+def _summary(record):
+    """What the grid shows of a figure, and its search and chips ask."""
+    machines = record["machines"]
+    first = machines[0]
+    return {
+        "id": record["id"],
+        "title": record["title"],
+        "caption": record["caption"],
+        "must_see": sentences(record.get("must_see", "")),
+        "paper": record["source"],
+        "techniques": record["techniques"],
+        "panels": len(record["panels"]),
+        "width": record["width"],
+        "height": record["height"],
+        "machines": [m["profile"] for m in machines],
+        "methods": list(dict.fromkeys(m["method"] for m in machines)),
+        "machines_differ": sum(m["same_bits_as"] is None for m in machines) > 1,
+        "failed": sum(not check["passed"] for m in machines for check in m["checks"]),
+        "thumbnail": first["pictures"]["machine"]["digest"],
+    }
+
+
+def _paper(record):
+    citation = record["citation"]
+    last = citation["authors"].split(",")[0].split(" and ")[0].split()
+    short = " ".join([last[-1] if last else citation["key"], str(citation["year"])])
+    return {**{k: citation[k] for k in ("authors", "title", "year")}, "short": short}
