@@ -3,16 +3,9 @@ where a shadow map's bias is too large.
 """
 
 from fixedpipe.effects.geometry import surfaces
-from fixedpipe.effects.geometry.matrices import rotation
-from fixedpipe.effects.geometry.views import perspective_view
-from fixedpipe.effects.scenes.objects_and_lamps import (
-    FLOOR_HALF_WIDTH,
-    Object,
-    Scene,
-    detail_of,
-    floor,
-    lamp_around,
-)
+from fixedpipe.effects.geometry.matrices import look_at, perspective, rotation
+from fixedpipe.effects.geometry.views import View
+from fixedpipe.effects.scenes.objects_and_lamps import Object, Scene, detail_of, lamp_around
 from fixedpipe.effects.scenes.still_life import still_life
 
 LAMP_POSITION = (-6.2, 7.0, 3.2)
@@ -27,10 +20,11 @@ def ring_and_board(size):
     board = surfaces.box(BOARD_WIDTH, BOARD_HEIGHT, BOARD_THICKNESS).rotated(rotation("y", BOARD_TURN))
     scene = Scene(
         (
-            Object("floor", floor(FLOOR_HALF_WIDTH, 12), objects["floor"].color, closed=False),
+            objects["floor"],
             objects["ring"],
             Object("board", board.moved(x, 0.5 * BOARD_HEIGHT, z), (0.34, 0.52, 0.34), 0.1),
-            Object("sphere", objects["sphere"].surface, objects["sphere"].color, 0.7),
+            objects["sphere"],
+            objects["ground"],
         )
     )
     return scene, lamp_around(scene, LAMP_POSITION)
@@ -38,4 +32,6 @@ def ring_and_board(size):
 
 def board_view(panel):
     """The feet of what stands there, and their shadows."""
-    return perspective_view(panel, (0.8, 3.9, 6.6), (-0.03, 0.3, 0.1), field_of_view=37.0, radius=4.5)
+    eye = (0.8, 3.9, 6.6)
+    projection = perspective(42.0, panel.width / panel.height, 2.5, 40.0)
+    return View(panel, look_at(eye, (0.2, 0.35, 0.0)), projection, eye, False)

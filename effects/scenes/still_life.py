@@ -53,7 +53,7 @@ def _part(surface, triangles):
     return surfaces.Surface(**arrays, triangles=corners.reshape(triangles.shape))
 
 
-def _floor_and_ground(cells):
+def floor_and_ground(cells):
     """A floor of ``cells`` by ``cells`` squares, and the ground about it to beyond what a camera sees. Where
     they meet they have the same vertices, so that no pixel is between them.
     """
@@ -100,7 +100,7 @@ def still_life(detail=40):
         surfaces.torus(round_, across, 0.62, 0.17).rotated(rotation("x", 90.0)).rotated(rotation("y", 38.0))
     )
     vase = np.concatenate([[(0.0, 0.0)], _curve(_VASE, 3), [(0.0, _VASE[-1][1])]])
-    floor, ground = _floor_and_ground(12)
+    floor, ground = floor_and_ground(12)
     return Scene(
         (
             floor,

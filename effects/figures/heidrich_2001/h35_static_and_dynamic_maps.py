@@ -100,7 +100,6 @@ FIGURE = Figure(
     source="Heidrich2001",
     techniques=("H34", "H35"),
     panels=("static map", "static map, moved on", "dynamic map", "dynamic map, moved on"),
-    size=384,
     parameters={
         "ratio": word.RATIO(2),
         "factor": word.FACTOR(2.2),

@@ -145,7 +145,6 @@ FIGURE = Figure(
     source="Heidrich2001",
     techniques=("H36",),
     panels=("from the lamp", "depth in alpha", "camera"),
-    size=384,
     parameters=alpha_shadows.PARAMETERS,
     methods=(
         Method("one texture unit", make_scene(alpha_shadows.ONE_UNIT), ("OCTANE",)),

@@ -70,7 +70,6 @@ FIGURE = Figure(
     source="Heidrich2001",
     techniques=("H36", "H37"),
     panels=("no shadows", "unbiased", "two steps of bias"),
-    size=384,
     parameters=alpha_shadows.PARAMETERS,
     methods=(
         Method(

@@ -108,7 +108,6 @@ FIGURE = Figure(
     source="Heidrich2001",
     techniques=("H36", "H38"),
     panels=("alpha - depth", "times 2^n", "picture"),
-    size=384,
     parameters=alpha_shadows.PARAMETERS,
     methods=(
         Method("one texture unit", make_scene(alpha_shadows.ONE_UNIT), ("OCTANE", "OPENGL_1_2_IMAGING")),

@@ -124,7 +124,6 @@ FIGURE = Figure(
     source="Heidrich2001",
     techniques=("H34", "H40", "Z10", "Z22", "Z24"),
     panels=("volumes", "volumes, near", "map", "map, near"),
-    size=384,
     parameters={
         "light": word.POSITION((-6.2, 7.0, 3.2), "Where the light is."),
         "close": word.of(

@@ -9,9 +9,10 @@ from fixedpipe.effects.acceptance.ray_caster import seen_fraction
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import surfaces
-from fixedpipe.effects.geometry.matrices import rotation
-from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view, row_of_panels
+from fixedpipe.effects.geometry.matrices import look_at, perspective, rotation
+from fixedpipe.effects.geometry.views import BACKGROUND, View, row_of_panels
 from fixedpipe.effects.scenes import objects_and_lamps
+from fixedpipe.effects.scenes.still_life import floor_and_ground
 from fixedpipe.effects.shadows.area_lights import POINTS, accumulated_lights, lamps_of
 from fixedpipe.effects.shadows.lit_scene import SceneShading
 from fixedpipe.effects.shadows.shadow_volumes import z_pass
@@ -24,12 +25,11 @@ _HALF_WIDTH = 0.5
 def things(detail):
     """A pole, a ball and a ring on a floor: shadows from near and from far."""
     pole = surfaces.lathe(((0.0, 0.0), (0.13, 0.0), (0.13, 2.3), (0.0, 2.3)), detail // 2)
+    floor, ground = floor_and_ground(12)
     ring = surfaces.torus(detail, detail // 2, 0.5, 0.14).rotated(rotation("x", 90.0))
     return objects_and_lamps.Scene(
         (
-            objects_and_lamps.Object(
-                "floor", objects_and_lamps.floor(2.4, detail // 2), (0.64, 0.62, 0.58), closed=False
-            ),
+            floor,
             objects_and_lamps.Object("pole", pole.moved(-1.25, 0.0, 0.1), (0.34, 0.46, 0.62), 0.3),
             objects_and_lamps.Object(
                 "ball", surfaces.sphere(detail, detail // 2).scaled(0.42).moved(0.3, 0.42, 0.95),
@@ -38,6 +38,7 @@ def things(detail):
             objects_and_lamps.Object(
                 "ring", ring.rotated(rotation("y", -35.0)).moved(0.75, 0.64, -0.7), (0.8, 0.56, 0.2), 0.6
             ),
+            ground,
         )
     )  # fmt: skip
 
@@ -57,9 +58,11 @@ def plate():
 def _shown(measured, panel, size):
     """Scene, view and lamp."""
     if not measured:
-        view = perspective_view(panel, (0.4, 4.3, 7.4), (0.1, 0.55, 0.0), field_of_view=29.0, radius=4.5)
+        eye = (0.4, 4.3, 7.4)
+        projection = perspective(29.0, panel.width / panel.height, 3.0, 40.0)
+        view = View(panel, look_at(eye, (0.1, 0.65, 0.0)), projection, eye, False)
         lamp = objects_and_lamps.Lamp((-3.0, 6.4, 3.2), (0.0, 0.5, 0.0), 1.0, 20.0)
-        return things(min(objects_and_lamps.detail_of(size), 24)), view, lamp
+        return things(objects_and_lamps.detail_of(size)), view, lamp
     center = -_LIGHT_X * _EDGE_HEIGHT / (_LIGHT_HEIGHT - _EDGE_HEIGHT)
     above = objects_and_lamps.Lamp(
         (center, 3.0, 0.0), (center, 0.0, 0.0), 0.5, 4.0, infinite=True, half_width=_HALF_WIDTH
@@ -162,7 +165,6 @@ FIGURE = Figure(
     source="Zwicker2016",
     techniques=("Z26", "Z23"),
     panels=("point light", "area light"),
-    size=256,
     parameters={
         "width": word.NUMBER(1.6, "The edge of the square light.", "world units", low=0.01, high=8.0),
         "points": word.of(

@@ -62,7 +62,6 @@ FIGURE = Figure(
     source="Zwicker2016",
     techniques=("Z10", "Z12"),
     panels=("too little", "correct", "too much"),
-    size=384,
     parameters={
         "ratio": word.RATIO(1),
         "offsets": word.of(

@@ -8,11 +8,8 @@ from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, perspective_view, row_of_panels
 from fixedpipe.effects.scenes.objects_and_lamps import (
-    FLOOR_HALF_WIDTH,
-    Object,
     Scene,
     detail_of,
-    floor,
     lamp_around,
 )
 from fixedpipe.effects.scenes.still_life import LAMP_POSITIONS, still_life
@@ -25,8 +22,7 @@ HARD, FILTERED, KERNEL = range(3)
 def scene_of(size):
     """The still life's vase alone on its floor, and the lamp."""
     objects = {thing.name: thing for thing in still_life(detail_of(size)).objects}
-    ground = Object("floor", floor(FLOOR_HALF_WIDTH, 8), objects["floor"].color, closed=False)
-    scene = Scene((ground, objects["vase"]))
+    scene = Scene((objects["floor"], objects["vase"], objects["ground"]))
     return scene, lamp_around(scene, LAMP_POSITIONS[0])
 
 
@@ -193,7 +189,6 @@ FIGURE = Figure(
     source="Zwicker2016",
     techniques=("Z10", "Z12", "Z17", "Z18"),
     panels=("one comparison", "2x2 filtered", "8x8"),
-    size=256,
     parameters={
         "ratio": word.RATIO(0.7),
         "factors": word.of(
