@@ -86,7 +86,7 @@ def figures(figure_ids, list_only, check, out, png, profile, size, settings, thr
             changed = changes[figure.id]
             rendered = render(figure, machines[figure.id], size, threads, check, step, changed)
             step(f"{rendered.record['id']}: writing")
-            write_figure(folder, rendered, FIGURES, named)
+            write_figure(folder, rendered, FIGURES, named, threads)
             records[figure.id] = rendered.record
     records = [records[figure.id] for figure in chosen]
     if json_path:

@@ -4,11 +4,13 @@ index.html              the gallery
 ID.json                 a figure's record
 records/ID.js           the same as a script
 pictures/DIGEST.js      a picture without loss, as a script (fixedpipe.effects.reports.pictures)
-pictures/DIGEST.webp    reduced, for the page without script; DIGEST-480.webp for the grid
+pictures/DIGEST.webp    reduced, for the page without script and for passes; DIGEST-480.webp for the grid
 """
 
 import json
+import os
 import re
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
 
@@ -20,20 +22,22 @@ INDEX, RECORDS, PICTURES = "index.html", "records", "pictures"
 _PICTURE = re.compile(r"([0-9a-f]{16})(?:\.js|\.webp|-480\.webp)")
 
 
-def write_figure(folder, rendered, figures, named=None):
+def write_figure(folder, rendered, figures, named=None, threads=None):
     """Write a Rendered figure and the page of all that ``folder`` has.
 
     folder   a Path of a folder that is there
     figures  the ids that the page has, in its order
     named    a Path of a folder for every picture as a PNG file under its readable name; None: none
+    threads  that code pictures; None: one per processor
 
     A picture that is there already is not written again. Raises Refusal when something cannot be written.
     """
     record = rendered.record
     pictures, records = writable_folder(folder / PICTURES), writable_folder(folder / RECORDS)
-    for name, data in rendered.pictures.files():
-        if not (pictures / name).is_file():
-            write_whole(pictures / name, data())
+    new = [(name, data) for name, data in rendered.pictures.files() if not (pictures / name).is_file()]
+    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:  # Python waits while WebP is coded
+        for (name, _), data in zip(new, pool.map(lambda file: file[1](), new), strict=True):
+            write_whole(pictures / name, data)
     if named is not None:
         for name, image in rendered.named.items():
             write_whole(named / name, png(image))

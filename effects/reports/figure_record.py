@@ -13,7 +13,7 @@ from fixedpipe.effects.bibliography import citation
 from fixedpipe.effects.figures import Figure, Method, Renderer
 from fixedpipe.effects.refusal import refusals
 from fixedpipe.effects.reports.figure_passes import Passes
-from fixedpipe.effects.reports.pictures import LOSSLESS, REDUCED, SMALL, Pictures
+from fixedpipe.effects.reports.pictures import LOSSLESS, NARROW, OF_GRID, WIDE, Pictures
 from fixedpipe.effects.technique import OWN, PAPERS
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.framebuffers.pictures import deep_picture, to_codes
@@ -214,19 +214,19 @@ class _Drawing:
         if reference is not None:
             pictures["reference"] = _codes_of(reference, 8), _codes_of(reference, drawn.bits)
             differences["reference_difference"] = drawn.compared_with(reference)
-        endings = [LOSSLESS, REDUCED] if is_first else [LOSSLESS]
         shown = {}
         for view, (image, codes) in pictures.items():
             image = image if view == "reference" else image[..., :3]
-            of_grid = [SMALL] * (view == "machine" and not self.machines)
-            shown[view] = self._picture(image, codes, drawn, [*endings, *of_grid])
+            reduced = [WIDE if view == "machine" else NARROW] * is_first
+            of_grid = [OF_GRID] * (view == "machine" and not self.machines)
+            shown[view] = self._picture(image, codes, drawn, (LOSSLESS, *reduced, *of_grid))
             self.named[picture_name(self.name, machine, view)] = deep_picture(codes, drawn.bits)
         for view, found in differences.items():
             shown[view] = {}
             if not found.identical:
                 self.named[picture_name(self.name, machine, view)] = found.image()
                 if is_first:
-                    shown[view]["digest"] = self.pictures.add(found.image(), REDUCED)
+                    shown[view]["digest"] = self.pictures.add(found.image(), NARROW)
         for view, said in shown.items():
             said["caption"] = self._caption(view, drawn, differences.get(view))
         same = self.machines.setdefault((drawn.bits, drawn.codes()[..., :3].tobytes()), machine)
@@ -277,7 +277,7 @@ class _Drawing:
             self.references[method] = found
         return self.references[method]
 
-    def _picture(self, image, codes, drawn, endings):
+    def _picture(self, image, codes, drawn, files):
         """What the record says of a picture that is kept without loss: bytes, and of longer codes what bytes
         leave.
         """
@@ -287,7 +287,7 @@ class _Drawing:
             coarse = (2 * image[..., :3].astype(np.int32) * one + 255) // 510
             finer = self.pictures.add((codes[..., :3] - coarse + FINER_ZERO).astype(np.uint8), LOSSLESS)
         height, width = image.shape[:2]
-        kept = {"digest": self.pictures.add(image, *endings), "width": width, "height": height}
+        kept = {"digest": self.pictures.add(image, *files), "width": width, "height": height}
         return {**kept, "bits": drawn.bits, "finer": finer}
 
     def _caption(self, view, drawn, found):
@@ -304,7 +304,7 @@ class _Drawing:
         )
 
     def _pass(self, seen):
-        preview = self.pictures.add(seen.picture[..., :3], REDUCED)
+        preview = self.pictures.add(seen.picture[..., :3], NARROW)
         said = {"number": seen.number, "label": seen.label, "commands": list(seen.commands)}
         return {**said, "preview": preview}
 

@@ -8,8 +8,9 @@ from PIL import Image
 
 from fixedpipe.effects.reports.pictures import (
     LOSSLESS,
-    REDUCED,
-    SMALL,
+    NARROW,
+    OF_GRID,
+    WIDE,
     Pictures,
     canonical,
     digest_of,
@@ -83,17 +84,14 @@ def test_a_preview_is_at_most_so_wide_and_keeps_the_proportions():
 
 
 def test_of_equal_pictures_there_is_one_with_all_files_that_were_asked_for():
-    pictures, one, other = Pictures(), noise(4, 4, 3), noise(5, 4, 3)
+    pictures, one, other = Pictures(), noise(10, 1000, 3), noise(5, 4, 3)
     first = pictures.add(one, LOSSLESS)
-    assert pictures.add(one.copy(), LOSSLESS, REDUCED) == pictures.add(one, SMALL) == first
-    second = pictures.add(other, REDUCED)
-    assert {name for name, _ in pictures.files()} == {
-        f"{first}.js",
-        f"{first}.webp",
-        f"{first}-480.webp",
-        f"{second}.webp",
-    }
+    assert pictures.add(one.copy(), LOSSLESS, WIDE) == pictures.add(one, NARROW, OF_GRID) == first
+    second = pictures.add(other, NARROW)
     files = {name: data() for name, data in pictures.files()}
-    assert called(files[f"{first}.js"])[:3] == (first, 4, 4)
-    with Image.open(io.BytesIO(files[f"{second}.webp"])) as picture:
-        assert picture.size == (4, 5)
+    widths = {f"{first}.webp": 960, f"{first}-480.webp": 480, f"{second}.webp": 4}
+    assert files.keys() == {f"{first}.js", *widths}
+    assert called(files[f"{first}.js"])[:3] == (first, 1000, 10)
+    for name, width in widths.items():
+        with Image.open(io.BytesIO(files[name])) as picture:
+            assert picture.width == width
