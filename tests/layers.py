@@ -131,7 +131,7 @@ PACKAGES = {
     },
     "effects/presentation": {
         "pipeline": "profiles",
-        "effects": "refusal bibliography",
+        "effects": "refusal bibliography acceptance figures",
     },
     "effects/cli": {
         "pipeline": "enums sentences profiles notations description framebuffers validation native golden",
@@ -155,7 +155,7 @@ LIBRARIES = {
     "effects/conformance": ("PIL",),
     "effects/user_pictures": ("imageio", "nrrd", "trimesh"),
     "effects/reports": ("PIL", "matplotlib"),
-    "effects/presentation": ("PIL", "matplotlib"),
+    "effects/presentation": ("PIL", "imageio", "imageio_ffmpeg", "matplotlib"),
     "effects/cli": ("click", "rich"),
 }
 

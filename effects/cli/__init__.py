@@ -13,6 +13,7 @@ _COMMANDS = (
     "passes",
     "parameters",
     "print",
+    "animate",
     "bump",
     "shadows",
     "volume",
@@ -32,6 +33,7 @@ What to do next:
   fixedpipe passes F004-4       how one is made, pass by pass
   fixedpipe parameters F004-4   what may be changed of it; fixedpipe figures F004-4 --set alpha_x=0.15
   fixedpipe print F003-21       for a page: machine, ideal, reference, difference, with labels and caption
+  fixedpipe animate F004-4      a figure that moves: its light, its camera, its bits, as a lossless animation
   fixedpipe bump sample:gravel --mesh torus --material gold --light 1,2,3 --out gravel.png
                                 bump-map a mesh with a photograph
   fixedpipe shadows MESH.obj --algorithm z-fail --out shadows.png

@@ -2,7 +2,7 @@
 
 import os
 import tempfile
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from fixedpipe.effects.refusal import Refusal
@@ -62,20 +62,22 @@ def writable_picture(name, inputs=()):
 
 def _temporary_beside(path):
     """An open handle of a new file in the folder of ``path``, hidden and named after it, and its path."""
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=path.suffix)
     return handle, Path(temporary)
 
 
-def write_whole(path, data):
-    """Write bytes under a temporary name, then rename: at no moment is there half a file under ``path``.
+@contextmanager
+def written_whole(path):
+    """The path of a temporary file to be written, renamed to ``path`` at the end: at no moment is there half
+    a file under that name.
 
     Raises Refusal when it cannot be written. Whatever interrupts it, the temporary file goes.
     """
     temporary = None
     try:
         handle, temporary = _temporary_beside(path)
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
+        os.close(handle)
+        yield temporary
         # mkstemp makes a file for its owner alone; give it what an ordinary new file gets.
         mask = os.umask(0)
         os.umask(mask)
@@ -88,3 +90,9 @@ def write_whole(path, data):
         if isinstance(error, OSError):
             raise Refusal(f"{path} cannot be written: {error.strerror}.") from error
         raise
+
+
+def write_whole(path, data):
+    """Write bytes, whole or not at all: as ``written_whole``."""
+    with written_whole(path) as temporary:
+        temporary.write_bytes(data)

@@ -1,0 +1,154 @@
+"""``fixedpipe animate``: a figure that moves: its light, its camera, its bits, as a lossless animation."""
+
+from pathlib import Path
+
+import click
+
+from fixedpipe.effects.cli.options import (
+    changes_of,
+    machine_of,
+    refuse_beside,
+    refuse_ignored,
+    set_option,
+    threads_option,
+)
+
+
+@click.command(short_help="Draw a figure that moves: APNG, WebP or MP4.")
+@click.argument("figure_id", metavar="[ID]", required=False)
+@click.option("--list", "list_only", is_flag=True, help="Name the declared animations and end.")
+@click.option(
+    "--vary",
+    "moves",
+    metavar="NAME=FROM:TO[:STEPS]",
+    multiple=True,
+    help="A parameter from one value to another, as alpha_x=0.1:1 or light=1,0,1:-1,0,2:48; of values with "
+    "commas there may be more on the way. Several go together.",
+)
+@click.option("--precision", "bits", metavar="FROM:TO", help="Bits of every number, 4 to 16, as 4:16.")
+@click.option("--frames", "count", type=int, metavar="N", help="How many frames, where no STEPS says it.")
+@click.option(
+    "--out", metavar="FILE", help=".png (APNG), .webp or .mp4; otherwise an APNG named by figure and machine."
+)
+@click.option(
+    "--fps", type=int, metavar="N", help="Frames a second, 1 to 60; otherwise 15, or 2 of --precision alone."
+)
+@click.option("--loop/--no-loop", default=True, show_default=True, help="Whether players begin again.")
+@click.option("--profile", metavar="NAME", help="Machine, or IDEAL; otherwise the figure's own.")
+@click.option("--size", type=click.IntRange(min=1), metavar="N", help="Edge of the figure's panels, pixels.")
+@set_option
+@threads_option
+def animate(figure_id, list_only, moves, bits, count, out, fps, loop, profile, size, settings, threads):
+    """Draw figure ID while a parameter changes, or the width of its numbers; without either as declared.
+
+    Numbers change evenly, directions along the arc between them, whole numbers in steps. Every frame of APNG
+    and WebP files has the machine's pixels; MP4 is lossy, and needs pip install 'fixedpipe[video]'.
+    """
+    from fixedpipe.effects.cli.compiling import announce_compiling
+    from fixedpipe.effects.cli.progress import progress
+    from fixedpipe.effects.cli.refusal import check_size
+    from fixedpipe.effects.figures import FIGURES
+    from fixedpipe.effects.presentation.animations import ANIMATIONS, Animation
+    from fixedpipe.effects.presentation.movies import check_edges, check_rate, kind_of, write_animation
+    from fixedpipe.effects.presentation.variation import frames_of, pictures_of
+    from fixedpipe.effects.refusal import Refusal, choose, refusals
+    from fixedpipe.effects.reports.figure_record import variant_name
+    from fixedpipe.effects.reports.files import writable_file, written_whole
+    from fixedpipe.pipeline.profiles import PROFILES
+
+    context = click.get_current_context()
+    if list_only:
+        refuse_beside(context, "--list")
+        for identifier, declared in ANIMATIONS.items():
+            click.echo(f"{identifier:8s} {declared.does} ({FIGURES[identifier].title})")
+        return
+    if figure_id is None:
+        raise Refusal("Name a figure; fixedpipe animate --list has those that move by themselves.")
+    figure = choose("figure", figure_id, FIGURES)
+    key = profile or figure.machines[0]
+    with refusals():
+        method = figure.method(key)
+        if moves or bits:
+            tracks, steps = _tracks(moves, figure, method)
+            if count is not None and steps is not None:
+                refuse_ignored(context, ("count",), "the STEPS of --vary say how many frames; leave one out")
+            found = Animation("", tracks, _bits(bits), steps or count, 15 if moves else 2)
+        elif figure.id in ANIMATIONS:
+            found = ANIMATIONS[figure.id]
+        else:
+            raise Refusal(
+                f"{figure.id} does not move by itself; say what is to, as in --vary light=1,0,1:-1,0,1 or "
+                f"--precision 4:16. Of {', '.join(ANIMATIONS)} an animation is declared."
+            )
+        machine = machine_of(key) if found.bits else choose("profile", key, PROFILES)
+        changes = changes_of(settings, figure, (method,))
+        for name in changes.keys() & found.tracks.keys():
+            raise Refusal(f"{name} moves, so --set {name} would be ignored; leave one of them out.")
+        frames = frames_of(figure, method, found.tracks, found.bits, count or found.count)
+    check_size(figure.id, figure.columns, size or figure.size, machine)
+    name = Path(out or f"{variant_name(figure, changes)}-{key}-animation.png")
+    rate = found.frames_a_second if fps is None else fps
+    check_rate(rate)
+    _, kind = kind_of(name)
+    width, height = figure.dimensions(size)
+    check_edges(name, width, height)
+    path = writable_file(name)
+    announce_compiling()
+    with progress(len(frames)) as step, refusals(), written_whole(path) as temporary:
+
+        def drawn():
+            pictures = pictures_of(
+                figure, machine, frames, size, method=method, threads=threads, changes=changes
+            )
+            for frame in frames:
+                step(f"{figure.id}: {frame.said}")
+                yield next(pictures)
+
+        write_animation(temporary, drawn(), len(frames), rate, loop)
+    click.echo(
+        f"{path}: {len(frames)} frames of {width}x{height} pixels, {rate} a second, {kind}, "
+        f"{path.stat().st_size / 1e6:.2g} MB"
+    )
+
+
+def _tracks(moves, figure, method):
+    """(Tracks by name, how many STEPS they say or None) of --vary. Raises Refusal."""
+    from fixedpipe.effects.presentation.variation import Track, moving
+    from fixedpipe.effects.refusal import Refusal
+
+    tracks, said = {}, set()
+    for move in moves:
+        name, equals, text = (part.strip() for part in move.partition("="))
+        texts = [part.strip() for part in text.split(":")]
+        if not (name and equals) or len(texts) < 2:
+            raise Refusal(
+                f"--vary is {move!r}; give NAME=FROM:TO or NAME=FROM:TO:STEPS, as alpha_x=0.1:1:24."
+            )
+        if name in tracks:
+            raise Refusal(f"--vary names {name} twice; give it once.")
+        parameter = moving(figure, name, method)
+        if len(texts) > 2 and "," not in texts[-1]:
+            steps = texts.pop()
+            if not steps.isdigit():
+                raise Refusal(f"--vary {name} has {steps!r} steps; give a whole number.")
+            said.add(int(steps))
+        if len(texts) > 2 and "," not in texts[0]:
+            raise Refusal(f"--vary {name} is {text!r}; give FROM:TO or FROM:TO:STEPS.")
+        tracks[name] = Track(tuple(parameter.parse(part, f"{figure.id}'s {name}") for part in texts))
+    if len(said) > 1:
+        raise Refusal(
+            f"--vary says {' and '.join(map(str, sorted(said)))} steps; they go together: give one."
+        )
+    return tracks, next(iter(said), None)
+
+
+def _bits(text):
+    """The first and the last width of --precision, or None. Raises Refusal."""
+    from fixedpipe.effects.refusal import Refusal
+
+    if text is None:
+        return None
+    parts = text.split(":")
+    if len(parts) != 2 or not all(part.strip().isdigit() for part in parts):
+        raise Refusal(f"--precision is {text!r}; give two widths in bits, as 4:16.")
+    return int(parts[0]), int(parts[1])

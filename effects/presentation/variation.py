@@ -1,0 +1,201 @@
+"""What changes from frame to frame of an animation: values between values, of kinds that numbers make up."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.precision import WIDTHS, at_width
+from fixedpipe.effects.figures.parameters import Maybe, Number, Several, Whole
+from fixedpipe.effects.refusal import Refusal
+
+# How many frames there are where nothing says it, and at most.
+USUAL, MOST = 24, 1000
+
+
+@dataclass(frozen=True)
+class Track:
+    """How one thing changes: ``values`` that it passes through, evenly in time, the first and the last
+    among them.
+    """
+
+    values: tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A frame: ``changes``, values of parameters by name; ``bits`` of every number, None: the machine's own;
+    ``said``: both in words.
+    """
+
+    changes: Mapping[str, Any]
+    bits: int | None
+    said: str
+
+
+def _of_numbers(kind):
+    """The kind without the None that it may be."""
+    return kind.kind if isinstance(kind, Maybe) else kind
+
+
+def movable(kind):
+    """Whether there are values between two of that kind: whether numbers make it up."""
+    kind = _of_numbers(kind)
+    parts = getattr(kind, "parts", ())
+    if isinstance(kind, Several):
+        return all(movable(part) for part in (parts if isinstance(parts, tuple) else (parts,)))
+    return isinstance(kind, Number)
+
+
+def _arc(first, last, share):
+    """The direction so far along the arc from the first to the last, its length between theirs."""
+    lengths = [float(np.linalg.norm(v)) for v in (first, last)]
+    a, b = (np.asarray(v, float) / length for v, length in zip((first, last), lengths, strict=True))
+    angle = math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
+    if angle > math.pi - 1e-6:
+        raise Refusal(
+            "There is no one arc between opposite directions; give a third between them, as "
+            "light=1,0,1:0,1,1:-1,0,1."
+        )
+    if angle < 1e-9:
+        way = a
+    else:
+        way = (math.sin((1.0 - share) * angle) * a + math.sin(share * angle) * b) / math.sin(angle)
+    return tuple((way * (lengths[0] + share * (lengths[1] - lengths[0]))).tolist())
+
+
+def _between(kind, first, last, share):
+    """A value of a kind, so far from the first to the last: 0 to 1."""
+    kind = _of_numbers(kind)
+    if share == 0.0 or first == last:
+        return first
+    if share == 1.0:
+        return last
+    if isinstance(kind, Several):
+        if kind.not_zero:
+            return _arc(first, last, share)
+        kinds = kind.parts if isinstance(kind.parts, tuple) else (kind.parts,) * len(first)
+        return tuple(_between(k, a, b, share) for k, a, b in zip(kinds, first, last, strict=True))
+    if not isinstance(kind, Whole):
+        return first + share * (last - first)
+    if kind.power:
+        return 2 ** round(math.log2(first) + share * (math.log2(last) - math.log2(first)))
+    unit = 2 if kind.even else 1
+    return unit * round((first + share * (last - first)) / unit)
+
+
+def along(kind, values, count):
+    """``count`` values of a kind that pass through ``values``: directions along arcs, numbers evenly, whole
+    numbers rounded to those that there are.
+
+    Raises Refusal between opposite directions.
+    """
+    found = []
+    for n in range(count):
+        place = n * (len(values) - 1) / (count - 1)
+        begin = min(int(place), len(values) - 2)
+        found.append(_between(kind, values[begin], values[begin + 1], place - begin))
+    return tuple(found)
+
+
+def _own_count(kind, values):
+    """How many frames a track has by itself: of whole numbers one each, where it passes through few."""
+    kind = _of_numbers(kind)
+    if not isinstance(kind, Whole):
+        return USUAL
+    if kind.power:
+        values = [math.log2(value) for value in values]
+    steps = int(sum(abs(b - a) for a, b in pairwise(values))) // (2 if kind.even else 1)
+    return min(steps + 1, USUAL) if steps else USUAL
+
+
+def moving(figure, name, method):
+    """The parameter of that name, of which there are values between two others.
+
+    Raises ValueError as ``Figure.offer`` does, and where it is of another kind.
+    """
+    parameter = figure.offer(name, method)
+    if not movable(parameter.kind):
+        raise Refusal(
+            f"{figure.id}'s {name} has no values between two others: it is {parameter.kind.allowed}."
+        )
+    return parameter
+
+
+def frames_of(figure, method, tracks, bits=None, count=None):
+    """The frames of an animation.
+
+    Parameters
+    ----------
+    figure : fixedpipe.effects.figures.Figure
+    method : fixedpipe.effects.figures.Method
+        How it is drawn.
+    tracks : dict
+        A Track each, by a parameter's name.
+    bits : tuple of int, optional
+        The first and the last width of every number, 4 to 16.
+    count : int, optional
+        How many frames; None: one for each width of ``bits`` or each whole number, otherwise 24.
+
+    Returns
+    -------
+    tuple of Frame
+
+    Raises Refusal for a parameter that there is not, one that cannot be between two values, a value that is
+    none, a single value, widths and counts out of range.
+    """
+    kinds, taken = {}, {}
+    for name, track in tracks.items():
+        parameter, what = moving(figure, name, method), f"{figure.id}'s {name}"
+        kinds[name] = parameter.kind
+        taken[name] = tuple(parameter.accept(value, what) for value in track.values)
+        if len(taken[name]) < 2 or None in taken[name] or len(set(map(_form, taken[name]))) > 1:
+            said = " and ".join(map(_said, taken[name]))
+            raise Refusal(f"{what} is to pass through {said}; give two values or more, of as many numbers.")
+    if bits is not None and not all(min(WIDTHS) <= width <= max(WIDTHS) for width in bits):
+        raise Refusal(f"The bits are {bits[0]} to {bits[1]}; give {min(WIDTHS)} to {max(WIDTHS)}.")
+    if not taken and bits is None:
+        raise Refusal(f"Nothing of {figure.id} is to move; say what, as in --precision 4:16.")
+    if count is None:
+        counts = [_own_count(kinds[name], values) for name, values in taken.items()]
+        count = max(counts + ([] if bits is None else [abs(bits[1] - bits[0]) + 1]))
+    if not 2 <= count <= MOST:
+        raise Refusal(f"An animation has 2 to {MOST} frames; {count} would be none.")
+    values = {name: along(kinds[name], through, count) for name, through in taken.items()}
+    frames = []
+    for n in range(count):
+        changes = {name: through[n] for name, through in values.items()}
+        width = None if bits is None else _between(Whole(), *bits, n / (count - 1))
+        words = [f"{name}={_said(value)}" for name, value in changes.items()]
+        words += [] if width is None else [f"{width} bits"]
+        frames.append(Frame(figure.accepted(method, changes), width, " ".join(words)))
+    return tuple(frames)
+
+
+def _form(value):
+    """Of how many numbers a value is made up, part by part."""
+    return tuple(map(_form, value)) if isinstance(value, tuple) else ()
+
+
+def _said(value):
+    """A value in a line of progress."""
+    return f"({', '.join(map(_said, value))})" if isinstance(value, tuple) else f"{value:.4g}"
+
+
+def pictures_of(
+    figure, profile, frames, size=None, *, method=None, threads=None, changes=MappingProxyType({})
+):
+    """The frames' pictures, drawn as they are asked for: uint8 [h, w, 3], top row first, as
+    ``Figure.render`` of each frame's values draws them.
+
+    profile, size, method, threads  as of ``Figure.render``
+    changes                         other values of parameters, of all frames
+    """
+    for frame in frames:
+        machine = profile if frame.bits is None else at_width(profile, frame.bits)
+        drawn = figure.render(machine, size, method=method, threads=threads, **{**changes, **frame.changes})
+        yield drawn.image()[..., :3]
