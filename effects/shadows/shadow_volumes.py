@@ -390,14 +390,16 @@ def show_counts(panel, colors):
     return tuple(out)
 
 
-def _passes(counts, scene, view, lamp, shading, **settings):
+def _passes(counts, scene, view, lamp, shading, start=0, **settings):
+    words = str(start) if start else "zero"
     return (
         *unlit_pass(scene, view, shading),
-        Clear(label="stencil to zero", stencil=0, scissor=view.panel.scissor),
+        Clear(label=f"stencil to {words}", stencil=start, scissor=view.panel.scissor),
         *counts,
         *lit_pass(
             scene, view, lamp, shading,
-            label="light where the count is zero", stencil_test=NOT_SHADOWED, **settings,
+            label=f"light where the count is {words}",
+            stencil_test=replace(NOT_SHADOWED, reference=start), **settings,
         ),
     )  # fmt: skip
 
@@ -406,7 +408,8 @@ def z_pass(scene, view, lamp, profile, shading=SceneShading.LIT, *, length=None,
     """A-Z23: shadow volumes of a scene by z-pass. The panel's colours and depths have been cleared.
 
     ``length``: of the volumes, None: infinite. ``operations``: CLAMPED, WRAPPING or None, the machine's best.
-    ``settings``: more of the last pass's PassState.
+    ``settings``: more of the last pass's PassState, and ``start``, what the stencil counts from: from 128
+    CLAMPED counts go below as WRAPPING ones do from zero.
     """
     volumes = shadow_volumes(scene, lamp.homogeneous, length)
     counts = z_pass_counts(volumes, view, operations or counting_operations(profile))

@@ -17,8 +17,9 @@ from fixedpipe.effects.shadows.lit_scene import SceneShading, lit_pass, unlit_pa
 
 
 def _shown_counts(profile, objects, view, lamp, counts, colors):
-    """The scene in grey, lit from the eye, times a colour for each count. The floor is darker, so that the
-    box's top is seen on it.
+    """The scene in grey, lit from the eye, times a colour for each count.
+
+    The floor is darker, so that a box's top is seen on it.
     """
     grey = Scene(
         tuple(

@@ -332,7 +332,7 @@ def test_the_figure_of_both_algorithms_draws_both():
     )
     for name, expected in (
         ("Z23", ("before", "before", "behind", "behind")),
-        ("F003-26", ("before", "behind", "before", "behind")),
+        ("F003-26", ("before", "before", "before", "before", "behind")),
     ):
         commands = FIGURES[name].commands(GL, size)
         for k, way in enumerate(expected):

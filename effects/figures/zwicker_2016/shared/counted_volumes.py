@@ -16,10 +16,13 @@ def lamp_without_frustum(light, infinite=False):
     return Lamp(light, (0.0, 0.0, 0.0), 0.1, 40.0, infinite=infinite)
 
 
-def counted(renderer, algorithm, view, objects, lamp, on, operations=None):
-    """The stencil's counts and the lit mask after an algorithm, bottom row first; the panel is the window."""
+def counted(renderer, algorithm, view, objects, lamp, on, **way):
+    """The stencil's counts and the lit mask after an algorithm, bottom row first; the panel is the window.
+
+    ``way``: what the algorithm is given beside (operations, start).
+    """
     panel, profile = view.panel, renderer.profile
-    passes = algorithm(objects, view, lamp, profile, SceneShading.MASK, operations=operations)
+    passes = algorithm(objects, view, lamp, profile, SceneShading.MASK, **way)
     commands = (panel.clear((0.0, 0.0, 0.0)), *passes)
     if on is Answer.MACHINE:
         buffers = renderer.execute(commands, profile, panel.width, panel.height).framebuffer
@@ -40,11 +43,20 @@ def expected_counts(volumes, truth, start=0.0):
     return out
 
 
-def count_checks(renderer, view, objects, lamp, least, reason):
-    """Both algorithms' counts against rays, and their masks' differences that nothing explains."""
+def known_counts(objects, view, lamp):
+    """What rays say, the Truth, and how many volumes each pixel's surface is in: no machine has a part in it,
+    so that a figure's machines may share it.
+    """
     truth = truth_of(objects, view, lamp)
-    volumes = shadow_volumes.shadow_volumes(objects, lamp.homogeneous)
-    expected = expected_counts(volumes, truth)
+    return truth, expected_counts(shadow_volumes.shadow_volumes(objects, lamp.homogeneous), truth)
+
+
+def count_checks(renderer, view, objects, lamp, least, reason, known=None):
+    """Both algorithms' counts against rays, and their masks' differences that nothing explains.
+
+    ``known``: ``known_counts`` of these, where they are there already.
+    """
+    truth, expected = known or known_counts(objects, view, lamp)
     for name, algorithm in (("z-pass", shadow_volumes.z_pass), ("z-fail", shadow_volumes.z_fail)):
         for on in Answer:
             counts, mask = counted(renderer, algorithm, view, objects, lamp, on)
