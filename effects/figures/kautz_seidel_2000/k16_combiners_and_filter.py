@@ -120,7 +120,6 @@ FIGURE = Figure(
     source="KautzSeidel2000",
     techniques=("K16", "K17", "K07", "K10"),
     panels=("crease, as boards do", "crease, as asked for", "smooth, as boards do", "smooth, as asked for"),
-    size=256,
     parameters={
         "map_size": word.TEXELS(32),
         "alpha": word.ALPHA_X(

@@ -204,7 +204,7 @@ FIGURE = Figure(
     source="KautzSeidel2000",
     techniques=("K17", "K03", "K05", "K09", "K10"),
     panels=("Banks", "exponent per texel", "Ward", "lines between vertices", "arcs between vertices"),
-    size=256,
+    size=384,
     parameters={
         "slices": word.SLICES(50),
         "stacks": word.STACKS(26),

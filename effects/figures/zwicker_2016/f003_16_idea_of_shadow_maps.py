@@ -34,6 +34,8 @@ _PIECES = 24
 # The camera in the light's place: its image plane is so far from it, this is between the lines of sight to
 # the middle and to the edge, and the image has so many pixels.
 _PLANE, _HALF_ANGLE, PIXELS = 0.34, 29.0, 15
+# Left, bottom, width and height of the image as it is laid out beside the field of view.
+_LAID_OUT = (0.14, 0.2, 0.81, 0.14)
 # The depths that are black and white.
 _NEAR, _FAR = 0.90, 1.62
 # Of the picture's points: (shape, edge, part of the edge).
@@ -112,19 +114,21 @@ def _visibility(view):
     out = list(_shapes(view))
     lit = [(point, is_lit) for point, is_lit in points() if is_lit]
     unlit = [point for point, is_lit in points() if not is_lit]
+    blocking = []
     out.append(
         drawing.strokes("rays to points that see the light", view, [[LIGHT, p] for p, _ in lit], YELLOW)
     )
     for point in unlit:
         hit = first_hit(LIGHT, point, SHAPES).point
+        blocking.append(hit)
         out += [
-            drawing.stroke("ray to what blocks it", view, [LIGHT, hit], YELLOW, width=0.7),
+            drawing.stroke("ray to what blocks it", view, [LIGHT, hit], YELLOW),
             drawing.stroke("blocked", view, [hit, point], RED, dash=drawing.DASH),
         ]
     parts, lights = outlines()
     for name, color, chosen in (("not visible", UNLIT, ~lights), ("visible from the light", LIT, lights)):
         out.append(drawing.strokes(name, view, parts[chosen], color, width=2.6))
-    out.append(drawing.dots("lit points", view, [p for p, _ in lit], YELLOW))
+    out.append(drawing.dots("lit points", view, [*blocking, *(p for p, _ in lit)], YELLOW))
     out.append(drawing.dots("points in shadow", view, unlit, RED))
     out.append(drawing.dots("light", view, LIGHT, YELLOW, radius=6.0))
     out.append(drawing.text("light", view, LIGHT, YELLOW, align=(1, 0), offset=(-10.0, 0.0)))
@@ -149,9 +153,16 @@ def _camera(view):
         out.append(drawing.polygon("pixel of the depth image", view, corners, (grey, grey, grey)))
     out.append(drawing.dots("nearest points", view, [hit.point for hit in seen], LIT, radius=2.6))
     out.append(drawing.dots("camera at the light", view, LIGHT, YELLOW, radius=6.0))
-    side = np.array(image_point(1.0))
+    # The image once more, laid out where its pixels can be told apart.
+    left, low, wide, high = _LAID_OUT
+    for k, hit in enumerate(seen):
+        grey = shade(image_of(hit.point)[1])
+        x, end = (left + wide * (k + part) / PIXELS for part in (0.04, 0.96))
+        corners = ((x, low), (end, low), (end, low + high), (x, low + high))
+        out.append(drawing.polygon("pixel of the image, laid out", view, corners, (grey, grey, grey)))
+    above = (left + 0.5 * wide, low + high)
     out.append(drawing.text("camera at the light", view, LIGHT, YELLOW, align=(-1, 0), offset=(10.0, 0.0)))
-    out.append(drawing.text("depth image", view, side, INK, align=(-1, 0), offset=(6.0, 6.0)))
+    out.append(drawing.text("depth image", view, above, INK, align=(0, -1), offset=(0.0, 4.0)))
     out.append(drawing.text("its image: the nearest depths", view, (0.0, -0.86), INK, align=(0, 1)))
     return tuple(out)
 
@@ -246,7 +257,8 @@ FIGURE = Figure(
     caption=(
         "Left: rays from the light to points of a scene; one that is blocked goes on in red. Surfaces that "
         "the light sees are yellow. Right: a camera in the light's place; each pixel of its image holds the "
-        "depth of the nearest point on its line of sight, near ones dark."
+        "depth of the nearest point on its line of sight, near ones dark; the image is laid out once more "
+        "above the ball."
     ),
     must_see=(
         "Every yellow ray ends at a yellow point on a yellow surface; red dashes begin where a ray meets the "
