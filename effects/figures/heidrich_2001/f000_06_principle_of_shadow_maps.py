@@ -126,7 +126,7 @@ def _camera(view, hidden):
             dash=drawing.DASH,
         ),
         drawing.dots("camera", view, CAMERA, BLUE),
-        drawing.text("camera", view, CAMERA, BLUE, align=(0, -1), offset=(0.0, 10.0)),
+        drawing.text("camera", view, CAMERA, BLUE, align=(0, -1), offset=(0.0, 22.0)),
     )
 
 
@@ -160,7 +160,7 @@ def _overview(scene, view, lamp, profile, background):
             image_plane(lamp)[0],
             INK,
             align=(0, 1),
-            offset=(4.0, -4.0),
+            offset=(-7.0, -4.0),
             outline=background,
         ),
         drawing.text("lamp", view, lamp.position, YELLOW, align=(-1, 0), offset=(9.0, 3.0)),

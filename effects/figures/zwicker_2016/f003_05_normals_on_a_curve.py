@@ -19,7 +19,7 @@ from fixedpipe.effects.geometry.views import BACKGROUND, Light, panel_of, perspe
 
 NORMALS = "normal map of studs"
 # Studs round the half cylinder and along it, and the samples of one row of them that are drawn.
-REPEATS, SAMPLES = (3, 2), 27
+REPEATS, SAMPLES = (3, 2), 15
 RADIUS, HEIGHT = 1.0, 2.2
 RIM = 0.62
 # How long a normal is drawn, in units of the row and of the cylinder's radius.
@@ -72,7 +72,7 @@ def _views(size):
         perspective_view(panel, (0.5, 2.7, 4.3), center=(0.0, -0.12, 0.25), field_of_view=33.0, radius=2.2)
         for panel in (second, third)
     ]
-    return drawing.sheet(first, half_height=0.62, center=(0.5, 0.05)), *solid
+    return drawing.sheet(first, half_height=0.56, center=(0.5, -0.03)), *solid
 
 
 def _tangent_space(view):

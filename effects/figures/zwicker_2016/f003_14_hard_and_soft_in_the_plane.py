@@ -46,7 +46,7 @@ def scene(profile, size, *, extent, slope, half_width, background):
             drawing.text(
                 f"{light.name}:\n{'soft' if soft else 'hard'} shadow",
                 view,
-                (0.5 * (edges[0] + edges[3]), FLOOR - BAR),
+                (0.0, FLOOR - BAR),
                 INK,
                 align=(0, 1),
                 offset=(0.0, -4.0),

@@ -91,7 +91,9 @@ def regions(view, light, half_width):
     outer_left, inner_left, inner_right, outer_right = light.edges(half_width)
     left, right = light.ends
     if light.infinite:
-        tops = [(x + light.x * (0.98 - FLOOR), 0.98) for x in (-FLOOR_HALF_WIDTH, FLOOR_HALF_WIDTH)]
+        # A side that would leave the panel is upright.
+        aside = light.x * (0.98 - FLOOR)
+        tops = [(max(aside, 0.0) - FLOOR_HALF_WIDTH, 0.98), (min(aside, 0.0) + FLOOR_HALF_WIDTH, 0.98)]
     else:
         tops = [(left, LIGHT), (right, LIGHT)]
     glow, dark = (0.30, 0.27, 0.17), (0.045, 0.05, 0.085)
@@ -139,7 +141,7 @@ def things(view, light, half_width):
     out = [drawing.polygon("occluder", view, slab, INK)]
     left, right = light.ends
     if light.infinite:
-        arrows = (-0.68, -0.42, -0.16, 0.10, 0.36, 0.62)
+        arrows = (-0.72, -0.50, -0.10, 0.10, 0.52)
         out += [
             drawing.arrow(
                 "parallel rays",
