@@ -53,12 +53,12 @@ def _part(surface, triangles):
     return surfaces.Surface(**arrays, triangles=corners.reshape(triangles.shape))
 
 
-def floor_and_ground(cells):
-    """A floor of ``cells`` by ``cells`` squares, and the ground about it to beyond what a camera sees. Where
-    they meet they have the same vertices, so that no pixel is between them.
+def floor_and_ground(cells, beyond=_GROUND):
+    """A floor of ``cells`` by ``cells`` squares, and the ground about it, with vertices at the distances
+    ``beyond`` its edge. Where they meet they have the same vertices, so that no pixel is between them.
     """
     inside = FLOOR_HALF_WIDTH * (2.0 * np.arange(cells + 1) / cells - 1.0)
-    beyond = np.array(_GROUND)
+    beyond = np.array(beyond)
     lines = np.concatenate([-beyond[::-1], inside, beyond])
     n, far = len(lines) - 1, len(beyond)
     whole = surfaces.plane(n, n)
@@ -92,15 +92,17 @@ def _curve(points, pieces):
 def still_life(detail=40):
     """A ring that stands upright, a vase, a column, a sphere and a box on a floor that goes on as ground.
 
-    ``detail``: how finely round things are divided (``detail_of``): into eight fifths of it.
+    ``detail``: how finely things are divided (``detail_of``): round ones into eight fifths of it, on panels
+    too small to see it (below 24) into so many, with a coarser ground and vase.
     """
-    round_ = detail * 8 // 5
+    small = detail < 24
+    round_ = detail if small else detail * 8 // 5
     across = round_ // 2
     ring = (
         surfaces.torus(round_, across, 0.62, 0.17).rotated(rotation("x", 90.0)).rotated(rotation("y", 38.0))
     )
-    vase = np.concatenate([[(0.0, 0.0)], _curve(_VASE, 3), [(0.0, _VASE[-1][1])]])
-    floor, ground = floor_and_ground(12)
+    vase = np.concatenate([[(0.0, 0.0)], _curve(_VASE, 1 if small else 3), [(0.0, _VASE[-1][1])]])
+    floor, ground = floor_and_ground(6, _GROUND[1::2]) if small else floor_and_ground(12)
     return Scene(
         (
             floor,
