@@ -184,7 +184,7 @@ def checks(figure, renderer):
     angle = math.pi * (surface.texture_coordinates[:, 0] / REPEATS[0] - 0.5)
     around = np.stack([np.cos(angle), 0.0 * angle, -np.sin(angle)], axis=-1)
     flat, solid, _ = _views(figure.size // 2)
-    ends = [(feet[k] + 0.5 * LONGER * world[k], k) for k in (9, 17)]
+    ends = [(feet[k] + 0.5 * LONGER * world[k], k) for k in (5, 9)]
     marks = [(1, solid, point, YELLOW) for point, _ in ends]
     marks += [
         (0, flat, (s[k] + 0.5 * ARROW * normals[k, 0], 0.5 * ARROW * normals[k, 2]), YELLOW) for _, k in ends

@@ -60,7 +60,7 @@ def _shown(measured, panel, size):
     if not measured:
         eye = (0.4, 4.3, 7.4)
         projection = perspective(29.0, panel.width / panel.height, 3.0, 40.0)
-        view = View(panel, look_at(eye, (0.1, 0.65, 0.0)), projection, eye, False)
+        view = View(panel, look_at(eye, (0.1, 0.55, 0.0)), projection, eye, False)
         lamp = objects_and_lamps.Lamp((-3.0, 6.4, 3.2), (0.0, 0.5, 0.0), 1.0, 20.0)
         return things(objects_and_lamps.detail_of(size)), view, lamp
     center = -_LIGHT_X * _EDGE_HEIGHT / (_LIGHT_HEIGHT - _EDGE_HEIGHT)

@@ -73,7 +73,7 @@ def _edges(truth):
     return out & (truth.shown.points[..., 0] > _FREE_OF_CONTACT)
 
 
-def _away_from_edges(truth, pixels=6):
+def _away_from_edges(truth, pixels=3):
     """Floor that is lit, and floor in shadow free of contact, with nothing else so many pixels around."""
     ground = truth.shown.object == 0
     lit, dark = ground & truth.lit, ground & ~truth.lit
