@@ -20,6 +20,7 @@ from fixedpipe.pipeline.framebuffers.pictures import png
 
 INDEX, RECORDS, PICTURES = "index.html", "records", "pictures"
 _PICTURE = re.compile(r"([0-9a-f]{16})(?:\.js|\.webp|-480\.webp)")
+_NAMED = re.compile(r'"(?:digest|finer|preview)": "([0-9a-f]{16})"')
 
 
 def write_figure(folder, rendered, figures, named=None, threads=None):
@@ -47,17 +48,9 @@ def write_figure(folder, rendered, figures, named=None, threads=None):
     write_whole(folder / INDEX, gallery(folder, figures).encode())
 
 
-def digests_of(value):
-    """Every digest that a record, or a part of one, names."""
-    if isinstance(value, dict):
-        for key, part in value.items():
-            if key in ("digest", "finer", "preview") and isinstance(part, str):
-                yield part
-            else:
-                yield from digests_of(part)
-    elif isinstance(value, list):
-        for part in value:
-            yield from digests_of(part)
+def digests_in(text):
+    """Every digest that a record names, as its JSON file's text has it: a set."""
+    return set(_NAMED.findall(text))
 
 
 def files_of(folder, figures):
@@ -69,7 +62,7 @@ def files_of(folder, figures):
     named, ours, stale = set(), [folder / INDEX, *records], []
     for path in _records(folder):
         with suppress(ValueError, OSError):
-            named.update(digests_of(json.loads(path.read_text())))
+            named |= digests_in(path.read_text())
     stems = {path.stem for path in records}
     for path in sorted((folder / RECORDS).glob("*.js")):
         if path.stem.partition("+")[0] in figures:

@@ -4,7 +4,7 @@ import hashlib
 import re
 import shlex
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 
 import numpy as np
 
@@ -150,9 +150,11 @@ def render(figure, machines, size, threads, with_checks, step, changes=None):
 
 
 def _citation(figure):
-    paper = citation(figure.source)
-    words = {"authors": paper.authors, "title": paper.title, "year": paper.year}
-    return {**words, "key": paper.key, "bibtex": paper.bibtex}
+    """The figure's paper; the key alone where the bibliography has no entry yet."""
+    try:
+        return asdict(citation(figure.source))
+    except KeyError:
+        return {"authors": "", "title": "", "year": "", "key": figure.source, "bibtex": ""}
 
 
 def _page(figure):
