@@ -3,12 +3,14 @@
 _LIGHT = (
     "color-scheme: light; --ink: #1c1e21; --paper: #fbfaf8; --quiet: #62676e; --line: #dddad4; "
     "--bad: #b3261e; --good: #2c6e49; --faint: #b9b5ad; --raised: #f3f1ec; --mat: #e9e6e0; "
-    "--veil: #fbfaf8d9; --focus: #2f6fb3;"
+    "--veil: #fbfaf8d9; --focus: #2f6fb3; "
+    "--gutter: #fbfaf8;"
 )
 _DARK = (
     "color-scheme: dark; --ink: #e4e2dd; --paper: #17181a; --quiet: #9da2a9; --line: #33363a; "
     "--bad: #f2938c; --good: #7fc49b; --faint: #5d6268; --raised: #202225; --mat: #2b2d31; "
-    "--veil: #17181ad9; --focus: #7db3e8;"
+    "--veil: #17181ad9; --focus: #7db3e8; "
+    "--gutter: #34373c;"
 )
 # The colors, by what they are for. The system chooses light or dark, unless the root's data-theme does.
 PALETTE = f"""

@@ -11,13 +11,6 @@ HANGS = 300_000.0  # milliseconds: what takes longer is taken to hang
 INSTALLED = ("chromium", "chromium-browser", "google-chrome")
 
 
-def pytest_collection_modifyitems(items):
-    """The tests of this folder stay together where a worker takes whole groups."""
-    for item in items:
-        if Path(__file__).parent in item.path.parents:
-            item.add_marker(pytest.mark.xdist_group("browser"))
-
-
 @pytest.fixture(scope="session")
 def browser():
     playwright = pytest.importorskip("playwright.sync_api", reason="no Playwright: make setup installs it")

@@ -1,15 +1,13 @@
 """A folder as ``fixedpipe figures`` leaves it, of small figures that are made up, each odd in its way."""
 
-import hashlib
-import io
 import json
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
 from fixedpipe.effects.reports.gallery import gallery
+from fixedpipe.effects.reports.pictures import FILES, Pictures
 
 # What a page must show as it is written and never run.
 HOSTILE = "</script><script>window.ran = 1</script><img src=x onerror='window.ran = 1'> \u2028 & \"quoted\""
@@ -18,10 +16,11 @@ NAMES = {
     "NV2A": "NV2A",
     "OCTANE": "SGI Octane",
     "INFINITE_REALITY": "SGI InfiniteReality",
+    "IDEAL": "ideal",
 }
+FIGURES = ("F003-21", "K12", "F004-4")
+VARIANT = "F004-4+alpha_x=0.15"
 EDGE = 40
-# Bytes that cannot stand in a script's literal as they are.
-ESCAPED = {b"\\": b"\\\\", b'"': b'\\"', b"\n": b"\\n", b"\r": b"\\r"}
 
 
 @dataclass
@@ -35,17 +34,10 @@ class Made:
 
 def write_picture(folder, pixels):
     """The files of a picture, uint8 [height, width, 3 or 4]; its digest."""
-    digest = hashlib.sha256(pixels.tobytes()).hexdigest()[:16]
-    height, width = pixels.shape[:2]
-    file = io.BytesIO()
-    Image.fromarray(pixels).save(file, "WEBP", lossless=True, exact=True)
-    literal = file.getvalue()
-    for byte, escaped in ESCAPED.items():
-        literal = literal.replace(byte, escaped)
-    script = f'picture("{digest}", {width}, {height}, "'.encode() + literal + b'")\n'
-    (folder / f"{digest}.js").write_bytes(script)
-    for name in (f"{digest}.webp", f"{digest}-480.webp"):
-        Image.fromarray(pixels).save(folder / name, "WEBP", quality=80)
+    kept = Pictures()
+    digest = kept.add(pixels, *FILES)
+    for name, data in kept.files():
+        (folder / name).write_bytes(data())
     return digest
 
 
@@ -152,6 +144,7 @@ def figure(made, figure_id, title, machines, labels, **more):
         "command": f"fixedpipe figures {figure_id} --check",
         "machines": machines,
     } | more
+    record = {key: value for key, value in record.items() if key != "must_see" or value is not None}
     made.records[figure_id] = record
     text = json.dumps(record)
     (made.folder / f"{figure_id}.json").write_text(text)
@@ -164,7 +157,7 @@ def codes_of(random, bits=8, panels=3, over=0):
 
 
 def make_gallery(folder):
-    """A Made: three figures of two papers, with index.html."""
+    """A Made: three figures of two papers and a variant, with index.html."""
     made, random = Made(folder), np.random.default_rng(18)
     for name in ("pictures", "records"):
         (folder / name).mkdir()
@@ -210,15 +203,19 @@ def make_gallery(folder):
         "key": "KautzSeidel2000",
         "bibtex": "@x{}",
     }
+    paper = {"source": "KautzSeidel2000", "citation": kautz}
     figure(
         made,
         "F004-4",
         "Two brushed spheres",
         [failing],
         ("left", "right"),
-        source="KautzSeidel2000",
-        citation=kautz,
+        **paper,
     )
 
-    (folder / "index.html").write_text(gallery(folder, made.records), encoding="utf-8")
+    exact = drawn(made, VARIANT, "IDEAL", "combiners", 8, {"machine": machine}, difference=None)
+    variant = {"figure": "F004-4", "set": {"alpha_x": 0.15}, "page": None, "must_see": None} | paper
+    figure(made, VARIANT, "Two brushed spheres", [exact], ("left", "right"), **variant)
+
+    (folder / "index.html").write_text(gallery(folder, FIGURES), encoding="utf-8")
     return made

@@ -106,14 +106,14 @@ function parametersOf(record, drawn) {
   const values = Object.entries({ ...record.parameters, ...drawn.parameters, ...record.set });
   if (!values.length) return null;
   return section("Parameters", "parameters", el("dl", {}, values.flatMap(([name, value]) =>
-    [el("dt", {}, name), el("dd", {}, typeof value === "string" ? value : JSON.stringify(value).replaceAll(",", ", "))])));
+    [el("dt", {}, name), el("dd", {}, value === null ? "none" : typeof value === "string" ? value : JSON.stringify(value).replaceAll(",", ", "))])));
 }
 
 function sources(record) {
   const { citation } = record;
   const place = record.page ? (INDEX.docs === null ? el("code", {}, record.page) : el("a", { href: INDEX.docs + record.page }, record.page)) : null;
   return section("Source", "source",
-    el("p", {}, [citation.authors, citation.title, citation.year].filter(Boolean).join(". "), "."),
+    el("p", {}, citation.title, ". ", INDEX.papers[record.source].cited),
     el("p", { class: "quiet" }, record.techniques.join(", "), place ? " \u00b7 page: " : "", place, " \u00b7 ", el("a", { href: `${encodeURIComponent(record.id)}.json` }, "all numbers (JSON)")),
     citation.bibtex ? el("details", {}, el("summary", {}, "BibTeX"), copyable("BibTeX", citation.bibtex)) : null);
 }

@@ -122,9 +122,9 @@ function rampColor(value) {
 }
 
 const MODES = {
-  signed: "signed, about middle grey",
-  absolute: "absolute, on black",
-  color: "false color of the largest component",
+  signed: "signed",
+  absolute: "absolute",
+  color: "false color",
 };
 
 // (a - b) x gain made visible, transparent where b has no picture.

@@ -1,6 +1,6 @@
 // A figure's page: its bar, the stage with its bars, and what stands below it.
 
-function makeFigure(set, announce) {
+function makeFigure(set, go, announce) {
   const loupe = makeLoupe(announce);
   const stage = makeStage(set, pointed);
   let state = null, model = null, wanted = "";
@@ -40,7 +40,7 @@ function makeFigure(set, announce) {
   const gain = el("input", { type: "range", min: 0, max: 7, step: 1, "aria-label": "Gain of the difference", oninput: () => set({ gain: 2 ** Number(gain.value) }) });
   const gainText = el("output", {}), mode = choice("Difference shown", () => set({ mode: mode.value }));
   mode.append(...Object.entries(MODES).map(([value, text]) => el("option", { value }, text)));
-  const legend = el("span", { class: "legend", "aria-hidden": "true" });
+  const legend = el("span", { class: "legend", "aria-hidden": "true" }, el("i"));
   const gainBar = bar("Difference", el("label", { class: "gain" }, "gain", gain, gainText), mode, legend);
   const zoomText = el("output", { class: "zoom", "aria-live": "off" });
   const lens = button("loupe", "l", () => toggleLens());
@@ -119,7 +119,7 @@ function makeFigure(set, announce) {
     const address = URL.createObjectURL(await stage.save());
     const name = [state.id, model.drawn.profile, ...(state.view === "machine" ? [] : [state.view.replaceAll("_", "-")])].join("-");
     el("a", { href: address, download: `${name}.png` }).click();
-    URL.revokeObjectURL(address);
+    setTimeout(() => URL.revokeObjectURL(address), 60000); // some browsers read it only now
   }
 
   // The record and the pictures of a figure on its machines; what came for another is dropped.
@@ -151,7 +151,7 @@ function makeFigure(set, announce) {
 
   function fillMachines(record, drawn, beside) {
     const options = (chosen) => record.machines.map((one) => el("option", { value: one.profile, selected: one === chosen },
-      nameOf(one.profile) + (one.same_bits_as ? ` (as ${nameOf(one.same_bits_as)})` : "")));
+      nameOf(one.profile) + (one.same_bits_as ? ` (= ${nameOf(one.same_bits_as)})` : "")));
     machine.replaceChildren(...options(drawn));
     other.replaceChildren(el("option", { value: "", selected: !beside }, "no other"), ...options(beside).filter((o) => o.value !== drawn.profile));
     other.disabled = record.machines.length < 2;
@@ -188,7 +188,7 @@ function makeFigure(set, announce) {
     zoomText.textContent = stage.scaleInWords();
     const { drawn, record } = model;
     const caption = shown.startsWith("other") ? model.nameOfView(shown)
-      : VIEWS[shown].from ? `${model.nameOfView(shown)}, \u00d7 ${model.gainOf(shown, state)}` : drawn.pictures[shown].caption;
+      : VIEWS[shown].from ? `${model.nameOfView(shown)}, \u00d7 ${model.gainOf(shown, state)}${{ signed: " about middle grey", absolute: " on black", color: ", the largest component" }[state.mode]}` : drawn.pictures[shown].caption;
     const same = record.machines.filter((one) => one.same_bits_as === drawn.profile).map((one) => nameOf(one.profile));
     status.replaceChildren(...(shown === "machine" || VIEWS[shown].from || shown === "other" ? [] : [el("b", {}, VIEWS[shown].name), ": "]), `${caption}. `,
       `${record.width} \u00d7 ${record.height} pixels`, drawn.bits ? `, ${drawn.bits} bits a component` : "", ". ",
@@ -240,7 +240,10 @@ function makeFigure(set, announce) {
     if (view) chooseView(view);
     else if (arrows && (state.at || (lensOn && followed))) movePoint(arrows, event.shiftKey ? 16 : 1);
     else if (arrows && event.shiftKey && model && state.zoom) set({ centre: stage.panBy(-arrows[0] * 80, -arrows[1] * 80) });
-    else if (arrows && arrows[0]) go(step(arrows[0]));
+    else if (arrows && arrows[0]) {
+      const next = step(arrows[0]);
+      if (next) go(next);
+    }
     else if (event.key === "Escape") return escaped();
     else {
       const action = {
@@ -254,7 +257,6 @@ function makeFigure(set, announce) {
     }
     return true;
   }
-  const go = (next) => { if (next) location.hash = addressOf(next); };
   function movePoint([dx, dy], by) {
     const [x, y] = state.at || followed.at;
     const at = stage.within([x + dx * by, y + dy * by]);
@@ -269,7 +271,7 @@ function makeFigure(set, announce) {
     if (lensOn) {
       [lensOn, followed] = [false, null];
       set({ at: null });
-    } else location.hash = addressOf({ ...state, id: "" });
+    } else go({ ...state, id: "" });
     return true;
   }
   return { element, title, update, key };

@@ -45,14 +45,40 @@ const keys = el("dialog", { "aria-label": "Keys" }, el("h2", {}, "Keys"),
 
 let now = stateOf(location.hash), scrolled = 0;
 
-// Changes what is shown. The address follows without a new entry of the history: only figures are entries.
+// The address follows what is shown, without a new entry of the history: only figures are entries. While
+// something is dragged it waits: browsers refuse more than a few changes a second.
+const ADDRESS_EVERY = 350; // milliseconds
+let addressTimer = 0, isAddressLate = false;
+function writeAddress() {
+  isAddressLate = false;
+  history.replaceState(null, "", addressOf(now));
+}
+function follows() {
+  if (addressTimer) {
+    isAddressLate = true;
+    return;
+  }
+  writeAddress();
+  addressTimer = setTimeout(() => {
+    addressTimer = 0;
+    if (isAddressLate) follows();
+  }, ADDRESS_EVERY);
+}
+const finishAddress = () => { if (isAddressLate) writeAddress(); };
+
+// Changes what is shown.
 function set(changes) {
   now = { ...now, ...changes };
-  history.replaceState(null, "", addressOf(now));
+  follows();
   show();
 }
+// Goes to another address, which is an entry of the history.
+function go(next) {
+  finishAddress();
+  location.hash = addressOf(next);
+}
 
-const grid = makeGrid(set), figure = makeFigure(set, announce);
+const grid = makeGrid(set), figure = makeFigure(set, go, announce);
 const main = el("main", { id: "main", tabindex: -1 });
 document.body.append(
   el("a", { class: "skip", href: "#main", onclick: (event) => { event.preventDefault(); main.focus(); } }, "Skip to the figures"),
@@ -98,6 +124,7 @@ document.addEventListener("keydown", (event) => {
   else if (!now.id || !figure.key(event)) return;
   event.preventDefault();
 });
+document.addEventListener("click", finishAddress, true); // a link leaves an entry behind
 window.addEventListener("hashchange", follow);
 shown = now.id;
 show();

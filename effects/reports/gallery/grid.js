@@ -29,8 +29,7 @@ function paperHeading(key, count) {
   const paper = INDEX.papers[key];
   return el("header", {},
     el("h2", {}, paper.title || key),
-    el("p", { class: "quiet" }, [paper.authors, paper.venue, paper.year].filter(Boolean).join(". "),
-      paper.authors ? `. ${count} shown.` : `${count} shown.`));
+    el("p", { class: "quiet" }, paper.cited, ` \u00b7 ${count} figure${count === 1 ? "" : "s"}`));
 }
 
 function makeGrid(set) {

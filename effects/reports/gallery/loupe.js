@@ -1,6 +1,6 @@
 // The loupe: a few pixels under the cursor or under the keyboard's place, and their codes.
 
-const AROUND = 4, PIXEL = 9; // pixels on each side of the middle one, and how large each is shown, CSS pixels
+const AROUND = 5, PIXEL = 9; // pixels on each side of the middle one, and how large each is shown, CSS pixels
 
 function makeLoupe(said) {
   const element = el("div", { class: "loupe", hidden: true });
@@ -33,7 +33,7 @@ function makeLoupe(said) {
       el("div", { class: "views" }, views.map((view) => {
         const { canvas } = model.image(view, state);
         return el("figure", {}, canvas ? magnified(canvas, x, y) : el("span", { class: "same" }, "identical"),
-          el("figcaption", {}, VIEWS[view].from ? `difference \u00d7 ${model.gainOf(view, state)}` : VIEWS[view].name));
+          el("figcaption", {}, VIEWS[view].from ? `difference \u00d7\u2009${model.gainOf(view, state)}` : VIEWS[view].name));
       })),
       el("table", {},
         el("thead", {}, el("tr", {}, ["", "R", "G", "B"].map((h) => el("th", { scope: "col" }, h)))),

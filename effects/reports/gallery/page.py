@@ -8,6 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 from urllib.parse import quote
 
+from fixedpipe.effects.bibliography import plain
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports.gallery.plain import plain_page
 from fixedpipe.effects.reports.style import PALETTE
@@ -22,14 +23,14 @@ def gallery(folder, figures):
 
     ``figures``: the ids in the page's order. Raises Refusal for a JSON file that is not a figure's.
     """
-    records, summaries, plain, docs = [], [], [], _documents_from(folder)
+    records, summaries, plain_pages, docs = [], [], [], _documents_from(folder)
     for figure_id in figures:
         own = folder / f"{figure_id}.json"
         for path in (*([own] if own.is_file() else ()), *sorted(folder.glob(f"{figure_id}+*.json"))):
             try:
                 record = json.loads(path.read_text())
                 summaries.append(_summary(record))
-                plain.append(plain_page(record, folder, docs))
+                plain_pages.append(plain_page(record, folder, docs))
                 records.append(record)
             except (ValueError, KeyError, TypeError, AttributeError) as error:
                 raise Refusal(f"{path} is not what fixedpipe wrote; delete it and render again.") from error
@@ -51,7 +52,7 @@ def gallery(folder, figures):
         '<noscript><header class="top"><b class="home">fixedpipe</b>'
         f'<span class="quiet">{escape(says)}. With scripts allowed this page finds, compares and magnifies.'
         "</span></header>"
-        f'<main class="plain-page"><ul class="index">{links}</ul>{"".join(plain)}</main></noscript>\n'
+        f'<main class="plain-page"><ul class="index">{links}</ul>{"".join(plain_pages)}</main></noscript>\n'
         f'<script type="application/json" id="index">{json_in_html(index)}</script>\n'
         f'<script>(() => {{\n"use strict";\n{"".join(_text(f"{name}.js") for name in SCRIPTS)}}})();</script>'
         "</body></html>\n"
@@ -117,7 +118,26 @@ def _summary(record):
 
 
 def _paper(record):
+    """How a figure's source is cited: its title, who and where in a line, and that in two words."""
     citation = record["citation"]
-    last = citation["authors"].split(",")[0].split(" and ")[0].split()
-    short = " ".join([last[-1] if last else citation["key"], str(citation["year"])])
-    return {**{k: citation[k] for k in ("authors", "title", "year")}, "short": short}
+    authors = [name.split()[-1] for name in re.split(r",? and |, ", citation["authors"]) if name.strip()]
+    names = " and ".join(authors) if len(authors) < 3 else f"{authors[0]} and others"
+    line = [citation["authors"], place_of(citation["bibtex"]), str(citation["year"])]
+    return {
+        "title": citation["title"] or citation["key"],
+        "authors": citation["authors"],
+        "cited": ". ".join(part for part in line if part) + ".",
+        "short": f"{names or citation['key']} {citation['year']}",
+    }
+
+
+def place_of(bibtex):
+    """Where a BibTeX entry appeared, in a line: the proceedings, volume and pages."""
+    fields = dict(re.findall(r"^\s*(\w+)\s*=\s*\{(.*)\},?\s*$", bibtex, re.MULTILINE))
+    places = ("booktitle", "journal", "institution", "organization", "howpublished")
+    found = [fields[place] for place in places if place in fields][:1]
+    if "volume" in fields:
+        found.append(f"{fields['volume']}({fields['number']})" if "number" in fields else fields["volume"])
+    if "pages" in fields:
+        found.append(f"pages {fields['pages']}")
+    return plain(", ".join(found))

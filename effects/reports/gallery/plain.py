@@ -54,11 +54,11 @@ def _methods(record):
 
 
 def _method(record, group, folder):
-    drawn = group[0]
+    drawn, names = group[0], {m["profile"]: m["name"] for m in record["machines"]}
     pictures = "".join(_picture(record, drawn, view, folder) for view in VIEWS)
     return (
         f"<h3>{escape(drawn['name'])} <span>{escape(drawn['method'])}</span></h3>"
-        f'<div class="pictures">{pictures}</div>{"".join(_numbers(one) for one in group)}'
+        f'<div class="pictures">{pictures}</div>{"".join(_numbers(one, names) for one in group)}'
         f"{_passes(record, drawn)}{_checks(drawn['checks'] + _failed_on(group[1:]))}"
     )
 
@@ -78,11 +78,11 @@ def _picture(record, drawn, view, folder):
     )
 
 
-def _numbers(drawn):
-    """How far a machine is from the ideal, in a line."""
+def _numbers(drawn, names):
+    """How far a machine is from the ideal, in a line. ``names``: of machines, by key."""
     name = f"{escape(drawn['name'])} ({escape(drawn['profile'])})"
     if drawn["same_bits_as"]:
-        return f'<p class="quiet">{name}: the same bits as {escape(drawn["same_bits_as"])}.</p>'
+        return f'<p class="quiet">{name}: the same bits as {escape(names[drawn["same_bits_as"]])}.</p>'
     difference = drawn.get("difference")
     if not difference:
         return ""

@@ -2,7 +2,7 @@
 // scale. Panels, their labels and the gutters between them are laid out here; pictures have none of it.
 
 const ZOOMS = [1, 2, 4, 8, 16];
-const GUTTER = 10, STRIP = 24, NARROW = 600, SPLIT_STEP = 0.02; // CSS pixels; a step of the divider's keys
+const GUTTER = 10, PAIR_GAP = 28, STRIP = 24, NARROW = 600, SPLIT_STEP = 0.02; // CSS pixels; a step of the divider's keys
 
 function makeStage(set, pointed) {
   const canvas = el("canvas");
@@ -55,11 +55,13 @@ function makeStage(set, pointed) {
   const scaleOf = (panes) =>
     state.zoom ? Math.max(1, Math.round(state.zoom * ratio())) : fitScale(panes[0].width, panes[0].height);
 
-  // The rectangles in which pictures are drawn, device pixels: two of a pair, else one.
+  // The rectangles in which pictures are drawn, device pixels: two of a pair, side by side or one below the
+  // other, as they are larger; else one.
   function panesOf(width, height) {
     if (state.how !== "pair") return [{ view: state.view, x: 0, y: 0, width, height }];
-    const gap = Math.round(8 * ratio()), isWide = width >= height && !isStacked();
-    const w = isWide ? Math.floor((width - gap) / 2) : width, h = isWide ? height : Math.floor((height - gap) / 2);
+    const gap = Math.round(PAIR_GAP * ratio()), half = (size) => Math.floor((size - gap) / 2);
+    const isWide = !isStacked() && fitScale(half(width), height) >= fitScale(width, half(height));
+    const w = isWide ? half(width) : width, h = isWide ? height : half(height);
     return [
       { view: state.view, x: 0, y: 0, width: w, height: h },
       { view: state.against, x: isWide ? w + gap : 0, y: isWide ? 0 : h + gap, width: w, height: h },
@@ -112,10 +114,11 @@ function makeStage(set, pointed) {
     const width = element.clientWidth;
     const most = Math.max(320, Math.min(window.innerHeight * 0.74, 1100));
     let height = most;
-    if (!state.zoom && state.how !== "pair") {
-      const scale = fitScale(width * ratio(), most * ratio());
-      const content = layout(scale).height / ratio();
-      height = isStacked() ? content : Math.max(Math.min(most, 260), content);
+    if (!state.zoom) {
+      const [pane, other] = panesOf(width * ratio(), most * ratio());
+      const content = layout(fitScale(pane.width, pane.height)).height / ratio();
+      const both = other?.y ? 2 * content + PAIR_GAP : content;
+      height = isStacked() ? both : Math.max(Math.min(most, 260), both);
     }
     element.style.height = `${Math.ceil(height)}px`;
     const wanted = [Math.round(width * ratio()), Math.round(Math.ceil(height) * ratio())];
@@ -215,11 +218,13 @@ function makeStage(set, pointed) {
   function zoomed(zoom, clientX, clientY) {
     const pixel = clientX === undefined ? null : pixelAt(clientX, clientY);
     if (!pixel || !zoom) return { zoom, ...(zoom ? {} : { centre: null }) };
-    const box = canvas.getBoundingClientRect();
-    const step = Math.max(1, Math.round(zoom * ratio())) / ratio();
+    const box = canvas.getBoundingClientRect(), { panes } = geometry();
+    const step = Math.max(1, Math.round(zoom * ratio()));
+    const x = (clientX - box.left) * ratio(), y = (clientY - box.top) * ratio();
+    const pane = panes.find((p) => x >= p.x && y >= p.y && x < p.x + p.width && y < p.y + p.height);
     return { zoom, centre: within([
-      pixel[0] - (clientX - box.left - box.width / 2) / step,
-      pixel[1] - (clientY - box.top - box.height / 2) / step,
+      pixel[0] - (x - pane.x - pane.width / 2) / step,
+      pixel[1] - (y - pane.y - pane.height / 2) / step,
     ]) };
   }
   function within([x, y]) {

@@ -32,7 +32,7 @@ function makeModel(record, drawn, other, pictures) {
     const { max } = measured[view];
     return { ...measured[view], gain: max ? Math.min(128, 2 ** Math.max(0, Math.floor(Math.log2(0.5 / max)))) : 1 };
   }
-  const gainOf = (view, state) => state.gain || numbers(VIEWS[view].from ? view : differences()[0])?.gain || 8;
+  const gainOf = (view, state) => state.gain || numbers(view).gain;
   const differences = () => available.filter((view) => VIEWS[view].from);
 
   const drawings = new Map();

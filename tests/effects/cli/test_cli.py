@@ -286,7 +286,7 @@ def test_a_check_that_failed_is_shown_though_another_machine_drew_the_same_bits(
     monkeypatch.setattr("fixedpipe.effects.figures.FIGURES", {"K12": figure})
     assert run("figures", "--check", "--size", 16, "--out", tmp_path).exit_code == 1
     page = (tmp_path / "index.html").read_text()
-    assert "NV2A (NV2A): the same bits as GEFORCE_3" in page
+    assert "NV2A (NV2A): the same bits as GeForce 3." in page
     assert "1 of 2 acceptance checks failed" in page and "<td>NV2A</td>" in page
 
 
