@@ -45,7 +45,6 @@ ANIMATIONS = {
         {"positions": Track((_LAMPS, (*_LAMPS[1:], *_LAMPS[:1]), (*_LAMPS[2:], *_LAMPS[:2]), _LAMPS))},
         count=72,
     ),
-    "F003-13": Animation("the light grows", {"extent": there_and_back(0.05, 0.8)}, count=48),
     "F003-15": Animation("the light grows", {"width": there_and_back(0.2, 3.0)}, count=24),
     "F003-22": Animation("from morning to evening", {"sun": _DAY}, count=48),
     "F004-2": Animation("from 4 to 16 bits", bits=(4, 16), frames_a_second=2),

@@ -68,24 +68,33 @@ def _arc(first, last, share):
     return tuple((way * (lengths[0] + share * (lengths[1] - lengths[0]))).tolist())
 
 
+def _between_parts(kind, first, last, share):
+    if kind.not_zero:
+        return _arc(first, last, share)
+    kinds = kind.parts if isinstance(kind.parts, tuple) else (kind.parts,) * len(first)
+    return tuple(_between(k, a, b, share) for k, a, b in zip(kinds, first, last, strict=True))
+
+
+def _between_whole(kind, first, last, share):
+    if kind.power:
+        return 2 ** _between_whole(Whole(), math.log2(first), math.log2(last), share)
+    unit = 2 if kind.even else 1
+    return unit * round((first + share * (last - first)) / unit)
+
+
+def _between_numbers(kind, first, last, share):
+    return first + share * (last - first)
+
+
+_BETWEEN = {Several: _between_parts, Whole: _between_whole, Number: _between_numbers}
+
+
 def _between(kind, first, last, share):
     """A value of a kind, so far from the first to the last: 0 to 1."""
     kind = _of_numbers(kind)
-    if share == 0.0 or first == last:
-        return first
-    if share == 1.0:
-        return last
-    if isinstance(kind, Several):
-        if kind.not_zero:
-            return _arc(first, last, share)
-        kinds = kind.parts if isinstance(kind.parts, tuple) else (kind.parts,) * len(first)
-        return tuple(_between(k, a, b, share) for k, a, b in zip(kinds, first, last, strict=True))
-    if not isinstance(kind, Whole):
-        return first + share * (last - first)
-    if kind.power:
-        return 2 ** round(math.log2(first) + share * (math.log2(last) - math.log2(first)))
-    unit = 2 if kind.even else 1
-    return unit * round((first + share * (last - first)) / unit)
+    if first == last or share in (0.0, 1.0):
+        return last if share == 1.0 else first
+    return _BETWEEN[type(kind)](kind, first, last, share)
 
 
 def along(kind, values, count):

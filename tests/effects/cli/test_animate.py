@@ -57,7 +57,7 @@ def test_bits_alone_are_slow(tmp_path):
     [
         ((), "Name a figure"),
         (("--list", "K14"), "leave ID out"),
-        (("K99",), "There is no figure 'K99'"),
+        (("torus",), "There is no figure 'torus'"),
         (("K13",), "K13 does not move by itself"),
         (("K14", "--vary", "light"), "give NAME=FROM:TO"),
         (("K14", "--vary", "tilt=1"), "give NAME=FROM:TO"),

@@ -53,7 +53,7 @@ def test_the_name_says_which_file_it_is(tmp_path, kind):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("K99",), "There is no figure 'K99'"),
+        (("torus",), "There is no figure 'torus'"),
         (("K14", "--profile", "OCTANE"), "K14 cannot be drawn on OCTANE"),
         (("K14", "--out", "sheet.gif"), "end it with .png, .pdf, .svg"),
         (("K14", "--out", "sheet.pdf", "--dpi", "300"), "--dpi would be ignored"),
