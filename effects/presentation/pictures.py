@@ -60,7 +60,8 @@ def _difference(drawn, name, columns):
         f"({drawn.profile.name} \N{MINUS SIGN} {of}) \N{MULTIPLICATION SIGN} {difference.gain:g} about "
         f"middle grey; rms {255 * difference.rms:.2g}, largest {255 * difference.largest:.3g} of 255"
     )
-    heading = f"difference \N{MULTIPLICATION SIGN}\N{NO-BREAK SPACE}{difference.gain:g}"
+    what = "difference" if of == "ideal" else f"difference from {of}"
+    heading = f"{what} \N{MULTIPLICATION SIGN}\N{NO-BREAK SPACE}{difference.gain:g}"
     there = drawn.reference[..., 3] if of == "reference" else None
     return Shown(name, heading, note, _cut(difference.image(), columns, there))
 

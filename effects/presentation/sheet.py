@@ -206,6 +206,8 @@ class _Composition:
             said.append("ideal: the same fragments in float64")
         if "reference" in names:
             said.append("reference: what the algorithm approximates, computed without it")
+        if drawn.bits > 8 and names != {"ideal"}:
+            said.append(f"{drawn.bits} bits a component are shown as the nearest bytes")
         return f"{'; '.join(said)}. Panels of {drawn.size} pixels."
 
     def _set(self, texts):
@@ -344,7 +346,7 @@ class _Composition:
             self._head(lines, area, arrangement, picture, left, top + spot.top, corners)
             labelled = number == 0 or arrangement.pictures > 1 or arrangement.panels < self.columns
             for (x, y), label, pixels in zip(corners, self.labels, picture.panels, strict=True):
-                if labelled:
+                if labelled and (pixels is not None or number == 0):
                     self._above(lines, label, "label", style.ink, x, y, edge)
                 if pixels is not None:
                     yield Panel(x, y, edge, picture.name, label, pixels)

@@ -246,7 +246,15 @@ def test_a_reference_is_shown_where_there_is_one(with_reference):
     assert (composed.panels[2].pixels == 128).all()
     expected = with_reference.reference_difference.image()[:, :SIZE, :3]
     np.testing.assert_array_equal(composed.panels[3].pixels, expected)
-    assert [line for line in composed.lines if line.text.startswith("(GeForce 256 \N{MINUS SIGN} reference)")]
+    texts = [line.text for line in composed.lines]
+    assert [text for text in texts if text.startswith("(GeForce 256 \N{MINUS SIGN} reference)")]
+    assert [text for text in texts if text.startswith("difference from")]
+
+
+def test_a_sheet_says_that_twelve_bits_are_shown_as_bytes(spheres):
+    drawn = FIGURES["F003-21"].render("INFINITE_REALITY", SIZE)
+    assert "12 bits a component are shown as the nearest bytes" in sheet(drawn, "pdf").caption
+    assert "nearest bytes" not in sheet(spheres, "pdf").caption
 
 
 def test_the_ideal_has_one_picture():
