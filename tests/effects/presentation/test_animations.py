@@ -147,7 +147,7 @@ def test_only_what_numbers_make_up_moves():
         ("K14", {}, {}, "Nothing of K14 is to move"),
         ("K14", {}, {"bits": (4, 17)}, "The bits are 4 to 17"),
         ("K14", {}, {"bits": (8, 8)}, "An animation has 2 to 1000 frames"),
-        ("F003-19", {"one": Track(("+x", "-x"))}, {}, "has no values between"),
+        ("K04", {"model": Track(("exact", "exact"))}, {}, "has no values between"),
         ("K05", {"exponents": Track(((2, 4), (2, 4, 8)))}, {}, "of as many numbers"),
     ],
 )

@@ -226,12 +226,13 @@ def test_pictures_of_one_panel_stand_side_by_side_and_rows_one_above_the_other()
 
 
 def test_a_difference_that_is_none_is_written(spheres):
-    drawn = FIGURES["F003-6"].render("OPENGL_1_2", SIZE)
+    black = dict.fromkeys(("diffuse", "ambient", "specular", "background"), (0.0,) * 3)
+    drawn = FIGURES["F004-4"].render("GEFORCE_256", SIZE, slices=8, stacks=6, **black)
     assert drawn.difference.identical
     composed = sheet(drawn, "pdf")
     assert {panel.picture for panel in composed.panels} == {"machine", "ideal"}
     (line,) = (line for line in composed.lines if "identical" in line.text)
-    assert line.text.startswith("OpenGL 1.2 and ideal are identical")
+    assert line.text.startswith("GeForce 256 and ideal are identical")
     assert not [line for line in sheet(spheres, "pdf").lines if "identical" in line.text]
     with pytest.raises(Refusal, match="Nothing is left to be drawn"):
         sheet(drawn, "pdf", pictures=("difference",))
