@@ -145,7 +145,7 @@ def checks(figure, renderer):
             float(sum(f.other for f in found)),
             at_most=4.0,
             on=Answer.MACHINE,
-            reason="of 59149; measured 1, on the beam below the ceiling",
+            reason="measured 0 of those that face the light",
         ),
         Check(
             "pixels where two maps meet that agree with rays",

@@ -51,7 +51,7 @@ def checks(figure, renderer):
     picture = renderer.machine_window(figure, size, shading=SceneShading.MASK, panels=compared)
     found = agreements(picture, size, compared, sun, mixture)
     basic, sliced = (wrong(f, nearest_rows(size)) for f in found)
-    tinted = renderer.machine_window(figure, size, panels=panels[:1])
+    tinted = renderer.machine_window(figure, size, panels=panels[:1])[:, :size]  # without a frame
     return (
         Check(
             "wrong pixels in the nearest fifth of the screen: basic over slices",
