@@ -20,19 +20,26 @@ from fixedpipe.effects.passes.combiners import (
     CONSTANT0,
     CONSTANT1,
     NOTHING,
+    ONE,
     PRIMARY,
     SPARE0,
     SPARE1,
     TEXTURE0,
     TEXTURE1,
+    alpha_of,
+    blue_of,
+    both,
     dot,
     expand,
     final,
     gate,
+    one_minus,
     product,
     program,
+    scaled,
     square,
     stage,
+    total,
 )
 from fixedpipe.effects.passes.draws import ADD_GATED, FIRST_PASS, REPEATED, draw, unit
 from fixedpipe.effects.passes.encoding import vector_colors
@@ -63,16 +70,47 @@ def diffuse_combiners(color, ambient=(0.0, 0.0, 0.0), light_register=PRIMARY, *,
     )
 
 
+def self_shadowed_combiners(color, ambient=(0.0, 0.0, 0.0)):
+    """(n.l)+ min(1, 8 (l_z)+) color texture 1 + ambient texture 1: nothing is lit where the surface without
+    its bumps is turned away, and the light fades within seven degrees of there.
+
+    Source: A-H43 of the catalogue.
+    """
+    upward = blue_of(expand(PRIMARY))
+    # 1 - (1 - 8 l_z)+ is min(1, 8 l_z) where registers have no upper end, too.
+    shadowed = one_minus(SPARE0)
+    return program(
+        stage(
+            dot(expand(TEXTURE0), expand(PRIMARY), to=SPARE0),
+            alpha=scaled(4, total(product(upward, ONE), product(upward, ONE), to=SPARE0)),
+        ),
+        stage(
+            both(product(SPARE0, CONSTANT0, to=SPARE1), product(CONSTANT1, TEXTURE1, to=TEXTURE0)),
+            alpha=product(shadowed, ONE, to=SPARE0),
+        ),
+        final(product(alpha_of(shadowed), TEXTURE1), SPARE1, plus=TEXTURE0),
+        constant0=color,
+        constant1=ambient,
+    )
+
+
 def diffuse_pass(
     surface, normal_map, view, light, profile, *,
-    color, ambient=(0.0, 0.0, 0.0), color_map=None, depth_test=FIRST_PASS, blending=None, sampler=REPEATED,
+    color, ambient=(0.0, 0.0, 0.0), color_map=None, self_shadow=False, depth_test=FIRST_PASS, blending=None,
+    sampler=REPEATED,
 ):  # fmt: skip
     """K10: one draw. ``normal_map``: the name of a texture with normals for EXPAND_NORMAL; colours RGB in
-    [0, 1]. ``color_map``: the name of a texture by whose colours both are multiplied. ``depth_test``,
-    ``blending``: where it is added to passes before it.
+    [0, 1]. ``color_map``: the name of a texture by whose colours both are multiplied; ``self_shadow``: with
+    it, no light beyond the surface's own terminator. ``depth_test``, ``blending``: where it is added to
+    passes before it. Raises ValueError for ``self_shadow`` without ``color_map``.
     """
+    if self_shadow and color_map is None:
+        raise ValueError("self_shadow is for a surface with a color_map; give the colour map's name too.")
     vectors = vector_colors(light_vectors(surface, light), profile)
-    combiners = diffuse_combiners(color, ambient, color_map=color_map is not None)
+    if self_shadow:
+        combiners = self_shadowed_combiners(color, ambient)
+    else:
+        combiners = diffuse_combiners(color, ambient, color_map=color_map is not None)
     mesh = surface.mesh(colors=vectors)
     units, label = (unit(normal_map, sampler),), "diffuse pass: (n.l)+"
     if color_map is not None:

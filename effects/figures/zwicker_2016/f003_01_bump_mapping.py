@@ -56,7 +56,7 @@ def scene(
             panel.clear(background),
             *diffuse_bump.diffuse_pass(
                 surface, normal_map, view, Light(light), profile,
-                color=diffuse, ambient=ambient, color_map=BRICK_COLORS,
+                color=diffuse, ambient=ambient, color_map=BRICK_COLORS, self_shadow=True,
             ),
         )  # fmt: skip
     return tuple(out)
@@ -94,8 +94,9 @@ FIGURE = Figure(
     title="Bump mapping",
     caption=(
         "A sphere with a colour map of bricks. Left with its own normals, right with those of a normal map "
-        "of the bricks' height field; light from the upper left. Nothing asks which way the sphere itself "
-        "faces: beyond the terminator edges of bricks that lean towards the light still shine."
+        "of the bricks' height field; light from the upper left. The light fades where the sphere itself "
+        "turns away from it, by eight times the light vector's third component: no edge shines beyond the "
+        "terminator."
     ),
     must_see=(
         "The same round outline twice. Left a painted ball; right joints that lie deeper, with bright edges "
@@ -106,7 +107,7 @@ FIGURE = Figure(
     panels=("own normals", "normal map"),
     parameters={
         "relief": word.RELIEF(1.6),
-        "tilt": word.DEGREES(20.0, "How far the sphere's upper pole leans towards the viewer."),
+        "tilt": word.DEGREES(0.0, "How far the sphere's upper pole leans towards the viewer."),
         "turn": word.DEGREES(20.0, "How far the sphere is turned about its axis."),
         "light": word.LIGHT((-0.62, 0.55, 0.56)),
         "diffuse": word.DIFFUSE(
