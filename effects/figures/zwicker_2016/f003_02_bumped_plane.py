@@ -49,7 +49,7 @@ def scene(
     ``frontal``: seen straight on and filling its panel. ``maps``: the maps' edge, None: fit for the panel.
     ``painted``: times the bricks' colours. ``shown``: the first two panels' normal maps.
     """
-    edge = texels(size) if maps is None else maps
+    edge = 2 * texels(size) if maps is None else maps
     surface = surfaces.plane(8, 8)
     if height_field is None:
         normals = map_normals(relief * brick_wall.heights(edge, ACROSS, COURSES))
@@ -66,11 +66,11 @@ def scene(
     ]
     colors = BRICK_COLORS if painted else None
     for number, panel in enumerate(row_of_panels(3, size)):
-        straight = orthographic_view(panel, half_height=1.0 if frontal or number < 2 else 1.12)
+        straight = orthographic_view(panel, half_height=1.0 if frontal or number < 2 else 1.06)
         view = (
             straight
             if frontal or number == 2
-            else perspective_view(panel, (-1.7, 0.7, 3.1), field_of_view=41.0)
+            else perspective_view(panel, (-1.25, 0.55, 2.9), field_of_view=42.0)
         )
         out.append(panel.clear(background))
         if number < 2:
@@ -152,7 +152,6 @@ FIGURE = Figure(
     source="Zwicker2016",
     techniques=("Z01", "Z02", "Z07", "K10"),
     panels=("flat", "bumped", "bump texture"),
-    size=384,
     parameters={
         "relief": word.RELIEF(0.8),
         "light": word.LIGHT((-0.75, 0.35, 0.56)),
