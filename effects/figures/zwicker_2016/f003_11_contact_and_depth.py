@@ -11,7 +11,7 @@ from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import look_at, orthographic, rotate, rotation, transform
 from fixedpipe.effects.geometry.vectors import unit_vector
-from fixedpipe.effects.geometry.views import BACKGROUND, View, row_of_panels
+from fixedpipe.effects.geometry.views import View, row_of_panels
 from fixedpipe.effects.scenes import objects_and_lamps
 from fixedpipe.effects.shadows import shadow_volumes
 from fixedpipe.effects.shadows.lit_scene import SceneShading, lit_pass, unlit_pass
@@ -21,7 +21,11 @@ _EYE = tuple(unit_vector((0.0, 0.52, 0.86), "The direction to the viewer").tolis
 _LIGHT = (-0.55, 1.5, 0.8)
 _EDGE, _TURN = 1.0, 22.0
 _HALF_HEIGHT = 1.25
-_CENTER = (0.18, 0.35, 0.2)
+_CENTER = (0.18, 0.56, 0.2)
+# The floor's half width, of twelve tiles, three to a panel, so that tiles are halved where it ends; and how
+# far it goes behind the box: seen in parallel rays it has no horizon of its own.
+_FLOOR, _FLOOR_DEPTH = 5.0, 2.5
+_WALL = (0.30, 0.34, 0.40)
 _TILES = {"light tiles": (0.66, 0.63, 0.58), "dark tiles": (0.52, 0.50, 0.47)}
 
 
@@ -40,7 +44,7 @@ def place(height):
 
 def box_at(height):
     """A floor of tiles, every other of each colour, and the box ``height`` above it."""
-    floor = objects_and_lamps.floor(6.0, 12)
+    floor = objects_and_lamps.floor(_FLOOR, 12).moved(_CENTER[0], 0.0, _FLOOR - _FLOOR_DEPTH)
     odd = np.add(*np.divmod(np.arange(len(floor.triangles)) // 2, 12)) % 2
     tiles = [
         objects_and_lamps.Object(
@@ -188,8 +192,8 @@ FIGURE = Figure(
     id="F003-11",
     title="Contact and depth",
     caption=(
-        "One picture of a box, four times. Without shadows; with them, standing on the floor, and raised "
-        "towards the viewer by four and by eight tenths of its edge."
+        "One picture of a box, four times, seen by a viewer far away. Without shadows; with them, standing "
+        "on the floor, and raised towards the viewer by four and by eight tenths of its edge."
     ),
     must_see=(
         "The box is the same in all panels. Left its place cannot be told; then its shadow touches it, and "
@@ -206,7 +210,7 @@ FIGURE = Figure(
             "edges of the box",
         ),
         "shading": word.SHADING(SceneShading.LIT),
-        "background": word.BACKDROP(BACKGROUND),
+        "background": word.BACKDROP(_WALL),
     },
     methods=(Method("shadow volumes", scene, ("OPENGL_1_2", "GEFORCE_256")),),
     acceptance=checks,
