@@ -18,7 +18,7 @@ from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, panel_of, row_of_panels
 
 NORMALS = "normal map of studs"
-# Rows of the mesh from the lowest up: what is wrong with each one's right half.
+# Rows of the mesh from the highest down: what is wrong with each one's right half.
 ROWS = ("good", "mirrored", "without area", "stretched")
 COLORS = {"good": (0.30, 0.34, 0.40), "mirrored": VIOLET, "without area": RED, "stretched": YELLOW}
 # Halves are three studs long: 0.9 over the rows' height of 0.3.
@@ -52,7 +52,7 @@ def strip(kind, low, high):
 def heights():
     """The rows' (lowest, highest) y."""
     edges = np.linspace(-HALF, HALF, len(ROWS) + 1)
-    return [(low + GAP, high - GAP) for low, high in pairwise(edges)]
+    return [(low + GAP, high - GAP) for low, high in pairwise(edges)][::-1]
 
 
 def the_mesh():
@@ -231,8 +231,9 @@ FIGURE = Figure(
     title="Caveats: texture coordinates without a tangent space",
     caption=(
         "Four rows of studs; in their right halves texture coordinates are good, mirrored, without area and "
-        "stretched (from below). Lit with tangents along x everywhere; the triangles found; lit with "
-        "the coordinates' own tangents, and those without area dropped."
+        "stretched (from above). Lit with tangents along x everywhere; the triangles found; lit with the "
+        "coordinates' own tangents, and those without area dropped. The flat part between studs differs "
+        "from the ideal by a constant: one normal, one light, one rounding to bytes."
     ),
     must_see=(
         "Left the mirrored half's studs are lit from the wrong side; right they are lit as the others, and "
