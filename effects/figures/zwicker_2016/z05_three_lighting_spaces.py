@@ -22,7 +22,7 @@ from fixedpipe.effects.passes.encoding import dot_product_texels
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.textures.images import texture_2d
 
-EYE = (1.3, 1.1, 3.4)
+EYE = (0.3, 1.2, 3.5)
 
 
 def scene(
@@ -105,14 +105,15 @@ FIGURE = Figure(
     id="Z05",
     title="Lighting in camera, object and tangent space",
     caption=(
-        "A bumpy sphere under one light: the map's normal turned to camera space at every pixel; a map "
-        "of object-space normals; the light turned to tangent space at every vertex."
+        "A bumpy sphere under one light: the map's normal turned to camera space at every pixel; a map of "
+        "object-space normals; the light turned to tangent space at every vertex. What differs is in the "
+        "pictures of the difference: look in the creases between bumps, where only camera space makes "
+        "filtered normals of length one again, and at highlights, which the eighth power makes coarse."
     ),
     must_see="Three times the same picture: bumps lit from the upper left, each with a highlight of its own.",
     source="Zwicker2016",
     techniques=("Z05", "Z06", "Z07", "K14", "K12"),
     panels=("camera space", "object space", "tangent space"),
-    size=384,
     parameters={
         "relief": word.RELIEF(0.45),
         "light": word.LIGHT((-0.55, 0.6, 0.58)),
