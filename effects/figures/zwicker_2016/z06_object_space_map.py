@@ -101,7 +101,6 @@ FIGURE = Figure(
     source="Zwicker2016",
     techniques=("Z06", "K14"),
     panels=("as made", "turned by 55 degrees"),
-    size=384,
     parameters={
         "relief": word.RELIEF(0.45),
         "light": word.LIGHT((-0.55, 0.6, 0.58)),
