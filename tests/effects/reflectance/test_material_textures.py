@@ -9,11 +9,14 @@ from fixedpipe.effects.bump_mapping import diffuse_bump
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view
+from fixedpipe.effects.passes.encoding import vector_and_factor_texels
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, material_textures
 from fixedpipe.effects.scenes.marble import MARBLE
+from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL
+from fixedpipe.pipeline.textures.images import texture_2d
 
 # ---------------------------------------------------------------------------------------------- the exponent
 
@@ -136,6 +139,53 @@ def test_a_colour_map_multiplies_both_lights_of_the_diffuse_pass():
     assert np.abs(machine[..., :3] / 255.0 - expected).max() < 3.0 / 255
     # The gate stays in destination alpha: min(1, 4 n.l).
     assert (machine[..., 3] == 255).all()
+
+
+@pytest.mark.parametrize(("upward", "share"), [(-0.2, 0.0), (0.0, 0.0), (1 / 16, 0.5), (0.25, 1.0)])
+def test_a_self_shadow_fades_the_light_where_the_surface_itself_turns_away(upward, share):
+    """The bump leans towards the light: without the self-shadow it would be lit in all four."""
+    light = np.array([np.sqrt(1.0 - upward * upward), 0.0, upward])
+    bump, panel = np.array([0.8, 0.0, 0.6]), Panel(0, 0, 2, 2)
+    color, ambient, brick = np.array([0.8, 0.7, 0.5]), np.array([0.1, 0.05, 0.2]), np.array([0.9, 0.5, 0.3])
+
+    def commands(profile):
+        normals = texture_2d(vector_and_factor_texels(bump[None, None], 1.0, profile))
+        return (
+            panel.clear((0.0, 0.0, 0.0)),
+            TexImage(label="load a bump", texture="bump", image=normals),
+            material_textures.load_colors(brick[None, None], "colours", profile),
+            *diffuse_bump.diffuse_pass(
+                surfaces.plane(),
+                "bump",
+                orthographic_view(panel),
+                Light(tuple(light.tolist())),
+                profile,
+                color=tuple(color.tolist()),
+                ambient=tuple(ambient.tolist()),
+                color_map="colours",
+                self_shadow=True,
+            ),
+        )
+
+    expected = brick * (share * (bump @ light) * color + ambient)
+    assert np.allclose(execute_ideal(commands(IDEAL), 2, 2).color[..., :3], expected, atol=1e-6)
+    machine = execute(commands(GEFORCE_256), GEFORCE_256, 2, 2).framebuffer.color
+    # Eight times half a byte's error of l_z.
+    assert np.abs(machine[..., :3] / 255.0 - expected).max() < 8.0 / 255
+
+
+def test_a_self_shadow_without_a_colour_map_is_refused():
+    view = orthographic_view(Panel(0, 0, 2, 2))
+    with pytest.raises(ValueError, match="give the colour map's name too"):
+        diffuse_bump.diffuse_pass(
+            surfaces.plane(),
+            "bump",
+            view,
+            Light((0.0, 0.0, 1.0)),
+            IDEAL,
+            color=(1.0, 1.0, 1.0),
+            self_shadow=True,
+        )
 
 
 def test_an_alpha_that_textures_cannot_hold_is_said():
