@@ -65,7 +65,7 @@ def cube_scene(profile, size, *, tint, environment, cube, photograph, **waves):
     ``waves``: of ``_maps``. ``cube``: the edge of the cube map's faces; None: fit for the panel.
     """
     surface = the_sphere(size)
-    cube = texels(size) if cube is None else cube
+    cube = 2 * texels(size) if cube is None else cube
     room = photograph.panorama if photograph else ENVIRONMENTS[environment]
     out = [bumped_reflections.load_environment(cube, profile, room)]
     for panel, (name, normals) in zip(row_of_panels(2, size), _maps(size, **waves), strict=True):
@@ -85,7 +85,7 @@ def offset_scene(profile, size, *, tint, environment, cube, photograph, **waves)
     surface = the_sphere(size)
     room = photograph.panorama if photograph else ENVIRONMENTS[environment]
     across, along = (8, 6) if size < 64 else (16, 12)
-    edge = texels(size) if cube is None else cube
+    edge = 2 * texels(size) if cube is None else cube
     out = []
     for panel, (name, normals) in zip(row_of_panels(2, size), _maps(size, **waves), strict=True):
         view = perspective_view(panel, EYE, field_of_view=FIELD_OF_VIEW, radius=1.1)
@@ -188,7 +188,10 @@ FIGURE = Figure(
     title="Environment-mapped bump mapping",
     caption=(
         "A room reflected in a sphere: left a mirror, right with the waves of a normal map. Behind it the "
-        "wall that the viewer faces."
+        "wall that the viewer faces. Right the bars are torn by the steps of the normals' eight bits, by "
+        "twice which reflections turn. Dark dots at the upper left outline are the door, narrower there "
+        "than a pixel. The G400 displaces the coordinates of a sphere map, part by part of the sphere: the "
+        "same room, bent otherwise where waves are steep."
     ),
     must_see=(
         "Left the room behind the viewer with its great window, upright and bent; right the same in waves, "
