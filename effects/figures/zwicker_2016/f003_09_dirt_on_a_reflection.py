@@ -21,7 +21,7 @@ def dirt(edge):
     s, t = height_fields.texel_centers(edge, edge)
     stains = height_fields.turbulence(s, t, 4, 4, 31)
     streaks = height_fields.value_noise(edge, edge, 32, 3, 9)
-    return np.clip(0.62 + 1.9 * stains + 0.2 * streaks, 0.05, 1.0)
+    return np.clip(0.68 + 1.3 * stains + 0.2 * streaks, 0.15, 1.0)
 
 
 def waves(edge, relief):
@@ -47,7 +47,7 @@ def cube_scene(profile, size, *, tint, second_pass, **metal):
     """F003-9 by texture shaders. ``second_pass``: dirt is a draw of its own, not the normal map's alpha."""
     edge, surface = texels(size), _surface(size)
     loading, names = bumped_reflections.load(*_metal(edge, **metal), "hammered metal", profile)
-    out = [bumped_reflections.load_environment(texels(size), profile, environments.room), *loading]
+    out = [bumped_reflections.load_environment(2 * texels(size), profile, environments.room), *loading]
     for number, panel in enumerate(row_of_panels(3, size)):
         view = perspective_view(panel, EYE, field_of_view=FIELD_OF_VIEW, radius=1.2)
         out += (panel.clear(BACKGROUND), *bumped_reflections.backdrop(view))
@@ -126,8 +126,9 @@ FIGURE = Figure(
     id="F003-9",
     title="Dirt on a reflection",
     caption=(
-        "A ring of hammered metal: the room's reflection in it, its dirt map alone, and the reflection times "
-        "the dirt."
+        "A ring of hammered metal: the room's reflection in it, its dirt map alone, and the reflection "
+        "times the dirt. Texture shaders leave the combiners to tint the reflection, and the metal is gold; "
+        "on the G400 both texture units are taken and nothing multiplies it, so that it is silver."
     ),
     must_see=(
         "Left clean metal, in the middle grey stains and streaks round the tube, right the metal dull just "
@@ -136,9 +137,8 @@ FIGURE = Figure(
     source="Zwicker2016",
     techniques=("Z09", "Z08"),
     panels=("reflection", "dirt", "reflection x dirt"),
-    size=384,
     parameters={
-        "relief": word.RELIEF(0.3),
+        "relief": word.RELIEF(0.16),
         "tint": word.COLOR(
             (1.0, 0.86, 0.62), "What the reflection is multiplied by, where texture shaders draw it."
         ),
