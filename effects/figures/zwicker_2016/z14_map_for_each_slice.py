@@ -14,7 +14,7 @@ from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     nearest_rows,
     others,
     panels_of,
-    scene,
+    sliced_scene,
     truth,
     wrong,
 )
@@ -123,6 +123,6 @@ FIGURE = Figure(
         "sun": SUN,
         "shading": word.SHADING(SceneShading.LIT),
     },
-    methods=(Method("depth textures and clip planes", scene, ("GEFORCE_3", "NV2A")),),
+    methods=(Method("depth textures and clip planes", sliced_scene, ("GEFORCE_3", "NV2A")),),
     acceptance=checks,
 )

@@ -91,7 +91,8 @@ FIGURE = Figure(
     ),
     must_see=(
         "The stairs along the shadow's edge are largest with the basic map, small with either, smallest with "
-        "both together."
+        "both together: wrong pixels are 3.8 times fewer with slices, 3.3 times with light space, 5.6 times "
+        "with both."
     ),
     source="Zwicker2016",
     techniques=("Z13", "Z14", "Z15", "Z16"),

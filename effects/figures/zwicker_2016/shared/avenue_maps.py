@@ -78,7 +78,13 @@ def parts_for(fit, ratio, slices, size, scene, sun, mixture=frustum_slices.LAMBD
     return tuple(replace(part, name=f"{part.name}, {edge} texels") for part in parts)
 
 
-def scene(profile, size, *, shading, panels, background, sun, mixture=frustum_slices.LAMBDA):
+def scene(profile, size, *, shading, panels, background, sun):
+    """Commands of ``sliced_scene``, slices ending where ``frustum_slices`` puts them."""
+    settings = {"shading": shading, "panels": panels, "background": background, "sun": sun}
+    return sliced_scene(profile, size, **settings, mixture=frustum_slices.LAMBDA)
+
+
+def sliced_scene(profile, size, *, shading, panels, background, sun, mixture):
     """Commands that draw the avenue on a row of panels, as many as ``panels`` has, which are (MapFit, ratio
     of the map's edge to the panel's, number of slices, look). Panels of the same maps share them. A frame on
     panels that show the whole says what the others magnify.
