@@ -77,9 +77,11 @@ def figures(figure_ids, list_only, check, out, png, profile, size, settings, thr
             click.echo(f"{own}. {known.does}", err=True)
     announce_compiling()
     click.echo(_plan(chosen, machines, check, own_sizes=size is None and not settings), err=True)
-    from fixedpipe.effects.reports.figure_files import tidy, write_figure
+    from fixedpipe.effects.reports.figure_files import set_aside, tidy, write_figure
     from fixedpipe.effects.reports.figure_record import render, steps
 
+    if former := set_aside(folder, FIGURES):
+        click.echo(f"{count(former, 'record')} of an earlier version now end in .former.", err=True)
     records = {}
     with _progress(sum(steps(figure, machines[figure.id], check) for figure in chosen)) as step:
         for figure in cheapest_first(chosen):

@@ -20,6 +20,8 @@ from fixedpipe.pipeline.framebuffers.pictures import png
 
 INDEX, RECORDS, PICTURES = "index.html", "records", "pictures"
 _PICTURE = re.compile(r"([0-9a-f]{16})(?:\.js|\.webp|-480\.webp)")
+# What records of the former layout say, and no others.
+_FORMER = b'"difference_gain": '
 _NAMED = re.compile(r'"(?:digest|finer|preview)": "([0-9a-f]{16})"')
 
 
@@ -46,6 +48,18 @@ def write_figure(folder, rendered, figures, named=None, threads=None):
     write_whole(records / f"{record['id']}.js", f"record({json.dumps(record)})\n".encode())
     write_whole(folder / f"{record['id']}.json", (json.dumps(record, indent=2) + "\n").encode())
     write_whole(folder / INDEX, gallery(folder, figures).encode())
+
+
+def set_aside(folder, figures):
+    """Rename the records of a gallery's former layout, which this one cannot show, K12.json to
+    K12.json.former; returns how many.
+    """
+    number = 0
+    for path in _records(folder):
+        if path.stem.partition("+")[0] in figures and _FORMER in path.read_bytes():
+            path.rename(path.with_name(f"{path.name}.former"))
+            number += 1
+    return number
 
 
 def digests_in(text):

@@ -186,6 +186,20 @@ def test_what_no_record_names_goes_and_what_is_not_ours_stays(tmp_path):
     assert (number, size) == (2, sum((tmp_path / name).stat().st_size for name in now - set(foreign)))
 
 
+def test_records_of_the_former_layout_are_set_aside_and_kept(tmp_path):
+    """A gallery that was begun by an earlier version goes on, and nothing of it is lost."""
+    former = '{"id": "K02", "difference_gain": 8.0, "machines": []}'
+    for name in ("K02.json", "K02+cells=8.json", "mine.json"):
+        (tmp_path / name).write_text(former)
+    done = run("figures", "K12", "--size", 8, "--profile", "GEFORCE_256", "--out", tmp_path)
+    assert "2 records of an earlier version now end in .former." in done.stderr
+    for name in ("K02.json.former", "K02+cells=8.json.former", "mine.json"):
+        assert (tmp_path / name).read_text() == former
+    assert "1 figure in" in done.stdout
+    again = run("figures", "K12", "--size", 8, "--profile", "GEFORCE_256", "--out", tmp_path)
+    assert "earlier" not in again.stderr
+
+
 def cleared(profile, size):
     return (Clear(label="clear", color=(0.3, 0.5, 0.7, 1.0)),)
 
