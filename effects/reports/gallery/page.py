@@ -122,12 +122,12 @@ def _paper(record):
     citation = record["citation"]
     authors = [name.split()[-1] for name in re.split(r",? and |, ", citation["authors"]) if name.strip()]
     names = " and ".join(authors) if len(authors) < 3 else f"{authors[0]} and others"
-    line = [citation["authors"], place_of(citation["bibtex"]), str(citation["year"])]
+    parts = [citation["authors"], place_of(citation["bibtex"]), str(citation["year"])]
     return {
         "title": citation["title"] or citation["key"],
         "authors": citation["authors"],
-        "cited": ". ".join(part for part in line if part) + ".",
-        "short": f"{names or citation['key']} {citation['year']}",
+        "cited": "".join(f"{part}. " for part in parts if part).rstrip(),
+        "short": f"{names or citation['key']} {citation['year']}".rstrip(),
     }
 
 
