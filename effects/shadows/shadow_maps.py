@@ -478,5 +478,7 @@ def show_depths(panel, name, profile, white=1.0):
 
 def scene_passes(commands, scene):
     """How many times the scene's geometry is drawn."""
-    first = scene.objects[0].mesh
-    return sum(isinstance(command, Draw) and command.mesh is first for command in commands)
+    first = scene.objects[0].mesh.positions
+    return sum(
+        isinstance(command, Draw) and np.array_equal(command.mesh.positions, first) for command in commands
+    )

@@ -8,6 +8,7 @@ from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2001.shared import alpha_shadows
 from fixedpipe.effects.geometry.views import Panel, row_of_panels
+from fixedpipe.effects.scenes.objects_and_lamps import Scene
 from fixedpipe.effects.shadows.alpha_coded_shadows import Coding, picture_from_light, show_alpha
 from fixedpipe.effects.shadows.lit_scene import LAMP_COLOR
 
@@ -41,11 +42,17 @@ _BOARDS = {
 _SIZE = 256
 
 
+def throwing_scene_of(size, lamp):
+    """What of the scene is in the map, and its lamp."""
+    scene, light = alpha_shadows.lit_scene_of(size, lamp)
+    return Scene(scene.throwing), light
+
+
 def depths_from_the_lamp(size, lamp):
     """The linear depth, float64 [size, size], of what rays from the lamp meet, one where they meet nothing;
     and bool [size, size], where that is the depth of one surface: nothing else is seen in the pixels beside.
     """
-    scene, light = alpha_shadows.lit_scene_of(size, lamp)
+    scene, light = throwing_scene_of(size, lamp)
     view = light.view(Panel(0, 0, size, size))
     known = agreement.truth_of(scene, view, light)
     shown, plane = known.shown, np.array(light.depth_plane)
@@ -59,7 +66,7 @@ def depths_from_the_lamp(size, lamp):
 
 def _outside(size, lamp):
     """How many of the scene's vertices have no place in the map, or no depth from zero to one."""
-    scene, light = alpha_shadows.lit_scene_of(size, lamp)
+    scene, light = throwing_scene_of(size, lamp)
     points = scene.triangles().reshape(-1, 3)
     s, t, r, q = (points @ np.array(row[:3]) + row[3] for row in light.texture_matrix)
     held = [(a >= 0.0) & (a <= q) for a in (s, t, r)]
@@ -83,7 +90,7 @@ def checks(figure, renderer):
         error = root_mean_square((alpha - depth)[whole & (depth < 1.0)]) * steps
         name = "RMS of alpha - depth, away from outlines, in steps of 1/255"
         yield Check(name, error, at_most=bound, on=on, reason=reason)
-    scene, light = alpha_shadows.lit_scene_of(_SIZE, lamp)
+    scene, light = throwing_scene_of(_SIZE, lamp)
     shown = agreement.truth_of(scene, light.view(Panel(0, 0, _SIZE, _SIZE)), light).shown
     # The floor has no highlight: its colour is one amount of light times its own.
     floor = whole & (shown.object == 0)
@@ -134,13 +141,13 @@ FIGURE = Figure(
     id="H36",
     title="An alpha-coded shadow map",
     caption=(
-        "The scene as its lamp sees it; the alpha of the same picture, the depth from the lamp, as grey, "
-        "which is the map; the camera's picture, with the shadows that the map tells of."
+        "What throws shadows, as the lamp sees it; the alpha of the same picture, the depth from the lamp, "
+        "as grey, which is the map; the camera's picture, with the shadows that the map tells of."
     ),
     must_see=(
         "Left: no shadow at all, the lamp lights all it sees. Middle: the same shapes, darker the nearer "
-        "they are to the lamp, without any lighting, white where there is nothing. Right: the ring's shadow "
-        "an ellipse on the floor, the vase's on the floor and up the box."
+        "they are to the lamp, without any lighting, white where there is nothing. Right: a shadow on the "
+        "floor from each thing, the ring's with a narrow gap."
     ),
     source="Heidrich2001",
     techniques=("H36",),

@@ -102,8 +102,9 @@ FIGURE = Figure(
     ),
     must_see=(
         "Left: grey where shadows are, the darker the nearer what throws them, black elsewhere; on the board "
-        "that adds all but white. Middle: the shadows' shapes, white. Right: they are dark, the ring's an "
-        "ellipse on the floor, the vase's on the floor and up the box."
+        "that adds all but white, since there alpha is one minus how near the depths are, and grey ground "
+        "where the map ends. Middle: the shadows' shapes, white. Right: they are dark, one on the floor from "
+        "each thing."
     ),
     source="Heidrich2001",
     techniques=("H36", "H38"),

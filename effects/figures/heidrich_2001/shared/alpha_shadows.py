@@ -17,10 +17,10 @@ from fixedpipe.effects.scenes.still_life import still_life, still_life_view
 from fixedpipe.effects.shadows import alpha_coded_shadows as alpha
 from fixedpipe.effects.shadows.lit_scene import SceneShading, lit_pass, map_edge, unlit_pass
 
-# Position, target, near, far, field of view of a Lamp. From the left, so that the ring's shadow lies on the
-# floor and the vase's on the box; as narrow as encloses the scene itself, not its bounding box, whose upper
-# corners are empty: 8 bits of depth are to be made the most of.
-LAMP = ((-6.4, 6.6, 1.0), (-1.1, 0.45, -0.2), 6.45, 11.4, 37.6)
+# Position, target, near, far, field of view of a Lamp. From the left and so high that no shadow leaves the
+# picture; as narrow as encloses the scene itself, not its bounding box, whose upper corners are empty: 8 bits
+# of depth are to be made the most of. Measured: 33.81 degrees and 7.263 to 11.389 hold what throws shadows.
+LAMP = ((-5.0, 8.6, 0.6), (-0.6, 0.3, -0.2), 7.2, 11.45, 34.0)
 # Of maps: texels along an edge, over a panel's pixels.
 RATIO = 2.0
 # The figures' parameters: 8 bits of alpha, a bias of two of its steps.
@@ -207,16 +207,16 @@ def brightness_checks(figure, renderer, size, shadowed, without):
         Check(
             "how much brighter a pixel is with shadows than without",
             float((a - b).max()),
-            at_most=1.0 / 255.0,
+            at_most=1.0 / 255.0 + 1e-9,
             on=Answer.MACHINE,
-            reason="the catalogue's: the same passes, in another place of the window",
+            reason="the catalogue's: the same passes, in another place of the window; float64's own rounding",
         ),
         Check(
             "largest difference where the light is not blocked",
             float(np.abs(a - b)[lit].max()),
-            at_most=1.0 / 255.0,
+            at_most=1.0 / 255.0 + 1e-9,
             on=Answer.MACHINE,
-            reason="the catalogue's: the same passes, in another place of the window",
+            reason="the catalogue's: the same passes, in another place of the window; float64's own rounding",
         ),
         Check(
             "mean of what is left in shadow on faces towards the lamp, of the light there",
