@@ -86,8 +86,8 @@ def changed(figure_id="F004-4", machine="GEFORCE_3", size=16, **changes):
             "F003-10 has no parameter 'texels' on OPENGL_1_2; it has on GEFORCE_3, INFINITE_REALITY",
         ),
         (
-            {"figure_id": "F003-25", "machine": "OPENGL_1_2", "light": (1e3, 1e3, 1e3)},
-            "F003-25 with light=1000,1000,1000: A point of the diagram is behind the eye",
+            {"figure_id": "F003-10", "machine": "OPENGL_1_2", "positions": ((0.0, 1.0, 0.5),) * 3},
+            "F003-10 with positions=.*: The lamp at .* is not in front of the whole scene",
         ),
         ({"machine": "G400"}, "F004-4 cannot be drawn on G400; it can on GEFORCE_256, GEFORCE_3, "),
         ({"machine": "GEFORCE3"}, r"There is no machine 'GEFORCE3'. Did you mean GEFORCE_3\? F004-4 can be "),

@@ -145,7 +145,9 @@ FIGURE = Figure(
     ),
     source="Zwicker2016",
     techniques=("Z10", "Z30"),
-    parameters={"marks": word.FLAG(True, "Whether the places are marked where the map is read.")},
+    parameters={
+        "marks": word.internal(True, "It marks where the map is read, over the greys that checks measure.")
+    },
     methods=(Method("depths read and drawn", make, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
     acceptance=checks,
 )
