@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fixedpipe.effects.reports.gallery import gallery
-from fixedpipe.effects.reports.pictures import FILES, Pictures
+from fixedpipe.effects.reports.pictures import LOSSLESS, OF_GRID, WIDE, Pictures
 
 # What a page must show as it is written and never run.
 HOSTILE = "</script><script>window.ran = 1</script><img src=x onerror='window.ran = 1'> \u2028 & \"quoted\""
@@ -35,7 +35,7 @@ class Made:
 def write_picture(folder, pixels):
     """The files of a picture, uint8 [height, width, 3 or 4]; its digest."""
     kept = Pictures()
-    digest = kept.add(pixels, *FILES)
+    digest = kept.add(pixels, LOSSLESS, WIDE, OF_GRID)
     for name, data in kept.files():
         (folder / name).write_bytes(data())
     return digest
