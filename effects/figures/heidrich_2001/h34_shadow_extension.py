@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance import agreement
+from fixedpipe.effects.acceptance import agreement, shadow_reference
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -96,6 +96,18 @@ def checks(figure, renderer):
 BY_ALPHA = "alpha test of the comparison; combiners in the place of SHADOW_AMBIENT"
 BY_COPY = "red copied to alpha; SHADOW_AMBIENT"
 
+
+def reference(size, *, share, shading, **_):
+    """The shadows by rays; on the right they keep ``share`` of all light."""
+    scene, light = still_life_and_lamp(size)
+    view = still_life_view(Panel(0, 0, size, size))
+    shots = [
+        shadow_reference.Shot(scene, view, (light,), shading=shading, in_shadow=kept)
+        for kept in (None, share)
+    ]
+    return shadow_reference.row(size, shots)
+
+
 FIGURE = Figure(
     id="H34",
     title="The shadow extension",
@@ -127,4 +139,5 @@ FIGURE = Figure(
         Method(BY_ALPHA, make, ("GEFORCE_3", "NV2A")),
     ),
     acceptance=checks,
+    reference=reference,
 )

@@ -1,6 +1,6 @@
 """H35: one shadow map for a walk through a scene, and one for every frame where the light moves."""
 
-from fixedpipe.effects.acceptance import agreement
+from fixedpipe.effects.acceptance import agreement, shadow_reference
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -85,6 +85,15 @@ def checks(figure, renderer):
     )  # fmt: skip
 
 
+def reference(size, *, shading, **_):
+    """Every frame's shadows by rays."""
+    scene, shots = still_life(detail_of(size)), []
+    for lamp, eye in zip(LAMPS, EYES, strict=True):
+        light, view = lamp_around(scene, LAMP_POSITIONS[lamp]), view_of(Panel(0, 0, size, size), eye)
+        shots.append(shadow_reference.Shot(scene, view, (light,), shading=shading))
+    return shadow_reference.row(size, shots)
+
+
 FIGURE = Figure(
     id="H35",
     title="Static and dynamic shadow maps",
@@ -110,4 +119,5 @@ FIGURE = Figure(
     },
     methods=(Method("alpha test of the comparison", make, ("GEFORCE_3", "NV2A")),),
     acceptance=checks,
+    reference=reference,
 )

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance import agreement
+from fixedpipe.effects.acceptance import agreement, shadow_reference
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -137,6 +137,11 @@ def checks(figure, renderer):
     )
 
 
+def reference(size, *, lamp, shading, background, **_):
+    """The picture's shadows by rays; the map's panels have no reference."""
+    return shadow_reference.row(size, [None, None, alpha_shadows.by_rays(size, lamp, background, shading)])
+
+
 FIGURE = Figure(
     id="H36",
     title="An alpha-coded shadow map",
@@ -159,4 +164,5 @@ FIGURE = Figure(
         Method("register combiners", make_scene(alpha_shadows.COMBINERS), ("GEFORCE_256",)),
     ),
     acceptance=checks,
+    reference=reference,
 )

@@ -1,5 +1,8 @@
 """H37: shadows by an alpha test, with two texture units: register combiners, texture environments."""
 
+from dataclasses import replace
+
+from fixedpipe.effects.acceptance import shadow_reference
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2001.shared import alpha_shadows
@@ -57,6 +60,12 @@ def checks(figure, renderer):
     )
 
 
+def reference(size, *, lamp, shading, background, **_):
+    """The light without shadows, and twice the shadows by rays."""
+    shot = alpha_shadows.by_rays(size, lamp, background, shading)
+    return shadow_reference.row(size, [replace(shot, shadows=False), shot, shot])
+
+
 FIGURE = Figure(
     id="H37",
     title="Shadows by an alpha test, with two texture units",
@@ -80,4 +89,5 @@ FIGURE = Figure(
         Method("texture environments", make_scene(alpha_shadows.ENVIRONMENTS), ("MULTITEXTURE", "G400")),
     ),
     acceptance=checks,
+    reference=reference,
 )

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import shadow_reference
 from fixedpipe.effects.acceptance.agreement import lit_mask
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -93,6 +94,11 @@ def checks(figure, renderer):
     )
 
 
+def reference(size, *, lamp, shading, background, **_):
+    """The picture's shadows by rays; what alpha holds has no reference."""
+    return shadow_reference.row(size, [None, None, alpha_shadows.by_rays(size, lamp, background, shading)])
+
+
 FIGURE = Figure(
     id="H38",
     title="Shadows by an alpha test, with one texture unit",
@@ -123,4 +129,5 @@ FIGURE = Figure(
         Method("one texture unit, added", make_scene(alpha_shadows.ONE_UNIT_ADDED), ("OPENGL_1_2", "TEXRAM")),
     ),
     acceptance=checks,
+    reference=reference,
 )

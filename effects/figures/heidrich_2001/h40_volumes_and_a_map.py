@@ -1,5 +1,6 @@
 """H40: shadow volumes beside a shadow map of the same scene."""
 
+from fixedpipe.effects.acceptance import shadow_reference
 from fixedpipe.effects.acceptance.agreement import compare, lit_mask, truth_of
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.ray_caster import to_light
@@ -110,6 +111,17 @@ def checks(figure, renderer):
     )  # fmt: skip
 
 
+def reference(size, *, light, close, background, shading, **_):
+    """Both views' shadows by rays, twice."""
+    objects, panel = still_life(detail_of(size)), Panel(0, 0, size, size)
+    views = still_life_view(panel), close_view(panel, *close)
+    shots = [
+        shadow_reference.Shot(objects, view, (lamp_around(objects, light),), background, shading)
+        for view in views
+    ]
+    return shadow_reference.row(size, shots * 2)
+
+
 FIGURE = Figure(
     id="H40",
     title="Shadow volumes and a shadow map",
@@ -139,4 +151,5 @@ FIGURE = Figure(
     },
     methods=(Method("stencil buffer and depth texture", scene, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
     acceptance=checks,
+    reference=reference,
 )

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.effects.acceptance import agreement, ray_caster
+from fixedpipe.effects.acceptance import agreement, ray_caster, shadow_reference
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
@@ -144,6 +144,27 @@ def checks(figure, renderer):
     )
 
 
+def reference(size, *, positions, shading, background, plans):
+    """The three panels with their shadows by rays, under the same plans."""
+    scene, panels = (
+        still_life.still_life(objects_and_lamps.detail_of(size)),
+        row_of_panels(len(positions), size),
+    )
+    picture = shadow_reference.row(
+        size,
+        [
+            shadow_reference.Shot(scene, still_life.still_life_view(panel), (lamp,), background, shading)
+            for panel, lamp in zip(panels, _lamps(scene, positions), strict=True)
+        ],
+    )
+    if not plans:
+        return picture
+    drawn = [
+        c for panel, position in zip(panels, positions, strict=True) for c in plan(panel, scene, position)
+    ]
+    return shadow_reference.overlaid(picture, drawn)
+
+
 FIGURE = Figure(
     id="F003-10",
     title="Shadows tell where the light is",
@@ -181,4 +202,5 @@ FIGURE = Figure(
         Method("shadow volumes", volume_scene, ("OPENGL_1_2",)),
     ),
     acceptance=checks,
+    reference=reference,
 )

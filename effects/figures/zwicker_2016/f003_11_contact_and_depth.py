@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.effects.acceptance import agreement
+from fixedpipe.effects.acceptance import agreement, shadow_reference
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -188,6 +188,16 @@ def checks(figure, renderer):
     )
 
 
+def reference(size, *, heights, shading, background):
+    """The shadows by rays; the first panel without any."""
+    view = camera(row_of_panels(1, size)[0])
+    shots = [
+        shadow_reference.Shot(box_at(height), view, (lamp(),), background, shading, shadows=number > 0)
+        for number, height in enumerate((heights[0], *heights))
+    ]
+    return shadow_reference.row(size, shots)
+
+
 FIGURE = Figure(
     id="F003-11",
     title="Contact and depth",
@@ -214,4 +224,5 @@ FIGURE = Figure(
     },
     methods=(Method("shadow volumes", scene, ("OPENGL_1_2", "GEFORCE_256")),),
     acceptance=checks,
+    reference=reference,
 )

@@ -1,6 +1,6 @@
 """F003-12: why shadows are important, realism: two pairs with and without self-shadowing (Z29, Z23)."""
 
-from fixedpipe.effects.acceptance import agreement
+from fixedpipe.effects.acceptance import agreement, shadow_reference
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -125,6 +125,18 @@ def checks(figure, renderer):
     )
 
 
+def reference(size, *, shading, background):
+    """The shadows by rays, in every second panel without those that an object throws on itself."""
+    view, shots = camera(row_of_panels(1, size)[0]), []
+    for subject in subjects(objects_and_lamps.detail_of(size)):
+        lamp = objects_and_lamps.lamp_around(subject, _LAMP)
+        shots += [
+            shadow_reference.Shot(subject, view, (lamp,), background, shading, self_shadows=own)
+            for own in (True, False)
+        ]
+    return shadow_reference.row(size, shots)
+
+
 FIGURE = Figure(
     id="F003-12",
     title="Self-shadowing",
@@ -145,4 +157,5 @@ FIGURE = Figure(
     },
     methods=(Method("shadow volumes", scene, ("OPENGL_1_2", "GEFORCE_256")),),
     acceptance=checks,
+    reference=reference,
 )

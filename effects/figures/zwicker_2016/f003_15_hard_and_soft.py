@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance import agreement
+from fixedpipe.effects.acceptance import agreement, shadow_reference
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.acceptance.ray_caster import seen_fraction
@@ -154,6 +154,16 @@ def _against_rays(figure, renderer, size):
     )
 
 
+def reference(size, *, width, points, measured, shading, background):
+    """The shadows by rays: to the point light, and to every point of the square one."""
+    panel = row_of_panels(1, size)[0]
+    thing, view, lamp = _shown(measured, panel, size)
+    lights = (lamp,), tuple(lamps_of(lamp, width, _points(points, size)))
+    return shadow_reference.row(
+        size, [shadow_reference.Shot(thing, view, lamps, background, shading) for lamps in lights]
+    )
+
+
 FIGURE = Figure(
     id="F003-15",
     title="Hard and soft shadows",
@@ -180,4 +190,5 @@ FIGURE = Figure(
     },
     methods=(Method("shadow volumes", scene, ("OPENGL_1_2", "GEFORCE_256", "INFINITE_REALITY")),),
     acceptance=checks,
+    reference=reference,
 )

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance import agreement
+from fixedpipe.effects.acceptance import agreement, shadow_reference
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
@@ -74,6 +74,20 @@ def make(profile, size, *, ratio, factor, units, filtered, shading, marks):
     if marks:
         out += (*marked_points(still_life_view(near)), *distances(lamp_view(afar), light))
     return tuple(out)
+
+
+def reference(size, *, shading, marks, **_):
+    """The still life's shadows by rays, under the same marks."""
+    near, afar = row_of_panels(2, size)
+    scene, light = still_life_and_lamp(size)
+    views = still_life_view(near), lamp_view(afar)
+    picture = shadow_reference.row(
+        size, [shadow_reference.Shot(scene, view, (light,), shading=shading) for view in views]
+    )
+    if not marks:
+        return picture
+    drawn = (drawing.load_font(), *marked_points(views[0]), *distances(views[1], light))
+    return shadow_reference.overlaid(picture, drawn)
 
 
 _SIZE = 256
@@ -190,4 +204,5 @@ FIGURE = Figure(
     },
     methods=(Method("depth texture times the light", make, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
     acceptance=checks,
+    reference=reference,
 )

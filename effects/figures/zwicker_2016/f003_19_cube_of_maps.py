@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance import agreement
+from fixedpipe.effects.acceptance import agreement, shadow_reference
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
@@ -42,6 +42,16 @@ def frustum_lines(face, reach):
 _SQUARE = ((-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1))
 
 
+def _over(view, number, one, frusta):
+    """What a panel shows over the room: where the light is, and lines that bound fields of view."""
+    out = [draw_object("where the light is", lit_room.bulb(), view, depth_test=FIRST_PASS)]
+    if frusta and number < 2:
+        faces, reach = ((one,), _to_wall(one)) if number == 0 else (cube_of_maps.FACES, _CUBE)
+        lines = [line for face in faces for line in frustum_lines(face, reach)]
+        out.append(drawing.strokes("the maps' fields of view", view, lines, _LINES, width=0.8, alpha=0.8))
+    return out
+
+
 def scene(profile, size, *, shading, ratio, one, background, frusta):
     """F003-19: a room lit through one map, through six, and which of them lights what."""
     room, row, edge = lit_room.lit_room(detail_of(size)), row_of_panels(3, size), map_edge(size, ratio)
@@ -66,11 +76,7 @@ def scene(profile, size, *, shading, ratio, one, background, frusta):
             ),
         )
         if shading is SceneShading.LIT:
-            out.append(draw_object("where the light is", lit_room.bulb(), view, depth_test=FIRST_PASS))
-        if shading is SceneShading.LIT and frusta and number < 2:
-            faces, reach = ((one,), _to_wall(one)) if number == 0 else (cube_of_maps.FACES, _CUBE)
-            lines = [line for face in faces for line in frustum_lines(face, reach)]
-            out.append(drawing.strokes("the maps' fields of view", view, lines, _LINES, width=0.8, alpha=0.8))
+            out += _over(view, number, one, frusta)
     return tuple(out)
 
 
@@ -183,6 +189,36 @@ def _beside_another(face):
     return out
 
 
+def reference(size, *, shading, ratio, one, background, frusta):
+    """The room's shadows by rays; in the first panel where one map's field of view is, alone."""
+    room, row = lit_room.lit_room(detail_of(size)), row_of_panels(3, size)
+    view = lit_room.lit_room_view(row[0])
+    lamp = cube_of_maps.face_lamp(lit_room.LAMP, one, 0.05, 10.0)
+    parts = parted_shadow_maps.parts_of_cube(room, lit_room.LAMP, view, map_edge(size, ratio))
+
+    def inside(points):
+        return cube_of_maps.face_of(points - np.array(lit_room.LAMP)) == cube_of_maps.FACES.index(one)
+
+    tinted = tuple(
+        (part.planes, parted_shadow_maps.tinted(room, tint)) for part, tint in zip(parts, TINTS, strict=True)
+    )
+    ground = background if shading is SceneShading.LIT else (0.0, 0.0, 0.0)
+    shots = [
+        shadow_reference.Shot(room, view, (lamp,), ground, shading, reached=inside),
+        shadow_reference.Shot(room, view, (lamp,), ground, shading),
+        shadow_reference.Shot(room, view, (lamp,), ground, shading, parts=tinted),
+    ]
+    picture = shadow_reference.row(size, shots)
+    if shading is not SceneShading.LIT:
+        return picture
+    drawn = [
+        c
+        for number, panel in enumerate(row)
+        for c in _over(lit_room.lit_room_view(panel), number, one, frusta)
+    ]
+    return shadow_reference.overlaid(picture, drawn)
+
+
 FIGURE = Figure(
     id="F003-19",
     title="A cube of six shadow maps",
@@ -212,4 +248,5 @@ FIGURE = Figure(
     },
     methods=(Method("depth textures and clip planes", scene, ("GEFORCE_3", "NV2A")),),
     acceptance=checks,
+    reference=reference,
 )

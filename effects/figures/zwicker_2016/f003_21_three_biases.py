@@ -1,6 +1,6 @@
 """F003-21: not enough bias, the right one, too much (Z12)."""
 
-from fixedpipe.effects.acceptance import agreement
+from fixedpipe.effects.acceptance import agreement, shadow_reference
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.map_bias import acne, gap, shadows_under_offsets
 from fixedpipe.effects.figures import parameters as word
@@ -46,6 +46,13 @@ def checks(figure, renderer):
         )
 
 
+def reference(size, *, offsets, shading, **_):
+    """The shadows by rays, which need no bias: the same in every panel."""
+    scene, lamp = ring_and_board(size)
+    shot = shadow_reference.Shot(scene, board_view(Panel(0, 0, size, size)), (lamp,), shading=shading)
+    return shadow_reference.row(size, [shot] * len(offsets))
+
+
 FIGURE = Figure(
     id="F003-21",
     title="Bias: not enough, correct, too much",
@@ -77,4 +84,5 @@ FIGURE = Figure(
         ),
     ),
     acceptance=checks,
+    reference=reference,
 )

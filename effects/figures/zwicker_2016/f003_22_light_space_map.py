@@ -14,6 +14,7 @@ from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     others,
     panels_of,
     parts_for,
+    reference,
     scene,
     truth,
     wrong,
@@ -116,4 +117,5 @@ FIGURE = Figure(
     },
     methods=(Method("depth textures", scene, ("GEFORCE_3", "NV2A")),),
     acceptance=checks,
+    reference=reference,
 )

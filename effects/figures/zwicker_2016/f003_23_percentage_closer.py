@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance import agreement
+from fixedpipe.effects.acceptance import agreement, shadow_reference
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -174,6 +174,13 @@ def checks(figure, renderer):
     )  # fmt: skip
 
 
+def reference(size, *, shading, **_):
+    """The shadow by rays, the same in every panel: a point light's has a sharp edge."""
+    scene, lamp = scene_of(size)
+    shot = shadow_reference.Shot(scene, view_of(Panel(0, 0, size, size)), (lamp,), shading=shading)
+    return shadow_reference.row(size, [shot] * 3)
+
+
 FIGURE = Figure(
     id="F003-23",
     title="Percentage closer filtering",
@@ -201,4 +208,5 @@ FIGURE = Figure(
     },
     methods=(Method("four comparisons in a pass", make, ("GEFORCE_3", "NV2A")),),
     acceptance=checks,
+    reference=reference,
 )

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance import agreement, ray_caster
+from fixedpipe.effects.acceptance import agreement, ray_caster, shadow_reference
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
@@ -161,6 +161,14 @@ def checks(figure, renderer):
         )  # fmt: skip
 
 
+def reference(size, *, shading, **_):
+    """The final image's shadows by rays; the other panels have no reference."""
+    scene, light = still_life_and_lamp(size)
+    view = still_life_view(Panel(0, 0, size, size))
+    shot = shadow_reference.Shot(scene, view, (light,), shading=shading)
+    return shadow_reference.row(size, [shot, None, None, None])
+
+
 FIGURE = Figure(
     id="F003-24",
     title="Image, light's view, depth map, frustum",
@@ -186,4 +194,5 @@ FIGURE = Figure(
     },
     methods=(Method("depth texture times the light", make, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
     acceptance=checks,
+    reference=reference,
 )

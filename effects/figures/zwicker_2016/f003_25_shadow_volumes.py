@@ -4,6 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import shadow_reference
 from fixedpipe.effects.acceptance.agreement import cosines, silhouettes
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.diagrams import drawing
@@ -171,6 +172,13 @@ def checks(figure, renderer):
     yield from panel_checks(figure, renderer, *known, volumes)
 
 
+def reference(size, *, light, background, **_):
+    """The third panel's shadows by rays; the others have no reference."""
+    objects, view = solids(detail_of(size)), camera(Panel(0, 0, size, size))
+    shot = shadow_reference.Shot(objects, view, (lamp_without_frustum(light),), background)
+    return shadow_reference.row(size, [None, None, shot])
+
+
 FIGURE = Figure(
     id="F003-25",
     title="Shadow volumes",
@@ -195,4 +203,5 @@ FIGURE = Figure(
     },
     methods=(Method("stencil buffer", scene, ("OPENGL_1_2", "GEFORCE_256", "OCTANE", "INFINITE_REALITY")),),
     acceptance=checks,
+    reference=reference,
 )

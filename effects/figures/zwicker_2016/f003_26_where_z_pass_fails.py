@@ -1,6 +1,6 @@
 """F003-26: where z-pass fails: the eye in shadow, and a near plane that cuts a shadow volume (Z25)."""
 
-from fixedpipe.effects.acceptance import ray_caster
+from fixedpipe.effects.acceptance import ray_caster, shadow_reference
 from fixedpipe.effects.acceptance.agreement import compare, lit_mask, truth_of
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures import parameters as word
@@ -138,6 +138,16 @@ def checks(figure, renderer):
                 )  # fmt: skip
 
 
+def reference(size, *, background, shading, **places):
+    """Both cases' shadows by rays, whatever algorithm a panel has."""
+    cases = (CASES[0], CASES[0], CASES[1], CASES[1], CASES[1])
+    shots = {}
+    for case in CASES:
+        objects, lamp, view = setting(case, Panel(0, 0, size, size), detail_of(size), **places)
+        shots[case] = shadow_reference.Shot(objects, view, (lamp,), background, shading)
+    return shadow_reference.row(size, [shots[case] for case in cases])
+
+
 FIGURE = Figure(
     id="F003-26",
     title="Where z-pass fails",
@@ -198,4 +208,5 @@ FIGURE = Figure(
         )
     ),
     acceptance=checks,
+    reference=reference,
 )

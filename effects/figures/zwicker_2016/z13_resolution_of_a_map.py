@@ -9,6 +9,7 @@ from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     WHOLE,
     others,
     panels_of,
+    reference,
     scene,
     shown_and_whole,
     wrong,
@@ -97,4 +98,5 @@ FIGURE = Figure(
     },
     methods=(Method("depth textures", scene, ("GEFORCE_3", "NV2A")),),
     acceptance=checks,
+    reference=reference,
 )

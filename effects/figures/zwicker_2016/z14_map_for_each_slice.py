@@ -14,6 +14,7 @@ from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     nearest_rows,
     others,
     panels_of,
+    reference,
     sliced_scene,
     truth,
     wrong,
@@ -125,4 +126,5 @@ FIGURE = Figure(
     },
     methods=(Method("depth textures and clip planes", sliced_scene, ("GEFORCE_3", "NV2A")),),
     acceptance=checks,
+    reference=reference,
 )

@@ -9,6 +9,7 @@ from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     nearest_rows,
     others,
     panels_of,
+    reference,
     scene,
     shown_and_whole,
     wrong,
@@ -112,4 +113,5 @@ FIGURE = Figure(
     },
     methods=(Method("depth textures and clip planes", scene, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
     acceptance=checks,
+    reference=reference,
 )

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import shadow_reference
 from fixedpipe.effects.acceptance.agreement import lit_mask, truth_of
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures import parameters as word
@@ -102,6 +103,15 @@ def checks(figure, renderer):
             )
 
 
+def reference(size, *, light, infinite, background, shading, **_):
+    """The first and the last panel's shadows by rays; counts have no reference."""
+    objects, view = still_life(detail_of(size)), still_life_view(Panel(0, 0, size, size))
+    shot = shadow_reference.Shot(
+        objects, view, (lamp_around(objects, light, infinite=infinite),), background, shading
+    )
+    return shadow_reference.row(size, [shot, None, None, shot])
+
+
 FIGURE = Figure(
     id="Z23",
     title="Shadow volumes by z-pass and z-fail",
@@ -134,4 +144,5 @@ FIGURE = Figure(
     },
     methods=(Method("stencil buffer", scene, ("OPENGL_1_2", "GEFORCE_256", "OCTANE", "INFINITE_REALITY")),),
     acceptance=checks,
+    reference=reference,
 )

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance import agreement, ray_caster
+from fixedpipe.effects.acceptance import agreement, ray_caster, shadow_reference
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.geometry.vectors import dot, normalize
@@ -103,6 +103,14 @@ def without_shadows(panel, *, lamp, background, shading):
         alpha.clear_window(view, background),
         *unlit_pass(scene, view, shading),
         *lit_pass(scene, view, light, shading),
+    )
+
+
+def by_rays(size, lamp, background, shading):
+    """What a figure's picture approximates: a Shot of the still life under its lamp."""
+    scene, light = lit_scene_of(size, lamp)
+    return shadow_reference.Shot(
+        scene, still_life_view(Panel(0, 0, size, size)), (light,), background, shading
     )
 
 

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance import agreement
+from fixedpipe.effects.acceptance import agreement, shadow_reference
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
@@ -112,9 +112,41 @@ def sliced_scene(profile, size, *, shading, panels, background, sun, mixture):
             ),
         )
         if magnified and look != NEAR_SHADOW:
-            outline = avenue.near_shadow_outline()
-            drawn.append(drawing.stroke("the part that is magnified", drawing.sheet(panel), outline, FRAME))
+            drawn.append(_frame(panel))
     return (*stored, *drawn)
+
+
+def _frame(panel):
+    """The outline of the part that other panels show magnified."""
+    outline = avenue.near_shadow_outline()
+    return drawing.stroke("the part that is magnified", drawing.sheet(panel), outline, FRAME)
+
+
+def reference(size, *, shading, panels, background, sun, mixture=frustum_slices.LAMBDA):
+    """The same panels with their shadows by rays, whatever map each has: a figure's ``reference``."""
+    things, row, shots = avenue.avenue(detail_of(size)), row_of_panels(len(panels), size), {}
+    for panel, (fit, ratio, slices, look) in zip(row, panels, strict=True):
+        if look in shots and look != TINTED:
+            continue
+        parts, view = parts_for(fit, ratio, slices, size, things, sun, mixture), camera_of(look, panel)
+        tinted = look == TINTED and tuple(
+            (part.planes, parted_shadow_maps.tinted(things, tint))
+            for part, tint in zip(parts, TINTS, strict=True)
+        )
+        shots[look] = shadow_reference.Shot(
+            things,
+            view,
+            (parts[0].camera,),
+            background if shading is SceneShading.LIT else (0.0, 0.0, 0.0),
+            shading,
+            parts=tinted or (),
+        )
+    picture = shadow_reference.row(size, [shots[look] for *_, look in panels])
+    looks = [look for *_, look in panels]
+    if NEAR_SHADOW not in looks or shading is not SceneShading.LIT:
+        return picture
+    framed = [_frame(panel) for panel, look in zip(row, looks, strict=True) if look != NEAR_SHADOW]
+    return shadow_reference.overlaid(picture, framed)
 
 
 @lru_cache(maxsize=4)
