@@ -357,16 +357,17 @@ class Visible:
         return self.triangle >= 0
 
 
-def primary_rays(view, rows=slice(None)):
+def primary_rays(view, pixels=None):
     """Rays through the pixels' centres of a ``views.View``, from the near to the far plane.
 
-    Origins and directions, float64 [h * w, 3], row by row from the bottom; they end at distance one.
-    ``rows``: a slice of the rows, h of them.
+    Origins and directions, float64 [n, 3]; they end at distance one. ``pixels``: their numbers, row by row
+    from the bottom, int64 [n]; None: all.
     """
     panel = view.panel
-    x = (np.arange(panel.width) + 0.5) / panel.width * 2.0 - 1.0
-    y = (np.arange(panel.height)[rows] + 0.5) / panel.height * 2.0 - 1.0
-    x, y = (a.ravel() for a in np.meshgrid(x, y))
+    pixels = np.arange(panel.width * panel.height) if pixels is None else pixels
+    row, column = np.divmod(pixels, panel.width)
+    x = (column + 0.5) / panel.width * 2.0 - 1.0
+    y = (row + 0.5) / panel.height * 2.0 - 1.0
     inverse = np.linalg.inv(np.array(view.projection) @ np.array(view.modelview))
 
     def at(z):

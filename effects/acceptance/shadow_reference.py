@@ -27,6 +27,10 @@ SAMPLES = 4
 # Rows of pixels that are cast at a time; they bound the memory (Measured: 40 MB a thread at 512 pixels) and
 # change no picture.
 _ROWS = 8
+# Colours of neighbours that are nearer than this need no more samples than their middles: where light only
+# bends, a pixel's mean is its middle's but for less. Measured: of F003-18's pixels, 35
+# are off by more than 1/255, the worst by 2/255.
+_NEARLY = 1.0 / 64.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,21 +78,55 @@ def rays(shot: Shot, *, samples: int = SAMPLES, threads: int | None = None) -> N
     if samples != int(samples) or samples < 1:
         raise ValueError(f"The samples along a pixel's edge are {samples!r}; give a whole number from 1.")
     width, height = shot.view.panel.width, shot.view.panel.height
-    fine = replace(shot.view, panel=Panel(0, 0, samples * width, samples * height))
     caster = ray_caster.scene_caster(shot.scene)
     scenes = [scene for _, scene in shot.parts] or [shot.scene]
     light = [_Lighting(scene, shot) for scene in scenes]
     out = np.ones((height, width, 4))
 
-    def strip(first: int) -> None:
-        end = min(first + _ROWS, height)
-        colors = _samples(shot, caster, light, fine, slice(samples * first, samples * end), samples)
-        grid = colors.reshape(end - first, samples, width, samples, 3)
-        out[first:end, :, :3] = grid.mean(axis=(1, 3))
+    def cast(samples: int, chosen: NDArray[np.bool_]) -> NDArray[np.int64]:
+        """The chosen pixels' colours into ``out``, and what is seen in each's first sample."""
+        fine = replace(shot.view, panel=Panel(0, 0, samples * width, samples * height))
+        seen = np.zeros((height, width), np.int64)
 
-    with ThreadPoolExecutor(threads or os.cpu_count() or 1, "fixedpipe-rays") as pool:
-        list(pool.map(strip, range(0, height, _ROWS)))
+        def strip(first: int) -> None:
+            here = np.s_[first : first + _ROWS]
+            repeated = chosen[here].repeat(samples, axis=0).repeat(samples, axis=1)
+            places = np.nonzero(repeated.ravel())[0] + samples * first * fine.panel.width
+            colors, kinds = _samples(shot, caster, light, fine, places, samples)
+            grid = np.zeros((*repeated.shape, 3))
+            grid[repeated] = colors
+            mean = grid.reshape(-1, samples, width, samples, 3).mean(axis=(1, 3))
+            out[here][chosen[here], :3] = mean[chosen[here]]
+            if samples == 1:
+                seen[here] = kinds.reshape(-1, width)
+
+        with ThreadPoolExecutor(threads or os.cpu_count() or 1, "fixedpipe-rays") as pool:
+            list(pool.map(strip, range(0, height, _ROWS)))
+        return seen
+
+    everywhere = np.ones((height, width), np.bool_)
+    if len(shot.lamps) > 1 or samples == 1:
+        cast(samples, everywhere)
+    else:
+        seen = cast(1, everywhere)
+        cast(samples, _differing(seen, out))
     return out[::-1]
+
+
+def _differing(seen: NDArray[np.int64], colors: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Pixels beside one, in eight directions, that shows another thing, or has light where it has shadow, or
+    a colour that is not nearly the same: bool [h, w]. In the others sixteen samples are their middle one's.
+    """
+    out = np.zeros(seen.shape, np.bool_)
+    for dy, dx in ((0, 1), (1, 0), (1, 1), (1, -1)):
+        before = np.s_[: len(seen) - dy, max(-dx, 0) : seen.shape[1] - max(dx, 0)]
+        after = np.s_[dy:, max(dx, 0) : seen.shape[1] - max(-dx, 0)]
+        apart = (seen[before] != seen[after]) | (
+            np.abs(colors[before] - colors[after]).max(axis=-1) > _NEARLY
+        )
+        out[before] |= apart
+        out[after] |= apart
+    return out
 
 
 def row(size: int, pictures: Sequence[NDArray[np.float64] | Shot | None]) -> NDArray[np.float64]:
@@ -162,9 +200,11 @@ def _light_at_corners(thing: Object, view: View, lamp: Lamp, side: float) -> NDA
     return np.minimum(np.array(LAMP_COLOR[:3]) * strength, 1.0)[surface.triangles]
 
 
-def _samples(shot, caster, light, fine, rows, samples) -> NDArray[np.float64]:
-    """RGB of some rows of samples of the view ``fine``, row by row from the bottom: float64 [n, 3]."""
-    origins, directions = ray_caster.primary_rays(fine, rows)
+def _samples(shot, caster, light, fine, places, samples) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """RGB of some samples, ``places``: numbers of the pixels of the view ``fine``: float64 [n, 3]; and the
+    number of what each sees, another where it is lit: int64 [n].
+    """
+    origins, directions = ray_caster.primary_rays(fine, places)
     hits = caster.nearest(origins, directions, 1.0)
     colors = np.empty((len(origins), 3))
     colors[:] = shot.background
@@ -174,7 +214,7 @@ def _samples(shot, caster, light, fine, rows, samples) -> NDArray[np.float64]:
     normals = caster.normals[triangles]
     behind = dot(normals, directions[seen]) > 0.0
     normals = np.where(behind[:, None], -normals, normals)
-    y, x = np.divmod(seen, fine.panel.width)
+    y, x = np.divmod(places[seen], fine.panel.width)
     turn = (y % samples) * samples + x % samples
     part = _parts_of(shot, points)
     each = len(light[0].lit)
@@ -204,7 +244,9 @@ def _samples(shot, caster, light, fine, rows, samples) -> NDArray[np.float64]:
     if shot.in_shadow is not None:
         lit = np.minimum(unlit + whole / asked, 1.0) * (shot.in_shadow + (1.0 - shot.in_shadow) * share)
     colors[seen] = np.minimum(lit, 1.0)
-    return colors
+    kinds = np.full(len(origins), -1)
+    kinds[seen] = 2 * caster.objects[triangles] + (reached > 0.0)
+    return colors, kinds
 
 
 def _arrives(shot, caster, lamp, points, normals, triangles) -> NDArray[np.bool_]:
