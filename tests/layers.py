@@ -99,7 +99,7 @@ PACKAGES = {
     },
     "effects/acceptance": {
         "raster": "kernel",
-        "pipeline": "enums execution ideal",
+        "pipeline": "enums commands execution ideal",
         "effects": "geometry scenes reflectance shadows",
     },
     "effects/diagrams": {

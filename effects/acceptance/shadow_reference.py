@@ -4,6 +4,9 @@ Rays find what is seen at sixteen places of each pixel and whether the lamp reac
 what OpenGL computes at the vertices of the triangle (the lighting of
 ``fixedpipe.effects.shadows.lit_scene``), interpolated as it interpolates it, in float64. So a machine's
 picture differs where its shadows err, and where edges are stairs because a pixel has one sample.
+
+Rays meet flat triangles: where light grazes something round, a triangle that is turned away is dark though
+its vertices' normals are not, and a map with a bias has it lit.
 """
 
 import os

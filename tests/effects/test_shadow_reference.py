@@ -11,6 +11,7 @@ from fixedpipe.effects.figures import FIGURES
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp, Object, Scene, floor
+from fixedpipe.effects.scenes.still_life import still_life_and_lamp, still_life_view
 from fixedpipe.effects.shadows.lit_scene import SceneShading, lit_pass, unlit_pass
 from fixedpipe.pipeline import execute_ideal
 
@@ -123,3 +124,70 @@ def test_a_reference_shows_the_figures_scene(figure_id):
 
     # Edges, shadows and what an algorithm gets wrong; upside down or mirrored all of the scene would differ.
     assert apart(reference) < 0.8 * min(apart(reference[::-1]), apart(reference[:, ::-1]))
+
+
+@pytest.mark.parametrize("two_sided", [False, True])
+def test_highlights_and_backs_are_the_ideals(two_sided):
+    size = 160
+    scene, lamp = still_life_and_lamp(size)
+    scene = Scene(tuple(replace(thing, two_sided=two_sided) for thing in scene.objects))
+    camera = still_life_view(Panel(0, 0, size, size))
+    commands = (
+        camera.panel.clear((0.0, 0.0, 0.0)),
+        *unlit_pass(scene, camera),
+        *lit_pass(scene, camera, lamp),
+    )
+    ideal = np.minimum(execute_ideal(commands, size, size).color[..., :3], 1.0)
+    cast = shadow_reference.rays(Shot(scene, camera, (lamp,), shadows=False), samples=1)[..., :3]
+    # The ideal's vertices lie on a grid of fractions of a pixel: outlines, and light on what is small, move.
+    off = np.abs(cast - ideal).max(axis=-1)
+    assert np.median(off) < 1e-4
+    assert (off < 1.0 / 255.0).mean() > 0.98
+    assert cast.max() == pytest.approx(ideal.max(), abs=0.01)
+
+
+def test_a_share_of_all_light_stays_where_one_pass_draws_both():
+    scene, lamp = still_life_and_lamp(32)
+    lit = Shot(scene, still_life_view(Panel(0, 0, 32, 32)), (lamp,))
+    whole, kept = (
+        shadow_reference.rays(replace(lit, **changes)) for changes in ({"shadows": False}, {"in_shadow": 0.4})
+    )
+    dark = shadow_reference.rays(replace(lit, shading=SceneShading.MASK))[..., 0] == 0.0
+    assert dark.any()
+    np.testing.assert_allclose(kept[dark][:, :3], 0.4 * whole[dark][:, :3], atol=1e-12)
+
+
+def test_an_objects_own_shadow_is_left_out_where_it_is_asked():
+    # From the side of the plate, so that it shades a second plate of the same object, and the floor.
+    both = surfaces.joined(PLATE.surface, PLATE.surface.moved(0.0, -1.0, 0.0))
+    scene = Scene((GROUND, Object("plates", both, (0.5, 0.5, 0.5))))
+    side = Lamp((2.0, 3.0, 0.0), (0.0, 1.0, 0.0), 0.5, 8.0, infinite=True, half_width=2.0)
+    masks = [
+        shadow_reference.rays(
+            Shot(
+                scene,
+                side.view(Panel(0, 0, SIZE, SIZE)),
+                (LAMP,),
+                shading=SceneShading.MASK,
+                self_shadows=own,
+            )
+        )[..., 0]
+        for own in (True, False)
+    ]
+    assert (masks[1] >= masks[0]).all()
+    assert (masks[1] > masks[0]).any()
+    assert (masks[1] == 0.0).any()  # the floor's stays
+
+
+@pytest.mark.parametrize("figure_id", ["F003-22", "Z16"])
+def test_a_reference_moves_with_its_parameters(figure_id):
+    figure, sun = FIGURES[figure_id], (-0.72, 0.5, 0.36)
+    own, moved = figure.reference_picture(32), figure.reference_picture(32, sun=sun)
+    drawn = figure.render(figure.machines[0], 32, sun=sun).ideal.color[..., :3]
+    near, far = (np.sqrt(np.mean((drawn - r[..., :3]) ** 2)) for r in (moved, own))
+    assert near < 0.9 * far
+
+
+def test_the_points_of_a_picture_of_a_square_light_leave_its_reference_alone():
+    figure = FIGURES["F003-15"]
+    assert (figure.reference_picture(16, points=1) == figure.reference_picture(16)).all()
