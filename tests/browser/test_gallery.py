@@ -382,6 +382,31 @@ def test_an_address_is_shown_as_it_was_left(visit):
     assert page.url == address and loupe(page)[0] == (20, 11)
 
 
+def test_a_view_is_kept_where_no_machine_was_chosen(visit):
+    page = stage(visit("#F003-21"))
+    press(page, "4")
+    assert address_has(page, "#F003-21/difference")
+    page.reload()
+    stage(page)
+    assert is_pressed(page, "difference")
+    press(page, "ArrowRight")
+    page.wait_for_function("document.querySelector('h1').textContent.includes('K12')")
+    assert page.url.endswith("#K12/difference")
+
+
+def test_the_pixel_of_an_address_is_in_the_middle_of_what_is_seen(visit):
+    page = stage(visit(FIGURE + "?zoom=16&at=101|30", width=700))
+    cross, box = page.locator(".cross").bounding_box(), page.locator(".stage").bounding_box()
+    assert box["x"] <= cross["x"] <= box["x"] + box["width"] - cross["width"]
+
+
+def test_a_figure_that_the_gallery_has_not_is_said_until_something_is_sought(visit):
+    page = visit("#F009-1/GEFORCE_3/difference")
+    assert "no figure F009-1 in this gallery" in page.inner_text(".nothing") and len(ids(page)) > 1
+    page.fill("#search", "zwicker")
+    assert page.locator(".nothing").count() == 0
+
+
 def test_a_figure_is_opened_left_and_come_back_to(visit):
     page = visit("#?q=zwicker")
     page.click(".card a >> nth=0")

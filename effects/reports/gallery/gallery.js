@@ -68,7 +68,7 @@ const finishAddress = () => { if (isAddressLate) writeAddress(); };
 
 // Changes what is shown.
 function set(changes) {
-  now = { ...now, ...changes };
+  now = { ...now, missing: "", ...changes };
   follows();
   show();
 }

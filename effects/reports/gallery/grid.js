@@ -93,6 +93,7 @@ function makeGrid(set) {
     clear.hidden = OF_GRID.every((key) => written(state[key]) === written(DEFAULTS[key]));
     const byPaper = groupBy(found, (f) => f.paper);
     sections.replaceChildren(
+      ...(state.missing ? [el("p", { class: "nothing" }, `There is no figure ${state.missing} in this gallery. Here are those that there are; fixedpipe figures ID adds one.`)] : []),
       ...[...byPaper].map(([key, figures]) =>
         el("section", { "aria-label": INDEX.papers[key].title || key }, paperHeading(key, figures.length),
           el("ul", { class: "cards" }, figures.map((figure) => cardOf(figure, state)),

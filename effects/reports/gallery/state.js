@@ -3,6 +3,7 @@
 
 const DEFAULTS = {
   id: "", machine: "", view: "machine", // a figure; no id: the grid
+  missing: "", // the figure that the address asked for and this gallery has not
   other: "", // the machine that is B of A and B
   how: "one", // one picture, "wipe" or "pair"
   against: "", // the view that a wipe or a pair has beside it
@@ -51,11 +52,15 @@ function decoded(text) {
 
 function stateOf(address) {
   const [path, query = ""] = address.replace(/^#/, "").split(/\?(.*)/s);
-  const [id = "", machine = "", view = "machine"] = path ? path.split("/").map(decoded) : [];
-  const state = { ...DEFAULTS, ...(FIGURES.has(id) ? { id, machine, view } : {}) };
+  const [id = "", ...rest] = path ? path.split("/").map(decoded) : [];
+  // ID/view is the view on the figure's first machine, as addresses are written where none was chosen.
+  const machine = rest.find((part) => !(part in VIEWS)) || "", view = rest.find((part) => part in VIEWS) || DEFAULTS.view;
+  const state = { ...DEFAULTS, ...(FIGURES.has(id) ? { id, machine, view } : { missing: id }) };
   for (const [key, text] of new URLSearchParams(query)) {
     if ([...OF_GRID, ...OF_FIGURE].includes(key)) state[key] = readAs(DEFAULTS[key], text);
   }
+  // A pixel that an address names is seen, also where it does not say what is in the middle.
+  if (state.zoom && !state.centre) state.centre = state.at;
   return state;
 }
 
