@@ -26,9 +26,10 @@ def figures(figure_ids, list_only, check, out, png, profile, size, settings, thr
     """Render figures (all, or those with the given IDs): machine, ideal, and their difference made visible.
 
     Writes a gallery, index.html, with a JSON file for each figure and its pictures, the cheapest figures
-    first. Of all figures, --profile takes those that the machine can draw. With --set a figure is a variant,
-    whose files have names of their own and say what was changed. PNG files have 16 bits a component where
-    the machine has more than 8; a difference of nothing has no file.
+    first. What the folder has of a figure is replaced, with all of its machines. Of all figures, --profile
+    takes those that the machine can draw. With --set a figure is a variant, whose files have names of their
+    own and say what was changed. PNG files have 16 bits a component where the machine has more than 8; a
+    difference of nothing has no file.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.cli.options import changes_of
