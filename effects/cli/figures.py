@@ -1,5 +1,6 @@
 """``fixedpipe figures``: render figures on a machine and on the ideal, check them, and make a gallery."""
 
+import itertools
 import json
 import sys
 from contextlib import contextmanager
@@ -78,12 +79,13 @@ def figures(figure_ids, list_only, check, out, png, profile, size, settings, thr
             click.echo(f"{own}. {known.does}", err=True)
     announce_compiling()
     click.echo(_plan(chosen, machines, check, own_sizes=size is None and not settings), err=True)
-    from fixedpipe.effects.reports.figure_files import set_aside, tidy, write_figure
+    from fixedpipe.effects.reports.figure_files import files_of, set_aside, tidy, write_figure
     from fixedpipe.effects.reports.figure_record import render, steps
 
     if former := set_aside(folder, FIGURES):
         click.echo(f"{count(former, 'record')} of an earlier version now end in .former.", err=True)
-    records = {}
+    before = itertools.chain.from_iterable(files_of(folder, FIGURES))
+    before, records = list(before), {}
     with _progress(sum(steps(figure, machines[figure.id], check) for figure in chosen)) as step:
         for figure in cheapest_first(chosen):
             changed = changes[figure.id]
@@ -98,7 +100,7 @@ def figures(figure_ids, list_only, check, out, png, profile, size, settings, thr
     passed, failed = _print_checks(records, only_failed=not figure_ids)
     if check:
         click.echo(f"{count(passed, 'acceptance check')} passed.")
-    number, size = tidy(folder, FIGURES)
+    number, size = tidy(folder, FIGURES, before)
     kept = f"{count(number, 'figure')} in {folder}, {size / 1e6:.1f} MB"
     click.echo(f"{kept}; open {folder / 'index.html'}")
     if failed:

@@ -334,6 +334,12 @@ class Figure:
             raise ValueError(
                 f"{self.id}'s reference has the shape {picture.shape}; it must be {(height, width, 4)}."
             )
+        if not np.isfinite(picture).all():
+            y, x, channel = np.argwhere(~np.isfinite(picture))[0].tolist()
+            raise ValueError(
+                f"{self.id}'s reference holds {picture[y, x, channel]} at column {x}, row {y}; give finite "
+                "colours, and alpha 0 where there is none."
+            )
         return picture
 
     def _scene_values(self, method: Method, changes: Mapping[str, Any]) -> dict[str, Any]:

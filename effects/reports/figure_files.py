@@ -7,6 +7,7 @@ pictures/DIGEST.js      a picture without loss, as a script (fixedpipe.effects.r
 pictures/DIGEST.webp    reduced, for the page without script and for passes; DIGEST-480.webp for the grid
 """
 
+import itertools
 import json
 import os
 import re
@@ -22,7 +23,7 @@ INDEX, RECORDS, PICTURES = "index.html", "records", "pictures"
 _PICTURE = re.compile(r"([0-9a-f]{16})(?:\.js|\.webp|-480\.webp)")
 # What records of the former layout say, and no others.
 _FORMER = b'"difference_gain": '
-_NAMED = re.compile(r'"(?:digest|finer|preview)": "([0-9a-f]{16})"')
+_NAMES = ("digest", "finer", "preview")
 
 
 def write_figure(folder, rendered, figures, named=None, threads=None):
@@ -37,7 +38,7 @@ def write_figure(folder, rendered, figures, named=None, threads=None):
     """
     record = rendered.record
     pictures, records = writable_folder(folder / PICTURES), writable_folder(folder / RECORDS)
-    new = [(name, data) for name, data in rendered.pictures.files() if not (pictures / name).is_file()]
+    new = [(name, data) for name, data in rendered.pictures.files() if not _is_whole(pictures / name)]
     with ThreadPoolExecutor(threads or os.cpu_count()) as pool:  # Python waits while WebP is coded
         for (name, _), data in zip(new, pool.map(lambda file: file[1](), new), strict=True):
             write_whole(pictures / name, data)
@@ -57,42 +58,69 @@ def set_aside(folder, figures):
     number = 0
     for path in _records(folder):
         if path.stem.partition("+")[0] in figures and _FORMER in path.read_bytes():
-            path.rename(path.with_name(f"{path.name}.former"))
+            path.rename(_free(path.with_name(f"{path.name}.former")))
             number += 1
     return number
 
 
-def digests_in(text):
-    """Every digest that a record names, as its JSON file's text has it: a set."""
-    return set(_NAMED.findall(text))
+def _free(path):
+    """The path, or with a number behind it the first that is not there."""
+    numbered = (path.with_name(f"{path.name}.{number}") for number in itertools.count(2))
+    return next(p for p in itertools.chain((path,), numbered) if not p.exists())
+
+
+def _is_whole(path):
+    """Whether a picture's file is there and as long as it says, or ends as a script does."""
+    try:
+        data = path.read_bytes()
+    except OSError:
+        return False
+    if path.suffix == ".js":
+        return data.endswith(b")\n")
+    return data[:4] == b"RIFF" and int.from_bytes(data[4:8], "little") + 8 == len(data)
+
+
+def digests_in(record):
+    """Every digest that a record names, or a part of it: a set."""
+    if isinstance(record, dict):
+        own = {record[name] for name in _NAMES if isinstance(record.get(name), str)}
+        return own.union(*map(digests_in, record.values()))
+    return set().union(*map(digests_in, record)) if isinstance(record, list) else set()
 
 
 def files_of(folder, figures):
     """The files of the gallery in ``folder``: its page, the records of ``figures`` and of their variants, and
     those in its own two folders whose names are of the form above and that a record names. Second, those of
-    that form that none names.
+    that form that none names; no picture where a record cannot be read, for it may name it.
     """
     records = [path for path in _records(folder) if path.stem.partition("+")[0] in figures]
-    named, ours, stale = set(), [folder / INDEX, *records], []
+    named, ours, stale, readable = set(), [folder / INDEX, *records], [], True
     for path in _records(folder):
-        with suppress(ValueError, OSError):
-            named |= digests_in(path.read_text())
+        try:
+            named |= digests_in(json.loads(path.read_bytes()))
+        except (ValueError, OSError, RecursionError):
+            readable = False
     stems = {path.stem for path in records}
     for path in sorted((folder / RECORDS).glob("*.js")):
         if path.stem.partition("+")[0] in figures:
             (ours if path.stem in stems else stale).append(path)
     for path in sorted((folder / PICTURES).glob("*")):
         if form := _PICTURE.fullmatch(path.name):
-            (ours if form[1] in named else stale).append(path)
+            if form[1] in named:
+                ours.append(path)
+            elif readable:
+                stale.append(path)
     return [path for path in ours if path.is_file()], [path for path in stale if path.is_file()]
 
 
-def tidy(folder, figures):
-    """Remove the pictures and records of the gallery that no record names any more; returns how many figures
-    and variants there are, and how many bytes their files are.
+def tidy(folder, figures, before):
+    """Remove the pictures and records of the gallery that no record names any more, of the files ``before``:
+    those that were there when the run began (``files_of``), as another run may just write pictures whose
+    record is yet to come. Returns how many figures and variants there are, and how many bytes their files
+    are.
     """
     ours, stale = files_of(Path(folder), figures)
-    for path in stale:
+    for path in set(stale) & set(before):
         with suppress(OSError):
             path.unlink()
     number = sum(path.suffix == ".json" for path in ours)
@@ -100,4 +128,4 @@ def tidy(folder, figures):
 
 
 def _records(folder):
-    return sorted(folder.glob("*.json"))
+    return sorted(path for path in folder.glob("*.json") if path.is_file())

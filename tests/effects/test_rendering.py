@@ -177,6 +177,11 @@ def test_a_figure_s_reference_is_of_its_values_and_compared_where_it_has_any(dra
     broken = replace(FIGURE, reference=lambda size, **_: np.zeros((size, size, 4)))
     with pytest.raises(ValueError, match=r"reference has the shape \(16, 16, 4\); it must be \(16, 32, 4\)"):
         broken.reference_picture(SIZE)
+    unknown = np.ones((SIZE, 2 * SIZE, 4))
+    unknown[3, 5, 1] = np.nan
+    broken = replace(FIGURE, reference=lambda size, **_: unknown)
+    with pytest.raises(ValueError, match="holds nan at column 5, row 3; give finite colours"):
+        broken.reference_picture(SIZE)
 
 
 def test_what_has_twelve_bits_is_kept_in_sixteen(tmp_path):

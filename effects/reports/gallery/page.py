@@ -26,7 +26,7 @@ def gallery(folder, figures):
     records, summaries, plain_pages, docs = [], [], [], _documents_from(folder)
     for figure_id in figures:
         own = folder / f"{figure_id}.json"
-        for path in (*([own] if own.is_file() else ()), *sorted(folder.glob(f"{figure_id}+*.json"))):
+        for path in filter(Path.is_file, (own, *sorted(folder.glob(f"{figure_id}+*.json")))):
             try:
                 record = json.loads(path.read_text())
                 summaries.append(_summary(record))

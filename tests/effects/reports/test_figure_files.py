@@ -1,5 +1,6 @@
 """The gallery's folder: what a record says and names, that nothing is there twice, and what goes."""
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -119,7 +120,7 @@ def test_the_first_machine_of_each_method_has_previews_and_passes(drawn):
 
 
 def test_nothing_is_written_that_no_record_names(drawn):
-    named = digests_in((drawn / "out" / "F004-2.json").read_text())
+    named = digests_in(json.loads((drawn / "out" / "F004-2.json").read_text()))
     assert {Path(name).name[:16] for name in files(drawn / "out") if name.startswith("pictures/")} == named
     assert files(drawn / "out") - {name for name in files(drawn / "out") if name.startswith("pictures/")} == {
         "index.html",
@@ -147,9 +148,14 @@ def test_what_is_there_is_not_written_again(tmp_path):
     small = "--size", 8, "--profile", "GEFORCE_256", "--out", tmp_path
     run("figures", "K12", *small)
     (picture,) = (tmp_path / "pictures").glob("*-480.webp")
-    picture.write_bytes(b"marked")
+    marked = b'marked")\n' if picture.suffix == ".js" else b"RIFF\x06\x00\x00\x00marked"
+    picture.write_bytes(marked)
     run("figures", "K12", *small)
-    assert picture.read_bytes() == b"marked"
+    assert picture.read_bytes() == marked
+    for damaged in (b"", marked[:-1]):
+        picture.write_bytes(damaged)
+        run("figures", "K12", *small)
+        assert len(picture.read_bytes()) > len(marked)
 
 
 def test_what_no_record_names_goes_and_what_is_not_ours_stays(tmp_path):
@@ -158,8 +164,8 @@ def test_what_no_record_names_goes_and_what_is_not_ours_stays(tmp_path):
 
     draw("K02", 8)
     draw("K12", 8)
-    before, other = files(tmp_path), digests_in((tmp_path / "K02.json").read_text())
-    first = digests_in((tmp_path / "K12.json").read_text()) - other
+    before, other = files(tmp_path), digests_in(json.loads((tmp_path / "K02.json").read_text()))
+    first = digests_in(json.loads((tmp_path / "K12.json").read_text())) - other
     foreign = [
         "K12-GEFORCE_256.png",  # of a gallery's former layout
         "notes.txt",
@@ -182,8 +188,30 @@ def test_what_no_record_names_goes_and_what_is_not_ours_stays(tmp_path):
     names = {Path(name).name[:16] for name in now - set(foreign)}
     assert not names & first and other <= names
     assert {name for name in before if name.startswith("pictures/") and Path(name).name[:16] in other} <= now
-    number, size = tidy(tmp_path, FIGURES)
+    late = tmp_path / "pictures" / "fedcba9876543210.js"
+    late.write_text("of another run, whose record is yet to come")
+    number, size = tidy(tmp_path, FIGURES, [tmp_path / name for name in now])
+    assert late.is_file()
     assert (number, size) == (2, sum((tmp_path / name).stat().st_size for name in now - set(foreign)))
+
+
+@pytest.mark.parametrize("spoil", [lambda text: text[:200], lambda text: "\udcff" + text, lambda text: "[1"])
+def test_no_picture_goes_where_a_record_cannot_be_read(tmp_path, spoil):
+    run("figures", "K02", "--size", 8, "--profile", "GEFORCE_256", "--out", tmp_path)
+    record = tmp_path / "K02.json"
+    record.write_bytes(spoil(record.read_text()).encode(errors="surrogateescape"))
+    before = files(tmp_path)
+    tidy(tmp_path, FIGURES, [tmp_path / name for name in before])
+    assert {name for name in before if name.startswith("pictures/")} <= files(tmp_path)
+
+
+def test_a_record_may_be_formatted_otherwise(tmp_path):
+    run("figures", "K02", "--size", 8, "--profile", "GEFORCE_256", "--out", tmp_path)
+    record = tmp_path / "K02.json"
+    record.write_text(json.dumps(json.loads(record.read_text()), separators=(",", ":")))
+    before = files(tmp_path)
+    tidy(tmp_path, FIGURES, [tmp_path / name for name in before])
+    assert files(tmp_path) == before
 
 
 def test_records_of_the_former_layout_are_set_aside_and_kept(tmp_path):
@@ -198,6 +226,11 @@ def test_records_of_the_former_layout_are_set_aside_and_kept(tmp_path):
     assert "1 figure in" in done.stdout
     again = run("figures", "K12", "--size", 8, "--profile", "GEFORCE_256", "--out", tmp_path)
     assert "earlier" not in again.stderr
+    (tmp_path / "K02.json").write_text(former + " ")
+    (tmp_path / "K12+cells=9.json").mkdir()
+    run("figures", "K12", "--size", 8, "--profile", "GEFORCE_256", "--out", tmp_path)
+    assert (tmp_path / "K02.json.former").read_text() == former
+    assert (tmp_path / "K02.json.former.2").read_text() == former + " "
 
 
 def cleared(profile, size):
