@@ -89,7 +89,7 @@ def image_plane(lamp):
 
 def overview(panel):
     """The view of the left panel."""
-    return perspective_view(panel, (0.7, 4.6, 9.2), (-0.05, 1.42, 0.3), field_of_view=31.5, radius=5.0)
+    return perspective_view(panel, (0.7, 4.6, 9.2), (-0.17, 1.42, 0.3), field_of_view=31.5, radius=5.0)
 
 
 def _frustum(view, lamp):
@@ -126,7 +126,7 @@ def _camera(view, hidden):
             dash=drawing.DASH,
         ),
         drawing.dots("camera", view, CAMERA, BLUE),
-        drawing.text("camera", view, CAMERA, BLUE, align=(0, -1), offset=(0.0, 22.0)),
+        drawing.text("camera", view, CAMERA, BLUE, align=(0, -1), offset=(-6.0, 22.0)),
     )
 
 
@@ -155,13 +155,12 @@ def _overview(scene, view, lamp, profile, background):
         *_camera(view, hidden),
         *_rays(view, lamp, hidden),
         drawing.text(
-            "image\nplane",
+            "image plane",
             view,
-            image_plane(lamp)[0],
+            image_plane(lamp)[2],
             INK,
-            align=(0, 1),
-            offset=(-7.0, -4.0),
-            outline=background,
+            align=(-1, -1),
+            offset=(0.0, 4.0),
         ),
         drawing.text("lamp", view, lamp.position, YELLOW, align=(-1, 0), offset=(9.0, 3.0)),
         drawing.text("P", view, LIT, YELLOW, align=(0, 1), offset=(0.0, -4.0), outline=background),
@@ -203,7 +202,7 @@ def _map_panel(panel, lamp, background):
         drawing.text(
             verdict(lamp, "P", LIT, LIT), view, (0.0, low), YELLOW, align=(0, 1), offset=(0.0, -4.0)
         ),
-        drawing.text(verdict(lamp, "Q", hidden, HIDING), view, (0.0, -0.98), RED, align=(0, -1)),
+        drawing.text(verdict(lamp, "Q", hidden, HIDING), view, (0.0, -0.94), RED, align=(0, -1)),
     )
 
 

@@ -61,7 +61,7 @@ def _views(size):
     return (
         perspective_view(plot, (1.35, 1.25, 2.3), center=(0.5, -0.02, 0.46), field_of_view=36.0, radius=2.0),
         drawing.sheet(cut, half_height=0.42, center=(0.48, 0.0)),
-        drawing.sheet(errors, half_height=6.7, center=(-11.7, -8.2)),
+        drawing.sheet(errors, half_height=6.7, center=(-12.7, -8.2)),
     )
 
 
@@ -197,10 +197,16 @@ def _error_plot(view):
     for k, ratio in enumerate(ratios):
         middle = 0.5 * (places[k] + places[k + 1])
         out.append(drawing.text(f"÷ {ratio:.2f}", view, middle, INK, align=(-1, 1), offset=(6.0, 0.0)))
+    meant = "error's fall\nper halving"
+    out.append(drawing.text(meant, view, right, INK, align=(1, -1), offset=(0.0, 26.0)))
     for samples, place in zip(FINER, places, strict=True):
         mark = (place[0], corner[1])
         out.append(drawing.text(f"1/{samples}", view, mark, FAINT, align=(0, 1), offset=(0.0, -5.0)))
-    title = drawing.text("error of d_u, d_v", drawing.sheet(view.panel), (0.0, 0.92), INK)
+    for power in range(-12, -3, 2):
+        mark = (corner[0], float(power))
+        out.append(drawing.stroke("tick", view, (mark, (mark[0] - 0.25, mark[1])), FAINT))
+        out.append(drawing.text(f"2^{power}", view, mark, FAINT, align=(1, 0), offset=(-5.0, 0.0)))
+    title = drawing.text("largest error of d_u, d_v", drawing.sheet(view.panel), (0.0, 0.92), INK)
     return [*out, drawing.text("du", view, right, FAINT, align=(1, -1), offset=(0.0, 6.0)), title]
 
 

@@ -23,7 +23,7 @@ REPEATS, SAMPLES = (3, 2), 15
 RADIUS, HEIGHT = 1.0, 2.2
 RIM = 0.62
 # How long a normal is drawn, in units of the row and of the cylinder's radius.
-ARROW, LONGER = 0.2, 0.36
+ARROW, LONGER = 0.13, 0.30
 
 
 def half_cylinder(columns):
@@ -120,7 +120,7 @@ def _object_space(view):
     ]
     for place in (0.32, 0.72):
         foot, *axes = (axis[0] for axis in _frames(np.array([place])))
-        foot = foot + np.array([0.0, 1.1, 0.0])
+        foot = foot + np.array([0.0, 0.95, 0.0])
         for name, axis, color in zip("tbn", axes, (RED, GREEN, VIOLET), strict=True):
             drawn.append(drawing.arrow(name, view, (foot, foot + 0.42 * axis), color, width=2.0))
             drawn.append(drawing.text(name, view, foot + 0.53 * axis, color, outline=BACKGROUND))
@@ -254,7 +254,8 @@ FIGURE = Figure(
     ),
     must_see=(
         "The same fans of yellow arrows over a straight and over a bent line; the red, green and violet "
-        "frames turn with the surface; right six studs, each lit from the upper left."
+        "frames turn with the surface; right two studs from the front and four from aside, all lit from the "
+        "upper left."
     ),
     source="Zwicker2016",
     techniques=("Z03", "Z04", "Z07"),

@@ -35,6 +35,7 @@ def scene(profile, size, *, background):
     flat, solid = _views(size)
     foot, along_u, along_v, up = _arrows()
     beyond = along_u + along_v - foot
+    legend = drawing.sheet(solid.panel)
     square = PLACE + STEP * np.array([(1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
     return (
         drawing.load_font(),
@@ -50,11 +51,15 @@ def scene(profile, size, *, background):
         drawing.arrow("t = dx/du", solid, (foot, along_u), RED, width=2.6),
         drawing.arrow("b = dx/dv", solid, (foot, along_v), GREEN, width=2.6),
         drawing.arrow("n = t x b", solid, (foot, up), VIOLET, width=2.6),
-        drawing.text("t = dx/du", solid, along_u, RED, align=(0, 1), offset=(0.0, -6.0), outline=background),
-        drawing.text(
-            "b = dx/dv", solid, along_v, GREEN, align=(-1, 0), offset=(6.0, 4.0), outline=background
+        drawing.text("t", solid, along_u, RED, align=(0, 1), offset=(0.0, -4.0), outline=background),
+        drawing.text("b", solid, along_v, GREEN, align=(0, -1), offset=(3.0, 2.0), outline=background),
+        drawing.text("n", solid, up, VIOLET, align=(0, -1), offset=(0.0, 3.0)),
+        *(
+            drawing.text(words, legend, (-0.9, 0.72 - 0.11 * k), color, align=(-1, 1))
+            for k, (words, color) in enumerate(
+                (("t = dx/du", RED), ("b = dx/dv", GREEN), ("n = t x b", VIOLET))
+            )
         ),
-        drawing.text("n = t x b", solid, up, VIOLET, align=(0, -1), offset=(0.0, 6.0), outline=background),
         triangle.title(solid.panel, "object space"),
     )
 

@@ -28,8 +28,8 @@ def scene(profile, size, *, extent, half_width, background):
     """A light ``extent`` wide over an occluder, and what it leaves dark on the floor."""
     (panel,) = row_of_panels(1, size)
     view, light = drawing.sheet(panel), Light("area light", extent=extent)
-    outer_left, _, inner_right, outer_right = light.edges(half_width)
-    below, side = FLOOR - BAR - 0.06, -0.86
+    _, _, inner_right, outer_right = light.edges(half_width)
+    below, side = FLOOR - BAR - 0.04, -0.86
     return (
         panel.clear(background),
         drawing.load_font(),
@@ -44,11 +44,12 @@ def scene(profile, size, *, extent, half_width, background):
         *dimension(
             "s", view, [(-0.5 * extent, LIGHT + 0.09), (0.5 * extent, LIGHT + 0.09)], (0, -1), (0.0, 2.0)
         ),
-        *dimension("s d2/d1", view, [(inner_right, below), (outer_right, below)], (0, 1), (0.0, -2.0)),
+        *dimension(
+            "penumbra:\ns d2/d1", view, [(inner_right, below), (outer_right, below)], (0, 1), (0.0, -2.0)
+        ),
         drawing.text("area light", view, (0.5 * extent, LIGHT), YELLOW, align=(-1, -1), offset=(6.0, -2.0)),
         drawing.text("occluder", view, (half_width, OCCLUDER), INK, align=(-1, -1), offset=(4.0, 1.0)),
         drawing.text("umbra", view, (0.0, 0.5 * (OCCLUDER + FLOOR)), INK),
-        drawing.text("penumbra", view, (outer_left, FLOOR - BAR), INK, align=(-1, 1), offset=(0.0, -3.0)),
     )
 
 

@@ -146,7 +146,7 @@ def _panel(view, bias, title):
         arrow = [place, (x, place[1] - bias)]
         out.append(drawing.arrow("the bias", view, arrow, VIOLET, head=6.0))
         label = (x, place[1] - bias)
-        out.append(drawing.text("bias", view, label, VIOLET, align=(0, 1), offset=(0.0, -4.0)))
+        out.append(drawing.text("bias", view, label, VIOLET, align=(0, 1), offset=(-6.0, -5.0)))
     out.append(drawing.text("shadow map", view, (0.0, TOP + 0.08), INK, align=(0, -1), offset=(0.0, 3.0)))
     out.append(drawing.text(title, view, (-0.9, -0.94), INK, align=(-1, -1)))
     return tuple(out)

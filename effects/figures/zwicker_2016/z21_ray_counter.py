@@ -10,7 +10,7 @@ from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
 
-LIGHT, EYE = (-0.35, 0.88), (-0.90, 0.20)
+LIGHT, EYE = (-0.35, 0.88), (-0.90, 0.40)
 OBJECTS = (
     Shape("left box", ((-0.42, 0.30), (-0.24, 0.30), (-0.24, 0.46), (-0.42, 0.46))),
     Shape("right box", ((-0.02, 0.22), (0.20, 0.22), (0.20, 0.40), (-0.02, 0.40))),
@@ -25,7 +25,6 @@ _AIMS = (
     ((-0.76, -0.72), (0, -1)),
     ((-0.33, -0.72), (1, 0)),
     ((0.20, -0.72), (0, 1)),
-    ((0.55, -0.72), (1, 0)),
     ((0.86, -0.72), (0, -1)),
 )
 
@@ -59,7 +58,7 @@ def _inside_floor(volume):
 
 
 def scene(profile, size, *, background):
-    """Shadow volumes seen from the side, and five rays from the eye with what their counters do."""
+    """Shadow volumes seen from the side, and four rays from the eye with what their counters do."""
     (panel,) = row_of_panels(1, size)
     view = drawing.sheet(panel)
     drawn = [_inside_floor(volume) for volume in VOLUMES]

@@ -15,7 +15,7 @@ FLOOR, OCCLUDER, LIGHT = -0.66, 0.02, 0.70
 FLOOR_HALF_WIDTH = 0.97
 # How thick the floor's bar is.
 BAR = 0.07
-LIT, DARK = (0.92, 0.86, 0.66), (0.05, 0.06, 0.11)
+LIT, DARK = (0.92, 0.86, 0.66), (0.08, 0.11, 0.26)
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ def regions(view, light, half_width):
         tops = [(max(aside, 0.0) - FLOOR_HALF_WIDTH, 0.98), (min(aside, 0.0) + FLOOR_HALF_WIDTH, 0.98)]
     else:
         tops = [(left, LIGHT), (right, LIGHT)]
-    glow, dark = (0.30, 0.27, 0.17), (0.045, 0.05, 0.085)
+    glow, dark = (0.30, 0.27, 0.17), (0.07, 0.09, 0.20)
     out = [
         drawing.polygon(
             "what the light reaches",
@@ -141,7 +141,7 @@ def things(view, light, half_width):
     out = [drawing.polygon("occluder", view, slab, INK)]
     left, right = light.ends
     if light.infinite:
-        arrows = (-0.72, -0.50, -0.10, 0.10, 0.52)
+        arrows = (-0.66, -0.46, -0.10, 0.10, 0.52)
         out += [
             drawing.arrow(
                 "parallel rays",
@@ -160,12 +160,13 @@ def things(view, light, half_width):
 
 
 def dimension(label, view, ends, align, offset, color=INK):
-    """A length: arrows both ways between two points, and its name."""
+    """A length: arrows both ways between two points, and its name, in one line or several."""
     (x0, y0), (x1, y1) = ends
     middle = (0.5 * (x0 + x1), 0.5 * (y0 + y1))
+    name = f"length {label}".replace("\n", " ")
     return (
-        drawing.arrow(f"length {label}", view, [middle, (x0, y0)], color, head=5.0, width=1.0),
-        drawing.arrow(f"length {label}", view, [middle, (x1, y1)], color, head=5.0, width=1.0),
+        drawing.arrow(name, view, [middle, (x0, y0)], color, head=5.0, width=1.0),
+        drawing.arrow(name, view, [middle, (x1, y1)], color, head=5.0, width=1.0),
         drawing.text(label, view, middle, color, align=align, offset=offset),
     )
 

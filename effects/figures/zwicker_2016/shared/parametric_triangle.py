@@ -88,12 +88,16 @@ def title(panel, words):
     return drawing.text(words, drawing.sheet(panel), (0.0, 0.92), INK)
 
 
-def corner_labels(view, places, names, color=BLUE):
-    """Dots and names at three corners, above or below them: a list of commands."""
+def corner_labels(view, places, names, outline, aside=(0.0, 0.0, 0.0)):
+    """Dots and names at three corners, above or below them and ``aside`` UNITs to the right.
+
+    ``outline``: the colour round the letters, where a line passes under them.
+    """
     shown = drawing.project(view, places)[:, :2]
     middle = shown.mean(axis=0)
-    out = [drawing.dots("corners", view, places, color)]
-    for place, name, pixel in zip(places, names, shown, strict=True):
+    out = [drawing.dots("corners", view, places, BLUE)]
+    for place, name, pixel, right in zip(places, names, shown, aside, strict=True):
         side = np.sign(pixel[1] - middle[1])
-        out.append(drawing.text(name, view, place, color, align=(0, -int(side)), offset=(0.0, 7.0 * side)))
+        where = {"align": (0, -int(side)), "offset": (right, 7.0 * side)}
+        out.append(drawing.text(name, view, place, BLUE, outline=outline, **where))
     return out
