@@ -217,7 +217,8 @@ FIGURE = Figure(
     title="An engine block from a volume, without and with alpha-coded shadows",
     caption="An iso-surface of a procedural volume of 256x128x128 voxels: slices of a 3D texture, the "
     "alpha test, and Phong's model of the gradients that it leaves; right with an alpha-coded shadow map, "
-    "whose eight bits of depth leave teeth along the shadows' edges.",
+    "whose eight bits of depth leave teeth along the shadows' edges. Highlights have steps where the "
+    "specular table has them, as at the pipe's left end.",
     must_see="A machined engine block: four bores with pistons, bolt holes, flanged pipes, a crankshaft. "
     "Right, the manifold's shadows on the wall, dark bores, a dark front; what is lit is as it is left.",
     source="Heidrich2001",

@@ -120,7 +120,8 @@ FIGURE = Figure(
         "The same shadows on the floor, edge for edge. Left they have ambient light alone, flat and bluish; "
         "right they are a darker picture of what the light would give, and the one pass has its price: "
         "ambient light is multiplied too, so that where a surface turns away from the light the comparison's "
-        "stairs show."
+        "stairs show, on the ring, the vase and the sphere. In the ring's highlights red is held at full: on "
+        "the right at vertices, of the sum of all light, so that between them it is a little less."
     ),
     source="Heidrich2001",
     techniques=("H34",),

@@ -4,20 +4,22 @@ from fixedpipe.effects.acceptance import agreement, shadow_reference
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
-from fixedpipe.effects.geometry.views import BACKGROUND, Panel, perspective_view, row_of_panels
+from fixedpipe.effects.geometry.matrices import look_at, perspective
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, View, row_of_panels
 from fixedpipe.effects.scenes.objects_and_lamps import detail_of, lamp_around
 from fixedpipe.effects.scenes.still_life import LAMP_POSITIONS, still_life
 from fixedpipe.effects.shadows.lit_scene import SceneShading, map_edge
 from fixedpipe.effects.shadows.shadow_maps import scene_passes, stencil_passes, store_map
 
 # What the eye sees from where: the first two are one walk under one light.
-EYES = ((-3.4, 4.4, 7.9), (2.6, 4.9, 8.1), (0.6, 4.9, 8.4), (0.6, 4.9, 8.4))
+EYES = ((-3.6, 6.0, 9.2), (3.0, 6.0, 9.4), (0.4, 6.0, 9.8), (0.4, 6.0, 9.8))
 LAMPS = (0, 0, 1, 2)
 
 
 def view_of(panel, eye):
     """The still life from a place of the walk."""
-    return perspective_view(panel, eye, (0.0, 0.62, 0.0), field_of_view=32.0, radius=4.5)
+    projection = perspective(33.0, panel.width / panel.height, 3.0, 40.0)
+    return View(panel, look_at(eye, (0.25, 0.9, 0.0)), projection, eye, False)
 
 
 def frames(
@@ -108,10 +110,10 @@ FIGURE = Figure(
     ),
     source="Heidrich2001",
     techniques=("H34", "H35"),
-    panels=("static map", "static map, moved on", "dynamic map", "dynamic map, moved on"),
+    panels=("static map, from the left", "the same map, right", "light moved, new map", "moved on, new map"),
     parameters={
         "ratio": word.RATIO(2),
-        "factor": word.FACTOR(2.2),
+        "factor": word.FACTOR(2.6),
         "shading": word.SHADING(SceneShading.LIT),
         "always": word.FLAG(
             False, "Whether a map is stored for every panel, where the lamp stands as before too."

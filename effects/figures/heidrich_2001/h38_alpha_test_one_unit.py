@@ -5,19 +5,40 @@ import numpy as np
 from fixedpipe.effects.acceptance import shadow_reference
 from fixedpipe.effects.acceptance.agreement import lit_mask
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2001.shared import alpha_shadows
 from fixedpipe.effects.geometry.views import row_of_panels
+from fixedpipe.effects.passes.draws import copy_of_panel
 from fixedpipe.effects.scenes.still_life import still_life_view
-from fixedpipe.effects.shadows.alpha_coded_shadows import Coding, difference_in_alpha, scale_alpha, show_alpha
+from fixedpipe.effects.shadows.alpha_coded_shadows import (
+    ONLY_ALPHA,
+    Coding,
+    difference_in_alpha,
+    scale_alpha,
+    show_alpha,
+)
 from fixedpipe.effects.shadows.lit_scene import SceneShading
 from fixedpipe.pipeline.commands import Saturate
+from fixedpipe.pipeline.pixel_transfer import PixelTransfer
+from fixedpipe.pipeline.state import PassState
+
+
+def stretched(panel, stretch, subtract):
+    """The command that spreads a panel's alpha: from zero on ``stretch`` times as far; without ``subtract``
+    from one downwards.
+    """
+    transfer = PixelTransfer(
+        scale=(1.0, 1.0, 1.0, stretch), bias=(0.0, 0.0, 0.0, 0.0 if subtract else 1.0 - stretch)
+    )
+    state = PassState(scissor=panel.scissor, color_mask=ONLY_ALPHA)
+    return copy_of_panel(f"stretch alpha {stretch:g} times", panel, state, transfer)
 
 
 def make_scene(board):
     """The scene drawn in a board's way."""
 
-    def scene(profile, size, *, lamp, ratio, bits, bias, background, shading):
+    def scene(profile, size, *, lamp, ratio, bits, bias, background, shading, stretch):
         """H38: the difference of depths in destination alpha; what the copy makes of it; the picture."""
         coding, common = Coding(bits, bias=bias), {"lamp": lamp, "shading": shading}
         left, middle, right = row_of_panels(3, size)
@@ -32,6 +53,8 @@ def make_scene(board):
             if panel is middle:
                 out.append(scale_alpha(panel, bits, subtract=subtract))
                 out.append(Saturate(label="alpha 0 or 1", scissor=panel.scissor))
+            elif stretch != 1.0:
+                out.append(stretched(panel, stretch, subtract))
             out.append(show_alpha(panel))
         out += alpha_shadows.compared(right, profile, board, coding, background=background, **common)
         return tuple(out)
@@ -52,13 +75,24 @@ def checks(figure, renderer):
     """Shadows against rays, and that the copy makes alpha zero or one, as the difference is."""
     board = _BOARDS[renderer.method.name]
     bits = figure.values_of(renderer.method)["bits"]
-    picture = renderer.machine_window(figure, _SIZE, shading=SceneShading.MASK)
+    stretch = figure.values_of(renderer.method)["stretch"]
+    shown = renderer.machine_window(figure, _SIZE, shading=SceneShading.MASK)[:, :_SIZE, 0]
+    picture = renderer.machine_window(figure, _SIZE, shading=SceneShading.MASK, stretch=1.0)
     difference, scaled = (picture[:, k * _SIZE : (k + 1) * _SIZE, 0] for k in (0, 1))
     # Subtracted, what is above zero is in shadow; added, what is one.
     dark = difference > 0.0 if board is not alpha_shadows.ONE_UNIT_ADDED else difference == 1.0
     lit = lit_mask(picture[:, 2 * _SIZE :])
     seen = lit | (scaled == 1.0)
+    top = 0.0 if board is not alpha_shadows.ONE_UNIT_ADDED else 1.0
+    spread = np.clip(top + stretch * (difference - top), 0.0, 1.0)
     return (
+        Check(
+            "left panel less what alpha holds, stretched, largest",
+            float(np.abs(shown - spread).max()),
+            at_most=1e-9,
+            on=Answer.MACHINE,
+            reason="whole steps times a whole number: nothing is rounded",
+        ),
         *alpha_shadows.agreement_checks(
             figure, renderer, board, _SIZE, 2, least=0.976, least_facing=0.985, other=9
         ),
@@ -103,19 +137,31 @@ FIGURE = Figure(
     id="H38",
     title="Shadows by an alpha test, with one texture unit",
     caption=(
-        "Destination alpha as grey: how far a pixel lies behind what the lamp sees; the same after the "
-        "window was copied onto itself, alpha times 2^n. Right the picture, the light times one minus that."
+        "Destination alpha as grey: how far a pixel lies behind what the lamp sees, stretched twice from "
+        "black; on boards that add, one less how far it lies before that, stretched 32 times from white. The "
+        "same, not stretched, after the window was copied onto itself, alpha times 2^n. Right the picture, "
+        "the light times one minus that."
     ),
     must_see=(
         "Left: grey where shadows are, the darker the nearer what throws them, black elsewhere; on the board "
-        "that adds all but white, since there alpha is one minus how near the depths are, and grey ground "
-        "where the map ends. Middle: the shadows' shapes, white. Right: they are dark, one on the floor from "
-        "each thing."
+        "that adds white where shadows are, grey on what the lamp lights, and beyond the map ground that is "
+        "black, or nearly white where it is farther than the lamp's far plane. Middle: the shadows' shapes, "
+        "white. Right: they are dark, one on the floor from each thing. "
+        "The combs' teeth where a round thing turns away from the lamp are steps of its depth: the light is "
+        "zero there, or nearly."
     ),
     source="Heidrich2001",
     techniques=("H36", "H38"),
     panels=("alpha - depth", "times 2^n", "picture"),
-    parameters=alpha_shadows.PARAMETERS,
+    parameters={
+        **alpha_shadows.PARAMETERS,
+        "stretch": word.NUMBER(
+            2.0,
+            "How many times the left panel's alpha is stretched, from zero; on boards that add, from one.",
+            low=1.0,
+            high=256.0,
+        ),
+    },
     methods=(
         Method("one texture unit", make_scene(alpha_shadows.ONE_UNIT), ("OCTANE", "OPENGL_1_2_IMAGING")),
         # The bias of 8 bits, with the half step that rounding adds there, in steps of 12: what it hides is
@@ -126,7 +172,12 @@ FIGURE = Figure(
             ("INFINITE_REALITY",),
             {"bits": 12, "bias": 40.0},
         ),
-        Method("one texture unit, added", make_scene(alpha_shadows.ONE_UNIT_ADDED), ("OPENGL_1_2", "TEXRAM")),
+        Method(
+            "one texture unit, added",
+            make_scene(alpha_shadows.ONE_UNIT_ADDED),
+            ("OPENGL_1_2", "TEXRAM"),
+            {"stretch": 32.0},
+        ),
     ),
     acceptance=checks,
     reference=reference,

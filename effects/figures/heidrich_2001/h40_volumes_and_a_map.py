@@ -127,7 +127,7 @@ FIGURE = Figure(
     title="Shadow volumes and a shadow map",
     caption=(
         "The same light by shadow volumes, which are exact in every pixel (left two), and by a shadow map of "
-        "the picture's resolution, which samples (right two); from near the shadow of the vase."
+        "the picture's resolution, which samples (right two); from near the vase's shadow on the box."
     ),
     must_see=(
         "The same shadows in the first and the third picture. From near, smooth edges by shadow volumes, and "
@@ -137,7 +137,7 @@ FIGURE = Figure(
     techniques=("H34", "H40", "Z10", "Z22", "Z24"),
     panels=("volumes", "volumes, near", "map", "map, near"),
     parameters={
-        "light": word.POSITION((-6.2, 7.0, 3.2), "Where the light is."),
+        "light": word.POSITION((-5.4, 8.4, 3.0), "Where the light is."),
         "close": word.of(
             word.Several((word.POSITION_KIND, word.POSITION_KIND, word.Number(1.0, 90.0))),
             ((0.6, 4.9, 8.4), (1.02, 0.6, -0.8), 7.5),

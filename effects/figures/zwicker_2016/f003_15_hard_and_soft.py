@@ -62,7 +62,8 @@ def _shown(measured, panel, size):
         projection = perspective(29.0, panel.width / panel.height, 3.0, 40.0)
         view = View(panel, look_at(eye, (0.1, 0.55, 0.0)), projection, eye, False)
         lamp = objects_and_lamps.Lamp((-3.0, 6.4, 3.2), (0.0, 0.5, 0.0), 1.0, 20.0)
-        return things(objects_and_lamps.detail_of(size)), view, lamp
+        # A volume's terminator has the segments' corners: in a large panel they are to be small.
+        return things(64 if size >= 200 else objects_and_lamps.detail_of(size)), view, lamp
     center = -_LIGHT_X * _EDGE_HEIGHT / (_LIGHT_HEIGHT - _EDGE_HEIGHT)
     above = objects_and_lamps.Lamp(
         (center, 3.0, 0.0), (center, 0.0, 0.0), 0.5, 4.0, infinite=True, half_width=_HALF_WIDTH

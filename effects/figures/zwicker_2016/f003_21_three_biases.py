@@ -58,11 +58,13 @@ FIGURE = Figure(
     title="Bias: not enough, correct, too much",
     caption=(
         "One shadow map whose depths were moved away from the light by three polygon offsets: none (left), "
-        "1.5 times the slope and 4 units (middle), 14 times the slope (right)."
+        "1.5 times the slope and 4 units (middle), 14 times the slope (right). Beyond the "
+        "floor's edge the ground is in no map, and lit."
     ),
     must_see=(
-        "Left stripes and speckle on all that is lit: surfaces shade themselves. In the middle clean light "
-        "and shadows that begin where things stand. Right clean light too, but the board, the ring and the "
+        "Left stripes and speckle on all that is lit and in the map: surfaces shade themselves. In the "
+        "middle clean light and shadows that begin where things stand, within a texel, which lights a pixel "
+        "or two at the board's foot. Right clean light too, but the board, the ring and the "
         "sphere float: between their feet and their shadows there is light (and a thin line of shadow, of "
         "the board's narrow top, whose slope is less)."
     ),

@@ -186,7 +186,8 @@ FIGURE = Figure(
     title="Percentage closer filtering",
     caption=(
         "The edge of one shadow in a coarse map: one comparison (left), the hardware's filter of 2x2 "
-        "comparisons (middle), the mean of 8x8 comparisons by the accumulation buffer (right)."
+        "comparisons (middle), the mean of 8x8 comparisons by the accumulation buffer (right), "
+        "each at the nearest texel: hence the grid in its edge."
     ),
     must_see=(
         "Left stairs of texels, black or white and nothing between; in the middle the same stairs with soft "
