@@ -23,6 +23,8 @@ INDEX, RECORDS, PICTURES = "index.html", "records", "pictures"
 _PICTURE = re.compile(r"([0-9a-f]{16})(?:\.js|\.webp|-480\.webp)")
 # What records of the former layout say, and no others.
 _FORMER = b'"difference_gain": '
+# The end of a picture's script that is told from another (fixedpipe.effects.reports.pictures.script).
+_BASE = re.compile(rb'","([0-9a-f]{16})"\)\n$')
 _NAMES = ("digest", "finer", "preview")
 
 
@@ -88,6 +90,17 @@ def digests_in(record):
     return set().union(*map(digests_in, record)) if isinstance(record, list) else set()
 
 
+def _bases(folder, named):
+    """The digests from which named pictures are told, and those from which these are: a set."""
+    found, asked = set(), set(named)
+    while asked:
+        scripts = (folder / PICTURES / f"{digest}.js" for digest in asked)
+        ends = (_BASE.search(path.read_bytes()[-30:]) for path in scripts if path.is_file())
+        asked = {end[1].decode() for end in ends if end} - found
+        found |= asked
+    return found
+
+
 def files_of(folder, figures):
     """The files of the gallery in ``folder``: its page, the records of ``figures`` and of their variants, and
     those in its own two folders whose names are of the form above and that a record names. Second, those of
@@ -100,6 +113,7 @@ def files_of(folder, figures):
             named |= digests_in(json.loads(path.read_bytes()))
         except (ValueError, OSError, RecursionError):
             readable = False
+    named |= _bases(folder, named)
     stems = {path.stem for path in records}
     for path in sorted((folder / RECORDS).glob("*.js")):
         if path.stem.partition("+")[0] in figures:

@@ -201,6 +201,7 @@ class _Drawing:
     pictures: Pictures = field(default_factory=Pictures)
     named: dict[str, np.ndarray] = field(default_factory=dict)
     references: dict[Method, np.ndarray | None] = field(default_factory=dict)
+    first: str | None = None
     machines: dict[tuple, str] = field(default_factory=dict)  # the first with these bits
 
     def on(self, machine):
@@ -221,7 +222,9 @@ class _Drawing:
             image = image if view == "reference" else image[..., :3]
             reduced = [WIDE if view == "machine" else NARROW] * is_first
             of_grid = [OF_GRID] * (view == "machine" and not self.machines)
-            shown[view] = self._picture(image, codes, drawn, (LOSSLESS, *reduced, *of_grid))
+            base = shown["machine"]["digest"] if shown else self.first
+            shown[view] = self._picture(image, codes, drawn, (LOSSLESS, *reduced, *of_grid), base)
+            self.first = self.first or shown["machine"]["digest"]
             self.named[picture_name(self.name, machine, view)] = deep_picture(codes, drawn.bits)
         for view, found in differences.items():
             shown[view] = {}
@@ -279,9 +282,9 @@ class _Drawing:
             self.references[method] = found
         return self.references[method]
 
-    def _picture(self, image, codes, drawn, files):
-        """What the record says of a picture that is kept without loss: bytes, and of longer codes what bytes
-        leave.
+    def _picture(self, image, codes, drawn, files, base):
+        """What the record says of a picture that is kept without loss: bytes, which may be told from the
+        picture ``base``, and of longer codes what bytes leave.
         """
         finer = None
         if drawn.bits > 8:
@@ -289,7 +292,7 @@ class _Drawing:
             coarse = (2 * image[..., :3].astype(np.int32) * one + 255) // 510
             finer = self.pictures.add((codes[..., :3] - coarse + FINER_ZERO).astype(np.uint8), LOSSLESS)
         height, width = image.shape[:2]
-        kept = {"digest": self.pictures.add(image, *files), "width": width, "height": height}
+        kept = {"digest": self.pictures.add(image, *files, base=base), "width": width, "height": height}
         return {**kept, "bits": drawn.bits, "finer": finer}
 
     def _caption(self, view, drawn, found):

@@ -35,8 +35,8 @@ function fetched(address, charset) {
 }
 
 window.record = (record) => arrivals.get(`records/${record.id}.js`)?.(record);
-window.picture = (digest, width, height, text) =>
-  arrivals.get(`pictures/${digest}.js`)?.({ width, height, text });
+window.picture = (digest, width, height, text, base) =>
+  arrivals.get(`pictures/${digest}.js`)?.({ width, height, text, base });
 
 // The last few answers of a slow function, by its argument.
 function kept(make, most) {
@@ -67,14 +67,23 @@ function newCanvas(width, height) {
 
 // {width, height, canvas, data: RGBA bytes, top row first}
 const bytesOf = kept(async (digest) => {
-  const { width, height, text } = await fetched(`pictures/${digest}.js`, "windows-1252");
+  const { width, height, text, base } = await fetched(`pictures/${digest}.js`, "windows-1252");
   const file = new Uint8Array(text.length);
   for (let i = 0; i < file.length; i++) file[i] = BYTES.get(text.charCodeAt(i));
   const blob = new Blob([file], { type: "image/webp" });
   const bitmap = await createImageBitmap(blob, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
   const { canvas, context } = newCanvas(width, height);
   context.drawImage(bitmap, 0, 0);
-  return { width, height, canvas, data: context.getImageData(0, 0, width, height).data };
+  const shown = context.getImageData(0, 0, width, height);
+  if (base) {
+    // The file holds what is to be added to the base's bytes, 128 for nothing; all is opaque.
+    const { data } = await bytesOf(base);
+    for (let i = 0; i < data.length; i++) {
+      shown.data[i] = i % 4 === 3 ? 255 : (shown.data[i] + data[i] + 128) & 255;
+    }
+    context.putImageData(shown, 0, 0);
+  }
+  return { width, height, canvas, data: shown.data };
 }, 24);
 
 // A picture with its codes: RGBA at 4 * (y * width + x), from 0 to `full`; alpha stays a byte.

@@ -15,25 +15,34 @@ _BY_BYTE = {byte: character for character, byte in CHARACTERS.items()}
 
 
 def called(script):
-    """The arguments of the call that a picture's script is: digest, width, height and the bytes of its text.
+    """The arguments of the call that a picture's script is: digest, width, height, the bytes of its text, and
+    the digest of the picture that it is told from, or None.
 
     The literal is read as ECMAScript has it: no line ends in it, a backslash begins an escape.
     """
     text = "".join(_BY_BYTE[byte] for byte in script)
     found = re.fullmatch(
-        r'picture\("([0-9a-f]{16})",(\d+),(\d+),"((?:[^"\\\n\r\u2028\u2029]|\\.)*)"\)\n', text
+        r'picture\("([0-9a-f]{16})",(\d+),(\d+),"((?:[^"\\\n\r\u2028\u2029]|\\.)*)"'
+        r'(?:,"([0-9a-f]{16})")?\)\n',
+        text,
     )
     escapes = {"\\": "\\", '"': '"', "n": "\n", "r": "\r"}
     characters = re.sub(r"\\(.)", lambda escape: escapes[escape[1]], found[4], flags=re.DOTALL)
-    return found[1], int(found[2]), int(found[3]), bytes(CHARACTERS[character] for character in characters)
+    data = bytes(CHARACTERS[character] for character in characters)
+    return found[1], int(found[2]), int(found[3]), data, found[5]
 
 
 def pixels(folder, digest):
     """A picture that a gallery keeps without loss: uint8 [h, w, 4]."""
-    named, width, height, data = called((folder / "pictures" / f"{digest}.js").read_bytes())
+    named, width, height, data, base = called((folder / "pictures" / f"{digest}.js").read_bytes())
     with Image.open(io.BytesIO(data)) as picture:
         assert (picture.format, picture.size, named) == ("WEBP", (width, height), digest)
-        return np.asarray(picture.convert("RGBA"))
+        out = np.asarray(picture.convert("RGBA"))
+    if base is None:
+        return out
+    added = out.astype(int) + pixels(folder, base) - 128
+    added[..., 3] = 255
+    return (added % 256).astype(np.uint8)
 
 
 def codes(folder, picture):

@@ -195,6 +195,19 @@ def test_what_no_record_names_goes_and_what_is_not_ours_stays(tmp_path):
     assert (number, size) == (2, sum((tmp_path / name).stat().st_size for name in now - set(foreign)))
 
 
+def test_what_a_picture_is_told_from_stays(tmp_path):
+    run("figures", "K02", "--size", 32, "--profile", "GEFORCE_256", "--out", tmp_path)
+    record = json.loads((tmp_path / "K02.json").read_text())
+    machine, ideal = (record["machines"][0]["pictures"][view]["digest"] for view in ("machine", "ideal"))
+    script = (tmp_path / "pictures" / f"{ideal}.js").read_bytes()
+    assert script.endswith(f'","{machine}")\n'.encode())
+    # Another record names the ideal alone.
+    record["machines"][0]["pictures"].pop("machine")
+    (tmp_path / "K02.json").write_text(json.dumps(record))
+    tidy(tmp_path, FIGURES, [tmp_path / name for name in files(tmp_path)])
+    assert (tmp_path / "pictures" / f"{machine}.js").is_file()
+
+
 @pytest.mark.parametrize("spoil", [lambda text: text[:200], lambda text: "\udcff" + text, lambda text: "[1"])
 def test_no_picture_goes_where_a_record_cannot_be_read(tmp_path, spoil):
     run("figures", "K02", "--size", 8, "--profile", "GEFORCE_256", "--out", tmp_path)

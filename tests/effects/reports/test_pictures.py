@@ -19,6 +19,7 @@ from fixedpipe.effects.reports.pictures import (
     reduced,
     script,
 )
+from tests.effects.reports import kept
 from tests.effects.reports.kept import CHARACTERS, CONTROLS, called
 
 NAME = "0123456789abcdef"
@@ -47,14 +48,14 @@ def test_the_characters_of_a_browser_are_256():
     ],
 )
 def test_a_script_gives_back_every_byte(data):
-    assert called(script(NAME, 3, 5, data)) == (NAME, 3, 5, data)
+    assert called(script(NAME, 3, 5, data)) == (NAME, 3, 5, data, None)
 
 
 @pytest.mark.parametrize("shape", [(17, 31, 3), (1, 1, 3), (9, 40, 4)])
 def test_a_picture_comes_back_from_its_script_as_it_was(shape):
     pixels = canonical(noise(*shape))
     name = digest_of(pixels)
-    _, width, height, data = called(script(name, shape[1], shape[0], lossless(pixels)))
+    _, width, height, data, _ = called(script(name, shape[1], shape[0], lossless(pixels)))
     with Image.open(io.BytesIO(data)) as picture:
         assert picture.size == (width, height)
         np.testing.assert_array_equal(np.asarray(picture.convert("RGBA")), pixels)
@@ -89,9 +90,32 @@ def test_of_equal_pictures_there_is_one_with_all_files_that_were_asked_for():
     assert pictures.add(one.copy(), LOSSLESS, WIDE) == pictures.add(one, NARROW, OF_GRID) == first
     second = pictures.add(other, NARROW)
     files = {name: data() for name, data in pictures.files()}
-    widths = {f"{first}.webp": 960, f"{first}-480.webp": 480, f"{second}.webp": 4}
+    widths = {f"{first}.webp": 768, f"{first}-480.webp": 480, f"{second}.webp": 4}
     assert files.keys() == {f"{first}.js", *widths}
     assert called(files[f"{first}.js"])[:3] == (first, 1000, 10)
     for name, width in widths.items():
         with Image.open(io.BytesIO(files[name])) as picture:
             assert picture.width == width
+
+
+def test_a_picture_is_told_from_another_where_that_is_shorter(tmp_path):
+    pictures, one = Pictures(), noise(40, 60, 3)
+    near = one + np.random.default_rng(6).integers(0, 2, one.shape, np.uint8)  # 255 wraps to 0
+    first = pictures.add(one, LOSSLESS)
+    second = pictures.add(near, LOSSLESS, base=first)
+    third = pictures.add(near - 1, LOSSLESS, base=second)
+    other = pictures.add(np.full_like(one, 7), LOSSLESS, base=first)
+    small = pictures.add(one[:5], LOSSLESS, base=first)
+    clear = pictures.add(np.zeros((40, 60, 4), np.uint8), LOSSLESS, base=first)
+    (tmp_path / "pictures").mkdir()
+    for name, data in pictures.files():
+        (tmp_path / "pictures" / name).write_bytes(data())
+    scripts = {d: called((tmp_path / "pictures" / f"{d}.js").read_bytes()) for d in pictures.pixels}
+    assert {d: script[4] for d, script in scripts.items()} == {
+        first: None, second: first, third: second, other: None, small: None, clear: None
+    }  # fmt: skip
+    assert len(scripts[second][3]) < 0.5 * len(scripts[first][3])
+    for digest, expected in pictures.pixels.items():
+        np.testing.assert_array_equal(kept.pixels(tmp_path, digest), expected)
+    # Whatever was added before stays as it was.
+    assert pictures.add(near, LOSSLESS) == second and pictures.bases[second] == first
