@@ -82,12 +82,16 @@ def _is_whole(path):
     return data[:4] == b"RIFF" and int.from_bytes(data[4:8], "little") + 8 == len(data)
 
 
-def digests_in(record):
-    """Every digest that a record names, or a part of it: a set."""
-    if isinstance(record, dict):
-        own = {record[name] for name in _NAMES if isinstance(record.get(name), str)}
-        return own.union(*map(digests_in, record.values()))
-    return set().union(*map(digests_in, record)) if isinstance(record, list) else set()
+def digests_in(text):
+    """Every digest that a record names, from its JSON file's text: a set. ValueError for another."""
+    found = set()
+
+    def look(named):
+        found.update(digest for name in _NAMES if isinstance(digest := named.get(name), str))
+        return named
+
+    json.loads(text, object_hook=look)
+    return found
 
 
 def _bases(folder, named):
@@ -110,7 +114,7 @@ def files_of(folder, figures):
     named, ours, stale, readable = set(), [folder / INDEX, *records], [], True
     for path in _records(folder):
         try:
-            named |= digests_in(json.loads(path.read_bytes()))
+            named |= digests_in(path.read_bytes())
         except (ValueError, OSError, RecursionError):
             readable = False
     named |= _bases(folder, named)
