@@ -33,9 +33,12 @@ class Made:
 
 
 def write_picture(folder, pixels):
-    """The files of a picture, uint8 [height, width, 3 or 4]; its digest."""
+    """The files of a picture, uint8 [height, width, 3 or 4]; its digest. Without an alpha it is told from one
+    that is a byte apart.
+    """
     kept = Pictures()
-    digest = kept.add(pixels, LOSSLESS, WIDE, OF_GRID)
+    base = kept.add(pixels ^ 1, LOSSLESS) if pixels.shape[2] == 3 else None
+    digest = kept.add(pixels, LOSSLESS, WIDE, OF_GRID, base=base)
     for name, data in kept.files():
         (folder / name).write_bytes(data())
     return digest
