@@ -1,9 +1,10 @@
 """Pictures of a scene's shadows without any shadow algorithm: the references of the shadow figures.
 
-Rays find what is seen at sixteen places of each pixel and whether the lamp reaches it; the light there is
-what OpenGL computes at the vertices of the triangle (the lighting of
-``fixedpipe.effects.shadows.lit_scene``), interpolated as it interpolates it, in float64. So a machine's
-picture differs where its shadows err, and where edges are stairs because a pixel has one sample.
+Rays find what is seen at sixteen places of a pixel and whether the lamp reaches it; a pixel whose neighbours
+show the same in the same light and nearly its colour has one place, its middle. The light there is what
+OpenGL computes at the vertices of the triangle (the lighting of ``fixedpipe.effects.shadows.lit_scene``),
+interpolated as it interpolates it, in float64. So a machine's picture differs where its shadows err, and
+where edges are stairs because a pixel has one sample.
 
 Rays meet flat triangles: where light grazes something round, a triangle that is turned away is dark though
 its vertices' normals are not, and a map with a bias has it lit.
@@ -72,7 +73,8 @@ def rays(shot: Shot, *, samples: int = SAMPLES, threads: int | None = None) -> N
     samples  along a pixel's edge, from 1
     threads  any number gives the same bits; None: one per processor
 
-    Of n lamps each of a pixel's samples asks n / samples^2, all of the pixel's together every one of them.
+    With one lamp a pixel that its neighbours resemble (``_differing``) has one sample, its middle. Of n lamps
+    each of a pixel's samples asks n / samples^2, all of the pixel's together every one of them.
 
     Raises ValueError without a lamp, and for no whole number of samples from 1.
     """
