@@ -400,6 +400,13 @@ def test_the_pixel_of_an_address_is_in_the_middle_of_what_is_seen(visit):
     assert box["x"] <= cross["x"] <= box["x"] + box["width"] - cross["width"]
 
 
+@pytest.mark.parametrize(("asked", "shown"), [("Infinity", 16), ("-5", None), ("1e99", 16), ("word", None)])
+def test_numbers_of_an_address_are_kept_within_bounds(visit, asked, shown):
+    page = stage(visit(f"{FIGURE}?zoom={asked}&gain={asked}&split={asked}&how=foreign"))
+    assert shown is None or scale(page) == shown
+    assert page.locator(READY).count() == 1
+
+
 def test_a_figure_that_the_gallery_has_not_is_said_until_something_is_sought(visit):
     page = visit("#F004-8/GEFORCE_3/difference")
     assert "no figure F004-8 in this gallery" in page.inner_text(".nothing") and len(ids(page)) > 1

@@ -19,15 +19,20 @@ const DEFAULTS = {
 const OF_GRID = ["q", "paper", "machines", "methods", "differ", "failed"];
 const OF_FIGURE = ["other", "how", "against", "split", "zoom", "centre", "at", "gain", "mode", "labels"];
 
+// An address is anybody's: numbers from where to where.
+const BOUNDS = { split: [0, 1], zoom: [0, 16], gain: [0, 128] };
+
 function written(value) {
   if (typeof value === "boolean") return value ? "yes" : "no";
   if (Array.isArray(value)) return value.join("|");
   return typeof value === "number" ? String(+value.toFixed(3)) : value;
 }
 
-function readAs(like, text) {
+function readAs(key, text) {
+  const like = DEFAULTS[key];
+  if (key in BOUNDS) return Math.min(BOUNDS[key][1], Math.max(BOUNDS[key][0], Number(text) || 0));
+  if (key === "how") return ["wipe", "pair"].includes(text) ? text : like;
   if (typeof like === "boolean") return text === "yes";
-  if (typeof like === "number") return Number(text) || 0;
   if (Array.isArray(like)) return text ? text.split("|") : [];
   if (like !== null) return text;
   const numbers = text.split("|").map(Number);
@@ -57,7 +62,7 @@ function stateOf(address) {
   const machine = rest.find((part) => !(part in VIEWS)) || "", view = rest.find((part) => part in VIEWS) || DEFAULTS.view;
   const state = { ...DEFAULTS, ...(FIGURES.has(id) ? { id, machine, view } : { missing: id }) };
   for (const [key, text] of new URLSearchParams(query)) {
-    if ([...OF_GRID, ...OF_FIGURE].includes(key)) state[key] = readAs(DEFAULTS[key], text);
+    if ([...OF_GRID, ...OF_FIGURE].includes(key)) state[key] = readAs(key, text);
   }
   // A pixel that an address names is seen, also where it does not say what is in the middle.
   if (state.zoom && !state.centre) state.centre = state.at;
