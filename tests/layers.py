@@ -93,6 +93,11 @@ PACKAGES = {
         "pipeline": "enums state pixel_transfer textures commands",
         "effects": "technique geometry passes scenes",
     },
+    "effects/scattering": {
+        "raster": "kernel",
+        "pipeline": "native",
+        "effects": "technique geometry",
+    },
     "effects/volumes": {
         "pipeline": "enums state pixel_transfer textures commands",
         "effects": "technique geometry passes scenes shadows",
@@ -151,6 +156,7 @@ LIBRARIES = {
     "raster/vector": ("llvmlite", "numba"),
     "pipeline/framebuffers": ("PIL",),
     "pipeline/native": ("numba",),
+    "effects/scattering": ("scipy",),
     "effects/diagrams": ("PIL",),
     "effects/conformance": ("PIL",),
     "effects/user_pictures": ("imageio", "nrrd", "trimesh"),

@@ -177,7 +177,7 @@ def smooth(heights, passes=1, periodic=True):
     return heights
 
 
-def _hash(x, y, seed):
+def hashed(x, y, seed):
     """Integers to 16 well-mixed bits, by 32-bit multiplications and shifts that give the same everywhere."""
     h = (
         np.asarray(x, np.uint64) * 374761393 + np.asarray(y, np.uint64) * 668265263 + seed * 2246822519
@@ -199,7 +199,7 @@ def value_noise(columns, rows, cells_s, cells_t, seed):
     f, g = f * f * (3.0 - 2.0 * f), g * g * (3.0 - 2.0 * g)
 
     def value(di, dj):
-        return _hash((i + di) % cells_s, (j + dj) % cells_t, seed) / 32767.5 - 1.0
+        return hashed((i + di) % cells_s, (j + dj) % cells_t, seed) / 32767.5 - 1.0
 
     low = value(0, 0) * (1.0 - f) + value(1, 0) * f
     high = value(0, 1) * (1.0 - f) + value(1, 1) * f
@@ -220,7 +220,7 @@ def gradient_noise(s, t, cells, seed):
 
     def value(di, dj):
         corner = (i + di) % cells, (j + dj) % cells
-        gx, gy = (_hash(*corner, 2 * seed + k) / 32767.5 - 1.0 for k in (0, 1))
+        gx, gy = (hashed(*corner, 2 * seed + k) / 32767.5 - 1.0 for k in (0, 1))
         return gx * (f - di) + gy * (g - dj)
 
     low = value(0, 0) * (1.0 - a) + value(1, 0) * a
@@ -256,7 +256,7 @@ def pebbles(columns, rows, cells, seed):
         moved = x - 0.5 * (j % 2)
         for di in (-1, 0, 1):
             i = np.floor(moved).astype(np.int64) + di
-            u, v, w = (_hash(i % cells, j % cells, 3 * seed + k) / 65535.0 - 0.5 for k in range(3))
+            u, v, w = (hashed(i % cells, j % cells, 3 * seed + k) / 65535.0 - 0.5 for k in range(3))
             dx, dy = moved - (i + 0.5 + 0.5 * u), y - (j + 0.5 + 0.5 * v)
             radius = 0.6 + 0.2 * w
             heights = np.maximum(heights, np.sqrt(np.maximum(radius * radius - (dx * dx + dy * dy), 0.0)))

@@ -1,0 +1,151 @@
+"""G06 and G11: scattered light by the method of dependent tests, in float64. The truth that machines' passes
+are compared with, on the same paths.
+
+Every texel takes the same directions, so each step is one operation over the whole texture: bump mapping,
+with a light along l or along d_i, and a lookup of the light that the texel seen along d_i sends back:
+
+    L := bump(l -> -d_K)
+    for k = K to 1:   L := bump(l -> v_k) + W bump(d_k -> v_k) L[S_k],   v_1 = v, v_k = -d_(k-1)
+
+Radiances are in units of what a white surface that faces the light sends back: a diffuse texel's is albedo
+(n.l)+. In these units W is 4: the density of one direction of the sphere, 4 pi (erratum E002.1: the paper's
+program has none), over the pi of a diffuse BRDF, albedo / pi.
+
+Source: Heidrich, Daubert, Kautz, Seidel 2000, sections 3.1 and 3.2; pass sequences A-G06 and A-G11.
+"""
+
+import numpy as np
+
+from fixedpipe.effects.geometry.height_fields import hashed
+from fixedpipe.effects.geometry.vectors import dot, normalize
+from fixedpipe.effects.scattering.visibility import FREE, free_view
+from fixedpipe.effects.technique import Technique
+
+TECHNIQUES = (
+    Technique("G06", "the method of dependent tests: the same directions at every texel", "3.1, 3.2"),
+    Technique("G11", "several reflections in a chain, direct light added at each", "3.2"),
+)
+
+# 4 pi, the sphere, over pi, the BRDF of a white diffuse surface.
+WEIGHT = 4.0
+
+
+def bump(field, light, view):
+    """What every texel of a HeightField sends towards ``view`` of a light of one from ``light``, without
+    shadows: albedo (n.l)+, and k_s ((n.h)+)^exponent where (n.l) is positive. Float64 [rows, columns, 3].
+
+    light, view  unit vectors [3] in the base's frame; the highlight's exponent is rounded to a whole number
+    """
+    facing = dot(field.normals, light)
+    out = field.albedo * np.maximum(facing, 0.0)[..., None]
+    if field.specular:
+        half = normalize(np.asarray(light, np.float64) + view)
+        shine = _power(np.maximum(dot(field.normals, half), 0.0), field.exponent)
+        out = out + (field.specular * np.where(facing > 0.0, shine, 0.0))[..., None]
+    return out
+
+
+def _power(base, exponent):
+    """Whole powers by squaring, so that the bits are the same everywhere."""
+    power, result = round(exponent), np.ones(base.shape)
+    while power:
+        if power & 1:
+            result = result * base
+        base, power = base * base, power >> 1
+    return result
+
+
+def sequences(count, length, paths, seed=0):
+    """Numbers of directions, int64 [paths, length]: a path's d_1 to d_length. In every block of ``count``
+    paths each direction stands once at every place, in an order that an integer hash makes.
+
+    count   directions
+    length  lookups along a path: one less than its reflections
+    """
+    if count < 1 or length < 0 or paths < 1:
+        raise ValueError(
+            f"{paths} paths of {length} lookups among {count} directions; give one or more of each."
+        )
+    out = np.empty((paths, length), np.int64)
+    number = np.arange(count)
+    for first in range(0, paths, count):
+        block = out[first : first + count]
+        for place in range(length):
+            mixed = hashed(number, np.full(count, first // count), seed + 31 * place)
+            order = number if (place, first) == (0, 0) else np.argsort(mixed, kind="stable")
+            block[:, place] = order[: len(block)]
+    return out
+
+
+def looked_up(light, seen, nothing=0.0):
+    """L[S_i]: the light [rows, columns, 3] of the texels that are ``seen`` [rows, columns]; ``nothing``, RGB
+    or a number, where none is in the way; 0 where the normal looks away.
+    """
+    found = light.reshape(-1, 3)[np.maximum(seen, 0)]
+    found[seen < 0] = 0.0
+    found[seen == FREE] = nothing
+    return found
+
+
+def chain(field, visibility, path, light, view, *, lit=1.0, sky=None):
+    """The light of one path over the whole field, float64 [rows, columns, 3]: direct light, and what comes
+    along the path's directions with the weight W.
+
+    path   numbers of directions d_1 to d_K; none: direct light alone
+    light  unit vector [3], or None where the sky alone lights
+    lit    bool or float [rows, columns]: where the light is not shadowed; 1: everywhere
+    sky    None, or a function of a direction [3]: the environment's radiance, RGB, in the same units
+    """
+    directions = visibility.directions
+
+    def direct(towards):
+        if light is None:
+            return np.zeros((*field.heights.shape, 3))
+        return bump(field, light, towards) * np.broadcast_to(lit, field.heights.shape)[..., None]
+
+    views = [np.asarray(view, np.float64), *(-directions[i] for i in path)]
+    out = direct(views[-1])
+    for k in range(len(path) - 1, -1, -1):
+        i = path[k]
+        nothing = 0.0 if sky is None else sky(directions[i])
+        arriving = looked_up(out, visibility.seen[i], nothing)
+        out = direct(views[k]) + WEIGHT * bump(field, directions[i], views[k]) * arriving
+    return out
+
+
+def scattered(field, visibility, paths, light, view=(0.0, 0.0, 1.0), *, lit=None, sky=None):
+    """The mean of all paths' chains: the light of a HeightField with scattering, float64 [rows, columns, 3].
+
+    paths  int [paths, K], as ``sequences`` makes them
+    lit    where the light is not shadowed; None: by rays
+
+    Other arguments as of ``chain``.
+    """
+    if lit is None:
+        lit = 1.0 if light is None else free_view(field, light)
+    total = np.zeros((*field.heights.shape, 3))
+    for path in np.asarray(paths).tolist():
+        total += chain(field, visibility, path, light, view, lit=lit, sky=sky)
+    return total / len(paths)
+
+
+def bounces(field, visibility, light, count, *, lit=None, weights=None):
+    """Direct light and ``count`` further reflections, each gathered from all N directions (W = 4 / N): a list
+    of float64 [rows, columns, 3], the k-th with k of them. Of diffuse light alone: albedo times cosine.
+
+    weights  None, or float64 [n] or [n, rows, columns]: by what each direction counts (``curved_base``)
+    """
+    if lit is None:
+        lit = free_view(field, light)
+    arriving = field.albedo * (np.maximum(dot(field.normals, light), 0.0) * lit)[..., None]
+    out = [arriving]
+    for _ in range(count):
+        total = np.zeros(arriving.shape)
+        for i, direction in enumerate(visibility.directions):
+            cosine = np.maximum(dot(field.normals, direction), 0.0)
+            if weights is not None:
+                cosine = cosine * weights[i]
+            total += cosine[..., None] * looked_up(arriving, visibility.seen[i])
+        arriving = field.albedo * total * (WEIGHT / visibility.count)
+        out.append(out[-1] + arriving)
+    return out

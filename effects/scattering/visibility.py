@@ -1,0 +1,184 @@
+"""G01 and G02: for every texel of a height field and every direction, which texel is seen. S_i of the paper.
+
+A ray leaves the texel's centre, which is a vertex of the field's triangles (``height_field``), and the field
+repeats. Along the ray the height above the field is linear between the lines where triangles meet, so that it
+is asked there alone and the crossing is exact but for float64's rounding. What is stored is the texel whose
+centre is nearest to the point that is hit (section 3: "quantized" coordinates for secondary hits).
+
+A texel whose normal looks away from the direction sees nothing along it: the cosine is zero there (BACK).
+That is not the same as a free view (FREE), by which shadows and environments are told.
+
+Source: Heidrich, Daubert, Kautz, Seidel 2000, section 3; pass sequence A-G01 of the catalogue. Where it
+departs: triangles and not bilinear patches lie between the texels, so that the field drawn as a mesh is the
+same.
+"""
+
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fixedpipe.effects.scattering import directions as sphere
+from fixedpipe.effects.technique import Technique
+from fixedpipe.pipeline.native.threads import default_threads
+from fixedpipe.raster.kernel import kernel
+
+TECHNIQUES = (
+    Technique("G01", "the texel that is seen from every texel along each of some hundred directions", "3"),
+    Technique("G02", "rays that go on in the next tile of a height field that repeats", "3"),
+)
+
+# What stands for a texel where none is seen: nothing is in the way, or the normal looks away.
+FREE, BACK = -1, -2
+# Level rays over grooves may go on for ever: after so many tiles nothing is seen.
+# Assumed: no scene distinguishes what is farther.
+MOST_TILES = 64
+# Directions that one task computes.
+_DIRECTIONS_A_TASK = 4
+
+
+@kernel("int64(float64[:, ::1], int64, int64, float64, float64, float64, float64, int64)")
+def _seen(heights, column, row, dx, dy, dz, highest, most):
+    """The texel that a ray (dx, dy: texels, dz: heights) from a texel's centre hits, or FREE."""
+    rows, columns = heights.shape
+    z0 = heights[row, column]
+    # The ray crosses the columns' lines, the rows' and the diagonals' at whole multiples of these.
+    infinity = np.inf
+    step_x = 1.0 / abs(dx) if dx != 0.0 else infinity
+    step_y = 1.0 / abs(dy) if dy != 0.0 else infinity
+    step_d = 1.0 / abs(dx - dy) if dx != dy else infinity
+    next_x, next_y, next_d = 1, 1, 1
+    before, t_before = 0.0, 0.0
+    x_before, y_before = float(column), float(row)
+    while next_x + next_y + next_d < most:
+        t_x, t_y, t_d = next_x * step_x, next_y * step_y, next_d * step_d
+        t = min(t_x, min(t_y, t_d))
+        if t == infinity:
+            break
+        z = z0 + t * dz
+        if z > highest:
+            break
+        # A coordinate that the line has is taken as the whole number that it is.
+        x = float(column + (next_x if dx > 0.0 else -next_x)) if t == t_x else column + t * dx
+        if t == t_y:
+            y = float(row + (next_y if dy > 0.0 else -next_y))
+        elif t == t_x or t != t_d:
+            y = row + t * dy
+        else:
+            y = x - (column - row + (next_d if dx > dy else -next_d))
+        i, j = int(np.floor(x)), int(np.floor(y))
+        u, v = x - i, y - j
+        c0, c1 = i % columns, (i + 1) % columns
+        r0, r1 = j % rows, (j + 1) % rows
+        # On a line the field is linear between the line's two vertices.
+        if t == t_x:
+            field = heights[r0, c0] + v * (heights[r1, c0] - heights[r0, c0])
+        elif t == t_y:
+            field = heights[r0, c0] + u * (heights[r0, c1] - heights[r0, c0])
+        else:
+            field = heights[r0, c0] + u * (heights[r1, c1] - heights[r0, c0])
+        above = z - field
+        if above < 0.0:
+            if t_before > 0.0:
+                share = before / (before - above)
+                x, y = x_before + share * (x - x_before), y_before + share * (y - y_before)
+            # Else the ray begins below the triangle that it leaves over, whose far edge it then sees.
+            i, j = int(np.floor(x + 0.5)) % columns, int(np.floor(y + 0.5)) % rows
+            return j * columns + i
+        before, t_before, x_before, y_before = above, t, x, y
+        if t == t_x:
+            next_x += 1
+        if t == t_y:
+            next_y += 1
+        if t == t_d:
+            next_d += 1
+    return FREE
+
+
+@kernel("void(float64[:, ::1], float64, float64[:, :, ::1], float64[:, ::1], int32[:, :, ::1])")
+def _trace(heights, highest, normals, directions, out):
+    rows, columns = heights.shape
+    most = MOST_TILES * 3 * (rows + columns)
+    for i in range(len(directions)):
+        x, y, z = directions[i, 0], directions[i, 1], directions[i, 2]
+        for row in range(rows):
+            for column in range(columns):
+                n = normals[row, column]
+                if (n[0] * x + n[1] * y) + n[2] * z <= 0.0:
+                    out[i, row, column] = BACK
+                else:
+                    out[i, row, column] = _seen(heights, column, row, x * columns, y * rows, z, highest, most)
+
+
+def _traced(heights, normals, directions):
+    out = np.empty((len(directions), *heights.shape), np.int32)
+    _trace(heights, float(heights.max()), normals, directions, out)
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class Visibility:
+    """What is seen from every texel along every direction.
+
+    directions  float64 [n, 3], unit vectors in the base's frame
+    seen        int32 [n, rows, columns]: row * columns + column of the texel that is seen, FREE, or BACK
+    """
+
+    directions: NDArray[np.float64]
+    seen: NDArray[np.int32]
+
+    @property
+    def count(self) -> int:
+        """How many directions there are."""
+        return len(self.directions)
+
+    @property
+    def rows(self) -> int:
+        """Texels from bottom to top."""
+        return self.seen.shape[1]
+
+    @property
+    def columns(self) -> int:
+        """Texels from left to right."""
+        return self.seen.shape[2]
+
+    @property
+    def stored_bytes(self) -> int:
+        """What the paper's two bytes a texel and direction come to (E002.5)."""
+        return 2 * self.seen.size
+
+
+def precompute(field, directions, executor=None, progress=None):
+    """The Visibility of a HeightField along directions [n, 3].
+
+    executor  a concurrent.futures.Executor among whose workers directions are shared; None: threads, one a
+              processor. Any gives the same numbers
+    progress  None, or a function that is called with the number of directions that are done, in order
+
+    Raises ValueError for directions that are none (``directions.checked``).
+    """
+    found = sphere.checked(directions)
+    parts = [found[k : k + _DIRECTIONS_A_TASK] for k in range(0, len(found), _DIRECTIONS_A_TASK)]
+    if executor is None:
+        with ThreadPoolExecutor(default_threads()) as threads:
+            seen = _gathered(field, parts, threads, progress)
+    else:
+        seen = _gathered(field, parts, executor, progress)
+    return Visibility(found, seen)
+
+
+def _gathered(field, parts, executor: Executor, progress):
+    futures = [executor.submit(_traced, field.heights, field.normals, part) for part in parts]
+    seen, done = [], 0
+    for future in futures:
+        seen.append(future.result())
+        done += len(seen[-1])
+        if progress is not None:
+            progress(done)
+    return np.concatenate(seen)
+
+
+def free_view(field, direction):
+    """Where a HeightField's texels see the sky along one direction [3], by rays: bool [rows, columns]."""
+    return precompute(field, np.asarray(direction, np.float64)[None]).seen[0] == FREE
