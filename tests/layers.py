@@ -95,8 +95,8 @@ PACKAGES = {
     },
     "effects/scattering": {
         "raster": "kernel",
-        "pipeline": "native",
-        "effects": "technique geometry",
+        "pipeline": "enums state pixel_transfer textures commands native",
+        "effects": "refusal technique geometry passes bump_mapping",
     },
     "effects/volumes": {
         "pipeline": "enums state pixel_transfer textures commands",
@@ -105,7 +105,7 @@ PACKAGES = {
     "effects/acceptance": {
         "raster": "kernel",
         "pipeline": "enums commands execution ideal",
-        "effects": "geometry scenes reflectance shadows",
+        "effects": "geometry scenes reflectance shadows scattering",
     },
     "effects/diagrams": {
         "pipeline": "enums state textures commands",
@@ -113,18 +113,22 @@ PACKAGES = {
     },
     "effects/user_pictures": {
         "pipeline": "enums profiles validation execution ideal",
-        "effects": "refusal geometry passes scenes bump_mapping reflectance shadows volumes acceptance",
+        "effects": (
+            "refusal geometry passes scenes bump_mapping reflectance shadows volumes scattering acceptance"
+        ),
     },
     "effects/figures": {
         "pipeline": "enums state pixel_transfer textures commands profiles framebuffers execution ideal",
         "effects": (
             "refusal collection geometry passes scenes bump_mapping reflectance environment_maps "
-            "texture_filtering shadows volumes acceptance diagrams user_pictures"
+            "texture_filtering shadows volumes scattering acceptance diagrams user_pictures"
         ),
     },
     "effects/studies": {
         "pipeline": "enums state pixel_transfer textures commands profiles validation execution ideal",
-        "effects": "collection geometry passes scenes bump_mapping reflectance shadows acceptance figures",
+        "effects": (
+            "collection geometry passes scenes bump_mapping reflectance shadows scattering acceptance figures"
+        ),
     },
     "effects/conformance": {
         "pipeline": "enums state textures commands profiles vertices framebuffers native execution",
@@ -141,7 +145,7 @@ PACKAGES = {
     "effects/cli": {
         "pipeline": "enums sentences profiles notations description framebuffers validation native golden",
         "effects": (
-            "refusal technique geometry bump_mapping volumes acceptance figures studies conformance "
+            "refusal technique geometry bump_mapping volumes scattering acceptance figures studies conformance "
             "user_pictures reports presentation"
         ),
     },

@@ -1,0 +1,1 @@
+"""Figures of document 002, and of its techniques."""

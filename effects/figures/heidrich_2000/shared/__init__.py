@@ -1,0 +1,1 @@
+"""Parts that figures of document 002 share."""
