@@ -145,8 +145,8 @@ PACKAGES = {
     "effects/cli": {
         "pipeline": "enums sentences profiles notations description framebuffers validation native golden",
         "effects": (
-            "refusal technique geometry bump_mapping volumes scattering acceptance figures studies conformance "
-            "user_pictures reports presentation"
+            "refusal technique geometry bump_mapping volumes scattering acceptance figures studies "
+            "conformance user_pictures reports presentation"
         ),
     },
 }

@@ -11,9 +11,9 @@ __all__ = ["FIGURES", "Difference", "Figure", "Method", "Renderer", "Rendering",
 
 
 def identify(name):
-    """F004-2 of f004_02_rings, K12 of k12_normalization_cube_map."""
-    if of_paper := re.fullmatch(r"f(\d{3})_(\d\d)_\w+", name):
-        return f"F{of_paper[1]}-{int(of_paper[2])}"
+    """F004-2 of f004_02_rings, T002-1 of t002_01_times, K12 of k12_normalization_cube_map."""
+    if of_paper := re.fullmatch(r"([ft]\d{3})_(\d\d)_\w+", name):
+        return f"{of_paper[1].upper()}-{int(of_paper[2])}"
     technique = re.fullmatch(r"([a-z]\d\d)_\w+", name)
     return technique and technique[1].upper()
 

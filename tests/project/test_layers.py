@@ -382,7 +382,7 @@ def test_a_figure_lies_in_its_paper_s_folder(figure_id):
     *_, folder, _ = FIGURES.module_of(figure_id).split(".")
     if figure_id[0] == OWN:
         return
-    assert folder == PAPERS[re.match(r"F\d{3}|[A-Z]", figure_id)[0]]
+    assert folder == PAPERS[re.match(r"[FT]\d{3}|[A-Z]", figure_id)[0]]
 
 
 def is_study(name):
