@@ -85,7 +85,7 @@ def animate(figure_id, list_only, moves, bits, count, out, fps, loop, profile, s
         for name in changes.keys() & found.tracks.keys():
             raise Refusal(f"{name} moves, so --set {name} would be ignored; leave one of them out.")
         frames = frames_of(figure, method, found.tracks, found.bits, count or found.count)
-    check_size(figure.id, figure.columns, size or figure.size, machine)
+    check_size(figure.id, figure.dimensions(size), machine)
     name = Path(out or f"{variant_name(figure, changes)}-{key}-animation.png")
     rate = found.frames_a_second if fps is None else fps
     check_rate(rate)

@@ -81,7 +81,7 @@ def bump(
 
     machine = choose("profile", profile, PROFILES)
     path = writable_picture(out, (photo, mesh_name))
-    check_size("The picture", 1, size, machine)
+    check_size("The picture", (size, size), machine)
     direction = three_numbers(light, "The light's direction")
     changed = {"relief": height_scale, "alpha_x": alpha_x, "alpha_y": alpha_y}
     with refusals():

@@ -70,7 +70,7 @@ def figures(figure_ids, list_only, check, out, png, profile, size, settings, thr
     json_path = writable_file(json_file) if json_file else None
     for figure in chosen:
         for machine in machines[figure.id]:
-            check_size(figure.id, figure.columns, size or figure.size, PROFILES[machine])
+            check_size(figure.id, figure.dimensions(size), PROFILES[machine])
 
     for figure in chosen:
         for name in changes[figure.id]:

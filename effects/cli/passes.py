@@ -51,7 +51,7 @@ def passes(figure_id, profile, trace, numbers, every, ideal, whole, size, settin
     figure = choose("figure", figure_id, FIGURES)
     key = profile or figure.machines[0]
     machine = choose("profile", key, PROFILES)
-    check_size(figure.id, figure.columns, size or figure.size, machine)
+    check_size(figure.id, figure.dimensions(size), machine)
     with refusals():
         method = figure.method_for(machine)
         changes = changes_of(settings, figure, (method,))

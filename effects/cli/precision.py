@@ -46,7 +46,7 @@ def precision(figure_id, profile, size, bits, parts, settings):
     figure = choose("figure", figure_id, FIGURES)
     key = profile or figure.machines[0]
     machine = machine_of(key)
-    check_size(figure.id, figure.columns, size, machine)
+    check_size(figure.id, figure.dimensions(size), machine)
     widths, of = _widths(bits), _parts(parts, measured.PARTS)
     announce_compiling()
     with refusals():

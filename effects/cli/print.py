@@ -57,7 +57,7 @@ def print(figure_id, profile, style, width, dpi, pictures, out, size, settings, 
     changes = changes_of(settings, figure, (method,))
     named = None if pictures is None else tuple(word.strip() for word in pictures.split(","))
     names_of(figure, machine, named)
-    check_size(figure.id, figure.columns, size or figure.size, machine)
+    check_size(figure.id, figure.dimensions(size), machine)
     name = Path(out or f"{variant_name(figure, changes)}-{key}-{style}.png")
     kind = name.suffix.lower().removeprefix(".")
     if kind not in KINDS:

@@ -36,11 +36,13 @@ def said():
         raise Said(error.format_message(), before) from error
 
 
-def check_size(what, columns, size, profile):
-    """Raise Refusal when a row of ``columns`` panels of ``size`` pixels is larger than the machine draws."""
-    largest = profile.framebuffers.max_viewport
-    if columns * size > largest:
+def check_size(what, dimensions, profile):
+    """Raise Refusal when a picture of ``dimensions`` (width, height: its --size) is larger than the machine
+    draws.
+    """
+    largest, (width, size) = profile.framebuffers.max_viewport, dimensions
+    if max(width, size) > largest:
         raise Refusal(
-            f"{what} with --size {size} is {columns * size}x{size} pixels; the {profile.name} draws up to "
-            f"{largest}x{largest}. Give --size {largest // columns} or less."
+            f"{what} with --size {size} is {width}x{size} pixels; the {profile.name} draws up to "
+            f"{largest}x{largest}. Give --size {largest * size // max(width, size)} or less."
         )

@@ -55,7 +55,7 @@ def shadows(mesh, algorithm, light, out, size, profile, up, map_size, threads):
     way = choose("algorithm", algorithm, mesh_shadows.ALGORITHMS)
     machine = choose("profile", profile, PROFILES)
     path = writable_picture(out, (mesh,))
-    check_size("The picture", 1, size, machine)
+    check_size("The picture", (size, size), machine)
     with refusals():
         mesh_shadows.check_machine(algorithm, profile)
         if map_size and not way.map:

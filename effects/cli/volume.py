@@ -75,7 +75,7 @@ def volume(
     machine = choose("profile", profile, PROFILES)
     _check_raw_options(file)
     path = writable_picture(out, (file, data_file_of(Path(file)) or file))
-    check_size("The picture", 1, size, machine)
+    check_size("The picture", (size, size), machine)
     directions = [three_numbers(text, what) for text, what in (
         (view, "The direction to the eye"), (up, "What is up"), (light, "The direction to the light"),
     )]  # fmt: skip

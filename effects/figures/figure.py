@@ -1,6 +1,6 @@
 """What a figure is: what it shows, where it comes from, how each machine draws it, and checks of it as code.
 
-A figure's scene is one tuple of commands that draws a row of square panels, so that it can be printed,
+A figure's scene is one tuple of commands that draws a row of equal panels, so that it can be printed,
 validated, rendered on any machine and compared. Machines that have to draw it in different ways have a
 ``Method`` each.
 """
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.parameters import Parameter
 from fixedpipe.effects.figures.rendering import Rendering
+from fixedpipe.effects.geometry.views import panel_width
 from fixedpipe.effects.refusal import nearest
 from fixedpipe.pipeline.commands import Command
 from fixedpipe.pipeline.framebuffers.result import Result
@@ -84,9 +85,10 @@ class Figure:
     must_see     what must be visible for the figure to be right
     source       key in docs/bibliography.bib
     techniques   the catalogue's ids of the techniques used
-    panels       what each of its square panels shows, from left to right, in a label's few words; whatever
+    panels       what each of its panels shows, from left to right, in a label's few words; whatever
                  presents the figure draws the labels, the machine does not
-    size         default edge of a panel, pixels
+    size         default height of a panel, pixels
+    aspect       a panel's width to its height, as whole numbers: (8, 5)
     parameters   what may be changed of it, by name; ``commands`` takes other values by these names
     methods      how it is drawn, a machine in one of them at most; first the one that the paper used
     acceptance   its checks: an Acceptance
@@ -102,6 +104,7 @@ class Figure:
     techniques: tuple[str, ...]
     panels: tuple[str, ...] = ("",)
     size: int = 512
+    aspect: tuple[int, int] = (1, 1)
     parameters: Mapping[str, Parameter] = field(default_factory=dict)
     methods: tuple[Method, ...]
     acceptance: Acceptance
@@ -111,6 +114,8 @@ class Figure:
         object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
         if len(self.panels) > 1 and not all(self.panels):
             raise ValueError(f"{self.id} has {len(self.panels)} panels; give each a label: {self.panels}.")
+        if not (len(self.aspect) == 2 and all(isinstance(n, int) and n >= 1 for n in self.aspect)):
+            raise ValueError(f"{self.id}'s aspect is {self.aspect!r}; give width and height, whole numbers.")
         for name, parameter in self.parameters.items():
             if not isinstance(parameter, Parameter):
                 raise ValueError(
@@ -131,7 +136,7 @@ class Figure:
 
     @property
     def columns(self) -> int:
-        """How many square panels there are, side by side."""
+        """How many panels there are, side by side."""
         return len(self.panels)
 
     @property
@@ -238,9 +243,13 @@ class Figure:
         edge = self.size if size is None else size
         if isinstance(edge, bool) or not isinstance(edge, Integral) or edge < 1:
             raise ValueError(
-                f"The size of {self.id} is {size!r}; give a panel's edge in whole pixels, from 1."
+                f"The size of {self.id} is {size!r}; give a panel's height in whole pixels, from 1."
             )
-        return self.columns * int(edge), int(edge)
+        return self.columns * self.panel_width(int(edge)), int(edge)
+
+    def panel_width(self, size: int) -> int:
+        """Of a panel ``size`` pixels high, in pixels."""
+        return panel_width(size, self.aspect)
 
     def commands(
         self, profile: Profile | str, size: int | None = None, method: Method | None = None, **changes: Any
@@ -249,7 +258,7 @@ class Figure:
 
         profile  the machine, as a value or a key of ``PROFILES``: one that can draw the figure, such a
                  machine changed, or the ideal
-        size     a panel's edge in pixels; None: the figure's own
+        size     a panel's height in pixels; None: the figure's own
         method   one of ``methods``; None: the machine's (the ideal's: the first)
         changes  other values of parameters, by name
 
@@ -318,7 +327,7 @@ class Figure:
         float64 [height, width, 4], top row first, 1.0 = full, alpha 0 where a panel has none. None where the
         figure has no reference.
 
-        size     a panel's edge in pixels; None: the figure's own
+        size     a panel's height in pixels; None: the figure's own
         method   one of ``methods``, whose values of parameters it takes; None: the first
         changes  other values of parameters, by name
 

@@ -150,7 +150,7 @@ class Rendering(Pictured):
     figure    the Figure
     profile   the machine
     method    how it drew: one of the figure's methods
-    size      a panel's edge, pixels
+    size      a panel's height, pixels
     changes   the parameters that have other values than the figure's, by name
     result    what the machine left behind: its Result; the IdealResult where the machine is the ideal
     threads   as of ``execute``, for the ideal too

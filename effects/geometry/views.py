@@ -41,9 +41,16 @@ class Panel:
         return Clear(label=label, color=(*color, 0.0), depth=1.0, scissor=self.scissor)
 
 
-def row_of_panels(columns: int, size: int) -> tuple[Panel, ...]:
-    """Square panels side by side, each ``size`` pixels wide."""
-    return tuple(Panel(i * size, 0, size, size) for i in range(columns))
+def panel_width(size: int, aspect: tuple[int, int]) -> int:
+    """The width of a panel ``size`` pixels high, by its ``aspect``, width to height: whole pixels, from 1."""
+    wide, high = aspect
+    return max(1, (2 * size * wide + high) // (2 * high))
+
+
+def row_of_panels(columns: int, size: int, aspect: tuple[int, int] = (1, 1)) -> tuple[Panel, ...]:
+    """Panels side by side, each ``size`` pixels high; ``aspect``: width to height, square ones by default."""
+    width = panel_width(size, aspect)
+    return tuple(Panel(i * width, 0, width, size) for i in range(columns))
 
 
 @dataclass(frozen=True)
@@ -120,6 +127,6 @@ class Light:
 
 
 def panel_of(image: NDArray[Any], number: int) -> NDArray[Any]:
-    """Panel ``number`` of a row of square ones: [size, size, ...], in the image's order of rows."""
+    """Panel ``number`` of a row of square panels: [size, size, ...], in the image's order of rows."""
     size = image.shape[0]
     return image[:, number * size : (number + 1) * size]

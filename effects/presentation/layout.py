@@ -1,11 +1,11 @@
-"""Where a sheet's panels stand: pictures, each a row of square panels, on a page of a given width and height.
+"""Where a sheet's panels stand: pictures, each a row of equal panels, on a page of a given width and height.
 
 All lengths are millimetres; x grows to the right, y downwards, from the left top corner of their area.
 """
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 # Assumed: a row of four panels or more that would be smaller than this is broken, where that is worth it.
 SMALL = 40.0
@@ -27,6 +27,7 @@ class Area:
     heading         height of a picture's name, which stands above it where pictures stand side by side, and
                     otherwise left of it, upright
     notes           heights of what is written below each picture; 0 where nothing is
+    ratio           of a panel's width to its height
     """
 
     width: float
@@ -36,15 +37,24 @@ class Area:
     label: float
     heading: float
     notes: Sequence[float]
+    ratio: float = 1.0
 
 
 @dataclass(frozen=True)
 class Arrangement:
-    """How many pictures stand in a line, how many panels in a row, and the edge of a panel in millimetres."""
+    """How many pictures stand in a line, how many panels in a row, and a panel's height in millimetres and
+    the ratio of its width to that.
+    """
 
     pictures: int
     panels: int
-    edge: float
+    height: float
+    ratio: float = 1.0
+
+    @property
+    def width(self) -> float:
+        """Of a panel, in millimetres."""
+        return self.height * self.ratio
 
 
 @dataclass(frozen=True)
@@ -95,19 +105,19 @@ def _fixed(area, columns, arrangement):
     return width, height
 
 
-def _edge(area, columns, pictures, panels):
+def _largest(area, columns, pictures, panels):
     """An arrangement with the largest panels that fit."""
-    trial = Arrangement(pictures, panels, 0.0)
+    trial = Arrangement(pictures, panels, 0.0, area.ratio)
     width, height = _fixed(area, columns, trial)
     rows = math.ceil(columns / panels) * math.ceil(len(area.notes) / pictures)
-    edge = min((area.width - width) / (pictures * panels), (area.height - height) / rows)
-    return Arrangement(pictures, panels, edge)
+    wide = (area.width - width) / (pictures * panels * area.ratio)
+    return replace(trial, height=min(wide, (area.height - height) / rows))
 
 
 def height_of(area, columns, arrangement):
     """Of all pictures with what is written at them."""
     rows = math.ceil(columns / arrangement.panels) * math.ceil(len(area.notes) / arrangement.pictures)
-    return _fixed(area, columns, arrangement)[1] + rows * arrangement.edge
+    return _fixed(area, columns, arrangement)[1] + rows * arrangement.height
 
 
 def arrange(area, columns):
@@ -115,27 +125,27 @@ def arrange(area, columns):
 
     The rows of panels stay whole while a panel is not SMALL. Of the ways in which lines are equally long the
     one with the largest panels is taken; of pictures of one panel, which may well stand side by side, the
-    flattest whose panels are nearly as large. Its edge may be zero or less: then nothing fits.
+    flattest whose panels are nearly as large. Its height may be zero or less: then nothing fits.
     """
     count = len(area.notes)
     shares = [n for n in range(1, count + 1) if count % n == 0]
-    found = [_edge(area, columns, pictures, columns) for pictures in shares]
-    largest = max(a.edge for a in found)
+    found = [_largest(area, columns, pictures, columns) for pictures in shares]
+    largest = max(a.height for a in found)
     if columns >= 4 and largest < SMALL:
-        broken = [_edge(area, columns, pictures, math.ceil(columns / 2)) for pictures in shares]
-        if max(a.edge for a in broken) > WORTH * largest:
+        broken = [_largest(area, columns, pictures, math.ceil(columns / 2)) for pictures in shares]
+        if max(a.height for a in broken) > WORTH * largest:
             found = broken
-            largest = max(a.edge for a in found)
+            largest = max(a.height for a in found)
     enough = min(largest, FLATTER * largest) if columns == 1 else largest
-    return min((a for a in found if a.edge >= enough), key=lambda a: height_of(area, columns, a))
+    return min((a for a in found if a.height >= enough), key=lambda a: height_of(area, columns, a))
 
 
 def place(area, columns, arrangement):
     """Where each picture stands: a Place each. What is narrower than the area stands in its middle."""
-    c, edge = arrangement.panels, arrangement.edge
+    c, across = arrangement.panels, arrangement.width
     rows = math.ceil(columns / c)
     left, above = _side(area, arrangement)
-    width = c * edge + (c - 1) * area.gutter
+    width = c * across + (c - 1) * area.gutter
     total = left + arrangement.pictures * width + (arrangement.pictures - 1) * area.gap
     start = max(0.0, (area.width - total) / 2) + left
     places, y = [], 0.0
@@ -144,10 +154,10 @@ def place(area, columns, arrangement):
         tops, top = [], y + above
         for row, label in enumerate(labels):
             tops.append(top + label)
-            top += label + edge + area.gutter * (row < rows - 1)
+            top += label + arrangement.height + area.gutter * (row < rows - 1)
         for i in range(len(notes)):
             x = start + i * (width + area.gap)
-            panels = tuple((x + (n % c) * (edge + area.gutter), tops[n // c]) for n in range(columns))
+            panels = tuple((x + (n % c) * (across + area.gutter), tops[n // c]) for n in range(columns))
             places.append(Place(x, y, width, top, panels))
         y = top + max(notes) + area.gap
     return tuple(places)

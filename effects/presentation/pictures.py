@@ -26,7 +26,7 @@ class Shown:
     name      one of PICTURES
     heading   what it is, in a few words
     note      what is written below it; ""
-    panels    uint8 [edge, edge, 3] each, top row first, None where it has none; empty where the picture is
+    panels    uint8 [height, width, 3] each, top row first, None where it has none; empty where the picture is
               said and not drawn: a difference that is none
     """
 
@@ -37,9 +37,9 @@ class Shown:
 
 
 def _cut(pixels, columns, there=None):
-    """A picture's square panels. ``there``: [h, w], zero all over a panel that it has not."""
-    edge = pixels.shape[1] // columns
-    spans = [slice(i * edge, (i + 1) * edge) for i in range(columns)]
+    """A picture's panels. ``there``: [h, w], zero all over a panel that it has not."""
+    width = pixels.shape[1] // columns
+    spans = [slice(i * width, (i + 1) * width) for i in range(columns)]
     return tuple(
         np.ascontiguousarray(pixels[:, span, :3]) if there is None or there[:, span].any() else None
         for span in spans

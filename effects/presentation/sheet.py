@@ -26,13 +26,14 @@ BASELINE = 0.93
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """A panel on a sheet: its left top corner and its edge in mm, the picture and the label that it has, and
-    its ``pixels``, uint8 [n, n, 3], top row first.
+    """A panel on a sheet: its left top corner, its width and height in mm, the picture and the label that it
+    has, and its ``pixels``, uint8 [h, w, 3], top row first.
     """
 
     x: float
     y: float
-    edge: float
+    width: float
+    height: float
     picture: str
     label: str
     pixels: NDArray[np.uint8]
@@ -161,6 +162,7 @@ class _Composition:
         self.pictures = tuple(picture for picture in shown if picture.panels)
         self.said = tuple(picture for picture in shown if not picture.panels)
         self.columns = figure.columns
+        self.ratio = figure.panel_width(drawn.size) / drawn.size
         self.labels = figure.panels
         self.inner = width - 2 * style.margin
         face, label, note = style.face, style.label, style.note
@@ -231,6 +233,7 @@ class _Composition:
             label,
             lines_of_heading * _line_height(style.label),
             tuple(n * _line_height(style.note) for n in lines_of_notes),
+            self.ratio,
         )
 
     def _arranged(self, height):
@@ -239,13 +242,13 @@ class _Composition:
         for _ in range(6):
             area = self._area(height, labels, heading, notes)
             arrangement = arrange(area, self.columns)
-            if arrangement.edge <= 0:
+            if arrangement.height <= 0:
                 break
-            room = arrangement.panels * arrangement.edge + (arrangement.panels - 1) * area.gutter
+            room = arrangement.panels * arrangement.width + (arrangement.panels - 1) * area.gutter
             rows = math.ceil(self.columns / arrangement.panels)
-            long = rows * arrangement.edge if arrangement.pictures == 1 else room
+            long = rows * arrangement.height if arrangement.pictures == 1 else room
             needed = (
-                max(len(broken(text, self.fonts["label"], arrangement.edge)) for text in self.labels)
+                max(len(broken(text, self.fonts["label"], arrangement.width)) for text in self.labels)
                 if any(self.labels)
                 else 0,
                 max(len(broken(p.heading, self.fonts["heading"], long)) for p in self.pictures),
@@ -261,7 +264,7 @@ class _Composition:
     def _whole(self, area, arrangement, dpi):
         """(arrangement, dpi, scale) of a PNG file: panels whose pixels are squares of ``scale`` pixels."""
         size = self.drawn.size
-        inches = arrangement.edge / MILLIMETRES
+        inches = arrangement.height / MILLIMETRES
         if dpi is None:
             scale = max(1, math.ceil(self.style.dpi * inches / size))
             return arrangement, scale * size / inches, scale
@@ -272,7 +275,7 @@ class _Composition:
                 f"Panels of {size} pixels have {there} here at {dpi:g} dpi, and pixels are never merged. "
                 f"Give --dpi {needed} or more, --size {there} or less, more --width, or a PDF or SVG file."
             )
-        return replace(arrangement, edge=scale * size / dpi * MILLIMETRES), dpi, scale
+        return replace(arrangement, height=scale * size / dpi * MILLIMETRES), dpi, scale
 
     # ------------------------------------------------------------------------------------------ sheet
 
@@ -292,9 +295,9 @@ class _Composition:
                 f"Nothing is left to be drawn: {self.said[0].note} Ask for the machine's picture as well."
             )
         area, arrangement = self._arranged(room)
-        if arrangement.edge < 4:
+        if arrangement.height < 4:
             raise Refusal(
-                f"On {self.width:g} mm panels would be {max(0.0, arrangement.edge):.1f} mm; give a larger "
+                f"On {self.width:g} mm panels would be {max(0.0, arrangement.height):.1f} mm; give a larger "
                 "--width or fewer --pictures."
             )
         scale = None
@@ -337,7 +340,7 @@ class _Composition:
 
     def _place(self, lines, area, arrangement, top):
         """The panels; their labels, headings and notes go to ``lines``."""
-        style, edge = self.style, arrangement.edge
+        style = self.style
         for number, (picture, spot) in enumerate(
             zip(self.pictures, place(area, self.columns, arrangement), strict=True)
         ):
@@ -347,9 +350,9 @@ class _Composition:
             labelled = number == 0 or arrangement.pictures > 1 or arrangement.panels < self.columns
             for (x, y), label, pixels in zip(corners, self.labels, picture.panels, strict=True):
                 if labelled and (pixels is not None or number == 0):
-                    self._above(lines, label, "label", style.ink, x, y, edge)
+                    self._above(lines, label, "label", style.ink, x, y, arrangement.width)
                 if pixels is not None:
-                    yield Panel(x, y, edge, picture.name, label, pixels)
+                    yield Panel(x, y, arrangement.width, arrangement.height, picture.name, label, pixels)
             height = _line_height(style.note)
             for n, text in enumerate(broken(picture.note, self.fonts["note"], spot.width)):
                 y = top + spot.bottom + n * height + BASELINE * height / LEADING
@@ -359,26 +362,26 @@ class _Composition:
         """A picture's name: above it, or upright at its left."""
         font, height = self.fonts["heading"], _line_height(self.style.label)
         if arrangement.pictures > 1:
-            room = arrangement.panels * arrangement.edge + (arrangement.panels - 1) * area.gutter
+            room = arrangement.panels * arrangement.width + (arrangement.panels - 1) * area.gutter
             for n, text in enumerate(broken(picture.heading, font, room)):
                 y = top + n * height + BASELINE * height / LEADING
                 lines.append(Line(left, y, text, font, self.style.ink))
             return
-        bottom = max(y for _, y in corners) + arrangement.edge
+        bottom = max(y for _, y in corners) + arrangement.height
         middle = (min(y for _, y in corners) + bottom) / 2
         texts = broken(picture.heading, font, bottom - min(y for _, y in corners))
         for n, text in enumerate(texts):
             x = left - area.heading + n * height + 0.75 * height
             lines.append(Line(x, middle + font.width(text) / 2, text, font, self.style.ink, upright=True))
 
-    def _above(self, lines, text, name, color, x, y, edge):
+    def _above(self, lines, text, name, color, x, y, width):
         """A text of one or more lines above a panel, in its middle."""
         font = self.fonts[name]
         height = _line_height(font.points)
-        texts = broken(text, font, edge)
+        texts = broken(text, font, width)
         for n, line in enumerate(texts):
             baseline = y - (len(texts) - n) * height + BASELINE * height / LEADING
-            lines.append(Line(x + (edge - font.width(line)) / 2, baseline, line, font, color))
+            lines.append(Line(x + (width - font.width(line)) / 2, baseline, line, font, color))
 
     def _command(self, style_name, dpi):
         """What draws the sheet again; the machine by its name where it is none of PROFILES."""

@@ -67,8 +67,8 @@ def _with_panels(matplotlib, sheet):
     """``_canvas`` with the panels as images that keep their own pixels."""
     figure = _canvas(matplotlib, sheet)
     for panel in sheet.panels:
-        left, bottom = panel.x / sheet.width, 1.0 - (panel.y + panel.edge) / sheet.height
-        axes = figure.add_axes((left, bottom, panel.edge / sheet.width, panel.edge / sheet.height))
+        left, bottom = panel.x / sheet.width, 1.0 - (panel.y + panel.height) / sheet.height
+        axes = figure.add_axes((left, bottom, panel.width / sheet.width, panel.height / sheet.height))
         axes.set_axis_off()
         axes.imshow(panel.pixels, interpolation="none", aspect="auto")
     return figure

@@ -105,6 +105,7 @@ def render(figure, machines, size, threads, with_checks, step, changes=None):
     """
     size = size or figure.size
     width, height = figure.dimensions(size)
+    across = figure.panel_width(size)
     changes = changes or {}
     drawing = _Drawing(figure, variant_name(figure, changes), size, threads, changes, step)
     drawn, kept = [], {}
@@ -134,7 +135,7 @@ def render(figure, machines, size, threads, with_checks, step, changes=None):
         "width": width,
         "height": height,
         "panels": [
-            {"x": n * size, "y": 0, "width": size, "height": size, "label": label}
+            {"x": n * across, "y": 0, "width": across, "height": size, "label": label}
             for n, label in enumerate(figure.panels)
         ],
         "machines": drawn,

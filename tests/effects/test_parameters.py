@@ -93,7 +93,7 @@ def changed(figure_id="F004-4", machine="GEFORCE_3", size=16, **changes):
         ({"machine": "GEFORCE3"}, r"There is no machine 'GEFORCE3'. Did you mean GEFORCE_3\? F004-4 can be "),
         ({"machine": 3}, "The machine is 3; give its name or its Profile. F004-4 can be drawn on G"),
         ({"method": "GEFORCE_3"}, "The method is 'GEFORCE_3'; leave it out, and F004-4 is drawn as "),
-        ({"size": "16"}, "The size of F004-4 is '16'; give a panel's edge in whole pixels, from 1"),
+        ({"size": "16"}, "The size of F004-4 is '16'; give a panel's height in whole pixels, from 1"),
         ({"size": 0}, "The size of F004-4 is 0; give"),
         ({"size": 1.5}, "The size of F004-4 is 1.5; give"),
         ({"size": True}, "The size of F004-4 is True; give"),

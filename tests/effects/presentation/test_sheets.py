@@ -11,7 +11,8 @@ import pytest
 from PIL import Image
 
 from fixedpipe.effects.bibliography import citation
-from fixedpipe.effects.figures import FIGURES
+from fixedpipe.effects.figures import FIGURES, Figure, Method
+from fixedpipe.effects.geometry.views import row_of_panels
 from fixedpipe.effects.presentation.layout import SMALL, Area, arrange, height_of, place
 from fixedpipe.effects.presentation.pictures import names_of
 from fixedpipe.effects.presentation.sheet import sheet
@@ -58,15 +59,15 @@ def all_panels(drawn):
 def spots(page, panel, scale):
     """Left top corners at which a panel stands on a page, each pixel a square of ``scale``."""
     large = panel.repeat(scale, 0).repeat(scale, 1)
-    edge = large.shape[0]
-    found = np.ones((page.shape[0] - edge + 1, page.shape[1] - edge + 1), bool)
-    for n in range(0, edge, scale):  # along its diagonal first
+    high, wide = large.shape[:2]
+    found = np.ones((page.shape[0] - high + 1, page.shape[1] - wide + 1), bool)
+    for n in range(0, high, scale):  # along its diagonal first
         spot = page[n : n + found.shape[0], n : n + found.shape[1]]
         found &= (spot == large[n, n]).all(-1)
     return [
         (x, y)
         for y, x in zip(*np.nonzero(found), strict=True)
-        if np.array_equal(page[y : y + edge, x : x + edge], large)
+        if np.array_equal(page[y : y + high, x : x + wide], large)
     ]
 
 
@@ -176,8 +177,8 @@ def test_nothing_leaves_the_sheet_no_text_is_small_and_none_is_on_a_panel(figure
     if style != "paper":
         assert composed.height / composed.width == pytest.approx(9 / 16)
     for panel in composed.panels:
-        assert min(panel.x, panel.y) >= 0 and panel.x + panel.edge <= composed.width + 1e-6
-        assert panel.y + panel.edge < composed.height
+        assert min(panel.x, panel.y) >= 0 and panel.x + panel.width <= composed.width + 1e-6
+        assert panel.y + panel.height < composed.height
     for line in composed.lines:
         length = line.font.width(line.text)
         assert line.font.points >= LEAST_POINTS
@@ -187,19 +188,19 @@ def test_nothing_leaves_the_sheet_no_text_is_small_and_none_is_on_a_panel(figure
             continue
         assert line.x + length <= composed.width, line.text
         for panel in composed.panels:
-            inside = panel.y < line.y < panel.y + panel.edge
-            beside = line.x + length <= panel.x or line.x >= panel.x + panel.edge
+            inside = panel.y < line.y < panel.y + panel.height
+            beside = line.x + length <= panel.x or line.x >= panel.x + panel.width
             assert not inside or beside, line.text
 
 
-def area(width, height, notes=(0.0, 0.0, 3.0)):
-    return Area(width, height, 1.0, 2.5, 3.5, 3.5, notes)
+def area(width, height, notes=(0.0, 0.0, 3.0), ratio=1.0):
+    return Area(width, height, 1.0, 2.5, 3.5, 3.5, notes, ratio)
 
 
 def test_rows_of_small_panels_are_broken_where_that_makes_them_larger():
     narrow = area(85.0, 200.0, (0.0,))
     arrangement = arrange(narrow, 4)
-    assert arrangement.panels == 2 and arrangement.edge > 1.5 * (85 - 7) / 4
+    assert arrangement.panels == 2 and arrangement.height > 1.5 * (85 - 7) / 4
     assert len({x for x, _ in place(narrow, 4, arrangement)[0].panels}) == 2
     assert arrange(narrow, 5).panels == 3
     # Not where they are large enough, nor where the page is too low for two rows, nor three panels.
@@ -215,14 +216,39 @@ def test_pictures_of_one_panel_stand_side_by_side_and_rows_one_above_the_other()
     four = area(170.0, 240.0, (0.0,) * 4)
     assert arrange(four, 1).pictures == 2
     for columns in range(1, 6):
-        for room in (area(170.0, 200.0), area(310.0, 140.0), four):
+        for room in (area(170.0, 200.0), area(310.0, 140.0), four, area(170.0, 200.0, ratio=1.6)):
             arrangement = arrange(room, columns)
             corners = [corner for p in place(room, columns, arrangement) for corner in p.panels]
             assert height_of(room, columns, arrangement) <= room.height + 1e-9
-            assert max(x for x, _ in corners) + arrangement.edge <= room.width + 1e-9
-            assert max(y for _, y in corners) + arrangement.edge <= room.height + 1e-9
+            assert max(x for x, _ in corners) + arrangement.width <= room.width + 1e-9
+            assert max(y for _, y in corners) + arrangement.height <= room.height + 1e-9
+            assert arrangement.width == pytest.approx(room.ratio * arrangement.height)
             if arrangement.panels < columns:
-                assert replace(arrangement, panels=columns) != arrangement and arrangement.edge < 2 * SMALL
+                assert replace(arrangement, panels=columns) != arrangement and arrangement.height < 2 * SMALL
+
+
+def wide_scene(profile, size):
+    (panel,) = row_of_panels(1, size, (8, 5))
+    return (panel.clear((0.2, 0.4, 0.6)),)
+
+
+def test_a_panel_that_is_wider_than_high_stays_so():
+    method = Method("a clear", wide_scene, ("GEFORCE_256",))
+    figure = Figure(
+        id="X90", title="Wide", caption="", must_see="", source="KautzSeidel2000", techniques=(), size=40,
+        aspect=(8, 5), methods=(method,), acceptance=lambda figure, renderer: (),
+    )  # fmt: skip
+    assert figure.dimensions() == (64, 40) and figure.dimensions(33) == (53, 33)
+    drawn = figure.render("GEFORCE_256")
+    assert drawn.image().shape == (40, 64, 4)
+    composed = sheet(drawn, "png")
+    for panel in composed.panels:
+        assert panel.pixels.shape == (40, 64, 3)
+        assert panel.width == pytest.approx(1.6 * panel.height)
+    page = np.asarray(Image.open(io.BytesIO(file_of(composed, "png"))).convert("RGB"))
+    assert spots(page, drawn.image()[..., :3], composed.scale)
+    with pytest.raises(ValueError, match="give width and height, whole numbers"):
+        replace(figure, aspect=(1.6, 1))
 
 
 def test_a_difference_that_is_none_is_written(spheres):
@@ -268,7 +294,7 @@ def test_the_ideal_has_one_picture():
 
 def test_pixels_are_never_merged(spheres):
     composed = sheet(spheres, "png", dpi=100.0)
-    assert composed.panels[0].edge / 25.4 * 100.0 == pytest.approx(composed.scale * SIZE)
+    assert composed.panels[0].height / 25.4 * 100.0 == pytest.approx(composed.scale * SIZE)
     with pytest.raises(Refusal, match=r"Panels of 32 pixels have \d+ here at 36 dpi"):
         sheet(spheres, "png", width=50.0, dpi=36.0, pictures=("machine", "ideal"))
 
