@@ -18,8 +18,9 @@ import numpy as np
 
 from fixedpipe.effects.geometry.height_fields import hashed
 from fixedpipe.effects.geometry.vectors import dot, normalize
-from fixedpipe.effects.scattering.visibility import FREE, free_view
+from fixedpipe.effects.scattering.visibility import BACK, FREE, free_view
 from fixedpipe.effects.technique import Technique
+from fixedpipe.raster.kernel import kernel
 
 TECHNIQUES = (
     Technique("G06", "the method of dependent tests: the same directions at every texel", "3.1, 3.2"),
@@ -129,23 +130,51 @@ def scattered(field, visibility, paths, light, view=(0.0, 0.0, 1.0), *, lit=None
     return total / len(paths)
 
 
-def bounces(field, visibility, light, count, *, lit=None, weights=None):
+@kernel(
+    "void(float64[:, :, ::1], float64[:, ::1], int32[:, :, ::1], float64[:, ::1], float64[:, ::1], "
+    "float64[:, :, ::1])"
+)
+def _gather(normals, directions, seen, light, sky, out):
+    """To every texel what comes along all directions: the cosine times the light of the texel that is seen,
+    or times the sky's where none is in the way.
+    """
+    rows, columns, components = out.shape
+    for row in range(rows):
+        for column in range(columns):
+            n = normals[row, column]
+            for i in range(len(directions)):
+                texel = seen[i, row, column]
+                if texel == BACK:
+                    continue
+                cosine = (n[0] * directions[i, 0] + n[1] * directions[i, 1]) + n[2] * directions[i, 2]
+                for k in range(components):
+                    out[row, column, k] += cosine * (light[texel, k] if texel >= 0 else sky[i, k])
+
+
+def gathered(field, visibility, light, sky=None):
+    """The mean light that arrives at every texel from all N directions, each with its cosine and the weight
+    4 / N: float64 [rows, columns, k], which times the albedo is what a diffuse texel sends back.
+
+    light  float64 [rows, columns, k]: what every texel sends
+    sky    None, black, or float64 [n, k]: the environment along each direction
+    """
+    components = light.shape[2]
+    sky = np.zeros((visibility.count, components)) if sky is None else np.ascontiguousarray(sky, np.float64)
+    out = np.zeros((*field.heights.shape, components))
+    flat = np.ascontiguousarray(light.reshape(-1, components))
+    _gather(field.normals, visibility.directions, visibility.seen, flat, sky, out)
+    return out * (WEIGHT / visibility.count)
+
+
+def bounces(field, visibility, light, count, *, lit=None):
     """Direct light and ``count`` further reflections, each gathered from all N directions (W = 4 / N): a list
     of float64 [rows, columns, 3], the k-th with k of them. Of diffuse light alone: albedo times cosine.
-
-    weights  None, or float64 [n] or [n, rows, columns]: by what each direction counts (``curved_base``)
     """
     if lit is None:
         lit = free_view(field, light)
     arriving = field.albedo * (np.maximum(dot(field.normals, light), 0.0) * lit)[..., None]
     out = [arriving]
     for _ in range(count):
-        total = np.zeros(arriving.shape)
-        for i, direction in enumerate(visibility.directions):
-            cosine = np.maximum(dot(field.normals, direction), 0.0)
-            if weights is not None:
-                cosine = cosine * weights[i]
-            total += cosine[..., None] * looked_up(arriving, visibility.seen[i])
-        arriving = field.albedo * total * (WEIGHT / visibility.count)
+        arriving = field.albedo * gathered(field, visibility, arriving)
         out.append(out[-1] + arriving)
     return out

@@ -11,9 +11,9 @@ from fixedpipe.effects.scattering import height_field, light_transport, visibili
 ABOVE = np.array([0.0, 0.0, 1.0])
 
 
-def gains(field, count, bounces, weights=None):
+def gains(field, count, bounces):
     seen = visibility.precompute(field, sphere.spiral(count))
-    light = light_transport.bounces(field, seen, ABOVE, bounces, weights=weights)
+    light = light_transport.bounces(field, seen, ABOVE, bounces)
     return [float(b.mean() / light[0].mean()) for b in light]
 
 

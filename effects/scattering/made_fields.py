@@ -1,0 +1,79 @@
+"""Height fields of things: a wall of bricks, boards of a fence, gravel. All are periodic, over a unit square.
+
+Their random parts come from an integer hash, so that they have the same bits everywhere. Assumed: sizes,
+depths and colours; they are what the paper's brick wall and figure 12 show, and no measurement of theirs is
+given.
+"""
+
+import numpy as np
+
+from fixedpipe.effects.geometry import height_fields
+from fixedpipe.effects.scattering.height_field import height_field
+
+
+def _part(number, seed, k):
+    """A number in [0, 1) for each whole number, by the hash."""
+    return height_fields.hashed(number, np.full(np.shape(number), k), seed) / 65536.0
+
+
+def _smooth_step(x):
+    x = np.clip(x, 0.0, 1.0)
+    return x * x * (3.0 - 2.0 * x)
+
+
+def _grain(columns, rows, cells_s, cells_t, seed):
+    """Noise in [-1, 1] that is finer in one direction, by two octaves."""
+    coarse = height_fields.value_noise(columns, rows, cells_s, cells_t, seed)
+    return (coarse + 0.5 * height_fields.value_noise(columns, rows, 2 * cells_s, 2 * cells_t, seed + 1)) / 1.5
+
+
+def bricks(columns=128, rows=128, depth=0.03, seed=3):
+    """Two bricks across and six courses, each moved by half a brick: ``depth`` is that of the joints, in
+    edges of the square. A brick is 215 mm by 65 mm, a joint 10 mm, and the square 450 mm.
+    """
+    s, t = height_fields.texel_centers(columns, rows)
+    course = np.floor(t * 6.0).astype(np.int64)
+    along = s * 2.0 + 0.5 * (course % 2)
+    brick = np.floor(along).astype(np.int64) % 2 + 2 * course
+    # Millimetres from the brick's edge, negative in the joint.
+    across = 107.5 - np.abs((along - np.floor(along) - 0.5) * 225.0)
+    up = 32.5 - np.abs((t * 6.0 - course - 0.5) * 75.0)
+    inside = np.minimum(across, up)
+    rough = height_fields.turbulence(s, t, 12, 3, seed)
+    stands = 0.75 + 0.25 * _part(brick, seed, 1) + 0.12 * rough
+    heights = depth * (_smooth_step((inside + 2.0) / 7.0) * stands + 0.06 * rough)
+    shade = 0.75 + 0.4 * _part(brick, seed, 2) + 0.15 * rough
+    red, pale = np.array([0.52, 0.22, 0.15]), np.array([0.56, 0.33, 0.22])
+    blend = _part(brick, seed, 3)[..., None]
+    clay = (red * (1.0 - blend) + pale * blend) * shade[..., None]
+    mortar = np.array([0.56, 0.53, 0.48]) * (1.0 + 0.12 * rough)[..., None]
+    share = _smooth_step((inside + 2.0) / 4.0)[..., None]
+    return height_field(heights, np.clip(mortar * (1.0 - share) + clay * share, 0.0, 1.0))
+
+
+def planks(columns=128, rows=128, count=4, depth=0.04, seed=5):
+    """``count`` boards side by side that run along t: ``depth`` is that of the gaps, in edges of the
+    square.
+    """
+    s, t = height_fields.texel_centers(columns, rows)
+    board = np.floor(s * count).astype(np.int64)
+    inside = 0.5 - np.abs(s * count - board - 0.5)
+    grain = _grain(columns, rows, 16 * count, 2, seed)
+    wave = height_fields.turbulence(s, t, 3, 2, seed)
+    stands = 0.8 + 0.2 * _part(board, seed, 1) + 0.08 * grain + 0.06 * wave
+    heights = depth * _smooth_step((inside - 0.015) / 0.05) * stands
+    shade = (0.75 + 0.35 * _part(board, seed, 2)) * (1.0 + 0.22 * grain + 0.12 * wave)
+    wood = np.array([0.50, 0.36, 0.23]) * shade[..., None]
+    return height_field(heights, np.clip(wood, 0.02, 1.0))
+
+
+def gravel(columns=128, rows=128, cells=10, depth=0.6, seed=7):
+    """A bed of ``cells`` x ``cells`` round stones, ``depth`` times as high as half balls."""
+    heights = height_fields.pebbles(columns, rows, cells, seed)
+    s, t = height_fields.texel_centers(columns, rows)
+    hue = height_fields.gradient_noise(s, t, cells, seed)
+    speck = height_fields.turbulence(s, t, 4 * cells, 2, seed + 1)
+    lower = _smooth_step(heights * cells / 0.35)
+    shade = (0.55 + 0.45 * lower) * (1.0 + 0.3 * hue + 0.15 * speck)
+    stone = np.array([0.52, 0.48, 0.42]) + 0.06 * hue[..., None] * np.array([1.0, 0.2, -0.6])
+    return height_field(height_fields.smooth(heights) * depth, np.clip(stone * shade[..., None], 0.02, 1.0))
