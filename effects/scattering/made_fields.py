@@ -27,26 +27,29 @@ def _grain(columns, rows, cells_s, cells_t, seed):
     return (coarse + 0.5 * height_fields.value_noise(columns, rows, 2 * cells_s, 2 * cells_t, seed + 1)) / 1.5
 
 
-def bricks(columns=128, rows=128, depth=0.03, seed=3):
-    """Two bricks across and six courses, each moved by half a brick: ``depth`` is that of the joints, in
-    edges of the square. A brick is 215 mm by 65 mm, a joint 10 mm, and the square 450 mm.
+def bricks(columns=128, rows=128, count=2, depth=0.03, seed=3):
+    """``count`` bricks and three times as many courses, each moved by half a brick: ``depth`` is that of the
+    joints, in edges of the square. A brick is 215 mm by 65 mm, a joint 10 mm, and the square ``count``
+    times 225 mm. Raises ValueError for an odd number of courses, which could not repeat.
     """
+    if count < 2 or count % 2:
+        raise ValueError(f"The wall has {count} bricks across; give an even number from 2 on.")
     s, t = height_fields.texel_centers(columns, rows)
-    course = np.floor(t * 6.0).astype(np.int64)
-    along = s * 2.0 + 0.5 * (course % 2)
-    brick = np.floor(along).astype(np.int64) % 2 + 2 * course
+    course = np.floor(t * 3.0 * count).astype(np.int64)
+    along = s * count + 0.5 * (course % 2)
+    brick = np.floor(along).astype(np.int64) % count + count * course
     # Millimetres from the brick's edge, negative in the joint.
     across = 107.5 - np.abs((along - np.floor(along) - 0.5) * 225.0)
-    up = 32.5 - np.abs((t * 6.0 - course - 0.5) * 75.0)
+    up = 32.5 - np.abs((t * 3.0 * count - course - 0.5) * 75.0)
     inside = np.minimum(across, up)
-    rough = height_fields.turbulence(s, t, 12, 3, seed)
+    rough = height_fields.turbulence(s, t, 6 * count, 3, seed)
     stands = 0.75 + 0.25 * _part(brick, seed, 1) + 0.12 * rough
     heights = depth * (_smooth_step((inside + 2.0) / 7.0) * stands + 0.06 * rough)
-    shade = 0.75 + 0.4 * _part(brick, seed, 2) + 0.15 * rough
-    red, pale = np.array([0.52, 0.22, 0.15]), np.array([0.56, 0.33, 0.22])
+    shade = 0.85 + 0.3 * _part(brick, seed, 2) + 0.15 * rough
+    red, pale = np.array([0.58, 0.26, 0.18]), np.array([0.64, 0.40, 0.27])
     blend = _part(brick, seed, 3)[..., None]
     clay = (red * (1.0 - blend) + pale * blend) * shade[..., None]
-    mortar = np.array([0.56, 0.53, 0.48]) * (1.0 + 0.12 * rough)[..., None]
+    mortar = np.array([0.66, 0.63, 0.57]) * (1.0 + 0.12 * rough)[..., None]
     share = _smooth_step((inside + 2.0) / 4.0)[..., None]
     return height_field(heights, np.clip(mortar * (1.0 - share) + clay * share, 0.0, 1.0))
 
@@ -63,7 +66,7 @@ def planks(columns=128, rows=128, count=4, depth=0.04, seed=5):
     stands = 0.8 + 0.2 * _part(board, seed, 1) + 0.08 * grain + 0.06 * wave
     heights = depth * _smooth_step((inside - 0.015) / 0.05) * stands
     shade = (0.75 + 0.35 * _part(board, seed, 2)) * (1.0 + 0.22 * grain + 0.12 * wave)
-    wood = np.array([0.50, 0.36, 0.23]) * shade[..., None]
+    wood = np.array([0.62, 0.46, 0.30]) * shade[..., None]
     return height_field(heights, np.clip(wood, 0.02, 1.0))
 
 
@@ -75,5 +78,5 @@ def gravel(columns=128, rows=128, cells=10, depth=0.6, seed=7):
     speck = height_fields.turbulence(s, t, 4 * cells, 2, seed + 1)
     lower = _smooth_step(heights * cells / 0.35)
     shade = (0.55 + 0.45 * lower) * (1.0 + 0.3 * hue + 0.15 * speck)
-    stone = np.array([0.52, 0.48, 0.42]) + 0.06 * hue[..., None] * np.array([1.0, 0.2, -0.6])
+    stone = np.array([0.64, 0.59, 0.52]) + 0.06 * hue[..., None] * np.array([1.0, 0.2, -0.6])
     return height_field(height_fields.smooth(heights) * depth, np.clip(stone * shade[..., None], 0.02, 1.0))

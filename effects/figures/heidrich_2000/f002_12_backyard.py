@@ -1,0 +1,205 @@
+"""F002-12: a backyard in which all but the floor and the bin has bumps, with their shadows and scattered
+light.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.ray_caster import primary_rays
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.heidrich_2000.shared import backyard
+from fixedpipe.effects.geometry.matrices import look_at, perspective
+from fixedpipe.effects.geometry.vectors import dot, unit_vector
+from fixedpipe.effects.geometry.views import Panel, View, row_of_panels
+from fixedpipe.effects.passes.draws import ADD, FIRST_PASS, LATER_PASS, MODULATE, REPEATED, unit
+from fixedpipe.effects.passes.encoding import factor_texels
+from fixedpipe.effects.shadows import shadow_volumes
+from fixedpipe.pipeline.commands import Clear, Draw, Mesh, TexImage
+from fixedpipe.pipeline.enums import PrimitiveType, TextureFilter
+from fixedpipe.pipeline.state import PassState, Sampler, VertexState, Viewport
+from fixedpipe.pipeline.textures.images import texture_2d
+
+ASPECT = (8, 5)
+# Degrees from the picture's lower to its upper edge; samples along a pixel's edge of the software renderer.
+_FIELD, _SAMPLES = 37.0, 3
+_FILTERED = Sampler(
+    TextureFilter.LINEAR_MIPMAP_LINEAR, TextureFilter.LINEAR, REPEATED.wrap_s, REPEATED.wrap_t
+)
+
+
+def camera(panel):
+    """The figure's camera, without a far plane: shadow volumes reach to infinity."""
+    matrix = perspective(_FIELD, panel.width / panel.height, 0.5, 40.0)
+    view = View(panel, look_at(backyard.EYE, backyard.CENTER), matrix, backyard.EYE, False)
+    return shadow_volumes.infinite_view(view)
+
+
+def detail_of(size):
+    """(texels along a field's edge, metres of a cell) for a picture ``size`` pixels high."""
+    return (32, 1.6) if size < 100 else (256, 0.25)
+
+
+def _sky_behind(panel):
+    """The sky on the whole panel, from the horizon up."""
+    corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    low, high = (np.array(c) for c in (backyard.HORIZON, backyard.ZENITH))
+    colors = np.stack([low, low, 0.5 * (low + high), 0.5 * (low + high)])
+    state = PassState(
+        vertex=VertexState(viewport=Viewport(panel.x, panel.y, panel.width, panel.height)),
+        scissor=panel.scissor,
+    )
+    return Draw(label="the sky", mesh=Mesh(corners, PrimitiveType.QUADS, colors=colors), state=state)
+
+
+def _textures(part, size, light, profile, paths):
+    """The commands that load a flat part's two textures, and their names."""
+    edge, _ = detail_of(size)
+    lights = backyard.radiance(part.field, edge, backyard.frame_of(part.surface), light, *paths)
+    out, names = [], []
+    for what, values in zip(("sun", "sky"), lights, strict=True):
+        name = f"{part.field} {backyard.frame_of(part.surface)} {what}"
+        texels = factor_texels(np.minimum(values, 1.0) if not profile.arithmetic.exact else values, profile)
+        image = texture_2d(texels, mipmaps=True)
+        out.append(
+            TexImage(label=f"load what {part.field} send back of the {what}", texture=name, image=image)
+        )
+        names.append(name)
+    return dict(zip(names, out, strict=True)), names
+
+
+def scene(profile, size, *, light, directions, bounces):
+    """The sky's light on everything, what the things hide of the sun counted in the stencil, then the
+    sun's.
+    """
+    (panel,) = row_of_panels(1, size, ASPECT)
+    view = camera(panel)
+    sun = tuple(float(c) for c in unit_vector(light, "The light's direction"))
+    loads, under_sky, under_sun = {}, [], []
+    for part in backyard.parts(detail_of(size)[1]):
+        share = backyard.sky_light(part.surface)
+        if part.field:
+            made, (sun_name, sky_name) = _textures(part, size, sun, profile, (directions, bounces))
+            loads |= made
+            passes = ((share, (unit(sky_name, _FILTERED, environment=MODULATE),)),
+                      (np.ones(share.shape), (unit(sun_name, _FILTERED, environment=MODULATE),)))  # fmt: skip
+        else:
+            facing = np.maximum(dot(part.surface.normals, np.array(sun)), 0.0)[:, None]
+            color = np.array(part.color)
+            passes = (
+                (share * color * backyard.sky(part.surface.normals), ()),
+                (facing * color * np.array(backyard.SUN), ()),
+            )
+        for kind, (colors, units) in zip((under_sky, under_sun), passes, strict=True):
+            first = kind is under_sky
+            state = PassState(
+                vertex=view.vertex,
+                texture_units=units,
+                scissor=panel.scissor,
+                depth_test=FIRST_PASS if first else LATER_PASS,
+                blending=None if first else ADD,
+                stencil_test=None if first else shadow_volumes.NOT_SHADOWED,
+            )
+            label = f"{part.name} under the {'sky' if first else 'sun'}"
+            kind.append(Draw(label=label, mesh=part.surface.mesh(colors=colors), state=state))
+    volumes = shadow_volumes.shadow_volumes(backyard.throwing(), (*sun, 0.0))
+    counts = shadow_volumes.z_fail_counts(volumes, view, shadow_volumes.counting_operations(profile))
+    return (
+        panel.clear(backyard.HORIZON),
+        _sky_behind(panel),
+        *loads.values(),
+        *under_sky,
+        Clear(label="stencil to zero", stencil=0, scissor=panel.scissor),
+        *counts,
+        *under_sun,
+    )
+
+
+def by_rays(size, *, light, directions, bounces):
+    """The same in software as the paper drew it: rays, nine a pixel, and float64 all the way."""
+    (panel,) = row_of_panels(1, size, ASPECT)
+    sun = unit_vector(light, "The light's direction")
+    edge, cell = detail_of(size)
+    everything = backyard.parts(cell)
+    lights = [
+        backyard.radiance(
+            part.field, edge, backyard.frame_of(part.surface), tuple(sun.tolist()), directions, bounces
+        )
+        if part.field
+        else None
+        for part in everything
+    ]
+    shares = [backyard.sky_light(part.surface) for part in everything]
+    fine = replace(camera(panel), panel=Panel(0, 0, _SAMPLES * panel.width, _SAMPLES * panel.height))
+    fine = replace(fine, projection=perspective(_FIELD, panel.width / panel.height, 0.5, 40.0))
+    out = np.ones((panel.height, panel.width, 4))
+    height = np.repeat((np.arange(fine.panel.height) + 0.5) / fine.panel.height, fine.panel.width)[:, None]
+    low, high = np.array(backyard.HORIZON), np.array(backyard.ZENITH)
+    behind = low + height * 0.5 * (high - low)
+    colors, found = backyard.seen_by_rays(everything, *primary_rays(fine), sun, lights, shares)
+    colors = np.minimum(np.where(found[:, None], colors, behind), 1.0)
+    out[..., :3] = colors.reshape(panel.height, _SAMPLES, panel.width, _SAMPLES, 3).mean(axis=(1, 3))
+    return out[::-1]
+
+
+def checks(figure, renderer):
+    """Scattered light's share of the picture's, and the passes beside the software renderer."""
+    size = 128
+    rays = by_rays(size, **figure.values)[::-1, :, :3]
+    for on in Answer:
+        with_it = renderer.window(on, figure, size)
+        without = renderer.window(on, figure, size, bounces=0)
+        yield Check(
+            "mean with scattering over the mean without, less one",
+            float(with_it.mean() / without.mean() - 1.0),
+            at_least=0.03,
+            on=on,
+            reason="the catalogue's share of scattered light in this scene is 3 to 15 percent",
+        )
+        yield Check(
+            "the same, its upper bound",
+            float(with_it.mean() / without.mean() - 1.0),
+            at_most=0.15,
+            on=on,
+            reason="the catalogue's share of scattered light in this scene is 3 to 15 percent",
+        )
+        apart = np.abs(np.clip(with_it, 0.0, 1.0) - rays).max(axis=-1)
+        yield Check(
+            "median difference from the software renderer",
+            float(np.median(apart)),
+            at_most=0.03,
+            on=on,
+            reason="the renderer has nine samples a pixel and no mip maps, which blur joints and grain",
+        )
+        yield Check(
+            "share of pixels more than 0.25 from the software renderer",
+            float((apart > 0.25).mean()),
+            at_most=0.03,
+            on=on,
+            reason="edges, which have one sample; without the shadows of things it is 0.06",
+        )
+
+
+FIGURE = Figure(
+    id="F002-12",
+    title="A backyard of height fields",
+    caption="Bricks, boards, gravel and paving in the sun. All but the paving, the pane and the bin are "
+    "height fields with shadows and scattered light; what things hide of the sun is counted by shadow "
+    "volumes.",
+    must_see="Joints of the bricks in shadow though not black, boards and gravel round; the bin and the "
+    "paving smooth; shadows of the crates and the wall on the ground.",
+    source="HeidrichDaubertKautzSeidel2000",
+    techniques=("G34", "G30", "G11"),
+    size=400,
+    aspect=ASPECT,
+    parameters={
+        "light": word.LIGHT((0.62, 0.72, 0.42)),
+        "directions": word.of(word.Whole(4, 1000), 100, "Along how many directions light is gathered."),
+        "bounces": word.of(word.Whole(0, 8), 3, "How often light is scattered on its way."),
+    },
+    methods=(Method("textures of scattered light", scene, ("GEFORCE_256", "OPENGL_1_2")),),
+    acceptance=checks,
+    reference=by_rays,
+)
