@@ -37,12 +37,17 @@ def bump(field, light, view):
 
     light, view  unit vectors [3] in the base's frame; the highlight's exponent is rounded to a whole number
     """
-    facing = dot(field.normals, light)
-    out = field.albedo * np.maximum(facing, 0.0)[..., None]
-    if field.specular:
+    return reflected(field.normals, field.albedo, light, view, field.specular, field.exponent)
+
+
+def reflected(normals, albedo, light, view, specular, exponent):
+    """The same of any normals and albedos [..., 3]: float64 [..., 3]."""
+    facing = dot(normals, light)
+    out = albedo * np.maximum(facing, 0.0)[..., None]
+    if specular:
         half = normalize(np.asarray(light, np.float64) + view)
-        shine = _power(np.maximum(dot(field.normals, half), 0.0), field.exponent)
-        out = out + (field.specular * np.where(facing > 0.0, shine, 0.0))[..., None]
+        shine = _power(np.maximum(dot(normals, half), 0.0), exponent)
+        out = out + (specular * np.where(facing > 0.0, shine, 0.0))[..., None]
     return out
 
 
