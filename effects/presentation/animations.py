@@ -38,7 +38,13 @@ def there_and_back(*values):
 _DAY = Track(((-0.95, 0.28, 0.3), (-0.3, 0.9, 0.35), (0.4, 0.85, 0.36), (0.95, 0.28, 0.36)))
 _LAMPS = ((-6.2, 7.0, 3.2), (-1.4, 8.8, 5.0), (5.6, 6.8, 4.4))
 
+# From the right to the left of the terrain, behind the viewer at noon: x to the right, y away, z up.
+_DAY_OVER_LAND = Track(
+    ((0.94, 0.10, 0.16), (0.72, -0.30, 0.52), (0.0, -0.62, 0.78), (-0.74, -0.2, 0.5), (-0.95, 0.14, 0.16))
+)
+
 ANIMATIONS = {
+    "F002-13": Animation("from morning to evening", {"sun": _DAY_OVER_LAND}, count=60),
     "F003-1": Animation("the spheres turn", {"turn": there_and_back(-50.0, 50.0)}, count=48),
     "F003-10": Animation(
         "each lamp takes the way of the next",

@@ -10,9 +10,10 @@ bumps (erratum E002.9). Its result is a mark in the stencil buffer, and light is
 The ambient light comes first and not last, as a slope in shadow leaves neither a mark nor, where the alpha
 test refuses its fragments, a depth: a lit slope behind it would shine through it (erratum E002.15).
 
-Register combiners (G15): E1 in unit 0, E2 in unit 1, both stored as quarters; l at the vertices in the
-primary colour. The first general combiner makes both products times four, the second adds their squares, the
-final one takes the sum from one. The alpha test is GREATER 0. What saturates at one is outside anyway.
+Register combiners (G15): E1 in unit 0, E2 in unit 1, both stored as quarters, or as halves where no number is
+above two; l at the vertices in the primary colour. The first general combiner makes both products times four,
+or two, the second adds their squares, the final one takes the sum from one. The alpha test is GREATER 0. What
+saturates at one is outside anyway.
 
 The imaging subset (G16), one l for the surface: a colour matrix makes the products and a table squares them
 while the image is loaded; two draws add the squares; a white draw takes them from one; the framebuffer is
@@ -87,34 +88,41 @@ TECHNIQUES = (
     AnotherWay(("K10",), "by the imaging subset, where a mark is"),
 )
 
-# By what the numbers of E1 and E2 are divided where they are stored: radii of 1/4 and more.
-STORED = 4.0
 POSITIVE_ALPHA = AlphaTest(ComparisonFunction.GREATER, 0.0)
 NO_COLOR = ColorMask(False, False, False, False)
 # Assumed: entries of a colour table; any machine with one holds so many. The exact machine has its longest.
 TABLE_ENTRIES = 1024
 
 
+def divisor(forms):
+    """By what the numbers of E1 and E2 are divided where they are stored, 1, 2 or 4: a combiner's scale
+    multiplies them back, and the smallest has the finest steps.
+    """
+    largest = max(float(np.abs(form).max()) for form in forms)
+    return next((scale for scale in (1, 2) if largest <= scale), 4)
+
+
 def load(forms, profile, name="ellipses"):
     """The commands that load E1 and E2 for the combiners: ``forms``, a pair of float64 [rows, columns, 3] of
-    -4 to 4.
+    -4 to 4, divided by their ``divisor``.
     """
+    scale = float(divisor(forms))
     return tuple(
         TexImage(
-            label=f"load E{k} of the {name}",
+            label=f"load E{k}/{scale:g} of the {name}",
             texture=f"{name}: E{k}",
-            image=texture_2d(vector_texels(form / STORED, profile)),
+            image=texture_2d(vector_texels(form / scale, profile)),
         )
         for k, form in enumerate(forms, 1)
     )
 
 
-def test_combiners():
+def test_combiners(scale=4):
     """1 - (E1.l)^2 - (E2.l)^2, at least zero, in colour and alpha: two general combiners."""
     first = dot(expand(TEXTURE0), expand(PRIMARY), to=SPARE0)
     second = dot(expand(TEXTURE1), expand(PRIMARY), to=SPARE1)
     return program(
-        scaled(4, both(first, second)),
+        scaled(scale, both(first, second)),
         stage(total(square(signed(SPARE0)), square(signed(SPARE1)), to=SPARE0)),
         final(one_minus(SPARE0), alpha=one_minus(blue_of(SPARE0))),
     )
@@ -132,12 +140,16 @@ def plane_light(surface, light):
     return vectors
 
 
-def marking_pass(surface, view, light, profile, *, name="ellipses", sampler=REPEATED, **settings):
-    """G15: the draw that marks where the light lies in the ellipse. ``settings``: more of PassState."""
+def marking_pass(surface, forms, view, light, profile, *, name="ellipses", sampler=REPEATED, **settings):
+    """G15: the draw that marks where the light lies in the ellipse. ``forms``: as ``load`` had them;
+    ``settings``: more of PassState.
+    """
     mesh = surface.mesh(colors=vector_colors(plane_light(surface, light), profile))
     units = tuple(unit(f"{name}: E{k}", sampler) for k in (1, 2))
     settings = {"color_mask": NO_COLOR, "stencil_test": MARK, "alpha_test": POSITIVE_ALPHA} | settings
-    return draw("mark where l lies in the ellipse", mesh, view, test_combiners(), units, **settings)
+    return draw(
+        "mark where l lies in the ellipse", mesh, view, test_combiners(divisor(forms)), units, **settings
+    )
 
 
 def _marked(commands):
@@ -146,12 +158,13 @@ def _marked(commands):
 
 
 def combiner_passes(
-    surface, view, light, profile, *,
+    surface, forms, view, light, profile, *,
     normal_map, color, ambient, color_map=None, name="ellipses", shadows=True, sampler=REPEATED,
 ):  # fmt: skip
     """G15: ambient light, marks, and bump mapping where they are, by register combiners: three draws.
 
     surface           its frames are those of the surface without bumps
+    forms             E1 and E2, as ``load`` had them
     light             a ``views.Light``
     normal_map        the name of a texture with normals for EXPAND_NORMAL
     color, ambient    RGB in [0, 1]
@@ -170,7 +183,7 @@ def combiner_passes(
     first = draw("ambient light", surface.mesh(), view, everywhere, units, depth_test=FIRST_PASS)
     if not shadows:
         return (first, *lit)
-    mark = marking_pass(surface, view, light, profile, name=name, sampler=sampler)
+    mark = marking_pass(surface, forms, view, light, profile, name=name, sampler=sampler)
     return (first, clear_marks(view), mark, *_marked(lit))
 
 

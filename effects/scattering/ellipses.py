@@ -12,7 +12,7 @@ widest range. The count never falls, so the search ends.
 What a direction counts whose texel is turned away from it (BACK) is the caller's: it is shadowed (A-G01), or
 it takes no part, as its cosine is zero whatever the test says (``counted``; erratum E002.9).
 
-Where nothing is free the ellipse is far away: as far as six numbers of at most four let it be.
+Where nothing is free the ellipse is far away.
 
 The six numbers of a texel are two linear forms of (l_x, l_y, 1), E1 and E2, and l is inside where E1^2 + E2^2
 <= 1. Any rotation of the pair is the same test. ``packed`` gives the paper's, along the axes: a and -a are
@@ -42,14 +42,15 @@ TECHNIQUES = (
     Technique("H47", "an ellipse for every texel that holds the directions that are free", "3.1"),
 )
 
-# The numbers of E1 and E2 are stored as quarters (A-G15), so that radii go down to this.
+# The numbers of E1 and E2 are stored as quarters (A-G15), so that radii go down to this. Where no ellipse is
+# that small, halves of them are twice as exact.
 LEAST_RADIUS = 0.25
 # Inferred: with this radius and its centre in the unit disc an ellipse holds the disc, or its edge crosses it
 # all but straight; a larger one would only leave fewer of the steps that eight bits have.
 LARGEST_RADIUS = 2.0
-# The ellipse of a texel that nothing reaches: the nearest place where no direction is within four radii's
-# bytes. E1 is then (2, 0, 3.5), at least 1.5 on the unit disc.
-_NOWHERE, _NOWHERE_RADIUS = -1.75, 0.5
+# The ellipse of a texel that nothing reaches. E1 is (0.5, 0, 2), at least 1.5 on the unit disc, and its numbers
+# may be stored as halves. Assumed: far away; a tiny one has larger numbers and is as far outside.
+_NOWHERE, _NOWHERE_RADIUS = -4.0, 2.0
 # How often both radii are searched. Measured: of random ridges' directions the first search has 98 % of what
 # ten have, four have 99.9 %.
 _ROUNDS = 4
@@ -92,14 +93,14 @@ def tested(e1, e2, x, y):
     return (1.0 - first * first) - second * second
 
 
-@kernel("float64(float64[:, ::1], int64, int64, float64)")
-def _best_radius(found, count, which, other):
+@kernel("float64(float64[:, ::1], int64, int64, float64, float64)")
+def _best_radius(found, count, which, other, smallest):
     """The radius along axis ``which`` that is best with the ``other`` one across.
 
     found  float64 [5, n]: squares of both coordinates in the ellipse's frame, 1 of a free direction and -1 of
            a shadowed one, and room for two sorted lists
     """
-    least, largest = LEAST_RADIUS * LEAST_RADIUS, LARGEST_RADIUS * LARGEST_RADIUS
+    least, largest = smallest * smallest, LARGEST_RADIUS * LARGEST_RADIUS
     across = 1.0 / (other * other)
     inside, listed = 0.0, 0
     for i in range(count):
@@ -116,7 +117,7 @@ def _best_radius(found, count, which, other):
                     k -= 1
                 found[3, k], found[4, k] = needed, found[2, i]
                 listed += 1
-    best, best_width, radius, begin = -1.0e9, 0.0, LEAST_RADIUS, LEAST_RADIUS
+    best, best_width, radius, begin = -1.0e9, 0.0, smallest, smallest
     for k in range(listed + 1):
         end = np.sqrt(found[3, k]) if k < listed else LARGEST_RADIUS
         if end > begin and (inside > best or (inside == best and end - begin > best_width)):
@@ -126,8 +127,10 @@ def _best_radius(found, count, which, other):
     return radius
 
 
-@kernel("void(int8[:, :, ::1], float64[:, :, :, ::1], int64, int64, float64[:, ::1], float64[:, :, ::1])")
-def _fit(counts, xy, first, last, found, out):
+@kernel(
+    "void(int8[:, :, ::1], float64[:, :, :, ::1], float64, int64, int64, float64[:, ::1], float64[:, :, ::1])"
+)
+def _fit(counts, xy, smallest, first, last, found, out):
     """Ellipses of rows ``first`` to ``last``: centre, axis, radii into ``out`` [rows, columns, 6].
 
     counts  [n, rows, columns]: 1 free, -1 shadowed, 0 neither
@@ -178,12 +181,12 @@ def _fit(counts, xy, first, last, found, out):
                     count += 1
             r1 = 2.0 * np.sqrt(mean + root)
             r2 = 2.0 * np.sqrt(max(mean - root, 0.0))
-            r1 = min(max(r1, LEAST_RADIUS), LARGEST_RADIUS)
-            r2 = min(max(r2, LEAST_RADIUS), LARGEST_RADIUS)
+            r1 = min(max(r1, smallest), LARGEST_RADIUS)
+            r2 = min(max(r2, smallest), LARGEST_RADIUS)
             for _ in range(_ROUNDS):
                 before1, before2 = r1, r2
-                r1 = _best_radius(found, count, 0, r2)
-                r2 = _best_radius(found, count, 1, r1)
+                r1 = _best_radius(found, count, 0, r2, smallest)
+                r2 = _best_radius(found, count, 1, r1, smallest)
                 if r1 == before1 and r2 == before2:
                     break
             out[row, column, 0], out[row, column, 1] = x, y
@@ -191,12 +194,13 @@ def _fit(counts, xy, first, last, found, out):
             out[row, column, 4], out[row, column, 5] = r1, r2
 
 
-def fit(free, xy, counted=None):
+def fit(free, xy, counted=None, least_radius=LEAST_RADIUS):
     """The Ellipses of directions that are seen from above as points ``xy``.
 
     free     bool [n, rows, columns]: whether nothing is in the way
     xy       float64 [n, 2], or [n, rows, columns, 2] where they are another at every texel
     counted  bool [n, rows, columns]: which take part; None: all
+    least_radius  of both axes, 1/4 to 1
 
     Raises ValueError for arrays that do not fit each other, coordinates that are not finite, and for fewer
     than three directions: directions below the horizon alone say nothing of light from above.
@@ -217,6 +221,8 @@ def fit(free, xy, counted=None):
             f"{len(free)} of the directions lie above the horizon, and an ellipse is fitted to three or "
             "more: give directions over the whole sphere, some hundred of them."
         )
+    if not LEAST_RADIUS <= least_radius <= 1.0:
+        raise ValueError(f"The least radius is {least_radius!r}; give a number from {LEAST_RADIUS} to 1.")
     if not np.isfinite(points).all():
         raise ValueError("The directions hold NaN or infinity; give finite ones.")
     counts = np.where(free, np.int8(1), np.int8(-1))
@@ -229,25 +235,26 @@ def fit(free, xy, counted=None):
 
     def some(first):
         room = np.empty((5, len(free)))
-        _fit(counts, points, first, min(first + step, rows), room, out)
+        _fit(counts, points, float(least_radius), first, min(first + step, rows), room, out)
 
     with ThreadPoolExecutor(default_threads()) as threads:
         list(threads.map(some, range(0, rows, step)))
     return Ellipses(*(np.ascontiguousarray(out[..., k : k + 2]) for k in (0, 2, 4)))
 
 
-def of_visibility(visibility, turned_away_counts=False):
+def of_visibility(visibility, turned_away_counts=False, least_radius=LEAST_RADIUS):
     """The Ellipses of a Visibility, by its directions above the horizon.
 
     turned_away_counts  whether a direction from which a texel is turned away is shadowed; else it takes no
                         part: its light is zero
+    least_radius        as of ``fit``
 
     Raises ValueError where fewer than three directions lie above the horizon.
     """
     upper = visibility.directions[:, 2] > 0.0
     seen = visibility.seen[upper]
     counted = None if turned_away_counts else seen != BACK
-    return fit(seen == FREE, visibility.directions[upper, :2], counted)
+    return fit(seen == FREE, visibility.directions[upper, :2], counted, least_radius)
 
 
 def aligned(ellipses, reference):

@@ -100,7 +100,9 @@ def _load_for_combiners(bed, profile):
 
 
 def _with_combiners(bed, surface, view, light, profile, **settings):
-    return ellipse_passes.combiner_passes(surface, view, light, profile, normal_map="normals", **settings)
+    return ellipse_passes.combiner_passes(
+        surface, bed.forms, view, light, profile, normal_map="normals", **settings
+    )
 
 
 def _with_the_imaging_subset(bed, surface, view, light, profile, **settings):

@@ -50,7 +50,7 @@ def marks(forms, light, profile, imaging):
         )
     else:
         first = replace(dark, state=replace(dark.state, depth_test=ellipse_passes.FIRST_PASS))
-        mark = ellipse_passes.marking_pass(surface, view, Light(light), profile, sampler=NEAREST)
+        mark = ellipse_passes.marking_pass(surface, forms, view, Light(light), profile, sampler=NEAREST)
         passes = (
             *ellipse_passes.load(forms, profile),
             first,
@@ -124,7 +124,7 @@ def test_passes_are_counted():
         sum(
             isinstance(c, Draw)
             for c in ellipse_passes.combiner_passes(
-                surface, view, light, GEFORCE_256, shadows=shadows, **settings
+                surface, ellipses.rooted(fitted()), view, light, GEFORCE_256, shadows=shadows, **settings
             )
         )
         for shadows in (False, True)
@@ -152,6 +152,7 @@ def test_a_slope_in_shadow_hides_a_lit_one():
             TexImage(label="load n", texture="n", image=up),
             *ellipse_passes.combiner_passes(
                 replace(both, triangles=triangles),
+                forms,
                 view,
                 Light((0.0, 0.0, 1.0)),
                 GEFORCE_256,

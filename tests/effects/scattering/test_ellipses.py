@@ -124,9 +124,9 @@ def test_a_texel_without_a_free_direction_is_lit_from_nowhere():
     x, y = np.meshgrid(grid, grid)
     for pair in (ellipses.packed(found), ellipses.rooted(found)):
         values = ellipses.tested(*pair, x, y)
-        # Outside by more than all of a byte's rounding of a quarter of each number.
+        # Outside by more than a byte's rounding of half of each number.
         assert values[x * x + y * y <= 1.0].max() < -1.0
-        assert max(np.abs(form).max() for form in pair) <= 4.0
+        assert max(np.abs(form).max() for form in pair) <= 2.0
 
 
 def test_all_numbers_can_be_stored_as_quarters():
@@ -135,6 +135,17 @@ def test_all_numbers_can_be_stored_as_quarters():
     for pair in (ellipses.packed(found), ellipses.rooted(found)):
         assert max(np.abs(form).max() for form in pair) <= 4.0
     assert found.stored_bytes == 6144
+
+
+def test_no_radius_is_below_the_least():
+    field = height_field.bumps(32, 32, height=0.5)
+    seen = visibility.precompute(field, sphere.spiral(100))
+    assert ellipses.of_visibility(seen).radii.min() < 0.5
+    found = ellipses.of_visibility(seen, least_radius=0.5)
+    assert found.radii.min() >= 0.5
+    assert max(np.abs(form).max() for form in ellipses.rooted(found)) <= 2.0
+    with pytest.raises(ValueError, match="least radius is 0.1; give a number from 0.25 to 1"):
+        ellipses.of_visibility(seen, least_radius=0.1)
 
 
 def test_both_ways_to_pack_are_one_test():
