@@ -48,8 +48,8 @@ LEAST_RADIUS = 0.25
 # Inferred: with this radius and its centre in the unit disc an ellipse holds the disc, or its edge crosses it
 # all but straight; a larger one would only leave fewer of the steps that eight bits have.
 LARGEST_RADIUS = 2.0
-# The ellipse of a texel that nothing reaches. E1 is (0.5, 0, 2), at least 1.5 on the unit disc, and its numbers
-# may be stored as halves. Assumed: far away; a tiny one has larger numbers and is as far outside.
+# The ellipse of a texel that nothing reaches. E1 is (0.5, 0, 2), at least 1.5 on the unit disc, and its
+# numbers may be stored as halves. Assumed: a tiny one has larger numbers and is no farther outside.
 _NOWHERE, _NOWHERE_RADIUS = -4.0, 2.0
 # How often both radii are searched. Measured: of random ridges' directions the first search has 98 % of what
 # ten have, four have 99.9 %.

@@ -265,7 +265,7 @@ FIGURE = Figure(
         "eye": word.POSITION((0.1, 0.56, 1.2), "Where the camera is; the terrain's half edge is 1, y is up."),
         "target": word.POSITION((-0.02, 0.06, -0.2), "What it looks at."),
         "field_of_view": word.DEGREES(38.0, "Of the camera, from bottom to top.", low=5.0, high=120.0),
-        "light": word.DIFFUSE((1.0, 0.95, 0.86), "The sun's colour from 45 degrees on."),
+        "light": word.DIFFUSE((0.88, 0.84, 0.77), "The sun's colour from 45 degrees on."),
         "light_low": word.DIFFUSE((1.0, 0.70, 0.42), "The sun's colour on the horizon."),
         "ambient": word.AMBIENT((0.20, 0.24, 0.33), "The colour of the sky's light by day."),
         "ambient_low": word.AMBIENT((0.16, 0.18, 0.29), "The colour of the sky's light with a low sun."),

@@ -144,7 +144,7 @@ def test_no_radius_is_below_the_least():
     found = ellipses.of_visibility(seen, least_radius=0.5)
     assert found.radii.min() >= 0.5
     assert max(np.abs(form).max() for form in ellipses.rooted(found)) <= 2.0
-    with pytest.raises(ValueError, match="least radius is 0.1; give a number from 0.25 to 1"):
+    with pytest.raises(ValueError, match=r"least radius is 0\.1; give a number from 0\.25 to 1"):
         ellipses.of_visibility(seen, least_radius=0.1)
 
 
