@@ -1,0 +1,255 @@
+"""F002-1: domes without and with the light that they scatter at each other, by four machines' passes."""
+
+from functools import lru_cache
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.heidrich_2000.shared.relief import lit_relief, oblique_view, relief
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, panel_of, row_of_panels
+from fixedpipe.effects.scattering import dependent_tests, height_field, light_transport, texture_shader_passes
+from fixedpipe.effects.scattering.dependent_tests import DIRECT, RESULT, Accumulation, Setup
+from fixedpipe.effects.scattering.directions import spiral
+from fixedpipe.effects.scattering.visibility import free_view, precompute
+from fixedpipe.pipeline.profiles import IDEAL
+
+WITHOUT = "light without scattering"
+EYE = (0.0, -2.35, 2.9)
+
+
+@lru_cache(maxsize=8)
+def _domes(texels, count, height, albedo, directions):
+    field = height_field.domes(texels, texels, count, albedo, height)
+    return field, precompute(field, spiral(directions))
+
+
+def edge_of(size, texels):
+    """The field's edge in texels: half a panel's at most, so that small pictures are cheap."""
+    return min(texels, 1 << max(2, (size // 2).bit_length() - 1))
+
+
+def setup_of(profile, texels, field, visibility, bits=8):
+    """A Setup in the window's lower left corner."""
+    work, total = Panel(0, 0, texels, texels), Panel(texels, 0, texels, texels)
+    return Setup(field, visibility, profile, work, total, bits)
+
+
+def scene_by(way):
+    """The scene by a machine's Way."""
+
+    def scene(
+        profile, size, *, texels, domes, height, albedo, directions, paths, lookups, light, accumulation,
+        exposure, bits,
+    ):  # fmt: skip
+        edge = edge_of(size, texels)
+        field, visibility = _domes(edge, domes, height, albedo, directions)
+        setup = setup_of(profile, edge, field, visibility, bits)
+        numbers = light_transport.sequences(directions, lookups, paths)
+        surface, panels = relief(field), row_of_panels(2, size)
+        drawn = [
+            lit_relief(f"the domes {what}", surface, oblique_view(panel, EYE), texture)
+            for what, panel, texture in zip(
+                ("without scattering", "with scattering"), panels, (WITHOUT, RESULT), strict=True
+            )
+        ]
+        return (
+            *dependent_tests.paths_drawn(
+                way, setup, numbers, light, accumulation=accumulation, exposure=exposure
+            ),
+            dependent_tests.textured(
+                "direct light alone",
+                setup.work,
+                DIRECT,
+                dependent_tests.share_of(setup),
+                weight=exposure,
+            ),
+            dependent_tests.copy_of(setup.work, WITHOUT),
+            *(
+                command
+                for pair in zip((p.clear(BACKGROUND) for p in panels), drawn, strict=True)
+                for command in pair
+            ),
+        )
+
+    return scene
+
+
+# ---------------------------------------------------------------------------------------------- checks
+
+# Flanks in degrees: 1 + rho F and 1 / (1 - rho F) of the mean radiance, F = 1 - cos of the flank, rho = 0.8.
+# Source: the catalogue's analytic answers.
+ONE_REFLECTION = {30.0: 1.107, 45.0: 1.234, 60.0: 1.40}
+ALL_REFLECTIONS = 1.306
+GROOVE_TEXELS = 32
+
+
+def _window(renderer, on, commands, edge):
+    """The lower left edge x edge pixels that commands leave, RGB, bottom row first."""
+    if on is Answer.IDEAL:
+        return renderer.execute_ideal(commands, 2 * edge, edge).color[::-1, :edge, :3]
+    framebuffer = renderer.execute(commands, renderer.profile, 2 * edge, edge).framebuffer
+    return framebuffer.color[::-1, :edge, :3] / (2.0**framebuffer.color_bits - 1.0)
+
+
+def gain(renderer, way, on, flank, reflections, directions, weight=light_transport.WEIGHT):
+    """The mean light of a groove with scattering over that without, by a machine's passes, light from above.
+
+    directions  float64 [n, 3]; ``weight``: of all of them together
+    """
+    field = height_field.ridges(GROOVE_TEXELS, GROOVE_TEXELS, flank)
+    profile = IDEAL if on is Answer.IDEAL else renderer.profile
+    setup = setup_of(profile, GROOVE_TEXELS, field, precompute(field, directions))
+    drawn = dependent_tests.rounds_drawn(way, setup, dependent_tests.UP, reflections, weight=weight)
+    shown = (
+        dependent_tests.textured("with scattering", setup.work, RESULT),
+        dependent_tests.textured("direct light alone", setup.work, DIRECT, dependent_tests.share_of(setup)),
+    )
+    means = [_window(renderer, on, (*drawn, last), GROOVE_TEXELS).mean() for last in shown]
+    return float(means[0] / means[1])
+
+
+def _grooves(renderer, way):
+    whole = spiral(100)
+    for flank, expected in ONE_REFLECTION.items():
+        for on in Answer if flank == 45.0 else (Answer.IDEAL,):
+            yield Check(
+                f"grooves of {flank:g} degrees, one further reflection: deviation from {expected:g}",
+                abs(gain(renderer, way, on, flank, 1, whole) / expected - 1.0),
+                at_most=0.02,
+                on=on,
+                reason="100 directions in place of all, and what is seen is the nearest texel",
+            )
+    yield Check(
+        f"the same of 45 degrees, four further reflections: deviation from {ALL_REFLECTIONS:g}",
+        abs(gain(renderer, way, Answer.IDEAL, 45.0, 4, whole) / ALL_REFLECTIONS - 1.0),
+        at_most=0.02,
+        on=Answer.IDEAL,
+        reason="a fifth would add 0.2 %",
+    )
+    upper = whole[whole[:, 2] > 0.0]
+    yield Check(
+        "the upper hemisphere alone, with 2 pi / N: deviation from 1.234",
+        abs(gain(renderer, way, Answer.IDEAL, 45.0, 1, upper, 2.0) / ONE_REFLECTION[45.0] - 1.0),
+        at_least=0.08,
+        on=Answer.IDEAL,
+        reason="flanks look down at each other too: half of the exchange would be lost, 1.111 (E002.2)",
+    )
+
+
+# RMS of a machine's scattered light from the same paths in float64.
+# Measured at the first correct picture, with a third of slack.
+def checks(figure, renderer):
+    """The passes against the float paths, the grooves' analytic answers, and the picture."""
+    p = figure.parameters_of(renderer.method)
+    values = {name: parameter.default for name, parameter in p.items()}
+    way = WAYS[renderer.method.name]
+    size = figure.size // 4
+    # A sum over 32 x 32 texels says as much as one over more.
+    edge = edge_of(64, values["texels"])
+    field, visibility = _domes(
+        edge, values["domes"], values["height"], values["albedo"], values["directions"]
+    )
+    numbers = light_transport.sequences(values["directions"], values["lookups"], values["paths"])
+    light = height_field.check_light(values["light"])
+    expected = light_transport.scattered(field, visibility, numbers, light)
+    direct = light_transport.chain(field, visibility, [], light, (0.0, 0.0, 1.0), lit=free_view(field, light))
+    for accumulation in Accumulation:
+        for on in Answer:
+            setup = setup_of(
+                IDEAL if on is Answer.IDEAL else renderer.profile, edge, field, visibility, values["bits"]
+            )
+            drawn = (
+                *dependent_tests.paths_drawn(
+                    way, setup, numbers, light, accumulation=accumulation, exposure=values["exposure"]
+                ),
+                dependent_tests.textured("the result", setup.work, RESULT),
+            )
+            error = root_mean_square(_window(renderer, on, drawn, edge) - values["exposure"] * expected)
+            name = f"RMS of the sum in the {accumulation.value} - the same paths in float64"
+            if on is Answer.IDEAL:
+                yield Check(name, error, at_most=1e-6, on=on, reason="the same sums, in another order")
+            else:
+                yield Check(name, error, at_most=BOUNDS[accumulation], on=on, reason=REASONS[accumulation])
+    yield from _grooves(renderer, way)
+    # Where little light comes without scattering there is room between the domes.
+    most = direct.max(axis=-1)
+    valleys, tops = (field.heights == 0.0) & (most < 0.1), field.heights > 0.8 * field.heights.max()
+    yield Check(
+        "what shadowed ground gains, mean",
+        float((expected - direct)[valleys].mean()),
+        at_least=0.02,
+        on=Answer.IDEAL,
+        reason="without scattering it is black",
+    )
+    yield Check(
+        "what the domes' tops gain, over what the shadowed ground does",
+        float((expected - direct)[tops].mean() / (expected - direct)[valleys].mean()),
+        at_most=0.5,
+        on=Answer.IDEAL,
+        reason="tops see little but the sky",
+    )
+    for on in Answer:
+        window = renderer.window(on, figure, size)
+        without, scattered = (panel_of(window, k) for k in range(2))
+        yield Check(
+            "mean of the picture with scattering over that without",
+            float(scattered.mean() / without.mean()),
+            at_least=1.05,
+            on=on,
+            reason="light is added, none is taken",
+        )
+        ratios = [picture[..., 0].sum() / picture[..., 2].sum() for picture in (without, scattered)]
+        yield Check(
+            "red over blue with scattering, over that without",
+            float(ratios[1] / ratios[0]),
+            at_least=1.02,
+            on=on,
+            reason="each reflection multiplies by the albedo once more: colours are warmer",
+        )
+
+
+BOUNDS = {
+    Accumulation.FRAMEBUFFER: 0.012,
+    Accumulation.ACCUMULATION_BUFFER: 0.004,
+    Accumulation.HOST: 0.004,
+}
+REASONS = {
+    Accumulation.FRAMEBUFFER: "each of 100 terms is rounded to a byte where it is added: 0.0113 (P14)",
+    Accumulation.ACCUMULATION_BUFFER: "factors and terms are bytes, the sum is not",
+    Accumulation.HOST: "factors and terms are bytes, the sum is not",
+}
+WAYS = {
+    "texture shaders": texture_shader_passes.WAY,
+}
+
+FIGURE = Figure(
+    id="F002-1",
+    title="Light scattered between domes",
+    caption=(
+        "A height field of domes, lit from the left: direct light with its shadows, and the light that the "
+        "domes scatter at each other and at the ground added, by dependent tests along 100 directions."
+    ),
+    must_see="The shadows and the valleys are brighter with scattering, and the colours warmer.",
+    source="HeidrichDaubertKautzSeidel2000",
+    techniques=("G01", "G02", "G06", "G10", "G11"),
+    panels=("without scattering", "with scattering"),
+    size=512,
+    parameters={
+        "texels": word.of(word.Whole(4, 128, power=True), 128, "The height field's edge, at most.", "texels"),
+        "domes": word.of(word.Whole(1, 8), 4, "Domes along an edge."),
+        "height": word.NUMBER(0.9, "The domes' height, over half balls'.", low=0.0, high=2.0),
+        "albedo": word.COLOR((0.8, 0.6, 0.42), "The share of light that the surface scatters."),
+        "directions": word.of(word.Whole(4, 400), 100, "Directions over the sphere."),
+        "paths": word.of(word.Whole(1, 400), 100, "Paths of directions that are summed."),
+        "lookups": word.of(word.Whole(1, 4), 1, "Lookups along a path: further reflections."),
+        "light": word.LIGHT((-0.72, -0.43, 1.0)),
+        "accumulation": word.of(
+            word.of_enum(*Accumulation), Accumulation.ACCUMULATION_BUFFER, "Where the paths are summed."
+        ),
+        "exposure": word.NUMBER(0.9, "What all light is multiplied by.", low=0.1, high=1.0),
+        "bits": word.of(word.Whole(8, 12, even=True), 8, "Of a coordinate in S_i; texture shaders have 8."),
+    },
+    methods=(Method("texture shaders", scene_by(texture_shader_passes.WAY), ("GEFORCE_3", "NV2A")),),
+    acceptance=checks,
+)
