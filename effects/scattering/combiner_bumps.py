@@ -95,13 +95,13 @@ def program_of(field):
     )
 
 
-def bumps(setup, light, view, shadowed):
+def bumps(setup, light, view, lit):
     """The work panel becomes bump mapping: one command, and a Clear before it where there are highlights."""
     check_exponent(setup.field)
     mesh, vertex = rectangle(setup.work, **vector_arrays(setup, light, view))
     state = PassState(
         vertex=vertex,
-        texture_units=(unit(NORMALS, NEAREST), unit(LIT_ALBEDO if shadowed else ALBEDO, NEAREST)),
+        texture_units=(unit(NORMALS, NEAREST), unit(ALBEDO if lit is None else LIT_ALBEDO, NEAREST)),
         register_combiners=program_of(setup.field),
         scissor=setup.work.scissor,
         alpha_test=LIT_SIDE if setup.field.specular else None,

@@ -27,6 +27,7 @@ import numpy as np
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.passes.arguments import member_of
 from fixedpipe.effects.passes.draws import ADD, MODULATE, NEAREST, REPLACE, unit
+from fixedpipe.effects.passes.pixel_texture_copies import texture_format
 from fixedpipe.effects.scattering.height_field import HeightField, check_light
 from fixedpipe.effects.scattering.light_transport import WEIGHT
 from fixedpipe.effects.scattering.visibility import Visibility, free_view
@@ -43,7 +44,7 @@ from fixedpipe.pipeline.commands import (
     ReadPixels,
     TexImage,
 )
-from fixedpipe.pipeline.enums import AccumOperation, PrimitiveType
+from fixedpipe.pipeline.enums import AccumOperation, InternalFormat, PrimitiveType
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.state import PassState, VertexState, Viewport
 from fixedpipe.pipeline.textures.images import texture_2d
@@ -72,7 +73,7 @@ class Setup:
     profile            the machine, or the ideal
     work, total        panels of a pixel for each texel, which do not overlap: the one for single passes, the
                        other for the sum in the framebuffer
-    bits               of S_i's coordinates
+    bits               8 or 12: of S_i's coordinates, and of the textures that keep light
 
     Raises ValueError for panels of another size, and where ``bits`` do not tell the texels apart.
     """
@@ -96,6 +97,11 @@ class Setup:
             looked_up_size(edge, self.bits)  # refuses too many texels
 
     @property
+    def format(self) -> InternalFormat:
+        """Of textures that keep light."""
+        return texture_format(self.bits)
+
+    @property
     def looked_up_size(self) -> tuple[int, int]:
         """Columns and rows of the textures that are looked up."""
         field = self.field
@@ -111,8 +117,8 @@ class Way:
     """How a machine draws what paths are made of. Each function returns commands.
 
     load      (setup, lit, numbers): textures of the field, and S_i of these directions
-    bumps     (setup, light, view, shadowed) -> the work panel becomes bump mapping with a light of 1, in the
-              shadow of the field where ``shadowed``
+    bumps     (setup, light, view, lit) -> the work panel becomes bump mapping with a light of 1; ``lit``: as
+              of ``load``, or None: without a shadow
     keep      (setup, name) -> the work panel's light can then be looked up under this name
     gathered  (setup, number, view, name, into) -> bump mapping with a light along d_i, times the light that
               is looked up at S_i, goes ``into`` a panel
@@ -179,11 +185,12 @@ def kept(setup, name):
     )
 
 
-def copy_of(panel, name):
+def copy_of(setup, panel, name):
     """Copy what a panel shows into a texture of its size."""
     return CopyTexImage(
         label=f"copy it to the texture {name}",
         texture=name,
+        internal_format=setup.format,
         x=panel.x,
         y=panel.y,
         width=panel.width,
@@ -196,7 +203,7 @@ def added_as_texture(setup, into):
     if into == Into(setup.work):
         return ()
     return (
-        copy_of(setup.work, TERM),
+        copy_of(setup, setup.work, TERM),
         textured(
             f"the term times {into.weight:.4g}",
             into.panel,
@@ -209,7 +216,7 @@ def added_as_texture(setup, into):
 
 def _black(setup, name):
     columns, rows = setup.looked_up_size
-    image = texture_2d(np.zeros((rows, columns, 3), np.uint8))
+    image = texture_2d(np.zeros((rows, columns, 4)), setup.format)
     return TexImage(label=f"black, where {name} comes: what is not seen", texture=name, image=image)
 
 
@@ -244,7 +251,7 @@ def _summed(way, setup, terms, weight, accumulation, what):
         whole = weight / times / part
         if whole < 1.0:
             out += (
-                copy_of(setup.total, TERM),
+                copy_of(setup, setup.total, TERM),
                 textured(f"the sum times {whole:.4g}", setup.total, TERM, weight=whole),
             )
         return out, setup.total
@@ -302,7 +309,7 @@ def _host_sum(names, weight, panel):
 # ------------------------------------------------------------------------------------------------ paths
 
 
-def _path(way, setup, number, path, light, view):
+def _path(way, setup, number, path, light, view, lit):
     """The first term of a path as ``_summed`` takes it, or None where its first lookup sees nothing."""
     directions, diffuse = setup.visibility.directions, not setup.field.specular
     length = next((k for k, i in enumerate(path) if not setup.sees(i)), len(path))
@@ -311,7 +318,7 @@ def _path(way, setup, number, path, light, view):
     views = [view, *(tuple((-directions[i]).tolist()) for i in path)]
 
     def direct(towards):
-        return () if diffuse else (*way.bumps(setup, light, towards, True), *way.keep(setup, DIRECT))
+        return () if diffuse else (*way.bumps(setup, light, towards, lit), *way.keep(setup, DIRECT))
 
     out, name, share = list(direct(views[length])), DIRECT, share_of(setup)
     divisor = WEIGHT ** (len(path) - length)
@@ -320,9 +327,10 @@ def _path(way, setup, number, path, light, view):
         return f"{LIGHT} {number}.{k}" if way.by_host else LIGHT
 
     if divisor > 1.0 or not diffuse:
-        name = named(length)
-        drawn = textured(f"direct light / {divisor:g}", setup.work, DIRECT, share, weight=1.0 / divisor)
-        out += (drawn, *way.keep(setup, name))
+        name, label = named(length), f"direct light / {divisor:g}"
+        if divisor > 1.0:
+            out.append(textured(label, setup.work, DIRECT, share, weight=1.0 / divisor))
+        out += way.keep(setup, name)
     for k in range(length - 1, 0, -1):
         divisor = WEIGHT ** (len(path) - k)
         out += (
@@ -355,7 +363,7 @@ def _begun(way, setup, light, view, lit, numbers):
     return [
         *way.load(setup, lit, sorted(i for i in set(numbers) if setup.sees(i))),
         *(_black(setup, name) for name in (LIGHT, DIRECT)),
-        *way.bumps(setup, light, view, True),
+        *way.bumps(setup, light, view, lit),
         *way.keep(setup, DIRECT),
     ]
 
@@ -381,21 +389,21 @@ def paths_drawn(
     if paths.ndim != 2 or not paths.size:
         raise ValueError(f"The paths have shape {paths.shape}; give [paths, K], one or more of each.")
     out = _begun(way, setup, light, view, lit, paths.ravel().tolist())
-    terms = [_path(way, setup, n, path, light, view) for n, path in enumerate(paths.tolist())]
+    terms = [_path(way, setup, n, path, light, view, lit) for n, path in enumerate(paths.tolist())]
     weight = exposure * WEIGHT ** paths.shape[1] / len(paths)
     drawn, panel = _summed(way, setup, [t for t in terms if t], weight, accumulation, "paths")
     out += drawn
     if setup.field.specular:
         # The paths left direct light of another view.
-        return (*out, *_again(way, setup, light, view, panel, exposure))
+        return (*out, *_again(way, setup, light, view, lit, panel, exposure))
     return (*out, *_finished(setup, panel, exposure))
 
 
-def _again(way, setup, light, view, panel, exposure):
+def _again(way, setup, light, view, lit, panel, exposure):
     """Direct light towards the viewer anew, beside a sum that is put away while it is drawn."""
     return (
-        copy_of(panel, RESULT),
-        *way.bumps(setup, light, view, True),
+        copy_of(setup, panel, RESULT),
+        *way.bumps(setup, light, view, lit),
         *way.keep(setup, DIRECT),
         textured("the sum again", panel, RESULT),
         *_finished(setup, panel, exposure),
@@ -404,7 +412,7 @@ def _again(way, setup, light, view, panel, exposure):
 
 def _finished(setup, panel, exposure):
     added = textured("plus direct light", panel, DIRECT, share_of(setup), weight=exposure, blending=ADD)
-    return (added, copy_of(panel, RESULT))
+    return (added, copy_of(setup, panel, RESULT))
 
 
 def rounds_drawn(

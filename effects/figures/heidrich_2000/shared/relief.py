@@ -28,7 +28,7 @@ def relief(field):
 
 def oblique_view(panel, elevation_eye):
     """The relief from the side: ``elevation_eye`` is the eye's position."""
-    return perspective_view(panel, elevation_eye, (0.0, -0.08, 0.0), 31.0, 2.0)
+    return perspective_view(panel, elevation_eye, (0.0, -0.06, 0.0), 29.0, 2.0)
 
 
 def lit_relief(label, surface, view, texture):

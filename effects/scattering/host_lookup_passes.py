@@ -1,0 +1,80 @@
+"""G09 on a GeForce 256: bumps and Phong in one pass of combiners, lookups by the host.
+
+1. L_d by ``combiner_bumps`` (G33), read back by ReadPixels.
+2. The host makes of each texel p the texel L_d[S_i[p]], as a pixel texture would, and loads the result.
+3. The second reflection by the same combiners with a light along d_i, times that texture by blending.
+4. Into the accumulation buffer, to the host as a term of a sum of floats, or added on the screen through a
+   texture, whose weight is its quad's colour.
+
+Source: Heidrich, Daubert, Kautz, Seidel 2000, sections 3.3 and 6; pass sequence A-G09.
+"""
+
+import numpy as np
+
+from fixedpipe.effects.passes.draws import MULTIPLY_DESTINATION
+from fixedpipe.effects.passes.software_pixel_texture import look_up
+from fixedpipe.effects.scattering import combiner_bumps, dependent_tests
+from fixedpipe.effects.scattering.dependent_tests import Way, added_as_texture, textured
+from fixedpipe.effects.scattering.visibility_textures import coordinates, padded
+from fixedpipe.effects.technique import Technique
+from fixedpipe.pipeline.commands import HostStep, ReadPixels, TexImage
+from fixedpipe.pipeline.enums import TextureFilter
+from fixedpipe.pipeline.textures.images import texture_2d
+
+TECHNIQUES = (Technique("G09", "dependent tests on a GeForce 256: the lookups are the host's", "3.3, 6"),)
+
+LOOKED_UP = "L_d at S_i"
+
+
+def load(setup, lit, numbers):
+    """Commands that load the field's textures; S_i stays with the host. Raises ValueError for coordinates of
+    other than eight bits.
+    """
+    if setup.bits != 8:
+        raise ValueError(f"S_i has coordinates of {setup.bits} bits; the host's pixels are bytes: give 8.")
+    return combiner_bumps.load(setup, lit)
+
+
+def keep(setup, name):
+    """The work panel's light goes to the host under this name. Direct light is kept as a texture, which is
+    added later, and goes to the host where it is looked up: without highlights it is the same all ways.
+    """
+    work = setup.work
+    read = ReadPixels(
+        label=f"{name} to the host", name=name, x=work.x, y=work.y, width=work.width, height=work.height
+    )
+    if name != dependent_tests.DIRECT:
+        return (read,)
+    texture = dependent_tests.kept(setup, name)
+    return (texture,) if setup.field.specular else (texture, read)
+
+
+def looked_up(setup, number, light):
+    """L_d[S_i]: what the host finds for every texel, as ReadPixels gave the light, [rows, columns, 4]."""
+    codes = coordinates(setup.visibility.seen[number], setup.bits)
+    pixels = np.full((*codes.shape[:2], 4), 255, np.uint8)
+    pixels[..., :2] = codes
+    if light.dtype == np.float64:
+        pixels = pixels / 255.0
+    return look_up(pixels, texture_2d(padded(light, bits=setup.bits)), TextureFilter.NEAREST)
+
+
+def gathered(setup, number, view, name, into):
+    """Bump mapping with a light along d_i, times the light that the host finds at S_i."""
+
+    def found(pixels):
+        texels = looked_up(setup, number, pixels[name])
+        return (
+            TexImage(label=f"load {name}[S_{number}]", texture=LOOKED_UP, image=texture_2d(texels)),
+            textured(f"times {name}[S_{number}]", setup.work, LOOKED_UP, blending=MULTIPLY_DESTINATION),
+        )
+
+    direction = setup.visibility.directions[number]
+    return (
+        *combiner_bumps.bumps(setup, direction, view, None),
+        HostStep(label=f"the host looks up {name} at S_{number}", reads=(name,), commands=found),
+        *added_as_texture(setup, into),
+    )
+
+
+WAY = Way(load, combiner_bumps.bumps, keep, gathered, by_host=True)
