@@ -1,0 +1,214 @@
+"""F002-2: one of the textures S_i of the triangular height field, and the field."""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.heidrich_2000.shared.relief import lit_relief, oblique_view, relief
+from fixedpipe.effects.geometry.vectors import dot, normalize, unit_vector
+from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, row_of_panels
+from fixedpipe.effects.passes.draws import ADD, NEAREST, REPLACE, unit
+from fixedpipe.effects.passes.encoding import factor_texels
+from fixedpipe.effects.passes.pixel_texture_copies import float_image, texture_format
+from fixedpipe.effects.scattering import height_field, visibility
+from fixedpipe.effects.scattering.visibility import BACK
+from fixedpipe.effects.scattering.visibility_textures import coordinates, texels_seen
+from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
+from fixedpipe.pipeline.enums import ComparisonFunction, PrimitiveType
+from fixedpipe.pipeline.state import AlphaTest, PassState, VertexState, Viewport
+from fixedpipe.pipeline.textures.images import texture_2d
+
+RED, WHITE = (0.75, 0.14, 0.10), (0.8, 0.8, 0.8)
+# Towards the light of the field's picture.
+_LIGHT = (0.0, -0.45, 0.9)
+_EYE = (1.0, -2.9, 2.7)
+
+
+@lru_cache(maxsize=8)
+def _seen(texels, ridges, flank, direction):
+    """The height field, and what its texels see along the direction."""
+    field = height_field.ridges(texels, texels, flank, ridges, left=WHITE, right=RED)
+    return field, visibility.precompute(field, [direction]).seen[0]
+
+
+def scene(profile, size, *, texels, ridges, flank, direction, bits):
+    """S_i, its coordinates as red and green; the field from the side.
+
+    Coordinates are of the texture in which light is looked up, twice as wide and high as the field, so that
+    all are below one half: drawn twice they fill the range.
+    """
+    left, right = row_of_panels(2, size)
+    field, seen = _seen(texels, ridges, flank, direction)
+    stored = coordinates(seen, bits) / float((1 << bits) - 1)
+    image = np.zeros((texels, texels, 3))
+    image[..., :2] = stored
+    mask = (seen >= 0).astype(np.float64)
+    units = (unit("S_i", NEAREST, environment=REPLACE),)
+    square = Mesh(
+        np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]),
+        PrimitiveType.QUADS,
+        texture_coordinates=(np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]),),
+    )
+    state = PassState(
+        vertex=VertexState(viewport=Viewport(left.x, left.y, left.width, left.height)),
+        texture_units=units,
+        scissor=left.scissor,
+        alpha_test=AlphaTest(ComparisonFunction.GREATER, 0.5),
+    )
+    light = unit_vector(_LIGHT, "The light's direction")
+    lit = field.albedo * (0.15 + 0.85 * np.maximum(dot(field.normals, light), 0.0))[..., None]
+    return (
+        left.clear((0.0, 0.0, 0.0)),
+        right.clear(BACKGROUND),
+        TexImage(
+            label="load S_i: s, t, and whether a texel is seen",
+            texture="S_i",
+            pixels=float_image(image, mask),
+            internal_format=texture_format(bits),
+        ),
+        TexImage(label="load the field", texture="field", image=texture_2d(factor_texels(lit, profile))),
+        Draw(label="S_i, its coordinates as red and green", mesh=square, state=state),
+        Draw(label="and again, twice as bright", mesh=square, state=replace(state, blending=ADD)),
+        lit_relief("the field", relief(field), oblique_view(right, _EYE), "field"),
+    )
+
+
+def height_at(heights, x, y):
+    """The height of the field's triangles at places in texels [n], by planes through three corners each."""
+    rows, columns = heights.shape
+    i, j = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
+    u, v = x - i, y - j
+    low, right = heights[j % rows, i % columns], heights[j % rows, (i + 1) % columns]
+    up, far = heights[(j + 1) % rows, i % columns], heights[(j + 1) % rows, (i + 1) % columns]
+    return np.where(
+        u >= v, low + u * (right - low) + v * (far - right), low + v * (up - low) + u * (far - up)
+    )
+
+
+def by_steps(heights, row, column, direction, steps=64, longest=3.0):
+    """Where a ray from a texel first is below the field, in texels (x, y), by small steps; None where it
+    leaves.
+
+    ``steps``: to a texel. Raises nothing: a ray that stays level is followed for ``longest`` edges.
+    """
+    rows, columns = heights.shape
+    dx, dy, dz = direction[0] * columns, direction[1] * rows, direction[2]
+    count = int(longest * steps * max(rows, columns))
+    t = np.arange(1, count) / (steps * max(abs(dx), abs(dy)))
+    above = heights[row, column] + t * dz - height_at(heights, column + t * dx, row + t * dy)
+    below = np.flatnonzero(above < -1e-9)
+    if not len(below):
+        return None
+    t = t[below[0]]
+    return column + t * dx, row + t * dy
+
+
+def _agreement(field, seen, direction):
+    """By small steps: (share of texels for which both say whether something is seen, greatest distance in
+    texels along an axis between where it is seen and the texel that stands for it, greatest angle between the
+    direction and that to this texel, in angles of a texel).
+    """
+    rows, columns = seen.shape
+    agree, apart, turned = 0, 0.0, 0.0
+    for row in range(0, rows, 3):
+        for column in range(columns):
+            place = by_steps(field.heights, row, column, direction)
+            facing = float(dot(field.normals[row, column], direction)) > 0.0
+            expected = place is not None and facing
+            found = seen[row, column] >= 0
+            agree += expected == found
+            if not (expected and found):
+                continue
+            q = np.array([seen[row, column] % columns, seen[row, column] // columns], np.float64)
+            away = np.array(place) - q
+            away -= np.array([columns, rows]) * np.floor(away / (columns, rows) + 0.5)
+            apart = max(apart, float(np.abs(away).max()))
+            # The texel's copy in the tile that the ray has reached.
+            x, y = np.array(place) - away
+            there = np.array([(x - column) / columns, (y - row) / rows, 0.0])
+            there[2] = field.heights[int(q[1]), int(q[0])] - field.heights[row, column]
+            length = float(np.sqrt(dot(there, there)))
+            cosine = float(dot(there, direction)) / length
+            angle = np.sqrt(max(0.0, 1.0 - cosine * cosine))
+            turned = max(turned, angle / (1.0 / columns / length))
+    return agree / (len(range(0, rows, 3)) * columns), apart, turned
+
+
+def checks(figure, renderer):
+    """What is stored, read back from the picture, against rays that take small steps."""
+    values = dict(figure.values_of(renderer.method))
+    texels, size = values["texels"], 4 * values["texels"]
+    direction = normalize(np.array(values["direction"], np.float64))
+    field, seen = _seen(texels, values["ridges"], values["flank"], values["direction"])
+    one = (1 << values["bits"]) - 1
+    for on in Answer:
+        picture = panel_of(renderer.window(on, figure, size), 0)[2::4, 2::4, :2]
+        codes = np.floor(picture * one / 2.0 + 0.5).astype(np.int64)
+        drawn = picture.max(axis=-1) > 0.0
+        back = np.where(drawn, texels_seen(codes, texels, texels, values["bits"]), -1)
+        yield Check(
+            "texels whose picture does not lead to what is seen",
+            int((back != np.maximum(seen, -1)).sum()),
+            at_most=0,
+            on=on,
+            reason="codes are read back without error, and where none is seen nothing is drawn",
+        )
+    agree, apart, turned = _agreement(field, np.where(seen == BACK, -1, seen), direction)
+    yield Check(
+        "share of texels that see something, or nothing, as rays in small steps say",
+        agree,
+        at_least=1.0,
+        on=Answer.IDEAL,
+        reason="every texel",
+    )
+    yield Check(
+        "distance from where a ray ends to the texel that is stored, along an axis, in texels, at most",
+        apart,
+        at_most=0.5 + 1.0 / 32.0,
+        on=Answer.IDEAL,
+        reason="the nearest texel is half a texel away; the ray's steps are a 64th",
+    )
+    yield Check(
+        "angle between d_i and the way to that texel, in angles of a texel at its distance, at most",
+        turned,
+        at_most=1.5,
+        on=Answer.IDEAL,
+        reason="the catalogue's bound",
+    )
+    yield Check(
+        "share of texels that see another",
+        float((seen >= 0).mean()),
+        at_least=0.2,
+        on=Answer.IDEAL,
+        reason="one flank of two sees the other where it is low enough",
+    )
+
+
+_12_BITS = {"bits": 12}
+FIGURE = Figure(
+    id="F002-2",
+    title="Which texel is seen: a visibility texture",
+    caption="S_i of the triangular height field: for every texel the coordinates of the texel that it sees "
+    "along d_i, s in red and t in green, twice as bright; black where it sees none. Beside it the field.",
+    must_see="Stripes along the ridges: black where a flank looks away or sees over the next ridge, elsewhere "
+    "red that steps from ridge to ridge and green that grows upwards.",
+    source="HeidrichDaubertKautzSeidel2000",
+    techniques=("G01", "G02"),
+    panels=("S_i", "the height field"),
+    parameters={
+        "texels": word.TEXELS(32, "The edge of the height field.", low=8, high=128),
+        "ridges": word.of(word.Whole(1, 4), 4, "How many ridges there are."),
+        "flank": word.DEGREES(45.0, "How steep the ridges' flanks are.", low=5.0, high=80.0),
+        "direction": word.of(word.DIRECTION_KIND, (0.7, 0.35, 0.1), "d_i, along which texels look."),
+        "bits": word.of(word.Whole(8, 12), 8, "Of a coordinate: 8, or 12.", "bits"),
+    },
+    methods=(
+        Method("coordinates of eight bits", scene, ("GEFORCE_256", "OPENGL_1_2", "GEFORCE_3", "G400")),
+        Method("coordinates of twelve bits", scene, ("OCTANE",), values=_12_BITS),
+    ),
+    acceptance=checks,
+)
