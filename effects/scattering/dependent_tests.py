@@ -122,6 +122,7 @@ class Way:
     keep      (setup, name) -> the work panel's light can then be looked up under this name
     gathered  (setup, number, view, name, into) -> bump mapping with a light along d_i, times the light that
               is looked up at S_i, goes ``into`` a panel
+    looked_up (setup, number, name) -> the work panel becomes the light that is looked up, by itself
     by_host   whether the host looks up: then each light needs a name of its own
     """
 
@@ -129,6 +130,7 @@ class Way:
     bumps: Callable
     keep: Callable
     gathered: Callable
+    looked_up: Callable
     by_host: bool = False
 
 
@@ -214,7 +216,8 @@ def added_as_texture(setup, into):
     )
 
 
-def _black(setup, name):
+def black(setup, name):
+    """The command that makes a texture to be looked up, black: ``kept`` fills its corner."""
     columns, rows = setup.looked_up_size
     image = texture_2d(np.zeros((rows, columns, 4)), setup.format)
     return TexImage(label=f"black, where {name} comes: what is not seen", texture=name, image=image)
@@ -362,7 +365,7 @@ def _checked(setup, light, lit, accumulation, exposure):
 def _begun(way, setup, light, view, lit, numbers):
     return [
         *way.load(setup, lit, sorted(i for i in set(numbers) if setup.sees(i))),
-        *(_black(setup, name) for name in (LIGHT, DIRECT)),
+        *(black(setup, name) for name in (LIGHT, DIRECT)),
         *way.bumps(setup, light, view, lit),
         *way.keep(setup, DIRECT),
     ]

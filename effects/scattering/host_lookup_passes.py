@@ -49,7 +49,7 @@ def keep(setup, name):
     return (texture,) if setup.field.specular else (texture, read)
 
 
-def looked_up(setup, number, light):
+def found(setup, number, light):
     """L_d[S_i]: what the host finds for every texel, as ReadPixels gave the light, [rows, columns, 4]."""
     codes = coordinates(setup.visibility.seen[number], setup.bits)
     pixels = np.full((*codes.shape[:2], 4), 255, np.uint8)
@@ -59,22 +59,26 @@ def looked_up(setup, number, light):
     return look_up(pixels, texture_2d(padded(light, bits=setup.bits)), TextureFilter.NEAREST)
 
 
-def gathered(setup, number, view, name, into):
-    """Bump mapping with a light along d_i, times the light that the host finds at S_i."""
+def looked_up(setup, number, name, *, blending=None):
+    """The work panel becomes, or is multiplied by, the light that the host finds at S_i."""
 
-    def found(pixels):
-        texels = looked_up(setup, number, pixels[name])
+    def drawn(pixels):
+        texels = found(setup, number, pixels[name])
         return (
             TexImage(label=f"load {name}[S_{number}]", texture=LOOKED_UP, image=texture_2d(texels)),
-            textured(f"times {name}[S_{number}]", setup.work, LOOKED_UP, blending=MULTIPLY_DESTINATION),
+            textured(f"{name}[S_{number}]", setup.work, LOOKED_UP, blending=blending),
         )
 
-    direction = setup.visibility.directions[number]
+    return (HostStep(label=f"the host looks up {name} at S_{number}", reads=(name,), commands=drawn),)
+
+
+def gathered(setup, number, view, name, into):
+    """Bump mapping with a light along d_i, times the light that the host finds at S_i."""
     return (
-        *combiner_bumps.bumps(setup, direction, view, None),
-        HostStep(label=f"the host looks up {name} at S_{number}", reads=(name,), commands=found),
+        *combiner_bumps.bumps(setup, setup.visibility.directions[number], view, None),
+        *looked_up(setup, number, name, blending=MULTIPLY_DESTINATION),
         *added_as_texture(setup, into),
     )
 
 
-WAY = Way(load, combiner_bumps.bumps, keep, gathered, by_host=True)
+WAY = Way(load, combiner_bumps.bumps, keep, gathered, looked_up, by_host=True)

@@ -27,7 +27,13 @@ from fixedpipe.effects.passes.encoding import colors_of, factor_texels
 from fixedpipe.effects.passes.texture_shaders import TEXTURE_STAGE
 from fixedpipe.effects.scattering import dependent_tests
 from fixedpipe.effects.scattering.combiner_bumps import named
-from fixedpipe.effects.scattering.dependent_tests import UP, Way, added_as_texture, share_of
+from fixedpipe.effects.scattering.dependent_tests import (
+    UP,
+    Way,
+    added_as_texture,
+    rectangle,
+    share_of,
+)
 from fixedpipe.effects.technique import AnotherWay
 from fixedpipe.pipeline.commands import Clear, Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import (
@@ -155,25 +161,40 @@ def bumps(setup, light, view, lit):
     return _drawn(setup, f"squares with the bumps' normals, light from {named(light)}", light, view, shown)
 
 
-def gathered(setup, number, view, name, into):
-    """The same with a light along d_i, times the light that the offsets S'_i lead to: a Clear and a draw."""
+def _lookup(setup, number, name):
+    """The two units and their stages, of PassState."""
     columns, rows = setup.looked_up_size
     offset = TextureShaderStage(
         Operation.OFFSET_TEXTURE_2D, offset_texture_matrix=(128.0 / columns, 0.0, 0.0, 128.0 / rows)
     )
+    units = (
+        unit(seen_texture(number), _SIGNED, environment=_PASSES_ON),
+        unit(name, NEAREST, coordinates=1, environment=MODULATE),
+    )
+    return {"texture_units": units, "texture_shader": (TEXTURE_STAGE, offset)}
+
+
+def gathered(setup, number, view, name, into):
+    """The same with a light along d_i, times the light that the offsets S'_i lead to: a Clear and a draw."""
     drawn = _drawn(
         setup,
         f"squares, light from d_{number}, times {name} at p + S'_{number}",
         setup.visibility.directions[number],
         view,
         np.ones(setup.field.heights.shape, bool),
-        texture_units=(
-            unit(seen_texture(number), _SIGNED, environment=_PASSES_ON),
-            unit(name, NEAREST, coordinates=1, environment=MODULATE),
-        ),
-        texture_shader=(TEXTURE_STAGE, offset),
+        **_lookup(setup, number, name),
     )
     return (*drawn, *added_as_texture(setup, into))
+
+
+def looked_up(setup, number, name):
+    """The work panel becomes the light at p + S'_i: one quad, white."""
+    mesh, vertex = rectangle(setup.work)
+    (place,) = mesh.texture_coordinates
+    sets = place, place * np.array(share_of(setup))
+    mesh = Mesh(mesh.positions, mesh.primitive, texture_coordinates=sets)
+    state = PassState(vertex=vertex, scissor=setup.work.scissor, **_lookup(setup, number, name))
+    return (Draw(label=f"{name} at p + S'_{number}", mesh=mesh, state=state),)
 
 
 def keep(setup, name):
@@ -181,4 +202,4 @@ def keep(setup, name):
     return (dependent_tests.kept(setup, name),)
 
 
-WAY = Way(load, bumps, keep, gathered)
+WAY = Way(load, bumps, keep, gathered, looked_up)

@@ -144,6 +144,19 @@ def seen_image(setup, number):
     return PixelImage(image, "RGB")
 
 
+def looked_up(setup, number, name, *, blending=None):
+    """S_i drawn with a pixel texture: the work panel becomes, or is multiplied by, the light at S_i."""
+    drawn = _drawn(
+        setup,
+        f"S_{number} with a pixel texture: {name}[S_{number}]",
+        seen_image(setup, number),
+        blending=blending,
+        texture_units=(unit(name, NEAREST, environment=REPLACE),),
+        pixel_texture=PixelTexture(),
+    )
+    return (drawn,)
+
+
 def gathered(setup, number, view, name, into):
     """Bump mapping with a light along d_i, times the light at S_i by a pixel texture; a copy to another
     panel.
@@ -151,14 +164,7 @@ def gathered(setup, number, view, name, into):
     work = setup.work
     out = (
         *bumps(setup, setup.visibility.directions[number], view, None),
-        _drawn(
-            setup,
-            f"S_{number} with a pixel texture: times {name}[S_{number}]",
-            seen_image(setup, number),
-            blending=MULTIPLY_DESTINATION,
-            texture_units=(unit(name, NEAREST, environment=REPLACE),),
-            pixel_texture=PixelTexture(),
-        ),
+        *looked_up(setup, number, name, blending=MULTIPLY_DESTINATION),
     )
     if into == Into(work):
         return out
@@ -180,4 +186,4 @@ def keep(setup, name):
     return (dependent_tests.kept(setup, name),)
 
 
-WAY = Way(load, bumps, keep, gathered)
+WAY = Way(load, bumps, keep, gathered, looked_up)

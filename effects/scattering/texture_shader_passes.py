@@ -31,6 +31,7 @@ from fixedpipe.effects.passes.combiners import (
     final,
     product,
     program,
+    shown,
     square,
     stage,
     total,
@@ -113,9 +114,22 @@ def gathered(setup, number, view, name, into):
     return (drawn,) if into.add else (*combiner_bumps.cleared(setup.field, into.panel), drawn)
 
 
+def looked_up(setup, number, name):
+    """The work panel becomes the light at S_i: units 0 and 1 alone."""
+    mesh, vertex = rectangle(setup.work)
+    state = PassState(
+        vertex=vertex,
+        texture_units=(unit(seen_texture(number), NEAREST), unit(name, NEAREST)),
+        texture_shader=_STAGES[:2],
+        register_combiners=program(shown(TEXTURE1)),
+        scissor=setup.work.scissor,
+    )
+    return (Draw(label=f"{name}[S_{number}]", mesh=mesh, state=state),)
+
+
 def keep(setup, name):
     """The work panel's light becomes the texture that is looked up."""
     return (dependent_tests.kept(setup, name),)
 
 
-WAY = Way(load, combiner_bumps.bumps, keep, gathered)
+WAY = Way(load, combiner_bumps.bumps, keep, gathered, looked_up)

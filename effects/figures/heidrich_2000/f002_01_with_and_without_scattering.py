@@ -1,49 +1,30 @@
 """F002-1: domes without and with the light that they scatter at each other, by four machines' passes."""
 
-from functools import lru_cache
-
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.heidrich_2000.shared import texture_space
 from fixedpipe.effects.figures.heidrich_2000.shared.relief import lit_relief, oblique_view, relief
-from fixedpipe.effects.geometry import height_fields
-from fixedpipe.effects.geometry.views import BACKGROUND, Panel, panel_of, row_of_panels
-from fixedpipe.effects.scattering import (
-    dependent_tests,
-    height_field,
-    host_lookup_passes,
-    light_transport,
-    offset_texture_passes,
-    pixel_texture_passes,
-    texture_shader_passes,
-)
-from fixedpipe.effects.scattering.dependent_tests import DIRECT, RESULT, Accumulation, Setup
+from fixedpipe.effects.figures.heidrich_2000.shared.texture_space import MACHINES, WAYS, setup_of
+from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, row_of_panels
+from fixedpipe.effects.scattering import dependent_tests, height_field, light_transport
+from fixedpipe.effects.scattering.dependent_tests import DIRECT, RESULT, Accumulation
 from fixedpipe.effects.scattering.directions import spiral
 from fixedpipe.effects.scattering.visibility import free_view, precompute
 from fixedpipe.pipeline.profiles import IDEAL
 
+# Offsets are signed bytes, and textures' edges powers of two.
+VALUES = {"offset textures, bumps lit at vertices": {"texels": 64}}
 WITHOUT = "light without scattering"
 EYE = (0.0, -2.7, 2.7)
 
 
-@lru_cache(maxsize=8)
-def _domes(texels, count, height, albedo, directions):
-    """Domes whose rims are smoothed: an upright rim has no texels of its own."""
-    heights = height_field.domes(texels, texels, count, height=height).heights
-    field = height_field.height_field(height_fields.smooth(heights, texels // 32), albedo)
-    return field, precompute(field, spiral(directions))
-
-
-def edge_of(size, texels):
-    """The field's edge in texels: half a panel's at most, so that small pictures are cheap."""
-    return min(texels, 1 << max(2, (size // 2).bit_length() - 1))
-
-
-def setup_of(profile, texels, field, visibility, bits=8):
-    """A Setup in the window's lower left corner."""
-    work, total = Panel(0, 0, texels, texels), Panel(texels, 0, texels, texels)
-    return Setup(field, visibility, profile, work, total, bits)
+def _domes(size, texels, count, height, albedo, directions):
+    """The field, half a panel's edge at most, so that small pictures are cheap; and its visibility."""
+    edge = texture_space.largest_power(size // 2, texels)
+    whole = tuple(map(tuple, spiral(directions).tolist()))
+    return texture_space.domes_and_visibility(edge, count, height, albedo, whole)
 
 
 def scene_by(way):
@@ -53,9 +34,8 @@ def scene_by(way):
         profile, size, *, texels, domes, height, albedo, directions, paths, lookups, light, accumulation,
         exposure, bits,
     ):  # fmt: skip
-        edge = edge_of(size, texels)
-        field, visibility = _domes(edge, domes, height, albedo, directions)
-        setup = setup_of(profile, edge, field, visibility, bits)
+        field, visibility = _domes(size, texels, domes, height, albedo, directions)
+        setup = setup_of(profile, field, visibility, bits)
         numbers = light_transport.sequences(directions, lookups, paths)
         surface, panels = relief(field), row_of_panels(2, size)
         drawn = [
@@ -110,7 +90,7 @@ def gain(renderer, way, on, flank, reflections, directions, weight=light_transpo
     """
     field = height_field.ridges(GROOVE_TEXELS, GROOVE_TEXELS, flank)
     profile = IDEAL if on is Answer.IDEAL else renderer.profile
-    setup = setup_of(profile, GROOVE_TEXELS, field, precompute(field, directions))
+    setup = setup_of(profile, field, precompute(field, directions))
     drawn = dependent_tests.rounds_drawn(way, setup, dependent_tests.UP, reflections, weight=weight)
     shown = (
         dependent_tests.textured("with scattering", setup.work, RESULT),
@@ -157,9 +137,9 @@ def checks(figure, renderer):
     way = WAYS[renderer.method.name]
     size = figure.size // 4
     # A sum over 32 x 32 texels says as much as one over more.
-    edge = edge_of(64, values["texels"])
+    edge = 32
     field, visibility = _domes(
-        edge, values["domes"], values["height"], values["albedo"], values["directions"]
+        2 * edge, *(values[name] for name in ("texels", "domes", "height", "albedo", "directions"))
     )
     numbers = light_transport.sequences(values["directions"], values["lookups"], values["paths"])
     light = height_field.check_light(values["light"])
@@ -168,7 +148,7 @@ def checks(figure, renderer):
     for accumulation in Accumulation:
         for on in Answer:
             setup = setup_of(
-                IDEAL if on is Answer.IDEAL else renderer.profile, edge, field, visibility, values["bits"]
+                IDEAL if on is Answer.IDEAL else renderer.profile, field, visibility, values["bits"]
             )
             drawn = (
                 *dependent_tests.paths_drawn(
@@ -229,17 +209,6 @@ REASONS = {
     Accumulation.ACCUMULATION_BUFFER: "factors and terms are bytes, the sum is not",
     Accumulation.HOST: "factors and terms are bytes, the sum is not",
 }
-# The paper's board first.
-WAYS = {
-    "color matrix and pixel textures": pixel_texture_passes.WAY,
-    "register combiners, lookups by the host": host_lookup_passes.WAY,
-    "texture shaders": texture_shader_passes.WAY,
-    "offset textures, bumps lit at vertices": offset_texture_passes.WAY,
-}
-MACHINES = (("OCTANE",), ("GEFORCE_256",), ("GEFORCE_3", "NV2A"), ("G400",))
-# Offsets are signed bytes, and textures' edges powers of two.
-VALUES = {"offset textures, bumps lit at vertices": {"texels": offset_texture_passes.MOST_TEXELS // 2 + 1}}
-
 FIGURE = Figure(
     id="F002-1",
     title="Light scattered between domes",
@@ -269,8 +238,7 @@ FIGURE = Figure(
         "bits": word.of(word.Whole(8, 12, even=True), 8, "Of a coordinate in S_i; texture shaders have 8."),
     },
     methods=tuple(
-        Method(name, scene_by(way), machines, VALUES.get(name, {}))
-        for (name, way), machines in zip(WAYS.items(), MACHINES, strict=True)
+        Method(name, scene_by(way), MACHINES[name], VALUES.get(name, {})) for name, way in WAYS.items()
     ),
     acceptance=checks,
 )

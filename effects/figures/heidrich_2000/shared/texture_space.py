@@ -1,0 +1,98 @@
+"""What figures of machines' passes share: a small field, its panels, and pictures of its textures."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from fixedpipe.effects.diagrams import drawing
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.geometry import height_fields
+from fixedpipe.effects.geometry.views import Panel
+from fixedpipe.effects.passes.encoding import factor_texels
+from fixedpipe.effects.scattering import (
+    dependent_tests,
+    height_field,
+    host_lookup_passes,
+    offset_texture_passes,
+    pixel_texture_passes,
+    texture_shader_passes,
+)
+from fixedpipe.effects.scattering.dependent_tests import Setup
+from fixedpipe.effects.scattering.visibility import precompute
+from fixedpipe.effects.scattering.visibility_textures import coordinates, looked_up_size
+from fixedpipe.pipeline.commands import TexImage
+from fixedpipe.pipeline.textures.images import texture_2d
+
+# How machines draw dependent tests, and which do: the paper's board first.
+WAYS = {
+    "color matrix and pixel textures": pixel_texture_passes.WAY,
+    "register combiners, lookups by the host": host_lookup_passes.WAY,
+    "texture shaders": texture_shader_passes.WAY,
+    "offset textures, bumps lit at vertices": offset_texture_passes.WAY,
+}
+MACHINES = {
+    "color matrix and pixel textures": ("OCTANE",),
+    "register combiners, lookups by the host": ("GEFORCE_256",),
+    "texture shaders": ("GEFORCE_3", "NV2A"),
+    "offset textures, bumps lit at vertices": ("G400",),
+}
+TEXELS = word.of(word.Whole(4, 64, power=True), 64, "The height field's edge, at most.", "texels")
+DOMES = word.of(word.Whole(1, 8), 3, "Domes along an edge.")
+HEIGHT = word.NUMBER(0.8, "The domes' height, over half balls'.", low=0.0, high=2.0)
+
+
+def smooth_domes(texels, count, height, albedo):
+    """Domes whose rims are smoothed: an upright rim has no texels of its own."""
+    heights = height_field.domes(texels, texels, count, height=height).heights
+    return height_field.height_field(height_fields.smooth(heights, texels // 32), albedo)
+
+
+def largest_power(edge, most):
+    """The largest power of two up to ``edge`` and ``most``, four at least."""
+    return min(most, 1 << max(2, edge.bit_length() - 1))
+
+
+def setup_of(profile, field, visibility, bits=8):
+    """A Setup in the window's lower left corner."""
+    columns, rows = field.columns, field.rows
+    work, total = Panel(0, 0, columns, rows), Panel(columns, 0, columns, rows)
+    return Setup(field, visibility, profile, work, total, bits)
+
+
+@lru_cache(maxsize=16)
+def domes_and_visibility(texels, count, height, albedo, directions):
+    """Smooth domes and what they see along directions, a tuple of vectors."""
+    field = smooth_domes(texels, count, height, albedo)
+    return field, precompute(field, np.array(directions))
+
+
+def seen_picture(name, setup, number):
+    """The command that loads S_i as it is shown: s in red and t in green, black where none is seen."""
+    field, seen = setup.field, setup.visibility.seen[number]
+    codes = coordinates(seen, 8) / 255.0
+    # The texture that is looked up is larger than the field: shown are coordinates of the field.
+    whole = np.array([looked_up_size(field.columns) / field.columns, looked_up_size(field.rows) / field.rows])
+    shown = np.zeros((*seen.shape, 3))
+    shown[..., :2] = np.where((seen >= 0)[..., None], codes * whole, 0.0)
+    image = texture_2d(factor_texels(np.minimum(shown, 1.0), setup.profile))
+    return TexImage(label=f"load S_{number} as a picture", texture=name, image=image)
+
+
+def letters(panel, names, places):
+    """Labels over pictures, each with its place on a sheet of the panel, at its left upper corner."""
+    view = drawing.sheet(panel)
+    white, black = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
+    return tuple(
+        drawing.text(name, view, place, white, align=(-1, 1), offset=(3.0, -2.0), outline=black)
+        for name, place in zip(names, places, strict=True)
+    )
+
+
+def squares(panel, places, textures):
+    """Textures on squares (x, y, edge) of a panel in shares of its height, from its lower left corner."""
+    out = []
+    for (x, y, edge), name in zip(places, textures, strict=True):
+        pixels = max(1, round(edge * panel.height))
+        part = Panel(panel.x + round(x * panel.height), panel.y + round(y * panel.height), pixels, pixels)
+        out.append(dependent_tests.textured(f"show {name}", part, name))
+    return tuple(out)
