@@ -1,0 +1,99 @@
+"""F002-9: a ball with ridges, one flank red and one white, as geometry and by the BRDF of its ridges."""
+
+import math
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.heidrich_2000.shared import ridged_body
+from fixedpipe.effects.geometry.views import BACKGROUND, orthographic_view, panel_of, row_of_panels
+
+PANELS = ("geometry without", "geometry with scattering", "BRDF without", "BRDF with scattering")
+
+
+def scene(profile, size, **values):
+    """F002-9: two panels of geometry, two of the BRDF."""
+    body = ridged_body.Body(**values)
+    out = []
+    for panel, name in zip(row_of_panels(4, size), PANELS, strict=True):
+        view = orthographic_view(panel)
+        bounces = body.bounces if "with s" in name else 0
+        out.append(panel.clear(BACKGROUND))
+        if name.startswith("geometry"):
+            surface = ridged_body.displaced(body, size)
+            out.append(ridged_body.load(body, bounces, name, profile))
+            out.append(ridged_body.textured(name, surface, view, name))
+        else:
+            surface = ridged_body.smooth(body, size)
+            out.append(ridged_body.reflected(name, body, bounces, surface, view, profile, size))
+    return tuple(out)
+
+
+def separation(above, below):
+    """|log(R/G) above - log(R/G) below|."""
+    return abs(math.log(above[0] / above[1]) - math.log(below[0] / below[1]))
+
+
+def checks(figure, renderer):
+    """Colours of geometry against those of the BRDF, and what scattering does to both."""
+    size = figure.size // 2
+    above, below, ball = ridged_body.regions(size, 1.0)
+    for on in Answer:
+        window = renderer.window(on, figure, size)
+        panels = [panel_of(window, k) for k in range(4)]
+        means = [[ridged_body.region_mean(panel, part) for part in (above, below)] for panel in panels]
+        for k, what in enumerate(("without", "with")):
+            for part, where in enumerate(("above", "below")):
+                geometry, brdf = (means[panel][part] for panel in (k, k + 2))
+                yield Check(
+                    f"red over green {where} {what} scattering: geometry and BRDF differ by a share of",
+                    abs((geometry[0] / geometry[1]) / (brdf[0] / brdf[1]) - 1.0),
+                    at_most=0.1,
+                    on=on,
+                    reason="the catalogue's: the mesh is masked by the depth buffer, the BRDF by rays over a "
+                    "flat field",
+                )
+            energies = [ridged_body.luminance(panels[panel][ball].mean(axis=0)) for panel in (k, k + 2)]
+            yield Check(
+                f"mean luminance {what} scattering: geometry and BRDF differ by a share of",
+                abs(energies[0] / energies[1] - 1.0),
+                at_most=0.05,
+                on=on,
+                reason="the catalogue's: levels of detail that agree",
+            )
+        for first, name in ((0, "geometry"), (2, "the BRDF")):
+            yield Check(
+                f"how much scattering brings the colours of {name} together, a share",
+                1.0 - separation(*means[first + 1]) / separation(*means[first]),
+                at_least=0.15,
+                on=on,
+                reason="the catalogue's: red flanks that the light does not reach are lit by white ones",
+            )
+    yield Check(
+        "red over green above, of the BRDF without scattering, by that below",
+        float((means[2][0][0] / means[2][0][1]) / (means[2][1][0] / means[2][1][1])),
+        at_least=1.5,
+        on=Answer.MACHINE,
+        reason="above, the flanks that look down are seen, red ones; below, light reaches the white ones",
+    )
+
+
+FIGURE = Figure(
+    id="F002-9",
+    title="Geometry and its BRDF",
+    caption="A ball with ridges along its parallels. Flanks that look down are red, those that look up are "
+    "white; the light comes from above. Geometry, and a smooth ball with the BRDF that a virtual goniometer "
+    "measures of the ridges; without and with light that is scattered between the flanks.",
+    must_see="Without scattering reddish above and white below; with it more alike, and the red below. The "
+    "ridges' geometry and the BRDF have the same colours.",
+    source="HeidrichDaubertKautzSeidel2000",
+    techniques=("G01", "G02", "G06", "G22", "G24"),
+    panels=PANELS,
+    size=512,
+    parameters=ridged_body.PARAMETERS,
+    methods=(
+        Method(
+            "light of the texels by rays, as a texture and at vertices", scene, ("OPENGL_1_2", "GEFORCE_256")
+        ),
+    ),
+    acceptance=checks,
+)
