@@ -1,0 +1,235 @@
+"""Work of hours in pieces that stay: a folder, its manifest, and a file for each piece that is done.
+
+The manifest says by which parameters the work is done, in how many pieces, and which are there, each with the
+digest of its bytes. A piece's file, and the manifest after it, are written under another name and then
+renamed, so that at no moment there is half of one. What was stopped, by an error, a signal or a power cut,
+goes on after the last piece that the manifest names; what is there in the end are the same bytes, however
+often it was stopped and on however many processors it ran.
+
+One run at a time may work in a folder.
+"""
+
+import hashlib
+import io
+import json
+import os
+from concurrent.futures import FIRST_COMPLETED, Executor, wait
+from pathlib import Path
+
+import numpy as np
+
+from fixedpipe.effects.refusal import Refusal
+
+MANIFEST = "manifest.json"
+_FORMAT = 1
+# What files are called while they are written.
+_PARTIAL = ".partial-"
+
+
+def digest(parameters):
+    """Of parameters that JSON can hold: 64 hexadecimal digits, the same for the same values."""
+    return hashlib.sha256(_canonical(parameters)).hexdigest()
+
+
+def array_digest(*arrays):
+    """Of arrays' types, shapes and numbers: 64 hexadecimal digits."""
+    found = hashlib.sha256()
+    for array in arrays:
+        array = np.ascontiguousarray(array)
+        found.update(f"{array.dtype.str}{array.shape}".encode())
+        found.update(array.tobytes())
+    return found.hexdigest()
+
+
+def _canonical(value):
+    return json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
+
+
+def _write(path, data):
+    partial = path.with_name(_PARTIAL + path.name)
+    try:
+        with partial.open("wb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        partial.replace(path)
+    except OSError as error:
+        raise Refusal(f"{path} cannot be written: {error.strerror}; what is done is kept.") from error
+
+
+def _array_bytes(array):
+    stream = io.BytesIO()
+    np.save(stream, np.ascontiguousarray(array), allow_pickle=False)
+    return stream.getvalue()
+
+
+class Folder:
+    """The pieces of one work that are done.
+
+    path        the folder, which is made where there is none
+    parameters  what the work depends on, a dict that JSON can hold
+    pieces      how many there are
+
+    Raises Refusal for a folder that cannot be written, a manifest or a piece that is damaged, a manifest of
+    other parameters, and pieces without a manifest. What is there stays as it is then.
+    """
+
+    def __init__(self, path, parameters, pieces):
+        self.path = Path(path)
+        self.pieces = int(pieces)
+        # As JSON gives them back: tuples become lists.
+        self.parameters = json.loads(_canonical(parameters))
+        self.done = {}
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or error
+            raise Refusal(f"The folder {self.path} cannot be made: {reason}.") from error
+        if self._manifest.exists():
+            self.done = self._read()
+        elif any(self.path.glob("piece-*.npy")):
+            raise Refusal(
+                f"{self.path} has pieces of some work and no {MANIFEST} that says of which; give another "
+                "folder."
+            )
+        for partial in self.path.glob(_PARTIAL + "*"):
+            partial.unlink(missing_ok=True)
+        self._save()
+
+    @property
+    def _manifest(self):
+        return self.path / MANIFEST
+
+    def file_of(self, piece):
+        """The file of a piece, by its number."""
+        return self.path / f"piece-{piece:05d}.npy"
+
+    def _save(self):
+        manifest = {
+            "format": _FORMAT,
+            "digest": digest(self.parameters),
+            "parameters": self.parameters,
+            "pieces": self.pieces,
+            "done": {str(piece): self.done[piece] for piece in sorted(self.done)},
+        }
+        _write(self._manifest, json.dumps(manifest, indent=1).encode() + b"\n")
+
+    def _read(self):
+        """The digests of the pieces that are done, by their numbers."""
+        there = self._manifest_there()
+        if there["digest"] != digest(self.parameters) or there["pieces"] != self.pieces:
+            theirs = there["parameters"]
+            names = sorted(
+                name
+                for name in theirs.keys() | self.parameters.keys()
+                if theirs.get(name) != self.parameters.get(name)
+            )
+            raise Refusal(
+                f"{self.path} holds work of other parameters ({', '.join(names) or 'pieces'}); give another "
+                "folder, or the parameters that it was begun with."
+            )
+        found = {}
+        for name, expected in there["done"].items():
+            path = self.file_of(int(name))
+            if not path.exists():  # it is computed again
+                continue
+            try:
+                data = path.read_bytes()
+            except OSError as error:
+                raise Refusal(f"{path} cannot be read: {error.strerror}.") from error
+            if hashlib.sha256(data).hexdigest() != expected:
+                raise Refusal(f"{path} is damaged; remove it, and it is computed again.")
+            found[int(name)] = expected
+        return found
+
+    def _manifest_there(self):
+        try:
+            there = json.loads(self._manifest.read_bytes())
+            parameters, done = there["parameters"], there["done"]
+            whole = (
+                there["format"] == _FORMAT
+                and isinstance(parameters, dict)
+                and digest(parameters) == there["digest"]
+                and isinstance(there["pieces"], int)
+                and all(
+                    name.isdigit() and int(name) < there["pieces"] and isinstance(known, str)
+                    for name, known in done.items()
+                )
+            )
+        except OSError as error:
+            raise Refusal(f"{self._manifest} cannot be read: {error.strerror}.") from error
+        except (ValueError, KeyError, TypeError, AttributeError):
+            whole = False
+        if not whole:
+            raise Refusal(
+                f"{self._manifest} is damaged, so it is not known which work its pieces are of; give another "
+                "folder."
+            )
+        return there
+
+    def keep(self, piece, array):
+        """Write a piece, then the manifest that names it. Raises Refusal where they cannot be written."""
+        data = _array_bytes(array)
+        _write(self.file_of(piece), data)
+        self.done[piece] = hashlib.sha256(data).hexdigest()
+        self._save()
+
+    def piece(self, number):
+        """A piece that is done, as an array."""
+        return np.load(self.file_of(number), allow_pickle=False)
+
+
+def run(tasks, work, *, folder=None, parameters=None, executor: Executor | None = None, progress=None):
+    """``work`` done on every one of ``tasks``: a list of arrays, in the tasks' order.
+
+    tasks       what ``work`` takes; for a pool of processes it can be pickled, as ``work`` can
+    work        makes an array of a task, the same whenever it is called
+    folder      where pieces are kept, and found when the work goes on; None: nowhere
+    parameters  all that the arrays depend on, a dict that JSON can hold
+    executor    a concurrent.futures.Executor; None: one after the other, here
+    progress    None, or a function that is called with how many are done, first those that were there
+
+    Raises Refusal as ``Folder`` does, and what ``work`` or the executor raise: pieces done until then stay.
+    """
+    tasks = list(tasks)
+    kept = None if folder is None else Folder(folder, parameters or {}, len(tasks))
+    found = {} if kept is None else {piece: kept.piece(piece) for piece in kept.done}
+
+    def came(piece, array):
+        found[piece] = array
+        if kept is not None:
+            kept.keep(piece, array)
+        if progress is not None:
+            progress(len(found))
+
+    if progress is not None:
+        progress(len(found))
+    missing = [piece for piece in range(len(tasks)) if piece not in found]
+    if executor is None:
+        for piece in missing:
+            came(piece, work(tasks[piece]))
+    else:
+        _share(missing, tasks, work, executor, came)
+    return [found[piece] for piece in range(len(tasks))]
+
+
+def _share(missing, tasks, work, executor, came):
+    waiting = {}
+    try:
+        for piece in missing:
+            waiting[executor.submit(work, tasks[piece])] = piece
+        while waiting:
+            done, _ = wait(waiting, return_when=FIRST_COMPLETED)
+            failed = None
+            # Those that came with one that failed are kept before it is said.
+            for future in sorted(done, key=waiting.get):
+                piece = waiting.pop(future)
+                if future.exception() is None:
+                    came(piece, future.result())
+                else:
+                    failed = failed or future.exception()
+            if failed is not None:
+                raise failed
+    finally:
+        for future in waiting:
+            future.cancel()
