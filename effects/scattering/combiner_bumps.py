@@ -10,6 +10,8 @@ Source: Heidrich, Daubert, Kautz, Seidel 2000, section 6; part of pass sequence 
 and the alpha test; the paper prints no program.
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from fixedpipe.effects.bump_mapping.diffuse_bump import eighth_root
@@ -80,12 +82,12 @@ def vector_arrays(setup, light, view):
     return arrays
 
 
-def program_of(field):
-    """The combiners: albedo (n.l)+, with a highlight where the field has any."""
+def program_of(shines):
+    """The combiners: albedo (n.l)+, with a highlight where the field ``shines``."""
     diffuse = product(SPARE0, TEXTURE1, to=SPARE0)
     lit = product(blue_of(SPARE0), TEXTURE1, to=SPARE0)
     n_l = dot(expand(TEXTURE0), expand(PRIMARY), to=SPARE0)
-    if not field.specular:
+    if not shines:
         return program(n_l, stage(diffuse, alpha=lit), final(SPARE0, ONE, alpha=SPARE0))
     fourth = square(SPARE1)
     return program(
@@ -98,17 +100,23 @@ def program_of(field):
 def bumps(setup, light, view, lit):
     """The work panel becomes bump mapping: one command, and a Clear before it where there are highlights."""
     check_exponent(setup.field)
-    mesh, vertex = rectangle(setup.work, **vector_arrays(setup, light, view))
-    state = PassState(
-        vertex=vertex,
-        texture_units=(unit(NORMALS, NEAREST), unit(ALBEDO if lit is None else LIT_ALBEDO, NEAREST)),
-        register_combiners=program_of(setup.field),
-        scissor=setup.work.scissor,
-        alpha_test=LIT_SIDE if setup.field.specular else None,
-    )
+    mesh, _ = rectangle(setup.work, **vector_arrays(setup, light, view))
+    state = _bump_state(setup.work, ALBEDO if lit is None else LIT_ALBEDO, bool(setup.field.specular))
     return (
         *cleared(setup.field, setup.work),
         Draw(label=f"bump mapping, light from {named(light)}", mesh=mesh, state=state),
+    )
+
+
+# One object for the states of all paths, which differ in their vertices alone: a machine looks at it once.
+@lru_cache(maxsize=64)
+def _bump_state(panel, albedo, shines):
+    return PassState(
+        vertex=rectangle(panel)[1],
+        texture_units=(unit(NORMALS, NEAREST), unit(albedo, NEAREST)),
+        register_combiners=program_of(shines),
+        scissor=panel.scissor,
+        alpha_test=LIT_SIDE if shines else None,
     )
 
 

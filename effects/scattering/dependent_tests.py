@@ -21,6 +21,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
+from functools import lru_cache
 
 import numpy as np
 
@@ -164,14 +165,20 @@ def textured(label, panel, texture, share=(1.0, 1.0), *, weight=1.0, blending=No
     """Draw a texture times ``weight`` over a panel, a texel for each pixel."""
     plain = weight == 1.0
     colors = None if plain else np.tile((weight, weight, weight, 1.0), (4, 1))
-    mesh, vertex = rectangle(panel, share, colors=colors)
-    state = PassState(
-        vertex=vertex,
-        texture_units=(unit(texture, NEAREST, environment=REPLACE if plain else MODULATE),),
+    mesh, _ = rectangle(panel, share, colors=colors)
+    environment = REPLACE if plain else MODULATE
+    return Draw(label=label, mesh=mesh, state=_texture_state(panel, texture, environment, blending))
+
+
+# One object for equal states: a machine looks at a state once, and a hundred paths have the same.
+@lru_cache(maxsize=256)
+def _texture_state(panel, texture, environment, blending):
+    return PassState(
+        vertex=rectangle(panel)[1],
+        texture_units=(unit(texture, NEAREST, environment=environment),),
         scissor=panel.scissor,
         blending=blending,
     )
-    return Draw(label=label, mesh=mesh, state=state)
 
 
 def kept(setup, name):
