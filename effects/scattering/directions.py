@@ -45,7 +45,7 @@ def checked(directions):
         raise ValueError(f"The directions have shape {array.shape}; give [n, 3], at least one.")
     if not np.isfinite(array).all() or not array.any(axis=1).all():
         raise ValueError("The directions hold NaN, infinity or a zero vector; give finite ones.")
-    return normalize(array)
+    return normalize(np.ascontiguousarray(array))
 
 
 def nearest(directions, vector):

@@ -38,9 +38,11 @@ MOST_TILES = 64
 _DIRECTIONS_A_TASK = 4
 
 
-@kernel("int64(float64[:, ::1], int64, int64, float64, float64, float64, float64, int64)")
-def _seen(heights, column, row, dx, dy, dz, highest, most):
-    """The texel that a ray (dx, dy: texels, dz: heights) from a texel's centre hits, or FREE."""
+@kernel("Tuple((int64, float64))(float64[:, ::1], int64, int64, float64, float64, float64, float64, int64)")
+def _hit(heights, column, row, dx, dy, dz, highest, most):
+    """The texel that a ray (dx, dy: texels, dz: heights) from a texel's centre hits, or FREE; and how far
+    away the point is, in lengths of the direction.
+    """
     rows, columns = heights.shape
     z0 = heights[row, column]
     # The ray crosses the columns' lines, the rows' and the diagonals' at whole multiples of these.
@@ -83,9 +85,10 @@ def _seen(heights, column, row, dx, dy, dz, highest, most):
             if t_before > 0.0:
                 share = before / (before - above)
                 x, y = x_before + share * (x - x_before), y_before + share * (y - y_before)
+                t = t_before + share * (t - t_before)
             # Else the ray begins below the triangle that it leaves over, whose far edge it then sees.
             i, j = int(np.floor(x + 0.5)) % columns, int(np.floor(y + 0.5)) % rows
-            return j * columns + i
+            return j * columns + i, t
         before, t_before, x_before, y_before = above, t, x, y
         if t == t_x:
             next_x += 1
@@ -93,7 +96,13 @@ def _seen(heights, column, row, dx, dy, dz, highest, most):
             next_y += 1
         if t == t_d:
             next_d += 1
-    return FREE
+    return FREE, infinity
+
+
+@kernel("int64(float64[:, ::1], int64, int64, float64, float64, float64, float64, int64)")
+def _seen(heights, column, row, dx, dy, dz, highest, most):
+    """The texel that a ray (dx, dy: texels, dz: heights) from a texel's centre hits, or FREE."""
+    return _hit(heights, column, row, dx, dy, dz, highest, most)[0]
 
 
 @kernel("void(float64[:, ::1], float64, float64[:, :, ::1], float64[:, ::1], int32[:, :, ::1])")
@@ -109,6 +118,20 @@ def _trace(heights, highest, normals, directions, out):
                     out[i, row, column] = BACK
                 else:
                     out[i, row, column] = _seen(heights, column, row, x * columns, y * rows, z, highest, most)
+
+
+@kernel("void(float64[:, ::1], float64, int32[:, :, ::1], float64[:, ::1], float64[:, :, ::1])")
+def _reach(heights, highest, seen, directions, out):
+    rows, columns = heights.shape
+    most = MOST_TILES * 3 * (rows + columns)
+    for i in range(len(directions)):
+        x, y, z = directions[i, 0], directions[i, 1], directions[i, 2]
+        for row in range(rows):
+            for column in range(columns):
+                out[i, row, column] = np.inf
+                if seen[i, row, column] >= 0:
+                    far = _hit(heights, column, row, x * columns, y * rows, z, highest, most)[1]
+                    out[i, row, column] = far
 
 
 def _traced(heights, normals, directions):
@@ -177,6 +200,15 @@ def _gathered(field, parts, executor: Executor, progress):
         if progress is not None:
             progress(done)
     return np.concatenate(seen)
+
+
+def distances(field, visibility):
+    """How far away the point is that each texel of a HeightField sees along each direction of its Visibility,
+    in edges of the field's square: float64 [n, rows, columns], infinity where none is seen.
+    """
+    out = np.empty(visibility.seen.shape)
+    _reach(field.heights, float(field.heights.max()), visibility.seen, visibility.directions, out)
+    return out
 
 
 def free_view(field, direction):
