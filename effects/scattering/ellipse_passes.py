@@ -157,21 +157,19 @@ def _marked(commands):
     return tuple(replace(c, state=replace(c.state, stencil_test=MARKED)) for c in commands)
 
 
-def combiner_passes(
-    surface, forms, view, light, profile, *,
-    normal_map, color, ambient, color_map=None, name="ellipses", shadows=True, sampler=REPEATED,
+def light_where_marked(
+    surface, view, light, profile, mark, *,
+    normal_map, color, ambient, color_map=None, sampler=REPEATED,
 ):  # fmt: skip
-    """G15: ambient light, marks, and bump mapping where they are, by register combiners: three draws.
+    """Ambient light, a draw that marks, and bump mapping where the marks are, by register combiners.
 
     surface           its frames are those of the surface without bumps
-    forms             E1 and E2, as ``load`` had them
     light             a ``views.Light``
+    mark              a Draw, ``marking_pass`` for instance; None: bump mapping everywhere
     normal_map        the name of a texture with normals for EXPAND_NORMAL
     color, ambient    RGB in [0, 1]
     color_map         the name of a texture by whose colours both are multiplied
-    name              of the ellipses that ``load`` loaded
-    shadows           False: bump mapping everywhere, two draws
-    sampler           of all textures
+    sampler           of the normal map and the colour map
     """
     color, ambient = checked_rgb(color), checked_rgb(ambient, "The ambient light's colour")
     units = () if color_map is None else (unit(color_map, sampler),)
@@ -181,10 +179,21 @@ def combiner_passes(
         color=color, color_map=color_map, depth_test=LATER_PASS, blending=ADD, sampler=sampler,
     )  # fmt: skip
     first = draw("ambient light", surface.mesh(), view, everywhere, units, depth_test=FIRST_PASS)
-    if not shadows:
-        return (first, *lit)
-    mark = marking_pass(surface, forms, view, light, profile, name=name, sampler=sampler)
-    return (first, clear_marks(view), mark, *_marked(lit))
+    return (first, *lit) if mark is None else (first, clear_marks(view), mark, *_marked(lit))
+
+
+def combiner_passes(
+    surface, forms, view, light, profile, *, name="ellipses", shadows=True, sampler=REPEATED, **settings
+):
+    """G15: ambient light, marks, and bump mapping where they are: three draws.
+
+    forms     E1 and E2, as ``load`` had them under ``name``
+    shadows   False: bump mapping everywhere, two draws
+    sampler   of all textures
+    settings  of ``light_where_marked``, as all other arguments are
+    """
+    mark = marking_pass(surface, forms, view, light, profile, name=name, sampler=sampler) if shadows else None
+    return light_where_marked(surface, view, light, profile, mark, sampler=sampler, **settings)
 
 
 # ------------------------------------------------------------------------------------- the imaging subset
@@ -280,7 +289,7 @@ def imaging_passes(
 
     normals  float64 [rows, columns, 3], unit vectors in the surface's frame
 
-    Other arguments as of ``combiner_passes`` and ``imaging_marking_passes``.
+    Other arguments as of ``light_where_marked`` and ``imaging_marking_passes``.
     """
     color, ambient = checked_rgb(color), checked_rgb(ambient, "The ambient light's colour")
     lit = f"{name}: (n.l)+"

@@ -73,6 +73,12 @@ def _tangents(heights, highest, azimuths, out):
         step_x = 1.0 / abs(dx) if dx != 0.0 else infinity
         step_y = 1.0 / abs(dy) if dy != 0.0 else infinity
         step_d = 1.0 / abs(dx - dy) if dx != dy else infinity
+        # Along an axis or a diagonal of the square the field repeats: what is farther stands lower.
+        period = infinity
+        if dx == 0.0 or dy == 0.0:
+            period = 1.0
+        elif abs(azimuths[k, 0]) == abs(azimuths[k, 1]):
+            period = 1.0 / abs(azimuths[k, 0])
         for row in range(rows):
             for column in range(columns):
                 z0 = heights[row, column]
@@ -82,7 +88,7 @@ def _tangents(heights, highest, azimuths, out):
                     t_x, t_y, t_d = next_x * step_x, next_y * step_y, next_d * step_d
                     t = min(t_x, min(t_y, t_d))
                     # Nothing from here on stands higher.
-                    if highest - z0 <= best * t:
+                    if highest - z0 <= best * t or t > period:
                         break
                     x = float(column + (next_x if dx > 0.0 else -next_x)) if t == t_x else column + t * dx
                     if t == t_y:
