@@ -1,0 +1,104 @@
+"""A BRDF in the binary form of the MERL database, which renderers read: isotropic, by half angles.
+
+Three int32, 90, 90 and 180, then for red, green and blue each 90 x 90 x 180 float64, little-endian: over the
+half vector's angle from the normal, in steps that are finer at the highlight, the difference's angle, and the
+difference's azimuth from 0 to 180 degrees. A number times 1/1500, 1.15/1500 or 1.66/1500 is f_r of red, green
+or blue per steradian; it is -1 where light or view would lie below the horizon.
+
+Source: Matusik, Pfister, Brand, McMillan 2003; the database's reader (sizes, scales, the square root of the
+half vector's angle). Inferred: each number is f_r in the middle of its cell.
+"""
+
+import math
+
+import numpy as np
+
+from fixedpipe.effects.geometry.vectors import cosine, sine
+
+HALF, DIFFERENCE, AZIMUTH = 90, 90, 180
+SCALES = (1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0)
+# What stands where light or view is below the horizon.
+BELOW = -1.0
+BYTES = 3 * 4 + 3 * 8 * HALF * DIFFERENCE * AZIMUTH
+
+
+def directions():
+    """Lights and views in the middle of the table's cells: two float64 [90 * 90 * 180, 3]; some lie below the
+    horizon.
+    """
+    step = (np.arange(HALF) + 0.5) / HALF
+    half = 0.5 * math.pi * step * step
+    difference = 0.5 * math.pi * (np.arange(DIFFERENCE) + 0.5) / DIFFERENCE
+    azimuth = math.pi * (np.arange(AZIMUTH) + 0.5) / AZIMUTH
+    half, difference, azimuth = (
+        axis.ravel() for axis in np.meshgrid(half, difference, azimuth, indexing="ij")
+    )
+    # The difference in the half vector's frame, then turned about y by the half vector's angle.
+    x, y, z = sine(difference) * cosine(azimuth), sine(difference) * sine(azimuth), cosine(difference)
+    towards, views = (
+        np.stack(
+            [
+                cosine(half) * (sign * x) + sine(half) * z,
+                sign * y,
+                cosine(half) * z - sine(half) * (sign * x),
+            ],
+            axis=-1,
+        )
+        for sign in (1.0, -1.0)
+    )
+    return towards, views
+
+
+def table(brdf):
+    """The table of an isotropic BRDF, an object with ``at``: float64 [3, 90, 90, 180], as the file has it."""
+    towards, views = directions()
+    above = (towards[:, 2] > 0.0) & (views[:, 2] > 0.0)
+    out = np.full((3, len(towards)), BELOW)
+    found = brdf.at(towards[above], views[above])
+    for k, scale in enumerate(SCALES):
+        out[k, above] = np.maximum(found[:, k], 0.0) / scale
+    return out.reshape(3, HALF, DIFFERENCE, AZIMUTH)
+
+
+def data(numbers):
+    """The bytes of a MERL file of a ``table``."""
+    sizes = np.array([HALF, DIFFERENCE, AZIMUTH], "<i4")
+    return sizes.tobytes() + np.ascontiguousarray(numbers, "<f8").tobytes()
+
+
+def read(contents):
+    """The ``table`` of a MERL file's bytes. Raises ValueError for other sizes, or other bytes."""
+    sizes = np.frombuffer(contents[:12], "<i4").tolist() if len(contents) >= 12 else []
+    if sizes != [HALF, DIFFERENCE, AZIMUTH] or len(contents) != BYTES:
+        raise ValueError(
+            f"{len(contents)} bytes that begin with the sizes {sizes} are no MERL file of {HALF}, "
+            f"{DIFFERENCE}, {AZIMUTH}, which has {BYTES}."
+        )
+    return np.frombuffer(contents[12:], "<f8").reshape(3, HALF, DIFFERENCE, AZIMUTH)
+
+
+def looked_up(numbers, towards, views):
+    """f_r of directions [n, 3] each, above the horizon, by the nearest of a table's numbers: float64 [n, 3],
+    as the database's reader does it.
+    """
+    towards, views = np.asarray(towards, np.float64), np.asarray(views, np.float64)
+    half = towards + views
+    half = half / np.sqrt((half * half).sum(axis=-1))[:, None]
+    # The light turned so that the half vector is the zenith: about z, then about y.
+    turn = np.arctan2(half[:, 1], half[:, 0])
+    x = np.cos(turn) * towards[:, 0] + np.sin(turn) * towards[:, 1]
+    y = np.cos(turn) * towards[:, 1] - np.sin(turn) * towards[:, 0]
+    tilt = np.arccos(np.clip(half[:, 2], -1.0, 1.0))
+    x, z = np.cos(tilt) * x - np.sin(tilt) * towards[:, 2], np.sin(tilt) * x + np.cos(tilt) * towards[:, 2]
+    difference = np.arccos(np.clip(z, -1.0, 1.0))
+    azimuth = np.arctan2(y, x) % math.pi
+    places = (
+        np.sqrt(tilt / (0.5 * math.pi)) * HALF,
+        difference / (0.5 * math.pi) * DIFFERENCE,
+        azimuth / math.pi * AZIMUTH,
+    )
+    at = tuple(
+        np.clip(place.astype(np.int64), 0, size - 1)
+        for place, size in zip(places, numbers.shape[1:], strict=True)
+    )
+    return np.stack([numbers[k][at] * SCALES[k] for k in range(3)], axis=-1)
