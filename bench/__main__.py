@@ -7,7 +7,7 @@ import os
 import sys
 from pathlib import Path
 
-from bench import growth, pictures, roofline
+from bench import growth, pictures, roofline, scattering
 from bench.figures import FIGURES
 from bench.measure import Ours, summarize, take_turns
 from bench.peers.llvmpipe import Llvmpipe
@@ -15,13 +15,14 @@ from bench.peers.mesa import PeerError
 from bench.scenes import SCENES
 
 PEERS = {"llvmpipe": Llvmpipe}
-ROOFLINE, GROWTH = "roofline", "growth"
-NAMES = (*SCENES, *FIGURES, ROOFLINE, GROWTH)
+ROOFLINE, GROWTH, SCATTERING = "roofline", "growth", "scattering"
+NAMES = (*SCENES, *FIGURES, ROOFLINE, GROWTH, SCATTERING)
 
 
 def _arguments(arguments):
     titles = {entry.name: entry.title for entry in (*SCENES.values(), *FIGURES.values())}
     titles |= {ROOFLINE: "memory bandwidth, and what it allows the scenes", GROWTH: "cost by size"}
+    titles |= {SCATTERING: "document 002's table 1, and how its costs grow"}
     listing = "\n".join(f"  {name:10}{title}" for name, title in titles.items())
     parser = argparse.ArgumentParser(
         prog="python -m bench",
@@ -35,6 +36,7 @@ def _arguments(arguments):
     parser.add_argument(
         "--size", type=int, help="the scenes' framebuffer edge in pixels (1024; 512 for e, e2)"
     )
+    parser.add_argument("--plot", metavar="FILE", help="also draw how scattering's costs grow")
     parser.add_argument("--json", metavar="FILE", help="also write everything as one object")
     parser.add_argument(
         "--images", metavar="DIR", help="save the scenes' pictures and compare them, measuring nothing"
@@ -51,7 +53,9 @@ def _arguments(arguments):
         parser.error(f"--threads is {options.threads}; give 1 or more.")
     if options.size is not None and not 1 <= options.size <= 2048:
         parser.error(f"--size is {options.size}; give 1 to 2048 pixels.")
-    for path in filter(None, (options.json, options.images)):
+    if options.plot and SCATTERING not in options.names:
+        parser.error(f"--plot draws what {SCATTERING} measures; name it too.")
+    for path in filter(None, (options.json, options.images, options.plot)):
         folder = Path(path).absolute().parent
         if not os.access(folder, os.W_OK):
             parser.error(f"{path} cannot be written: {folder} is not a folder that you may write to.")
@@ -267,6 +271,51 @@ def _measure_growth(options):
     return found
 
 
+def _measure_scattering(options):
+    """Table 1 and its growth, printed, and drawn where asked for; ``--json``'s object."""
+    name = scattering.processor()
+    table = _Table(
+        f"Scattering, {name}: seconds, the paper's and ours",
+        ("field", -10),
+        ("step", -12),
+        ("paper", 8),
+        ("ours", 9),
+        ("times", 7),
+        ("goal", 6),
+    )
+    times = []
+    for found in scattering.measure(options.threads):
+        table.row(
+            found.field,
+            found.step,
+            _number(found.paper, "g"),
+            f"{found.seconds:.4f}",
+            _number(found.paper and found.paper / found.seconds, ".0f"),
+            _number(found.goal, "g"),
+        )
+        times.append(
+            {
+                "field": found.field,
+                "step": found.step,
+                "seconds": round(found.seconds, 5),
+                "paper": found.paper,
+                "goal": found.goal,
+            }
+        )
+    table = _Table("Growth: 32 x 32 ridges", ("what", -12), ("number", 6), ("step", -12), ("ms", 9))
+    points = []
+    for what, number, step, seconds in scattering.growth():
+        table.row(what, number, step, f"{1e3 * seconds:.2f}")
+        points.append((what, number, step, seconds))
+    if options.plot:
+        scattering.plot(points, options.plot)
+    grown = [
+        {"what": what, "number": number, "step": step, "seconds": round(seconds, 5)}
+        for what, number, step, seconds in points
+    ]
+    return {"processor": name, "times": times, "growth": grown}
+
+
 def _measure(parties, options):
     chosen = dict.fromkeys(options.names)
     scenes = [SCENES[name] for name in chosen if name in SCENES]
@@ -279,6 +328,7 @@ def _measure(parties, options):
         "figures": _measure_figures(figures, options) if figures else [],
         "roofline": _measure_roofline(rows, options) if ROOFLINE in chosen else None,
         "growth": _measure_growth(options) if GROWTH in chosen else None,
+        "scattering": _measure_scattering(options) if SCATTERING in chosen else None,
     }
     if options.json:
         Path(options.json).write_text(json.dumps(everything, indent=2) + "\n")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from bench import __main__ as command_line
-from bench import figures, growth, largest_frame, measure, pictures, roofline
+from bench import figures, growth, largest_frame, measure, pictures, roofline, scattering
 from bench.meshes import torus
 from bench.peers import llvmpipe
 from bench.peers.mesa import PeerError
@@ -207,7 +207,14 @@ def test_ours_is_measured_where_the_peer_is_missing(monkeypatch, capsys, tmp_pat
         ("a", 16.0, None),
         ("g", 200.0, None),
     ]
-    assert found == {"threads": 2, "peer": None, "figures": [], "roofline": None, "growth": None}
+    assert found == {
+        "threads": 2,
+        "peer": None,
+        "figures": [],
+        "roofline": None,
+        "growth": None,
+        "scattering": None,
+    }
 
 
 @pytest.mark.parametrize(
@@ -215,6 +222,7 @@ def test_ours_is_measured_where_the_peer_is_missing(monkeypatch, capsys, tmp_pat
     [
         (["a", "x1"], "there is no x1; the names are a, a2"),
         (["a", "cold", "--images", "."], "cold has no picture; with --images name scenes: a, a2"),
+        (["growth", "--plot", "x.png"], "--plot draws what scattering measures; name it too"),
         (["--threads", "0"], "--threads is 0; give 1 or more"),
         (["--size", "4096"], "--size is 4096; give 1 to 2048 pixels"),
         (["--json", "/no/such/folder/rates.json"], "/no/such/folder is not a folder that you may write to"),
@@ -483,6 +491,54 @@ def test_a_point_is_the_median_of_its_frames(monkeypatch, capsys):
     assert last.number == 4096
     assert command_line.main(["growth"]) == 0
     assert "Growth: scene c, framebuffer edge in pixels" in capsys.readouterr().out
+
+
+# ---------------------------------------------------------------------------------------- scattering
+
+
+def test_table_1_is_timed_step_by_step(monkeypatch):
+    ran = []
+
+    def once(step, turns=0):
+        ran.append(step())
+        return 2.0
+
+    monkeypatch.setattr(scattering, "seconds_of", once)
+    monkeypatch.setattr(scattering, "DIRECTIONS", 8)
+    found = list(scattering.measure(1, {"triangles": 8, "bricks": 128}))
+    steps = ["S_i", "ellipses", "software", "GEFORCE_256", "GEFORCE_3", "OCTANE", "G400"]
+    # The G400's signed bytes do not reach across 128 texels.
+    assert [t.step for t in found] == steps + steps[:-1]
+    assert len(ran) == len(found) and all(t.seconds == 2.0 for t in found)
+    first = found[0]
+    assert (first.paper, first.goal) == (27.0, 0.3)
+    assert [t.paper for t in found if t.step == "OCTANE"] == [0.48, 2.1]
+    assert [(t.field, t.goal) for t in found if t.step == "GEFORCE_256"] == [
+        ("triangles", 0.02),
+        ("bricks", None),
+    ]
+
+
+def test_the_paper_s_own_table_says_what_is_made_of_it():
+    for name, (seen, ellipses, software, hardware) in scattering.PAPER.items():
+        assert software / hardware > 5.0, name
+        assert name != "bricks" or seen > 5.0 * ellipses
+    small, large = scattering.PAPER["triangles"][3], scattering.PAPER["bricks"][3]
+    slope = (large - small) / (128**2 - 32**2)
+    assert slope == pytest.approx(1.055e-4, rel=1e-3)
+    assert small - slope * 32**2 == pytest.approx(0.372, abs=1e-3)
+
+
+def test_growth_has_every_number_and_is_drawn(monkeypatch, tmp_path):
+    monkeypatch.setattr(scattering, "seconds_of", lambda step, turns=0: (step(), 0.5)[1])
+    monkeypatch.setattr(scattering, "GROWTH", {"texels": (4, 8), "directions": (12,), "lookups": (1, 2)})
+    monkeypatch.setattr(scattering, "DIRECTIONS", 12)
+    found = list(scattering.growth())
+    assert {(what, number) for what, number, _, _ in found} == {
+        ("texels", 4), ("texels", 8), ("directions", 12), ("lookups", 1), ("lookups", 2),
+    }  # fmt: skip
+    scattering.plot(found, tmp_path / "growth.png")
+    assert (tmp_path / "growth.png").read_bytes()[:4] == b"\x89PNG"
 
 
 @pytest.fixture(scope="module")

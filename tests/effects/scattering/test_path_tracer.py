@@ -60,8 +60,8 @@ def test_a_furnace_is_white_everywhere():
     found = path_tracer.indirect(
         field, seen, *at_texels(field), None, samples=4000, lookups=60, sky=np.ones((400, 3))
     )
-    # The weight of a path is a product of 4 cos, whose square grows by 8/3 at each lookup: long paths are rare
-    # and heavy. Measured, of 4,000 paths a point: 0.03 in the middle, 0.35 at worst.
+    # The weight of a path is a product of 4 cos, whose square grows by 8/3 at each lookup: long paths are
+    # rare and heavy. Measured, of 4,000 paths a point: 0.03 in the middle, 0.35 at worst.
     assert found.mean() == pytest.approx(1.0, abs=0.01)
     assert np.quantile(np.abs(found - 1.0), 0.9) < 0.1
 
