@@ -8,7 +8,7 @@ bumps (erratum E002.9). Its result is a mark in the stencil buffer, and light is
 3. Bump mapping where the mark is.
 
 The ambient light comes first and not last, as a slope in shadow leaves neither a mark nor, where the alpha
-test refuses its fragments, a depth: a lit slope behind it would shine through it (erratum E002.15).
+test refuses its fragments, a depth: a lit slope behind it would shine through it.
 
 Register combiners (G15): E1 in unit 0, E2 in unit 1, both stored as quarters, or as halves where no number is
 above two; l at the vertices in the primary colour. The first general combiner makes both products times four,
@@ -21,7 +21,7 @@ copied onto itself with red as its alpha, so that the alpha test leaves fragment
 above zero.
 
 What is filtered is the pair of forms on combiners, and their squares by the imaging subset. For the first the
-signs of neighbours have to agree (``ellipses.rooted``).
+signs of neighbours have to agree (``ellipses.rooted``; erratum E002.15).
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 4; Heidrich 2001, section 3.1; pass sequences A-G15,
 A-G16, A-G35.

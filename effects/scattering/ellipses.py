@@ -22,7 +22,7 @@ form: there is but one, which changes smoothly where the ellipse does. It may be
 it be taken.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 4, Eqs. 2-4, and section 5. Assumed: the search; the
-paper says a local one. Inferred: the symmetric pair.
+paper says a local one. Inferred: the symmetric pair (erratum E002.15).
 """
 
 from concurrent.futures import ThreadPoolExecutor

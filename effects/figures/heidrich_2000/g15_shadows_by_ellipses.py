@@ -124,7 +124,7 @@ FIGURE = Figure(
         "ragged edges."
     ),
     source="HeidrichDaubertKautzSeidel2000",
-    techniques=("G14", "G15", "G16"),
+    techniques=("G14", "G15", "G16", "H47", "H48", "H49"),
     panels=("without shadows", "ellipses", "rays"),
     parameters=stones.PARAMETERS,
     methods=(

@@ -142,8 +142,8 @@ def checks(figure, renderer):
                 float((way == lit[0])[clear].mean()),
                 at_least=bound,
                 on=on,
-                reason="measured at the first correct picture, with a third of slack; the light is as far from "
-                "the nearest direction as it can be, and ellipses are fitted to fifty directions",
+                reason="measured at the first correct picture, with a third of slack; the light is as far "
+                "from the nearest direction as it can be, and ellipses are fitted to fifty directions",
             )
         other = stones.sampled(visibility.free_view(bed.field, nearest).astype(float), size) > 0.5
         yield Check(
@@ -170,7 +170,7 @@ FIGURE = Figure(
         "sharp and as long as the rays', but for flats and bulges."
     ),
     source="HeidrichDaubertKautzSeidel2000",
-    techniques=("G12", "G13", "G14", "G15", "G17"),
+    techniques=("G12", "G13", "G14", "G15", "G17", "H46"),
     panels=_NAMES,
     size=384,
     parameters=_PARAMETERS,
