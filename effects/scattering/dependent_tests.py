@@ -289,6 +289,7 @@ def _summed(way, setup, terms, weight, accumulation, what):
             ReadPixels(
                 label="the term to the host",
                 name=names[-1],
+                type="UNSIGNED_BYTE" if setup.bits == 8 else "FLOAT",
                 x=work.x,
                 y=work.y,
                 width=work.width,
@@ -297,17 +298,19 @@ def _summed(way, setup, terms, weight, accumulation, what):
         )
     out.append(Clear(label="nothing summed yet", color=(0.0,) * 4, scissor=work.scissor))
     if names:
-        out.append(_host_sum(names, weight, work))
+        out.append(_host_sum(setup, names, weight))
     return out, work
 
 
-def _host_sum(names, weight, panel):
+def _host_sum(setup, names, weight):
+    panel = setup.work
+
     def summed(pixels):
         total = np.zeros((panel.height, panel.width, 3))
         for name in names:
             read = pixels[name]
             total += read[..., :3] if read.dtype == np.float64 else read[..., :3] / 255.0
-        image = texture_2d(total * weight)
+        image = texture_2d(total * weight, setup.format)
         return (
             TexImage(label="load the sum", texture=TERM, image=image),
             textured("the sum, made by the host", panel, TERM),

@@ -1,0 +1,184 @@
+"""P14: many weighted paths summed in the framebuffer, in the accumulation buffer, by the host.
+
+Source: Heidrich, Daubert, Kautz, Seidel 2000, section 3.2: 40 to 100 paths (artefact P14 of the catalogue).
+"""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.geometry.vectors import dot
+from fixedpipe.effects.scattering import light_transport
+from fixedpipe.effects.scattering.dependent_tests import Accumulation
+from fixedpipe.effects.studies.shared import path_sums
+from fixedpipe.effects.studies.study import BLUE, EXPECTED, GREEN, ORANGE, RED, Column, Study, Table
+from fixedpipe.pipeline.profiles import OCTANE
+
+# (bits, lookups along a path, paths).
+CASES = ((8, 1, 40), (8, 1, 100), (8, 2, 40), (8, 2, 100), (8, 4, 100), (12, 1, 100), (12, 4, 100))
+# Half a step of a byte, as an RMS: of numbers that are anywhere between two codes.
+HALF_STEP = 0.5 / 255.0 / np.sqrt(3.0)
+
+
+def terms(setup, paths):
+    """How many of a texel's paths bring light, in the mean of all texels."""
+    field, visibility, total = setup.field, setup.visibility, 0.0
+    for first in paths[:, 0].tolist():
+        facing = dot(field.normals, visibility.directions[first]) > 0.0
+        total += float((facing & (visibility.seen[first] >= 0)).mean())
+    return total
+
+
+def measure(profile):
+    """A row for each case and each kind of sum; of 12 bits on the Octane alone."""
+    field, rows = path_sums.domes(), []
+    for bits, lookups, count in CASES:
+        if bits > 8 and profile != OCTANE:
+            continue
+        setup = path_sums.setup_of(profile, field, count, bits)
+        paths = light_transport.sequences(count, lookups, count)
+        found = {a: path_sums.sums(setup, paths, a, bits) for a in Accumulation}
+        lit = terms(setup, paths)
+        law = HALF_STEP * 255.0 / (2.0**bits - 1.0) * np.sqrt(lit) / path_sums.EXPOSURE
+        by_host = found[Accumulation.HOST][0]
+        for accumulation, (picture, expected) in found.items():
+            rows.append(
+                (
+                    accumulation.value,
+                    bits,
+                    lookups,
+                    count,
+                    root_mean_square(picture - expected),
+                    float((picture - expected).mean()),
+                    root_mean_square(picture - by_host),
+                    lit,
+                    float(law),
+                )
+            )
+    columns = (
+        Column("sum in"),
+        Column("bits", form="d"),
+        Column("K", form="d"),
+        Column("paths", form="d"),
+        Column("RMS", form=".5f"),
+        Column("bias", form="+.5f"),
+        Column("beside host", form=".5f"),
+        Column("terms", form=".1f"),
+        Column("law", form=".5f"),
+    )
+    return Table(columns, tuple(rows))
+
+
+def _row(table, accumulation, bits, lookups, paths):
+    wanted = accumulation.value, bits, lookups, paths
+    (row,) = [r for r in table.records() if (r["sum in"], r["bits"], r["K"], r["paths"]) == wanted]
+    return row
+
+
+def findings(table):
+    """What each kind of sum loses, and what longer paths lose in all of them."""
+    blended, buffer, host = (_row(table, a, 8, 1, 100) for a in Accumulation)
+    few = _row(table, Accumulation.FRAMEBUFFER, 8, 1, 40)
+    long = _row(table, Accumulation.HOST, 8, 4, 100)
+    out = [
+        f"100 paths of one lookup, blended in bytes, are {blended['beside host']:.4f} (RMS) from the host's "
+        f"sum of the same terms, 40 paths {few['beside host']:.4f}. Of 100 terms {blended['terms']:.0f} "
+        f"bring light to a texel, and half a step for each makes {blended['law']:.4f}.",
+        f"The accumulation buffer is {buffer['beside host']:.5f} from the host's sum: its sixteen bits lose "
+        f"little that a byte shows. Both are {host['RMS']:.4f} from the paths in float64, for the terms are "
+        "bytes.",
+        f"A path of four lookups keeps its light as bytes of a 64th: {long['RMS']:.4f} from float64 wherever "
+        f"it is summed, {long['bias']:+.4f} of it in the mean.",
+    ]
+    if any(r["bits"] == 12 for r in table.records()):
+        wide, wide_long = (_row(table, Accumulation.FRAMEBUFFER, 12, k, 100) for k in (1, 4))
+        out.append(
+            f"Twelve bits blend 100 paths to {wide['RMS']:.5f}, {blended['RMS'] / wide['RMS']:.0f} times "
+            f"nearer; of four lookups to {wide_long['RMS']:.4f}."
+        )
+    return tuple(out)
+
+
+def checks(table):
+    """The catalogue's law for blended sums, and that the others lose nothing more."""
+    for paths in (40, 100):
+        row = _row(table, Accumulation.FRAMEBUFFER, 8, 1, paths)
+        yield Check(
+            f"RMS of {paths} blended paths to the host's sum, over half a step for each term",
+            row["beside host"] / row["law"],
+            at_least=0.6,
+            on=Answer.MACHINE,
+            reason="a term below half a step rounds by less than a uniform one",
+        )
+        yield Check(
+            f"RMS of {paths} blended paths to the host's sum, over half a step for each term, at most",
+            row["beside host"] / row["law"],
+            at_most=1.2,
+            on=Answer.MACHINE,
+            reason="the catalogue's law, of the terms that are not zero",
+        )
+    hundred = _row(table, Accumulation.FRAMEBUFFER, 8, 1, 100)
+    yield Check(
+        "RMS of 100 blended paths to the host's sum",
+        hundred["beside host"],
+        at_most=0.0113,
+        on=Answer.MACHINE,
+        reason="the catalogue's, of 100 terms that all are light; most see nothing",
+    )
+    for lookups in (1, 2, 4):
+        row = _row(table, Accumulation.ACCUMULATION_BUFFER, 8, lookups, 100)
+        yield Check(
+            f"RMS of the accumulation buffer's sum of {lookups} lookups to the host's",
+            row["beside host"],
+            at_most=0.5 / 255.0,
+            on=Answer.MACHINE,
+            reason="less than half a byte's step: at a few texels the last rounding falls otherwise",
+        )
+    if any(r["bits"] == 12 for r in table.records()):
+        ratio = hundred["RMS"] / _row(table, Accumulation.FRAMEBUFFER, 12, 1, 100)["RMS"]
+        yield Check(
+            "RMS of 100 blended paths in 8 bits over that in 12",
+            ratio,
+            at_least=8.0,
+            on=Answer.MACHINE,
+            reason="steps are 16 times as small; half of that is left for what is rounded otherwise",
+        )
+
+
+def plot(axes, table):
+    """The RMS of every sum, by case."""
+    (ax,) = axes
+    cases = list(dict.fromkeys((r["bits"], r["K"], r["paths"]) for r in table.records()))
+    styles = zip(Accumulation, ((RED, "o"), (BLUE, "s"), (GREEN, "^")), strict=True)
+    for accumulation, (color, marker) in styles:
+        found = [_row(table, accumulation, *case)["RMS"] for case in cases]
+        ax.plot(_at(cases), found, linestyle="none", color=color, marker=marker, label=accumulation.value)
+    law = [_row(table, Accumulation.FRAMEBUFFER, *case)["law"] for case in cases]
+    ax.plot(_at(cases), law, label="half a step for each term", **EXPECTED)
+    ax.set_xticks(_at(cases), [f"{b} bits\nK = {k}\n{n} paths" for b, k, n in cases])
+    ax.set_ylabel("RMS from the paths in float64")
+    ax.set_yscale("log")
+    ax.axhline(0.5 / 255.0, color=ORANGE, linewidth=1.0, label="half a byte's step")
+    ax.legend()
+
+
+def _at(cases):
+    return range(len(cases))
+
+
+STUDY = Study(
+    id="P14",
+    title="Many weighted paths summed in eight bits",
+    question="What do 40 to 100 paths lose by where they are summed?",
+    method=(
+        f"Domes of {path_sums.TEXELS} x {path_sums.TEXELS} texels, paths of K lookups along as "
+        "many directions as paths, by the machine's own passes, beside the same paths in float64."
+    ),
+    source="HeidrichDaubertKautzSeidel2000",
+    techniques=("G06", "G08", "G09", "G10", "G11"),
+    machines=tuple(path_sums.WAYS),
+    measure=measure,
+    findings=findings,
+    checks=checks,
+    plot=plot,
+)
