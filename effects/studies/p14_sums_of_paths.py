@@ -87,8 +87,8 @@ def findings(table):
         f"The accumulation buffer is {buffer['beside host']:.5f} from the host's sum: its sixteen bits lose "
         f"little that a byte shows. Both are {host['RMS']:.4f} from the paths in float64, for the terms are "
         "bytes.",
-        f"A path of four lookups keeps its light as bytes of a 64th: {long['RMS']:.4f} from float64 wherever "
-        f"it is summed, {long['bias']:+.4f} of it in the mean.",
+        f"A path of four lookups keeps its light as bytes of a 64th: {long['RMS']:.4f} from float64 although "
+        f"the host sums it, {long['bias']:+.4f} of it in the mean.",
     ]
     if any(r["bits"] == 12 for r in table.records()):
         wide, wide_long = (_row(table, Accumulation.FRAMEBUFFER, 12, k, 100) for k in (1, 4))

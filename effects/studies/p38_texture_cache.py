@@ -1,9 +1,11 @@
 """P38: what a texture cache makes of dependent lookups.
 
 Ward's model by pixel textures (K09) on the Octane: the material textures are read in the order of the pixels,
-the table of E(m, d) wherever the bumps send them.
+the table of E(m, d) wherever the bumps send them. And light that is looked up at S_i, the texels that are
+seen along some directions, on the same bumps (G10): S_i and the normal map are read in order, L_d is not.
 
-Source: Kautz, Seidel 2000, section 5.1 (memory stalls of dependent lookups; artefact P38 of the catalogue).
+Source: Kautz, Seidel 2000, section 5.1 (memory stalls of dependent lookups; artefact P38 of the catalogue);
+Heidrich, Daubert, Kautz, Seidel 2000, section 3.3.
 """
 
 from collections import OrderedDict
@@ -15,6 +17,10 @@ from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view
 from fixedpipe.effects.reflectance import material_textures, pixel_textures
+from fixedpipe.effects.scattering import height_field
+from fixedpipe.effects.scattering.directions import spiral
+from fixedpipe.effects.scattering.visibility import precompute
+from fixedpipe.effects.scattering.visibility_textures import looked_up_size
 from fixedpipe.effects.studies.study import BLUE, GREEN, ORANGE, RED, Column, Study, Table
 from fixedpipe.pipeline.commands import CopyPixels, TexImage
 from fixedpipe.pipeline.execution.machine import execute
@@ -27,8 +33,10 @@ DEPTHS = (0.0, 0.1, 0.2, 0.4, 0.8, 1.6)
 # Up to here bumps spread the lookups; steeper ones send many beyond the largest m that is stored.
 STEEP = 0.8
 _SIZE, _CELLS = 128, 12
-# Width and height in texels of the blocks, by the bytes of a texel: RGBA8 and the tables' LUMINANCE8.
-_BLOCKS = {4: (4, 2), 1: (8, 4)}
+# Width and height in texels of the blocks, by the bytes of a texel: RGBA8, S_i's two, the tables' LUMINANCE8.
+_BLOCKS = {4: (4, 2), 2: (4, 4), 1: (8, 4)}
+# Directions over the sphere along which the bumps see each other.
+_DIRECTIONS = 48
 
 
 def misses(lines):
@@ -58,14 +66,46 @@ def lines_of(s, t, width, height, texel_bytes):
     return np.stack(taps, axis=-1).ravel()
 
 
+def nearest_lines(column, row, width, texel_bytes):
+    """The cache lines, int64 [n], that NEAREST reads at texels, one for each."""
+    across, up = _BLOCKS[texel_bytes]
+    return ((row // up) * -(-width // across) + column // across).ravel()
+
+
+def light_at_seen(field):
+    """Misses of L_d at S_i in percent: of all lookups, and of those that see something; the mean of all
+    directions along which any does. A lookup that sees nothing reads the last texel.
+    """
+    width, height = (looked_up_size(edge) for edge in (field.columns, field.rows))
+    missed, found, lookups = 0, 0, 0
+    for seen in precompute(field, spiral(_DIRECTIONS)).seen:
+        if (seen >= 0).any():
+            column = np.where(seen < 0, width - 1, seen % field.columns)
+            row = np.where(seen < 0, height - 1, seen // field.columns)
+            missed += misses(nearest_lines(column, row, width, 4).tolist())
+            found, lookups = found + int((seen >= 0).sum()), lookups + seen.size
+    return (100.0 * missed / lookups, 100.0 * missed / found) if found else (0.0, None)
+
+
+def read_in_order(texel_bytes):
+    """Misses in percent of a texture that NEAREST reads texel by texel."""
+    row, column = np.mgrid[0:_SIZE, 0:_SIZE]
+    return miss_rate(nearest_lines(column, row, _SIZE, texel_bytes))
+
+
 def miss_rate(lines):
     """Misses in percent of accesses."""
     return 100.0 * misses(lines.tolist()) / len(lines)
 
 
+def bumps(depth):
+    """Heights of pebbles of this depth, in edges of their square."""
+    return height_fields.smooth(height_fields.pebbles(_SIZE, _SIZE, _CELLS, 5), 2) * depth
+
+
 def frame(depth, profile):
     """Ward's commands on a square of pebbles of this depth, as many pixels as texels, and its slopes."""
-    heights = height_fields.smooth(height_fields.pebbles(_SIZE, _SIZE, _CELLS, 5), 2) * depth
+    heights = bumps(depth)
     slopes = height_fields.slopes(heights)
     material = material_textures.from_slopes(*slopes, 0.2, 0.5)
     panel = Panel(0, 0, _SIZE, _SIZE)
@@ -100,7 +140,8 @@ def measure(profile):
     """A row for each depth of the bumps."""
     at = height_fields.texel_centers(_SIZE, _SIZE)
     material = miss_rate(lines_of(*(a.ravel() for a in at), _SIZE, _SIZE, 4))
-    rows, curves = [], {}
+    rows = []
+    curves = {name: np.array([read_in_order(b)]) for name, b in (("S_i", 2), ("normal map", 4))}
     for depth in DEPTHS:
         commands, slope = frame(depth, profile)
         found = lookups(commands, profile)
@@ -116,6 +157,7 @@ def measure(profile):
                 rates["E"] / material,
                 touched * LINE_BYTES / 1024.0,
                 100.0 * float((found["E"][0] >= 1.0).mean()),
+                *light_at_seen(height_field.height_field(bumps(depth))),
             )
         )
         curves[f"s {depth:g}"], curves[f"t {depth:g}"] = found["E"][:2]
@@ -128,6 +170,8 @@ def measure(profile):
         Column("E over material", form=".2f"),
         Column("E touched", "KB", ".1f"),
         Column("m at 8", "%", ".1f"),
+        Column("L_d", "% missed", ".2f"),
+        Column("L_d, seen", "% missed", ".1f"),
     )
     return Table(columns, tuple(rows), curves)
 
@@ -144,6 +188,11 @@ def findings(table):
         f"{steepest['m at 8']:.0f} % of the lookups have the largest m that is stored.",
         f"At {STEEP:g} the bumps touch {rough['E touched']:.1f} KB of the table of E, beside a cache of "
         f"{CACHE_BYTES // 1024} KB; the row of S(p) misses {rough['S(p)']:.2f} %.",
+        f"S_i, read texel by texel, misses {table.curves['S_i'][0]:.2f} % of its accesses, the normal map "
+        f"{table.curves['normal map'][0]:.2f} %. L_d misses {rough['L_d, seen']:.1f} % of the lookups that "
+        f"see something at {STEEP:g}, {rough['L_d, seen'] / table.curves['normal map'][0]:.1f} times as many "
+        f"as the normal map; of all lookups {rows[0.1]['L_d']:.2f} % at 0.1 and {steepest['L_d']:.2f} % at "
+        f"{DEPTHS[-1]:g}, for rougher bumps see more of each other.",
     )
 
 
@@ -152,6 +201,8 @@ def checks(table):
     rates = [r["E(m, d)"] for r in table.records() if r["depth"] <= STEEP]
     (material,) = set(table.column("material textures"))
     grows = min(b - a for a, b in pairwise(rates))
+    light = table.column("L_d")
+    seen = [rate for rate in table.column("L_d, seen") if rate is not None]
     return (
         Check(f"least growth of E's miss rate between depths up to {STEEP:g}, %", grows, at_least=0.0,
               on=Answer.MACHINE, reason="the catalogue's: it grows with roughness; here until m is clamped"),
@@ -163,6 +214,12 @@ def checks(table):
         Check("the material's miss rate, of 100/32 %: relative deviation", abs(material / 3.125 - 1.0),
               at_most=0.01, on=Answer.MACHINE,
               reason="every block of 8 texels is loaded once for 32 accesses"),
+        Check("least growth of L_d's miss rate from depth to depth, %",
+              min(b - a for a, b in pairwise(light)), at_least=0.0, on=Answer.MACHINE,
+              reason="the catalogue's: rougher bumps see more of each other"),
+        Check("L_d's miss rate of lookups that see something, over the normal map's, at least",
+              min(seen) / float(table.curves["normal map"][0]), at_least=1.5, on=Answer.MACHINE,
+              reason="the catalogue's: addresses come from S_i, not in the pixels' order"),
     )  # fmt: skip
 
 
@@ -174,6 +231,7 @@ def plot(axes, table):
         ("E(m, d)", RED, "o"),
         ("S(p)", GREEN, "^"),
         ("material textures", BLUE, "s"),
+        ("L_d", ORANGE, "v"),
     ):
         rates.plot(slope, table.column(name), color=color, marker=marker, label=name)
     rates.set_xlabel("slope of the bumps, RMS")
@@ -198,10 +256,11 @@ STUDY = Study(
     question="How many accesses miss a texture cache where bumps decide where a table is read?",
     method=(
         f"The lookups of K09's frame on pebbles, {_SIZE} x {_SIZE} pixels, in the order of the pixels, "
-        f"through a cache of {CACHE_BYTES // 1024} KB with lines of {LINE_BYTES} bytes; four texels for each."
+        f"through a cache of {CACHE_BYTES // 1024} KB with lines of {LINE_BYTES} bytes; four texels for "
+        f"each. L_d at S_i on the same pebbles along {_DIRECTIONS} directions; one texel for each."
     ),
     source="KautzSeidel2000",
-    techniques=("K09", "K15"),
+    techniques=("K09", "K15", "G10"),
     machines=("OCTANE",),
     panels=2,
     measure=measure,
