@@ -1,0 +1,148 @@
+"""T002-1: table 1 of the paper as bars: its seconds and ours, and their ratios."""
+
+import math
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.diagrams import drawing
+from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, INK, YELLOW
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
+from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, row_of_panels
+
+STEPS = ("S_i", "ellipses", "software", "hardware")
+# Seconds of (the paper's machine, ours), by height field and step. Source: Heidrich, Daubert, Kautz, Seidel
+# 2000, table 1. Measured: `python -m bench scattering`, two cores of an AMD EPYC (family 26) with other work
+# on them, 2026-11-23; "hardware" is the GeForce 256 as it is emulated; the paper does not say which it had.
+SECONDS = {
+    "triangles, 32 x 32": ((27.0, 0.0163), (32.0, 0.0040), (10.0, 0.0082), (0.48, 0.0411)),
+    "bricks, 128 x 128": ((1029.0, 0.0554), (194.0, 0.0429), (12.0, 0.0904), (2.10, 0.3293)),
+    "bumps, 32 x 32": ((109.0, 0.0069), (65.0, 0.0040), (8.0, 0.0200), (0.48, 0.1455)),
+}
+# Of the scale: a millisecond to some thousand seconds, as powers of ten, and where they stand on the sheet.
+_LEAST, _MOST = -3, 4
+_BOTTOM, _TOP = -0.44, 0.86
+_WIDTH = 0.15
+_COLORS = (BLUE, YELLOW)
+
+
+def height_of(seconds):
+    """Where a bar of so many seconds ends, on a scale of powers of ten."""
+    # To a thousandth: logarithms differ in their last bit between processors.
+    power = round(math.log10(seconds), 3)
+    return _BOTTOM + (power - _LEAST) / (_MOST - _LEAST) * (_TOP - _BOTTOM)
+
+
+def seconds_at(height):
+    """The seconds that a bar of this height stands for."""
+    return 10.0 ** (_LEAST + (height - _BOTTOM) / (_TOP - _BOTTOM) * (_MOST - _LEAST))
+
+
+def middle_of(step, whose):
+    """Where a bar stands: the middle of its width. ``whose``: 0 the paper's, 1 ours."""
+    return -0.69 + 0.46 * step + (whose - 0.5) * _WIDTH * 1.1
+
+
+def in_words(seconds):
+    """1029 s, 2.1 s, 41 ms."""
+    if seconds >= 1.0:
+        return f"{seconds:.4g} s"
+    return f"{1e3 * seconds:.2g} ms" if seconds < 0.1 else f"{1e3 * seconds:.0f} ms"
+
+
+def _bars(view, times):
+    out = []
+    for whose, color in enumerate(_COLORS):
+        outlines = []
+        for step, pair in enumerate(times):
+            x, top = middle_of(step, whose), height_of(pair[whose])
+            left, right = x - _WIDTH / 2.0, x + _WIDTH / 2.0
+            outlines.append(np.array([(left, _BOTTOM), (right, _BOTTOM), (right, top), (left, top)]))
+        out.append(drawing.polygons("ours" if whose else "the paper's", view, outlines, color))
+    for step, pair in enumerate(times):
+        below = (middle_of(step, 0.5), _BOTTOM)
+        ratio = f"x {pair[0] / pair[1]:.0f}"
+        rows = ((STEPS[step], INK), *zip(map(in_words, pair), _COLORS, strict=True), (ratio, FAINT))
+        for row, (words, color) in enumerate(rows):
+            out.append(drawing.text(words, view, below, color, align=(0, 1), offset=(0.0, -7.0 - 15.0 * row)))
+    return out
+
+
+def _panel(view, times, background):
+    lines = []
+    for power in range(_LEAST, _MOST):
+        y = height_of(10.0**power)
+        lines.append(np.array([(-0.97, y), (0.97, y)]))
+    return (
+        view.panel.clear(background),
+        drawing.strokes("powers of ten", view, lines, (0.2, 0.21, 0.23), width=0.8),
+        *_bars(view, times),
+        drawing.text("the paper's", view, (-0.95, 0.93), BLUE, align=(-1, 0)),
+        drawing.text("ours", view, (-0.25, 0.93), YELLOW, align=(-1, 0)),
+    )
+
+
+def scene(profile, size, *, background):
+    """A panel for each height field."""
+    out = [drawing.load_font()]
+    for panel, times in zip(row_of_panels(len(SECONDS), size), SECONDS.values(), strict=True):
+        out += _panel(drawing.sheet(panel), times, background)
+    return tuple(out)
+
+
+def checks(figure, renderer):
+    """What the paper's own numbers say, and ours read back from the drawn bars."""
+    ratios = [times[2][0] / times[3][0] for times in SECONDS.values()]
+    yield Check(
+        "software over hardware in the paper's table, the least of three",
+        min(ratios),
+        at_least=5.0,
+        on=Answer.IDEAL,
+        reason="the catalogue's: a board is more than five times as fast in all three",
+    )
+    seen, ellipses = SECONDS["bricks, 128 x 128"][:2]
+    yield Check(
+        "S_i over ellipses for bricks in the paper's table",
+        seen[0] / ellipses[0],
+        at_least=1.0,
+        on=Answer.IDEAL,
+        reason="the catalogue's: S_i dominates there",
+    )
+    for on in Answer:
+        picture, worst = renderer.window(on, figure, figure.size), 0.0
+        for number, times in enumerate(SECONDS.values()):
+            panel = panel_of(picture, number)
+            for step, pair in enumerate(times):
+                for whose, color in enumerate(_COLORS):
+                    column = int((middle_of(step, whose) + 1.0) / 2.0 * figure.size)
+                    # The bar from its foot up to the first pixel of another colour.
+                    foot = int((_BOTTOM + 1.0) / 2.0 * figure.size) + 1
+                    bar = np.abs(panel[foot:, column] - np.array(color)).max(axis=-1) < 0.02
+                    top = (foot + int(np.argmin(bar))) / figure.size * 2.0 - 1.0
+                    worst = max(worst, abs(math.log10(seconds_at(top) / pair[whose])))
+        pixel = 2.0 / figure.size / (_TOP - _BOTTOM) * (_MOST - _LEAST)
+        yield Check(
+            "powers of ten between a bar as it is drawn and its seconds, at most",
+            worst,
+            at_most=1.1 * pixel,
+            on=on,
+            reason="a bar ends at a whole pixel",
+        )
+
+
+FIGURE = Figure(
+    id="T002-1",
+    title="Seconds to precompute and to draw",
+    caption="Table 1 of the paper beside ours, on a scale of powers of ten: the visibility along 100 "
+    "directions, the ellipses, a picture with 100 paths in software, and one by the hardware method (ours: "
+    "the GeForce 256 as it is emulated; two cores of an AMD EPYC with other work on them).",
+    must_see="Blue bars far above the yellow ones; S_i the highest for bricks; in the paper hardware is the "
+    "lowest, and here it is the highest of ours.",
+    source="HeidrichDaubertKautzSeidel2000",
+    techniques=("G01", "G14", "G06", "G09"),
+    panels=tuple(SECONDS),
+    parameters={"background": word.BACKDROP(BACKGROUND)},
+    methods=(Method("bars", scene, DIAGRAM_MACHINES),),
+    acceptance=checks,
+)
