@@ -248,30 +248,36 @@ def free_share(field, bent, light):
     """How much of a distant light reaches each texel, by what the three directions round it see (G13):
     float64 [rows, columns], 0 to 1.
 
-    light  unit vector [3] or [rows, columns, 3] in the frames at the texels
+    light  unit vector [3] or [rows, columns, 3] in the frames at the texels; [n, 1 or rows, 1 or columns, 3]
+           for n lights, and the answer is [n, rows, columns]
 
     A triangle moves as a whole, with the nearest of the points that its corners see; of several that hold the
     light the one with the nearest point counts, for it hides what the others see.
     """
-    shape = bent.normals.shape[:2]
-    best = np.full(shape, -np.inf), np.full(shape, np.inf)
+    light = np.asarray(light, np.float64)
+    shape = np.broadcast_shapes(light.shape[:-1], bent.normals.shape[:2])
+    inside, distance = np.full(shape, -np.inf), np.full(shape, np.inf)
     share = np.zeros(shape)
     free = bent.seen == FREE
     for triangle in bent.triangles:
         nearest = bent.far[triangle].min(axis=0)
-        far = np.broadcast_to(nearest, (3, *shape))
+        far = np.broadcast_to(nearest, (3, *nearest.shape))
         a, b, c = moved(bent.base, bent.flat[triangle], far, field.heights)
-        parts = [dot(cross(b, c), light), dot(cross(c, a), light), dot(cross(a, b), light)]
         volume = dot(a, cross(b, c))
+        scale = np.where(volume > 0.0, volume, 1.0)
+        parts = [dot(side, light) for side in (cross(b, c), cross(c, a), cross(a, b))]
         least = np.minimum(np.minimum(parts[0], parts[1]), parts[2])
         # The light is inside where no part is negative; near an edge all neighbours may miss it by rounding.
-        least = np.where(volume > 0.0, np.minimum(least / np.where(volume > 0.0, volume, 1.0), 0.0), -np.inf)
+        least = np.where(volume > 0.0, np.minimum(least / scale, 0.0), -np.inf)
         positive = [np.maximum(part, 0.0) for part in parts]
         total = (positive[0] + positive[1]) + positive[2]
-        seen = [part * free[k] for part, k in zip(positive, triangle, strict=True)]
-        better = (least > best[0]) | ((least == best[0]) & (nearest < best[1]))
+        better = (least > inside) | ((least == inside) & (nearest < distance))
         better &= total > 0.0
-        best = np.where(better, least, best[0]), np.where(better, nearest, best[1])
+        if not better.any():
+            continue
+        seen = [part * free[k] for part, k in zip(positive, triangle, strict=True)]
+        inside = np.where(better, least, inside)
+        distance = np.where(better, nearest, distance)
         share = np.where(better, ((seen[0] + seen[1]) + seen[2]) / np.where(total > 0.0, total, 1.0), share)
     return share
 
