@@ -22,6 +22,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -46,7 +47,6 @@ from fixedpipe.pipeline.commands import (
     TexImage,
 )
 from fixedpipe.pipeline.enums import AccumOperation, InternalFormat, PrimitiveType
-from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.state import PassState, VertexState, Viewport
 from fixedpipe.pipeline.textures.images import texture_2d
 
@@ -81,7 +81,7 @@ class Setup:
 
     field: HeightField
     visibility: Visibility
-    profile: Profile
+    profile: Any
     work: Panel
     total: Panel
     bits: int = 8

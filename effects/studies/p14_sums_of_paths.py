@@ -12,7 +12,6 @@ from fixedpipe.effects.scattering import light_transport
 from fixedpipe.effects.scattering.dependent_tests import Accumulation
 from fixedpipe.effects.studies.shared import path_sums
 from fixedpipe.effects.studies.study import BLUE, EXPECTED, GREEN, ORANGE, RED, Column, Study, Table
-from fixedpipe.pipeline.profiles import OCTANE
 
 # (bits, lookups along a path, paths).
 CASES = ((8, 1, 40), (8, 1, 100), (8, 2, 40), (8, 2, 100), (8, 4, 100), (12, 1, 100), (12, 4, 100))
@@ -30,10 +29,10 @@ def terms(setup, paths):
 
 
 def measure(profile):
-    """A row for each case and each kind of sum; of 12 bits on the Octane alone."""
+    """A row for each case and each kind of sum; of 12 bits where the framebuffer may have them."""
     field, rows = path_sums.domes(), []
     for bits, lookups, count in CASES:
-        if bits > 8 and profile != OCTANE:
+        if bits not in profile.framebuffers.color_bits:
             continue
         setup = path_sums.setup_of(profile, field, count, bits)
         paths = light_transport.sequences(count, lookups, count)
@@ -176,7 +175,7 @@ STUDY = Study(
     ),
     source="HeidrichDaubertKautzSeidel2000",
     techniques=("G06", "G08", "G09", "G10", "G11"),
-    machines=tuple(path_sums.WAYS),
+    machines=path_sums.MACHINES,
     measure=measure,
     findings=findings,
     checks=checks,

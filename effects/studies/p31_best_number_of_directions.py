@@ -145,7 +145,7 @@ STUDY = Study(
     ),
     source="HeidrichDaubertKautzSeidel2000",
     techniques=("G06", "G08", "G09", "G10"),
-    machines=tuple(path_sums.WAYS),
+    machines=path_sums.MACHINES,
     measure=measure,
     findings=findings,
     checks=checks,

@@ -16,17 +16,11 @@ from fixedpipe.effects.scattering import (
 from fixedpipe.effects.scattering.dependent_tests import RESULT, Setup
 from fixedpipe.effects.scattering.directions import spiral
 from fixedpipe.effects.scattering.visibility import precompute
+from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.execution.machine import execute
-from fixedpipe.pipeline.profiles import PROFILES
 
-# The boards on which the paths are drawn, each in its way: the paper's first.
-WAYS = {
-    "OCTANE": pixel_texture_passes.WAY,
-    "GEFORCE_256": host_lookup_passes.WAY,
-    "GEFORCE_3": texture_shader_passes.WAY,
-    "NV2A": texture_shader_passes.WAY,
-    "G400": offset_texture_passes.WAY,
-}
+# The machines on which the paths are drawn: the paper's first.
+MACHINES = ("OCTANE", "GEFORCE_256", "GEFORCE_3", "NV2A", "G400")
 TEXELS = 32
 LIGHT = tuple(normalize(np.array([-0.78, 0.31, 1.0])).tolist())
 # So that no path's light exceeds 1.
@@ -44,16 +38,24 @@ def setup_of(profile, field, directions, bits=8):
     return Setup(field, precompute(field, spiral(directions)), profile, work, total, bits)
 
 
+def way_of(profile):
+    """How a machine draws paths, by what it has."""
+    operations = profile.texture_shaders.texture_shader_operations
+    if profile.pixels.pixel_texture:
+        return pixel_texture_passes.WAY
+    if Operation.DEPENDENT_AR_TEXTURE_2D in operations:
+        return texture_shader_passes.WAY
+    return offset_texture_passes.WAY if Operation.OFFSET_TEXTURE_2D in operations else host_lookup_passes.WAY
+
+
 def sums(setup, paths, accumulation, color_bits=8):
     """(what the passes leave, the same paths in float64), float64 [rows, columns, 3] each, over EXPOSURE.
 
     ``paths``: int [paths, K].
     """
-    key = next(key for key, profile in PROFILES.items() if profile == setup.profile)
+    way = way_of(setup.profile)
     drawn = (
-        *dependent_tests.paths_drawn(
-            WAYS[key], setup, paths, LIGHT, accumulation=accumulation, exposure=EXPOSURE
-        ),
+        *dependent_tests.paths_drawn(way, setup, paths, LIGHT, accumulation=accumulation, exposure=EXPOSURE),
         dependent_tests.textured("the result", setup.work, RESULT),
     )
     framebuffer = execute(drawn, setup.profile, 2 * TEXELS, TEXELS, color_bits=color_bits).framebuffer
