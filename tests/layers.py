@@ -105,7 +105,7 @@ PACKAGES = {
     "effects/acceptance": {
         "raster": "kernel",
         "pipeline": "enums commands execution ideal",
-        "effects": "geometry scenes reflectance shadows scattering",
+        "effects": "geometry passes scenes reflectance shadows scattering",
     },
     "effects/diagrams": {
         "pipeline": "enums state textures commands",

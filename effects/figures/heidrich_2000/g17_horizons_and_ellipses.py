@@ -2,19 +2,19 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import bump_shadows
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2000.shared import stones
 from fixedpipe.effects.geometry import surfaces
-from fixedpipe.effects.geometry.vectors import cosine, dot, sine, unit_vector
+from fixedpipe.effects.geometry.vectors import dot, unit_vector
 from fixedpipe.effects.geometry.views import Light, orthographic_view, panel_of, row_of_panels
 from fixedpipe.effects.passes.draws import FIRST_PASS, REPLACE, draw, unit
 from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.scattering import directions as sphere
 from fixedpipe.effects.scattering import (
     ellipse_passes,
-    ellipses,
     horizon_maps,
     visibility,
     visibility_shadows,
@@ -86,41 +86,13 @@ def reference(size, **p):
     return out
 
 
-def _lights():
-    """Directions from 15 to 60 degrees high, not along a horizon map's azimuths: float64 [16, 3]."""
-    up = np.radians(np.repeat((15.0, 30.0, 45.0, 60.0), 4))
-    around = np.radians(np.tile((11.0, 101.0, 191.0, 281.0), 4))
-    return np.stack([cosine(up) * cosine(around), cosine(up) * sine(around), sine(up)], axis=-1)
-
-
-def _agreement(field, directions):
-    """Of each way, how many of the texels that face a light it lights as rays do: by its name."""
-    seen = visibility.precompute(field, sphere.spiral(directions))
-    fitted = ellipses.of_visibility(seen)
-    sines = np.floor(255.0 * horizon_maps.horizon_map(field).sines + 0.5) / 255.0
-    triangles = sphere.triangulated(seen.directions)
-    right, asked = dict.fromkeys(_NAMES[1:], 0), 0
-    for light in _lights():
-        faces = dot(field.normals, light) > 0.0
-        free = visibility.free_view(field, light)
-        told = (
-            visibility_shadows.nearest_free(seen, light),
-            visibility_shadows.free_share(seen, light, triangles) > 0.5,
-            fitted.test(*light[:2]) >= 0.0,
-            horizon_maps.lit(sines, light),
-        )
-        for name, lit in zip(_NAMES[1:], told, strict=True):
-            right[name] += int((lit == free)[faces].sum())
-        asked += int(faces.sum())
-    return {name: count / asked for name, count in right.items()}
-
-
 def checks(figure, renderer):
     """Each way against rays, on grooves under many lights and in the picture."""
-    groove = _agreement(ridges(32, 32), figure.values["directions"])
-    for name, share in groove.items():
+    groove = ridges(32, 32)
+    found = bump_shadows.agreement(groove, bump_shadows.ways(groove, figure.values["directions"]))
+    for name, share in found.items():
         yield Check(
-            f"texels of a V-groove that {name} light as rays do, mean of 16 lights",
+            f"texels of a V-groove that {name} light as rays do, mean of 32 lights",
             share,
             at_least=0.9,
             on=Answer.IDEAL,
