@@ -38,7 +38,7 @@ def _texels(size):
 def _land(size, p):
     """The Terrain of the figure's parameters."""
     own = p["height_field"], p["height_scale"]
-    shape = p["relief"], p["lake"], p["seed"], p["directions"]
+    shape = p["relief"], p["lake"], p["seed"], p["directions"], p["smoothing"]
     return land.terrain(p["texels"] or _texels(size), *shape, *own)
 
 
@@ -261,6 +261,9 @@ FIGURE = Figure(
         "seed": word.SEED(4, "Which mountains there are."),
         "directions": word.of(
             word.Whole(8, 1000), 200, "Directions over the whole sphere along which rays are cast."
+        ),
+        "smoothing": word.of(
+            word.Whole(0, 8), 1, "How often the ellipses' forms are filtered before they are stored."
         ),
         "eye": word.POSITION((0.1, 0.56, 1.2), "Where the camera is; the terrain's half edge is 1, y is up."),
         "target": word.POSITION((-0.02, 0.06, -0.2), "What it looks at."),

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from fixedpipe.effects.acceptance import bump_shadows
 from fixedpipe.effects.scattering import directions as sphere
 from fixedpipe.effects.scattering import ellipses, height_field, visibility
 from fixedpipe.effects.scattering.ellipses import LARGEST_RADIUS, LEAST_RADIUS
@@ -267,3 +268,24 @@ def test_bad_input_is_said():
     ):
         with pytest.raises(ValueError, match=match):
             ellipses.fit(*arguments)
+
+
+def test_smoothed_forms_are_means_of_neighbours_and_agree_better():
+    field = height_field.bumps(32, 32, height=0.24)
+    forms = ellipses.rooted(ellipses.of_visibility(visibility.precompute(field, sphere.spiral(100))))
+    for form, same in zip(forms, ellipses.smoothed(forms, 0), strict=True):
+        np.testing.assert_array_equal(form, same)
+    weights = np.array((1.0, 2.0, 1.0)) / 4.0
+    wrapped = np.pad(forms[0], ((1, 1), (1, 1), (0, 0)), mode="wrap")
+    expected = sum(
+        weights[j] * weights[i] * wrapped[j : j + 32, i : i + 32] for j in range(3) for i in range(3)
+    )
+    smooth = ellipses.smoothed(forms)
+    np.testing.assert_allclose(smooth[0], expected, atol=1e-12)
+    assert max(np.abs(form).max() for form in smooth) <= max(np.abs(form).max() for form in forms)
+    ways = {
+        name: lambda light, pair=pair: ellipses.tested(*pair, light[0], light[1]) >= 0.0
+        for name, pair in (("as fitted", forms), ("smooth", smooth))
+    }
+    found = bump_shadows.agreement(field, ways)
+    assert found["smooth"] > found["as fitted"]

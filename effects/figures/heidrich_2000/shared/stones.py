@@ -34,6 +34,9 @@ PARAMETERS = {
     "directions": word.of(
         word.Whole(8, 1000), 200, "Directions over the whole sphere along which rays are cast."
     ),
+    "smoothing": word.of(
+        word.Whole(0, 8), 1, "How often the ellipses' forms are filtered before they are stored."
+    ),
     "light": word.LIGHT((-0.72, 0.46, 0.50)),
     "color": word.DIFFUSE((0.86, 0.80, 0.70)),
     "ambient": word.AMBIENT((0.13, 0.145, 0.19)),
@@ -53,7 +56,7 @@ class Bed:
 
 
 @lru_cache(2)
-def _bed(texels, stones, buried, height, directions, own, scale):
+def _bed(texels, stones, buried, height, directions, smoothing, own, scale):
     if own is None:
         # Of every stone the part above the ground is seen, so that shadows have a ground to fall on.
         heights = np.maximum(height_fields.pebbles(texels, texels, stones, 4) - buried / stones, 0.0)
@@ -62,7 +65,7 @@ def _bed(texels, stones, buried, height, directions, own, scale):
         heights = own.fitted(texels, texels, scale, repeated=True)
     field = height_field(heights)
     seen = visibility.precompute(field, sphere.spiral(directions))
-    forms = ellipses.rooted(ellipses.of_visibility(seen))
+    forms = ellipses.smoothed(ellipses.rooted(ellipses.of_visibility(seen)), smoothing)
     tone = 0.5 + 0.5 * height_fields.value_noise(texels, texels, stones, stones, 11)[..., None]
     grain = 1.0 + 0.1 * height_fields.value_noise(texels, texels, texels // 2, texels // 2, 5)[..., None]
     colors = (np.array((0.62, 0.60, 0.58)) * (1.0 - tone) + np.array((0.88, 0.68, 0.46)) * tone) * grain
@@ -76,8 +79,8 @@ def bed_of(size, p):
     edge = 32
     while 2 * edge <= min(size // 2, 256):
         edge *= 2
-    own = p["height_field"], p["height_scale"]
-    return _bed(p["texels"] or edge, p["stones"], p["buried"], p["height"], p["directions"], *own)
+    shape, fit = (p["stones"], p["buried"], p["height"]), (p["directions"], p["smoothing"])
+    return _bed(p["texels"] or edge, *shape, *fit, p["height_field"], p["height_scale"])
 
 
 def load(bed, profile):

@@ -70,13 +70,14 @@ class Terrain:
 
 
 @lru_cache(4)
-def terrain(texels, relief, lake, seed, directions, own=None, scale=0.0):
+def terrain(texels, relief, lake, seed, directions, smoothing=1, own=None, scale=0.0):
     """The Terrain of a seed, or of a user's heights.
 
     texels      along an edge
     relief      of the highest point over the lowest, in edges of the terrain
     lake        where the water stands, as a share of that
     directions  over the whole sphere; those above the horizon are cast
+    smoothing   passes of ``ellipses.smoothed``
     own, scale  heights of a user's own (``own_maps``), and their relief, which have no lake
     """
     if own is None:
@@ -89,6 +90,7 @@ def terrain(texels, relief, lake, seed, directions, own=None, scale=0.0):
     found = sphere.spiral(directions)
     seen = visibility.precompute(field, found[found[:, 2] > 0.0])
     forms = ellipses.rooted(ellipses.of_visibility(seen, least_radius=0.5))
+    forms = ellipses.smoothed(forms, smoothing)
     return Terrain(field, _colors(shares, level, field.normals), forms)
 
 
