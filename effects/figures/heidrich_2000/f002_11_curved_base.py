@@ -3,158 +3,41 @@ alone.
 """
 
 import math
-from dataclasses import replace
-from functools import cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.bent_caster import BentCaster
 from fixedpipe.effects.acceptance.check import Answer, Check
-from fixedpipe.effects.acceptance.ray_caster import RayCaster, primary_rays
-from fixedpipe.effects.diagrams.drawing import project
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
-from fixedpipe.effects.geometry.surfaces import Surface
-from fixedpipe.effects.geometry.vectors import cosine, sine
-from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, perspective_view, row_of_panels
-from fixedpipe.effects.passes.draws import FIRST_PASS, REPEATED, REPLACE, draw, unit
-from fixedpipe.effects.passes.encoding import factor_texels
-from fixedpipe.effects.scattering import curved_base, height_field, visibility
+from fixedpipe.effects.figures.heidrich_2000.shared import bent_ridges
+from fixedpipe.effects.figures.heidrich_2000.shared.bent_ridges import flank_means, lamp
 from fixedpipe.effects.scattering.curved_base import Base
-from fixedpipe.effects.scattering.directions import spiral
-from fixedpipe.pipeline.commands import Mesh, TexImage
-from fixedpipe.pipeline.textures.images import texture_2d
-
-# Periods of the field to either side of the valley in the middle, across the ridges and along them.
-_ACROSS, _ALONG = 1.5, 1.0
-# How far the body's cut reaches below the valleys, in periods.
-_BODY = 0.25
-_BODY_COLOR = (0.20, 0.21, 0.24)
-_FLANKS = 45.0
-# Rays of the truth at every texel, and its texels for one of the figure's: shadows by rays end at texels.
-_RAYS, _FINER = 800, 4
 
 
-def ridges(texels, red, white):
-    """One ridge a period, its heights measured from their middle: a bend then makes a flank as much steeper
-    below as flatter above.
-    """
-    field = height_field.ridges(texels, 2, _FLANKS, 1, red, white)
-    return replace(field, heights=field.heights - 0.5 * (field.heights.min() + field.heights.max()))
-
-
-def lamp(angle):
-    """The direction to the light, ``angle`` degrees from the base's normal, towards the white flanks."""
-    return np.array([float(sine(math.radians(angle))), 0.0, float(cosine(math.radians(angle)))])
-
-
-@cache
-def radiance(curvature, texels, directions, light, count, red, white):
-    """What the texels send with ``count`` reflections, by visibility that is kept: float64 [2, texels, 3]."""
-    field = ridges(texels, red, white)
-    seen = visibility.precompute(field, spiral(directions))
-    bent = curved_base.bend(field, seen, Base((curvature, 0.0)))
-    return curved_base.bounces(field, bent, lamp(light), count)[-1]
-
-
-@cache
-def radiance_by_rays(curvature, texels, light, count, red, white):
-    """The same by rays among the bent triangles, with ``_FINER`` times the texels: float64 [2, n, 3]."""
-    field = ridges(_FINER * texels, red, white)
-    caster = BentCaster(field, Base((curvature, 0.0)), (2, 6))
-    bent = caster.bent(spiral(_RAYS))
-    return curved_base.bounces(field, bent, lamp(light), count, caster.lit(lamp(light)))[-1]
-
-
-def strip(curvature, texels):
-    """The mesh of the ridges, and of the cut below its near edge: two Surfaces."""
-    field, base = ridges(texels, 1.0, 1.0), Base((curvature, 0.0))
-    half = round(_ACROSS * texels)
-    rows = round(2 * _ALONG)
-    top = curved_base.bent_surface(field, base, (-half, half - 1), (-rows, rows - 1), (0.0, 0.0))
-    edge = top.positions[: 2 * half]
-    x = (np.arange(-half, half) + 0.5) / texels
-    y = np.full_like(x, edge[0, 1])
-    floor = base.placed(np.stack([x, y, np.full_like(x, field.heights.min() - _BODY)], axis=-1))
-    k = np.arange(2 * half - 1)
-    quads = np.stack([k, k + 1, k + 1 + 2 * half, k, k + 1 + 2 * half, k + 2 * half], axis=-1)
-    flat = np.zeros((4 * half, 3))
-    cut = Surface(
-        np.concatenate([floor, edge]), flat, flat, flat, np.zeros((4 * half, 2)), quads.reshape(-1, 3)
-    )
-    return top, cut
-
-
-def camera(panel):
-    """Along the ridges from above."""
-    return perspective_view(panel, (0.0, -6.2, 5.0), (0.0, -0.12, 0.02), 25.5, 4.0)
+def bases_of(curvatures):
+    """Cylinders."""
+    return [Base((curvature, 0.0)) for curvature in curvatures]
 
 
 def make(profile, size, *, curvatures, light, texels, directions, bounces, exposure, red, white):
     """Each panel's light is computed on the host, and is a texture on the bent ridges that the machine
     draws.
     """
-    commands = []
-    for number, (panel, curvature) in enumerate(zip(row_of_panels(3, size), curvatures, strict=True)):
-        view, name = camera(panel), f"light {number + 1}"
-        lit = exposure * radiance(curvature, texels, directions, light, bounces, red, white)
-        top, cut = strip(curvature, texels)
-        body = Mesh(
-            positions=cut.positions,
-            indices=cut.triangles.ravel(),
-            colors=np.tile(np.array(_BODY_COLOR), (len(cut.positions), 1)),
-        )
-        image = texture_2d(factor_texels(np.minimum(lit, 1.0), profile))
-        units = (unit(name, REPEATED, environment=REPLACE),)
-        commands += [
-            panel.clear(BACKGROUND),
-            TexImage(label=f"load {name}", texture=name, image=image),
-            draw(f"ridges, curvature {curvature:g}", top.mesh(), view, None, units, depth_test=FIRST_PASS),
-            draw("the cut below them", body, view, None, depth_test=FIRST_PASS),
-        ]
-    return tuple(commands)
+    bases = bases_of(curvatures)
+    lights = [
+        exposure * bent_ridges.radiance(base, texels, directions, light, bounces, red, white)
+        for base in bases
+    ]
+    return bent_ridges.commands(profile, size, bases, lights)
 
 
 def reference(size, *, curvatures, light, texels, directions, bounces, exposure, red, white):
     """The same ridges, whose light is found by rays among the bent triangles."""
-    out = np.ones((size, 3 * size, 4))
-    for panel, curvature in zip(row_of_panels(3, size), curvatures, strict=True):
-        lit = exposure * radiance_by_rays(curvature, texels, light, bounces, red, white)
-        parts = strip(curvature, texels)
-        corners = [part.positions[part.triangles] for part in parts]
-        caster = RayCaster(
-            np.concatenate(corners), np.repeat((0, 1), [len(triangles) for triangles in corners])
-        )
-        hits = caster.nearest(*primary_rays(camera(panel)), 1.0)
-        at = np.concatenate([part.texture_coordinates[part.triangles] for part in parts])[hits.triangle]
-        at = (at[..., 0] * hits.barycentrics).sum(axis=-1) * lit.shape[1] - 0.5
-        first = np.floor(at).astype(np.int64)
-        share = (at - first)[:, None]
-        color = (1.0 - share) * lit[0, first % lit.shape[1]] + share * lit[0, (first + 1) % lit.shape[1]]
-        color[caster.objects[hits.triangle] == 1] = _BODY_COLOR
-        color[hits.triangle < 0] = BACKGROUND
-        out[::-1, panel.x : panel.x + size, :3] = np.minimum(color, 1.0).reshape(size, size, 3)
-    return out
-
-
-def flank_means(image, figure, curvatures, red=True):
-    """The mean colour of the middle valley's red flank, or the white one, of each panel, as the picture has
-    it: list of float64 [3]. Texels are read at their centres, but for those at the flank's ends, whose colour
-    the filter mixes with the other flank's.
-    """
-    texels = figure.values["texels"]
-    out = []
-    for number, (panel, curvature) in enumerate(
-        zip(row_of_panels(3, image.shape[0]), curvatures, strict=True)
-    ):
-        field = ridges(texels, 1.0, 1.0)
-        at = np.arange(1, texels // 2 - 1) if red else np.arange(texels // 2 + 1, texels - 1)
-        x = (at + 0.5) / texels - (0.0 if red else 1.0)
-        points = Base((curvature, 0.0)).placed(np.stack([x, 0.0 * x, field.heights[0, at]], axis=-1))
-        places = np.floor(project(camera(panel), points)[:, :2]).astype(int)
-        colors = panel_of(image, number)[places[:, 1], places[:, 0]]
-        out.append(colors.mean(axis=0))
-    return out
+    bases = bases_of(curvatures)
+    lights = [
+        exposure * bent_ridges.radiance_by_rays(base, texels, light, bounces, red, white) for base in bases
+    ]
+    return bent_ridges.picture_by_rays(size, bases, texels, lights)
 
 
 # A form factor F of two flanks that meet at a right angle, and what the albedos make of it, in units of a
@@ -163,22 +46,11 @@ _FORM_FACTOR = 1.0 - math.sin(math.radians(45.0))
 _SERIES = (-0.5, -0.25, 0.0, 0.25, 0.5)
 
 
-def _lit_by_rays(curvature, texels, light):
-    field = ridges(_FINER * texels, 1.0, 1.0)
-    return BentCaster(field, Base((curvature, 0.0)), (2, 6)).lit(light)
-
-
-def _lit_by_kept(curvature, texels, directions, light):
-    field = ridges(texels, 1.0, 1.0)
-    bent = curved_base.bend(field, visibility.precompute(field, spiral(directions)), Base((curvature, 0.0)))
-    return curved_base.free_share(field, bent, light)
-
-
 def _red_series(make, arguments):
-    """The red flank's mean after one reflection, at each of ``_SERIES``; ``make`` as ``radiance``."""
+    """The red flank's mean after one reflection, at each of ``_SERIES``; ``make`` finds the light."""
     out = []
-    for curvature in _SERIES:
-        lit = make(curvature, *arguments)
+    for base in bases_of(_SERIES):
+        lit = make(base, *arguments)
         out.append(float(lit[0, : lit.shape[1] // 2, 0].mean()))
     return np.array(out)
 
@@ -187,23 +59,27 @@ def checks(figure, renderer):
     """Red against the closed form where the base is flat, against rays where it is bent; shadows by rays."""
     size = figure.size
     values = figure.values
-    curvatures, texels, light = values["curvatures"], values["texels"], values["light"]
+    bases, texels, light = bases_of(values["curvatures"]), values["texels"], values["light"]
     red, white, exposure = values["red"], values["white"], values["exposure"]
     yield Check(
         "direct light on the red flanks of three panels, greatest",
         max(
-            float(radiance(k, texels, values["directions"], light, 0, red, white)[:, : texels // 2].max())
-            for k in curvatures
+            float(
+                bent_ridges.radiance(k, texels, values["directions"], light, 0, red, white)[
+                    :, : texels // 2
+                ].max()
+            )
+            for k in bases
         ),
         at_most=0.0,
         on=Answer.IDEAL,
         reason="the flanks are turned away from the light, exactly",
     )
     for on in Answer:
-        image = renderer.window(on, figure, size, light=_FLANKS, bounces=1, exposure=1.0)
+        image = renderer.window(on, figure, size, light=bent_ridges.FLANKS, bounces=1, exposure=1.0)
         for name, found, expected in (
-            ("red", flank_means(image, figure, curvatures)[1], _FORM_FACTOR * np.array(red) * white),
-            ("white", flank_means(image, figure, curvatures, red=False)[1], np.array(white)),
+            ("red", flank_means(image, bases, texels)[1], _FORM_FACTOR * np.array(red) * white),
+            ("white", flank_means(image, bases, texels, left=False)[1], np.array(white)),
         ):
             step = 0.0 if on is Answer.IDEAL else 1.0 / 255.0
             yield Check(
@@ -215,9 +91,7 @@ def checks(figure, renderer):
                 reason="rho_red F rho_white, F = 1 - sin 45; texels, directions and the flank's ends that "
                 "are not read make 6 %",
             )
-        glow = [
-            float(c[0]) / exposure for c in flank_means(renderer.window(on, figure, size), figure, curvatures)
-        ]
+        glow = [float(c[0]) / exposure for c in flank_means(renderer.window(on, figure, size), bases, texels)]
         yield Check(
             "red glow of the flat base over that of the convex one, less one",
             glow[1] / glow[2] - 1.0,
@@ -232,7 +106,7 @@ def checks(figure, renderer):
             on=on,
             reason="valleys narrow: more light is scattered",
         )
-    found = _red_series(radiance, (texels, values["directions"], light, 1, red, white))
+    found = _red_series(bent_ridges.radiance, (texels, values["directions"], light, 1, red, white))
     yield Check(
         "red glow at curvatures of -0.5 to 0.5, one reflection: the least fall from one to the next",
         float((1.0 - found[1:] / found[:-1]).min()),
@@ -240,7 +114,7 @@ def checks(figure, renderer):
         on=Answer.IDEAL,
         reason="it falls steadily",
     )
-    truth = _red_series(radiance_by_rays, (texels, light, 1, red, white))
+    truth = _red_series(bent_ridges.radiance_by_rays, (texels, light, 1, red, white))
     yield Check(
         "the same beside rays among the bent triangles, largest relative error",
         float(np.abs(found / truth - 1.0).max()),
@@ -256,8 +130,14 @@ def checks(figure, renderer):
         reason="small curvature",
     )
     for name, found in (
-        ("by rays", [_lit_by_rays(k, texels, lamp(light)) for k in _SERIES]),
-        ("by what is kept", [_lit_by_kept(k, texels, values["directions"], lamp(light)) for k in _SERIES]),
+        ("by rays", [bent_ridges.lit_by_rays(k, texels, lamp(light)) for k in bases_of(_SERIES)]),
+        (
+            "by what is kept",
+            [
+                bent_ridges.lit_by_kept(k, texels, values["directions"], lamp(light))
+                for k in bases_of(_SERIES)
+            ],
+        ),
     ):
         shares = np.array([float(lit[0, lit.shape[1] // 2 :].mean()) for lit in found])
         yield Check(

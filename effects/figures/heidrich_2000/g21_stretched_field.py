@@ -1,0 +1,116 @@
+"""G21: one height field, pressed together and drawn apart across its grooves, and what scatters between the
+flanks.
+"""
+
+import math
+from itertools import pairwise
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.heidrich_2000.shared import bent_ridges
+from fixedpipe.effects.figures.heidrich_2000.shared.bent_ridges import flank_means
+from fixedpipe.effects.scattering.curved_base import Base
+
+_ABOVE = 0.0
+
+
+def bases_of(stretches):
+    """Flat, stretched across the ridges."""
+    return [Base(stretch=(stretch, 1.0)) for stretch in stretches]
+
+
+def make(profile, size, *, stretches, texels, directions, bounces, exposure, red, white):
+    """Each panel's light is computed on the host, and is a texture on the ridges that the machine draws."""
+    bases = bases_of(stretches)
+    lights = [
+        exposure * bent_ridges.radiance(base, texels, directions, _ABOVE, bounces, red, white)
+        for base in bases
+    ]
+    return bent_ridges.commands(profile, size, bases, lights)
+
+
+def reference(size, *, stretches, texels, directions, bounces, exposure, red, white):
+    """The same ridges, whose light is found by rays among the stretched triangles."""
+    bases = bases_of(stretches)
+    lights = [
+        exposure * bent_ridges.radiance_by_rays(base, texels, _ABOVE, bounces, red, white) for base in bases
+    ]
+    return bent_ridges.picture_by_rays(size, bases, texels, lights)
+
+
+def closed_form(stretch, own, other):
+    """A flank's mean after one reflection, light from above: rho_own c (1 + rho_other F), with the cosine c
+    of the flank's slope 1 / stretch and F = 1 - sin of half the angle between the flanks, which is c too.
+    """
+    cosine = stretch / math.hypot(stretch, 1.0)
+    return [a * cosine * (1.0 + b * (1.0 - cosine)) for a, b in zip(own, other, strict=True)]
+
+
+def checks(figure, renderer):
+    """Both flanks of each panel against closed forms."""
+    values, size = figure.values, figure.size
+    stretches, texels = values["stretches"], values["texels"]
+    red, white = values["red"], values["white"]
+    bases = bases_of(stretches)
+    for on in Answer:
+        image = renderer.window(on, figure, size, bounces=1, exposure=1.0)
+        for name, own, other, left in (("red", red, white, True), ("white", white, red, False)):
+            for stretch, found in zip(stretches, flank_means(image, bases, texels, left), strict=True):
+                expected = closed_form(stretch, own, other)
+                step = 0.0 if on is Answer.IDEAL else 1.0 / 255.0
+                apart = max(abs(f - e) - step for f, e in zip(found.tolist(), expected, strict=True))
+                yield Check(
+                    f"stretch {stretch:g}, one reflection: the {name} flank beside the closed form, relative "
+                    "error",
+                    max(apart, 0.0) / max(expected),
+                    at_most=0.03,
+                    on=on,
+                    reason="rays stay straight, so what is seen is exact; directions and the ends of the "
+                    "flank, which are not read, make 3 %",
+                )
+        bled = [
+            float(color[0] / color[1])
+            for color in flank_means(renderer.window(on, figure, size), bases, texels, left=False)
+        ]
+        yield Check(
+            "red over green of the white flanks: the least fall from one stretch to the next",
+            min(a - b for a, b in pairwise(bled)),
+            at_least=0.03,
+            on=on,
+            reason="the farther apart the flanks, the less colour goes between them",
+        )
+
+
+FIGURE = Figure(
+    id="G21",
+    title="A stretched height field",
+    caption=(
+        "One height field with a red and a white flank, lit from above, pressed together, as it is, and "
+        "drawn apart across its grooves. What is seen along each direction is kept from the field as it is; "
+        "directions, normals and weights follow the stretch."
+    ),
+    must_see=(
+        "In the narrow grooves the white flanks are reddish, most at their foot; in the wide ones they are "
+        "nearly white, and brighter, for they lie flatter."
+    ),
+    source="HeidrichDaubertKautzSeidel2000",
+    techniques=("G19", "G21"),
+    panels=("pressed together", "as it is", "drawn apart"),
+    parameters={
+        "stretches": word.of(
+            word.Several((word.Number(0.25, 2.0),) * 3, what="three numbers from 0.25 to 2"),
+            (0.6, 1.0, 1.5),
+            "By what the field's lengths across the grooves are multiplied, a panel each.",
+        ),
+        "texels": word.of(word.Whole(8, 128, power=True), 32, "Texels of a period.", "texels"),
+        "directions": word.of(word.Whole(20, 1000), 400, "Directions along which visibility is kept."),
+        "bounces": word.of(word.Whole(0, 8), 4, "Reflections after the first."),
+        "exposure": word.NUMBER(1.15, "What all radiances are multiplied by.", low=0.0, high=8.0),
+        "red": word.COLOR((0.8, 0.1, 0.1), "The albedo of the flanks on the right of each groove."),
+        "white": word.COLOR((0.8, 0.8, 0.8), "The albedo of the flanks on the left."),
+    },
+    methods=(Method("a texture that is computed on the host", make, ("GEFORCE_256", "OPENGL_1_2")),),
+    acceptance=checks,
+    reference=reference,
+)
