@@ -17,6 +17,7 @@ _COMMANDS = (
     "bump",
     "shadows",
     "volume",
+    "brdf",
     "combiners",
     "precision",
     "study",
@@ -40,6 +41,8 @@ What to do next:
                                 throw a mesh's shadow by an algorithm of the time, and compare it with rays
   fixedpipe volume sample:engine --out engine.png
                                 an iso-surface of a volume, with shadows
+  fixedpipe brdf sample:gravel --out gravel.binary --picture gravel.png
+                                the BRDF of a height field, with light that is scattered between its bumps
   fixedpipe combiners FILE      what a combiner program of the time (RC1.0, TS1.0, ps.1.x) sets, as equations
   fixedpipe precision F004-4    was it the clamp or the bits? a figure's error by widths and clamps
   fixedpipe study               artefacts of the hardware, measured; fixedpipe study P9: a table and a plot

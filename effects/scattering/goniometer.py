@@ -169,12 +169,14 @@ def shares_in_pictures(field, views, size=None):
 def shares_in_texture_space(field, views, visible=None):
     """G24: the same in texture space, by V(p, v) (n_p.v)+ / n_p.z.
 
-    visible  bool or float [m, rows, columns]: where texels are not masked; None: by rays
+    visible  bool or float [m, rows, columns]: where texels are not masked; None: by rays, and by a picture
+             of a view so near the horizon that every texel's centre is masked
 
-    Raises ValueError for masks of another shape, and for a view from which nothing is seen.
+    Raises ValueError for masks of another shape, and for one that leaves nothing to be seen.
     """
     views = upper(views)
     shape = (len(views), field.rows, field.columns)
+    by_rays = visible is None
     visible = precompute(field, views).seen == FREE if visible is None else np.asarray(visible)
     if visible.shape != shape:
         raise ValueError(f"The masks have shape {visible.shape}; give {shape}: one for each view.")
@@ -183,8 +185,11 @@ def shares_in_texture_space(field, views, visible=None):
     total = np.zeros(len(views))
     for texel in area.reshape(len(views), -1).T:
         total += texel
-    if not (total > 0.0).all():
-        worst = views[int(np.argmin(total))]
+    empty = np.flatnonzero(total <= 0.0)
+    if len(empty) and by_rays:
+        area[empty], total[empty] = shares_in_pictures(field, views[empty]), 1.0
+    elif len(empty):
+        worst = views[empty[0]]
         raise ValueError(f"Nothing of the field is seen from {tuple(worst.tolist())}; leave that view out.")
     return area / total[:, None, None]
 

@@ -108,6 +108,16 @@ def test_any_mask_is_taken_and_another_shape_refused():
         goniometer.shares_in_texture_space(field, views, np.zeros((4, 8, 8)))
 
 
+def test_near_the_horizon_something_is_seen():
+    field = bumps(16, 16)
+    grazing = np.array([[1.0, 0.3, 1e-4]])
+    shares = goniometer.shares_in_texture_space(field, grazing)
+    assert shares.sum() == pytest.approx(1.0)
+    # The highest texels.
+    seen = field.heights[shares[0] > 0.0]
+    assert seen.min() > 0.8 * field.heights.max()
+
+
 def test_highlights_are_added_where_the_light_is_mirrored():
     field = height_field(np.zeros((2, 2)), 0.2, specular=0.5, exponent=32.0)
     tilted = np.array([[0.6, 0.0, 0.8]])

@@ -1,0 +1,213 @@
+"""``fixedpipe brdf``: the BRDF of a user's height field, simulated with scattered light."""
+
+from pathlib import Path
+
+import click
+
+from fixedpipe.effects.cli.options import profile_option, three_numbers
+
+FORMATS = ("merl", "npz")
+
+
+@click.command(short_help="Simulate the BRDF of a height field.")
+@click.argument("heights")
+@click.option("--out", metavar="FILE", required=True, help="The BRDF: FILE.binary (MERL) or FILE.npz.")
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(FORMATS),
+    help="MERL's binary table, isotropic, or NPZ: a dense grid and harmonics. Without it as FILE ends.",
+)
+@click.option("--picture", metavar="FILE.png", help="The BRDF on a ball.")
+@click.option("--albedo", metavar="A or R,G,B", default="0.8", show_default=True, help="0 to 1.")
+@click.option(
+    "--relief",
+    type=click.FloatRange(0.0, 10.0),
+    metavar="H",
+    default=0.25,
+    show_default=True,
+    help="Lowest to highest, in widths of the field.",
+)
+@click.option(
+    "--texels", type=click.IntRange(2, 256), metavar="N", default=32, show_default=True, help="An edge."
+)
+@click.option(
+    "--directions",
+    type=click.IntRange(1, 10000),
+    metavar="N",
+    default=100,
+    show_default=True,
+    help="Along which light is gathered, over the whole sphere.",
+)
+@click.option(
+    "--bounces",
+    type=click.IntRange(0, 64),
+    metavar="N",
+    default=3,
+    show_default=True,
+    help="Reflections beyond the first.",
+)
+@click.option(
+    "--grid",
+    type=click.IntRange(2, 64),
+    metavar="N",
+    default=16,
+    show_default=True,
+    help="Steps of light and view: N^4 samples.",
+)
+@click.option(
+    "--samples",
+    type=click.IntRange(1, 100000),
+    metavar="N",
+    default=512,
+    show_default=True,
+    help="Random ones, for the harmonics of NPZ.",
+)
+@click.option("--light", metavar="X,Y,Z", default="-1,1,1.5", show_default=True, help="Of the picture.")
+@click.option(
+    "--size",
+    type=click.IntRange(min=1),
+    metavar="N",
+    default=512,
+    show_default=True,
+    help="Of the picture, pixels an edge.",
+)
+@profile_option
+@click.option("--resume", metavar="FOLDER", help="Keep what is done in a folder, and go on from there.")
+@click.option(
+    "--jobs",
+    type=click.IntRange(min=1),
+    metavar="N",
+    default=1,
+    show_default=True,
+    help="Processes; any number gives the same bytes.",
+)
+def brdf(
+    heights, out, form, picture, albedo, relief, texels, directions, bounces, grid, samples, light, size,
+    profile, resume, jobs,
+):  # fmt: skip
+    """Simulate the BRDF of HEIGHTS, with shadows, masking and scattered light.
+
+    HEIGHTS is a PNG, TIFF (its first page), JPEG or NPY file, or a sample: sample:gravel, sample:brick,
+    sample:grass, sample:coins, sample:moon, sample:jacksboro. Light is high, dark is low; the field repeats.
+
+    MERL's table is isotropic: the mean over rotations of the field about its normal. NPZ keeps what depends
+    on the direction: samples over (z, angle) of light and view, and coefficients of spherical harmonics. The
+    picture is drawn by a machine, or by IDEAL without rounding, with the BRDF at the vertices of a ball.
+    """
+    from fixedpipe.effects.cli.compiling import announce_compiling
+    from fixedpipe.effects.cli.refusal import check_size
+    from fixedpipe.effects.refusal import choose, refusals
+    from fixedpipe.effects.reports.files import writable_file, writable_folder, writable_picture, write_whole
+    from fixedpipe.effects.user_pictures import simulated_brdf
+    from fixedpipe.effects.user_pictures.drawing import drawn
+    from fixedpipe.pipeline.framebuffers.pictures import png
+    from fixedpipe.pipeline.profiles import PROFILES
+
+    form = form or _form_of(out)
+    machine = choose("profile", profile, PROFILES)
+    toward = three_numbers(light, "The light's direction")
+    reflected = _albedo(albedo)
+    with refusals():
+        announce_compiling()
+        field = simulated_brdf.field_of(heights, texels, relief, reflected)
+    path = writable_file(out)
+    _refuse_same(path, heights, "of which the BRDF is made")
+    if picture is not None:
+        check_size("The picture", (size, size), machine)
+        picture = writable_picture(picture, (heights,))
+        _refuse_same(picture, out, "the BRDF")
+    if resume is not None:
+        writable_folder(resume)
+    with refusals():
+        found = _simulated(field, directions, bounces, grid, resume, jobs)
+        if form == "merl":
+            data = simulated_brdf.merl_file(found)
+        else:
+            harmonic = simulated_brdf.by_harmonics(
+                field, directions=directions, bounces=bounces, samples=samples
+            )
+            description = (
+                f"f_r of {heights}: {texels} x {texels} texels, relief {relief:g}, albedo {albedo}, "
+                f"{directions} directions, {bounces} bounces, {samples} samples for the harmonics"
+            )
+            data = simulated_brdf.npz(found, harmonic, description)
+        drawing = picture and drawn(simulated_brdf.ball(found, machine, size, toward), machine, size, size)
+    write_whole(path, data)
+    said = "isotropic, the mean over rotations" if form == "merl" else f"{samples} samples for harmonics"
+    click.echo(f"{path}: {grid}^4 samples, {said}")
+    if drawing:
+        write_whole(picture, png(drawing.image))
+        click.echo(f"{picture}: the BRDF at vertices, {drawing.summary}")
+
+
+def _form_of(out):
+    """The form that a file's ending says. Raises Refusal for any other."""
+    from fixedpipe.effects.refusal import Refusal
+    from fixedpipe.effects.user_pictures.simulated_brdf import ENDINGS
+
+    ending = Path(out).suffix.lower()
+    for form, endings in ENDINGS.items():
+        if ending in endings:
+            return form
+    raise Refusal(
+        f"{out} ends in neither .binary (MERL) nor .npz; name it so, or say --format merl or --format npz."
+    )
+
+
+def _albedo(text):
+    """A number or three from ``A`` or ``R,G,B``. Raises Refusal."""
+    from fixedpipe.effects.refusal import Refusal
+
+    try:
+        numbers = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        numbers = ()
+    if len(numbers) not in (1, 3) or not all(0.0 <= number <= 1.0 for number in numbers):
+        raise Refusal(f"The albedo is {text!r}; give a number from 0 to 1, or three, as 0.8,0.5,0.3.")
+    return numbers[0] if len(numbers) == 1 else numbers
+
+
+def _refuse_same(path, other, what):
+    """Raise Refusal where both are one file."""
+    import os
+
+    from fixedpipe.effects.refusal import Refusal
+
+    try:
+        one = os.path.samefile(path, other)
+    except (OSError, ValueError):  # a file that is not there
+        one = Path(path) == Path(other)
+    if one:
+        raise Refusal(f"{path} is {other}, {what}; give another name.")
+
+
+def _simulated(field, directions, bounces, grid, folder, jobs):
+    """The dense BRDF, with a bar that says how far it is."""
+    from concurrent.futures import ProcessPoolExecutor
+    from contextlib import nullcontext
+    from multiprocessing import get_context
+
+    from fixedpipe.effects.cli.progress import progress
+    from fixedpipe.effects.user_pictures import simulated_brdf
+
+    # A process that is forked while threads run may hang: new ones begin from nothing.
+    workers = ProcessPoolExecutor(jobs, get_context("spawn")) if jobs > 1 else nullcontext()
+    with workers as executor, progress(grid) as step:
+        begun = 0
+
+        def came(done):
+            nonlocal begun
+            while begun < min(done + 1, grid):
+                begun += 1
+                step(f"lights, row {begun}")
+
+        return simulated_brdf.simulated(
+            field,
+            directions=directions,
+            bounces=bounces,
+            grid=grid,
+            folder=folder,
+            executor=executor,
+            progress=came,
+        )
