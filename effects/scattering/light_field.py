@@ -1,0 +1,102 @@
+"""G28: a light field of a height field with scattered light: pictures from eyes on a plane.
+
+Two planes: eyes in a square above the field, and the field's mean plane, on which all pictures lie, so that a
+pixel of each is the same place. A picture from any eye between is linear in four of them, which is exact
+where the surface lies on the mean plane and blurs what stands out of it.
+
+Source: Heidrich, Daubert, Kautz, Seidel 2000, section 6 (32 x 32 pictures); pass sequence A-G28. Assumed: the
+parameterization; Levoy, Hanrahan 1996 and Gortler and others 1996 have it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fixedpipe.effects.scattering import goniometer
+from fixedpipe.effects.technique import Technique
+
+TECHNIQUES = (Technique("G28", "a light field of 32 x 32 pictures with scattered light", "6"),)
+
+
+def _check_eye(field, distance):
+    lowest = float(field.heights.max() - field.heights.mean())
+    if not distance > lowest:
+        raise ValueError(
+            f"The eyes are {distance!r} above the mean plane, and the field's highest point is {lowest:g}; "
+            "give more."
+        )
+
+
+def seen_from(field, eye, size):
+    """What is seen of a HeightField's period from an eye: texels, int32 [size, size], bottom row first.
+
+    eye  (s, t, z): s and t in periods, z above the mean plane
+
+    Raises ValueError for an eye that is not above the field.
+    """
+    _check_eye(field, eye[2])
+    place = (np.arange(size) + 0.5) / size
+    s, t = (axis.ravel() for axis in np.meshgrid(place, place))
+    along = np.stack([s - eye[0], t - eye[1], np.full(s.shape, -float(eye[2]))], axis=-1)
+    mean, highest = float(field.heights.mean()), float(field.heights.max())
+    start = (eye[2] - (highest - mean)) / eye[2]
+    origins = np.stack(
+        [eye[0] + start * along[:, 0], eye[1] + start * along[:, 1], 0.0 * s + highest], axis=-1
+    )
+    return goniometer.first_texels(field, origins, along).reshape(size, size)
+
+
+@dataclass(frozen=True, eq=False)
+class LightField:
+    """Pictures [eyes, eyes, size, size, 3], float64, bottom rows first, from eyes over t and s.
+
+    spread    the square of eyes reaches so far to either side of the field's middle, in periods
+    distance  of the eyes above the mean plane
+    """
+
+    pictures: NDArray[np.float64]
+    spread: float
+    distance: float
+
+    def eye(self, row, column):
+        """Where a picture's eye is: (s, t, z)."""
+        step = 2.0 * self.spread / (len(self.pictures) - 1)
+        return 0.5 - self.spread + column * step, 0.5 - self.spread + row * step, self.distance
+
+    def at(self, s, t):
+        """The picture from an eye between, linear in the four around it: float64 [size, size, 3]. Eyes beyond
+        the square are taken to its edge.
+        """
+        last = len(self.pictures) - 1
+        column, row = (
+            min(max((place - 0.5 + self.spread) / (2.0 * self.spread) * last, 0.0), float(last))
+            for place in (s, t)
+        )
+        i, j = min(int(row), last - 1), min(int(column), last - 1)
+        g, f = row - i, column - j
+        low, high = (self.pictures[k, j] * (1.0 - f) + self.pictures[k, j + 1] * f for k in (i, i + 1))
+        return low * (1.0 - g) + high * g
+
+
+def simulated(field, sent, eyes=32, size=32, *, spread=1.0, distance=2.0, progress=None):
+    """The LightField of a HeightField whose texels send ``sent`` [rows, columns, 3], scattered light too.
+
+    eyes      along each edge of their square, 2 or more
+    size      pixels along a picture's edge
+    spread, distance  as of LightField
+    progress  None, or a function that is called with the number of rows of eyes that are done
+
+    Raises ValueError for fewer eyes, and for eyes that are not above the field.
+    """
+    if eyes < 2:
+        raise ValueError(f"The light field has {eyes} eyes along its edges; give 2 or more.")
+    _check_eye(field, distance)
+    out = LightField(np.empty((eyes, eyes, size, size, 3)), spread, distance)
+    flat = np.asarray(sent, np.float64).reshape(-1, 3)
+    for row in range(eyes):
+        for column in range(eyes):
+            out.pictures[row, column] = flat[seen_from(field, out.eye(row, column), size)]
+        if progress is not None:
+            progress(row + 1)
+    return out
