@@ -48,9 +48,10 @@ class DenseBRDF:
 
     def at(self, towards, views):
         """f_r of directions [n, 3] each, above the horizon, linear between samples: float64 [n, 3]. Nearer to
-        the horizon or the zenith than any sample, the nearest z counts.
+        the horizon than any sample, the nearest z counts; at the zenith, the mean of those around it.
         """
         n = self.count
+        samples = _with_zenith(_with_zenith(self.samples, 0), 2)
         places = [*_place(towards, n), *_place(views, n)]
         out = np.zeros((len(places[0][0]), 3))
         for corner in range(16):
@@ -59,8 +60,18 @@ class DenseBRDF:
             for bit, (_, _, share) in zip(bits, places, strict=True):
                 weight = weight * (share if bit else 1.0 - share)
             at = tuple(place[bit] for bit, place in zip(bits, places, strict=True))
-            out += weight[:, None] * self.samples[at]
+            out += weight[:, None] * samples[at]
         return out
+
+
+def _with_zenith(samples, axis):
+    """Samples with one more z, the zenith's: the mean of the last over the angle."""
+    last = np.take(samples, [-1], axis)
+    total = np.zeros_like(np.take(last, 0, axis + 1))
+    for angle in range(samples.shape[axis + 1]):
+        total += np.take(last, angle, axis + 1)
+    mean = np.expand_dims(total / samples.shape[axis + 1], axis + 1)
+    return np.concatenate([samples, np.broadcast_to(mean, last.shape)], axis)
 
 
 def _place(directions, count):
@@ -68,14 +79,16 @@ def _place(directions, count):
     that.
     """
     directions = np.asarray(directions, np.float64)
-    z = np.clip(directions[:, 2] * count - 0.5, 0.0, count - 1.0)
-    low = np.minimum(np.floor(z).astype(np.int64), max(count - 2, 0))
+    z = np.maximum(directions[:, 2] * count - 0.5, 0.0)
+    low = np.minimum(np.floor(z).astype(np.int64), count - 1)
+    # From the last sample it is half a step to the zenith.
+    beyond = np.where(low < count - 1, z - low, np.minimum(2.0 * (z - low), 1.0))
     turn = np.arctan2(directions[:, 1], directions[:, 0]) / (2.0 * math.pi)
     turn = np.floor(turn / _ANGLE_STEP + 0.5) * _ANGLE_STEP
     angle = (turn - np.floor(turn)) * count - 0.5
     below = np.floor(angle).astype(np.int64)
     return (
-        (low, np.minimum(low + 1, count - 1), z - low),
+        (low, low + 1, beyond),
         (below % count, (below + 1) % count, angle - below),
     )
 

@@ -130,9 +130,10 @@ def segments(size):
     return int(min(max(size // 8, 8), 48))
 
 
-def _radii(body):
-    """Of the valleys and the crests: the mean is EXTENT."""
-    return np.array([1.0 - 0.5 * body.relief, 1.0 + 0.5 * body.relief]) * EXTENT
+def _radii(body, share):
+    """Of the valleys and the crests, where so much of the relief is there: the mean is EXTENT."""
+    half = 0.5 * share * body.relief
+    return np.array([1.0 - half, 1.0 + half]) * EXTENT
 
 
 def _corners(body, pieces):
@@ -141,25 +142,48 @@ def _corners(body, pieces):
     return (math.pi * (np.arange(count + 1) / count - 0.5) for count in (belts, pieces))
 
 
-def displaced(body, size):
-    """The ball as geometry: two belts for each ridge, one up to the crest and one down."""
+def displaced(body, size, share=1.0):
+    """The ball as geometry: two belts for each ridge, one up to the crest and one down, ``share`` of the
+    ridges' height; none is the smooth ball.
+    """
     belts = 2 * body.ridges
     place = np.stack([np.arange(belts), np.arange(1, belts + 1)], axis=-1) / belts
-    radius = np.tile([_radii(body), _radii(body)[::-1]], (body.ridges, 1))
+    radii = _radii(body, share)
+    radius = np.tile([radii, radii[::-1]], (body.ridges, 1))
     return _half_ball(math.pi * (place - 0.5), radius, place, segments(size))
 
 
 def smooth(body, size):
     """The ball without its ridges, of as many belts."""
-    belts = 2 * body.ridges
-    place = np.stack([np.arange(belts), np.arange(1, belts + 1)], axis=-1) / belts
-    return _half_ball(math.pi * (place - 0.5), np.full((belts, 2), EXTENT), place, segments(size))
+    return displaced(body, size, 0.0)
 
 
 def load(body, bounces, name, profile):
     """The command that loads the light of the ball's texels as a texture."""
     texels = factor_texels(radiance_map(body, bounces), profile)
     return TexImage(label=f"load the light of the texels, {name}", texture=name, image=texture_2d(texels))
+
+
+@lru_cache(maxsize=8)
+def _mean_map(body, eye):
+    """What ``radiance_map`` has, by the BRDF: its mean as seen from ``eye``, linear between ridges."""
+    latitude = math.pi * ((np.arange(body.ridges) + 0.5) / body.ridges - 0.5)
+    longitude = math.pi * ((np.arange(MERIDIANS) + 0.5) / MERIDIANS - 0.5)
+    frame = frames(*(axis.ravel() for axis in np.meshgrid(latitude, longitude)))
+    found = _seen_radiance(body, frame, body.bounces, eye).reshape(MERIDIANS, body.ridges, 3)
+    place = np.clip((np.arange(body.ridges * TEXELS) + 0.5) / TEXELS - 0.5, 0.0, body.ridges - 1.0)
+    low = np.minimum(np.floor(place).astype(np.int64), body.ridges - 2)
+    share = (place - low)[:, None]
+    return found[:, low] * (1.0 - share) + found[:, low + 1] * share
+
+
+def load_level(body, view, share, name, profile):
+    """``load`` of light that is scattered, ``share`` of it by the BRDF, the rest the texels'."""
+    light = radiance_map(body, body.bounces)
+    if share > 0.0:
+        light = light * (1.0 - share) + _mean_map(body, view.eye) * share
+    texels = factor_texels(light, profile)
+    return TexImage(label=f"load {name}", texture=name, image=texture_2d(texels))
 
 
 def textured(label, surface, view, name):
@@ -169,15 +193,20 @@ def textured(label, surface, view, name):
     )
 
 
-@lru_cache(maxsize=8)
-def _vertex_radiance(body, size, bounces, eye):
-    latitude, longitude = _corners(body, segments(size))
-    frame = frames(*(axis.ravel() for axis in np.meshgrid(latitude, longitude, indexing="ij")))
+def _seen_radiance(body, frame, bounces, eye):
+    """f_r(l, v) pi times the light's cosine and intensity at places with these frames: float64 [n, 3]."""
     view, above = _local(np.array(eye), *frame)
     sent = _lights(body, FINE_TEXELS, frame, bounces)
     # Places that are seen edge-on have no view of their own, and cover nothing.
     shares = goniometer.shares_in_texture_space(_field(body, FINE_TEXELS)[0], view) * above[:, None, None]
-    found = goniometer.pair_means(shares, sent).reshape(len(latitude), len(longitude), 3)
+    return goniometer.pair_means(shares, sent)
+
+
+@lru_cache(maxsize=8)
+def _vertex_radiance(body, size, bounces, eye):
+    latitude, longitude = _corners(body, segments(size))
+    frame = frames(*(axis.ravel() for axis in np.meshgrid(latitude, longitude, indexing="ij")))
+    found = _seen_radiance(body, frame, bounces, eye).reshape(len(latitude), len(longitude), 3)
     # As ``smooth`` has its vertices: every belt has both of its parallels.
     return np.stack([found[:-1], found[1:]], axis=1).reshape(-1, 3)
 

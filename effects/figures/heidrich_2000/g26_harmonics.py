@@ -1,0 +1,147 @@
+"""G26: one lobe of a BRDF four ways: counted in pictures, in texture space, on a dense grid, by harmonics."""
+
+import math
+from functools import lru_cache
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.measures import arithmetic_check
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.geometry.surfaces import Surface
+from fixedpipe.effects.geometry.vectors import cosine, normalize, sine
+from fixedpipe.effects.geometry.views import BACKGROUND, orthographic_view, panel_of, row_of_panels
+from fixedpipe.effects.passes.draws import FIRST_PASS, draw
+from fixedpipe.effects.passes.encoding import colors_of, factor_texels
+from fixedpipe.effects.scattering import dense_brdf, goniometer, harmonics, height_field, visibility
+from fixedpipe.effects.scattering.directions import spiral
+
+PANELS = ("pictures", "texture space", "16^4 samples", "512 samples, harmonics")
+# Of a panel's half edge, the radius of the views' disc; and how far from the zenith its rim is, as a sine.
+EXTENT, RIM = 0.92, 0.98
+RINGS, SPOKES = 24, 48
+TEXELS, ROWS = 64, 2
+
+
+def views():
+    """The disc of views seen from the zenith: positions and directions, float64 [n, 3]; triangles."""
+    ring, spoke = np.meshgrid(np.arange(RINGS + 1) / RINGS, np.arange(SPOKES + 1) / SPOKES, indexing="ij")
+    angle = 2.0 * math.pi * spoke.ravel()
+    x, y = ring.ravel() * cosine(angle), ring.ravel() * sine(angle)
+    # At the zenith every spoke has the same view.
+    height = np.sqrt(np.maximum(1.0 - RIM * RIM * (x * x + y * y), 0.0))
+    i = (np.arange(RINGS) * (SPOKES + 1))[:, None] + np.arange(SPOKES)
+    a, b, c, d = i, i + SPOKES + 1, i + SPOKES + 2, i + 1
+    triangles = np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)
+    positions = EXTENT * np.stack([x, y, 0.0 * x], axis=-1)
+    return positions, normalize(np.stack([RIM * x, RIM * y, height], axis=-1)), triangles
+
+
+@lru_cache(maxsize=4)
+def lobes(light, red, white, angle, bounces, directions, samples):
+    """f_r(l, v) of the disc's views, in the panels' order: four float64 [n, 3]."""
+    field = height_field.ridges(TEXELS, ROWS, angle, 1, red, white)
+    seen = visibility.precompute(field, spiral(directions))
+    towards = goniometer.upper(np.array([light]), "The light's direction")
+    _, toward, _ = views()
+    counted = goniometer.shares_in_pictures(field, toward, TEXELS)
+    dense = dense_brdf.simulated(field, seen, 16, bounces)
+    fitted = harmonics.fitted(*harmonics.sampled(field, seen, samples, bounces))
+    lights = np.broadcast_to(towards, toward.shape)
+    return (
+        goniometer.brdf(field, seen, towards, toward, bounces, counted)[0],
+        goniometer.brdf(field, seen, towards, toward, bounces)[0],
+        dense.at(lights, toward),
+        fitted.at(lights, toward),
+    )
+
+
+def scene(profile, size, *, intensity, **values):
+    """G26: four discs of views, f_r pi at their vertices."""
+    positions, toward, triangles = views()
+    x, y, z = (np.tile(row, (len(positions), 1)) for row in np.eye(3))
+    disc = Surface(positions, z, x, y, toward[:, :2], triangles)
+    out = []
+    for panel, name, lobe in zip(row_of_panels(4, size), PANELS, lobes(**values), strict=True):
+        colors = colors_of(factor_texels(np.clip(intensity * math.pi * lobe, 0.0, 1.0), profile))
+        mesh = disc.mesh(colors=colors)
+        out += (
+            panel.clear(BACKGROUND),
+            draw(f"f_r: {name}", mesh, orthographic_view(panel), None, depth_test=FIRST_PASS),
+        )
+    return tuple(out)
+
+
+def checks(figure, renderer):
+    """The four against each other over the disc's pixels, by the light that is sent: times the cosine."""
+    size = figure.size // 2
+    edge = ((np.arange(size) + 0.5) / size * 2.0 - 1.0) / EXTENT * RIM
+    x, y = np.meshgrid(edge, edge)
+    on_disc = x * x + y * y < 0.9 * RIM * RIM
+    facing = np.sqrt(np.maximum(1.0 - x * x - y * y, 0.0))[..., None]
+    window = renderer.window(Answer.IDEAL, figure, size)
+    seen = [(panel_of(window, k) * facing)[on_disc] for k in range(4)]
+
+    def error(a, b):
+        return float(np.sqrt(((a - b) ** 2).mean()) / b.mean())
+
+    yield Check(
+        "pictures and texture space differ, RMS by the mean",
+        error(seen[0], seen[1]),
+        at_most=0.02,
+        on=Answer.IDEAL,
+        reason="texels' centres are masked or not, and shadows end at texels; measured 0.009 with 64 texels",
+    )
+    yield Check(
+        "the dense grid and texture space differ, RMS by the mean",
+        error(seen[2], seen[1]),
+        at_most=0.04,
+        on=Answer.IDEAL,
+        reason="it is linear between 16 steps of each axis; measured 0.02",
+    )
+    yield Check(
+        "harmonics and texture space differ, RMS by the mean",
+        error(seen[3], seen[1]),
+        at_most=0.06,
+        on=Answer.IDEAL,
+        reason="four bands cannot follow the edge where a flank is masked; measured 0.03",
+    )
+    red = [float(part[:, 0].sum() / part[:, 1].sum()) for part in seen]
+    yield Check(
+        "red over green of harmonics by that of texture space, from one",
+        abs(red[3] / red[1] - 1.0),
+        at_most=0.1,
+        on=Answer.IDEAL,
+        reason="the lobe's colour is of the lowest bands",
+    )
+    yield arithmetic_check(figure, renderer, 0.01, "colours of vertices are bytes")
+
+
+FIGURE = Figure(
+    id="G26",
+    title="A lobe of a simulated BRDF",
+    caption="f_r(l, v) of ridges with a red and a white flank for one light, over all views: the disc is the "
+    "hemisphere seen from its zenith. Counted in pictures; in texture space; between 16^4 samples; and from "
+    "512 random samples by spherical harmonics of four bands.",
+    must_see="Red where the red flanks are seen and white where the others are, alike in all four; the edge "
+    "between them is sharp in the first two, and soft by harmonics.",
+    source="HeidrichDaubertKautzSeidel2000",
+    techniques=("G01", "G02", "G06", "G23", "G24", "G25", "G26"),
+    panels=PANELS,
+    size=512,
+    parameters={
+        "light": word.of(
+            word.DIRECTION_KIND, (0.35, 0.2, 0.9), "The direction to the light: across the ridges, along, up."
+        ),
+        "red": word.COLOR((0.9, 0.3, 0.2), "The albedo of the flanks to the left."),
+        "white": word.COLOR((0.9, 0.9, 0.9), "The albedo of the flanks to the right."),
+        "angle": word.NUMBER(50.0, "How steep the flanks are.", "degrees", low=5.0, high=75.0),
+        "bounces": word.of(word.Whole(0, 16), 3, "Reflections beyond the first."),
+        "directions": word.of(word.Whole(20, 1000), 200, "Directions along which light is gathered."),
+        "samples": word.of(word.Whole(20, 5000), 512, "Random samples of the harmonics."),
+        "intensity": word.NUMBER(0.85, "What is shown is so many times f_r pi.", low=0.0, high=4.0),
+    },
+    methods=(Method("f_r in float64, at vertices", scene, ("OPENGL_1_2", "GEFORCE_256")),),
+    acceptance=checks,
+)

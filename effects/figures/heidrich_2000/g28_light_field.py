@@ -1,0 +1,119 @@
+"""G28: a light field of 32 x 32 pictures with scattered light, and a picture from between its eyes."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.measures import arithmetic_check
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.heidrich_2000.shared.stills import cells, enlarged, mosaic, still
+from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, row_of_panels
+from fixedpipe.effects.scattering import goniometer, light_field, made_fields, visibility
+from fixedpipe.effects.scattering.directions import spiral
+
+# Of the rows and columns of eyes those whose pictures are shown.
+SHOWN = (0, 10, 21, 31)
+PANELS = ("16 of 32 x 32 pictures", "from between four eyes", "the same by rays")
+EYES, PIXELS, TEXELS = 32, 64, 64
+# Of the square of eyes, in edges of the field: half its edge, and its height.
+SPREAD, DISTANCE = 0.75, 1.0
+
+
+@lru_cache(maxsize=2)
+def _sent(light, depth, bounces, directions):
+    field = made_fields.gravel(TEXELS, TEXELS, 4, depth)
+    seen = visibility.precompute(field, spiral(directions))
+    towards = goniometer.upper(np.array([light]), "The light's direction")
+    return field, goniometer.lights(field, seen, towards, bounces)[0]
+
+
+@lru_cache(maxsize=2)
+def _light_field(pixels, *values):
+    return light_field.simulated(*_sent(*values), EYES, pixels, spread=SPREAD, distance=DISTANCE)
+
+
+def scene(profile, size, *, light, depth, bounces, directions, eye, intensity):
+    """G28: all pictures, one from between them, and what is seen from there by rays."""
+    values = light, depth, bounces, directions
+    pixels = min(PIXELS, size)
+    kept = _light_field(pixels, *values)
+    field, sent = _sent(*values)
+    some = kept.pictures[list(SHOWN)][:, list(SHOWN)]
+    s, t = 0.5 + kept.spread * eye[0], 0.5 + kept.spread * eye[1]
+    truth = sent.reshape(-1, 3)[light_field.seen_from(field, (s, t, kept.distance), pixels)]
+    shown = (
+        mosaic(np.clip(intensity * some, 0.0, 1.0), size),
+        *(enlarged(np.clip(intensity * one, 0.0, 1.0), size) for one in (kept.at(s, t), truth)),
+    )
+    out = []
+    for panel, name, picture in zip(row_of_panels(3, size), PANELS, shown, strict=True):
+        out += (panel.clear(BACKGROUND), *still(picture, panel, name, profile))
+    return tuple(out)
+
+
+def checks(figure, renderer):
+    """The picture from between against rays, and against another eye's."""
+    size = figure.size // 2
+    window = renderer.window(Answer.IDEAL, figure, size)
+    between, truth = (panel_of(window, k) for k in (1, 2))
+    other = panel_of(renderer.window(Answer.IDEAL, figure, size, eye=(-0.9, 0.8)), 2)
+    corners = cells(panel_of(window, 0), len(SHOWN))
+    error = np.abs(between - truth).mean() / truth.mean()
+    yield Check(
+        "a picture from between four eyes and rays differ, a share of the mean",
+        float(error),
+        at_most=0.04,
+        on=Answer.IDEAL,
+        reason="32 eyes are a sixteenth of the period apart at most; stones stand out of the plane of focus",
+    )
+    yield Check(
+        "the difference by that of the picture of a far eye",
+        float(np.abs(between - truth).mean() / np.abs(other - truth).mean()),
+        at_most=0.35,
+        on=Answer.IDEAL,
+        reason="eyes see different sides of the stones",
+    )
+    yield Check(
+        "pictures of the eyes at two ends of a row differ, a share of the mean",
+        float(np.abs(corners[1, 0] - corners[1, 3]).mean() / corners[1].mean()),
+        at_least=0.2,
+        on=Answer.IDEAL,
+        reason="stones hide one another to the left or to the right",
+    )
+    yield arithmetic_check(figure, renderer, 0.01, "bytes of a texture")
+
+
+FIGURE = Figure(
+    id="G28",
+    title="A light field with scattered light",
+    caption="Gravel, lit from the left: sixteen of the pictures from 32 x 32 eyes on a plane above it, each "
+    "of the same square; a picture from between four of the eyes, and by rays from there.",
+    must_see="The stones lean away from each eye. The last two panels are alike; the first of them "
+    "is a little blurred where stones stand high.",
+    source="HeidrichDaubertKautzSeidel2000",
+    techniques=("G01", "G02", "G06", "G28"),
+    panels=PANELS,
+    size=512,
+    parameters={
+        "light": word.of(
+            word.DIRECTION_KIND,
+            (-0.7, 0.3, 0.65),
+            "The direction to the light: right, up in the panel, out of it.",
+        ),
+        "depth": word.NUMBER(1.2, "How high the stones are, 1 = half balls.", low=0.05, high=2.0),
+        "bounces": word.of(word.Whole(0, 16), 3, "Reflections beyond the first."),
+        "directions": word.of(word.Whole(20, 1000), 100, "Directions along which light is gathered."),
+        "eye": word.of(
+            word.Several((word.Number(-1.0, 1.0),) * 2, what="two numbers from -1 to 1"),
+            (0.45, -0.38),
+            "Where the picture from between is seen from: right and up in the eyes' square.",
+        ),
+        "intensity": word.NUMBER(
+            1.2, "The light's, 1 = a white surface that faces it is full.", high=8.0, low=0.0
+        ),
+    },
+    methods=(Method("pictures by rays, shown as textures", scene, ("OPENGL_1_2", "GEFORCE_256")),),
+    acceptance=checks,
+)
