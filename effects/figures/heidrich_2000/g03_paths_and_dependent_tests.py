@@ -207,7 +207,7 @@ def checks(figure, renderer):
             smooth[0] / smooth[1],
             at_most=1.5,
             on=on,
-            reason="borders are as smooth as what lies between them; the nearest texel has sixty times as much",
+            reason="borders are as smooth as what is between; the nearest texel has sixty times as much",
         )
     yield arithmetic_check(figure, renderer, 0.004, "what the host computed is stored in bytes")
 
