@@ -27,7 +27,7 @@ def _grain(columns, rows, cells_s, cells_t, seed):
     return (coarse + 0.5 * height_fields.value_noise(columns, rows, 2 * cells_s, 2 * cells_t, seed + 1)) / 1.5
 
 
-def bricks(columns=128, rows=128, count=2, depth=0.03, seed=3):
+def bricks(columns=128, rows=128, depth=0.03, seed=3, count=2):
     """``count`` bricks and three times as many courses, each moved by half a brick: ``depth`` is that of the
     joints, in edges of the square. A brick is 215 mm by 65 mm, a joint 10 mm, and the square ``count``
     times 225 mm. Raises ValueError for an odd number of courses, which could not repeat.

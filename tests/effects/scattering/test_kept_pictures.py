@@ -123,11 +123,7 @@ def test_levels_are_faded_without_a_jump():
     steps = [levels.shares(0.01 * 1.01**k) for k in range(800)]
     assert all(sum(step) == pytest.approx(1.0) and min(step) >= 0.0 for step in steps)
     assert (
-        max(
-            abs(a - b)
-            for first, second in pairwise(steps)
-            for a, b in zip(first, second, strict=True)
-        )
+        max(abs(a - b) for first, second in pairwise(steps) for a, b in zip(first, second, strict=True))
         < 0.02
     )
     with pytest.raises(ValueError, match="above 0"):
