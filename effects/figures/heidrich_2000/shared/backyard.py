@@ -17,10 +17,10 @@ from fixedpipe.effects.acceptance.ray_caster import RayCaster
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.surfaces import Surface
-from fixedpipe.effects.geometry.vectors import cross, dot, from_frame, in_frame, normalize
+from fixedpipe.effects.geometry.vectors import cross, dot, from_frame, normalize
 from fixedpipe.effects.scattering import directions as sphere
-from fixedpipe.effects.scattering import light_transport, made_fields, visibility
-from fixedpipe.effects.scattering.height_field import HeightField, height_field
+from fixedpipe.effects.scattering import environment_light, made_fields, visibility
+from fixedpipe.effects.scattering.height_field import height_field
 from fixedpipe.effects.scenes.objects_and_lamps import Object, Scene
 
 # Radiance towards the zenith, at the horizon and of the ground that lies about, where a white surface that
@@ -233,25 +233,8 @@ def radiance(name, edge, frame, light, directions, bounces):
 
     frame  the part's (tangent, binormal, normal) in the world, tuples; light: towards the sun
     """
-    field: HeightField = field_of(name, edge)
-    axes = [np.array(axis) for axis in frame]
     seen = _visibility(name, edge, directions)
-    around = from_frame(seen.directions, *axes)
-    local = in_frame(np.array(light), *axes)
-    sun = np.zeros((edge, edge, 3))
-    if local[2] > 0.0:
-        facing = np.maximum(dot(field.normals, local), 0.0) * visibility.free_view(field, local)
-        sun = field.albedo * facing[..., None] * np.array(SUN)
-    black = np.zeros((edge, edge, 3))
-    above = field.albedo * light_transport.gathered(field, seen, black, sky(around))
-    out = [sun, above]
-    both = np.concatenate(out, axis=2)
-    albedo = np.concatenate([field.albedo] * 2, axis=2)
-    arriving = both
-    for _ in range(bounces):
-        arriving = albedo * light_transport.gathered(field, seen, arriving)
-        both = both + arriving
-    return both[..., :3], both[..., 3:]
+    return environment_light.sun_and_sky(field_of(name, edge), seen, frame, light, SUN, sky, bounces)
 
 
 def _looked_up(table, s, t):

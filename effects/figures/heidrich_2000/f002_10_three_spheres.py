@@ -1,0 +1,217 @@
+"""F002-10: three bump-mapped spheres: shadows alone, scattered light as well, light from an environment as
+well.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.measures import pixel_grid
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.geometry import surfaces
+from fixedpipe.effects.geometry.surfaces import sphere_frames
+from fixedpipe.effects.geometry.vectors import unit_vector
+from fixedpipe.effects.geometry.views import BACKGROUND, orthographic_view, panel_of, row_of_panels
+from fixedpipe.effects.passes.draws import FIRST_PASS, REPLACE, Sampler, draw, unit
+from fixedpipe.effects.passes.encoding import factor_texels
+from fixedpipe.effects.scattering import environment_light, height_field, visibility
+from fixedpipe.effects.scattering.directions import spiral
+from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
+from fixedpipe.pipeline.enums import PrimitiveType, TextureFilter, WrapMode
+from fixedpipe.pipeline.state import PassState, VertexState, Viewport
+from fixedpipe.pipeline.textures.images import texture_2d
+
+HALF_HEIGHT = 1.12
+# The sphere's texture of light: its half that is seen, s from 1/4 to 3/4, and the fields on it.
+ACROSS, UP = 4, 4
+_SAMPLES = 3
+_FILTERED = Sampler(
+    TextureFilter.LINEAR_MIPMAP_LINEAR, TextureFilter.LINEAR, WrapMode.CLAMP_TO_EDGE, WrapMode.CLAMP_TO_EDGE
+)
+# The environment by height, straight down to straight up: earth, a warm horizon, a blue sky.
+SKY = np.array(
+    [(0.16, 0.12, 0.09)] * 4
+    + [(0.55, 0.45, 0.36), (0.46, 0.52, 0.62), (0.30, 0.45, 0.72), (0.22, 0.38, 0.70)]
+)
+
+
+@lru_cache(maxsize=4)
+def _field(texels, domes, height, albedo, directions):
+    field = height_field.domes(texels, texels, domes, albedo, height)
+    return field, visibility.precompute(field, spiral(directions))
+
+
+@lru_cache(maxsize=8)
+def _tiles(texels, domes, height, albedo, directions, lookups):
+    return environment_light.tiles(*_field(texels, domes, height, albedo, directions), lookups)
+
+
+@lru_cache(maxsize=16)
+def lights(texels, domes, height, albedo, directions, lookups, light, brightness):
+    """Direct light, scattered light and the sky's on the sphere's half that is seen: three float64 [rows,
+    columns, 3], and the height of every place's texel, [rows, columns].
+    """
+    field, seen = _field(texels, domes, height, albedo, directions)
+    made = _tiles(texels, domes, height, albedo, directions, lookups)
+    columns, rows = ACROSS * texels, UP * texels
+    s, t = np.meshgrid(0.25 + (np.arange(columns) + 0.5) / columns / 2.0, (np.arange(rows) + 0.5) / rows)
+    normals, tangents, binormals = (axis.reshape(-1, 3) for axis in sphere_frames(s, t))
+    place = (np.arange(rows)[:, None] % texels) * texels + np.arange(columns)[None, :] % texels
+    sun = unit_vector(light, "The light's direction")
+    frames = tangents, binormals, normals
+    found = environment_light.on_turning_base(field, seen, made, place.ravel(), frames, sun, brightness * SKY)
+    return (*(one.reshape(rows, columns, 3) for one in found), field.heights.ravel()[place])
+
+
+def _texels_of(size, texels):
+    return min(texels, 16 if size < 100 else texels)
+
+
+def _pictures(size, intensity, **values):
+    """The three textures of light: with shadows alone, scattered light added, the sky's added."""
+    values["texels"] = _texels_of(size, values["texels"])
+    sun, scattered, sky, _ = lights(**values)
+    return [intensity * light for light in (sun, sun + scattered, sun + scattered + sky)]
+
+
+def _behind(panel, brightness):
+    """The environment behind the third sphere."""
+    low, middle, high = (np.minimum(brightness * 0.6 * SKY[k], 1.0) for k in (2, 4, 7))
+    edges = (-1.0, -0.1), (-0.1, 1.0)
+    corners = np.array(
+        [place for y, top in edges for place in ((-1.0, y), (1.0, y), (1.0, top), (-1.0, top))]
+    )
+    colors = np.stack([low, low, middle, middle, middle, middle, high, high])
+    state = PassState(
+        vertex=VertexState(viewport=Viewport(panel.x, panel.y, panel.width, panel.height)),
+        scissor=panel.scissor,
+    )
+    mesh = Mesh(corners, PrimitiveType.QUADS, colors=colors)
+    return Draw(label="the environment behind it", mesh=mesh, state=state)
+
+
+def scene(profile, size, *, intensity, brightness, background, **values):
+    """The three spheres, a texture of light each."""
+    panels = row_of_panels(3, size)
+    pictures = _pictures(size, intensity, brightness=brightness, **values)
+    ball = surfaces.sphere(24, 16) if size < 100 else surfaces.sphere(96, 64)
+    coordinates = (ball.texture_coordinates - (0.25, 0.0)) * (2.0, 1.0)
+    mesh = ball.mesh(coordinates)
+    names = ("direct light", "and scattered light", "and the environment's")
+    out = []
+    for name, picture in zip(names, pictures, strict=True):
+        image = texture_2d(factor_texels(picture, profile), mipmaps=True)
+        out.append(TexImage(label=f"load {name}", texture=name, image=image))
+    for number, (name, panel) in enumerate(zip(names, panels, strict=True)):
+        out.append(panel.clear(background))
+        if number == 2:
+            out.append(_behind(panel, brightness))
+        units = (unit(name, _FILTERED, environment=REPLACE),)
+        view = orthographic_view(panel, HALF_HEIGHT)
+        out.append(draw(f"the sphere: {name}", mesh, view, None, units, depth_test=FIRST_PASS))
+    return tuple(out)
+
+
+def in_software(size, *, intensity, brightness, background, **values):
+    """The same without triangles and mip maps: nine samples a pixel on a round sphere."""
+    pictures = _pictures(size, intensity, brightness=brightness, **values)
+    fine = _SAMPLES * size
+    x, y = pixel_grid(fine, 1.0 / HALF_HEIGHT)
+    inside = x * x + y * y < 1.0
+    z = np.sqrt(np.where(inside, 1.0 - x * x - y * y, 1.0))
+    s = 2.0 * (0.5 + np.arctan2(x, z) / (2.0 * np.pi) - 0.25)
+    t = 0.5 + np.arcsin(np.clip(y, -1.0, 1.0)) / np.pi
+    out = np.ones((size, 3 * size, 4))
+    for number, picture in enumerate(pictures):
+        rows, columns = picture.shape[:2]
+        j = np.clip((t * rows).astype(np.int64), 0, rows - 1)
+        i = np.clip((s * columns).astype(np.int64), 0, columns - 1)
+        behind = np.broadcast_to(np.array(background), (fine, fine, 3))
+        if number == 2:
+            low, middle, high = (np.minimum(brightness * 0.6 * SKY[k], 1.0) for k in (2, 4, 7))
+            up = np.linspace(-1.0, 1.0, fine)[:, None, None]
+            under = low + (up + 1.0) / 0.9 * (middle - low)
+            behind = np.broadcast_to(
+                np.where(up < -0.1, under, middle + (up + 0.1) / 1.1 * (high - middle)), (fine, fine, 3)
+            )
+        colors = np.where(inside[..., None], np.minimum(picture[j, i], 1.0), behind)
+        mean = colors.reshape(size, _SAMPLES, size, _SAMPLES, 3).mean(axis=(1, 3))
+        out[::-1, number * size : (number + 1) * size, :3] = mean
+    return out
+
+
+def checks(figure, renderer):
+    """The spheres' means, their valleys beside their tops, and what longer paths add."""
+    size = figure.size // 2
+    inside = (lambda x, y: x * x + y * y < 0.9)(*pixel_grid(size, 1.0 / HALF_HEIGHT))
+    for on in Answer:
+        means = [float(panel_of(renderer.window(on, figure, size), k)[inside].mean()) for k in range(3)]
+        for k, what in enumerate(("scattered light adds", "the environment adds")):
+            yield Check(
+                f"what {what} to the mean of the sphere before",
+                means[k + 1] / means[k] - 1.0,
+                at_least=0.02,
+                on=on,
+                reason="each sphere is brighter than the one before",
+            )
+    values = {k: v for k, v in figure.values.items() if k not in ("intensity", "background")}
+    sun, scattered, _, height = lights(**values)
+    lit = sun.max(axis=-1) >= 0.0
+    low, high = np.quantile(height, (0.2, 0.8))
+    valleys, tops = lit & (height <= low), lit & (height >= high)
+    ratio = [light[valleys].mean() / light[tops].mean() for light in (sun, sun + scattered)]
+    yield Check(
+        "valleys over tops with scattered light, over the same without",
+        float(ratio[1] / ratio[0]),
+        at_least=1.02,
+        on=Answer.IDEAL,
+        reason="valleys see other bumps, tops the sky",
+    )
+    short = lights(**{**values, "lookups": 1})[1]
+    yield Check(
+        "change of the mean from paths of 2 reflections to paths of 4",
+        float((sun + scattered).mean() / (sun + short).mean() - 1.0),
+        at_most=0.1,
+        on=Answer.IDEAL,
+        reason="the catalogue's, at an albedo of 0.8",
+    )
+    rays = in_software(size, **figure.values)[::-1, :, :3]
+    apart = np.abs(np.clip(renderer.ideal_window(figure, size), 0.0, 1.0) - rays).max(axis=-1)
+    yield Check(
+        "median difference from the software renderer",
+        float(np.median(apart)),
+        at_most=0.02,
+        on=Answer.IDEAL,
+        reason="one sample a pixel and mip maps beside nine samples",
+    )
+
+
+FIGURE = Figure(
+    id="F002-10",
+    title="Three bump-mapped spheres",
+    caption="One bump map under one light: with its shadows; with the light that its parts scatter at each "
+    "other, paths of four reflections; and with an environment's light wherever nothing is seen along a "
+    "direction.",
+    must_see="Black shadows and valleys on the first; on the second valleys are filled with warm light; the "
+    "third is lit all round, blue from above and brown from below.",
+    source="HeidrichDaubertKautzSeidel2000",
+    techniques=("G13", "G11", "G30"),
+    panels=("with shadows", "with scattered light", "with an environment"),
+    parameters={
+        "texels": word.TEXELS(64, "The edge of the bump map.", low=8, high=256),
+        "domes": word.COUNT(2, "Domes along an edge of the bump map.", low=1, high=8),
+        "height": word.NUMBER(1.0, "How high the domes stand, 1 = half balls.", low=0.1, high=2.0),
+        "albedo": word.of(word.COLOR_KIND, (0.8, 0.62, 0.45), "The surface's albedo.", word.FULL),
+        "directions": word.of(word.Whole(20, 1000), 100, "Directions along which visibility is known."),
+        "lookups": word.of(word.Whole(0, 8), 3, "Lookups along a path: its reflections but one."),
+        "light": word.LIGHT((-0.55, 0.6, 0.58)),
+        "intensity": word.NUMBER(0.9, "The exposure.", low=0.0, high=4.0),
+        "brightness": word.NUMBER(0.8, "The environment's, beside the light's.", low=0.0, high=4.0),
+        "background": word.BACKDROP(BACKGROUND),
+    },
+    methods=(Method("textures of scattered light", scene, ("GEFORCE_256", "OPENGL_1_2", "OCTANE")),),
+    acceptance=checks,
+    reference=in_software,
+)

@@ -1,0 +1,174 @@
+"""G30 and G34: what a height field in a scene sends back of a sun and of a sky, where its base is turned.
+
+Wherever nothing is seen from a texel along d_i the environment's light comes from there, turned into the
+world by the frame of the base. On a flat part of a scene one frame serves all texels (``sun_and_sky``); on a
+surface that turns, as a sphere, every place has its own, and light from l that is scattered comes from tiles:
+the field's indirect light is linear in the light, so it is made once for each direction of the upper
+hemisphere and interpolated between the three around l (``on_turning_base``).
+
+Radiances are in units of what a white surface that faces the sun sends back, where the sun's colour is one.
+
+Source: Heidrich, Daubert, Kautz, Seidel 2000, section 6 and figures 10 and 12; pass sequences A-G30 and
+A-G34.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fixedpipe.effects.geometry.vectors import cross, dot, from_frame, in_frame
+from fixedpipe.effects.scattering import directions as sphere
+from fixedpipe.effects.scattering import light_transport
+from fixedpipe.effects.scattering.visibility import BACK, FREE, free_view
+from fixedpipe.effects.technique import Technique
+from fixedpipe.raster.kernel import kernel
+
+TECHNIQUES = (
+    Technique("G30", "light from an environment wherever nothing is seen", "6"),
+    Technique("G34", "a scene in software: direct light, its shadows, scattered light and the sky's", "6"),
+)
+
+
+def sun_and_sky(field, visibility, frame, light, sun, sky, bounces):
+    """What a HeightField on a flat base sends back of a sun and of a sky: two float64 [rows, columns, 3].
+
+    frame    the base's (tangent, binormal, normal) in the world, unit vectors
+    light    towards the sun, a unit vector of the world; sun: its RGB
+    sky      a function of directions [n, 3] of the world: the environment's radiance, float64 [n, 3]
+    bounces  how often light is scattered on within the field, from 0
+    """
+    axes = [np.asarray(axis, np.float64) for axis in frame]
+    local = in_frame(np.asarray(light, np.float64), *axes)
+    lit = np.zeros((*field.heights.shape, 3))
+    if local[2] > 0.0:
+        facing = np.maximum(dot(field.normals, local), 0.0) * free_view(field, local)
+        lit = field.albedo * facing[..., None] * np.array(sun)
+    around = sky(from_frame(visibility.directions, *axes))
+    above = field.albedo * light_transport.gathered(field, visibility, np.zeros(lit.shape), around)
+    both, albedo = np.concatenate([lit, above], axis=2), np.concatenate([field.albedo] * 2, axis=2)
+    arriving = both
+    for _ in range(bounces):
+        arriving = albedo * light_transport.gathered(field, visibility, arriving)
+        both = both + arriving
+    return both[..., :3], both[..., 3:]
+
+
+@dataclass(frozen=True, eq=False)
+class Tiles:
+    """What the field's texels send back of light from each direction, made once.
+
+    indirect  float64 [directions, rows * columns, 3]: of a light of one, what is scattered; 0 from below
+    again     float64 [rows * columns, 3]: by what even light from all around grows by being scattered on
+    """
+
+    indirect: NDArray[np.float64]
+    again: NDArray[np.float64]
+
+
+def tiles(field, visibility, bounces):
+    """The Tiles of a HeightField with so many bounces."""
+    shape = (visibility.count, field.rows * field.columns, 3)
+    indirect = np.zeros(shape)
+    for i, direction in enumerate(visibility.directions):
+        if direction[2] > 0.0 and bounces:
+            lit = visibility.seen[i] == FREE
+            found = light_transport.bounces(field, visibility, direction, bounces, lit=lit)
+            indirect[i] = (found[-1] - found[0]).reshape(shape[1:])
+    even = np.ones((visibility.count, 3))
+    first = field.albedo * light_transport.gathered(
+        field, visibility, np.zeros((*field.heights.shape, 3)), even
+    )
+    total, arriving = first, first
+    for _ in range(bounces):
+        arriving = field.albedo * light_transport.gathered(field, visibility, arriving)
+        total = total + arriving
+    # A texel that no sky reaches has what is scattered to it: little, which is left out.
+    again = np.where(first > 0.0, total / np.where(first > 0.0, first, 1.0), 1.0)
+    return Tiles(indirect, np.ascontiguousarray(again.reshape(shape[1:])))
+
+
+@kernel
+def _lights(
+    texels, tangents, binormals, normals, light, bumps, albedo, directions, seen, corners, inverses, indirect,
+    sky, direct, scattered, above,
+):  # fmt: skip
+    """The three lights of places that each have a texel and a frame of their own."""
+    for place in range(len(texels)):
+        texel = texels[place]
+        t, b, n, bump = tangents[place], binormals[place], normals[place], bumps[texel]
+        x = (light[0] * t[0] + light[1] * t[1]) + light[2] * t[2]
+        y = (light[0] * b[0] + light[1] * b[1]) + light[2] * b[2]
+        z = (light[0] * n[0] + light[1] * n[1]) + light[2] * n[2]
+        for k in range(3):
+            direct[place, k], scattered[place, k], above[place, k] = 0.0, 0.0, 0.0
+        if z > 0.0:
+            # The triangle of directions in which the light lies: the one whose least part is greatest.
+            best, chosen = -np.inf, 0
+            for triangle in range(len(corners)):
+                least = np.inf
+                for k in range(3):
+                    row = inverses[triangle, k]
+                    least = min(least, (row[0] * x + row[1] * y) + row[2] * z)
+                if least > best:
+                    best, chosen = least, triangle
+            total, free, counted = 0.0, 0.0, 0.0
+            for k in range(3):
+                row = inverses[chosen, k]
+                weight = max((row[0] * x + row[1] * y) + row[2] * z, 0.0)
+                i = corners[chosen, k]
+                total += weight
+                if seen[i, texel] != BACK:
+                    counted += weight
+                    free += weight if seen[i, texel] == FREE else 0.0
+                for c in range(3):
+                    scattered[place, c] += weight * indirect[i, texel, c]
+            # A direction from which the texel is turned away says nothing of what is in the way.
+            facing = max((bump[0] * x + bump[1] * y) + bump[2] * z, 0.0)
+            share = free / counted if counted > 0.0 else 1.0
+            for c in range(3):
+                scattered[place, c] /= total
+                direct[place, c] = albedo[texel, c] * facing * share
+        for i in range(len(directions)):
+            if seen[i, texel] != FREE:
+                continue
+            d = directions[i]
+            cosine = (bump[0] * d[0] + bump[1] * d[1]) + bump[2] * d[2]
+            # Up in the world, and between which two entries of the sky's table.
+            up = (d[0] * t[1] + d[1] * b[1]) + d[2] * n[1]
+            at = min(max((up * 0.5 + 0.5) * (len(sky) - 1), 0.0), len(sky) - 1.000001)
+            low = int(at)
+            for c in range(3):
+                above[place, c] += cosine * (sky[low, c] + (at - low) * (sky[low + 1, c] - sky[low, c]))
+
+
+def on_turning_base(field, visibility, made, texels, frames, light, sky):
+    """What places on a surface send back: of direct light with its shadow, of light scattered in the field,
+    and of the sky. Three float64 [n, 3].
+
+    made    the field's Tiles
+    texels  int64 [n], row * columns + column of each place's texel
+    frames  (tangents, binormals, normals), float64 [n, 3] each: of the base at each place, in the world
+    light   towards the light, a unit vector of the world
+    sky     float64 [k, 3]: the environment's radiance at heights -1 (straight down) to 1, evenly spaced
+
+    Shadows are G13's, between three directions; what the sky's light gains by being scattered on is that of
+    even light.
+    """
+    flat = field.rows * field.columns
+    triangles = sphere.triangulated(visibility.directions)
+    a, b, c = (visibility.directions[triangles[:, k]] for k in range(3))
+    volume = dot(a, cross(b, c))[:, None]
+    inverses = np.stack([cross(b, c) / volume, cross(c, a) / volume, cross(a, b) / volume], axis=1)
+    out = [np.empty((len(texels), 3)) for _ in range(3)]
+    _lights(
+        np.ascontiguousarray(texels, np.int64), *(np.ascontiguousarray(axis, np.float64) for axis in frames),
+        np.asarray(light, np.float64), np.ascontiguousarray(field.normals.reshape(flat, 3)),
+        np.ascontiguousarray(field.albedo.reshape(flat, 3)), visibility.directions,
+        visibility.seen.reshape(visibility.count, flat), triangles, np.ascontiguousarray(inverses),
+        made.indirect, np.ascontiguousarray(sky, np.float64), *out,
+    )  # fmt: skip
+    direct, scattered, above = out
+    albedo = field.albedo.reshape(flat, 3)[texels]
+    weight = light_transport.WEIGHT / visibility.count
+    return direct, scattered, albedo * above * weight * made.again[texels]
