@@ -60,9 +60,8 @@ def _with_neighbours(far, triangles):
     """Distances [n, rows, columns] where a direction that sees nothing has its nearest neighbour's."""
     beside = np.full(far.shape, np.inf)
     seen = np.where(far > 0.0, far, np.inf)
-    for k in range(3):
-        for other in range(3):
-            np.minimum.at(beside, triangles[:, k], seen[triangles[:, other]])
+    for triangle in triangles:
+        beside[triangle] = np.minimum(beside[triangle], seen[triangle].min(axis=0))
     return np.where(np.isinf(far), beside, far)
 
 
