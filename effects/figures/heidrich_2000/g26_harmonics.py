@@ -20,31 +20,38 @@ from fixedpipe.effects.scattering.directions import spiral
 PANELS = ("pictures", "texture space", "16^4 samples", "512 samples, harmonics")
 # Of a panel's half edge, the radius of the views' disc; and how far from the zenith its rim is, as a sine.
 EXTENT, RIM = 0.92, 0.98
-RINGS, SPOKES = 24, 48
 TEXELS, ROWS = 64, 2
 
 
-def views():
-    """The disc of views seen from the zenith: positions and directions, float64 [n, 3]; triangles."""
-    ring, spoke = np.meshgrid(np.arange(RINGS + 1) / RINGS, np.arange(SPOKES + 1) / SPOKES, indexing="ij")
+def rings(size):
+    """How many rings of views a panel of ``size`` pixels has; half as many as spokes."""
+    return int(min(max(size // 16, 6), 24))
+
+
+def views(count):
+    """The disc of views seen from the zenith, of ``count`` rings: positions and directions, float64 [n, 3];
+    triangles.
+    """
+    spokes = 2 * count
+    ring, spoke = np.meshgrid(np.arange(count + 1) / count, np.arange(spokes + 1) / spokes, indexing="ij")
     angle = 2.0 * math.pi * spoke.ravel()
     x, y = ring.ravel() * cosine(angle), ring.ravel() * sine(angle)
     # At the zenith every spoke has the same view.
     height = np.sqrt(np.maximum(1.0 - RIM * RIM * (x * x + y * y), 0.0))
-    i = (np.arange(RINGS) * (SPOKES + 1))[:, None] + np.arange(SPOKES)
-    a, b, c, d = i, i + SPOKES + 1, i + SPOKES + 2, i + 1
+    i = (np.arange(count) * (spokes + 1))[:, None] + np.arange(spokes)
+    a, b, c, d = i, i + spokes + 1, i + spokes + 2, i + 1
     triangles = np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)
     positions = EXTENT * np.stack([x, y, 0.0 * x], axis=-1)
     return positions, normalize(np.stack([RIM * x, RIM * y, height], axis=-1)), triangles
 
 
 @lru_cache(maxsize=4)
-def lobes(light, red, white, angle, bounces, directions, samples):
+def lobes(count, light, red, white, angle, bounces, directions, samples):
     """f_r(l, v) of the disc's views, in the panels' order: four float64 [n, 3]."""
     field = height_field.ridges(TEXELS, ROWS, angle, 1, red, white)
     seen = visibility.precompute(field, spiral(directions))
     towards = goniometer.upper(np.array([light]), "The light's direction")
-    _, toward, _ = views()
+    _, toward, _ = views(count)
     counted = goniometer.shares_in_pictures(field, toward, TEXELS)
     dense = dense_brdf.simulated(field, seen, 16, bounces)
     fitted = harmonics.fitted(*harmonics.sampled(field, seen, samples, bounces))
@@ -59,11 +66,11 @@ def lobes(light, red, white, angle, bounces, directions, samples):
 
 def scene(profile, size, *, intensity, **values):
     """G26: four discs of views, f_r pi at their vertices."""
-    positions, toward, triangles = views()
+    positions, toward, triangles = views(rings(size))
     x, y, z = (np.tile(row, (len(positions), 1)) for row in np.eye(3))
     disc = Surface(positions, z, x, y, toward[:, :2], triangles)
     out = []
-    for panel, name, lobe in zip(row_of_panels(4, size), PANELS, lobes(**values), strict=True):
+    for panel, name, lobe in zip(row_of_panels(4, size), PANELS, lobes(rings(size), **values), strict=True):
         colors = colors_of(factor_texels(np.clip(intensity * math.pi * lobe, 0.0, 1.0), profile))
         mesh = disc.mesh(colors=colors)
         out += (

@@ -82,6 +82,14 @@ def checks(figure, renderer):
         on=Answer.IDEAL,
         reason="stones hide one another to the left or to the right",
     )
+    yield Check(
+        "mean of the pictures from the left by that from the right",
+        float(corners[:, 0].mean() / corners[:, 3].mean()),
+        at_least=1.2,
+        on=Answer.IDEAL,
+        reason="the light comes from the left, and from there lit sides are seen; with s and t "
+        "exchanged it is below one",
+    )
     yield arithmetic_check(figure, renderer, 0.01, "bytes of a texture")
 
 

@@ -34,7 +34,7 @@ def scene(profile, size, **values):
 def checks(figure, renderer):
     """The light that the levels send, and where they differ."""
     size = figure.size // 2
-    *_, ball = ridged_body.regions(size, 1.0)
+    above, below, ball = ridged_body.regions(size, 1.0)
     for on in Answer:
         window = renderer.window(on, figure, size)
         panels = [panel_of(window, k) for k in range(len(PANELS))]
@@ -57,6 +57,15 @@ def checks(figure, renderer):
                 at_most=0.03,
                 on=on,
                 reason="it is between two levels; lower ridges mask less, not half as much",
+            )
+        for part, where in ((above, "above"), (below, "below")):
+            red = [float(panel[part][:, 0].sum() / panel[part][:, 1].sum()) for panel in panels]
+            yield Check(
+                f"red over green {where}: geometry and BRDF differ by a share of",
+                abs(red[4] / red[0] - 1.0),
+                at_most=0.1,
+                on=on,
+                reason="as F002-9's",
             )
         rough = [float(np.diff(panel.mean(axis=-1), axis=0)[ball[1:]].std()) for panel in panels]
         yield Check(

@@ -78,6 +78,18 @@ def test_pictures_and_texture_space_agree(field, mean):
     assert np.abs(in_pictures / found - 1.0)[steep][:, steep].mean() < mean
 
 
+def test_without_masking_texture_space_is_another_thing():
+    field = domes(32, 32, 2)
+    found, views, _ = measured(field)
+    in_pictures, *_ = measured(field, shares=goniometer.shares_in_pictures(field, views))
+    everything = goniometer.shares_in_texture_space(field, views, np.ones((len(views), 32, 32)))
+    unmasked, *_ = measured(field, shares=everything)
+    low = views[:, 2] < 0.4
+    masked_error, error = (np.abs(each / in_pictures - 1.0)[:, low].mean() for each in (found, unmasked))
+    # Measured: 0.023 and 0.185.
+    assert error > 2.0 * masked_error, (error, masked_error)
+
+
 def test_a_picture_shows_one_flank_where_the_other_is_masked():
     field = ridges(64, 2, 60.0, 1)
     seen = goniometer.picture(field, (0.9, 0.0, math.sqrt(0.19)), 64)
