@@ -16,6 +16,10 @@ PAGE = ROOT / INDEX
 PAGES = {"000": "000-shadows.md", "002": "002.md", "003": "003.md", "004": "004.md"}
 # What comments and pages name of the papers and no module here is, by id: what it is, and where.
 NAMED = {
+    "G07": ("hierarchical dependent tests", "3.1, 7"),
+    "G37": ("other simulated BRDFs, and other methods that are dependent tests, as related work", "2, 3.1"),
+    "G38": ("other geometry, media that scatter, whole scenes, as future work", "7"),
+    "G39": ("what is assumed: a height field, nothing else inside its hull, small bumps", "1, 3"),
     "H03": ("factors of a reflectance model multiplied by blending, with one texture unit", "1.1"),
     "H05": ("a table's coordinates computed at the vertices and interpolated", "1.1"),
     "H13": (

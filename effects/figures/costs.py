@@ -8,6 +8,20 @@ PROCESSOR = "one core of an AMD EPYC (family 25)"
 # Measured: time.process_time around fixedpipe.effects.reports.figure_record.render, one thread, kernels in
 # the cache.
 SECONDS = {
+    "T002-1": 9,
+    "G21": 9,
+    "G20": 9,
+    "G03": 9,
+    "F002-12": 9,
+    "F002-11": 9,
+    "F002-10": 9,
+    "F002-8": 9,
+    "F002-7": 9,
+    "F002-5": 9,
+    "F002-4": 9,
+    "F002-3": 0.9,
+    "F002-2": 2.2,
+    "F002-1": 59,
     "F000-6": 2.2,
     "F000-7": 42,
     "F002-6": 1.5,

@@ -17,7 +17,15 @@ from tests import techniques
 ROOT = Path(__file__).parents[2]
 CLAIMED = [technique.id for _, technique in techniques.claims()]
 # Folders of techniques, and their modules that are none.
-FOLDERS = ("bump_mapping", "environment_maps", "reflectance", "shadows", "texture_filtering", "volumes")
+FOLDERS = (
+    "bump_mapping",
+    "environment_maps",
+    "reflectance",
+    "scattering",
+    "shadows",
+    "texture_filtering",
+    "volumes",
+)
 HELPERS = {
     "effects/environment_maps/environments.py",
     "effects/reflectance/sampled_functions.py",
