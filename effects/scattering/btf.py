@@ -33,11 +33,13 @@ class BTF:
     that faces the light, or uint8, 255 = ``FULL``.
 
     towards, views  float64 [n, 3] and [m, 3]
+    irradiance      float64 [n]: of the mean plane (``goniometer.irradiance``)
     """
 
     pictures: NDArray
     towards: NDArray[np.float64]
     views: NDArray[np.float64]
+    irradiance: NDArray[np.float64]
 
     def radiance(self, light, view):
         """One picture, by the numbers of light and view: float64 [size, size, 3]."""
@@ -58,7 +60,7 @@ class BTF:
         for i in range(len(self.towards)):
             for j in range(len(self.views)):
                 parts = self.radiance(i, j).reshape(count, edge, count, edge, 3)
-                out[i, j] = parts.sum(axis=(1, 3)) / (edge * edge * math.pi * self.towards[i, 2])
+                out[i, j] = parts.sum(axis=(1, 3)) / (edge * edge * math.pi * self.irradiance[i])
         return out
 
     def brdf(self):
@@ -66,9 +68,9 @@ class BTF:
         return self.windows(1)[:, :, 0, 0]
 
     def npz(self):
-        """The bytes of an NPZ file: pictures, towards, views, and ``full``, what 255 is in bytes."""
-        stream = io.BytesIO()
-        np.savez(stream, pictures=self.pictures, towards=self.towards, views=self.views, full=FULL)
+        """The bytes of an NPZ file: the arrays by their names, and ``full``, what 255 is in bytes."""
+        stream, names = io.BytesIO(), ("pictures", "towards", "views", "irradiance")
+        np.savez(stream, **{name: getattr(self, name) for name in names}, full=FULL)
         return stream.getvalue()
 
 
@@ -117,4 +119,4 @@ def simulated(
     found = long_work.run(
         tasks, _piece, folder=folder, parameters=parameters, executor=executor, progress=progress
     )
-    return BTF(np.stack(found), towards, views)
+    return BTF(np.stack(found), towards, views, goniometer.irradiance(field, towards))

@@ -14,7 +14,7 @@ space (G24): a texel has V(p, v) (n_p.v)+ / n_p.z, the area that it turns toward
 is masked, by rays or by any other test that shadows have: the test is the same.
 
 Radiances are in units of what a white surface that faces the light sends back, so f_r is the mean over pi and
-the light's cosine, per steradian; a flat field has albedo / pi.
+the irradiance, per steradian; a flat field has albedo / pi.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 6; pass sequences A-G23 and A-G24. Inferred: highlights
 are scattered once; what is scattered further is diffuse.
@@ -194,6 +194,27 @@ def shares_in_texture_space(field, views, visible=None):
     return area / total[:, None, None]
 
 
+def _cosines(field, towards, lit):
+    """(n_p.l)+ where the light is not shadowed: float64 [n, rows, columns]."""
+    lit = precompute(field, towards).seen == FREE if lit is None else np.asarray(lit)
+    return np.stack([np.maximum(dot(field.normals, light), 0.0) for light in towards]) * lit
+
+
+def irradiance(field, towards, lit=None):
+    """What lights of one from ``towards`` [n, 3] bring to the mean plane, as the texels get it: float64 [n],
+    the mean of V (n_p.l)+ / n_p.z.
+
+    That is the light's cosine, but for texels that are lit or not as a whole; f_r over it keeps energy, and
+    is the same for l and v in either order. The cosine itself where no texel's centre is lit.
+    """
+    towards = upper(towards, "The lights")
+    area = (_cosines(field, towards, lit) / field.normals[..., 2]).reshape(len(towards), -1)
+    total = np.zeros(len(towards))
+    for texel in area.T:
+        total += texel
+    return np.where(total > 0.0, total / area.shape[1], towards[:, 2])
+
+
 def lights(field, visibility, towards, bounces=2, lit=None):
     """What a HeightField's texels send back evenly of lights from ``towards`` [n, 3]: float64 [n, rows,
     columns, 3].
@@ -202,18 +223,16 @@ def lights(field, visibility, towards, bounces=2, lit=None):
              light with its shadows alone
     lit      bool or float [n, rows, columns]: where each light is not shadowed; None: by rays
     """
-    towards = upper(towards, "The lights")
-    lit = precompute(field, towards).seen == FREE if lit is None else np.asarray(lit)
-    cosines = np.stack([np.maximum(dot(field.normals, light), 0.0) for light in towards]) * lit
+    cosines = _cosines(field, upper(towards, "The lights"), lit)
     # All lights at once: what is gathered has three components for each.
     rows, columns = field.heights.shape
-    albedo = np.tile(field.albedo, (1, 1, len(towards)))
+    albedo = np.tile(field.albedo, (1, 1, len(cosines)))
     sent = albedo * np.repeat(np.moveaxis(cosines, 0, -1), 3, axis=-1)
     total = sent
     for _ in range(bounces):
         sent = albedo * gathered(field, visibility, sent)
         total = total + sent
-    return np.ascontiguousarray(np.moveaxis(total.reshape(rows, columns, len(towards), 3), 2, 0))
+    return np.ascontiguousarray(np.moveaxis(total.reshape(rows, columns, len(cosines), 3), 2, 0))
 
 
 def means(shares, sent):
@@ -263,7 +282,7 @@ def brdf(field, visibility, towards, views, bounces=2, shares=None):
     shares = shares_in_texture_space(field, views) if shares is None else shares
     radiance = means(shares, lights(field, visibility, towards, bounces))
     radiance += highlights(field, towards, views, shares)
-    return radiance / (math.pi * towards[:, 2])[:, None, None]
+    return radiance / (math.pi * irradiance(field, towards))[:, None, None]
 
 
 def grid(count):

@@ -137,4 +137,4 @@ def sampled(field, visibility, count=512, bounces=2, seed=0):
         for k in range(count):
             one = slice(k, k + 1)
             radiance[k] += goniometer.highlights(field, towards[one], views[one], shares[one])[0, 0]
-    return towards, views, radiance / (math.pi * towards[:, 2])[:, None]
+    return towards, views, radiance / (math.pi * goniometer.irradiance(field, towards))[:, None]

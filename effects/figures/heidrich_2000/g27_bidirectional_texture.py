@@ -39,7 +39,7 @@ def scene(profile, size, *, depth, bounces, directions, windows, intensity):
     kept = simulated(depth, bounces, directions)
     n, m = kept.pictures.shape[:2]
     pictures = np.stack([np.stack([kept.radiance(i, j) for j in range(m)]) for i in range(n)])
-    facing = np.pi * kept.towards[:, 2][:, None, None, None, None]
+    facing = np.pi * kept.irradiance[:, None, None, None, None]
     out = []
     shown = (pictures, kept.windows(windows) * facing, kept.windows(1) * facing)
     for panel, name, light in zip(row_of_panels(3, size), PANELS, shown, strict=True):

@@ -38,8 +38,8 @@ def test_flat_triangles_in_pictures_too():
 def test_what_is_sent_back_is_less_than_what_comes(field):
     found, views, solid_angles = measured(field)
     sent = goniometer.albedos(found, views, solid_angles)
-    # Measured: 0.815 and 0.824; shadows that end at texels, and 200 directions, are the noise.
-    assert sent.max() < 0.84
+    # The albedo is 0.8. Measured: 0.797 and 0.805; what is gathered along 200 directions is the noise.
+    assert sent.max() < 0.808
     assert sent.min() > 0.6
 
 
@@ -53,7 +53,7 @@ def test_more_reflections_send_back_more_and_black_sends_nothing():
 
 @pytest.mark.parametrize(
     ("field", "mean"),
-    [(bumps(32, 32), 0.005), (domes(32, 32, 2), 0.05), (ridges(64, 2, 45.0, 1), 0.03)],
+    [(bumps(32, 32), 0.0005), (domes(32, 32, 2), 0.01), (ridges(64, 2, 45.0, 1), 0.01)],
     ids=["bumps", "domes", "ridges"],
 )
 def test_light_and_view_may_change_places(field, mean):
@@ -61,8 +61,19 @@ def test_light_and_view_may_change_places(field, mean):
     steep = views[:, 2] > 0.3
     found = found[steep][:, steep]
     turned = found.transpose(1, 0, 2)
-    # Measured: 0.0018, 0.022, 0.009 of the mean.
+    # Measured: 0.0002, 0.005, 0.002 of the mean; direct light has none, as the next test has it.
     assert (np.abs(found - turned) / (0.5 * (found + turned))).mean() < mean
+
+
+def test_direct_light_is_the_same_in_either_order_and_keeps_its_energy():
+    field = domes(32, 32, 2)
+    found, views, _ = measured(field, bounces=0)
+    lit = goniometer.lights(field, precompute(field, DIRECTIONS), views, 0).any(axis=(1, 2, 3))
+    assert lit.all()
+    assert np.abs(found - found.transpose(1, 0, 2)).max() < 1e-12
+    irradiance = goniometer.irradiance(field, views)
+    # Measured: 0.039; texels' normals are not their triangles', and shadows end at texels.
+    assert np.abs(irradiance / views[:, 2] - 1.0)[views[:, 2] > 0.3].max() < 0.06
 
 
 @pytest.mark.parametrize(
