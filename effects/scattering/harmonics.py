@@ -28,8 +28,8 @@ TECHNIQUES = (
 BANDS = 4
 COEFFICIENTS = BANDS * BANDS
 # Least squares' weight of the coefficients' squares, of the samples' number. Measured: 512 samples of bumps,
-# domes and ridges are 5, 8 and 16 % off a dense grid (RMS of light that is sent back, of its mean); with 1e-5
-# 7, 11 and 21 %; with 1e-7 a tenth less, the most of what is left being what four bands cannot follow.
+# domes and ridges are 5, 7 and 14 % off a dense grid (RMS of light that is sent back, of its mean); with 1e-5
+# 7, 11 and 19 %; with 1e-7 a tenth less, the most of what is left being what four bands cannot follow.
 TIKHONOV = 1e-6
 # Coefficients differ in their last bits between libraries; rounded to a multiple of this they do not.
 _STEP = 2.0**-20
