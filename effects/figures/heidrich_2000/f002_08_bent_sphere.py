@@ -42,9 +42,10 @@ def bent_texel(curvature, directions, texel):
 
 
 def color_of(weights):
-    """Colours of ratios of areas [n], float64 [n, 3]: even steps for even factors' squares."""
+    """Colours of ratios of areas [n], float64 [n, 3]; what has folded over is as the smallest."""
     # (w - 1) / (w + 1) is the same but for its sign for a factor and its inverse.
     most = (_FACTOR - 1.0) / (_FACTOR + 1.0)
+    weights = np.maximum(weights, 0.0)
     share = np.clip((weights - 1.0) / (weights + 1.0) / most, -1.0, 1.0)[:, None]
     return _SAME + np.maximum(share, 0.0) * (_MORE - _SAME) + np.maximum(-share, 0.0) * (_LESS - _SAME)
 
