@@ -81,11 +81,11 @@ GROOVE_TEXELS = 32
 
 
 def _window(renderer, on, commands, edge):
-    """The lower left edge x edge pixels that commands leave, RGB, bottom row first."""
+    """What commands leave in two panels side by side: RGB [edge, 2 edge, 3], bottom row first."""
     if on is Answer.IDEAL:
-        return renderer.execute_ideal(commands, 2 * edge, edge).color[::-1, :edge, :3]
+        return renderer.execute_ideal(commands, 2 * edge, edge).color[::-1, :, :3]
     framebuffer = renderer.execute(commands, renderer.profile, 2 * edge, edge).framebuffer
-    return framebuffer.color[::-1, :edge, :3] / (2.0**framebuffer.color_bits - 1.0)
+    return framebuffer.color[::-1, :, :3] / (2.0**framebuffer.color_bits - 1.0)
 
 
 def gain(renderer, way, on, flank, reflections, directions, weight=light_transport.WEIGHT):
@@ -99,10 +99,10 @@ def gain(renderer, way, on, flank, reflections, directions, weight=light_transpo
     drawn = dependent_tests.rounds_drawn(way, setup, dependent_tests.UP, reflections, weight=weight)
     shown = (
         dependent_tests.textured("with scattering", setup.work, RESULT),
-        dependent_tests.textured("direct light alone", setup.work, DIRECT, dependent_tests.share_of(setup)),
+        dependent_tests.textured("direct light alone", setup.total, DIRECT, dependent_tests.share_of(setup)),
     )
-    means = [_window(renderer, on, (*drawn, last), GROOVE_TEXELS).mean() for last in shown]
-    return float(means[0] / means[1])
+    window = _window(renderer, on, (*drawn, *shown), GROOVE_TEXELS)
+    return float(window[:, :GROOVE_TEXELS].mean() / window[:, GROOVE_TEXELS:].mean())
 
 
 def _grooves(renderer, way):
@@ -154,7 +154,7 @@ def _against_paths(renderer, way, values, lookups, accumulation, specular=0.0):
             ),
             dependent_tests.textured("the result", setup.work, RESULT),
         )
-        yield on, root_mean_square(_window(renderer, on, drawn, edge) - expected)
+        yield on, root_mean_square(_window(renderer, on, drawn, edge)[:, :edge] - expected)
 
 
 def _sums(renderer, way, values):
