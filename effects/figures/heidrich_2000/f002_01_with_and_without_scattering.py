@@ -271,7 +271,7 @@ FIGURE = Figure(
         "height": word.NUMBER(0.8, "The domes' height, over half balls'.", low=0.0, high=2.0),
         "albedo": word.COLOR((0.8, 0.6, 0.42), "The share of light that the surface scatters."),
         "specular": word.NUMBER(
-            0.0, "k_s of highlights with the exponent 8; with the albedo 1 at most.", low=0.0, high=1.0
+            0.0, "The highlights' k_s, of the exponent 8; with the albedo 1 at most.", low=0.0, high=1.0
         ),
         "directions": word.of(word.Whole(4, 400), 100, "Directions over the sphere."),
         "paths": word.of(word.Whole(1, 400), 100, "Paths of directions that are summed."),

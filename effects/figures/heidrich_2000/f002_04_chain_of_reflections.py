@@ -210,7 +210,7 @@ FIGURE = Figure(
         "directions": word.of(
             word.Several((word.DIRECTION_KIND,) * LOOKUPS),
             ((0.85, -0.3, 0.2), (-0.7, -0.6, 0.15), (0.25, 0.9, 0.25)),
-            "d1 to d3, along which texels are seen.",
+            "The directions d1 to d3 along which texels are seen.",
         ),
         "exposure": word.NUMBER(0.6, "What all light is multiplied by.", low=0.1, high=1.0),
         "letters": word.FLAG(True, "Whether names and arrows are drawn over the pictures."),

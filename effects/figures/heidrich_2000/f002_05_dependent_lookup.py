@@ -177,7 +177,7 @@ FIGURE = Figure(
         "albedo": word.COLOR((0.95, 0.7, 0.5), "The share of light that the surface scatters."),
         "light": word.LIGHT((-0.78, 0.31, 1.0)),
         "direction": word.of(
-            word.DIRECTION_KIND, (0.85, -0.3, 0.2), "d_i: the direction along which texels are seen."
+            word.DIRECTION_KIND, (0.85, -0.3, 0.2), "The direction d_i along which texels are seen."
         ),
         "arrows": word.FLAG(True, "Whether names and arrows are drawn over the pictures."),
         "background": word.BACKDROP(BACKGROUND),
