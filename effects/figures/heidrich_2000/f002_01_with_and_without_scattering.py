@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.figures import parameters as word
@@ -14,7 +16,10 @@ from fixedpipe.effects.scattering import dependent_tests, height_field, light_tr
 from fixedpipe.effects.scattering.dependent_tests import DIRECT, RESULT, Accumulation
 from fixedpipe.effects.scattering.directions import spiral
 from fixedpipe.effects.scattering.visibility import free_view, precompute
+from fixedpipe.pipeline.commands import TexImage
+from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.profiles import IDEAL
+from fixedpipe.pipeline.textures.images import texture_2d
 
 # Offsets are signed bytes, and textures' edges powers of two.
 VALUES = {"offset textures, bumps lit at vertices": {"texels": 64}}
@@ -69,6 +74,35 @@ def scene_by(way):
         )
 
     return scene
+
+
+# Directions of the reference: four times the figure's, whose noise is half.
+REFERENCE_DIRECTIONS = 400
+
+
+def reference(
+    size, *, texels, domes, height, albedo, specular, directions, paths, lookups, light, accumulation,
+    exposure, bits,
+):  # fmt: skip
+    """The light of many more paths in float64, shown on the same relief: RGBA, top row first."""
+    field, visibility = _domes(size, texels, domes, height, albedo, REFERENCE_DIRECTIONS)
+    field = replace(field, specular=specular, exponent=EXPONENT)
+    towards, up = height_field.check_light(light), (0.0, 0.0, 1.0)
+    numbers = light_transport.sequences(REFERENCE_DIRECTIONS, lookups, REFERENCE_DIRECTIONS)
+    lights = (
+        light_transport.chain(field, visibility, [], towards, up, lit=free_view(field, towards)),
+        light_transport.scattered(field, visibility, numbers, towards),
+    )
+    drawn = []
+    for name, panel, values in zip((WITHOUT, RESULT), row_of_panels(2, size), lights, strict=True):
+        drawn += (
+            TexImage(label=f"load {name}", texture=name, image=texture_2d(exposure * values)),
+            panel.clear(BACKGROUND),
+            lit_relief(name, relief(field), oblique_view(panel, EYE), name),
+        )
+    picture = np.ones((size, 2 * size, 4))
+    picture[..., :3] = execute_ideal(tuple(drawn), 2 * size, size).color[..., :3]
+    return picture
 
 
 # ---------------------------------------------------------------------------------------------- checks
@@ -287,4 +321,5 @@ FIGURE = Figure(
         Method(name, scene_by(way), MACHINES[name], VALUES.get(name, {})) for name, way in WAYS.items()
     ),
     acceptance=checks,
+    reference=reference,
 )
