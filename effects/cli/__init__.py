@@ -18,6 +18,7 @@ _COMMANDS = (
     "shadows",
     "volume",
     "brdf",
+    "scatter",
     "combiners",
     "precision",
     "study",
@@ -43,6 +44,8 @@ What to do next:
                                 an iso-surface of a volume, with shadows
   fixedpipe brdf sample:gravel --out gravel.binary --picture gravel.png
                                 the BRDF of a height field, with light that is scattered between its bumps
+  fixedpipe scatter sample:gravel --out scattered.png
+                                light that bumps scatter at each other, by a machine's own passes
   fixedpipe combiners FILE      what a combiner program of the time (RC1.0, TS1.0, ps.1.x) sets, as equations
   fixedpipe precision F004-4    was it the clamp or the bits? a figure's error by widths and clamps
   fixedpipe study               artefacts of the hardware, measured; fixedpipe study P9: a table and a plot

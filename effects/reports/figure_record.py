@@ -162,7 +162,7 @@ def _page(figure):
     """Where the project's documents have the figure; None for an effect of no paper."""
     if figure.id[0] == OWN:
         return None
-    number = figure.id[1:4] if figure.id[0] == "F" else PAPERS[figure.id[0]][0]
+    number = figure.id[1:4] if "-" in figure.id else PAPERS[figure.id[0]][0]
     return f"docs/papers/catalogue/{number}.md#{figure.id.lower()}"
 
 

@@ -21,21 +21,24 @@ class Drawing:
     summary: str
 
 
-def drawn(commands, profile, width, height, threads=None):
+def drawn(commands, profile, width, height, threads=None, done=None):
     """The Drawing of a frame on a new machine, or of the ideal where the profile is exact.
+
+    ``done``: None, or a function that is called with each command when it has been drawn.
 
     Raises ValueError for what the profile cannot hold.
     """
+    watch = None if done is None else lambda command, _: done(command)
     # Whoever waits for kernels to be compiled is told before they are imported.
     if profile.arithmetic.exact:
         from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 
-        result = execute_ideal(commands, width, height, threads=threads)
+        result = execute_ideal(commands, width, height, threads=threads, trace=watch)
         summary = "by the ideal, in float64; its colours are rounded to bytes at the end"
         return Drawing(result.color, result.image(), 0, summary)
     from fixedpipe.pipeline.execution.machine import execute
 
-    result = execute(commands, profile, width, height, threads=threads)
+    result = execute(commands, profile, width, height, threads=threads, trace=watch or False)
     color = result.framebuffer.color / (2.0**result.framebuffer.color_bits - 1.0)
     summary = f"{result.fragments} fragments on the {profile.name}"
     return Drawing(color, result.image(), result.dropped, summary)
