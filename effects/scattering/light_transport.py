@@ -78,8 +78,11 @@ def sequences(count, length, paths, seed=0):
         block = out[first : first + count]
         for place in range(length):
             mixed = hashed(number, np.full(count, first // count), seed + 31 * place)
-            order = number if (place, first) == (0, 0) else np.argsort(mixed, kind="stable")
-            block[:, place] = order[: len(block)]
+            if (place, first) == (0, 0):
+                # Fewer paths than directions: as many of them, evenly from the zenith to the nadir.
+                block[:, place] = ((2 * number[: len(block)] + 1) * count) // (2 * len(block))
+            else:
+                block[:, place] = np.argsort(mixed, kind="stable")[: len(block)]
     return out
 
 

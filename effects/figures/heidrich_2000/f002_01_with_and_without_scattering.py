@@ -9,12 +9,13 @@ from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2000.shared import texture_space
-from fixedpipe.effects.figures.heidrich_2000.shared.relief import lit_relief, oblique_view, relief
+from fixedpipe.effects.figures.heidrich_2000.shared.relief import lit_relief, oblique_view
 from fixedpipe.effects.figures.heidrich_2000.shared.texture_space import MACHINES, WAYS, setup_of
 from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, row_of_panels
 from fixedpipe.effects.scattering import dependent_tests, height_field, light_transport
 from fixedpipe.effects.scattering.dependent_tests import DIRECT, RESULT, Accumulation
 from fixedpipe.effects.scattering.directions import spiral
+from fixedpipe.effects.scattering.displacement import relief
 from fixedpipe.effects.scattering.visibility import free_view, precompute
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal

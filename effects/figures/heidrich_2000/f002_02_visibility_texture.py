@@ -8,13 +8,14 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
-from fixedpipe.effects.figures.heidrich_2000.shared.relief import lit_relief, oblique_view, relief
+from fixedpipe.effects.figures.heidrich_2000.shared.relief import lit_relief, oblique_view
 from fixedpipe.effects.geometry.vectors import dot, normalize, unit_vector
 from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, row_of_panels
 from fixedpipe.effects.passes.draws import ADD, NEAREST, REPLACE, unit
 from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.passes.pixel_texture_copies import float_image, texture_format
 from fixedpipe.effects.scattering import height_field, visibility
+from fixedpipe.effects.scattering.displacement import relief
 from fixedpipe.effects.scattering.visibility import BACK
 from fixedpipe.effects.scattering.visibility_textures import coordinates, texels_seen
 from fixedpipe.pipeline.commands import Draw, Mesh, TexImage

@@ -11,7 +11,7 @@ from fixedpipe.effects.acceptance.measures import arithmetic_check
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
-from fixedpipe.effects.figures.heidrich_2000.shared.relief import lit_relief, oblique_view, relief
+from fixedpipe.effects.figures.heidrich_2000.shared.relief import lit_relief, oblique_view
 from fixedpipe.effects.geometry import height_fields
 from fixedpipe.effects.geometry.surfaces import plane
 from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, row_of_panels
@@ -19,6 +19,7 @@ from fixedpipe.effects.passes.draws import NEAREST, REPLACE, draw, unit
 from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.scattering import height_field, light_transport, path_tracer
 from fixedpipe.effects.scattering.directions import spiral
+from fixedpipe.effects.scattering.displacement import relief
 from fixedpipe.effects.scattering.path_tracer import Reconstruction
 from fixedpipe.effects.scattering.visibility import free_view, precompute
 from fixedpipe.pipeline.commands import TexImage

@@ -79,6 +79,9 @@ def test_every_direction_stands_once_in_each_block():
         for place in range(3):
             assert sorted(paths[first : first + 10, place]) == list(range(10))
     assert (paths == light_transport.sequences(10, 3, 25)).all()
+    assert light_transport.sequences(10, 1, 10)[:, 0].tolist() == list(range(10))
+    # Fewer paths than directions are spread over the sphere and are not its top.
+    assert light_transport.sequences(10, 1, 4)[:, 0].tolist() == [1, 3, 6, 8]
     assert (paths != light_transport.sequences(10, 3, 25, seed=1)).any()
     with pytest.raises(ValueError, match="give one or more"):
         light_transport.sequences(0, 1, 1)

@@ -1,0 +1,31 @@
+"""G22: a height field as geometry: the mesh whose triangles are the field's own (``height_field``), so that
+what hides what, and what lies in shadow, is the same for the depth buffer, for rays and for S_i.
+
+Source: Heidrich, Daubert, Kautz, Seidel 2000, sections 2 and 6 (displacement mapping); sequence A-G22.
+"""
+
+import numpy as np
+
+from fixedpipe.effects.geometry.surfaces import Surface, plane
+from fixedpipe.effects.technique import Technique
+
+TECHNIQUES = (Technique("G22", "the height field as geometry, lit by textures of its light", "2, 6"),)
+
+
+def relief(field):
+    """One period of a HeightField as a Surface, a vertex at each texel's centre: x and y from -1 to 1, z as
+    many times as high; texture coordinates are the texels'.
+    """
+    flat = plane(field.columns, field.rows)
+    rows, columns = np.arange(field.rows + 1) % field.rows, np.arange(field.columns + 1) % field.columns
+    positions = flat.positions.copy()
+    positions[:, 2] = 2.0 * field.heights[np.ix_(rows, columns)].ravel()
+    half = np.array([0.5 / field.columns, 0.5 / field.rows])
+    return Surface(
+        positions,
+        flat.normals,
+        flat.tangents,
+        flat.binormals,
+        flat.texture_coordinates + half,
+        flat.triangles,
+    )
