@@ -69,6 +69,19 @@ def checks(figure, renderer):
                     reason="rays stay straight, so what is seen is exact; directions and the ends of the "
                     "flank, which are not read, make 3 %",
                 )
+        if on is Answer.IDEAL:
+            direct = renderer.window(on, figure, size, bounces=0, exposure=1.0)
+            lights = (flank_means(window, bases, texels, left=False) for window in (image, direct))
+            for stretch, after, before in zip(stretches, *lights, strict=True):
+                expected = closed_form(stretch, white, red)[0] - closed_form(stretch, white, (0.0,) * 3)[0]
+                yield Check(
+                    f"stretch {stretch:g}: red that the white flank gets by one reflection beside the closed "
+                    "form, relative error",
+                    abs(float(after[0] - before[0]) / expected - 1.0),
+                    at_most=0.05,
+                    on=on,
+                    reason="indirect light alone: without weights for the directions it is off by 40 %",
+                )
         bled = [
             float(color[0] / color[1])
             for color in flank_means(renderer.window(on, figure, size), bases, texels, left=False)
