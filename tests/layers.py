@@ -163,7 +163,7 @@ LIBRARIES = {
     "effects/scattering": ("scipy",),
     "effects/diagrams": ("PIL",),
     "effects/conformance": ("PIL",),
-    "effects/user_pictures": ("imageio", "nrrd", "trimesh"),
+    "effects/user_pictures": ("imageio", "nrrd", "tifffile", "trimesh"),
     "effects/reports": ("PIL", "matplotlib"),
     "effects/presentation": ("PIL", "imageio", "imageio_ffmpeg", "matplotlib"),
     "effects/cli": ("click", "rich"),

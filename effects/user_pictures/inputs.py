@@ -6,6 +6,7 @@ What decoders say of arbitrary bytes is no sentence for a user; each refusal her
 
 import importlib.util
 import io
+import logging
 import math
 import sys
 import warnings
@@ -43,8 +44,9 @@ def _sample_path(name):
 def read_picture(name):
     """A photograph or an elevation array, top row first: [rows, columns] or [rows, columns, components].
 
-    ``name``: a PNG, TIFF (its first page) or JPEG file, told apart by how they begin, a NumPy array
-    (.npy), or ``sample:`` and a name of ``SAMPLES``. Raises Refusal for anything that cannot be read whole.
+    ``name``: a PNG, TIFF (its first page; kinds that Pillow does not read by tifffile, where it is) or JPEG
+    file, told apart by how they begin, a NumPy array (.npy), or ``sample:`` and a name of ``SAMPLES``. Raises
+    Refusal for anything that cannot be read whole.
     """
     if name.startswith("sample:"):
         path, array = _sample_path(name.removeprefix("sample:"))
@@ -71,6 +73,8 @@ _BEGINNINGS = {
     b"\x89PNG\r\n\x1a\n": "PNG",
     b"II*\0": "TIFF",
     b"MM\0*": "TIFF",
+    b"II+\0": "BigTIFF",
+    b"MM\0+": "BigTIFF",
     b"\xff\xd8\xff": "JPEG",
 }
 
@@ -82,19 +86,72 @@ def _read_image(path):
     kind = next((kind for first, kind in _BEGINNINGS.items() if begin.startswith(first)), None)
     if kind is None:
         raise Refusal(f"{path} {'is empty' if not begin else 'is no picture that is read here'}. {_PICTURES}")
-    import imageio.v3 as imageio
-
     try:
-        with warnings.catch_warnings(), imageio.imopen(path, "r", plugin="pillow") as file:
-            warnings.simplefilter("ignore")
-            mode = file.metadata(index=0)["mode"]
-            return np.asarray(file.read(index=0, mode="RGB" if mode in _OTHER_COLORS else None))
+        picture = _by_pillow(path)
     # A decoder fed arbitrary bytes raises whatever it stumbles over: struct.error, SyntaxError, EOFError.
     except Exception as error:
+        if kind.endswith("TIFF") and (picture := _by_tifffile(path)) is not None:
+            return _without_missing(path, picture)
+        more = " Other kinds need the extra `elevations`: pip install 'fixedpipe[elevations]'."
         raise Refusal(
-            f"{path} begins as a {kind} file and cannot be read to its end: it is cut off, damaged, or has "
-            "too many pixels. Save it again."
+            f"{path} begins as a {kind} file and cannot be read to its end: it is cut off, damaged, of a "
+            "kind that is not read here, or has too many pixels. Save it again."
+            f"{more if kind.endswith('TIFF') and not importlib.util.find_spec('tifffile') else ''}"
         ) from error
+    return _without_missing(path, picture) if kind.endswith("TIFF") else picture
+
+
+def _by_pillow(path):
+    import imageio.v3 as imageio
+
+    with warnings.catch_warnings(), imageio.imopen(path, "r", plugin="pillow") as file:
+        warnings.simplefilter("ignore")
+        mode = file.metadata(index=0)["mode"]
+        return np.asarray(file.read(index=0, mode="RGB" if mode in _OTHER_COLORS else None))
+
+
+def _pages(path):
+    """A TIFF file by tifffile, which knows more kinds than Pillow does. Raises ImportError without it."""
+    import tifffile
+
+    logging.getLogger("tifffile").setLevel(logging.CRITICAL)
+    return tifffile.TiffFile(path)
+
+
+# Of a TIFF file's first page.  Source: Pillow refuses pictures of more pixels.
+_MOST_VALUES = 178_956_970
+
+
+def _by_tifffile(path):
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with _pages(path) as file:
+                page = file.pages[0]
+                return np.asarray(page.asarray()) if page.size <= _MOST_VALUES else None
+    except Exception:  # no tifffile, or whatever a decoder stumbles over, as above
+        return None
+
+
+# GDAL_NODATA, the number that stands for what was not measured.  Source: GDAL's GeoTIFF driver.
+_NODATA = 42113
+
+
+def _without_missing(path, picture):
+    """A picture of a TIFF file. Raises Refusal where the file says that some of its values stand for none."""
+    try:
+        with _pages(path) as file:
+            tag = file.pages[0].tags.get(_NODATA)
+            nothing = float(str(tag.value).strip("\0 "))
+    except Exception:  # no tifffile, no such tag, or no number in it
+        return picture
+    missing = int((picture == nothing).sum())
+    if missing:
+        raise Refusal(
+            f"{path} has {missing} values of {nothing:g}, which stand for what was not measured; fill them "
+            "before."
+        )
+    return picture
 
 
 def _read_array(path):

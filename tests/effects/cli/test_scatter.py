@@ -5,7 +5,7 @@ import pytest
 from PIL import Image
 
 from fixedpipe.effects.scattering import light_transport
-from fixedpipe.effects.user_pictures import maps, scattering
+from fixedpipe.effects.user_pictures import inputs, maps, scattering
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.profiles import IDEAL, PROFILES
@@ -150,4 +150,37 @@ def test_files_that_cannot_be_read_are_refused(heights, tmp_path):
         "scatter", heights, "--out", out, *SMALL, "--colors", tmp_path / "none.png"
     )
     assert "There is no sample" in refusal_of("scatter", "sample:nothing", "--out", out, *SMALL)
+    assert not out.exists()
+
+
+# --------------------------------------------------------------------------------------- elevation models
+
+
+def test_elevation_models_of_kinds_that_pillow_does_not_read_are_read(tmp_path, monkeypatch):
+    tifffile = pytest.importorskip("tifffile")
+    heights = 400.0 + 90.0 * hills()
+    for name, options in (
+        ("doubles.tif", {}),
+        ("tiles.tif", {"tile": (16, 16), "compression": "zlib"}),
+        ("big.tif", {"bigtiff": True}),
+    ):
+        tifffile.imwrite(tmp_path / name, heights, **options)
+        assert (inputs.read_picture(str(tmp_path / name)) == heights).all()
+    monkeypatch.setattr(inputs, "_MOST_VALUES", 100)
+    out = tmp_path / "out.png"
+    assert "too many pixels" in refusal_of("scatter", tmp_path / "tiles.tif", "--out", out, *SMALL)
+    monkeypatch.undo()
+    assert run("scatter", tmp_path / "tiles.tif", "--out", out, *SMALL).exit_code == 0
+
+
+def test_heights_that_were_not_measured_are_refused(tmp_path):
+    tifffile = pytest.importorskip("tifffile")
+    path, out = tmp_path / "gaps.tif", tmp_path / "out.png"
+    heights = (400.0 + 90.0 * hills()).astype(np.float32)
+    tag = (42113, "s", 0, "-9999", True)
+    tifffile.imwrite(path, heights, extratags=[tag])
+    assert inputs.read_picture(str(path)).shape == heights.shape
+    heights[3, 4:6] = -9999.0
+    tifffile.imwrite(path, heights, extratags=[tag])
+    assert "has 2 values of -9999" in refusal_of("scatter", path, "--out", out, *SMALL)
     assert not out.exists()
