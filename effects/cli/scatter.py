@@ -68,6 +68,8 @@ def scatter(
     half has direct light and its shadows, the right half what the bumps scatter at each other as well, by the
     machine's own way: pixel textures, texture shaders, lookups by the host, or offset textures.
 
+    With more bounces terms are smaller, and a machine's bytes lose some of a dark field's; IDEAL loses none.
+
     The light's +x is right, +y up in the picture, +z out of it. Samples are those of fixedpipe bump:
     sample:jacksboro is an elevation model.
     """
