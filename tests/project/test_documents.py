@@ -44,6 +44,17 @@ GIVEN = {
         "98.5": "the catalogue's proposal for F000-7",
         "0.29": "a uniform error of one step: the root of 1/12",
     },
+    "docs/papers/002.md": {
+        "1.234": "a groove's gain, as its form factor says; the next two too",
+        "1.306": "",
+        "1.111": "",
+        "0.81": "areas of fans, which tests/effects/scattering/test_directions.py bounds; the next three too",
+        "1.23": "",
+        "0.94": "",
+        "1.05": "",
+        "1.4": "milliseconds, which `python -m bench scattering` measures; the next too",
+        "1.1": "",
+    },
     "docs/papers/003.md": {
         "0.5": "F003-20's PolygonOffset",
         "1.1": "the catalogue's PolygonOffset",

@@ -29,6 +29,11 @@ FOLDERS = (
 HELPERS = {
     "effects/environment_maps/environments.py",
     "effects/reflectance/sampled_functions.py",
+    "effects/scattering/directions.py",
+    "effects/scattering/height_field.py",
+    "effects/scattering/long_work.py",
+    "effects/scattering/made_fields.py",
+    "effects/scattering/merl.py",
     "effects/volumes/engine_block.py",
     "effects/volumes/slices.py",
 }
