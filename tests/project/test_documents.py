@@ -52,8 +52,7 @@ GIVEN = {
         "1.23": "",
         "0.94": "",
         "1.05": "",
-        "1.4": "milliseconds, which `python -m bench scattering` measures; the next too",
-        "1.1": "",
+        "1.4": "milliseconds, which `python -m bench scattering` measures",
     },
     "docs/papers/003.md": {
         "0.5": "F003-20's PolygonOffset",
