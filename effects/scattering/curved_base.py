@@ -300,7 +300,7 @@ def gathered(field, bent, arriving):
     for directions, weights, seen in zip(bent.directions, bent.weights, bent.seen, strict=True):
         cosine = np.maximum(dot(bent.normals, directions), 0.0) * weights
         total += cosine[..., None] * looked_up(arriving, seen)
-    return field.albedo * total * (WEIGHT / len(bent.seen))
+    return field.albedo * (total * (WEIGHT / len(bent.seen)))
 
 
 def bounces(field, bent, light, count, lit=None):

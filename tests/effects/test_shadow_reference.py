@@ -123,7 +123,10 @@ def test_a_reference_shows_the_figures_scene(figure_id):
         return np.abs(picture[..., :3] - ideal)[there].mean()
 
     # Edges, shadows and what an algorithm gets wrong; upside down or mirrored all of the scene would differ.
-    assert apart(reference) < 0.8 * min(apart(reference[::-1]), apart(reference[:, ::-1]))
+    # What is the same along one axis, as ridges are, has one such way.
+    turned = [t for t in (reference[::-1], reference[:, ::-1]) if np.abs(t - reference).mean() > 0.001]
+    assert turned
+    assert apart(reference) < 0.8 * min(map(apart, turned))
 
 
 @pytest.mark.parametrize("two_sided", [False, True])

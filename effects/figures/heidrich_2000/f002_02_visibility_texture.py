@@ -203,7 +203,7 @@ FIGURE = Figure(
         "texels": word.TEXELS(32, "The edge of the height field.", low=8, high=128),
         "ridges": word.of(word.Whole(1, 4), 4, "How many ridges there are."),
         "flank": word.DEGREES(45.0, "How steep the ridges' flanks are.", low=5.0, high=80.0),
-        "direction": word.of(word.DIRECTION_KIND, (0.7, 0.35, 0.1), "d_i, along which texels look."),
+        "direction": word.of(word.DIRECTION_KIND, (0.7, 0.35, 0.1), "Along which texels look: d_i."),
         "bits": word.of(
             word.Choice({"8": 8, "12": 12}),
             8,

@@ -14,7 +14,7 @@ from fixedpipe.pipeline import execute, execute_ideal
 TEXELS, DIRECTIONS = 16, 40
 LIGHT = normalize(np.array([-0.7, -0.4, 1.0]))
 VIEW = normalize(np.array([0.2, 0.1, 1.0]))
-EXPOSURE = 0.7
+EXPOSURE = 0.4
 
 
 def domes(specular=0.0):
