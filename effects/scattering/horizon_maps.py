@@ -45,7 +45,7 @@ from fixedpipe.effects.passes.combiners import (
 from fixedpipe.effects.passes.draws import MARK, REPEATED, draw, unit
 from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.scattering.ellipse_passes import NO_COLOR, POSITIVE_ALPHA
-from fixedpipe.effects.scattering.visibility import MOST_TILES
+from fixedpipe.effects.scattering.visibility import MOST_TILES, crossed
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.enums import InternalFormat
@@ -90,23 +90,8 @@ def _tangents(heights, highest, azimuths, out):
                     # Nothing from here on stands higher.
                     if highest - z0 <= best * t or t > period:
                         break
-                    x = float(column + (next_x if dx > 0.0 else -next_x)) if t == t_x else column + t * dx
-                    if t == t_y:
-                        y = float(row + (next_y if dy > 0.0 else -next_y))
-                    elif t == t_x or t != t_d:
-                        y = row + t * dy
-                    else:
-                        y = x - (column - row + (next_d if dx > dy else -next_d))
-                    i, j = int(np.floor(x)), int(np.floor(y))
-                    u, v = x - i, y - j
-                    c0, c1 = i % columns, (i + 1) % columns
-                    r0, r1 = j % rows, (j + 1) % rows
-                    if t == t_x:
-                        field = heights[r0, c0] + v * (heights[r1, c0] - heights[r0, c0])
-                    elif t == t_y:
-                        field = heights[r0, c0] + u * (heights[r0, c1] - heights[r0, c0])
-                    else:
-                        field = heights[r0, c0] + u * (heights[r1, c1] - heights[r0, c0])
+                    lines, numbers = (t_x, t_y, t_d), (next_x, next_y, next_d)
+                    _, _, field = crossed(heights, column, row, dx, dy, t, lines, numbers)
                     best = max(best, (field - z0) / t)
                     if t == t_x:
                         next_x += 1

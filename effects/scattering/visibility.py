@@ -38,6 +38,39 @@ MOST_TILES = 64
 _DIRECTIONS_A_TASK = 4
 
 
+@kernel(
+    "Tuple((float64, float64, float64))(float64[:, ::1], int64, int64, float64, float64, float64, "
+    "UniTuple(float64, 3), UniTuple(int64, 3))"
+)
+def crossed(heights, column, row, dx, dy, t, lines, numbers):
+    """Where a ray from a texel's centre is over the nearest line on which triangles meet, at ``t``, and the
+    field's height there: x and y in texels, and the height.
+
+    lines, numbers  of the next column's line, row's and diagonal's: where the ray crosses it, and the
+                    how manieth it is
+    """
+    rows, columns = heights.shape
+    # A coordinate that the line has is taken as the whole number that it is.
+    x = float(column + (numbers[0] if dx > 0.0 else -numbers[0])) if t == lines[0] else column + t * dx
+    if t == lines[1]:
+        y = float(row + (numbers[1] if dy > 0.0 else -numbers[1]))
+    elif t == lines[0] or t != lines[2]:
+        y = row + t * dy
+    else:
+        y = x - (column - row + (numbers[2] if dx > dy else -numbers[2]))
+    i, j = int(np.floor(x)), int(np.floor(y))
+    u, v = x - i, y - j
+    c0, c1 = i % columns, (i + 1) % columns
+    r0, r1 = j % rows, (j + 1) % rows
+    # On a line the field is linear between the line's two vertices.
+    low = heights[r0, c0]
+    if t == lines[0]:
+        return x, y, low + v * (heights[r1, c0] - low)
+    if t == lines[1]:
+        return x, y, low + u * (heights[r0, c1] - low)
+    return x, y, low + u * (heights[r1, c1] - low)
+
+
 @kernel("Tuple((int64, float64))(float64[:, ::1], int64, int64, float64, float64, float64, float64, int64)")
 def _hit(heights, column, row, dx, dy, dz, highest, most):
     """The texel that a ray (dx, dy: texels, dz: heights) from a texel's centre hits, or FREE; and how far
@@ -61,25 +94,7 @@ def _hit(heights, column, row, dx, dy, dz, highest, most):
         z = z0 + t * dz
         if z > highest:
             break
-        # A coordinate that the line has is taken as the whole number that it is.
-        x = float(column + (next_x if dx > 0.0 else -next_x)) if t == t_x else column + t * dx
-        if t == t_y:
-            y = float(row + (next_y if dy > 0.0 else -next_y))
-        elif t == t_x or t != t_d:
-            y = row + t * dy
-        else:
-            y = x - (column - row + (next_d if dx > dy else -next_d))
-        i, j = int(np.floor(x)), int(np.floor(y))
-        u, v = x - i, y - j
-        c0, c1 = i % columns, (i + 1) % columns
-        r0, r1 = j % rows, (j + 1) % rows
-        # On a line the field is linear between the line's two vertices.
-        if t == t_x:
-            field = heights[r0, c0] + v * (heights[r1, c0] - heights[r0, c0])
-        elif t == t_y:
-            field = heights[r0, c0] + u * (heights[r0, c1] - heights[r0, c0])
-        else:
-            field = heights[r0, c0] + u * (heights[r1, c1] - heights[r0, c0])
+        x, y, field = crossed(heights, column, row, dx, dy, t, (t_x, t_y, t_d), (next_x, next_y, next_d))
         above = z - field
         if above < 0.0:
             if t_before > 0.0:

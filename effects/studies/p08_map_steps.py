@@ -11,7 +11,7 @@ from fixedpipe.effects.acceptance import agreement, ray_caster
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.geometry.views import Panel
-from fixedpipe.effects.scenes.objects_and_lamps import lamp_around
+from fixedpipe.effects.scenes.objects_and_lamps import Scene, lamp_around
 from fixedpipe.effects.scenes.still_life import LAMP_POSITIONS, still_life, still_life_view
 from fixedpipe.effects.shadows import shadow_maps
 from fixedpipe.effects.shadows.lit_scene import SceneShading, depth_pass
@@ -49,7 +49,7 @@ def mask(scene, view, lamp, edge, bits, profile):
     return agreement.lit_mask(drawn(commands, profile, _SIZE, _SIZE, depth_bits=bits))
 
 
-def depth_error(scene, caster, lamp, bits, profile):
+def depth_error(scene, lamp, bits, profile):
     """RMS of stored depths against rays, inside triangles: in steps of the depth buffer, and in millimetres
     where a world unit is a metre.
     """
@@ -62,7 +62,8 @@ def depth_error(scene, caster, lamp, bits, profile):
     )
     steps = 2.0**bits - 1.0
     read = execute(commands, profile, _SIZE, _SIZE, depth_bits=bits).pixels["depth"]
-    shown = ray_caster.visible(caster, view)
+    # The map holds what throws shadows, and not the ground far about.
+    shown = ray_caster.visible(ray_caster.scene_caster(Scene(scene.throwing)), view)
     inside = shown.something.copy()
     for axis in (0, 1):
         for shift in (-1, 1):
@@ -83,7 +84,7 @@ def measure(profile):
     facing = dot(truth.shown.normals, np.array(fitted.position) - truth.shown.points) > 0.0
     rows = []
     errors = {
-        (bits, lamp.near): depth_error(scene, truth.caster, lamp, bits, profile)
+        (bits, lamp.near): depth_error(scene, lamp, bits, profile)
         for lamp in (fitted, nearer)
         for bits in (_LONG, _SHORT)
     }
