@@ -45,6 +45,16 @@ from fixedpipe.effects.cli.options import profile_option, threads_option, three_
 @click.option(
     "--exposure", type=float, metavar="E", default=1.0, show_default=True, help="What light is multiplied by."
 )
+@click.option(
+    "--seed", type=int, metavar="N", default=0, show_default=True, help="Of directions after a path's first."
+)
+@click.option(
+    "--accumulation",
+    metavar="WHERE",
+    default="accumulation-buffer",
+    show_default=True,
+    help="Where paths are summed: framebuffer, accumulation-buffer or host.",
+)
 @threads_option
 def scatter(
     heights,
@@ -60,6 +70,8 @@ def scatter(
     colors,
     texels,
     exposure,
+    seed,
+    accumulation,
     threads,
 ):
     """Light HEIGHTS, a PNG, TIFF, JPEG or NPY file or a sample, without and with scattered light.
@@ -78,6 +90,7 @@ def scatter(
     from fixedpipe.effects.cli.refusal import check_size
     from fixedpipe.effects.refusal import Refusal, choose, refusals
     from fixedpipe.effects.reports.files import writable_picture, write_whole
+    from fixedpipe.effects.scattering.dependent_tests import Accumulation
     from fixedpipe.effects.scattering.height_field import check_light
     from fixedpipe.effects.user_pictures import maps, scattering
     from fixedpipe.effects.user_pictures.drawing import drawn
@@ -97,6 +110,9 @@ def scatter(
             raise Refusal(f"--{name} is {count}; give a whole number from 1 to {most}.")
     if albedo is not None and colors is not None:
         raise Refusal("--albedo and --colors both say what is scattered; leave one of them out.")
+    if not 0 <= seed < 1 << 31:
+        raise Refusal(f"--seed is {seed}; give a whole number from 0 to {(1 << 31) - 1}.")
+    summed = choose("accumulation", accumulation, {a.value.replace(" ", "-"): a for a in Accumulation})
     with refusals():
         check_light(towards)
         found = scattering.way_of(machine)
@@ -114,7 +130,17 @@ def scatter(
 
             seen = scattering.spread(field, directions, seen_along)
         frame = scattering.commands(
-            field, seen, towards, machine, size, found=found, paths=paths, bounces=bounces, exposure=exposure
+            field,
+            seen,
+            towards,
+            machine,
+            size,
+            found=found,
+            paths=paths,
+            bounces=bounces,
+            exposure=exposure,
+            seed=seed,
+            accumulation=summed,
         )
         # Commands that a host's step issues are part of that step.
         own = {id(command) for command in frame}

@@ -15,7 +15,7 @@ from fixedpipe.effects.scattering import (
     pixel_texture_passes,
     texture_shader_passes,
 )
-from fixedpipe.effects.scattering.dependent_tests import DIRECT, RESULT, Setup, Way
+from fixedpipe.effects.scattering.dependent_tests import DIRECT, RESULT, Accumulation, Setup, Way
 from fixedpipe.effects.scattering.directions import spiral
 from fixedpipe.effects.scattering.height_field import check_light, height_field
 from fixedpipe.effects.scattering.visibility import precompute
@@ -137,15 +137,21 @@ def _shown(label, surface, panel, texture):
     return panel.clear(BACKGROUND), draw(label, surface.mesh(), view, None, units, depth_test=FIRST_PASS)
 
 
-def commands(field, visibility, light, profile, size, *, found=None, paths=1, bounces=1, exposure=1.0):
+def commands(
+    field, visibility, light, profile, size, *,
+    found=None, paths=1, bounces=1, exposure=1.0, seed=0,
+    accumulation=Accumulation.ACCUMULATION_BUFFER,
+):  # fmt: skip
     """Commands for a framebuffer of 2 ``size`` x ``size``: the field without scattered light on the left, and
     with it on the right.
 
-    light     towards it, above the horizon
-    found     of DRAWN; None: the machine's
-    paths     of directions that are summed
-    bounces   reflections after the first
-    exposure  what all light is multiplied by, above 0 and up to 1
+    light         towards it, above the horizon
+    found         of DRAWN; None: the machine's
+    paths         of directions that are summed
+    bounces       reflections after the first
+    exposure      what all light is multiplied by, above 0 and up to 1
+    seed          of the paths' later directions, a whole number
+    accumulation  where the paths are summed
 
     Raises ValueError for a light below the horizon, for counts below one, and for a field of more texels
     than the panel has pixels.
@@ -159,7 +165,7 @@ def commands(field, visibility, light, profile, size, *, found=None, paths=1, bo
         )
     work, total = Panel(0, 0, texels, texels), Panel(texels, 0, texels, texels)
     setup = Setup(field, visibility, profile, work, total)
-    numbers = light_transport.sequences(visibility.count, bounces, max(paths, visibility.count))
+    numbers = light_transport.sequences(visibility.count, bounces, max(paths, visibility.count), seed)
     # So many of all directions: the first of them alone would be near the zenith.
     numbers = numbers[np.arange(paths) * len(numbers) // paths]
     surface, panels = _relief(field), row_of_panels(2, size)
@@ -167,7 +173,9 @@ def commands(field, visibility, light, profile, size, *, found=None, paths=1, bo
         "direct light alone", work, DIRECT, dependent_tests.share_of(setup), weight=exposure
     )
     return (
-        *dependent_tests.paths_drawn(found.way, setup, numbers, light, exposure=exposure),
+        *dependent_tests.paths_drawn(
+            found.way, setup, numbers, light, accumulation=accumulation, exposure=exposure
+        ),
         direct,
         dependent_tests.copy_of(setup, work, WITHOUT),
         *_shown("the field without scattering", surface, panels[0], WITHOUT),

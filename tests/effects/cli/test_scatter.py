@@ -66,6 +66,31 @@ def test_what_the_ideal_draws_is_the_float_method_on_the_same_paths():
     assert np.abs(window - expected).max() < 1e-6
 
 
+@pytest.mark.parametrize("machine", WAYS)
+@pytest.mark.parametrize("where", ["framebuffer", "accumulation-buffer", "host"])
+def test_every_machine_sums_paths_wherever_it_is_asked_to(heights, tmp_path, machine, where):
+    out, again = tmp_path / "out.png", tmp_path / "again.png"
+    small = ("--size", 64, "--texels", 16, "--paths", 8, "--bounces", 2, "--height-scale", 0.3)
+    for path in (out, again):
+        more = ("--out", path, *small, "--profile", machine, "--accumulation", where)
+        result = run("scatter", heights, *more)
+        assert result.exit_code == 0, result.output
+    assert out.read_bytes() == again.read_bytes()
+    picture = np.asarray(Image.open(out), np.float64)[..., :3]
+    assert picture[:, 64:].mean() > picture[:, :64].mean()
+
+
+def test_a_seed_gives_other_paths(heights, tmp_path):
+    pictures = []
+    for n, more in enumerate(((), ("--seed", 5))):
+        path = tmp_path / f"{n}.png"
+        small = ("--out", path, *SMALL, "--height-scale", 0.3, "--bounces", 2)
+        result = run("scatter", heights, *small, *more)
+        assert result.exit_code == 0, result.output
+        pictures.append(path.read_bytes())
+    assert pictures[0] != pictures[1]
+
+
 def test_any_number_of_threads_gives_the_same_bits():
     found = scattering.way_of(PROFILES["GEFORCE_3"])
     field = scattering.field_of(maps.height_field(hills()), found, 16, 0.3, 0.7)
@@ -121,6 +146,10 @@ def test_heights_that_are_none_are_refused(tmp_path, values, said):
         (("--bounces", 5), "--bounces is 5"),
         (("--light", "1,0,-0.5"), "not above the horizon"),
         (("--light", "1,0"), "three numbers"),
+        (("--light", "0,0,0"), "not all zero"),
+        (("--bounces", -1), "--bounces is -1"),
+        (("--seed", -1), "--seed is -1"),
+        (("--accumulation", "hots"), "Did you mean host?"),
         (("--albedo", 1.2), "The albedo is 1.2"),
         (("--albedo", "nan"), "The albedo is nan"),
         (("--albedo", 0.5, "--colors", "sample:gravel"), "leave one of them out"),
