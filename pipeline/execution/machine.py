@@ -4,7 +4,6 @@ Clears and Draws wait in a queue (``fixedpipe.pipeline.native.queue``) until som
 """
 
 import threading
-from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import partial
@@ -56,8 +55,8 @@ from fixedpipe.pipeline.native.threads import default_threads
 from fixedpipe.pipeline.profiles.profile import NATIVE_SUBPIXEL_BITS, Profile
 from fixedpipe.pipeline.textures.images import Texture
 from fixedpipe.pipeline.textures.words import stored_texture
-from fixedpipe.pipeline.validation.frames import frame_of, issued_by
-from fixedpipe.pipeline.validation.validate import validate
+from fixedpipe.pipeline.validation.frames import frame_of
+from fixedpipe.pipeline.validation.validate import ValidFrame, begun, validate
 from fixedpipe.pipeline.vertices import stage
 from fixedpipe.raster.primitives.bins import BAND_HEIGHT
 
@@ -71,12 +70,13 @@ Watch: TypeAlias = Callable[[Command, Callable[[], Snapshot]], None]
 class _Frame:
     """A frame while it runs: which of its commands still wait, and what the others gave (``Result``).
 
+    valid    those that wait
     kept     Draws that come again
     engine   of ``ENGINES``: which draws
     record   whether every Draw's fragments are kept
     """
 
-    waiting: deque[Command]
+    valid: ValidFrame
     kept: KeptDraws
     engine: Engine | None
     record: bool
@@ -203,15 +203,16 @@ class Machine:
                 self._runner = None
 
     def _run(self, commands, trace, record):
-        self._validate(commands)
+        held = self.width, self.height, self.depth_bits, self.textures, self.surfaces, self.statistics
+        valid = ValidFrame(commands, lambda read: begun(self.profile, *held, read))
         self._current = self.framebuffer
         # The engine that records draws alone, Clears as well: the other is then neither compiled nor read.
         engine = "portable" if record else self.engine
-        frame = _Frame(deque(commands), KeptDraws(commands, self.samples), engine, record)
+        frame = _Frame(valid, KeptDraws(commands, self.samples), engine, record)
         self._queue.fragments = 0
         try:
-            while frame.waiting:
-                command = frame.waiting.popleft()
+            while valid.waiting:
+                command = valid.waiting.popleft()
                 kind = type(command)
                 if kind not in _QUEUED:
                     self._flush()
@@ -242,11 +243,6 @@ class Machine:
         written = getattr(command, "state", command)
         shown = self._current.buffer(getattr(written, "draw_buffer", ColorBuffer.BACK))
         return snapshot(command, shown)
-
-    def _validate(self, commands, **issued):
-        """Refuse commands that what is held now cannot execute. ``issued``: where a HostStep issued them."""
-        size = self.width, self.height, self.depth_bits
-        validate(commands, self.profile, *size, self.textures, self.surfaces, self.statistics, **issued)
 
     def _targets(self, draw_buffer):
         """The framebuffers that a command writes to, each with its place in a pixel."""
@@ -332,9 +328,7 @@ class Machine:
                 target.saturate(command)
 
     def _host_step(self, command, frame):
-        """What the host issues comes before what waits; all of it is validated now."""
-        frame.waiting = deque((*issued_by(command, frame.pixels), *frame.waiting))
-        self._validate(tuple(frame.waiting), read=frame.pixels, host_step=command.label)
+        frame.valid.issue(command, frame.pixels)
 
     def _tex_image(self, command, frame):
         # It reads no framebuffer, and what waits holds the textures that it reads.

@@ -4,7 +4,6 @@ What stays, what goes, and why: docs/decisions/0001-ideal-evaluator.md. Only cov
 fragments are those of the snapped vertices.
 """
 
-from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 
@@ -43,8 +42,9 @@ from fixedpipe.pipeline.ideal.weights import iterate, weigh
 from fixedpipe.pipeline.native.coverage import rasterize
 from fixedpipe.pipeline.native.threads import Threads, default_threads
 from fixedpipe.pipeline.profiles import IDEAL
-from fixedpipe.pipeline.validation.frames import frame_of, issued_by
-from fixedpipe.pipeline.validation.validate import validate
+from fixedpipe.pipeline.textures.images import Texture
+from fixedpipe.pipeline.validation.frames import frame_of
+from fixedpipe.pipeline.validation.validate import ValidFrame, begun, validate
 from fixedpipe.pipeline.vertices.stage import process
 from fixedpipe.raster.columns.per_fragment import in_order
 
@@ -144,13 +144,17 @@ class _Evaluation:
         self.watch = watch
         self.width, self.height, self.depth_bits = width, height, depth_bits
         self.guide, self.drawn, self.threads = guide, 0, threads
-        self.buffers, self.textures, self.pixels = IdealBuffers(width, height), {}, {}
-        self.statistics, self.waiting = PixelStatistics(), deque(commands)
+        self.buffers, self.pixels = IdealBuffers(width, height), {}
+        self.textures: dict[str, Texture] = {}
+        self.statistics = PixelStatistics()
+        held = width, height, depth_bits, self.textures, None, self.statistics
+        self.valid = ValidFrame(commands, lambda read: begun(IDEAL, *held, read))
 
     def run(self):
         """The IdealResult of all commands."""
-        while self.waiting:
-            command = self.waiting.popleft()
+        waiting = self.valid.waiting
+        while waiting:
+            command = waiting.popleft()
             OPERATIONS[type(command)](self, command)
             if self.watch is not None:
                 self.watch(command, self.buffers.drawn_to(command).color)
@@ -217,18 +221,7 @@ class _Evaluation:
             self.pixels[command.name] = read
 
     def host_step(self, command):
-        self.waiting = deque((*issued_by(command, self.pixels), *self.waiting))
-        validate(
-            self.waiting,
-            IDEAL,
-            self.width,
-            self.height,
-            self.depth_bits,
-            self.textures,
-            statistics=self.statistics,
-            read=self.pixels,
-            host_step=command.label,
-        )
+        self.valid.issue(command, self.pixels)
 
     def saturate(self, command):
         saturate(command, self.buffers.buffer(command.draw_buffer))
@@ -292,8 +285,9 @@ def execute_ideal(
     """
     commands = frame_of(commands)
     depth_bits = IDEAL.widest_depth if depth_bits is None else depth_bits
-    validate(commands, IDEAL, width, height, depth_bits=depth_bits)
+    validate((), IDEAL, width, height, depth_bits)
+    shared = Threads(threads or default_threads())
+    evaluation = _Evaluation(commands, width, height, guide, depth_bits, shared, trace)
     if guide is not None:
         _check_guide(guide, commands, width, height)
-    shared = Threads(threads or default_threads())
-    return _Evaluation(commands, width, height, guide, depth_bits, shared, trace).run()
+    return evaluation.run()

@@ -12,8 +12,11 @@ refused; where it calls the result undefined (pixels read outside the framebuffe
 validation refuses.
 """
 
-from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import NDArray
 
 from fixedpipe.pipeline.commands import (
     Accum,
@@ -51,7 +54,7 @@ from fixedpipe.pipeline.validation import texture_units
 from fixedpipe.pipeline.validation.buffers import accum, clear, read_pixels, saturate
 from fixedpipe.pipeline.validation.draws import draw
 from fixedpipe.pipeline.validation.fragments import register_combiners
-from fixedpipe.pipeline.validation.frames import frame_of, host_step
+from fixedpipe.pipeline.validation.frames import frame_of, host_step, issued_by
 from fixedpipe.pipeline.validation.rectangles import bitmap, copy_pixels, draw_pixels
 from fixedpipe.pipeline.validation.surfaces import (
     check_color_bits,
@@ -68,7 +71,7 @@ from fixedpipe.pipeline.validation.textures import (
 )
 from fixedpipe.pipeline.validation.transfer import reset_histogram, reset_minmax
 from fixedpipe.pipeline.validation.types import TypeChecks
-from fixedpipe.pipeline.validation.walk import Walk
+from fixedpipe.pipeline.validation.walk import Known, Walk
 
 if TYPE_CHECKING:  # for annotations alone: the law asks no framebuffer
     from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
@@ -114,7 +117,6 @@ def validate(
     samples: int = 1,
     color_bits: int | None = None,
     read: Iterable[str] = (),
-    host_step: str | None = None,
 ) -> None:
     """Refuse what the machine could not execute; return None if it can execute everything.
 
@@ -128,23 +130,46 @@ def validate(
     samples        of each of the framebuffer's pixels
     color_bits     of its colours' components; None: the usual width
     read           names that ReadPixels of the same frame gave already
-    host_step      label of the HostStep that issued the first of these commands, or None
 
     Raises UnsupportedState (a ValueError) whose message names the command, what was given, what the machine
     allows, and what to do. Meshes and textures are looked at once in their life; so are states, as long as
     they are remembered (``Remembered``).
     """
-    depth_bits = profile.widest_depth if depth_bits is None else depth_bits
-    check_framebuffer(profile, width, height, depth_bits)
+    check_framebuffer(profile, width, height, profile.widest_depth if depth_bits is None else depth_bits)
     check_samples(profile, samples)
     if color_bits is not None:
         check_color_bits(profile, color_bits)
+    walked(begun(profile, width, height, depth_bits, textures, surfaces, statistics, read), commands)
+
+
+def begun(
+    profile: Profile,
+    width: int,
+    height: int,
+    depth_bits: int | None,
+    textures: Mapping[str, Texture] | None,
+    surfaces: "Mapping[str, Framebuffer] | None",
+    statistics: "PixelStatistics | None",
+    read: Iterable[str],
+) -> Walk:
+    """A Walk that knows what a machine holds, before any command; arguments as ``validate``'s."""
+    depth_bits = profile.widest_depth if depth_bits is None else depth_bits
     walk = Walk(profile, width, height, depth_bits, surfaces or {}, statistics, read)
     for name, image in (textures or {}).items():
         walk.where = f"Texture {name!r}, which the machine holds"
         store(walk, name, image)
-    since = "" if host_step is None else f' from HostStep "{host_step}" on'
-    for number, command in enumerate(frame_of(commands)):
+    return walk
+
+
+def walked(walk: Walk, commands: Iterable[Command], since: str = "", first: int = 0) -> list[Known]:
+    """Go through the commands, and refuse the first that the machine could not execute.
+
+    since, first  how a refused command's number is said: from where on it is counted, and from which number
+
+    Returns what is known after every HostStep, and at last after all of the commands.
+    """
+    known = []
+    for number, command in enumerate(frame_of(commands), first):
         if walk.takes(command):
             continue
         walk.where = f"Command {number}{since}"
@@ -158,6 +183,40 @@ def validate(
         if wrong := _CHECKS[type(command)](command):
             walk.refuse(f"{wrong.path.lstrip('.')} {wrong.predicate}.")
         VALIDATIONS[type(command)](walk, command)
+        if type(command) is HostStep:
+            known.append(walk.known())
+    return [*known, walk.known()]
+
+
+class ValidFrame:
+    """The commands of a frame that wait, all of them found right, those that HostSteps issue as well.
+
+    waiting  deque of commands, which the caller takes from the left, in order
+
+    Where what a HostStep issues leaves the textures and the rest as they were, what waits needs no second
+    look: a frame's time grows with its commands, not with their number times its HostSteps'.
+    """
+
+    def __init__(self, commands: Iterable[Command], begin: Callable[[Iterable[str]], Walk]):
+        """``begin``: given the names of pixels that were read, a Walk that knows what the machine holds now.
+        Raises UnsupportedState for a command that the machine could not execute.
+        """
+        self.waiting = deque(frame_of(commands))
+        self._begin = begin
+        self._known = deque(walked(begin(()), self.waiting))
+
+    def issue(self, step: HostStep, pixels: "Mapping[str, NDArray[Any]]") -> None:
+        """Put what a HostStep, which was the leftmost, issues before what waits; all of it is right then.
+
+        ``pixels``: what was read, by name. Raises UnsupportedState, and what the step's function raises.
+        """
+        issued, walk = issued_by(step, pixels), self._begin(pixels)
+        since, expected = f' from HostStep "{step.label}" on', self._known.popleft()
+        *steps, after = walked(walk, issued, since)
+        if after != expected:
+            self._known = deque(walked(walk, self.waiting, since, len(issued)))
+        self._known.extendleft(reversed(steps))
+        self.waiting.extendleft(reversed(issued))
 
 
 def validate_program(

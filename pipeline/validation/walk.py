@@ -95,6 +95,15 @@ class _Beside(NamedTuple):
     primitive: PrimitiveType
 
 
+class Known(NamedTuple):
+    """A copy of what a Walk knows at a place of a frame: equal ones take the same commands from there on."""
+
+    target: tuple[int, int, int, bool]
+    surfaces: dict[str, KnownSurface]
+    textures: dict[str, KnownTexture]
+    names: tuple[frozenset[str], ...]
+
+
 class Walk:
     """What is known while the commands are gone through, in order.
 
@@ -131,6 +140,12 @@ class Walk:
         self.read, self.given = set(read), set(read)  # names; those that a histogram's sink left pixels of
         self.histograms = set() if statistics is None else set(statistics.histograms)
         self.minmaxes = set() if statistics is None else set(statistics.minmaxes)
+
+    def known(self) -> Known:
+        """A copy of what is known here."""
+        names = self.read, self.given, self.histograms, self.minmaxes
+        target = self.width, self.height, self.depth_bits, self.in_window
+        return Known(target, dict(self.surfaces), dict(self.textures), tuple(map(frozenset, names)))
 
     def refuse(self, sentence: str) -> NoReturn:
         """Raise UnsupportedState of the command at hand."""

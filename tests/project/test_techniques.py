@@ -28,6 +28,7 @@ FOLDERS = (
 )
 HELPERS = {
     "effects/environment_maps/environments.py",
+    "effects/reflectance/fresnel.py",
     "effects/reflectance/sampled_functions.py",
     "effects/scattering/directions.py",
     "effects/scattering/height_field.py",

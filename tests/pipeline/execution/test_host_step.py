@@ -19,7 +19,7 @@ from fixedpipe.pipeline.pixel_transfer import Histogram, PixelImage, PixelTransf
 from fixedpipe.pipeline.profiles import GEFORCE_256, NV2A, OCTANE
 from fixedpipe.pipeline.state import PassState, RasterPosition, TextureUnit
 from fixedpipe.pipeline.textures.images import texture_2d
-from fixedpipe.pipeline.validation.walk import UnsupportedState
+from fixedpipe.pipeline.validation.walk import UnsupportedState, Walk
 
 SIZE = 4
 HALF = Clear(label="half", color=(0.5, 0.25, 0.0, 1.0))
@@ -192,3 +192,28 @@ def test_a_step_cannot_run_the_machine_that_waits_for_it():
         machine.run((HostStep(label="host", reads=(), commands=commands),))
     machine.run((HALF,))
     assert machine.framebuffer.color[0, 0, 0] == 128
+
+
+def test_what_waits_is_looked_at_again_only_where_a_step_changed_what_is_known(monkeypatch):
+    seen = []
+    takes = Walk.takes
+
+    def counted(walk, command):
+        seen.append(command.label)
+        return takes(walk, command)
+
+    monkeypatch.setattr(Walk, "takes", counted)
+    steps = [HostStep(label=f"step {n}", reads=("pixels",), commands=doubled) for n in range(8)]
+    execute((HALF, READ, *steps), GEFORCE_256, SIZE, SIZE)
+    # Ten commands of the frame, and one that each of eight steps issues.
+    assert len(seen) == 18
+
+    def loads(pixels):
+        # Nested, so that what is known after the inner steps is kept in order too.
+        new = TexImage(label="new", texture="t", image=texture_2d(np.zeros((4, 4, 3))))
+        return (steps[0], new, steps[1])
+
+    seen.clear()
+    execute((HALF, READ, HostStep(label="load", reads=(), commands=loads), *steps), GEFORCE_256, SIZE, SIZE)
+    # Eleven; three that the first issues, and then the eight that wait; one of each of ten steps.
+    assert len(seen) == 11 + 3 + 8 + 10
