@@ -1,0 +1,178 @@
+"""P33: what footprint assembly's direction and its power of two of probes cost, as a footprint turns.
+
+A footprint of sides a and one, in widths of its short side, turns under a pixel's square. Its true long axis
+is known, so the direction of probes can be compared with it. What probes do to a wave is known as well: each
+is a square of its edge, N of them lie along d, and a wave's contrast is the product of both transforms. A
+wave across the short side should stay; one along the long side, of the footprint's length, should go.
+
+Source: Schilling 1997, section 2 (artefact P33 of the catalogue).
+"""
+
+import math
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.studies.study import BLUE, GREEN, ORANGE, Column, Study, Table
+from fixedpipe.effects.texture_filtering.footprint_assembly import isotropic, probes
+
+SIDES = (2.0, 4.0, 8.0, 16.0)
+STEPS = 361
+MOST = 16
+# Texels of the short side: levels below one texel are not what is studied.
+SHORT = 4.0
+# Periods of the wave that should stay, and of the one that should go.
+STAYS, GOES = 4.0, 1.0
+WAYS = ("exact", "power of two", "by edges", "mip-mapping")
+
+
+def footprints(side):
+    """Edges r_1 and r_2 of a footprint that turns from 0 to 90 degrees, its long axis along u: float64
+    [STEPS, 2] each; and the angles, degrees.
+    """
+    angles = np.linspace(0.0, 90.0, STEPS)
+    c, s = np.cos(np.radians(angles)), np.sin(np.radians(angles))
+    return SHORT * np.stack([side * c, s], axis=-1), SHORT * np.stack([-side * s, c], axis=-1), angles
+
+
+def contrast(found, wave):
+    """The contrast that probes leave of a wave of cycles (u, v) a texel: float64 [...], negative where it is
+    turned over.
+    """
+    total = np.zeros(found.count.shape)
+    for k in range(int(found.count.max())):
+        at = found.offsets(k)
+        phase = np.cos(2.0 * np.pi * (at[..., 0] * wave[0] + at[..., 1] * wave[1]))
+        total = total + np.where(k < found.count, phase, 0.0)
+    return total / found.count * np.sinc(found.edge * wave[0]) * np.sinc(found.edge * wave[1])
+
+
+def taken(way, first, second):
+    """The Probes of one of WAYS."""
+    if way == "mip-mapping":
+        return isotropic(first, second)
+    return probes(first, second, MOST, exact=way == "exact", diagonals=way != "by edges")
+
+
+def measure(profile):
+    """A row for each shape and way."""
+    rows, curves = [], {}
+    for side in SIDES:
+        first, second, angles = footprints(side)
+        curves["angles"] = angles
+        for way in WAYS:
+            found = taken(way, first, second)
+            u, v = np.abs(found.direction[:, 0]), np.abs(found.direction[:, 1])
+            stays = contrast(found, (0.0, 1.0 / (STAYS * SHORT)))
+            goes = np.abs(contrast(found, (GOES / (side * SHORT), 0.0)))
+            curves[f"{side:g} {way}"] = stays
+            single = way == "mip-mapping"
+            rows.append((
+                f"{side:g} : 1", way, float(found.count.mean()),
+                None if single else float(np.degrees(np.arctan2(v, u)).max()),
+                float(stays.mean()), float(stays[STEPS // 2]),
+                float(stays.min()), float(goes.max()),
+            ))  # fmt: skip
+    columns = (
+        Column("footprint"),
+        Column("way"),
+        Column("probes, mean", form=".2f"),
+        Column("off, at most", "degrees", ".1f"),
+        Column("contrast across, mean", form=".2f"),
+        Column("at 45 degrees", form=".2f"),
+        Column("least", form=".2f"),
+        Column("along, at most", form=".2f"),
+    )
+    return Table(columns, tuple(rows), curves)
+
+
+def _row(table, side, way):
+    (found,) = [r for r in table.records() if r["footprint"] == f"{side:g} : 1" and r["way"] == way]
+    return found
+
+
+def findings(table):
+    """The direction's error, the band of blur, and what a power of two costs."""
+    eight = {way: _row(table, 8.0, way) for way in WAYS}
+    off = ", ".join(
+        f"{_row(table, side, 'exact')['off, at most']:.1f} degrees at {side:g} : 1" for side in SIDES
+    )
+    middle = {way: row["at 45 degrees"] for way, row in eight.items()}
+    worst = table.curves["angles"][np.argmin(table.curves["8 power of two"])]
+    means = ", ".join(f"{row['contrast across, mean']:.2f} ({way})" for way, row in eight.items())
+    two, exact = eight["power of two"], eight["exact"]
+    return (
+        f"Probes lie off the long axis by at most {off}: the angle whose tangent is the short side over the "
+        "long one, where the footprint lies across both of a pixel's edges.",
+        "There both edges are as long. Without diagonals one probe is taken, and at 8 : 1 it leaves "
+        f"{middle['by edges']:.2f} of the contrast "
+        f"across, as mip-mapping does; with them {middle['power of two']:.2f}. That is a band of blur.",
+        f"The diagonals narrow it and do not take it away: {worst:.0f} degrees from an edge no edge of the "
+        f"pixel and no diagonal is as short as the footprint, and {two['least']:.2f} is left. In the mean "
+        f"over all angles: {means}.",
+        f"A power of two takes {two['probes, mean']:.1f} probes in the mean at 8 : 1, the exact number "
+        f"{exact['probes, mean']:.1f}; of the wave along they leave {two['along, at most']:.2f} and "
+        f"{exact['along, at most']:.2f}. At 2 : 1, where one probe is half of what is needed, it is "
+        f"{_row(table, 2.0, 'power of two')['along, at most']:.2f} and "
+        f"{_row(table, 2.0, 'exact')['along, at most']:.2f}.",
+    )
+
+
+def checks(table):
+    """The catalogue's number, and what separates the ways."""
+    # The worst place is at 45 degrees, where the longer edge is (a, 1) / sqrt(2).
+    worst = max(
+        abs(_row(table, side, "exact")["off, at most"] - math.degrees(math.atan(1.0 / side)))
+        for side in SIDES
+    )
+    blur = max(_row(table, side, "by edges")["at 45 degrees"] for side in (8.0, 16.0))
+    sharp = min(
+        _row(table, side, way)["at 45 degrees"] for side in (8.0, 16.0) for way in ("exact", "power of two")
+    )
+    means = [_row(table, 8.0, way)["contrast across, mean"] for way in ("mip-mapping", "power of two")]
+    return (
+        Check("off the long axis, in degrees, beside atan(1/a)", worst, at_most=1e-9, on=Answer.IDEAL,
+              reason="an edge at 45 degrees in the pixel is (a, 1) / sqrt(2); 1e-9: rounding"),
+        Check("contrast across at 45 degrees, most that is left without diagonals", blur, at_most=0.2,
+              on=Answer.IDEAL, reason="one probe as wide as the edges: more than two short sides"),
+        Check("contrast across at 45 degrees, least with them", sharp, at_least=0.7, on=Answer.IDEAL,
+              reason="a probe of sqrt(2) short sides leaves sinc(sqrt(2)/4) = 0.81, less aslant"),
+        Check("contrast across in the mean at 8 : 1, over mip-mapping's", means[1] - means[0], at_least=0.3,
+              on=Answer.IDEAL, reason="what footprint assembly is for; Assumed: most angles keep half"),
+    )  # fmt: skip
+
+
+def plot(axes, table):
+    """Contrast as the footprint turns, and probes."""
+    turning, counts = axes
+    for way, color in zip(WAYS, (GREEN, BLUE, ORANGE, "0.5"), strict=True):
+        turning.plot(table.curves["angles"], table.curves[f"8 {way}"], color=color, label=way)
+        counts.plot(
+            [r["footprint"] for r in table.records() if r["way"] == way],
+            [r["probes, mean"] for r in table.records() if r["way"] == way],
+            color=color, marker="o", label=way,
+        )  # fmt: skip
+    turning.set_xlabel("degrees that an 8 : 1 footprint is turned by")
+    turning.set_ylabel("contrast of the wave across it")
+    turning.legend()
+    counts.set_ylabel("probes, mean")
+    counts.legend()
+
+
+STUDY = Study(
+    id="P33",
+    title="Probes along an edge of the pixel",
+    question="What do probes along an edge, by a power of two, cost as a footprint turns?",
+    method=(
+        f"Footprints of 2 : 1 to 16 : 1, {SHORT:g} texels wide, turned by 0 to 90 degrees; at most {MOST} "
+        f"probes. The contrast that they leave of a wave of {STAYS:g} widths across, and of one as long as the "
+        "footprint along it, is the product of a square's and N points' transforms."
+    ),
+    source="Schilling1997",
+    techniques=("S02",),
+    panels=2,
+    measure=measure,
+    findings=findings,
+    checks=checks,
+    plot=plot,
+)
