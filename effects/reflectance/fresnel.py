@@ -2,8 +2,8 @@
 
 Additions, products, quotients and a square root alone, in a fixed order: the same bits on every computer.
 
-Source: Heidrich 2001, sections 1.1 and 1.5; the form of pass sequence A-H02 of the catalogue. A metal's index
-is complex; the paper draws it with a real one of 200, and so does the project (erratum E000.12).
+Source: Heidrich 2001, sections 1.1 and 1.5, of which the catalogue has the form. A metal's index is complex;
+the paper draws it with a real one of 200, and so does the project.
 """
 
 import numpy as np

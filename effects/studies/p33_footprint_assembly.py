@@ -165,8 +165,8 @@ STUDY = Study(
     question="What do probes along an edge, by a power of two, cost as a footprint turns?",
     method=(
         f"Footprints of 2 : 1 to 16 : 1, {SHORT:g} texels wide, turned by 0 to 90 degrees; at most {MOST} "
-        f"probes. The contrast that they leave of a wave of {STAYS:g} widths across, and of one as long as the "
-        "footprint along it, is the product of a square's and N points' transforms."
+        f"probes. The contrast that they leave of a wave of {STAYS:g} widths across, and of one as long as "
+        "the footprint along it, is the product of a square's and N points' transforms."
     ),
     source="Schilling1997",
     techniques=("S02",),

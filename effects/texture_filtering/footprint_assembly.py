@@ -2,8 +2,8 @@
 mip-mapping adds up.
 
 A pixel's two edges in the texture are r_1 = (du/dx, dv/dx) and r_2 = (du/dy, dv/dy), in texels. Probes lie
-along the longer of them, d, their edge is about the footprint's short side w, and their number is |d| / w: the
-exact quotient rounded up, or a power of two, so that the sum is divided by a shift.
+along the longer of them, d, their edge is about the footprint's short side w, and their number is |d| / w:
+the exact quotient rounded up, or a power of two, so that the sum is divided by a shift.
 
 Additions, products, quotients and square roots alone, and powers of two found by comparison: the same bits on
 every computer.
@@ -89,7 +89,7 @@ def probes(across, up, most=8, *, exact=False, diagonals=True):
 
 
 def isotropic(across, up):
-    """One probe as mip-mapping takes it (S01): Probes with N = 1, its edge the longer of |r_1| and |r_2|."""
+    """One probe as mip-mapping takes it: Probes with N = 1, its edge the longer of |r_1| and |r_2|."""
     found = probes(across, up, 1)
     edge = np.maximum(
         np.maximum(_length(np.asarray(across, np.float64)), _length(np.asarray(up, np.float64))), 1.0
