@@ -4,11 +4,16 @@ H36 draws depths into the window's alpha and H38 compares them there. A surface 
 keeps none: what is read of it is whatever stands in its place. The same passes, drawn there all the same,
 show what refusing them is for; and H37 with its ramp in red instead (``Coding``'s component) needs no alpha.
 
+Five bits stand at the top of a byte with zeros below (``framebuffers.framebuffer``): where nothing is drawn
+the map has ones, which are read as 248 of 255, and what lies farther from the lamp than that is behind all
+that the map can hold. So the table parts the pixels there.
+
 Source: Heidrich 2001, section 2.1 (artefact P36 of the catalogue).
 """
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import ray_caster
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.scenes.objects_and_lamps import lamp_around
@@ -32,14 +37,14 @@ _SIZE, _LAMP = 128, (-6.4, 6.6, 1.0)
 _BIAS = {8: 2.0, 5: 1.0}
 
 
-def lit(profile, color_format, way, *, component=alpha.DepthComponent.ALPHA, bits=8, alpha_bits=8):
-    """What the machine lights of the still life on a surface of a format: bool [128, 128].
+def lit_and_map(profile, color_format, way, *, component=alpha.DepthComponent.ALPHA, bits=8, alpha_bits=8):
+    """What the machine lights of the still life on a surface of a format, bool [128, 128], bottom row first;
+    and the map's largest number, 1 = the lamp's far plane.
 
     Raises ValueError as ``alpha_coded_shadows`` does for what needs alpha where ``alpha_bits`` is 0.
     """
-    scene = still_life(24)
-    lamp, panel = lamp_around(scene, _LAMP), Panel(0, 0, _SIZE, _SIZE)
-    coding = alpha.Coding(bits, bias=_BIAS[bits], component=component)
+    scene, view, lamp = _scene()
+    panel, coding = view.panel, alpha.Coding(bits, bias=_BIAS[bits], component=component)
     settings = {"alpha_bits": alpha_bits} if way is alpha.with_one_unit else {}
     commands = (
         MakeCurrent(
@@ -49,12 +54,33 @@ def lit(profile, color_format, way, *, component=alpha.DepthComponent.ALPHA, bit
         coding.ramp(profile),
         *alpha.store_map(scene, lamp, panel, _SIZE, profile, coding, shading=SceneShading.MASK),
         *way(
-            scene, still_life_view(panel), lamp, profile, coding,
+            scene, view, lamp, profile, coding,
             background=(0.0, 0.0, 0.0), shading=SceneShading.MASK, **settings,
         ),
     )  # fmt: skip
-    color = execute(commands, profile, _SIZE, _SIZE).surfaces["window"].color
-    return color[..., 0] > 127
+    drawn = execute(commands, profile, _SIZE, _SIZE)
+    stored = drawn.textures[alpha.MAP].levels[0][0, ..., 3]
+    return drawn.surfaces["window"].color[::-1, :, 0] > 127, float(stored.max()) / 255.0
+
+
+def lit(profile, color_format, way, **settings):
+    """What ``lit_and_map`` says is lit."""
+    return lit_and_map(profile, color_format, way, **settings)[0]
+
+
+def _scene():
+    """The still life, the view of it and its lamp."""
+    scene = still_life(24)
+    return scene, still_life_view(Panel(0, 0, _SIZE, _SIZE)), lamp_around(scene, _LAMP)
+
+
+def depths():
+    """How far from the lamp what each pixel shows is, by rays, 1 = the far plane: float64 [128, 128], bottom
+    row first.
+    """
+    scene, view, lamp = _scene()
+    plane = np.array(lamp.depth_plane)
+    return ray_caster.visible(ray_caster.scene_caster(scene), view).points @ plane[:3] + plane[3]
 
 
 def refused(profile, color_format, alpha_bits):
@@ -68,16 +94,17 @@ def refused(profile, color_format, alpha_bits):
 
 def measure(profile):
     """A row for each format."""
-    whole = lit(profile, ColorFormat.A8R8G8B8, alpha.with_combiners)
+    whole, depth = lit(profile, ColorFormat.A8R8G8B8, alpha.with_combiners), depths()
     rows = []
     for name, color_format, alpha_bits, red_bits in FORMATS:
 
         def light(way, color_format=color_format, **settings):
             return 100.0 * float(lit(profile, color_format, way, **settings).sum() / whole.sum())
 
-        through_red = lit(
+        through_red, farthest = lit_and_map(
             profile, color_format, alpha.with_combiners, component=alpha.DepthComponent.RED, bits=red_bits
         )
+        held = depth <= farthest
         rows.append(
             (
                 name,
@@ -86,7 +113,9 @@ def measure(profile):
                 light(alpha.with_one_unit),
                 light(alpha.with_combiners),
                 100.0 * float(through_red.sum() / whole.sum()),
-                100.0 * float((through_red == whole).mean()),
+                100.0 * farthest,
+                100.0 * float((through_red == whole)[held].mean()),
+                100.0 * float((through_red & whole)[~held].sum() / whole[~held].sum()),
             )
         )
     columns = (
@@ -96,7 +125,9 @@ def measure(profile):
         Column("H38 lights", "%", ".1f"),
         Column("H37 lights", "%", ".1f"),
         Column("H37 by red lights", "%", ".1f"),
-        Column("of its pixels agree", "%", ".1f"),
+        Column("map ends", "%", ".1f"),
+        Column("nearer agree", "%", ".1f"),
+        Column("farther lit", "%", ".1f"),
     )
     return Table(columns, tuple(rows))
 
@@ -114,9 +145,12 @@ def findings(table):
         f"H37 with a map in alpha would light {zeros['H37 lights']:.0f} % where the surface's padding is "
         f"zeros and {ones['H37 lights']:.0f} % where it is ones: the nearest depth everywhere, or the "
         "farthest.",
-        f"With the depth in red H37 runs: {zeros['of its pixels agree']:.1f} and "
-        f"{ones['of its pixels agree']:.1f} % of the pixels are those of a window with alpha, and with five "
-        f"bits of red {short['of its pixels agree']:.1f} %.",
+        f"With the depth in red H37 runs: {zeros['nearer agree']:.1f} and {ones['nearer agree']:.1f} % of "
+        "the pixels are those of a window with alpha, and with five bits of red "
+        f"{short['nearer agree']:.1f} % of those that are no farther than the map holds.",
+        f"A map of five bits ends at {short['map ends']:.1f} % of the far plane's depth, as ones are 248 of "
+        "255: of the ground beyond, which a window with alpha lights, "
+        f"{short['farther lit']:.1f} % is lit, and with eight bits of red {zeros['farther lit']:.1f} %.",
     )
 
 
@@ -142,10 +176,23 @@ def checks(table):
             )  # fmt: skip
         short = "R5" in name
         yield Check(
-            f"{name}: pixels of H37 by red that are those of a window with alpha, %",
-            r["of its pixels agree"], at_least=95.0 if short else 100.0, on=Answer.MACHINE,
+            f"{name}: pixels no farther than the map holds that are those of a window with alpha, %",
+            r["nearer agree"], at_least=95.0 if short else 100.0, on=Answer.MACHINE,
             reason="a bias of one step of five bits is that of eight steps of eight; measured at the "
             "first correct table" if short else "the catalogue's: H37 still runs; red has as many bits",
+        )  # fmt: skip
+        end = 100.0 * 248.0 / 255.0 if short else 100.0
+        yield Check(
+            f"{name}: how far the end of a map in red is from {end:.1f} % of the far plane's depth",
+            abs(r["map ends"] - end), at_most=1e-9, on=Answer.MACHINE,
+            reason="a surface's components stand at the top of their bytes, zeros below",
+        )  # fmt: skip
+        bound = {"at_most": 1.0} if short else {"at_least": 100.0}
+        yield Check(
+            f"{name}: light beyond the map's end, % of a window's with alpha", r["farther lit"],
+            on=Answer.MACHINE, **bound,
+            reason="the ramp goes on to 255 there; what is within half a step of 248 is lit"
+            if short else "where nothing is drawn the map is as far as the ramp goes",
         )  # fmt: skip
 
 
@@ -168,7 +215,8 @@ STUDY = Study(
     question="Which alpha-coded shadows need alpha in the window, and what becomes of them without?",
     method=(
         f"The still life, {_SIZE} x {_SIZE} pixels, on surfaces of formats with and without alpha: H38 and "
-        "H37 as they are, and H37 with its depth in red; lit pixels, of those in a window with alpha."
+        "H37 as they are, and H37 with its depth in red; lit pixels, of those in a window with alpha. "
+        "Rays say which are farther from the lamp than the map's largest number."
     ),
     source="Heidrich2001",
     techniques=("H36", "H37", "H38"),
