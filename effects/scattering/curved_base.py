@@ -48,6 +48,8 @@ TECHNIQUES = (
     Technique("G21", "a base that is stretched, one axis more than the other, in the same way", "5"),
 )
 
+# Assumed: more than any surface has; far beyond it positions have no digits left.
+_LARGEST = 1e6
 # The series' terms: at pi, the farthest angle that is asked, the first that is left out is below 2^-60.
 _TERMS = 17
 
@@ -75,7 +77,8 @@ class Base:
     curvature  kappa_u and kappa_v, in 1 / edge of the field's square; positive: convex
     stretch    s_x and s_y, factors; heights are not stretched
 
-    Raises ValueError for numbers that are not finite and for a stretch that is not positive.
+    Raises ValueError for numbers that are not finite or as large as no scene has them, and for a stretch that
+    is not positive.
     """
 
     curvature: tuple[float, float] = (0.0, 0.0)
@@ -87,6 +90,12 @@ class Base:
                 raise ValueError(f"The base's {name} is {values!r}; give two finite numbers.")
         if min(self.stretch) <= 0.0:
             raise ValueError(f"The base's stretch is {self.stretch!r}; give two positive numbers.")
+        largest = max(*map(abs, self.curvature), *self.stretch, *(1.0 / s for s in self.stretch))
+        if largest > _LARGEST:
+            raise ValueError(
+                f"The base has the curvature {self.curvature!r} and the stretch {self.stretch!r}; give "
+                f"numbers of at most {_LARGEST:g}, and a stretch of no less than one over that."
+            )
 
     def added(self, x, y, h):
         """By how much the bent point lies beside (x, y, h), positions in the stretched base: float64

@@ -16,6 +16,8 @@ from fixedpipe.effects.geometry.vectors import cosine, cross, dot, normalize, si
 
 # Turns of the spiral from a point to the next: the golden section, so that neighbours keep apart.
 _GOLDEN = (3.0 - math.sqrt(5.0)) / 2.0
+# Numbers whose squares are far from where floats end.
+_SHORTEST = 1e-100
 # Solid angles are rounded to a multiple of this: arc tangents differ in their last bit between processors.
 _SOLID_ANGLE_STEP = 2.0**-30
 
@@ -25,7 +27,7 @@ def spiral(count):
 
     Every direction is the middle of a belt of the same area. Raises ValueError for fewer than one.
     """
-    if isinstance(count, bool) or int(count) != count or count < 1:
+    if isinstance(count, bool) or not 1 <= count < math.inf or int(count) != count:
         raise ValueError(f"The number of directions is {count!r}; give a whole number from 1 on.")
     i = np.arange(int(count))
     z = 1.0 - (2.0 * i + 1.0) / count
@@ -38,14 +40,30 @@ def spiral(count):
 def checked(directions):
     """Directions as float64 [n, 3] of length one.
 
-    Raises ValueError for another shape, none, NaN or infinity, and for a vector that is zero.
+    Raises ValueError for another shape, none, NaN or infinity, and for a vector that is zero, or so long or
+    short that the square of its length is no number.
     """
     array = np.asarray(directions, np.float64)
     if array.ndim != 2 or array.shape[1] != 3 or not len(array):
         raise ValueError(f"The directions have shape {array.shape}; give [n, 3], at least one.")
     if not np.isfinite(array).all() or not array.any(axis=1).all():
         raise ValueError("The directions hold NaN, infinity or a zero vector; give finite ones.")
+    longest = np.abs(array).max(axis=1)
+    if not ((longest > _SHORTEST) & (longest < 1.0 / _SHORTEST)).all():
+        raise ValueError(
+            "The directions hold a vector too long or too short to have a length; give unit vectors."
+        )
     return normalize(np.ascontiguousarray(array))
+
+
+def finite(vector, what):
+    """One vector as it is, float64 [3]. Raises ValueError, naming ``what``, for another shape, NaN or
+    infinity.
+    """
+    array = np.asarray(vector, np.float64)
+    if array.shape != (3,) or not np.isfinite(array).all():
+        raise ValueError(f"{what} is {array.tolist()!r}; give three finite numbers.")
+    return array
 
 
 def nearest(directions, vector):

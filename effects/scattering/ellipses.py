@@ -224,8 +224,11 @@ def fit(free, xy, counted=None, least_radius=LEAST_RADIUS):
         )
     if not LEAST_RADIUS <= least_radius <= 1.0:
         raise ValueError(f"The least radius is {least_radius!r}; give a number from {LEAST_RADIUS} to 1.")
-    if not np.isfinite(points).all():
-        raise ValueError("The directions hold NaN or infinity; give finite ones.")
+    if not (np.abs(points) <= LARGEST_RADIUS).all():
+        raise ValueError(
+            "The directions hold NaN or infinity, or numbers far beyond the unit disc; give x and y of unit "
+            "vectors."
+        )
     counts = np.where(free, np.int8(1), np.int8(-1))
     if counted is not None:
         counts[~np.broadcast_to(np.asarray(counted, bool), free.shape)] = 0

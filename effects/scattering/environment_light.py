@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from fixedpipe.effects.geometry.vectors import cross, dot, from_frame, in_frame
 from fixedpipe.effects.scattering import directions as sphere
 from fixedpipe.effects.scattering import light_transport
-from fixedpipe.effects.scattering.visibility import BACK, FREE, free_view
+from fixedpipe.effects.scattering.visibility import BACK, FREE, check_same_texels, free_view
 from fixedpipe.effects.technique import Technique
 from fixedpipe.raster.kernel import kernel
 
@@ -37,7 +37,10 @@ def sun_and_sky(field, visibility, frame, light, sun, sky, bounces):
     light    towards the sun, a unit vector of the world; sun: its RGB
     sky      a function of directions [n, 3] of the world: the environment's radiance, float64 [n, 3]
     bounces  how often light is scattered on within the field, from 0
+
+    Raises ValueError for a light that is no direction, and as ``light_transport.gathered``.
     """
+    sphere.finite(light, "The sun's direction")
     axes = [np.asarray(axis, np.float64) for axis in frame]
     local = in_frame(np.asarray(light, np.float64), *axes)
     lit = np.zeros((*field.heights.shape, 3))
@@ -142,6 +145,10 @@ def _lights(
                 above[place, c] += cosine * (sky[low, c] + (at - low) * (sky[low + 1, c] - sky[low, c]))
 
 
+def _outside(texels, count):
+    return int(texels.min()) < 0 or int(texels.max()) >= count
+
+
 def on_turning_base(field, visibility, made, texels, frames, light, sky):
     """What places on a surface send back: of direct light with its shadow, of light scattered in the field,
     and of the sky. Three float64 [n, 3].
@@ -154,8 +161,25 @@ def on_turning_base(field, visibility, made, texels, frames, light, sky):
 
     Shadows are G13's, between three directions; what the sky's light gains by being scattered on is that of
     even light.
+
+    Raises ValueError for another field's Visibility or Tiles, places beyond the field, and arrays of other
+    shapes.
     """
+    check_same_texels(field, visibility)
     flat = field.rows * field.columns
+    light = sphere.finite(light, "The light's direction")
+    texels, sky = np.asarray(texels), np.asarray(sky, np.float64)
+    if texels.ndim != 1 or texels.dtype.kind not in "iu" or (len(texels) and _outside(texels, flat)):
+        raise ValueError(f"The places' texels are not whole numbers [n] from 0 to {flat - 1}; give such.")
+    if len(frames) != 3 or any(np.shape(axis) != (len(texels), 3) for axis in frames):
+        shapes = [np.shape(axis) for axis in frames]
+        raise ValueError(f"The frames have shapes {shapes}; give three of {(len(texels), 3)}.")
+    if sky.ndim != 2 or sky.shape[1] != 3 or len(sky) < 2 or not np.isfinite(sky).all():
+        raise ValueError(f"The sky has shape {sky.shape}; give finite numbers [k, 3] at two heights or more.")
+    if made.indirect.shape != (visibility.count, flat, 3):
+        raise ValueError(
+            "The tiles are of another field or other directions; give what tiles makes of these."
+        )
     triangles = sphere.triangulated(visibility.directions)
     a, b, c = (visibility.directions[triangles[:, k]] for k in range(3))
     volume = dot(a, cross(b, c))[:, None]
@@ -163,10 +187,10 @@ def on_turning_base(field, visibility, made, texels, frames, light, sky):
     out = [np.empty((len(texels), 3)) for _ in range(3)]
     _lights(
         np.ascontiguousarray(texels, np.int64), *(np.ascontiguousarray(axis, np.float64) for axis in frames),
-        np.asarray(light, np.float64), np.ascontiguousarray(field.normals.reshape(flat, 3)),
+        light, np.ascontiguousarray(field.normals.reshape(flat, 3)),
         np.ascontiguousarray(field.albedo.reshape(flat, 3)), visibility.directions,
         visibility.seen.reshape(visibility.count, flat), triangles, np.ascontiguousarray(inverses),
-        made.indirect, np.ascontiguousarray(sky, np.float64), *out,
+        made.indirect, np.ascontiguousarray(sky), *out,
     )  # fmt: skip
     direct, scattered, above = out
     albedo = field.albedo.reshape(flat, 3)[texels]

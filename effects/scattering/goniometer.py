@@ -27,7 +27,7 @@ import numpy as np
 from fixedpipe.effects.geometry.vectors import cosine, dot, normalize, sine
 from fixedpipe.effects.scattering import directions as sphere
 from fixedpipe.effects.scattering.light_transport import bump, gathered
-from fixedpipe.effects.scattering.visibility import FREE, precompute
+from fixedpipe.effects.scattering.visibility import FREE, check_same_texels, precompute
 from fixedpipe.effects.technique import Technique
 from fixedpipe.raster.kernel import kernel
 
@@ -36,6 +36,8 @@ TECHNIQUES = (
     Technique("G24", "the same in texture space: masking by the test that shadows have", "6"),
 )
 
+# Assumed: farther than any picture's rays go that shows more than one texel of each period.
+MOST_PERIODS = 2**14
 # A ray that meets no triangle of the field: only one that does not come down.
 NOTHING = -1
 
@@ -128,14 +130,42 @@ def first_texels(field, origins, along):
 
     origins  float64 [n, 3], s and t in periods, z in heights: not below the field
     along    float64 [n, 3]: the rays' directions, of any length
+
+    Raises ValueError for other shapes, NaN or infinity, and for rays that may cross more than MOST_PERIODS
+    before they have come down to the field's lowest point.
     """
+    origins, along = np.asarray(origins, np.float64), np.asarray(along, np.float64)
+    if origins.ndim != 2 or origins.shape[1] != 3 or along.shape not in ((3,), origins.shape):
+        raise ValueError(f"The rays have shapes {origins.shape} and {along.shape}; give [n, 3] and as many.")
+    if not (np.isfinite(origins).all() and np.isfinite(along).all()):
+        raise ValueError("The rays hold NaN or infinity; give finite points and directions.")
+    down = along[..., 2] < 0.0
+    falling = np.where(down, -along[..., 2], 1.0)
+    fall = np.maximum(origins[:, 2] - float(field.heights.min()), 0.0)
+    periods = (np.abs(along[..., 0]) + np.abs(along[..., 1])) / falling * fall
+    # Where a ray begins counts too: far away its coordinates have no digits left.
+    farthest = np.maximum(
+        np.abs(origins[:, :2]).max(axis=1, initial=0.0) / 1024.0, np.where(down, periods, 0.0)
+    )
+    if not (farthest <= MOST_PERIODS).all():
+        raise ValueError(
+            f"A ray crosses {float(farthest.max()):g} periods of the field before it has come down, and "
+            f"{MOST_PERIODS} are the most; give steeper ones, and points nearer to the field."
+        )
     scale = np.array([float(field.columns), float(field.rows), 1.0])
-    place = np.ascontiguousarray(np.asarray(origins, np.float64) * scale)
+    place = np.ascontiguousarray(origins * scale)
     place[:, :2] -= 0.5
     out = np.empty(len(place), np.int32)
-    step = np.broadcast_to(np.asarray(along, np.float64), place.shape) * scale
+    step = np.broadcast_to(along, place.shape) * scale
     _first_hits(field.heights, place, np.ascontiguousarray(step), out)
     return out
+
+
+def check_size(size):
+    """A picture's pixels along an edge. Raises ValueError where they are no whole number from 1 on."""
+    if not size >= 1 or int(size) != size:
+        raise ValueError(f"The picture has {size!r} pixels along an edge; give a whole number from 1 on.")
+    return int(size)
 
 
 def picture(field, view, size):
@@ -143,7 +173,11 @@ def picture(field, view, size):
     row first.
 
     A pixel is a point of the mean plane, so the picture is registered to the field's texture coordinates.
+
+    Raises ValueError for a view that is not above the horizon, or hardly (``first_texels``), and for a size
+    below one.
     """
+    size = check_size(size)
     (view,) = upper(np.asarray(view, np.float64)[None], "The views")
     place = (np.arange(size) + 0.5) / size
     s, t = (axis.ravel() for axis in np.meshgrid(place, place))
@@ -160,7 +194,7 @@ def shares_in_pictures(field, views, size=None):
 
     size  pixels along an edge; None: four for each texel along the longer edge
     """
-    size = 4 * max(field.rows, field.columns) if size is None else size
+    size = 4 * max(field.rows, field.columns) if size is None else check_size(size)
     texels = field.rows * field.columns
     counts = [np.bincount(picture(field, view, size).ravel(), minlength=texels) for view in upper(views)]
     return np.stack(counts).reshape(len(counts), field.rows, field.columns) / float(size * size)
@@ -222,7 +256,13 @@ def lights(field, visibility, towards, bounces=2, lit=None):
     bounces  reflections beyond the first, each gathered from all directions of the Visibility; 0: direct
              light with its shadows alone
     lit      bool or float [n, rows, columns]: where each light is not shadowed; None: by rays
+
+    Raises ValueError for lights that are not above the horizon, fewer bounces than none, and another field's
+    Visibility.
     """
+    check_same_texels(field, visibility)
+    if bounces < 0:
+        raise ValueError(f"There are {bounces!r} bounces; give a whole number from 0 on.")
     cosines = _cosines(field, upper(towards, "The lights"), lit)
     # All lights at once: what is gathered has three components for each.
     rows, columns = field.heights.shape
@@ -238,7 +278,14 @@ def lights(field, visibility, towards, bounces=2, lit=None):
 def means(shares, sent):
     """The mean radiance in every picture: float64 [n, m, 3] of lights [n, rows, columns, 3] and shares [m,
     rows, columns].
+
+    Raises ValueError where they are not of the same texels.
     """
+    if sent.shape[1:] != (*shares.shape[1:], 3):
+        raise ValueError(
+            f"The light has shape {sent.shape} and the shares {shares.shape}; give [n, rows, columns, 3] and "
+            "[m, rows, columns] of one field."
+        )
     out = np.empty((len(sent), len(shares), 3))
     flat = np.ascontiguousarray(shares.reshape(len(shares), -1))
     _means(flat, np.ascontiguousarray(sent.reshape(len(sent), -1, 3)), out)
@@ -291,8 +338,8 @@ def grid(count):
 
     Equal steps of z, from the horizon's to the zenith's, and of the angle around it, each in its middle.
     """
-    if count < 1:
-        raise ValueError(f"A grid has {count} directions along its edges; give 1 or more.")
+    if not count >= 1 or int(count) != count:
+        raise ValueError(f"A grid has {count} directions along its edges; give a whole number, 1 or more.")
     z = (np.repeat(np.arange(count), count) + 0.5) / count
     angle = 2.0 * math.pi * (np.tile(np.arange(count), count) + 0.5) / count
     around = np.sqrt(1.0 - z * z)

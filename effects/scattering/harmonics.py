@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from fixedpipe.effects.geometry.height_fields import hashed
 from fixedpipe.effects.geometry.vectors import cosine, normalize, sine
 from fixedpipe.effects.scattering import goniometer
+from fixedpipe.effects.scattering.directions import checked
 from fixedpipe.effects.technique import Technique
 
 TECHNIQUES = (
@@ -65,8 +66,10 @@ def basis(directions):
 
 def random_pairs(count, seed=0):
     """``count`` pairs of directions spread at random over the upper hemisphere, by an integer hash: two
-    float64 [count, 3].
+    float64 [count, 3]. Raises ValueError for fewer than one.
     """
+    if not count >= 1 or int(count) != count:
+        raise ValueError(f"There are {count!r} pairs of directions; give a whole number from 1 on.")
     number = np.arange(count)
     out = []
     for k in range(2):
@@ -97,9 +100,11 @@ def fitted(towards, views, samples, tikhonov=TIKHONOV):
 
     tikhonov  how much the squares of the coefficients count, times (1 + j's band + k's band) squared
 
-    Raises ValueError for samples that are not finite or not one for each pair, and a weight that is not
-    positive: without one hemispheres do not determine the coefficients.
+    Raises ValueError for none, for samples that are not finite or not one for each pair, for directions that
+    are none, and a weight that is not positive: without one hemispheres do not determine the coefficients.
     """
+    checked(towards)
+    checked(views)
     samples = np.asarray(samples, np.float64)
     if samples.shape != (len(towards), 3) or len(towards) != len(views) or not np.isfinite(samples).all():
         raise ValueError(

@@ -44,6 +44,7 @@ from fixedpipe.effects.passes.combiners import (
 )
 from fixedpipe.effects.passes.draws import MARK, REPEATED, draw, unit
 from fixedpipe.effects.passes.encoding import factor_texels
+from fixedpipe.effects.scattering.directions import finite
 from fixedpipe.effects.scattering.ellipse_passes import NO_COLOR, POSITIVE_ALPHA
 from fixedpipe.effects.scattering.visibility import MOST_TILES, crossed
 from fixedpipe.effects.technique import Technique
@@ -133,8 +134,10 @@ class HorizonMap:
 
 def horizon_map(field, count=AZIMUTHS):
     """The HorizonMap of a HeightField. Raises ValueError for fewer than three azimuths."""
-    if count < 3:
-        raise ValueError(f"A horizon map of {count} azimuths has none between; give three or more.")
+    if not count >= 3 or int(count) != count:
+        raise ValueError(
+            f"A horizon map of {count} azimuths has none between; give three or more, a whole number."
+        )
     out = np.empty((count, *field.heights.shape))
     _tangents(field.heights, float(field.heights.max()), np.ascontiguousarray(azimuths(count)), out)
     return HorizonMap(out)
@@ -142,8 +145,9 @@ def horizon_map(field, count=AZIMUTHS):
 
 def neighbours(light, count=AZIMUTHS):
     """The two azimuths next to a light's, and how far it is from the first to the second, 0 to 1: (int, int,
-    float). A light straight above has any.
+    float). A light straight above has any. Raises ValueError for a light that is no direction.
     """
+    light = finite(light, "The light's direction")
     x, y = float(light[0]), float(light[1])
     place = math.atan2(y, x) / (2.0 * math.pi) * count
     # Arc tangents differ in their last bit between processors.

@@ -8,11 +8,13 @@ Source: Heidrich, Daubert, Kautz, Seidel 2000, section 6 (32 x 32 pictures); pas
 parameterization; Levoy, Hanrahan 1996 and Gortler and others 1996 have it.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fixedpipe.effects.passes.arguments import positive
 from fixedpipe.effects.scattering import goniometer
 from fixedpipe.effects.technique import Technique
 
@@ -21,7 +23,7 @@ TECHNIQUES = (Technique("G28", "a light field of 32 x 32 pictures with scattered
 
 def _check_eye(field, distance):
     lowest = float(field.heights.max() - field.heights.mean())
-    if not distance > lowest:
+    if not lowest < distance < math.inf:
         raise ValueError(
             f"The eyes are {distance!r} above the mean plane, and the field's highest point is {lowest:g}; "
             "give more."
@@ -33,8 +35,9 @@ def seen_from(field, eye, size):
 
     eye  (s, t, z): s and t in periods, z above the mean plane
 
-    Raises ValueError for an eye that is not above the field.
+    Raises ValueError for an eye that is not above the field, or too far away, and for a size below one.
     """
+    size = goniometer.check_size(size)
     _check_eye(field, eye[2])
     place = (np.arange(size) + 0.5) / size
     s, t = (axis.ravel() for axis in np.meshgrid(place, place))
@@ -66,8 +69,10 @@ class LightField:
 
     def at(self, s, t):
         """The picture from an eye between, linear in the four around it: float64 [size, size, 3]. Eyes beyond
-        the square are taken to its edge.
+        the square are taken to its edge. Raises ValueError for NaN.
         """
+        if s != s or t != t:
+            raise ValueError(f"The eye is at {(s, t)!r}; give two numbers.")
         last = len(self.pictures) - 1
         column, row = (
             min(max((place - 0.5 + self.spread) / (2.0 * self.spread) * last, 0.0), float(last))
@@ -87,10 +92,14 @@ def simulated(field, sent, eyes=32, size=32, *, spread=1.0, distance=2.0, progre
     spread, distance  as of LightField
     progress  None, or a function that is called with the number of rows of eyes that are done
 
-    Raises ValueError for fewer eyes, and for eyes that are not above the field.
+    Raises ValueError for fewer eyes, eyes that are not above the field or too far away, a spread that is not
+    positive, a size below one, and light of other texels.
     """
-    if eyes < 2:
-        raise ValueError(f"The light field has {eyes} eyes along its edges; give 2 or more.")
+    if not eyes >= 2 or int(eyes) != eyes:
+        raise ValueError(f"The light field has {eyes} eyes along its edges; give 2 or more, a whole number.")
+    size, spread = goniometer.check_size(size), positive(spread, "How far the eyes spread")
+    if np.shape(sent) != (*field.heights.shape, 3):
+        raise ValueError(f"The light has shape {np.shape(sent)}; give {(*field.heights.shape, 3)}.")
     _check_eye(field, distance)
     out = LightField(np.empty((eyes, eyes, size, size, 3)), spread, distance)
     flat = np.asarray(sent, np.float64).reshape(-1, 3)

@@ -18,7 +18,8 @@ import numpy as np
 
 from fixedpipe.effects.geometry.height_fields import hashed
 from fixedpipe.effects.geometry.vectors import dot, normalize
-from fixedpipe.effects.scattering.visibility import BACK, FREE, free_view
+from fixedpipe.effects.scattering.directions import finite
+from fixedpipe.effects.scattering.visibility import BACK, FREE, check_same_texels, free_view
 from fixedpipe.effects.technique import Technique
 from fixedpipe.raster.kernel import kernel
 
@@ -104,8 +105,16 @@ def chain(field, visibility, path, light, view, *, lit=1.0, sky=None):
     light  unit vector [3], or None where the sky alone lights
     lit    bool or float [rows, columns]: where the light is not shadowed; 1: everywhere
     sky    None, or a function of a direction [3]: the environment's radiance, RGB, in the same units
+
+    Raises ValueError for another field's Visibility, and for numbers that no direction has.
     """
+    check_same_texels(field, visibility)
     directions = visibility.directions
+    wrong = [i for i in path if not 0 <= i < len(directions)]
+    if wrong:
+        raise ValueError(
+            f"The path goes along direction {wrong[0]!r}; give numbers from 0 to {len(directions) - 1}."
+        )
 
     def direct(towards):
         if light is None:
@@ -128,8 +137,10 @@ def scattered(field, visibility, paths, light, view=(0.0, 0.0, 1.0), *, lit=None
     paths  int [paths, K], as ``sequences`` makes them
     lit    where the light is not shadowed; None: by rays
 
-    Other arguments as of ``chain``.
+    Other arguments, and what is raised, as of ``chain``; also ValueError where there are no paths.
     """
+    if not len(paths):
+        raise ValueError("There are no paths, so they have no mean; give one or more.")
     if lit is None:
         lit = 1.0 if light is None else free_view(field, light)
     total = np.zeros((*field.heights.shape, 3))
@@ -165,8 +176,21 @@ def gathered(field, visibility, light, sky=None):
 
     light  float64 [rows, columns, k]: what every texel sends
     sky    None, black, or float64 [n, k]: the environment along each direction
+
+    Raises ValueError for another field's Visibility, and for other shapes.
     """
+    check_same_texels(field, visibility)
+    light = np.asarray(light, np.float64)
+    if light.ndim != 3 or light.shape[:2] != field.heights.shape:
+        raise ValueError(
+            f"The light has shape {light.shape}; give [{field.rows}, {field.columns}, k], what texels send."
+        )
     components = light.shape[2]
+    if sky is not None and np.shape(sky) != (visibility.count, components):
+        expected = visibility.count, components
+        raise ValueError(
+            f"The sky has shape {np.shape(sky)}; give {expected}, what comes along each direction."
+        )
     sky = np.zeros((visibility.count, components)) if sky is None else np.ascontiguousarray(sky, np.float64)
     out = np.zeros((*field.heights.shape, components))
     flat = np.ascontiguousarray(light.reshape(-1, components))
@@ -177,7 +201,10 @@ def gathered(field, visibility, light, sky=None):
 def bounces(field, visibility, light, count, *, lit=None):
     """Direct light and ``count`` further reflections, each gathered from all N directions (W = 4 / N): a list
     of float64 [rows, columns, 3], the k-th with k of them. Of diffuse light alone: albedo times cosine.
+
+    Raises ValueError for a light that is no direction, and as ``gathered``.
     """
+    light = finite(light, "The light's direction")
     if lit is None:
         lit = free_view(field, light)
     arriving = field.albedo * (np.maximum(dot(field.normals, light), 0.0) * lit)[..., None]

@@ -23,8 +23,9 @@ from enum import StrEnum
 import numpy as np
 
 from fixedpipe.effects.geometry.vectors import normalize
+from fixedpipe.effects.scattering.directions import finite
 from fixedpipe.effects.scattering.light_transport import WEIGHT, reflected
-from fixedpipe.effects.scattering.visibility import BACK, FREE, free_view
+from fixedpipe.effects.scattering.visibility import BACK, FREE, check_same_texels, free_view
 from fixedpipe.effects.technique import AnotherWay, Technique
 from fixedpipe.pipeline.native.threads import default_threads
 from fixedpipe.raster.kernel import kernel
@@ -36,6 +37,8 @@ TECHNIQUES = (
     AnotherWay(("G30",), "where a path meets nothing"),
 )
 
+# Texture coordinates beyond this have no digits left to tell texels apart.
+_FARTHEST = 2.0**32
 # Points that one task traces.
 _POINTS_A_TASK = 512
 
@@ -134,8 +137,16 @@ def _paths(
 
 
 def _around(field, s, t, reconstruction):
-    """The texels, int64 [n, k], whose mean a point is, and their weights, float64 [n, k]."""
-    x, y = np.asarray(s, np.float64) * field.columns - 0.5, np.asarray(t, np.float64) * field.rows - 0.5
+    """The texels, int64 [n, k], whose mean a point is, and their weights, float64 [n, k].
+
+    Raises ValueError for points that are no such numbers [n], or so far away that they have no texel.
+    """
+    s, t = np.asarray(s, np.float64), np.asarray(t, np.float64)
+    if s.ndim != 1 or s.shape != t.shape or not (np.maximum(np.abs(s), np.abs(t)) < _FARTHEST).all():
+        raise ValueError(
+            f"The points have shapes {s.shape} and {t.shape}; give s and t of each, finite numbers [n]."
+        )
+    x, y = s * field.columns - 0.5, t * field.rows - 0.5
     if Reconstruction(reconstruction) is Reconstruction.NEAREST:
         i, j = np.floor(x + 0.5).astype(np.int64), np.floor(y + 0.5).astype(np.int64)
         texels = (j % field.rows) * field.columns + i % field.columns
@@ -170,8 +181,15 @@ def indirect(
     sky             None, black, or float64 [directions, 3]: the environment along each
     reconstruction  whose light it is; seed: of the random numbers; threads: any number gives the same bits
 
-    Raises ValueError for counts below one, and for lookups below zero.
+    Raises ValueError for counts below one, lookups below zero, another field's Visibility, points or
+    directions that are not finite, and arrays of other shapes.
     """
+    check_same_texels(field, visibility)
+    if any(int(count) != count for count in (samples, branches, lookups, seed)) or seed < 0:
+        raise ValueError(
+            f"Paths, directions, lookups and the seed are {samples!r}, {branches!r}, {lookups!r} and "
+            f"{seed!r}; give whole numbers from 0 on."
+        )
     if min(samples, branches) < 1 or lookups < 0:
         raise ValueError(
             f"{samples} paths of {lookups} lookups with {branches} directions at every place; give one path "
@@ -180,6 +198,10 @@ def indirect(
     if lit is None:
         lit = np.zeros(field.heights.shape) if light is None else free_view(field, light)
     sky = np.zeros((visibility.count, 3)) if sky is None else np.ascontiguousarray(sky, np.float64)
+    if sky.shape != (visibility.count, 3):
+        raise ValueError(
+            f"The sky has shape {sky.shape}; give {(visibility.count, 3)}, RGB along each direction."
+        )
     texels, weights = _around(field, s, t, reconstruction)
     flat = field.rows * field.columns
     shared = (
@@ -191,8 +213,8 @@ def indirect(
         visibility.directions,
         visibility.seen.reshape(visibility.count, flat),
         sky,
-        np.zeros(3) if light is None else np.asarray(light, np.float64),
-        np.asarray(view, np.float64),
+        np.zeros(3) if light is None else finite(light, "The light's direction"),
+        finite(view, "The direction to the eye"),
         samples,
         lookups,
         branches,

@@ -217,10 +217,25 @@ def _gathered(field, parts, executor: Executor, progress):
     return np.concatenate(seen)
 
 
+def check_same_texels(field, visibility):
+    """Raises ValueError where a Visibility is not of so many texels as a HeightField has: kernels look up the
+    one's in the other.
+    """
+    theirs, own = visibility.seen.shape[1:], field.heights.shape
+    if theirs != own or len(visibility.directions) != len(visibility.seen):
+        raise ValueError(
+            f"The visibility is of {len(visibility.directions)} directions and {theirs[1]} x {theirs[0]} "
+            f"texels, and the field has {own[1]} x {own[0]}; give what precompute makes of this field."
+        )
+
+
 def distances(field, visibility):
     """How far away the point is that each texel of a HeightField sees along each direction of its Visibility,
     in edges of the field's square: float64 [n, rows, columns], infinity where none is seen.
+
+    Raises ValueError for another field's Visibility.
     """
+    check_same_texels(field, visibility)
     out = np.empty(visibility.seen.shape)
     _reach(field.heights, float(field.heights.max()), visibility.seen, visibility.directions, out)
     return out

@@ -16,7 +16,7 @@ Source: Heidrich, Daubert, Kautz, Seidel 2000, section 4; pass sequences A-G12 a
 
 import numpy as np
 
-from fixedpipe.effects.geometry.vectors import cross, dot, normalize
+from fixedpipe.effects.geometry.vectors import cross, dot
 from fixedpipe.effects.scattering import directions as sphere
 from fixedpipe.effects.scattering.visibility import BACK, FREE
 from fixedpipe.effects.technique import Technique
@@ -41,7 +41,7 @@ def _lights(visibility, light):
         raise ValueError(f"The light has shape {vectors.shape}; give [3], or {(*field, 3)} for each texel.")
     if not np.isfinite(vectors).all() or not vectors.any(axis=-1).all():
         raise ValueError("The light's direction is zero, NaN or infinite somewhere; give finite ones.")
-    return normalize(vectors)
+    return sphere.checked(vectors.reshape(-1, 3)).reshape(vectors.shape)
 
 
 def _seen_along(visibility, number):
