@@ -149,3 +149,54 @@ def test_a_merl_file_is_read_back_where_it_was_written():
     for wrong in (b"", contents[:-1], contents + b"0", b"\1" + contents[1:]):
         with pytest.raises(ValueError, match="no MERL file"):
             merl.read(wrong)
+
+
+def test_light_and_view_of_a_random_pair_do_not_depend_on_each_other():
+    towards, views = harmonics.random_pairs(4096)
+    for found in (towards, views):
+        # Even over the hemisphere: z from 0 to 1, of which the mean's deviation is 0.29 / 64.
+        assert found.mean(axis=0) == pytest.approx([0.0, 0.0, 0.5], abs=0.03)
+    centered = towards - towards.mean(axis=0), views - views.mean(axis=0)
+    # A product's deviation is a third at most, of the mean of 4096 a hundred and ninetieth.
+    assert np.abs(centered[0].T @ centered[1] / 4096.0).max() < 0.02
+
+
+def test_random_samples_are_the_goniometer_s_highlights_too():
+    field = height_field(ridges(16, 2, 30.0, 1).heights, 0.4, specular=0.7, exponent=8.0)
+    seen = precompute(field, DIRECTIONS)
+    towards, views, samples = harmonics.sampled(field, seen, 6)
+    for k in range(6):
+        expected = goniometer.brdf(field, seen, towards[k : k + 1], views[k : k + 1])[0, 0]
+        assert samples[k] == pytest.approx(expected, rel=1e-9)
+    diffuse = harmonics.sampled(height_field(field.heights, 0.4), seen, 6)[2]
+    assert (samples > diffuse).any()
+
+
+def test_near_the_horizon_samples_hardly_count():
+    """There f_r is a quotient of two small numbers: what is fitted is light that is sent back."""
+    towards, views = harmonics.random_pairs(1000)
+    samples = np.full((1000, 3), 0.2)
+    grazing = towards[:, 2] * views[:, 2] < 0.01
+    assert 10 < grazing.sum() < 200
+    samples[grazing] += 3.0
+    found = harmonics.fitted(towards, views, samples)
+    # Of light that is sent back the fault is 0.03 at most, over a twentieth of the samples.
+    assert np.abs(found.at(*upper_pairs(100, 0.3)) - 0.2).max() < 0.03
+
+
+def test_each_cell_of_a_merl_table_is_found_by_its_own_directions_in_either_order():
+    towards, views = merl.directions()
+    numbers = np.arange(90.0 * 90.0 * 180.0).reshape(1, 90, 90, 180) / np.array(merl.SCALES).reshape(
+        3, 1, 1, 1
+    )
+    cells = [np.ravel_multi_index((30, 20, k), (90, 90, 180)) for k in range(5, 180, 10)]
+    for pair in ((towards[cells], views[cells]), (views[cells], towards[cells])):
+        assert np.rint(merl.looked_up(numbers, *pair)[:, 0]).astype(int).tolist() == cells
+
+
+def test_what_falls_below_zero_is_none_in_a_merl_table():
+    class Negative:
+        def at(self, towards, views):
+            return np.full((len(towards), 3), -0.5)
+
+    assert set(np.unique(merl.table(Negative()))) == {merl.BELOW, 0.0}

@@ -223,3 +223,73 @@ def test_bases_that_are_none_are_refused():
     upper = visibility.precompute(field, sphere.spiral(40)[:15])
     with pytest.raises(ValueError, match="do not surround the origin"):
         curved_base.bend(field, upper, Base((0.1, 0.0)))
+
+
+def test_normals_are_those_of_the_bent_surface():
+    """Beside the cross product of two steps along the bent surface, in the frame at the texel."""
+    slopes = np.array([[0.5, -0.3], [-0.8, 0.6]])
+    flat = np.concatenate([-slopes, np.ones((2, 1))], axis=1)
+    flat /= np.sqrt(dot(flat, flat))[:, None]
+    heights = np.array([[0.3, -0.2], [0.1, 0.4]])
+    field = height_field.height_field(heights, normals=np.stack([flat, flat]))
+    base, step = Base((0.9, -0.6), (1.3, 0.7)), 1e-6
+    found = curved_base.bent_normals(field, base)
+    for row in range(2):
+        for column in range(2):
+            h, (a, b) = heights[row, column], slopes[column]
+            u, v = (
+                np.subtract(base.placed((x, y, h + up)), base.placed((-x, -y, h - up)))
+                for x, y, up in ((step, 0.0, step * a), (0.0, step, step * b))
+            )
+            expected = cross(u, v) / np.sqrt(dot(cross(u, v), cross(u, v)))
+            assert found[row, column] == pytest.approx(expected, abs=1e-6)
+
+
+def test_of_triangles_that_lie_over_each_other_the_one_with_the_nearest_point_counts():
+    field = height_field.height_field(np.zeros((2, 2)))
+    corners = np.array([(1.0, 0.0, 1.0), (-1.0, 1.0, 1.0), (-1.0, -1.0, 1.0)])
+    corners /= np.sqrt(dot(corners, corners))[:, None]
+    flat, shape = np.concatenate([corners, corners]), (6, 2, 2)
+    near = np.zeros(shape, np.int32)
+    near[3:] = FREE
+    far = np.where(near == FREE, np.inf, 0.1)
+    for triangles in ([[0, 1, 2], [3, 4, 5]], [[3, 4, 5], [0, 1, 2]]):
+        bent = curved_base.Bent(
+            Base(), np.tile(flat[:, None, None], (1, 2, 2, 1)), np.ones(shape), field.normals,
+            np.array(triangles), flat, near, far,
+        )  # fmt: skip
+        assert (curved_base.free_share(field, bent, np.array([0.0, 0.0, 1.0])) == 0.0).all()
+
+
+def test_how_far_away_things_are_says_what_hides_them():
+    field = groove(16)
+    seen = visibility.precompute(field, sphere.spiral(60))
+    far = curved_base.bend(field, seen, Base((0.1, 0.0))).far
+    assert (far[seen.seen == BACK] == 0.0).all() and np.isposinf(far[seen.seen == FREE]).all()
+    assert ((far > 0.0) & np.isfinite(far))[seen.seen >= 0].all()
+
+
+def test_what_has_folded_over_counts_nothing():
+    """A direction whose point is near turns past its neighbours, which see nothing and stay."""
+    directions = sphere.spiral(100)
+    triangles = sphere.triangulated(directions)
+    far = np.full((100, 1), np.inf)
+    number = int(sphere.nearest(directions, (1.0, 0.0, 0.3)))
+    far[number] = 1.0
+    base, heights = Base((2.5, 0.0)), np.zeros(1)
+    turned = curved_base.moved(base, directions, far, heights)[number, 0]
+    assert int(sphere.nearest(directions, turned)) != number
+    weights = curved_base.border_weights(base, directions, triangles, far, heights)
+    assert (weights >= 0.0).all() and (weights == 0.0).any()
+
+
+def test_a_mesh_s_frames_are_the_base_s():
+    bumpy = height_field.bumps(8, 8, height=0.1)
+    surface = curved_base.bent_surface(bumpy, Base((0.4, -0.2)), (0, 8), (0, 8))
+    frames = surface.tangents, surface.binormals, surface.normals
+    for k, axis in enumerate(frames):
+        assert np.allclose(dot(axis, axis), 1.0, atol=1e-9)
+        assert np.abs(dot(axis, frames[(k + 1) % 3])).max() < 1e-9
+        # Bumps of a tenth and so little curvature turn no axis far from the world's.
+        assert axis[:, k].min() > 0.5
+    assert np.allclose(cross(surface.tangents, surface.binormals), surface.normals, atol=1e-9)

@@ -172,3 +172,69 @@ def test_a_lamp_nearby_is_refused_by_the_imaging_subset():
         ellipse_passes.imaging_marking_passes(
             surfaces.plane(), forms, orthographic_view(panel), Light((0.0, 0.0, 1.0), point=True), OCTANE
         )
+
+
+def flat_and_free(normal=(0.0, 0.0, 1.0)):
+    """Forms that let all light in, and a normal for each texel."""
+    xy = sphere.spiral(40)[:20, :2]
+    free = ellipses.rooted(ellipses.fit(np.ones((20, 4, 4), bool), xy))
+    return free, np.tile(unit_vector(normal, "n"), (4, 4, 1))
+
+
+def drawn_by(imaging, forms, normals, view, light, profile, **settings):
+    """All commands of a picture of a square, its textures loaded."""
+    surface = surfaces.plane()
+    if imaging:
+        return ellipse_passes.imaging_passes(surface, forms, normals, view, light, profile, **settings)
+    return (
+        *ellipse_passes.load(forms, profile),
+        TexImage(label="load n", texture="n", image=texture_2d(vector_texels(normals, profile))),
+        *ellipse_passes.combiner_passes(surface, forms, view, light, profile, normal_map="n", **settings),
+    )
+
+
+WAYS = pytest.mark.parametrize(("profile", "imaging"), [(GEFORCE_256, False), (OCTANE, True)])
+
+
+@WAYS
+@pytest.mark.parametrize("shadows", [False, True])
+def test_the_colour_map_is_a_factor_of_ambient_light_and_of_the_lamp_s(profile, imaging, shadows):
+    (panel,) = row_of_panels(1, SIZE)
+    colors = np.tile(np.array([0.8, 0.4, 0.2]), (4, 4, 1))
+    light = Light((0.0, 0.6, 0.8))
+    settings = {"color": (0.5, 0.5, 0.5), "ambient": (0.3, 0.2, 0.1), "shadows": shadows, "color_map": "c"}
+    commands = (
+        panel.clear((0.0, 0.0, 0.0)),
+        TexImage(label="load c", texture="c", image=texture_2d(colors)),
+        *drawn_by(imaging, *flat_and_free(), orthographic_view(panel), light, profile, **settings),
+    )
+    expected = (np.array((0.3, 0.2, 0.1)) + 0.5 * 0.8) * (0.8, 0.4, 0.2)
+    # Bytes of normals, of light and of every pass.
+    assert np.abs(pixels(commands, profile) - expected).max() < 0.02
+
+
+@WAYS
+def test_a_slope_that_is_turned_away_has_ambient_light_alone(profile, imaging):
+    (panel,) = row_of_panels(1, SIZE)
+    light = Light((0.9, 0.0, 0.3))
+    settings = {"color": (0.7, 0.7, 0.7), "ambient": (0.2, 0.2, 0.2)}
+    commands = (
+        panel.clear((0.0, 0.0, 0.0)),
+        *drawn_by(
+            imaging, *flat_and_free((-0.8, 0.0, 0.6)), orthographic_view(panel), light, profile, **settings
+        ),
+    )
+    assert np.abs(pixels(commands, profile) - 0.2).max() < 0.01
+
+
+@WAYS
+def test_marks_of_a_frame_before_are_cleared(profile, imaging):
+    (panel,) = row_of_panels(1, SIZE)
+    view, normals = orthographic_view(panel), flat_and_free()[1]
+    settings = {"color": (0.7, 0.7, 0.7), "ambient": (0.2, 0.2, 0.2)}
+    nothing = ellipses.rooted(ellipses.fit(np.zeros((20, 4, 4), bool), sphere.spiral(40)[:20, :2]))
+    light, commands = Light((0.0, 0.6, 0.8)), []
+    for forms in (flat_and_free()[0], nothing):
+        commands.append(panel.clear((0.0, 0.0, 0.0)))
+        commands += drawn_by(imaging, forms, normals, view, light, profile, **settings)
+    assert np.abs(pixels(commands, profile) - 0.2).max() < 0.01

@@ -289,3 +289,14 @@ def test_smoothed_forms_are_means_of_neighbours_and_agree_better():
     }
     found = bump_shadows.agreement(field, ways)
     assert found["smooth"] > found["as fitted"]
+
+
+def test_a_direction_from_which_a_texel_is_turned_away_counts_where_it_is_asked_to():
+    field = height_field.ridges(16, 4, 60.0, 1)
+    seen = visibility.precompute(field, sphere.spiral(100))
+    up = seen.directions[:, 2] > 0.0
+    free, xy = seen.seen[up] == FREE, seen.directions[up, :2]
+    for counts, counted in ((True, None), (False, seen.seen[up] != BACK)):
+        found, expected = ellipses.of_visibility(seen, counts), ellipses.fit(free, xy, counted)
+        np.testing.assert_array_equal(found.radii, expected.radii)
+    assert (ellipses.of_visibility(seen, True).radii != ellipses.of_visibility(seen).radii).any()

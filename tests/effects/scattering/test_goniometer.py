@@ -8,7 +8,7 @@ import pytest
 from fixedpipe.effects.scattering import goniometer
 from fixedpipe.effects.scattering.directions import spiral
 from fixedpipe.effects.scattering.height_field import bumps, domes, height_field, ridges
-from fixedpipe.effects.scattering.visibility import precompute
+from fixedpipe.effects.scattering.visibility import FREE, precompute
 
 DIRECTIONS = spiral(200)
 
@@ -163,3 +163,22 @@ def test_a_grid_covers_the_hemisphere():
     assert (directions[:, 2] > 0.0).all() and len(directions) == 25
     with pytest.raises(ValueError, match="1 or more"):
         goniometer.grid(0)
+
+
+def test_a_highlight_in_the_shadow_is_none():
+    field = ridges(32, 2, 60.0, 1)
+    field = height_field(field.heights, 0.0, normals=field.normals, specular=0.5, exponent=2.0)
+    light, view = np.array([[0.8, 0.0, 0.6]]), np.array([[0.0, 0.0, 1.0]])
+    shares = goniometer.shares_in_texture_space(field, view)
+    half = (light[0] + view[0]) / math.sqrt(3.2)
+    shine = 0.5 * np.maximum(field.normals @ half, 0.0) ** 2 * (field.normals @ light[0] > 0.0) * shares[0]
+    free = precompute(field, light).seen[0] == FREE
+    assert shine[free].sum() < 0.9 * shine.sum()
+    found = goniometer.highlights(field, light, view, shares)
+    assert found[0, 0] == pytest.approx([shine[free].sum()] * 3)
+
+
+def test_where_no_texel_s_centre_is_lit_the_irradiance_is_the_cosine():
+    lights = np.array([[0.6, 0.0, 0.8], [0.0, 0.0, 1.0]])
+    found = goniometer.irradiance(bumps(8, 8), lights, np.zeros((2, 8, 8)))
+    assert found.tolist() == lights[:, 2].tolist()

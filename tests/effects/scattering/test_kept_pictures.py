@@ -1,5 +1,6 @@
 """BTFs, BRDFs that vary over the surface, light fields, and the choice between levels of detail."""
 
+import io
 import math
 from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
@@ -128,3 +129,48 @@ def test_levels_are_faded_without_a_jump():
     )
     with pytest.raises(ValueError, match="above 0"):
         levels.shares(0.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("bounces", {"bounces": 1}),
+        ("size", {"size": 16}),
+        ("gathered along", {"count": 60}),
+        ("lights", {"lights": 3}),
+        ("views", {"views": 3}),
+        ("heights, normals", {"height": 0.2}),
+        ("albedo", {"albedo": 0.3}),
+    ],
+)
+def test_all_that_pictures_depend_on_stands_in_the_manifest(tmp_path, name, change):
+    def made(bounces=0, size=8, count=40, lights=2, views=2, height=0.1, albedo=0.8):
+        field = bumps(8, 8, albedo, height)
+        (towards, _), (seen, _) = goniometer.grid(lights), goniometer.grid(views)
+        # As many pieces, whatever the lights are.
+        return btf.simulated(
+            field, precompute(field, spiral(count)), towards[:4], seen, size=size, bounces=bounces,
+            folder=tmp_path,
+        )  # fmt: skip
+
+    made()
+    with pytest.raises(Refusal, match=rf"other parameters \({name}\)"):
+        made(**change)
+
+
+def test_a_file_of_pictures_holds_them_and_what_255_is(field):
+    views, _ = goniometer.grid(1)
+    stored = btf.simulated(field, precompute(field, DIRECTIONS), views, views, kind="uint8")
+    read = np.load(io.BytesIO(stored.npz()))
+    assert sorted(read) == ["full", "irradiance", "pictures", "towards", "views"]
+    for name in ("pictures", "towards", "views", "irradiance"):
+        np.testing.assert_array_equal(read[name], getattr(stored, name))
+    np.testing.assert_array_equal(stored.radiance(0, 0), read["pictures"][0, 0] * (read["full"] / 255.0))
+
+
+@pytest.mark.parametrize(
+    ("texels", "expected"),
+    [(0.125, (1, 0, 0)), (0.375, (0, 1, 0)), (2.0, (0, 1, 0)), (6.0, (0, 0, 1)), (0.1875, (0.75, 0.25, 0))],
+)
+def test_levels_are_mixed_within_half_of_a_limit(texels, expected):
+    assert levels.shares(texels) == pytest.approx(expected)

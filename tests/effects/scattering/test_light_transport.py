@@ -115,3 +115,33 @@ def test_albedos_heights_and_lights_that_are_none_are_refused():
         height_field.height_field(np.zeros((1, 1)))
     with pytest.raises(ValueError, match="not above the horizon"):
         height_field.check_light((1.0, 0.0, -0.1))
+
+
+def test_what_is_looked_up_is_a_texel_s_light_the_sky_s_or_nothing():
+    light = np.arange(12.0).reshape(2, 2, 3)
+    seen = np.array([[3, visibility.FREE], [visibility.BACK, 0]])
+    found = light_transport.looked_up(light, seen, (7.0, 8.0, 9.0))
+    assert found.tolist() == [[[9.0, 10.0, 11.0], [7.0, 8.0, 9.0]], [[0.0, 0.0, 0.0], [0.0, 1.0, 2.0]]]
+
+
+def test_highlights_along_a_path_are_seen_from_where_it_came():
+    """A path p, q: q shines towards p, which lies against the path's direction."""
+    field = height_field.ridges(16, 2, 45.0, 1)
+    field = height_field.height_field(field.heights, 0.3, normals=field.normals, specular=0.6, exponent=4.0)
+    seen = visibility.precompute(field, sphere.spiral(60))
+    light = height_field.check_light((0.3, 0.1, 0.9))
+    number = int(np.argmax((seen.seen >= 0).sum(axis=(1, 2))))
+    along = seen.directions[number]
+    found = light_transport.chain(field, seen, [number], light, ABOVE)
+
+    def sent(texel, towards, eye):
+        n = field.normals.reshape(-1, 3)[texel]
+        half = np.add(towards, eye) / np.linalg.norm(np.add(towards, eye))
+        shine = 0.6 * max(float(n @ half), 0.0) ** 4
+        return 0.3 * float(n @ towards) + shine if n @ towards > 0.0 else 0.0
+
+    for texel, met in enumerate(seen.seen[number].ravel().tolist()):
+        expected = sent(texel, light, ABOVE)
+        if met >= 0:
+            expected += 4.0 * sent(texel, along, ABOVE) * sent(met, light, -along)
+        assert found.reshape(-1, 3)[texel] == pytest.approx([expected] * 3, abs=1e-12)

@@ -229,3 +229,38 @@ def test_a_piece_that_cannot_be_written_is_said_and_the_others_stay(tmp_path):
 def _empty_manifest():
     known = {"format": 1, "digest": long_work.digest(PARAMETERS), "parameters": PARAMETERS}
     return json.dumps({**known, "pieces": len(TASKS), "done": {}}).encode()
+
+
+def test_what_was_half_written_is_gone_when_the_work_is_done(tmp_path, whole):
+    folder = tmp_path / "f"
+    folder.mkdir()
+    for name in (".partial-piece-00099.npy", ".partial-manifest.json"):
+        (folder / name).write_bytes(b"half")
+    done_in(folder)
+    assert files(folder) == whole
+
+
+class AtOnce(Executor):
+    """The first task fails, the others are done at once, the last are never begun."""
+
+    def __init__(self, pending):
+        self.pending, self.futures = pending, []
+
+    def submit(self, work, *arguments):
+        future = Future()
+        if not self.futures:
+            future.set_exception(RuntimeError("the worker died"))
+        elif len(self.futures) < len(TASKS) - self.pending:
+            future.set_result(work(*arguments))
+        self.futures.append(future)
+        return future
+
+
+def test_what_came_with_a_piece_that_failed_is_kept_and_what_waits_is_left_out(tmp_path):
+    executor = AtOnce(2)
+    with pytest.raises(RuntimeError, match="the worker died"):
+        done_in(tmp_path, executor=executor)
+    assert [path.name for path in sorted(tmp_path.glob("piece-*"))] == [
+        f"piece-0000{k}.npy" for k in (1, 2, 3)
+    ]
+    assert [future.cancelled() for future in executor.futures] == [False] * 4 + [True] * 2

@@ -61,3 +61,8 @@ def test_eyes_aslant_or_below_are_refused():
         masking.redistributed(field, (0.5, 0.5, 0.7))
     with pytest.raises(ValueError, match="not above the horizon"):
         masking.seen_share(field, (0.0, 1.0, -0.1))
+
+
+def test_a_coarse_field_has_the_colour_of_the_first_texel():
+    found = masking.coarse(height_field.domes(8, 8, 2, albedo=(0.9, 0.5, 0.1)), 4)
+    assert (found.albedo == (0.9, 0.5, 0.1)).all()
