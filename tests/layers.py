@@ -81,7 +81,8 @@ PACKAGES = {
         "effects": "technique geometry passes bump_mapping",
     },
     "effects/environment_maps": {
-        "pipeline": "enums state textures commands",
+        "raster": "kernel",
+        "pipeline": "enums state textures commands native",
         "effects": "technique geometry passes bump_mapping",
     },
     "effects/texture_filtering": {

@@ -8,10 +8,8 @@ Source: Kautz, Seidel 2000, section 5; Kilgard 2000, section 4 (K12 of the catal
 the faces' orientation: EXT_texture_cube_map, table 3.8.
 """
 
-import numpy as np
-
 from fixedpipe.effects.bump_mapping.diffuse_bump import diffuse_combiners
-from fixedpipe.effects.geometry.vectors import normalize
+from fixedpipe.effects.geometry.cube_maps import directions
 from fixedpipe.effects.passes.combiners import (
     ONE,
     SPARE0,
@@ -47,22 +45,6 @@ from fixedpipe.pipeline.textures.images import texture_cube_map
 TECHNIQUES = (Technique("K12", "a normalization cube map: interpolated vectors get their length back", "5"),)
 
 NAME = "normalization cube map"
-
-
-def directions(size):
-    """Unit vectors in the directions of a cube map's texel centres: float64 [6, size, size, 3]."""
-    edge = 2.0 * (np.arange(size) + 0.5) / size - 1.0
-    sc, tc = np.meshgrid(edge, edge)
-    one = np.ones_like(sc)
-    faces = (
-        (one, -tc, -sc),
-        (-one, -tc, sc),
-        (sc, one, tc),
-        (sc, -one, -tc),
-        (sc, -tc, one),
-        (-sc, -tc, -one),
-    )
-    return normalize(np.stack([np.stack(face, axis=-1) for face in faces]))
 
 
 def load(size, profile):

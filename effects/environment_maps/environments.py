@@ -4,7 +4,7 @@ The room is a box; the eye of an environment map is at its centre, and a directi
 Everything is a function of directions, in elementwise arithmetic, so that texels have the same bits
 everywhere.
 
-Source: EXT_texture_cube_map, table 3.8 (faces, through ``normalization_cube_map.directions``); OpenGL 1.2.1,
+Source: EXT_texture_cube_map, table 3.8 (faces, through ``geometry.cube_maps``); OpenGL 1.2.1,
 section 2.10.4 (SPHERE_MAP).
 """
 
@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.bump_mapping.normalization_cube_map import directions
+from fixedpipe.effects.geometry.cube_maps import directions
 from fixedpipe.effects.geometry.matrices import rotate
 from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.pipeline.enums import InternalFormat

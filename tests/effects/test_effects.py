@@ -14,7 +14,7 @@ from fixedpipe.effects.bump_mapping import diffuse_bump, gloss_map, normalizatio
 from fixedpipe.effects.figures import FIGURES, Renderer
 from fixedpipe.effects.figures.kautz_seidel_2000.f004_03_scratched_square import scratch_visibility
 from fixedpipe.effects.figures.kautz_seidel_2000.k14_dot_product_bumps import longest_row
-from fixedpipe.effects.geometry import height_fields, surfaces, triangle_meshes
+from fixedpipe.effects.geometry import cube_maps, height_fields, surfaces, triangle_meshes
 from fixedpipe.effects.geometry.matrices import look_at, orthographic, perspective, rotate, rotation
 from fixedpipe.effects.geometry.vectors import TRIGONOMETRY_STEP, cosine, cross, dot, normalize
 from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view, perspective_view
@@ -466,7 +466,7 @@ def test_the_cube_map_passes_give_the_same_as_the_vertex_colours_where_vectors_a
 
 def test_the_cube_map_holds_unit_vectors_in_the_directions_that_read_them():
     size = 8
-    directions = normalization_cube_map.directions(size)
+    directions = cube_maps.directions(size)
     assert np.allclose(dot(directions, directions), 1.0)
     # EXT_texture_cube_map: the face of the largest component, s and t from its sc and tc.
     for face, (axis, sign) in enumerate(((0, 1), (0, -1), (1, 1), (1, -1), (2, 1), (2, -1))):

@@ -8,9 +8,9 @@ import pytest
 
 from fixedpipe.effects.acceptance.ray_caster import primary_rays
 from fixedpipe.effects.bump_mapping import diffuse_bump, lighting_spaces, normal_maps, normalization_cube_map
-from fixedpipe.effects.bump_mapping.normalization_cube_map import directions
 from fixedpipe.effects.environment_maps import bumped_reflections, environments
 from fixedpipe.effects.geometry import height_fields, surfaces
+from fixedpipe.effects.geometry.cube_maps import directions
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import Light, orthographic_view, perspective_view, row_of_panels

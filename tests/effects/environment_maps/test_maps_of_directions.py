@@ -1,0 +1,60 @@
+"""Cube maps and parabolic maps of floats: texels, solid angles, lookups."""
+
+import math
+
+import numpy as np
+import pytest
+
+from fixedpipe.effects.geometry import cube_maps, parabolic_maps
+from fixedpipe.effects.scattering.directions import spiral
+
+
+@pytest.mark.parametrize("size", (1, 3, 64))
+def test_the_solid_angles_of_a_cube_map_are_those_of_the_arc_tangents(size):
+    edge = np.linspace(-1.0, 1.0, size + 1)
+    s, t = np.meshgrid(edge, edge)
+    corner = np.arctan2(s * t, np.sqrt(s * s + t * t + 1.0))
+    exact = corner[1:, 1:] - corner[1:, :-1] - corner[:-1, 1:] + corner[:-1, :-1]
+    np.testing.assert_allclose(cube_maps.solid_angles(size), exact, rtol=1e-7)
+
+
+def test_a_direction_is_found_where_its_texel_lies():
+    toward = cube_maps.directions(9)
+    face, s, t = cube_maps.places(7.0 * toward)
+    assert (face == np.arange(6)[:, None, None]).all()
+    edge = 2.0 * (np.arange(9) + 0.5) / 9 - 1.0
+    np.testing.assert_allclose(s, np.broadcast_to(edge, s.shape), atol=1e-15)
+    np.testing.assert_allclose(t, np.broadcast_to(edge[:, None], s.shape), atol=1e-15)
+    np.testing.assert_allclose(cube_maps.look_up(toward, toward), toward, atol=1e-15)
+
+
+def test_maps_of_directions_give_directions_back():
+    toward = spiral(2000)
+    # Beyond the outermost centres a face holds still: half of a texel of 2/64.
+    assert np.abs(cube_maps.look_up(cube_maps.directions(64), toward) - toward).max() <= 1.0 / 64
+    # So does a disc, where its edge touches the map's.
+    assert np.abs(parabolic_maps.look_up(parabolic_maps.directions(64), toward) - toward).max() <= 1.0 / 64
+
+
+def test_parabolic_texels_and_coordinates_are_inverse():
+    toward = parabolic_maps.directions(33)
+    inside = parabolic_maps.inside(33)
+    disc, st = parabolic_maps.coordinates(3.0 * toward)
+    centres = (np.arange(33) + 0.5) / 33
+    s, t = np.meshgrid(centres, centres)
+    # The middle of the edge, z = 0, is the first disc's.
+    within = inside & (np.abs(toward[0, ..., 2]) > 1e-9)
+    for k in (0, 1):
+        assert (disc[k][within] == k).all()
+        np.testing.assert_allclose(st[k][within], np.stack([s, t], axis=-1)[within], atol=1e-15)
+    np.testing.assert_allclose(toward[0, 16, 16], (0.0, 0.0, -1.0))
+    area = 2.0 * parabolic_maps.solid_angles(256)[parabolic_maps.inside(256)].sum()
+    assert area == pytest.approx(4.0 * math.pi, rel=1e-3)
+
+
+@pytest.mark.parametrize("size", (0, -1, 2.5, True))
+def test_sizes_are_whole_numbers_from_one_on(size):
+    with pytest.raises(ValueError, match="whole number of texels"):
+        cube_maps.directions(size)
+    with pytest.raises(ValueError, match="parabolic map's size"):
+        parabolic_maps.directions(size)
