@@ -52,7 +52,7 @@ PAGES = tuple(
         "docs/precision.md",
         "docs/machine-beside-ideal.md",
         "docs/studies.md",
-        "docs/papers/000-shadows.md",
+        "docs/papers/000.md",
         "docs/papers/002.md",
         "docs/papers/003.md",
         "docs/papers/004.md",

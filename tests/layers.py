@@ -83,7 +83,7 @@ PACKAGES = {
     "effects/environment_maps": {
         "raster": "kernel",
         "pipeline": "enums state textures commands native",
-        "effects": "technique geometry passes bump_mapping",
+        "effects": "technique geometry passes",
     },
     "effects/texture_filtering": {
         "pipeline": "textures commands",

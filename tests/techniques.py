@@ -13,7 +13,7 @@ from fixedpipe.effects.technique import INDEX, OWN, PAPERS, AnotherWay, Techniqu
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / INDEX
 # The page that goes through a document, by its number.
-PAGES = {"000": "000-shadows.md", "002": "002.md", "003": "003.md", "004": "004.md"}
+PAGES = {"000": "000.md", "002": "002.md", "003": "003.md", "004": "004.md"}
 # What comments and pages name of the papers and no module here is, by id: what it is, and where.
 NAMED = {
     "G07": ("hierarchical dependent tests", "3.1, 7"),

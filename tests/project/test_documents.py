@@ -40,7 +40,8 @@ GIVEN = {
     "docs/precision.md": {},
     "docs/machine-beside-ideal.md": {},
     "docs/studies.md": {},
-    "docs/papers/000-shadows.md": {
+    "docs/papers/000.md": {
+        "0.65": "Fresnel's factor at an index of 200 and 89 degrees, which test_fresnel.py computes",
         "98.5": "the catalogue's proposal for F000-7",
         "0.29": "a uniform error of one step: the root of 1/12",
     },
