@@ -59,9 +59,8 @@ class FiveEllipses:
 def _with_neighbours(far, triangles):
     """Distances [n, rows, columns] where a direction that sees nothing has its nearest neighbour's."""
     beside = np.full(far.shape, np.inf)
-    seen = np.where(far > 0.0, far, np.inf)
     for triangle in triangles:
-        beside[triangle] = np.minimum(beside[triangle], seen[triangle].min(axis=0))
+        beside[triangle] = np.minimum(beside[triangle], far[triangle].min(axis=0))
     return np.where(np.isinf(far), beside, far)
 
 
@@ -74,7 +73,6 @@ def ellipses_on(field, visibility, base):
     triangles = sphere.triangulated(visibility.directions)
     curved_base.bent_normals(field, base)
     far = distances(field, visibility)
-    far[visibility.seen == BACK] = 0.0
     moved = curved_base.moved(base, visibility.directions, _with_neighbours(far, triangles), field.heights)
     counted = (moved[..., 2] > 0.0) & (visibility.seen != BACK)
     return ellipses.fit(visibility.seen == FREE, moved[..., :2], counted)

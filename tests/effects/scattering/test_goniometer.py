@@ -182,3 +182,18 @@ def test_where_no_texel_s_centre_is_lit_the_irradiance_is_the_cosine():
     lights = np.array([[0.6, 0.0, 0.8], [0.0, 0.0, 1.0]])
     found = goniometer.irradiance(bumps(8, 8), lights, np.zeros((2, 8, 8)))
     assert found.tolist() == lights[:, 2].tolist()
+
+
+@pytest.mark.parametrize("along_t", [False, True])
+@pytest.mark.parametrize(("start", "way", "texel"), [(0.75, 1.0, 6), (0.25, -1.0, 25)])
+def test_a_ray_that_begins_above_a_flank_meets_the_next_one(along_t, start, way, texel):
+    """Downhill along a flank of 45 degrees from 0.01 above it, falling by a tenth: 0.26 - x / 10 = x - 0.25,
+    so 0.464 periods on, beyond the valley at the field's edge.
+    """
+    heights = ridges(32, 32, 45.0, 1).heights
+    field = height_field(np.ascontiguousarray(heights.T) if along_t else heights)
+    origin, along = [start, 0.3, 0.26], [way, 0.0, -0.1]
+    if along_t:
+        origin[:2], along[:2] = origin[1::-1], along[1::-1]
+    expected = texel * 32 + 9 if along_t else 9 * 32 + texel
+    assert goniometer.first_texels(field, [origin], along).tolist() == [expected]
