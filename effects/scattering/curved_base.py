@@ -253,6 +253,14 @@ def bend(field, visibility, base, weights=border_weights):
     return Bent(base, directions, counts, normals, triangles, visibility.directions, visibility.seen, hidden)
 
 
+def _directions_of(light):
+    """Lights as float64 [..., 3]. Raises ValueError for another shape, NaN or infinity."""
+    found = np.asarray(light, np.float64)
+    if found.ndim < 1 or found.shape[-1] != 3 or not np.isfinite(found).all():
+        raise ValueError(f"The light has shape {found.shape}; give finite unit vectors [..., 3].")
+    return found
+
+
 def free_share(field, bent, light):
     """How much of a distant light reaches each texel, by what the three directions round it see (G13):
     float64 [rows, columns], 0 to 1.
@@ -262,8 +270,10 @@ def free_share(field, bent, light):
 
     A triangle moves as a whole, with the nearest of the points that its corners see; of several that hold the
     light the one with the nearest point counts, for it hides what the others see.
+
+    Raises ValueError for lights that are no finite [..., 3].
     """
-    light = np.asarray(light, np.float64)
+    light = _directions_of(light)
     shape = np.broadcast_shapes(light.shape[:-1], bent.normals.shape[:2])
     inside, distance = np.full(shape, -np.inf), np.full(shape, np.inf)
     share = np.zeros(shape)
@@ -296,7 +306,10 @@ def direct(field, bent, light, lit=None):
 
     light  unit vector [3] or [rows, columns, 3] in the frames at the texels
     lit    float64 [rows, columns]: how much of it arrives; None: ``free_share``
+
+    Raises ValueError for a light that is no finite [..., 3].
     """
+    light = _directions_of(light)
     lit = free_share(field, bent, light) if lit is None else lit
     return field.albedo * (np.maximum(dot(bent.normals, light), 0.0) * lit)[..., None]
 

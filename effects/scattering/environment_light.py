@@ -174,6 +174,8 @@ def on_turning_base(field, visibility, made, texels, frames, light, sky):
     if len(frames) != 3 or any(np.shape(axis) != (len(texels), 3) for axis in frames):
         shapes = [np.shape(axis) for axis in frames]
         raise ValueError(f"The frames have shapes {shapes}; give three of {(len(texels), 3)}.")
+    if not all(np.isfinite(axis).all() for axis in frames):
+        raise ValueError("The frames hold NaN or infinity; give unit vectors.")
     if sky.ndim != 2 or sky.shape[1] != 3 or len(sky) < 2 or not np.isfinite(sky).all():
         raise ValueError(f"The sky has shape {sky.shape}; give finite numbers [k, 3] at two heights or more.")
     if made.indirect.shape != (visibility.count, flat, 3):

@@ -185,10 +185,11 @@ def indirect(
     directions that are not finite, and arrays of other shapes.
     """
     check_same_texels(field, visibility)
-    if any(int(count) != count for count in (samples, branches, lookups, seed)) or seed < 0:
+    counts = (samples, branches, lookups, seed)
+    if not all(-(2**63) < count < 2**63 and int(count) == count for count in counts) or seed < 0:
         raise ValueError(
             f"Paths, directions, lookups and the seed are {samples!r}, {branches!r}, {lookups!r} and "
-            f"{seed!r}; give whole numbers from 0 on."
+            f"{seed!r}; give whole numbers from 0 on, below 2^63."
         )
     if min(samples, branches) < 1 or lookups < 0:
         raise ValueError(

@@ -29,6 +29,7 @@ ONE = np.ones((8, 8, 3))
 TILES = environment_light.tiles(FIELD, SEEN, 1)
 FRAMES = tuple(np.tile(axis, (2, 1)) for axis in np.eye(3))
 SKY = np.ones((4, 3))
+BENT = curved_base.bend(FIELD, SEEN, curved_base.Base((0.1, 0.0)))
 UP = [(0.0, 0.0, 1.0)]
 
 
@@ -78,6 +79,12 @@ def test_another_field_s_visibility_is_refused(call):
         (lambda: indirect(s=[0.1, 0.2]), r"shapes \(2,\) and \(1,\)"),
         (lambda: indirect(seed=-1), "whole numbers from 0 on"),
         (lambda: indirect(samples=2.5), "whole numbers from 0 on"),
+        (lambda: indirect(seed=2**70), r"below 2\^63"),
+        (lambda: indirect(seed=math.nan), "whole numbers from 0 on"),
+        (lambda: turning(frames=[math.nan * axis for axis in FRAMES]), "frames hold NaN"),
+        (lambda: curved_base.bounces(FIELD, BENT, NO_LIGHT, 1), "give finite unit vectors"),
+        (lambda: curved_base.bounces(FIELD, BENT, NO_LIGHT, 1, np.ones((8, 8))), "give finite unit vectors"),
+        (lambda: curved_base.free_share(FIELD, BENT, (0.0, 1.0)), r"shape \(2,\)"),
         (lambda: turning((10**9, 0)), "from 0 to 63"),
         (lambda: turning((-(10**9), 0)), "from 0 to 63"),
         (lambda: turning((0, 1, 2)), "The frames have shapes"),
