@@ -26,6 +26,7 @@ import numpy as np
 
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.vertex_vectors import reflected
+from fixedpipe.effects.reflectance.microfacets import torrance_sparrow
 from fixedpipe.effects.technique import Technique
 
 TECHNIQUES = (Technique("K20", "the software renderer: reflectance models in floating point", "6"),)
@@ -551,6 +552,21 @@ BRDFS = MappingProxyType(
             albedo_bound=None,
             gains={"roughness": 0.01, "isotropy": 1.0},
             gains_at=89.0,
+        ),
+        "torrance_sparrow": Brdf(
+            title="Torrance-Sparrow",
+            technique="K20",
+            equation="L_o = k_s F(l.h) G(n.l, n.v) D(h.n) / (pi (n.v)), D of Gaussian heights, Smith's G",
+            function=torrance_sparrow,
+            parameters=(
+                Parameter("roughness", 0.35, 0.05, 1.0, "m: the slope at which D is 1/e"),
+                Parameter("index", 200.0, 1.0, 200.0, "of refraction: 1.5 glass, 200 a metal"),
+                _K_S,
+            ),
+            source="Heidrich 2001, Eq. 1; Torrance, Sparrow 1967; Smith 1967",
+            reciprocal=True,
+            albedo_bound=1.0,
+            turns=("normal",),
         ),
         "lafortune": Brdf(
             title="Lafortune, one lobe",

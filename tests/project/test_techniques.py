@@ -27,8 +27,10 @@ FOLDERS = (
     "volumes",
 )
 HELPERS = {
+    "effects/environment_maps/environment_lights.py",
     "effects/environment_maps/environments.py",
     "effects/reflectance/fresnel.py",
+    "effects/reflectance/microfacets.py",
     "effects/reflectance/sampled_functions.py",
     "effects/scattering/directions.py",
     "effects/scattering/height_field.py",
