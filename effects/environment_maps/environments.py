@@ -12,6 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from fixedpipe.effects.geometry import parabolic_maps
 from fixedpipe.effects.geometry.cube_maps import directions
 from fixedpipe.effects.geometry.matrices import rotate
 from fixedpipe.effects.geometry.vectors import dot
@@ -138,8 +139,8 @@ def _averaged(function, toward, texel):
 
 
 @lru_cache(maxsize=4)
-def _cube_colors(size, environment):
-    """The mean of four rays in each texel: float64 [6, size, size, 3]."""
+def faces(size, environment=room):
+    """A cube map of floats, the mean of four rays in each texel: float64 [6, size, size, 3]."""
     toward = directions(size)
     toward = toward / np.abs(toward).max(axis=-1, keepdims=True)
     return _averaged(environment, toward, (np.gradient(toward, axis=2), np.gradient(toward, axis=1)))
@@ -150,7 +151,16 @@ def cube_map(size, profile, environment=room):
 
     ``environment``: directions [..., 3] to RGB in [0, 1].
     """
-    return texture_cube_map(_texels(_cube_colors(size, environment), profile), InternalFormat.RGB8)
+    return texture_cube_map(_texels(faces(size, environment), profile), InternalFormat.RGB8)
+
+
+def discs(size, environment=room):
+    """The environment as a parabolic map's two discs with a margin (``parabolic_maps.margin``), a mean of
+    four rays in each texel: float64 [2, size, size, 3].
+    """
+    colors = environment(parabolic_maps.directions(2 * size, parabolic_maps.margin(size)))
+    halved = (colors[:, 0::2] + colors[:, 1::2]) / 2.0
+    return (halved[:, :, 0::2] + halved[:, :, 1::2]) / 2.0
 
 
 def sphere_map(size, view, profile, environment=room):

@@ -6,6 +6,9 @@ first disc has the directions with z <= 0, those that a viewer looking along -z 
 z); the second those with z > 0, at (x, y)/(1 + z). The discs' edge is the circle of radius one; beyond it a
 map's texels go on with what the other hemisphere has, so that filters at the edge find what they need.
 
+``reach`` is the disc's radius in half edges of the map: one where it touches the map's edges, less where
+texels are to be left around it (``margin``).
+
 Source: Heidrich, Seidel 1998, View-independent environment maps; Heidrich 2001, section 1.3 (H21 of the
 catalogue; pass sequence A-H21). The second disc is mirrored against what a viewer who turns round sees.
 """
@@ -15,10 +18,22 @@ import numpy as np
 from fixedpipe.effects.geometry.cube_maps import size_of
 
 
-def directions(size):
+def _texels(size, reach):
+    """s and t of texel centres, from -1/``reach`` to 1/``reach``: two float64 [size, size]."""
+    edge = (2.0 * (np.arange(size_of(size, "The parabolic map's size")) + 0.5) / size - 1.0) / reach
+    return np.meshgrid(edge, edge)
+
+
+def margin(size, texels=2):
+    """The ``reach`` of a disc that leaves so many texels to each of its map's edges, half the map at
+    least.
+    """
+    return max(1.0 - 2.0 * texels / size_of(size, "The parabolic map's size"), 0.5)
+
+
+def directions(size, reach=1.0):
     """Unit vectors of texel centres, ``size`` along an edge: float64 [2, size, size, 3], t from -1 first."""
-    edge = 2.0 * (np.arange(size_of(size, "The parabolic map's size")) + 0.5) / size - 1.0
-    return of_places(*np.meshgrid(edge, edge))
+    return of_places(*_texels(size, reach))
 
 
 def of_places(s, t):
@@ -30,24 +45,22 @@ def of_places(s, t):
     return np.stack([np.stack([x, y, z], axis=-1), np.stack([x, y, -z], axis=-1)])
 
 
-def solid_angles(size):
+def solid_angles(size, reach=1.0):
     """Solid angles of texels by the density at their centres, 4/(1 + s^2 + t^2)^2, in steradians: float64
     [size, size], both discs' alike; texels beyond the discs' edge are counted by the other disc as well.
     """
-    edge = 2.0 * (np.arange(size_of(size, "The parabolic map's size")) + 0.5) / size - 1.0
-    s, t = np.meshgrid(edge, edge)
-    scale = 1.0 + (s * s + t * t)
-    return 16.0 / (scale * scale * size * size)
+    s, t = _texels(size, reach)
+    scale = (1.0 + (s * s + t * t)) * (size * reach)
+    return 16.0 / (scale * scale)
 
 
-def inside(size):
+def inside(size, reach=1.0):
     """Which texels have their centres in the disc: bool [size, size]."""
-    edge = 2.0 * (np.arange(size_of(size, "The parabolic map's size")) + 0.5) / size - 1.0
-    s, t = np.meshgrid(edge, edge)
+    s, t = _texels(size, reach)
     return s * s + t * t <= 1.0
 
 
-def coordinates(vectors):
+def coordinates(vectors, reach=1.0):
     """Where directions lie: discs, int64 [...] of 0 and 1, and places, float64 [..., 2] in [0, 1].
 
     ``vectors``: float64 [..., 3], not zero, of any length.
@@ -56,15 +69,15 @@ def coordinates(vectors):
     x, y, z = (vectors[..., k] for k in range(3))
     length = np.sqrt((x * x + y * y) + z * z)
     disc = (z > 0.0).astype(np.int64)
-    reach = 2.0 * (length + np.abs(z))
-    return disc, np.stack([x / reach + 0.5, y / reach + 0.5], axis=-1)
+    scale = 0.5 * reach / (length + np.abs(z))
+    return disc, np.stack([x * scale + 0.5, y * scale + 0.5], axis=-1)
 
 
-def look_up(discs, vectors):
+def look_up(discs, vectors, reach=1.0):
     """What a parabolic map [2, n, n, c] holds along directions [..., 3], bilinear: float64 [..., c]."""
     discs = np.asarray(discs, np.float64)
     size = discs.shape[1]
-    disc, st = coordinates(vectors)
+    disc, st = coordinates(vectors, reach)
     at = np.clip(st * size - 0.5, 0.0, size - 1.0)
     low = np.minimum(np.floor(at).astype(np.int64), max(size - 2, 0))
     high = np.minimum(low + 1, size - 1)
@@ -73,3 +86,17 @@ def look_up(discs, vectors):
     lower = discs[disc, t0, s0] + u * (discs[disc, t0, s1] - discs[disc, t0, s0])
     upper = discs[disc, t1, s0] + u * (discs[disc, t1, s1] - discs[disc, t1, s0])
     return lower + v * (upper - lower)
+
+
+def matrix(disc, reach=1.0):
+    """The 4x4 texture matrix that takes a unit vector (x, y, z, 1) to a disc's (s, t, 0, q), 0 the first: s/q
+    and t/q are ``coordinates``', and on the other hemisphere's directions lie beyond the disc.
+    """
+    sign = (-1.0, 1.0)[disc]
+    half = 0.5 * float(reach)
+    return (
+        (half, 0.0, 0.5 * sign, 0.5),
+        (0.0, half, 0.5 * sign, 0.5),
+        (0.0, 0.0, 0.0, 0.0),
+        (0.0, 0.0, sign, 1.0),
+    )

@@ -1,0 +1,141 @@
+"""H21: a parabolic map, its two discs and the passes that draw with them."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
+from fixedpipe.effects.environment_maps import bumped_reflections, environments, reflections
+from fixedpipe.effects.figures import own_maps
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures.figure import COMBINER_MACHINES, Figure, Method
+from fixedpipe.effects.figures.heidrich_2001.shared import reflecting
+from fixedpipe.effects.geometry import parabolic_maps, surfaces
+from fixedpipe.effects.geometry.views import BACKGROUND, orthographic_view, panel_of, row_of_panels
+from fixedpipe.effects.passes.draws import EDGE, FIRST_PASS, REPLACE, draw, unit
+from fixedpipe.pipeline.enums import ComparisonFunction
+from fixedpipe.pipeline.state import AlphaTest
+
+DISCS = "first disc", "second disc"
+# Boards with one unit, or none of REFLECTION_MAP and combiners.
+PLAIN_MACHINES = ("OPENGL_1_2", "OCTANE", "INFINITE_REALITY", "G400")
+
+
+def _shown(panel, name):
+    """A disc as a picture, without what is beyond it."""
+    read = unit(name, EDGE, environment=REPLACE)
+    inside = AlphaTest(ComparisonFunction.GREATER, 0.5)
+    view, square = orthographic_view(panel, half_height=1.02), surfaces.plane()
+    return draw(f"show {name}", square.mesh(), view, None, (read,), depth_test=FIRST_PASS, alpha_test=inside)
+
+
+def _scene(profile, size, passes, *, eye, environment, edge, photograph):
+    surface = reflecting.ball_in_ring(size)
+    room = photograph.panorama if photograph else reflecting.ENVIRONMENTS[environment]
+    edge = reflecting.texels(size) if edge is None else edge
+    panels = row_of_panels(4, size)
+    views = [reflecting.camera(panel, eye) for panel in panels]
+    load, _ = bumped_reflections.picture_backdrop(views[0], edge, profile, room)
+    out = [*reflections.load_discs(DISCS, environments.discs(edge, room), profile), load]
+    for panel, name in zip(panels, DISCS, strict=False):
+        out += (panel.clear(BACKGROUND), _shown(panel, name))
+    for number in (2, 3):
+        _, backdrop = bumped_reflections.picture_backdrop(views[number], edge, profile, room)
+        out += (panels[number].clear(BACKGROUND), backdrop)
+        out += passes(surface, views[number], edge, number == 3)
+    return tuple(out)
+
+
+def one_unit_scene(profile, size, **values):
+    """H21 by two passes: the second disc, and over it the first by the alpha test."""
+
+    def passes(surface, view, edge, whole):
+        both = reflections.parabolic_passes(surface, view, DISCS, edge)
+        return both if whole else both[:1]
+
+    return _scene(profile, size, passes, **values)
+
+
+def two_units_scene(profile, size, **values):
+    """H21 by one pass: both discs, which combiners mix; beside it the second disc alone."""
+
+    def passes(surface, view, edge, whole):
+        if whole:
+            return (reflections.parabolic_pass(surface, view, DISCS, edge),)
+        return (reflections.disc_pass(surface, view, DISCS[1], 1, edge),)
+
+    return _scene(profile, size, passes, **values)
+
+
+def checks(figure, renderer):
+    """Directions as colours: in the discs by the paraboloid's formula, in the pictures by rays."""
+    size, edge = 128, 256
+    panels = row_of_panels(4, size)
+    surface, view = (
+        reflecting.ball_in_ring(size),
+        reflecting.camera(panels[3], figure.values["eye"]),
+    )
+    toward, known = reflecting.reflections_by_rays(surface, view, 0.3)
+    x, y = pixel_grid(size, parabolic_maps.margin(edge) / 1.02)
+    square = x * x + y * y
+    inside = square < 0.97
+    for on in (Answer.IDEAL, Answer.MACHINE):
+        image = renderer.window(on, figure, size, environment="directions", edge=edge)
+        for disc, z in enumerate((square - 1.0, 1.0 - square)):
+            true = np.stack([2.0 * x, 2.0 * y, z], axis=-1) / (1.0 + square)[..., None]
+            yield Check(
+                f"{DISCS[disc]} against the paraboloid's formula, largest error in degrees",
+                float(reflecting.degrees_off(panel_of(image, disc), true)[inside].max()),
+                at_most={Answer.IDEAL: 0.12, Answer.MACHINE: 0.8}[on],
+                on=on,
+                reason="a mean of four rays and a chord between texels; and half a byte of three components",
+            )
+        off = reflecting.degrees_off(panel_of(image, 3), toward)
+        for name, where in (
+            ("", known),
+            (" within 6 degrees of the discs' edge", known & (np.abs(toward[..., 2]) < 0.1)),
+        ):
+            yield Check(
+                f"both discs against reflections by rays{name}, degrees at 99 pixels of 100",
+                float(np.percentile(off[where], 99.0)),
+                at_most=3.5,
+                on=on,
+                reason="vectors at the vertices of 48 by 24 facets, iterated; a third of slack",
+            )
+        behind = known & (toward[..., 2] < -0.3)
+        wrong = reflecting.degrees_off(panel_of(image, 2), toward)
+        yield Check(
+            "the second disc alone, where the first belongs, RMS degrees",
+            root_mean_square(wrong[behind]),
+            at_least=25.0,
+            on=on,
+            reason="beyond the edge a disc repeats its last texels, tens of degrees from what belongs there",
+        )
+
+
+FIGURE = Figure(
+    id="H21",
+    title="Parabolic maps",
+    caption=(
+        "Two discs hold a room, one each of the half before and behind the eye, as a paraboloid mirrors it. "
+        "Third the second disc on a ball in a ring, smeared where a reflection goes the other way; right the "
+        "first as well, where its alpha is one."
+    ),
+    must_see=(
+        "Two round pictures of a room, in the first a door and a picture, in the second a great window; "
+        "smears in the third panel, and none in the fourth, where no edge is seen between the discs."
+    ),
+    source="Heidrich2001",
+    techniques=("H21",),
+    panels=("first disc", "second disc", "second disc alone", "both discs"),
+    parameters={
+        "eye": word.POSITION((-1.5, 0.6, 2.4), "The eye."),
+        "environment": reflecting.ENVIRONMENT,
+        "edge": word.FITTED_TEXELS(None, "The edge of each disc's map."),
+        "photograph": own_maps.PANORAMA,
+    },
+    methods=(
+        Method("two units and combiners", two_units_scene, COMBINER_MACHINES),
+        Method("two passes and the alpha test", one_unit_scene, PLAIN_MACHINES),
+    ),
+    acceptance=checks,
+)

@@ -1,0 +1,192 @@
+"""H25: an environment map as it is, filtered by Phong's lobe twice (H29), and by a cosine for diffuse light."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.environment_maps import bumped_reflections, environments, prefilter, reflections
+from fixedpipe.effects.figures import own_maps
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures.figure import COMBINER_MACHINES, Figure, Method
+from fixedpipe.effects.figures.heidrich_2001.shared import reflecting
+from fixedpipe.effects.geometry import cube_maps, parabolic_maps
+from fixedpipe.effects.geometry.vectors import dot, normalize
+from fixedpipe.effects.geometry.vertex_vectors import reflected
+from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, row_of_panels
+from fixedpipe.pipeline.enums import TexGenMode
+
+PLAIN_MACHINES = ("OPENGL_1_2", "OCTANE", "INFINITE_REALITY", "G400")
+NAMES = "mirror", "narrow lobe", "wide lobe", "cosine"
+# Where the eye sees the point's image in the ball, and the point's half width in texels.
+_TOWARD_POINT = (0.3, 0.5, 1.0)
+
+
+def _point(toward):
+    """A spot 2 degrees wide whose image by an exponent of 100 is 0.9 bright in the middle."""
+    near = dot(normalize(toward), normalize(np.array(_TOWARD_POINT))) > 0.99985
+    share = 101.0 / 2.0 * (1.0 - 0.99985)
+    return np.where(near[..., None], np.full(3, 0.9 / share), 0.0)
+
+
+def _white(toward):
+    return np.full((*np.shape(toward)[:-1], 3), 0.5)
+
+
+_ENVIRONMENTS = {"room": environments.room, "white": _white, "point": _point}
+
+
+def maps(size, environment, edge, photograph, exponents):
+    """The four cube maps of floats, as NAMES has them."""
+    room = photograph.panorama if photograph else _ENVIRONMENTS[environment]
+    edge = reflecting.texels(size, 256) if edge is None else edge
+    faces = environments.faces(edge, room)
+    filtered = [prefilter.phong(faces, exponent, max(edge // 2, 8)) for exponent in exponents]
+    return faces, *filtered, prefilter.cosine(faces, max(edge // 4, 8))
+
+
+def cube_scene(profile, size, *, eye, environment, edge, photograph, narrow, wide):
+    """H25 and H29 by cube maps: three looked up by the reflected vector, the last by the normal."""
+    surface, out = reflecting.ball_in_ring(size), []
+    every = maps(size, environment, edge, photograph, (narrow, wide))
+    for panel, name, cube in zip(row_of_panels(4, size), NAMES, every, strict=True):
+        view = reflecting.camera(panel, eye)
+        if name == NAMES[0]:
+            out.append(reflections.load_cube(bumped_reflections.CUBE_MAP, np.clip(cube, 0.0, 1.0), profile))
+        out.append(reflections.load_cube(name, np.clip(cube, 0.0, 1.0), profile))
+        by = TexGenMode.NORMAL_MAP if name == NAMES[3] else TexGenMode.REFLECTION_MAP
+        out += (
+            panel.clear(BACKGROUND),
+            *bumped_reflections.backdrop(view),
+            reflections.cube_pass(surface, view, name, by=by),
+        )
+    return tuple(out)
+
+
+def discs_scene(profile, size, *, eye, environment, edge, photograph, narrow, wide):
+    """H25 and H29 by parabolic maps and the host's vectors, with one unit."""
+    surface, out = reflecting.ball_in_ring(size), []
+    every = maps(size, environment, edge, photograph, (narrow, wide))
+    texels = reflecting.texels(size)
+    toward = parabolic_maps.directions(texels, parabolic_maps.margin(texels))
+    room = photograph.panorama if photograph else _ENVIRONMENTS[environment]
+    for panel, name, cube in zip(row_of_panels(4, size), NAMES, every, strict=True):
+        view = reflecting.camera(panel, eye)
+        load, backdrop = bumped_reflections.picture_backdrop(
+            view, texels, profile, lambda v: np.clip(room(v), 0.0, 1.0)
+        )
+        names = f"{name}, first disc", f"{name}, second disc"
+        discs = np.clip(cube_maps.look_up(cube, toward), 0.0, 1.0)
+        vectors = surface.normals if name == NAMES[3] else None
+        out += (
+            *((load,) if name == NAMES[0] else ()),
+            *reflections.load_discs(names, discs, profile),
+            panel.clear(BACKGROUND),
+            backdrop,
+            *reflections.parabolic_passes(surface, view, names, texels, vectors),
+        )
+    return tuple(out)
+
+
+def _sums(cube, exponent, toward):
+    """The filter for directions [n, 3] by a sum over all texels of a cube map as it is."""
+    size = cube.shape[1]
+    texels = cube_maps.directions(size).reshape(-1, 3)
+    weights = np.broadcast_to(cube_maps.solid_angles(size), (6, size, size)).reshape(-1, 1)
+    lobes = np.maximum(dot(texels[:, None], toward[None]), 0.0) ** exponent * weights
+    return lobes.T @ cube.reshape(-1, 3) / lobes.sum(axis=0)[:, None]
+
+
+def checks(figure, renderer):
+    """Panels against sums over all texels for what rays meet; a constant map; the width of a point's image."""
+    size, values = 128, figure.values
+    panel = row_of_panels(4, size)[0]
+    surface, view = reflecting.ball_in_ring(size), reflecting.camera(panel, values["eye"])
+    normals, eye, _ = reflecting.normals_by_rays(surface, view)
+    toward, known = reflecting.reflections_by_rays(surface, view)
+    some = np.flatnonzero(known)[:: max(1, int(known.sum()) // 150)]
+    faces = environments.faces(64)
+    for on in (Answer.IDEAL, Answer.MACHINE):
+        image = renderer.window(on, figure, size, edge=64)
+        for number, exponent, vectors in (
+            (1, values["narrow"], toward),
+            (2, values["wide"], toward),
+            (3, 1.0, normals),
+        ):
+            true = _sums(faces, exponent, vectors.reshape(-1, 3)[some])
+            error = panel_of(image, number).reshape(-1, 3)[some] - true
+            yield Check(
+                f"{NAMES[number]} against sums over all texels where rays meet, RMS",
+                root_mean_square(error),
+                at_most=0.012,
+                on=on,
+                reason="vectors iterated over facets, and texels between which the machine is linear",
+            )
+        white = renderer.window(on, figure, size, environment="white", edge=64)
+        yield Check(
+            "largest change of a constant map by the filters",
+            max(
+                float(np.abs(panel_of(white, number)[known] - panel_of(white, 0)[known]).max())
+                for number in (1, 2, 3)
+            ),
+            at_most={Answer.IDEAL: 1e-9, Answer.MACHINE: 1.0 / 255.0}[on],
+            on=on,
+            reason="weights are divided by their sum",
+        )
+    point = panel_of(renderer.window(Answer.IDEAL, figure, size, environment="point", edge=256), 1)[..., 0]
+    angle = np.degrees(np.arccos(np.clip(dot(toward, normalize(np.array(_TOWARD_POINT))), -1.0, 1.0)))
+    lit = known & (point > 0.02) & (point < 0.85)
+    # cos^100 at each pixel's angle, inverted: what exponent its brightness speaks of.
+    level = np.log(np.median(np.log(point[lit] / 0.9) / np.log(np.cos(np.radians(angle[lit])))))
+    yield Check(
+        "how far the half width of a point's image is from 6.74 degrees",
+        abs(float(np.degrees(np.arccos(0.5 ** (1.0 / np.exp(level))))) - 6.74),
+        at_most=0.3,
+        on=Answer.IDEAL,
+        reason="the catalogue's, for an exponent of 100",
+    )
+    looking = known & (dot(reflected(eye, normals), toward) > 0.99)
+    yield Check(
+        "contrast of the room in the wide lobe over that in the mirror",
+        float(
+            panel_of(renderer.window(Answer.MACHINE, figure, size), 2)[looking].std()
+            / panel_of(renderer.window(Answer.MACHINE, figure, size), 0)[looking].std()
+        ),
+        at_most=0.6,
+        on=Answer.MACHINE,
+        reason="what is filtered has lost the windows' bars and the floor's tiles",
+    )
+
+
+FIGURE = Figure(
+    id="H25",
+    title="Environment maps filtered beforehand",
+    caption=(
+        "A room in a ball and a ring, from a cube map as it is, filtered by Phong's lobe with exponents of "
+        "100 and 10, and by a cosine. The first three are looked up by the reflected vector, the last by the "
+        "normal. Boards without cube maps have parabolic maps of the same."
+    ),
+    must_see=(
+        "From left to right the windows blur into patches and into a glow; the last ball is matt, bright "
+        "above, and warm on the red wall's side."
+    ),
+    source="Heidrich2001",
+    techniques=("H25", "H29"),
+    panels=("mirror", "Phong, exponent 100", "Phong, exponent 10", "cosine, by the normal"),
+    parameters={
+        "eye": word.POSITION((0.0, 0.35, 2.9), "The eye."),
+        "environment": word.of(
+            word.Choice({name: name for name in _ENVIRONMENTS}),
+            "room",
+            "What is around: a room, grey, or one bright spot.",
+        ),
+        "narrow": word.of(word.Number(1.0, 4096.0), 100.0, "The exponent of the second panel's lobe."),
+        "wide": word.of(word.Number(1.0, 4096.0), 10.0, "The exponent of the third panel's lobe."),
+        "edge": word.FITTED_TEXELS(None, "The edge of the cube map's faces before it is filtered."),
+        "photograph": own_maps.PANORAMA,
+    },
+    methods=(
+        Method("cube maps", cube_scene, COMBINER_MACHINES),
+        Method("parabolic maps and the host's vectors", discs_scene, PLAIN_MACHINES),
+    ),
+    acceptance=checks,
+)

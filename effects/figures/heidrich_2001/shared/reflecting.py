@@ -1,0 +1,89 @@
+"""What figures of environment maps share: a ball in a ring, directions as colours, and reflections by
+rays.
+"""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.ray_caster import RayCaster, primary_rays
+from fixedpipe.effects.environment_maps import environments
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.geometry import surfaces
+from fixedpipe.effects.geometry.matrices import rotation
+from fixedpipe.effects.geometry.vectors import dot, normalize
+from fixedpipe.effects.geometry.vertex_vectors import reflected
+from fixedpipe.effects.geometry.views import perspective_view
+
+FIELD_OF_VIEW = 42.0
+
+
+def directions(toward):
+    """An environment whose colours are the directions themselves, (d + 1)/2 of length one."""
+    return 0.5 * normalize(toward) + 0.5
+
+
+ENVIRONMENTS = {"room": environments.room, "directions": directions}
+ENVIRONMENT = word.of(
+    word.Choice({name: name for name in ENVIRONMENTS}),
+    "room",
+    "What is reflected: a room, or colours that are the directions.",
+)
+
+
+def detail(size):
+    """Segments of a round thing on a panel of ``size`` pixels: few for the plain-Python specification."""
+    return 16 if size < 64 else 48 if size < 200 else 96
+
+
+def texels(size, most=512):
+    """The edge of an environment map for a panel of ``size`` pixels: a power of two, from 16 on."""
+    return min(max(1 << (size - 1).bit_length(), 16), most)
+
+
+def ball_in_ring(size):
+    """A ball of radius 0.5 in a ring that leans."""
+    n = detail(size)
+    ring = surfaces.torus(n, n // 2, 0.84, 0.15).rotated(rotation("x", 24.0)).rotated(rotation("z", 16.0))
+    return surfaces.joined(ring, surfaces.sphere(n, n // 2).scaled(0.5))
+
+
+def camera(panel, eye):
+    """The view of the ball in its ring from an eye."""
+    return perspective_view(panel, eye, field_of_view=FIELD_OF_VIEW, radius=1.1)
+
+
+def normals_by_rays(surface, view):
+    """What rays through the pixels' centres meet: unit normals, interpolated in the triangles; unit vectors
+    to the eye; whether they meet it. Float64 [size, size, 3] twice, zero where they do not, and bool.
+    """
+    size = view.panel.height
+    caster = RayCaster(surface.positions[surface.triangles])
+    origins, along = primary_rays(view)
+    hits = caster.nearest(origins, along, 1.0)
+    seen = hits.triangle >= 0
+    corners = surface.triangles[hits.triangle[seen]]
+    normals, eye = np.zeros((2, size * size, 3))
+    normals[seen] = normalize((surface.normals[corners] * hits.barycentrics[seen][..., None]).sum(axis=1))
+    eye[seen] = normalize(-along[seen])
+    square = (size, size, 3)
+    return normals.reshape(square), eye.reshape(square), seen.reshape(square[:2])
+
+
+def reflections_by_rays(surface, view, least=0.2):
+    """Reflected unit vectors [size, size, 3] at the pixels' centres, and where they are known: bool [size,
+    size].
+
+    The surface faces the eye there by a cosine of ``least`` and more, and the normals of the pixels around
+    lean by less than 60 degrees: at outlines a machine may cover a pixel that a ray misses.
+    """
+    normals, eye, seen = normals_by_rays(surface, view)
+    known = seen & (dot(normals, eye) > least)
+    for step in (-1, 1):
+        for axis in (0, 1):
+            known &= dot(normals, np.roll(normals, step, axis=axis)) > 0.5
+    return reflected(eye, normals), known
+
+
+def degrees_off(colors, toward):
+    """Angles between directions that colours stand for, and unit vectors: degrees [...]."""
+    found = normalize(2.0 * colors - 1.0)
+    return np.degrees(np.arccos(np.clip(dot(found, toward), -1.0, 1.0)))
