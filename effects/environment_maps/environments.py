@@ -154,11 +154,11 @@ def cube_map(size, profile, environment=room):
     return texture_cube_map(_texels(faces(size, environment), profile), InternalFormat.RGB8)
 
 
-def discs(size, environment=room):
-    """The environment as a parabolic map's two discs with a margin (``parabolic_maps.margin``), a mean of
-    four rays in each texel: float64 [2, size, size, 3].
+def discs(size, environment=room, margin=2):
+    """The environment as a parabolic map's two discs, a mean of four rays in each texel: float64 [2, size,
+    size, 3]. ``margin``: texels between a disc and each edge of its map.
     """
-    colors = environment(parabolic_maps.directions(2 * size, parabolic_maps.margin(size)))
+    colors = environment(parabolic_maps.directions(2 * size, parabolic_maps.margin(size, margin)))
     halved = (colors[:, 0::2] + colors[:, 1::2]) / 2.0
     return (halved[:, :, 0::2] + halved[:, :, 1::2]) / 2.0
 

@@ -3,14 +3,16 @@
     cube map        one lookup by the reflected vector (REFLECTION_MAP); the texture matrix undoes the
                     camera's rotation, so the map is the world's and serves every view
     parabolic map   two discs of directions z <= 0 and z > 0; the texture matrix undoes the rotation and
-                    divides by 1 - z or 1 + z by way of q. Two units look both up, and the first disc's alpha,
-                    one inside, chooses; with one unit the second disc is drawn, then the first over it where
-                    the alpha test finds it
+                    divides by 1 - z or 1 + z by way of q. Two units look both up, and one disc's alpha, one
+                    inside, chooses; with one unit a disc is drawn, then the other over it where the alpha
+                    test finds it
     sphere map      SPHERE_MAP: a picture of a mirror ball, whose middle is right for the view that it was
                     made for
 
-Iterated vectors are shorter than one between vertices, so close to +z the first disc's divisor is too large
-and a facet's middle may find what is in the disc: a dot, where facets are coarse.
+Iterated vectors are shorter than one between vertices. Where a vector lies close to a disc's opposite pole
+its divisor is then too large, and the middle of a coarse facet finds what is in the disc: a dot. So the disc
+whose alpha chooses is the one that has its opposite pole away from the eye (``over``), where reflections
+graze.
 
 Where no REFLECTION_MAP is (boards without cube maps), the host writes the reflected vectors at the vertices.
 A cube map that was filtered beforehand (``prefilter``) is looked up alike, diffuse light by NORMAL_MAP.
@@ -51,7 +53,7 @@ TECHNIQUES = (
     Technique("H59", "an environment map without Fresnel's factor: smooth metal", "1.5"),
 )
 
-_OUTSIDE = AlphaTest(ComparisonFunction.GREATER, 0.5)
+_INSIDE = AlphaTest(ComparisonFunction.GREATER, 0.5)
 
 
 def load_cube(name, cube, profile):
@@ -60,12 +62,12 @@ def load_cube(name, cube, profile):
     return TexImage(label=f"load {name}", texture=name, image=image)
 
 
-def load_discs(names, discs, profile):
-    """The commands that load two discs [2, n, n, 3], laid out with ``parabolic_maps.margin(n)``; alpha is one
-    in the discs.
+def load_discs(names, discs, profile, margin=2):
+    """The commands that load two discs [2, n, n, 3] that leave ``margin`` texels to each edge of their maps;
+    alpha is one in the discs.
     """
     size = discs.shape[1]
-    alpha = parabolic_maps.inside(size, parabolic_maps.margin(size)).astype(np.float64)
+    alpha = parabolic_maps.inside(size, parabolic_maps.margin(size, margin)).astype(np.float64)
     return tuple(
         TexImage(
             label=f"load {name}",
@@ -112,8 +114,13 @@ def disc_pass(surface, view, name, disc, size):
     return draw(f"{name} alone", surface.mesh(), view, None, (read,), depth_test=FIRST_PASS)
 
 
+def over(view):
+    """Which disc's alpha chooses: the second where the eye is at positive z, else the first."""
+    return int(view.eye[2] > 0.0)
+
+
 def parabolic_pass(surface, view, names, size, **settings):
-    """One draw with two units, generated vectors, and combiners that mix by the first disc's alpha.
+    """One draw with two units, generated vectors, and combiners that mix by one disc's alpha (``over``).
 
     ``size``: the discs' texels along an edge.
     """
@@ -127,11 +134,19 @@ def parabolic_pass(surface, view, names, size, **settings):
         )
         for disc, name in enumerate(names)
     )
-    inside = alpha_of(TEXTURE0)
-    mixed = total(times(TEXTURE0, inside), times(TEXTURE1, one_minus(inside)), to=SPARE0)
+    above, below = (TEXTURE1, TEXTURE0) if over(view) else (TEXTURE0, TEXTURE1)
+    inside = alpha_of(above)
+    mixed = total(times(above, inside), times(below, one_minus(inside)), to=SPARE0)
     settings = {"depth_test": FIRST_PASS, **settings}
     combiners = program(mixed, shown(SPARE0))
-    return draw("both discs, mixed by the first's alpha", surface.mesh(), view, combiners, units, **settings)
+    return draw(
+        f"both discs, mixed by the {('first', 'second')[over(view)]}'s alpha",
+        surface.mesh(),
+        view,
+        combiners,
+        units,
+        **settings,
+    )
 
 
 def reflected_vectors(surface, view):
@@ -139,16 +154,17 @@ def reflected_vectors(surface, view):
     return reflected(view.view_vectors(surface.positions), surface.normals)
 
 
-def parabolic_passes(surface, view, names, size, vectors=None):
-    """Two draws with one unit: the second disc, then the first where its alpha is one.
+def parabolic_passes(surface, view, names, size, vectors=None, margin=2):
+    """Two draws with one unit: a disc, then the other where its alpha is one (``over``).
 
     ``vectors``: the host's, of length one, float64 [n, 3]; None: ``reflected_vectors``.
     """
     mesh = surface.mesh(reflected_vectors(surface, view) if vectors is None else vectors)
-    reach = parabolic_maps.margin(size)
+    reach = parabolic_maps.margin(size, margin)
 
     def one(disc, **settings):
         read = unit(names[disc], EDGE, environment=REPLACE, matrix=parabolic_maps.matrix(disc, reach))
         return draw(f"{names[disc]}, by the host's vectors", mesh, view, None, (read,), **settings)
 
-    return one(1, depth_test=FIRST_PASS), one(0, depth_test=LATER_PASS, alpha_test=_OUTSIDE)
+    above = over(view)
+    return one(1 - above, depth_test=FIRST_PASS), one(above, depth_test=LATER_PASS, alpha_test=_INSIDE)

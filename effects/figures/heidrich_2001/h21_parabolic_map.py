@@ -46,7 +46,7 @@ def _scene(profile, size, passes, *, eye, environment, edge, photograph):
 
 
 def one_unit_scene(profile, size, **values):
-    """H21 by two passes: the second disc, and over it the first by the alpha test."""
+    """H21 by two passes: a disc, and over it the other by the alpha test."""
 
     def passes(surface, view, edge, whole):
         both = reflections.parabolic_passes(surface, view, DISCS, edge)
@@ -56,12 +56,13 @@ def one_unit_scene(profile, size, **values):
 
 
 def two_units_scene(profile, size, **values):
-    """H21 by one pass: both discs, which combiners mix; beside it the second disc alone."""
+    """H21 by one pass: both discs, which combiners mix; beside it one disc alone."""
 
     def passes(surface, view, edge, whole):
         if whole:
             return (reflections.parabolic_pass(surface, view, DISCS, edge),)
-        return (reflections.disc_pass(surface, view, DISCS[1], 1, edge),)
+        below = 1 - reflections.over(view)
+        return (reflections.disc_pass(surface, view, DISCS[below], below, edge),)
 
     return _scene(profile, size, passes, **values)
 
@@ -116,19 +117,21 @@ FIGURE = Figure(
     id="H21",
     title="Parabolic maps",
     caption=(
-        "Two discs hold a room, one each of the half before and behind the eye, as a paraboloid mirrors it. "
-        "Third the second disc on a ball in a ring, smeared where a reflection goes the other way; right the "
-        "first as well, where its alpha is one."
+        "Two discs hold a room, half of all directions each, as a paraboloid mirrors it. Third the second "
+        "disc on a ball in a ring: where a reflection goes the other way, the disc's edge is drawn together "
+        "into a point. Right the first as well, where its alpha is one."
     ),
     must_see=(
         "Two round pictures of a room, in the first a door and a picture, in the second a great window; "
-        "smears in the third panel, and none in the fourth, where no edge is seen between the discs."
+        "knots of lines in the third panel, none in the fourth, nor an edge between the discs."
     ),
     source="Heidrich2001",
     techniques=("H21",),
     panels=("first disc", "second disc", "second disc alone", "both discs"),
     parameters={
-        "eye": word.POSITION((-1.5, 0.6, 2.4), "The eye."),
+        "eye": word.POSITION(
+            (1.2, 0.6, -2.5), "The eye; behind the ball, at negative z, the second disc is drawn first."
+        ),
         "environment": reflecting.ENVIRONMENT,
         "edge": word.FITTED_TEXELS(None, "The edge of each disc's map."),
         "photograph": own_maps.PANORAMA,
