@@ -12,8 +12,8 @@ the slope is m, they fall to 1/e.
 These functions use exponentials, arc cosines and error functions, whose last bit differs between computers:
 what a figure stores of them in a texture is rounded to the texture's format at once.
 
-Source: Heidrich 2001, section 1.1, Eq. 1 (H02, H07, H08, H09); Torrance, Sparrow 1967; Smith 1967; pass
-sequence A-H02 of the catalogue, which has Smith's form as remembered.
+Source: Heidrich 2001, section 1.1, Eq. 1; Torrance, Sparrow 1967; Smith 1967; pass
+catalogue, which has Smith's form as remembered.
 """
 
 import numpy as np
