@@ -1,0 +1,385 @@
+"""F000-5: mirrors by Fresnel's factor, alone, over diffuse light and as its coat, and a filtered map."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.acceptance.ray_caster import primary_rays
+from fixedpipe.effects.environment_maps import (
+    environments,
+    fresnel_passes,
+    prefilter,
+    reflections,
+    refracted_light,
+)
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.geometry import cube_maps, surfaces
+from fixedpipe.effects.geometry.matrices import rotation
+from fixedpipe.effects.geometry.vectors import dot, normalize
+from fixedpipe.effects.geometry.vertex_vectors import reflected
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, panel_width, perspective_view
+from fixedpipe.effects.passes.encoding import colors_of, factor_texels
+from fixedpipe.pipeline.commands import TexImage
+
+ROWS, ASPECT = 4, (1, 3)
+EYE, CENTER, FIELD_OF_VIEW = (0.0, 0.35, 2.9), (0.0, -0.09, 0.0), 31.5
+# The radius of a ball by itself.
+BALL = 0.66
+LAMP = normalize(np.array((-0.45, 0.5, 0.75)))
+SHARP, GLOSSY = "environment map", "filtered map"
+
+
+def white(toward):
+    """An environment that is one everywhere."""
+    return np.ones(toward.shape)
+
+
+def lamp(toward):
+    """An environment that is black but for a disc of 1.5 degrees' radius, 25 times as bright as white."""
+    inside = dot(normalize(toward), LAMP) > 0.99966
+    return np.where(inside[..., None], 25.0, 0.0) * np.ones(3)
+
+
+ENVIRONMENTS = {"room": environments.room, "white": white, "lamp": lamp}
+
+
+def ball_in_ring(detail):
+    """A ball in a ring that leans towards the eye."""
+    ring = surfaces.torus(detail, detail // 2, 0.86, 0.14)
+    ring = ring.rotated(rotation("x", 26.0)).rotated(rotation("z", 14.0))
+    return surfaces.joined(ring, surfaces.sphere(detail, detail // 2).scaled(0.55))
+
+
+def ball(detail):
+    """A ball by itself."""
+    return surfaces.sphere(detail, detail // 2).scaled(BALL)
+
+
+def camera(panel):
+    """The view of a cell."""
+    return perspective_view(panel, EYE, CENTER, FIELD_OF_VIEW, radius=1.2)
+
+
+OBJECTS = {"ball in a ring": ball_in_ring, "ball": ball}
+
+
+def cells(size):
+    """Panels for the columns, from left to right, and in each for the rows, from top to bottom."""
+    width, height = panel_width(size, ASPECT), size // ROWS
+    return [
+        [Panel(column * width, size - (row + 1) * height, width, height) for row in range(ROWS)]
+        for column in range(3)
+    ]
+
+
+def _texels(edge):
+    """The edge of the environment map's faces for a cell of ``edge`` pixels."""
+    return min(max(1 << (edge - 1).bit_length(), 16), 256)
+
+
+@lru_cache(maxsize=8)
+def maps(environment, edge, roughness):
+    """The environment as cube maps of floats: as it is, filtered by Phong's lobe, by the cosine."""
+    cube = environments.faces(edge, ENVIRONMENTS[environment])
+    glossy = prefilter.phong(cube, 1.0 / roughness)
+    # What is brighter than one is scaled, so that bytes hold it.
+    glossy = glossy / max(1.0, float(glossy.max()))
+    return np.minimum(cube, 1.0), glossy, prefilter.cosine(cube, 64)
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What a machine reflects, by its own means.
+
+    loading   (profile, view, edge, sharp, glossy) -> commands: two cube maps of floats as textures
+    mirror    (texture, view) -> the texture unit that reads reflections
+    through   (view, edge) -> the texture unit that reads the filtered map along refracted directions
+    passes    a mirror times F: of ``fresnel_passes``
+    """
+
+    loading: object
+    mirror: object
+    through: object
+    passes: object
+
+
+def _load_cubes(profile, view, edge, sharp, glossy):
+    pairs = (SHARP, sharp), (GLOSSY, glossy)
+    return tuple(reflections.load_cube(name, cube, profile) for name, cube in pairs)
+
+
+def _load_spheres(profile, view, edge, sharp, glossy):
+    out = [
+        TexImage(
+            label=f"load {name}",
+            texture=name,
+            image=environments.sphere_map(
+                2 * edge, view, profile, lambda toward, cube=cube: cube_maps.look_up(cube, toward)
+            ),
+        )
+        for name, cube in ((SHARP, sharp), (GLOSSY, glossy))
+    ]
+    behind = refracted_light.load_disc(
+        "filtered map before the eye", lambda toward: cube_maps.look_up(glossy, toward), view, edge, profile
+    )
+    return (*out, behind)
+
+
+def _disc(view, edge):
+    return refracted_light.disc_unit("filtered map before the eye", view, edge)
+
+
+CUBE_MAPS = Shown(
+    _load_cubes,
+    fresnel_passes.cube_unit,
+    lambda view, edge: refracted_light.cube_unit(GLOSSY),
+    fresnel_passes.mirror_passes,
+)
+CUBE_MAPS_FOLDED = Shown(
+    _load_cubes,
+    fresnel_passes.cube_unit,
+    lambda view, edge: refracted_light.cube_unit(GLOSSY),
+    fresnel_passes.folded_mirror_pass,
+)
+SPHERE_MAPS = Shown(
+    _load_spheres,
+    lambda texture, view: fresnel_passes.sphere_unit(texture),
+    _disc,
+    fresnel_passes.mirror_passes,
+)
+
+
+def make_scene(shown):
+    """The figure's scene by a ``Shown``."""
+
+    def scene(profile, size, *, indices, roughness, diffuse, environment, objects, detail, background):
+        columns, edge = cells(size), size // ROWS
+        texels = _texels(edge)
+        detail = (12 if edge < 16 else 48 if edge < 80 else 128) if detail is None else detail
+        surface = OBJECTS[objects](detail)
+        sharp, glossy, cosine = maps(environment, texels, roughness)
+        light = cube_maps.look_up(cosine, surface.normals) * np.array(diffuse)
+        colors = colors_of(factor_texels(light, profile))
+        out = list(shown.loading(profile, camera(columns[0][0]), texels, sharp, glossy))
+        for number, (panels, index) in enumerate(zip(columns, indices, strict=True)):
+            table = f"F(n.v), index {index:g}"
+            out.append(fresnel_passes.load_table(table, index, profile))
+            for row, panel in enumerate(panels):
+                view = camera(panel)
+                mirror = shown.mirror(SHARP if row < ROWS - 1 else GLOSSY, view)
+                out += (panel.clear(background), *shown.passes(surface, view, table, mirror))
+                if row in (1, 2):
+                    out.append(fresnel_passes.diffuse_pass(surface, view, colors, coat=row == 2))
+                if row == ROWS - 1 and number == 0:
+                    mesh = refracted_light.refracted_mesh(surface, view, index)
+                    out.append(fresnel_passes.under_coat_pass(mesh, view, shown.through(view, texels)))
+        return tuple(out)
+
+    return scene
+
+
+# ----------------------------------------------------------------------------------------------- checks
+
+
+def by_polarizations(cosine, index):
+    """Fresnel's reflectance as the mean of both polarizations', by Snell's law: another form."""
+    inside = np.sqrt(1.0 - (1.0 - cosine * cosine) / (index * index))
+    across = (cosine - index * inside) / (cosine + index * inside)
+    along = (index * cosine - inside) / (index * cosine + inside)
+    return 0.5 * (across * across + along * along)
+
+
+def ball_by_rays(view):
+    """The ball at the pixels' centres: normals and vectors to the eye, float64 [height, width, 3], and where
+    it is: bool [height, width].
+    """
+    _, along = primary_rays(view)
+    eye = np.broadcast_to(np.array(view.eye) / BALL, along.shape)
+    along = normalize(along)
+    middle = dot(along, eye)
+    under = middle * middle - (dot(eye, eye) - 1.0)
+    place = eye + (-middle - np.sqrt(np.maximum(under, 0.0)))[:, None] * along
+    shape = (view.panel.height, view.panel.width)
+    return normalize(place).reshape(*shape, 3), -along.reshape(*shape, 3), (under > 0.0).reshape(shape)
+
+
+def half_width(degrees, values):
+    """The angle at which values fall to one half, by a line through those near it."""
+    near = np.abs(values - 0.5) < 0.2
+    slope, at = np.polyfit(degrees[near], values[near], 1)
+    return float((0.5 - at) / slope)
+
+
+# Pixels of a row in the pictures that checks ask for, and the cosine of the edge up to which they do: nearer
+# to the outline a pixel holds many angles.
+_ROW, _EDGE = 160, 0.15
+_BYTE = 1.0 / 255.0
+
+
+def checks(figure, renderer):
+    """A ball whose normals rays find: in a white room, in the room, with a lamp alone."""
+    size, indices = ROWS * _ROW, figure.values["indices"]
+    columns = cells(size)
+    normals, eye, seen = ball_by_rays(camera(columns[0][0]))
+    cosine = dot(normals, eye)
+    asked = seen & (cosine > _EDGE)
+    factors = [by_polarizations(cosine[asked], index)[:, None] for index in indices]
+    mirrored = reflected(eye, normals)[asked]
+    _, glossy, diffuse = maps("room", _texels(_ROW), figure.values["roughness"])
+    under = cube_maps.look_up(diffuse, normals[asked]) * np.array(figure.values["diffuse"])
+    for on in Answer:
+        # A machine rounds the table, the map, each product and the sum; the ideal none of them.
+        steps = 1.0 if on is Answer.IDEAL else 2.0
+        rounding = "" if on is Answer.IDEAL else "; a byte's step more for what bytes round"
+        pictures = {}
+        for name in ENVIRONMENTS:
+            image = renderer.window(on, figure, size, environment=name, objects="ball", detail=192)
+            pictures[name] = [
+                [np.clip(image[p.y : p.y + p.height, p.x : p.x + p.width][asked], 0.0, 1.0) for p in panels]
+                for panels in columns
+            ]
+        for index, factor, of in zip(indices, factors, pictures["white"], strict=True):
+            error = np.abs(of[0] - factor)
+            yield Check(
+                f"index {index:g}: mirror over the map, largest error of F from 0 to 75 degrees",
+                error[cosine[asked] > 0.25].max(),
+                at_most=2.0 * _BYTE,
+                on=on,
+                reason="the catalogue's bound; F by the mean of two polarizations",
+            )
+            yield Check(
+                f"index {index:g}: the same to 81 degrees",
+                error.max(),
+                at_most=7.0 * _BYTE,
+                on=on,
+                reason="vertices lie on sixteenths of a pixel, which near the outline are a degree",
+            )
+        for index, factor, (alone, added, coat, _) in zip(indices, factors, pictures["room"], strict=True):
+            whole = (added < 1.0).all(axis=-1)
+            yield Check(
+                f"index {index:g}: second row less the first against L_d, where nothing is clamped",
+                np.abs(added - alone - under)[whole].max(),
+                at_most=(1.0 if on is Answer.IDEAL else 1.5) * _BYTE,
+                on=on,
+                reason="the catalogue's bound: the mirror is not touched by what is added"
+                + ("" if on is Answer.IDEAL else "; half a step for an iterated colour's own rounding"),
+            )
+            yield Check(
+                f"index {index:g}: third row less the first against (1 - F) L_d, from 0 to 75 degrees",
+                np.abs(coat - alone - (1.0 - factor) * under)[cosine[asked] > 0.25].max(),
+                at_most=steps * _BYTE,
+                on=on,
+                reason="the coat lets through what it does not reflect" + rounding,
+            )
+            yield Check(
+                f"index {index:g}: third row above the second",
+                (coat - added).max(),
+                at_most=0.0,
+                on=on,
+                reason="a coat only takes away",
+            )
+        front = cosine[asked] > 0.5
+        least = float(under[front, 0].min())
+        left = (pictures["room"][2][2] - pictures["room"][2][0])[front, 0] / under[front, 0]
+        yield Check(
+            "index 200: what the coat leaves of L_d's red below 60 degrees",
+            left.max(),
+            at_most=0.04 if on is Answer.IDEAL else 0.04 + _BYTE / least,
+            on=on,
+            reason="the catalogue's: F is 0.98 to 0.975 there" + rounding,
+        )
+        metal = pictures["room"][2][3]
+        yield Check(
+            "index 200, lowest row: RMS from the filtered map looked up at every pixel, times F",
+            root_mean_square(metal - factors[2] * cube_maps.look_up(glossy, mirrored)),
+            at_most=0.5 * _BYTE if on is Answer.IDEAL else 0.8 * _BYTE,
+            on=on,
+            reason="the catalogue's bound"
+            + ("" if on is Answer.IDEAL else "; rounding a table, a map and a product is 0.5 by itself"),
+        )
+        for number, index in enumerate(indices):
+            expected = 1.0 if number == 0 else factors[number]
+            yield Check(
+                f"index {index:g}, lowest row in a white room: largest deviation from "
+                + ("one" if number == 0 else "F"),
+                np.abs(pictures["white"][number][3] - expected).max(),
+                at_most=(1.0 if number == 0 else 2.0) * _BYTE,
+                on=on,
+                reason="a filter leaves a constant map as it is, and glass what it does not reflect it lets "
+                "through",
+            )
+        peak = pictures["lamp"][2][3][:, 0] / factors[2][:, 0]
+        degrees = np.degrees(np.arccos(np.clip(dot(mirrored, LAMP), -1.0, 1.0)))
+        yield Check(
+            "index 200, lowest row: a lamp's image, degrees to half of its height, off 6.74",
+            abs(half_width(degrees, peak / peak.max()) - 6.74),
+            at_most=0.3,
+            on=on,
+            reason="Phong's lobe with an exponent of 100",
+        )
+    yield Check(
+        "index 1.5: how far the room that is refracted differs from the one that is reflected, RMS",
+        root_mean_square(pictures["room"][0][3] - factors[0] * cube_maps.look_up(glossy, mirrored)),
+        at_least=0.2,
+        on=Answer.MACHINE,
+        reason="the lowest row's glass shows what is behind it",
+    )
+
+
+FIGURE = Figure(
+    id="F000-5",
+    title="Mirrors by Fresnel's factor, and a filtered map",
+    caption=(
+        "A room, mirrored in a ball and a ring, in each row with an index of refraction of 1.5, as glass "
+        "has, 5, and 200, as if a metal's were real. From the top: the mirror times Fresnel's factor F; "
+        "diffuse light added; diffuse light times 1 - F, as under a transparent coat; the room filtered by "
+        "Phong's lobe of exponent 100 and mirrored, the glass over what it refracts of the filtered room."
+    ),
+    must_see=(
+        "Top: glass is dark but for its outlines, where the room shines; the middle half a mirror, the metal "
+        "a whole one. Second: the red of the diffuse light under each mirror, too bright on the metal. "
+        "Third: the same but darker red beneath the middle one, none on the metal. Lowest: the window's bars "
+        "and the floor's tiles blurred; the glass pale, for what lies behind it shines through. No dots or "
+        "lines."
+    ),
+    source="Heidrich2001",
+    techniques=("H26", "H27", "H28", "H29", "H30"),
+    panels=("index 1.5", "index 5", "index 200"),
+    size=1536,
+    aspect=ASPECT,
+    parameters={
+        "indices": word.of(
+            word.Several((word.Number(0.1, 1000.0),) * 3),
+            (1.5, 5.0, 200.0),
+            "The index of refraction of each column, inside over outside.",
+        ),
+        "roughness": word.NUMBER(
+            0.01, "The lowest row's: the reciprocal of Phong's exponent.", low=0.001, high=1.0
+        ),
+        "diffuse": word.DIFFUSE((0.95, 0.34, 0.16)),
+        "environment": word.of(
+            word.Choice({name: name for name in ENVIRONMENTS}),
+            "room",
+            "What is reflected: a room, white everywhere, or a small lamp alone.",
+        ),
+        "objects": word.of(
+            word.Choice({name: name for name in OBJECTS}), "ball in a ring", "What it is reflected in."
+        ),
+        "detail": word.of(
+            word.Maybe(word.Whole(6, 256, even=True), "as many as fit the panel"),
+            None,
+            "Segments of round things.",
+        ),
+        "background": word.BACKDROP(BACKGROUND),
+    },
+    methods=(
+        Method("three passes, a cube map", make_scene(CUBE_MAPS), ("GEFORCE_256",)),
+        Method("two units and two passes, a cube map", make_scene(CUBE_MAPS_FOLDED), ("GEFORCE_3", "NV2A")),
+        Method("three passes, a sphere map", make_scene(SPHERE_MAPS), ("OPENGL_1_2", "OCTANE")),
+    ),
+    acceptance=checks,
+)
