@@ -48,7 +48,6 @@ from fixedpipe.effects.technique import Technique
 TECHNIQUES = (
     Technique("K10", "diffuse bump mapping: (n.l)+ at every fragment, times a colour", "3, 6"),
     Technique("K14", "dot-product bump mapping: a map of normals, (n.l)+ and a highlight", "2"),
-    Technique("H43", "Kilgard's bump mapping: l and h turned at vertices, (n.h)^8 by squaring", "3"),
 )
 
 

@@ -47,10 +47,10 @@ TECHNIQUES = (Technique("K12", "a normalization cube map: interpolated vectors g
 NAME = "normalization cube map"
 
 
-def load(size, profile):
-    """The command that loads the cube map, ``size`` texels along an edge."""
-    image = texture_cube_map(vector_texels(directions(size), profile), InternalFormat.RGB8)
-    return TexImage(label="load the normalization cube map", texture=NAME, image=image)
+def load(size, profile, name=NAME, length=1.0):
+    """The command that loads the cube map, ``size`` texels along an edge; its vectors are of ``length``."""
+    image = texture_cube_map(vector_texels(length * directions(size), profile), InternalFormat.RGB8)
+    return TexImage(label=f"load the {name}", texture=name, image=image)
 
 
 def diffuse_pass(

@@ -80,3 +80,37 @@ def gravel(columns=128, rows=128, cells=10, depth=0.6, seed=7):
     shade = (0.55 + 0.45 * lower) * (1.0 + 0.3 * hue + 0.15 * speck)
     stone = np.array([0.64, 0.59, 0.52]) + 0.06 * hue[..., None] * np.array([1.0, 0.2, -0.6])
     return height_field(height_fields.smooth(heights) * depth, np.clip(stone * shade[..., None], 0.02, 1.0))
+
+
+def scales(columns=128, rows=128, count=8, depth=0.5, seed=9):
+    """Scales as of a fish, ``count`` x ``count`` of them in moved rows: each rises along t to its round tip,
+    under which the next ones begin; ``depth`` is how high the tips are, of a scale's width.
+
+    Raises ValueError for an odd count, whose moved rows could not repeat.
+    """
+    if count < 2 or count % 2:
+        raise ValueError(f"There are {count} x {count} scales; give an even number from 2 on.")
+    s, t = height_fields.texel_centers(columns, rows)
+    x, y = s * count, t * count
+    heights, tone = np.zeros((rows, columns)), np.zeros((rows, columns))
+    for row in range(-2, 2):
+        j = np.floor(y).astype(np.int64) + row
+        moved = x - 0.5 * (j % 2)
+        for column in (-1, 0, 1):
+            i = np.floor(moved).astype(np.int64) + column
+            across, along = moved - (i + 0.5), y - j
+            # An outline that is round at its tip, 1.6 rows above its root.
+            out = np.maximum(along - 0.85, 0.0) / 0.75
+            edge = 1.0 - np.sqrt((across / 0.56) * (across / 0.56) + out * out)
+            inside = (edge > 0.0) & (along > -0.6)
+            rise = _smooth_step(edge / 0.16) * (0.35 + 0.4 * along) * (1.0 - 0.6 * across * across)
+            keel = 0.1 * _smooth_step(1.0 - np.abs(across) / 0.1)
+            found = np.where(inside, rise + keel * (along < 1.2), 0.0)
+            above = found > heights
+            own = _part(i % count + count * (j % count), seed, 1) + 0.5 * edge
+            heights, tone = np.where(above, found, heights), np.where(above, own, tone)
+    deep = _smooth_step((heights - 0.25) / 0.35)[..., None]
+    tone = np.clip(0.7 * tone, 0.0, 1.0)[..., None]
+    bronze, gold, patina = (np.array(c) for c in ((0.52, 0.30, 0.14), (0.90, 0.66, 0.30), (0.10, 0.33, 0.28)))
+    skin = (bronze * (1.0 - tone) + gold * tone) * deep + patina * (1.0 - deep)
+    return height_field(height_fields.smooth(heights) * depth / count, np.clip(skin, 0.02, 1.0))

@@ -1,4 +1,4 @@
-"""Bricks, planks and gravel: periodic, in range, and the same for every size's hash."""
+"""Bricks, planks, gravel and scales: periodic, in range, and the same for every size's hash."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,9 @@ import pytest
 from fixedpipe.effects.scattering import made_fields
 
 
-@pytest.mark.parametrize("make", [made_fields.bricks, made_fields.planks, made_fields.gravel])
+@pytest.mark.parametrize(
+    "make", [made_fields.bricks, made_fields.planks, made_fields.gravel, made_fields.scales]
+)
 def test_a_field_repeats_without_a_seam(make):
     field = make(64, 64)
     assert field.heights.min() >= -0.01 and 0.005 < np.ptp(field.heights) < 0.2
@@ -25,3 +27,8 @@ def test_bricks_have_joints_and_colours_of_their_own():
     clay = field.albedo[10]
     assert (clay[..., 0] > 1.3 * clay[..., 2]).mean() > 0.8
     assert np.ptp(clay[..., 0]) > 0.1
+
+
+def test_scales_of_an_odd_number_are_refused():
+    with pytest.raises(ValueError, match="even number"):
+        made_fields.scales(count=7)
