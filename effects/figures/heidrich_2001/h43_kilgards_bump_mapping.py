@@ -164,6 +164,14 @@ def checks(figure, renderer):
                 reason="a vector between two is shorter than they are, its eighth power far shorter; of near "
                 "vertices hardly",
             )
+        hidden = shown & (panels[3].max(axis=-1) == 0.0)
+        yield Check(
+            "mean of the highlights where the light is behind the ring's surface",
+            float(panels[2][hidden].mean()),
+            at_most=0.0005,
+            on=on,
+            reason="destination alpha, the self-shadow, is zero there",
+        )
     ring, light = _ring(24, 12), Light(figure.values["light"], point=True)
     view = _view(row_of_panels(1, size)[0])
     pairs = zip(
