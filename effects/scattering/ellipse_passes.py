@@ -85,6 +85,7 @@ TECHNIQUES = (
     Technique("G35", "a terrain with the shadows of its bumps", "6"),
     Technique("H48", "the test whether light lies in an ellipse, by register combiners", "3.1"),
     Technique("H49", "the test whether light lies in an ellipse, by the imaging subset", "3.1"),
+    Technique("H45", "bump mapping by a colour matrix: an image of normals loaded through l", "3"),
     AnotherWay(("K10",), "by the imaging subset, where a mark is"),
 )
 
