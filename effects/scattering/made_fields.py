@@ -114,3 +114,34 @@ def scales(columns=128, rows=128, count=8, depth=0.5, seed=9):
     bronze, gold, patina = (np.array(c) for c in ((0.52, 0.30, 0.14), (0.90, 0.66, 0.30), (0.10, 0.33, 0.28)))
     skin = (bronze * (1.0 - tone) + gold * tone) * deep + patina * (1.0 - deep)
     return height_field(height_fields.smooth(heights) * depth / count, np.clip(skin, 0.02, 1.0))
+
+
+def honeycomb(columns=128, rows=128, across=7, along=8, depth=0.6, seed=6):
+    """A comb of wax, ``across`` x ``along`` cells in moved rows: hexagons, all but regular with 7 x 8, open
+    upwards; ``depth`` is that of the cells, of a cell's width.
+
+    Raises ValueError for an odd number of rows, whose moved ones could not repeat.
+    """
+    if across < 2 or along < 2 or along % 2:
+        raise ValueError(f"The comb has {along} rows of {across} cells; give an even number of rows, from 2.")
+    s, t = height_fields.texel_centers(columns, rows)
+    x, y = s * across, t * along
+    nearest, cell = np.full((rows, columns), np.inf), np.zeros((rows, columns))
+    for row in (-1, 0, 1):
+        j = np.floor(y).astype(np.int64) + row
+        moved = x - 0.5 * (j % 2)
+        for column in (-1, 0, 1):
+            i = np.floor(moved).astype(np.int64) + column
+            u, v = np.abs(moved - (i + 0.5)), np.abs(y - (j + 0.5))
+            # The hexagon whose flat sides are left and right: 1/2 on its edge. A row is 3/4 of its height.
+            distance = np.maximum(u, 0.5 * u + 0.75 * v)
+            cell = np.where(distance < nearest, i % across + across * (j % along), cell)
+            nearest = np.minimum(nearest, distance)
+    own = _part(cell.astype(np.int64), seed, 1)
+    wall = _smooth_step((nearest - 0.26) / 0.2)
+    heights = depth / across * (wall + 0.12 * own * (1.0 - wall))
+    rough = height_fields.turbulence(s, t, 3 * across, 2, seed)
+    honey, wax = np.array([0.95, 0.66, 0.24]), np.array([0.98, 0.86, 0.56])
+    share = np.clip(wall + 0.25 * rough, 0.0, 1.0)[..., None]
+    color = (honey * (1.0 - share) + wax * share) * (0.94 + 0.06 * own)[..., None]
+    return height_field(height_fields.smooth(heights), np.clip(color, 0.02, 1.0))

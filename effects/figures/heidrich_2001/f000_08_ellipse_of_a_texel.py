@@ -1,4 +1,4 @@
-"""F000-8: rays from a texel of a groove, and the ellipse that is fitted to them as they are seen from above."""
+"""F000-8: rays from a texel of a groove, and the ellipse that is fitted to them as seen from above."""
 
 from functools import lru_cache
 
@@ -18,8 +18,8 @@ from fixedpipe.effects.scattering.visibility import BACK, FREE
 
 COLUMNS = 32
 # How long a ray is that meets nothing, in edges of the groove; and how far the groove is drawn along itself.
-_FREE_LENGTH, _HALF_GROOVE = 0.52, 0.5
-_EYE, _CENTER = (0.75, 1.15, 2.1), (0.0, 0.24, 0.0)
+_FREE_LENGTH, _HALF_GROOVE = 0.5, 0.9
+_EYE, _CENTER = (0.3, 1.15, 2.2), (0.0, 0.2, 0.0)
 _LEFT_FLANK, _RIGHT_FLANK = (0.33, 0.36, 0.42), (0.23, 0.25, 0.31)
 
 
@@ -51,7 +51,8 @@ def ends(values):
     """The texel's place [3], and where rays end [n, 3]: where they meet the groove, or in the open."""
     field, found, _, away, _ = groove(values["angle"], values["directions"])
     p = place(field, values["column"])
-    length = np.minimum(away[:, values["column"]], _FREE_LENGTH)
+    length = away[:, values["column"]]
+    length = np.where(np.isfinite(length), length, _FREE_LENGTH)
     return p, p + length[:, None] * found
 
 
@@ -62,11 +63,11 @@ def _stood_up(points):
 
 
 def _space(panel):
-    return perspective_view(panel, _EYE, _CENTER, 30.0, 2.0)
+    return perspective_view(panel, _EYE, _CENTER, 37.0, 2.0)
 
 
 def _plane(panel):
-    return drawing.sheet(panel, 1.24, (0.0, -0.09))
+    return drawing.sheet(panel, 1.34, (0.0, -0.16))
 
 
 def _flanks(view, field):
@@ -86,7 +87,7 @@ def _flanks(view, field):
 
 
 def _rays(view, values, background):
-    field, found, seen, _, _ = groove(values["angle"], values["directions"])
+    field, _, seen, _, _ = groove(values["angle"], values["directions"])
     p, tips = ends(values)
     own = seen[:, values["column"]]
     free, met = own == FREE, (own != FREE) & (own != BACK)
@@ -111,7 +112,7 @@ def _rays(view, values, background):
 
 
 def _rings(label, view, points, color):
-    radius = 2.2 * 2.0 * 1.24 / drawing.UNIT
+    radius = 2.2 * 2.0 * 1.34 / drawing.UNIT
     circles = [drawing.arc(c, 0.0, 360.0, (radius, 0.0), (0.0, radius), 12) for c in points]
     return drawing.strokes(label, view, circles, color, width=1.0)
 
@@ -129,11 +130,10 @@ def _projection(view, values, background):
     own, points = seen[:, values["column"]], found[:, :2]
     center, axis, across, (r1, r2) = _ellipse(values)
     edge = drawing.arc(center, 0.0, 360.0, r1 * axis, r2 * across, segments=96)
+    horizon = drawing.arc((0.0, 0.0), 0.0, 360.0, segments=96)
     out = [
         drawing.polygon("the ellipse's inside", view, edge[:-1], YELLOW, alpha=0.13),
-        drawing.stroke(
-            "the horizon", view, drawing.arc((0.0, 0.0), 0.0, 360.0, segments=96), GREEN, width=1.0
-        ),
+        drawing.stroke("the horizon", view, horizon, GREEN, width=1.0),
         drawing.stroke("the ellipse", view, edge, YELLOW, width=1.8),
         _rings("turned away", view, points[own == BACK], FAINT),
         drawing.dots("met", view, points[(own != FREE) & (own != BACK)], BLUE, radius=2.4),
@@ -151,7 +151,7 @@ def _projection(view, values, background):
     for row, (words, color) in enumerate(
         (("free: in the ellipse", YELLOW), ("meets the groove", BLUE), ("into its own flank", FAINT))
     ):
-        at = np.array((-1.08 + 1.12 * (row % 2), -1.14 - 0.13 * (row // 2)))
+        at = np.array((-0.95, -1.17 - 0.125 * row))
         mark = _rings if row == 2 else lambda *given: drawing.dots(*given, radius=2.6)
         out += (
             mark(f"{words}: the mark", view, at[None], color),
