@@ -21,7 +21,10 @@ from fixedpipe.pipeline.commands import HostStep, ReadPixels, TexImage
 from fixedpipe.pipeline.enums import TextureFilter
 from fixedpipe.pipeline.textures.images import texture_2d
 
-TECHNIQUES = (Technique("G09", "dependent tests on a GeForce 256: the lookups are the host's", "3.3, 6"),)
+TECHNIQUES = (
+    Technique("G09", "dependent tests on a GeForce 256: the lookups are the host's", "3.3, 6"),
+    Technique("H53", "light scattered once, the lookups by the host", "3.2.1"),
+)
 
 LOOKED_UP = "L_d at S_i"
 

@@ -26,6 +26,8 @@ from fixedpipe.raster.kernel import kernel
 TECHNIQUES = (
     Technique("G06", "the method of dependent tests: the same directions at every texel", "3.1, 3.2"),
     Technique("G11", "several reflections in a chain, direct light added at each", "3.2"),
+    Technique("H54", "longer paths of scattered light, with direct light added at each point", "3.2"),
+    Technique("H55", "the sum of 40 to 100 paths", "3.2"),
 )
 
 # 4 pi, the sphere, over pi, the BRDF of a white diffuse surface.

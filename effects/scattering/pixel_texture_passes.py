@@ -45,6 +45,7 @@ from fixedpipe.pipeline.textures.images import texture_2d
 TECHNIQUES = (
     Technique("G08", "dependent tests on an Octane: color matrix and pixel textures", "3.3, 6"),
     Technique("G32", "Phong on bumps by a normals' image, color matrix and table", "6"),
+    Technique("H51", "light scattered once by pixel textures", "3.2"),
 )
 
 _POSITIVE = AlphaTest(ComparisonFunction.GREATER, 0.0)

@@ -48,7 +48,10 @@ from fixedpipe.pipeline.enums import InternalFormat
 from fixedpipe.pipeline.state import PassState
 from fixedpipe.pipeline.textures.images import texture_2d
 
-TECHNIQUES = (Technique("G10", "dependent lookups by texture shaders, a pass for each direction", "3.3"),)
+TECHNIQUES = (
+    Technique("G10", "dependent lookups by texture shaders, a pass for each direction", "3.3"),
+    Technique("H52", "light scattered once by dependent lookups of texture shaders", "3.2"),
+)
 
 _STAGES = (TEXTURE_STAGE, ALPHA_RED_STAGE, TEXTURE_STAGE, TEXTURE_STAGE)
 

@@ -7,10 +7,11 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures import scattering_ways
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2000.shared import texture_space
 from fixedpipe.effects.figures.heidrich_2000.shared.relief import lit_relief, oblique_view
-from fixedpipe.effects.figures.heidrich_2000.shared.texture_space import MACHINES, WAYS, setup_of
+from fixedpipe.effects.figures.scattering_ways import MACHINES, WAYS, setup_of
 from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, row_of_panels
 from fixedpipe.effects.scattering import dependent_tests, height_field, light_transport
 from fixedpipe.effects.scattering.dependent_tests import DIRECT, RESULT, Accumulation
@@ -32,7 +33,7 @@ EYE = (0.0, -2.7, 2.7)
 
 def _domes(size, texels, count, height, albedo, directions):
     """The field, half a panel's edge at most, so that small pictures are cheap; and its visibility."""
-    edge = texture_space.largest_power(size // 2, texels)
+    edge = scattering_ways.largest_power(size // 2, texels)
     whole = tuple(map(tuple, spiral(directions).tolist()))
     return texture_space.domes_and_visibility(edge, count, height, albedo, whole)
 

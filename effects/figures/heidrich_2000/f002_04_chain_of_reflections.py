@@ -6,9 +6,10 @@ from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures import scattering_ways
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2000.shared import texture_space
-from fixedpipe.effects.figures.heidrich_2000.shared.texture_space import MACHINES, WAYS
+from fixedpipe.effects.figures.scattering_ways import MACHINES, WAYS
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
 from fixedpipe.effects.passes.draws import ADD
 from fixedpipe.effects.scattering import dependent_tests
@@ -29,7 +30,7 @@ def _stage(what, k):
 
 
 def _field(size, texels, domes, height, albedo, directions):
-    edge = texture_space.largest_power(size // 2, texels)
+    edge = scattering_ways.largest_power(size // 2, texels)
     return texture_space.domes_and_visibility(edge, domes, height, albedo, tuple(map(tuple, directions)))
 
 
@@ -40,7 +41,7 @@ def scene_by(way):
         profile, size, *, texels, domes, height, albedo, light, directions, exposure, letters, background
     ):
         field, visibility = _field(size, texels, domes, height, albedo, directions)
-        setup, panels = texture_space.setup_of(profile, field, visibility), row_of_panels(LOOKUPS + 1, size)
+        setup, panels = scattering_ways.setup_of(profile, field, visibility), row_of_panels(LOOKUPS + 1, size)
         light = tuple(check_light(light).tolist())
         lit = free_view(field, light)
         share = dependent_tests.share_of(setup)

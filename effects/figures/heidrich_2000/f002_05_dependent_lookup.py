@@ -6,9 +6,10 @@ from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures import scattering_ways
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2000.shared import texture_space
-from fixedpipe.effects.figures.heidrich_2000.shared.texture_space import MACHINES, WAYS
+from fixedpipe.effects.figures.scattering_ways import MACHINES, WAYS
 from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, panel_of, row_of_panels
 from fixedpipe.effects.scattering import dependent_tests
@@ -24,7 +25,7 @@ NAMES = ("S_i", "L_d", "L_d[S_i]", "bump(d_i) L_d[S_i]")
 
 
 def _field(size, texels, domes, height, albedo, direction):
-    edge = texture_space.largest_power(size, texels)
+    edge = scattering_ways.largest_power(size, texels)
     return texture_space.domes_and_visibility(edge, domes, height, albedo, (tuple(direction),))
 
 
@@ -46,7 +47,7 @@ def scene_by(way):
 
     def scene(profile, size, *, texels, domes, height, albedo, light, direction, arrows, background):
         field, visibility = _field(size, texels, domes, height, albedo, direction)
-        setup, panels = texture_space.setup_of(profile, field, visibility), row_of_panels(4, size)
+        setup, panels = scattering_ways.setup_of(profile, field, visibility), row_of_panels(4, size)
         light = tuple(check_light(light).tolist())
         lit = free_view(field, light)
 

@@ -10,7 +10,8 @@ from fixedpipe.effects.acceptance.ray_caster import RayCaster, primary_rays
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2000.shared.relief import lit_relief, oblique_view
-from fixedpipe.effects.figures.heidrich_2000.shared.texture_space import largest_power, smooth_domes
+from fixedpipe.effects.figures.heidrich_2000.shared.texture_space import smooth_domes
+from fixedpipe.effects.figures.scattering_ways import largest_power
 from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, panel_of, row_of_panels
 from fixedpipe.effects.passes.encoding import factor_texels

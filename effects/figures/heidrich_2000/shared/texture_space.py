@@ -12,30 +12,12 @@ from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.scattering import (
     dependent_tests,
     height_field,
-    host_lookup_passes,
-    offset_texture_passes,
-    pixel_texture_passes,
-    texture_shader_passes,
 )
-from fixedpipe.effects.scattering.dependent_tests import Setup
 from fixedpipe.effects.scattering.visibility import precompute
 from fixedpipe.effects.scattering.visibility_textures import coordinates, looked_up_size
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.textures.images import texture_2d
 
-# How machines draw dependent tests, and which do: the paper's board first.
-WAYS = {
-    "color matrix and pixel textures": pixel_texture_passes.WAY,
-    "register combiners, lookups by the host": host_lookup_passes.WAY,
-    "texture shaders": texture_shader_passes.WAY,
-    "offset textures, bumps lit at vertices": offset_texture_passes.WAY,
-}
-MACHINES = {
-    "color matrix and pixel textures": ("OCTANE",),
-    "register combiners, lookups by the host": ("GEFORCE_256",),
-    "texture shaders": ("GEFORCE_3", "NV2A"),
-    "offset textures, bumps lit at vertices": ("G400",),
-}
 TEXELS = word.of(word.Whole(4, 64, power=True), 64, "The height field's edge, at most.", "texels")
 DOMES = word.of(word.Whole(1, 8), 3, "Domes along an edge.")
 HEIGHT = word.NUMBER(0.8, "The domes' height, over half balls'.", low=0.0, high=2.0)
@@ -45,18 +27,6 @@ def smooth_domes(texels, count, height, albedo):
     """Domes whose rims are smoothed: an upright rim has no texels of its own."""
     heights = height_field.domes(texels, texels, count, height=height).heights
     return height_field.height_field(height_fields.smooth(heights, texels // 32), albedo)
-
-
-def largest_power(edge, most):
-    """The largest power of two up to ``edge`` and ``most``, four at least."""
-    return min(most, 1 << max(2, edge.bit_length() - 1))
-
-
-def setup_of(profile, field, visibility, bits=8):
-    """A Setup in the window's lower left corner."""
-    columns, rows = field.columns, field.rows
-    work, total = Panel(0, 0, columns, rows), Panel(columns, 0, columns, rows)
-    return Setup(field, visibility, profile, work, total, bits)
 
 
 @lru_cache(maxsize=16)
