@@ -11,7 +11,7 @@ from fixedpipe.effects.diagrams.drawing import BLUE, INK, RED, VISIBLE, YELLOW
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.geometry.matrices import rotate, rotation
-from fixedpipe.effects.geometry.vectors import dot, unit_vector
+from fixedpipe.effects.geometry.vectors import dot, normalize, unit_vector
 from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, perspective_view, row_of_panels
 from fixedpipe.effects.passes.draws import FIRST_PASS, REPEATED, REPLACE, draw, unit
 from fixedpipe.effects.passes.encoding import factor_texels
@@ -25,9 +25,9 @@ from fixedpipe.pipeline.textures.images import texture_2d
 TEXELS, CELLS, DEPTH = 64, 4, 0.85
 # The field's z upwards on the screen.
 _STAND = rotation("x", -90.0)
-_EYE, _CENTER = (0.0, 2.35, 2.75), (0.0, 0.12, 0.05)
+_EYE, _CENTER = (0.0, 17.0, 18.0), (0.0, 0.22, 0.0)
 # How long the pieces are that come from the light and go to the eye.
-_LONG = 0.75
+_LONG = 0.6
 
 
 @lru_cache(1)
@@ -48,7 +48,11 @@ def paths(points, direction):
     out = []
     for column, row in points:
         p = np.array(
-            [2.0 * column / field.columns - 1.0, 2.0 * row / field.rows - 1.0, 2.0 * field.heights[row, column]]
+            [
+                2.0 * column / field.columns - 1.0,
+                2.0 * row / field.rows - 1.0,
+                2.0 * field.heights[row, column],
+            ]
         )
         met = np.isfinite(away[row, column])
         out.append((p, p + 2.0 * away[row, column] * seen.directions[0] if met else None))
@@ -60,7 +64,7 @@ def _stood(points):
 
 
 def _view(panel):
-    return perspective_view(panel, _EYE, _CENTER, 33.0, 2.2)
+    return perspective_view(panel, _EYE, _CENTER, 5.2, 2.4)
 
 
 def _lit(light):
@@ -68,7 +72,7 @@ def _lit(light):
     field, _ = _bed()
     free = visibility.free_view(field, light)
     lit = np.maximum(dot(field.normals, light), 0.0) * free
-    return field.albedo * (np.array((0.16, 0.18, 0.23)) + 0.62 * lit[..., None])
+    return field.albedo * (np.array((0.16, 0.18, 0.23)) + 0.84 * lit[..., None])
 
 
 def _pieces(view, found, to_light, to_eye, letters):
@@ -95,7 +99,9 @@ def _pieces(view, found, to_light, to_eye, letters):
         ("v", p + 0.8 * _LONG * to_eye, BLUE, (-1, 0), (6.0, 0.0)),
     ):
         out.append(
-            drawing.text(name, view, _stood(at)[0], color, align=align, offset=offset, outline=(0.0, 0.0, 0.0))
+            drawing.text(
+                name, view, _stood(at)[0], color, align=align, offset=offset, outline=(0.0, 0.0, 0.0)
+            )
         )
     return out
 
@@ -112,6 +118,119 @@ def scene(profile, size, *, points, directions, light, eye, background):
         out += (
             panel.clear(background),
             draw("the bed of stones", surface.mesh(), view, None, units, depth_test=FIRST_PASS),
-            *_pieces(view, paths(points, direction), light, to_eye, 0),
+            *_pieces(view, paths(points, direction), light, to_eye, 1),
         )
     return tuple(out)
+
+
+# ---------------------------------------------------------------------------------------------- checks
+
+
+def checks(figure, renderer):
+    """Where paths end by rays among the bed's triangles, that all pieces are free, and the marks."""
+    values = figure.values
+    light, to_eye = check_light(values["light"]), unit_vector(values["eye"], "The direction to the eye")
+    _, surface = _bed()
+    caster = RayCaster(surface.positions[surface.triangles])
+    apart, bent, shut, met = 0.0, 0.0, 0, 0
+    for direction in values["directions"]:
+        along = _stood(unit_vector(direction, "The direction d_i"))
+        for p, q in paths(values["points"], direction):
+            if q is None:
+                continue
+            # A little above the triangles that meet at p.
+            start = _stood(p) + 1e-6 * along
+            hit = caster.nearest(start, along)
+            reached = start[0] + hit.distance[0] * along[0]
+            met += 1
+            apart = max(apart, float(np.abs(reached - _stood(q)[0]).max()))
+            piece = normalize(_stood(q)[0] - start[0])
+            bent = max(bent, 1.0 - float(dot(along[0], piece)))
+            for point, towards in ((q, light), (p, to_eye)):
+                toward = _stood(towards)
+                shut += int(
+                    caster.occluded(_stood(point) + 1e-3 * toward + 1e-4 * _stood((0, 0, 1)), toward)[0]
+                )
+    yield Check(
+        "points q from where rays among the bed's triangles meet it, largest distance",
+        apart,
+        at_most=1e-5,
+        on=Answer.IDEAL,
+        reason="the same surface, walked texel by texel and cast as triangles",
+    )
+    yield Check(
+        "one minus the cosine between a path's piece from p to q and its panel's direction, largest",
+        bent,
+        at_most=1e-5,
+        on=Answer.IDEAL,
+        reason="the figure's: at every point the pieces are parallel",
+    )
+    yield Check(
+        "points that see another along their panel's direction, of ten",
+        met,
+        at_least=2 * len(values["points"]),
+        on=Answer.IDEAL,
+        reason="every path is drawn whole",
+    )
+    yield Check(
+        "pieces l and v that something is in the way of",
+        shut,
+        at_most=0,
+        on=Answer.IDEAL,
+        reason="what is drawn is what is the case",
+    )
+    size = figure.size // 2
+    marks = []
+    for number, direction in enumerate(values["directions"]):
+        view = _view(row_of_panels(2, size)[number])
+        for p, q in paths(values["points"], direction)[1:]:
+            marks.append((number, view, _stood(0.8 * q + 0.2 * p)[0], RED))
+            marks.append((number, view, _stood(p + 0.5 * _LONG * to_eye)[0], BLUE))
+    for on in Answer:
+        image, missing = renderer.window(on, figure, size), 0
+        for number, view, point, color in marks:
+            x, y = (int(c) for c in np.floor(drawing.project(view, point)[:2]))
+            missing += bool(np.abs(panel_of(image, number)[y, x] - np.array(color)).max() > 1.0 / 255.0)
+        yield Check(
+            f"of {len(marks)} marks on the pieces those that are not drawn where they are",
+            missing,
+            at_most=len(marks) // 4,
+            on=on,
+            reason="a stone, or another path, may be in front",
+        )
+
+
+FIGURE = Figure(
+    id="F000-10",
+    title="The pieces of paths are alike",
+    caption=(
+        "A bed of stones and the same five points p with two directions: light comes along l to the point q "
+        "that p sees along d, goes on along -d to p, and along v to the eye. In each panel the direction is "
+        "one for all points."
+    ),
+    must_see=(
+        "In each panel five red arrows that are parallel, as the yellow ones are and the blue ones; from "
+        "the left panel to the right the red ones alone have turned, and with them the places where light "
+        "arrives."
+    ),
+    source="Heidrich2001",
+    techniques=("H50", "H51"),
+    panels=("direction d_1", "direction d_2"),
+    parameters={
+        "points": word.of(
+            word.Several((word.Several((word.Whole(0, TEXELS - 1),) * 2),) * 5),
+            ((12, 20), (53, 35), (33, 37), (38, 24), (29, 52)),
+            "Where the points p are: columns and rows of 64 texels.",
+        ),
+        "directions": word.of(
+            word.Several((word.DIRECTION_KIND,) * 2),
+            ((-0.38, -0.92, 0.2), (-0.92, 0.38, 0.2)),
+            "The direction d of each panel, along which points see each other.",
+        ),
+        "light": word.LIGHT((-0.45, 0.5, 0.8)),
+        "eye": word.of(word.DIRECTION_KIND, (0.3, -0.35, 0.9), "The direction v to the eye."),
+        "background": word.BACKDROP(BACKGROUND),
+    },
+    methods=(Method("diagram", scene, DIAGRAM_MACHINES),),
+    acceptance=checks,
+)
