@@ -1,4 +1,4 @@
-"""Surfaces with local frames: plane, sphere, torus, box, turned shapes, and several joined.
+"""Surfaces with local frames: plane, disc, sphere, torus, box, turned shapes, and several joined.
 
 A surface is what an effect needs to compute vectors per vertex; ``Surface.mesh`` makes the pipeline's vertex
 arrays of it. Texture coordinates grow along the tangent (s) and, on right-handed surfaces, along the binormal
@@ -102,6 +102,39 @@ def plane(columns: int = 1, rows: int = 1, half_width: float = 1.0, half_height:
     positions = np.stack([(2.0 * s - 1.0) * half_width, (2.0 * t - 1.0) * half_height, 0.0 * s], axis=-1)
     x, y, z = (np.tile(row, (len(s), 1)) for row in np.eye(3))
     return Surface(positions, z, x, y, np.stack([s, t], axis=-1), _grid_triangles(columns, rows))
+
+
+def disc(slices: int = 64, hole: float = 0.0) -> Surface:
+    """A flat disc of radius one in z = 0 that faces +z, with a round ``hole`` of that radius in the middle.
+
+    The tangents lie along circles, counter-clockwise; the binormals point to the middle. s runs round, 1/2 at
+    -x; t is one at the rim less the distance from the middle, over one less the hole. Without a hole every
+    slice has a vertex of its own in the middle, whose frame is that of the slice's middle. Raises ValueError
+    where the hole's radius is not from 0 to less than 1.
+    """
+    _check_count(slices, 3, "The disc's number of slices")
+    if not 0.0 <= hole < 1.0:
+        raise ValueError(f"The hole's radius is {hole!r}; give one from 0 to less than the disc's, 1.")
+    edge, middle = np.arange(slices + 1) / slices, (np.arange(slices) + 0.5) / slices
+    inner = edge if hole > 0.0 else middle
+    s = np.concatenate([edge, inner])
+    radius = np.concatenate([np.ones(slices + 1), np.full(len(inner), float(hole))])
+    t = (1.0 - radius) / (1.0 - hole)
+    # The last vertex of a circle stands where its first does.
+    angle = 2.0 * math.pi * (np.where(s == 1.0, 0.0, s) - 0.5)
+    x, y, zero = cosine(angle), sine(angle), 0.0 * s
+    outward = np.stack([x, y, zero], axis=-1)
+    normals = np.stack([zero, zero, zero + 1.0], axis=-1)
+    tangents = np.stack([-y, x, zero], axis=-1)
+    if hole > 0.0:
+        # Columns run from the rim inward, so that triangles are counter-clockwise seen from +z.
+        triangles = _grid_triangles(slices, 1)
+    else:
+        i = np.arange(slices)
+        triangles = np.stack([i, i + 1, slices + 1 + i], axis=-1)
+    return Surface(
+        radius[:, None] * outward, normals, tangents, -outward, np.stack([s, t], axis=-1), triangles
+    )
 
 
 def sphere_frames(
