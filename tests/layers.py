@@ -82,8 +82,8 @@ PACKAGES = {
     },
     "effects/environment_maps": {
         "raster": "kernel",
-        "pipeline": "enums state textures commands native",
-        "effects": "technique geometry passes",
+        "pipeline": "enums state pixel_transfer textures commands native",
+        "effects": "technique geometry passes reflectance",
     },
     "effects/texture_filtering": {
         "pipeline": "textures commands",

@@ -26,8 +26,6 @@ NAMED = {
         "an elliptical Gaussian distribution of facets, its coordinates computed at the vertices",
         "1.1.1",
     ),
-    "H30": ("glossy transmission: a filtered environment map read along the refracted direction", "1.6"),
-    "H45": ("other bump mapping by hardware; by the colour matrix it is K08's and K10's", "3"),
     "K19": ("other hardware for bump mapping and shading, as related work", "2"),
     "K23": ("materials that are measured or painted, as future work", "7"),
     "S16": ("a roughness map: the covariance of the normals that a texel covers", "8"),

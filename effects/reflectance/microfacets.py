@@ -12,15 +12,19 @@ the slope is m, they fall to 1/e.
 These functions use exponentials, arc cosines and error functions, whose last bit differs between computers:
 what a figure stores of them in a texture is rounded to the texture's format at once.
 
-Source: Heidrich 2001, section 1.1, Eq. 1; Torrance, Sparrow 1967; Smith 1967; pass
-catalogue, which has Smith's form as remembered.
+Source: Heidrich 2001, section 1.1, Eq. 1; Torrance, Sparrow 1967; Smith 1967, whose form the
+catalogue has as remembered.
 """
 
+import math
+
 import numpy as np
-from scipy.special import erfc
 
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.reflectance.fresnel import fresnel
+
+# NumPy has no error function, and this needs no library for one.
+_erfc = np.frompyfunc(math.erfc, 1, 1)
 
 
 def _tangent_squared(cosine):
@@ -71,7 +75,7 @@ def smith_one_way(cosine, sigma):
     lit = np.isfinite(slope)
     # mu / sigma, as large as leaves nothing of both functions where the direction is the normal.
     ratio = 1.0 / np.maximum(np.where(lit, slope, 1.0) * sigma, 1e-3)
-    rest = erfc(ratio / np.sqrt(2.0))
+    rest = np.asarray(_erfc(ratio / np.sqrt(2.0)), np.float64)
     hidden = 0.5 * (np.sqrt(2.0 / np.pi) * np.exp(-0.5 * ratio * ratio) / ratio - rest)
     return np.where(lit, (1.0 - 0.5 * rest) / (1.0 + hidden), 0.0)
 
