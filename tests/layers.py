@@ -128,8 +128,8 @@ PACKAGES = {
     "effects/studies": {
         "pipeline": "enums state pixel_transfer textures commands profiles validation execution ideal",
         "effects": (
-            "collection geometry passes scenes bump_mapping reflectance shadows scattering texture_filtering "
-            "acceptance figures"
+            "collection geometry passes scenes bump_mapping reflectance environment_maps shadows scattering "
+            "texture_filtering acceptance figures"
         ),
     },
     "effects/conformance": {

@@ -15,7 +15,7 @@ import numpy as np
 from fixedpipe.effects.geometry import parabolic_maps
 from fixedpipe.effects.geometry.cube_maps import directions
 from fixedpipe.effects.geometry.matrices import rotate
-from fixedpipe.effects.geometry.vectors import dot
+from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.pipeline.enums import InternalFormat
 from fixedpipe.pipeline.textures.images import texture_2d, texture_cube_map
 
@@ -193,3 +193,22 @@ def picture(width, height, corners, profile, environment=room):
     toward = (corner + s[None, :, None] * (right - corner)) + t[:, None, None] * (up - corner)
     steps = (right - corner) / width, (up - corner) / height
     return texture_2d(_texels(_averaged(environment, toward, steps), profile))
+
+
+# Where the sun is, behind the great window, and its radius as a sine; its radiance, and by what windows and
+# lamp are brighter.  Assumed: enough for the sun to outshine the lamp in a lobe of exponent 100.
+_SUN, _SUN_RADIUS = np.array([0.42, 0.5, 2.4]), 0.02
+_SUNLIGHT, _SHINE = np.array((1600.0, 1400.0, 1050.0)), 1.6
+
+
+def sunlit_room(toward):
+    """The room as radiance of high dynamic range, with a sun 2.3 degrees wide in its great window.
+
+    RGB float64 [..., 3] from zero to 1600; windows and lamp are 1.6 times as bright as ``room``'s.
+    """
+    colors, along = room(toward), normalize(toward)
+    shines = colors[..., 2] > 0.8
+    lit = colors * np.where(shines, _SHINE, 1.0)[..., None]
+    off = along - normalize(_SUN)
+    sun = (dot(off, off) < _SUN_RADIUS * _SUN_RADIUS) & shines
+    return np.where(sun[..., None], _SUNLIGHT, lit)

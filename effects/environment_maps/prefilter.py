@@ -1,5 +1,5 @@
-"""H25 and H29: environment maps filtered beforehand, by a cosine for diffuse light and by Phong's lobe for
-glossy reflection.
+"""H25, H29, H33: environment maps filtered beforehand as floats, by a cosine for diffuse light and by Phong's
+lobe for glossy reflection.
 
     L_o(r) = sum of w(r.l) L(l) / sum of w(r.l),  w = (r.l)+^(1/r') times the texel's solid angle
 
@@ -12,7 +12,7 @@ averaged first to texels of a fifth of that or less, the lobe's sum is made on a
 what lies between is interpolated by cubics. The grid goes on beyond each face's edge, so there is no seam.
 
 Source: Heidrich 2001, sections 1.4 and 1.6, Eq. 6; erratum E000.7 (the sphere and not n's hemisphere); pass
-sequences A-H25 and A-H29 of the catalogue.
+sequences A-H25, A-H29 and A-H33 of the catalogue.
 """
 
 import math
@@ -30,6 +30,7 @@ TECHNIQUES = (
         "H25", "diffuse light from an environment map: a cosine filter, looked up by the normal", "1.4"
     ),
     Technique("H29", "glossy reflection: an environment map filtered by Phong's lobe", "1.6"),
+    Technique("H33", "environments of high dynamic range, filtered before they are bytes", "1.6"),
 )
 
 # Assumed: below this a lobe's weight is left out; what shines a thousand times as bright as a map's mean adds
@@ -248,3 +249,13 @@ def cosine(cube, size, threads=None):
     Arguments and errors as ``phong``'s.
     """
     return phong(cube, 1.0, size, threads)
+
+
+# Source: the catalogue's A-H33: 99.5 % are below one.
+_BELOW_ONE = 0.995
+
+
+def exposure(cube):
+    """What a cube map of floats [6, n, n, 3] is multiplied by so that 99.5 % of its numbers are below one."""
+    level = float(np.sort(cube, axis=None)[int(_BELOW_ONE * (cube.size - 1))])
+    return 1.0 / level if level > 0.0 else 1.0

@@ -1,0 +1,134 @@
+"""H33: an environment of high dynamic range, made bytes before it is filtered and after."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.environment_maps import bumped_reflections, environments, prefilter, reflections
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures.figure import COMBINER_MACHINES, Figure, Method
+from fixedpipe.effects.figures.heidrich_2001.shared import reflecting
+from fixedpipe.effects.geometry import cube_maps
+from fixedpipe.effects.geometry.vectors import dot
+from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, row_of_panels
+from fixedpipe.pipeline.enums import TexGenMode
+
+PANELS = "Phong, of bytes", "Phong, of floats", "cosine, of bytes", "cosine, of floats"
+
+
+def _source(size, edge):
+    """The probe, scaled, its brightest still far above one: float64 [6, n, n, 3]."""
+    edge = max(reflecting.texels(size, 256), 64) if edge is None else edge
+    probe = environments.faces(edge, environments.sunlit_room)
+    return probe * prefilter.exposure(probe)
+
+
+def scene(profile, size, *, eye, exponent, brightness, edge):
+    """H33: a lobe and a cosine of the probe as bytes hold it, and of the probe itself."""
+    surface, probe = reflecting.ball_in_ring(size), _source(size, edge)
+    clamped = np.minimum(probe, 1.0)
+    texels = probe.shape[1]
+    cubes = (
+        *(prefilter.phong(cube, exponent, texels // 2) for cube in (clamped, probe)),
+        *(prefilter.cosine(cube, texels // 4) for cube in (clamped, probe)),
+    )
+    out = [reflections.load_cube(bumped_reflections.CUBE_MAP, clamped, profile)]
+    for panel, name, cube in zip(row_of_panels(4, size), PANELS, cubes, strict=True):
+        view = reflecting.camera(panel, eye)
+        by = TexGenMode.NORMAL_MAP if name in PANELS[2:] else TexGenMode.REFLECTION_MAP
+        out += (
+            reflections.load_cube(name, np.minimum(brightness * cube, 1.0), profile),
+            panel.clear(BACKGROUND),
+            *bumped_reflections.backdrop(view),
+            reflections.cube_pass(surface, view, name, by=by),
+        )
+    return tuple(out)
+
+
+# Not so bright that the lobe's peak is clamped.
+_DIM = 1.0 / 32.0
+
+
+def checks(figure, renderer):
+    """The sun's image by sums over all texels, and what clamping the probe takes away."""
+    size, edge = 128, 128
+    view = reflecting.camera(row_of_panels(4, size)[0], figure.values["eye"])
+    surface = reflecting.ball_in_ring(size)
+    toward, known = reflecting.reflections_by_rays(surface, view)
+    probe = _source(size, edge)
+    texels = cube_maps.directions(edge).reshape(-1, 3)
+    weights = np.broadcast_to(cube_maps.solid_angles(edge), probe.shape[:3]).reshape(-1)
+    sun = texels[np.argmax(probe[..., 0])]
+    near = np.argmax(np.where(known, dot(toward, sun), -1.0))
+    lobe = np.maximum(dot(texels, toward.reshape(-1, 3)[near]), 0.0) ** figure.values["exponent"] * weights
+    true, cut = (
+        _DIM * float((lobe * colors).sum() / lobe.sum())
+        for colors in (probe[..., 0].reshape(-1), np.minimum(probe[..., 0], 1.0).reshape(-1))
+    )
+    for on in (Answer.IDEAL, Answer.MACHINE):
+        image = renderer.window(on, figure, size, brightness=_DIM, edge=edge)
+        of_bytes, of_floats = (panel_of(image, k)[..., 0].reshape(-1)[near] for k in (0, 1))
+        yield Check(
+            "the sun's image of floats against a sum over all texels, relative error",
+            abs(float(of_floats) / true - 1.0),
+            at_most=0.05,
+            on=on,
+            reason="the probe's sun is few texels, which are averaged before they are filtered",
+        )
+        yield Check(
+            "the sun's image of bytes against a sum over all clamped texels, error",
+            abs(float(of_bytes) - cut),
+            at_most={Answer.IDEAL: 0.002, Answer.MACHINE: 0.005}[on],
+            on=on,
+            reason="a thirty-second of full, and a byte",
+        )
+        yield Check(
+            "how many times as bright the sun's image is of floats",
+            float(of_floats / of_bytes),
+            at_least=15.0,
+            on=on,
+            reason="what was clamped is what the lobe's peak is made of",
+        )
+        matt = [panel_of(image, k)[known] for k in (2, 3)]
+        yield Check(
+            "mean of the cosine's panels, of floats over of bytes",
+            float(matt[1].mean() / matt[0].mean()),
+            at_least=1.3,
+            on=on,
+            reason="the sun's share of what a matt surface gets",
+        )
+        yield Check(
+            "where a filtered map of bytes is brighter, largest difference",
+            float((panel_of(image, 0) - panel_of(image, 1))[known].max()),
+            at_most={Answer.IDEAL: 1e-6, Answer.MACHINE: 1.0 / 255.0}[on],
+            on=on,
+            reason="clamping takes light away alone; cubics overshoot by what is left",
+        )
+
+
+FIGURE = Figure(
+    id="H33",
+    title="Environment maps of high dynamic range",
+    caption=(
+        "A room with the sun in its great window, from a probe of floats in which the sun is two thousand "
+        "times as bright as the wall. First Phong's lobe of exponent 100 of the probe made bytes, then of "
+        "the floats, made bytes afterwards; then the same of the cosine."
+    ),
+    must_see=(
+        "A bright glow with a white middle where the second ball and ring mirror the sun, and no more than "
+        "the window's blur in the first panel. The last ball is lit from one side, with a warm light; the "
+        "third is flat."
+    ),
+    source="Heidrich2001",
+    techniques=("H33", "H29", "H25"),
+    panels=PANELS,
+    parameters={
+        "eye": word.POSITION((-1.35, 0.35, 2.55), "The eye."),
+        "exponent": word.of(word.Number(1.0, 4096.0), 100.0, "The exponent of the lobe."),
+        "brightness": word.of(
+            word.Number(0.001, 64.0), 1.0, "What the filtered maps are multiplied by before they are bytes."
+        ),
+        "edge": word.FITTED_TEXELS(None, "The edge of the probe's faces."),
+    },
+    methods=(Method("cube maps", scene, COMBINER_MACHINES),),
+    acceptance=checks,
+)
