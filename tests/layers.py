@@ -115,7 +115,8 @@ PACKAGES = {
     "effects/user_pictures": {
         "pipeline": "enums profiles validation execution ideal",
         "effects": (
-            "refusal geometry passes scenes bump_mapping reflectance shadows volumes scattering acceptance"
+            "refusal geometry passes scenes bump_mapping reflectance environment_maps shadows volumes "
+            "scattering acceptance"
         ),
     },
     "effects/figures": {
@@ -165,7 +166,7 @@ LIBRARIES = {
     "effects/scattering": ("scipy",),
     "effects/diagrams": ("PIL",),
     "effects/conformance": ("PIL",),
-    "effects/user_pictures": ("imageio", "nrrd", "tifffile", "trimesh"),
+    "effects/user_pictures": ("imageio", "nrrd", "tifffile", "trimesh", "OpenImageIO"),
     "effects/reports": ("PIL", "matplotlib"),
     "effects/presentation": ("PIL", "imageio", "imageio_ffmpeg", "matplotlib"),
     "effects/cli": ("click", "rich"),

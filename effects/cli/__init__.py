@@ -19,6 +19,7 @@ _COMMANDS = (
     "volume",
     "brdf",
     "scatter",
+    "environment",
     "combiners",
     "precision",
     "study",
@@ -46,6 +47,8 @@ What to do next:
                                 the BRDF of a height field, with light that is scattered between its bumps
   fixedpipe scatter sample:gravel --out scattered.png
                                 light that bumps scatter at each other, by a machine's own passes
+  fixedpipe environment PANORAMA.hdr --to prefilter --exponent 100 --out glossy.png
+                                a panorama or light probe as cube, parabolic or filtered maps
   fixedpipe combiners FILE      what a combiner program of the time (RC1.0, TS1.0, ps.1.x) sets, as equations
   fixedpipe precision F004-4    was it the clamp or the bits? a figure's error by widths and clamps
   fixedpipe study               artefacts of the hardware, measured; fixedpipe study P9: a table and a plot

@@ -142,13 +142,20 @@ def _halved(cube, weights):
 
 
 def _reduced(cube, edge):
-    """The map halved while its edge is even and no less than ``edge`` afterwards."""
+    """The map halved while its edge is even and no less than ``edge`` afterwards, and its solid angles."""
     size = cube.shape[1]
     weights = cube_maps.solid_angles(size)
     while size % 2 == 0 and size // 2 >= edge:
         cube, weights = _halved(cube, weights)
         size //= 2
     return cube, weights
+
+
+def reduced(cube, edge):
+    """A cube map [6, n, n, 3] halved while n is even and no less than ``edge`` afterwards; a texel is the
+    mean of what it covers, by solid angle.
+    """
+    return _reduced(cube, edge)[0]
 
 
 def _parted(cube, edge):
@@ -231,14 +238,14 @@ def phong(cube, exponent, size=None, threads=None):
     width = min(1.0, 1.0 / math.sqrt(exponent))
     widths = 0.5 * math.pi / width
     parted = _parted(cube, max(_LEAST_PLACES, _FEWEST_TEXELS_A_WIDTH * widths))
-    reduced, weights = _reduced(parted, max(_LEAST_TEXELS, _TEXELS_A_WIDTH * widths))
+    coarse, weights = _reduced(parted, max(_LEAST_TEXELS, _TEXELS_A_WIDTH * widths))
     places = max(_LEAST_PLACES, math.ceil(_PLACES_A_WIDTH * widths))
     if places + 4 >= size:
         toward = cube_maps.directions(size)
-        return _summed(toward.reshape(-1, 3), reduced, weights, exponent, threads).reshape(toward.shape)
+        return _summed(toward.reshape(-1, 3), coarse, weights, exponent, threads).reshape(toward.shape)
     edge = 2.0 * (np.arange(places + 4) - 1.5) / places - 1.0
     toward = normalize(cube_maps.vectors(*np.meshgrid(edge, edge)))
-    grid = _summed(toward.reshape(-1, 3), reduced, weights, exponent, threads).reshape(toward.shape)
+    grid = _summed(toward.reshape(-1, 3), coarse, weights, exponent, threads).reshape(toward.shape)
     # Cubics overshoot beside what is bright.
     return np.clip(_stretched(grid, size, places), cube.min(), cube.max())
 

@@ -1,0 +1,93 @@
+"""``fixedpipe environment``: a user's panorama or light probe as a cube map, a parabolic map, or filtered."""
+
+import click
+
+from fixedpipe.effects.cli.options import refuse_ignored, threads_option
+
+_KINDS = ("cube", "parabolic", "prefilter")
+
+
+@click.command(short_help="Make environment maps of a panorama or a light probe.")
+@click.argument("image")
+@click.option(
+    "--to", "kind", metavar="KIND", required=True, help=f"{', '.join(_KINDS[:-1])} or {_KINDS[-1]}."
+)
+@click.option("--out", metavar="FILE", required=True, help="FILE.png, a picture, or FILE.npz, floats.")
+@click.option(
+    "--exponent",
+    type=float,
+    metavar="N",
+    default=100.0,
+    show_default=True,
+    help="Of prefilter: Phong's exponent; 1 is diffuse light.",
+)
+@click.option(
+    "--size",
+    type=click.IntRange(1, 1024),
+    metavar="N",
+    default=256,
+    show_default=True,
+    help="Texels along an edge of a face or a disc.",
+)
+@click.option(
+    "--exposure",
+    type=float,
+    metavar="E",
+    help="What a picture is multiplied by; without it 1, or so that 99.5 % are below one.",
+)
+@threads_option
+def environment(image, kind, out, exponent, size, exposure, threads):
+    """Make environment maps of IMAGE: a panorama twice as wide as high, or a square light probe.
+
+    Radiance (.hdr) and OpenEXR files keep their range (pip install 'fixedpipe[probes]'); others are PNG,
+    TIFF, JPEG and NPY. A panorama's middle is -z. An NPZ file has `faces`, float32 [6, N, N, 3] in the order
+    +x, -x, +y, -y, +z, -z, or `discs`, [2, N, N, 3], of z <= 0 and z > 0; a picture has a cross, or both
+    discs.
+    """
+    import io
+    from pathlib import Path
+
+    import numpy as np
+
+    from fixedpipe.effects.cli.compiling import announce_compiling
+    from fixedpipe.effects.environment_maps import prefilter
+    from fixedpipe.effects.refusal import Refusal, choose, refusals
+    from fixedpipe.effects.reports.files import writable_file, write_whole
+    from fixedpipe.effects.user_pictures import probes
+    from fixedpipe.pipeline.framebuffers.pictures import png
+
+    choose("kind of map", kind, dict.fromkeys(probes.KINDS))
+    context = click.get_current_context()
+    if kind != "prefilter":
+        refuse_ignored(context, ("exponent", "threads"), f"{kind} does not filter; leave it out")
+    ending = Path(out).suffix.lower()
+    if ending not in (".png", ".npz"):
+        raise Refusal(f"The maps are written as PNG or NPZ; name them FILE.png or FILE.npz, not {out}.")
+    if ending == ".npz":
+        refuse_ignored(context, ("exposure",), "an NPZ file has the floats as they are; leave it out")
+    with refusals():
+        prefilter.exponent_of(exponent)
+        if exposure is not None and not 0.0 < exposure < float("inf"):
+            raise ValueError(f"The exposure is {exposure:g}; give a positive number.")
+        found = probes.probe(image)
+        path = writable_file(out)
+        if kind == "prefilter":
+            announce_compiling()
+        maps = probes.maps(found, kind, size, exponent, threads)
+        brightest = float(maps.max())
+        if ending == ".png":
+            # What bytes hold is shown as it is; what has a higher range as much of it as A-H33 says.
+            shown = exposure or (1.0 if brightest <= 1.0 else min(1.0, prefilter.exposure(maps)))
+            data, said = png(probes.picture(maps, shown)), f"exposure {shown:.4g}"
+        else:
+            file = io.BytesIO()
+            np.savez(file, **{"discs" if len(maps) == 2 else "faces": maps.astype(np.float32)})
+            data, said = file.getvalue(), "floats"
+    write_whole(path, data)
+    rows, columns = found.colors.shape[:2]
+    layout = "panorama" if found.panorama else "light probe"
+    click.echo(f"{image}: {layout} of {columns}x{rows} pixels, brightest {float(found.colors.max()):.4g}")
+    lobe = f", exponent {exponent:g}" if kind == "prefilter" else ""
+    click.echo(
+        f"{path}: {kind}{lobe}, {len(maps)} of {size}x{size} texels, brightest {brightest:.4g}, {said}"
+    )
