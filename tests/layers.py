@@ -77,6 +77,7 @@ PACKAGES = {
         "effects": "technique geometry passes",
     },
     "effects/reflectance": {
+        "raster": "kernel",
         "pipeline": "enums state pixel_transfer textures commands profiles",
         "effects": "technique geometry passes bump_mapping",
     },
