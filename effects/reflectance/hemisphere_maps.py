@@ -58,20 +58,20 @@ def solid_angles(size):
     return parabolic_maps.solid_angles(size).ravel()[inside(size)]
 
 
-def filled(values, size):
+def filled(values, size, known=None):
     """A map of what the texels of ``inside`` hold [n, c]: float64 [size, size, c]. The others hold what the
-    nearest has.
+    nearest has, and so do those that are not ``known``, bool [n].
     """
-    s, t = _drawn_in(*_edge(size), max(1.0 - 2.0 / size, 0.0))
-    column, row = (
-        np.clip(np.floor((place + 1.0) * 0.5 * size).astype(np.int64), 0, size - 1) for place in (s, t)
-    )
+    held = inside(size)
+    held = held if known is None or not known.any() else held[known]
     out = np.zeros((size * size, values.shape[-1]))
     out[inside(size)] = values
-    on_disc = parabolic_maps.inside(size)
-    return np.where(
-        on_disc[..., None], out.reshape(size, size, -1), out[row * size + column].reshape(size, size, -1)
-    )
+    missing = np.setdiff1d(np.arange(size * size), held)
+    row, column = held // size, held % size
+    for texel in missing:
+        down, across = row - texel // size, column - texel % size
+        out[texel] = out[held[int(np.argmin(down * down + across * across))]]
+    return out.reshape(size, size, -1)
 
 
 def above(vectors):

@@ -234,7 +234,9 @@ def factored(samples, terms=1, way=Way.SINGULAR_VALUES):
         u, v = fit(rest, samples.weights)
         found.append((u, v))
         rest = rest - u[:, None] * v[None]
+    # Texels that no pair tells of: at the horizon, of halfway and difference vectors.
+    known = [(samples.weights > 0.0).any(axis=axis) for axis in (1, 0)]
     first, second = (
-        np.stack([hemisphere_maps.filled(pair[k], samples.size) for pair in found]) for k in (0, 1)
+        np.stack([hemisphere_maps.filled(pair[k], samples.size, known[k]) for pair in found]) for k in (0, 1)
     )
     return SeparableFactors(samples.halves, first, second)

@@ -87,6 +87,10 @@ def test_one_term_is_exact_for_a_product():
         assert (factors.first >= 0.0).all() and (factors.second >= 0.0).all()
 
 
+def three_products(lights, views):
+    return product(lights, views) + (0.3 * lights[:, 1:2] + 0.1 * lights[:, :1]) * views[:, :1] + 0.2
+
+
 def test_terms_are_those_of_the_singular_value_decomposition():
     table = separable_factors.table(
         Made(
