@@ -1,0 +1,233 @@
+"""F000-4: a teapot that is blue from one side and red from the other, by factors of a simulated BRDF."""
+
+import math
+from functools import lru_cache
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.geometry.matrices import rotation
+from fixedpipe.effects.geometry.vectors import normalize
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, panel_of, perspective_view, row_of_panels
+from fixedpipe.effects.passes.draws import FIRST_PASS, draw
+from fixedpipe.effects.reflectance import factored_passes, hemisphere_maps, separable_factors
+from fixedpipe.effects.reflectance.factored_passes import Board, Means, Storage
+from fixedpipe.effects.scattering import goniometer, height_field, visibility
+from fixedpipe.effects.scattering.directions import spiral
+from fixedpipe.effects.scenes.teapot import framed_along, teapot
+from fixedpipe.pipeline.ideal.evaluate import execute_ideal
+
+# Texels across the grooves, and rows, which are all alike: two stand for the 32.
+TEXELS, ROWS = 32, 2
+# Degrees round the teapot from which it is seen: 0 is where its spout points to the left.
+SIDES = (0.0, 90.0, 180.0)
+# Of the teapot's own axes the one that grooves run across.
+AXIS = (0.0, 0.0, 1.0)
+# Where the camera is, of a teapot that reaches one from its axis.
+EYE, FIELD_OF_VIEW = (0.0, 1.5, 4.2), 23.0
+# Directions of the reference at once: arrays of all vertices would be large.
+_AT_ONCE = 1024
+
+
+@lru_cache(maxsize=4)
+def _simulated(blue, red, angle, directions):
+    """The grooves' field, and what its texels see."""
+    field = height_field.ridges(TEXELS, ROWS, angle, 1, blue, red)
+    return field, visibility.precompute(field, spiral(directions))
+
+
+@lru_cache(maxsize=4)
+def table(blue, red, angle, bounces, directions, map_size):
+    """f_r of the grooves at all pairs of a map's texels: a separable_factors.Table."""
+    field, seen = _simulated(blue, red, angle, directions)
+    texels = hemisphere_maps.directions(map_size).reshape(-1, 3)[hemisphere_maps.inside(map_size)]
+    texels = normalize(texels)
+    return separable_factors.table_of(goniometer.brdf(field, seen, texels, texels, bounces), map_size)
+
+
+@lru_cache(maxsize=8)
+def factors(blue, red, angle, bounces, directions, map_size, terms):
+    """The SeparableFactors of the grooves."""
+    return separable_factors.factored(table(blue, red, angle, bounces, directions, map_size), terms)
+
+
+def detail(size):
+    """Parts of a patch's edge on a panel of ``size`` pixels."""
+    return 2 if size < 64 else 4 if size < 200 else 8
+
+
+def turned(size, side):
+    """The teapot as it is seen from a side, its tangents across the grooves."""
+    return framed_along(teapot(detail(size)), AXIS).rotated(rotation("y", 180.0 - side))
+
+
+def make_scene(board):
+    """A Scene that draws all sides by a Board's means."""
+
+    def scene(profile, size, *, light, intensity, map_size, terms, **grooves):
+        found = factors(*_grooves(grooves), map_size, terms)
+        commands, loaded = factored_passes.load(found, "grooves", profile, intensity=intensity, board=board)
+        out = [*commands]
+        for side, panel in zip(SIDES, row_of_panels(len(SIDES), size), strict=True):
+            view = perspective_view(panel, EYE, field_of_view=FIELD_OF_VIEW)
+            out.append(panel.clear(BACKGROUND))
+            out += factored_passes.passes(turned(size, side), loaded, view, Light(light))
+        return tuple(out)
+
+    return scene
+
+
+def _grooves(values):
+    return tuple(values[name] for name in ("blue", "red", "angle", "bounces", "directions"))
+
+
+def radiance(surface, view, light, intensity, blue, red, angle, bounces, directions):
+    """pi f_r (n.l)+ at the vertices by the goniometer, each with its own light and view: float64 [n, 3]."""
+    field, seen = _simulated(blue, red, angle, directions)
+    towards = surface.to_local(light.light_vectors(surface.positions))
+    views = surface.to_local(view.view_vectors(surface.positions))
+    above = np.flatnonzero((towards[:, 2] > 1e-3) & (views[:, 2] > 1e-3))
+    out = np.zeros(towards.shape)
+    for start in range(0, len(above), _AT_ONCE):
+        some = above[start : start + _AT_ONCE]
+        to, back = normalize(towards[some]), normalize(views[some])
+        sent = goniometer.lights(field, seen, to, bounces)
+        mean = goniometer.pair_means(goniometer.shares_in_texture_space(field, back), sent)
+        out[some] = mean / goniometer.irradiance(field, to)[:, None] * towards[some, 2:]
+    return intensity * out
+
+
+def reference(size, *, light, intensity, map_size, terms, **grooves):
+    """The grooves' own BRDF at the vertices, interpolated, without factors or textures."""
+    del map_size, terms
+    out = []
+    for side, panel in zip(SIDES, row_of_panels(len(SIDES), size), strict=True):
+        view = perspective_view(panel, EYE, field_of_view=FIELD_OF_VIEW)
+        surface = turned(size, side)
+        colors = radiance(surface, view, Light(light), intensity, *_grooves(grooves))
+        out.append(panel.clear(BACKGROUND))
+        mesh = surface.mesh(colors=np.clip(colors, 0.0, 1.0))
+        out.append(draw("the BRDF at the vertices", mesh, view, None, depth_test=FIRST_PASS))
+    picture = execute_ideal(tuple(out), len(SIDES) * size, size).color
+    return np.concatenate([picture[..., :3], np.ones((*picture.shape[:2], 1))], axis=-1)
+
+
+def mean_ratio(panel):
+    """Mean blue over mean red of what is lit."""
+    covered = np.abs(panel - np.array(BACKGROUND)).max(axis=-1) > 0.02
+    red, _, blue = panel[covered].mean(axis=0)
+    return float(blue / red)
+
+
+def checks(figure, renderer):
+    """Colours of the sides, where they are equal, the factors' errors, and the BRDF itself at vertices."""
+    size, values = figure.size // 4, figure.values
+    grooves = _grooves(values)
+    for on in Answer:
+        window = renderer.window(on, figure, size)
+        panels = [panel_of(window, k) for k in range(3)]
+        yield Check(
+            "blue over red seen from 0 degrees, mean of what is lit",
+            mean_ratio(panels[0]),
+            at_least=1.5,
+            on=on,
+            reason="the catalogue's: there the blue flanks face the viewer",
+        )
+        yield Check(
+            "red over blue seen from 180 degrees",
+            1.0 / mean_ratio(panels[2]),
+            at_least=1.5,
+            on=on,
+            reason="the catalogue's: there the red ones do",
+        )
+        yield Check(
+            "degrees from 90 where both are equal, by how the ratio's logarithm goes from side to side",
+            abs(90.0 * math.log(mean_ratio(panels[1])) / math.log(mean_ratio(panels[0]))),
+            at_most=10.0,
+            on=on,
+            reason="the catalogue's: the teapot and the light are alike to either side",
+        )
+        by_vertices = figure.reference_picture(size, renderer.method)[::-1, :, :3]
+        covered = np.abs(by_vertices - np.array(BACKGROUND)).max(axis=-1) > 0.02
+        yield Check(
+            "RMS of the teapots - the BRDF at their vertices",
+            root_mean_square((np.clip(window, 0.0, 1.0) - np.clip(by_vertices, 0.0, 1.0))[covered]),
+            at_most=0.02,
+            on=on,
+            reason="three terms, maps of 32 x 32, and vertices that are far apart at this size",
+        )
+    samples = table(*grooves, values["map_size"])
+    for terms, bound in ((1, 0.15), (3, 0.05)):
+        yield Check(
+            f"error of {terms} separable term{'s' * (terms > 1)}, RMS over the table's",
+            samples.error(factors(*grooves, values["map_size"], terms).values()),
+            at_most=bound,
+            on=Answer.IDEAL,
+            reason="the catalogue's",
+        )
+    one, three = (renderer.window(Answer.IDEAL, figure, size, terms=terms) for terms in (1, 3))
+    yield Check(
+        "RMS of one term - the BRDF at the vertices, over that of three",
+        root_mean_square((one - by_vertices)[covered]) / root_mean_square((three - by_vertices)[covered]),
+        at_least=1.5,
+        on=Answer.IDEAL,
+        reason="the terms that have signs count, and with the right one",
+    )
+
+
+FIGURE = Figure(
+    id="F000-4",
+    title="A teapot of simulated grooves",
+    caption=(
+        "A teapot into which fine grooves were cut, one flank of each blue and the other red, seen from "
+        "three sides. A virtual goniometer simulates the BRDF of the grooves; it is drawn as three products "
+        "of maps of the light's and of the viewer's direction."
+    ),
+    must_see=(
+        "Blue from one side and red from the other, though it is one material and one white light; from the "
+        "spout's end half and half."
+    ),
+    source="Heidrich2001",
+    techniques=("H17", "H19", "G23"),
+    panels=("seen from 0 degrees", "from 90", "from 180"),
+    parameters={
+        "blue": word.COLOR((0.1, 0.1, 0.8), "The albedo of the flanks that look to one side."),
+        "red": word.COLOR((0.8, 0.1, 0.1), "The albedo of the others."),
+        "angle": word.NUMBER(45.0, "How steep the flanks are.", "degrees", low=5.0, high=75.0),
+        "bounces": word.of(word.Whole(0, 16), 2, "Reflections in the grooves beyond the first."),
+        "directions": word.of(word.Whole(20, 1000), 100, "Directions along which light is gathered."),
+        "map_size": word.of(word.Whole(8, 64, power=True), 32, "The edge of the factors' maps.", "texels"),
+        "terms": word.of(word.Whole(1, 8), 3, "Products that are added."),
+        "light": word.LIGHT((0.0, 0.55, 1.0)),
+        "intensity": word.NUMBER(
+            1.4, "The light's, 1 = a white surface that faces it is full.", low=0.01, high=4.0
+        ),
+    },
+    methods=(
+        Method(
+            "cube maps, register combiners on two units",
+            make_scene(Board(Means.COMBINERS, Storage.CUBE, 2, True)),
+            ("GEFORCE_256",),
+        ),
+        Method(
+            "cube maps, two terms at once on four units",
+            make_scene(Board(Means.COMBINERS, Storage.CUBE, 4, True)),
+            ("GEFORCE_3", "NV2A"),
+        ),
+        Method(
+            "parabolic maps, texture environments and inversions",
+            make_scene(Board(Means.BLENDING, Storage.PARABOLIC, 2, False)),
+            ("MULTITEXTURE", "G400"),
+        ),
+        Method(
+            "parabolic maps, one unit and the accumulation buffer",
+            make_scene(Board(Means.ACCUMULATION, Storage.PARABOLIC, 1, False)),
+            ("OPENGL_1_2", "OCTANE"),
+        ),
+    ),
+    acceptance=checks,
+    reference=reference,
+)
