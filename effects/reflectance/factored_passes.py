@@ -72,8 +72,10 @@ TECHNIQUES = (AnotherWay(("H17", "H18"), "as passes of each machine"),)
 _DOUBLE = Blending(BlendFactor.DST_COLOR, BlendFactor.ONE)
 LARGEST_BOOST = 4.0
 # The least z of the directions whose values a map has to hold; what is larger nearer to the horizon is cut
-# off.  Assumed: thirty degrees, where 1 / z, which many reflectances have, is two.
-LOWEST = 0.5
+# off, as it may be a thousand times what the picture shows elsewhere.  Chosen: fifteen degrees above the
+# horizon for factors of light and view; thirty for the others, where 1 / z, which highlights have in several
+# factors at once, is two.
+LOWEST, LOWEST_OF_HIGHLIGHTS = 0.25, 0.5
 _TEXTURES = (TEXTURE0, TEXTURE1, TEXTURE2, TEXTURE3)
 
 
@@ -104,6 +106,12 @@ class Board:
     storage: Storage
     units: int
     subtracts: bool
+
+    @property
+    def together(self) -> int:
+        """How many products of two textures one combiner adds."""
+        both = self.means is Means.COMBINERS and self.units >= len(_TEXTURES)
+        return 2 if both else 1
 
 
 def board_of(profile, storage=None):
@@ -167,9 +175,9 @@ def _boost_of(scale):
     return float(next((b for b in (1.0, 2.0) if scale.max() <= b), LARGEST_BOOST))
 
 
-def _peaks(image):
+def _peaks(image, lowest):
     """The largest of a map's values well above the horizon, which a texture of bytes has to hold: [3]."""
-    high = hemisphere_maps.directions(len(image))[..., 2] >= LOWEST
+    high = hemisphere_maps.directions(len(image))[..., 2] >= lowest
     peak = np.abs(image[high]).max(axis=0)
     return np.where(peak > 0.0, peak, 1.0)
 
@@ -214,12 +222,12 @@ def load(factors, name, profile, *, intensity=1.0, board=None):
     loading = _Loading(board, name, factors.size, profile)
     full = math.pi * float(intensity)
     if isinstance(factors, HomomorphicFactors):
-        peak = _peaks(factors.direction)
-        scale = full * factors.scale * (peak * peak) * _peaks(factors.half)
+        peak, half_peak = (_peaks(image, LOWEST_OF_HIGHLIGHTS) for image in (factors.direction, factors.half))
+        scale = full * factors.scale * (peak * peak) * half_peak
         boost = _boost_of(scale)
         color = np.minimum(scale / boost, 1.0)
         direction = np.minimum(factors.direction / peak, 1.0)
-        half = np.minimum(factors.half / _peaks(factors.half) * np.maximum(scale / boost, 1.0), 1.0)
+        half = np.minimum(factors.half / half_peak * np.maximum(scale / boost, 1.0), 1.0)
         p, q = loading.load(direction, "p"), loading.load(half, "q")
         products = (Product((Lookup(p, "light"), Lookup(q, "half"), Lookup(p, "view"))),)
     else:
@@ -228,16 +236,19 @@ def load(factors, name, profile, *, intensity=1.0, board=None):
 
 
 def _separable(factors, full, loading):
-    along = ("half", "difference")
+    along, lowest = ("half", "difference"), LOWEST_OF_HIGHLIGHTS
     if factors.halves is Halves.LIGHT_AND_VIEW:
-        along = ("light", "view")
-    pairs = [
-        (full * u * _peaks(v), v / _peaks(v)) for u, v in zip(factors.first, factors.second, strict=True)
-    ]
-    boost = _boost_of(_peaks(pairs[0][0]))
-    # All terms have one colour: the first's scale, or a later one's where that is larger.
-    color = np.max([_peaks(u) for u, _ in pairs], axis=0) / boost
-    color = np.minimum(color, 1.0)
+        along, lowest = ("light", "view"), LOWEST
+    pairs = []
+    for u, v in zip(factors.first, factors.second, strict=True):
+        peak = _peaks(v, lowest)
+        pairs.append((full * u * peak, np.clip(v / peak, -1.0, 1.0)))
+    # All terms have one colour, and what a combiner adds has to be one at the most.
+    together = loading.board.together
+    sums = [sum(np.abs(u) for u, _ in pairs[k : k + together]) for k in range(0, len(pairs), together)]
+    scale = np.max([_peaks(each, lowest) for each in sums], axis=0)
+    boost = _boost_of(scale)
+    color = np.minimum(scale / boost, 1.0)
     products = []
     for k, (u, v) in enumerate(pairs):
         u = np.clip(u / (boost * color), -1.0, 1.0)
@@ -343,22 +354,25 @@ class _Passes:
             self.out.append(Saturate(label=label, scissor=self.view.panel.scissor))
 
     def combined(self):
-        """Terms in a combiner, two where there are four units; their sum's positive part, then the rest's."""
-        together = max(1, min(self.loaded.board.units, len(_TEXTURES)) // 2)
-        products = self.loaded.products
+        """Terms in a combiner, two where there are four units: the positive parts of all sums, then the
+        negative parts, for what was taken off below zero would be lost.
+        """
+        together, products = self.loaded.board.together, self.loaded.products
         groups = [products[k : k + together] for k in range(0, len(products), together)]
-        for k, group in enumerate(groups):
-            lookups = tuple(lookup for each in group for lookup in each.lookups)
-            words = " plus ".join(" ".join(lookup.texture for lookup in each.lookups) for each in group)
-            for sign, blending in ((1, ADD if k else None), (-1, SUBTRACT))[: 2 if k else 1]:
-                less = "minus " if sign < 0 else ""
+        for sign, blending in ((1, ADD), (-1, SUBTRACT)):
+            for k, group in enumerate(groups):
+                if sign < 0 and not any(each.stored_signed for each in group):
+                    continue
+                first = sign > 0 and k == 0
+                lookups = tuple(lookup for each in group for lookup in each.lookups)
+                words = " plus ".join(" ".join(lookup.texture for lookup in each.lookups) for each in group)
                 self.draw(
-                    f"{less}({words}) n.l",
+                    f"{'minus ' if sign < 0 else ''}({words}) n.l",
                     lookups,
                     self.lit,
                     self.combiners(group, sign),
-                    blending,
-                    first=k == 0,
+                    None if first else blending,
+                    first=first,
                 )
         self.at_most_one("(.)+: the framebuffer does not fall below zero")
 

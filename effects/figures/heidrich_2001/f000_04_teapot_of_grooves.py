@@ -11,7 +11,13 @@ from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.vectors import normalize
-from fixedpipe.effects.geometry.views import BACKGROUND, Light, panel_of, perspective_view, row_of_panels
+from fixedpipe.effects.geometry.views import (
+    BACKGROUND,
+    Light,
+    panel_width,
+    perspective_view,
+    row_of_panels,
+)
 from fixedpipe.effects.passes.draws import FIRST_PASS, draw
 from fixedpipe.effects.reflectance import factored_passes, hemisphere_maps, separable_factors
 from fixedpipe.effects.reflectance.factored_passes import Board, Means, Storage
@@ -27,7 +33,8 @@ SIDES = (0.0, 90.0, 180.0)
 # Of the teapot's own axes the one that grooves run across.
 AXIS = (0.0, 0.0, 1.0)
 # Where the camera is, of a teapot that reaches one from its axis.
-EYE, FIELD_OF_VIEW = (0.0, 1.5, 4.2), 23.0
+EYE, FIELD_OF_VIEW = (0.0, 1.5, 4.2), 21.0
+ASPECT = (5, 4)
 # Directions of the reference at once: arrays of all vertices would be large.
 _AT_ONCE = 1024
 
@@ -56,12 +63,12 @@ def factors(blue, red, angle, bounces, directions, map_size, terms):
 
 def detail(size):
     """Parts of a patch's edge on a panel of ``size`` pixels."""
-    return 2 if size < 64 else 4 if size < 200 else 8
+    return 2 if size < 64 else 8
 
 
 def turned(size, side):
     """The teapot as it is seen from a side, its tangents across the grooves."""
-    return framed_along(teapot(detail(size)), AXIS).rotated(rotation("y", 180.0 - side))
+    return framed_along(teapot(detail(size)), AXIS).rotated(rotation("y", 180.0 + side))
 
 
 def make_scene(board):
@@ -71,7 +78,7 @@ def make_scene(board):
         found = factors(*_grooves(grooves), map_size, terms)
         commands, loaded = factored_passes.load(found, "grooves", profile, intensity=intensity, board=board)
         out = [*commands]
-        for side, panel in zip(SIDES, row_of_panels(len(SIDES), size), strict=True):
+        for side, panel in zip(SIDES, row_of_panels(len(SIDES), size, ASPECT), strict=True):
             view = perspective_view(panel, EYE, field_of_view=FIELD_OF_VIEW)
             out.append(panel.clear(BACKGROUND))
             out += factored_passes.passes(turned(size, side), loaded, view, Light(light))
@@ -104,14 +111,14 @@ def reference(size, *, light, intensity, map_size, terms, **grooves):
     """The grooves' own BRDF at the vertices, interpolated, without factors or textures."""
     del map_size, terms
     out = []
-    for side, panel in zip(SIDES, row_of_panels(len(SIDES), size), strict=True):
+    for side, panel in zip(SIDES, row_of_panels(len(SIDES), size, ASPECT), strict=True):
         view = perspective_view(panel, EYE, field_of_view=FIELD_OF_VIEW)
         surface = turned(size, side)
         colors = radiance(surface, view, Light(light), intensity, *_grooves(grooves))
         out.append(panel.clear(BACKGROUND))
         mesh = surface.mesh(colors=np.clip(colors, 0.0, 1.0))
         out.append(draw("the BRDF at the vertices", mesh, view, None, depth_test=FIRST_PASS))
-    picture = execute_ideal(tuple(out), len(SIDES) * size, size).color
+    picture = execute_ideal(tuple(out), len(SIDES) * panel_width(size, ASPECT), size).color
     return np.concatenate([picture[..., :3], np.ones((*picture.shape[:2], 1))], axis=-1)
 
 
@@ -128,7 +135,7 @@ def checks(figure, renderer):
     grooves = _grooves(values)
     for on in Answer:
         window = renderer.window(on, figure, size)
-        panels = [panel_of(window, k) for k in range(3)]
+        panels = np.split(window, 3, axis=1)
         yield Check(
             "blue over red seen from 0 degrees, mean of what is lit",
             mean_ratio(panels[0]),
@@ -155,9 +162,10 @@ def checks(figure, renderer):
         yield Check(
             "RMS of the teapots - the BRDF at their vertices",
             root_mean_square((np.clip(window, 0.0, 1.0) - np.clip(by_vertices, 0.0, 1.0))[covered]),
-            at_most=0.02,
+            at_most=0.025,
             on=on,
-            reason="three terms, maps of 32 x 32, and vertices that are far apart at this size",
+            reason="three terms, maps of 32 x 32, and vertices whose colours the reference interpolates; "
+            "measured at the first correct picture, with at most a third of slack",
         )
     samples = table(*grooves, values["map_size"])
     for terms, bound in ((1, 0.15), (3, 0.05)):
@@ -192,6 +200,7 @@ FIGURE = Figure(
     ),
     source="Heidrich2001",
     techniques=("H17", "H19", "G23"),
+    aspect=ASPECT,
     panels=("seen from 0 degrees", "from 90", "from 180"),
     parameters={
         "blue": word.COLOR((0.1, 0.1, 0.8), "The albedo of the flanks that look to one side."),
@@ -203,7 +212,7 @@ FIGURE = Figure(
         "terms": word.of(word.Whole(1, 8), 3, "Products that are added."),
         "light": word.LIGHT((0.0, 0.55, 1.0)),
         "intensity": word.NUMBER(
-            1.4, "The light's, 1 = a white surface that faces it is full.", low=0.01, high=4.0
+            1.0, "The light's, 1 = a white surface that faces it is full.", low=0.01, high=4.0
         ),
     },
     methods=(
