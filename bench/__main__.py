@@ -2,12 +2,13 @@
 
 import argparse
 import contextlib
+import dataclasses
 import json
 import os
 import sys
 from pathlib import Path
 
-from bench import growth, pictures, roofline, scattering
+from bench import growth, pictures, prefilter, roofline, scattering
 from bench.figures import FIGURES
 from bench.measure import Ours, summarize, take_turns
 from bench.peers.llvmpipe import Llvmpipe
@@ -16,13 +17,15 @@ from bench.scenes import SCENES
 
 PEERS = {"llvmpipe": Llvmpipe}
 ROOFLINE, GROWTH, SCATTERING = "roofline", "growth", "scattering"
-NAMES = (*SCENES, *FIGURES, ROOFLINE, GROWTH, SCATTERING)
+PREFILTER = "prefilter"
+NAMES = (*SCENES, *FIGURES, ROOFLINE, GROWTH, SCATTERING, PREFILTER)
 
 
 def _arguments(arguments):
     titles = {entry.name: entry.title for entry in (*SCENES.values(), *FIGURES.values())}
     titles |= {ROOFLINE: "memory bandwidth, and what it allows the scenes", GROWTH: "cost by size"}
     titles |= {SCATTERING: "document 002's table 1, and how its costs grow"}
+    titles |= {PREFILTER: "environment maps filtered by Phong's lobe"}
     listing = "\n".join(f"  {name:10}{title}" for name, title in titles.items())
     parser = argparse.ArgumentParser(
         prog="python -m bench",
@@ -316,6 +319,21 @@ def _measure_scattering(options):
     return {"processor": name, "times": times, "growth": grown}
 
 
+def _measure_prefilter(options):
+    """Maps filtered on the host, printed; ``--json``'s list."""
+    table = _Table(
+        "Environment maps filtered by Phong's lobe: seconds",
+        ("edge", 5),
+        ("exponent", 9),
+        ("ours", 8),
+        ("goal", 5),
+    )
+    found = list(prefilter.measure(options.threads))
+    for time in found:
+        table.row(time.size, f"{time.exponent:g}", f"{time.seconds:.3f}", _number(time.goal, "g"))
+    return [dataclasses.asdict(time) for time in found]
+
+
 def _measure(parties, options):
     chosen = dict.fromkeys(options.names)
     scenes = [SCENES[name] for name in chosen if name in SCENES]
@@ -329,6 +347,7 @@ def _measure(parties, options):
         "roofline": _measure_roofline(rows, options) if ROOFLINE in chosen else None,
         "growth": _measure_growth(options) if GROWTH in chosen else None,
         "scattering": _measure_scattering(options) if SCATTERING in chosen else None,
+        "prefilter": _measure_prefilter(options) if PREFILTER in chosen else None,
     }
     if options.json:
         Path(options.json).write_text(json.dumps(everything, indent=2) + "\n")

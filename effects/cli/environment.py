@@ -50,7 +50,6 @@ def environment(image, kind, out, exponent, size, exposure, threads):
     import numpy as np
 
     from fixedpipe.effects.cli.compiling import announce_compiling
-    from fixedpipe.effects.environment_maps import prefilter
     from fixedpipe.effects.refusal import Refusal, choose, refusals
     from fixedpipe.effects.reports.files import writable_file, write_whole
     from fixedpipe.effects.user_pictures import probes
@@ -66,7 +65,7 @@ def environment(image, kind, out, exponent, size, exposure, threads):
     if ending == ".npz":
         refuse_ignored(context, ("exposure",), "an NPZ file has the floats as they are; leave it out")
     with refusals():
-        prefilter.exponent_of(exponent)
+        probes.checked_exponent(exponent)
         if exposure is not None and not 0.0 < exposure < float("inf"):
             raise ValueError(f"The exposure is {exposure:g}; give a positive number.")
         found = probes.probe(image)
@@ -76,8 +75,7 @@ def environment(image, kind, out, exponent, size, exposure, threads):
         maps = probes.maps(found, kind, size, exponent, threads)
         brightest = float(maps.max())
         if ending == ".png":
-            # What bytes hold is shown as it is; what has a higher range as much of it as A-H33 says.
-            shown = exposure or (1.0 if brightest <= 1.0 else min(1.0, prefilter.exposure(maps)))
+            shown = exposure or probes.exposure_of(maps)
             data, said = png(probes.picture(maps, shown)), f"exposure {shown:.4g}"
         else:
             file = io.BytesIO()

@@ -171,6 +171,18 @@ def maps(found, kind, size, exponent=None, threads=None):
     raise ValueError(f"There is no kind of map {kind!r}. There are: {', '.join(KINDS)}.")
 
 
+def checked_exponent(exponent):
+    """``prefilter.exponent_of``: the exponent that a lobe has. Raises ValueError for what is none."""
+    return prefilter.exponent_of(exponent)
+
+
+def exposure_of(faces):
+    """What maps of floats are multiplied by as a picture: one where bytes hold all, else less, so that 99.5 %
+    of the numbers are below one.
+    """
+    return 1.0 if faces.max() <= 1.0 else min(1.0, prefilter.exposure(faces))
+
+
 def picture(faces, exposure):
     """Maps of floats as a picture: uint8 [h, w, 3], top row first.
 

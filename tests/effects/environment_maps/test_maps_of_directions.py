@@ -52,6 +52,29 @@ def test_parabolic_texels_and_coordinates_are_inverse():
     assert area == pytest.approx(4.0 * math.pi, rel=1e-3)
 
 
+@pytest.mark.parametrize("reach", (1.0, 0.8))
+def test_the_texture_matrix_makes_the_coordinates(reach):
+    toward = spiral(200)
+    disc, st = parabolic_maps.coordinates(toward, reach)
+    for k in (0, 1):
+        found = (
+            np.concatenate([toward, np.ones((200, 1))], axis=1) @ np.array(parabolic_maps.matrix(k, reach)).T
+        )
+        np.testing.assert_allclose((found[:, :2] / found[:, 3:])[disc == k], st[disc == k], atol=1e-14)
+        # Directions of the other hemisphere lie beyond the disc.
+        beyond = found[disc != k, :2] / found[disc != k, 3:] - 0.5
+        assert np.hypot(*beyond.T).min() >= 0.5 * reach
+
+
+def test_what_a_map_with_a_margin_holds_is_found_again():
+    reach = parabolic_maps.margin(64, 6)
+    assert reach == 1.0 - 12.0 / 64.0
+    toward = spiral(2000)
+    discs = parabolic_maps.directions(64, reach)
+    # A chord of two texels, whose angle is at most 4/(64 reach).
+    assert np.abs(parabolic_maps.look_up(discs, toward, reach) - toward).max() <= 0.0015
+
+
 @pytest.mark.parametrize("size", (0, -1, 2.5, True))
 def test_sizes_are_whole_numbers_from_one_on(size):
     with pytest.raises(ValueError, match="whole number of texels"):
