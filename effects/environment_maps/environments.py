@@ -140,10 +140,14 @@ def _averaged(function, toward, texel):
 
 @lru_cache(maxsize=4)
 def faces(size, environment=room):
-    """A cube map of floats, the mean of four rays in each texel: float64 [6, size, size, 3]."""
+    """A cube map of floats, the mean of four rays in each texel: float64 [6, size, size, 3], kept, not to be
+    written to; ``size`` from 2 on.
+    """
     toward = directions(size)
     toward = toward / np.abs(toward).max(axis=-1, keepdims=True)
-    return _averaged(environment, toward, (np.gradient(toward, axis=2), np.gradient(toward, axis=1)))
+    out = _averaged(environment, toward, (np.gradient(toward, axis=2), np.gradient(toward, axis=1)))
+    out.flags.writeable = False
+    return out
 
 
 def cube_map(size, profile, environment=room):

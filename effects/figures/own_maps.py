@@ -10,7 +10,7 @@ from typing import Any
 
 from fixedpipe.effects.figures.parameters import Maybe, Number, Parameter, Unfit, Word
 from fixedpipe.effects.reflectance.material_textures import Material
-from fixedpipe.effects.user_pictures import maps
+from fixedpipe.effects.user_pictures import maps, probes
 from fixedpipe.effects.user_pictures.bumped_mesh import MaterialParameters
 
 
@@ -45,6 +45,15 @@ class Own:
 _FILE = "a PNG, TIFF, JPEG or NPY file, or sample:gravel; in Python also an array or a Pillow image"
 _NONE = "the figure's own"
 _HEIGHTS = Maybe(Own(maps.height_field, _FILE, lambda value: value.called), _NONE)
+_PROBE = Maybe(
+    Own(
+        lambda value: value if isinstance(value, probes.Probe) else probes.probe(str(value)),
+        "a Radiance, OpenEXR, PNG, TIFF, JPEG or NPY file, twice as wide as high or square; in Python also a "
+        "Probe",
+        lambda value: value.called,
+    ),
+    _NONE,
+)
 _PHOTOGRAPH = Maybe(Own(maps.photograph, _FILE, lambda value: value.called), _NONE)
 _MATERIAL = Maybe(
     Own(
@@ -84,6 +93,14 @@ PANORAMA = Parameter(
     _PHOTOGRAPH,
     "A panorama in the place of environment, all around from left to right and from straight down to "
     "straight up: its middle is what the viewer looks at, its top row is above.",
+)
+
+
+PROBE = Parameter(
+    None,
+    _PROBE,
+    "An environment in the place of the figure's, of high dynamic range too: a panorama, whose middle is -z "
+    "and whose top row is above, or a square light probe.",
 )
 
 

@@ -114,7 +114,11 @@ def probe(name):
     be read, for NaN and infinity, and for another shape than 2:1 or a square.
     """
     path = Path(name)
-    kind = _kind_of(path) if not name.startswith("sample:") and path.is_file() else None
+    sample = name.startswith("sample:")
+    if not sample and not path.is_file():
+        problem = f"{name} is no file" if name and path.exists() else f"There is no file {name!r}"
+        raise Refusal(f"{problem}. Give a Radiance, OpenEXR, PNG, TIFF, JPEG or NPY file.")
+    kind = None if sample else _kind_of(path)
     values = read_picture(name) if kind is None else _read_floats(path, kind)
     full = {"b": 1.0, "u": float(np.iinfo(values.dtype).max) if values.dtype.kind == "u" else 1.0}
     colors = np.asarray(values, np.float64) / full.get(values.dtype.kind, 1.0)

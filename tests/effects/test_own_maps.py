@@ -18,6 +18,7 @@ from fixedpipe.pipeline.profiles import OCTANE, PROFILES
 BOTH = ["F003-1", "F003-2", "F003-8", "F003-9", "F004-6", "F004-7", "K02"]
 WITH_MATERIAL = ["F004-2", "F004-5", "F004-8"]
 OTHERS = ["F002-13", "F003-4", "G15", "G17", "K12", "K13", "K14", "K15", "K17", "K18", "Z05", "Z06"]
+PANORAMAS = ["H20", "H21", "H25", "H32"]
 
 # One bump, off the middle so that no symmetry of a figure hides it.
 BUMP = np.zeros((16, 16))
@@ -42,7 +43,11 @@ def scenes(*ids):
 
 @pytest.mark.parametrize(
     ("name", "ids"),
-    [("height_field", BOTH + WITH_MATERIAL + OTHERS), ("photograph", BOTH), ("material", WITH_MATERIAL)],
+    [
+        ("height_field", BOTH + WITH_MATERIAL + OTHERS),
+        ("photograph", BOTH + PANORAMAS),
+        ("material", WITH_MATERIAL),
+    ],
 )
 def test_which_figures_show_what_is_ones_own(name, ids):
     assert [i for i, figure in FIGURES.items() if name in figure.parameters] == sorted(ids)
@@ -61,7 +66,7 @@ def test_a_height_field_is_drawn_and_is_a_plane_at_scale_zero(figure, method):
     )
 
 
-@pytest.mark.parametrize(("figure", "method"), scenes(*BOTH))
+@pytest.mark.parametrize(("figure", "method"), scenes(*BOTH, *PANORAMAS))
 def test_a_photograph_is_drawn(figure, method):
     shown = picture(figure, method, photograph=HALF)
     assert (shown != picture(figure, method)).any()
@@ -77,6 +82,15 @@ def test_a_material_is_drawn(figure, method):
     assert (picture(figure, method, material=smooth) != own).any()
     with pytest.raises(ValueError, match="height_field would be ignored: give one of them"):
         figure.commands(method.machines[0], 32, method, material=smooth, height_field=BUMP)
+
+
+def test_a_probe_of_high_dynamic_range_is_drawn(tmp_path):
+    np.save(tmp_path / "probe.npy", np.linspace(0.0, 9.0, 8 * 16 * 3).reshape(8, 16, 3))
+    figure = FIGURES["H33"]
+    own, shown = (picture(figure, figure.methods[0], probe=p) for p in (None, tmp_path / "probe.npy"))
+    assert (shown != own).any()
+    with pytest.raises(ValueError, match="H33's probe: There is no file"):
+        figure.commands("GEFORCE_256", 32, probe="no.exr")
 
 
 def test_top_row_is_the_top_of_the_picture():

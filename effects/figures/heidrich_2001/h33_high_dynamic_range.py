@@ -4,27 +4,32 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.environment_maps import bumped_reflections, environments, prefilter, reflections
+from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, Figure, Method
 from fixedpipe.effects.figures.heidrich_2001.shared import reflecting
 from fixedpipe.effects.geometry import cube_maps
 from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, row_of_panels
+from fixedpipe.effects.user_pictures import probes
 from fixedpipe.pipeline.enums import TexGenMode
 
 PANELS = "Phong, of bytes", "Phong, of floats", "cosine, of bytes", "cosine, of floats"
 
 
-def _source(size, edge):
+def _source(size, edge, own=None):
     """The probe, scaled, its brightest still far above one: float64 [6, n, n, 3]."""
     edge = max(reflecting.texels(size, 256), 64) if edge is None else edge
-    probe = environments.faces(edge, environments.sunlit_room)
+    if own is None:
+        probe = environments.faces(edge, environments.sunlit_room)
+    else:
+        probe = probes.maps(own, "cube", edge)
     return probe * prefilter.exposure(probe)
 
 
-def scene(profile, size, *, eye, exponent, brightness, edge):
+def scene(profile, size, *, eye, exponent, brightness, edge, probe):
     """H33: a lobe and a cosine of the probe as bytes hold it, and of the probe itself."""
-    surface, probe = reflecting.ball_in_ring(size), _source(size, edge)
+    surface, probe = reflecting.ball_in_ring(size), _source(size, edge, probe)
     clamped = np.minimum(probe, 1.0)
     texels = probe.shape[1]
     cubes = (
@@ -128,6 +133,7 @@ FIGURE = Figure(
             word.Number(0.001, 64.0), 1.0, "What the filtered maps are multiplied by before they are bytes."
         ),
         "edge": word.FITTED_TEXELS(None, "The edge of the probe's faces."),
+        "probe": own_maps.PROBE,
     },
     methods=(Method("cube maps", scene, COMBINER_MACHINES),),
     acceptance=checks,
