@@ -86,6 +86,10 @@ PACKAGES = {
         "pipeline": "enums state pixel_transfer textures commands native",
         "effects": "technique geometry passes reflectance",
     },
+    "effects/radiosity": {
+        "pipeline": "enums textures commands",
+        "effects": "technique geometry passes",
+    },
     "effects/texture_filtering": {
         "pipeline": "textures commands",
         "effects": "technique geometry passes reflectance",
@@ -124,7 +128,7 @@ PACKAGES = {
         "pipeline": "enums state pixel_transfer textures commands profiles framebuffers execution ideal",
         "effects": (
             "refusal collection geometry passes scenes bump_mapping reflectance environment_maps "
-            "texture_filtering shadows volumes scattering acceptance diagrams user_pictures"
+            "radiosity texture_filtering shadows volumes scattering acceptance diagrams user_pictures"
         ),
     },
     "effects/studies": {

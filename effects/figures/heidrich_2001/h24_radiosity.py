@@ -1,0 +1,182 @@
+"""H24: a small room lit by a radiosity solution: direct light, elements, light maps."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.acceptance.ray_caster import primary_rays
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
+from fixedpipe.effects.geometry.vectors import cosine, cross, normalize, sine
+from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view, row_of_panels
+from fixedpipe.effects.passes.draws import EDGE, NEAREST
+from fixedpipe.effects.radiosity import light_maps, small_room
+from fixedpipe.effects.radiosity.progressive_refinement import solve
+
+EYE, CENTER, FIELD_OF_VIEW = (0.0, 0.86, 3.55), (0.0, 0.84, 0.0), 35.6
+THINGS = tuple(small_room.BOXES.values())
+# The patches of the lamp, which send first.
+LAMP_PATCHES = 4
+
+
+def fitting_elements(size):
+    """Elements along a wall's edge for a panel of ``size`` pixels."""
+    return 8 if size < 64 else 16 if size < 200 else 32
+
+
+@lru_cache(maxsize=4)
+def solved(elements, left, right):
+    """The room's rectangles, what the lamp alone gives, and the whole solution."""
+    room = small_room.small_room(elements, left, right)
+    # As many parts of the lamp as tell its shadows' edges from steps.
+    direct = solve(room, THINGS, parts=4, most=LAMP_PATCHES)
+    return room, direct, solve(room, THINGS)
+
+
+def scene(profile, size, *, elements, left, right, exposure, background):
+    """Direct light alone, the solution's elements, and the light maps filtered."""
+    elements = fitting_elements(size) if elements is None else elements
+    room, direct, solution = solved(elements, tuple(left), tuple(right))
+    shown = [rectangle for rectangle in room if rectangle.name != small_room.FRONT]
+    out = []
+    for title, found in (("direct light", direct), ("light map", solution)):
+        maps = light_maps.light_maps(shown, found.radiosity, THINGS, exposure)
+        out += light_maps.load(maps, profile, title)
+    ways = ("direct light", EDGE), ("light map", NEAREST), ("light map", EDGE)
+    for panel, (title, sampler) in zip(row_of_panels(3, size), ways, strict=True):
+        view = perspective_view(panel, EYE, CENTER, FIELD_OF_VIEW)
+        out += (panel.clear(background), *light_maps.passes(shown, view, sampler, title))
+    return tuple(out)
+
+
+def gathered(room, maps, place, normal, count=64):
+    """Irradiance at a point by rays over its hemisphere, dense by the cosine: RGB."""
+    around = np.array((1.0, 0.0, 0.0)) if abs(normal[0]) < 0.5 else np.array((0.0, 1.0, 0.0))
+    tangent = normalize(cross(around, normal))
+    u, v = np.meshgrid((np.arange(count) + 0.5) / count, (np.arange(count) + 0.5) / count)
+    radius, angle = np.sqrt(u), 2.0 * np.pi * v
+    toward = (
+        (radius * cosine(angle))[..., None] * tangent
+        + (radius * sine(angle))[..., None] * cross(normal, tangent)
+        + np.sqrt(1.0 - u)[..., None] * normal
+    )
+    return light_maps.seen(room, maps, place + 1.0e-6 * normal, toward).reshape(-1, 3).mean(axis=0)
+
+
+def checks(figure, renderer):
+    """Energy, light gathered by rays, colours that walls send, and light maps on the machine."""
+    size, values = 128, figure.values
+    elements = fitting_elements(size)
+    room, direct, solution = solved(elements, values["left"], values["right"])
+    absorbed = np.zeros(3)
+    for rectangle in room:
+        share = rectangle.area / (rectangle.elements[0] * rectangle.elements[1])
+        absorbed += share * ((1.0 - np.array(rectangle.reflectance)) * solution.received[rectangle.name]).sum(
+            axis=(0, 1)
+        )
+    yield Check(
+        "power absorbed and unsent over power emitted, largest deviation from one",
+        np.abs((absorbed + solution.unsent) / solution.emitted - 1.0).max(),
+        at_most=1.0e-9,
+        on=Answer.IDEAL,
+        reason="a closed room keeps its energy",
+    )
+    maps = light_maps.light_maps(room, solution.radiosity, THINGS)
+    errors, expected = [], []
+    for rectangle in room:
+        rows, columns = rectangle.elements[1], rectangle.elements[0]
+        for j, i in ((rows // 2, columns // 4), (rows // 4, 3 * columns // 4), (3 * rows // 4, columns // 2)):
+            place = rectangle.centers()[j, i]
+            if any(thing.holds(place + 1.0e-3 * rectangle.normal) for thing in THINGS):
+                continue
+            by_rays = gathered(room, maps, place, rectangle.normal)
+            errors.append(solution.received[rectangle.name][j, i] - by_rays)
+            expected.append(by_rays)
+    errors, expected = np.array(errors), np.array(expected)
+    yield Check(
+        "what elements receive against 4096 rays from them, RMS over the mean",
+        root_mean_square(errors) / expected.mean(),
+        at_most=0.03,
+        on=Answer.IDEAL,
+        reason="patches are an eighth of a wall wide and are seen in four parts; rays see elements",
+    )
+    inner = slice(elements // 4, 3 * elements // 4)
+    ceiling, bounced = (found.radiosity["ceiling"][inner, :2].mean() for found in (direct, solution))
+    yield Check(
+        "the ceiling's light that came by way of other walls, share",
+        1.0 - ceiling / bounced,
+        at_least=0.99,
+        on=Answer.IDEAL,
+        reason="the lamp does not see the ceiling that it is in",
+    )
+    beside = {
+        name: solution.received["floor"][inner, column] for name, column in (("left", 0), ("right", -1))
+    }
+    ratio = {name: float((of[:, 0] / of[:, 2]).mean()) for name, of in beside.items()}
+    yield Check(
+        "red over blue of what the floor receives, beside the left wall over beside the right one",
+        ratio["left"] / ratio["right"],
+        at_least=1.3,
+        on=Answer.IDEAL,
+        reason="the left wall is red, the right one blue: colours bleed",
+    )
+    view = perspective_view(row_of_panels(1, size)[0], EYE, CENTER, FIELD_OF_VIEW)
+    shown = [rectangle for rectangle in room if rectangle.name != small_room.FRONT]
+    origins, along = primary_rays(view)
+    number, s, t = light_maps.nearest(shown, origins, along)
+    # Away from edges, where a pixel may show the other side.
+    square = number.reshape(size, size)
+    same = [square == np.roll(square, step, axis) for step in (-1, 1) for axis in (0, 1)]
+    known = (number >= 0) & np.all(same, axis=0).ravel()
+    bright = light_maps.light_maps(shown, solution.radiosity, THINGS, values["exposure"])
+    for on in Answer:
+        true = np.zeros((len(number), 3))
+        for k, rectangle in enumerate(shown):
+            of, texels = number == k, bright[rectangle.name]
+            # A machine's texels are clamped before they are filtered.
+            texels = texels if on is Answer.IDEAL else np.minimum(texels, 1.0)
+            true[of] = light_maps.look_up(texels, s[of], t[of])
+        image = renderer.window(on, figure, size)[:, 2 * size :].reshape(-1, 3)
+        yield Check(
+            "light maps against rays that look the solution up, RMS",
+            root_mean_square((np.clip(image, 0.0, 1.0) - np.clip(true, 0.0, 1.0))[known]),
+            at_most=0.004,
+            on=on,
+            reason="vertices lie on sixteenths of a pixel, and texels are bytes",
+        )
+
+
+_WALL = "The reflectance of the wall at the {}."
+
+FIGURE = Figure(
+    id="H24",
+    title="A radiosity solution as light maps",
+    caption=(
+        "A room with a lamp in its ceiling. Left what the lamp sends itself; in the middle all diffuse "
+        "light, each element of the solution a texel; right the same texels filtered: the light maps that a "
+        "mirror's reflection is added to. A wall's edge has 32 elements, boxes' edges half as many."
+    ),
+    must_see=(
+        "Left a black ceiling and black shadows. Middle and right the ceiling and the shadows are lit, red "
+        "beside the left wall, blue beside the right one, and the boxes' sides take the walls' colours. "
+        "Squares in the middle, none at the right. No light or dark seams at the boxes' feet."
+    ),
+    source="Heidrich2001",
+    techniques=("H24",),
+    panels=("direct light", "elements", "light maps"),
+    parameters={
+        "elements": word.of(
+            word.Maybe(word.Choice({str(n): n for n in (8, 16, 32, 64)}), "as many as fit the panel"),
+            None,
+            "Elements along a wall's edge.",
+        ),
+        "left": word.COLOR((0.68, 0.2, 0.12), _WALL.format("left")),
+        "right": word.COLOR((0.12, 0.36, 0.52), _WALL.format("right")),
+        "exposure": word.NUMBER(1.2, "What the solution is multiplied by.", low=0.01, high=100.0),
+        "background": word.BACKDROP(BACKGROUND),
+    },
+    methods=(Method("light maps, one texture unit", scene, DIAGRAM_MACHINES),),
+    acceptance=checks,
+)
