@@ -16,6 +16,7 @@ Source: Heidrich 2001, section 1.5; pass sequence A-H26/H27/H28 of the catalogue
 
 from dataclasses import replace
 
+from fixedpipe.effects.environment_maps.mirror_passes import FRONT
 from fixedpipe.effects.environment_maps.reflections import generated, world_from_eye
 from fixedpipe.effects.geometry.vertex_vectors import dot_products
 from fixedpipe.effects.passes.draws import (
@@ -92,6 +93,7 @@ def mirror_passes(surface, view, table, mirror):
             (factor,),
             depth_test=FIRST_PASS,
             color_mask=ONLY_ALPHA,
+            polygon=FRONT,
         ),
         draw(
             f"{mirror.texture}, times destination alpha",
@@ -101,6 +103,7 @@ def mirror_passes(surface, view, table, mirror):
             (mirror,),
             blending=TIMES_ALPHA,
             color_mask=ONLY_RGB,
+            polygon=FRONT,
         ),
     )
 
@@ -109,7 +112,7 @@ def folded_mirror_pass(surface, view, table, mirror):
     """H26 in one draw on two units, F in destination alpha; arguments as of ``mirror_passes``."""
     units = unit(table, EDGE, environment=REPLACE), replace(mirror, environment=MODULATE)
     label = f"{table}, times {mirror.texture}"
-    return (draw(label, _facing(surface, view), view, None, units, depth_test=FIRST_PASS),)
+    return (draw(label, _facing(surface, view), view, None, units, depth_test=FIRST_PASS, polygon=FRONT),)
 
 
 def diffuse_pass(surface, view, colors, *, coat):
@@ -124,6 +127,7 @@ def diffuse_pass(surface, view, colors, *, coat):
         None,
         blending=UNDER_COAT if coat else ADD,
         color_mask=ONLY_RGB,
+        polygon=FRONT,
     )
 
 
@@ -133,4 +137,4 @@ def under_coat_pass(mesh, view, read):
     ``mesh``: with the unit's texture coordinates, of the positions that the mirror's passes drew.
     """
     label = f"{read.texture}, times one minus destination alpha"
-    return draw(label, mesh, view, None, (read,), blending=UNDER_COAT, color_mask=ONLY_RGB)
+    return draw(label, mesh, view, None, (read,), blending=UNDER_COAT, color_mask=ONLY_RGB, polygon=FRONT)

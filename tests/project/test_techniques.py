@@ -20,6 +20,7 @@ CLAIMED = [technique.id for _, technique in techniques.claims()]
 FOLDERS = (
     "bump_mapping",
     "environment_maps",
+    "radiosity",
     "reflectance",
     "scattering",
     "shadows",
@@ -29,6 +30,9 @@ FOLDERS = (
 HELPERS = {
     "effects/environment_maps/environment_lights.py",
     "effects/environment_maps/environments.py",
+    "effects/radiosity/form_factors.py",
+    "effects/radiosity/light_maps.py",
+    "effects/radiosity/small_room.py",
     "effects/reflectance/fresnel.py",
     "effects/reflectance/microfacets.py",
     "effects/reflectance/sampled_functions.py",

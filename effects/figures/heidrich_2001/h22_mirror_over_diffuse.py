@@ -1,0 +1,245 @@
+"""H22: a mirror added to a radiosity solution, by blending and by the accumulation buffer (H23)."""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.acceptance.ray_caster import primary_rays
+from fixedpipe.effects.environment_maps import (
+    environments,
+    fresnel_passes,
+    mirror_passes,
+    prefilter,
+    reflections,
+)
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.geometry import cube_maps, surfaces
+from fixedpipe.effects.geometry.vectors import dot, normalize
+from fixedpipe.effects.geometry.vertex_vectors import reflected
+from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view, row_of_panels
+from fixedpipe.effects.passes.draws import EDGE, FIRST_PASS, MODULATE, draw
+from fixedpipe.effects.passes.encoding import colors_of, factor_texels
+from fixedpipe.effects.radiosity import light_maps, small_room
+from fixedpipe.effects.radiosity.form_factors import Ball
+from fixedpipe.effects.radiosity.progressive_refinement import solve
+from fixedpipe.pipeline.commands import TexImage
+
+EYE, CENTER, FIELD_OF_VIEW = (-0.1, 1.02, 2.7), (-0.26, 0.74, 0.0), 37.0
+# On the chest.
+MIDDLE, RADIUS = (-0.42, 0.88, 0.12), 0.28
+BALL = Ball(MIDDLE, RADIUS)
+THINGS = (*small_room.BOXES.values(), BALL)
+MIRROR = "what the ball sees"
+
+
+def detail(size):
+    """Segments of the ball, and elements along a wall's edge, for a panel of ``size`` pixels."""
+    return (16, 8) if size < 64 else (64, 16) if size < 200 else (128, 32)
+
+
+@lru_cache(maxsize=4)
+def solved(elements, edge, exposure):
+    """The walls that are shown, light maps, and cube maps of what the ball sees, sharp and by the cosine.
+
+    All are clamped to one, which textures hold, but for what is filtered.
+    """
+    room = small_room.small_room(elements)
+    maps = light_maps.light_maps(room, solve(room, THINGS).radiosity, THINGS, exposure)
+
+    def seen(toward):
+        return light_maps.seen(room, maps, MIDDLE, toward)
+
+    diffuse = prefilter.cosine(environments.faces(64, seen), 64)
+    shown = tuple(rectangle for rectangle in room if rectangle.name != small_room.FRONT)
+    maps = {name: np.minimum(values, 1.0) for name, values in maps.items()}
+    return shown, maps, environments.faces(edge, seen), diffuse
+
+
+def ball(segments):
+    """The ball on the chest."""
+    return surfaces.sphere(segments, segments // 2).scaled(RADIUS).moved(*MIDDLE)
+
+
+def camera(panel):
+    """The view of the room."""
+    return perspective_view(panel, EYE, CENTER, FIELD_OF_VIEW)
+
+
+def _diffuse(shown, surface, colors, view, weight):
+    """All that is diffuse, times a weight: a draw for each wall and one for the ball."""
+    walls = [
+        replace(
+            command,
+            mesh=mirror_passes.weighted_mesh(command.mesh, weight),
+            state=replace(
+                command.state,
+                texture_units=(replace(command.state.texture_units[0], environment=MODULATE),),
+            ),
+        )
+        for command in light_maps.passes(shown, view, EDGE)
+    ]
+    label = f"diffuse light on the ball, times {weight:g}"
+    mesh = surface.mesh(colors=colors * weight)
+    return (*walls, draw(label, mesh, view, None, depth_test=FIRST_PASS, polygon=mirror_passes.FRONT))
+
+
+def _load_cube(cube, view, profile):
+    return reflections.load_cube(MIRROR, cube, profile)
+
+
+def _load_sphere(cube, view, profile):
+    image = environments.sphere_map(
+        2 * cube.shape[1], view, profile, lambda toward: cube_maps.look_up(cube, toward)
+    )
+    return TexImage(label=f"load {MIRROR}", texture=MIRROR, image=image)
+
+
+def make_scene(load, read):
+    """The figure's scene.
+
+    load  (cube, view, profile) -> the command that loads what the ball sees
+    read  (texture, view) -> the texture unit that reads its reflections
+    """
+
+    def scene(profile, size, *, k_d, k_s, paint, exposure, background):
+        segments, elements = detail(size)
+        edge = min(max(1 << (size - 1).bit_length(), 16), 256)
+        shown, maps, cube, irradiance = solved(elements, edge, exposure)
+        surface = ball(segments)
+        light = np.minimum(cube_maps.look_up(irradiance, surface.normals) * np.array(paint), 1.0)
+        colors = colors_of(factor_texels(light, profile))
+        panels = row_of_panels(4, size)
+        views = [camera(panel) for panel in panels]
+        out = [
+            *light_maps.load({rectangle.name: maps[rectangle.name] for rectangle in shown}, profile),
+            load(np.minimum(cube, 1.0), views[0], profile),
+        ]
+        for number, (panel, view) in enumerate(zip(panels, views, strict=True)):
+            mirror = read(MIRROR, view)
+            out.append(panel.clear(background if number == 0 else (0.0, 0.0, 0.0)))
+            if number == 1:
+                out += _diffuse(shown, surface, colors, view, 0.0)
+                out.append(mirror_passes.mirror_pass(surface, view, mirror, k_s))
+            elif number == 3:
+                whole = mirror_passes.mirror_pass(surface, view, mirror)
+                diffuse = _diffuse(shown, surface, colors, view, 1.0)
+                out += mirror_passes.accumulated(panel, diffuse, (whole,), k_d, k_s)
+            else:
+                out += _diffuse(shown, surface, colors, view, k_d)
+                if number == 2:
+                    out.append(mirror_passes.mirror_pass(surface, view, mirror, k_s, added=True))
+        return tuple(out)
+
+    return scene
+
+
+def ball_by_rays(view):
+    """Pixels of the ball: normals and vectors to the eye [size, size, 3], and which are its: bool."""
+    size = view.panel.height
+    _, along = primary_rays(view)
+    along = normalize(along)
+    away = np.broadcast_to((np.array(view.eye) - np.array(MIDDLE)) / RADIUS, along.shape)
+    middle = dot(along, away)
+    under = middle * middle - (dot(away, away) - 1.0)
+    normals = normalize(away + (-middle - np.sqrt(np.maximum(under, 0.0)))[:, None] * along)
+    square = (size, size, 3)
+    # A little within, where no pixel shows what is behind.
+    inside = (under > 0.0) & (dot(normals, -along) > 0.25)
+    return normals.reshape(square), -along.reshape(square), inside.reshape(size, size)
+
+
+def checks(figure, renderer):
+    """The ball against the equation at each pixel, and what either way loses to rounding."""
+    size, values = 160, figure.values
+    view = camera(row_of_panels(1, size)[0])
+    normals, eye, inside = ball_by_rays(view)
+    _, elements = detail(size)
+    _, _, cube, irradiance = solved(elements, 256, values["exposure"])
+    under = np.minimum(cube_maps.look_up(irradiance, normals[inside]) * np.array(values["paint"]), 1.0)
+    over = cube_maps.look_up(np.minimum(cube, 1.0), reflected(eye, normals)[inside])
+    true = values["k_d"] * under + values["k_s"] * over
+    pictures = {}
+    for on in Answer:
+        image = renderer.window(on, figure, size)
+        pictures[on] = [image[:, k * size : (k + 1) * size] for k in range(4)]
+    ideal, machine = (pictures[on] for on in Answer)
+    for name, panel in (("blending", ideal[2]), ("accumulation", ideal[3])):
+        yield Check(
+            f"{name}: the ball against k_d L_d + k_s L_m at each pixel's normal, RMS",
+            root_mean_square(panel[inside] - true),
+            at_most=0.012,
+            on=Answer.IDEAL,
+            reason="edges that the mirror shows lie a fraction of a pixel beside the rays' own",
+        )
+    yield Check(
+        "accumulation against blending, largest difference",
+        np.abs(ideal[3] - ideal[2]).max(),
+        at_most=1.0e-9,
+        on=Answer.IDEAL,
+        reason="the same sum",
+    )
+    yield Check(
+        "sum less its two terms, largest",
+        np.abs(ideal[2] - ideal[0] - ideal[1])[inside].max(),
+        at_most=1.0e-9,
+        on=Answer.IDEAL,
+        reason="light adds",
+    )
+    lost = [root_mean_square((machine[k] - ideal[k])[inside]) for k in (2, 3)]
+    yield Check(
+        "accumulation's RMS from the ideal over blending's, on the ball",
+        lost[1] / lost[0],
+        at_most=0.95,
+        on=Answer.MACHINE,
+        reason="products are not rounded to bytes before they are added",
+    )
+    yield Check(
+        "accumulation against blending, steps of a byte",
+        255.0 * np.abs(machine[3] - machine[2]).max(),
+        at_most=2.5,
+        on=Answer.MACHINE,
+        reason="each product and the sum are rounded once",
+    )
+
+
+FIGURE = Figure(
+    id="H22",
+    title="A mirror over a radiosity solution, by blending and by accumulation",
+    caption=(
+        "A polished ball in the room of H24. From the left: diffuse light, of the room by light maps and of "
+        "the ball by what it sees, filtered for every normal; the mirror times k_s; their sum by blending; "
+        "the same by the accumulation buffer, which is given both at full range. The ball throws its shadow "
+        "in the radiosity solution and sends nothing back; it sees the whole room from its middle."
+    ),
+    must_see=(
+        "Left a green ball, bright above, with its shadow on the chest and the wall. Second the room in the "
+        "ball alone, with the lamp and the column. Third and fourth both together, alike to the eye."
+    ),
+    source="Heidrich2001",
+    techniques=("H22", "H23", "H24", "H25"),
+    panels=("diffuse", "mirror", "blending", "accumulation"),
+    parameters={
+        "k_d": word.SHARE(0.85, "What diffuse light is multiplied by."),
+        "k_s": word.SHARE(0.3, "What the mirror is multiplied by."),
+        "paint": word.COLOR((0.16, 0.36, 0.3), "The ball's own colour."),
+        "exposure": word.NUMBER(1.15, "What the solution is multiplied by.", low=0.01, high=100.0),
+        "background": word.BACKDROP(BACKGROUND),
+    },
+    methods=(
+        Method(
+            "a cube map",
+            make_scene(_load_cube, fresnel_passes.cube_unit),
+            ("GEFORCE_256", "GEFORCE_3"),
+        ),
+        Method(
+            "a sphere map",
+            make_scene(_load_sphere, lambda texture, view: fresnel_passes.sphere_unit(texture)),
+            ("OPENGL_1_2", "OCTANE"),
+        ),
+    ),
+    acceptance=checks,
+)
