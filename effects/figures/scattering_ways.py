@@ -1,6 +1,9 @@
 """How machines draw dependent tests in figures, and which machines do: what documents 000 and 002 share."""
 
+import numpy as np
+
 from fixedpipe.effects.geometry.views import Panel
+from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.scattering import (
     host_lookup_passes,
     offset_texture_passes,
@@ -8,6 +11,9 @@ from fixedpipe.effects.scattering import (
     texture_shader_passes,
 )
 from fixedpipe.effects.scattering.dependent_tests import Setup
+from fixedpipe.effects.scattering.visibility_textures import coordinates, looked_up_size
+from fixedpipe.pipeline.commands import TexImage
+from fixedpipe.pipeline.textures.images import texture_2d
 
 # How machines draw dependent tests, and which do: the paper's board first.
 WAYS = {
@@ -34,3 +40,15 @@ def setup_of(profile, field, visibility, bits=8):
     columns, rows = field.columns, field.rows
     work, total = Panel(0, 0, columns, rows), Panel(columns, 0, columns, rows)
     return Setup(field, visibility, profile, work, total, bits)
+
+
+def seen_picture(name, setup, number):
+    """The command that loads S_i as it is shown: s in red and t in green, black where none is seen."""
+    field, seen = setup.field, setup.visibility.seen[number]
+    codes = coordinates(seen, 8) / 255.0
+    # The texture that is looked up is larger than the field: shown are coordinates of the field.
+    whole = np.array([looked_up_size(field.columns) / field.columns, looked_up_size(field.rows) / field.rows])
+    shown = np.zeros((*seen.shape, 3))
+    shown[..., :2] = np.where((seen >= 0)[..., None], codes * whole, 0.0)
+    image = texture_2d(factor_texels(np.minimum(shown, 1.0), setup.profile))
+    return TexImage(label=f"load S_{number} as a picture", texture=name, image=image)

@@ -58,7 +58,7 @@ def scene_by(way):
 
         out = [
             *way.load(setup, lit, tuple(numbers)),
-            *(texture_space.seen_picture(_stage("S", k), setup, k) for k in numbers),
+            *(scattering_ways.seen_picture(_stage("S", k), setup, k) for k in numbers),
             *(dependent_tests.black(setup, name) for name in (DIRECT, LIGHT)),
         ]
         for k in numbers:

@@ -55,7 +55,7 @@ def scene_by(way):
             return dependent_tests.copy_of(setup, setup.work, name)
 
         out = [
-            texture_space.seen_picture(PICTURES[0], setup, 0),
+            scattering_ways.seen_picture(PICTURES[0], setup, 0),
             *way.load(setup, lit, (0,)),
             dependent_tests.black(setup, DIRECT),
             *way.bumps(setup, light, UP, lit),

@@ -8,15 +8,11 @@ from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.geometry import height_fields
 from fixedpipe.effects.geometry.views import Panel
-from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.scattering import (
     dependent_tests,
     height_field,
 )
 from fixedpipe.effects.scattering.visibility import precompute
-from fixedpipe.effects.scattering.visibility_textures import coordinates, looked_up_size
-from fixedpipe.pipeline.commands import TexImage
-from fixedpipe.pipeline.textures.images import texture_2d
 
 TEXELS = word.of(word.Whole(4, 64, power=True), 64, "The height field's edge, at most.", "texels")
 DOMES = word.of(word.Whole(1, 8), 3, "Domes along an edge.")
@@ -34,18 +30,6 @@ def domes_and_visibility(texels, count, height, albedo, directions):
     """Smooth domes and what they see along directions, a tuple of vectors."""
     field = smooth_domes(texels, count, height, albedo)
     return field, precompute(field, np.array(directions))
-
-
-def seen_picture(name, setup, number):
-    """The command that loads S_i as it is shown: s in red and t in green, black where none is seen."""
-    field, seen = setup.field, setup.visibility.seen[number]
-    codes = coordinates(seen, 8) / 255.0
-    # The texture that is looked up is larger than the field: shown are coordinates of the field.
-    whole = np.array([looked_up_size(field.columns) / field.columns, looked_up_size(field.rows) / field.rows])
-    shown = np.zeros((*seen.shape, 3))
-    shown[..., :2] = np.where((seen >= 0)[..., None], codes * whole, 0.0)
-    image = texture_2d(factor_texels(np.minimum(shown, 1.0), setup.profile))
-    return TexImage(label=f"load S_{number} as a picture", texture=name, image=image)
 
 
 def letters(panel, names, places):
