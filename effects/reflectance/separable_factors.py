@@ -110,6 +110,11 @@ class SeparableFactors:
         return total
 
 
+def texels(size):
+    """Unit vectors of a table's rows and columns: float64 [m, 3]."""
+    return normalize(hemisphere_maps.directions(size).reshape(-1, 3)[hemisphere_maps.inside(size)])
+
+
 def table(brdf, size=32, halves=Halves.HALFWAY_AND_DIFFERENCE):
     """The Table of a BRDF, an object with ``at(lights, views)``, of maps ``size`` texels along an edge.
 
@@ -119,11 +124,9 @@ def table(brdf, size=32, halves=Halves.HALFWAY_AND_DIFFERENCE):
     if isinstance(size, bool) or int(size) != size or size < 4:
         raise ValueError(f"The factors' maps have {size!r} texels along an edge; give 4 or more.")
     size = int(size)
-    held = hemisphere_maps.inside(size)
-    texels = hemisphere_maps.directions(size).reshape(-1, 3)[held]
-    angles = hemisphere_maps.solid_angles(size)
-    count = len(held)
-    first, second = (np.repeat(texels, count, axis=0), np.tile(texels, (count, 1)))
+    angles, places = hemisphere_maps.solid_angles(size), texels(size)
+    count = len(places)
+    first, second = np.repeat(places, count, axis=0), np.tile(places, (count, 1))
     if halves is Halves.HALFWAY_AND_DIFFERENCE:
         first, second = hemisphere_maps.light_and_view(first, second)
     # Cut for cut: the arrays of all pairs at once would be hundreds of megabytes for larger maps.
@@ -153,7 +156,7 @@ def table_of(samples, size, halves=Halves.LIGHT_AND_VIEW):
             f"{size} x {size} texels."
         )
     angles = hemisphere_maps.solid_angles(size)
-    z = hemisphere_maps.directions(size).reshape(-1, 3)[hemisphere_maps.inside(size), 2]
+    z = texels(size)[:, 2]
     one = angles * (z * z)
     return Table(halves, size, np.maximum(samples, 0.0), one[:, None] * one[None])
 

@@ -10,8 +10,10 @@ half vector's angle). Inferred: each number is f_r in the middle of its cell.
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fixedpipe.effects.geometry.vectors import cosine, sine
 
@@ -20,6 +22,8 @@ SCALES = (1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0)
 # What stands where light or view is below the horizon.
 BELOW = -1.0
 BYTES = 3 * 4 + 3 * 8 * HALF * DIFFERENCE * AZIMUTH
+# Angles differ in their last bit between processors; rounded to a multiple of this they do not.
+_ANGLE_STEP = 2.0**-20
 
 
 def directions():
@@ -77,9 +81,9 @@ def read(contents):
     return np.frombuffer(contents[12:], "<f8").reshape(3, HALF, DIFFERENCE, AZIMUTH)
 
 
-def looked_up(numbers, towards, views):
-    """f_r of directions [n, 3] each, above the horizon, by the nearest of a table's numbers: float64 [n, 3],
-    as the database's reader does it.
+def _angles(towards, views):
+    """The half vector's angle from the normal, the difference's, and its azimuth from 0 to pi: three float64
+    [n], of directions [n, 3].
     """
     towards, views = np.asarray(towards, np.float64), np.asarray(views, np.float64)
     half = towards + views
@@ -90,15 +94,71 @@ def looked_up(numbers, towards, views):
     y = np.cos(turn) * towards[:, 1] - np.sin(turn) * towards[:, 0]
     tilt = np.arccos(np.clip(half[:, 2], -1.0, 1.0))
     x, z = np.cos(tilt) * x - np.sin(tilt) * towards[:, 2], np.sin(tilt) * x + np.cos(tilt) * towards[:, 2]
-    difference = np.arccos(np.clip(z, -1.0, 1.0))
-    azimuth = np.arctan2(y, x) % math.pi
-    places = (
-        np.sqrt(tilt / (0.5 * math.pi)) * HALF,
-        difference / (0.5 * math.pi) * DIFFERENCE,
-        azimuth / math.pi * AZIMUTH,
+    return tilt, np.arccos(np.clip(z, -1.0, 1.0)), np.arctan2(y, x) % math.pi
+
+
+def _places(towards, views, sizes):
+    """Where directions lie among cells: three float64 [n], a cell's number at its lower edge."""
+    tilt, difference, azimuth = _angles(towards, views)
+    return (
+        np.sqrt(tilt / (0.5 * math.pi)) * sizes[0],
+        difference / (0.5 * math.pi) * sizes[1],
+        azimuth / math.pi * sizes[2],
     )
+
+
+def looked_up(numbers, towards, views):
+    """f_r of directions [n, 3] each, above the horizon, by the nearest of a table's numbers: float64 [n, 3],
+    as the database's reader does it.
+    """
     at = tuple(
         np.clip(place.astype(np.int64), 0, size - 1)
-        for place, size in zip(places, numbers.shape[1:], strict=True)
+        for place, size in zip(_places(towards, views, numbers.shape[1:]), numbers.shape[1:], strict=True)
     )
     return np.stack([numbers[k][at] * SCALES[k] for k in range(3)], axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredBRDF:
+    """A ``table``'s BRDF, linear between the middles of cells: float64 [3, 90, 90, 180].
+
+    Numbers below zero, where light or view is below the horizon or nothing was measured, take no part. Raises
+    ValueError for NaN and infinity, and for another shape.
+    """
+
+    numbers: NDArray[np.float64]
+
+    def __post_init__(self):
+        numbers = np.asarray(self.numbers, np.float64)
+        if numbers.shape != (3, HALF, DIFFERENCE, AZIMUTH):
+            raise ValueError(
+                f"The table has shape {numbers.shape}; give {(3, HALF, DIFFERENCE, AZIMUTH)}, as read gives."
+            )
+        if not np.isfinite(numbers).all():
+            raise ValueError("The table holds NaN or infinity; give finite numbers, -1 where none is known.")
+
+    def at(self, towards, views):
+        """f_r of directions [n, 3] each, above the horizon: float64 [n, 3], zero where nothing is known."""
+        sizes = self.numbers.shape[1:]
+        lows, shares = [], []
+        for k, place in enumerate(_places(towards, views, sizes)):
+            place = np.floor(place / _ANGLE_STEP + 0.5) * _ANGLE_STEP - 0.5
+            # The azimuth goes round; the other two end at their first and last cell.
+            place = place if k == 2 else np.clip(place, 0.0, sizes[k] - 1.0)
+            low = np.floor(place).astype(np.int64)
+            lows.append(low)
+            shares.append(place - low)
+        out, known = np.zeros((len(lows[0]), 3)), np.zeros((len(lows[0]), 3))
+        for corner in range(8):
+            bits = [corner >> k & 1 for k in range(3)]
+            weight = 1.0
+            for bit, share in zip(bits, shares, strict=True):
+                weight = weight * (share if bit else 1.0 - share)
+            half, difference = (np.minimum(lows[k] + bits[k], sizes[k] - 1) for k in (0, 1))
+            azimuth = (lows[2] + bits[2]) % sizes[2]
+            for k in range(3):
+                value = self.numbers[k][half, difference, azimuth]
+                there = np.where(value >= 0.0, weight, 0.0)
+                out[:, k] += there * value
+                known[:, k] += there
+        return out / np.where(known > 0.0, known, 1.0) * np.array(SCALES)

@@ -19,7 +19,7 @@ from fixedpipe.effects.geometry.views import (
     row_of_panels,
 )
 from fixedpipe.effects.passes.draws import FIRST_PASS, draw
-from fixedpipe.effects.reflectance import factored_passes, hemisphere_maps, separable_factors
+from fixedpipe.effects.reflectance import factored_passes, separable_factors
 from fixedpipe.effects.reflectance.factored_passes import Board, Means, Storage
 from fixedpipe.effects.scattering import goniometer, height_field, visibility
 from fixedpipe.effects.scattering.directions import spiral
@@ -50,8 +50,7 @@ def _simulated(blue, red, angle, directions):
 def table(blue, red, angle, bounces, directions, map_size):
     """f_r of the grooves at all pairs of a map's texels: a separable_factors.Table."""
     field, seen = _simulated(blue, red, angle, directions)
-    texels = hemisphere_maps.directions(map_size).reshape(-1, 3)[hemisphere_maps.inside(map_size)]
-    texels = normalize(texels)
+    texels = separable_factors.texels(map_size)
     return separable_factors.table_of(goniometer.brdf(field, seen, texels, texels, bounces), map_size)
 
 

@@ -1,0 +1,164 @@
+"""A user's BRDF on a mesh by products of textures, on any machine: from a file or an object to commands.
+
+A BRDF is an object with ``at(lights, views)``, two float64 [n, 3] of unit vectors above the horizon in the
+surface's frame (tangent, binormal, normal), which gives f_r, float64 [n, 3], RGB per steradian; or a file: a
+table of the MERL database (.binary), or an NPZ file with ``samples`` (as ``simulated_brdf`` writes it).
+
+``commands`` does all; ``factored`` and ``drawn`` are its halves, for who draws many pictures of one BRDF.
+
+Source: Heidrich 2001, section 1.1.2 (H17 and H18 of the catalogue).
+"""
+
+import io
+import zipfile
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+
+import numpy as np
+
+from fixedpipe.effects.passes.arguments import member_of
+from fixedpipe.effects.reflectance import factored_passes, homomorphic_factors, separable_factors
+from fixedpipe.effects.reflectance.hemisphere_maps import Halves
+from fixedpipe.effects.refusal import Refusal
+from fixedpipe.effects.scattering import merl
+from fixedpipe.effects.scattering.dense_brdf import DenseBRDF
+
+_FILES = "Give a MERL table (.binary) or an NPZ file with an array `samples` [n, n, n, n, 3]."
+# Texels along an edge of the maps at whose directions the ways are compared.
+_COMPARED = 16
+
+
+class Way(Enum):
+    """How a BRDF becomes textures."""
+
+    HOMOMORPHIC = "homomorphic"
+    HALFWAY = "separable by halfway and difference vector"
+    DIRECTIONS = "separable by light and view"
+
+
+@dataclass(frozen=True, eq=False)
+class Factored:
+    """A BRDF's factors: ``factors``, Homomorphic- or SeparableFactors; ``way``, how they were found;
+    ``error``, their RMS error over the BRDF's RMS, where pairs of light and view count by the squares of
+    their cosines.
+    """
+
+    factors: object
+    way: Way
+    error: float
+
+
+def read(name):
+    """The BRDF of a file, an object with ``at``. Raises Refusal for what is no such file."""
+    path = Path(name)
+    if not path.is_file():
+        problem = f"{name} is no file" if str(name) and path.exists() else f"There is no file {str(name)!r}"
+        raise Refusal(f"{problem}. {_FILES}")
+    try:
+        contents = path.read_bytes()
+    except OSError as error:
+        raise Refusal(f"{name} cannot be read: {error.strerror or error}.") from error
+    try:
+        if contents[:2] == b"PK":
+            return _dense(contents)
+        return merl.MeasuredBRDF(merl.read(contents))
+    except ValueError as error:
+        raise Refusal(f"{name}: {error} {_FILES}") from error
+
+
+def _dense(contents):
+    try:
+        with np.load(io.BytesIO(contents), allow_pickle=False) as arrays:
+            samples = arrays.get("samples")
+    except (OSError, EOFError, ValueError, zipfile.BadZipFile) as error:
+        raise ValueError("The NPZ file is damaged.") from error
+    if samples is None:
+        raise ValueError("The NPZ file has no array `samples`.")
+    shape = samples.shape
+    if len(shape) != 5 or shape[4] != 3 or not 0 < shape[0] == shape[1] == shape[2] == shape[3]:
+        raise ValueError(f"Its `samples` have shape {shape}.")
+    if samples.dtype.kind not in "fiu" or not np.isfinite(samples).all():
+        raise ValueError("Its `samples` are not all finite numbers.")
+    return DenseBRDF(np.asarray(samples, np.float64))
+
+
+def brdf_of(brdf):
+    """An object with ``at``: a file's name is read, an array [n, n, n, n, 3] is a dense grid of samples.
+
+    Raises ValueError (Refusal) for anything else.
+    """
+    if isinstance(brdf, str | Path):
+        return read(brdf)
+    if isinstance(brdf, np.ndarray):
+        if brdf.ndim != 5 or brdf.shape[4] != 3 or len(set(brdf.shape[:4])) > 1 or not brdf.size:
+            raise ValueError(f"The samples have shape {brdf.shape}; give [n, n, n, n, 3].")
+        if brdf.dtype.kind not in "fiu" or not np.isfinite(brdf).all():
+            raise ValueError("The samples hold NaN or infinity, or no numbers; give finite numbers.")
+        return DenseBRDF(np.asarray(brdf, np.float64))
+    if not callable(getattr(brdf, "at", None)):
+        raise ValueError(f"The BRDF is {brdf!r}; give an object with at(lights, views), or a file. {_FILES}")
+    return brdf
+
+
+def _found(brdf, way, size, terms):
+    if way is Way.HOMOMORPHIC:
+        return homomorphic_factors.factored(brdf, size)
+    halves = Halves.HALFWAY_AND_DIFFERENCE if way is Way.HALFWAY else Halves.LIGHT_AND_VIEW
+    return separable_factors.factored(separable_factors.table(brdf, size, halves), terms)
+
+
+def _error(factors, table):
+    """Of factors at a table's lights and views."""
+    count = len(table.samples)
+    texels = separable_factors.texels(table.size)
+    lights, views = np.repeat(texels, count, axis=0), np.tile(texels, (count, 1))
+    return table.error(factors.at(lights, views).reshape(table.samples.shape))
+
+
+def factored(brdf, way=None, *, size=32, terms=2):
+    """The Factored of a BRDF, or of a file's name.
+
+    way    a Way, or its text; None: that of the smallest error, of all three (Measured: 4 s for 32 texels)
+    size   texels along an edge of the factors' maps, from 4
+    terms  products that separable factors add, from 1 to 8
+
+    Raises ValueError (Refusal of a file) for what is none.
+    """
+    brdf = brdf_of(brdf)
+    if isinstance(way, str):
+        named = {each.value: each for each in Way} | {each.name.lower(): each for each in Way}
+        if way not in named:
+            raise ValueError(f"There is no way {way!r}; give one of {', '.join(map(repr, named))}.")
+        way = named[way]
+    ways = tuple(Way) if way is None else (member_of(Way, way, "The way in which a BRDF is factored"),)
+    compared = separable_factors.table(brdf, _COMPARED, Halves.LIGHT_AND_VIEW)
+    best = None
+    for each in ways:
+        factors = _found(brdf, each, size, terms)
+        error = _error(factors, compared)
+        if best is None or error < best.error:
+            best = Factored(factors, each, error)
+    return best
+
+
+def drawn(found, surface, view, light, profile, *, intensity=1.0, name="BRDF"):
+    """Commands that draw a surface with a Factored, over what the window holds.
+
+    surface    a Surface, whose tangents are the BRDF's first axis
+    light      a ``views.Light``
+    intensity  the light's: a white surface that faces it has this brightness
+    name       of the textures
+
+    Raises ValueError for an intensity that is not positive.
+    """
+    loading, loaded = factored_passes.load(found.factors, name, profile, intensity=intensity)
+    return (*loading, *factored_passes.passes(surface, loaded, view, light))
+
+
+def commands(brdf, surface, view, light, profile, *, way=None, size=32, terms=2, intensity=1.0):
+    """Commands that clear nothing and draw a surface with a BRDF by factors, on any machine: ``factored``,
+    then ``drawn``, with their arguments.
+    """
+    found = factored(brdf, way, size=size, terms=terms)
+    return drawn(found, surface, view, light, profile, intensity=intensity)
