@@ -287,14 +287,14 @@ def _vectors(surface, view, light):
 class _Passes:
     """Draws of one surface by LoadedFactors."""
 
-    def __init__(self, surface, loaded, view, light):
+    def __init__(self, surface, loaded, view, light, lit):
         self.surface, self.loaded, self.view, self.out = surface, loaded, view, []
         vectors, cosine = _vectors(surface, view, light)
         cube = loaded.board.storage is Storage.CUBE
         self.coordinates = {
             name: vector if cube else hemisphere_maps.coordinates(vector) for name, vector in vectors.items()
         }
-        self.lit = cosine[:, None] * loaded.color
+        self.lit = cosine[:, None] * loaded.color if lit else np.ones((len(cosine), 3))
 
     def draw(self, label, lookups=(), colors=None, combiners=None, blending=None, first=False):
         """One pass; each lookup is a unit with a coordinate set of its own."""
@@ -407,14 +407,15 @@ class _Passes:
         accumulate("return the sum", AccumOperation.RETURN, 1.0)
 
 
-def passes(surface, loaded, view, light):
+def passes(surface, loaded, view, light, *, lit=True):
     """Commands that draw a surface with LoadedFactors, over what the window holds: it need not be drawn
     before. pi f_r (n.l)+ times the intensity.
 
     surface  a Surface, whose tangents are the reflectance's first axis
     light    a ``views.Light``, directional or a point
+    lit      False: the products alone, without n.l and their scale, as the textures hold them
     """
-    out = _Passes(surface, loaded, view, light)
+    out = _Passes(surface, loaded, view, light, lit)
     one_product = len(loaded.products) == 1
     if loaded.board.means is Means.COMBINERS and len(loaded.products[0].lookups) == 2:
         out.combined()

@@ -1,0 +1,226 @@
+"""H18: brushed copper by homomorphic factors, its passes one by one."""
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.geometry.matrices import rotation
+from fixedpipe.effects.geometry.vectors import normalize
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, perspective_view, row_of_panels
+from fixedpipe.effects.passes.draws import FIRST_PASS, draw
+from fixedpipe.effects.reflectance import factored_passes, homomorphic_factors
+from fixedpipe.effects.reflectance.brdfs import BRDFS
+from fixedpipe.effects.reflectance.factored_passes import Board, Means, Product, Storage
+from fixedpipe.effects.reflectance.hemisphere_maps import AnalyticBRDF
+from fixedpipe.effects.scenes.teapot import teapot
+from fixedpipe.pipeline.ideal.evaluate import execute_ideal
+
+PANELS = ("p(l) q(h)", "p(v)", "their product under n.l")
+EYE, FIELD_OF_VIEW = (0.0, 1.5, 4.2), 21.0
+ASPECT = (5, 4)
+# Pairs of directions by which factors are compared with the BRDF, whatever their texels are.
+_COUNT = 4096
+
+
+@dataclass(frozen=True)
+class Metal:
+    """Ward's highlight over a matt surface of its own colour: an object with ``at``."""
+
+    diffuse: tuple[float, ...]
+    specular: tuple[float, ...]
+    alpha_x: float
+    alpha_y: float
+
+    def at(self, lights, views):
+        """f_r of directions [n, 3] each: float64 [n, 3]."""
+        widths = {"alpha_x": self.alpha_x, "alpha_y": self.alpha_y}
+        highlight = AnalyticBRDF(BRDFS["ward_bounded"], widths).at(lights, views)
+        return np.array(self.diffuse) / np.pi + np.array(self.specular) * highlight
+
+
+@lru_cache(maxsize=8)
+def factors(metal, map_size):
+    """The HomomorphicFactors of a Metal."""
+    return homomorphic_factors.factored(metal, map_size)
+
+
+def turned(size, turn):
+    """The teapot, tangents round its axis."""
+    return teapot(2 if size < 64 else 8).rotated(rotation("y", turn))
+
+
+def make_scene(board):
+    """A Scene that draws the passes and the product by a Board's means."""
+
+    def scene(profile, size, *, light, intensity, turn, map_size, **metal):
+        found = factors(Metal(**metal), map_size)
+        commands, loaded = factored_passes.load(found, "copper", profile, intensity=intensity, board=board)
+        lookups = loaded.products[0].lookups
+        parts = (Product(lookups[:2]),), (Product(lookups[2:]),), loaded.products
+        surface, out = turned(size, turn), [*commands]
+        for part, panel in zip(parts, row_of_panels(len(PANELS), size, ASPECT), strict=True):
+            view = perspective_view(panel, EYE, field_of_view=FIELD_OF_VIEW)
+            shown = loaded if part is loaded.products else replace(loaded, products=part, boost=1.0)
+            lit = part is loaded.products
+            out.append(panel.clear(BACKGROUND))
+            out += factored_passes.passes(surface, shown, view, Light(light), lit=lit)
+        return tuple(out)
+
+    return scene
+
+
+def reference(size, *, light, intensity, turn, map_size, **metal):
+    """The product's panel by the BRDF itself at the vertices; the passes have no reference."""
+    del map_size
+    panel = row_of_panels(len(PANELS), size, ASPECT)[-1]
+    view = perspective_view(panel, EYE, field_of_view=FIELD_OF_VIEW)
+    surface = turned(size, turn)
+    towards = surface.to_local(Light(light).light_vectors(surface.positions))
+    views = surface.to_local(view.view_vectors(surface.positions))
+    above = (towards[:, 2] > 1e-3) & (views[:, 2] > 1e-3)
+    colors = np.zeros(towards.shape)
+    found = Metal(**metal).at(normalize(towards[above]), normalize(views[above]))
+    colors[above] = np.pi * intensity * found * towards[above, 2:]
+    mesh = surface.mesh(colors=np.clip(colors, 0.0, 1.0))
+    frame = panel.clear(BACKGROUND), draw("the BRDF", mesh, view, None, depth_test=FIRST_PASS)
+    picture = execute_ideal(frame, panel.x + panel.width, size).color[..., :3]
+    shown = np.zeros((*picture.shape[:2], 1))
+    shown[:, panel.x :] = 1.0
+    return np.concatenate([picture, shown], axis=-1)
+
+
+def directions(first, second):
+    """Unit vectors above the horizon by 24 degrees and more, in steps that are whole: float64 [n, 3]."""
+    k = np.arange(_COUNT)
+    z = 0.4 + 0.6 * ((k * first) % _COUNT + 0.5) / _COUNT
+    angle = 2.0 * np.pi * (((k * second) % _COUNT + 0.5) / _COUNT)
+    around = np.sqrt(1.0 - z * z)
+    return normalize(np.stack([around * np.cos(angle), around * np.sin(angle), z], axis=-1))
+
+
+def highlight(panel):
+    """Width and height, pixels, of where a panel is brighter than half of its brightest."""
+    bright = panel.max(axis=-1)
+    rows, columns = np.nonzero(bright > 0.5 * bright.max())
+    return np.std(columns), np.std(rows)
+
+
+def checks(figure, renderer):
+    """The product against the BRDF, its passes against each other, and the highlight's shape."""
+    size, values = figure.size // 4, figure.values
+    metal = Metal(*(values[name] for name in ("diffuse", "specular", "alpha_x", "alpha_y")))
+    by_vertices = np.split(figure.reference_picture(size, renderer.method)[::-1, :, :3], 3, axis=1)[-1]
+    covered = np.abs(by_vertices - np.array(BACKGROUND)).max(axis=-1) > 0.02
+    bounds = {Answer.IDEAL: 0.055, Answer.MACHINE: 0.06}
+    for on in Answer:
+        first, second, product = np.split(np.clip(renderer.window(on, figure, size), 0.0, 1.0), 3, axis=1)
+        yield Check(
+            "RMS of the product - the BRDF at the vertices",
+            root_mean_square((product - np.clip(by_vertices, 0.0, 1.0))[covered]),
+            at_most=bounds[on],
+            on=on,
+            reason="three factors are fewer than four parameters; measured at the first correct picture, "
+            "with at most a third of slack",
+        )
+        yield Check(
+            "pixels of the teapot where a factor is black, a share",
+            float(((first.max(axis=-1) == 0.0) | (second.max(axis=-1) == 0.0))[covered].mean()),
+            at_most=0.01,
+            on=on,
+            reason="all factors are positive",
+        )
+        across, along = highlight(product)
+        true_across, true_along = highlight(by_vertices)
+        yield Check(
+            "the highlight's elongation over the BRDF's own",
+            (along / across) / (true_along / true_across),
+            at_least=0.75,
+            on=on,
+            reason="the strokes run round the axis; the highlight is as long and as narrow as theirs",
+        )
+    lights, views = directions(1, 1597), directions(2531, 987)
+    true = metal.at(lights, views) * lights[:, 2:]
+    fitted = factors(metal, values["map_size"])
+    found = fitted.at(lights, views) * lights[:, 2:]
+    yield Check(
+        "RMS of p(l) q(h) p(v) - f_r, times n.l, over f_r's",
+        root_mean_square(found - true) / root_mean_square(true),
+        at_most=0.2,
+        on=Answer.IDEAL,
+        reason="Ward's highlight has l.h beside h, its width across is 1.4 texels, and the factors are "
+        "fitted to logarithms",
+    )
+    yield Check(
+        "median of the ratio's logarithm, either way",
+        float(np.median(np.abs(np.log(found / true)))),
+        at_most=0.12,
+        on=Answer.IDEAL,
+        reason="which is what is fitted",
+    )
+    yield Check(
+        "largest change where light and view change places, a share",
+        float(np.abs(fitted.at(views, lights) / fitted.at(lights, views) - 1.0).max()),
+        at_most=1e-9,
+        on=Answer.IDEAL,
+        reason="p is the same for both",
+    )
+
+
+FIGURE = Figure(
+    id="H18",
+    title="Homomorphic factors",
+    caption=(
+        "A teapot of brushed copper, whose strokes run round its axis, by a reflectance that was fitted as "
+        "p(l) q(h) p(v). What the first pass draws, of two textures; what the second multiplies it by; and "
+        "the product, under the light's cosine."
+    ),
+    must_see=(
+        "An upright highlight, narrow round the pot and long up and down; on the left it is there already, "
+        "in the middle it is not: that factor is smooth."
+    ),
+    source="Heidrich2001",
+    techniques=("H18",),
+    panels=PANELS,
+    aspect=ASPECT,
+    parameters={
+        "diffuse": word.DIFFUSE((0.30, 0.13, 0.07)),
+        "specular": word.SPECULAR((0.80, 0.50, 0.34)),
+        "alpha_x": word.ALPHA_X(0.18),
+        "alpha_y": word.ALPHA_Y(0.5),
+        "map_size": word.of(word.Whole(8, 64, power=True), 32, "The edge of the factors' maps.", "texels"),
+        "turn": word.DEGREES(-25.0, "How far the teapot is turned."),
+        "light": word.LIGHT((0.25, 0.5, 1.0)),
+        "intensity": word.NUMBER(
+            0.55, "The light's, 1 = a white surface that faces it is full.", low=0.01, high=4.0
+        ),
+    },
+    methods=(
+        Method(
+            "cube maps, two passes on two units",
+            make_scene(Board(Means.COMBINERS, Storage.CUBE, 2, True)),
+            ("GEFORCE_256",),
+        ),
+        Method(
+            "cube maps, one pass on four units",
+            make_scene(Board(Means.COMBINERS, Storage.CUBE, 4, True)),
+            ("GEFORCE_3", "NV2A"),
+        ),
+        Method(
+            "parabolic maps, two passes on two units",
+            make_scene(Board(Means.BLENDING, Storage.PARABOLIC, 2, False)),
+            ("MULTITEXTURE", "G400"),
+        ),
+        Method(
+            "parabolic maps, three passes on one unit",
+            make_scene(Board(Means.ACCUMULATION, Storage.PARABOLIC, 1, False)),
+            ("OPENGL_1_2", "OCTANE"),
+        ),
+    ),
+    acceptance=checks,
+    reference=reference,
+)
