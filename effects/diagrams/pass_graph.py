@@ -13,7 +13,7 @@ Source: NV_texture_shader (operations that depend on an earlier unit's texel); S
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
@@ -32,8 +32,6 @@ from fixedpipe.pipeline.commands import (
 )
 from fixedpipe.pipeline.enums import Register, TextureShaderOperation
 
-_DRAWS = (Draw, DrawPixels, CopyPixels, Clear, Accum)
-_KEEPS = (CopyTexImage, CopyTexSubImage, ReadPixels)
 # By texels of an earlier unit: offsets too.
 _DEPENDENT = (
     TextureShaderOperation.DEPENDENT_AR_TEXTURE_2D,
@@ -91,112 +89,131 @@ class Step:
         return tuple(lookup for lookup in self.lookups if lookup.dependent)
 
 
-def lookups_of(command, version_of):
-    """The Lookups of a drawing command. ``version_of``: a texture's name -> its Picture now."""
-    if isinstance(command, DrawPixels) and command.pixel_texture is not None:
-        return tuple(Lookup(version_of(u.texture), By.IMAGE) for u in command.state.texture_units)
-    if not isinstance(command, Draw):
-        return ()
+def _of_units(command, version_of):
+    """A Lookup for each texture unit of a Draw."""
     state, out = command.state, []
+    shader = state.texture_shader or ()
     for number, unit in enumerate(state.texture_units):
         if unit.texture is None:
             continue
-        stage = state.texture_shader[number] if number < len(state.texture_shader or ()) else None
         coordinates: Picture | By = By.VERTICES
-        if stage is not None and stage.operation in _DEPENDENT:
-            coordinates = version_of(_address_of(state, number))
+        if number < len(shader) and shader[number].operation in _DEPENDENT:
+            address = state.texture_units[shader[number].previous_texture_input]
+            coordinates = version_of(address.texture)
         out.append(Lookup(version_of(unit.texture), coordinates))
     return tuple(out)
 
 
-def _address_of(state, number):
-    """The name of the texture whose texels address a dependent unit's."""
-    return state.texture_units[state.texture_shader[number].previous_texture_input].texture
+def _of_image(command, version_of):
+    """Where an image's pixels are a pixel texture's coordinates."""
+    if command.pixel_texture is None:
+        return ()
+    return tuple(Lookup(version_of(unit.texture), By.IMAGE) for unit in command.state.texture_units)
+
+
+_LOOKUPS = {Draw: _of_units, DrawPixels: _of_image, CopyPixels: _of_image}
+
+
+def lookups_of(command, version_of):
+    """The Lookups of a command. ``version_of``: a texture's name -> its Picture now."""
+    found = _LOOKUPS.get(type(command))
+    return () if found is None else found(command, version_of)
 
 
 def textures_combined(combiners):
-    """Numbers of the texture units that register combiners read, ascending."""
-    found = set()
-
-    def walk(value):
-        if isinstance(value, Register):
-            if value in _TEXTURE_REGISTERS:
-                found.add(_TEXTURE_REGISTERS.index(value))
-        elif is_dataclass(value):
-            for each in fields(value):
-                # What is written is not read.
-                if not each.name.endswith("output"):
-                    walk(getattr(value, each.name))
-        elif isinstance(value, tuple):
-            for each in value:
-                walk(each)
-
-    walk(combiners)
-    return tuple(sorted(found))
+    """Numbers of the texture units that RegisterCombiners read, ascending."""
+    portions = [half for general in combiners.general for half in (general.rgb, general.alpha)]
+    last = combiners.final
+    inputs = [each for portion in portions for each in (portion.a, portion.b, portion.c, portion.d)]
+    inputs += (last.a, last.b, last.c, last.d, last.e, last.f, last.g)
+    read = {each.register for each in inputs}
+    return tuple(number for number, register in enumerate(_TEXTURE_REGISTERS) if register in read)
 
 
-def _box(command):
-    """(x, y, width, height) of what a command draws into or reads, or None: the whole window."""
-    if isinstance(command, _KEEPS):
-        return command.x, command.y, command.width, command.height
-    scissor = command.scissor if isinstance(command, Clear | Accum) else command.state.scissor
+def _scissor(scissor):
+    """(x, y, width, height) of a scissor, or None: the whole window."""
     return None if scissor is None else (scissor.x, scissor.y, scissor.width, scissor.height)
+
+
+def _window(command):
+    return command.x, command.y, command.width, command.height
+
+
+# What commands draw into, and what they read of the window.
+_DRAWN = {
+    Clear: lambda command: _scissor(command.scissor),
+    Accum: lambda command: _scissor(command.scissor),
+    Draw: lambda command: _scissor(command.state.scissor),
+    DrawPixels: lambda command: _scissor(command.state.scissor),
+    CopyPixels: lambda command: _scissor(command.state.scissor),
+}
+_KEPT = {
+    CopyTexImage: lambda command: command.texture,
+    CopyTexSubImage: lambda command: command.texture,
+    ReadPixels: lambda command: command.name,
+}
 
 
 class _Walk:
     """The steps of one panel, as commands go by."""
 
     def __init__(self, box):
-        self.box, self.versions, self.read = box, {}, {}
+        self.box, self.versions, self.shapes = box, {}, {}
         self.steps, self.commands, self.lookups, self.kept = [], [], [], []
+        self.temporary = frozenset()
+        self.takes = {
+            HostStep: self._host,
+            TexImage: lambda command: self._write(command.texture),
+            **dict.fromkeys(_DRAWN, self._draw),
+            **dict.fromkeys(_KEPT, self._keep),
+        }
 
-    def version_of(self, name):
-        return Picture(name, self.versions.get(name, 0))
-
-    def write(self, name):
-        self.versions[name] = self.versions.get(name, -1) + 1
-        return self.version_of(name)
+    def take(self, command):
+        """One more command."""
+        self.takes.get(type(command), lambda command: None)(command)
 
     def end(self):
+        """What was drawn so far is a step."""
         if self.commands:
             lookups = tuple(dict.fromkeys(self.lookups))
             self.steps.append(Step(tuple(self.commands), lookups, tuple(self.kept)))
         self.commands, self.lookups, self.kept = [], [], []
 
-    def take(self, command, temporary=()):
-        if isinstance(command, HostStep):
-            self._host(command)
-        elif isinstance(command, TexImage):
-            self.write(command.texture)
-        elif isinstance(command, _KEEPS):
-            if _box(command) == self.box:
-                name = command.name if isinstance(command, ReadPixels) else command.texture
-                same = self.version_of(name)
-                picture = same if same in self.kept else self.write(name)
-                if isinstance(command, ReadPixels):
-                    self.read[picture] = command
-                if picture not in self.kept:
-                    self.kept.append(picture)
-        elif isinstance(command, _DRAWS) and _box(command) == self.box:
-            if self.kept:
-                self.end()
-            self.commands.append(command)
-            found = lookups_of(command, self.version_of)
-            self.lookups += (lookup for lookup in found if lookup.picture.name not in temporary)
+    def _version_of(self, name):
+        return Picture(name, self.versions.get(name, 0))
 
-    def _host(self, step):
-        """What the host has read is looked up by it, and what it draws then is drawn."""
-        pixels = {}
-        for name in step.reads:
-            command = self.read[self.version_of(name)]
-            pixels[name] = np.zeros((command.height, command.width, 4), np.uint8)
+    def _write(self, name):
+        self.versions[name] = self.versions.get(name, -1) + 1
+        return self._version_of(name)
+
+    def _look_up(self, lookups):
         if self.kept:
             self.end()
-        self.lookups += (Lookup(self.version_of(name), By.HOST) for name in step.reads)
-        drawn = tuple(step.commands(pixels))
-        temporary = {command.texture for command in drawn if isinstance(command, TexImage)}
+        self.lookups += (lookup for lookup in lookups if lookup.picture.name not in self.temporary)
+
+    def _draw(self, command):
+        if _DRAWN[type(command)](command) == self.box:
+            self._look_up(lookups_of(command, self._version_of))
+            self.commands.append(command)
+
+    def _keep(self, command):
+        if _window(command) == self.box:
+            name = _KEPT[type(command)](command)
+            # A texture and the host's pixels of one name and step are one picture.
+            if self._version_of(name) not in self.kept:
+                self.kept.append(self._write(name))
+            self.shapes[name] = command.height, command.width, 4
+
+    def _host(self, step):
+        """What the host has read is looked up by it, and what it draws then is drawn; the textures that it
+        loads for that are no pictures of the frame's.
+        """
+        self._look_up(Lookup(self._version_of(name), By.HOST) for name in step.reads)
+        drawn = tuple(step.commands({name: np.zeros(self.shapes[name], np.uint8) for name in step.reads}))
+        self.temporary = frozenset(getattr(command, "texture", None) for command in drawn)
         for command in drawn:
-            self.take(command, temporary)
+            self.take(command)
+        self.temporary = frozenset()
 
 
 def steps_of(commands: Iterable, panel) -> tuple[Step, ...]:
