@@ -189,6 +189,10 @@ def checks(figure, renderer):
     )
 
 
+# Two general combiners and the final one square three times, three of them four times.
+_EXPONENT = "How often n.h is squared: its exponent in the highlight."
+_BY_TWO = {"exponent": word.of(word.Choice({"2": 2, "4": 4, "8": 8}), 8, _EXPONENT)}
+_BY_MORE = {"exponent": word.of(word.Choice({"2": 2, "4": 4, "8": 8, "16": 16}), 16, _EXPONENT)}
 _HOST, _PROGRAM = scene_by(_by_host), scene_by(vertex_program_vectors.light_and_half_vectors)
 
 FIGURE = Figure(
@@ -198,7 +202,7 @@ FIGURE = Figure(
         "A ring of bronze scales under a near lamp, of few triangles. From left to right: the diffuse pass; "
         "all passes with l and h as colours of the vertices; all passes with l and h from cube maps that "
         "give them their length back; Blinn's bump mapping, whose derivatives and vectors are computed at "
-        "every texel of a texture."
+        "every texel of a texture. The highlight's exponent is 8 with two general combiners, 16 with three."
     ),
     must_see=(
         "The third panel has the last one's light. In the second highlights are dull and broken along the "
@@ -214,7 +218,6 @@ FIGURE = Figure(
         "across": word.of(word.Whole(3, 128), 8, "Segments of the ring across its tube."),
         "scales": word.EVEN(8, "Scales along an edge of the map, which goes 6 times around the ring."),
         "depth": word.NUMBER(0.5, "How high the scales' tips stand, of a scale's width.", low=0.0, high=2.0),
-        "exponent": word.of(word.Choice({"2": 2, "4": 4, "8": 8}), 8, "Of the highlight: (n.h) squared."),
         "light": word.POSITION((-0.35, 0.75, 1.2), "Where the lamp is; the ring's radius is 1.05."),
         "color": word.DIFFUSE((1.0, 0.95, 0.86)),
         "ambient": word.AMBIENT((0.09, 0.10, 0.13)),
@@ -224,8 +227,13 @@ FIGURE = Figure(
         "height_scale": own_maps.HEIGHT_SCALE(0.05),
     },
     methods=(
-        Method("register combiners, vectors by the host", _HOST, ("GEFORCE_256",)),
-        Method("register combiners, vectors by a vertex program", _PROGRAM, ("GEFORCE_3", "NV2A")),
+        Method("register combiners, vectors by the host", _HOST, ("GEFORCE_256",), parameters=_BY_TWO),
+        Method(
+            "register combiners, vectors by a vertex program",
+            _PROGRAM,
+            ("GEFORCE_3", "NV2A"),
+            parameters=_BY_MORE,
+        ),
     ),
     acceptance=checks,
     reference=reference,
