@@ -95,17 +95,29 @@ def _rays(view, values, background):
         [drawing.arc((0.0, 0.0), 0.0, 360.0, segments=96) * _FREE_LENGTH, np.zeros((97, 1))], axis=1
     )
     start = _stood_up(p)
+    # Of either there may be none, where the groove is shallow or rays are few.
+    kinds = [
+        (which, *drawn)
+        for which, *drawn in ((met, "meet the groove", BLUE, 1.0, 2.0), (free, "go free", YELLOW, 0.8, 2.2))
+        if which.any()
+    ]
     return [
         *_flanks(view, field),
         drawing.stroke("the plane of the base, through p", view, _stood_up(horizon), GREEN, width=1.0),
-        drawing.strokes(
-            "rays that meet the groove", view, [[start, _stood_up(tip)] for tip in tips[met]], BLUE, width=1.0
+        *(
+            drawing.strokes(
+                f"rays that {name}",
+                view,
+                [[start, _stood_up(tip)] for tip in tips[which]],
+                color,
+                width=width,
+            )
+            for which, name, color, width, _ in kinds
         ),
-        drawing.strokes(
-            "rays that go free", view, [[start, _stood_up(tip)] for tip in tips[free]], YELLOW, width=0.8
+        *(
+            drawing.dots(f"the ends of those that {name}", view, _stood_up(tips[which]), color, radius=radius)
+            for which, name, color, _, radius in kinds
         ),
-        drawing.dots("what they meet", view, _stood_up(tips[met]), BLUE, radius=2.0),
-        drawing.dots("the free directions", view, _stood_up(tips[free]), YELLOW, radius=2.2),
         drawing.dots("p", view, start, INK, radius=3.4),
         drawing.text("p", view, start, INK, align=(0, 1), offset=(0.0, -6.0), outline=background),
     ]
@@ -115,6 +127,10 @@ def _rings(label, view, points, color):
     radius = 2.2 * 2.0 * 1.34 / drawing.UNIT
     circles = [drawing.arc(c, 0.0, 360.0, (radius, 0.0), (0.0, radius), 12) for c in points]
     return drawing.strokes(label, view, circles, color, width=1.0)
+
+
+def _dots(label, view, points, color):
+    return drawing.dots(label, view, points, color, radius=2.4)
 
 
 def _ellipse(values):
@@ -135,9 +151,15 @@ def _projection(view, values, background):
         drawing.polygon("the ellipse's inside", view, edge[:-1], YELLOW, alpha=0.13),
         drawing.stroke("the horizon", view, horizon, GREEN, width=1.0),
         drawing.stroke("the ellipse", view, edge, YELLOW, width=1.8),
-        _rings("turned away", view, points[own == BACK], FAINT),
-        drawing.dots("met", view, points[(own != FREE) & (own != BACK)], BLUE, radius=2.4),
-        drawing.dots("free", view, points[own == FREE], YELLOW, radius=2.4),
+        *(
+            mark(name, view, points[which], color)
+            for mark, name, which, color in (
+                (_rings, "turned away", own == BACK, FAINT),
+                (_dots, "met", (own != FREE) & (own != BACK), BLUE),
+                (_dots, "free", own == FREE, YELLOW),
+            )
+            if which.any()
+        ),
         drawing.arrow("r1 a", view, (center, center + r1 * axis), RED, width=2.0),
         drawing.arrow("r2 across", view, (center, center + r2 * across), RED, width=2.0),
         drawing.dots("c", view, center, INK, radius=3.2),
@@ -152,7 +174,7 @@ def _projection(view, values, background):
         (("free: in the ellipse", YELLOW), ("meets the groove", BLUE), ("into its own flank", FAINT))
     ):
         at = np.array((-0.95, -1.17 - 0.125 * row))
-        mark = _rings if row == 2 else lambda *given: drawing.dots(*given, radius=2.6)
+        mark = _rings if row == 2 else _dots
         out += (
             mark(f"{words}: the mark", view, at[None], color),
             drawing.text(words, view, at, color, align=(-1, 0), offset=(6.0, 0.0)),

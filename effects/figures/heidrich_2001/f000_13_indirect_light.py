@@ -185,7 +185,7 @@ FIGURE = Figure(
             word.of_enum(*Accumulation), Accumulation.ACCUMULATION_BUFFER, "Where the paths are summed."
         ),
         "exposure": word.NUMBER(0.85, "What all light is multiplied by.", low=0.1, high=1.0),
-        "sampler": word.internal(REPEATED, "checks compare texels, unfiltered"),
+        "sampler": word.internal(REPEATED, "Checks compare texels, which filters mix."),
     },
     methods=tuple(
         Method(name, scene_by(way), MACHINES[name], VALUES.get(name, {})) for name, way in WAYS.items()
