@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from bench import __main__ as command_line
-from bench import figures, growth, largest_frame, measure, pictures, roofline, scattering
+from bench import figures, growth, largest_frame, measure, pictures, prefilter, roofline, scattering
 from bench.meshes import torus
 from bench.peers import llvmpipe
 from bench.peers.mesa import PeerError
@@ -214,6 +214,7 @@ def test_ours_is_measured_where_the_peer_is_missing(monkeypatch, capsys, tmp_pat
         "roofline": None,
         "growth": None,
         "scattering": None,
+        "prefilter": None,
     }
 
 
@@ -565,3 +566,22 @@ def test_ours_and_the_peers_picture_of_a_scene_agree(name, peer):
         assert found.depth == 0
     # Of the silhouette's some 2000 pixels, those whose centre the snapping moves over an edge of 1/16 pixel.
     assert found.coverage <= 2000 / 16
+
+
+# ----------------------------------------------------------------------------------------- prefilter
+
+
+def test_filters_are_timed_and_printed(monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr(prefilter, "MAPS", ((8, 1.0, None), (8, 100.0, 2.0)))
+    file = tmp_path / "rates.json"
+    assert command_line.main(["prefilter", "--threads", "1", "--json", str(file)]) == 0
+    assert [line.split()[:2] for line in capsys.readouterr().out.splitlines()[-2:]] == [
+        ["8", "1"],
+        ["8", "100"],
+    ]
+    found = json.loads(file.read_text())["prefilter"]
+    assert [(time["size"], time["exponent"], time["goal"]) for time in found] == [
+        (8, 1.0, None),
+        (8, 100.0, 2.0),
+    ]
+    assert all(time["seconds"] > 0.0 for time in found)
