@@ -1,0 +1,189 @@
+"""H31: highlights of lights from an environment map, beside those of lighting at vertices."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.environment_maps import (
+    fresnel_passes,
+    highlight_maps,
+    mirror_passes,
+    reflections,
+)
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.heidrich_2001.shared.reflecting import camera, normals_by_rays
+from fixedpipe.effects.geometry import surfaces
+from fixedpipe.effects.geometry.matrices import rotate, rotation
+from fixedpipe.effects.geometry.vectors import dot, normalize, unit_vector
+from fixedpipe.effects.geometry.vertex_vectors import reflected
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
+from fixedpipe.effects.passes.draws import FIRST_PASS
+from fixedpipe.pipeline.commands import Draw
+from fixedpipe.pipeline.state import Light, Lighting, Material, PassState
+
+EYE = (0.0, 0.47, 2.88)
+MAP = "highlights"
+_BLACK = (0.0, 0.0, 0.0, 1.0)
+LIGHTS = (
+    ((-0.75, 0.55, 0.7), (1.0, 0.86, 0.62)),
+    ((0.8, 0.6, 0.55), (0.5, 0.7, 1.0)),
+    ((0.1, 0.95, 0.15), (0.95, 0.95, 0.95)),
+    ((0.35, -0.55, 0.9), (0.75, 0.3, 0.42)),
+)
+
+
+def ball_in_ring(segments):
+    """A ball of radius 0.5 in a ring that leans."""
+    ring = surfaces.torus(segments, segments // 2, 0.84, 0.15)
+    ring = ring.rotated(rotation("x", 24.0)).rotated(rotation("z", 16.0))
+    return surfaces.joined(ring, surfaces.sphere(segments, segments // 2).scaled(0.5))
+
+
+def lights_of(values):
+    """Directions and colours, in pairs."""
+    return tuple(zip(values["directions"], values["colors"], strict=True))
+
+
+def lit_pass(surface, view, lights, diffuse, k_s, shininess):
+    """Lighting at the vertices, with a highlight where ``k_s`` is above 0, the viewer at the eye."""
+    turn = np.array(view.modelview)[:3, :3]
+    sources = tuple(
+        Light(
+            diffuse=(*color, 1.0),
+            specular=(*color, 1.0),
+            position=(*rotate(turn, unit_vector(direction, "The light's direction")).tolist(), 0.0),
+        )
+        for direction, color in lights
+    )
+    material = Material(_BLACK, (*diffuse, 1.0), (k_s, k_s, k_s, 1.0), _BLACK, float(shininess))
+    lighting = Lighting(sources, material, material, _BLACK, local_viewer=True)
+    state = PassState(
+        vertex=view.vertex_with(lighting=lighting),
+        scissor=view.panel.scissor,
+        depth_test=FIRST_PASS,
+        polygon=mirror_passes.FRONT,
+    )
+    label = "diffuse light and highlights at the vertices" if k_s else "diffuse light at the vertices"
+    return Draw(label=label, mesh=surface.mesh(), state=state)
+
+
+def _cube_loading(profile, view, size, lights, exponent):
+    edge = min(max(1 << (size - 1).bit_length(), 32), 256)
+    cube = np.minimum(highlight_maps.cube(edge, lights, exponent), 1.0)
+    return (reflections.load_cube(MAP, cube, profile),)
+
+
+def _sphere_loading(profile, view, size, lights, exponent):
+    # As large as the window lets it be.
+    edge = min(1 << (size.bit_length() - 1), 512)
+    return highlight_maps.draw_sphere_map(MAP, lights, exponent, view, edge, profile)
+
+
+def make_scene(loading, read):
+    """The figure's scene: how the map is made, and (texture, view) -> the unit that reads it."""
+
+    def scene(profile, size, *, segments, exponent, diffuse, k_s, background, **values):
+        lights = lights_of(values)
+        surface = ball_in_ring(segments)
+        panels = row_of_panels(2, size)
+        views = [camera(panel, EYE) for panel in panels]
+        # A half vector's cosine to four times the exponent is about as wide as Phong's.
+        shininess = min(4 * exponent, 128)
+        return (
+            *loading(profile, views[0], size, lights, exponent),
+            panels[0].clear(background),
+            lit_pass(surface, views[0], lights, diffuse, k_s, shininess),
+            panels[1].clear(background),
+            lit_pass(surface, views[1], lights, diffuse, 0.0, 0.0),
+            mirror_passes.mirror_pass(surface, views[1], read(MAP, views[1]), k_s, added=True),
+        )
+
+    return scene
+
+
+def checks(figure, renderer):
+    """Highlights alone against Phong's and Blinn's models at every pixel's normal."""
+    size, values = 192, figure.values_of(renderer.method)
+    surface = ball_in_ring(values["segments"])
+    normals, eye, seen = normals_by_rays(surface, camera(Panel(0, 0, size, size), EYE))
+    inside = seen & (dot(normals, eye) > 0.3)
+    for step in (-1, 1):
+        for axis in (0, 1):
+            inside &= dot(normals, np.roll(normals, step, axis=axis)) > 0.8
+    normals, eye = normals[inside], eye[inside]
+    lights, exponent, k_s = lights_of(values), values["exponent"], values["k_s"]
+    phong = np.minimum(highlight_maps.highlights(reflected(eye, normals), lights, exponent), 1.0) * k_s
+    blinn = np.zeros(phong.shape)
+    for direction, color in lights:
+        toward = unit_vector(direction, "The light's direction")
+        half = np.maximum(dot(normals, normalize(toward + eye)), 0.0)
+        faces = dot(normals, np.broadcast_to(toward, normals.shape)) > 0.0
+        blinn += k_s * (half ** min(4 * exponent, 128) * faces)[:, None] * np.array(color)
+    blinn = np.minimum(blinn, 1.0)
+    changes = {"diffuse": (0.0, 0.0, 0.0), "background": (0.0, 0.0, 0.0)}
+    for on in Answer:
+        image = np.clip(renderer.window(on, figure, size, **changes), 0.0, 1.0)
+        at_vertices, by_map = (image[:, k * size : (k + 1) * size][inside] for k in (0, 1))
+        error = root_mean_square(by_map - phong)
+        yield Check(
+            "the map's highlights against Phong's model at each pixel, RMS",
+            error,
+            at_most=0.025,
+            on=on,
+            reason="reflected vectors are made at the vertices and iterated, on a coarse mesh",
+        )
+        yield Check(
+            "lighting's error from its own model at each pixel over the map's from its own",
+            root_mean_square(at_vertices - blinn) / error,
+            at_least=3.0,
+            on=on,
+            reason="a highlight between the vertices is not seen by lighting there",
+        )
+
+
+_SHARES = word.Several((word.COLOR_KIND,) * len(LIGHTS))
+_DIRECTIONS = word.Several((word.DIRECTION_KIND,) * len(LIGHTS))
+
+FIGURE = Figure(
+    id="H31",
+    title="Highlights in an environment map",
+    caption=(
+        "Four lights on a coarse ball in a ring. Left lighting at the vertices, whose highlights are "
+        "interpolated. Right the same diffuse light, and the highlights from an environment map in which "
+        "each light is a lobe of Phong's model; with cube maps the host adds the lobes, without they are "
+        "drawn into a sphere map. Specks of light at the ring's outlines are the sphere map's: there a "
+        "triangle's coordinates lie on either side of its edge, which is one direction."
+    ),
+    must_see=(
+        "Left angular, smeared highlights that follow the mesh. Right round ones with smooth edges in the "
+        "lights' colours, yellow, blue, white and red, drawn out along the ring."
+    ),
+    source="Heidrich2001",
+    techniques=("H31",),
+    panels=("at vertices", "in a map"),
+    parameters={
+        "segments": word.of(word.Whole(8, 256, even=True), 24, "Segments of ball and ring."),
+        "exponent": word.of(word.Whole(1, 128), 24, "The exponent of Phong's lobes."),
+        "directions": word.of(
+            _DIRECTIONS, tuple(direction for direction, _ in LIGHTS), "The directions to the lights."
+        ),
+        "colors": word.of(_SHARES, tuple(color for _, color in LIGHTS), "The lights' colours.", word.FULL),
+        "diffuse": word.DIFFUSE((0.16, 0.19, 0.24)),
+        "k_s": word.SHARE(0.9, "What highlights are multiplied by."),
+        "background": word.BACKDROP(BACKGROUND),
+    },
+    methods=(
+        Method(
+            "a cube map of the host's",
+            make_scene(_cube_loading, fresnel_passes.cube_unit),
+            ("GEFORCE_256", "GEFORCE_3"),
+        ),
+        Method(
+            "a sphere map drawn in the window",
+            make_scene(_sphere_loading, lambda texture, view: fresnel_passes.sphere_unit(texture)),
+            ("OPENGL_1_2", "OCTANE"),
+        ),
+    ),
+    acceptance=checks,
+)
