@@ -1,34 +1,28 @@
 """F000-5: mirrors by Fresnel's factor, alone, over diffuse light and as its coat, and a filtered map."""
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
-from fixedpipe.effects.acceptance.ray_caster import primary_rays
 from fixedpipe.effects.environment_maps import (
     environments,
     fresnel_passes,
     prefilter,
-    reflections,
     refracted_light,
 )
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
-from fixedpipe.effects.geometry import cube_maps, surfaces
-from fixedpipe.effects.geometry.matrices import rotation
+from fixedpipe.effects.figures.heidrich_2001.shared import glass
+from fixedpipe.effects.geometry import cube_maps
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.vertex_vectors import reflected
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, panel_width, perspective_view
 from fixedpipe.effects.passes.encoding import colors_of, factor_texels
-from fixedpipe.pipeline.commands import TexImage
 
 ROWS, ASPECT = 4, (1, 3)
 EYE, CENTER, FIELD_OF_VIEW = (0.0, 0.35, 2.9), (0.0, -0.09, 0.0), 31.5
-# The radius of a ball by itself.
-BALL = 0.66
 LAMP = normalize(np.array((-0.45, 0.5, 0.75)))
 SHARP, GLOSSY = "environment map", "filtered map"
 
@@ -47,24 +41,9 @@ def lamp(toward):
 ENVIRONMENTS = {"room": environments.room, "white": white, "lamp": lamp}
 
 
-def ball_in_ring(detail):
-    """A ball in a ring that leans towards the eye."""
-    ring = surfaces.torus(detail, detail // 2, 0.86, 0.14)
-    ring = ring.rotated(rotation("x", 26.0)).rotated(rotation("z", 14.0))
-    return surfaces.joined(ring, surfaces.sphere(detail, detail // 2).scaled(0.55))
-
-
-def ball(detail):
-    """A ball by itself."""
-    return surfaces.sphere(detail, detail // 2).scaled(BALL)
-
-
 def camera(panel):
     """The view of a cell."""
     return perspective_view(panel, EYE, CENTER, FIELD_OF_VIEW, radius=1.2)
-
-
-OBJECTS = {"ball in a ring": ball_in_ring, "ball": ball}
 
 
 def cells(size):
@@ -74,11 +53,6 @@ def cells(size):
         [Panel(column * width, size - (row + 1) * height, width, height) for row in range(ROWS)]
         for column in range(3)
     ]
-
-
-def _texels(edge):
-    """The edge of the environment map's faces for a cell of ``edge`` pixels."""
-    return min(max(1 << (edge - 1).bit_length(), 16), 256)
 
 
 @lru_cache(maxsize=8)
@@ -91,120 +65,36 @@ def maps(environment, edge, roughness):
     return np.minimum(cube, 1.0), glossy, prefilter.cosine(cube, 64)
 
 
-@dataclass(frozen=True)
-class Shown:
-    """What a machine reflects, by its own means.
-
-    loading   (profile, view, edge, sharp, glossy) -> commands: two cube maps of floats as textures
-    mirror    (texture, view) -> the texture unit that reads reflections
-    through   (view, edge) -> the texture unit that reads the filtered map along refracted directions
-    passes    a mirror times F: of ``fresnel_passes``
-    """
-
-    loading: object
-    mirror: object
-    through: object
-    passes: object
-
-
-def _load_cubes(profile, view, edge, sharp, glossy):
-    pairs = (SHARP, sharp), (GLOSSY, glossy)
-    return tuple(reflections.load_cube(name, cube, profile) for name, cube in pairs)
-
-
-def _load_spheres(profile, view, edge, sharp, glossy):
-    out = [
-        TexImage(
-            label=f"load {name}",
-            texture=name,
-            image=environments.sphere_map(
-                2 * edge, view, profile, lambda toward, cube=cube: cube_maps.look_up(cube, toward)
-            ),
-        )
-        for name, cube in ((SHARP, sharp), (GLOSSY, glossy))
-    ]
-    behind = refracted_light.load_disc(
-        "filtered map before the eye", lambda toward: cube_maps.look_up(glossy, toward), view, edge, profile
-    )
-    return (*out, behind)
-
-
-def _disc(view, edge):
-    return refracted_light.disc_unit("filtered map before the eye", view, edge)
-
-
-CUBE_MAPS = Shown(
-    _load_cubes,
-    fresnel_passes.cube_unit,
-    lambda view, edge: refracted_light.cube_unit(GLOSSY),
-    fresnel_passes.mirror_passes,
-)
-CUBE_MAPS_FOLDED = Shown(
-    _load_cubes,
-    fresnel_passes.cube_unit,
-    lambda view, edge: refracted_light.cube_unit(GLOSSY),
-    fresnel_passes.folded_mirror_pass,
-)
-SPHERE_MAPS = Shown(
-    _load_spheres,
-    lambda texture, view: fresnel_passes.sphere_unit(texture),
-    _disc,
-    fresnel_passes.mirror_passes,
-)
-
-
-def make_scene(shown):
-    """The figure's scene by a ``Shown``."""
+def make_scene(way):
+    """The figure's scene by a ``glass.Way``."""
 
     def scene(profile, size, *, indices, roughness, diffuse, environment, objects, detail, background):
         columns, edge = cells(size), size // ROWS
-        texels = _texels(edge)
+        texels = glass.texels(edge)
         detail = (12 if edge < 16 else 48 if edge < 80 else 128) if detail is None else detail
-        surface = OBJECTS[objects](detail)
+        surface = glass.OBJECTS[objects](detail)
         sharp, glossy, cosine = maps(environment, texels, roughness)
         light = cube_maps.look_up(cosine, surface.normals) * np.array(diffuse)
         colors = colors_of(factor_texels(light, profile))
-        out = list(shown.loading(profile, camera(columns[0][0]), texels, sharp, glossy))
+        out = list(way.loading(profile, camera(columns[0][0]), {SHARP: sharp, GLOSSY: glossy}))
         for number, (panels, index) in enumerate(zip(columns, indices, strict=True)):
             table = f"F(n.v), index {index:g}"
             out.append(fresnel_passes.load_table(table, index, profile))
             for row, panel in enumerate(panels):
                 view = camera(panel)
-                mirror = shown.mirror(SHARP if row < ROWS - 1 else GLOSSY, view)
-                out += (panel.clear(background), *shown.passes(surface, view, table, mirror))
+                mirror = way.mirror(SHARP if row < ROWS - 1 else GLOSSY, view)
+                out += (panel.clear(background), *way.passes(surface, view, table, mirror))
                 if row in (1, 2):
                     out.append(fresnel_passes.diffuse_pass(surface, view, colors, coat=row == 2))
                 if row == ROWS - 1 and number == 0:
                     mesh = refracted_light.refracted_mesh(surface, view, index)
-                    out.append(fresnel_passes.under_coat_pass(mesh, view, shown.through(view, texels)))
+                    out.append(fresnel_passes.under_coat_pass(mesh, view, way.through(GLOSSY, view, texels)))
         return tuple(out)
 
     return scene
 
 
 # ----------------------------------------------------------------------------------------------- checks
-
-
-def by_polarizations(cosine, index):
-    """Fresnel's reflectance as the mean of both polarizations', by Snell's law: another form."""
-    inside = np.sqrt(1.0 - (1.0 - cosine * cosine) / (index * index))
-    across = (cosine - index * inside) / (cosine + index * inside)
-    along = (index * cosine - inside) / (index * cosine + inside)
-    return 0.5 * (across * across + along * along)
-
-
-def ball_by_rays(view):
-    """The ball at the pixels' centres: normals and vectors to the eye, float64 [height, width, 3], and where
-    it is: bool [height, width].
-    """
-    _, along = primary_rays(view)
-    eye = np.broadcast_to(np.array(view.eye) / BALL, along.shape)
-    along = normalize(along)
-    middle = dot(along, eye)
-    under = middle * middle - (dot(eye, eye) - 1.0)
-    place = eye + (-middle - np.sqrt(np.maximum(under, 0.0)))[:, None] * along
-    shape = (view.panel.height, view.panel.width)
-    return normalize(place).reshape(*shape, 3), -along.reshape(*shape, 3), (under > 0.0).reshape(shape)
 
 
 def half_width(degrees, values):
@@ -224,12 +114,12 @@ def checks(figure, renderer):
     """A ball whose normals rays find: in a white room, in the room, with a lamp alone."""
     size, indices = ROWS * _ROW, figure.values["indices"]
     columns = cells(size)
-    normals, eye, seen = ball_by_rays(camera(columns[0][0]))
+    normals, eye, seen = glass.ball_by_rays(camera(columns[0][0]))
     cosine = dot(normals, eye)
     asked = seen & (cosine > _EDGE)
-    factors = [by_polarizations(cosine[asked], index)[:, None] for index in indices]
+    factors = [glass.by_polarizations(cosine[asked], index)[:, None] for index in indices]
     mirrored = reflected(eye, normals)[asked]
-    _, glossy, diffuse = maps("room", _texels(_ROW), figure.values["roughness"])
+    _, glossy, diffuse = maps("room", glass.texels(_ROW), figure.values["roughness"])
     under = cube_maps.look_up(diffuse, normals[asked]) * np.array(figure.values["diffuse"])
     for on in Answer:
         # A machine rounds the table, the map, each product and the sum; the ideal none of them.
@@ -367,7 +257,7 @@ FIGURE = Figure(
             "What is reflected: a room, white everywhere, or a small lamp alone.",
         ),
         "objects": word.of(
-            word.Choice({name: name for name in OBJECTS}), "ball in a ring", "What it is reflected in."
+            word.Choice({name: name for name in glass.OBJECTS}), "ball in a ring", "What it is reflected in."
         ),
         "detail": word.of(
             word.Maybe(word.Whole(6, 256, even=True), "as many as fit the panel"),
@@ -377,9 +267,11 @@ FIGURE = Figure(
         "background": word.BACKDROP(BACKGROUND),
     },
     methods=(
-        Method("three passes, a cube map", make_scene(CUBE_MAPS), ("GEFORCE_256",)),
-        Method("two units and two passes, a cube map", make_scene(CUBE_MAPS_FOLDED), ("GEFORCE_3", "NV2A")),
-        Method("three passes, a sphere map", make_scene(SPHERE_MAPS), ("OPENGL_1_2", "OCTANE")),
+        Method("three passes, a cube map", make_scene(glass.CUBE_MAPS), ("GEFORCE_256",)),
+        Method(
+            "two units and two passes, a cube map", make_scene(glass.CUBE_MAPS_FOLDED), ("GEFORCE_3", "NV2A")
+        ),
+        Method("three passes, a sphere map", make_scene(glass.SPHERE_MAPS), ("OPENGL_1_2", "OCTANE")),
     ),
     acceptance=checks,
 )

@@ -1,0 +1,193 @@
+"""H30: a room through clear and through frosted glass."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.environment_maps import (
+    bumped_reflections,
+    environments,
+    fresnel_passes,
+    prefilter,
+    refracted_light,
+)
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.heidrich_2001.shared import glass
+from fixedpipe.effects.geometry import cube_maps
+from fixedpipe.effects.geometry.vectors import dot
+from fixedpipe.effects.geometry.vertex_vectors import reflected
+from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view, row_of_panels
+
+EYE, FIELD_OF_VIEW = (-0.35, 0.3, -3.1), 46.0
+
+
+def white(toward):
+    """An environment that is one everywhere."""
+    return np.ones(toward.shape)
+
+
+ENVIRONMENTS = {"room": environments.room, "white": white}
+_CLEAR = "environment map"
+
+
+def camera(panel):
+    """The view of a panel."""
+    return perspective_view(panel, EYE, field_of_view=FIELD_OF_VIEW, radius=1.2)
+
+
+def map_names(roughnesses):
+    """Names of the textures, from the clear map on."""
+    return [_CLEAR, *(f"map filtered with roughness {roughness:g}" for roughness in roughnesses)]
+
+
+@lru_cache(maxsize=8)
+def maps(environment, edge, roughnesses):
+    """The environment as cube maps of floats: as it is, and filtered by Phong's lobe for each roughness."""
+    cube = environments.faces(edge, ENVIRONMENTS[environment])
+    filtered = (np.clip(prefilter.phong(cube, 1.0 / roughness), 0.0, 1.0) for roughness in roughnesses)
+    return [cube, *filtered]
+
+
+def make_scene(way, cubes):
+    """The figure's scene by a ``glass.Way``; ``cubes``: whether the board has cube maps for the backdrop."""
+
+    def scene(profile, size, *, index, roughnesses, environment, objects, detail, background):
+        edge = glass.texels(size)
+        detail = (16 if size < 64 else 64 if size < 200 else 160) if detail is None else detail
+        surface = glass.OBJECTS[objects](detail)
+        named = dict(zip(map_names(roughnesses), maps(environment, edge, tuple(roughnesses)), strict=True))
+        panels = row_of_panels(3, size)
+        views = [camera(panel) for panel in panels]
+        seen = ENVIRONMENTS[environment]
+        out = [
+            *way.loading(profile, views[0], named),
+            fresnel_passes.load_table("F(n.v)", index, profile),
+        ]
+        if cubes:
+            out.append(bumped_reflections.load_environment(edge, profile, seen))
+        for number, (panel, view, name) in enumerate(zip(panels, views, named, strict=True)):
+            out.append(panel.clear(background))
+            if cubes:
+                out += bumped_reflections.backdrop(view)
+            else:
+                load, show = bumped_reflections.picture_backdrop(view, edge, profile, seen)
+                out += (load, show) if number == 0 else (show,)
+            mesh = refracted_light.refracted_mesh(surface, view, index)
+            read = way.through(name, view, edge)
+            out += way.passes(surface, view, "F(n.v)", way.mirror(name, view))
+            out.append(fresnel_passes.under_coat_pass(mesh, view, read))
+        return tuple(out)
+
+    return scene
+
+
+def bent(eye, normals, index):
+    """Refracted directions by Snell's law for the angles' sines: float64 [n, 3]."""
+    cosine = dot(eye, normals)
+    across = eye - cosine[:, None] * normals
+    inside = across / index
+    return -inside - np.sqrt(1.0 - dot(inside, inside))[:, None] * normals
+
+
+def checks(figure, renderer):
+    """A ball of glass against the maps looked up at each pixel."""
+    size, values = 160, figure.values
+    view = camera(row_of_panels(1, size)[0])
+    normals, eye, seen = glass.ball_by_rays(view)
+    inside = seen & (dot(normals, eye) > 0.2)
+    normals, eye = normals[inside], eye[inside]
+    factor = glass.by_polarizations(dot(normals, eye), values["index"])[:, None]
+    edge = glass.texels(size)
+    known = maps("room", edge, tuple(values["roughnesses"]))
+    changes = {"objects": "ball", "detail": 192}
+    sharpness = []
+    for on in Answer:
+        room = renderer.window(on, figure, size, **changes)
+        blank = renderer.window(on, figure, size, environment="white", **changes)
+        for number, cube in enumerate(known):
+            panel = room[:, number * size : (number + 1) * size]
+            expected = factor * cube_maps.look_up(cube, reflected(eye, normals)) + (
+                1.0 - factor
+            ) * cube_maps.look_up(cube, bent(eye, normals, values["index"]))
+            yield Check(
+                f"panel {number + 1}: RMS from the map looked up at each pixel",
+                root_mean_square(panel[inside] - expected),
+                at_most=0.04 if number == 0 else 0.006,
+                on=on,
+                reason="sharp edges lie a fraction of a pixel aside; filtered ones do not matter",
+            )
+            shown = np.where(inside[..., None], panel, 0.0)
+            both = (inside[:, 1:] & inside[:, :-1])[..., None]
+            sharpness.append(root_mean_square((shown[:, 1:] - shown[:, :-1]) * both))
+        yield Check(
+            "a white room through the glass, largest deviation from one",
+            np.abs(np.clip(blank, 0.0, 1.0) - 1.0).max(),
+            at_most=1.0 / 255.0,
+            on=on,
+            reason="what is not reflected is let through: glass cannot be seen there",
+        )
+    yield Check(
+        "steps between neighbouring pixels, first panel over second and second over third, the lesser",
+        min(sharpness[0] / sharpness[1], sharpness[1] / sharpness[2]),
+        at_least=1.3,
+        on=Answer.IDEAL,
+        reason="a rougher glass blurs more",
+    )
+
+
+FIGURE = Figure(
+    id="H30",
+    title="A room through clear and frosted glass",
+    caption=(
+        "A ball and a ring of glass in a room, of which the light that enters them is looked up along the "
+        "refracted direction: left in the map as it is, then filtered by Phong's lobe with roughnesses of "
+        "0.002 and 0.01. Fresnel's factor takes from it what the surface reflects of the same map. A ray is "
+        "bent once, where it enters."
+    ),
+    must_see=(
+        "The great window behind, upside down in the ball; sharp at the left, its bars blurred in the middle, "
+        "sky and meadow alone at the right. The darker room reflected at the outlines. No dots or lines."
+    ),
+    source="Heidrich2001",
+    techniques=("H26", "H28", "H29", "H30"),
+    panels=("clear", "roughness 0.002", "roughness 0.01"),
+    parameters={
+        "index": word.NUMBER(1.5, "The index of refraction, inside over outside.", low=1.0, high=1000.0),
+        "roughnesses": word.of(
+            word.Several((word.Number(0.001, 1.0),) * 2),
+            (0.002, 0.01),
+            "The reciprocals of Phong's exponents in the middle and at the right.",
+        ),
+        "environment": word.of(
+            word.Choice({name: name for name in ENVIRONMENTS}),
+            "room",
+            "What is seen: a room, or white everywhere.",
+        ),
+        "objects": word.of(
+            word.Choice({name: name for name in glass.OBJECTS}), "ball in a ring", "What is of glass."
+        ),
+        "detail": word.of(
+            word.Maybe(word.Whole(6, 256, even=True), "as many as fit the panel"),
+            None,
+            "Segments of round things.",
+        ),
+        "background": word.BACKDROP(BACKGROUND),
+    },
+    methods=(
+        Method("three passes, a cube map", make_scene(glass.CUBE_MAPS, True), ("GEFORCE_256",)),
+        Method(
+            "two units and two passes, a cube map",
+            make_scene(glass.CUBE_MAPS_FOLDED, True),
+            ("GEFORCE_3", "NV2A"),
+        ),
+        Method(
+            "three passes, a sphere map and a disc",
+            make_scene(glass.SPHERE_MAPS, False),
+            ("OPENGL_1_2", "OCTANE"),
+        ),
+    ),
+    acceptance=checks,
+)

@@ -1,0 +1,122 @@
+"""What figures of Fresnel's mirrors share: how each machine reflects and refracts, and a ball by rays."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.ray_caster import primary_rays
+from fixedpipe.effects.environment_maps import (
+    environments,
+    fresnel_passes,
+    reflections,
+    refracted_light,
+)
+from fixedpipe.effects.geometry import cube_maps, surfaces
+from fixedpipe.effects.geometry.matrices import rotation
+from fixedpipe.effects.geometry.vectors import dot, normalize
+from fixedpipe.pipeline.commands import TexImage
+
+# The radius of a ball by itself.
+BALL = 0.66
+
+
+def ball_in_ring(detail):
+    """A ball in a ring that leans towards the eye."""
+    ring = surfaces.torus(detail, detail // 2, 0.86, 0.14)
+    ring = ring.rotated(rotation("x", 26.0)).rotated(rotation("z", 14.0))
+    return surfaces.joined(ring, surfaces.sphere(detail, detail // 2).scaled(0.55))
+
+
+def ball(detail):
+    """A ball by itself."""
+    return surfaces.sphere(detail, detail // 2).scaled(BALL)
+
+
+OBJECTS = {"ball in a ring": ball_in_ring, "ball": ball}
+
+
+@dataclass(frozen=True)
+class Way:
+    """How a machine reflects and refracts.
+
+    loading   (profile, view, maps) -> commands: cube maps of floats, by name, as textures for a view
+    mirror    (texture, view) -> the texture unit that reads reflections
+    through   (texture, view, edge) -> the texture unit that reads a mesh's refracted directions; ``edge``:
+              the cube map's
+    passes    a mirror times F: of ``fresnel_passes``
+    """
+
+    loading: Callable
+    mirror: Callable
+    through: Callable
+    passes: Callable
+
+
+def _before(texture):
+    """The disc of a map."""
+    return f"{texture}, before the eye"
+
+
+def _load_cubes(profile, view, maps):
+    return tuple(reflections.load_cube(name, cube, profile) for name, cube in maps.items())
+
+
+def _load_spheres(profile, view, maps):
+    out = []
+    for name, cube in maps.items():
+
+        def seen(toward, cube=cube):
+            return cube_maps.look_up(cube, toward)
+
+        edge = cube.shape[1]
+        image = environments.sphere_map(2 * edge, view, profile, seen)
+        out.append(TexImage(label=f"load {name}", texture=name, image=image))
+        out.append(refracted_light.load_disc(_before(name), seen, view, 2 * edge, profile))
+    return tuple(out)
+
+
+def _through_cube(texture, view, edge):
+    return refracted_light.cube_unit(texture)
+
+
+def _through_disc(texture, view, edge):
+    return refracted_light.disc_unit(_before(texture), view, 2 * edge)
+
+
+def _by_sphere(texture, view):
+    return fresnel_passes.sphere_unit(texture)
+
+
+CUBE_MAPS = Way(_load_cubes, fresnel_passes.cube_unit, _through_cube, fresnel_passes.mirror_passes)
+CUBE_MAPS_FOLDED = Way(
+    _load_cubes, fresnel_passes.cube_unit, _through_cube, fresnel_passes.folded_mirror_pass
+)
+SPHERE_MAPS = Way(_load_spheres, _by_sphere, _through_disc, fresnel_passes.mirror_passes)
+
+
+def texels(edge, most=256):
+    """The edge of an environment map's faces for a picture of ``edge`` pixels: a power of two, from 16 on."""
+    return min(max(1 << (edge - 1).bit_length(), 16), most)
+
+
+def by_polarizations(cosine, index):
+    """Fresnel's reflectance as the mean of both polarizations', by Snell's law: another form."""
+    inside = np.sqrt(1.0 - (1.0 - cosine * cosine) / (index * index))
+    across = (cosine - index * inside) / (cosine + index * inside)
+    along = (index * cosine - inside) / (index * cosine + inside)
+    return 0.5 * (across * across + along * along)
+
+
+def ball_by_rays(view):
+    """The ball at the pixels' centres: normals and vectors to the eye, float64 [height, width, 3], and where
+    it is: bool [height, width].
+    """
+    _, along = primary_rays(view)
+    eye = np.broadcast_to(np.array(view.eye) / BALL, along.shape)
+    along = normalize(along)
+    middle = dot(along, eye)
+    under = middle * middle - (dot(eye, eye) - 1.0)
+    place = eye + (-middle - np.sqrt(np.maximum(under, 0.0)))[:, None] * along
+    shape = (view.panel.height, view.panel.width)
+    return normalize(place).reshape(*shape, 3), -along.reshape(*shape, 3), (under > 0.0).reshape(shape)
