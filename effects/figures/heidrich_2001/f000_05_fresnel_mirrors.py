@@ -12,6 +12,7 @@ from fixedpipe.effects.environment_maps import (
     prefilter,
     refracted_light,
 )
+from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2001.shared import glass
@@ -49,6 +50,8 @@ def camera(panel):
 def cells(size):
     """Panels for the columns, from left to right, and in each for the rows, from top to bottom."""
     width, height = panel_width(size, ASPECT), size // ROWS
+    if height < 1:
+        raise ValueError(f"A panel of {size} pixels has no room for {ROWS} rows; give it {ROWS} or more.")
     return [
         [Panel(column * width, size - (row + 1) * height, width, height) for row in range(ROWS)]
         for column in range(3)
@@ -56,9 +59,11 @@ def cells(size):
 
 
 @lru_cache(maxsize=8)
-def maps(environment, edge, roughness):
-    """The environment as cube maps of floats: as it is, filtered by Phong's lobe, by the cosine."""
-    cube = environments.faces(edge, ENVIRONMENTS[environment])
+def maps(seen, edge, roughness):
+    """An environment, directions to colours, as cube maps of floats: as it is, filtered by Phong's lobe, and
+    by the cosine.
+    """
+    cube = environments.faces(edge, seen)
     glossy = prefilter.phong(cube, 1.0 / roughness)
     # What is brighter than one is scaled, so that bytes hold it.
     glossy = glossy / max(1.0, float(glossy.max()))
@@ -68,12 +73,15 @@ def maps(environment, edge, roughness):
 def make_scene(way):
     """The figure's scene by a ``glass.Way``."""
 
-    def scene(profile, size, *, indices, roughness, diffuse, environment, objects, detail, background):
+    def scene(
+        profile, size, *, indices, roughness, diffuse, environment, photograph, objects, detail, background
+    ):
         columns, edge = cells(size), size // ROWS
         texels = glass.texels(edge)
         detail = (12 if edge < 16 else 48 if edge < 80 else 128) if detail is None else detail
         surface = glass.OBJECTS[objects](detail)
-        sharp, glossy, cosine = maps(environment, texels, roughness)
+        seen = photograph.panorama if photograph else ENVIRONMENTS[environment]
+        sharp, glossy, cosine = maps(seen, texels, roughness)
         light = cube_maps.look_up(cosine, surface.normals) * np.array(diffuse)
         colors = colors_of(factor_texels(light, profile))
         out = list(way.loading(profile, camera(columns[0][0]), {SHARP: sharp, GLOSSY: glossy}))
@@ -119,7 +127,7 @@ def checks(figure, renderer):
     asked = seen & (cosine > _EDGE)
     factors = [glass.by_polarizations(cosine[asked], index)[:, None] for index in indices]
     mirrored = reflected(eye, normals)[asked]
-    _, glossy, diffuse = maps("room", glass.texels(_ROW), figure.values["roughness"])
+    _, glossy, diffuse = maps(environments.room, glass.texels(_ROW), figure.values["roughness"])
     under = cube_maps.look_up(diffuse, normals[asked]) * np.array(figure.values["diffuse"])
     for on in Answer:
         # A machine rounds the table, the map, each product and the sum; the ideal none of them.
@@ -256,6 +264,7 @@ FIGURE = Figure(
             "room",
             "What is reflected: a room, white everywhere, or a small lamp alone.",
         ),
+        "photograph": own_maps.PANORAMA,
         "objects": word.of(
             word.Choice({name: name for name in glass.OBJECTS}), "ball in a ring", "What it is reflected in."
         ),

@@ -148,6 +148,9 @@ def checks(figure, renderer):
         )
 
 
+_REFLECTANCE = word.Several(
+    (word.Number(0.0, 0.95),) * 3, what="three numbers from 0 to 0.95, red, green, blue"
+)
 _WALL = "The reflectance of the wall at the {}."
 
 FIGURE = Figure(
@@ -172,8 +175,8 @@ FIGURE = Figure(
             None,
             "Elements along a wall's edge.",
         ),
-        "left": word.COLOR((0.68, 0.2, 0.12), _WALL.format("left")),
-        "right": word.COLOR((0.12, 0.36, 0.52), _WALL.format("right")),
+        "left": word.of(_REFLECTANCE, (0.68, 0.2, 0.12), _WALL.format("left"), word.FULL),
+        "right": word.of(_REFLECTANCE, (0.12, 0.36, 0.52), _WALL.format("right"), word.FULL),
         "exposure": word.NUMBER(1.2, "What the solution is multiplied by.", low=0.01, high=100.0),
         "background": word.BACKDROP(BACKGROUND),
     },

@@ -13,6 +13,7 @@ from fixedpipe.effects.environment_maps import (
     prefilter,
     refracted_light,
 )
+from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2001.shared import glass
@@ -44,9 +45,11 @@ def map_names(roughnesses):
 
 
 @lru_cache(maxsize=8)
-def maps(environment, edge, roughnesses):
-    """The environment as cube maps of floats: as it is, and filtered by Phong's lobe for each roughness."""
-    cube = environments.faces(edge, ENVIRONMENTS[environment])
+def maps(seen, edge, roughnesses):
+    """An environment, directions to colours, as cube maps of floats: as it is, and filtered by Phong's lobe
+    for each roughness.
+    """
+    cube = environments.faces(edge, seen)
     filtered = (np.clip(prefilter.phong(cube, 1.0 / roughness), 0.0, 1.0) for roughness in roughnesses)
     return [cube, *filtered]
 
@@ -54,14 +57,14 @@ def maps(environment, edge, roughnesses):
 def make_scene(way, cubes):
     """The figure's scene by a ``glass.Way``; ``cubes``: whether the board has cube maps for the backdrop."""
 
-    def scene(profile, size, *, index, roughnesses, environment, objects, detail, background):
+    def scene(profile, size, *, index, roughnesses, environment, photograph, objects, detail, background):
         edge = glass.texels(size)
+        seen = photograph.panorama if photograph else ENVIRONMENTS[environment]
         detail = (16 if size < 64 else 64 if size < 200 else 160) if detail is None else detail
         surface = glass.OBJECTS[objects](detail)
-        named = dict(zip(map_names(roughnesses), maps(environment, edge, tuple(roughnesses)), strict=True))
+        named = dict(zip(map_names(roughnesses), maps(seen, edge, tuple(roughnesses)), strict=True))
         panels = row_of_panels(3, size)
         views = [camera(panel) for panel in panels]
-        seen = ENVIRONMENTS[environment]
         out = [
             *way.loading(profile, views[0], named),
             fresnel_passes.load_table("F(n.v)", index, profile),
@@ -101,7 +104,7 @@ def checks(figure, renderer):
     normals, eye = normals[inside], eye[inside]
     factor = glass.by_polarizations(dot(normals, eye), values["index"])[:, None]
     edge = glass.texels(size)
-    known = maps("room", edge, tuple(values["roughnesses"]))
+    known = maps(environments.room, edge, tuple(values["roughnesses"]))
     changes = {"objects": "ball", "detail": 192}
     sharpness = []
     for on in Answer:
@@ -148,8 +151,9 @@ FIGURE = Figure(
         "bent once, where it enters."
     ),
     must_see=(
-        "The great window behind, upside down in the ball; sharp at the left, its bars blurred in the middle, "
-        "sky and meadow alone at the right. The darker room reflected at the outlines. No dots or lines."
+        "The great window behind, upside down in the ball; sharp at the left, its bars blurred in the "
+        "middle, sky and meadow alone at the right. The darker room reflected at the outlines. No dots or "
+        "lines."
     ),
     source="Heidrich2001",
     techniques=("H26", "H28", "H29", "H30"),
@@ -166,6 +170,7 @@ FIGURE = Figure(
             "room",
             "What is seen: a room, or white everywhere.",
         ),
+        "photograph": own_maps.PANORAMA,
         "objects": word.of(
             word.Choice({name: name for name in glass.OBJECTS}), "ball in a ring", "What is of glass."
         ),
