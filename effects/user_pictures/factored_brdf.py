@@ -75,12 +75,18 @@ def _dense(contents):
         raise ValueError("The NPZ file is damaged.") from error
     if samples is None:
         raise ValueError("The NPZ file has no array `samples`.")
+    return dense(samples)
+
+
+def dense(samples):
+    """The DenseBRDF of samples [n, n, n, n, 3], as its own are. Raises ValueError for anything else."""
+    samples = np.asarray(samples)
     shape = samples.shape
     if len(shape) != 5 or shape[4] != 3 or not 0 < shape[0] == shape[1] == shape[2] == shape[3]:
-        raise ValueError(f"Its `samples` have shape {shape}.")
+        raise ValueError(f"The samples have shape {shape}; give [n, n, n, n, 3].")
     if samples.dtype.kind not in "fiu" or not np.isfinite(samples).all():
-        raise ValueError("Its `samples` are not all finite numbers.")
-    return DenseBRDF(np.asarray(samples, np.float64))
+        raise ValueError("The samples are not all finite numbers; give f_r per steradian.")
+    return DenseBRDF(samples.astype(np.float64))
 
 
 def brdf_of(brdf):
@@ -88,17 +94,13 @@ def brdf_of(brdf):
 
     Raises ValueError (Refusal) for anything else.
     """
+    if callable(getattr(brdf, "at", None)):
+        return brdf
     if isinstance(brdf, str | Path):
         return read(brdf)
-    if isinstance(brdf, np.ndarray):
-        if brdf.ndim != 5 or brdf.shape[4] != 3 or len(set(brdf.shape[:4])) > 1 or not brdf.size:
-            raise ValueError(f"The samples have shape {brdf.shape}; give [n, n, n, n, 3].")
-        if brdf.dtype.kind not in "fiu" or not np.isfinite(brdf).all():
-            raise ValueError("The samples hold NaN or infinity, or no numbers; give finite numbers.")
-        return DenseBRDF(np.asarray(brdf, np.float64))
-    if not callable(getattr(brdf, "at", None)):
+    if not hasattr(brdf, "shape"):
         raise ValueError(f"The BRDF is {brdf!r}; give an object with at(lights, views), or a file. {_FILES}")
-    return brdf
+    return dense(brdf)
 
 
 def _found(brdf, way, size, terms):

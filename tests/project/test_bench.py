@@ -272,6 +272,7 @@ def test_the_figures_goals_are_the_issues():
         "cached": (1.2, "s", True),
         "scaling": (1.8, "times", False),
         "memory": (400, "MB", True),
+        "factors": (5, "s", True),
     }
 
 

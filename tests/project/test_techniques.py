@@ -35,6 +35,7 @@ HELPERS = {
     "effects/radiosity/small_room.py",
     "effects/reflectance/fresnel.py",
     "effects/reflectance/microfacets.py",
+    "effects/reflectance/hemisphere_maps.py",
     "effects/reflectance/sampled_functions.py",
     "effects/scattering/directions.py",
     "effects/scattering/height_field.py",

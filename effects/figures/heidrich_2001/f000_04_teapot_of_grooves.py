@@ -90,8 +90,9 @@ def _grooves(values):
     return tuple(values[name] for name in ("blue", "red", "angle", "bounces", "directions"))
 
 
-def radiance(surface, view, light, intensity, blue, red, angle, bounces, directions):
+def radiance(surface, view, light, grooves):
     """pi f_r (n.l)+ at the vertices by the goniometer, each with its own light and view: float64 [n, 3]."""
+    blue, red, angle, bounces, directions = grooves
     field, seen = _simulated(blue, red, angle, directions)
     towards = surface.to_local(light.light_vectors(surface.positions))
     views = surface.to_local(view.view_vectors(surface.positions))
@@ -103,7 +104,7 @@ def radiance(surface, view, light, intensity, blue, red, angle, bounces, directi
         sent = goniometer.lights(field, seen, to, bounces)
         mean = goniometer.pair_means(goniometer.shares_in_texture_space(field, back), sent)
         out[some] = mean / goniometer.irradiance(field, to)[:, None] * towards[some, 2:]
-    return intensity * out
+    return out
 
 
 def reference(size, *, light, intensity, map_size, terms, **grooves):
@@ -113,7 +114,7 @@ def reference(size, *, light, intensity, map_size, terms, **grooves):
     for side, panel in zip(SIDES, row_of_panels(len(SIDES), size, ASPECT), strict=True):
         view = perspective_view(panel, EYE, field_of_view=FIELD_OF_VIEW)
         surface = turned(size, side)
-        colors = radiance(surface, view, Light(light), intensity, *_grooves(grooves))
+        colors = intensity * radiance(surface, view, Light(light), _grooves(grooves))
         out.append(panel.clear(BACKGROUND))
         mesh = surface.mesh(colors=np.clip(colors, 0.0, 1.0))
         out.append(draw("the BRDF at the vertices", mesh, view, None, depth_test=FIRST_PASS))
