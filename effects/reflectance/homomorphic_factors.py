@@ -173,14 +173,12 @@ def factored(brdf, size=32, smoothness=SMOOTHNESS):
     smoothness  what a step of one in the logarithm from texel to texel costs, over what the mean texel's data
                 do; positive
 
-    Raises ValueError for a size below 4, a smoothness that is not positive, a BRDF that is zero everywhere,
-    and as ``hemisphere_maps.sampled``.
+    Raises ValueError for a size that is not from 4 to 64, a smoothness that is not positive, a BRDF that is
+    zero everywhere, and as ``hemisphere_maps.sampled``.
     """
-    if isinstance(size, bool) or int(size) != size or size < 4:
-        raise ValueError(f"The factors' maps have {size!r} texels along an edge; give 4 or more.")
+    size = hemisphere_maps.size_of_factors(size)
     if not 0.0 < smoothness < math.inf:
         raise ValueError(f"The smoothness is {smoothness!r}; give a positive number, 0.002 for instance.")
-    size = int(size)
     held, first, second, texels = _pairs(size)
     lights, views = texels[first], texels[second]
     angles = hemisphere_maps.solid_angles(size) * texels[:, 2]

@@ -118,12 +118,10 @@ def texels(size):
 def table(brdf, size=32, halves=Halves.HALFWAY_AND_DIFFERENCE):
     """The Table of a BRDF, an object with ``at(lights, views)``, of maps ``size`` texels along an edge.
 
-    Raises ValueError for a size below 4, and as ``hemisphere_maps.sampled``.
+    Raises ValueError for a size that is not from 4 to 64, and as ``hemisphere_maps.sampled``.
     """
     halves = member_of(Halves, halves, "What the factors are functions of")
-    if isinstance(size, bool) or int(size) != size or size < 4:
-        raise ValueError(f"The factors' maps have {size!r} texels along an edge; give 4 or more.")
-    size = int(size)
+    size = hemisphere_maps.size_of_factors(size)
     angles, places = hemisphere_maps.solid_angles(size), texels(size)
     count = len(places)
     first, second = np.repeat(places, count, axis=0), np.tile(places, (count, 1))

@@ -122,7 +122,7 @@ def factored(brdf, way=None, *, size=32, terms=2):
     """The Factored of a BRDF, or of a file's name.
 
     way    a Way, or its text; None: that of the smallest error, of all three (Measured: 4 s for 32 texels)
-    size   texels along an edge of the factors' maps, from 4
+    size   texels along an edge of the factors' maps, from 4 to 64
     terms  products that separable factors add, from 1 to 8
 
     Raises ValueError (Refusal of a file) for what is none.

@@ -208,7 +208,7 @@ FIGURE = Figure(
         "angle": word.NUMBER(45.0, "How steep the flanks are.", "degrees", low=5.0, high=75.0),
         "bounces": word.of(word.Whole(0, 16), 2, "Reflections in the grooves beyond the first."),
         "directions": word.of(word.Whole(20, 1000), 100, "Directions along which light is gathered."),
-        "map_size": word.of(word.Whole(8, 64, power=True), 32, "The edge of the factors' maps.", "texels"),
+        "map_size": word.of(word.Whole(8, 32, power=True), 32, "The edge of the factors' maps.", "texels"),
         "terms": word.of(word.Whole(1, 8), 3, "Products that are added."),
         "light": word.LIGHT((0.0, 0.55, 1.0)),
         "intensity": word.NUMBER(
@@ -224,16 +224,17 @@ FIGURE = Figure(
         Method(
             "cube maps, two terms at once on four units",
             make_scene(Board(Means.COMBINERS, Storage.CUBE, 4, True)),
-            ("GEFORCE_3", "NV2A"),
+            ("GEFORCE_3", "NV2A", "FUTURE"),
         ),
         Method(
             "parabolic maps, texture environments and inversions",
             make_scene(Board(Means.BLENDING, Storage.PARABOLIC, 2, False)),
-            ("MULTITEXTURE", "G400"),
+            ("MULTITEXTURE", "G400", "TEXRAM"),
         ),
         Method(
             "parabolic maps, one unit and the accumulation buffer",
             make_scene(Board(Means.ACCUMULATION, Storage.PARABOLIC, 1, False)),
+            # The InfiniteReality could; with twelve bits three terms take it ten seconds (Measured).
             ("OPENGL_1_2", "OCTANE"),
         ),
     ),

@@ -192,7 +192,7 @@ FIGURE = Figure(
         "specular": word.SPECULAR((0.80, 0.50, 0.34)),
         "alpha_x": word.ALPHA_X(0.18),
         "alpha_y": word.ALPHA_Y(0.5),
-        "map_size": word.of(word.Whole(8, 64, power=True), 32, "The edge of the factors' maps.", "texels"),
+        "map_size": word.of(word.Whole(8, 32, power=True), 32, "The edge of the factors' maps.", "texels"),
         "turn": word.DEGREES(-25.0, "How far the teapot is turned."),
         "light": word.LIGHT((0.25, 0.5, 1.0)),
         "intensity": word.NUMBER(
@@ -208,17 +208,17 @@ FIGURE = Figure(
         Method(
             "cube maps, one pass on four units",
             make_scene(Board(Means.COMBINERS, Storage.CUBE, 4, True)),
-            ("GEFORCE_3", "NV2A"),
+            ("GEFORCE_3", "NV2A", "FUTURE"),
         ),
         Method(
             "parabolic maps, two passes on two units",
             make_scene(Board(Means.BLENDING, Storage.PARABOLIC, 2, False)),
-            ("MULTITEXTURE", "G400"),
+            ("MULTITEXTURE", "G400", "TEXRAM"),
         ),
         Method(
             "parabolic maps, three passes on one unit",
             make_scene(Board(Means.ACCUMULATION, Storage.PARABOLIC, 1, False)),
-            ("OPENGL_1_2", "OCTANE"),
+            ("OPENGL_1_2", "OCTANE", "INFINITE_REALITY"),
         ),
     ),
     acceptance=checks,

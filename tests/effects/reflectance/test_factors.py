@@ -178,7 +178,7 @@ def test_a_colour_that_is_nowhere_is_dark_and_does_not_spoil_the_others():
 # --------------------------------------------------------------------------------------------- refusals
 
 
-@pytest.mark.parametrize("size", (0, 3, 4.5, True))
+@pytest.mark.parametrize("size", (0, 3, 4.5, 65, True))
 def test_maps_have_texels(size):
     for make in (separable_factors.table, homomorphic_factors.factored):
         with pytest.raises(ValueError, match="4 or more"):
