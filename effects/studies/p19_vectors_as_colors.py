@@ -10,12 +10,12 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
-from fixedpipe.effects.geometry.surfaces import Surface
 from fixedpipe.effects.geometry.vectors import cosine, sine
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors
 from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view
 from fixedpipe.effects.passes.encoding import vector_colors, vectors_of_texels
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, brdfs, material_textures
+from fixedpipe.effects.studies.shared.cylinders import cylinder
 from fixedpipe.effects.studies.shared.strips import drawn
 from fixedpipe.effects.studies.study import (
     BLACK,
@@ -44,29 +44,6 @@ _VIEW = orthographic_view(_PANEL, half_height=_HEIGHT / _WIDTH)
 _LIGHT = Light((float(sine(2.0 * HIGHLIGHT)), 0.0, float(cosine(2.0 * HIGHLIGHT))))
 # Turns of the cylinder that are averaged, in slices.
 _PHASES = (0.0, 0.25, 0.5, 0.75)
-
-
-def cylinder(slices, turn, faceted=False):
-    """The front of a cylinder about the y axis, turned by ``turn`` radians; with ``faceted`` every slice's
-    frame is that of its middle.
-    """
-    step = 2.0 * np.pi / slices
-    count = int(np.ceil(np.pi / step)) + 2
-    edges = (np.arange(count + 1) - count // 2) * step + turn
-    ends = np.stack([edges[:-1], edges[1:], edges[1:], edges[:-1]], axis=1)
-    frames = np.repeat((edges[:-1] + edges[1:])[:, None] / 2.0, 4, axis=1) if faceted else ends
-    height = np.tile(np.array([-1.0, -1.0, 1.0, 1.0]), count)
-    ends, frames = ends.ravel(), frames.ravel()
-    zero, one = np.zeros(ends.shape), np.ones(ends.shape)
-    positions = np.stack([sine(ends), height, cosine(ends)], axis=-1)
-    normals = np.stack([sine(frames), zero, cosine(frames)], axis=-1)
-    tangents = np.stack([cosine(frames), zero, -sine(frames)], axis=-1)
-    binormals = np.stack([zero, one, zero], axis=-1)
-    first = 4 * np.arange(count)[:, None]
-    triangles = np.concatenate([first + np.array([0, 1, 2]), first + np.array([0, 2, 3])], axis=1)
-    return Surface(
-        positions, normals, tangents, binormals, np.full((4 * count, 2), 0.5), triangles.reshape(-1, 3)
-    )
 
 
 def highlight(surface, profile):
