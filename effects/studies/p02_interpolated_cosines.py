@@ -111,7 +111,7 @@ def measure(profile):
     x, c = _true()
     near = np.abs(np.arcsin(x) - _HALFWAY) < 0.75
     true, sharp = _power(c)[near], _edge(c)[near]
-    rows, curves = [], {"x": x[near], "true": true}
+    rows, curves, kept = [], {"x": x[near], "true": true}, []
     for slices in SLICES:
         step = 2.0 * np.pi / slices
 
@@ -127,43 +127,49 @@ def measure(profile):
         rows.append(
             (
                 slices,
-                float(np.degrees(step)),
-                float(1.0 - np.cos(step / 2.0)),
                 float(1.0 - gouraud(slices, 0.5, _ramp)[middle].max()),
                 float(1.0 - fast_phong(profile, slices, 0.5, _ramp)[middle].max()),
-                100.0 * float(1.0 - exact[2].max()),
                 root_mean_square(exact - true),
                 root_mean_square(lit - true),
                 root_mean_square(plain - true),
                 100.0 * float(1.0 - exact.mean() / true.mean()),
-                100.0 * float(1.0 - plain.mean() / true.mean()),
                 root_mean_square(edges[0] - sharp),
                 root_mean_square(edges[1] - sharp),
             )
         )
+        kept.append(plain.mean() / true.mean())
         if slices in (12, 25):
             curves[f"fast {slices}"], curves[f"plain {slices}"] = exact[2], plain[2]
     columns = (
         Column("slices", form="d"),
-        Column("angle", "degrees", ".1f"),
-        Column("1 - cos half angle", form=".5f"),
         Column("deficit of n.h", form=".5f"),
         Column("deficit, machine", form=".5f"),
-        Column("peak lost", "%", ".1f"),
         Column("RMS", form=".4f"),
         Column("RMS, machine", form=".4f"),
         Column("RMS, Gouraud", form=".4f"),
         Column("light lost", "%", ".1f"),
-        Column("light lost, Gouraud", "%", ".1f"),
         Column("edge", form=".3f"),
         Column("edge, Gouraud", form=".3f"),
     )
-    return Table(columns, tuple(rows), curves)
+    return Table(columns, tuple(rows), {**curves, "light kept by Gouraud": np.array(kept)})
+
+
+def expected(row):
+    """1 - cos(D / 2), D the angle between a row's vertices."""
+    return float(1.0 - np.cos(np.pi / row["slices"]))
+
+
+def _angles(table):
+    return np.array([360.0 / slices for slices in table.column("slices")])
+
+
+def _peak_lost(row):
+    return 100.0 * (1.0 - (1.0 - row["deficit of n.h"]) ** EXPONENT)
 
 
 def slope(table, name):
     """The power of the angle with which a column grows, by a line through the logarithms."""
-    angles, values = np.log(table.column("angle")), np.log(table.column(name))
+    angles, values = np.log(_angles(table)), np.log(table.column(name))
     return float(np.polyfit(angles, values, 1)[0])
 
 
@@ -171,17 +177,19 @@ def findings(table):
     """What interpolation takes from a highlight, beside Gouraud's."""
     rows = {r["slices"]: r for r in table.records()}
     few, some, many = rows[8], rows[25], rows[200]
+    lost = 100.0 * (1.0 - float(table.curves["light kept by Gouraud"][SLICES.index(25)]))
     return (
-        f"Half way between two vertices {few['angle']:g} degrees apart n.h is {few['deficit of n.h']:.4f} "
-        f"short of one, and a highlight of exponent {EXPONENT:g} loses {few['peak lost']:.0f} % of its peak; "
-        f"with 25 slices {some['peak lost']:.0f} %, with 50 {rows[50]['peak lost']:.0f} %. The deficit grows "
-        f"with the power {slope(table, 'deficit of n.h'):.2f} of the angle.",
+        f"Half way between two vertices {360.0 / few['slices']:g} degrees apart n.h is "
+        f"{few['deficit of n.h']:.4f} short of one, and a highlight of exponent {EXPONENT:g} loses "
+        f"{_peak_lost(few):.0f} % of its peak; with 25 slices {_peak_lost(some):.0f} %, with 50 "
+        f"{_peak_lost(rows[50]):.0f} %. The deficit grows with the power "
+        f"{slope(table, 'deficit of n.h'):.2f} of the angle.",
         f"The highlight is off by an RMS of {some['RMS']:.4f} with 25 slices and {many['RMS']:.4f} with 200 "
         f"({many['RMS, machine']:.4f} with the machine's bytes). Gouraud's interpolation of its colour is "
         f"off by less, {some['RMS, Gouraud'] / some['RMS']:.2f} and "
         f"{many['RMS, Gouraud'] / many['RMS']:.2f} of that, and keeps its light: with 25 slices "
         f"{some['light lost']:.1f} % of the light is lost by interpolated cosines and "
-        f"{abs(some['light lost, Gouraud']):.1f} % by interpolated colours.",
+        f"{lost:.1f} % by interpolated colours.",
         f"Interpolated cosines are better where the table is not smooth: an edge at n.h = {EDGE_AT:g} is off "
         f"by an RMS of {some['edge']:.3f} with 25 slices, by Gouraud of {some['edge, Gouraud']:.3f}.",
     )
@@ -192,14 +200,14 @@ def checks(table):
     for r in table.records():
         yield Check(
             f"deficit of n.h, {r['slices']} slices, off 1 - cos(angle / 2)",
-            abs(r["deficit of n.h"] - r["1 - cos half angle"]),
-            at_most=0.02 * r["1 - cos half angle"] + 2e-6,
+            abs(r["deficit of n.h"] - expected(r)),
+            at_most=0.02 * expected(r) + 2e-6,
             on=Answer.IDEAL,
             reason="the middle of a chord is cos(angle / 2) from the centre; vertices lie on pixels' grid",
         )
         yield Check(
             f"deficit of n.h on the machine, {r['slices']} slices, off 1 - cos(angle / 2)",
-            abs(r["deficit, machine"] - r["1 - cos half angle"]),
+            abs(r["deficit, machine"] - expected(r)),
             at_most=1.0 / 255.0,
             on=Answer.MACHINE,
             reason="a byte of the table and one of the framebuffer",
@@ -246,7 +254,7 @@ def plot(axes, table):
     across.set_ylabel("(n.h)^32")
     across.set_ylim(0.0, 1.5)
     across.legend(loc="upper left")
-    angle = table.column("angle")
+    angle = _angles(table)
     for name, color, marker in (
         ("RMS, Gouraud", RED, "s"),
         ("RMS, machine", BLUE, "o"),
@@ -254,9 +262,8 @@ def plot(axes, table):
         ("deficit of n.h", ORANGE, "v"),
     ):
         errors.loglog(angle, table.column(name), color=color, marker=marker, label=name)
-    errors.loglog(
-        angle, table.column("1 - cos half angle"), label="catalogue: 1 - cos(angle / 2)", **EXPECTED
-    )
+    law = [expected(row) for row in table.records()]
+    errors.loglog(angle, law, label="catalogue: 1 - cos(angle / 2)", **EXPECTED)
     errors.set_xticks([2, 5, 10, 20, 45], ["2", "5", "10", "20", "45"])
     errors.minorticks_off()
     errors.set_xlabel("angle between the vertices' normals, degrees")
