@@ -46,7 +46,13 @@ from fixedpipe.effects.cli.options import profile_option, threads_option, three_
     "--exposure", type=float, metavar="E", default=1.0, show_default=True, help="What light is multiplied by."
 )
 @click.option(
-    "--seed", type=int, metavar="N", default=0, show_default=True, help="Of directions after a path's first."
+    "--seed",
+    type=int,
+    metavar="N",
+    default=0,
+    show_default=True,
+    help="Of directions after a path's first: it changes nothing where --bounces is 1 and there are no more "
+    "paths than directions.",
 )
 @click.option(
     "--accumulation",
