@@ -20,8 +20,6 @@ NAMED = {
     "G37": ("other simulated BRDFs, and other methods that are dependent tests, as related work", "2, 3.1"),
     "G38": ("other geometry, media that scatter, whole scenes, as future work", "7"),
     "G39": ("what is assumed: a height field, nothing else inside its hull, small bumps", "1, 3"),
-    "H03": ("factors of a reflectance model multiplied by blending, with one texture unit", "1.1"),
-    "H05": ("a table's coordinates computed at the vertices and interpolated", "1.1"),
     "K19": ("other hardware for bump mapping and shading, as related work", "2"),
     "K23": ("materials that are measured or painted, as future work", "7"),
     "S16": ("a roughness map: the covariance of the normals that a texel covers", "8"),

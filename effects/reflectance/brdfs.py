@@ -555,7 +555,7 @@ BRDFS = MappingProxyType(
         ),
         "torrance_sparrow": Brdf(
             title="Torrance-Sparrow",
-            technique="K20",
+            technique="H02",
             equation="L_o = k_s F(l.h) G(n.l, n.v) D(h.n) / (pi (n.v)), D of Gaussian heights, Smith's G",
             function=torrance_sparrow,
             parameters=(

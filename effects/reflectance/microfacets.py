@@ -22,6 +22,14 @@ import numpy as np
 
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.reflectance.fresnel import fresnel
+from fixedpipe.effects.technique import Technique
+
+TECHNIQUES = (
+    Technique(
+        "H07", "distributions of facets: Gaussian in the angle, of Gaussian heights, Beckmann's", "1.1"
+    ),
+    Technique("H08", "Smith's shadowing and masking", "1.1"),
+)
 
 # NumPy has no error function, and this needs no library for one.
 _erfc = np.frompyfunc(math.erfc, 1, 1)

@@ -34,7 +34,6 @@ HELPERS = {
     "effects/radiosity/light_maps.py",
     "effects/radiosity/small_room.py",
     "effects/reflectance/fresnel.py",
-    "effects/reflectance/microfacets.py",
     "effects/reflectance/hemisphere_maps.py",
     "effects/reflectance/sampled_functions.py",
     "effects/scattering/directions.py",
