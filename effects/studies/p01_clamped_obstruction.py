@@ -129,8 +129,8 @@ STUDY = Study(
     title="A table clamped at one",
     question="What does the clamp of G / (pi cos beta) take, and what does a divisor give back?",
     method=(
-        "The loaded table of 256 x 256 bytes, its column for light from the front, over the view's cosine: as "
-        "it is, and divided by 2, 4 and 8 and multiplied back."
+        "The loaded table of 256 x 256 bytes, its column for light from the front, over the view's cosine: "
+        "as it is, and divided by 2, 4 and 8 and multiplied back."
     ),
     source="Heidrich2001",
     techniques=("H02", "H10"),
