@@ -18,9 +18,10 @@ from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2001.shared import glass
 from fixedpipe.effects.geometry import cube_maps
 from fixedpipe.effects.geometry.vectors import dot, normalize
-from fixedpipe.effects.geometry.vertex_vectors import reflected
+from fixedpipe.effects.geometry.vertex_vectors import reflected, refracted
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, panel_width, perspective_view
 from fixedpipe.effects.passes.encoding import colors_of, factor_texels
+from fixedpipe.effects.reflectance.fresnel import fresnel
 
 ROWS, ASPECT = 4, (1, 3)
 EYE, CENTER, FIELD_OF_VIEW = (0.0, 0.35, 2.9), (0.0, -0.09, 0.0), 31.5
@@ -58,6 +59,11 @@ def cells(size):
     ]
 
 
+def segments(edge):
+    """Segments of round things in a cell of ``edge`` pixels: few for the plain-Python specification."""
+    return 12 if edge < 16 else 48 if edge < 80 else 128
+
+
 @lru_cache(maxsize=8)
 def maps(seen, edge, roughness):
     """An environment, directions to colours, as cube maps of floats: as it is, filtered by Phong's lobe, and
@@ -78,8 +84,7 @@ def make_scene(way):
     ):
         columns, edge = cells(size), size // ROWS
         texels = glass.texels(edge)
-        detail = (12 if edge < 16 else 48 if edge < 80 else 128) if detail is None else detail
-        surface = glass.OBJECTS[objects](detail)
+        surface = glass.OBJECTS[objects](segments(edge) if detail is None else detail)
         seen = photograph.panorama if photograph else ENVIRONMENTS[environment]
         sharp, glossy, cosine = maps(seen, texels, roughness)
         light = cube_maps.look_up(cosine, surface.normals) * np.array(diffuse)
@@ -100,6 +105,31 @@ def make_scene(way):
         return tuple(out)
 
     return scene
+
+
+def reference(size, *, indices, roughness, diffuse, environment, photograph, objects, detail, **_):
+    """The equations at each pixel that a ray finds on the objects; no reference beside them."""
+    edge, columns = size // ROWS, cells(size)
+    surface = glass.OBJECTS[objects](segments(edge) if detail is None else detail)
+    seen = photograph.panorama if photograph else ENVIRONMENTS[environment]
+    sharp, glossy, cosine = maps(seen, glass.texels(edge), roughness)
+    normals, eye, there = glass.surface_by_rays(surface, camera(columns[0][0]))
+    normals, eye = normals[there], eye[there]
+    under = cube_maps.look_up(cosine, normals) * np.array(diffuse)
+    mirrored = reflected(eye, normals)
+    out = np.zeros((size, 3 * columns[0][0].width, 4))
+    for number, (panels, index) in enumerate(zip(columns, indices, strict=True)):
+        factor = fresnel(dot(normals, eye), index)[:, None]
+        mirror = factor * cube_maps.look_up(sharp, mirrored)
+        frosted = factor * cube_maps.look_up(glossy, mirrored)
+        if number == 0:
+            through, _ = refracted(eye, normals, 1.0 / index)
+            frosted = frosted + (1.0 - factor) * cube_maps.look_up(glossy, through)
+        rows = mirror, mirror + under, mirror + (1.0 - factor) * under, frosted
+        for panel, colors in zip(panels, rows, strict=True):
+            cell = out[panel.y : panel.y + panel.height, panel.x : panel.x + panel.width]
+            cell[there, :3], cell[there, 3] = colors, 1.0
+    return out[::-1]
 
 
 # ----------------------------------------------------------------------------------------------- checks
@@ -278,9 +308,21 @@ FIGURE = Figure(
     methods=(
         Method("three passes, a cube map", make_scene(glass.CUBE_MAPS), ("GEFORCE_256",)),
         Method(
-            "two units and two passes, a cube map", make_scene(glass.CUBE_MAPS_FOLDED), ("GEFORCE_3", "NV2A")
+            "two units and two passes, a cube map",
+            make_scene(glass.CUBE_MAPS_FOLDED),
+            ("GEFORCE_3", "NV2A", "FUTURE"),
         ),
-        Method("three passes, a sphere map", make_scene(glass.SPHERE_MAPS), ("OPENGL_1_2", "OCTANE")),
+        Method(
+            "three passes, a sphere map",
+            make_scene(glass.SPHERE_MAPS),
+            ("OPENGL_1_2", "OCTANE", "INFINITE_REALITY"),
+        ),
+        Method(
+            "two units and two passes, a sphere map",
+            make_scene(glass.SPHERE_MAPS_FOLDED),
+            ("MULTITEXTURE", "G400"),
+        ),
     ),
     acceptance=checks,
+    reference=reference,
 )

@@ -193,9 +193,10 @@ def checks(figure, renderer):
     yield Check(
         "accumulation's RMS from the ideal over blending's, on the ball",
         lost[1] / lost[0],
-        at_most=0.95,
+        at_most=0.95 if renderer.profile.framebuffers.color_bits[0] == 8 else 1.0,
         on=Answer.MACHINE,
-        reason="products are not rounded to bytes before they are added",
+        reason="products are not rounded to bytes before they are added; where a window has more bits than "
+        "that, bytes in textures are what is lost",
     )
     yield Check(
         "accumulation against blending, steps of a byte",
@@ -233,12 +234,12 @@ FIGURE = Figure(
         Method(
             "a cube map",
             make_scene(_load_cube, fresnel_passes.cube_unit),
-            ("GEFORCE_256", "GEFORCE_3"),
+            ("GEFORCE_256", "GEFORCE_3", "NV2A", "FUTURE"),
         ),
         Method(
             "a sphere map",
             make_scene(_load_sphere, lambda texture, view: fresnel_passes.sphere_unit(texture)),
-            ("OPENGL_1_2", "OCTANE"),
+            ("OPENGL_1_2", "OCTANE", "INFINITE_REALITY"),
         ),
     ),
     acceptance=checks,

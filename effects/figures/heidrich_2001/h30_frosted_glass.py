@@ -21,6 +21,7 @@ from fixedpipe.effects.geometry import cube_maps
 from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.geometry.vertex_vectors import reflected
 from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view, row_of_panels
+from fixedpipe.effects.reflectance.fresnel import fresnel
 
 EYE, FIELD_OF_VIEW = (-0.35, 0.3, -3.1), 46.0
 
@@ -44,6 +45,11 @@ def map_names(roughnesses):
     return [_CLEAR, *(f"map filtered with roughness {roughness:g}" for roughness in roughnesses)]
 
 
+def segments(size):
+    """Segments of round things on a panel of ``size`` pixels: few for the plain-Python specification."""
+    return 16 if size < 64 else 64 if size < 200 else 160
+
+
 @lru_cache(maxsize=8)
 def maps(seen, edge, roughnesses):
     """An environment, directions to colours, as cube maps of floats: as it is, and filtered by Phong's lobe
@@ -60,8 +66,7 @@ def make_scene(way, cubes):
     def scene(profile, size, *, index, roughnesses, environment, photograph, objects, detail, background):
         edge = glass.texels(size)
         seen = photograph.panorama if photograph else ENVIRONMENTS[environment]
-        detail = (16 if size < 64 else 64 if size < 200 else 160) if detail is None else detail
-        surface = glass.OBJECTS[objects](detail)
+        surface = glass.OBJECTS[objects](segments(size) if detail is None else detail)
         named = dict(zip(map_names(roughnesses), maps(seen, edge, tuple(roughnesses)), strict=True))
         panels = row_of_panels(3, size)
         views = [camera(panel) for panel in panels]
@@ -93,6 +98,23 @@ def bent(eye, normals, index):
     across = eye - cosine[:, None] * normals
     inside = across / index
     return -inside - np.sqrt(1.0 - dot(inside, inside))[:, None] * normals
+
+
+def reference(size, *, index, roughnesses, environment, photograph, objects, detail, **_):
+    """The equation at each pixel that a ray finds on the glass; no reference beside it."""
+    surface = glass.OBJECTS[objects](segments(size) if detail is None else detail)
+    panels = row_of_panels(3, size)
+    normals, eye, there = glass.surface_by_rays(surface, camera(panels[0]))
+    normals, eye = normals[there], eye[there]
+    factor = fresnel(dot(normals, eye), index)[:, None]
+    out = np.zeros((size, 3 * size, 4))
+    seen = photograph.panorama if photograph else ENVIRONMENTS[environment]
+    for panel, cube in zip(panels, maps(seen, glass.texels(size), tuple(roughnesses)), strict=True):
+        through = cube_maps.look_up(cube, bent(eye, normals, index))
+        cell = out[:, panel.x : panel.x + size]
+        cell[there, :3] = factor * cube_maps.look_up(cube, reflected(eye, normals)) + (1.0 - factor) * through
+        cell[there, 3] = 1.0
+    return out[::-1]
 
 
 def checks(figure, renderer):
@@ -186,13 +208,19 @@ FIGURE = Figure(
         Method(
             "two units and two passes, a cube map",
             make_scene(glass.CUBE_MAPS_FOLDED, True),
-            ("GEFORCE_3", "NV2A"),
+            ("GEFORCE_3", "NV2A", "FUTURE"),
         ),
         Method(
             "three passes, a sphere map and a disc",
             make_scene(glass.SPHERE_MAPS, False),
-            ("OPENGL_1_2", "OCTANE"),
+            ("OPENGL_1_2", "OCTANE", "INFINITE_REALITY"),
+        ),
+        Method(
+            "two units and two passes, a sphere map and a disc",
+            make_scene(glass.SPHERE_MAPS_FOLDED, False),
+            ("MULTITEXTURE", "G400"),
         ),
     ),
     acceptance=checks,
+    reference=reference,
 )

@@ -170,19 +170,19 @@ FIGURE = Figure(
         ),
         "colors": word.of(_SHARES, tuple(color for _, color in LIGHTS), "The lights' colours.", word.FULL),
         "diffuse": word.DIFFUSE((0.16, 0.19, 0.24)),
-        "k_s": word.SHARE(0.9, "What highlights are multiplied by."),
+        "k_s": word.SHARE(0.7, "What highlights are multiplied by."),
         "background": word.BACKDROP(BACKGROUND),
     },
     methods=(
         Method(
             "a cube map of the host's",
             make_scene(_cube_loading, fresnel_passes.cube_unit),
-            ("GEFORCE_256", "GEFORCE_3"),
+            ("GEFORCE_256", "GEFORCE_3", "NV2A", "FUTURE"),
         ),
         Method(
             "a sphere map drawn in the window",
             make_scene(_sphere_loading, lambda texture, view: fresnel_passes.sphere_unit(texture)),
-            ("OPENGL_1_2", "OCTANE"),
+            ("OPENGL_1_2", "OCTANE", "INFINITE_REALITY"),
         ),
     ),
     acceptance=checks,

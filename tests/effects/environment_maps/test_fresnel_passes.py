@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from fixedpipe.effects.environment_maps import fresnel_passes, reflections, refracted_light
+from fixedpipe.effects.figures import FIGURES
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.views import Panel, perspective_view
 from fixedpipe.pipeline.execution.machine import execute
-from fixedpipe.pipeline.profiles import GEFORCE_256
+from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL
 
 SIZE = 48
 
@@ -74,3 +75,16 @@ def test_indices_that_are_none_are_refused(index):
     if index != float("inf"):
         with pytest.raises(ValueError, match="give numbers above 0"):
             fresnel_passes.load_table("F", index, GEFORCE_256)
+
+
+@pytest.mark.parametrize(("figure", "size", "bound"), [("F000-5", 192, 0.04), ("H30", 64, 0.04)])
+def test_references_are_what_the_ideal_draws(figure, size, bound):
+    """Rays and equations at each pixel, the same way up and the same way round as the passes' picture."""
+    drawn = FIGURES[figure].render(IDEAL, size, detail=96, environment="white", objects="ball")
+    ours = drawn.reference
+    there = ours[..., 3] > 0.0
+    assert there.mean() > 0.1
+    assert np.abs(np.clip(drawn.ideal.color, 0.0, 1.0) - np.clip(ours, 0.0, 1.0))[there][:, :3].mean() < 0.01
+    room = FIGURES[figure].render(IDEAL, size, detail=96, objects="ball")
+    error = np.clip(room.ideal.color, 0.0, 1.0) - np.clip(room.reference, 0.0, 1.0)
+    assert np.sqrt((error[there][:, :3] ** 2).mean()) < bound

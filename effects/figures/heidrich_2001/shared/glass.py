@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.ray_caster import primary_rays
+from fixedpipe.effects.acceptance.ray_caster import RayCaster, primary_rays
 from fixedpipe.effects.environment_maps import (
     environments,
     fresnel_passes,
@@ -93,6 +93,7 @@ CUBE_MAPS_FOLDED = Way(
     _load_cubes, fresnel_passes.cube_unit, _through_cube, fresnel_passes.folded_mirror_pass
 )
 SPHERE_MAPS = Way(_load_spheres, _by_sphere, _through_disc, fresnel_passes.mirror_passes)
+SPHERE_MAPS_FOLDED = Way(_load_spheres, _by_sphere, _through_disc, fresnel_passes.folded_mirror_pass)
 
 
 def texels(edge, most=256):
@@ -106,6 +107,21 @@ def by_polarizations(cosine, index):
     across = (cosine - index * inside) / (cosine + index * inside)
     along = (index * cosine - inside) / (index * cosine + inside)
     return 0.5 * (across * across + along * along)
+
+
+def surface_by_rays(surface, view):
+    """A surface at the pixels' centres, its normals interpolated in its triangles: unit normals and vectors
+    to the eye, float64 [height, width, 3], zero where it is not, and where it is: bool [height, width].
+    """
+    origins, along = primary_rays(view)
+    hits = RayCaster(surface.positions[surface.triangles]).nearest(origins, along, 1.0)
+    seen = hits.triangle >= 0
+    corners, weights = surface.triangles[hits.triangle[seen]], hits.barycentrics[seen]
+    normals, eye = np.zeros((2, *along.shape))
+    normals[seen] = normalize((surface.normals[corners] * weights[..., None]).sum(axis=1))
+    eye[seen] = normalize(-along[seen])
+    shape = (view.panel.height, view.panel.width)
+    return normals.reshape(*shape, 3), eye.reshape(*shape, 3), seen.reshape(shape)
 
 
 def ball_by_rays(view):
