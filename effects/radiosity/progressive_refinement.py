@@ -117,7 +117,7 @@ class _Room:
     factors: dict = field(default_factory=dict)
 
     def __post_init__(self):
-        parts = []
+        lists = []
         self.senders, count, patches = [], 0, 0
         for rectangle in self.rectangles:
             (columns, rows), (across, up) = rectangle.elements, rectangle.patches
@@ -125,7 +125,7 @@ class _Room:
             each = np.arange(rows)[:, None] // (rows // up) * across + np.arange(columns) // (
                 columns // across
             )
-            parts.append(
+            lists.append(
                 (
                     rectangle.centers().reshape(-1, 3),
                     np.broadcast_to(rectangle.normal, (number, 3)),
@@ -141,7 +141,7 @@ class _Room:
                     edges = rectangle.across / across, rectangle.up / up
                     self.senders.append(((corner, *edges), max(columns // across, rows // up)))
             count, patches = count + number, patches + across * up
-        joined = (np.concatenate(part) for part in zip(*parts, strict=True))
+        joined = (np.concatenate(part) for part in zip(*lists, strict=True))
         self.places, self.normals, self.areas, self.reflectance, self.emission, self.patch = joined
         above = self.places + _ABOVE * self.normals
         for thing in self.things:
@@ -174,14 +174,17 @@ def solve(rectangles, things=(), *, parts=2, rest=0.002, most=_MOST_STEPS):
     rest        the part of the emitted power that may stay unsent
     most        steps at most: 1 and more; few show direct light alone
 
-    Raises ValueError where nothing shines, for names given twice, and where a room would take more than
-    ``most`` steps of its own account.
+    Raises ValueError where nothing shines, for names given twice, for numbers that are none, and where more
+    than ``rest`` is unsent after 20,000 steps.
     """
     names = [rectangle.name for rectangle in rectangles]
     if len(set(names)) < len(names):
         raise ValueError(f"Rectangles of a room have names of their own; these are {', '.join(names)}.")
     if not 0.0 < rest < 1.0:
         raise ValueError(f"The part that stays unsent is {rest!r}; give a number between 0 and 1.")
+    for value, what in ((parts, "parts of a patch's edge"), (most, "steps")):
+        if isinstance(value, bool) or int(value) != value or value < 1:
+            raise ValueError(f"The number of {what} is {value!r}; give a whole number from 1 on.")
     room = _Room(tuple(rectangles), parts, tuple(things))
     areas = room.areas[:, None]
     unsent, received = room.emission.copy(), np.zeros_like(room.emission)

@@ -114,6 +114,8 @@ def test_light_maps_are_seen_where_they_are():
     [
         (lambda: solve(cube(0.5, 0.0)), "Nothing in the room shines"),
         (lambda: solve(cube(0.5, 1.0), rest=0.0), "a number between 0 and 1"),
+        (lambda: solve(cube(0.5, 1.0), parts=0), "a whole number from 1 on"),
+        (lambda: solve(cube(0.5, 1.0), most=0), "a whole number from 1 on"),
         (lambda: solve(cube(0.5, 1.0) * 2), "names of their own"),
         (lambda: cube(1.0, 1.0), "from 0 to below 1"),
         (lambda: cube(0.5, math.nan), "NaN"),
