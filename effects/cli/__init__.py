@@ -15,6 +15,7 @@ _COMMANDS = (
     "print",
     "animate",
     "bump",
+    "material",
     "shadows",
     "volume",
     "brdf",
@@ -39,6 +40,8 @@ What to do next:
   fixedpipe animate F004-4      a figure that moves: its light, its camera, its bits, as a lossless animation
   fixedpipe bump sample:gravel --mesh torus --material gold --light 1,2,3 --out gravel.png
                                 bump-map a mesh with a photograph
+  fixedpipe material ward --mesh teapot --color 1,0.8,0.38 --environment room --out gold.png
+                                draw a mesh with any reflectance: a model, a MERL table, a simulated one
   fixedpipe shadows MESH.obj --algorithm z-fail --out shadows.png
                                 throw a mesh's shadow by an algorithm of the time, and compare it with rays
   fixedpipe volume sample:engine --out engine.png

@@ -1,0 +1,162 @@
+"""``fixedpipe material``: a mesh of any reflectance, under lights or in an environment."""
+
+import click
+
+from fixedpipe.effects.cli.options import (
+    profile_option,
+    refuse_beside,
+    refuse_ignored,
+    threads_option,
+    three_numbers,
+)
+
+
+@click.command(short_help="Draw a mesh with any reflectance.")
+@click.argument("reflectance", required=False, metavar="[NAME or FILE]")
+@click.option("--list", "listing", is_flag=True, help="Names of reflectances with their parameters, and end.")
+@click.option(
+    "--set",
+    "settings",
+    metavar="NAME=VALUE",
+    multiple=True,
+    help="Another value of the reflectance's parameter, as alpha_x=0.15; --list names them.",
+)
+@click.option(
+    "--mesh",
+    "mesh_name",
+    metavar="NAME",
+    default="sphere",
+    show_default=True,
+    help="plane, sphere, torus, teapot, or an OBJ or PLY file.",
+)
+@click.option(
+    "--terms",
+    type=click.IntRange(1, 8),
+    metavar="N",
+    help="Separable products that are added. Without it the best way: two, or one homomorphic product.",
+)
+@click.option(
+    "--color",
+    metavar="R,G,B",
+    default="1,1,1",
+    show_default=True,
+    help="By what the reflectance is multiplied, 0 to 1.",
+)
+@click.option(
+    "--light",
+    "lights",
+    metavar="X,Y,Z",
+    multiple=True,
+    help="Direction to a light of one; may be repeated. Without any -1,1,1.",
+)
+@click.option(
+    "--environment",
+    metavar="NAME",
+    help="room, or a panorama or light probe: .hdr, .exr, PNG, TIFF, JPEG or NPY. In place of --light.",
+)
+@click.option(
+    "--lights",
+    "count",
+    type=click.IntRange(1, 64),
+    metavar="N",
+    default=32,
+    show_default=True,
+    help="As how many lights the environment shines.",
+)
+@profile_option
+@click.option("--out", metavar="FILE.png", help="The picture.")
+@click.option(
+    "--size", type=click.IntRange(min=1), metavar="N", default=512, show_default=True, help="Pixels an edge."
+)
+@click.option(
+    "--exposure",
+    type=float,
+    metavar="E",
+    help="What all light is multiplied by. Without it 1, or less for an environment of high range.",
+)
+@threads_option
+def material(
+    reflectance, listing, settings, mesh_name, terms, color, lights, environment, count, profile, out, size,
+    exposure, threads,
+):  # fmt: skip
+    """Draw a mesh with any reflectance, on any machine, by products of textures.
+
+    NAME is one of --list. FILE is a MERL table (.binary), or an NPZ file of fixedpipe brdf. The table of all
+    its lights and views becomes products of maps of directions; how well, the error says.
+
+    An environment becomes directional lights, each a set of passes whose pictures are added, and stands
+    behind the mesh. +x is right, +y up, +z towards you. IDEAL draws without rounding.
+    """
+    from fixedpipe.effects.bump_mapping.tangent_space import examine_surface
+    from fixedpipe.effects.cli.compiling import announce_compiling
+    from fixedpipe.effects.cli.refusal import check_size
+    from fixedpipe.effects.refusal import Refusal, choose, refusals
+    from fixedpipe.effects.reports.files import writable_picture, write_whole
+    from fixedpipe.effects.user_pictures import shown_material
+    from fixedpipe.effects.user_pictures.drawing import drawn
+    from fixedpipe.effects.user_pictures.inputs import read_mesh
+    from fixedpipe.pipeline.framebuffers.pictures import png
+    from fixedpipe.pipeline.profiles import PROFILES
+
+    context = click.get_current_context()
+    if listing:
+        refuse_beside(context, "--list")
+        click.echo(shown_material.listed())
+        return
+    if reflectance is None:
+        raise Refusal("No reflectance is given; give a name of fixedpipe material --list, or a file.")
+    if out is None:
+        raise Refusal("No file is given for the picture; give --out FILE.png.")
+    machine = choose("profile", profile, PROFILES)
+    if environment is None:
+        refuse_ignored(context, ("count",), "they are of an --environment; leave it out, or give one")
+    else:
+        refuse_ignored(context, ("lights",), "the --environment gives the light; leave one of the two out")
+    inputs = [each for each in (reflectance, mesh_name, environment) if each is not None]
+    path = writable_picture(out, tuple(inputs))
+    check_size("The picture", (size, size), machine)
+    tint = three_numbers(color, "The colour", "1,0.8,0.4")
+    towards = [three_numbers(each, "The light's direction") for each in lights or ("-1,1,1",)]
+    with refusals():
+        shown_material.check_machine(machine)
+        brdf = shown_material.reflectance(reflectance, _settings(settings))
+        is_file = mesh_name.lower().endswith((".obj", ".ply"))
+        surface = read_mesh(mesh_name) if is_file else shown_material.mesh(mesh_name)
+        if is_file and not (report := examine_surface(surface)).clean:
+            click.echo(f"{mesh_name}: {report.text()}", err=True)
+        if environment is None:
+            lighting = shown_material.directional(towards, exposure)
+        else:
+            lighting = shown_material.environment(environment, count, exposure)
+        shown_material.check_picture(lighting, machine, size, size, tint)
+        announce_compiling()
+        found = shown_material.factored(brdf, terms)
+        frame = shown_material.commands(found, surface, lighting, machine, size, size, color=tint)
+        drawing = drawn(frame, machine, size, size, threads)
+    write_whole(path, png(drawing.image))
+    if drawing.dropped:
+        click.echo(f"{drawing.dropped} triangles were left out: the camera is inside them.", err=True)
+    shining = len(lighting.directions)
+    click.echo(
+        f"{reflectance}: {found.way.value}, {shown_material.products_of(found)}; RMS error of the factors "
+        f"{found.error:.3g} of the reflectance's"
+    )
+    click.echo(
+        f"{path}: {shown_material.way_of(machine)}; {shining} light{'s' * (shining > 1)}, exposure "
+        f"{lighting.exposure:.4g}, {shown_material.passes_of(frame)} passes, {drawing.summary}"
+    )
+
+
+def _settings(settings):
+    """The texts of --set by name. Raises Refusal."""
+    from fixedpipe.effects.refusal import Refusal
+
+    found = {}
+    for setting in settings:
+        name, equals, text = (part.strip() for part in setting.partition("="))
+        if not (name and equals):
+            raise Refusal(f"--set is {setting!r}; give NAME=VALUE, as alpha_x=0.15.")
+        if name in found:
+            raise Refusal(f"--set names {name} twice; give it once.")
+        found[name] = text
+    return found
