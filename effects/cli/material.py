@@ -59,9 +59,9 @@ from fixedpipe.effects.cli.options import (
     "count",
     type=click.IntRange(1, 64),
     metavar="N",
-    default=32,
+    default=16,
     show_default=True,
-    help="As how many lights the environment shines.",
+    help="As how many lights the environment shines; each is rounded to bytes.",
 )
 @profile_option
 @click.option("--out", metavar="FILE.png", help="The picture.")
