@@ -1,12 +1,14 @@
-"""H02 to H06 and H10: Torrance-Sparrow's model as two tables, multiplied by two texture units or by blending.
+"""H02 to H06, H09 and H10: Torrance-Sparrow's model as two tables, multiplied by units or by
+blending.
 
     F(cos theta) D(cos delta)                    over l.h and n.h
     G(cos alpha, cos beta) / (c pi cos beta)     over n.l and n.v
 
 The vertices' colour is light times k_s. With two units the product takes one pass (H02); with one it takes
-two, the second multiplied by blending (H03). Diffuse light is a pass more (H04). The tables' coordinates are
-computed at the vertices, by the host or a vertex program (H05), or made by two texture matrices of the
-normal, where light and viewer are far away (H06).
+two, the second multiplied by blending (H03). Diffuse light is a pass more, or a third unit's (H04). The
+tables' coordinates are computed at the vertices, by the host or a vertex program (H05), or made by two
+texture matrices of the normal, where light and viewer are far away (H06). Schlick's approximations may stand
+for all three functions (H09).
 
 G / (pi cos beta) exceeds one where the view grazes, the more the smoother the surface, and a table of bytes
 clamps it (artefact P1). Divided by c it does not, and the picture is multiplied back (H10): by a combiner's
@@ -16,8 +18,8 @@ buffer.
 A table's first and last texels' centres are cosines of zero and one (``placed``), and zero is zero: what is
 turned away from the light or the viewer reads the first column or row, which is black (erratum E000.2).
 
-Source: Heidrich 2001, section 1.1, Eq. 1 to 3 (pass sequences A-H02 to A-H06, A-H10 of the catalogue; errata
-E000.1, E000.2).
+Source: Heidrich 2001, section 1.1, Eq. 1 to 3; Schlick 1994 (pass sequences A-H02 to A-H06, A-H10 of the
+catalogue; errata E000.1, E000.2).
 """
 
 import math
@@ -48,28 +50,30 @@ from fixedpipe.effects.passes.draws import (
     draw,
     unit,
 )
-from fixedpipe.effects.reflectance import microfacets
+from fixedpipe.effects.passes.encoding import factor_texels
+from fixedpipe.effects.reflectance import brdfs, microfacets
 from fixedpipe.effects.reflectance.brdfs import half_vector
 from fixedpipe.effects.reflectance.fresnel import fresnel
 from fixedpipe.effects.reflectance.phong_tables import placed, placing
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import Accum, TexImage
-from fixedpipe.pipeline.enums import AccumOperation, BlendFactor, InternalFormat
-from fixedpipe.pipeline.state import Blending
+from fixedpipe.pipeline.enums import AccumOperation, BlendFactor, InternalFormat, TextureEnvironmentMode
+from fixedpipe.pipeline.state import Blending, TextureEnvironment
 from fixedpipe.pipeline.textures.images import texture_2d
 
 TECHNIQUES = (
     Technique("H02", "Torrance-Sparrow as two tables, multiplied by two texture units", "1.1"),
     Technique("H03", "the same with one texture unit, multiplied by blending", "1.1"),
-    Technique("H04", "the diffuse term as a pass of hardware lighting", "1.1"),
+    Technique("H04", "the diffuse term as a pass of hardware lighting, or on a third unit", "1.1"),
     Technique("H05", "the tables' coordinates computed at the vertices", "1.1"),
     Technique("H06", "the tables' coordinates made by texture matrices of the normal", "1.1"),
+    Technique("H09", "Schlick's approximations as the tables' factors", "1.1"),
     Technique("H10", "a table divided by c against the clamp at one, and its picture multiplied by c", "1.1"),
 )
 
 # Texels along either axis. Source: A-H02.
 TEXELS = 256
-FACETS, OBSTRUCTION = "F D", "G / (c pi cos beta)"
+FACETS, OBSTRUCTION, DIFFUSE = "F D", "G / (c pi cos beta)", "k_d (n.l)+"
 # DST_COLOR, ONE with white: what the framebuffer holds, added to itself.
 DOUBLE = Blending(BlendFactor.DST_COLOR, BlendFactor.ONE)
 
@@ -90,17 +94,44 @@ class Remedy(Enum):
     ACCUMULATION = "accumulation buffer"
 
 
+class Factors(Enum):
+    """Whose functions the tables hold."""
+
+    TORRANCE_SPARROW = "Torrance, Sparrow and Smith"
+    SCHLICK = "Schlick"
+
+
 def facets(light_half, normal_half, roughness, index, distribution="gaussian heights"):
     """F D of l.h and n.h: float64, 0 to 1; ``distribution``: of ``microfacets.DISTRIBUTIONS``."""
     facet = one_of(tuple(microfacets.DISTRIBUTIONS), distribution, "The distribution of facets")
     return fresnel(light_half, index) * microfacets.DISTRIBUTIONS[facet](normal_half, roughness)
 
 
+def schlick_facets(light_half, normal_half, roughness, index):
+    """Schlick's approximations of both: F by the fifth power, and Z over its largest value. float64, 0 to 1.
+
+    Assumed: his r is m^2, with which Z falls about as fast near its middle.
+    """
+    r = roughness * roughness
+    normal = fresnel(1.0, index)
+    return brdfs.schlick_fresnel(light_half, normal) * (r * brdfs.schlick_z(normal_half, r))
+
+
+def _over_view(value, view_cosine):
+    seen = np.asarray(view_cosine, np.float64)
+    return np.where(seen > 0.0, value / (np.pi * np.where(seen > 0.0, seen, 1.0)), 0.0)
+
+
 def obstruction(light_cosine, view_cosine, sigma):
     """G / (pi cos beta) of n.l and n.v: float64, from 0, above one where the view grazes; zero at zero."""
-    seen = np.asarray(view_cosine, np.float64)
-    value = microfacets.smith(light_cosine, seen, sigma) / (np.pi * np.where(seen > 0.0, seen, 1.0))
-    return np.where(seen > 0.0, value, 0.0)
+    return _over_view(microfacets.smith(light_cosine, view_cosine, sigma), view_cosine)
+
+
+def schlick_obstruction(light_cosine, view_cosine, roughness):
+    """The same by Schlick's approximation of G, with r = m^2."""
+    r = roughness * roughness
+    lit, seen = (np.maximum(0.0, np.asarray(c, np.float64)) for c in (light_cosine, view_cosine))
+    return _over_view(brdfs.schlick_g(lit, r) * brdfs.schlick_g(seen, r), seen)
 
 
 def _table(label, texture, function, texels, profile):
@@ -114,12 +145,16 @@ def _table(label, texture, function, texels, profile):
     )
 
 
-def load(profile, roughness, index, *, divisor=1.0, distribution="gaussian heights", texels=TEXELS, name=""):
+def load(
+    profile, roughness, index, *,
+    divisor=1.0, distribution="gaussian heights", factors=Factors.TORRANCE_SPARROW, texels=TEXELS, name="",
+):  # fmt: skip
     """The two commands that load the tables ``name`` + FACETS and ``name`` + OBSTRUCTION.
 
     roughness  m of the distribution; Smith's sigma is m / sqrt(2)
     index      of refraction
     divisor    c of the second table, from 1; what exceeds one is clamped, but for an exact profile
+    factors    SCHLICK: his approximations of all three; it has a distribution of its own
     texels     of either axis, a power of two
 
     Raises ValueError for a roughness or a divisor that is none.
@@ -130,12 +165,31 @@ def load(profile, roughness, index, *, divisor=1.0, distribution="gaussian heigh
                 f"{what} is {value!r}; give a finite number {'above 0' if least == 0 else 'from 1 on'}."
             )
     sigma = roughness / math.sqrt(2.0)
+    first, second = {
+        Factors.TORRANCE_SPARROW: (
+            lambda s, t: facets(s, t, roughness, index, distribution),
+            lambda s, t: obstruction(s, t, sigma),
+        ),
+        Factors.SCHLICK: (
+            lambda s, t: schlick_facets(s, t, roughness, index),
+            lambda s, t: schlick_obstruction(s, t, roughness),
+        ),
+    }[member_of(Factors, factors, "The factors")]
     return (
-        _table(f"load {name}{FACETS}", name + FACETS,
-               lambda s, t: facets(s, t, roughness, index, distribution), texels, profile),
+        _table(f"load {name}{FACETS}", name + FACETS, first, texels, profile),
         _table(f"load {name}G / ({divisor:g} pi cos beta)", name + OBSTRUCTION,
-               lambda s, t: obstruction(s, t, sigma) / divisor, texels, profile),
+               lambda s, t: second(s, t) / divisor, texels, profile),
     )  # fmt: skip
+
+
+def load_diffuse(profile, color, *, texels=TEXELS, name=""):
+    """The command that loads ``name`` + DIFFUSE, k_d (n.l)+ over the second table's coordinates."""
+    at = np.arange(texels) / (texels - 1.0)
+    values = np.broadcast_to(at[None, :, None] * np.asarray(color, np.float64), (texels, texels, 3))
+    texture = name + DIFFUSE
+    return TexImage(
+        label=f"load {texture}", texture=texture, image=texture_2d(factor_texels(values, profile))
+    )
 
 
 def vertex_coordinates(surface, view, light, texels=TEXELS):
@@ -183,13 +237,13 @@ def passes(
     """The product of both tables times a colour: one pass on two units, or two passes on one.
 
     color  RGB in [0, 1], k_s times the light
-    units  2 or 1
+    units  2 or 1; or 3, where the third adds ``load_diffuse``'s table in the same pass
     scale  by register combiners, 1, 2 or 4: with it both units are read by a program (H10)
     name   as the tables were loaded
 
     Raises ValueError for other numbers.
     """
-    count = one_of((1, 2), units, "The number of texture units")
+    count = one_of((1, 2, 3), units, "The number of texture units")
     (first, second), (turn_first, turn_second) = _sources(surface, view, light, coordinates, texels)
     colors = np.broadcast_to(np.asarray(color, np.float64), (len(surface.positions), 3))
     if scale != 1:
@@ -205,12 +259,14 @@ def passes(
         )
         return (draw(f"F D times G, times {scale}", mesh, view, combiners, both, depth_test=FIRST_PASS),)
     facet_unit = unit(name + FACETS, EDGE, environment=MODULATE, **turn_first)
-    if count == 2:
+    if count > 1:
         mesh = surface.mesh(first, second, colors=colors)
-        other = unit(name + OBSTRUCTION, EDGE, coordinates=1, environment=MODULATE, **turn_second)
-        return (
-            draw("F D times G / (pi cos beta)", mesh, view, None, (facet_unit, other), depth_test=FIRST_PASS),
-        )
+        more = [unit(name + OBSTRUCTION, EDGE, coordinates=1, environment=MODULATE, **turn_second)]
+        if count == 3:
+            add = TextureEnvironment(TextureEnvironmentMode.ADD)
+            more.append(unit(name + DIFFUSE, EDGE, coordinates=1, environment=add, **turn_second))
+        label = "F D times G / (pi cos beta)" + ", plus k_d (n.l)+" * (count == 3)
+        return (draw(label, mesh, view, None, (facet_unit, *more), depth_test=FIRST_PASS),)
     other = unit(name + OBSTRUCTION, EDGE, environment=REPLACE, **turn_second)
     return (
         draw("F D", surface.mesh(first, colors=colors), view, None, (facet_unit,), depth_test=FIRST_PASS),

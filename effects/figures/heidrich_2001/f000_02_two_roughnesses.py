@@ -16,9 +16,10 @@ from fixedpipe.effects.geometry.vectors import dot, normalize, unit_vector
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
 from fixedpipe.effects.reflectance import torrance_sparrow_passes as tables
 from fixedpipe.effects.reflectance.anisotropic_tables import diffuse_pass
+from fixedpipe.effects.reflectance.brdfs import BRDFS, Frame
 from fixedpipe.effects.reflectance.fresnel import fresnel
 from fixedpipe.effects.reflectance.microfacets import smith, torrance_sparrow
-from fixedpipe.effects.reflectance.torrance_sparrow_passes import Coordinates
+from fixedpipe.effects.reflectance.torrance_sparrow_passes import Coordinates, Factors
 
 RADIUS, TUBE = 0.62, 0.3
 _VIEWER = np.array([0.0, 0.0, 1.0])
@@ -38,7 +39,7 @@ def make_scene(units):
     def scene(
         profile, size, *,
         light, first_roughness, second_roughness, index, specular, diffuse,
-        tilt, quads, coordinates, background,
+        tilt, quads, coordinates, factors, background,
     ):  # fmt: skip
         """A torus of each roughness: the tables' product, and the diffuse light."""
         panels, lamp = row_of_panels(2, size), Light(light)
@@ -48,7 +49,7 @@ def make_scene(units):
             panels, (first_roughness, second_roughness), ("smooth ", "rough "), strict=True
         ):
             view = orthographic_view(panel)
-            out += tables.load(profile, roughness, index, name=name)
+            out += tables.load(profile, roughness, index, factors=factors, name=name)
             out += tables.passes(body, view, lamp, specular, units=units, coordinates=coordinates, name=name)
             out.append(diffuse_pass(body, view, lamp, diffuse))
         return tuple(out)
@@ -149,6 +150,17 @@ def checks(figure, renderer):
                 reason="the catalogue's bound, for 200 x 200 polygons")  # fmt: skip
     yield Check("20 x 20 polygons: RMS over that", root_mean_square(coarse) / fine, at_least=5.0,
                 on=Answer.IDEAL, reason="the catalogue's bound")  # fmt: skip
+    schlick = renderer.window(Answer.IDEAL, figure, _SIZE, **_BRIGHT, factors=Factors.SCHLICK)[:, :_SIZE, 0]
+    r, toward_light = roughnesses[0] ** 2, unit_vector(values["light"], "The light's direction")
+    # The model's row with k_s as F at the normal; tables keep Z over its largest value, 1/r, and pi for 4 pi.
+    model = 4.0 * r * BRDFS["schlick"].radiance(
+        np.broadcast_to(toward_light, normals.shape), np.broadcast_to(_VIEWER, normals.shape),
+        Frame(normals, np.zeros(3), np.zeros(3)),
+        roughness=r, isotropy=1.0, specular=float(fresnel(1.0, values["index"])),
+    )  # fmt: skip
+    error = root_mean_square(schlick[covered][inside] - model[inside])
+    yield Check("Schlick's factors: RMS from his model at every pixel", error, at_most=0.003, on=Answer.IDEAL,
+                reason="as Torrance and Sparrow's: cosines are interpolated")  # fmt: skip
     by_matrix = renderer.window(Answer.IDEAL, figure, _SIZE, coordinates=Coordinates.TEXTURE_MATRIX)[..., :3]
     by_vertex = renderer.window(Answer.IDEAL, figure, _SIZE)[..., :3]
     yield Check("texture matrix beside vertices: most", float(np.abs(by_matrix - by_vertex).max()),
@@ -171,7 +183,7 @@ FIGURE = Figure(
     ),
     must_see="Left: a narrow, sharp highlight that runs along the ring. Right: a broad one.",
     source="Heidrich2001",
-    techniques=("H02", "H03", "H04", "H05", "H06", "H07", "H08"),
+    techniques=("H02", "H03", "H04", "H05", "H06", "H07", "H08", "H09"),
     panels=("roughness 0.15", "roughness 0.35"),
     size=512,
     parameters={
@@ -189,6 +201,9 @@ FIGURE = Figure(
         "quads": word.of(word.Whole(16, 400), 200, "Polygons round the axis, and round the tube."),
         "coordinates": word.of(
             word.of_enum(*Coordinates), Coordinates.VERTICES, "Who makes the tables' coordinates."
+        ),
+        "factors": word.of(
+            word.of_enum(*Factors), Factors.TORRANCE_SPARROW, "Whose functions the tables hold."
         ),
         "background": word.BACKDROP(BACKGROUND),
     },
