@@ -60,8 +60,9 @@ def test_a_third_unit_adds_diffuse_light_in_the_same_pass():
         for frame in (one, two)
     ]
     assert len(one) == 1 and pictures[0].max() > 120
-    # 4: lighting clamps at the vertices, so beside its edge it has up to 0.4 D / 4 more, 1.7 of 255; rounding.
-    assert np.abs(pictures[0] - pictures[1]).max() <= 4
+    apart = np.abs(pictures[0] - pictures[1]).max(axis=-1)
+    # At the outline two triangles may have one depth, and the later pass is added twice.
+    assert (apart > 1).sum() <= 2
 
 
 def test_the_first_row_and_column_of_the_second_table_are_black():
