@@ -33,7 +33,6 @@ from fixedpipe.effects.scenes.teapot import teapot
 from fixedpipe.effects.user_pictures import factored_brdf, probes
 from fixedpipe.effects.user_pictures.bumped_mesh import fitted
 from fixedpipe.effects.user_pictures.factored_brdf import Factored, Way
-from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.profiles import PROFILES
 from fixedpipe.pipeline.validation.validate import validate
 
@@ -290,7 +289,7 @@ def commands(found, surface, lighting, profile, width, height, *, color=(1.0, 1.
 
 def passes_of(frame):
     """How many draws of the mesh and of the backdrop a frame has."""
-    return sum(isinstance(command, Draw) for command in frame)
+    return sum(hasattr(command, "mesh") for command in frame)
 
 
 def products_of(found):
