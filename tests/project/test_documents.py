@@ -54,6 +54,7 @@ GIVEN = {
         "0.05": "sigma and m of studies P1 and P3, as are the next two",
         "0.1": "",
         "0.4": "",
+        "1.2": "a section of the paper",
         "71.5": "degrees of study P1, which docs/studies.md has",
         "15.7": "percents of study P2, as is the next one",
         "1.1": "",
