@@ -118,7 +118,7 @@ PACKAGES = {
         "effects": "geometry passes acceptance",
     },
     "effects/user_pictures": {
-        "pipeline": "enums commands profiles validation execution ideal",
+        "pipeline": "enums profiles validation execution ideal",
         "effects": (
             "refusal geometry passes scenes bump_mapping reflectance environment_maps shadows volumes "
             "scattering acceptance"
