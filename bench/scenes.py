@@ -49,6 +49,7 @@ CLEAR_COLOR = (0.1, 0.15, 0.2, 1.0)
 
 
 _LINEAR = Sampler(min_filter=TextureFilter.LINEAR, mag_filter=TextureFilter.LINEAR)
+_EDGE = replace(_LINEAR, wrap_s=WrapMode.CLAMP_TO_EDGE, wrap_t=WrapMode.CLAMP_TO_EDGE)
 _TRILINEAR = replace(_LINEAR, min_filter=TextureFilter.LINEAR_MIPMAP_LINEAR)
 _COMPARING = replace(
     _LINEAR,
@@ -261,6 +262,28 @@ def _shadowed(mesh):
     return lambda size: Draw(label="shadow", mesh=mesh(), state=state)
 
 
+def _reflecting(size):
+    """Figure F000-2's torus of 200 x 200 quads: both tables in one pass, coordinates at the vertices."""
+    from fixedpipe.effects.geometry.matrices import rotation
+    from fixedpipe.effects.geometry.surfaces import torus as surface
+    from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view
+    from fixedpipe.effects.reflectance.torrance_sparrow_passes import vertex_coordinates
+
+    view, light = orthographic_view(Panel(0, 0, size, size)), Light((-0.45, 0.6, 0.75))
+    body = surface(200, 200, 0.62, 0.3).rotated(rotation("x", 55.0))
+    mesh = body.mesh(
+        *vertex_coordinates(body, view, light), colors=((1.0, 0.88, 0.62, 1.0),) * len(body.normals)
+    )
+    state = PassState(
+        vertex=VertexState(view.modelview, view.projection),
+        texture_units=tuple(
+            TextureUnit(name, _EDGE, coordinates=k) for k, name in enumerate(("F D", "G / (pi cos beta)"))
+        ),
+        depth_test=DepthTest(),
+    )
+    return Draw(label="Torrance-Sparrow", mesh=mesh, state=state)
+
+
 _ONE, _TWO = ("MODULATE",), ("DOT3", "MODULATE")
 _TORUS = {
     "size": 512,
@@ -281,6 +304,7 @@ _SHADOW_VIEW = {**_SHADOW, "layers": 1, "covers": False, "outside": 0.001}
 #     (2 + 1 + 4 + 1) * 1.74 = 14; one each for the second texture and the product: 16
 # e   vertices snap to 1/16 pixel here and to 1/256 there, so edges shift, and texels where the texture is
 #     minified: a share of the pixels (Measured: 0.28 % at 512 x 512, less when larger) may exceed 32
+# t   as e: vertices snap, and highlights move with them
 # f3  b's 4; and the floor shifts by up to 1/16 pixel, which is 0.02 of the map's texels where a shadow's edge
 #     lies, times 255: 5 more
 # f2  f3's, but along the balls' edges and where a ball's own shadow begins: a share of the pixels (Measured:
@@ -301,6 +325,9 @@ SCENES = {
         Scene("f2", "shadow-mapped view", _shadowed(shadow.balls_on_floor), _ONE, 9, **_SHADOW_VIEW),
         Scene("f3", "shadow comparison, floor only", _shadowed(shadow.floor), _ONE, 9, **_SHADOW),
         Scene("g", "stencil increments", _counted, (), 0, layers=100, picture_layers=100, goal=2.0),
+        Scene(
+            "t", "torus by two tables (F000-2)", cache(_reflecting), ("MODULATE", "MODULATE"), 32, **_TORUS
+        ),
         Scene("h", "trilinear minification", _minified, _ONE, 8, goal=2.0, aim=200),
     )
 }

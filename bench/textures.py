@@ -40,10 +40,22 @@ def normal_texture(n=512):
     return texture_2d(image)
 
 
+@cache
+def torrance_sparrow_table(number):
+    """RGBA8 of one of the two tables of Torrance and Sparrow's model (figure F000-2, roughness 0.35)."""
+    from fixedpipe.effects.reflectance import torrance_sparrow_passes
+    from fixedpipe.pipeline.profiles import GEFORCE_256
+
+    command = torrance_sparrow_passes.load(GEFORCE_256, 0.35, 200.0)[number]
+    return texture_2d(np.asarray(command.image.levels[0])[0])
+
+
 # Texture object -> its images.
 TEXTURES = {
     "color": color_texture,
     "color, mipmapped": partial(color_texture, mipmaps=True),
     "normals": normal_texture,
     "shadow map": shadow_map,
+    "F D": partial(torrance_sparrow_table, 0),
+    "G / (pi cos beta)": partial(torrance_sparrow_table, 1),
 }

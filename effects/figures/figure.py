@@ -323,9 +323,9 @@ class Figure:
     def reference_picture(
         self, size: int | None = None, method: Method | None = None, **changes: Any
     ) -> NDArray[np.float64] | None:
-        """What the algorithm approximates, by ``reference``, of the parameters that every method has: RGBA
-        float64 [height, width, 4], top row first, 1.0 = full, alpha 0 where a panel has none. None where the
-        figure has no reference.
+        """What the algorithm approximates, by ``reference``, of the figure's parameters and the method's own:
+        RGBA float64 [height, width, 4], top row first, 1.0 = full, alpha 0 where a panel has none. None where
+        the figure has no reference.
 
         size     a panel's height in pixels; None: the figure's own
         method   one of ``methods``, whose values of parameters it takes; None: the first
@@ -338,7 +338,8 @@ class Figure:
         method = self.methods[0] if method is None else method
         width, height = self.dimensions(size)
         values = self._scene_values(method, self.accepted(method, changes))
-        picture = self.reference(height, **{name: values[name] for name in self.parameters})
+        named = (*self.parameters, *method.parameters)
+        picture = self.reference(height, **{name: values[name] for name in named})
         if picture.shape != (height, width, 4):
             raise ValueError(
                 f"{self.id}'s reference has the shape {picture.shape}; it must be {(height, width, 4)}."

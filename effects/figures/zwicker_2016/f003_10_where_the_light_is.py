@@ -144,7 +144,7 @@ def checks(figure, renderer):
     )
 
 
-def reference(size, *, positions, shading, background, plans):
+def reference(size, *, positions, shading, background, plans, **_):
     """The three panels with their shadows by rays, under the same plans."""
     scene, panels = (
         still_life.still_life(objects_and_lamps.detail_of(size)),
