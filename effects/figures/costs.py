@@ -6,7 +6,7 @@ import math
 PROCESSOR = "one core of an AMD EPYC (family 25)"
 # Processor seconds of a figure on all its machines with its acceptance checks, by id.
 # Measured: time.process_time around fixedpipe.effects.reports.figure_record.render, one thread, kernels in
-# the cache.
+# the cache. Of documents 000 and 002 on family 26, beside other work.
 SECONDS = {
     "F000-1": 0.5,
     "F000-2": 31,

@@ -44,6 +44,7 @@ def test_the_goals_are_the_issues():
         "d": (1.6, 200),
         "e": (None, None),
         "e2": (1.7, 15),
+        "t": (None, None),
         "f2": (1.5, None),
         "f3": (1.5, None),
         "g": (2.0, None),

@@ -75,6 +75,7 @@ GIVEN = {
         "1.4": "milliseconds, which `python -m bench scattering` measures",
         "0.0025": "study P14's, which docs/studies.md has, as the next one",
         "0.0057": "",
+        "0.24": "the bumps' height, in edges of their field",
         "12.5": "study P38's misses in percent, as the next two",
         "5.3": "",
         "2.6": "",
