@@ -17,8 +17,23 @@ from fixedpipe.pipeline.profiles import OCTANE, PROFILES
 
 BOTH = ["F003-1", "F003-2", "F003-8", "F003-9", "F004-6", "F004-7", "K02"]
 WITH_MATERIAL = ["F004-2", "F004-5", "F004-8"]
-OTHERS = ["F002-13", "F003-4", "G15", "G17", "K12", "K13", "K14", "K15", "K17", "K18", "Z05", "Z06"]
-PANORAMAS = ["H20", "H21", "H25", "H32"]
+OTHERS = [
+    "F000-9",
+    "F002-13",
+    "F003-4",
+    "G15",
+    "G17",
+    "H43",
+    "K12",
+    "K13",
+    "K14",
+    "K15",
+    "K17",
+    "K18",
+    "Z05",
+    "Z06",
+]
+PANORAMAS = ["F000-5", "H20", "H21", "H25", "H30", "H32"]
 
 # One bump, off the middle so that no symmetry of a figure hides it.
 BUMP = np.zeros((16, 16))

@@ -128,7 +128,7 @@ def reference(size, *, indices, roughness, diffuse, environment, photograph, obj
         rows = mirror, mirror + under, mirror + (1.0 - factor) * under, frosted
         for panel, colors in zip(panels, rows, strict=True):
             cell = out[panel.y : panel.y + panel.height, panel.x : panel.x + panel.width]
-            cell[there, :3], cell[there, 3] = colors, 1.0
+            cell[there, :3], cell[there, 3] = np.clip(colors, 0.0, 1.0), 1.0
     return out[::-1]
 
 

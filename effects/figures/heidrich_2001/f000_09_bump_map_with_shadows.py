@@ -40,7 +40,7 @@ def _relief(texels, studs, height, directions, smoothing, own, scale):
         cover = (x * x + y * y < _RADIUS * _RADIUS).astype(np.float64)[..., None]
     else:
         heights = own.fitted(texels, texels, scale, repeated=True)
-        cover = ((heights - heights.min()) / np.ptp(heights))[..., None]
+        cover = ((heights - heights.min()) / (np.ptp(heights) or 1.0))[..., None]
     s, t = height_fields.texel_centers(texels, texels)
     grain = 1.0 + 0.14 * height_fields.turbulence(s, t, 16, 3, 4)[..., None]
     leather, brass = np.array((0.84, 0.44, 0.29)), np.array((0.96, 0.76, 0.40))
