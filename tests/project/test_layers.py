@@ -371,6 +371,7 @@ def is_figure(name):
 # By a figure's number, or the letter of the technique that it shows, its paper's folder.
 PAPERS = {
     **dict.fromkeys(("F000", "H"), "heidrich_2001"),
+    **dict.fromkeys(("F001", "S"), "schilling_1997"),
     **dict.fromkeys(("F002", "T002", "G"), "heidrich_2000"),
     **dict.fromkeys(("F003", "Z"), "zwicker_2016"),
     **dict.fromkeys(("F004", "K"), "kautz_seidel_2000"),

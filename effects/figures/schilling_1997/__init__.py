@@ -1,0 +1,1 @@
+"""Figures of document 001, and of its techniques."""
