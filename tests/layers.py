@@ -81,18 +81,18 @@ PACKAGES = {
         "pipeline": "enums state pixel_transfer textures commands profiles",
         "effects": "technique geometry passes bump_mapping",
     },
+    "effects/texture_filtering": {
+        "pipeline": "textures commands",
+        "effects": "technique geometry passes reflectance",
+    },
     "effects/environment_maps": {
         "raster": "kernel",
         "pipeline": "enums state pixel_transfer textures commands native",
-        "effects": "technique geometry passes reflectance",
+        "effects": "technique geometry passes bump_mapping reflectance texture_filtering",
     },
     "effects/radiosity": {
         "pipeline": "enums textures commands",
         "effects": "technique geometry passes",
-    },
-    "effects/texture_filtering": {
-        "pipeline": "textures commands",
-        "effects": "technique geometry passes reflectance",
     },
     "effects/shadows": {
         "raster": "kernel",

@@ -6,8 +6,8 @@ matrix K = [a b; b c] of the offsets that it stands for:
     f_l = mean of four f_(l-1)
     K_l = mean of four K_(l-1) + mean of (f_(l-1) - f_l)(f_(l-1) - f_l)^T
 
-which is the covariance of all offsets of level 0 in the texel (erratum E001.5). Stored is D, upper triangular,
-with D D^T = K, whose numbers go as deviations; or I_1 alone, the root of K's larger eigenvalue.
+which is the covariance of all offsets of level 0 in the texel (erratum E001.5). Stored is D, upper
+triangular, with D D^T = K, whose numbers go as deviations; or I_1 alone, the root of K's larger eigenvalue.
 
 All is float64 addition, multiplication, division and square root in one order: the same bits everywhere.
 

@@ -1,4 +1,4 @@
-"""S16 to S19: the recursion against the covariance of all texels, the root D, its bytes and its singular case."""
+"""S16 to S19: the recursion is the covariance of all texels, and D its root, in bytes too."""
 
 import numpy as np
 import pytest
