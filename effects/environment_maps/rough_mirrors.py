@@ -19,7 +19,7 @@ sigma.
 S24 puts probes at the short axis's level along the long axis, as footprint assembly does, so far apart that
 their variance is that of Sigma. S25 takes one probe at the long axis's level.
 
-Source: Schilling 1997, sections 2 and 8; the method is reconstructed, its source being lost; pass sequences
+Source: Schilling 1997, sections 2 and 8; the method is reconstructed (docs/decisions/0020); pass sequences
 A-S08, A-S24, A-S25 and A-S29 of the catalogue.
 """
 
