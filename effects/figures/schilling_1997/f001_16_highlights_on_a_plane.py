@@ -110,10 +110,10 @@ FIGURE = Figure(
     title="Two highlights on a plane",
     caption=(
         "Where half of a highlight is left, on a plane that mirrors a lamp to the eye, both 30 and both 10 "
-        "degrees high. Phong's model measures the angle from the mirrored ray to the eye, so from the eye its "
-        "highlight is round. Blinn's measures how far the normal would have to lean. A lean across the plane "
-        "of incidence turns the ray by less the flatter it comes, and the highlight is drawn out, as the "
-        "moon's is on a lake."
+        "degrees high. Phong's model measures the angle from the mirrored ray to the eye; seen from there "
+        "its highlight is round. Blinn's measures how far the normal would have to lean. A lean across the "
+        "plane of incidence turns the ray by less the flatter it comes, and the highlight is drawn out, as "
+        "the moon's is on a lake."
     ),
     must_see="Blue outlines nearly round from the eye, yellow ones drawn out towards it, most at 10 degrees.",
     source="Schilling1997",
