@@ -192,6 +192,16 @@ def _checked_offsets(offsets):
     return offsets
 
 
+def sample_places(side):
+    """Where samples lie in their cells, ``side`` along a pixel's edge: float64 [256, 256, 2] from 0 to 1, by
+    integers and so the same everywhere; a single one is in the middle.
+    """
+    if side == 1:
+        return np.full((_JITTER, _JITTER, 2), 0.5)
+    x, y = np.meshgrid(np.arange(_JITTER), np.arange(_JITTER))
+    return np.stack([(hashed(x, y, seed) + 0.5) / 65536.0 for seed in (1, 2)], axis=-1)
+
+
 def supersampled(view, mirror, offsets, cube, side=SIDE, threads=None):
     """The truth: ``side`` squared rays a pixel, each in a cell of its own, bumps of level 0: float64 [height,
     width, 3], bottom row first. What is above the horizon is the environment itself.
@@ -205,10 +215,7 @@ def supersampled(view, mirror, offsets, cube, side=SIDE, threads=None):
     if side < 1:
         raise ValueError(f"{side} samples along a pixel's edge are asked for; give one or more.")
     offsets, cube = _checked_offsets(offsets), np.ascontiguousarray(cube_maps.checked(cube))
-    x, y = np.meshgrid(np.arange(_JITTER), np.arange(_JITTER))
-    jitter = np.stack([(hashed(x, y, seed) + 0.5) / 65536.0 for seed in (1, 2)], axis=-1)
-    if side == 1:
-        jitter[:] = 0.5
+    jitter = sample_places(side)
     height, width = view.panel.height, view.panel.width
     out, threads = np.empty((height, width, 3)), threads or default_threads()
     eye = np.array(view.eye) - np.array(mirror.origin, np.float64)

@@ -129,29 +129,31 @@ def _comparison(sampler, reference):
     return compared
 
 
-def _assembled(texture, unit, coordinates, reference):
-    """The mean of the probes along each fragment's footprint (docs/numbers.md, section 7), from its own true
-    derivatives.
+def _footprint(texture, coordinates):
+    """(squares, sizes): how long the steps to the right and upwards are, texels squared, float64 [2, k], from
+    each fragment's own true derivatives; and texels in a unit of s and of t.
     """
     size = np.array([texture.width, texture.height], np.float64)
     if texture.target is TextureTarget.TEXTURE_RECTANGLE:
         size[:] = 1.0
     squares = ((np.stack([coordinates.dx, coordinates.dy]) * size) ** 2).sum(axis=2)
-    squares = np.where(np.isfinite(squares), squares, 0.0)
-    longer, shorter = squares.max(axis=0), squares.min(axis=0)
-    probes, narrow = np.ones(len(longer)), np.maximum(shorter, 1.0)
-    for _ in range(unit.sampler.max_probes.bit_length() - 1):
-        probes = np.where(longer >= 2.0 * probes**2 * narrow, 2.0 * probes, probes)
-    rho2 = np.maximum(shorter, np.minimum(longer, 1.0))
-    rho2 = np.where(longer >= 2.0 * probes**2 * narrow, longer / probes**2, rho2)
+    return np.where(np.isfinite(squares), squares, 0.0), size
+
+
+def _sum_along(texture, unit, coordinates, reference, edge, taps):
+    """The sum of weighted texels along the longer step of each fragment's footprint.
+
+    edge  float64 [k]: of the square that lambda is asked for, texels
+    taps  (distance in steps, weight), float64 [k] each; where the weight is zero none is taken
+    """
+    squares, size = _footprint(texture, coordinates)
     step = np.where((squares[0] >= squares[1])[:, None], coordinates.dx, coordinates.dy)
-    # What lambda asks for: a square as large as a probe's.
     side = np.zeros_like(coordinates.dx)
-    side[:, 0] = np.sqrt(rho2) / size[0]
-    total, one = np.zeros((len(probes), 4)), replace(unit, sampler=replace(unit.sampler, max_probes=1))
-    for probe in range(int(probes.max(initial=1.0))):
-        used = probe < probes
-        distance = ((2 * probe + 1) - probes) / (2.0 * probes)
+    side[:, 0] = edge / size[0]
+    total = np.zeros((len(edge), 4))
+    one = replace(unit, sampler=replace(unit.sampler, max_probes=1, max_anisotropy=1.0))
+    for distance, weight in taps:
+        used = weight != 0.0
         moved = replace(
             coordinates,
             position=coordinates.position + distance[:, None] * step,
@@ -159,8 +161,44 @@ def _assembled(texture, unit, coordinates, reference):
             dy=np.zeros_like(side),
         )
         part = None if reference is None else reference[used]
-        total[used] += sample(texture, one, _select(moved, used), part) / probes[used, None]
+        total[used] += sample(texture, one, _select(moved, used), part) * weight[used, None]
     return total
+
+
+def _assembled(texture, unit, coordinates, reference):
+    """The mean of the probes along each fragment's footprint (docs/numbers.md, section 7)."""
+    squares, _ = _footprint(texture, coordinates)
+    longer, shorter = squares.max(axis=0), squares.min(axis=0)
+    probes, narrow = np.ones(len(longer)), np.maximum(shorter, 1.0)
+    for _ in range(unit.sampler.max_probes.bit_length() - 1):
+        probes = np.where(longer >= 2.0 * probes**2 * narrow, 2.0 * probes, probes)
+    rho2 = np.maximum(shorter, np.minimum(longer, 1.0))
+    rho2 = np.where(longer >= 2.0 * probes**2 * narrow, longer / probes**2, rho2)
+    taps = (
+        (((2 * probe + 1) - probes) / (2.0 * probes), np.where(probe < probes, 1.0 / probes, 0.0))
+        for probe in range(int(probes.max(initial=1.0)))
+    )
+    return _sum_along(texture, unit, coordinates, reference, np.sqrt(rho2), taps)
+
+
+def _in_pairs(texture, unit, coordinates, reference):
+    """Pairs of texels along each fragment's footprint, as an anisotropic filter takes them, with weights that
+    are not rounded (docs/numbers.md, section 7).
+    """
+    squares, _ = _footprint(texture, coordinates)
+    longer, shorter = np.sqrt(squares.max(axis=0)), np.sqrt(squares.min(axis=0))
+    ratio = np.clip(longer / np.maximum(shorter, 1.0), 1.0, unit.sampler.max_anisotropy)
+    pairs = np.maximum(np.ceil(0.5 * ratio), 1.0)
+
+    def taps():
+        for pair in range(int(pairs.max(initial=1.0))):
+            distance = np.where(ratio <= 2.0, (ratio - 1.0) / (2.0 * ratio), (pair + 0.5) / ratio)
+            weight = np.where(pair == pairs - 1.0, 0.5 - pair / ratio, 1.0 / ratio)
+            weight = np.where(pair < pairs, weight, 0.0)
+            yield distance, weight
+            yield -distance, weight
+
+    return _sum_along(texture, unit, coordinates, reference, longer / ratio, taps())
 
 
 def _signed_reader(sampler, bits):
@@ -190,6 +228,8 @@ def sample(texture, unit, coordinates, reference=None, tap=None):
     sampler = unit.sampler
     if sampler.max_probes > 1:
         return _assembled(texture, unit, coordinates, reference)
+    if sampler.max_anisotropy > 1:
+        return _in_pairs(texture, unit, coordinates, reference)
     if texture.target is TextureTarget.TEXTURE_CUBE_MAP:
         sampler = replace(sampler, wrap_s=WrapMode.CLAMP_TO_EDGE, wrap_t=WrapMode.CLAMP_TO_EDGE)
     one_dimensional = texture.target is TextureTarget.TEXTURE_1D

@@ -50,7 +50,8 @@ def shade(state, textures, primitives, triangle, weights):
             weights,
             primitives.coordinates[weights.vertices, i],
             nearest=filters != (TextureFilter.LINEAR, TextureFilter.LINEAR),
-            changing=filters[0] is not filters[1] or unit.sampler.max_probes > 1,
+            changing=filters[0] is not filters[1]
+            or max(unit.sampler.max_probes, unit.sampler.max_anisotropy) > 1,
         )
         if unit.spherical_coordinates:
             corners = primitives.coordinates[weights.vertices, i]

@@ -59,7 +59,7 @@ def test_measured_weights():
         (NV2A, 16.0, "NV2A takes 1 to 8"),
         (NV2A, 0.5, "NV2A takes 1 to 8"),
         (GEFORCE_256, 4.0, "GeForce 256 takes 1 to 2"),
-        (IDEAL, 2.0, "ideal takes 1 to 1"),
+        (IDEAL, 65.0, "ideal takes 1 to 64"),
     ],
 )
 def test_a_machine_refuses_more_than_it_has(profile, maximum, said):

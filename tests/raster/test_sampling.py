@@ -257,14 +257,17 @@ def test_the_ideal_averages_probes_without_rounding():
     np.testing.assert_allclose(color, texels.reshape(8, 8, 8, 4).mean(2), atol=1e-12)
 
 
-def test_the_ideal_s_footprints_are_the_machine_s_but_for_rounding():
+@pytest.mark.parametrize(
+    "most", [{"max_probes": 8}, {"max_anisotropy": 8.0}, {"max_anisotropy": 1.5}], ids=str
+)
+def test_the_ideal_s_footprints_are_the_machine_s_but_for_rounding(most):
     random = np.random.default_rng(6)
     steps = np.linspace(0.0, 1.0, 32)
     image = texture_2d(
         np.stack([np.sin(steps[:, None] * 9 + steps * k) / 2 + 0.5 for k in (3, 5, 7, 9)], axis=-1)
     )
     image = texture_2d(image.ideal[0][0], mipmaps=True)
-    unit = TextureUnit("t", Sampler(TextureFilter.LINEAR_MIPMAP_LINEAR, LINEAR, max_probes=8))
+    unit = TextureUnit("t", Sampler(TextureFilter.LINEAR_MIPMAP_LINEAR, LINEAR, **most))
     for _ in range(4):
         coordinates = (
             (np.array(SQUARE) - 0.5) * (random.uniform(1, 8), 0.4) @ np.array([[0.8, 0.6], [-0.6, 0.8]])
@@ -273,7 +276,7 @@ def test_the_ideal_s_footprints_are_the_machine_s_but_for_rounding():
             TexImage(label="t", texture="t", image=image),
             window(coordinates, (unit,), register_combiners=SHOW_TEXTURE),
         ]
-        machine = execute(commands, MACHINE.changed(max_probes=8), 16, 16).framebuffer.color / 255.0
+        machine = execute(commands, MACHINE.changed(**most), 16, 16).framebuffer.color / 255.0
         assert np.abs(machine - execute_ideal(commands, 16, 16).color).max() < 3.5 / 255
 
 
