@@ -22,7 +22,6 @@ NAMED = {
     "G39": ("what is assumed: a height field, nothing else inside its hull, small bumps", "1, 3"),
     "K19": ("other hardware for bump mapping and shading, as related work", "2"),
     "K23": ("materials that are measured or painted, as future work", "7"),
-    "S16": ("a roughness map: the covariance of the normals that a texel covers", "8"),
     "Z28": ("trapezoidal shadow maps, smoothies, robust shadow volumes: links", "Resources"),
 }
 

@@ -44,8 +44,6 @@ HELPERS = {
     "effects/volumes/engine_block.py",
     "effects/volumes/slices.py",
 }
-# Techniques that a study measures and no figure shows yet, and which figures are to come.
-MEASURED_ALONE = {"S02": "F001-1 and F001-2"}
 # The catalogue has entries of what is not drawn, too: test_catalogue.py.
 CATALOGUE = ROOT / "docs" / "papers" / "catalogue"
 TEXTS = [
@@ -83,11 +81,7 @@ def test_what_a_row_of_the_brdfs_names_some_module_is():
 
 
 def test_every_technique_is_shown_by_a_figure():
-    assert {each for each in CLAIMED if not techniques.users(each, FIGURES)} == set(MEASURED_ALONE)
-
-
-def test_what_no_figure_shows_a_study_measures():
-    assert all(techniques.users(each, STUDIES) for each in MEASURED_ALONE)
+    assert {each for each in CLAIMED if not techniques.users(each, FIGURES)} == set()
 
 
 def test_another_way_is_to_what_another_module_is():

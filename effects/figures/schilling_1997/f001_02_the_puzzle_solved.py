@@ -1,0 +1,113 @@
+"""F001-2: the puzzle at a flat angle, with one probe a pixel and with up to eight."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.schilling_1997.f001_01_a_puzzle import edge
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
+from fixedpipe.effects.texture_filtering import stretched_writing as written
+from fixedpipe.effects.texture_filtering.footprint_assembly import probes
+
+MOST = (1, 2, 4, 8)
+# Strips of a panel from above: one for each of MOST, and one of 256 samples a pixel.
+STRIPS = len(MOST) + 1
+PAGES = {"writing": written.writing, "stripes": written.stripes}
+
+
+def _views(size, angle):
+    (panel,) = row_of_panels(1, size)
+    high = size // STRIPS
+    strips = (Panel(panel.x, panel.y + size - (k + 1) * high, size, high) for k in range(STRIPS))
+    return panel, [written.flat_view(strip, angle) for strip in strips]
+
+
+def _scene(profile, size, samplers, angle, page, background):
+    """Strips of the page, and the truth below them."""
+    panel, views = _views(size, angle)
+    image = PAGES[page](edge(size))
+    out = [written.load(image, profile), panel.clear(background)]
+    for view, (most, read) in zip(views, samplers, strict=False):
+        out.append(written.page_pass(f"up to {most} probes a pixel", view, read))
+    truth = written.supersampled(views[-1], image, background)
+    return (*out, *written.strip_of(truth, views[-1].panel, profile))
+
+
+def probes_scene(profile, size, *, angle, page, background):
+    """F001-2 by footprint assembly."""
+    samplers = [(most, written.sampler(max_probes=most)) for most in MOST]
+    return _scene(profile, size, samplers, angle, page, background)
+
+
+def anisotropic_scene(profile, size, *, angle, page, background):
+    """F001-2 by a chip's anisotropic filter."""
+    samplers = [(most, written.sampler(max_anisotropy=float(most))) for most in MOST]
+    return _scene(profile, size, samplers, angle, page, background)
+
+
+def _strip(image, view):
+    """A strip of a window's picture, bottom row first."""
+    p = view.panel
+    return np.asarray(image)[p.y : p.y + p.height, p.x : p.x + p.width]
+
+
+def checks(figure, renderer):
+    """Correlation with 256 samples, contrast across the short axis, probes a pixel."""
+    size, angle = figure.size, figure.values["angle"]
+    _, views = _views(size, angle)
+    for on in Answer:
+        image, lined = (renderer.window(on, figure, size, page=page) for page in PAGES)
+        background = figure.values["background"]
+        truth = written.supersampled(views[0], written.writing(edge(size)), background)
+        page = written.supersampled(views[0], np.ones((2, 2, 3)), (0.0, 0.0, 0.0))[..., 0] == 1.0
+        letters = written.within_letters(truth)[page]
+        alike = [
+            written.correlation(written.within_letters(_strip(image, view))[page], letters)
+            for view in views[:-1]
+        ]
+        yield Check("eight probes: correlation with 256 samples, within letters", alike[-1], at_least=0.95,
+                    on=on, reason="the catalogue's bound")  # fmt: skip
+        yield Check("one probe: correlation with 256 samples, within letters", alike[0], at_most=0.6, on=on,
+                    reason="the catalogue's bound; lines and spaces are left by any blur")  # fmt: skip
+        lines = written.supersampled(views[0], written.stripes(edge(size)), background)
+        contrast = [_contrast(_strip(lined, view)) / _contrast(lines) for view in views[:-1]]
+        yield Check("eight probes: contrast across the short axis, over that of 256 samples", contrast[-1],
+                    at_least=0.7, on=on, reason="the catalogue's bound")  # fmt: skip
+        yield Check("one probe: contrast across the short axis, over that of 256 samples", contrast[0],
+                    at_most=0.1, on=on, reason="the catalogue's bound")  # fmt: skip
+    counts = probes(*written.footprints(views[0], edge(size)), 8, diagonals=False).count
+    for bound, name in (({"at_least": 4.0}, "at least"), ({"at_most": 8.0}, "at most")):
+        yield Check(f"probes a pixel, mean, {name}; so many times mip-mapping's texels", float(counts.mean()),
+                    on=Answer.IDEAL, reason="the catalogue's: 4 to 8", **bound)  # fmt: skip
+
+
+def _contrast(strip):
+    """The deviation of a strip's middle rows across the lines."""
+    rows = strip[len(strip) * 2 // 5 : len(strip) * 3 // 5, strip.shape[1] // 4 : strip.shape[1] * 3 // 4]
+    return float((rows - rows.mean(axis=1, keepdims=True)).std())
+
+
+FIGURE = Figure(
+    id="F001-2",
+    title="The puzzle, solved",
+    caption=(
+        "The page of F001-1 at a flat angle, where a pixel covers a strip of seven texels and more by one. "
+        "From above: mip-mapping, whose one probe is as wide as the strip is long; up to two, four and eight "
+        "probes along the strip; 256 samples a pixel."
+    ),
+    must_see="A blur in the first strip; writing from strip to strip; the fourth like the fifth.",
+    source="Schilling1997",
+    techniques=("S01", "S02"),
+    panels=("1, 2, 4, 8 probes; 256 samples",),
+    parameters={
+        "angle": word.of(word.Number(3.0, 60.0), 8.0, "How high above the page the eye is.", "degrees"),
+        "page": word.of(word.Choice({n: n for n in PAGES}), "writing", "What is on the page."),
+        "background": word.BACKDROP(BACKGROUND),
+    },
+    methods=(
+        Method("footprint assembly", probes_scene, ("TEXRAM",)),
+        Method("anisotropic filter", anisotropic_scene, ("GEFORCE_3", "NV2A")),
+    ),
+    acceptance=checks,
+)
