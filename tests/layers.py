@@ -82,7 +82,8 @@ PACKAGES = {
         "effects": "technique geometry passes bump_mapping",
     },
     "effects/texture_filtering": {
-        "pipeline": "textures commands",
+        "raster": "kernel",
+        "pipeline": "enums state textures commands",
         "effects": "technique geometry passes reflectance",
     },
     "effects/environment_maps": {
@@ -169,6 +170,7 @@ LIBRARIES = {
     "pipeline/framebuffers": ("PIL",),
     "pipeline/native": ("numba",),
     "effects/scattering": ("scipy",),
+    "effects/texture_filtering": ("PIL",),
     "effects/diagrams": ("PIL",),
     "effects/conformance": ("PIL",),
     "effects/user_pictures": ("imageio", "nrrd", "tifffile", "trimesh", "OpenImageIO"),

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fixedpipe.effects.environment_maps.rough_mirrors import rays, sample_places
 from fixedpipe.effects.geometry.height_fields import hashed
+from fixedpipe.effects.geometry.samples import rays, sample_places
 from fixedpipe.effects.geometry.vectors import TRIGONOMETRY_STEP, cosine, sine
 from fixedpipe.effects.passes.draws import FIRST_PASS, REPLACE, draw, unit
 from fixedpipe.effects.technique import Technique

@@ -30,8 +30,7 @@ import numpy as np
 
 from fixedpipe.effects.bump_mapping import roughness_pyramids as rough
 from fixedpipe.effects.geometry import cube_maps
-from fixedpipe.effects.geometry.height_fields import hashed
-from fixedpipe.effects.geometry.matrices import rotate
+from fixedpipe.effects.geometry.samples import rays, sample_places
 from fixedpipe.effects.geometry.vectors import cross, dot, unit_vector
 from fixedpipe.effects.technique import Technique
 from fixedpipe.effects.texture_filtering.footprint_assembly import isotropic
@@ -48,8 +47,6 @@ TECHNIQUES = (
 
 # Samples along a pixel's edge: 256 a pixel.
 SIDE = 16
-# Positions of samples within their cells, which repeat so many samples on.
-_JITTER = 256
 
 
 class Antialiasing(StrEnum):
@@ -92,18 +89,6 @@ class Mirror:
         """e_1, e_2 and n: float64 [3, 3]."""
         first, second = (unit_vector(v, "An edge of the mirror") for v in (self.e_1, self.e_2))
         return np.stack([first, second, cross(first, second)])
-
-
-def rays(view):
-    """Rays through a perspective view: three vectors [3, 3], the ray through the panel's lower left corner
-    and its changes by a pixel to the right and upwards. Rays are not of unit length.
-    """
-    projection, to_world = np.array(view.projection), np.array(view.modelview)[:3, :3].T
-    half = 1.0 / projection[0, 0], 1.0 / projection[1, 1]
-    corner = np.array([-half[0], -half[1], -1.0])
-    right = np.array([2.0 * half[0] / view.panel.width, 0.0, 0.0])
-    up = np.array([0.0, 2.0 * half[1] / view.panel.height, 0.0])
-    return rotate(to_world, np.stack([corner, right, up]))
 
 
 # ------------------------------------------------------------------------------------------------- the truth
@@ -190,16 +175,6 @@ def _checked_offsets(offsets):
     if offsets.ndim != 3 or offsets.shape[2] != 2 or not offsets.size or not np.isfinite(offsets).all():
         raise ValueError(f"The bump map has shape {offsets.shape}; give finite offsets [rows, columns, 2].")
     return offsets
-
-
-def sample_places(side):
-    """Where samples lie in their cells, ``side`` along a pixel's edge: float64 [256, 256, 2] from 0 to 1, by
-    integers and so the same everywhere; a single one is in the middle.
-    """
-    if side == 1:
-        return np.full((_JITTER, _JITTER, 2), 0.5)
-    x, y = np.meshgrid(np.arange(_JITTER), np.arange(_JITTER))
-    return np.stack([(hashed(x, y, seed) + 0.5) / 65536.0 for seed in (1, 2)], axis=-1)
 
 
 def supersampled(view, mirror, offsets, cube, side=SIDE, threads=None):

@@ -44,6 +44,7 @@ _DAY_OVER_LAND = Track(
 )
 
 ANIMATIONS = {
+    "F001-2": Animation("the eye sinks to the page", {"angle": there_and_back(40.0, 8.0)}, count=48),
     "F002-13": Animation("from morning to evening", {"sun": _DAY_OVER_LAND}, count=60),
     "F003-1": Animation("the spheres turn", {"turn": there_and_back(-50.0, 50.0)}, count=48),
     "F003-10": Animation(

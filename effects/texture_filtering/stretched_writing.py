@@ -12,8 +12,7 @@ from dataclasses import replace
 import numpy as np
 from PIL import ImageFont
 
-from fixedpipe.effects.geometry.height_fields import hashed
-from fixedpipe.effects.geometry.matrices import rotate
+from fixedpipe.effects.geometry.samples import rays, sample_places
 from fixedpipe.effects.geometry.surfaces import plane
 from fixedpipe.effects.geometry.vectors import cosine, sine
 from fixedpipe.effects.geometry.views import orthographic_view, perspective_view
@@ -23,6 +22,7 @@ from fixedpipe.pipeline.commands import Mesh, TexImage
 from fixedpipe.pipeline.enums import TextureFilter, WrapMode
 from fixedpipe.pipeline.state import Sampler
 from fixedpipe.pipeline.textures.images import texture_2d
+from fixedpipe.raster.kernel import kernel
 
 TECHNIQUES = (Technique("S01", "isotropic mip-mapping, one probe a pixel", "2"),)
 
@@ -35,6 +35,11 @@ LINES = (
 )
 PAPER, INK = (0.94, 0.90, 0.80), (0.09, 0.10, 0.22)
 PAGE = "page"
+
+
+def page_edge(size):
+    """Texels of the page's edge for panels of ``size`` pixels: as many, a power of two from 256 on."""
+    return max(256, 1 << (size - 1).bit_length())
 
 
 def letters(lines):
@@ -104,60 +109,65 @@ def page_pass(label, view, read):
     return draw(label, mesh, view, None, (unit(PAGE, read, environment=REPLACE),), depth_test=FIRST_PASS)
 
 
-def _met(view, x, y):
-    """(s, t, whether the page is met, changes of (s, t) to the right and upwards) at places [...] of the
-    panel, pixels.
-    """
-    projection, to_world = np.array(view.projection), np.array(view.modelview)[:3, :3].T
-    half = 1.0 / projection[0, 0], 1.0 / projection[1, 1]
-    width, height = view.panel.width, view.panel.height
-    in_eye = np.stack(
-        [(2.0 * x / width - 1.0) * half[0], (2.0 * y / height - 1.0) * half[1], -np.ones_like(x)], -1
-    )
-    ray, eye = rotate(to_world, in_eye), np.array(view.eye)
-    down = np.where(ray[..., 1] < 0.0, ray[..., 1], -1.0)
-    along = -eye[1] / down
-    point = eye + along[..., None] * ray
-    s, t = 0.5 * (point[..., 0] + 1.0), 0.5 * (1.0 - point[..., 2])
-    met = (ray[..., 1] < 0.0) & (abs(s - 0.5) <= 0.5) & (abs(t - 0.5) <= 0.5)
-    steps = rotate(
-        to_world, np.array([(2.0 * half[0] / width, 0.0, 0.0), (0.0, 2.0 * half[1] / height, 0.0)])
-    )
-    changes = [along[..., None] * (step - (step[1] / down)[..., None] * ray) for step in steps]
-    return s, t, met, [np.stack([0.5 * c[..., 0], -0.5 * c[..., 2]], axis=-1) for c in changes]
-
-
 def footprints(view, edge):
-    """r_1 and r_2 of every pixel that shows the page's middle, in texels: float64 [k, 2] each.
+    """r_1 and r_2 of every pixel whose middle shows the page, in texels: float64 [k, 2] each.
 
     ``edge``: the texels of the page's edge.
     """
+    ray, eye = rays(view), np.array(view.eye)
     x, y = np.meshgrid(np.arange(view.panel.width) + 0.5, np.arange(view.panel.height) + 0.5)
-    _, _, met, changes = _met(view, x, y)
-    return tuple(edge * change[met] for change in changes)
+    to = (ray[0] + x[..., None] * ray[1]) + y[..., None] * ray[2]
+    down = np.where(to[..., 1] < 0.0, to[..., 1], -1.0)
+    along = -eye[1] / down
+    point = eye + along[..., None] * to
+    met = (to[..., 1] < 0.0) & (np.abs(point[..., 0]) <= 1.0) & (np.abs(point[..., 2]) <= 1.0)
+    out = []
+    for step in ray[1:]:
+        change = (along[..., None] * (step - (step[1] / down)[..., None] * to))[met]
+        out.append(0.5 * edge * np.stack([change[:, 0], -change[:, 2]], axis=-1))
+    return tuple(out)
+
+
+@kernel("void(f8[:,::1],f8[::1],f8[:,:,::1],f8[:,:,::1],i8,f8[::1],f8[:,:,::1])")
+def _sampled(ray, eye, page, places, side, background, out):
+    """Means of ``side`` squared samples of a page on y = 0 between -1 and 1."""
+    edge = len(page)
+    mask = len(places) - 1
+    for y in range(out.shape[0]):
+        for x in range(out.shape[1]):
+            for number in range(side * side):
+                px, py = x * side + number % side, y * side + number // side
+                wx = x + (number % side + places[py & mask, px & mask, 0]) / side
+                wy = y + (number // side + places[py & mask, px & mask, 1]) / side
+                down = ray[0, 1] + wx * ray[1, 1] + wy * ray[2, 1]
+                along = -eye[1] / down if down < 0.0 else np.inf
+                s = 0.5 * (1.0 + (eye[0] + along * (ray[0, 0] + wx * ray[1, 0] + wy * ray[2, 0])))
+                t = 0.5 * (1.0 - (eye[2] + along * (ray[0, 2] + wx * ray[1, 2] + wy * ray[2, 2])))
+                if not (0.0 <= s <= 1.0 and 0.0 <= t <= 1.0):
+                    for c in range(3):
+                        out[y, x, c] += background[c]
+                    continue
+                at_s = min(max(s * edge - 0.5, 0.0), edge - 1.0)
+                at_t = min(max(t * edge - 0.5, 0.0), edge - 1.0)
+                column, row = min(int(at_s), edge - 2), min(int(at_t), edge - 2)
+                u, v = at_s - column, at_t - row
+                for c in range(3):
+                    lower = page[row, column, c] + u * (page[row, column + 1, c] - page[row, column, c])
+                    upper = page[row + 1, column, c]
+                    upper += u * (page[row + 1, column + 1, c] - page[row + 1, column, c])
+                    out[y, x, c] += lower + v * (upper - lower)
+            for c in range(3):
+                out[y, x, c] /= side * side
 
 
 def supersampled(view, page, background, side=16):
     """The truth: ``side`` squared samples a pixel of a page [edge, edge, 3], bilinear: float64 [height,
-    width, 3], bottom row first; ``background`` where there is none.
+    width, 3], bottom row first; ``background`` where there is none. The page has two texels or more an edge.
     """
-    x, y = np.meshgrid(np.arange(view.panel.width), np.arange(view.panel.height))
-    out, edge = np.zeros((*x.shape, 3)), len(page)
-    for number in range(side * side):
-        i, j = number % side, number // side
-        jitter = [hashed(x * side + i, y * side + j, seed) / 65536.0 + 1.0 / 131072.0 for seed in (1, 2)]
-        s, t, met, _ = _met(view, x + (i + jitter[0]) / side, y + (j + jitter[1]) / side)
-        corner, part = [], []
-        for place in (s, t):
-            at = np.clip(place * edge - 0.5, 0.0, edge - 1.0)
-            low = np.minimum(np.floor(at).astype(np.int64), edge - 2)
-            corner.append(low)
-            part.append((at - low)[..., None])
-        (column, row), (u, v) = corner, part
-        lower = page[row, column] + u * (page[row, column + 1] - page[row, column])
-        upper = page[row + 1, column] + u * (page[row + 1, column + 1] - page[row + 1, column])
-        out += np.where(met[..., None], lower + v * (upper - lower), background)
-    return out / (side * side)
+    out = np.zeros((view.panel.height, view.panel.width, 3))
+    page, places = np.ascontiguousarray(page, np.float64), sample_places(side)
+    _sampled(rays(view), np.array(view.eye, np.float64), page, places, side, np.array(background), out)
+    return out
 
 
 def found_stretch(page, lines=LINES, most=16):

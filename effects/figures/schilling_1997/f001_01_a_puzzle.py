@@ -11,16 +11,11 @@ from fixedpipe.effects.texture_filtering import stretched_writing as written
 MACHINES = ("OPENGL_1_2", "TEXRAM", "GEFORCE_3", "NV2A")
 
 
-def edge(size):
-    """Texels of the page's edge: a panel's pixels, a power of two, and enough for its writing."""
-    return max(256, 1 << (size - 1).bit_length())
-
-
 def scene(profile, size, *, stretch, background):
     """F001-1: the page from above."""
     (panel,) = row_of_panels(1, size)
     view = written.from_above(panel)
-    page = written.writing(edge(size), stretch=stretch)
+    page = written.writing(written.page_edge(size), stretch=stretch)
     return (
         written.load(page, profile),
         panel.clear(background),
@@ -42,8 +37,8 @@ FIGURE = Figure(
     id="F001-1",
     title="A puzzle",
     caption=(
-        "Writing eight times as high as it should be hardly reads; for an eye that looks along the page it does "
-        "(F001-2), or when the picture is tilted."
+        "Writing eight times as high as it should be hardly reads; for an eye that looks along the page it "
+        "does (F001-2), or when the picture is tilted."
     ),
     must_see="Bars and slabs of ink in four rows, no words at a glance.",
     source="Schilling1997",

@@ -5,14 +5,16 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
-from fixedpipe.effects.figures.schilling_1997.f001_01_a_puzzle import edge
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
+from fixedpipe.effects.passes.draws import EDGE
 from fixedpipe.effects.texture_filtering import stretched_writing as written
 from fixedpipe.effects.texture_filtering.footprint_assembly import probes
 
 MOST = (1, 2, 4, 8)
-# Strips of a panel from above: one for each of MOST, and one of 256 samples a pixel.
-STRIPS = len(MOST) + 1
+# Strips of a panel from above: level 0 alone, one for each of MOST, and one of 256 samples a pixel.
+STRIPS = len(MOST) + 2
+# By how many degrees the eye sinks from picture to picture where what shimmers is measured, and how often.
+SINKS, PICTURES = 0.03, 8
 PAGES = {"writing": written.writing, "stripes": written.stripes}
 
 
@@ -26,9 +28,10 @@ def _views(size, angle):
 def _scene(profile, size, samplers, angle, page, background):
     """Strips of the page, and the truth below them."""
     panel, views = _views(size, angle)
-    image = PAGES[page](edge(size))
+    image = PAGES[page](written.page_edge(size))
     out = [written.load(image, profile), panel.clear(background)]
-    for view, (most, read) in zip(views, samplers, strict=False):
+    out.append(written.page_pass("level 0 alone", views[0], EDGE))
+    for view, (most, read) in zip(views[1:-1], samplers, strict=True):
         out.append(written.page_pass(f"up to {most} probes a pixel", view, read))
     truth = written.supersampled(views[-1], image, background)
     return (*out, *written.strip_of(truth, views[-1].panel, profile))
@@ -59,27 +62,46 @@ def checks(figure, renderer):
     for on in Answer:
         image, lined = (renderer.window(on, figure, size, page=page) for page in PAGES)
         background = figure.values["background"]
-        truth = written.supersampled(views[0], written.writing(edge(size)), background)
+        truth = written.supersampled(views[0], written.writing(written.page_edge(size)), background)
         page = written.supersampled(views[0], np.ones((2, 2, 3)), (0.0, 0.0, 0.0))[..., 0] == 1.0
         letters = written.within_letters(truth)[page]
         alike = [
             written.correlation(written.within_letters(_strip(image, view))[page], letters)
-            for view in views[:-1]
+            for view in views[1:-1]
         ]
         yield Check("eight probes: correlation with 256 samples, within letters", alike[-1], at_least=0.95,
                     on=on, reason="the catalogue's bound")  # fmt: skip
         yield Check("one probe: correlation with 256 samples, within letters", alike[0], at_most=0.6, on=on,
                     reason="the catalogue's bound; lines and spaces are left by any blur")  # fmt: skip
-        lines = written.supersampled(views[0], written.stripes(edge(size)), background)
-        contrast = [_contrast(_strip(lined, view)) / _contrast(lines) for view in views[:-1]]
+        lines = written.supersampled(views[0], written.stripes(written.page_edge(size)), background)
+        contrast = [_contrast(_strip(lined, view)) / _contrast(lines) for view in views[1:-1]]
         yield Check("eight probes: contrast across the short axis, over that of 256 samples", contrast[-1],
                     at_least=0.7, on=on, reason="the catalogue's bound")  # fmt: skip
         yield Check("one probe: contrast across the short axis, over that of 256 samples", contrast[0],
                     at_most=0.1, on=on, reason="the catalogue's bound")  # fmt: skip
-    counts = probes(*written.footprints(views[0], edge(size)), 8, diagonals=False).count
+    yield from _shimmer(figure, renderer, page)
+    counts = probes(*written.footprints(views[0], written.page_edge(size)), 8, diagonals=False).count
     for bound, name in (({"at_least": 4.0}, "at least"), ({"at_most": 8.0}, "at most")):
         yield Check(f"probes a pixel, mean, {name}; so many times mip-mapping's texels", float(counts.mean()),
                     on=Answer.IDEAL, reason="the catalogue's: 4 to 8", **bound)  # fmt: skip
+
+
+def _shimmer(figure, renderer, page):
+    """How much each pixel of a page that changes slowly is off by something else from picture to picture."""
+    size, errors = figure.size, []
+    writing = written.writing(written.page_edge(size))
+    for number in range(PICTURES):
+        angle = figure.values["angle"] + SINKS * number
+        image = renderer.window(Answer.MACHINE, figure, size, angle=angle)
+        views = _views(size, angle)[1]
+        truth = written.supersampled(
+            views[0], written.writing(written.page_edge(size)), figure.values["background"]
+        )
+        errors.append([(_strip(image, view) - truth)[page] for view in views[:-1]])
+    varied = np.array(errors).var(axis=0).mean(axis=(1, 2))
+    yield Check("level 0 alone: variance in time of what it is off by, over that of eight probes",
+                float(varied[0] / varied[-1]), at_least=5.0, on=Answer.MACHINE,
+                reason="it shimmers; the catalogue's five of F001-3")  # fmt: skip
 
 
 def _contrast(strip):
@@ -93,13 +115,13 @@ FIGURE = Figure(
     title="The puzzle, solved",
     caption=(
         "The page of F001-1 at a flat angle, where a pixel covers a strip of seven texels and more by one. "
-        "From above: mip-mapping, whose one probe is as wide as the strip is long; up to two, four and eight "
-        "probes along the strip; 256 samples a pixel."
+        "From above: level 0 alone, which shimmers when the eye moves; mip-mapping, whose one probe is as "
+        "wide as the strip is long; up to two, four and eight probes along the strip; 256 samples a pixel."
     ),
-    must_see="A blur in the first strip; writing from strip to strip; the fourth like the fifth.",
+    must_see="Torn letters first, then a blur, then writing, ever clearer; the last two strips alike.",
     source="Schilling1997",
     techniques=("S01", "S02"),
-    panels=("1, 2, 4, 8 probes; 256 samples",),
+    panels=("level 0; 1, 2, 4, 8 probes; 256 samples",),
     parameters={
         "angle": word.of(word.Number(3.0, 60.0), 8.0, "How high above the page the eye is.", "degrees"),
         "page": word.of(word.Choice({n: n for n in PAGES}), "writing", "What is on the page."),
