@@ -1,0 +1,185 @@
+"""S14: one bump map on a ring, few and many times, in the natural frame and in one of unit vectors."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.bump_mapping import blinn, normalization_cube_map, offset_vector_passes, offset_vectors
+from fixedpipe.effects.bump_mapping.offset_vector_passes import Lighting
+from fixedpipe.effects.bump_mapping.offset_vectors import Frame
+from fixedpipe.effects.figures import own_maps
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.geometry import height_fields
+from fixedpipe.effects.geometry.matrices import rotation
+from fixedpipe.effects.geometry.vectors import dot, normalize
+from fixedpipe.effects.geometry.views import BACKGROUND, orthographic_view, panel_of, row_of_panels
+from fixedpipe.effects.scenes.bumped_patches import ring
+
+_MAP, _CUBE = 128, 128
+_MAP_NAME = "pebbles"
+_HALF_HEIGHT, _TILT = 1.08, 52.0
+# Of each panel: whether vectors are of length one, and which number of repeats it has.
+_PANELS = ((False, 0), (False, 1), (True, 0), (True, 1))
+
+
+@lru_cache(4)
+def derivatives(height, own, own_scale):
+    """(f_u, f_v) of a bed of pebbles, or of a user's heights: float64 [_MAP, _MAP, 2]."""
+    if own is not None:
+        return offset_vectors.of_heights(own.fitted(_MAP, _MAP, own_scale, repeated=True))
+    heights = height_fields.smooth(height_fields.pebbles(_MAP, _MAP, 4, 7), 3)
+    return offset_vectors.of_heights(height * heights)
+
+
+def _ring(size):
+    around = max(24, min(96, size // 5))
+    return ring(around, around // 2, 0.68, 0.32).rotated(rotation("x", _TILT))
+
+
+def _repeated(patch, repeats, which):
+    around, across = (count * (repeats[2] if which else 1) for count in repeats[:2])
+    return patch.with_repeats(around, across)
+
+
+def frame_of(patch, of_unit_length):
+    """The vertices' Frame."""
+    of = offset_vectors.normalized if of_unit_length else offset_vectors.natural
+    return of(patch.p_u, patch.p_v)
+
+
+def _sizes(frame):
+    """Lengths of s_u and s_v over the normal's: float64 [n, 2]."""
+    normal, *lengths = (np.sqrt(dot(v, v)) for v in (frame.normal, frame.first, frame.second))
+    return np.stack([length / normal for length in lengths], axis=-1)
+
+
+def _lighting(p):
+    return Lighting(**{name: p[name] for name in ("light", "color", "ambient", "specular", "exponent")})
+
+
+def scene_by(combiners):
+    """The scene on machines whose combiners have roots and quotients, or on those without."""
+
+    def scene(profile, size, *, repeats, background, **p):
+        panels, patch = row_of_panels(len(_PANELS), size), _ring(size)
+        f = derivatives(p["height"], p["height_field"], p["height_scale"])
+        scale = offset_vectors.largest(f)
+        loaded = offset_vector_passes.load_biased if combiners else offset_vector_passes.load_signed
+        out = [
+            *(panel.clear(background) for panel in panels),
+            offset_vector_passes.load_light(_CUBE, profile, _lighting(p)),
+            loaded(f, scale, _MAP_NAME, profile),
+        ]
+        if combiners:
+            out.append(normalization_cube_map.load(_CUBE, profile))
+        for panel, (of_unit_length, which) in zip(panels, _PANELS, strict=True):
+            view, placed = orthographic_view(panel, _HALF_HEIGHT), _repeated(patch, repeats, which)
+            frame = frame_of(placed, of_unit_length)
+            if combiners:
+                toward = Frame(*(normalize(v) for v in (frame.normal, frame.first, frame.second)))
+                sizes = None if of_unit_length else _sizes(frame)
+                out += offset_vector_passes.natural_pass(
+                    placed.surface, toward, sizes, _MAP_NAME, scale, view, profile
+                )
+            else:
+                out += offset_vector_passes.dot_product_pass(placed.surface, frame, _MAP_NAME, scale, view)
+        return tuple(out)
+
+    return scene
+
+
+# ---------------------------------------------------------------------------------------------- checks
+
+
+def _slopes(p, of_unit_length, which):
+    """How steep bumps are on the ring, at points that fall anywhere on the map: RMS."""
+    patch = _repeated(ring(211, 97), p["repeats"], which)
+    frame = frame_of(patch, of_unit_length)
+    st = patch.surface.texture_coordinates
+    f = derivatives(p["height"], p["height_field"], p["height_scale"])
+    f = np.stack([blinn.interpolated(f[..., k], st[:, 0], st[:, 1]) for k in range(2)], axis=-1)
+    added = offset_vectors.bumped(frame, f) - frame.normal
+    return root_mean_square(np.sqrt(dot(added, added) / dot(frame.normal, frame.normal)))
+
+
+def checks(figure, renderer):
+    """How steep bumps are where the map is scaled: of the frames by themselves, and in the pictures."""
+    p, size = dict(figure.values), 256
+    times = p["repeats"][2]
+    # Low bumps and dull ones, whose light goes with their slopes.
+    low = {"specular": 0.0, "ambient": (0.5, 0.5, 0.5), "color": (0.5, 0.5, 0.5), "background": (0.0,) * 3}
+    for on in Answer:
+        bumped, smooth = (
+            renderer.window(on, figure, size, **low, height=height) for height in (0.2 * p["height"], 0.0)
+        )
+        shown = panel_of(smooth, 0).max(axis=-1) > 0.0
+        change = [root_mean_square(panel_of(bumped - smooth, k)[shown]) for k in range(4)]
+        yield Check(
+            f"what low bumps change {times} times smaller over what they change at first, natural frame",
+            change[1] / change[0] / times,
+            at_least=0.8,
+            on=on,
+            reason="heights stay, so slopes grow as the map shrinks; texels are less than pixels there, and "
+            "some bumps meet the light's edge",
+        )
+        yield Check(
+            "the same in unit vectors, its distance from one",
+            abs(change[3] / change[2] - 1.0),
+            at_most=0.1,
+            on=on,
+            reason="slopes stay, so heights shrink with the map",
+        )
+    for name, of_unit_length, expected in (("natural", False, times), ("unit vectors", True, 1.0)):
+        ratio = _slopes(p, of_unit_length, 1) / _slopes(p, of_unit_length, 0)
+        yield Check(
+            f"slopes of the frames by themselves, many over few, {name}: distance from {expected:g}",
+            abs(ratio - expected),
+            at_most=0.03 * expected,
+            on=Answer.IDEAL,
+            reason="the map is sampled at the same places at either scale, but others of the ring",
+        )
+
+
+FIGURE = Figure(
+    id="S14",
+    title="Unit vectors in the natural frame's place",
+    caption=(
+        "A ring of pebbles, all from one bump map of derivatives; in the second and the fourth panel it "
+        "comes three times as often around both ways. Left the natural frame, whose vectors are as long as the "
+        "map's steps on the ring; right vectors of length one."
+    ),
+    must_see=(
+        "In the natural frame many small pebbles stand as high as few large ones, like pegs, dark between, "
+        "and are steeper still inside the ring, where the map is narrow. With unit vectors small ones are "
+        "large ones seen from farther away."
+    ),
+    source="Schilling1997",
+    techniques=("S12", "S13", "S14"),
+    panels=("natural, few", "natural, many", "unit vectors, few", "unit vectors, many"),
+    parameters={
+        "repeats": word.of(
+            word.Several((word.Whole(1, 64), word.Whole(1, 64), word.Whole(1, 8))),
+            (4, 2, 3),
+            "How often the map comes around the ring's axis and its tube, and how many times as often then.",
+        ),
+        "height": word.NUMBER(
+            1.0, "How high the pebbles stand over half balls of a map a unit wide.", low=0.0, high=4.0
+        ),
+        "light": word.LIGHT((-0.45, 0.6, 0.66)),
+        "color": word.DIFFUSE((0.36, 0.56, 0.66)),
+        "ambient": word.AMBIENT((0.05, 0.06, 0.08)),
+        "specular": word.NUMBER(0.5, "The highlight's strength, k_s.", low=0.0, high=1.0),
+        "exponent": word.of(word.Whole(1, 128), 24, "The highlight's exponent."),
+        "background": word.BACKDROP(BACKGROUND),
+        "height_field": own_maps.height_field("the pebbles"),
+        "height_scale": own_maps.HEIGHT_SCALE(0.1),
+    },
+    methods=(
+        Method("dot products of texture shaders", scene_by(False), ("GEFORCE_3", "NV2A")),
+        Method("roots and quotients in the combiners", scene_by(True), ("FUTURE",)),
+    ),
+    acceptance=checks,
+)
