@@ -35,6 +35,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fixedpipe.effects.bump_mapping.tangent_space import affine_maps, frames, without_area
 from fixedpipe.effects.geometry import height_fields
 from fixedpipe.effects.geometry.vectors import cross, dot, normalize, unit_vector
 from fixedpipe.effects.technique import Technique
@@ -100,6 +101,31 @@ def bumped(frame, offsets):
     """n' of offsets [..., 2] in a Frame, not normalized: float64 [..., 3]."""
     offsets = np.asarray(offsets, np.float64)
     return (frame.normal + offsets[..., :1] * frame.first) + offsets[..., 1:] * frame.second
+
+
+def derivatives_of_mesh(surface):
+    """p_u and p_v at the vertices of any mesh: the means of its triangles', weighted alike, in each vertex's
+    tangent plane, two float64 [n, 3].
+
+    Triangles whose texture coordinates have no area take no part; a vertex that only they have gets the
+    surface's tangent and binormal.
+    """
+    corners = surface.triangles
+    points, coordinates = surface.positions[corners], surface.texture_coordinates[corners]
+    kept = ~without_area(coordinates)
+    out = []
+    for vectors, instead in zip(
+        frames(affine_maps(points[kept], coordinates[kept]))[:2],
+        (surface.tangents, surface.binormals),
+        strict=True,
+    ):
+        mean, count = np.zeros(surface.positions.shape), np.zeros(len(surface.positions))
+        np.add.at(mean, corners[kept].ravel(), np.repeat(vectors, 3, axis=0))
+        np.add.at(count, corners[kept].ravel(), 1.0)
+        mean = mean / np.maximum(count, 1.0)[:, None]
+        flat = mean - dot(mean, surface.normals)[:, None] * surface.normals
+        out.append(np.where(dot(flat, flat)[:, None] > 0.0, flat, instead))
+    return tuple(out)
 
 
 # ------------------------------------------------------------------------------------------- interpolation

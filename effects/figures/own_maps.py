@@ -1,7 +1,7 @@
-"""Parameters by which a figure shows a height field, a photograph or a material of a user's own.
+"""Parameters by which a figure shows a height field, a photograph, a material or a mesh of a user's own.
 
-None of them changes a figure that is drawn without. ``height_field``, ``photograph`` and ``material`` are
-None then; ``height_scale`` takes no part.
+None of them changes a figure that is drawn without. ``height_field``, ``photograph``, ``material`` and
+``mesh`` are None then; ``height_scale`` takes no part.
 """
 
 from collections.abc import Callable, Mapping
@@ -9,9 +9,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from fixedpipe.effects.figures.parameters import Maybe, Number, Parameter, Unfit, Word
+from fixedpipe.effects.geometry.surfaces import Surface
 from fixedpipe.effects.reflectance.material_textures import Material
 from fixedpipe.effects.user_pictures import maps, probes
 from fixedpipe.effects.user_pictures.bumped_mesh import MaterialParameters
+from fixedpipe.effects.user_pictures.inputs import read_mesh
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,26 @@ _PROBE = Maybe(
     _NONE,
 )
 _PHOTOGRAPH = Maybe(Own(maps.photograph, _FILE, lambda value: value.called), _NONE)
+
+
+@dataclass(frozen=True, eq=False)
+class OwnMesh:
+    """A mesh of a user's own; ``called``: where it comes from, in words."""
+
+    surface: Surface
+    called: str
+
+
+def _mesh(value: Any) -> OwnMesh:
+    """Of a file's name or a Surface. Raises ValueError."""
+    if isinstance(value, OwnMesh):
+        return value
+    if isinstance(value, Surface):
+        return OwnMesh(value, f"a surface of {len(value.triangles)} triangles")
+    return OwnMesh(read_mesh(str(value)), str(value))
+
+
+_MESH = Maybe(Own(_mesh, "an OBJ or a PLY file; in Python also a Surface", lambda value: value.called), _NONE)
 _MATERIAL = Maybe(
     Own(
         maps.material,
@@ -86,6 +108,16 @@ def photograph(instead: str, repeats: bool = True) -> Parameter:
     """A Parameter: a photograph in the place of what ``instead`` names. ``repeats``: on the surface."""
     faded = "; as it repeats, its edges are faded into each other" if repeats else ""
     return Parameter(None, _PHOTOGRAPH, f"A photograph in the place of {instead}: {_ROWS}{faded}.")
+
+
+def mesh(instead: str) -> Parameter:
+    """A Parameter: a mesh in the place of what ``instead`` names."""
+    return Parameter(
+        None,
+        _MESH,
+        f"A mesh in the place of {instead}, with its own texture coordinates where it has some; it is "
+        "centred and scaled to the panel.",
+    )
 
 
 PANORAMA = Parameter(

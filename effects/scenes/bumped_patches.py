@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fixedpipe.effects.geometry.matrices import rotate
-from fixedpipe.effects.geometry.surfaces import Surface, plane, sphere, torus
+from fixedpipe.effects.geometry.surfaces import Surface, plane, sphere_frames, torus
 from fixedpipe.effects.geometry.vectors import TRIGONOMETRY_STEP, cosine, cross, normalize, sine
 
 
@@ -131,12 +131,16 @@ def ring(around, across, radius=0.7, tube_radius=0.3):
     )
 
 
-def globe(slices, stacks):
-    """The unit sphere of ``surfaces.sphere`` as a Patch."""
-    surface = sphere(slices, stacks)
-    x, z = surface.positions[:, 0], surface.positions[:, 2]
-    away = np.sqrt(x * x + z * z)
-    return Patch(surface, (2.0 * math.pi * away)[:, None] * surface.tangents, math.pi * surface.binormals)
+def globe(columns, rows):
+    """The unit sphere with its poles on the y axis as a Patch of ``columns`` x ``rows`` cells of longitude
+    and latitude; those at the poles have an edge without length. u is 1/2 towards +z.
+    """
+    grid = plane(columns, rows)
+    s, t = grid.texture_coordinates[:, 0], grid.texture_coordinates[:, 1]
+    normals, east, north = sphere_frames(s, t)
+    away = cosine(math.pi * (t - 0.5))
+    surface = Surface(normals, normals, east, north, grid.texture_coordinates, grid.triangles)
+    return Patch(surface, (2.0 * math.pi * away)[:, None] * east, math.pi * north)
 
 
 def sheared_sheet(columns, rows, *, shear=1.0, half_width=1.0, half_height=1.0, bulge=0.35):

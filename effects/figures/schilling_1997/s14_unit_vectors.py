@@ -148,8 +148,8 @@ FIGURE = Figure(
     title="Unit vectors in the natural frame's place",
     caption=(
         "A ring of pebbles, all from one bump map of derivatives; in the second and the fourth panel it "
-        "comes three times as often around both ways. Left the natural frame, whose vectors are as long as the "
-        "map's steps on the ring; right vectors of length one."
+        "comes three times as often around both ways. Left the natural frame, whose vectors are as long as "
+        "the map's steps on the ring; right vectors of length one."
     ),
     must_see=(
         "In the natural frame many small pebbles stand as high as few large ones, like pegs, dark between, "
