@@ -9,6 +9,7 @@ from PIL import Image
 
 from fixedpipe.effects.cli import main
 from fixedpipe.effects.figures import FIGURES
+from fixedpipe.effects.geometry import surfaces, triangle_meshes
 from fixedpipe.effects.reflectance import material_textures
 from fixedpipe.effects.user_pictures import maps
 from fixedpipe.effects.user_pictures.bumped_mesh import MATERIALS
@@ -30,6 +31,9 @@ OTHERS = [
     "K15",
     "K17",
     "K18",
+    "S13",
+    "S14",
+    "S15",
     "Z05",
     "Z06",
 ]
@@ -62,6 +66,7 @@ def scenes(*ids):
         ("height_field", BOTH + WITH_MATERIAL + OTHERS),
         ("photograph", BOTH + PANORAMAS),
         ("material", WITH_MATERIAL),
+        ("mesh", ["S15"]),
     ],
 )
 def test_which_figures_show_what_is_ones_own(name, ids):
@@ -97,6 +102,52 @@ def test_a_material_is_drawn(figure, method):
     assert (picture(figure, method, material=smooth) != own).any()
     with pytest.raises(ValueError, match="height_field would be ignored: give one of them"):
         figure.commands(method.machines[0], 32, method, material=smooth, height_field=BUMP)
+
+
+# A pyramid whose base is away from the viewer; its last face has texture coordinates without area.
+PYRAMID = """
+v -1 -1 0
+v 1 -1 0
+v 1 1 0
+v -1 1 0
+v 0 0 1
+vt 0 0
+vt 1 0
+vt 1 1
+vt 0 1
+vt 0.5 0.5
+f 1/1 2/2 5/5
+f 2/2 3/3 5/5
+f 3/3 4/4 5/5
+f 4/4 1/4 5/4
+"""
+
+
+@pytest.mark.parametrize(("figure", "method"), scenes("S15"))
+def test_a_mesh_is_drawn(tmp_path, figure, method):
+    (tmp_path / "pyramid.obj").write_text(PYRAMID)
+    path = str(tmp_path / "pyramid.obj")
+    surface = triangle_meshes.with_creases(triangle_meshes.read_obj(PYRAMID))
+    own, shown, given = (picture(figure, method, mesh=mesh) for mesh in (None, path, surface))
+    assert (shown != own).any()
+    np.testing.assert_array_equal(shown, given)
+    # The globe stays.
+    np.testing.assert_array_equal(shown[:, :64], own[:, :64])
+
+
+def test_what_is_no_mesh_is_refused(tmp_path):
+    figure = FIGURES["S15"]
+    (tmp_path / "empty.obj").write_text("v 0 0 0\n")
+    for value, sentence in (
+        ("nowhere.obj", "S15's mesh: nowhere.obj cannot be read"),
+        ("pyramid.stl", "is no mesh; give an OBJ or a PLY file"),
+        (str(tmp_path / "empty.obj"), "has no faces"),
+        (7, "'7' is no mesh"),
+    ):
+        with pytest.raises(ValueError, match=sentence):
+            figure.commands("GEFORCE_3", 32, mesh=value)
+    parameter = figure.offer("mesh", figure.methods[0])
+    assert parameter.kind.show(parameter.accept(surfaces.plane(), "")) == "a surface of 2 triangles"
 
 
 def test_a_probe_of_high_dynamic_range_is_drawn(tmp_path):
