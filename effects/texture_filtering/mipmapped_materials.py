@@ -368,7 +368,7 @@ def lobe_fit(material, steps=STEPS):
 # --------------------------------------------------------------------------------------------------- textures
 
 
-def _texture(images):
+def texture_of_levels(images):
     """One texture of the levels' images, level 0 first."""
     levels = [texture_2d(image) for image in images]
     first = levels[0]
@@ -402,7 +402,7 @@ def load(levels, name, profile, exponent=2.0):
         TexImage(
             label=f"load {what} of {name}, {len(levels)} levels",
             texture=texture,
-            image=_texture([vector_and_factor_texels(rgb, alpha, profile) for rgb, alpha in images]),
+            image=texture_of_levels([vector_and_factor_texels(rgb, alpha, profile) for rgb, alpha in images]),
         )
         for texture, what, images in pictures
     )

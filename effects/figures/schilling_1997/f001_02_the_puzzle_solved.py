@@ -94,9 +94,7 @@ def _shimmer(figure, renderer, page):
         angle = figure.values["angle"] + SINKS * number
         image = renderer.window(Answer.MACHINE, figure, size, angle=angle)
         views = _views(size, angle)[1]
-        truth = written.supersampled(
-            views[0], written.writing(written.page_edge(size)), figure.values["background"]
-        )
+        truth = written.supersampled(views[0], writing, figure.values["background"])
         errors.append([(_strip(image, view) - truth)[page] for view in views[:-1]])
     varied = np.array(errors).var(axis=0).mean(axis=(1, 2))
     yield Check("level 0 alone: variance in time of what it is off by, over that of eight probes",
