@@ -67,13 +67,17 @@ class OwnMesh:
     called: str
 
 
+# What is taken as a mesh beside a file's name, by its class.
+_AS_MESH: Mapping[type, Callable[[Any], OwnMesh]] = {
+    OwnMesh: lambda taken: taken,
+    Surface: lambda surface: OwnMesh(surface, f"a surface of {len(surface.triangles)} triangles"),
+}
+
+
 def _mesh(value: Any) -> OwnMesh:
     """Of a file's name or a Surface. Raises ValueError."""
-    if isinstance(value, OwnMesh):
-        return value
-    if isinstance(value, Surface):
-        return OwnMesh(value, f"a surface of {len(value.triangles)} triangles")
-    return OwnMesh(read_mesh(str(value)), str(value))
+    read = _AS_MESH.get(type(value), lambda name: OwnMesh(read_mesh(str(name)), str(name)))
+    return read(value)
 
 
 _MESH = Maybe(Own(_mesh, "an OBJ or a PLY file; in Python also a Surface", lambda value: value.called), _NONE)

@@ -4,8 +4,8 @@ A patch may have its vectors at few corners alone, while its points and their tr
 is then how vectors are interpolated, and the outline stays round. Every cell of the coarse grid is cut into
 two triangles, and each vertex knows the three corners of its own and their weights.
 
-All is float64 + - * / and square roots but for sines, cosines and growth, which are rounded to multiples of
-2**-20 at once.
+All is float64 + - * / and square roots but for sines, cosines, exponentials and logarithms, which are
+rounded to multiples of 2**-20 at once.
 """
 
 import math
@@ -73,9 +73,9 @@ def corners_of_grid(columns, rows, divided):
     return Corners(numbers.reshape(-1, 3), weights.reshape(-1, 3))
 
 
-def _growth(exponent):
-    """e to the power of numbers, rounded to a multiple of 2**-20."""
-    return np.floor(np.exp(exponent) / TRIGONOMETRY_STEP + 0.5) * TRIGONOMETRY_STEP
+def _rounded(numbers):
+    """Exponentials and logarithms as multiples of 2**-20, which are the same on every processor."""
+    return np.floor(numbers / TRIGONOMETRY_STEP + 0.5) * TRIGONOMETRY_STEP
 
 
 def horn(columns, rows, *, turn=500.0, taper=0.13, width=0.76):
@@ -91,10 +91,10 @@ def horn(columns, rows, *, turn=500.0, taper=0.13, width=0.76):
     if not (0.0 < taper <= 1.0 and 0.0 < width < 1.0):
         raise ValueError(f"A horn has no taper {taper!r} and width {width!r}; give numbers from 0 to 1.")
     radians = math.radians(turn)
-    shrinks = math.log(taper) * radians / (2.0 * math.pi)
+    shrinks = _rounded(math.log(taper)) * radians / (2.0 * math.pi)
     u, v = np.meshgrid(np.arange(columns + 1) / columns, np.arange(rows + 1) / rows)
     u, v = u.ravel(), v.ravel()
-    size, angle, across = _growth(shrinks * u), radians * u - math.pi / 2.0, math.pi * v
+    size, angle, across = _rounded(np.exp(shrinks * u)), radians * u - math.pi / 2.0, math.pi * v
     tube = 0.5 * width
     away, up = (1.0 - tube) + tube * cosine(across), tube * sine(across)
     outward = np.stack([cosine(angle), sine(angle), 0.0 * u], axis=-1)
