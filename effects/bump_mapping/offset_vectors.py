@@ -60,19 +60,24 @@ class Frame:
 # ------------------------------------------------------------------------------------------------ frames
 
 
-def natural(p_u, p_v):
+def natural(p_u, p_v, outward=None):
     """S13: n, s_u and s_v of the derivatives p_u and p_v, [..., 3], by the map's coordinates: a Frame.
 
-    Where p_u and p_v span nothing, at a pole, all three are zero.
+    ``outward``: [..., 3], to whose side n is to point: on a mesh where the map is mirrored p_u x p_v points
+    into it. None: n is p_u x p_v. Where p_u and p_v span nothing, at a pole, all three are zero.
     """
     normal = cross(p_u, p_v)
+    sign = 1.0
+    if outward is not None:
+        sign = np.where(dot(normal, outward) < 0.0, -1.0, 1.0)[..., None]
+        normal = sign * normal
     direction = normalize(normal)
-    return Frame(normal, cross(direction, p_v), cross(p_u, direction))
+    return Frame(normal, sign * cross(direction, p_v), sign * cross(p_u, direction))
 
 
-def normalized(p_u, p_v):
+def normalized(p_u, p_v, outward=None):
     """S14: the same three of length one: a Frame."""
-    frame = natural(p_u, p_v)
+    frame = natural(p_u, p_v, outward)
     return Frame(normalize(frame.normal), normalize(frame.first), normalize(frame.second))
 
 

@@ -23,8 +23,8 @@ _LAND, _STONES = (512, 256), 128
 _CUBE, _PLANE = 128, 256
 _HALF_HEIGHT, _TILT = 1.1, 24.0
 _AXIS = (0.0, 1.0, 0.0)
-# Parts of the globe's and the sheet's texture space, on boards with one matrix for a draw.
-_GLOBE_PARTS, _SHEET_PARTS = (24, 12), (4, 4)
+# Parts of the globe's, the sheet's and a mesh's texture space, on boards with one matrix for a draw.
+_GLOBE_PARTS, _SHEET_PARTS, _MESH_PARTS = (24, 12), (4, 4), (16, 12)
 
 
 @lru_cache(4)
@@ -88,7 +88,7 @@ def sheet(size, p):
 
 def sheet_frames(patch, p):
     """S14's Frame at the vertices, and S15's for the same offsets: slopes turn their sign along e_1, e_2."""
-    unit = offset_vectors.normalized(patch.p_u, patch.p_v)
+    unit = offset_vectors.normalized(patch.p_u, patch.p_v, patch.surface.normals)
     e = offset_vectors.of_main_direction(patch.surface.normals, p["main"])
     return unit, Frame(e.normal, -e.first, -e.second)
 
@@ -132,7 +132,8 @@ def scene_by(way):
                 out += passes.offset_passes(
                     placed.surface, frame, "land", land_scale, view, unit_length=unit, **cut
                 )
-            cut = {"across": _SHEET_PARTS[0], "along": _SHEET_PARTS[1]}
+            across, along = _SHEET_PARTS if p["mesh"] is None else _MESH_PARTS
+            cut = {"across": across, "along": along}
             for view, frame in zip(views[2:], frames, strict=True):
                 out += passes.offset_passes(patch.surface, frame, "stones", stone_scale, view, **cut)
             return tuple(out)

@@ -32,6 +32,16 @@ def test_the_offset_is_the_cross_product_of_the_displaced_steps():
     np.testing.assert_allclose(frames.bumped(frames.natural(p_u, p_v), f), steps, atol=1e-12)
 
 
+def test_where_a_map_is_mirrored_bumps_stand_out_of_the_surface_too():
+    p_u, p_v, f = derivatives()
+    outward = normalize(cross(p_u, p_v))
+    mirrored = frames.natural(p_v, p_u, outward)
+    np.testing.assert_allclose(
+        frames.bumped(mirrored, f[:, ::-1]), frames.bumped(frames.natural(p_u, p_v), f), atol=1e-12
+    )
+    np.testing.assert_array_equal(frames.natural(p_u, p_v, outward).first, frames.natural(p_u, p_v).first)
+
+
 def displaced_sphere(u, v, height):
     """A point of the unit sphere, ``height(u, v)`` above it."""
     normal, _, _ = sphere_frames(np.asarray(u), np.asarray(v))
