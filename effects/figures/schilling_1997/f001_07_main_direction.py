@@ -92,7 +92,8 @@ def scene(profile, size, *, longitude, latitude, main, background):
         drawing.polygon("the globe", view, ring[:-1], _SHADED),
         drawing.stroke("its outline", view, ring, FAINT, width=1.6),
         drawing.strokes("parallels and meridians", view, _lines(main), FAINT, width=0.9),
-        drawing.strokes("the parallel", view, _seen(parallel), BLUE, width=1.6),
+        # Of a far side's parallel nothing may be seen.
+        *(drawing.stroke("the parallel", view, run, BLUE, width=1.6) for run in _seen(parallel)),
         drawing.polygon("the plane of n and m", view, _half_disc(quarter), GREEN, alpha=0.22),
         drawing.stroke("the meridian", view, quarter, GREEN, width=1.8),
         drawing.stroke("from the middle to the point", view, (np.zeros(3), here), VIOLET, dash=drawing.DASH),

@@ -19,7 +19,7 @@ from fixedpipe.effects.geometry.views import BACKGROUND, orthographic_view, pane
 from fixedpipe.effects.scenes.bumped_patches import Patch, corners_of_grid, globe, sheared_sheet
 from fixedpipe.effects.user_pictures.bumped_mesh import fitted
 
-_LAND, _STONES = (512, 256), 128
+_LAND, _STONES = 256, 128
 _CUBE, _PLANE = 128, 256
 _HALF_HEIGHT, _TILT = 1.1, 24.0
 _AXIS = (0.0, 1.0, 0.0)
@@ -30,7 +30,8 @@ _GLOBE_PARTS, _SHEET_PARTS, _MESH_PARTS = (24, 12), (4, 4), (16, 12)
 @lru_cache(4)
 def land(height, size):
     """Heights of a globe, over its radius: float64 [rows, columns], flat towards the poles and at sea."""
-    columns, rows = (max(32, min(edge, edge * size // 256)) for edge in _LAND)
+    rows = min(_LAND, max(32, 1 << (size - 1).bit_length()))
+    columns = 2 * rows
     s, t = height_fields.texel_centers(columns, rows)
     # Twice as many cells along the equator as from pole to pole.
     ground = height_fields.turbulence(2.0 * s % 1.0, t, 4, 5, 11) * 0.6
