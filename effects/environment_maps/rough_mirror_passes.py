@@ -1,0 +1,234 @@
+"""S24 and S25 on boards of the time: a bumped surface that mirrors an environment, filtered by roughness, in
+as many passes as there are roughnesses.
+
+A GeForce 3 forms r = 2 N (N.e)/(N.N) - e from a bump map and looks it up in a cube map
+(``bumped_reflections``), but such a lookup has no level: its coordinates come from no vertex, and the machine
+reads the cube map's level 0. Nor can a 3D texture of filtered maps take I_1 as its third coordinate: each of
+the three coordinates is a product with the same texel (f_1, f_2, third), and r needs a one there. So the
+levels are textures of their own, and I_1, the bump map's alpha, which is mip-mapped with it, weighs them:
+
+    load   the bump map's levels: (f_1, f_2)/s and 1 as RGB, I_1 over the largest I_1 as alpha
+           cube map k of n: the environment as a flat mirror of roughness sigma_k shows it, sigma_0 = 0
+    pass k reads cube map k; register combiners make
+               R_k = min(max(4 (alpha - c_(k-1)), 0), 1),  weight = R_k (1 - R_(k+1)),  c_k = 64 k / 255
+           a tent round c_k; tents sum to one. The alpha test leaves out what has no weight, blending adds.
+
+A cube map for roughness sigma holds along r the environment over Sigma = sigma^2 J_r J_r^T, J_r being that of
+the flat surface in which r is seen. So it is anisotropic, as S24 is: roughness of equal size in all
+directions spreads r by 2 sigma in the plane of incidence and by 2 sigma cos theta_i across it. ``isotropic``
+ones spread by 2 sigma all round (S25), as a mip-map would.
+
+Curvature, by which one pixel's r differs from the next, is not measured on the machine. In the levels above 0
+a pixel's step is about a texel's, and what f differs by over half of that is added to K before I_1 is taken.
+
+Source: Schilling 1997, section 8; NV_texture_shader, section 3.8.13.1.18; docs/numbers.md, N12.11 (no level).
+Inferred: the tents; pass sequences A-S24 and A-S25 of the catalogue.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fixedpipe.effects.bump_mapping import roughness_pyramids as rough
+from fixedpipe.effects.environment_maps import rough_mirrors
+from fixedpipe.effects.environment_maps.bumped_reflections import rows_and_eye
+from fixedpipe.effects.geometry import cube_maps
+from fixedpipe.effects.geometry.vectors import cross, dot, normalize
+from fixedpipe.effects.passes.combiners import (
+    CONSTANT0,
+    ONE,
+    SPARE0,
+    SPARE1,
+    TEXTURE0,
+    TEXTURE3,
+    alpha_of,
+    final,
+    negated,
+    one_minus,
+    product,
+    program,
+    scaled,
+    stage,
+    total,
+)
+from fixedpipe.effects.passes.draws import EDGE, FIRST_PASS, LATER_PASS, draw, unit
+from fixedpipe.effects.passes.encoding import dot_product_texels, factor_texels
+from fixedpipe.effects.passes.texture_shaders import NO_TEXTURE, TEXTURE_STAGE, dot_product_stages
+from fixedpipe.effects.technique import AnotherWay, Technique
+from fixedpipe.pipeline.commands import TexImage
+from fixedpipe.pipeline.enums import BlendFactor, ComparisonFunction, InternalFormat, TextureFilter, WrapMode
+from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
+from fixedpipe.pipeline.state import AlphaTest, Blending, Sampler
+from fixedpipe.pipeline.textures.images import Texture, texture_2d, texture_cube_map
+
+TECHNIQUES = (
+    Technique(
+        "S28", "water far away: its mean mirrors the moon as a calm does, its roughness spreads it", "6"
+    ),
+    AnotherWay(("S24", "S25"), "on a GeForce 3, a pass for each of five filtered cube maps, weighed by I_1"),
+)
+
+# Cube maps, and so passes.  Inferred: tents a quarter of alpha's range wide are what a combiner's largest
+# scale, four, makes.
+ROUGHNESSES = 5
+_STEP = 64.0 / 255.0
+TRILINEAR = Sampler(
+    TextureFilter.LINEAR_MIPMAP_LINEAR, TextureFilter.LINEAR, WrapMode.REPEAT, WrapMode.REPEAT
+)
+_WEIGHED = Blending(BlendFactor.SRC_ALPHA, BlendFactor.ZERO)
+_ADD_WEIGHED = Blending(BlendFactor.SRC_ALPHA, BlendFactor.ONE)
+_WITH_WEIGHT = AlphaTest(ComparisonFunction.GREATER, 0.0)
+
+
+@dataclass(frozen=True)
+class Stored:
+    """What was loaded: the bump map's name, the cube maps' names from the smoothest on, the offset that is
+    stored as one, and the I_1 that is.
+    """
+
+    bumps: str
+    cubes: tuple[str, ...]
+    offset: float
+    roughness: float
+
+
+def with_curvature(levels):
+    """The pyramids with what f differs by over half of a texel in each direction added to K, above level 0:
+    a tuple of Level. The bump map repeats.
+    """
+    out = [levels[0]]
+    for level in levels[1:]:
+        across, along = (
+            0.25 * (np.roll(level.offsets, -1, axis) - np.roll(level.offsets, 1, axis)) for axis in (1, 0)
+        )
+        more = rough.products(across) + rough.products(along)
+        out.append(replace(level, covariance=level.covariance + more))
+    return tuple(out)
+
+
+def largest(levels):
+    """(the largest offset of either sign in level 0, the largest I_1 of all levels), each at least 2^-10."""
+    offset = float(np.abs(levels[0].offsets).max())
+    roughness = max(float(rough.largest_deviation(level.covariance).max()) for level in levels)
+    return max(offset, 2.0**-10), max(roughness, 2.0**-10)
+
+
+def deviations(roughness):
+    """The deviations that the cube maps are for, ``roughness`` being stored as one: a tuple of floats."""
+    return tuple(roughness * _STEP * k for k in range(ROUGHNESSES))
+
+
+def _texture(images):
+    """One texture of the levels' images, level 0 first."""
+    levels = [texture_2d(image) for image in images]
+    first = levels[0]
+    ideal = None if first.ideal is None else tuple(level.ideal[0] for level in levels)
+    return Texture(
+        first.target, first.internal_format, tuple(level.levels[0] for level in levels), ideal, first.bits
+    )
+
+
+def load_bumps(levels, stored, profile):
+    """The command that loads the bump map with I_1 in alpha, all levels of both pyramids."""
+    images = []
+    for level in levels:
+        f = np.clip(level.offsets / stored.offset, -1.0, 1.0)
+        vectors = np.concatenate([f, np.ones((*f.shape[:2], 1))], axis=-1)
+        alpha = np.clip(rough.largest_deviation(level.covariance) / stored.roughness, 0.0, 1.0)
+        images.append(dot_product_texels(vectors, alpha, profile))
+    return TexImage(
+        label="load the bump map's levels, I_1 in alpha", texture=stored.bumps, image=_texture(images)
+    )
+
+
+def rough_cube(cube_levels, frame, deviation, size, *, isotropic=False, most=16):
+    """The environment as a flat mirror of one roughness shows it: float64 [6, size, size, 3], at most one.
+
+    cube_levels  as ``rough_mirrors.cube_pyramid``; light of any brightness
+    frame        float64 [3, 3]: the surface's e_1, e_2 and n
+    deviation    of the offsets in any direction
+    isotropic    spread by 2 ``deviation`` all round
+    most         probes of the environment for a texel, at most
+    """
+    toward = cube_maps.directions(size)
+    step = 2.0 / size * np.abs(toward).max(axis=-1)[..., None]
+    planes = cube_maps.vectors(*(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])))
+    along = [(planes[:, k] - planes[:, 2])[:, None, None, :] * step for k in (0, 1)]
+    if isotropic:
+        upright = np.abs(toward[..., 1:2]) > 0.75
+        first = normalize(cross(toward, np.where(upright, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])))
+        by_offset = 2.0 * np.stack([first, cross(toward, first)], axis=-2)
+    else:
+        incoming = toward - 2.0 * dot(toward, frame[2])[..., None] * frame[2]
+        by_offset = rough_mirrors.mirrored(incoming, np.zeros((*toward.shape[:-1], 2)), frame)[1]
+    covariance = np.zeros(toward.shape) + deviation * deviation * np.array([1.0, 0.0, 1.0])
+    beam = rough_mirrors.Beam(
+        np.ones(toward.shape[:-1], bool), toward, by_offset, np.stack(along, axis=-2), covariance
+    )
+    how = rough_mirrors.Antialiasing.ISOTROPIC if isotropic else rough_mirrors.Antialiasing.ANISOTROPIC
+    return np.clip(rough_mirrors.shown(beam, cube_levels, how, most), 0.0, 1.0)
+
+
+def load_cubes(cubes, stored, profile):
+    """The commands that load cube maps [6, n, n, 3], from the smoothest on, under ``stored.cubes``."""
+    return tuple(
+        TexImage(
+            label=f"load {name}",
+            texture=name,
+            image=texture_cube_map(factor_texels(cube, profile), InternalFormat.RGB8),
+        )
+        for cube, name in zip(cubes, stored.cubes, strict=True)
+    )
+
+
+def _weight(number):
+    """General combiners that make the tent of cube map ``number`` in SPARE0's alpha."""
+
+    def ramp(k, to):
+        below = (0.0, 0.0, 0.0, k * _STEP)
+        return stage(alpha=scaled(4, total(TEXTURE0, negated(CONSTANT0), to=to)), constant0=below)
+
+    rising = [ramp(number - 1, SPARE0)] if number else []
+    falling = [ramp(number, SPARE1)] if number < ROUGHNESSES - 1 else []
+    if not falling:
+        return rising
+    left = one_minus(SPARE1)
+    return [*rising, *falling, stage(alpha=product(SPARE0 if rising else ONE, left, to=SPARE0))]
+
+
+def _pass(label, surface, stored, view, number, sampler, combiners, **settings):
+    bumped = replace(
+        surface, tangents=stored.offset * surface.tangents, binormals=stored.offset * surface.binormals
+    )
+    mesh = surface.mesh(surface.texture_coordinates, *rows_and_eye(bumped, view))
+    units = (
+        unit(stored.bumps, sampler),
+        unit(NO_TEXTURE, coordinates=1),
+        unit(NO_TEXTURE, coordinates=2),
+        unit(stored.cubes[number], EDGE, coordinates=3),
+    )
+    stages = (TEXTURE_STAGE, *dot_product_stages(0, 0, 0, lookup=Operation.DOT_PRODUCT_REFLECT_CUBE_MAP))
+    return draw(label, mesh, view, combiners, units, texture_shader=stages, **settings)
+
+
+def plain_pass(surface, stored, view, sampler=TRILINEAR):
+    """The same without roughness, one draw: r of the bump map in the environment itself. Bumps are filtered
+    as ``sampler`` says: averaged as colours are (S09), or by REPEATED not at all.
+    """
+    label = "reflection: r of the bumped normal, looked up in the cube map"
+    return _pass(label, surface, stored, view, 0, sampler, program(final(TEXTURE3)), depth_test=FIRST_PASS)
+
+
+def rough_passes(surface, stored, view, sampler=TRILINEAR):
+    """A draw for each roughness, which adds its cube map by the weight that I_1 gives it."""
+    out = []
+    for number in range(ROUGHNESSES):
+        combiners = program(*_weight(number), final(TEXTURE3, alpha=alpha_of(SPARE0)))
+        settings = (
+            {"depth_test": LATER_PASS, "blending": _ADD_WEIGHED, "alpha_test": _WITH_WEIGHT}
+            if number
+            else {"depth_test": FIRST_PASS, "blending": _WEIGHED}
+        )
+        label = f"add roughness {number} of {ROUGHNESSES}, where I_1 gives it weight"
+        out.append(_pass(label, surface, stored, view, number, sampler, combiners, **settings))
+    return tuple(out)
