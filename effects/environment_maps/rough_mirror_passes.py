@@ -10,7 +10,7 @@ levels are textures of their own, and I_1, the bump map's alpha, which is mip-ma
     load   the bump map's levels: (f_1, f_2)/s and 1 as RGB, I_1 over the largest I_1 as alpha
            cube map k of n: the environment as a flat mirror of roughness sigma_k shows it, sigma_0 = 0
     pass k reads cube map k; register combiners make
-               R_k = min(max(4 (alpha - c_(k-1)), 0), 1),  weight = R_k (1 - R_(k+1)),  c_k = 64 k / 255
+               weight = (1 - (4 (alpha - c_k))+ - (4 (c_k - alpha))+)+,  c_k = k / 4
            a tent round c_k; tents sum to one. The alpha test leaves out what has no weight, blending adds.
 
 A cube map for roughness sigma holds along r the environment over Sigma = sigma^2 J_r J_r^T, J_r being that of
@@ -36,16 +36,13 @@ from fixedpipe.effects.geometry import cube_maps
 from fixedpipe.effects.geometry.vectors import cross, dot, normalize
 from fixedpipe.effects.passes.combiners import (
     CONSTANT0,
-    ONE,
     SPARE0,
     SPARE1,
     TEXTURE0,
     TEXTURE3,
-    alpha_of,
     final,
     negated,
     one_minus,
-    product,
     program,
     scaled,
     stage,
@@ -71,7 +68,7 @@ TECHNIQUES = (
 # Cube maps, and so passes.  Inferred: tents a quarter of alpha's range wide are what a combiner's largest
 # scale, four, makes.
 ROUGHNESSES = 5
-_STEP = 64.0 / 255.0
+_STEP = 0.25
 TRILINEAR = Sampler(
     TextureFilter.LINEAR_MIPMAP_LINEAR, TextureFilter.LINEAR, WrapMode.REPEAT, WrapMode.REPEAT
 )
@@ -181,19 +178,18 @@ def load_cubes(cubes, stored, profile):
     )
 
 
-def _weight(number):
-    """General combiners that make the tent of cube map ``number`` in SPARE0's alpha."""
+def _weighing(number):
+    """Register combiners: what unit 3 reads, and in alpha the tent of cube map ``number``.
 
-    def ramp(k, to):
-        below = (0.0, 0.0, 0.0, k * _STEP)
-        return stage(alpha=scaled(4, total(TEXTURE0, negated(CONSTANT0), to=to)), constant0=below)
-
-    rising = [ramp(number - 1, SPARE0)] if number else []
-    falling = [ramp(number, SPARE1)] if number < ROUGHNESSES - 1 else []
-    if not falling:
-        return rising
-    left = one_minus(SPARE1)
-    return [*rising, *falling, stage(alpha=product(SPARE0 if rising else ONE, left, to=SPARE0))]
+    No more is clamped than (.)+ does, so that the ideal, which has no largest number, makes the same tent.
+    """
+    at = (0.0, 0.0, 0.0, number * _STEP)
+    return program(
+        stage(alpha=scaled(4, total(TEXTURE0, negated(CONSTANT0), to=SPARE0)), constant0=at),
+        stage(alpha=scaled(4, total(CONSTANT0, negated(TEXTURE0), to=SPARE1)), constant0=at),
+        stage(alpha=total(SPARE0, SPARE1, to=SPARE0)),
+        final(TEXTURE3, alpha=one_minus(SPARE0)),
+    )
 
 
 def _pass(label, surface, stored, view, number, sampler, combiners, **settings):
@@ -223,12 +219,11 @@ def rough_passes(surface, stored, view, sampler=TRILINEAR):
     """A draw for each roughness, which adds its cube map by the weight that I_1 gives it."""
     out = []
     for number in range(ROUGHNESSES):
-        combiners = program(*_weight(number), final(TEXTURE3, alpha=alpha_of(SPARE0)))
         settings = (
             {"depth_test": LATER_PASS, "blending": _ADD_WEIGHED, "alpha_test": _WITH_WEIGHT}
             if number
             else {"depth_test": FIRST_PASS, "blending": _WEIGHED}
         )
         label = f"add roughness {number} of {ROUGHNESSES}, where I_1 gives it weight"
-        out.append(_pass(label, surface, stored, view, number, sampler, combiners, **settings))
+        out.append(_pass(label, surface, stored, view, number, sampler, _weighing(number), **settings))
     return tuple(out)
