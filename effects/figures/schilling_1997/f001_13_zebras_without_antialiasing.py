@@ -1,0 +1,74 @@
+"""F001-13: the zebras of F001-12 without antialiasing, and with bumps that are averaged alone."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.environment_maps.rough_mirrors import Antialiasing
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.schilling_1997.shared import zebras as the
+from fixedpipe.effects.geometry.views import row_of_panels
+
+PANELS = ("without antialiasing", "bumps averaged alone")
+_WAYS = (Antialiasing.NONE, Antialiasing.MIP)
+
+
+def software(profile, size, **parameters):
+    """F001-13 computed in floats, and shown."""
+    plate, view, out = the.Plate(**parameters), the.at_origin(size), []
+    for panel, name, way in zip(row_of_panels(2, size, the.ASPECT), PANELS, _WAYS, strict=True):
+        out += the.shown(the.answer(plate, view, way), panel, name, profile)
+    return tuple(out)
+
+
+def by_passes(profile, size, **parameters):
+    """F001-13 by texture shaders."""
+    plate = the.Plate(**parameters)
+    loading, stored = the.load(plate, size, profile)
+    out = [*loading]
+    for panel, way in zip(row_of_panels(2, size, the.ASPECT), _WAYS, strict=True):
+        out += the.drawn(plate, panel, stored, way)
+    return tuple(out)
+
+
+def reference(size, **parameters):
+    """256 samples a pixel, in both panels."""
+    truth = the.truth(the.Plate(**parameters), the.at_origin(size))[::-1]
+    return np.tile(np.concatenate([truth, np.ones_like(truth[..., :1])], axis=-1), (1, 2, 1))
+
+
+def checks(figure, renderer):
+    """The catalogue's: how many times F001-12's RMS."""
+    size, plate = figure.size, the.Plate(**figure.values)
+    view = the.at_origin(size)
+    truth, full = the.truth(plate, view), the.coverage(view) == 1.0
+    filtered = the.answer(plate, view, Antialiasing.ANISOTROPIC)
+    least = root_mean_square((filtered - truth)[full])
+    for on in Answer:
+        image = renderer.window(on, figure, size)
+        error = root_mean_square((the.panel(image, 0) - truth)[full])
+        yield Check("without antialiasing: RMS from 256 samples over that with roughness", error / least,
+                    at_least=2.5, on=on, reason="the catalogue's bound")  # fmt: skip
+
+
+FIGURE = Figure(
+    id="F001-13",
+    title="Zebras without antialiasing",
+    caption=(
+        "The plate of F001-12. Left level 0 of bumps and environment, in the pixel's middle: each pixel "
+        "mirrors one ray of many, and the stripes fall to pieces. Right bumps mip-mapped as if they were "
+        "colours: far away the plate becomes a flat mirror, sharper than it is."
+    ),
+    must_see="Left noise where F001-12 is soft; right stripes too sharp in the distance.",
+    source="Schilling1997",
+    techniques=("S09", "S08", "S29"),
+    panels=PANELS,
+    aspect=the.ASPECT,
+    parameters=the.PARAMETERS,
+    methods=(
+        Method("computed, shown as a picture", software, ("GEFORCE_256",)),
+        Method("texture shaders, one pass", by_passes, ("GEFORCE_3", "NV2A")),
+    ),
+    reference=reference,
+    acceptance=checks,
+)

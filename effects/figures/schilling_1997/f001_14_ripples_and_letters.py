@@ -1,0 +1,73 @@
+"""F001-14: the heights whose slopes are the bumps of F001-12."""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures import own_maps
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.schilling_1997.shared import zebras as the
+from fixedpipe.effects.geometry.surfaces import plane
+from fixedpipe.effects.geometry.views import orthographic_view, row_of_panels
+from fixedpipe.effects.passes.draws import EDGE, FIRST_PASS, REPLACE, draw, unit
+from fixedpipe.effects.passes.encoding import factor_texels
+from fixedpipe.pipeline.commands import TexImage
+from fixedpipe.pipeline.textures.images import texture_2d
+
+MACHINES = ("OPENGL_1_2", "GEFORCE_256")
+
+
+def _heights(height_field):
+    """From 0 to 1: float64 [256, 256]."""
+    found = the.relief() if height_field is None else height_field.fitted(the.TEXELS, the.TEXELS, 1.0)
+    low, high = float(found.min()), float(found.max())
+    return (found - low) / max(high - low, 2.0**-20)
+
+
+def scene(profile, size, *, slope, height_field):
+    """F001-14: the heights as a picture, high is light."""
+    del slope
+    (panel,) = row_of_panels(1, size)
+    view, heights = orthographic_view(panel), _heights(height_field)
+    image = texture_2d(factor_texels(np.repeat(heights[..., None], 3, axis=-1), profile))
+    read = unit("heights", EDGE, environment=REPLACE)
+    return (
+        TexImage(label="load the heights", texture="heights", image=image),
+        panel.clear((0.0, 0.0, 0.0)),
+        draw("the heights", plane().mesh(), view, None, (read,), depth_test=FIRST_PASS),
+    )
+
+
+def checks(figure, renderer):
+    """The deviation of slopes, and the picture."""
+    plate = the.Plate(figure.values["slope"], 1.0, 1.0)
+    slopes = the.slopes(plate)
+    deviation = float(np.sqrt((slopes * slopes).mean()))
+    for bound, name in (({"at_least": 0.2}, "at least"), ({"at_most": 0.5}, "at most")):
+        yield Check(f"deviation of the bump map's slopes, {name}", deviation, on=Answer.IDEAL,
+                    reason="the catalogue's", **bound)  # fmt: skip
+    heights = _heights(None)
+    size = 256
+    image = np.asarray(renderer.window(Answer.MACHINE, figure, size))[..., 0]
+    yield Check("the picture - the heights, RMS", float(np.sqrt(((image - heights) ** 2).mean())),
+                at_most=0.5 / 255.0, on=Answer.MACHINE, reason="bytes, a texel a pixel")  # fmt: skip
+
+
+FIGURE = Figure(
+    id="F001-14",
+    title="Ripples and letters",
+    caption=(
+        "The heights of F001-12's bumps, a square that repeats: ripples about four places and a word that "
+        "stands out of them. High is light."
+    ),
+    must_see="Rings that run into each other, and ZEBRA across the middle.",
+    source="Schilling1997",
+    techniques=("S16",),
+    panels=("heights",),
+    parameters={
+        "slope": word.of(word.Number(0.01, 1.0), 0.3, "The deviation of the bump map's slopes."),
+        "height_field": own_maps.height_field("ripples and letters"),
+    },
+    methods=(Method("texture", scene, MACHINES),),
+    acceptance=checks,
+)

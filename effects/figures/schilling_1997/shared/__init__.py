@@ -1,0 +1,1 @@
+"""Parts that figures of document 001 share."""

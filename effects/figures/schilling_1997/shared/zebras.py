@@ -1,0 +1,335 @@
+"""F001-12 to F001-15: a flat plate whose bumps are ripples and letters, and the zebras that it mirrors.
+
+Source: Schilling 1997, figures 12 to 15 (other zebras, other bumps; the catalogue's sizes).
+"""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from PIL import ImageFont
+
+from fixedpipe.effects.bump_mapping import roughness_pyramids as rough
+from fixedpipe.effects.environment_maps import environments, rough_mirror_passes, rough_mirrors
+from fixedpipe.effects.environment_maps.rough_mirrors import Antialiasing, Mirror
+from fixedpipe.effects.figures import own_maps
+from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.geometry import height_fields
+from fixedpipe.effects.geometry.samples import rays, sample_places
+from fixedpipe.effects.geometry.surfaces import Surface, plane
+from fixedpipe.effects.geometry.vectors import TRIGONOMETRY_STEP
+from fixedpipe.effects.geometry.views import Panel, orthographic_view, panel_width, perspective_view
+from fixedpipe.effects.passes.combiners import PRIMARY, final, program
+from fixedpipe.effects.passes.draws import REPEATED, draw, show
+from fixedpipe.effects.passes.encoding import factor_texels
+from fixedpipe.pipeline.commands import Mesh
+
+# Source: the catalogue, F001-14 and F001-15.
+TEXELS, ROWS = 256, 256
+WORD = "ZEBRA"
+# Middles of ripples and how many there are to a period; how high letters stand beside a ripple's 0.05.
+RIPPLES = (((0.25, 0.80), 26.0), ((0.77, 0.17), 34.0), ((0.10, 0.30), 21.0), ((0.60, 0.60), 30.0))
+LETTERS = 0.08
+ASPECT = (3, 2)
+EYE, CENTER, FIELD = (0.0, 1.05, 3.1), (0.0, 0.08, -0.1), 29.0
+# The plate's edges in x and z, and how long a period of its bumps is.
+PLATE, PERIOD = (-1.9, 1.9, -3.2, 1.3), 0.3
+LOW, HIGH = np.array((0.10, 0.16, 0.34)), np.array((0.86, 0.52, 0.30))
+
+_SKY, _HAZE = np.array((0.40, 0.58, 0.84)), np.array((0.88, 0.80, 0.66))
+_GRASS, _NEAR = np.array((0.70, 0.58, 0.30)), np.array((0.46, 0.40, 0.20))
+_WHITE, _BLACK = np.array((0.95, 0.94, 0.90)), np.array((0.08, 0.07, 0.08))
+# Zebras: where their middles are, s and t, how large, and which way they look.
+_ZEBRAS = (
+    (0.490, 0.585, 0.095, 1), (0.565, 0.625, 0.075, -1), (0.420, 0.635, 0.070, 1), (0.640, 0.590, 0.090, -1),
+    (0.715, 0.625, 0.075, 1), (0.790, 0.585, 0.095, -1), (0.865, 0.625, 0.075, 1), (0.940, 0.585, 0.090, -1),
+    (0.015, 0.625, 0.075, 1), (0.090, 0.585, 0.095, 1), (0.165, 0.625, 0.075, -1), (0.245, 0.590, 0.090, 1),
+    (0.335, 0.585, 0.095, 1),
+)  # fmt: skip
+
+
+def _ellipse(x, y, place, size, lean=0.0):
+    """Where (x, y) lies in an ellipse; ``lean``: how much x grows with y."""
+    u, v = (x - place[0] - lean * (y - place[1])) / size[0], (y - place[1]) / size[1]
+    return u * u + v * v <= 1.0
+
+
+def _stripes(phase):
+    """Whether a phase is in the dark part of its period."""
+    return phase - np.floor(phase) < 0.46
+
+
+def _zebra(x, y):
+    """(where a zebra is, where it is dark) in its own coordinates: body from -1 to 1, looking along x."""
+    body = _ellipse(x, y, (0.0, 0.0), (0.95, 0.42))
+    neck = _ellipse(x, y, (0.98, 0.52), (0.26, 0.52), 0.55)
+    head = _ellipse(x, y, (1.42, 0.92), (0.36, 0.17), -0.6)
+    ear = _ellipse(x, y, (1.20, 1.16), (0.07, 0.16), 0.2)
+    legs = np.zeros(x.shape, bool)
+    for place in (-0.72, -0.50, 0.52, 0.74):
+        legs = legs | ((np.abs(x - place) <= 0.085) & (y < -0.15) & (y > -1.25))
+    tail = _ellipse(x, y, (-1.04, -0.18), (0.06, 0.46), 0.25)
+    dark = _stripes(np.where(body, 4.6 * x + 0.9 * y * y * np.sign(x), 4.2 * (y + 0.5 * x)))
+    dark = np.where(legs & ~body, _stripes(6.0 * y), dark)
+    muzzle = _ellipse(x, y, (1.66, 0.80), (0.13, 0.12))
+    hooves = legs & (y < -1.14)
+    return body | neck | head | ear | legs | tail, dark | muzzle | hooves | tail
+
+
+def plain(s, t):
+    """The zebras' plain by longitude and latitude, both from 0 to 1: RGB float64 [..., 3]. No function but
+    floor: the same bits everywhere.
+    """
+    up = (t - 0.5)[..., None]
+    hills = 0.03 + 0.02 * np.abs(2.0 * (5.0 * s % 1.0) - 1.0) + 0.012 * np.abs(2.0 * (13.0 * s % 1.0) - 1.0)
+    colors = _HAZE + np.clip(2.4 * up, 0.0, 1.0) * (_SKY - _HAZE)
+    colors = np.where(up < hills[..., None], 0.55 * _SKY + 0.1, colors)
+    colors = np.where(up < 0.0, _GRASS + np.clip(-4.0 * up, 0.0, 1.0) * (_NEAR - _GRASS), colors)
+    for place, middle, size, looks in _ZEBRAS:
+        x = ((s - place + 0.5) % 1.0 - 0.5) * 2.0 / size * looks
+        there, dark = _zebra(x * 1.7, (t - middle) / size * 1.7)
+        colors = np.where(there[..., None], np.where(dark[..., None], _BLACK, _WHITE), colors)
+    return colors
+
+
+@lru_cache(2)
+def panorama(rows=ROWS):
+    """The zebras as a map of longitude and latitude, sixteen samples a texel: float64 [rows, 2 rows, 3]."""
+    s, t = np.meshgrid((np.arange(8 * rows) + 0.5) / (8 * rows), (np.arange(4 * rows) + 0.5) / (4 * rows))
+    colors = plain(s, t)
+    for _ in range(2):
+        colors = (colors[0::2] + colors[1::2]) * 0.5
+        colors = (colors[:, 0::2] + colors[:, 1::2]) * 0.5
+    return colors
+
+
+def _turns(y, x):
+    turns = np.arctan2(y, x) / (2.0 * np.pi)
+    return np.floor(turns / TRIGONOMETRY_STEP + 0.5) * TRIGONOMETRY_STEP
+
+
+def seen(toward):
+    """The panorama along directions [..., 3], bilinearly: RGB. -z is its middle."""
+    x, y, z = np.moveaxis(toward, -1, 0)
+    s, t = 0.5 + _turns(x, -z), 0.5 + 2.0 * _turns(y, np.sqrt(x * x + z * z))
+    image = panorama()
+    rows, columns = image.shape[:2]
+    at_s, at_t = s * columns - 0.5, np.clip(t * rows - 0.5, 0.0, rows - 1.0)
+    left, low = np.floor(at_s), np.minimum(np.floor(at_t), rows - 2.0)
+    u, v = (at_s - left)[..., None], (at_t - low)[..., None]
+    x0, y0 = left.astype(np.int64) % columns, low.astype(np.int64)
+    x1, y1 = (x0 + 1) % columns, y0 + 1
+    lower = image[y0, x0] * (1.0 - u) + image[y0, x1] * u
+    return lower * (1.0 - v) + (image[y1, x0] * (1.0 - u) + image[y1, x1] * u) * v
+
+
+@lru_cache(4)
+def cubes(edge):
+    """The zebras as a cube map and its mip-maps: a tuple of float64 [6, n, n, 3]."""
+    return rough_mirrors.cube_pyramid(np.array(environments.faces(edge, seen)))
+
+
+@lru_cache(2)
+def relief():
+    """Heights of F001-14, from 0 to 1: ripples about four places, and a word standing out of them."""
+    s, t = height_fields.texel_centers(TEXELS, TEXELS)
+    out = np.zeros((TEXELS, TEXELS))
+    for place, count in RIPPLES:
+        u, v = ((c - p + 0.5) % 1.0 - 0.5 for c, p in zip((s, t), place, strict=True))
+        far = np.sqrt(u * u + v * v)
+        wave, fade = np.abs(2.0 * (count * far % 1.0) - 1.0), np.clip(1.0 - 2.0 * far, 0.0, 1.0)
+        # Smooth waves of triangles, which fade so that periods join.
+        out += 1.3 / count * _smooth(wave) * _smooth(fade)
+    mask = ImageFont.load_default_imagefont().getmask(WORD)
+    ink = (np.array(mask, np.uint8).reshape(mask.size[1], mask.size[0])[::-1] > 0).astype(np.float64)
+    ink = ink.repeat(12, axis=0).repeat(7, axis=1)
+    letters = np.zeros((TEXELS, TEXELS))
+    low, left = (TEXELS - ink.shape[0]) // 2, (TEXELS - ink.shape[1]) // 2
+    letters[low : low + ink.shape[0], left : left + ink.shape[1]] = ink
+    return out + LETTERS * height_fields.smooth(letters, 12)
+
+
+def _smooth(x):
+    return x * x * (3.0 - 2.0 * x)
+
+
+@dataclass(frozen=True)
+class Plate:
+    """The plate by PARAMETERS' names: what is asked for again and again is kept by it."""
+
+    slope: float
+    strength: float
+    period: float
+    height_field: object = None
+    height_scale: float = 0.0
+
+
+@lru_cache(4)
+def slopes(plate):
+    """Offsets of F001-14, their deviation in one direction ``slope``: float64 [TEXELS, TEXELS, 2]."""
+    if plate.height_field is not None:
+        return rough.from_heights(
+            plate.height_field.fitted(TEXELS, TEXELS, plate.height_scale, repeated=True)
+        )[0].offsets
+    levels = rough.from_heights(relief())
+    a, _, c = levels[-1].covariance[0, 0].tolist()
+    return levels[0].offsets * (plate.slope / math.sqrt(0.5 * (a + c)))
+
+
+@lru_cache(4)
+def pyramids(plate):
+    """Both pyramids of the plate's bumps, which are F001-14's, scaled: a tuple of Level."""
+    return rough.pyramid(plate.strength * slopes(plate))
+
+
+def camera(panel):
+    """An eye above the plate."""
+    return perspective_view(panel, EYE, CENTER, FIELD, radius=4.0)
+
+
+def cube_edge(size):
+    """Texels of the environment for panels of ``size`` pixels."""
+    return 256 if size > 64 else 64
+
+
+def coverage(view, side=4):
+    """How much of each pixel is plate: float64 [height, width]."""
+    ray, places = rays(view), sample_places(side)
+    x, y = np.meshgrid(np.arange(view.panel.width), np.arange(view.panel.height))
+    left, right, back, front = PLATE
+    out = np.zeros(x.shape)
+    for number in range(side * side):
+        i, j = number % side, number // side
+        at = places[(y * side + j) & 255, (x * side + i) & 255]
+        wx, wy = x + (i + at[..., 0]) / side, y + (j + at[..., 1]) / side
+        to = (ray[0] + wx[..., None] * ray[1]) + wy[..., None] * ray[2]
+        along = -view.eye[1] / np.where(to[..., 1] < 0.0, to[..., 1], -1.0)
+        px, pz = view.eye[0] + along * to[..., 0], view.eye[2] + along * to[..., 2]
+        out += (to[..., 1] < 0.0) & (px >= left) & (px <= right) & (pz >= back) & (pz <= front)
+    return out / (side * side)
+
+
+def ramp(view):
+    """The background: a ramp of colours from below to above, float64 [height, width, 3]."""
+    t = ((np.arange(view.panel.height) + 0.5) / view.panel.height)[:, None, None]
+    return np.broadcast_to(LOW + t * (HIGH - LOW), (view.panel.height, view.panel.width, 3))
+
+
+def behind(view, picture):
+    """A picture of the plate with the ramp where there is none."""
+    share = coverage(view)[..., None]
+    return share * picture + (1.0 - share) * ramp(view)
+
+
+@lru_cache(8)
+def truth(plate, view):
+    """256 samples a pixel: float64 [height, width, 3]."""
+    cube = cubes(cube_edge(view.panel.height))[0]
+    mirror = Mirror(period=plate.period)
+    return behind(view, rough_mirrors.supersampled(view, mirror, pyramids(plate)[0].offsets, cube))
+
+
+@lru_cache(16)
+def answer(plate, view, antialiasing):
+    """The plate antialiased in one way: float64 [height, width, 3]."""
+    probes = 8 if antialiasing is Antialiasing.ANISOTROPIC else 1
+    mirror, cube = Mirror(period=plate.period), cubes(cube_edge(view.panel.height))
+    return behind(
+        view, rough_mirrors.picture(view, mirror, pyramids(plate), cube, antialiasing, probes=probes)
+    )
+
+
+def at_origin(height):
+    """The camera of a panel alone."""
+    return camera(Panel(0, 0, panel_width(height, ASPECT), height))
+
+
+def panel(image, number):
+    """Panel ``number`` of a row: [height, width, 3]."""
+    width = panel_width(image.shape[0], ASPECT)
+    return image[:, number * width : (number + 1) * width]
+
+
+# ------------------------------------------------------------------------------------------------- two ways
+
+
+def shown(picture, panel, name, profile):
+    """Commands that show a picture on a panel."""
+    return (panel.clear((0.0, 0.0, 0.0)), *show(factor_texels(picture, profile), panel, name, plane()))
+
+
+def _backdrop(view):
+    """The ramp behind the plate, by colours of vertices."""
+    half_width = view.panel.width / view.panel.height
+    seen_flat = orthographic_view(view.panel)
+    colors = np.array([LOW, LOW, HIGH, HIGH])
+    corners = np.array([(-half_width, -1.0), (half_width, -1.0), (half_width, 1.0), (-half_width, 1.0)])
+    mesh = Mesh(
+        positions=np.concatenate([corners, np.zeros((4, 1))], axis=1),
+        indices=np.array([0, 1, 2, 0, 2, 3]),
+        colors=colors,
+    )
+    return draw("a ramp of colours", mesh, seen_flat, program(final(PRIMARY)), (), depth_test=None)
+
+
+def _mesh(period, cells):
+    """The plate as a mesh for a machine."""
+    left, right, back, front = PLATE
+    s, t = (a.ravel() for a in np.meshgrid(*(np.arange(cells + 1) / cells,) * 2))
+    x, z = left + s * (right - left), front + t * (back - front)
+    ones, zeros = np.ones(len(x)), np.zeros(len(x))
+    column, row = (a.ravel() for a in np.meshgrid(np.arange(cells), np.arange(cells)))
+    corner = (row * (cells + 1) + column)[:, None] + np.array([0, 1, cells + 2, 0, cells + 2, cells + 1])
+    return Surface(
+        positions=np.stack([x, zeros, z], axis=-1),
+        normals=np.stack([zeros, ones, zeros], axis=-1),
+        tangents=np.stack([ones, zeros, zeros], axis=-1),
+        binormals=np.stack([zeros, zeros, -ones], axis=-1),
+        texture_coordinates=np.stack([x, -z], axis=-1) / period,
+        triangles=corner.reshape(-1, 3),
+    )
+
+
+@lru_cache(2)
+def _rough_cubes(edge, roughness):
+    frame = Mirror().frame
+    return tuple(
+        rough_mirror_passes.rough_cube(cubes(edge), frame, deviation, edge // 2)
+        for deviation in rough_mirror_passes.deviations(roughness)[1:]
+    )
+
+
+def load(plate, height, profile):
+    """The commands that load bumps and cube maps for texture shaders, and what they are stored as."""
+    levels = rough_mirror_passes.with_curvature(pyramids(plate))
+    names = ("zebras", *(f"zebras, roughness {k}" for k in range(1, rough_mirror_passes.ROUGHNESSES)))
+    stored = rough_mirror_passes.Stored("bumps", names, *rough_mirror_passes.largest(levels))
+    edge = cube_edge(height)
+    maps = (cubes(edge)[0], *_rough_cubes(edge, stored.roughness))
+    return (
+        *rough_mirror_passes.load_cubes(maps, stored, profile),
+        rough_mirror_passes.load_bumps(levels, stored, profile),
+    ), stored
+
+
+def drawn(plate, panel, stored, antialiasing):
+    """Commands that draw ramp and plate on a panel by texture shaders."""
+    view = camera(panel)
+    surface = _mesh(plate.period, 4 if panel.height < 128 else 16)
+    if antialiasing is Antialiasing.ANISOTROPIC:
+        draws = rough_mirror_passes.rough_passes(surface, stored, view)
+    elif antialiasing is Antialiasing.MIP:
+        draws = (rough_mirror_passes.plain_pass(surface, stored, view),)
+    else:
+        draws = (rough_mirror_passes.plain_pass(surface, stored, view, REPEATED),)
+    return (panel.clear((0.0, 0.0, 0.0)), _backdrop(view), *draws)
+
+
+PARAMETERS = {
+    "slope": word.of(word.Number(0.01, 1.0), 0.3, "The deviation of the bump map's slopes in one direction."),
+    "strength": word.of(word.Number(0.0, 2.0), 0.035, "What the plate's slopes are of the map's."),
+    "period": word.of(word.Number(0.05, 4.0), PERIOD, "How long the square of bumps is.", "world units"),
+    "height_field": own_maps.height_field("ripples and letters"),
+    "height_scale": own_maps.HEIGHT_SCALE(0.05),
+}
