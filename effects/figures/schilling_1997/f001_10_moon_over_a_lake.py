@@ -90,7 +90,7 @@ FIGURE = Figure(
         "horizon, waves apart near by and even far away."
     ),
     source="Schilling1997",
-    techniques=("S28", "S08", "S16", "S17", "S18", "S24", "S29"),
+    techniques=("S28", "S08", "S16", "S17", "S18", "S19", "S24", "S25", "S29"),
     panels=PANELS,
     size=the.HEIGHT,
     aspect=the.ASPECT,
