@@ -34,6 +34,7 @@ from fixedpipe.effects.environment_maps import rough_mirrors
 from fixedpipe.effects.environment_maps.bumped_reflections import rows_and_eye
 from fixedpipe.effects.geometry import cube_maps
 from fixedpipe.effects.geometry.vectors import cross, dot, normalize
+from fixedpipe.effects.passes.arguments import positive
 from fixedpipe.effects.passes.combiners import (
     CONSTANT0,
     SPARE0,
@@ -87,6 +88,14 @@ class Stored:
     cubes: tuple[str, ...]
     offset: float
     roughness: float
+
+    def __post_init__(self):
+        if len(self.cubes) != ROUGHNESSES:
+            raise ValueError(
+                f"{len(self.cubes)} cube maps are named; give {ROUGHNESSES}, the smoothest first."
+            )
+        positive(self.offset, "The offset that is stored as one")
+        positive(self.roughness, "The roughness that is stored as one")
 
 
 def with_curvature(levels):
@@ -146,7 +155,11 @@ def rough_cube(cube_levels, frame, deviation, size, *, isotropic=False, most=16)
     deviation    of the offsets in any direction
     isotropic    spread by 2 ``deviation`` all round
     most         probes of the environment for a texel, at most
+
+    Raises ValueError for a deviation that is not finite or below zero, and a size below one.
     """
+    if not (np.isfinite(deviation) and deviation >= 0.0):
+        raise ValueError(f"The deviation of the offsets is {deviation}; give a number from zero on.")
     toward = cube_maps.directions(size)
     step = 2.0 / size * np.abs(toward).max(axis=-1)[..., None]
     planes = cube_maps.vectors(*(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])))
@@ -167,7 +180,12 @@ def rough_cube(cube_levels, frame, deviation, size, *, isotropic=False, most=16)
 
 
 def load_cubes(cubes, stored, profile):
-    """The commands that load cube maps [6, n, n, 3], from the smoothest on, under ``stored.cubes``."""
+    """The commands that load cube maps [6, n, n, 3], from the smoothest on, under ``stored.cubes``.
+
+    Raises ValueError for more or fewer than are named.
+    """
+    if len(cubes) != len(stored.cubes):
+        raise ValueError(f"There are {len(cubes)} cube maps and {len(stored.cubes)} names; give as many.")
     return tuple(
         TexImage(
             label=f"load {name}",
@@ -192,13 +210,13 @@ def _weighing(number):
     )
 
 
-def _pass(label, surface, stored, view, number, sampler, combiners, **settings):
+def _pass(label, surface, stored, view, number, read, combiners, **settings):
     bumped = replace(
         surface, tangents=stored.offset * surface.tangents, binormals=stored.offset * surface.binormals
     )
     mesh = surface.mesh(surface.texture_coordinates, *rows_and_eye(bumped, view))
     units = (
-        unit(stored.bumps, sampler),
+        read,
         unit(NO_TEXTURE, coordinates=1),
         unit(NO_TEXTURE, coordinates=2),
         unit(stored.cubes[number], EDGE, coordinates=3),
@@ -212,12 +230,25 @@ def plain_pass(surface, stored, view, sampler=TRILINEAR):
     as ``sampler`` says: averaged as colours are (S09), or by REPEATED not at all.
     """
     label = "reflection: r of the bumped normal, looked up in the cube map"
-    return _pass(label, surface, stored, view, 0, sampler, program(final(TEXTURE3)), depth_test=FIRST_PASS)
+    return _pass(
+        label,
+        surface,
+        stored,
+        view,
+        0,
+        unit(stored.bumps, sampler),
+        program(final(TEXTURE3)),
+        depth_test=FIRST_PASS,
+    )
 
 
-def rough_passes(surface, stored, view, sampler=TRILINEAR):
-    """A draw for each roughness, which adds its cube map by the weight that I_1 gives it."""
-    out = []
+def rough_passes(surface, stored, view, sampler=TRILINEAR, *, bias=0.0):
+    """A draw for each roughness, which adds its cube map by the weight that I_1 gives it.
+
+    ``bias``: of the bump map's level, with that of its I_1: below zero where a surface is seen so flat that
+    the level of a pixel's longer edge filters too much across it.
+    """
+    out, read = [], unit(stored.bumps, sampler, lod_bias=bias)
     for number in range(ROUGHNESSES):
         settings = (
             {"depth_test": LATER_PASS, "blending": _ADD_WEIGHED, "alpha_test": _WITH_WEIGHT}
@@ -225,5 +256,5 @@ def rough_passes(surface, stored, view, sampler=TRILINEAR):
             else {"depth_test": FIRST_PASS, "blending": _WEIGHED}
         )
         label = f"add roughness {number} of {ROUGHNESSES}, where I_1 gives it weight"
-        out.append(_pass(label, surface, stored, view, number, sampler, _weighing(number), **settings))
+        out.append(_pass(label, surface, stored, view, number, read, _weighing(number), **settings))
     return tuple(out)

@@ -119,3 +119,18 @@ def test_curvature_is_what_half_a_texel_differs_by():
     # Texels of level 1 are a quarter apart; half of one is an eighth.
     assert added[0, 1].tolist() == [1.0 / 64.0, 0.0, 0.0]
     assert passes.with_curvature(levels)[0] is levels[0]
+
+
+def test_bad_input_is_refused_with_a_sentence():
+    names = tuple("abcde")
+    with pytest.raises(ValueError, match="2 cube maps are named; give 5"):
+        passes.Stored("bumps", ("a", "b"), 0.25, 0.2)
+    for offset, roughness in ((0.0, 0.2), (0.25, np.nan)):
+        with pytest.raises(ValueError, match="stored as one"):
+            passes.Stored("bumps", names, offset, roughness)
+    with pytest.raises(ValueError, match="3 cube maps and 5 names"):
+        passes.load_cubes([np.zeros((6, 2, 2, 3))] * 3, passes.Stored("bumps", names, 0.25, 0.2), IDEAL)
+    levels = rough_mirrors.cube_pyramid(np.zeros((6, 4, 4, 3)))
+    for deviation in (-0.1, np.inf):
+        with pytest.raises(ValueError, match="give a number from zero on"):
+            passes.rough_cube(levels, FRAME, deviation, 4)
