@@ -15,6 +15,7 @@ _COMMANDS = (
     "print",
     "animate",
     "bump",
+    "roughness",
     "material",
     "shadows",
     "volume",
@@ -40,6 +41,8 @@ What to do next:
   fixedpipe animate F004-4      a figure that moves: its light, its camera, its bits, as a lossless animation
   fixedpipe bump sample:gravel --mesh torus --material gold --light 1,2,3 --out gravel.png
                                 bump-map a mesh with a photograph
+  fixedpipe roughness sample:gravel --out gravel.npz --picture gravel.png
+                                a bump map's levels, and the roughness that filtering takes from them
   fixedpipe material ward --mesh teapot --color 1,0.8,0.38 --environment room --out gold.png
                                 draw a mesh with any reflectance: a model, a MERL table, a simulated one
   fixedpipe shadows MESH.obj --algorithm z-fail --out shadows.png

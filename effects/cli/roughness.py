@@ -1,0 +1,62 @@
+"""``fixedpipe roughness``: the pyramids of bumps and of roughness of a user's heights."""
+
+import click
+
+
+@click.command(short_help="Make a bump map's pyramids of bumps and of roughness.")
+@click.argument("heights")
+@click.option("--out", metavar="FILE.npz", required=True, help="The levels as arrays.")
+@click.option("--picture", "shown", metavar="FILE.png", help="The levels as a picture. Without it none.")
+@click.option(
+    "--size", type=int, metavar="N", help="Texels an edge, a power of two. Without it the heights' own."
+)
+@click.option(
+    "--height-scale",
+    type=float,
+    metavar="H",
+    default=0.05,
+    show_default=True,
+    help="Lowest to highest, in edges of the field.",
+)
+@click.option("--once", is_flag=True, help="The map does not repeat; its edges stay as they are.")
+def roughness(heights, out, shown, size, height_scale, once):
+    """Filter the bumps of HEIGHTS, a PNG, TIFF, JPEG or NPY file or a sample, and keep what filtering loses.
+
+    The heights become a square map of offset vectors (the slopes, their signs turned) and its mip-map. Beside
+    each level stands the covariance of the offsets that it has lost: K = [a b; b c], D with D D^T = K, and
+    I_1, the largest deviation (Schilling 1997).
+
+    The NPZ file has, of level L, offsets_L, covariance_L (a, b, c), deviations_L (d_1, d_2, d_3),
+    isotropic_L, and bytes_L, D in bytes over `scale`: d_1 and d_3 from 0 to 255, d_2 from 1 to 255 with zero
+    at 128. Rows are bottom row first. The picture has the bumps' normals above and D below, level beside
+    level.
+
+    Samples are those of fixedpipe bump: sample:jacksboro is an elevation model.
+    """
+    import io
+    from pathlib import Path
+
+    import numpy as np
+
+    from fixedpipe.effects.refusal import Refusal, refusals
+    from fixedpipe.effects.reports.files import writable_file, writable_picture, write_whole
+    from fixedpipe.effects.user_pictures import maps
+    from fixedpipe.effects.user_pictures import roughness as found
+    from fixedpipe.pipeline.framebuffers.pictures import png
+
+    if Path(out).suffix.lower() != ".npz":
+        raise Refusal(f"The levels are written as NPZ; name them FILE.npz, not {out}.")
+    with refusals():
+        field = maps.height_field(heights)
+        levels = found.pyramids(field, size, height_scale, repeated=not once)
+        path = writable_file(out)
+        picture = None if shown is None else writable_picture(shown, (heights,))
+        file = io.BytesIO()
+        np.savez(file, **found.arrays(levels))
+    write_whole(path, file.getvalue())
+    if picture is not None:
+        write_whole(picture, png(found.picture(levels)))
+    click.echo(found.levels_in_words(levels))
+    click.echo(f"{path}: {len(levels)} levels; one in bytes is {found.largest(levels):.4g}")
+    if picture is not None:
+        click.echo(f"{picture}: bumps above, D below")
