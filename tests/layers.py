@@ -121,8 +121,8 @@ PACKAGES = {
     "effects/user_pictures": {
         "pipeline": "enums profiles validation execution ideal",
         "effects": (
-            "refusal geometry passes scenes bump_mapping reflectance environment_maps shadows volumes "
-            "scattering acceptance"
+            "refusal geometry passes scenes bump_mapping reflectance texture_filtering environment_maps "
+            "shadows volumes scattering acceptance"
         ),
     },
     "effects/figures": {

@@ -40,6 +40,13 @@ from fixedpipe.effects.cli.options import profile_option, threads_option, three_
 )
 @click.option("--alpha-y", type=float, metavar="A", help="Width of the highlight across them, 0.25 to 1.")
 @click.option("--map-size", type=int, metavar="N", help="Texels an edge of the textures, a power of two.")
+@click.option(
+    "--antialias",
+    metavar="HOW",
+    default="none",
+    show_default=True,
+    help="What bumps smaller than a pixel leave: none, mip or roughness.",
+)
 @threads_option
 def bump(
     photo,
@@ -53,6 +60,7 @@ def bump(
     alpha_x,
     alpha_y,
     map_size,
+    antialias,
     threads,
 ):
     """Bump-map a mesh with PHOTO: a PNG, TIFF (its first page), JPEG or NPY file, or a sample.
@@ -60,6 +68,10 @@ def bump(
     Machines with register combiners have a halfway vector at every pixel, those with the imaging subset one
     for every triangle; any other takes some fifty passes, and has wide highlights alone: stone, or --alpha-x
     and --alpha-y from 0.71. IDEAL draws without rounding.
+
+    From a distance bumps flicker. --antialias mip filters what the textures hold as if it were colours, and
+    the bumps' highlight shrinks to a smooth surface's; --antialias roughness keeps with every level how far
+    the normals spread that it has lost, and the highlight is as wide. Both take register combiners.
 
     Samples: sample:gravel, sample:brick, sample:grass, sample:coins, sample:moon (photographs) and
     sample:jacksboro (an elevation model). Light is high, dark is low. The light's +x is right, +y up, +z
@@ -73,13 +85,14 @@ def bump(
     from fixedpipe.effects.geometry.triangle_meshes import read_obj
     from fixedpipe.effects.refusal import choose, refusals
     from fixedpipe.effects.reports.files import writable_picture, write_whole
-    from fixedpipe.effects.user_pictures.bumped_mesh import commands, material, mesh, way_of
+    from fixedpipe.effects.user_pictures.bumped_mesh import Antialiasing, commands, material, mesh, way_of
     from fixedpipe.effects.user_pictures.drawing import drawn
     from fixedpipe.effects.user_pictures.inputs import read_picture, read_text
     from fixedpipe.pipeline.framebuffers.pictures import png
     from fixedpipe.pipeline.profiles import PROFILES
 
     machine = choose("profile", profile, PROFILES)
+    how = choose("antialiasing", antialias, {a.value: a for a in Antialiasing})
     path = writable_picture(out, (photo, mesh_name))
     check_size("The picture", (size, size), machine)
     direction = three_numbers(light, "The light's direction")
@@ -92,11 +105,20 @@ def bump(
         if is_file and not (report := examine_surface(surface)).clean:
             click.echo(f"{mesh_name}: {report.text()}", err=True)
         frame = commands(
-            read_picture(photo), surface, parameters, direction, machine, size, size, map_size=map_size
+            read_picture(photo),
+            surface,
+            parameters,
+            direction,
+            machine,
+            size,
+            size,
+            map_size=map_size,
+            antialias=how,
         )
         announce_compiling()
         drawing = drawn(frame, machine, size, size, threads)
     write_whole(path, png(drawing.image))
     if drawing.dropped:
         click.echo(f"{drawing.dropped} triangles were left out: the camera is inside them.", err=True)
-    click.echo(f"{path}: {way.title}, {drawing.summary}")
+    filtered = "" if how is Antialiasing.NONE else f", antialiased by {how.value}"
+    click.echo(f"{path}: {way.title}{filtered}, {drawing.summary}")

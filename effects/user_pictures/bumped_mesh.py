@@ -5,11 +5,18 @@ material's parameters a material. Machines with register combiners draw the mesh
 K07), machines with the imaging subset triangle by triangle (K08), and any other in some fifty passes, where
 the highlight is wide (K22).
 
-Source: Kautz, Seidel 2000, sections 4.1, 4.2, 5 and 6 (K07, K08, K10, K21, K22 of the catalogue).
+Machines with register combiners can antialias it: by mip-maps of the stored vectors (S09), or by mip-maps
+whose highlight is as wide as the normals under a texel are rough (K18's ``covariance_fit``). There Eq. 1's
+two vectors are the inverse root of alpha^2 / 6 + K, K being the covariance of the normals that filtering has
+taken, so that 1 - |(h.T, h.B)|^2 is a fixed function of |D^-1 d|^2 (S21 corrected, S23) without a quotient.
+
+Source: Kautz, Seidel 2000, sections 4.1, 4.2, 5 and 6 (K07, K08, K10, K18, K21, K22 of the catalogue);
+Schilling 1997, section 8 and appendix A.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
+from enum import StrEnum
 
 import numpy as np
 
@@ -18,7 +25,8 @@ from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.matrices import look_at, rotate, rotation
 from fixedpipe.effects.geometry.vectors import dot, unit_vector
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, Panel, perspective_view
-from fixedpipe.effects.passes.draws import ADD, MULTIPLY_DESTINATION, REPLACE, draw
+from fixedpipe.effects.passes.arguments import member_of
+from fixedpipe.effects.passes.draws import ADD, MULTIPLY_DESTINATION, REPEATED, REPLACE, draw
 from fixedpipe.effects.reflectance import (
     anisotropic_blinn_phong,
     dependent_lookups,
@@ -26,8 +34,30 @@ from fixedpipe.effects.reflectance import (
     material_textures,
     plain_multitexturing,
 )
+from fixedpipe.effects.texture_filtering import mipmapped_materials
+from fixedpipe.pipeline.enums import TextureFilter
 from fixedpipe.pipeline.profiles import PROFILES
 from fixedpipe.pipeline.validation.validate import validate
+
+
+class Antialiasing(StrEnum):
+    """What takes the place of bumps that are smaller than a pixel.
+
+    NONE       nothing: they flicker
+    MIP        the mip-maps of what is stored, as if it were colours (S09): bumps and bumpiness vanish
+    ROUGHNESS  mip-maps whose highlight is wide along the directions that bumps lean in
+    """
+
+    NONE = "none"
+    MIP = "mip"
+    ROUGHNESS = "roughness"
+
+
+_FILTERS = {
+    Antialiasing.MIP: mipmapped_materials.vectors,
+    Antialiasing.ROUGHNESS: mipmapped_materials.covariance_fit,
+}
+_TRILINEAR = replace(REPEATED, min_filter=TextureFilter.LINEAR_MIPMAP_LINEAR)
 
 
 @dataclass(frozen=True)
@@ -152,13 +182,21 @@ def fitted(surface, eye):
     return replace(surface, positions=centered / reach)
 
 
-def _by_combiners(surface, material, view, light, profile, parameters, ambient):
-    loading, names = material_textures.load(material, "material", profile)
+def _by_combiners(surface, material, view, light, profile, parameters, ambient, antialias=Antialiasing.NONE):
+    if antialias is Antialiasing.NONE:
+        (loading, names), sampler = material_textures.load(material, "material", profile), REPEATED
+    else:
+        levels = _FILTERS[antialias](material)
+        (loading, names), sampler = mipmapped_materials.load(levels, "material", profile), _TRILINEAR
     color, specular = parameters.diffuse, parameters.specular
     return (
         *loading,
-        *diffuse_bump.diffuse_pass(surface, names.normal, view, light, profile, color=color, ambient=ambient),
-        *anisotropic_blinn_phong.specular_pass(surface, names, view, light, profile, specular=specular),
+        *diffuse_bump.diffuse_pass(
+            surface, names.normal, view, light, profile, color=color, ambient=ambient, sampler=sampler
+        ),
+        *anisotropic_blinn_phong.specular_pass(
+            surface, names, view, light, profile, specular=specular, sampler=sampler
+        ),
     )
 
 
@@ -224,19 +262,26 @@ def _by_unsigned_environments(surface, material, view, light, profile, parameter
 class Way:
     """One of the ways in which a machine draws a bumped mesh.
 
-    title  in a few words, with the catalogue's ids
-    draw   (surface, Material, view, light, profile, parameters, ambient) -> commands
-    needs  what a machine must have, in words
+    title        in a few words, with the catalogue's ids
+    draw         (surface, Material, view, light, profile, parameters, ambient) -> commands
+    needs        what a machine must have, in words
+    antialiased  whether ``draw`` takes ``antialias``, one of Antialiasing, as well
     """
 
     title: str
     draw: Callable
     needs: str
+    antialiased: bool = False
 
 
 # The best that a machine has is taken.
 WAYS = (
-    Way("register combiners (K10, K07)", _by_combiners, "two general combiners and two texture units"),
+    Way(
+        "register combiners (K10, K07)",
+        _by_combiners,
+        "two general combiners and two texture units",
+        antialiased=True,
+    ),
     Way("imaging subset, flat triangles (K08)", _by_imaging_subset, "a colour matrix with colour tables"),
     Way(
         "plain multitexturing, unsigned halves of signed products (K22)",
@@ -289,6 +334,7 @@ def commands(
     background=BACKGROUND,
     map_size=None,
     eye=(0.0, 1.0, 3.6),
+    antialias=Antialiasing.NONE,
 ):
     """Everything from the height field's picture to the passes, by the way of the machine (``way_of``).
 
@@ -311,19 +357,29 @@ def commands(
         Texels along the material textures' edges, or None (``material_map``).
     eye
         The viewer's position; the surface lies round the origin and is about two units wide.
+    antialias
+        What bumps smaller than a pixel leave; all but NONE take register combiners.
 
-    Raises ValueError for what is none of these, and a machine that can draw by none of WAYS.
+    Raises ValueError for what is none of these, and a machine that can draw by none of WAYS, or not
+    antialiased.
     """
+    antialias = member_of(Antialiasing, antialias, "The antialiasing")
     way = way_of(profile)
+    if antialias is not Antialiasing.NONE and not way.antialiased:
+        able = machines_with(*(way for way in WAYS if way.antialiased))
+        raise ValueError(
+            f"The {profile.name} draws bumps by {way.title}, which has no mip-maps of a material. Leave "
+            f"the antialiasing none, or give one of {', '.join(able)}."
+        )
     return _commands(
         way, image, surface, parameters, light, profile, width, height,
-        background=background, map_size=map_size, eye=eye,
+        background=background, map_size=map_size, eye=eye, antialias=antialias,
     )  # fmt: skip
 
 
 def _commands(
     way, image, surface, parameters, light, profile, width, height, *,
-    background=BACKGROUND, map_size=None, eye=(0.0, 1.0, 3.6),
+    background=BACKGROUND, map_size=None, eye=(0.0, 1.0, 3.6), antialias=Antialiasing.NONE,
 ):  # fmt: skip
     parameters = material(parameters) if isinstance(parameters, str) else parameters
     panel = Panel(0, 0, width, height)
@@ -337,4 +393,6 @@ def _commands(
     repeated = bool(np.ptp(surface.texture_coordinates, axis=0).max() > 1.0)
     maps = material_map(image, parameters, profile, map_size, repeated=repeated)
     ambient = tuple(0.12 * c for c in parameters.diffuse)
-    return (panel.clear(background), *way.draw(surface, maps, view, lit, profile, parameters, ambient))
+    told = {"antialias": antialias} if way.antialiased else {}
+    drawn = way.draw(surface, maps, view, lit, profile, parameters, ambient, **told)
+    return (panel.clear(background), *drawn)

@@ -1,0 +1,72 @@
+"""``fixedpipe bump --antialias``: bumps smaller than a pixel against 64 samples a pixel, and who can."""
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from fixedpipe.effects.geometry import height_fields
+from fixedpipe.effects.user_pictures import bumped_mesh
+from fixedpipe.effects.user_pictures.bumped_mesh import Antialiasing
+from fixedpipe.pipeline.ideal.evaluate import execute_ideal
+from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL, OCTANE
+from tests.effects.cli.test_cli import refusal_of, run
+
+SIZE, SAMPLES = 32, 8
+
+
+def drawn(size, antialias):
+    frame = bumped_mesh.commands(
+        height_fields.pebbles(128, 128, 24, 5), bumped_mesh.mesh("sphere"), "gold", (-1.0, 1.0, 1.0), IDEAL,
+        size, size, map_size=256, antialias=antialias,
+    )  # fmt: skip
+    return np.clip(execute_ideal(frame, size, size).color[..., :3], 0.0, 1.0)
+
+
+def test_roughness_is_nearest_to_many_samples_and_mip_maps_lose_the_highlight_s_width():
+    truth = drawn(SIZE * SAMPLES, Antialiasing.NONE)
+    truth = truth.reshape(SIZE, SAMPLES, SIZE, SAMPLES, 3).mean(axis=(1, 3))
+    pictures = {how: drawn(SIZE, how) for how in Antialiasing}
+    errors = {how: float(np.sqrt(((p - truth) ** 2).mean())) for how, p in pictures.items()}
+    assert errors[Antialiasing.ROUGHNESS] < 0.6 * min(errors[Antialiasing.NONE], errors[Antialiasing.MIP]), (
+        errors
+    )
+    # Smooth, the ball has a highlight of its own; bumps spread the same light.
+    brightest = {how: float(np.sort(p.max(axis=-1).ravel())[-8:].mean()) for how, p in pictures.items()}
+    assert brightest[Antialiasing.MIP] > 1.15 * brightest[Antialiasing.ROUGHNESS]
+
+
+def test_none_is_what_was_drawn_before_and_others_are_mip_mapped():
+    def frame(**how):
+        picture = height_fields.pebbles(32, 32, 4, 5)
+        mesh = bumped_mesh.mesh("plane")
+        return bumped_mesh.commands(picture, mesh, "gold", (0.0, 0.0, 1.0), GEFORCE_256, 16, 16, **how)
+
+    def levels(frame):
+        return {command.texture: len(command.image.levels) for command in frame if hasattr(command, "image")}
+
+    assert set(levels(frame()).values()) == {1}
+    for how in (Antialiasing.MIP, Antialiasing.ROUGHNESS):
+        assert set(levels(frame(antialias=how)).values()) == {6}
+
+
+@pytest.mark.parametrize("how", Antialiasing)
+def test_the_option_draws(tmp_path, how):
+    photo, out = tmp_path / "photo.npy", tmp_path / "out.png"
+    np.save(photo, height_fields.pebbles(16, 16, 4, 5))
+    result = run("bump", photo, "--out", out, "--size", 24, "--antialias", how.value)
+    assert result.exit_code == 0, result.output
+    assert ("antialiased" in result.stdout) == (how is not Antialiasing.NONE)
+    assert np.asarray(Image.open(out)).std() > 1.0
+
+
+def test_what_cannot_is_a_sentence(tmp_path):
+    photo, out = tmp_path / "photo.npy", tmp_path / "out.png"
+    np.save(photo, height_fields.pebbles(16, 16, 4, 5))
+    assert "There are: none, mip, roughness" in refusal_of("bump", photo, "--out", out, "--antialias", "x")
+    more = ("--profile", "OCTANE", "--antialias", "mip")
+    said = refusal_of("bump", photo, "--out", out, *more)
+    assert "Leave the antialiasing none, or give one of GEFORCE_256" in said and not out.exists()
+    with pytest.raises(ValueError, match=r"Antialiasing\.ROUGHNESS"):
+        bumped_mesh.commands(
+            np.eye(4), bumped_mesh.mesh("plane"), "gold", (0.0, 0.0, 1.0), OCTANE, 16, 16, antialias="rough"
+        )
