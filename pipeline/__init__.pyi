@@ -41,6 +41,7 @@ from fixedpipe.pipeline.profiles import OCTANE as OCTANE
 from fixedpipe.pipeline.profiles import OPENGL_1_2 as OPENGL_1_2
 from fixedpipe.pipeline.profiles import OPENGL_1_2_IMAGING as OPENGL_1_2_IMAGING
 from fixedpipe.pipeline.profiles import PROFILES as PROFILES
+from fixedpipe.pipeline.profiles import SCHILLING as SCHILLING
 from fixedpipe.pipeline.profiles import TEXRAM as TEXRAM
 from fixedpipe.pipeline.profiles.profile import Profile as Profile
 from fixedpipe.pipeline.state import AlphaTest as AlphaTest

@@ -455,6 +455,10 @@ class TextureShaderStage:
 
     ``previous_texture_input``: the unit whose texel offsets, addresses or is multiplied.
     ``offset_texture_matrix``: (a1, a2, a3, a4), by columns. ``constant_eye``: CONST_EYE.
+    ``roughness``: the unit whose texel holds D = [d_1 d_2; 0 d_3], how far the bumps that a texel of the
+    previous texture input stands for deviate from it: d_1 in red and d_3 in blue, unsigned, d_2 in green,
+    biased; times ``roughness_scale``, in the units of the offsets or of the dot products' vector. The lookup
+    is filtered over what pixel and roughness cover; None: not filtered.
     """
 
     operation: TextureShaderOperation = TextureShaderOperation.NONE
@@ -465,6 +469,8 @@ class TextureShaderStage:
     offset_texture_bias: float = 0.0
     dot_product_mapping: DotProductMapping = DotProductMapping.UNSIGNED_IDENTITY
     constant_eye: tuple[float, float, float] = (0.0, 0.0, -1.0)
+    roughness: int | None = None
+    roughness_scale: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -148,6 +148,7 @@ MAX_LOD = _unit()
 SIGNED = _unit()  # packed: 0x80 in each signed component, whose texels and border come with that bit inverted
 OPERATION = _unit()  # codes.OPERATION_...; 0: the unit samples its texture
 PREVIOUS = _unit()  # previous texture input
+ROUGHNESS = _unit()  # 1 + the unit whose texel is the roughness that filters the lookup; 0: nothing does
 MAPPING = _unit()  # codes.DOT_MAPPING_...
 CULL_MODES = _unit()  # bit k: coordinate k's codes.CULL_MODE_...
 COMPARE = _unit()  # codes.COMPARE_MODE_...
@@ -163,6 +164,7 @@ OFFSET_MATRIX = _unit(4)  # this and those that follow are bit patterns of float
 OFFSET_SCALE = _unit()
 OFFSET_BIAS = _unit()
 CONSTANT_EYE = _unit(3)
+ROUGHNESS_SCALE = _unit()
 COORDINATE_DEPTH = _unit()  # depth units for one unit of a coordinate that is a depth
 UNIT_SIZE = _unit.size
 

@@ -31,6 +31,7 @@ _SHORT = {
     "INFINITE_REALITY": "IR",
     "G400": "G400",
     "TEXRAM": "Texram",
+    "SCHILLING": "proposal",
     "FUTURE": "future",
     "IDEAL": "ideal",
 }

@@ -25,6 +25,8 @@ class FragmentColumns:
     lod          float64 [k, units], lambda without its bias, 1/256 at least apart; None: all is magnified
     divided      for each unit whether s, t and r are divided by q; None: where some fragment's q is not 1
     footprints   float64 [k, units, 3]: s and t along an anisotropic filter's footprint, and its ratio
+    sides        float64 [k, units, 4]: of lookups filtered by roughness, the steps in texels to the right
+                 (s, t) and downwards without bumps, not numbers where there are none; None: no such lookup
     texel_alpha  int64 [k], bytes that replace the alpha of unit 0's texels; None: nothing does
     """
 
@@ -38,6 +40,7 @@ class FragmentColumns:
     lod: np.ndarray | None = None
     divided: tuple[bool, ...] | None = None
     footprints: np.ndarray | None = None
+    sides: np.ndarray | None = None
     texel_alpha: np.ndarray | None = None
 
     def part(self, where):
@@ -57,6 +60,7 @@ class FragmentColumns:
             of(self.lod),
             self.divided,
             of(self.footprints),
+            of(self.sides),
             of(self.texel_alpha),
         )
 

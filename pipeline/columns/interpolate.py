@@ -15,6 +15,7 @@ from fixedpipe.pipeline.columns.textures import unit_samplers
 from fixedpipe.pipeline.enums import Clamp, ColorWeights, Face, FrontFace, LineRasterization, ShadeModel
 from fixedpipe.pipeline.framebuffers.boxes import scissor_box
 from fixedpipe.pipeline.framebuffers.depths import depth_units
+from fixedpipe.pipeline.programs.texture_shader_rules import shader_stages
 from fixedpipe.pipeline.vertices.strokes import whole_size
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows
@@ -32,6 +33,7 @@ class IteratedPrimitives:
         self.depths = depth_units(state, framebuffer, primitives)
         self.units = unit_samplers(state, textures, profile)
         self.divided = tuple(primitives.projective[: len(self.units)])
+        self.rough = {i: s for i, s in enumerate(shader_stages(state) or ()) if s.roughness is not None}
 
     def fragments(self, triangle, px, py):
         """The FragmentColumns of pixels of rows ``triangle``."""
@@ -63,9 +65,10 @@ class IteratedPrimitives:
             return self._edges(x, y, kinds, px, py)
 
         coordinates, lod, footprints = self._coordinates(vertices, edges, inverse_w, (q0, q2, b0, b2), px, py)
+        sides = self._sides(vertices, edges, inverse_w, px, py)
         depth = self._depth(triangle, vertices, kinds, n, inverse_w, x, y, area)
         return FragmentColumns(
-            px, py, depth, primary, secondary, fog, coordinates, lod, self.divided, footprints
+            px, py, depth, primary, secondary, fog, coordinates, lod, self.divided, footprints, sides
         )
 
     def _edges(self, x, y, kinds, px, py, drawn=False):
@@ -129,7 +132,9 @@ class IteratedPrimitives:
             coordinates[:, k], _ = interpolate.iterate_coordinates(q0, q2, corners)
             if given.spherical_coordinates:
                 coordinates[:, k, :3] = future.spherical(b0, b2, corners[:, :, :3])
-            if unit is None or not (unit.needs_lambda or unit.anisotropic or unit.probes):
+            if unit is None or k in self.rough:
+                continue
+            if not (unit.needs_lambda or unit.anisotropic or unit.probes):
                 continue
             target, sizes = unit.texture.target, unit.sizes
             steps, plain, missing = interpolate.block_steps(
@@ -145,6 +150,24 @@ class IteratedPrimitives:
                 found = interpolate.level_of_detail(steps, missing, target)
             lod[:, k] = found / 256.0
         return coordinates, lod, footprints
+
+    def _sides(self, vertices, edges, inverse_w, px, py):
+        """Pixels' footprints of lookups filtered by roughness: FragmentColumns' ``sides``."""
+        if not self.rough:
+            return None
+        out = np.full((len(px), len(self.units), 4), np.nan)
+        for i, stage in self.rough.items():
+            corners = self.primitives.coordinates[vertices, i]
+            if stage.operation in C.OPERATIONS_OF_TWO_DOT_PRODUCTS:
+                s, t = (self.primitives.coordinates[vertices, k, 2] for k in (i - 1, i))
+                corners = np.stack([s, t, corners[..., 2], corners[..., 3]], axis=2)
+            unit = self.units[i]
+            _, plain, missing = interpolate.block_steps(
+                edges, inverse_w, corners, False, unit.texture.target, unit.sizes, px, py
+            )
+            scaled = [step[:, :2] * np.array(unit.sizes[:2]) for step in plain]
+            out[:, i] = np.where(missing[:, None], np.nan, np.concatenate(scaled, axis=1))
+        return out
 
     def _depth(self, triangle, vertices, kinds, n, inverse_w, x, y, area):
         """Words of the depth buffer, -1 where a fragment lies outside limits that end it (section 5)."""

@@ -76,8 +76,25 @@ class _StageRun:
             return sampler.filtered(self.fragments)
         if operation in C.OPERATIONS_OF_DIRECTIONS and not cube_map:
             strq = texture_shader.face_planes(strq)
+        if self.stages[i].roughness is not None:
+            return sampler.at_footprints(
+                strq, own[:, 2], operation not in C.OPERATIONS_WITH_OFFSET, *self._rough(i)
+            )
         flat = cube_map and operation == Operation.DOT_PRODUCT_TEXTURE_3D
         return sampler.at_level_zero(strq, own[:, 2], operation not in C.OPERATIONS_WITH_OFFSET, flat)
+
+    def _rough(self, i):
+        """Stage i's footprints and lambdas, of the pixel and of the roughness that it reads."""
+        stage, sampler, coordinates = self.stages[i], self.samplers[i], self.fragments.coordinates
+        of = stage.roughness
+        found = texture_shader.deviations(self.texels[of], self.widths[of], stage.roughness_scale)
+        if stage.operation in C.OPERATIONS_OF_TWO_DOT_PRODUCTS:
+            jacobian = tuple(coordinates[:, k, c] for k in (i - 1, i) for c in (0, 1))
+        else:
+            a1, a2, a3, a4 = (float(a) for a in stage.offset_texture_matrix)
+            jacobian = a1, a3, a2, a4
+        sides, most = self.fragments.sides[:, i], sampler.sampler.max_probes
+        return texture_shader.rough_footprint(sides, jacobian, found, sampler.sizes, most)
 
     def _made(self, i):
         """Coordinates (s, t, r) that stage i makes, float64 [k, 3]."""

@@ -108,13 +108,32 @@ class UnitSampler:
         lifted  by the bias of computed coordinates
         flat    s and t on a cube map's first face
         """
-        compared = None
-        if self.compares:
-            if self.sampler.compare_mode != TextureCompareMode.COMPARE_R_TO_TEXTURE:
-                r = np.zeros(len(strq))
-            compared = sample.depth_reference(r * self.depth_scale, self.words.form, self.words.largest)
+        compared = self._compared(strq, r)
         linear = self.sampler.mag_filter.is_linear
         return self._level(0, linear, strq, False, compared, lifted, flat=flat)
+
+    def at_footprints(self, strq, r, lifted, footprint, lod):
+        """As ``at_level_zero`` of made coordinates with a footprint, (along s, along t, probes) [k, 3], and
+        a lambda with 8 fraction bits, int64 [k], without bias.
+        """
+        compared, lod = self._compared(strq, r), self._limited(lod)
+        if self.probes:
+            return self._assembled(footprint, strq, lifted, lod, compared)
+        return self._levels(strq, False, lod, compared, lifted)
+
+    def _compared(self, strq, r):
+        """What texels of made coordinates are compared with, or None."""
+        if not self.compares:
+            return None
+        if self.sampler.compare_mode != TextureCompareMode.COMPARE_R_TO_TEXTURE:
+            r = np.zeros(len(strq))
+        return sample.depth_reference(r * self.depth_scale, self.words.form, self.words.largest)
+
+    def _limited(self, lod):
+        """Lambda with the unit's bias, between the sampler's limits."""
+        lod = lod + int(256.0 * float(self.unit.lod_bias))  # truncated
+        low, high = (int(256 * float(limit)) for limit in (self.sampler.min_lod, self.sampler.max_lod))
+        return np.minimum(np.maximum(lod, low), high)
 
     def fractions(self, fragments, level):
         """Fractions between the columns, rows, layers and levels of the filter at the lower (0) or the upper
@@ -161,10 +180,7 @@ class UnitSampler:
             divided = False
         lod = np.zeros(len(strq), np.int64)
         if (self.needs_lambda or self.anisotropic or self.probes) and fragments.lod is not None:
-            lod = np.floor(fragments.lod[:, self.number] * 256.0).astype(np.int64)
-            lod = lod + int(256.0 * float(self.unit.lod_bias))  # truncated
-            low, high = (int(256 * float(limit)) for limit in (self.sampler.min_lod, self.sampler.max_lod))
-            lod = np.minimum(np.maximum(lod, low), high)
+            lod = self._limited(np.floor(fragments.lod[:, self.number] * 256.0).astype(np.int64))
         elif self.needs_lambda:
             lod = np.full(len(strq), -1)  # magnified
         if fragments.footprints is None or not (self.anisotropic or self.probes):

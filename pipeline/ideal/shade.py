@@ -9,7 +9,7 @@ from fixedpipe.pipeline.ideal.combine import combine, constant_color
 from fixedpipe.pipeline.ideal.coordinates import made_place, place, reference_of, spherical, turned_place
 from fixedpipe.pipeline.ideal.sample import as_register, sample
 from fixedpipe.pipeline.ideal.texture_shader import run_stages
-from fixedpipe.pipeline.ideal.weights import iterate
+from fixedpipe.pipeline.ideal.weights import change_of, iterate
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.programs.combiner_rules import has_color_sum
 from fixedpipe.pipeline.programs.future import units_along
@@ -43,6 +43,10 @@ def shade(state, textures, primitives, triangle, weights):
             strq[:, :3] = spherical(weights.perspective, corners[:, :, :3])
         return strq
 
+    def change(i):
+        corners = primitives.coordinates[weights.vertices, i]
+        return np.stack([change_of(weights.dx, corners), change_of(weights.dy, corners)])
+
     def texel(i, unit, texture, tap=None):
         filters = unit.sampler.min_filter, unit.sampler.mag_filter
         coordinates = place(
@@ -65,7 +69,7 @@ def shade(state, textures, primitives, triangle, weights):
 
     given = state, textures, colors[:, :4], colors[:, 4:], distances
     if state.texture_shader is not None:
-        outcome = run_stages(state, textures, len(colors), own, texel, _sample_made, as_register)
+        outcome = run_stages(state, textures, len(colors), own, texel, _sample_made, as_register, change)
         return shade_colors(*given, lambda i, unit, texture: outcome.registers[i]), outcome
     if state.evaluate_before_filtering:
         return _before_filtering(*given, texel), None
@@ -146,10 +150,15 @@ def shade_colors(state, textures, primary, secondary, distances, texel):
     return combine(program, registers, look_up)
 
 
-def _sample_made(i, unit, texture, str_, r, lifted):
-    """Unit i's texel at coordinates [k, 3] that its texture shader stage made; ``r``: what is compared."""
+def _sample_made(i, unit, texture, str_, r, lifted, axes):
+    """Unit i's texel at coordinates [k, 3] that its texture shader stage made; ``r``: what is compared;
+    ``axes``: of what the lookup covers, float64 [2, k, 2], or None.
+    """
     compares = unit.sampler.compare_mode is not TextureCompareMode.NONE
-    return sample(texture, unit, made_place(texture, str_, lifted), r if compares else None)
+    where = made_place(texture, str_, lifted)
+    if axes is not None:
+        where = replace(where, dx=axes[0], dy=axes[1])
+    return sample(texture, unit, where, r if compares else None)
 
 
 def fog_factor(fog, coordinate):

@@ -34,18 +34,21 @@ class Outcome:
     depth: np.ndarray | None
 
 
-def run_stages(state, textures, count, own, conventional, made, register):
+def run_stages(state, textures, count, own, conventional, made, register, change):
     """The Outcome of a pass's texture shader for ``count`` fragments.
 
     own(i)
         Unit i's coordinates (s, t, r, q), float64 [k, 4].
     conventional(i, unit, texture)
         Its texel at these.
-    made(i, unit, texture, str_, r, lifted)
+    made(i, unit, texture, str_, r, lifted, axes)
         Its texel at coordinates that were made, float64 [k, 3]; ``r`` is what a comparison compares;
-        ``lifted``: on a boundary between texels the upper one is nearest.
+        ``lifted``: on a boundary between texels the upper one is nearest; ``axes``: of the ellipse that a
+        lookup covers, in texture coordinates, float64 [2, k, 2], or None.
     register(texel, unit)
         What its register receives of a texel.
+    change(i)
+        How unit i's coordinates change to the right and upwards, float64 [2, k, 4].
     """
     run = _Stages(shader_stages(state), count, own)
     for i, stage in enumerate(run.stages):
@@ -82,6 +85,7 @@ def run_stages(state, textures, count, own, conventional, made, register):
                         run.coordinates(i),
                         own(i)[:, 2],
                         operation not in C.OPERATIONS_WITH_OFFSET,
+                        None if stage.roughness is None else run.axes(i, texture, change),
                     )
                 if operation in C.OPERATIONS_WITH_SCALE:
                     texel = seen = run.scaled(i, texel)
@@ -155,6 +159,38 @@ class _Stages:
         magnitude = self.texels[stage.previous_texture_input][:, :1]
         factor = magnitude * stage.offset_texture_scale + stage.offset_texture_bias
         return np.concatenate([np.clip(texel[:, :3] * factor, 0.0, 1.0), texel[:, 3:]], axis=1)
+
+    def axes(self, i, texture, change):
+        """The axes, longer first, of what pixel and roughness cover of stage i's lookup, in texture
+        coordinates, float64 [2, k, 2] (docs/numbers.md, section 12).
+        """
+        stage, size = self.stages[i], np.array([texture.width, texture.height], np.float64)
+        of, scale = stage.roughness, 2.0 * stage.roughness_scale
+        half = 2.0 ** (self.bits[of] - 1)
+        d1, d3 = (self.texels[of][:, k] * scale for k in (0, 2))
+        d2 = (self.number(of, 1) - half) / (half - 1.0) * scale
+        if stage.operation in C.OPERATIONS_OF_TWO_DOT_PRODUCTS:
+            sides = np.stack([change(k)[:, :, 2] for k in (i - 1, i)], axis=-1)
+            u, v = (np.stack([self.own(k)[:, c] for k in (i - 1, i)], axis=-1) for c in (0, 1))
+        else:
+            sides = change(i)[:, :, :2]
+            u, v = np.array(stage.offset_texture_matrix).reshape(2, 1, 2)
+        rough = np.stack([d1[:, None] * u, d2[:, None] * u + d3[:, None] * v])
+        sides = np.concatenate([sides, rough]) * size
+        sides = np.where(np.isfinite(sides), sides, 0.0)
+        a, b, c = ((sides[..., j] * sides[..., k]).sum(axis=0) for j, k in ((0, 0), (0, 1), (1, 1)))
+        half, middle = 0.5 * (a - c), 0.5 * (a + c)
+        root = np.hypot(half, b)
+        axis = np.where(
+            half[:, None] >= 0.0,
+            np.stack([half + root, b], axis=1),
+            np.stack([b, root - half], axis=1),
+        )
+        length = np.hypot(axis[:, 0], axis[:, 1])[:, None]
+        axis = np.where(length > 0.0, axis / np.where(length > 0.0, length, 1.0), np.array([1.0, 0.0]))
+        across = np.stack([-axis[:, 1], axis[:, 0]], axis=1)
+        longer, shorter = np.sqrt(middle + root), np.sqrt(np.maximum(middle - root, 0.0))
+        return np.stack([axis * longer[:, None], across * shorter[:, None]]) / size
 
     def coordinates(self, i):
         """The (s, t, r) that stage i makes, float64 [k, 3]."""

@@ -62,6 +62,8 @@ def _pack_shader_stage(stage, target, profile, maximum, row):
     )
     row[R.CONSTANT_EYE : R.CONSTANT_EYE + 3] = [_pattern(e) for e in stage.constant_eye]
     row[R.COORDINATE_DEPTH] = _pattern(1.0 if profile.textures.depth_units_in_coordinates else maximum)
+    if stage.roughness is not None:
+        row[R.ROUGHNESS], row[R.ROUGHNESS_SCALE] = 1 + stage.roughness, _pattern(stage.roughness_scale)
 
 
 def _pack_comparison(sampler, internal_format, profile, row):

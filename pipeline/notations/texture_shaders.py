@@ -332,6 +332,12 @@ def format_stages(stages: Sequence[TextureShaderStage]) -> str:
         raise ValueError(f"A program has 1 to {MAX_STAGES} instructions; there are {len(stages)} stages.")
     for _, sentence in texture_shader_problems(stages):
         raise ValueError(sentence)
+    for i, stage in enumerate(stages):
+        if stage.roughness is not None:
+            raise ValueError(
+                f"Texture shader stage {i} is filtered by roughness, for which the notation has no word; "
+                "keep the stages as state."
+            )
     lines, number = ["!!TS1.0"], 0
     while number < len(stages):
         stage = stages[number]

@@ -10,6 +10,7 @@ from fixedpipe.pipeline.profiles.multitexture import MULTITEXTURE
 from fixedpipe.pipeline.profiles.nv2a import NV2A
 from fixedpipe.pipeline.profiles.octane import OCTANE
 from fixedpipe.pipeline.profiles.opengl_1_2 import OPENGL_1_2, OPENGL_1_2_IMAGING
+from fixedpipe.pipeline.profiles.schilling import SCHILLING
 from fixedpipe.pipeline.profiles.texram import TEXRAM
 
 PROFILES = {
@@ -23,6 +24,7 @@ PROFILES = {
     "INFINITE_REALITY": INFINITE_REALITY,
     "G400": G400,
     "TEXRAM": TEXRAM,
+    "SCHILLING": SCHILLING,
     "FUTURE": FUTURE,
     "IDEAL": IDEAL,
 }

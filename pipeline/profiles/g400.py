@@ -96,6 +96,7 @@ G400 = Profile(
         ),
         dot_product_mappings=known(frozenset(), NOT_CORE),
         foreign_texture_targets=known(False, NOT_CORE),
+        roughness_lookups=known(False, NOT_CORE),
     ),
     combiners=Combiners(
         texture_environment_modes=known(

@@ -86,6 +86,7 @@ GEFORCE_256 = Profile(
         texture_shader_operations=known(frozenset(), _LATER),
         dot_product_mappings=known(frozenset(), _LATER),
         foreign_texture_targets=known(False, _LATER),
+        roughness_lookups=known(False, _LATER),
     ),
     combiners=Combiners(
         texture_environment_modes=known(

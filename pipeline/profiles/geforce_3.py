@@ -106,6 +106,7 @@ GEFORCE_3 = Profile(
             "Inferred: from the NV2A: six mappings, 56909 pixels each (DotSTRCube captures)",
         ),
         foreign_texture_targets=known(False, "Source: NV_texture_shader, table 3.B (inconsistent)"),
+        roughness_lookups=known(False, "Source: NV_texture_shader (made coordinates have no level)"),
     ),
     combiners=Combiners(
         texture_environment_modes=known(

@@ -87,6 +87,7 @@ IDEAL = Profile(
         ),
         dot_product_mappings=_given(frozenset(DotProductMapping)),
         foreign_texture_targets=_given(False),
+        roughness_lookups=_given(True),
     ),
     combiners=Combiners(
         texture_environment_modes=_given(frozenset(TextureEnvironmentMode)),

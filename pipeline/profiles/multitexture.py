@@ -83,6 +83,7 @@ MULTITEXTURE = Profile(
         texture_shader_operations=known(frozenset(), NOT_CORE),
         dot_product_mappings=known(frozenset(), NOT_CORE),
         foreign_texture_targets=known(False, NOT_CORE),
+        roughness_lookups=known(False, NOT_CORE),
     ),
     combiners=Combiners(
         texture_environment_modes=known(

@@ -104,6 +104,7 @@ NV2A = Profile(
         foreign_texture_targets=known(
             True, "Measured: 56909 pixels each (DotSTR3D, Texture_2D_as_cubemap captures)"
         ),
+        roughness_lookups=known(False, "Source: NV_texture_shader (made coordinates have no level)"),
     ),
     combiners=Combiners(
         texture_environment_modes=known(

@@ -79,6 +79,7 @@ OPENGL_1_2 = Profile(
         texture_shader_operations=known(frozenset(), NOT_CORE),
         dot_product_mappings=known(frozenset(), NOT_CORE),
         foreign_texture_targets=known(False, NOT_CORE),
+        roughness_lookups=known(False, NOT_CORE),
     ),
     combiners=Combiners(
         texture_environment_modes=known(CORE_ENVIRONMENTS, "Source: OpenGL 1.2.1 section 3.8.9"),

@@ -71,6 +71,7 @@ class TextureShaders(Section):
     texture_shader_operations: frozenset[TextureShaderOperation]  # none: no texture shaders
     dot_product_mappings: frozenset[DotProductMapping]
     foreign_texture_targets: bool  # whether cube maps are read as volumes, and 2D textures as either
+    roughness_lookups: bool  # whether 2D lookups of bumps are filtered by their roughness
 
 
 @dataclass(frozen=True, kw_only=True)

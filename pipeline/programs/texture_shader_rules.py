@@ -69,6 +69,8 @@ TARGETS_READ = {
 }
 # Of an unsigned texture's colours.  Source: NV_texture_shader, table 3.B.
 SCALING = tuple(map(Operation, C.OPERATIONS_WITH_SCALE))
+# Whose lookup may be filtered by roughness.
+ROUGH = (Operation.OFFSET_TEXTURE_2D, Operation.DOT_PRODUCT_TEXTURE_2D)
 _REFLECTING = tuple(map(Operation, C.OPERATIONS_REFLECTING))
 _WITHOUT_RESULT = (
     Operation.NONE,
@@ -139,6 +141,30 @@ def stage_problem(i, stages):
         return (
             f"texture shader stage {i} is a second DOT_PRODUCT_DEPTH_REPLACE; a fragment has one depth, so "
             "leave one of them out."
+        )
+    return None
+
+
+def roughness_problem(i, stages):
+    """What is wrong with the roughness that stage ``i`` reads, or None."""
+    stage = stages[i]
+    if stage.roughness is None:
+        return None
+    if stage.operation not in ROUGH:
+        return (
+            f"texture shader stage {i} is {stage.operation.name}, which no roughness filters; leave "
+            f"roughness None, or take {' or '.join(o.name for o in ROUGH)}."
+        )
+    given = stages[stage.roughness].operation if 0 <= stage.roughness < len(stages) else Operation.NONE
+    if not 0 <= stage.roughness < i or given in _WITHOUT_RESULT:
+        return (
+            f"texture shader stage {i} takes its roughness of stage {stage.roughness}; give it an earlier "
+            "stage that results in a color or a texel."
+        )
+    if not 0.0 <= stage.roughness_scale < float("inf"):
+        return (
+            f"texture shader stage {i} has the roughness_scale {stage.roughness_scale:g}; give a finite "
+            "number from 0 on."
         )
     return None
 

@@ -13,6 +13,7 @@ from fixedpipe.pipeline.programs.texture_shader_rules import (
     SCALING,
     TARGETS_READ,
     WITHOUT_TEXTURE,
+    roughness_problem,
     shader_stages,
     stage_problem,
     stage_width_problem,
@@ -66,7 +67,8 @@ def texture_units(walk, state, mesh):
         )
         if operation in DEPENDENT or foreign:
             needed = DEPENDENT.get(operation, 3)
-            _dependent_access(walk, i, unit, known, operation)
+            rough = stages[i].roughness is not None
+            _dependent_access(walk, i, unit, known, operation, rough)
         elif operation in TARGETS_READ and known.target not in _accessible(walk, operation):
             walk.refuse(
                 f"texture shader stage {i} is {operation.name}, but {unit.texture!r} is a "
@@ -128,7 +130,12 @@ def texture_shader(walk, state):
                 f"texture shader stage {i} is {stage.operation.name}, but texture unit {i} is disabled; "
                 "enable it (with no texture where the operation reads none)."
             )
-        if problem := stage_problem(i, stages):
+        if stage.roughness is not None and not profile.texture_shaders.roughness_lookups:
+            walk.refuse(
+                f"{profile.name} filters no lookup by roughness (texture shader stage {i}); leave roughness "
+                "None."
+            )
+        if problem := stage_problem(i, stages) or roughness_problem(i, stages):
             walk.refuse(problem)
     return stages
 
@@ -152,17 +159,18 @@ def _accessible(walk, operation):
     return targets if walk.profile.texture_shaders.foreign_texture_targets else targets[:1]
 
 
-def _dependent_access(walk, number, unit, known, operation):
+def _dependent_access(walk, number, unit, known, operation, rough):
+    """Refuse what made coordinates do not go with; ``rough``: the lookup is filtered by roughness."""
     filters = unit.sampler.min_filter, unit.sampler.mag_filter
-    if filters[0] is not filters[1]:
+    if filters[0] is not filters[1] and not rough:
         walk.refuse(
             f"texture unit {number} minifies with {filters[0].name}, magnifies with {filters[1].name}; "
             f"{operation.name} makes coordinates that have no level of detail here; set both to "
             "NEAREST or both to LINEAR."
         )
-    if max(unit.sampler.max_probes, unit.sampler.max_anisotropy) > 1:
+    if unit.sampler.max_anisotropy > 1 or (unit.sampler.max_probes > 1 and not rough):
         filters, limit = "filters anisotropically", "max_anisotropy"
-        if unit.sampler.max_probes > 1:
+        if unit.sampler.max_anisotropy <= 1:
             filters, limit = "assembles footprints", "max_probes"
         walk.refuse(
             f"texture unit {number} {filters}, which {walk.profile.name} does along its own "

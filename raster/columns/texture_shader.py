@@ -7,7 +7,7 @@ their two's complement. Coordinates are float64 [k] or [k, c].
 import numpy as np
 
 from fixedpipe.raster import codes as C
-from fixedpipe.raster.columns.interpolate import major_axis, on_face
+from fixedpipe.raster.columns.interpolate import FAR, log2_q7, major_axis, on_face, probes_along
 from fixedpipe.raster.columns.numbers import one_of
 
 WORD_BITS = 8  # of a texel that holds words of 16 bits
@@ -73,6 +73,51 @@ def offset(strq, texel, matrix, bits):
     ds, dt = signed(texel[:, 2], bits) / unit, signed(texel[:, 1], bits) / unit
     a1, a2, a3, a4 = (float(a) for a in matrix)
     return (strq[:, 0] + a1 * ds) + a3 * dt, (strq[:, 1] + a2 * ds) + a4 * dt
+
+
+def deviations(texel, bits, scale):
+    """(d_1, d_2, d_3) of a texel of roughness, float64 [k] each, twice what they are: a footprint's side."""
+    one, half, scale = float(one_of(bits)), 1 << (bits - 1), 2.0 * float(scale)
+    return (
+        texel[:, 0] / one * scale,
+        (texel[:, 1] - half) / float(half - 1) * scale,
+        texel[:, 2] / one * scale,
+    )
+
+
+def rough_footprint(sides, jacobian, deviations, sizes, most):
+    """(along s, along t, probes) [k, 3] and lambda with 8 fraction bits, int64 [k], of lookups filtered by
+    roughness (section 12).
+
+    sides       float64 [k, 4]: the pixel's steps (s, t) to the right and downwards, texels
+    jacobian    of s by the bumps' two components, then of t; float64 [k] or numbers
+    deviations  of the bumps, as sides of a footprint
+    most        of probes; 1: one, at the longer axis's level
+    """
+    (xs, xt, ys, yt), (su, sv, tu, tv), (d1, d2, d3) = sides.T, jacobian, deviations
+    width, height = sizes[:2]
+    us, ut = (su * d1) * width, (tu * d1) * height
+    vs, vt = (su * d2 + sv * d3) * width, (tu * d2 + tv * d3) * height
+    a = ((xs * xs + ys * ys) + us * us) + vs * vs
+    b = ((xs * xt + ys * yt) + us * ut) + vs * vt
+    c = ((xt * xt + yt * yt) + ut * ut) + vt * vt
+    half, middle = 0.5 * (a - c), 0.5 * (a + c)
+    root = np.sqrt(half * half + b * b)
+    good = middle + root < np.inf  # false where it is not a number
+    half, middle, root, b = (np.where(good, v, 0.0) for v in (half, middle, root, b))
+    longer, shorter = middle + root, np.maximum(middle - root, 0.0)
+    x, y = np.where(half >= 0.0, half + root, b), np.where(half >= 0.0, b, root - half)
+    length = np.sqrt(x * x + y * y)
+    some = length > 0.0
+    safe, side = np.where(some, length, 1.0), np.sqrt(longer)
+    along_s = np.where(some, x / safe, 1.0) * side / width
+    along_t = np.where(some, y / safe, 0.0) * side / height
+    probes, square = np.ones(len(longer)), longer
+    if most > 1:
+        probes, square = probes_along(longer, shorter, float(most))
+    positive = square > 0.0
+    lod = np.where(positive, log2_q7(np.where(positive, square, 1.0)), -FAR)
+    return np.stack([along_s, along_t, probes], axis=1), np.where(good, lod, FAR)
 
 
 def scaled(texel, bits, magnitude, magnitude_bits, scale, bias):

@@ -78,6 +78,8 @@ def usable_stage(row, unit, units):
     operation = row[R.OPERATION]
     if not C.OPERATION_NONE <= operation <= C.LAST_OPERATION or not 0 <= row[R.PREVIOUS] < R.MAX_UNITS:
         return False
+    if not 0 <= row[R.ROUGHNESS] <= R.MAX_UNITS:
+        return False
     if operation == C.OPERATION_DOT_PRODUCT_DIFFUSE_CUBE_MAP and unit + 1 >= units:
         return False
     if operation >= C.FIRST_AFTER_TWO_STAGES:

@@ -12,6 +12,7 @@ from fixedpipe.raster.portable.combine import fill_plane
 from fixedpipe.raster.portable.footprint import assemble_probes
 from fixedpipe.raster.portable.interpolate import iterate_coordinate
 from fixedpipe.raster.portable.level_of_detail import level_of_detail
+from fixedpipe.raster.portable.roughness import rough_footprints
 from fixedpipe.raster.portable.sample import cube_faces, divide_by_q, filter_unit, unpack, unpack_unit
 from fixedpipe.raster.portable.shadow import shadow_reference
 from fixedpipe.raster.portable.texture_shader import (
@@ -79,7 +80,18 @@ def sample_unit(p, u, count, segments, runs, scratch):
             floats, R.COORDINATE0, divided, count, float_of(row[R.COORDINATE_DEPTH]),
             row[R.DEPTH_TEXEL_FORMAT], int32(row[R.DEPTH_TEXEL_MAX]), ints,
         )  # fmt: skip
-    if row[R.ANISOTROPY] or row[R.PROBES] > 1:
+    if row[R.ROUGHNESS]:
+        if row[R.OPERATION] in C.OPERATIONS_OF_TWO_DOT_PRODUCTS:
+            for k in range(4):
+                iterate_coordinate(
+                    segments, triangles, coordinates, u - 1 + k // 2, k % 2, floats, R.COORDINATE0 + k
+                )
+        rough_footprints(draw, runs, triangles, strokes, vertices, u, row, levels, floats, packed, ints)
+        if row[R.PROBES] > 1:
+            assemble_probes(texels, levels, row, count, floats, ints, packed)
+        else:
+            filter_unit(texels, levels, row, count, floats, ints, packed)
+    elif row[R.ANISOTROPY] or row[R.PROBES] > 1:
         footprints(draw, runs, triangles, strokes, vertices, u, row, levels, floats, ints)
         if row[R.PROBES] > 1:
             assemble_probes(texels, levels, row, count, floats, ints, packed)

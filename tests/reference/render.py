@@ -22,6 +22,7 @@ from tests.reference import (
     fog,
     interpolate,
     per_fragment,
+    roughness,
     sample,
     shadow,
     strokes,
@@ -103,8 +104,11 @@ class Access:
         self.state, self.triangles, self.pixel = state, triangles, pixel
         self.weights, self.textures, self.profile = weights, textures, profile
 
-    def __call__(self, i, made, operation):
-        """Unit i's texel, four bytes. Source: docs/numbers.md sections 6, 7 and 12."""
+    def __call__(self, i, made, operation, rough=None):
+        """Unit i's texel, four bytes; ``rough``: the lookup's Jacobian and deviations.
+
+        Source: docs/numbers.md sections 6, 7 and 12.
+        """
         unit = self.state.texture_units[i]
         texture = self.textures[unit.texture]
         foreign = texture.target != TextureTarget.TEXTURE_CUBE_MAP
@@ -117,6 +121,12 @@ class Access:
             mode, depth_format = unit.sampler.compare_mode, texture.internal_format
             word = shadow.reference_word(own, divided, depth_format, mode, self.profile)
             texture = shadow.compared(texture, unit.sampler, word, self.profile)
+        if rough is not None:
+            found = roughness.footprint(
+                self.triangles, i, operation, self.pixel, *rough, texture, unit.sampler.max_probes
+            )
+            texel = roughness.sample_rough(made[:2], found, texture, unit, operation, self.profile)
+            return sample.to_register(texel, unit.sampler)
         if made is not None:
             texel = texture_shader.sample_made(made, texture, unit.sampler, operation)
             return sample.to_register(texel, unit.sampler)

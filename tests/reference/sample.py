@@ -441,13 +441,20 @@ def block_probes(triangle, px, py, texture, most):
     if found is None:
         return 0.0, 0.0, 1, LARGEST_LAMBDA
     steps, squares = found
-    longer, shorter = max(squares), min(squares)
+    probes, rho2 = probes_of(max(squares), min(squares), most)
+    return *(steps[0] if squares[0] >= squares[1] else steps[1]), probes, lambda_of(rho2)
+
+
+def probes_of(longer, shorter, most):
+    """How many probes lie along a footprint with these sides, squares in texels, and rho squared of each.
+
+    Source, Assumed: as ``block_probes``.
+    """
     wanted = 1
     while longer >= 2.0 * wanted * wanted * max(shorter, 1.0) and wanted <= most:
         wanted *= 2
     probes = min(wanted, most)
-    rho2 = longer / float(probes * probes) if wanted > most else max(shorter, min(longer, 1.0))
-    return *(steps[0] if squares[0] >= squares[1] else steps[1]), probes, lambda_of(rho2)
+    return probes, longer / float(probes * probes) if wanted > most else max(shorter, min(longer, 1.0))
 
 
 def sample_footprint(triangle, strq, px, py, texture, sampler, bias, profile):

@@ -5,7 +5,7 @@ from math import floor, sqrt
 from fixedpipe.pipeline.enums import CullMode, DotProductMapping, TextureTarget
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.state import TextureShaderStage
-from tests.reference import sample
+from tests.reference import roughness, sample
 from tests.reference.fixed import clamp
 
 CONVENTIONAL = (
@@ -165,6 +165,18 @@ class Stages:
             return reflected(normal, stage.constant_eye)
         return normal
 
+    def rough(self, i):
+        """How a lookup moves with the bumps' two components, s's pair and t's, and how far these deviate.
+
+        Source: docs/numbers.md section 12.
+        """
+        stage = self.stages[i]
+        a1, a2, a3, a4 = stage.offset_texture_matrix
+        jacobian = (a1, a3), (a2, a4)
+        if stage.operation == Operation.DOT_PRODUCT_TEXTURE_2D:
+            jacobian = self.coordinates(i - 1)[:2], self.coordinates(i)[:2]
+        return jacobian, roughness.deviations(self.bytes[stage.roughness], stage.roughness_scale)
+
     def replace_depth(self, i):
         """Source: NV_texture_shader section 3.8.13.1.21; Measured: floor, 65399 of 65536 (DotZW)."""
         numerator, denominator = self.dot_product(i - 1), self.dot_product(i)
@@ -187,7 +199,8 @@ class Stages:
             elif operation == Operation.DOT_PRODUCT_DEPTH_REPLACE:
                 self.replace_depth(i)
             elif operation != Operation.DOT_PRODUCT:
-                texel = self.access(i, self.made_coordinates(i), operation)
+                rough = None if stage.roughness is None else self.rough(i)
+                texel = self.access(i, self.made_coordinates(i), operation, rough)
                 if operation in WITH_SCALE:
                     texel = scaled(texel, self.bytes[stage.previous_texture_input][0], stage)
             self.texels.append(texel)

@@ -182,6 +182,14 @@ def _shaded(*operations, last=None, **fields):
     return *stores, _draw(texture_units=units, texture_shader=stages)
 
 
+def _rough():
+    """An offset lookup of one picture by itself, filtered by the roughness that it holds too."""
+    *stores, draw = _shaded(_OP.TEXTURE_2D, _OP.OFFSET_TEXTURE_2D)
+    flat, rough = draw.state.texture_shader
+    stages = flat, replace(rough, roughness=0)
+    return *stores, replace(draw, state=replace(draw.state, texture_shader=stages))
+
+
 def _compared(compare=TextureCompareMode.COMPARE_R_TO_TEXTURE, **fields):
     fields = {"compare_function": ComparisonFunction.LEQUAL, **fields}
     sampler = replace(_NEAREST, compare_mode=compare, **_ON_EDGE, **fields)
@@ -684,6 +692,21 @@ def _shaders():
         asked="texture shaders|texture unit|DOT_PRODUCT|SIGNED_IDENTITY",
         ideal=False,
         **_SHADERS,
+    )
+    yield Feature(
+        name="lookups filtered by roughness (OFFSET_TEXTURE_2D)",
+        group="Texture shaders",
+        has=lambda p: p.texture_shaders.roughness_lookups,
+        commands=_rough(),
+        asked="roughness|texture shaders|OFFSET_TEXTURE_2D",
+        ideal=False,
+        reference=("tests/reference/roughness.py",),
+        implementation=(
+            "raster/portable/roughness.py",
+            "raster/columns/texture_shader.py",
+            "pipeline/ideal/texture_shader.py",
+        ),
+        tests=("tests/raster/test_roughness.py",),
     )
 
 

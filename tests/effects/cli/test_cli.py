@@ -910,7 +910,7 @@ def test_precision_prints_a_row_for_each_width_and_clamp():
         (("--bits", "3"), "may have 4 to 16 bits"),
         (("--of", "colour"), "there are: combiner, texture, framebuffer, filter_fraction, subpixel"),
         (("--profile", "IDEAL"), "IDEAL is no machine, and its numbers have no width to change"),
-        (("--profile", "VOODOO"), "TEXRAM, FUTURE."),
+        (("--profile", "VOODOO"), "SCHILLING, FUTURE."),
     ],
 )
 def test_precision_refuses_what_it_cannot_measure(arguments, said):
