@@ -698,7 +698,7 @@ def _shaders():
         group="Texture shaders",
         has=lambda p: p.texture_shaders.roughness_lookups,
         commands=_rough(),
-        asked="roughness|texture shaders|OFFSET_TEXTURE_2D",
+        asked="roughness|texture shaders|texture unit|OFFSET_TEXTURE_2D",
         ideal=False,
         reference=("tests/reference/roughness.py",),
         implementation=(
