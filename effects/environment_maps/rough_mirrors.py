@@ -40,6 +40,8 @@ from fixedpipe.raster.kernel import kernel
 
 TECHNIQUES = (
     Technique("S08", "environment and bump mapping antialiased by curvature and by roughness", "2, 9"),
+    Technique("S09", "a bump map mip-mapped as if it were colours", "3, 4"),
+    Technique("S11", "cone tracing: an environment filtered by the curvature that bumps show", "5"),
     Technique("S24", "an environment map filtered anisotropically, by D", "8"),
     Technique("S25", "the level of an environment map by isotropic roughness", "8"),
     Technique("S29", "massive supersampling, which all else is measured by", "9"),
@@ -268,6 +270,9 @@ class Beam:
     by_offset   [2, 3]: what r changes by with f_1 and f_2
     by_pixel    [2, 3]: what r changes by to the right and upwards
     covariance  [3]: K, (a, b, c)
+    incoming    [3]: d, of unit length
+    offsets     [2]: f
+    level       of the bump map's footprint, lambda
     """
 
     hits: np.ndarray
@@ -275,6 +280,9 @@ class Beam:
     by_offset: np.ndarray
     by_pixel: np.ndarray
     covariance: np.ndarray
+    incoming: np.ndarray | None = None
+    offsets: np.ndarray | None = None
+    level: np.ndarray | None = None
 
 
 def mirrored(incoming, offsets, frame):
@@ -377,6 +385,9 @@ def beams(view, mirror, levels, antialiasing=Antialiasing.ANISOTROPIC, probes=1)
         by_offset[inside],
         np.stack(by_pixel, axis=-2)[inside],
         k[inside],
+        incoming[inside],
+        f[inside],
+        _level(isotropic(*changes).edge)[inside],
     )
 
 
