@@ -5,10 +5,11 @@ material's parameters a material. Machines with register combiners draw the mesh
 K07), machines with the imaging subset triangle by triangle (K08), and any other in some fifty passes, where
 the highlight is wide (K22).
 
-Machines with register combiners can antialias it: by mip-maps of the stored vectors (S09), or by mip-maps
-whose highlight is as wide as the normals under a texel are rough (K18's ``covariance_fit``). There Eq. 1's
-two vectors are the inverse root of alpha^2 / 6 + K, K being the covariance of the normals that filtering has
-taken, so that 1 - |(h.T, h.B)|^2 is a fixed function of |D^-1 d|^2 (S21 corrected, S23) without a quotient.
+Machines with register combiners can antialias it: by mip-maps of the stored vectors, or by mip-maps whose
+highlight is as wide as the normals under a texel are rough (K18's ``covariance_fit``). There Eq. 1's two
+vectors are the inverse root of alpha^2 + 6 K, K being the covariance (S16) of the normals that filtering has
+taken, so that the highlight is a fixed function of |D^-1 d|^2 with D D^T = K + alpha^2 / 6, and a board
+without a quotient draws it (Schilling's appendix A, as erratum E001.6 corrects it).
 
 Source: Kautz, Seidel 2000, sections 4.1, 4.2, 5 and 6 (K07, K08, K10, K18, K21, K22 of the catalogue);
 Schilling 1997, section 8 and appendix A.
@@ -44,7 +45,7 @@ class Antialiasing(StrEnum):
     """What takes the place of bumps that are smaller than a pixel.
 
     NONE       nothing: they flicker
-    MIP        the mip-maps of what is stored, as if it were colours (S09): bumps and bumpiness vanish
+    MIP        the mip-maps of what is stored, as if it were colours: bumps and bumpiness vanish
     ROUGHNESS  mip-maps whose highlight is wide along the directions that bumps lean in
     """
 

@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from fixedpipe.effects.bump_mapping import roughness_pyramids as rough
 from fixedpipe.effects.geometry import height_fields
+from fixedpipe.effects.reflectance import material_textures
+from fixedpipe.effects.texture_filtering import mipmapped_materials
 from fixedpipe.effects.user_pictures import bumped_mesh
 from fixedpipe.effects.user_pictures.bumped_mesh import Antialiasing
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
@@ -33,6 +36,23 @@ def test_roughness_is_nearest_to_many_samples_and_mip_maps_lose_the_highlight_s_
     # Smooth, the ball has a highlight of its own; bumps spread the same light.
     brightest = {how: float(np.sort(p.max(axis=-1).ravel())[-8:].mean()) for how, p in pictures.items()}
     assert brightest[Antialiasing.MIP] > 1.15 * brightest[Antialiasing.ROUGHNESS]
+
+
+def test_a_level_s_lobe_is_the_material_s_widened_by_the_roughness_pyramid():
+    # Gentle bumps, whose normals lean by their slopes; corrugated along both axes, not alike.
+    slope_s, slope_t = height_fields.slopes(0.02 * height_fields.pebbles(64, 64, 8, 5))
+    alpha = 0.3
+    material = material_textures.from_slopes(slope_s, 0.5 * slope_t + 0.3 * slope_s, alpha, alpha)
+    levels = mipmapped_materials.covariance_fit(material)
+    pyramid = rough.pyramid(np.stack([-slope_s, -0.5 * slope_t - 0.3 * slope_s], axis=-1))
+    for lobe, level in zip(levels[3:], pyramid[3:], strict=True):
+        rows = np.stack([lobe.scaled_tangents, lobe.scaled_binormals], axis=-2)[..., :2]
+        width = np.linalg.inv(np.swapaxes(rows, -1, -2) @ rows)
+        found = (width - alpha**2 * np.eye(2)) / 6.0
+        a, b, c = (level.covariance[..., k] for k in range(3))
+        expected = np.stack([np.stack([a, b], -1), np.stack([b, c], -1)], -2)
+        # A lobe that leans is narrower in the mean's plane: alpha^2 K of the 6 K are missing.
+        assert np.abs(found - (1.0 - alpha**2 / 6.0) * expected).max() < 0.002 * expected.max()
 
 
 def test_none_is_what_was_drawn_before_and_others_are_mip_mapped():
