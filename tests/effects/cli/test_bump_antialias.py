@@ -52,7 +52,7 @@ def test_a_level_s_lobe_is_the_material_s_widened_by_the_roughness_pyramid():
         a, b, c = (level.covariance[..., k] for k in range(3))
         expected = np.stack([np.stack([a, b], -1), np.stack([b, c], -1)], -2)
         # A lobe that leans is narrower in the mean's plane: alpha^2 K of the 6 K are missing.
-        assert np.abs(found - (1.0 - alpha**2 / 6.0) * expected).max() < 0.002 * expected.max()
+        assert np.abs(found - (1.0 - alpha**2 / 6.0) * expected).max() < 0.004 * expected.max()
 
 
 def test_none_is_what_was_drawn_before_and_others_are_mip_mapped():
