@@ -10,8 +10,8 @@ At a vertex a row is (ds/df_1, ds/df_2) times the scale of the bumps, and s wher
 lookup is linear in the bumps, from the plane's own reflection on. The environment is a picture by central
 projection (``Ahead``), whose coordinates are quotients.
 
-Source: Schilling 1997, sections 2 and 8 (proposed); decisions 0020 and 0021; pass sequences A-S24 and A-S25 of
-the catalogue. Assumed: the division into stages, and the map's projection.
+Source: Schilling 1997, sections 2 and 8 (proposed); decisions 0020 and 0021; pass sequences A-S24 and A-S25
+of the catalogue. Assumed: the division into stages, and the map's projection.
 """
 
 from dataclasses import dataclass, replace
@@ -79,8 +79,8 @@ class Ahead:
         depth = dot(toward, ahead)
         if not (depth > 0.0).all():
             raise ValueError(
-                "A mirrored ray does not lead ahead, where the environment's picture is; turn its axis, or end "
-                "the plane where rays still do."
+                "A mirrored ray does not lead ahead, where the environment's picture is; turn its axis, or "
+                "end the plane where rays still do."
             )
         half, found, moved = 0.5 / self.reach, [], []
         for axis in across:
