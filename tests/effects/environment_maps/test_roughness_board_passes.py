@@ -11,6 +11,7 @@ from fixedpipe.effects.geometry.height_fields import hashed
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import Panel, perspective_view
 from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.profiles import SCHILLING
 from tests.support.run_reference import run_reference
 
@@ -66,6 +67,12 @@ def test_roughness_keeps_the_glitter_that_filtered_bumps_lose():
     assert rms(probes, truth) <= 0.5 * rms(level, truth)
     assert rms(level, truth) <= 0.75 * rms(naive, truth)
     assert abs(probes.mean() / truth.mean() - 1.0) <= 0.02
+
+
+def test_the_ideal_draws_the_same_unrounded():
+    size = 48
+    ideal = execute_ideal(commands(size), size, size).color[::-1, :, :3]
+    assert rms(ideal, drawn(size)) <= 0.01
 
 
 def test_the_specification_draws_the_same_plane():
