@@ -83,8 +83,8 @@ PACKAGES = {
     },
     "effects/texture_filtering": {
         "raster": "kernel",
-        "pipeline": "enums state textures commands",
-        "effects": "technique geometry passes reflectance",
+        "pipeline": "enums state textures commands native",
+        "effects": "technique geometry passes bump_mapping reflectance",
     },
     "effects/environment_maps": {
         "raster": "kernel",

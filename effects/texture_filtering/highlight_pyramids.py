@@ -1,0 +1,167 @@
+"""S21 and S22 on a GeForce 3 or NV2A: mip-maps of bumps and roughness, and highlights by dot products.
+
+No combiner and no texture shader of theirs divides. D^-1 and f are two mip-maps of rows, each level its own;
+two dot products with h / h_3 are D^-1 (slopes of h - f) = x, and a table over two numbers is
+
+    (1 + |x|^2)^-2 = cos^4 a'
+
+Alpha has the energy. h / h_3 is the vertices' divide, 1 / D the map's, and the sum's and its power are the
+table's. What it costs: D^-1 is filtered in the place of K, and h / h_3 goes straight over a triangle.
+
+Source: Schilling 1997, appendix A; pass sequences A-S21 and A-S22 of the catalogue, which proposes a lookup
+of two parameters in the place of the divide. Assumed: rows of D^-1.
+"""
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+
+from fixedpipe.effects.bump_mapping import roughness_pyramids as rough
+from fixedpipe.effects.passes.combiners import (
+    CONSTANT0,
+    CONSTANT1,
+    SPARE0,
+    TEXTURE0,
+    TEXTURE3,
+    alpha_of,
+    final,
+    product,
+    program,
+    scaled,
+)
+from fixedpipe.effects.passes.draws import FIRST_PASS, REPEATED, draw, unit
+from fixedpipe.effects.passes.encoding import dot_product_texels
+from fixedpipe.effects.passes.texture_shaders import NO_TEXTURE, TEXTURE_STAGE, dot_product_stages
+from fixedpipe.effects.reflectance import rough_highlights as shine
+from fixedpipe.effects.reflectance.dot_product_lookups import centered_table
+from fixedpipe.effects.technique import AnotherWay
+from fixedpipe.effects.texture_filtering.mipmapped_materials import texture_of_levels
+from fixedpipe.pipeline.commands import TexImage
+from fixedpipe.pipeline.enums import TextureFilter
+
+TECHNIQUES = (AnotherWay(("S21", "S22"), "by mip-maps of D^-1, dot products and a table"),)
+
+
+class Roughness(StrEnum):
+    """What a pixel's highlight is changed by.
+
+    NONE         what level 0 has: bumps are a mip-map and no more
+    ISOTROPIC    I_1 (S22)
+    ANISOTROPIC  D (S21)
+    """
+
+    NONE = "mip-mapped bumps"
+    ISOTROPIC = "with I_1"
+    ANISOTROPIC = "with D"
+
+
+@dataclass(frozen=True)
+class Names:
+    """Three texture objects, and the numbers that are one in them: rows times ``row``, the table's
+    ``period``.
+    """
+
+    first: str
+    second: str
+    table: str
+    row: float
+    period: float
+
+
+# Trowbridge and Reitz's peak is 1 / (pi s^2), that of normally distributed slopes 1 / (2 pi sigma^2): a lobe
+# of s^2 = 2 sigma^2 is as bright in its middle. Measured (figure S22): 1.04 times the light of 256 samples a
+# pixel, with 1 it is 1.22 times.
+SPREAD = 2.0
+
+
+def covariances(levels, roughness, spread=SPREAD):
+    """K of each level as a kind of roughness has it: a list of float64 [rows, columns, 3].
+
+    ``spread``: how many times the bumps' covariance counts beside the lobe beneath level 0.
+    """
+    roughness, lobe, out = Roughness(roughness), levels[0].covariance[:1, :1], []
+    for level in levels:
+        k = np.broadcast_to(lobe, level.covariance.shape)
+        if roughness is not Roughness.NONE:
+            k = lobe + spread * (level.covariance - lobe)
+        if roughness is Roughness.ISOTROPIC:
+            square = rough.largest_deviation(k) * rough.largest_deviation(k)
+            k = np.stack([square, 0.0 * square, square], axis=-1)
+        out.append(k)
+    return out
+
+
+def inverse_rows(offsets, covariance):
+    """Two rows that times (h_1, h_2, h_3) / h_3 give D^-1 (slopes of h - f): float64 [..., 3] each."""
+    d_1, d_2, d_3 = np.moveaxis(rough.deviations(covariance), -1, 0)
+    f_1, f_2 = np.moveaxis(offsets, -1, 0)
+    one, other, below = 1.0 / d_1, -d_2 / (d_1 * d_3), 1.0 / d_3
+    zero = np.zeros(one.shape)
+    return (
+        np.stack([one, other, -(one * f_1 + other * f_2)], axis=-1),
+        np.stack([zero, below, -below * f_2], axis=-1),
+    )
+
+
+def load_rows(levels, roughness, slopes, profile, *, spread=SPREAD, texels=512):
+    """Commands that load D^-1 and f as two mip-maps, and the highlight over D^-1 d; and their Names.
+
+    The first's alpha is the energy, s^2 / (s_1 s_2), so that one is that of level 0 without bumps.
+
+    levels  both pyramids, with a lobe beneath level 0
+    slopes  the largest of (h_1, h_2) / h_3 that is met
+    spread  as of ``covariances``
+    """
+    ks = covariances(levels, roughness, spread)
+    rows = [inverse_rows(level.offsets, k) for level, k in zip(levels, ks, strict=True)]
+    row = max(float(np.abs(r).max()) for both in rows for r in both)
+    reach = max(
+        float((slopes * (np.abs(r[..., 0]) + np.abs(r[..., 1])) + np.abs(r[..., 2])).max())
+        for both in rows
+        for r in both
+    )
+    least = shine.energy(levels[0].covariance).max()
+    share = [np.clip(shine.energy(k) / least, 0.0, 1.0) for k in ks]
+    names = Names(*(f"{part}, {Roughness(roughness).value}" for part in ("D^-1 1", "D^-1 2", "table")), row,
+                  2.0 * reach)  # fmt: skip
+    pictures = []
+    for number, name in enumerate((names.first, names.second)):
+        images = [
+            dot_product_texels(both[number] / row, alpha, profile)
+            for both, alpha in zip(rows, share, strict=True)
+        ]
+        pictures.append(TexImage(label=f"load {name}", texture=name, image=texture_of_levels(images)))
+    table = centered_table(lambda x, y: 1.0 / np.square(1.0 + (x * x + y * y)), texels, names.period, profile)
+    return (*pictures, TexImage(label=f"load {names.table}", texture=names.table, image=table)), names
+
+
+_TRILINEAR = replace(REPEATED, min_filter=TextureFilter.LINEAR_MIPMAP_LINEAR)
+
+
+def rows_pass(surface, slopes, names, view, colors, gain=1):
+    """A highlight by roughness in one draw on a GeForce 3 or NV2A: D^-1 times h by two dot products, and the
+    table at both.
+
+    slopes  float64 [n, 2]: (h_1, h_2) / h_3 at the vertices
+    colors  RGB of the highlight, and RGB that is there without it
+    gain    1, 2 or 4, times which it is drawn
+    """
+    scale = names.row / names.period
+    half = scale * np.concatenate([slopes, np.ones((len(slopes), 1))], axis=-1)
+    mesh = surface.mesh(surface.texture_coordinates, half)
+    units = (
+        unit(names.first, _TRILINEAR),
+        unit(names.second, _TRILINEAR),
+        unit(NO_TEXTURE, coordinates=1),
+        unit(names.table, REPEATED, coordinates=1),
+    )
+    combiners = program(
+        scaled(gain, product(TEXTURE3, alpha_of(TEXTURE0), to=SPARE0)),
+        final(SPARE0, CONSTANT0, plus=CONSTANT1),
+        constant0=colors[0],
+        constant1=colors[1],
+    )
+    shader = (TEXTURE_STAGE, TEXTURE_STAGE, *dot_product_stages(0, 1))
+    return (draw("highlight by D^-1 and a table", mesh, view, combiners, units, depth_test=FIRST_PASS,
+                 texture_shader=shader),)  # fmt: skip
