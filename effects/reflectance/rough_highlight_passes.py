@@ -33,10 +33,9 @@ def table_places(texels):
     return d / np.maximum(length, 1.0)[..., None] * (1.0 - 1e-12)
 
 
-def load_table(values, name, color, profile):
-    """The command that loads a highlight over d, float64 [n, n] at ``table_places``, times a colour."""
-    values = np.clip(values[..., None] * np.asarray(color, np.float64), 0.0, 1.0)
-    image = texture_2d(factor_texels(values, profile), InternalFormat.RGB8)
+def load_table(colors, name, profile):
+    """The command that loads a highlight over d: RGB, float64 [n, n, 3] at ``table_places``."""
+    image = texture_2d(factor_texels(np.clip(colors, 0.0, 1.0), profile), InternalFormat.RGB8)
     return TexImage(label=f"load {name} over (h.e_1, h.e_2)", texture=name, image=image)
 
 

@@ -98,7 +98,10 @@ def scene(profile, size, *, long, short, direction, color, background):
     for name, panel in zip(PANELS, row_of_panels(4, size), strict=True):
         view = _view(panel)
         values = _values(name, texels, long, short, direction)
-        out += [passes.load_table(values, name, color, profile), panel.clear(background)]
+        out += [
+            passes.load_table(values[..., None] * np.array(color), name, profile),
+            panel.clear(background),
+        ]
         out += passes.table_pass(plate, name, view, light)
         out.append(drawing.stroke("K's ellipse", view, outline, BLUE, width=1.4, dash=drawing.DASH))
         out.append(drawing.text(name, view, (-0.9, 0.86), INK, align=(-1, 0)))
