@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from PIL import ImageFont
 
 from fixedpipe.effects.bump_mapping import roughness_pyramids as rough
 from fixedpipe.effects.environment_maps import environments, rough_mirror_passes, rough_mirrors
@@ -23,6 +22,7 @@ from fixedpipe.effects.geometry.views import Panel, orthographic_view, panel_wid
 from fixedpipe.effects.passes.combiners import PRIMARY, final, program
 from fixedpipe.effects.passes.draws import REPEATED, draw, show
 from fixedpipe.effects.passes.encoding import factor_texels
+from fixedpipe.effects.texture_filtering.stretched_writing import letters
 from fixedpipe.pipeline.commands import Mesh
 
 # Source: the catalogue, F001-14 and F001-15.
@@ -31,6 +31,8 @@ WORD = "ZEBRA"
 # Middles of ripples and how many there are to a period; how high letters stand beside a ripple's 0.05.
 RIPPLES = (((0.25, 0.80), 26.0), ((0.77, 0.17), 34.0), ((0.10, 0.30), 21.0), ((0.60, 0.60), 30.0))
 LETTERS = 0.08
+# The row of texels that the word stands on.
+BASELINE = 86
 ASPECT = (3, 2)
 EYE, CENTER, FIELD = (0.0, 1.05, 3.1), (0.0, 0.08, -0.1), 29.0
 # The plate's edges in x and z, and how long a period of its bumps is.
@@ -141,13 +143,10 @@ def relief():
         wave, fade = np.abs(2.0 * (count * far % 1.0) - 1.0), np.clip(1.0 - 2.0 * far, 0.0, 1.0)
         # Smooth waves of triangles, which fade so that periods join.
         out += 1.3 / count * _smooth(wave) * _smooth(fade)
-    mask = ImageFont.load_default_imagefont().getmask(WORD)
-    ink = (np.array(mask, np.uint8).reshape(mask.size[1], mask.size[0])[::-1] > 0).astype(np.float64)
-    ink = ink.repeat(12, axis=0).repeat(7, axis=1)
-    letters = np.zeros((TEXELS, TEXELS))
-    low, left = (TEXELS - ink.shape[0]) // 2, (TEXELS - ink.shape[1]) // 2
-    letters[low : low + ink.shape[0], left : left + ink.shape[1]] = ink
-    return out + LETTERS * height_fields.smooth(letters, 12)
+    ink = letters((WORD,))[0].astype(np.float64).repeat(12, axis=0).repeat(7, axis=1)
+    raised, left = np.zeros((TEXELS, TEXELS)), (TEXELS - ink.shape[1]) // 2
+    raised[BASELINE : BASELINE + ink.shape[0], left : left + ink.shape[1]] = ink
+    return out + LETTERS * height_fields.smooth(raised, 12)
 
 
 def _smooth(x):
