@@ -1,12 +1,15 @@
-"""S21 and S22 on a GeForce 3 or NV2A: mip-maps of bumps and roughness, and highlights by dot products.
+"""S21 and S22 on machines: mip-maps of bumps and roughness, by dot products and a table, or by a divide.
 
-No combiner and no texture shader of theirs divides. D^-1 and f are two mip-maps of rows, each level its own;
-two dot products with h / h_3 are D^-1 (slopes of h - f) = x, and a table over two numbers is
+GeForce 3, NV2A. No combiner and no texture shader of theirs divides. D^-1 and f are two mip-maps of rows,
+each level its own; two dot products with h / h_3 are D^-1 (slopes of h - f) = x, and a table over two numbers
+is
 
     (1 + |x|^2)^-2 = cos^4 a'
 
 Alpha has the energy. h / h_3 is the vertices' divide, 1 / D the map's, and the sum's and its power are the
 table's. What it costs: D^-1 is filtered in the place of K, and h / h_3 goes straight over a triangle.
+
+Future board. Its combiners divide: f and K are mip-maps, and the formula is eight stages.
 
 Source: Schilling 1997, appendix A; pass sequences A-S21 and A-S22 of the catalogue, which proposes a lookup
 of two parameters in the place of the divide. Assumed: rows of D^-1.
@@ -21,17 +24,33 @@ from fixedpipe.effects.bump_mapping import roughness_pyramids as rough
 from fixedpipe.effects.passes.combiners import (
     CONSTANT0,
     CONSTANT1,
+    PRIMARY,
+    SECONDARY,
     SPARE0,
+    SPARE1,
     TEXTURE0,
+    TEXTURE1,
+    TEXTURE2,
     TEXTURE3,
     alpha_of,
+    blue_of,
+    both,
+    dot,
+    expand,
     final,
+    negated,
     product,
     program,
+    quotient,
     scaled,
+    signed,
+    square,
+    square_root,
+    stage,
+    total,
 )
 from fixedpipe.effects.passes.draws import FIRST_PASS, REPEATED, draw, unit
-from fixedpipe.effects.passes.encoding import dot_product_texels
+from fixedpipe.effects.passes.encoding import dot_product_texels, vector_colors, vector_texels
 from fixedpipe.effects.passes.texture_shaders import NO_TEXTURE, TEXTURE_STAGE, dot_product_stages
 from fixedpipe.effects.reflectance import rough_highlights as shine
 from fixedpipe.effects.reflectance.dot_product_lookups import centered_table
@@ -40,7 +59,9 @@ from fixedpipe.effects.texture_filtering.mipmapped_materials import texture_of_l
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.enums import TextureFilter
 
-TECHNIQUES = (AnotherWay(("S21", "S22"), "by mip-maps of D^-1, dot products and a table"),)
+TECHNIQUES = (
+    AnotherWay(("S21", "S22"), "by mip-maps of D^-1, dot products and a table, or of K and a divide"),
+)
 
 
 class Roughness(StrEnum):
@@ -86,8 +107,8 @@ def covariances(levels, roughness, spread=SPREAD):
         if roughness is not Roughness.NONE:
             k = lobe + spread * (level.covariance - lobe)
         if roughness is Roughness.ISOTROPIC:
-            square = rough.largest_deviation(k) * rough.largest_deviation(k)
-            k = np.stack([square, 0.0 * square, square], axis=-1)
+            deviation = rough.largest_deviation(k)
+            k = np.stack([deviation * deviation, 0.0 * deviation, deviation * deviation], axis=-1)
         out.append(k)
     return out
 
@@ -165,3 +186,93 @@ def rows_pass(surface, slopes, names, view, colors, gain=1):
     shader = (TEXTURE_STAGE, TEXTURE_STAGE, *dot_product_stages(0, 1))
     return (draw("highlight by D^-1 and a table", mesh, view, combiners, units, depth_test=FIRST_PASS,
                  texture_shader=shader),)  # fmt: skip
+
+
+# ------------------------------------------------------------------------------ the divide at every fragment
+
+
+@dataclass(frozen=True)
+class QuotientNames:
+    """Four texture objects of f and K, each with its numbers in another order, and the numbers that are one
+    in them: slopes of ``slope``, covariances of ``square``; and K's determinant without bumps.
+    """
+
+    offsets: tuple[str, str]
+    adjugate: str
+    covariance: str
+    slope: float
+    square: float
+    least: float
+
+
+def load_quotient(levels, roughness, slopes, profile, *, spread=SPREAD):
+    """Commands that load f and K as mip-maps for ``quotient_pass``, and their QuotientNames. Arguments as of
+    ``load_rows``.
+    """
+    ks = covariances(levels, roughness, spread)
+    most = max(float(np.abs(k).max()) for k in ks)
+    largest = max(slopes, max(float(np.abs(level.offsets).max()) for level in levels))
+    # K's determinant is weighed by square / slope^2 below, by a constant, one at most.
+    slope = max(largest, float(np.sqrt(most)))
+    # x_1, x_1, x_2 times x_1, x_2, x_2 are the squares and the product; rows of K lie so that dot products
+    # give half of the adjugate's form and half of the determinant.
+    parts = {
+        "f_1, f_1, f_2": [level.offsets[..., [0, 0, 1]] / slope for level in levels],
+        "f_1, f_2, f_2": [level.offsets[..., [0, 1, 1]] / slope for level in levels],
+        "c/2, -b, a/2": [k[..., [2, 1, 0]] * np.array([0.5, -1.0, 0.5]) / most for k in ks],
+        "a, b/2": [k * np.array([1.0, 0.5, 0.0]) / most for k in ks],
+    }
+    names = [f"{part}, {Roughness(roughness).value}" for part in parts]
+    loads = [
+        TexImage(
+            label=f"load {name}",
+            texture=name,
+            image=texture_of_levels([vector_texels(level, profile) for level in images]),
+        )
+        for name, images in zip(names, parts.values(), strict=True)
+    ]
+    a, b, c = np.moveaxis(levels[0].covariance[:1, :1] / most, -1, 0)
+    least = float((a * c - b * b).min())
+    return loads, QuotientNames((names[0], names[1]), names[2], names[3], slope, most, least)
+
+
+def quotient_pass(surface, slopes, names, view, profile, colors, gain=1):
+    """A highlight by roughness in one draw on the future board: appendix A's divide at every fragment.
+
+        cos^2 a' = det K / (det K + x^T adj(K) x),   x = slopes of h - f
+
+    and its square, times the energy s^2 / sqrt(det K): eight stages. K is filtered as K.
+
+    slopes, colors, gain  as of ``rows_pass``
+    """
+    x = slopes / names.slope
+    mesh = replace(
+        surface.mesh(colors=vector_colors(x[:, [0, 0, 1]], profile)),
+        secondary_colors=vector_colors(x[:, [0, 1, 1]], profile),
+    )
+    weight = names.square / (names.slope * names.slope)
+    base = float(np.sqrt(2.0 * weight * names.least))
+    squares, determinant = expand(TEXTURE1), expand(TEXTURE3)
+    combiners = program(
+        total(expand(PRIMARY), negated(expand(TEXTURE0)), to=SPARE0),
+        total(expand(SECONDARY), negated(expand(TEXTURE2)), to=SPARE1),
+        both(product(signed(SPARE0), signed(SPARE1), to=SPARE0), dot(squares, determinant, to=SPARE1)),
+        stage(
+            scaled(4, both(dot(signed(SPARE0), squares, to=SPARE0), product(SPARE1, CONSTANT0, to=SPARE1))),
+            constant0=(weight, weight, weight, 0.0),
+        ),
+        stage(total(SPARE0, SPARE1, to=SPARE0), square_root(blue_of(SPARE1), to=SPARE1)),
+        stage(
+            quotient(SPARE1, SPARE0, to=SPARE0),
+            quotient(CONSTANT0, SPARE1, to=SPARE1),
+            constant0=(0.0, 0.0, 0.0, base),
+        ),
+        square(SPARE0, to=SPARE0),
+        scaled(gain, product(SPARE0, alpha_of(SPARE1), to=SPARE0)),
+        final(SPARE0, CONSTANT0, plus=CONSTANT1),
+        constant0=colors[0],
+        constant1=colors[1],
+    )
+    order = (names.offsets[0], names.adjugate, names.offsets[1], names.covariance)
+    units = tuple(unit(name, _TRILINEAR) for name in order)
+    return (draw("highlight by K and a divide", mesh, view, combiners, units, depth_test=FIRST_PASS),)

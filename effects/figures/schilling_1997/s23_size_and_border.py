@@ -86,7 +86,7 @@ def checks(figure, renderer):
                     least = np.degrees(np.arctan(deviation * np.sqrt(1.0 / _RIM[0] - 1.0)))
                     rim = max(rim, float(image[ball & (angle > least + 2.0)].max(initial=0.0)))
         yield Check("where half of a highlight is left, off tan a = I_1 sqrt(2^(2/m) - 1), degrees", worst,
-                    at_most=0.3, on=on, reason="16 highlights, their sizes by counting pixels; measured 0.02")  # fmt: skip
+                    at_most=0.3, on=on, reason="16 highlights, by their pixels; measured 0.02")  # fmt: skip
         yield Check("the table: light two degrees beyond its rim", rim, at_most=0.02, on=on,
                     reason="a table may end, a power cannot")  # fmt: skip
 
