@@ -53,6 +53,7 @@ PAGES = tuple(
         "docs/machine-beside-ideal.md",
         "docs/studies.md",
         "docs/papers/000.md",
+        "docs/papers/001.md",
         "docs/papers/002.md",
         "docs/papers/003.md",
         "docs/papers/004.md",

@@ -13,7 +13,7 @@ from fixedpipe.effects.technique import INDEX, OWN, PAPERS, AnotherWay, Techniqu
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / INDEX
 # The page that goes through a document, by its number.
-PAGES = {"000": "000.md", "002": "002.md", "003": "003.md", "004": "004.md"}
+PAGES = {"000": "000.md", "001": "001.md", "002": "002.md", "003": "003.md", "004": "004.md"}
 # What comments and pages name of the papers and no module here is, by id: what it is, and where.
 NAMED = {
     "G07": ("hierarchical dependent tests", "3.1, 7"),
@@ -22,6 +22,12 @@ NAMED = {
     "G39": ("what is assumed: a height field, nothing else inside its hull, small bumps", "1, 3"),
     "K19": ("other hardware for bump mapping and shading, as related work", "2"),
     "K23": ("materials that are measured or painted, as future work", "7"),
+    "S03": ("image-based rendering, which changes texture hardware a little", "2"),
+    "S04": ("impostors, pictures that stand for things for some frames", "2"),
+    "S05": ("simplified meshes and culling", "2"),
+    "S06": ("memory on the chip", "2"),
+    "S27": ("a correction for rectangular distributions, announced and not given", "8"),
+    "S30": ("shadows, left out", "10"),
     "Z28": ("trapezoidal shadow maps, smoothies, robust shadow volumes: links", "Resources"),
 }
 

@@ -6,7 +6,7 @@ import math
 PROCESSOR = "one core of an AMD EPYC (family 25)"
 # Processor seconds of a figure on all its machines with its acceptance checks, by id.
 # Measured: time.process_time around fixedpipe.effects.reports.figure_record.render, one thread, kernels in
-# the cache. Of documents 000 and 002 on family 26, beside other work.
+# the cache. Of documents 000, 001 and 002 on family 26, beside other work.
 SECONDS = {
     "F000-1": 0.5,
     "F000-2": 31,
@@ -21,6 +21,23 @@ SECONDS = {
     "F000-11": 7.5,
     "F000-12": 2.2,
     "F000-13": 38,
+    "F001-1": 2.2,
+    "F001-2": 24,
+    "F001-3": 0.7,
+    "F001-4": 0.3,
+    "F001-5": 0.7,
+    "F001-6": 1.2,
+    "F001-7": 0.8,
+    "F001-8": 0.4,
+    "F001-9": 4.9,
+    "F001-10": 20,
+    "F001-11": 16,
+    "F001-12": 29,
+    "F001-13": 7.9,
+    "F001-14": 0.4,
+    "F001-15": 0.8,
+    "F001-16": 1.3,
+    "F001-17": 0.7,
     "F002-1": 55,
     "F002-2": 2.2,
     "F002-3": 0.9,
@@ -113,6 +130,14 @@ SECONDS = {
     "K22": 9.4,
     "K24": 15,
     "T002-1": 9,
+    "S07": 10,
+    "S10": 10,
+    "S13": 10,
+    "S14": 10,
+    "S15": 10,
+    "S21": 10,
+    "S22": 10,
+    "S23": 10,
     "Z05": 4.3,
     "Z06": 4.8,
     "Z13": 38,

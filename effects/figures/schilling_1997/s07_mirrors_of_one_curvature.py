@@ -61,8 +61,9 @@ def _truth(size):
     return found[..., :3], found[..., 3] == 1.0
 
 
-def reference(size, *, background):
-    """256 rays a pixel, in every panel."""
+def reference(size, *, level, most, background):
+    """256 rays a pixel, in every panel, which know no level."""
+    del level, most
     found = cylinder_mirrors.supersampled(_view(Panel(0, 0, size, size)), PIPES, shelves(rows(size)))
     share = found[..., 3:]
     picture = np.concatenate(
