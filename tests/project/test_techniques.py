@@ -134,11 +134,11 @@ def test_every_erratum_that_is_mentioned_is_on_its_document_s_page():
 def test_the_table_of_a_document_s_page_names_the_module_that_is_the_technique(name):
     text = (techniques.PAGE.parent / name).read_text().split("\n## Techniques\n")[1].split("\n## ")[0]
     owners, places, above = {technique.id: path for path, technique in techniques.claims()}, {}, ""
-    for line in re.findall(r"^\| \[?[HKZG]\d\d.*", text, re.MULTILINE):
+    for line in re.findall(r"^\| \[?[HKZGS]\d\d.*", text, re.MULTILINE):
         ids, _, where, *_ = (cell.strip() for cell in line.strip("|").split(" | "))
-        if same := re.search(r"the same(?: as ([HKZG]\d\d))?", where):
+        if same := re.search(r"the same(?: as ([HKZGS]\d\d))?", where):
             where += places.get(same[1], above)
-        places |= dict.fromkeys(re.findall(r"[HKZG]\d\d", ids), where)
+        places |= dict.fromkeys(re.findall(r"[HKZGS]\d\d", ids), where)
         above = where
     assert len(places) >= 7
     for identifier in places.keys() & owners.keys():
