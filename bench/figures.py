@@ -171,6 +171,33 @@ def _factors(threads):
     return Measured(most, dict(others))
 
 
+def _probes(threads):
+    """How fast a probe is beside a trilinear texel: eight probes' rate times eight over mip-mapping's.
+
+    F001-2's page at 8 degrees, where every fragment takes all eight, twenty layers of 512 x 512 pixels. Two
+    and four probes beside it, and the chips' anisotropic filter.
+    """
+    from fixedpipe.effects.geometry.views import Panel
+    from fixedpipe.effects.texture_filtering import stretched_writing as written
+    from fixedpipe.pipeline.execution.machine import Machine
+    from fixedpipe.pipeline.profiles import NV2A, TEXRAM
+
+    view, page = written.flat_view(Panel(0, 0, _EDGE, _EDGE), 8.0), written.writing(_EDGE)
+    reads = {"mip-mapping": (TEXRAM, {})}
+    reads |= {f"{n} probes": (TEXRAM, {"max_probes": n}) for n in (2, 4, 8)}
+    reads |= {f"{n} : 1": (NV2A, {"max_anisotropy": float(n)}) for n in (2, 4, 8)}
+    parties = []
+    for profile, settings in reads.values():
+        machine = Machine(profile, _EDGE, _EDGE, threads=threads)
+        machine.run((written.load(page, profile),))
+        layer = written.page_pass("page", view, written.sampler(**settings))
+        parties.append(Repeated(machine, (layer,) * 20))
+    seconds = dict(zip(reads, map(statistics.median, take_turns(parties)), strict=True))
+    alone = seconds.pop("mip-mapping")
+    found = {name: int(name.split()[0]) * alone / each for name, each in seconds.items()}
+    return Measured(found.pop("8 probes"), found)
+
+
 FIGURES = {
     figure.name: figure
     for figure in (
@@ -181,5 +208,6 @@ FIGURES = {
         Figure("scaling", "scene c, one thread to two", "times", 1.8, False, _scaling),
         Figure("memory", "peak of a 2048² frame, two 2048² textures", "MB", 400, True, _peak_memory),
         Figure("factors", "three separable factors of a BRDF of 32⁴ samples", "s", 5, True, _factors),
+        Figure("probes", "a probe's rate over a trilinear texel's", "times", 0.5, False, _probes),
     )
 }

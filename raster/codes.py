@@ -286,7 +286,7 @@ BUFFER_COLOR, BUFFER_DEPTH, BUFFER_STENCIL = 1, 2, 4
 # How a unit is sampled: not at all; from one level, by coordinates that are counted in texels as they are
 # iterated; the same, by lambda; by computed coordinates (a cube map's, divided by q, compared as depths, or
 # of any size); by the portable engine only.
-PATH_DISABLED, PATH_ITERATED, PATH_MIPMAPPED, PATH_COMPUTED, PATH_PORTABLE = range(5)
+PATH_DISABLED, PATH_ITERATED, PATH_MIPMAPPED, PATH_COMPUTED, PATH_FOOTPRINT, PATH_PORTABLE = range(6)
 
 # What a row of a combiner plan does. From MULTIPLY on they are rare, and work on scratch planes.
 (

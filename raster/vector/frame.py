@@ -100,7 +100,8 @@ def fill_draw(jobs, k, arrays, bands):
         return False
     job[R.JOB_ROW_RUNS] = 0
     for u in range(4):
-        if job[R.JOB_UNIT_PATH + u] == C.PATH_MIPMAPPED:
+        path = job[R.JOB_UNIT_PATH + u]
+        if path == C.PATH_MIPMAPPED or path == C.PATH_FOOTPRINT:
             job[R.JOB_ROW_RUNS] = 1
     perspective = False
     for v in range(inverse_w.shape[0]):

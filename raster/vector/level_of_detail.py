@@ -50,7 +50,7 @@ CELLS = _logarithm_cells()
 
 
 @kernel
-def _linear_edge(xa, ya, xb, yb, px, py, sign):
+def linear_edge(xa, ya, xb, yb, px, py, sign):
     """(value at pixel (px, py)'s sample, step to the right, step down) of the edge from a to b, in 1/256
     square pixel, times ``sign``; float64 holds them exactly.
     """
@@ -81,9 +81,9 @@ def _scale_factors(source, sizes, modes, px, py, blocks, rho2, cells):
     (x0, y0, x1, y1, x2, y2), (w0, w1, w2), s, t, _r, q = source
     (width, height), (flat, projective) = sizes, modes
     sign = int64(-1 if (x1 - x0) * (y2 - y0) < (x2 - x0) * (y1 - y0) else 1)
-    n0, right0, down0 = _linear_edge(x1, y1, x2, y2, px, py, sign)
-    n1, right1, down1 = _linear_edge(x2, y2, x0, y0, px, py, sign)
-    n2, right2, down2 = _linear_edge(x0, y0, x1, y1, px, py, sign)
+    n0, right0, down0 = linear_edge(x1, y1, x2, y2, px, py, sign)
+    n1, right1, down1 = linear_edge(x2, y2, x0, y0, px, py, sign)
+    n2, right2, down2 = linear_edge(x0, y0, x1, y1, px, py, sign)
     if flat:
         t = (0.0, 0.0, 0.0)
     for at in range(0, blocks, 8):

@@ -9,6 +9,7 @@ from fixedpipe.raster.floats import TAU
 from fixedpipe.raster.kernel import float_of, kernel, separate_function
 from fixedpipe.raster.vector.arrays import JOB, SCRATCH, pass_of
 from fixedpipe.raster.vector.coordinates import cube_faces, depth_words, divide_by_q, fixed_from_floats
+from fixedpipe.raster.vector.footprint import sample_footprints
 from fixedpipe.raster.vector.interpolate import (
     LARGEST_COORDINATE,
     LARGEST_FLOAT,
@@ -69,14 +70,18 @@ def unit_path(row, levels, coordinates, unit):
     if not row[R.ENABLED]:
         return int64(C.PATH_DISABLED)
     target = row[R.TARGET]
-    if target == C.TARGET_3D or row[R.HILO] or row[R.ANISOTROPY] or row[R.PROBES] or row[R.OPERATION]:
+    if target == C.TARGET_3D or row[R.HILO] or row[R.OPERATION]:
+        return int64(C.PATH_PORTABLE)
+    footprint = row[R.ANISOTROPY] != 0 or row[R.PROBES] != 0
+    if footprint and (target != C.TARGET_2D or row[R.SIGNED]):
         return int64(C.PATH_PORTABLE)
     if row[R.COMPARE] and (row[R.COMPARE_HELD] != _WHITE or row[R.COMPARE_FAILED] != 0):
         return int64(C.PATH_PORTABLE)
     nearest = not row[R.MAG_LINEAR] and not row[R.MIN_LINEAR]
     for axis in range(2):
         wrap = row[R.WRAP_S] if axis == 0 else row[R.WRAP_T]
-        usual = wrap == C.WRAP_REPEAT or wrap == C.WRAP_CLAMP_TO_EDGE or (wrap == C.WRAP_CLAMP and nearest)
+        usual = wrap == C.WRAP_REPEAT or wrap == C.WRAP_CLAMP_TO_EDGE
+        usual = usual or (wrap == C.WRAP_CLAMP and nearest and not footprint)
         if target != C.TARGET_CUBE_MAP and not usual:
             return int64(C.PATH_PORTABLE)
     one_level = row[R.MIPMAP] == C.MIPMAP_NONE and row[R.MAG_LINEAR] == row[R.MIN_LINEAR]
@@ -86,8 +91,10 @@ def unit_path(row, levels, coordinates, unit):
     plain = plain and not row[R.PROJECTIVE] and not row[R.COMPARE]
     plain = plain and is_power(width) and is_power(height) and width <= largest and height <= largest
     if plain and within(coordinates, unit, 2, LARGEST_COORDINATE):
+        if footprint:
+            return int64(C.PATH_FOOTPRINT)
         return int64(C.PATH_ITERATED) if one_level else int64(C.PATH_MIPMAPPED)
-    if one_level and within(coordinates, unit, 4, LARGEST_FLOAT):
+    if one_level and not footprint and within(coordinates, unit, 4, LARGEST_FLOAT):
         return int64(C.PATH_COMPUTED)
     return int64(C.PATH_PORTABLE)
 
@@ -119,7 +126,7 @@ def plan_units(job, draw, textures, coordinates):
         if path == C.PATH_DISABLED:
             continue
         job[R.JOB_COMPONENTS + u] = components_of(units[u], path)
-        if path == C.PATH_COMPUTED:
+        if path == C.PATH_COMPUTED or path == C.PATH_FOOTPRINT:
             continue
         job[R.JOB_LOG2_S + u] = log2_of(int64(levels[u, 0, 1]))
         job[R.JOB_LOG2_T + u] = log2_of(int64(levels[u, 0, 2]))
@@ -196,6 +203,9 @@ def sample(job, u, count, segments, runs, scratch):
         return
     if path == C.PATH_COMPUTED:
         sample_computed(job, u, count, segments, scratch)
+        return
+    if path == C.PATH_FOOTPRINT:
+        sample_footprints(job, u, count, segments, runs, scratch)
         return
     source, levels = job[R.JOB_COORDINATES_OF + u], p.textures.levels[u]
     f_s, f_t = ints[R.FIXED0 + 2 * source], ints[R.FIXED0 + 2 * source + 1]
