@@ -100,6 +100,10 @@ def test_what_cannot_be_cast_is_refused():
             shadow_reference.rays(shot(), samples=samples)
 
 
+# A plain to the horizon with a light straight ahead is nearly its own mirror image.
+MIRRORED = {"S10", "S22"}
+
+
 def with_references():
     return [key for key in FIGURES if FIGURES[key].reference is not None]
 
@@ -124,7 +128,8 @@ def test_a_reference_shows_the_figures_scene(figure_id):
 
     # Edges, shadows and what an algorithm gets wrong; upside down or mirrored all of the scene would differ.
     # What is the same along one axis, as ridges are, has one such way.
-    turned = [t for t in (reference[::-1], reference[:, ::-1]) if np.abs(t - reference).mean() > 0.001]
+    ways = (reference[::-1],) if figure_id in MIRRORED else (reference[::-1], reference[:, ::-1])
+    turned = [t for t in ways if np.abs(t - reference).mean() > 0.001]
     assert turned
     assert apart(reference) < 0.8 * min(map(apart, turned))
 

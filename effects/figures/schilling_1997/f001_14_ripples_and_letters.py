@@ -3,7 +3,6 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
-from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.schilling_1997.shared import zebras as the
@@ -17,18 +16,18 @@ from fixedpipe.pipeline.textures.images import texture_2d
 MACHINES = ("OPENGL_1_2", "GEFORCE_256")
 
 
-def _heights(height_field):
+def _heights():
     """From 0 to 1: float64 [256, 256]."""
-    found = the.relief() if height_field is None else height_field.fitted(the.TEXELS, the.TEXELS, 1.0)
+    found = the.relief()
     low, high = float(found.min()), float(found.max())
-    return (found - low) / max(high - low, 2.0**-20)
+    return (found - low) / (high - low)
 
 
-def scene(profile, size, *, slope, height_field):
+def scene(profile, size, *, slope):
     """F001-14: the heights as a picture, high is light."""
     del slope
     (panel,) = row_of_panels(1, size)
-    view, heights = orthographic_view(panel), _heights(height_field)
+    view, heights = orthographic_view(panel), _heights()
     image = texture_2d(factor_texels(np.repeat(heights[..., None], 3, axis=-1), profile))
     read = unit("heights", EDGE, environment=REPLACE)
     return (
@@ -46,7 +45,7 @@ def checks(figure, renderer):
     for bound, name in (({"at_least": 0.2}, "at least"), ({"at_most": 0.5}, "at most")):
         yield Check(f"deviation of the bump map's slopes, {name}", deviation, on=Answer.IDEAL,
                     reason="the catalogue's", **bound)  # fmt: skip
-    heights = _heights(None)
+    heights = _heights()
     size = 256
     image = np.asarray(renderer.window(Answer.MACHINE, figure, size))[..., 0]
     yield Check("the picture - the heights, RMS", float(np.sqrt(((image - heights) ** 2).mean())),
@@ -66,7 +65,6 @@ FIGURE = Figure(
     panels=("heights",),
     parameters={
         "slope": word.of(word.Number(0.01, 1.0), 0.3, "The deviation of the bump map's slopes."),
-        "height_field": own_maps.height_field("ripples and letters"),
     },
     methods=(Method("texture", scene, MACHINES),),
     acceptance=checks,

@@ -69,7 +69,7 @@ def reference(size, *, level, most, background):
     picture = np.concatenate(
         [share * found[..., :3] + (1.0 - share) * background, np.ones_like(share)], axis=-1
     )
-    return np.tile(picture, (1, 4, 1))
+    return np.tile(picture[::-1], (1, 4, 1))
 
 
 def checks(figure, renderer):

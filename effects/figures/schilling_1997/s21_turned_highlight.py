@@ -177,6 +177,6 @@ FIGURE = Figure(
         "color": word.SPECULAR((1.0, 0.86, 0.62)),
         "background": word.BACKDROP(BACKGROUND),
     },
-    methods=(Method("a table of two numbers", scene, ("OPENGL_1_2", "GEFORCE_3")),),
+    methods=(Method("a table of two numbers", scene, ("OPENGL_1_2", "TEXRAM", "GEFORCE_3", "NV2A")),),
     acceptance=checks,
 )

@@ -118,6 +118,6 @@ FIGURE = Figure(
         "specular": word.SPECULAR((0.66, 0.85, 0.8)),
         "background": word.BACKDROP(BACKGROUND),
     },
-    methods=(Method("a table of two numbers", scene, ("OPENGL_1_2", "GEFORCE_3")),),
+    methods=(Method("a table of two numbers", scene, ("OPENGL_1_2", "TEXRAM", "GEFORCE_3", "NV2A")),),
     acceptance=checks,
 )
