@@ -101,7 +101,7 @@ def test_what_cannot_be_cast_is_refused():
 
 
 # A plain to the horizon with a light straight ahead is nearly its own mirror image.
-MIRRORED = {"S10", "S22"}
+MIRRORED = {"S10", "S22", "S24"}
 
 
 def with_references():
