@@ -198,7 +198,8 @@ def sample_footprints(job, u, count, segments, runs, scratch):
     for pair in range(int64(np.ceil(most * 0.5))):
         weigh_taps(ratio, pair, weights, count)
         for side in range(2):
+            tap = 2 * pair + side
             move_to_tap(floats, pair, 1.0 - 2.0 * side, count)
             _filter(job, u, count, scratch)
-            add_tap(weights, int64(pair == 0 and side == 0), count, planes, plane)
+            add_tap(weights, int64(tap == 0), count, planes, plane)
     end_taps(count, planes, plane)

@@ -274,6 +274,7 @@ def test_the_figures_goals_are_the_issues():
         "scaling": (1.8, "times", False),
         "memory": (400, "MB", True),
         "factors": (5, "s", True),
+        "probes": (0.5, "times", False),
     }
 
 
