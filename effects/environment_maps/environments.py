@@ -173,7 +173,15 @@ def sphere_map(size, view, profile, environment=room):
     Texel (s, t) is what is seen along the reflection of +z in the normal (2s - 1, 2t - 1, .), in eye
     coordinates, a mean of four rays; outside the circle, what its edge has.
     """
-    to_world = np.array(view.modelview)[:3, :3].T
+    turn = np.array(view.modelview)[:3, :3].T
+    return texture_2d(_texels(_sphere(size, tuple(map(tuple, turn.tolist())), environment), profile))
+
+
+@lru_cache(maxsize=8)
+def _sphere(size, to_world, environment):
+    """A sphere map's colours, float64 [size, size, 3], kept, not to be written to. ``to_world``: rows of the
+    rotation from the eye.
+    """
     edge = 2.0 * (np.arange(2 * size) + 0.5) / (2 * size) - 1.0
     x, y = np.meshgrid(edge, edge)
     square = x * x + y * y
@@ -181,9 +189,11 @@ def sphere_map(size, view, profile, environment=room):
     x, y = x * shrink, y * shrink
     z = np.sqrt(np.maximum(0.0, 1.0 - (x * x + y * y)))
     in_eye = np.stack([2.0 * z * x, 2.0 * z * y, 2.0 * z * z - 1.0], axis=-1)
-    colors = environment(rotate(to_world, in_eye))
+    colors = environment(rotate(np.array(to_world), in_eye))
     halved = (colors[0::2] + colors[1::2]) / 2.0
-    return texture_2d(_texels((halved[:, 0::2] + halved[:, 1::2]) / 2.0, profile))
+    out = (halved[:, 0::2] + halved[:, 1::2]) / 2.0
+    out.flags.writeable = False
+    return out
 
 
 def picture(width, height, corners, profile, environment=room):
@@ -192,11 +202,20 @@ def picture(width, height, corners, profile, environment=room):
     ``corners``: float64 [3, 3], directions at the lower left, the lower right and the upper left; directions
     between them are linear, as on a flat picture.
     """
-    corner, right, up = np.asarray(corners, np.float64)
+    rows = tuple(map(tuple, np.asarray(corners, np.float64).tolist()))
+    return texture_2d(_texels(_seen_behind(width, height, rows, environment), profile))
+
+
+@lru_cache(maxsize=8)
+def _seen_behind(width, height, corners, environment):
+    """``picture``'s colours, float64 [height, width, 3], kept, not to be written to."""
+    corner, right, up = np.array(corners)
     s, t = ((np.arange(n) + 0.5) / n for n in (width, height))
     toward = (corner + s[None, :, None] * (right - corner)) + t[:, None, None] * (up - corner)
     steps = (right - corner) / width, (up - corner) / height
-    return texture_2d(_texels(_averaged(environment, toward, steps), profile))
+    out = _averaged(environment, toward, steps)
+    out.flags.writeable = False
+    return out
 
 
 # Where the sun is, behind the great window, and its radius as a sine; its radiance, and by what windows and

@@ -5,6 +5,7 @@ validated, rendered on any machine and compared. Machines that have to draw it i
 ``Method`` each.
 """
 
+from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from inspect import signature
@@ -275,11 +276,11 @@ class Figure:
             )
         _, edge = self.dimensions(size)
         changes = self.accepted(method, changes)
+        if not changes:
+            return _own_scene(self, method, machine, edge)
         try:
             return method.scene(machine, edge, **self._scene_values(method, changes))
         except ValueError as error:
-            if not changes:
-                raise
             raise ValueError(f"{self.id} with {self.said(method, changes)}: {error}") from error
 
     def render(
@@ -375,14 +376,29 @@ class Figure:
         return tuple(self.acceptance(self, renderer))
 
 
+# The figures' own scenes that were made last: figure, method, machine, size and commands. A machine's picture
+# and its checks are of the same one, and the ideal's on one machine after the other.
+_MADE: deque[tuple[Figure, Method, Profile, int, tuple[Command, ...]]] = deque(maxlen=4)
+
+
+def _own_scene(figure: Figure, method: Method, machine: Profile, edge: int) -> tuple[Command, ...]:
+    """A figure's commands with its own parameters."""
+    for made in tuple(_MADE):
+        if (made[0], made[1], made[3]) == (figure, method, edge) and made[2] is machine:
+            return made[4]
+    commands = method.scene(machine, edge, **figure.values_of(method))
+    _MADE.append((figure, method, machine, edge, commands))
+    return commands
+
+
 @dataclass(frozen=True, eq=False)
 class Renderer:
     """How checks get what they measure: a machine, how it draws, and ``execute`` and ``execute_ideal`` of
     ``fixedpipe.pipeline``.
 
     Checks measure windows, not pictures: [y, x] are window coordinates, so row 0 is at the bottom and y grows
-    upwards as in the equations. ``kept``: windows of the ideal, which machines that draw in the same way
-    share.
+    upwards as in the equations. They are drawn once, and not to be written to. ``kept``: the ideal's, which
+    machines that draw in the same way share.
     """
 
     profile: Profile
@@ -390,12 +406,17 @@ class Renderer:
     execute: Execute
     execute_ideal: ExecuteIdeal
     kept: dict[object, NDArray[np.float64]] = field(default_factory=dict)
+    _of_the_machine: dict[object, NDArray[np.float64]] = field(default_factory=dict, init=False)
 
     def machine_window(self, figure: Figure, size: int, /, **changes: Any) -> NDArray[np.float64]:
         """RGB float64 [size, columns * size, 3] of the machine's window, 1.0 = full."""
-        commands = figure.commands(self.profile, size, self.method, **changes)
-        framebuffer = self.execute(commands, self.profile, *figure.dimensions(size)).framebuffer
-        return framebuffer.color[::-1, :, :3] / (2.0**framebuffer.color_bits - 1.0)
+
+        def draw() -> NDArray[np.float64]:
+            commands = figure.commands(self.profile, size, self.method, **changes)
+            framebuffer = self.execute(commands, self.profile, *figure.dimensions(size)).framebuffer
+            return framebuffer.color[::-1, :, :3] / (2.0**framebuffer.color_bits - 1.0)
+
+        return self._once(self._of_the_machine, draw, figure, size, changes)
 
     def window(self, answer: Answer, figure: Figure, size: int, /, **changes: Any) -> NDArray[np.float64]:
         """That answer's window, ``machine_window`` or ``ideal_window``: RGB float64 [size, columns * size,
@@ -406,8 +427,24 @@ class Renderer:
 
     def ideal_window(self, figure: Figure, size: int, /, **changes: Any) -> NDArray[np.float64]:
         """RGB float64 [size, columns * size, 3] of the free ideal's window."""
-        key = figure, self.method, size, repr(sorted(changes.items()))
-        if key not in self.kept:
+
+        def draw() -> NDArray[np.float64]:
             commands = figure.commands(IDEAL, size, self.method, **changes)
-            self.kept[key] = self.execute_ideal(commands, *figure.dimensions(size)).color[::-1, :, :3]
-        return self.kept[key]
+            return self.execute_ideal(commands, *figure.dimensions(size)).color[::-1, :, :3]
+
+        return self._once(self.kept, draw, figure, size, changes)
+
+    def _once(
+        self,
+        windows: dict[object, NDArray[np.float64]],
+        draw: Callable[[], NDArray[np.float64]],
+        figure: Figure,
+        size: int,
+        changes: Mapping[str, Any],
+    ) -> NDArray[np.float64]:
+        """What ``draw`` gave, of ``windows``."""
+        key = figure, self.method, size, repr(sorted(changes.items()))
+        if key not in windows:
+            window = windows[key] = draw()
+            window.flags.writeable = False
+        return windows[key]

@@ -30,7 +30,7 @@ def gain_for(delta: NDArray[np.int32], bits: int = 8) -> int:
 
     ``delta``: differences of codes of ``bits`` bits, [h, w, 3].
     """
-    sizes = np.abs(delta).max(axis=-1)
+    sizes = _largest_component(delta)
     sizes = sizes[sizes > 0]
     if not sizes.size:
         return GAINS[-1]
@@ -62,9 +62,19 @@ def delta_of(machine: NDArray[Any], ideal: NDArray[np.float64], bits: int = 8) -
 
 def _shown(delta: NDArray[np.int32], gain: float | None, bits: int) -> NDArray[np.uint8]:
     gain = gain_for(delta, bits) if gain is None else gain
+    shown = gain * delta * (255.0 / (2**bits - 1))
+    shown += 128.0
+    shown += 0.5
+    np.floor(shown, out=shown)
     out = np.full((*delta.shape[:2], 4), 255, np.uint8)
-    out[..., :3] = np.clip(np.floor(128.0 + gain * delta * (255.0 / (2**bits - 1)) + 0.5), 0, 255)
+    out[..., :3] = np.clip(shown, 0, 255, out=shown)
     return out
+
+
+def _largest_component(values: NDArray[Any]) -> NDArray[Any]:
+    """The largest of a pixel's three, without sign: [h, w] of [h, w, 3]."""
+    sizes = np.abs(values)
+    return np.maximum(np.maximum(sizes[..., 0], sizes[..., 1]), sizes[..., 2])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -98,7 +108,8 @@ class Difference(Pictured):
     @cached_property
     def pixels(self) -> int:
         """How many pixels differ, in one component or more."""
-        return int(self.delta.any(axis=-1).sum())
+        red, green, blue = (self.delta[..., k] for k in range(3))
+        return int(np.count_nonzero(red | green | blue))
 
     @cached_property
     def at(self) -> tuple[int, int] | None:
@@ -107,10 +118,10 @@ class Difference(Pictured):
         """
         if self.identical:
             return None
-        codes = np.abs(self.delta).max(axis=-1)
-        size = np.where(codes == codes.max(), np.abs(self.error).max(axis=-1), -1.0)
-        row, column = np.unravel_index(int(size.argmax()), size.shape)
-        return int(column), int(row)
+        codes = _largest_component(self.delta)
+        rows, columns = np.nonzero(codes == codes.max())
+        first = int(_largest_component(self.error[rows, columns]).argmax())
+        return int(columns[first]), int(rows[first])
 
     @cached_property
     def rms(self) -> float:

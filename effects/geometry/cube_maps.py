@@ -7,9 +7,14 @@ addition, multiplication, division and square root, so that texels have the same
 Source: EXT_texture_cube_map, table 3.8 (faces and their axes).
 """
 
+from dataclasses import dataclass
+
 import numpy as np
+from numba import types
+from numpy.typing import NDArray
 
 from fixedpipe.effects.geometry.vectors import normalize
+from fixedpipe.raster.kernel import kernel
 
 # A face's axes: of a vector (x, y, z) the components that are s, t and the major axis, and their signs.
 # Source: EXT_texture_cube_map, table 3.8.
@@ -18,6 +23,11 @@ _SIGNS = np.array([(-1, -1, 1), (1, -1, -1), (1, 1, 1), (1, -1, -1), (1, -1, 1),
 # Cells along a face's edge that solid angles are integrated over, at the least, by Gauss's rule of two
 # points.  Measured: the sum over the sphere is 4 pi to 2e-9 whatever the size is.
 _CELLS = 64
+
+
+def _read_only(dimensions):
+    """The type of float64 arrays that a kernel only reads, kept ones among them."""
+    return types.Array(types.float64, dimensions, "C", readonly=True)
 
 
 def checked(cube, what="The cube map"):
@@ -97,22 +107,66 @@ def places(toward):
     return face, s / size, t / size
 
 
-def look_up(cube, toward):
-    """What a cube map [6, n, n, c] holds along directions [..., 3]: float64 [..., c].
-
-    Bilinear between texel centres; a face does not see beyond its edge, as with CLAMP_TO_EDGE.
-    """
-    cube = np.asarray(cube, np.float64)
+@kernel(types.void(_read_only(4), _read_only(2), types.float64[:, ::1]))
+def _look_up(cube, toward, out):
+    """``look_up`` of directions [n, 3], as ``places`` finds them."""
     size = cube.shape[1]
-    face, s, t = places(toward)
-    corner, weights = [], []
-    for place in (s, t):
-        at = np.clip(0.5 * (place + 1.0) * size - 0.5, 0.0, size - 1.0)
-        low = np.minimum(np.floor(at).astype(np.int64), max(size - 2, 0))
-        corner.append((low, np.minimum(low + 1, size - 1)))
-        weights.append((at - low)[..., None])
-    (s0, s1), (t0, t1) = corner
-    u, v = weights
-    lower = cube[face, t0, s0] + u * (cube[face, t0, s1] - cube[face, t0, s0])
-    upper = cube[face, t1, s0] + u * (cube[face, t1, s1] - cube[face, t1, s0])
-    return lower + v * (upper - lower)
+    for n in range(len(toward)):
+        x, y, z = toward[n]
+        if abs(z) >= abs(y) and abs(z) >= abs(x):
+            face, major = (5 if z < 0.0 else 4), z
+            s, t = -x if z < 0.0 else x, -y
+        elif abs(y) >= abs(x):
+            face, major = (3 if y < 0.0 else 2), y
+            s, t = x, -z if y < 0.0 else z
+        else:
+            face, major = (1 if x < 0.0 else 0), x
+            s, t = z if x < 0.0 else -z, -y
+        s0, s1, u = _between(s / abs(major), size)
+        t0, t1, v = _between(t / abs(major), size)
+        for k in range(cube.shape[3]):
+            lower = cube[face, t0, s0, k] + u * (cube[face, t0, s1, k] - cube[face, t0, s0, k])
+            upper = cube[face, t1, s0, k] + u * (cube[face, t1, s1, k] - cube[face, t1, s0, k])
+            out[n, k] = lower + v * (upper - lower)
+
+
+@kernel("Tuple((int64, int64, float64))(float64, int64)")
+def _between(place, size):
+    """Between which two texels of ``size`` a place from -1 to 1 lies, and how far."""
+    at = min(max(0.5 * (place + 1.0) * size - 0.5, 0.0), size - 1.0)
+    low = min(int(at), max(size - 2, 0))
+    return low, min(low + 1, size - 1), at - low
+
+
+def look_up(cube, toward):
+    """What a cube map [6, n, n, c] holds along directions [..., 3], not zero: float64 [..., c].
+
+    Bilinear between texel centres; a face does not see beyond its edge, as with CLAMP_TO_EDGE. Raises
+    ValueError for a direction that is zero, NaN or infinite.
+    """
+    cube, toward = (np.ascontiguousarray(a, np.float64) for a in (cube, toward))
+    flat = toward.reshape(-1, 3)
+    if not (np.isfinite(flat).all() and flat.any(axis=-1).all()):
+        raise ValueError("A direction is zero, NaN or infinite; give vectors that point somewhere.")
+    out = np.empty((len(flat), cube.shape[3]))
+    _look_up(cube, flat, out)
+    return out.reshape(*toward.shape[:-1], cube.shape[3])
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """A cube map [6, n, n, c] as an environment, directions to what it holds. Equal to another of the same
+    array, so that what is made of it can be kept.
+    """
+
+    cube: NDArray[np.float64]
+
+    def __call__(self, toward):
+        """What the cube map holds along directions, as ``look_up``."""
+        return look_up(self.cube, toward)
+
+    def __eq__(self, other):
+        return isinstance(other, Seen) and other.cube is self.cube
+
+    def __hash__(self):
+        return id(self.cube)

@@ -61,14 +61,18 @@ def to_codes(values: ArrayLike, bits: int) -> NDArray[np.int32]:
 
     Source: OpenGL 1.2.1 section 2.13.9.
     """
-    return np.floor(np.clip(values, 0.0, 1.0) * (2.0**bits - 1.0) + 0.5).astype(np.int32)
+    codes = np.clip(values, 0.0, 1.0) * (2.0**bits - 1.0)
+    codes += 0.5
+    return codes.astype(np.int32)  # what is not negative is cut as floor would
 
 
 def deep_picture(codes: NDArray[Any], bits: int) -> NDArray[np.uint8 | np.uint16]:
     """Codes of ``bits`` bits as a picture that keeps them apart: uint8 for 8 bits or fewer, else uint16, each
     scaled to the full range and to nearest, halves up.
     """
-    one, full = 2**bits - 1, 255 if bits <= 8 else 65535
+    if bits == 8:
+        return np.asarray(codes).astype(np.uint8)
+    one, full = 2**bits - 1, 255 if bits < 8 else 65535
     scaled = (np.asarray(codes, np.int64) * (2 * full) + one) // (2 * one)
     return scaled.astype(np.uint8 if bits <= 8 else np.uint16)
 

@@ -92,9 +92,7 @@ def _load_cube(cube, view, profile):
 
 
 def _load_sphere(cube, view, profile):
-    image = environments.sphere_map(
-        2 * cube.shape[1], view, profile, lambda toward: cube_maps.look_up(cube, toward)
-    )
+    image = environments.sphere_map(2 * cube.shape[1], view, profile, cube_maps.Seen(cube))
     return TexImage(label=f"load {MIRROR}", texture=MIRROR, image=image)
 
 

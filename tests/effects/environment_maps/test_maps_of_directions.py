@@ -28,6 +28,36 @@ def test_a_direction_is_found_where_its_texel_lies():
     np.testing.assert_allclose(cube_maps.look_up(toward, toward), toward, atol=1e-15)
 
 
+@pytest.mark.parametrize("size", (1, 2, 7))
+def test_a_lookup_is_the_line_between_the_texels_that_places_names(size):
+    cube = np.sin(np.arange(6.0 * size * size * 2)).reshape(6, size, size, 2)
+    # Halves of whole numbers: components that are equal, zero and negative zero among them.
+    toward = np.stack(np.meshgrid(*[[-1.0, -0.5, -0.0, 0.0, 0.3, 1.0]] * 3), axis=-1).reshape(-1, 3)
+    toward = toward[toward.any(axis=-1)]
+    expected = []
+    for face, *place in zip(*cube_maps.places(toward), strict=True):
+        at = [min(max(0.5 * (p + 1.0) * size - 0.5, 0.0), size - 1.0) for p in place]
+        low = [min(int(a), max(size - 2, 0)) for a in at]
+        (u, v), (s, t) = ([a - b for a, b in zip(at, low, strict=True)], low)
+        rows = cube[face, [t, min(t + 1, size - 1)]]
+        lower, upper = rows[:, s] + u * (rows[:, min(s + 1, size - 1)] - rows[:, s])
+        expected.append(lower + v * (upper - lower))
+    found = cube_maps.look_up(cube, toward)
+    assert found.tobytes() == np.array(expected).tobytes()
+
+
+@pytest.mark.parametrize("bad", (0.0, math.nan, math.inf))
+def test_a_direction_that_points_nowhere_is_refused(bad):
+    with pytest.raises(ValueError, match="zero, NaN or infinite"):
+        cube_maps.look_up(np.zeros((6, 2, 2, 3)), [(1.0, 0.0, 0.0), (0.0, bad, 0.0)])
+
+
+def test_an_environment_is_equal_to_another_of_the_same_cube_map():
+    cube = np.ones((6, 2, 2, 3))
+    assert cube_maps.Seen(cube) == cube_maps.Seen(cube) != cube_maps.Seen(cube.copy())
+    assert hash(cube_maps.Seen(cube)) == hash(cube_maps.Seen(cube))
+
+
 def test_maps_of_directions_give_directions_back():
     toward = spiral(2000)
     # Beyond the outermost centres a face holds still: half of a texel of 2/64.

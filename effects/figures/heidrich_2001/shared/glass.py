@@ -65,11 +65,7 @@ def _load_cubes(profile, view, maps):
 def _load_spheres(profile, view, maps):
     out = []
     for name, cube in maps.items():
-
-        def seen(toward, cube=cube):
-            return cube_maps.look_up(cube, toward)
-
-        edge = cube.shape[1]
+        seen, edge = cube_maps.Seen(cube), cube.shape[1]
         image = environments.sphere_map(2 * edge, view, profile, seen)
         out.append(TexImage(label=f"load {name}", texture=name, image=image))
         out.append(refracted_light.load_disc(_before(name), seen, view, 2 * edge, profile))
